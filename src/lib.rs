@@ -1,0 +1,13 @@
+#![forbid(unsafe_code)]
+pub mod camera;
+pub mod camera_path;
+pub mod color;
+pub mod film;
+pub mod light;
+pub mod material;
+pub mod math;
+pub mod sequence;
+pub mod shape;
+pub mod time;
+pub mod track;
+pub mod transform;

@@ -1,0 +1,127 @@
+//! Materials: how much of each lobe a surface has.
+
+use crate::color::Rgb;
+use crate::math::power;
+use crate::time::Time;
+use crate::track::Animated;
+
+/// What a surface does with light at one moment. A lobe's colour is its strength times its tint; black means
+/// that the lobe is absent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Reflected share of the scene's ambient light.
+    pub ambient: Rgb,
+    /// Lambertian reflectance: a facing light of intensity 1 gives radiance `diffuse`.
+    pub diffuse: Rgb,
+    /// Radiance at the centre of the highlight of a light of intensity 1.
+    pub specular: Rgb,
+    /// Reflected share of what a mirror shows.
+    pub mirror: Rgb,
+    pub highlight: Highlight,
+    pub shininess: Exponent,
+}
+
+/// The shape of the highlight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Highlight {
+    /// (R·L)^n with the mirrored line of sight R (Phong 1975).
+    #[default]
+    Phong,
+    /// (N·H)^n with the half vector H between light and eye (Blinn 1977).
+    BlinnPhong,
+}
+
+/// The exponent of a highlight, at least 0. Whole numbers are raised by multiplications.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Exponent {
+    Whole(u32),
+    Real(f64),
+}
+
+impl Exponent {
+    /// The largest whole exponent that is raised by multiplications: up to here a power's relative error
+    /// stays below that of the angle's cosine.
+    const LARGEST_WHOLE: f64 = 1024.0;
+
+    pub fn new(n: f64) -> Self {
+        if n.fract() == 0.0 && (0.0..=Self::LARGEST_WHOLE).contains(&n) {
+            Self::Whole(n as u32)
+        } else {
+            Self::Real(n)
+        }
+    }
+
+    /// `cosine`^n for a cosine in 0..=1. Zero to the power of zero is zero: there is no highlight at or
+    /// beyond a right angle, whatever the exponent.
+    pub fn raise(self, cosine: f64) -> f64 {
+        if cosine <= 0.0 {
+            return 0.0;
+        }
+        let cosine = cosine.min(1.0);
+        match self {
+            Self::Whole(n) => power(cosine, n),
+            Self::Real(n) => libm::pow(cosine, n),
+        }
+    }
+}
+
+/// A lobe over time: a strength (at least 0) times a tint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lobe {
+    pub strength: Animated<f64>,
+    pub tint: Animated<Rgb>,
+}
+
+/// A material over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaterialTracks {
+    pub ambient: Lobe,
+    pub diffuse: Lobe,
+    pub specular: Lobe,
+    pub mirror: Lobe,
+    pub highlight: Highlight,
+    pub shininess: Animated<f64>,
+}
+
+impl Lobe {
+    pub fn at(&self, time: Time) -> Rgb {
+        // An easing that overshoots must not turn reflectance negative.
+        self.tint.at(time).max(Rgb::ZERO) * self.strength.at(time).max(0.0) as f32
+    }
+}
+
+impl MaterialTracks {
+    pub fn at(&self, time: Time) -> Material {
+        Material {
+            ambient: self.ambient.at(time),
+            diffuse: self.diffuse.at(time),
+            specular: self.specular.at(time),
+            mirror: self.mirror.at(time),
+            highlight: self.highlight,
+            shininess: Exponent::new(self.shininess.at(time).max(0.0)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn highlights_end_at_a_right_angle() {
+        assert_eq!(Exponent::new(0.0).raise(0.0), 0.0);
+        assert_eq!(Exponent::new(50.5).raise(-0.1), 0.0);
+        assert_eq!(Exponent::new(0.0).raise(0.5), 1.0);
+        assert_eq!(Exponent::new(1e6).raise(1.0 + f64::EPSILON), 1.0);
+    }
+
+    #[test]
+    fn whole_and_real_exponents_agree() {
+        for n in [1.0, 2.0, 32.0, 1000.0] {
+            let (whole, real) = (Exponent::new(n).raise(0.97), Exponent::Real(n).raise(0.97));
+            assert!((whole / real - 1.0).abs() < 1e-12, "{n}");
+        }
+        let sharp = Exponent::new(1e6).raise(0.999_99);
+        assert!((sharp / 4.539_765_98e-5 - 1.0).abs() < 1e-8, "{sharp:e}");
+    }
+}

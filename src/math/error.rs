@@ -1,0 +1,83 @@
+//! Floating-point error bounds and the exact operations behind them.
+
+use super::DVec3;
+
+/// Unit round-off of f64: half the distance from 1 to the next number.
+pub const UNIT_ROUNDOFF: f64 = f64::EPSILON * 0.5;
+
+/// The relative error of `n` rounded operations is at most `gamma(n)` = n·u / (1 - n·u)
+/// (Higham, *Accuracy and Stability of Numerical Algorithms*, lemma 3.1).
+pub const fn gamma(n: u32) -> f64 {
+    let nu = n as f64 * UNIT_ROUNDOFF;
+    nu / (1.0 - nu)
+}
+
+/// a·b - c·d to about one and a half units in the last place, without fused multiply-add: both products'
+/// rounding errors are recovered by Dekker's splitting and added back.
+pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
+    let (ab, cd) = (a * b, c * d);
+    let difference = ab - cd;
+    // Splitting overflows near the ends of the exponent range; there the plain difference has to do.
+    let error = product_error(a, b, ab) - product_error(c, d, cd);
+    if error.is_finite() { difference + error } else { difference }
+}
+
+/// The exact rounding error of `product` = fl(a·b) (Dekker 1971, Veltkamp splitting).
+fn product_error(a: f64, b: f64, product: f64) -> f64 {
+    let ((ah, al), (bh, bl)) = (split(a), split(b));
+    ((ah * bh - product) + ah * bl + al * bh) + al * bl
+}
+
+fn split(a: f64) -> (f64, f64) {
+    const FACTOR: f64 = 134_217_729.0; // 2^27 + 1
+    let scaled = FACTOR * a;
+    let high = scaled - (scaled - a);
+    (high, a - high)
+}
+
+/// The cross product with each component a [`difference_of_products`].
+pub fn cross(a: DVec3, b: DVec3) -> DVec3 {
+    DVec3::new(
+        difference_of_products(a.y, b.z, a.z, b.y),
+        difference_of_products(a.z, b.x, a.x, b.z),
+        difference_of_products(a.x, b.y, a.y, b.x),
+    )
+}
+
+/// The neighbour of `value` in the direction of `towards`; `value` itself when that is zero.
+pub fn next_away(value: f64, towards: f64) -> f64 {
+    if towards > 0.0 {
+        value.next_up()
+    } else if towards < 0.0 {
+        value.next_down()
+    } else {
+        value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cancelling_products_keep_their_digits() {
+        // (1 + e)(1 - e) - 1 = -e², lost entirely by the plain formula.
+        let e = f64::EPSILON;
+        assert_eq!((1.0 + e) * (1.0 - e) - 1.0 * 1.0, 0.0);
+        assert_eq!(difference_of_products(1.0 + e, 1.0 - e, 1.0, 1.0), -e * e);
+        assert_eq!(difference_of_products(3.0, 7.0, 21.0, 1.0), 0.0);
+        assert_eq!(difference_of_products(1e300, 1e8, 1e300, 1e8 - 1.0), 1e300);
+    }
+
+    #[test]
+    fn gamma_bounds_the_first_order_term() {
+        assert!(gamma(3) > 3.0 * UNIT_ROUNDOFF && gamma(3) < 3.001 * UNIT_ROUNDOFF);
+    }
+
+    #[test]
+    fn next_away_moves_by_one_number() {
+        assert_eq!(next_away(1.0, 5.0), 1.0 + f64::EPSILON);
+        assert_eq!(next_away(1.0, -5.0), 1.0 - UNIT_ROUNDOFF);
+        assert_eq!(next_away(1.0, 0.0), 1.0);
+    }
+}

@@ -1,0 +1,40 @@
+//! Numbers: f64 geometry, exact angles, stable frames, and the error bounds that replace epsilons.
+
+mod angle;
+mod basis;
+mod bounds;
+mod error;
+mod rotation;
+
+pub use angle::Angle;
+pub use basis::{Basis, look_at};
+pub use bounds::Aabb;
+pub use error::{UNIT_ROUNDOFF, difference_of_products, gamma, next_away};
+pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
+pub use rotation::{axis_angle, euler_xyz, slerp};
+
+/// `base` to a whole power by repeated squaring, in one fixed order of multiplications.
+pub fn power(base: f64, exponent: u32) -> f64 {
+    let (mut result, mut square, mut rest) = (1.0, base, exponent);
+    while rest > 0 {
+        if rest & 1 == 1 {
+            result *= square;
+        }
+        square *= square;
+        rest >>= 1;
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::power;
+
+    #[test]
+    fn powers_of_two_are_exact() {
+        for exponent in 0..64 {
+            assert_eq!(power(2.0, exponent), (1u64 << exponent) as f64);
+        }
+        assert_eq!(power(0.0, 0), 1.0);
+    }
+}

@@ -1,0 +1,88 @@
+//! The sequence: what a file says, resolved and checked. No names to look up, no defaults left.
+
+use crate::camera_path::CameraTracks;
+use crate::color::Rgb;
+use crate::light::LightTracks;
+use crate::material::MaterialTracks;
+use crate::shape::Shape;
+use crate::time::Timeline;
+use crate::track::Animated;
+use crate::transform::TransformTracks;
+
+/// A whole animation. Everything named keeps the file's order, and refers to the others by index.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sequence {
+    /// The file's name without its extension.
+    pub name: String,
+    pub timeline: Timeline,
+    pub output: OutputSettings,
+    pub quality: Quality,
+    /// Radiance of rays that hit nothing.
+    pub background: Animated<Rgb>,
+    /// Light from everywhere; a material reflects its `ambient` share of it.
+    pub ambient: Animated<Rgb>,
+    /// At least one.
+    pub cameras: Vec<Named<CameraTracks>>,
+    /// Index of the camera that is looked through.
+    pub active_camera: Animated<usize>,
+    pub lights: Vec<Named<LightTracks>>,
+    pub materials: Vec<Named<MaterialTracks>>,
+    pub objects: Vec<Named<Object>>,
+}
+
+/// A value with the name that the file gives it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Named<T> {
+    pub name: String,
+    pub value: T,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Object {
+    pub shape: Shape,
+    /// Index into the sequence's materials.
+    pub material: usize,
+    pub transform: TransformTracks,
+    pub visible: Animated<bool>,
+    /// Index of the object that this one moves (and hides) with. Never leads in a circle.
+    pub parent: Option<usize>,
+}
+
+/// What is rendered into which files.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputSettings {
+    /// Width and height in pixels, at least 1.
+    pub size: (u32, u32),
+    /// Where the frames go, as patterns or names relative to the working directory; the format follows
+    /// the extension. At least one.
+    pub files: Vec<String>,
+    pub tonemap: Tonemap,
+    pub gif: GifSettings,
+}
+
+/// From linear radiance to displayed values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tonemap {
+    /// Clip at 1 and encode with the sRGB transfer.
+    #[default]
+    Srgb,
+    /// Clip at 1 and display linear values as they are.
+    None,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GifSettings {
+    /// How often the animation plays; for ever if absent.
+    pub plays: Option<u16>,
+    /// Size of the palette, 2..=256.
+    pub colors: u16,
+    pub dither: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Quality {
+    /// Longest chain of mirror reflections.
+    pub bounces: u32,
+    /// Samples per pixel along each axis of a regular grid, at least 1.
+    pub antialias: u32,
+}

@@ -1,0 +1,157 @@
+//! Time as exact rational seconds.
+//!
+//! Frame times, key times and turns are fractions of integers, so a key on a frame's time is *on* it,
+//! a loop of 100 turns closes, and no rate drifts. They become floating point once, at the very end,
+//! as the fraction of a segment (see [`Fraction`]).
+
+use num_rational::Ratio;
+
+/// A time or a duration in seconds.
+pub type Time = Ratio<i128>;
+
+/// Frames per second, above zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rate(Time);
+
+impl Rate {
+    /// `frames` per `seconds`; none unless both are above zero.
+    pub fn new(frames: i128, seconds: i128) -> Option<Self> {
+        (frames > 0 && seconds > 0).then(|| Self(Ratio::new(frames, seconds)))
+    }
+
+    /// The rate as a fraction; none unless it is above zero.
+    pub fn from_ratio(rate: Time) -> Option<Self> {
+        (rate > Ratio::from_integer(0)).then_some(Self(rate))
+    }
+
+    /// Frames per second.
+    pub fn per_second(self) -> Time {
+        self.0
+    }
+
+    /// The time at which `frame` starts: frame / rate.
+    pub fn time_of(self, frame: u32) -> Time {
+        Ratio::from_integer(i128::from(frame)) / self.0
+    }
+}
+
+impl std::fmt::Display for Rate {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+/// The frames of a sequence: k = 0 … `frames` - 1 at time k / `rate`. The end is exclusive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Timeline {
+    pub rate: Rate,
+    /// Length in seconds. Not always a whole number of frames.
+    pub duration: Time,
+    pub frames: u32,
+}
+
+impl Timeline {
+    /// `frames` frames at `rate`.
+    pub fn of_frames(frames: u32, rate: Rate) -> Self {
+        Self { rate, duration: rate.time_of(frames), frames }
+    }
+
+    /// Every frame that starts before `duration` (above zero); none if they are more than a `u32` counts.
+    pub fn of_duration(duration: Time, rate: Rate) -> Option<Self> {
+        let frames = (duration * rate.per_second()).ceil().to_integer();
+        Some(Self { rate, duration, frames: u32::try_from(frames).ok()? })
+    }
+
+    /// The same duration at another rate.
+    pub fn resampled(&self, rate: Rate) -> Option<Self> {
+        Self::of_duration(self.duration, rate)
+    }
+
+    /// The clock at `frame`.
+    pub fn clock(&self, frame: u32) -> Clock {
+        Clock { frame, time: self.rate.time_of(frame), duration: self.duration }
+    }
+
+    /// The frame that shows at `time` (not before zero).
+    pub fn frame_at(&self, time: Time) -> u32 {
+        let frame = (time * self.rate.per_second()).floor().to_integer();
+        frame.clamp(0, i128::from(u32::MAX)) as u32
+    }
+}
+
+/// One moment of a sequence: all that animation may depend on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Clock {
+    pub frame: u32,
+    pub time: Time,
+    /// Length of the whole sequence, for motions given in turns per duration.
+    pub duration: Time,
+}
+
+impl Clock {
+    /// How far the sequence has run: 0 at its start, 1 at its (exclusive) end.
+    pub fn progress(&self) -> Fraction {
+        Fraction::new(self.time, self.duration)
+    }
+}
+
+/// A quotient that is not rounded yet: `num / den` with `den` above zero.
+///
+/// Interpolation by `(a·den + (b - a)·num) / den` is exact before its one division when the numbers are
+/// integers, which is what closes a keyed turn bit for bit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fraction {
+    pub num: f64,
+    pub den: f64,
+}
+
+impl Fraction {
+    /// `part / whole`, reduced to lowest terms first, so that equal quotients give equal numbers.
+    pub fn new(part: Time, whole: Time) -> Self {
+        let quotient = part / whole;
+        Self { num: *quotient.numer() as f64, den: *quotient.denom() as f64 }
+    }
+
+    /// An already rounded number.
+    pub fn real(value: f64) -> Self {
+        Self { num: value, den: 1.0 }
+    }
+
+    /// The quotient, rounded.
+    pub fn value(self) -> f64 {
+        self.num / self.den
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rate(frames: i128, seconds: i128) -> Rate {
+        Rate::new(frames, seconds).expect("a positive rate")
+    }
+
+    #[test]
+    fn frame_of_time_of_frame_is_the_frame() {
+        for r in [rate(24, 1), rate(25, 1), rate(30, 1), rate(60, 1), rate(24000, 1001), rate(30000, 1001)] {
+            let timeline = Timeline::of_frames(100_000, r);
+            for k in 0..100_000 {
+                assert_eq!(timeline.frame_at(r.time_of(k)), k, "at {r} frames per second");
+            }
+        }
+    }
+
+    #[test]
+    fn the_end_is_exclusive() {
+        let three_seconds = Timeline::of_frames(72, rate(24, 1));
+        assert_eq!(three_seconds.resampled(rate(30, 1)).map(|t| t.frames), Some(90));
+        assert_eq!(three_seconds.resampled(rate(1, 2)).map(|t| t.frames), Some(2));
+        assert!(three_seconds.clock(71).time < three_seconds.duration);
+    }
+
+    #[test]
+    fn rates_must_be_above_zero() {
+        assert_eq!(Rate::new(0, 1), None);
+        assert_eq!(Rate::new(-24, 1), None);
+    }
+}

@@ -1,0 +1,116 @@
+//! What can be animated, and how each kind of value lies between two keys.
+
+use super::spline::catmull_rom;
+use crate::color::Rgb;
+use crate::math::{Angle, DQuat, DVec3, slerp};
+use crate::time::Fraction;
+
+/// Which interpolations a kind of value has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Modes {
+    /// Steps only: booleans, names.
+    Step,
+    /// Every easing between two keys, but no spline through several.
+    Ease,
+    All,
+}
+
+/// A value that keys can lead through.
+pub trait Animate: Clone + PartialEq {
+    const MODES: Modes;
+
+    /// The value at fraction `s` of the way from `a` (0) to `b` (1). Easings that overshoot ask for
+    /// fractions outside 0..=1.
+    fn mix(a: &Self, b: &Self, s: Fraction) -> Self;
+
+    /// The value at `s` of the way from `points[1]` to `points[2]` on a spline through all four.
+    fn spline(points: [&Self; 4], s: f64) -> Self {
+        Self::mix(points[1], points[2], Fraction::real(s))
+    }
+}
+
+/// Values that only step: the earlier key's holds until the next.
+macro_rules! steps {
+    ($($type:ty),*) => {$(
+        impl Animate for $type {
+            const MODES: Modes = Modes::Step;
+
+            fn mix(a: &Self, _: &Self, _: Fraction) -> Self {
+                a.clone()
+            }
+        }
+    )*};
+}
+steps!(bool, usize);
+
+impl Animate for f64 {
+    const MODES: Modes = Modes::All;
+
+    fn mix(a: &Self, b: &Self, s: Fraction) -> Self {
+        a + (b - a) * s.num / s.den
+    }
+
+    fn spline(p: [&Self; 4], s: f64) -> Self {
+        catmull_rom(p.map(|&v| DVec3::new(v, 0.0, 0.0)), s).x
+    }
+}
+
+impl Animate for DVec3 {
+    const MODES: Modes = Modes::All;
+
+    fn mix(a: &Self, b: &Self, s: Fraction) -> Self {
+        *a + (*b - *a) * s.num / s.den
+    }
+
+    fn spline(p: [&Self; 4], s: f64) -> Self {
+        catmull_rom(p.map(|&v| v), s)
+    }
+}
+
+/// Colours mix in linear light.
+impl Animate for Rgb {
+    const MODES: Modes = Modes::All;
+
+    fn mix(a: &Self, b: &Self, s: Fraction) -> Self {
+        DVec3::mix(&a.as_dvec3(), &b.as_dvec3(), s).as_vec3()
+    }
+
+    fn spline(p: [&Self; 4], s: f64) -> Self {
+        catmull_rom(p.map(|&v| v.as_dvec3()), s).as_vec3()
+    }
+}
+
+impl Animate for Angle {
+    const MODES: Modes = Modes::All;
+
+    fn mix(a: &Self, b: &Self, s: Fraction) -> Self {
+        Angle::mix(*a, *b, s)
+    }
+
+    fn spline(p: [&Self; 4], s: f64) -> Self {
+        Self(f64::spline(p.map(|angle| &angle.0), s))
+    }
+}
+
+impl Animate for DQuat {
+    const MODES: Modes = Modes::Ease;
+
+    fn mix(a: &Self, b: &Self, s: Fraction) -> Self {
+        slerp(*a, *b, s.value())
+    }
+}
+
+/// A value above zero that changes by equal factors in equal times, as a zoom has to look even.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LogScale(pub f64);
+
+impl Animate for LogScale {
+    const MODES: Modes = Modes::Ease;
+
+    fn mix(a: &Self, b: &Self, s: Fraction) -> Self {
+        if a == b {
+            return *a;
+        }
+        Self(a.0 * libm::exp(libm::log(b.0 / a.0) * s.value()))
+    }
+}

@@ -1,0 +1,210 @@
+//! Values that may change over time: a constant, or keys with easings between them.
+
+mod ease;
+mod interpolate;
+mod spline;
+
+pub use ease::Ease;
+pub use interpolate::{Animate, LogScale, Modes};
+
+use crate::time::{Fraction, Time};
+
+/// A constant, or keys.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Animated<T> {
+    Constant(T),
+    Keyed(Track<T>),
+}
+
+/// One key: from `time` on the value is `value`, and `ease` leads to the next key.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key<T> {
+    pub time: Time,
+    pub value: T,
+    pub ease: Ease,
+}
+
+/// What a track does outside its keys.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Repeat {
+    /// The first value before the first key, the last one after the last.
+    #[default]
+    Hold,
+    /// The keys over and over; the last key's time is the first's again.
+    Loop,
+    /// The keys forwards and backwards in turn.
+    PingPong,
+}
+
+/// Keys in strictly increasing order of time; at least one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track<T> {
+    keys: Vec<Key<T>>,
+    repeat: Repeat,
+    /// Whether splines run through the ends as through one point (the last key repeats the first).
+    closed: bool,
+}
+
+/// Why keys do not make a track; the numbers are indices of keys.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TrackError {
+    Empty,
+    /// The key's time is not after the one before it.
+    NotAscending(usize),
+}
+
+impl<T: Animate> Track<T> {
+    pub fn new(keys: Vec<Key<T>>, repeat: Repeat, closed: bool) -> Result<Self, TrackError> {
+        if keys.is_empty() {
+            return Err(TrackError::Empty);
+        }
+        if let Some(before) = keys.windows(2).position(|pair| pair[1].time <= pair[0].time) {
+            return Err(TrackError::NotAscending(before + 1));
+        }
+        Ok(Self { keys, repeat, closed })
+    }
+
+    pub fn keys(&self) -> &[Key<T>] {
+        &self.keys
+    }
+
+    /// The value at `time`. A key on the time holds from it on.
+    pub fn at(&self, time: Time) -> T {
+        let time = self.folded(time);
+        let next = self.keys.partition_point(|key| key.time <= time);
+        let Some(from) = next.checked_sub(1) else { return self.keys[0].value.clone() };
+        let (a, Some(b)) = (&self.keys[from], self.keys.get(next)) else {
+            return self.keys[from].value.clone();
+        };
+        let s = Fraction::new(time - a.time, b.time - a.time);
+        match a.ease {
+            Ease::Step => a.value.clone(),
+            Ease::Linear => T::mix(&a.value, &b.value, s),
+            Ease::CatmullRom => T::spline(self.neighbours(from), s.value()),
+            ease => T::mix(&a.value, &b.value, Fraction::real(ease.apply(s.value()))),
+        }
+    }
+
+    /// `time` brought into the keys' own span as `repeat` says. Exact, as times are rational.
+    fn folded(&self, time: Time) -> Time {
+        let (first, last) = (self.keys[0].time, self.keys[self.keys.len() - 1].time);
+        let span = last - first;
+        if self.repeat == Repeat::Hold || span == Time::from_integer(0) {
+            return time;
+        }
+        let turns = ((time - first) / span).floor();
+        let rest = time - first - turns * span;
+        let backwards = self.repeat == Repeat::PingPong && turns.to_integer().rem_euclid(2) == 1;
+        if backwards { last - rest } else { first + rest }
+    }
+
+    /// The four values around the segment that starts at key `from`. At an open end the missing neighbour
+    /// is the end itself; a closed track goes round, past the last key that repeats the first.
+    fn neighbours(&self, from: usize) -> [&T; 4] {
+        let last = self.keys.len() - 1;
+        let before = match from {
+            0 if self.closed => last - 1,
+            _ => from.saturating_sub(1),
+        };
+        let after = match from + 2 {
+            past if past > last && self.closed => 1,
+            past => past.min(last),
+        };
+        [before, from, from + 1, after].map(|i| &self.keys[i].value)
+    }
+}
+
+impl<T: Animate> Animated<T> {
+    pub fn at(&self, time: Time) -> T {
+        match self {
+            Self::Constant(value) => value.clone(),
+            Self::Keyed(track) => track.at(time),
+        }
+    }
+
+    pub fn is_keyed(&self) -> bool {
+        matches!(self, Self::Keyed(_))
+    }
+
+    /// The constant, or every key's value.
+    pub fn values(&self) -> impl Iterator<Item = &T> {
+        let (constant, keys) = match self {
+            Self::Constant(value) => (Some(value), &[][..]),
+            Self::Keyed(track) => (None, track.keys()),
+        };
+        constant.into_iter().chain(keys.iter().map(|key| &key.value))
+    }
+}
+
+impl<T> From<T> for Animated<T> {
+    fn from(value: T) -> Self {
+        Self::Constant(value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::DVec3;
+
+    fn seconds(num: i128, den: i128) -> Time {
+        Time::new(num, den)
+    }
+
+    fn track<T: Animate>(keys: &[(i128, T, Ease)], repeat: Repeat, closed: bool) -> Track<T> {
+        let keys =
+            keys.iter().map(|(t, v, ease)| Key { time: seconds(*t, 1), value: v.clone(), ease: *ease });
+        Track::new(keys.collect(), repeat, closed).expect("a track")
+    }
+
+    #[test]
+    fn a_key_holds_from_its_own_time_on() {
+        let on = track(&[(0, false, Ease::Step), (1, true, Ease::Step)], Repeat::Hold, false);
+        assert!(!on.at(seconds(23, 24)));
+        assert!(on.at(seconds(24, 24)));
+        assert!(on.at(seconds(25, 24)));
+        let value = track(&[(1, 5.0, Ease::Linear), (2, 7.0, Ease::Linear)], Repeat::Hold, false);
+        assert_eq!([0, 1, 2, 3].map(|t| value.at(seconds(t, 1))), [5.0, 5.0, 7.0, 7.0]);
+        assert_eq!(value.at(seconds(3, 2)), 6.0);
+    }
+
+    #[test]
+    fn loops_and_ping_pong_repeat_exactly() {
+        let keys = [(0, 0.1, Ease::Smooth), (1, 0.7, Ease::Linear), (3, 0.1, Ease::Linear)];
+        let looped = track(&keys, Repeat::Loop, false);
+        let bounced = track(&keys, Repeat::PingPong, false);
+        for k in 0..90 {
+            let t = seconds(k, 30);
+            assert_eq!(looped.at(t), looped.at(t + seconds(300, 1)));
+            assert_eq!(bounced.at(t), bounced.at(t + seconds(6, 1)));
+            assert_eq!(bounced.at(seconds(3, 1) + t), bounced.at(seconds(3, 1) - t));
+        }
+    }
+
+    #[test]
+    fn catmull_rom_passes_through_its_points() {
+        let p = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+        let points = [p(0.0, 0.0), p(1.0, 2.0), p(4.0, 2.0), p(5.0, 0.0), p(0.0, 0.0)];
+        let keys: Vec<_> = (0..).zip(points).map(|(t, v)| (t, v, Ease::CatmullRom)).collect();
+        for closed in [false, true] {
+            let spline = track(&keys, Repeat::Hold, closed);
+            for (t, point) in (0..).zip(points) {
+                assert!((spline.at(seconds(t, 1)) - point).length() < 1e-12);
+            }
+        }
+        // Closed: the direction that leaves the first point is the one that arrives at the last.
+        let spline = track(&keys, Repeat::Hold, true);
+        let step = seconds(1, 1 << 20);
+        let leaving = (spline.at(step) - points[0]).normalize();
+        let arriving = (points[4] - spline.at(seconds(4, 1) - step)).normalize();
+        assert!((leaving - arriving).length() < 1e-4, "{leaving} {arriving}");
+    }
+
+    #[test]
+    fn keys_must_ascend() {
+        let key = |t| Key { time: seconds(t, 1), value: 0.0, ease: Ease::Linear };
+        assert_eq!(Track::<f64>::new(vec![], Repeat::Hold, false), Err(TrackError::Empty));
+        let unsorted = Track::new(vec![key(0), key(2), key(2)], Repeat::Hold, false);
+        assert_eq!(unsorted, Err(TrackError::NotAscending(2)));
+    }
+}

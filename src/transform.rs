@@ -1,0 +1,83 @@
+//! Placement of objects in space, over time.
+
+use crate::math::{Angle, DAffine3, DQuat, DVec3, axis_angle, euler_xyz};
+use crate::time::Time;
+use crate::track::Animated;
+
+/// Translation, rotation and scale over time. A point p goes to
+/// translation + pivot + R(scale · (p - pivot)).
+#[derive(Clone, Debug, PartialEq)]
+pub struct TransformTracks {
+    pub translation: Animated<DVec3>,
+    pub rotation: Rotation,
+    pub scale: Animated<DVec3>,
+    /// The point that rotation and scale leave where it is.
+    pub pivot: DVec3,
+}
+
+/// A rotation over time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Rotation {
+    /// Unit quaternions; between keys along the shorter arc.
+    Quaternion(Animated<DQuat>),
+    /// About an axis (not zero; any length) by any number of turns.
+    AxisAngle { axis: Animated<DVec3>, angle: Animated<Angle> },
+    /// About the fixed axes x, then y, then z.
+    Euler { x: Animated<Angle>, y: Animated<Angle>, z: Animated<Angle> },
+}
+
+impl Default for TransformTracks {
+    fn default() -> Self {
+        Self {
+            translation: DVec3::ZERO.into(),
+            rotation: Rotation::Quaternion(DQuat::IDENTITY.into()),
+            scale: DVec3::ONE.into(),
+            pivot: DVec3::ZERO,
+        }
+    }
+}
+
+impl Rotation {
+    pub fn at(&self, time: Time) -> DQuat {
+        match self {
+            Self::Quaternion(quaternion) => quaternion.at(time),
+            Self::AxisAngle { axis, angle } => {
+                // Keyed axes may pass through zero on their way to an opposite one.
+                axis_angle(axis.at(time).try_normalize().unwrap_or(DVec3::Y), angle.at(time))
+            }
+            Self::Euler { x, y, z } => euler_xyz(x.at(time), y.at(time), z.at(time)),
+        }
+    }
+}
+
+impl TransformTracks {
+    /// Parent from object. A scale of 0 along any axis gives a singular transform, which hides the object.
+    pub fn at(&self, time: Time) -> DAffine3 {
+        let (scale, rotation) = (self.scale.at(time), self.rotation.at(time));
+        let translation = self.translation.at(time);
+        if scale == DVec3::ONE && rotation == DQuat::IDENTITY {
+            return DAffine3::from_translation(translation);
+        }
+        let mut affine = DAffine3::from_scale_rotation_translation(scale, rotation, DVec3::ZERO);
+        affine.translation = translation + (self.pivot - affine.matrix3 * self.pivot);
+        affine
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scale_then_rotation_then_translation_about_the_pivot() {
+        let tracks = TransformTracks {
+            translation: DVec3::new(0.0, 0.0, 5.0).into(),
+            rotation: Rotation::AxisAngle { axis: DVec3::Z.into(), angle: Angle(90.0).into() },
+            scale: DVec3::new(2.0, 1.0, 1.0).into(),
+            pivot: DVec3::X,
+        };
+        let affine = tracks.at(Time::from_integer(0));
+        assert_eq!(affine.transform_point3(DVec3::X), DVec3::new(1.0, 0.0, 5.0));
+        assert_eq!(affine.transform_point3(DVec3::X * 2.0), DVec3::new(1.0, 2.0, 5.0));
+    }
+}
