@@ -1,6 +1,6 @@
 //! Placement of objects in space, over time.
 
-use crate::math::{Angle, DAffine3, DQuat, DVec3, axis_angle, euler_xyz};
+use crate::math::{Angle, DAffine3, DMat3, DQuat, DVec3, axis_angle, euler_xyz};
 use crate::time::Time;
 use crate::track::Animated;
 
@@ -38,9 +38,9 @@ impl Default for TransformTracks {
 }
 
 impl Rotation {
-    pub fn at(&self, time: Time) -> DQuat {
+    pub fn at(&self, time: Time) -> DMat3 {
         match self {
-            Self::Quaternion(quaternion) => quaternion.at(time),
+            Self::Quaternion(quaternion) => DMat3::from_quat(quaternion.at(time)),
             Self::AxisAngle { axis, angle } => {
                 // Keyed axes may pass through zero on their way to an opposite one.
                 axis_angle(axis.at(time).try_normalize().unwrap_or(DVec3::Y), angle.at(time))
@@ -55,12 +55,9 @@ impl TransformTracks {
     pub fn at(&self, time: Time) -> DAffine3 {
         let (scale, rotation) = (self.scale.at(time), self.rotation.at(time));
         let translation = self.translation.at(time);
-        if scale == DVec3::ONE && rotation == DQuat::IDENTITY {
-            return DAffine3::from_translation(translation);
-        }
-        let mut affine = DAffine3::from_scale_rotation_translation(scale, rotation, DVec3::ZERO);
-        affine.translation = translation + (self.pivot - affine.matrix3 * self.pivot);
-        affine
+        let matrix = rotation * DMat3::from_diagonal(scale);
+        // The identity maps the pivot to itself exactly, so plain translations stay plain.
+        DAffine3::from_mat3_translation(matrix, translation + (self.pivot - matrix * self.pivot))
     }
 }
 

@@ -12,7 +12,7 @@ pub struct Dolly {
     pub aim: super::Aim,
     pub forward: Animated<f64>,
     pub right: Animated<f64>,
-    pub up: Animated<f64>,
+    pub upward: Animated<f64>,
 }
 
 impl Dolly {
@@ -22,7 +22,7 @@ impl Dolly {
         let Some(basis) = look_at(pose.position, pose.target, pose.up) else { return pose };
         let by = basis.forward * self.forward.at(clock.time)
             + basis.right * self.right.at(clock.time)
-            + basis.up * self.up.at(clock.time);
+            + basis.up * self.upward.at(clock.time);
         Pose { position: pose.position + by, target: pose.target + by, ..pose }
     }
 }

@@ -72,7 +72,7 @@ mod tests {
     fn quarter_turns_are_exact() {
         let expect = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)];
         for k in -40..40 {
-            let (c, s) = expect[(k as i32).rem_euclid(4) as usize];
+            let (c, s) = expect[i32::rem_euclid(k, 4) as usize];
             assert_eq!(Angle(f64::from(k) * 90.0).cos_sin(), DVec2::new(c, s), "{k} quarter turns");
         }
     }

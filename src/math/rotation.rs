@@ -1,18 +1,17 @@
-//! Rotations as unit quaternions: from files' angles, and between keys.
+//! Rotations: matrices from angles, quaternions between keys.
 
-use super::{Angle, DQuat, DVec3};
+use super::{Angle, DMat3, DQuat, DVec3};
 
-/// The rotation by `angle` about the unit vector `axis`. Half and whole turns are exact, and angles one
-/// double turn apart give the same bits.
-pub fn axis_angle(axis: DVec3, angle: Angle) -> DQuat {
-    // A quaternion turns at half speed, so the half angle is reduced to one turn of its own.
-    let half = Angle(angle.0 * 0.5).cos_sin();
-    let v = axis * half.y;
-    DQuat::from_xyzw(v.x, v.y, v.z, half.x)
+/// The rotation by `angle` about the unit vector `axis` (Rodrigues). Quarter turns about the coordinate axes
+/// are exact, and angles that differ by whole turns give the same bits.
+pub fn axis_angle(axis: DVec3, angle: Angle) -> DMat3 {
+    let turn = angle.cos_sin();
+    let column = |e: DVec3| e * turn.x + axis.cross(e) * turn.y + axis * (axis.dot(e) * (1.0 - turn.x));
+    DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
 }
 
 /// Rotations about the fixed axes x, then y, then z.
-pub fn euler_xyz(x: Angle, y: Angle, z: Angle) -> DQuat {
+pub fn euler_xyz(x: Angle, y: Angle, z: Angle) -> DMat3 {
     axis_angle(DVec3::Z, z) * axis_angle(DVec3::Y, y) * axis_angle(DVec3::X, x)
 }
 
@@ -44,10 +43,10 @@ mod tests {
 
     #[test]
     fn near_identical_rotations_interpolate_evenly() {
-        let start = axis_angle(DVec3::new(0.1, 0.9, 0.2).normalize(), Angle::from_radians(0.7));
+        let start = DQuat::from_axis_angle(DVec3::new(0.1, 0.9, 0.2).normalize(), 0.7);
         let axis = DVec3::new(0.3, 0.5, 0.8).normalize();
         for angle in [0.0, 1e-8, 1e-5, 1e-4, 5e-4, 1e-3, 0.01, 3.0] {
-            let end = axis_angle(axis, Angle::from_radians(angle)) * start;
+            let end = DQuat::from_axis_angle(axis, angle) * start;
             for step in 0..=100 {
                 let s = f64::from(step) * 0.01;
                 let q = slerp(start, end, s);
@@ -58,23 +57,28 @@ mod tests {
         }
     }
 
+    fn about_y(degrees: f64) -> DQuat {
+        DQuat::from_rotation_y(Angle(degrees).radians())
+    }
+
     #[test]
     fn half_a_turn_goes_the_way_of_its_axis() {
-        let quarter = slerp(axis_angle(DVec3::Y, Angle(0.0)), axis_angle(DVec3::Y, Angle(180.0)), 0.5);
+        let quarter = slerp(about_y(0.0), about_y(180.0), 0.5);
         assert!((quarter * DVec3::X - DVec3::NEG_Z).length() <= 1e-12);
-        assert_eq!(axis_angle(DVec3::Y, Angle(180.0)), DQuat::from_xyzw(0.0, 1.0, 0.0, 0.0));
+        assert_eq!(axis_angle(DVec3::Y, Angle(180.0)) * DVec3::X, DVec3::NEG_X);
+        assert_eq!(axis_angle(DVec3::Y, Angle(90.0)) * DVec3::X, DVec3::NEG_Z);
+        assert_eq!(axis_angle(DVec3::Y, Angle(765.0)), axis_angle(DVec3::Y, Angle(45.0)));
     }
 
     #[test]
     fn the_short_way_from_350_to_10_passes_0() {
-        let middle = slerp(axis_angle(DVec3::Y, Angle(350.0)), axis_angle(DVec3::Y, Angle(10.0)), 0.5);
+        let middle = slerp(about_y(350.0), about_y(10.0), 0.5);
         assert!((middle * DVec3::X - DVec3::X).length() <= 1e-12);
     }
 
     #[test]
     fn euler_angles_turn_about_x_first() {
-        let q = euler_xyz(Angle(90.0), Angle(0.0), Angle(90.0));
-        // y → z about x, and z stays z about z.
-        assert!((q * DVec3::Y - DVec3::Z).length() <= 1e-15);
+        // y goes to z about x, and z stays z about z.
+        assert_eq!(euler_xyz(Angle(90.0), Angle(0.0), Angle(90.0)) * DVec3::Y, DVec3::Z);
     }
 }
