@@ -2,10 +2,13 @@
 pub mod camera;
 pub mod camera_path;
 pub mod color;
+pub mod counters;
+pub mod encode;
 pub mod film;
 pub mod light;
 pub mod material;
 pub mod math;
+pub mod render;
 pub mod sequence;
 pub mod shape;
 pub mod time;

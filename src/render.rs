@@ -37,7 +37,10 @@ pub struct Summary {
 pub enum RenderError {
     Encode(EncodeError),
     /// The picture would not fit: bytes needed and bytes there are.
-    TooLarge { needed: u64, available: u64 },
+    TooLarge {
+        needed: u64,
+        available: u64,
+    },
     /// The thread pool could not be started.
     Threads(String),
 }
