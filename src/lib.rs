@@ -1,4 +1,5 @@
 #![forbid(unsafe_code)]
+pub mod bvh;
 pub mod camera;
 pub mod camera_path;
 pub mod color;
@@ -9,8 +10,10 @@ pub mod light;
 pub mod material;
 pub mod math;
 pub mod render;
+pub mod scene;
 pub mod sequence;
 pub mod shape;
 pub mod time;
+pub mod trace;
 pub mod track;
 pub mod transform;

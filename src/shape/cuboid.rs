@@ -1,8 +1,98 @@
-use crate::math::DVec3;
+//! Axis-aligned boxes.
+
+use super::{Probe, Surface};
+use crate::math::{Aabb, DAffine3, DVec3, gamma};
 
 /// The surface of the axis-aligned box from `min` to `max`, each of whose sides is longer than 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     pub min: DVec3,
     pub max: DVec3,
+}
+
+impl Cuboid {
+    /// Slabs: the ray is inside from the last entry to the first exit. Every side of the box is a
+    /// difference of two coordinates, so its sign, and with it what lies ahead, is exact.
+    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<f64> {
+        let (o, d) = (probe.ray.origin, probe.ray.direction);
+        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..3 {
+            if d[axis] == 0.0 {
+                if o[axis] < self.min[axis] || o[axis] > self.max[axis] {
+                    return None;
+                }
+                continue;
+            }
+            let a = (self.min[axis] - o[axis]) / d[axis];
+            let b = (self.max[axis] - o[axis]) / d[axis];
+            enter = enter.max(a.min(b));
+            leave = leave.min(a.max(b));
+        }
+        let t = if enter > 0.0 { enter } else { leave };
+        (enter <= leave && t > 0.0 && t < t_max).then_some(t)
+    }
+
+    /// The face whose plane is nearest; the point is put onto it exactly.
+    pub fn surface(&self, near: DVec3) -> Surface {
+        let (to_min, to_max) = ((near - self.min).abs(), (near - self.max).abs());
+        let gap = to_min.min(to_max);
+        let axis = if gap.x <= gap.y && gap.x <= gap.z { 0 } else { 1 + usize::from(gap.z < gap.y) };
+        let at_max = to_max[axis] < to_min[axis];
+        let mut point = near.clamp(self.min, self.max);
+        point[axis] = if at_max { self.max[axis] } else { self.min[axis] };
+        let mut normal = DVec3::ZERO;
+        normal[axis] = if at_max { 1.0 } else { -1.0 };
+        Surface { point, error: point.abs() * gamma(1), normal }
+    }
+
+    pub fn bounds(&self) -> Option<Aabb> {
+        Some(Aabb { min: self.min, max: self.max })
+    }
+
+    /// A box stays one when moved and scaled along its axes.
+    pub fn transformed(&self, affine: &DAffine3) -> Option<Self> {
+        let m = affine.matrix3;
+        let scale = DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z);
+        let (a, b) = (affine.transform_point3(self.min), affine.transform_point3(self.max));
+        (m == glam::DMat3::from_diagonal(scale)).then(|| Self { min: a.min(b), max: a.max(b) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Ray;
+
+    const UNIT: Cuboid = Cuboid { min: DVec3::ZERO, max: DVec3::ONE };
+
+    fn hit(origin: DVec3, direction: DVec3) -> Option<f64> {
+        UNIT.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY)
+    }
+
+    #[test]
+    fn rays_in_its_faces_enter() {
+        for x in [0.0, 0.5, 1.0] {
+            for y in [0.0, 0.5, 1.0] {
+                for (dx, dy) in [(0.0, 0.0), (-0.0, 0.0), (0.0, -0.0), (-0.0, -0.0)] {
+                    assert_eq!(hit(DVec3::new(x, y, -1.0), DVec3::new(dx, dy, 1.0)), Some(1.0));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn from_inside_and_past() {
+        assert_eq!(hit(DVec3::splat(0.5), DVec3::X), Some(0.5));
+        assert_eq!(hit(DVec3::new(2.0, 0.5, 0.5), DVec3::X), None);
+        assert_eq!(hit(DVec3::new(2.0, 0.5, 0.5), DVec3::NEG_X), Some(1.0));
+        assert_eq!(hit(DVec3::new(2.0, 2.0, 0.5), DVec3::new(-1.0, 0.5, 0.0)), None);
+    }
+
+    #[test]
+    fn the_surface_is_on_the_nearest_face() {
+        let top = UNIT.surface(DVec3::new(0.2, 1.0 + 1e-15, 0.7));
+        assert_eq!((top.point, top.normal), (DVec3::new(0.2, 1.0, 0.7), DVec3::Y));
+        let left = UNIT.surface(DVec3::new(-1e-17, 0.4, 0.7));
+        assert_eq!((left.point.x, left.normal), (0.0, DVec3::NEG_X));
+    }
 }

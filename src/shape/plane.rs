@@ -1,8 +1,58 @@
-use crate::math::DVec3;
+//! Infinite planes.
+
+use super::{Probe, Surface, flat};
+use crate::math::{Aabb, DAffine3, DVec3};
 
 /// The infinite plane through `point` across the unit vector `normal`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     pub point: DVec3,
     pub normal: DVec3,
+}
+
+impl Plane {
+    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<f64> {
+        flat::crossing(self.point, self.normal, probe, t_max)
+    }
+
+    pub fn surface(&self, near: DVec3) -> Surface {
+        flat::surface(self.point, self.normal, near)
+    }
+
+    pub fn bounds(&self) -> Option<Aabb> {
+        None
+    }
+
+    pub fn transformed(&self, affine: &DAffine3) -> Option<Self> {
+        let normal = flat::moved_normal(affine, self.normal);
+        Some(Self { point: affine.transform_point3(self.point), normal })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Ray;
+
+    const GROUND: Plane = Plane { point: DVec3::ZERO, normal: DVec3::Y };
+
+    fn hit(origin: DVec3, direction: DVec3) -> Option<f64> {
+        GROUND.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY)
+    }
+
+    #[test]
+    fn parallel_and_in_plane_rays_miss() {
+        assert_eq!(hit(DVec3::Y, DVec3::X), None);
+        assert_eq!(hit(DVec3::ZERO, DVec3::X), None);
+        assert!(hit(DVec3::Y, DVec3::new(1.0, -1e-300, 0.0)).is_none_or(f64::is_finite));
+        assert_eq!(hit(DVec3::Y, DVec3::NEG_Y), Some(1.0));
+        assert_eq!(hit(DVec3::Y, DVec3::Y), None);
+    }
+
+    #[test]
+    fn normals_stay_perpendicular_under_uneven_scale() {
+        let slope = Plane { point: DVec3::ZERO, normal: DVec3::new(1.0, 1.0, 0.0).normalize() };
+        let moved = slope.transformed(&DAffine3::from_scale(DVec3::new(2.0, 1.0, 1.0))).expect("a plane");
+        assert!((moved.normal - DVec3::new(1.0, 2.0, 0.0) / 5f64.sqrt()).length() < 1e-15);
+    }
 }

@@ -1,8 +1,138 @@
-use crate::math::DVec3;
+//! Spheres.
+
+use super::{Probe, Surface};
+use crate::math::{Aabb, DAffine3, DVec3, UNIT_ROUNDOFF, gamma};
 
 /// All points at distance `radius` (above 0) from `center`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     pub center: DVec3,
     pub radius: f64,
+}
+
+impl Sphere {
+    /// The quadratic without its cancellations. The discriminant is taken from the ray's point closest to
+    /// the centre, r² - l² = (r - l)(r + l) (Haines et al., *Ray Tracing Gems*, chapter 7, factored), and
+    /// the sign of c = (f - r)(f + r) says on which side of the surface the ray starts, which settles how
+    /// many roots lie ahead before any is computed.
+    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<f64> {
+        let d = probe.ray.direction;
+        let from_center = probe.ray.origin - self.center;
+        let distance = from_center.length();
+        let outside = distance - self.radius;
+        let (a, b) = (d.length_squared(), -from_center.dot(d));
+        if outside >= 0.0 && b <= 0.0 {
+            return None;
+        }
+        let closest = b / a;
+        let nearest = (from_center + d * closest).length();
+        let square = (self.radius - nearest) * (self.radius + nearest);
+        if square < 0.0 {
+            return None;
+        }
+        let half_chord = (square / a).sqrt();
+        let t = if outside >= 0.0 {
+            self.entry(outside * (distance + self.radius) / a, closest, half_chord, distance)
+        } else if closest > 0.0 {
+            closest + half_chord
+        } else {
+            -outside * (distance + self.radius) / a / (half_chord - closest)
+        };
+        (t > 0.0 && t < t_max).then_some(t)
+    }
+
+    /// The nearer root for an origin outside. Far away the difference of closest approach and half chord
+    /// has the smaller absolute error; close to the surface, the quotient keeps the relative one.
+    fn entry(&self, c: f64, closest: f64, half_chord: f64, distance: f64) -> f64 {
+        if distance > 2.0 * self.radius { closest - half_chord } else { c / (closest + half_chord) }
+    }
+
+    /// The direction from the centre is exact to a few roundings, and so is the point put at `radius` along
+    /// it; the test of a ray from there rounds the distance from the centre once more.
+    pub fn surface(&self, near: DVec3) -> Surface {
+        let normal = (near - self.center).normalize_or(DVec3::Y);
+        let point = self.center + normal * self.radius;
+        let error =
+            point.abs() * gamma(2) + self.center.abs() * gamma(1) + DVec3::splat(self.radius * gamma(6));
+        Surface { point, error, normal }
+    }
+
+    pub fn bounds(&self) -> Option<Aabb> {
+        let reach = DVec3::splat(self.radius);
+        let rounding = (self.center.abs() + reach) * gamma(2);
+        Some(Aabb { min: self.center - reach, max: self.center + reach }.padded(rounding))
+    }
+
+    /// A sphere stays one under rotation, mirroring and even scaling.
+    pub fn transformed(&self, affine: &DAffine3) -> Option<Self> {
+        let m = affine.matrix3;
+        let gram = m.transpose() * m;
+        let scale = gram.x_axis.x;
+        // Off by more than the rounding of the product: an ellipsoid.
+        let off = (gram - glam::DMat3::from_diagonal(DVec3::splat(scale))).abs();
+        let largest = off.x_axis.max(off.y_axis).max(off.z_axis).max_element();
+        let even = largest <= scale * 64.0 * UNIT_ROUNDOFF;
+        even.then(|| Self {
+            center: affine.transform_point3(self.center),
+            radius: self.radius * scale.sqrt(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Ray;
+
+    const UNIT: Sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
+
+    fn hit(sphere: Sphere, origin: DVec3, direction: DVec3) -> Option<f64> {
+        sphere.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY)
+    }
+
+    fn assert_near(t: Option<f64>, expected: f64, relative: f64) {
+        let t = t.expect("a hit");
+        assert!((t - expected).abs() <= relative * expected, "{t} against {expected}");
+    }
+
+    #[test]
+    fn from_inside_every_ray_leaves_once() {
+        let u = UNIT_ROUNDOFF;
+        assert_near(hit(UNIT, DVec3::new(0.3, -0.2, 0.1), DVec3::X), 0.674_679_434_480_896_4, 4.0 * u);
+        assert_near(hit(UNIT, DVec3::ZERO, DVec3::new(0.6, 0.0, -0.8)), 1.0, 4.0 * u);
+    }
+
+    #[test]
+    fn the_ground_under_the_eye() {
+        let ground = Sphere { center: DVec3::new(0.0, -6_371_000.0, 0.0), radius: 6_371_000.0 };
+        let eye = DVec3::new(0.0, 2.0, 0.0);
+        assert_near(hit(ground, eye, DVec3::new(0.6, -0.8, 0.0)), 2.500_000_220_726_769_3, 1e-9);
+        assert_near(hit(ground, eye, DVec3::new(0.9998, -0.02, 0.0)), 100.039_255_414_706_52, 1e-9);
+    }
+
+    #[test]
+    fn extreme_sizes() {
+        let tiny = Sphere { center: DVec3::new(0.0, 0.0, 1e-18), radius: 1e-20 };
+        assert_near(hit(tiny, DVec3::ZERO, DVec3::Z), 0.99e-18, 1e-9);
+        let huge = Sphere { center: DVec3::new(0.0, 0.0, 3e18), radius: 1e18 };
+        assert_near(hit(huge, DVec3::ZERO, DVec3::Z), 2e18, 1e-9);
+    }
+
+    #[test]
+    fn tangents_are_finite() {
+        let beside = |y: f64| hit(UNIT, DVec3::new(-10.0, y, 0.0), DVec3::X);
+        assert!(beside(1.0).is_none_or(|t| (t - 10.0).abs() < 1e-6));
+        assert_near(beside(1.0 - (1.0 / 16_777_216.0)), 10.0 - 3.452_669_778_56e-4, 1e-13);
+        assert_eq!(beside(1.0 + (1.0 / 8_388_608.0)), None);
+    }
+
+    #[test]
+    fn moves_and_scales_but_not_to_ellipsoids() {
+        let affine = DAffine3::from_axis_angle(DVec3::new(0.0, 0.6, 0.8), 1.0)
+            * DAffine3::from_scale(DVec3::new(-2.0, 2.0, 2.0))
+            * DAffine3::from_translation(DVec3::X);
+        let moved = UNIT.transformed(&affine).expect("a sphere");
+        assert!((moved.radius - 2.0).abs() < 1e-15);
+        assert_eq!(UNIT.transformed(&DAffine3::from_scale(DVec3::new(1.0, 1.0, 1.001))), None);
+    }
 }

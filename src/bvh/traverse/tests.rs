@@ -1,0 +1,141 @@
+use super::*;
+use crate::camera::Ray;
+use crate::math::DAffine3;
+use crate::scene::Primitive;
+use crate::shape::{Cuboid, Disk, Plane, Rectangle, Shape, Sphere, Triangle};
+
+/// A small generator of the tests' own (splitmix64, Steele et al. 2014).
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn point(&mut self, reach: f64) -> DVec3 {
+        DVec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * (2.0 * reach)
+    }
+}
+
+fn random_shape(random: &mut Random) -> Shape {
+    let p = random.point(10.0);
+    match (random.unit() * 6.0) as u32 {
+        0 => Shape::Sphere(Sphere { center: p, radius: 0.1 + random.unit() }),
+        1 => Shape::Triangle(Triangle { corners: [p, p + random.point(1.0), p + random.point(1.0)] }),
+        2 => Shape::Rectangle(Rectangle { corner: p, u: random.point(1.0), v: random.point(1.0) }),
+        3 => Shape::Disk(Disk { center: p, normal: random.point(1.0).normalize(), radius: random.unit() }),
+        4 => Shape::Cuboid(Cuboid { min: p, max: p + DVec3::splat(0.5) }),
+        // A grid of flat axis-aligned tiles: boxes without thickness, and shared edges.
+        _ => {
+            let corner = p.floor();
+            Shape::Rectangle(Rectangle { corner, u: DVec3::X, v: DVec3::Z })
+        }
+    }
+}
+
+fn random_geometry(random: &mut Random, count: usize) -> Geometry {
+    let mut primitives = Vec::new();
+    while primitives.len() < count {
+        let affine = match (random.unit() * 3.0) as u32 {
+            0 => DAffine3::IDENTITY,
+            1 => DAffine3::from_translation(random.point(2.0)),
+            _ => {
+                DAffine3::from_axis_angle(random.point(1.0).normalize(), random.unit())
+                    * DAffine3::from_scale(DVec3::new(1.0, 2.0, 0.5))
+            }
+        };
+        primitives.extend(Primitive::new(random_shape(random), affine, 0));
+    }
+    primitives.extend(Primitive::new(
+        Shape::Plane(Plane { point: DVec3::NEG_Y * 12.0, normal: DVec3::Y }),
+        DAffine3::IDENTITY,
+        0,
+    ));
+    Geometry { primitives }
+}
+
+fn brute_force(geometry: &Geometry, probe: &Probe) -> Option<Hit> {
+    let hits = (0..).zip(&geometry.primitives);
+    let hits = hits.filter_map(|(primitive, p)| Some(Hit { t: p.hit(probe, f64::INFINITY)?, primitive }));
+    hits.reduce(|best, hit| if hit.t < best.t { hit } else { best })
+}
+
+fn random_ray(random: &mut Random) -> Ray {
+    let origin = random.point(15.0);
+    let direction = match (random.unit() * 4.0) as u32 {
+        0 => DVec3::X,
+        1 => DVec3::new(-0.0, -1.0, 0.0),
+        2 => origin.floor() - origin,
+        _ => random.point(1.0),
+    };
+    // Through lattice points too: tiles' corners and edges.
+    let origin = if random.unit() < 0.3 { origin.floor() } else { origin };
+    Ray { origin, direction: if direction == DVec3::ZERO { DVec3::Z } else { direction } }
+}
+
+#[test]
+fn the_tree_equals_brute_force() {
+    let mut random = Random(1);
+    for count in [0, 1, 2, 3, 8, 300] {
+        let geometry = random_geometry(&mut random, count);
+        let bvh = Bvh::build(&geometry);
+        for _ in 0..4000 {
+            let probe = Probe::new(random_ray(&mut random));
+            let expected = brute_force(&geometry, &probe);
+            assert_eq!(bvh.closest(&geometry, &probe), expected, "{probe:?}");
+            let t_max = random.unit() * 20.0;
+            let blocked = expected.is_some_and(|hit| hit.t < t_max);
+            assert_eq!(bvh.occluded(&geometry, &probe, t_max), blocked, "{probe:?} {t_max}");
+        }
+    }
+}
+
+#[test]
+fn the_first_of_equals_wins() {
+    let sphere = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 });
+    let one = Primitive::new(sphere, DAffine3::IDENTITY, 0).expect("a primitive");
+    let geometry = Geometry { primitives: vec![one; 40] };
+    let bvh = Bvh::build(&geometry);
+    let mut random = Random(2);
+    for _ in 0..1000 {
+        let origin = random.point(1.0).normalize() * 5.0;
+        let probe = Probe::new(Ray { origin, direction: random.point(0.3) - origin });
+        assert_eq!(bvh.closest(&geometry, &probe).map(|hit| hit.primitive), Some(0));
+    }
+}
+
+#[test]
+fn flat_boxes_are_not_lost() {
+    let mut random = Random(3);
+    for _ in 0..20_000 {
+        let corner = random.point(5.0);
+        let (u, v) = (DVec3::X * random.unit(), DVec3::Z * random.unit());
+        let tile = Shape::Rectangle(Rectangle { corner, u, v });
+        let Some(primitive) = Primitive::new(tile, DAffine3::IDENTITY, 0) else { continue };
+        let geometry = Geometry { primitives: vec![primitive] };
+        let bvh = Bvh::build(&geometry);
+        let origin = random.point(100.0);
+        let aim = corner + u * random.unit() + v * if random.unit() < 0.5 { 0.0 } else { random.unit() };
+        let probe = Probe::new(Ray { origin, direction: aim - origin });
+        assert_eq!(bvh.closest(&geometry, &probe), brute_force(&geometry, &probe));
+    }
+}
+
+#[test]
+fn deep_trees_are_walked_to_the_end() {
+    // Each sphere holds all the ones before it: boxes that double in size make a chain of a tree.
+    let spheres = (0..220).map(|k| Sphere { center: DVec3::ZERO, radius: libm::exp2(f64::from(k - 110)) });
+    let primitives = spheres.filter_map(|s| Primitive::new(Shape::Sphere(s), DAffine3::IDENTITY, 0));
+    let geometry = Geometry { primitives: primitives.collect() };
+    let bvh = Bvh::build(&geometry);
+    let mut random = Random(4);
+    for _ in 0..300 {
+        let origin = random.point(1.0) * libm::exp2(200.0 * random.unit() - 100.0);
+        let probe = Probe::new(Ray { origin, direction: random.point(1.0) });
+        assert_eq!(bvh.closest(&geometry, &probe), brute_force(&geometry, &probe));
+    }
+}

@@ -1,0 +1,53 @@
+//! The scene at one moment: packed, resolved, without names, defaults or entities.
+//!
+//! Everything keeps the file's order, so that whatever breaks a tie by index breaks it the same way always.
+
+mod primitive;
+
+pub use primitive::{Placement, Primitive};
+
+use crate::camera::Camera;
+use crate::color::Rgb;
+use crate::film::LayerId;
+use crate::light::Light;
+use crate::material::Material;
+
+/// All that can be seen, in the order of the file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Geometry {
+    pub primitives: Vec<Primitive>,
+}
+
+/// What surfaces look like and what lights them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shading {
+    pub materials: Vec<Material>,
+    pub lights: Vec<Light>,
+    /// Radiance of rays that hit nothing.
+    pub background: Glow,
+    /// Light from everywhere.
+    pub ambient: Glow,
+    /// What each layer of the film is weighted with.
+    pub weights: Vec<Rgb>,
+}
+
+/// A colour from no place in particular, split like a [`Light`] into what is constant and its layer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Glow {
+    pub radiance: Rgb,
+    pub layer: LayerId,
+}
+
+impl Default for Glow {
+    fn default() -> Self {
+        Self { radiance: Rgb::ZERO, layer: LayerId::CONSTANT }
+    }
+}
+
+/// Everything that tracing a frame reads.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    pub geometry: &'a Geometry,
+    pub shading: &'a Shading,
+    pub camera: &'a Camera,
+}

@@ -1,0 +1,148 @@
+//! One thing to hit: a shape, where it is, and what it is made of.
+
+use crate::camera::Ray;
+use crate::math::{Aabb, DAffine3, DMat3, DVec3, gamma};
+use crate::shape::{Probe, Shape, Surface};
+
+/// A shape in the world. Most shapes are moved there once ([`Shape::transformed`]); the others keep their own
+/// space and have rays moved into it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Primitive {
+    pub shape: Shape,
+    pub placement: Option<Box<Placement>>,
+    /// Index into the scene's materials.
+    pub material: u32,
+}
+
+/// A shape's own space within the world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placement {
+    pub to_world: DAffine3,
+    pub to_object: DAffine3,
+}
+
+impl Primitive {
+    /// `shape` placed by `to_world`; none if that flattens it (a scale of 0 hides an object).
+    pub fn new(shape: Shape, to_world: DAffine3, material: u32) -> Option<Self> {
+        let to_object = inverse(&to_world)?;
+        Some(match shape.transformed(&to_world) {
+            Some(shape) => Self { shape, placement: None, material },
+            None => Self { shape, placement: Some(Box::new(Placement { to_world, to_object })), material },
+        })
+    }
+
+    /// The smallest t in 0 < t < `t_max` at which the ray meets the primitive. A ray moved into the shape's
+    /// space keeps its t, as its direction is not normalised.
+    #[inline]
+    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<f64> {
+        match &self.placement {
+            None => self.shape.hit(probe, t_max),
+            Some(placement) => self.shape.hit(&Probe::new(placement.ray_to_object(&probe.ray)), t_max),
+        }
+    }
+
+    /// The surface at a point of the world that is on it up to rounding.
+    pub fn surface(&self, near: DVec3) -> Surface {
+        match &self.placement {
+            None => self.shape.surface(near),
+            Some(placement) => placement.surface(&self.shape, near),
+        }
+    }
+
+    /// A box of the world around the primitive; none if it is infinite.
+    pub fn bounds(&self) -> Option<Aabb> {
+        let bounds = self.shape.bounds()?;
+        Some(self.placement.as_ref().map_or(bounds, |placement| bounds.transformed(&placement.to_world)))
+    }
+}
+
+impl Placement {
+    fn ray_to_object(&self, ray: &Ray) -> Ray {
+        Ray {
+            origin: self.to_object.transform_point3(ray.origin),
+            direction: self.to_object.transform_vector3(ray.direction),
+        }
+    }
+
+    /// The shape's own error moved to the world, plus the rounding of the move there and, as the next ray
+    /// from this point is moved back into the shape's space, of the way back.
+    fn surface(&self, shape: &Shape, near: DVec3) -> Surface {
+        let local = shape.surface(self.to_object.transform_point3(near));
+        let point = self.to_world.transform_point3(local.point);
+        let (forth, back) = (abs(&self.to_world), abs(&self.to_object));
+        let there = forth.transform_point3(local.point.abs()) * gamma(5);
+        let and_back = forth.transform_vector3(back.transform_point3(point.abs())) * gamma(5);
+        let error = forth.transform_vector3(local.error) + there + and_back;
+        let normal = (self.to_object.matrix3.transpose() * local.normal).normalize_or(local.normal);
+        Surface { point, error, normal }
+    }
+}
+
+/// The inverse of an affine map, refined once; none if it is singular or not finite.
+fn inverse(affine: &DAffine3) -> Option<DAffine3> {
+    let m = affine.matrix3;
+    let determinant = m.determinant();
+    if determinant == 0.0 || !determinant.is_finite() {
+        return None;
+    }
+    let first = m.inverse();
+    // Newton's step squares the error that cancellation left in the cofactors of a badly scaled matrix.
+    let matrix3 = first * (DMat3::from_diagonal(DVec3::splat(2.0)) - m * first);
+    let inverse = DAffine3 { matrix3, translation: -(matrix3 * affine.translation) };
+    inverse.is_finite().then_some(inverse)
+}
+
+fn abs(affine: &DAffine3) -> DAffine3 {
+    DAffine3 { matrix3: affine.matrix3.abs(), translation: affine.translation.abs() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::UNIT_ROUNDOFF;
+    use crate::shape::Sphere;
+
+    const UNIT: Shape = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 });
+
+    #[test]
+    fn ellipsoids_are_hit_in_world_units() {
+        let scale = DAffine3::from_scale(DVec3::new(3.0, 1.0, 0.5));
+        let ray = Ray { origin: DVec3::new(10.0, 0.2, 0.1), direction: DVec3::NEG_X };
+        let hit = |affine: DAffine3, ray: Ray| {
+            let primitive = Primitive::new(UNIT, affine, 0).expect("a primitive");
+            primitive.hit(&Probe::new(ray), f64::INFINITY).expect("a hit")
+        };
+        let t = hit(scale, ray);
+        assert!((t - 7.122_501_086_012_368).abs() <= 8.0 * UNIT_ROUNDOFF * t, "{t}");
+        let turn = DAffine3::from_mat3_translation(
+            crate::math::axis_angle(DVec3::Z, crate::math::Angle(30.0)),
+            DVec3::new(100.0, 0.0, 0.0),
+        );
+        let moved = Ray {
+            origin: turn.transform_point3(ray.origin),
+            direction: turn.transform_vector3(ray.direction),
+        };
+        let t = hit(turn * scale, moved);
+        assert!((t - 7.122_501_086_012_368).abs() <= 8.0 * UNIT_ROUNDOFF * 110.0, "{t}");
+    }
+
+    #[test]
+    fn badly_scaled_transforms_invert() {
+        let turn = crate::math::axis_angle(DVec3::new(0.6, 0.48, 0.64), crate::math::Angle(40.0));
+        let m = DMat3::from_diagonal(DVec3::new(1e3, 1e-3, 1.0)) * turn;
+        let back = inverse(&DAffine3::from_mat3(m)).expect("an inverse");
+        let off = (m * back.matrix3 - DMat3::IDENTITY).abs();
+        assert!(off.x_axis.max(off.y_axis).max(off.z_axis).max_element() <= 1e-9);
+        assert_eq!(inverse(&DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0))), None);
+        assert_eq!(inverse(&DAffine3::from_scale(DVec3::new(1.0, f64::NAN, 1.0))), None);
+    }
+
+    #[test]
+    fn normals_of_uneven_scales() {
+        let affine = DAffine3::from_scale(DVec3::new(2.0, 1.0, 1.0));
+        let primitive = Primitive::new(UNIT, affine, 0).expect("a primitive");
+        let n = DVec3::new(1.0, 1.0, 0.0).normalize();
+        let surface = primitive.surface(affine.transform_point3(n));
+        assert!((surface.normal - DVec3::new(1.0, 2.0, 0.0).normalize()).length() < 1e-15);
+    }
+}

@@ -1,0 +1,26 @@
+//! A ray with what every test along it needs, computed once.
+
+use crate::camera::Ray;
+use crate::math::DVec3;
+
+/// A ray prepared for box and triangle tests.
+#[derive(Clone, Copy, Debug)]
+pub struct Probe {
+    pub ray: Ray,
+    /// 1 / direction; infinite, with the sign of the zero, where the direction is zero.
+    pub inverse: DVec3,
+    /// The axis along which the direction is longest, and the two others in cyclic order.
+    pub axes: [usize; 3],
+    /// Direction along the two others over direction along the longest: shears the ray onto that axis.
+    pub shear: [f64; 2],
+}
+
+impl Probe {
+    pub fn new(ray: Ray) -> Self {
+        let d = ray.direction;
+        let a = d.abs();
+        let z = if a.x >= a.y && a.x >= a.z { 0 } else { 1 + usize::from(a.z > a.y) };
+        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+        Self { ray, inverse: d.recip(), axes: [x, y, z], shear: [d[x] / d[z], d[y] / d[z]] }
+    }
+}

@@ -1,0 +1,23 @@
+//! The one place where rays start on a surface.
+
+use crate::camera::Ray;
+use crate::math::{DVec3, next_away};
+use crate::shape::Surface;
+
+/// A ray from a surface that cannot meet it again where it starts: its origin is moved along the normal, to
+/// the side that the direction leads to, past everything that rounding may have done to the point, and each
+/// coordinate is rounded away from it (Pharr, Jakob, Humphreys, *Physically Based Rendering*, section 6.8.6).
+pub fn spawn(surface: &Surface, direction: DVec3) -> Ray {
+    let reach = surface.normal.abs().dot(surface.error);
+    let side = if direction.dot(surface.normal) < 0.0 { -surface.normal } else { surface.normal };
+    let moved = surface.point + side * reach;
+    let origin =
+        DVec3::new(next_away(moved.x, side.x), next_away(moved.y, side.y), next_away(moved.z, side.z));
+    Ray { origin, direction }
+}
+
+/// The ray from a surface to a point: it reaches the point at t = 1.
+pub fn spawn_to(surface: &Surface, target: DVec3) -> Ray {
+    let origin = spawn(surface, target - surface.point).origin;
+    Ray { origin, direction: target - origin }
+}
