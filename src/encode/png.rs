@@ -13,8 +13,9 @@ pub fn encode(picture: &Picture) -> io::Result<Vec<u8>> {
     let mut encoder = png::Encoder::new(&mut bytes, picture.width, picture.height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
+    // A rendered 800x800 frame: 125 kB in 1.7 ms; a fixed filter may give 350 kB, `Balanced` 85 kB in 31 ms.
     encoder.set_compression(png::Compression::Fast);
-    encoder.set_filter(png::Filter::Up);
+    encoder.set_filter(png::Filter::Adaptive);
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&picture.rgb)?;
     writer.finish()?;

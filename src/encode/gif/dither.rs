@@ -6,9 +6,10 @@ use super::palette::{LMS_ROOT_TO_OKLAB, Palette, RGB_TO_LMS, linear_of_code, mul
 pub const PARTS: usize = 16;
 /// How many palette colours around the nearest one may take part.
 const NEIGHBORS: usize = 24;
-/// How much a part's own distance from the colour counts against it, next to the error of the mix. It keeps
-/// noise low where the palette is dense, and leaves tones true where it is not.
-const AVERSION: f32 = 0.15;
+/// How much a part's own distance from the colour counts against it, next to the error of the mix. Between
+/// two colours it costs little tone: what is up to 1/16 of the way to the next one stays flat. It keeps
+/// colours that lie outside the palette's reach from being made up of far ones, which shows as coloured dots.
+const AVERSION: f32 = 1.0;
 /// Cone responses below this are taken as this where the slope of the cube root is needed.
 const DARKEST: f32 = 1e-3;
 
@@ -149,7 +150,7 @@ mod tests {
             };
             let mean = parts.iter().map(light).sum::<f32>() / PARTS as f32;
             let wanted = mixer.linear[usize::from(code)];
-            assert!((mean - wanted).abs() < 0.03, "{code}: {mean} instead of {wanted}");
+            assert!((mean - wanted).abs() < 0.04, "{code}: {mean} instead of {wanted}");
         }
     }
 

@@ -3,30 +3,30 @@
 use super::dither::{Mixer, PARTS};
 use super::threshold;
 use crate::encode::tonemap::Picture;
-use std::sync::LazyLock;
 
 /// Mixes that are remembered, as a power of two: 2^15 take 0.6 MB, which stays in a processor's cache.
 const CACHE_BITS: u32 = 15;
 /// No colour has this key.
 const NO_KEY: u32 = u32::MAX;
 
-/// Which part of a mix each pixel of the screen shows, `threshold::SIDE`² of them. Made once per process.
-static SCREEN: LazyLock<Vec<u8>> = LazyLock::new(|| {
-    let ranks_of_a_part = threshold::SIDE * threshold::SIDE / PARTS;
-    threshold::ranks().into_iter().map(|rank| (usize::from(rank) / ranks_of_a_part) as u8).collect()
-});
-
 /// Maps pictures one after the other, and remembers mixes. What it remembers does not show: the index of a
 /// pixel depends on its colour and place alone, so what stands still in the film stands still in the GIF.
 pub struct Mapper<'a> {
     mixer: &'a Mixer,
-    screen: &'a [u8],
-    cache: Vec<(u32, [u8; PARTS])>,
+    /// Which part of a mix each pixel of the screen shows, `threshold::SIDE`² of them.
+    screen: Vec<u8>,
+    cache: Cache,
 }
+
+/// Mixes by their colours; what meets in a slot pushes the other out.
+struct Cache(Vec<(u32, [u8; PARTS])>);
 
 impl<'a> Mapper<'a> {
     pub fn new(mixer: &'a Mixer) -> Self {
-        Self { mixer, screen: &SCREEN, cache: vec![(NO_KEY, [0; PARTS]); 1 << CACHE_BITS] }
+        let ranks_of_a_part = threshold::SIDE * threshold::SIDE / PARTS;
+        let part = |&rank: &u16| (usize::from(rank) / ranks_of_a_part) as u8;
+        let screen = threshold::RANKS.iter().map(part).collect();
+        Self { mixer, screen, cache: Cache(vec![(NO_KEY, [0; PARTS]); 1 << CACHE_BITS]) }
     }
 
     /// One palette index per pixel.
@@ -39,17 +39,19 @@ impl<'a> Mapper<'a> {
             let screen = &self.screen[place..place + threshold::SIDE];
             for (x, &color) in row.iter().enumerate() {
                 let part = screen[x % threshold::SIDE];
-                indices.push(self.mix(color)[usize::from(part) % PARTS]);
+                indices.push(self.cache.mix(self.mixer, color)[usize::from(part) % PARTS]);
             }
         }
         indices
     }
+}
 
-    fn mix(&mut self, color: [u8; 3]) -> &[u8; PARTS] {
+impl Cache {
+    fn mix(&mut self, mixer: &Mixer, color: [u8; 3]) -> &[u8; PARTS] {
         let key = u32::from_be_bytes([0, color[0], color[1], color[2]]);
-        let slot = &mut self.cache[(key.wrapping_mul(0x9E37_79B1) >> (32 - CACHE_BITS)) as usize];
+        let slot = &mut self.0[(key.wrapping_mul(0x9E37_79B1) >> (32 - CACHE_BITS)) as usize];
         if slot.0 != key {
-            *slot = (key, self.mixer.mix(color));
+            *slot = (key, mixer.mix(color));
         }
         &slot.1
     }

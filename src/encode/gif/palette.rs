@@ -93,7 +93,7 @@ pub fn linear_of_code(code: f32) -> f32 {
 /// (Ottosson, <https://bottosson.github.io/posts/oklab/>).
 pub const RGB_TO_LMS: [[f32; 3]; 3] = [
     [0.412_221_47, 0.536_332_54, 0.051_445_993],
-    [0.211_903_5, 0.680_699_55, 0.107_396_96],
+    [0.211_903_5, 0.680_699_5, 0.107_396_96],
     [0.088_302_46, 0.281_718_84, 0.629_978_7],
 ];
 pub const LMS_ROOT_TO_OKLAB: [[f32; 3]; 3] = [

@@ -1,5 +1,7 @@
 //! A blue-noise threshold matrix: ordered dithering without the crosshatch of a Bayer matrix.
 
+use std::sync::LazyLock;
+
 /// The matrix repeats after this many pixels along both axes.
 pub const SIDE: usize = 64;
 const AREA: usize = SIDE * SIDE;
@@ -8,9 +10,12 @@ const SIGMA: f64 = 1.5;
 /// Beyond this distance the Gaussian is below 1e-6 of its peak.
 const REACH: isize = 8;
 
+/// What [`ranks`] gives, made once per process.
+pub static RANKS: LazyLock<Vec<u16>> = LazyLock::new(ranks);
+
 /// The pixels of a `SIDE`² square ranked 0..SIDE² such that those below any rank are spread evenly, by the
 /// void-and-cluster method (R. Ulichney, "The void-and-cluster method for dither array generation", 1993).
-pub fn ranks() -> Vec<u16> {
+fn ranks() -> Vec<u16> {
     let mut ranks = vec![0; AREA];
     let prototype = relaxed(scattered());
     let ones = prototype.set.iter().filter(|&&set| set).count();
@@ -108,7 +113,7 @@ mod tests {
 
     #[test]
     fn ranks_are_a_permutation() {
-        let mut ranks = ranks();
+        let mut ranks = RANKS.clone();
         ranks.sort_unstable();
         assert!(ranks.iter().enumerate().all(|(i, &rank)| i == usize::from(rank)));
     }
@@ -116,10 +121,9 @@ mod tests {
     /// Blue noise: squares of 8 pixels hold about the same number of low ranks. White noise deviates by 3.7.
     #[test]
     fn low_ranks_are_spread_evenly() {
-        let ranks = ranks();
         for share in [1, 2, 4] {
             let mut squares = [0i32; 64];
-            for (pixel, &rank) in ranks.iter().enumerate() {
+            for (pixel, &rank) in RANKS.iter().enumerate() {
                 let square = pixel / SIDE / 8 * 8 + pixel % SIDE / 8;
                 squares[square] += i32::from(usize::from(rank) < AREA * share / 8);
             }
