@@ -177,8 +177,7 @@ fn bytes_do_not_depend_on_threads() {
         let shown = pool.install(|| make(&pictures, (30, 1), SETTINGS));
         (shown.frames, shown.stored, shown.delays)
     };
-    let one = with(1);
-    assert!(with(2) == one && with(8) == one);
+    assert!(with(1) == with(4));
 }
 
 #[test]
