@@ -1,59 +1,142 @@
 //! Film → files: develops films into pictures and writes them on a thread of its own.
+//!
+//! ```text
+//! Film ─tonemap▶ Picture ─┬─ png ▶ atomic ▶ frame_0000.png …
+//!                         ├─ store (the PNGs, or a spool) ──┐
+//!                         └─ gif: histogram ▶ palette ──────┴▶ dither ▶ delta ▶ atomic ▶ out.gif
+//! ```
+
+mod atomic;
+mod error;
+mod gif;
+mod job;
+mod output;
+mod pattern;
+mod png;
+mod store;
+#[cfg(test)]
+mod tests;
+mod tonemap;
+mod worker;
+
+pub use error::{EncodeError, FilmsError, JobError};
+pub use job::Job;
+pub use output::{Output, OutputError};
+pub use pattern::{FramePattern, PatternError};
+pub use tonemap::{Picture, ToneTable};
 
 use crate::film::Film;
-use crate::sequence::{GifSettings, Tonemap};
-use crate::time::Rate;
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::thread::{self, JoinHandle};
 use std::time::Duration;
+use worker::Worker;
 
-/// One thing to write.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Output {
-    /// One PNG per frame; the path holds the frame number's place.
-    Png(PathBuf),
-    /// One GIF of all frames.
-    Gif(PathBuf),
-}
-
-/// What all outputs of one run share.
-#[derive(Clone, Debug)]
-pub struct Job {
-    pub outputs: Vec<Output>,
-    /// The frame numbers that will come, in order.
-    pub frames: Vec<u32>,
-    pub rate: Rate,
-    pub size: (u32, u32),
-    pub tonemap: Tonemap,
-    pub gif: GifSettings,
-}
+/// Films that wait for the encoder at most, besides the one it works on.
+const WAITING: usize = 2;
 
 /// What was written.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Report {
+    /// One per output, in the job's order: the pattern of stills as the user wrote it, or the file.
     pub files: Vec<PathBuf>,
+    /// What the user should know, a line each.
     pub notes: Vec<String>,
+    /// Pixels of all films with a component that is not a number; such components are written as 0.
+    pub nan_pixels: u64,
     /// Time the encoder was at work.
     pub busy: Duration,
 }
 
-#[derive(Debug)]
-pub struct EncodeError;
+/// What the encoder's thread is told.
+enum Message {
+    Film(u32, Film),
+    Finish,
+}
 
-/// The encoding thread.
-pub struct Encoder;
+/// The encoding thread. Dropped before [`Encoder::finish`], it stops: stills that are written stay, a GIF
+/// does not appear, and temporaries vanish.
+pub struct Encoder {
+    job: Arc<Job>,
+    /// Films taken so far.
+    pushed: usize,
+    /// None once the thread has failed or finished.
+    running: Option<Running>,
+}
+
+struct Running {
+    messages: SyncSender<Message>,
+    thread: JoinHandle<Result<Report, EncodeError>>,
+}
 
 impl Encoder {
-    pub fn start(_job: Job) -> Result<Self, EncodeError> {
-        Ok(Self)
+    /// Checks the job, creates and probes the folders it writes to, and starts the thread. If this fails,
+    /// nothing was written and no folder is left behind.
+    pub fn start(job: Job) -> Result<Self, EncodeError> {
+        let job = Arc::new(job);
+        let worker = Worker::new(Arc::clone(&job))?;
+        let (messages, receiver) = sync_channel(WAITING);
+        let thread = thread::Builder::new().name("encode".into()).spawn(move || worker.run(receiver));
+        let thread = thread.map_err(|e| EncodeError::Stopped(Some(e)))?;
+        Ok(Self { job, pushed: 0, running: Some(Running { messages, thread }) })
     }
 
     /// Hands over the next frame; waits while the encoder is behind, so that memory stays bounded.
-    pub fn push(&mut self, _frame: u32, _film: Film) -> Result<(), EncodeError> {
+    ///
+    /// Returns the error of an earlier frame as soon as there is one.
+    pub fn push(&mut self, frame: u32, film: Film) -> Result<(), EncodeError> {
+        self.check(frame, &film)?;
+        let Some(running) = &self.running else { return Err(EncodeError::Stopped(None)) };
+        if running.messages.send(Message::Film(frame, film)).is_err() {
+            return self.join().and(Err(EncodeError::Stopped(None)));
+        }
+        self.pushed += 1;
         Ok(())
     }
 
     /// Waits for everything to be written.
-    pub fn finish(self) -> Result<Report, EncodeError> {
-        Ok(Report::default())
+    pub fn finish(mut self) -> Result<Report, EncodeError> {
+        if let Some(running) = &self.running {
+            if self.pushed < self.job.frames.len() && !running.thread.is_finished() {
+                let (expected, got) = (self.job.frames.len(), self.pushed);
+                return Err(FilmsError::Missing { expected, got }.into());
+            }
+            // If the thread has failed and does not listen, joining it tells why.
+            let _ = running.messages.send(Message::Finish);
+        }
+        self.join()
+    }
+
+    /// Whether the film is the one that the job announced.
+    fn check(&self, frame: u32, film: &Film) -> Result<(), FilmsError> {
+        let expected = self.job.frames.get(self.pushed).copied();
+        if expected != Some(frame) {
+            return Err(FilmsError::Order { expected, got: frame });
+        }
+        let got = (film.width, film.height);
+        if got != self.job.size {
+            return Err(FilmsError::Size { frame, expected: self.job.size, got });
+        }
+        Ok(())
+    }
+
+    /// Lets the thread end and returns what it has to say.
+    fn join(&mut self) -> Result<Report, EncodeError> {
+        let Some(Running { messages, thread }) = self.running.take() else {
+            return Err(EncodeError::Stopped(None));
+        };
+        drop(messages);
+        thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    }
+}
+
+impl Drop for Encoder {
+    fn drop(&mut self) {
+        if let Some(Running { messages, thread }) = self.running.take() {
+            drop(messages);
+            // An error or a panic of abandoned work has no one to go to.
+            let _ = thread.join();
+        }
     }
 }

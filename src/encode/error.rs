@@ -1,0 +1,171 @@
+//! What can go wrong between films and files, grouped by cause.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+#[derive(Debug)]
+pub enum EncodeError {
+    /// The job contradicts itself or a format; nothing was written.
+    Job(JobError),
+    /// A file or folder could not be written.
+    Write { path: PathBuf, reason: io::Error },
+    /// A stored frame could not be read back.
+    Read { path: PathBuf, reason: io::Error },
+    /// What was pushed is not what the job announced.
+    Films(FilmsError),
+    /// The encoder has failed before and has told why, or its thread could not live.
+    Stopped(Option<io::Error>),
+}
+
+/// What is wrong with a job.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum JobError {
+    /// `frames` frames would all go to one file.
+    NoPlace { output: String, frames: usize, suggestion: String },
+    /// Two outputs write the same file.
+    Duplicate { path: PathBuf },
+    /// A folder stands where a file should go.
+    IsFolder { path: PathBuf },
+    /// No frames, or no pixels.
+    Empty,
+    /// A picture of more than 65535 pixels along an axis does not fit into a GIF.
+    GifTooLarge { path: PathBuf, size: (u32, u32) },
+    /// A GIF that runs for months.
+    GifTooLong { path: PathBuf },
+}
+
+/// How films differ from what the job announced.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FilmsError {
+    /// Another frame was to come; none if all had come.
+    Order {
+        expected: Option<u32>,
+        got: u32,
+    },
+    Size {
+        frame: u32,
+        expected: (u32, u32),
+        got: (u32, u32),
+    },
+    /// `finish` before the last frame.
+    Missing {
+        expected: usize,
+        got: usize,
+    },
+}
+
+impl EncodeError {
+    pub(super) fn write(path: impl AsRef<Path>, reason: impl Into<io::Error>) -> Self {
+        Self::Write { path: path.as_ref().to_path_buf(), reason: reason.into() }
+    }
+
+    pub(super) fn read(path: impl AsRef<Path>, reason: impl Into<io::Error>) -> Self {
+        Self::Read { path: path.as_ref().to_path_buf(), reason: reason.into() }
+    }
+}
+
+impl From<JobError> for EncodeError {
+    fn from(error: JobError) -> Self {
+        Self::Job(error)
+    }
+}
+
+impl From<FilmsError> for EncodeError {
+    fn from(error: FilmsError) -> Self {
+        Self::Films(error)
+    }
+}
+
+impl fmt::Display for EncodeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Job(error) => error.fmt(f),
+            Self::Films(error) => error.fmt(f),
+            Self::Write { path, reason } => {
+                write!(f, "cannot write {}: {reason}{}", path.display(), remedy(reason))
+            }
+            Self::Read { path, reason } => {
+                write!(f, "cannot read the frame {} back for the GIF: {reason}; ", path.display())?;
+                f.write_str("leave the run's files alone until it ends")
+            }
+            Self::Stopped(None) => f.write_str("the encoder has stopped after an earlier error"),
+            Self::Stopped(Some(reason)) => write!(f, "cannot run the encoder's thread: {reason}"),
+        }
+    }
+}
+
+/// What usually helps, as the end of a message.
+fn remedy(reason: &io::Error) -> &'static str {
+    match reason.kind() {
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+            "; name a place you may write to with -o"
+        }
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            "; free some space or name another place with -o"
+        }
+        io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
+            "; a file stands where the path has a folder"
+        }
+        _ => "",
+    }
+}
+
+impl fmt::Display for JobError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoPlace { output, frames, suggestion } => write!(
+                f,
+                "output \"{output}\" has no place for the numbers of {frames} frames; write \"{suggestion}\""
+            ),
+            Self::Duplicate { path } => {
+                write!(f, "two outputs would write {}; name each file once", path.display())
+            }
+            Self::IsFolder { path } => {
+                write!(f, "cannot write {}: it is a folder; name a file in it", path.display())
+            }
+            Self::Empty => f.write_str("there is nothing to write: no frames, or a size of zero"),
+            Self::GifTooLarge { path, size: (width, height) } => write!(
+                f,
+                "{} cannot hold {width}x{height} pixels: a GIF ends at 65535x65535; render smaller (-s) or to PNG",
+                path.display()
+            ),
+            Self::GifTooLong { path } => {
+                write!(f, "{} would play for more than 100 days; raise the frame rate (-r)", path.display())
+            }
+        }
+    }
+}
+
+impl fmt::Display for FilmsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Order { expected: Some(expected), got } => {
+                write!(f, "frame {got} came where frame {expected} was to come")
+            }
+            Self::Order { expected: None, got } => write!(f, "frame {got} came after the last one"),
+            Self::Size { frame, expected, got } => write!(
+                f,
+                "frame {frame} has {}x{} pixels instead of {}x{}",
+                got.0, got.1, expected.0, expected.1
+            ),
+            Self::Missing { expected, got } => write!(f, "only {got} of {expected} frames came"),
+        }
+    }
+}
+
+impl std::error::Error for EncodeError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Job(error) => Some(error),
+            Self::Films(error) => Some(error),
+            Self::Write { reason, .. } | Self::Read { reason, .. } | Self::Stopped(Some(reason)) => {
+                Some(reason)
+            }
+            Self::Stopped(None) => None,
+        }
+    }
+}
+
+impl std::error::Error for JobError {}
+impl std::error::Error for FilmsError {}

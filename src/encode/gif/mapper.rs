@@ -1,0 +1,58 @@
+//! Picture → palette indices.
+
+use super::dither::{Mixer, PARTS};
+use super::threshold;
+use crate::encode::tonemap::Picture;
+
+/// Mixes that are remembered, as a power of two: 2^15 take 0.6 MB, which stays in a processor's cache.
+const CACHE_BITS: u32 = 15;
+/// No colour has this key.
+const NO_KEY: u32 = u32::MAX;
+
+/// Maps pictures one after the other, and remembers mixes. What it remembers does not show: the index of a
+/// pixel depends on its colour and place alone, so what stands still in the film stands still in the GIF.
+pub struct Mapper<'a> {
+    mixer: &'a Mixer,
+    /// Which part of a mix each pixel of the screen shows, `threshold::SIDE`² of them.
+    screen: Vec<u8>,
+    cache: Cache,
+}
+
+/// Mixes by their colours; what meets in a slot pushes the other out.
+struct Cache(Vec<(u32, [u8; PARTS])>);
+
+impl<'a> Mapper<'a> {
+    pub fn new(mixer: &'a Mixer) -> Self {
+        let ranks_of_a_part = threshold::SIDE * threshold::SIDE / PARTS;
+        let part = |&rank: &u16| (usize::from(rank) / ranks_of_a_part) as u8;
+        let screen = threshold::RANKS.iter().map(part).collect();
+        Self { mixer, screen, cache: Cache(vec![(NO_KEY, [0; PARTS]); 1 << CACHE_BITS]) }
+    }
+
+    /// One palette index per pixel.
+    pub fn map(&mut self, picture: &Picture) -> Vec<u8> {
+        let pixels = picture.rgb.as_chunks::<3>().0;
+        let width = picture.width.max(1) as usize;
+        let mut indices = Vec::with_capacity(pixels.len());
+        for (y, row) in pixels.chunks(width).enumerate() {
+            let place = y % threshold::SIDE * threshold::SIDE;
+            let screen = &self.screen[place..place + threshold::SIDE];
+            for (x, &color) in row.iter().enumerate() {
+                let part = screen[x % threshold::SIDE];
+                indices.push(self.cache.mix(self.mixer, color)[usize::from(part) % PARTS]);
+            }
+        }
+        indices
+    }
+}
+
+impl Cache {
+    fn mix(&mut self, mixer: &Mixer, color: [u8; 3]) -> &[u8; PARTS] {
+        let key = u32::from_be_bytes([0, color[0], color[1], color[2]]);
+        let slot = &mut self.0[(key.wrapping_mul(0x9E37_79B1) >> (32 - CACHE_BITS)) as usize];
+        if slot.0 != key {
+            *slot = (key, mixer.mix(color));
+        }
+        &slot.1
+    }
+}

@@ -1,0 +1,191 @@
+//! GIFs read back with the `gif` crate.
+
+use super::*;
+use crate::encode::Output;
+use crate::sequence::Tonemap;
+use crate::time::Rate;
+use ::gif::{ColorOutput, DecodeOptions, DisposalMethod, Repeat};
+use std::collections::HashMap;
+use std::fs;
+
+const SETTINGS: GifSettings = GifSettings { plays: None, colors: 256, dither: true };
+
+/// A GIF as a viewer shows it.
+struct Shown {
+    size: (u16, u16),
+    repeat: Repeat,
+    delays: Vec<u64>,
+    /// RGB per composed frame.
+    frames: Vec<Vec<[u8; 3]>>,
+    /// Pixels per stored frame.
+    stored: Vec<usize>,
+    colors: usize,
+}
+
+fn show(path: &Path) -> Shown {
+    let mut options = DecodeOptions::new();
+    options.set_color_output(ColorOutput::RGBA);
+    let mut decoder = options.read_info(fs::File::open(path).expect("a file")).expect("a GIF");
+    let size = (decoder.width(), decoder.height());
+    let width = usize::from(size.0);
+    let colors = decoder.global_palette().expect("a palette").len() / 3;
+    let mut canvas = vec![[0; 3]; width * usize::from(size.1)];
+    let mut shown =
+        Shown { size, repeat: Repeat::default(), delays: vec![], frames: vec![], stored: vec![], colors };
+    while let Some(frame) = decoder.read_next_frame().expect("a frame") {
+        assert_eq!(frame.dispose, DisposalMethod::Keep);
+        let pixels = frame.buffer.as_chunks::<4>().0;
+        for (i, &[r, g, b, a]) in pixels.iter().enumerate() {
+            let (x, y) = (i % usize::from(frame.width), i / usize::from(frame.width));
+            if a > 0 {
+                canvas[(y + usize::from(frame.top)) * width + x + usize::from(frame.left)] = [r, g, b];
+            }
+        }
+        shown.delays.push(u64::from(frame.delay));
+        shown.frames.push(canvas.clone());
+        shown.stored.push(pixels.len());
+    }
+    shown.repeat = decoder.repeat();
+    shown
+}
+
+fn make(pictures: &[Picture], rate: (i128, i128), gif: GifSettings) -> Shown {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("a.gif");
+    let job = Job {
+        outputs: vec![Output::Gif(path.clone())],
+        frames: (0..pictures.len() as u32).collect(),
+        rate: Rate::new(rate.0, rate.1).expect("a rate"),
+        size: (pictures[0].width, pictures[0].height),
+        tonemap: Tonemap::Srgb,
+        gif,
+    };
+    let mut animation = Animation::new(&path, &job).expect("a fitting job");
+    for (index, picture) in pictures.iter().enumerate() {
+        if animation.shows(index) {
+            animation.count(picture);
+        }
+    }
+    animation.write(|index| Ok(pictures[index].clone())).expect("written");
+    show(&path)
+}
+
+fn picture(width: u32, height: u32, color: impl Fn(u32, u32) -> [u8; 3]) -> Picture {
+    let rgb = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    Picture { width, height, rgb: rgb.flat_map(|(x, y)| color(x, y)).collect() }
+}
+
+/// A square that moves over one colour: few colours.
+fn moving(frame: u32) -> Picture {
+    let inside = move |x: u32, y: u32| (frame..frame + 4).contains(&x) && (3..7).contains(&y);
+    picture(20, 12, move |x, y| if inside(x, y) { [255, 9, 0] } else { [0, (y % 2) as u8, 40] })
+}
+
+/// A gradient in which a part moves: many colours.
+fn gradient(frame: u32) -> Picture {
+    picture(96, 64, move |x, y| {
+        let inside = (30 + frame..50 + frame).contains(&x) && (20..40).contains(&y);
+        let shift = if inside { 3 * frame } else { 0 };
+        [(x * 2 + shift) as u8, (y * 3) as u8, ((x + y) / 2) as u8]
+    })
+}
+
+fn pixels(picture: &Picture) -> &[[u8; 3]] {
+    picture.rgb.as_chunks::<3>().0
+}
+
+#[test]
+fn few_colors_are_kept_exactly() {
+    let pictures: Vec<_> = (0..10).map(moving).collect();
+    for colors in [2, 3, 4, 16, 256] {
+        let shown = make(&pictures, (24, 1), GifSettings { colors, ..SETTINGS });
+        assert_eq!(shown.size, (20, 12));
+        assert_eq!(shown.delays, [4, 4, 5, 4, 4, 4, 4, 4, 5, 4]);
+        let exact = shown.frames.iter().zip(&pictures).all(|(frame, picture)| frame == pixels(picture));
+        assert_eq!(exact, colors >= 3, "{colors} colours");
+        assert!(shown.colors <= usize::from(colors).next_power_of_two());
+        assert!(colors < 3 || shown.stored[1..].iter().all(|&stored| stored == 5 * 4));
+    }
+}
+
+#[test]
+fn many_colors_come_close_and_do_not_shimmer() {
+    let pictures: Vec<_> = (0..12).map(gradient).collect();
+    for dither in [true, false] {
+        let shown = make(&pictures, (30, 1), GifSettings { dither, ..SETTINGS });
+        assert_eq!(shown.frames.len(), pictures.len());
+        let mut seen = HashMap::new();
+        let mut error = 0.0;
+        for (frame, picture) in shown.frames.iter().zip(&pictures) {
+            for (place, (got, wanted)) in frame.iter().zip(pixels(picture)).enumerate() {
+                assert_eq!(seen.entry((place, wanted)).or_insert(got), &got, "shimmer at {place}");
+                error += got.iter().zip(wanted).map(|(g, w)| f64::from(g.abs_diff(*w))).sum::<f64>();
+            }
+        }
+        let mean = error / (12.0 * 96.0 * 64.0 * 3.0);
+        assert!(mean < if dither { 9.0 } else { 5.0 }, "mean error {mean}, dither {dither}");
+        assert!(shown.stored[1..].iter().all(|&stored| stored <= 21 * 20));
+    }
+}
+
+#[test]
+fn dithering_keeps_the_light_of_areas() {
+    let pictures = [gradient(0)];
+    let shown = make(&pictures, (24, 1), GifSettings { colors: 64, ..SETTINGS });
+    let linear = |code: u8| crate::color::srgb_to_linear(f64::from(code) / 255.0);
+    for block in 0..24 {
+        let (left, top) = (block % 6 * 16, block / 6 * 16);
+        let places = || (0..256).map(|i| (top + i / 16) * 96 + left + i % 16);
+        for channel in 0..3 {
+            let got: f64 = places().map(|p| linear(shown.frames[0][p][channel])).sum();
+            let wanted: f64 = places().map(|p| linear(pixels(&pictures[0])[p][channel])).sum();
+            assert!((got - wanted).abs() / 256.0 < 0.06, "block {block} channel {channel}: {got} {wanted}");
+        }
+    }
+}
+
+#[test]
+fn loop_counts() {
+    let pictures: Vec<_> = (0..2).map(moving).collect();
+    let repeat = |plays| make(&pictures, (24, 1), GifSettings { plays, ..SETTINGS }).repeat;
+    assert_eq!(repeat(None), Repeat::Infinite);
+    assert_eq!(repeat(Some(1)), Repeat::Finite(0));
+    assert_eq!(repeat(Some(2)), Repeat::Finite(1));
+    assert_eq!(repeat(Some(u16::MAX)), Repeat::Finite(u16::MAX - 1));
+}
+
+#[test]
+fn equal_frames_become_one_longer_frame() {
+    let pictures: Vec<_> = [0, 0, 0, 5, 5, 6].into_iter().map(moving).collect();
+    let shown = make(&pictures, (24, 1), SETTINGS);
+    assert_eq!(shown.delays, [13, 8, 4]);
+}
+
+#[test]
+fn long_holds_are_split_without_a_change() {
+    let shown = make(&[moving(0), moving(0), moving(4)], (1, 1000), SETTINGS);
+    assert_eq!(shown.delays, [50_000; 6]);
+    assert!(shown.frames[..4].iter().all(|frame| frame == pixels(&moving(0))));
+    assert!(shown.frames[4..].iter().all(|frame| frame == pixels(&moving(4))));
+}
+
+#[test]
+fn bytes_do_not_depend_on_threads() {
+    let pictures: Vec<_> = (0..9).map(gradient).collect();
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let shown = pool.install(|| make(&pictures, (30, 1), SETTINGS));
+        (shown.frames, shown.stored, shown.delays)
+    };
+    assert!(with(1) == with(4));
+}
+
+#[test]
+fn the_smallest_pictures() {
+    for colors in [2, 256] {
+        let pictures: Vec<_> = (0..3u8).map(|k| picture(1, 1, move |_, _| [k * 100; 3])).collect();
+        let shown = make(&pictures, (10, 1), GifSettings { colors, ..SETTINGS });
+        assert_eq!(shown.size, (1, 1));
+        assert_eq!(shown.delays.iter().sum::<u64>(), 30);
+    }
+}

@@ -1,0 +1,51 @@
+//! Where a GIF's frames wait for the second pass.
+
+use super::atomic::folder_of;
+use super::error::EncodeError;
+use super::pattern::FramePattern;
+use super::png;
+use super::tonemap::Picture;
+use std::fs;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// Lossless frames on disk, by their index in the job's list.
+pub enum Store {
+    /// The run's own PNG files.
+    Own { pattern: FramePattern, frames: Vec<u32> },
+    /// A hidden folder that vanishes with this value.
+    Spool(TempDir),
+}
+
+impl Store {
+    /// A spool beside the file `path` that is to be made of it. The system's own temporary folder is no
+    /// place for it: it often lives in memory.
+    pub fn spool_for(path: &Path) -> Result<Self, EncodeError> {
+        let folder = folder_of(path);
+        let spool = tempfile::Builder::new().prefix(".kinora-spool-").tempdir_in(folder);
+        spool.map(Self::Spool).map_err(|e| EncodeError::write(folder, e))
+    }
+
+    /// Stores a frame, unless the run's own files do that.
+    pub fn put(&self, index: usize, picture: &Picture) -> Result<(), EncodeError> {
+        match self {
+            Self::Own { .. } => Ok(()),
+            Self::Spool(_) => {
+                let path = self.path(index);
+                let stored = png::encode(picture).and_then(|bytes| fs::write(&path, bytes));
+                stored.map_err(|e| EncodeError::write(&path, e))
+            }
+        }
+    }
+
+    pub fn get(&self, index: usize) -> Result<Picture, EncodeError> {
+        png::read(&self.path(index))
+    }
+
+    fn path(&self, index: usize) -> PathBuf {
+        match self {
+            Self::Own { pattern, frames } => pattern.path(frames[index]),
+            Self::Spool(folder) => folder.path().join(format!("{index}.png")),
+        }
+    }
+}
