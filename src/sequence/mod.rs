@@ -1,5 +1,31 @@
 //! The sequence: what a file says, resolved and checked. No names to look up, no defaults left.
 
+mod camera;
+mod check;
+mod colors;
+mod decimal;
+mod document;
+mod easing;
+mod fault;
+mod fields;
+mod keys;
+mod light;
+mod load;
+mod material;
+mod node;
+mod object;
+mod output;
+mod path;
+mod shape;
+mod suggest;
+mod syntax;
+mod timeline;
+mod transform;
+mod values;
+
+pub use fault::Faults;
+pub use load::{LoadError, load, parse};
+
 use crate::camera_path::CameraTracks;
 use crate::color::Rgb;
 use crate::light::LightTracks;

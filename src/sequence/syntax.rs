@@ -1,0 +1,268 @@
+//! Faults of the notation itself, in words: ron finds them, brackets and quotes are looked at once more.
+
+use super::fault::Fault;
+use ron::error::{Error, Position};
+use serde::de::{Deserialize, IgnoredAny};
+use std::ops::Range;
+
+/// What keeps the text from being RON. Empty if it is.
+pub fn faults(text: &str) -> Vec<Fault> {
+    if let Some((at, '#')) = Symbols::new(text).next() {
+        let fault = Fault::new(at..at + 1, "attributes such as `#![enable(...)]` are not supported", "remove this");
+        return vec![fault];
+    }
+    if Symbols::new(text).next().is_none() && unclosed(text).is_none() {
+        let help = "the shortest sequence is `()`; see sequences/README.md for what goes inside";
+        return vec![Fault::new(0..0, "the file is empty", "expected ( ... )").help(help)];
+    }
+    let Err((error, position)) = check(text) else { return Vec::new() };
+    if let Some(fault) = unclosed(text) {
+        return vec![fault];
+    }
+    let brackets = unbalanced(text);
+    match translated(text, &error, offset(text, position)) {
+        // A missing bracket is what makes a file end too early.
+        Some(fault) if brackets.as_ref().is_none_or(|bracket| bracket.1 > fault.span.start) => {
+            // What goes wrong before the brackets do comes first; both are worth knowing.
+            [Some(fault), brackets.map(|(fault, _)| fault)].into_iter().flatten().collect()
+        }
+        _ => brackets.map(|(fault, _)| fault).into_iter().collect(),
+    }
+}
+
+/// Reads through the text without keeping anything.
+fn check(text: &str) -> Result<(), (Error, Position)> {
+    let mut reader = ron::Deserializer::from_str(text).map_err(|error| (error.code, error.span.end))?;
+    let result = IgnoredAny::deserialize(&mut reader).and_then(|_| reader.end());
+    result.map_err(|error| {
+        let spanned = reader.span_error(error);
+        (spanned.code, spanned.span.end)
+    })
+}
+
+/// The byte of a position, which counts lines and characters from 1.
+fn offset(text: &str, position: Position) -> usize {
+    let line = match position.line {
+        0 | 1 => 0,
+        n => text.match_indices('\n').nth(n - 2).map_or(text.len(), |(newline, _)| newline + 1),
+    };
+    let column = position.col.saturating_sub(1);
+    text[line..].char_indices().nth(column).map_or(text.len(), |(at, _)| line + at)
+}
+
+/// The first characters of all words, numbers, texts and brackets, without blanks and comments.
+struct Symbols<'s> {
+    text: &'s str,
+    at: usize,
+    /// A text or comment that has no end: its start and its kind.
+    unclosed: Option<(usize, &'static str)>,
+}
+
+impl<'s> Symbols<'s> {
+    fn new(text: &'s str) -> Self {
+        Self { text, at: 0, unclosed: None }
+    }
+
+    /// Moves behind the next `end`, or to the end of the file if there is none.
+    fn skip_past(&mut self, start: usize, end: &str, kind: &'static str) {
+        match self.text[self.at..].find(end) {
+            Some(found) => self.at += found + end.len(),
+            None => {
+                self.at = self.text.len();
+                self.unclosed = Some((start, kind));
+            }
+        }
+    }
+
+    fn skip_block_comment(&mut self) {
+        let (start, mut depth) = (self.at, 0usize);
+        loop {
+            let rest = &self.text[self.at..];
+            let (open, close) = (rest.find("/*"), rest.find("*/"));
+            match (open, close) {
+                (Some(open), Some(close)) if open < close => (self.at, depth) = (self.at + open + 2, depth + 1),
+                (_, Some(close)) => (self.at, depth) = (self.at + close + 2, depth - 1),
+                (_, None) => {
+                    self.at = self.text.len();
+                    self.unclosed = Some((start, "comment"));
+                    return;
+                }
+            }
+            if depth == 0 {
+                return;
+            }
+        }
+    }
+
+    fn skip_text(&mut self, start: usize) {
+        let mut escaped = false;
+        for (i, c) in self.text[start + 1..].char_indices() {
+            match c {
+                _ if escaped => escaped = false,
+                '\\' => escaped = true,
+                '"' => {
+                    self.at = start + 1 + i + 1;
+                    return;
+                }
+                _ => {}
+            }
+        }
+        self.at = self.text.len();
+        self.unclosed = Some((start, "text"));
+    }
+
+    fn skip_word(&mut self, start: usize) {
+        let rest = &self.text[start..];
+        let hashes = rest[1..].bytes().take_while(|byte| *byte == b'#').count();
+        if rest.starts_with('r') && rest[1 + hashes..].starts_with('"') {
+            self.at = start + hashes + 2;
+            self.skip_past(start, &format!("\"{}", "#".repeat(hashes)), "text");
+            return;
+        }
+        self.at += rest.find(|c: char| c != '_' && !c.is_alphanumeric()).unwrap_or(rest.len());
+    }
+}
+
+impl Iterator for Symbols<'_> {
+    type Item = (usize, char);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            let rest = &self.text[self.at..];
+            let c = rest.chars().next()?;
+            let start = self.at;
+            match c {
+                _ if c.is_whitespace() || matches!(c, '\u{200e}' | '\u{200f}') => self.at += c.len_utf8(),
+                '/' if rest.starts_with("//") => self.at += rest.find('\n').unwrap_or(rest.len()),
+                '/' if rest.starts_with("/*") => self.skip_block_comment(),
+                '"' => {
+                    self.skip_text(start);
+                    return Some((start, c));
+                }
+                'a'..='z' | 'A'..='Z' | '_' => {
+                    self.skip_word(start);
+                    return Some((start, c));
+                }
+                // A bracket as a character stands for itself; a lone quote does not swallow what follows.
+                '\'' if rest.chars().nth(2) == Some('\'') => {
+                    self.at += rest.char_indices().nth(3).map_or(rest.len(), |(at, _)| at);
+                    return Some((start, c));
+                }
+                _ => {
+                    self.at += c.len_utf8();
+                    return Some((start, c));
+                }
+            }
+        }
+    }
+}
+
+/// A text or comment without an end.
+fn unclosed(text: &str) -> Option<Fault> {
+    let mut symbols = Symbols::new(text);
+    symbols.by_ref().for_each(drop);
+    let (start, kind) = symbols.unclosed?;
+    let (span, end) = if kind == "text" { (start..start + 1, "\"") } else { (start..start + 2, "*/") };
+    Some(Fault::new(span, format!("this {kind} has no end"), format!("needs a closing `{end}`")))
+}
+
+/// The first bracket that has no partner or a wrong one, and the place where that shows.
+fn unbalanced(text: &str) -> Option<(Fault, usize)> {
+    let mut open: Vec<(usize, char)> = Vec::new();
+    for (at, c) in Symbols::new(text) {
+        match c {
+            '(' => open.push((at, ')')),
+            '[' => open.push((at, ']')),
+            '{' => open.push((at, '}')),
+            ')' | ']' | '}' => match open.pop() {
+                Some((_, expected)) if expected == c => {}
+                Some((start, expected)) => {
+                    let title = format!("expected `{expected}`, found `{c}`");
+                    let fault = Fault::new(at..at + 1, title, format!("expected `{expected}` before this"));
+                    return Some((fault.also(start..start + 1, "this bracket is not closed"), at));
+                }
+                None => {
+                    let label = "closes nothing";
+                    return Some((Fault::new(at..at + 1, format!("`{c}` without an opening bracket"), label), at));
+                }
+            },
+            _ => {}
+        }
+    }
+    let (start, expected) = open.pop()?;
+    let fault = Fault::new(start..start + 1, "this bracket is never closed", format!("needs a `{expected}`"));
+    Some((fault, text.len()))
+}
+
+/// ron's error in words, at the place it is about. None if a missing bracket says it better.
+fn translated(text: &str, error: &Error, at: usize) -> Option<Fault> {
+    let here = token(text, at);
+    let found = text[here.clone()].to_owned();
+    let fault = |title: &str, label: &str| Some(Fault::new(here.clone(), title, label));
+    match error {
+        Error::Eof => None,
+        Error::ExceededRecursionLimit => fault(
+            "this is nested too deeply",
+            "brackets may stand about 60 deep; a sequence needs less than 10",
+        ),
+        Error::TrailingCharacters => fault("the file goes on after its closing bracket", "nothing may follow"),
+        Error::ExpectedIdentifier | Error::InvalidIdentifier(_) | Error::SuggestRawIdentifier(_) => {
+            fault("expected a field's name", "fields are written `name: value`")
+        }
+        Error::InvalidEscape(what) => Some(
+            Fault::new(here, "this text has a wrong escape", (*what).to_owned())
+                .help("in paths write / instead of \\"),
+        ),
+        Error::IntegerOutOfBounds
+        | Error::InvalidIntegerDigit { .. }
+        | Error::UnderscoreAtBeginning
+        | Error::FloatUnderscore
+        | Error::ExpectedFloat
+        | Error::ExpectedInteger => fault("this is not a number", "write numbers like 2, -0.5 or 1.5e-3"),
+        _ if found == "=" => fault("a value follows `:`, not `=`", "write `:` here"),
+        _ if found == ";" => fault("values are separated by commas", "write `,` here"),
+        Error::ExpectedMapColon => fault("expected `:` between a name and its value", "a `:` belongs before this"),
+        Error::ExpectedComma => Some(missing_comma(text, here, &found)),
+        Error::UnexpectedChar(_) => {
+            let title = format!("`{}` is not understood here", super::suggest::shortened(&found));
+            Some(Fault::new(here, title, "expected a value").help(if found == "#" {
+                "colours go in quotes: \"#ff8800\""
+            } else {
+                "values are numbers, true, false, text in quotes, (fields), [lists] and { \"name\": ... }"
+            }))
+        }
+        _ => Some(Fault::new(here, "the notation is wrong here", error.to_string())),
+    }
+}
+
+/// Two values side by side: the comma belongs behind the first.
+fn missing_comma(text: &str, here: Range<usize>, found: &str) -> Fault {
+    if found == ":" {
+        let help = "in ( ) every field has a name; in { } names are in quotes; in [ ] there are none";
+        return Fault::new(here, "`:` is out of place", "not expected here").help(help);
+    }
+    let before = Symbols::new(&text[..here.start]).last().map_or(0, |(start, _)| token(text, start).end);
+    let last = text[..before].chars().next_back().map_or(0, char::len_utf8);
+    let fault = Fault::new(before - last..before, "a comma is missing", "expected `,` after this");
+    fault.also(here, "before this")
+}
+
+/// The word, number or single character at a place.
+fn token(text: &str, at: usize) -> Range<usize> {
+    let rest = &text[at..];
+    let Some(first) = rest.chars().next() else { return at..at };
+    let word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.');
+    let len = match first {
+        '"' => {
+            let mut symbols = Symbols { text, at, unclosed: None };
+            symbols.skip_text(at);
+            symbols.at - at
+        }
+        c if word(c) || c == '-' => {
+            let more = &rest[c.len_utf8()..];
+            c.len_utf8() + more.find(|c| !word(c)).unwrap_or(more.len())
+        }
+        c => c.len_utf8(),
+    };
+    at..at + len
+}
