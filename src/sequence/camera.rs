@@ -1,6 +1,6 @@
 //! `camera` and `cameras`: where the picture is taken from.
 
-use super::fields::{Fields, variant};
+use super::fields::{Fields, Variants, variant};
 use super::keys::keyed;
 use super::node::Node;
 use super::path::path;
@@ -44,8 +44,7 @@ pub fn camera(node: Node<'_>) -> Option<CameraTracks> {
 }
 
 fn projection(node: Node<'_>) -> Option<Lens> {
-    let table: &[(&str, fn(Node<'_>) -> Option<Lens>)] =
-        &[("Perspective", perspective), ("Orthographic", orthographic)];
+    let table: &Variants<'_, Lens> = &[("Perspective", perspective), ("Orthographic", orthographic)];
     variant(node, "projection", table)
 }
 

@@ -3,6 +3,7 @@
 use super::Named;
 use super::fault::Fault;
 use super::node::File;
+use super::suggest::shortened;
 use crate::camera_path::{CameraTracks, Lens, NoCamera};
 use crate::time::Timeline;
 use crate::track::Animated;
@@ -38,18 +39,21 @@ pub fn report_blind_cameras(
 }
 
 fn fault(name: &str, why: NoCamera, frame: u32, place: Range<usize>) -> Fault {
-    let (title, help) = match why {
-        NoCamera::EyeOnTarget => {
-            ("is where it looks to", "move `position` or `target`, so that they differ at every frame")
-        }
+    let (title, label, help) = match why {
+        NoCamera::EyeOnTarget => (
+            "stands on its own target",
+            "position and target are equal",
+            "move `position` or `target`, so that they differ at every frame",
+        ),
         NoCamera::Lens => (
-            "has a field of view outside of 0 to 180 degrees, or a picture without height",
+            "shows no picture",
+            "its field of view leaves 0 to 180 degrees, or its picture has no height",
             "easings such as Back and Elastic go beyond their keys",
         ),
-        NoCamera::NotFinite => ("is infinitely far away", "check the sizes along its path"),
+        NoCamera::NotFinite => ("is infinitely far away", "has no place", "check the sizes along its path"),
     };
-    let title = format!("camera `{name}` {title} at frame {frame}");
-    Fault::new(place, title, format!("shows nothing at frame {frame}")).help(help)
+    let title = format!("camera `{}` {title} at frame {frame}", shortened(name));
+    Fault::new(place, title, format!("{label} at frame {frame}")).help(help)
 }
 
 /// Whether one frame of the camera is like every other.

@@ -4,7 +4,8 @@ use super::node::Node;
 use super::values::{between, each, not_negative, number, text, tuple};
 use crate::color::{Rgb, srgb_to_linear};
 
-const WAYS: &str = "colours are (r, g, b), one number for grey, \"#rrggbb\", Srgb(r, g, b) or Linear8(r, g, b)";
+const WAYS: &str =
+    "colours are (r, g, b), one number for grey, \"#rrggbb\", Srgb(r, g, b) or Linear8(r, g, b)";
 
 /// A linear colour without negative parts.
 pub fn color(node: Node<'_>) -> Option<Rgb> {

@@ -123,7 +123,8 @@ fn scene(fields: &mut Fields<'_>) -> Option<Scene> {
     });
     let names = Names::new("material", &material_entries);
     let objects = fields.optional("objects", |node| objects(node, &names));
-    let (default, materials, objects) = (default?, materials?.unwrap_or_default(), objects?.unwrap_or_default());
+    let (default, materials, objects) =
+        (default?, materials?.unwrap_or_default(), objects?.unwrap_or_default());
     Some(assembled(&default, &materials, objects))
 }
 

@@ -5,20 +5,25 @@ use super::node::Node;
 use super::values::{each, number, tuple};
 use crate::track::Ease;
 
+const ALL: &str = "easings are Linear, Smooth, Smoother, Step, CatmullRom, Ease, EaseIn, EaseOut, EaseInOut, \
+    Bezier(x1, y1, x2, y2), and In, Out or InOut before Sine, Quad, Cubic, Quart, Quint, Expo, Circ, Back, \
+    Elastic or Bounce";
+
 /// Any easing.
 pub fn ease(node: Node<'_>) -> Option<Ease> {
     if node.word() == "Bezier" {
         return bezier(node);
     }
     let Some(name) = node.bare_word().filter(|word| !matches!(*word, "true" | "false")) else {
-        let example = "an easing such as Linear, Smooth, InOutQuad or Bezier(0.4, 0, 0.2, 1)";
-        node.expected(example);
+        let quoted = node.is_text() && Ease::named(node.text().trim_matches('"')).is_some();
+        let help = if quoted { "write it without quotes" } else { ALL };
+        node.fault(node.mismatch("an easing such as Smooth").help(help));
         return None;
     };
     let ease = Ease::named(name);
     if ease.is_none() {
         let names: Vec<String> = Ease::names().chain(["Bezier".to_owned()]).collect();
-        unknown(node, "easing", name, names.iter().map(String::as_str));
+        node.fault(unknown(node, "easing", name, names.iter().map(String::as_str)).help(ALL));
     }
     ease
 }

@@ -21,7 +21,7 @@ pub struct Fault {
 enum Title {
     /// A sentence of its own.
     Text(String),
-    /// "expected `what` for `field`"; the field is filled in by whoever reads it.
+    /// "`field`: expected `what`"; the field is filled in by whoever reads it.
     Expected { what: String, field: Option<String> },
 }
 
@@ -34,6 +34,12 @@ impl Fault {
     pub fn expected(span: Range<usize>, what: impl Into<String>, found: impl Into<String>) -> Self {
         let title = Title::Expected { what: what.into(), field: None };
         Self { span, title, label: found.into(), also: None, help: Vec::new() }
+    }
+
+    /// Puts another remark at the place.
+    pub fn label(mut self, label: impl Into<String>) -> Self {
+        self.label = label.into();
+        self
     }
 
     pub fn help(mut self, help: impl Into<String>) -> Self {
@@ -57,7 +63,7 @@ impl Fault {
         match &self.title {
             Title::Text(text) => text.clone(),
             Title::Expected { what, field: None } => format!("expected {what}"),
-            Title::Expected { what, field: Some(field) } => format!("expected {what} for `{field}`"),
+            Title::Expected { what, field: Some(field) } => format!("`{field}`: expected {what}"),
         }
     }
 }
@@ -124,7 +130,12 @@ impl Faults {
     }
 
     /// The lines of a fault, and of the other place when that lies close by or further on.
-    fn snippet<'a>(&'a self, fault: &'a Fault, number: usize, line: Range<usize>) -> Snippet<'a, Annotation<'a>> {
+    fn snippet<'a>(
+        &'a self,
+        fault: &'a Fault,
+        number: usize,
+        line: Range<usize>,
+    ) -> Snippet<'a, Annotation<'a>> {
         let also = fault.also.as_ref().map(|(span, label)| (self.first_line_of(span), label));
         let (mut start, mut end, mut number) = (line.start, line.end, number);
         if let Some((span, _)) = &also {

@@ -2,7 +2,7 @@
 
 use super::fault::Fault;
 use super::node::{Content, Node};
-use super::suggest::{listed, nearest, shortened};
+use super::suggest::{either, listed, nearest, shortened};
 use std::collections::HashMap;
 
 /// The fields of one value. Ask for every field, then [`Fields::finish`] reports those that nobody asked for.
@@ -102,40 +102,41 @@ impl<'s> Fields<'s> {
         for (name, _) in self.entries.iter().filter(|(name, _)| !self.known.contains(name)) {
             let title = format!("{} has no field `{}`", self.what, shortened(name));
             let span = self.node.file.span_of(name);
-            let fault = suggestion(self.node, Fault::new, span, title, name, self.known.iter().copied());
-            let known = self.known.iter().copied();
-            self.node.fault(fault.help(format!("the fields of {} are {}", self.what, listed(known))));
+            let known = || self.known.iter().copied();
+            let fault = Fault::new(span, title, suggestion(self.node, name, known()));
+            self.node.fault(fault.help(format!("the fields of {} are {}", self.what, listed(known()))));
         }
     }
 }
 
-/// A fault whose label says which name may have been meant.
-fn suggestion<'n>(
-    node: Node<'_>,
-    make: impl FnOnce(std::ops::Range<usize>, String, String) -> Fault,
-    span: std::ops::Range<usize>,
-    title: String,
-    wrong: &str,
-    candidates: impl IntoIterator<Item = &'n str>,
-) -> Fault {
+/// Which name may have been meant.
+fn suggestion<'n>(node: Node<'_>, wrong: &str, candidates: impl IntoIterator<Item = &'n str>) -> String {
     // A file with this many faults needs something else than suggestions, which take their time.
     let meant = if node.file.fault_count() < 1000 { nearest(wrong, candidates) } else { None };
-    make(span, title, meant.map_or_else(|| "unknown".to_owned(), |name| format!("did you mean `{name}`?")))
+    meant.map_or_else(|| "unknown".to_owned(), |name| format!("did you mean `{}`?", shortened(name)))
 }
 
-/// Reports an unknown name at `node`, with the nearest of the known ones.
-pub fn unknown<'n, C>(node: Node<'_>, what: &str, wrong: &str, known: C)
+/// The fault of an unknown name at `node`, with the nearest of the known ones.
+pub fn unknown<'n>(
+    node: Node<'_>,
+    what: &str,
+    wrong: &str,
+    known: impl IntoIterator<Item = &'n str>,
+) -> Fault {
+    let title = format!("there is no {what} `{}`", shortened(wrong));
+    let span = if node.word().is_empty() { node.span() } else { node.head() };
+    Fault::new(span, title, suggestion(node, wrong, known))
+}
+
+/// Reports an unknown name together with all that are known.
+pub fn report_unknown<'n, C>(node: Node<'_>, what: &str, wrong: &str, known: C)
 where
     C: IntoIterator<Item = &'n str> + Clone,
 {
-    let title = format!("there is no {what} `{}`", shortened(wrong));
-    let span = if node.word().is_empty() { node.span() } else { node.head() };
-    let fault = suggestion(node, Fault::new, span, title, wrong, known.clone());
-    let help = match known.clone().into_iter().next() {
-        Some(_) => format!("known here: {}", listed(known)),
-        None => format!("the file has no {what}"),
-    };
-    node.fault(fault.help(help));
+    let all = listed(known.clone());
+    let help =
+        if all == "nothing" { format!("the file has no {what}") } else { format!("known here: {all}") };
+    node.fault(unknown(node, what, wrong, known).help(help));
 }
 
 /// Words of the notation itself.
@@ -204,34 +205,40 @@ fn entry_name(key: Node<'_>, what: &str) -> Option<String> {
     Some(name)
 }
 
+/// Words and the decoders of the values that start with them.
+pub type Variants<'s, T> = [(&'static str, fn(Node<'s>) -> Option<T>)];
+
 /// Decodes a value that starts with a word by the decoder of that word.
-pub fn variant<'s, T>(
-    node: Node<'s>,
-    what: &str,
-    table: &[(&'static str, fn(Node<'s>) -> Option<T>)],
-) -> Option<T> {
+pub fn variant<'s, T>(node: Node<'s>, what: &str, table: &Variants<'s, T>) -> Option<T> {
     let known = table.iter().map(|(name, _)| *name);
     if node.word().is_empty() || is_literal(node.word()) {
-        node.expected(format!("a {what}: one of {}", listed(known)));
+        report_no_word(node, known);
         return None;
     }
     let Some((_, decode)) = table.iter().find(|(name, _)| *name == node.word()) else {
-        unknown(node, what, node.word(), known.collect::<Vec<_>>());
+        report_unknown(node, what, node.word(), known.collect::<Vec<_>>());
         return None;
     };
     decode(node)
+}
+
+/// Reports a value where one of a few words was expected.
+fn report_no_word<'n>(node: Node<'_>, known: impl Iterator<Item = &'n str> + Clone) {
+    let fault = node.mismatch(either(known.clone()));
+    let quoted = node.is_text() && known.into_iter().any(|name| node.text().trim_matches('"') == name);
+    node.fault(if quoted { fault.help("write it without quotes") } else { fault });
 }
 
 /// Decodes a word that stands for a value.
 pub fn word<T: Copy>(node: Node<'_>, what: &str, table: &[(&'static str, T)]) -> Option<T> {
     let known = table.iter().map(|(name, _)| *name);
     let Some(word) = node.bare_word() else {
-        node.expected(format!("a {what}: {}", listed(known)));
+        report_no_word(node, known);
         return None;
     };
     let found = table.iter().find(|(name, _)| *name == word).map(|(_, value)| *value);
     if found.is_none() {
-        unknown(node, what, word, known.collect::<Vec<_>>());
+        report_unknown(node, what, word, known.collect::<Vec<_>>());
     }
     found
 }

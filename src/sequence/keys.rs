@@ -29,10 +29,7 @@ pub fn keyed<'s, T: Animate>(
     move |node| animated(node, &value)
 }
 
-fn animated<'s, T: Animate>(
-    node: Node<'s>,
-    value: &impl Fn(Node<'s>) -> Option<T>,
-) -> Option<Animated<T>> {
+fn animated<'s, T: Animate>(node: Node<'s>, value: &impl Fn(Node<'s>) -> Option<T>) -> Option<Animated<T>> {
     if node.opens_with('[') {
         let keys = read_keys(node, value, default_ease::<T>())?;
         return track(node, keys, Repeat::Hold, false);

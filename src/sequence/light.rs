@@ -10,7 +10,7 @@ use crate::light::{LightKind, LightTracks};
 
 /// One light.
 pub fn light(node: Node<'_>) -> Option<LightTracks> {
-    variant(node, "light", &[("Point", point)])
+    variant(node, "kind of light", &[("Point", point)])
 }
 
 fn point(node: Node<'_>) -> Option<LightTracks> {

@@ -56,7 +56,8 @@ pub fn material(node: Node<'_>) -> Option<Given> {
 impl Given {
     /// The material, with what is absent taken from the file's default material, then from Kinora's own.
     pub fn over(&self, default: &Self) -> MaterialTracks {
-        let pick = |own: fn(&Self) -> &Option<Animated<Rgb>>| own(self).clone().or_else(|| own(default).clone());
+        let pick =
+            |own: fn(&Self) -> &Option<Animated<Rgb>>| own(self).clone().or_else(|| own(default).clone());
         let strength = |own: fn(&Self) -> &Option<Animated<f64>>, otherwise: f64| {
             own(self).clone().or_else(|| own(default).clone()).unwrap_or(otherwise.into())
         };

@@ -19,6 +19,8 @@ mod path;
 mod shape;
 mod suggest;
 mod syntax;
+#[cfg(test)]
+mod tests;
 mod timeline;
 mod transform;
 mod values;

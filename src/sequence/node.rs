@@ -98,7 +98,11 @@ impl<'s> Node<'s> {
     /// The leading word or, without one, the opening bracket.
     pub fn head(&self) -> Range<usize> {
         let start = self.span().start;
-        let len = if self.word.is_empty() { self.text.chars().next().map_or(0, char::len_utf8) } else { self.word.len() };
+        let len = if self.word.is_empty() {
+            self.text.chars().next().map_or(0, char::len_utf8)
+        } else {
+            self.word.len()
+        };
         start..start + len
     }
 

@@ -1,7 +1,7 @@
 //! `objects`: shapes with a material, a place and a parent.
 
 use super::fault::Fault;
-use super::fields::{Entry, Fields, unknown};
+use super::fields::{Entry, Fields, report_unknown};
 use super::keys::keyed;
 use super::material::{Given, material};
 use super::node::Node;
@@ -58,7 +58,7 @@ impl<'n> Names<'n> {
         let name = text(node)?;
         let index = self.indices.get(name.as_str()).copied().filter(|_| !name.is_empty());
         if index.is_none() {
-            unknown(node, self.what, &name, self.in_order.iter().copied());
+            report_unknown(node, self.what, &name, self.in_order.iter().copied());
         }
         index
     }
@@ -71,9 +71,8 @@ pub fn object(node: Node<'_>, materials: &Names<'_>, objects: &Names<'_>) -> (Op
     let material = fields.or("material", |node| surface(node, materials), Surface::Default);
     let transform = transform(&mut fields);
     let visible = fields.or("visible", keyed(switch), true);
-    let parent = fields.optional("parent", |node| {
-        objects.index(node).map(|index| Parent { index, place: node.span() })
-    });
+    let parent = fields
+        .optional("parent", |node| objects.index(node).map(|index| Parent { index, place: node.span() }));
     fields.finish();
     let draft = || {
         let (Some(_), shape) = (&parent, shape?) else { return None };
@@ -89,7 +88,7 @@ fn surface(node: Node<'_>, materials: &Names<'_>) -> Option<Surface> {
     if node.opens_with('(') {
         return material(node).map(|given| Surface::Inline(Box::new(given)));
     }
-    let fault = node.mismatch("a material's name in quotes, or its fields in ( ),");
+    let fault = node.mismatch("a material's name in quotes, or its fields in ( )");
     node.fault(match node.bare_word() {
         Some(word) => fault.help(format!("write \"{}\"", super::suggest::shortened(word))),
         None => fault,

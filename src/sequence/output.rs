@@ -24,6 +24,8 @@ pub fn output(node: Node<'_>, name: &str, frames: u32) -> Option<OutputSettings>
 
 /// What a file without `output` gives.
 pub fn default_output(name: &str, frames: u32) -> OutputSettings {
+    // These characters would be a place for the frame number.
+    let name = name.replace(['#', '%'], "_");
     let mut files = vec![format!("output/{name}/frame_####.png")];
     if frames > 1 {
         files.push(format!("output/{name}.gif"));
@@ -62,7 +64,7 @@ fn file(node: Node<'_>, frames: u32) -> Option<String> {
 fn check_file(path: &str, frames: u32) -> Result<(), (&'static str, &'static str)> {
     let parts: Vec<_> = path.split(['/', '\\']).collect();
     let drive = parts[0].contains(':');
-    if drive || parts.iter().any(|part| *part == "..") || path.starts_with(['/', '\\']) {
+    if drive || parts.contains(&"..") || path.starts_with(['/', '\\']) {
         let help = "only `-o` on the command line may write outside of the working directory";
         return Err(("a relative path without `..`", help));
     }
@@ -73,6 +75,10 @@ fn check_file(path: &str, frames: u32) -> Result<(), (&'static str, &'static str
     let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
     match extension.to_ascii_lowercase().as_str() {
         _ if stem.is_empty() => {}
+        "gif" if has_frame_number(stem) => {
+            let what = "a GIF's name without a place for the frame number";
+            return Err((what, "one GIF holds all frames; leave `#` and `%d` out"));
+        }
         "gif" => return Ok(()),
         "png" if frames > 1 && !has_frame_number(stem) => {
             let what = "a file name with a place for the frame number";

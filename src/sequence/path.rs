@@ -2,7 +2,7 @@
 
 use super::easing::path_ease;
 use super::fault::Fault;
-use super::fields::{Fields, variant};
+use super::fields::{Fields, Variants, variant};
 use super::keys::keyed;
 use super::node::Node;
 use super::values::{angle, between, direction, field_of_view, list, number, positive, switch, vector};
@@ -19,7 +19,7 @@ pub fn path(node: Node<'_>) -> Option<Vec<Step>> {
 }
 
 fn step(node: Node<'_>) -> Option<Step> {
-    let table: &[(&str, fn(Node<'_>) -> Option<Step>)] =
+    let table: &Variants<'_, Step> =
         &[("Orbit", orbit), ("Zoom", zoom), ("Dolly", dolly), ("Keys", keys), ("Spline", spline)];
     variant(node, "path step", table)
 }
@@ -71,7 +71,8 @@ fn zoom(node: Node<'_>) -> Option<Step> {
             node.fault(fault.also(fields.place(first), "the zoom is already given here"));
         }
     }
-    let fov = fields.optional("fov", keyed(|node| field_of_view(node).map(|fov| LogScale(fov.half_tangent()))));
+    let fov =
+        fields.optional("fov", keyed(|node| field_of_view(node).map(|fov| LogScale(fov.half_tangent()))));
     let scale = |node| positive(node).map(LogScale);
     let factor = fields.optional("factor", keyed(scale));
     let distance = fields.optional("distance", keyed(scale));

@@ -1,7 +1,7 @@
 //! `shape`: one decoder per shape, and the list of them. Degenerate shapes are refused.
 
 use super::fault::Fault;
-use super::fields::{Fields, variant};
+use super::fields::{Fields, Variants, variant};
 use super::node::Node;
 use super::values::{positive, unit_vector, vector};
 use crate::math::DVec3;
@@ -9,7 +9,7 @@ use crate::shape::{Cuboid, Disk, Plane, Rectangle, Shape, Sphere, Triangle};
 
 /// Every shape of the file format.
 pub fn shape(node: Node<'_>) -> Option<Shape> {
-    let table: &[(&str, fn(Node<'_>) -> Option<Shape>)] = &[
+    let table: &Variants<'_, Shape> = &[
         ("Sphere", sphere),
         ("Plane", plane),
         ("Rectangle", rectangle),

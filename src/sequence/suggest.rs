@@ -14,23 +14,32 @@ pub fn nearest<'n>(wrong: &str, candidates: impl IntoIterator<Item = &'n str>) -
         .into_iter()
         .take(COMPARED)
         .filter(|name| name.len() <= 120)
-        .map(|name| (distance(&lower, &name.to_lowercase()), name))
-        .filter(|(distance, _)| *distance <= allowed)
-        .min_by_key(|(distance, _)| *distance)
-        .map(|(_, name)| name)
+        .map(|name| (distance(&lower, &name.to_lowercase()), name.len().abs_diff(wrong.len()), name))
+        .filter(|(distance, ..)| *distance <= allowed)
+        .min_by_key(|(distance, longer, _)| (*distance, *longer))
+        .map(|(.., name)| name)
 }
 
-/// Edits between two names, where one that goes on after the other counts as near.
+/// Edits between two names, where one that only has more in front or behind counts as near.
 fn distance(a: &str, b: &str) -> usize {
     let (short, long) = if a.len() < b.len() { (a, b) } else { (b, a) };
-    if short.len() >= 3 && long.starts_with(short) {
-        return 1;
+    if short.len() >= 3 && (long.starts_with(short) || long.ends_with(short)) {
+        return 1 + (long.len() - short.len()) / 8;
     }
     strsim::damerau_levenshtein(a, b)
 }
 
 /// "`a`, `b` and `c`"; cut short when there are many.
 pub fn listed<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
+    joined(names, "and")
+}
+
+/// "`a`, `b` or `c`"
+pub fn either<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
+    joined(names, "or")
+}
+
+fn joined<'n>(names: impl IntoIterator<Item = &'n str>, word: &str) -> String {
     const MOST: usize = 16;
     let mut names = names.into_iter();
     let shown: Vec<_> = names.by_ref().take(MOST).map(|name| format!("`{}`", shortened(name))).collect();
@@ -38,7 +47,7 @@ pub fn listed<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
     match (shown.split_last(), more) {
         (None, _) => "nothing".to_owned(),
         (Some((last, [])), 0) => last.clone(),
-        (Some((last, rest)), 0) => format!("{} and {last}", rest.join(", ")),
+        (Some((last, rest)), 0) => format!("{} {word} {last}", rest.join(", ")),
         (Some(_), more) => format!("{} and {more} more", shown.join(", ")),
     }
 }
@@ -57,13 +66,14 @@ mod tests {
 
     #[test]
     fn finds_slips_and_nothing_else() {
-        let names = ["radius", "center", "material", "Sphere", "InOutQuad", "fov"];
+        let names = ["radius", "center", "material", "Sphere", "EaseIn", "InOutQuad", "fov"];
         let near = |wrong| nearest(wrong, names);
         assert_eq!(near("raduis"), Some("radius"));
         assert_eq!(near("centre"), Some("center"));
         assert_eq!(near("sphere"), Some("Sphere"));
         assert_eq!(near("mat"), Some("material"));
         assert_eq!(near("fow"), Some("fov"));
+        assert_eq!(near("EaseInOutQuad"), Some("InOutQuad"));
         assert_eq!(near("torus"), None);
         assert_eq!(near(""), None);
     }

@@ -8,7 +8,8 @@ use std::ops::Range;
 /// What keeps the text from being RON. Empty if it is.
 pub fn faults(text: &str) -> Vec<Fault> {
     if let Some((at, '#')) = Symbols::new(text).next() {
-        let fault = Fault::new(at..at + 1, "attributes such as `#![enable(...)]` are not supported", "remove this");
+        let fault =
+            Fault::new(at..at + 1, "attributes such as `#![enable(...)]` are not supported", "remove this");
         return vec![fault];
     }
     if Symbols::new(text).next().is_none() && unclosed(text).is_none() {
@@ -19,15 +20,15 @@ pub fn faults(text: &str) -> Vec<Fault> {
     if let Some(fault) = unclosed(text) {
         return vec![fault];
     }
-    let brackets = unbalanced(text);
-    match translated(text, &error, offset(text, position)) {
-        // A missing bracket is what makes a file end too early.
-        Some(fault) if brackets.as_ref().is_none_or(|bracket| bracket.1 > fault.span.start) => {
-            // What goes wrong before the brackets do comes first; both are worth knowing.
-            [Some(fault), brackets.map(|(fault, _)| fault)].into_iter().flatten().collect()
-        }
-        _ => brackets.map(|(fault, _)| fault).into_iter().collect(),
+    let notation = translated(text, &error, offset(text, position));
+    let (bracket, opened) = unbalanced(text).unzip();
+    // What goes wrong inside a bracket that is not closed follows from that.
+    let notation = notation.filter(|fault| opened.is_none_or(|opened| fault.span.start < opened));
+    if bracket.is_none() && notation.is_none() {
+        let end = text.trim_end().len();
+        return vec![Fault::new(end..end, "the file ends too early", "expected more here")];
     }
+    [notation, bracket].into_iter().flatten().collect()
 }
 
 /// Reads through the text without keeping anything.
@@ -80,7 +81,9 @@ impl<'s> Symbols<'s> {
             let rest = &self.text[self.at..];
             let (open, close) = (rest.find("/*"), rest.find("*/"));
             match (open, close) {
-                (Some(open), Some(close)) if open < close => (self.at, depth) = (self.at + open + 2, depth + 1),
+                (Some(open), Some(close)) if open < close => {
+                    (self.at, depth) = (self.at + open + 2, depth + 1)
+                }
                 (_, Some(close)) => (self.at, depth) = (self.at + close + 2, depth - 1),
                 (_, None) => {
                     self.at = self.text.len();
@@ -166,7 +169,7 @@ fn unclosed(text: &str) -> Option<Fault> {
     Some(Fault::new(span, format!("this {kind} has no end"), format!("needs a closing `{end}`")))
 }
 
-/// The first bracket that has no partner or a wrong one, and the place where that shows.
+/// The first bracket that has no partner or a wrong one, and where the unclosed one opens.
 fn unbalanced(text: &str) -> Option<(Fault, usize)> {
     let mut open: Vec<(usize, char)> = Vec::new();
     for (at, c) in Symbols::new(text) {
@@ -177,13 +180,17 @@ fn unbalanced(text: &str) -> Option<(Fault, usize)> {
             ')' | ']' | '}' => match open.pop() {
                 Some((_, expected)) if expected == c => {}
                 Some((start, expected)) => {
-                    let title = format!("expected `{expected}`, found `{c}`");
-                    let fault = Fault::new(at..at + 1, title, format!("expected `{expected}` before this"));
-                    return Some((fault.also(start..start + 1, "this bracket is not closed"), at));
+                    let title = format!("`{c}` does not match the bracket that is open");
+                    let label = format!("expected `{expected}`; a bracket is missing, or one too many");
+                    let fault = Fault::new(at..at + 1, title, label);
+                    return Some((fault.also(start..start + 1, "opened here"), start));
                 }
                 None => {
                     let label = "closes nothing";
-                    return Some((Fault::new(at..at + 1, format!("`{c}` without an opening bracket"), label), at));
+                    return Some((
+                        Fault::new(at..at + 1, format!("`{c}` without an opening bracket"), label),
+                        at,
+                    ));
                 }
             },
             _ => {}
@@ -191,7 +198,7 @@ fn unbalanced(text: &str) -> Option<(Fault, usize)> {
     }
     let (start, expected) = open.pop()?;
     let fault = Fault::new(start..start + 1, "this bracket is never closed", format!("needs a `{expected}`"));
-    Some((fault, text.len()))
+    Some((fault, start))
 }
 
 /// ron's error in words, at the place it is about. None if a missing bracket says it better.
@@ -205,14 +212,18 @@ fn translated(text: &str, error: &Error, at: usize) -> Option<Fault> {
             "this is nested too deeply",
             "brackets may stand about 60 deep; a sequence needs less than 10",
         ),
-        Error::TrailingCharacters => fault("the file goes on after its closing bracket", "nothing may follow"),
+        Error::TrailingCharacters => {
+            fault("the file goes on after its closing bracket", "nothing may follow")
+        }
         Error::ExpectedIdentifier | Error::InvalidIdentifier(_) | Error::SuggestRawIdentifier(_) => {
             fault("expected a field's name", "fields are written `name: value`")
         }
-        Error::InvalidEscape(what) => Some(
-            Fault::new(here, "this text has a wrong escape", (*what).to_owned())
-                .help("in paths write / instead of \\"),
-        ),
+        Error::InvalidEscape(_) => {
+            let start = text[..at].rfind('\\').unwrap_or(here.start);
+            let title = "this text has a wrong escape";
+            let fault = Fault::new(start..at.max(start), title, "\\ stands for a special character");
+            Some(fault.help("in paths write / instead of \\"))
+        }
         Error::IntegerOutOfBounds
         | Error::InvalidIntegerDigit { .. }
         | Error::UnderscoreAtBeginning
@@ -221,7 +232,9 @@ fn translated(text: &str, error: &Error, at: usize) -> Option<Fault> {
         | Error::ExpectedInteger => fault("this is not a number", "write numbers like 2, -0.5 or 1.5e-3"),
         _ if found == "=" => fault("a value follows `:`, not `=`", "write `:` here"),
         _ if found == ";" => fault("values are separated by commas", "write `,` here"),
-        Error::ExpectedMapColon => fault("expected `:` between a name and its value", "a `:` belongs before this"),
+        Error::ExpectedMapColon => {
+            fault("expected `:` between a name and its value", "a `:` belongs before this")
+        }
         Error::ExpectedComma => Some(missing_comma(text, here, &found)),
         Error::UnexpectedChar(_) => {
             let title = format!("`{}` is not understood here", super::suggest::shortened(&found));

@@ -1,7 +1,7 @@
 //! `translation`, `rotation`, `scale` and `pivot` of an object.
 
 use super::fault::Fault;
-use super::fields::{Fields, variant};
+use super::fields::{Fields, Variants, variant};
 use super::keys::keyed;
 use super::node::{Content, Node};
 use super::values::{angle, direction, each, number, tuple, vector};
@@ -36,14 +36,14 @@ fn factors(node: Node<'_>) -> Option<DVec3> {
         return vector(node);
     }
     if node.opens_with('{') || node.opens_with('[') || !node.word().is_empty() || node.is_text() {
-        node.expected("a factor, or one per axis (x, y, z),");
+        node.expected("a factor, or one for each axis (x, y, z)");
         return None;
     }
     number(node).map(DVec3::splat)
 }
 
 fn rotation(node: Node<'_>) -> Option<Rotation> {
-    let table: &[(&str, fn(Node<'_>) -> Option<Rotation>)] =
+    let table: &Variants<'_, Rotation> =
         &[("AxisAngle", axis_angle), ("Euler", euler), ("Quaternion", quaternion)];
     variant(node, "rotation", table)
 }
@@ -66,7 +66,9 @@ fn euler(node: Node<'_>) -> Option<Rotation> {
 /// `Quaternion((x, y, z, w))`, or keys of such tuples in its parentheses.
 fn quaternion(node: Node<'_>) -> Option<Rotation> {
     match node.content()? {
-        Content::Tuple(items) if items.len() == 1 => keyed(unit_quaternion)(items[0]).map(Rotation::Quaternion),
+        Content::Tuple(items) if items.len() == 1 => {
+            keyed(unit_quaternion)(items[0]).map(Rotation::Quaternion)
+        }
         _ => {
             node.expected("Quaternion((x, y, z, w)) or Quaternion([keys])");
             None
@@ -78,8 +80,8 @@ fn unit_quaternion(node: Node<'_>) -> Option<DQuat> {
     let parts = each(tuple(node, "four numbers (x, y, z, w)")?, number)?;
     let largest = parts.iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
     if largest == 0.0 {
-        let fault = node.mismatch("a quaternion (x, y, z, w) other than zero");
-        node.fault(fault.help("no rotation is (0, 0, 0, 1)"));
+        let fault = node.mismatch("a quaternion (x, y, z, w)").label("is zero, which is no rotation");
+        node.fault(fault.help("(0, 0, 0, 1) turns nothing"));
         return None;
     }
     // Scaled first, so that neither tiny nor huge ones under- or overflow.

@@ -125,8 +125,8 @@ pub fn each<'s, T, const N: usize>(
     nodes: [Node<'s>; N],
     decode: impl Fn(Node<'s>) -> Option<T>,
 ) -> Option<[T; N]> {
-    let values = nodes.map(decode);
-    values.iter().all(Option::is_some).then(|| values.map(|value| value.expect("checked above")))
+    let values: Option<Vec<T>> = nodes.map(decode).into_iter().collect();
+    values?.try_into().ok()
 }
 
 /// `(x, y, z)`
@@ -144,7 +144,7 @@ pub fn direction(node: Node<'_>) -> Option<DVec3> {
     if value.length() >= SHORTEST {
         return Some(value);
     }
-    node.fault(node.mismatch("a direction (x, y, z)").help("a vector of length 0 points nowhere"));
+    node.fault(node.mismatch("a direction (x, y, z)").label("has no length, so it points nowhere"));
     None
 }
 
@@ -161,7 +161,7 @@ pub fn angle(node: Node<'_>) -> Option<Angle> {
 /// A vertical field of view.
 pub fn field_of_view(node: Node<'_>) -> Option<Angle> {
     let what = "an angle above 0 and below 180 degrees";
-    number_where(node, what, |value| value >= 1e-6 && value < 180.0).map(Angle)
+    number_where(node, what, |value| (1e-6..180.0).contains(&value)).map(Angle)
 }
 
 /// `true` or `false`
@@ -197,11 +197,7 @@ pub fn text(node: Node<'_>) -> Option<String> {
 }
 
 /// A list of values that are decoded one by one; none if any of them is wrong.
-pub fn list<'s, T>(
-    node: Node<'s>,
-    what: &str,
-    decode: impl Fn(Node<'s>) -> Option<T>,
-) -> Option<Vec<T>> {
+pub fn list<'s, T>(node: Node<'s>, what: &str, decode: impl Fn(Node<'s>) -> Option<T>) -> Option<Vec<T>> {
     let items = match node.content()? {
         Content::List(items) if node.word().is_empty() => items,
         _ => {
