@@ -301,3 +301,26 @@ proptest! {
         }
     }
 }
+
+/// The examples of the format's description work as they stand.
+#[test]
+fn examples_of_the_description_are_valid() {
+    let description = include_str!("../../sequences/README.md");
+    let blocks: Vec<&str> =
+        description.split("```ron\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    assert!(blocks.len() >= 8, "{} examples", blocks.len());
+    for block in blocks {
+        if block.starts_with("intensity") {
+            // One field written in several ways.
+            let ways = block.replace("intensity:", "}, \"x\": {intensity:");
+            let lights = ways.split("}, \"x\": {").skip(1);
+            for light in lights {
+                read(&format!("(lights: {{ \"l\": Point(position: (1, 2, 3), {light}) }})"));
+            }
+        } else if block.starts_with('(') {
+            read(block);
+        } else {
+            read(&format!("({block})"));
+        }
+    }
+}
