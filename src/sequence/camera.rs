@@ -1,10 +1,11 @@
 //! `camera` and `cameras`: where the picture is taken from.
 
-use super::fields::{Fields, Variants, variant};
+use super::fields::Fields;
 use super::keys::keyed;
 use super::node::Node;
 use super::path::path;
 use super::values::{angle, direction, field_of_view, positive, vector};
+use super::words::{Variants, variant};
 use crate::camera_path::{CameraTracks, Lens};
 use crate::math::{Angle, DVec3};
 

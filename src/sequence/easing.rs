@@ -1,8 +1,8 @@
 //! Easings by their names, and Bézier curves by their control points.
 
-use super::fields::unknown;
 use super::node::Node;
 use super::values::{each, number, tuple};
+use super::words::unknown;
 use crate::track::Ease;
 
 const ALL: &str = "easings are Linear, Smooth, Smoother, Step, CatmullRom, Ease, EaseIn, EaseOut, EaseInOut, \

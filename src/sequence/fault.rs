@@ -82,6 +82,9 @@ const SHOWN: usize = 100;
 /// Lines longer than this are not quoted.
 const LONGEST_LINE: usize = 10_000;
 
+/// Two places farther apart than this many bytes are not quoted together.
+const FARTHEST: usize = 100_000;
+
 impl Faults {
     pub(super) fn new(name: &str, source: &str, mut faults: Vec<Fault>) -> Self {
         faults.sort_by_key(|fault| (fault.span.start, fault.span.end));
@@ -136,7 +139,9 @@ impl Faults {
         number: usize,
         line: Range<usize>,
     ) -> Snippet<'a, Annotation<'a>> {
-        let also = fault.also.as_ref().map(|(span, label)| (self.first_line_of(span), label));
+        let near = |span: &Range<usize>| span.start.abs_diff(fault.span.start) <= FARTHEST;
+        let also = fault.also.as_ref().filter(|(span, _)| near(span));
+        let also = also.map(|(span, label)| (self.first_line_of(span), label));
         let (mut start, mut end, mut number) = (line.start, line.end, number);
         if let Some((span, _)) = &also {
             let other = line_around(&self.source, span.start);

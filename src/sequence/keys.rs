@@ -2,9 +2,10 @@
 
 use super::easing::ease;
 use super::fault::Fault;
-use super::fields::{Fields, word};
+use super::fields::Fields;
 use super::node::{Content, Node};
 use super::values::{exact_number, switch};
+use super::words::word;
 use crate::time::{Rate, Time};
 use crate::track::{Animate, Animated, Ease, Key, Modes, Repeat, Track};
 

@@ -1,10 +1,11 @@
 //! `lights`: what shines.
 
 use super::colors::color;
-use super::fields::{Fields, variant};
+use super::fields::Fields;
 use super::keys::keyed;
 use super::node::Node;
 use super::values::{not_negative, switch, vector};
+use super::words::variant;
 use crate::color::Rgb;
 use crate::light::{LightKind, LightTracks};
 

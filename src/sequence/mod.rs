@@ -9,21 +9,25 @@ mod easing;
 mod fault;
 mod fields;
 mod keys;
+mod level;
 mod light;
 mod load;
 mod material;
+mod names;
 mod node;
 mod object;
 mod output;
 mod path;
 mod shape;
 mod suggest;
+mod symbols;
 mod syntax;
 #[cfg(test)]
 mod tests;
 mod timeline;
 mod transform;
 mod values;
+mod words;
 
 pub use fault::Faults;
 pub use load::{LoadError, load, parse};

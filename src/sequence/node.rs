@@ -5,11 +5,11 @@
 
 use super::fault::Fault;
 use super::keys::KeyClock;
+use super::level::{Entries, Parts, Raw};
 use super::suggest::shortened;
 use ron::value::RawValue;
-use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, IgnoredAny};
 use std::cell::{Cell, RefCell};
-use std::fmt;
 use std::ops::Range;
 
 /// The file that is read, what is wrong with it so far, and what its key times mean.
@@ -234,59 +234,4 @@ fn split_word(text: &str) -> (&str, &str) {
     }
     let rest = ron::Deserializer::from_str(rest).map_or(rest, |reader| reader.remainder());
     (word, if rest.starts_with('(') { rest } else { "" })
-}
-
-enum Raw<'s> {
-    Fields(Vec<(&'s str, &'s RawValue)>),
-    Items(Vec<&'s RawValue>),
-}
-
-/// Reads parentheses and lists.
-struct Parts;
-
-impl<'s> Visitor<'s> for Parts {
-    type Value = Raw<'s>;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("values in parentheses or a list")
-    }
-
-    fn visit_unit<E>(self) -> Result<Self::Value, E> {
-        Ok(Raw::Items(Vec::new()))
-    }
-
-    fn visit_seq<A: SeqAccess<'s>>(self, mut items: A) -> Result<Self::Value, A::Error> {
-        let mut all = Vec::new();
-        while let Some(item) = items.next_element()? {
-            all.push(item);
-        }
-        Ok(Raw::Items(all))
-    }
-
-    fn visit_map<A: MapAccess<'s>>(self, mut fields: A) -> Result<Self::Value, A::Error> {
-        let mut all = Vec::new();
-        while let Some(field) = fields.next_entry()? {
-            all.push(field);
-        }
-        Ok(Raw::Fields(all))
-    }
-}
-
-/// Reads maps, whose keys are values themselves.
-struct Entries;
-
-impl<'s> Visitor<'s> for Entries {
-    type Value = Vec<(&'s RawValue, &'s RawValue)>;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a map")
-    }
-
-    fn visit_map<A: MapAccess<'s>>(self, mut entries: A) -> Result<Self::Value, A::Error> {
-        let mut all = Vec::new();
-        while let Some(entry) = entries.next_entry()? {
-            all.push(entry);
-        }
-        Ok(all)
-    }
 }

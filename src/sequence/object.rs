@@ -1,17 +1,17 @@
 //! `objects`: shapes with a material, a place and a parent.
 
 use super::fault::Fault;
-use super::fields::{Entry, Fields, report_unknown};
+use super::fields::Fields;
 use super::keys::keyed;
 use super::material::{Given, material};
+use super::names::{Entry, Names};
 use super::node::Node;
 use super::shape::shape;
 use super::transform::transform;
-use super::values::{switch, text};
+use super::values::switch;
 use crate::shape::Shape;
 use crate::track::Animated;
 use crate::transform::TransformTracks;
-use std::collections::HashMap;
 use std::ops::Range;
 
 /// An object whose material is not yet an index.
@@ -35,33 +35,6 @@ pub enum Surface {
 pub struct Parent {
     pub index: usize,
     pub place: Range<usize>,
-}
-
-/// Names that can be referred to, each with its index.
-pub struct Names<'n> {
-    what: &'static str,
-    in_order: Vec<&'n str>,
-    indices: HashMap<&'n str, usize>,
-}
-
-impl<'n> Names<'n> {
-    pub fn new(what: &'static str, entries: &'n [Entry<'_>]) -> Self {
-        let in_order: Vec<&str> = entries.iter().map(|entry| entry.name.as_str()).collect();
-        let indices = in_order.iter().enumerate().map(|(index, name)| (*name, index)).collect();
-        // An entry whose own name is wrong is read under an empty one.
-        let in_order = in_order.into_iter().filter(|name| !name.is_empty()).collect();
-        Self { what, in_order, indices }
-    }
-
-    /// The index of the name in quotes at `node`.
-    pub fn index(&self, node: Node<'_>) -> Option<usize> {
-        let name = text(node)?;
-        let index = self.indices.get(name.as_str()).copied().filter(|_| !name.is_empty());
-        if index.is_none() {
-            report_unknown(node, self.what, &name, self.in_order.iter().copied());
-        }
-        index
-    }
 }
 
 /// One object, and the parent it names. The parent is known even if something else is wrong.

@@ -2,10 +2,11 @@
 
 use super::easing::path_ease;
 use super::fault::Fault;
-use super::fields::{Fields, Variants, variant};
+use super::fields::Fields;
 use super::keys::keyed;
 use super::node::Node;
 use super::values::{angle, between, direction, field_of_view, list, number, positive, switch, vector};
+use super::words::{Variants, variant};
 use crate::camera_path::{Aim, Dolly, Keys, Orbit, SplinePath, Step, Zoom, ZoomBy};
 use crate::math::DVec3;
 use crate::track::{Animated, Ease, LogScale};

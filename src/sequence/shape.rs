@@ -1,9 +1,10 @@
 //! `shape`: one decoder per shape, and the list of them. Degenerate shapes are refused.
 
 use super::fault::Fault;
-use super::fields::{Fields, Variants, variant};
+use super::fields::Fields;
 use super::node::Node;
 use super::values::{positive, unit_vector, vector};
+use super::words::{Variants, variant};
 use crate::math::DVec3;
 use crate::shape::{Cuboid, Disk, Plane, Rectangle, Shape, Sphere, Triangle};
 

@@ -2,10 +2,11 @@
 
 use super::decimal::exact;
 use super::fault::Fault;
-use super::fields::{Fields, word};
+use super::fields::Fields;
 use super::keys::KeyClock;
 use super::node::Node;
 use super::values::{each, exact_number, text, tuple, whole};
+use super::words::word;
 use crate::time::{Rate, Time, Timeline};
 
 /// Frames in a sequence, at most.

@@ -1,10 +1,11 @@
 //! `translation`, `rotation`, `scale` and `pivot` of an object.
 
 use super::fault::Fault;
-use super::fields::{Fields, Variants, variant};
+use super::fields::Fields;
 use super::keys::keyed;
 use super::node::{Content, Node};
 use super::values::{angle, direction, each, number, tuple, vector};
+use super::words::{Variants, variant};
 use crate::math::{Angle, DQuat, DVec3};
 use crate::track::Animated;
 use crate::transform::{Rotation, TransformTracks};

@@ -2,8 +2,8 @@
 
 use super::decimal::{NotExact, exact, is_decimal};
 use super::fault::Fault;
-use super::fields::word;
 use super::node::{Content, Node};
+use super::words::word;
 use crate::math::{Angle, DVec3};
 use crate::time::Time;
 use std::ops::RangeInclusive;
