@@ -1,5 +1,37 @@
 //! The sequence: what a file says, resolved and checked. No names to look up, no defaults left.
 
+mod camera;
+mod check;
+mod colors;
+mod decimal;
+mod document;
+mod easing;
+mod fault;
+mod fields;
+mod keys;
+mod level;
+mod light;
+mod load;
+mod material;
+mod names;
+mod node;
+mod object;
+mod output;
+mod path;
+mod shape;
+mod suggest;
+mod symbols;
+mod syntax;
+#[cfg(test)]
+mod tests;
+mod timeline;
+mod transform;
+mod values;
+mod words;
+
+pub use fault::Faults;
+pub use load::{LoadError, load, parse};
+
 use crate::camera_path::CameraTracks;
 use crate::color::Rgb;
 use crate::light::LightTracks;

@@ -1,0 +1,50 @@
+//! Colours, in every way a file may write them.
+
+use super::node::Node;
+use super::values::{between, each, not_negative, number, text, tuple};
+use crate::color::{Rgb, srgb_to_linear};
+
+const WAYS: &str =
+    "colours are (r, g, b), one number for grey, \"#rrggbb\", Srgb(r, g, b) or Linear8(r, g, b)";
+
+/// A linear colour without negative parts.
+pub fn color(node: Node<'_>) -> Option<Rgb> {
+    match node.word() {
+        "Srgb" => codes(node, "Srgb(r, g, b) with three numbers from 0 to 255", srgb_to_linear),
+        "Linear8" => codes(node, "Linear8(r, g, b) with three numbers from 0 to 255", |shown| shown),
+        "" if node.is_text() => hex(node),
+        "" if node.opens_with('(') => {
+            let parts = each(tuple(node, "a colour (red, green, blue)")?, not_negative)?;
+            Some(Rgb::from_array(parts.map(|part| part as f32)))
+        }
+        "" if !node.opens_with('[') && !node.opens_with('{') => {
+            number(node).and_then(|_| not_negative(node)).map(|grey| Rgb::splat(grey as f32))
+        }
+        _ => {
+            node.fault(node.mismatch("a colour").help(WAYS));
+            None
+        }
+    }
+}
+
+/// Three codes of 0..=255, brought to 0..=1 and decoded.
+fn codes(node: Node<'_>, what: &str, decode: impl Fn(f64) -> f64) -> Option<Rgb> {
+    let parts = each(tuple(node, what)?, between(0.0..=255.0))?;
+    Some(Rgb::from_array(parts.map(|code| decode(code / 255.0) as f32)))
+}
+
+/// `"#rrggbb"` or `"#rgb"`, in sRGB.
+fn hex(node: Node<'_>) -> Option<Rgb> {
+    let text = text(node)?;
+    let digits: Option<Vec<u32>> =
+        text.strip_prefix('#').and_then(|digits| digits.chars().map(|digit| digit.to_digit(16)).collect());
+    let codes = match digits.as_deref() {
+        Some(&[r, g, b]) => [r * 17, g * 17, b * 17],
+        Some(&[r, rr, g, gg, b, bb]) => [r * 16 + rr, g * 16 + gg, b * 16 + bb],
+        _ => {
+            node.fault(node.mismatch("a colour such as \"#ff8800\" or \"#f80\"").help(WAYS));
+            return None;
+        }
+    };
+    Some(Rgb::from_array(codes.map(|code| srgb_to_linear(f64::from(code) / 255.0) as f32)))
+}

@@ -1,0 +1,104 @@
+//! Decimal numbers as exact fractions.
+
+use crate::time::Time;
+
+/// Why a text is no exact number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotExact {
+    /// It is no decimal number at all.
+    NotDecimal,
+    /// It has more decimal places than allowed.
+    TooFine,
+    TooLarge,
+}
+
+/// More digits than any limit lets through; they fit an `i128`.
+const MOST_DIGITS: usize = 30;
+
+/// `2.5` as 5/2; `2.5e-3` likewise. At most `places` decimal places count, trailing zeros aside.
+pub fn exact(text: &str, places: u32) -> Result<Time, NotExact> {
+    let (negative, digits, exponent) = parts(text).ok_or(NotExact::NotDecimal)?;
+    let significant = digits.trim_start_matches('0');
+    let trimmed = significant.trim_end_matches('0');
+    if trimmed.is_empty() {
+        return Ok(Time::from_integer(0));
+    }
+    // The value is `trimmed` · 10^exponent.
+    let exponent = exponent.saturating_add((significant.len() - trimmed.len()) as i64);
+    if exponent < -i64::from(places) {
+        return Err(NotExact::TooFine);
+    }
+    if exponent > MOST_DIGITS as i64 || trimmed.len() + exponent.max(0) as usize > MOST_DIGITS {
+        return Err(NotExact::TooLarge);
+    }
+    let whole: i128 = trimmed.parse().map_err(|_| NotExact::TooLarge)?;
+    let whole = if negative { -whole } else { whole };
+    let power = 10i128.pow(exponent.unsigned_abs() as u32);
+    Ok(if exponent < 0 { Time::new(whole, power) } else { Time::from_integer(whole * power) })
+}
+
+/// The sign, all digits, and the power of ten that they count.
+fn parts(text: &str) -> Option<(bool, String, i64)> {
+    let text = text.replace('_', "");
+    let (negative, rest) = match text.strip_prefix('-') {
+        Some(rest) => (true, rest),
+        None => (false, text.strip_prefix('+').unwrap_or(&text)),
+    };
+    let (mantissa, exponent) = match rest.split_once(['e', 'E']) {
+        Some((mantissa, exponent)) => (mantissa, power_of_ten(exponent)?),
+        None => (rest, 0),
+    };
+    let (whole, part) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    let digits = format!("{whole}{part}");
+    let good = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
+    good.then(|| (negative, digits, exponent.saturating_sub(part.len() as i64)))
+}
+
+/// An exponent; one beyond all limits stays beyond them.
+fn power_of_ten(text: &str) -> Option<i64> {
+    let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
+    if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
+        return None;
+    }
+    let size = digits.parse::<i64>().unwrap_or(i64::MAX / 4).min(i64::MAX / 4);
+    Some(if text.starts_with('-') { -size } else { size })
+}
+
+/// Whether the text is a decimal number of any size.
+pub fn is_decimal(text: &str) -> bool {
+    parts(text).is_some()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_are_exact() {
+        for (text, num, den) in [
+            ("2.5", 5, 2),
+            ("29.97", 2997, 100),
+            ("-0.1", -1, 10),
+            ("1e3", 1000, 1),
+            ("2.50e-1", 1, 4),
+            ("1_000", 1000, 1),
+            (".5", 1, 2),
+            ("5.", 5, 1),
+            ("0.000", 0, 1),
+            ("1.000000000000000000000", 1, 1),
+        ] {
+            assert_eq!(exact(text, 9), Ok(Time::new(num, den)), "{text}");
+        }
+    }
+
+    #[test]
+    fn limits_hold() {
+        assert_eq!(exact("0.0000000001", 9), Err(NotExact::TooFine));
+        assert_eq!(exact("1e-99999999999999999999", 9), Err(NotExact::TooFine));
+        assert_eq!(exact("1e99999999999999999999", 9), Err(NotExact::TooLarge));
+        assert_eq!(exact("1e31", 9), Err(NotExact::TooLarge));
+        for text in ["", "-", "1.2.3", "0x10", "1e", "NaN", "inf", "1u8"] {
+            assert_eq!(exact(text, 9), Err(NotExact::NotDecimal), "{text}");
+        }
+    }
+}

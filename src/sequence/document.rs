@@ -1,0 +1,168 @@
+//! The whole file: its sections, and the names between them.
+
+use super::camera::{camera, default_camera};
+use super::check::report_blind_cameras;
+use super::colors::color;
+use super::fault::Fault;
+use super::fields::Fields;
+use super::keys::keyed;
+use super::light::light;
+use super::material::{Given, material};
+use super::names::{Entry, Names, entries};
+use super::node::Node;
+use super::object::{Draft, Parent, Surface, object, report_circles};
+use super::output::{DEFAULT_QUALITY, default_output, output, quality};
+use super::timeline::{still, timeline};
+use super::{Named, Object, Sequence};
+use crate::camera_path::CameraTracks;
+use crate::color::Rgb;
+use crate::light::LightTracks;
+use crate::material::MaterialTracks;
+use crate::track::Animated;
+use std::ops::Range;
+
+/// Reads a sequence called `name`. None if anything is wrong, all of which is then reported.
+pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
+    if !root.word().is_empty() {
+        let title = format!("expected ( ... ) around the whole file, without `{}` in front", root.word());
+        root.fault(Fault::new(root.head(), title, "remove this word"));
+    }
+    let mut fields = Fields::of(root, "the sequence")?;
+    // First, for it says what the times of keys mean.
+    let timeline = fields.or("timeline", timeline, still());
+    let frames = timeline.map_or(1, |timeline| timeline.frames);
+    let output = fields.or("output", |node| output(node, name, frames), default_output(name, frames));
+    let quality = fields.or("quality", quality, DEFAULT_QUALITY);
+    let background = fields.or("background", keyed(color), Rgb::ZERO);
+    let ambient = fields.or("ambient", keyed(color), Rgb::ONE);
+    let cameras = cameras(&mut fields);
+    let lights = fields.or("lights", lights, Vec::new());
+    let scene = scene(&mut fields);
+    fields.finish();
+    let (timeline, cameras, (materials, objects)) = (timeline?, cameras?, scene?);
+    let Cameras { list, active, places } = cameras;
+    report_blind_cameras(root.file, &timeline, &list, &active, &places);
+    Some(Sequence {
+        name: name.to_owned(),
+        timeline,
+        output: output?,
+        quality: quality?,
+        background: background?,
+        ambient: ambient?,
+        cameras: list,
+        active_camera: active,
+        lights: lights?,
+        materials,
+        objects,
+    })
+}
+
+fn lights(node: Node<'_>) -> Option<Vec<Named<LightTracks>>> {
+    let entries = entries(node, "light")?;
+    decoded(entries.iter().map(|entry| named(entry, light(entry.value))).collect())
+}
+
+fn named<T>(entry: &Entry<'_>, value: Option<T>) -> Option<Named<T>> {
+    Some(Named { name: entry.name.clone(), value: value? })
+}
+
+/// All values if none is wrong. Takes a list, not an iterator, so that all have been read by then.
+fn decoded<T>(values: Vec<Option<T>>) -> Option<Vec<T>> {
+    values.into_iter().collect()
+}
+
+/// The cameras, and where each stands in the file.
+struct Cameras {
+    list: Vec<Named<CameraTracks>>,
+    active: Animated<usize>,
+    places: Vec<Range<usize>>,
+}
+
+fn cameras(fields: &mut Fields<'_>) -> Option<Cameras> {
+    if fields.has("camera") && fields.has("cameras") {
+        let (here, there) = (fields.place("cameras"), fields.place("camera"));
+        let fault = Fault::new(here, "a sequence has either `camera` or `cameras`", "one too many");
+        fields.node().fault(fault.also(there, "the other one is here"));
+    }
+    let single_place = fields.place("camera");
+    let single = fields.optional("camera", camera);
+    let mut several = Vec::new();
+    let list = fields.optional("cameras", |node| {
+        several = entries(node, "camera")?;
+        if several.is_empty() {
+            node.fault(Fault::new(node.span(), "there are no cameras", "needs at least one"));
+            return None;
+        }
+        decoded(several.iter().map(|entry| named(entry, camera(entry.value))).collect())
+    });
+    let names = Names::new("camera", &several);
+    let active = fields.or("active_camera", keyed(|node| names.index(node)), 0usize);
+    let places: Vec<_> = several.iter().map(|entry| entry.key.span()).collect();
+    let (list, places) = match (single?, list?) {
+        (None, Some(list)) => (list, places),
+        (None, None) => (vec![unnamed(default_camera())], vec![single_place]),
+        (Some(camera), None) => (vec![unnamed(camera)], vec![single_place]),
+        (Some(_), Some(_)) => return None,
+    };
+    Some(Cameras { list, active: active?, places })
+}
+
+/// The camera of a file that names none.
+fn unnamed(camera: CameraTracks) -> Named<CameraTracks> {
+    Named { name: "camera".to_owned(), value: camera }
+}
+
+type Scene = (Vec<Named<MaterialTracks>>, Vec<Named<Object>>);
+
+/// Materials and objects.
+fn scene(fields: &mut Fields<'_>) -> Option<Scene> {
+    let default = fields.or("default_material", material, Given::default());
+    let mut material_entries = Vec::new();
+    let materials = fields.optional("materials", |node| {
+        material_entries = entries(node, "material")?;
+        decoded(material_entries.iter().map(|entry| named(entry, material(entry.value))).collect())
+    });
+    let names = Names::new("material", &material_entries);
+    let objects = fields.optional("objects", |node| objects(node, &names));
+    let (default, materials, objects) =
+        (default?, materials?.unwrap_or_default(), objects?.unwrap_or_default());
+    Some(assembled(&default, &materials, objects))
+}
+
+type Placed = (Named<Draft>, Option<Parent>);
+
+fn objects(node: Node<'_>, materials: &Names<'_>) -> Option<Vec<Placed>> {
+    let entries = entries(node, "object")?;
+    let names = Names::new("object", &entries);
+    let read: Vec<_> = entries.iter().map(|entry| object(entry.value, materials, &names)).collect();
+    let (drafts, parents): (Vec<_>, Vec<_>) = read.into_iter().unzip();
+    report_circles(node, &entries, &parents);
+    let drafts = decoded(entries.iter().zip(drafts).map(|(entry, draft)| named(entry, draft)).collect())?;
+    Some(drafts.into_iter().zip(parents).collect())
+}
+
+/// Gives every object the index of its material: inline ones, and the default where it is used, are
+/// appended to the named ones.
+fn assembled(default: &Given, named: &[Named<Given>], drafts: Vec<Placed>) -> Scene {
+    let over = |given: &Given| given.over(default);
+    let mut materials: Vec<_> =
+        named.iter().map(|m| Named { name: m.name.clone(), value: over(&m.value) }).collect();
+    let mut default_index = None;
+    let mut append = |name: String, value: MaterialTracks| {
+        materials.push(Named { name, value });
+        materials.len() - 1
+    };
+    let mut objects = Vec::with_capacity(drafts.len());
+    for (Named { name, value: draft }, parent) in drafts {
+        let Draft { shape, material, transform, visible } = draft;
+        let material = match material {
+            Surface::Named(index) => index,
+            Surface::Inline(given) => append(format!("objects.{name:?}.material"), over(&given)),
+            Surface::Default => *default_index
+                .get_or_insert_with(|| append("default_material".to_owned(), over(&Given::default()))),
+        };
+        let parent = parent.map(|parent| parent.index);
+        objects.push(Named { name, value: Object { shape, material, transform, visible, parent } });
+    }
+    (materials, objects)
+}

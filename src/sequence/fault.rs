@@ -1,0 +1,212 @@
+//! What is wrong with a file: where, what was expected, and what may have been meant.
+
+use annotate_snippets::renderer::DecorStyle;
+use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
+use std::fmt;
+use std::ops::Range;
+
+/// One thing that is wrong, at one place of the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// Bytes of the source that are at fault.
+    pub span: Range<usize>,
+    title: Title,
+    label: String,
+    /// Another place that belongs to it.
+    also: Option<(Range<usize>, String)>,
+    help: Vec<String>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Title {
+    /// A sentence of its own.
+    Text(String),
+    /// "`field`: expected `what`"; the field is filled in by whoever reads it.
+    Expected { what: String, field: Option<String> },
+}
+
+impl Fault {
+    pub fn new(span: Range<usize>, title: impl Into<String>, label: impl Into<String>) -> Self {
+        Self { span, title: Title::Text(title.into()), label: label.into(), also: None, help: Vec::new() }
+    }
+
+    /// A value that is not what its field takes.
+    pub fn expected(span: Range<usize>, what: impl Into<String>, found: impl Into<String>) -> Self {
+        let title = Title::Expected { what: what.into(), field: None };
+        Self { span, title, label: found.into(), also: None, help: Vec::new() }
+    }
+
+    /// Puts another remark at the place.
+    pub fn label(mut self, label: impl Into<String>) -> Self {
+        self.label = label.into();
+        self
+    }
+
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help.push(help.into());
+        self
+    }
+
+    pub fn also(mut self, span: Range<usize>, label: impl Into<String>) -> Self {
+        self.also = Some((span, label.into()));
+        self
+    }
+
+    /// Names the field that the value was meant for, unless a field further inside already did.
+    pub fn name_field(&mut self, name: &str) {
+        if let Title::Expected { field: field @ None, .. } = &mut self.title {
+            *field = Some(name.to_owned());
+        }
+    }
+
+    fn title(&self) -> String {
+        match &self.title {
+            Title::Text(text) => text.clone(),
+            Title::Expected { what, field: None } => format!("expected {what}"),
+            Title::Expected { what, field: Some(field) } => format!("`{field}`: expected {what}"),
+        }
+    }
+}
+
+/// All that is wrong with a file, in the order of the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Faults {
+    name: String,
+    source: String,
+    faults: Vec<Fault>,
+}
+
+/// Faults beyond these are counted but not shown: nobody reads on.
+const SHOWN: usize = 100;
+
+/// Lines longer than this are not quoted.
+const LONGEST_LINE: usize = 10_000;
+
+/// Two places farther apart than this many bytes are not quoted together.
+const FARTHEST: usize = 100_000;
+
+impl Faults {
+    pub(super) fn new(name: &str, source: &str, mut faults: Vec<Fault>) -> Self {
+        faults.sort_by_key(|fault| (fault.span.start, fault.span.end));
+        Self { name: name.to_owned(), source: source.to_owned(), faults }
+    }
+
+    /// How many faults there are; at least one.
+    #[expect(clippy::len_without_is_empty, reason = "never empty")]
+    pub fn len(&self) -> usize {
+        self.faults.len()
+    }
+
+    /// The faults as text for a terminal, with ANSI colours or without.
+    pub fn render(&self, color: bool) -> String {
+        let renderer = if color { Renderer::styled() } else { Renderer::plain() };
+        let renderer = renderer.decor_style(DecorStyle::Ascii);
+        let mut lines = LineCounter::new(&self.source);
+        let mut text = String::new();
+        for fault in self.faults.iter().take(SHOWN) {
+            let groups = [self.group(fault, &mut lines)];
+            text.push_str(renderer.render(&groups).trim_end());
+            text.push_str("\n\n");
+        }
+        match self.faults.len().saturating_sub(SHOWN) {
+            0 => text.truncate(text.trim_end().len()),
+            1 => text.push_str("... and one more fault"),
+            more => text.push_str(&format!("... and {more} more faults")),
+        }
+        text
+    }
+
+    fn group<'a>(&'a self, fault: &'a Fault, lines: &mut LineCounter<'a>) -> Group<'a> {
+        let title = Level::ERROR.primary_title(clean(&fault.title()));
+        let (first_line, line) = lines.line_of(fault.span.start);
+        let mut group = if line.len() > LONGEST_LINE {
+            let column = self.source[line.start..fault.span.start].chars().count() + 1;
+            let place = Origin::path(self.name.as_str()).line(first_line).char_column(column);
+            title.element(place).element(Level::NOTE.message(clean(&fault.label)))
+        } else {
+            title.element(self.snippet(fault, first_line, line))
+        };
+        for help in &fault.help {
+            group = group.element(Level::HELP.message(clean(help)));
+        }
+        group
+    }
+
+    /// The lines of a fault, and of the other place when that lies close by or further on.
+    fn snippet<'a>(
+        &'a self,
+        fault: &'a Fault,
+        number: usize,
+        line: Range<usize>,
+    ) -> Snippet<'a, Annotation<'a>> {
+        let near = |span: &Range<usize>| span.start.abs_diff(fault.span.start) <= FARTHEST;
+        let also = fault.also.as_ref().filter(|(span, _)| near(span));
+        let also = also.map(|(span, label)| (self.first_line_of(span), label));
+        let (mut start, mut end, mut number) = (line.start, line.end, number);
+        if let Some((span, _)) = &also {
+            let other = line_around(&self.source, span.start);
+            if other.start < start {
+                number -= self.source[other.start..start].matches('\n').count();
+            }
+            (start, end) = (start.min(other.start), end.max(other.end));
+        }
+        let inside = |span: Range<usize>| span.start - start..span.end - start;
+        let main = AnnotationKind::Primary.span(inside(self.first_line_of(&fault.span)));
+        let mut snippet = Snippet::source(&self.source[start..end])
+            .path(self.name.as_str())
+            .line_start(number)
+            .annotation(main.label(clean(&fault.label)));
+        if let Some((span, label)) = also {
+            snippet = snippet.annotation(AnnotationKind::Context.span(inside(span)).label(clean(label)));
+        }
+        snippet
+    }
+
+    /// A span cut off at the end of its first line: what goes on over many lines is seen by its start.
+    fn first_line_of(&self, span: &Range<usize>) -> Range<usize> {
+        let end = line_around(&self.source, span.start).end.min(span.end);
+        let text = &self.source[span.start..end];
+        span.start..span.start + text.trim_end().len()
+    }
+}
+
+type Annotation<'a> = annotate_snippets::Annotation<'a>;
+
+impl fmt::Display for Faults {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.render(false))
+    }
+}
+
+impl std::error::Error for Faults {}
+
+/// Text from the file must not steer the terminal.
+fn clean(text: &str) -> String {
+    annotate_snippets::normalize_untrusted_str(text).replace('\n', " ")
+}
+
+fn line_around(source: &str, at: usize) -> Range<usize> {
+    let start = source[..at].rfind('\n').map_or(0, |newline| newline + 1);
+    let end = source[at..].find('\n').map_or(source.len(), |newline| at + newline);
+    start..end
+}
+
+/// Counts lines forwards only, as faults come in order.
+struct LineCounter<'a> {
+    source: &'a str,
+    counted: usize,
+    number: usize,
+}
+
+impl<'a> LineCounter<'a> {
+    fn new(source: &'a str) -> Self {
+        Self { source, counted: 0, number: 1 }
+    }
+
+    /// The number, from 1, and the bytes of the line around `at`.
+    fn line_of(&mut self, at: usize) -> (usize, Range<usize>) {
+        self.number += self.source[self.counted..at].matches('\n').count();
+        self.counted = at;
+        (self.number, line_around(self.source, at))
+    }
+}

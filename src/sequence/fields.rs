@@ -1,0 +1,123 @@
+//! Named fields: what is known, what is missing, what was meant.
+
+use super::fault::Fault;
+use super::node::{Content, Node};
+use super::suggest::{listed, shortened};
+use super::words::{is_literal, suggestion};
+use std::collections::HashMap;
+
+/// The fields of one value. Ask for every field, then [`Fields::finish`] reports those that nobody asked for.
+pub struct Fields<'s> {
+    node: Node<'s>,
+    /// What has these fields, for messages: "a material", "`Sphere`".
+    what: &'static str,
+    entries: Vec<(&'s str, Option<Node<'s>>)>,
+    known: Vec<&'static str>,
+    named_in_faults: bool,
+}
+
+impl<'s> Fields<'s> {
+    /// Reads `(name: value, ...)`, with or without a word in front.
+    pub fn of(node: Node<'s>, what: &'static str) -> Option<Self> {
+        let fields = match node.content()? {
+            Content::Fields(fields) => fields,
+            Content::Tuple(items) if items.is_empty() => Vec::new(),
+            Content::Plain if node.bare_word().is_some_and(|word| !is_literal(word)) => Vec::new(),
+            _ => {
+                node.expected(format!("the fields of {what}, written (name: value, ...)"));
+                return None;
+            }
+        };
+        report_duplicates(node, fields.iter().map(|(name, _)| (*name, *name)), "field");
+        let entries = fields.into_iter().map(|(name, value)| (name, Some(value))).collect();
+        Some(Self { node, what, entries, known: Vec::new(), named_in_faults: true })
+    }
+
+    /// Faults in these fields name the field around them instead.
+    pub fn unnamed(mut self) -> Self {
+        self.named_in_faults = false;
+        self
+    }
+
+    /// Whether the field is there.
+    pub fn has(&self, name: &str) -> bool {
+        self.entries.iter().any(|(found, _)| *found == name)
+    }
+
+    /// The place of a field's name, or of the whole if it is absent.
+    pub fn place(&self, name: &str) -> std::ops::Range<usize> {
+        let found = self.entries.iter().find(|(found, _)| *found == name);
+        found.map_or_else(|| self.node.head(), |(name, _)| self.node.file.span_of(name))
+    }
+
+    pub fn node(&self) -> Node<'s> {
+        self.node
+    }
+
+    fn take(&mut self, name: &'static str) -> Option<Node<'s>> {
+        self.known.push(name);
+        self.entries.iter_mut().find(|(found, _)| *found == name).and_then(|(_, value)| value.take())
+    }
+
+    /// The field, decoded: `Some(None)` if it is absent, `None` if it is wrong (and reported).
+    pub fn optional<T>(
+        &mut self,
+        name: &'static str,
+        decode: impl FnOnce(Node<'s>) -> Option<T>,
+    ) -> Option<Option<T>> {
+        let Some(node) = self.take(name) else { return Some(None) };
+        let first = node.file.fault_count();
+        let value = decode(node);
+        if self.named_in_faults {
+            node.file.name_faults(first, name);
+        }
+        value.map(Some)
+    }
+
+    /// The field, or its default.
+    pub fn or<T>(
+        &mut self,
+        name: &'static str,
+        decode: impl FnOnce(Node<'s>) -> Option<T>,
+        default: impl Into<T>,
+    ) -> Option<T> {
+        self.optional(name, decode).map(|value| value.unwrap_or_else(|| default.into()))
+    }
+
+    /// The field, which must be there.
+    pub fn required<T>(
+        &mut self,
+        name: &'static str,
+        decode: impl FnOnce(Node<'s>) -> Option<T>,
+    ) -> Option<T> {
+        let value = self.optional(name, decode)?;
+        if value.is_none() {
+            let title = format!("{} has no `{name}`", self.what);
+            self.node.fault(Fault::new(self.node.head(), title, format!("needs the field `{name}`")));
+        }
+        value
+    }
+
+    /// Reports every field that is not known.
+    pub fn finish(self) {
+        for (name, _) in self.entries.iter().filter(|(name, _)| !self.known.contains(name)) {
+            let title = format!("{} has no field `{}`", self.what, shortened(name));
+            let span = self.node.file.span_of(name);
+            let known = || self.known.iter().copied();
+            let fault = Fault::new(span, title, suggestion(self.node, name, known()));
+            self.node.fault(fault.help(format!("the fields of {} are {}", self.what, listed(known()))));
+        }
+    }
+}
+
+/// Names that come twice: (name, its text in the source).
+fn report_duplicates<'s>(node: Node<'s>, names: impl Iterator<Item = (&'s str, &'s str)>, what: &str) {
+    let mut first: HashMap<&str, &str> = HashMap::new();
+    for (name, text) in names {
+        if let Some(before) = first.insert(name, text) {
+            let (here, there) = (node.file.span_of(text), node.file.span_of(before));
+            let title = format!("the {what} `{}` is given twice", shortened(name));
+            node.fault(Fault::new(here, title, "given again here").also(there, "first given here"));
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! Values that may change: a constant, a list of keys, or a `Track` of keys with its settings.
+
+use super::easing::ease;
+use super::fault::Fault;
+use super::fields::Fields;
+use super::node::{Content, Node};
+use super::values::{exact_number, switch};
+use super::words::word;
+use crate::time::{Rate, Time};
+use crate::track::{Animate, Animated, Ease, Key, Modes, Repeat, Track};
+
+/// What the times of keys mean.
+#[derive(Clone, Copy, Debug, Default)]
+pub enum KeyClock {
+    #[default]
+    Seconds,
+    /// Frame numbers at this rate.
+    Frames(Rate),
+}
+
+/// Times beyond this many seconds or frames are refused, and so are finer ones than this many decimal
+/// places: then differences and quotients of times stay within an `i128`.
+const LARGEST_TIME: i128 = 1_000_000_000;
+const TIME_PLACES: u32 = 9;
+
+/// A decoder for a value that takes keys, from one for its constant.
+pub fn keyed<'s, T: Animate>(
+    value: impl Fn(Node<'s>) -> Option<T>,
+) -> impl Fn(Node<'s>) -> Option<Animated<T>> {
+    move |node| animated(node, &value)
+}
+
+fn animated<'s, T: Animate>(node: Node<'s>, value: &impl Fn(Node<'s>) -> Option<T>) -> Option<Animated<T>> {
+    if node.opens_with('[') {
+        let keys = read_keys(node, value, default_ease::<T>())?;
+        return track(node, keys, Repeat::Hold, false);
+    }
+    if node.word() != "Track" {
+        return value(node).map(Animated::Constant);
+    }
+    let mut fields = Fields::of(node, "`Track`")?.unnamed();
+    // Keys without an easing of their own take this one, so it is read first.
+    let ease = fields.or("ease", key_ease::<T>, default_ease::<T>());
+    let mut list = None;
+    let keys = fields.required("keys", |node| {
+        list = Some(node);
+        read_keys(node, value, ease.unwrap_or_default())
+    });
+    let repeats = [("Hold", Repeat::Hold), ("Loop", Repeat::Loop), ("PingPong", Repeat::PingPong)];
+    let repeat = fields.or("repeat", |node| word(node, "repeat", &repeats), Repeat::Hold);
+    let closed = fields.or("closed", switch, false);
+    fields.finish();
+    let (keys, _) = (keys?, ease?);
+    track(list?, keys, repeat?, closed?)
+}
+
+/// What could be read of one key, with the places.
+struct ReadKey<'s, T> {
+    time: Option<(Time, Node<'s>)>,
+    value: Option<(T, Node<'s>)>,
+    ease: Option<Ease>,
+}
+
+/// Keys in order, and where the last one's value stands.
+struct Keys<'s, T> {
+    keys: Vec<Key<T>>,
+    last_value: Node<'s>,
+}
+
+fn read_keys<'s, T: Animate>(
+    node: Node<'s>,
+    value: &impl Fn(Node<'s>) -> Option<T>,
+    ease: Ease,
+) -> Option<Keys<'s, T>> {
+    let items = match node.content()? {
+        Content::List(items) if node.word().is_empty() => items,
+        _ => {
+            node.expected("a list of keys [(time, value), ...]");
+            return None;
+        }
+    };
+    if items.is_empty() {
+        node.fault(Fault::new(node.span(), "there are no keys", "needs at least one key (time, value)"));
+        return None;
+    }
+    if items.iter().all(|item| !item.opens_with('(')) {
+        let help = "[ ] holds keys; a constant value stands alone, or in ( ) if it has several parts";
+        node.fault(node.mismatch("keys [(time, value), ...]").help(help));
+        return None;
+    }
+    let keys: Vec<_> = items.into_iter().map(|item| read_key(item, value, ease)).collect();
+    let times = keys.iter().flatten().filter_map(|key| key.time);
+    let sorted = report_unsorted(times);
+    let mut last_value = node;
+    let mut all = Vec::with_capacity(keys.len());
+    for key in keys {
+        let ReadKey { time: Some((time, _)), value: Some((value, at)), ease: Some(ease) } = key? else {
+            return None;
+        };
+        last_value = at;
+        all.push(Key { time, value, ease });
+    }
+    sorted.then_some(Keys { keys: all, last_value })
+}
+
+/// One key: `(t, v)`, `(t, v, Ease)` or `(t: .., v: .., ease: ..)`. None if it is nothing of the kind.
+fn read_key<'s, T: Animate>(
+    node: Node<'s>,
+    value: &impl Fn(Node<'s>) -> Option<T>,
+    default: Ease,
+) -> Option<ReadKey<'s, T>> {
+    let timed = |node: Node<'s>| key_time(node).map(|time| (time, node));
+    let valued = |node: Node<'s>| value(node).map(|value| (value, node));
+    let content = if node.word().is_empty() { node.content()? } else { Content::Plain };
+    if let Content::Fields(_) = content {
+        let mut fields = Fields::of(node, "a key")?.unnamed();
+        let (time, value) = (fields.required("t", timed), fields.required("v", valued));
+        let ease = fields.or("ease", key_ease::<T>, default);
+        fields.finish();
+        return Some(ReadKey { time, value, ease });
+    }
+    if let Content::Tuple(items) = content {
+        match items[..] {
+            [t, v] => return Some(ReadKey { time: timed(t), value: valued(v), ease: Some(default) }),
+            [t, v, ease] => {
+                return Some(ReadKey { time: timed(t), value: valued(v), ease: key_ease::<T>(ease) });
+            }
+            _ => {}
+        }
+    }
+    node.expected("a key (time, value) or (time, value, easing)");
+    None
+}
+
+/// Whether each time is after the one before; reports those that are not.
+fn report_unsorted<'s>(times: impl Iterator<Item = (Time, Node<'s>)>) -> bool {
+    let (mut sorted, mut before): (bool, Option<(Time, Node<'s>)>) = (true, None);
+    for (time, node) in times {
+        if let Some((earlier, other)) = before.filter(|(earlier, _)| time <= *earlier) {
+            sorted = false;
+            let fault = if time == earlier {
+                Fault::new(node.span(), "two keys at the same time", "this time has a key already")
+                    .also(other.span(), "the first one is here")
+            } else {
+                let label = format!("this is before {}", other.text());
+                Fault::new(node.span(), "keys must be in order of time", label)
+                    .also(other.span(), "the key before it is here")
+            };
+            node.fault(fault);
+        } else {
+            before = Some((time, node));
+        }
+    }
+    sorted
+}
+
+/// A key's time in seconds.
+fn key_time(node: Node<'_>) -> Option<Time> {
+    let time = exact_number(node, TIME_PLACES)?;
+    let limit = Time::from_integer(LARGEST_TIME);
+    if time > limit || time < -limit {
+        node.expected("a time between -1e9 and 1e9");
+        return None;
+    }
+    Some(match node.file.clock.get() {
+        KeyClock::Seconds => time,
+        KeyClock::Frames(rate) => time / rate.per_second(),
+    })
+}
+
+fn default_ease<T: Animate>() -> Ease {
+    if T::MODES == Modes::Step { Ease::Step } else { Ease::Linear }
+}
+
+/// An easing that this kind of value can follow.
+fn key_ease<T: Animate>(node: Node<'_>) -> Option<Ease> {
+    let ease = ease(node)?;
+    if T::MODES == Modes::Step && ease != Ease::Step {
+        let help = "values that are on or off, or names, jump at their keys; leave the easing out";
+        node.fault(node.mismatch("`Step` or no easing").help(help));
+        return None;
+    }
+    if T::MODES == Modes::Ease && ease == Ease::CatmullRom {
+        let help = "rotations and zooms ease from key to key, but follow no spline";
+        node.fault(node.mismatch("an easing other than `CatmullRom`").help(help));
+        return None;
+    }
+    Some(ease)
+}
+
+fn track<T: Animate>(node: Node<'_>, keys: Keys<'_, T>, repeat: Repeat, closed: bool) -> Option<Animated<T>> {
+    let Keys { keys, last_value } = keys;
+    if closed && keys.first().map(|key| &key.value) != keys.last().map(|key| &key.value) {
+        let title = "the last key of a closed track must repeat the first one's value";
+        node.fault(Fault::new(last_value.span(), title, "differs from the first value"));
+        return None;
+    }
+    // Empty and unsorted lists have been reported with their places.
+    Track::new(keys, repeat, closed).ok().map(Animated::Keyed)
+}

@@ -1,0 +1,88 @@
+//! Text → [`Sequence`].
+
+use super::document;
+use super::fault::{Fault, Faults};
+use super::node::File;
+use super::{Sequence, syntax};
+use std::fmt;
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Files larger than this are refused.
+const LARGEST_FILE: u64 = 64 << 20;
+
+/// Why a file gives no sequence.
+#[derive(Debug)]
+pub enum LoadError {
+    /// The file cannot be read, or is no text.
+    Unreadable { path: PathBuf, reason: String },
+    /// The file can be read, but says something wrong.
+    Faults(Box<Faults>),
+}
+
+impl LoadError {
+    /// The error as text for a terminal, with ANSI colours or without.
+    pub fn render(&self, color: bool) -> String {
+        match self {
+            Self::Faults(faults) => faults.render(color),
+            Self::Unreadable { path, reason } => {
+                let (on, off) = if color { ("\x1b[1m\x1b[91m", "\x1b[0m") } else { ("", "") };
+                format!("{on}error{off}: cannot read {path:?}: {reason}")
+            }
+        }
+    }
+}
+
+impl fmt::Display for LoadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.render(false))
+    }
+}
+
+impl std::error::Error for LoadError {}
+
+/// Reads the sequence in a file.
+pub fn load(path: &Path) -> Result<Sequence, LoadError> {
+    let text = read(path).map_err(|reason| LoadError::Unreadable { path: path.to_owned(), reason })?;
+    parse(&path.to_string_lossy(), &text).map_err(|faults| LoadError::Faults(Box::new(faults)))
+}
+
+fn read(path: &Path) -> Result<String, String> {
+    let file = fs::File::open(path).map_err(|error| error.to_string())?;
+    let mut bytes = Vec::new();
+    // One byte more than allowed tells a file that is too large, even one without a length of its own.
+    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(format!("it is larger than {} MiB", LARGEST_FILE >> 20));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = good.iter().filter(|byte| **byte == b'\n').count() + 1;
+        format!("it is not UTF-8 text; the first wrong byte is in line {line}")
+    })
+}
+
+/// Reads a sequence from text. `name` is what messages call the file; without directory and extension it
+/// becomes the sequence's name.
+pub fn parse(name: &str, text: &str) -> Result<Sequence, Faults> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let faults = syntax::faults(text);
+    if !faults.is_empty() {
+        return Err(Faults::new(name, text, faults));
+    }
+    let stem = Path::new(name).file_stem().map_or_else(|| "sequence".into(), |stem| stem.to_string_lossy());
+    let file = File::new(text);
+    let sequence = document::sequence(file.root(), &stem);
+    let mut faults = file.into_faults();
+    match sequence {
+        Some(sequence) if faults.is_empty() => Ok(sequence),
+        _ => {
+            if faults.is_empty() {
+                // Every decoder that gives nothing says why; should one forget to, the file is still refused.
+                faults.push(Fault::new(0..0, "this file cannot be read", "for an unknown reason"));
+            }
+            Err(Faults::new(name, text, faults))
+        }
+    }
+}

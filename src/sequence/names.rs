@@ -1,0 +1,84 @@
+//! Maps from names to values: lights, cameras, materials, objects.
+
+use super::fault::Fault;
+use super::node::{Content, Node};
+use super::suggest::shortened;
+use super::values::text;
+use super::words::report_unknown;
+use std::collections::HashMap;
+
+/// A named entry of a map.
+pub struct Entry<'s> {
+    pub name: String,
+    pub key: Node<'s>,
+    pub value: Node<'s>,
+}
+
+/// Reads `{ "name": value, ... }`; `what` is what the map holds ("light").
+pub fn entries<'s>(node: Node<'s>, what: &str) -> Option<Vec<Entry<'s>>> {
+    let Some(Content::Map(map)) = (match node.word() {
+        "" => Some(node.content()?),
+        _ => None,
+    }) else {
+        node.expected(format!("{what}s with their names, written {{ \"name\": ... }}"));
+        return None;
+    };
+    let mut all = Vec::with_capacity(map.len());
+    for (key, value) in map {
+        match entry_name(key, what) {
+            Some(name) => all.push(Entry { name, key, value }),
+            // The value may be wrong as well: it is read under a name that nothing can refer to.
+            None => all.push(Entry { name: String::new(), key, value }),
+        }
+    }
+    let mut first: HashMap<&str, Node<'_>> = HashMap::new();
+    for Entry { name, key, .. } in all.iter().filter(|entry| !entry.name.is_empty()) {
+        if let Some(before) = first.insert(name, *key) {
+            let title = format!("two {what}s are named `{}`", shortened(name));
+            let fault = Fault::new(key.span(), title, "named again here");
+            key.fault(fault.also(before.span(), "first named here"));
+        }
+    }
+    Some(all)
+}
+
+fn entry_name(key: Node<'_>, what: &str) -> Option<String> {
+    if let Some(word) = key.bare_word() {
+        let help = format!("write \"{}\"", shortened(word));
+        key.fault(key.mismatch(format!("the {what}'s name in quotes")).help(help));
+        return None;
+    }
+    let name = text(key)?;
+    if name.trim().is_empty() {
+        key.expected(format!("a name for the {what}"));
+        return None;
+    }
+    Some(name)
+}
+
+/// Names that can be referred to, each with its index.
+pub struct Names<'n> {
+    what: &'static str,
+    in_order: Vec<&'n str>,
+    indices: HashMap<&'n str, usize>,
+}
+
+impl<'n> Names<'n> {
+    pub fn new(what: &'static str, entries: &'n [Entry<'_>]) -> Self {
+        let in_order: Vec<&str> = entries.iter().map(|entry| entry.name.as_str()).collect();
+        let indices = in_order.iter().enumerate().map(|(index, name)| (*name, index)).collect();
+        // An entry whose own name is wrong is read under an empty one.
+        let in_order = in_order.into_iter().filter(|name| !name.is_empty()).collect();
+        Self { what, in_order, indices }
+    }
+
+    /// The index of the name in quotes at `node`.
+    pub fn index(&self, node: Node<'_>) -> Option<usize> {
+        let name = text(node)?;
+        let index = self.indices.get(name.as_str()).copied().filter(|_| !name.is_empty());
+        if index.is_none() {
+            report_unknown(node, self.what, &name, self.in_order.iter().copied());
+        }
+        index
+    }
+}

@@ -1,0 +1,122 @@
+//! `output` and `quality`: how large, how fine, and into which files.
+
+use super::fault::Fault;
+use super::fields::Fields;
+use super::node::Node;
+use super::values::{each, list, one_of, switch, text, tuple, whole};
+use super::{GifSettings, OutputSettings, Quality, Tonemap};
+
+const DEFAULT_GIF: GifSettings = GifSettings { plays: None, colors: 256, dither: true };
+const LONGEST_SIDE: u32 = 65_536;
+
+/// Reads the output of a sequence called `name` with `frames` frames.
+pub fn output(node: Node<'_>, name: &str, frames: u32) -> Option<OutputSettings> {
+    let mut fields = Fields::of(node, "the output")?;
+    let defaults = default_output(name, frames);
+    let size = fields.or("size", size, defaults.size);
+    let files = fields.or("files", |node| files(node, frames), defaults.files);
+    let tonemaps = &[("Srgb", Tonemap::Srgb), ("None", Tonemap::None)];
+    let tonemap = fields.or("tonemap", one_of("tonemap", tonemaps), Tonemap::Srgb);
+    let gif = fields.or("gif", gif, DEFAULT_GIF);
+    fields.finish();
+    Some(OutputSettings { size: size?, files: files?, tonemap: tonemap?, gif: gif? })
+}
+
+/// What a file without `output` gives.
+pub fn default_output(name: &str, frames: u32) -> OutputSettings {
+    // These characters would be a place for the frame number.
+    let name = name.replace(['#', '%'], "_");
+    let mut files = vec![format!("output/{name}/frame_####.png")];
+    if frames > 1 {
+        files.push(format!("output/{name}.gif"));
+    }
+    OutputSettings { size: (640, 360), files, tonemap: Tonemap::default(), gif: DEFAULT_GIF }
+}
+
+fn size(node: Node<'_>) -> Option<(u32, u32)> {
+    let [width, height] = each(tuple(node, "a size (width, height)")?, whole(1..=LONGEST_SIDE))?;
+    Some((width, height))
+}
+
+fn files(node: Node<'_>, frames: u32) -> Option<Vec<String>> {
+    let files = if node.is_text() {
+        file(node, frames).map(|file| vec![file])
+    } else {
+        list(node, "file names", |node| file(node, frames))
+    }?;
+    if files.is_empty() {
+        node.fault(Fault::new(node.span(), "nothing would be written", "needs at least one file"));
+        return None;
+    }
+    Some(files)
+}
+
+fn file(node: Node<'_>, frames: u32) -> Option<String> {
+    let path = text(node)?;
+    if let Err((what, help)) = check_file(&path, frames) {
+        node.fault(node.mismatch(what).help(help));
+        return None;
+    }
+    Some(path)
+}
+
+/// What a sequence may write: inside the working directory, in a known format, each frame to its own file.
+fn check_file(path: &str, frames: u32) -> Result<(), (&'static str, &'static str)> {
+    let parts: Vec<_> = path.split(['/', '\\']).collect();
+    let drive = parts[0].contains(':');
+    if drive || parts.contains(&"..") || path.starts_with(['/', '\\']) {
+        let help = "only `-o` on the command line may write outside of the working directory";
+        return Err(("a relative path without `..`", help));
+    }
+    if path.chars().any(char::is_control) {
+        return Err(("a file name without control characters", "remove line breaks and tabs"));
+    }
+    let name = parts[parts.len() - 1];
+    let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
+    match extension.to_ascii_lowercase().as_str() {
+        _ if stem.is_empty() => {}
+        "gif" if has_frame_number(stem) => {
+            let what = "a GIF's name without a place for the frame number";
+            return Err((what, "one GIF holds all frames; leave `#` and `%d` out"));
+        }
+        "gif" => return Ok(()),
+        "png" if frames > 1 && !has_frame_number(stem) => {
+            let what = "a file name with a place for the frame number";
+            return Err((what, "write `####` where the number goes, as in \"output/frame_####.png\""));
+        }
+        "png" => return Ok(()),
+        _ => {}
+    }
+    Err(("a file name that ends in .png or .gif", "the format follows the extension"))
+}
+
+/// Whether the name has a place such as `####` or `%04d`.
+fn has_frame_number(name: &str) -> bool {
+    let printf = name.split('%').skip(1).any(|rest| {
+        let digits = rest.trim_start_matches(|c: char| c.is_ascii_digit());
+        digits.starts_with('d')
+    });
+    printf || name.contains('#')
+}
+
+fn gif(node: Node<'_>) -> Option<GifSettings> {
+    let mut fields = Fields::of(node, "the GIF's settings")?;
+    let plays = fields.optional("plays", whole(1..=u16::MAX.into()));
+    let colors = fields.or("colors", whole(2..=256), u32::from(DEFAULT_GIF.colors));
+    let dither = fields.or("dither", switch, DEFAULT_GIF.dither);
+    fields.finish();
+    let (plays, colors) = (plays?.map(|plays| plays as u16), colors? as u16);
+    Some(GifSettings { plays, colors, dither: dither? })
+}
+
+/// The quality of a file that says nothing about it.
+pub const DEFAULT_QUALITY: Quality = Quality { bounces: 5, antialias: 2 };
+
+/// Reads `quality`.
+pub fn quality(node: Node<'_>) -> Option<Quality> {
+    let mut fields = Fields::of(node, "the quality")?;
+    let bounces = fields.or("bounces", whole(0..=1000), DEFAULT_QUALITY.bounces);
+    let antialias = fields.or("antialias", whole(1..=64), DEFAULT_QUALITY.antialias);
+    fields.finish();
+    Some(Quality { bounces: bounces?, antialias: antialias? })
+}

@@ -1,0 +1,131 @@
+//! `path`: the steps of a camera's way, and the list of them.
+
+use super::easing::path_ease;
+use super::fault::Fault;
+use super::fields::Fields;
+use super::keys::keyed;
+use super::node::Node;
+use super::values::{angle, between, direction, field_of_view, list, number, positive, switch, vector};
+use super::words::{Variants, variant};
+use crate::camera_path::{Aim, Dolly, Keys, Orbit, SplinePath, Step, Zoom, ZoomBy};
+use crate::math::DVec3;
+use crate::track::{Animated, Ease, LogScale};
+
+/// Points of a spline, at most: its length is measured along each of its parts.
+const MOST_POINTS: usize = 10_000;
+
+/// A list of steps, or a single one.
+pub fn path(node: Node<'_>) -> Option<Vec<Step>> {
+    if node.opens_with('[') { list(node, "steps", step) } else { step(node).map(|step| vec![step]) }
+}
+
+fn step(node: Node<'_>) -> Option<Step> {
+    let table: &Variants<'_, Step> =
+        &[("Orbit", orbit), ("Zoom", zoom), ("Dolly", dolly), ("Keys", keys), ("Spline", spline)];
+    variant(node, "path step", table)
+}
+
+/// What every step may say about where the camera looks.
+fn aim(fields: &mut Fields<'_>) -> Option<Aim> {
+    let target = fields.optional("target", keyed(vector));
+    let up = fields.optional("up", keyed(direction));
+    let roll = fields.optional("roll", keyed(angle));
+    Some(Aim { target: target?, up: up?, roll: roll? })
+}
+
+fn orbit(node: Node<'_>) -> Option<Step> {
+    let mut fields = Fields::of(node, "`Orbit`")?;
+    let aim = aim(&mut fields);
+    let axis = fields.or("axis", direction, DVec3::Y);
+    let radius = fields.optional("radius", keyed(positive));
+    let elevation = fields.optional("elevation", keyed(angle));
+    // Whoever says where the camera stands does not ask for a turn.
+    let turns = if fields.has("azimuth") { 0.0 } else { 1.0 };
+    let azimuth = fields.optional("azimuth", keyed(angle));
+    let turns = fields.or("turns", between(-1e6..=1e6), turns);
+    let ease = fields.or("ease", path_ease, Ease::Linear);
+    fields.finish();
+    Some(Step::Orbit(Orbit {
+        aim: aim?,
+        axis: axis?,
+        radius: radius?,
+        elevation: elevation?,
+        azimuth: azimuth?,
+        turns: turns?,
+        ease: ease?,
+    }))
+}
+
+fn zoom(node: Node<'_>) -> Option<Step> {
+    let mut fields = Fields::of(node, "`Zoom`")?;
+    let aim = aim(&mut fields);
+    let given: Vec<_> = ["fov", "factor", "distance"].into_iter().filter(|name| fields.has(name)).collect();
+    match given[..] {
+        [_] => {}
+        [] => {
+            let title = "`Zoom` needs one of `fov`, `factor` and `distance`";
+            node.fault(Fault::new(node.head(), title, "says nothing about what to zoom"));
+        }
+        [first, .., last] => {
+            let title = "`Zoom` takes only one of `fov`, `factor` and `distance`";
+            let fault = Fault::new(fields.place(last), title, "one too many");
+            node.fault(fault.also(fields.place(first), "the zoom is already given here"));
+        }
+    }
+    let fov =
+        fields.optional("fov", keyed(|node| field_of_view(node).map(|fov| LogScale(fov.half_tangent()))));
+    let scale = |node| positive(node).map(LogScale);
+    let factor = fields.optional("factor", keyed(scale));
+    let distance = fields.optional("distance", keyed(scale));
+    fields.finish();
+    let by = match (fov?, factor?, distance?) {
+        (Some(tangent), None, None) => ZoomBy::HalfTangent(tangent),
+        (None, Some(factor), None) => ZoomBy::Factor(factor),
+        (None, None, Some(distance)) => ZoomBy::Distance(distance),
+        _ => return None,
+    };
+    Some(Step::Zoom(Zoom { aim: aim?, by }))
+}
+
+fn dolly(node: Node<'_>) -> Option<Step> {
+    let mut fields = Fields::of(node, "`Dolly`")?;
+    let aim = aim(&mut fields);
+    let [forward, right, upward]: [Option<Animated<f64>>; 3] =
+        ["forward", "right", "upward"].map(|name| fields.or(name, keyed(number), 0.0));
+    fields.finish();
+    Some(Step::Dolly(Dolly { aim: aim?, forward: forward?, right: right?, upward: upward? }))
+}
+
+fn keys(node: Node<'_>) -> Option<Step> {
+    let mut fields = Fields::of(node, "`Keys`")?;
+    let aim = aim(&mut fields);
+    let position = fields.optional("position", keyed(vector));
+    fields.finish();
+    Some(Step::Keys(Keys { aim: aim?, position: position? }))
+}
+
+fn spline(node: Node<'_>) -> Option<Step> {
+    let mut fields = Fields::of(node, "`Spline`")?;
+    let aim = aim(&mut fields);
+    let mut place = node;
+    let points = fields.required("points", |node| {
+        place = node;
+        list(node, "points (x, y, z)", vector)
+    });
+    let closed = fields.or("closed", switch, false);
+    let look_ahead = fields.or("look_ahead", switch, false);
+    let ease = fields.or("ease", path_ease, Ease::Linear);
+    fields.finish();
+    let points = points?;
+    if points.len() > MOST_POINTS {
+        let label = format!("has {} points, but {MOST_POINTS} are the most", points.len());
+        place.fault(Fault::new(place.head(), "this spline has too many points", label));
+        return None;
+    }
+    let path = SplinePath::new(points, closed?, aim?, ease?, look_ahead?);
+    if path.is_none() {
+        let label = "needs at least two different points";
+        place.fault(Fault::new(place.span(), "this spline leads nowhere", label));
+    }
+    path.map(Step::Spline)
+}

@@ -1,0 +1,87 @@
+//! "Did you mean": the nearest of the names that would have been right.
+
+/// Names compared for one suggestion, at most.
+const COMPARED: usize = 2000;
+
+/// The candidate that `wrong` most likely stands for; none if all are far from it.
+pub fn nearest<'n>(wrong: &str, candidates: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
+    if wrong.len() > 100 {
+        return None;
+    }
+    let lower = wrong.to_lowercase();
+    let allowed = (wrong.chars().count() / 3).max(1);
+    candidates
+        .into_iter()
+        .take(COMPARED)
+        .filter(|name| name.len() <= 120)
+        .map(|name| (distance(&lower, &name.to_lowercase()), name.len().abs_diff(wrong.len()), name))
+        .filter(|(distance, ..)| *distance <= allowed)
+        .min_by_key(|(distance, longer, _)| (*distance, *longer))
+        .map(|(.., name)| name)
+}
+
+/// Edits between two names, where one that only has more in front or behind counts as near.
+fn distance(a: &str, b: &str) -> usize {
+    let (short, long) = if a.len() < b.len() { (a, b) } else { (b, a) };
+    if short.len() >= 3 && (long.starts_with(short) || long.ends_with(short)) {
+        return 1 + (long.len() - short.len()) / 8;
+    }
+    strsim::damerau_levenshtein(a, b)
+}
+
+/// "`a`, `b` and `c`"; cut short when there are many.
+pub fn listed<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
+    joined(names, "and")
+}
+
+/// "`a`, `b` or `c`"
+pub fn either<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
+    joined(names, "or")
+}
+
+fn joined<'n>(names: impl IntoIterator<Item = &'n str>, word: &str) -> String {
+    const MOST: usize = 16;
+    let mut names = names.into_iter();
+    let shown: Vec<_> = names.by_ref().take(MOST).map(|name| format!("`{}`", shortened(name))).collect();
+    let more = names.count();
+    match (shown.split_last(), more) {
+        (None, _) => "nothing".to_owned(),
+        (Some((last, [])), 0) => last.clone(),
+        (Some((last, rest)), 0) => format!("{} {word} {last}", rest.join(", ")),
+        (Some(_), more) => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
+/// At most 40 characters of a text, for a message.
+pub fn shortened(text: &str) -> String {
+    match text.char_indices().nth(40) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_slips_and_nothing_else() {
+        let names = ["radius", "center", "material", "Sphere", "EaseIn", "InOutQuad", "fov"];
+        let near = |wrong| nearest(wrong, names);
+        assert_eq!(near("raduis"), Some("radius"));
+        assert_eq!(near("centre"), Some("center"));
+        assert_eq!(near("sphere"), Some("Sphere"));
+        assert_eq!(near("mat"), Some("material"));
+        assert_eq!(near("fow"), Some("fov"));
+        assert_eq!(near("EaseInOutQuad"), Some("InOutQuad"));
+        assert_eq!(near("torus"), None);
+        assert_eq!(near(""), None);
+    }
+
+    #[test]
+    fn lists_read_well() {
+        assert_eq!(listed([]), "nothing");
+        assert_eq!(listed(["a"]), "`a`");
+        assert_eq!(listed(["a", "b", "c"]), "`a`, `b` and `c`");
+    }
+}

@@ -1,0 +1,326 @@
+//! One valid example per feature, and texts that must not bring the reader down.
+
+use super::*;
+use crate::camera_path::{Lens, Step, ZoomBy};
+use crate::light::LightKind;
+use crate::material::Highlight;
+use crate::math::{Angle, DQuat, DVec3};
+use crate::shape::{Cuboid, Sphere};
+use crate::time::{Rate, Time};
+use crate::track::{Ease, Repeat};
+use crate::transform::Rotation;
+use proptest::prelude::*;
+
+/// Everything the format knows, at least once.
+const EVERYTHING: &str = r##"
+// A comment before, /* and one inside */
+(
+    timeline: (frames: 48, fps: "24", keys: Frames,),
+    output: (size: (64, 36), files: ["out/f_####.png", "out/a.gif"], tonemap: None,
+             gif: (plays: 3, colors: 16, dither: false)),
+    quality: (bounces: 2, antialias: 1),
+    background: [(0, "#102030"), (24, Srgb(0, 0, 255), Smooth), (48, 0)],
+    ambient: Linear8(255, 255, 255),
+    cameras: {
+        "front": (position: (0, 1, 9), roll: [(0, 0), (48, 360)], path: [
+            Orbit(turns: 1, elevation: 20, radius: 8),
+            Zoom(fov: [(0, 60), (24, 20, InOutQuad), (47, 60)]),
+            Dolly(forward: 1, right: 0.5, upward: -0.5),
+        ]),
+        "side": (position: (9, 1, 0), projection: Orthographic(height: 4), path: Keys(target: (0, 1, 0))),
+        "fly": (path: Spline(points: [(1, 1, 5), (5, 2, 1), (1, 3, -5)], closed: true, look_ahead: true)),
+    },
+    active_camera: [(0, "front"), (24, "side"), (36, "fly")],
+    lights: {
+        "key": Point(position: (3, 4, 5), color: (1, 0.9, 0.8), intensity: 0.7, on: [(0, true), (12, false)]),
+        "fill": Point(position: Track(keys: [(0, (0, 0, 0)), (10, (1, 1, 1)), (20, (0, 0, 0))],
+                                      ease: CatmullRom, repeat: Loop, closed: true)),
+    },
+    default_material: (specular: 0.5, shininess: 32),
+    materials: {
+        "red": (color: (1, 0, 0), mirror: 0.2, highlight: BlinnPhong),
+    },
+    objects: {
+        "root": (shape: Group, rotation: Euler(y: 90)),
+        "ball": (shape: Sphere(center: (0, 1, 0), radius: 1.5), material: "red", parent: "root",
+                 visible: [(0, true, Step), (12, false)], scale: [(t: 0, v: 1), (t: 10, v: (2, 1, 1), ease: Bezier(0.4, 0, 0.2, 1)), (t: 20, v: 0)]),
+        "floor": (shape: Plane(), material: (color: "#888", diffuse: [(0, 0), (10, 1)])),
+        "sheet": (shape: Rectangle(corner: (0, 0, 0), u: (1, 0, 0), v: (0, 1, 0)), translation: (1, 2, 3)),
+        "coin": (shape: Disk(radius: 0.5), rotation: AxisAngle(axis: (0, 1, 0), angle: [(0, 0), (48, 720)])),
+        "leaf": (shape: Triangle(a: (0, 0, 0), b: (1, 0, 0), c: (0, 1, 0)), rotation: Quaternion((0, 0, 2, 0))),
+        "crate": (shape: Box(min: (-1, -1, -1), max: (1, 1, 1)), pivot: (0, 1, 0),
+                  rotation: Quaternion([(0, (0, 0, 0, 1)), (48, (0, 1, 0, 0), Smooth)])),
+    },
+) // the end, without a line break"##;
+
+fn read(text: &str) -> Sequence {
+    parse("dir/test.ron", text).unwrap_or_else(|faults| panic!("{faults}"))
+}
+
+fn object(object: &str) -> Object {
+    read(&format!("(objects: {{ \"o\": ({object}) }})")).objects.remove(0).value
+}
+
+fn camera(camera: &str) -> CameraTracks {
+    read(&format!("(timeline: (frames: 2), camera: ({camera}))")).cameras.remove(0).value
+}
+
+fn seconds(num: i128, den: i128) -> Time {
+    Time::new(num, den)
+}
+
+#[test]
+fn the_shortest_file_has_every_default() {
+    let sequence = read("()");
+    assert_eq!(sequence.name, "test");
+    assert_eq!(sequence.timeline, Timeline::of_frames(1, Rate::new(24, 1).expect("a rate")));
+    assert_eq!(sequence.output.size, (640, 360));
+    assert_eq!(sequence.output.files, ["output/test/frame_####.png"]);
+    assert_eq!(sequence.quality, Quality { bounces: 5, antialias: 2 });
+    assert_eq!(sequence.background, Rgb::ZERO.into());
+    assert_eq!(sequence.ambient, Rgb::ONE.into());
+    assert_eq!(sequence.cameras.len(), 1);
+    assert_eq!(sequence.cameras[0].value.position, DVec3::new(0.0, 1.0, 5.0).into());
+    assert!(sequence.objects.is_empty() && sequence.materials.is_empty() && sequence.lights.is_empty());
+}
+
+#[test]
+fn everything_is_read() {
+    let sequence = read(EVERYTHING);
+    assert_eq!(sequence.timeline.frames, 48);
+    assert_eq!(sequence.output.gif, GifSettings { plays: Some(3), colors: 16, dither: false });
+    assert_eq!(sequence.output.tonemap, Tonemap::None);
+    assert_eq!(sequence.active_camera.at(seconds(1, 1)), 1);
+    assert_eq!(sequence.active_camera.at(seconds(3, 2)), 2);
+    let names: Vec<_> = sequence.objects.iter().map(|object| object.name.as_str()).collect();
+    assert_eq!(names, ["root", "ball", "floor", "sheet", "coin", "leaf", "crate"]);
+    let materials: Vec<_> = sequence.materials.iter().map(|material| material.name.as_str()).collect();
+    assert_eq!(materials, ["red", "default_material", "objects.\"floor\".material"]);
+    let ball = &sequence.objects[1].value;
+    assert_eq!((ball.parent, ball.material), (Some(0), 0));
+    assert!(ball.visible.at(seconds(11, 24)) && !ball.visible.at(seconds(12, 24)));
+    assert_eq!(ball.transform.scale.at(seconds(10, 24)), DVec3::new(2.0, 1.0, 1.0));
+    let Animated::Keyed(background) = &sequence.background else { panic!("keys") };
+    assert_eq!(background.keys()[1].time, seconds(1, 1));
+    assert_eq!(background.keys()[1].ease, Ease::Smooth);
+    assert_eq!(background.keys()[0].ease, Ease::Linear);
+}
+
+#[test]
+fn lengths_and_rates_are_exact() {
+    let timeline = |text: &str| read(&format!("(timeline: ({text}))")).timeline;
+    assert_eq!(timeline("duration: 2.5, fps: 29.97").rate.per_second(), seconds(2997, 100));
+    assert_eq!(timeline("duration: 2.5, fps: 29.97").duration, seconds(5, 2));
+    assert_eq!(timeline("duration: 2.5, fps: 29.97").frames, 75);
+    for ntsc in ["(30000, 1001)", "\"30000/1001\""] {
+        assert_eq!(timeline(&format!("frames: 3, fps: {ntsc}")).duration, seconds(3003, 30000));
+    }
+}
+
+#[test]
+fn more_than_one_frame_makes_a_gif_as_well() {
+    let files = read("(timeline: (frames: 2))").output.files;
+    assert_eq!(files, ["output/test/frame_####.png", "output/test.gif"]);
+    assert_eq!(read("(output: (files: \"still.png\"))").output.files, ["still.png"]);
+}
+
+#[test]
+fn shapes_and_their_defaults() {
+    assert_eq!(object("shape: Sphere()").shape, Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 }));
+    assert_eq!(object("shape: Group()").shape, Shape::Group);
+    assert_eq!(object("shape: Group /* none */").shape, Shape::Group);
+    let cuboid = Cuboid { min: DVec3::ZERO, max: DVec3::ONE };
+    assert_eq!(
+        object("shape: Box /* a */ ( /* b */ min : (0,0,0,) , max:(1,1,1) , )").shape,
+        Shape::Cuboid(cuboid)
+    );
+    let Shape::Plane(plane) = object("shape: Plane(normal: (0, 0, 1e-20))").shape else { panic!("a plane") };
+    assert_eq!(plane.normal, DVec3::Z);
+}
+
+#[test]
+fn rotations() {
+    let rotation = |text: &str| object(&format!("shape: Sphere(), rotation: {text}")).transform.rotation;
+    assert_eq!(rotation("Quaternion((0, 0, 0, 5))"), Rotation::Quaternion(DQuat::IDENTITY.into()));
+    let Rotation::Euler { x, y, .. } = rotation("Euler(y: 90)") else { panic!("Euler angles") };
+    assert_eq!((x, y), (Angle(0.0).into(), Angle(90.0).into()));
+    let Rotation::Quaternion(Animated::Keyed(_)) = rotation("Quaternion([(0, (0, 0, 0, 1))])") else {
+        panic!("keys")
+    };
+}
+
+#[test]
+fn materials_fall_back_to_the_default_material() {
+    let text = "(default_material: (color: (1, 0, 0), specular: 0.5, mirror_color: 0.5),
+        materials: { \"m\": (diffuse: 0.4, color: [(0, 1), (1, 0)], highlight: BlinnPhong) })";
+    let material = read(text).materials.remove(0).value;
+    assert_eq!(material.diffuse.strength, 0.4.into());
+    assert_eq!(material.ambient.strength, 0.1.into());
+    assert_eq!(material.specular.strength, 0.5.into());
+    assert_eq!(material.specular.tint, Rgb::ONE.into());
+    assert_eq!(material.mirror.tint, Rgb::splat(0.5).into());
+    assert_eq!(material.diffuse.tint, material.ambient.tint);
+    assert!(material.diffuse.tint.is_keyed());
+    assert_eq!(material.highlight, Highlight::BlinnPhong);
+    assert_eq!(material.shininess, 32.0.into());
+}
+
+#[test]
+fn colors_in_every_way() {
+    let color = |text: &str| read(&format!("(background: {text})")).background.at(seconds(0, 1));
+    assert_eq!(color("(1, 0.5, 2)"), Rgb::new(1.0, 0.5, 2.0));
+    assert_eq!(color("0.25"), Rgb::splat(0.25));
+    assert_eq!(color("\"#fff\""), Rgb::ONE);
+    assert_eq!(color("\"#808080\""), color("Srgb(128, 128, 128)"));
+    assert_eq!(color("Linear8(51, 0, 255)"), Rgb::new(0.2, 0.0, 1.0));
+    assert!((color("\"#808080\"").x - 0.215_860_5).abs() < 1e-6);
+}
+
+#[test]
+fn camera_steps() {
+    let step = |text: &str| camera(&format!("path: {text}")).path.remove(0);
+    let Step::Orbit(orbit) = step("Orbit()") else { panic!("an orbit") };
+    assert_eq!((orbit.turns, orbit.axis), (1.0, DVec3::Y));
+    let Step::Orbit(orbit) = step("Orbit(azimuth: [(0, 0), (1, 90)])") else { panic!("an orbit") };
+    assert_eq!(orbit.turns, 0.0);
+    let Step::Zoom(zoom) = step("Zoom(fov: 90)") else { panic!("a zoom") };
+    let ZoomBy::HalfTangent(tangent) = zoom.by else { panic!("a field of view") };
+    assert!((tangent.at(seconds(0, 1)).0 - 1.0).abs() < 1e-15);
+    let Step::Keys(keys) = step("Keys(position: (1, 2, 3), up: (0, 0, 1))") else { panic!("keys") };
+    assert!(keys.position.is_some() && keys.aim.up.is_some() && keys.aim.target.is_none());
+    let steps = camera("path: [Orbit(), Dolly(forward: 1), Zoom(factor: 2)]").path;
+    assert_eq!(steps.len(), 3);
+    let Lens::Orthographic { height } = camera("projection: Orthographic()").lens else { panic!("a height") };
+    assert_eq!(height, 2.0.into());
+}
+
+#[test]
+fn tracks_repeat_and_close() {
+    let text =
+        "(lights: { \"l\": Point(position: Track(keys: [(0, (0, 0, 0)), (1, (1, 0, 0)), (2, (0, 0, 0))],
+        repeat: PingPong, closed: true, ease: CatmullRom)) })";
+    let light = read(text).lights.remove(0).value;
+    let LightKind::Point { position: Animated::Keyed(position) } = light.kind else { panic!("keys") };
+    assert!(position.keys().iter().all(|key| key.ease == Ease::CatmullRom));
+    let keys = position.keys().to_vec();
+    assert_eq!(crate::track::Track::new(keys, Repeat::PingPong, true).as_ref(), Ok(&position));
+    assert_eq!(position.at(seconds(5, 1)), DVec3::X);
+}
+
+#[test]
+fn key_times_may_be_fractions_of_frames() {
+    let text = "(timeline: (frames: 9, fps: (24000, 1001), keys: Frames), ambient: [(0.5, 0), (4, 1)])";
+    let Animated::Keyed(ambient) = read(text).ambient else { panic!("keys") };
+    assert_eq!(ambient.keys()[0].time, seconds(1001, 48000));
+}
+
+#[test]
+fn files_that_cannot_be_read_say_why() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let missing = directory.path().join("missing.ron");
+    let message = load(&missing).expect_err("no file").to_string();
+    assert!(message.contains("missing.ron") && message.contains("No such file"), "{message}");
+    let latin = directory.path().join("latin.ron");
+    std::fs::write(&latin, b"(\n// caf\xe9\n)").expect("a file");
+    let message = load(&latin).expect_err("no text").to_string();
+    assert!(message.contains("not UTF-8") && message.contains("line 2"), "{message}");
+    assert!(load(directory.path()).is_err());
+    std::fs::write(&latin, "\u{feff}(camera: (position: (3, 0, 0)))").expect("a file");
+    assert_eq!(load(&latin).expect("a sequence").name, "latin");
+}
+
+#[test]
+fn odd_texts_are_refused_calmly() {
+    let many = format!("(objects: {{{}}})", "\"a\": (shape: Spher),".repeat(3000));
+    let long_line = format!("(background: \"{}\")", "x".repeat(50_000));
+    for text in [
+        "",
+        "(",
+        ")",
+        "\"",
+        "é",
+        "(é: é)",
+        "(a: \"é",
+        "/*",
+        "//",
+        "r#\"",
+        "(a: 'é')",
+        "(objects: {é: 1})",
+        "Some(())",
+        "(r#timeline: ())",
+        "(camera: (position: (1, 2, 3)é))",
+        "(background: b\"ab\")",
+        "(camera: r\"x\")",
+        "(timeline: (frames: 1..2))",
+        "(timeline: (frames: 0x10))",
+        "(background: 1.2.3)",
+        "(\u{1b}[31m: 1)",
+        "(objects: {\"\": (shape: Group), (): ()})",
+        "{}",
+        "[]",
+        "3",
+        "Sequence(objects: {})",
+        "(timeline: inf)",
+        "(camera: (path: [[[Orbit()]]]))",
+        "(timeline: (duration: 1e-9, fps: 1e-6, keys: Frames))",
+        "true",
+        many.as_str(),
+        long_line.as_str(),
+    ] {
+        if let Err(faults) = parse("odd.ron", text) {
+            assert!(faults.len() > 0);
+            let plain = faults.render(false);
+            assert!(!plain.is_empty() && !plain.contains('\u{1b}'), "{plain}");
+            assert!(faults.render(true).contains("\u{1b}["));
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 600, ..ProptestConfig::default() })]
+
+    #[test]
+    fn mutations_never_panic(edits in prop::collection::vec((0usize..4000, 0usize..12, 0usize..4000, 0u8..4), 1..6)) {
+        let mut text: Vec<char> = EVERYTHING.chars().collect();
+        for (at, len, other, kind) in edits {
+            let (at, other) = (at % text.len(), other % text.len());
+            let end = (at + len).min(text.len());
+            match kind {
+                0 => drop(text.drain(at..end)),
+                1 => {
+                    let piece = text[at..end].to_vec();
+                    text.splice(other..other, piece);
+                }
+                2 => text.swap(at, other),
+                _ => text[at] = ['(', ']', '"', 'é', '-', '9', ',', '\\'][len % 8],
+            }
+        }
+        let text: String = text.into_iter().collect();
+        if let Err(faults) = parse("mutated.ron", &text) {
+            prop_assert!(!faults.render(true).is_empty());
+        }
+    }
+}
+
+/// The examples of the format's description work as they stand.
+#[test]
+fn examples_of_the_description_are_valid() {
+    let description = include_str!("../../sequences/README.md");
+    let blocks: Vec<&str> =
+        description.split("```ron\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    assert!(blocks.len() >= 8, "{} examples", blocks.len());
+    for block in blocks {
+        if block.starts_with("intensity") {
+            // One field written in several ways.
+            let ways = block.replace("intensity:", "}, \"x\": {intensity:");
+            let lights = ways.split("}, \"x\": {").skip(1);
+            for light in lights {
+                read(&format!("(lights: {{ \"l\": Point(position: (1, 2, 3), {light}) }})"));
+            }
+        } else if block.starts_with('(') {
+            read(block);
+        } else {
+            read(&format!("({block})"));
+        }
+    }
+}

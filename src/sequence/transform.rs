@@ -1,0 +1,90 @@
+//! `translation`, `rotation`, `scale` and `pivot` of an object.
+
+use super::fault::Fault;
+use super::fields::Fields;
+use super::keys::keyed;
+use super::node::{Content, Node};
+use super::values::{angle, direction, each, number, tuple, vector};
+use super::words::{Variants, variant};
+use crate::math::{Angle, DQuat, DVec3};
+use crate::track::Animated;
+use crate::transform::{Rotation, TransformTracks};
+
+/// Reads the transform among the fields of an object.
+pub fn transform(fields: &mut Fields<'_>) -> Option<TransformTracks> {
+    let translation = fields.or("translation", keyed(vector), DVec3::ZERO);
+    let rotation = fields.or("rotation", rotation, TransformTracks::default().rotation);
+    let scale = fields.or("scale", scale, DVec3::ONE);
+    let pivot = fields.or("pivot", vector, DVec3::ZERO);
+    Some(TransformTracks { translation: translation?, rotation: rotation?, scale: scale?, pivot: pivot? })
+}
+
+/// A factor, or one per axis. A constant 0 would hide the object for good; keyed, it hides it for a while.
+fn scale(node: Node<'_>) -> Option<Animated<DVec3>> {
+    let scale = keyed(factors)(node)?;
+    if let Animated::Constant(factors) = scale
+        && factors.to_array().contains(&0.0)
+    {
+        let fault = Fault::new(node.span(), "a constant scale of 0 leaves nothing", "must not be 0");
+        node.fault(fault.help("to hide an object use `visible: false`; a keyed scale may pass through 0"));
+        return None;
+    }
+    Some(scale)
+}
+
+fn factors(node: Node<'_>) -> Option<DVec3> {
+    if node.opens_with('(') {
+        return vector(node);
+    }
+    if node.opens_with('{') || node.opens_with('[') || !node.word().is_empty() || node.is_text() {
+        node.expected("a factor, or one for each axis (x, y, z)");
+        return None;
+    }
+    number(node).map(DVec3::splat)
+}
+
+fn rotation(node: Node<'_>) -> Option<Rotation> {
+    let table: &Variants<'_, Rotation> =
+        &[("AxisAngle", axis_angle), ("Euler", euler), ("Quaternion", quaternion)];
+    variant(node, "rotation", table)
+}
+
+fn axis_angle(node: Node<'_>) -> Option<Rotation> {
+    let mut fields = Fields::of(node, "`AxisAngle`")?;
+    let axis = fields.required("axis", keyed(direction));
+    let angle = fields.required("angle", keyed(angle));
+    fields.finish();
+    Some(Rotation::AxisAngle { axis: axis?, angle: angle? })
+}
+
+fn euler(node: Node<'_>) -> Option<Rotation> {
+    let mut fields = Fields::of(node, "`Euler`")?;
+    let [x, y, z] = ["x", "y", "z"].map(|name| fields.or(name, keyed(angle), Angle(0.0)));
+    fields.finish();
+    Some(Rotation::Euler { x: x?, y: y?, z: z? })
+}
+
+/// `Quaternion((x, y, z, w))`, or keys of such tuples in its parentheses.
+fn quaternion(node: Node<'_>) -> Option<Rotation> {
+    match node.content()? {
+        Content::Tuple(items) if items.len() == 1 => {
+            keyed(unit_quaternion)(items[0]).map(Rotation::Quaternion)
+        }
+        _ => {
+            node.expected("Quaternion((x, y, z, w)) or Quaternion([keys])");
+            None
+        }
+    }
+}
+
+fn unit_quaternion(node: Node<'_>) -> Option<DQuat> {
+    let parts = each(tuple(node, "four numbers (x, y, z, w)")?, number)?;
+    let largest = parts.iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
+    if largest == 0.0 {
+        let fault = node.mismatch("a quaternion (x, y, z, w)").label("is zero, which is no rotation");
+        node.fault(fault.help("(0, 0, 0, 1) turns nothing"));
+        return None;
+    }
+    // Scaled first, so that neither tiny nor huge ones under- or overflow.
+    Some(DQuat::from_array(parts.map(|part| part / largest)).normalize())
+}

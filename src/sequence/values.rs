@@ -1,0 +1,219 @@
+//! Plain values: numbers, vectors, angles, switches, text. Each decoder reports what is wrong and gives none.
+
+use super::decimal::{NotExact, exact, is_decimal};
+use super::fault::Fault;
+use super::node::{Content, Node};
+use super::words::word;
+use crate::math::{Angle, DVec3};
+use crate::time::Time;
+use std::ops::RangeInclusive;
+
+/// Numbers beyond this are refused: their squares and products must stay far from overflow.
+const LARGEST: f64 = 1e30;
+
+/// Lengths below this are refused, for their squares must stay far from underflow.
+const SHORTEST: f64 = 1e-30;
+
+/// Any finite number.
+pub fn number(node: Node<'_>) -> Option<f64> {
+    let text = node.text();
+    if is_decimal(text) {
+        let value: f64 = text.replace('_', "").parse().ok()?;
+        if value.abs() <= LARGEST {
+            return Some(value);
+        }
+        node.expected("a number between -1e30 and 1e30");
+        return None;
+    }
+    let unsigned = text.trim_start_matches(['+', '-']);
+    if unsigned.starts_with("inf") || unsigned.starts_with("NaN") {
+        node.fault(Fault::expected(node.span(), "a finite number", format!("found `{text}`")));
+    } else if text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) {
+        node.fault(node.mismatch("a plain decimal number").help("write numbers like 2, -0.5 or 1.5e-3"));
+    } else {
+        node.expected("a number");
+    }
+    None
+}
+
+/// A number that passes `good`; `what` says which ones do.
+fn number_where(node: Node<'_>, what: &str, good: impl Fn(f64) -> bool) -> Option<f64> {
+    let value = number(node)?;
+    if good(value) {
+        return Some(value);
+    }
+    node.expected(what);
+    None
+}
+
+/// A number above 0, such as a radius.
+pub fn positive(node: Node<'_>) -> Option<f64> {
+    let value = number_where(node, "a number above 0", |value| value > 0.0)?;
+    if value < SHORTEST {
+        node.expected("a number of at least 1e-30");
+        return None;
+    }
+    Some(value)
+}
+
+/// A number of 0 or more, such as a strength.
+pub fn not_negative(node: Node<'_>) -> Option<f64> {
+    number_where(node, "a number of 0 or more", |value| value >= 0.0)
+}
+
+/// A number within bounds.
+pub fn between(range: RangeInclusive<f64>) -> impl Fn(Node<'_>) -> Option<f64> {
+    move |node| {
+        let what = format!("a number from {} to {}", range.start(), range.end());
+        number_where(node, &what, |value| range.contains(&value))
+    }
+}
+
+/// A whole number within bounds.
+pub fn whole(range: RangeInclusive<u32>) -> impl Fn(Node<'_>) -> Option<u32> {
+    move |node| {
+        let what = format!("a whole number from {} to {}", range.start(), range.end());
+        let bounds = f64::from(*range.start())..=f64::from(*range.end());
+        let value = number_where(node, &what, |value| value.fract() == 0.0 && bounds.contains(&value))?;
+        Some(value as u32)
+    }
+}
+
+/// A decimal number as an exact fraction with at most `places` decimal places.
+pub fn exact_number(node: Node<'_>, places: u32) -> Option<Time> {
+    match exact(node.text(), places) {
+        Ok(value) => Some(value),
+        // The message is that of any other number.
+        Err(NotExact::NotDecimal) => {
+            number(node);
+            None
+        }
+        Err(NotExact::TooFine) => {
+            let what = format!("a number with at most {places} decimal places");
+            node.fault(node.mismatch(what).help("such numbers are kept as exact fractions"));
+            None
+        }
+        Err(NotExact::TooLarge) => {
+            node.expected("a smaller number");
+            None
+        }
+    }
+}
+
+/// Exactly `N` values in parentheses; `what` describes them with their names.
+pub fn tuple<'s, const N: usize>(node: Node<'s>, what: &str) -> Option<[Node<'s>; N]> {
+    let items = match node.content()? {
+        Content::Tuple(items) => items,
+        Content::List(_) => {
+            node.fault(node.mismatch(what).help("a value goes in parentheses ( ), a list [ ] holds keys"));
+            return None;
+        }
+        _ => {
+            node.expected(what);
+            return None;
+        }
+    };
+    let items = <[Node<'s>; N]>::try_from(items).ok();
+    if items.is_none() {
+        node.expected(what);
+    }
+    items
+}
+
+/// `N` values of which each is decoded, so that each fault is reported.
+pub fn each<'s, T, const N: usize>(
+    nodes: [Node<'s>; N],
+    decode: impl Fn(Node<'s>) -> Option<T>,
+) -> Option<[T; N]> {
+    let values: Option<Vec<T>> = nodes.map(decode).into_iter().collect();
+    values?.try_into().ok()
+}
+
+/// `(x, y, z)`
+pub fn vector(node: Node<'_>) -> Option<DVec3> {
+    if !node.word().is_empty() || !node.opens_with('(') && !node.opens_with('[') {
+        node.expected("three numbers (x, y, z)");
+        return None;
+    }
+    each(tuple(node, "three numbers (x, y, z)")?, number).map(DVec3::from_array)
+}
+
+/// A vector that has a direction.
+pub fn direction(node: Node<'_>) -> Option<DVec3> {
+    let value = vector(node)?;
+    if value.length() >= SHORTEST {
+        return Some(value);
+    }
+    node.fault(node.mismatch("a direction (x, y, z)").label("has no length, so it points nowhere"));
+    None
+}
+
+/// A vector of length 1.
+pub fn unit_vector(node: Node<'_>) -> Option<DVec3> {
+    direction(node).map(|v| (v / v.abs().max_element()).normalize())
+}
+
+/// Degrees.
+pub fn angle(node: Node<'_>) -> Option<Angle> {
+    number_where(node, "an angle between -1e9 and 1e9 degrees", |value| value.abs() <= 1e9).map(Angle)
+}
+
+/// A vertical field of view.
+pub fn field_of_view(node: Node<'_>) -> Option<Angle> {
+    let what = "an angle above 0 and below 180 degrees";
+    number_where(node, what, |value| (1e-6..180.0).contains(&value)).map(Angle)
+}
+
+/// `true` or `false`
+pub fn switch(node: Node<'_>) -> Option<bool> {
+    let value = match node.bare_word() {
+        Some("true") => Some(true),
+        Some("false") => Some(false),
+        _ => None,
+    };
+    if value.is_none() {
+        node.expected("`true` or `false`");
+    }
+    value
+}
+
+/// Text in quotes.
+pub fn text(node: Node<'_>) -> Option<String> {
+    if !node.is_text() {
+        let fault = node.mismatch("text in quotes");
+        node.fault(match node.bare_word() {
+            Some(word) => fault.help(format!("write \"{}\"", super::suggest::shortened(word))),
+            None => fault,
+        });
+        return None;
+    }
+    match ron::from_str(node.text()) {
+        Ok(text) => Some(text),
+        Err(error) => {
+            node.fault(node.mismatch("text in quotes").help(error.code.to_string()));
+            None
+        }
+    }
+}
+
+/// A list of values that are decoded one by one; none if any of them is wrong.
+pub fn list<'s, T>(node: Node<'s>, what: &str, decode: impl Fn(Node<'s>) -> Option<T>) -> Option<Vec<T>> {
+    let items = match node.content()? {
+        Content::List(items) if node.word().is_empty() => items,
+        _ => {
+            node.expected(format!("a list of {what} [ ... ]"));
+            return None;
+        }
+    };
+    // Not stopping at the first fault is the point of collecting before checking.
+    let values: Vec<Option<T>> = items.into_iter().map(decode).collect();
+    values.into_iter().collect()
+}
+
+/// A word that stands for one of a few values.
+pub fn one_of<'s, T: Copy>(
+    what: &'static str,
+    table: &'static [(&'static str, T)],
+) -> impl Fn(Node<'s>) -> Option<T> {
+    move |node| word(node, what, table)
+}
