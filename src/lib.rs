@@ -1,10 +1,12 @@
 #![forbid(unsafe_code)]
 pub mod camera;
 pub mod camera_path;
+pub mod cli;
 pub mod color;
 pub mod counters;
 pub mod encode;
 pub mod film;
+pub mod frame_set;
 pub mod light;
 pub mod material;
 pub mod math;
