@@ -7,6 +7,7 @@ pub mod counters;
 pub mod encode;
 pub mod film;
 pub mod frame_set;
+pub mod humane;
 pub mod light;
 pub mod material;
 pub mod math;

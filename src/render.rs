@@ -2,7 +2,10 @@
 
 use crate::counters::{Meter, RayCounts};
 use crate::encode::{EncodeError, Output};
+use crate::humane;
 use crate::sequence::Sequence;
+use std::error::Error;
+use std::fmt::{Display, Formatter};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -45,7 +48,38 @@ pub enum RenderError {
     Threads(String),
 }
 
+impl Display for RenderError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Encode(error) => write!(f, "the output failed: {error:?}"),
+            Self::TooLarge { needed, available } => {
+                let (needed, available) = (humane::bytes(*needed), humane::bytes(*available));
+                write!(
+                    f,
+                    "the picture needs {needed} of memory and there are {available}; make it smaller with \
+                     --size, such as 1280x720, or with --draft"
+                )
+            }
+            Self::Threads(why) => write!(f, "cannot start the threads: {why}; try fewer with --threads"),
+        }
+    }
+}
+
+impl Error for RenderError {}
+
 /// Renders the requested frames. `meter` may be watched from another thread meanwhile.
 pub fn render(_sequence: &Sequence, _request: &Request, _meter: &Meter) -> Result<Summary, RenderError> {
     Ok(Summary::default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_that_is_too_large_says_how_to_shrink_it() {
+        let text = RenderError::TooLarge { needed: 48_000_000_000, available: 8_100_000_000 }.to_string();
+        assert!(text.contains("48.0 GB") && text.contains("8.10 GB"), "{text}");
+        assert!(text.contains("--size") && text.contains("--draft"), "{text}");
+    }
 }

@@ -1,0 +1,84 @@
+//! Values of options that clap does not know: sizes, rates and counts of threads.
+
+use crate::time::Rate;
+use std::num::NonZeroUsize;
+
+/// `1280x720`, in pixels.
+pub fn size(text: &str) -> Result<(u32, u32), String> {
+    let side = |digits: &str| whole(digits).and_then(|n| u32::try_from(n).ok()).filter(|&n| n > 0);
+    text.split_once(['x', 'X'])
+        .and_then(|(width, height)| Some((side(width)?, side(height)?)))
+        .ok_or_else(|| "write width and height in pixels, each at least 1, such as 1280x720".to_owned())
+}
+
+/// `24`, `29.97` (exactly 2997/100) or `30000/1001` frames per second.
+pub fn rate(text: &str) -> Result<Rate, String> {
+    let fraction = match text.split_once('/') {
+        Some((frames, seconds)) => whole(frames).zip(whole(seconds)),
+        None => decimal(text),
+    };
+    fraction.and_then(|(frames, seconds)| Rate::new(frames.into(), seconds.into())).ok_or_else(|| {
+        "write frames per second above 0, such as 24, 29.97 or 30000/1001 (at most nine digits each)"
+            .to_owned()
+    })
+}
+
+/// At least 1.
+pub fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| "write a number of threads, at least 1".to_owned())
+}
+
+/// A decimal number as an exact fraction.
+fn decimal(text: &str) -> Option<(u64, u64)> {
+    let (units, tail) = text.split_once('.').unwrap_or((text, ""));
+    if tail.is_empty() {
+        // No digits after a point is no number, and no point is a whole one.
+        return if text.ends_with('.') { None } else { Some((whole(units)?, 1)) };
+    }
+    let denominator = 10_u64.pow(u32::try_from(tail.len()).ok().filter(|&digits| digits <= 9)?);
+    Some((whole(units)? * denominator + whole(tail)?, denominator))
+}
+
+/// One to nine digits and nothing else. Nine, so that exact times stay far from the limits of their integers.
+fn whole(digits: &str) -> Option<u64> {
+    let plain = (1..=9).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_digit());
+    plain.then(|| digits.parse().ok()).flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        assert_eq!(size("1280x720"), Ok((1280, 720)));
+        assert_eq!(size("1X1"), Ok((1, 1)));
+        for bad in ["", "1280", "x", "1280x", "x720", "0x720", "1280x0", "-1x5", "1e3x5", "1x2x3", "4 x 3"] {
+            assert!(size(bad).is_err(), "`{bad}`");
+        }
+    }
+
+    #[test]
+    fn rates_are_exact() {
+        for (text, frames, seconds) in [
+            ("24", 24, 1),
+            ("29.97", 2997, 100),
+            ("23.976", 23976, 1000),
+            ("30000/1001", 30000, 1001),
+            ("0.5", 1, 2),
+        ] {
+            assert_eq!(rate(text).ok(), Rate::new(frames, seconds), "`{text}`");
+        }
+        for bad in ["", "0", "0.0", "-24", "24.", ".5", "1e3", "inf", "nan", "30/0", "0/1", "1/2/3", "1.5/2"]
+        {
+            assert!(rate(bad).is_err(), "`{bad}`");
+        }
+        assert!(rate("1234567890").is_err() && rate("1.0123456789").is_err());
+    }
+
+    #[test]
+    fn threads_are_at_least_one() {
+        assert_eq!(threads("8").map(NonZeroUsize::get), Ok(8));
+        assert!(threads("0").is_err() && threads("-1").is_err() && threads("many").is_err());
+    }
+}
