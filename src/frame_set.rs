@@ -85,9 +85,11 @@ fn steps(part: &str) -> Result<Steps, FrameSetError> {
     let (first, end, exclusive) = match (range.split_once(".."), split_dash(range)) {
         (Some((first, end)), _) => (first, end, true),
         (None, Some((first, end))) => (first, end, false),
-        (None, None) if step.is_some() => return Err(FrameSetError::StepWithoutRange(part.to_owned())),
         (None, None) => {
             let frame = number(range, part)?;
+            if step.is_some() {
+                return Err(FrameSetError::StepWithoutRange(part.to_owned()));
+            }
             return Ok(Steps { first: frame, last: frame, step: 1 });
         }
     };

@@ -20,44 +20,45 @@ pub struct Arguments {
     /// The sequence file (.ron).
     file: PathBuf,
 
-    /// File to write; may be given several times [default: the files that the sequence names].
+    /// File to write; may be given several times [default: those that the sequence names]
     ///
-    /// The format follows the extension: .png for one picture per frame, with #### or %04d where the frame
-    /// number goes, .gif for an animation.
-    #[arg(short, long, value_name = "FILE")]
+    /// The format follows the extension: .gif for an animation, .png for a picture per frame,
+    /// where #### or %04d is the place of the frame number.
+    #[arg(short, long, value_name = "FILE", verbatim_doc_comment)]
     output: Vec<String>,
 
-    /// Frames to render, counted from 0: 0-47, 0..48, 7,9,20 or 1-40:2 [default: all].
+    /// Frames to render, counted from 0: 0-47, 0..48, 7,9,20 or 1-40:2 [default: all]
     ///
-    /// The end of 0-47 is included, that of 0..48 is not. 1-40:2 and 1-40x2 take every second frame. Each
-    /// frame shows the same moment as in the whole sequence.
-    #[arg(long, value_name = "SET", allow_hyphen_values = true)]
+    /// 0-47 includes its end, 0..48 does not; 1-40:2 (or 1-40x2) takes every second frame.
+    /// Each frame shows the same moment as in the whole sequence.
+    #[arg(long, value_name = "SET", allow_hyphen_values = true, verbatim_doc_comment)]
     frames: Option<FrameSet>,
 
-    /// Width and height in pixels, such as 1280x720 [default: as the sequence says].
+    /// Width and height in pixels, such as 1280x720 [default: as the sequence says]
     #[arg(short, long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true)]
     size: Option<(u32, u32)>,
 
-    /// Frames per second: 24, 29.97 or 30000/1001; the duration stays [default: as the sequence says].
-    #[arg(short = 'r', long, value_name = "RATE", value_parser = values::rate, allow_negative_numbers = true)]
+    /// Frames per second: 24, 29.97 or 30000/1001 [default: as the sequence says]
+    ///
+    /// The animation keeps its duration in seconds.
+    #[arg(short = 'r', long, value_name = "RATE", value_parser = values::rate, allow_hyphen_values = true)]
     fps: Option<Rate>,
 
-    /// Threads to render with; they do not change the picture [default: one per processor].
-    #[arg(short, long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
+    /// Threads to render with; the picture is the same with any [default: one per processor]
+    #[arg(short, long, value_name = "N", value_parser = values::threads, allow_hyphen_values = true)]
     threads: Option<NonZeroUsize>,
 
-    /// Longest chain of mirror reflections, from 0 [default: as the sequence says].
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    /// Longest chain of mirror reflections, 0 for none [default: as the sequence says]
+    #[arg(long, value_name = "N", value_parser = values::bounces, allow_hyphen_values = true)]
     bounces: Option<u32>,
 
-    /// N×N samples per pixel, 1 to 256 [default: as the sequence says].
-    #[arg(long, value_name = "N", allow_negative_numbers = true,
-          value_parser = clap::value_parser!(u32).range(1..=256))]
+    /// N×N samples per pixel, 1 to 256 [default: as the sequence says]
+    #[arg(long, value_name = "N", value_parser = values::antialias, allow_hyphen_values = true)]
     antialias: Option<u32>,
 
-    /// A quick look: half the width and height, antialias 1, at most 1 bounce.
+    /// A quick look: half the width and height, antialias 1, at most 1 bounce
     ///
-    /// --size, --antialias and --bounces go before it where they are given.
+    /// What --size, --antialias and --bounces say goes before it.
     #[arg(long)]
     draft: bool,
 
@@ -65,17 +66,17 @@ pub struct Arguments {
     #[arg(short, long)]
     quiet: bool,
 
-    /// How progress is told.
+    /// How progress is told
     #[arg(long, value_enum, default_value_t, value_name = "HOW")]
     progress: ProgressMode,
 }
 
 const AFTER_HELP: &str = "\
 Examples:
-  kinora render turn.ron                                  everything as the file says
-  kinora render turn.ron -o out/turn_####.png -o turn.gif frames and an animation
-  kinora render turn.ron --frames 0-47:2 -s 640x360       every second frame, small
-  kinora render turn.ron -r 30 --draft                    a quick look at another rate";
+  kinora render turn.ron                             everything as the file says
+  kinora render turn.ron -o t_####.png -o t.gif      frames and an animation
+  kinora render turn.ron --frames 0-47:2 -s 640x360  every second frame, small
+  kinora render turn.ron -r 30 --draft               a quick look at another rate";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let wanted = arguments.overrides();

@@ -1,4 +1,4 @@
-//! Values of options that clap does not know: sizes, rates and counts of threads.
+//! Values of options: parsed strictly, with faults that say what would be right.
 
 use crate::time::Rate;
 use std::num::NonZeroUsize;
@@ -26,6 +26,21 @@ pub fn rate(text: &str) -> Result<Rate, String> {
 /// At least 1.
 pub fn threads(text: &str) -> Result<NonZeroUsize, String> {
     text.parse().map_err(|_| "write a number of threads, at least 1".to_owned())
+}
+
+/// Any number of reflections.
+pub fn bounces(text: &str) -> Result<u32, String> {
+    whole(text)
+        .and_then(|bounces| u32::try_from(bounces).ok())
+        .ok_or_else(|| "write a whole number of reflections, such as 0, 1 or 8".to_owned())
+}
+
+/// Samples per pixel along an axis. The square of the most is still a sensible number of rays.
+pub fn antialias(text: &str) -> Result<u32, String> {
+    whole(text)
+        .and_then(|samples| u32::try_from(samples).ok())
+        .filter(|samples| (1..=256).contains(samples))
+        .ok_or_else(|| "write a whole number from 1 (off) to 256, such as 3 for 3×3 samples".to_owned())
 }
 
 /// A decimal number as an exact fraction.
@@ -77,8 +92,13 @@ mod tests {
     }
 
     #[test]
-    fn threads_are_at_least_one() {
+    fn counts_have_their_limits() {
         assert_eq!(threads("8").map(NonZeroUsize::get), Ok(8));
+        assert_eq!((bounces("0"), antialias("256")), (Ok(0), Ok(256)));
+        for bad in ["", "-1", "1.5", "4294967296", "many"] {
+            assert!(bounces(bad).is_err() && antialias(bad).is_err(), "`{bad}`");
+        }
+        assert!(antialias("0").is_err() && antialias("257").is_err());
         assert!(threads("0").is_err() && threads("-1").is_err() && threads("many").is_err());
     }
 }

@@ -35,7 +35,7 @@ fn faults_are_told_apart() {
     assert_eq!(fault(""), FrameSetError::Empty);
     assert_eq!(fault("  "), FrameSetError::Empty);
     for malformed in
-        ["a", "1,,2", "1,", "..4", "4..", "3-", "1--", "-", "+3", "1..=4", "1-2-3", "1-4:", "1.5"]
+        ["a", "1,,2", "1,", "..4", "4..", "3-", "1--", "-", "+3", "1..=4", "1-2-3", "1-4:", "1.5", "x", "x2"]
     {
         assert_eq!(
             fault(malformed),

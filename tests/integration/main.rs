@@ -1,0 +1,8 @@
+//! Tests from the outside: the command as users run it, and the library as programs call it.
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that panics has done its work; clippy knows only `#[test]`"
+)]
+
+mod cli;
