@@ -1,5 +1,6 @@
 //! Options that change a sequence before it is rendered.
 
+use crate::frame_set::MOST_FRAMES;
 use crate::sequence::Sequence;
 use crate::time::Rate;
 
@@ -22,7 +23,7 @@ pub struct Overrides {
 /// The sequence as the command line wants it.
 ///
 /// # Errors
-/// A rate at which the frames can no longer be counted.
+/// A rate at which there would be too many frames.
 pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, String> {
     if wanted.draft {
         let (width, height) = sequence.output.size;
@@ -43,8 +44,9 @@ pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, S
         sequence.quality.antialias = antialias;
     }
     if let Some(rate) = wanted.rate {
-        sequence.timeline = sequence.timeline.resampled(rate).ok_or_else(|| {
-            format!("--fps {rate} makes more frames of this sequence than can be counted; write a lower rate")
+        let resampled = sequence.timeline.resampled(rate).filter(|t| t.frames as usize <= MOST_FRAMES);
+        sequence.timeline = resampled.ok_or_else(|| {
+            format!("--fps {rate} makes more than {MOST_FRAMES} frames of this sequence; write a lower rate")
         })?;
     }
     Ok(sequence)
@@ -105,8 +107,11 @@ mod tests {
     }
 
     #[test]
-    fn uncountable_rates_are_refused() {
-        let wanted = Overrides { rate: rate(i128::from(u32::MAX), 1), ..Overrides::default() };
-        assert!(applied(sequence(), &wanted).is_err_and(|message| message.contains("--fps 4294967295")));
+    fn rates_that_make_too_many_frames_are_refused() {
+        for fps in [3_333_334, i128::from(u32::MAX)] {
+            let wanted = Overrides { rate: rate(fps, 1), ..Overrides::default() };
+            let message = applied(sequence(), &wanted).err();
+            assert!(message.is_some_and(|message| message.contains(&format!("--fps {fps} makes"))));
+        }
     }
 }

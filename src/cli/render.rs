@@ -52,7 +52,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = values::bounces, allow_hyphen_values = true)]
     bounces: Option<u32>,
 
-    /// N×N samples per pixel, 1 to 256 [default: as the sequence says]
+    /// N×N samples per pixel, 1 to 64 [default: as the sequence says]
     #[arg(long, value_name = "N", value_parser = values::antialias, allow_hyphen_values = true)]
     antialias: Option<u32>,
 

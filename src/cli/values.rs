@@ -1,14 +1,24 @@
-//! Values of options: parsed strictly, with faults that say what would be right.
+//! Values of options: parsed strictly, within the limits that hold in sequence files too, and with faults that
+//! say what would be right.
 
 use crate::time::Rate;
 use std::num::NonZeroUsize;
 
+/// Pixels along a side, at most.
+const LONGEST_SIDE: u32 = 65_536;
+/// Frames per second, at most.
+const FASTEST: i128 = 1_000_000;
+/// Mirror reflections, at most.
+const MOST_BOUNCES: u32 = 1000;
+/// Samples along an axis of a pixel, at most.
+const FINEST: u32 = 64;
+
 /// `1280x720`, in pixels.
 pub fn size(text: &str) -> Result<(u32, u32), String> {
-    let side = |digits: &str| whole(digits).and_then(|n| u32::try_from(n).ok()).filter(|&n| n > 0);
-    text.split_once(['x', 'X'])
-        .and_then(|(width, height)| Some((side(width)?, side(height)?)))
-        .ok_or_else(|| "write width and height in pixels, each at least 1, such as 1280x720".to_owned())
+    let side = |digits| within(digits, 1, LONGEST_SIDE);
+    text.split_once(['x', 'X']).and_then(|(width, height)| Some((side(width)?, side(height)?))).ok_or_else(
+        || format!("write width and height in pixels, each 1 to {LONGEST_SIDE}, such as 1280x720"),
+    )
 }
 
 /// `24`, `29.97` (exactly 2997/100) or `30000/1001` frames per second.
@@ -17,10 +27,12 @@ pub fn rate(text: &str) -> Result<Rate, String> {
         Some((frames, seconds)) => whole(frames).zip(whole(seconds)),
         None => decimal(text),
     };
-    fraction.and_then(|(frames, seconds)| Rate::new(frames.into(), seconds.into())).ok_or_else(|| {
-        "write frames per second above 0, such as 24, 29.97 or 30000/1001 (at most nine digits each)"
-            .to_owned()
-    })
+    fraction
+        .and_then(|(frames, seconds)| Rate::new(frames.into(), seconds.into()))
+        .filter(|rate| rate.per_second() <= FASTEST.into())
+        .ok_or_else(|| {
+            format!("write frames per second, such as 24, 29.97 or 30000/1001, above 0 and at most {FASTEST}")
+        })
 }
 
 /// At least 1.
@@ -28,19 +40,20 @@ pub fn threads(text: &str) -> Result<NonZeroUsize, String> {
     text.parse().map_err(|_| "write a number of threads, at least 1".to_owned())
 }
 
-/// Any number of reflections.
+/// Mirror reflections, or none.
 pub fn bounces(text: &str) -> Result<u32, String> {
-    whole(text)
-        .and_then(|bounces| u32::try_from(bounces).ok())
-        .ok_or_else(|| "write a whole number of reflections, such as 0, 1 or 8".to_owned())
+    within(text, 0, MOST_BOUNCES)
+        .ok_or_else(|| format!("write a whole number of reflections, 0 to {MOST_BOUNCES}, such as 8"))
 }
 
-/// Samples per pixel along an axis. The square of the most is still a sensible number of rays.
+/// Samples along each axis of a pixel.
 pub fn antialias(text: &str) -> Result<u32, String> {
-    whole(text)
-        .and_then(|samples| u32::try_from(samples).ok())
-        .filter(|samples| (1..=256).contains(samples))
-        .ok_or_else(|| "write a whole number from 1 (off) to 256, such as 3 for 3×3 samples".to_owned())
+    within(text, 1, FINEST)
+        .ok_or_else(|| format!("write a whole number from 1 (off) to {FINEST}, such as 3 for 3×3 samples"))
+}
+
+fn within(text: &str, least: u32, most: u32) -> Option<u32> {
+    whole(text).and_then(|n| u32::try_from(n).ok()).filter(|n| (least..=most).contains(n))
 }
 
 /// A decimal number as an exact fraction.
@@ -68,7 +81,9 @@ mod tests {
     fn sizes() {
         assert_eq!(size("1280x720"), Ok((1280, 720)));
         assert_eq!(size("1X1"), Ok((1, 1)));
-        for bad in ["", "1280", "x", "1280x", "x720", "0x720", "1280x0", "-1x5", "1e3x5", "1x2x3", "4 x 3"] {
+        for bad in [
+            "", "1280", "x", "1280x", "x720", "0x720", "1280x0", "-1x5", "1e3x5", "1x2x3", "4 x 3", "65537x1",
+        ] {
             assert!(size(bad).is_err(), "`{bad}`");
         }
     }
@@ -84,8 +99,10 @@ mod tests {
         ] {
             assert_eq!(rate(text).ok(), Rate::new(frames, seconds), "`{text}`");
         }
-        for bad in ["", "0", "0.0", "-24", "24.", ".5", "1e3", "inf", "nan", "30/0", "0/1", "1/2/3", "1.5/2"]
-        {
+        for bad in [
+            "", "0", "0.0", "-24", "24.", ".5", "1e3", "inf", "nan", "30/0", "0/1", "1/2/3", "1.5/2",
+            "1000001",
+        ] {
             assert!(rate(bad).is_err(), "`{bad}`");
         }
         assert!(rate("1234567890").is_err() && rate("1.0123456789").is_err());
@@ -94,11 +111,11 @@ mod tests {
     #[test]
     fn counts_have_their_limits() {
         assert_eq!(threads("8").map(NonZeroUsize::get), Ok(8));
-        assert_eq!((bounces("0"), antialias("256")), (Ok(0), Ok(256)));
+        assert_eq!((bounces("0"), antialias("64")), (Ok(0), Ok(64)));
         for bad in ["", "-1", "1.5", "4294967296", "many"] {
             assert!(bounces(bad).is_err() && antialias(bad).is_err(), "`{bad}`");
         }
-        assert!(antialias("0").is_err() && antialias("257").is_err());
+        assert!(antialias("0").is_err() && antialias("65").is_err());
         assert!(threads("0").is_err() && threads("-1").is_err() && threads("many").is_err());
     }
 }
