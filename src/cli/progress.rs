@@ -99,8 +99,8 @@ impl Reporter {
         match self {
             Self::Silent => {}
             Self::Bar(bar) => {
-                bar.set_message(snapshot.line());
                 bar.set_position((snapshot.done * 1000.0) as u64);
+                bar.set_message(snapshot.line());
             }
             Self::Lines { out, format, .. } => {
                 // A reader that went away does not stop a run.

@@ -31,9 +31,10 @@ pub fn text(summary: &Summary) -> String {
 /// One JSON object.
 pub fn json(summary: &Summary) -> String {
     let rays = summary.rays;
-    let stages = summary.stages.iter().fold(Object::new(), |object, (name, time)| {
-        object.real(name, Some(time.as_secs_f64())) //
-    });
+    let stages = summary
+        .stages
+        .iter()
+        .fold(Object::new(), |object, (name, time)| object.real(name, Some(time.as_secs_f64())));
     let counts = Object::new()
         .whole("camera", rays.camera)
         .whole("mirror", rays.mirror)
