@@ -20,7 +20,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let sequence = load::sequence(&arguments.file)?;
-    load::outputs(&sequence.output.files, "output.files:")?;
+    load::outputs(&sequence.output.files)?;
     terminal::say(&line(&sequence));
     Ok(())
 }

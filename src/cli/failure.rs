@@ -29,8 +29,8 @@ impl Failure {
     pub fn print(&self) {
         match self {
             Self::Bad(message) | Self::Incomplete(message) => {
-                let error = if terminal::color() { "\x1b[1;31merror:\x1b[0m" } else { "error:" };
-                terminal::complain(&format!("{error} {message}"));
+                let error = if terminal::color() { "\x1b[1m\x1b[91merror\x1b[0m" } else { "error" };
+                terminal::complain(&format!("{error}: {message}"));
             }
             Self::Faults(text) => terminal::complain(text.trim_end()),
         }

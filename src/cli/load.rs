@@ -29,13 +29,13 @@ fn suggestion(path: &Path) -> String {
     if ron.is_file() { format!("; did you mean {}?", ron.display()) } else { String::new() }
 }
 
-/// What a sequence's files are, each different. `source` says where they are named: `-o` or a field.
-pub fn outputs(files: &[String], source: &str) -> Result<Vec<Output>, Failure> {
+/// What the files of a sequence or of `-o` are, each different.
+pub fn outputs(files: &[String]) -> Result<Vec<Output>, Failure> {
     let mut outputs = Vec::new();
     for file in files {
-        let output = output(file).map_err(|error| Failure::Bad(format!("{source} {file}: {error}")))?;
+        let output = output(file).map_err(|error| Failure::Bad(error.to_string()))?;
         if outputs.contains(&output) {
-            return Err(Failure::Bad(format!("{source} {file}: named twice")));
+            return Err(Failure::Bad(format!("output \"{file}\" is named twice; name each file once")));
         }
         outputs.push(output);
     }
@@ -61,7 +61,7 @@ fn output(file: &str) -> Result<Output, String> {
     match Path::new(file).extension().and_then(|e| e.to_str()) {
         Some("png") => Ok(Output::Png(file.into())),
         Some("gif") => Ok(Output::Gif(file.into())),
-        _ => Err("the name must end in .png or .gif".to_owned()),
+        _ => Err(format!("output \"{file}\" has an unknown extension; known are .png and .gif")),
     }
 }
 
@@ -70,15 +70,19 @@ mod tests {
     use super::*;
 
     fn named(files: &[&str]) -> Result<Vec<Output>, Failure> {
-        outputs(&files.iter().map(|&file| file.to_owned()).collect::<Vec<_>>(), "--output")
+        outputs(&files.iter().map(|&file| file.to_owned()).collect::<Vec<_>>())
     }
 
     #[test]
-    fn outputs_are_told_apart() {
-        let both = vec![Output::Png("a/####.png".into()), Output::Gif("a.gif".into())];
-        assert_eq!(named(&["a/####.png", "a.gif"]), Ok(both));
-        let twice = Failure::Bad("--output a.gif: named twice".into());
-        assert_eq!(named(&["a.gif", "b.gif", "a.gif"]), Err(twice));
-        assert!(matches!(named(&["a.mp3"]), Err(Failure::Bad(text)) if text.starts_with("--output a.mp3: ")));
+    fn outputs_keep_their_order_and_differ() {
+        let found = named(&["a/####.png", "a.gif"]);
+        assert!(matches!(found.as_deref(), Ok([Output::Png(_), Output::Gif(_)])), "{found:?}");
+        let twice = named(&["a.gif", "b.gif", "a.gif"]);
+        assert!(
+            matches!(&twice, Err(Failure::Bad(text)) if text.contains("\"a.gif\" is named twice")),
+            "{twice:?}"
+        );
+        let unknown = named(&["a.gif", "b.mp3"]);
+        assert!(matches!(&unknown, Err(Failure::Bad(text)) if text.contains("\"b.mp3\"")), "{unknown:?}");
     }
 }

@@ -79,11 +79,10 @@ Examples:
   kinora render turn.ron -r 30 --draft               a quick look at another rate";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let wanted = arguments.overrides();
-    let sequence = overrides::applied(load::sequence(&arguments.file)?, &wanted).map_err(Failure::Bad)?;
-    let source = if wanted.outputs.is_empty() { "output.files:" } else { "--output" };
+    let sequence = load::sequence(&arguments.file)?;
+    let sequence = overrides::applied(sequence, &arguments.overrides()).map_err(Failure::Bad)?;
     let request = Request {
-        outputs: load::outputs(&sequence.output.files, source)?,
+        outputs: load::outputs(&sequence.output.files)?,
         frames: arguments.frames_of(&sequence)?,
         threads: arguments.threads,
     };

@@ -155,7 +155,9 @@ fn outputs_of_unknown_formats_are_refused() {
         let run = kinora(folder.path(), &["render", "ball.ron", "-o", output]);
         assert_eq!(run.status.code(), Some(2), "`{output}`: {}", stderr(&run));
     }
+    let run = kinora(folder.path(), &["render", "ball.ron", "-o", "b.png"]);
+    assert_eq!(run.status.code(), Some(2), "three frames and one name: {}", stderr(&run));
     let run = kinora(folder.path(), &["render", "ball.ron", "-o", "b.gif", "-o", "b.gif"]);
     assert_eq!(run.status.code(), Some(2));
-    assert!(stderr(&run).contains("b.gif: named twice"), "{}", stderr(&run));
+    assert!(stderr(&run).contains("\"b.gif\" is named twice"), "{}", stderr(&run));
 }
