@@ -1,19 +1,44 @@
-#![forbid(unsafe_code)]
-pub mod bvh;
-pub mod camera;
-pub mod camera_path;
+//! Kinora renders keyframed animation sequences from one text file.
+//!
+//! ```text
+//! sequence.ron ──load──▶ Sequence ──spawn──▶ World                       (once)
+//!                                              │
+//!           per frame:  Animate ▶ Extract ▶ Accelerate ▶ Trace ▶ Encode
+//!                       World(t)   Scene       Bvh        Film    files
+//! ```
+//!
+//! The modules below stand in the order of that flow, nouns first. Whatever stands lower in the list may use
+//! what stands higher, never the reverse.
+
+// Nouns: what there is.
+pub mod math;
+pub mod time;
+pub mod track;
 pub mod color;
 pub mod counters;
-pub mod encode;
+pub mod humane;
 pub mod film;
-pub mod light;
-pub mod material;
-pub mod math;
-pub mod render;
-pub mod scene;
-pub mod sequence;
+pub mod frame_set;
+pub mod camera;
+pub mod camera_path;
 pub mod shape;
-pub mod time;
-pub mod trace;
-pub mod track;
 pub mod transform;
+pub mod material;
+pub mod light;
+
+// File → Sequence, and Film → files.
+pub mod sequence;
+pub mod encode;
+
+// Sequence → World → World at t → Scene → Bvh → Film.
+pub mod world;
+pub mod animate;
+pub mod scene;
+pub mod bvh;
+pub mod trace;
+
+// The only place that knows the systems' order, and the front door.
+pub mod schedule;
+pub mod memory;
+pub mod render;
+pub mod cli;

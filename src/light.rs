@@ -1,25 +1,24 @@
-//! Lights: what shines, from where, and the part of it that keys weight.
+//! Lights: what shines, from where, and what dims it over time.
 
 use crate::color::Rgb;
 use crate::film::LayerId;
 use crate::math::DVec3;
 use crate::time::Time;
 use crate::track::Animated;
+use bevy_ecs::component::Component;
 
-/// A light at one moment, split so that toggling and fading touch `weight` alone.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A light at one moment, without what keys weight: switching and fading it touch its layer's weight alone.
+#[derive(Clone, Copy, Component, Debug, PartialEq)]
 pub struct Light {
     pub position: DVec3,
     /// The product of everything about colour and intensity that never changes.
     pub radiance: Rgb,
-    /// The product of everything that is keyed; 1 for a light without such keys.
-    pub weight: Rgb,
     /// Where its light is collected: shared by lights whose weights are keyed alike.
     pub layer: LayerId,
 }
 
 /// A light over time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Component, Debug, PartialEq)]
 pub struct LightTracks {
     pub kind: LightKind,
     pub color: Animated<Rgb>,
@@ -65,7 +64,7 @@ impl LightTracks {
 }
 
 /// The keyed parts of a colour times an intensity times a switch.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Component, Debug, Default, PartialEq)]
 pub struct Dimmer {
     pub on: Option<Animated<bool>>,
     pub intensity: Option<Animated<f64>>,

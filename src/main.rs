@@ -1,1 +1,7 @@
-fn main() {}
+//! The command `kinora`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    kinora::cli::main()
+}

@@ -4,10 +4,11 @@ use crate::color::Rgb;
 use crate::math::power;
 use crate::time::Time;
 use crate::track::Animated;
+use bevy_ecs::component::Component;
 
 /// What a surface does with light at one moment. A lobe's colour is its strength times its tint; black means
 /// that the lobe is absent.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Component, Debug, PartialEq)]
 pub struct Material {
     /// Reflected share of the scene's ambient light.
     pub ambient: Rgb,
@@ -73,7 +74,7 @@ pub struct Lobe {
 }
 
 /// A material over time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Component, Debug, PartialEq)]
 pub struct MaterialTracks {
     pub ambient: Lobe,
     pub diffuse: Lobe,

@@ -1,11 +1,19 @@
 //! The library's front door: a sequence in, files out.
 
+use crate::camera_path::NoCamera;
 use crate::counters::{Meter, RayCounts};
-use crate::encode::{EncodeError, Output};
+use crate::encode::{EncodeError, Encoder, Job, Output, Report};
+use crate::film::Film;
+use crate::humane;
+use crate::memory;
+use crate::schedule::{FilmSink, FrameLoop, NoFrame, Stage, Tally};
 use crate::sequence::Sequence;
+use std::error::Error;
+use std::fmt::{Display, Formatter};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use std::time::Duration;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// What to render of a sequence, and where to.
 #[derive(Clone, Debug)]
@@ -43,9 +51,105 @@ pub enum RenderError {
     },
     /// The thread pool could not be started.
     Threads(String),
+    /// A frame has no camera.
+    Camera {
+        frame: u32,
+        why: NoCamera,
+    },
 }
 
+impl From<EncodeError> for RenderError {
+    fn from(error: EncodeError) -> Self {
+        Self::Encode(error)
+    }
+}
+
+impl From<NoFrame> for RenderError {
+    fn from(error: NoFrame) -> Self {
+        match error {
+            NoFrame::Camera { frame, why } => Self::Camera { frame, why },
+            NoFrame::Encode(error) => Self::Encode(error),
+        }
+    }
+}
+
+impl FilmSink for Encoder {
+    fn push(&mut self, frame: u32, film: Film) -> Result<(), EncodeError> {
+        Self::push(self, frame, film)
+    }
+}
+
+impl Display for RenderError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Encode(error) => error.fmt(f),
+            Self::TooLarge { needed, available } => {
+                let (needed, available) = (humane::bytes(*needed), humane::bytes(*available));
+                write!(
+                    f,
+                    "the picture needs {needed} of memory and there are {available}; make it smaller with \
+                     --size, such as 1280x720, or with --draft"
+                )
+            }
+            Self::Camera { frame, why } => write!(f, "frame {frame} has no camera: {why}"),
+            Self::Threads(why) => write!(f, "cannot start the threads: {why}; try fewer with --threads"),
+        }
+    }
+}
+
+impl Error for RenderError {}
+
 /// Renders the requested frames. `meter` may be watched from another thread meanwhile.
-pub fn render(_sequence: &Sequence, _request: &Request, _meter: &Meter) -> Result<Summary, RenderError> {
-    Ok(Summary::default())
+pub fn render(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> Result<Summary, RenderError> {
+    let start = Instant::now();
+    let (needed, available) = (memory::needed(sequence), memory::available());
+    if needed > available {
+        return Err(RenderError::TooLarge { needed, available });
+    }
+    let threads = request.threads.map_or(0, NonZeroUsize::get);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = Arc::new(pool.map_err(|error| RenderError::Threads(error.to_string()))?);
+    let encoder = Encoder::start(job(sequence, request), Arc::clone(&pool))?;
+    let mut frames = FrameLoop::new(sequence, encoder, Arc::clone(meter));
+    pool.install(|| request.frames.iter().try_for_each(|&frame| frames.frame(frame)))?;
+    let tally = frames.tally().clone();
+    let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::finish)?;
+    Ok(summary(&tally, report, request, start.elapsed()))
+}
+
+fn job(sequence: &Sequence, request: &Request) -> Job {
+    Job {
+        outputs: request.outputs.clone(),
+        frames: request.frames.clone(),
+        rate: sequence.timeline.rate,
+        size: sequence.output.size,
+        tonemap: sequence.output.tonemap,
+        gif: sequence.output.gif,
+    }
+}
+
+fn summary(tally: &Tally, report: Report, request: &Request, elapsed: Duration) -> Summary {
+    // The frame loop only waits for the encoder; its own time is what encoding took.
+    let time = |stage| if stage == Stage::Encode { report.busy } else { tally.stages[stage as usize] };
+    Summary {
+        frames: request.frames.len() as u32,
+        rays: tally.rays,
+        bvh_builds: tally.bvh_builds,
+        stages: Stage::ALL.map(|stage| (stage.name(), time(stage))).to_vec(),
+        elapsed,
+        files: report.files,
+        notes: report.notes,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_that_is_too_large_says_how_to_shrink_it() {
+        let text = RenderError::TooLarge { needed: 48_000_000_000, available: 8_100_000_000 }.to_string();
+        assert!(text.contains("48.0 GB") && text.contains("8.10 GB"), "{text}");
+        assert!(text.contains("--size") && text.contains("--draft"), "{text}");
+    }
 }

@@ -3,10 +3,11 @@
 use crate::math::{Angle, DAffine3, DMat3, DQuat, DVec3, axis_angle, euler_xyz};
 use crate::time::Time;
 use crate::track::Animated;
+use bevy_ecs::component::Component;
 
 /// Translation, rotation and scale over time. A point p goes to
 /// translation + pivot + R(scale · (p - pivot)).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Component, Debug, PartialEq)]
 pub struct TransformTracks {
     pub translation: Animated<DVec3>,
     pub rotation: Rotation,

@@ -19,10 +19,11 @@ use crate::camera::{Camera, Projection};
 use crate::math::{Angle, DVec3, look_at};
 use crate::time::Clock;
 use crate::track::Animated;
+use bevy_ecs::component::Component;
 
 /// Everything about one camera over time.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CameraTracks {
+#[derive(Clone, Component, Debug, PartialEq)]
+pub struct CameraPath {
     pub position: Animated<DVec3>,
     pub target: Animated<DVec3>,
     pub up: Animated<DVec3>,
@@ -79,6 +80,16 @@ pub enum NoCamera {
     NotFinite,
 }
 
+impl std::fmt::Display for NoCamera {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::EyeOnTarget => "its position and its target are the same point",
+            Self::Lens => "its field of view is not between 0 and 180 degrees, or its height not above 0",
+            Self::NotFinite => "its position or its target is not finite",
+        })
+    }
+}
+
 impl Aim {
     pub fn apply(&self, pose: Pose, clock: &Clock) -> Pose {
         Pose {
@@ -115,7 +126,7 @@ impl Step {
     }
 }
 
-impl CameraTracks {
+impl CameraPath {
     /// The pose after every step of the path.
     pub fn pose(&self, clock: &Clock) -> Pose {
         let start = Pose {

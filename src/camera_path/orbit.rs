@@ -119,7 +119,7 @@ impl OrbitFrame {
 mod tests {
     use super::*;
     use crate::camera::Projection;
-    use crate::camera_path::{CameraTracks, Lens, Step};
+    use crate::camera_path::{CameraPath, Lens, Step};
     use crate::time::{Rate, Timeline};
 
     fn timeline(frames: u32) -> Timeline {
@@ -132,8 +132,8 @@ mod tests {
         Orbit { aim, axis: DVec3::Y, radius: None, elevation: None, azimuth: None, turns: 0.0, ease }
     }
 
-    fn camera(orbit: Orbit) -> CameraTracks {
-        CameraTracks {
+    fn camera(orbit: Orbit) -> CameraPath {
+        CameraPath {
             position: DVec3::new(0.0, 100.0, 800.0).into(),
             target: DVec3::ZERO.into(),
             up: DVec3::Y.into(),

@@ -26,6 +26,7 @@ pub use pattern::{FramePattern, PatternError};
 pub use tonemap::{Picture, ToneTable};
 
 use crate::film::Film;
+use rayon::ThreadPool;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, sync_channel};
@@ -73,9 +74,11 @@ struct Running {
 impl Encoder {
     /// Checks the job, creates and probes the folders it writes to, and starts the thread. If this fails,
     /// nothing was written and no folder is left behind.
-    pub fn start(job: Job) -> Result<Self, EncodeError> {
+    ///
+    /// Frames of a GIF are compressed by the threads of `pool`.
+    pub fn start(job: Job, pool: Arc<ThreadPool>) -> Result<Self, EncodeError> {
         let job = Arc::new(job);
-        let worker = Worker::new(Arc::clone(&job))?;
+        let worker = Worker::new(Arc::clone(&job), pool)?;
         let (messages, receiver) = sync_channel(WAITING);
         let thread = thread::Builder::new().name("encode".into()).spawn(move || worker.run(receiver));
         let thread = thread.map_err(|e| EncodeError::Stopped(Some(e)))?;

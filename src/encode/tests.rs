@@ -9,6 +9,11 @@ use std::path::Path;
 
 const SIZE: (u32, u32) = (6, 4);
 
+fn start(job: Job) -> Result<Encoder, EncodeError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
+    Encoder::start(job, std::sync::Arc::new(pool))
+}
+
 fn job(outputs: &[String], frames: &[u32]) -> Job {
     Job {
         outputs: outputs.iter().map(|text| Output::parse(text).expect(text)).collect(),
@@ -40,7 +45,7 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 fn encode(job: Job) -> Result<Report, EncodeError> {
-    let mut encoder = Encoder::start(job.clone())?;
+    let mut encoder = start(job.clone())?;
     for &frame in &job.frames {
         encoder.push(frame, film(frame))?;
     }
@@ -104,7 +109,7 @@ fn jobs_that_cannot_be_done_leave_nothing() {
         let outputs: Vec<_> = outputs.iter().map(|name| within(&dir, name)).collect();
         let mut job = job(&outputs, &[0, 1]);
         change(&mut job);
-        let message = Encoder::start(job).err().expect("an error").to_string();
+        let message = start(job).err().expect("an error").to_string();
         assert_eq!(names(dir.path()), ["file", "folder.gif"], "{message}");
         message
     };
@@ -131,7 +136,7 @@ fn an_unwritable_folder_fails_before_the_first_frame() {
     // The superuser may write everywhere.
     if fs::write(closed.join("probe"), "").is_err() {
         let outputs = [within(&dir, "new/a.gif"), within(&dir, "closed/f_#.png")];
-        let message = Encoder::start(job(&outputs, &[0, 1])).err().expect("an error").to_string();
+        let message = start(job(&outputs, &[0, 1])).err().expect("an error").to_string();
         assert!(message.contains("closed") && message.contains("-o"), "{message}");
         assert_eq!(names(dir.path()), ["closed"]);
     }
@@ -143,7 +148,7 @@ fn an_error_in_the_middle_comes_early_and_leaves_no_temporary() {
     let dir = tempfile::tempdir().expect("a folder");
     let outputs = [within(&dir, "a.gif"), within(&dir, "f_#.png")];
     let frames: Vec<u32> = (0..100).collect();
-    let mut encoder = Encoder::start(job(&outputs, &frames)).expect("started");
+    let mut encoder = start(job(&outputs, &frames)).expect("started");
     encoder.push(0, film(0)).expect("taken");
     encoder.push(1, film(1)).expect("taken");
     fs::create_dir_all(dir.path().join("f_3.png/in the way")).expect("a folder");
@@ -158,7 +163,7 @@ fn an_error_in_the_middle_comes_early_and_leaves_no_temporary() {
 fn a_lost_frame_leaves_neither_gif_nor_temporary() {
     let dir = tempfile::tempdir().expect("a folder");
     let outputs = [within(&dir, "a.gif"), within(&dir, "f_#.png")];
-    let mut encoder = Encoder::start(job(&outputs, &[0, 1])).expect("started");
+    let mut encoder = start(job(&outputs, &[0, 1])).expect("started");
     encoder.push(0, film(0)).expect("taken");
     encoder.push(1, film(1)).expect("taken");
     while !dir.path().join("f_1.png").exists() {
@@ -173,7 +178,7 @@ fn a_lost_frame_leaves_neither_gif_nor_temporary() {
 #[test]
 fn dropped_encoders_leave_no_gif_and_no_new_folder() {
     let dir = tempfile::tempdir().expect("a folder");
-    let mut encoder = Encoder::start(job(&[within(&dir, "new/a.gif")], &[0, 1])).expect("started");
+    let mut encoder = start(job(&[within(&dir, "new/a.gif")], &[0, 1])).expect("started");
     encoder.push(0, film(0)).expect("taken");
     drop(encoder);
     assert!(names(dir.path()).is_empty());
@@ -182,7 +187,7 @@ fn dropped_encoders_leave_no_gif_and_no_new_folder() {
 #[test]
 fn films_must_be_those_announced() {
     let dir = tempfile::tempdir().expect("a folder");
-    let mut encoder = Encoder::start(job(&[within(&dir, "f_#.png")], &[5, 6])).expect("started");
+    let mut encoder = start(job(&[within(&dir, "f_#.png")], &[5, 6])).expect("started");
     let order = encoder.push(6, film(6)).expect_err("not its turn").to_string();
     assert_eq!(order, "frame 6 came where frame 5 was to come");
     let size = encoder.push(5, Film::new(1, 1, vec![Rgb::ONE])).expect_err("too small").to_string();
@@ -196,7 +201,7 @@ fn notes_tell_of_dropped_frames_and_of_pixels_that_are_not_numbers() {
     let dir = tempfile::tempdir().expect("a folder");
     let frames: Vec<u32> = (0..60).collect();
     let job = Job { rate: Rate::new(60, 1).expect("a rate"), ..job(&[within(&dir, "a.gif")], &frames) };
-    let mut encoder = Encoder::start(job).expect("started");
+    let mut encoder = start(job).expect("started");
     for frame in 0..60 {
         let mut film = film(frame);
         film.data[3].y = if frame >= 7 { f32::NAN } else { 0.0 };

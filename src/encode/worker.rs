@@ -10,6 +10,7 @@ use super::store::Store;
 use super::tonemap::ToneTable;
 use super::{Message, Report};
 use crate::film::Film;
+use rayon::ThreadPool;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
@@ -17,6 +18,7 @@ use std::time::Instant;
 
 pub struct Worker {
     job: Arc<Job>,
+    pool: Arc<ThreadPool>,
     table: ToneTable,
     animations: Vec<Animation>,
     /// There if there are animations.
@@ -32,7 +34,7 @@ pub struct Worker {
 
 impl Worker {
     /// Checks the job and prepares all places. Nothing stays behind if this fails.
-    pub fn new(job: Arc<Job>) -> Result<Self, EncodeError> {
+    pub fn new(job: Arc<Job>, pool: Arc<ThreadPool>) -> Result<Self, EncodeError> {
         job.check()?;
         let gifs = job.outputs.iter().filter_map(|output| match output {
             Output::Gif(path) => Some(path),
@@ -51,7 +53,7 @@ impl Worker {
         };
         let table = ToneTable::new(job.tonemap);
         let report = Report::default();
-        Ok(Self { job, table, animations, store, done: 0, report, first_nan: None, folders })
+        Ok(Self { job, pool, table, animations, store, done: 0, report, first_nan: None, folders })
     }
 
     /// Works until all is written. If the other side leaves without a word, nothing more is.
@@ -101,7 +103,7 @@ impl Worker {
         self.note();
         if let Some(store) = self.store.take() {
             for animation in self.animations.drain(..) {
-                animation.write(|index| store.get(index))?;
+                self.pool.install(|| animation.write(|index| store.get(index)))?;
             }
         }
         self.report.files = self.job.outputs.iter().map(|o| PathBuf::from(o.to_string())).collect();

@@ -2,6 +2,7 @@
 //!
 //! Everything keeps the file's order, so that whatever breaks a tie by index breaks it the same way always.
 
+pub mod extract;
 mod primitive;
 
 pub use primitive::{Placement, Primitive};
@@ -27,11 +28,13 @@ pub struct Shading {
     pub background: Glow,
     /// Light from everywhere.
     pub ambient: Glow,
-    /// What each layer of the film is weighted with.
-    pub weights: Vec<Rgb>,
 }
 
-/// A colour from no place in particular, split like a [`Light`] into what is constant and its layer.
+/// What each layer of the film is weighted with.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Weights(pub Vec<Rgb>);
+
+/// A colour from no place in particular, split into what is constant and the layer that weights the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Glow {
     pub radiance: Rgb,
@@ -49,5 +52,6 @@ impl Default for Glow {
 pub struct Scene<'a> {
     pub geometry: &'a Geometry,
     pub shading: &'a Shading,
+    pub weights: &'a Weights,
     pub camera: &'a Camera,
 }

@@ -6,15 +6,15 @@ use super::node::Node;
 use super::path::path;
 use super::values::{angle, direction, field_of_view, positive, vector};
 use super::words::{Variants, variant};
-use crate::camera_path::{CameraTracks, Lens};
+use crate::camera_path::{CameraPath, Lens};
 use crate::math::{Angle, DVec3};
 
 const POSITION: DVec3 = DVec3::new(0.0, 1.0, 5.0);
 const FIELD_OF_VIEW: Angle = Angle(45.0);
 
 /// The camera of a file that has none.
-pub fn default_camera() -> CameraTracks {
-    CameraTracks {
+pub fn default_camera() -> CameraPath {
+    CameraPath {
         position: POSITION.into(),
         target: DVec3::ZERO.into(),
         up: DVec3::Y.into(),
@@ -25,7 +25,7 @@ pub fn default_camera() -> CameraTracks {
 }
 
 /// One camera.
-pub fn camera(node: Node<'_>) -> Option<CameraTracks> {
+pub fn camera(node: Node<'_>) -> Option<CameraPath> {
     let mut fields = Fields::of(node, "a camera")?;
     let position = fields.or("position", keyed(vector), POSITION);
     let target = fields.or("target", keyed(vector), DVec3::ZERO);
@@ -34,14 +34,7 @@ pub fn camera(node: Node<'_>) -> Option<CameraTracks> {
     let lens = fields.or("projection", projection, default_camera().lens);
     let path = fields.or("path", path, Vec::new());
     fields.finish();
-    Some(CameraTracks {
-        position: position?,
-        target: target?,
-        up: up?,
-        roll: roll?,
-        lens: lens?,
-        path: path?,
-    })
+    Some(CameraPath { position: position?, target: target?, up: up?, roll: roll?, lens: lens?, path: path? })
 }
 
 fn projection(node: Node<'_>) -> Option<Lens> {

@@ -4,7 +4,7 @@ use super::Named;
 use super::fault::Fault;
 use super::node::File;
 use super::suggest::shortened;
-use crate::camera_path::{CameraTracks, Lens, NoCamera};
+use crate::camera_path::{CameraPath, Lens, NoCamera};
 use crate::time::Timeline;
 use crate::track::Animated;
 use std::ops::Range;
@@ -13,7 +13,7 @@ use std::ops::Range;
 pub fn report_blind_cameras(
     file: &File<'_>,
     timeline: &Timeline,
-    cameras: &[Named<CameraTracks>],
+    cameras: &[Named<CameraPath>],
     active: &Animated<usize>,
     places: &[Range<usize>],
 ) {
@@ -57,8 +57,8 @@ fn fault(name: &str, why: NoCamera, frame: u32, place: Range<usize>) -> Fault {
 }
 
 /// Whether one frame of the camera is like every other.
-fn stands_still(camera: &CameraTracks) -> bool {
-    let CameraTracks { position, target, up, roll, lens, path } = camera;
+fn stands_still(camera: &CameraPath) -> bool {
+    let CameraPath { position, target, up, roll, lens, path } = camera;
     let lens = match lens {
         Lens::Perspective { fov } => fov.is_keyed(),
         Lens::Orthographic { height } => height.is_keyed(),

@@ -14,7 +14,7 @@ use super::object::{Draft, Parent, Surface, object, report_circles};
 use super::output::{DEFAULT_QUALITY, default_output, output, quality};
 use super::timeline::{still, timeline};
 use super::{Named, Object, Sequence};
-use crate::camera_path::CameraTracks;
+use crate::camera_path::CameraPath;
 use crate::color::Rgb;
 use crate::light::LightTracks;
 use crate::material::MaterialTracks;
@@ -73,7 +73,7 @@ fn decoded<T>(values: Vec<Option<T>>) -> Option<Vec<T>> {
 
 /// The cameras, and where each stands in the file.
 struct Cameras {
-    list: Vec<Named<CameraTracks>>,
+    list: Vec<Named<CameraPath>>,
     active: Animated<usize>,
     places: Vec<Range<usize>>,
 }
@@ -108,7 +108,7 @@ fn cameras(fields: &mut Fields<'_>) -> Option<Cameras> {
 }
 
 /// The camera of a file that names none.
-fn unnamed(camera: CameraTracks) -> Named<CameraTracks> {
+fn unnamed(camera: CameraPath) -> Named<CameraPath> {
     Named { name: "camera".to_owned(), value: camera }
 }
 

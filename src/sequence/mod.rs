@@ -32,7 +32,7 @@ mod words;
 pub use fault::Faults;
 pub use load::{LoadError, load, parse};
 
-use crate::camera_path::CameraTracks;
+use crate::camera_path::CameraPath;
 use crate::color::Rgb;
 use crate::light::LightTracks;
 use crate::material::MaterialTracks;
@@ -54,7 +54,7 @@ pub struct Sequence {
     /// Light from everywhere; a material reflects its `ambient` share of it.
     pub ambient: Animated<Rgb>,
     /// At least one.
-    pub cameras: Vec<Named<CameraTracks>>,
+    pub cameras: Vec<Named<CameraPath>>,
     /// Index of the camera that is looked through.
     pub active_camera: Animated<usize>,
     pub lights: Vec<Named<LightTracks>>,

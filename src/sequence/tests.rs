@@ -61,7 +61,7 @@ fn object(object: &str) -> Object {
     read(&format!("(objects: {{ \"o\": ({object}) }})")).objects.remove(0).value
 }
 
-fn camera(camera: &str) -> CameraTracks {
+fn camera(camera: &str) -> CameraPath {
     read(&format!("(timeline: (frames: 2), camera: ({camera}))")).cameras.remove(0).value
 }
 

@@ -33,7 +33,7 @@ const TILE: u32 = 8;
 /// Traces one frame. The film and the counts are the same for any number of threads.
 pub fn trace(scene: &Scene, bvh: &Bvh, settings: &TraceSettings, meter: &Meter) -> (Film, RayCounts) {
     let (width, height) = settings.size;
-    let mut film = Film::new(width, height, scene.shading.weights.clone());
+    let mut film = Film::new(width, height, scene.weights.0.clone());
     let layers = film.layers();
     let band_len = (width * TILE) as usize * layers;
     let bands = height.div_ceil(TILE);

@@ -40,7 +40,7 @@ impl Sums<'_> {
 impl<'a> Whitted<'a> {
     pub fn new(scene: &'a Scene<'a>, bvh: &'a Bvh, bounces: u32) -> Self {
         let shading = scene.shading;
-        let weighted = |layer: LayerId| shading.weights[layer.index()] != Rgb::ZERO;
+        let weighted = |layer: LayerId| scene.weights.0[layer.index()] != Rgb::ZERO;
         let glow = |glow: Glow| (glow.radiance != Rgb::ZERO && weighted(glow.layer)).then_some(glow);
         let shines = |light: &&Light| light.radiance != Rgb::ZERO && weighted(light.layer);
         Self {

@@ -1,1 +1,10 @@
+//! Tests from the outside: the command as users run it, and the library as programs call it.
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that panics has done its work; clippy knows only `#[test]`"
+)]
+
 mod bad_input;
+mod cli;
+mod render;

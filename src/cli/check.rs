@@ -1,0 +1,73 @@
+//! `kinora check`: everything that `render` would find wrong with a file, without rendering.
+
+use super::failure::Failure;
+use super::{load, terminal};
+use crate::humane::counted;
+use crate::sequence::Sequence;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Find every mistake in a sequence file; nothing is rendered or written.
+#[derive(Args, Debug, PartialEq)]
+#[command(after_help = "\
+Example:
+  kinora check sequences/hello.ron
+prints one line about the sequence, or all mistakes with their places (exit code 2).")]
+pub struct Arguments {
+    /// The sequence file (.ron).
+    file: PathBuf,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let sequence = load::sequence(&arguments.file)?;
+    load::outputs(&sequence.output.files)?;
+    terminal::say(&line(&sequence));
+    Ok(())
+}
+
+/// What a sequence is, in one line.
+fn line(sequence: &Sequence) -> String {
+    let timeline = &sequence.timeline;
+    let (width, height) = sequence.output.size;
+    let number = |count: usize, noun| counted(count as u64, noun);
+    let facts = [
+        number(timeline.frames as usize, "frame"),
+        format!("{} s at {} fps", decimal(timeline.duration), decimal(timeline.rate.per_second())),
+        format!("{width}x{height}"),
+        number(sequence.objects.len(), "object"),
+        number(sequence.lights.len(), "light"),
+        number(sequence.materials.len(), "material"),
+        number(sequence.cameras.len(), "camera"),
+        sequence.output.files.join(", "),
+    ];
+    format!("{}: {}", sequence.name, facts.join(" · "))
+}
+
+/// To three decimals at most, without needless zeros.
+fn decimal(number: crate::time::Time) -> String {
+    let value = *number.numer() as f64 / *number.denom() as f64;
+    let text = format!("{value:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::fixture::sequence;
+    use crate::time::Rate;
+
+    #[test]
+    fn one_line_tells_it_all() {
+        assert_eq!(
+            line(&sequence()),
+            "nothing: 72 frames · 3 s at 24 fps · 641x361 · 0 objects · 1 light · 0 materials · 1 camera · \
+             output/nothing_####.png, output/nothing.gif"
+        );
+    }
+
+    #[test]
+    fn rates_are_told_in_decimals() {
+        let rate = Rate::new(30000, 1001).map(|rate| decimal(rate.per_second()));
+        assert_eq!(rate.as_deref(), Some("29.97"));
+    }
+}

@@ -1,0 +1,52 @@
+//! Why a command did not succeed: what to print, and the exit code that tells scripts.
+
+use super::terminal;
+use crate::encode::EncodeError;
+use crate::render::RenderError;
+
+/// The command or the sequence is at fault; nothing was written.
+pub const BAD_INPUT: u8 = 2;
+/// Rendering or writing failed on the way.
+pub const INCOMPLETE: u8 = 3;
+
+#[derive(Debug, PartialEq, Eq)]
+pub enum Failure {
+    /// Usage, or a sequence that cannot be rendered as asked.
+    Bad(String),
+    /// The faults of a file, already laid out with their snippets.
+    Faults(String),
+    /// The run broke off.
+    Incomplete(String),
+}
+
+impl Failure {
+    pub fn code(&self) -> u8 {
+        match self {
+            Self::Bad(_) | Self::Faults(_) => BAD_INPUT,
+            Self::Incomplete(_) => INCOMPLETE,
+        }
+    }
+
+    pub fn print(&self) {
+        match self {
+            Self::Bad(message) | Self::Incomplete(message) => {
+                let error = if terminal::color() { "\x1b[1m\x1b[91merror\x1b[0m" } else { "error" };
+                terminal::complain(&format!("{error}: {message}"));
+            }
+            Self::Faults(text) => terminal::complain(text.trim_end()),
+        }
+    }
+}
+
+impl From<RenderError> for Failure {
+    fn from(error: RenderError) -> Self {
+        let message = error.to_string();
+        match error {
+            // Known before the first frame, and mended by other arguments.
+            RenderError::TooLarge { .. }
+            | RenderError::Camera { .. }
+            | RenderError::Encode(EncodeError::Job(_)) => Self::Bad(message),
+            RenderError::Encode(_) | RenderError::Threads(_) => Self::Incomplete(message),
+        }
+    }
+}

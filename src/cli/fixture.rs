@@ -1,0 +1,45 @@
+//! A sequence for the tests of the command line.
+
+use crate::camera_path::{CameraPath, Lens};
+use crate::color::Rgb;
+use crate::light::{LightKind, LightTracks};
+use crate::math::{Angle, DVec3};
+use crate::sequence::{GifSettings, Named, OutputSettings, Quality, Sequence, Tonemap};
+use crate::time::{Rate, Timeline};
+use crate::track::Animated::Constant;
+
+/// Three seconds of nothing, with a camera and a light.
+pub fn sequence() -> Sequence {
+    let camera = CameraPath {
+        position: Constant(DVec3::Z),
+        target: Constant(DVec3::ZERO),
+        up: Constant(DVec3::Y),
+        roll: Constant(Angle::default()),
+        lens: Lens::Orthographic { height: Constant(1.0) },
+        path: Vec::new(),
+    };
+    let light = LightTracks {
+        kind: LightKind::Point { position: Constant(DVec3::Z) },
+        color: Constant(Rgb::ONE),
+        intensity: Constant(1.0),
+        on: Constant(true),
+    };
+    Sequence {
+        name: "nothing".into(),
+        timeline: Timeline::of_frames(72, Rate::new(24, 1).expect("a positive rate")),
+        output: OutputSettings {
+            size: (641, 361),
+            files: vec!["output/nothing_####.png".into(), "output/nothing.gif".into()],
+            tonemap: Tonemap::Srgb,
+            gif: GifSettings { plays: None, colors: 256, dither: true },
+        },
+        quality: Quality { bounces: 5, antialias: 2 },
+        background: Constant(Rgb::ZERO),
+        ambient: Constant(Rgb::ZERO),
+        cameras: vec![Named { name: "camera".into(), value: camera }],
+        active_camera: Constant(0),
+        lights: vec![Named { name: "light".into(), value: light }],
+        materials: Vec::new(),
+        objects: Vec::new(),
+    }
+}

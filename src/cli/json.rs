@@ -1,0 +1,94 @@
+//! Just enough JSON to write one object per line for other programs.
+
+use std::fmt::{Display, Write};
+
+/// An object in the making; keys are plain words.
+pub struct Object(String);
+
+impl Object {
+    pub fn new() -> Self {
+        Self(String::new())
+    }
+
+    pub fn text(self, key: &str, value: &str) -> Self {
+        self.raw(key, quoted(value))
+    }
+
+    pub fn whole(self, key: &str, value: u64) -> Self {
+        self.raw(key, value)
+    }
+
+    /// To the thousandth; null if absent or not finite, for which JSON has no number.
+    pub fn real(self, key: &str, value: Option<f64>) -> Self {
+        match value.filter(|value| value.is_finite()) {
+            Some(value) => self.raw(key, format_args!("{value:.3}")),
+            None => self.raw(key, "null"),
+        }
+    }
+
+    pub fn texts(self, key: &str, values: impl Iterator<Item = String>) -> Self {
+        let values = values.map(|value| quoted(&value)).collect::<Vec<_>>();
+        self.raw(key, format_args!("[{}]", values.join(",")))
+    }
+
+    pub fn object(self, key: &str, value: Self) -> Self {
+        self.raw(key, value.finish())
+    }
+
+    pub fn finish(self) -> String {
+        format!("{{{}}}", self.0)
+    }
+
+    fn raw(mut self, key: &str, value: impl Display) -> Self {
+        let comma = if self.0.is_empty() { "" } else { "," };
+        // Writing to a string cannot fail.
+        let _ = write!(self.0, "{comma}{}:{value}", quoted(key));
+        self
+    }
+}
+
+/// A string in quotes, with everything escaped that may not stand in one.
+fn quoted(text: &str) -> String {
+    let mut quoted = String::with_capacity(text.len() + 2);
+    quoted.push('"');
+    for c in text.chars() {
+        match c {
+            '"' => quoted.push_str("\\\""),
+            '\\' => quoted.push_str("\\\\"),
+            '\n' => quoted.push_str("\\n"),
+            '\t' => quoted.push_str("\\t"),
+            c if c < ' ' || c == '\x7f' => {
+                let _ = write!(quoted, "\\u{:04x}", u32::from(c));
+            }
+            c => quoted.push(c),
+        }
+    }
+    quoted.push('"');
+    quoted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strings_are_escaped() {
+        assert_eq!(quoted("a\"b\\c/ü→"), r#""a\"b\\c/ü→""#);
+        assert_eq!(quoted("\n\t\r\x00\x1f\x7f"), r#""\n\t\u000d\u0000\u001f\u007f""#);
+    }
+
+    #[test]
+    fn objects_nest() {
+        let inner = Object::new().real("t", Some(0.12345)).real("n", Some(f64::NAN)).real("x", None);
+        let text = Object::new()
+            .text("a", "b")
+            .whole("c", u64::MAX)
+            .texts("d", ["e".to_owned(), "\"".to_owned()].into_iter())
+            .object("f", inner)
+            .object("g", Object::new())
+            .finish();
+        let wanted =
+            r#"{"a":"b","c":18446744073709551615,"d":["e","\""],"f":{"t":0.123,"n":null,"x":null},"g":{}}"#;
+        assert_eq!(text, wanted);
+    }
+}

@@ -1,0 +1,98 @@
+//! The command line: one dispatch, one file per command.
+//!
+//! Arguments in; files, a summary on stdout, progress and errors on stderr, and an exit code out.
+
+mod check;
+mod failure;
+#[cfg(test)]
+mod fixture;
+mod json;
+mod load;
+mod overrides;
+mod progress;
+mod render;
+mod summary;
+mod terminal;
+mod values;
+
+use clap::{Parser, Subcommand};
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+/// Renders keyframed animations from one text file: PNG frames and GIFs, ray traced.
+#[derive(Parser)]
+#[command(version, arg_required_else_help = true, after_help = AFTER_HELP)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Render(render::Arguments),
+    Check(check::Arguments),
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  kinora render sequences/hello.ron                  render a sequence into the files that it names
+  kinora render sequences/hello.ron --draft          a quick look, at half the size
+  kinora render sequences/hello.ron -o out/turn.gif  choose the file to write
+  kinora check sequences/hello.ron                   find every mistake, render nothing
+
+`kinora render --help` lists the options. Exit codes: 0 done, 2 a mistake in the command or the sequence,
+3 frames or files could not be made.";
+
+/// Runs the command that the process was started with.
+pub fn main() -> ExitCode {
+    run(std::env::args_os())
+}
+
+/// Runs a command; `arguments` start with the program's name.
+fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(message) => {
+            // Also the way of --help and --version, with code 0. Nobody is left to tell if printing fails.
+            let _ = message.print();
+            return if message.use_stderr() { ExitCode::from(failure::BAD_INPUT) } else { ExitCode::SUCCESS };
+        }
+    };
+    let done = match arguments.command {
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            failure.print();
+            ExitCode::from(failure.code())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn argument_order_does_not_matter() {
+        let orders = [
+            &["kinora", "render", "a.ron", "-o", "b.gif", "--draft", "-s", "4x3", "-o", "c.gif"][..],
+            &["kinora", "render", "-s4x3", "-o", "b.gif", "-o", "c.gif", "--draft", "a.ron"],
+            &["kinora", "render", "--draft", "--output=b.gif", "a.ron", "--size=4x3", "-oc.gif"],
+        ];
+        let parsed = orders.map(|order| match Arguments::try_parse_from(order).map(|a| a.command) {
+            Ok(Command::Render(arguments)) => arguments,
+            _ => panic!("{order:?} is no render command"),
+        });
+        assert_eq!(parsed[0], parsed[1]);
+        assert_eq!(parsed[0], parsed[2]);
+    }
+}

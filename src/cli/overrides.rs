@@ -1,0 +1,117 @@
+//! Options that change a sequence before it is rendered.
+
+use crate::frame_set::MOST_FRAMES;
+use crate::sequence::Sequence;
+use crate::time::Rate;
+
+/// Longest chain of mirror reflections in a draft.
+const DRAFT_BOUNCES: u32 = 1;
+
+/// What the command line says about a sequence; whatever is absent stays as the file has it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overrides {
+    /// Files to write instead of the sequence's own; none leaves those.
+    pub outputs: Vec<String>,
+    pub size: Option<(u32, u32)>,
+    pub rate: Option<Rate>,
+    pub bounces: Option<u32>,
+    pub antialias: Option<u32>,
+    /// Coarser values for whatever is not given.
+    pub draft: bool,
+}
+
+/// The sequence as the command line wants it.
+///
+/// # Errors
+/// A rate at which there would be too many frames.
+pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, String> {
+    if wanted.draft {
+        let (width, height) = sequence.output.size;
+        sequence.output.size = (width.div_ceil(2), height.div_ceil(2));
+        sequence.quality.antialias = 1;
+        sequence.quality.bounces = sequence.quality.bounces.min(DRAFT_BOUNCES);
+    }
+    if !wanted.outputs.is_empty() {
+        sequence.output.files.clone_from(&wanted.outputs);
+    }
+    if let Some(size) = wanted.size {
+        sequence.output.size = size;
+    }
+    if let Some(bounces) = wanted.bounces {
+        sequence.quality.bounces = bounces;
+    }
+    if let Some(antialias) = wanted.antialias {
+        sequence.quality.antialias = antialias;
+    }
+    if let Some(rate) = wanted.rate {
+        let resampled = sequence.timeline.resampled(rate).filter(|t| t.frames as usize <= MOST_FRAMES);
+        sequence.timeline = resampled.ok_or_else(|| {
+            format!("--fps {rate} makes more than {MOST_FRAMES} frames of this sequence; write a lower rate")
+        })?;
+    }
+    Ok(sequence)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::fixture::sequence;
+
+    fn rate(frames: i128, seconds: i128) -> Option<Rate> {
+        Rate::new(frames, seconds)
+    }
+
+    #[test]
+    fn nothing_wanted_changes_nothing() {
+        assert_eq!(applied(sequence(), &Overrides::default()), Ok(sequence()));
+    }
+
+    #[test]
+    fn every_option_reaches_its_field() {
+        let wanted = Overrides {
+            outputs: vec!["a.gif".into(), "b/####.png".into()],
+            size: Some((320, 200)),
+            rate: rate(30000, 1001),
+            bounces: Some(9),
+            antialias: Some(4),
+            draft: false,
+        };
+        let found = applied(sequence(), &wanted).expect("a countable rate");
+        assert_eq!(found.output.files, ["a.gif", "b/####.png"]);
+        assert_eq!(found.output.size, (320, 200));
+        assert_eq!((found.quality.bounces, found.quality.antialias), (9, 4));
+        // Three seconds hold 89.91 frames; the last one is begun.
+        assert_eq!((found.timeline.frames, found.timeline.duration), (90, sequence().timeline.duration));
+        assert_eq!(found.timeline.rate.to_string(), "30000/1001");
+    }
+
+    #[test]
+    fn a_draft_is_coarser_where_nothing_is_said() {
+        let draft = Overrides { draft: true, ..Overrides::default() };
+        let found = applied(sequence(), &draft).expect("a draft");
+        assert_eq!(found.output.size, (321, 181), "odd sizes round up, so none becomes zero");
+        assert_eq!((found.quality.bounces, found.quality.antialias), (1, 1));
+
+        let found = applied(sequence(), &Overrides { size: Some((64, 48)), bounces: Some(3), ..draft });
+        let found = found.expect("a draft");
+        assert_eq!(found.output.size, (64, 48));
+        assert_eq!((found.quality.bounces, found.quality.antialias), (3, 1));
+    }
+
+    #[test]
+    fn a_draft_adds_no_bounces() {
+        let mut mirrorless = sequence();
+        mirrorless.quality.bounces = 0;
+        let found = applied(mirrorless, &Overrides { draft: true, ..Overrides::default() });
+        assert_eq!(found.expect("a draft").quality.bounces, 0);
+    }
+
+    #[test]
+    fn rates_that_make_too_many_frames_are_refused() {
+        for fps in [3_333_334, i128::from(u32::MAX)] {
+            let wanted = Overrides { rate: rate(fps, 1), ..Overrides::default() };
+            let message = applied(sequence(), &wanted).err();
+            assert!(message.is_some_and(|message| message.contains(&format!("--fps {fps} makes"))));
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! Progress of a run, told by a thread that watches the meter while others render.
+
+use super::json::Object;
+use super::terminal;
+use crate::counters::Meter;
+use crate::humane;
+use clap::ValueEnum;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{Write, stderr, stdout};
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// How progress is told.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ProgressMode {
+    /// A bar on a terminal, plain lines otherwise
+    #[default]
+    Auto,
+    /// Lines on stderr, once a second or less
+    Plain,
+    /// One JSON object per line on stdout, the summary last
+    Json,
+}
+
+/// Where and how progress is shown.
+pub enum Reporter {
+    Silent,
+    Bar(ProgressBar),
+    Lines { out: Box<dyn Write + Send>, format: fn(&Snapshot) -> String, at_once: bool },
+}
+
+/// One look at a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Snapshot {
+    /// Frames done, with the part of the one in hand.
+    done: f64,
+    frames: usize,
+    rays: u64,
+    elapsed: Duration,
+}
+
+/// Does the work while another thread shows how far it has come.
+pub fn watch<T>(meter: &Meter, frames: usize, mut show: Reporter, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    // Dropped when the work is over, also by a panic, which ends the watch.
+    let (working, over) = mpsc::channel::<()>();
+    thread::scope(|scope| {
+        let watcher = move || {
+            let look = || Snapshot::of(meter, frames, start.elapsed());
+            while over.recv_timeout(show.pause(start.elapsed())) == Err(RecvTimeoutError::Timeout) {
+                show.tell(&look());
+            }
+            show.finish(&look());
+        };
+        // Without a thread to spare the work goes on, only unwatched.
+        let _ = thread::Builder::new().spawn_scoped(scope, watcher);
+        let result = work();
+        drop(working);
+        result
+    })
+}
+
+impl Reporter {
+    pub fn new(mode: ProgressMode, quiet: bool, frames: usize) -> Self {
+        match mode {
+            _ if quiet => Self::Silent,
+            ProgressMode::Auto if terminal::interactive() => Self::bar(frames),
+            ProgressMode::Auto | ProgressMode::Plain => {
+                Self::Lines { out: Box::new(stderr()), format: Snapshot::line, at_once: false }
+            }
+            ProgressMode::Json => {
+                Self::Lines { out: Box::new(stdout()), format: Snapshot::json, at_once: true }
+            }
+        }
+    }
+
+    fn bar(frames: usize) -> Self {
+        let bar =
+            ProgressBar::with_draw_target(Some(frames as u64 * 1000), ProgressDrawTarget::stderr_with_hz(10));
+        // The template is a constant; if it were faulty, the default style would still tell the position.
+        if let Ok(style) = ProgressStyle::with_template("[{bar:30}] {msg}") {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        Self::Bar(bar)
+    }
+
+    /// How long to wait before telling again. Logs of long runs would be all progress at one line a second.
+    fn pause(&self, elapsed: Duration) -> Duration {
+        match self {
+            Self::Silent => Duration::from_secs(3600),
+            Self::Bar(_) => Duration::from_millis(100),
+            Self::Lines { .. } => (elapsed / 20).clamp(Duration::from_secs(1), Duration::from_secs(30)),
+        }
+    }
+
+    fn tell(&mut self, snapshot: &Snapshot) {
+        match self {
+            Self::Silent => {}
+            Self::Bar(bar) => {
+                bar.set_position((snapshot.done * 1000.0) as u64);
+                bar.set_message(snapshot.line());
+            }
+            Self::Lines { out, format, .. } => {
+                // A reader that went away does not stop a run.
+                let _ = writeln!(out, "{}", format(snapshot)).and_then(|()| out.flush());
+            }
+        }
+    }
+
+    /// The last word: lines end with the final state, unless a run is so short that none was needed.
+    fn finish(&mut self, snapshot: &Snapshot) {
+        match self {
+            Self::Bar(bar) => bar.finish_and_clear(),
+            Self::Lines { at_once, .. } if *at_once || snapshot.elapsed >= Duration::from_secs(1) => {
+                self.tell(snapshot);
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Snapshot {
+    fn of(meter: &Meter, frames: usize, elapsed: Duration) -> Self {
+        // Both parts of the meter are not read at once, and may be a frame apart.
+        let done = meter.frames_done().min(frames as f64);
+        Self { done, frames, rays: meter.rays.load(Relaxed), elapsed }
+    }
+
+    /// Time left if the rest goes on as what is done; none before anything is.
+    fn left(&self) -> Option<Duration> {
+        let rest = self.frames as f64 - self.done;
+        (self.done > 0.0)
+            .then(|| Duration::try_from_secs_f64(self.elapsed.as_secs_f64() * rest / self.done).ok())
+            .flatten()
+    }
+
+    /// `frame 12/72 · 3.10 Mray/s · 21 s left`.
+    fn line(&self) -> String {
+        let rate = humane::ray_rate(self.rays, self.elapsed);
+        let mut line = format!("frame {}/{} · {rate}", self.done as u64, self.frames);
+        if self.done < self.frames as f64
+            && let Some(left) = self.left()
+        {
+            line += &format!(" · {} left", humane::rough_time(left));
+        }
+        line
+    }
+
+    fn json(&self) -> String {
+        Object::new()
+            .text("event", "progress")
+            .whole("frame", self.done as u64)
+            .whole("frames", self.frames as u64)
+            .whole("rays", self.rays)
+            .real("elapsed_s", Some(self.elapsed.as_secs_f64()))
+            .real("left_s", self.left().map(|left| left.as_secs_f64()))
+            .finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::{Arc, Mutex};
+
+    /// Standard output of a test.
+    #[derive(Clone, Default)]
+    struct Shared(Arc<Mutex<Vec<u8>>>);
+
+    impl Write for Shared {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            self.0.lock().expect("no panic in a test").write(bytes)
+        }
+
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    fn snapshot(done: f64, seconds: u64) -> Snapshot {
+        Snapshot { done, frames: 72, rays: 31_000_000, elapsed: Duration::from_secs(seconds) }
+    }
+
+    #[test]
+    fn lines_tell_frames_rate_and_time_left() {
+        assert_eq!(snapshot(24.7, 10).line(), "frame 24/72 · 3.10 Mray/s · 19 s left");
+        assert_eq!(snapshot(0.0, 10).line(), "frame 0/72 · 3.10 Mray/s");
+        assert_eq!(snapshot(72.0, 10).line(), "frame 72/72 · 3.10 Mray/s");
+        let json = r#"{"event":"progress","frame":24,"frames":72,"rays":31000000,"elapsed_s":10.000,"left_s":20.000}"#;
+        assert_eq!(snapshot(24.0, 10).json(), json);
+        assert!(snapshot(0.0, 0).json().ends_with(r#""elapsed_s":0.000,"left_s":null}"#));
+    }
+
+    #[test]
+    fn the_end_is_told() {
+        let (meter, out) = (Meter::default(), Shared::default());
+        let show = Reporter::Lines { out: Box::new(out.clone()), format: Snapshot::json, at_once: true };
+        let result = watch(&meter, 2, show, || {
+            meter.frames.store(2, Relaxed);
+            meter.rays.store(5, Relaxed);
+            "done"
+        });
+        assert_eq!(result, "done");
+        let text = String::from_utf8(out.0.lock().expect("no panic in a test").clone()).expect("text");
+        assert!(text.starts_with(r#"{"event":"progress","frame":2,"frames":2,"rays":5,"#), "{text}");
+        assert_eq!(text.lines().count(), 1);
+    }
+
+    #[test]
+    fn short_runs_need_no_lines() {
+        let out = Shared::default();
+        let show = Reporter::Lines { out: Box::new(out.clone()), format: Snapshot::line, at_once: false };
+        watch(&Meter::default(), 1, show, || ());
+        assert!(out.0.lock().expect("no panic in a test").is_empty());
+    }
+}

@@ -1,0 +1,137 @@
+//! `kinora render`: a sequence file in, frames and animations out.
+
+use super::failure::Failure;
+use super::overrides::{self, Overrides};
+use super::progress::{self, ProgressMode};
+use super::{load, summary, terminal, values};
+use crate::counters::Meter;
+use crate::frame_set::FrameSet;
+use crate::render::{Request, render};
+use crate::sequence::Sequence;
+use crate::time::Rate;
+use clap::Args;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Render a sequence into PNG frames and GIFs.
+#[derive(Args, Debug, PartialEq)]
+#[command(after_help = AFTER_HELP)]
+pub struct Arguments {
+    /// The sequence file (.ron).
+    file: PathBuf,
+
+    /// File to write; may be given several times [default: those that the sequence names]
+    ///
+    /// The format follows the extension: .gif for an animation, .png for a picture per frame,
+    /// where #### or %04d is the place of the frame number.
+    #[arg(short, long, value_name = "FILE", verbatim_doc_comment)]
+    output: Vec<String>,
+
+    /// Frames to render, counted from 0: 0-47, 0..48, 7,9,20 or 1-40:2 [default: all]
+    ///
+    /// 0-47 includes its end, 0..48 does not; 1-40:2 (or 1-40x2) takes every second frame.
+    /// Each frame shows the same moment as in the whole sequence.
+    #[arg(long, value_name = "SET", allow_hyphen_values = true, verbatim_doc_comment)]
+    frames: Option<FrameSet>,
+
+    /// Width and height in pixels, such as 1280x720 [default: as the sequence says]
+    #[arg(short, long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true)]
+    size: Option<(u32, u32)>,
+
+    /// Frames per second: 24, 29.97 or 30000/1001 [default: as the sequence says]
+    ///
+    /// The animation keeps its duration in seconds.
+    #[arg(short = 'r', long, value_name = "RATE", value_parser = values::rate, allow_hyphen_values = true)]
+    fps: Option<Rate>,
+
+    /// Threads to render with; the picture is the same with any [default: one per processor]
+    #[arg(short, long, value_name = "N", value_parser = values::threads, allow_hyphen_values = true)]
+    threads: Option<NonZeroUsize>,
+
+    /// Longest chain of mirror reflections, 0 for none [default: as the sequence says]
+    #[arg(long, value_name = "N", value_parser = values::bounces, allow_hyphen_values = true)]
+    bounces: Option<u32>,
+
+    /// N×N samples per pixel, 1 to 64 [default: as the sequence says]
+    #[arg(long, value_name = "N", value_parser = values::antialias, allow_hyphen_values = true)]
+    antialias: Option<u32>,
+
+    /// A quick look: half the width and height, antialias 1, at most 1 bounce
+    ///
+    /// What --size, --antialias and --bounces say goes before it.
+    #[arg(long)]
+    draft: bool,
+
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    quiet: bool,
+
+    /// How progress is told
+    #[arg(long, value_enum, default_value_t, value_name = "HOW")]
+    progress: ProgressMode,
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  kinora render turn.ron                             everything as the file says
+  kinora render turn.ron -o t_####.png -o t.gif      frames and an animation
+  kinora render turn.ron --frames 0-47:2 -s 640x360  every second frame, small
+  kinora render turn.ron -r 30 --draft               a quick look at another rate";
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let sequence = load::sequence(&arguments.file)?;
+    let sequence = overrides::applied(sequence, &arguments.overrides()).map_err(Failure::Bad)?;
+    let request = Request {
+        outputs: load::outputs(&sequence.output.files)?,
+        frames: arguments.frames_of(&sequence)?,
+        threads: arguments.threads,
+    };
+
+    let meter = Arc::new(Meter::default());
+    let frames = request.frames.len();
+    let show = progress::Reporter::new(arguments.progress, arguments.quiet, frames);
+    let mut done = progress::watch(&meter, frames, show, || render(&sequence, &request, &meter))?;
+
+    if arguments.draft {
+        done.notes.insert(0, draft_note(&sequence));
+    }
+    if !arguments.quiet {
+        let json = arguments.progress == ProgressMode::Json;
+        terminal::say(&if json { summary::json(&done) } else { summary::text(&done) });
+    }
+    Ok(())
+}
+
+impl Arguments {
+    fn overrides(&self) -> Overrides {
+        Overrides {
+            outputs: self.output.clone(),
+            size: self.size,
+            rate: self.fps,
+            bounces: self.bounces,
+            antialias: self.antialias,
+            draft: self.draft,
+        }
+    }
+
+    fn frames_of(&self, sequence: &Sequence) -> Result<Vec<u32>, Failure> {
+        let count = sequence.timeline.frames;
+        let (set, option) = match &self.frames {
+            Some(set) => (Some(set.clone()), "--frames: "),
+            None => (FrameSet::whole(count), ""),
+        };
+        let set = set.ok_or_else(|| Failure::Bad("the sequence has no frames".to_owned()))?;
+        set.frames(count).map_err(|error| Failure::Bad(format!("{option}{error}")))
+    }
+}
+
+/// Says what a draft came out as, so that nobody takes it for the real thing.
+fn draft_note(sequence: &Sequence) -> String {
+    let (width, height) = sequence.output.size;
+    let quality = sequence.quality;
+    format!(
+        "a draft: {width}x{height}, antialias {}, bounces {}; leave out --draft for the full quality",
+        quality.antialias, quality.bounces
+    )
+}

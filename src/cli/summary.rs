@@ -1,0 +1,133 @@
+//! What a run did, for people and for programs.
+
+use super::json::Object;
+use crate::humane;
+use crate::render::Summary;
+
+/// Aligned lines, a heading for each group in front.
+pub fn text(summary: &Summary) -> String {
+    let mut groups = Vec::new();
+    let files = summary.files.iter().map(|file| file.display().to_string());
+    groups.push(("wrote", files.collect()));
+    groups.push(("frames", vec![humane::count(summary.frames.into())]));
+    groups.push(("time", vec![time(summary)]));
+    groups.push(("rays", rays(summary)));
+    groups.push(("BVH", vec![humane::counted(summary.bvh_builds, "build")]));
+    let stages = summary.stages.iter().map(|&(name, time)| (name, humane::time(time))).collect::<Vec<_>>();
+    groups.push(("stages", aligned(&stages)));
+    groups.push(("note", summary.notes.clone()));
+
+    let mut text = String::new();
+    for (heading, lines) in groups {
+        for (place, line) in lines.iter().enumerate() {
+            let heading = if place == 0 { heading } else { "" };
+            text += &format!("{heading:<7} {line}\n");
+        }
+    }
+    text.truncate(text.trim_end().len());
+    text
+}
+
+/// One JSON object.
+pub fn json(summary: &Summary) -> String {
+    let rays = summary.rays;
+    let stages = summary
+        .stages
+        .iter()
+        .fold(Object::new(), |object, (name, time)| object.real(name, Some(time.as_secs_f64())));
+    let counts = Object::new()
+        .whole("camera", rays.camera)
+        .whole("mirror", rays.mirror)
+        .whole("shadow", rays.shadow)
+        .whole("total", rays.total());
+    Object::new()
+        .text("event", "summary")
+        .texts("files", summary.files.iter().map(|file| file.to_string_lossy().into_owned()))
+        .whole("frames", summary.frames.into())
+        .real("elapsed_s", Some(summary.elapsed.as_secs_f64()))
+        .object("rays", counts)
+        .whole("bvh_builds", summary.bvh_builds)
+        .object("stages_s", stages)
+        .texts("notes", summary.notes.iter().cloned())
+        .finish()
+}
+
+fn time(summary: &Summary) -> String {
+    let whole = humane::time(summary.elapsed);
+    match summary.elapsed.checked_div(summary.frames) {
+        Some(each) if summary.frames > 1 => format!("{whole}, {} per frame", humane::time(each)),
+        _ => whole,
+    }
+}
+
+/// The total with its rate, then each kind.
+fn rays(summary: &Summary) -> Vec<String> {
+    let rays = summary.rays;
+    let kinds = [("camera", rays.camera), ("mirror", rays.mirror), ("shadow", rays.shadow)];
+    let mut rows = vec![("all", humane::count(rays.total()))];
+    rows.extend(kinds.map(|(kind, count)| (kind, humane::count(count))));
+    let mut lines = aligned(&rows);
+    lines[0] += &format!("  {}", humane::ray_rate(rays.total(), summary.elapsed));
+    lines
+}
+
+/// Names to the left, values to the right.
+fn aligned(rows: &[(&str, String)]) -> Vec<String> {
+    let names = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    let values = rows.iter().map(|(_, value)| value.chars().count()).max().unwrap_or(0);
+    rows.iter().map(|(name, value)| format!("{name:<names$}  {value:>values$}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::counters::RayCounts;
+    use std::time::Duration;
+
+    fn summary() -> Summary {
+        Summary {
+            frames: 72,
+            rays: RayCounts { camera: 66_355_200, mirror: 20_481, shadow: 9 },
+            bvh_builds: 1,
+            stages: vec![("animate", Duration::from_micros(840)), ("trace", Duration::from_millis(9870))],
+            elapsed: Duration::from_millis(10_440),
+            files: vec!["out/orbit_####.png".into(), "out/\"orbit\".gif".into()],
+            notes: vec!["a draft".into()],
+        }
+    }
+
+    #[test]
+    fn people_read_aligned_lines() {
+        let wanted = "\
+wrote   out/orbit_####.png
+        out/\"orbit\".gif
+frames  72
+time    10.4 s, 145 ms per frame
+rays    all     66,375,690  6.36 Mray/s
+        camera  66,355,200
+        mirror      20,481
+        shadow           9
+BVH     1 build
+stages  animate  840 µs
+        trace    9.87 s
+note    a draft";
+        assert_eq!(text(&summary()), wanted);
+    }
+
+    #[test]
+    fn an_empty_run_has_a_summary() {
+        let text = text(&Summary::default());
+        assert!(text.starts_with("frames  0\ntime    0 µs\n"), "{text}");
+        assert!(text.ends_with("BVH     0 builds"), "{text}");
+    }
+
+    #[test]
+    fn programs_read_one_line() {
+        let wanted = concat!(
+            r#"{"event":"summary","files":["out/orbit_####.png","out/\"orbit\".gif"],"frames":72,"#,
+            r#""elapsed_s":10.440,"rays":{"camera":66355200,"mirror":20481,"shadow":9,"total":66375690},"#,
+            r#""bvh_builds":1,"stages_s":{"animate":0.001,"trace":9.870},"notes":["a draft"]}"#,
+        );
+        assert_eq!(json(&summary()), wanted);
+    }
+}

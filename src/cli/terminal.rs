@@ -1,0 +1,24 @@
+//! What is on the other end of stdout and stderr.
+
+use std::env;
+use std::io::{IsTerminal, Write, stderr, stdout};
+
+/// Whether stderr is a terminal that can move its cursor.
+pub fn interactive() -> bool {
+    stderr().is_terminal() && env::var_os("TERM").is_none_or(|term| term != "dumb")
+}
+
+/// Whether messages may be coloured: on such a terminal, unless `NO_COLOR` is set to anything.
+pub fn color() -> bool {
+    interactive() && env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+}
+
+/// Prints a line of results. A reader that went away (`kinora … | head`) does not stop a run.
+pub fn say(line: &str) {
+    let _ = writeln!(stdout(), "{line}");
+}
+
+/// Prints a line of errors.
+pub fn complain(line: &str) {
+    let _ = writeln!(stderr(), "{line}");
+}

@@ -1,0 +1,121 @@
+//! Values of options: parsed strictly, within the limits that hold in sequence files too, and with faults that
+//! say what would be right.
+
+use crate::time::Rate;
+use std::num::NonZeroUsize;
+
+/// Pixels along a side, at most.
+const LONGEST_SIDE: u32 = 65_536;
+/// Frames per second, at most.
+const FASTEST: i128 = 1_000_000;
+/// Mirror reflections, at most.
+const MOST_BOUNCES: u32 = 1000;
+/// Samples along an axis of a pixel, at most.
+const FINEST: u32 = 64;
+
+/// `1280x720`, in pixels.
+pub fn size(text: &str) -> Result<(u32, u32), String> {
+    let side = |digits| within(digits, 1, LONGEST_SIDE);
+    text.split_once(['x', 'X']).and_then(|(width, height)| Some((side(width)?, side(height)?))).ok_or_else(
+        || format!("write width and height in pixels, each 1 to {LONGEST_SIDE}, such as 1280x720"),
+    )
+}
+
+/// `24`, `29.97` (exactly 2997/100) or `30000/1001` frames per second.
+pub fn rate(text: &str) -> Result<Rate, String> {
+    let fraction = match text.split_once('/') {
+        Some((frames, seconds)) => whole(frames).zip(whole(seconds)),
+        None => decimal(text),
+    };
+    fraction
+        .and_then(|(frames, seconds)| Rate::new(frames.into(), seconds.into()))
+        .filter(|rate| rate.per_second() <= FASTEST.into())
+        .ok_or_else(|| {
+            format!("write frames per second, such as 24, 29.97 or 30000/1001, above 0 and at most {FASTEST}")
+        })
+}
+
+/// At least 1.
+pub fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| "write a number of threads, at least 1".to_owned())
+}
+
+/// Mirror reflections, or none.
+pub fn bounces(text: &str) -> Result<u32, String> {
+    within(text, 0, MOST_BOUNCES)
+        .ok_or_else(|| format!("write a whole number of reflections, 0 to {MOST_BOUNCES}, such as 8"))
+}
+
+/// Samples along each axis of a pixel.
+pub fn antialias(text: &str) -> Result<u32, String> {
+    within(text, 1, FINEST)
+        .ok_or_else(|| format!("write a whole number from 1 (off) to {FINEST}, such as 3 for 3×3 samples"))
+}
+
+fn within(text: &str, least: u32, most: u32) -> Option<u32> {
+    whole(text).and_then(|n| u32::try_from(n).ok()).filter(|n| (least..=most).contains(n))
+}
+
+/// A decimal number as an exact fraction.
+fn decimal(text: &str) -> Option<(u64, u64)> {
+    let (units, tail) = text.split_once('.').unwrap_or((text, ""));
+    if tail.is_empty() {
+        // No digits after a point is no number, and no point is a whole one.
+        return if text.ends_with('.') { None } else { Some((whole(units)?, 1)) };
+    }
+    let denominator = 10_u64.pow(u32::try_from(tail.len()).ok().filter(|&digits| digits <= 9)?);
+    Some((whole(units)? * denominator + whole(tail)?, denominator))
+}
+
+/// One to nine digits and nothing else. Nine, so that exact times stay far from the limits of their integers.
+fn whole(digits: &str) -> Option<u64> {
+    let plain = (1..=9).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_digit());
+    plain.then(|| digits.parse().ok()).flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        assert_eq!(size("1280x720"), Ok((1280, 720)));
+        assert_eq!(size("1X1"), Ok((1, 1)));
+        for bad in [
+            "", "1280", "x", "1280x", "x720", "0x720", "1280x0", "-1x5", "1e3x5", "1x2x3", "4 x 3", "65537x1",
+        ] {
+            assert!(size(bad).is_err(), "`{bad}`");
+        }
+    }
+
+    #[test]
+    fn rates_are_exact() {
+        for (text, frames, seconds) in [
+            ("24", 24, 1),
+            ("29.97", 2997, 100),
+            ("23.976", 23976, 1000),
+            ("30000/1001", 30000, 1001),
+            ("0.5", 1, 2),
+        ] {
+            assert_eq!(rate(text).ok(), Rate::new(frames, seconds), "`{text}`");
+        }
+        for bad in [
+            "", "0", "0.0", "-24", "24.", ".5", "1e3", "inf", "nan", "30/0", "0/1", "1/2/3", "1.5/2",
+            "1000001",
+        ] {
+            assert!(rate(bad).is_err(), "`{bad}`");
+        }
+        assert!(rate("1234567890").is_err() && rate("1.0123456789").is_err());
+    }
+
+    #[test]
+    fn counts_have_their_limits() {
+        assert_eq!(threads("8").map(NonZeroUsize::get), Ok(8));
+        assert_eq!((bounces("0"), antialias("64")), (Ok(0), Ok(64)));
+        for bad in ["", "-1", "1.5", "4294967296", "many"] {
+            assert!(bounces(bad).is_err() && antialias(bad).is_err(), "`{bad}`");
+        }
+        assert!(antialias("0").is_err() && antialias("65").is_err());
+        assert!(threads("0").is_err() && threads("-1").is_err() && threads("many").is_err());
+    }
+}

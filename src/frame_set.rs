@@ -1,0 +1,124 @@
+//! Which frames of a sequence to render: `0-47`, `0..48`, `7,9,20`, `1-40:2` and the like.
+//!
+//! A set is parsed without knowing the sequence and keeps its ranges as ranges, so no text can make it
+//! large; [`FrameSet::frames`] counts it out against a sequence's length.
+
+mod error;
+#[cfg(test)]
+mod tests;
+
+pub use error::FrameSetError;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::str::FromStr;
+
+/// The most frames one run may hold; at 24 a second, nearly five days.
+pub const MOST_FRAMES: usize = 10_000_000;
+
+/// A set of frame numbers, none of them checked against a sequence yet.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FrameSet(Vec<Steps>);
+
+/// `first`, `first + step`, … `last`, which is always met exactly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Steps {
+    first: u32,
+    last: u32,
+    step: u32,
+}
+
+impl FrameSet {
+    /// Every frame of a sequence of `count` frames; none if there are none.
+    pub fn whole(count: u32) -> Option<Self> {
+        let last = count.checked_sub(1)?;
+        Some(Self(vec![Steps { first: 0, last, step: 1 }]))
+    }
+
+    /// The frames in rising order, each once, of a sequence of `count` frames.
+    ///
+    /// # Errors
+    /// A frame that the sequence does not have, or more than [`MOST_FRAMES`] frames.
+    pub fn frames(&self, count: u32) -> Result<Vec<u32>, FrameSetError> {
+        let last = self.0.iter().map(|steps| steps.last).max().ok_or(FrameSetError::Empty)?;
+        if last >= count {
+            return Err(FrameSetError::Beyond { frame: last, count });
+        }
+        // A merge of the ranges, so that memory grows with the result alone however much they overlap.
+        let mut heads: BinaryHeap<_> = self.0.iter().map(|&s| Reverse((s.first, s.last, s.step))).collect();
+        let mut frames = Vec::new();
+        while let Some(Reverse((frame, last, step))) = heads.pop() {
+            if frames.last() != Some(&frame) {
+                if frames.len() == MOST_FRAMES {
+                    return Err(FrameSetError::TooMany);
+                }
+                frames.push(frame);
+            }
+            if frame < last {
+                heads.push(Reverse((frame + step, last, step)));
+            }
+        }
+        Ok(frames)
+    }
+}
+
+impl FromStr for FrameSet {
+    type Err = FrameSetError;
+
+    fn from_str(text: &str) -> Result<Self, FrameSetError> {
+        if text.trim().is_empty() {
+            return Err(FrameSetError::Empty);
+        }
+        let mut ranges = text.split(',').map(|part| steps(part.trim())).collect::<Result<Vec<_>, _>>()?;
+        // Ranges written twice would be counted out twice.
+        ranges.sort_unstable_by_key(|s| (s.first, s.last, s.step));
+        ranges.dedup();
+        Ok(Self(ranges))
+    }
+}
+
+/// One part between commas: a frame, or a range that may have a step.
+fn steps(part: &str) -> Result<Steps, FrameSetError> {
+    let (range, step) = match part.split_once([':', 'x']) {
+        Some((range, step)) => (range, Some(step)),
+        None => (part, None),
+    };
+    let (first, end, exclusive) = match (range.split_once(".."), split_dash(range)) {
+        (Some((first, end)), _) => (first, end, true),
+        (None, Some((first, end))) => (first, end, false),
+        (None, None) => {
+            let frame = number(range, part)?;
+            if step.is_some() {
+                return Err(FrameSetError::StepWithoutRange(part.to_owned()));
+            }
+            return Ok(Steps { first: frame, last: frame, step: 1 });
+        }
+    };
+    let (first, end) = (number(first, part)?, number(end, part)?);
+    let step = step.map_or(Ok(1), |step| number(step, part))?;
+    if step == 0 {
+        return Err(FrameSetError::ZeroStep(part.to_owned()));
+    }
+    if end < first {
+        return Err(FrameSetError::Backwards { part: part.to_owned(), first, end });
+    }
+    let last = if exclusive { end.checked_sub(1).filter(|&last| last >= first) } else { Some(end) };
+    let last = last.ok_or_else(|| FrameSetError::NoFrames { part: part.to_owned(), frame: first })?;
+    Ok(Steps { first, last: last - (last - first) % step, step })
+}
+
+/// Splits `3-7` at its dash. A dash at the front is a sign, not a range.
+fn split_dash(range: &str) -> Option<(&str, &str)> {
+    range.split_once('-').filter(|(first, _)| !first.trim().is_empty())
+}
+
+fn number(digits: &str, part: &str) -> Result<u32, FrameSetError> {
+    let digits = digits.trim();
+    if digits.strip_prefix('-').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit())) {
+        return Err(FrameSetError::Negative(part.to_owned()));
+    }
+    // Parsing takes a plus sign, which no frame number has.
+    if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
+        return Err(FrameSetError::Malformed(part.to_owned()));
+    }
+    digits.parse().map_err(|_| FrameSetError::TooLarge(digits.to_owned()))
+}

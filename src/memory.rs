@@ -1,0 +1,56 @@
+//! How much memory a run takes, and how much there is.
+
+use crate::color::Rgb;
+use crate::light::Dimmer;
+use crate::sequence::Sequence;
+use crate::track::Animated;
+
+/// Films alive at once: the one being traced, those that wait for the encoder, and the one it develops.
+const FILMS: u64 = 4;
+
+/// Bytes of a pixel besides its layers: the developed picture, and a palette index with its codings.
+const BESIDES: u64 = 16;
+
+/// What a machine that does not tell is taken to have free.
+const UNKNOWN: u64 = 4 << 30;
+
+/// Bytes that the pictures of a run take at once. The scene itself is not counted.
+pub fn needed(sequence: &Sequence) -> u64 {
+    let (width, height) = sequence.output.size;
+    let layer = size_of::<Rgb>() as u64;
+    let pixel = layers(sequence).saturating_mul(layer * FILMS).saturating_add(BESIDES);
+    (u64::from(width) * u64::from(height)).saturating_mul(pixel)
+}
+
+/// Layers of the film at most: lights that turn out to be keyed alike share one.
+fn layers(sequence: &Sequence) -> u64 {
+    let keyed_lights =
+        sequence.lights.iter().filter(|light| light.value.dimmer() != Dimmer::default()).count();
+    let keyed_glows =
+        [&sequence.background, &sequence.ambient].into_iter().filter(|glow| Animated::is_keyed(glow));
+    1 + keyed_lights as u64 + keyed_glows.count() as u64
+}
+
+/// Bytes that can be had without swapping, as Linux tells; elsewhere a cautious guess.
+pub fn available() -> u64 {
+    std::fs::read_to_string("/proc/meminfo").ok().as_deref().and_then(available_in).unwrap_or(UNKNOWN)
+}
+
+fn available_in(meminfo: &str) -> Option<u64> {
+    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kibibytes: u64 = line.split_whitespace().next()?.parse().ok()?;
+    kibibytes.checked_mul(1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_what_linux_tells() {
+        let text = "MemTotal:       24000000 kB\nMemAvailable:   1000 kB\n";
+        assert_eq!(available_in(text), Some(1_024_000));
+        assert_eq!(available_in("nothing"), None);
+        assert!(available() > 0);
+    }
+}

@@ -1,0 +1,103 @@
+//! The frame's systems and their order: the only file that names it.
+
+mod stages;
+
+pub use stages::{FilmSink, NoFrame, Stage, Tally};
+
+use crate::animate;
+use crate::bvh::Bvh;
+use crate::camera::Camera;
+use crate::counters::Meter;
+use crate::scene::{Geometry, extract};
+use crate::sequence::Sequence;
+use crate::time::Timeline;
+use crate::trace::TraceSettings;
+use crate::world::{Current, Now, spawn};
+use bevy_ecs::schedule::common_conditions::resource_changed;
+use bevy_ecs::schedule::{
+    IntoScheduleConfigs, LogLevel, Schedule, ScheduleBuildSettings, SingleThreadedExecutor,
+};
+use bevy_ecs::system::IntoSystem;
+use bevy_ecs::world::World;
+use stages::{Exposed, Faults, Settings, Sink, Stopwatch, Watched};
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+/// A sequence's world and the systems that make frames of it.
+pub struct FrameLoop<S> {
+    world: World,
+    schedule: Schedule,
+    timeline: Timeline,
+    sink: PhantomData<S>,
+}
+
+impl<S: FilmSink> FrameLoop<S> {
+    /// Films go to `sink` in the order in which frames are asked for.
+    pub fn new(sequence: &Sequence, sink: S, meter: Arc<Meter>) -> Self {
+        let mut world = spawn(sequence);
+        world.insert_resource(Current(None::<Camera>));
+        world.insert_resource(Current(Bvh::default()));
+        world.insert_resource(Settings(TraceSettings {
+            size: sequence.output.size,
+            antialias: sequence.quality.antialias,
+            bounces: sequence.quality.bounces,
+        }));
+        world.insert_resource(Exposed::default());
+        world.insert_resource(Sink(sink));
+        world.insert_resource(Faults::default());
+        world.insert_resource(Stopwatch::default());
+        world.insert_resource(Tally::default());
+        world.insert_resource(Watched(meter));
+        Self { world, schedule: schedule::<S>(), timeline: sequence.timeline, sink: PhantomData }
+    }
+
+    /// Makes one frame and hands its film to the sink. After an error no further frame can be made.
+    pub fn frame(&mut self, frame: u32) -> Result<(), NoFrame> {
+        self.world.insert_resource(Now(self.timeline.clock(frame)));
+        self.world.resource_mut::<Stopwatch>().start();
+        self.schedule.run(&mut self.world);
+        // Without this, removals of components pile up for ever.
+        self.world.clear_trackers();
+        self.world.resource_mut::<Faults>().take()
+    }
+
+    /// What has been done so far.
+    pub fn tally(&self) -> &Tally {
+        self.world.resource::<Tally>()
+    }
+
+    /// Ends the loop and gives the sink back.
+    pub fn into_sink(mut self) -> Option<S> {
+        self.world.remove_resource::<Sink<S>>().map(|sink| sink.0)
+    }
+}
+
+/// One chain of stages. Systems of one stage touch different data; two that did not would be refused.
+fn schedule<S: FilmSink>() -> Schedule {
+    use stages::*;
+    let mut schedule = Schedule::default();
+    schedule.set_executor(SingleThreadedExecutor::new());
+    schedule.set_build_settings(ScheduleBuildSettings {
+        ambiguity_detection: LogLevel::Error,
+        ..ScheduleBuildSettings::default()
+    });
+    schedule.configure_sets(
+        (Stage::Animate, Stage::Extract, Stage::Accelerate, Stage::Trace, Stage::Encode).chain(),
+    );
+    let camera = animate::camera.pipe(keep_camera_fault);
+    let animated = (animate::transforms, animate::materials, animate::lights, animate::weights, camera);
+    schedule.add_systems((animated, lap(Stage::Animate)).chain().in_set(Stage::Animate));
+    let packed = (
+        (extract::geometry, count_geometry).chain().run_if(extract::geometry_changed),
+        (extract::shading, count_shading).chain().run_if(extract::shading_changed),
+        extract::weights.run_if(extract::weights_changed),
+        lap(Stage::Extract),
+    );
+    schedule.add_systems(packed.chain().in_set(Stage::Extract));
+    let rebuilt = accelerate.run_if(resource_changed::<Current<Geometry>>);
+    schedule.add_systems((rebuilt, lap(Stage::Accelerate)).chain().in_set(Stage::Accelerate));
+    schedule.add_systems((trace_frame.run_if(no_fault), lap(Stage::Trace)).chain().in_set(Stage::Trace));
+    let encoded = encode::<S>.pipe(keep_fault).run_if(no_fault);
+    schedule.add_systems((encoded, lap(Stage::Encode)).chain().in_set(Stage::Encode));
+    schedule
+}

@@ -1,0 +1,169 @@
+//! The systems that are not animation or extraction, and the resources that only they need.
+
+use crate::bvh::Bvh;
+use crate::camera::Camera;
+use crate::camera_path::NoCamera;
+use crate::counters::{Meter, RayCounts};
+use crate::encode::EncodeError;
+use crate::film::Film;
+use crate::scene::{Geometry, Scene, Shading, Weights};
+use crate::trace::{TraceSettings, trace};
+use crate::world::{Current, Now};
+use bevy_ecs::resource::Resource;
+use bevy_ecs::schedule::SystemSet;
+use bevy_ecs::system::{In, Res, ResMut};
+use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+use std::time::{Duration, Instant};
+
+/// The stages of a frame, in their order.
+#[derive(Clone, Copy, Debug, Hash, PartialEq, Eq, SystemSet)]
+pub enum Stage {
+    Animate,
+    Extract,
+    Accelerate,
+    Trace,
+    Encode,
+}
+
+impl Stage {
+    pub const ALL: [Self; 5] = [Self::Animate, Self::Extract, Self::Accelerate, Self::Trace, Self::Encode];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Animate => "animate",
+            Self::Extract => "extract",
+            Self::Accelerate => "accelerate",
+            Self::Trace => "trace",
+            Self::Encode => "encode",
+        }
+    }
+}
+
+/// Where films go.
+pub trait FilmSink: Send + Sync + 'static {
+    fn push(&mut self, frame: u32, film: Film) -> Result<(), EncodeError>;
+}
+
+/// Why a frame was not made.
+#[derive(Debug)]
+pub enum NoFrame {
+    Camera { frame: u32, why: NoCamera },
+    Encode(EncodeError),
+}
+
+/// Work done, exactly, and the wall time that each [`Stage`] took, in their order.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct Tally {
+    pub rays: RayCounts,
+    pub bvh_builds: u64,
+    /// How often each kind of data was packed anew.
+    pub geometry_packs: u64,
+    pub shading_packs: u64,
+    pub stages: [Duration; 5],
+}
+
+#[derive(Resource)]
+pub struct Settings(pub TraceSettings);
+
+#[derive(Resource)]
+pub struct Sink<S: FilmSink>(pub S);
+
+#[derive(Resource)]
+pub struct Watched(pub Arc<Meter>);
+
+/// The film between Trace and Encode.
+#[derive(Default, Resource)]
+pub struct Exposed(Option<Film>);
+
+/// The first error of a frame. A failing system does not stop a chain: the systems after it look here.
+#[derive(Default, Resource)]
+pub struct Faults(Option<NoFrame>);
+
+impl Faults {
+    pub fn take(&mut self) -> Result<(), NoFrame> {
+        self.0.take().map_or(Ok(()), Err)
+    }
+}
+
+#[derive(Default, Resource)]
+pub struct Stopwatch(Option<Instant>);
+
+impl Stopwatch {
+    pub fn start(&mut self) {
+        self.0 = Some(Instant::now());
+    }
+
+    /// Time since the last start, and starts again.
+    fn lap(&mut self) -> Duration {
+        let now = Instant::now();
+        self.0.replace(now).map_or(Duration::ZERO, |start| now - start)
+    }
+}
+
+/// A system that books the time since the last one on `stage`.
+pub fn lap(stage: Stage) -> impl FnMut(ResMut<Stopwatch>, ResMut<Tally>) {
+    move |mut watch, mut tally| tally.stages[stage as usize] += watch.lap()
+}
+
+pub fn no_fault(faults: Res<Faults>) -> bool {
+    faults.0.is_none()
+}
+
+pub fn keep_camera_fault(In(camera): In<Result<(), NoCamera>>, now: Res<Now>, mut faults: ResMut<Faults>) {
+    if let Err(why) = camera {
+        faults.0.get_or_insert(NoFrame::Camera { frame: now.0.frame, why });
+    }
+}
+
+pub fn keep_fault(In(encoded): In<Result<(), EncodeError>>, mut faults: ResMut<Faults>) {
+    if let Err(error) = encoded {
+        faults.0.get_or_insert(NoFrame::Encode(error));
+    }
+}
+
+pub fn count_geometry(mut tally: ResMut<Tally>) {
+    tally.geometry_packs += 1;
+}
+
+pub fn count_shading(mut tally: ResMut<Tally>) {
+    tally.shading_packs += 1;
+}
+
+pub fn accelerate(geometry: Res<Current<Geometry>>, mut bvh: ResMut<Current<Bvh>>, mut tally: ResMut<Tally>) {
+    bvh.0 = Bvh::build(&geometry.0);
+    tally.bvh_builds += 1;
+}
+
+/// What tracing reads.
+type Traced<'w> = (
+    Res<'w, Current<Geometry>>,
+    Res<'w, Current<Bvh>>,
+    Res<'w, Current<Shading>>,
+    Res<'w, Current<Weights>>,
+    Res<'w, Current<Option<Camera>>>,
+);
+
+pub fn trace_frame(
+    (geometry, bvh, shading, weights, camera): Traced,
+    settings: Res<Settings>,
+    watched: Res<Watched>,
+    mut exposed: ResMut<Exposed>,
+    mut tally: ResMut<Tally>,
+) {
+    let Some(camera) = &camera.0 else { return };
+    let scene = Scene { geometry: &geometry.0, shading: &shading.0, weights: &weights.0, camera };
+    let (film, rays) = trace(&scene, &bvh.0, &settings.0, &watched.0);
+    exposed.0 = Some(film);
+    tally.rays += rays;
+    watched.0.thousandths.store(0, Relaxed);
+    watched.0.frames.fetch_add(1, Relaxed);
+}
+
+pub fn encode<S: FilmSink>(
+    now: Res<Now>,
+    mut exposed: ResMut<Exposed>,
+    mut sink: ResMut<Sink<S>>,
+) -> Result<(), EncodeError> {
+    exposed.0.take().map_or(Ok(()), |film| sink.0.push(now.0.frame, film))
+}

@@ -1,0 +1,36 @@
+//! Components that only entities need; [`Shape`](crate::shape::Shape), [`Material`](crate::material::Material),
+//! [`Light`](crate::light::Light) and [`CameraPath`](crate::camera_path::CameraPath) are components themselves.
+
+use crate::color::Rgb;
+use crate::film::LayerId;
+use crate::math::DAffine3;
+use crate::track::Animated;
+use bevy_ecs::component::Component;
+
+/// Where an object is: world from object. Singular while a scale of 0 hides it.
+#[derive(Clone, Copy, Component, Debug, PartialEq)]
+pub struct Transform(pub DAffine3);
+
+/// Whether an object, and every parent of it, is shown.
+#[derive(Clone, Copy, Component, Debug, PartialEq, Eq)]
+pub struct Visible(pub bool);
+
+/// An object's own visibility over time.
+#[derive(Clone, Component, Debug)]
+pub struct VisibleTrack(pub Animated<bool>);
+
+/// Index of an object's material.
+#[derive(Clone, Copy, Component, Debug, PartialEq, Eq)]
+pub struct MadeOf(pub u32);
+
+/// Position among the file's entries of the same kind. Queries come in no order; extraction sorts by this.
+#[derive(Clone, Copy, Component, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct FileOrder(pub u32);
+
+/// What an entity's layer of the film is weighted with. Lights are switched by this value: no component
+/// comes or goes.
+#[derive(Clone, Copy, Component, Debug, PartialEq)]
+pub struct Weight {
+    pub layer: LayerId,
+    pub value: Rgb,
+}

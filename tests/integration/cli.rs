@@ -1,0 +1,154 @@
+//! The command line: help, bad usage, exit codes.
+
+use assert_cmd::Command;
+use std::path::PathBuf;
+
+/// What a run printed, and its exit code.
+struct Run {
+    code: Option<i32>,
+    stdout: String,
+    stderr: String,
+}
+
+/// Runs `kinora` without a terminal.
+fn kinora(arguments: &[&str]) -> Run {
+    let mut command = Command::cargo_bin("kinora").expect("the binary is built with its tests");
+    let output = command.args(arguments).output().expect("the binary runs");
+    let text = |bytes| String::from_utf8(bytes).expect("output is UTF-8");
+    Run { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+}
+
+/// A bad command must fail with code 2, say all of `hints` on stderr, and nothing on stdout.
+fn refused(arguments: &[&str], hints: &[&str]) {
+    let run = kinora(arguments);
+    assert_eq!(run.code, Some(2), "{arguments:?}: {}", run.stderr);
+    assert_eq!(run.stdout, "", "{arguments:?}");
+    assert!(run.stderr.starts_with("error: "), "{arguments:?}: {}", run.stderr);
+    assert!(!run.stderr.contains('\x1b'), "colours without a terminal: {arguments:?}");
+    for hint in hints {
+        assert!(run.stderr.contains(hint), "{arguments:?} should say `{hint}`: {}", run.stderr);
+    }
+}
+
+/// A file name in the tests' own folder for passing files.
+fn scratch(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
+
+#[test]
+fn help_shows_the_commands_and_an_example() {
+    let run = kinora(&["--help"]);
+    assert_eq!(run.code, Some(0));
+    assert_eq!(run.stderr, "");
+    for part in ["render", "check", "Usage:", "Examples:", "kinora render sequences/hello.ron", "Exit codes:"]
+    {
+        assert!(run.stdout.contains(part), "`{part}` in {}", run.stdout);
+    }
+}
+
+#[test]
+fn help_of_commands_shows_options_units_and_defaults() {
+    let run = kinora(&["render", "--help"]);
+    assert_eq!(run.code, Some(0));
+    for part in [
+        "-o, --output",
+        "--frames",
+        "-s, --size",
+        "-r, --fps",
+        "-t, --threads",
+        "--bounces",
+        "--antialias",
+        "--draft",
+        "-q, --quiet",
+        "--progress",
+        "in pixels",
+        "per second",
+        "[default: ",
+        "Examples:",
+    ] {
+        assert!(run.stdout.contains(part), "`{part}` in {}", run.stdout);
+    }
+    assert!(kinora(&["check", "--help"]).stdout.contains("kinora check sequences/hello.ron"));
+    assert!(run.stdout.lines().all(|line| line.chars().count() <= 100), "{}", run.stdout);
+}
+
+#[test]
+fn version_is_told() {
+    let run = kinora(&["--version"]);
+    assert_eq!((run.code, run.stdout.trim()), (Some(0), concat!("kinora ", env!("CARGO_PKG_VERSION"))));
+}
+
+#[test]
+fn no_command_shows_the_help() {
+    let run = kinora(&[]);
+    assert_eq!(run.code, Some(2));
+    assert!(run.stderr.contains("Usage:") && run.stderr.contains("Examples:"), "{}", run.stderr);
+}
+
+#[test]
+fn unknown_words_are_refused_with_a_guess() {
+    refused(&["rendr", "a.ron"], &["'rendr'", "'render'"]);
+    refused(&["render", "a.ron", "--frame", "1"], &["'--frame'", "'--frames'"]);
+    refused(&["render", "a.ron", "b.ron"], &["'b.ron'"]);
+    refused(&["render"], &["<FILE>"]);
+    refused(&["check"], &["<FILE>"]);
+    refused(&["check", "a.ron", "-o", "a.gif"], &["'-o'"]);
+}
+
+#[test]
+fn bad_values_say_what_would_be_right() {
+    for (option, values, hint) in [
+        ("--size", &["1280", "0x5", "-4x3", "1280x", "axb"][..], "such as 1280x720"),
+        ("--fps", &["0", "-24", "24.", "1/0", "inf", "NaN"], "24, 29.97 or 30000/1001"),
+        ("--threads", &["0", "-1", "all"], "at least 1"),
+        ("--bounces", &["-1", "1.5", "x"], "such as 8"),
+        ("--antialias", &["0", "-1", "65", "x"], "from 1 (off) to 64"),
+        ("--progress", &["loud"], "auto, plain, json"),
+    ] {
+        for value in values {
+            refused(&["render", "a.ron", option, value], &[option, value, hint]);
+            refused(&["render", option, value, "a.ron"], &[option, value, hint]);
+        }
+    }
+}
+
+#[test]
+fn bad_frame_sets_say_what_would_be_right() {
+    for (set, hint) in [
+        ("", "no frames named"),
+        ("x", "write for example 7, 0-47, 0..48 or 1-40:2"),
+        ("1,,2", "is no frame or range"),
+        ("-5", "frames count from 0"),
+        ("-5-3", "frames count from 0"),
+        ("9-3", "write 3-9"),
+        ("5..5", "its end is exclusive"),
+        ("1-9:0", "the smallest step is 1"),
+        ("7:2", "a step but no range"),
+        ("0-4294967296", "4294967296 is too large"),
+    ] {
+        refused(&["render", "a.ron", "--frames", set], &["--frames", hint]);
+    }
+}
+
+#[test]
+fn files_that_are_none_are_told() {
+    for command in ["render", "check"] {
+        refused(&[command, "no/such/file.ron"], &["there is no file no/such/file.ron"]);
+        refused(&[command, "src"], &["src is a folder"]);
+        refused(&[command, ""], &["<FILE>"]);
+    }
+}
+
+#[test]
+fn a_missing_extension_is_guessed() {
+    let file = scratch("present.ron");
+    std::fs::write(&file, "()").expect("the folder is writable");
+    let bare = file.with_extension("");
+    refused(&["check", &bare.to_string_lossy()], &["did you mean", "present.ron?"]);
+}
+
+#[test]
+fn quiet_runs_still_tell_errors() {
+    refused(&["render", "-q", "no/such/file.ron"], &["there is no file"]);
+    refused(&["render", "no/such/file.ron", "--progress", "json"], &["there is no file"]);
+}
