@@ -26,9 +26,9 @@ pub mod transform;
 pub mod material;
 pub mod light;
 
-// File → Sequence, and Film → files.
-pub mod sequence;
+// Film → files, and file → Sequence.
 pub mod encode;
+pub mod sequence;
 
 // Sequence → World → World at t → Scene → Bvh → Film.
 pub mod world;

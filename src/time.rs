@@ -35,6 +35,13 @@ impl Rate {
     }
 }
 
+/// Film's 24 frames per second.
+impl Default for Rate {
+    fn default() -> Self {
+        Self(Ratio::from_integer(24))
+    }
+}
+
 impl std::fmt::Display for Rate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         self.0.fmt(f)

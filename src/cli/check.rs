@@ -20,7 +20,6 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let sequence = load::sequence(&arguments.file)?;
-    load::outputs(&sequence.output.files)?;
     terminal::say(&line(&sequence));
     Ok(())
 }
@@ -38,7 +37,7 @@ fn line(sequence: &Sequence) -> String {
         number(sequence.lights.len(), "light"),
         number(sequence.materials.len(), "material"),
         number(sequence.cameras.len(), "camera"),
-        sequence.output.files.join(", "),
+        sequence.output.files.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
     ];
     format!("{}: {}", sequence.name, facts.join(" · "))
 }

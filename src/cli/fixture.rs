@@ -2,9 +2,10 @@
 
 use crate::camera_path::{CameraPath, Lens};
 use crate::color::Rgb;
+use crate::encode::{GifSettings, Output, Tonemap};
 use crate::light::{LightKind, LightTracks};
 use crate::math::{Angle, DVec3};
-use crate::sequence::{GifSettings, Named, OutputSettings, Quality, Sequence, Tonemap};
+use crate::sequence::{Named, OutputSettings, Quality, Sequence};
 use crate::time::{Rate, Timeline};
 use crate::track::Animated::Constant;
 
@@ -29,7 +30,7 @@ pub fn sequence() -> Sequence {
         timeline: Timeline::of_frames(72, Rate::new(24, 1).expect("a positive rate")),
         output: OutputSettings {
             size: (641, 361),
-            files: vec!["output/nothing_####.png".into(), "output/nothing.gif".into()],
+            files: ["output/nothing_####.png", "output/nothing.gif"].map(output).to_vec(),
             tonemap: Tonemap::Srgb,
             gif: GifSettings { plays: None, colors: 256, dither: true },
         },
@@ -42,4 +43,9 @@ pub fn sequence() -> Sequence {
         materials: Vec::new(),
         objects: Vec::new(),
     }
+}
+
+/// An output by its name.
+pub fn output(name: &str) -> Output {
+    Output::parse(name).expect("a name of a known format")
 }

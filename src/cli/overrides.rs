@@ -1,5 +1,6 @@
 //! Options that change a sequence before it is rendered.
 
+use crate::encode::Output;
 use crate::frame_set::MOST_FRAMES;
 use crate::sequence::Sequence;
 use crate::time::Rate;
@@ -11,7 +12,7 @@ const DRAFT_BOUNCES: u32 = 1;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
     /// Files to write instead of the sequence's own; none leaves those.
-    pub outputs: Vec<String>,
+    pub outputs: Vec<Output>,
     pub size: Option<(u32, u32)>,
     pub rate: Option<Rate>,
     pub bounces: Option<u32>,
@@ -55,7 +56,7 @@ pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::fixture::sequence;
+    use crate::cli::fixture::{output, sequence};
 
     fn rate(frames: i128, seconds: i128) -> Option<Rate> {
         Rate::new(frames, seconds)
@@ -69,7 +70,7 @@ mod tests {
     #[test]
     fn every_option_reaches_its_field() {
         let wanted = Overrides {
-            outputs: vec!["a.gif".into(), "b/####.png".into()],
+            outputs: ["a.gif", "b/####.png"].map(output).to_vec(),
             size: Some((320, 200)),
             rate: rate(30000, 1001),
             bounces: Some(9),
@@ -77,7 +78,7 @@ mod tests {
             draft: false,
         };
         let found = applied(sequence(), &wanted).expect("a countable rate");
-        assert_eq!(found.output.files, ["a.gif", "b/####.png"]);
+        assert_eq!(found.output.files, ["a.gif", "b/####.png"].map(output));
         assert_eq!(found.output.size, (320, 200));
         assert_eq!((found.quality.bounces, found.quality.antialias), (9, 4));
         // Three seconds hold 89.91 frames; the last one is begun.

@@ -5,6 +5,7 @@ use super::overrides::{self, Overrides};
 use super::progress::{self, ProgressMode};
 use super::{load, summary, terminal, values};
 use crate::counters::Meter;
+use crate::encode::Output;
 use crate::frame_set::FrameSet;
 use crate::render::{Request, render};
 use crate::sequence::Sequence;
@@ -25,8 +26,8 @@ pub struct Arguments {
     ///
     /// The format follows the extension: .gif for an animation, .png for a picture per frame,
     /// where #### or %04d is the place of the frame number.
-    #[arg(short, long, value_name = "FILE", verbatim_doc_comment)]
-    output: Vec<String>,
+    #[arg(short, long, value_name = "FILE", value_parser = Output::parse, verbatim_doc_comment)]
+    output: Vec<Output>,
 
     /// Frames to render, counted from 0: 0-47, 0..48, 7,9,20 or 1-40:2 [default: all]
     ///
@@ -83,7 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let sequence = load::sequence(&arguments.file)?;
     let sequence = overrides::applied(sequence, &arguments.overrides()).map_err(Failure::Bad)?;
     let request = Request {
-        outputs: load::outputs(&sequence.output.files)?,
+        outputs: sequence.output.files.clone(),
         frames: arguments.frames_of(&sequence)?,
         threads: arguments.threads,
     };

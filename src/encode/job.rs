@@ -3,10 +3,26 @@
 use super::atomic::{NewFolders, folder_of};
 use super::error::{EncodeError, JobError};
 use super::output::Output;
-use crate::sequence::{GifSettings, Tonemap};
+use super::tonemap::Tonemap;
 use crate::time::Rate;
 use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
+
+/// How animations are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GifSettings {
+    /// How often the animation plays; for ever if absent.
+    pub plays: Option<u16>,
+    /// Size of the palette, 2..=256.
+    pub colors: u16,
+    pub dither: bool,
+}
+
+impl Default for GifSettings {
+    fn default() -> Self {
+        Self { plays: None, colors: 256, dither: true }
+    }
+}
 
 /// What all outputs of one run share.
 #[derive(Clone, Debug)]

@@ -20,10 +20,10 @@ mod tonemap;
 mod worker;
 
 pub use error::{EncodeError, FilmsError, JobError};
-pub use job::Job;
+pub use job::{GifSettings, Job};
 pub use output::{Output, OutputError};
 pub use pattern::{FramePattern, PatternError};
-pub use tonemap::{Picture, ToneTable};
+pub use tonemap::{Picture, ToneTable, Tonemap};
 
 use crate::film::Film;
 use rayon::ThreadPool;

@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::color::Rgb;
-use crate::sequence::{GifSettings, Tonemap};
 use crate::time::Rate;
 use std::fs;
 use std::path::Path;

@@ -2,7 +2,16 @@
 
 use crate::color::linear_to_srgb;
 use crate::film::Film;
-use crate::sequence::Tonemap;
+
+/// From linear radiance to displayed values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tonemap {
+    /// Clip at 1 and encode with the sRGB transfer.
+    #[default]
+    Srgb,
+    /// Clip at 1 and display linear values as they are.
+    None,
+}
 
 /// A displayed picture: 8-bit RGB, row by row from the top left pixel.
 #[derive(Clone, Debug, PartialEq, Eq)]

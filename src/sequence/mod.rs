@@ -34,6 +34,7 @@ pub use load::{LoadError, load, parse};
 
 use crate::camera_path::CameraPath;
 use crate::color::Rgb;
+use crate::encode::{GifSettings, Output, Tonemap};
 use crate::light::LightTracks;
 use crate::material::MaterialTracks;
 use crate::shape::Shape;
@@ -85,30 +86,10 @@ pub struct Object {
 pub struct OutputSettings {
     /// Width and height in pixels, at least 1.
     pub size: (u32, u32),
-    /// Where the frames go, as patterns or names relative to the working directory; the format follows
-    /// the extension. At least one.
-    pub files: Vec<String>,
+    /// Where the frames go, relative to the working directory. At least one, all different.
+    pub files: Vec<Output>,
     pub tonemap: Tonemap,
     pub gif: GifSettings,
-}
-
-/// From linear radiance to displayed values.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Tonemap {
-    /// Clip at 1 and encode with the sRGB transfer.
-    #[default]
-    Srgb,
-    /// Clip at 1 and display linear values as they are.
-    None,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct GifSettings {
-    /// How often the animation plays; for ever if absent.
-    pub plays: Option<u16>,
-    /// Size of the palette, 2..=256.
-    pub colors: u16,
-    pub dither: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,9 +4,9 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::node::Node;
 use super::values::{each, list, one_of, switch, text, tuple, whole};
-use super::{GifSettings, OutputSettings, Quality, Tonemap};
+use super::{OutputSettings, Quality};
+use crate::encode::{GifSettings, Output, Tonemap};
 
-const DEFAULT_GIF: GifSettings = GifSettings { plays: None, colors: 256, dither: true };
 const LONGEST_SIDE: u32 = 65_536;
 
 /// Reads the output of a sequence called `name` with `frames` frames.
@@ -17,7 +17,7 @@ pub fn output(node: Node<'_>, name: &str, frames: u32) -> Option<OutputSettings>
     let files = fields.or("files", |node| files(node, frames), defaults.files);
     let tonemaps = &[("Srgb", Tonemap::Srgb), ("None", Tonemap::None)];
     let tonemap = fields.or("tonemap", one_of("tonemap", tonemaps), Tonemap::Srgb);
-    let gif = fields.or("gif", gif, DEFAULT_GIF);
+    let gif = fields.or("gif", gif, GifSettings::default());
     fields.finish();
     Some(OutputSettings { size: size?, files: files?, tonemap: tonemap?, gif: gif? })
 }
@@ -26,11 +26,10 @@ pub fn output(node: Node<'_>, name: &str, frames: u32) -> Option<OutputSettings>
 pub fn default_output(name: &str, frames: u32) -> OutputSettings {
     // These characters would be a place for the frame number.
     let name = name.replace(['#', '%'], "_");
-    let mut files = vec![format!("output/{name}/frame_####.png")];
-    if frames > 1 {
-        files.push(format!("output/{name}.gif"));
-    }
-    OutputSettings { size: (640, 360), files, tonemap: Tonemap::default(), gif: DEFAULT_GIF }
+    let names = [format!("output/{name}/frame_####.png"), format!("output/{name}.gif")];
+    let wanted = if frames > 1 { 2 } else { 1 };
+    let files = names[..wanted].iter().filter_map(|name| Output::parse(name).ok()).collect();
+    OutputSettings { size: (640, 360), files, tonemap: Tonemap::default(), gif: GifSettings::default() }
 }
 
 fn size(node: Node<'_>) -> Option<(u32, u32)> {
@@ -38,7 +37,7 @@ fn size(node: Node<'_>) -> Option<(u32, u32)> {
     Some((width, height))
 }
 
-fn files(node: Node<'_>, frames: u32) -> Option<Vec<String>> {
+fn files(node: Node<'_>, frames: u32) -> Option<Vec<Output>> {
     let files = if node.is_text() {
         file(node, frames).map(|file| vec![file])
     } else {
@@ -48,20 +47,41 @@ fn files(node: Node<'_>, frames: u32) -> Option<Vec<String>> {
         node.fault(Fault::new(node.span(), "nothing would be written", "needs at least one file"));
         return None;
     }
+    let again = files.iter().enumerate().find(|(i, file)| files[..*i].contains(file));
+    if let Some((_, file)) = again {
+        let message = format!("`files` names \"{file}\" twice");
+        node.fault(Fault::new(node.span(), message, "name each file once"));
+        return None;
+    }
     Some(files)
 }
 
-fn file(node: Node<'_>, frames: u32) -> Option<String> {
+/// What a sequence may write: inside the working directory, in a known format, each frame to its own file.
+fn file(node: Node<'_>, frames: u32) -> Option<Output> {
     let path = text(node)?;
-    if let Err((what, help)) = check_file(&path, frames) {
+    if let Err((what, help)) = check_place(&path) {
         node.fault(node.mismatch(what).help(help));
         return None;
     }
-    Some(path)
+    let output = match Output::parse(&path) {
+        Ok(output) => output,
+        Err(error) => {
+            node.fault(Fault::new(node.span(), format!("`files`: {error}"), "cannot be written"));
+            return None;
+        }
+    };
+    if output.needs_place(frames as usize) {
+        let what = "a file name with a place for the frame number";
+        node.fault(
+            node.mismatch(what).help("write `####` where the number goes, as in \"output/frame_####.png\""),
+        );
+        return None;
+    }
+    Some(output)
 }
 
-/// What a sequence may write: inside the working directory, in a known format, each frame to its own file.
-fn check_file(path: &str, frames: u32) -> Result<(), (&'static str, &'static str)> {
+/// A sequence from someone else must not reach out of the folder that it is rendered in.
+fn check_place(path: &str) -> Result<(), (&'static str, &'static str)> {
     let parts: Vec<_> = path.split(['/', '\\']).collect();
     let drive = parts[0].contains(':');
     if drive || parts.contains(&"..") || path.starts_with(['/', '\\']) {
@@ -71,39 +91,14 @@ fn check_file(path: &str, frames: u32) -> Result<(), (&'static str, &'static str
     if path.chars().any(char::is_control) {
         return Err(("a file name without control characters", "remove line breaks and tabs"));
     }
-    let name = parts[parts.len() - 1];
-    let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
-    match extension.to_ascii_lowercase().as_str() {
-        _ if stem.is_empty() => {}
-        "gif" if has_frame_number(stem) => {
-            let what = "a GIF's name without a place for the frame number";
-            return Err((what, "one GIF holds all frames; leave `#` and `%d` out"));
-        }
-        "gif" => return Ok(()),
-        "png" if frames > 1 && !has_frame_number(stem) => {
-            let what = "a file name with a place for the frame number";
-            return Err((what, "write `####` where the number goes, as in \"output/frame_####.png\""));
-        }
-        "png" => return Ok(()),
-        _ => {}
-    }
-    Err(("a file name that ends in .png or .gif", "the format follows the extension"))
-}
-
-/// Whether the name has a place such as `####` or `%04d`.
-fn has_frame_number(name: &str) -> bool {
-    let printf = name.split('%').skip(1).any(|rest| {
-        let digits = rest.trim_start_matches(|c: char| c.is_ascii_digit());
-        digits.starts_with('d')
-    });
-    printf || name.contains('#')
+    Ok(())
 }
 
 fn gif(node: Node<'_>) -> Option<GifSettings> {
     let mut fields = Fields::of(node, "the GIF's settings")?;
     let plays = fields.optional("plays", whole(1..=u16::MAX.into()));
-    let colors = fields.or("colors", whole(2..=256), u32::from(DEFAULT_GIF.colors));
-    let dither = fields.or("dither", switch, DEFAULT_GIF.dither);
+    let colors = fields.or("colors", whole(2..=256), u32::from(GifSettings::default().colors));
+    let dither = fields.or("dither", switch, GifSettings::default().dither);
     fields.finish();
     let (plays, colors) = (plays?.map(|plays| plays as u16), colors? as u16);
     Some(GifSettings { plays, colors, dither: dither? })

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::camera_path::{Lens, Step, ZoomBy};
+use crate::encode::Output;
 use crate::light::LightKind;
 use crate::material::Highlight;
 use crate::math::{Angle, DQuat, DVec3};
@@ -75,7 +76,7 @@ fn the_shortest_file_has_every_default() {
     assert_eq!(sequence.name, "test");
     assert_eq!(sequence.timeline, Timeline::of_frames(1, Rate::new(24, 1).expect("a rate")));
     assert_eq!(sequence.output.size, (640, 360));
-    assert_eq!(sequence.output.files, ["output/test/frame_####.png"]);
+    assert_eq!(sequence.output.files, [Output::parse("output/test/frame_####.png").expect("an output")]);
     assert_eq!(sequence.quality, Quality { bounces: 5, antialias: 2 });
     assert_eq!(sequence.background, Rgb::ZERO.into());
     assert_eq!(sequence.ambient, Rgb::ONE.into());
@@ -119,9 +120,9 @@ fn lengths_and_rates_are_exact() {
 
 #[test]
 fn more_than_one_frame_makes_a_gif_as_well() {
-    let files = read("(timeline: (frames: 2))").output.files;
-    assert_eq!(files, ["output/test/frame_####.png", "output/test.gif"]);
-    assert_eq!(read("(output: (files: \"still.png\"))").output.files, ["still.png"]);
+    let files = |text: &str| read(text).output.files.iter().map(ToString::to_string).collect::<Vec<_>>();
+    assert_eq!(files("(timeline: (frames: 2))"), ["output/test/frame_####.png", "output/test.gif"]);
+    assert_eq!(files("(output: (files: \"still.png\"))"), ["still.png"]);
 }
 
 #[test]

@@ -23,17 +23,13 @@ enum Unit {
 
 /// The timeline of a file that has none: one frame.
 pub fn still() -> Timeline {
-    Timeline::of_frames(1, default_rate())
-}
-
-fn default_rate() -> Rate {
-    Rate::new(24, 1).expect("above zero")
+    Timeline::of_frames(1, Rate::default())
 }
 
 /// Reads the timeline and sets what key times mean from here on.
 pub fn timeline(node: Node<'_>) -> Option<Timeline> {
     let mut fields = Fields::of(node, "the timeline")?;
-    let rate = fields.or("fps", rate, default_rate());
+    let rate = fields.or("fps", rate, Rate::default());
     let (has_frames, twice) = (fields.has("frames"), fields.has("frames") && fields.has("duration"));
     if twice {
         let (here, there) = (fields.place("duration"), fields.place("frames"));
@@ -55,7 +51,7 @@ pub fn timeline(node: Node<'_>) -> Option<Timeline> {
     let unit = fields.or("keys", |node| word(node, "unit of key times", &units), Unit::Seconds);
     fields.finish();
     if let Some(Unit::Frames) = unit {
-        node.file.clock.set(KeyClock::Frames(rate.unwrap_or_else(default_rate)));
+        node.file.clock.set(KeyClock::Frames(rate.unwrap_or_default()));
     }
     let (rate, frames) = (rate?, frames?);
     Some(duration?.unwrap_or_else(|| Timeline::of_frames(frames, rate)))

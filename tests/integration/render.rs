@@ -159,5 +159,5 @@ fn outputs_of_unknown_formats_are_refused() {
     assert_eq!(run.status.code(), Some(2), "three frames and one name: {}", stderr(&run));
     let run = kinora(folder.path(), &["render", "ball.ron", "-o", "b.gif", "-o", "b.gif"]);
     assert_eq!(run.status.code(), Some(2));
-    assert!(stderr(&run).contains("\"b.gif\" is named twice"), "{}", stderr(&run));
+    assert!(stderr(&run).contains("two outputs would write b.gif"), "{}", stderr(&run));
 }

@@ -17,9 +17,9 @@ mod threshold;
 mod timing;
 
 use super::error::{EncodeError, JobError};
+use super::job::GifSettings;
 use super::job::Job;
 use super::tonemap::Picture;
-use crate::sequence::GifSettings;
 use dither::Mixer;
 use file::GifFile;
 use histogram::Histogram;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::encode::Output;
-use crate::sequence::Tonemap;
+use crate::encode::{GifSettings, Tonemap};
 use crate::time::Rate;
 use ::gif::{ColorOutput, DecodeOptions, DisposalMethod, Repeat};
 use std::collections::HashMap;
