@@ -173,7 +173,7 @@ fn nearly_flat_scales_stay_finite() {
 }
 
 /// All orders of three things.
-fn orders<'a>([a, b, c]: [&'a str; 3]) -> [String; 6] {
+fn orders([a, b, c]: [&str; 3]) -> [String; 6] {
     [[a, b, c], [a, c, b], [b, a, c], [b, c, a], [c, a, b], [c, b, a]].map(|order| order.join(", "))
 }
 
