@@ -2,6 +2,8 @@
 
 mod shade;
 mod spawn;
+#[cfg(test)]
+mod tests;
 mod whitted;
 
 use crate::bvh::Bvh;

@@ -5,6 +5,14 @@
     reason = "a test that panics has done its work; clippy knows only `#[test]`"
 )]
 
+mod support;
+
 mod bad_input;
 mod cli;
 mod render;
+mod animation;
+mod counters;
+mod determinism;
+mod golden;
+mod radiance;
+mod watertight;

@@ -1,0 +1,218 @@
+//! No lit point shadows itself, at any size and at any distance from the origin, and none is moved far off
+//! its surface (SELF-01 of the hard cases, and the same for every other shape).
+
+use super::spawn::{spawn, spawn_to};
+use crate::camera::Ray;
+use crate::math::{Angle, DAffine3, DMat3, DVec3, UNIT_ROUNDOFF, euler_xyz};
+use crate::scene::Primitive;
+use crate::shape::{Cuboid, Disk, Plane, Probe, Rectangle, Shape, Sphere, Surface, Triangle};
+
+/// Points per configuration.
+const POINTS: u32 = if cfg!(debug_assertions) { 3_000 } else { 100_000 };
+/// Lights are above the horizon by at least this cosine.
+const GRAZING: f64 = 0.001;
+const SIZES: [f64; 4] = [1e-3, 1.0, 1e3, 1e6];
+const OFFSETS: [f64; 5] = [0.0, 10.0, 1e3, 1e4, 1e6];
+/// A unit vector.
+const AWAY: DVec3 = DVec3::new(0.6, 0.64, 0.48);
+
+/// splitmix64 (Steele et al. 2014).
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Evenly over the sphere.
+    fn direction(&mut self) -> DVec3 {
+        let z = 2.0 * self.unit() - 1.0;
+        let turn = Angle(360.0 * self.unit()).cos_sin();
+        let r = (1.0 - z * z).sqrt();
+        DVec3::new(r * turn.x, r * turn.y, z)
+    }
+
+    /// Evenly over the directions that are above the horizon of `normal`.
+    fn above(&mut self, normal: DVec3) -> DVec3 {
+        loop {
+            let direction = self.direction();
+            if direction.dot(normal) > GRAZING {
+                return direction;
+            }
+        }
+    }
+}
+
+/// Where a ray meets `primitive`, as the integrator sees it: with the normal towards the eye.
+fn seen(primitive: &Primitive, ray: Ray) -> Option<Surface> {
+    let t = primitive.hit(&Probe::new(ray), f64::INFINITY)?;
+    let mut surface = primitive.surface(ray.at(t));
+    if surface.normal.dot(ray.direction) > 0.0 {
+        surface.normal = -surface.normal;
+    }
+    Some(surface)
+}
+
+/// A primitive under test: its size, and how the points at -0.5 to 0.5 at which eyes aim get to it.
+struct Target {
+    primitive: Primitive,
+    size: f64,
+    aim: DAffine3,
+}
+
+impl Target {
+    /// Points of the primitive, each seen from a random eye at three times its size, and a light's direction.
+    fn points(&self, seed: u64) -> impl Iterator<Item = (Surface, DVec3)> + '_ {
+        let mut random = Random(seed);
+        let mut point = move || {
+            let middle = self.aim.translation;
+            let origin = middle + random.direction() * (3.0 * self.size);
+            let aim = DVec3::new(random.unit() - 0.5, 0.0, random.unit() - 0.5);
+            let direction = (self.aim.transform_point3(aim) - origin).normalize();
+            let surface = seen(&self.primitive, Ray { origin, direction })?;
+            Some((surface, random.above(surface.normal)))
+        };
+        std::iter::from_fn(move || Some(point())).flatten().take(POINTS as usize)
+    }
+
+    /// How many points of a convex or flat primitive it shadows itself, from lights infinitely far and `size`
+    /// away.
+    fn false_shadows(&self) -> usize {
+        let shadowed = |(surface, direction): &(Surface, DVec3)| {
+            let far = Probe::new(spawn(surface, *direction));
+            let near = Probe::new(spawn_to(surface, surface.point + *direction * self.size));
+            self.primitive.hit(&far, f64::INFINITY).is_some() || self.primitive.hit(&near, 1.0).is_some()
+        };
+        self.points(7).filter(shadowed).count()
+    }
+}
+
+fn primitive(shape: Shape, to_world: DAffine3) -> Primitive {
+    Primitive::new(shape, to_world, 0).expect("a primitive")
+}
+
+/// Turned by 30 and 40 degrees and moved, for shapes that are placed by a transform.
+fn tilted(size: DVec3, middle: DVec3) -> DAffine3 {
+    let turn = euler_xyz(Angle(30.0), Angle(40.0), Angle(0.0));
+    DAffine3::from_mat3_translation(turn * DMat3::from_diagonal(size), middle)
+}
+
+/// Every size at every offset.
+fn each_place() -> impl Iterator<Item = (f64, DVec3)> {
+    SIZES.into_iter().flat_map(|size| OFFSETS.map(|offset| (size, AWAY * offset)))
+}
+
+/// A sphere, aimed at inside a square that is 1.8 radii wide.
+fn sphere(radius: f64, center: DVec3) -> Target {
+    let shape = Shape::Sphere(Sphere { center, radius });
+    let aim = DAffine3::from_mat3_translation(DMat3::from_diagonal(DVec3::splat(1.8 * radius)), center);
+    Target { primitive: primitive(shape, DAffine3::IDENTITY), size: radius, aim }
+}
+
+#[test]
+fn lit_spheres_do_not_shadow_themselves() {
+    for (radius, center) in each_place() {
+        assert_eq!(sphere(radius, center).false_shadows(), 0, "radius {radius} at {center}");
+    }
+}
+
+#[test]
+fn rays_leave_spheres_from_close_by() {
+    for (radius, center) in each_place() {
+        let limit = 32.0 * UNIT_ROUNDOFF * (center.length() + radius);
+        for (surface, direction) in sphere(radius, center).points(8) {
+            let origin = spawn(&surface, direction).origin;
+            let moved = (origin - surface.point).length();
+            // The oracle: how far the origin is from the sphere itself. Both coordinates are given numbers, so
+            // only the difference and its length are rounded, which is relative to the radius.
+            let off = (origin - center).length() - radius;
+            let rounding = 4.0 * UNIT_ROUNDOFF * radius;
+            let close = moved <= limit && off <= limit + rounding;
+            assert!(close, "radius {radius} at {center}: {moved:e}, {off:e}");
+            assert!(off >= -rounding, "radius {radius} at {center}: below the surface by {off:e}");
+        }
+    }
+}
+
+/// From inside, the far side is one chord away: 2 r cos. An origin moved inwards lengthens it.
+#[test]
+fn spheres_lit_from_inside_end_at_their_far_side() {
+    for (radius, center) in each_place() {
+        let sphere = sphere(radius, center).primitive;
+        let mut random = Random(9);
+        for _ in 0..POINTS {
+            let origin = center + random.direction() * (0.9 * radius);
+            let surface = seen(&sphere, Ray { origin, direction: random.direction() });
+            let surface = surface.expect("a ray from inside hits");
+            let direction = random.above(surface.normal);
+            let cosine = surface.normal.dot(direction);
+            let chord = 2.0 * radius * cosine;
+            let longest = chord + 64.0 * UNIT_ROUNDOFF * (center.length() + radius) / cosine;
+            let t = sphere.hit(&Probe::new(spawn(&surface, direction)), f64::INFINITY);
+            let far_side = t.is_some_and(|t| t >= 0.999 * chord && t <= longest);
+            assert!(far_side, "radius {radius} at {center}: {t:?} instead of {chord}");
+        }
+    }
+}
+
+#[test]
+fn lit_ellipsoids_do_not_shadow_themselves() {
+    let unit = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 });
+    for (size, middle) in each_place() {
+        let aim = tilted(DVec3::new(3.0, 1.0, 0.5) * size, middle);
+        let ellipsoid = Target { primitive: primitive(unit, aim), size: 3.0 * size, aim };
+        assert!(ellipsoid.primitive.placement.is_some(), "an ellipsoid is no sphere");
+        assert_eq!(ellipsoid.false_shadows(), 0, "size {size} at {middle}");
+    }
+}
+
+/// A flat shape, or the box, of each size at each place, turned and not.
+fn flat_shapes_do_not_shadow_themselves(shape: Shape) {
+    let mut wrong = Vec::new();
+    for (size, middle) in each_place() {
+        let straight = DAffine3::from_mat3_translation(DMat3::from_diagonal(DVec3::splat(size)), middle);
+        for aim in [straight, tilted(DVec3::splat(size), middle)] {
+            let target = Target { primitive: primitive(shape, aim), size, aim };
+            let count = target.false_shadows();
+            if count > 0 {
+                wrong.push(format!("{count} of {POINTS}: {:?}", target.primitive));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "false shadows\n{}", wrong.join("\n"));
+}
+
+const CORNER: DVec3 = DVec3::new(-0.5, 0.0, -0.5);
+
+#[test]
+fn lit_planes_do_not_shadow_themselves() {
+    flat_shapes_do_not_shadow_themselves(Shape::Plane(Plane { point: CORNER, normal: DVec3::Y }));
+}
+
+#[test]
+fn lit_rectangles_do_not_shadow_themselves() {
+    let rectangle = Rectangle { corner: CORNER, u: DVec3::new(1.0, 0.0, 0.1), v: DVec3::Z };
+    flat_shapes_do_not_shadow_themselves(Shape::Rectangle(rectangle));
+}
+
+#[test]
+fn lit_disks_do_not_shadow_themselves() {
+    let disk = Disk { center: DVec3::ZERO, normal: DVec3::Y, radius: 0.5 };
+    flat_shapes_do_not_shadow_themselves(Shape::Disk(disk));
+}
+
+#[test]
+fn lit_triangles_do_not_shadow_themselves() {
+    let corners = [CORNER, DVec3::new(0.5, 0.0, -0.3), DVec3::new(0.1, 0.0, 0.5)];
+    flat_shapes_do_not_shadow_themselves(Shape::Triangle(Triangle { corners }));
+}
+
+#[test]
+fn lit_boxes_do_not_shadow_themselves() {
+    let cuboid = Cuboid { min: DVec3::splat(-0.5), max: DVec3::splat(0.5) };
+    flat_shapes_do_not_shadow_themselves(Shape::Cuboid(cuboid));
+}

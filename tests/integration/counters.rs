@@ -1,0 +1,184 @@
+//! Work is done when it is called for, and once: trees, packing and rays are counted exactly.
+
+use crate::support::{Shot, Work, shoot_all};
+
+/// A sequence of `frames` frames of 16x12 pixels with keys in frames, a floor, a ball and a light. The rest may
+/// name fields again that come before `objects`.
+fn ball(frames: u32, fields: &str, light: &str, material: &str, object: &str) -> Vec<Shot> {
+    shoot_all(&format!(
+        r#"(timeline: (frames: {frames}, keys: Frames), output: (size: (16, 12)), quality: (antialias: 1), {fields}
+        lights: {{ "lamp": Point({light}) }}, materials: {{ "m": ({material}) }},
+        objects: {{
+            "floor": (shape: Plane(point: (0, -1, 0))), "ball": (shape: Sphere(), material: "m", {object}),
+        }})"#
+    ))
+}
+
+const LAMP: &str = "position: (3, 4, 5)";
+
+/// Trees built, and geometry and shading packed, in each frame.
+fn made(shots: &[Shot]) -> Vec<(u64, u64, u64)> {
+    shots.iter().map(|Shot { work, .. }| (work.bvh_builds, work.geometry_packs, work.shading_packs)).collect()
+}
+
+/// Asserts that everything is made once, in frame 0, and later only what `later` says, frame by frame.
+#[track_caller]
+fn made_anew(shots: &[Shot], later: &[(u64, u64, u64)]) {
+    assert_eq!(made(shots), [&[(1, 1, 1)], later].concat());
+}
+
+const NOTHING: (u64, u64, u64) = (0, 0, 0);
+const GEOMETRY: (u64, u64, u64) = (1, 1, 0);
+const SHADING: (u64, u64, u64) = (0, 0, 1);
+
+#[test]
+fn a_hundred_still_frames_build_one_tree() {
+    made_anew(&ball(100, "", LAMP, "", ""), &[NOTHING; 99]);
+}
+
+#[test]
+fn lights_that_switch_fade_and_change_colour_make_nothing_anew() {
+    let on = "on: [(0, true), (1, false), (3, true)]";
+    let intensity = "intensity: [(0, 1), (4, 0)]";
+    let color = "color: [(0, (1, 0, 0)), (4, (0, 0, 1))]";
+    for keys in [on, intensity, color, &[on, intensity, color].join(", ")] {
+        made_anew(&ball(5, "", &format!("{LAMP}, {keys}"), "", ""), &[NOTHING; 4]);
+    }
+    let glow = "background: [(0, 0), (4, 1)], ambient: [(0, 1), (4, 0)],";
+    made_anew(&ball(5, glow, LAMP, "", ""), &[NOTHING; 4]);
+}
+
+#[test]
+fn cameras_that_move_zoom_and_cut_make_nothing_anew() {
+    for camera in [
+        "camera: (path: Orbit()),",
+        "camera: (position: [(0, (0, 1, 5)), (4, (1, 2, 5))], roll: [(0, 0), (4, 90)]),",
+        "camera: (path: Zoom(fov: [(0, 45), (4, 10)])),",
+        r#"cameras: { "a": (), "b": (position: (5, 1, 0), projection: Orthographic()) }, active_camera: [(0, "a"), (2, "b")],"#,
+    ] {
+        made_anew(&ball(5, camera, LAMP, "", ""), &[NOTHING; 4]);
+    }
+}
+
+#[test]
+fn an_object_that_moves_builds_a_tree_per_frame_that_differs() {
+    let keys =
+        "translation: [(0, (0, 0, 0)), (2, (1, 0, 0)), (4, (1, 0, 0)), (5, (2, 0, 0), Step), (7, (0, 0, 0))]";
+    let later = [GEOMETRY, GEOMETRY, NOTHING, NOTHING, GEOMETRY, NOTHING, GEOMETRY, NOTHING];
+    made_anew(&ball(9, "", LAMP, "", keys), &later);
+    // Turning a ball moves it in its own space at least; a whole turn per frame does not.
+    let whole_turns = "rotation: AxisAngle(axis: (0, 1, 0), angle: [(0, 0), (4, 1440)])";
+    made_anew(&ball(4, "", LAMP, "", whole_turns), &[NOTHING; 3]);
+}
+
+#[test]
+fn appearing_and_vanishing_build_a_tree() {
+    let keys = "visible: [(0, true), (2, false), (3, false), (4, true)]";
+    made_anew(&ball(6, "", LAMP, "", keys), &[NOTHING, GEOMETRY, NOTHING, GEOMETRY, NOTHING]);
+    let scale = "scale: [(0, 1, Step), (2, 0, Step), (3, 1)]";
+    made_anew(&ball(5, "", LAMP, "", scale), &[NOTHING, GEOMETRY, GEOMETRY, NOTHING]);
+}
+
+#[test]
+fn keyed_materials_and_lights_that_move_pack_shading_alone() {
+    for material in [
+        "color: [(0, (1, 0, 0)), (2, (0, 1, 0))]",
+        "mirror: [(0, 0), (2, 1)]",
+        "shininess: [(0, 3), (2, 5)]",
+        "specular: [(0, 0), (2, 1)], diffuse: [(0, 0), (2, 1)]",
+    ] {
+        made_anew(&ball(4, "", LAMP, material, ""), &[SHADING, SHADING, NOTHING]);
+    }
+    let light = "position: [(0, (3, 4, 5)), (2, (3, 5, 5))]";
+    made_anew(&ball(4, "", light, "", ""), &[SHADING, SHADING, NOTHING]);
+}
+
+#[test]
+fn a_lights_rays_stop_while_it_is_off() {
+    let shadow = |light: &str| -> Vec<u64> {
+        ball(5, "", light, "", "").iter().map(|shot| shot.work.shadow).collect()
+    };
+    let lit = shadow(LAMP)[0];
+    assert!(lit > 50, "{lit}");
+    assert_eq!(shadow(&format!("{LAMP}, on: [(0, true), (1, false), (3, true)]")), [lit, 0, 0, lit, lit]);
+    assert_eq!(shadow(&format!("{LAMP}, intensity: [(0, 0, Step), (2, 1), (4, 0)]")), [0, 0, lit, lit, 0]);
+    assert_eq!(shadow(&format!("{LAMP}, color: [(0, 0, Step), (2, (0, 0, 1))]")), [0, 0, lit, lit, lit]);
+    assert_eq!(shadow(&format!("{LAMP}, on: false")), [0; 5]);
+}
+
+/// The unit ball alone, seen from +z by an orthographic camera. Returns the samples that hit it, and those that hit
+/// it where it faces the light at `light`, by the ball's own formula.
+fn samples_on_ball(size: (u32, u32), n: u32, height: f64, light: [f64; 3]) -> (u64, u64) {
+    let (mut hits, mut facing) = (0, 0);
+    for py in 0..size.1 * n {
+        for px in 0..size.0 * n {
+            let scale = height / f64::from(size.1 * n);
+            let x = (f64::from(px) + 0.5 - 0.5 * f64::from(size.0 * n)) * scale;
+            let y = (0.5 * f64::from(size.1 * n) - f64::from(py) - 0.5) * scale;
+            let square = 1.0 - x * x - y * y;
+            if square > 0.0 {
+                let p = [x, y, square.sqrt()];
+                hits += 1;
+                facing += u64::from(p.iter().zip(light).map(|(p, l)| p * (l - p)).sum::<f64>() > 0.0);
+            }
+        }
+    }
+    (hits, facing)
+}
+
+#[test]
+fn a_matte_ball_takes_a_camera_ray_per_sample_and_a_shadow_ray_per_facing_light() {
+    let lights = [[3.0, 4.0, 5.0], [0.0, 0.0, -8.0], [-9.0, 1.0, 0.5]];
+    for n in [1, 2, 3] {
+        for (count, lights) in (0..=3).map(|count| (count, &lights[..count])) {
+            let text: String = lights
+                .iter()
+                .enumerate()
+                .map(|(k, [x, y, z])| format!("\"{k}\": Point(position: ({x}, {y}, {z})),"))
+                .collect();
+            let shots = shoot_all(&format!(
+                r#"(output: (size: (23, 17)), quality: (antialias: {n}, bounces: 9), lights: {{ {text} }},
+                camera: (position: (0, 0, 9), projection: Orthographic(height: 2.7)),
+                objects: {{ "ball": (shape: Sphere(), material: (color: 1)) }})"#
+            ));
+            let shadow = lights.iter().map(|light| samples_on_ball((23, 17), n, 2.7, *light).1).sum();
+            let expected = Work { camera: u64::from(23 * 17 * n * n), mirror: 0, shadow, ..shots[0].work };
+            assert_eq!(shots[0].work, expected, "{count} lights, {n} x {n} samples");
+            assert!(count == 0 || shadow > 0);
+        }
+    }
+}
+
+#[test]
+fn mirror_rays_are_as_many_as_mirrors_call_for() {
+    let mirror_rays = |bounces: u32, material: &str| {
+        let shots = shoot_all(&format!(
+            r#"(output: (size: (23, 17)), quality: (antialias: 1, bounces: {bounces}),
+            camera: (position: (0, 0, 9), projection: Orthographic(height: 2.7)),
+            objects: {{ "ball": (shape: Sphere(), material: ({material})) }})"#
+        ));
+        shots[0].work.mirror
+    };
+    // A convex mirror is hit once per sample that meets it; every such ray then leaves.
+    let hits = samples_on_ball((23, 17), 1, 2.7, [0.0; 3]).0;
+    assert_eq!(mirror_rays(1, "mirror: 0.5"), hits);
+    assert_eq!(mirror_rays(9, "mirror: 0.5"), hits);
+    assert_eq!(mirror_rays(0, "mirror: 0.5"), 0);
+    assert_eq!(mirror_rays(9, "mirror: 0"), 0);
+    assert_eq!(mirror_rays(9, "mirror: 1, mirror_color: 0"), 0);
+    assert_eq!(mirror_rays(9, "specular: 1"), 0);
+}
+
+#[test]
+fn no_light_means_no_shadow_rays() {
+    for fields in ["", r#"lights: { "off": Point(position: (0, 5, 5), on: false) },"#] {
+        let shots = shoot_all(&format!(
+            r#"(output: (size: (8, 6)), {fields} objects: {{ "b": (shape: Sphere()) }})"#
+        ));
+        assert_eq!((shots[0].work.shadow, shots[0].work.mirror), (0, 0));
+    }
+    // A surface that reflects no light needs none to be traced to it.
+    let black = r#"(output: (size: (8, 6)), lights: { "l": Point(position: (0, 5, 5)) },
+        objects: { "b": (shape: Sphere(), material: (diffuse: 0)) })"#;
+    assert_eq!(shoot_all(black)[0].work.shadow, 0);
+}

@@ -1,0 +1,112 @@
+//! What the tests share: sequences as text, films collected instead of written, and random numbers.
+
+use kinora::color::Rgb;
+use kinora::counters::Meter;
+use kinora::encode::EncodeError;
+use kinora::film::Film;
+use kinora::math::DVec3;
+use kinora::schedule::{FilmSink, FrameLoop, Tally};
+use kinora::sequence::{Sequence, parse};
+use std::sync::Arc;
+
+/// Reads a sequence that must be right.
+pub fn sequence(text: &str) -> Sequence {
+    parse("test.ron", text).unwrap_or_else(|faults| panic!("{faults}"))
+}
+
+/// Keeps films instead of writing them.
+#[derive(Default)]
+struct Films(Vec<Film>);
+
+impl FilmSink for Films {
+    fn push(&mut self, _frame: u32, film: Film) -> Result<(), EncodeError> {
+        self.0.push(film);
+        Ok(())
+    }
+}
+
+/// One frame: its film and what making it took.
+pub struct Shot {
+    pub film: Film,
+    pub work: Work,
+}
+
+/// What one frame took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    pub camera: u64,
+    pub mirror: u64,
+    pub shadow: u64,
+    pub bvh_builds: u64,
+    pub geometry_packs: u64,
+    pub shading_packs: u64,
+}
+
+impl Work {
+    fn between(before: &Tally, after: &Tally) -> Self {
+        Self {
+            camera: after.rays.camera - before.rays.camera,
+            mirror: after.rays.mirror - before.rays.mirror,
+            shadow: after.rays.shadow - before.rays.shadow,
+            bvh_builds: after.bvh_builds - before.bvh_builds,
+            geometry_packs: after.geometry_packs - before.geometry_packs,
+            shading_packs: after.shading_packs - before.shading_packs,
+        }
+    }
+}
+
+impl Shot {
+    /// The weighted radiance of a pixel.
+    pub fn pixel(&self, x: u32, y: u32) -> Rgb {
+        let at = (y * self.film.width + x) as usize;
+        self.film.radiance().nth(at).expect("a pixel of the film")
+    }
+}
+
+/// Renders frames in the order given, in one loop.
+pub fn shoot(sequence: &Sequence, frames: impl IntoIterator<Item = u32>) -> Vec<Shot> {
+    let mut frame_loop = FrameLoop::new(sequence, Films::default(), Arc::new(Meter::default()));
+    let mut before = frame_loop.tally().clone();
+    let mut works = Vec::new();
+    for frame in frames {
+        frame_loop.frame(frame).unwrap_or_else(|fault| panic!("frame {frame}: {fault:?}"));
+        let after = frame_loop.tally().clone();
+        works.push(Work::between(&before, &after));
+        before = after;
+    }
+    let films = frame_loop.into_sink().expect("the sink").0;
+    assert_eq!(films.len(), works.len(), "a film per frame");
+    films.into_iter().zip(works).map(|(film, work)| Shot { film, work }).collect()
+}
+
+/// All frames of a sequence written as text.
+pub fn shoot_all(text: &str) -> Vec<Shot> {
+    let sequence = sequence(text);
+    shoot(&sequence, 0..sequence.timeline.frames)
+}
+
+/// The radiance in the middle of the picture: a picture of one pixel and one sample, which looks exactly along
+/// the line from the camera to its target. `rest` are the other fields of a sequence.
+pub fn radiance_at_target(rest: &str) -> Rgb {
+    let text = format!("(output: (size: (1, 1)), quality: (antialias: 1, bounces: 64), {rest})");
+    shoot_all(&text)[0].pixel(0, 0)
+}
+
+/// splitmix64 (Steele et al. 2014).
+pub struct Random(pub u64);
+
+impl Random {
+    /// Evenly in 0..1.
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Evenly in the cube from -`reach` to `reach`.
+    pub fn point(&mut self, reach: f64) -> DVec3 {
+        DVec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * (2.0 * reach)
+    }
+}

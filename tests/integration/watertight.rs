@@ -1,0 +1,191 @@
+//! Nothing slips through closed surfaces: rays at shared edges, vertices and corners (INT-12, INT-09).
+
+use crate::support::Random;
+use kinora::bvh::Bvh;
+use kinora::camera::Ray;
+use kinora::math::{DAffine3, DVec3};
+use kinora::scene::{Geometry, Primitive};
+use kinora::shape::{Cuboid, Probe, Shape, Triangle};
+
+/// Rays per configuration.
+const RAYS: u32 = if cfg!(debug_assertions) { 5_000 } else { 100_000 };
+
+/// The unit icosphere. Midpoints are the same number from both sides of an edge, as addition commutes.
+fn icosphere(subdivisions: u32) -> Vec<[DVec3; 3]> {
+    let g = (1.0 + 5.0_f64.sqrt()) / 2.0;
+    let p = |x: f64, y: f64, z: f64| DVec3::new(x, y, z).normalize();
+    let v = [
+        p(-1.0, g, 0.0),
+        p(1.0, g, 0.0),
+        p(-1.0, -g, 0.0),
+        p(1.0, -g, 0.0),
+        p(0.0, -1.0, g),
+        p(0.0, 1.0, g),
+        p(0.0, -1.0, -g),
+        p(0.0, 1.0, -g),
+        p(g, 0.0, -1.0),
+        p(g, 0.0, 1.0),
+        p(-g, 0.0, -1.0),
+        p(-g, 0.0, 1.0),
+    ];
+    let faces = [
+        [0, 11, 5],
+        [0, 5, 1],
+        [0, 1, 7],
+        [0, 7, 10],
+        [0, 10, 11],
+        [1, 5, 9],
+        [5, 11, 4],
+        [11, 10, 2],
+        [10, 7, 6],
+        [7, 1, 8],
+        [3, 9, 4],
+        [3, 4, 2],
+        [3, 2, 6],
+        [3, 6, 8],
+        [3, 8, 9],
+        [4, 9, 5],
+        [2, 4, 11],
+        [6, 2, 10],
+        [8, 6, 7],
+        [9, 8, 1],
+    ];
+    let mut triangles: Vec<[DVec3; 3]> = faces.iter().map(|face| face.map(|i: usize| v[i])).collect();
+    for _ in 0..subdivisions {
+        let split = |[a, b, c]: [DVec3; 3]| {
+            let middle = |p: DVec3, q: DVec3| (p + q).normalize();
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+        };
+        triangles = triangles.into_iter().flat_map(split).collect();
+    }
+    triangles
+}
+
+#[test]
+fn no_ray_leaks_out_of_a_closed_mesh() {
+    let unit = icosphere(3);
+    assert_eq!(unit.len(), 1280);
+    for (scale, offset) in [(1.0, 0.0), (1.0, 100.0), (1.0, 1e4), (1000.0, 0.0), (1e-6, 1.0)] {
+        let center = DVec3::new(1.0, 0.7, -0.3) * offset;
+        let mesh: Vec<_> = unit.iter().map(|corners| corners.map(|p| center + p * scale)).collect();
+        let triangles = mesh.iter().map(|&corners| Shape::Triangle(Triangle { corners }));
+        let primitives = triangles.filter_map(|shape| Primitive::new(shape, DAffine3::IDENTITY, 0));
+        let geometry = Geometry { primitives: primitives.collect() };
+        assert_eq!(geometry.primitives.len(), mesh.len());
+        let bvh = Bvh::build(&geometry);
+        let mut random = Random(12);
+        let mut leaks = 0;
+        for ray in 0..RAYS {
+            let origin = center + random.point(0.17) * scale;
+            let [a, b, _] = mesh[(random.unit() * mesh.len() as f64) as usize];
+            let aim = if ray % 2 == 0 { a } else { a + (b - a) * random.unit() };
+            let direction = if ray % 4 < 2 { aim - origin } else { (aim - origin).normalize() };
+            let probe = Probe::new(Ray { origin, direction });
+            leaks += u32::from(bvh.closest(&geometry, &probe).is_none());
+            leaks += u32::from(!bvh.occluded(&geometry, &probe, f64::INFINITY));
+        }
+        assert_eq!(leaks, 0, "scale {scale}, offset {offset}");
+    }
+}
+
+/// An exact fraction with a denominator above zero.
+#[derive(Clone, Copy)]
+struct Exact(i64, i64);
+
+impl Exact {
+    fn new(numerator: i64, denominator: i64) -> Self {
+        Self(numerator * denominator.signum(), denominator.abs())
+    }
+
+    fn below(self, other: Self) -> bool {
+        self.0 * other.1 < other.0 * self.1
+    }
+
+    fn value(self) -> f64 {
+        self.0 as f64 / self.1 as f64
+    }
+}
+
+/// Where the line origin + t direction enters and leaves the box from -`half` to `half`, in exact integers.
+fn crossings(half: i64, origin: [i64; 3], direction: [i64; 3]) -> Option<(Exact, Exact)> {
+    let (mut enter, mut leave) = (Exact(i64::from(i32::MIN), 1), Exact(i64::from(i32::MAX), 1));
+    for (o, d) in origin.into_iter().zip(direction) {
+        if d == 0 {
+            if o.abs() > half {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = (Exact::new(-half - o, d), Exact::new(half - o, d));
+        let (near, far) = if a.below(b) { (a, b) } else { (b, a) };
+        enter = if enter.below(near) { near } else { enter };
+        leave = if far.below(leave) { far } else { leave };
+    }
+    (!leave.below(enter)).then_some((enter, leave))
+}
+
+/// Rays between points of a lattice meet faces, edges and corners exactly. Integers decide what is right: whether
+/// the line meets the box, and where. Of two crossings the first lies ahead of an origin outside, the second
+/// ahead of one inside: none is missing, none too many.
+#[test]
+fn boxes_are_met_exactly_where_they_are() {
+    const HALF: i64 = 4;
+    let cuboid = Cuboid { min: DVec3::splat(-(HALF as f64)), max: DVec3::splat(HALF as f64) };
+    let placed = Primitive::new(Shape::Cuboid(cuboid), DAffine3::IDENTITY, 0).expect("a box");
+    let geometry = Geometry { primitives: vec![placed] };
+    let bvh = Bvh::build(&geometry);
+    let float = |p: [i64; 3]| DVec3::new(p[0] as f64, p[1] as f64, p[2] as f64);
+    let mut random = Random(9);
+    let (mut met, mut touched) = (0, 0);
+    for reach in [5, 30, 10_000] {
+        for _ in 0..RAYS {
+            let mut lattice = |reach: i64| {
+                [(); 3]
+                    .map(|()| ((random.unit() * (2 * reach + 1) as f64) as i64 - reach).clamp(-reach, reach))
+            };
+            let (origin, aim) = (lattice(reach), lattice(HALF + 1));
+            let direction = [0, 1, 2].map(|axis| aim[axis] - origin[axis]);
+            let on_surface = origin.iter().any(|o| o.abs() == HALF) && origin.iter().all(|o| o.abs() <= HALF);
+            if direction == [0; 3] || on_surface {
+                continue;
+            }
+            let probe = Probe::new(Ray { origin: float(origin), direction: float(direction) });
+            let t = bvh.closest(&geometry, &probe).map(|hit| hit.t);
+            let zero = Exact(0, 1);
+            let expected = crossings(HALF, origin, direction).and_then(|(enter, leave)| {
+                touched += u32::from(!enter.below(leave));
+                let first = if zero.below(enter) { enter } else { leave };
+                zero.below(first).then_some(first.value())
+            });
+            assert_eq!(t, expected, "from {origin:?} along {direction:?}");
+            met += u32::from(t.is_some());
+        }
+    }
+    assert!(met > RAYS && touched > 100, "{met} met, {touched} touched at an edge or corner");
+}
+
+/// Turned boxes: a ray at a point inside meets the box, and from that point it leaves exactly once.
+#[test]
+fn turned_boxes_are_entered_and_left_once() {
+    let cuboid = Shape::Cuboid(Cuboid { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) });
+    let mut random = Random(10);
+    let turn = DAffine3::from_axis_angle(DVec3::new(0.6, 0.64, 0.48), 1.0);
+    let affine = DAffine3::from_translation(DVec3::new(5.0, -3.0, 2.0))
+        * turn
+        * DAffine3::from_scale(DVec3::new(2.0, 1.0, 0.5));
+    let placed = Primitive::new(cuboid, affine, 0).expect("a box");
+    assert!(placed.placement.is_some(), "it is turned");
+    for distance in [6.0, 100.0, 1e4] {
+        for _ in 0..RAYS / 3 {
+            let inside = affine.transform_point3(random.point(0.999));
+            let direction = random.point(1.0).normalize();
+            let origin = inside - direction * distance;
+            let hit = |origin| placed.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY);
+            let enter = hit(origin).expect("it enters");
+            let leave = hit(inside).expect("it leaves");
+            assert!(enter < distance && leave < 6.0);
+            assert_eq!(hit(inside + direction * (leave + 1e-6)), None, "it is outside");
+        }
+    }
+}
