@@ -4,13 +4,13 @@ use crate::color::Rgb;
 
 /// Index of a film's layer. Layer 0 holds all light that no key weights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct LayerId(pub u16);
+pub struct LayerId(pub u32);
 
 impl LayerId {
     pub const CONSTANT: Self = Self(0);
 
     pub fn index(self) -> usize {
-        usize::from(self.0)
+        self.0 as usize
     }
 }
 

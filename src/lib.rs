@@ -11,10 +11,10 @@
 //! what stands higher, never the reverse.
 
 // Nouns: what there is.
-pub mod math;
 pub mod time;
-pub mod track;
+pub mod math;
 pub mod color;
+pub mod track;
 pub mod counters;
 pub mod humane;
 pub mod film;
@@ -25,6 +25,7 @@ pub mod shape;
 pub mod transform;
 pub mod material;
 pub mod light;
+pub mod layers;
 
 // Film → files, and file → Sequence.
 pub mod encode;

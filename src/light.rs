@@ -63,6 +63,30 @@ impl LightTracks {
     }
 }
 
+/// A colour from no place in particular, split like a [`Light`]:
+/// its layer weights what is keyed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Glow {
+    pub radiance: Rgb,
+    pub layer: LayerId,
+}
+
+impl Default for Glow {
+    fn default() -> Self {
+        Self { radiance: Rgb::ZERO, layer: LayerId::CONSTANT }
+    }
+}
+
+impl Glow {
+    /// The constant part of a colour over time, and what weights it.
+    pub fn split(color: &Animated<Rgb>) -> (Rgb, Dimmer) {
+        match color {
+            Animated::Constant(radiance) => (*radiance, Dimmer::default()),
+            Animated::Keyed(_) => (Rgb::ONE, Dimmer { color: Some(color.clone()), ..Dimmer::default() }),
+        }
+    }
+}
+
 /// The keyed parts of a colour times an intensity times a switch.
 #[derive(Clone, Component, Debug, Default, PartialEq)]
 pub struct Dimmer {

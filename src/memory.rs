@@ -1,9 +1,9 @@
 //! How much memory a run takes, and how much there is.
 
 use crate::color::Rgb;
-use crate::light::Dimmer;
+use crate::layers::Layers;
+use crate::light::Glow;
 use crate::sequence::Sequence;
-use crate::track::Animated;
 
 /// Films alive at once: the one being traced, those that wait for the encoder, and the one it develops.
 const FILMS: u64 = 4;
@@ -22,13 +22,15 @@ pub fn needed(sequence: &Sequence) -> u64 {
     (u64::from(width) * u64::from(height)).saturating_mul(pixel)
 }
 
-/// Layers of the film at most: lights that turn out to be keyed alike share one.
 fn layers(sequence: &Sequence) -> u64 {
-    let keyed_lights =
-        sequence.lights.iter().filter(|light| light.value.dimmer() != Dimmer::default()).count();
-    let keyed_glows =
-        [&sequence.background, &sequence.ambient].into_iter().filter(|glow| Animated::is_keyed(glow));
-    1 + keyed_lights as u64 + keyed_glows.count() as u64
+    let mut layers = Layers::new();
+    for glow in [&sequence.background, &sequence.ambient] {
+        layers.of(&Glow::split(glow).1);
+    }
+    for light in &sequence.lights {
+        layers.of(&light.value.dimmer());
+    }
+    layers.count() as u64
 }
 
 /// Bytes that can be had without swapping, as Linux tells; elsewhere a cautious guess.

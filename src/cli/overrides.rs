@@ -1,6 +1,5 @@
 //! Options that change a sequence before it is rendered.
 
-use crate::encode::Output;
 use crate::frame_set::MOST_FRAMES;
 use crate::sequence::Sequence;
 use crate::time::Rate;
@@ -11,8 +10,6 @@ const DRAFT_BOUNCES: u32 = 1;
 /// What the command line says about a sequence; whatever is absent stays as the file has it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
-    /// Files to write instead of the sequence's own; none leaves those.
-    pub outputs: Vec<Output>,
     pub size: Option<(u32, u32)>,
     pub rate: Option<Rate>,
     pub bounces: Option<u32>,
@@ -31,9 +28,6 @@ pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, S
         sequence.output.size = (width.div_ceil(2), height.div_ceil(2));
         sequence.quality.antialias = 1;
         sequence.quality.bounces = sequence.quality.bounces.min(DRAFT_BOUNCES);
-    }
-    if !wanted.outputs.is_empty() {
-        sequence.output.files.clone_from(&wanted.outputs);
     }
     if let Some(size) = wanted.size {
         sequence.output.size = size;
@@ -56,7 +50,7 @@ pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::fixture::{output, sequence};
+    use crate::cli::fixture::sequence;
 
     fn rate(frames: i128, seconds: i128) -> Option<Rate> {
         Rate::new(frames, seconds)
@@ -70,7 +64,6 @@ mod tests {
     #[test]
     fn every_option_reaches_its_field() {
         let wanted = Overrides {
-            outputs: ["a.gif", "b/####.png"].map(output).to_vec(),
             size: Some((320, 200)),
             rate: rate(30000, 1001),
             bounces: Some(9),
@@ -78,7 +71,6 @@ mod tests {
             draft: false,
         };
         let found = applied(sequence(), &wanted).expect("a countable rate");
-        assert_eq!(found.output.files, ["a.gif", "b/####.png"].map(output));
         assert_eq!(found.output.size, (320, 200));
         assert_eq!((found.quality.bounces, found.quality.antialias), (9, 4));
         // Three seconds hold 89.91 frames; the last one is begun.

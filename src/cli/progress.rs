@@ -28,7 +28,7 @@ pub enum ProgressMode {
 pub enum Reporter {
     Silent,
     Bar(ProgressBar),
-    Lines { out: Box<dyn Write + Send>, format: fn(&Snapshot) -> String, at_once: bool },
+    Lines { out: Box<dyn Write + Send>, format: fn(&Snapshot) -> String, at_once: bool, last: String },
 }
 
 /// One look at a run.
@@ -67,12 +67,18 @@ impl Reporter {
         match mode {
             _ if quiet => Self::Silent,
             ProgressMode::Auto if terminal::interactive() => Self::bar(frames),
-            ProgressMode::Auto | ProgressMode::Plain => {
-                Self::Lines { out: Box::new(stderr()), format: Snapshot::line, at_once: false }
-            }
-            ProgressMode::Json => {
-                Self::Lines { out: Box::new(stdout()), format: Snapshot::json, at_once: true }
-            }
+            ProgressMode::Auto | ProgressMode::Plain => Self::Lines {
+                out: Box::new(stderr()),
+                format: Snapshot::line,
+                at_once: false,
+                last: String::new(),
+            },
+            ProgressMode::Json => Self::Lines {
+                out: Box::new(stdout()),
+                format: Snapshot::json,
+                at_once: true,
+                last: String::new(),
+            },
         }
     }
 
@@ -102,9 +108,13 @@ impl Reporter {
                 bar.set_position((snapshot.done * 1000.0) as u64);
                 bar.set_message(snapshot.line());
             }
-            Self::Lines { out, format, .. } => {
-                // A reader that went away does not stop a run.
-                let _ = writeln!(out, "{}", format(snapshot)).and_then(|()| out.flush());
+            Self::Lines { out, format, last, .. } => {
+                let line = format(snapshot);
+                if line != *last {
+                    // A reader that went away does not stop a run.
+                    let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+                    *last = line;
+                }
             }
         }
     }
@@ -196,7 +206,12 @@ mod tests {
     #[test]
     fn the_end_is_told() {
         let (meter, out) = (Meter::default(), Shared::default());
-        let show = Reporter::Lines { out: Box::new(out.clone()), format: Snapshot::json, at_once: true };
+        let show = Reporter::Lines {
+            out: Box::new(out.clone()),
+            format: Snapshot::json,
+            at_once: true,
+            last: String::new(),
+        };
         let result = watch(&meter, 2, show, || {
             meter.frames.store(2, Relaxed);
             meter.rays.store(5, Relaxed);
@@ -211,7 +226,12 @@ mod tests {
     #[test]
     fn short_runs_need_no_lines() {
         let out = Shared::default();
-        let show = Reporter::Lines { out: Box::new(out.clone()), format: Snapshot::line, at_once: false };
+        let show = Reporter::Lines {
+            out: Box::new(out.clone()),
+            format: Snapshot::line,
+            at_once: false,
+            last: String::new(),
+        };
         watch(&Meter::default(), 1, show, || ());
         assert!(out.0.lock().expect("no panic in a test").is_empty());
     }

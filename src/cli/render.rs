@@ -1,6 +1,7 @@
 //! `kinora render`: a sequence file in, frames and animations out.
 
 use super::failure::Failure;
+use super::outputs::Run;
 use super::overrides::{self, Overrides};
 use super::progress::{self, ProgressMode};
 use super::{load, summary, terminal, values};
@@ -25,7 +26,8 @@ pub struct Arguments {
     /// File to write; may be given several times [default: those that the sequence names]
     ///
     /// The format follows the extension: .gif for an animation, .png for a picture per frame,
-    /// where #### or %04d is the place of the frame number.
+    /// where #### or %04d is the place of the frame number. Without this option, a draft's files
+    /// are called draft_..., and a part of the frames leaves the whole animation as it is.
     #[arg(short, long, value_name = "FILE", value_parser = Output::parse, verbatim_doc_comment)]
     output: Vec<Output>,
 
@@ -83,17 +85,22 @@ Examples:
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let sequence = load::sequence(&arguments.file)?;
     let sequence = overrides::applied(sequence, &arguments.overrides()).map_err(Failure::Bad)?;
-    let request = Request {
-        outputs: sequence.output.files.clone(),
-        frames: arguments.frames_of(&sequence)?,
-        threads: arguments.threads,
+    let frames = arguments.frames_of(&sequence)?;
+    let run = Run {
+        own: &sequence.output.files,
+        wanted: &arguments.output,
+        draft: arguments.draft,
+        partial: frames.len() < sequence.timeline.frames as usize,
     };
+    let (outputs, note) = run.outputs();
+    let request = Request { outputs, frames, threads: arguments.threads };
 
     let meter = Arc::new(Meter::default());
     let frames = request.frames.len();
     let show = progress::Reporter::new(arguments.progress, arguments.quiet, frames);
     let mut done = progress::watch(&meter, frames, show, || render(&sequence, &request, &meter))?;
 
+    done.notes.extend(note);
     if arguments.draft {
         done.notes.insert(0, draft_note(&sequence));
     }
@@ -107,7 +114,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 impl Arguments {
     fn overrides(&self) -> Overrides {
         Overrides {
-            outputs: self.output.clone(),
             size: self.size,
             rate: self.fps,
             bounces: self.bounces,

@@ -35,6 +35,20 @@ impl Output {
         matches!(self, Self::Png(pattern) if frames > 1 && !pattern.has_place())
     }
 
+    /// Whether all frames go into one file that shows them one after the other.
+    pub fn is_animation(&self) -> bool {
+        matches!(self, Self::Gif(_))
+    }
+
+    /// The same output with `prefix` in front of the file's name.
+    pub fn prefixed(&self, prefix: &str) -> Self {
+        let text = self.to_string();
+        let path = Path::new(&text);
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let prefixed = path.with_file_name(format!("{prefix}{name}"));
+        Self::parse(&prefixed.to_string_lossy()).unwrap_or_else(|_| self.clone())
+    }
+
     /// The file that `frame` goes to.
     pub fn path(&self, frame: u32) -> PathBuf {
         match self {

@@ -9,8 +9,7 @@ pub use primitive::{Placement, Primitive};
 
 use crate::camera::Camera;
 use crate::color::Rgb;
-use crate::film::LayerId;
-use crate::light::Light;
+use crate::light::{Glow, Light};
 use crate::material::Material;
 
 /// All that can be seen, in the order of the file.
@@ -33,19 +32,6 @@ pub struct Shading {
 /// What each layer of the film is weighted with.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Weights(pub Vec<Rgb>);
-
-/// A colour from no place in particular, split into what is constant and the layer that weights the rest.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Glow {
-    pub radiance: Rgb,
-    pub layer: LayerId,
-}
-
-impl Default for Glow {
-    fn default() -> Self {
-        Self { radiance: Rgb::ZERO, layer: LayerId::CONSTANT }
-    }
-}
 
 /// Everything that tracing a frame reads.
 #[derive(Clone, Copy, Debug)]

@@ -7,12 +7,13 @@ pub use stages::{FilmSink, NoFrame, Stage, Tally};
 use crate::animate;
 use crate::bvh::Bvh;
 use crate::camera::Camera;
+use crate::color::Rgb;
 use crate::counters::Meter;
-use crate::scene::{Geometry, extract};
+use crate::scene::{Geometry, Shading, Weights, extract};
 use crate::sequence::Sequence;
 use crate::time::Timeline;
 use crate::trace::TraceSettings;
-use crate::world::{Current, Now, spawn};
+use crate::world::{Current, Glows, Now, spawn};
 use bevy_ecs::schedule::common_conditions::resource_changed;
 use bevy_ecs::schedule::{
     IntoScheduleConfigs, LogLevel, Schedule, ScheduleBuildSettings, SingleThreadedExecutor,
@@ -35,6 +36,10 @@ impl<S: FilmSink> FrameLoop<S> {
     /// Films go to `sink` in the order in which frames are asked for.
     pub fn new(sequence: &Sequence, sink: S, meter: Arc<Meter>) -> Self {
         let mut world = spawn(sequence);
+        let Glows { background, ambient, layers } = *world.resource::<Glows>();
+        world.insert_resource(Current(Geometry::default()));
+        world.insert_resource(Current(Shading { background, ambient, ..Shading::default() }));
+        world.insert_resource(Current(Weights(vec![Rgb::ONE; layers])));
         world.insert_resource(Current(None::<Camera>));
         world.insert_resource(Current(Bvh::default()));
         world.insert_resource(Settings(TraceSettings {

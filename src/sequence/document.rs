@@ -16,6 +16,7 @@ use super::timeline::{still, timeline};
 use super::{Named, Object, Sequence};
 use crate::camera_path::CameraPath;
 use crate::color::Rgb;
+use crate::layers::Layers;
 use crate::light::LightTracks;
 use crate::material::MaterialTracks;
 use crate::track::Animated;
@@ -59,7 +60,18 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
 
 fn lights(node: Node<'_>) -> Option<Vec<Named<LightTracks>>> {
     let entries = entries(node, "light")?;
-    decoded(entries.iter().map(|entry| named(entry, light(entry.value))).collect())
+    let lights: Vec<_> = decoded(entries.iter().map(|entry| named(entry, light(entry.value))).collect())?;
+    let mut layers = Layers::new();
+    for (light, entry) in lights.iter().zip(&entries) {
+        layers.of(&light.value.dimmer());
+        if layers.count() > MOST_LAYERS {
+            let title = format!("more than {MOST_LAYERS} lights are each keyed in their own way");
+            let fault = Fault::new(entry.key.span(), title, "this one is too many");
+            node.fault(fault.help("every such light takes a picture of its own in memory; key some alike"));
+            return None;
+        }
+    }
+    Some(lights)
 }
 
 fn named<T>(entry: &Entry<'_>, value: Option<T>) -> Option<Named<T>> {
@@ -111,6 +123,9 @@ fn cameras(fields: &mut Fields<'_>) -> Option<Cameras> {
 fn unnamed(camera: CameraPath) -> Named<CameraPath> {
     Named { name: "camera".to_owned(), value: camera }
 }
+
+/// Differently keyed lights at most.
+const MOST_LAYERS: usize = 1024;
 
 type Scene = (Vec<Named<MaterialTracks>>, Vec<Named<Object>>);
 

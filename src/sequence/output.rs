@@ -26,9 +26,11 @@ pub fn output(node: Node<'_>, name: &str, frames: u32) -> Option<OutputSettings>
 pub fn default_output(name: &str, frames: u32) -> OutputSettings {
     // These characters would be a place for the frame number.
     let name = name.replace(['#', '%'], "_");
-    let names = [format!("output/{name}/frame_####.png"), format!("output/{name}.gif")];
-    let wanted = if frames > 1 { 2 } else { 1 };
-    let files = names[..wanted].iter().filter_map(|name| Output::parse(name).ok()).collect();
+    let names = match frames {
+        1 => vec![format!("output/{name}.png")],
+        _ => vec![format!("output/{name}/frame_####.png"), format!("output/{name}.gif")],
+    };
+    let files = names.iter().filter_map(|name| Output::parse(name).ok()).collect();
     OutputSettings { size: (640, 360), files, tonemap: Tonemap::default(), gif: GifSettings::default() }
 }
 

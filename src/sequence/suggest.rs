@@ -8,6 +8,10 @@ pub fn nearest<'n>(wrong: &str, candidates: impl IntoIterator<Item = &'n str>) -
     if wrong.len() > 100 {
         return None;
     }
+    // Any two names of one letter are near each other; that tells nothing.
+    if wrong.chars().count() < 2 {
+        return None;
+    }
     let lower = wrong.to_lowercase();
     let allowed = (wrong.chars().count() / 3).max(1);
     candidates

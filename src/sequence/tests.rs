@@ -76,7 +76,7 @@ fn the_shortest_file_has_every_default() {
     assert_eq!(sequence.name, "test");
     assert_eq!(sequence.timeline, Timeline::of_frames(1, Rate::new(24, 1).expect("a rate")));
     assert_eq!(sequence.output.size, (640, 360));
-    assert_eq!(sequence.output.files, [Output::parse("output/test/frame_####.png").expect("an output")]);
+    assert_eq!(sequence.output.files, [Output::parse("output/test.png").expect("an output")]);
     assert_eq!(sequence.quality, Quality { bounces: 5, antialias: 2 });
     assert_eq!(sequence.background, Rgb::ZERO.into());
     assert_eq!(sequence.ambient, Rgb::ONE.into());

@@ -44,6 +44,11 @@ fn factors(node: Node<'_>) -> Option<DVec3> {
 }
 
 fn rotation(node: Node<'_>) -> Option<Rotation> {
+    if node.opens_with('(') || node.opens_with('[') {
+        let help = "for angles about x, y and z write Euler(x: 0, y: 90, z: 0); each of them takes keys";
+        node.fault(node.mismatch("`AxisAngle`, `Euler` or `Quaternion`").help(help));
+        return None;
+    }
     let table: &Variants<'_, Rotation> =
         &[("AxisAngle", axis_angle), ("Euler", euler), ("Quaternion", quaternion)];
     variant(node, "rotation", table)

@@ -30,6 +30,10 @@ pub fn number(node: Node<'_>) -> Option<f64> {
         node.fault(Fault::expected(node.span(), "a finite number", format!("found `{text}`")));
     } else if text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) {
         node.fault(node.mismatch("a plain decimal number").help("write numbers like 2, -0.5 or 1.5e-3"));
+    } else if node.opens_with('[') {
+        node.fault(
+            node.mismatch("a number").help("this field takes no keys; sequences/README.md says which do"),
+        );
     } else {
         node.expected("a number");
     }

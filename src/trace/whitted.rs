@@ -8,10 +8,10 @@ use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::counters::RayCounts;
 use crate::film::LayerId;
-use crate::light::Light;
+use crate::light::{Glow, Light};
 use crate::material::Material;
 use crate::math::{DVec2, DVec3};
-use crate::scene::{Glow, Scene};
+use crate::scene::Scene;
 use crate::shape::{Probe, Surface};
 
 /// The integrator over one frame's scene, with all that is constant for the frame resolved.

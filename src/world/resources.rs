@@ -1,5 +1,6 @@
 //! What there is one of.
 
+use crate::light::Glow;
 use crate::time::Clock;
 use crate::track::Animated;
 use bevy_ecs::entity::Entity;
@@ -23,4 +24,12 @@ pub struct Hierarchy(pub Vec<(Entity, Option<Entity>)>);
 pub struct ActiveCamera {
     pub cameras: Vec<Entity>,
     pub index: Animated<usize>,
+}
+
+/// Background and ambient light, and how many layers of the film all light takes.
+#[derive(Clone, Copy, Debug, Resource)]
+pub struct Glows {
+    pub background: Glow,
+    pub ambient: Glow,
+    pub layers: usize,
 }

@@ -1,13 +1,12 @@
 //! From a sequence to entities, each with its values at the sequence's first moment.
 
-use super::layers::Layers;
 use super::{
-    ActiveCamera, Current, FileOrder, Hierarchy, MadeOf, Now, Transform, Visible, VisibleTrack, Weight,
+    ActiveCamera, FileOrder, Glows, Hierarchy, MadeOf, Now, Transform, Visible, VisibleTrack, Weight,
 };
 use crate::color::Rgb;
-use crate::light::{Dimmer, Light};
+use crate::layers::Layers;
+use crate::light::{Glow, Light};
 use crate::math::DAffine3;
-use crate::scene::{Geometry, Glow, Shading, Weights};
 use crate::sequence::Sequence;
 use crate::track::Animated;
 use bevy_ecs::entity::Entity;
@@ -24,18 +23,13 @@ pub fn spawn(sequence: &Sequence) -> World {
     spawn_materials(&mut world, sequence);
     spawn_cameras(&mut world, sequence);
     spawn_objects(&mut world, sequence);
-    world.insert_resource(Current(Geometry::default()));
-    world.insert_resource(Current(Shading { background, ambient, ..Shading::default() }));
-    world.insert_resource(Current(Weights(vec![Rgb::ONE; layers.count()])));
+    world.insert_resource(Glows { background, ambient, layers: layers.count() });
     world
 }
 
 /// A keyed glow gets an entity that holds its weight.
 fn spawn_glow(world: &mut World, layers: &mut Layers, color: &Animated<Rgb>) -> Glow {
-    let (radiance, dimmer) = match color {
-        Animated::Constant(radiance) => (*radiance, Dimmer::default()),
-        Animated::Keyed(_) => (Rgb::ONE, Dimmer { color: Some(color.clone()), ..Dimmer::default() }),
-    };
+    let (radiance, dimmer) = Glow::split(color);
     let layer = layers.of(&dimmer);
     if !dimmer.is_constant() {
         world.spawn((dimmer, Weight { layer, value: Rgb::ONE }));

@@ -1,4 +1,4 @@
-//! Which light shares a layer of the film with which.
+//! Which light shares a layer of the film with which: light that is keyed alike.
 
 use crate::film::LayerId;
 use crate::light::Dimmer;
@@ -22,12 +22,17 @@ impl Layers {
             self.dimmers.push(dimmer.clone());
             self.dimmers.len() - 1
         });
-        // Beyond 65,535 differently keyed lights the rest would need a wider index; the reader refuses them.
-        LayerId(u16::try_from(index).unwrap_or(u16::MAX))
+        LayerId(index as u32)
     }
 
     pub fn count(&self) -> usize {
         self.dimmers.len()
+    }
+}
+
+impl Default for Layers {
+    fn default() -> Self {
+        Self::new()
     }
 }
 
