@@ -1,6 +1,8 @@
 //! The frame's systems and their order: the only file that names it.
 
 mod stages;
+#[cfg(test)]
+mod tests;
 
 pub use stages::{FilmSink, NoFrame, Stage, Tally};
 

@@ -216,3 +216,26 @@ fn lit_boxes_do_not_shadow_themselves() {
     let cuboid = Cuboid { min: DVec3::splat(-0.5), max: DVec3::splat(0.5) };
     flat_shapes_do_not_shadow_themselves(Shape::Cuboid(cuboid));
 }
+
+/// Flat shapes through the origin along the axes, whose coordinates are exact zeros there: nothing but the normal,
+/// which may not be a unit vector to the last bit, says how far rounding has moved a point off them.
+#[test]
+fn floors_at_height_zero_do_not_shadow_themselves() {
+    let mut wrong = Vec::new();
+    for (a, b) in [3.0, 7.0, 10.0].into_iter().flat_map(|a| [3.0, 7.0, 10.0].map(|b| (a, b))) {
+        let (u, v) = (DVec3::X * a, DVec3::new(1.0, 0.0, b));
+        let middle = (u + v) * 0.5;
+        let aim = DAffine3::from_mat3_translation(DMat3::from_cols(u, DVec3::Y, v), middle);
+        for shape in [
+            Shape::Rectangle(Rectangle { corner: DVec3::ZERO, u, v }),
+            Shape::Triangle(Triangle { corners: [DVec3::ZERO, u, u + v] }),
+        ] {
+            let primitive = primitive(shape, DAffine3::IDENTITY);
+            let count = Target { primitive, size: a.max(b), aim }.false_shadows();
+            if count > 0 {
+                wrong.push(format!("{count} of {POINTS}: {shape:?}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "false shadows\n{}", wrong.join("\n"));
+}

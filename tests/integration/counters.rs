@@ -182,3 +182,21 @@ fn no_light_means_no_shadow_rays() {
         objects: { "b": (shape: Sphere(), material: (diffuse: 0)) })"#;
     assert_eq!(shoot_all(black)[0].work.shadow, 0);
 }
+
+/// What is not seen may move, and what is seen may turn in its own shape, without a tree.
+#[test]
+fn motion_that_does_not_show_builds_no_tree() {
+    let keys = "translation: [(0, (0, 0, 0)), (4, (1, 0, 0))]";
+    for object in [
+        format!(r#""group": (shape: Group, {keys})"#),
+        format!(r#""hidden": (shape: Sphere(), visible: false, {keys})"#),
+        format!(r#""flat": (shape: Sphere(), scale: [(0, 0)], {keys})"#),
+    ] {
+        let shots = shoot_all(&format!(
+            r#"(timeline: (frames: 5, keys: Frames), output: (size: (8, 6)),
+            objects: {{ "ball": (shape: Sphere()), {object} }})"#
+        ));
+        let builds: Vec<u64> = shots.iter().map(|shot| shot.work.bvh_builds).collect();
+        assert_eq!(builds, [1, 0, 0, 0, 0], "{object}");
+    }
+}

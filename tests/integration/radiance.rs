@@ -298,3 +298,25 @@ fn pictures_are_the_right_way_round() {
         assert_eq!(at(20, 31), Rgb::ZERO, "{projection}");
     }
 }
+
+/// Samples that fall exactly on an edge of a box see one of the faces that face the eye.
+#[test]
+fn boxes_have_no_dark_edges() {
+    // Two boxes side by side under the light, from above; the samples of a 16 x 16 grid lie on all their edges.
+    for up in ["(0, 0, -1)", "(0, 0, 1)", "(1, 0, 0)", "(-1, 0, 0)"] {
+        let text = format!(
+            r#"(output: (size: (16, 16)), quality: (antialias: 1),
+            camera: (position: (0, 10, 0), up: {up}, projection: Orthographic(height: 4)),
+            lights: {{ "l": Point(position: (0, 1e6, 0)) }}, default_material: (color: 1, ambient: 0, diffuse: 1),
+            objects: {{
+                "a": (shape: Box(min: (-1.125, 0, -1.125), max: (0.125, 1, 1.125))),
+                "b": (shape: Box(min: (0.125, 0, -1.125), max: (1.125, 1, 1.125))),
+            }})"#
+        );
+        let shot = &shoot_all(&text)[0];
+        // Sample k is at (k - 7.5) / 4: those from 4 to 11 are inside, 3 and 12 on the rim.
+        for (x, y) in (4..12).flat_map(|x| (4..12).map(move |y| (x, y))) {
+            assert!(shot.pixel(x, y).x > 0.999, "({x}, {y}) with {up} up: {}", shot.pixel(x, y));
+        }
+    }
+}
