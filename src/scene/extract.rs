@@ -5,6 +5,7 @@ use crate::light::Light;
 use crate::material::Material;
 use crate::shape::Shape;
 use crate::world::{Current, FileOrder, MadeOf, Transform, Visible, Weight};
+use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::component::Component;
 use bevy_ecs::query::{Changed, Or, With};
 use bevy_ecs::system::{Query, ResMut};
@@ -34,8 +35,8 @@ pub fn geometry(
         objects.iter().filter(|(_, shape, _, v, _)| v.0 && **shape != Shape::Group).collect();
     shown.sort_unstable_by_key(|(order, ..)| **order);
     let packed = shown.into_iter().filter_map(|(_, shape, at, _, of)| Primitive::new(*shape, at.0, of.0));
-    geometry.0.primitives.clear();
-    geometry.0.primitives.extend(packed);
+    // What moves unseen, or turns within its own shape, changes nothing that a tree is built over.
+    geometry.set_if_neq(Current(Geometry { primitives: packed.collect() }));
 }
 
 pub fn shading(

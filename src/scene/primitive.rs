@@ -41,11 +41,11 @@ impl Primitive {
         }
     }
 
-    /// The surface at a point of the world that is on it up to rounding.
-    pub fn surface(&self, near: DVec3) -> Surface {
+    /// The surface at the t that [`Primitive::hit`] gave for the ray.
+    pub fn surface(&self, ray: &Ray, t: f64) -> Surface {
         match &self.placement {
-            None => self.shape.surface(near),
-            Some(placement) => placement.surface(&self.shape, near),
+            None => self.shape.surface(ray, t),
+            Some(placement) => placement.surface(&self.shape, ray, t),
         }
     }
 
@@ -66,8 +66,8 @@ impl Placement {
 
     /// The shape's own error moved to the world, plus the rounding of the move there and, as the next ray
     /// from this point is moved back into the shape's space, of the way back.
-    fn surface(&self, shape: &Shape, near: DVec3) -> Surface {
-        let local = shape.surface(self.to_object.transform_point3(near));
+    fn surface(&self, shape: &Shape, ray: &Ray, t: f64) -> Surface {
+        let local = shape.surface(&self.ray_to_object(ray), t);
         let point = self.to_world.transform_point3(local.point);
         let (forth, back) = (abs(&self.to_world), abs(&self.to_object));
         let there = forth.transform_point3(local.point.abs()) * gamma(5);
@@ -142,7 +142,8 @@ mod tests {
         let affine = DAffine3::from_scale(DVec3::new(2.0, 1.0, 1.0));
         let primitive = Primitive::new(UNIT, affine, 0).expect("a primitive");
         let n = DVec3::new(1.0, 1.0, 0.0).normalize();
-        let surface = primitive.surface(affine.transform_point3(n));
+        let ray = Ray { origin: affine.transform_point3(n * 3.0), direction: -affine.transform_vector3(n) };
+        let surface = primitive.surface(&ray, 2.0);
         assert!((surface.normal - DVec3::new(1.0, 2.0, 0.0).normalize()).length() < 1e-15);
     }
 }

@@ -1,6 +1,7 @@
 //! Axis-aligned boxes.
 
 use super::{Probe, Surface};
+use crate::camera::Ray;
 use crate::math::{Aabb, DAffine3, DVec3, gamma};
 
 /// The surface of the axis-aligned box from `min` to `max`, each of whose sides is longer than 0.
@@ -32,16 +33,20 @@ impl Cuboid {
         (enter <= leave && t > 0.0 && t < t_max).then_some(t)
     }
 
-    /// The face whose plane is nearest; the point is put onto it exactly.
-    pub fn surface(&self, near: DVec3) -> Surface {
-        let (to_min, to_max) = ((near - self.min).abs(), (near - self.max).abs());
-        let gap = to_min.min(to_max);
-        let axis = if gap.x <= gap.y && gap.x <= gap.z { 0 } else { 1 + usize::from(gap.z < gap.y) };
-        let at_max = to_max[axis] < to_min[axis];
-        let mut point = near.clamp(self.min, self.max);
-        point[axis] = if at_max { self.max[axis] } else { self.min[axis] };
+    /// The face is the one that the ray crosses at t; the point is put onto its plane exactly. On an edge of
+    /// the box that is never the face beyond the edge, which the ray may not see.
+    pub fn surface(&self, ray: &Ray, t: f64) -> Surface {
+        let (o, d) = (ray.origin, ray.direction);
+        let faces =
+            [self.min, self.max].into_iter().flat_map(|corner| (0..3).map(move |axis| (axis, corner[axis])));
+        let off = |&(axis, at): &(usize, f64)| ((at - o[axis]) / d[axis] - t).abs();
+        // A ray along a face gives no number, or an infinite one, and sorts last.
+        let crossed = faces.min_by(|a, b| off(a).total_cmp(&off(b)));
+        let (axis, at) = crossed.unwrap_or((0, self.min.x));
+        let mut point = ray.at(t).clamp(self.min, self.max);
+        point[axis] = at;
         let mut normal = DVec3::ZERO;
-        normal[axis] = if at_max { 1.0 } else { -1.0 };
+        normal[axis] = if at == self.max[axis] { 1.0 } else { -1.0 };
         Surface { point, error: point.abs() * gamma(1), normal }
     }
 
@@ -61,7 +66,6 @@ impl Cuboid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::Ray;
 
     const UNIT: Cuboid = Cuboid { min: DVec3::ZERO, max: DVec3::ONE };
 
@@ -89,10 +93,17 @@ mod tests {
     }
 
     #[test]
-    fn the_surface_is_on_the_nearest_face() {
-        let top = UNIT.surface(DVec3::new(0.2, 1.0 + 1e-15, 0.7));
-        assert_eq!((top.point, top.normal), (DVec3::new(0.2, 1.0, 0.7), DVec3::Y));
-        let left = UNIT.surface(DVec3::new(-1e-17, 0.4, 0.7));
-        assert_eq!((left.point.x, left.normal), (0.0, DVec3::NEG_X));
+    fn the_surface_is_on_the_face_that_is_crossed() {
+        let surface = |origin, direction| {
+            let t = hit(origin, direction).expect("a hit");
+            let surface = UNIT.surface(&Ray { origin, direction }, t);
+            (surface.point, surface.normal)
+        };
+        let top = surface(DVec3::new(0.2, 3.0, 0.7), DVec3::NEG_Y);
+        assert_eq!(top, (DVec3::new(0.2, 1.0, 0.7), DVec3::Y));
+        // Along an edge of the top: its sides are not seen.
+        assert_eq!(surface(DVec3::new(1.0, 3.0, 0.7), DVec3::NEG_Y).1, DVec3::Y);
+        let inside = surface(DVec3::new(0.1, 0.4, 0.7), DVec3::new(-1.0, 0.5, 0.25));
+        assert_eq!((inside.0.x, inside.1), (0.0, DVec3::NEG_X));
     }
 }

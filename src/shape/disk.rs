@@ -1,6 +1,7 @@
 //! Flat disks.
 
 use super::{Probe, Surface, flat};
+use crate::camera::Ray;
 use crate::math::{Aabb, DAffine3, DVec3, gamma};
 
 /// The flat disk of `radius` (above 0) around `center`, across the unit vector `normal`.
@@ -18,8 +19,8 @@ impl Disk {
         (from_center.length_squared() <= self.radius * self.radius).then_some(t)
     }
 
-    pub fn surface(&self, near: DVec3) -> Surface {
-        flat::surface(self.center, self.normal, near)
+    pub fn surface(&self, ray: &Ray, t: f64) -> Surface {
+        flat::surface(self.center, self.normal, ray, t)
     }
 
     /// A disk reaches r·sqrt(1 - n²) along each axis.
@@ -42,7 +43,6 @@ impl Disk {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::Ray;
 
     #[test]
     fn ends_at_its_rim() {

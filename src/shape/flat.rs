@@ -1,6 +1,7 @@
 //! What all flat shapes share: the plane they lie in.
 
 use super::{Probe, Surface};
+use crate::camera::Ray;
 use crate::math::{DAffine3, DVec3, gamma};
 
 /// Where the ray crosses the plane through `anchor` across `normal` (any length): the t in 0 < t < `t_max`.
@@ -13,14 +14,19 @@ pub fn crossing(anchor: DVec3, normal: DVec3, probe: &Probe, t_max: f64) -> Opti
     (along != 0.0 && t > 0.0 && t < t_max).then_some(t)
 }
 
-/// The surface at `near` on the plane through `anchor` across the unit vector `normal`.
+/// The surface where a ray crosses the plane through `anchor` across the unit vector `normal`.
 ///
-/// `near` is projected onto the plane along the normal. What remains is the rounding of the projection's
-/// height, a dot product over `anchor - near` (at most gamma(4) of its terms; twice, as [`crossing`] rounds
-/// it again with a normal of another length), and that of the point's own coordinates.
-pub fn surface(anchor: DVec3, normal: DVec3, near: DVec3) -> Surface {
-    let point = near + normal * normal.dot(anchor - near);
-    let error = (anchor - point).abs() * gamma(11) + point.abs() * gamma(3);
+/// The ray's point is projected onto the plane along the normal. What remains is the rounding of the
+/// projection's height, a dot product over `anchor - point` (at most gamma(4) of its terms; twice, as
+/// [`crossing`] rounds it again with a normal of another length), that of the normal's own length, which
+/// leaves a part of the height that was projected away, and that of the point's coordinates.
+pub fn surface(anchor: DVec3, normal: DVec3, ray: &Ray, t: f64) -> Surface {
+    let near = ray.at(t);
+    let height = normal.dot(anchor - near);
+    let point = near + normal * height;
+    let error = (anchor - point).abs() * gamma(11)
+        + point.abs() * gamma(3)
+        + normal.abs() * (height.abs() * gamma(8));
     Surface { point, error, normal }
 }
 

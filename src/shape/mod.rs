@@ -21,6 +21,7 @@ pub use rectangle::Rectangle;
 pub use sphere::Sphere;
 pub use triangle::Triangle;
 
+use crate::camera::Ray;
 use crate::math::{Aabb, DAffine3, DVec3};
 use bevy_ecs::component::Component;
 
@@ -71,10 +72,10 @@ impl Shape {
         each_shape!(self, shape => shape.hit(probe, t_max), Group => None)
     }
 
-    /// The surface at `near`, a point that is on it up to rounding.
-    pub fn surface(&self, near: DVec3) -> Surface {
-        each_shape!(self, shape => shape.surface(near), Group => Surface {
-            point: near,
+    /// The surface at the t that [`Shape::hit`] gave for the ray.
+    pub fn surface(&self, ray: &Ray, t: f64) -> Surface {
+        each_shape!(self, shape => shape.surface(ray, t), Group => Surface {
+            point: ray.at(t),
             error: DVec3::ZERO,
             normal: DVec3::Y,
         })

@@ -1,6 +1,7 @@
 //! Infinite planes.
 
 use super::{Probe, Surface, flat};
+use crate::camera::Ray;
 use crate::math::{Aabb, DAffine3, DVec3};
 
 /// The infinite plane through `point` across the unit vector `normal`.
@@ -15,8 +16,8 @@ impl Plane {
         flat::crossing(self.point, self.normal, probe, t_max)
     }
 
-    pub fn surface(&self, near: DVec3) -> Surface {
-        flat::surface(self.point, self.normal, near)
+    pub fn surface(&self, ray: &Ray, t: f64) -> Surface {
+        flat::surface(self.point, self.normal, ray, t)
     }
 
     pub fn bounds(&self) -> Option<Aabb> {
@@ -32,7 +33,6 @@ impl Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::Ray;
 
     const GROUND: Plane = Plane { point: DVec3::ZERO, normal: DVec3::Y };
 

@@ -1,6 +1,7 @@
 //! Rectangles, and parallelograms, as two watertight triangles.
 
 use super::{Probe, Surface, flat, triangle::covers};
+use crate::camera::Ray;
 use crate::math::{Aabb, DAffine3, DVec3};
 
 /// The parallelogram `corner` + a·`u` + b·`v` for a and b in 0..=1; `u` and `v` are not parallel.
@@ -20,8 +21,8 @@ impl Rectangle {
         flat::crossing(self.corner, self.u.cross(self.v), probe, t_max)
     }
 
-    pub fn surface(&self, near: DVec3) -> Surface {
-        flat::surface(self.corner, self.u.cross(self.v).normalize_or(DVec3::Y), near)
+    pub fn surface(&self, ray: &Ray, t: f64) -> Surface {
+        flat::surface(self.corner, self.u.cross(self.v).normalize_or(DVec3::Y), ray, t)
     }
 
     pub fn bounds(&self) -> Option<Aabb> {
@@ -42,7 +43,6 @@ impl Rectangle {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::Ray;
 
     #[test]
     fn covers_its_corners_and_nothing_beyond() {

@@ -1,6 +1,7 @@
 //! Spheres.
 
 use super::{Probe, Surface};
+use crate::camera::Ray;
 use crate::math::{Aabb, DAffine3, DVec3, UNIT_ROUNDOFF, gamma};
 
 /// All points at distance `radius` (above 0) from `center`.
@@ -49,8 +50,8 @@ impl Sphere {
 
     /// The direction from the centre is exact to a few roundings, and so is the point put at `radius` along
     /// it; the test of a ray from there rounds the distance from the centre once more.
-    pub fn surface(&self, near: DVec3) -> Surface {
-        let normal = (near - self.center).normalize_or(DVec3::Y);
+    pub fn surface(&self, ray: &Ray, t: f64) -> Surface {
+        let normal = (ray.at(t) - self.center).normalize_or(DVec3::Y);
         let point = self.center + normal * self.radius;
         let error =
             point.abs() * gamma(2) + self.center.abs() * gamma(1) + DVec3::splat(self.radius * gamma(6));
@@ -82,7 +83,6 @@ impl Sphere {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::Ray;
 
     const UNIT: Sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
 

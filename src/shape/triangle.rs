@@ -1,6 +1,7 @@
 //! Flat triangles, watertight at the edges they share.
 
 use super::{Probe, Surface, flat};
+use crate::camera::Ray;
 use crate::math::{Aabb, DAffine3, DVec3};
 
 /// The flat triangle between three corners that are not in one line.
@@ -17,8 +18,8 @@ impl Triangle {
         flat::crossing(self.corners[0], self.normal(), probe, t_max)
     }
 
-    pub fn surface(&self, near: DVec3) -> Surface {
-        flat::surface(self.corners[0], self.normal().normalize_or(DVec3::Y), near)
+    pub fn surface(&self, ray: &Ray, t: f64) -> Surface {
+        flat::surface(self.corners[0], self.normal().normalize_or(DVec3::Y), ray, t)
     }
 
     pub fn bounds(&self) -> Option<Aabb> {
@@ -58,7 +59,6 @@ pub(super) fn covers(corners: [DVec3; 3], probe: &Probe) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::Ray;
 
     fn hit(corners: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
         Triangle { corners }.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY)

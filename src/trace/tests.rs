@@ -50,7 +50,7 @@ impl Random {
 /// Where a ray meets `primitive`, as the integrator sees it: with the normal towards the eye.
 fn seen(primitive: &Primitive, ray: Ray) -> Option<Surface> {
     let t = primitive.hit(&Probe::new(ray), f64::INFINITY)?;
-    let mut surface = primitive.surface(ray.at(t));
+    let mut surface = primitive.surface(&ray, t);
     if surface.normal.dot(ray.direction) > 0.0 {
         surface.normal = -surface.normal;
     }

@@ -80,7 +80,7 @@ impl<'a> Whitted<'a> {
         };
         let primitive = &self.scene.geometry.primitives[hit.primitive as usize];
         let material = &self.scene.shading.materials[primitive.material as usize];
-        let mut surface = primitive.surface(ray.at(hit.t));
+        let mut surface = primitive.surface(ray, hit.t);
         // Surfaces are two-sided: the normal faces the eye.
         if surface.normal.dot(ray.direction) > 0.0 {
             surface.normal = -surface.normal;
