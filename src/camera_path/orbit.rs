@@ -44,7 +44,8 @@ impl Orbit {
 
     /// The offset from the target before the turns, in the orbit's own frame.
     fn placed(&self, start: DVec3, clock: &Clock) -> DVec3 {
-        let radius = self.radius.as_ref().map(|radius| radius.at(clock.time));
+        // An easing that overshoots must not carry the camera through its target to the other side.
+        let radius = self.radius.as_ref().map(|radius| radius.at(clock.time).max(0.0));
         if let Some(elevation) = &self.elevation {
             let (out, _) = meridian(elevation.at(clock.time), self.direction(start, clock));
             return out * radius.unwrap_or_else(|| start.length());

@@ -1,7 +1,7 @@
 //! A flight along a smooth curve at even speed.
 
 use super::{Aim, Pose};
-use crate::math::DVec3;
+use crate::math::{DVec3, gamma};
 use crate::time::Clock;
 use crate::track::{Animate, Ease};
 
@@ -25,7 +25,11 @@ impl SplinePath {
     pub fn apply(&self, pose: Pose, clock: &Clock) -> Pose {
         let pose = self.aim.apply(pose, clock);
         let along = self.ease.apply(clock.progress().value());
-        let position = self.curve.at(along);
+        let mut position = self.curve.at(along);
+        // Closer to the target than the curve's own rounding there is no direction to look in.
+        if (position - pose.target).length() <= self.curve.rounding() {
+            position = pose.target;
+        }
         let target = if self.look_ahead { position + self.curve.direction(along) } else { pose.target };
         Pose { position, target, ..pose }
     }
@@ -62,6 +66,12 @@ impl Curve {
             curve.lengths.push(length);
         }
         Some(curve)
+    }
+
+    /// How far rounding may move a point of the curve: five levels of mixing, of three roundings each.
+    fn rounding(&self) -> f64 {
+        let reach = self.points.iter().map(|point| point.length()).fold(0.0, f64::max);
+        gamma(15) * reach
     }
 
     fn segments(&self) -> usize {

@@ -20,8 +20,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let sequence = load::sequence(&arguments.file)?;
-    terminal::say(&line(&sequence));
-    Ok(())
+    terminal::say(&line(&sequence))
 }
 
 /// What a sequence is, in one line.

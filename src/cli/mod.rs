@@ -16,6 +16,7 @@ mod summary;
 mod terminal;
 mod values;
 
+use clap::error::{ContextKind, ContextValue};
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -56,6 +57,9 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(message) => {
             // Also the way of --help and --version, with code 0. Nobody is left to tell if printing fails.
             let _ = message.print();
+            if let Some(file) = forgotten_command(&message) {
+                terminal::complain(&format!("\nTo render this file: kinora render {file}"));
+            }
             return if message.use_stderr() { ExitCode::from(failure::BAD_INPUT) } else { ExitCode::SUCCESS };
         }
     };
@@ -69,6 +73,14 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             failure.print();
             ExitCode::from(failure.code())
         }
+    }
+}
+
+/// The sequence file that stands where the command should.
+fn forgotten_command(message: &clap::Error) -> Option<&str> {
+    match message.get(ContextKind::InvalidSubcommand) {
+        Some(ContextValue::String(word)) if word.ends_with(".ron") => Some(word),
+        _ => None,
     }
 }
 

@@ -106,7 +106,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if !arguments.quiet {
         let json = arguments.progress == ProgressMode::Json;
-        terminal::say(&if json { summary::json(&done) } else { summary::text(&done) });
+        terminal::say(&if json { summary::json(&done) } else { summary::text(&done) })?;
     }
     Ok(())
 }

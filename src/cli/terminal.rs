@@ -1,7 +1,8 @@
 //! What is on the other end of stdout and stderr.
 
+use super::failure::Failure;
 use std::env;
-use std::io::{IsTerminal, Write, stderr, stdout};
+use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
 
 /// Whether stderr is a terminal that can move its cursor.
 pub fn interactive() -> bool {
@@ -13,9 +14,14 @@ pub fn color() -> bool {
     interactive() && env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
-/// Prints a line of results. A reader that went away (`kinora … | head`) does not stop a run.
-pub fn say(line: &str) {
-    let _ = writeln!(stdout(), "{line}");
+/// Prints a line of results. A reader that went away (`kinora … | head`) does not make a run fail.
+pub fn say(line: &str) -> Result<(), Failure> {
+    match writeln!(stdout(), "{line}").and_then(|()| stdout().flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::Incomplete(format!("cannot write to the standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Prints a line of errors.

@@ -37,8 +37,12 @@ pub fn rate(text: &str) -> Result<Rate, String> {
 
 /// At least 1.
 pub fn threads(text: &str) -> Result<NonZeroUsize, String> {
-    text.parse().map_err(|_| "write a number of threads, at least 1".to_owned())
+    let count = within(text, 1, MOST_THREADS).and_then(|count| NonZeroUsize::new(count as usize));
+    count.ok_or_else(|| format!("write a number of threads, 1 to {MOST_THREADS}"))
 }
+
+/// More threads than any machine has processors only cost time.
+const MOST_THREADS: u32 = 1024;
 
 /// Mirror reflections, or none.
 pub fn bounces(text: &str) -> Result<u32, String> {

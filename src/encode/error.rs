@@ -83,7 +83,7 @@ impl fmt::Display for EncodeError {
             Self::Job(error) => error.fmt(f),
             Self::Films(error) => error.fmt(f),
             Self::Write { path, reason } => {
-                write!(f, "cannot write {}: {reason}{}", path.display(), remedy(reason))
+                write!(f, "cannot write {}: {}{}", path.display(), plain(reason), remedy(reason))
             }
             Self::Read { path, reason } => {
                 write!(f, "cannot read the frame {} back for the GIF: {reason}; ", path.display())?;
@@ -93,6 +93,11 @@ impl fmt::Display for EncodeError {
             Self::Stopped(Some(reason)) => write!(f, "cannot run the encoder's thread: {reason}"),
         }
     }
+}
+
+/// The reason without the name of the temporary file that it was met at.
+fn plain(reason: &io::Error) -> String {
+    if reason.get_ref().is_some() { reason.kind().to_string() } else { reason.to_string() }
 }
 
 /// What usually helps, as the end of a message.

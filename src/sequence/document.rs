@@ -40,9 +40,10 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     let lights = fields.or("lights", lights, Vec::new());
     let scene = scene(&mut fields);
     fields.finish();
+    if let (Some(timeline), Some(Cameras { list, active, places })) = (&timeline, &cameras) {
+        report_blind_cameras(root.file, timeline, list, active, places);
+    }
     let (timeline, cameras, (materials, objects)) = (timeline?, cameras?, scene?);
-    let Cameras { list, active, places } = cameras;
-    report_blind_cameras(root.file, &timeline, &list, &active, &places);
     Some(Sequence {
         name: name.to_owned(),
         timeline,
@@ -50,8 +51,8 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
         quality: quality?,
         background: background?,
         ambient: ambient?,
-        cameras: list,
-        active_camera: active,
+        cameras: cameras.list,
+        active_camera: cameras.active,
         lights: lights?,
         materials,
         objects,

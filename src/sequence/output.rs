@@ -6,6 +6,9 @@ use super::node::Node;
 use super::values::{each, list, one_of, switch, text, tuple, whole};
 use super::{OutputSettings, Quality};
 use crate::encode::{GifSettings, Output, Tonemap};
+use std::cell::RefCell;
+use std::collections::HashSet;
+use std::path::{Component, Path, PathBuf};
 
 const LONGEST_SIDE: u32 = 65_536;
 
@@ -43,16 +46,21 @@ fn files(node: Node<'_>, frames: u32) -> Option<Vec<Output>> {
     let files = if node.is_text() {
         file(node, frames).map(|file| vec![file])
     } else {
-        list(node, "file names", |node| file(node, frames))
+        let named = RefCell::new(HashSet::new());
+        list(node, "file names", |node| {
+            let output = file(node, frames)?;
+            // `a.gif` and `./a.gif` are the same file.
+            let name = output.to_string();
+            let parts = Path::new(&name).components().filter(|part| *part != Component::CurDir);
+            if named.borrow_mut().insert(parts.collect::<PathBuf>()) {
+                return Some(output);
+            }
+            node.fault(Fault::new(node.span(), format!("`files` names \"{output}\" twice"), "named before"));
+            None
+        })
     }?;
     if files.is_empty() {
         node.fault(Fault::new(node.span(), "nothing would be written", "needs at least one file"));
-        return None;
-    }
-    let again = files.iter().enumerate().find(|(i, file)| files[..*i].contains(file));
-    if let Some((_, file)) = again {
-        let message = format!("`files` names \"{file}\" twice");
-        node.fault(Fault::new(node.span(), message, "name each file once"));
         return None;
     }
     Some(files)

@@ -9,9 +9,9 @@ use std::ops::Range;
 /// What keeps the text from being RON. Empty if it is.
 pub fn faults(text: &str) -> Vec<Fault> {
     if let Some((at, '#')) = Symbols::new(text).next() {
-        let fault =
-            Fault::new(at..at + 1, "attributes such as `#![enable(...)]` are not supported", "remove this");
-        return vec![fault];
+        let title = "`#` starts neither a comment nor anything else here";
+        let help = "comments start with //; attributes such as `#![enable(...)]` are not supported";
+        return vec![Fault::new(at..at + 1, title, "remove this").help(help)];
     }
     if Symbols::new(text).next().is_none() && unclosed(text).is_none() {
         let help = "the shortest sequence is `()`; see sequences/README.md for what goes inside";
@@ -135,6 +135,11 @@ fn translated(text: &str, error: &Error, at: usize) -> Option<Fault> {
             } else {
                 "values are numbers, true, false, text in quotes, (fields), [lists] and { \"name\": ... }"
             }))
+        }
+        Error::ExpectedChar => {
+            let start = text[..at].rfind('\'').unwrap_or(here.start);
+            let title = "text goes in double quotes";
+            Some(Fault::new(start..at.max(start + 1), title, "write \" instead of '"))
         }
         _ => Some(Fault::new(here, "the notation is wrong here", error.to_string())),
     }
