@@ -100,7 +100,7 @@ fn bad_values_say_what_would_be_right() {
     for (option, values, hint) in [
         ("--size", &["1280", "0x5", "-4x3", "1280x", "axb"][..], "such as 1280x720"),
         ("--fps", &["0", "-24", "24.", "1/0", "inf", "NaN"], "24, 29.97 or 30000/1001"),
-        ("--threads", &["0", "-1", "all"], "at least 1"),
+        ("--threads", &["0", "-1", "all"], "1 to 1024"),
         ("--bounces", &["-1", "1.5", "x"], "such as 8"),
         ("--antialias", &["0", "-1", "65", "x"], "from 1 (off) to 64"),
         ("--progress", &["loud"], "auto, plain, json"),
