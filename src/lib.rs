@@ -43,3 +43,6 @@ pub mod schedule;
 pub mod memory;
 pub mod render;
 pub mod cli;
+
+#[cfg(test)]
+mod testing;

@@ -6,6 +6,7 @@ use crate::camera::Ray;
 use crate::math::{Angle, DAffine3, DMat3, DVec3, UNIT_ROUNDOFF, euler_xyz};
 use crate::scene::Primitive;
 use crate::shape::{Cuboid, Disk, Plane, Probe, Rectangle, Shape, Sphere, Surface, Triangle};
+use crate::testing::Random;
 
 /// Points per configuration.
 const POINTS: u32 = if cfg!(debug_assertions) { 3_000 } else { 100_000 };
@@ -16,33 +17,12 @@ const OFFSETS: [f64; 5] = [0.0, 10.0, 1e3, 1e4, 1e6];
 /// A unit vector.
 const AWAY: DVec3 = DVec3::new(0.6, 0.64, 0.48);
 
-/// splitmix64 (Steele et al. 2014).
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Evenly over the sphere.
-    fn direction(&mut self) -> DVec3 {
-        let z = 2.0 * self.unit() - 1.0;
-        let turn = Angle(360.0 * self.unit()).cos_sin();
-        let r = (1.0 - z * z).sqrt();
-        DVec3::new(r * turn.x, r * turn.y, z)
-    }
-
-    /// Evenly over the directions that are above the horizon of `normal`.
-    fn above(&mut self, normal: DVec3) -> DVec3 {
-        loop {
-            let direction = self.direction();
-            if direction.dot(normal) > GRAZING {
-                return direction;
-            }
+/// Evenly over the directions that are above the horizon of `normal`.
+fn above(random: &mut Random, normal: DVec3) -> DVec3 {
+    loop {
+        let direction = random.direction();
+        if direction.dot(normal) > GRAZING {
+            return direction;
         }
     }
 }
@@ -74,7 +54,7 @@ impl Target {
             let aim = DVec3::new(random.unit() - 0.5, 0.0, random.unit() - 0.5);
             let direction = (self.aim.transform_point3(aim) - origin).normalize();
             let surface = seen(&self.primitive, Ray { origin, direction })?;
-            Some((surface, random.above(surface.normal)))
+            Some((surface, above(&mut random, surface.normal)))
         };
         std::iter::from_fn(move || Some(point())).flatten().take(POINTS as usize)
     }
@@ -148,7 +128,7 @@ fn spheres_lit_from_inside_end_at_their_far_side() {
             let origin = center + random.direction() * (0.9 * radius);
             let surface = seen(&sphere, Ray { origin, direction: random.direction() });
             let surface = surface.expect("a ray from inside hits");
-            let direction = random.above(surface.normal);
+            let direction = above(&mut random, surface.normal);
             let cosine = surface.normal.dot(direction);
             let chord = 2.0 * radius * cosine;
             let longest = chord + 64.0 * UNIT_ROUNDOFF * (center.length() + radius) / cosine;

@@ -3,23 +3,7 @@ use crate::camera::Ray;
 use crate::math::DAffine3;
 use crate::scene::Primitive;
 use crate::shape::{Cuboid, Disk, Plane, Rectangle, Shape, Sphere, Triangle};
-
-/// A small generator of the tests' own (splitmix64, Steele et al. 2014).
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn point(&mut self, reach: f64) -> DVec3 {
-        DVec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * (2.0 * reach)
-    }
-}
+use crate::testing::Random;
 
 fn random_shape(random: &mut Random) -> Shape {
     let p = random.point(10.0);
