@@ -21,6 +21,7 @@ pub mod film;
 pub mod frame_set;
 pub mod camera;
 pub mod camera_path;
+pub mod tree;
 pub mod shape;
 pub mod transform;
 pub mod material;

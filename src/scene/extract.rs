@@ -34,7 +34,8 @@ pub fn geometry(
     let mut shown: Vec<_> =
         objects.iter().filter(|(_, shape, _, v, _)| v.0 && **shape != Shape::Group).collect();
     shown.sort_unstable_by_key(|(order, ..)| **order);
-    let packed = shown.into_iter().filter_map(|(_, shape, at, _, of)| Primitive::new(*shape, at.0, of.0));
+    let packed =
+        shown.into_iter().filter_map(|(_, shape, at, _, of)| Primitive::new(shape.clone(), at.0, of.0));
     // What moves unseen, or turns within its own shape, changes nothing that a tree is built over.
     geometry.set_if_neq(Current(Geometry { primitives: packed.collect() }));
 }

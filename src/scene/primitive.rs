@@ -2,7 +2,8 @@
 
 use crate::camera::Ray;
 use crate::math::{Aabb, DAffine3, DMat3, DVec3, gamma};
-use crate::shape::{Probe, Shape, Surface};
+use crate::shape::{Crossing, Shape, Surface};
+use crate::tree::Probe;
 
 /// A shape in the world. Most shapes are moved there once ([`Shape::transformed`]); the others keep their own
 /// space and have rays moved into it.
@@ -34,18 +35,18 @@ impl Primitive {
     /// The smallest t in 0 < t < `t_max` at which the ray meets the primitive. A ray moved into the shape's
     /// space keeps its t, as its direction is not normalised.
     #[inline]
-    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<f64> {
+    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
         match &self.placement {
             None => self.shape.hit(probe, t_max),
             Some(placement) => self.shape.hit(&Probe::new(placement.ray_to_object(&probe.ray)), t_max),
         }
     }
 
-    /// The surface at the t that [`Primitive::hit`] gave for the ray.
-    pub fn surface(&self, ray: &Ray, t: f64) -> Surface {
+    /// The surface where [`Primitive::hit`] found the ray to meet it.
+    pub fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
         match &self.placement {
-            None => self.shape.surface(ray, t),
-            Some(placement) => placement.surface(&self.shape, ray, t),
+            None => self.shape.surface(ray, at),
+            Some(placement) => placement.surface(&self.shape, ray, at),
         }
     }
 
@@ -66,15 +67,15 @@ impl Placement {
 
     /// The shape's own error moved to the world, plus the rounding of the move there and, as the next ray
     /// from this point is moved back into the shape's space, of the way back.
-    fn surface(&self, shape: &Shape, ray: &Ray, t: f64) -> Surface {
-        let local = shape.surface(&self.ray_to_object(ray), t);
+    fn surface(&self, shape: &Shape, ray: &Ray, at: Crossing) -> Surface {
+        let local = shape.surface(&self.ray_to_object(ray), at);
         let point = self.to_world.transform_point3(local.point);
         let (forth, back) = (abs(&self.to_world), abs(&self.to_object));
         let there = forth.transform_point3(local.point.abs()) * gamma(5);
         let and_back = forth.transform_vector3(back.transform_point3(point.abs())) * gamma(5);
         let error = forth.transform_vector3(local.error) + there + and_back;
-        let normal = (self.to_object.matrix3.transpose() * local.normal).normalize_or(local.normal);
-        Surface { point, error, normal }
+        let turned = |normal: DVec3| (self.to_object.matrix3.transpose() * normal).normalize_or(normal);
+        Surface { point, error, normal: turned(local.normal), shading: turned(local.shading) }
     }
 }
 
@@ -110,7 +111,7 @@ mod tests {
         let ray = Ray { origin: DVec3::new(10.0, 0.2, 0.1), direction: DVec3::NEG_X };
         let hit = |affine: DAffine3, ray: Ray| {
             let primitive = Primitive::new(UNIT, affine, 0).expect("a primitive");
-            primitive.hit(&Probe::new(ray), f64::INFINITY).expect("a hit")
+            primitive.hit(&Probe::new(ray), f64::INFINITY).expect("a hit").t
         };
         let t = hit(scale, ray);
         assert!((t - 7.122_501_086_012_368).abs() <= 8.0 * UNIT_ROUNDOFF * t, "{t}");
@@ -143,7 +144,7 @@ mod tests {
         let primitive = Primitive::new(UNIT, affine, 0).expect("a primitive");
         let n = DVec3::new(1.0, 1.0, 0.0).normalize();
         let ray = Ray { origin: affine.transform_point3(n * 3.0), direction: -affine.transform_vector3(n) };
-        let surface = primitive.surface(&ray, 2.0);
+        let surface = primitive.surface(&ray, Crossing::at(2.0));
         assert!((surface.normal - DVec3::new(1.0, 2.0, 0.0).normalize()).length() < 1e-15);
     }
 }

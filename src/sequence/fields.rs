@@ -4,13 +4,14 @@ use super::fault::Fault;
 use super::node::{Content, Node};
 use super::suggest::{listed, shortened};
 use super::words::{is_literal, suggestion};
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 /// The fields of one value. Ask for every field, then [`Fields::finish`] reports those that nobody asked for.
 pub struct Fields<'s> {
     node: Node<'s>,
     /// What has these fields, for messages: "a material", "`Sphere`".
-    what: &'static str,
+    what: Cow<'static, str>,
     entries: Vec<(&'s str, Option<Node<'s>>)>,
     known: Vec<&'static str>,
     named_in_faults: bool,
@@ -18,7 +19,8 @@ pub struct Fields<'s> {
 
 impl<'s> Fields<'s> {
     /// Reads `(name: value, ...)`, with or without a word in front.
-    pub fn of(node: Node<'s>, what: &'static str) -> Option<Self> {
+    pub fn of(node: Node<'s>, what: impl Into<Cow<'static, str>>) -> Option<Self> {
+        let what = what.into();
         let fields = match node.content()? {
             Content::Fields(fields) => fields,
             Content::Tuple(items) if items.is_empty() => Vec::new(),

@@ -21,6 +21,19 @@ pub fn variant<'s, T>(node: Node<'s>, what: &str, table: &Variants<'s, T>) -> Op
     decode(node)
 }
 
+/// The word that a value starts with, if it is one of `known`.
+pub fn known_word(node: Node<'_>, what: &str, known: &'static [&'static str]) -> Option<&'static str> {
+    if node.word().is_empty() || is_literal(node.word()) {
+        report_no_word(node, known.iter().copied());
+        return None;
+    }
+    let found = known.iter().copied().find(|name| *name == node.word());
+    if found.is_none() {
+        report_unknown(node, what, node.word(), known.iter().copied());
+    }
+    found
+}
+
 /// Reports a value where one of a few words was expected.
 fn report_no_word<'n>(node: Node<'_>, known: impl Iterator<Item = &'n str> + Clone) {
     let fault = node.mismatch(either(known.clone()));

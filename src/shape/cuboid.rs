@@ -1,8 +1,9 @@
 //! Axis-aligned boxes.
 
-use super::{Probe, Surface};
+use super::{Crossing, Geometric, Parameters, Surface};
 use crate::camera::Ray;
-use crate::math::{Aabb, DAffine3, DVec3, gamma};
+use crate::math::{Aabb, DAffine3, DVec2, DVec3, gamma};
+use crate::tree::Probe;
 
 /// The surface of the axis-aligned box from `min` to `max`, each of whose sides is longer than 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,10 +12,28 @@ pub struct Cuboid {
     pub max: DVec3,
 }
 
-impl Cuboid {
+impl Geometric for Cuboid {
+    const NAME: &'static str = "Box";
+
+    fn read(parameters: &mut impl Parameters) -> Option<Self> {
+        let (min, max) = (parameters.vector("min", None), parameters.vector("max", None));
+        let (min, max) = (min?, max?);
+        let flat: Vec<_> = ["x", "y", "z"]
+            .into_iter()
+            .zip((max - min).to_array())
+            .filter_map(|(axis, side)| (side <= 0.0).then_some(axis))
+            .collect();
+        if !flat.is_empty() {
+            let label = format!("not above `min` in {}", flat.join(" and "));
+            parameters.refuse("max", "`max` must be above `min` along every axis".to_owned(), label);
+            return None;
+        }
+        Some(Self { min, max })
+    }
+
     /// Slabs: the ray is inside from the last entry to the first exit. Every side of the box is a
     /// difference of two coordinates, so its sign, and with it what lies ahead, is exact.
-    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<f64> {
+    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
         let (o, d) = (probe.ray.origin, probe.ray.direction);
         let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
@@ -30,36 +49,85 @@ impl Cuboid {
             leave = leave.min(a.max(b));
         }
         let t = if enter > 0.0 { enter } else { leave };
-        (enter <= leave && t > 0.0 && t < t_max).then_some(t)
+        (enter <= leave && t > 0.0 && t < t_max).then_some(Crossing::at(t))
     }
 
     /// The face is the one that the ray crosses at t; the point is put onto its plane exactly. On an edge of
     /// the box that is never the face beyond the edge, which the ray may not see.
-    pub fn surface(&self, ray: &Ray, t: f64) -> Surface {
+    fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
         let (o, d) = (ray.origin, ray.direction);
         let faces =
             [self.min, self.max].into_iter().flat_map(|corner| (0..3).map(move |axis| (axis, corner[axis])));
-        let off = |&(axis, at): &(usize, f64)| ((at - o[axis]) / d[axis] - t).abs();
+        let off = |&(axis, plane): &(usize, f64)| ((plane - o[axis]) / d[axis] - at.t).abs();
         // A ray along a face gives no number, or an infinite one, and sorts last.
         let crossed = faces.min_by(|a, b| off(a).total_cmp(&off(b)));
-        let (axis, at) = crossed.unwrap_or((0, self.min.x));
-        let mut point = ray.at(t).clamp(self.min, self.max);
-        point[axis] = at;
+        let (axis, plane) = crossed.unwrap_or((0, self.min.x));
+        let mut point = ray.at(at.t).clamp(self.min, self.max);
+        point[axis] = plane;
         let mut normal = DVec3::ZERO;
-        normal[axis] = if at == self.max[axis] { 1.0 } else { -1.0 };
-        Surface { point, error: point.abs() * gamma(1), normal }
+        normal[axis] = if plane == self.max[axis] { 1.0 } else { -1.0 };
+        Surface::new(point, point.abs() * gamma(1), normal)
     }
 
-    pub fn bounds(&self) -> Option<Aabb> {
+    fn bounds(&self) -> Option<Aabb> {
         Some(Aabb { min: self.min, max: self.max })
     }
 
     /// A box stays one when moved and scaled along its axes.
-    pub fn transformed(&self, affine: &DAffine3) -> Option<Self> {
+    fn transformed(&self, affine: &DAffine3) -> Option<Self> {
         let m = affine.matrix3;
         let scale = DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z);
         let (a, b) = (affine.transform_point3(self.min), affine.transform_point3(self.max));
         (m == glam::DMat3::from_diagonal(scale)).then(|| Self { min: a.min(b), max: a.max(b) })
+    }
+
+    /// 0..=1 over each face, upright when seen from outside with +y up; the top and the bottom as seen with
+    /// -z and +z up.
+    fn uv(&self, point: DVec3, _: u32) -> DVec2 {
+        let share = (point - self.min) / (self.max - self.min);
+        let off = (share - DVec3::splat(0.5)).abs();
+        if off.x >= off.y && off.x >= off.z {
+            DVec2::new(if share.x > 0.5 { 1.0 - share.z } else { share.z }, share.y)
+        } else if off.y >= off.z {
+            DVec2::new(share.x, if share.y > 0.5 { 1.0 - share.z } else { share.z })
+        } else {
+            DVec2::new(if share.z > 0.5 { share.x } else { 1.0 - share.x }, share.y)
+        }
+    }
+
+    fn area(&self) -> Option<f64> {
+        Some(2.0 * self.faces().element_sum())
+    }
+
+    /// A pair of faces by its area, then one of the two.
+    fn sample_area(&self, u: DVec2) -> Option<Surface> {
+        let faces = self.faces();
+        let mut rest = u.x * faces.element_sum();
+        let axis = if rest < faces.x {
+            0
+        } else if rest < faces.x + faces.y {
+            rest -= faces.x;
+            1
+        } else {
+            rest -= faces.x + faces.y;
+            2
+        };
+        let across = (2.0 * rest / faces[axis]).clamp(0.0, 2.0);
+        let mut share = DVec3::splat(u.y);
+        share[(axis + 1) % 3] = across.fract();
+        share[axis] = if across < 1.0 { 0.0 } else { 1.0 };
+        let mut normal = DVec3::ZERO;
+        normal[axis] = 2.0 * share[axis] - 1.0;
+        let point = (self.min + (self.max - self.min) * share).clamp(self.min, self.max);
+        Some(Surface::new(point, point.abs() * gamma(1), normal))
+    }
+}
+
+impl Cuboid {
+    /// The areas of one face across each axis.
+    fn faces(&self) -> DVec3 {
+        let side = self.max - self.min;
+        DVec3::new(side.y * side.z, side.z * side.x, side.x * side.y)
     }
 }
 
@@ -70,7 +138,7 @@ mod tests {
     const UNIT: Cuboid = Cuboid { min: DVec3::ZERO, max: DVec3::ONE };
 
     fn hit(origin: DVec3, direction: DVec3) -> Option<f64> {
-        UNIT.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY)
+        UNIT.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY).map(|crossing| crossing.t)
     }
 
     #[test]
@@ -96,7 +164,7 @@ mod tests {
     fn the_surface_is_on_the_face_that_is_crossed() {
         let surface = |origin, direction| {
             let t = hit(origin, direction).expect("a hit");
-            let surface = UNIT.surface(&Ray { origin, direction }, t);
+            let surface = UNIT.surface(&Ray { origin, direction }, Crossing::at(t));
             (surface.point, surface.normal)
         };
         let top = surface(DVec3::new(0.2, 3.0, 0.7), DVec3::NEG_Y);

@@ -1,104 +1,117 @@
 //! Shapes: where rays meet them, and the surface there with its error bound.
 //!
-//! One closed list, a file each. A shape lives in the space that its transform leads to the world from. Most
-//! shapes stay in their class under most transforms (a moved sphere is a sphere); those are moved once per
-//! change of geometry, see [`Shape::transformed`], and the rest have their rays moved instead.
+//! One closed list, a file each: see [`Geometric`] for what a shape is asked. A shape lives in the space that
+//! its transform leads to the world from. Most shapes stay in their class under most transforms (a moved
+//! sphere is a sphere); those are moved once per change of geometry, see [`Geometric::transformed`], and the
+//! rest have their rays moved instead.
 
 mod cuboid;
 mod disk;
 mod flat;
+mod geometric;
+mod parameters;
 mod plane;
-mod probe;
 mod rectangle;
 mod sphere;
+mod surface;
 mod triangle;
 
 pub use cuboid::Cuboid;
 pub use disk::Disk;
+pub use geometric::Geometric;
+pub use parameters::Parameters;
 pub use plane::Plane;
-pub use probe::Probe;
 pub use rectangle::Rectangle;
 pub use sphere::Sphere;
+pub use surface::{Crossing, Surface};
 pub use triangle::Triangle;
 
 use crate::camera::Ray;
-use crate::math::{Aabb, DAffine3, DVec3};
+use crate::math::{Aabb, DAffine3, DVec2, DVec3};
+use crate::tree::Probe;
 use bevy_ecs::component::Component;
 
-/// Every shape there is.
-#[derive(Clone, Copy, Component, Debug, PartialEq)]
-pub enum Shape {
-    Sphere(Sphere),
-    Plane(Plane),
-    Rectangle(Rectangle),
-    Disk(Disk),
-    Triangle(Triangle),
-    Cuboid(Cuboid),
-    /// Nothing to see: a frame of reference for the objects that name it as their parent.
-    Group,
-}
+/// Declares [`Shape`] with its one dispatch: the same call for every shape that there is something to see of.
+macro_rules! shapes {
+    ($($shape:ident),* $(,)?) => {
+        /// Every shape there is.
+        #[derive(Clone, Component, Debug, PartialEq)]
+        pub enum Shape {
+            $($shape($shape),)*
+            /// Nothing to see: a frame of reference for the objects that name it as their parent.
+            Group,
+        }
 
-/// A point on a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surface {
-    /// The point, put back onto the surface after the rounding of the way there.
-    pub point: DVec3,
-    /// How far each coordinate may be from the true surface, including the rounding of the shape's own test
-    /// of a ray that starts at the point.
-    pub error: DVec3,
-    /// Unit geometric normal, on the side of the shape's own choice.
-    pub normal: DVec3,
-}
+        macro_rules! each_shape {
+            ($on:expr, $inner:ident => $call:expr, Group => $group:expr) => {
+                match $on {
+                    $(Shape::$shape($inner) => $call,)*
+                    Shape::Group => $group,
+                }
+            };
+        }
 
-/// The one dispatch over the list: the same call for every shape that there is something to see of.
-macro_rules! each_shape {
-    ($shape:expr, $inner:ident => $call:expr, Group => $group:expr) => {
-        match $shape {
-            Shape::Sphere($inner) => $call,
-            Shape::Plane($inner) => $call,
-            Shape::Rectangle($inner) => $call,
-            Shape::Disk($inner) => $call,
-            Shape::Triangle($inner) => $call,
-            Shape::Cuboid($inner) => $call,
-            Shape::Group => $group,
+        impl Shape {
+            /// The words that files call shapes by.
+            pub const NAMES: &[&str] = &[$($shape::NAME,)* "Group"];
+
+            /// Makes the shape called `name` of its parameters; none if there is no such shape, or if the
+            /// parameters, which have then been refused, make none.
+            pub fn read(name: &str, parameters: &mut impl Parameters) -> Option<Self> {
+                $(if name == $shape::NAME {
+                    return $shape::read(parameters).map(Self::$shape);
+                })*
+                (name == "Group").then_some(Self::Group)
+            }
+
+            /// The shape that an affine map makes of this one; none if that is not in its class.
+            pub fn transformed(&self, affine: &DAffine3) -> Option<Self> {
+                if *affine == DAffine3::IDENTITY {
+                    return Some(self.clone());
+                }
+                match self {
+                    $(Self::$shape(shape) => shape.transformed(affine).map(Self::$shape),)*
+                    Self::Group => Some(Self::Group),
+                }
+            }
         }
     };
 }
 
+// The list. A shape that is added here can be written in files, seen, placed and lit.
+shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid);
+
 impl Shape {
-    /// The smallest t in 0 < t < `t_max` at which the ray meets the surface, from either side.
+    /// See [`Geometric::hit`].
     #[inline]
-    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<f64> {
+    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
         each_shape!(self, shape => shape.hit(probe, t_max), Group => None)
     }
 
-    /// The surface at the t that [`Shape::hit`] gave for the ray.
-    pub fn surface(&self, ray: &Ray, t: f64) -> Surface {
-        each_shape!(self, shape => shape.surface(ray, t), Group => Surface {
-            point: ray.at(t),
-            error: DVec3::ZERO,
-            normal: DVec3::Y,
+    /// See [`Geometric::surface`].
+    pub fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
+        each_shape!(self, shape => shape.surface(ray, at), Group => {
+            Surface::new(ray.at(at.t), DVec3::ZERO, DVec3::Y)
         })
     }
 
-    /// A box around the shape; none if it is infinite or there is nothing to see.
+    /// See [`Geometric::bounds`]; none also if there is nothing to see.
     pub fn bounds(&self) -> Option<Aabb> {
         each_shape!(self, shape => shape.bounds(), Group => None)
     }
 
-    /// The shape that an affine map makes of this one; none if that is not in its class.
-    pub fn transformed(&self, affine: &DAffine3) -> Option<Self> {
-        if *affine == DAffine3::IDENTITY {
-            return Some(*self);
-        }
-        match self {
-            Self::Sphere(shape) => shape.transformed(affine).map(Self::Sphere),
-            Self::Plane(shape) => shape.transformed(affine).map(Self::Plane),
-            Self::Rectangle(shape) => shape.transformed(affine).map(Self::Rectangle),
-            Self::Disk(shape) => shape.transformed(affine).map(Self::Disk),
-            Self::Triangle(shape) => shape.transformed(affine).map(Self::Triangle),
-            Self::Cuboid(shape) => shape.transformed(affine).map(Self::Cuboid),
-            Self::Group => Some(Self::Group),
-        }
+    /// See [`Geometric::uv`].
+    pub fn uv(&self, point: DVec3, part: u32) -> DVec2 {
+        each_shape!(self, shape => shape.uv(point, part), Group => DVec2::ZERO)
+    }
+
+    /// See [`Geometric::area`].
+    pub fn area(&self) -> Option<f64> {
+        each_shape!(self, shape => shape.area(), Group => None)
+    }
+
+    /// See [`Geometric::sample_area`].
+    pub fn sample_area(&self, u: DVec2) -> Option<Surface> {
+        each_shape!(self, shape => shape.sample_area(u), Group => None)
     }
 }

@@ -1,8 +1,9 @@
 //! Infinite planes.
 
-use super::{Probe, Surface, flat};
+use super::{Crossing, Geometric, Parameters, Surface, flat};
 use crate::camera::Ray;
-use crate::math::{Aabb, DAffine3, DVec3};
+use crate::math::{Aabb, DAffine3, DVec2, DVec3};
+use crate::tree::Probe;
 
 /// The infinite plane through `point` across the unit vector `normal`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,22 +12,36 @@ pub struct Plane {
     pub normal: DVec3,
 }
 
-impl Plane {
-    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<f64> {
-        flat::crossing(self.point, self.normal, probe, t_max)
+impl Geometric for Plane {
+    const NAME: &'static str = "Plane";
+
+    fn read(parameters: &mut impl Parameters) -> Option<Self> {
+        let point = parameters.vector("point", Some(DVec3::ZERO));
+        let normal = parameters.unit_vector("normal", Some(DVec3::Y));
+        Some(Self { point: point?, normal: normal? })
     }
 
-    pub fn surface(&self, ray: &Ray, t: f64) -> Surface {
-        flat::surface(self.point, self.normal, ray, t)
+    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
+        flat::crossing(self.point, self.normal, probe, t_max).map(Crossing::at)
     }
 
-    pub fn bounds(&self) -> Option<Aabb> {
+    fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
+        flat::surface(self.point, self.normal, ray, at.t)
+    }
+
+    fn bounds(&self) -> Option<Aabb> {
         None
     }
 
-    pub fn transformed(&self, affine: &DAffine3) -> Option<Self> {
+    fn transformed(&self, affine: &DAffine3) -> Option<Self> {
         let normal = flat::moved_normal(affine, self.normal);
         Some(Self { point: affine.transform_point3(self.point), normal })
+    }
+
+    /// Lengths along [`flat::axes`] from the plane's point.
+    fn uv(&self, point: DVec3, _: u32) -> DVec2 {
+        let (right, up) = flat::axes(self.normal);
+        DVec2::new((point - self.point).dot(right), (point - self.point).dot(up))
     }
 }
 
@@ -37,7 +52,7 @@ mod tests {
     const GROUND: Plane = Plane { point: DVec3::ZERO, normal: DVec3::Y };
 
     fn hit(origin: DVec3, direction: DVec3) -> Option<f64> {
-        GROUND.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY)
+        GROUND.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY).map(|crossing| crossing.t)
     }
 
     #[test]

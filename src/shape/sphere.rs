@@ -1,8 +1,10 @@
 //! Spheres.
 
-use super::{Probe, Surface};
+use super::{Crossing, Geometric, Parameters, Surface};
 use crate::camera::Ray;
-use crate::math::{Aabb, DAffine3, DVec3, UNIT_ROUNDOFF, gamma};
+use crate::math::{Aabb, Angle, DAffine3, DVec2, DVec3, UNIT_ROUNDOFF, gamma};
+use crate::tree::Probe;
+use std::f64::consts::{PI, TAU};
 
 /// All points at distance `radius` (above 0) from `center`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,12 +13,20 @@ pub struct Sphere {
     pub radius: f64,
 }
 
-impl Sphere {
+impl Geometric for Sphere {
+    const NAME: &'static str = "Sphere";
+
+    fn read(parameters: &mut impl Parameters) -> Option<Self> {
+        let center = parameters.vector("center", Some(DVec3::ZERO));
+        let radius = parameters.positive("radius", Some(1.0));
+        Some(Self { center: center?, radius: radius? })
+    }
+
     /// The quadratic without its cancellations. The discriminant is taken from the ray's point closest to
     /// the centre, r² - l² = (r - l)(r + l) (Haines et al., *Ray Tracing Gems*, chapter 7, factored), and
     /// the sign of c = (f - r)(f + r) says on which side of the surface the ray starts, which settles how
     /// many roots lie ahead before any is computed.
-    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<f64> {
+    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
         let d = probe.ray.direction;
         let from_center = probe.ray.origin - self.center;
         let distance = from_center.length();
@@ -39,33 +49,23 @@ impl Sphere {
         } else {
             -outside * (distance + self.radius) / a / (half_chord - closest)
         };
-        (t > 0.0 && t < t_max).then_some(t)
-    }
-
-    /// The nearer root for an origin outside. Far away the difference of closest approach and half chord
-    /// has the smaller absolute error; close to the surface, the quotient keeps the relative one.
-    fn entry(&self, c: f64, closest: f64, half_chord: f64, distance: f64) -> f64 {
-        if distance > 2.0 * self.radius { closest - half_chord } else { c / (closest + half_chord) }
+        (t > 0.0 && t < t_max).then_some(Crossing::at(t))
     }
 
     /// The direction from the centre is exact to a few roundings, and so is the point put at `radius` along
     /// it; the test of a ray from there rounds the distance from the centre once more.
-    pub fn surface(&self, ray: &Ray, t: f64) -> Surface {
-        let normal = (ray.at(t) - self.center).normalize_or(DVec3::Y);
-        let point = self.center + normal * self.radius;
-        let error =
-            point.abs() * gamma(2) + self.center.abs() * gamma(1) + DVec3::splat(self.radius * gamma(6));
-        Surface { point, error, normal }
+    fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
+        self.surface_along((ray.at(at.t) - self.center).normalize_or(DVec3::Y))
     }
 
-    pub fn bounds(&self) -> Option<Aabb> {
+    fn bounds(&self) -> Option<Aabb> {
         let reach = DVec3::splat(self.radius);
         let rounding = (self.center.abs() + reach) * gamma(2);
         Some(Aabb { min: self.center - reach, max: self.center + reach }.padded(rounding))
     }
 
     /// A sphere stays one under rotation, mirroring and even scaling.
-    pub fn transformed(&self, affine: &DAffine3) -> Option<Self> {
+    fn transformed(&self, affine: &DAffine3) -> Option<Self> {
         let m = affine.matrix3;
         let gram = m.transpose() * m;
         let scale = gram.x_axis.x;
@@ -78,6 +78,42 @@ impl Sphere {
             radius: self.radius * scale.sqrt(),
         })
     }
+
+    /// Longitude from west to east and latitude from -y (0) to +y (1). Both by atan2, whose error stays
+    /// relative at the poles, where those of asin and acos do not.
+    fn uv(&self, point: DVec3, _: u32) -> DVec2 {
+        let d = point - self.center;
+        let longitude = (0.5 - libm::atan2(d.z, d.x) + PI) / TAU;
+        let latitude = libm::atan2(libm::hypot(d.x, d.z), -d.y) / PI;
+        DVec2::new(longitude - longitude.floor(), latitude)
+    }
+
+    fn area(&self) -> Option<f64> {
+        Some(4.0 * PI * self.radius * self.radius)
+    }
+
+    fn sample_area(&self, u: DVec2) -> Option<Surface> {
+        let height = 1.0 - 2.0 * u.x;
+        let turn = Angle(360.0 * u.y).cos_sin() * ((1.0 - height) * (1.0 + height)).max(0.0).sqrt();
+        Some(self.surface_along(DVec3::new(turn.x, turn.y, height)))
+    }
+}
+
+impl Sphere {
+    /// The nearer root for an origin outside. Far away the difference of closest approach and half chord
+    /// has the smaller absolute error; close to the surface, the quotient keeps the relative one.
+    fn entry(&self, c: f64, closest: f64, half_chord: f64, distance: f64) -> f64 {
+        if distance > 2.0 * self.radius { closest - half_chord } else { c / (closest + half_chord) }
+    }
+
+    /// The surface in the direction `normal` (a unit vector) from the centre. The point is exact to a few
+    /// roundings; the test of a ray from there rounds the distance from the centre once more.
+    pub fn surface_along(&self, normal: DVec3) -> Surface {
+        let point = self.center + normal * self.radius;
+        let error =
+            point.abs() * gamma(2) + self.center.abs() * gamma(1) + DVec3::splat(self.radius * gamma(6));
+        Surface::new(point, error, normal)
+    }
 }
 
 #[cfg(test)]
@@ -87,7 +123,7 @@ mod tests {
     const UNIT: Sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
 
     fn hit(sphere: Sphere, origin: DVec3, direction: DVec3) -> Option<f64> {
-        sphere.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY)
+        sphere.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY).map(|crossing| crossing.t)
     }
 
     fn assert_near(t: Option<f64>, expected: f64, relative: f64) {

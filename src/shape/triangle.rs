@@ -1,8 +1,9 @@
 //! Flat triangles, watertight at the edges they share.
 
-use super::{Probe, Surface, flat};
+use super::{Crossing, Geometric, Parameters, Surface, flat};
 use crate::camera::Ray;
-use crate::math::{Aabb, DAffine3, DVec3};
+use crate::math::{Aabb, DAffine3, DVec2, DVec3};
+use crate::tree::Probe;
 
 /// The flat triangle between three corners that are not in one line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,26 +11,66 @@ pub struct Triangle {
     pub corners: [DVec3; 3],
 }
 
-impl Triangle {
-    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<f64> {
+impl Geometric for Triangle {
+    const NAME: &'static str = "Triangle";
+
+    fn read(parameters: &mut impl Parameters) -> Option<Self> {
+        let [a, b, c] = ["a", "b", "c"].map(|name| parameters.vector(name, None));
+        let (a, b, c) = (a?, b?, c?);
+        if !flat::spans_a_plane(b - a, c - a) {
+            let label = "its corners are in one line, or two of them coincide";
+            parameters.refuse("", "this triangle has no area".to_owned(), label.to_owned());
+            return None;
+        }
+        Some(Self { corners: [a, b, c] })
+    }
+
+    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
         if !covers(self.corners, probe) {
             return None;
         }
-        flat::crossing(self.corners[0], self.normal(), probe, t_max)
+        flat::crossing(self.corners[0], self.normal(), probe, t_max).map(Crossing::at)
     }
 
-    pub fn surface(&self, ray: &Ray, t: f64) -> Surface {
-        flat::surface(self.corners[0], self.normal().normalize_or(DVec3::Y), ray, t)
+    fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
+        flat::surface(self.corners[0], self.normal().normalize_or(DVec3::Y), ray, at.t)
     }
 
-    pub fn bounds(&self) -> Option<Aabb> {
+    fn bounds(&self) -> Option<Aabb> {
         Some(Aabb::around(self.corners))
     }
 
-    pub fn transformed(&self, affine: &DAffine3) -> Option<Self> {
-        Some(Self { corners: self.corners.map(|corner| affine.transform_point3(corner)) })
+    fn transformed(&self, affine: &DAffine3) -> Option<Self> {
+        let [a, b, c] = self.corners.map(|corner| affine.transform_point3(corner));
+        let mirrored = affine.matrix3.determinant() < 0.0;
+        Some(Self { corners: if mirrored { [a, c, b] } else { [a, b, c] } })
     }
 
+    /// The weights of the second and the third corner.
+    fn uv(&self, point: DVec3, _: u32) -> DVec2 {
+        let [a, b, c] = self.corners;
+        flat::shares(point - a, b - a, c - a)
+    }
+
+    fn area(&self) -> Option<f64> {
+        Some(0.5 * self.normal().length())
+    }
+
+    fn sample_area(&self, u: DVec2) -> Option<Surface> {
+        let [a, b, c] = self.corners;
+        let weights = uniform_weights(u);
+        let point = a + (b - a) * weights.x + (c - a) * weights.y;
+        Some(flat::placed(a, point, self.normal().normalize_or(DVec3::Y)))
+    }
+}
+
+/// Weights of the second and the third corner, uniform over a triangle's area (Osada et al. 2002).
+pub(super) fn uniform_weights(u: DVec2) -> DVec2 {
+    let root = u.x.sqrt();
+    DVec2::new(root * (1.0 - u.y), root * u.y)
+}
+
+impl Triangle {
     /// Perpendicular to the triangle; twice its area long.
     fn normal(&self) -> DVec3 {
         let [a, b, c] = self.corners;
@@ -61,7 +102,8 @@ mod tests {
     use super::*;
 
     fn hit(corners: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
-        Triangle { corners }.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY)
+        let triangle = Triangle { corners };
+        triangle.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY).map(|crossing| crossing.t)
     }
 
     #[test]

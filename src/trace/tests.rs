@@ -5,8 +5,9 @@ use super::spawn::{spawn, spawn_to};
 use crate::camera::Ray;
 use crate::math::{Angle, DAffine3, DMat3, DVec3, UNIT_ROUNDOFF, euler_xyz};
 use crate::scene::Primitive;
-use crate::shape::{Cuboid, Disk, Plane, Probe, Rectangle, Shape, Sphere, Surface, Triangle};
+use crate::shape::{Cuboid, Disk, Plane, Rectangle, Shape, Sphere, Surface, Triangle};
 use crate::testing::Random;
+use crate::tree::Probe;
 
 /// Points per configuration.
 const POINTS: u32 = if cfg!(debug_assertions) { 3_000 } else { 100_000 };
@@ -90,7 +91,7 @@ fn each_place() -> impl Iterator<Item = (f64, DVec3)> {
 fn sphere(radius: f64, center: DVec3) -> Target {
     let shape = Shape::Sphere(Sphere { center, radius });
     let aim = DAffine3::from_mat3_translation(DMat3::from_diagonal(DVec3::splat(1.8 * radius)), center);
-    Target { primitive: primitive(shape, DAffine3::IDENTITY), size: radius, aim }
+    Target { primitive: primitive(shape.clone(), DAffine3::IDENTITY), size: radius, aim }
 }
 
 #[test]
@@ -133,7 +134,7 @@ fn spheres_lit_from_inside_end_at_their_far_side() {
             let chord = 2.0 * radius * cosine;
             let longest = chord + 64.0 * UNIT_ROUNDOFF * (center.length() + radius) / cosine;
             let t = sphere.hit(&Probe::new(spawn(&surface, direction)), f64::INFINITY);
-            let far_side = t.is_some_and(|t| t >= 0.999 * chord && t <= longest);
+            let far_side = t.is_some_and(|at| at.t >= 0.999 * chord && at.t <= longest);
             assert!(far_side, "radius {radius} at {center}: {t:?} instead of {chord}");
         }
     }
@@ -144,7 +145,7 @@ fn lit_ellipsoids_do_not_shadow_themselves() {
     let unit = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 });
     for (size, middle) in each_place() {
         let aim = tilted(DVec3::new(3.0, 1.0, 0.5) * size, middle);
-        let ellipsoid = Target { primitive: primitive(unit, aim), size: 3.0 * size, aim };
+        let ellipsoid = Target { primitive: primitive(unit.clone(), aim), size: 3.0 * size, aim };
         assert!(ellipsoid.primitive.placement.is_some(), "an ellipsoid is no sphere");
         assert_eq!(ellipsoid.false_shadows(), 0, "size {size} at {middle}");
     }
@@ -156,7 +157,7 @@ fn flat_shapes_do_not_shadow_themselves(shape: Shape) {
     for (size, middle) in each_place() {
         let straight = DAffine3::from_mat3_translation(DMat3::from_diagonal(DVec3::splat(size)), middle);
         for aim in [straight, tilted(DVec3::splat(size), middle)] {
-            let target = Target { primitive: primitive(shape, aim), size, aim };
+            let target = Target { primitive: primitive(shape.clone(), aim), size, aim };
             let count = target.false_shadows();
             if count > 0 {
                 wrong.push(format!("{count} of {POINTS}: {:?}", target.primitive));
@@ -210,7 +211,7 @@ fn floors_at_height_zero_do_not_shadow_themselves() {
             Shape::Rectangle(Rectangle { corner: DVec3::ZERO, u, v }),
             Shape::Triangle(Triangle { corners: [DVec3::ZERO, u, u + v] }),
         ] {
-            let primitive = primitive(shape, DAffine3::IDENTITY);
+            let primitive = primitive(shape.clone(), DAffine3::IDENTITY);
             let count = Target { primitive, size: a.max(b), aim }.false_shadows();
             if count > 0 {
                 wrong.push(format!("{count} of {POINTS}: {shape:?}"));

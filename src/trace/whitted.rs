@@ -12,7 +12,8 @@ use crate::light::{Glow, Light};
 use crate::material::Material;
 use crate::math::{DVec2, DVec3};
 use crate::scene::Scene;
-use crate::shape::{Probe, Surface};
+use crate::shape::Surface;
+use crate::tree::Probe;
 
 /// The integrator over one frame's scene, with all that is constant for the frame resolved.
 pub struct Whitted<'a> {
@@ -80,10 +81,10 @@ impl<'a> Whitted<'a> {
         };
         let primitive = &self.scene.geometry.primitives[hit.primitive as usize];
         let material = &self.scene.shading.materials[primitive.material as usize];
-        let mut surface = primitive.surface(ray, hit.t);
+        let mut surface = primitive.surface(ray, hit.at);
         // Surfaces are two-sided: the normal faces the eye.
         if surface.normal.dot(ray.direction) > 0.0 {
-            surface.normal = -surface.normal;
+            surface = surface.flipped();
         }
         if let Some(ambient) = &self.ambient {
             sums.add(ambient.layer, throughput * material.ambient * ambient.radiance);

@@ -70,7 +70,7 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
         let placed = (Transform(DAffine3::IDENTITY), Visible(true));
         let tracks = (object.transform.clone(), VisibleTrack(object.visible.clone()));
         let made_of = MadeOf(object.material as u32);
-        entities.push(world.spawn((FileOrder(order), object.shape, made_of, placed, tracks)).id());
+        entities.push(world.spawn((FileOrder(order), object.shape.clone(), made_of, placed, tracks)).id());
     }
     let hierarchy = parents_first(sequence);
     let pair = |i: usize| (entities[i], sequence.objects[i].value.parent.map(|parent| entities[parent]));

@@ -5,7 +5,8 @@ use kinora::bvh::Bvh;
 use kinora::camera::Ray;
 use kinora::math::{DAffine3, DVec3};
 use kinora::scene::{Geometry, Primitive};
-use kinora::shape::{Cuboid, Probe, Shape, Triangle};
+use kinora::shape::{Cuboid, Shape, Triangle};
+use kinora::tree::Probe;
 
 /// Rays per configuration.
 const RAYS: u32 = if cfg!(debug_assertions) { 5_000 } else { 100_000 };
@@ -151,7 +152,7 @@ fn boxes_are_met_exactly_where_they_are() {
                 continue;
             }
             let probe = Probe::new(Ray { origin: float(origin), direction: float(direction) });
-            let t = bvh.closest(&geometry, &probe).map(|hit| hit.t);
+            let t = bvh.closest(&geometry, &probe).map(|hit| hit.at.t);
             let zero = Exact(0, 1);
             let expected = crossings(HALF, origin, direction).and_then(|(enter, leave)| {
                 touched += u32::from(!enter.below(leave));
@@ -181,7 +182,8 @@ fn turned_boxes_are_entered_and_left_once() {
             let inside = affine.transform_point3(random.point(0.999));
             let direction = random.point(1.0).normalize();
             let origin = inside - direction * distance;
-            let hit = |origin| placed.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY);
+            let hit =
+                |origin| placed.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY).map(|at| at.t);
             let enter = hit(origin).expect("it enters");
             let leave = hit(inside).expect("it leaves");
             assert!(enter < distance && leave < 6.0);

@@ -1,6 +1,6 @@
 use super::*;
 use crate::camera::Ray;
-use crate::math::DAffine3;
+use crate::math::{DAffine3, DVec3};
 use crate::scene::Primitive;
 use crate::shape::{Cuboid, Disk, Plane, Rectangle, Shape, Sphere, Triangle};
 use crate::testing::Random;
@@ -44,8 +44,8 @@ fn random_geometry(random: &mut Random, count: usize) -> Geometry {
 
 fn brute_force(geometry: &Geometry, probe: &Probe) -> Option<Hit> {
     let hits = (0..).zip(&geometry.primitives);
-    let hits = hits.filter_map(|(primitive, p)| Some(Hit { t: p.hit(probe, f64::INFINITY)?, primitive }));
-    hits.reduce(|best, hit| if hit.t < best.t { hit } else { best })
+    let hits = hits.filter_map(|(primitive, p)| Some(Hit { at: p.hit(probe, f64::INFINITY)?, primitive }));
+    hits.reduce(|best, hit| if hit.at.t < best.at.t { hit } else { best })
 }
 
 fn random_ray(random: &mut Random) -> Ray {
@@ -72,7 +72,7 @@ fn the_tree_equals_brute_force() {
             let expected = brute_force(&geometry, &probe);
             assert_eq!(bvh.closest(&geometry, &probe), expected, "{probe:?}");
             let t_max = random.unit() * 20.0;
-            let blocked = expected.is_some_and(|hit| hit.t < t_max);
+            let blocked = expected.is_some_and(|hit| hit.at.t < t_max);
             assert_eq!(bvh.occluded(&geometry, &probe, t_max), blocked, "{probe:?} {t_max}");
         }
     }

@@ -1,26 +1,17 @@
 //! Building the tree: PLOC clustering and reinsertion by `obvhs`, over boxes rounded outwards to f32.
 
-use super::{Bvh, Node};
+use super::{Node, Tree};
 use crate::math::Aabb;
-use crate::scene::Geometry;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::builder::build_bvh2;
 
-impl Bvh {
-    /// A tree over `geometry`. The same geometry gives the same tree.
-    pub fn build(geometry: &Geometry) -> Self {
-        let (mut boxes, mut bounded, mut unbounded) = (Vec::new(), Vec::new(), Vec::new());
-        for (index, primitive) in (0..).zip(&geometry.primitives) {
-            match primitive.bounds() {
-                Some(bounds) => {
-                    boxes.push(outward(bounds));
-                    bounded.push(index);
-                }
-                None => unbounded.push(index),
-            }
-        }
+impl Tree {
+    /// A tree over things with an index and a box each. The same boxes give the same tree.
+    pub fn build(things: impl IntoIterator<Item = (u32, Aabb)>) -> Self {
+        let (indices, boxes): (Vec<u32>, Vec<_>) =
+            things.into_iter().map(|(index, bounds)| (index, outward(bounds))).unzip();
         if boxes.is_empty() {
-            return Self { unbounded, ..Self::default() };
+            return Self::default();
         }
         let tree = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut std::time::Duration::default());
         let nodes = tree.nodes.iter().map(|node| Node {
@@ -29,8 +20,8 @@ impl Bvh {
             first: node.first_index,
             count: node.prim_count,
         });
-        let leaves = tree.primitive_indices.iter().map(|&i| bounded[i as usize]);
-        Self { nodes: nodes.collect(), leaves: leaves.collect(), unbounded }
+        let leaves = tree.primitive_indices.iter().map(|&i| indices[i as usize]);
+        Self { nodes: nodes.collect(), leaves: leaves.collect() }
     }
 }
 

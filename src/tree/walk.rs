@@ -1,43 +1,20 @@
 //! Walking the tree along a ray.
 
-use super::{Bvh, Hit, Node};
+use super::{Node, Probe, Tree};
 use crate::math::{DVec3, gamma};
-use crate::scene::Geometry;
-use crate::shape::Probe;
 
 /// Children put off at once. Deeper trees than this are walked by recursion.
 const STACK: usize = 64;
 
-impl Bvh {
-    /// The nearest primitive along the ray beyond t = 0; of equally near ones the first in the file.
-    pub fn closest(&self, geometry: &Geometry, probe: &Probe) -> Option<Hit> {
-        let mut nearest = Nearest { geometry, probe, hit: None };
-        nearest.test(&self.unbounded);
-        let limit = nearest.t();
-        self.walk(0, probe, limit, &mut |leaf| {
-            nearest.test(leaf);
-            nearest.t()
-        });
-        nearest.hit
+impl Tree {
+    /// Calls `leaf` with the indices in every leaf that the ray may meet before `t_max`, nearer ones first.
+    /// `leaf` returns the new limit; a negative one ends the walk.
+    #[inline]
+    pub fn visit(&self, probe: &Probe, t_max: f64, mut leaf: impl FnMut(&[u32]) -> f64) {
+        self.walk(0, probe, t_max, &mut leaf);
     }
 
-    /// Whether anything lies on the ray in 0 < t < `t_max`.
-    pub fn occluded(&self, geometry: &Geometry, probe: &Probe, t_max: f64) -> bool {
-        let blocks = |&i: &u32| geometry.primitives[i as usize].hit(probe, t_max).is_some();
-        if self.unbounded.iter().any(blocks) {
-            return true;
-        }
-        let mut found = false;
-        self.walk(0, probe, t_max, &mut |leaf| {
-            found = leaf.iter().any(blocks);
-            // Nothing is nearer than a t below zero: the walk ends.
-            if found { -1.0 } else { t_max }
-        });
-        found
-    }
-
-    /// Calls `leaf` for every leaf below node `from` that the ray may meet before `t_max`, nearer child first.
-    /// `leaf` returns the new limit, and so does the walk at its end.
+    /// [`Tree::visit`] from a node on; gives the limit that holds at its end.
     fn walk(&self, from: u32, probe: &Probe, mut t_max: f64, leaf: &mut impl FnMut(&[u32]) -> f64) -> f64 {
         let Some(start) = self.nodes.get(from as usize) else { return t_max };
         let Some(t) = entry(start, probe, t_max) else { return t_max };
@@ -89,30 +66,6 @@ impl Bvh {
     }
 }
 
-struct Nearest<'a> {
-    geometry: &'a Geometry,
-    probe: &'a Probe,
-    hit: Option<Hit>,
-}
-
-impl Nearest<'_> {
-    fn t(&self) -> f64 {
-        self.hit.map_or(f64::INFINITY, |hit| hit.t)
-    }
-
-    fn test(&mut self, leaf: &[u32]) {
-        for &index in leaf {
-            // One number beyond the best, so that an equally near hit is found and the indices decide.
-            let limit = self.t().next_up();
-            let Some(t) = self.geometry.primitives[index as usize].hit(self.probe, limit) else { continue };
-            let better = self.hit.is_none_or(|best| t < best.t || index < best.primitive);
-            if better {
-                self.hit = Some(Hit { t, primitive: index });
-            }
-        }
-    }
-}
-
 /// Where the ray enters a node's box, rounded down, or none if it passes by or enters beyond `t_max`.
 ///
 /// The slab test in f64 with its own rounding bounded: each distance is off by at most gamma(3) of itself
@@ -141,6 +94,3 @@ fn entry(node: &Node, probe: &Probe, t_max: f64) -> Option<f64> {
 fn distances(corner: DVec3, probe: &Probe) -> DVec3 {
     (corner - probe.ray.origin) * probe.inverse
 }
-
-#[cfg(test)]
-mod tests;

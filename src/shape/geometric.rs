@@ -1,0 +1,44 @@
+//! What every shape can be asked.
+
+use super::{Crossing, Parameters, Surface};
+use crate::camera::Ray;
+use crate::math::{Aabb, DAffine3, DVec2, DVec3};
+use crate::tree::Probe;
+
+/// A shape in its own space.
+pub trait Geometric: Clone + PartialEq {
+    /// The word that files call the shape by.
+    const NAME: &'static str;
+
+    /// Makes the shape of what a file says; none if a parameter is missing or wrong, which has been reported.
+    fn read(parameters: &mut impl Parameters) -> Option<Self>;
+
+    /// The smallest t in 0 < t < `t_max` at which the ray meets the surface, from either side. The ray's
+    /// direction has any length but zero.
+    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing>;
+
+    /// The surface where [`Geometric::hit`] found the ray to cross it.
+    fn surface(&self, ray: &Ray, at: Crossing) -> Surface;
+
+    /// A box around the shape; none if it is infinite.
+    fn bounds(&self) -> Option<Aabb>;
+
+    /// The shape that an affine map makes of this one; none if that is not in its class. A mirrored shape
+    /// keeps its normals outwards.
+    fn transformed(&self, affine: &DAffine3) -> Option<Self>;
+
+    /// Texture coordinates of a point of the surface, in the shape's own space and to within rounding.
+    fn uv(&self, point: DVec3, part: u32) -> DVec2;
+
+    /// The area of the surface; none if it is infinite or not known in closed form. Shapes that know theirs
+    /// also answer [`Geometric::sample_area`], and so can be found as lights.
+    fn area(&self) -> Option<f64> {
+        None
+    }
+
+    /// A point of the surface, uniform over its area for `u` uniform in the unit square.
+    fn sample_area(&self, u: DVec2) -> Option<Surface> {
+        let _ = u;
+        None
+    }
+}
