@@ -13,6 +13,8 @@
 // Nouns: what there is.
 pub mod time;
 pub mod math;
+pub mod sampling;
+pub mod optics;
 pub mod color;
 pub mod track;
 pub mod counters;

@@ -1,0 +1,88 @@
+//! How much light a boundary between two media reflects.
+
+/// Which formula a transparent boundary follows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Fresnel {
+    /// Nothing is reflected but what cannot pass: the share that is refracted is a constant.
+    #[default]
+    Off,
+    /// Fresnel's equations for unpolarised light.
+    Exact,
+    /// Schlick's approximation (1994).
+    Schlick,
+}
+
+impl Fresnel {
+    /// The reflected share where light meets the boundary at an angle whose cosine is `cosine` and goes on at
+    /// one of cosine `refracted`; `eta` is the index of refraction behind the boundary over that before it.
+    pub fn reflectance(self, cosine: f64, refracted: f64, eta: f64) -> f64 {
+        match self {
+            Self::Off => 0.0,
+            Self::Exact => dielectric(cosine, refracted, eta),
+            // The larger of the two angles is the one outside the denser medium, for which the
+            // approximation is made.
+            Self::Schlick => schlick(normal_reflectance(eta), cosine.min(refracted)),
+        }
+    }
+}
+
+/// Fresnel's equations, averaged over both polarisations (Born and Wolf, *Principles of Optics*, 1.5.2), with
+/// both cosines and `eta` as in [`Fresnel::reflectance`].
+pub fn dielectric(cosine: f64, refracted: f64, eta: f64) -> f64 {
+    if eta == 1.0 {
+        return 0.0;
+    }
+    let s = (cosine - eta * refracted) / (cosine + eta * refracted);
+    let p = (eta * cosine - refracted) / (eta * cosine + refracted);
+    let reflectance = 0.5 * (s * s + p * p);
+    // Both angles a right one: 0 / 0, where all is reflected.
+    if reflectance.is_nan() { 1.0 } else { reflectance }
+}
+
+/// Schlick's approximation from the reflectance at right incidence.
+pub fn schlick(normal: f64, cosine: f64) -> f64 {
+    normal + (1.0 - normal) * crate::math::power((1.0 - cosine).clamp(0.0, 1.0), 5)
+}
+
+fn normal_reflectance(eta: f64) -> f64 {
+    let ratio = (eta - 1.0) / (eta + 1.0);
+    ratio * ratio
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Angle;
+
+    fn outside(model: Fresnel, degrees: f64, eta: f64) -> f64 {
+        let turn = Angle(degrees).cos_sin();
+        let sine = turn.y / eta;
+        model.reflectance(turn.x, ((1.0 - sine) * (1.0 + sine)).sqrt(), eta)
+    }
+
+    #[test]
+    fn sh_05_fresnel_table() {
+        for (degrees, expected) in [
+            (0.0, 0.04),
+            (45.0, 0.050_239_911_012_2),
+            (56.309_932_474, 0.073_964_497_041_4),
+            (60.0, 0.089_186_712_802_2),
+            (80.0, 0.387_704_354_691),
+            (85.0, 0.612_799_645_265),
+            (89.0, 0.904_184_949_780),
+            (89.9, 0.989_911_876_919),
+            (90.0, 1.0),
+        ] {
+            let found = outside(Fresnel::Exact, degrees, 1.5);
+            assert!((found - expected).abs() <= 1e-12, "{degrees}: {found} against {expected}");
+        }
+        assert!((outside(Fresnel::Exact, 0.0, 1.33) - 0.020_059_312_199_5).abs() <= 1e-12);
+        assert!((outside(Fresnel::Exact, 0.0, 2.417) - 0.171_968_832_523).abs() <= 1e-12);
+        assert_eq!(outside(Fresnel::Exact, 33.0, 1.0), 0.0);
+        for tenth in 0..=900 {
+            let degrees = f64::from(tenth) * 0.1;
+            let off = outside(Fresnel::Schlick, degrees, 1.5) - outside(Fresnel::Exact, degrees, 1.5);
+            assert!(off.abs() <= 0.036, "{degrees}: off by {off}");
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Rough surfaces as many small mirrors: the GGX distribution.
+//!
+//! All vectors are unit vectors in a frame whose z axis is the normal; `eye` and `light` lead away from the
+//! surface. Walter et al., *Microfacet Models for Refraction through Rough Surfaces* (2007); Heitz,
+//! *Understanding the Masking-Shadowing Function* (2014).
+
+use super::schlick;
+use crate::math::{Angle, DVec2, DVec3};
+use std::f64::consts::PI;
+
+/// A distribution of small mirrors of width `alpha` (above 0): the square of what glTF calls roughness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Microfacet {
+    pub alpha: f64,
+}
+
+impl Microfacet {
+    /// Density of small mirrors with the normal `half`, per solid angle and projected area.
+    fn normals(self, half: DVec3) -> f64 {
+        let a2 = self.alpha * self.alpha;
+        // cos²θ (α² - 1) + 1 is a difference of nearly equal numbers at narrow peaks; this sum is not.
+        let below = half.z * half.z * a2 + half.x * half.x + half.y * half.y;
+        a2 / (PI * below * below)
+    }
+
+    /// Smith's Λ: hidden over visible small mirrors from direction `v`.
+    fn hidden(self, v: DVec3) -> f64 {
+        let tangent2 = (v.x * v.x + v.y * v.y) / (v.z * v.z);
+        0.5 * ((1.0 + self.alpha * self.alpha * tangent2).sqrt() - 1.0)
+    }
+
+    /// The share of the light from `light` that goes to `eye`, times the cosine of the light's angle, without
+    /// Fresnel's factor; both above the surface. Masking and shadowing are correlated by height.
+    pub fn reflected(self, eye: DVec3, light: DVec3) -> f64 {
+        let half = (eye + light).normalize_or(DVec3::Z);
+        let visible = 1.0 / (1.0 + self.hidden(eye) + self.hidden(light));
+        self.normals(half) * visible / (4.0 * eye.z)
+    }
+
+    /// A small mirror's normal among those that `eye` sees (Heitz, *Sampling the GGX Distribution of Visible
+    /// Normals*, 2018).
+    pub fn sample(self, eye: DVec3, u: DVec2) -> DVec3 {
+        // Stretched so that the mirrors form a hemisphere.
+        let v = DVec3::new(self.alpha * eye.x, self.alpha * eye.y, eye.z).normalize();
+        let x = DVec3::new(-v.y, v.x, 0.0).normalize_or(DVec3::X);
+        let y = v.cross(x);
+        // A point of the disk that is its projection, half of it seen foreshortened.
+        let r = u.x.sqrt();
+        let turn = Angle(360.0 * u.y).cos_sin() * r;
+        let s = 0.5 * (1.0 + v.z);
+        let (a, b) = (turn.x, (1.0 - s) * ((1.0 - turn.x) * (1.0 + turn.x)).max(0.0).sqrt() + s * turn.y);
+        let up = x * a + y * b + v * (1.0 - a * a - b * b).max(0.0).sqrt();
+        DVec3::new(self.alpha * up.x, self.alpha * up.y, up.z.max(0.0)).normalize_or(DVec3::Z)
+    }
+
+    /// The density of directions `light` that mirror `eye` in normals from [`Microfacet::sample`].
+    pub fn density(self, eye: DVec3, light: DVec3) -> f64 {
+        let half = (eye + light).normalize_or(DVec3::Z);
+        self.normals(half) / ((1.0 + self.hidden(eye)) * 4.0 * eye.z)
+    }
+
+    /// Fresnel's factor at small mirrors that reflect `eye` to `light`, from that at right incidence.
+    pub fn fresnel(normal: f64, eye: DVec3, light: DVec3) -> f64 {
+        let half = (eye + light).normalize_or(DVec3::Z);
+        schlick(normal, eye.dot(half))
+    }
+}

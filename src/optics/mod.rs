@@ -1,0 +1,11 @@
+//! What happens to light at a surface, as formulas over unit vectors and cosines.
+
+mod fresnel;
+mod fuzz;
+mod microfacet;
+mod refract;
+
+pub use fresnel::{Fresnel, dielectric, schlick};
+pub use fuzz::Fuzz;
+pub use microfacet::Microfacet;
+pub use refract::{reflect, refract};

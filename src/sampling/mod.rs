@@ -1,0 +1,11 @@
+//! Random numbers, and what they are bent into: directions, points of a disk.
+
+mod frame;
+mod sampler;
+mod warp;
+
+pub use frame::Frame;
+pub use sampler::{Sampler, Use, hash};
+pub use warp::{
+    cone, cone_density, cosine_hemisphere, cosine_hemisphere_density, disk, in_ball, uniform_sphere,
+};

@@ -1,0 +1,117 @@
+//! Where random numbers come from.
+//!
+//! Every number is a function of the pixel, the sample, what it is used for and the sequence's seed, so that
+//! threads, tiles and the order of work do not show. Numbers of one use are stratified over a pixel's
+//! samples: they are points of an Owen-scrambled Sobol sequence (Burley, *Practical Hash-based Owen
+//! Scrambling*, 2020), four dimensions at a time; different uses are scrambled independently.
+
+use crate::math::DVec2;
+use sobol_burley::sample_4d;
+
+/// What random numbers are used for. Different uses never share numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// Two numbers for the place in the pixel, two for that on the lens.
+    Camera,
+    /// The moment within the shutter interval.
+    Shutter,
+    /// Which lobe a path follows at its `n`-th surface and in which direction, and whether it goes on.
+    Scatter(u32),
+    /// Towards light `light` from the `n`-th surface.
+    Light { surface: u32, light: u32 },
+    /// Which light of a layer is asked at the `n`-th surface.
+    Choice { surface: u32, layer: u32 },
+}
+
+impl Use {
+    fn number(self) -> u32 {
+        match self {
+            Self::Camera => 0,
+            Self::Shutter => 1,
+            Self::Scatter(n) => hash([2, n, 0]),
+            Self::Light { surface, light } => hash([3, surface, light]),
+            Self::Choice { surface, layer } => hash([4, surface, layer]),
+        }
+    }
+}
+
+/// The random numbers of one sample of one pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampler {
+    pixel: u32,
+    sample: u32,
+}
+
+/// Longest stratified run of samples; longer ones are made of several.
+const RUN: u32 = 1 << 16;
+
+impl Sampler {
+    /// The numbers of sample `sample` of the pixel at (`x`, `y`).
+    pub fn new((x, y): (u32, u32), sample: u32, seed: u32) -> Self {
+        let pixel = hash([seed, x, y]);
+        let pixel = if sample < RUN { pixel } else { hash([pixel, sample / RUN, 0]) };
+        Self { pixel, sample: sample % RUN }
+    }
+
+    /// Four numbers in 0..1.
+    pub fn four(&self, of: Use) -> [f64; 4] {
+        sample_4d(self.sample, 0, hash([self.pixel, of.number(), 0])).map(f64::from)
+    }
+
+    /// Two numbers in 0..1.
+    pub fn two(&self, of: Use) -> DVec2 {
+        let [x, y, ..] = self.four(of);
+        DVec2::new(x, y)
+    }
+}
+
+/// A well-mixed number from three: a round of multiplications and shifts for each (the finalizer of
+/// MurmurHash3, Appleby 2011).
+pub fn hash(words: [u32; 3]) -> u32 {
+    words.iter().fold(0x9e37_79b9, |state, &word| {
+        let mut h = state.rotate_left(13).wrapping_mul(5).wrapping_add(0xe654_6b64) ^ word;
+        h = (h ^ (h >> 16)).wrapping_mul(0x85eb_ca6b);
+        h = (h ^ (h >> 13)).wrapping_mul(0xc2b2_ae35);
+        h ^ (h >> 16)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_below_one_and_never_shared() {
+        let uses = [
+            Use::Camera,
+            Use::Shutter,
+            Use::Scatter(0),
+            Use::Scatter(1),
+            Use::Light { surface: 0, light: 0 },
+            Use::Light { surface: 0, light: 1 },
+            Use::Light { surface: 1, light: 0 },
+            Use::Choice { surface: 0, layer: 1 },
+        ];
+        let mut seen = std::collections::HashSet::new();
+        for (pixel, of) in [(0, 0), (1, 0), (0, 1)].into_iter().flat_map(|p| uses.map(|of| (p, of))) {
+            let four = Sampler::new(pixel, 0, 7).four(of);
+            assert!(four.iter().all(|u| (0.0..1.0).contains(u)));
+            assert!(seen.insert(four.map(f64::to_bits)), "{pixel:?} {of:?}");
+        }
+    }
+
+    #[test]
+    fn a_pixels_samples_are_stratified() {
+        // 64 samples fall into 64 different cells of an 8 x 8 grid, in both pairs of dimensions.
+        for run in [0, 64, RUN, 3 * RUN + 128] {
+            for pair in [0, 2] {
+                let cell = |sample| {
+                    let four = Sampler::new((3, 5), run + sample, 1).four(Use::Scatter(2));
+                    ((four[pair] * 8.0) as u32, (four[pair + 1] * 8.0) as u32)
+                };
+                let cells: std::collections::HashSet<_> = (0..64).map(cell).collect();
+                assert_eq!(cells.len(), 64, "samples from {run}, dimensions from {pair}");
+            }
+        }
+    }
+}
