@@ -23,6 +23,7 @@ pub mod camera;
 pub mod camera_path;
 pub mod shape;
 pub mod transform;
+pub mod texture;
 pub mod material;
 pub mod light;
 pub mod layers;
