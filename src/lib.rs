@@ -26,6 +26,7 @@ pub mod camera_path;
 pub mod tree;
 pub mod shape;
 pub mod transform;
+pub mod texture;
 pub mod material;
 pub mod light;
 pub mod layers;

@@ -1,0 +1,210 @@
+//! Image files → linear texels.
+
+use super::{Image, ImageError};
+use crate::color::{Rgb, srgb_to_linear};
+use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
+use std::fs::File;
+use std::io::{Cursor, Read};
+use std::path::Path;
+
+/// What the numbers in a file of whole numbers mean. Files of floating-point numbers are always linear.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Encoding {
+    /// Colours for a screen.
+    #[default]
+    Srgb,
+    /// Amounts: light, roughness, masks.
+    Linear,
+}
+
+/// Bytes of a file at most.
+const LARGEST_FILE: u64 = 1 << 30;
+
+/// Texels along an axis at most.
+pub(super) const LARGEST_SIDE: u32 = 16_384;
+
+/// Texels at most: 1.5 GiB of them.
+const MOST_TEXELS: u64 = 1 << 27;
+
+impl Image {
+    /// Reads a PNG, JPEG, BMP or Radiance HDR file, whichever its first bytes say. Transparency is ignored; a
+    /// photograph is turned upright as its EXIF orientation says.
+    pub fn load(path: &Path, encoding: Encoding) -> Result<Self, ImageError> {
+        Self::decode(&read(path)?, encoding)
+    }
+
+    /// [`Image::load`] from the bytes of a file.
+    pub fn decode(bytes: &[u8], encoding: Encoding) -> Result<Self, ImageError> {
+        let mut limits = Limits::default();
+        (limits.max_image_width, limits.max_image_height) = (Some(LARGEST_SIDE), Some(LARGEST_SIDE));
+        limits.max_alloc = Some(MOST_TEXELS * size_of::<[f32; 4]>() as u64);
+        let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
+        reader.limits(limits);
+        let mut decoder = reader.into_decoder()?;
+        let (width, height) = decoder.dimensions();
+        if u64::from(width) * u64::from(height) > MOST_TEXELS {
+            return Err(ImageError::TooLarge(format!("it has more than {MOST_TEXELS} pixels")));
+        }
+        let orientation = decoder.orientation()?;
+        let mut picture = DynamicImage::from_decoder(decoder)?;
+        picture.apply_orientation(orientation);
+        let (width, height) = (picture.width(), picture.height());
+        Self::new(width, height, texels(picture, encoding))
+            .ok_or_else(|| ImageError::Broken("it has no pixels".to_owned()))
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, ImageError> {
+    let mut bytes = Vec::new();
+    // One byte more than allowed tells a file that is too large, even one without a length of its own.
+    File::open(path)?.take(LARGEST_FILE + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(ImageError::TooLarge(format!("it is larger than {} MiB", LARGEST_FILE >> 20)));
+    }
+    Ok(bytes)
+}
+
+/// Row by row in linear light, whatever the file holds: grey or colours, 8 or 16 bits, or f32.
+fn texels(picture: DynamicImage, encoding: Encoding) -> Vec<Rgb> {
+    let color = picture.color();
+    match color.bytes_per_pixel() / color.channel_count() {
+        1 => {
+            let table = table(u8::MAX.into(), encoding);
+            picture.into_rgb8().pixels().map(|p| p.0.map(|code| table[usize::from(code)]).into()).collect()
+        }
+        2 => {
+            let table = table(u16::MAX.into(), encoding);
+            picture.into_rgb16().pixels().map(|p| p.0.map(|code| table[usize::from(code)]).into()).collect()
+        }
+        _ => picture.into_rgb32f().pixels().map(|p| p.0.map(radiance).into()).collect(),
+    }
+}
+
+/// The linear value of every code up to `last`.
+fn table(last: u32, encoding: Encoding) -> Vec<f32> {
+    let linear = |code: u32| match (f64::from(code) / f64::from(last), encoding) {
+        (shown, Encoding::Srgb) => srgb_to_linear(shown) as f32,
+        (amount, Encoding::Linear) => amount as f32,
+    };
+    (0..=last).map(linear).collect()
+}
+
+/// Light is finite and not negative, even if a file says so.
+fn radiance(value: f32) -> f32 {
+    if value.is_finite() { value.max(0.0) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::{ImageBuffer, ImageFormat, Luma, Rgb as Pixel, Rgba};
+
+    fn encoded(picture: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        picture.into().write_to(&mut bytes, format).expect("an encoder");
+        bytes.into_inner()
+    }
+
+    fn decoded(bytes: &[u8], encoding: Encoding) -> Image {
+        Image::decode(bytes, encoding).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    #[test]
+    fn codes_are_decoded_unless_they_are_linear() {
+        let picture = ImageBuffer::from_fn(2, 2, |x, y| Pixel([(128 * x) as u8, (255 * y) as u8, 188]));
+        for format in [ImageFormat::Png, ImageFormat::Bmp] {
+            let bytes = encoded(picture.clone(), format);
+            let shown = decoded(&bytes, Encoding::Srgb);
+            let expected = [128.0, 255.0, 188.0].map(|code| srgb_to_linear(code / 255.0) as f32);
+            assert_eq!(shown.texel(1, 1), Rgb::from(expected));
+            assert_eq!(shown.texel(1, 0).y, 0.0, "the first row is the top one");
+            let linear = decoded(&bytes, Encoding::Linear);
+            assert_eq!(linear.texel(0, 1), Rgb::new(0.0, 1.0, 188.0 / 255.0));
+        }
+    }
+
+    #[test]
+    fn grey_deep_and_transparent_files_are_read() {
+        let grey = ImageBuffer::from_pixel(1, 1, Luma([51u8]));
+        assert_eq!(decoded(&encoded(grey, ImageFormat::Png), Encoding::Linear).texel(0, 0), Rgb::splat(0.2));
+        let deep = ImageBuffer::from_pixel(1, 1, Pixel([0u16, 65535, 13107]));
+        let deep = encoded(deep, ImageFormat::Png);
+        assert_eq!(decoded(&deep, Encoding::Linear).texel(0, 0), Rgb::new(0.0, 1.0, 0.2));
+        let clear = ImageBuffer::from_pixel(1, 1, Rgba([255u8, 0, 255, 0]));
+        let clear = decoded(&encoded(clear, ImageFormat::Png), Encoding::Srgb);
+        assert_eq!(clear.texel(0, 0), Rgb::new(1.0, 0.0, 1.0));
+    }
+
+    #[test]
+    fn floating_point_files_are_linear() {
+        let picture = ImageBuffer::from_pixel(3, 2, Pixel([8.0f32, 0.5, 0.25]));
+        let bytes = encoded(picture, ImageFormat::Hdr);
+        for encoding in [Encoding::Srgb, Encoding::Linear] {
+            assert_eq!(decoded(&bytes, encoding).texel(2, 1), Rgb::new(8.0, 0.5, 0.25));
+        }
+    }
+
+    #[test]
+    fn photographs_are_read() {
+        let grey = ImageBuffer::from_pixel(16, 16, Pixel([128u8; 3]));
+        let texel = decoded(&encoded(grey, ImageFormat::Jpeg), Encoding::Linear).texel(8, 8);
+        assert!((texel - Rgb::splat(128.0 / 255.0)).abs().max_element() < 0.01);
+    }
+
+    #[test]
+    fn what_is_no_image_is_refused_in_words() {
+        let refused = |bytes: &[u8]| Image::decode(bytes, Encoding::Srgb).expect_err("no image").to_string();
+        for bytes in [&b""[..], b"some text", b"GIF89a and so on", b"\x00\x01\x02"] {
+            assert_eq!(refused(bytes), "it is no PNG, JPEG, BMP or HDR image");
+        }
+        let picture = ImageBuffer::from_fn(64, 64, |x, y| Pixel([(x * y) as u8, x as u8, y as u8]));
+        for format in [ImageFormat::Png, ImageFormat::Bmp] {
+            let bytes = encoded(picture.clone(), format);
+            for cut in [bytes.len() / 2, 20] {
+                assert!(refused(&bytes[..cut]).starts_with("it is damaged: "));
+            }
+        }
+    }
+
+    #[test]
+    fn damaged_files_do_not_panic() {
+        let picture = ImageBuffer::from_fn(24, 16, |x, y| Pixel([(x * 9) as u8, (x * y) as u8, y as u8]));
+        let float = DynamicImage::from(picture.clone()).into_rgb32f();
+        let mut random = crate::testing::Random(7);
+        let files =
+            [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Bmp].map(|f| encoded(picture.clone(), f));
+        for file in files.into_iter().chain([encoded(float, ImageFormat::Hdr)]) {
+            for _ in 0..200 {
+                let mut bytes = file.clone();
+                for _ in 0..3 {
+                    let at = (random.unit() * bytes.len() as f64) as usize;
+                    bytes[at] = (random.unit() * 256.0) as u8;
+                }
+                bytes.truncate((random.unit() * 2.0 * bytes.len() as f64) as usize);
+                let _ = Image::decode(&bytes, Encoding::Srgb);
+            }
+        }
+    }
+
+    #[test]
+    fn absurd_sizes_are_refused() {
+        // A BMP's header alone: width and height are at 18 and 22.
+        let mut bytes = encoded(ImageBuffer::from_pixel(1, 1, Pixel([0u8; 3])), ImageFormat::Bmp);
+        for (width, height, why) in [
+            (60_000u32, 4u32, "wide or high"),
+            (4, 16_385, "wide or high"),
+            (16_384, 16_384, "134217728 pixels"),
+        ] {
+            bytes[18..22].copy_from_slice(&width.to_le_bytes());
+            bytes[22..26].copy_from_slice(&height.to_le_bytes());
+            let error = Image::decode(&bytes, Encoding::Srgb).expect_err("too large");
+            assert!(error.to_string().ends_with(why) && matches!(error, ImageError::TooLarge(_)), "{error}");
+        }
+    }
+
+    #[test]
+    fn missing_files_are_told_in_the_same_words_everywhere() {
+        let error = Image::load(Path::new("no/such/file.png"), Encoding::Srgb).expect_err("no file");
+        assert_eq!(error.to_string(), "there is no such file");
+    }
+}

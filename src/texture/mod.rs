@@ -1,0 +1,22 @@
+//! Textures: colours that vary over a surface, from images, patterns and vertices.
+
+mod decode;
+mod error;
+mod image;
+mod noise;
+mod paint;
+mod pattern;
+mod placement;
+mod shared;
+#[cfg(test)]
+mod tests;
+mod tracks;
+
+pub use decode::Encoding;
+pub use error::ImageError;
+pub use image::{Filter, Image, Wrap};
+pub use paint::{Channel, ImagePaint, Paint, PatternPaint, Spot};
+pub use pattern::Pattern;
+pub use placement::{Placement, PlacementTracks, Space};
+pub use shared::Shared;
+pub use tracks::{ImageTracks, PaintTracks, PatternTracks};

@@ -1,0 +1,127 @@
+//! Paint: the colour of a surface from point to point, at one moment.
+
+use super::{Filter, Image, Pattern, Placement, Shared, Space, Wrap};
+use crate::color::Rgb;
+use crate::math::{DVec2, DVec3};
+
+/// What a paint may ask of a point on a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// The surface's own coordinates; see [`Paint::needs_uv`].
+    pub uv: DVec2,
+    /// The point in the object's space, before the object is moved.
+    pub point: DVec3,
+    /// How far off each coordinate of `point` may be.
+    pub error: DVec3,
+    /// The vertices' colour at the point; white where vertices have none.
+    pub color: Rgb,
+}
+
+/// How far off u and v may be, for every unit of them. They are found by a few operations from a point whose
+/// error is far smaller, and nobody sees a millionth of a millionth of a surface.
+const UV_ERROR: f64 = 1e-12;
+
+/// The colour of a surface at one moment.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Paint {
+    Color(Rgb),
+    VertexColor,
+    Image(ImagePaint),
+    Pattern(Box<PatternPaint>),
+}
+
+/// An image on a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImagePaint {
+    pub image: Shared<Image>,
+    pub wrap: Wrap,
+    pub filter: Filter,
+    /// One channel spread to grey.
+    pub channel: Option<Channel>,
+    /// Over u and v.
+    pub placement: Placement,
+}
+
+/// Two paints in a pattern, which may be patterns themselves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PatternPaint {
+    pub pattern: Pattern,
+    pub space: Space,
+    pub placement: Placement,
+    pub first: Paint,
+    pub second: Paint,
+}
+
+/// One of a colour's three numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    R,
+    G,
+    B,
+}
+
+impl From<Rgb> for Paint {
+    fn from(color: Rgb) -> Self {
+        Self::Color(color)
+    }
+}
+
+impl Paint {
+    /// The colour at a point of the surface; linear, without negative parts.
+    pub fn color(&self, spot: &Spot) -> Rgb {
+        match self {
+            Self::Color(color) => *color,
+            Self::VertexColor => spot.color,
+            Self::Image(paint) => paint.color(spot),
+            Self::Pattern(paint) => paint.color(spot),
+        }
+    }
+
+    /// The colour of a paint that is the same at every point.
+    pub fn constant(&self) -> Option<Rgb> {
+        if let Self::Color(color) = self { Some(*color) } else { None }
+    }
+
+    /// Whether the colour depends on [`Spot::uv`]. It is the same at every moment.
+    pub fn needs_uv(&self) -> bool {
+        match self {
+            Self::Color(_) | Self::VertexColor => false,
+            Self::Image(_) => true,
+            Self::Pattern(paint) => {
+                paint.space == Space::Uv || paint.first.needs_uv() || paint.second.needs_uv()
+            }
+        }
+    }
+
+    /// Whether the colour depends on [`Spot::color`]. It is the same at every moment.
+    pub fn needs_vertex_color(&self) -> bool {
+        match self {
+            Self::Color(_) | Self::Image(_) => false,
+            Self::VertexColor => true,
+            Self::Pattern(paint) => paint.first.needs_vertex_color() || paint.second.needs_vertex_color(),
+        }
+    }
+}
+
+impl ImagePaint {
+    pub fn color(&self, spot: &Spot) -> Rgb {
+        let (at, _) = self.placement.local(spot.uv.extend(0.0), DVec3::ZERO);
+        let color = self.image.sample(at.truncate(), self.wrap, self.filter);
+        self.channel.map_or(color, |channel| Rgb::splat(color[channel as usize]))
+    }
+}
+
+impl PatternPaint {
+    pub fn color(&self, spot: &Spot) -> Rgb {
+        let (point, error) = match self.space {
+            Space::Object => (spot.point, spot.error),
+            Space::Uv => (spot.uv.extend(0.0), ((spot.uv.abs() + 1.0) * UV_ERROR).extend(0.0)),
+        };
+        let (point, error) = self.placement.local(point, error);
+        match self.pattern.share(point, error) as f32 {
+            0.0 => self.first.color(spot),
+            1.0 => self.second.color(spot),
+            share => self.first.color(spot).lerp(self.second.color(spot), share),
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Patterns that are computed: how much of their second paint is at a point.
+
+use super::noise::{layered, turbulence};
+use crate::math::{Angle, DVec3, gamma};
+
+/// A pattern of two paints, in units of its own. Where only x and y are named, it is the same for every z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pattern {
+    /// Unit cubes in turn.
+    Checker,
+    /// Bands of width 1 along x.
+    Stripes,
+    /// Stripes bent by a cosine: the bands of x + cos y.
+    Waves,
+    /// Islands: the bands of cos x + sin y.
+    Dots,
+    /// From the first paint at 0 to the second one at 1 along a unit vector.
+    Gradient { axis: DVec3 },
+    /// Clouds of about unit size, with finer ones of half the strength each.
+    Noise { octaves: u32, seed: u32 },
+    /// Veins across x, one per unit, that `turbulence` moves by so many units at most.
+    Marble { octaves: u32, seed: u32, turbulence: f64 },
+}
+
+impl Pattern {
+    /// How much of the second paint is at `point`, in 0..=1, where each coordinate is known within `error`.
+    pub fn share(&self, point: DVec3, error: DVec3) -> f64 {
+        if !point.is_finite() {
+            return 0.0;
+        }
+        // Of the cosines, sines and sums below.
+        let rounding = gamma(4) * (point.x.abs() + 2.0);
+        let slope = error.x + error.y + rounding;
+        match *self {
+            Self::Checker => {
+                let odd = |i: usize| is_odd(cell(point[i], error[i]));
+                in_turn(odd(0) ^ odd(1) ^ odd(2))
+            }
+            Self::Stripes => in_turn(is_odd(cell(point.x, error.x))),
+            Self::Waves => in_turn(is_odd(cell(point.x + libm::cos(point.y), slope))),
+            Self::Dots => in_turn(is_odd(cell(libm::cos(point.x) + libm::sin(point.y), slope))),
+            Self::Gradient { axis } => point.dot(axis).clamp(0.0, 1.0),
+            Self::Noise { octaves, seed } => (0.5 + 0.5 * layered(point, octaves, seed)).clamp(0.0, 1.0),
+            Self::Marble { octaves, seed, turbulence: strength } => {
+                let vein = point.x + strength * turbulence(point, octaves, seed);
+                0.5 + 0.5 * Angle(360.0 * vein).cos_sin().y
+            }
+        }
+    }
+}
+
+/// The whole number below a coordinate that is known within `bound`. A coordinate that may be a whole number
+/// counts as one: a plane at a cell's boundary lies in one cell with all its points, wherever rounding puts
+/// them.
+fn cell(coordinate: f64, bound: f64) -> f64 {
+    (coordinate + bound).floor()
+}
+
+fn is_odd(cell: f64) -> bool {
+    cell.rem_euclid(2.0) == 1.0
+}
+
+fn in_turn(second: bool) -> f64 {
+    if second { 1.0 } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::Random;
+
+    fn exact(pattern: Pattern, x: f64, y: f64, z: f64) -> f64 {
+        pattern.share(DVec3::new(x, y, z), DVec3::ZERO)
+    }
+
+    #[test]
+    fn cells_do_not_double_at_zero() {
+        let stripes = [-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5].map(|x| exact(Pattern::Stripes, x, 0.0, 0.0));
+        assert_eq!(stripes, [0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0]);
+        for (x, y, z) in [(0.5, 0.5, 0.5), (-0.5, -0.5, 0.5), (-0.5, 0.5, -0.5), (1.5, -0.5, 0.5)] {
+            assert_eq!(exact(Pattern::Checker, x, y, z), 0.0);
+            assert_eq!(exact(Pattern::Checker, x - 1.0, y, z), 1.0);
+        }
+    }
+
+    #[test]
+    fn curved_patterns_are_those_of_their_formulas() {
+        let even = |value: f64| value.floor().rem_euclid(2.0);
+        let mut random = Random(8);
+        for _ in 0..10_000 {
+            let p = random.point(30.0);
+            assert_eq!(exact(Pattern::Waves, p.x, p.y, p.z), even(p.x + libm::cos(p.y)));
+            assert_eq!(exact(Pattern::Dots, p.x, p.y, p.z), even(libm::cos(p.x) + libm::sin(p.y)));
+        }
+        assert_eq!(exact(Pattern::Waves, 0.0, 0.0, 0.0), 1.0);
+        assert_eq!(exact(Pattern::Dots, 0.0, 0.0, 0.0), 1.0);
+        // Here cos x + sin y is 1, but for rounding.
+        let third = std::f64::consts::FRAC_PI_3;
+        for k in [-5.0, -1.0, 1.0, 5.0, 7.0] {
+            assert_eq!(exact(Pattern::Dots, k * third, third / 2.0, 0.0), 1.0);
+        }
+    }
+
+    /// A checker of unit cubes on a plane between two layers of them shows the squares of x and z alone.
+    #[test]
+    fn a_plane_on_a_boundary_shows_one_layer_of_cells() {
+        let mut random = Random(17);
+        for height in [0.0, 2.0] {
+            for error in [1e-16, 1e-15, 1e-14, 1e-13] {
+                for _ in 0..10_000 {
+                    let p = random.point(50.0);
+                    let y = height + (2.0 * random.unit() - 1.0) * error;
+                    let bound = DVec3::splat(error);
+                    let seen = Pattern::Checker.share(DVec3::new(p.x, y, p.z), bound);
+                    let flat = is_odd(cell(p.x, error)) ^ is_odd(cell(p.z, error));
+                    assert_eq!(seen, in_turn(flat), "{p} at {y:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn gradients_end_at_their_paints() {
+        let gradient = Pattern::Gradient { axis: DVec3::Y };
+        let got = [-1.0, 0.0, 0.25, 1.0, 2.0].map(|y| exact(gradient, 5.0, y, 5.0));
+        assert_eq!(got, [0.0, 0.0, 0.25, 1.0, 1.0]);
+    }
+
+    #[test]
+    fn shares_stay_within_0_and_1_wherever_the_point() {
+        let noise = Pattern::Noise { octaves: 4, seed: 1 };
+        let marble = Pattern::Marble { octaves: 4, seed: 1, turbulence: 3.0 };
+        let all = [Pattern::Checker, Pattern::Stripes, Pattern::Waves, Pattern::Dots, noise, marble];
+        let mut random = Random(5);
+        let odd_points = [f64::NAN, f64::INFINITY, 1e300, -1e300, 1e17].map(DVec3::splat);
+        for point in (0..2000).map(|_| random.point(100.0)).chain(odd_points) {
+            for pattern in all {
+                let share = pattern.share(point, DVec3::splat(1e-12));
+                assert!((0.0..=1.0).contains(&share), "{pattern:?} at {point}: {share}");
+            }
+        }
+    }
+
+    #[test]
+    fn quiet_marble_is_a_sine() {
+        let marble = Pattern::Marble { octaves: 1, seed: 0, turbulence: 0.0 };
+        assert_eq!([0.0, 0.25, 0.5, 0.75].map(|x| exact(marble, x, 7.3, 1.0)), [0.5, 1.0, 0.5, 0.0]);
+    }
+}

@@ -1,0 +1,94 @@
+//! Where a pattern or an image lies: scaled, then rotated, then moved, as an object is.
+
+use crate::math::{DMat3, DQuat, DVec3, gamma};
+use crate::time::Time;
+use crate::track::Animated;
+use crate::transform::Rotation;
+
+/// The coordinates that a pattern is laid out in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Space {
+    /// Points of the object before it is moved: the pattern is cut from a block and moves with the object.
+    #[default]
+    Object,
+    /// (u, v, 0): the pattern is printed on the surface.
+    Uv,
+}
+
+/// A placement over time: a point p of the pattern is shown at offset + R(scale · p).
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacementTracks {
+    pub offset: Animated<DVec3>,
+    pub rotation: Rotation,
+    pub scale: Animated<DVec3>,
+}
+
+impl Default for PlacementTracks {
+    fn default() -> Self {
+        Self {
+            offset: DVec3::ZERO.into(),
+            rotation: Rotation::Quaternion(DQuat::IDENTITY.into()),
+            scale: DVec3::ONE.into(),
+        }
+    }
+}
+
+/// A placement at one moment, as it is needed: from the surface back to the pattern.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    offset: DVec3,
+    inverse: DMat3,
+}
+
+impl PlacementTracks {
+    pub fn at(&self, time: Time) -> Placement {
+        // While a keyed scale is 0, no point of the pattern is finite.
+        let unscaled = DMat3::from_diagonal(self.scale.at(time).recip());
+        let inverse = unscaled * self.rotation.at(time).transpose();
+        Placement { offset: self.offset.at(time), inverse }
+    }
+}
+
+impl Placement {
+    /// A point of the surface, known within `error`, in the pattern's coordinates, and how far off it may be
+    /// there. The bound holds a few roundings more than are made here: those of a file's decimal numbers.
+    pub fn local(&self, point: DVec3, error: DVec3) -> (DVec3, DVec3) {
+        let rounding = (point.abs() + self.offset.abs()) * gamma(10);
+        (self.inverse * (point - self.offset), self.inverse.abs() * (error + rounding))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Angle;
+
+    fn placed(offset: DVec3, degrees: f64, scale: DVec3) -> Placement {
+        let rotation = Rotation::AxisAngle { axis: DVec3::Z.into(), angle: Angle(degrees).into() };
+        PlacementTracks { offset: offset.into(), rotation, scale: scale.into() }.at(Time::from_integer(0))
+    }
+
+    #[test]
+    fn placed_like_an_object() {
+        let placement = placed(DVec3::new(5.0, 0.0, 0.0), 90.0, DVec3::new(2.0, 1.0, 1.0));
+        // The pattern's (1, 0, 0) is scaled to (2, 0, 0), turned to (0, 2, 0) and moved to (5, 2, 0).
+        assert_eq!(placement.local(DVec3::new(5.0, 2.0, 0.0), DVec3::ZERO).0, DVec3::X);
+    }
+
+    #[test]
+    fn no_placement_changes_nothing() {
+        let placement = PlacementTracks::default().at(Time::from_integer(0));
+        let point = DVec3::new(0.1, -2.3, 1e9);
+        assert_eq!(placement.local(point, DVec3::ZERO).0, point);
+    }
+
+    #[test]
+    fn bounds_cover_decimal_numbers() {
+        // In decimals, (0.6 - 0.4) / 0.2 and 0.6 / 0.3 are whole; in binary numbers they are not.
+        for (at, offset, scale, whole) in [(0.6, 0.4, 0.2, 1.0), (0.6, 0.0, 0.3, 2.0), (0.7, 0.1, 0.1, 6.0)] {
+            let placement = placed(DVec3::splat(offset), 0.0, DVec3::splat(scale));
+            let (point, error) = placement.local(DVec3::splat(at), DVec3::ZERO);
+            assert!((point - whole).abs().cmple(error).all() && error.max_element() < 1e-13);
+        }
+    }
+}
