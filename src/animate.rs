@@ -5,12 +5,16 @@
 
 use crate::camera::Camera;
 use crate::camera_path::{CameraPath, NoCamera};
-use crate::light::{Dimmer, Light, LightTracks};
+use crate::environment::{Environment, EnvironmentTracks};
+use crate::fog::{Fog, FogTracks};
+use crate::glow::Dimmer;
+use crate::light::{Light, LightTracks};
 use crate::material::{Material, MaterialTracks};
-use crate::math::DAffine3;
+use crate::math::{Aabb, DAffine3, DVec3};
+use crate::shape::Shape;
 use crate::time::Time;
 use crate::transform::TransformTracks;
-use crate::world::{ActiveCamera, Current, Hierarchy, Now, Transform, Visible, VisibleTrack, Weight};
+use crate::world::{ActiveCamera, Current, Hierarchy, Now, Objects, Transform, Visible, VisibleTrack, Weight};
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::system::{Query, Res, ResMut};
 
@@ -48,15 +52,31 @@ fn placed(
 
 pub fn materials(now: Res<Now>, mut materials: Query<(&MaterialTracks, &mut Material)>) {
     for (tracks, mut material) in &mut materials {
-        material.set_if_neq(tracks.at(now.0.time));
+        let layer = material.emission_layer;
+        material.set_if_neq(tracks.at(now.0.time, layer));
     }
 }
 
 pub fn lights(now: Res<Now>, mut lights: Query<(&LightTracks, &mut Light)>) {
     for (tracks, mut light) in &mut lights {
-        let position = tracks.kind.position(now.0.time);
-        let moved = Light { position, ..*light };
+        let moved = Light { source: tracks.kind.at(now.0.time), ..*light };
         light.set_if_neq(moved);
+    }
+}
+
+/// Turns the sky, and fills it with fog.
+pub fn air(
+    now: Res<Now>,
+    mut skies: Query<(&EnvironmentTracks, &mut Environment)>,
+    mut fogs: Query<(&FogTracks, &mut Fog)>,
+) {
+    for (tracks, mut environment) in &mut skies {
+        let layer = environment.layer;
+        environment.set_if_neq(tracks.at(now.0.time, layer));
+    }
+    for (tracks, mut fog) in &mut fogs {
+        let glow = fog.glow;
+        fog.set_if_neq(tracks.at(now.0.time, glow));
     }
 }
 
@@ -73,10 +93,19 @@ pub fn camera(
     now: Res<Now>,
     active: Res<ActiveCamera>,
     paths: Query<&CameraPath>,
+    objects: Res<Objects>,
+    placed: Query<(&Shape, &Transform)>,
     mut camera: ResMut<Current<Option<Camera>>>,
 ) -> Result<(), NoCamera> {
     let index = active.index.at(now.0.time).min(active.cameras.len() - 1);
     let Ok(path) = paths.get(active.cameras[index]) else { return Ok(()) };
-    camera.set_if_neq(Current(Some(path.at(&now.0)?)));
+    let sharp = path.focus_object().and_then(|index| placed.get(*objects.0.get(index)?).ok());
+    let sharp = sharp.map(|(shape, transform)| middle(shape, transform));
+    camera.set_if_neq(Current(Some(path.at(&now.0, sharp)?)));
     Ok(())
+}
+
+/// The middle of an object: that of the box around its shape or, for what has none, its origin.
+fn middle(shape: &Shape, transform: &Transform) -> DVec3 {
+    transform.0.transform_point3(shape.bounds().map_or(DVec3::ZERO, Aabb::centre))
 }

@@ -1,6 +1,7 @@
 //! The camera at one moment: a frame in space and a projection.
 
 use crate::math::{Basis, DVec2, DVec3};
+use crate::sampling::disk;
 
 /// A ray: `origin` + t·`direction`, with a unit direction when it comes from a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,26 +25,77 @@ pub enum Projection {
     Orthographic { half_height: f64 },
 }
 
+/// A lens that is not a pinhole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThinLens {
+    /// Above 0.
+    pub radius: f64,
+    /// Distance along the line of sight at which points are sharp, above 0.
+    pub focus: f64,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     pub position: DVec3,
     pub basis: Basis,
     pub projection: Projection,
+    /// None for a pinhole.
+    pub lens: Option<ThinLens>,
+    /// How long the shutter is open, as a share of the time between two frames: 0..=1.
+    pub shutter: f64,
 }
 
 impl Camera {
     /// The ray through a point of the picture: `screen.y` runs from -1 at the bottom to 1 at the top,
-    /// `screen.x` likewise times the picture's width / height.
-    pub fn ray(&self, screen: DVec2) -> Ray {
+    /// `screen.x` likewise times the picture's width / height. `u`, two numbers in 0..1, picks the point of
+    /// the lens, evenly over its area.
+    pub fn ray(&self, screen: DVec2, u: DVec2) -> Ray {
         let Basis { right, up, forward } = self.basis;
-        match self.projection {
+        let (origin, toward) = match self.projection {
             Projection::Perspective { half_height } => {
                 let across = right * (screen.x * half_height) + up * (screen.y * half_height);
-                Ray { origin: self.position, direction: (forward + across).normalize() }
+                (self.position, forward + across)
             }
             Projection::Orthographic { half_height } => {
                 let across = right * (screen.x * half_height) + up * (screen.y * half_height);
-                Ray { origin: self.position + across, direction: forward }
+                (self.position + across, forward)
+            }
+        };
+        let Some(lens) = self.lens else {
+            let parallel = matches!(self.projection, Projection::Orthographic { .. });
+            return Ray { origin, direction: if parallel { toward } else { toward.normalize() } };
+        };
+        // `toward` reaches the plane in focus at t = focus: its part along the line of sight is 1.
+        let offset = disk(u) * lens.radius;
+        let offset = right * offset.x + up * offset.y;
+        Ray { origin: origin + offset, direction: (toward * lens.focus - offset).normalize() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{UNIT_ROUNDOFF, look_at};
+    use crate::testing::Random;
+
+    #[test]
+    fn ca_09_all_rays_of_a_pixel_meet_in_focus() {
+        let position = DVec3::new(3.0, 2.0, 9.0);
+        let basis = look_at(position, DVec3::ZERO, DVec3::Y).expect("a frame");
+        let mut random = Random(4);
+        for projection in
+            [Projection::Perspective { half_height: 0.4 }, Projection::Orthographic { half_height: 3.0 }]
+        {
+            let lens = Some(ThinLens { radius: 0.5, focus: 7.0 });
+            let camera = Camera { position, basis, projection, lens, shutter: 0.0 };
+            let pinhole = Camera { lens: None, ..camera };
+            let screen = DVec2::new(0.3, -0.8);
+            let sharp = pinhole.ray(screen, DVec2::ZERO);
+            let sharp = sharp.at(7.0 / sharp.direction.dot(basis.forward));
+            for _ in 0..1000 {
+                let ray = camera.ray(screen, DVec2::new(random.unit(), random.unit()));
+                let met = ray.at((sharp - ray.origin).dot(basis.forward) / ray.direction.dot(basis.forward));
+                assert!((met - sharp).length() <= 16.0 * UNIT_ROUNDOFF * 20.0);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Which light shares a layer of the film with which: light that is keyed alike.
 
 use crate::film::LayerId;
-use crate::light::Dimmer;
+use crate::glow::Dimmer;
 
 /// The film's layers: one for all light that no key weights, and one per different [`Dimmer`].
 #[derive(Debug)]

@@ -20,6 +20,7 @@ pub mod track;
 pub mod counters;
 pub mod humane;
 pub mod film;
+pub mod glow;
 pub mod frame_set;
 pub mod camera;
 pub mod camera_path;
@@ -29,7 +30,10 @@ pub mod transform;
 pub mod texture;
 pub mod material;
 pub mod light;
+pub mod environment;
+pub mod fog;
 pub mod layers;
+pub mod quality;
 
 // Film → files, and file → Sequence.
 pub mod encode;

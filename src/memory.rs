@@ -2,7 +2,7 @@
 
 use crate::color::Rgb;
 use crate::layers::Layers;
-use crate::light::Glow;
+use crate::glow::Glow;
 use crate::sequence::Sequence;
 
 /// Films alive at once: the one being traced, those that wait for the encoder, and the one it develops.
@@ -24,8 +24,13 @@ pub fn needed(sequence: &Sequence) -> u64 {
 
 fn layers(sequence: &Sequence) -> u64 {
     let mut layers = Layers::new();
-    for glow in [&sequence.background, &sequence.ambient] {
-        layers.of(&Glow::split(glow).1);
+    layers.of(&sequence.background.dimmer());
+    layers.of(&Glow::split(&sequence.ambient).1);
+    if let Some(fog) = &sequence.fog {
+        layers.of(&fog.split().1);
+    }
+    for material in &sequence.materials {
+        layers.of(&material.value.emission_split().1);
     }
     for light in &sequence.lights {
         layers.of(&light.value.dimmer());

@@ -15,7 +15,7 @@ pub use orbit::Orbit;
 pub use spline::SplinePath;
 pub use zoom::{Zoom, ZoomBy};
 
-use crate::camera::{Camera, Projection};
+use crate::camera::{Camera, Projection, ThinLens};
 use crate::math::{Angle, DVec3, look_at};
 use crate::time::Clock;
 use crate::track::Animated;
@@ -29,6 +29,11 @@ pub struct CameraPath {
     pub up: Animated<DVec3>,
     pub roll: Animated<Angle>,
     pub lens: Lens,
+    /// Diameter of the lens in world units; 0 is a pinhole.
+    pub aperture: Animated<f64>,
+    pub focus: Focus,
+    /// How long the shutter is open, as a share of the time between two frames.
+    pub shutter: Animated<f64>,
     pub path: Vec<Step>,
 }
 
@@ -39,6 +44,17 @@ pub enum Lens {
     Perspective { fov: Animated<Angle> },
     /// Height of the picture in world units, above 0.
     Orthographic { height: Animated<f64> },
+}
+
+/// What is sharp.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Focus {
+    /// What is as far away as the camera's target.
+    Target,
+    /// What is at this distance, along the line of sight.
+    Distance(Animated<f64>),
+    /// What is as far away as the middle of an object, given by its index.
+    Object(usize),
 }
 
 /// One part of a path.
@@ -139,8 +155,13 @@ impl CameraPath {
         self.path.iter().fold(start, |pose, step| step.apply(pose, clock))
     }
 
-    /// The camera at a moment.
-    pub fn at(&self, clock: &Clock) -> Result<Camera, NoCamera> {
+    /// The object that is to be sharp.
+    pub fn focus_object(&self) -> Option<usize> {
+        if let Focus::Object(index) = self.focus { Some(index) } else { None }
+    }
+
+    /// The camera at a moment; `sharp` is the middle of [`CameraPath::focus_object`].
+    pub fn at(&self, clock: &Clock, sharp: Option<DVec3>) -> Result<Camera, NoCamera> {
         let pose = self.pose(clock);
         let half_height = match pose.projection {
             Projection::Perspective { half_height } | Projection::Orthographic { half_height } => half_height,
@@ -154,6 +175,28 @@ impl CameraPath {
         let basis = look_at(pose.position, pose.target, pose.up).ok_or(NoCamera::EyeOnTarget)?;
         // A roll of zero must not touch a bit.
         let basis = if pose.roll == Angle(0.0) { basis } else { basis.rolled(pose.roll.cos_sin()) };
-        Ok(Camera { position: pose.position, basis, projection: pose.projection })
+        let lens = self.thin_lens(&pose, basis.forward, clock, sharp);
+        let shutter = self.shutter.at(clock.time).clamp(0.0, 1.0);
+        Ok(Camera { position: pose.position, basis, projection: pose.projection, lens, shutter })
+    }
+
+    /// The lens, unless it is a pinhole. What is not in front of the camera cannot be sharp; then the target
+    /// is.
+    fn thin_lens(
+        &self,
+        pose: &Pose,
+        forward: DVec3,
+        clock: &Clock,
+        sharp: Option<DVec3>,
+    ) -> Option<ThinLens> {
+        let radius = 0.5 * self.aperture.at(clock.time);
+        let focus = match &self.focus {
+            Focus::Target => None,
+            Focus::Distance(distance) => Some(distance.at(clock.time)),
+            Focus::Object(_) => sharp.map(|point| (point - pose.position).dot(forward)),
+        };
+        let to_target = (pose.target - pose.position).length();
+        let focus = focus.filter(|distance| *distance > 0.0).unwrap_or(to_target);
+        (radius > 0.0).then_some(ThinLens { radius, focus })
     }
 }

@@ -43,6 +43,12 @@ impl Aabb {
         self.min * 0.5 + self.max * 0.5
     }
 
+    /// The area of the box's sides.
+    pub fn area(self) -> f64 {
+        let side = self.max - self.min;
+        2.0 * (side.x * side.y + side.y * side.z + side.z * side.x)
+    }
+
     pub fn is_empty(self) -> bool {
         !self.min.cmple(self.max).all()
     }

@@ -15,8 +15,12 @@ pub enum Use {
     Camera,
     /// The moment within the shutter interval.
     Shutter,
-    /// Which lobe a path follows at its `n`-th surface and in which direction, and whether it goes on.
+    /// Which lobe is followed at the `n`-th surface, and in which direction.
     Scatter(u32),
+    /// In which of its small mirrors the `n`-th surface is looked at.
+    Glossy(u32),
+    /// Whether a path goes on after the `n`-th surface.
+    Roulette(u32),
     /// Towards light `light` from the `n`-th surface.
     Light { surface: u32, light: u32 },
     /// Which light of a layer is asked at the `n`-th surface.
@@ -29,6 +33,8 @@ impl Use {
             Self::Camera => 0,
             Self::Shutter => 1,
             Self::Scatter(n) => hash([2, n, 0]),
+            Self::Glossy(n) => hash([5, n, 0]),
+            Self::Roulette(n) => hash([6, n, 0]),
             Self::Light { surface, light } => hash([3, surface, light]),
             Self::Choice { surface, layer } => hash([4, surface, layer]),
         }

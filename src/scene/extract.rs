@@ -1,26 +1,32 @@
 //! World → Scene: packs what has changed, in the order of the file.
 
-use super::{Geometry, Primitive, Shading, Weights};
-use crate::light::Light;
+use super::{Finish, Geometry, Shading, Weights};
+use crate::environment::Environment;
+use crate::fog::Fog;
+use crate::light::{Light, Source};
 use crate::material::Material;
+use crate::math::{DAffine3, DVec3};
 use crate::shape::Shape;
-use crate::world::{Current, FileOrder, MadeOf, Transform, Visible, Weight};
+use crate::world::{AreaLight, Current, FileOrder, MadeOf, Transform, Visible, Weight};
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::component::Component;
 use bevy_ecs::query::{Changed, Or, With};
 use bevy_ecs::system::{Query, ResMut};
 
 /// Whether anything that can be hit has moved, appeared or vanished.
-pub fn geometry_changed(changed: Query<(), GeometryChange>) -> bool {
+pub fn geometry_changed(objects: Query<(), ObjectChange>, lights: Query<(), LightChange>) -> bool {
+    !objects.is_empty() || !lights.is_empty()
+}
+
+type ObjectChange = (With<Shape>, Or<(Changed<Transform>, Changed<Visible>)>);
+type LightChange = (With<AreaLight>, Changed<Light>);
+
+/// Whether a material, a light's place, the sky or the fog has changed. Weights are not of this kind.
+pub fn shading_changed(changed: Query<(), ShadingChange>) -> bool {
     !changed.is_empty()
 }
 
-type GeometryChange = (With<Shape>, Or<(Changed<Transform>, Changed<Visible>)>);
-
-/// Whether a material or a light's place has changed. Weights are not of this kind.
-pub fn shading_changed(materials: Query<(), Changed<Material>>, lights: Query<(), Changed<Light>>) -> bool {
-    !materials.is_empty() || !lights.is_empty()
-}
+type ShadingChange = Or<(Changed<Material>, Changed<Light>, Changed<Environment>, Changed<Fog>)>;
 
 /// Whether a light was switched or faded.
 pub fn weights_changed(changed: Query<(), Changed<Weight>>) -> bool {
@@ -29,24 +35,49 @@ pub fn weights_changed(changed: Query<(), Changed<Weight>>) -> bool {
 
 pub fn geometry(
     objects: Query<(&FileOrder, &Shape, &Transform, &Visible, &MadeOf)>,
+    lights: Query<(&FileOrder, &Light), With<AreaLight>>,
     mut geometry: ResMut<Current<Geometry>>,
 ) {
     let mut shown: Vec<_> =
         objects.iter().filter(|(_, shape, _, v, _)| v.0 && **shape != Shape::Group).collect();
     shown.sort_unstable_by_key(|(order, ..)| **order);
-    let packed =
-        shown.into_iter().filter_map(|(_, shape, at, _, of)| Primitive::new(shape.clone(), at.0, of.0));
+    let mut packed = Geometry::default();
+    for (_, shape, at, _, of) in shown {
+        packed.push(shape, at.0, Finish::Material(of.0));
+    }
+    let mut lights: Vec<_> = lights.iter().collect();
+    lights.sort_unstable_by_key(|(order, _)| **order);
+    for (order, light) in lights {
+        if let Some(shape) = shape_of(light) {
+            packed.push(&shape, DAffine3::IDENTITY, Finish::Light(order.0));
+        }
+    }
     // What moves unseen, or turns within its own shape, changes nothing that a tree is built over.
-    geometry.set_if_neq(Current(Geometry { primitives: packed.collect() }));
+    geometry.set_if_neq(Current(packed));
+}
+
+/// The shape of a light that can be seen. One that keys have flattened for a moment cannot.
+fn shape_of(light: &Light) -> Option<Shape> {
+    match light.source {
+        Source::Sphere(sphere) => Some(Shape::Sphere(sphere)),
+        Source::Rectangle { rectangle, .. } => {
+            (rectangle.u.cross(rectangle.v) != DVec3::ZERO).then_some(Shape::Rectangle(rectangle))
+        }
+        Source::Point { .. } | Source::Spot { .. } | Source::Directional { .. } => None,
+    }
 }
 
 pub fn shading(
     materials: Query<(&FileOrder, &Material)>,
     lights: Query<(&FileOrder, &Light)>,
+    skies: Query<&Environment>,
+    fogs: Query<&Fog>,
     mut shading: ResMut<Current<Shading>>,
 ) {
     shading.0.materials = in_file_order(materials);
     shading.0.lights = in_file_order(lights);
+    shading.0.environment = skies.iter().next().cloned().unwrap_or_default();
+    shading.0.fog = fogs.iter().next().copied();
 }
 
 pub fn weights(weighted: Query<&Weight>, mut weights: ResMut<Current<Weights>>) {
@@ -55,8 +86,8 @@ pub fn weights(weighted: Query<&Weight>, mut weights: ResMut<Current<Weights>>) 
     }
 }
 
-fn in_file_order<T: Component + Copy>(entities: Query<(&FileOrder, &T)>) -> Vec<T> {
+fn in_file_order<T: Component + Clone>(entities: Query<(&FileOrder, &T)>) -> Vec<T> {
     let mut entries: Vec<_> = entities.iter().collect();
     entries.sort_unstable_by_key(|(order, _)| **order);
-    entries.into_iter().map(|(_, value)| *value).collect()
+    entries.into_iter().map(|(_, value)| value.clone()).collect()
 }

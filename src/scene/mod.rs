@@ -3,30 +3,33 @@
 //! Everything keeps the file's order, so that whatever breaks a tie by index breaks it the same way always.
 
 pub mod extract;
+mod geometry;
 mod primitive;
 
-pub use primitive::{Placement, Primitive};
+pub use geometry::Geometry;
+pub use primitive::{Finish, Placement, Primitive};
 
 use crate::camera::Camera;
 use crate::color::Rgb;
-use crate::light::{Glow, Light};
+use crate::environment::{Environment, SkyTable};
+use crate::fog::Fog;
+use crate::glow::Glow;
+use crate::light::Light;
 use crate::material::Material;
-
-/// All that can be seen, in the order of the file.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Geometry {
-    pub primitives: Vec<Primitive>,
-}
+use std::sync::Arc;
 
 /// What surfaces look like and what lights them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shading {
     pub materials: Vec<Material>,
     pub lights: Vec<Light>,
-    /// Radiance of rays that hit nothing.
-    pub background: Glow,
+    /// What rays see that hit nothing.
+    pub environment: Environment,
+    /// Where the environment is bright, if that differs from place to place.
+    pub sky_table: Option<Arc<SkyTable>>,
     /// Light from everywhere.
     pub ambient: Glow,
+    pub fog: Option<Fog>,
 }
 
 /// What each layer of the film is weighted with.

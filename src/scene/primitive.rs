@@ -1,7 +1,7 @@
 //! One thing to hit: a shape, where it is, and what it is made of.
 
 use crate::camera::Ray;
-use crate::math::{Aabb, DAffine3, DMat3, DVec3, gamma};
+use crate::math::{Aabb, DAffine3, DMat3, DVec2, DVec3, gamma};
 use crate::shape::{Crossing, Shape, Surface};
 use crate::tree::Probe;
 
@@ -11,8 +11,16 @@ use crate::tree::Probe;
 pub struct Primitive {
     pub shape: Shape,
     pub placement: Option<Box<Placement>>,
+    pub finish: Finish,
+}
+
+/// What a primitive looks like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Finish {
     /// Index into the scene's materials.
-    pub material: u32,
+    Material(u32),
+    /// Index into the scene's lights: the primitive is that light.
+    Light(u32),
 }
 
 /// A shape's own space within the world.
@@ -24,11 +32,14 @@ pub struct Placement {
 
 impl Primitive {
     /// `shape` placed by `to_world`; none if that flattens it (a scale of 0 hides an object).
-    pub fn new(shape: Shape, to_world: DAffine3, material: u32) -> Option<Self> {
+    pub fn new(shape: &Shape, to_world: DAffine3, finish: Finish) -> Option<Self> {
         let to_object = inverse(&to_world)?;
         Some(match shape.transformed(&to_world) {
-            Some(shape) => Self { shape, placement: None, material },
-            None => Self { shape, placement: Some(Box::new(Placement { to_world, to_object })), material },
+            Some(shape) => Self { shape, placement: None, finish },
+            None => {
+                let placement = Some(Box::new(Placement { to_world, to_object }));
+                Self { shape: shape.clone(), placement, finish }
+            }
         })
     }
 
@@ -50,6 +61,31 @@ impl Primitive {
         }
     }
 
+    /// A point of the surface that `from` may see, with its part and its density per solid angle there; none
+    /// if the shape has no area to choose from.
+    pub fn sample_from(&self, from: DVec3, u: DVec2) -> Option<(Surface, u32, f64)> {
+        let Some(placement) = &self.placement else { return self.shape.sample_from(from, u) };
+        let (local, part) = self.shape.sample_area(u)?;
+        let surface = placement.moved(&local);
+        let density = self.density_from(from, &surface)?;
+        Some((surface, part, density))
+    }
+
+    /// The density per solid angle with which [`Primitive::sample_from`] gives the point `at`.
+    pub fn density_from(&self, from: DVec3, at: &Surface) -> Option<f64> {
+        match &self.placement {
+            None => self.shape.density_from(from, at),
+            Some(placement) => {
+                at.density_from(from, 1.0 / (self.shape.area()? * placement.stretch(at.normal)))
+            }
+        }
+    }
+
+    /// Whether [`Primitive::sample_from`] can find points.
+    pub fn has_area(&self) -> bool {
+        self.shape.area().is_some()
+    }
+
     /// A box of the world around the primitive; none if it is infinite.
     pub fn bounds(&self) -> Option<Aabb> {
         let bounds = self.shape.bounds()?;
@@ -68,7 +104,17 @@ impl Placement {
     /// The shape's own error moved to the world, plus the rounding of the move there and, as the next ray
     /// from this point is moved back into the shape's space, of the way back.
     fn surface(&self, shape: &Shape, ray: &Ray, at: Crossing) -> Surface {
-        let local = shape.surface(&self.ray_to_object(ray), at);
+        self.moved(&shape.surface(&self.ray_to_object(ray), at))
+    }
+
+    /// By how much areas across the world's unit vector `normal` have grown: those across a moved normal
+    /// change by the determinant times the length of M⁻ᵀ n, and the way back is the inverse.
+    fn stretch(&self, normal: DVec3) -> f64 {
+        let back = (self.to_world.matrix3.transpose() * normal).length();
+        self.to_world.matrix3.determinant().abs() / back
+    }
+
+    fn moved(&self, local: &Surface) -> Surface {
         let point = self.to_world.transform_point3(local.point);
         let (forth, back) = (abs(&self.to_world), abs(&self.to_object));
         let there = forth.transform_point3(local.point.abs()) * gamma(5);
@@ -80,7 +126,7 @@ impl Placement {
 }
 
 /// The inverse of an affine map, refined once; none if it is singular or not finite.
-fn inverse(affine: &DAffine3) -> Option<DAffine3> {
+pub(super) fn inverse(affine: &DAffine3) -> Option<DAffine3> {
     let m = affine.matrix3;
     let determinant = m.determinant();
     if determinant == 0.0 || !determinant.is_finite() {
@@ -93,7 +139,7 @@ fn inverse(affine: &DAffine3) -> Option<DAffine3> {
     inverse.is_finite().then_some(inverse)
 }
 
-fn abs(affine: &DAffine3) -> DAffine3 {
+pub(super) fn abs(affine: &DAffine3) -> DAffine3 {
     DAffine3 { matrix3: affine.matrix3.abs(), translation: affine.translation.abs() }
 }
 
@@ -110,7 +156,7 @@ mod tests {
         let scale = DAffine3::from_scale(DVec3::new(3.0, 1.0, 0.5));
         let ray = Ray { origin: DVec3::new(10.0, 0.2, 0.1), direction: DVec3::NEG_X };
         let hit = |affine: DAffine3, ray: Ray| {
-            let primitive = Primitive::new(UNIT, affine, 0).expect("a primitive");
+            let primitive = Primitive::new(&UNIT, affine, Finish::Material(0)).expect("a primitive");
             primitive.hit(&Probe::new(ray), f64::INFINITY).expect("a hit").t
         };
         let t = hit(scale, ray);
@@ -141,7 +187,7 @@ mod tests {
     #[test]
     fn normals_of_uneven_scales() {
         let affine = DAffine3::from_scale(DVec3::new(2.0, 1.0, 1.0));
-        let primitive = Primitive::new(UNIT, affine, 0).expect("a primitive");
+        let primitive = Primitive::new(&UNIT, affine, Finish::Material(0)).expect("a primitive");
         let n = DVec3::new(1.0, 1.0, 0.0).normalize();
         let ray = Ray { origin: affine.transform_point3(n * 3.0), direction: -affine.transform_vector3(n) };
         let surface = primitive.surface(&ray, Crossing::at(2.0));

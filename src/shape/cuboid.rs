@@ -100,7 +100,7 @@ impl Geometric for Cuboid {
     }
 
     /// A pair of faces by its area, then one of the two.
-    fn sample_area(&self, u: DVec2) -> Option<Surface> {
+    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
         let faces = self.faces();
         let mut rest = u.x * faces.element_sum();
         let axis = if rest < faces.x {
@@ -119,7 +119,7 @@ impl Geometric for Cuboid {
         let mut normal = DVec3::ZERO;
         normal[axis] = 2.0 * share[axis] - 1.0;
         let point = (self.min + (self.max - self.min) * share).clamp(self.min, self.max);
-        Some(Surface::new(point, point.abs() * gamma(1), normal))
+        Some((Surface::new(point, point.abs() * gamma(1), normal), 0))
     }
 }
 

@@ -60,10 +60,10 @@ impl Geometric for Disk {
         Some(std::f64::consts::PI * self.radius * self.radius)
     }
 
-    fn sample_area(&self, u: DVec2) -> Option<Surface> {
+    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
         let (right, up) = flat::axes(self.normal);
         let turn = Angle(360.0 * u.y).cos_sin() * (self.radius * u.x.sqrt());
-        Some(flat::placed(self.center, self.center + right * turn.x + up * turn.y, self.normal))
+        Some((flat::placed(self.center, self.center + right * turn.x + up * turn.y, self.normal), 0))
     }
 }
 

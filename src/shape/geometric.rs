@@ -2,6 +2,7 @@
 
 use super::{Crossing, Parameters, Surface};
 use crate::camera::Ray;
+use crate::color::Rgb;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::tree::Probe;
 
@@ -30,15 +31,34 @@ pub trait Geometric: Clone + PartialEq {
     /// Texture coordinates of a point of the surface, in the shape's own space and to within rounding.
     fn uv(&self, point: DVec3, part: u32) -> DVec2;
 
+    /// Colour of the vertices at a point of the surface; white where they have none. The arguments are those
+    /// of [`Geometric::uv`].
+    fn color(&self, point: DVec3, part: u32) -> Rgb {
+        let _ = (point, part);
+        Rgb::ONE
+    }
+
     /// The area of the surface; none if it is infinite or not known in closed form. Shapes that know theirs
     /// also answer [`Geometric::sample_area`], and so can be found as lights.
     fn area(&self) -> Option<f64> {
         None
     }
 
-    /// A point of the surface, uniform over its area for `u` uniform in the unit square.
-    fn sample_area(&self, u: DVec2) -> Option<Surface> {
+    /// A point of the surface with its part, uniform over the area for `u` uniform in the unit square.
+    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
         let _ = u;
         None
+    }
+
+    /// A point of the surface that `from` may see, with its part and its density per solid angle there.
+    fn sample_from(&self, from: DVec3, u: DVec2) -> Option<(Surface, u32, f64)> {
+        let (surface, part) = self.sample_area(u)?;
+        let density = self.density_from(from, &surface)?;
+        Some((surface, part, density))
+    }
+
+    /// The density per solid angle with which [`Geometric::sample_from`] gives the point `at`.
+    fn density_from(&self, from: DVec3, at: &Surface) -> Option<f64> {
+        at.density_from(from, 1.0 / self.area()?)
     }
 }

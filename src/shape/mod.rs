@@ -27,6 +27,7 @@ pub use surface::{Crossing, Surface};
 pub use triangle::Triangle;
 
 use crate::camera::Ray;
+use crate::color::Rgb;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::tree::Probe;
 use bevy_ecs::component::Component;
@@ -105,13 +106,29 @@ impl Shape {
         each_shape!(self, shape => shape.uv(point, part), Group => DVec2::ZERO)
     }
 
+    /// Colour of the vertices at a point of the surface, white where there is none; the arguments are those of
+    /// [`Geometric::uv`].
+    pub fn color(&self, point: DVec3, part: u32) -> Rgb {
+        each_shape!(self, shape => shape.color(point, part), Group => Rgb::ONE)
+    }
+
     /// See [`Geometric::area`].
     pub fn area(&self) -> Option<f64> {
         each_shape!(self, shape => shape.area(), Group => None)
     }
 
     /// See [`Geometric::sample_area`].
-    pub fn sample_area(&self, u: DVec2) -> Option<Surface> {
+    pub fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
         each_shape!(self, shape => shape.sample_area(u), Group => None)
+    }
+
+    /// See [`Geometric::sample_from`].
+    pub fn sample_from(&self, from: DVec3, u: DVec2) -> Option<(Surface, u32, f64)> {
+        each_shape!(self, shape => shape.sample_from(from, u), Group => None)
+    }
+
+    /// See [`Geometric::density_from`].
+    pub fn density_from(&self, from: DVec3, at: &Surface) -> Option<f64> {
+        each_shape!(self, shape => shape.density_from(from, at), Group => None)
     }
 }

@@ -60,9 +60,9 @@ impl Geometric for Rectangle {
         Some(self.u.cross(self.v).length())
     }
 
-    fn sample_area(&self, u: DVec2) -> Option<Surface> {
+    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
         let point = self.corner + self.u * u.x + self.v * u.y;
-        Some(flat::placed(self.corner, point, self.normal()))
+        Some((flat::placed(self.corner, point, self.normal()), 0))
     }
 }
 

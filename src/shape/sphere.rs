@@ -3,6 +3,7 @@
 use super::{Crossing, Geometric, Parameters, Surface};
 use crate::camera::Ray;
 use crate::math::{Aabb, Angle, DAffine3, DVec2, DVec3, UNIT_ROUNDOFF, gamma};
+use crate::sampling::{self, Frame};
 use crate::tree::Probe;
 use std::f64::consts::{PI, TAU};
 
@@ -92,14 +93,50 @@ impl Geometric for Sphere {
         Some(4.0 * PI * self.radius * self.radius)
     }
 
-    fn sample_area(&self, u: DVec2) -> Option<Surface> {
+    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
         let height = 1.0 - 2.0 * u.x;
         let turn = Angle(360.0 * u.y).cos_sin() * ((1.0 - height) * (1.0 + height)).max(0.0).sqrt();
-        Some(self.surface_along(DVec3::new(turn.x, turn.y, height)))
+        Some((self.surface_along(DVec3::new(turn.x, turn.y, height)), 0))
+    }
+
+    /// From outside, uniform over the cone that holds the sphere: every point drawn is seen (Pharr, Jakob,
+    /// Humphreys, *Physically Based Rendering*, 6.2.4). From inside, uniform over the area.
+    fn sample_from(&self, from: DVec3, u: DVec2) -> Option<(Surface, u32, f64)> {
+        let Some(cone) = self.cone_from(from) else {
+            let (surface, part) = self.sample_area(u)?;
+            return Some((surface, part, surface.density_from(from, 1.0 / self.area()?)?));
+        };
+        let to_center = self.center - from;
+        let distance = to_center.length();
+        let frame = Frame::around(to_center / distance);
+        let direction = sampling::cone(cone, u);
+        // The angle at the centre of the point that the direction meets, by the law of sines: its sine is
+        // that of the angle at `from` times the near leg over the radius.
+        let across = DVec2::new(direction.x, direction.y).length();
+        let rest = (self.radius - distance * across).max(0.0) * (self.radius + distance * across);
+        let near = distance * direction.z - rest.sqrt();
+        let (sine, along) = (near * across / self.radius, (distance - near * direction.z) / self.radius);
+        let turn = DVec2::new(direction.x, direction.y).normalize_or_zero() * sine;
+        let normal = frame.to_world(DVec3::new(turn.x, turn.y, -along)).normalize_or(-frame.z);
+        Some((self.surface_along(normal), 0, sampling::cone_density(cone)))
+    }
+
+    fn density_from(&self, from: DVec3, at: &Surface) -> Option<f64> {
+        match self.cone_from(from) {
+            Some(cone) => Some(sampling::cone_density(cone)),
+            None => at.density_from(from, 1.0 / self.area()?),
+        }
     }
 }
 
 impl Sphere {
+    /// 1 - the cosine of half the angle under which the sphere is seen; none from inside.
+    fn cone_from(&self, from: DVec3) -> Option<f64> {
+        let distance = (self.center - from).length();
+        let sine = self.radius / distance;
+        (sine < 1.0).then(|| sine * sine / (1.0 + ((1.0 - sine) * (1.0 + sine)).sqrt()))
+    }
+
     /// The nearer root for an origin outside. Far away the difference of closest approach and half chord
     /// has the smaller absolute error; close to the surface, the quotient keeps the relative one.
     fn entry(&self, c: f64, closest: f64, half_chord: f64, distance: f64) -> f64 {

@@ -37,6 +37,16 @@ impl Surface {
         Self { point, error, normal, shading: normal }
     }
 
+    /// A density per area at the point as one per solid angle, as seen `from` elsewhere; none when the surface
+    /// is seen from its edge.
+    pub fn density_from(&self, from: DVec3, per_area: f64) -> Option<f64> {
+        let way = self.point - from;
+        let distance_squared = way.length_squared();
+        let facing = way.dot(self.normal).abs();
+        let density = per_area * distance_squared * distance_squared.sqrt() / facing;
+        (facing > 0.0 && density.is_finite() && density > 0.0).then_some(density)
+    }
+
     /// The surface with both normals turned to the other side.
     pub fn flipped(self) -> Self {
         Self { normal: -self.normal, shading: -self.shading, ..self }

@@ -56,11 +56,11 @@ impl Geometric for Triangle {
         Some(0.5 * self.normal().length())
     }
 
-    fn sample_area(&self, u: DVec2) -> Option<Surface> {
+    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
         let [a, b, c] = self.corners;
         let weights = uniform_weights(u);
         let point = a + (b - a) * weights.x + (c - a) * weights.y;
-        Some(flat::placed(a, point, self.normal().normalize_or(DVec3::Y)))
+        Some((flat::placed(a, point, self.normal().normalize_or(DVec3::Y)), 0))
     }
 }
 

@@ -1,79 +1,107 @@
 //! Local reflection: how much of a light's radiance a surface sends to the eye.
+//!
+//! What a surface scatters is counted in shares: π times its bidirectional reflectance times the cosine of the
+//! light's angle, so that a facing light of radiance 1 on a surface of diffuse 1 gives radiance 1.
 
 use crate::color::Rgb;
-use crate::material::{Highlight, Material};
+use crate::material::{Highlight, Lobes, Material};
 use crate::math::DVec3;
+use crate::optics::{Fuzz, Microfacet, reflect};
+use crate::sampling::{Frame, cosine_hemisphere_density};
+use crate::shape::Surface;
+use std::f64::consts::PI;
 
-/// Reflected share of the light from `to_light` towards `to_eye` at a surface of normal `normal` that faces
-/// the eye; all unit vectors. Black when the light is behind the surface: then there is no highlight either.
-pub fn reflected(material: &Material, normal: DVec3, to_light: DVec3, to_eye: DVec3) -> Rgb {
-    let cosine = normal.dot(to_light);
-    if cosine <= 0.0 {
-        return Rgb::ZERO;
+/// Rough surfaces smoother than this are mirrors: their highlight is narrower than a tenth of a degree.
+const SMOOTH: f32 = 0.01;
+
+/// A point of a surface as the eye sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    pub material: &'a Material,
+    /// The material's lobes at the point.
+    pub lobes: &'a Lobes,
+    /// Turned towards the eye.
+    pub surface: &'a Surface,
+    /// Unit vector.
+    pub to_eye: DVec3,
+}
+
+impl Seen<'_> {
+    /// The normal to shade with: the smooth one, unless it faces away from the eye.
+    pub fn normal(&self) -> DVec3 {
+        let smooth = self.surface.shading;
+        if smooth.dot(self.to_eye) > 0.0 { smooth } else { self.surface.normal }
     }
-    let diffuse = material.diffuse * cosine as f32;
-    if material.specular == Rgb::ZERO {
-        return diffuse;
-    }
-    diffuse + material.specular * highlight(material, normal, to_light, to_eye) as f32
-}
 
-fn highlight(material: &Material, normal: DVec3, to_light: DVec3, to_eye: DVec3) -> f64 {
-    let cosine = match material.highlight {
-        Highlight::Phong => mirrored(-to_eye, normal).dot(to_light),
-        Highlight::BlinnPhong => normal.dot((to_light + to_eye).normalize_or_zero()),
-    };
-    material.shininess.raise(cosine)
-}
-
-/// `direction` as a mirror across `normal` sends it on.
-pub fn mirrored(direction: DVec3, normal: DVec3) -> DVec3 {
-    direction - normal * (2.0 * normal.dot(direction))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::material::Exponent;
-
-    fn material(highlight: Highlight, shininess: f64) -> Material {
-        Material {
-            ambient: Rgb::ZERO,
-            diffuse: Rgb::ZERO,
-            specular: Rgb::ONE,
-            mirror: Rgb::ZERO,
-            highlight,
-            shininess: Exponent::new(shininess),
+    /// The shares of the light from `to_light` (a unit vector) in what is scattered and in the highlight.
+    /// Black when the light is behind the surface: then there is no highlight either.
+    pub fn reflected(&self, to_light: DVec3) -> (Rgb, Rgb) {
+        let normal = self.normal();
+        let cosine = normal.dot(to_light);
+        if cosine <= 0.0 || self.surface.normal.dot(to_light) <= 0.0 {
+            return (Rgb::ZERO, Rgb::ZERO);
         }
-    }
-
-    #[test]
-    fn the_half_vector_lies_between_light_and_eye() {
-        // Eye and light mirror each other about the normal: the highlight's centre, wherever they are.
-        for shift in [DVec3::ZERO, DVec3::new(1024.0, -512.0, 256.0)] {
-            let point = DVec3::new(10.0, 0.0, 0.0) + shift;
-            let to_light = (DVec3::new(13.0, 4.0, 0.0) + shift - point).normalize();
-            let to_eye = (DVec3::new(7.0, 4.0, 0.0) + shift - point).normalize();
-            for model in [Highlight::Phong, Highlight::BlinnPhong] {
-                assert!((highlight(&material(model, 32.0), DVec3::Y, to_light, to_eye) - 1.0).abs() < 1e-13);
-            }
+        let mut scattered = self.lobes.diffuse * cosine as f32;
+        if self.lobes.fuzz > 0.0 {
+            let density = Fuzz(f64::from(self.lobes.fuzz)).density(self.mirrored(), to_light);
+            scattered += self.lobes.mirror * (PI * density) as f32;
         }
+        if self.lobes.microfacet > 0.0 {
+            scattered += self.rough(to_light) * self.lobes.microfacet;
+        }
+        if self.lobes.specular == Rgb::ZERO {
+            return (scattered, Rgb::ZERO);
+        }
+        (scattered, self.lobes.specular * self.highlight(to_light) as f32)
     }
 
-    #[test]
-    fn no_highlight_without_light_on_the_surface() {
-        let grazing = DVec3::new(1.0, 0.0, 0.0);
-        let eye = DVec3::new(-1.0, 0.0, 0.0);
-        assert_eq!(reflected(&material(Highlight::Phong, 0.0), DVec3::Y, grazing, eye), Rgb::ZERO);
-        let below = DVec3::new(0.8, -0.6, 0.0);
-        assert_eq!(reflected(&material(Highlight::Phong, 0.0), DVec3::Y, below, eye), Rgb::ZERO);
+    /// The direction in which a mirror shows the eye what it does.
+    pub fn mirrored(&self) -> DVec3 {
+        reflect(-self.to_eye, self.normal())
     }
 
-    #[test]
-    fn diffuse_follows_the_cosine() {
-        let matte =
-            Material { diffuse: Rgb::splat(0.5), specular: Rgb::ZERO, ..material(Highlight::Phong, 1.0) };
-        let at_60 = DVec3::new(0.75f64.sqrt(), 0.5, 0.0);
-        assert_eq!(reflected(&matte, DVec3::Y, at_60, DVec3::Y), Rgb::splat(0.25));
+    fn highlight(&self, to_light: DVec3) -> f64 {
+        let cosine = match self.material.highlight {
+            Highlight::Phong => self.mirrored().dot(to_light),
+            Highlight::BlinnPhong => self.normal().dot((to_light + self.to_eye).normalize_or_zero()),
+        };
+        self.material.shininess.raise(cosine)
+    }
+
+    /// The distribution of the rough surface's small mirrors; none if it is smooth.
+    pub fn microfacet(&self) -> Option<Microfacet> {
+        let roughness = self.lobes.roughness;
+        (roughness >= SMOOTH).then(|| Microfacet { alpha: f64::from(roughness) * f64::from(roughness) })
+    }
+
+    /// The share that small mirrors turned half way reflect, from the cosine of the angle to them (glTF 2.0,
+    /// appendix B): Schlick's between the base colour of metals, or that of a boundary to the medium, and 1.
+    pub fn metallic_fresnel(&self, cosine: f64) -> Rgb {
+        let eta = self.material.medium.ior;
+        let boundary = ((eta - 1.0) / (eta + 1.0) * (eta - 1.0) / (eta + 1.0)) as f32;
+        let normal = Rgb::splat(boundary).lerp(self.lobes.base, self.lobes.metallic);
+        normal + (Rgb::ONE - normal) * crate::optics::schlick(0.0, cosine) as f32
+    }
+
+    /// The metallic-roughness surface's share, without its strength.
+    fn rough(&self, to_light: DVec3) -> Rgb {
+        let half = (self.to_eye + to_light).normalize_or(self.normal());
+        let fresnel = self.metallic_fresnel(self.to_eye.dot(half));
+        let cosine = self.normal().dot(to_light);
+        let below = self.rough_base() * (Rgb::ONE - fresnel) * cosine as f32;
+        let Some(microfacet) = self.microfacet() else { return below };
+        let frame = Frame::around(self.normal());
+        let shine = microfacet.reflected(frame.to_local(self.to_eye), frame.to_local(to_light));
+        below + fresnel * (PI * shine) as f32
+    }
+
+    /// What the metallic-roughness surface scatters from below its boundary, without Fresnel's factor.
+    pub fn rough_base(&self) -> Rgb {
+        self.lobes.base * (1.0 - self.lobes.metallic)
+    }
+
+    /// Density of cosine-weighted directions.
+    pub fn diffuse_density(&self, direction: DVec3) -> f64 {
+        cosine_hemisphere_density(self.normal().dot(direction))
     }
 }

@@ -21,3 +21,8 @@ pub fn spawn_to(surface: &Surface, target: DVec3) -> Ray {
     let origin = spawn(surface, target - surface.point).origin;
     Ray { origin, direction: target - origin }
 }
+
+/// The ray from a surface to another one, which it has not met yet at t = 1.
+pub fn spawn_between(surface: &Surface, target: &Surface) -> Ray {
+    spawn_to(surface, spawn(target, surface.point - target.point).origin)
+}

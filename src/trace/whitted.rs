@@ -1,120 +1,208 @@
-//! Whitted's integrator: at every hit ambient light, every light that is not in shadow, and on to what the
-//! mirror shows (Whitted 1980).
+//! Whitted's integrator: at every hit ambient light, every light as far as it arrives, and on to what mirrors
+//! show and what lies behind the transparent (Whitted 1980). Rays branch; nothing is left to chance but where
+//! a lens, an area light, a rough surface or motion has to be sampled.
 
-use super::shade::{mirrored, reflected};
-use super::spawn::{spawn, spawn_to};
-use crate::bvh::Bvh;
+use super::lights::{arrival, seen};
+use super::media::Media;
+use super::spawn::spawn;
+use super::tracer::{Dice, Face, Met, Tracer, Work};
 use crate::camera::Ray;
 use crate::color::Rgb;
-use crate::counters::RayCounts;
-use crate::film::LayerId;
-use crate::light::{Glow, Light};
-use crate::material::Material;
 use crate::math::{DVec2, DVec3};
-use crate::scene::Scene;
-use crate::shape::Surface;
-use crate::tree::Probe;
+use crate::optics::{Fuzz, reflect, refract};
+use crate::sampling::{Frame, Use};
 
-/// The integrator over one frame's scene, with all that is constant for the frame resolved.
-pub struct Whitted<'a> {
-    scene: &'a Scene<'a>,
-    bvh: &'a Bvh,
-    bounces: u32,
-    /// Lights that shine: a layer of weight zero is not traced.
-    lights: Vec<Light>,
-    background: Option<Glow>,
-    ambient: Option<Glow>,
+/// A ray that is still to be followed.
+#[derive(Clone, Copy, Debug)]
+pub struct Pending {
+    ray: Ray,
+    throughput: Rgb,
+    /// Bounces that are left.
+    left: u32,
+    media: Media,
+    /// Whether area lights count where the ray meets them. Those that the surface it comes from has sampled
+    /// already do not.
+    sees_lights: bool,
 }
 
-/// What one sample pushes its light into.
-struct Sums<'a> {
-    layers: &'a mut [DVec3],
-    counts: &'a mut RayCounts,
-}
-
-impl Sums<'_> {
-    fn add(&mut self, layer: LayerId, radiance: Rgb) {
-        self.layers[layer.index()] += radiance.as_dvec3();
+/// Adds what is seen along a camera's ray to `work`.
+pub fn follow(tracer: &Tracer, ray: Ray, mut dice: Dice, work: &mut Work) {
+    let (throughput, left) = (Rgb::ONE, tracer.quality.bounces);
+    let mut next = Some(Pending { ray, throughput, left, media: Media::default(), sees_lights: true });
+    while let Some(pending) = next.take() {
+        step(tracer, pending, &mut dice, work);
+        next = work.pending.pop();
     }
 }
 
-impl<'a> Whitted<'a> {
-    pub fn new(scene: &'a Scene<'a>, bvh: &'a Bvh, bounces: u32) -> Self {
-        let shading = scene.shading;
-        let weighted = |layer: LayerId| scene.weights.0[layer.index()] != Rgb::ZERO;
-        let glow = |glow: Glow| (glow.radiance != Rgb::ZERO && weighted(glow.layer)).then_some(glow);
-        let shines = |light: &&Light| light.radiance != Rgb::ZERO && weighted(light.layer);
-        Self {
-            scene,
-            bvh,
-            bounces,
-            lights: shading.lights.iter().filter(shines).copied().collect(),
-            background: glow(shading.background),
-            ambient: glow(shading.ambient),
-        }
-    }
-
-    /// Adds what is seen through a point of the screen to `layers`.
-    pub fn sample(&self, screen: DVec2, layers: &mut [DVec3], counts: &mut RayCounts) {
-        let mut sums = Sums { layers, counts };
-        sums.counts.camera += 1;
-        let mut ray = self.scene.camera.ray(screen);
-        let mut throughput = Rgb::ONE;
-        let mut left = self.bounces;
-        while let Some(reflection) = self.along(&ray, throughput, &mut sums) {
-            if left == 0 {
-                break;
+/// Follows one ray to where it ends, and puts off those that start there.
+fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
+    let Pending { ray, mut throughput, ref media, sees_lights, .. } = pending;
+    let face = match tracer.advance(&ray, media, &mut throughput, work) {
+        Met::Nothing => return tracer.add_sky(&ray, throughput, work),
+        Met::Light { index, outside, .. } => {
+            let light = &tracer.scene.shading.lights[index as usize];
+            if sees_lights {
+                work.add(light.layer, throughput * seen(light, outside));
             }
-            left -= 1;
-            sums.counts.mirror += 1;
-            (ray, throughput) = reflection;
+            return;
         }
+        Met::Surface(face) => face,
+    };
+    let surface = dice.surface;
+    dice.surface += 1;
+    let branch = Branch { tracer, pending: &pending, face: &face, throughput };
+    if face.material.refracts() && branch.hidden(work) {
+        return;
     }
+    tracer.add_own(&face, throughput, 1.0, work);
+    branch.lights(Dice { surface, ..*dice }, work);
+    branch.rough(Dice { surface, ..*dice }, work);
+    branch.mirror(Dice { surface, ..*dice }, work);
+    branch.transparent(work);
+    branch.refracted(work);
+}
 
-    /// Adds what a ray sees itself, and gives the ray that carries on from there with its throughput.
-    fn along(&self, ray: &Ray, throughput: Rgb, sums: &mut Sums) -> Option<(Ray, Rgb)> {
-        let Some(hit) = self.bvh.closest(self.scene.geometry, &Probe::new(*ray)) else {
-            if let Some(background) = &self.background {
-                sums.add(background.layer, throughput * background.radiance);
-            }
-            return None;
-        };
-        let primitive = &self.scene.geometry.primitives[hit.primitive as usize];
-        let material = &self.scene.shading.materials[primitive.material as usize];
-        let mut surface = primitive.surface(ray, hit.at);
-        // Surfaces are two-sided: the normal faces the eye.
-        if surface.normal.dot(ray.direction) > 0.0 {
-            surface = surface.flipped();
-        }
-        if let Some(ambient) = &self.ambient {
-            sums.add(ambient.layer, throughput * material.ambient * ambient.radiance);
-        }
-        self.add_lights(&surface, material, -ray.direction, throughput, sums);
-        let throughput = throughput * material.mirror;
-        let onward = mirrored(ray.direction, surface.normal);
-        (throughput != Rgb::ZERO).then(|| (spawn(&surface, onward), throughput))
-    }
+/// A hit from which rays may go on.
+struct Branch<'a, 't> {
+    tracer: &'t Tracer<'a>,
+    pending: &'t Pending,
+    face: &'t Face<'a>,
+    throughput: Rgb,
+}
 
-    fn add_lights(
-        &self,
-        surface: &Surface,
-        material: &Material,
-        to_eye: DVec3,
-        throughput: Rgb,
-        sums: &mut Sums,
-    ) {
-        for light in &self.lights {
-            let to_light = (light.position - surface.point).normalize_or_zero();
-            let share = reflected(material, surface.normal, to_light, to_eye);
+impl Branch<'_, '_> {
+    fn lights(&self, dice: Dice, work: &mut Work) {
+        if !self.face.lobes.reflects_lights() {
+            return;
+        }
+        let seen = self.face.seen(&self.pending.ray);
+        for (index, light) in &self.tracer.lights {
+            let u = match light.source.is_sampled() {
+                true => dice.sampler.two(Use::Light { surface: dice.surface, light: *index }),
+                false => DVec2::ZERO,
+            };
+            let Some(arrival) = arrival(light, seen.surface.point, u) else { continue };
+            let (scattered, highlight) = seen.reflected(arrival.direction);
+            let share = scattered + highlight;
             if share == Rgb::ZERO {
                 continue;
             }
-            sums.counts.shadow += 1;
-            let shadow = Probe::new(spawn_to(surface, light.position));
-            // Only what lies before the light, at t = 1, shadows.
-            if !self.bvh.occluded(self.scene.geometry, &shadow, 1.0) {
-                sums.add(light.layer, throughput * share * light.radiance);
+            let passing = self.tracer.passing(&arrival, seen.surface, &self.pending.media, work);
+            if passing != Rgb::ZERO {
+                work.add(light.layer, self.throughput * share * passing * arrival.radiance);
             }
         }
+    }
+
+    /// Puts off a ray that takes one of the bounces that are left, if it matters.
+    fn bounce(&self, ray: Ray, share: Rgb, media: Media, sees_lights: bool, work: &mut Work) -> bool {
+        let throughput = self.throughput * share;
+        let Some(left) = self.pending.left.checked_sub(1) else { return false };
+        if share == Rgb::ZERO || throughput.max_element() < self.tracer.quality.threshold {
+            return false;
+        }
+        work.pending.push(Pending { ray, throughput, left, media, sees_lights });
+        true
+    }
+
+    fn mirror(&self, dice: Dice, work: &mut Work) {
+        let lobes = &self.face.lobes;
+        if lobes.mirror == Rgb::ZERO {
+            return;
+        }
+        let mut direction = self.face.seen(&self.pending.ray).mirrored();
+        if lobes.fuzz > 0.0 {
+            let [_, u, v, w] = dice.sampler.four(Use::Scatter(dice.surface));
+            direction = Fuzz(f64::from(lobes.fuzz)).sample(direction, DVec3::new(u, v, w));
+        }
+        self.reflect(direction, lobes.mirror, lobes.fuzz == 0.0, work);
+    }
+
+    /// The metallic-roughness surface's reflection: in one of its small mirrors.
+    fn rough(&self, dice: Dice, work: &mut Work) {
+        let lobes = &self.face.lobes;
+        if lobes.microfacet == 0.0 {
+            return;
+        }
+        let seen = self.face.seen(&self.pending.ray);
+        let Some(microfacet) = seen.microfacet() else {
+            let fresnel = seen.metallic_fresnel(seen.normal().dot(seen.to_eye));
+            return self.reflect(seen.mirrored(), fresnel * lobes.microfacet, true, work);
+        };
+        let frame = Frame::around(seen.normal());
+        let eye = frame.to_local(seen.to_eye);
+        let [_, _, u, v] = dice.sampler.four(Use::Glossy(dice.surface));
+        let half = microfacet.sample(eye, DVec2::new(u, v));
+        let light = reflect(-eye, half);
+        if light.z <= 0.0 {
+            return;
+        }
+        let share = (microfacet.reflected(eye, light) / microfacet.density(eye, light)) as f32;
+        let fresnel = seen.metallic_fresnel(eye.dot(half));
+        self.reflect(frame.to_world(light), fresnel * (share * lobes.microfacet), false, work);
+    }
+
+    /// Puts off a reflection, unless it would lead below the surface.
+    fn reflect(&self, direction: DVec3, share: Rgb, sees_lights: bool, work: &mut Work) {
+        let surface = &self.face.surface;
+        let above = direction.dot(surface.normal) > 0.0;
+        if above && self.bounce(spawn(surface, direction), share, self.pending.media, sees_lights, work) {
+            work.counts.mirror += 1;
+        }
+    }
+
+    /// Straight on through what hides the surface, if anything does.
+    fn hidden(&self, work: &mut Work) -> bool {
+        let materials = &self.tracer.scene.shading.materials;
+        let boundary = self.pending.media.boundary(self.face.enclosure, self.face.outside, materials);
+        if boundary.hidden {
+            let ray = Tracer::straight_on(self.face, &self.pending.ray);
+            let (throughput, media) = (self.throughput, boundary.passed);
+            work.pending.push(Pending { ray, throughput, media, ..*self.pending });
+        }
+        boundary.hidden
+    }
+
+    /// Passing unbent takes no bounce.
+    fn transparent(&self, work: &mut Work) {
+        let throughput = self.throughput * self.face.lobes.transparency;
+        if throughput == Rgb::ZERO || throughput.max_element() < self.tracer.quality.threshold {
+            return;
+        }
+        work.counts.transmitted += 1;
+        let ray = Tracer::straight_on(self.face, &self.pending.ray);
+        let media = match self.face.material.refracts() {
+            true => self.boundary().passed,
+            false => self.pending.media,
+        };
+        work.pending.push(Pending { ray, throughput, media, ..*self.pending });
+    }
+
+    fn boundary(&self) -> super::media::Boundary {
+        let materials = &self.tracer.scene.shading.materials;
+        self.pending.media.boundary(self.face.enclosure, self.face.outside, materials)
+    }
+
+    fn refracted(&self, work: &mut Work) {
+        let share = self.face.lobes.refraction;
+        if share == Rgb::ZERO {
+            return;
+        }
+        let boundary = self.boundary();
+        let seen = self.face.seen(&self.pending.ray);
+        let eta = boundary.behind.ior / boundary.before.ior;
+        let direction = self.pending.ray.direction;
+        let Some((bent, cosine)) = refract(direction, seen.normal(), eta) else {
+            return self.reflect(seen.mirrored(), share, true, work);
+        };
+        let before = -direction.dot(seen.normal());
+        let reflected = self.face.material.fresnel.reflectance(before, cosine, eta) as f32;
+        let ray = spawn(&self.face.surface, bent);
+        if self.bounce(ray, share * (1.0 - reflected), boundary.passed, true, work) {
+            work.counts.transmitted += 1;
+        }
+        // A boundary reflects all colours alike, whatever colour it lets pass.
+        self.reflect(seen.mirrored(), Rgb::splat(share.max_element() * reflected), true, work);
     }
 }

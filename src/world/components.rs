@@ -27,6 +27,10 @@ pub struct MadeOf(pub u32);
 #[derive(Clone, Copy, Component, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FileOrder(pub u32);
 
+/// Marks lights that can be seen themselves: they are part of the geometry.
+#[derive(Clone, Copy, Component, Debug)]
+pub struct AreaLight;
+
 /// What an entity's layer of the film is weighted with. Lights are switched by this value: no component
 /// comes or goes.
 #[derive(Clone, Copy, Component, Debug, PartialEq)]

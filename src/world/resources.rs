@@ -1,10 +1,12 @@
 //! What there is one of.
 
-use crate::light::Glow;
+use crate::environment::SkyTable;
+use crate::glow::Glow;
 use crate::time::Clock;
 use crate::track::Animated;
 use bevy_ecs::entity::Entity;
 use bevy_ecs::resource::Resource;
+use std::sync::Arc;
 
 /// The moment that the world shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Resource)]
@@ -19,6 +21,10 @@ pub struct Current<T: Send + Sync + 'static>(pub T);
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Hierarchy(pub Vec<(Entity, Option<Entity>)>);
 
+/// The objects in the file's order.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct Objects(pub Vec<Entity>);
+
 /// The cameras in the file's order, and which of them is looked through.
 #[derive(Clone, Debug, Resource)]
 pub struct ActiveCamera {
@@ -26,10 +32,10 @@ pub struct ActiveCamera {
     pub index: Animated<usize>,
 }
 
-/// Background and ambient light, and how many layers of the film all light takes.
-#[derive(Clone, Copy, Debug, Resource)]
+/// The ambient light, where the sky is bright, and how many layers of the film all light takes.
+#[derive(Clone, Debug, Resource)]
 pub struct Glows {
-    pub background: Glow,
     pub ambient: Glow,
+    pub sky_table: Option<Arc<SkyTable>>,
     pub layers: usize,
 }

@@ -1,40 +1,72 @@
 //! From a sequence to entities, each with its values at the sequence's first moment.
 
 use super::{
-    ActiveCamera, FileOrder, Glows, Hierarchy, MadeOf, Now, Transform, Visible, VisibleTrack, Weight,
+    ActiveCamera, AreaLight, FileOrder, Glows, Hierarchy, MadeOf, Now, Objects, Transform, Visible,
+    VisibleTrack, Weight,
 };
 use crate::color::Rgb;
+use crate::film::LayerId;
 use crate::layers::Layers;
-use crate::light::{Glow, Light};
+use crate::environment::SkyTable;
+use crate::glow::{Dimmer, Glow};
+use crate::light::{Light, Source};
 use crate::math::DAffine3;
 use crate::sequence::Sequence;
 use crate::track::Animated;
 use bevy_ecs::entity::Entity;
-use bevy_ecs::world::World;
+use bevy_ecs::world::{EntityWorldMut, World};
+use std::sync::Arc;
 
 /// A world of the sequence. Everything counts as changed until the first frame has been made.
 pub fn spawn(sequence: &Sequence) -> World {
     let mut world = World::new();
     let mut layers = Layers::new();
     world.insert_resource(Now(sequence.timeline.clock(0)));
-    let background = spawn_glow(&mut world, &mut layers, &sequence.background);
-    let ambient = spawn_glow(&mut world, &mut layers, &sequence.ambient);
+    spawn_environment(&mut world, &mut layers, sequence);
+    let ambient = spawn_ambient(&mut world, &mut layers, &sequence.ambient);
     spawn_lights(&mut world, &mut layers, sequence);
-    spawn_materials(&mut world, sequence);
+    spawn_materials(&mut world, &mut layers, sequence);
+    spawn_fog(&mut world, &mut layers, sequence);
     spawn_cameras(&mut world, sequence);
     spawn_objects(&mut world, sequence);
-    world.insert_resource(Glows { background, ambient, layers: layers.count() });
+    let sky_table = sequence.quality.integrator.looks_for_lights().then(|| table(sequence)).flatten();
+    world.insert_resource(Glows { ambient, sky_table, layers: layers.count() });
     world
 }
 
-/// A keyed glow gets an entity that holds its weight.
-fn spawn_glow(world: &mut World, layers: &mut Layers, color: &Animated<Rgb>) -> Glow {
+/// Where the sky is bright. No key changes that.
+fn table(sequence: &Sequence) -> Option<Arc<SkyTable>> {
+    let environment = sequence.background.at(sequence.timeline.clock(0).time, LayerId::CONSTANT);
+    SkyTable::new(&environment.sky).map(Arc::new)
+}
+
+/// Gives what is keyed its weight. What never changes needs none.
+fn weigh(entity: &mut EntityWorldMut<'_>, dimmer: Dimmer, layer: LayerId) {
+    if !dimmer.is_constant() {
+        entity.insert((dimmer, Weight { layer, value: Rgb::ONE }));
+    }
+}
+
+fn spawn_ambient(world: &mut World, layers: &mut Layers, color: &Animated<Rgb>) -> Glow {
     let (radiance, dimmer) = Glow::split(color);
     let layer = layers.of(&dimmer);
-    if !dimmer.is_constant() {
-        world.spawn((dimmer, Weight { layer, value: Rgb::ONE }));
-    }
+    weigh(&mut world.spawn_empty(), dimmer, layer);
     Glow { radiance, layer }
+}
+
+fn spawn_environment(world: &mut World, layers: &mut Layers, sequence: &Sequence) {
+    let (tracks, dimmer) = (&sequence.background, sequence.background.dimmer());
+    let layer = layers.of(&dimmer);
+    let environment = tracks.at(sequence.timeline.clock(0).time, layer);
+    weigh(&mut world.spawn((environment, tracks.clone())), dimmer, layer);
+}
+
+fn spawn_fog(world: &mut World, layers: &mut Layers, sequence: &Sequence) {
+    let Some(tracks) = &sequence.fog else { return };
+    let (radiance, dimmer) = tracks.split();
+    let layer = layers.of(&dimmer);
+    let fog = tracks.at(sequence.timeline.clock(0).time, Glow { radiance, layer });
+    weigh(&mut world.spawn((fog, tracks.clone())), dimmer, layer);
 }
 
 fn spawn_lights(world: &mut World, layers: &mut Layers, sequence: &Sequence) {
@@ -42,19 +74,23 @@ fn spawn_lights(world: &mut World, layers: &mut Layers, sequence: &Sequence) {
     for (order, light) in (0..).zip(&sequence.lights) {
         let (tracks, dimmer) = (&light.value, light.value.dimmer());
         let layer = layers.of(&dimmer);
-        let light =
-            Light { position: tracks.kind.position(start), radiance: tracks.constant_radiance(), layer };
+        let source = tracks.kind.at(start);
+        let light = Light { source, radiance: tracks.constant_radiance(), layer };
         let mut entity = world.spawn((FileOrder(order), light, tracks.clone()));
-        if !dimmer.is_constant() {
-            entity.insert((dimmer, Weight { layer, value: Rgb::ONE }));
+        if matches!(source, Source::Sphere(_) | Source::Rectangle { .. }) {
+            entity.insert(AreaLight);
         }
+        weigh(&mut entity, dimmer, layer);
     }
 }
 
-fn spawn_materials(world: &mut World, sequence: &Sequence) {
+fn spawn_materials(world: &mut World, layers: &mut Layers, sequence: &Sequence) {
     let start = sequence.timeline.clock(0).time;
     for (order, material) in (0..).zip(&sequence.materials) {
-        world.spawn((FileOrder(order), material.value.at(start), material.value.clone()));
+        let (_, dimmer) = material.value.emission_split();
+        let layer = layers.of(&dimmer);
+        let now = material.value.at(start, layer);
+        weigh(&mut world.spawn((FileOrder(order), now, material.value.clone())), dimmer, layer);
     }
 }
 
@@ -72,6 +108,7 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
         let made_of = MadeOf(object.material as u32);
         entities.push(world.spawn((FileOrder(order), object.shape.clone(), made_of, placed, tracks)).id());
     }
+    world.insert_resource(Objects(entities.clone()));
     let hierarchy = parents_first(sequence);
     let pair = |i: usize| (entities[i], sequence.objects[i].value.parent.map(|parent| entities[parent]));
     let hierarchy: Vec<(Entity, Option<Entity>)> = hierarchy.into_iter().map(pair).collect();

@@ -1,26 +1,6 @@
-//! Materials: how much of each lobe a surface has.
+//! Highlights: their shape and their exponent.
 
-use crate::color::Rgb;
 use crate::math::power;
-use crate::time::Time;
-use crate::track::Animated;
-use bevy_ecs::component::Component;
-
-/// What a surface does with light at one moment. A lobe's colour is its strength times its tint; black means
-/// that the lobe is absent.
-#[derive(Clone, Copy, Component, Debug, PartialEq)]
-pub struct Material {
-    /// Reflected share of the scene's ambient light.
-    pub ambient: Rgb,
-    /// Lambertian reflectance: a facing light of intensity 1 gives radiance `diffuse`.
-    pub diffuse: Rgb,
-    /// Radiance at the centre of the highlight of a light of intensity 1.
-    pub specular: Rgb,
-    /// Reflected share of what a mirror shows.
-    pub mirror: Rgb,
-    pub highlight: Highlight,
-    pub shininess: Exponent,
-}
 
 /// The shape of the highlight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -62,44 +42,6 @@ impl Exponent {
         match self {
             Self::Whole(n) => power(cosine, n),
             Self::Real(n) => libm::pow(cosine, n),
-        }
-    }
-}
-
-/// A lobe over time: a strength (at least 0) times a tint.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Lobe {
-    pub strength: Animated<f64>,
-    pub tint: Animated<Rgb>,
-}
-
-/// A material over time.
-#[derive(Clone, Component, Debug, PartialEq)]
-pub struct MaterialTracks {
-    pub ambient: Lobe,
-    pub diffuse: Lobe,
-    pub specular: Lobe,
-    pub mirror: Lobe,
-    pub highlight: Highlight,
-    pub shininess: Animated<f64>,
-}
-
-impl Lobe {
-    pub fn at(&self, time: Time) -> Rgb {
-        // An easing that overshoots must not turn reflectance negative.
-        self.tint.at(time).max(Rgb::ZERO) * self.strength.at(time).max(0.0) as f32
-    }
-}
-
-impl MaterialTracks {
-    pub fn at(&self, time: Time) -> Material {
-        Material {
-            ambient: self.ambient.at(time),
-            diffuse: self.diffuse.at(time),
-            specular: self.specular.at(time),
-            mirror: self.mirror.at(time),
-            highlight: self.highlight,
-            shininess: Exponent::new(self.shininess.at(time).max(0.0)),
         }
     }
 }

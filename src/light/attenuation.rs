@@ -1,0 +1,43 @@
+//! How light grows fainter with distance.
+
+/// The share min(1, 1 / (`constant` + `linear`·d + `quadratic`·d²)) of the light arrives at distance d. Each
+/// part is at least 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attenuation {
+    pub constant: f64,
+    pub linear: f64,
+    pub quadratic: f64,
+}
+
+/// As bright far away as near.
+impl Default for Attenuation {
+    fn default() -> Self {
+        Self { constant: 1.0, linear: 0.0, quadratic: 0.0 }
+    }
+}
+
+impl Attenuation {
+    pub fn share(&self, distance: f64) -> f64 {
+        let fades = self.linear > 0.0 || self.quadratic > 0.0;
+        let divisor = if fades {
+            self.constant + distance * (self.linear + distance * self.quadratic)
+        } else {
+            self.constant
+        };
+        // Also for a divisor of 0, at the light itself.
+        if divisor <= 1.0 { 1.0 } else { 1.0 / divisor }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn never_more_than_all() {
+        let square = Attenuation { constant: 0.0, linear: 0.0, quadratic: 1.0 };
+        assert_eq!([0.0, 0.5, 1.0, 2.0, 10.0].map(|d| square.share(d)), [1.0, 1.0, 1.0, 0.25, 0.01]);
+        assert_eq!(Attenuation::default().share(f64::INFINITY), 1.0);
+        assert_eq!(Attenuation { constant: 2.0, linear: 1.0, quadratic: 0.0 }.share(2.0), 0.25);
+    }
+}

@@ -1,0 +1,70 @@
+//! The lobes of a material at one point, as numbers.
+
+use crate::color::Rgb;
+
+/// How much of each lobe there is: strength times tint. Black means that the lobe is absent.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lobes {
+    /// Radiance that the surface gives off by itself, as if its layer's weight were 1.
+    pub emission: Rgb,
+    /// Reflected share of the scene's ambient light.
+    pub ambient: Rgb,
+    /// Lambertian reflectance: a facing light of intensity 1 gives radiance `diffuse`.
+    pub diffuse: Rgb,
+    /// Radiance at the centre of the highlight of a light of intensity 1.
+    pub specular: Rgb,
+    /// Reflected share of what a mirror shows.
+    pub mirror: Rgb,
+    /// How far the mirror scatters, 0..=1.
+    pub fuzz: f32,
+    /// Share that passes unbent.
+    pub transparency: Rgb,
+    /// Share that passes bent.
+    pub refraction: Rgb,
+    /// Share of the metallic-roughness surface (the model of glTF 2.0), and its parameters, 0..=1.
+    pub microfacet: f32,
+    pub base: Rgb,
+    pub metallic: f32,
+    pub roughness: f32,
+}
+
+/// A lobe, or a parameter of one, that paint may vary over a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slot {
+    Emission,
+    Ambient,
+    Diffuse,
+    Specular,
+    Mirror,
+    Fuzz,
+    Transparency,
+    Refraction,
+    Base,
+    Metallic,
+    Roughness,
+}
+
+impl Lobes {
+    /// Multiplies a slot by a colour; a slot that is one number by the colour's mean.
+    pub fn tint(&mut self, slot: Slot, color: Rgb) {
+        let grey = color.element_sum() / 3.0;
+        match slot {
+            Slot::Emission => self.emission *= color,
+            Slot::Ambient => self.ambient *= color,
+            Slot::Diffuse => self.diffuse *= color,
+            Slot::Specular => self.specular *= color,
+            Slot::Mirror => self.mirror *= color,
+            Slot::Fuzz => self.fuzz = (self.fuzz * grey).min(1.0),
+            Slot::Transparency => self.transparency *= color,
+            Slot::Refraction => self.refraction *= color,
+            Slot::Base => self.base *= color,
+            Slot::Metallic => self.metallic = (self.metallic * grey).min(1.0),
+            Slot::Roughness => self.roughness = (self.roughness * grey).min(1.0),
+        }
+    }
+
+    /// Whether a light can be seen by its reflection in the lobes that scatter.
+    pub fn reflects_lights(&self) -> bool {
+        self.diffuse != Rgb::ZERO || self.specular != Rgb::ZERO || self.microfacet > 0.0 || self.fuzz > 0.0
+    }
+}

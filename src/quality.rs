@@ -1,0 +1,69 @@
+//! How much work goes into a picture.
+
+/// What every sequence settles about the work per pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quality {
+    pub integrator: Integrator,
+    /// Longest chain of mirror reflections, refractions and, along paths, scattering.
+    pub bounces: u32,
+    /// Samples per pixel along each axis of a regular grid, at least 1, where nothing is random.
+    pub antialias: u32,
+    /// Samples per pixel where a lens, an area light, motion blur, a rough surface or paths ask for random
+    /// ones; at least 1.
+    pub samples: u32,
+    /// Rays that would add less than this share to the picture are not followed.
+    pub threshold: f32,
+    /// Upper limit of the radiance of one sample in each layer: none keeps every sample as it is.
+    pub clamp: Option<f32>,
+    /// Moments per frame at which motion is looked at while the shutter is open, at least 1.
+    pub shutter_steps: u32,
+    /// Another seed gives other noise.
+    pub seed: u32,
+}
+
+/// How light is followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Integrator {
+    /// Whitted's: at every surface the lights, and on along mirrors and through what is transparent.
+    Whitted,
+    /// Monte Carlo over paths of light.
+    Path(PathSettings),
+}
+
+/// What only paths need to know.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathSettings {
+    /// Bounces after which dim paths may end at random; none lets every path run to its end.
+    pub roulette: Option<u32>,
+    /// Whether shadow rays pass what refracts, unbent. Light that refracted paths would find behind it is left
+    /// out then, so that nothing counts twice.
+    pub refractive_shadows: bool,
+}
+
+impl Integrator {
+    /// Whether light is also found by what it shines on, so that it pays to know where it comes from.
+    pub fn looks_for_lights(&self) -> bool {
+        matches!(self, Self::Path(_))
+    }
+}
+
+impl Default for PathSettings {
+    fn default() -> Self {
+        Self { roulette: Some(3), refractive_shadows: false }
+    }
+}
+
+impl Default for Quality {
+    fn default() -> Self {
+        Self {
+            integrator: Integrator::Whitted,
+            bounces: 5,
+            antialias: 2,
+            samples: 64,
+            threshold: 1e-3,
+            clamp: None,
+            shutter_steps: 32,
+            seed: 0,
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! Path tracing: one path per sample, light asked for at every surface (next-event estimation), weighed
+//! against light that is met by chance (multiple importance sampling, Veach 1997), with Russian roulette.
+//!
+//! Ambient light counts as emission, and highlights show lights only. Mirrors, boundaries and what is
+//! transparent are followed as they are; only unbent transparency lets shadow rays pass.
+
+use super::lights::seen;
+use super::luminaires::Luminaires;
+use super::media::Media;
+use super::scatter::{Scatter, scatter, scatter_density};
+use super::spawn::spawn;
+use super::tracer::{Dice, Face, Met, Tracer, Work};
+use crate::camera::Ray;
+use crate::color::Rgb;
+use crate::math::DVec3;
+use crate::quality::PathSettings;
+use crate::sampling::Use;
+
+/// The integrator over one frame's scene.
+pub struct Paths<'a> {
+    luminaires: Luminaires<'a>,
+    settings: PathSettings,
+}
+
+/// Where a path is.
+struct Path {
+    ray: Ray,
+    throughput: Rgb,
+    media: Media,
+    /// Bounces that are left.
+    left: u32,
+    /// Where the direction was drawn, and with which density per solid angle; none where there was no choice.
+    drawn: Option<(DVec3, f64)>,
+    /// Whether a surface has scattered the path before.
+    scattered: bool,
+    /// Whether light that is met now has been counted by a shadow ray through what refracts.
+    counted: bool,
+}
+
+impl<'a> Paths<'a> {
+    pub fn new(tracer: &Tracer<'a>, settings: PathSettings) -> Self {
+        Self { luminaires: Luminaires::new(tracer), settings }
+    }
+
+    /// Adds what is seen along a camera's ray to `work`.
+    pub fn follow(&self, tracer: &Tracer, ray: Ray, mut dice: Dice, work: &mut Work) {
+        let mut path = Path {
+            ray,
+            throughput: Rgb::ONE,
+            media: Media::default(),
+            left: tracer.quality.bounces,
+            drawn: None,
+            scattered: false,
+            counted: false,
+        };
+        while self.step(tracer, &mut path, dice, work) {
+            dice.surface += 1;
+        }
+    }
+
+    /// Goes on to the next surface and from there; false at the path's end.
+    fn step(&self, tracer: &Tracer, path: &mut Path, dice: Dice, work: &mut Work) -> bool {
+        match tracer.advance(&path.ray, &path.media, &mut path.throughput, work) {
+            Met::Nothing => {
+                let weight = self.met_weight(path, |_| self.luminaires.sky_density(tracer, path.ray.direction));
+                tracer.add_sky(&path.ray, path.throughput * weight, work);
+                false
+            }
+            Met::Light { index, outside, surface, hit } => {
+                let light = &tracer.scene.shading.lights[index as usize];
+                let density = |from| self.luminaires.density(tracer, from, &hit, &surface);
+                let weight = self.met_weight(path, density);
+                work.add(light.layer, path.throughput * seen(light, outside) * weight);
+                false
+            }
+            Met::Surface(face) => self.at_surface(tracer, path, &face, dice, work),
+        }
+    }
+
+    /// What light that was met counts, against the density with which it was asked for: the balance heuristic.
+    fn met_weight(&self, path: &Path, asked: impl Fn(DVec3) -> f64) -> f32 {
+        match path.drawn {
+            _ if path.counted => 0.0,
+            None => 1.0,
+            Some((from, density)) => (density / (density + asked(from))) as f32,
+        }
+    }
+
+    fn at_surface(
+        &self,
+        tracer: &Tracer,
+        path: &mut Path,
+        face: &Face,
+        dice: Dice,
+        work: &mut Work,
+    ) -> bool {
+        let materials = &tracer.scene.shading.materials;
+        let refracts = face.material.refracts();
+        let boundary = refracts.then(|| path.media.boundary(face.enclosure, face.outside, materials));
+        if let Some(boundary) = boundary.filter(|boundary| boundary.hidden) {
+            path.ray = Tracer::straight_on(face, &path.ray);
+            path.media = boundary.passed;
+            return true;
+        }
+        let density = |from| self.luminaires.density(tracer, from, &face.hit, &face.surface);
+        tracer.add_own(face, path.throughput, self.met_weight(path, density), work);
+        self.ask_for_light(tracer, path, face, dice, work);
+        let seen = face.seen(&path.ray);
+        let u = dice.sampler.four(Use::Scatter(dice.surface));
+        let Some(next) = scatter(&seen, boundary.as_ref(), u) else { return false };
+        self.go_on(path, face, &next, work) && self.survives(tracer, path, dice)
+    }
+
+    /// Light from every layer's sources, as far as it arrives.
+    fn ask_for_light(&self, tracer: &Tracer, path: &Path, face: &Face, dice: Dice, work: &mut Work) {
+        if !face.lobes.reflects_lights() {
+            return;
+        }
+        let seen = face.seen(&path.ray);
+        self.luminaires.ask(tracer, &seen, dice, |asked| {
+            let arrival = &asked.arrival;
+            let (scattered, highlight) = seen.reflected(arrival.direction);
+            // At the last surface of a path nothing is met by chance any more.
+            let met = if path.left > 0 { scatter_density(&seen, arrival.direction) } else { 0.0 };
+            let weight = arrival.density.map_or(1.0, |density| density / (density + met)) as f32;
+            let share = scattered * weight + highlight;
+            if share == Rgb::ZERO || arrival.radiance == Rgb::ZERO {
+                return;
+            }
+            let passing = tracer.passing(arrival, seen.surface, &path.media, work);
+            if passing != Rgb::ZERO {
+                work.add(asked.layer, path.throughput * share * passing * arrival.radiance);
+            }
+        });
+    }
+
+    fn go_on(&self, path: &mut Path, face: &Face, next: &Scatter, work: &mut Work) -> bool {
+        path.throughput *= next.share;
+        if path.throughput == Rgb::ZERO {
+            return false;
+        }
+        path.ray = spawn(&face.surface, next.direction);
+        path.media = next.media.unwrap_or(path.media);
+        match next.kind {
+            // Straight on: what was drawn before still leads there, and no bounce is taken.
+            super::scatter::Kind::Unbent => {
+                work.counts.transmitted += 1;
+                return true;
+            }
+            super::scatter::Kind::Bent => {
+                work.counts.transmitted += 1;
+                path.counted = path.counted || (self.settings.refractive_shadows && path.scattered);
+            }
+            super::scatter::Kind::Mirrored => work.counts.mirror += 1,
+            super::scatter::Kind::Scattered => {
+                work.counts.scattered += 1;
+                path.scattered = true;
+                path.counted = false;
+            }
+        }
+        path.drawn = next.density.map(|density| (face.surface.point, density));
+        let left = path.left.checked_sub(1);
+        path.left = left.unwrap_or(0);
+        left.is_some()
+    }
+
+    /// Russian roulette: dim paths end at random, and those that go on make up for them.
+    fn survives(&self, tracer: &Tracer, path: &mut Path, dice: Dice) -> bool {
+        let Some(after) = self.settings.roulette else { return true };
+        if tracer.quality.bounces - path.left <= after {
+            return true;
+        }
+        let chance = path.throughput.max_element().min(0.95);
+        if dice.sampler.two(Use::Roulette(dice.surface)).x >= f64::from(chance) {
+            return false;
+        }
+        path.throughput /= chance;
+        true
+    }
+}

@@ -1,0 +1,127 @@
+//! A pixel: its samples, and their mean.
+
+use super::path::Paths;
+use super::tracer::{Dice, Tracer, Work};
+use super::{Moment, TraceSettings, whitted};
+use crate::bvh::Bvh;
+use crate::counters::Dropped;
+use crate::filter::FilterSampler;
+use crate::math::{DVec2, DVec3};
+use crate::quality::Integrator;
+use crate::sampling::{Sampler, Use};
+use crate::scene::{Finish, Scene};
+
+/// A frame's scene with all that its pixels have in common.
+pub struct Pixels<'a> {
+    pub settings: &'a TraceSettings,
+    pub moment: Moment,
+    tracer: Tracer<'a>,
+    /// None for Whitted's integrator.
+    paths: Option<Paths<'a>>,
+    filter: FilterSampler,
+    /// Whether samples are drawn at random; else they stand on a regular grid.
+    random: bool,
+}
+
+impl<'a> Pixels<'a> {
+    pub fn new(scene: &'a Scene<'a>, bvh: &'a Bvh, settings: &'a TraceSettings, moment: Moment) -> Self {
+        let quality = &settings.quality;
+        let refractive_shadows = match quality.integrator {
+            Integrator::Whitted => true,
+            Integrator::Path(path) => path.refractive_shadows,
+        };
+        let tracer = Tracer::new(scene, bvh, quality, refractive_shadows);
+        let paths = match quality.integrator {
+            Integrator::Whitted => None,
+            Integrator::Path(path) => Some(Paths::new(&tracer, path)),
+        };
+        let random = paths.is_some() || moment.of > 1 || calls_for_samples(scene, &tracer);
+        let filter = FilterSampler::new(quality.filter);
+        Self { settings, moment, tracer, paths, filter, random }
+    }
+
+    /// Adds a pixel's layers to `sums`: the mean of its samples or, of several moments, this moment's part of
+    /// it.
+    pub fn trace(&self, pixel: (u32, u32), sums: &mut [DVec3], work: &mut Work) {
+        let quality = &self.settings.quality;
+        let samples = if self.random { quality.samples } else { quality.antialias * quality.antialias };
+        for sample in 0..samples {
+            let sampler = Sampler::new(pixel, sample, quality.seed);
+            if self.moment.of > 1 && self.moment_of(&sampler) != self.moment.index {
+                continue;
+            }
+            let (inside, lens) = self.place(sample, &sampler);
+            self.sample(pixel, inside, lens, sampler, work);
+            self.take(sums, work);
+        }
+        for sum in sums {
+            *sum /= f64::from(samples);
+        }
+    }
+
+    /// The moment that a sample looks at.
+    fn moment_of(&self, sampler: &Sampler) -> u32 {
+        (sampler.two(Use::Shutter).x * f64::from(self.moment.of)) as u32
+    }
+
+    /// Where in the unit square a sample lies before the filter spreads it, and where on the lens.
+    fn place(&self, sample: u32, sampler: &Sampler) -> (DVec2, DVec2) {
+        if self.random {
+            let [x, y, u, v] = sampler.four(Use::Camera);
+            return (DVec2::new(x, y), DVec2::new(u, v));
+        }
+        let n = self.settings.quality.antialias;
+        let cell = DVec2::new(f64::from(sample % n), f64::from(sample / n));
+        ((cell + DVec2::splat(0.5)) / f64::from(n), DVec2::ZERO)
+    }
+
+    fn sample(&self, (x, y): (u32, u32), inside: DVec2, lens: DVec2, sampler: Sampler, work: &mut Work) {
+        let (width, height) = (f64::from(self.settings.size.0), f64::from(self.settings.size.1));
+        let offset = DVec2::new(self.filter.offset(inside.x), self.filter.offset(inside.y));
+        let at = DVec2::new(f64::from(x), f64::from(y)) + (offset + DVec2::splat(0.5));
+        // Square pixels: both axes in units of half the picture's height, from its centre.
+        let screen = DVec2::new(2.0 * at.x - width, height - 2.0 * at.y) / height;
+        let ray = self.tracer.scene.camera.ray(screen, lens);
+        work.counts.rays.camera += 1;
+        let dice = Dice { sampler, surface: 0 };
+        match &self.paths {
+            None => whitted::follow(&self.tracer, ray, dice, work),
+            Some(paths) => paths.follow(&self.tracer, ray, dice, work),
+        }
+    }
+
+    /// Adds the sample in hand to the sums, but for what is no light: one such number would spoil the pixel.
+    fn take(&self, sums: &mut [DVec3], work: &mut Work) {
+        let limit = self.settings.quality.clamp.map(f64::from);
+        for (sum, sample) in sums.iter_mut().zip(&mut work.layers) {
+            let sample = std::mem::take(sample);
+            if sample.is_finite() && sample.min_element() >= 0.0 {
+                *sum += limit.map_or(sample, |limit| sample.min(DVec3::splat(limit)));
+            } else {
+                count(sample, &mut work.counts.dropped);
+            }
+        }
+    }
+}
+
+fn count(sample: DVec3, dropped: &mut Dropped) {
+    if sample.is_nan() {
+        dropped.undefined += 1;
+    } else if !sample.is_finite() {
+        dropped.infinite += 1;
+    } else {
+        dropped.negative += 1;
+    }
+}
+
+/// Whether anything in the scene has to be sampled even where rays branch.
+fn calls_for_samples(scene: &Scene, tracer: &Tracer) -> bool {
+    let rough = || {
+        scene.geometry.primitives.iter().any(|primitive| match primitive.finish {
+            Finish::Material(index) => scene.shading.materials[index as usize].is_rough(),
+            Finish::Light(_) => false,
+        })
+    };
+    let area = || tracer.lights.iter().any(|(_, light)| light.source.is_sampled());
+    scene.camera.lens.is_some() || area() || rough()
+}

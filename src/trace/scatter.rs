@@ -1,0 +1,174 @@
+//! Where a path goes on from a surface: one lobe is drawn by its strength, then a direction in it.
+
+use super::media::{Boundary, Media};
+use super::shade::Seen;
+use crate::color::Rgb;
+use crate::math::{DVec2, DVec3};
+use crate::optics::{Fuzz, reflect, refract};
+use crate::sampling::{Frame, cosine_hemisphere};
+use std::f64::consts::PI;
+
+/// How a path goes on.
+#[derive(Clone, Copy, Debug)]
+pub struct Scatter {
+    pub direction: DVec3,
+    /// What the path's throughput is multiplied with.
+    pub share: Rgb,
+    /// Density per solid angle of the direction; none where there was no choice.
+    pub density: Option<f64>,
+    pub kind: Kind,
+    /// What the ray is inside of, if that changes.
+    pub media: Option<Media>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Mirrored,
+    Unbent,
+    Bent,
+    Scattered,
+}
+
+/// The chances of a surface's lobes.
+struct Chances {
+    diffuse: f64,
+    /// The boundary of a metallic-roughness surface.
+    shine: f64,
+    mirror: f64,
+    transparent: f64,
+    refracted: f64,
+}
+
+impl Chances {
+    fn of(seen: &Seen) -> Self {
+        let lobes = seen.lobes;
+        let microfacet = f64::from(lobes.microfacet);
+        let fresnel = seen.metallic_fresnel(seen.normal().dot(seen.to_eye));
+        let below = if microfacet > 0.0 { f64::from(seen.rough_base().max_element()) } else { 0.0 };
+        let chances = Self {
+            diffuse: f64::from(lobes.diffuse.max_element()) + below * microfacet,
+            shine: f64::from(fresnel.max_element()) * microfacet,
+            mirror: f64::from(lobes.mirror.max_element()),
+            transparent: f64::from(lobes.transparency.max_element()),
+            refracted: f64::from(lobes.refraction.max_element()),
+        };
+        let sum = chances.diffuse + chances.shine + chances.mirror + chances.transparent + chances.refracted;
+        if sum == 0.0 {
+            return chances;
+        }
+        Self {
+            diffuse: chances.diffuse / sum,
+            shine: chances.shine / sum,
+            mirror: chances.mirror / sum,
+            transparent: chances.transparent / sum,
+            refracted: chances.refracted / sum,
+        }
+    }
+}
+
+/// The next direction, for four numbers in 0..1; none where the path ends.
+pub fn scatter(seen: &Seen, boundary: Option<&Boundary>, [choice, u, v, w]: [f64; 4]) -> Option<Scatter> {
+    let chances = Chances::of(seen);
+    let mut rest = choice;
+    // Which share of the numbers falls to a lobe: what is left of them is uniform again.
+    let mut falls_to = |chance: f64| {
+        if rest < chance {
+            rest /= chance;
+            return true;
+        }
+        rest -= chance;
+        false
+    };
+    if falls_to(chances.diffuse) {
+        let direction = Frame::around(seen.normal()).to_world(cosine_hemisphere(DVec2::new(u, v)));
+        return drawn(seen, &chances, direction);
+    }
+    if falls_to(chances.shine) {
+        return shine(seen, &chances, DVec2::new(u, v));
+    }
+    if falls_to(chances.mirror) {
+        let (mirrored, fuzz) = (seen.mirrored(), f64::from(seen.lobes.fuzz));
+        if fuzz > 0.0 {
+            return drawn(seen, &chances, Fuzz(fuzz).sample(mirrored, DVec3::new(u, v, w)));
+        }
+        return mirror(seen, mirrored, seen.lobes.mirror / chances.mirror as f32);
+    }
+    if falls_to(chances.transparent) {
+        return Some(Scatter {
+            direction: -seen.to_eye,
+            share: seen.lobes.transparency / chances.transparent as f32,
+            density: None,
+            kind: Kind::Unbent,
+            media: boundary.map(|boundary| boundary.passed),
+        });
+    }
+    // What rounding leaves over falls to the last lobe.
+    boundary.filter(|_| chances.refracted > 0.0).and_then(|boundary| bent(seen, boundary, &chances, rest))
+}
+
+/// A mirror's reflection, unless it would lead below the surface.
+fn mirror(seen: &Seen, direction: DVec3, share: Rgb) -> Option<Scatter> {
+    let above = seen.surface.normal.dot(direction) > 0.0;
+    above.then_some(Scatter { direction, share, density: None, kind: Kind::Mirrored, media: None })
+}
+
+/// The metallic-roughness surface's reflection, in one of its small mirrors.
+fn shine(seen: &Seen, chances: &Chances, u: DVec2) -> Option<Scatter> {
+    let Some(microfacet) = seen.microfacet() else {
+        let fresnel = seen.metallic_fresnel(seen.normal().dot(seen.to_eye));
+        return mirror(seen, seen.mirrored(), fresnel * (seen.lobes.microfacet / chances.shine as f32));
+    };
+    let frame = Frame::around(seen.normal());
+    let eye = frame.to_local(seen.to_eye);
+    let light = reflect(-eye, microfacet.sample(eye, u));
+    drawn(seen, chances, frame.to_world(light))
+}
+
+/// A direction that more than one lobe may have given, weighed by all of them.
+fn drawn(seen: &Seen, chances: &Chances, direction: DVec3) -> Option<Scatter> {
+    let density = density_of(seen, chances, direction);
+    let (scattered, _) = seen.reflected(direction);
+    if density <= 0.0 || scattered == Rgb::ZERO {
+        return None;
+    }
+    let share = scattered * (1.0 / (PI * density)) as f32;
+    Some(Scatter { direction, share, density: Some(density), kind: Kind::Scattered, media: None })
+}
+
+/// The density per solid angle with which [`scatter`] gives a direction, but for those without a choice.
+pub fn scatter_density(seen: &Seen, direction: DVec3) -> f64 {
+    density_of(seen, &Chances::of(seen), direction)
+}
+
+fn density_of(seen: &Seen, chances: &Chances, direction: DVec3) -> f64 {
+    let mut density = chances.diffuse * seen.diffuse_density(direction);
+    if chances.shine > 0.0 {
+        if let Some(microfacet) = seen.microfacet() {
+            let frame = Frame::around(seen.normal());
+            let (eye, light) = (frame.to_local(seen.to_eye), frame.to_local(direction));
+            if light.z > 0.0 {
+                density += chances.shine * microfacet.density(eye, light);
+            }
+        }
+    }
+    if seen.lobes.fuzz > 0.0 && chances.mirror > 0.0 {
+        density += chances.mirror * Fuzz(f64::from(seen.lobes.fuzz)).density(seen.mirrored(), direction);
+    }
+    density
+}
+
+/// Into what lies behind a boundary, or back from it, by the share that it reflects.
+fn bent(seen: &Seen, boundary: &Boundary, chances: &Chances, choice: f64) -> Option<Scatter> {
+    let eta = boundary.behind.ior / boundary.before.ior;
+    let (direction, normal) = (-seen.to_eye, seen.normal());
+    let share = seen.lobes.refraction / chances.refracted as f32;
+    let Some((direction, cosine)) = refract(direction, normal, eta) else {
+        return mirror(seen, seen.mirrored(), share);
+    };
+    let reflected = seen.material.fresnel.reflectance(seen.to_eye.dot(normal), cosine, eta);
+    if choice < reflected {
+        // A boundary reflects all colours alike, whatever colour it lets pass.
+        return mirror(seen, seen.mirrored(), Rgb::splat(share.max_element()));
+    }
+    Some(Scatter { direction, share, density: None, kind: Kind::Bent, media: Some(boundary.passed) })
+}

@@ -1,0 +1,248 @@
+//! What both integrators share: the frame's scene with all that is constant resolved, and one sample's state.
+
+use super::lights::Arrival;
+use super::media::{Enclosure, Media};
+use super::shade::Seen;
+use super::spawn::spawn;
+use crate::bvh::{Bvh, Hit};
+use crate::camera::Ray;
+use crate::color::Rgb;
+use crate::counters::RayCounts;
+use crate::environment::Environment;
+use crate::film::LayerId;
+use crate::fog::Fog;
+use crate::glow::Glow;
+use crate::light::Light;
+use crate::material::{Lobes, Material};
+use crate::math::DVec3;
+use crate::optics::refract;
+use crate::quality::Quality;
+use crate::sampling::Sampler;
+use crate::scene::{Finish, Scene};
+use crate::shape::Surface;
+use crate::tree::Probe;
+
+/// One frame's scene, ready to be traced.
+pub struct Tracer<'a> {
+    pub scene: &'a Scene<'a>,
+    pub bvh: &'a Bvh,
+    pub quality: &'a Quality,
+    /// Lights that shine, with their index: a layer of weight zero is not traced.
+    pub lights: Vec<(u32, Light)>,
+    pub environment: Option<&'a Environment>,
+    pub ambient: Option<Glow>,
+    pub fog: Option<Fog>,
+    /// Whether shadow rays pass what refracts.
+    refractive_shadows: bool,
+    /// Whether any material lets light pass to what lies in its shadow.
+    clear: bool,
+    /// Whether any material refracts, so that rays must know what they are inside of.
+    media: bool,
+}
+
+/// What one thread's samples work with.
+pub struct Work {
+    /// What the sample in hand adds to each layer.
+    pub layers: Vec<DVec3>,
+    pub counts: RayCounts,
+    /// Rays that are put off.
+    pub pending: Vec<super::whitted::Pending>,
+}
+
+impl Work {
+    pub fn new(layers: usize) -> Self {
+        let layers = vec![DVec3::ZERO; layers];
+        Self { layers, counts: RayCounts::default(), pending: Vec::new() }
+    }
+
+    pub fn add(&mut self, layer: LayerId, radiance: Rgb) {
+        self.layers[layer.index()] += radiance.as_dvec3();
+    }
+}
+
+/// What a ray hit.
+pub enum Met<'a> {
+    Nothing,
+    Light { index: u32, outside: bool, surface: Surface, hit: Hit },
+    Surface(Face<'a>),
+}
+
+/// A surface that a ray hit.
+pub struct Face<'a> {
+    pub material: &'a Material,
+    pub lobes: Lobes,
+    /// Turned towards where the ray came from.
+    pub surface: Surface,
+    /// Whether the ray came from the side that the normal is on.
+    pub outside: bool,
+    pub hit: Hit,
+    pub enclosure: Enclosure,
+}
+
+impl Face<'_> {
+    pub fn seen(&self, ray: &Ray) -> Seen<'_> {
+        let Self { material, lobes, surface, .. } = self;
+        Seen { material, lobes, surface, to_eye: -ray.direction }
+    }
+}
+
+impl<'a> Tracer<'a> {
+    pub fn new(scene: &'a Scene<'a>, bvh: &'a Bvh, quality: &'a Quality, refractive_shadows: bool) -> Self {
+        let shading = scene.shading;
+        let weighted = |layer: LayerId| scene.weights.0[layer.index()] != Rgb::ZERO;
+        let shines = |light: &Light| light.radiance != Rgb::ZERO && weighted(light.layer);
+        let glows = |glow: &Glow| glow.radiance != Rgb::ZERO && weighted(glow.layer);
+        let lights = (0..).zip(&shading.lights).filter(|(_, light)| shines(light));
+        let used = |test: fn(&Material) -> bool| {
+            scene.geometry.primitives.iter().any(|primitive| match primitive.finish {
+                Finish::Material(index) => test(&shading.materials[index as usize]),
+                Finish::Light(_) => false,
+            })
+        };
+        let media = used(Material::refracts);
+        let clear = used(|material| material.lobes.transparency != Rgb::ZERO);
+        let environment = &shading.environment;
+        Self {
+            scene,
+            bvh,
+            quality,
+            lights: lights.map(|(index, light)| (index, *light)).collect(),
+            environment: (!environment.is_black() && weighted(environment.layer)).then_some(environment),
+            ambient: Some(shading.ambient).filter(glows),
+            fog: shading.fog.filter(|fog| fog.density > 0.0),
+            refractive_shadows,
+            clear: clear || (media && refractive_shadows),
+            media,
+        }
+    }
+
+    /// What the ray meets, and its way there, which may be infinite. Black fog and what lies between are
+    /// taken off `throughput`; the fog's own light is added.
+    pub fn advance(&self, ray: &Ray, media: &Media, throughput: &mut Rgb, work: &mut Work) -> Met<'a> {
+        let hit = self.bvh.closest(self.scene.geometry, &Probe::new(*ray));
+        let t = hit.map_or(f64::INFINITY, |hit| hit.at.t);
+        if self.media {
+            *throughput *= media.here(&self.scene.shading.materials).transmittance(t);
+        }
+        if let Some(fog) = &self.fog {
+            let opacity = fog.opacity(ray, t) as f32;
+            work.add(fog.glow.layer, *throughput * fog.glow.radiance * opacity);
+            *throughput *= 1.0 - opacity;
+        }
+        hit.map_or(Met::Nothing, |hit| self.met(ray, hit))
+    }
+
+    fn met(&self, ray: &Ray, hit: Hit) -> Met<'a> {
+        let primitive = &self.scene.geometry.primitives[hit.primitive as usize];
+        let surface = primitive.surface(ray, hit.at);
+        // Surfaces are two-sided: the normal faces the eye.
+        let outside = surface.normal.dot(ray.direction) <= 0.0;
+        let index = match primitive.finish {
+            Finish::Light(index) => return Met::Light { index, outside, surface, hit },
+            Finish::Material(index) => index,
+        };
+        let material = &self.scene.shading.materials[index as usize];
+        let lobes = match material.paints.is_empty() {
+            true => material.lobes,
+            false => material.painted(&self.scene.geometry.spot(&hit, &surface)),
+        };
+        let surface = if outside { surface } else { surface.flipped() };
+        let enclosure = Enclosure { primitive: hit.primitive, material: index };
+        Met::Surface(Face { material, lobes, surface, outside, hit, enclosure })
+    }
+
+    /// What the sky adds to a ray that met nothing.
+    pub fn add_sky(&self, ray: &Ray, throughput: Rgb, work: &mut Work) {
+        if let Some(environment) = self.environment {
+            work.add(environment.layer, throughput * environment.radiance(ray.direction));
+        }
+    }
+
+    /// What a surface shines by itself: its emission, and its share of the ambient light.
+    pub fn add_own(&self, face: &Face, throughput: Rgb, emission: f32, work: &mut Work) {
+        if let Some(ambient) = &self.ambient {
+            work.add(ambient.layer, throughput * face.lobes.ambient * ambient.radiance);
+        }
+        if face.lobes.emission != Rgb::ZERO {
+            work.add(face.material.emission_layer, throughput * face.lobes.emission * emission);
+        }
+    }
+
+    /// The share of the light that arrives at a surface, on its side that is seen, in spite of what stands in
+    /// the way.
+    pub fn passing(&self, arrival: &Arrival, surface: &Surface, media: &Media, work: &mut Work) -> Rgb {
+        let (ray, t_max) = arrival.shadow_ray(surface);
+        if ray.direction == DVec3::ZERO {
+            return Rgb::ONE;
+        }
+        work.counts.shadow += 1;
+        if !self.clear {
+            let blocked = self.bvh.occluded(self.scene.geometry, &Probe::new(ray), t_max);
+            return if blocked { Rgb::ZERO } else { Rgb::ONE };
+        }
+        self.transmitted(arrival, ray, t_max, *media, work)
+    }
+
+    /// [`Tracer::passing`] surface by surface: the product of what each of them lets pass.
+    fn transmitted(
+        &self,
+        arrival: &Arrival,
+        mut ray: Ray,
+        mut t_max: f64,
+        mut media: Media,
+        work: &mut Work,
+    ) -> Rgb {
+        let materials = &self.scene.shading.materials;
+        let mut share = Rgb::ONE;
+        loop {
+            let hit = self.bvh.closest_before(self.scene.geometry, &Probe::new(ray), t_max);
+            let length = ray.direction.length() * hit.map_or(t_max, |hit| hit.at.t);
+            if self.media && self.refractive_shadows {
+                share *= media.here(materials).transmittance(length);
+            }
+            let Some(hit) = hit else { return share };
+            let Met::Surface(face) = self.met(&ray, hit) else { return Rgb::ZERO };
+            let (passes, beyond) = self.unbent(&face, arrival.direction, media);
+            share *= passes;
+            media = beyond;
+            if share == Rgb::ZERO {
+                return share;
+            }
+            work.counts.shadow += 1;
+            (ray, t_max) = arrival.shadow_ray(&face.surface);
+        }
+    }
+
+    /// The share that passes a surface unbent, and what is around the light beyond it.
+    fn unbent(&self, face: &Face, direction: DVec3, media: Media) -> (Rgb, Media) {
+        let Lobes { transparency, refraction, .. } = face.lobes;
+        if !face.material.refracts() {
+            return (transparency, media);
+        }
+        let boundary = media.boundary(face.enclosure, face.outside, &self.scene.shading.materials);
+        if boundary.hidden {
+            return (Rgb::ONE, boundary.passed);
+        }
+        if !self.refractive_shadows {
+            return (transparency, boundary.passed);
+        }
+        let eta = boundary.behind.ior / boundary.before.ior;
+        let passes = refract(direction, face.surface.normal, eta).map_or(0.0, |(_, cosine)| {
+            let before = -direction.dot(face.surface.normal);
+            1.0 - face.material.fresnel.reflectance(before, cosine, eta)
+        });
+        (transparency + refraction * passes as f32, boundary.passed)
+    }
+
+    /// The ray straight on through a surface.
+    pub fn straight_on(face: &Face, ray: &Ray) -> Ray {
+        spawn(&face.surface, ray.direction)
+    }
+}
+
+/// The sampler of a sample, and how many surfaces it has met: the numbers of every surface are its own.
+#[derive(Clone, Copy, Debug)]
+pub struct Dice {
+    pub sampler: Sampler,
+    pub surface: u32,
+}
