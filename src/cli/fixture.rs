@@ -32,6 +32,7 @@ pub fn sequence() -> Sequence {
             size: (641, 361),
             files: ["output/nothing_####.png", "output/nothing.gif"].map(output).to_vec(),
             tonemap: Tonemap::Srgb,
+            exposure: Constant(0.0),
             gif: GifSettings { plays: None, colors: 256, dither: true },
         },
         quality: Quality { bounces: 5, antialias: 2 },

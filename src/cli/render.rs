@@ -6,7 +6,7 @@ use super::overrides::{self, Overrides};
 use super::progress::{self, ProgressMode};
 use super::{load, summary, terminal, values};
 use crate::counters::Meter;
-use crate::encode::Output;
+use crate::encode::{Output, Tonemap};
 use crate::frame_set::FrameSet;
 use crate::render::{Request, render};
 use crate::sequence::Sequence;
@@ -59,6 +59,14 @@ pub struct Arguments {
     /// N×N samples per pixel, 1 to 64 [default: as the sequence says]
     #[arg(long, value_name = "N", value_parser = values::antialias, allow_hyphen_values = true)]
     antialias: Option<u32>,
+
+    /// How radiance is displayed: srgb, none, reinhard or filmic [default: as the sequence says]
+    #[arg(long, value_name = "MAP", value_parser = values::tonemap)]
+    tonemap: Option<Tonemap>,
+
+    /// Stops by which the picture is brightened, such as -1.5 [default: as the sequence says]
+    #[arg(long, value_name = "STOPS", value_parser = values::exposure, allow_hyphen_values = true)]
+    exposure: Option<f64>,
 
     /// A quick look: half the width and height, antialias 1, at most 1 bounce
     ///
@@ -118,6 +126,8 @@ impl Arguments {
             rate: self.fps,
             bounces: self.bounces,
             antialias: self.antialias,
+            tonemap: self.tonemap,
+            exposure: self.exposure,
             draft: self.draft,
         }
     }

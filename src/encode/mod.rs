@@ -7,6 +7,7 @@
 //! ```
 
 mod atomic;
+mod develop;
 mod error;
 mod gif;
 mod job;
@@ -19,11 +20,12 @@ mod tests;
 mod tonemap;
 mod worker;
 
+pub use develop::{Picture, ToneTable};
 pub use error::{EncodeError, FilmsError, JobError};
 pub use job::{GifSettings, Job};
 pub use output::{Output, OutputError};
 pub use pattern::{FramePattern, PatternError};
-pub use tonemap::{Picture, ToneTable, Tonemap};
+pub use tonemap::Tonemap;
 
 use crate::film::Film;
 use rayon::ThreadPool;

@@ -1,13 +1,13 @@
 //! The encoding thread's work: one film after the other, then the animations.
 
 use super::atomic::NewFolders;
+use super::develop::ToneTable;
 use super::error::EncodeError;
 use super::gif::Animation;
 use super::job::Job;
 use super::output::Output;
 use super::png;
 use super::store::Store;
-use super::tonemap::ToneTable;
 use super::{Message, Report};
 use crate::film::Film;
 use rayon::ThreadPool;

@@ -89,6 +89,9 @@ pub struct OutputSettings {
     /// Where the frames go, relative to the working directory. At least one, all different.
     pub files: Vec<Output>,
     pub tonemap: Tonemap,
+    /// Stops by which the displayed picture is brighter than the radiance, within
+    /// ±[`MOST_STOPS`](crate::film::MOST_STOPS) at every key.
+    pub exposure: Animated<f64>,
     pub gif: GifSettings,
 }
 

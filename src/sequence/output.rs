@@ -2,10 +2,12 @@
 
 use super::fault::Fault;
 use super::fields::Fields;
+use super::keys::keyed;
 use super::node::Node;
-use super::values::{each, list, one_of, switch, text, tuple, whole};
+use super::values::{between, each, list, one_of, switch, text, tuple, whole};
 use super::{OutputSettings, Quality};
 use crate::encode::{GifSettings, Output, Tonemap};
+use crate::film::MOST_STOPS;
 use std::cell::RefCell;
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
@@ -18,11 +20,11 @@ pub fn output(node: Node<'_>, name: &str, frames: u32) -> Option<OutputSettings>
     let defaults = default_output(name, frames);
     let size = fields.or("size", size, defaults.size);
     let files = fields.or("files", |node| files(node, frames), defaults.files);
-    let tonemaps = &[("Srgb", Tonemap::Srgb), ("None", Tonemap::None)];
-    let tonemap = fields.or("tonemap", one_of("tonemap", tonemaps), Tonemap::Srgb);
+    let tonemap = fields.or("tonemap", one_of("tonemap", &Tonemap::NAMED), defaults.tonemap);
+    let exposure = fields.or("exposure", keyed(between(-MOST_STOPS..=MOST_STOPS)), defaults.exposure);
     let gif = fields.or("gif", gif, GifSettings::default());
     fields.finish();
-    Some(OutputSettings { size: size?, files: files?, tonemap: tonemap?, gif: gif? })
+    Some(OutputSettings { size: size?, files: files?, tonemap: tonemap?, exposure: exposure?, gif: gif? })
 }
 
 /// What a file without `output` gives.
@@ -34,7 +36,8 @@ pub fn default_output(name: &str, frames: u32) -> OutputSettings {
         _ => vec![format!("output/{name}/frame_####.png"), format!("output/{name}.gif")],
     };
     let files = names.iter().filter_map(|name| Output::parse(name).ok()).collect();
-    OutputSettings { size: (640, 360), files, tonemap: Tonemap::default(), gif: GifSettings::default() }
+    let (tonemap, gif) = (Tonemap::default(), GifSettings::default());
+    OutputSettings { size: (640, 360), files, tonemap, exposure: 0.0.into(), gif }
 }
 
 fn size(node: Node<'_>) -> Option<(u32, u32)> {

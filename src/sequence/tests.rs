@@ -18,6 +18,7 @@ const EVERYTHING: &str = r##"
 (
     timeline: (frames: 48, fps: "24", keys: Frames,),
     output: (size: (64, 36), files: ["out/f_####.png", "out/a.gif"], tonemap: None,
+             exposure: [(0, -2), (48, 1.5, Smooth)],
              gif: (plays: 3, colors: 16, dither: false)),
     quality: (bounces: 2, antialias: 1),
     background: [(0, "#102030"), (24, Srgb(0, 0, 255), Smooth), (48, 0)],
@@ -77,6 +78,7 @@ fn the_shortest_file_has_every_default() {
     assert_eq!(sequence.timeline, Timeline::of_frames(1, Rate::new(24, 1).expect("a rate")));
     assert_eq!(sequence.output.size, (640, 360));
     assert_eq!(sequence.output.files, [Output::parse("output/test.png").expect("an output")]);
+    assert_eq!((sequence.output.tonemap, sequence.output.exposure), (Tonemap::Srgb, 0.0.into()));
     assert_eq!(sequence.quality, Quality { bounces: 5, antialias: 2 });
     assert_eq!(sequence.background, Rgb::ZERO.into());
     assert_eq!(sequence.ambient, Rgb::ONE.into());
@@ -91,6 +93,7 @@ fn everything_is_read() {
     assert_eq!(sequence.timeline.frames, 48);
     assert_eq!(sequence.output.gif, GifSettings { plays: Some(3), colors: 16, dither: false });
     assert_eq!(sequence.output.tonemap, Tonemap::None);
+    assert_eq!(sequence.output.exposure.at(seconds(1, 1)), -0.25);
     assert_eq!(sequence.active_camera.at(seconds(1, 1)), 1);
     assert_eq!(sequence.active_camera.at(seconds(3, 2)), 2);
     let names: Vec<_> = sequence.objects.iter().map(|object| object.name.as_str()).collect();
