@@ -49,11 +49,18 @@ impl Film {
 
     /// The weighted sum of every pixel's layers, row by row: f64 in the order of the layers, rounded once.
     pub fn radiance(&self) -> impl Iterator<Item = Rgb> {
-        self.data.chunks_exact(self.layers()).map(|pixel| {
-            let sum =
-                |sum: glam::DVec3, (weight, layer): (&Rgb, &Rgb)| sum + weight.as_dvec3() * layer.as_dvec3();
-            self.weights.iter().zip(pixel).fold(glam::DVec3::ZERO, sum).as_vec3()
-        })
+        self.data.chunks_exact(self.layers()).map(|pixel| self.weighted(pixel))
+    }
+
+    /// The same of one pixel, counted row by row.
+    pub fn radiance_at(&self, pixel: usize) -> Rgb {
+        self.weighted(&self.data[pixel * self.layers()..][..self.layers()])
+    }
+
+    fn weighted(&self, layers: &[Rgb]) -> Rgb {
+        let sum =
+            |sum: glam::DVec3, (weight, layer): (&Rgb, &Rgb)| sum + weight.as_dvec3() * layer.as_dvec3();
+        self.weights.iter().zip(layers).fold(glam::DVec3::ZERO, sum).as_vec3()
     }
 }
 

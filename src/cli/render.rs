@@ -16,7 +16,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Render a sequence into PNG frames and GIFs.
+/// Render a sequence into PNG or EXR frames and GIFs.
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
@@ -25,9 +25,10 @@ pub struct Arguments {
 
     /// File to write; may be given several times [default: those that the sequence names]
     ///
-    /// The format follows the extension: .gif for an animation, .png for a picture per frame,
-    /// where #### or %04d is the place of the frame number. Without this option, a draft's files
-    /// are called draft_..., and a part of the frames leaves the whole animation as it is.
+    /// The format follows the extension: .gif for an animation, .png for a picture per frame and
+    /// .exr for its linear radiance, where #### or %04d is the place of the frame number. Without
+    /// this option, a draft's files are called draft_..., and a part of the frames leaves the whole
+    /// animation as it is.
     #[arg(short, long, value_name = "FILE", value_parser = Output::parse, verbatim_doc_comment)]
     output: Vec<Output>,
 
