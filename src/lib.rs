@@ -17,6 +17,7 @@ pub mod color;
 pub mod track;
 pub mod counters;
 pub mod humane;
+pub mod filter;
 pub mod film;
 pub mod frame_set;
 pub mod camera;
