@@ -25,10 +25,10 @@ pub struct Arguments {
 
     /// File to write; may be given several times [default: those that the sequence names]
     ///
-    /// The format follows the extension: .gif for an animation, .png for a picture per frame and
-    /// .exr for its linear radiance, where #### or %04d is the place of the frame number. Without
-    /// this option, a draft's files are called draft_..., and a part of the frames leaves the whole
-    /// animation as it is.
+    /// The format follows the extension: .gif for an animation, .png for a picture per frame,
+    /// .exr for its linear radiance, where #### or %04d is the place of the frame number.
+    /// Without this option, a draft's files are called draft_..., and a part of the frames
+    /// leaves the whole animation as it is.
     #[arg(short, long, value_name = "FILE", value_parser = Output::parse, verbatim_doc_comment)]
     output: Vec<Output>,
 
@@ -65,7 +65,7 @@ pub struct Arguments {
     #[arg(long, value_name = "MAP", value_parser = values::tonemap)]
     tonemap: Option<Tonemap>,
 
-    /// Stops by which the picture is brightened, such as -1.5 [default: as the sequence says]
+    /// Stops by which pictures are brightened, such as -1.5 [default: as the sequence says]
     #[arg(long, value_name = "STOPS", value_parser = values::exposure, allow_hyphen_values = true)]
     exposure: Option<f64>,
 
