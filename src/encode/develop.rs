@@ -28,7 +28,7 @@ const STEPS: usize = 16 * 128;
 /// Displayed codes of linear values, by lookup: exactly `floor(255 · displayed(x) + 1/2)`.
 ///
 /// The codes' thresholds are the smallest f32 that reach each code, found by bisection over the exact
-/// curve, [`Tonemap::displayed`]. A value's exponent and leading mantissa bits select a step that at most one
+/// curve, `Tonemap::displayed`. A value's exponent and leading mantissa bits select a step that at most one
 /// threshold crosses. A step is the code at its start, shifted by `STEP_BITS`, plus what the remaining bits
 /// lack at the threshold to carry over into the code: so a code costs one load and an addition in place of
 /// a power. 800x800 pixels take 2.8 ms on one core, 1.1 of them in [`Film::radiance`].
