@@ -3,6 +3,7 @@
 use crate::camera_path::{CameraPath, Lens};
 use crate::color::Rgb;
 use crate::encode::{GifSettings, Output, Tonemap};
+use crate::filter::Filter;
 use crate::light::{LightKind, LightTracks};
 use crate::math::{Angle, DVec3};
 use crate::sequence::{Named, OutputSettings, Quality, Sequence};
@@ -32,9 +33,10 @@ pub fn sequence() -> Sequence {
             size: (641, 361),
             files: ["output/nothing_####.png", "output/nothing.gif"].map(output).to_vec(),
             tonemap: Tonemap::Srgb,
+            exposure: Constant(0.0),
             gif: GifSettings { plays: None, colors: 256, dither: true },
         },
-        quality: Quality { bounces: 5, antialias: 2 },
+        quality: Quality { bounces: 5, antialias: 2, filter: Filter::PIXEL },
         background: Constant(Rgb::ZERO),
         ambient: Constant(Rgb::ZERO),
         cameras: vec![Named { name: "camera".into(), value: camera }],

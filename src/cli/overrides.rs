@@ -1,5 +1,6 @@
 //! Options that change a sequence before it is rendered.
 
+use crate::encode::Tonemap;
 use crate::frame_set::MOST_FRAMES;
 use crate::sequence::Sequence;
 use crate::time::Rate;
@@ -14,6 +15,9 @@ pub struct Overrides {
     pub rate: Option<Rate>,
     pub bounces: Option<u32>,
     pub antialias: Option<u32>,
+    pub tonemap: Option<Tonemap>,
+    /// Stops, in place of the keys that the file may have.
+    pub exposure: Option<f64>,
     /// Coarser values for whatever is not given.
     pub draft: bool,
 }
@@ -29,15 +33,12 @@ pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, S
         sequence.quality.antialias = 1;
         sequence.quality.bounces = sequence.quality.bounces.min(DRAFT_BOUNCES);
     }
-    if let Some(size) = wanted.size {
-        sequence.output.size = size;
-    }
-    if let Some(bounces) = wanted.bounces {
-        sequence.quality.bounces = bounces;
-    }
-    if let Some(antialias) = wanted.antialias {
-        sequence.quality.antialias = antialias;
-    }
+    let Sequence { output, quality, .. } = &mut sequence;
+    replace(&mut output.size, wanted.size);
+    replace(&mut output.tonemap, wanted.tonemap);
+    replace(&mut output.exposure, wanted.exposure.map(Into::into));
+    replace(&mut quality.bounces, wanted.bounces);
+    replace(&mut quality.antialias, wanted.antialias);
     if let Some(rate) = wanted.rate {
         let resampled = sequence.timeline.resampled(rate).filter(|t| t.frames as usize <= MOST_FRAMES);
         sequence.timeline = resampled.ok_or_else(|| {
@@ -45,6 +46,12 @@ pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, S
         })?;
     }
     Ok(sequence)
+}
+
+fn replace<T>(value: &mut T, wanted: Option<T>) {
+    if let Some(wanted) = wanted {
+        *value = wanted;
+    }
 }
 
 #[cfg(test)]
@@ -68,11 +75,14 @@ mod tests {
             rate: rate(30000, 1001),
             bounces: Some(9),
             antialias: Some(4),
+            tonemap: Some(Tonemap::Filmic),
+            exposure: Some(-0.5),
             draft: false,
         };
         let found = applied(sequence(), &wanted).expect("a countable rate");
         assert_eq!(found.output.size, (320, 200));
         assert_eq!((found.quality.bounces, found.quality.antialias), (9, 4));
+        assert_eq!((found.output.tonemap, found.output.exposure), (Tonemap::Filmic, (-0.5).into()));
         // Three seconds hold 89.91 frames; the last one is begun.
         assert_eq!((found.timeline.frames, found.timeline.duration), (90, sequence().timeline.duration));
         assert_eq!(found.timeline.rate.to_string(), "30000/1001");

@@ -6,7 +6,7 @@ use super::overrides::{self, Overrides};
 use super::progress::{self, ProgressMode};
 use super::{load, summary, terminal, values};
 use crate::counters::Meter;
-use crate::encode::Output;
+use crate::encode::{Output, Tonemap};
 use crate::frame_set::FrameSet;
 use crate::render::{Request, render};
 use crate::sequence::Sequence;
@@ -16,7 +16,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Render a sequence into PNG frames and GIFs.
+/// Render a sequence into PNG or EXR frames and GIFs.
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
@@ -26,8 +26,9 @@ pub struct Arguments {
     /// File to write; may be given several times [default: those that the sequence names]
     ///
     /// The format follows the extension: .gif for an animation, .png for a picture per frame,
-    /// where #### or %04d is the place of the frame number. Without this option, a draft's files
-    /// are called draft_..., and a part of the frames leaves the whole animation as it is.
+    /// .exr for its linear radiance, where #### or %04d is the place of the frame number.
+    /// Without this option, a draft's files are called draft_..., and a part of the frames
+    /// leaves the whole animation as it is.
     #[arg(short, long, value_name = "FILE", value_parser = Output::parse, verbatim_doc_comment)]
     output: Vec<Output>,
 
@@ -59,6 +60,14 @@ pub struct Arguments {
     /// N×N samples per pixel, 1 to 64 [default: as the sequence says]
     #[arg(long, value_name = "N", value_parser = values::antialias, allow_hyphen_values = true)]
     antialias: Option<u32>,
+
+    /// How radiance is displayed: srgb, none, reinhard or filmic [default: as the sequence says]
+    #[arg(long, value_name = "MAP", value_parser = values::tonemap)]
+    tonemap: Option<Tonemap>,
+
+    /// Stops by which pictures are brightened, such as -1.5 [default: as the sequence says]
+    #[arg(long, value_name = "STOPS", value_parser = values::exposure, allow_hyphen_values = true)]
+    exposure: Option<f64>,
 
     /// A quick look: half the width and height, antialias 1, at most 1 bounce
     ///
@@ -118,6 +127,8 @@ impl Arguments {
             rate: self.fps,
             bounces: self.bounces,
             antialias: self.antialias,
+            tonemap: self.tonemap,
+            exposure: self.exposure,
             draft: self.draft,
         }
     }

@@ -1,6 +1,8 @@
 //! Values of options: parsed strictly, within the limits that hold in sequence files too, and with faults that
 //! say what would be right.
 
+use crate::encode::Tonemap;
+use crate::film::MOST_STOPS;
 use crate::time::Rate;
 use std::num::NonZeroUsize;
 
@@ -54,6 +56,18 @@ pub fn bounces(text: &str) -> Result<u32, String> {
 pub fn antialias(text: &str) -> Result<u32, String> {
     within(text, 1, FINEST)
         .ok_or_else(|| format!("write a whole number from 1 (off) to {FINEST}, such as 3 for 3×3 samples"))
+}
+
+/// The name of a tone map, in either case.
+pub fn tonemap(text: &str) -> Result<Tonemap, String> {
+    let found = Tonemap::NAMED.into_iter().find(|(name, _)| name.eq_ignore_ascii_case(text));
+    found.map(|(_, tonemap)| tonemap).ok_or_else(|| "write srgb, none, reinhard or filmic".to_owned())
+}
+
+/// Stops, up or down.
+pub fn exposure(text: &str) -> Result<f64, String> {
+    let stops = text.parse().ok().filter(|stops| (-MOST_STOPS..=MOST_STOPS).contains(stops));
+    stops.ok_or_else(|| format!("write a number of stops from -{MOST_STOPS} to {MOST_STOPS}, such as -1.5"))
 }
 
 fn within(text: &str, least: u32, most: u32) -> Option<u32> {
@@ -121,5 +135,20 @@ mod tests {
         }
         assert!(antialias("0").is_err() && antialias("65").is_err());
         assert!(threads("0").is_err() && threads("-1").is_err() && threads("many").is_err());
+    }
+
+    #[test]
+    fn tone_maps_are_known_by_name() {
+        assert_eq!((tonemap("none"), tonemap("Filmic")), (Ok(Tonemap::None), Ok(Tonemap::Filmic)));
+        let message = tonemap("aces").expect_err("no such tone map");
+        assert!(Tonemap::NAMED.iter().all(|(name, _)| message.contains(&name.to_lowercase())), "{message}");
+    }
+
+    #[test]
+    fn exposures_are_finite() {
+        assert_eq!((exposure("-1.5"), exposure("+40")), (Ok(-1.5), Ok(40.0)));
+        for bad in ["", "40.1", "-41", "nan", "-inf", "1/2", "1 stop"] {
+            assert!(exposure(bad).is_err(), "`{bad}`");
+        }
     }
 }

@@ -46,7 +46,7 @@ impl Job {
         }
         let distinct: HashSet<u32> = self.frames.iter().copied().collect();
         for output in &self.outputs {
-            if let Output::Png(pattern) = output
+            if let Some(pattern) = output.pattern()
                 && output.needs_place(distinct.len())
             {
                 return Err(JobError::NoPlace {

@@ -1,13 +1,16 @@
 //! Film → files: develops films into pictures and writes them on a thread of its own.
 //!
 //! ```text
-//! Film ─tonemap▶ Picture ─┬─ png ▶ atomic ▶ frame_0000.png …
-//!                         ├─ store (the PNGs, or a spool) ──┐
-//!                         └─ gif: histogram ▶ palette ──────┴▶ dither ▶ delta ▶ atomic ▶ out.gif
+//! Film ─┬─ exr ▶ atomic ▶ frame_0000.exr …
+//!       └─ develop ▶ Picture ─┬─ png ▶ atomic ▶ frame_0000.png …
+//!                             ├─ store (the PNGs, or a spool) ──┐
+//!                             └─ gif: histogram ▶ palette ──────┴▶ dither ▶ delta ▶ atomic ▶ out.gif
 //! ```
 
 mod atomic;
+mod develop;
 mod error;
+mod exr;
 mod gif;
 mod job;
 mod output;
@@ -19,11 +22,12 @@ mod tests;
 mod tonemap;
 mod worker;
 
+pub use develop::{Picture, ToneTable};
 pub use error::{EncodeError, FilmsError, JobError};
 pub use job::{GifSettings, Job};
 pub use output::{Output, OutputError};
 pub use pattern::{FramePattern, PatternError};
-pub use tonemap::{Picture, ToneTable, Tonemap};
+pub use tonemap::Tonemap;
 
 use crate::film::Film;
 use rayon::ThreadPool;

@@ -9,6 +9,8 @@ use std::path::{Path, PathBuf};
 pub enum Output {
     /// One PNG per frame.
     Png(FramePattern),
+    /// One OpenEXR file per frame.
+    Exr(FramePattern),
     /// One GIF of all frames.
     Gif(PathBuf),
 }
@@ -17,9 +19,11 @@ impl Output {
     /// Reads an output; its format follows the extension, in either case.
     pub fn parse(text: &str) -> Result<Self, OutputError> {
         let fault = |cause| OutputError { text: text.to_owned(), cause };
+        let pattern = || FramePattern::parse(text).map_err(|e| fault(Cause::Pattern(e)));
         let extension = Path::new(text).extension().and_then(|extension| extension.to_str());
         match extension.map(str::to_ascii_lowercase).as_deref() {
-            Some("png") => Ok(Self::Png(FramePattern::parse(text).map_err(|e| fault(Cause::Pattern(e)))?)),
+            Some("png") => pattern().map(Self::Png),
+            Some("exr") => pattern().map(Self::Exr),
             Some("gif") => match FramePattern::parse(text) {
                 Ok(pattern) if !pattern.has_place() => Ok(Self::Gif(PathBuf::from(text))),
                 Err(error @ PatternError::NoFileName) => Err(fault(Cause::Pattern(error))),
@@ -32,7 +36,15 @@ impl Output {
 
     /// Whether a run of `frames` frames would write all of them to one and the same file.
     pub fn needs_place(&self, frames: usize) -> bool {
-        matches!(self, Self::Png(pattern) if frames > 1 && !pattern.has_place())
+        frames > 1 && self.pattern().is_some_and(|pattern| !pattern.has_place())
+    }
+
+    /// The names of the frames' own files, unless one file holds all.
+    pub fn pattern(&self) -> Option<&FramePattern> {
+        match self {
+            Self::Png(pattern) | Self::Exr(pattern) => Some(pattern),
+            Self::Gif(_) => None,
+        }
     }
 
     /// Whether all frames go into one file that shows them one after the other.
@@ -52,7 +64,7 @@ impl Output {
     /// The file that `frame` goes to.
     pub fn path(&self, frame: u32) -> PathBuf {
         match self {
-            Self::Png(pattern) => pattern.path(frame),
+            Self::Png(pattern) | Self::Exr(pattern) => pattern.path(frame),
             Self::Gif(path) => path.clone(),
         }
     }
@@ -61,7 +73,7 @@ impl Output {
 impl fmt::Display for Output {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Png(pattern) => pattern.fmt(f),
+            Self::Png(pattern) | Self::Exr(pattern) => pattern.fmt(f),
             Self::Gif(path) => path.display().fmt(f),
         }
     }
@@ -82,7 +94,8 @@ enum Cause {
     Pattern(PatternError),
 }
 
-const KNOWN: &str = "known are .png (one file per frame: \"frame_####.png\") and .gif (one file for all)";
+const KNOWN: &str =
+    "known are .png and .exr (one file per frame: \"frame_####.png\") and .gif (one file for all)";
 
 impl fmt::Display for OutputError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -117,6 +130,7 @@ mod tests {
     fn formats_follow_the_extension() {
         assert!(matches!(Output::parse("a/b_####.png"), Ok(Output::Png(_))));
         assert!(matches!(Output::parse("A.PNG"), Ok(Output::Png(_))));
+        assert!(matches!(Output::parse("a_####.exr"), Ok(Output::Exr(_))));
         assert_eq!(Output::parse("a/b.gif"), Ok(Output::Gif("a/b.gif".into())));
     }
 
@@ -128,9 +142,9 @@ mod tests {
     }
 
     #[test]
-    fn only_pngs_of_several_frames_need_a_place() {
+    fn only_stills_of_several_frames_need_a_place() {
         let needs = |text, frames| Output::parse(text).expect(text).needs_place(frames);
-        assert!(needs("a.png", 2));
+        assert!(needs("a.png", 2) && needs("a.exr", 2));
         assert!(!needs("a.png", 1));
         assert!(!needs("a_#.png", 2));
         assert!(!needs("a.gif", 2));

@@ -1,8 +1,8 @@
 //! Pictures as 8-bit RGB PNG, written fast.
 
 use super::atomic;
+use super::develop::Picture;
 use super::error::EncodeError;
-use super::tonemap::Picture;
 use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::Path;

@@ -1,10 +1,10 @@
 //! Where a GIF's frames wait for the second pass.
 
 use super::atomic::folder_of;
+use super::develop::Picture;
 use super::error::EncodeError;
 use super::pattern::FramePattern;
 use super::png;
-use super::tonemap::Picture;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;

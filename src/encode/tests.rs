@@ -93,6 +93,23 @@ fn a_gif_alone_is_the_same_and_leaves_no_spool() {
 }
 
 #[test]
+fn exr_files_stand_beside_the_others_and_are_no_store_of_a_gif() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let [all, some] = ["all", "some"].map(|folder| within(&dir, folder));
+    let within = |folder: &str, names: &[&str]| names.iter().map(|name| format!("{folder}/{name}")).collect();
+    let outputs: Vec<String> = within(&all, &["f_#.exr", "f_#.png", "a.gif"]);
+    encode(job(&outputs, &[1, 2])).expect("written");
+    assert_eq!(names(Path::new(&all)), ["a.gif", "f_1.exr", "f_1.png", "f_2.exr", "f_2.png"]);
+    let outputs: Vec<String> = within(&some, &["f_#.exr", "a.gif"]);
+    encode(job(&outputs, &[1, 2])).expect("written");
+    assert_eq!(names(Path::new(&some)), ["a.gif", "f_1.exr", "f_2.exr"]);
+    for name in ["a.gif", "f_1.exr", "f_2.exr"] {
+        let bytes = [&all, &some].map(|folder| fs::read(format!("{folder}/{name}")).expect(name));
+        assert!(bytes[0] == bytes[1], "{name}");
+    }
+}
+
+#[test]
 fn a_single_frame_needs_no_place() {
     let dir = tempfile::tempdir().expect("a folder");
     encode(job(&[within(&dir, "still.png")], &[77])).expect("written");
@@ -114,6 +131,7 @@ fn jobs_that_cannot_be_done_leave_nothing() {
     };
     let keep: fn(&mut Job) = |_| {};
     assert!(bad(&["new/f.png"], keep).contains("new/f_####.png"));
+    assert!(bad(&["new/f.exr"], keep).contains("new/f_####.exr"));
     assert!(bad(&["new/f_#.png", "new/f_%d.png"], keep).contains("two outputs would write"));
     assert!(bad(&["a.gif", "./a.gif"], keep).contains("two outputs would write"));
     assert!(bad(&["new/a.gif", "folder.gif"], keep).contains("it is a folder"));

@@ -1,13 +1,14 @@
 //! The encoding thread's work: one film after the other, then the animations.
 
 use super::atomic::NewFolders;
+use super::develop::ToneTable;
 use super::error::EncodeError;
+use super::exr;
 use super::gif::Animation;
 use super::job::Job;
 use super::output::Output;
 use super::png;
 use super::store::Store;
-use super::tonemap::ToneTable;
 use super::{Message, Report};
 use crate::film::Film;
 use rayon::ThreadPool;
@@ -38,13 +39,14 @@ impl Worker {
         job.check()?;
         let gifs = job.outputs.iter().filter_map(|output| match output {
             Output::Gif(path) => Some(path),
-            Output::Png(_) => None,
+            Output::Png(_) | Output::Exr(_) => None,
         });
         let animations = gifs.clone().map(|path| Animation::new(path, &job)).collect::<Result<_, _>>()?;
         let folders = job.prepare_folders()?;
         let own = job.outputs.iter().find_map(|output| match output {
             Output::Png(pattern) => Some(Store::Own { pattern: pattern.clone(), frames: job.frames.clone() }),
-            Output::Gif(_) => None,
+            // Radiance is no picture yet.
+            Output::Exr(_) | Output::Gif(_) => None,
         });
         let store = match (own, gifs.clone().next()) {
             (_, None) => None,
@@ -76,16 +78,18 @@ impl Worker {
 
     fn film(&mut self, frame: u32, film: Film) -> Result<(), EncodeError> {
         let (picture, nan_pixels) = self.table.develop(&film);
-        drop(film);
         self.report.nan_pixels += nan_pixels;
         if nan_pixels > 0 {
             self.first_nan.get_or_insert(frame);
         }
         for output in &self.job.outputs {
-            if let Output::Png(pattern) = output {
-                png::write(&pattern.path(frame), &picture)?;
+            match output {
+                Output::Png(pattern) => png::write(&pattern.path(frame), &picture)?,
+                Output::Exr(pattern) => exr::write(&pattern.path(frame), &film)?,
+                Output::Gif(_) => {}
             }
         }
+        drop(film);
         let index = self.done;
         self.done += 1;
         let mut shows = false;
@@ -124,8 +128,10 @@ impl Worker {
         }
         if let Some(first) = self.first_nan {
             let pixels = self.report.nan_pixels;
+            let kept = self.job.outputs.iter().any(|output| matches!(output, Output::Exr(_)));
+            let kept = if kept { "; EXR files keep them" } else { "" };
             self.report.notes.push(format!(
-                "{pixels} pixels were not numbers and are written as 0, the first in frame {first}"
+                "{pixels} pixels were not numbers and are shown as 0, the first in frame {first}{kept}"
             ));
         }
     }

@@ -22,7 +22,7 @@ use bevy_ecs::schedule::{
 };
 use bevy_ecs::system::IntoSystem;
 use bevy_ecs::world::World;
-use stages::{Exposed, Faults, Settings, Sink, Stopwatch, Watched};
+use stages::{Exposed, Exposure, Faults, Settings, Sink, Stopwatch, Watched};
 use std::marker::PhantomData;
 use std::sync::Arc;
 
@@ -49,6 +49,7 @@ impl<S: FilmSink> FrameLoop<S> {
             antialias: sequence.quality.antialias,
             bounces: sequence.quality.bounces,
         }));
+        world.insert_resource(Exposure(sequence.output.exposure.clone()));
         world.insert_resource(Exposed::default());
         world.insert_resource(Sink(sink));
         world.insert_resource(Faults::default());

@@ -8,6 +8,7 @@ use crate::encode::EncodeError;
 use crate::film::Film;
 use crate::scene::{Geometry, Scene, Shading, Weights};
 use crate::trace::{TraceSettings, trace};
+use crate::track::Animated;
 use crate::world::{Current, Now};
 use bevy_ecs::resource::Resource;
 use bevy_ecs::schedule::SystemSet;
@@ -65,6 +66,10 @@ pub struct Tally {
 
 #[derive(Resource)]
 pub struct Settings(pub TraceSettings);
+
+/// How much brighter the film is shown than traced, in stops.
+#[derive(Resource)]
+pub struct Exposure(pub Animated<f64>);
 
 #[derive(Resource)]
 pub struct Sink<S: FilmSink>(pub S);
@@ -145,15 +150,17 @@ type Traced<'w> = (
 );
 
 pub fn trace_frame(
+    now: Res<Now>,
     (geometry, bvh, shading, weights, camera): Traced,
-    settings: Res<Settings>,
+    (settings, exposure): (Res<Settings>, Res<Exposure>),
     watched: Res<Watched>,
     mut exposed: ResMut<Exposed>,
     mut tally: ResMut<Tally>,
 ) {
     let Some(camera) = &camera.0 else { return };
     let scene = Scene { geometry: &geometry.0, shading: &shading.0, weights: &weights.0, camera };
-    let (film, rays) = trace(&scene, &bvh.0, &settings.0, &watched.0);
+    let (mut film, rays) = trace(&scene, &bvh.0, &settings.0, &watched.0);
+    film.expose(exposure.0.at(now.0.time));
     exposed.0 = Some(film);
     tally.rays += rays;
     watched.0.thousandths.store(0, Relaxed);

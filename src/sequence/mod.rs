@@ -35,6 +35,7 @@ pub use load::{LoadError, load, parse};
 use crate::camera_path::CameraPath;
 use crate::color::Rgb;
 use crate::encode::{GifSettings, Output, Tonemap};
+use crate::filter::Filter;
 use crate::light::LightTracks;
 use crate::material::MaterialTracks;
 use crate::shape::Shape;
@@ -89,13 +90,18 @@ pub struct OutputSettings {
     /// Where the frames go, relative to the working directory. At least one, all different.
     pub files: Vec<Output>,
     pub tonemap: Tonemap,
+    /// Stops by which the displayed picture is brighter than the radiance, within
+    /// ±[`MOST_STOPS`](crate::film::MOST_STOPS) at every key.
+    pub exposure: Animated<f64>,
     pub gif: GifSettings,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
     /// Longest chain of mirror reflections.
     pub bounces: u32,
     /// Samples per pixel along each axis of a regular grid, at least 1.
     pub antialias: u32,
+    /// How the samples are spread around the pixel's centre.
+    pub filter: Filter,
 }

@@ -3,6 +3,7 @@
 use super::*;
 use crate::camera_path::{Lens, Step, ZoomBy};
 use crate::encode::Output;
+use crate::filter::{Filter, Kernel};
 use crate::light::LightKind;
 use crate::material::Highlight;
 use crate::math::{Angle, DQuat, DVec3};
@@ -18,8 +19,9 @@ const EVERYTHING: &str = r##"
 (
     timeline: (frames: 48, fps: "24", keys: Frames,),
     output: (size: (64, 36), files: ["out/f_####.png", "out/a.gif"], tonemap: None,
+             exposure: [(0, -2), (48, 1.5, Smooth)],
              gif: (plays: 3, colors: 16, dither: false)),
-    quality: (bounces: 2, antialias: 1),
+    quality: (bounces: 2, antialias: 1, filter: BlackmanHarris(width: 2.5)),
     background: [(0, "#102030"), (24, Srgb(0, 0, 255), Smooth), (48, 0)],
     ambient: Linear8(255, 255, 255),
     cameras: {
@@ -77,7 +79,8 @@ fn the_shortest_file_has_every_default() {
     assert_eq!(sequence.timeline, Timeline::of_frames(1, Rate::new(24, 1).expect("a rate")));
     assert_eq!(sequence.output.size, (640, 360));
     assert_eq!(sequence.output.files, [Output::parse("output/test.png").expect("an output")]);
-    assert_eq!(sequence.quality, Quality { bounces: 5, antialias: 2 });
+    assert_eq!((sequence.output.tonemap, sequence.output.exposure), (Tonemap::Srgb, 0.0.into()));
+    assert_eq!(sequence.quality, Quality { bounces: 5, antialias: 2, filter: Filter::PIXEL });
     assert_eq!(sequence.background, Rgb::ZERO.into());
     assert_eq!(sequence.ambient, Rgb::ONE.into());
     assert_eq!(sequence.cameras.len(), 1);
@@ -91,6 +94,8 @@ fn everything_is_read() {
     assert_eq!(sequence.timeline.frames, 48);
     assert_eq!(sequence.output.gif, GifSettings { plays: Some(3), colors: 16, dither: false });
     assert_eq!(sequence.output.tonemap, Tonemap::None);
+    assert_eq!(sequence.quality.filter, Filter { kernel: Kernel::BlackmanHarris, width: 2.5 });
+    assert_eq!(sequence.output.exposure.at(seconds(1, 1)), -0.25);
     assert_eq!(sequence.active_camera.at(seconds(1, 1)), 1);
     assert_eq!(sequence.active_camera.at(seconds(3, 2)), 2);
     let names: Vec<_> = sequence.objects.iter().map(|object| object.name.as_str()).collect();
@@ -123,6 +128,20 @@ fn more_than_one_frame_makes_a_gif_as_well() {
     let files = |text: &str| read(text).output.files.iter().map(ToString::to_string).collect::<Vec<_>>();
     assert_eq!(files("(timeline: (frames: 2))"), ["output/test/frame_####.png", "output/test.gif"]);
     assert_eq!(files("(output: (files: \"still.png\"))"), ["still.png"]);
+}
+
+#[test]
+fn filters_have_their_usual_widths() {
+    let filter = |text: &str| read(&format!("(quality: (filter: {text}))")).quality.filter;
+    for (text, kernel, width) in [
+        ("Box", Kernel::Box, 1.0),
+        ("Tent()", Kernel::Tent, 2.0),
+        ("Gaussian", Kernel::Gaussian, 3.0),
+        ("BlackmanHarris", Kernel::BlackmanHarris, 3.0),
+        ("Gaussian(width: 2)", Kernel::Gaussian, 2.0),
+    ] {
+        assert_eq!(filter(text), Filter { kernel, width }, "{text}");
+    }
 }
 
 #[test]

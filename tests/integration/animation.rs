@@ -256,3 +256,17 @@ fn a_visible_child_does_not_show_its_parents_shape() {
     assert_eq!(picture(&hidden[0]), picture(&two[0]));
     assert_eq!(picture(&hidden[1]), picture(&scene(1, "")[0]));
 }
+
+#[test]
+fn the_exposure_is_keyed_and_leaves_the_radiance_as_it_is() {
+    let shots = |exposure: &str| {
+        shoot_all(&format!(
+            r#"(timeline: (frames: 3, keys: Frames), output: (size: (8, 6), {exposure}), background: 0.1,
+            objects: {{ "ball": (shape: Sphere()) }})"#
+        ))
+    };
+    let (plain, exposed) = (shots(""), shots("exposure: [(0, -1), (2, 1)]"));
+    assert_eq!(exposed.iter().map(|shot| shot.film.exposure).collect::<Vec<_>>(), [0.5, 1.0, 2.0]);
+    assert!(plain.iter().all(|shot| shot.film.exposure == 1.0));
+    assert!(plain.iter().zip(&exposed).all(|(a, b)| picture(a) == picture(b)));
+}

@@ -58,6 +58,8 @@ fn help_of_commands_shows_options_units_and_defaults() {
         "-t, --threads",
         "--bounces",
         "--antialias",
+        "--tonemap",
+        "--exposure",
         "--draft",
         "-q, --quiet",
         "--progress",

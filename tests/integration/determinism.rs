@@ -72,7 +72,7 @@ fn a_frame_alone_is_the_frame_of_the_whole() {
 fn files(sequence: &Sequence, frames: Vec<u32>, threads: usize) -> BTreeMap<String, Vec<u8>> {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     let output = |name: &str| Output::parse(&folder.path().join(name).to_string_lossy()).expect("an output");
-    let outputs = vec![output("##.png"), output("all.gif")];
+    let outputs = vec![output("##.png"), output("##.exr"), output("all.gif")];
     let request = Request { frames, outputs, threads: NonZeroUsize::new(threads) };
     render(sequence, &request, &Arc::new(Meter::default())).unwrap_or_else(|error| panic!("{error}"));
     let entries = fs::read_dir(folder.path()).expect("the folder is readable").flatten();
@@ -87,7 +87,7 @@ fn files_are_the_same_for_any_number_of_threads() {
     for sequence in golden_sequences() {
         let frames: Vec<u32> = (0..sequence.timeline.frames).collect();
         let one = files(&sequence, frames.clone(), 1);
-        assert_eq!(one.len(), frames.len() + 1);
+        assert_eq!(one.len(), 2 * frames.len() + 1);
         for threads in [1, 2, 8] {
             assert!(files(&sequence, frames.clone(), threads) == one, "{} on {threads}", sequence.name);
         }
@@ -102,7 +102,7 @@ fn files_of_a_subset_are_those_of_the_whole() {
         for subset in [vec![count - 1], (0..count).rev().collect(), (0..count).step_by(2).collect()] {
             let mut some = files(&sequence, subset.clone(), 1);
             some.remove("all.gif");
-            assert_eq!(some.len(), subset.len());
+            assert_eq!(some.len(), 2 * subset.len());
             for (name, bytes) in &some {
                 assert!(whole.get(name) == Some(bytes), "{} of {subset:?}: {name}", sequence.name);
             }

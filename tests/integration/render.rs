@@ -161,3 +161,23 @@ fn outputs_of_unknown_formats_are_refused() {
     assert_eq!(run.status.code(), Some(2));
     assert!(stderr(&run).contains("two outputs would write b.gif"), "{}", stderr(&run));
 }
+
+#[test]
+fn exposure_and_tone_map_change_pictures_but_no_radiance() {
+    let folder = folder();
+    let bytes = |options: &[&str]| {
+        let outputs = ["-o", "f_#.png", "-o", "f_#.exr", "--frames", "0"];
+        let run = kinora(folder.path(), &[&["render", "ball.ron"], &outputs[..], options].concat());
+        assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+        ["f_0.png", "f_0.exr"].map(|name| fs::read(folder.path().join(name)).expect(name))
+    };
+    let [picture, radiance] = bytes(&[]);
+    for options in [["--exposure", "-1"], ["--tonemap", "filmic"], ["--tonemap", "None"]] {
+        let [other, same] = bytes(&options);
+        assert!(other != picture && same == radiance, "{options:?}");
+    }
+    for options in [["--exposure", "41"], ["--tonemap", "aces"]] {
+        let run = kinora(folder.path(), &[&["render", "ball.ron"], &options[..]].concat());
+        assert_eq!(run.status.code(), Some(2), "{options:?}: {}", stderr(&run));
+    }
+}

@@ -1,7 +1,7 @@
 //! The colours of a whole animation in bounded memory.
 
 use super::palette::Palette;
-use crate::encode::tonemap::Picture;
+use crate::encode::develop::Picture;
 use std::collections::BTreeSet;
 
 /// Bits per channel that select a bin: 2^18 bins of 16 bytes.

@@ -16,10 +16,10 @@ mod tests;
 mod threshold;
 mod timing;
 
+use super::develop::Picture;
 use super::error::{EncodeError, JobError};
 use super::job::GifSettings;
 use super::job::Job;
-use super::tonemap::Picture;
 use dither::Mixer;
 use file::GifFile;
 use histogram::Histogram;

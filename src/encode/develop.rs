@@ -1,0 +1,123 @@
+//! Film → picture: linear radiance to displayed 8-bit values.
+
+#[cfg(test)]
+mod tests;
+
+use super::tonemap::{Tonemap, compressed};
+use crate::film::Film;
+
+/// A displayed picture: 8-bit RGB, row by row from the top left pixel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    pub width: u32,
+    pub height: u32,
+    /// Three bytes per pixel.
+    pub rgb: Vec<u8>,
+}
+
+/// Below this, every tone map gives code 0 (the sRGB code 1 starts at 1.5e-4). A power of two.
+const LOWEST: f32 = 1.0 / 8192.0;
+/// From here on, every tone map gives code 255 (filmic white is at 7.25). The last value below a power of two.
+const HIGHEST: f32 = 8.0_f32.next_down();
+/// Bits of an f32 below those that select a step: 7 bits of mantissa are left, 128 steps per octave. That is
+/// fine enough that no step holds two thresholds.
+const STEP_BITS: u32 = 16;
+/// Steps of the 16 octaves from `LOWEST` to `HIGHEST`. A power of two: an index cut to it is never out of range.
+const STEPS: usize = 16 * 128;
+
+/// Displayed codes of linear values, by lookup: exactly `floor(255 · displayed(x) + 1/2)`.
+///
+/// The codes' thresholds are the smallest f32 that reach each code, found by bisection over the exact
+/// curve, `Tonemap::displayed`. A value's exponent and leading mantissa bits select a step that at most one
+/// threshold crosses. A step is the code at its start, shifted by `STEP_BITS`, plus what the remaining bits
+/// lack at the threshold to carry over into the code: so a code costs one load and an addition in place of
+/// a power. 800x800 pixels take 2.8 ms on one core, 1.1 of them in [`Film::radiance`].
+pub struct ToneTable {
+    /// Whether colours are compressed before their channels are looked up.
+    compresses: bool,
+    steps: Box<[u32; STEPS]>,
+}
+
+impl ToneTable {
+    pub fn new(tonemap: Tonemap) -> Self {
+        let thresholds: Vec<u32> = (1..=255).map(|code| threshold(tonemap, code).to_bits()).collect();
+        let step = |i: usize| {
+            let first = LOWEST.to_bits() + ((i as u32) << STEP_BITS);
+            let code = thresholds.partition_point(|&t| t <= first);
+            let to_carry = match thresholds.get(code) {
+                Some(t) if t - first < 1 << STEP_BITS => (1 << STEP_BITS) - (t - first),
+                _ => 0,
+            };
+            ((code as u32) << STEP_BITS) + to_carry
+        };
+        let mut steps = Box::new([0; STEPS]);
+        for (i, slot) in steps.iter_mut().enumerate() {
+            *slot = step(i);
+        }
+        Self { compresses: tonemap.compresses(), steps }
+    }
+
+    /// The code of a linear value. NaN gives 0; what is out of range is clamped.
+    pub fn code(&self, linear: f32) -> u8 {
+        self.at(offset(linear))
+    }
+
+    /// The code at an [`offset`].
+    fn at(&self, offset: u32) -> u8 {
+        let rest = offset & ((1 << STEP_BITS) - 1);
+        ((self.steps[(offset >> STEP_BITS) as usize % STEPS] + rest) >> STEP_BITS) as u8
+    }
+
+    /// The film as it displays, and how many of its pixels are not numbers (they are shown as 0).
+    pub fn develop(&self, film: &Film) -> (Picture, u64) {
+        let mut rgb = vec![0; film.width as usize * film.height as usize * 3];
+        let mut nan_pixels = 0;
+        let mut radiance = film.radiance();
+        // Pass by pass over a few pixels: the simple loops run on several values at once.
+        let mut buffer = [[0.0; 3]; 256];
+        let mut indices = [0; 3 * 256];
+        for out in rgb.chunks_mut(3 * buffer.len()) {
+            let count = out.len() / 3;
+            for (slot, pixel) in buffer.iter_mut().zip(radiance.by_ref().take(count)) {
+                *slot = (pixel * film.exposure).to_array();
+            }
+            let is_nan = |pixel: &&[f32; 3]| pixel[0].is_nan() | pixel[1].is_nan() | pixel[2].is_nan();
+            nan_pixels += buffer[..count].iter().filter(is_nan).count() as u64;
+            if self.compresses {
+                buffer[..count].iter_mut().for_each(|pixel| *pixel = compressed(*pixel));
+            }
+            let values = buffer[..count].as_flattened();
+            for (index, value) in indices.iter_mut().zip(values) {
+                *index = offset(*value);
+            }
+            for (code, index) in out.iter_mut().zip(&indices) {
+                *code = self.at(*index);
+            }
+        }
+        (Picture { width: film.width, height: film.height, rgb }, nan_pixels)
+    }
+}
+
+/// How many f32 lie between `LOWEST` and a value, which is clamped to `LOWEST..=HIGHEST`. NaN gives 0.
+fn offset(linear: f32) -> u32 {
+    // Written so that NaN fails the first comparison.
+    let x = if linear > LOWEST { linear } else { LOWEST };
+    let x = if x < HIGHEST { x } else { HIGHEST };
+    x.to_bits() - LOWEST.to_bits()
+}
+
+/// The code by the formula.
+fn exact_code(tonemap: Tonemap, linear: f32) -> u32 {
+    (tonemap.displayed(linear.into()) * 255.0 + 0.5) as u32
+}
+
+/// The smallest f32 in 0..=HIGHEST whose code is at least `code`: bisection over the bits, which are in the
+/// order of the values.
+fn threshold(tonemap: Tonemap, code: u32) -> f32 {
+    let (mut below, mut reached) = (0, HIGHEST.to_bits());
+    while reached - below > 1 {
+        let middle = below + (reached - below) / 2;
+        if exact_code(tonemap, f32::from_bits(middle)) >= code { reached = middle } else { below = middle }
+    }
+    f32::from_bits(reached)
+}

@@ -1,0 +1,103 @@
+//! Codes against the formula, and pictures of films with odd values.
+
+use super::*;
+use crate::color::{Rgb, srgb_to_linear};
+
+/// Those with a curve of their own.
+const CURVES: [Tonemap; 3] = [Tonemap::Srgb, Tonemap::None, Tonemap::Filmic];
+
+#[test]
+fn equals_the_formula_around_every_threshold() {
+    for tonemap in CURVES {
+        let table = ToneTable::new(tonemap);
+        for code in 1..=255 {
+            let t = threshold(tonemap, code);
+            for x in [t.next_down(), t, t.next_up()] {
+                assert_eq!(u32::from(table.code(x)), exact_code(tonemap, x), "{tonemap:?} {code} {x}");
+            }
+            assert_eq!(u32::from(table.code(t)), code);
+            assert_eq!(u32::from(table.code(t.next_down())), code - 1);
+        }
+    }
+}
+
+#[test]
+fn equals_the_formula_and_is_monotone_over_65536_values() {
+    for tonemap in CURVES {
+        let table = ToneTable::new(tonemap);
+        let mut last = 0;
+        for i in 0..=65_536u32 {
+            let x = i as f32 / 65_536.0 * 8.0;
+            let code = table.code(x);
+            assert_eq!(u32::from(code), exact_code(tonemap, x), "{tonemap:?} {x}");
+            assert!(code >= last);
+            last = code;
+        }
+    }
+}
+
+#[test]
+fn no_step_holds_two_thresholds() {
+    for tonemap in CURVES {
+        let step = |code| (threshold(tonemap, code).to_bits() - LOWEST.to_bits()) >> STEP_BITS;
+        assert!((1..255).all(|code| step(code) < step(code + 1)), "{tonemap:?}");
+    }
+}
+
+#[test]
+fn co_01_known_codes() {
+    let table = ToneTable::new(Tonemap::Srgb);
+    let codes = [0.0, 0.001, 0.003_130_8, 0.18, 0.5, 1.0].map(|x| table.code(x));
+    assert_eq!(codes, [0, 3, 10, 118, 188, 255]);
+    for code in 0..=255u8 {
+        assert_eq!(table.code(srgb_to_linear(f64::from(code) / 255.0) as f32), code);
+    }
+}
+
+#[test]
+fn co_02_values_outside_the_range() {
+    let mut film = Film::new(3, 2, vec![Rgb::ONE]);
+    let values = [f32::NAN, -0.1, f32::INFINITY, 1e30, -f32::INFINITY, HIGHEST];
+    for (pixel, value) in film.data.iter_mut().zip(values) {
+        pixel.x = value;
+    }
+    for (name, tonemap) in Tonemap::NAMED {
+        let (picture, nan_pixels) = ToneTable::new(tonemap).develop(&film);
+        let red: Vec<u8> = picture.rgb.chunks(3).map(|pixel| pixel[0]).collect();
+        assert_eq!(red, [0, 0, 255, 255, 0, 255], "{name}");
+        assert_eq!(nan_pixels, 1);
+    }
+}
+
+#[test]
+fn halves_round_up_and_one_is_white() {
+    let half_up = srgb_to_linear(254.5 / 255.0) as f32;
+    assert_eq!(exact_code(Tonemap::Srgb, half_up), 255);
+    assert_eq!(ToneTable::new(Tonemap::Srgb).code(half_up), 255);
+    assert_eq!(ToneTable::new(Tonemap::None).code(127.5 / 255.0), 128);
+    for tonemap in [Tonemap::Srgb, Tonemap::None] {
+        assert_eq!([1.0, 1.0_f32.next_up()].map(|x| ToneTable::new(tonemap).code(x)), [255; 2]);
+    }
+}
+
+#[test]
+fn the_exposure_comes_first() {
+    let mut film = Film::new(1, 1, vec![Rgb::splat(0.5)]);
+    film.data[0] = Rgb::new(0.25, 0.5, 1.0);
+    film.expose(2.0);
+    for (name, tonemap) in Tonemap::NAMED {
+        let mut brighter = Film::new(1, 1, vec![Rgb::ONE]);
+        brighter.data[0] = Rgb::new(0.5, 1.0, 2.0);
+        let table = ToneTable::new(tonemap);
+        assert_eq!(table.develop(&film), table.develop(&brighter), "{name}");
+    }
+}
+
+#[test]
+fn reinhard_compresses_the_luminance() {
+    let mut film = Film::new(2, 1, vec![Rgb::ONE]);
+    film.data = vec![Rgb::ONE, Rgb::X];
+    let (picture, _) = ToneTable::new(Tonemap::Reinhard).develop(&film);
+    let code = |linear: f32| exact_code(Tonemap::Srgb, linear) as u8;
+    assert_eq!(picture.rgb, [code(0.5), code(0.5), code(0.5), code(1.0 / 1.2126), 0, 0]);
+}
