@@ -80,10 +80,10 @@ pub fn air(
     }
 }
 
-/// Switches and fades lights.
+/// Switches and fades lights: from frame to frame, not while a shutter is open.
 pub fn weights(now: Res<Now>, mut dimmed: Query<(&Dimmer, &mut Weight)>) {
     for (dimmer, mut weight) in &mut dimmed {
-        let value = Weight { value: dimmer.at(now.0.time), ..*weight };
+        let value = Weight { value: dimmer.at(now.0.start), ..*weight };
         weight.set_if_neq(value);
     }
 }
@@ -97,7 +97,7 @@ pub fn camera(
     placed: Query<(&Shape, &Transform)>,
     mut camera: ResMut<Current<Option<Camera>>>,
 ) -> Result<(), NoCamera> {
-    let index = active.index.at(now.0.time).min(active.cameras.len() - 1);
+    let index = active.index.at(now.0.start).min(active.cameras.len() - 1);
     let Ok(path) = paths.get(active.cameras[index]) else { return Ok(()) };
     let sharp = path.focus_object().and_then(|index| placed.get(*objects.0.get(index)?).ok());
     let sharp = sharp.map(|(shape, transform)| middle(shape, transform));

@@ -1,11 +1,15 @@
 //! How much work goes into a picture.
 
+use crate::filter::Filter;
+
 /// What every sequence settles about the work per pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
     pub integrator: Integrator,
     /// Longest chain of mirror reflections, refractions and, along paths, scattering.
     pub bounces: u32,
+    /// How a pixel's samples are spread over it and its neighbours.
+    pub filter: Filter,
     /// Samples per pixel along each axis of a regular grid, at least 1, where nothing is random.
     pub antialias: u32,
     /// Samples per pixel where a lens, an area light, motion blur, a rough surface or paths ask for random
@@ -58,6 +62,7 @@ impl Default for Quality {
         Self {
             integrator: Integrator::Whitted,
             bounces: 5,
+            filter: Filter::PIXEL,
             antialias: 2,
             samples: 64,
             threshold: 1e-3,

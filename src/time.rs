@@ -76,7 +76,8 @@ impl Timeline {
 
     /// The clock at `frame`.
     pub fn clock(&self, frame: u32) -> Clock {
-        Clock { frame, time: self.rate.time_of(frame), duration: self.duration }
+        let start = self.rate.time_of(frame);
+        Clock { frame, start, time: start, duration: self.duration }
     }
 
     /// The frame that shows at `time` (not before zero).
@@ -90,12 +91,20 @@ impl Timeline {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clock {
     pub frame: u32,
+    /// When the frame starts.
+    pub start: Time,
+    /// The moment itself: later than the start while a shutter is open.
     pub time: Time,
     /// Length of the whole sequence, for motions given in turns per duration.
     pub duration: Time,
 }
 
 impl Clock {
+    /// The moment this much later within the same frame.
+    pub fn later(&self, by: Time) -> Self {
+        Self { time: self.time + by, ..*self }
+    }
+
     /// How far the sequence has run: 0 at its start, 1 at its (exclusive) end.
     pub fn progress(&self) -> Fraction {
         Fraction::new(self.time, self.duration)

@@ -1,5 +1,6 @@
 //! The frame's systems and their order: the only file that names it.
 
+mod shutter;
 mod stages;
 #[cfg(test)]
 mod tests;
@@ -22,7 +23,8 @@ use bevy_ecs::schedule::{
 };
 use bevy_ecs::system::IntoSystem;
 use bevy_ecs::world::World;
-use stages::{Exposed, Exposure, Faults, Settings, Sink, Stopwatch, Watched};
+use shutter::Shutter;
+use stages::{Exposed, Exposure, Faults, Settings, Shown, Sink, Stopwatch, Watched};
 use std::marker::PhantomData;
 use std::sync::Arc;
 
@@ -31,6 +33,7 @@ pub struct FrameLoop<S> {
     world: World,
     schedule: Schedule,
     timeline: Timeline,
+    shutter: Shutter,
     sink: PhantomData<S>,
 }
 
@@ -46,8 +49,7 @@ impl<S: FilmSink> FrameLoop<S> {
         world.insert_resource(Current(Bvh::default()));
         world.insert_resource(Settings(TraceSettings {
             size: sequence.output.size,
-            antialias: sequence.quality.antialias,
-            bounces: sequence.quality.bounces,
+            quality: sequence.quality,
         }));
         world.insert_resource(Exposure(sequence.output.exposure.clone()));
         world.insert_resource(Exposed::default());
@@ -56,17 +58,22 @@ impl<S: FilmSink> FrameLoop<S> {
         world.insert_resource(Stopwatch::default());
         world.insert_resource(Tally::default());
         world.insert_resource(Watched(meter));
-        Self { world, schedule: schedule::<S>(), timeline: sequence.timeline, sink: PhantomData }
+        let (timeline, shutter) = (sequence.timeline, Shutter::new(sequence));
+        Self { world, schedule: schedule::<S>(), timeline, shutter, sink: PhantomData }
     }
 
     /// Makes one frame and hands its film to the sink. After an error no further frame can be made.
     pub fn frame(&mut self, frame: u32) -> Result<(), NoFrame> {
-        self.world.insert_resource(Now(self.timeline.clock(frame)));
-        self.world.resource_mut::<Stopwatch>().start();
-        self.schedule.run(&mut self.world);
-        // Without this, removals of components pile up for ever.
-        self.world.clear_trackers();
-        self.world.resource_mut::<Faults>().take()
+        for (clock, moment) in self.shutter.moments(&self.timeline, frame) {
+            self.world.insert_resource(Now(clock));
+            self.world.insert_resource(Shown(moment));
+            self.world.resource_mut::<Stopwatch>().start();
+            self.schedule.run(&mut self.world);
+            // Without this, removals of components pile up for ever.
+            self.world.clear_trackers();
+            self.world.resource_mut::<Faults>().take()?;
+        }
+        Ok(())
     }
 
     /// What has been done so far.

@@ -3,11 +3,12 @@
 use crate::bvh::Bvh;
 use crate::camera::Camera;
 use crate::camera_path::NoCamera;
-use crate::counters::{Meter, RayCounts};
+use crate::counters::{Counts, Meter};
 use crate::encode::EncodeError;
 use crate::film::Film;
 use crate::scene::{Geometry, Scene, Shading, Weights};
-use crate::trace::{TraceSettings, trace};
+use crate::math::DVec3;
+use crate::trace::{Moment, TraceSettings, trace, trace_moment};
 use crate::track::Animated;
 use crate::world::{Current, Now};
 use bevy_ecs::resource::Resource;
@@ -56,7 +57,7 @@ pub enum NoFrame {
 /// Work done, exactly, and the wall time that each [`Stage`] took, in their order.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Tally {
-    pub rays: RayCounts,
+    pub counts: Counts,
     pub bvh_builds: u64,
     /// How often each kind of data was packed anew.
     pub geometry_packs: u64,
@@ -77,9 +78,16 @@ pub struct Sink<S: FilmSink>(pub S);
 #[derive(Resource)]
 pub struct Watched(pub Arc<Meter>);
 
-/// The film between Trace and Encode.
+/// The moment of the frame in hand.
+#[derive(Resource)]
+pub struct Shown(pub Moment);
+
+/// The film between Trace and Encode, and what several moments add up to before they are a film.
 #[derive(Default, Resource)]
-pub struct Exposed(Option<Film>);
+pub struct Exposed {
+    film: Option<Film>,
+    sums: Vec<DVec3>,
+}
 
 /// The first error of a frame. A failing system does not stop a chain: the systems after it look here.
 #[derive(Default, Resource)]
@@ -152,19 +160,53 @@ type Traced<'w> = (
 pub fn trace_frame(
     now: Res<Now>,
     (geometry, bvh, shading, weights, camera): Traced,
-    (settings, exposure): (Res<Settings>, Res<Exposure>),
+    (settings, exposure, shown): (Res<Settings>, Res<Exposure>, Res<Shown>),
     watched: Res<Watched>,
     mut exposed: ResMut<Exposed>,
     mut tally: ResMut<Tally>,
 ) {
     let Some(camera) = &camera.0 else { return };
     let scene = Scene { geometry: &geometry.0, shading: &shading.0, weights: &weights.0, camera };
-    let (mut film, rays) = trace(&scene, &bvh.0, &settings.0, &watched.0);
-    film.expose(exposure.0.at(now.0.time));
-    exposed.0 = Some(film);
-    tally.rays += rays;
+    let (film, counts) = match shown.0 {
+        Moment::ONLY => {
+            let (film, counts) = trace(&scene, &bvh.0, &settings.0, &watched.0);
+            (Some(film), counts)
+        }
+        moment => exposed.add_moment(&scene, &bvh.0, &settings.0, moment, &watched.0),
+    };
+    tally.counts += counts;
+    let Some(mut film) = film else { return };
+    film.expose(exposure.0.at(now.0.start));
+    exposed.film = Some(film);
     watched.0.thousandths.store(0, Relaxed);
     watched.0.frames.fetch_add(1, Relaxed);
+}
+
+impl Exposed {
+    /// Adds a moment; the last one makes the film.
+    fn add_moment(
+        &mut self,
+        scene: &Scene,
+        bvh: &Bvh,
+        settings: &TraceSettings,
+        moment: Moment,
+        meter: &Meter,
+    ) -> (Option<Film>, Counts) {
+        let (width, height) = settings.size;
+        if moment.index == 0 {
+            let pixels = width as usize * height as usize;
+            self.sums.clear();
+            self.sums.resize(pixels * scene.weights.0.len(), DVec3::ZERO);
+        }
+        let counts = trace_moment(scene, bvh, settings, moment, &mut self.sums, meter);
+        let last = moment.index + 1 == moment.of;
+        let film = last.then(|| {
+            let mut film = Film::new(width, height, scene.weights.0.clone());
+            film.data.iter_mut().zip(&self.sums).for_each(|(layer, sum)| *layer = sum.as_vec3());
+            film
+        });
+        (film, counts)
+    }
 }
 
 pub fn encode<S: FilmSink>(
@@ -172,5 +214,5 @@ pub fn encode<S: FilmSink>(
     mut exposed: ResMut<Exposed>,
     mut sink: ResMut<Sink<S>>,
 ) -> Result<(), EncodeError> {
-    exposed.0.take().map_or(Ok(()), |film| sink.0.push(now.0.frame, film))
+    exposed.film.take().map_or(Ok(()), |film| sink.0.push(now.0.frame, film))
 }

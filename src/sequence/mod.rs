@@ -34,8 +34,10 @@ pub use load::{LoadError, load, parse};
 
 use crate::camera_path::CameraPath;
 use crate::color::Rgb;
+use crate::environment::EnvironmentTracks;
+use crate::fog::FogTracks;
+use crate::quality::Quality;
 use crate::encode::{GifSettings, Output, Tonemap};
-use crate::filter::Filter;
 use crate::light::LightTracks;
 use crate::material::MaterialTracks;
 use crate::shape::Shape;
@@ -51,8 +53,9 @@ pub struct Sequence {
     pub timeline: Timeline,
     pub output: OutputSettings,
     pub quality: Quality,
-    /// Radiance of rays that hit nothing.
-    pub background: Animated<Rgb>,
+    /// What rays see that hit nothing.
+    pub background: EnvironmentTracks,
+    pub fog: Option<FogTracks>,
     /// Light from everywhere; a material reflects its `ambient` share of it.
     pub ambient: Animated<Rgb>,
     /// At least one.
@@ -94,14 +97,4 @@ pub struct OutputSettings {
     /// ±[`MOST_STOPS`](crate::film::MOST_STOPS) at every key.
     pub exposure: Animated<f64>,
     pub gif: GifSettings,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Quality {
-    /// Longest chain of mirror reflections.
-    pub bounces: u32,
-    /// Samples per pixel along each axis of a regular grid, at least 1.
-    pub antialias: u32,
-    /// How the samples are spread around the pixel's centre.
-    pub filter: Filter,
 }

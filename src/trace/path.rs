@@ -144,16 +144,16 @@ impl<'a> Paths<'a> {
         match next.kind {
             // Straight on: what was drawn before still leads there, and no bounce is taken.
             super::scatter::Kind::Unbent => {
-                work.counts.transmitted += 1;
+                work.counts.rays.transmitted += 1;
                 return true;
             }
             super::scatter::Kind::Bent => {
-                work.counts.transmitted += 1;
+                work.counts.rays.transmitted += 1;
                 path.counted = path.counted || (self.settings.refractive_shadows && path.scattered);
             }
-            super::scatter::Kind::Mirrored => work.counts.mirror += 1,
+            super::scatter::Kind::Mirrored => work.counts.rays.mirror += 1,
             super::scatter::Kind::Scattered => {
-                work.counts.scattered += 1;
+                work.counts.rays.scattered += 1;
                 path.scattered = true;
                 path.counted = false;
             }

@@ -7,7 +7,7 @@ use super::spawn::spawn;
 use crate::bvh::{Bvh, Hit};
 use crate::camera::Ray;
 use crate::color::Rgb;
-use crate::counters::RayCounts;
+use crate::counters::Counts;
 use crate::environment::Environment;
 use crate::film::LayerId;
 use crate::fog::Fog;
@@ -44,7 +44,7 @@ pub struct Tracer<'a> {
 pub struct Work {
     /// What the sample in hand adds to each layer.
     pub layers: Vec<DVec3>,
-    pub counts: RayCounts,
+    pub counts: Counts,
     /// Rays that are put off.
     pub pending: Vec<super::whitted::Pending>,
 }
@@ -52,7 +52,7 @@ pub struct Work {
 impl Work {
     pub fn new(layers: usize) -> Self {
         let layers = vec![DVec3::ZERO; layers];
-        Self { layers, counts: RayCounts::default(), pending: Vec::new() }
+        Self { layers, counts: Counts::default(), pending: Vec::new() }
     }
 
     pub fn add(&mut self, layer: LayerId, radiance: Rgb) {
@@ -175,7 +175,7 @@ impl<'a> Tracer<'a> {
         if ray.direction == DVec3::ZERO {
             return Rgb::ONE;
         }
-        work.counts.shadow += 1;
+        work.counts.rays.shadow += 1;
         if !self.clear {
             let blocked = self.bvh.occluded(self.scene.geometry, &Probe::new(ray), t_max);
             return if blocked { Rgb::ZERO } else { Rgb::ONE };
@@ -208,7 +208,7 @@ impl<'a> Tracer<'a> {
             if share == Rgb::ZERO {
                 return share;
             }
-            work.counts.shadow += 1;
+            work.counts.rays.shadow += 1;
             (ray, t_max) = arrival.shadow_ray(&face.surface);
         }
     }

@@ -148,7 +148,7 @@ impl Branch<'_, '_> {
         let surface = &self.face.surface;
         let above = direction.dot(surface.normal) > 0.0;
         if above && self.bounce(spawn(surface, direction), share, self.pending.media, sees_lights, work) {
-            work.counts.mirror += 1;
+            work.counts.rays.mirror += 1;
         }
     }
 
@@ -170,7 +170,7 @@ impl Branch<'_, '_> {
         if throughput == Rgb::ZERO || throughput.max_element() < self.tracer.quality.threshold {
             return;
         }
-        work.counts.transmitted += 1;
+        work.counts.rays.transmitted += 1;
         let ray = Tracer::straight_on(self.face, &self.pending.ray);
         let media = match self.face.material.refracts() {
             true => self.boundary().passed,
@@ -200,7 +200,7 @@ impl Branch<'_, '_> {
         let reflected = self.face.material.fresnel.reflectance(before, cosine, eta) as f32;
         let ray = spawn(&self.face.surface, bent);
         if self.bounce(ray, share * (1.0 - reflected), boundary.passed, true, work) {
-            work.counts.transmitted += 1;
+            work.counts.rays.transmitted += 1;
         }
         // A boundary reflects all colours alike, whatever colour it lets pass.
         self.reflect(seen.mirrored(), Rgb::splat(share.max_element() * reflected), true, work);
