@@ -26,6 +26,7 @@ pub mod transform;
 pub mod texture;
 pub mod material;
 pub mod light;
+pub mod environment;
 pub mod layers;
 
 // Film → files, and file → Sequence.

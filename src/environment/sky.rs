@@ -1,0 +1,99 @@
+//! Skies in directions of their own: one colour, two, or images.
+
+use super::CubeMap;
+use super::equirect;
+use crate::color::Rgb;
+use crate::math::{DVec2, DVec3};
+use crate::texture::{Filter, Image, Shared, Wrap};
+
+/// Radiance from every direction.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sky {
+    Constant(Rgb),
+    /// From `bottom`, straight down, to `top`, straight up along the unit vector `up`, evenly in height.
+    Gradient {
+        bottom: Rgb,
+        top: Rgb,
+        up: DVec3,
+    },
+    CubeMap(Shared<CubeMap>),
+    /// A picture of all directions: longitude to the right, latitude upwards, -z in the middle.
+    Equirect(Shared<Image>),
+}
+
+impl Sky {
+    /// Radiance from a direction, a unit vector.
+    pub fn radiance(&self, direction: DVec3) -> Rgb {
+        match self {
+            Self::Constant(radiance) => *radiance,
+            Self::Gradient { bottom, top, up } => {
+                let height = 0.5 * (direction.dot(*up) + 1.0);
+                bottom.lerp(*top, height.clamp(0.0, 1.0) as f32)
+            }
+            Self::CubeMap(map) => map.radiance(direction),
+            Self::Equirect(image) => seen(image, equirect::uv(direction)),
+        }
+    }
+
+    /// Radiance from the direction at a place of [`equirect::direction`].
+    pub(super) fn radiance_at(&self, uv: DVec2) -> Rgb {
+        match self {
+            Self::Equirect(image) => seen(image, uv),
+            _ => self.radiance(equirect::direction(uv)),
+        }
+    }
+}
+
+/// East of the last column comes the first one; beyond the poles there is nothing.
+fn seen(image: &Image, uv: DVec2) -> Rgb {
+    image.sample_wrapped(uv, [Wrap::Repeat, Wrap::Clamp], Filter::Bilinear)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::Random;
+
+    #[test]
+    fn gradients_go_evenly_with_height() {
+        let (bottom, top) = (Rgb::ONE, Rgb::new(0.5, 0.7, 1.0));
+        let sky = Sky::Gradient { bottom, top, up: DVec3::Y };
+        assert_eq!(sky.radiance(DVec3::NEG_Y), bottom);
+        assert_eq!(sky.radiance(DVec3::Y), top);
+        let middle = sky.radiance(DVec3::X);
+        assert!((middle - Rgb::new(0.75, 0.85, 1.0)).abs().max_element() < 1e-6);
+        let tilted = Sky::Gradient { bottom, top, up: DVec3::Z };
+        assert_eq!(tilted.radiance(DVec3::Z), top);
+    }
+
+    /// An image of 8 × 4 texels whose red is the column and whose green is the row from the top.
+    fn numbered() -> Sky {
+        let texels = (0..4u8).flat_map(|y| (0..8u8).map(move |x| Rgb::new(x.into(), y.into(), 0.0)));
+        Sky::Equirect(Shared::new(Image::new(8, 4, texels.collect()).expect("an image")))
+    }
+
+    #[test]
+    fn equirect_images_have_minus_z_in_the_middle_and_x_to_the_right() {
+        let sky = numbered();
+        let seen = |x: f64, y: f64, z: f64| sky.radiance(DVec3::new(x, y, z).normalize());
+        assert_eq!(seen(0.0, 0.0, -1.0), Rgb::new(3.5, 1.5, 0.0));
+        assert_eq!(seen(1.0, 0.0, 0.0), Rgb::new(5.5, 1.5, 0.0));
+        assert_eq!(seen(-1.0, 0.0, 0.0), Rgb::new(1.5, 1.5, 0.0));
+        assert_eq!(seen(0.0, 0.0, 1.0).x, 3.5, "the seam mixes the columns 0 and 7");
+        assert_eq!((seen(0.0, 1.0, 0.0).y, seen(0.0, -1.0, 0.0).y), (0.0, 3.0));
+    }
+
+    #[test]
+    fn equirect_images_have_no_seam_and_firm_poles() {
+        let sky = numbered();
+        let mut random = Random(2);
+        for _ in 0..1000 {
+            let y = 2.0 * random.unit() - 1.0;
+            let sides = [1e-9, -1e-9].map(|x| sky.radiance(DVec3::new(x, y, 1.0).normalize()));
+            assert!((sides[0] - sides[1]).abs().max_element() < 1e-5);
+            let tiny = random.point(1e-300) + DVec3::Y;
+            assert_eq!(sky.radiance(tiny).y, 0.0, "the top row alone");
+            assert!(sky.radiance(random.direction()).is_finite());
+        }
+    }
+}
