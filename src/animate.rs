@@ -5,6 +5,7 @@
 
 use crate::camera::Camera;
 use crate::camera_path::{CameraPath, NoCamera};
+use crate::environment::{Environment, EnvironmentTracks};
 use crate::light::{Dimmer, Light, LightTracks};
 use crate::material::{Material, MaterialTracks};
 use crate::math::DAffine3;
@@ -57,6 +58,13 @@ pub fn lights(now: Res<Now>, mut lights: Query<(&LightTracks, &mut Light)>) {
         let position = tracks.kind.position(now.0.time);
         let moved = Light { position, ..*light };
         light.set_if_neq(moved);
+    }
+}
+
+pub fn environment(now: Res<Now>, mut environments: Query<(&EnvironmentTracks, &mut Environment)>) {
+    for (tracks, mut environment) in &mut environments {
+        let turned = tracks.at(now.0.time, environment.layer);
+        environment.set_if_neq(turned);
     }
 }
 

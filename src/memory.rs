@@ -24,9 +24,8 @@ pub fn needed(sequence: &Sequence) -> u64 {
 
 fn layers(sequence: &Sequence) -> u64 {
     let mut layers = Layers::new();
-    for glow in [&sequence.background, &sequence.ambient] {
-        layers.of(&Glow::split(glow).1);
-    }
+    layers.of(&sequence.background.dimmer());
+    layers.of(&Glow::split(&sequence.ambient).1);
     for light in &sequence.lights {
         layers.of(&light.value.dimmer());
     }

@@ -35,7 +35,7 @@ pub fn sequence() -> Sequence {
             gif: GifSettings { plays: None, colors: 256, dither: true },
         },
         quality: Quality { bounces: 5, antialias: 2 },
-        background: Constant(Rgb::ZERO),
+        background: Rgb::ZERO.into(),
         ambient: Constant(Rgb::ZERO),
         cameras: vec![Named { name: "camera".into(), value: camera }],
         active_camera: Constant(0),

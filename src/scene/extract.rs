@@ -1,6 +1,7 @@
 //! World → Scene: packs what has changed, in the order of the file.
 
 use super::{Geometry, Primitive, Shading, Weights};
+use crate::environment::Environment;
 use crate::light::Light;
 use crate::material::Material;
 use crate::shape::Shape;
@@ -8,7 +9,7 @@ use crate::world::{Current, FileOrder, MadeOf, Transform, Visible, Weight};
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::component::Component;
 use bevy_ecs::query::{Changed, Or, With};
-use bevy_ecs::system::{Query, ResMut};
+use bevy_ecs::system::{Query, ResMut, Single};
 
 /// Whether anything that can be hit has moved, appeared or vanished.
 pub fn geometry_changed(changed: Query<(), GeometryChange>) -> bool {
@@ -17,9 +18,13 @@ pub fn geometry_changed(changed: Query<(), GeometryChange>) -> bool {
 
 type GeometryChange = (With<Shape>, Or<(Changed<Transform>, Changed<Visible>)>);
 
-/// Whether a material or a light's place has changed. Weights are not of this kind.
-pub fn shading_changed(materials: Query<(), Changed<Material>>, lights: Query<(), Changed<Light>>) -> bool {
-    !materials.is_empty() || !lights.is_empty()
+/// Whether a material, a light's place or the background has changed. Weights are not of this kind.
+pub fn shading_changed(
+    materials: Query<(), Changed<Material>>,
+    lights: Query<(), Changed<Light>>,
+    background: Query<(), Changed<Environment>>,
+) -> bool {
+    !materials.is_empty() || !lights.is_empty() || !background.is_empty()
 }
 
 /// Whether a light was switched or faded.
@@ -42,10 +47,12 @@ pub fn geometry(
 pub fn shading(
     materials: Query<(&FileOrder, &Material)>,
     lights: Query<(&FileOrder, &Light)>,
+    background: Single<&Environment>,
     mut shading: ResMut<Current<Shading>>,
 ) {
     shading.0.materials = in_file_order(materials);
     shading.0.lights = in_file_order(lights);
+    shading.0.background = background.clone();
 }
 
 pub fn weights(weighted: Query<&Weight>, mut weights: ResMut<Current<Weights>>) {

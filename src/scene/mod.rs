@@ -9,6 +9,7 @@ pub use primitive::{Placement, Primitive};
 
 use crate::camera::Camera;
 use crate::color::Rgb;
+use crate::environment::Environment;
 use crate::light::{Glow, Light};
 use crate::material::Material;
 
@@ -23,8 +24,8 @@ pub struct Geometry {
 pub struct Shading {
     pub materials: Vec<Material>,
     pub lights: Vec<Light>,
-    /// Radiance of rays that hit nothing.
-    pub background: Glow,
+    /// What rays that hit nothing see.
+    pub background: Environment,
     /// Light from everywhere.
     pub ambient: Glow,
 }

@@ -38,9 +38,9 @@ impl<S: FilmSink> FrameLoop<S> {
     /// Films go to `sink` in the order in which frames are asked for.
     pub fn new(sequence: &Sequence, sink: S, meter: Arc<Meter>) -> Self {
         let mut world = spawn(sequence);
-        let Glows { background, ambient, layers } = *world.resource::<Glows>();
+        let Glows { ambient, layers } = *world.resource::<Glows>();
         world.insert_resource(Current(Geometry::default()));
-        world.insert_resource(Current(Shading { background, ambient, ..Shading::default() }));
+        world.insert_resource(Current(Shading { ambient, ..Shading::default() }));
         world.insert_resource(Current(Weights(vec![Rgb::ONE; layers])));
         world.insert_resource(Current(None::<Camera>));
         world.insert_resource(Current(Bvh::default()));
@@ -92,7 +92,14 @@ fn schedule<S: FilmSink>() -> Schedule {
         (Stage::Animate, Stage::Extract, Stage::Accelerate, Stage::Trace, Stage::Encode).chain(),
     );
     let camera = animate::camera.pipe(keep_camera_fault);
-    let animated = (animate::transforms, animate::materials, animate::lights, animate::weights, camera);
+    let animated = (
+        animate::transforms,
+        animate::materials,
+        animate::lights,
+        animate::environment,
+        animate::weights,
+        camera,
+    );
     schedule.add_systems((animated, lap(Stage::Animate)).chain().in_set(Stage::Animate));
     let packed = (
         (extract::geometry, count_geometry).chain().run_if(extract::geometry_changed),

@@ -3,6 +3,7 @@
 use super::camera::{camera, default_camera};
 use super::check::report_blind_cameras;
 use super::colors::color;
+use super::environment::environment;
 use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
@@ -34,7 +35,7 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     let frames = timeline.map_or(1, |timeline| timeline.frames);
     let output = fields.or("output", |node| output(node, name, frames), default_output(name, frames));
     let quality = fields.or("quality", quality, DEFAULT_QUALITY);
-    let background = fields.or("background", keyed(color), Rgb::ZERO);
+    let background = fields.or("background", environment, Rgb::ZERO);
     let ambient = fields.or("ambient", keyed(color), Rgb::ONE);
     let cameras = cameras(&mut fields);
     let lights = fields.or("lights", lights, Vec::new());

@@ -1,11 +1,13 @@
 //! The sequence: what a file says, resolved and checked. No names to look up, no defaults left.
 
+mod assets;
 mod camera;
 mod check;
 mod colors;
 mod decimal;
 mod document;
 mod easing;
+mod environment;
 mod fault;
 mod fields;
 mod keys;
@@ -17,6 +19,8 @@ mod names;
 mod node;
 mod object;
 mod output;
+#[cfg_attr(not(test), allow(dead_code, reason = "materials do not ask for paint yet"))]
+mod paint;
 mod path;
 mod shape;
 mod suggest;
@@ -35,6 +39,7 @@ pub use load::{LoadError, load, parse};
 use crate::camera_path::CameraPath;
 use crate::color::Rgb;
 use crate::encode::{GifSettings, Output, Tonemap};
+use crate::environment::EnvironmentTracks;
 use crate::light::LightTracks;
 use crate::material::MaterialTracks;
 use crate::shape::Shape;
@@ -50,8 +55,8 @@ pub struct Sequence {
     pub timeline: Timeline,
     pub output: OutputSettings,
     pub quality: Quality,
-    /// Radiance of rays that hit nothing.
-    pub background: Animated<Rgb>,
+    /// What rays that hit nothing see.
+    pub background: EnvironmentTracks,
     /// Light from everywhere; a material reflects its `ambient` share of it.
     pub ambient: Animated<Rgb>,
     /// At least one.

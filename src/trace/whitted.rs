@@ -7,6 +7,7 @@ use crate::bvh::Bvh;
 use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::counters::RayCounts;
+use crate::environment::Environment;
 use crate::film::LayerId;
 use crate::light::{Glow, Light};
 use crate::material::Material;
@@ -21,7 +22,7 @@ pub struct Whitted<'a> {
     bounces: u32,
     /// Lights that shine: a layer of weight zero is not traced.
     lights: Vec<Light>,
-    background: Option<Glow>,
+    background: Option<&'a Environment>,
     ambient: Option<Glow>,
 }
 
@@ -48,7 +49,7 @@ impl<'a> Whitted<'a> {
             bvh,
             bounces,
             lights: shading.lights.iter().filter(shines).copied().collect(),
-            background: glow(shading.background),
+            background: Some(&shading.background).filter(|sky| !sky.is_black() && weighted(sky.layer)),
             ambient: glow(shading.ambient),
         }
     }
@@ -74,7 +75,7 @@ impl<'a> Whitted<'a> {
     fn along(&self, ray: &Ray, throughput: Rgb, sums: &mut Sums) -> Option<(Ray, Rgb)> {
         let Some(hit) = self.bvh.closest(self.scene.geometry, &Probe::new(*ray)) else {
             if let Some(background) = &self.background {
-                sums.add(background.layer, throughput * background.radiance);
+                sums.add(background.layer, throughput * background.radiance(ray.direction));
             }
             return None;
         };

@@ -26,10 +26,9 @@ pub struct ActiveCamera {
     pub index: Animated<usize>,
 }
 
-/// Background and ambient light, and how many layers of the film all light takes.
+/// Ambient light, and how many layers of the film all light takes.
 #[derive(Clone, Copy, Debug, Resource)]
 pub struct Glows {
-    pub background: Glow,
     pub ambient: Glow,
     pub layers: usize,
 }

@@ -17,14 +17,24 @@ pub fn spawn(sequence: &Sequence) -> World {
     let mut world = World::new();
     let mut layers = Layers::new();
     world.insert_resource(Now(sequence.timeline.clock(0)));
-    let background = spawn_glow(&mut world, &mut layers, &sequence.background);
+    spawn_background(&mut world, &mut layers, sequence);
     let ambient = spawn_glow(&mut world, &mut layers, &sequence.ambient);
     spawn_lights(&mut world, &mut layers, sequence);
     spawn_materials(&mut world, sequence);
     spawn_cameras(&mut world, sequence);
     spawn_objects(&mut world, sequence);
-    world.insert_resource(Glows { background, ambient, layers: layers.count() });
+    world.insert_resource(Glows { ambient, layers: layers.count() });
     world
+}
+
+/// The background is an entity, whose weight is keyed like a light's.
+fn spawn_background(world: &mut World, layers: &mut Layers, sequence: &Sequence) {
+    let (tracks, dimmer) = (&sequence.background, sequence.background.dimmer());
+    let layer = layers.of(&dimmer);
+    let mut entity = world.spawn((tracks.at(sequence.timeline.clock(0).time, layer), tracks.clone()));
+    if !dimmer.is_constant() {
+        entity.insert((dimmer, Weight { layer, value: Rgb::ONE }));
+    }
 }
 
 /// A keyed glow gets an entity that holds its weight.
