@@ -133,7 +133,7 @@ fn summary(tally: &Tally, report: Report, request: &Request, elapsed: Duration) 
     let time = |stage| if stage == Stage::Encode { report.busy } else { tally.stages[stage as usize] };
     Summary {
         frames: request.frames.len() as u32,
-        rays: tally.rays,
+        rays: tally.counts.rays,
         bvh_builds: tally.bvh_builds,
         stages: Stage::ALL.map(|stage| (stage.name(), time(stage))).to_vec(),
         elapsed,

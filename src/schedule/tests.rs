@@ -78,7 +78,7 @@ fn a_frame_without_a_camera_says_so_and_makes_no_film() {
     let mut frames = frame_loop(&sequence, None);
     frames.frame(0).expect("a frame");
     assert!(matches!(frames.frame(1), Err(NoFrame::Camera { frame: 1, .. })));
-    assert_eq!(frames.tally().rays.camera, 4 * 3 * 4, "the frame without a camera was traced");
+    assert_eq!(frames.tally().counts.rays.camera, 4 * 3 * 4, "the frame without a camera was traced");
     assert_eq!(frames.into_sink().expect("the sink").taken, [0]);
 }
 

@@ -4,9 +4,10 @@ use super::fields::Fields;
 use super::keys::keyed;
 use super::node::Node;
 use super::path::path;
-use super::values::{angle, direction, field_of_view, positive, vector};
+use super::names::Names;
+use super::values::{angle, between, direction, field_of_view, not_negative, positive, vector};
 use super::words::{Variants, variant};
-use crate::camera_path::{CameraPath, Lens};
+use crate::camera_path::{CameraPath, Focus, Lens};
 use crate::math::{Angle, DVec3};
 
 const POSITION: DVec3 = DVec3::new(0.0, 1.0, 5.0);
@@ -20,21 +21,49 @@ pub fn default_camera() -> CameraPath {
         up: DVec3::Y.into(),
         roll: Angle(0.0).into(),
         lens: Lens::Perspective { fov: FIELD_OF_VIEW.into() },
+        aperture: 0.0.into(),
+        focus: Focus::Target,
+        shutter: 0.0.into(),
         path: Vec::new(),
     }
 }
 
-/// One camera.
-pub fn camera(node: Node<'_>) -> Option<CameraPath> {
+/// One camera. It may focus on one of `objects`; none if they could not be read.
+pub fn camera(node: Node<'_>, objects: Option<&Names<'_>>) -> Option<CameraPath> {
     let mut fields = Fields::of(node, "a camera")?;
     let position = fields.or("position", keyed(vector), POSITION);
     let target = fields.or("target", keyed(vector), DVec3::ZERO);
     let up = fields.or("up", keyed(direction), DVec3::Y);
     let roll = fields.or("roll", keyed(angle), Angle(0.0));
     let lens = fields.or("projection", projection, default_camera().lens);
+    let aperture = fields.or("aperture", keyed(not_negative), 0.0);
+    let focus = fields.or("focus", |node| focus(node, objects), Focus::Target);
+    let shutter = fields.or("shutter", keyed(between(0.0..=1.0)), 0.0);
     let path = fields.or("path", path, Vec::new());
     fields.finish();
-    Some(CameraPath { position: position?, target: target?, up: up?, roll: roll?, lens: lens?, path: path? })
+    Some(CameraPath {
+        position: position?,
+        target: target?,
+        up: up?,
+        roll: roll?,
+        lens: lens?,
+        aperture: aperture?,
+        focus: focus?,
+        shutter: shutter?,
+        path: path?,
+    })
+}
+
+/// A distance, or an object's name.
+fn focus(node: Node<'_>, objects: Option<&Names<'_>>) -> Option<Focus> {
+    if !node.is_text() {
+        return keyed(positive)(node).map(Focus::Distance);
+    }
+    match objects {
+        Some(objects) => objects.index(node).map(Focus::Object),
+        // What is wrong with the objects has been reported.
+        None => Some(Focus::Target),
+    }
 }
 
 fn projection(node: Node<'_>) -> Option<Lens> {

@@ -27,7 +27,7 @@ pub fn report_blind_cameras(
             }
             continue;
         };
-        match camera.value.at(&clock) {
+        match camera.value.at(&clock, None) {
             Err(why) => {
                 done[index] = true;
                 let place = places.get(index).cloned().unwrap_or(0..0);
@@ -58,7 +58,7 @@ fn fault(name: &str, why: NoCamera, frame: u32, place: Range<usize>) -> Fault {
 
 /// Whether one frame of the camera is like every other.
 fn stands_still(camera: &CameraPath) -> bool {
-    let CameraPath { position, target, up, roll, lens, path } = camera;
+    let CameraPath { position, target, up, roll, lens, path, .. } = camera;
     let lens = match lens {
         Lens::Perspective { fov } => fov.is_keyed(),
         Lens::Orthographic { height } => height.is_keyed(),

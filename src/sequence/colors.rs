@@ -1,11 +1,33 @@
 //! Colours, in every way a file may write them.
 
+use super::keys::keyed;
 use super::node::Node;
+use super::suggest::listed;
 use super::values::{between, each, not_negative, number, text, tuple};
+use super::words::{Variants, is_literal, unknown, variant};
 use crate::color::{Rgb, srgb_to_linear};
+use crate::track::Animated;
 
 const WAYS: &str =
     "colours are (r, g, b), one number for grey, \"#rrggbb\", Srgb(r, g, b) or Linear8(r, g, b)";
+
+/// A colour over time, or a value that starts with one of the table's words.
+pub fn color_or<'s, T: From<Animated<Rgb>>>(
+    node: Node<'s>,
+    what: &str,
+    table: &Variants<'s, T>,
+) -> Option<T> {
+    if matches!(node.word(), "" | "Srgb" | "Linear8" | "Track") || is_literal(node.word()) {
+        return keyed(color)(node).map(T::from);
+    }
+    let known = table.iter().map(|(word, _)| *word);
+    if known.clone().any(|word| word == node.word()) {
+        return variant(node, what, table);
+    }
+    let help = format!("besides colours there are {}", listed(known.clone()));
+    node.fault(unknown(node, what, node.word(), known).help(help).help(WAYS));
+    None
+}
 
 /// A linear colour without negative parts.
 pub fn color(node: Node<'_>) -> Option<Rgb> {

@@ -3,6 +3,7 @@
 use super::camera::{camera, default_camera};
 use super::check::report_blind_cameras;
 use super::colors::color;
+use super::environment::environment;
 use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
@@ -11,11 +12,14 @@ use super::material::{Given, material};
 use super::names::{Entry, Names, entries};
 use super::node::Node;
 use super::object::{Draft, Parent, Surface, object, report_circles};
-use super::output::{DEFAULT_QUALITY, default_output, output, quality};
+use super::fog::fog;
+use super::output::{default_output, output};
+use super::quality::quality;
 use super::timeline::{still, timeline};
 use super::{Named, Object, Sequence};
 use crate::camera_path::CameraPath;
 use crate::color::Rgb;
+use crate::quality::Quality;
 use crate::layers::Layers;
 use crate::light::LightTracks;
 use crate::material::MaterialTracks;
@@ -33,12 +37,14 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     let timeline = fields.or("timeline", timeline, still());
     let frames = timeline.map_or(1, |timeline| timeline.frames);
     let output = fields.or("output", |node| output(node, name, frames), default_output(name, frames));
-    let quality = fields.or("quality", quality, DEFAULT_QUALITY);
-    let background = fields.or("background", keyed(color), Rgb::ZERO);
+    let quality = fields.or("quality", quality, Quality::default());
+    let background = fields.or("background", environment, Rgb::ZERO);
     let ambient = fields.or("ambient", keyed(color), Rgb::ONE);
-    let cameras = cameras(&mut fields);
+    let fog = fields.optional("fog", fog);
     let lights = fields.or("lights", lights, Vec::new());
     let scene = scene(&mut fields);
+    // After the objects, which cameras may focus on.
+    let cameras = cameras(&mut fields, scene.as_ref().map(|(_, objects)| objects.as_slice()));
     fields.finish();
     if let (Some(timeline), Some(Cameras { list, active, places })) = (&timeline, &cameras) {
         report_blind_cameras(root.file, timeline, list, active, places);
@@ -51,6 +57,7 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
         quality: quality?,
         background: background?,
         ambient: ambient?,
+        fog: fog?,
         cameras: cameras.list,
         active_camera: cameras.active,
         lights: lights?,
@@ -91,13 +98,15 @@ struct Cameras {
     places: Vec<Range<usize>>,
 }
 
-fn cameras(fields: &mut Fields<'_>) -> Option<Cameras> {
+fn cameras(fields: &mut Fields<'_>, objects: Option<&[Named<Object>]>) -> Option<Cameras> {
     if fields.has("camera") && fields.has("cameras") {
         let (here, there) = (fields.place("cameras"), fields.place("camera"));
         let fault = Fault::new(here, "a sequence has either `camera` or `cameras`", "one too many");
         fields.node().fault(fault.also(there, "the other one is here"));
     }
     let single_place = fields.place("camera");
+    let objects = objects.map(|objects| Names::of("object", objects.iter().map(|object| object.name.as_str())));
+    let camera = |node| camera(node, objects.as_ref());
     let single = fields.optional("camera", camera);
     let mut several = Vec::new();
     let list = fields.optional("cameras", |node| {

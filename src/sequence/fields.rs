@@ -35,6 +35,17 @@ impl<'s> Fields<'s> {
         Some(Self { node, what, entries, known: Vec::new(), named_in_faults: true })
     }
 
+    /// [`Fields::of`], where one value alone in the parentheses is the field `only`, which then has no place.
+    pub fn of_or_only(node: Node<'s>, what: &'static str, only: &'static str) -> Option<Self> {
+        if let Content::Tuple(items) = node.content()?
+            && let [item] = items[..]
+        {
+            let entries = vec![(only, Some(item))];
+            return Some(Self { node, what: what.into(), entries, known: Vec::new(), named_in_faults: true });
+        }
+        Self::of(node, what)
+    }
+
     /// Faults in these fields name the field around them instead.
     pub fn unnamed(mut self) -> Self {
         self.named_in_faults = false;

@@ -1,26 +1,99 @@
 //! `lights`: what shines.
 
 use super::colors::color;
+use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
 use super::node::Node;
-use super::values::{not_negative, switch, vector};
+use super::values::{angle_between, direction, not_negative, positive, switch, vector};
 use super::words::variant;
 use crate::color::Rgb;
-use crate::light::{LightKind, LightTracks};
+use crate::light::{Attenuation, LightKind, LightTracks};
+use crate::math::{Angle, DVec3};
+use crate::shape::spans_a_plane;
+use crate::track::Animated;
 
 /// One light.
 pub fn light(node: Node<'_>) -> Option<LightTracks> {
-    variant(node, "kind of light", &[("Point", point)])
+    variant(
+        node,
+        "kind of light",
+        &[
+            ("Point", |node| lit(node, "`Point`", point)),
+            ("Spot", |node| lit(node, "`Spot`", spot)),
+            ("Directional", |node| lit(node, "`Directional`", directional)),
+            ("Sphere", |node| lit(node, "`Sphere`", sphere)),
+            ("Rectangle", |node| lit(node, "`Rectangle`", rectangle)),
+        ],
+    )
 }
 
-fn point(node: Node<'_>) -> Option<LightTracks> {
-    let mut fields = Fields::of(node, "`Point`")?;
-    let position = fields.required("position", keyed(vector));
+/// What all lights have, and what `kind` reads besides.
+fn lit<'s>(
+    node: Node<'s>,
+    what: &'static str,
+    kind: fn(&mut Fields<'s>) -> Option<LightKind>,
+) -> Option<LightTracks> {
+    let mut fields = Fields::of(node, what)?;
+    let kind = kind(&mut fields);
     let color = fields.or("color", keyed(color), Rgb::ONE);
     let intensity = fields.or("intensity", keyed(not_negative), 1.0);
     let on = fields.or("on", keyed(switch), true);
     fields.finish();
-    let kind = LightKind::Point { position: position? };
-    Some(LightTracks { kind, color: color?, intensity: intensity?, on: on? })
+    Some(LightTracks { kind: kind?, color: color?, intensity: intensity?, on: on? })
+}
+
+fn point(fields: &mut Fields<'_>) -> Option<LightKind> {
+    let position = fields.required("position", keyed(vector));
+    let attenuation = fields.or("attenuation", attenuation, Attenuation::default());
+    Some(LightKind::Point { position: position?, attenuation: attenuation? })
+}
+
+fn spot(fields: &mut Fields<'_>) -> Option<LightKind> {
+    let position = fields.required("position", keyed(vector));
+    let target = fields.or("target", keyed(vector), DVec3::ZERO);
+    let angle = fields.or("angle", keyed(angle_between(0.0, 360.0)), Angle(45.0));
+    let inner_angle = fields.optional("inner_angle", keyed(angle_between(0.0, 360.0)));
+    let attenuation = fields.or("attenuation", attenuation, Attenuation::default());
+    Some(LightKind::Spot {
+        position: position?,
+        target: target?,
+        angle: angle?,
+        inner_angle: inner_angle?,
+        attenuation: attenuation?,
+    })
+}
+
+fn directional(fields: &mut Fields<'_>) -> Option<LightKind> {
+    Some(LightKind::Directional { direction: fields.required("direction", keyed(direction))? })
+}
+
+fn sphere(fields: &mut Fields<'_>) -> Option<LightKind> {
+    let center = fields.required("center", keyed(vector));
+    let radius = fields.or("radius", keyed(positive), 1.0);
+    Some(LightKind::Sphere { center: center?, radius: radius? })
+}
+
+fn rectangle(fields: &mut Fields<'_>) -> Option<LightKind> {
+    let corner = fields.required("corner", keyed(vector));
+    let (u, v) = (fields.required("u", keyed(vector)), fields.required("v", keyed(vector)));
+    let one_sided = fields.or("one_sided", switch, false);
+    let (u, v) = (u?, v?);
+    if let (Animated::Constant(a), Animated::Constant(b)) = (&u, &v)
+        && !spans_a_plane(*a, *b)
+    {
+        let label = "`u` and `v` are parallel, or one of them has no length";
+        fields.node().fault(Fault::new(fields.place("v"), "this rectangle has no area", label));
+        return None;
+    }
+    Some(LightKind::Rectangle { corner: corner?, u, v, one_sided: one_sided? })
+}
+
+/// How light fades with distance.
+fn attenuation(node: Node<'_>) -> Option<Attenuation> {
+    let mut fields = Fields::of(node, "an attenuation")?;
+    let [constant, linear, quadratic] = [("constant", 1.0), ("linear", 0.0), ("quadratic", 0.0)]
+        .map(|(name, default)| fields.or(name, not_negative, default));
+    fields.finish();
+    Some(Attenuation { constant: constant?, linear: linear?, quadratic: quadratic? })
 }

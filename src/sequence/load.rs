@@ -63,8 +63,8 @@ fn read(path: &Path) -> Result<String, String> {
     })
 }
 
-/// Reads a sequence from text. `name` is what messages call the file; without directory and extension it
-/// becomes the sequence's name.
+/// Reads a sequence from text. `name` is the path that messages call the file by: images are looked for from its
+/// directory on, and without directory and extension it becomes the sequence's name.
 pub fn parse(name: &str, text: &str) -> Result<Sequence, Faults> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let faults = syntax::faults(text);
@@ -72,7 +72,8 @@ pub fn parse(name: &str, text: &str) -> Result<Sequence, Faults> {
         return Err(Faults::new(name, text, faults));
     }
     let stem = Path::new(name).file_stem().map_or_else(|| "sequence".into(), |stem| stem.to_string_lossy());
-    let file = File::new(text);
+    let folder = Path::new(name).parent().unwrap_or(Path::new(""));
+    let file = File::new(text, folder);
     let sequence = document::sequence(file.root(), &stem);
     let mut faults = file.into_faults();
     match sequence {

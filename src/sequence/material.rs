@@ -3,85 +3,257 @@
 use super::colors::color;
 use super::fields::Fields;
 use super::keys::keyed;
-use super::node::Node;
-use super::values::{not_negative, one_of};
+use super::node::{Content, Node};
+use super::paint::paint;
+use super::values::{between, not_negative, one_of, positive, whole_number};
+use super::words::variant;
 use crate::color::Rgb;
-use crate::material::{Highlight, Lobe, MaterialTracks};
+use crate::material::{Highlight, Level, Lobe, MaterialTracks};
+use crate::optics::Fresnel;
+use crate::texture::PaintTracks;
 use crate::track::Animated;
 
 /// The fields of a material that a file gives; the others come from the default material.
 #[derive(Clone, Default)]
 pub struct Given {
-    color: Option<Animated<Rgb>>,
-    ambient: Option<Animated<f64>>,
-    diffuse: Option<Animated<f64>>,
-    specular: Option<Animated<f64>>,
-    mirror: Option<Animated<f64>>,
-    ambient_color: Option<Animated<Rgb>>,
-    diffuse_color: Option<Animated<Rgb>>,
-    specular_color: Option<Animated<Rgb>>,
-    mirror_color: Option<Animated<Rgb>>,
+    color: Option<PaintTracks>,
+    emission: GivenLobe,
+    ambient: GivenLobe,
+    diffuse: GivenLobe,
+    specular: GivenLobe,
+    mirror: GivenLobe,
+    fuzz: Option<Level>,
+    transparency: GivenLobe,
+    refraction: GivenLobe,
+    microfacet: Option<Animated<f64>>,
+    metallic: Option<Level>,
+    roughness: Option<Level>,
     shininess: Option<Animated<f64>>,
     highlight: Option<Highlight>,
+    fresnel: Option<Fresnel>,
+    ior: Option<Animated<f64>>,
+    absorption: Option<Animated<Rgb>>,
+    priority: Option<i32>,
 }
 
-/// Reads the fields of a material.
+/// What a file gives of a lobe.
+#[derive(Clone, Default)]
+struct GivenLobe {
+    strength: Option<Animated<f64>>,
+    tint: Option<PaintTracks>,
+}
+
+/// Words that stand for a whole material.
+fn kinds<'s>() -> [(&'static str, fn(Node<'s>) -> Option<Given>); 4] {
+    [
+        ("Lambertian", lambertian),
+        ("Metal", metal),
+        ("Dielectric", dielectric),
+        ("MetallicRoughness", metallic_roughness),
+    ]
+}
+
+/// Whether a value is written like a material.
+pub fn is_material(node: Node<'_>) -> bool {
+    node.opens_with('(') || kinds().iter().any(|(name, _)| *name == node.word())
+}
+
+/// Reads a material: lobes in ( ), or one of the kinds.
 pub fn material(node: Node<'_>) -> Option<Given> {
+    if node.opens_with('(') {
+        return lobes(node);
+    }
+    variant(node, "kind of material", &kinds())
+}
+
+fn lobes(node: Node<'_>) -> Option<Given> {
     let mut fields = Fields::of(node, "a material")?;
-    let base = fields.optional("color", keyed(color));
-    let [ambient, diffuse, specular, mirror, shininess] =
-        ["ambient", "diffuse", "specular", "mirror", "shininess"]
-            .map(|name| fields.optional(name, keyed(not_negative)));
-    let [ambient_color, diffuse_color, specular_color, mirror_color] =
-        ["ambient_color", "diffuse_color", "specular_color", "mirror_color"]
-            .map(|name| fields.optional(name, keyed(color)));
+    let base = fields.optional("color", paint);
+    let emission = lobe(&mut fields, "emission", "emission_color");
+    let ambient = lobe(&mut fields, "ambient", "ambient_color");
+    let diffuse = lobe(&mut fields, "diffuse", "diffuse_color");
+    let specular = lobe(&mut fields, "specular", "specular_color");
+    let shininess = fields.optional("shininess", keyed(not_negative));
     let highlights = &[("Phong", Highlight::Phong), ("BlinnPhong", Highlight::BlinnPhong)];
     let highlight = fields.optional("highlight", one_of("highlight", highlights));
+    let mirror = lobe(&mut fields, "mirror", "mirror_color");
+    let fuzz = fields.optional("fuzz", level);
+    let transparency = lobe(&mut fields, "transparency", "transparency_color");
+    let refraction = lobe(&mut fields, "refraction", "refraction_color");
+    let fresnel = fields.optional("fresnel", fresnel);
+    let (ior, absorption, priority) = medium(&mut fields);
     fields.finish();
     Some(Given {
         color: base?,
+        emission: emission?,
         ambient: ambient?,
         diffuse: diffuse?,
         specular: specular?,
-        mirror: mirror?,
-        ambient_color: ambient_color?,
-        diffuse_color: diffuse_color?,
-        specular_color: specular_color?,
-        mirror_color: mirror_color?,
         shininess: shininess?,
         highlight: highlight?,
+        mirror: mirror?,
+        fuzz: fuzz?,
+        transparency: transparency?,
+        refraction: refraction?,
+        fresnel: fresnel?,
+        ior: ior?,
+        absorption: absorption?,
+        priority: priority?,
+        ..Given::default()
+    })
+}
+
+fn lobe(fields: &mut Fields<'_>, strength: &'static str, tint: &'static str) -> Option<GivenLobe> {
+    let strength = fields.optional(strength, keyed(not_negative));
+    let tint = fields.optional(tint, paint);
+    Some(GivenLobe { strength: strength?, tint: tint? })
+}
+
+/// A number of 0..=1 with or without keys, or paint.
+fn level(node: Node<'_>) -> Option<Level> {
+    let keys = node.opens_with('[') || node.word() == "Track";
+    let plain = node.word().is_empty() && matches!(node.content(), Some(Content::Plain)) && !node.is_text();
+    if keys || plain {
+        return keyed(between(0.0..=1.0))(node).map(Level::Even);
+    }
+    paint(node).map(Level::Painted)
+}
+
+fn fresnel(node: Node<'_>) -> Option<Fresnel> {
+    let models = &[("Off", Fresnel::Off), ("Exact", Fresnel::Exact), ("Schlick", Fresnel::Schlick)];
+    one_of("Fresnel model", models)(node)
+}
+
+type GivenMedium = (Option<Option<Animated<f64>>>, Option<Option<Animated<Rgb>>>, Option<Option<i32>>);
+
+fn medium(fields: &mut Fields<'_>) -> GivenMedium {
+    let ior = fields.optional("ior", keyed(positive));
+    let absorption = fields.optional("absorption", keyed(color));
+    let priority = fields.optional("priority", whole_number(-1000..=1000));
+    (ior, absorption, priority)
+}
+
+/// A strength of every lobe.
+fn only(strength: f64) -> GivenLobe {
+    GivenLobe { strength: Some(strength.into()), tint: None }
+}
+
+impl Given {
+    /// A material without any lobe.
+    fn bare() -> Self {
+        let none = only(0.0);
+        Self {
+            emission: none.clone(),
+            ambient: none.clone(),
+            diffuse: none.clone(),
+            specular: none.clone(),
+            mirror: none.clone(),
+            transparency: none.clone(),
+            refraction: none,
+            microfacet: Some(0.0.into()),
+            ..Self::default()
+        }
+    }
+}
+
+/// A matte surface that reflects the share `color` of all light.
+fn lambertian(node: Node<'_>) -> Option<Given> {
+    let mut fields = Fields::of(node, "`Lambertian`")?;
+    let color = fields.or("color", paint, Rgb::splat(0.5));
+    fields.finish();
+    Some(Given { color: Some(color?), diffuse: only(1.0), ..Given::bare() })
+}
+
+/// A mirror of a colour, sharp or fuzzy.
+fn metal(node: Node<'_>) -> Option<Given> {
+    let mut fields = Fields::of(node, "`Metal`")?;
+    let color = fields.or("color", paint, Rgb::splat(0.8));
+    let fuzz = fields.or("fuzz", level, Level::Even(0.0.into()));
+    fields.finish();
+    let mirror = GivenLobe { strength: Some(1.0.into()), tint: Some(color?) };
+    Some(Given { mirror, fuzz: Some(fuzz?), ..Given::bare() })
+}
+
+/// Glass, water, diamond.
+fn dielectric(node: Node<'_>) -> Option<Given> {
+    let mut fields = Fields::of(node, "`Dielectric`")?;
+    let color = fields.or("color", paint, Rgb::ONE);
+    let model = fields.or("fresnel", fresnel, Fresnel::Exact);
+    let (ior, absorption, priority) = medium(&mut fields);
+    fields.finish();
+    let refraction = GivenLobe { strength: Some(1.0.into()), tint: Some(color?) };
+    let (fresnel, ior, absorption, priority) = (Some(model?), ior?, absorption?, priority?);
+    Some(Given { refraction, fresnel, ior, absorption, priority, ..Given::bare() })
+}
+
+/// The metallic-roughness model of glTF 2.0.
+fn metallic_roughness(node: Node<'_>) -> Option<Given> {
+    let mut fields = Fields::of(node, "`MetallicRoughness`")?;
+    let color = fields.or("color", paint, Rgb::ONE);
+    let metallic = fields.or("metallic", level, Level::Even(1.0.into()));
+    let roughness = fields.or("roughness", level, Level::Even(1.0.into()));
+    let ambient = lobe(&mut fields, "ambient", "ambient_color");
+    let emission = lobe(&mut fields, "emission", "emission_color");
+    let ior = fields.optional("ior", keyed(positive));
+    fields.finish();
+    let (ambient, emission) = (ambient?, emission?);
+    let dark = |lobe: GivenLobe| GivenLobe { strength: lobe.strength.or(Some(0.0.into())), ..lobe };
+    Some(Given {
+        color: Some(color?),
+        microfacet: Some(1.0.into()),
+        metallic: Some(metallic?),
+        roughness: Some(roughness?),
+        ambient: dark(ambient),
+        emission: dark(emission),
+        ior: ior?,
+        ..Given::bare()
     })
 }
 
 impl Given {
     /// The material, with what is absent taken from the file's default material, then from Kinora's own.
     pub fn over(&self, default: &Self) -> MaterialTracks {
-        let pick =
-            |own: fn(&Self) -> &Option<Animated<Rgb>>| own(self).clone().or_else(|| own(default).clone());
-        let strength = |own: fn(&Self) -> &Option<Animated<f64>>, otherwise: f64| {
+        let base = self.color.clone().or_else(|| default.color.clone());
+        let base = base.unwrap_or(Rgb::splat(0.8).into());
+        let white = PaintTracks::from(Rgb::ONE);
+        let lobe = |own: fn(&Self) -> &GivenLobe, strength: f64, tint: &PaintTracks| {
+            let (own, other) = (own(self), own(default));
+            let given = own.strength.clone().or_else(|| other.strength.clone());
+            let tinted = own.tint.clone().or_else(|| other.tint.clone());
+            Lobe {
+                strength: given.unwrap_or(strength.into()),
+                tint: tinted.unwrap_or_else(|| tint.clone()),
+            }
+        };
+        let level = |own: fn(&Self) -> &Option<Level>, otherwise: f64| {
+            own(self).clone().or_else(|| own(default).clone()).unwrap_or(Level::Even(otherwise.into()))
+        };
+        let value = |own: fn(&Self) -> &Option<Animated<f64>>, otherwise: f64| {
             own(self).clone().or_else(|| own(default).clone()).unwrap_or(otherwise.into())
         };
-        let base = pick(|given| &given.color).unwrap_or(Rgb::splat(0.8).into());
-        let white = || Animated::from(Rgb::ONE);
         MaterialTracks {
-            ambient: Lobe {
-                strength: strength(|given| &given.ambient, 0.1),
-                tint: pick(|given| &given.ambient_color).unwrap_or_else(|| base.clone()),
-            },
-            diffuse: Lobe {
-                strength: strength(|given| &given.diffuse, 0.9),
-                tint: pick(|given| &given.diffuse_color).unwrap_or_else(|| base.clone()),
-            },
-            specular: Lobe {
-                strength: strength(|given| &given.specular, 0.0),
-                tint: pick(|given| &given.specular_color).unwrap_or_else(white),
-            },
-            mirror: Lobe {
-                strength: strength(|given| &given.mirror, 0.0),
-                tint: pick(|given| &given.mirror_color).unwrap_or_else(white),
-            },
-            shininess: strength(|given| &given.shininess, 32.0),
+            emission: lobe(|given| &given.emission, 0.0, &base),
+            ambient: lobe(|given| &given.ambient, 0.1, &base),
+            diffuse: lobe(|given| &given.diffuse, 0.9, &base),
+            specular: lobe(|given| &given.specular, 0.0, &white),
+            mirror: lobe(|given| &given.mirror, 0.0, &white),
+            fuzz: level(|given| &given.fuzz, 0.0),
+            transparency: lobe(|given| &given.transparency, 0.0, &white),
+            refraction: lobe(|given| &given.refraction, 0.0, &white),
+            microfacet: value(|given| &given.microfacet, 0.0),
+            metallic: level(|given| &given.metallic, 0.0),
+            roughness: level(|given| &given.roughness, 0.0),
+            shininess: value(|given| &given.shininess, 32.0),
             highlight: self.highlight.or(default.highlight).unwrap_or_default(),
+            fresnel: self.fresnel.or(default.fresnel).unwrap_or_default(),
+            ior: value(|given| &given.ior, 1.5),
+            absorption: self
+                .absorption
+                .clone()
+                .or_else(|| default.absorption.clone())
+                .unwrap_or(Rgb::ZERO.into()),
+            priority: self.priority.or(default.priority).unwrap_or(0),
+            base,
         }
     }
 }

@@ -1,13 +1,16 @@
 //! The sequence: what a file says, resolved and checked. No names to look up, no defaults left.
 
+mod assets;
 mod camera;
 mod check;
 mod colors;
 mod decimal;
 mod document;
 mod easing;
+mod environment;
 mod fault;
 mod fields;
+mod fog;
 mod keys;
 mod level;
 mod light;
@@ -17,7 +20,9 @@ mod names;
 mod node;
 mod object;
 mod output;
+mod paint;
 mod path;
+mod quality;
 mod shape;
 mod suggest;
 mod symbols;

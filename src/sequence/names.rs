@@ -72,6 +72,13 @@ impl<'n> Names<'n> {
         Self { what, in_order, indices }
     }
 
+    /// Names of what has been read, in its order.
+    pub fn of(what: &'static str, names: impl Iterator<Item = &'n str>) -> Self {
+        let in_order: Vec<&str> = names.collect();
+        let indices = in_order.iter().enumerate().map(|(index, name)| (*name, index)).collect();
+        Self { what, in_order, indices }
+    }
+
     /// The index of the name in quotes at `node`.
     pub fn index(&self, node: Node<'_>) -> Option<usize> {
         let name = text(node)?;

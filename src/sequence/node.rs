@@ -3,6 +3,7 @@
 //! ron reads everything; what is nested stays raw text, borrowed from the source, so that every value keeps
 //! its place and one that is wrong does not stop the others from being read.
 
+use super::assets::Assets;
 use super::fault::Fault;
 use super::keys::KeyClock;
 use super::level::{Entries, Parts, Raw};
@@ -11,20 +12,25 @@ use ron::value::RawValue;
 use serde::de::{Deserialize, Deserializer, IgnoredAny};
 use std::cell::{Cell, RefCell};
 use std::ops::Range;
+use std::path::Path;
 
-/// The file that is read, what is wrong with it so far, and what its key times mean.
+/// The file that is read, what is wrong with it so far, and what its key times and paths mean.
 pub struct File<'s> {
     source: &'s str,
     faults: RefCell<Vec<Fault>>,
     pub clock: Cell<KeyClock>,
+    /// Images named in the file.
+    pub assets: Assets,
 }
 
 /// Entries of one list, map or struct, at most.
 const MOST_ENTRIES: usize = 1_000_000;
 
 impl<'s> File<'s> {
-    pub fn new(source: &'s str) -> Self {
-        Self { source, faults: RefCell::default(), clock: Cell::default() }
+    /// `folder` is where the file's own paths begin.
+    pub fn new(source: &'s str, folder: &Path) -> Self {
+        let assets = Assets::new(folder);
+        Self { source, faults: RefCell::default(), clock: Cell::default(), assets }
     }
 
     /// The whole file as one value; its syntax has been checked.

@@ -3,7 +3,7 @@
 use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
-use super::material::{Given, material};
+use super::material::{Given, is_material, material};
 use super::names::{Entry, Names};
 use super::node::Node;
 use super::shape::shape;
@@ -58,10 +58,10 @@ fn surface(node: Node<'_>, materials: &Names<'_>) -> Option<Surface> {
     if node.is_text() {
         return materials.index(node).map(Surface::Named);
     }
-    if node.opens_with('(') {
+    if is_material(node) {
         return material(node).map(|given| Surface::Inline(Box::new(given)));
     }
-    let fault = node.mismatch("a material's name in quotes, or its fields in ( )");
+    let fault = node.mismatch("a material's name in quotes, its fields in ( ), or a kind such as Metal( )");
     node.fault(match node.bare_word() {
         Some(word) => fault.help(format!("write \"{}\"", super::suggest::shortened(word))),
         None => fault,

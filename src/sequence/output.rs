@@ -5,20 +5,14 @@ use super::fields::Fields;
 use super::keys::keyed;
 use super::node::Node;
 use super::values::{between, each, list, one_of, switch, text, tuple, whole};
-use super::words::{Variants, variant};
-use super::{OutputSettings, Quality};
+use super::OutputSettings;
 use crate::encode::{GifSettings, Output, Tonemap};
 use crate::film::MOST_STOPS;
-use crate::filter::{Filter, Kernel};
 use std::cell::RefCell;
 use std::collections::HashSet;
-use std::ops::RangeInclusive;
 use std::path::{Component, Path, PathBuf};
 
 const LONGEST_SIDE: u32 = 65_536;
-
-/// Widths of filters in pixels. Wider ones would blur, not reconstruct.
-const FILTER_WIDTHS: RangeInclusive<f64> = 0.01..=16.0;
 
 /// Reads the output of a sequence called `name` with `frames` frames.
 pub fn output(node: Node<'_>, name: &str, frames: u32) -> Option<OutputSettings> {
@@ -121,34 +115,4 @@ fn gif(node: Node<'_>) -> Option<GifSettings> {
     fields.finish();
     let (plays, colors) = (plays?.map(|plays| plays as u16), colors? as u16);
     Some(GifSettings { plays, colors, dither: dither? })
-}
-
-/// The quality of a file that says nothing about it.
-pub const DEFAULT_QUALITY: Quality = Quality { bounces: 5, antialias: 2, filter: Filter::PIXEL };
-
-/// Reads `quality`.
-pub fn quality(node: Node<'_>) -> Option<Quality> {
-    let mut fields = Fields::of(node, "the quality")?;
-    let bounces = fields.or("bounces", whole(0..=1000), DEFAULT_QUALITY.bounces);
-    let antialias = fields.or("antialias", whole(1..=64), DEFAULT_QUALITY.antialias);
-    let filter = fields.or("filter", filter, DEFAULT_QUALITY.filter);
-    fields.finish();
-    Some(Quality { bounces: bounces?, antialias: antialias?, filter: filter? })
-}
-
-fn filter(node: Node<'_>) -> Option<Filter> {
-    let table: &Variants<'_, Filter> = &[
-        ("Box", |node| kernel(node, "`Box`", Kernel::Box)),
-        ("Tent", |node| kernel(node, "`Tent`", Kernel::Tent)),
-        ("Gaussian", |node| kernel(node, "`Gaussian`", Kernel::Gaussian)),
-        ("BlackmanHarris", |node| kernel(node, "`BlackmanHarris`", Kernel::BlackmanHarris)),
-    ];
-    variant(node, "filter", table)
-}
-
-fn kernel(node: Node<'_>, what: &'static str, kernel: Kernel) -> Option<Filter> {
-    let mut fields = Fields::of(node, what)?;
-    let width = fields.or("width", between(FILTER_WIDTHS), Filter::from(kernel).width);
-    fields.finish();
-    Some(Filter { kernel, width: width? })
 }

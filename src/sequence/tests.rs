@@ -3,7 +3,7 @@
 use super::*;
 use crate::camera_path::{Lens, Step, ZoomBy};
 use crate::encode::Output;
-use crate::filter::{Filter, Kernel};
+use crate::environment::SkyTracks;
 use crate::light::LightKind;
 use crate::material::Highlight;
 use crate::math::{Angle, DQuat, DVec3};
@@ -106,7 +106,7 @@ fn everything_is_read() {
     assert_eq!((ball.parent, ball.material), (Some(0), 0));
     assert!(ball.visible.at(seconds(11, 24)) && !ball.visible.at(seconds(12, 24)));
     assert_eq!(ball.transform.scale.at(seconds(10, 24)), DVec3::new(2.0, 1.0, 1.0));
-    let Animated::Keyed(background) = &sequence.background else { panic!("keys") };
+    let SkyTracks::Constant(Animated::Keyed(background)) = &sequence.background.sky else { panic!("keys") };
     assert_eq!(background.keys()[1].time, seconds(1, 1));
     assert_eq!(background.keys()[1].ease, Ease::Smooth);
     assert_eq!(background.keys()[0].ease, Ease::Linear);
@@ -187,7 +187,10 @@ fn materials_fall_back_to_the_default_material() {
 
 #[test]
 fn colors_in_every_way() {
-    let color = |text: &str| read(&format!("(background: {text})")).background.at(seconds(0, 1));
+    let color = |text: &str| match read(&format!("(background: {text})")).background.sky {
+        SkyTracks::Constant(color) => color.at(seconds(0, 1)),
+        sky => panic!("{sky:?}"),
+    };
     assert_eq!(color("(1, 0.5, 2)"), Rgb::new(1.0, 0.5, 2.0));
     assert_eq!(color("0.25"), Rgb::splat(0.25));
     assert_eq!(color("\"#fff\""), Rgb::ONE);

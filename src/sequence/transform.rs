@@ -54,6 +54,14 @@ fn rotation(node: Node<'_>) -> Option<Rotation> {
     variant(node, "rotation", table)
 }
 
+/// A rotation, or an angle about `axis`.
+pub fn turn<'s>(axis: DVec3) -> impl Fn(Node<'s>) -> Option<Rotation> {
+    move |node| match node.word() {
+        "" | "Track" => keyed(angle)(node).map(|angle| Rotation::AxisAngle { axis: axis.into(), angle }),
+        _ => rotation(node),
+    }
+}
+
 fn axis_angle(node: Node<'_>) -> Option<Rotation> {
     let mut fields = Fields::of(node, "`AxisAngle`")?;
     let axis = fields.required("axis", keyed(direction));

@@ -83,6 +83,16 @@ pub fn whole(range: RangeInclusive<u32>) -> impl Fn(Node<'_>) -> Option<u32> {
     }
 }
 
+/// A whole number of either sign.
+pub fn whole_number(range: RangeInclusive<i32>) -> impl Fn(Node<'_>) -> Option<i32> {
+    move |node| {
+        let what = format!("a whole number from {} to {}", range.start(), range.end());
+        let bounds = f64::from(*range.start())..=f64::from(*range.end());
+        let value = number_where(node, &what, |value| value.fract() == 0.0 && bounds.contains(&value))?;
+        Some(value as i32)
+    }
+}
+
 /// A decimal number as an exact fraction with at most `places` decimal places.
 pub fn exact_number(node: Node<'_>, places: u32) -> Option<Time> {
     match exact(node.text(), places) {
@@ -160,6 +170,14 @@ pub fn unit_vector(node: Node<'_>) -> Option<DVec3> {
 /// Degrees.
 pub fn angle(node: Node<'_>) -> Option<Angle> {
     number_where(node, "an angle between -1e9 and 1e9 degrees", |value| value.abs() <= 1e9).map(Angle)
+}
+
+/// An angle of which only a part of the circle makes sense.
+pub fn angle_between(least: f64, most: f64) -> impl Fn(Node<'_>) -> Option<Angle> {
+    move |node| {
+        let what = format!("an angle from {least} to {most} degrees");
+        number_where(node, &what, |value| (least..=most).contains(&value)).map(Angle)
+    }
 }
 
 /// A vertical field of view.

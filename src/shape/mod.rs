@@ -18,6 +18,7 @@ mod triangle;
 
 pub use cuboid::Cuboid;
 pub use disk::Disk;
+pub use flat::spans_a_plane;
 pub use geometric::Geometric;
 pub use parameters::Parameters;
 pub use plane::Plane;

@@ -4,7 +4,7 @@ use super::{Image, ImageError};
 use crate::color::{Rgb, srgb_to_linear};
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
 use std::fs::File;
-use std::io::{Cursor, Read};
+use std::io::{self, Cursor, Read};
 use std::path::Path;
 
 /// What the numbers in a file of whole numbers mean. Files of floating-point numbers are always linear.
@@ -55,6 +55,10 @@ impl Image {
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, ImageError> {
+    if path.is_dir() {
+        // What reading one says differs between systems.
+        return Err(ImageError::Unreadable(io::ErrorKind::IsADirectory.into()));
+    }
     let mut bytes = Vec::new();
     // One byte more than allowed tells a file that is too large, even one without a length of its own.
     File::open(path)?.take(LARGEST_FILE + 1).read_to_end(&mut bytes)?;

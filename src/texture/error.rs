@@ -16,6 +16,12 @@ pub enum ImageError {
     Broken(String),
 }
 
+impl ImageError {
+    pub fn is_missing(&self) -> bool {
+        matches!(self, Self::Unreadable(error) if error.kind() == io::ErrorKind::NotFound)
+    }
+}
+
 impl From<io::Error> for ImageError {
     fn from(error: io::Error) -> Self {
         Self::Unreadable(error)

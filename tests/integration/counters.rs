@@ -46,6 +46,16 @@ fn lights_that_switch_fade_and_change_colour_make_nothing_anew() {
     }
     let glow = "background: [(0, 0), (4, 1)], ambient: [(0, 1), (4, 0)],";
     made_anew(&ball(5, glow, LAMP, "", ""), &[NOTHING; 4]);
+    let sky = "background: Gradient(intensity: [(0, 0), (4, 1)]),";
+    made_anew(&ball(5, sky, LAMP, "", ""), &[NOTHING; 4]);
+}
+
+#[test]
+fn skies_that_turn_or_change_colour_are_packed_anew() {
+    let color = "background: Gradient(bottom: [(0, 0), (2, 1)]),";
+    made_anew(&ball(5, color, LAMP, "", ""), &[SHADING, SHADING, NOTHING, NOTHING]);
+    let turn = "background: Gradient(up: (1, 0, 0), rotation: [(0, 0), (1, 90), (2, 90)]),";
+    made_anew(&ball(5, turn, LAMP, "", ""), &[SHADING, NOTHING, NOTHING, NOTHING]);
 }
 
 #[test]

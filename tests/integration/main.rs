@@ -11,6 +11,7 @@ mod bad_input;
 mod cli;
 mod render;
 mod animation;
+mod background;
 mod counters;
 mod determinism;
 mod golden;

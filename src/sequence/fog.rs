@@ -1,0 +1,27 @@
+//! `fog`: what swallows light on its way.
+
+use super::colors::color;
+use super::fields::Fields;
+use super::keys::keyed;
+use super::node::Node;
+use super::values::{not_negative, number, positive};
+use crate::color::Rgb;
+use crate::fog::{FalloffTracks, FogTracks};
+
+/// The fog of a sequence.
+pub fn fog(node: Node<'_>) -> Option<FogTracks> {
+    let mut fields = Fields::of(node, "the fog")?;
+    let color = fields.or("color", keyed(color), Rgb::splat(0.5));
+    let density = fields.required("density", keyed(not_negative));
+    let falloff = fields.optional("falloff", falloff);
+    fields.finish();
+    Some(FogTracks { color: color?, density: density?, falloff: falloff? })
+}
+
+fn falloff(node: Node<'_>) -> Option<FalloffTracks> {
+    let mut fields = Fields::of(node, "the fog's falloff")?;
+    let base = fields.or("base", keyed(number), 0.0);
+    let height = fields.required("height", keyed(positive));
+    fields.finish();
+    Some(FalloffTracks { base: base?, height: height? })
+}

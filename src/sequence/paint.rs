@@ -1,0 +1,263 @@
+//! Paint: a colour, an image, or a pattern of two paints.
+
+use super::assets::image;
+use super::colors::color_or;
+use super::fields::Fields;
+use super::keys::keyed;
+use super::node::{Content, Node};
+use super::transform::turn;
+use super::values::{each, not_negative, number, one_of, unit_vector, vector, whole};
+use super::words::Variants;
+use crate::color::Rgb;
+use crate::math::DVec3;
+use crate::texture::{
+    Channel, Encoding, Filter, ImageTracks, PaintTracks, Pattern, PatternTracks, PlacementTracks, Space, Wrap,
+};
+
+/// A colour over time, or whatever else a surface may be painted with.
+pub fn paint(node: Node<'_>) -> Option<PaintTracks> {
+    let table: &Variants<'_, PaintTracks> = &[
+        ("Image", image_paint),
+        ("VertexColor", vertex_color),
+        ("Checker", |node| pattern(node, "`Checker`", |_| Some(Pattern::Checker))),
+        ("Stripes", |node| pattern(node, "`Stripes`", |_| Some(Pattern::Stripes))),
+        ("Waves", |node| pattern(node, "`Waves`", |_| Some(Pattern::Waves))),
+        ("Dots", |node| pattern(node, "`Dots`", |_| Some(Pattern::Dots))),
+        ("Gradient", |node| pattern(node, "`Gradient`", gradient)),
+        ("Noise", |node| pattern(node, "`Noise`", noise)),
+        ("Marble", |node| pattern(node, "`Marble`", marble)),
+    ];
+    color_or(node, "paint", table)
+}
+
+/// What the numbers in an image mean.
+pub fn encoding(node: Node<'_>) -> Option<Encoding> {
+    one_of("encoding", &[("Srgb", Encoding::Srgb), ("Linear", Encoding::Linear)])(node)
+}
+
+fn vertex_color(node: Node<'_>) -> Option<PaintTracks> {
+    Fields::of(node, "`VertexColor`")?.finish();
+    Some(PaintTracks::VertexColor)
+}
+
+/// `Image("file.png")`, or with more fields.
+fn image_paint(node: Node<'_>) -> Option<PaintTracks> {
+    let mut fields = Fields::of_or_only(node, "`Image`", "file")?;
+    let wraps = &[("Repeat", Wrap::Repeat), ("Mirror", Wrap::Mirror), ("Clamp", Wrap::Clamp)];
+    let filters = &[("Bilinear", Filter::Bilinear), ("Nearest", Filter::Nearest)];
+    let channels = &[("R", Channel::R), ("G", Channel::G), ("B", Channel::B)];
+    let encoding = fields.or("encoding", encoding, Encoding::Srgb);
+    let image = fields.required("file", image(encoding.unwrap_or_default()));
+    let wrap = fields.or("wrap", one_of("wrap", wraps), Wrap::Repeat);
+    let filter = fields.or("filter", one_of("filter", filters), Filter::Bilinear);
+    let channel = fields.optional("channel", one_of("channel", channels));
+    let placement = placement(&mut fields);
+    fields.finish();
+    encoding?;
+    Some(PaintTracks::Image(Box::new(ImageTracks {
+        image: image?,
+        wrap: wrap?,
+        filter: filter?,
+        channel: channel?,
+        placement: placement?,
+    })))
+}
+
+/// A pattern of the paints `a` and `b`; `kind` reads the fields that are its own.
+fn pattern<'s>(
+    node: Node<'s>,
+    what: &'static str,
+    kind: impl FnOnce(&mut Fields<'s>) -> Option<Pattern>,
+) -> Option<PaintTracks> {
+    let mut fields = Fields::of(node, what)?;
+    let first = fields.or("a", paint, Rgb::ZERO);
+    let second = fields.or("b", paint, Rgb::ONE);
+    let spaces = &[("Object", Space::Object), ("Uv", Space::Uv)];
+    let space = fields.or("space", one_of("space", spaces), Space::Object);
+    let placement = placement(&mut fields);
+    let pattern = kind(&mut fields);
+    fields.finish();
+    Some(PaintTracks::Pattern(Box::new(PatternTracks {
+        pattern: pattern?,
+        space: space?,
+        placement: placement?,
+        first: first?,
+        second: second?,
+    })))
+}
+
+fn gradient(fields: &mut Fields<'_>) -> Option<Pattern> {
+    Some(Pattern::Gradient { axis: fields.or("axis", unit_vector, DVec3::Y)? })
+}
+
+fn noise(fields: &mut Fields<'_>) -> Option<Pattern> {
+    let (octaves, seed) = (octaves(fields), seed(fields));
+    Some(Pattern::Noise { octaves: octaves?, seed: seed? })
+}
+
+fn marble(fields: &mut Fields<'_>) -> Option<Pattern> {
+    let (octaves, seed) = (octaves(fields), seed(fields));
+    let turbulence = fields.or("turbulence", not_negative, 1.0);
+    Some(Pattern::Marble { octaves: octaves?, seed: seed?, turbulence: turbulence? })
+}
+
+/// Finer octaves than these are too small to see.
+const MOST_OCTAVES: u32 = 16;
+
+fn octaves(fields: &mut Fields<'_>) -> Option<u32> {
+    fields.or("octaves", whole(1..=MOST_OCTAVES), 4u32)
+}
+
+fn seed(fields: &mut Fields<'_>) -> Option<u32> {
+    fields.or("seed", whole(0..=u32::MAX), 0u32)
+}
+
+/// Where a pattern or an image lies.
+fn placement(fields: &mut Fields<'_>) -> Option<PlacementTracks> {
+    let default = PlacementTracks::default();
+    let offset = fields.or("offset", keyed(offset), default.offset);
+    let rotation = fields.or("rotation", turn(DVec3::Z), default.rotation);
+    let scale = fields.or("scale", keyed(scale), default.scale);
+    Some(PlacementTracks { offset: offset?, rotation: rotation?, scale: scale? })
+}
+
+fn offset(node: Node<'_>) -> Option<DVec3> {
+    two_or_three(node, 0.0)
+}
+
+/// A factor, or one per axis.
+fn scale(node: Node<'_>) -> Option<DVec3> {
+    let factors =
+        if node.opens_with('(') { two_or_three(node, 1.0)? } else { number(node).map(DVec3::splat)? };
+    if factors.abs().min_element() >= SMALLEST {
+        return Some(factors);
+    }
+    node.fault(node.mismatch("a scale other than 0").label("leaves nothing to see"));
+    None
+}
+
+/// Smaller factors are refused, for their reciprocals must stay far from overflow.
+const SMALLEST: f64 = 1e-30;
+
+/// `(x, y)` or `(x, y, z)`; `z` is what the shorter form leaves out.
+fn two_or_three(node: Node<'_>, z: f64) -> Option<DVec3> {
+    match node.content()? {
+        Content::Tuple(items) if node.word().is_empty() && items.len() == 2 => {
+            each([items[0], items[1]], number).map(|[x, y]| DVec3::new(x, y, z))
+        }
+        Content::Tuple(items) if items.len() == 3 => vector(node),
+        _ => {
+            node.expected("two or three numbers (x, y) or (x, y, z)");
+            None
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::DVec2;
+    use crate::sequence::Faults;
+    use crate::sequence::node::File;
+    use crate::texture::{Image, Paint, Spot};
+    use crate::time::Time;
+    use std::path::Path;
+
+    fn read(text: &str) -> Result<PaintTracks, String> {
+        let file = File::new(text, Path::new("tests/bad/images"));
+        let paint = paint(file.root());
+        let faults = file.into_faults();
+        paint.filter(|_| faults.is_empty()).ok_or_else(|| Faults::new("test.ron", text, faults).to_string())
+    }
+
+    fn at_start(text: &str) -> Paint {
+        read(text).unwrap_or_else(|faults| panic!("{faults}")).at(Time::from_integer(0))
+    }
+
+    fn color(text: &str, x: f64, y: f64) -> Rgb {
+        let point = DVec3::new(x, y, 0.0);
+        at_start(text).color(&Spot { uv: DVec2::new(x, y), point, error: DVec3::ZERO, color: Rgb::X })
+    }
+
+    #[test]
+    fn colors_are_paints() {
+        for text in
+            ["(1, 0.5, 0)", "0.5", "\"#888\"", "Srgb(1, 2, 3)", "Linear8(0, 0, 0)", "Track(keys: [(0, 1)])"]
+        {
+            assert!(at_start(text).constant().is_some(), "{text}");
+        }
+        assert_eq!(color("[(0, 1), (1, 0)]", 0.0, 0.0), Rgb::ONE);
+        assert_eq!(color("VertexColor", 0.0, 0.0), Rgb::X);
+    }
+
+    #[test]
+    fn patterns_are_placed_and_nested() {
+        let text = "Checker(a: Stripes(a: (1, 0, 0), b: (0, 1, 0), scale: 0.5), b: 0.25, scale: (2, 2), offset: (1, 0))";
+        assert_eq!(color(text, 1.25, 0.5), Rgb::X);
+        assert_eq!(color(text, 1.75, 0.5), Rgb::Y);
+        assert_eq!(color(text, 3.5, 0.5), Rgb::splat(0.25));
+        assert_eq!(color("Gradient()", 0.0, 0.25), Rgb::splat(0.25));
+        assert_eq!(color("Gradient(rotation: 90, space: Uv)", -0.25, 0.0), Rgb::splat(0.25));
+        assert_eq!(color("Gradient(axis: (0, 0, 2), rotation: Euler(x: -90))", 0.0, 0.25), Rgb::splat(0.25));
+        for text in [
+            "Waves",
+            "Dots()",
+            "Noise(octaves: 1, seed: 7)",
+            "Marble(turbulence: 2, offset: [(0, (0, 0)), (1, (1, 0, 0))])",
+        ] {
+            assert!(at_start(text).constant().is_none(), "{text}");
+        }
+    }
+
+    #[test]
+    fn images_are_read_once_per_encoding() {
+        let tracks =
+            read("Checker(a: Image(\"2x2.png\"), b: Image(file: \"2x2.png\", channel: G, wrap: Clamp))");
+        let Ok(PaintTracks::Pattern(pattern)) = tracks else { panic!("a pattern: {tracks:?}") };
+        let (PaintTracks::Image(one), PaintTracks::Image(other)) = (pattern.first, pattern.second) else {
+            panic!("two images")
+        };
+        assert_eq!(one.image, other.image);
+        assert_eq!((one.wrap, other.wrap, other.channel), (Wrap::Repeat, Wrap::Clamp, Some(Channel::G)));
+        let linear = read("Image(file: \"2x2.png\", encoding: Linear, filter: Nearest, scale: 0.5)");
+        let Ok(PaintTracks::Image(linear)) = linear else { panic!("an image: {linear:?}") };
+        assert_ne!(one.image, linear.image);
+        let bottom_right = Image::texel(&linear.image, 1, 1);
+        assert_eq!(bottom_right, Rgb::splat(60.0 / 255.0));
+        assert_eq!(
+            Paint::Image(linear.at(Time::from_integer(0))).color(&Spot {
+                uv: DVec2::new(0.4, 0.6),
+                point: DVec3::ZERO,
+                error: DVec3::ZERO,
+                color: Rgb::ZERO
+            }),
+            bottom_right,
+            "twice as small, so it is seen twice"
+        );
+    }
+
+    #[test]
+    fn what_is_wrong_is_told() {
+        for (text, message) in [
+            ("Chekcer(a: 1)", "there is no paint `Chekcer`"),
+            ("Chekcer(a: 1)", "did you mean `Checker`?"),
+            ("red", "besides colours there are `Image`, `VertexColor`"),
+            ("Image(\"none.png\")", "cannot read the image \"none.png\""),
+            ("Image(\"none.png\")", "there is no such file"),
+            ("Image(file: \"2x2.png\", wrap: Mirrored)", "there is no wrap `Mirrored`"),
+            ("Image(file: \"2x2.png\", wrap: \"Clamp\")", "`wrap`: expected `Repeat`, `Mirror` or `Clamp`"),
+            ("Image(file: \"2x2.png\", channel: A)", "there is no channel `A`"),
+            ("Image(wrap: Clamp)", "`Image` has no `file`"),
+            ("Image(2)", "`file`: expected text in quotes"),
+            ("Checker(scale: 0)", "`scale`: expected a scale other than 0"),
+            ("Checker(scale: [(0, 1), (1, (1, 0))])", "`scale`: expected a scale other than 0"),
+            ("Checker(offset: 1)", "`offset`: expected two or three numbers (x, y) or (x, y, z)"),
+            ("Checker(a: Dots(b: -1))", "`b`: expected a number of 0 or more"),
+            ("Noise(octaves: 17)", "`octaves`: expected a whole number from 1 to 16"),
+            ("[(0, Image(\"2x2.png\"))]", "expected a colour"),
+        ] {
+            let told = read(text).expect_err(text);
+            assert!(told.contains(message), "{told}");
+        }
+    }
+}
