@@ -12,6 +12,7 @@ use crate::bvh::Bvh;
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::counters::Meter;
+use crate::filter::FilterSampler;
 use crate::scene::{Geometry, Shading, Weights, extract};
 use crate::sequence::Sequence;
 use crate::time::Timeline;
@@ -50,6 +51,7 @@ impl<S: FilmSink> FrameLoop<S> {
         world.insert_resource(Settings(TraceSettings {
             size: sequence.output.size,
             quality: sequence.quality,
+            filter: FilterSampler::new(sequence.quality.filter),
         }));
         world.insert_resource(Exposure(sequence.output.exposure.clone()));
         world.insert_resource(Exposed::default());
@@ -100,7 +102,9 @@ fn schedule<S: FilmSink>() -> Schedule {
         (Stage::Animate, Stage::Extract, Stage::Accelerate, Stage::Trace, Stage::Encode).chain(),
     );
     let camera = animate::camera.pipe(keep_camera_fault);
-    let animated = (animate::transforms, animate::materials, animate::lights, animate::air, animate::weights, camera);
+    // A camera may focus on an object, so objects are placed first.
+    let placed = (animate::transforms, camera).chain();
+    let animated = (placed, animate::materials, animate::lights, animate::air, animate::weights);
     schedule.add_systems((animated, lap(Stage::Animate)).chain().in_set(Stage::Animate));
     let packed = (
         (extract::geometry, count_geometry).chain().run_if(extract::geometry_changed),

@@ -17,6 +17,7 @@ use crate::bvh::Bvh;
 use crate::color::Rgb;
 use crate::counters::{Counts, Meter};
 use crate::film::Film;
+use crate::filter::FilterSampler;
 use crate::math::DVec3;
 use crate::quality::Quality;
 use crate::scene::Scene;
@@ -27,11 +28,13 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use tracer::Work;
 
 /// What tracing needs to know besides the scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct TraceSettings {
     /// Width and height in pixels.
     pub size: (u32, u32),
     pub quality: Quality,
+    /// Of the quality's filter.
+    pub filter: FilterSampler,
 }
 
 /// One of the moments at which motion is looked at while the shutter is open.

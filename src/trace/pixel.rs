@@ -5,7 +5,6 @@ use super::tracer::{Dice, Tracer, Work};
 use super::{Moment, TraceSettings, whitted};
 use crate::bvh::Bvh;
 use crate::counters::Dropped;
-use crate::filter::FilterSampler;
 use crate::math::{DVec2, DVec3};
 use crate::quality::Integrator;
 use crate::sampling::{Sampler, Use};
@@ -18,7 +17,6 @@ pub struct Pixels<'a> {
     tracer: Tracer<'a>,
     /// None for Whitted's integrator.
     paths: Option<Paths<'a>>,
-    filter: FilterSampler,
     /// Whether samples are drawn at random; else they stand on a regular grid.
     random: bool,
 }
@@ -36,8 +34,7 @@ impl<'a> Pixels<'a> {
             Integrator::Path(path) => Some(Paths::new(&tracer, path)),
         };
         let random = paths.is_some() || moment.of > 1 || calls_for_samples(scene, &tracer);
-        let filter = FilterSampler::new(quality.filter);
-        Self { settings, moment, tracer, paths, filter, random }
+        Self { settings, moment, tracer, paths, random }
     }
 
     /// Adds a pixel's layers to `sums`: the mean of its samples or, of several moments, this moment's part of
@@ -77,7 +74,7 @@ impl<'a> Pixels<'a> {
 
     fn sample(&self, (x, y): (u32, u32), inside: DVec2, lens: DVec2, sampler: Sampler, work: &mut Work) {
         let (width, height) = (f64::from(self.settings.size.0), f64::from(self.settings.size.1));
-        let offset = DVec2::new(self.filter.offset(inside.x), self.filter.offset(inside.y));
+        let offset = DVec2::new(self.settings.filter.offset(inside.x), self.settings.filter.offset(inside.y));
         let at = DVec2::new(f64::from(x), f64::from(y)) + (offset + DVec2::splat(0.5));
         // Square pixels: both axes in units of half the picture's height, from its centre.
         let screen = DVec2::new(2.0 * at.x - width, height - 2.0 * at.y) / height;
