@@ -220,10 +220,7 @@ impl Given {
             let (own, other) = (own(self), own(default));
             let given = own.strength.clone().or_else(|| other.strength.clone());
             let tinted = own.tint.clone().or_else(|| other.tint.clone());
-            Lobe {
-                strength: given.unwrap_or(strength.into()),
-                tint: tinted.unwrap_or_else(|| tint.clone()),
-            }
+            Lobe { strength: given.unwrap_or(strength.into()), tint: tinted.unwrap_or_else(|| tint.clone()) }
         };
         let level = |own: fn(&Self) -> &Option<Level>, otherwise: f64| {
             own(self).clone().or_else(|| own(default).clone()).unwrap_or(Level::Even(otherwise.into()))

@@ -16,4 +16,5 @@ mod counters;
 mod determinism;
 mod golden;
 mod radiance;
+mod transport;
 mod watertight;
