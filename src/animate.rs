@@ -14,7 +14,9 @@ use crate::math::{Aabb, DAffine3, DVec3};
 use crate::shape::Shape;
 use crate::time::Time;
 use crate::transform::TransformTracks;
-use crate::world::{ActiveCamera, Current, Hierarchy, Now, Objects, Transform, Visible, VisibleTrack, Weight};
+use crate::world::{
+    ActiveCamera, Current, Hierarchy, Now, Objects, Transform, Visible, VisibleTrack, Weight,
+};
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::system::{Query, Res, ResMut};
 

@@ -39,11 +39,7 @@ pub struct Dimmer {
 
 impl Dimmer {
     /// The keyed ones of a switch, an intensity and a colour, and the product of the constant ones.
-    pub fn split(
-        on: &Animated<bool>,
-        intensity: &Animated<f64>,
-        color: &Animated<Rgb>,
-    ) -> (Rgb, Self) {
+    pub fn split(on: &Animated<bool>, intensity: &Animated<f64>, color: &Animated<Rgb>) -> (Rgb, Self) {
         fn keyed<T: Clone>(value: &Animated<T>) -> Option<Animated<T>> {
             matches!(value, Animated::Keyed(_)).then(|| value.clone())
         }

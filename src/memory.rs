@@ -1,8 +1,8 @@
 //! How much memory a run takes, and how much there is.
 
 use crate::color::Rgb;
-use crate::layers::Layers;
 use crate::glow::Glow;
+use crate::layers::Layers;
 use crate::sequence::Sequence;
 
 /// Films alive at once: the one being traced, those that wait for the encoder, and the one it develops.

@@ -1,6 +1,8 @@
-//! Random numbers of the tests' own, the same in every run.
+//! What tests share: random numbers of their own, the same in every run, and geometry.
 
-use crate::math::{Angle, DVec3};
+use crate::math::{Angle, DAffine3, DVec3};
+use crate::scene::{Finish, Geometry};
+use crate::shape::Shape;
 
 /// splitmix64 (Steele, Lea, Flood 2014) from a seed.
 pub struct Random(pub u64);
@@ -27,4 +29,11 @@ impl Random {
         let r = (1.0 - z * z).sqrt();
         DVec3::new(r * turn.x, r * turn.y, z)
     }
+}
+
+/// Shapes of the first material where they stand.
+pub fn geometry(shapes: impl IntoIterator<Item = Shape>) -> Geometry {
+    let mut geometry = Geometry::default();
+    shapes.into_iter().for_each(|shape| geometry.push(&shape, DAffine3::IDENTITY, Finish::Material(0)));
+    geometry
 }

@@ -2,9 +2,9 @@
 
 use super::fields::Fields;
 use super::keys::keyed;
+use super::names::Names;
 use super::node::Node;
 use super::path::path;
-use super::names::Names;
 use super::values::{angle, between, direction, field_of_view, not_negative, positive, vector};
 use super::words::{Variants, variant};
 use crate::camera_path::{CameraPath, Focus, Lens};

@@ -6,23 +6,23 @@ use super::colors::color;
 use super::environment::environment;
 use super::fault::Fault;
 use super::fields::Fields;
+use super::fog::fog;
 use super::keys::keyed;
 use super::light::light;
 use super::material::{Given, material};
 use super::names::{Entry, Names, entries};
 use super::node::Node;
 use super::object::{Draft, Parent, Surface, object, report_circles};
-use super::fog::fog;
 use super::output::{default_output, output};
 use super::quality::quality;
 use super::timeline::{still, timeline};
 use super::{Named, Object, Sequence};
 use crate::camera_path::CameraPath;
 use crate::color::Rgb;
-use crate::quality::Quality;
 use crate::layers::Layers;
 use crate::light::LightTracks;
 use crate::material::MaterialTracks;
+use crate::quality::Quality;
 use crate::track::Animated;
 use std::ops::Range;
 
@@ -105,7 +105,8 @@ fn cameras(fields: &mut Fields<'_>, objects: Option<&[Named<Object>]>) -> Option
         fields.node().fault(fault.also(there, "the other one is here"));
     }
     let single_place = fields.place("camera");
-    let objects = objects.map(|objects| Names::of("object", objects.iter().map(|object| object.name.as_str())));
+    let objects =
+        objects.map(|objects| Names::of("object", objects.iter().map(|object| object.name.as_str())));
     let camera = |node| camera(node, objects.as_ref());
     let single = fields.optional("camera", camera);
     let mut several = Vec::new();

@@ -43,8 +43,10 @@ struct GivenLobe {
     tint: Option<PaintTracks>,
 }
 
-/// Words that stand for a whole material.
-fn kinds<'s>() -> [(&'static str, fn(Node<'s>) -> Option<Given>); 4] {
+/// A word that stands for a whole material, and the reader of that.
+type Kind<'s> = (&'static str, fn(Node<'s>) -> Option<Given>);
+
+fn kinds<'s>() -> [Kind<'s>; 4] {
     [
         ("Lambertian", lambertian),
         ("Metal", metal),
@@ -220,10 +222,7 @@ impl Given {
             let (own, other) = (own(self), own(default));
             let given = own.strength.clone().or_else(|| other.strength.clone());
             let tinted = own.tint.clone().or_else(|| other.tint.clone());
-            Lobe {
-                strength: given.unwrap_or(strength.into()),
-                tint: tinted.unwrap_or_else(|| tint.clone()),
-            }
+            Lobe { strength: given.unwrap_or(strength.into()), tint: tinted.unwrap_or_else(|| tint.clone()) }
         };
         let level = |own: fn(&Self) -> &Option<Level>, otherwise: f64| {
             own(self).clone().or_else(|| own(default).clone()).unwrap_or(Level::Even(otherwise.into()))

@@ -39,12 +39,12 @@ pub use load::{LoadError, load, parse};
 
 use crate::camera_path::CameraPath;
 use crate::color::Rgb;
+use crate::encode::{GifSettings, Output, Tonemap};
 use crate::environment::EnvironmentTracks;
 use crate::fog::FogTracks;
-use crate::quality::Quality;
-use crate::encode::{GifSettings, Output, Tonemap};
 use crate::light::LightTracks;
 use crate::material::MaterialTracks;
+use crate::quality::Quality;
 use crate::shape::Shape;
 use crate::time::Timeline;
 use crate::track::Animated;

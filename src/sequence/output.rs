@@ -1,11 +1,11 @@
 //! `output` and `quality`: how large, how fine, and into which files.
 
+use super::OutputSettings;
 use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
 use super::node::Node;
 use super::values::{between, each, list, one_of, switch, text, tuple, whole};
-use super::OutputSettings;
 use crate::encode::{GifSettings, Output, Tonemap};
 use crate::film::MOST_STOPS;
 use std::cell::RefCell;

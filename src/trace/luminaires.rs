@@ -4,6 +4,7 @@
 use super::lights::{Arrival, Origin, arrival};
 use super::shade::Seen;
 use super::tracer::{Dice, Tracer};
+use crate::bvh::Hit;
 use crate::color::Rgb;
 use crate::environment::SkyTable;
 use crate::film::LayerId;
@@ -12,7 +13,6 @@ use crate::math::{DVec2, DVec3};
 use crate::sampling::Use;
 use crate::scene::Finish;
 use crate::shape::{Crossing, Surface};
-use crate::bvh::Hit;
 use std::f64::consts::PI;
 
 /// One source of light.

@@ -62,7 +62,8 @@ impl<'a> Paths<'a> {
     fn step(&self, tracer: &Tracer, path: &mut Path, dice: Dice, work: &mut Work) -> bool {
         match tracer.advance(&path.ray, &path.media, &mut path.throughput, work) {
             Met::Nothing => {
-                let weight = self.met_weight(path, |_| self.luminaires.sky_density(tracer, path.ray.direction));
+                let weight =
+                    self.met_weight(path, |_| self.luminaires.sky_density(tracer, path.ray.direction));
                 tracer.add_sky(&path.ray, path.throughput * weight, work);
                 false
             }
@@ -86,14 +87,7 @@ impl<'a> Paths<'a> {
         }
     }
 
-    fn at_surface(
-        &self,
-        tracer: &Tracer,
-        path: &mut Path,
-        face: &Face,
-        dice: Dice,
-        work: &mut Work,
-    ) -> bool {
+    fn at_surface(&self, tracer: &Tracer, path: &mut Path, face: &Face, dice: Dice, work: &mut Work) -> bool {
         let materials = &tracer.scene.shading.materials;
         let refracts = face.material.refracts();
         let boundary = refracts.then(|| path.media.boundary(face.enclosure, face.outside, materials));

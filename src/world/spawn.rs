@@ -5,10 +5,10 @@ use super::{
     VisibleTrack, Weight,
 };
 use crate::color::Rgb;
-use crate::film::LayerId;
-use crate::layers::Layers;
 use crate::environment::SkyTable;
+use crate::film::LayerId;
 use crate::glow::{Dimmer, Glow};
+use crate::layers::Layers;
 use crate::light::{Light, Source};
 use crate::math::DAffine3;
 use crate::sequence::Sequence;
