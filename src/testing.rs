@@ -1,6 +1,8 @@
-//! Random numbers of the tests' own, the same in every run.
+//! What tests share: random numbers of their own, the same in every run, and geometry.
 
-use crate::math::{Angle, DVec3};
+use crate::math::{Angle, DAffine3, DVec3};
+use crate::scene::{Finish, Geometry};
+use crate::shape::Shape;
 
 /// splitmix64 (Steele, Lea, Flood 2014) from a seed.
 pub struct Random(pub u64);
@@ -84,4 +86,11 @@ fn cell_mean(cell: usize, density: impl Fn(DVec3) -> f64) -> f64 {
         density(DVec3::new(across.x, across.y, z))
     };
     (0..POINTS * POINTS).map(at).sum::<f64>() / (POINTS * POINTS) as f64
+}
+
+/// Shapes of the first material where they stand.
+pub fn geometry(shapes: impl IntoIterator<Item = Shape>) -> Geometry {
+    let mut geometry = Geometry::default();
+    shapes.into_iter().for_each(|shape| geometry.push(&shape, DAffine3::IDENTITY, Finish::Material(0)));
+    geometry
 }

@@ -1,9 +1,9 @@
 use super::*;
 use crate::camera::Ray;
 use crate::math::{DAffine3, DVec3};
-use crate::scene::Primitive;
+use crate::scene::Finish;
 use crate::shape::{Cuboid, Disk, Plane, Rectangle, Shape, Sphere, Triangle};
-use crate::testing::Random;
+use crate::testing::{Random, geometry};
 
 fn random_shape(random: &mut Random) -> Shape {
     let p = random.point(10.0);
@@ -22,8 +22,8 @@ fn random_shape(random: &mut Random) -> Shape {
 }
 
 fn random_geometry(random: &mut Random, count: usize) -> Geometry {
-    let mut primitives = Vec::new();
-    while primitives.len() < count {
+    let mut geometry = Geometry::default();
+    while geometry.primitives.len() < count {
         let affine = match (random.unit() * 3.0) as u32 {
             0 => DAffine3::IDENTITY,
             1 => DAffine3::from_translation(random.point(2.0)),
@@ -32,14 +32,11 @@ fn random_geometry(random: &mut Random, count: usize) -> Geometry {
                     * DAffine3::from_scale(DVec3::new(1.0, 2.0, 0.5))
             }
         };
-        primitives.extend(Primitive::new(random_shape(random), affine, 0));
+        geometry.push(&random_shape(random), affine, Finish::Material(0));
     }
-    primitives.extend(Primitive::new(
-        Shape::Plane(Plane { point: DVec3::NEG_Y * 12.0, normal: DVec3::Y }),
-        DAffine3::IDENTITY,
-        0,
-    ));
-    Geometry { primitives }
+    let floor = Shape::Plane(Plane { point: DVec3::NEG_Y * 12.0, normal: DVec3::Y });
+    geometry.push(&floor, DAffine3::IDENTITY, Finish::Material(0));
+    geometry
 }
 
 fn brute_force(geometry: &Geometry, probe: &Probe) -> Option<Hit> {
@@ -81,8 +78,7 @@ fn the_tree_equals_brute_force() {
 #[test]
 fn the_first_of_equals_wins() {
     let sphere = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 });
-    let one = Primitive::new(sphere, DAffine3::IDENTITY, 0).expect("a primitive");
-    let geometry = Geometry { primitives: vec![one; 40] };
+    let geometry = geometry(vec![sphere; 40]);
     let bvh = Bvh::build(&geometry);
     let mut random = Random(2);
     for _ in 0..1000 {
@@ -99,8 +95,7 @@ fn flat_boxes_are_not_lost() {
         let corner = random.point(5.0);
         let (u, v) = (DVec3::X * random.unit(), DVec3::Z * random.unit());
         let tile = Shape::Rectangle(Rectangle { corner, u, v });
-        let Some(primitive) = Primitive::new(tile, DAffine3::IDENTITY, 0) else { continue };
-        let geometry = Geometry { primitives: vec![primitive] };
+        let geometry = geometry([tile]);
         let bvh = Bvh::build(&geometry);
         let origin = random.point(100.0);
         let aim = corner + u * random.unit() + v * if random.unit() < 0.5 { 0.0 } else { random.unit() };
@@ -113,8 +108,7 @@ fn flat_boxes_are_not_lost() {
 fn deep_trees_are_walked_to_the_end() {
     // Each sphere holds all the ones before it: boxes that double in size make a chain of a tree.
     let spheres = (0..220).map(|k| Sphere { center: DVec3::ZERO, radius: libm::exp2(f64::from(k - 110)) });
-    let primitives = spheres.filter_map(|s| Primitive::new(Shape::Sphere(s), DAffine3::IDENTITY, 0));
-    let geometry = Geometry { primitives: primitives.collect() };
+    let geometry = geometry(spheres.map(Shape::Sphere));
     let bvh = Bvh::build(&geometry);
     let mut random = Random(4);
     for _ in 0..300 {

@@ -120,7 +120,7 @@ impl OrbitFrame {
 mod tests {
     use super::*;
     use crate::camera::Projection;
-    use crate::camera_path::{CameraPath, Lens, Step};
+    use crate::camera_path::{CameraPath, Focus, Lens, Step};
     use crate::time::{Rate, Timeline};
 
     fn timeline(frames: u32) -> Timeline {
@@ -140,6 +140,9 @@ mod tests {
             up: DVec3::Y.into(),
             roll: Angle(0.0).into(),
             lens: Lens::Perspective { fov: Angle(53.13).into() },
+            aperture: 0.0.into(),
+            focus: Focus::Target,
+            shutter: 0.0.into(),
             path: vec![Step::Orbit(orbit)],
         }
     }
@@ -149,11 +152,15 @@ mod tests {
         let path = camera(Orbit { turns: 3.0, ..plain() });
         let frames = timeline(360);
         for k in 0..=240 {
-            assert_eq!(path.at(&frames.clock(k)), path.at(&frames.clock(k + 120)), "frame {k}");
+            assert_eq!(path.at(&frames.clock(k), None), path.at(&frames.clock(k + 120), None), "frame {k}");
         }
         let path = camera(Orbit { turns: -2.0, elevation: Some(Angle(20.0).into()), ..plain() });
         for k in 0..7 {
-            assert_eq!(path.at(&timeline(14).clock(k)), path.at(&timeline(14).clock(k + 7)), "frame {k}");
+            assert_eq!(
+                path.at(&timeline(14).clock(k), None),
+                path.at(&timeline(14).clock(k + 7), None),
+                "frame {k}"
+            );
         }
     }
 
@@ -178,7 +185,7 @@ mod tests {
                 azimuth: Some(Angle(30.0).into()),
                 ..plain()
             };
-            let right = camera(orbit).at(&timeline(1).clock(0)).expect("a camera").basis.right;
+            let right = camera(orbit).at(&timeline(1).clock(0), None).expect("a camera").basis.right;
             if let Some(before) = before {
                 assert!(before.angle_between(right).to_degrees() <= 1.0, "at {elevation:?}");
             }

@@ -1,12 +1,12 @@
 //! A sequence for the tests of the command line.
 
-use crate::camera_path::{CameraPath, Lens};
+use crate::camera_path::{CameraPath, Focus, Lens};
 use crate::color::Rgb;
 use crate::encode::{GifSettings, Output, Tonemap};
-use crate::filter::Filter;
-use crate::light::{LightKind, LightTracks};
+use crate::light::{Attenuation, LightKind, LightTracks};
 use crate::math::{Angle, DVec3};
-use crate::sequence::{Named, OutputSettings, Quality, Sequence};
+use crate::quality::Quality;
+use crate::sequence::{Named, OutputSettings, Sequence};
 use crate::time::{Rate, Timeline};
 use crate::track::Animated::Constant;
 
@@ -18,10 +18,13 @@ pub fn sequence() -> Sequence {
         up: Constant(DVec3::Y),
         roll: Constant(Angle::default()),
         lens: Lens::Orthographic { height: Constant(1.0) },
+        aperture: Constant(0.0),
+        focus: Focus::Target,
+        shutter: Constant(0.0),
         path: Vec::new(),
     };
     let light = LightTracks {
-        kind: LightKind::Point { position: Constant(DVec3::Z) },
+        kind: LightKind::Point { position: Constant(DVec3::Z), attenuation: Attenuation::default() },
         color: Constant(Rgb::ONE),
         intensity: Constant(1.0),
         on: Constant(true),
@@ -36,8 +39,9 @@ pub fn sequence() -> Sequence {
             exposure: Constant(0.0),
             gif: GifSettings { plays: None, colors: 256, dither: true },
         },
-        quality: Quality { bounces: 5, antialias: 2 },
+        quality: Quality::default(),
         background: Rgb::ZERO.into(),
+        fog: None,
         ambient: Constant(Rgb::ZERO),
         cameras: vec![Named { name: "camera".into(), value: camera }],
         active_camera: Constant(0),

@@ -87,7 +87,7 @@ mod tests {
     fn summary() -> Summary {
         Summary {
             frames: 72,
-            rays: RayCounts { camera: 66_355_200, mirror: 20_481, shadow: 9 },
+            rays: RayCounts { camera: 66_355_200, mirror: 20_481, shadow: 9, ..RayCounts::default() },
             bvh_builds: 1,
             stages: vec![("animate", Duration::from_micros(840)), ("trace", Duration::from_millis(9870))],
             elapsed: Duration::from_millis(10_440),

@@ -3,6 +3,7 @@
 use super::*;
 use crate::encode::FilmsError;
 use crate::film::Film;
+use crate::light::Source;
 use crate::scene::Shading;
 use crate::sequence::parse;
 use crate::shape::Shape;
@@ -55,7 +56,8 @@ fn what_is_packed_keeps_the_order_of_the_file() {
     {
         frames.frame(frame).expect("a frame");
         let lights = &frames.world.resource::<Current<Shading>>().0.lights;
-        assert_eq!(lights.iter().map(|light| light.position.x).collect::<Vec<_>>(), [1.0, 2.0, 3.0, 4.0]);
+        let x = |source: &Source| if let Source::Point { position, .. } = source { position.x } else { 0.0 };
+        assert_eq!(lights.iter().map(|light| x(&light.source)).collect::<Vec<_>>(), [1.0, 2.0, 3.0, 4.0]);
         assert_eq!(lights.iter().map(|light| light.layer.0).collect::<Vec<_>>(), [1, 0, 2, 0]);
         let primitives = &frames.world.resource::<Current<Geometry>>().0.primitives;
         let radius = |shape: &Shape| if let Shape::Sphere(sphere) = shape { sphere.radius } else { 0.0 };

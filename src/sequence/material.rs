@@ -43,8 +43,10 @@ struct GivenLobe {
     tint: Option<PaintTracks>,
 }
 
-/// Words that stand for a whole material.
-fn kinds<'s>() -> [(&'static str, fn(Node<'s>) -> Option<Given>); 4] {
+/// A word that stands for a whole material, and the reader of that.
+type Kind<'s> = (&'static str, fn(Node<'s>) -> Option<Given>);
+
+fn kinds<'s>() -> [Kind<'s>; 4] {
     [
         ("Lambertian", lambertian),
         ("Metal", metal),

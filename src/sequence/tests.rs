@@ -4,10 +4,12 @@ use super::*;
 use crate::camera_path::{Lens, Step, ZoomBy};
 use crate::encode::Output;
 use crate::environment::SkyTracks;
+use crate::filter::{Filter, Kernel};
 use crate::light::LightKind;
 use crate::material::Highlight;
 use crate::math::{Angle, DQuat, DVec3};
 use crate::shape::{Cuboid, Sphere};
+use crate::texture::PaintTracks;
 use crate::time::{Rate, Time};
 use crate::track::{Ease, Repeat};
 use crate::transform::Rotation;
@@ -80,7 +82,7 @@ fn the_shortest_file_has_every_default() {
     assert_eq!(sequence.output.size, (640, 360));
     assert_eq!(sequence.output.files, [Output::parse("output/test.png").expect("an output")]);
     assert_eq!((sequence.output.tonemap, sequence.output.exposure), (Tonemap::Srgb, 0.0.into()));
-    assert_eq!(sequence.quality, Quality { bounces: 5, antialias: 2, filter: Filter::PIXEL });
+    assert_eq!(sequence.quality, Quality::default());
     assert_eq!(sequence.background, Rgb::ZERO.into());
     assert_eq!(sequence.ambient, Rgb::ONE.into());
     assert_eq!(sequence.cameras.len(), 1);
@@ -180,7 +182,7 @@ fn materials_fall_back_to_the_default_material() {
     assert_eq!(material.specular.tint, Rgb::ONE.into());
     assert_eq!(material.mirror.tint, Rgb::splat(0.5).into());
     assert_eq!(material.diffuse.tint, material.ambient.tint);
-    assert!(material.diffuse.tint.is_keyed());
+    assert!(matches!(material.diffuse.tint, PaintTracks::Color(Animated::Keyed(_))));
     assert_eq!(material.highlight, Highlight::BlinnPhong);
     assert_eq!(material.shininess, 32.0.into());
 }
@@ -223,7 +225,7 @@ fn tracks_repeat_and_close() {
         "(lights: { \"l\": Point(position: Track(keys: [(0, (0, 0, 0)), (1, (1, 0, 0)), (2, (0, 0, 0))],
         repeat: PingPong, closed: true, ease: CatmullRom)) })";
     let light = read(text).lights.remove(0).value;
-    let LightKind::Point { position: Animated::Keyed(position) } = light.kind else { panic!("keys") };
+    let LightKind::Point { position: Animated::Keyed(position), .. } = light.kind else { panic!("keys") };
     assert!(position.keys().iter().all(|key| key.ease == Ease::CatmullRom));
     let keys = position.keys().to_vec();
     assert_eq!(crate::track::Track::new(keys, Repeat::PingPong, true).as_ref(), Ok(&position));
@@ -325,6 +327,12 @@ proptest! {
     }
 }
 
+/// Whether nothing is wrong with a text, but that its images are not there.
+fn check_example(text: &str) {
+    let faults = parse("example.ron", text).err().map(|faults| faults.to_string()).unwrap_or_default();
+    assert_eq!(faults.matches("error:").count(), faults.matches("cannot read the image").count(), "{faults}");
+}
+
 /// The examples of the format's description work as they stand.
 #[test]
 fn examples_of_the_description_are_valid() {
@@ -338,12 +346,15 @@ fn examples_of_the_description_are_valid() {
             let ways = block.replace("intensity:", "}, \"x\": {intensity:");
             let lights = ways.split("}, \"x\": {").skip(1);
             for light in lights {
-                read(&format!("(lights: {{ \"l\": Point(position: (1, 2, 3), {light}) }})"));
+                check_example(&format!("(lights: {{ \"l\": Point(position: (1, 2, 3), {light}) }})"));
             }
         } else if block.starts_with('(') {
-            read(block);
+            check_example(block);
+        } else if block.starts_with(char::is_uppercase) {
+            // A paint.
+            check_example(&format!("(default_material: (color: {block}))"));
         } else {
-            read(&format!("({block})"));
+            check_example(&format!("({block})"));
         }
     }
 }

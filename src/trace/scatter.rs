@@ -142,13 +142,13 @@ pub fn scatter_density(seen: &Seen, direction: DVec3) -> f64 {
 
 fn density_of(seen: &Seen, chances: &Chances, direction: DVec3) -> f64 {
     let mut density = chances.diffuse * seen.diffuse_density(direction);
-    if chances.shine > 0.0 {
-        if let Some(microfacet) = seen.microfacet() {
-            let frame = Frame::around(seen.normal());
-            let (eye, light) = (frame.to_local(seen.to_eye), frame.to_local(direction));
-            if light.z > 0.0 {
-                density += chances.shine * microfacet.density(eye, light);
-            }
+    if chances.shine > 0.0
+        && let Some(microfacet) = seen.microfacet()
+    {
+        let frame = Frame::around(seen.normal());
+        let (eye, light) = (frame.to_local(seen.to_eye), frame.to_local(direction));
+        if light.z > 0.0 {
+            density += chances.shine * microfacet.density(eye, light);
         }
     }
     if seen.lobes.fuzz > 0.0 && chances.mirror > 0.0 {

@@ -4,7 +4,7 @@
 use super::spawn::{spawn, spawn_to};
 use crate::camera::Ray;
 use crate::math::{Angle, DAffine3, DMat3, DVec3, UNIT_ROUNDOFF, euler_xyz};
-use crate::scene::Primitive;
+use crate::scene::{Finish, Primitive};
 use crate::shape::{Cuboid, Disk, Plane, Rectangle, Shape, Sphere, Surface, Triangle};
 use crate::testing::Random;
 use crate::tree::Probe;
@@ -73,7 +73,7 @@ impl Target {
 }
 
 fn primitive(shape: Shape, to_world: DAffine3) -> Primitive {
-    Primitive::new(shape, to_world, 0).expect("a primitive")
+    Primitive::new(&shape, to_world, Finish::Material(0)).expect("a primitive")
 }
 
 /// Turned by 30 and 40 degrees and moved, for shapes that are placed by a transform.

@@ -4,9 +4,11 @@ use kinora::color::Rgb;
 use kinora::counters::Meter;
 use kinora::encode::EncodeError;
 use kinora::film::Film;
-use kinora::math::DVec3;
+use kinora::math::{DAffine3, DVec3};
+use kinora::scene::{Finish, Geometry};
 use kinora::schedule::{FilmSink, FrameLoop, Tally};
 use kinora::sequence::{Sequence, parse};
+use kinora::shape::Shape;
 use std::sync::Arc;
 
 /// Reads a sequence that must be right.
@@ -45,9 +47,9 @@ pub struct Work {
 impl Work {
     fn between(before: &Tally, after: &Tally) -> Self {
         Self {
-            camera: after.rays.camera - before.rays.camera,
-            mirror: after.rays.mirror - before.rays.mirror,
-            shadow: after.rays.shadow - before.rays.shadow,
+            camera: after.counts.rays.camera - before.counts.rays.camera,
+            mirror: after.counts.rays.mirror - before.counts.rays.mirror,
+            shadow: after.counts.rays.shadow - before.counts.rays.shadow,
             bvh_builds: after.bvh_builds - before.bvh_builds,
             geometry_packs: after.geometry_packs - before.geometry_packs,
             shading_packs: after.shading_packs - before.shading_packs,
@@ -90,6 +92,13 @@ pub fn shoot_all(text: &str) -> Vec<Shot> {
 pub fn radiance_at_target(rest: &str) -> Rgb {
     let text = format!("(output: (size: (1, 1)), quality: (antialias: 1, bounces: 64), {rest})");
     shoot_all(&text)[0].pixel(0, 0)
+}
+
+/// Shapes of the first material where they stand.
+pub fn geometry(shapes: impl IntoIterator<Item = Shape>) -> Geometry {
+    let mut geometry = Geometry::default();
+    shapes.into_iter().for_each(|shape| geometry.push(&shape, DAffine3::IDENTITY, Finish::Material(0)));
+    geometry
 }
 
 /// splitmix64 (Steele et al. 2014).

@@ -1,10 +1,10 @@
 //! Nothing slips through closed surfaces: rays at shared edges, vertices and corners (INT-12, INT-09).
 
-use crate::support::Random;
+use crate::support::{Random, geometry};
 use kinora::bvh::Bvh;
 use kinora::camera::Ray;
 use kinora::math::{DAffine3, DVec3};
-use kinora::scene::{Geometry, Primitive};
+use kinora::scene::{Finish, Primitive};
 use kinora::shape::{Cuboid, Shape, Triangle};
 use kinora::tree::Probe;
 
@@ -70,9 +70,7 @@ fn no_ray_leaks_out_of_a_closed_mesh() {
     for (scale, offset) in [(1.0, 0.0), (1.0, 100.0), (1.0, 1e4), (1000.0, 0.0), (1e-6, 1.0)] {
         let center = DVec3::new(1.0, 0.7, -0.3) * offset;
         let mesh: Vec<_> = unit.iter().map(|corners| corners.map(|p| center + p * scale)).collect();
-        let triangles = mesh.iter().map(|&corners| Shape::Triangle(Triangle { corners }));
-        let primitives = triangles.filter_map(|shape| Primitive::new(shape, DAffine3::IDENTITY, 0));
-        let geometry = Geometry { primitives: primitives.collect() };
+        let geometry = geometry(mesh.iter().map(|&corners| Shape::Triangle(Triangle { corners })));
         assert_eq!(geometry.primitives.len(), mesh.len());
         let bvh = Bvh::build(&geometry);
         let mut random = Random(12);
@@ -133,8 +131,7 @@ fn crossings(half: i64, origin: [i64; 3], direction: [i64; 3]) -> Option<(Exact,
 fn boxes_are_met_exactly_where_they_are() {
     const HALF: i64 = 4;
     let cuboid = Cuboid { min: DVec3::splat(-(HALF as f64)), max: DVec3::splat(HALF as f64) };
-    let placed = Primitive::new(Shape::Cuboid(cuboid), DAffine3::IDENTITY, 0).expect("a box");
-    let geometry = Geometry { primitives: vec![placed] };
+    let geometry = geometry([Shape::Cuboid(cuboid)]);
     let bvh = Bvh::build(&geometry);
     let float = |p: [i64; 3]| DVec3::new(p[0] as f64, p[1] as f64, p[2] as f64);
     let mut random = Random(9);
@@ -175,7 +172,7 @@ fn turned_boxes_are_entered_and_left_once() {
     let affine = DAffine3::from_translation(DVec3::new(5.0, -3.0, 2.0))
         * turn
         * DAffine3::from_scale(DVec3::new(2.0, 1.0, 0.5));
-    let placed = Primitive::new(cuboid, affine, 0).expect("a box");
+    let placed = Primitive::new(&cuboid, affine, Finish::Material(0)).expect("a box");
     assert!(placed.placement.is_some(), "it is turned");
     for distance in [6.0, 100.0, 1e4] {
         for _ in 0..RAYS / 3 {
