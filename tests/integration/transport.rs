@@ -114,7 +114,7 @@ fn objects_that_shine_light_as_lights_do() {
             "(0, 0, 0)",
             &format!(
                 "objects: {{ \"floor\": (shape: Plane(), material: Lambertian(color: 0.5)),
-                \"lamp\": (shape: {shape}, scale: {scale}, material: (color: 1, diffuse: 0, emission: 1)) }}"
+                \"lamp\": (shape: {shape}, scale: {scale}, material: (color: 1, ambient: 0, diffuse: 0, emission: 1)) }}"
             ),
         )
     };
@@ -331,7 +331,7 @@ fn lenses_without_aperture_and_shutters_that_do_not_open_change_nothing() {
         let text = format!(
             "(output: (size: (16, 16)), timeline: (frames: 2),
             camera: (position: (0, 1, 5), {camera}), lights: {{ \"l\": Point(position: (2, 5, 3)) }},
-            objects: {{ \"ball\": (shape: Sphere(), position: [(0, (0, 0, 0)), (1, (5, 0, 0))]) }})"
+            objects: {{ \"ball\": (shape: Sphere(), translation: [(0, (0, 0, 0)), (1, (5, 0, 0))]) }})"
         );
         shoot_all(&text).into_iter().map(|shot| shot.film).collect::<Vec<_>>()
     };
@@ -346,6 +346,6 @@ fn moving_things_blur_by_the_time_they_are_there() {
     let text = "(output: (size: (1, 1)), timeline: (frames: 1, fps: 1), quality: (samples: 4096, shutter_steps: 64),
         camera: (position: (0, 0, 5), projection: Orthographic(height: 1e-6), shutter: 1),
         objects: { \"wall\": (shape: Rectangle(corner: (-0.5, -1, 0), u: (1, 0, 0), v: (0, 2, 0)),
-            position: [(0, (-1, 0, 0)), (1, (1, 0, 0))], material: (ambient: 0, diffuse: 0, emission: 1, color: 1)) })";
+            translation: [(0, (-1, 0, 0)), (1, (1, 0, 0))], material: (ambient: 0, diffuse: 0, emission: 1, color: 1)) })";
     near(f64::from(shoot_all(text)[0].pixel(0, 0).x), 0.5, 0.02);
 }
