@@ -35,6 +35,21 @@ impl<'s> Fields<'s> {
         Some(Self { node, what, entries, known: Vec::new(), named_in_faults: true })
     }
 
+    /// [`Fields::of`], where one value alone in the parentheses is the field `only`, which then has no place.
+    pub fn of_or_only(
+        node: Node<'s>,
+        what: impl Into<Cow<'static, str>>,
+        only: &'static str,
+    ) -> Option<Self> {
+        if let Content::Tuple(items) = node.content()?
+            && let [item] = items[..]
+        {
+            let entries = vec![(only, Some(item))];
+            return Some(Self { node, what: what.into(), entries, known: Vec::new(), named_in_faults: true });
+        }
+        Self::of(node, what)
+    }
+
     /// Faults in these fields name the field around them instead.
     pub fn unnamed(mut self) -> Self {
         self.named_in_faults = false;
@@ -54,6 +69,11 @@ impl<'s> Fields<'s> {
 
     pub fn node(&self) -> Node<'s> {
         self.node
+    }
+
+    /// Lets a field be there without being read: it belongs to something that has been refused already.
+    pub fn ignore(&mut self, name: &'static str) {
+        self.known.push(name);
     }
 
     fn take(&mut self, name: &'static str) -> Option<Node<'s>> {

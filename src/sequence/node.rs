@@ -6,25 +6,31 @@
 use super::fault::Fault;
 use super::keys::KeyClock;
 use super::level::{Entries, Parts, Raw};
+use super::mesh::Meshes;
 use super::suggest::shortened;
 use ron::value::RawValue;
 use serde::de::{Deserialize, Deserializer, IgnoredAny};
 use std::cell::{Cell, RefCell};
 use std::ops::Range;
+use std::path::Path;
 
-/// The file that is read, what is wrong with it so far, and what its key times mean.
+/// The file that is read, what is wrong with it so far, and what its key times and paths mean.
 pub struct File<'s> {
     source: &'s str,
     faults: RefCell<Vec<Fault>>,
     pub clock: Cell<KeyClock>,
+    /// Meshes named in the file.
+    pub meshes: Meshes,
 }
 
 /// Entries of one list, map or struct, at most.
 const MOST_ENTRIES: usize = 1_000_000;
 
 impl<'s> File<'s> {
-    pub fn new(source: &'s str) -> Self {
-        Self { source, faults: RefCell::default(), clock: Cell::default() }
+    /// `folder` is where the file's own paths begin.
+    pub fn new(source: &'s str, folder: &Path) -> Self {
+        let meshes = Meshes::new(folder);
+        Self { source, faults: RefCell::default(), clock: Cell::default(), meshes }
     }
 
     /// The whole file as one value; its syntax has been checked.

@@ -2,6 +2,7 @@
 
 use super::{Crossing, Parameters, Surface};
 use crate::camera::Ray;
+use crate::color::Rgb;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::tree::Probe;
 
@@ -17,6 +18,11 @@ pub trait Geometric: Clone + PartialEq {
     /// direction has any length but zero.
     fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing>;
 
+    /// Whether the ray meets the surface in 0 < t < `t_max`: whether [`Geometric::hit`] finds anything.
+    fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
+        self.hit(probe, t_max).is_some()
+    }
+
     /// The surface where [`Geometric::hit`] found the ray to cross it.
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface;
 
@@ -29,6 +35,12 @@ pub trait Geometric: Clone + PartialEq {
 
     /// Texture coordinates of a point of the surface, in the shape's own space and to within rounding.
     fn uv(&self, point: DVec3, part: u32) -> DVec2;
+
+    /// The colour of the shape itself at a point of the surface, such as its vertices have; white if it has none.
+    fn color(&self, point: DVec3, part: u32) -> Rgb {
+        let _ = (point, part);
+        Rgb::ONE
+    }
 
     /// The area of the surface; none if it is infinite or not known in closed form. Shapes that know theirs
     /// also answer [`Geometric::sample_area`], and so can be found as lights.

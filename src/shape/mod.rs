@@ -9,6 +9,7 @@ mod cuboid;
 mod disk;
 mod flat;
 mod geometric;
+mod mesh;
 mod parameters;
 mod plane;
 mod rectangle;
@@ -19,6 +20,7 @@ mod triangle;
 pub use cuboid::Cuboid;
 pub use disk::Disk;
 pub use geometric::Geometric;
+pub use mesh::Mesh;
 pub use parameters::Parameters;
 pub use plane::Plane;
 pub use rectangle::Rectangle;
@@ -27,6 +29,7 @@ pub use surface::{Crossing, Surface};
 pub use triangle::Triangle;
 
 use crate::camera::Ray;
+use crate::color::Rgb;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::tree::Probe;
 use bevy_ecs::component::Component;
@@ -79,13 +82,19 @@ macro_rules! shapes {
 }
 
 // The list. A shape that is added here can be written in files, seen, placed and lit.
-shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid);
+shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid, Mesh);
 
 impl Shape {
     /// See [`Geometric::hit`].
     #[inline]
     pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
         each_shape!(self, shape => shape.hit(probe, t_max), Group => None)
+    }
+
+    /// See [`Geometric::blocks`].
+    #[inline]
+    pub fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
+        each_shape!(self, shape => shape.blocks(probe, t_max), Group => false)
     }
 
     /// See [`Geometric::surface`].
@@ -103,6 +112,11 @@ impl Shape {
     /// See [`Geometric::uv`].
     pub fn uv(&self, point: DVec3, part: u32) -> DVec2 {
         each_shape!(self, shape => shape.uv(point, part), Group => DVec2::ZERO)
+    }
+
+    /// See [`Geometric::color`].
+    pub fn color(&self, point: DVec3, part: u32) -> Rgb {
+        each_shape!(self, shape => shape.color(point, part), Group => Rgb::ONE)
     }
 
     /// See [`Geometric::area`].

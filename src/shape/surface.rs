@@ -37,6 +37,11 @@ impl Surface {
         Self { point, error, normal, shading: normal }
     }
 
+    /// The surface with a unit normal to shade with, turned to the geometric normal's side.
+    pub fn shaded(self, shading: DVec3) -> Self {
+        Self { shading: if shading.dot(self.normal) < 0.0 { -shading } else { shading }, ..self }
+    }
+
     /// The surface with both normals turned to the other side.
     pub fn flipped(self) -> Self {
         Self { normal: -self.normal, shading: -self.shading, ..self }
