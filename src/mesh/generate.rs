@@ -77,7 +77,7 @@ pub fn displaced_sphere(subdivisions: u32, seed: u64) -> Parts {
     for position in &mut parts.positions {
         let height: f64 = waves.iter().map(|wave| wave.height(*position)).sum();
         *position = (*position * (1.0 + height)).as_vec3().as_dvec3();
-        let share = (0.5 + 4.0 * height).clamp(0.0, 1.0) as f32;
+        let share = (0.5 + 3.0 * height).clamp(0.0, 1.0) as f32;
         parts.colors.push(Rgb::new(0.55, 0.35, 0.16).lerp(Rgb::new(0.9, 0.92, 0.95), share));
     }
     parts
@@ -105,11 +105,12 @@ fn waves(seed: u64) -> Vec<Wave> {
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         2.0 * ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64 - 1.0
     };
-    let mut frequency = 2.0;
+    let mut frequency = 2.0_f64;
     let wave = |_| {
         let direction = DVec3::new(random(), random(), random()).normalize_or(DVec3::Y);
         frequency *= 1.22;
-        let amplitude = 0.12 / frequency;
+        // Short waves are flatter as well as lower.
+        let amplitude = 0.2 / (frequency * frequency.sqrt());
         Wave { along: direction * frequency, phase: std::f64::consts::PI * random(), amplitude }
     };
     (0..WAVES).map(wave).collect()
