@@ -16,3 +16,4 @@ mod determinism;
 mod golden;
 mod radiance;
 mod watertight;
+mod meshes;
