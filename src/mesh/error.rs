@@ -3,6 +3,9 @@
 use std::fmt;
 use std::io;
 
+/// Why a file that is not there gives no mesh.
+pub const NO_FILE: &str = "there is no such file";
+
 /// Why something gives no mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshError {
@@ -41,7 +44,7 @@ impl From<io::Error> for MeshError {
     fn from(error: io::Error) -> Self {
         // The commonest in words that are the same on every system.
         Self::new(match error.kind() {
-            io::ErrorKind::NotFound => "there is no such file".to_owned(),
+            io::ErrorKind::NotFound => NO_FILE.to_owned(),
             io::ErrorKind::PermissionDenied => "it may not be read".to_owned(),
             io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
             _ => error.to_string(),

@@ -15,7 +15,7 @@ mod smooth;
 mod tests;
 
 pub use corners::Corners;
-pub use error::{MeshError, Place};
+pub use error::{MeshError, NO_FILE, Place};
 pub use load::load;
 pub use meter::LoadMeter;
 pub use mtl::MtlMaterial;

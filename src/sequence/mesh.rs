@@ -4,13 +4,13 @@ use super::colors::color;
 use super::fault::Fault;
 use super::fields::Fields;
 use super::node::Node;
-use super::suggest::{listed, shortened};
+use super::suggest::shortened;
 use super::values::{each, list, number, text, tuple, vector, whole};
 use super::words::word;
 use super::{Named, Object, Sequence};
 use crate::humane::counted;
 use crate::math::{DVec2, DVec3};
-use crate::mesh::{self, Corners, LoadMeter, Normals, Parts};
+use crate::mesh::{self, Corners, LoadMeter, NO_FILE, Normals, Parts};
 use crate::shape::{Mesh, Shape};
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
@@ -53,7 +53,7 @@ pub fn mesh(fields: &mut Fields<'_>) -> Option<Mesh> {
     let written: Vec<_> = INLINE.into_iter().filter(|name| fields.has(name)).collect();
     if let [first, ..] = written[..] {
         let title = "a mesh is either read from a file or written out";
-        let label = format!("belongs to a mesh without `file`, as {} would", listed(INLINE));
+        let label = "only for a mesh without `file`";
         fields.node().fault(Fault::new(fields.place(first), title, label));
         INLINE.into_iter().for_each(|name| fields.ignore(name));
     }
@@ -91,8 +91,10 @@ fn file(node: Node<'_>) -> Option<Arc<mesh::Mesh>> {
         Ok(mesh) => Some(mesh),
         Err(why) => {
             let title = format!("cannot read the mesh {:?}", shortened(&name));
+            let help = "paths of meshes begin at the folder of the sequence file";
+            let missing = why == NO_FILE;
             let fault = Fault::new(node.span(), title, why);
-            node.fault(fault.help("paths of meshes begin at the folder of the sequence file"));
+            node.fault(if missing { fault.help(help) } else { fault });
             None
         }
     }
