@@ -36,7 +36,8 @@ pub trait Geometric: Clone + PartialEq {
     /// Texture coordinates of a point of the surface, in the shape's own space and to within rounding.
     fn uv(&self, point: DVec3, part: u32) -> DVec2;
 
-    /// The colour of the shape itself at a point of the surface, such as its vertices have; white if it has none.
+    /// Colour of the vertices at a point of the surface; white where they have none. The arguments are those
+    /// of [`Geometric::uv`].
     fn color(&self, point: DVec3, part: u32) -> Rgb {
         let _ = (point, part);
         Rgb::ONE

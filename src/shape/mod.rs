@@ -114,7 +114,8 @@ impl Shape {
         each_shape!(self, shape => shape.uv(point, part), Group => DVec2::ZERO)
     }
 
-    /// See [`Geometric::color`].
+    /// Colour of the vertices at a point of the surface, white where there is none; the arguments are those of
+    /// [`Geometric::uv`].
     pub fn color(&self, point: DVec3, part: u32) -> Rgb {
         each_shape!(self, shape => shape.color(point, part), Group => Rgb::ONE)
     }
