@@ -26,6 +26,7 @@ pub mod frame_set;
 pub mod camera;
 pub mod camera_path;
 pub mod tree;
+pub mod mesh;
 pub mod shape;
 pub mod transform;
 pub mod texture;

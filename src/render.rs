@@ -114,7 +114,9 @@ pub fn render(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> Res
     pool.install(|| request.frames.iter().try_for_each(|&frame| frames.frame(frame)))?;
     let tally = frames.tally().clone();
     let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::finish)?;
-    Ok(summary(&tally, report, request, start.elapsed()))
+    let mut summary = summary(&tally, report, request, start.elapsed());
+    summary.notes.splice(..0, sequence.notes());
+    Ok(summary)
 }
 
 fn job(sequence: &Sequence, request: &Request) -> Job {

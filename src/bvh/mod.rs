@@ -57,7 +57,7 @@ impl Bvh {
 
     /// Whether anything lies on the ray in 0 < t < `t_max`.
     pub fn occluded(&self, geometry: &Geometry, probe: &Probe, t_max: f64) -> bool {
-        let blocks = |&i: &u32| geometry.primitives[i as usize].hit(probe, t_max).is_some();
+        let blocks = |&i: &u32| geometry.primitives[i as usize].blocks(probe, t_max);
         if self.unbounded.iter().any(blocks) {
             return true;
         }

@@ -1,8 +1,10 @@
 //! `kinora check`: everything that `render` would find wrong with a file, without rendering.
 
 use super::failure::Failure;
+use super::loading::Reporter;
+use super::progress::ProgressMode;
 use super::{load, terminal};
-use crate::humane::counted;
+use crate::humane::{count, counted};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::path::PathBuf;
@@ -19,8 +21,10 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let sequence = load::sequence(&arguments.file)?;
-    terminal::say(&line(&sequence))
+    let loading = Reporter::new(ProgressMode::Auto, false);
+    let sequence = load::sequence(&arguments.file, loading)?;
+    terminal::say(&line(&sequence))?;
+    sequence.notes().iter().try_for_each(|note| terminal::say(&format!("note: {note}")))
 }
 
 /// What a sequence is, in one line.
@@ -28,16 +32,20 @@ fn line(sequence: &Sequence) -> String {
     let timeline = &sequence.timeline;
     let (width, height) = sequence.output.size;
     let number = |count: usize, noun| counted(count as u64, noun);
+    let triangles: usize = sequence.meshes().iter().map(|(_, mesh)| mesh.triangles().len()).sum();
+    let meshes = (triangles > 0).then(|| format!("{} triangles in meshes", count(triangles as u64)));
     let facts = [
         number(timeline.frames as usize, "frame"),
         format!("{} s at {} fps", decimal(timeline.duration), decimal(timeline.rate.per_second())),
         format!("{width}x{height}"),
         number(sequence.objects.len(), "object"),
+        meshes.unwrap_or_default(),
         number(sequence.lights.len(), "light"),
         number(sequence.materials.len(), "material"),
         number(sequence.cameras.len(), "camera"),
         sequence.output.files.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
     ];
+    let facts: Vec<_> = facts.into_iter().filter(|fact| !fact.is_empty()).collect();
     format!("{}: {}", sequence.name, facts.join(" · "))
 }
 

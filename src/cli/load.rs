@@ -1,13 +1,15 @@
 //! Files into sequences, with faults as failures.
 
 use super::failure::Failure;
+use super::loading::{self, Reporter};
 use super::terminal;
-use crate::sequence::Sequence;
+use crate::sequence::{Sequence, load_watched};
 use std::io::ErrorKind;
 use std::path::Path;
+use std::sync::Arc;
 
-/// The sequence in a file.
-pub fn sequence(path: &Path) -> Result<Sequence, Failure> {
+/// The sequence in a file. Meshes may take their time, so progress is told.
+pub fn sequence(path: &Path, show: Reporter) -> Result<Sequence, Failure> {
     let name = path.display();
     match std::fs::metadata(path) {
         Ok(what) if what.is_dir() => {
@@ -19,7 +21,9 @@ pub fn sequence(path: &Path) -> Result<Sequence, Failure> {
         Err(error) => return Err(Failure::Bad(format!("cannot read {name}: {error}"))),
         Ok(_) => {}
     }
-    crate::sequence::load(path).map_err(|error| Failure::Faults(error.render(terminal::color())))
+    let meter = Arc::default();
+    let load = || load_watched(path, &meter);
+    loading::watch(&meter, show, load).map_err(|error| Failure::Faults(error.render(terminal::color())))
 }
 
 /// The usual slip is to leave out the extension.

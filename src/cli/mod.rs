@@ -8,6 +8,7 @@ mod failure;
 mod fixture;
 mod json;
 mod load;
+mod loading;
 mod outputs;
 mod overrides;
 mod progress;

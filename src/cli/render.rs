@@ -4,7 +4,7 @@ use super::failure::Failure;
 use super::outputs::Run;
 use super::overrides::{self, Overrides};
 use super::progress::{self, ProgressMode};
-use super::{load, summary, terminal, values};
+use super::{load, loading, summary, terminal, values};
 use crate::counters::Meter;
 use crate::encode::{Output, Tonemap};
 use crate::frame_set::FrameSet;
@@ -92,7 +92,8 @@ Examples:
   kinora render turn.ron -r 30 --draft               a quick look at another rate";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let sequence = load::sequence(&arguments.file)?;
+    let loading = loading::Reporter::new(arguments.progress, arguments.quiet);
+    let sequence = load::sequence(&arguments.file, loading)?;
     let sequence = overrides::applied(sequence, &arguments.overrides()).map_err(Failure::Bad)?;
     let frames = arguments.frames_of(&sequence)?;
     let run = Run {

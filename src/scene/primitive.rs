@@ -53,6 +53,15 @@ impl Primitive {
         }
     }
 
+    /// Whether the ray meets the primitive in 0 < t < `t_max`.
+    #[inline]
+    pub fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
+        match &self.placement {
+            None => self.shape.blocks(probe, t_max),
+            Some(placement) => self.shape.blocks(&Probe::new(placement.ray_to_object(&probe.ray)), t_max),
+        }
+    }
+
     /// The surface where [`Primitive::hit`] found the ray to meet it.
     pub fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
         match &self.placement {
@@ -121,7 +130,8 @@ impl Placement {
         let and_back = forth.transform_vector3(back.transform_point3(point.abs())) * gamma(5);
         let error = forth.transform_vector3(local.error) + there + and_back;
         let turned = |normal: DVec3| (self.to_object.matrix3.transpose() * normal).normalize_or(normal);
-        Surface { point, error, normal: turned(local.normal), shading: turned(local.shading) }
+        // An uneven scale may turn the shading normal past the surface's horizon.
+        Surface::new(point, error, turned(local.normal)).shaded(turned(local.shading))
     }
 }
 

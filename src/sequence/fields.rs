@@ -36,7 +36,11 @@ impl<'s> Fields<'s> {
     }
 
     /// [`Fields::of`], where one value alone in the parentheses is the field `only`, which then has no place.
-    pub fn of_or_only(node: Node<'s>, what: &'static str, only: &'static str) -> Option<Self> {
+    pub fn of_or_only(
+        node: Node<'s>,
+        what: impl Into<Cow<'static, str>>,
+        only: &'static str,
+    ) -> Option<Self> {
         if let Content::Tuple(items) = node.content()?
             && let [item] = items[..]
         {
@@ -65,6 +69,11 @@ impl<'s> Fields<'s> {
 
     pub fn node(&self) -> Node<'s> {
         self.node
+    }
+
+    /// Lets a field be there without being read: it belongs to something that has been refused already.
+    pub fn ignore(&mut self, name: &'static str) {
+        self.known.push(name);
     }
 
     fn take(&mut self, name: &'static str) -> Option<Node<'s>> {

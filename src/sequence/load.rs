@@ -4,10 +4,12 @@ use super::document;
 use super::fault::{Fault, Faults};
 use super::node::File;
 use super::{Sequence, syntax};
+use crate::mesh::LoadMeter;
 use std::fmt;
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Files larger than this are refused.
 const LARGEST_FILE: u64 = 64 << 20;
@@ -44,8 +46,14 @@ impl std::error::Error for LoadError {}
 
 /// Reads the sequence in a file.
 pub fn load(path: &Path) -> Result<Sequence, LoadError> {
+    load_watched(path, &Arc::default())
+}
+
+/// [`load`], with a meter that may be watched from another thread meanwhile.
+pub fn load_watched(path: &Path, meter: &Arc<LoadMeter>) -> Result<Sequence, LoadError> {
     let text = read(path).map_err(|reason| LoadError::Unreadable { path: path.to_owned(), reason })?;
-    parse(&path.to_string_lossy(), &text).map_err(|faults| LoadError::Faults(Box::new(faults)))
+    let source = Source { name: &path.to_string_lossy(), folder: folder_of(path), text: &text };
+    source.parse(meter).map_err(|faults| LoadError::Faults(Box::new(faults)))
 }
 
 fn read(path: &Path) -> Result<String, String> {
@@ -63,27 +71,46 @@ fn read(path: &Path) -> Result<String, String> {
     })
 }
 
-/// Reads a sequence from text. `name` is the path that messages call the file by: images are looked for from its
-/// directory on, and without directory and extension it becomes the sequence's name.
+/// Reads a sequence from text. `name` is the path that messages call the file by: what it names is looked for
+/// from its directory on, and without directory and extension it becomes the sequence's name.
 pub fn parse(name: &str, text: &str) -> Result<Sequence, Faults> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let faults = syntax::faults(text);
-    if !faults.is_empty() {
-        return Err(Faults::new(name, text, faults));
-    }
-    let stem = Path::new(name).file_stem().map_or_else(|| "sequence".into(), |stem| stem.to_string_lossy());
-    let folder = Path::new(name).parent().unwrap_or(Path::new(""));
-    let file = File::new(text, folder);
-    let sequence = document::sequence(file.root(), &stem);
-    let mut faults = file.into_faults();
-    match sequence {
-        Some(sequence) if faults.is_empty() => Ok(sequence),
-        _ => {
-            if faults.is_empty() {
-                // Every decoder that gives nothing says why; should one forget to, the file is still refused.
-                faults.push(Fault::new(0..0, "this file cannot be read", "for an unknown reason"));
+    Source { name, folder: folder_of(Path::new(name)), text }.parse(&Arc::default())
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
+}
+
+/// A text with its name and the folder in which its own paths begin.
+struct Source<'s> {
+    name: &'s str,
+    folder: &'s Path,
+    text: &'s str,
+}
+
+impl Source<'_> {
+    fn parse(&self, meter: &Arc<LoadMeter>) -> Result<Sequence, Faults> {
+        let Self { name, folder, text } = *self;
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let faults = syntax::faults(text);
+        if !faults.is_empty() {
+            return Err(Faults::new(name, text, faults));
+        }
+        let stem =
+            Path::new(name).file_stem().map_or_else(|| "sequence".into(), |stem| stem.to_string_lossy());
+        let mut file = File::new(text, folder);
+        file.meshes.meter = Arc::clone(meter);
+        let sequence = document::sequence(file.root(), &stem);
+        let mut faults = file.into_faults();
+        match sequence {
+            Some(sequence) if faults.is_empty() => Ok(sequence),
+            _ => {
+                if faults.is_empty() {
+                    // Every decoder that gives nothing says why; should one forget to, the file is still refused.
+                    faults.push(Fault::new(0..0, "this file cannot be read", "for an unknown reason"));
+                }
+                Err(Faults::new(name, text, faults))
             }
-            Err(Faults::new(name, text, faults))
         }
     }
 }

@@ -16,6 +16,7 @@ mod level;
 mod light;
 mod load;
 mod material;
+mod mesh;
 mod names;
 mod node;
 mod object;
@@ -35,7 +36,7 @@ mod values;
 mod words;
 
 pub use fault::Faults;
-pub use load::{LoadError, load, parse};
+pub use load::{LoadError, load, load_watched, parse};
 
 use crate::camera_path::CameraPath;
 use crate::color::Rgb;

@@ -7,6 +7,7 @@ use super::assets::Assets;
 use super::fault::Fault;
 use super::keys::KeyClock;
 use super::level::{Entries, Parts, Raw};
+use super::mesh::Meshes;
 use super::suggest::shortened;
 use ron::value::RawValue;
 use serde::de::{Deserialize, Deserializer, IgnoredAny};
@@ -21,6 +22,8 @@ pub struct File<'s> {
     pub clock: Cell<KeyClock>,
     /// Images named in the file.
     pub assets: Assets,
+    /// Meshes named in the file.
+    pub meshes: Meshes,
 }
 
 /// Entries of one list, map or struct, at most.
@@ -29,8 +32,8 @@ const MOST_ENTRIES: usize = 1_000_000;
 impl<'s> File<'s> {
     /// `folder` is where the file's own paths begin.
     pub fn new(source: &'s str, folder: &Path) -> Self {
-        let assets = Assets::new(folder);
-        Self { source, faults: RefCell::default(), clock: Cell::default(), assets }
+        let (assets, meshes) = (Assets::new(folder), Meshes::new(folder));
+        Self { source, faults: RefCell::default(), clock: Cell::default(), assets, meshes }
     }
 
     /// The whole file as one value; its syntax has been checked.

@@ -2,18 +2,22 @@
 
 use super::fault::Fault;
 use super::fields::Fields;
+use super::mesh::mesh;
 use super::node::Node;
 use super::values::{positive, unit_vector, vector};
 use super::words::known_word;
 use crate::math::DVec3;
-use crate::shape::{Parameters, Shape};
+use crate::shape::{Geometric, Mesh, Parameters, Shape};
 use std::collections::HashMap;
 use std::ops::Range;
 
 /// Any shape.
 pub fn shape(node: Node<'_>) -> Option<Shape> {
     let name = known_word(node, "shape", Shape::NAMES)?;
-    let mut read = Reading { fields: Fields::of(node, format!("`{name}`"))?, places: HashMap::new() };
+    let what = format!("`{name}`");
+    let fields =
+        if name == Mesh::NAME { Fields::of_or_only(node, what, "file") } else { Fields::of(node, what) };
+    let mut read = Reading { fields: fields?, places: HashMap::new() };
     let shape = Shape::read(name, &mut read);
     read.fields.finish();
     shape
@@ -55,6 +59,10 @@ impl Parameters for Reading<'_> {
 
     fn positive(&mut self, name: &'static str, default: Option<f64>) -> Option<f64> {
         self.value(name, default, positive)
+    }
+
+    fn mesh(&mut self) -> Option<Mesh> {
+        mesh(&mut self.fields)
     }
 
     fn refuse(&mut self, name: &'static str, title: String, label: String) {

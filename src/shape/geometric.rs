@@ -18,6 +18,11 @@ pub trait Geometric: Clone + PartialEq {
     /// direction has any length but zero.
     fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing>;
 
+    /// Whether the ray meets the surface in 0 < t < `t_max`: whether [`Geometric::hit`] finds anything.
+    fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
+        self.hit(probe, t_max).is_some()
+    }
+
     /// The surface where [`Geometric::hit`] found the ray to cross it.
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface;
 

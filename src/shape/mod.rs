@@ -9,6 +9,7 @@ mod cuboid;
 mod disk;
 mod flat;
 mod geometric;
+mod mesh;
 mod parameters;
 mod plane;
 mod rectangle;
@@ -20,6 +21,7 @@ pub use cuboid::Cuboid;
 pub use disk::Disk;
 pub use flat::spans_a_plane;
 pub use geometric::Geometric;
+pub use mesh::Mesh;
 pub use parameters::Parameters;
 pub use plane::Plane;
 pub use rectangle::Rectangle;
@@ -81,13 +83,19 @@ macro_rules! shapes {
 }
 
 // The list. A shape that is added here can be written in files, seen, placed and lit.
-shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid);
+shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid, Mesh);
 
 impl Shape {
     /// See [`Geometric::hit`].
     #[inline]
     pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
         each_shape!(self, shape => shape.hit(probe, t_max), Group => None)
+    }
+
+    /// See [`Geometric::blocks`].
+    #[inline]
+    pub fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
+        each_shape!(self, shape => shape.blocks(probe, t_max), Group => false)
     }
 
     /// See [`Geometric::surface`].

@@ -1,5 +1,6 @@
 //! Where a shape's parameters come from.
 
+use super::Mesh;
 use crate::math::DVec3;
 
 /// The parameters that a file gives a shape. Every answer is none if the parameter is wrong, or missing
@@ -13,6 +14,9 @@ pub trait Parameters {
 
     /// A length above 0.
     fn positive(&mut self, name: &'static str, default: Option<f64>) -> Option<f64>;
+
+    /// A triangle mesh: all of its fields.
+    fn mesh(&mut self) -> Option<Mesh>;
 
     /// Reports that the parameters make no shape: `title` says why, `label` what is wrong with `name`.
     fn refuse(&mut self, name: &'static str, title: String, label: String);

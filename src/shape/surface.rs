@@ -47,6 +47,11 @@ impl Surface {
         (facing > 0.0 && density.is_finite() && density > 0.0).then_some(density)
     }
 
+    /// The surface with a unit normal to shade with, turned to the geometric normal's side.
+    pub fn shaded(self, shading: DVec3) -> Self {
+        Self { shading: if shading.dot(self.normal) < 0.0 { -shading } else { shading }, ..self }
+    }
+
     /// The surface with both normals turned to the other side.
     pub fn flipped(self) -> Self {
         Self { normal: -self.normal, shading: -self.shading, ..self }

@@ -29,11 +29,11 @@ impl Geometric for Triangle {
         if !covers(self.corners, probe) {
             return None;
         }
-        flat::crossing(self.corners[0], self.normal(), probe, t_max).map(Crossing::at)
+        flat::crossing(self.corners[0], perpendicular(self.corners), probe, t_max).map(Crossing::at)
     }
 
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-        flat::surface(self.corners[0], self.normal().normalize_or(DVec3::Y), ray, at.t)
+        flat::surface(self.corners[0], perpendicular(self.corners).normalize_or(DVec3::Y), ray, at.t)
     }
 
     fn bounds(&self) -> Option<Aabb> {
@@ -53,14 +53,14 @@ impl Geometric for Triangle {
     }
 
     fn area(&self) -> Option<f64> {
-        Some(0.5 * self.normal().length())
+        Some(0.5 * perpendicular(self.corners).length())
     }
 
     fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
         let [a, b, c] = self.corners;
         let weights = uniform_weights(u);
         let point = a + (b - a) * weights.x + (c - a) * weights.y;
-        Some((flat::placed(a, point, self.normal().normalize_or(DVec3::Y)), 0))
+        Some((flat::placed(a, point, perpendicular(self.corners).normalize_or(DVec3::Y)), 0))
     }
 }
 
@@ -70,12 +70,10 @@ pub(super) fn uniform_weights(u: DVec2) -> DVec2 {
     DVec2::new(root * (1.0 - u.y), root * u.y)
 }
 
-impl Triangle {
-    /// Perpendicular to the triangle; twice its area long.
-    fn normal(&self) -> DVec3 {
-        let [a, b, c] = self.corners;
-        (b - a).cross(c - a)
-    }
+/// Perpendicular to a triangle, on the side from which its corners run counter-clockwise; twice its area long.
+#[inline]
+pub(super) fn perpendicular([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a)
 }
 
 /// Whether the line of the ray passes through the triangle or its boundary.

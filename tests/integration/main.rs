@@ -18,3 +18,4 @@ mod golden;
 mod radiance;
 mod transport;
 mod watertight;
+mod meshes;

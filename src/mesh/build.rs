@@ -1,0 +1,104 @@
+//! Parts → [`Mesh`]: checked, without what cannot be hit, with a tree.
+
+use super::corners::retain;
+use super::{Mesh, MeshError, Parts, Place};
+use crate::math::{Aabb, DVec3};
+use crate::tree::Tree;
+use glam::Vec3;
+use std::sync::OnceLock;
+
+/// Coordinates beyond this are refused: their squares and products must stay far from overflow.
+pub(super) const LARGEST: f64 = 1e30;
+
+/// Triangles of one mesh at most.
+const MOST_TRIANGLES: usize = 1 << 30;
+
+impl Mesh {
+    /// The mesh of these parts; triangles without an area are left out and counted.
+    pub fn new(mut parts: Parts) -> Result<Self, MeshError> {
+        check(&parts)?;
+        let keep: Vec<bool> = parts.triangles.iter().map(|&triangle| has_area(&parts, triangle)).collect();
+        let skipped = keep.iter().filter(|keep| !**keep).count();
+        if skipped == keep.len() {
+            return Err(MeshError::new(match skipped {
+                0 => "it has no triangles".to_owned(),
+                _ => "none of its triangles has an area".to_owned(),
+            }));
+        }
+        if skipped > 0 {
+            drop_triangles(&mut parts, &keep);
+        }
+        parts.normals = parts.normals.map(|normals| normals.map(unit));
+        let corners = |triangle: &[u32; 3]| triangle.map(|vertex| parts.positions[vertex as usize]);
+        let boxes = || parts.triangles.iter().map(|triangle| Aabb::around(corners(triangle)));
+        let bounds = boxes().fold(Aabb::EMPTY, Aabb::union);
+        let tree = Tree::build((0..).zip(boxes()));
+        Ok(Self { tree, bounds, skipped, parts, smooth: OnceLock::new(), areas: OnceLock::new() })
+    }
+}
+
+fn check(parts: &Parts) -> Result<(), MeshError> {
+    let Parts { positions, triangles, colors, slots, .. } = parts;
+    if triangles.len() > MOST_TRIANGLES {
+        return Err(MeshError::new(format!("it has more than {MOST_TRIANGLES} triangles")));
+    }
+    if let Some(vertex) = positions.iter().position(|position| !is_placed(*position)) {
+        return Err(not_placed(Place::Vertex(vertex as u64), positions[vertex], None));
+    }
+    let outside = |triangle: &[u32; 3]| triangle.iter().find(|v| **v as usize >= positions.len()).copied();
+    if let Some((face, vertex)) = triangles.iter().enumerate().find_map(|(i, t)| Some((i, outside(t)?))) {
+        let why = format!("there is no vertex {vertex}; the mesh has {}", positions.len());
+        return Err(MeshError::at(Place::Face(face as u64), why));
+    }
+    let fits = |len: usize, expected: usize| len == 0 || len == expected;
+    if !fits(colors.len(), positions.len()) || !fits(slots.len(), triangles.len()) {
+        return Err(MeshError::new("it needs a colour for every vertex, and a slot for every triangle"));
+    }
+    Ok(())
+}
+
+/// Whether a position can be computed with.
+pub(super) fn is_placed(position: DVec3) -> bool {
+    // False for NaN as well.
+    position.abs().max_element() <= LARGEST && position.is_finite()
+}
+
+/// The fault of a vertex that is nowhere, with the face that uses it.
+pub(super) fn not_placed(place: Place, position: DVec3, face: Option<u64>) -> MeshError {
+    let axis = (0..3).find(|&axis| !is_placed(DVec3::splat(position[axis]))).unwrap_or(0);
+    let user = face.map_or_else(String::new, |face| format!(", and face {face} uses it"));
+    let why = format!(
+        "the vertex has {} = {}{user}; coordinates are finite and at most 1e30",
+        ["x", "y", "z"][axis],
+        position[axis]
+    );
+    MeshError::at(place, why)
+}
+
+/// Whether a triangle encloses an area: its corners differ, are not in one line to within rounding, and what
+/// they enclose is more than the smallest normal f32, below which nothing about it could be computed.
+fn has_area(parts: &Parts, triangle: [u32; 3]) -> bool {
+    let [a, b, c] = triangle.map(|vertex| parts.positions[vertex as usize]);
+    let (u, v) = (b - a, c - a);
+    let doubled = u.cross(v).length();
+    let sine = doubled / (u.length() * v.length());
+    // False for the quotient of zeros as well.
+    sine > 4.0 * f64::EPSILON && 0.5 * doubled >= f64::from(f32::MIN_POSITIVE)
+}
+
+fn drop_triangles(parts: &mut Parts, keep: &[bool]) {
+    retain(&mut parts.triangles, keep);
+    retain(&mut parts.slots, keep);
+    if let Some(normals) = &mut parts.normals {
+        normals.retain(keep);
+    }
+    if let Some(uvs) = &mut parts.uvs {
+        uvs.retain(keep);
+    }
+}
+
+/// The normal at length 1, or zero if it has no direction. In f64, where squares of f32 neither under- nor
+/// overflow.
+fn unit(normal: Vec3) -> Vec3 {
+    normal.as_dvec3().normalize_or_zero().as_vec3()
+}

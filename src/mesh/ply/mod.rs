@@ -1,0 +1,12 @@
+//! PLY files (Turk 1994): vertices and faces with any properties, as text or binary in both byte orders.
+
+mod header;
+mod read;
+mod scalars;
+#[cfg(test)]
+mod tests;
+mod vertices;
+mod write;
+
+pub use read::read;
+pub use write::write;

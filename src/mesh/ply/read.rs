@@ -1,0 +1,134 @@
+//! PLY files → parts of meshes.
+
+use super::header::{Element, Encoding, Header};
+use super::scalars::{Binary, Scalars, Text};
+use super::vertices::{Vertices, incomplete, skip_list};
+use crate::mesh::lines::Lines;
+use crate::mesh::{Corners, MeshError, Parts, Place};
+use std::io::BufRead;
+
+/// Reads a PLY file. Polygons are cut into triangles around their first corner; elements and properties that
+/// are not known are skipped.
+pub fn read(input: impl BufRead) -> Result<Parts, MeshError> {
+    let mut lines = Lines::new(input, false);
+    let header = Header::read(&mut lines)?;
+    match header.encoding {
+        Encoding::Ascii => elements(&header, &mut Text::new(lines)),
+        encoding => elements(&header, &mut Binary { input: lines.into_rest(), encoding }),
+    }
+}
+
+fn elements(header: &Header, values: &mut impl Scalars) -> Result<Parts, MeshError> {
+    let counts = |name: &str| header.elements.iter().find(|e| e.name == name).map(|e| e.count);
+    let Some(vertex_count) = counts("vertex").filter(|count| *count < u32::MAX.into()) else {
+        return Err(MeshError::new("it has no `element vertex`, or too many of them"));
+    };
+    if counts("face").is_none() {
+        return Err(MeshError::new("it has no `element face`; other faces, such as strips, are not read"));
+    }
+    let (mut vertices, mut triangles) = (Vertices::default(), Vec::new());
+    for element in header.elements.iter().filter(|element| element.count > 0) {
+        if element.properties.is_empty() {
+            return Err(MeshError::new(format!("its `element {}` has no properties", element.name)));
+        }
+        match element.name.as_str() {
+            "vertex" => vertices = Vertices::read(element, values)?,
+            "face" => triangles = faces(element, values, vertex_count, &vertices)?,
+            _ => skip(element, values)?,
+        }
+    }
+    if let Some(error) = vertices.at_nowhere(None) {
+        return Err(error);
+    }
+    let Vertices { positions, normals, colors, uvs, .. } = vertices;
+    let normals = (!normals.is_empty()).then(|| Corners::per_vertex(normals));
+    let uvs = (!uvs.is_empty()).then(|| Corners::per_vertex(uvs));
+    Ok(Parts { positions, triangles, normals, uvs, colors, ..Parts::default() })
+}
+
+fn faces(
+    element: &Element,
+    values: &mut impl Scalars,
+    vertex_count: u64,
+    vertices: &Vertices,
+) -> Result<Vec<[u32; 3]>, MeshError> {
+    let named = |name: &str| name == "vertex_indices" || name == "vertex_index";
+    let corners = element.properties.iter().position(|p| p.list.is_some() && named(&p.name));
+    let corners = corners.ok_or_else(|| element.lacks("list `vertex_indices`"))?;
+    let mut reader = FaceReader { element, corners, vertex_count, triangles: Vec::new() };
+    for face in 0..element.count {
+        let first = reader.triangles.len();
+        reader.face(face, values).map_err(|error| incomplete(error, element, face))?;
+        if let Some((nowhere, _)) = vertices.nowhere
+            && reader.triangles[first..].iter().flatten().any(|&vertex| vertex == nowhere)
+        {
+            return Err(vertices.at_nowhere(Some(face)).unwrap_or_else(|| MeshError::new("no such vertex")));
+        }
+    }
+    Ok(reader.triangles)
+}
+
+struct FaceReader<'a> {
+    element: &'a Element,
+    /// Which property is the list of corners.
+    corners: usize,
+    vertex_count: u64,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl FaceReader<'_> {
+    fn face(&mut self, face: u64, values: &mut impl Scalars) -> Result<(), MeshError> {
+        values.begin()?;
+        for (index, property) in self.element.properties.iter().enumerate() {
+            match property.list {
+                Some(_) if index == self.corners => self.polygon(face, values)?,
+                Some(count) => skip_list(property, count, values)?,
+                None => values.next(property.item).map(|_| ())?,
+            }
+        }
+        values.end()
+    }
+
+    /// A list of corners, cut into triangles around the first.
+    fn polygon(&mut self, face: u64, values: &mut impl Scalars) -> Result<(), MeshError> {
+        let property = &self.element.properties[self.corners];
+        let count = values.next(property.list.unwrap_or(property.item))?;
+        if count < 3.0 {
+            let why = format!("expected a face of 3 corners or more, found {count}");
+            return Err(MeshError::at(place(face, values), why));
+        }
+        let mut corner = || {
+            let index = values.next(property.item)?;
+            if index >= 0.0 && index.fract() == 0.0 && index < self.vertex_count as f64 {
+                return Ok(index as u32);
+            }
+            let why = format!("there is no vertex {index}; the file has {}, from 0", self.vertex_count);
+            Err(MeshError::at(place(face, values), why))
+        };
+        let (first, mut last) = (corner()?, corner()?);
+        for _ in 2..count as u64 {
+            let next = corner()?;
+            self.triangles.push([first, last, next]);
+            last = next;
+        }
+        Ok(())
+    }
+}
+
+fn place(face: u64, values: &impl Scalars) -> Place {
+    values.line().map_or(Place::Face(face), Place::Line)
+}
+
+fn skip(element: &Element, values: &mut impl Scalars) -> Result<(), MeshError> {
+    let mut record = || {
+        values.begin()?;
+        for property in &element.properties {
+            match property.list {
+                Some(count) => skip_list(property, count, values)?,
+                None => values.next(property.item).map(|_| ())?,
+            }
+        }
+        values.end()
+    };
+    (0..element.count).try_for_each(|index| record().map_err(|error| incomplete(error, element, index)))
+}

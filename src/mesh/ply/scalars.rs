@@ -1,0 +1,144 @@
+//! The numbers of a PLY file, one after another, however they are written.
+
+use super::header::{Encoding, Scalar};
+use crate::mesh::lines::{Lines, parsed, quoted};
+use crate::mesh::{MeshError, Place};
+use std::io::{BufRead, ErrorKind};
+
+/// Numbers in records. Every type of number fits into f64.
+pub trait Scalars {
+    /// Goes to the next record.
+    fn begin(&mut self) -> Result<(), MeshError>;
+
+    /// The next number of the record.
+    fn next(&mut self, scalar: Scalar) -> Result<f64, MeshError>;
+
+    /// The record is over.
+    fn end(&mut self) -> Result<(), MeshError>;
+
+    /// The line that a record stands in, if it does.
+    fn line(&self) -> Option<u64>;
+}
+
+/// Records as lines of text.
+pub struct Text<R> {
+    lines: Lines<R>,
+    /// The record, and how far it has been read.
+    line: Vec<u8>,
+    at: usize,
+    number: u64,
+}
+
+impl<R: BufRead> Text<R> {
+    pub fn new(lines: Lines<R>) -> Self {
+        Self { lines, line: Vec::new(), at: 0, number: 0 }
+    }
+
+    fn fault(&self, why: String) -> MeshError {
+        MeshError::at(Place::Line(self.number), why)
+    }
+
+    fn word(&mut self) -> Option<&[u8]> {
+        let rest = &self.line[self.at..];
+        let start = self.at + rest.iter().position(|byte| !byte.is_ascii_whitespace())?;
+        let rest = &self.line[start..];
+        self.at = start + rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+        Some(&self.line[start..self.at])
+    }
+}
+
+impl<R: BufRead> Scalars for Text<R> {
+    fn begin(&mut self) -> Result<(), MeshError> {
+        loop {
+            let Some((number, line)) = self.lines.next()? else {
+                return Err(MeshError::new("the file ends"));
+            };
+            if !line.is_empty() {
+                self.line.clear();
+                self.line.extend_from_slice(line);
+                (self.at, self.number) = (0, number);
+                return Ok(());
+            }
+        }
+    }
+
+    /// Floats are rounded to f32 as they would be in a binary file.
+    fn next(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
+        let Some(word) = self.word() else {
+            return Err(self.fault(format!("the line ends too early: {}", quoted(&self.line))));
+        };
+        let value = match scalar {
+            Scalar::F32 => parsed::<f32>(word).map(f64::from),
+            Scalar::F64 => parsed(word),
+            // Some programs write whole numbers as `3.0`.
+            _ => parsed(word).filter(|value: &f64| value.fract() == 0.0),
+        };
+        let Some(value) = value else {
+            let what =
+                if matches!(scalar, Scalar::F32 | Scalar::F64) { "a number" } else { "a whole number" };
+            let why = format!("expected {what}, found {}", quoted(word));
+            return Err(self.fault(why));
+        };
+        Ok(value)
+    }
+
+    fn end(&mut self) -> Result<(), MeshError> {
+        match self.word().map(quoted) {
+            None => Ok(()),
+            Some(more) => Err(self.fault(format!("the line should end before {more}"))),
+        }
+    }
+
+    fn line(&self) -> Option<u64> {
+        Some(self.number)
+    }
+}
+
+/// Records as bytes.
+pub struct Binary<R> {
+    pub input: R,
+    pub encoding: Encoding,
+}
+
+impl<R: BufRead> Binary<R> {
+    /// The next `N` bytes, the lowest first.
+    #[inline]
+    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], MeshError> {
+        let mut bytes = [0; N];
+        self.input.read_exact(&mut bytes).map_err(|error| match error.kind() {
+            ErrorKind::UnexpectedEof => MeshError::new("the file ends"),
+            _ => error.into(),
+        })?;
+        if self.encoding == Encoding::BigEndian {
+            bytes.reverse();
+        }
+        Ok(bytes)
+    }
+}
+
+impl<R: BufRead> Scalars for Binary<R> {
+    fn begin(&mut self) -> Result<(), MeshError> {
+        Ok(())
+    }
+
+    fn next(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
+        Ok(match scalar {
+            Scalar::I8 => i8::from_le_bytes(self.bytes()?).into(),
+            Scalar::U8 => u8::from_le_bytes(self.bytes()?).into(),
+            Scalar::I16 => i16::from_le_bytes(self.bytes()?).into(),
+            Scalar::U16 => u16::from_le_bytes(self.bytes()?).into(),
+            Scalar::I32 => i32::from_le_bytes(self.bytes()?).into(),
+            Scalar::U32 => u32::from_le_bytes(self.bytes()?).into(),
+            Scalar::F32 => f32::from_le_bytes(self.bytes()?).into(),
+            Scalar::F64 => f64::from_le_bytes(self.bytes()?),
+        })
+    }
+
+    fn end(&mut self) -> Result<(), MeshError> {
+        Ok(())
+    }
+
+    fn line(&self) -> Option<u64> {
+        None
+    }
+}

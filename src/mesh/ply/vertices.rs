@@ -1,0 +1,167 @@
+//! The vertices of a PLY file.
+
+use super::header::{Element, Property, Scalar};
+use super::scalars::Scalars;
+use crate::color::{Rgb, srgb_to_linear};
+use crate::math::{DVec2, DVec3};
+use crate::mesh::build::{is_placed, not_placed};
+use crate::mesh::{MeshError, Place};
+use glam::Vec3;
+
+/// Names of what is read of a vertex, and its place in a record. Programs do not agree on those of texture
+/// coordinates.
+const NAMES: [(&str, usize); 17] = [
+    ("x", 0),
+    ("y", 1),
+    ("z", 2),
+    ("nx", 3),
+    ("ny", 4),
+    ("nz", 5),
+    ("red", 6),
+    ("green", 7),
+    ("blue", 8),
+    ("u", 9),
+    ("v", 10),
+    ("s", 9),
+    ("t", 10),
+    ("texture_u", 9),
+    ("texture_v", 10),
+    ("texture_s", 9),
+    ("texture_t", 10),
+];
+
+/// Values of one vertex by their places.
+type Record = [f64; 11];
+
+/// Everything about the vertices. Lists are empty if the file has no such properties.
+#[derive(Default)]
+pub struct Vertices {
+    pub positions: Vec<DVec3>,
+    pub normals: Vec<Vec3>,
+    pub colors: Vec<Rgb>,
+    pub uvs: Vec<DVec2>,
+    /// The first vertex that is nowhere, with its line.
+    pub nowhere: Option<(u32, Option<u64>)>,
+}
+
+/// What a file has of a vertex, and how its colours are to be read.
+struct Layout {
+    has: [bool; 11],
+    color: Scalar,
+    /// The linear value of every code of a byte.
+    codes: Vec<f32>,
+}
+
+impl Vertices {
+    pub fn read(element: &Element, values: &mut impl Scalars) -> Result<Self, MeshError> {
+        let layout = Layout::of(element)?;
+        let mut vertices = Self::default();
+        for index in 0..element.count {
+            let record = record(element, values).map_err(|error| incomplete(error, element, index))?;
+            let line = values.line();
+            let place = || line.map_or(Place::Vertex(index), Place::Line);
+            vertices.add(&layout, &record, line).map_err(|why| MeshError::at(place(), why))?;
+        }
+        Ok(vertices)
+    }
+
+    fn add(&mut self, layout: &Layout, r: &Record, line: Option<u64>) -> Result<(), String> {
+        let position = DVec3::new(r[0], r[1], r[2]);
+        if self.nowhere.is_none() && !is_placed(position) {
+            self.nowhere = Some((self.positions.len() as u32, line));
+        }
+        self.positions.push(position);
+        if layout.all(3..6) {
+            self.normals.push(DVec3::new(r[3], r[4], r[5]).as_vec3());
+        }
+        if layout.all(6..9) {
+            self.colors.push(layout.color([r[6], r[7], r[8]])?);
+        }
+        if layout.all(9..11) {
+            let uv = DVec2::new(r[9], r[10]);
+            if !uv.is_finite() {
+                return Err(format!("expected finite texture coordinates, found {} {}", uv.x, uv.y));
+            }
+            self.uvs.push(uv);
+        }
+        Ok(())
+    }
+
+    /// The fault of the vertex that is nowhere, with a face that uses it.
+    pub fn at_nowhere(&self, face: Option<u64>) -> Option<MeshError> {
+        let (vertex, line) = self.nowhere?;
+        let place = line.map_or(Place::Vertex(vertex.into()), Place::Line);
+        Some(not_placed(place, *self.positions.get(vertex as usize)?, face))
+    }
+}
+
+impl Layout {
+    fn of(element: &Element) -> Result<Self, MeshError> {
+        let mut layout = Self { has: [false; 11], color: Scalar::F32, codes: Vec::new() };
+        for property in &element.properties {
+            let Some(place) = place(property) else { continue };
+            layout.has[place] = true;
+            if place == 6 {
+                layout.color = property.item;
+            }
+        }
+        if !layout.all(0..3) {
+            return Err(element.lacks("x, y and z"));
+        }
+        layout.codes = (0..256).map(|code| srgb_to_linear(f64::from(code) / 255.0) as f32).collect();
+        Ok(layout)
+    }
+
+    fn all(&self, mut places: std::ops::Range<usize>) -> bool {
+        places.all(|place| self.has[place])
+    }
+
+    /// Whole numbers are sRGB codes, others are linear.
+    fn color(&self, rgb: [f64; 3]) -> Result<Rgb, String> {
+        let part = |value: f64| match self.color {
+            Scalar::U8 => self.codes[value.clamp(0.0, 255.0) as usize],
+            Scalar::U16 => srgb_to_linear(value / 65_535.0) as f32,
+            _ => value as f32,
+        };
+        let color = Rgb::from_array(rgb.map(part));
+        let good = color.is_finite() && color.min_element() >= 0.0;
+        let [r, g, b] = rgb;
+        good.then_some(color).ok_or_else(|| format!("expected a colour of 0 or more, found {r} {g} {b}"))
+    }
+}
+
+fn place(property: &Property) -> Option<usize> {
+    let place = NAMES.iter().find(|(name, _)| *name == property.name).map(|(_, place)| *place);
+    place.filter(|_| property.list.is_none())
+}
+
+fn record(element: &Element, values: &mut impl Scalars) -> Result<Record, MeshError> {
+    let mut record = [0.0; 11];
+    values.begin()?;
+    for property in &element.properties {
+        if let Some(count) = property.list {
+            skip_list(property, count, values)?;
+            continue;
+        }
+        let value = values.next(property.item)?;
+        if let Some(place) = place(property) {
+            record[place] = value;
+        }
+    }
+    values.end()?;
+    Ok(record)
+}
+
+/// Reads over a list.
+pub fn skip_list(property: &Property, count: Scalar, values: &mut impl Scalars) -> Result<(), MeshError> {
+    let count = values.next(count)?;
+    (0..count as u64).try_for_each(|_| values.next(property.item).map(|_| ()))
+}
+
+/// Says of a fault without a place which record it is in.
+pub fn incomplete(error: MeshError, element: &Element, index: u64) -> MeshError {
+    match error.place {
+        Some(_) => error,
+        None => MeshError::new(format!("{} in {} {index} of {}", error.why, element.name, element.count)),
+    }
+}

@@ -1,0 +1,204 @@
+//! `Mesh`: from a file, or written out.
+
+use super::colors::color;
+use super::fault::Fault;
+use super::fields::Fields;
+use super::node::Node;
+use super::suggest::shortened;
+use super::values::{each, list, number, text, tuple, vector, whole};
+use super::words::word;
+use super::{Named, Object, Sequence};
+use crate::humane::counted;
+use crate::math::{DVec2, DVec3};
+use crate::mesh::{self, Corners, LoadMeter, NO_FILE, Normals, Parts};
+use crate::shape::{Mesh, Shape};
+use std::cell::RefCell;
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The mesh files that a sequence names, found from its own folder on and read once each.
+pub struct Meshes {
+    folder: PathBuf,
+    pub meter: Arc<LoadMeter>,
+    read: RefCell<HashMap<PathBuf, Read>>,
+}
+
+/// What came of a file: a mesh, or why there is none.
+type Read = Result<Arc<mesh::Mesh>, String>;
+
+impl Meshes {
+    pub fn new(folder: &Path) -> Self {
+        Self { folder: folder.to_owned(), meter: Arc::default(), read: RefCell::default() }
+    }
+
+    /// Reads a file, or remembers what came of it.
+    fn mesh(&self, name: &str) -> Read {
+        let path = self.folder.join(name);
+        // One file has many names; what does not exist has this one.
+        let path = path.canonicalize().unwrap_or(path);
+        let mut read = self.read.borrow_mut();
+        let mesh = read.entry(path).or_insert_with_key(|path| {
+            mesh::load(path, &self.meter).map(Arc::new).map_err(|error| error.to_string())
+        });
+        mesh.clone()
+    }
+}
+
+/// The mesh that these fields make.
+pub fn mesh(fields: &mut Fields<'_>) -> Option<Mesh> {
+    if !fields.has("file") {
+        return inline(fields);
+    }
+    let written: Vec<_> = INLINE.into_iter().filter(|name| fields.has(name)).collect();
+    if let [first, ..] = written[..] {
+        let title = "a mesh is either read from a file or written out";
+        let label = "only for a mesh without `file`";
+        fields.node().fault(Fault::new(fields.place(first), title, label));
+        INLINE.into_iter().for_each(|name| fields.ignore(name));
+    }
+    let mesh = fields.required("file", file);
+    let normals = fields.optional("normals", |node| word(node, "kind of normals", KINDS));
+    let (mesh, place) = (mesh?, fields.place("normals"));
+    let given = if mesh.has_normals() { Normals::File } else { Normals::Flat };
+    let normals = normals?.unwrap_or(given);
+    if normals == Normals::File && !mesh.has_normals() {
+        let fault = Fault::new(place, "the mesh has no normals of its own", "there are none in the file");
+        fields.node().fault(fault.help("`Smooth` computes some; `Flat` needs none"));
+        return None;
+    }
+    Some(placed(mesh, normals))
+}
+
+const KINDS: &[(&str, Normals)] =
+    &[("File", Normals::File), ("Smooth", Normals::Smooth), ("Flat", Normals::Flat)];
+
+/// The fields of a mesh that is written out, but for its normals.
+const INLINE: [&str; 4] = ["vertices", "triangles", "uvs", "colors"];
+
+/// Computes smooth normals here, where progress can still be told, and not in the first frame.
+fn placed(mesh: Arc<mesh::Mesh>, normals: Normals) -> Mesh {
+    if normals == Normals::Smooth {
+        mesh.smooth_normals();
+    }
+    Mesh { mesh, normals }
+}
+
+/// The mesh in a file that is named in quotes.
+fn file(node: Node<'_>) -> Option<Arc<mesh::Mesh>> {
+    let name = text(node)?;
+    match node.file.meshes.mesh(&name) {
+        Ok(mesh) => Some(mesh),
+        Err(why) => {
+            let title = format!("cannot read the mesh {:?}", shortened(&name));
+            let help = "paths of meshes begin at the folder of the sequence file";
+            let missing = why == NO_FILE;
+            let fault = Fault::new(node.span(), title, why);
+            node.fault(if missing { fault.help(help) } else { fault });
+            None
+        }
+    }
+}
+
+/// Normals that are written out, or of a kind.
+enum Given {
+    Listed(Vec<DVec3>),
+    Kind(Normals),
+}
+
+fn inline(fields: &mut Fields<'_>) -> Option<Mesh> {
+    if !INLINE.into_iter().any(|name| fields.has(name)) {
+        INLINE.into_iter().for_each(|name| fields.ignore(name));
+        fields.ignore("normals");
+        let title = "`Mesh` has no `file`";
+        let fault = Fault::new(fields.node().head(), title, "needs a file, or `vertices` and `triangles`");
+        fields.node().fault(fault.help("write Mesh(\"name.obj\") for the mesh in a file"));
+        return None;
+    }
+    let vertices = fields.required("vertices", |node| list(node, "points", vector));
+    let count = vertices.as_ref().map(Vec::len);
+    let triangles = fields.required("triangles", |node| triangles(node, count));
+    let normals = fields.or("normals", |node| normals(node, count), Given::Kind(Normals::Flat));
+    let uvs = fields.optional("uvs", |node| per_vertex(node, "texture coordinates", count, uv));
+    let colors = fields.optional("colors", |node| per_vertex(node, "colours", count, color));
+    let (kind, listed) = match normals? {
+        Given::Kind(kind) => (kind, None),
+        Given::Listed(listed) => (Normals::File, Some(listed)),
+    };
+    let as_f32 = |normals: Vec<DVec3>| normals.into_iter().map(|n| n.normalize_or_zero().as_vec3()).collect();
+    let parts = Parts {
+        positions: vertices?,
+        triangles: triangles?,
+        normals: listed.map(|normals| Corners::per_vertex(as_f32(normals))),
+        uvs: uvs?.map(Corners::per_vertex),
+        colors: colors?.unwrap_or_default(),
+        ..Parts::default()
+    };
+    match mesh::Mesh::new(parts) {
+        Ok(mesh) => Some(placed(Arc::new(mesh), kind)),
+        Err(error) => {
+            let fault = Fault::new(fields.node().head(), "this mesh cannot be seen", error.to_string());
+            fields.node().fault(fault);
+            None
+        }
+    }
+}
+
+fn triangles(node: Node<'_>, count: Option<usize>) -> Option<Vec<[u32; 3]>> {
+    // Without vertices there has been a fault, and any index will do.
+    let last = count.map_or(u32::MAX - 1, |count| count.saturating_sub(1) as u32);
+    list(node, "triangles", |node| each(tuple(node, "three vertices (a, b, c)")?, whole(0..=last)))
+}
+
+fn normals(node: Node<'_>, count: Option<usize>) -> Option<Given> {
+    if node.opens_with('[') {
+        return per_vertex(node, "normals", count, vector).map(Given::Listed);
+    }
+    word(node, "kind of normals", &KINDS[1..]).map(Given::Kind)
+}
+
+fn uv(node: Node<'_>) -> Option<DVec2> {
+    each(tuple(node, "two numbers (u, v)")?, number).map(DVec2::from_array)
+}
+
+/// A list with an entry for each vertex.
+fn per_vertex<'s, T>(
+    node: Node<'s>,
+    what: &str,
+    count: Option<usize>,
+    decode: impl Fn(Node<'s>) -> Option<T>,
+) -> Option<Vec<T>> {
+    let values = list(node, what, decode)?;
+    if count.is_some_and(|count| count != values.len()) {
+        let expected = format!("as many {what} as vertices, {}", count.unwrap_or_default());
+        node.fault(Fault::expected(node.span(), expected, format!("found {}", values.len())));
+        return None;
+    }
+    Some(values)
+}
+
+impl Sequence {
+    /// Its different meshes, each with the first object of that shape.
+    pub fn meshes(&self) -> Vec<(&str, &mesh::Mesh)> {
+        let mut meshes: Vec<(&str, &mesh::Mesh)> = Vec::new();
+        let mut seen = HashSet::new();
+        for Named { name, value: Object { shape, .. } } in &self.objects {
+            if let Shape::Mesh(Mesh { mesh, .. }) = shape
+                && seen.insert(Arc::as_ptr(mesh))
+            {
+                meshes.push((name, mesh));
+            }
+        }
+        meshes
+    }
+
+    /// What a user should know about the sequence before it is rendered.
+    pub fn notes(&self) -> Vec<String> {
+        let skipped = self.meshes().into_iter().filter(|(_, mesh)| mesh.skipped > 0);
+        let note = |(name, mesh): (&str, &mesh::Mesh)| {
+            let triangles = counted(mesh.skipped as u64, "triangle");
+            format!("the mesh of `{}`: {triangles} without an area left out", shortened(name))
+        };
+        skipped.map(note).collect()
+    }
+}
