@@ -1,6 +1,7 @@
 //! Meshes as scenes see them: closed under any placement, the same from every file format, shaded on the right side.
 
 use crate::support::{Random, shoot_all};
+use assert_cmd::Command;
 use kinora::bvh::Bvh;
 use kinora::camera::Ray;
 use kinora::math::{DAffine3, DVec3, UNIT_ROUNDOFF};
@@ -244,7 +245,22 @@ fn what_is_left_out_is_told() {
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\nf 2 2 2\n";
     fs::write(folder.path().join("a.obj"), text).expect("a disk");
     let sequence = sequence_with(folder.path(), "\"flat\": (shape: Mesh(\"a.obj\"))").expect("a sequence");
-    assert_eq!(sequence.notes(), ["the mesh of `flat`: 2 triangles without an area left out"]);
+    let note = "the mesh of `flat`: 2 triangles without an area left out";
+    assert_eq!(sequence.notes(), [note]);
+    let scene = folder.path().join("scene.ron");
+    let told = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("kinora").expect("the binary is built with its tests");
+        let output =
+            command.args(arguments).arg(&scene).current_dir(folder.path()).output().expect("it runs");
+        assert_eq!(output.stderr, b"", "small meshes are loaded silently");
+        String::from_utf8(output.stdout).expect("text")
+    };
+    let check = told(&["check"]);
+    assert!(
+        check.contains(" · 1 object with 1 triangle · ") && check.ends_with(&format!("\nnote: {note}\n"))
+    );
+    assert!(told(&["render", "-s", "4x3"]).contains(&format!("note    {note}")));
+    assert_eq!(told(&["render", "-s", "4x3", "-q"]), "");
 }
 
 /// INT-15: whatever a mesh is like, no pixel is without a colour.
