@@ -4,7 +4,7 @@ use super::failure::Failure;
 use super::loading::Reporter;
 use super::progress::ProgressMode;
 use super::{load, terminal};
-use crate::humane::{count, counted};
+use crate::humane::counted;
 use crate::sequence::Sequence;
 use clap::Args;
 use std::path::PathBuf;
@@ -32,21 +32,26 @@ fn line(sequence: &Sequence) -> String {
     let timeline = &sequence.timeline;
     let (width, height) = sequence.output.size;
     let number = |count: usize, noun| counted(count as u64, noun);
-    let triangles: usize = sequence.meshes().iter().map(|(_, mesh)| mesh.triangles().len()).sum();
-    let meshes = (triangles > 0).then(|| format!("{} triangles in meshes", count(triangles as u64)));
     let facts = [
         number(timeline.frames as usize, "frame"),
         format!("{} s at {} fps", decimal(timeline.duration), decimal(timeline.rate.per_second())),
         format!("{width}x{height}"),
-        number(sequence.objects.len(), "object"),
-        meshes.unwrap_or_default(),
+        objects(sequence),
         number(sequence.lights.len(), "light"),
         number(sequence.materials.len(), "material"),
         number(sequence.cameras.len(), "camera"),
         sequence.output.files.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
     ];
-    let facts: Vec<_> = facts.into_iter().filter(|fact| !fact.is_empty()).collect();
     format!("{}: {}", sequence.name, facts.join(" · "))
+}
+
+/// How many objects, and how many triangles in their meshes.
+fn objects(sequence: &Sequence) -> String {
+    let objects = counted(sequence.objects.len() as u64, "object");
+    match sequence.meshes().iter().map(|(_, mesh)| mesh.triangles().len() as u64).sum() {
+        0 => objects,
+        triangles => format!("{objects} with {}", counted(triangles, "triangle")),
+    }
 }
 
 /// To three decimals at most, without needless zeros.
