@@ -15,5 +15,6 @@ mod background;
 mod counters;
 mod determinism;
 mod golden;
+mod integrators;
 mod radiance;
 mod watertight;
