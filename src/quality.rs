@@ -6,7 +6,8 @@ use crate::filter::Filter;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
     pub integrator: Integrator,
-    /// Longest chain of mirror reflections, refractions and, along paths, scattering.
+    /// Longest chain of mirror reflections, refractions and, along paths, scattering. The light of lights at its
+    /// end still counts.
     pub bounces: u32,
     /// How a pixel's samples are spread over it and its neighbours.
     pub filter: Filter,

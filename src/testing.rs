@@ -31,6 +31,63 @@ impl Random {
     }
 }
 
+/// Cells of the sphere along z and around it; all of the same area.
+const CELLS: (usize, usize) = (20, 40);
+
+/// The chance that a sampler of the stated density strays from it as far as `draw` did, or farther: a chi-square
+/// test over cells of equal area, few of which are merged until each expects at least 5 hits. `draw` gives a
+/// direction, or none where it has none; `density` is per solid angle.
+pub fn chi_square(
+    count: u32,
+    mut draw: impl FnMut() -> Option<DVec3>,
+    density: impl Fn(DVec3) -> f64,
+) -> f64 {
+    let (rows, columns) = CELLS;
+    let mut hits = vec![0.0; rows * columns];
+    let mut drawn = 0.0;
+    for _ in 0..count {
+        let Some(d) = draw() else { continue };
+        let row = ((d.z * 0.5 + 0.5) * rows as f64) as usize;
+        let turn = libm::atan2(d.y, d.x) / std::f64::consts::TAU;
+        let column = ((turn - turn.floor()) * columns as f64) as usize;
+        hits[row.min(rows - 1) * columns + column.min(columns - 1)] += 1.0;
+        drawn += 1.0;
+    }
+    let area = 4.0 * std::f64::consts::PI / (rows * columns) as f64;
+    let expected = |cell: usize| cell_mean(cell, &density) * area * f64::from(count);
+    let expected: Vec<f64> = (0..rows * columns).map(expected).collect();
+    let whole: f64 = expected.iter().sum();
+    // What is never drawn is missing from the density as well.
+    assert!((whole - drawn).abs() <= 4.0 * whole.sqrt() + 0.002 * whole, "{drawn} drawn, {whole} expected");
+    let (mut statistic, mut freedom, mut merged) = (0.0, -1.0, (0.0, 0.0));
+    for (hits, expected) in hits.iter().zip(&expected) {
+        merged = (merged.0 + hits, merged.1 + expected);
+        if merged.1 >= 5.0 {
+            statistic += (merged.0 - merged.1) * (merged.0 - merged.1) / merged.1;
+            freedom += 1.0;
+            merged = (0.0, 0.0);
+        }
+    }
+    // Wilson and Hilferty (1931): the cube root is nearly normal.
+    let spread = 2.0 / (9.0 * freedom);
+    let normal = (libm::cbrt(statistic / freedom) - (1.0 - spread)) / libm::sqrt(spread);
+    0.5 * libm::erfc(normal / std::f64::consts::SQRT_2)
+}
+
+/// The mean of a density over a cell, from a grid of points in it.
+fn cell_mean(cell: usize, density: impl Fn(DVec3) -> f64) -> f64 {
+    const POINTS: usize = 24;
+    let (rows, columns) = CELLS;
+    let at = |i: usize| {
+        let (a, b) = ((i % POINTS) as f64 + 0.5, (i / POINTS) as f64 + 0.5);
+        let z = 2.0 * ((cell / columns) as f64 + a / POINTS as f64) / rows as f64 - 1.0;
+        let turn = ((cell % columns) as f64 + b / POINTS as f64) / columns as f64;
+        let across = Angle(360.0 * turn).cos_sin() * (1.0 - z * z).sqrt();
+        density(DVec3::new(across.x, across.y, z))
+    };
+    (0..POINTS * POINTS).map(at).sum::<f64>() / (POINTS * POINTS) as f64
+}
+
 /// Shapes of the first material where they stand.
 pub fn geometry(shapes: impl IntoIterator<Item = Shape>) -> Geometry {
     let mut geometry = Geometry::default();

@@ -4,6 +4,8 @@ mod fresnel;
 mod fuzz;
 mod microfacet;
 mod refract;
+#[cfg(test)]
+mod tests;
 
 pub use fresnel::{Fresnel, dielectric, schlick};
 pub use fuzz::Fuzz;

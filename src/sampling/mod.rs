@@ -5,7 +5,7 @@ mod sampler;
 mod warp;
 
 pub use frame::Frame;
-pub use sampler::{Sampler, Use, hash};
+pub use sampler::{PixelSampler, Sampler, Use, hash};
 pub use warp::{
     cone, cone_density, cosine_hemisphere, cosine_hemisphere_density, disk, in_ball, uniform_sphere,
 };

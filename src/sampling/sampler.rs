@@ -13,8 +13,6 @@ use sobol_burley::sample_4d;
 pub enum Use {
     /// Two numbers for the place in the pixel, two for that on the lens.
     Camera,
-    /// The moment within the shutter interval.
-    Shutter,
     /// Which lobe is followed at the `n`-th surface, and in which direction.
     Scatter(u32),
     /// In which of its small mirrors the `n`-th surface is looked at.
@@ -31,7 +29,6 @@ impl Use {
     fn number(self) -> u32 {
         match self {
             Self::Camera => 0,
-            Self::Shutter => 1,
             Self::Scatter(n) => hash([2, n, 0]),
             Self::Glossy(n) => hash([5, n, 0]),
             Self::Roulette(n) => hash([6, n, 0]),
@@ -40,6 +37,10 @@ impl Use {
         }
     }
 }
+
+/// The random numbers of one pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelSampler(u32);
 
 /// The random numbers of one sample of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,14 +52,27 @@ pub struct Sampler {
 /// Longest stratified run of samples; longer ones are made of several.
 const RUN: u32 = 1 << 16;
 
-impl Sampler {
-    /// The numbers of sample `sample` of the pixel at (`x`, `y`).
-    pub fn new((x, y): (u32, u32), sample: u32, seed: u32) -> Self {
-        let pixel = hash([seed, x, y]);
-        let pixel = if sample < RUN { pixel } else { hash([pixel, sample / RUN, 0]) };
-        Self { pixel, sample: sample % RUN }
+impl PixelSampler {
+    /// The numbers of the pixel at (`x`, `y`).
+    pub fn new((x, y): (u32, u32), seed: u32) -> Self {
+        Self(hash([seed, x, y]))
     }
 
+    /// The numbers of one of the pixel's samples.
+    pub fn sample(self, sample: u32) -> Sampler {
+        let pixel = if sample < RUN { self.0 } else { hash([self.0, sample / RUN, 0]) };
+        Sampler { pixel, sample: sample % RUN }
+    }
+
+    /// Which of `count` equal parts of a time a sample looks at: the radical inverse of its number, shifted at
+    /// random, so that samples spread over the time however few they are (van der Corput).
+    pub fn part_of_time(self, sample: u32, count: u32) -> u32 {
+        let fraction = sample.reverse_bits() ^ self.0.wrapping_mul(0x9e37_79b9);
+        ((u64::from(fraction) * u64::from(count)) >> 32) as u32
+    }
+}
+
+impl Sampler {
     /// Four numbers in 0..1.
     pub fn four(&self, of: Use) -> [f64; 4] {
         sample_4d(self.sample, 0, hash([self.pixel, of.number(), 0])).map(f64::from)
@@ -90,7 +104,6 @@ mod tests {
     fn numbers_are_below_one_and_never_shared() {
         let uses = [
             Use::Camera,
-            Use::Shutter,
             Use::Scatter(0),
             Use::Scatter(1),
             Use::Light { surface: 0, light: 0 },
@@ -100,9 +113,19 @@ mod tests {
         ];
         let mut seen = std::collections::HashSet::new();
         for (pixel, of) in [(0, 0), (1, 0), (0, 1)].into_iter().flat_map(|p| uses.map(|of| (p, of))) {
-            let four = Sampler::new(pixel, 0, 7).four(of);
+            let four = PixelSampler::new(pixel, 7).sample(0).four(of);
             assert!(four.iter().all(|u| (0.0..1.0).contains(u)));
             assert!(seen.insert(four.map(f64::to_bits)), "{pixel:?} {of:?}");
+        }
+    }
+
+    #[test]
+    fn a_pixels_samples_spread_over_time() {
+        for (samples, parts) in [(64, 32), (16, 16), (8, 32)] {
+            let pixel = PixelSampler::new((9, 2), 4);
+            let parts: std::collections::HashSet<_> =
+                (0..samples).map(|sample| pixel.part_of_time(sample, parts)).collect();
+            assert_eq!(parts.len() as u32, samples.min(32), "{samples} samples");
         }
     }
 
@@ -112,7 +135,7 @@ mod tests {
         for run in [0, 64, RUN, 3 * RUN + 128] {
             for pair in [0, 2] {
                 let cell = |sample| {
-                    let four = Sampler::new((3, 5), run + sample, 1).four(Use::Scatter(2));
+                    let four = PixelSampler::new((3, 5), 1).sample(run + sample).four(Use::Scatter(2));
                     ((four[pair] * 8.0) as u32, (four[pair + 1] * 8.0) as u32)
                 };
                 let cells: std::collections::HashSet<_> = (0..64).map(cell).collect();

@@ -64,3 +64,74 @@ pub fn disk(u: DVec2) -> DVec2 {
 pub fn in_ball(u: DVec3) -> DVec3 {
     uniform_sphere(DVec2::new(u.x, u.y)) * libm::cbrt(u.z)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::Frame;
+    use crate::testing::{Random, chi_square};
+
+    const COUNT: u32 = 400_000;
+
+    fn square(random: &mut Random) -> DVec2 {
+        DVec2::new(random.unit(), random.unit())
+    }
+
+    #[test]
+    fn sa_01_direction_samplers() {
+        let mut random = Random(5);
+        for axis in [DVec3::Z, DVec3::ONE.normalize()] {
+            let frame = Frame::around(axis);
+            let p = chi_square(COUNT, || Some(uniform_sphere(square(&mut random))), |_| 0.25 / PI);
+            assert!(p >= 1e-4, "sphere: {p}");
+            let drawn = || Some(frame.to_world(cosine_hemisphere(square(&mut random))));
+            let p = chi_square(COUNT, drawn, |d| cosine_hemisphere_density(d.dot(axis)));
+            assert!(p >= 1e-4, "cosine around {axis}: {p}");
+            let (mut first, mut second) = (0.0, 0.0);
+            for _ in 0..COUNT {
+                let cosine = cosine_hemisphere(square(&mut random)).z;
+                first += cosine / f64::from(COUNT);
+                second += cosine * cosine / f64::from(COUNT);
+            }
+            assert!((first - 2.0 / 3.0).abs() <= 1.5e-3 && (second - 0.5).abs() <= 2e-3, "{first} {second}");
+        }
+        // Caps of 5 degrees about the corner of a cube and the middle of its face.
+        for axis in [DVec3::Z, DVec3::ONE.normalize()] {
+            let limit = Angle(5.0).cos_sin().x;
+            let inside =
+                (0..4_000_000).filter(|_| uniform_sphere(square(&mut random)).dot(axis) > limit).count();
+            assert!((inside as f64 / 4e6 / 0.001_902_650_954_1 - 1.0).abs() <= 0.04, "{inside}");
+        }
+    }
+
+    #[test]
+    fn cones_are_even() {
+        let mut random = Random(6);
+        for narrow in [1.0, 0.3] {
+            let density = |d: DVec3| if d.z >= 1.0 - narrow { cone_density(narrow) } else { 0.0 };
+            let p = chi_square(COUNT, || Some(cone(narrow, square(&mut random))), density);
+            assert!(p >= 1e-4, "{narrow}: {p}");
+        }
+        assert_eq!(cone(1e-20, DVec2::new(0.5, 0.25)).z, 1.0);
+        assert!(cone(1e-20, DVec2::new(0.5, 0.25)).length() <= 1.0 + f64::EPSILON);
+    }
+
+    #[test]
+    fn sa_02_lens_samples() {
+        let mut random = Random(7);
+        let (mut square_sum, mut x_sum, mut bins) = (0.0, 0.0, [0.0; 36]);
+        for _ in 0..COUNT {
+            let p = disk(square(&mut random));
+            assert!(p.length() <= 1.0 + f64::EPSILON);
+            square_sum += p.length_squared() / f64::from(COUNT);
+            x_sum += p.x.abs() / f64::from(COUNT);
+            let turn = libm::atan2(p.y, p.x) / std::f64::consts::TAU;
+            bins[((turn - turn.floor()) * 36.0) as usize % 36] += 1.0;
+        }
+        assert!((square_sum - 0.5).abs() <= 1.5e-3 && (x_sum - 4.0 / (3.0 * PI)).abs() <= 1.5e-3);
+        let expected = f64::from(COUNT) / 36.0;
+        let statistic: f64 = bins.iter().map(|hits| (hits - expected) * (hits - expected) / expected).sum();
+        // 35 degrees of freedom: beyond 76.4 lie one in ten thousand.
+        assert!(statistic < 76.4, "{statistic}");
+    }
+}

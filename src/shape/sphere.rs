@@ -130,11 +130,14 @@ impl Geometric for Sphere {
 }
 
 impl Sphere {
-    /// 1 - the cosine of half the angle under which the sphere is seen; none from inside.
+    /// 1 - the cosine of half the angle under which the sphere is seen; none from inside, or from so near that
+    /// rounding decides on which side.
     fn cone_from(&self, from: DVec3) -> Option<f64> {
         let distance = (self.center - from).length();
+        let rounding = (from.length() + self.center.length() + self.radius) * gamma(16);
         let sine = self.radius / distance;
-        (sine < 1.0).then(|| sine * sine / (1.0 + ((1.0 - sine) * (1.0 + sine)).sqrt()))
+        let outside = distance - self.radius > rounding;
+        outside.then(|| sine * sine / (1.0 + ((1.0 - sine) * (1.0 + sine)).sqrt()))
     }
 
     /// The nearer root for an origin outside. Far away the difference of closest approach and half chord

@@ -1,7 +1,8 @@
 //! Path tracing: one path per sample, light asked for at every surface (next-event estimation), weighed
 //! against light that is met by chance (multiple importance sampling, Veach 1997), with Russian roulette.
 //!
-//! Ambient light counts as emission, and highlights show lights only. Mirrors, boundaries and what is
+//! Lights are asked at every surface. What shines by itself, objects and the sky, is seen after at most as many
+//! bounces as the quality allows; asking for its light takes one. Ambient light counts as emission, and highlights show lights only. Mirrors, boundaries and what is
 //! transparent are followed as they are; only unbent transparency lets shadow rays pass.
 
 use super::lights::seen;
@@ -119,7 +120,7 @@ impl<'a> Paths<'a> {
             return;
         }
         let seen = face.seen(&path.ray);
-        self.luminaires.ask(tracer, &seen, dice, |asked| {
+        self.luminaires.ask(tracer, &seen, dice, path.left == 0, |asked| {
             let arrival = &asked.arrival;
             let (scattered, highlight) = seen.reflected(arrival.direction);
             // At the last surface of a path nothing is met by chance any more.

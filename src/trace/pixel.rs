@@ -7,7 +7,7 @@ use crate::bvh::Bvh;
 use crate::counters::Dropped;
 use crate::math::{DVec2, DVec3};
 use crate::quality::Integrator;
-use crate::sampling::{Sampler, Use};
+use crate::sampling::{PixelSampler, Sampler, Use};
 use crate::scene::{Finish, Scene};
 
 /// A frame's scene with all that its pixels have in common.
@@ -42,11 +42,13 @@ impl<'a> Pixels<'a> {
     pub fn trace(&self, pixel: (u32, u32), sums: &mut [DVec3], work: &mut Work) {
         let quality = &self.settings.quality;
         let samples = if self.random { quality.samples } else { quality.antialias * quality.antialias };
+        let numbers = PixelSampler::new(pixel, quality.seed);
+        let Moment { index, of } = self.moment;
         for sample in 0..samples {
-            let sampler = Sampler::new(pixel, sample, quality.seed);
-            if self.moment.of > 1 && self.moment_of(&sampler) != self.moment.index {
+            if of > 1 && numbers.part_of_time(sample, of) != index {
                 continue;
             }
+            let sampler = numbers.sample(sample);
             let (inside, lens) = self.place(sample, &sampler);
             self.sample(pixel, inside, lens, sampler, work);
             self.take(sums, work);
@@ -54,11 +56,6 @@ impl<'a> Pixels<'a> {
         for sum in sums {
             *sum /= f64::from(samples);
         }
-    }
-
-    /// The moment that a sample looks at.
-    fn moment_of(&self, sampler: &Sampler) -> u32 {
-        (sampler.two(Use::Shutter).x * f64::from(self.moment.of)) as u32
     }
 
     /// Where in the unit square a sample lies before the filter spreads it, and where on the lens.

@@ -17,4 +17,5 @@ mod determinism;
 mod golden;
 mod integrators;
 mod radiance;
+mod transport;
 mod watertight;

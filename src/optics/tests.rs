@@ -1,0 +1,79 @@
+//! Samplers of surfaces against their stated densities, and what surfaces may not do: give more than they get.
+
+use super::{Fuzz, Microfacet, reflect};
+use crate::math::{Angle, DVec2, DVec3};
+use crate::testing::{Random, chi_square};
+
+fn at(degrees: f64) -> DVec3 {
+    let turn = Angle(degrees).cos_sin();
+    DVec3::new(turn.y, 0.0, turn.x)
+}
+
+#[test]
+fn fuzzy_mirrors_have_their_density() {
+    let mut random = Random(11);
+    for fuzz in [1.0, 0.6, 0.25] {
+        let mirrored = DVec3::new(0.48, 0.6, 0.64);
+        let mut draw =
+            || Some(Fuzz(fuzz).sample(mirrored, DVec3::new(random.unit(), random.unit(), random.unit())));
+        let p = chi_square(400_000, &mut draw, |d| Fuzz(fuzz).density(mirrored, d));
+        assert!(p >= 1e-4, "fuzz {fuzz}: {p}");
+    }
+}
+
+#[test]
+fn small_mirrors_have_their_density() {
+    let mut random = Random(12);
+    for (alpha, degrees) in [(0.5, 0.0), (0.5, 60.0), (1.0, 80.0), (0.2, 30.0), (0.3, 85.0)] {
+        let (microfacet, eye) = (Microfacet { alpha }, at(degrees));
+        let draw = || {
+            let half = microfacet.sample(eye, DVec2::new(random.unit(), random.unit()));
+            Some(reflect(-eye, half)).filter(|light| light.z > 0.0)
+        };
+        let density = |d: DVec3| if d.z > 0.0 { microfacet.density(eye, d) } else { 0.0 };
+        let p = chi_square(400_000, draw, density);
+        assert!(p >= 1e-4, "alpha {alpha} at {degrees}: {p}");
+    }
+}
+
+#[test]
+fn rough_surfaces_lose_but_never_gain() {
+    let mut random = Random(13);
+    for alpha in [0.01, 0.1, 0.5, 1.0] {
+        for degrees in [0.0, 45.0, 80.0, 89.0] {
+            let (microfacet, eye) = (Microfacet { alpha }, at(degrees));
+            let share = |_| {
+                let half = microfacet.sample(eye, DVec2::new(random.unit(), random.unit()));
+                let light = reflect(-eye, half);
+                if light.z <= 0.0 {
+                    return 0.0;
+                }
+                let share = microfacet.reflected(eye, light) / microfacet.density(eye, light);
+                assert!((0.0..=1.0 + 1e-9).contains(&share), "{share}");
+                share
+            };
+            let mean = (0..20_000).map(share).sum::<f64>() / 20_000.0;
+            assert!(mean <= 1.0, "alpha {alpha} at {degrees}: {mean}");
+            // In closed form: ∫ c / (c + 1) dc from 0 to 1, for light at right incidence on the roughest one.
+            if (alpha, degrees) == (1.0, 0.0) {
+                let expected = 1.0 - std::f64::consts::LN_2;
+                assert!((mean - expected).abs() < 0.01, "{mean} against {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn small_mirrors_are_reciprocal() {
+    let mut random = Random(14);
+    for _ in 0..1000 {
+        let microfacet = Microfacet { alpha: 0.01 + random.unit() };
+        let mut above = || {
+            let d = random.direction();
+            DVec3::new(d.x, d.y, d.z.abs().max(1e-3)).normalize()
+        };
+        let (a, b) = (above(), above());
+        let (there, back) = (microfacet.reflected(a, b) / b.z, microfacet.reflected(b, a) / a.z);
+        assert!((there / back - 1.0).abs() < 1e-9);
+    }
+}
