@@ -110,17 +110,18 @@ impl<'a> Luminaires<'a> {
         }
     }
 
-    /// The density per solid angle with which a point of a primitive is asked for light at `from`.
-    pub fn density(&self, tracer: &Tracer, from: DVec3, hit: &Hit, surface: &Surface) -> f64 {
-        let Some(chance) = self.primitives[hit.primitive as usize] else { return 0.0 };
+    /// The density per solid angle with which a point of a primitive is asked for light at `from`; none if it
+    /// never is.
+    pub fn density(&self, tracer: &Tracer, from: DVec3, hit: &Hit, surface: &Surface) -> Option<f64> {
+        let chance = self.primitives[hit.primitive as usize]?;
         let primitive = &tracer.scene.geometry.primitives[hit.primitive as usize];
-        primitive.density_from(from, surface).unwrap_or(0.0) * chance
+        Some(primitive.density_from(from, surface).unwrap_or(0.0) * chance)
     }
 
-    /// The density per solid angle with which the sky is asked for light from a direction.
-    pub fn sky_density(&self, tracer: &Tracer, direction: DVec3) -> f64 {
-        let (Some((table, chance)), Some(environment)) = (self.sky, tracer.environment) else { return 0.0 };
-        environment.pdf(table, direction) * chance
+    /// The density per solid angle with which the sky is asked for light from a direction; none if it never is.
+    pub fn sky_density(&self, tracer: &Tracer, direction: DVec3) -> Option<f64> {
+        let ((table, chance), environment) = self.sky.zip(tracer.environment)?;
+        Some(environment.pdf(table, direction) * chance)
     }
 }
 

@@ -8,11 +8,12 @@
 use super::lights::seen;
 use super::luminaires::Luminaires;
 use super::media::Media;
-use super::scatter::{Scatter, scatter, scatter_density};
+use super::scatter::{Kind, Scatter, scatter, scatter_density};
 use super::spawn::spawn;
 use super::tracer::{Dice, Face, Met, Tracer, Work};
 use crate::camera::Ray;
 use crate::color::Rgb;
+use crate::counters::RayCounts;
 use crate::math::DVec3;
 use crate::quality::PathSettings;
 use crate::sampling::Use;
@@ -32,7 +33,7 @@ struct Path {
     left: u32,
     /// Where the direction was drawn, and with which density per solid angle; none where there was no choice.
     drawn: Option<(DVec3, f64)>,
-    /// Whether a surface has scattered the path before.
+    /// Whether the last surface that has turned the path back has scattered it: then it has asked for light.
     scattered: bool,
     /// Whether light that is met now has been counted by a shadow ray through what refracts.
     counted: bool,
@@ -80,11 +81,14 @@ impl<'a> Paths<'a> {
     }
 
     /// What light that was met counts, against the density with which it was asked for: the balance heuristic.
-    fn met_weight(&self, path: &Path, asked: impl Fn(DVec3) -> f64) -> f32 {
+    /// None is asked for what can only be met.
+    fn met_weight(&self, path: &Path, asked: impl Fn(DVec3) -> Option<f64>) -> f32 {
+        let from = path.drawn.map_or(path.ray.origin, |(from, _)| from);
+        let Some(asked) = asked(from) else { return 1.0 };
         match path.drawn {
             _ if path.counted => 0.0,
             None => 1.0,
-            Some((from, density)) => (density / (density + asked(from))) as f32,
+            Some((_, density)) => (density / (density + asked)) as f32,
         }
     }
 
@@ -103,7 +107,11 @@ impl<'a> Paths<'a> {
         let seen = face.seen(&path.ray);
         let u = dice.sampler.four(Use::Scatter(dice.surface));
         let Some(next) = scatter(&seen, boundary.as_ref(), u) else { return false };
-        self.go_on(path, face, &next, work) && self.survives(tracer, path, dice)
+        let goes_on = self.go_on(path, face, &next) && self.survives(tracer, path, dice);
+        if goes_on {
+            count(next.kind, &mut work.counts.rays);
+        }
+        goes_on
     }
 
     /// Light from every layer's sources, as far as it arrives.
@@ -118,18 +126,20 @@ impl<'a> Paths<'a> {
             // At the last surface of a path nothing is met by chance any more.
             let met = if path.left > 0 { scatter_density(&seen, arrival.direction) } else { 0.0 };
             let weight = arrival.density.map_or(1.0, |density| density / (density + met)) as f32;
-            let share = scattered * weight + highlight;
+            let share = scattered + highlight;
             if share == Rgb::ZERO || arrival.radiance == Rgb::ZERO {
                 return;
             }
             let passing = tracer.passing(arrival, seen.surface, &path.media, work);
-            if passing != Rgb::ZERO {
-                work.add(asked.layer, path.throughput * share * passing * arrival.radiance);
+            if passing.whole != Rgb::ZERO {
+                // Only what comes unbent may also be met.
+                let share = share * passing.whole - scattered * passing.unbent * (1.0 - weight);
+                work.add(asked.layer, path.throughput * share * arrival.radiance);
             }
         });
     }
 
-    fn go_on(&self, path: &mut Path, face: &Face, next: &Scatter, work: &mut Work) -> bool {
+    fn go_on(&self, path: &mut Path, face: &Face, next: &Scatter) -> bool {
         path.throughput *= next.share;
         if path.throughput == Rgb::ZERO {
             return false;
@@ -138,20 +148,11 @@ impl<'a> Paths<'a> {
         path.media = next.media.unwrap_or(path.media);
         match next.kind {
             // Straight on: what was drawn before still leads there, and no bounce is taken.
-            super::scatter::Kind::Unbent => {
-                work.counts.rays.transmitted += 1;
-                return true;
-            }
-            super::scatter::Kind::Bent => {
-                work.counts.rays.transmitted += 1;
-                path.counted = path.counted || (self.settings.refractive_shadows && path.scattered);
-            }
-            super::scatter::Kind::Mirrored => work.counts.rays.mirror += 1,
-            super::scatter::Kind::Scattered => {
-                work.counts.rays.scattered += 1;
-                path.scattered = true;
-                path.counted = false;
-            }
+            Kind::Unbent => return true,
+            Kind::Bent => path.counted |= self.settings.refractive_shadows && path.scattered,
+            // No shadow ray goes by a mirror.
+            Kind::Mirrored => (path.scattered, path.counted) = (false, false),
+            Kind::Scattered => (path.scattered, path.counted) = (true, false),
         }
         path.drawn = next.density.map(|density| (face.surface.point, density));
         let left = path.left.checked_sub(1);
@@ -171,5 +172,13 @@ impl<'a> Paths<'a> {
         }
         path.throughput /= chance;
         true
+    }
+}
+
+fn count(kind: Kind, rays: &mut RayCounts) {
+    match kind {
+        Kind::Unbent | Kind::Bent => rays.transmitted += 1,
+        Kind::Mirrored => rays.mirror += 1,
+        Kind::Scattered => rays.scattered += 1,
     }
 }

@@ -103,7 +103,8 @@ pub fn scatter(seen: &Seen, boundary: Option<&Boundary>, [choice, u, v, w]: [f64
         });
     }
     // What rounding leaves over falls to the last lobe.
-    boundary.filter(|_| chances.refracted > 0.0).and_then(|boundary| bent(seen, boundary, &chances, rest))
+    let boundary = boundary.filter(|_| chances.refracted > 0.0)?;
+    bent(seen, boundary, &chances, rest / chances.refracted)
 }
 
 /// A mirror's reflection, unless it would lead below the surface.

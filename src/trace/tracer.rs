@@ -60,6 +60,26 @@ impl Work {
     }
 }
 
+/// The share of a light that arrives in spite of what stands in the way.
+#[derive(Clone, Copy, Debug)]
+pub struct Passing {
+    pub whole: Rgb,
+    /// The part of it that has passed nothing by refraction.
+    pub unbent: Rgb,
+}
+
+impl Passing {
+    fn all_or_nothing(blocked: bool) -> Self {
+        let share = if blocked { Rgb::ZERO } else { Rgb::ONE };
+        Self { whole: share, unbent: share }
+    }
+
+    fn dim(&mut self, whole: Rgb, unbent: Rgb) {
+        self.whole *= whole;
+        self.unbent *= unbent;
+    }
+}
+
 /// What a ray hit.
 pub enum Met<'a> {
     Nothing,
@@ -170,15 +190,14 @@ impl<'a> Tracer<'a> {
 
     /// The share of the light that arrives at a surface, on its side that is seen, in spite of what stands in
     /// the way.
-    pub fn passing(&self, arrival: &Arrival, surface: &Surface, media: &Media, work: &mut Work) -> Rgb {
+    pub fn passing(&self, arrival: &Arrival, surface: &Surface, media: &Media, work: &mut Work) -> Passing {
         let (ray, t_max) = arrival.shadow_ray(surface);
         if ray.direction == DVec3::ZERO {
-            return Rgb::ONE;
+            return Passing::all_or_nothing(false);
         }
         work.counts.rays.shadow += 1;
         if !self.clear {
-            let blocked = self.bvh.occluded(self.scene.geometry, &Probe::new(ray), t_max);
-            return if blocked { Rgb::ZERO } else { Rgb::ONE };
+            return Passing::all_or_nothing(self.bvh.occluded(self.scene.geometry, &Probe::new(ray), t_max));
         }
         self.transmitted(arrival, ray, t_max, *media, work)
     }
@@ -191,21 +210,22 @@ impl<'a> Tracer<'a> {
         mut t_max: f64,
         mut media: Media,
         work: &mut Work,
-    ) -> Rgb {
+    ) -> Passing {
         let materials = &self.scene.shading.materials;
-        let mut share = Rgb::ONE;
+        let mut share = Passing::all_or_nothing(false);
         loop {
             let hit = self.bvh.closest_before(self.scene.geometry, &Probe::new(ray), t_max);
             let length = ray.direction.length() * hit.map_or(t_max, |hit| hit.at.t);
             if self.media && self.refractive_shadows {
-                share *= media.here(materials).transmittance(length);
+                let left = media.here(materials).transmittance(length);
+                share.dim(left, left);
             }
             let Some(hit) = hit else { return share };
-            let Met::Surface(face) = self.met(&ray, hit) else { return Rgb::ZERO };
-            let (passes, beyond) = self.unbent(&face, arrival.direction, media);
-            share *= passes;
+            let Met::Surface(face) = self.met(&ray, hit) else { return Passing::all_or_nothing(true) };
+            let (passes, beyond) = self.straight_through(&face, arrival.direction, media);
+            share.dim(passes.whole, passes.unbent);
             media = beyond;
-            if share == Rgb::ZERO {
+            if share.whole == Rgb::ZERO {
                 return share;
             }
             work.counts.rays.shadow += 1;
@@ -213,25 +233,26 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// The share that passes a surface unbent, and what is around the light beyond it.
-    fn unbent(&self, face: &Face, direction: DVec3, media: Media) -> (Rgb, Media) {
+    /// The share that passes a surface straight on, and what is around the light beyond it.
+    fn straight_through(&self, face: &Face, direction: DVec3, media: Media) -> (Passing, Media) {
         let Lobes { transparency, refraction, .. } = face.lobes;
+        let unbent = Passing { whole: transparency, unbent: transparency };
         if !face.material.refracts() {
-            return (transparency, media);
+            return (unbent, media);
         }
         let boundary = media.boundary(face.enclosure, face.outside, &self.scene.shading.materials);
         if boundary.hidden {
-            return (Rgb::ONE, boundary.passed);
+            return (Passing::all_or_nothing(false), boundary.passed);
         }
         if !self.refractive_shadows {
-            return (transparency, boundary.passed);
+            return (unbent, boundary.passed);
         }
         let eta = boundary.behind.ior / boundary.before.ior;
         let passes = refract(direction, face.surface.normal, eta).map_or(0.0, |(_, cosine)| {
             let before = -direction.dot(face.surface.normal);
             1.0 - face.material.fresnel.reflectance(before, cosine, eta)
         });
-        (transparency + refraction * passes as f32, boundary.passed)
+        (Passing { whole: transparency + refraction * passes as f32, ..unbent }, boundary.passed)
     }
 
     /// The ray straight on through a surface.

@@ -89,8 +89,8 @@ impl Branch<'_, '_> {
                 continue;
             }
             let passing = self.tracer.passing(&arrival, seen.surface, &self.pending.media, work);
-            if passing != Rgb::ZERO {
-                work.add(light.layer, self.throughput * share * passing * arrival.radiance);
+            if passing.whole != Rgb::ZERO {
+                work.add(light.layer, self.throughput * share * passing.whole * arrival.radiance);
             }
         }
     }
@@ -199,7 +199,9 @@ impl Branch<'_, '_> {
         let before = -direction.dot(seen.normal());
         let reflected = self.face.material.fresnel.reflectance(before, cosine, eta) as f32;
         let ray = spawn(&self.face.surface, bent);
-        if self.bounce(ray, share * (1.0 - reflected), boundary.passed, true, work) {
+        // Shadow rays pass here too, so that what they have found must not count again.
+        let sees_lights = self.pending.sees_lights;
+        if self.bounce(ray, share * (1.0 - reflected), boundary.passed, sees_lights, work) {
             work.counts.rays.transmitted += 1;
         }
         // A boundary reflects all colours alike, whatever colour it lets pass.

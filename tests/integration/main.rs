@@ -15,6 +15,7 @@ mod background;
 mod counters;
 mod determinism;
 mod golden;
+mod integrators;
 mod radiance;
 mod transport;
 mod watertight;

@@ -38,6 +38,8 @@ pub struct Shot {
 pub struct Work {
     pub camera: u64,
     pub mirror: u64,
+    pub transmitted: u64,
+    pub scattered: u64,
     pub shadow: u64,
     pub bvh_builds: u64,
     pub geometry_packs: u64,
@@ -49,6 +51,8 @@ impl Work {
         Self {
             camera: after.counts.rays.camera - before.counts.rays.camera,
             mirror: after.counts.rays.mirror - before.counts.rays.mirror,
+            transmitted: after.counts.rays.transmitted - before.counts.rays.transmitted,
+            scattered: after.counts.rays.scattered - before.counts.rays.scattered,
             shadow: after.counts.rays.shadow - before.counts.rays.shadow,
             bvh_builds: after.bvh_builds - before.bvh_builds,
             geometry_packs: after.geometry_packs - before.geometry_packs,

@@ -1,0 +1,210 @@
+//! What the two integrators make of every kind of light and surface, where its radiance is known.
+
+use crate::support::{Shot, shoot_all};
+use kinora::color::Rgb;
+
+const PATH: &str = "Path()";
+const BOTH: [&str; 2] = ["Whitted", PATH];
+
+/// The one pixel of a picture that looks from (0, 2, 0) straight down to the origin.
+fn down(integrator: &str, samples: u32, fields: &str) -> Shot {
+    let text = format!(
+        "(output: (size: (1, 1)), ambient: 0, quality: (integrator: {integrator}, samples: {samples}, bounces: 40),
+        camera: (position: (0, 2, 0), up: (0, 0, -1), projection: Perspective(fov: 0.001)), {fields})"
+    );
+    shoot_all(&text).remove(0)
+}
+
+#[track_caller]
+fn near(shot: &Shot, expected: impl Into<[f32; 3]>, tolerance: f32) {
+    let (found, expected) = (shot.pixel(0, 0), Rgb::from_array(expected.into()));
+    assert!((found - expected).abs().max_element() <= tolerance, "{found} instead of {expected}");
+}
+
+/// A closed white room of light: what takes nothing away cannot be told from it.
+#[test]
+fn a_furnace_hides_what_absorbs_nothing() {
+    for material in [
+        "Lambertian(color: 1)",
+        "Metal(color: 1)",
+        "Dielectric()",
+        "Dielectric(fresnel: Schlick, ior: 2.4)",
+        "Dielectric(fresnel: Off)",
+        "(diffuse: 0, mirror: 0.25, transparency: 0.25, refraction: 0.5, fresnel: Exact)",
+    ] {
+        let ball = format!(
+            r#"background: 1, objects: {{ "ball": (shape: Sphere(center: (0.3, 0, 0.2)), material: {material}) }}"#
+        );
+        near(&down("Path(roulette: Off)", 64, &ball), [1.0; 3], 1e-5);
+    }
+}
+
+/// SH-06 and its like: a boundary reflects its share of what is above and lets the rest of what is below pass.
+#[test]
+fn boundaries_split_light_by_fresnels_share() {
+    let floor = |lobes: &str| {
+        format!(
+            r#"background: Gradient(bottom: (0, 1, 0), top: (1, 0, 0)), objects: {{ "floor": (shape: Plane(),
+            material: (ambient: 0, diffuse: 0, fresnel: Exact, ior: 1.5, {lobes})) }}"#
+        )
+    };
+    for integrator in BOTH {
+        near(&down(integrator, 4096, &floor("refraction: 1")), [0.04, 0.96, 0.0], 1e-3);
+        // Other lobes beside it change nothing.
+        let beside = floor("refraction: 0.5, transparency: 0.5");
+        near(&down(integrator, 4096, &beside), [0.02, 0.98, 0.0], 1e-3);
+        let beside = floor("refraction: 0.25, mirror: 0.5");
+        near(&down(integrator, 4096, &beside), [0.51, 0.24, 0.0], 1e-3);
+    }
+}
+
+/// A pane that neither bends nor reflects is not there, whichever way light finds through it.
+#[test]
+fn panes_without_effect_change_nothing() {
+    const PANE: &str = r#""pane": (shape: Box(min: (-9, 0.5, -9), max: (9, 0.6, 9)),
+        material: Dielectric(ior: 1, fresnel: Off)),"#;
+    const LAMP: &str =
+        r#"lights: { "lamp": Rectangle(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), intensity: 3) }"#;
+    for integrator in ["Whitted", "Path(roulette: Off)", "Path(refractive_shadows: true)"] {
+        for material in ["Lambertian()", "MetallicRoughness(roughness: 0.5, color: 0.7)", "Metal(fuzz: 0.5)"]
+        {
+            for light in ["background: 0.5", "background: Gradient()", LAMP] {
+                let scene = |pane: &str| {
+                    format!(
+                        r#"{light}, objects: {{ {pane} "floor": (shape: Plane(), material: {material}) }}"#
+                    )
+                };
+                let (without, with) =
+                    (down(integrator, 8192, &scene("")), down(integrator, 8192, &scene(PANE)));
+                let (a, b) = (without.pixel(0, 0), with.pixel(0, 0));
+                let off = (a - b).abs().max_element();
+                assert!(off <= 0.03 * a.max_element(), "{integrator} {material} {light}: {b} instead of {a}");
+            }
+        }
+    }
+}
+
+/// Rays that are counted are followed.
+#[test]
+fn the_last_surface_of_a_path_sends_no_ray() {
+    for (bounces, scattered) in [(0, 0), (1, 256), (2, 256)] {
+        let text = format!(
+            r#"(output: (size: (16, 16)), quality: (integrator: Path(), samples: 1, bounces: {bounces}),
+            camera: (position: (0, 2, 0), up: (0, 0, -1), projection: Perspective(fov: 10)),
+            objects: {{ "floor": (shape: Plane(), material: Lambertian()) }})"#
+        );
+        let work = shoot_all(&text)[0].work;
+        assert_eq!((work.camera, work.scattered, work.shadow), (256, scattered, 0), "{bounces} bounces");
+    }
+}
+
+/// Scenes with what they send up to the camera, whichever integrator looks.
+#[test]
+fn both_integrators_agree_with_closed_forms() {
+    const FLOOR: &str = r#"objects: { "floor": (shape: Plane(), material: Lambertian(color: 1)) }"#;
+    let lit = |light: &str| format!(r#"lights: {{ "l": {light} }}, {FLOOR}"#);
+    let object = |object: &str| format!(r#"background: 1, objects: {{ "o": ({object}) }}"#);
+    let pane = |material: &str| {
+        object(&format!("shape: Box(min: (-9, 0, -9), max: (9, 0.5, 9)), material: {material}"))
+    };
+    let e = libm::exp;
+    for (scene, expected) in [
+        // Lights above the point, at distance 4, each with the share that arrives.
+        (lit("Point(position: (0, 4, 0), intensity: 3)"), 3.0),
+        (lit("Point(position: (0, 4, 0), attenuation: (constant: 1, linear: 0.25, quadratic: 0.125))"), 0.25),
+        (lit("Point(position: (0, 4, 0), attenuation: (constant: 0, quadratic: 0.01))"), 1.0),
+        (lit("Spot(position: (0, 4, 0), angle: 10)"), 1.0),
+        (lit("Spot(position: (0, 4, 3), target: (0, 0, 3), angle: 70)"), 0.0),
+        // 36.87 degrees from its axis, which points straight down.
+        (lit("Spot(position: (0, 4, 3), target: (0, 0, 3), angle: 80, inner_angle: 76)"), 0.8),
+        (lit("Directional(direction: (3, -4, 0))"), 0.8),
+        // A sphere seen from the floor: (radius / distance)².
+        (lit("Sphere(center: (0, 5, 0), radius: 2, intensity: 2)"), 0.32),
+        // Nothing comes from the back of what shines to the other side.
+        (lit("Rectangle(corner: (-1, 4, -1), u: (2, 0, 0), v: (0, 0, 2))"), 0.073_477_67),
+        (lit("Rectangle(corner: (-1, 4, -1), u: (2, 0, 0), v: (0, 0, 2), one_sided: true)"), 0.073_477_67),
+        (lit("Rectangle(corner: (-1, 4, -1), u: (0, 0, 2), v: (2, 0, 0), one_sided: true)"), 0.0),
+        // Light through surfaces: twice through a closed one.
+        (object("shape: Sphere(), material: (ambient: 0, diffuse: 0, transparency: 0.5)"), 0.25),
+        (object("shape: Disk(), material: (ambient: 0, diffuse: 0, transparency: 0.5)"), 0.5),
+        (pane("Dielectric(ior: 1, fresnel: Off, absorption: 2)"), e(-1.0)),
+        (pane("Dielectric(ior: 1, fresnel: Off, color: 0.5)"), 0.25),
+        (object("shape: Plane(), material: (ambient: 0, diffuse: 0, mirror: 0.5)"), 0.5),
+        (object("shape: Plane(), material: (ambient: 0, diffuse: 0, emission: 1.5)"), 1.2),
+        (object("shape: Plane(), material: MetallicRoughness(roughness: 0, metallic: 1, color: 0.75)"), 0.75),
+        // Fog over two units of length, without end, and thinning out upwards.
+        (
+            format!(
+                "fog: (density: 0.5, color: 1), {}",
+                object("shape: Plane(), material: Lambertian(color: 0)")
+            ),
+            1.0 - e(-1.0),
+        ),
+        ("fog: (density: 0.01, color: 0.25), background: 1".to_owned(), 0.25),
+        (
+            format!(
+                "fog: (density: 1, color: 1, falloff: (height: 2)), {}",
+                object("shape: Plane(), material: Lambertian(color: 0)")
+            ),
+            1.0 - e(-2.0 * (1.0 - e(-1.0))),
+        ),
+    ] {
+        for integrator in BOTH {
+            near(&down(integrator, 4096, &scene), [expected as f32; 3], 4e-3);
+        }
+    }
+}
+
+/// Lamps are asked for light by what they shine on, and met by chance: together they count once.
+#[test]
+fn glowing_objects_are_lamps_to_paths_alone() {
+    for (shape, fields) in [
+        ("Sphere", "center: (0, 5, 0), radius: 2"),
+        ("Rectangle", "corner: (-1, 4, -1), u: (2, 0, 0), v: (0, 0, 2)"),
+        ("Sphere", "center: (0, 2.5, 4), radius: 3.5"),
+    ] {
+        for material in ["Lambertian(color: 1)", "MetallicRoughness(roughness: 0.4)", "Metal(fuzz: 0.6)"] {
+            let scene = |lights: &str, lamp: &str| {
+                format!(
+                    r#"lights: {{ {lights} }}, objects: {{ {lamp} "floor": (shape: Plane(), material: {material}) }}"#
+                )
+            };
+            let light = scene(&format!(r#""l": {shape}({fields}, intensity: 2)"#), "");
+            let glow = scene(
+                "",
+                &format!(
+                    r#""l": (shape: {shape}({fields}), material: (color: 1, ambient: 0, diffuse: 0, emission: 2)),"#
+                ),
+            );
+            // One bounce: the floor, and what it sees of the lamp.
+            let of = |integrator: &str, scene: &str| down(integrator, 4096, scene).pixel(0, 0);
+            let (whitted, path, object) = (of("Whitted", &light), of(PATH, &light), of(PATH, &glow));
+            let off = (whitted - path).abs().max_element().max((path - object).abs().max_element());
+            assert!(off <= 0.03 * path.max_element(), "{shape} {material}: {whitted} {path} {object}");
+            if material.starts_with("Lambertian") {
+                assert_eq!(of("Whitted", &glow), Rgb::ZERO, "Whitted's integrator only shows that they glow");
+            }
+        }
+    }
+}
+
+/// A shutter that is open the whole frame sees half of what is there for half of it.
+#[test]
+fn moments_share_a_frame() {
+    for integrator in BOTH {
+        for (shutter, expected) in [(0.0, 1.0), (0.25, 1.0), (0.5, 1.0), (1.0, 0.5), (0.75, 2.0 / 3.0)] {
+            let text = format!(
+                r#"(timeline: (frames: 2, keys: Frames), output: (size: (2, 2)), ambient: 0,
+                quality: (integrator: {integrator}, samples: 1024, shutter_steps: 24),
+                camera: (position: (0, 2, 0), up: (0, 0, -1), shutter: {shutter:?}),
+                objects: {{ "o": (shape: Plane(), visible: [(0, true), (0.5, false)],
+                    material: (color: 1, ambient: 0, diffuse: 0, emission: 1)) }})"#
+            );
+            let found = shoot_all(&text)[0].pixel(0, 0).x;
+            assert!(
+                (found - expected).abs() <= 2e-3,
+                "{integrator} {shutter}: {found} instead of {expected}"
+            );
+        }
+    }
+}
