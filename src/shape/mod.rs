@@ -5,18 +5,29 @@
 //! sphere is a sphere); those are moved once per change of geometry, see [`Geometric::transformed`], and the
 //! rest have their rays moved instead.
 
+mod chord;
+mod cone;
 mod cuboid;
+mod cylinder;
 mod disk;
 mod flat;
+mod frame;
+mod frustum;
 mod geometric;
 mod parameters;
 mod plane;
 mod rectangle;
+#[cfg(test)]
+mod round_tests;
 mod sphere;
 mod surface;
+mod taper;
+mod torus;
 mod triangle;
 
+pub use cone::Cone;
 pub use cuboid::Cuboid;
+pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use geometric::Geometric;
 pub use parameters::Parameters;
@@ -24,6 +35,7 @@ pub use plane::Plane;
 pub use rectangle::Rectangle;
 pub use sphere::Sphere;
 pub use surface::{Crossing, Surface};
+pub use torus::Torus;
 pub use triangle::Triangle;
 
 use crate::camera::Ray;
@@ -79,7 +91,7 @@ macro_rules! shapes {
 }
 
 // The list. A shape that is added here can be written in files, seen, placed and lit.
-shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid);
+shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid, Cylinder, Cone, Torus);
 
 impl Shape {
     /// See [`Geometric::hit`].

@@ -1,8 +1,8 @@
 //! Spheres.
 
-use super::{Crossing, Geometric, Parameters, Surface};
+use super::{Crossing, Geometric, Parameters, Surface, frame::even_scale};
 use crate::camera::Ray;
-use crate::math::{Aabb, Angle, DAffine3, DVec2, DVec3, UNIT_ROUNDOFF, gamma};
+use crate::math::{Aabb, Angle, DAffine3, DVec2, DVec3, gamma};
 use crate::tree::Probe;
 use std::f64::consts::{PI, TAU};
 
@@ -66,17 +66,8 @@ impl Geometric for Sphere {
 
     /// A sphere stays one under rotation, mirroring and even scaling.
     fn transformed(&self, affine: &DAffine3) -> Option<Self> {
-        let m = affine.matrix3;
-        let gram = m.transpose() * m;
-        let scale = gram.x_axis.x;
-        // Off by more than the rounding of the product: an ellipsoid.
-        let off = (gram - glam::DMat3::from_diagonal(DVec3::splat(scale))).abs();
-        let largest = off.x_axis.max(off.y_axis).max(off.z_axis).max_element();
-        let even = largest <= scale * 64.0 * UNIT_ROUNDOFF;
-        even.then(|| Self {
-            center: affine.transform_point3(self.center),
-            radius: self.radius * scale.sqrt(),
-        })
+        let scale = even_scale(affine)?;
+        Some(Self { center: affine.transform_point3(self.center), radius: self.radius * scale })
     }
 
     /// Longitude from west to east and latitude from -y (0) to +y (1). Both by atan2, whose error stays
@@ -119,6 +110,7 @@ impl Sphere {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::UNIT_ROUNDOFF;
 
     const UNIT: Sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
 

@@ -3,6 +3,8 @@
 mod shade;
 mod spawn;
 #[cfg(test)]
+mod round_tests;
+#[cfg(test)]
 mod tests;
 mod whitted;
 
