@@ -1,10 +1,11 @@
 //! Spheres.
 
-use super::{Crossing, Geometric, Parameters, Surface, frame::even_scale};
+use super::frame::{around, even_scale};
+use super::{Crossing, Geometric, Parameters, Surface};
 use crate::camera::Ray;
 use crate::math::{Aabb, Angle, DAffine3, DVec2, DVec3, gamma};
 use crate::tree::Probe;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// All points at distance `radius` (above 0) from `center`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,13 +71,11 @@ impl Geometric for Sphere {
         Some(Self { center: affine.transform_point3(self.center), radius: self.radius * scale })
     }
 
-    /// Longitude from west to east and latitude from -y (0) to +y (1). Both by atan2, whose error stays
+    /// Longitude from west to east, as [`around`] the y axis, and latitude from -y (0) to +y (1). Both by atan2, whose error stays
     /// relative at the poles, where those of asin and acos do not.
     fn uv(&self, point: DVec3, _: u32) -> DVec2 {
         let d = point - self.center;
-        let longitude = (0.5 - libm::atan2(d.z, d.x) + PI) / TAU;
-        let latitude = libm::atan2(libm::hypot(d.x, d.z), -d.y) / PI;
-        DVec2::new(longitude - longitude.floor(), latitude)
+        DVec2::new(around(d), libm::atan2(libm::hypot(d.x, d.z), -d.y) / PI)
     }
 
     fn area(&self) -> Option<f64> {
@@ -152,6 +151,42 @@ mod tests {
         assert!(beside(1.0).is_none_or(|t| (t - 10.0).abs() < 1e-6));
         assert_near(beside(1.0 - (1.0 / 16_777_216.0)), 10.0 - 3.452_669_778_56e-4, 1e-13);
         assert_eq!(beside(1.0 + (1.0 / 8_388_608.0)), None);
+    }
+
+    #[test]
+    fn coordinates_run_eastwards_and_upwards() {
+        for (point, uv) in [
+            (DVec3::NEG_X, (0.0, 0.5)),
+            (DVec3::Z, (0.25, 0.5)),
+            (DVec3::X, (0.5, 0.5)),
+            (DVec3::NEG_Z, (0.75, 0.5)),
+            (DVec3::Y, (0.5, 1.0)),
+            (DVec3::NEG_Y, (0.5, 0.0)),
+        ] {
+            assert_eq!(UNIT.uv(point, 0), uv.into());
+        }
+    }
+
+    #[test]
+    fn sh_13_the_seam_and_the_poles() {
+        for (height, radius) in [(0.0, 1.0), (3.0, 0.7), (100.0, 0.3)] {
+            let sphere = Sphere { center: DVec3::Y * height, radius };
+            for exponent in 2..=6 {
+                let theta = libm::pow(10.0, f64::from(-exponent));
+                let surface = |azimuth: f64| {
+                    let (s, c) = (libm::sin(theta), libm::cos(theta));
+                    sphere.surface_along(DVec3::new(s * libm::cos(azimuth), -c, s * libm::sin(azimuth)))
+                };
+                let (west, east) = (surface(PI - 1e-7), surface(-PI + 1e-7));
+                let [a, b] = [west, east].map(|at| sphere.uv(at.point, 0));
+                // Of coordinates that the point has lost to its distance from the origin, nothing can be known.
+                let lost = 4.0 * UNIT_ROUNDOFF * (height + radius) / (radius * theta);
+                assert!((a.y * PI / theta - 1.0).abs() <= 8.0 * UNIT_ROUNDOFF + lost);
+                let jump = (b.x - a.x).abs();
+                assert!((jump.min(1.0 - jump) - 1e-7 / PI).abs() <= 1e-12 + lost, "{jump:e}");
+                assert!(a.x < 1.0 && b.x < 1.0);
+            }
+        }
     }
 
     #[test]
