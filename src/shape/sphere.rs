@@ -71,8 +71,8 @@ impl Geometric for Sphere {
         Some(Self { center: affine.transform_point3(self.center), radius: self.radius * scale })
     }
 
-    /// Longitude from west to east, as [`around`] the y axis, and latitude from -y (0) to +y (1). Both by atan2, whose error stays
-    /// relative at the poles, where those of asin and acos do not.
+    /// Longitude from west to east, as [`around`] the y axis, and latitude from -y (0) to +y (1). Both by
+    /// atan2, whose error stays relative at the poles, where those of asin and acos do not.
     fn uv(&self, point: DVec3, _: u32) -> DVec2 {
         let d = point - self.center;
         DVec2::new(around(d), libm::atan2(libm::hypot(d.x, d.z), -d.y) / PI)
