@@ -2,17 +2,26 @@ use super::*;
 use crate::camera::Ray;
 use crate::math::{DAffine3, DVec3};
 use crate::scene::Finish;
-use crate::shape::{Cuboid, Disk, Plane, Rectangle, Shape, Sphere, Triangle};
+use crate::shape::{Cone, Cuboid, Cylinder, Disk, Plane, Rectangle, Shape, Sphere, Torus, Triangle};
 use crate::testing::{Random, geometry};
 
 fn random_shape(random: &mut Random) -> Shape {
     let p = random.point(10.0);
-    match (random.unit() * 6.0) as u32 {
+    match (random.unit() * 9.0) as u32 {
         0 => Shape::Sphere(Sphere { center: p, radius: 0.1 + random.unit() }),
         1 => Shape::Triangle(Triangle { corners: [p, p + random.point(1.0), p + random.point(1.0)] }),
         2 => Shape::Rectangle(Rectangle { corner: p, u: random.point(1.0), v: random.point(1.0) }),
         3 => Shape::Disk(Disk { center: p, normal: random.point(1.0).normalize(), radius: random.unit() }),
         4 => Shape::Cuboid(Cuboid { min: p, max: p + DVec3::splat(0.5) }),
+        5 => {
+            let to = p + random.point(1.0);
+            Shape::Cylinder(Cylinder::new(p, to, 0.1 + random.unit(), random.unit() < 0.5).expect("a length"))
+        }
+        6 => {
+            let (apex, top) = (p + random.point(1.0), (random.unit() - 0.5).max(0.0));
+            Shape::Cone(Cone::new(p, apex, 0.1 + random.unit(), top, random.unit() < 0.5).expect("a height"))
+        }
+        7 => Shape::Torus(Torus::new(p, random.direction(), 1.0, 0.1 + 0.8 * random.unit())),
         // A grid of flat axis-aligned tiles: boxes without thickness, and shared edges.
         _ => {
             let corner = p.floor();

@@ -41,7 +41,7 @@ pub fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Option<Basis> {
 
 /// `v` made perpendicular to the unit vector `axis`. The second pass removes what the first one's
 /// cancellation left behind (Parlett, "twice is enough").
-fn perpendicular(v: DVec3, axis: DVec3) -> DVec3 {
+pub fn perpendicular(v: DVec3, axis: DVec3) -> DVec3 {
     let once = (v - axis * v.dot(axis)).normalize();
     (once - axis * once.dot(axis)).normalize()
 }

@@ -4,13 +4,15 @@ mod angle;
 mod basis;
 mod bounds;
 mod error;
+mod root;
 mod rotation;
 
 pub use angle::Angle;
-pub use basis::{Basis, look_at};
+pub use basis::{Basis, look_at, perpendicular};
 pub use bounds::Aabb;
 pub use error::{UNIT_ROUNDOFF, difference_of_products, gamma, next_away};
 pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
+pub use root::root_between;
 pub use rotation::{axis_angle, euler_xyz, slerp};
 
 /// `base` to a whole power by repeated squaring, in one fixed order of multiplications.

@@ -4,7 +4,7 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::mesh::mesh;
 use super::node::Node;
-use super::values::{positive, unit_vector, vector};
+use super::values::{not_negative, positive, switch, unit_vector, vector};
 use super::words::known_word;
 use crate::math::DVec3;
 use crate::shape::{Geometric, Mesh, Parameters, Shape};
@@ -63,6 +63,14 @@ impl Parameters for Reading<'_> {
 
     fn mesh(&mut self) -> Option<Mesh> {
         mesh(&mut self.fields)
+    }
+
+    fn not_negative(&mut self, name: &'static str, default: Option<f64>) -> Option<f64> {
+        self.value(name, default, not_negative)
+    }
+
+    fn switch(&mut self, name: &'static str, default: Option<bool>) -> Option<bool> {
+        self.value(name, default, switch)
     }
 
     fn refuse(&mut self, name: &'static str, title: String, label: String) {

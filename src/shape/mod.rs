@@ -5,19 +5,30 @@
 //! sphere is a sphere); those are moved once per change of geometry, see [`Geometric::transformed`], and the
 //! rest have their rays moved instead.
 
+mod chord;
+mod cone;
 mod cuboid;
+mod cylinder;
 mod disk;
 mod flat;
+mod frame;
+mod frustum;
 mod geometric;
 mod mesh;
 mod parameters;
 mod plane;
 mod rectangle;
+#[cfg(test)]
+mod round_tests;
 mod sphere;
 mod surface;
+mod taper;
+mod torus;
 mod triangle;
 
+pub use cone::Cone;
 pub use cuboid::Cuboid;
+pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use flat::spans_a_plane;
 pub use geometric::Geometric;
@@ -27,6 +38,7 @@ pub use plane::Plane;
 pub use rectangle::Rectangle;
 pub use sphere::Sphere;
 pub use surface::{Crossing, Surface};
+pub use torus::Torus;
 pub use triangle::Triangle;
 
 use crate::camera::Ray;
@@ -83,7 +95,7 @@ macro_rules! shapes {
 }
 
 // The list. A shape that is added here can be written in files, seen, placed and lit.
-shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid, Mesh);
+shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid, Cylinder, Cone, Torus, Mesh);
 
 impl Shape {
     /// See [`Geometric::hit`].

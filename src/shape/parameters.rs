@@ -18,6 +18,12 @@ pub trait Parameters {
     /// A triangle mesh: all of its fields.
     fn mesh(&mut self) -> Option<Mesh>;
 
+    /// A length of 0 or more.
+    fn not_negative(&mut self, name: &'static str, default: Option<f64>) -> Option<f64>;
+
+    /// Yes or no.
+    fn switch(&mut self, name: &'static str, default: Option<bool>) -> Option<bool>;
+
     /// Reports that the parameters make no shape: `title` says why, `label` what is wrong with `name`.
     fn refuse(&mut self, name: &'static str, title: String, label: String);
 }

@@ -1,11 +1,16 @@
 //! Spheres.
 
+use super::frame::even_scale;
 use super::{Crossing, Geometric, Parameters, Surface};
 use crate::camera::Ray;
-use crate::math::{Aabb, Angle, DAffine3, DVec2, DVec3, UNIT_ROUNDOFF, gamma};
+use crate::math::{Aabb, Angle, DAffine3, DVec2, DVec3, gamma};
 use crate::sampling::{self, Frame};
 use crate::tree::Probe;
 use std::f64::consts::{PI, TAU};
+
+/// Where maps of the sphere begin, in radians from -x towards -z: the mapping that planets have had in the
+/// programs whose scenes Kinora took over, so that their pictures keep their places.
+const SEAM: f64 = 0.5;
 
 /// All points at distance `radius` (above 0) from `center`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,26 +72,17 @@ impl Geometric for Sphere {
 
     /// A sphere stays one under rotation, mirroring and even scaling.
     fn transformed(&self, affine: &DAffine3) -> Option<Self> {
-        let m = affine.matrix3;
-        let gram = m.transpose() * m;
-        let scale = gram.x_axis.x;
-        // Off by more than the rounding of the product: an ellipsoid.
-        let off = (gram - glam::DMat3::from_diagonal(DVec3::splat(scale))).abs();
-        let largest = off.x_axis.max(off.y_axis).max(off.z_axis).max_element();
-        let even = largest <= scale * 64.0 * UNIT_ROUNDOFF;
-        even.then(|| Self {
-            center: affine.transform_point3(self.center),
-            radius: self.radius * scale.sqrt(),
-        })
+        let scale = even_scale(affine)?;
+        Some(Self { center: affine.transform_point3(self.center), radius: self.radius * scale })
     }
 
     /// Longitude from west to east and latitude from -y (0) to +y (1). Both by atan2, whose error stays
-    /// relative at the poles, where those of asin and acos do not.
+    /// relative at the poles, where those of asin and acos do not. Maps begin [`SEAM`] off -x.
     fn uv(&self, point: DVec3, _: u32) -> DVec2 {
         let d = point - self.center;
-        let longitude = (0.5 - libm::atan2(d.z, d.x) + PI) / TAU;
-        let latitude = libm::atan2(libm::hypot(d.x, d.z), -d.y) / PI;
-        DVec2::new(longitude - longitude.floor(), latitude)
+        let longitude = (SEAM - libm::atan2(d.z, d.x) + PI) / TAU;
+        let wrapped = longitude - longitude.floor();
+        DVec2::new(if wrapped < 1.0 { wrapped } else { 0.0 }, libm::atan2(libm::hypot(d.x, d.z), -d.y) / PI)
     }
 
     fn area(&self) -> Option<f64> {
@@ -159,6 +155,7 @@ impl Sphere {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::UNIT_ROUNDOFF;
 
     const UNIT: Sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
 
@@ -200,6 +197,41 @@ mod tests {
         assert!(beside(1.0).is_none_or(|t| (t - 10.0).abs() < 1e-6));
         assert_near(beside(1.0 - (1.0 / 16_777_216.0)), 10.0 - 3.452_669_778_56e-4, 1e-13);
         assert_eq!(beside(1.0 + (1.0 / 8_388_608.0)), None);
+    }
+
+    #[test]
+    fn coordinates_run_eastwards_and_upwards() {
+        let off = SEAM / TAU;
+        for (point, uv) in [
+            (DVec3::NEG_X, (off, 0.5)),
+            (DVec3::Z, (0.25 + off, 0.5)),
+            (DVec3::X, (0.5 + off, 0.5)),
+            (DVec3::NEG_Z, (0.75 + off, 0.5)),
+        ] {
+            assert!((UNIT.uv(point, 0) - DVec2::from(uv)).length() <= UNIT_ROUNDOFF, "{point}");
+        }
+        assert_eq!((UNIT.uv(DVec3::Y, 0).y, UNIT.uv(DVec3::NEG_Y, 0).y), (1.0, 0.0));
+    }
+
+    #[test]
+    fn sh_13_the_seam_and_the_poles() {
+        for (height, radius) in [(0.0, 1.0), (3.0, 0.7), (100.0, 0.3)] {
+            let sphere = Sphere { center: DVec3::Y * height, radius };
+            for exponent in 2..=6 {
+                let theta = libm::pow(10.0, f64::from(-exponent));
+                let surface = |azimuth: f64| {
+                    let (s, c) = (libm::sin(theta), libm::cos(theta));
+                    sphere.surface_along(DVec3::new(s * libm::cos(azimuth), -c, s * libm::sin(azimuth)))
+                };
+                let [a, b] = [1e-7, -1e-7].map(|off| sphere.uv(surface(SEAM - PI + off).point, 0));
+                // Of coordinates that the point has lost to its distance from the origin, nothing can be known.
+                let lost = 4.0 * UNIT_ROUNDOFF * (height + radius) / (radius * theta);
+                assert!((a.y * PI / theta - 1.0).abs() <= 8.0 * UNIT_ROUNDOFF + lost);
+                let jump = (b.x - a.x).abs();
+                assert!((jump.min(1.0 - jump) - 1e-7 / PI).abs() <= 1e-12 + lost, "{jump:e}");
+                assert!(a.x < 1.0 && b.x < 1.0);
+            }
+        }
     }
 
     #[test]

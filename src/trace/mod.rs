@@ -9,6 +9,8 @@ mod scatter;
 mod shade;
 mod spawn;
 #[cfg(test)]
+mod round_tests;
+#[cfg(test)]
 mod tests;
 mod tracer;
 mod whitted;

@@ -5,7 +5,7 @@ use super::spawn::{spawn, spawn_to};
 use crate::camera::Ray;
 use crate::math::{Angle, DAffine3, DMat3, DVec3, UNIT_ROUNDOFF, euler_xyz};
 use crate::scene::{Finish, Primitive};
-use crate::shape::{Cuboid, Disk, Plane, Rectangle, Shape, Sphere, Surface, Triangle};
+use crate::shape::{Cone, Cuboid, Cylinder, Disk, Plane, Rectangle, Shape, Sphere, Surface, Triangle};
 use crate::testing::Random;
 use crate::tree::Probe;
 
@@ -151,7 +151,7 @@ fn lit_ellipsoids_do_not_shadow_themselves() {
     }
 }
 
-/// A flat shape, or the box, of each size at each place, turned and not.
+/// A flat or convex shape of each size at each place, turned and not.
 fn flat_shapes_do_not_shadow_themselves(shape: Shape) {
     let mut wrong = Vec::new();
     for (size, middle) in each_place() {
@@ -196,6 +196,23 @@ fn lit_triangles_do_not_shadow_themselves() {
 fn lit_boxes_do_not_shadow_themselves() {
     let cuboid = Cuboid { min: DVec3::splat(-0.5), max: DVec3::splat(0.5) };
     flat_shapes_do_not_shadow_themselves(Shape::Cuboid(cuboid));
+}
+
+#[test]
+fn lit_cylinders_do_not_shadow_themselves() {
+    let (from, to) = (DVec3::new(0.0, -0.4, 0.1), DVec3::new(0.2, 0.5, 0.0));
+    let cylinder = Cylinder::new(from, to, 0.4, true).expect("a cylinder");
+    flat_shapes_do_not_shadow_themselves(Shape::Cylinder(cylinder));
+    let upright = Cylinder::new(DVec3::Y * -0.5, DVec3::Y * 0.5, 0.5, true).expect("a cylinder");
+    flat_shapes_do_not_shadow_themselves(Shape::Cylinder(upright));
+}
+
+#[test]
+fn lit_cones_do_not_shadow_themselves() {
+    for (base, top) in [(0.6, 0.0), (0.5, 0.2), (0.1, 0.6), (0.5, 0.5)] {
+        let cone = Cone::new(DVec3::Y * -0.3, DVec3::Y * 0.7, base, top, true).expect("a cone");
+        flat_shapes_do_not_shadow_themselves(Shape::Cone(cone));
+    }
 }
 
 /// Flat shapes through the origin along the axes, whose coordinates are exact zeros there: nothing but the normal,

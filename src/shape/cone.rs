@@ -1,0 +1,66 @@
+//! Cones and frustums.
+
+use super::{Crossing, Geometric, Parameters, Surface, frustum::Frustum};
+use crate::camera::Ray;
+use crate::math::{Aabb, DAffine3, DVec2, DVec3};
+use crate::tree::Probe;
+
+/// The cone over a circle, up to its tip or to another circle; closed where it is flat, or open.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cone(Frustum);
+
+impl Cone {
+    /// `radius` around `base` is above 0, `top_radius` around `apex` not below; none if `base` is `apex`.
+    pub fn new(base: DVec3, apex: DVec3, radius: f64, top_radius: f64, capped: bool) -> Option<Self> {
+        Frustum::new((base, radius), (apex, top_radius), capped).map(Self)
+    }
+}
+
+impl Geometric for Cone {
+    const NAME: &'static str = "Cone";
+
+    fn read(parameters: &mut impl Parameters) -> Option<Self> {
+        let base = parameters.vector("base", Some(DVec3::ZERO));
+        let apex = parameters.vector("apex", Some(DVec3::Y));
+        let radius = parameters.positive("radius", Some(1.0));
+        let top_radius = parameters.not_negative("top_radius", Some(0.0));
+        let capped = parameters.switch("capped", Some(true));
+        let cone = Self::new(base?, apex?, radius?, top_radius?, capped?);
+        if cone.is_none() {
+            let label = "`base` and `apex` are the same point".to_owned();
+            parameters.refuse("apex", "this cone has no height".to_owned(), label);
+        }
+        cone
+    }
+
+    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
+        self.0.hit(probe, t_max)
+    }
+
+    fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
+        self.0.surface(ray, at)
+    }
+
+    fn bounds(&self) -> Option<Aabb> {
+        Some(self.0.bounds())
+    }
+
+    fn transformed(&self, affine: &DAffine3) -> Option<Self> {
+        self.0.transformed(affine).map(Self)
+    }
+
+    /// On the side, u is the share of a turn, eastwards from the frame's -x and 0.5 at its +x, and v the share
+    /// of the height above `base`. On a flat end, the square around it, whose middle is (0.5, 0.5) and which for
+    /// an upright cone lies as on a disk that faces up or down.
+    fn uv(&self, point: DVec3, part: u32) -> DVec2 {
+        self.0.uv(point, part)
+    }
+
+    fn area(&self) -> Option<f64> {
+        Some(self.0.area())
+    }
+
+    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
+        Some(self.0.sample_area(u))
+    }
+}
