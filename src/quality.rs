@@ -35,6 +35,9 @@ pub enum Integrator {
     Path(PathSettings),
 }
 
+/// More samples than these are asked for by mistake.
+pub const MOST_SAMPLES: u32 = 1 << 24;
+
 /// What only paths need to know.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathSettings {
@@ -49,6 +52,11 @@ impl Integrator {
     /// Whether light is also found by what it shines on, so that it pays to know where it comes from.
     pub fn looks_for_lights(&self) -> bool {
         matches!(self, Self::Path(_))
+    }
+
+    /// Whether both are of the same kind, whatever their settings.
+    pub fn is_like(&self, other: &Self) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The library's front door: a sequence in, files out.
 
 use crate::camera_path::NoCamera;
-use crate::counters::{Meter, RayCounts};
+use crate::counters::{Counts, Meter};
 use crate::encode::{EncodeError, Encoder, Job, Output, Report};
 use crate::film::Film;
 use crate::humane;
@@ -29,7 +29,7 @@ pub struct Request {
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
     pub frames: u32,
-    pub rays: RayCounts,
+    pub counts: Counts,
     pub bvh_builds: u64,
     /// Wall time spent in each stage, in the order of the flow. Encoding runs beside the others.
     pub stages: Vec<(&'static str, Duration)>,
@@ -135,7 +135,7 @@ fn summary(tally: &Tally, report: Report, request: &Request, elapsed: Duration) 
     let time = |stage| if stage == Stage::Encode { report.busy } else { tally.stages[stage as usize] };
     Summary {
         frames: request.frames.len() as u32,
-        rays: tally.counts.rays,
+        counts: tally.counts,
         bvh_builds: tally.bvh_builds,
         stages: Stage::ALL.map(|stage| (stage.name(), time(stage))).to_vec(),
         elapsed,

@@ -2,11 +2,14 @@
 
 use crate::encode::Tonemap;
 use crate::frame_set::MOST_FRAMES;
+use crate::quality::Integrator;
 use crate::sequence::Sequence;
 use crate::time::Rate;
 
-/// Longest chain of mirror reflections in a draft.
+/// Longest chain of reflections in a draft.
 const DRAFT_BOUNCES: u32 = 1;
+/// Random samples of a draft's pixels, at most.
+const DRAFT_SAMPLES: u32 = 16;
 
 /// What the command line says about a sequence; whatever is absent stays as the file has it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,6 +18,10 @@ pub struct Overrides {
     pub rate: Option<Rate>,
     pub bounces: Option<u32>,
     pub antialias: Option<u32>,
+    pub samples: Option<u32>,
+    /// Keeps the settings of the file's integrator if it is of this kind.
+    pub integrator: Option<Integrator>,
+    pub seed: Option<u32>,
     pub tonemap: Option<Tonemap>,
     /// Stops, in place of the keys that the file may have.
     pub exposure: Option<f64>,
@@ -31,6 +38,7 @@ pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, S
         let (width, height) = sequence.output.size;
         sequence.output.size = (width.div_ceil(2), height.div_ceil(2));
         sequence.quality.antialias = 1;
+        sequence.quality.samples = sequence.quality.samples.min(DRAFT_SAMPLES);
         sequence.quality.bounces = sequence.quality.bounces.min(DRAFT_BOUNCES);
     }
     let Sequence { output, quality, .. } = &mut sequence;
@@ -39,6 +47,10 @@ pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, S
     replace(&mut output.exposure, wanted.exposure.map(Into::into));
     replace(&mut quality.bounces, wanted.bounces);
     replace(&mut quality.antialias, wanted.antialias);
+    replace(&mut quality.samples, wanted.samples);
+    replace(&mut quality.seed, wanted.seed);
+    let own = quality.integrator;
+    replace(&mut quality.integrator, wanted.integrator.filter(|other| !own.is_like(other)));
     if let Some(rate) = wanted.rate {
         let resampled = sequence.timeline.resampled(rate).filter(|t| t.frames as usize <= MOST_FRAMES);
         sequence.timeline = resampled.ok_or_else(|| {
@@ -58,6 +70,7 @@ fn replace<T>(value: &mut T, wanted: Option<T>) {
 mod tests {
     use super::*;
     use crate::cli::fixture::sequence;
+    use crate::quality::PathSettings;
 
     fn rate(frames: i128, seconds: i128) -> Option<Rate> {
         Rate::new(frames, seconds)
@@ -75,6 +88,9 @@ mod tests {
             rate: rate(30000, 1001),
             bounces: Some(9),
             antialias: Some(4),
+            samples: Some(100),
+            integrator: Some(Integrator::Path(PathSettings::default())),
+            seed: Some(7),
             tonemap: Some(Tonemap::Filmic),
             exposure: Some(-0.5),
             draft: false,
@@ -82,6 +98,8 @@ mod tests {
         let found = applied(sequence(), &wanted).expect("a countable rate");
         assert_eq!(found.output.size, (320, 200));
         assert_eq!((found.quality.bounces, found.quality.antialias), (9, 4));
+        assert_eq!((found.quality.samples, found.quality.seed), (100, 7));
+        assert_eq!(found.quality.integrator, Integrator::Path(PathSettings::default()));
         assert_eq!((found.output.tonemap, found.output.exposure), (Tonemap::Filmic, (-0.5).into()));
         // Three seconds hold 89.91 frames; the last one is begun.
         assert_eq!((found.timeline.frames, found.timeline.duration), (90, sequence().timeline.duration));
@@ -93,7 +111,7 @@ mod tests {
         let draft = Overrides { draft: true, ..Overrides::default() };
         let found = applied(sequence(), &draft).expect("a draft");
         assert_eq!(found.output.size, (321, 181), "odd sizes round up, so none becomes zero");
-        assert_eq!((found.quality.bounces, found.quality.antialias), (1, 1));
+        assert_eq!((found.quality.bounces, found.quality.antialias, found.quality.samples), (1, 1, 16));
 
         let found = applied(sequence(), &Overrides { size: Some((64, 48)), bounces: Some(3), ..draft });
         let found = found.expect("a draft");
@@ -102,11 +120,24 @@ mod tests {
     }
 
     #[test]
-    fn a_draft_adds_no_bounces() {
-        let mut mirrorless = sequence();
-        mirrorless.quality.bounces = 0;
-        let found = applied(mirrorless, &Overrides { draft: true, ..Overrides::default() });
-        assert_eq!(found.expect("a draft").quality.bounces, 0);
+    fn a_draft_adds_no_work() {
+        let mut plain = sequence();
+        (plain.quality.bounces, plain.quality.samples) = (0, 4);
+        let found = applied(plain, &Overrides { draft: true, ..Overrides::default() }).expect("a draft");
+        assert_eq!((found.quality.bounces, found.quality.samples), (0, 4));
+    }
+
+    #[test]
+    fn an_integrator_of_the_same_kind_keeps_its_settings() {
+        let own = Integrator::Path(PathSettings { roulette: None, refractive_shadows: true });
+        let mut sequence = sequence();
+        sequence.quality.integrator = own;
+        let with = |integrator| {
+            let wanted = Overrides { integrator: Some(integrator), ..Overrides::default() };
+            applied(sequence.clone(), &wanted).expect("a sequence").quality.integrator
+        };
+        assert_eq!(with(Integrator::Path(PathSettings::default())), own);
+        assert_eq!(with(Integrator::Whitted), Integrator::Whitted);
     }
 
     #[test]

@@ -8,6 +8,7 @@ use super::{load, loading, summary, terminal, values};
 use crate::counters::Meter;
 use crate::encode::{Output, Tonemap};
 use crate::frame_set::FrameSet;
+use crate::quality::Integrator;
 use crate::render::{Request, render};
 use crate::sequence::Sequence;
 use crate::time::Rate;
@@ -53,13 +54,28 @@ pub struct Arguments {
     #[arg(short, long, value_name = "N", value_parser = values::threads, allow_hyphen_values = true)]
     threads: Option<NonZeroUsize>,
 
-    /// Longest chain of mirror reflections, 0 for none [default: as the sequence says]
+    /// How light is followed: whitted or path [default: as the sequence says]
+    #[arg(long, value_name = "NAME", value_parser = values::integrator)]
+    integrator: Option<Integrator>,
+
+    /// Longest chain of reflections, 0 for none [default: as the sequence says]
     #[arg(long, value_name = "N", value_parser = values::bounces, allow_hyphen_values = true)]
     bounces: Option<u32>,
 
-    /// N×N samples per pixel, 1 to 64 [default: as the sequence says]
+    /// N×N samples per pixel where nothing is random, 1 to 64 [default: as the sequence says]
     #[arg(long, value_name = "N", value_parser = values::antialias, allow_hyphen_values = true)]
     antialias: Option<u32>,
+
+    /// Random samples per pixel where something is [default: as the sequence says]
+    ///
+    /// Paths, area lights, rough surfaces, lenses and motion blur are drawn at random: four times
+    /// the samples halve the noise.
+    #[arg(long, value_name = "N", value_parser = values::samples, allow_hyphen_values = true, verbatim_doc_comment)]
+    samples: Option<u32>,
+
+    /// Another number gives other noise [default: as the sequence says]
+    #[arg(long, value_name = "N", value_parser = values::seed, allow_hyphen_values = true)]
+    seed: Option<u32>,
 
     /// How radiance is displayed: srgb, none, reinhard or filmic [default: as the sequence says]
     #[arg(long, value_name = "MAP", value_parser = values::tonemap)]
@@ -69,9 +85,9 @@ pub struct Arguments {
     #[arg(long, value_name = "STOPS", value_parser = values::exposure, allow_hyphen_values = true)]
     exposure: Option<f64>,
 
-    /// A quick look: half the width and height, antialias 1, at most 1 bounce
+    /// A quick look: half the width and height, antialias 1, at most 16 samples and 1 bounce
     ///
-    /// What --size, --antialias and --bounces say goes before it.
+    /// What --size, --antialias, --samples and --bounces say goes before it.
     #[arg(long)]
     draft: bool,
 
@@ -128,6 +144,9 @@ impl Arguments {
             rate: self.fps,
             bounces: self.bounces,
             antialias: self.antialias,
+            samples: self.samples,
+            integrator: self.integrator,
+            seed: self.seed,
             tonemap: self.tonemap,
             exposure: self.exposure,
             draft: self.draft,
@@ -150,7 +169,7 @@ fn draft_note(sequence: &Sequence) -> String {
     let (width, height) = sequence.output.size;
     let quality = sequence.quality;
     format!(
-        "a draft: {width}x{height}, antialias {}, bounces {}; leave out --draft for the full quality",
-        quality.antialias, quality.bounces
+        "a draft: {width}x{height}, antialias {}, samples {}, bounces {}; leave out --draft for the full quality",
+        quality.antialias, quality.samples, quality.bounces
     )
 }

@@ -1,6 +1,7 @@
 //! What a run did, for people and for programs.
 
 use super::json::Object;
+use crate::counters::Counts;
 use crate::humane;
 use crate::render::Summary;
 
@@ -12,6 +13,7 @@ pub fn text(summary: &Summary) -> String {
     groups.push(("frames", vec![humane::count(summary.frames.into())]));
     groups.push(("time", vec![time(summary)]));
     groups.push(("rays", rays(summary)));
+    groups.push(("dropped", dropped(summary)));
     groups.push(("BVH", vec![humane::counted(summary.bvh_builds, "build")]));
     let stages = summary.stages.iter().map(|&(name, time)| (name, humane::time(time))).collect::<Vec<_>>();
     groups.push(("stages", aligned(&stages)));
@@ -30,7 +32,7 @@ pub fn text(summary: &Summary) -> String {
 
 /// One JSON object.
 pub fn json(summary: &Summary) -> String {
-    let rays = summary.rays;
+    let Counts { rays, dropped } = summary.counts;
     let stages = summary
         .stages
         .iter()
@@ -38,14 +40,21 @@ pub fn json(summary: &Summary) -> String {
     let counts = Object::new()
         .whole("camera", rays.camera)
         .whole("mirror", rays.mirror)
+        .whole("transmitted", rays.transmitted)
+        .whole("scattered", rays.scattered)
         .whole("shadow", rays.shadow)
         .whole("total", rays.total());
+    let dropped = Object::new()
+        .whole("undefined", dropped.undefined)
+        .whole("infinite", dropped.infinite)
+        .whole("negative", dropped.negative);
     Object::new()
         .text("event", "summary")
         .texts("files", summary.files.iter().map(|file| file.to_string_lossy().into_owned()))
         .whole("frames", summary.frames.into())
         .real("elapsed_s", Some(summary.elapsed.as_secs_f64()))
         .object("rays", counts)
+        .object("dropped_samples", dropped)
         .whole("bvh_builds", summary.bvh_builds)
         .object("stages_s", stages)
         .texts("notes", summary.notes.iter().cloned())
@@ -60,15 +69,30 @@ fn time(summary: &Summary) -> String {
     }
 }
 
-/// The total with its rate, then each kind.
+/// The total with its rate, then each kind. Those that few scenes have are told where there are any.
 fn rays(summary: &Summary) -> Vec<String> {
-    let rays = summary.rays;
-    let kinds = [("camera", rays.camera), ("mirror", rays.mirror), ("shadow", rays.shadow)];
-    let mut rows = vec![("all", humane::count(rays.total()))];
-    rows.extend(kinds.map(|(kind, count)| (kind, humane::count(count))));
+    let rays = summary.counts.rays;
+    let mut rows = vec![("all", humane::count(rays.total())), ("camera", humane::count(rays.camera))];
+    rows.push(("mirror", humane::count(rays.mirror)));
+    rows.extend(above_zero([("transmitted", rays.transmitted), ("scattered", rays.scattered)]));
+    rows.push(("shadow", humane::count(rays.shadow)));
     let mut lines = aligned(&rows);
     lines[0] += &format!("  {}", humane::ray_rate(rays.total(), summary.elapsed));
     lines
+}
+
+/// Samples that were left out, by cause; nothing where there are none, as there should be.
+fn dropped(summary: &Summary) -> Vec<String> {
+    let dropped = summary.counts.dropped;
+    let causes =
+        [("undefined", dropped.undefined), ("infinite", dropped.infinite), ("negative", dropped.negative)];
+    aligned(&above_zero(causes).collect::<Vec<_>>())
+}
+
+fn above_zero<const N: usize>(
+    counts: [(&'static str, u64); N],
+) -> impl Iterator<Item = (&'static str, String)> {
+    counts.into_iter().filter(|(_, count)| *count > 0).map(|(name, count)| (name, humane::count(count)))
 }
 
 /// Names to the left, values to the right.
@@ -81,13 +105,16 @@ fn aligned(rows: &[(&str, String)]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::counters::RayCounts;
+    use crate::counters::{Dropped, RayCounts};
     use std::time::Duration;
 
     fn summary() -> Summary {
         Summary {
             frames: 72,
-            rays: RayCounts { camera: 66_355_200, mirror: 20_481, shadow: 9, ..RayCounts::default() },
+            counts: Counts {
+                rays: RayCounts { camera: 66_355_200, mirror: 20_481, shadow: 9, ..RayCounts::default() },
+                ..Counts::default()
+            },
             bvh_builds: 1,
             stages: vec![("animate", Duration::from_micros(840)), ("trace", Duration::from_millis(9870))],
             elapsed: Duration::from_millis(10_440),
@@ -115,6 +142,23 @@ note    a draft";
     }
 
     #[test]
+    fn rare_rays_and_dropped_samples_are_told_where_there_are_any() {
+        let mut summary = summary();
+        summary.counts.rays.scattered = 1_000;
+        summary.counts.dropped = Dropped { undefined: 2, infinite: 0, negative: 11 };
+        let wanted = "\
+rays    all        66,376,690  6.36 Mray/s
+        camera     66,355,200
+        mirror         20,481
+        scattered       1,000
+        shadow              9
+dropped undefined   2
+        negative   11
+";
+        assert!(text(&summary).contains(wanted), "{}", text(&summary));
+    }
+
+    #[test]
     fn an_empty_run_has_a_summary() {
         let text = text(&Summary::default());
         assert!(text.starts_with("frames  0\ntime    0 µs\n"), "{text}");
@@ -125,7 +169,8 @@ note    a draft";
     fn programs_read_one_line() {
         let wanted = concat!(
             r#"{"event":"summary","files":["out/orbit_####.png","out/\"orbit\".gif"],"frames":72,"#,
-            r#""elapsed_s":10.440,"rays":{"camera":66355200,"mirror":20481,"shadow":9,"total":66375690},"#,
+            r#""elapsed_s":10.440,"rays":{"camera":66355200,"mirror":20481,"transmitted":0,"scattered":0,"shadow":9,"#,
+            r#""total":66375690},"dropped_samples":{"undefined":0,"infinite":0,"negative":0},"#,
             r#""bvh_builds":1,"stages_s":{"animate":0.001,"trace":9.870},"notes":["a draft"]}"#,
         );
         assert_eq!(json(&summary()), wanted);

@@ -3,6 +3,7 @@
 
 use crate::encode::Tonemap;
 use crate::film::MOST_STOPS;
+use crate::quality::{Integrator, MOST_SAMPLES, PathSettings};
 use crate::time::Rate;
 use std::num::NonZeroUsize;
 
@@ -10,7 +11,7 @@ use std::num::NonZeroUsize;
 const LONGEST_SIDE: u32 = 65_536;
 /// Frames per second, at most.
 const FASTEST: i128 = 1_000_000;
-/// Mirror reflections, at most.
+/// Reflections one after the other, at most.
 const MOST_BOUNCES: u32 = 1000;
 /// Samples along an axis of a pixel, at most.
 const FINEST: u32 = 64;
@@ -46,7 +47,7 @@ pub fn threads(text: &str) -> Result<NonZeroUsize, String> {
 /// More threads than any machine has processors only cost time.
 const MOST_THREADS: u32 = 1024;
 
-/// Mirror reflections, or none.
+/// Reflections one after the other, or none.
 pub fn bounces(text: &str) -> Result<u32, String> {
     within(text, 0, MOST_BOUNCES)
         .ok_or_else(|| format!("write a whole number of reflections, 0 to {MOST_BOUNCES}, such as 8"))
@@ -56,6 +57,28 @@ pub fn bounces(text: &str) -> Result<u32, String> {
 pub fn antialias(text: &str) -> Result<u32, String> {
     within(text, 1, FINEST)
         .ok_or_else(|| format!("write a whole number from 1 (off) to {FINEST}, such as 3 for 3×3 samples"))
+}
+
+/// Random samples of each pixel.
+pub fn samples(text: &str) -> Result<u32, String> {
+    within(text, 1, MOST_SAMPLES)
+        .ok_or_else(|| format!("write a whole number of samples, 1 to {MOST_SAMPLES}, such as 256"))
+}
+
+/// The name of an integrator, in either case.
+pub fn integrator(text: &str) -> Result<Integrator, String> {
+    match text.to_ascii_lowercase().as_str() {
+        "whitted" => Ok(Integrator::Whitted),
+        "path" => Ok(Integrator::Path(PathSettings::default())),
+        _ => Err("write whitted or path".to_owned()),
+    }
+}
+
+/// Any whole number that a seed holds.
+pub fn seed(text: &str) -> Result<u32, String> {
+    let plain = (1..=10).contains(&text.len()) && text.bytes().all(|b| b.is_ascii_digit());
+    let seed = plain.then(|| text.parse().ok()).flatten();
+    seed.ok_or_else(|| format!("write a whole number, 0 to {}", u32::MAX))
 }
 
 /// The name of a tone map, in either case.
@@ -134,6 +157,12 @@ mod tests {
             assert!(bounces(bad).is_err() && antialias(bad).is_err(), "`{bad}`");
         }
         assert!(antialias("0").is_err() && antialias("65").is_err());
+        assert_eq!((samples("1"), samples("16777216")), (Ok(1), Ok(1 << 24)));
+        assert_eq!((seed("0"), seed("4294967295")), (Ok(0), Ok(u32::MAX)));
+        for bad in ["", "-1", "+1", "1.5", "4294967296", "00000000001"] {
+            assert!(samples(bad).is_err() && seed(bad).is_err(), "`{bad}`");
+        }
+        assert!(samples("0").is_err() && samples("16777217").is_err());
         assert!(threads("0").is_err() && threads("-1").is_err() && threads("many").is_err());
     }
 
@@ -142,6 +171,13 @@ mod tests {
         assert_eq!((tonemap("none"), tonemap("Filmic")), (Ok(Tonemap::None), Ok(Tonemap::Filmic)));
         let message = tonemap("aces").expect_err("no such tone map");
         assert!(Tonemap::NAMED.iter().all(|(name, _)| message.contains(&name.to_lowercase())), "{message}");
+    }
+
+    #[test]
+    fn integrators_are_known_by_name() {
+        assert_eq!(integrator("Whitted"), Ok(Integrator::Whitted));
+        assert_eq!(integrator("path"), Ok(Integrator::Path(PathSettings::default())));
+        assert!(integrator("paths").is_err() && integrator("").is_err());
     }
 
     #[test]

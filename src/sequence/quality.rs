@@ -5,14 +5,11 @@ use super::node::Node;
 use super::values::{between, positive, switch, whole};
 use super::words::{Variants, variant};
 use crate::filter::{Filter, Kernel};
-use crate::quality::{Integrator, PathSettings, Quality};
+use crate::quality::{Integrator, MOST_SAMPLES, PathSettings, Quality};
 use std::ops::RangeInclusive;
 
 /// Widths of filters in pixels. Wider ones would blur, not reconstruct.
 const FILTER_WIDTHS: RangeInclusive<f64> = 0.01..=16.0;
-
-/// More samples than these are asked for by mistake.
-const MOST_SAMPLES: u32 = 1 << 24;
 
 /// Reads `quality`.
 pub fn quality(node: Node<'_>) -> Option<Quality> {

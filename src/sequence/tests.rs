@@ -1,13 +1,15 @@
 //! One valid example per feature, and texts that must not bring the reader down.
 
 use super::*;
-use crate::camera_path::{Lens, Step, ZoomBy};
+use crate::camera_path::{Focus, Lens, Step, ZoomBy};
 use crate::encode::Output;
 use crate::environment::SkyTracks;
 use crate::filter::{Filter, Kernel};
-use crate::light::LightKind;
-use crate::material::Highlight;
+use crate::light::{Attenuation, LightKind};
+use crate::material::{Highlight, Level, MaterialTracks};
 use crate::math::{Angle, DQuat, DVec3};
+use crate::optics::Fresnel;
+use crate::quality::{Integrator, PathSettings};
 use crate::shape::{Cuboid, Sphere};
 use crate::texture::PaintTracks;
 use crate::time::{Rate, Time};
@@ -23,32 +25,50 @@ const EVERYTHING: &str = r##"
     output: (size: (64, 36), files: ["out/f_####.png", "out/a.gif"], tonemap: None,
              exposure: [(0, -2), (48, 1.5, Smooth)],
              gif: (plays: 3, colors: 16, dither: false)),
-    quality: (bounces: 2, antialias: 1, filter: BlackmanHarris(width: 2.5)),
+    quality: (integrator: Path(roulette: Off, refractive_shadows: true), bounces: 2, antialias: 1, samples: 16,
+              filter: BlackmanHarris(width: 2.5), threshold: 0.01, clamp: 10, shutter_steps: 8, seed: 4294967295),
     background: [(0, "#102030"), (24, Srgb(0, 0, 255), Smooth), (48, 0)],
     ambient: Linear8(255, 255, 255),
+    fog: (color: [(0, 0.5), (24, "#abc")], density: [(0, 0), (48, 0.1)], falloff: (base: -1, height: [(0, 2), (48, 3)])),
     cameras: {
         "front": (position: (0, 1, 9), roll: [(0, 0), (48, 360)], path: [
             Orbit(turns: 1, elevation: 20, radius: 8),
             Zoom(fov: [(0, 60), (24, 20, InOutQuad), (47, 60)]),
             Dolly(forward: 1, right: 0.5, upward: -0.5),
-        ]),
-        "side": (position: (9, 1, 0), projection: Orthographic(height: 4), path: Keys(target: (0, 1, 0))),
+        ], aperture: [(0, 0), (24, 0.2)], focus: "ball", shutter: [(0, 0), (24, 0.5)]),
+        "side": (position: (9, 1, 0), focus: [(0, 4), (24, 9, Smooth)], aperture: 0.1, shutter: 1, projection: Orthographic(height: 4), path: Keys(target: (0, 1, 0))),
         "fly": (path: Spline(points: [(1, 1, 5), (5, 2, 1), (1, 3, -5)], closed: true, look_ahead: true)),
     },
     active_camera: [(0, "front"), (24, "side"), (36, "fly")],
     lights: {
         "key": Point(position: (3, 4, 5), color: (1, 0.9, 0.8), intensity: 0.7, on: [(0, true), (12, false)]),
         "fill": Point(position: Track(keys: [(0, (0, 0, 0)), (10, (1, 1, 1)), (20, (0, 0, 0))],
-                                      ease: CatmullRom, repeat: Loop, closed: true)),
+                                      ease: CatmullRom, repeat: Loop, closed: true),
+                      attenuation: (constant: 0, linear: 0.1, quadratic: 0.01)),
+        "stage": Spot(position: (0, 5, 0), target: [(0, (0, 0, 0)), (48, (1, 0, 0))], angle: [(0, 40), (48, 60)],
+                      inner_angle: 20, attenuation: (quadratic: 1)),
+        "sun": Directional(direction: (-1, -2, -1), intensity: [(0, 0), (48, 2)]),
+        "bulb": Sphere(center: (0, 3, 0), radius: [(0, 0.1), (48, 0.2)], color: "#fe8"),
+        "window": Rectangle(corner: (0, 0, -5), u: (2, 0, 0), v: [(0, (0, 1, 0)), (48, (0, 2, 0))], one_sided: true),
     },
     default_material: (specular: 0.5, shininess: 32),
     materials: {
         "red": (color: (1, 0, 0), mirror: 0.2, highlight: BlinnPhong),
+        "all": (color: Checker(a: 0.1, b: Noise()), emission: [(0, 0), (24, 2)], emission_color: "#fa0", ambient_color: 1,
+                diffuse_color: 1, specular_color: 1, mirror: 0.1, mirror_color: VertexColor, fuzz: [(0, 0), (24, 0.5)],
+                transparency: 0.2, transparency_color: (1, 0.9, 0.9), refraction: [(0, 0.5), (9, 0.7)], refraction_color: 1,
+                fresnel: Schlick, ior: [(0, 1.3), (48, 1.5)], absorption: [(0, 0), (48, (1, 0, 0))], priority: -1),
+        "chalk": Lambertian(color: Stripes()),
+        "brass": Metal(color: [(0, (0.8, 0.6, 0.2)), (24, 1)], fuzz: Noise(a: 0, b: 0.4)),
+        "diamond": Dielectric(color: 1, ior: 2.417, fresnel: Exact, absorption: 0.1, priority: 3),
+        "paint": MetallicRoughness(color: Dots(), metallic: 0.5, roughness: Checker(a: 0.2, b: 0.6), ambient: 0.1,
+                                   ambient_color: 1, emission: 1, emission_color: 0.1, ior: 1.4),
     },
     objects: {
         "root": (shape: Group, rotation: Euler(y: 90)),
         "ball": (shape: Sphere(center: (0, 1, 0), radius: 1.5), material: "red", parent: "root",
                  visible: [(0, true, Step), (12, false)], scale: [(t: 0, v: 1), (t: 10, v: (2, 1, 1), ease: Bezier(0.4, 0, 0.2, 1)), (t: 20, v: 0)]),
+        "glass": (shape: Sphere(), material: Dielectric()),
         "floor": (shape: Plane(), material: (color: "#888", diffuse: [(0, 0), (10, 1)])),
         "sheet": (shape: Rectangle(corner: (0, 0, 0), u: (1, 0, 0), v: (0, 1, 0)), translation: (1, 2, 3)),
         "coin": (shape: Disk(radius: 0.5), rotation: AxisAngle(axis: (0, 1, 0), angle: [(0, 0), (48, 720)])),
@@ -96,14 +116,31 @@ fn everything_is_read() {
     assert_eq!(sequence.timeline.frames, 48);
     assert_eq!(sequence.output.gif, GifSettings { plays: Some(3), colors: 16, dither: false });
     assert_eq!(sequence.output.tonemap, Tonemap::None);
-    assert_eq!(sequence.quality.filter, Filter { kernel: Kernel::BlackmanHarris, width: 2.5 });
+    let path = PathSettings { roulette: None, refractive_shadows: true };
+    let quality = Quality {
+        integrator: Integrator::Path(path),
+        bounces: 2,
+        filter: Filter { kernel: Kernel::BlackmanHarris, width: 2.5 },
+        antialias: 1,
+        samples: 16,
+        threshold: 0.01,
+        clamp: Some(10.0),
+        shutter_steps: 8,
+        seed: u32::MAX,
+    };
+    assert_eq!(sequence.quality, quality);
     assert_eq!(sequence.output.exposure.at(seconds(1, 1)), -0.25);
     assert_eq!(sequence.active_camera.at(seconds(1, 1)), 1);
     assert_eq!(sequence.active_camera.at(seconds(3, 2)), 2);
     let names: Vec<_> = sequence.objects.iter().map(|object| object.name.as_str()).collect();
-    assert_eq!(names, ["root", "ball", "floor", "sheet", "coin", "leaf", "crate"]);
+    assert_eq!(names, ["root", "ball", "glass", "floor", "sheet", "coin", "leaf", "crate"]);
     let materials: Vec<_> = sequence.materials.iter().map(|material| material.name.as_str()).collect();
-    assert_eq!(materials, ["red", "default_material", "objects.\"floor\".material"]);
+    let named = ["red", "all", "chalk", "brass", "diamond", "paint"];
+    assert_eq!(materials[..6], named);
+    assert_eq!(
+        materials[6..],
+        ["default_material", "objects.\"glass\".material", "objects.\"floor\".material"]
+    );
     let ball = &sequence.objects[1].value;
     assert_eq!((ball.parent, ball.material), (Some(0), 0));
     assert!(ball.visible.at(seconds(11, 24)) && !ball.visible.at(seconds(12, 24)));
@@ -185,6 +222,78 @@ fn materials_fall_back_to_the_default_material() {
     assert!(matches!(material.diffuse.tint, PaintTracks::Color(Animated::Keyed(_))));
     assert_eq!(material.highlight, Highlight::BlinnPhong);
     assert_eq!(material.shininess, 32.0.into());
+}
+
+#[test]
+fn kinds_of_materials_have_no_other_lobes() {
+    let material = |text: &str| {
+        // What a default material gives is not theirs.
+        let text = format!(
+            "(default_material: (specular: 0.5, mirror: 0.5, emission: 1, fuzz: 0.3), materials: {{ \"m\": {text} }})"
+        );
+        read(&text).materials.remove(0).value
+    };
+    let lobes = |m: &MaterialTracks| {
+        [&m.emission, &m.ambient, &m.diffuse, &m.specular, &m.mirror, &m.transparency, &m.refraction]
+            .map(|lobe| lobe.strength.clone())
+    };
+    let only = |place: usize| [0, 1, 2, 3, 4, 5, 6].map(|k| if k == place { 1.0.into() } else { 0.0.into() });
+    let matte = material("Lambertian()");
+    assert_eq!((lobes(&matte), matte.diffuse.tint), (only(2), Rgb::splat(0.5).into()));
+    let metal = material("Metal(color: 0.9)");
+    assert_eq!((lobes(&metal), &metal.fuzz), (only(4), &Level::Even(0.0.into())));
+    assert_eq!(metal.mirror.tint, Rgb::splat(0.9).into());
+    let glass = material("Dielectric(priority: 2)");
+    assert_eq!((lobes(&glass), glass.fresnel), (only(6), Fresnel::Exact));
+    assert_eq!((glass.ior, glass.priority), (1.5.into(), 2));
+    let rough = material("MetallicRoughness(emission: 3)");
+    assert_eq!((rough.microfacet, rough.emission.strength), (1.0.into(), 3.0.into()));
+    assert_eq!((rough.metallic, rough.roughness), (Level::Even(1.0.into()), Level::Even(1.0.into())));
+    assert_eq!(rough.ambient.strength, 0.0.into());
+    let plain = material("(refraction: 1)");
+    assert_eq!((plain.fresnel, plain.microfacet), (Fresnel::Off, 0.0.into()));
+}
+
+#[test]
+fn lights_of_every_kind() {
+    let light = |text: &str| read(&format!("(lights: {{ \"l\": {text} }})")).lights.remove(0).value.kind;
+    let LightKind::Point { attenuation, .. } = light("Point(position: (1, 2, 3))") else { panic!("a point") };
+    assert_eq!(attenuation, Attenuation::default());
+    let LightKind::Spot { target, angle, inner_angle, attenuation, .. } =
+        light("Spot(position: (1, 2, 3), attenuation: (quadratic: 2))")
+    else {
+        panic!("a spot")
+    };
+    assert_eq!((target, angle, inner_angle), (DVec3::ZERO.into(), Angle(45.0).into(), None));
+    assert_eq!(attenuation, Attenuation { constant: 1.0, linear: 0.0, quadratic: 2.0 });
+    let LightKind::Sphere { radius, .. } = light("Sphere(center: (1, 2, 3))") else { panic!("a sphere") };
+    assert_eq!(radius, 1.0.into());
+    let rectangle = light("Rectangle(corner: (0, 0, 0), u: (1, 0, 0), v: (0, 1, 0))");
+    assert!(matches!(rectangle, LightKind::Rectangle { one_sided: false, .. }));
+}
+
+#[test]
+fn lenses_focus_on_their_target_a_distance_or_an_object() {
+    assert_eq!(camera("").focus, Focus::Target);
+    assert_eq!(camera("focus: 3").focus, Focus::Distance(3.0.into()));
+    let text = r#"(camera: (focus: "b"), objects: { "a": (shape: Group), "b": (shape: Sphere()) })"#;
+    assert_eq!(read(text).cameras[0].value.focus, Focus::Object(1));
+}
+
+#[test]
+fn integrators_with_and_without_settings() {
+    let integrator = |text: &str| read(&format!("(quality: (integrator: {text}))")).quality.integrator;
+    let roulette = |after| Integrator::Path(PathSettings { roulette: after, refractive_shadows: false });
+    for (text, expected) in [
+        ("Whitted", Integrator::Whitted),
+        ("Whitted()", Integrator::Whitted),
+        ("Path", roulette(Some(3))),
+        ("Path()", roulette(Some(3))),
+        ("Path(roulette: 0)", roulette(Some(0))),
+        ("Path(roulette: Off)", roulette(None)),
+    ] {
+        assert_eq!(integrator(text), expected, "{text}");
+    }
 }
 
 #[test]

@@ -2,8 +2,9 @@
 //! against light that is met by chance (multiple importance sampling, Veach 1997), with Russian roulette.
 //!
 //! Lights are asked at every surface. What shines by itself, objects and the sky, is seen after at most as many
-//! bounces as the quality allows; asking for its light takes one. Ambient light counts as emission, and highlights show lights only. Mirrors, boundaries and what is
-//! transparent are followed as they are; only unbent transparency lets shadow rays pass.
+//! bounces as the quality allows; asking for its light takes one. Ambient light counts as emission, and
+//! highlights show no more than what is asked. Mirrors, boundaries and what is transparent are followed as they
+//! are; shadow rays pass what is transparent and, if the settings say so, what refracts.
 
 use super::lights::seen;
 use super::luminaires::Luminaires;

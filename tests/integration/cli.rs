@@ -58,6 +58,9 @@ fn help_of_commands_shows_options_units_and_defaults() {
         "-t, --threads",
         "--bounces",
         "--antialias",
+        "--samples",
+        "--integrator",
+        "--seed",
         "--tonemap",
         "--exposure",
         "--draft",
@@ -105,6 +108,9 @@ fn bad_values_say_what_would_be_right() {
         ("--threads", &["0", "-1", "all"], "1 to 1024"),
         ("--bounces", &["-1", "1.5", "x"], "such as 8"),
         ("--antialias", &["0", "-1", "65", "x"], "from 1 (off) to 64"),
+        ("--samples", &["0", "-1", "16777217", "x"], "1 to 16777216"),
+        ("--seed", &["-1", "4294967296", "x"], "0 to 4294967295"),
+        ("--integrator", &["paths", "x"], "whitted or path"),
         ("--progress", &["loud"], "auto, plain, json"),
     ] {
         for value in values {

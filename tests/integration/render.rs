@@ -133,7 +133,7 @@ fn a_draft_is_half_as_wide_and_says_so() {
     let folder = folder();
     let run = kinora(folder.path(), &["render", "ball.ron", "-o", "b_#.png", "--draft"]);
     assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
-    assert!(stdout(&run).contains("a draft: 8x5, antialias 1, bounces 1"), "{}", stdout(&run));
+    assert!(stdout(&run).contains("a draft: 8x5, antialias 1, samples 16, bounces 1"), "{}", stdout(&run));
     let png = fs::read(folder.path().join("b_0.png")).expect("it was written");
     // Width and height of a PNG are the first fields of its first chunk.
     assert_eq!(png[16..24], [0, 0, 0, 8, 0, 0, 0, 5]);
