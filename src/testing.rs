@@ -1,5 +1,6 @@
 //! What tests share: random numbers of their own, the same in every run, and geometry.
 
+use crate::material::MadeOf;
 use crate::math::{Angle, DAffine3, DVec3};
 use crate::scene::{Finish, Geometry};
 use crate::shape::Shape;
@@ -91,6 +92,8 @@ fn cell_mean(cell: usize, density: impl Fn(DVec3) -> f64) -> f64 {
 /// Shapes of the first material where they stand.
 pub fn geometry(shapes: impl IntoIterator<Item = Shape>) -> Geometry {
     let mut geometry = Geometry::default();
-    shapes.into_iter().for_each(|shape| geometry.push(&shape, DAffine3::IDENTITY, Finish::Material(0)));
+    shapes
+        .into_iter()
+        .for_each(|shape| geometry.push(&shape, DAffine3::IDENTITY, Finish::Material(MadeOf::One(0))));
     geometry
 }

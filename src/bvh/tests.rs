@@ -1,5 +1,6 @@
 use super::*;
 use crate::camera::Ray;
+use crate::material::MadeOf;
 use crate::math::{DAffine3, DVec3};
 use crate::scene::Finish;
 use crate::shape::{Cone, Cuboid, Cylinder, Disk, Plane, Rectangle, Shape, Sphere, Torus, Triangle};
@@ -41,10 +42,10 @@ fn random_geometry(random: &mut Random, count: usize) -> Geometry {
                     * DAffine3::from_scale(DVec3::new(1.0, 2.0, 0.5))
             }
         };
-        geometry.push(&random_shape(random), affine, Finish::Material(0));
+        geometry.push(&random_shape(random), affine, Finish::Material(MadeOf::One(0)));
     }
     let floor = Shape::Plane(Plane { point: DVec3::NEG_Y * 12.0, normal: DVec3::Y });
-    geometry.push(&floor, DAffine3::IDENTITY, Finish::Material(0));
+    geometry.push(&floor, DAffine3::IDENTITY, Finish::Material(MadeOf::One(0)));
     geometry
 }
 

@@ -13,6 +13,7 @@ use crate::film::LayerId;
 use crate::optics::Fresnel;
 use crate::texture::{Paint, Spot};
 use bevy_ecs::component::Component;
+use std::ops::RangeInclusive;
 
 /// What a surface does with light at one moment.
 #[derive(Clone, Component, Debug, PartialEq)]
@@ -27,6 +28,26 @@ pub struct Material {
     pub shininess: Exponent,
     pub fresnel: Fresnel,
     pub medium: Medium,
+}
+
+/// What an object is made of: indices into the scene's materials.
+#[derive(Clone, Copy, Component, Debug, PartialEq, Eq)]
+pub enum MadeOf {
+    /// The same all over.
+    One(u32),
+    /// The materials that came with its mesh, in the order of their slots from index `first` on. Behind them
+    /// stands the one of triangles without a slot.
+    Slots { first: u32, count: u32 },
+}
+
+impl MadeOf {
+    /// All materials in use.
+    pub fn indices(self) -> RangeInclusive<u32> {
+        match self {
+            Self::One(index) => index..=index,
+            Self::Slots { first, count } => first..=first + count,
+        }
+    }
 }
 
 /// What is inside of a surface that refracts.

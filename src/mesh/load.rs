@@ -28,7 +28,11 @@ fn read(path: &Path, name: &str, meter: &LoadMeter) -> Result<Parts, MeshError> 
         Format::Ply => ply::read(input),
         Format::Obj => {
             let folder = path.parent().map_or_else(PathBuf::new, Path::to_owned);
-            obj::read(input, &|library| fs::read(folder.join(library)))
+            let mut parts = obj::read(input, &|library| fs::read(folder.join(library)))?;
+            for name in parts.materials.iter_mut().filter_map(|material| material.diffuse_map.as_mut()) {
+                *name = folder.join(&name).to_string_lossy().into_owned();
+            }
+            Ok(parts)
         }
     }
 }

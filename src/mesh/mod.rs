@@ -7,7 +7,7 @@ pub mod generate;
 mod lines;
 mod load;
 mod meter;
-mod mtl;
+pub mod mtl;
 pub mod obj;
 pub mod ply;
 mod smooth;

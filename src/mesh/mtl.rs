@@ -22,8 +22,8 @@ pub struct MtlMaterial {
     pub opacity: Option<f32>,
     /// `illum`: the number of a model of illumination.
     pub model: Option<u32>,
-    /// `map_Kd`: the image that the diffuse reflectance is multiplied with, as the file names it, with `/`
-    /// between folders. It is relative to the folder of the mesh.
+    /// `map_Kd`: the image that the diffuse reflectance is multiplied with. As the file names it, with `/` between
+    /// folders; [`load`](super::load) puts the folder of the mesh before it.
     pub diffuse_map: Option<String>,
 }
 

@@ -4,10 +4,10 @@ use super::{Finish, Geometry, Shading, Weights};
 use crate::environment::Environment;
 use crate::fog::Fog;
 use crate::light::{Light, Source};
-use crate::material::Material;
+use crate::material::{MadeOf, Material};
 use crate::math::{DAffine3, DVec3};
 use crate::shape::Shape;
-use crate::world::{AreaLight, Current, FileOrder, MadeOf, Transform, Visible, Weight};
+use crate::world::{AreaLight, Current, FileOrder, Transform, Visible, Weight};
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::component::Component;
 use bevy_ecs::query::{Changed, Or, With};
@@ -43,7 +43,7 @@ pub fn geometry(
     shown.sort_unstable_by_key(|(order, ..)| **order);
     let mut packed = Geometry::default();
     for (_, shape, at, _, of) in shown {
-        packed.push(shape, at.0, Finish::Material(of.0));
+        packed.push(shape, at.0, Finish::Material(*of));
     }
     let mut lights: Vec<_> = lights.iter().collect();
     lights.sort_unstable_by_key(|(order, _)| **order);

@@ -1,6 +1,7 @@
 //! One thing to hit: a shape, where it is, and what it is made of.
 
 use crate::camera::Ray;
+use crate::material::MadeOf;
 use crate::math::{Aabb, DAffine3, DMat3, DVec2, DVec3, gamma};
 use crate::shape::{Crossing, Shape, Surface};
 use crate::tree::Probe;
@@ -17,8 +18,7 @@ pub struct Primitive {
 /// What a primitive looks like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Finish {
-    /// Index into the scene's materials.
-    Material(u32),
+    Material(MadeOf),
     /// Index into the scene's lights: the primitive is that light.
     Light(u32),
 }
@@ -41,6 +41,28 @@ impl Primitive {
                 Self { shape: shape.clone(), placement, finish }
             }
         })
+    }
+
+    /// Index of the material of a part of the shape; none for lights.
+    #[inline]
+    pub fn material(&self, part: u32) -> Option<u32> {
+        match self.finish {
+            Finish::Material(MadeOf::One(index)) => Some(index),
+            Finish::Material(MadeOf::Slots { first, count }) => {
+                let slot = match &self.shape {
+                    Shape::Mesh(shape) => shape.mesh.material_of(part),
+                    _ => None,
+                };
+                Some(first + slot.map_or(count, u32::from))
+            }
+            Finish::Light(_) => None,
+        }
+    }
+
+    /// Indices of all materials that are seen somewhere on it.
+    pub fn materials(&self) -> impl Iterator<Item = u32> {
+        let Finish::Material(made_of) = self.finish else { return None.into_iter().flatten() };
+        Some(made_of.indices()).into_iter().flatten()
     }
 
     /// The smallest t in 0 < t < `t_max` at which the ray meets the primitive. A ray moved into the shape's
@@ -166,7 +188,8 @@ mod tests {
         let scale = DAffine3::from_scale(DVec3::new(3.0, 1.0, 0.5));
         let ray = Ray { origin: DVec3::new(10.0, 0.2, 0.1), direction: DVec3::NEG_X };
         let hit = |affine: DAffine3, ray: Ray| {
-            let primitive = Primitive::new(&UNIT, affine, Finish::Material(0)).expect("a primitive");
+            let primitive =
+                Primitive::new(&UNIT, affine, Finish::Material(MadeOf::One(0))).expect("a primitive");
             primitive.hit(&Probe::new(ray), f64::INFINITY).expect("a hit").t
         };
         let t = hit(scale, ray);
@@ -197,7 +220,7 @@ mod tests {
     #[test]
     fn normals_of_uneven_scales() {
         let affine = DAffine3::from_scale(DVec3::new(2.0, 1.0, 1.0));
-        let primitive = Primitive::new(&UNIT, affine, Finish::Material(0)).expect("a primitive");
+        let primitive = Primitive::new(&UNIT, affine, Finish::Material(MadeOf::One(0))).expect("a primitive");
         let n = DVec3::new(1.0, 1.0, 0.0).normalize();
         let ray = Ray { origin: affine.transform_point3(n * 3.0), direction: -affine.transform_vector3(n) };
         let surface = primitive.surface(&ray, Crossing::at(2.0));

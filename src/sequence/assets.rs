@@ -26,7 +26,7 @@ impl Assets {
 
     /// Reads a file, or remembers what came of it. Paths are relative to the sequence's folder, or absolute; the
     /// file may lie anywhere, as it is only read.
-    fn image(&self, name: &str, encoding: Encoding) -> Read {
+    pub fn image(&self, name: &str, encoding: Encoding) -> Read {
         let path = self.folder.join(name);
         let mut images = self.images.borrow_mut();
         let read = images

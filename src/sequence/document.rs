@@ -21,7 +21,7 @@ use crate::camera_path::CameraPath;
 use crate::color::Rgb;
 use crate::layers::Layers;
 use crate::light::LightTracks;
-use crate::material::MaterialTracks;
+use crate::material::{MadeOf, MaterialTracks};
 use crate::quality::Quality;
 use crate::track::Animated;
 use std::ops::Range;
@@ -176,19 +176,29 @@ fn assembled(default: &Given, named: &[Named<Given>], drafts: Vec<Placed>) -> Sc
     let mut default_index = None;
     let mut append = |name: String, value: MaterialTracks| {
         materials.push(Named { name, value });
-        materials.len() - 1
+        materials.len() as u32 - 1
     };
     let mut objects = Vec::with_capacity(drafts.len());
     for (Named { name, value: draft }, parent) in drafts {
         let Draft { shape, material, transform, visible } = draft;
-        let material = match material {
-            Surface::Named(index) => index,
-            Surface::Inline(given) => append(format!("objects.{name:?}.material"), over(&given)),
-            Surface::Default => *default_index
-                .get_or_insert_with(|| append("default_material".to_owned(), over(&Given::default()))),
+        let made_of = match material {
+            Surface::Named(index) => MadeOf::One(index as u32),
+            Surface::Inline(given) => MadeOf::One(append(format!("objects.{name:?}.material"), over(&given))),
+            Surface::Own(given) => {
+                let count = given.len() as u32 - 1;
+                let added = given.into_iter().map(|(slot, given)| {
+                    append(format!("objects.{name:?}.shape.materials.{slot:?}"), over(&given))
+                });
+                // In a row: nothing else is added meanwhile.
+                added.min().map_or(MadeOf::One(0), |first| MadeOf::Slots { first, count })
+            }
+            Surface::Default => MadeOf::One(
+                *default_index
+                    .get_or_insert_with(|| append("default_material".to_owned(), over(&Given::default()))),
+            ),
         };
         let parent = parent.map(|parent| parent.index);
-        objects.push(Named { name, value: Object { shape, material, transform, visible, parent } });
+        objects.push(Named { name, value: Object { shape, made_of, transform, visible, parent } });
     }
     (materials, objects)
 }

@@ -16,31 +16,31 @@ use crate::track::Animated;
 /// The fields of a material that a file gives; the others come from the default material.
 #[derive(Clone, Default)]
 pub struct Given {
-    color: Option<PaintTracks>,
-    emission: GivenLobe,
-    ambient: GivenLobe,
-    diffuse: GivenLobe,
-    specular: GivenLobe,
-    mirror: GivenLobe,
-    fuzz: Option<Level>,
-    transparency: GivenLobe,
-    refraction: GivenLobe,
-    microfacet: Option<Animated<f64>>,
-    metallic: Option<Level>,
-    roughness: Option<Level>,
-    shininess: Option<Animated<f64>>,
-    highlight: Option<Highlight>,
-    fresnel: Option<Fresnel>,
-    ior: Option<Animated<f64>>,
-    absorption: Option<Animated<Rgb>>,
-    priority: Option<i32>,
+    pub(super) color: Option<PaintTracks>,
+    pub(super) emission: GivenLobe,
+    pub(super) ambient: GivenLobe,
+    pub(super) diffuse: GivenLobe,
+    pub(super) specular: GivenLobe,
+    pub(super) mirror: GivenLobe,
+    pub(super) fuzz: Option<Level>,
+    pub(super) transparency: GivenLobe,
+    pub(super) refraction: GivenLobe,
+    pub(super) microfacet: Option<Animated<f64>>,
+    pub(super) metallic: Option<Level>,
+    pub(super) roughness: Option<Level>,
+    pub(super) shininess: Option<Animated<f64>>,
+    pub(super) highlight: Option<Highlight>,
+    pub(super) fresnel: Option<Fresnel>,
+    pub(super) ior: Option<Animated<f64>>,
+    pub(super) absorption: Option<Animated<Rgb>>,
+    pub(super) priority: Option<i32>,
 }
 
 /// What a file gives of a lobe.
 #[derive(Clone, Default)]
-struct GivenLobe {
-    strength: Option<Animated<f64>>,
-    tint: Option<PaintTracks>,
+pub struct GivenLobe {
+    pub(super) strength: Option<Animated<f64>>,
+    pub(super) tint: Option<PaintTracks>,
 }
 
 /// A word that stands for a whole material, and the reader of that.

@@ -17,6 +17,7 @@ mod light;
 mod load;
 mod material;
 mod mesh;
+mod mtl;
 mod names;
 mod node;
 mod object;
@@ -44,7 +45,7 @@ use crate::encode::{GifSettings, Output, Tonemap};
 use crate::environment::EnvironmentTracks;
 use crate::fog::FogTracks;
 use crate::light::LightTracks;
-use crate::material::MaterialTracks;
+use crate::material::{MadeOf, MaterialTracks};
 use crate::quality::Quality;
 use crate::shape::Shape;
 use crate::time::Timeline;
@@ -83,8 +84,8 @@ pub struct Named<T> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
     pub shape: Shape,
-    /// Index into the sequence's materials.
-    pub material: usize,
+    /// Of the sequence's materials.
+    pub made_of: MadeOf,
     pub transform: TransformTracks,
     pub visible: Animated<bool>,
     /// Index of the object that this one moves (and hides) with. Never leads in a circle.

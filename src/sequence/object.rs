@@ -4,12 +4,13 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
 use super::material::{Given, is_material, material};
+use super::mtl::own_materials;
 use super::names::{Entry, Names};
 use super::node::Node;
 use super::shape::shape;
 use super::transform::transform;
 use super::values::switch;
-use crate::shape::Shape;
+use crate::shape::{Mesh, Shape};
 use crate::track::Animated;
 use crate::transform::TransformTracks;
 use std::ops::Range;
@@ -28,6 +29,8 @@ pub enum Surface {
     /// Index into the named materials.
     Named(usize),
     Inline(Box<Given>),
+    /// Those that came with the mesh: of every slot, and of what has none.
+    Own(Vec<(String, Given)>),
 }
 
 /// The parent that an object names.
@@ -42,6 +45,10 @@ pub fn object(node: Node<'_>, materials: &Names<'_>, objects: &Names<'_>) -> (Op
     let Some(mut fields) = Fields::of(node, "an object") else { return (None, None) };
     let shape = fields.required("shape", shape);
     let material = fields.or("material", |node| surface(node, materials), Surface::Default);
+    let material = match (&shape, material) {
+        (Some(Shape::Mesh(mesh)), Some(Surface::Default)) => own(node, fields.place("shape"), mesh),
+        (_, material) => material,
+    };
     let transform = transform(&mut fields);
     let visible = fields.or("visible", keyed(switch), true);
     let parent = fields
@@ -52,6 +59,13 @@ pub fn object(node: Node<'_>, materials: &Names<'_>, objects: &Names<'_>) -> (Op
         Some(Draft { shape, material: material?, transform: transform?, visible: visible? })
     };
     (draft(), parent.flatten())
+}
+
+/// What a mesh without a material is made of.
+fn own(node: Node<'_>, place: Range<usize>, shape: &Mesh) -> Option<Surface> {
+    let mesh = &shape.mesh;
+    let any = !mesh.materials().is_empty() || mesh.has_colors();
+    if any { own_materials(node, &place, mesh).map(Surface::Own) } else { Some(Surface::Default) }
 }
 
 fn surface(node: Node<'_>, materials: &Names<'_>) -> Option<Surface> {

@@ -1,7 +1,7 @@
 //! Paint: a colour, an image, or a pattern of two paints.
 
 use super::assets::image;
-use super::colors::color_or;
+use super::colors::{color, color_or};
 use super::fields::Fields;
 use super::keys::keyed;
 use super::node::{Content, Node};
@@ -51,6 +51,7 @@ fn image_paint(node: Node<'_>) -> Option<PaintTracks> {
     let wrap = fields.or("wrap", one_of("wrap", wraps), Wrap::Repeat);
     let filter = fields.or("filter", one_of("filter", filters), Filter::Bilinear);
     let channel = fields.optional("channel", one_of("channel", channels));
+    let tint = fields.or("tint", keyed(color), Rgb::ONE);
     let placement = placement(&mut fields);
     fields.finish();
     encoding?;
@@ -59,6 +60,7 @@ fn image_paint(node: Node<'_>) -> Option<PaintTracks> {
         wrap: wrap?,
         filter: filter?,
         channel: channel?,
+        tint: tint?,
         placement: placement?,
     })))
 }

@@ -6,7 +6,7 @@ use crate::encode::Output;
 use crate::environment::SkyTracks;
 use crate::filter::{Filter, Kernel};
 use crate::light::{Attenuation, LightKind};
-use crate::material::{Highlight, Level, MaterialTracks};
+use crate::material::{Highlight, Level, MadeOf, MaterialTracks};
 use crate::math::{Angle, DQuat, DVec3};
 use crate::optics::Fresnel;
 use crate::quality::{Integrator, PathSettings};
@@ -142,7 +142,7 @@ fn everything_is_read() {
         ["default_material", "objects.\"glass\".material", "objects.\"floor\".material"]
     );
     let ball = &sequence.objects[1].value;
-    assert_eq!((ball.parent, ball.material), (Some(0), 0));
+    assert_eq!((ball.parent, ball.made_of), (Some(0), MadeOf::One(0)));
     assert!(ball.visible.at(seconds(11, 24)) && !ball.visible.at(seconds(12, 24)));
     assert_eq!(ball.transform.scale.at(seconds(10, 24)), DVec3::new(2.0, 1.0, 1.0));
     let SkyTracks::Constant(Animated::Keyed(background)) = &sequence.background.sky else { panic!("keys") };

@@ -38,6 +38,8 @@ pub struct ImagePaint {
     pub filter: Filter,
     /// One channel spread to grey.
     pub channel: Option<Channel>,
+    /// Factor of the colours.
+    pub tint: Rgb,
     /// Over u and v.
     pub placement: Placement,
 }
@@ -107,7 +109,7 @@ impl ImagePaint {
     pub fn color(&self, spot: &Spot) -> Rgb {
         let (at, _) = self.placement.local(spot.uv.extend(0.0), DVec3::ZERO);
         let color = self.image.sample(at.truncate(), self.wrap, self.filter);
-        self.channel.map_or(color, |channel| Rgb::splat(color[channel as usize]))
+        self.channel.map_or(color, |channel| Rgb::splat(color[channel as usize])) * self.tint
     }
 }
 

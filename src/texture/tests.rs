@@ -25,6 +25,7 @@ fn image() -> ImageTracks {
         wrap: Wrap::Repeat,
         filter: Filter::Nearest,
         channel: None,
+        tint: Rgb::ONE.into(),
         placement: PlacementTracks::default(),
     }
 }

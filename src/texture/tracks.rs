@@ -22,6 +22,7 @@ pub struct ImageTracks {
     pub wrap: Wrap,
     pub filter: Filter,
     pub channel: Option<Channel>,
+    pub tint: Animated<Rgb>,
     pub placement: PlacementTracks,
 }
 
@@ -62,8 +63,10 @@ impl PaintTracks {
 impl ImageTracks {
     pub fn at(&self, time: Time) -> ImagePaint {
         let placement = self.placement.at(time);
+        // An easing that overshoots must not turn reflectance negative.
+        let tint = self.tint.at(time).max(Rgb::ZERO);
         let Self { image, wrap, filter, channel, .. } = self;
-        ImagePaint { image: image.clone(), wrap: *wrap, filter: *filter, channel: *channel, placement }
+        ImagePaint { image: image.clone(), wrap: *wrap, filter: *filter, channel: *channel, tint, placement }
     }
 }
 

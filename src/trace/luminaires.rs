@@ -9,6 +9,7 @@ use crate::color::Rgb;
 use crate::environment::SkyTable;
 use crate::film::LayerId;
 use crate::light::{Light, Source};
+use crate::material::MadeOf;
 use crate::math::{DVec2, DVec3};
 use crate::sampling::Use;
 use crate::scene::Finish;
@@ -130,7 +131,8 @@ fn sources<'a>(tracer: &Tracer<'a>) -> Vec<(LayerId, Luminaire<'a>)> {
     let (scene, shading) = (tracer.scene, tracer.scene.shading);
     let lights = tracer.lights.iter().map(|(_, light)| (light.layer, Luminaire::Light(*light)));
     let objects = (0..).zip(&scene.geometry.primitives).filter_map(|(index, primitive)| {
-        let Finish::Material(material) = primitive.finish else { return None };
+        // Meshes of several materials are found by chance: they have no one emission to choose points by.
+        let Finish::Material(MadeOf::One(material)) = primitive.finish else { return None };
         let material = &shading.materials[material as usize];
         let weighted = scene.weights.0[material.emission_layer.index()] != Rgb::ZERO;
         let shines = weighted && material.lobes.emission != Rgb::ZERO && primitive.has_area();
@@ -170,7 +172,7 @@ impl Luminaire<'_> {
             }
             Self::Object(index) => {
                 let primitive = &tracer.scene.geometry.primitives[*index as usize];
-                let Finish::Material(material) = primitive.finish else { return 0.0 };
+                let Some(material) = primitive.material(0) else { return 0.0 };
                 let emission = tracer.scene.shading.materials[material as usize].lobes.emission;
                 brightness(emission) * primitive.bounds().map_or(0.0, |bounds| bounds.area())
             }
@@ -190,7 +192,7 @@ impl Luminaire<'_> {
             }
             Self::Object(index) => {
                 let primitive = &tracer.scene.geometry.primitives[*index as usize];
-                let Finish::Material(material) = primitive.finish else { return None };
+                let material = primitive.material(0)?;
                 let material = &tracer.scene.shading.materials[material as usize];
                 let (surface, part, density) = primitive.sample_from(at, u)?;
                 let hit = Hit { at: Crossing { t: 1.0, part }, primitive: *index };

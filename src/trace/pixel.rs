@@ -8,7 +8,7 @@ use crate::counters::Dropped;
 use crate::math::{DVec2, DVec3};
 use crate::quality::Integrator;
 use crate::sampling::{PixelSampler, Sampler, Use};
-use crate::scene::{Finish, Scene};
+use crate::scene::{Primitive, Scene};
 
 /// A frame's scene with all that its pixels have in common.
 pub struct Pixels<'a> {
@@ -111,10 +111,8 @@ fn count(sample: DVec3, dropped: &mut Dropped) {
 /// Whether anything in the scene has to be sampled even where rays branch.
 fn calls_for_samples(scene: &Scene, tracer: &Tracer) -> bool {
     let rough = || {
-        scene.geometry.primitives.iter().any(|primitive| match primitive.finish {
-            Finish::Material(index) => scene.shading.materials[index as usize].is_rough(),
-            Finish::Light(_) => false,
-        })
+        let mut materials = scene.geometry.primitives.iter().flat_map(Primitive::materials);
+        materials.any(|index| scene.shading.materials[index as usize].is_rough())
     };
     let area = || tracer.lights.iter().any(|(_, light)| light.source.is_sampled());
     scene.camera.lens.is_some() || area() || rough()

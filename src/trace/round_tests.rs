@@ -3,6 +3,7 @@
 
 use super::spawn::spawn;
 use crate::camera::Ray;
+use crate::material::MadeOf;
 use crate::math::{Angle, DAffine3, DMat3, DVec2, DVec3, UNIT_ROUNDOFF, axis_angle, euler_xyz};
 use crate::scene::{Finish, Primitive};
 use crate::shape::{Cone, Cylinder, Shape, Surface, Torus};
@@ -25,7 +26,7 @@ fn torus(minor: f64) -> Shape {
 }
 
 fn placed(shape: Shape, to_world: DAffine3) -> Primitive {
-    Primitive::new(&shape, to_world, Finish::Material(0)).expect("a primitive")
+    Primitive::new(&shape, to_world, Finish::Material(MadeOf::One(0))).expect("a primitive")
 }
 
 /// The surfaces that a ray meets, each found by the ray that the one before sends on; at most nine.

@@ -3,6 +3,7 @@
 
 use super::spawn::{spawn, spawn_to};
 use crate::camera::Ray;
+use crate::material::MadeOf;
 use crate::math::{Angle, DAffine3, DMat3, DVec3, UNIT_ROUNDOFF, euler_xyz};
 use crate::scene::{Finish, Primitive};
 use crate::shape::{Cone, Cuboid, Cylinder, Disk, Plane, Rectangle, Shape, Sphere, Surface, Triangle};
@@ -73,7 +74,7 @@ impl Target {
 }
 
 fn primitive(shape: Shape, to_world: DAffine3) -> Primitive {
-    Primitive::new(&shape, to_world, Finish::Material(0)).expect("a primitive")
+    Primitive::new(&shape, to_world, Finish::Material(MadeOf::One(0))).expect("a primitive")
 }
 
 /// Turned by 30 and 40 degrees and moved, for shapes that are placed by a transform.

@@ -18,7 +18,7 @@ use crate::math::DVec3;
 use crate::optics::refract;
 use crate::quality::Quality;
 use crate::sampling::Sampler;
-use crate::scene::{Finish, Scene};
+use crate::scene::{Finish, Primitive, Scene};
 use crate::shape::Surface;
 use crate::tree::Probe;
 
@@ -114,10 +114,8 @@ impl<'a> Tracer<'a> {
         let glows = |glow: &Glow| glow.radiance != Rgb::ZERO && weighted(glow.layer);
         let lights = (0..).zip(&shading.lights).filter(|(_, light)| shines(light));
         let used = |test: fn(&Material) -> bool| {
-            scene.geometry.primitives.iter().any(|primitive| match primitive.finish {
-                Finish::Material(index) => test(&shading.materials[index as usize]),
-                Finish::Light(_) => false,
-            })
+            let mut materials = scene.geometry.primitives.iter().flat_map(Primitive::materials);
+            materials.any(|index| test(&shading.materials[index as usize]))
         };
         let media = used(Material::refracts);
         let clear = used(|material| material.lobes.transparency != Rgb::ZERO);
@@ -157,10 +155,10 @@ impl<'a> Tracer<'a> {
         let surface = primitive.surface(ray, hit.at);
         // Surfaces are two-sided: the normal faces the eye.
         let outside = surface.normal.dot(ray.direction) <= 0.0;
-        let index = match primitive.finish {
-            Finish::Light(index) => return Met::Light { index, outside, surface, hit },
-            Finish::Material(index) => index,
-        };
+        if let Finish::Light(index) = primitive.finish {
+            return Met::Light { index, outside, surface, hit };
+        }
+        let index = primitive.material(hit.at.part).unwrap_or_default();
         let material = &self.scene.shading.materials[index as usize];
         let lobes = match material.paints.is_empty() {
             true => material.lobes,

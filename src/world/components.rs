@@ -19,10 +19,6 @@ pub struct Visible(pub bool);
 #[derive(Clone, Component, Debug)]
 pub struct VisibleTrack(pub Animated<bool>);
 
-/// Index of an object's material.
-#[derive(Clone, Copy, Component, Debug, PartialEq, Eq)]
-pub struct MadeOf(pub u32);
-
 /// Position among the file's entries of the same kind. Queries come in no order; extraction sorts by this.
 #[derive(Clone, Copy, Component, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FileOrder(pub u32);

@@ -4,6 +4,6 @@ mod components;
 mod resources;
 mod spawn;
 
-pub use components::{AreaLight, FileOrder, MadeOf, Transform, Visible, VisibleTrack, Weight};
+pub use components::{AreaLight, FileOrder, Transform, Visible, VisibleTrack, Weight};
 pub use resources::{ActiveCamera, Current, Glows, Hierarchy, Now, Objects};
 pub use spawn::spawn;

@@ -1,8 +1,8 @@
 //! From a sequence to entities, each with its values at the sequence's first moment.
 
 use super::{
-    ActiveCamera, AreaLight, FileOrder, Glows, Hierarchy, MadeOf, Now, Objects, Transform, Visible,
-    VisibleTrack, Weight,
+    ActiveCamera, AreaLight, FileOrder, Glows, Hierarchy, Now, Objects, Transform, Visible, VisibleTrack,
+    Weight,
 };
 use crate::color::Rgb;
 use crate::environment::SkyTable;
@@ -105,8 +105,8 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
         let object = &object.value;
         let placed = (Transform(DAffine3::IDENTITY), Visible(true));
         let tracks = (object.transform.clone(), VisibleTrack(object.visible.clone()));
-        let made_of = MadeOf(object.material as u32);
-        entities.push(world.spawn((FileOrder(order), object.shape.clone(), made_of, placed, tracks)).id());
+        entities
+            .push(world.spawn((FileOrder(order), object.shape.clone(), object.made_of, placed, tracks)).id());
     }
     world.insert_resource(Objects(entities.clone()));
     let hierarchy = parents_first(sequence);

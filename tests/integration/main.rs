@@ -19,4 +19,5 @@ mod integrators;
 mod radiance;
 mod transport;
 mod watertight;
+mod mesh_materials;
 mod meshes;

@@ -3,6 +3,7 @@
 use crate::support::{Random, geometry, shoot_all};
 use kinora::bvh::Bvh;
 use kinora::camera::Ray;
+use kinora::material::MadeOf;
 use kinora::math::{DAffine3, DVec3, UNIT_ROUNDOFF};
 use kinora::mesh::{self, Corners, LoadMeter, Normals, Parts, generate, obj, ply};
 use kinora::scene::{Finish, Geometry, Primitive};
@@ -23,7 +24,7 @@ fn shape(parts: Parts, normals: Normals) -> Shape {
 
 fn alone(shape: Shape, to_world: DAffine3) -> Geometry {
     let mut geometry = Geometry::default();
-    geometry.push(&shape, to_world, Finish::Material(0));
+    geometry.push(&shape, to_world, Finish::Material(MadeOf::One(0)));
     geometry
 }
 
@@ -157,8 +158,8 @@ fn normals_of_placed_meshes_are_perpendicular() {
         }
         let normals = Some(Corners::per_vertex(vec![normal.as_vec3(); 3]));
         let parts = Parts { positions, triangles: vec![[0, 1, 2]], normals, ..Parts::default() };
-        let placed =
-            Primitive::new(&shape(parts, Normals::File), map, Finish::Material(0)).expect("a primitive");
+        let placed = Primitive::new(&shape(parts, Normals::File), map, Finish::Material(MadeOf::One(0)))
+            .expect("a primitive");
         let target = map.transform_point3(normal);
         let ray = Ray { origin: target * 3.0, direction: -target };
         let at = placed.hit(&Probe::new(ray), f64::INFINITY).expect("a hit");
@@ -181,7 +182,7 @@ fn placed_shading_normals_stay_on_their_side() {
     for turn in 0..36 {
         let map = DAffine3::from_scale(DVec3::new(5.0, 0.2, 1.0))
             * DAffine3::from_axis_angle(DVec3::Z, f64::from(turn).to_radians() * 10.0);
-        let placed = Primitive::new(&shape, map, Finish::Material(0)).expect("a primitive");
+        let placed = Primitive::new(&shape, map, Finish::Material(MadeOf::One(0))).expect("a primitive");
         let target = map.transform_point3(DVec3::new(0.25, 0.0, -0.25));
         for side in [1.0, -1.0] {
             let direction = map.transform_vector3(DVec3::Y) * side;

@@ -4,6 +4,7 @@ use kinora::color::Rgb;
 use kinora::counters::Meter;
 use kinora::encode::EncodeError;
 use kinora::film::Film;
+use kinora::material::MadeOf;
 use kinora::math::{DAffine3, DVec3};
 use kinora::scene::{Finish, Geometry};
 use kinora::schedule::{FilmSink, FrameLoop, Tally};
@@ -101,7 +102,9 @@ pub fn radiance_at_target(rest: &str) -> Rgb {
 /// Shapes of the first material where they stand.
 pub fn geometry(shapes: impl IntoIterator<Item = Shape>) -> Geometry {
     let mut geometry = Geometry::default();
-    shapes.into_iter().for_each(|shape| geometry.push(&shape, DAffine3::IDENTITY, Finish::Material(0)));
+    shapes
+        .into_iter()
+        .for_each(|shape| geometry.push(&shape, DAffine3::IDENTITY, Finish::Material(MadeOf::One(0))));
     geometry
 }
 

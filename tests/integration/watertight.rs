@@ -3,6 +3,7 @@
 use crate::support::{Random, geometry};
 use kinora::bvh::Bvh;
 use kinora::camera::Ray;
+use kinora::material::MadeOf;
 use kinora::math::{DAffine3, DVec3};
 use kinora::mesh::generate;
 use kinora::scene::{Finish, Primitive};
@@ -128,7 +129,7 @@ fn turned_boxes_are_entered_and_left_once() {
     let affine = DAffine3::from_translation(DVec3::new(5.0, -3.0, 2.0))
         * turn
         * DAffine3::from_scale(DVec3::new(2.0, 1.0, 0.5));
-    let placed = Primitive::new(&cuboid, affine, Finish::Material(0)).expect("a box");
+    let placed = Primitive::new(&cuboid, affine, Finish::Material(MadeOf::One(0))).expect("a box");
     assert!(placed.placement.is_some(), "it is turned");
     for distance in [6.0, 100.0, 1e4] {
         for _ in 0..RAYS / 3 {

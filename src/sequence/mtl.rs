@@ -1,0 +1,142 @@
+//! The materials that come with a mesh, in terms of Kinora's own.
+
+use super::fault::Fault;
+use super::material::Given;
+use super::node::Node;
+use super::suggest::shortened;
+use crate::color::Rgb;
+use crate::material::Highlight;
+use crate::mesh::{Mesh, MtlMaterial};
+use crate::optics::Fresnel;
+use crate::texture::{Encoding, Filter, ImageTracks, PaintTracks, PlacementTracks, Wrap};
+use std::ops::Range;
+use std::path::Path;
+
+/// What a mesh is made of if its object does not say: the materials of its file, with their names, or the colours
+/// of its vertices. Nothing if it has neither, or if an image cannot be read, which is reported at `place`.
+pub fn own_materials(node: Node<'_>, place: &Range<usize>, mesh: &Mesh) -> Option<Vec<(String, Given)>> {
+    let color = mesh.has_colors().then_some(PaintTracks::VertexColor);
+    let bare = Given { color, ..Given::default() };
+    let slots = mesh.materials().iter().map(|material| {
+        let image = match &material.diffuse_map {
+            Some(path) => Some(diffuse_map(node, place, &material.name, path)?),
+            None => None,
+        };
+        Some((material.name.clone(), translated(material, image, &bare)))
+    });
+    // All of them are read, so that all missing images are told.
+    let slots: Vec<_> = slots.collect();
+    let mut given = slots.into_iter().collect::<Option<Vec<_>>>()?;
+    given.push((String::new(), bare));
+    Some(given)
+}
+
+fn diffuse_map(node: Node<'_>, place: &Range<usize>, material: &str, path: &str) -> Option<ImageTracks> {
+    let image = match node.file.assets.image(path, Encoding::Srgb) {
+        Ok(image) => image,
+        Err(why) => {
+            let name = Path::new(path).file_name().unwrap_or_default().to_string_lossy();
+            let title = format!("cannot read the image {:?} of the mesh", shortened(&name));
+            let help =
+                format!("material {:?} has it, by a path from the mesh's folder on", shortened(material));
+            node.fault(Fault::new(place.clone(), title, why.to_string()).help(help));
+            return None;
+        }
+    };
+    Some(ImageTracks {
+        image,
+        wrap: Wrap::Repeat,
+        filter: Filter::default(),
+        channel: None,
+        tint: Rgb::ONE.into(),
+        placement: PlacementTracks::default(),
+    })
+}
+
+/// Follows the models of the format's description (Wavefront, *Advanced Visualizer*, appendix B2): highlights are
+/// Blinn's; models from 3 on also mirror, and 6 and 7 refract, 7 with Fresnel's equations.
+fn translated(material: &MtlMaterial, image: Option<ImageTracks>, bare: &Given) -> Given {
+    let number = |value: f32| f64::from(value.max(0.0));
+    let model = material.model.unwrap_or(2);
+    let opacity = number(material.opacity.unwrap_or(1.0)).min(1.0);
+    let refracts = matches!(model, 6 | 7);
+    let tinted = |color: Option<Rgb>| match (&image, color) {
+        (Some(image), color) => {
+            let tint = color.unwrap_or(Rgb::ONE).max(Rgb::ZERO).into();
+            Some(PaintTracks::Image(Box::new(ImageTracks { tint, ..image.clone() })))
+        }
+        (None, color) => color.map(|color| color.max(Rgb::ZERO).into()),
+    };
+    let mut given = bare.clone();
+    given.color = tinted(material.diffuse).or(given.color);
+    if given.color.is_some() || opacity < 1.0 {
+        given.diffuse.strength = Some(opacity.into());
+    }
+    if let Some(ambient) = tinted(material.ambient).filter(|_| material.ambient.is_some()) {
+        (given.ambient.strength, given.ambient.tint) = (Some(opacity.into()), Some(ambient));
+    }
+    if let Some(specular) = material.specular {
+        let lobe = |there: bool| if there { 1.0 } else { 0.0 };
+        let tint = Some(PaintTracks::from(specular.max(Rgb::ZERO)));
+        (given.specular.strength, given.specular.tint) = (Some(lobe(model >= 2).into()), tint.clone());
+        (given.mirror.strength, given.mirror.tint) = (Some(lobe(model >= 3).into()), tint);
+        given.highlight = Some(Highlight::BlinnPhong);
+    }
+    if let Some(emission) = material.emission {
+        let tint = emission.max(Rgb::ZERO).into();
+        (given.emission.strength, given.emission.tint) = (Some(1.0.into()), Some(tint));
+    }
+    if refracts {
+        let share = material.opacity.map_or(1.0, |_| 1.0 - opacity);
+        given.refraction.strength = Some(share.into());
+        given.fresnel = (model == 7).then_some(Fresnel::Exact);
+    } else if opacity < 1.0 {
+        given.transparency.strength = Some((1.0 - opacity).into());
+    }
+    given.shininess = material.shininess.map(|value| number(value).into());
+    given.ior = material.ior.filter(|ior| *ior > 0.0).map(|ior| f64::from(ior).into());
+    given
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::MaterialTracks;
+    use crate::mesh;
+
+    fn tracks(text: &str) -> MaterialTracks {
+        let material = mesh::mtl::read(text.as_bytes()).expect("a material").remove(0);
+        translated(&material, None, &Given::default()).over(&Given::default())
+    }
+
+    #[test]
+    fn values_become_lobes() {
+        let m = tracks("newmtl a\nKd 0.8 0.1 0\nKa 0.2 0 0\nKs 0.5 0.5 0.5\nNs 90\nKe 0 0 2\nillum 2");
+        assert_eq!((&m.diffuse.strength, &m.diffuse.tint), (&1.0.into(), &Rgb::new(0.8, 0.1, 0.0).into()));
+        assert_eq!((&m.ambient.strength, &m.ambient.tint), (&1.0.into(), &Rgb::new(0.2, 0.0, 0.0).into()));
+        assert_eq!((&m.specular.strength, &m.specular.tint), (&1.0.into(), &Rgb::splat(0.5).into()));
+        assert_eq!((&m.emission.strength, &m.emission.tint), (&1.0.into(), &Rgb::new(0.0, 0.0, 2.0).into()));
+        assert_eq!((m.shininess, m.highlight), (90.0.into(), Highlight::BlinnPhong));
+        assert_eq!((m.mirror.strength, m.transparency.strength), (0.0.into(), 0.0.into()));
+    }
+
+    #[test]
+    fn models_say_which_lobes_there_are() {
+        let m = tracks("newmtl matte\nKd 1 1 1\nKs 1 1 1\nillum 1");
+        assert_eq!((m.specular.strength, m.mirror.strength), (0.0.into(), 0.0.into()));
+        let m = tracks("newmtl mirror\nKs 0.9 0.9 0.9\nillum 3");
+        assert_eq!((m.mirror.strength, m.mirror.tint), (1.0.into(), Rgb::splat(0.9).into()));
+        let m = tracks("newmtl veil\nKd 1 1 1\nd 0.25");
+        assert_eq!((m.diffuse.strength, m.transparency.strength), (0.25.into(), 0.75.into()));
+        let m = tracks("newmtl glass\nKd 0 0 0\nNi 1.4\nd 0\nillum 7");
+        assert_eq!((m.diffuse.strength, m.refraction.strength), (0.0.into(), 1.0.into()));
+        assert_eq!(m.fresnel, Fresnel::Exact);
+        assert_eq!(m.transparency.strength, 0.0.into());
+    }
+
+    #[test]
+    fn what_the_file_leaves_open_is_the_default() {
+        let m = tracks("newmtl nothing");
+        assert_eq!(m, Given::default().over(&Given::default()));
+    }
+}

@@ -1,0 +1,95 @@
+//! Meshes in the materials and colours that came with them.
+
+use crate::support::{radiance_at_target, shoot};
+use kinora::color::Rgb;
+use kinora::sequence::{Sequence, load};
+use std::fs;
+use std::path::Path;
+
+/// Four squares around the origin, each in a material of its own but for the last, which has none.
+const OBJ: &str = "mtllib four.mtl
+v -1 -1 0\nv 0 -1 0\nv 1 -1 0\nv -1 0 0\nv 0 0 0\nv 1 0 0\nv -1 1 0\nv 0 1 0\nv 1 1 0
+vt 0.25 0.5\nvt 0.75 0.5
+f 4 5 8 7
+usemtl dim\nf 5 6 9 8
+usemtl picture\nf 1/1 2/1 5/1 4/1
+usemtl lamp\nf 2 3 6 5
+";
+
+const MTL: &str = "newmtl lamp\nKd 0 0 0\nKa 0 0 0\nKe 0 2 4
+newmtl dim\nKa 0.25 0.5 0.125
+newmtl picture\nKa 1 1 1\nKd 0.5 0.5 0.5\nmap_Kd images/left.png
+";
+
+/// The mesh in four pixels, under nothing but ambient light of radiance 0.5.
+fn sequence(folder: &Path, object: &str) -> Result<Sequence, String> {
+    fs::create_dir_all(folder.join("models/images")).expect("the folder is writable");
+    fs::write(folder.join("models/four.obj"), OBJ).expect("a disk");
+    fs::write(folder.join("models/four.mtl"), MTL).expect("a disk");
+    let text = format!(
+        "(output: (size: (2, 2)), quality: (antialias: 1), ambient: 0.5,
+        camera: (position: (0, 0, 5), projection: Orthographic(height: 2)),
+        default_material: (ambient: 1, color: 0.75),
+        objects: {{ \"four\": (shape: Mesh(\"models/four.obj\"){object}) }})"
+    );
+    let path = folder.join("scene.ron");
+    fs::write(&path, text).expect("a disk");
+    load(&path).map_err(|error| error.to_string())
+}
+
+fn write_image(folder: &Path) {
+    let texels = [[0, 255, 0], [255, 0, 0]].map(image::Rgb::<u8>).to_vec();
+    let image = image::RgbImage::from_fn(2, 1, |x, _| texels[x as usize]);
+    image.save(folder.join("models/images/left.png")).expect("a disk");
+}
+
+#[test]
+fn triangles_have_the_materials_of_their_file() {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    fs::create_dir_all(folder.path().join("models/images")).expect("the folder is writable");
+    write_image(folder.path());
+    let sequence = sequence(folder.path(), "").unwrap_or_else(|error| panic!("{error}"));
+    for scene in [sequence.clone(), path_traced(sequence)] {
+        let shot = shoot(&scene, 0..1).remove(0);
+        let pixels = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| shot.pixel(x, y).to_array());
+        let bare = [0.375; 3];
+        assert_eq!(pixels, [bare, [0.125, 0.25, 0.0625], [0.0, 0.5, 0.0], [0.0, 2.0, 4.0]]);
+    }
+}
+
+fn path_traced(mut sequence: Sequence) -> Sequence {
+    sequence.quality.integrator = kinora::quality::Integrator::Path(Default::default());
+    sequence.quality.samples = 1;
+    sequence
+}
+
+#[test]
+fn a_material_of_the_object_goes_before() {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    let sequence = sequence(folder.path(), ", material: (color: 0.25)").expect("its images are not needed");
+    let shot = shoot(&sequence, 0..1).remove(0);
+    for (x, y) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        assert_eq!(shot.pixel(x, y), Rgb::splat(0.125));
+    }
+}
+
+#[test]
+fn missing_images_are_told() {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    let told = sequence(folder.path(), "").expect_err("no image");
+    assert!(told.contains("cannot read the image \"left.png\" of the mesh"), "{told}");
+    assert!(told.contains("scene.ron:4") && told.contains("there is no such file"), "{told}");
+}
+
+#[test]
+fn meshes_without_materials_show_the_colours_of_their_vertices() {
+    let mesh = "shape: Mesh(vertices: [(-1, -1, 0), (1, -1, 0), (0, 1, 0)], triangles: [(0, 1, 2)],
+                colors: [(1, 0.5, 0), (1, 0.5, 0), (1, 0.5, 0)])";
+    let seen = |material: &str| {
+        radiance_at_target(&format!(
+            "default_material: (ambient: 1, color: 0.5), objects: {{ \"m\": ({mesh}{material}) }}"
+        ))
+    };
+    assert_eq!(seen(""), Rgb::new(1.0, 0.5, 0.0));
+    assert_eq!(seen(", material: (color: 0.25)"), Rgb::splat(0.25));
+}
