@@ -16,6 +16,7 @@ mod job;
 mod output;
 mod pattern;
 mod png;
+mod ppm;
 mod store;
 #[cfg(test)]
 mod tests;

@@ -9,6 +9,8 @@ use std::path::{Path, PathBuf};
 pub enum Output {
     /// One PNG per frame.
     Png(FramePattern),
+    /// One binary PPM per frame.
+    Ppm(FramePattern),
     /// One OpenEXR file per frame.
     Exr(FramePattern),
     /// One GIF of all frames.
@@ -23,6 +25,7 @@ impl Output {
         let extension = Path::new(text).extension().and_then(|extension| extension.to_str());
         match extension.map(str::to_ascii_lowercase).as_deref() {
             Some("png") => pattern().map(Self::Png),
+            Some("ppm") => pattern().map(Self::Ppm),
             Some("exr") => pattern().map(Self::Exr),
             Some("gif") => match FramePattern::parse(text) {
                 Ok(pattern) if !pattern.has_place() => Ok(Self::Gif(PathBuf::from(text))),
@@ -42,7 +45,7 @@ impl Output {
     /// The names of the frames' own files, unless one file holds all.
     pub fn pattern(&self) -> Option<&FramePattern> {
         match self {
-            Self::Png(pattern) | Self::Exr(pattern) => Some(pattern),
+            Self::Png(pattern) | Self::Ppm(pattern) | Self::Exr(pattern) => Some(pattern),
             Self::Gif(_) => None,
         }
     }
@@ -64,7 +67,7 @@ impl Output {
     /// The file that `frame` goes to.
     pub fn path(&self, frame: u32) -> PathBuf {
         match self {
-            Self::Png(pattern) | Self::Exr(pattern) => pattern.path(frame),
+            Self::Png(pattern) | Self::Ppm(pattern) | Self::Exr(pattern) => pattern.path(frame),
             Self::Gif(path) => path.clone(),
         }
     }
@@ -73,7 +76,7 @@ impl Output {
 impl fmt::Display for Output {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Png(pattern) | Self::Exr(pattern) => pattern.fmt(f),
+            Self::Png(pattern) | Self::Ppm(pattern) | Self::Exr(pattern) => pattern.fmt(f),
             Self::Gif(path) => path.display().fmt(f),
         }
     }
@@ -95,7 +98,7 @@ enum Cause {
 }
 
 const KNOWN: &str =
-    "known are .png and .exr (one file per frame: \"frame_####.png\") and .gif (one file for all)";
+    "known are .png, .ppm and .exr (one file per frame: \"frame_####.png\") and .gif (one file for all)";
 
 impl fmt::Display for OutputError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -130,6 +133,7 @@ mod tests {
     fn formats_follow_the_extension() {
         assert!(matches!(Output::parse("a/b_####.png"), Ok(Output::Png(_))));
         assert!(matches!(Output::parse("A.PNG"), Ok(Output::Png(_))));
+        assert!(matches!(Output::parse("a_####.ppm"), Ok(Output::Ppm(_))));
         assert!(matches!(Output::parse("a_####.exr"), Ok(Output::Exr(_))));
         assert_eq!(Output::parse("a/b.gif"), Ok(Output::Gif("a/b.gif".into())));
     }

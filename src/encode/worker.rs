@@ -8,6 +8,7 @@ use super::gif::Animation;
 use super::job::Job;
 use super::output::Output;
 use super::png;
+use super::ppm;
 use super::store::Store;
 use super::{Message, Report};
 use crate::film::Film;
@@ -39,14 +40,14 @@ impl Worker {
         job.check()?;
         let gifs = job.outputs.iter().filter_map(|output| match output {
             Output::Gif(path) => Some(path),
-            Output::Png(_) | Output::Exr(_) => None,
+            Output::Png(_) | Output::Ppm(_) | Output::Exr(_) => None,
         });
         let animations = gifs.clone().map(|path| Animation::new(path, &job)).collect::<Result<_, _>>()?;
         let folders = job.prepare_folders()?;
         let own = job.outputs.iter().find_map(|output| match output {
             Output::Png(pattern) => Some(Store::Own { pattern: pattern.clone(), frames: job.frames.clone() }),
-            // Radiance is no picture yet.
-            Output::Exr(_) | Output::Gif(_) => None,
+            // Radiance is no picture yet; and one kind of file that is read back is enough.
+            Output::Ppm(_) | Output::Exr(_) | Output::Gif(_) => None,
         });
         let store = match (own, gifs.clone().next()) {
             (_, None) => None,
@@ -85,6 +86,7 @@ impl Worker {
         for output in &self.job.outputs {
             match output {
                 Output::Png(pattern) => png::write(&pattern.path(frame), &picture)?,
+                Output::Ppm(pattern) => ppm::write(&pattern.path(frame), &picture)?,
                 Output::Exr(pattern) => exr::write(&pattern.path(frame), &film)?,
                 Output::Gif(_) => {}
             }

@@ -1,0 +1,35 @@
+//! Pictures as binary PPM (P6), 8 bits a channel.
+
+use super::atomic;
+use super::develop::Picture;
+use super::error::EncodeError;
+use image::codecs::pnm::{PnmEncoder, PnmSubtype, SampleEncoding};
+use image::{ExtendedColorType, ImageEncoder};
+use std::io;
+use std::path::Path;
+
+/// Writes the picture as the file `path`, whole or not at all.
+pub fn write(path: &Path, picture: &Picture) -> Result<(), EncodeError> {
+    let bytes = encode(picture).map_err(|error| EncodeError::write(path, error))?;
+    atomic::write(path, &bytes)
+}
+
+fn encode(picture: &Picture) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(picture.rgb.len() + 32);
+    let encoder = PnmEncoder::new(&mut bytes).with_subtype(PnmSubtype::Pixmap(SampleEncoding::Binary));
+    encoder
+        .write_image(&picture.rgb, picture.width, picture.height, ExtendedColorType::Rgb8)
+        .map_err(io::Error::other)?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_header_and_the_rows() {
+        let picture = Picture { width: 2, height: 1, rgb: vec![255, 0, 10, 1, 2, 3] };
+        assert_eq!(encode(&picture).expect("bytes"), b"P6\n2 1 255\n\xff\x00\x0a\x01\x02\x03");
+    }
+}
