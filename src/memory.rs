@@ -3,6 +3,7 @@
 use crate::color::Rgb;
 use crate::glow::Glow;
 use crate::layers::Layers;
+use crate::math::DVec3;
 use crate::sequence::Sequence;
 
 /// Films alive at once: the one being traced, those that wait for the encoder, and the one it develops.
@@ -17,8 +18,10 @@ const UNKNOWN: u64 = 4 << 30;
 /// Bytes that the pictures of a run take at once. The scene itself is not counted.
 pub fn needed(sequence: &Sequence) -> u64 {
     let (width, height) = sequence.output.size;
-    let layer = size_of::<Rgb>() as u64;
-    let pixel = layers(sequence).saturating_mul(layer * FILMS).saturating_add(BESIDES);
+    // What several moments add up to is kept besides.
+    let sums = if sequence.blurs_motion() { size_of::<DVec3>() as u64 } else { 0 };
+    let layer = size_of::<Rgb>() as u64 * FILMS + sums;
+    let pixel = layers(sequence).saturating_mul(layer).saturating_add(BESIDES);
     (u64::from(width) * u64::from(height)).saturating_mul(pixel)
 }
 
@@ -52,6 +55,16 @@ fn available_in(meminfo: &str) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn motion_blur_takes_sums() {
+        let needed = |camera: &str| {
+            let text = format!("(output: (size: (10, 10)), camera: ({camera}))");
+            needed(&crate::sequence::parse("a.ron", &text).expect("a sequence"))
+        };
+        assert_eq!(needed("") + 100 * 24, needed("shutter: [(0, 0), (1, 0.5)]"));
+        assert_eq!(needed(""), needed("shutter: 0"));
+    }
 
     #[test]
     fn reads_what_linux_tells() {

@@ -74,6 +74,13 @@ pub struct Sequence {
     pub objects: Vec<Named<Object>>,
 }
 
+impl Sequence {
+    /// Whether the shutter of any camera stays open.
+    pub fn blurs_motion(&self) -> bool {
+        self.cameras.iter().any(|camera| camera.value.shutter != Animated::Constant(0.0))
+    }
+}
+
 /// A value with the name that the file gives it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Named<T> {
