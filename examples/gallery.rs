@@ -1,0 +1,47 @@
+//! Renders the pictures of the README's gallery into docs/images/gallery/:
+//!
+//! ```text
+//! cargo run --release --example assets       first: what the sequences show
+//! cargo run --release --example gallery      then: all of them; or with names, those
+//! ```
+
+use kinora::counters::Meter;
+use kinora::encode::Output;
+use kinora::render::{Request, render};
+use kinora::sequence::load;
+use std::error::Error;
+use std::io::{Write, stdout};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Width of the pictures in pixels.
+const WIDTH: u32 = 400;
+
+/// Sequences with the frames that are shown of them, and how many samples these take where they are random.
+const PICTURES: &[(&str, &[u32], u32)] = &[];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let wanted: Vec<String> = std::env::args().skip(1).collect();
+    for &(name, frames, samples) in PICTURES {
+        if wanted.is_empty() || wanted.iter().any(|wanted| wanted == name) {
+            picture(name, frames, samples)?;
+        }
+    }
+    Ok(())
+}
+
+fn picture(name: &str, frames: &[u32], samples: u32) -> Result<(), Box<dyn Error>> {
+    let mut sequence = load(Path::new(&format!("sequences/{name}.ron")))?;
+    let (width, height) = sequence.output.size;
+    sequence.output.size = (WIDTH, (WIDTH * height).div_ceil(width));
+    sequence.quality.samples = samples;
+    sequence.quality.antialias = 4;
+    for &frame in frames {
+        let output = format!("docs/images/gallery/{name}-{frame}.png");
+        let outputs = vec![Output::parse(&output)?];
+        let request = Request { frames: vec![frame], outputs, threads: None };
+        let summary = render(&sequence, &request, &Arc::new(Meter::default()))?;
+        writeln!(stdout(), "{output}: {:.1} s", summary.elapsed.as_secs_f64())?;
+    }
+    Ok(())
+}
