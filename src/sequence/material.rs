@@ -3,9 +3,10 @@
 use super::colors::color;
 use super::fields::Fields;
 use super::keys::keyed;
-use super::node::{Content, Node};
+use super::node::Node;
 use super::paint::paint;
-use super::values::{between, not_negative, one_of, positive, whole_number};
+use super::suggest::nearest;
+use super::values::{between, is_number, not_negative, one_of, positive, whole_number};
 use super::words::variant;
 use crate::color::Rgb;
 use crate::material::{Highlight, Level, Lobe, MaterialTracks};
@@ -55,15 +56,29 @@ fn kinds<'s>() -> [Kind<'s>; 4] {
     ]
 }
 
-/// Whether a value is written like a material.
+/// Whether a value is written like a material, of whatever kind.
 pub fn is_material(node: Node<'_>) -> bool {
-    node.opens_with('(') || kinds().iter().any(|(name, _)| *name == node.word())
+    match node.bare_word() {
+        Some(word) => kinds().iter().any(|(name, _)| *name == word),
+        None => node.opens_with('(') || !node.word().is_empty(),
+    }
+}
+
+/// Whether a word may be a misspelt kind of material.
+pub fn resembles_a_kind(word: &str) -> bool {
+    nearest(word, kinds().map(|(name, _)| name)).is_some()
 }
 
 /// Reads a material: lobes in ( ), or one of the kinds.
 pub fn material(node: Node<'_>) -> Option<Given> {
     if node.opens_with('(') {
         return lobes(node);
+    }
+    if node.word().is_empty() {
+        let fault = node.mismatch("the fields of a material in ( ), or a kind such as Metal( )");
+        let quoted = kinds().iter().any(|(name, _)| node.text().trim_matches('"') == *name);
+        node.fault(if quoted { fault.help("write it without quotes") } else { fault });
+        return None;
     }
     variant(node, "kind of material", &kinds())
 }
@@ -114,8 +129,7 @@ fn lobe(fields: &mut Fields<'_>, strength: &'static str, tint: &'static str) -> 
 /// A number of 0..=1 with or without keys, or paint.
 fn level(node: Node<'_>) -> Option<Level> {
     let keys = node.opens_with('[') || node.word() == "Track";
-    let plain = node.word().is_empty() && matches!(node.content(), Some(Content::Plain)) && !node.is_text();
-    if keys || plain {
+    if keys || is_number(node) {
         return keyed(between(0.0..=1.0))(node).map(Level::Even);
     }
     paint(node).map(Level::Painted)
