@@ -7,7 +7,7 @@ use super::node::Node;
 use super::paint::paint;
 use super::suggest::nearest;
 use super::values::{between, is_number, not_negative, one_of, positive, whole_number};
-use super::words::variant;
+use super::words::{is_literal, variant};
 use crate::color::Rgb;
 use crate::material::{Highlight, Level, Lobe, MaterialTracks};
 use crate::optics::Fresnel;
@@ -121,9 +121,23 @@ fn lobes(node: Node<'_>) -> Option<Given> {
 }
 
 fn lobe(fields: &mut Fields<'_>, strength: &'static str, tint: &'static str) -> Option<GivenLobe> {
-    let strength = fields.optional(strength, keyed(not_negative));
+    let strength = fields.optional(strength, |node| match looks_like_paint(node) {
+        false => keyed(not_negative)(node),
+        true => {
+            let fault = node.mismatch("a number of 0 or more");
+            node.fault(fault.help(format!("this is the part's strength; its colour is `{tint}`")));
+            None
+        }
+    });
     let tint = fields.optional(tint, paint);
     Some(GivenLobe { strength: strength?, tint: tint? })
+}
+
+/// Whether a value without keys is a colour or a pattern rather than a number.
+fn looks_like_paint(node: Node<'_>) -> bool {
+    node.is_text()
+        || node.opens_with('(')
+        || (node.bare_word().is_none() && !matches!(node.word(), "" | "Track"))
 }
 
 /// A number of 0..=1 with or without keys, or paint.
@@ -131,6 +145,10 @@ fn level(node: Node<'_>) -> Option<Level> {
     let keys = node.opens_with('[') || node.word() == "Track";
     if keys || is_number(node) {
         return keyed(between(0.0..=1.0))(node).map(Level::Even);
+    }
+    if node.bare_word().is_some_and(is_literal) {
+        node.expected("a number from 0 to 1, or paint");
+        return None;
     }
     paint(node).map(Level::Painted)
 }
