@@ -58,7 +58,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", value_parser = values::integrator)]
     integrator: Option<Integrator>,
 
-    /// Longest chain of reflections, 0 for none [default: as the sequence says]
+    /// Longest chain of reflections and refractions, 0 for none [default: as the sequence says]
     #[arg(long, value_name = "N", value_parser = values::bounces, allow_hyphen_values = true)]
     bounces: Option<u32>,
 

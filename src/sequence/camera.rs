@@ -5,7 +5,8 @@ use super::keys::keyed;
 use super::names::Names;
 use super::node::Node;
 use super::path::path;
-use super::values::{angle, between, direction, field_of_view, not_negative, positive, vector};
+use super::suggest::shortened;
+use super::values::{angle, direction, field_of_view, is_number, not_negative, number, positive, vector};
 use super::words::{Variants, variant};
 use crate::camera_path::{CameraPath, Focus, Lens};
 use crate::math::{Angle, DVec3};
@@ -38,7 +39,7 @@ pub fn camera(node: Node<'_>, objects: Option<&Names<'_>>) -> Option<CameraPath>
     let lens = fields.or("projection", projection, default_camera().lens);
     let aperture = fields.or("aperture", keyed(not_negative), 0.0);
     let focus = fields.or("focus", |node| focus(node, objects), Focus::Target);
-    let shutter = fields.or("shutter", keyed(between(0.0..=1.0)), 0.0);
+    let shutter = fields.or("shutter", keyed(shutter), 0.0);
     let path = fields.or("path", path, Vec::new());
     fields.finish();
     Some(CameraPath {
@@ -56,14 +57,34 @@ pub fn camera(node: Node<'_>, objects: Option<&Names<'_>>) -> Option<CameraPath>
 
 /// A distance, or an object's name.
 fn focus(node: Node<'_>, objects: Option<&Names<'_>>) -> Option<Focus> {
-    if !node.is_text() {
+    if node.is_text() {
+        return match objects {
+            Some(objects) => objects.index(node).map(Focus::Object),
+            // What is wrong with the objects has been reported.
+            None => Some(Focus::Target),
+        };
+    }
+    if node.opens_with('[') || node.word() == "Track" || is_number(node) {
         return keyed(positive)(node).map(Focus::Distance);
     }
-    match objects {
-        Some(objects) => objects.index(node).map(Focus::Object),
-        // What is wrong with the objects has been reported.
-        None => Some(Focus::Target),
+    let fault = node.mismatch("a distance above 0, or an object's name in quotes");
+    let name = node.bare_word().filter(|word| objects.is_some_and(|objects| objects.has(word)));
+    node.fault(match name {
+        Some(name) => fault.help(format!("write \"{}\"", shortened(name))),
+        None => fault.help("without `focus`, what is as far away as the target is sharp"),
+    });
+    None
+}
+
+/// A share of the time between two frames.
+fn shutter(node: Node<'_>) -> Option<f64> {
+    let share = number(node)?;
+    if (0.0..=1.0).contains(&share) {
+        return Some(share);
     }
+    let fault = node.mismatch("a number from 0 to 1");
+    node.fault(fault.help("a share of the time between two frames: 0.5 for a shutter of 180 degrees"));
+    None
 }
 
 fn projection(node: Node<'_>) -> Option<Lens> {

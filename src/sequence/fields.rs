@@ -25,8 +25,10 @@ impl<'s> Fields<'s> {
             Content::Fields(fields) => fields,
             Content::Tuple(items) if items.is_empty() => Vec::new(),
             Content::Plain if node.bare_word().is_some_and(|word| !is_literal(word)) => Vec::new(),
-            _ => {
-                node.expected(format!("the fields of {what}, written (name: value, ...)"));
+            content => {
+                let fault = node.mismatch(format!("the fields of {what}, written (name: value, ...)"));
+                let nameless = matches!(content, Content::Tuple(_)) && !node.word().is_empty();
+                node.fault(if nameless { fault.label("found values without names") } else { fault });
                 return None;
             }
         };
@@ -127,7 +129,12 @@ impl<'s> Fields<'s> {
             let span = self.node.file.span_of(name);
             let known = || self.known.iter().copied();
             let fault = Fault::new(span, title, suggestion(self.node, name, known()));
-            self.node.fault(fault.help(format!("the fields of {} are {}", self.what, listed(known()))));
+            let help = match self.known.len() {
+                0 => format!("{} has no fields", self.what),
+                1 => format!("the only field of {} is {}", self.what, listed(known())),
+                _ => format!("the fields of {} are {}", self.what, listed(known())),
+            };
+            self.node.fault(fault.help(help));
         }
     }
 }

@@ -3,10 +3,11 @@
 use super::colors::color;
 use super::fields::Fields;
 use super::keys::keyed;
-use super::node::{Content, Node};
+use super::node::Node;
 use super::paint::paint;
-use super::values::{between, not_negative, one_of, positive, whole_number};
-use super::words::variant;
+use super::suggest::nearest;
+use super::values::{between, is_number, not_negative, one_of, positive, whole_number};
+use super::words::{is_literal, variant};
 use crate::color::Rgb;
 use crate::material::{Highlight, Level, Lobe, MaterialTracks};
 use crate::optics::Fresnel;
@@ -55,15 +56,29 @@ fn kinds<'s>() -> [Kind<'s>; 4] {
     ]
 }
 
-/// Whether a value is written like a material.
+/// Whether a value is written like a material, of whatever kind.
 pub fn is_material(node: Node<'_>) -> bool {
-    node.opens_with('(') || kinds().iter().any(|(name, _)| *name == node.word())
+    match node.bare_word() {
+        Some(word) => kinds().iter().any(|(name, _)| *name == word),
+        None => node.opens_with('(') || !node.word().is_empty(),
+    }
+}
+
+/// Whether a word may be a misspelt kind of material.
+pub fn resembles_a_kind(word: &str) -> bool {
+    nearest(word, kinds().map(|(name, _)| name)).is_some()
 }
 
 /// Reads a material: lobes in ( ), or one of the kinds.
 pub fn material(node: Node<'_>) -> Option<Given> {
     if node.opens_with('(') {
         return lobes(node);
+    }
+    if node.word().is_empty() {
+        let fault = node.mismatch("the fields of a material in ( ), or a kind such as Metal( )");
+        let quoted = kinds().iter().any(|(name, _)| node.text().trim_matches('"') == *name);
+        node.fault(if quoted { fault.help("write it without quotes") } else { fault });
+        return None;
     }
     variant(node, "kind of material", &kinds())
 }
@@ -106,17 +121,34 @@ fn lobes(node: Node<'_>) -> Option<Given> {
 }
 
 fn lobe(fields: &mut Fields<'_>, strength: &'static str, tint: &'static str) -> Option<GivenLobe> {
-    let strength = fields.optional(strength, keyed(not_negative));
+    let strength = fields.optional(strength, |node| match looks_like_paint(node) {
+        false => keyed(not_negative)(node),
+        true => {
+            let fault = node.mismatch("a number of 0 or more");
+            node.fault(fault.help(format!("this is the part's strength; its colour is `{tint}`")));
+            None
+        }
+    });
     let tint = fields.optional(tint, paint);
     Some(GivenLobe { strength: strength?, tint: tint? })
+}
+
+/// Whether a value without keys is a colour or a pattern rather than a number.
+fn looks_like_paint(node: Node<'_>) -> bool {
+    node.is_text()
+        || node.opens_with('(')
+        || (node.bare_word().is_none() && !matches!(node.word(), "" | "Track"))
 }
 
 /// A number of 0..=1 with or without keys, or paint.
 fn level(node: Node<'_>) -> Option<Level> {
     let keys = node.opens_with('[') || node.word() == "Track";
-    let plain = node.word().is_empty() && matches!(node.content(), Some(Content::Plain)) && !node.is_text();
-    if keys || plain {
+    if keys || is_number(node) {
         return keyed(between(0.0..=1.0))(node).map(Level::Even);
+    }
+    if node.bare_word().is_some_and(is_literal) {
+        node.expected("a number from 0 to 1, or paint");
+        return None;
     }
     paint(node).map(Level::Painted)
 }

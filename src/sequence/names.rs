@@ -79,6 +79,11 @@ impl<'n> Names<'n> {
         Self { what, in_order, indices }
     }
 
+    /// Whether something goes by the name.
+    pub fn has(&self, name: &str) -> bool {
+        !name.is_empty() && self.indices.contains_key(name)
+    }
+
     /// The index of the name in quotes at `node`.
     pub fn index(&self, node: Node<'_>) -> Option<usize> {
         let name = text(node)?;

@@ -3,11 +3,12 @@
 use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
-use super::material::{Given, is_material, material};
+use super::material::{Given, is_material, material, resembles_a_kind};
 use super::mtl::own_materials;
 use super::names::{Entry, Names};
 use super::node::Node;
 use super::shape::shape;
+use super::suggest::shortened;
 use super::transform::transform;
 use super::values::switch;
 use crate::shape::{Mesh, Shape};
@@ -72,12 +73,13 @@ fn surface(node: Node<'_>, materials: &Names<'_>) -> Option<Surface> {
     if node.is_text() {
         return materials.index(node).map(Surface::Named);
     }
-    if is_material(node) {
+    let misspelt = |word: &str| !materials.has(word) && resembles_a_kind(word);
+    if is_material(node) || node.bare_word().is_some_and(misspelt) {
         return material(node).map(|given| Surface::Inline(Box::new(given)));
     }
     let fault = node.mismatch("a material's name in quotes, its fields in ( ), or a kind such as Metal( )");
     node.fault(match node.bare_word() {
-        Some(word) => fault.help(format!("write \"{}\"", super::suggest::shortened(word))),
+        Some(word) => fault.help(format!("write \"{}\"", shortened(word))),
         None => fault,
     });
     None

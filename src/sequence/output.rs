@@ -20,7 +20,7 @@ pub fn output(node: Node<'_>, name: &str, frames: u32) -> Option<OutputSettings>
     let defaults = default_output(name, frames);
     let size = fields.or("size", size, defaults.size);
     let files = fields.or("files", |node| files(node, frames), defaults.files);
-    let tonemap = fields.or("tonemap", one_of("tonemap", &Tonemap::NAMED), defaults.tonemap);
+    let tonemap = fields.or("tonemap", one_of("tone map", &Tonemap::NAMED), defaults.tonemap);
     let exposure = fields.or("exposure", keyed(between(-MOST_STOPS..=MOST_STOPS)), defaults.exposure);
     let gif = fields.or("gif", gif, GifSettings::default());
     fields.finish();

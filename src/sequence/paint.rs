@@ -5,6 +5,7 @@ use super::colors::{color, color_or};
 use super::fields::Fields;
 use super::keys::keyed;
 use super::node::{Content, Node};
+use super::suggest::shortened;
 use super::transform::turn;
 use super::values::{each, not_negative, number, one_of, unit_vector, vector, whole};
 use super::words::Variants;
@@ -16,6 +17,11 @@ use crate::texture::{
 
 /// A colour over time, or whatever else a surface may be painted with.
 pub fn paint(node: Node<'_>) -> Option<PaintTracks> {
+    if node.is_text() && node.text().contains('.') {
+        let fault = node.mismatch("a colour, or another paint");
+        node.fault(fault.help(format!("an image is written Image({})", shortened(node.text()))));
+        return None;
+    }
     let table: &Variants<'_, PaintTracks> = &[
         ("Image", image_paint),
         ("VertexColor", vertex_color),

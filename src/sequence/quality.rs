@@ -2,7 +2,7 @@
 
 use super::fields::Fields;
 use super::node::Node;
-use super::values::{between, positive, switch, whole};
+use super::values::{between, is_number, positive, switch, whole};
 use super::words::{Variants, variant};
 use crate::filter::{Filter, Kernel};
 use crate::quality::{Integrator, MOST_SAMPLES, PathSettings, Quality};
@@ -61,6 +61,10 @@ fn path(node: Node<'_>) -> Option<Integrator> {
 fn roulette(node: Node<'_>) -> Option<Option<u32>> {
     if node.bare_word() == Some("Off") {
         return Some(None);
+    }
+    if !is_number(node) {
+        node.expected("a whole number of bounces from 0 to 1000, or `Off`");
+        return None;
     }
     whole(0..=1000)(node).map(Some)
 }

@@ -14,6 +14,13 @@ const LARGEST: f64 = 1e30;
 /// Lengths below this are refused, for their squares must stay far from underflow.
 const SHORTEST: f64 = 1e-30;
 
+/// Whether a value is written like a number.
+pub fn is_number(node: Node<'_>) -> bool {
+    let unsigned = node.text().trim_start_matches(['+', '-', '.']);
+    let starts = |text: &str| unsigned.starts_with(text);
+    unsigned.starts_with(|c: char| c.is_ascii_digit()) || starts("inf") || starts("NaN")
+}
+
 /// Any finite number.
 pub fn number(node: Node<'_>) -> Option<f64> {
     let text = node.text();

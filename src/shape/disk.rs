@@ -49,7 +49,7 @@ impl Geometric for Disk {
         moved.then(|| Self { center: self.center + affine.translation, ..*self })
     }
 
-    /// The square around the disk, as [`flat::axes`] lies in its plane: (0.5, 0.5) is the centre.
+    /// The square around the disk, as `flat::axes` lies in its plane: (0.5, 0.5) is the centre.
     fn uv(&self, point: DVec3, _: u32) -> DVec2 {
         let (right, up) = flat::axes(self.normal);
         let from_center = (point - self.center) / (2.0 * self.radius);

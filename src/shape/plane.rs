@@ -38,7 +38,7 @@ impl Geometric for Plane {
         Some(Self { point: affine.transform_point3(self.point), normal })
     }
 
-    /// Lengths along [`flat::axes`] from the plane's point.
+    /// Lengths along `flat::axes` from the plane's point.
     fn uv(&self, point: DVec3, _: u32) -> DVec2 {
         let (right, up) = flat::axes(self.normal);
         DVec2::new((point - self.point).dot(right), (point - self.point).dot(up))

@@ -77,7 +77,7 @@ impl Geometric for Sphere {
     }
 
     /// Longitude from west to east and latitude from -y (0) to +y (1). Both by atan2, whose error stays
-    /// relative at the poles, where those of asin and acos do not. Maps begin [`SEAM`] off -x.
+    /// relative at the poles, where those of asin and acos do not. Maps begin `SEAM` off -x.
     fn uv(&self, point: DVec3, _: u32) -> DVec2 {
         let d = point - self.center;
         let longitude = (SEAM - libm::atan2(d.z, d.x) + PI) / TAU;

@@ -33,7 +33,7 @@ impl Geometric for Torus {
         Some(Self::new(center?, axis?, major, minor))
     }
 
-    /// See [`Chord`]. Only where the ray is within the torus' bounding sphere and between the planes that
+    /// See `Chord`. Only where the ray is within the torus' bounding sphere and between the planes that
     /// touch it above and below are there any roots.
     fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
         let ray = self.frame.local(&probe.ray);

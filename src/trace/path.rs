@@ -29,6 +29,8 @@ pub struct Paths<'a> {
 struct Path {
     ray: Ray,
     throughput: Rgb,
+    /// The same, but for the fog since the last surface that scattered: that gathers light as if there were none.
+    gathered: Rgb,
     media: Media,
     /// Bounces that are left.
     left: u32,
@@ -50,6 +52,7 @@ impl<'a> Paths<'a> {
         let mut path = Path {
             ray,
             throughput: Rgb::ONE,
+            gathered: Rgb::ONE,
             media: Media::default(),
             left: tracer.quality.bounces,
             drawn: None,
@@ -63,21 +66,27 @@ impl<'a> Paths<'a> {
 
     /// Goes on to the next surface and from there; false at the path's end.
     fn step(&self, tracer: &Tracer, path: &mut Path, dice: Dice, work: &mut Work) -> bool {
-        match tracer.advance(&path.ray, &path.media, &mut path.throughput, work) {
+        let gathers = path.drawn.is_some();
+        let (met, way) = tracer.advance(&path.ray, &path.media, path.throughput, gathers, work);
+        path.throughput *= way.passed * way.clear;
+        path.gathered *= way.passed;
+        // Of light that shines by itself, and that this surface, or the last one that scattered, may have asked for.
+        let shining = if gathers { path.gathered } else { path.throughput };
+        match met {
             Met::Nothing => {
                 let weight =
                     self.met_weight(path, |_| self.luminaires.sky_density(tracer, path.ray.direction));
-                tracer.add_sky(&path.ray, path.throughput * weight, work);
+                tracer.add_sky(&path.ray, shining * weight, work);
                 false
             }
             Met::Light { index, outside, surface, hit } => {
                 let light = &tracer.scene.shading.lights[index as usize];
                 let density = |from| self.luminaires.density(tracer, from, &hit, &surface);
                 let weight = self.met_weight(path, density);
-                work.add(light.layer, path.throughput * seen(light, outside) * weight);
+                work.add(light.layer, shining * seen(light, outside) * weight);
                 false
             }
-            Met::Surface(face) => self.at_surface(tracer, path, &face, dice, work),
+            Met::Surface(face) => self.at_surface(tracer, path, &face, shining, dice, work),
         }
     }
 
@@ -93,7 +102,15 @@ impl<'a> Paths<'a> {
         }
     }
 
-    fn at_surface(&self, tracer: &Tracer, path: &mut Path, face: &Face, dice: Dice, work: &mut Work) -> bool {
+    fn at_surface(
+        &self,
+        tracer: &Tracer,
+        path: &mut Path,
+        face: &Face,
+        shining: Rgb,
+        dice: Dice,
+        work: &mut Work,
+    ) -> bool {
         let materials = &tracer.scene.shading.materials;
         let refracts = face.material.refracts();
         let boundary = refracts.then(|| path.media.boundary(face.enclosure, face.outside, materials));
@@ -103,7 +120,8 @@ impl<'a> Paths<'a> {
             return true;
         }
         let density = |from| self.luminaires.density(tracer, from, &face.hit, &face.surface);
-        tracer.add_own(face, path.throughput, self.met_weight(path, density), work);
+        tracer.add_ambient(face, path.throughput, work);
+        tracer.add_emission(face, shining * self.met_weight(path, density), work);
         self.ask_for_light(tracer, path, face, dice, work);
         let seen = face.seen(&path.ray);
         let u = dice.sampler.four(Use::Scatter(dice.surface));
@@ -142,6 +160,7 @@ impl<'a> Paths<'a> {
 
     fn go_on(&self, path: &mut Path, face: &Face, next: &Scatter) -> bool {
         path.throughput *= next.share;
+        path.gathered *= next.share;
         if path.throughput == Rgb::ZERO {
             return false;
         }
@@ -155,6 +174,7 @@ impl<'a> Paths<'a> {
             Kind::Mirrored => (path.scattered, path.counted) = (false, false),
             Kind::Scattered => (path.scattered, path.counted) = (true, false),
         }
+        path.gathered = path.throughput;
         path.drawn = next.density.map(|density| (face.surface.point, density));
         let left = path.left.checked_sub(1);
         path.left = left.unwrap_or(0);
@@ -172,6 +192,7 @@ impl<'a> Paths<'a> {
             return false;
         }
         path.throughput /= chance;
+        path.gathered /= chance;
         true
     }
 }

@@ -13,7 +13,7 @@ use crate::film::LayerId;
 use crate::fog::Fog;
 use crate::glow::Glow;
 use crate::light::Light;
-use crate::material::{Lobes, Material};
+use crate::material::{Lobes, Material, Medium};
 use crate::math::DVec3;
 use crate::optics::refract;
 use crate::quality::Quality;
@@ -74,10 +74,24 @@ impl Passing {
         Self { whole: share, unbent: share }
     }
 
+    fn absorb(&mut self, medium: Medium, length: f64) {
+        let left = medium.transmittance(length);
+        self.dim(left, left);
+    }
+
     fn dim(&mut self, whole: Rgb, unbent: Rgb) {
         self.whole *= whole;
         self.unbent *= unbent;
     }
+}
+
+/// What is left of light on its way along a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Way {
+    /// The share that the medium around does not absorb.
+    pub passed: Rgb,
+    /// The share that the fog does not hide.
+    pub clear: f32,
 }
 
 /// What a ray hit.
@@ -134,20 +148,31 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// What the ray meets, and its way there, which may be infinite. Black fog and what lies between are
-    /// taken off `throughput`; the fog's own light is added.
-    pub fn advance(&self, ray: &Ray, media: &Media, throughput: &mut Rgb, work: &mut Work) -> Met<'a> {
+    /// What the ray meets, and what its way there, which may be infinite, leaves of `throughput`. The fog's own
+    /// light is added. A ray that `gathers` light for a surface sees no fog before lights and the sky, as the surface's shadow
+    /// rays do not either.
+    pub fn advance(
+        &self,
+        ray: &Ray,
+        media: &Media,
+        throughput: Rgb,
+        gathers: bool,
+        work: &mut Work,
+    ) -> (Met<'a>, Way) {
         let hit = self.bvh.closest(self.scene.geometry, &Probe::new(*ray));
         let t = hit.map_or(f64::INFINITY, |hit| hit.at.t);
+        let mut way = Way { passed: Rgb::ONE, clear: 1.0 };
         if self.media {
-            *throughput *= media.here(&self.scene.shading.materials).transmittance(t);
+            way.passed = media.here(&self.scene.shading.materials).transmittance(t);
         }
-        if let Some(fog) = &self.fog {
-            let opacity = fog.opacity(ray, t) as f32;
-            work.add(fog.glow.layer, *throughput * fog.glow.radiance * opacity);
-            *throughput *= 1.0 - opacity;
-        }
-        hit.map_or(Met::Nothing, |hit| self.met(ray, hit))
+        let met = hit.map_or(Met::Nothing, |hit| self.met(ray, hit));
+        let Some(fog) = self.fog.as_ref().filter(|_| !gathers || matches!(met, Met::Surface(_))) else {
+            return (met, way);
+        };
+        let opacity = fog.opacity(ray, t) as f32;
+        work.add(fog.glow.layer, throughput * way.passed * fog.glow.radiance * opacity);
+        way.clear = 1.0 - opacity;
+        (met, way)
     }
 
     fn met(&self, ray: &Ray, hit: Hit) -> Met<'a> {
@@ -176,13 +201,17 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// What a surface shines by itself: its emission, and its share of the ambient light.
-    pub fn add_own(&self, face: &Face, throughput: Rgb, emission: f32, work: &mut Work) {
+    /// A surface's share of the ambient light.
+    pub fn add_ambient(&self, face: &Face, throughput: Rgb, work: &mut Work) {
         if let Some(ambient) = &self.ambient {
             work.add(ambient.layer, throughput * face.lobes.ambient * ambient.radiance);
         }
+    }
+
+    /// What a surface shines by itself.
+    pub fn add_emission(&self, face: &Face, throughput: Rgb, work: &mut Work) {
         if face.lobes.emission != Rgb::ZERO {
-            work.add(face.material.emission_layer, throughput * face.lobes.emission * emission);
+            work.add(face.material.emission_layer, throughput * face.lobes.emission);
         }
     }
 
@@ -195,7 +224,12 @@ impl<'a> Tracer<'a> {
         }
         work.counts.rays.shadow += 1;
         if !self.clear {
-            return Passing::all_or_nothing(self.bvh.occluded(self.scene.geometry, &Probe::new(ray), t_max));
+            let mut passing =
+                Passing::all_or_nothing(self.bvh.occluded(self.scene.geometry, &Probe::new(ray), t_max));
+            if self.media {
+                passing.absorb(media.here(&self.scene.shading.materials), ray.direction.length() * t_max);
+            }
+            return passing;
         }
         self.transmitted(arrival, ray, t_max, *media, work)
     }
@@ -214,9 +248,8 @@ impl<'a> Tracer<'a> {
         loop {
             let hit = self.bvh.closest_before(self.scene.geometry, &Probe::new(ray), t_max);
             let length = ray.direction.length() * hit.map_or(t_max, |hit| hit.at.t);
-            if self.media && self.refractive_shadows {
-                let left = media.here(materials).transmittance(length);
-                share.dim(left, left);
+            if self.media {
+                share.absorb(media.here(materials), length);
             }
             let Some(hit) = hit else { return share };
             let Met::Surface(face) = self.met(&ray, hit) else { return Passing::all_or_nothing(true) };

@@ -38,7 +38,9 @@ pub fn follow(tracer: &Tracer, ray: Ray, mut dice: Dice, work: &mut Work) {
 /// Follows one ray to where it ends, and puts off those that start there.
 fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
     let Pending { ray, mut throughput, ref media, sees_lights, .. } = pending;
-    let face = match tracer.advance(&ray, media, &mut throughput, work) {
+    let (met, way) = tracer.advance(&ray, media, throughput, false, work);
+    throughput *= way.passed * way.clear;
+    let face = match met {
         Met::Nothing => return tracer.add_sky(&ray, throughput, work),
         Met::Light { index, outside, .. } => {
             let light = &tracer.scene.shading.lights[index as usize];
@@ -55,7 +57,8 @@ fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
     if face.material.refracts() && branch.hidden(work) {
         return;
     }
-    tracer.add_own(&face, throughput, 1.0, work);
+    tracer.add_ambient(&face, throughput, work);
+    tracer.add_emission(&face, throughput, work);
     branch.lights(Dice { surface, ..*dice }, work);
     branch.rough(Dice { surface, ..*dice }, work);
     branch.mirror(Dice { surface, ..*dice }, work);

@@ -208,3 +208,46 @@ fn moments_share_a_frame() {
         }
     }
 }
+
+/// Fog dims what is seen, not what shines on a surface: however its light was found, that is one and the same.
+#[test]
+fn fog_leaves_light_on_surfaces_as_it_is() {
+    // From a height of 2, on a white floor.
+    let left = libm::exp(-2.0 * 0.3) as f32;
+    for (light, bright) in [
+        (r#"lights: { "sun": Sphere(center: (0, 6, 0), radius: 3) }, objects: {"#, 0.25),
+        ("background: 0.5, objects: {", 0.5),
+        ("background: Gradient(bottom: 0.5, top: 0.5), objects: {", 0.5),
+        (
+            r#"objects: { "lamp": (shape: Sphere(center: (0, 6, 0), radius: 3), material: (emission: 1, color: 1, diffuse: 0)),"#,
+            0.25,
+        ),
+    ] {
+        let scene = |fog: &str| {
+            format!(r#"{fog} {light} "floor": (shape: Plane(), material: Lambertian(color: 1)) }}"#)
+        };
+        near(&down("Path(roulette: Off)", 4096, &scene("")), [bright; 3], 0.004);
+        let foggy = down("Path(roulette: Off)", 4096, &scene("fog: (density: 0.3, color: 0),"));
+        near(&foggy, [bright * left; 3], 0.004);
+    }
+}
+
+/// Light that a surface within glass asks for passes no less glass than light that it meets.
+#[test]
+fn media_absorb_the_light_within_them() {
+    let pool = |lamp: &str| {
+        format!(
+            r#"lights: {{ {lamp} }}, objects: {{
+                "glass": (shape: Box(min: (-50, -0.5, -50), max: (50, 1.5, 50)),
+                          material: (ambient: 0, diffuse: 0, refraction: 1, ior: 1, absorption: (1, 0.5, 0))),
+                "floor": (shape: Rectangle(corner: (-9, 0, 9), u: (18, 0, 0), v: (0, 0, -18)),
+                          material: Lambertian(color: 1)) }}"#
+        )
+    };
+    // One length down from the light, one up to the surface, and a half more to there.
+    let lamp = r#""lamp": Point(position: (0, 1, 0))"#;
+    let expected = |absorption: f32| libm::expf(-absorption * (1.0 + 1.5));
+    for integrator in BOTH {
+        near(&down(integrator, 64, &pool(lamp)), [expected(1.0), expected(0.5), 1.0], 1e-4);
+    }
+}
