@@ -20,3 +20,4 @@ mod radiance;
 mod transport;
 mod watertight;
 mod meshes;
+mod shipped;
