@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Everything is computed from formulas and fixed seeds, so that the files are the same on every machine. The
-//! pictures are part of the repository; the mesh, 12 MB, is not.
+//! pictures are part of the repository; the mesh, 13 MB, is not.
 
 mod moon;
 mod paint;
