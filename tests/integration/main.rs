@@ -21,3 +21,4 @@ mod transport;
 mod watertight;
 mod mesh_materials;
 mod meshes;
+mod shipped;

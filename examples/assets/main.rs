@@ -1,0 +1,82 @@
+//! Makes the pictures and the mesh in `assets/` that sequences use:
+//!
+//! ```text
+//! cargo run --release --example assets
+//! ```
+//!
+//! Everything is computed from formulas and fixed seeds, so that the files are the same on every machine. The
+//! pictures are part of the repository; the mesh, 13 MB, is not.
+
+mod moon;
+mod paint;
+mod planet;
+mod shell;
+mod sky;
+
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder};
+use kinora::mesh::ply;
+use rayon::prelude::*;
+use std::error::Error;
+use std::fs::{self, File};
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+/// A picture by rule: the sRGB codes of each pixel, counted from the top left.
+struct Picture {
+    name: String,
+    size: (u32, u32),
+    pixel: Box<dyn Fn(u32, u32) -> [u8; 3] + Sync>,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    for picture in pictures() {
+        write(&picture, &path(&picture.name)?)?;
+    }
+    ply::write(BufWriter::new(File::create(path("meshes/shell.ply")?)?), &shell::parts())?;
+    Ok(())
+}
+
+fn pictures() -> Vec<Picture> {
+    let mut pictures = vec![planet::picture(), moon::picture()];
+    pictures.extend(sky::pictures());
+    pictures
+}
+
+/// Where a file of this name belongs; its folder is made.
+fn path(name: &str) -> Result<PathBuf, std::io::Error> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets").join(name);
+    path.parent().map_or(Ok(()), fs::create_dir_all)?;
+    Ok(path)
+}
+
+fn write(picture: &Picture, path: &Path) -> Result<(), Box<dyn Error>> {
+    let (width, height) = picture.size;
+    let row = |y| (0..width).flat_map(|x| (picture.pixel)(x, y)).collect::<Vec<u8>>();
+    let codes = (0..height).into_par_iter().map(row).collect::<Vec<_>>().concat();
+    let out = BufWriter::new(File::create(path)?);
+    let encoder = PngEncoder::new_with_quality(out, CompressionType::Best, FilterType::Adaptive);
+    encoder.write_image(&codes, width, height, ExtendedColorType::Rgb8)?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The pictures in the repository are those that the command makes: every 13th pixel of every 29th row.
+    #[test]
+    fn the_pictures_are_up_to_date() {
+        for picture in pictures() {
+            let path = path(&picture.name).expect("the folder is there");
+            let file = image::open(&path).unwrap_or_else(|error| panic!("{path:?}: {error}")).into_rgb8();
+            assert_eq!(file.dimensions(), picture.size, "{}", picture.name);
+            for y in (0..picture.size.1).step_by(29) {
+                for x in (0..picture.size.0).step_by(13) {
+                    let expected = (picture.pixel)(x, y);
+                    assert_eq!(file.get_pixel(x, y).0, expected, "{} at {x}, {y}", picture.name);
+                }
+            }
+        }
+    }
+}
