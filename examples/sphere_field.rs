@@ -81,7 +81,7 @@ const MOVES: &str = r##"// The field of field-orbit.ron, and what a camera can d
         position: [(2, (0.6, 2.4, 13), Smooth), (14, (0.4, 1.6, 7.5))],
         // Up and down from 30 to 54: the camera stays, its target does not.
         target: [(30, (0, 0.8, 0), Smooth), (38, (0, 2.4, 0), Smooth), (46, (0, -0.8, 0), Smooth), (54, (0, 0.8, 0))],
-        // A longer lens from 16 to 28, and back at the end.
+        // A narrower view from 16 to 28.
         projection: Perspective(fov: [(16, 40, Smooth), (28, 24)]),
         // The lens opens from 56 to 68. What is as far away as the glass ball stays sharp.
         aperture: [(56, 0, Smooth), (68, 0.4)],
