@@ -18,7 +18,19 @@ use std::sync::Arc;
 const WIDTH: u32 = 400;
 
 /// Sequences with the frames that are shown of them, and how many samples these take where they are random.
-const PICTURES: &[(&str, &[u32], u32)] = &[];
+const PICTURES: &[(&str, &[u32], u32)] = &[
+    ("glazed-orbit", &[6], 1),
+    ("classic-shadow", &[10], 1),
+    ("classic-refraction", &[40], 1),
+    ("classic-cube-map", &[40], 1),
+    ("classic-mirrors", &[10], 1),
+    ("classic-turntable", &[10], 1),
+    ("room", &[5], 1),
+    ("room-effects", &[8, 44], 64),
+    ("field-orbit", &[8], 256),
+    ("field-metal", &[8], 256),
+    ("field-dielectric", &[8], 256),
+];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let wanted: Vec<String> = std::env::args().skip(1).collect();
