@@ -26,8 +26,8 @@ pub struct Arguments {
 
     /// File to write; may be given several times [default: those that the sequence names]
     ///
-    /// The format follows the extension: .gif for an animation, .png or .ppm for a picture per frame,
-    /// .exr for its linear radiance, where #### or %04d is the place of the frame number.
+    /// The format follows the extension: .gif for an animation, .png or .ppm for a picture per
+    /// frame, .exr for its linear radiance, where #### or %04d is the place of the frame number.
     /// Without this option, a draft's files are called draft_..., and a part of the frames
     /// leaves the whole animation as it is.
     #[arg(short, long, value_name = "FILE", value_parser = Output::parse, verbatim_doc_comment)]
