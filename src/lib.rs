@@ -25,6 +25,7 @@ pub mod glow;
 pub mod frame_set;
 pub mod camera;
 pub mod camera_path;
+mod simd;
 pub mod tree;
 pub mod mesh;
 pub mod shape;

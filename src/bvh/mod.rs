@@ -7,12 +7,16 @@ mod tests;
 
 use crate::scene::Geometry;
 use crate::shape::Crossing;
-use crate::tree::{Probe, Tree};
+use crate::simd::Lanes;
+use crate::tree::{Leaves, Probe, Slabs, Tree};
 
 /// A tree over the bounded primitives, and the list of those that no box holds.
 #[derive(Clone, Debug, Default)]
 pub struct Bvh {
     tree: Tree,
+    /// Indices of the primitives of each leaf, one leaf after the other, and where each leaf's begin.
+    primitives: Vec<u32>,
+    begins: Vec<u32>,
     /// Indices of infinite primitives.
     unbounded: Vec<u32>,
 }
@@ -28,14 +32,30 @@ pub struct Hit {
 impl Bvh {
     /// A tree over `geometry`. The same geometry gives the same tree.
     pub fn build(geometry: &Geometry) -> Self {
-        let (mut bounded, mut unbounded) = (Vec::new(), Vec::new());
+        let (mut bounded, mut boxes, mut unbounded) = (Vec::new(), Vec::new(), Vec::new());
         for (index, primitive) in (0..).zip(&geometry.primitives) {
             match primitive.bounds() {
-                Some(bounds) => bounded.push((index, bounds)),
+                Some(bounds) => {
+                    bounded.push(index);
+                    boxes.push(bounds);
+                }
                 None => unbounded.push(index),
             }
         }
-        Self { tree: Tree::build(bounded), unbounded }
+        let (tree, leaves) = Tree::of_boxes(&boxes);
+        let mut bvh = Self { tree, primitives: Vec::new(), begins: vec![0], unbounded };
+        for leaf in leaves {
+            bvh.primitives.extend(leaf.into_iter().map(|thing| bounded[thing as usize]));
+            bvh.begins.push(bvh.primitives.len() as u32);
+        }
+        bvh
+    }
+
+    /// Indices of the primitives of a leaf.
+    #[inline(always)]
+    fn leaf(&self, leaf: u32) -> &[u32] {
+        let leaf = leaf as usize;
+        &self.primitives[self.begins[leaf] as usize..self.begins[leaf + 1] as usize]
     }
 
     /// The nearest primitive along the ray beyond t = 0; of equally near ones the first in the file.
@@ -45,37 +65,60 @@ impl Bvh {
 
     /// [`Bvh::closest`] among what lies before `t_max`.
     pub fn closest_before(&self, geometry: &Geometry, probe: &Probe, t_max: f64) -> Option<Hit> {
-        let mut nearest = Nearest { geometry, probe, t_max, hit: None };
+        let mut nearest = Nearest { bvh: self, geometry, probe, t_max, hit: None };
         nearest.test(&self.unbounded);
-        let limit = nearest.t();
-        self.tree.visit(probe, limit, |leaf| {
-            nearest.test(leaf);
-            nearest.t()
-        });
+        self.tree.walk(probe, nearest.t(), &mut nearest);
         nearest.hit
     }
 
     /// Whether anything lies on the ray in 0 < t < `t_max`.
     pub fn occluded(&self, geometry: &Geometry, probe: &Probe, t_max: f64) -> bool {
-        let blocks = |&i: &u32| geometry.primitives[i as usize].blocks(probe, t_max);
-        if self.unbounded.iter().any(blocks) {
+        let mut any = Any { bvh: self, geometry, probe, t_max, found: false };
+        if any.test(&self.unbounded) {
             return true;
         }
-        let mut found = false;
-        self.tree.visit(probe, t_max, |leaf| {
-            found = leaf.iter().any(blocks);
-            // Nothing is nearer than a t below zero: the walk ends.
-            if found { -1.0 } else { t_max }
-        });
-        found
+        self.tree.walk(probe, t_max, &mut any);
+        any.found
     }
 }
 
 struct Nearest<'a> {
+    bvh: &'a Bvh,
     geometry: &'a Geometry,
     probe: &'a Probe,
     t_max: f64,
     hit: Option<Hit>,
+}
+
+impl Leaves for Nearest<'_> {
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
+        self.test(self.bvh.leaf(leaf));
+        Some(slabs.limit(self.t()))
+    }
+}
+
+/// Anything on a ray before `t_max`.
+struct Any<'a> {
+    bvh: &'a Bvh,
+    geometry: &'a Geometry,
+    probe: &'a Probe,
+    t_max: f64,
+    found: bool,
+}
+
+impl Any<'_> {
+    fn test(&self, leaf: &[u32]) -> bool {
+        leaf.iter().any(|&index| self.geometry.primitives[index as usize].blocks(self.probe, self.t_max))
+    }
+}
+
+impl Leaves for Any<'_> {
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
+        self.found = self.test(self.bvh.leaf(leaf));
+        (!self.found).then(|| slabs.limit(self.t_max))
+    }
 }
 
 impl Nearest<'_> {

@@ -1,7 +1,7 @@
 //! Parts → [`Mesh`]: checked, without what cannot be hit, with a tree.
 
 use super::corners::retain;
-use super::{Mesh, MeshError, Parts, Place};
+use super::{Mesh, MeshError, Packet, Parts, Place};
 use crate::math::{Aabb, DVec3};
 use crate::tree::Tree;
 use glam::Vec3;
@@ -29,11 +29,12 @@ impl Mesh {
             drop_triangles(&mut parts, &keep);
         }
         parts.normals = parts.normals.map(|normals| normals.map(unit));
-        let corners = |triangle: &[u32; 3]| triangle.map(|vertex| parts.positions[vertex as usize]);
-        let boxes = || parts.triangles.iter().map(|triangle| Aabb::around(corners(triangle)));
-        let bounds = boxes().fold(Aabb::EMPTY, Aabb::union);
-        let tree = Tree::build((0..).zip(boxes()));
-        Ok(Self { tree, bounds, skipped, parts, smooth: OnceLock::new(), areas: OnceLock::new() })
+        let corners = |part: u32| parts.triangles[part as usize].map(|v| parts.positions[v as usize]);
+        let count = parts.triangles.len() as u32;
+        let bounds = (0..count).map(|part| Aabb::around(corners(part))).fold(Aabb::EMPTY, Aabb::union);
+        let (tree, leaves) = Tree::of_triangles(corners, count);
+        let packets = leaves.iter().map(|leaf| Packet::new(tree.space(), leaf, corners)).collect();
+        Ok(Self { tree, packets, bounds, skipped, parts, smooth: OnceLock::new(), areas: OnceLock::new() })
     }
 }
 

@@ -9,6 +9,7 @@ mod load;
 mod meter;
 pub mod mtl;
 pub mod obj;
+mod packet;
 pub mod ply;
 mod smooth;
 #[cfg(test)]
@@ -19,6 +20,7 @@ pub use error::{MeshError, NO_FILE, Place};
 pub use load::load;
 pub use meter::LoadMeter;
 pub use mtl::MtlMaterial;
+pub use packet::{Packet, Sheared};
 
 use crate::color::Rgb;
 use crate::math::{Aabb, DVec2, DVec3};
@@ -52,6 +54,8 @@ pub const NO_MATERIAL: u16 = u16::MAX;
 pub struct Mesh {
     parts: Parts,
     tree: Tree,
+    /// The triangles of each of the tree's leaves.
+    packets: Vec<Packet>,
     bounds: Aabb,
     /// How many triangles without an area have been left out.
     pub skipped: usize,
@@ -103,6 +107,11 @@ impl Mesh {
 
     pub fn tree(&self) -> &Tree {
         &self.tree
+    }
+
+    #[inline(always)]
+    pub fn packet(&self, leaf: u32) -> &Packet {
+        &self.packets[leaf as usize]
     }
 
     pub fn bounds(&self) -> Aabb {

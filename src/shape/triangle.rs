@@ -26,10 +26,8 @@ impl Geometric for Triangle {
     }
 
     fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        if !covers(self.corners, probe) {
-            return None;
-        }
-        flat::crossing(self.corners[0], perpendicular(self.corners), probe, t_max).map(Crossing::at)
+        let t = if covers(self.corners, probe) { depth(self.corners, probe)? } else { return None };
+        (t > 0.0 && t < t_max).then_some(Crossing::at(t))
     }
 
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
@@ -93,6 +91,18 @@ pub(super) fn covers(corners: [DVec3; 3], probe: &Probe) -> bool {
     let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
     // A sum of zero is a triangle seen from its edge, or one without an area.
     inside && u + v + w != 0.0
+}
+
+/// Where the line of the ray crosses the triangle's plane, given that it [`covers`] the triangle. Seen from its edge a
+/// plane is crossed anywhere within rounding: never before the nearest or beyond the farthest corner.
+#[inline]
+pub(super) fn depth(corners: [DVec3; 3], probe: &Probe) -> Option<f64> {
+    let Probe { ray, inverse, axes: [.., z], .. } = probe;
+    let normal = perpendicular(corners);
+    let along = normal.dot(ray.direction);
+    let t = normal.dot(corners[0] - ray.origin) / along;
+    let [a, b, c] = corners.map(|corner| (corner[*z] - ray.origin[*z]) * inverse[*z]);
+    (along != 0.0).then(|| t.max(a.min(b).min(c)).min(a.max(b).max(c)))
 }
 
 #[cfg(test)]

@@ -3,13 +3,14 @@
 #[cfg(test)]
 mod tests;
 
-use super::triangle::{covers, perpendicular, uniform_weights};
+use super::triangle::{covers, depth, perpendicular, uniform_weights};
 use super::{Crossing, Geometric, Parameters, Surface, flat};
 use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
-use crate::mesh::{self, Normals};
-use crate::tree::Probe;
+use crate::mesh::{self, Normals, Sheared};
+use crate::simd::Lanes;
+use crate::tree::{Leaves, Probe, Slabs};
 use std::sync::Arc;
 
 /// A mesh, and how it is shaded. Meshes are large and never change, so they are shared, and compared by where
@@ -35,29 +36,15 @@ impl Geometric for Mesh {
 
     /// Of equally near triangles the one with the lowest index.
     fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        let mut nearest: Option<Crossing> = None;
-        self.mesh.tree().visit(probe, t_max, |leaf| {
-            for &part in leaf {
-                // One number beyond the best, so that an equally near triangle is found and the indices decide.
-                let limit = nearest.map_or(t_max, |best| best.t.next_up());
-                let Some(t) = self.cross(part, probe, limit) else { continue };
-                if nearest.is_none_or(|best| t < best.t || part < best.part) {
-                    nearest = Some(Crossing { t, part });
-                }
-            }
-            nearest.map_or(t_max, |best| best.t)
-        });
-        nearest
+        let mut nearest = Nearest { mesh: self, probe, sheared: None, t_max, hit: None };
+        self.mesh.tree().walk(probe, t_max, &mut nearest);
+        nearest.hit
     }
 
     fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
-        let mut found = false;
-        self.mesh.tree().visit(probe, t_max, |leaf| {
-            found = leaf.iter().any(|&part| self.cross(part, probe, t_max).is_some());
-            // Nothing is nearer than a t below zero: the walk ends.
-            if found { -1.0 } else { t_max }
-        });
-        found
+        let mut any = Any { mesh: self, probe, sheared: None, t_max, limit: 0.0, found: false };
+        self.mesh.tree().walk(probe, t_max, &mut any);
+        any.found
     }
 
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
@@ -115,13 +102,11 @@ impl Geometric for Mesh {
 const SHORTEST_NORMAL: f64 = 1e-6;
 
 impl Mesh {
+    /// Where the ray's line meets a triangle.
     #[inline]
-    fn cross(&self, part: u32, probe: &Probe, t_max: f64) -> Option<f64> {
+    fn cross(&self, part: u32, probe: &Probe) -> Option<f64> {
         let corners = self.mesh.corners(part);
-        if !covers(corners, probe) {
-            return None;
-        }
-        flat::crossing(corners[0], perpendicular(corners), probe, t_max)
+        if covers(corners, probe) { depth(corners, probe) } else { None }
     }
 
     /// The weights of a triangle's second and third corner at a point of it.
@@ -138,5 +123,77 @@ impl Mesh {
         let normal = a + (b - a) * weights.x + (c - a) * weights.y;
         let length = normal.length();
         if length < SHORTEST_NORMAL { surface } else { surface.shaded(normal / length) }
+    }
+}
+
+/// The search for the nearest triangle. What the filter is sure of is not tested again; only its t is computed.
+struct Nearest<'a> {
+    mesh: &'a Mesh,
+    probe: &'a Probe,
+    /// There from the first leaf on.
+    sheared: Option<Sheared>,
+    t_max: f64,
+    hit: Option<Crossing>,
+}
+
+impl Leaves for Nearest<'_> {
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
+        let packet = self.mesh.mesh.packet(leaf);
+        let sheared = self.sheared.get_or_insert_with(|| Sheared::new(self.probe, slabs));
+        let mut limit = slabs.limit(self.hit.map_or(self.t_max, |hit| hit.t));
+        let sieve = sheared.sift::<L>(packet, limit);
+        let mut candidates = sieve.hit | sieve.unsure;
+        while candidates != 0 {
+            let lane = candidates.trailing_zeros() as usize;
+            candidates &= candidates - 1;
+            if sieve.hit >> lane & 1 == 1 && sieve.near[lane & 7] > limit {
+                continue;
+            }
+            let part = packet.part(lane);
+            let t = match sieve.hit >> lane & 1 {
+                1 => depth(self.mesh.mesh.corners(part), self.probe),
+                _ => self.mesh.cross(part, self.probe),
+            };
+            let Some(t) = t.filter(|&t| t > 0.0 && t < self.t_max) else { continue };
+            if self.hit.is_none_or(|best| t < best.t || t == best.t && part < best.part) {
+                self.hit = Some(Crossing { t, part });
+                limit = slabs.limit(t);
+            }
+        }
+        Some(limit)
+    }
+}
+
+/// The search for any triangle.
+struct Any<'a> {
+    mesh: &'a Mesh,
+    probe: &'a Probe,
+    sheared: Option<Sheared>,
+    t_max: f64,
+    /// The filters' one, from the first leaf on.
+    limit: f32,
+    found: bool,
+}
+
+impl Leaves for Any<'_> {
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
+        let packet = self.mesh.mesh.packet(leaf);
+        let (probe, limit) = (self.probe, &mut self.limit);
+        let sheared = self.sheared.get_or_insert_with(|| {
+            *limit = slabs.limit(self.t_max);
+            Sheared::new(probe, slabs)
+        });
+        let sieve = sheared.sift::<L>(packet, self.limit);
+        self.found = sieve.within != 0;
+        let mut candidates = sieve.hit | sieve.unsure;
+        while !self.found && candidates != 0 {
+            let lane = candidates.trailing_zeros() as usize;
+            candidates &= candidates - 1;
+            let t = self.mesh.cross(packet.part(lane), probe);
+            self.found = t.is_some_and(|t| t > 0.0 && t < self.t_max);
+        }
+        if self.found { None } else { Some(self.limit) }
     }
 }

@@ -1,0 +1,156 @@
+//! Ray throughput on one thread, over scenes and rays in files:
+//!
+//! ```text
+//! cargo bench --bench rays -- DIR [--json FILE]
+//! ```
+//!
+//! For each `NAME.mesh` in DIR, the rays of `NAME.primary.rays` and `NAME.bounce.rays` are traced for the nearest hit and
+//! those of `NAME.shadow.rays` for any. Times are those of the thread's own clock, the median of a few passes after one
+//! to warm up. Hits are written to `NAME.SET.ours.hits`. Numbers in the files are little-endian:
+//!
+//! - `.mesh`: `KMSH`, u32 vertices, u32 triangles, three f32 per vertex, three u32 per triangle
+//! - `.rays`: `KRAY`, u32 count, then origin, tmin, direction, tmax per ray, eight f32
+//! - `.hits`: `KHIT`, u32 count, then a u32 triangle (0xffffffff for none) and its f32 t per ray
+
+use kinora::camera::Ray;
+use kinora::math::DVec3;
+use kinora::mesh::{self, Normals, Parts};
+use kinora::shape::{Geometric, Mesh};
+use kinora::tree::Probe;
+use rustix::time::{ClockId, clock_gettime};
+use std::error::Error;
+use std::fmt::Write as _;
+use std::fs;
+use std::io::{Write as _, stdout};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Passes that count.
+const PASSES: usize = 5;
+
+const SETS: [&str; 3] = ["primary", "bounce", "shadow"];
+
+const NONE: u32 = u32::MAX;
+
+/// A ray as the files have it.
+struct Record {
+    origin: [f32; 3],
+    direction: [f32; 3],
+    t_max: f32,
+}
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> Outcome<()> {
+    let mut arguments = std::env::args().skip(1).filter(|argument| argument != "--bench");
+    let (mut folder, mut json) = (None, None);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--json" => json = arguments.next(),
+            _ => folder = Some(PathBuf::from(argument)),
+        }
+    }
+    // `cargo bench` alone runs every bench; this one needs its files.
+    let Some(folder) = folder else {
+        return Ok(writeln!(stdout(), "rays: give a folder of scenes and rays")?);
+    };
+    let mut meshes: Vec<_> = fs::read_dir(&folder)?.map(|entry| Ok(entry?.path())).collect::<Outcome<_>>()?;
+    meshes.retain(|path| path.extension().is_some_and(|extension| extension == "mesh"));
+    meshes.sort();
+    let mut report = String::new();
+    for path in &meshes {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let before = seconds();
+        let mesh = load(path)?;
+        let build = seconds() - before;
+        writeln!(stdout(), "{name}: {} triangles, built in {build:.2} s", mesh.mesh.triangles().len())?;
+        let mut sets = String::new();
+        for set in SETS {
+            let rays = path.with_extension(format!("{set}.rays"));
+            let (rate, hits) = trace(&mesh, &read_rays(&rays)?, set == "shadow");
+            fs::write(path.with_extension(format!("{set}.ours.hits")), written(&hits))?;
+            writeln!(stdout(), "  {set:8} {rate:7.3} Mray/s")?;
+            write!(sets, "{}\"{set}\": {{\"single\": {rate}}}", if sets.is_empty() { "" } else { ", " })?;
+        }
+        write!(report, "{}\"{name}\": {{{sets}}}", if report.is_empty() { "" } else { ", " })?;
+    }
+    match json {
+        Some(file) => Ok(fs::write(file, format!("{{{report}}}\n"))?),
+        None => Ok(()),
+    }
+}
+
+/// Of this thread.
+fn seconds() -> f64 {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
+
+/// Millions of rays in a second, and the hits.
+fn trace(mesh: &Mesh, rays: &[Record], any: bool) -> (f64, Vec<(u32, f32)>) {
+    let mut hits = vec![(NONE, 0.0); rays.len()];
+    let mut times = Vec::new();
+    for _ in 0..=PASSES {
+        let before = seconds();
+        for (ray, hit) in rays.iter().zip(&mut hits) {
+            let [origin, direction] =
+                [ray.origin, ray.direction].map(|v| DVec3::from_array(v.map(f64::from)));
+            let probe = Probe::new(Ray { origin, direction });
+            let t_max = f64::from(ray.t_max);
+            *hit = match any {
+                true if mesh.blocks(&probe, t_max) => (0, ray.t_max),
+                true => (NONE, ray.t_max),
+                false => mesh.hit(&probe, t_max).map_or((NONE, ray.t_max), |hit| (hit.part, hit.t as f32)),
+            };
+        }
+        times.push(seconds() - before);
+    }
+    // The first pass warms up.
+    times.remove(0);
+    times.sort_by(f64::total_cmp);
+    (rays.len() as f64 / times[PASSES / 2] * 1e-6, hits)
+}
+
+fn load(path: &Path) -> Outcome<Mesh> {
+    let bytes = fs::read(path)?;
+    let words = words(&bytes, b"KMSH", path)?;
+    let [vertices, triangles] = [words[0] as usize, words[1] as usize];
+    let (positions, indices) = words[2..].split_at(3 * vertices);
+    let float = |word: u32| f64::from(f32::from_bits(word));
+    let parts = Parts {
+        positions: positions
+            .chunks_exact(3)
+            .map(|p| DVec3::new(float(p[0]), float(p[1]), float(p[2])))
+            .collect(),
+        triangles: indices[..3 * triangles].chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+        ..Parts::default()
+    };
+    let mesh = mesh::Mesh::new(parts).map_err(|error| error.to_string())?;
+    Ok(Mesh { mesh: Arc::new(mesh), normals: Normals::Flat })
+}
+
+fn read_rays(path: &Path) -> Outcome<Vec<Record>> {
+    let bytes = fs::read(path)?;
+    let words = words(&bytes, b"KRAY", path)?;
+    let record = |ray: &[u32]| {
+        let at = |place: usize| f32::from_bits(ray[place]);
+        Record { origin: [at(0), at(1), at(2)], direction: [at(4), at(5), at(6)], t_max: at(7) }
+    };
+    Ok(words[1..].chunks_exact(8).map(record).collect())
+}
+
+/// The numbers behind a file's four letters.
+fn words(bytes: &[u8], letters: &[u8; 4], path: &Path) -> Outcome<Vec<u32>> {
+    let rest = bytes.strip_prefix(letters).ok_or_else(|| format!("{}: no such file", path.display()))?;
+    Ok(rest.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
+}
+
+fn written(hits: &[(u32, f32)]) -> Vec<u8> {
+    let mut bytes = b"KHIT".to_vec();
+    bytes.extend((hits.len() as u32).to_le_bytes());
+    for (part, t) in hits {
+        bytes.extend(part.to_le_bytes());
+        bytes.extend(t.to_le_bytes());
+    }
+    bytes
+}

@@ -1,0 +1,151 @@
+//! Eight triangles at a time: the f32 filter before the f64 test of triangles.
+//!
+//! A filter only says what is sure. Its error bound holds for whatever rounding does to corners, rays and products, so
+//! that what it calls missed is missed by the f64 test, and what it calls hit is hit by that.
+
+use crate::math::DVec3;
+use crate::simd::Lanes;
+use crate::tree::{Probe, Slabs, Space};
+
+/// The triangles of a leaf, in the space of its tree, one row of numbers after the other.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub struct Packet {
+    /// Of each corner, along each axis.
+    corners: [[[f32; 8]; 3]; 3],
+    parts: [u32; 8],
+    /// A bit for each lane in use.
+    used: u32,
+}
+
+impl Packet {
+    pub fn new(space: &Space, parts: &[u32], corners: impl Fn(u32) -> [DVec3; 3]) -> Self {
+        let mut packet = Self { corners: [[[0.0; 8]; 3]; 3], parts: [u32::MAX; 8], used: 0 };
+        for (lane, &part) in parts.iter().enumerate().take(8) {
+            packet.parts[lane] = part;
+            packet.used |= 1 << lane;
+            for (rows, corner) in packet.corners.iter_mut().zip(corners(part)) {
+                let rounded = space.point(corner).as_vec3();
+                rows.iter_mut().zip(rounded.to_array()).for_each(|(row, value)| row[lane] = value);
+            }
+        }
+        packet
+    }
+
+    #[inline(always)]
+    pub fn part(&self, lane: usize) -> u32 {
+        self.parts[lane & 7]
+    }
+}
+
+/// A ray as the filter sees it: sheared onto the axis along which it is longest, as Woop, Benthin and Wald (2013) do.
+#[derive(Clone, Copy, Debug)]
+pub struct Sheared {
+    axes: [usize; 3],
+    shear: [f32; 2],
+    /// 1 / direction along the last axis: depths are t.
+    inverse: f32,
+    origin: [f32; 3],
+    /// How far off sheared coordinates and depths may be.
+    error: f32,
+    start: f32,
+}
+
+/// What the filter says of eight triangles, a bit each.
+#[derive(Clone, Copy, Debug)]
+pub struct Sieve {
+    /// Hit by the ray's line for sure.
+    pub hit: u32,
+    /// To be tested in f64.
+    pub unsure: u32,
+    /// Hit, and within the ray's ends for sure.
+    pub within: u32,
+    /// No hit is nearer.
+    pub near: [f32; 8],
+}
+
+/// Half the distance from 1 to the next f32.
+const ROUNDOFF: f32 = f32::EPSILON / 2.0;
+
+impl Sheared {
+    /// Coordinates of corners are off by 1 u, those of the origin by `reach` u, and their difference by the sum of both;
+    /// the shear is at most 1 and adds as much again, its own rounding, and those of the product and the difference.
+    #[inline]
+    pub fn new(probe: &Probe, slabs: &Slabs) -> Self {
+        let [x, y, z] = probe.axes;
+        let reach = 1.0 + slabs.origin.abs().max_element() as f32;
+        Self {
+            axes: probe.axes,
+            shear: probe.shear.map(|shear| shear as f32),
+            inverse: (1.0 / slabs.direction[z]) as f32,
+            origin: [x, y, z].map(|axis| slabs.origin[axis] as f32),
+            error: reach * (8.0 * ROUNDOFF) + 2.0 * slabs.error as f32,
+            start: slabs.start(),
+        }
+    }
+
+    /// A corner of eight triangles, sheared, with its depth. Both coordinates are turned round, which leaves their
+    /// products as they are.
+    #[inline(always)]
+    fn place<L: Lanes>(&self, corner: &[[f32; 8]; 3]) -> (L, L, L) {
+        let [x, y, z] = self.axes;
+        let x = L::load(&corner[x]).minus(L::splat(self.origin[0]));
+        let y = L::load(&corner[y]).minus(L::splat(self.origin[1]));
+        let depth = L::load(&corner[z]).minus(L::splat(self.origin[2]));
+        let x = L::splat(self.shear[0]).times_minus(depth, x);
+        let y = L::splat(self.shear[1]).times_minus(depth, y);
+        (x, y, depth.times(L::splat(self.inverse)))
+    }
+
+    /// Sifts a packet's triangles, as far as they may be met before `limit`.
+    #[inline(always)]
+    pub fn sift<L: Lanes>(&self, packet: &Packet, limit: f32) -> Sieve {
+        // No closures here: they would be compiled for less than the lanes need.
+        let (ax, ay, az) = self.place::<L>(&packet.corners[0]);
+        let (bx, by, bz) = self.place::<L>(&packet.corners[1]);
+        let (cx, cy, cz) = self.place::<L>(&packet.corners[2]);
+        let u = cx.times_minus(by, cy.times(bx));
+        let v = ax.times_minus(cy, ay.times(cx));
+        let w = bx.times_minus(ay, by.times(ax));
+        let size = ax.absolute().larger(ay.absolute());
+        let size = size.larger(bx.absolute().larger(by.absolute()));
+        let size = size.larger(cx.absolute().larger(cy.absolute()));
+        // An edge's number is off by 4·size·error for its coordinates and by 4u·size² for its roundings, and the
+        // coordinates are at most 1 / (4u) of the error.
+        let error = L::splat(self.error);
+        let off = size.plus(error).times(L::splat(8.0 * self.error));
+        let under = L::splat(0.0).minus(off);
+        let (low, high) = (u.smaller(v).smaller(w), u.larger(v).larger(w));
+        let missed = low.below(under) & off.below(high);
+        let first = az.smaller(bz).smaller(cz);
+        let last = az.larger(bz).larger(cz);
+        let margin = error.plus(error);
+        let near = first.minus(margin);
+        let (start, limit_lanes) = (L::splat(self.start), L::splat(limit));
+        let live = !missed & near.at_most(limit_lanes) & start.at_most(last.plus(margin)) & packet.used;
+        let mut sieve = Sieve { hit: 0, unsure: live, within: 0, near: [f32::NEG_INFINITY; 8] };
+        let inside = live & (off.below(low) | high.below(under));
+        if inside == 0 {
+            return sieve;
+        }
+        // The depth at the hit, between the corners' by weights: v and w are off by `off`, and so, three times, is
+        // what they are divided by; their sums with what rounds depths.
+        let sum = u.plus(v).plus(w);
+        let across = v.times(bz.minus(az)).plus(w.times(cz.minus(az)));
+        let t = az.plus(across.over(sum));
+        let spread = last.minus(first).times(off).times(L::splat(6.0));
+        let least = sum.absolute().minus(off.times(L::splat(3.0)));
+        let slack = spread.over(least).plus(margin.times(L::splat(3.0)));
+        let nearest = t.minus(slack).larger(near);
+        let farthest = t.plus(slack);
+        sieve.unsure = live & !inside;
+        sieve.hit = inside & nearest.at_most(limit_lanes) & start.at_most(farthest);
+        // Both ends of the ray are rounded outwards, by less than the slack.
+        let (after, before) = (self.start.abs() + 1.0, limit.abs());
+        let inwards = 16.0 * ROUNDOFF;
+        let later = L::splat(self.start + after * inwards);
+        sieve.within = sieve.hit & later.below(nearest) & farthest.below(L::splat(limit - before * inwards));
+        sieve.near = nearest.store();
+        sieve
+    }
+}

@@ -1,0 +1,94 @@
+//! Lanes as arrays, which compilers turn into whatever there is.
+
+use super::Lanes;
+
+/// Eight numbers in an array.
+#[derive(Clone, Copy)]
+pub struct Portable([f32; 8]);
+
+impl Portable {
+    #[inline(always)]
+    fn each(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+        let mut values = self.0;
+        for lane in 0..8 {
+            values[lane] = f(self.0[lane], other.0[lane]);
+        }
+        Self(values)
+    }
+
+    #[inline(always)]
+    fn bits(self, other: Self, f: impl Fn(f32, f32) -> bool) -> u32 {
+        let mut bits = 0;
+        for lane in 0..8 {
+            bits |= u32::from(f(self.0[lane], other.0[lane])) << lane;
+        }
+        bits
+    }
+}
+
+impl Lanes for Portable {
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self([value; 8])
+    }
+
+    #[inline(always)]
+    fn load(values: &[f32; 8]) -> Self {
+        Self(*values)
+    }
+
+    #[inline(always)]
+    fn store(self) -> [f32; 8] {
+        self.0
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        self.each(other, |a, b| a + b)
+    }
+
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        self.each(other, |a, b| a - b)
+    }
+
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        self.each(other, |a, b| a * b)
+    }
+
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        self.each(other, |a, b| a / b)
+    }
+
+    #[inline(always)]
+    fn times_minus(self, factor: Self, term: Self) -> Self {
+        self.times(factor).minus(term)
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        self.each(other, |a, b| if a > b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        self.each(other, |a, b| if a < b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn absolute(self) -> Self {
+        self.each(self, |a, _| a.abs())
+    }
+
+    #[inline(always)]
+    fn below(self, other: Self) -> u32 {
+        self.bits(other, |a, b| a < b)
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self) -> u32 {
+        self.bits(other, |a, b| a <= b)
+    }
+}

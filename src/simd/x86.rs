@@ -1,0 +1,104 @@
+//! Lanes in AVX registers: the only unsafe code there is.
+//!
+//! Every function here needs AVX2 and FMA. That holds because [`Avx`] is private to this file: lanes of its kind
+//! come to be in [`run`] alone, which asks the processor first.
+#![allow(unsafe_code, reason = "intrinsics are unsafe where the processor may lack them")]
+
+use super::{Lanes, Work};
+use std::arch::x86_64::*;
+
+/// Whether the processor has what this file needs. The answer is remembered: asking is a load.
+#[inline]
+pub fn is_there() -> bool {
+    is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
+}
+
+/// Does the work with AVX, or with portable lanes where there is none.
+#[inline]
+pub fn run<W: Work>(work: W) -> W::Output {
+    if !is_there() {
+        return work.run::<super::Portable>();
+    }
+    // SAFETY: the processor has both features.
+    unsafe { with_avx(work) }
+}
+
+#[target_feature(enable = "avx2,fma")]
+fn with_avx<W: Work>(work: W) -> W::Output {
+    work.run::<Avx>()
+}
+
+#[derive(Clone, Copy)]
+struct Avx(__m256);
+
+// SAFETY of all that follows: there are lanes of this kind only where the processor has AVX2 and FMA, see above.
+// What is read and written are arrays of eight f32, through pointers to whole ones that need no alignment.
+impl Lanes for Avx {
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self(unsafe { _mm256_set1_ps(value) })
+    }
+
+    #[inline(always)]
+    fn load(values: &[f32; 8]) -> Self {
+        Self(unsafe { _mm256_loadu_ps(values.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn store(self) -> [f32; 8] {
+        let mut values = [0.0; 8];
+        unsafe { _mm256_storeu_ps(values.as_mut_ptr(), self.0) };
+        values
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        Self(unsafe { _mm256_add_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        Self(unsafe { _mm256_sub_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        Self(unsafe { _mm256_mul_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        Self(unsafe { _mm256_div_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn times_minus(self, factor: Self, term: Self) -> Self {
+        Self(unsafe { _mm256_fmsub_ps(self.0, factor.0, term.0) })
+    }
+
+    // Of two numbers that compare neither way, the instructions take the second.
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        Self(unsafe { _mm256_max_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        Self(unsafe { _mm256_min_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn absolute(self) -> Self {
+        Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+    }
+
+    #[inline(always)]
+    fn below(self, other: Self) -> u32 {
+        unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)) as u32 }
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self) -> u32 {
+        unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0)) as u32 }
+    }
+}

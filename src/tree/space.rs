@@ -1,0 +1,78 @@
+//! The space of a tree: its things around the origin, between -1 and 1.
+//!
+//! In it every coordinate is known to a share of the tree's size, wherever in the world and however large it is, and
+//! nothing overflows in f32.
+
+use crate::math::{Aabb, DVec3};
+
+/// The way from the world into a tree's space: moved by -`origin`, then scaled by the power of two `per`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Space {
+    pub origin: DVec3,
+    pub per: f64,
+}
+
+/// Roundings of coordinates on their way into the space, of the larger of the point's and the origin's.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+impl Space {
+    /// The space in which `bounds` reach from -1 to 1 at most, and beyond 0.5 or so.
+    pub fn around(bounds: Aabb) -> Self {
+        let half = (bounds.max * 0.5 - bounds.min * 0.5).max_element();
+        // Twice, as the next power of two is up to twice too low; within what has a reciprocal.
+        let size = power_of_two(half.clamp(1e-300, 1e300)) * 2.0;
+        Self { origin: bounds.centre(), per: 1.0 / size }
+    }
+
+    pub fn point(&self, point: DVec3) -> DVec3 {
+        (point - self.origin) * self.per
+    }
+
+    /// How far off [`Space::point`] may be along each axis.
+    pub fn error(&self, point: DVec3) -> f64 {
+        let largest = point.abs().max_element().max(self.origin.abs().max_element());
+        largest * self.per * ROUNDING
+    }
+
+    /// A box in the space that holds what the world's box does: its corners rounded outwards.
+    pub fn outward(&self, bounds: Aabb) -> [[f32; 3]; 2] {
+        let error = self.error(bounds.min).max(self.error(bounds.max));
+        let (min, max) = (self.point(bounds.min) - error, self.point(bounds.max) + error);
+        let down = |v: f64| if f64::from(v as f32) > v { (v as f32).next_down() } else { v as f32 };
+        let up = |v: f64| if f64::from(v as f32) < v { (v as f32).next_up() } else { v as f32 };
+        [min.to_array().map(down), max.to_array().map(up)]
+    }
+}
+
+/// The largest power of two that is not above a normal number.
+pub fn power_of_two(value: f64) -> f64 {
+    f64::from_bits(value.to_bits() & 0x7ff0_0000_0000_0000)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_are_rounded_outwards() {
+        let everywhere = [0.1, 1e-300, -0.1, 16_777_217.0, -16_777_217.0, 1e30, 0.0];
+        for (v, size) in everywhere.into_iter().flat_map(|v| [0.0, 1e-9, 1.0, 1e9].map(|size| (v, size))) {
+            let bounds = Aabb { min: DVec3::splat(v - size), max: DVec3::splat(v + size) };
+            let space = Space::around(bounds);
+            let [min, max] = space.outward(bounds);
+            for (corner, rounded, side) in [(bounds.min, min, 1.0), (bounds.max, max, -1.0)] {
+                let exact = (corner.x - space.origin.x) * space.per;
+                assert!((exact - f64::from(rounded[0])) * side >= 0.0, "{v} {size}");
+                assert!(rounded[0].abs() <= 1.0 + 1e-6 || size == 0.0 || size.abs() < 1e-9 * v.abs());
+            }
+        }
+    }
+
+    #[test]
+    fn powers_of_two() {
+        for (value, power) in [(1.0, 1.0), (1.9, 1.0), (2.0, 2.0), (0.3, 0.25), (1e-300, libm::exp2(-997.0))]
+        {
+            assert_eq!(power_of_two(value), power);
+        }
+    }
+}
