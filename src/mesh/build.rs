@@ -33,7 +33,7 @@ impl Mesh {
         let count = parts.triangles.len() as u32;
         let bounds = (0..count).map(|part| Aabb::around(corners(part))).fold(Aabb::EMPTY, Aabb::union);
         let (tree, leaves) = Tree::of_triangles(corners, count);
-        let packets = leaves.iter().map(|leaf| Packet::new(tree.space(), leaf, corners)).collect();
+        let packets = leaves.iter().map(|leaf| Packet::new(tree.space(), leaf, &parts)).collect();
         Ok(Self { tree, packets, bounds, skipped, parts, smooth: OnceLock::new(), areas: OnceLock::new() })
     }
 }

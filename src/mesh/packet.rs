@@ -3,6 +3,7 @@
 //! A filter only says what is sure. Its error bound holds for whatever rounding does to corners, rays and products, so
 //! that what it calls missed is missed by the f64 test, and what it calls hit is hit by that.
 
+use super::Parts;
 use crate::math::DVec3;
 use crate::simd::Lanes;
 use crate::tree::{Probe, Slabs, Space};
@@ -14,22 +15,33 @@ pub struct Packet {
     /// Of each corner, along each axis.
     corners: [[[f32; 8]; 3]; 3],
     parts: [u32; 8],
+    /// Indices of their corners' positions.
+    vertices: [[u32; 3]; 8],
     /// A bit for each lane in use.
     used: u32,
 }
 
 impl Packet {
-    pub fn new(space: &Space, parts: &[u32], corners: impl Fn(u32) -> [DVec3; 3]) -> Self {
-        let mut packet = Self { corners: [[[0.0; 8]; 3]; 3], parts: [u32::MAX; 8], used: 0 };
-        for (lane, &part) in parts.iter().enumerate().take(8) {
+    pub fn new(space: &Space, leaf: &[u32], parts: &Parts) -> Self {
+        let mut packet =
+            Self { corners: [[[0.0; 8]; 3]; 3], parts: [u32::MAX; 8], vertices: [[0; 3]; 8], used: 0 };
+        for (lane, &part) in leaf.iter().enumerate().take(8) {
             packet.parts[lane] = part;
+            packet.vertices[lane] = parts.triangles[part as usize];
             packet.used |= 1 << lane;
-            for (rows, corner) in packet.corners.iter_mut().zip(corners(part)) {
-                let rounded = space.point(corner).as_vec3();
+            for (rows, corner) in packet.corners.iter_mut().zip(packet.vertices[lane]) {
+                let rounded = space.point(parts.positions[corner as usize]).as_vec3();
                 rows.iter_mut().zip(rounded.to_array()).for_each(|(row, value)| row[lane] = value);
             }
         }
         packet
+    }
+
+    /// The corners of a lane's triangle, in f64.
+    #[inline(always)]
+    pub fn triangle(&self, lane: usize, positions: &[DVec3]) -> [DVec3; 3] {
+        let [a, b, c] = self.vertices[lane & 7];
+        [positions[a as usize], positions[b as usize], positions[c as usize]]
     }
 
     #[inline(always)]

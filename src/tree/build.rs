@@ -102,9 +102,8 @@ impl<'a> Collapse<'a> {
             self.leaves.push(self.things(binary));
             return Child::leaf(self.leaves.len() as u32 - 1);
         }
-        let (wrong, none) = ([[f32::INFINITY; 8], [f32::NEG_INFINITY; 8]], [Child::NONE; 8]);
-        let planes = [wrong[0], wrong[0], wrong[0], wrong[1], wrong[1], wrong[1]];
-        self.nodes.push(Node { planes, children: none });
+        let planes = [[[f32::INFINITY; 8], [f32::NEG_INFINITY; 8]]; 3];
+        self.nodes.push(Node { planes, children: [Child::NONE; 8] });
         Child(self.nodes.len() as u32 - 1)
     }
 
@@ -130,8 +129,8 @@ impl<'a> Collapse<'a> {
             let corners = self.planes(binary);
             let node = &mut self.nodes[child.0 as usize];
             node.children[slot] = placed;
-            for (row, planes) in node.planes.iter_mut().enumerate() {
-                planes[slot] = corners[row / 3][row % 3];
+            for (axis, planes) in node.planes.iter_mut().enumerate() {
+                (planes[0][slot], planes[1][slot]) = (corners[0][axis], corners[1][axis]);
             }
             waiting.push((binary, placed));
         }

@@ -32,8 +32,8 @@ pub struct Tree {
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 struct Node {
-    /// The lower planes along x, y and z, then the upper ones. No ray meets a box whose planes are the wrong way round.
-    planes: [[f32; 8]; 6],
+    /// Along each axis the lower planes, then the upper ones. No ray meets a box whose planes are the wrong way round.
+    planes: [[[f32; 8]; 2]; 3],
     children: [Child; 8],
 }
 

@@ -9,10 +9,9 @@ use crate::simd::Lanes;
 /// 1..2, and begun near the tree if it comes from afar.
 #[derive(Clone, Copy, Debug)]
 pub struct Slabs {
-    /// 1 / direction along each axis, and which of a box's planes come first and last: the rows in [`Node::planes`].
+    /// 1 / direction along each axis, and which of a box's planes come first: 0 for the lower ones.
     inverse: [f32; 3],
     near: [usize; 3],
-    far: [usize; 3],
     /// origin / direction with all that rounding may do added, for planes that come first, and taken off, for those
     /// that come last.
     enter: [f32; 3],
@@ -66,7 +65,6 @@ impl Slabs {
         let mut slabs = Self {
             inverse: [0.0; 3],
             near: [0; 3],
-            far: [0; 3],
             enter: [0.0; 3],
             leave: [0.0; 3],
             origin,
@@ -95,7 +93,7 @@ impl Slabs {
             + self.error * inverse.abs()
             + if steep { 4.0 * LONGEST } else { 0.0 };
         self.inverse[axis] = inverse as f32;
-        (self.near[axis], self.far[axis]) = if forward { (axis, axis + 3) } else { (axis + 3, axis) };
+        self.near[axis] = usize::from(!forward);
         self.enter[axis] = (offset + off) as f32;
         self.leave[axis] = (offset - off) as f32;
     }
@@ -112,26 +110,50 @@ impl Slabs {
     pub fn start(&self) -> f32 {
         -(self.begin * self.unit * (1.0 + 4.0 * ROUNDOFF)) as f32
     }
+}
 
-    /// The distances to the planes of a row.
+/// [`Slabs`] in lanes.
+#[derive(Clone, Copy)]
+pub(super) struct Wide<L> {
+    inverse: [L; 3],
+    near: [usize; 3],
+    enter: [L; 3],
+    leave: [L; 3],
+}
+
+// No closures here: they would be compiled for less than the lanes need.
+impl<L: Lanes> Wide<L> {
     #[inline(always)]
-    fn plane<L: Lanes>(&self, node: &Node, row: usize, axis: usize, offset: f32) -> L {
-        L::load(&node.planes[row]).times_minus(L::splat(self.inverse[axis]), L::splat(offset))
+    pub fn new(slabs: &Slabs) -> Self {
+        let ([ix, iy, iz], [ex, ey, ez], [lx, ly, lz]) = (slabs.inverse, slabs.enter, slabs.leave);
+        Self {
+            inverse: [L::splat(ix), L::splat(iy), L::splat(iz)],
+            near: slabs.near,
+            enter: [L::splat(ex), L::splat(ey), L::splat(ez)],
+            leave: [L::splat(lx), L::splat(ly), L::splat(lz)],
+        }
     }
 
     /// Which of a node's boxes the ray may meet before `limit`, a bit each, and where it enters them at the earliest.
     #[inline(always)]
-    pub(super) fn test<L: Lanes>(&self, node: &Node, limit: f32) -> (u32, [f32; 8]) {
-        // No closures here: they would be compiled for less than the lanes need.
-        let [x, y, z] = self.near;
-        let enter = self.plane::<L>(node, x, 0, self.enter[0]).larger(L::splat(0.0));
-        let enter = enter.larger(self.plane::<L>(node, y, 1, self.enter[1]));
-        let enter = enter.larger(self.plane::<L>(node, z, 2, self.enter[2]));
-        let [x, y, z] = self.far;
-        let leave = self.plane::<L>(node, x, 0, self.leave[0]).smaller(L::splat(limit));
-        let leave = leave.smaller(self.plane::<L>(node, y, 1, self.leave[1]));
-        let leave = leave.smaller(self.plane::<L>(node, z, 2, self.leave[2]));
+    pub fn test(&self, node: &Node, limit: f32) -> (u32, [f32; 8]) {
+        let enter = self.enter(node, 0).larger(L::splat(0.0));
+        let enter = enter.larger(self.enter(node, 1)).larger(self.enter(node, 2));
+        let leave = self.leave(node, 0).smaller(L::splat(limit));
+        let leave = leave.smaller(self.leave(node, 1)).smaller(self.leave(node, 2));
         (enter.at_most(leave.times(L::splat(SPREAD))), enter.store())
+    }
+
+    #[inline(always)]
+    fn enter(&self, node: &Node, axis: usize) -> L {
+        let planes = &node.planes[axis][self.near[axis] & 1];
+        L::load(planes).times_minus(self.inverse[axis], self.enter[axis])
+    }
+
+    #[inline(always)]
+    fn leave(&self, node: &Node, axis: usize) -> L {
+        let planes = &node.planes[axis][!self.near[axis] & 1];
+        L::load(planes).times_minus(self.inverse[axis], self.leave[axis])
     }
 }
 

@@ -1,5 +1,6 @@
 //! Walking a tree along a ray.
 
+use super::slabs::Wide;
 use super::{Child, Probe, Slabs, Tree};
 use crate::simd::{Lanes, Work, dispatch};
 
@@ -45,6 +46,7 @@ impl<V: Leaves> Work for Walk<'_, V> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Option<f32> {
         let Self { tree, slabs, leaves, mut limit, from } = self;
+        let wide = Wide::<L>::new(slabs);
         let mut stack = [(0.0, Child::NONE); STACK];
         let mut top = 0;
         let mut at = from;
@@ -53,7 +55,7 @@ impl<V: Leaves> Work for Walk<'_, V> {
                 limit = leaves.visit::<L>(leaf, slabs)?;
             } else {
                 let node = &tree.nodes[at.0 as usize];
-                let (mut met, enter) = slabs.test::<L>(node, limit);
+                let (mut met, enter) = wide.test(node, limit);
                 if met != 0 {
                     let first = met.trailing_zeros() as usize;
                     met &= met - 1;

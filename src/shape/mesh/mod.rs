@@ -102,13 +102,6 @@ impl Geometric for Mesh {
 const SHORTEST_NORMAL: f64 = 1e-6;
 
 impl Mesh {
-    /// Where the ray's line meets a triangle.
-    #[inline]
-    fn cross(&self, part: u32, probe: &Probe) -> Option<f64> {
-        let corners = self.mesh.corners(part);
-        if covers(corners, probe) { depth(corners, probe) } else { None }
-    }
-
     /// The weights of a triangle's second and third corner at a point of it.
     fn weights(&self, point: DVec3, part: u32) -> DVec2 {
         let [a, b, c] = self.mesh.corners(part);
@@ -150,12 +143,12 @@ impl Leaves for Nearest<'_> {
             if sieve.hit >> lane & 1 == 1 && sieve.near[lane & 7] > limit {
                 continue;
             }
+            let corners = packet.triangle(lane, self.mesh.mesh.positions());
+            if sieve.hit >> lane & 1 == 0 && !covers(corners, self.probe) {
+                continue;
+            }
+            let Some(t) = depth(corners, self.probe).filter(|&t| t > 0.0 && t < self.t_max) else { continue };
             let part = packet.part(lane);
-            let t = match sieve.hit >> lane & 1 {
-                1 => depth(self.mesh.mesh.corners(part), self.probe),
-                _ => self.mesh.cross(part, self.probe),
-            };
-            let Some(t) = t.filter(|&t| t > 0.0 && t < self.t_max) else { continue };
             if self.hit.is_none_or(|best| t < best.t || t == best.t && part < best.part) {
                 self.hit = Some(Crossing { t, part });
                 limit = slabs.limit(t);
@@ -191,7 +184,8 @@ impl Leaves for Any<'_> {
         while !self.found && candidates != 0 {
             let lane = candidates.trailing_zeros() as usize;
             candidates &= candidates - 1;
-            let t = self.mesh.cross(packet.part(lane), probe);
+            let corners = packet.triangle(lane, self.mesh.mesh.positions());
+            let t = if covers(corners, probe) { depth(corners, probe) } else { None };
             self.found = t.is_some_and(|t| t > 0.0 && t < self.t_max);
         }
         if self.found { None } else { Some(self.limit) }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::mesh::{Corners, Parts, generate};
+use crate::shape::Triangle;
 use crate::testing::Random;
 use glam::Vec3;
 
@@ -12,6 +13,12 @@ fn shape(parts: Parts, normals: Normals) -> Mesh {
 fn triangle() -> Parts {
     let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
     Parts { positions, triangles: vec![[0, 1, 2]], ..Parts::default() }
+}
+
+/// Where a ray meets a triangle of the mesh.
+fn crossed(mesh: &Mesh, part: u32, probe: &Probe) -> Option<f64> {
+    let triangle = Triangle { corners: mesh.mesh.corners(part) };
+    triangle.hit(probe, f64::INFINITY).map(|crossing| crossing.t)
 }
 
 fn down(x: f64, y: f64) -> Ray {
@@ -27,7 +34,7 @@ fn the_tree_finds_what_every_triangle_finds() {
         let origin = random.point(3.0);
         let probe = Probe::new(Ray { origin, direction: random.point(1.0) - origin });
         let each = (0..mesh.mesh.triangles().len() as u32)
-            .filter_map(|part| Some(Crossing { t: mesh.cross(part, &probe).filter(|&t| t > 0.0)?, part }));
+            .filter_map(|part| Some(Crossing { t: crossed(&mesh, part, &probe)?, part }));
         let nearest = each.min_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
         let hit = mesh.hit(&probe, f64::INFINITY);
         assert_eq!(hit, nearest);
