@@ -91,6 +91,8 @@ struct Nearest<'a> {
 }
 
 impl Leaves for Nearest<'_> {
+    const IN_ORDER: bool = true;
+
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
         self.test(self.bvh.leaf(leaf));
@@ -114,6 +116,8 @@ impl Any<'_> {
 }
 
 impl Leaves for Any<'_> {
+    const IN_ORDER: bool = false;
+
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
         self.found = self.test(self.bvh.leaf(leaf));

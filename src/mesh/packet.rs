@@ -82,14 +82,14 @@ const ROUNDOFF: f32 = f32::EPSILON / 2.0;
 impl Sheared {
     /// Coordinates of corners are off by 1 u, those of the origin by `reach` u, and their difference by the sum of both;
     /// the shear is at most 1 and adds as much again, its own rounding, and those of the product and the difference.
-    #[inline]
+    #[inline(always)]
     pub fn new(probe: &Probe, slabs: &Slabs) -> Self {
         let [x, y, z] = probe.axes;
         let reach = 1.0 + slabs.origin.abs().max_element() as f32;
         Self {
             axes: probe.axes,
             shear: probe.shear.map(|shear| shear as f32),
-            inverse: (1.0 / slabs.direction[z]) as f32,
+            inverse: slabs.inverse_along(z),
             origin: [x, y, z].map(|axis| slabs.origin[axis] as f32),
             error: reach * (8.0 * ROUNDOFF) + 2.0 * slabs.error as f32,
             start: slabs.start(),

@@ -16,11 +16,13 @@ pub struct Probe {
 }
 
 impl Probe {
+    #[inline]
     pub fn new(ray: Ray) -> Self {
         let d = ray.direction;
         let a = d.abs();
         let z = if a.x >= a.y && a.x >= a.z { 0 } else { 1 + usize::from(a.z > a.y) };
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
-        Self { ray, inverse: d.recip(), axes: [x, y, z], shear: [d[x] / d[z], d[y] / d[z]] }
+        let inverse = DVec3::new(1.0 / d.x, 1.0 / d.y, 1.0 / d.z);
+        Self { ray, inverse, axes: [x, y, z], shear: [d[x] * inverse[z], d[y] * inverse[z]] }
     }
 }

@@ -1,6 +1,6 @@
 //! A ray in a tree's space, and the test of eight boxes at a time.
 
-use super::space::power_of_two;
+use super::space::{power_of_two, reciprocal};
 use super::{Node, Probe, Tree};
 use crate::math::{DVec3, gamma};
 use crate::simd::Lanes;
@@ -42,13 +42,13 @@ const SPREAD: f32 = 1.0 + 16.0 * ROUNDOFF as f32;
 
 impl Slabs {
     /// The ray in the tree's space; none if it passes by the whole tree, or meets it beyond `t_max`.
-    #[inline]
+    #[inline(always)]
     pub fn new(tree: &Tree, probe: &Probe, t_max: f64) -> Option<Self> {
-        let per = tree.space.per;
         let length = probe.ray.direction.abs().max_element();
         let scale = power_of_two(length);
-        let direction = probe.ray.direction * (1.0 / scale);
-        let unit = scale * per;
+        let per_scale = reciprocal(scale);
+        let direction = probe.ray.direction * per_scale;
+        let unit = scale * tree.space.per;
         let mut origin = tree.space.point(probe.ray.origin);
         let mut error = tree.space.error(probe.ray.origin);
         let enter = tree.crossed(origin, probe.inverse * scale, error)?;
@@ -70,7 +70,7 @@ impl Slabs {
             origin,
             direction,
             error,
-            begin: begin / unit,
+            begin: begin * per_scale * tree.space.size,
             unit,
         };
         for axis in 0..3 {
@@ -82,7 +82,7 @@ impl Slabs {
     /// The distance to a plane p along an axis is p·i - o·i. Of it, rounding i to f32 takes u of |p·i|, which is at
     /// most |t| + |o·i|; rounding o·i takes u of that; and the product and the difference take u of p·i and t, where
     /// they are rounded apart. That is 3u of |o·i| and 3u of |t|.
-    #[inline]
+    #[inline(always)]
     fn prepare(&mut self, axis: usize, inverse: f64) {
         let forward = inverse.is_sign_positive();
         let steep = inverse.abs() > STEEPEST || inverse.is_nan();
@@ -96,6 +96,12 @@ impl Slabs {
         self.near[axis] = usize::from(!forward);
         self.enter[axis] = (offset + off) as f32;
         self.leave[axis] = (offset - off) as f32;
+    }
+
+    /// 1 / direction along the axis where that is longest.
+    #[inline]
+    pub fn inverse_along(&self, longest: usize) -> f32 {
+        self.inverse[longest]
     }
 
     /// A limit of the ray's t in the filters' units, rounded up: nothing that is met before `t` lies beyond it.
@@ -160,7 +166,7 @@ impl<L: Lanes> Wide<L> {
 impl Tree {
     /// Where a ray enters the tree's box in its space; none if it passes by. In f64, with the rounding of
     /// the distances (gamma(3), Ize 2013) and of the origin.
-    #[inline]
+    #[inline(always)]
     fn crossed(&self, origin: DVec3, inverse: DVec3, error: f64) -> Option<f64> {
         let (mut enter, mut leave) = (0.0, f64::INFINITY);
         for axis in 0..3 {

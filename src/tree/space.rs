@@ -10,6 +10,10 @@ use crate::math::{Aabb, DVec3};
 pub struct Space {
     pub origin: DVec3,
     pub per: f64,
+    /// 1 / `per`.
+    pub size: f64,
+    /// The longest of the origin's coordinates.
+    farthest: f64,
 }
 
 /// Roundings of coordinates on their way into the space, of the larger of the point's and the origin's.
@@ -21,17 +25,19 @@ impl Space {
         let half = (bounds.max * 0.5 - bounds.min * 0.5).max_element();
         // Twice, as the next power of two is up to twice too low; within what has a reciprocal.
         let size = power_of_two(half.clamp(1e-300, 1e300)) * 2.0;
-        Self { origin: bounds.centre(), per: 1.0 / size }
+        let origin = bounds.centre();
+        Self { origin, per: 1.0 / size, size, farthest: origin.abs().max_element() }
     }
 
+    #[inline]
     pub fn point(&self, point: DVec3) -> DVec3 {
         (point - self.origin) * self.per
     }
 
     /// How far off [`Space::point`] may be along each axis.
+    #[inline]
     pub fn error(&self, point: DVec3) -> f64 {
-        let largest = point.abs().max_element().max(self.origin.abs().max_element());
-        largest * self.per * ROUNDING
+        point.abs().max_element().max(self.farthest) * self.per * ROUNDING
     }
 
     /// A box in the space that holds what the world's box does: its corners rounded outwards.
@@ -44,9 +50,16 @@ impl Space {
     }
 }
 
+#[inline]
 /// The largest power of two that is not above a normal number.
 pub fn power_of_two(value: f64) -> f64 {
     f64::from_bits(value.to_bits() & 0x7ff0_0000_0000_0000)
+}
+
+/// 1 / a power of two.
+#[inline]
+pub fn reciprocal(power: f64) -> f64 {
+    f64::from_bits(0x7fe0_0000_0000_0000_u64.wrapping_sub(power.to_bits()))
 }
 
 #[cfg(test)]
@@ -73,6 +86,7 @@ mod tests {
         for (value, power) in [(1.0, 1.0), (1.9, 1.0), (2.0, 2.0), (0.3, 0.25), (1e-300, libm::exp2(-997.0))]
         {
             assert_eq!(power_of_two(value), power);
+            assert_eq!(reciprocal(power), 1.0 / power);
         }
     }
 }

@@ -6,16 +6,19 @@ use crate::simd::{Lanes, Work, dispatch};
 
 /// What a tree's leaves hold, while a ray walks the tree.
 pub trait Leaves {
+    /// Whether leaves that are entered nearer are to be visited first, which pays if that lowers the limit.
+    const IN_ORDER: bool;
+
     /// Tests what is in a leaf; gives the limit beyond which nothing is of interest any more, or none to end the walk.
     /// Implementations are `#[inline(always)]`.
     fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32>;
 }
 
 /// Children put off at once. Deeper trees than these hold are walked by recursion.
-const STACK: usize = 96;
+const STACK: usize = 48;
 
 impl Tree {
-    /// Visits every leaf that the ray may meet before `t_max`, nearer ones first.
+    /// Visits every leaf that the ray may meet before `t_max`.
     #[inline]
     pub fn walk(&self, probe: &Probe, t_max: f64, leaves: &mut impl Leaves) {
         if self.root == Child::NONE {
@@ -59,13 +62,17 @@ impl<V: Leaves> Work for Walk<'_, V> {
                 if met != 0 {
                     let first = met.trailing_zeros() as usize;
                     met &= met - 1;
+                    if met == 0 {
+                        at = node.children[first & 7];
+                        continue;
+                    }
                     let mut nearest = (enter[first & 7], node.children[first & 7]);
                     let bottom = top;
                     while met != 0 {
                         let slot = met.trailing_zeros() as usize;
                         met &= met - 1;
                         let mut other = (enter[slot & 7], node.children[slot & 7]);
-                        if other.0 < nearest.0 {
+                        if V::IN_ORDER && other.0 < nearest.0 {
                             (nearest, other) = (other, nearest);
                         }
                         if top == STACK {
@@ -73,7 +80,11 @@ impl<V: Leaves> Work for Walk<'_, V> {
                             limit = walk_apart(Walk { tree, slabs, leaves, limit, from })?;
                             continue;
                         }
-                        put(&mut stack, bottom, top, other);
+                        if V::IN_ORDER {
+                            put(&mut stack, bottom, top, other);
+                        } else {
+                            stack[top] = other;
+                        }
                         top += 1;
                     }
                     at = nearest.1;
@@ -87,7 +98,7 @@ impl<V: Leaves> Work for Walk<'_, V> {
                 };
                 let (enter, child) = stack[top];
                 // A box entered exactly at the limit may hold an equally near thing of a lower index.
-                if enter <= limit {
+                if !V::IN_ORDER || enter <= limit {
                     at = child;
                     break;
                 }

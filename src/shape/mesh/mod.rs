@@ -130,6 +130,8 @@ struct Nearest<'a> {
 }
 
 impl Leaves for Nearest<'_> {
+    const IN_ORDER: bool = true;
+
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
         let packet = self.mesh.mesh.packet(leaf);
@@ -170,6 +172,8 @@ struct Any<'a> {
 }
 
 impl Leaves for Any<'_> {
+    const IN_ORDER: bool = false;
+
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
         let packet = self.mesh.mesh.packet(leaf);
