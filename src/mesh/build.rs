@@ -34,7 +34,17 @@ impl Mesh {
         let bounds = (0..count).map(|part| Aabb::around(corners(part))).fold(Aabb::EMPTY, Aabb::union);
         let (tree, leaves) = Tree::of_triangles(corners, count);
         let packets = leaves.iter().map(|leaf| Packet::new(tree.space(), leaf, &parts)).collect();
-        Ok(Self { tree, packets, bounds, skipped, parts, smooth: OnceLock::new(), areas: OnceLock::new() })
+        let exact = parts.positions.iter().all(|&position| tree.space().is_exact(position));
+        Ok(Self {
+            tree,
+            packets,
+            exact,
+            bounds,
+            skipped,
+            parts,
+            smooth: OnceLock::new(),
+            areas: OnceLock::new(),
+        })
     }
 }
 

@@ -56,6 +56,8 @@ pub struct Mesh {
     tree: Tree,
     /// The triangles of each of the tree's leaves.
     packets: Vec<Packet>,
+    /// Whether the packets hold all positions as they are.
+    exact: bool,
     bounds: Aabb,
     /// How many triangles without an area have been left out.
     pub skipped: usize,
@@ -107,6 +109,17 @@ impl Mesh {
 
     pub fn tree(&self) -> &Tree {
         &self.tree
+    }
+
+    /// The corners of a triangle of a packet.
+    #[inline(always)]
+    pub fn packed_corners(&self, packet: &Packet, lane: usize) -> [DVec3; 3] {
+        if self.exact {
+            return packet.exact(lane, self.tree.space().size);
+        }
+        let [a, b, c] = packet.vertices(lane);
+        let positions = &self.parts.positions;
+        [positions[a as usize], positions[b as usize], positions[c as usize]]
     }
 
     #[inline(always)]

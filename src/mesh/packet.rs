@@ -37,11 +37,22 @@ impl Packet {
         packet
     }
 
-    /// The corners of a lane's triangle, in f64.
+    /// The corners of a lane's triangle in f64, from what is here and in units of `size`. Only for meshes whose positions
+    /// are the same in f32 in their tree's space: the others' must be looked up.
     #[inline(always)]
-    pub fn triangle(&self, lane: usize, positions: &[DVec3]) -> [DVec3; 3] {
-        let [a, b, c] = self.vertices[lane & 7];
-        [positions[a as usize], positions[b as usize], positions[c as usize]]
+    pub fn exact(&self, lane: usize, size: f64) -> [DVec3; 3] {
+        let [a, b, c] = &self.corners;
+        let lane = lane & 7;
+        let corner = |rows: &[[f32; 8]; 3]| {
+            DVec3::new(rows[0][lane].into(), rows[1][lane].into(), rows[2][lane].into())
+        };
+        [corner(a) * size, corner(b) * size, corner(c) * size]
+    }
+
+    /// Indices of the positions of a lane's corners.
+    #[inline(always)]
+    pub fn vertices(&self, lane: usize) -> [u32; 3] {
+        self.vertices[lane & 7]
     }
 
     #[inline(always)]

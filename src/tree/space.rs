@@ -16,22 +16,33 @@ pub struct Space {
     farthest: f64,
 }
 
+/// Times its own extent that a tree's things may be away from the world's origin to have it as theirs.
+const NEARBY: f64 = 4.0;
+
 /// Roundings of coordinates on their way into the space, of the larger of the point's and the origin's.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl Space {
-    /// The space in which `bounds` reach from -1 to 1 at most, and beyond 0.5 or so.
+    /// The space in which `bounds` lie between -1 and 1.
     pub fn around(bounds: Aabb) -> Self {
         let half = (bounds.max * 0.5 - bounds.min * 0.5).max_element();
+        let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
+        // Around the world's origin if that is not far: then what is an f32 stays the same number, scaled.
+        let (origin, reach) =
+            if farthest <= NEARBY * half { (DVec3::ZERO, farthest) } else { (bounds.centre(), half) };
         // Twice, as the next power of two is up to twice too low; within what has a reciprocal.
-        let size = power_of_two(half.clamp(1e-300, 1e300)) * 2.0;
-        let origin = bounds.centre();
+        let size = power_of_two(reach.clamp(1e-300, 1e300)) * 2.0;
         Self { origin, per: 1.0 / size, size, farthest: origin.abs().max_element() }
     }
 
     #[inline]
     pub fn point(&self, point: DVec3) -> DVec3 {
         (point - self.origin) * self.per
+    }
+
+    /// Whether a point is the same in f32 in this space.
+    pub fn is_exact(&self, point: DVec3) -> bool {
+        self.point(point).as_vec3().as_dvec3() * self.size == point
     }
 
     /// How far off [`Space::point`] may be along each axis.

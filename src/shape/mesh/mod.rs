@@ -145,7 +145,7 @@ impl Leaves for Nearest<'_> {
             if sieve.hit >> lane & 1 == 1 && sieve.near[lane & 7] > limit {
                 continue;
             }
-            let corners = packet.triangle(lane, self.mesh.mesh.positions());
+            let corners = self.mesh.mesh.packed_corners(packet, lane);
             if sieve.hit >> lane & 1 == 0 && !covers(corners, self.probe) {
                 continue;
             }
@@ -188,7 +188,7 @@ impl Leaves for Any<'_> {
         while !self.found && candidates != 0 {
             let lane = candidates.trailing_zeros() as usize;
             candidates &= candidates - 1;
-            let corners = packet.triangle(lane, self.mesh.mesh.positions());
+            let corners = self.mesh.mesh.packed_corners(packet, lane);
             let t = if covers(corners, probe) { depth(corners, probe) } else { None };
             self.found = t.is_some_and(|t| t > 0.0 && t < self.t_max);
         }
