@@ -10,9 +10,7 @@ impl Portable {
     #[inline(always)]
     fn each(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
         let mut values = self.0;
-        for lane in 0..8 {
-            values[lane] = f(self.0[lane], other.0[lane]);
-        }
+        values.iter_mut().zip(other.0).for_each(|(a, b)| *a = f(*a, b));
         Self(values)
     }
 

@@ -3,10 +3,15 @@
 
 use super::{Child, Node, Space, Tree};
 use crate::math::{Aabb, DVec3};
+use crate::sampling::hash;
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb as Aabb32;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::{build_bvh2, build_bvh2_from_tris};
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::bvh2::node::Bvh2Node;
+use obvhs::splits::split_aabbs_preset;
 use obvhs::triangle::Triangle;
-use obvhs::{BvhBuildParams, aabb};
+use std::collections::HashMap;
 use std::time::Duration;
 
 /// The things of one leaf, by the order in which they were given.
@@ -25,15 +30,12 @@ impl Tree {
     /// A tree over boxes, with its leaves.
     pub fn of_boxes(boxes: &[Aabb]) -> (Self, Vec<Leaf>) {
         let Some(space) = space(boxes.iter().copied()) else { return (Self::default(), Vec::new()) };
-        let rounded: Vec<_> = boxes
-            .iter()
-            .map(|bounds| {
-                let [min, max] = space.outward(*bounds);
-                aabb::Aabb { min: min.into(), max: max.into() }
-            })
-            .collect();
-        let parameters = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
-        Self::collapsed(space, &build_bvh2(&rounded, parameters, &mut Duration::default()), 0.0)
+        let rounded = boxes.iter().map(|bounds| {
+            let [min, max] = space.outward(*bounds);
+            Aabb32 { min: min.into(), max: max.into() }
+        });
+        // Moving things are built anew every frame.
+        Self::over(space, rounded.collect(), BvhBuildParams::medium_build(), &|thing| thing)
     }
 
     /// A tree over triangles, with its leaves. Long ones may be in several.
@@ -46,13 +48,55 @@ impl Tree {
             Triangle { v0, v1, v2 }
         });
         let rounded: Vec<_> = rounded.collect();
-        let parameters = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::slow_build() };
-        Self::collapsed(space, &build_bvh2_from_tris(&rounded, parameters, &mut Duration::default()), WIDENED)
+        let mut boxes: Vec<_> = rounded.iter().map(Triangle::aabb).collect();
+        let areas = || boxes.iter().map(Aabb32::half_area);
+        let (mean, largest) = (areas().sum::<f32>() / count as f32, areas().fold(0.0, f32::max));
+        let mut parts: Vec<u32> = (0..count).collect();
+        split_aabbs_preset(&mut boxes, &mut parts, &rounded, mean, largest);
+        for bounds in &mut boxes {
+            *bounds = Aabb32 { min: bounds.min - WIDENED, max: bounds.max + WIDENED };
+        }
+        Self::over(space, boxes, BvhBuildParams::slow_build(), &|index| parts[index as usize])
     }
 
-    fn collapsed(space: Space, binary: &Bvh2, widened: f32) -> (Self, Vec<Leaf>) {
-        Collapse::new(binary, widened).tree(space)
+    /// A tree over boxes in `space`; `thing` says what is in each.
+    fn over(
+        space: Space,
+        boxes: Vec<Aabb32>,
+        parameters: BvhBuildParams,
+        thing: &dyn Fn(u32) -> u32,
+    ) -> (Self, Vec<Leaf>) {
+        let (mut boxes, groups) = grouped(boxes, thing);
+        for (index, bounds) in (0..).zip(&mut boxes) {
+            bounds.max += tie_break(index);
+        }
+        let parameters = BvhBuildParams { max_prims_per_leaf: 1, ..parameters };
+        let binary = build_bvh2(&boxes, parameters, &mut Duration::default());
+        Collapse::new(&binary, &groups).tree(space)
     }
+}
+
+/// Different boxes, each with what is in it: clustering would find equal ones by pairs only.
+fn grouped(boxes: Vec<Aabb32>, thing: &dyn Fn(u32) -> u32) -> (Vec<Aabb32>, Vec<Leaf>) {
+    let mut known: HashMap<[u32; 6], usize> = HashMap::with_capacity(boxes.len());
+    let (mut different, mut groups): (Vec<Aabb32>, Vec<Leaf>) = (Vec::new(), Vec::new());
+    for (index, bounds) in (0..).zip(boxes) {
+        let ([a, b, c], [d, e, f]) = (bounds.min.to_array(), bounds.max.to_array());
+        let group = *known.entry([a, b, c, d, e, f].map(f32::to_bits)).or_insert_with(|| {
+            different.push(bounds);
+            groups.push(Vec::new());
+            groups.len() - 1
+        });
+        groups[group].push(thing(index));
+    }
+    (different, groups)
+}
+
+/// How far a box is widened so that it is unlike others. Clustering pairs boxes that are each other's best partner; in
+/// rows and stacks of equal ones it would find a single pair at a time. A step of the largest coordinates is enough to
+/// be seen in areas.
+fn tie_break(index: u32) -> f32 {
+    (hash([index, 0, 0]) % 16) as f32 * f32::EPSILON
 }
 
 /// The space of things with these boxes; none if there is nothing.
@@ -64,7 +108,7 @@ fn space(boxes: impl Iterator<Item = Aabb>) -> Option<Space> {
 /// From a binary tree to a wide one.
 struct Collapse<'a> {
     binary: &'a Bvh2,
-    widened: f32,
+    groups: &'a [Leaf],
     /// Of each binary node: whether everything below it makes one leaf.
     is_leaf: Vec<bool>,
     nodes: Vec<Node>,
@@ -72,19 +116,17 @@ struct Collapse<'a> {
 }
 
 impl<'a> Collapse<'a> {
-    fn new(binary: &'a Bvh2, widened: f32) -> Self {
-        let is_leaf = leaves_that_pay(binary);
-        Self { binary, widened, is_leaf, nodes: Vec::new(), leaves: Vec::new() }
+    fn new(binary: &'a Bvh2, groups: &'a [Leaf]) -> Self {
+        let is_leaf = leaves_that_pay(binary, groups);
+        Self { binary, groups, is_leaf, nodes: Vec::new(), leaves: Vec::new() }
     }
 
     fn tree(mut self, space: Space) -> (Tree, Vec<Leaf>) {
         let [min, max] = self.planes(0).map(|corner| DVec3::from_array(corner.map(f64::from)));
         let root = self.child(0);
-        let mut waiting = vec![(0, root)];
+        let mut waiting = if self.is_leaf[0] { Vec::new() } else { vec![(0, root)] };
         while let Some((binary, child)) = waiting.pop() {
-            if child.as_leaf().is_none() {
-                self.fill(binary, child, &mut waiting);
-            }
+            self.fill(binary, child, &mut waiting);
         }
         (Tree { space, bounds: [min, max], nodes: self.nodes, root }, self.leaves)
     }
@@ -92,16 +134,34 @@ impl<'a> Collapse<'a> {
     /// The lower and the upper corner of a binary node's box.
     fn planes(&self, binary: u32) -> [[f32; 3]; 2] {
         let bounds = self.binary.nodes[binary as usize].aabb();
-        let widened = self.widened;
-        [bounds.min.to_array().map(|v| v - widened), bounds.max.to_array().map(|v| v + widened)]
+        [bounds.min.to_array(), bounds.max.to_array()]
     }
 
     /// A new leaf, or a place for a new node, for a binary node.
     fn child(&mut self, binary: u32) -> Child {
         if self.is_leaf[binary as usize] {
-            self.leaves.push(self.things(binary));
+            let corners = self.planes(binary);
+            return self.leaf(self.things(binary), corners);
+        }
+        self.node()
+    }
+
+    /// A leaf of these things, or nodes over several leaves if they are many: then all are in the same place.
+    fn leaf(&mut self, things: Leaf, corners: [[f32; 3]; 2]) -> Child {
+        if things.len() <= LARGEST_LEAF as usize {
+            self.leaves.push(things);
             return Child::leaf(self.leaves.len() as u32 - 1);
         }
+        let parent = self.node();
+        for (slot, part) in things.chunks(things.len().div_ceil(8)).enumerate() {
+            let child = self.leaf(part.to_vec(), corners);
+            self.place(parent, slot, child, corners);
+        }
+        parent
+    }
+
+    /// An empty node.
+    fn node(&mut self) -> Child {
         let planes = [[[f32::INFINITY; 8], [f32::NEG_INFINITY; 8]]; 3];
         self.nodes.push(Node { planes, children: [Child::NONE; 8] });
         Child(self.nodes.len() as u32 - 1)
@@ -126,13 +186,18 @@ impl<'a> Collapse<'a> {
         }
         for (slot, binary) in slots.into_iter().enumerate() {
             let placed = self.child(binary);
-            let corners = self.planes(binary);
-            let node = &mut self.nodes[child.0 as usize];
-            node.children[slot] = placed;
-            for (axis, planes) in node.planes.iter_mut().enumerate() {
-                (planes[0][slot], planes[1][slot]) = (corners[0][axis], corners[1][axis]);
+            self.place(child, slot, placed, self.planes(binary));
+            if !self.is_leaf[binary as usize] {
+                waiting.push((binary, placed));
             }
-            waiting.push((binary, placed));
+        }
+    }
+
+    fn place(&mut self, parent: Child, slot: usize, child: Child, corners: [[f32; 3]; 2]) {
+        let node = &mut self.nodes[parent.0 as usize];
+        node.children[slot] = child;
+        for (axis, planes) in node.planes.iter_mut().enumerate() {
+            (planes[0][slot], planes[1][slot]) = (corners[0][axis], corners[1][axis]);
         }
     }
 
@@ -145,7 +210,7 @@ impl<'a> Collapse<'a> {
             let first = node.first_index as usize;
             if node.prim_count > 0 {
                 let own = &self.binary.primitive_indices[first..first + node.prim_count as usize];
-                things.extend_from_slice(own);
+                own.iter().for_each(|&index| things.extend_from_slice(&self.groups[index as usize]));
             } else {
                 waiting.extend([first as u32, first as u32 + 1]);
             }
@@ -158,7 +223,7 @@ impl<'a> Collapse<'a> {
 
 /// Which binary nodes become leaves, by the surface area heuristic: the test of a leaf costs the same however full it
 /// is.
-fn leaves_that_pay(binary: &Bvh2) -> Vec<bool> {
+fn leaves_that_pay(binary: &Bvh2, groups: &[Leaf]) -> Vec<bool> {
     let nodes = &binary.nodes;
     let mut order = vec![0u32];
     let mut at = 0;
@@ -170,7 +235,13 @@ fn leaves_that_pay(binary: &Bvh2) -> Vec<bool> {
         at += 1;
     }
     let mut is_leaf = vec![true; nodes.len()];
-    let mut things: Vec<u32> = nodes.iter().map(|node| node.prim_count).collect();
+    let held = |node: &Bvh2Node| {
+        let first = node.first_index as usize;
+        let own = &binary.primitive_indices[first..first + node.prim_count as usize];
+        own.iter().map(|&group| groups[group as usize].len() as u32).sum()
+    };
+    let mut things: Vec<u32> =
+        nodes.iter().map(|node| if node.prim_count > 0 { held(node) } else { 0 }).collect();
     let mut cost: Vec<f32> = nodes.iter().map(|node| node.aabb().half_area()).collect();
     // Children stand behind their parents.
     for &index in order.iter().rev() {
@@ -187,4 +258,35 @@ fn leaves_that_pay(binary: &Bvh2) -> Vec<bool> {
         }
     }
     is_leaf
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Boxes in a row, in a plane and in one place: the tree must not be deep, nor take long.
+    #[test]
+    fn equal_boxes_make_balanced_trees() {
+        let cube = |at: DVec3| Aabb { min: at, max: at + DVec3::splat(0.5) };
+        let row = |i: u32| cube(DVec3::X * f64::from(i));
+        let plane = |i: u32| cube(DVec3::new(f64::from(i % 64), 0.0, f64::from(i / 64)));
+        let stack = |_: u32| cube(DVec3::ONE);
+        let all: [&dyn Fn(u32) -> Aabb; 3] = [&row, &plane, &stack];
+        for boxes in all {
+            let boxes: Vec<_> = (0..4096).map(boxes).collect();
+            let (tree, leaves) = Tree::of_boxes(&boxes);
+            let mut things: Vec<u32> = leaves.into_iter().flatten().collect();
+            things.sort_unstable();
+            assert!(things.into_iter().eq(0..4096));
+            assert!(depth(&tree, tree.root) <= 12, "{}", depth(&tree, tree.root));
+        }
+    }
+
+    fn depth(tree: &Tree, child: Child) -> u32 {
+        if child == Child::NONE || child.as_leaf().is_some() {
+            return 0;
+        }
+        let children = tree.nodes[child.0 as usize].children;
+        1 + children.into_iter().map(|child| depth(tree, child)).max().unwrap_or(0)
+    }
 }
