@@ -8,6 +8,7 @@ use super::suggest::shortened;
 use super::values::{each, list, number, text, tuple, vector, whole};
 use super::words::word;
 use super::{Named, Object, Sequence};
+use crate::files;
 use crate::humane::counted;
 use crate::math::{DVec2, DVec3};
 use crate::mesh::{self, Corners, LoadMeter, NO_FILE, Normals, Parts};
@@ -34,9 +35,7 @@ impl Meshes {
 
     /// Reads a file, or remembers what came of it.
     fn mesh(&self, name: &str) -> Read {
-        let path = self.folder.join(name);
-        // One file has many names; what does not exist has this one.
-        let path = path.canonicalize().unwrap_or(path);
+        let path = files::one_name(self.folder.join(name));
         let mut read = self.read.borrow_mut();
         let mesh = read.entry(path).or_insert_with_key(|path| {
             mesh::load(path, &self.meter).map(Arc::new).map_err(|error| error.to_string())
