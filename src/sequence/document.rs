@@ -47,7 +47,8 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     let cameras = cameras(&mut fields, scene.as_ref().map(|(_, objects)| objects.as_slice()));
     fields.finish();
     if let (Some(timeline), Some(Cameras { list, active, places })) = (&timeline, &cameras) {
-        report_blind_cameras(root.file, timeline, list, active, places);
+        let steps = quality.unwrap_or_default().shutter_steps;
+        report_blind_cameras(root.file, timeline, steps, list, active, places);
     }
     let (timeline, cameras, (materials, objects)) = (timeline?, cameras?, scene?);
     Some(Sequence {
