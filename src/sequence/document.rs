@@ -24,7 +24,9 @@ use crate::light::LightTracks;
 use crate::material::{MadeOf, MaterialTracks};
 use crate::quality::Quality;
 use crate::track::Animated;
+use std::collections::HashMap;
 use std::ops::Range;
+use std::rc::Rc;
 
 /// Reads a sequence called `name`. None if anything is wrong, all of which is then reported.
 pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
@@ -169,12 +171,13 @@ fn objects(node: Node<'_>, materials: &Names<'_>) -> Option<Vec<Placed>> {
 }
 
 /// Gives every object the index of its material: inline ones, and the default where it is used, are
-/// appended to the named ones.
+/// appended to the named ones. Objects of one mesh share the materials that came with it.
 fn assembled(default: &Given, named: &[Named<Given>], drafts: Vec<Placed>) -> Scene {
     let over = |given: &Given| given.over(default);
     let mut materials: Vec<_> =
         named.iter().map(|m| Named { name: m.name.clone(), value: over(&m.value) }).collect();
     let mut default_index = None;
+    let mut own_by_list = HashMap::new();
     let mut append = |name: String, value: MaterialTracks| {
         materials.push(Named { name, value });
         materials.len() as u32 - 1
@@ -185,14 +188,15 @@ fn assembled(default: &Given, named: &[Named<Given>], drafts: Vec<Placed>) -> Sc
         let made_of = match material {
             Surface::Named(index) => MadeOf::One(index as u32),
             Surface::Inline(given) => MadeOf::One(append(format!("objects.{name:?}.material"), over(&given))),
-            Surface::Own(given) => {
+            // The file keeps all lists, so that none has the address of another.
+            Surface::Own(given) => *own_by_list.entry(Rc::as_ptr(&given)).or_insert_with(|| {
                 let count = given.len() as u32 - 1;
-                let added = given.into_iter().map(|(slot, given)| {
-                    append(format!("objects.{name:?}.shape.materials.{slot:?}"), over(&given))
+                let added = given.iter().map(|(slot, given)| {
+                    append(format!("objects.{name:?}.shape.materials.{slot:?}"), over(given))
                 });
                 // In a row: nothing else is added meanwhile.
                 added.min().map_or(MadeOf::One(0), |first| MadeOf::Slots { first, count })
-            }
+            }),
             Surface::Default => MadeOf::One(
                 *default_index
                     .get_or_insert_with(|| append("default_material".to_owned(), over(&Given::default()))),
