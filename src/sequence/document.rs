@@ -8,6 +8,7 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::fog::fog;
 use super::keys::keyed;
+use super::layers::{Places, report_too_many_layers};
 use super::light::light;
 use super::material::{Given, material};
 use super::names::{Entry, Names, entries};
@@ -19,7 +20,6 @@ use super::timeline::{still, timeline};
 use super::{Named, Object, Sequence};
 use crate::camera_path::CameraPath;
 use crate::color::Rgb;
-use crate::layers::Layers;
 use crate::light::LightTracks;
 use crate::material::{MadeOf, MaterialTracks};
 use crate::quality::Quality;
@@ -43,8 +43,9 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     let background = fields.or("background", environment, Rgb::ZERO);
     let ambient = fields.or("ambient", keyed(color), Rgb::ONE);
     let fog = fields.optional("fog", fog);
-    let lights = fields.or("lights", lights, Vec::new());
-    let scene = scene(&mut fields);
+    let mut places = Places { lights: Vec::new(), materials: Vec::new(), objects: fields.place("objects") };
+    let lights = fields.or("lights", |node| lights(node, &mut places.lights), Vec::new());
+    let scene = scene(&mut fields, &mut places.materials);
     // After the objects, which cameras may focus on.
     let cameras = cameras(&mut fields, scene.as_ref().map(|(_, objects)| objects.as_slice()));
     fields.finish();
@@ -53,7 +54,7 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
         report_blind_cameras(root.file, timeline, steps, list, active, places);
     }
     let (timeline, cameras, (materials, objects)) = (timeline?, cameras?, scene?);
-    Some(Sequence {
+    let sequence = Sequence {
         name: name.to_owned(),
         timeline,
         output: output?,
@@ -66,23 +67,20 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
         lights: lights?,
         materials,
         objects,
-    })
+    };
+    report_too_many_layers(root.file, &sequence, &places);
+    Some(sequence)
 }
 
-fn lights(node: Node<'_>) -> Option<Vec<Named<LightTracks>>> {
+/// The lights, and where each stands in the file.
+fn lights(node: Node<'_>, places: &mut Vec<Range<usize>>) -> Option<Vec<Named<LightTracks>>> {
     let entries = entries(node, "light")?;
-    let lights: Vec<_> = decoded(entries.iter().map(|entry| named(entry, light(entry.value))).collect())?;
-    let mut layers = Layers::new();
-    for (light, entry) in lights.iter().zip(&entries) {
-        layers.of(&light.value.dimmer());
-        if layers.count() > MOST_LAYERS {
-            let title = format!("more than {MOST_LAYERS} lights are each keyed in their own way");
-            let fault = Fault::new(entry.key.span(), title, "this one is too many");
-            node.fault(fault.help("every such light takes a picture of its own in memory; key some alike"));
-            return None;
-        }
-    }
-    Some(lights)
+    *places = places_of(&entries);
+    decoded(entries.iter().map(|entry| named(entry, light(entry.value))).collect())
+}
+
+fn places_of(entries: &[Entry<'_>]) -> Vec<Range<usize>> {
+    entries.iter().map(|entry| entry.key.span()).collect()
 }
 
 fn named<T>(entry: &Entry<'_>, value: Option<T>) -> Option<Named<T>> {
@@ -123,7 +121,7 @@ fn cameras(fields: &mut Fields<'_>, objects: Option<&[Named<Object>]>) -> Option
     });
     let names = Names::new("camera", &several);
     let active = fields.or("active_camera", keyed(|node| names.index(node)), 0usize);
-    let places: Vec<_> = several.iter().map(|entry| entry.key.span()).collect();
+    let places = places_of(&several);
     let (list, places) = match (single?, list?) {
         (None, Some(list)) => (list, places),
         (None, None) => (vec![unnamed(default_camera())], vec![single_place]),
@@ -138,17 +136,15 @@ fn unnamed(camera: CameraPath) -> Named<CameraPath> {
     Named { name: "camera".to_owned(), value: camera }
 }
 
-/// Differently keyed lights at most.
-const MOST_LAYERS: usize = 1024;
-
 type Scene = (Vec<Named<MaterialTracks>>, Vec<Named<Object>>);
 
-/// Materials and objects.
-fn scene(fields: &mut Fields<'_>) -> Option<Scene> {
+/// Materials and objects, and where the materials with a name stand in the file.
+fn scene(fields: &mut Fields<'_>, places: &mut Vec<Range<usize>>) -> Option<Scene> {
     let default = fields.or("default_material", material, Given::default());
     let mut material_entries = Vec::new();
     let materials = fields.optional("materials", |node| {
         material_entries = entries(node, "material")?;
+        *places = places_of(&material_entries);
         decoded(material_entries.iter().map(|entry| named(entry, material(entry.value))).collect())
     });
     let names = Names::new("material", &material_entries);
