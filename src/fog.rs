@@ -66,25 +66,27 @@ impl Fog {
 
     /// The integral of the density along the way.
     fn thickness(&self, ray: &Ray, t: f64) -> f64 {
-        // Asked for first, as a way without end through no fog would be 0 · ∞.
-        if self.density == 0.0 {
+        // Asked for first, as no way through any fog, and any way through none, may be 0 · ∞.
+        if self.density == 0.0 || t == 0.0 {
             return 0.0;
         }
         let Some(Falloff { base, height }) = self.falloff else { return self.density * t };
-        let here = self.density * libm::exp(-(ray.origin.y - base) / height);
-        if here == 0.0 {
-            return 0.0;
+        let climb = ray.direction.y;
+        if t == f64::INFINITY && climb <= 0.0 {
+            return f64::INFINITY;
         }
-        let rise = ray.direction.y / height;
+        // The density at the lower end of the way: at the upper one it underflows where the way is long.
+        let lowest = ray.origin.y + (climb * t).min(0.0);
+        let low = self.density * libm::exp(-((lowest - base) / height));
+        if low == 0.0 || low == f64::INFINITY {
+            return low;
+        }
+        // ∫₀ᵗ exp(-rise·s) ds; level ways need the series that expm1 is, and where `rise` itself is about to
+        // underflow, its limit.
+        let rise = climb.abs() / height;
         let climbed = rise * t;
-        if rise == 0.0 {
-            here * t
-        } else if climbed == f64::INFINITY {
-            here / rise
-        } else {
-            // ∫₀ᵗ exp(-rise·s) ds; level ways need the series that expm1 is.
-            here * (-libm::expm1(-climbed) / rise)
-        }
+        let way = if climbed > f64::EPSILON { -libm::expm1(-climbed) / rise } else { t };
+        low * way
     }
 }
 
@@ -128,6 +130,68 @@ mod tests {
         assert!((up + libm::expm1(-0.6 * libm::exp(0.5))).abs() < 1e-15);
         for direction in [DVec3::X, DVec3::NEG_Y, DVec3::new(0.8, -0.6, 0.0)] {
             assert_eq!(thin.opacity(&along(direction), f64::INFINITY), 1.0);
+        }
+    }
+
+    /// Straight down to `ground`: a difference of two exponential functions.
+    #[test]
+    fn the_way_down_is_as_thick_as_its_closed_form_says() {
+        let falloff = Falloff { base: 0.0, height: 1.0 };
+        let fog = fog(0.5, Some(falloff));
+        let high = [1e-9, 0.5, 1.0, 36.0, 600.0, 700.0, 709.0, 710.0, 711.0, 745.0, 760.0, 1e4, 1e10, 1e100];
+        for ground in [-2.0, 0.0, 3.0] {
+            for above in high {
+                let ray = Ray { origin: DVec3::new(0.0, ground + above, 0.0), direction: DVec3::NEG_Y };
+                let way = ray.origin.y - ground;
+                // Of great heights, the difference is not quite the ground.
+                let expected = 0.5 * libm::exp(way - ray.origin.y) * -libm::expm1(-way);
+                let down = fog.thickness(&ray, way);
+                assert!((down / expected - 1.0).abs() <= 1e-12, "{above} over {ground}: {down}");
+            }
+        }
+        for above in [600.0, 711.0, 760.0, 1e6] {
+            let back = Ray { origin: DVec3::ZERO, direction: DVec3::Y };
+            let down = Ray { origin: DVec3::Y * above, direction: DVec3::NEG_Y };
+            assert_eq!(fog.thickness(&down, above), fog.thickness(&back, above), "there and back");
+        }
+    }
+
+    #[test]
+    fn level_and_endless_ways_have_their_limits() {
+        let fog = fog(0.5, Some(Falloff { base: 1.0, height: 2.0 }));
+        let thickness =
+            |y: f64, direction: DVec3, t: f64| fog.thickness(&Ray { origin: DVec3::Y * y, direction }, t);
+        for y in [-50.0, 0.0, 1.0, 100.0] {
+            let here = 0.5 * libm::exp(-(y - 1.0) / 2.0);
+            for tilt in [0.0, 5e-324, -5e-324, 1e-300] {
+                assert_eq!(thickness(y, DVec3::new(1.0, tilt, 0.0), 7.0), here * 7.0, "level at {y}");
+            }
+            assert!((thickness(y, DVec3::Y, f64::INFINITY) / (here * 2.0) - 1.0).abs() < 1e-15);
+        }
+        for y in [-1e300, 0.0, 760.0, 1e300] {
+            assert_eq!(thickness(y, DVec3::NEG_Y, f64::INFINITY), f64::INFINITY);
+            assert_eq!(thickness(y, DVec3::X, f64::INFINITY), f64::INFINITY);
+            assert_eq!(thickness(y, DVec3::NEG_Y, 0.0), 0.0);
+        }
+        assert_eq!(thickness(1e300, DVec3::Y, f64::INFINITY), 0.0);
+    }
+
+    #[test]
+    fn no_way_is_without_a_thickness() {
+        let heights = [-1e300, -1e9, -700.0, 0.0, 1e-300, 711.0, 1e9, 1e300];
+        let lengths = [0.0, 5e-324, 1e-300, 1.0, 1e9, 1e300, f64::INFINITY];
+        let climbs = [-1e300, -1.0, -1e-300, -5e-324, 0.0, 5e-324, 1e-300, 1.0, 1e300];
+        let scales = [f64::MIN_POSITIVE, 1e-9, 1.0, 1e300];
+        for (y, base) in heights.iter().flat_map(|y| heights.map(|base| (*y, base))) {
+            for (t, climb) in lengths.iter().flat_map(|t| climbs.map(|climb| (*t, climb))) {
+                for (height, density) in scales.iter().flat_map(|h| [1e-300, 1.0, 1e300].map(|d| (*h, d))) {
+                    let fog = fog(density, Some(Falloff { base, height }));
+                    let ray = Ray { origin: DVec3::Y * y, direction: DVec3::new(0.0, climb, 0.0) };
+                    let (thickness, opacity) = (fog.thickness(&ray, t), fog.opacity(&ray, t));
+                    let what = || format!("{t} along {climb} from {y} in {fog:?}");
+                    assert!(thickness >= 0.0 && (0.0..=1.0).contains(&opacity), "{}", what());
+                }
+            }
         }
     }
 }

@@ -1,8 +1,6 @@
 //! How much memory a run takes, and how much there is.
 
 use crate::color::Rgb;
-use crate::glow::Glow;
-use crate::layers::Layers;
 use crate::math::DVec3;
 use crate::sequence::Sequence;
 
@@ -21,24 +19,8 @@ pub fn needed(sequence: &Sequence) -> u64 {
     // What several moments add up to is kept besides.
     let sums = if sequence.blurs_motion() { size_of::<DVec3>() as u64 } else { 0 };
     let layer = size_of::<Rgb>() as u64 * FILMS + sums;
-    let pixel = layers(sequence).saturating_mul(layer).saturating_add(BESIDES);
+    let pixel = sequence.layers().saturating_mul(layer).saturating_add(BESIDES);
     (u64::from(width) * u64::from(height)).saturating_mul(pixel)
-}
-
-fn layers(sequence: &Sequence) -> u64 {
-    let mut layers = Layers::new();
-    layers.of(&sequence.background.dimmer());
-    layers.of(&Glow::split(&sequence.ambient).1);
-    if let Some(fog) = &sequence.fog {
-        layers.of(&fog.split().1);
-    }
-    for material in &sequence.materials {
-        layers.of(&material.value.emission_split().1);
-    }
-    for light in &sequence.lights {
-        layers.of(&light.value.dimmer());
-    }
-    layers.count() as u64
 }
 
 /// Bytes that can be had without swapping, as Linux tells; elsewhere a cautious guess.

@@ -16,7 +16,8 @@ pub struct Quality {
     /// Samples per pixel where a lens, an area light, motion blur, a rough surface or paths ask for random
     /// ones; at least 1.
     pub samples: u32,
-    /// Rays that would add less than this share to the picture are not followed.
+    /// Rays that would add less than this share to the picture are not followed. Whitted's integrator asks; paths
+    /// end by roulette.
     pub threshold: f32,
     /// Upper limit of the radiance of one sample in each layer: none keeps every sample as it is.
     pub clamp: Option<f32>,

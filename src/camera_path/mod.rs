@@ -6,12 +6,14 @@
 mod dolly;
 mod keys;
 mod orbit;
+mod shutter;
 mod spline;
 mod zoom;
 
 pub use dolly::Dolly;
 pub use keys::Keys;
 pub use orbit::Orbit;
+pub use shutter::moments;
 pub use spline::SplinePath;
 pub use zoom::{Zoom, ZoomBy};
 

@@ -1,10 +1,10 @@
 //! What can be wrong with a mesh, and where.
 
+pub use crate::files::NO_FILE;
+
+use crate::files;
 use std::fmt;
 use std::io;
-
-/// Why a file that is not there gives no mesh.
-pub const NO_FILE: &str = "there is no such file";
 
 /// Why something gives no mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,13 +42,7 @@ impl MeshError {
 
 impl From<io::Error> for MeshError {
     fn from(error: io::Error) -> Self {
-        // The commonest in words that are the same on every system.
-        Self::new(match error.kind() {
-            io::ErrorKind::NotFound => NO_FILE.to_owned(),
-            io::ErrorKind::PermissionDenied => "it may not be read".to_owned(),
-            io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
-            _ => error.to_string(),
-        })
+        Self::new(files::why(&error))
     }
 }
 

@@ -1,12 +1,17 @@
 //! Mesh files → [`Mesh`].
 
 use super::{LoadMeter, Mesh, MeshError, Parts, obj, ply};
-use std::fs::{self, File};
+use crate::files;
+use std::cell::RefCell;
+use std::collections::HashSet;
 use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 /// Files larger than this are refused.
 const LARGEST_FILE: u64 = 8 << 30;
+
+/// The same of material libraries, which are text without geometry.
+const LARGEST_LIBRARY: u64 = 64 << 20;
 
 /// Bytes read at once.
 const BLOCK: usize = 1 << 18;
@@ -21,14 +26,15 @@ pub fn load(path: &Path, meter: &LoadMeter) -> Result<Mesh, MeshError> {
 
 fn read(path: &Path, name: &str, meter: &LoadMeter) -> Result<Parts, MeshError> {
     let format = Format::of(path)?;
-    let (file, size) = open(path)?;
+    let (file, size) = files::open(path, LARGEST_FILE)?;
     meter.start(format!("loading {name}"), size);
     let input = BufReader::with_capacity(BLOCK, Metered { input: file.take(size), meter });
     match format {
         Format::Ply => ply::read(input),
         Format::Obj => {
-            let folder = path.parent().map_or_else(PathBuf::new, Path::to_owned);
-            let mut parts = obj::read(input, &|library| fs::read(folder.join(library)))?;
+            let folder = path.parent().unwrap_or(Path::new(""));
+            let libraries = Libraries { folder, read: RefCell::default() };
+            let mut parts = obj::read(input, &|library| libraries.read(library))?;
             for name in parts.materials.iter_mut().filter_map(|material| material.diffuse_map.as_mut()) {
                 *name = folder.join(&name).to_string_lossy().into_owned();
             }
@@ -52,16 +58,23 @@ impl Format {
     }
 }
 
-/// A file with its size. What has no end, such as a device, is none.
-fn open(path: &Path) -> Result<(File, u64), MeshError> {
-    let what = fs::metadata(path)?;
-    if !what.is_file() {
-        return Err(MeshError::new(if what.is_dir() { "it is a folder" } else { "it is no file" }));
+/// The material libraries of a mesh, found from its folder on and read once each.
+struct Libraries<'a> {
+    folder: &'a Path,
+    read: RefCell<HashSet<PathBuf>>,
+}
+
+impl Libraries<'_> {
+    /// The bytes of a library. Whatever its name, a second reading adds nothing.
+    fn read(&self, name: &str) -> io::Result<Vec<u8>> {
+        let path = files::one_name(self.folder.join(name));
+        if self.read.borrow().contains(&path) {
+            return Ok(Vec::new());
+        }
+        let bytes = files::read(&path, LARGEST_LIBRARY)?;
+        self.read.borrow_mut().insert(path);
+        Ok(bytes)
     }
-    if what.len() > LARGEST_FILE {
-        return Err(MeshError::new(format!("it is larger than {} GiB", LARGEST_FILE >> 30)));
-    }
-    Ok((File::open(path)?, what.len()))
 }
 
 /// Counts the bytes that go through it.
@@ -75,5 +88,21 @@ impl<R: Read> Read for Metered<'_, R> {
         let read = self.input.read(buffer)?;
         self.meter.advance(read as u64);
         Ok(read)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn libraries_are_read_once_under_all_their_names() {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("a.mtl"), "newmtl a").expect("a disk");
+        let libraries = Libraries { folder: folder.path(), read: RefCell::default() };
+        let again = ["a.mtl", "a.mtl", "./a.mtl"].map(|name| libraries.read(name).expect("a library").len());
+        assert_eq!(again, [8, 0, 0]);
+        assert_eq!(libraries.read("b.mtl").expect_err("no file").kind(), io::ErrorKind::NotFound);
     }
 }

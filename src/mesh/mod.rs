@@ -99,10 +99,6 @@ impl Mesh {
         self.parts.normals.is_some()
     }
 
-    pub fn has_uvs(&self) -> bool {
-        self.parts.uvs.is_some()
-    }
-
     pub fn has_colors(&self) -> bool {
         !self.parts.colors.is_empty()
     }

@@ -1,7 +1,8 @@
 //! Motion blur: a frame as several moments while the shutter is open.
 
+use crate::camera_path::moments;
 use crate::sequence::Sequence;
-use crate::time::{Clock, Time, Timeline};
+use crate::time::{Clock, Timeline};
 use crate::trace::Moment;
 use crate::track::Animated;
 
@@ -13,9 +14,6 @@ pub struct Shutter {
     steps: u32,
 }
 
-/// Shares of a frame are counted in millionths, so that times stay exact.
-const MILLION: i128 = 1_000_000;
-
 impl Shutter {
     pub fn new(sequence: &Sequence) -> Self {
         Self {
@@ -25,21 +23,12 @@ impl Shutter {
         }
     }
 
-    /// The moments of a frame: its start alone if the shutter does not stay open, else the middles of equal
-    /// parts of the time that it does.
+    /// The moments of a frame.
     pub fn moments(&self, timeline: &Timeline, frame: u32) -> Vec<(Clock, Moment)> {
-        let clock = timeline.clock(frame);
-        let camera = self.active.at(clock.start);
-        let open = self.open.get(camera).map_or(0.0, |open| open.at(clock.start).clamp(0.0, 1.0));
-        let open = (open * MILLION as f64).round() as i128;
-        if open == 0 {
-            return vec![(clock, Moment::ONLY)];
-        }
-        let of = self.steps;
-        let after = |index: u32| {
-            let share = Time::new(open * i128::from(2 * index + 1), MILLION * 2 * i128::from(of));
-            share / timeline.rate.per_second()
-        };
-        (0..of).map(|index| (clock.later(after(index)), Moment { index, of })).collect()
+        let camera = self.active.at(timeline.clock(frame).start);
+        let open = self.open.get(camera).unwrap_or(&Animated::Constant(0.0));
+        let clocks = moments(open, self.steps, timeline, frame);
+        let of = clocks.len() as u32;
+        (0..).zip(clocks).map(|(index, clock)| (clock, Moment { index, of })).collect()
     }
 }

@@ -4,6 +4,7 @@ use super::fault::Fault;
 use super::node::Node;
 use super::suggest::shortened;
 use super::values::text;
+use crate::files;
 use crate::texture::{Encoding, Image, ImageError, Shared};
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -27,7 +28,7 @@ impl Assets {
     /// Reads a file, or remembers what came of it. Paths are relative to the sequence's folder, or absolute; the
     /// file may lie anywhere, as it is only read.
     pub fn image(&self, name: &str, encoding: Encoding) -> Read {
-        let path = self.folder.join(name);
+        let path = files::one_name(self.folder.join(name));
         let mut images = self.images.borrow_mut();
         let read = images
             .entry((path, encoding))

@@ -1,44 +1,49 @@
-//! What only the whole file shows: whether every frame has a camera.
+//! What only the whole file shows: whether every moment of every frame has a camera.
 
 use super::Named;
 use super::fault::Fault;
 use super::node::File;
 use super::suggest::shortened;
-use crate::camera_path::{CameraPath, Lens, NoCamera};
-use crate::time::Timeline;
+use crate::camera_path::{CameraPath, Lens, NoCamera, moments};
+use crate::time::{Clock, Timeline};
 use crate::track::Animated;
 use std::ops::Range;
 
 /// Reports each camera that shows nothing at a frame at which it is looked through, with the first such frame.
+/// While a shutter is open, `steps` moments of a frame are looked at.
 pub fn report_blind_cameras(
     file: &File<'_>,
     timeline: &Timeline,
+    steps: u32,
     cameras: &[Named<CameraPath>],
     active: &Animated<usize>,
     places: &[Range<usize>],
 ) {
     let mut done = vec![false; cameras.len()];
     for frame in 0..timeline.frames {
-        let clock = timeline.clock(frame);
-        let index = active.at(clock.time);
+        let index = active.at(timeline.clock(frame).start);
         let (Some(camera), Some(false)) = (cameras.get(index), done.get(index)) else {
             if done.iter().all(|done| *done) {
                 return;
             }
             continue;
         };
-        match camera.value.at(&clock, None) {
-            Err(why) => {
-                done[index] = true;
-                let place = places.get(index).cloned().unwrap_or(0..0);
-                file.push(fault(&camera.name, why, frame, place));
-            }
-            Ok(_) => done[index] = stands_still(&camera.value),
+        // One moment of what stands still is like every other.
+        let (still, shutter) = (stands_still(&camera.value), &camera.value.shutter);
+        let clocks =
+            if still { vec![timeline.clock(frame)] } else { moments(shutter, steps, timeline, frame) };
+        let blind = |clock: &Clock| camera.value.at(clock, None).err().map(|why| (clock.time, why));
+        done[index] = still;
+        if let Some((time, why)) = clocks.iter().find_map(blind) {
+            done[index] = true;
+            let open = if time == timeline.clock(frame).start { "" } else { ", while the shutter is open" };
+            let place = places.get(index).cloned().unwrap_or(0..0);
+            file.push(fault(&camera.name, why, &format!("at frame {frame}{open}"), place));
         }
     }
 }
 
-fn fault(name: &str, why: NoCamera, frame: u32, place: Range<usize>) -> Fault {
+fn fault(name: &str, why: NoCamera, when: &str, place: Range<usize>) -> Fault {
     let (title, label, help) = match why {
         NoCamera::EyeOnTarget => (
             "stands on its own target",
@@ -52,8 +57,8 @@ fn fault(name: &str, why: NoCamera, frame: u32, place: Range<usize>) -> Fault {
         ),
         NoCamera::NotFinite => ("is infinitely far away", "has no place", "check the sizes along its path"),
     };
-    let title = format!("camera `{}` {title} at frame {frame}", shortened(name));
-    Fault::new(place, title, format!("{label} at frame {frame}")).help(help)
+    let title = format!("camera `{}` {title} {when}", shortened(name));
+    Fault::new(place, title, format!("{label} {when}")).help(help)
 }
 
 /// Whether one frame of the camera is like every other.

@@ -8,6 +8,7 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::fog::fog;
 use super::keys::keyed;
+use super::layers::{Places, report_too_many_layers};
 use super::light::light;
 use super::material::{Given, material};
 use super::names::{Entry, Names, entries};
@@ -19,12 +20,13 @@ use super::timeline::{still, timeline};
 use super::{Named, Object, Sequence};
 use crate::camera_path::CameraPath;
 use crate::color::Rgb;
-use crate::layers::Layers;
 use crate::light::LightTracks;
 use crate::material::{MadeOf, MaterialTracks};
 use crate::quality::Quality;
 use crate::track::Animated;
+use std::collections::HashMap;
 use std::ops::Range;
+use std::rc::Rc;
 
 /// Reads a sequence called `name`. None if anything is wrong, all of which is then reported.
 pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
@@ -41,16 +43,18 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     let background = fields.or("background", environment, Rgb::ZERO);
     let ambient = fields.or("ambient", keyed(color), Rgb::ONE);
     let fog = fields.optional("fog", fog);
-    let lights = fields.or("lights", lights, Vec::new());
-    let scene = scene(&mut fields);
+    let mut places = Places { lights: Vec::new(), materials: Vec::new(), objects: fields.place("objects") };
+    let lights = fields.or("lights", |node| lights(node, &mut places.lights), Vec::new());
+    let scene = scene(&mut fields, &mut places.materials);
     // After the objects, which cameras may focus on.
     let cameras = cameras(&mut fields, scene.as_ref().map(|(_, objects)| objects.as_slice()));
     fields.finish();
     if let (Some(timeline), Some(Cameras { list, active, places })) = (&timeline, &cameras) {
-        report_blind_cameras(root.file, timeline, list, active, places);
+        let steps = quality.unwrap_or_default().shutter_steps;
+        report_blind_cameras(root.file, timeline, steps, list, active, places);
     }
     let (timeline, cameras, (materials, objects)) = (timeline?, cameras?, scene?);
-    Some(Sequence {
+    let sequence = Sequence {
         name: name.to_owned(),
         timeline,
         output: output?,
@@ -63,23 +67,20 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
         lights: lights?,
         materials,
         objects,
-    })
+    };
+    report_too_many_layers(root.file, &sequence, &places);
+    Some(sequence)
 }
 
-fn lights(node: Node<'_>) -> Option<Vec<Named<LightTracks>>> {
+/// The lights, and where each stands in the file.
+fn lights(node: Node<'_>, places: &mut Vec<Range<usize>>) -> Option<Vec<Named<LightTracks>>> {
     let entries = entries(node, "light")?;
-    let lights: Vec<_> = decoded(entries.iter().map(|entry| named(entry, light(entry.value))).collect())?;
-    let mut layers = Layers::new();
-    for (light, entry) in lights.iter().zip(&entries) {
-        layers.of(&light.value.dimmer());
-        if layers.count() > MOST_LAYERS {
-            let title = format!("more than {MOST_LAYERS} lights are each keyed in their own way");
-            let fault = Fault::new(entry.key.span(), title, "this one is too many");
-            node.fault(fault.help("every such light takes a picture of its own in memory; key some alike"));
-            return None;
-        }
-    }
-    Some(lights)
+    *places = places_of(&entries);
+    decoded(entries.iter().map(|entry| named(entry, light(entry.value))).collect())
+}
+
+fn places_of(entries: &[Entry<'_>]) -> Vec<Range<usize>> {
+    entries.iter().map(|entry| entry.key.span()).collect()
 }
 
 fn named<T>(entry: &Entry<'_>, value: Option<T>) -> Option<Named<T>> {
@@ -120,7 +121,7 @@ fn cameras(fields: &mut Fields<'_>, objects: Option<&[Named<Object>]>) -> Option
     });
     let names = Names::new("camera", &several);
     let active = fields.or("active_camera", keyed(|node| names.index(node)), 0usize);
-    let places: Vec<_> = several.iter().map(|entry| entry.key.span()).collect();
+    let places = places_of(&several);
     let (list, places) = match (single?, list?) {
         (None, Some(list)) => (list, places),
         (None, None) => (vec![unnamed(default_camera())], vec![single_place]),
@@ -135,17 +136,15 @@ fn unnamed(camera: CameraPath) -> Named<CameraPath> {
     Named { name: "camera".to_owned(), value: camera }
 }
 
-/// Differently keyed lights at most.
-const MOST_LAYERS: usize = 1024;
-
 type Scene = (Vec<Named<MaterialTracks>>, Vec<Named<Object>>);
 
-/// Materials and objects.
-fn scene(fields: &mut Fields<'_>) -> Option<Scene> {
+/// Materials and objects, and where the materials with a name stand in the file.
+fn scene(fields: &mut Fields<'_>, places: &mut Vec<Range<usize>>) -> Option<Scene> {
     let default = fields.or("default_material", material, Given::default());
     let mut material_entries = Vec::new();
     let materials = fields.optional("materials", |node| {
         material_entries = entries(node, "material")?;
+        *places = places_of(&material_entries);
         decoded(material_entries.iter().map(|entry| named(entry, material(entry.value))).collect())
     });
     let names = Names::new("material", &material_entries);
@@ -168,12 +167,13 @@ fn objects(node: Node<'_>, materials: &Names<'_>) -> Option<Vec<Placed>> {
 }
 
 /// Gives every object the index of its material: inline ones, and the default where it is used, are
-/// appended to the named ones.
+/// appended to the named ones. Objects of one mesh share the materials that came with it.
 fn assembled(default: &Given, named: &[Named<Given>], drafts: Vec<Placed>) -> Scene {
     let over = |given: &Given| given.over(default);
     let mut materials: Vec<_> =
         named.iter().map(|m| Named { name: m.name.clone(), value: over(&m.value) }).collect();
     let mut default_index = None;
+    let mut own_by_list = HashMap::new();
     let mut append = |name: String, value: MaterialTracks| {
         materials.push(Named { name, value });
         materials.len() as u32 - 1
@@ -184,14 +184,15 @@ fn assembled(default: &Given, named: &[Named<Given>], drafts: Vec<Placed>) -> Sc
         let made_of = match material {
             Surface::Named(index) => MadeOf::One(index as u32),
             Surface::Inline(given) => MadeOf::One(append(format!("objects.{name:?}.material"), over(&given))),
-            Surface::Own(given) => {
+            // The file keeps all lists, so that none has the address of another.
+            Surface::Own(given) => *own_by_list.entry(Rc::as_ptr(&given)).or_insert_with(|| {
                 let count = given.len() as u32 - 1;
-                let added = given.into_iter().map(|(slot, given)| {
-                    append(format!("objects.{name:?}.shape.materials.{slot:?}"), over(&given))
+                let added = given.iter().map(|(slot, given)| {
+                    append(format!("objects.{name:?}.shape.materials.{slot:?}"), over(given))
                 });
                 // In a row: nothing else is added meanwhile.
                 added.min().map_or(MadeOf::One(0), |first| MadeOf::Slots { first, count })
-            }
+            }),
             Surface::Default => MadeOf::One(
                 *default_index
                     .get_or_insert_with(|| append("default_material".to_owned(), over(&Given::default()))),

@@ -2,12 +2,12 @@
 
 use super::document;
 use super::fault::{Fault, Faults};
-use super::node::File;
+use super::node;
 use super::{Sequence, syntax};
+use crate::files;
 use crate::mesh::LoadMeter;
 use std::fmt;
-use std::fs;
-use std::io::Read;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -57,13 +57,9 @@ pub fn load_watched(path: &Path, meter: &Arc<LoadMeter>) -> Result<Sequence, Loa
 }
 
 fn read(path: &Path) -> Result<String, String> {
-    let file = fs::File::open(path).map_err(|error| error.to_string())?;
-    let mut bytes = Vec::new();
-    // One byte more than allowed tells a file that is too large, even one without a length of its own.
-    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
-    if bytes.len() as u64 > LARGEST_FILE {
-        return Err(format!("it is larger than {} MiB", LARGEST_FILE >> 20));
-    }
+    // A pipe will do: whoever asks for it as the sequence also writes to it.
+    let bytes = File::open(path).and_then(|file| files::read_at_most(file, LARGEST_FILE));
+    let bytes = bytes.map_err(|error| files::why(&error))?;
     String::from_utf8(bytes).map_err(|error| {
         let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = good.iter().filter(|byte| **byte == b'\n').count() + 1;
@@ -98,7 +94,7 @@ impl Source<'_> {
         }
         let stem =
             Path::new(name).file_stem().map_or_else(|| "sequence".into(), |stem| stem.to_string_lossy());
-        let mut file = File::new(text, folder);
+        let mut file = node::File::new(text, folder);
         file.meshes.meter = Arc::clone(meter);
         let sequence = document::sequence(file.root(), &stem);
         let mut faults = file.into_faults();

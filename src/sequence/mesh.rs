@@ -3,11 +3,13 @@
 use super::colors::color;
 use super::fault::Fault;
 use super::fields::Fields;
+use super::mtl::Own;
 use super::node::Node;
 use super::suggest::shortened;
 use super::values::{each, list, number, text, tuple, vector, whole};
 use super::words::word;
 use super::{Named, Object, Sequence};
+use crate::files;
 use crate::humane::counted;
 use crate::math::{DVec2, DVec3};
 use crate::mesh::{self, Corners, LoadMeter, NO_FILE, Normals, Parts};
@@ -15,6 +17,7 @@ use crate::shape::{Mesh, Shape};
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// The mesh files that a sequence names, found from its own folder on and read once each.
@@ -22,6 +25,8 @@ pub struct Meshes {
     folder: PathBuf,
     pub meter: Arc<LoadMeter>,
     read: RefCell<HashMap<PathBuf, Read>>,
+    /// The materials of meshes, by the mesh's address; the mesh is kept so that no other can have that.
+    own: RefCell<HashMap<*const mesh::Mesh, (Arc<mesh::Mesh>, Own)>>,
 }
 
 /// What came of a file: a mesh, or why there is none.
@@ -29,19 +34,32 @@ type Read = Result<Arc<mesh::Mesh>, String>;
 
 impl Meshes {
     pub fn new(folder: &Path) -> Self {
-        Self { folder: folder.to_owned(), meter: Arc::default(), read: RefCell::default() }
+        Self {
+            folder: folder.to_owned(),
+            meter: Arc::default(),
+            read: RefCell::default(),
+            own: RefCell::default(),
+        }
     }
 
     /// Reads a file, or remembers what came of it.
     fn mesh(&self, name: &str) -> Read {
-        let path = self.folder.join(name);
-        // One file has many names; what does not exist has this one.
-        let path = path.canonicalize().unwrap_or(path);
+        let path = files::one_name(self.folder.join(name));
         let mut read = self.read.borrow_mut();
         let mesh = read.entry(path).or_insert_with_key(|path| {
             mesh::load(path, &self.meter).map(Arc::new).map_err(|error| error.to_string())
         });
         mesh.clone()
+    }
+
+    /// The materials of a mesh, made once. Where none can be made, every object says why.
+    pub fn own(&self, mesh: &Arc<mesh::Mesh>, make: impl FnOnce() -> Option<Own>) -> Option<Own> {
+        if let Some((_, own)) = self.own.borrow().get(&Arc::as_ptr(mesh)) {
+            return Some(Rc::clone(own));
+        }
+        let own = make()?;
+        self.own.borrow_mut().insert(Arc::as_ptr(mesh), (Arc::clone(mesh), Rc::clone(&own)));
+        Some(own)
     }
 }
 

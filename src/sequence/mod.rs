@@ -12,6 +12,7 @@ mod fault;
 mod fields;
 mod fog;
 mod keys;
+mod layers;
 mod level;
 mod light;
 mod load;

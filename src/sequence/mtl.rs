@@ -11,10 +11,14 @@ use crate::optics::Fresnel;
 use crate::texture::{Encoding, Filter, ImageTracks, PaintTracks, PlacementTracks, Wrap};
 use std::ops::Range;
 use std::path::Path;
+use std::rc::Rc;
+
+/// The materials of a mesh with their names: of every slot, and of what has none.
+pub type Own = Rc<[(String, Given)]>;
 
 /// What a mesh is made of if its object does not say: the materials of its file, with their names, or the colours
 /// of its vertices. Nothing if it has neither, or if an image cannot be read, which is reported at `place`.
-pub fn own_materials(node: Node<'_>, place: &Range<usize>, mesh: &Mesh) -> Option<Vec<(String, Given)>> {
+pub fn own_materials(node: Node<'_>, place: &Range<usize>, mesh: &Mesh) -> Option<Own> {
     let color = mesh.has_colors().then_some(PaintTracks::VertexColor);
     let bare = Given { color, ..Given::default() };
     let slots = mesh.materials().iter().map(|material| {
@@ -28,7 +32,7 @@ pub fn own_materials(node: Node<'_>, place: &Range<usize>, mesh: &Mesh) -> Optio
     let slots: Vec<_> = slots.collect();
     let mut given = slots.into_iter().collect::<Option<Vec<_>>>()?;
     given.push((String::new(), bare));
-    Some(given)
+    Some(given.into())
 }
 
 fn diffuse_map(node: Node<'_>, place: &Range<usize>, material: &str, path: &str) -> Option<ImageTracks> {

@@ -4,7 +4,7 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
 use super::material::{Given, is_material, material, resembles_a_kind};
-use super::mtl::own_materials;
+use super::mtl::{Own, own_materials};
 use super::names::{Entry, Names};
 use super::node::Node;
 use super::shape::shape;
@@ -30,8 +30,8 @@ pub enum Surface {
     /// Index into the named materials.
     Named(usize),
     Inline(Box<Given>),
-    /// Those that came with the mesh: of every slot, and of what has none.
-    Own(Vec<(String, Given)>),
+    /// Those that came with the mesh.
+    Own(Own),
 }
 
 /// The parent that an object names.
@@ -66,7 +66,11 @@ pub fn object(node: Node<'_>, materials: &Names<'_>, objects: &Names<'_>) -> (Op
 fn own(node: Node<'_>, place: Range<usize>, shape: &Mesh) -> Option<Surface> {
     let mesh = &shape.mesh;
     let any = !mesh.materials().is_empty() || mesh.has_colors();
-    if any { own_materials(node, &place, mesh).map(Surface::Own) } else { Some(Surface::Default) }
+    if any {
+        node.file.meshes.own(mesh, || own_materials(node, &place, mesh)).map(Surface::Own)
+    } else {
+        Some(Surface::Default)
+    }
 }
 
 fn surface(node: Node<'_>, materials: &Names<'_>) -> Option<Surface> {

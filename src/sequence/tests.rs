@@ -353,7 +353,7 @@ fn files_that_cannot_be_read_say_why() {
     let directory = tempfile::tempdir().expect("a directory");
     let missing = directory.path().join("missing.ron");
     let message = load(&missing).expect_err("no file").to_string();
-    assert!(message.contains("missing.ron") && message.contains("No such file"), "{message}");
+    assert!(message.contains("missing.ron") && message.contains("there is no such file"), "{message}");
     let latin = directory.path().join("latin.ron");
     std::fs::write(&latin, b"(\n// caf\xe9\n)").expect("a file");
     let message = load(&latin).expect_err("no text").to_string();

@@ -5,6 +5,44 @@ use crate::camera::Ray;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::tree::Probe;
 
+/// What a [`Geometric`] that wraps a [`Frustum`] leaves to it: all but how it is read.
+macro_rules! as_its_frustum {
+    () => {
+        fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
+            self.0.hit(probe, t_max)
+        }
+
+        fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
+            self.0.surface(ray, at)
+        }
+
+        fn bounds(&self) -> Option<Aabb> {
+            Some(self.0.bounds())
+        }
+
+        fn transformed(&self, affine: &DAffine3) -> Option<Self> {
+            self.0.transformed(affine).map(Self)
+        }
+
+        /// On the side, u is the share of a turn, eastwards from the frame's -x and 0.5 at its +x, and v the
+        /// share of the height above the first end. On a flat end, the square around it, whose middle is
+        /// (0.5, 0.5) and which for an upright shape lies as on a disk that faces up or down.
+        fn uv(&self, point: DVec3, part: u32) -> DVec2 {
+            self.0.uv(point, part)
+        }
+
+        fn area(&self) -> Option<f64> {
+            Some(self.0.area())
+        }
+
+        fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
+            Some(self.0.sample_area(u))
+        }
+    };
+}
+
+pub(super) use as_its_frustum;
+
 /// The cone over a circle, up to its tip or to another circle; closed where it is flat, or open.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cone(Frustum);
@@ -33,34 +71,5 @@ impl Geometric for Cone {
         cone
     }
 
-    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        self.0.hit(probe, t_max)
-    }
-
-    fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-        self.0.surface(ray, at)
-    }
-
-    fn bounds(&self) -> Option<Aabb> {
-        Some(self.0.bounds())
-    }
-
-    fn transformed(&self, affine: &DAffine3) -> Option<Self> {
-        self.0.transformed(affine).map(Self)
-    }
-
-    /// On the side, u is the share of a turn, eastwards from the frame's -x and 0.5 at its +x, and v the share
-    /// of the height above `base`. On a flat end, the square around it, whose middle is (0.5, 0.5) and which for
-    /// an upright cone lies as on a disk that faces up or down.
-    fn uv(&self, point: DVec3, part: u32) -> DVec2 {
-        self.0.uv(point, part)
-    }
-
-    fn area(&self) -> Option<f64> {
-        Some(self.0.area())
-    }
-
-    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
-        Some(self.0.sample_area(u))
-    }
+    as_its_frustum!();
 }

@@ -1,6 +1,6 @@
 //! Cylinders.
 
-use super::{Crossing, Geometric, Parameters, Surface, frustum::Frustum};
+use super::{Crossing, Geometric, Parameters, Surface, cone::as_its_frustum, frustum::Frustum};
 use crate::camera::Ray;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::tree::Probe;
@@ -32,34 +32,5 @@ impl Geometric for Cylinder {
         cylinder
     }
 
-    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        self.0.hit(probe, t_max)
-    }
-
-    fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-        self.0.surface(ray, at)
-    }
-
-    fn bounds(&self) -> Option<Aabb> {
-        Some(self.0.bounds())
-    }
-
-    fn transformed(&self, affine: &DAffine3) -> Option<Self> {
-        self.0.transformed(affine).map(Self)
-    }
-
-    /// On the side, u is the share of a turn, eastwards from the frame's -x and 0.5 at its +x, and v the share
-    /// of the height above `from`. On an end, the square around it, whose middle is (0.5, 0.5) and which for
-    /// an upright cylinder lies as on a disk that faces up or down.
-    fn uv(&self, point: DVec3, part: u32) -> DVec2 {
-        self.0.uv(point, part)
-    }
-
-    fn area(&self) -> Option<f64> {
-        Some(self.0.area())
-    }
-
-    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
-        Some(self.0.sample_area(u))
-    }
+    as_its_frustum!();
 }

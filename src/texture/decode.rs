@@ -2,9 +2,9 @@
 
 use super::{Image, ImageError};
 use crate::color::{Rgb, srgb_to_linear};
+use crate::files;
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
-use std::fs::File;
-use std::io::{self, Cursor, Read};
+use std::io::Cursor;
 use std::path::Path;
 
 /// What the numbers in a file of whole numbers mean. Files of floating-point numbers are always linear.
@@ -30,7 +30,7 @@ impl Image {
     /// Reads a PNG, JPEG, BMP or Radiance HDR file, whichever its first bytes say. Transparency is ignored; a
     /// photograph is turned upright as its EXIF orientation says.
     pub fn load(path: &Path, encoding: Encoding) -> Result<Self, ImageError> {
-        Self::decode(&read(path)?, encoding)
+        Self::decode(&files::read(path, LARGEST_FILE)?, encoding)
     }
 
     /// [`Image::load`] from the bytes of a file.
@@ -52,20 +52,6 @@ impl Image {
         Self::new(width, height, texels(picture, encoding))
             .ok_or_else(|| ImageError::Broken("it has no pixels".to_owned()))
     }
-}
-
-fn read(path: &Path) -> Result<Vec<u8>, ImageError> {
-    if path.is_dir() {
-        // What reading one says differs between systems.
-        return Err(ImageError::Unreadable(io::ErrorKind::IsADirectory.into()));
-    }
-    let mut bytes = Vec::new();
-    // One byte more than allowed tells a file that is too large, even one without a length of its own.
-    File::open(path)?.take(LARGEST_FILE + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > LARGEST_FILE {
-        return Err(ImageError::TooLarge(format!("it is larger than {} MiB", LARGEST_FILE >> 20)));
-    }
-    Ok(bytes)
 }
 
 /// Row by row in linear light, whatever the file holds: grey or colours, 8 or 16 bits, or f32.

@@ -1,14 +1,16 @@
 //! What can be wrong with an image file.
 
 use super::decode::LARGEST_SIDE;
+use crate::files;
 use std::fmt;
 use std::io;
 
 /// Why a file gives no image.
 #[derive(Debug)]
 pub enum ImageError {
+    /// Its file, which may be no plain one or too large.
     Unreadable(io::Error),
-    /// Its file, or the picture in it.
+    /// The picture in it.
     TooLarge(String),
     /// Not in a format that is read here.
     UnknownFormat,
@@ -48,13 +50,7 @@ impl From<image::ImageError> for ImageError {
 impl fmt::Display for ImageError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            // The commonest in words that are the same on every system.
-            Self::Unreadable(error) => match error.kind() {
-                io::ErrorKind::NotFound => f.write_str("there is no such file"),
-                io::ErrorKind::PermissionDenied => f.write_str("it may not be read"),
-                io::ErrorKind::IsADirectory => f.write_str("it is a folder"),
-                _ => error.fmt(f),
-            },
+            Self::Unreadable(error) => f.write_str(&files::why(error)),
             Self::TooLarge(how) => f.write_str(how),
             Self::UnknownFormat => f.write_str("it is no PNG, JPEG, BMP or HDR image"),
             Self::Broken(why) => write!(f, "it is damaged: {why}"),

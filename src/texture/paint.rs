@@ -7,7 +7,7 @@ use crate::math::{DVec2, DVec3};
 /// What a paint may ask of a point on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
-    /// The surface's own coordinates; see [`Paint::needs_uv`].
+    /// The surface's own coordinates.
     pub uv: DVec2,
     /// The point in the object's space, before the object is moved.
     pub point: DVec3,
@@ -82,26 +82,6 @@ impl Paint {
     /// The colour of a paint that is the same at every point.
     pub fn constant(&self) -> Option<Rgb> {
         if let Self::Color(color) = self { Some(*color) } else { None }
-    }
-
-    /// Whether the colour depends on [`Spot::uv`]. It is the same at every moment.
-    pub fn needs_uv(&self) -> bool {
-        match self {
-            Self::Color(_) | Self::VertexColor => false,
-            Self::Image(_) => true,
-            Self::Pattern(paint) => {
-                paint.space == Space::Uv || paint.first.needs_uv() || paint.second.needs_uv()
-            }
-        }
-    }
-
-    /// Whether the colour depends on [`Spot::color`]. It is the same at every moment.
-    pub fn needs_vertex_color(&self) -> bool {
-        match self {
-            Self::Color(_) | Self::Image(_) => false,
-            Self::VertexColor => true,
-            Self::Pattern(paint) => paint.first.needs_vertex_color() || paint.second.needs_vertex_color(),
-        }
     }
 }
 

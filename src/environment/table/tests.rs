@@ -50,13 +50,14 @@ fn densities_integrate_to_one() {
 #[test]
 fn samples_have_the_density_they_tell_and_miss_nothing() {
     let mut random = Random(12);
-    for (sky, table) in tables() {
+    for (_, table) in tables() {
         for _ in 0..20_000 {
             let (direction, pdf) = table.sample(DVec2::new(random.unit(), random.unit()));
             assert!((direction.length() - 1.0).abs() < 1e-14);
             assert!(pdf > 0.0 && pdf == table.pdf(direction));
             let anywhere = random.direction();
-            assert!(table.pdf(anywhere) > 0.0 || sky.radiance(anywhere) == Rgb::ZERO);
+            // No direction is rarer than its part of the share that is drawn evenly.
+            assert!(table.pdf(anywhere) >= 0.999 * EVEN / (2.0 * TAU));
         }
         for u in [DVec2::ZERO, DVec2::splat(1.0f64.next_down())] {
             assert!(table.sample(u).0.is_finite());

@@ -91,6 +91,19 @@ fn materials_have_slots() {
 }
 
 #[test]
+fn of_materials_with_one_name_the_first_counts() {
+    let open = |name: &str| match name {
+        "twice.mtl" => Ok(b"newmtl a\nKd 1 0 0\nnewmtl a\nKd 0 1 0\n".to_vec()),
+        "later.mtl" => Ok(b"newmtl a\nKd 0 0 1\n".to_vec()),
+        // As a disk says of several names that are taken for one.
+        _ => Err(io::ErrorKind::InvalidFilename.into()),
+    };
+    let text = format!("mtllib twice.mtl later.mtl\n{SQUARE}usemtl a\nf 1 2 3");
+    let parts = read(text.as_bytes(), &open).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(parts.materials[0].diffuse, Some(Rgb::X));
+}
+
+#[test]
 fn faults_name_the_line() {
     for (text, expected) in [
         ("v 0 0", "line 1: expected three numbers behind `v`, found `v 0 0`"),

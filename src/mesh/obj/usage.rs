@@ -1,6 +1,7 @@
 //! Which material is on which triangle of an OBJ file.
 
 use super::Open;
+use crate::files;
 use crate::mesh::lines::{quoted, unlike};
 use crate::mesh::{MeshError, MtlMaterial, NO_MATERIAL, Place, mtl};
 use std::collections::HashMap;
@@ -9,8 +10,8 @@ use std::io::ErrorKind;
 /// Materials by name and their slots.
 #[derive(Default)]
 pub struct Usage {
-    /// All materials of the libraries read so far; none if no library is named.
-    known: Option<Vec<MtlMaterial>>,
+    /// The materials of the libraries read so far, by name; none if no library is named.
+    known: Option<HashMap<String, MtlMaterial>>,
     /// The names in use in the order of their slots, with the lines that name them first.
     used: Vec<(String, u64)>,
     slots: HashMap<String, u16>,
@@ -81,23 +82,31 @@ impl Usage {
     fn open(&mut self, name: &str, number: u64, open: &Open<'_>) -> Result<bool, MeshError> {
         let bytes = match open(name) {
             Ok(bytes) => bytes,
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
+            // Several names in a row may be too long for one.
+            Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::InvalidFilename) => {
+                return Ok(false);
+            }
             Err(error) => {
-                let why = format!("{} cannot be read: {error}", quoted(name.as_bytes()));
+                let why = format!("{} cannot be read: {}", quoted(name.as_bytes()), files::why(&error));
                 return Err(MeshError::at(Place::Line(number), why));
             }
         };
         let materials = mtl::read(&bytes[..]).map_err(|error| error.in_file(name))?;
-        self.known.get_or_insert_default().extend(materials);
+        let known = self.known.get_or_insert_default();
+        for material in materials {
+            // Of materials with one name, the first counts.
+            known.entry(material.name.clone()).or_insert(material);
+        }
         Ok(true)
     }
 
     /// A slot per triangle, and the materials in the slots. Without a library, materials have only names.
     pub fn resolved(self) -> Result<(Vec<u16>, Vec<MtlMaterial>), MeshError> {
-        let Self { known, used, triangles, .. } = self;
-        let material = |(name, line): (String, u64)| match &known {
+        let Self { mut known, used, triangles, .. } = self;
+        // Every name is in use once.
+        let material = |(name, line): (String, u64)| match &mut known {
             None => Ok(MtlMaterial { name, ..MtlMaterial::default() }),
-            Some(known) => known.iter().find(|material| material.name == name).cloned().ok_or_else(|| {
+            Some(known) => known.remove(&name).ok_or_else(|| {
                 let why = format!("no material library has {}", quoted(name.as_bytes()));
                 MeshError::at(Place::Line(line), why)
             }),

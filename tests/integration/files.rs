@@ -1,0 +1,88 @@
+//! The files that a sequence is read from: what has no end does not stop the reader, and one file is read once.
+
+use assert_cmd::Command;
+use kinora::material::MaterialTracks;
+use kinora::sequence::{Sequence, load};
+use kinora::texture::PaintTracks;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+fn folder() -> TempDir {
+    tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable")
+}
+
+fn sequence_in(folder: &Path, text: &str) -> Result<Sequence, String> {
+    let path = folder.join("scene.ron");
+    fs::write(&path, text).expect("a disk");
+    load(&path).map_err(|error| error.to_string())
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused_and_not_waited_for() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    for name in ["pipe.png", "pipe.ply", "pipe.mtl"] {
+        let made = std::process::Command::new("mkfifo").arg(at(name)).status().expect("a command");
+        assert!(made.success());
+    }
+    std::os::unix::fs::symlink("/dev/zero", at("zero.mtl")).expect("a disk");
+    fs::write(at("a.obj"), "mtllib pipe.mtl\nv 0 0 0\n").expect("a disk");
+    fs::write(at("b.obj"), "mtllib zero.mtl\nv 0 0 0\n").expect("a disk");
+    fs::write(at("c.obj"), "mtllib .\nv 0 0 0\n").expect("a disk");
+    let why = "it is no plain file, but a device or a pipe";
+    for (file, expected) in [
+        ("a.obj", format!("line 1: `pipe.mtl` cannot be read: {why}")),
+        ("b.obj", format!("line 1: `zero.mtl` cannot be read: {why}")),
+        ("c.obj", "line 1: `.` cannot be read: it is a folder".to_owned()),
+        ("pipe.ply", why.to_owned()),
+    ] {
+        let text = format!("(objects: {{ \"a\": (shape: Mesh({file:?})) }})");
+        let told = sequence_in(folder.path(), &text).expect_err(file);
+        assert!(told.contains(&expected), "{told}");
+    }
+    let text = "(background: Equirect(\"pipe.png\"))";
+    let told = sequence_in(folder.path(), text).expect_err("a pipe");
+    assert!(told.contains("cannot read the image \"pipe.png\"") && told.contains(why), "{told}");
+}
+
+/// A pipe as the sequence itself is no mistake: whoever names it writes to it.
+#[cfg(unix)]
+#[test]
+fn a_sequence_may_come_through_a_pipe() {
+    let mut command = Command::cargo_bin("kinora").expect("the binary is built with its tests");
+    command.args(["check", "/dev/stdin"]).write_stdin("(objects: { \"a\": (shape: Sphere()) })");
+    let output = command.output().expect("the binary runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn libraries_may_be_named_many_times() {
+    let folder = folder();
+    let names = "a.mtl ./a.mtl ".repeat(100);
+    fs::write(folder.path().join("a.mtl"), "newmtl a\nKd 1 0 0\n").expect("a disk");
+    let text = format!("mtllib {names}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
+    fs::write(folder.path().join("a.obj"), text).expect("a disk");
+    let sequence = sequence_in(folder.path(), "(objects: { \"a\": (shape: Mesh(\"a.obj\")) })");
+    assert_eq!(sequence.unwrap_or_else(|error| panic!("{error}")).materials.len(), 2);
+}
+
+#[test]
+fn an_image_of_many_names_is_read_once() {
+    let folder = folder();
+    image::RgbImage::new(1, 1).save(folder.path().join("a.png")).expect("a disk");
+    let sequence = sequence_in(
+        folder.path(),
+        "(materials: { \"a\": (color: Image(\"a.png\")), \"b\": (color: Image(\"./a.png\")),
+                       \"c\": (color: Image(file: \"a.png\", encoding: Linear)) })",
+    );
+    let sequence = sequence.unwrap_or_else(|error| panic!("{error}"));
+    let image = |material: &MaterialTracks| match &material.base {
+        PaintTracks::Image(tracks) => tracks.image.clone(),
+        other => panic!("{other:?}"),
+    };
+    let [a, b, c] = [0, 1, 2].map(|index| image(&sequence.materials[index].value));
+    assert!(a == b, "one image under two names");
+    assert!(a != c, "another encoding gives other texels");
+}
