@@ -51,6 +51,16 @@ impl Arrival {
             Origin::Infinity => (spawn(surface, self.direction), f64::INFINITY),
         }
     }
+
+    /// Whether the light comes from a surface on its way, as far as rounding can tell: `rest` is the shadow ray on
+    /// from there. Past such a surface rays may start behind the light; they lead back then, not on.
+    pub fn is_at(&self, surface: &Surface, rest: &Ray) -> bool {
+        if self.from == Origin::Infinity {
+            return false;
+        }
+        let left = rest.origin + rest.direction - surface.point;
+        rest.direction.dot(self.direction) <= 0.0 || left.abs().cmple(surface.error).all()
+    }
 }
 
 /// The light that comes to the point `at` from a light, for `u` uniform in the unit square; none if it does
