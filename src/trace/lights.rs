@@ -52,14 +52,19 @@ impl Arrival {
         }
     }
 
-    /// Whether the light comes from a surface on its way, as far as rounding can tell: `rest` is the shadow ray on
-    /// from there. Past such a surface rays may start behind the light; they lead back then, not on.
-    pub fn is_at(&self, surface: &Surface, rest: &Ray) -> bool {
-        if self.from == Origin::Infinity {
-            return false;
-        }
-        let left = rest.origin + rest.direction - surface.point;
-        rest.direction.dot(self.direction) <= 0.0 || left.abs().cmple(surface.error).all()
+    /// [`Arrival::shadow_ray`] on from a surface that it has passed; none if nothing of its way is left, as the
+    /// light comes from that surface, as far as rounding can tell.
+    pub fn beyond(&self, surface: &Surface) -> Option<(Ray, f64)> {
+        let on = spawn(surface, self.direction);
+        let end = match &self.from {
+            Origin::Point(point) => *point,
+            Origin::Surface(target) => spawn(target, -self.direction).origin,
+            Origin::Infinity => return Some((on, f64::INFINITY)),
+        };
+        let ray = Ray { origin: on.origin, direction: end - on.origin };
+        // It starts past all that the surface may reach to. From there it must not lead back to the surface.
+        let ahead = ray.direction.dot(surface.normal) * self.direction.dot(surface.normal) > 0.0;
+        ahead.then_some((ray, 1.0))
     }
 }
 

@@ -6,11 +6,12 @@ use super::tracer::{Face, Met, Tracer, Work};
 use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::material::{Lobes, Medium};
+use crate::math::DVec3;
 use crate::shape::Surface;
 use crate::tree::Probe;
 
-/// Surfaces that a shadow ray passes at most; behind more than these is shadow. A ray always comes nearer to its
-/// light, so this bounds the time that one takes and no more: so many things are not seen through.
+/// Surfaces that a shadow ray passes at most; what lies behind more is in shadow. Each one brings the ray nearer to
+/// its light, so it ends by itself: this bounds how long that takes, and whatever rounding might do against it.
 const PASSED: u32 = 4096;
 
 /// The share of a light that arrives in spite of what stands in the way.
@@ -43,7 +44,7 @@ impl Tracer<'_> {
     /// the way.
     pub fn passing(&self, arrival: &Arrival, surface: &Surface, media: &Media, work: &mut Work) -> Passing {
         let (ray, t_max) = arrival.shadow_ray(surface);
-        if ray.direction == crate::math::DVec3::ZERO {
+        if ray.direction == DVec3::ZERO {
             return Passing::all_or_nothing(false);
         }
         work.counts.rays.shadow += 1;
@@ -82,10 +83,8 @@ impl Tracer<'_> {
             if share.whole == Rgb::ZERO {
                 return share;
             }
-            (ray, t_max) = arrival.shadow_ray(&face.surface);
-            if arrival.is_at(&face.surface, &ray) {
-                return share;
-            }
+            let Some(rest) = arrival.beyond(&face.surface) else { return share };
+            (ray, t_max) = rest;
             work.counts.rays.shadow += 1;
         }
         Passing::all_or_nothing(true)

@@ -87,19 +87,11 @@ impl<'a> Paths<'a> {
     /// What light that was met counts, against the density with which it was asked for: the balance heuristic.
     /// None is asked for what can only be met.
     fn met_weight(&self, path: &Path, asked: impl Fn(DVec3) -> Option<f64>) -> f32 {
-        match (path.drawn, path.asked.filter(|_| path.counted)) {
-            (_, Some(from)) => {
-                if asked(from).is_some() {
-                    0.0
-                } else {
-                    1.0
-                }
-            }
-            (None, None) => 1.0,
-            (Some((from, density)), None) => {
-                asked(from).map_or(1.0, |asked| (density / (density + asked)) as f32)
-            }
+        if let Some(from) = path.asked.filter(|_| path.counted) {
+            return if asked(from).is_some() { 0.0 } else { 1.0 };
         }
+        let Some((from, density)) = path.drawn else { return 1.0 };
+        asked(from).map_or(1.0, |asked| (density / (density + asked)) as f32)
     }
 
     fn at_surface(&self, tracer: &Tracer, path: &mut Path, face: &Face, dice: Dice, work: &mut Work) -> bool {

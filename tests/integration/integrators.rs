@@ -21,6 +21,14 @@ fn near(shot: &Shot, expected: impl Into<[f32; 3]>, tolerance: f32) {
     assert!((found - expected).abs().max_element() <= tolerance, "{found} instead of {expected}");
 }
 
+/// Whether a scene seen from above has this radiance.
+#[track_caller]
+fn sends(integrator: &str, samples: u32, scene: &str, expected: f32, tolerance: f32) {
+    let found = down(integrator, samples, scene).pixel(0, 0);
+    let off = (found - Rgb::splat(expected)).abs().max_element();
+    assert!(off <= tolerance, "{integrator}, {scene}: {found} instead of {expected}");
+}
+
 /// A closed white room of light: what takes nothing away cannot be told from it.
 #[test]
 fn a_furnace_hides_what_absorbs_nothing() {
@@ -265,7 +273,7 @@ fn far_sides_of_clear_lamps_shine() {
     };
     for integrator in ["Path(roulette: Off)", "Path(roulette: Off, refractive_shadows: true)"] {
         for material in ["transparency: 0.9", "refraction: 0.9", "transparency: 0.5, refraction: 0.4"] {
-            near(&down(integrator, 16_384, &scene(material)), [0.25 * 1.9; 3], 5e-3);
+            sends(integrator, 16_384, &scene(material), 0.25 * 1.9, 5e-3);
         }
     }
 }
@@ -304,14 +312,17 @@ fn fog_lies_before_what_rough_mirrors_show() {
     ] {
         for material in [
             "Metal(color: 1)",
+            "Metal(color: 1, fuzz: 0.0007)",
             "Metal(color: 1, fuzz: 0.0009)",
-            "Metal(color: 1, fuzz: 0.0011)",
             "MetallicRoughness(color: 1, metallic: 1, roughness: 0)",
             "MetallicRoughness(color: 1, metallic: 1, roughness: 0.009)",
             "MetallicRoughness(color: 1, metallic: 1, roughness: 0.011)",
         ] {
             for integrator in BOTH {
-                near(&down(integrator, 1024, &scene(light, material)), [expected; 3], 2e-3);
+                // Whitted's integrator only asks for the light of lamps, which finds no narrow reflection.
+                if integrator == PATH || !light.starts_with("lights") {
+                    sends(integrator, 1024, &scene(light, material), expected, 2e-3);
+                }
             }
         }
     }
@@ -356,14 +367,11 @@ fn fog_dims_the_shine_of_lights_alone() {
 /// Mirrors that are as good as sharp are mirrors.
 #[test]
 fn the_slightest_fuzz_darkens_no_mirror() {
-    for integrator in BOTH {
-        for fuzz in ["0", "1e-30", "1e-20", "1e-16", "1e-12", "1e-6", "0.0009", "0.0011", "0.01"] {
-            for light in ["background: 1", r#"lights: { "l": Sphere(center: (0, 6, 0), radius: 3) }"#] {
-                let scene = format!(
-                    r#"{light}, objects: {{ "floor": (shape: Plane(), material: Metal(color: 1, fuzz: {fuzz})) }}"#
-                );
-                near(&down(integrator, 256, &scene), [1.0; 3], 1e-3);
-            }
+    let lamp = r#"lights: { "l": Sphere(center: (0, 6, 0), radius: 3) }"#;
+    for (integrator, light) in [("Whitted", "background: 1"), (PATH, "background: 1"), (PATH, lamp)] {
+        for fuzz in ["0", "1e-30", "1e-20", "1e-16", "1e-12", "1e-6", "0.0007", "0.0009", "0.01"] {
+            let floor = format!(r#""floor": (shape: Plane(), material: Metal(color: 1, fuzz: {fuzz}))"#);
+            sends(integrator, 256, &format!("{light}, objects: {{ {floor} }}"), 1.0, 1e-3);
         }
     }
 }

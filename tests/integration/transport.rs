@@ -361,7 +361,7 @@ fn shadow_rays_end_at_lights_on_clear_surfaces() {
     let picture = |integrator: &str, light: &str, sheet: &str| {
         let text = format!(
             "(output: (size: (8, 8)), quality: (integrator: {integrator}, samples: 4, bounces: 0), ambient: 0,
-            camera: (position: (0, 40, 1), target: (0, -6, 0)), lights: {{ \"l\": {light} }},
+            camera: (position: (0, -5, 8), target: (0, -6, 0), projection: Perspective(fov: 10)), lights: {{ \"l\": {light} }},
             objects: {{ {sheet} \"floor\": (shape: Plane(point: (0, -6, 0)), material: Lambertian(color: 1)) }})"
         );
         shoot_all(&text)[0].film.radiance().map(|pixel| pixel.x).collect::<Vec<_>>()
@@ -380,11 +380,11 @@ fn shadow_rays_end_at_lights_on_clear_surfaces() {
             let free = picture(integrator, light, "");
             assert!(free.iter().all(|share| *share > 0.0));
             for (clear, dim) in free.iter().zip(picture(integrator, light, &sheet("1", "transparency"))) {
-                near(f64::from(dim), f64::from(*clear), 1e-5);
+                assert!((dim - clear).abs() <= 1e-5, "{integrator}, {light}: {dim}, not {clear}");
             }
-            // Once on the way to the eye, and once or not at all on that from the light.
+            // Whether a surface lies before a light on it, only rounding says.
             for (clear, dim) in free.iter().zip(picture(integrator, light, &sheet("0.9", "transparency"))) {
-                assert!(dim <= clear * 1.00001 && dim >= clear * 0.80999, "{dim} of {clear}");
+                assert!(dim <= clear * 1.00001 && dim >= clear * 0.89999, "{dim} of {clear}");
             }
             picture(integrator, light, &sheet("1", "refraction"));
         }
