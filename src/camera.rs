@@ -41,8 +41,6 @@ pub struct Camera {
     pub projection: Projection,
     /// None for a pinhole.
     pub lens: Option<ThinLens>,
-    /// How long the shutter is open, as a share of the time between two frames: 0..=1.
-    pub shutter: f64,
 }
 
 impl Camera {
@@ -87,7 +85,7 @@ mod tests {
             [Projection::Perspective { half_height: 0.4 }, Projection::Orthographic { half_height: 3.0 }]
         {
             let lens = Some(ThinLens { radius: 0.5, focus: 7.0 });
-            let camera = Camera { position, basis, projection, lens, shutter: 0.0 };
+            let camera = Camera { position, basis, projection, lens };
             let pinhole = Camera { lens: None, ..camera };
             let screen = DVec2::new(0.3, -0.8);
             let sharp = pinhole.ray(screen, DVec2::ZERO);

@@ -178,8 +178,7 @@ impl CameraPath {
         // A roll of zero must not touch a bit.
         let basis = if pose.roll == Angle(0.0) { basis } else { basis.rolled(pose.roll.cos_sin()) };
         let lens = self.thin_lens(&pose, basis.forward, clock, sharp);
-        let shutter = self.shutter.at(clock.time).clamp(0.0, 1.0);
-        Ok(Camera { position: pose.position, basis, projection: pose.projection, lens, shutter })
+        Ok(Camera { position: pose.position, basis, projection: pose.projection, lens })
     }
 
     /// The lens, unless it is a pinhole. What is not in front of the camera cannot be sharp; then the target

@@ -2,6 +2,9 @@
 
 use crate::color::Rgb;
 
+/// Mirrors of less fuzz are sharp: their reflections are spread over less than a tenth of a degree.
+const SHARP: f32 = 0.0008;
+
 /// How much of each lobe there is: strength times tint. Black means that the lobe is absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lobes {
@@ -63,8 +66,13 @@ impl Lobes {
         }
     }
 
+    /// Whether the mirror scatters as far as can be seen.
+    pub fn is_fuzzy(&self) -> bool {
+        self.fuzz >= SHARP
+    }
+
     /// Whether a light can be seen by its reflection in the lobes that scatter.
     pub fn reflects_lights(&self) -> bool {
-        self.diffuse != Rgb::ZERO || self.specular != Rgb::ZERO || self.microfacet > 0.0 || self.fuzz > 0.0
+        self.diffuse != Rgb::ZERO || self.specular != Rgb::ZERO || self.microfacet > 0.0 || self.is_fuzzy()
     }
 }

@@ -83,11 +83,6 @@ impl Material {
         let fuzzy = lobes.fuzz > 0.0 && lobes.mirror != Rgb::ZERO;
         fuzzy || (lobes.microfacet > 0.0 && lobes.roughness > 0.0)
     }
-
-    /// Whether any light passes.
-    pub fn is_opaque(&self) -> bool {
-        self.lobes.refraction == Rgb::ZERO && self.lobes.transparency == Rgb::ZERO
-    }
 }
 
 impl Medium {

@@ -17,6 +17,8 @@ impl Fresnel {
     /// one of cosine `refracted`; `eta` is the index of refraction behind the boundary over that before it.
     pub fn reflectance(self, cosine: f64, refracted: f64, eta: f64) -> f64 {
         match self {
+            // Light does not know of a boundary that changes nothing.
+            _ if eta == 1.0 => 0.0,
             Self::Off => 0.0,
             Self::Exact => dielectric(cosine, refracted, eta),
             // The larger of the two angles is the one outside the denser medium, for which the
@@ -28,10 +30,7 @@ impl Fresnel {
 
 /// Fresnel's equations, averaged over both polarisations (Born and Wolf, *Principles of Optics*, 1.5.2), with
 /// both cosines and `eta` as in [`Fresnel::reflectance`].
-pub fn dielectric(cosine: f64, refracted: f64, eta: f64) -> f64 {
-    if eta == 1.0 {
-        return 0.0;
-    }
+fn dielectric(cosine: f64, refracted: f64, eta: f64) -> f64 {
     let s = (cosine - eta * refracted) / (cosine + eta * refracted);
     let p = (eta * cosine - refracted) / (eta * cosine + refracted);
     let reflectance = 0.5 * (s * s + p * p);
@@ -78,7 +77,11 @@ mod tests {
         }
         assert!((outside(Fresnel::Exact, 0.0, 1.33) - 0.020_059_312_199_5).abs() <= 1e-12);
         assert!((outside(Fresnel::Exact, 0.0, 2.417) - 0.171_968_832_523).abs() <= 1e-12);
-        assert_eq!(outside(Fresnel::Exact, 33.0, 1.0), 0.0);
+        for degrees in [0.0, 33.0, 89.0, 90.0] {
+            for model in [Fresnel::Off, Fresnel::Exact, Fresnel::Schlick] {
+                assert_eq!(outside(model, degrees, 1.0), 0.0, "{model:?} at {degrees}");
+            }
+        }
         for tenth in 0..=900 {
             let degrees = f64::from(tenth) * 0.1;
             let off = outside(Fresnel::Schlick, degrees, 1.5) - outside(Fresnel::Exact, degrees, 1.5);

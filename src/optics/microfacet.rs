@@ -4,7 +4,6 @@
 //! surface. Walter et al., *Microfacet Models for Refraction through Rough Surfaces* (2007); Heitz,
 //! *Understanding the Masking-Shadowing Function* (2014).
 
-use super::schlick;
 use crate::math::{Angle, DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -30,8 +29,12 @@ impl Microfacet {
     }
 
     /// The share of the light from `light` that goes to `eye`, times the cosine of the light's angle, without
-    /// Fresnel's factor; both above the surface. Masking and shadowing are correlated by height.
+    /// Fresnel's factor; the light above the surface. Masking and shadowing are correlated by height. An eye that is
+    /// not above sees no mirror.
     pub fn reflected(self, eye: DVec3, light: DVec3) -> f64 {
+        if eye.z <= 0.0 {
+            return 0.0;
+        }
         let half = (eye + light).normalize_or(DVec3::Z);
         let visible = 1.0 / (1.0 + self.hidden(eye) + self.hidden(light));
         self.normals(half) * visible / (4.0 * eye.z)
@@ -53,15 +56,13 @@ impl Microfacet {
         DVec3::new(self.alpha * up.x, self.alpha * up.y, up.z.max(0.0)).normalize_or(DVec3::Z)
     }
 
-    /// The density of directions `light` that mirror `eye` in normals from [`Microfacet::sample`].
+    /// The density of directions `light` that mirror `eye` in normals from [`Microfacet::sample`]; 0 for an eye
+    /// that is not above the surface.
     pub fn density(self, eye: DVec3, light: DVec3) -> f64 {
+        if eye.z <= 0.0 {
+            return 0.0;
+        }
         let half = (eye + light).normalize_or(DVec3::Z);
         self.normals(half) / ((1.0 + self.hidden(eye)) * 4.0 * eye.z)
-    }
-
-    /// Fresnel's factor at small mirrors that reflect `eye` to `light`, from that at right incidence.
-    pub fn fresnel(normal: f64, eye: DVec3, light: DVec3) -> f64 {
-        let half = (eye + light).normalize_or(DVec3::Z);
-        schlick(normal, eye.dot(half))
     }
 }

@@ -7,7 +7,7 @@ mod refract;
 #[cfg(test)]
 mod tests;
 
-pub use fresnel::{Fresnel, dielectric, schlick};
+pub use fresnel::{Fresnel, schlick};
 pub use fuzz::Fuzz;
 pub use microfacet::Microfacet;
 pub use refract::{reflect, refract};

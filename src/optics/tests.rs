@@ -92,3 +92,14 @@ fn small_mirrors_are_reciprocal() {
         assert!((there / back - 1.0).abs() < 1e-9);
     }
 }
+
+#[test]
+fn eyes_level_with_a_rough_surface_see_nothing() {
+    let light = DVec3::new(-0.6, 0.0, 0.8);
+    for eye in [DVec3::X, DVec3::new(0.8, 0.0, -0.6), DVec3::new(1.0, 0.0, 1e-200)] {
+        for alpha in [1e-4, 0.5, 1.0] {
+            let microfacet = Microfacet { alpha };
+            assert_eq!((microfacet.reflected(eye, light), microfacet.density(eye, light)), (0.0, 0.0));
+        }
+    }
+}

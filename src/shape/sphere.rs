@@ -117,9 +117,14 @@ impl Geometric for Sphere {
         Some((self.surface_along(normal), 0, sampling::cone_density(cone)))
     }
 
+    /// Points of the far side, which the sphere itself hides, are never drawn from outside.
     fn density_from(&self, from: DVec3, at: &Surface) -> Option<f64> {
         match self.cone_from(from) {
-            Some(cone) => Some(sampling::cone_density(cone)),
+            Some(cone) => {
+                // The surface's own normal may have been turned to an eye inside.
+                let near = (at.point - self.center).dot(from - at.point) >= 0.0;
+                near.then(|| sampling::cone_density(cone))
+            }
             None => at.density_from(from, 1.0 / self.area()?),
         }
     }

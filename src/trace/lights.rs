@@ -51,6 +51,21 @@ impl Arrival {
             Origin::Infinity => (spawn(surface, self.direction), f64::INFINITY),
         }
     }
+
+    /// [`Arrival::shadow_ray`] on from a surface that it has passed; none if nothing of its way is left, as the
+    /// light comes from that surface, as far as rounding can tell.
+    pub fn beyond(&self, surface: &Surface) -> Option<(Ray, f64)> {
+        let on = spawn(surface, self.direction);
+        let end = match &self.from {
+            Origin::Point(point) => *point,
+            Origin::Surface(target) => spawn(target, -self.direction).origin,
+            Origin::Infinity => return Some((on, f64::INFINITY)),
+        };
+        let ray = Ray { origin: on.origin, direction: end - on.origin };
+        // It starts past all that the surface may reach to. From there it must not lead back to the surface.
+        let ahead = ray.direction.dot(surface.normal) * self.direction.dot(surface.normal) > 0.0;
+        ahead.then_some((ray, 1.0))
+    }
 }
 
 /// The light that comes to the point `at` from a light, for `u` uniform in the unit square; none if it does

@@ -19,7 +19,8 @@ use std::f64::consts::PI;
 /// One source of light.
 #[derive(Clone, Copy, Debug)]
 enum Luminaire<'a> {
-    Light(Light),
+    /// The light of this index in the scene.
+    Light(u32, Light),
     /// The primitive of this index shines.
     Object(u32),
     Sky(&'a SkyTable),
@@ -64,7 +65,9 @@ impl<'a> Luminaires<'a> {
             }
         }
         let mut all = Self { groups, primitives: Vec::new(), sky: None };
-        all.primitives.resize(tracer.scene.geometry.primitives.len(), None);
+        let primitives = &tracer.scene.geometry.primitives;
+        all.primitives.resize(primitives.len(), None);
+        let mut lights = vec![None; tracer.scene.shading.lights.len()];
         for group in &mut all.groups {
             if group.members.len() > ASKED {
                 group.chances = Some(Chances::of(group.members.iter().map(|member| member.power(tracer))));
@@ -72,12 +75,16 @@ impl<'a> Luminaires<'a> {
             for (index, member) in group.members.iter().enumerate() {
                 let chance = group.chances.as_ref().map_or(1.0, |chances| chances.each[index]);
                 match member {
-                    Luminaire::Light(_) => {}
+                    Luminaire::Light(light, _) => lights[*light as usize] = Some(chance),
                     Luminaire::Object(primitive) => all.primitives[*primitive as usize] = Some(chance),
                     Luminaire::Sky(table) => all.sky = Some((table, chance)),
                 }
             }
-            group.note_lights(tracer, &mut all.primitives);
+        }
+        for (primitive, noted) in primitives.iter().zip(&mut all.primitives) {
+            if let Finish::Light(light) = primitive.finish {
+                *noted = lights[light as usize];
+            }
         }
         all
     }
@@ -92,7 +99,7 @@ impl<'a> Luminaires<'a> {
                 let light = number.wrapping_mul(2 * ASKED as u32).wrapping_add(turn);
                 let u = dice.sampler.two(Use::Light { surface, light });
                 let member = &group.members[index];
-                if last && !matches!(member, Luminaire::Light(_)) {
+                if last && !matches!(member, Luminaire::Light(..)) {
                     return;
                 }
                 let arrival = member.arrival(tracer, seen.surface.point, u);
@@ -116,7 +123,7 @@ impl<'a> Luminaires<'a> {
     pub fn density(&self, tracer: &Tracer, from: DVec3, hit: &Hit, surface: &Surface) -> Option<f64> {
         let chance = self.primitives[hit.primitive as usize]?;
         let primitive = &tracer.scene.geometry.primitives[hit.primitive as usize];
-        Some(primitive.density_from(from, surface).unwrap_or(0.0) * chance)
+        Some(primitive.density_from(from, surface)? * chance)
     }
 
     /// The density per solid angle with which the sky is asked for light from a direction; none if it never is.
@@ -129,7 +136,7 @@ impl<'a> Luminaires<'a> {
 /// All sources of a scene with their layers, in a fixed order.
 fn sources<'a>(tracer: &Tracer<'a>) -> Vec<(LayerId, Luminaire<'a>)> {
     let (scene, shading) = (tracer.scene, tracer.scene.shading);
-    let lights = tracer.lights.iter().map(|(_, light)| (light.layer, Luminaire::Light(*light)));
+    let lights = tracer.lights.iter().map(|(index, light)| (light.layer, Luminaire::Light(*index, *light)));
     let objects = (0..).zip(&scene.geometry.primitives).filter_map(|(index, primitive)| {
         // Meshes of several materials are found by chance: they have no one emission to choose points by.
         let Finish::Material(MadeOf::One(material)) = primitive.finish else { return None };
@@ -143,26 +150,12 @@ fn sources<'a>(tracer: &Tracer<'a>) -> Vec<(LayerId, Luminaire<'a>)> {
     lights.chain(objects).chain(sky).collect()
 }
 
-impl Group<'_> {
-    /// Notes which primitives are lights of this group.
-    fn note_lights(&self, tracer: &Tracer, primitives: &mut [Option<f64>]) {
-        for (primitive, noted) in tracer.scene.geometry.primitives.iter().zip(primitives) {
-            let Finish::Light(light) = primitive.finish else { continue };
-            let light = &tracer.scene.shading.lights[light as usize];
-            let same = |member: &Luminaire| matches!(member, Luminaire::Light(other) if other == light);
-            if let Some(index) = self.members.iter().position(same) {
-                *noted = Some(self.chances.as_ref().map_or(1.0, |chances| chances.each[index]));
-            }
-        }
-    }
-}
-
 impl Luminaire<'_> {
     /// Roughly how much light it gives, which is all that a choice among many goes by.
     fn power(&self, tracer: &Tracer) -> f64 {
         let brightness = |color: Rgb| f64::from(color.element_sum());
         match self {
-            Self::Light(light) => {
+            Self::Light(_, light) => {
                 let area = match &light.source {
                     Source::Sphere(sphere) => 4.0 * PI * sphere.radius * sphere.radius,
                     Source::Rectangle { rectangle, .. } => rectangle.u.cross(rectangle.v).length(),
@@ -183,7 +176,7 @@ impl Luminaire<'_> {
     /// The light that comes from it to the point `at`, for `u` uniform in the unit square.
     fn arrival(&self, tracer: &Tracer, at: DVec3, u: DVec2) -> Option<Arrival> {
         match self {
-            Self::Light(light) => arrival(light, at, u),
+            Self::Light(_, light) => arrival(light, at, u),
             Self::Sky(table) => {
                 let environment = tracer.environment?;
                 let (direction, density) = environment.sample(table, u);

@@ -1,6 +1,8 @@
 //! What a ray is inside of.
 
 use crate::material::{Material, Medium};
+use crate::math::DVec3;
+use crate::optics::{Fresnel, refract};
 
 /// Enclosing surfaces at once, at most; the outermost are forgotten beyond it.
 const DEEPEST: usize = 6;
@@ -32,6 +34,25 @@ pub struct Boundary {
     pub passed: Media,
 }
 
+/// Light that goes on behind a boundary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bent {
+    pub direction: DVec3,
+    /// The share that the boundary reflects instead.
+    pub reflected: f64,
+}
+
+impl Boundary {
+    /// What becomes of light that meets the boundary in a direction, across a normal that faces it (both unit
+    /// vectors); none if all of it is reflected.
+    pub fn meet(&self, fresnel: Fresnel, direction: DVec3, normal: DVec3) -> Option<Bent> {
+        let eta = self.behind.ior / self.before.ior;
+        let (bent, cosine) = refract(direction, normal, eta)?;
+        let reflected = fresnel.reflectance(-direction.dot(normal), cosine, eta);
+        Some(Bent { direction: bent, reflected })
+    }
+}
+
 impl Media {
     /// The medium around the ray.
     pub fn here(&self, materials: &[Material]) -> Medium {
@@ -41,16 +62,23 @@ impl Media {
 
     /// The boundary at a surface that the ray enters, or else leaves.
     pub fn boundary(&self, at: Enclosure, entering: bool, materials: &[Material]) -> Boundary {
-        let (outside, within) = if entering {
-            (*self, self.entered(at))
-        } else {
+        let entry = if entering { None } else { self.entry(at) };
+        let (outside, within, enclosure) = match entry {
+            Some(index) => (self.without(index), *self, self.inside[index]),
             // A ray that started inside never entered.
-            let outside = self.left(at);
-            (outside, if outside == *self { self.entered(at) } else { *self })
+            None => (*self, self.entered(at), at),
         };
-        let hidden = within.prevailing(materials) != Some(at);
+        let hidden = within.prevailing(materials) != Some(enclosure);
         let (from, to) = if entering { (outside, within) } else { (within, outside) };
         Boundary { before: from.here(materials), behind: to.here(materials), hidden, passed: to }
+    }
+
+    /// The entry that a surface ends: its own last one. A mesh of several materials may have been entered by another
+    /// of them; then that one's medium is what the ray leaves.
+    fn entry(&self, at: Enclosure) -> Option<usize> {
+        let entered = &self.inside[..usize::from(self.count)];
+        let own = entered.iter().rposition(|entry| *entry == at);
+        own.or_else(|| entered.iter().rposition(|entry| entry.primitive == at.primitive))
     }
 
     fn entered(mut self, at: Enclosure) -> Self {
@@ -63,14 +91,11 @@ impl Media {
         self
     }
 
-    /// Without the last entry of a surface.
-    fn left(mut self, at: Enclosure) -> Self {
+    fn without(mut self, index: usize) -> Self {
         let count = usize::from(self.count);
-        if let Some(last) = self.inside[..count].iter().rposition(|entry| *entry == at) {
-            self.inside[last..count].rotate_left(1);
-            self.count -= 1;
-            self.inside[count - 1] = Enclosure::default();
-        }
+        self.inside[index..count].rotate_left(1);
+        self.inside[count - 1] = Enclosure::default();
+        self.count -= 1;
         self
     }
 
@@ -87,7 +112,6 @@ mod tests {
     use crate::color::Rgb;
     use crate::film::LayerId;
     use crate::material::{Exponent, Highlight, Lobes};
-    use crate::optics::Fresnel;
 
     fn glass(ior: f64, priority: i32) -> Material {
         Material {
@@ -103,14 +127,48 @@ mod tests {
 
     /// The indices of refraction that a ray meets along surfaces (0: glass, 1: liquid), with what is hidden.
     fn way(materials: &[Material], events: &[(u32, bool)]) -> Vec<(f64, f64, bool)> {
+        let of_its_own = |&(index, entering)| (Enclosure { primitive: index, material: index }, entering);
+        along(materials, events.iter().map(of_its_own))
+    }
+
+    fn along(
+        materials: &[Material],
+        events: impl Iterator<Item = (Enclosure, bool)>,
+    ) -> Vec<(f64, f64, bool)> {
         let mut media = Media::default();
-        let step = |&(index, entering): &(u32, bool)| {
-            let at = Enclosure { primitive: index, material: index };
+        let step = |(at, entering): (Enclosure, bool)| {
             let boundary = media.boundary(at, entering, materials);
             media = boundary.passed;
             (boundary.before.ior, boundary.behind.ior, boundary.hidden)
         };
-        events.iter().map(step).collect()
+        let found = events.map(step).collect();
+        assert_eq!(media, Media::default(), "a ray that has left everything");
+        found
+    }
+
+    /// The same along surfaces of one mesh.
+    fn way_through_mesh(materials: &[Material], events: &[(u32, bool)]) -> Vec<(f64, f64, bool)> {
+        along(
+            materials,
+            events.iter().map(|&(material, entering)| (Enclosure { primitive: 7, material }, entering)),
+        )
+    }
+
+    #[test]
+    fn meshes_of_several_materials_are_left_by_any_of_them() {
+        let glass = [glass(1.5, 0), glass(1.5, 0), glass(1.33, 0)];
+        assert_eq!(
+            way_through_mesh(&glass, &[(0, true), (1, false)]),
+            [(1.0, 1.5, false), (1.5, 1.0, false)]
+        );
+        // What the ray is inside of is what it has entered.
+        assert_eq!(
+            way_through_mesh(&glass, &[(0, true), (2, false)]),
+            [(1.0, 1.5, false), (1.5, 1.0, false)]
+        );
+        // A glass with its liquid, which reaches into the wall, in one file: each is left by itself.
+        let found = way_through_mesh(&glass, &[(0, true), (2, true), (0, false), (2, false)]);
+        assert_eq!(found, [(1.0, 1.5, false), (1.5, 1.33, false), (1.33, 1.33, true), (1.33, 1.0, false)]);
     }
 
     #[test]

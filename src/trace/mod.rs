@@ -3,6 +3,7 @@
 mod lights;
 mod luminaires;
 mod media;
+mod passing;
 mod path;
 mod pixel;
 mod scatter;
@@ -12,6 +13,7 @@ mod spawn;
 mod round_tests;
 #[cfg(test)]
 mod tests;
+mod throughput;
 mod tracer;
 mod whitted;
 

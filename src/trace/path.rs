@@ -11,6 +11,7 @@ use super::luminaires::Luminaires;
 use super::media::Media;
 use super::scatter::{Kind, Scatter, scatter, scatter_density};
 use super::spawn::spawn;
+use super::throughput::Throughput;
 use super::tracer::{Dice, Face, Met, Tracer, Work};
 use crate::camera::Ray;
 use crate::color::Rgb;
@@ -28,17 +29,15 @@ pub struct Paths<'a> {
 /// Where a path is.
 struct Path {
     ray: Ray,
-    throughput: Rgb,
-    /// The same, but for the fog since the last surface that scattered: that gathers light as if there were none.
-    gathered: Rgb,
+    throughput: Throughput,
     media: Media,
     /// Bounces that are left.
     left: u32,
     /// Where the direction was drawn, and with which density per solid angle; none where there was no choice.
     drawn: Option<(DVec3, f64)>,
-    /// Whether the last surface that has turned the path back has scattered it: then it has asked for light.
-    scattered: bool,
-    /// Whether light that is met now has been counted by a shadow ray through what refracts.
+    /// The last surface that has turned the path back, if it has scattered it: then light was asked for there.
+    asked: Option<DVec3>,
+    /// Whether light that is met now has been counted by a shadow ray from there, through what refracts.
     counted: bool,
 }
 
@@ -51,12 +50,11 @@ impl<'a> Paths<'a> {
     pub fn follow(&self, tracer: &Tracer, ray: Ray, mut dice: Dice, work: &mut Work) {
         let mut path = Path {
             ray,
-            throughput: Rgb::ONE,
-            gathered: Rgb::ONE,
+            throughput: Throughput::showing(Rgb::ONE),
             media: Media::default(),
             left: tracer.quality.bounces,
             drawn: None,
-            scattered: false,
+            asked: None,
             counted: false,
         };
         while self.step(tracer, &mut path, dice, work) {
@@ -66,62 +64,46 @@ impl<'a> Paths<'a> {
 
     /// Goes on to the next surface and from there; false at the path's end.
     fn step(&self, tracer: &Tracer, path: &mut Path, dice: Dice, work: &mut Work) -> bool {
-        let gathers = path.drawn.is_some();
-        let (met, way) = tracer.advance(&path.ray, &path.media, path.throughput, gathers, work);
-        path.throughput *= way.passed * way.clear;
-        path.gathered *= way.passed;
-        // Of light that shines by itself, and that this surface, or the last one that scattered, may have asked for.
-        let shining = if gathers { path.gathered } else { path.throughput };
+        let (met, way) = tracer.advance(&path.ray, &path.media, &path.throughput, work);
+        path.throughput.go(way);
         match met {
             Met::Nothing => {
                 let weight =
                     self.met_weight(path, |_| self.luminaires.sky_density(tracer, path.ray.direction));
-                tracer.add_sky(&path.ray, shining * weight, work);
+                tracer.add_sky(&path.ray, path.throughput.shining() * weight, work);
                 false
             }
             Met::Light { index, outside, surface, hit } => {
                 let light = &tracer.scene.shading.lights[index as usize];
                 let density = |from| self.luminaires.density(tracer, from, &hit, &surface);
                 let weight = self.met_weight(path, density);
-                work.add(light.layer, shining * seen(light, outside) * weight);
+                work.add(light.layer, path.throughput.shining() * seen(light, outside) * weight);
                 false
             }
-            Met::Surface(face) => self.at_surface(tracer, path, &face, shining, dice, work),
+            Met::Surface(face) => self.at_surface(tracer, path, &face, dice, work),
         }
     }
 
     /// What light that was met counts, against the density with which it was asked for: the balance heuristic.
     /// None is asked for what can only be met.
     fn met_weight(&self, path: &Path, asked: impl Fn(DVec3) -> Option<f64>) -> f32 {
-        let from = path.drawn.map_or(path.ray.origin, |(from, _)| from);
-        let Some(asked) = asked(from) else { return 1.0 };
-        match path.drawn {
-            _ if path.counted => 0.0,
-            None => 1.0,
-            Some((_, density)) => (density / (density + asked)) as f32,
+        if let Some(from) = path.asked.filter(|_| path.counted) {
+            return if asked(from).is_some() { 0.0 } else { 1.0 };
         }
+        let Some((from, density)) = path.drawn else { return 1.0 };
+        asked(from).map_or(1.0, |asked| (density / (density + asked)) as f32)
     }
 
-    fn at_surface(
-        &self,
-        tracer: &Tracer,
-        path: &mut Path,
-        face: &Face,
-        shining: Rgb,
-        dice: Dice,
-        work: &mut Work,
-    ) -> bool {
-        let materials = &tracer.scene.shading.materials;
-        let refracts = face.material.refracts();
-        let boundary = refracts.then(|| path.media.boundary(face.enclosure, face.outside, materials));
+    fn at_surface(&self, tracer: &Tracer, path: &mut Path, face: &Face, dice: Dice, work: &mut Work) -> bool {
+        let boundary = tracer.boundary(face, &path.media);
         if let Some(boundary) = boundary.filter(|boundary| boundary.hidden) {
             path.ray = Tracer::straight_on(face, &path.ray);
             path.media = boundary.passed;
             return true;
         }
         let density = |from| self.luminaires.density(tracer, from, &face.hit, &face.surface);
-        tracer.add_ambient(face, path.throughput, work);
-        tracer.add_emission(face, shining * self.met_weight(path, density), work);
+        tracer.add_ambient(face, path.throughput.seen(), work);
+        tracer.add_emission(face, path.throughput.shining() * self.met_weight(path, density), work);
         self.ask_for_light(tracer, path, face, dice, work);
         let seen = face.seen(&path.ray);
         let u = dice.sampler.four(Use::Scatter(dice.surface));
@@ -139,13 +121,15 @@ impl<'a> Paths<'a> {
             return;
         }
         let seen = face.seen(&path.ray);
+        let throughput = path.throughput.seen();
         self.luminaires.ask(tracer, &seen, dice, path.left == 0, |asked| {
             let arrival = &asked.arrival;
-            let (scattered, highlight) = seen.reflected(arrival.direction);
+            let reflected = seen.reflected(arrival.direction);
             // At the last surface of a path nothing is met by chance any more.
             let met = if path.left > 0 { scatter_density(&seen, arrival.direction) } else { 0.0 };
             let weight = arrival.density.map_or(1.0, |density| density / (density + met)) as f32;
-            let share = scattered + highlight;
+            let scattered = reflected.scattered(tracer.clearness(arrival, seen.surface));
+            let share = scattered + reflected.highlight;
             if share == Rgb::ZERO || arrival.radiance == Rgb::ZERO {
                 return;
             }
@@ -153,15 +137,18 @@ impl<'a> Paths<'a> {
             if passing.whole != Rgb::ZERO {
                 // Only what comes unbent may also be met.
                 let share = share * passing.whole - scattered * passing.unbent * (1.0 - weight);
-                work.add(asked.layer, path.throughput * share * arrival.radiance);
+                work.add(asked.layer, throughput * share * arrival.radiance);
             }
         });
     }
 
     fn go_on(&self, path: &mut Path, face: &Face, next: &Scatter) -> bool {
-        path.throughput *= next.share;
-        path.gathered *= next.share;
-        if path.throughput == Rgb::ZERO {
+        match next.kind {
+            Kind::Unbent => path.throughput.dim(next.shows),
+            Kind::Bent | Kind::Mirrored | Kind::Scattered => path.throughput.leave(next.gathers, next.shows),
+        }
+        // At least as much as reaches the eye of anything else.
+        if path.throughput.shining() == Rgb::ZERO {
             return false;
         }
         path.ray = spawn(&face.surface, next.direction);
@@ -169,12 +156,11 @@ impl<'a> Paths<'a> {
         match next.kind {
             // Straight on: what was drawn before still leads there, and no bounce is taken.
             Kind::Unbent => return true,
-            Kind::Bent => path.counted |= self.settings.refractive_shadows && path.scattered,
+            Kind::Bent => path.counted |= self.settings.refractive_shadows && path.asked.is_some(),
             // No shadow ray goes by a mirror.
-            Kind::Mirrored => (path.scattered, path.counted) = (false, false),
-            Kind::Scattered => (path.scattered, path.counted) = (true, false),
+            Kind::Mirrored => (path.asked, path.counted) = (None, false),
+            Kind::Scattered => (path.asked, path.counted) = (Some(face.surface.point), false),
         }
-        path.gathered = path.throughput;
         path.drawn = next.density.map(|density| (face.surface.point, density));
         let left = path.left.checked_sub(1);
         path.left = left.unwrap_or(0);
@@ -187,12 +173,11 @@ impl<'a> Paths<'a> {
         if tracer.quality.bounces - path.left <= after {
             return true;
         }
-        let chance = path.throughput.max_element().min(0.95);
+        let chance = path.throughput.shining().max_element().min(0.95);
         if dice.sampler.two(Use::Roulette(dice.surface)).x >= f64::from(chance) {
             return false;
         }
-        path.throughput /= chance;
-        path.gathered /= chance;
+        path.throughput.make_up_for(chance);
         true
     }
 }

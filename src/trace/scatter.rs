@@ -4,7 +4,7 @@ use super::media::{Boundary, Media};
 use super::shade::Seen;
 use crate::color::Rgb;
 use crate::math::{DVec2, DVec3};
-use crate::optics::{Fuzz, reflect, refract};
+use crate::optics::reflect;
 use crate::sampling::{Frame, cosine_hemisphere};
 use std::f64::consts::PI;
 
@@ -12,13 +12,21 @@ use std::f64::consts::PI;
 #[derive(Clone, Copy, Debug)]
 pub struct Scatter {
     pub direction: DVec3,
-    /// What the path's throughput is multiplied with.
-    pub share: Rgb,
+    /// What the path's throughput is multiplied with, in the parts that the surface gathers and shows.
+    pub gathers: Rgb,
+    pub shows: Rgb,
     /// Density per solid angle of the direction; none where there was no choice.
     pub density: Option<f64>,
     pub kind: Kind,
     /// What the ray is inside of, if that changes.
     pub media: Option<Media>,
+}
+
+impl Scatter {
+    /// On in the one direction that there is.
+    fn sharp(kind: Kind, direction: DVec3, shows: Rgb) -> Self {
+        Self { direction, gathers: Rgb::ZERO, shows, density: None, kind, media: None }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,20 +95,16 @@ pub fn scatter(seen: &Seen, boundary: Option<&Boundary>, [choice, u, v, w]: [f64
         return shine(seen, &chances, DVec2::new(u, v));
     }
     if falls_to(chances.mirror) {
-        let (mirrored, fuzz) = (seen.mirrored(), f64::from(seen.lobes.fuzz));
-        if fuzz > 0.0 {
-            return drawn(seen, &chances, Fuzz(fuzz).sample(mirrored, DVec3::new(u, v, w)));
-        }
-        return mirror(seen, mirrored, seen.lobes.mirror / chances.mirror as f32);
+        let mirrored = seen.mirrored();
+        return match seen.fuzz() {
+            Some(fuzz) => drawn(seen, &chances, fuzz.sample(mirrored, DVec3::new(u, v, w))),
+            None => mirror(seen, mirrored, seen.lobes.mirror / chances.mirror as f32),
+        };
     }
     if falls_to(chances.transparent) {
-        return Some(Scatter {
-            direction: -seen.to_eye,
-            share: seen.lobes.transparency / chances.transparent as f32,
-            density: None,
-            kind: Kind::Unbent,
-            media: boundary.map(|boundary| boundary.passed),
-        });
+        let share = seen.lobes.transparency / chances.transparent as f32;
+        let media = boundary.map(|boundary| boundary.passed);
+        return Some(Scatter { media, ..Scatter::sharp(Kind::Unbent, -seen.to_eye, share) });
     }
     // What rounding leaves over falls to the last lobe.
     let boundary = boundary.filter(|_| chances.refracted > 0.0)?;
@@ -110,7 +114,7 @@ pub fn scatter(seen: &Seen, boundary: Option<&Boundary>, [choice, u, v, w]: [f64
 /// A mirror's reflection, unless it would lead below the surface.
 fn mirror(seen: &Seen, direction: DVec3, share: Rgb) -> Option<Scatter> {
     let above = seen.surface.normal.dot(direction) > 0.0;
-    above.then_some(Scatter { direction, share, density: None, kind: Kind::Mirrored, media: None })
+    above.then_some(Scatter::sharp(Kind::Mirrored, direction, share))
 }
 
 /// The metallic-roughness surface's reflection, in one of its small mirrors.
@@ -128,12 +132,13 @@ fn shine(seen: &Seen, chances: &Chances, u: DVec2) -> Option<Scatter> {
 /// A direction that more than one lobe may have given, weighed by all of them.
 fn drawn(seen: &Seen, chances: &Chances, direction: DVec3) -> Option<Scatter> {
     let density = density_of(seen, chances, direction);
-    let (scattered, _) = seen.reflected(direction);
-    if density <= 0.0 || scattered == Rgb::ZERO {
+    let reflected = seen.reflected(direction);
+    if density <= 0.0 || reflected.scattered(1.0) == Rgb::ZERO {
         return None;
     }
-    let share = scattered * (1.0 / (PI * density)) as f32;
-    Some(Scatter { direction, share, density: Some(density), kind: Kind::Scattered, media: None })
+    let each = (1.0 / (PI * density)) as f32;
+    let (gathers, shows) = (reflected.diffuse * each, reflected.shine * each);
+    Some(Scatter { direction, gathers, shows, density: Some(density), kind: Kind::Scattered, media: None })
 }
 
 /// The density per solid angle with which [`scatter`] gives a direction, but for those without a choice.
@@ -152,24 +157,24 @@ fn density_of(seen: &Seen, chances: &Chances, direction: DVec3) -> f64 {
             density += chances.shine * microfacet.density(eye, light);
         }
     }
-    if seen.lobes.fuzz > 0.0 && chances.mirror > 0.0 {
-        density += chances.mirror * Fuzz(f64::from(seen.lobes.fuzz)).density(seen.mirrored(), direction);
+    if chances.mirror > 0.0
+        && let Some(fuzz) = seen.fuzz()
+    {
+        density += chances.mirror * fuzz.density(seen.mirrored(), direction);
     }
     density
 }
 
 /// Into what lies behind a boundary, or back from it, by the share that it reflects.
 fn bent(seen: &Seen, boundary: &Boundary, chances: &Chances, choice: f64) -> Option<Scatter> {
-    let eta = boundary.behind.ior / boundary.before.ior;
-    let (direction, normal) = (-seen.to_eye, seen.normal());
     let share = seen.lobes.refraction / chances.refracted as f32;
-    let Some((direction, cosine)) = refract(direction, normal, eta) else {
+    let Some(bent) = boundary.meet(seen.material.fresnel, -seen.to_eye, seen.normal()) else {
         return mirror(seen, seen.mirrored(), share);
     };
-    let reflected = seen.material.fresnel.reflectance(seen.to_eye.dot(normal), cosine, eta);
-    if choice < reflected {
+    if choice < bent.reflected {
         // A boundary reflects all colours alike, whatever colour it lets pass.
         return mirror(seen, seen.mirrored(), Rgb::splat(share.max_element()));
     }
-    Some(Scatter { direction, share, density: None, kind: Kind::Bent, media: Some(boundary.passed) })
+    let media = seen.passes(bent.direction).then_some(boundary.passed);
+    Some(Scatter { media, ..Scatter::sharp(Kind::Bent, bent.direction, share) })
 }

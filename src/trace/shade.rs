@@ -26,6 +26,24 @@ pub struct Seen<'a> {
     pub to_eye: DVec3,
 }
 
+/// The shares of a light that a surface sends to the eye, by what they count in fog.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reflected {
+    /// Gathered by the diffuse lobe.
+    pub diffuse: Rgb,
+    /// Shown by a fuzzy mirror or small ones.
+    pub shine: Rgb,
+    /// Of lights alone.
+    pub highlight: Rgb,
+}
+
+impl Reflected {
+    /// What is scattered, where fog lets this share of light pass.
+    pub fn scattered(&self, clear: f32) -> Rgb {
+        self.diffuse + self.shine * clear
+    }
+}
+
 impl Seen<'_> {
     /// The normal to shade with: the smooth one, unless it faces away from the eye.
     pub fn normal(&self) -> DVec3 {
@@ -33,31 +51,44 @@ impl Seen<'_> {
         if smooth.dot(self.to_eye) > 0.0 { smooth } else { self.surface.normal }
     }
 
-    /// The shares of the light from `to_light` (a unit vector) in what is scattered and in the highlight.
-    /// Black when the light is behind the surface: then there is no highlight either.
-    pub fn reflected(&self, to_light: DVec3) -> (Rgb, Rgb) {
+    /// The shares of the light from `to_light` (a unit vector) that the surface sends to the eye. Black when the
+    /// light is behind the surface: then there is no highlight either.
+    pub fn reflected(&self, to_light: DVec3) -> Reflected {
         let normal = self.normal();
         let cosine = normal.dot(to_light);
+        let mut reflected = Reflected::default();
         if cosine <= 0.0 || self.surface.normal.dot(to_light) <= 0.0 {
-            return (Rgb::ZERO, Rgb::ZERO);
+            return reflected;
         }
-        let mut scattered = self.lobes.diffuse * cosine as f32;
-        if self.lobes.fuzz > 0.0 {
-            let density = Fuzz(f64::from(self.lobes.fuzz)).density(self.mirrored(), to_light);
-            scattered += self.lobes.mirror * (PI * density) as f32;
+        reflected.diffuse = self.lobes.diffuse * cosine as f32;
+        if let Some(fuzz) = self.fuzz() {
+            reflected.shine = self.lobes.mirror * (PI * fuzz.density(self.mirrored(), to_light)) as f32;
         }
         if self.lobes.microfacet > 0.0 {
-            scattered += self.rough(to_light) * self.lobes.microfacet;
+            let (below, shine) = self.rough(to_light);
+            reflected.diffuse += below * self.lobes.microfacet;
+            reflected.shine += shine * self.lobes.microfacet;
         }
-        if self.lobes.specular == Rgb::ZERO {
-            return (scattered, Rgb::ZERO);
+        if self.lobes.specular != Rgb::ZERO {
+            reflected.highlight = self.lobes.specular * self.highlight(to_light) as f32;
         }
-        (scattered, self.lobes.specular * self.highlight(to_light) as f32)
+        reflected
     }
 
     /// The direction in which a mirror shows the eye what it does.
     pub fn mirrored(&self) -> DVec3 {
         reflect(-self.to_eye, self.normal())
+    }
+
+    /// How the mirror scatters; none if it is sharp.
+    pub fn fuzz(&self) -> Option<Fuzz> {
+        self.lobes.is_fuzzy().then(|| Fuzz(f64::from(self.lobes.fuzz)))
+    }
+
+    /// Whether a ray in this direction leaves the surface behind itself: a smooth normal may bend one that should
+    /// pass back to the side that it came from.
+    pub fn passes(&self, direction: DVec3) -> bool {
+        self.surface.normal.dot(direction) < 0.0
     }
 
     fn highlight(&self, to_light: DVec3) -> f64 {
@@ -83,16 +114,17 @@ impl Seen<'_> {
         normal + (Rgb::ONE - normal) * crate::optics::schlick(0.0, cosine) as f32
     }
 
-    /// The metallic-roughness surface's share, without its strength.
-    fn rough(&self, to_light: DVec3) -> Rgb {
+    /// The metallic-roughness surface's shares from below its boundary and from its small mirrors, without its
+    /// strength.
+    fn rough(&self, to_light: DVec3) -> (Rgb, Rgb) {
         let half = (self.to_eye + to_light).normalize_or(self.normal());
         let fresnel = self.metallic_fresnel(self.to_eye.dot(half));
         let cosine = self.normal().dot(to_light);
         let below = self.rough_base() * (Rgb::ONE - fresnel) * cosine as f32;
-        let Some(microfacet) = self.microfacet() else { return below };
+        let Some(microfacet) = self.microfacet() else { return (below, Rgb::ZERO) };
         let frame = Frame::around(self.normal());
         let shine = microfacet.reflected(frame.to_local(self.to_eye), frame.to_local(to_light));
-        below + fresnel * (PI * shine) as f32
+        (below, fresnel * (PI * shine) as f32)
     }
 
     /// What the metallic-roughness surface scatters from below its boundary, without Fresnel's factor.
@@ -126,7 +158,7 @@ mod tests {
     }
 
     /// What a level surface of the material sends to the eye.
-    fn reflected(material: &Material, to_light: DVec3, to_eye: DVec3) -> (Rgb, Rgb) {
+    fn reflected(material: &Material, to_light: DVec3, to_eye: DVec3) -> Reflected {
         let (point, normal) = (DVec3::ZERO, DVec3::Y);
         let surface = Surface { point, error: DVec3::ZERO, normal, shading: normal };
         Seen { material, lobes: &material.lobes, surface: &surface, to_eye }.reflected(to_light)
@@ -140,8 +172,9 @@ mod tests {
             let to_light = (DVec3::new(13.0, 4.0, 0.0) + shift - point).normalize();
             let to_eye = (DVec3::new(7.0, 4.0, 0.0) + shift - point).normalize();
             for model in [Highlight::Phong, Highlight::BlinnPhong] {
-                let (scattered, highlight) = reflected(&material(model, 32.0), to_light, to_eye);
-                assert_eq!(scattered, Rgb::ZERO);
+                let Reflected { diffuse, shine, highlight } =
+                    reflected(&material(model, 32.0), to_light, to_eye);
+                assert_eq!((diffuse, shine), (Rgb::ZERO, Rgb::ZERO));
                 assert!((highlight - Rgb::ONE).abs().max_element() <= f32::EPSILON, "{highlight}");
             }
         }
@@ -157,7 +190,7 @@ mod tests {
             for shininess in [0.0, 1.0, 0.5, 1e6] {
                 for light in [grazing, below, DVec3::NEG_Y] {
                     let found = reflected(&material(model, shininess), light, eye);
-                    assert_eq!(found, (Rgb::ZERO, Rgb::ZERO), "{model:?} {shininess} {light}");
+                    assert_eq!(found, Reflected::default(), "{model:?} {shininess} {light}");
                 }
             }
         }
@@ -166,7 +199,7 @@ mod tests {
         for eye in [DVec3::new(0.8, 0.6, 0.0), DVec3::new(0.96, 0.28, 0.0)] {
             for shininess in [0.0, 0.5, 1.0, 1e6] {
                 let found = reflected(&material(Highlight::Phong, shininess), light, eye);
-                assert_eq!(found, (Rgb::ZERO, Rgb::ZERO), "{shininess} {eye}");
+                assert_eq!(found, Reflected::default(), "{shininess} {eye}");
             }
         }
     }
@@ -176,6 +209,7 @@ mod tests {
         let lobes = Lobes { diffuse: Rgb::splat(0.5), ..Lobes::default() };
         let matte = Material { lobes, ..material(Highlight::Phong, 1.0) };
         let at_60 = DVec3::new(0.75f64.sqrt(), 0.5, 0.0);
-        assert_eq!(reflected(&matte, at_60, DVec3::Y), (Rgb::splat(0.25), Rgb::ZERO));
+        let quarter = Reflected { diffuse: Rgb::splat(0.25), ..Reflected::default() };
+        assert_eq!(reflected(&matte, at_60, DVec3::Y), quarter);
     }
 }

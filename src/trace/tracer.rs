@@ -1,9 +1,9 @@
 //! What both integrators share: the frame's scene with all that is constant resolved, and one sample's state.
 
-use super::lights::Arrival;
-use super::media::{Enclosure, Media};
+use super::media::{Boundary, Enclosure, Media};
 use super::shade::Seen;
 use super::spawn::spawn;
+use super::throughput::Throughput;
 use crate::bvh::{Bvh, Hit};
 use crate::camera::Ray;
 use crate::color::Rgb;
@@ -13,9 +13,8 @@ use crate::film::LayerId;
 use crate::fog::Fog;
 use crate::glow::Glow;
 use crate::light::Light;
-use crate::material::{Lobes, Material, Medium};
+use crate::material::{Lobes, Material};
 use crate::math::DVec3;
-use crate::optics::refract;
 use crate::quality::Quality;
 use crate::sampling::Sampler;
 use crate::scene::{Finish, Primitive, Scene};
@@ -33,11 +32,11 @@ pub struct Tracer<'a> {
     pub ambient: Option<Glow>,
     pub fog: Option<Fog>,
     /// Whether shadow rays pass what refracts.
-    refractive_shadows: bool,
+    pub refractive_shadows: bool,
     /// Whether any material lets light pass to what lies in its shadow.
-    clear: bool,
+    pub clear: bool,
     /// Whether any material refracts, so that rays must know what they are inside of.
-    media: bool,
+    pub media: bool,
 }
 
 /// What one thread's samples work with.
@@ -57,31 +56,6 @@ impl Work {
 
     pub fn add(&mut self, layer: LayerId, radiance: Rgb) {
         self.layers[layer.index()] += radiance.as_dvec3();
-    }
-}
-
-/// The share of a light that arrives in spite of what stands in the way.
-#[derive(Clone, Copy, Debug)]
-pub struct Passing {
-    pub whole: Rgb,
-    /// The part of it that has passed nothing by refraction.
-    pub unbent: Rgb,
-}
-
-impl Passing {
-    fn all_or_nothing(blocked: bool) -> Self {
-        let share = if blocked { Rgb::ZERO } else { Rgb::ONE };
-        Self { whole: share, unbent: share }
-    }
-
-    fn absorb(&mut self, medium: Medium, length: f64) {
-        let left = medium.transmittance(length);
-        self.dim(left, left);
-    }
-
-    fn dim(&mut self, whole: Rgb, unbent: Rgb) {
-        self.whole *= whole;
-        self.unbent *= unbent;
     }
 }
 
@@ -148,15 +122,14 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// What the ray meets, and what its way there, which may be infinite, leaves of `throughput`. The fog's own
-    /// light is added. A ray that `gathers` light for a surface sees no fog before lights and the sky, as the surface's shadow
-    /// rays do not either.
+    /// What the ray meets, and what its way there, which may be infinite, leaves of the light. The fog's own light
+    /// is added. What a surface gathers comes through no fog, as its shadow rays do not: a way to what shines by
+    /// itself glows for the throughput's other part alone.
     pub fn advance(
         &self,
         ray: &Ray,
         media: &Media,
-        throughput: Rgb,
-        gathers: bool,
+        throughput: &Throughput,
         work: &mut Work,
     ) -> (Met<'a>, Way) {
         let hit = self.bvh.closest(self.scene.geometry, &Probe::new(*ray));
@@ -166,16 +139,20 @@ impl<'a> Tracer<'a> {
             way.passed = media.here(&self.scene.shading.materials).transmittance(t);
         }
         let met = hit.map_or(Met::Nothing, |hit| self.met(ray, hit));
-        let Some(fog) = self.fog.as_ref().filter(|_| !gathers || matches!(met, Met::Surface(_))) else {
-            return (met, way);
-        };
-        let opacity = fog.opacity(ray, t) as f32;
-        work.add(fog.glow.layer, throughput * way.passed * fog.glow.radiance * opacity);
-        way.clear = 1.0 - opacity;
+        if let Some(fog) = &self.fog {
+            let opacity = fog.opacity(ray, t) as f32;
+            let glows = match met {
+                Met::Surface(_) => throughput.seen(),
+                Met::Nothing | Met::Light { .. } => throughput.shown(),
+            };
+            work.add(fog.glow.layer, glows * way.passed * fog.glow.radiance * opacity);
+            way.clear = 1.0 - opacity;
+        }
         (met, way)
     }
 
-    fn met(&self, ray: &Ray, hit: Hit) -> Met<'a> {
+    /// What a hit is.
+    pub fn met(&self, ray: &Ray, hit: Hit) -> Met<'a> {
         let primitive = &self.scene.geometry.primitives[hit.primitive as usize];
         let surface = primitive.surface(ray, hit.at);
         // Surfaces are two-sided: the normal faces the eye.
@@ -215,75 +192,10 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// The share of the light that arrives at a surface, on its side that is seen, in spite of what stands in
-    /// the way.
-    pub fn passing(&self, arrival: &Arrival, surface: &Surface, media: &Media, work: &mut Work) -> Passing {
-        let (ray, t_max) = arrival.shadow_ray(surface);
-        if ray.direction == DVec3::ZERO {
-            return Passing::all_or_nothing(false);
-        }
-        work.counts.rays.shadow += 1;
-        if !self.clear {
-            let mut passing =
-                Passing::all_or_nothing(self.bvh.occluded(self.scene.geometry, &Probe::new(ray), t_max));
-            if self.media {
-                passing.absorb(media.here(&self.scene.shading.materials), ray.direction.length() * t_max);
-            }
-            return passing;
-        }
-        self.transmitted(arrival, ray, t_max, *media, work)
-    }
-
-    /// [`Tracer::passing`] surface by surface: the product of what each of them lets pass.
-    fn transmitted(
-        &self,
-        arrival: &Arrival,
-        mut ray: Ray,
-        mut t_max: f64,
-        mut media: Media,
-        work: &mut Work,
-    ) -> Passing {
+    /// The boundary that a surface is if it refracts, for a ray inside of these media.
+    pub fn boundary(&self, face: &Face, media: &Media) -> Option<Boundary> {
         let materials = &self.scene.shading.materials;
-        let mut share = Passing::all_or_nothing(false);
-        loop {
-            let hit = self.bvh.closest_before(self.scene.geometry, &Probe::new(ray), t_max);
-            let length = ray.direction.length() * hit.map_or(t_max, |hit| hit.at.t);
-            if self.media {
-                share.absorb(media.here(materials), length);
-            }
-            let Some(hit) = hit else { return share };
-            let Met::Surface(face) = self.met(&ray, hit) else { return Passing::all_or_nothing(true) };
-            let (passes, beyond) = self.straight_through(&face, arrival.direction, media);
-            share.dim(passes.whole, passes.unbent);
-            media = beyond;
-            if share.whole == Rgb::ZERO {
-                return share;
-            }
-            work.counts.rays.shadow += 1;
-            (ray, t_max) = arrival.shadow_ray(&face.surface);
-        }
-    }
-
-    /// The share that passes a surface straight on, and what is around the light beyond it.
-    fn straight_through(&self, face: &Face, direction: DVec3, media: Media) -> (Passing, Media) {
-        let Lobes { transparency, refraction, .. } = face.lobes;
-        let unbent = Passing { whole: transparency, unbent: transparency };
-        if !face.material.refracts() {
-            return (unbent, media);
-        }
-        let boundary = media.boundary(face.enclosure, face.outside, &self.scene.shading.materials);
-        if boundary.hidden {
-            return (Passing::all_or_nothing(false), boundary.passed);
-        }
-        if !self.refractive_shadows {
-            return (unbent, boundary.passed);
-        }
-        let eta = boundary.behind.ior / boundary.before.ior;
-        let passes = refract(direction, face.surface.normal, eta).map_or(0.0, |(_, cosine)| {
-            let before = -direction.dot(face.surface.normal);
-            1.0 - face.material.fresnel.reflectance(before, cosine, eta)
-        });
-        (Passing { whole: transparency + refraction * passes as f32, ..unbent }, boundary.passed)
+        face.material.refracts().then(|| media.boundary(face.enclosure, face.outside, materials))
     }
 
     /// The ray straight on through a surface.

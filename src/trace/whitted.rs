@@ -3,13 +3,14 @@
 //! a lens, an area light, a rough surface or motion has to be sampled.
 
 use super::lights::{arrival, seen};
-use super::media::Media;
+use super::media::{Boundary, Media};
 use super::spawn::spawn;
+use super::throughput::Throughput;
 use super::tracer::{Dice, Face, Met, Tracer, Work};
 use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::math::{DVec2, DVec3};
-use crate::optics::{Fuzz, reflect, refract};
+use crate::optics::reflect;
 use crate::sampling::{Frame, Use};
 
 /// A ray that is still to be followed.
@@ -38,7 +39,7 @@ pub fn follow(tracer: &Tracer, ray: Ray, mut dice: Dice, work: &mut Work) {
 /// Follows one ray to where it ends, and puts off those that start there.
 fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
     let Pending { ray, mut throughput, ref media, sees_lights, .. } = pending;
-    let (met, way) = tracer.advance(&ray, media, throughput, false, work);
+    let (met, way) = tracer.advance(&ray, media, &Throughput::showing(throughput), work);
     throughput *= way.passed * way.clear;
     let face = match met {
         Met::Nothing => return tracer.add_sky(&ray, throughput, work),
@@ -53,8 +54,9 @@ fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
     };
     let surface = dice.surface;
     dice.surface += 1;
-    let branch = Branch { tracer, pending: &pending, face: &face, throughput };
-    if face.material.refracts() && branch.hidden(work) {
+    let boundary = tracer.boundary(&face, media);
+    let branch = Branch { tracer, pending: &pending, face: &face, boundary: boundary.as_ref(), throughput };
+    if branch.hidden(work) {
         return;
     }
     tracer.add_ambient(&face, throughput, work);
@@ -71,6 +73,8 @@ struct Branch<'a, 't> {
     tracer: &'t Tracer<'a>,
     pending: &'t Pending,
     face: &'t Face<'a>,
+    /// If it refracts.
+    boundary: Option<&'t Boundary>,
     throughput: Rgb,
 }
 
@@ -86,8 +90,9 @@ impl Branch<'_, '_> {
                 false => DVec2::ZERO,
             };
             let Some(arrival) = arrival(light, seen.surface.point, u) else { continue };
-            let (scattered, highlight) = seen.reflected(arrival.direction);
-            let share = scattered + highlight;
+            let reflected = seen.reflected(arrival.direction);
+            let clear = self.tracer.clearness(&arrival, seen.surface);
+            let share = reflected.scattered(clear) + reflected.highlight;
             if share == Rgb::ZERO {
                 continue;
             }
@@ -114,12 +119,13 @@ impl Branch<'_, '_> {
         if lobes.mirror == Rgb::ZERO {
             return;
         }
-        let mut direction = self.face.seen(&self.pending.ray).mirrored();
-        if lobes.fuzz > 0.0 {
+        let seen = self.face.seen(&self.pending.ray);
+        let (mut direction, fuzz) = (seen.mirrored(), seen.fuzz());
+        if let Some(fuzz) = fuzz {
             let [_, u, v, w] = dice.sampler.four(Use::Scatter(dice.surface));
-            direction = Fuzz(f64::from(lobes.fuzz)).sample(direction, DVec3::new(u, v, w));
+            direction = fuzz.sample(direction, DVec3::new(u, v, w));
         }
-        self.reflect(direction, lobes.mirror, lobes.fuzz == 0.0, work);
+        self.reflect(direction, lobes.mirror, fuzz.is_none(), work);
     }
 
     /// The metallic-roughness surface's reflection: in one of its small mirrors.
@@ -138,10 +144,11 @@ impl Branch<'_, '_> {
         let [_, _, u, v] = dice.sampler.four(Use::Glossy(dice.surface));
         let half = microfacet.sample(eye, DVec2::new(u, v));
         let light = reflect(-eye, half);
-        if light.z <= 0.0 {
+        let density = microfacet.density(eye, light);
+        if light.z <= 0.0 || density == 0.0 {
             return;
         }
-        let share = (microfacet.reflected(eye, light) / microfacet.density(eye, light)) as f32;
+        let share = (microfacet.reflected(eye, light) / density) as f32;
         let fresnel = seen.metallic_fresnel(eye.dot(half));
         self.reflect(frame.to_world(light), fresnel * (share * lobes.microfacet), false, work);
     }
@@ -157,14 +164,11 @@ impl Branch<'_, '_> {
 
     /// Straight on through what hides the surface, if anything does.
     fn hidden(&self, work: &mut Work) -> bool {
-        let materials = &self.tracer.scene.shading.materials;
-        let boundary = self.pending.media.boundary(self.face.enclosure, self.face.outside, materials);
-        if boundary.hidden {
-            let ray = Tracer::straight_on(self.face, &self.pending.ray);
-            let (throughput, media) = (self.throughput, boundary.passed);
-            work.pending.push(Pending { ray, throughput, media, ..*self.pending });
-        }
-        boundary.hidden
+        let Some(boundary) = self.boundary.filter(|boundary| boundary.hidden) else { return false };
+        let ray = Tracer::straight_on(self.face, &self.pending.ray);
+        let (throughput, media) = (self.throughput, boundary.passed);
+        work.pending.push(Pending { ray, throughput, media, ..*self.pending });
+        true
     }
 
     /// Passing unbent takes no bounce.
@@ -175,36 +179,24 @@ impl Branch<'_, '_> {
         }
         work.counts.rays.transmitted += 1;
         let ray = Tracer::straight_on(self.face, &self.pending.ray);
-        let media = match self.face.material.refracts() {
-            true => self.boundary().passed,
-            false => self.pending.media,
-        };
+        let media = self.boundary.map_or(self.pending.media, |boundary| boundary.passed);
         work.pending.push(Pending { ray, throughput, media, ..*self.pending });
-    }
-
-    fn boundary(&self) -> super::media::Boundary {
-        let materials = &self.tracer.scene.shading.materials;
-        self.pending.media.boundary(self.face.enclosure, self.face.outside, materials)
     }
 
     fn refracted(&self, work: &mut Work) {
         let share = self.face.lobes.refraction;
-        if share == Rgb::ZERO {
-            return;
-        }
-        let boundary = self.boundary();
+        let Some(boundary) = self.boundary.filter(|_| share != Rgb::ZERO) else { return };
         let seen = self.face.seen(&self.pending.ray);
-        let eta = boundary.behind.ior / boundary.before.ior;
         let direction = self.pending.ray.direction;
-        let Some((bent, cosine)) = refract(direction, seen.normal(), eta) else {
+        let Some(bent) = boundary.meet(self.face.material.fresnel, direction, seen.normal()) else {
             return self.reflect(seen.mirrored(), share, true, work);
         };
-        let before = -direction.dot(seen.normal());
-        let reflected = self.face.material.fresnel.reflectance(before, cosine, eta) as f32;
-        let ray = spawn(&self.face.surface, bent);
+        let reflected = bent.reflected as f32;
+        let ray = spawn(&self.face.surface, bent.direction);
+        let media = if seen.passes(bent.direction) { boundary.passed } else { self.pending.media };
         // Shadow rays pass here too, so that what they have found must not count again.
         let sees_lights = self.pending.sees_lights;
-        if self.bounce(ray, share * (1.0 - reflected), boundary.passed, sees_lights, work) {
+        if self.bounce(ray, share * (1.0 - reflected), media, sees_lights, work) {
             work.counts.rays.transmitted += 1;
         }
         // A boundary reflects all colours alike, whatever colour it lets pass.

@@ -17,8 +17,8 @@ use std::time::Duration;
 /// The things of one leaf, by the order in which they were given.
 pub type Leaf = Vec<u32>;
 
-/// Things in a leaf at most: as many as a filter tests at once.
-const LARGEST_LEAF: u32 = 8;
+/// Triangles in a leaf at most: as many as a filter tests at once. Other things are tested one by one.
+const TOGETHER: u32 = 8;
 
 /// What a step of a binary tree costs, next to the test of a leaf.
 const STEP: f32 = 0.3;
@@ -35,7 +35,7 @@ impl Tree {
             Aabb32 { min: min.into(), max: max.into() }
         });
         // Moving things are built anew every frame.
-        Self::over(space, rounded.collect(), BvhBuildParams::medium_build(), &|thing| thing)
+        Self::over(space, rounded.collect(), BvhBuildParams::medium_build(), 1, &|thing| thing)
     }
 
     /// A tree over triangles, with its leaves. Long ones may be in several.
@@ -56,14 +56,15 @@ impl Tree {
         for bounds in &mut boxes {
             *bounds = Aabb32 { min: bounds.min - WIDENED, max: bounds.max + WIDENED };
         }
-        Self::over(space, boxes, BvhBuildParams::slow_build(), &|index| parts[index as usize])
+        Self::over(space, boxes, BvhBuildParams::slow_build(), TOGETHER, &|index| parts[index as usize])
     }
 
-    /// A tree over boxes in `space`; `thing` says what is in each.
+    /// A tree over boxes in `space`, with leaves of at most `largest` things; `thing` says what is in each box.
     fn over(
         space: Space,
         boxes: Vec<Aabb32>,
         parameters: BvhBuildParams,
+        largest: u32,
         thing: &dyn Fn(u32) -> u32,
     ) -> (Self, Vec<Leaf>) {
         let (mut boxes, groups) = grouped(boxes, thing);
@@ -72,7 +73,7 @@ impl Tree {
         }
         let parameters = BvhBuildParams { max_prims_per_leaf: 1, ..parameters };
         let binary = build_bvh2(&boxes, parameters, &mut Duration::default());
-        Collapse::new(&binary, &groups).tree(space)
+        Collapse::new(&binary, &groups, largest).tree(space)
     }
 }
 
@@ -109,6 +110,8 @@ fn space(boxes: impl Iterator<Item = Aabb>) -> Option<Space> {
 struct Collapse<'a> {
     binary: &'a Bvh2,
     groups: &'a [Leaf],
+    /// Things in a leaf at most.
+    largest: u32,
     /// Of each binary node: whether everything below it makes one leaf.
     is_leaf: Vec<bool>,
     nodes: Vec<Node>,
@@ -116,9 +119,9 @@ struct Collapse<'a> {
 }
 
 impl<'a> Collapse<'a> {
-    fn new(binary: &'a Bvh2, groups: &'a [Leaf]) -> Self {
-        let is_leaf = leaves_that_pay(binary, groups);
-        Self { binary, groups, is_leaf, nodes: Vec::new(), leaves: Vec::new() }
+    fn new(binary: &'a Bvh2, groups: &'a [Leaf], largest: u32) -> Self {
+        let is_leaf = leaves_that_pay(binary, groups, largest);
+        Self { binary, groups, largest, is_leaf, nodes: Vec::new(), leaves: Vec::new() }
     }
 
     fn tree(mut self, space: Space) -> (Tree, Vec<Leaf>) {
@@ -148,7 +151,7 @@ impl<'a> Collapse<'a> {
 
     /// A leaf of these things, or nodes over several leaves if they are many: then all are in the same place.
     fn leaf(&mut self, things: Leaf, corners: [[f32; 3]; 2]) -> Child {
-        if things.len() <= LARGEST_LEAF as usize {
+        if things.len() <= self.largest as usize {
             self.leaves.push(things);
             return Child::leaf(self.leaves.len() as u32 - 1);
         }
@@ -223,7 +226,7 @@ impl<'a> Collapse<'a> {
 
 /// Which binary nodes become leaves, by the surface area heuristic: the test of a leaf costs the same however full it
 /// is.
-fn leaves_that_pay(binary: &Bvh2, groups: &[Leaf]) -> Vec<bool> {
+fn leaves_that_pay(binary: &Bvh2, groups: &[Leaf], largest: u32) -> Vec<bool> {
     let nodes = &binary.nodes;
     let mut order = vec![0u32];
     let mut at = 0;
@@ -252,7 +255,7 @@ fn leaves_that_pay(binary: &Bvh2, groups: &[Leaf]) -> Vec<bool> {
         let [left, right] = [0, 1].map(|side| node.first_index as usize + side);
         things[index] = things[left] + things[right];
         let apart = cost[left] + cost[right] + cost[index] * STEP;
-        is_leaf[index] = things[index] <= LARGEST_LEAF && cost[index] <= apart;
+        is_leaf[index] = things[index] <= largest && cost[index] <= apart;
         if !is_leaf[index] {
             cost[index] = apart;
         }

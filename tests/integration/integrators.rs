@@ -21,6 +21,14 @@ fn near(shot: &Shot, expected: impl Into<[f32; 3]>, tolerance: f32) {
     assert!((found - expected).abs().max_element() <= tolerance, "{found} instead of {expected}");
 }
 
+/// Whether a scene seen from above has this radiance.
+#[track_caller]
+fn sends(integrator: &str, samples: u32, scene: &str, expected: f32, tolerance: f32) {
+    let found = down(integrator, samples, scene).pixel(0, 0);
+    let off = (found - Rgb::splat(expected)).abs().max_element();
+    assert!(off <= tolerance, "{integrator}, {scene}: {found} instead of {expected}");
+}
+
 /// A closed white room of light: what takes nothing away cannot be told from it.
 #[test]
 fn a_furnace_hides_what_absorbs_nothing() {
@@ -249,5 +257,137 @@ fn media_absorb_the_light_within_them() {
     let expected = |absorption: f32| libm::expf(-absorption * (1.0 + 1.5));
     for integrator in BOTH {
         near(&down(integrator, 64, &pool(lamp)), [expected(1.0), expected(0.5), 1.0], 1e-4);
+    }
+}
+
+/// A glowing ball is seen through itself: its far side shines through the near one, and no shadow ray asks for that.
+#[test]
+fn far_sides_of_clear_lamps_shine() {
+    // The ball fills a quarter of what the floor sees, by the cosine.
+    let scene = |material: &str| {
+        format!(
+            r#"objects: {{ "floor": (shape: Plane(), material: Lambertian(color: 1)),
+                "lamp": (shape: Sphere(center: (0, 6, 0), radius: 3),
+                         material: (color: 1, ambient: 0, diffuse: 0, emission: 1, ior: 1, {material})) }}"#
+        )
+    };
+    for integrator in ["Path(roulette: Off)", "Path(roulette: Off, refractive_shadows: true)"] {
+        for material in ["transparency: 0.9", "refraction: 0.9", "transparency: 0.5, refraction: 0.4"] {
+            sends(integrator, 16_384, &scene(material), 0.25 * 1.9, 5e-3);
+        }
+    }
+}
+
+/// Fog that leaves nothing of what is seen does not end a path that light is still to come along.
+#[test]
+fn thick_fog_ends_no_path_that_gathers_light() {
+    let text = format!(
+        r#"(output: (size: (1, 1)), ambient: 0, quality: (integrator: {PATH}, samples: 256, bounces: 8),
+        camera: (position: (0, 0.01, 0), up: (0, 0, -1), projection: Perspective(fov: 0.001)),
+        background: 1, fog: (density: 50, color: 0), objects: {{
+            "floor": (shape: Plane(), material: Lambertian(color: 1)),
+            "pane": (shape: Plane(point: (0, 3, 0)), material: (ambient: 0, diffuse: 0, transparency: 1)) }})"#
+    );
+    near(&shoot_all(&text)[0], [libm::expf(-0.5); 3], 1e-5);
+}
+
+/// What a mirror shows is dimmed by the fog before it and gets its glow, however smooth the mirror is.
+#[test]
+fn fog_lies_before_what_rough_mirrors_show() {
+    let scene = |light: &str, material: &str| {
+        format!(
+            r#"fog: (density: 0.3, color: 0.5), {light} "floor": (shape: Plane(), material: {material}) }}"#
+        )
+    };
+    let shown = |way: f32| 0.5 + 0.5 * libm::expf(-0.3 * way);
+    for (light, expected) in [
+        // Two lengths from the eye to the floor, and three from there to the lamp.
+        (r#"lights: { "l": Sphere(center: (0, 6, 0), radius: 3) }, objects: {"#, shown(5.0)),
+        (
+            r#"objects: { "l": (shape: Sphere(center: (0, 6, 0), radius: 3), material: (emission: 1, color: 1, diffuse: 0)),"#,
+            shown(5.0),
+        ),
+        ("background: Gradient(bottom: 1, top: 1), objects: {", 0.5),
+        ("background: 1, objects: {", 0.5),
+    ] {
+        for material in [
+            "Metal(color: 1)",
+            "Metal(color: 1, fuzz: 0.0007)",
+            "Metal(color: 1, fuzz: 0.0009)",
+            "MetallicRoughness(color: 1, metallic: 1, roughness: 0)",
+            "MetallicRoughness(color: 1, metallic: 1, roughness: 0.009)",
+            "MetallicRoughness(color: 1, metallic: 1, roughness: 0.011)",
+        ] {
+            for integrator in BOTH {
+                // Whitted's integrator only asks for the light of lamps, which finds no narrow reflection.
+                if integrator == PATH || !light.starts_with("lights") {
+                    sends(integrator, 1024, &scene(light, material), expected, 2e-3);
+                }
+            }
+        }
+    }
+}
+
+/// Of the light that is asked for, what rough mirrors reflect is dimmed, what is diffuse or a highlight is not.
+#[test]
+fn fog_dims_the_shine_of_lights_alone() {
+    let seen = |integrator: &str, fog: &str, light: &str, material: &str| {
+        let scene = format!(
+            r#"{fog} lights: {{ "l": {light} }}, objects: {{ "floor": (shape: Plane(), material: {material}) }}"#
+        );
+        down(integrator, 8192, &scene).pixel(0, 0).x
+    };
+    let left = |way: f32| libm::expf(-0.3 * way);
+    let (point, fog) = ("Point(position: (0, 4, 0))", "fog: (density: 0.3, color: 0),");
+    for integrator in BOTH {
+        for (material, expected) in [
+            ("Lambertian()", left(2.0)),
+            ("(ambient: 0, diffuse: 0.2, specular: 0.5)", left(2.0)),
+            ("Metal(fuzz: 0.5)", left(6.0)),
+            ("MetallicRoughness(metallic: 1, roughness: 0.5)", left(6.0)),
+        ] {
+            let share = seen(integrator, fog, point, material) / seen(integrator, "", point, material);
+            assert!((share - expected).abs() <= 1e-4, "{integrator} {material}: {share}, not {expected}");
+        }
+    }
+    // Both kinds of lobes at once, under lamps that are asked for and met.
+    let fog = "fog: (density: 0.3, color: 0.25),";
+    for light in ["Sphere(center: (0, 6, 0), radius: 3, intensity: 2)", point] {
+        for material in [
+            "MetallicRoughness(roughness: 0.3)",
+            "(ambient: 0, diffuse: 0.5, mirror: 0.5, fuzz: 0.4)",
+            "MetallicRoughness(metallic: 0.5, roughness: 0.7)",
+        ] {
+            let [whitted, path] = BOTH.map(|integrator| seen(integrator, fog, light, material));
+            assert!((whitted - path).abs() <= 0.01 * path, "{light} {material}: {whitted} and {path}");
+        }
+    }
+}
+
+/// Mirrors that are as good as sharp are mirrors.
+#[test]
+fn the_slightest_fuzz_darkens_no_mirror() {
+    let lamp = r#"lights: { "l": Sphere(center: (0, 6, 0), radius: 3) }"#;
+    for (integrator, light) in [("Whitted", "background: 1"), (PATH, "background: 1"), (PATH, lamp)] {
+        for fuzz in ["0", "1e-30", "1e-20", "1e-16", "1e-12", "1e-6", "0.0007", "0.0009", "0.01"] {
+            let floor = format!(r#""floor": (shape: Plane(), material: Metal(color: 1, fuzz: {fuzz}))"#);
+            sends(integrator, 256, &format!("{light}, objects: {{ {floor} }}"), 1.0, 1e-3);
+        }
+    }
+}
+
+/// Where smooth normals bend a ray back to the side that it came from, it has not entered what is behind.
+#[test]
+fn rays_that_are_bent_back_have_entered_nothing() {
+    for integrator in BOTH {
+        let text = format!(
+            r#"(output: (size: (1, 1)), ambient: 0, background: 1,
+            quality: (integrator: {integrator}, samples: 16, bounces: 8),
+            camera: (position: (-10, 1, 0), projection: Perspective(fov: 0.001)),
+            objects: {{ "m": (shape: Mesh(vertices: [(-1, 0, -1), (-1, 0, 1), (1, 0, 0)],
+                normals: [(-0.8, 0.6, 0), (-0.8, 0.6, 0), (-0.8, 0.6, 0)], triangles: [(0, 1, 2)]),
+                material: Dielectric(ior: 0.6, fresnel: Off, absorption: 5)) }})"#
+        );
+        near(&shoot_all(&text)[0], [1.0; 3], 1e-5);
     }
 }

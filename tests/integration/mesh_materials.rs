@@ -111,3 +111,33 @@ fn objects_of_one_mesh_share_its_materials() {
     assert_eq!(of(2), MadeOf::Slots { first: 4, count: 3 });
     assert_eq!(sequence.materials.len(), 8);
 }
+
+/// Front and back of a slab of one glass that has two names: what enters by one leaves by the other.
+#[test]
+fn glass_is_left_by_whichever_material() {
+    const SLAB: &str = "mtllib slab.mtl
+v -9 -9 1\nv 9 -9 1\nv 9 9 1\nv -9 9 1\nv -9 -9 -1\nv 9 -9 -1\nv 9 9 -1\nv -9 9 -1
+usemtl front\nf 1 2 3 4
+usemtl back\nf 6 5 8 7
+";
+    const GLASS: &str = "Kd 0 0 0\nKa 0 0 0\nNi 1.5\nd 0\nillum 6\n";
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    fs::write(folder.path().join("slab.obj"), SLAB).expect("a disk");
+    let both = format!("newmtl front\n{GLASS}newmtl back\n{GLASS}");
+    fs::write(folder.path().join("slab.mtl"), both).expect("a disk");
+    // A slab shifts rays, but turns none: the sky behind it is the same.
+    let seen = |objects: &str| {
+        let text = format!(
+            "(output: (size: (1, 1)), quality: (antialias: 1), background: Gradient(),
+            camera: (position: (0, 3, 5)), objects: {{ {objects} }})"
+        );
+        let path = folder.path().join("scene.ron");
+        fs::write(&path, text).expect("a disk");
+        let whitted = load(&path).unwrap_or_else(|error| panic!("{error}"));
+        [whitted.clone(), path_traced(whitted)].map(|scene| shoot(&scene, 0..1).remove(0).pixel(0, 0))
+    };
+    let (without, with) = (seen(""), seen("\"slab\": (shape: Mesh(\"slab.obj\"))"));
+    for (a, b) in without.into_iter().zip(with) {
+        assert!((a - b).abs().max_element() <= 1e-6, "{b} instead of {a}");
+    }
+}

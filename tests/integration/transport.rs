@@ -130,9 +130,13 @@ fn objects_that_shine_light_as_lights_do() {
     // An elliptic disk that is scaled back to a round one: sampled in its own space.
     near(floor("Disk(center: (0, 1, 0), radius: 0.5)", "(2, 2, 2)"), 0.1, 0.0005);
     near(floor("Sphere(center: (0, 2, 0))", one), 0.125, 0.005 * 0.125);
-    // A squashed sphere reaches half as far up: not in closed form, so found by chance alone against by asking.
-    let asked = floor("Sphere(center: (0, 2, 0))", "(1.5, 1, 1)");
-    assert!(asked > 0.125 && asked < 0.25, "{asked}");
+    // A stretched sphere, of half axes a = 1.5, b = 1 (upwards) and c = 1 at distance d = 2. The cone around it cuts
+    // an ellipse of half axes p and q out of the plane at distance 1, p² = a² / (d² - b²) and q² = c² / (d² - b²).
+    // In polar coordinates its form factor is the mean over all angles φ of 1 / (1 + cos²φ / p² + sin²φ / q²), which
+    // is 1 / √((1 + 1 / p²) (1 + 1 / q²)).
+    let (p2, q2) = (1.5 * 1.5 / 3.0, 1.0 / 3.0);
+    let stretched = 0.5 / f64::sqrt((1.0 + 1.0 / p2) * (1.0 + 1.0 / q2));
+    near(floor("Sphere(center: (0, 2, 0))", "(1.5, 1, 1)"), stretched, 0.005 * stretched);
 }
 
 #[test]
@@ -362,4 +366,41 @@ fn moving_things_blur_by_the_time_they_are_there() {
         objects: { \"wall\": (shape: Rectangle(corner: (-0.5, -1, 0), u: (1, 0, 0), v: (0, 2, 0)),
             translation: [(0, (-1, 0, 0)), (1, (1, 0, 0))], material: (ambient: 0, diffuse: 0, emission: 1, color: 1)) })";
     near(f64::from(shoot_all(text)[0].pixel(0, 0).x), 0.5, 0.02);
+}
+
+/// The point of a light may lie on what its shadow rays pass, as far as rounding can tell: they end there all the
+/// same, and what lets everything pass takes nothing away.
+#[test]
+fn shadow_rays_end_at_lights_on_clear_surfaces() {
+    let picture = |integrator: &str, light: &str, sheet: &str| {
+        let text = format!(
+            "(output: (size: (8, 8)), quality: (integrator: {integrator}, samples: 4, bounces: 0), ambient: 0,
+            camera: (position: (0, -5, 8), target: (0, -6, 0), projection: Perspective(fov: 10)), lights: {{ \"l\": {light} }},
+            objects: {{ {sheet} \"floor\": (shape: Plane(point: (0, -6, 0)), material: Lambertian(color: 1)) }})"
+        );
+        shoot_all(&text)[0].film.radiance().map(|pixel| pixel.x).collect::<Vec<_>>()
+    };
+    let sheet = |share: &str, lobe: &str| {
+        format!(
+            "\"sheet\": (shape: Disk(normal: (1, 2, 3), radius: 5),
+            material: (ambient: 0, diffuse: 0, ior: 1, {lobe}: {share})),"
+        )
+    };
+    // Both lie in the disk's plane.
+    let lights =
+        ["Point(position: (3, 0, -1))", "Rectangle(corner: (-1, -1, 1), u: (2, -1, 0), v: (0, 1.5, -1))"];
+    for integrator in ["Whitted", "Path", "Path(refractive_shadows: true)"] {
+        for light in lights {
+            let free = picture(integrator, light, "");
+            assert!(free.iter().all(|share| *share > 0.0));
+            for (clear, dim) in free.iter().zip(picture(integrator, light, &sheet("1", "transparency"))) {
+                assert!((dim - clear).abs() <= 1e-5, "{integrator}, {light}: {dim}, not {clear}");
+            }
+            // Whether a surface lies before a light on it, only rounding says.
+            for (clear, dim) in free.iter().zip(picture(integrator, light, &sheet("0.9", "transparency"))) {
+                assert!(dim <= clear * 1.00001 && dim >= clear * 0.89999, "{dim} of {clear}");
+            }
+            picture(integrator, light, &sheet("1", "refraction"));
+        }
+    }
 }
