@@ -59,26 +59,28 @@ impl Bvh {
     }
 
     /// The nearest primitive along the ray beyond t = 0; of equally near ones the first in the file.
+    #[inline(always)]
     pub fn closest(&self, geometry: &Geometry, probe: &Probe) -> Option<Hit> {
         self.closest_before(geometry, probe, f64::INFINITY)
     }
 
     /// [`Bvh::closest`] among what lies before `t_max`.
+    // Inlined, so that a ray just made is still in registers when the tree's space is entered: reading it back from
+    // where it was written has to wait.
+    #[inline(always)]
     pub fn closest_before(&self, geometry: &Geometry, probe: &Probe, t_max: f64) -> Option<Hit> {
         let mut nearest = Nearest { bvh: self, geometry, probe, t_max, hit: None };
+        self.tree.walk(probe, t_max, &mut nearest);
         nearest.test(&self.unbounded);
-        self.tree.walk(probe, nearest.t(), &mut nearest);
         nearest.hit
     }
 
     /// Whether anything lies on the ray in 0 < t < `t_max`.
+    #[inline(always)]
     pub fn occluded(&self, geometry: &Geometry, probe: &Probe, t_max: f64) -> bool {
         let mut any = Any { bvh: self, geometry, probe, t_max, found: false };
-        if any.test(&self.unbounded) {
-            return true;
-        }
         self.tree.walk(probe, t_max, &mut any);
-        any.found
+        any.found || any.test(&self.unbounded)
     }
 }
 

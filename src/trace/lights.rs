@@ -44,6 +44,7 @@ impl Arrival {
     }
 
     /// The ray from a surface to where the light comes from, and the t before which nothing may stand.
+    #[inline]
     pub fn shadow_ray(&self, surface: &Surface) -> (Ray, f64) {
         match &self.from {
             Origin::Point(point) => (spawn_to(surface, *point), 1.0),

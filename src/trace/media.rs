@@ -53,6 +53,17 @@ impl Boundary {
     }
 }
 
+impl Boundary {
+    /// The share of light that is reflected where it goes straight on, as shadow rays do. Between two boundaries of a
+    /// thing that is so thin or so large that it hardly shifts light, the way outside is the straight one, and inside it
+    /// is bent: the angle is that on the side of the lower index, from where no light is reflected totally.
+    pub fn straight(&self, fresnel: Fresnel, direction: DVec3, normal: DVec3) -> f64 {
+        let eta = (self.behind.ior / self.before.ior).max(self.before.ior / self.behind.ior);
+        let bent = refract(direction, normal, eta);
+        bent.map_or(0.0, |(_, cosine)| fresnel.reflectance(-direction.dot(normal), cosine, eta))
+    }
+}
+
 impl Media {
     /// The medium around the ray.
     pub fn here(&self, materials: &[Material]) -> Medium {

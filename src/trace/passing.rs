@@ -101,8 +101,8 @@ impl Tracer<'_> {
         if !self.refractive_shadows {
             return (unbent, boundary.passed);
         }
-        let bent = boundary.meet(face.material.fresnel, arrival.direction, face.surface.normal);
-        let passes = bent.map_or(0.0, |bent| 1.0 - bent.reflected) as f32;
+        let reflected = boundary.straight(face.material.fresnel, arrival.direction, face.surface.normal);
+        let passes = 1.0 - reflected as f32;
         (Passing { whole: transparency + refraction * passes, ..unbent }, boundary.passed)
     }
 

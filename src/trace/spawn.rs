@@ -7,6 +7,7 @@ use crate::shape::Surface;
 /// A ray from a surface that cannot meet it again where it starts: its origin is moved along the normal, to
 /// the side that the direction leads to, past everything that rounding may have done to the point, and each
 /// coordinate is rounded away from it (Pharr, Jakob, Humphreys, *Physically Based Rendering*, section 6.8.6).
+#[inline]
 pub fn spawn(surface: &Surface, direction: DVec3) -> Ray {
     let reach = surface.normal.abs().dot(surface.error);
     let side = if direction.dot(surface.normal) < 0.0 { -surface.normal } else { surface.normal };
@@ -17,12 +18,14 @@ pub fn spawn(surface: &Surface, direction: DVec3) -> Ray {
 }
 
 /// The ray from a surface to a point: it reaches the point at t = 1.
+#[inline]
 pub fn spawn_to(surface: &Surface, target: DVec3) -> Ray {
     let origin = spawn(surface, target - surface.point).origin;
     Ray { origin, direction: target - origin }
 }
 
 /// The ray from a surface to another one, which it has not met yet at t = 1.
+#[inline]
 pub fn spawn_between(surface: &Surface, target: &Surface) -> Ray {
     spawn_to(surface, spawn(target, surface.point - target.point).origin)
 }

@@ -16,7 +16,7 @@ pub struct Probe {
 }
 
 impl Probe {
-    #[inline]
+    #[inline(always)]
     pub fn new(ray: Ray) -> Self {
         let d = ray.direction;
         let a = d.abs();

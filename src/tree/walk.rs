@@ -19,7 +19,7 @@ const STACK: usize = 48;
 
 impl Tree {
     /// Visits every leaf that the ray may meet before `t_max`.
-    #[inline]
+    #[inline(always)]
     pub fn walk(&self, probe: &Probe, t_max: f64, leaves: &mut impl Leaves) {
         if self.root == Child::NONE {
             return;

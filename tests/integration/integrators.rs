@@ -391,3 +391,22 @@ fn rays_that_are_bent_back_have_entered_nothing() {
         near(&shoot_all(&text)[0], [1.0; 3], 1e-5);
     }
 }
+
+/// What light loses in a pane of glass depends on the angle outside, and none is reflected totally.
+#[test]
+fn panes_shade_by_the_angle_of_the_light() {
+    for (sun, share) in [("(0, -1, 0)", 0.9216), ("(1, -1, 0)", 0.9025), ("(1.7320508, -1, 0)", 0.8301)] {
+        let scene = |pane: &str| {
+            format!(
+                r#"lights: {{ "sun": Directional(direction: {sun}) }}, objects: {{ {pane}
+                    "floor": (shape: Plane(), material: Lambertian(color: 0.01)) }}"#
+            )
+        };
+        let pane = r#""pane": (shape: Box(min: (-50, 6, -50), max: (50, 6.1, 50)), material: Dielectric()),"#;
+        for integrator in ["Whitted", "Path(refractive_shadows: true)"] {
+            let seen = |pane: &str| down(integrator, 16, &scene(pane)).pixel(0, 0).x;
+            let found = seen(pane) / seen("");
+            assert!((found - share).abs() < 1e-3, "{integrator} {sun}: {found} instead of {share}");
+        }
+    }
+}
