@@ -5,7 +5,8 @@
 #[cfg(test)]
 mod tests;
 
-use crate::scene::Geometry;
+use crate::math::UNIT_ROUNDOFF;
+use crate::scene::{Finish, Geometry};
 use crate::shape::Crossing;
 use crate::simd::Lanes;
 use crate::tree::{Leaves, Probe, Slabs, Tree};
@@ -69,7 +70,15 @@ impl Bvh {
     // where it was written has to wait.
     #[inline(always)]
     pub fn closest_before(&self, geometry: &Geometry, probe: &Probe, t_max: f64) -> Option<Hit> {
-        let mut nearest = Nearest { bvh: self, geometry, probe, t_max, hit: None };
+        let mut nearest = Nearest { bvh: self, geometry, probe, t_max, but: &[], hit: None };
+        self.tree.walk(probe, t_max, &mut nearest);
+        nearest.test(&self.unbounded);
+        nearest.hit
+    }
+
+    /// [`Bvh::closest_before`] of all primitives but some.
+    pub fn closest_but(&self, geometry: &Geometry, probe: &Probe, t_max: f64, but: &[u32]) -> Option<Hit> {
+        let mut nearest = Nearest { bvh: self, geometry, probe, t_max, but, hit: None };
         self.tree.walk(probe, t_max, &mut nearest);
         nearest.test(&self.unbounded);
         nearest.hit
@@ -84,11 +93,17 @@ impl Bvh {
     }
 }
 
+/// The share of its distance by which a surface may lie before or behind another one that it is set into, a hundred
+/// times what rounding does.
+const FLUSH: f64 = 256.0 * UNIT_ROUNDOFF;
+
 struct Nearest<'a> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
     probe: &'a Probe,
     t_max: f64,
+    /// Primitives that do not count.
+    but: &'a [u32],
     hit: Option<Hit>,
 }
 
@@ -132,12 +147,27 @@ impl Nearest<'_> {
         self.hit.map_or(self.t_max, |hit| hit.at.t)
     }
 
+    /// By what hits are compared: t, but lights come before what they are set into.
+    fn rank(&self, t: f64, primitive: u32) -> f64 {
+        match self.geometry.primitives[primitive as usize].finish {
+            Finish::Light(_) => t * (1.0 - FLUSH),
+            Finish::Material(_) => t,
+        }
+    }
+
     fn test(&mut self, leaf: &[u32]) {
         for &index in leaf {
-            // One number beyond the best, so that an equally near hit is found and the indices decide.
-            let limit = self.hit.map_or(self.t_max, |best| best.at.t.next_up());
-            let Some(at) = self.geometry.primitives[index as usize].hit(self.probe, limit) else { continue };
-            let better = self.hit.is_none_or(|best| at.t < best.at.t || index < best.primitive);
+            if self.but.contains(&index) {
+                continue;
+            }
+            // A little beyond the best, so that an equally near hit is found and the indices decide.
+            let limit = self.hit.map_or(self.t_max, |best| best.at.t + best.at.t * FLUSH);
+            let primitive = &self.geometry.primitives[index as usize];
+            let Some(at) = primitive.hit(self.probe, limit.min(self.t_max)) else { continue };
+            let better = self.hit.is_none_or(|best| {
+                let (a, b) = (self.rank(at.t, index), self.rank(best.at.t, best.primitive));
+                a < b || a == b && index < best.primitive
+            });
             if better {
                 self.hit = Some(Hit { at, primitive: index });
             }

@@ -1,5 +1,6 @@
 //! Scene → Film: rays in parallel, sums in one fixed order.
 
+mod coincident;
 mod lights;
 mod luminaires;
 mod media;

@@ -1,5 +1,6 @@
 //! Shadow rays: how much of a light arrives in spite of what stands in the way.
 
+use super::coincident::Crossed;
 use super::lights::{Arrival, Origin};
 use super::media::Media;
 use super::tracer::{Face, Met, Tracer, Work};
@@ -69,7 +70,18 @@ impl Tracer<'_> {
         work: &mut Work,
     ) -> Passing {
         let mut share = Passing::all_or_nothing(false);
+        let mut crossed: Option<Crossed> = None;
         for _ in 0..=PASSED {
+            if let Some(Met::Surface(face)) = self.lying_in(crossed.as_ref()) {
+                let (passes, beyond) = self.straight_through(&face, arrival, media);
+                share.dim(passes.whole, passes.unbent);
+                media = beyond;
+                if share.whole == Rgb::ZERO {
+                    return share;
+                }
+                crossed = Some(face.crossed(crossed, arrival.direction));
+                continue;
+            }
             let hit = self.bvh.closest_before(self.scene.geometry, &Probe::new(ray), t_max);
             let length = ray.direction.length() * hit.map_or(t_max, |hit| hit.at.t);
             if self.media {
@@ -83,6 +95,7 @@ impl Tracer<'_> {
             if share.whole == Rgb::ZERO {
                 return share;
             }
+            crossed = Some(face.crossed(None, arrival.direction));
             let Some(rest) = arrival.beyond(&face.surface) else { return share };
             (ray, t_max) = rest;
             work.counts.rays.shadow += 1;

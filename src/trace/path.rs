@@ -6,6 +6,7 @@
 //! highlights show no more than what is asked. Mirrors, boundaries and what is transparent are followed as they
 //! are; shadow rays pass what is transparent and, if the settings say so, what refracts.
 
+use super::coincident::Crossed;
 use super::lights::seen;
 use super::luminaires::Luminaires;
 use super::media::Media;
@@ -31,6 +32,8 @@ struct Path {
     ray: Ray,
     throughput: Throughput,
     media: Media,
+    /// What the ray has just passed.
+    crossed: Option<Crossed>,
     /// Bounces that are left.
     left: u32,
     /// Where the direction was drawn, and with which density per solid angle; none where there was no choice.
@@ -52,6 +55,7 @@ impl<'a> Paths<'a> {
             ray,
             throughput: Throughput::showing(Rgb::ONE),
             media: Media::default(),
+            crossed: None,
             left: tracer.quality.bounces,
             drawn: None,
             asked: None,
@@ -64,8 +68,12 @@ impl<'a> Paths<'a> {
 
     /// Goes on to the next surface and from there; false at the path's end.
     fn step(&self, tracer: &Tracer, path: &mut Path, dice: Dice, work: &mut Work) -> bool {
-        let (met, way) = tracer.advance(&path.ray, &path.media, &path.throughput, work);
-        path.throughput.go(way);
+        let met = tracer.lying_in(path.crossed.as_ref()).unwrap_or_else(|| {
+            path.crossed = None;
+            let (met, way) = tracer.advance(&path.ray, &path.media, &path.throughput, work);
+            path.throughput.go(way);
+            met
+        });
         match met {
             Met::Nothing => {
                 let weight =
@@ -97,6 +105,7 @@ impl<'a> Paths<'a> {
     fn at_surface(&self, tracer: &Tracer, path: &mut Path, face: &Face, dice: Dice, work: &mut Work) -> bool {
         let boundary = tracer.boundary(face, &path.media);
         if let Some(boundary) = boundary.filter(|boundary| boundary.hidden) {
+            path.crossed = Some(face.crossed(path.crossed, path.ray.direction));
             path.ray = Tracer::straight_on(face, &path.ray);
             path.media = boundary.passed;
             return true;
@@ -151,6 +160,10 @@ impl<'a> Paths<'a> {
         if path.throughput.shining() == Rgb::ZERO {
             return false;
         }
+        path.crossed = match next.kind {
+            Kind::Unbent | Kind::Bent => Some(face.crossed(path.crossed, next.direction)),
+            Kind::Mirrored | Kind::Scattered => None,
+        };
         path.ray = spawn(&face.surface, next.direction);
         path.media = next.media.unwrap_or(path.media);
         match next.kind {

@@ -1,5 +1,6 @@
 //! What both integrators share: the frame's scene with all that is constant resolved, and one sample's state.
 
+use super::coincident::Crossed;
 use super::media::{Boundary, Enclosure, Media};
 use super::shade::Seen;
 use super::spawn::spawn;
@@ -88,6 +89,11 @@ pub struct Face<'a> {
 }
 
 impl Face<'_> {
+    /// The place where a ray passes the surface in a direction; `before` is what it has passed last.
+    pub fn crossed(&self, before: Option<Crossed>, direction: DVec3) -> Crossed {
+        Crossed::new(before, self.hit.primitive, &self.surface, direction)
+    }
+
     pub fn seen(&self, ray: &Ray) -> Seen<'_> {
         let Self { material, lobes, surface, .. } = self;
         Seen { material, lobes, surface, to_eye: -ray.direction }

@@ -2,6 +2,7 @@
 //! show and what lies behind the transparent (Whitted 1980). Rays branch; nothing is left to chance but where
 //! a lens, an area light, a rough surface or motion has to be sampled.
 
+use super::coincident::Crossed;
 use super::lights::{arrival, seen};
 use super::media::{Boundary, Media};
 use super::spawn::spawn;
@@ -24,12 +25,15 @@ pub struct Pending {
     /// Whether area lights count where the ray meets them. Those that the surface it comes from has sampled
     /// already do not.
     sees_lights: bool,
+    /// What the ray has just passed.
+    crossed: Option<Crossed>,
 }
 
 /// Adds what is seen along a camera's ray to `work`.
 pub fn follow(tracer: &Tracer, ray: Ray, mut dice: Dice, work: &mut Work) {
     let (throughput, left) = (Rgb::ONE, tracer.quality.bounces);
-    let mut next = Some(Pending { ray, throughput, left, media: Media::default(), sees_lights: true });
+    let mut next =
+        Some(Pending { ray, throughput, left, media: Media::default(), sees_lights: true, crossed: None });
     while let Some(pending) = next.take() {
         step(tracer, pending, &mut dice, work);
         next = work.pending.pop();
@@ -39,8 +43,13 @@ pub fn follow(tracer: &Tracer, ray: Ray, mut dice: Dice, work: &mut Work) {
 /// Follows one ray to where it ends, and puts off those that start there.
 fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
     let Pending { ray, mut throughput, ref media, sees_lights, .. } = pending;
-    let (met, way) = tracer.advance(&ray, media, &Throughput::showing(throughput), work);
-    throughput *= way.passed * way.clear;
+    let lying = tracer.lying_in(pending.crossed.as_ref());
+    let crossed = pending.crossed.filter(|_| lying.is_some());
+    let met = lying.unwrap_or_else(|| {
+        let (met, way) = tracer.advance(&ray, media, &Throughput::showing(throughput), work);
+        throughput *= way.passed * way.clear;
+        met
+    });
     let face = match met {
         Met::Nothing => return tracer.add_sky(&ray, throughput, work),
         Met::Light { index, outside, .. } => {
@@ -55,7 +64,8 @@ fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
     let surface = dice.surface;
     dice.surface += 1;
     let boundary = tracer.boundary(&face, media);
-    let branch = Branch { tracer, pending: &pending, face: &face, boundary: boundary.as_ref(), throughput };
+    let branch =
+        Branch { tracer, pending: &pending, face: &face, boundary: boundary.as_ref(), crossed, throughput };
     if branch.hidden(work) {
         return;
     }
@@ -75,6 +85,8 @@ struct Branch<'a, 't> {
     face: &'t Face<'a>,
     /// If it refracts.
     boundary: Option<&'t Boundary>,
+    /// What its ray has passed in the same place.
+    crossed: Option<Crossed>,
     throughput: Rgb,
 }
 
@@ -104,13 +116,21 @@ impl Branch<'_, '_> {
     }
 
     /// Puts off a ray that takes one of the bounces that are left, if it matters.
-    fn bounce(&self, ray: Ray, share: Rgb, media: Media, sees_lights: bool, work: &mut Work) -> bool {
+    fn bounce(
+        &self,
+        ray: Ray,
+        share: Rgb,
+        media: Media,
+        sees_lights: bool,
+        crossed: Option<Crossed>,
+        work: &mut Work,
+    ) -> bool {
         let throughput = self.throughput * share;
         let Some(left) = self.pending.left.checked_sub(1) else { return false };
         if share == Rgb::ZERO || throughput.max_element() < self.tracer.quality.threshold {
             return false;
         }
-        work.pending.push(Pending { ray, throughput, left, media, sees_lights });
+        work.pending.push(Pending { ray, throughput, left, media, sees_lights, crossed });
         true
     }
 
@@ -157,7 +177,8 @@ impl Branch<'_, '_> {
     fn reflect(&self, direction: DVec3, share: Rgb, sees_lights: bool, work: &mut Work) {
         let surface = &self.face.surface;
         let above = direction.dot(surface.normal) > 0.0;
-        if above && self.bounce(spawn(surface, direction), share, self.pending.media, sees_lights, work) {
+        if above && self.bounce(spawn(surface, direction), share, self.pending.media, sees_lights, None, work)
+        {
             work.counts.rays.mirror += 1;
         }
     }
@@ -167,7 +188,8 @@ impl Branch<'_, '_> {
         let Some(boundary) = self.boundary.filter(|boundary| boundary.hidden) else { return false };
         let ray = Tracer::straight_on(self.face, &self.pending.ray);
         let (throughput, media) = (self.throughput, boundary.passed);
-        work.pending.push(Pending { ray, throughput, media, ..*self.pending });
+        let crossed = self.passed(self.pending.ray.direction);
+        work.pending.push(Pending { ray, throughput, media, crossed, ..*self.pending });
         true
     }
 
@@ -180,7 +202,13 @@ impl Branch<'_, '_> {
         work.counts.rays.transmitted += 1;
         let ray = Tracer::straight_on(self.face, &self.pending.ray);
         let media = self.boundary.map_or(self.pending.media, |boundary| boundary.passed);
-        work.pending.push(Pending { ray, throughput, media, ..*self.pending });
+        let crossed = self.passed(self.pending.ray.direction);
+        work.pending.push(Pending { ray, throughput, media, crossed, ..*self.pending });
+    }
+
+    /// The place that a ray in a direction has passed.
+    fn passed(&self, direction: DVec3) -> Option<Crossed> {
+        Some(self.face.crossed(self.crossed, direction))
     }
 
     fn refracted(&self, work: &mut Work) {
@@ -196,7 +224,8 @@ impl Branch<'_, '_> {
         let media = if seen.passes(bent.direction) { boundary.passed } else { self.pending.media };
         // Shadow rays pass here too, so that what they have found must not count again.
         let sees_lights = self.pending.sees_lights;
-        if self.bounce(ray, share * (1.0 - reflected), media, sees_lights, work) {
+        let crossed = self.passed(bent.direction);
+        if self.bounce(ray, share * (1.0 - reflected), media, sees_lights, crossed, work) {
             work.counts.rays.transmitted += 1;
         }
         // A boundary reflects all colours alike, whatever colour it lets pass.

@@ -14,6 +14,7 @@ mod files;
 mod animation;
 mod background;
 mod counters;
+mod coincident;
 mod determinism;
 mod golden;
 mod integrators;

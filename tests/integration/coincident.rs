@@ -1,0 +1,115 @@
+//! Surfaces that lie in one, as they do where things stand on, touch or are set into others: none is overlooked,
+//! whichever the file names first.
+
+use crate::support::shoot_all;
+use kinora::color::Rgb;
+
+const BOTH: [&str; 2] = ["Whitted", "Path(roulette: Off)"];
+
+/// What is seen from (0.1, 5, 0.2) straight down, of two objects in either order.
+#[track_caller]
+fn both_ways(fields: &str, objects: [&str; 2], expected: [f32; 3], tolerance: f32) {
+    let [a, b] = objects;
+    for (integrator, objects) in BOTH.iter().flat_map(|i| [(i, [a, b]), (i, [b, a])]) {
+        let text = format!(
+            r#"(output: (size: (1, 1)), quality: (integrator: {integrator}, samples: 4096, bounces: 40, antialias: 1),
+            camera: (position: (0.1, 5, 0.2), target: (0.1, 0, 0.2), up: (0, 0, -1), projection: Perspective(fov: 0.001)),
+            {fields}, objects: {{ "one": ({}), "two": ({}) }})"#,
+            objects[0], objects[1]
+        );
+        let found = shoot_all(&text)[0].pixel(0, 0);
+        assert!(
+            (found - Rgb::from_array(expected)).abs().max_element() <= tolerance,
+            "{integrator} {objects:?}: {found}"
+        );
+    }
+}
+
+const CLEAR: &str = "material: (ambient: 0, diffuse: 0, transparency: 0.5)";
+
+#[test]
+fn what_stands_on_a_floor_hides_it_no_more_than_it_should() {
+    let floor = "shape: Plane(), material: (ambient: 0, diffuse: 0, emission: 1, color: 1)";
+    for shape in [
+        "Cylinder(from: (0, 0, 0), to: (0, 1, 0))",
+        "Box(min: (-1, 0, -1), max: (1, 1, 1))",
+        "Cone(base: (0, 0, 0), apex: (0, 1, 0))",
+    ] {
+        // Its upper side halves the light. The lower one, in the floor, is met first or not at all.
+        let glass = format!("shape: {shape}, {CLEAR}");
+        for order in [[&glass[..], floor], [floor, &glass]] {
+            let text = |integrator| {
+                format!(
+                    r#"(output: (size: (1, 1)), quality: (integrator: {integrator}, samples: 4096, antialias: 1),
+                    camera: (position: (0.1, 5, 0.2), target: (0.1, 0, 0.2), up: (0, 0, -1)),
+                    objects: {{ "one": ({}), "two": ({}) }})"#,
+                    order[0], order[1]
+                )
+            };
+            for integrator in BOTH {
+                let found = shoot_all(&text(integrator))[0].pixel(0, 0).x;
+                let near = |share: f32| (found - share).abs() < 0.03;
+                assert!(near(0.5) || near(0.25), "{integrator} {shape}: {found}");
+            }
+        }
+    }
+}
+
+#[test]
+fn light_passes_slabs_face_to_face() {
+    let slab = |low: f64, high: f64| {
+        format!(
+            "shape: Box(min: (-9, {low:?}, -9), max: (9, {high:?}, 9)),
+            material: (ambient: 0, diffuse: 0, refraction: 1, ior: 1.5, absorption: 0.2)"
+        )
+    };
+    let (upper, lower) = (slab(1.0, 2.0), slab(0.0, 1.0));
+    let left = libm::expf(-0.4);
+    both_ways("background: 1", [&upper, &lower], [left; 3], 1e-5);
+    let clear = |low: f64, high: f64| {
+        format!(
+            "shape: Box(min: (-9, {low:?}, -9), max: (9, {high:?}, 9)), material: (ambient: 0, diffuse: 0, transparency: 0.9)"
+        )
+    };
+    both_ways("background: 1", [&clear(1.0, 2.0), &clear(0.0, 1.0)], [0.6561; 3], 1e-5);
+}
+
+#[test]
+fn sheets_in_one_plane_cast_their_shadows_together() {
+    let opaque = "shape: Rectangle(corner: (-9, 2, -9), u: (18, 0, 0), v: (0, 0, 18))";
+    let veil = format!("{opaque}, {CLEAR}");
+    let fields = r#"lights: { "sun": Directional(direction: (-0.1, -1, 0)) },
+        background: 0, cameras: { "low": (position: (0.1, 1, 0.2), target: (0.1, 0, 0.2), up: (0, 0, -1)) },
+        materials: {}"#;
+    for order in [[opaque, &veil], [&veil, opaque]] {
+        let text = format!(
+            r#"(output: (size: (1, 1)), ambient: 0, quality: (antialias: 1), {fields},
+            objects: {{ "one": ({}), "two": ({}), "floor": (shape: Plane()) }})"#,
+            order[0], order[1]
+        );
+        assert_eq!(shoot_all(&text)[0].pixel(0, 0), Rgb::ZERO, "{order:?}");
+    }
+}
+
+/// The light of a panel in a ceiling is the same as that of one a little below.
+#[test]
+fn panels_shine_from_within_a_ceiling() {
+    let lit = |height: f64| {
+        format!(
+            r#"lights: {{ "panel": Rectangle(corner: (-1, {height:?}, -1), u: (2, 0, 0), v: (0, 0, 2)) }}, ambient: 0"#
+        )
+    };
+    let seen = |fields: &str, integrator: &str| {
+        let text = format!(
+            r#"(output: (size: (1, 1)), quality: (integrator: {integrator}, samples: 4096, bounces: 1, antialias: 1),
+            camera: (position: (0.1, 1, 0.2), target: (0.1, 0, 0.2), up: (0, 0, -1), projection: Perspective(fov: 0.001)),
+            {fields}, objects: {{ "ceiling": (shape: Plane(point: (0, 4, 0)), material: Lambertian(color: 0)),
+                                  "floor": (shape: Plane(), material: Lambertian(color: 1)) }})"#
+        );
+        shoot_all(&text)[0].pixel(0, 0).x
+    };
+    for integrator in BOTH {
+        let (flush, below) = (seen(&lit(4.0), integrator), seen(&lit(3.999), integrator));
+        assert!((flush / below - 1.0).abs() < 0.01, "{integrator}: {flush} and {below}");
+    }
+}
