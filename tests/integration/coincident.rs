@@ -41,7 +41,8 @@ fn what_stands_on_a_floor_hides_it_no_more_than_it_should() {
             let text = |integrator| {
                 format!(
                     r#"(output: (size: (1, 1)), quality: (integrator: {integrator}, samples: 4096, antialias: 1),
-                    camera: (position: (0.1, 5, 0.2), target: (0.1, 0, 0.2), up: (0, 0, -1)),
+                    camera: (position: (0.1, 5, 0.2), target: (0.1, 0, 0.2), up: (0, 0, -1),
+                             projection: Perspective(fov: 0.001)),
                     objects: {{ "one": ({}), "two": ({}) }})"#,
                     order[0], order[1]
                 )
