@@ -7,7 +7,7 @@ mod tests;
 
 use crate::math::UNIT_ROUNDOFF;
 use crate::scene::{Finish, Geometry};
-use crate::shape::Crossing;
+use crate::shape::{Crossing, Geometric, Plane, Shape};
 use crate::simd::Lanes;
 use crate::tree::{Leaves, Probe, Slabs, Tree};
 
@@ -18,7 +18,10 @@ pub struct Bvh {
     /// Indices of the primitives of each leaf, one leaf after the other, and where each leaf's begin.
     primitives: Vec<u32>,
     begins: Vec<u32>,
-    /// Indices of infinite primitives.
+    /// Infinite primitives with their indices. They are here as they are, so that their tests are inlined where the ray
+    /// is still in registers.
+    planes: Vec<(u32, Plane)>,
+    /// Indices of others without a box.
     unbounded: Vec<u32>,
 }
 
@@ -33,18 +36,22 @@ pub struct Hit {
 impl Bvh {
     /// A tree over `geometry`. The same geometry gives the same tree.
     pub fn build(geometry: &Geometry) -> Self {
-        let (mut bounded, mut boxes, mut unbounded) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut bounded, mut boxes) = (Vec::new(), Vec::new());
+        let (mut planes, mut unbounded) = (Vec::new(), Vec::new());
         for (index, primitive) in (0..).zip(&geometry.primitives) {
             match primitive.bounds() {
                 Some(bounds) => {
                     bounded.push(index);
                     boxes.push(bounds);
                 }
-                None => unbounded.push(index),
+                None => match (&primitive.shape, &primitive.placement) {
+                    (Shape::Plane(plane), None) => planes.push((index, *plane)),
+                    _ => unbounded.push(index),
+                },
             }
         }
         let (tree, leaves) = Tree::of_boxes(&boxes);
-        let mut bvh = Self { tree, primitives: Vec::new(), begins: vec![0], unbounded };
+        let mut bvh = Self { tree, primitives: Vec::new(), begins: vec![0], planes, unbounded };
         for leaf in leaves {
             bvh.primitives.extend(leaf.into_iter().map(|thing| bounded[thing as usize]));
             bvh.begins.push(bvh.primitives.len() as u32);
@@ -71,16 +78,16 @@ impl Bvh {
     #[inline(always)]
     pub fn closest_before(&self, geometry: &Geometry, probe: &Probe, t_max: f64) -> Option<Hit> {
         let mut nearest = Nearest { bvh: self, geometry, probe, t_max, but: &[], hit: None };
-        self.tree.walk(probe, t_max, &mut nearest);
-        nearest.test(&self.unbounded);
+        nearest.test_unbounded();
+        self.tree.walk(probe, nearest.t(), &mut nearest);
         nearest.hit
     }
 
     /// [`Bvh::closest_before`] of all primitives but some.
     pub fn closest_but(&self, geometry: &Geometry, probe: &Probe, t_max: f64, but: &[u32]) -> Option<Hit> {
         let mut nearest = Nearest { bvh: self, geometry, probe, t_max, but, hit: None };
-        self.tree.walk(probe, t_max, &mut nearest);
-        nearest.test(&self.unbounded);
+        nearest.test_unbounded();
+        self.tree.walk(probe, nearest.t(), &mut nearest);
         nearest.hit
     }
 
@@ -88,6 +95,9 @@ impl Bvh {
     #[inline(always)]
     pub fn occluded(&self, geometry: &Geometry, probe: &Probe, t_max: f64) -> bool {
         let mut any = Any { bvh: self, geometry, probe, t_max, found: false };
+        if self.planes.iter().any(|(_, plane)| plane.hit(probe, t_max).is_some()) {
+            return true;
+        }
         self.tree.walk(probe, t_max, &mut any);
         any.found || any.test(&self.unbounded)
     }
@@ -157,20 +167,35 @@ impl Nearest<'_> {
 
     fn test(&mut self, leaf: &[u32]) {
         for &index in leaf {
-            if self.but.contains(&index) {
-                continue;
-            }
-            // A little beyond the best, so that an equally near hit is found and the indices decide.
-            let limit = self.hit.map_or(self.t_max, |best| best.at.t + best.at.t * FLUSH);
             let primitive = &self.geometry.primitives[index as usize];
-            let Some(at) = primitive.hit(self.probe, limit.min(self.t_max)) else { continue };
-            let better = self.hit.is_none_or(|best| {
-                let (a, b) = (self.rank(at.t, index), self.rank(best.at.t, best.primitive));
-                a < b || a == b && index < best.primitive
-            });
-            if better {
-                self.hit = Some(Hit { at, primitive: index });
-            }
+            self.consider(index, |limit| primitive.hit(self.probe, limit));
+        }
+    }
+
+    #[inline(always)]
+    fn test_unbounded(&mut self) {
+        let (bvh, probe) = (self.bvh, self.probe);
+        for (index, plane) in &bvh.planes {
+            self.consider(*index, |limit| plane.hit(probe, limit));
+        }
+        self.test(&bvh.unbounded);
+    }
+
+    /// Takes a primitive's hit before a limit if it is better than what there is.
+    #[inline(always)]
+    fn consider(&mut self, index: u32, hit: impl FnOnce(f64) -> Option<Crossing>) {
+        if self.but.contains(&index) {
+            return;
+        }
+        // A little beyond the best, so that an equally near hit is found and the indices decide.
+        let limit = self.hit.map_or(self.t_max, |best| best.at.t + best.at.t * FLUSH);
+        let Some(at) = hit(limit.min(self.t_max)) else { return };
+        let better = self.hit.is_none_or(|best| {
+            let (a, b) = (self.rank(at.t, index), self.rank(best.at.t, best.primitive));
+            a < b || a == b && index < best.primitive
+        });
+        if better {
+            self.hit = Some(Hit { at, primitive: index });
         }
     }
 }
