@@ -30,7 +30,7 @@ fn read(path: &Path, name: &str, meter: &LoadMeter) -> Result<Parts, MeshError> 
     meter.start(format!("loading {name}"), size);
     let input = BufReader::with_capacity(BLOCK, Metered { input: file.take(size), meter });
     match format {
-        Format::Ply => ply::read(input),
+        Format::Ply => ply::read_sized(input, size),
         Format::Obj => {
             let folder = path.parent().unwrap_or(Path::new(""));
             let libraries = Libraries { folder, read: RefCell::default() };
