@@ -17,7 +17,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Render a sequence into PNG or EXR frames and GIFs.
+/// Render a sequence into PNG, PPM or EXR frames and GIFs.
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {

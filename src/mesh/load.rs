@@ -30,13 +30,13 @@ fn read(path: &Path, name: &str, meter: &LoadMeter) -> Result<Parts, MeshError> 
     meter.start(format!("loading {name}"), size);
     let input = BufReader::with_capacity(BLOCK, Metered { input: file.take(size), meter });
     match format {
-        Format::Ply => ply::read(input),
+        Format::Ply => ply::read_sized(input, size),
         Format::Obj => {
             let folder = path.parent().unwrap_or(Path::new(""));
             let libraries = Libraries { folder, read: RefCell::default() };
             let mut parts = obj::read(input, &|library| libraries.read(library))?;
-            for name in parts.materials.iter_mut().filter_map(|material| material.diffuse_map.as_mut()) {
-                *name = folder.join(&name).to_string_lossy().into_owned();
+            for map in parts.materials.iter_mut().filter_map(|material| material.diffuse_map.as_mut()) {
+                map.file = folder.join(&map.file).to_string_lossy().into_owned();
             }
             Ok(parts)
         }

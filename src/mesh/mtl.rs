@@ -3,6 +3,7 @@
 use super::MeshError;
 use super::lines::{Lines, numbers, parsed, split_word, unlike, words};
 use crate::color::Rgb;
+use crate::math::DVec2;
 use std::io::BufRead;
 
 /// A material of an OBJ file: the raw values of its MTL file, and nothing where the file says nothing.
@@ -22,10 +23,38 @@ pub struct MtlMaterial {
     pub opacity: Option<f32>,
     /// `illum`: the number of a model of illumination.
     pub model: Option<u32>,
-    /// `map_Kd`: the image that the diffuse reflectance is multiplied with. As the file names it, with `/` between
-    /// folders; [`load`](super::load) puts the folder of the mesh before it.
-    pub diffuse_map: Option<String>,
+    /// `map_Kd`: the image that the diffuse reflectance is multiplied with.
+    pub diffuse_map: Option<Map>,
+    /// What the file says besides that has a meaning but is not read, each once.
+    pub left_out: Vec<&'static str>,
+    /// That a library which its mesh names is not there. All materials of the mesh have it then, and there is one
+    /// without a name if there would be none.
+    pub missing: Option<String>,
 }
+
+/// An image of a material, and where it lies: at (u, v) it shows what it has at `scale` · (u, v) + `offset`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map {
+    /// As the file names it, with `/` between folders; [`load`](super::load) puts the folder of the mesh before it.
+    pub file: String,
+    /// `-s`: how often the image is seen along u and v; finite and not 0.
+    pub scale: DVec2,
+    /// `-o`
+    pub offset: DVec2,
+    /// `-clamp on`: beyond its edges the image is not repeated.
+    pub clamps: bool,
+}
+
+/// Values that other programs read; here they are told.
+const LEFT_OUT: [&str; 24] = [
+    "Tf", "map_Ka", "map_Ks", "map_Ke", "map_Ns", "map_d", "map_Tr", "map_Bump", "bump", "disp", "map_disp",
+    "decal", "refl", "map_refl", "norm", "Pr", "Pm", "Ps", "Pc", "Pcr", "aniso", "map_Pr", "map_Pm",
+    "map_Ps",
+];
+
+/// Options of `map_Kd` that change what is seen.
+const OPTIONS_LEFT_OUT: [(&[u8], &str); 4] =
+    [(b"-mm", "map_Kd -mm"), (b"-t", "map_Kd -t"), (b"-cc", "map_Kd -cc"), (b"-imfchan", "map_Kd -imfchan")];
 
 /// Reads the materials of an MTL file. Lines that are not known are skipped.
 pub fn read(input: impl BufRead) -> Result<Vec<MtlMaterial>, MeshError> {
@@ -60,28 +89,103 @@ impl MtlMaterial {
             b"Kd" => self.diffuse = Some(color(rest)?),
             b"Ks" => self.specular = Some(color(rest)?),
             b"Ke" => self.emission = Some(color(rest)?),
-            b"Ns" => self.shininess = Some(number(rest)?),
-            b"Ni" => self.ior = Some(number(rest)?),
+            b"Ns" => {
+                let shininess = Some(number(rest)?).filter(|value| *value >= 0.0);
+                self.shininess = Some(shininess.ok_or("a number of 0 or more")?);
+            }
+            b"Ni" => self.ior = Some(Some(number(rest)?).filter(|ior| *ior > 0.0).ok_or("a number above 0")?),
             // `d -halo 0.5` fades towards the rim; the number is all that is kept of it.
-            b"d" => self.opacity = Some(number(rest.strip_prefix(b"-halo").unwrap_or(rest))?),
-            b"Tr" => self.opacity = Some(1.0 - number(rest)?),
+            b"d" => self.opacity = Some(share(rest.strip_prefix(b"-halo").unwrap_or(rest))?),
+            b"Tr" => self.opacity = Some(1.0 - share(rest)?),
             b"illum" => {
                 let model = words(rest).next().and_then(parsed);
                 self.model = Some(model.ok_or("a whole number behind `illum`")?);
             }
-            b"map_Kd" => {
-                let name = file_name(rest).ok_or("the name of an image behind `map_Kd`")?;
-                self.diffuse_map = Some(name);
+            b"map_Kd" => self.diffuse_map = Some(self.map(rest)?),
+            // A filter of white takes nothing away.
+            b"Tf" if color(rest) == Ok(Rgb::ONE) => {}
+            _ => {
+                let known = LEFT_OUT.into_iter().find(|name| name.as_bytes().eq_ignore_ascii_case(word));
+                known.into_iter().for_each(|name| self.leave_out(name));
             }
-            _ => {}
         }
         Ok(())
     }
+
+    fn leave_out(&mut self, name: &'static str) {
+        if !self.left_out.contains(&name) {
+            self.left_out.push(name);
+        }
+    }
+
+    /// An image with the options before its name, which may contain blanks.
+    fn map(&mut self, mut rest: &[u8]) -> Result<Map, &'static str> {
+        let mut map = Map { file: String::new(), scale: DVec2::ONE, offset: DVec2::ZERO, clamps: false };
+        loop {
+            let (option, behind) = split_word(rest);
+            let most = match option {
+                b"-o" | b"-s" | b"-t" => 3,
+                b"-mm" => 2,
+                [b'-', letter, ..] if letter.is_ascii_alphabetic() => 1,
+                _ => break,
+            };
+            let (values, behind) = option_values(behind, most);
+            match option {
+                b"-o" => map.offset = pair(&values, 0.0).ok_or("finite numbers behind `-o`")?,
+                b"-s" => {
+                    let scale =
+                        pair(&values, 1.0).filter(|scale| scale.abs().min_element() >= SMALLEST_SCALE);
+                    map.scale = scale.ok_or("finite numbers other than 0 behind `-s`")?;
+                }
+                b"-clamp" => map.clamps = values == [b"on"],
+                _ => {
+                    let known = OPTIONS_LEFT_OUT.iter().find(|(name, _)| *name == option);
+                    known.into_iter().for_each(|(_, told)| self.leave_out(told));
+                }
+            }
+            rest = behind;
+        }
+        map.file = String::from_utf8_lossy(rest).replace('\\', "/");
+        if map.file.is_empty() { Err("the name of an image behind `map_Kd`") } else { Ok(map) }
+    }
+}
+
+/// Smaller factors are refused, for their reciprocals must stay far from overflow.
+const SMALLEST_SCALE: f64 = 1e-30;
+
+/// At most `most` values of an option, and what follows. The first is always one; further ones are numbers.
+fn option_values(mut rest: &[u8], most: usize) -> (Vec<&[u8]>, &[u8]) {
+    let mut values = Vec::new();
+    while values.len() < most {
+        let (value, behind) = split_word(rest);
+        if value.is_empty() || (!values.is_empty() && parsed::<f64>(value).is_none()) {
+            break;
+        }
+        values.push(value);
+        rest = behind;
+    }
+    (values, rest)
+}
+
+/// The first two of an option's numbers; one is enough, and then the second is `otherwise`.
+fn pair(values: &[&[u8]], otherwise: f64) -> Option<DVec2> {
+    let (numbers, count) = numbers::<2>(values.iter().copied())?;
+    let pair = match count {
+        0 => return None,
+        1 => DVec2::new(numbers[0], otherwise),
+        _ => DVec2::from_array(numbers),
+    };
+    (pair.abs().max_element() <= 1e30).then_some(pair)
 }
 
 fn number(rest: &[u8]) -> Result<f32, &'static str> {
     let value = words(rest).next().and_then(parsed::<f32>).filter(|value| value.is_finite());
     value.ok_or("a finite number")
+}
+
+/// A number from 0 to 1.
+fn share(rest: &[u8]) -> Result<f32, &'static str> {
+    Some(number(rest)?).filter(|value| (0.0..=1.0).contains(value)).ok_or("a number from 0 to 1")
 }
 
 /// Three numbers, or one for grey.
@@ -92,29 +196,6 @@ fn color(rest: &[u8]) -> Result<Rgb, &'static str> {
         _ => None,
     };
     color.filter(|color| color.is_finite()).ok_or("three finite numbers, red, green and blue")
-}
-
-/// The file name behind the options of a map. Names may contain blanks.
-fn file_name(mut rest: &[u8]) -> Option<String> {
-    loop {
-        let (word, behind) = split_word(rest);
-        let most = match word {
-            b"-o" | b"-s" | b"-t" => 3,
-            b"-mm" => 2,
-            [b'-', letter, ..] if letter.is_ascii_alphabetic() => 1,
-            _ => break,
-        };
-        rest = behind;
-        for place in 0..most {
-            let (value, behind) = split_word(rest);
-            // One number is enough for `-o`, `-s` and `-t`.
-            if place > 0 && parsed::<f64>(value).is_none() {
-                break;
-            }
-            rest = behind;
-        }
-    }
-    (!rest.is_empty()).then(|| String::from_utf8_lossy(rest).replace('\\', "/"))
 }
 
 #[cfg(test)]
@@ -133,8 +214,33 @@ mod tests {
         assert_eq!(red.ambient, Some(Rgb::splat(0.5)));
         assert_eq!((red.shininess, red.ior, red.opacity), (Some(96.0), Some(1.5), Some(0.75)));
         assert_eq!((red.model, red.specular), (Some(2), None));
-        assert_eq!(red.diffuse_map.as_deref(), Some("tex/red brick.png"));
+        let map = red.diffuse_map.as_ref().expect("an image");
+        assert_eq!((map.file.as_str(), map.clamps), ("tex/red brick.png", true));
+        assert_eq!((map.scale, map.offset), (DVec2::ONE, DVec2::new(0.5, 0.0)));
         assert_eq!((b.opacity, b.emission), (Some(0.5), Some(Rgb::new(1.0, 2.0, 3.0))));
+    }
+
+    #[test]
+    fn options_of_images_are_read_or_told() {
+        let map = |options: &str| {
+            let text = format!("newmtl a\nmap_Kd {options} a.png");
+            let material = read(text.as_bytes()).expect("a material").remove(0);
+            (material.diffuse_map.expect("an image"), material.left_out)
+        };
+        let (placed, told) = map("-s 2 -3 1 -blendu on -o 0.5 -clamp off");
+        assert_eq!((placed.scale, placed.offset), (DVec2::new(2.0, -3.0), DVec2::new(0.5, 0.0)));
+        assert_eq!((placed.file.as_str(), placed.clamps, told), ("a.png", false, vec![]));
+        assert_eq!(map("-s 2").0.scale, DVec2::new(2.0, 1.0));
+        assert_eq!(map("-mm 0.1 0.9 -t 1 -mm 0 1").1, ["map_Kd -mm", "map_Kd -t"]);
+    }
+
+    #[test]
+    fn what_is_left_out_is_kept_by_name() {
+        let text = "newmtl a\nmap_bump -bm 1 b.png\nTf 1 1 1\nmap_Ks s.png\nmap_Bump c.png\nsharpness 60\n\
+                    newmtl b\nTf 1 0 0";
+        let materials = read(text.as_bytes()).expect("materials");
+        let told = materials.iter().map(|material| &material.left_out[..]).collect::<Vec<_>>();
+        assert_eq!(told, [&["map_Bump", "map_Ks"][..], &["Tf"]]);
     }
 
     #[test]
@@ -151,6 +257,18 @@ mod tests {
             ("newmtl a\n\nNs nan", "line 3: expected a finite number, found `Ns nan`"),
             ("Kd 1 1 1", "line 1: expected `newmtl` and a name before the first value, found `Kd 1 1 1`"),
             ("newmtl", "line 1: expected a name behind `newmtl`, found `newmtl`"),
+            ("newmtl a\nd 3", "line 2: expected a number from 0 to 1, found `d 3`"),
+            ("newmtl a\nTr -1", "line 2: expected a number from 0 to 1, found `Tr -1`"),
+            ("newmtl a\nNs -4", "line 2: expected a number of 0 or more, found `Ns -4`"),
+            ("newmtl a\nNi 0", "line 2: expected a number above 0, found `Ni 0`"),
+            (
+                "newmtl a\nmap_Kd -s 0 1 a.png",
+                "line 2: expected finite numbers other than 0 behind `-s`, found `map_Kd -s 0 1 a.png`",
+            ),
+            (
+                "newmtl a\nmap_Kd -o left a.png",
+                "line 2: expected finite numbers behind `-o`, found `map_Kd -o left a.png`",
+            ),
             (
                 "newmtl a\nmap_Kd -s 1",
                 "line 2: expected the name of an image behind `map_Kd`, found `map_Kd -s 1`",

@@ -32,7 +32,16 @@ fn gradient(node: Node<'_>) -> Option<EnvironmentTracks> {
 fn equirect(node: Node<'_>) -> Option<EnvironmentTracks> {
     let mut fields = Fields::of_or_only(node, "`Equirect`", "file")?;
     let encoding = fields.or("encoding", encoding, Encoding::Srgb);
-    let file = fields.required("file", image(encoding.unwrap_or_default()));
+    let file = fields.required("file", |node| {
+        let image = image(encoding.unwrap_or_default())(node)?;
+        let (width, height) = (image.width(), image.height());
+        if width.abs_diff(2 * height) > 1 {
+            let title = "the image of an `Equirect` must be twice as wide as high";
+            node.fault(Fault::new(node.span(), title, format!("has {width} × {height} pixels")));
+            return None;
+        }
+        Some(image)
+    });
     finished(fields, encoding.and(file).map(SkyTracks::Equirect))
 }
 

@@ -55,6 +55,18 @@ fn spot(fields: &mut Fields<'_>) -> Option<LightKind> {
     let angle = fields.or("angle", keyed(angle_between(0.0, 360.0)), Angle(45.0));
     let inner_angle = fields.optional("inner_angle", keyed(angle_between(0.0, 360.0)));
     let attenuation = fields.or("attenuation", attenuation, Attenuation::default());
+    if let (Some(Animated::Constant(outer)), Some(Some(Animated::Constant(inner)))) = (&angle, &inner_angle)
+        && inner.0 > outer.0
+    {
+        let title = "the `inner_angle` of a spot is at most its `angle`";
+        let label = format!("{} degrees, of a cone of {}", inner.0, outer.0);
+        let mut fault = Fault::new(fields.place("inner_angle"), title, label);
+        if fields.has("angle") {
+            fault = fault.also(fields.place("angle"), "the whole cone");
+        }
+        fields.node().fault(fault);
+        return None;
+    }
     Some(LightKind::Spot {
         position: position?,
         target: target?,

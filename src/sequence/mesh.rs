@@ -4,18 +4,18 @@ use super::colors::color;
 use super::fault::Fault;
 use super::fields::Fields;
 use super::mtl::Own;
-use super::node::Node;
+use super::node::{Content, Node};
 use super::suggest::shortened;
 use super::values::{each, list, number, text, tuple, vector, whole};
 use super::words::word;
 use super::{Named, Object, Sequence};
 use crate::files;
-use crate::humane::counted;
 use crate::math::{DVec2, DVec3};
 use crate::mesh::{self, Corners, LoadMeter, NO_FILE, Normals, Parts};
 use crate::shape::{Mesh, Shape};
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -86,6 +86,18 @@ pub fn mesh(fields: &mut Fields<'_>) -> Option<Mesh> {
         return None;
     }
     Some(placed(mesh, normals))
+}
+
+/// The place of the file's name in a mesh that is read from one, or else of the whole.
+pub fn file_place(node: Node<'_>) -> Range<usize> {
+    let file = match node.content() {
+        Some(Content::Tuple(items)) => items.first().copied(),
+        Some(Content::Fields(fields)) => {
+            fields.into_iter().find(|(name, _)| *name == "file").map(|(_, value)| value)
+        }
+        _ => None,
+    };
+    file.map_or_else(|| node.head(), |file| file.span())
 }
 
 const KINDS: &[(&str, Normals)] =
@@ -208,15 +220,5 @@ impl Sequence {
             }
         }
         meshes
-    }
-
-    /// What a user should know about the sequence before it is rendered.
-    pub fn notes(&self) -> Vec<String> {
-        let skipped = self.meshes().into_iter().filter(|(_, mesh)| mesh.skipped > 0);
-        let note = |(name, mesh): (&str, &mesh::Mesh)| {
-            let triangles = counted(mesh.skipped as u64, "triangle");
-            format!("the mesh of `{}`: {triangles} without an area left out", shortened(name))
-        };
-        skipped.map(note).collect()
     }
 }

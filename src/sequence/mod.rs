@@ -21,6 +21,7 @@ mod mesh;
 mod mtl;
 mod names;
 mod node;
+mod notes;
 mod object;
 mod output;
 mod paint;

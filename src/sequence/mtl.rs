@@ -6,6 +6,8 @@ use super::node::Node;
 use super::suggest::shortened;
 use crate::color::Rgb;
 use crate::material::Highlight;
+use crate::math::DVec2;
+use crate::mesh::mtl::Map;
 use crate::mesh::{Mesh, MtlMaterial};
 use crate::optics::Fresnel;
 use crate::texture::{Encoding, Filter, ImageTracks, PaintTracks, PlacementTracks, Wrap};
@@ -17,13 +19,18 @@ use std::rc::Rc;
 pub type Own = Rc<[(String, Given)]>;
 
 /// What a mesh is made of if its object does not say: the materials of its file, with their names, or the colours
-/// of its vertices. Nothing if it has neither, or if an image cannot be read, which is reported at `place`.
+/// of its vertices. Nothing if a library or an image cannot be read, which is reported at `place`.
 pub fn own_materials(node: Node<'_>, place: &Range<usize>, mesh: &Mesh) -> Option<Own> {
+    if let Some(why) = mesh.materials().iter().find_map(|material| material.missing.as_ref()) {
+        let fault = Fault::new(place.clone(), "cannot read the materials of the mesh", why);
+        node.fault(fault.help("an object with a `material` needs none of them"));
+        return None;
+    }
     let color = mesh.has_colors().then_some(PaintTracks::VertexColor);
     let bare = Given { color, ..Given::default() };
     let slots = mesh.materials().iter().map(|material| {
         let image = match &material.diffuse_map {
-            Some(path) => Some(diffuse_map(node, place, &material.name, path)?),
+            Some(map) => Some(diffuse_map(node, place, &material.name, map)?),
             None => None,
         };
         Some((material.name.clone(), translated(material, image, &bare)))
@@ -35,11 +42,11 @@ pub fn own_materials(node: Node<'_>, place: &Range<usize>, mesh: &Mesh) -> Optio
     Some(given.into())
 }
 
-fn diffuse_map(node: Node<'_>, place: &Range<usize>, material: &str, path: &str) -> Option<ImageTracks> {
-    let image = match node.file.assets.image(path, Encoding::Srgb) {
+fn diffuse_map(node: Node<'_>, place: &Range<usize>, material: &str, map: &Map) -> Option<ImageTracks> {
+    let image = match node.file.assets.image(&map.file, Encoding::Srgb) {
         Ok(image) => image,
         Err(why) => {
-            let name = Path::new(path).file_name().unwrap_or_default().to_string_lossy();
+            let name = Path::new(&map.file).file_name().unwrap_or_default().to_string_lossy();
             let title = format!("cannot read the image {:?} of the mesh", shortened(&name));
             let help =
                 format!("material {:?} has it, by a path from the mesh's folder on", shortened(material));
@@ -49,20 +56,31 @@ fn diffuse_map(node: Node<'_>, place: &Range<usize>, material: &str, path: &str)
     };
     Some(ImageTracks {
         image,
-        wrap: Wrap::Repeat,
+        wrap: if map.clamps { Wrap::Clamp } else { Wrap::Repeat },
         filter: Filter::default(),
         channel: None,
         tint: Rgb::ONE.into(),
-        placement: PlacementTracks::default(),
+        placement: placement(map),
     })
+}
+
+/// In MTL files, a larger scale shows more of the image, and the offset leads from the surface to the image.
+fn placement(Map { scale, offset, .. }: &Map) -> PlacementTracks {
+    if (*scale, *offset) == (DVec2::ONE, DVec2::ZERO) {
+        return PlacementTracks::default();
+    }
+    PlacementTracks {
+        offset: (-*offset / *scale).extend(0.0).into(),
+        scale: scale.recip().extend(1.0).into(),
+        ..PlacementTracks::default()
+    }
 }
 
 /// Follows the models of the format's description (Wavefront, *Advanced Visualizer*, appendix B2): highlights are
 /// Blinn's; models from 3 on also mirror, and 6 and 7 refract, 7 with Fresnel's equations.
 fn translated(material: &MtlMaterial, image: Option<ImageTracks>, bare: &Given) -> Given {
-    let number = |value: f32| f64::from(value.max(0.0));
     let model = material.model.unwrap_or(2);
-    let opacity = number(material.opacity.unwrap_or(1.0)).min(1.0);
+    let opacity = f64::from(material.opacity.unwrap_or(1.0));
     let refracts = matches!(model, 6 | 7);
     let tinted = |color: Option<Rgb>| match (&image, color) {
         (Some(image), color) => {
@@ -97,8 +115,8 @@ fn translated(material: &MtlMaterial, image: Option<ImageTracks>, bare: &Given) 
     } else if opacity < 1.0 {
         given.transparency.strength = Some((1.0 - opacity).into());
     }
-    given.shininess = material.shininess.map(|value| number(value).into());
-    given.ior = material.ior.filter(|ior| *ior > 0.0).map(|ior| f64::from(ior).into());
+    given.shininess = material.shininess.map(|value| f64::from(value).into());
+    given.ior = material.ior.map(|ior| f64::from(ior).into());
     given
 }
 
@@ -106,7 +124,9 @@ fn translated(material: &MtlMaterial, image: Option<ImageTracks>, bare: &Given) 
 mod tests {
     use super::*;
     use crate::material::MaterialTracks;
+    use crate::math::DVec3;
     use crate::mesh;
+    use crate::time::Time;
 
     fn tracks(text: &str) -> MaterialTracks {
         let material = mesh::mtl::read(text.as_bytes()).expect("a material").remove(0);
@@ -136,6 +156,15 @@ mod tests {
         assert_eq!((m.diffuse.strength, m.refraction.strength), (0.0.into(), 1.0.into()));
         assert_eq!(m.fresnel, Fresnel::Exact);
         assert_eq!(m.transparency.strength, 0.0.into());
+    }
+
+    #[test]
+    fn options_place_images() {
+        let text = "newmtl a\nmap_Kd -s 2 -4 1 -o 0.5 0.25 0 a.png";
+        let material = mesh::mtl::read(text.as_bytes()).expect("a material").remove(0);
+        let placed = placement(material.diffuse_map.as_ref().expect("an image")).at(Time::from_integer(0));
+        let (at, _) = placed.local(DVec3::new(0.75, 0.5, 0.0), DVec3::ZERO);
+        assert_eq!(at, DVec3::new(2.0 * 0.75 + 0.5, -4.0 * 0.5 + 0.25, 0.0));
     }
 
     #[test]

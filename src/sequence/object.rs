@@ -4,6 +4,7 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
 use super::material::{Given, is_material, material, resembles_a_kind};
+use super::mesh::file_place;
 use super::mtl::{Own, own_materials};
 use super::names::{Entry, Names};
 use super::node::Node;
@@ -44,10 +45,17 @@ pub struct Parent {
 /// One object, and the parent it names. The parent is known even if something else is wrong.
 pub fn object(node: Node<'_>, materials: &Names<'_>, objects: &Names<'_>) -> (Option<Draft>, Option<Parent>) {
     let Some(mut fields) = Fields::of(node, "an object") else { return (None, None) };
-    let shape = fields.required("shape", shape);
+    let mut place = fields.place("shape");
+    let shape = fields.required("shape", |node| {
+        let shape = shape(node)?;
+        if let Shape::Mesh(_) = shape {
+            place = file_place(node);
+        }
+        Some(shape)
+    });
     let material = fields.or("material", |node| surface(node, materials), Surface::Default);
     let material = match (&shape, material) {
-        (Some(Shape::Mesh(mesh)), Some(Surface::Default)) => own(node, fields.place("shape"), mesh),
+        (Some(Shape::Mesh(mesh)), Some(Surface::Default)) => own(node, place, mesh),
         (_, material) => material,
     };
     let transform = transform(&mut fields);

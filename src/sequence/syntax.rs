@@ -102,7 +102,7 @@ fn translated(text: &str, error: &Error, at: usize) -> Option<Fault> {
         Error::Eof => None,
         Error::ExceededRecursionLimit => fault(
             "this is nested too deeply",
-            "brackets may stand about 60 deep; a sequence needs less than 10",
+            "brackets may stand about 60 deep, those of nested patterns too",
         ),
         Error::TrailingCharacters => {
             fault("the file goes on after its closing bracket", "nothing may follow")

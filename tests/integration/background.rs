@@ -21,7 +21,7 @@ fn seen(frames: u32, fields: &str) -> Vec<Rgb> {
 fn columns(folder: &Path) -> String {
     let colors = [[4.0f32, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0], [4.0, 4.0, 4.0]];
     let path = folder.join("columns.hdr");
-    ImageBuffer::from_fn(4, 1, |x, _| Pixel(colors[x as usize])).save(&path).expect("a file");
+    ImageBuffer::from_fn(4, 2, |x, _| Pixel(colors[x as usize])).save(&path).expect("a file");
     path.to_string_lossy().replace('\\', "/")
 }
 
@@ -50,6 +50,18 @@ fn images_turn_and_fade_by_keys() {
     [Rgb::Z, Rgb::Y, Rgb::X].into_iter().zip(turned).for_each(|(color, seen)| near(seen, color * 4.0));
     let faded = seen(3, &sky("intensity: [(0, 0), (2, 1)]"));
     [0.0, 2.0, 4.0].into_iter().zip(faded).for_each(|(blue, seen)| near(seen, Rgb::Z * blue));
+}
+
+/// One of another shape is refused: tests/bad/sky-not-twice-as-wide.ron.
+#[test]
+fn images_of_all_directions_may_be_off_by_a_pixel() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (width, height) in [(7, 4), (8, 4), (9, 4), (1, 1)] {
+        let path = folder.path().join(format!("{width}x{height}.png"));
+        ImageBuffer::from_pixel(width, height, Pixel([255u8; 3])).save(&path).expect("a file");
+        let file = path.to_string_lossy().replace('\\', "/");
+        near(seen(1, &format!("background: Equirect({file:?}), {AHEAD}"))[0], Rgb::ONE);
+    }
 }
 
 #[test]

@@ -79,7 +79,76 @@ fn missing_images_are_told() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     let told = sequence(folder.path(), "").expect_err("no image");
     assert!(told.contains("cannot read the image \"left.png\" of the mesh"), "{told}");
-    assert!(told.contains("scene.ron:4") && told.contains("there is no such file"), "{told}");
+    assert!(told.contains("scene.ron:4:41") && told.contains("there is no such file"), "{told}");
+    assert!(told.contains("^^^^^^^^^^^^^^^^^ there"), "all of the file's name is marked: {told}");
+}
+
+#[test]
+fn libraries_that_are_missing_are_faults_only_where_they_are_needed() {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nmtllib none.mtl\nusemtl any\nf 1 2 3\n";
+    fs::write(folder.path().join("a.obj"), text).expect("a disk");
+    let with = |fields: &str| {
+        let path = folder.path().join("scene.ron");
+        fs::write(&path, format!("(objects: {{ \"a\": (shape: Mesh(\"a.obj\"){fields}) }})"))
+            .expect("a disk");
+        load(&path).map_err(|error| error.to_string())
+    };
+    let told = with("").expect_err("no library");
+    assert!(told.contains("cannot read the materials of the mesh"), "{told}");
+    assert!(told.contains("^^^^^^^ line 4: there is no file `none.mtl` for the materials"), "{told}");
+    let notes = with(", material: (color: 1)").map(|sequence| sequence.notes());
+    let note = "the mesh of `a`: line 4: there is no file `none.mtl` for the materials, and none is needed";
+    assert_eq!(notes, Ok(vec![note.to_owned()]));
+}
+
+#[test]
+fn what_materials_leave_out_is_told_once() {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    fs::create_dir_all(folder.path().join("models/images")).expect("the folder is writable");
+    write_image(folder.path());
+    let told = |object: &str| {
+        sequence(folder.path(), object).expect("a sequence");
+        let more = "\nmap_Bump b.png\nTf 1 0 0\nnewmtl unused\nmap_d d.png";
+        let path = folder.path().join("models/four.mtl");
+        fs::write(path, MTL.to_owned() + more).expect("a disk");
+        load(&folder.path().join("scene.ron")).expect("a sequence").notes()
+    };
+    let again = "), \"again\": (shape: Mesh(\"models/four.obj\")";
+    assert_eq!(told(again), ["the mesh of `four`: `map_Bump` and `Tf` of its materials left out"]);
+    let covered = format!(", material: (color: 1){again}");
+    assert_eq!(told(&covered), ["the mesh of `again`: `map_Bump` and `Tf` of its materials left out"]);
+    assert_eq!(told(", material: (color: 1)"), [""; 0]);
+}
+
+#[test]
+fn images_are_repeated_moved_and_clamped_as_their_options_say() {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    let mesh = "mtllib a.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+                usemtl a\nf 1/1 2/2 3/3 4/4\n";
+    fs::create_dir_all(folder.path().join("models/images")).expect("the folder is writable");
+    write_image(folder.path());
+    fs::write(folder.path().join("models/a.obj"), mesh).expect("a disk");
+    let text = "(output: (size: (4, 1)), quality: (antialias: 1), ambient: 1,
+        camera: (position: (0, 0, 5), projection: Orthographic(height: 0.5)),
+        objects: { \"a\": (shape: Mesh(\"models/a.obj\")) })";
+    fs::write(folder.path().join("scene.ron"), text).expect("a disk");
+    let seen = |options: &str| {
+        let library = format!("newmtl a\nKa 1 1 1\nKd 1 1 1\nmap_Kd {options} images/left.png\n");
+        fs::write(folder.path().join("models/a.mtl"), library).expect("a disk");
+        let sequence = load(&folder.path().join("scene.ron")).unwrap_or_else(|error| panic!("{error}"));
+        let shot = shoot(&sequence, 0..1).remove(0);
+        [0, 1, 2, 3].map(|x| {
+            let pixel = shot.pixel(x, 0);
+            if pixel.x > pixel.y { 'r' } else { 'g' }
+        })
+    };
+    // The pixels are at u = 1/8, 3/8, 5/8 and 7/8; the image is green, then red.
+    assert_eq!(seen(""), ['g', 'g', 'r', 'r']);
+    assert_eq!(seen("-s 2 1 1"), ['g', 'r', 'g', 'r']);
+    assert_eq!(seen("-s 2 1 1 -o 0.5 0 0"), ['r', 'g', 'r', 'g']);
+    assert_eq!(seen("-o 0.25 0 0"), ['g', 'r', 'r', 'g']);
+    assert_eq!(seen("-o 0.25 0 0 -clamp on"), ['g', 'r', 'r', 'r']);
 }
 
 #[test]

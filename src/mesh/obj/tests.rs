@@ -104,6 +104,25 @@ fn of_materials_with_one_name_the_first_counts() {
 }
 
 #[test]
+fn missing_libraries_are_told_by_the_materials() {
+    for (library, uses, expected) in [
+        ("\nmtllib none.mtl", "", ""),
+        ("\nmtllib none.mtl", "usemtl any", "any"),
+        ("mtllib a.mtl\nmtllib a.mtl none.mtl", "usemtl red", "red"),
+    ] {
+        let [material] = &good(&format!("{library}\n{SQUARE}{uses}\nf 1 2 3")).materials[..] else {
+            panic!("one material")
+        };
+        assert_eq!(material.name, expected);
+        assert_eq!(
+            material.missing.as_deref(),
+            Some("line 2: there is no file `none.mtl` for the materials"),
+            "{library}"
+        );
+    }
+}
+
+#[test]
 fn faults_name_the_line() {
     for (text, expected) in [
         ("v 0 0", "line 1: expected three numbers behind `v`, found `v 0 0`"),
@@ -127,8 +146,6 @@ fn faults_name_the_line() {
         ("v 0 0 0\nf 1/1 1/1 1/1", "line 2: there is no texture coordinate (vt) 1; the file has 0"),
         ("v 0 0 0\nf 1//2 1//2 1//2", "line 2: there is no normal (vn) 2; the file has 0"),
         ("f 1 2 99999999999", "line 1: there is no vertex `99999999999` in `f 1 2 99999999999`"),
-        ("\nmtllib none.mtl", "line 2: there is no file `none.mtl` for the materials"),
-        ("mtllib a.mtl none.mtl", "line 1: there is no file `none.mtl` for the materials"),
         (
             "mtllib broken.mtl",
             "broken.mtl, line 2: expected three finite numbers, red, green and blue, found `Kd red`",

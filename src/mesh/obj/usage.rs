@@ -12,6 +12,8 @@ use std::io::ErrorKind;
 pub struct Usage {
     /// The materials of the libraries read so far, by name; none if no library is named.
     known: Option<HashMap<String, MtlMaterial>>,
+    /// The fault of the first library that is not there. It is one only for those who want the materials.
+    missing: Option<MeshError>,
     /// The names in use in the order of their slots, with the lines that name them first.
     used: Vec<(String, u64)>,
     slots: HashMap<String, u16>,
@@ -72,7 +74,7 @@ impl Usage {
         for name in &names {
             if names.len() == 1 || !self.open(name, number, open)? {
                 let why = format!("there is no file {} for the materials", quoted(name.as_bytes()));
-                return Err(MeshError::at(Place::Line(number), why));
+                self.missing.get_or_insert_with(|| MeshError::at(Place::Line(number), why));
             }
         }
         Ok(())
@@ -102,14 +104,20 @@ impl Usage {
 
     /// A slot per triangle, and the materials in the slots. Without a library, materials have only names.
     pub fn resolved(self) -> Result<(Vec<u16>, Vec<MtlMaterial>), MeshError> {
-        let Self { mut known, used, triangles, .. } = self;
+        let Self { known, mut used, triangles, missing, .. } = self;
+        let any = known.is_some() && missing.is_none();
+        let (mut known, missing) = (known.unwrap_or_default(), missing.map(|error| error.to_string()));
+        if missing.is_some() && used.is_empty() {
+            used.push((String::new(), 0));
+        }
         // Every name is in use once.
-        let material = |(name, line): (String, u64)| match &mut known {
-            None => Ok(MtlMaterial { name, ..MtlMaterial::default() }),
-            Some(known) => known.remove(&name).ok_or_else(|| {
+        let material = |(name, line): (String, u64)| match known.remove(&name) {
+            Some(material) => Ok(MtlMaterial { missing: missing.clone(), ..material }),
+            None if any => {
                 let why = format!("no material library has {}", quoted(name.as_bytes()));
-                MeshError::at(Place::Line(line), why)
-            }),
+                Err(MeshError::at(Place::Line(line), why))
+            }
+            None => Ok(MtlMaterial { name, missing: missing.clone(), ..MtlMaterial::default() }),
         };
         let materials: Result<Vec<_>, _> = used.into_iter().map(material).collect();
         Ok((triangles, materials?))

@@ -129,6 +129,34 @@ fn scalar(word: &[u8]) -> Option<Scalar> {
     })
 }
 
+impl Header {
+    /// Bytes that the records take at least: empty lists and, in text, numbers of one digit with a blank behind
+    /// each; the last one needs none.
+    pub fn least_size(&self) -> u128 {
+        let size = |scalar: Scalar| match self.encoding {
+            Encoding::Ascii => 2,
+            Encoding::LittleEndian | Encoding::BigEndian => scalar.size(),
+        };
+        let record = |element: &Element| -> u128 {
+            element.properties.iter().map(|property| size(property.list.unwrap_or(property.item))).sum()
+        };
+        let all =
+            self.elements.iter().map(|element| u128::from(element.count) * record(element)).sum::<u128>();
+        if self.encoding == Encoding::Ascii { all.saturating_sub(1) } else { all }
+    }
+}
+
+impl Scalar {
+    fn size(self) -> u128 {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+}
+
 impl Element {
     /// The fault of an element without one of the properties in `needed`.
     pub fn lacks(&self, needed: &str) -> MeshError {

@@ -8,5 +8,5 @@ mod tests;
 mod vertices;
 mod write;
 
-pub use read::read;
+pub use read::{read, read_sized};
 pub use write::write;

@@ -3,6 +3,7 @@
 use super::header::{Element, Encoding, Header};
 use super::scalars::{Binary, Scalars, Text};
 use super::vertices::{Vertices, incomplete, skip_list};
+use crate::humane::count;
 use crate::mesh::lines::Lines;
 use crate::mesh::{Corners, MeshError, Parts, Place};
 use std::io::BufRead;
@@ -10,18 +11,47 @@ use std::io::BufRead;
 /// Reads a PLY file. Polygons are cut into triangles around their first corner; elements and properties that
 /// are not known are skipped.
 pub fn read(input: impl BufRead) -> Result<Parts, MeshError> {
+    read_sized(input, u64::MAX)
+}
+
+/// [`read`], where the whole file is known to have no more than `size` bytes.
+pub fn read_sized(input: impl BufRead, size: u64) -> Result<Parts, MeshError> {
     let mut lines = Lines::new(input, false);
     let header = Header::read(&mut lines)?;
+    report_too_many_vertices(&header)?;
+    let least = header.least_size();
+    if least > size.into() {
+        let least = count(u64::try_from(least).unwrap_or(u64::MAX));
+        let why = format!(
+            "the file is too short: it has {} bytes, and by its header at least {least}",
+            count(size)
+        );
+        return Err(MeshError::new(why));
+    }
     match header.encoding {
         Encoding::Ascii => elements(&header, &mut Text::new(lines)),
         encoding => elements(&header, &mut Binary { input: lines.into_rest(), encoding }),
     }
 }
 
+/// The most vertices of a mesh.
+const MOST_VERTICES: u64 = u32::MAX as u64 - 1;
+
+fn report_too_many_vertices(header: &Header) -> Result<(), MeshError> {
+    let too_many = |element: &&Element| element.name == "vertex" && element.count > MOST_VERTICES;
+    match header.elements.iter().find(too_many) {
+        None => Ok(()),
+        Some(Element { count: vertices, .. }) => {
+            let (vertices, most) = (count(*vertices), count(MOST_VERTICES));
+            Err(MeshError::new(format!("it has {vertices} vertices; the most are {most}")))
+        }
+    }
+}
+
 fn elements(header: &Header, values: &mut impl Scalars) -> Result<Parts, MeshError> {
     let counts = |name: &str| header.elements.iter().find(|e| e.name == name).map(|e| e.count);
-    let Some(vertex_count) = counts("vertex").filter(|count| *count < u32::MAX.into()) else {
-        return Err(MeshError::new("it has no `element vertex`, or too many of them"));
+    let Some(vertex_count) = counts("vertex") else {
+        return Err(MeshError::new("it has no `element vertex`"));
     };
     if counts("face").is_none() {
         return Err(MeshError::new("it has no `element face`; other faces, such as strips, are not read"));

@@ -1,8 +1,10 @@
 //! PLY files, good and broken.
 
+use super::header::Header;
 use super::*;
 use crate::color::{Rgb, srgb_to_linear};
 use crate::math::{DVec2, DVec3};
+use crate::mesh::lines::Lines;
 use crate::mesh::{Corners, Mesh, Parts, generate, obj};
 use crate::testing::Random;
 use glam::Vec3;
@@ -126,7 +128,11 @@ fn faults_name_their_place() {
             "ply\nend_header\n".to_owned(),
             "line 2: the header has no line `format`, such as `format ascii 1.0`",
         ),
-        ("ply\nformat ascii 1.0\nend_header\n".to_owned(), "it has no `element vertex`, or too many of them"),
+        ("ply\nformat ascii 1.0\nend_header\n".to_owned(), "it has no `element vertex`"),
+        (
+            small(CORNERS, "3 0 1 2").replace("vertex 3", "vertex 999999999999"),
+            "it has 999,999,999,999 vertices; the most are 4,294,967,294",
+        ),
         (
             small(CORNERS, "3 0 1 2").replace("float y", "float w"),
             "its vertex has no x, y and z, but `x`, `w`, `z`",
@@ -158,6 +164,27 @@ fn binary_files_name_elements() {
     nowhere[first..first + 4].copy_from_slice(&f32::INFINITY.to_le_bytes());
     let why = "the vertex has x = inf, and face 0 uses it; coordinates are finite and at most 1e30";
     assert_eq!(fault(&nowhere), format!("vertex 0: {why}"));
+}
+
+#[test]
+fn files_that_are_too_short_for_their_header_are_not_begun() {
+    for format in ["ascii", "binary_little_endian"] {
+        let text = small(CORNERS, "3 0 1 2").replace("ascii", format).replace("face 1", "face 4000000000");
+        let least = if format == "ascii" { "8,000,000,017" } else { "4,000,000,036" };
+        let fault = read_sized(text.as_bytes(), text.len() as u64).expect_err("too short").to_string();
+        let has = text.len();
+        assert_eq!(
+            fault,
+            format!("the file is too short: it has {has} bytes, and by its header at least {least}")
+        );
+    }
+    for file in [text_file().trim_end().as_bytes(), &binary_file(false)] {
+        assert!(read_sized(file, file.len() as u64).is_ok());
+    }
+    let tight = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2";
+    let header =
+        Header::read(&mut Lines::new(small(CORNERS, "3 0 1 2").as_bytes(), false)).expect("a header");
+    assert!(header.least_size() <= tight.len() as u128);
 }
 
 #[test]
