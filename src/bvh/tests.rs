@@ -4,6 +4,7 @@ use crate::material::MadeOf;
 use crate::math::{DAffine3, DVec3};
 use crate::scene::Finish;
 use crate::shape::{Cone, Cuboid, Cylinder, Disk, Plane, Rectangle, Shape, Sphere, Torus, Triangle};
+use crate::simd::tests::portably;
 use crate::testing::{Random, geometry};
 
 fn random_shape(random: &mut Random) -> Shape {
@@ -78,6 +79,7 @@ fn the_tree_equals_brute_force() {
             let probe = Probe::new(random_ray(&mut random));
             let expected = brute_force(&geometry, &probe);
             assert_eq!(bvh.closest(&geometry, &probe), expected, "{probe:?}");
+            assert_eq!(portably(|| bvh.closest(&geometry, &probe)), expected, "{probe:?}");
             let t_max = random.unit() * 20.0;
             let blocked = expected.is_some_and(|hit| hit.at.t < t_max);
             assert_eq!(bvh.occluded(&geometry, &probe, t_max), blocked, "{probe:?} {t_max}");

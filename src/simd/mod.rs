@@ -40,6 +40,10 @@ pub trait Work {
 /// Does the work on the widest lanes that the processor has.
 #[inline]
 pub fn dispatch<W: Work>(work: W) -> W::Output {
+    #[cfg(test)]
+    if tests::PORTABLE.get() {
+        return work.run::<Portable>();
+    }
     #[cfg(target_arch = "x86_64")]
     if x86::is_there() {
         return x86::run(work);
@@ -48,9 +52,23 @@ pub fn dispatch<W: Work>(work: W) -> W::Output {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use crate::testing::Random;
+    use std::cell::Cell;
+
+    thread_local! {
+        /// Whether this thread does without what its processor has.
+        pub static PORTABLE: Cell<bool> = const { Cell::new(false) };
+    }
+
+    /// What a computation gives without what the processor has.
+    pub fn portably<T>(compute: impl FnOnce() -> T) -> T {
+        PORTABLE.set(true);
+        let result = compute();
+        PORTABLE.set(false);
+        result
+    }
 
     /// All that lanes can do, of two rows of numbers.
     struct All([f32; 8], [f32; 8]);

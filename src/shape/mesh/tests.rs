@@ -3,6 +3,7 @@
 use super::*;
 use crate::mesh::{Corners, Parts, generate};
 use crate::shape::Triangle;
+use crate::simd::tests::portably;
 use crate::testing::Random;
 use glam::Vec3;
 
@@ -38,6 +39,8 @@ fn the_tree_finds_what_every_triangle_finds() {
         let nearest = each.min_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
         let hit = mesh.hit(&probe, f64::INFINITY);
         assert_eq!(hit, nearest);
+        assert_eq!(portably(|| mesh.hit(&probe, f64::INFINITY)), nearest);
+        assert_eq!(portably(|| mesh.blocks(&probe, f64::INFINITY)), nearest.is_some());
         assert_eq!(mesh.blocks(&probe, f64::INFINITY), hit.is_some());
         if let Some(Crossing { t, .. }) = hit {
             hits += 1;
