@@ -23,6 +23,8 @@ pub struct Bvh {
     planes: Vec<(u32, Plane)>,
     /// Indices of others without a box.
     unbounded: Vec<u32>,
+    /// Whether lights are among the primitives.
+    lights: bool,
 }
 
 /// Where a ray meets a primitive.
@@ -50,8 +52,9 @@ impl Bvh {
                 },
             }
         }
+        let lights = geometry.primitives.iter().any(|p| matches!(p.finish, Finish::Light(_)));
         let (tree, leaves) = Tree::of_boxes(&boxes);
-        let mut bvh = Self { tree, primitives: Vec::new(), begins: vec![0], planes, unbounded };
+        let mut bvh = Self { tree, primitives: Vec::new(), begins: vec![0], planes, unbounded, lights };
         for leaf in leaves {
             bvh.primitives.extend(leaf.into_iter().map(|thing| bounded[thing as usize]));
             bvh.begins.push(bvh.primitives.len() as u32);
@@ -66,6 +69,11 @@ impl Bvh {
         &self.primitives[self.begins[leaf] as usize..self.begins[leaf + 1] as usize]
     }
 
+    /// The largest of the coordinates between which all bounded primitives lie.
+    pub fn reach(&self) -> f64 {
+        self.tree.space().reach()
+    }
+
     /// The nearest primitive along the ray beyond t = 0; of equally near ones the first in the file.
     #[inline(always)]
     pub fn closest(&self, geometry: &Geometry, probe: &Probe) -> Option<Hit> {
@@ -77,17 +85,16 @@ impl Bvh {
     // where it was written has to wait.
     #[inline(always)]
     pub fn closest_before(&self, geometry: &Geometry, probe: &Probe, t_max: f64) -> Option<Hit> {
-        let mut nearest = Nearest { bvh: self, geometry, probe, t_max, but: &[], hit: None };
-        nearest.test_unbounded();
-        self.tree.walk(probe, nearest.t(), &mut nearest);
-        nearest.hit
+        self.closest_but(geometry, probe, t_max, &[])
     }
 
     /// [`Bvh::closest_before`] of all primitives but some.
+    #[inline(always)]
     pub fn closest_but(&self, geometry: &Geometry, probe: &Probe, t_max: f64, but: &[u32]) -> Option<Hit> {
-        let mut nearest = Nearest { bvh: self, geometry, probe, t_max, but, hit: None };
+        let afar = if self.lights { probe.farthest() } else { 0.0 };
+        let mut nearest = Nearest { bvh: self, geometry, probe, t_max, but, afar, hit: None };
         nearest.test_unbounded();
-        self.tree.walk(probe, nearest.t(), &mut nearest);
+        self.tree.walk(probe, nearest.limit(), &mut nearest);
         nearest.hit
     }
 
@@ -103,8 +110,8 @@ impl Bvh {
     }
 }
 
-/// The share of its distance by which a surface may lie before or behind another one that it is set into, a hundred
-/// times what rounding does.
+/// The rounding of where two surfaces in one place are met, as a share of how far the ray goes and of how far from the
+/// world's origin it starts: that of two distances to planes, of a few roundings each.
 const FLUSH: f64 = 256.0 * UNIT_ROUNDOFF;
 
 struct Nearest<'a> {
@@ -114,6 +121,8 @@ struct Nearest<'a> {
     t_max: f64,
     /// Primitives that do not count.
     but: &'a [u32],
+    /// The t that the ray's origin is away from the world's, where there are lights to be met.
+    afar: f64,
     hit: Option<Hit>,
 }
 
@@ -123,7 +132,7 @@ impl Leaves for Nearest<'_> {
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
         self.test(self.bvh.leaf(leaf));
-        Some(slabs.limit(self.t()))
+        Some(slabs.limit(self.limit()))
     }
 }
 
@@ -153,14 +162,21 @@ impl Leaves for Any<'_> {
 }
 
 impl Nearest<'_> {
-    fn t(&self) -> f64 {
-        self.hit.map_or(self.t_max, |hit| hit.at.t)
+    /// Beyond this nothing is of interest.
+    fn limit(&self) -> f64 {
+        let far = |hit: Hit| if self.bvh.lights { hit.at.t + 2.0 * self.flush(hit.at.t) } else { hit.at.t };
+        self.hit.map_or(self.t_max, far)
+    }
+
+    /// How far apart hits of two surfaces in one place may be.
+    fn flush(&self, t: f64) -> f64 {
+        (t + self.afar) * FLUSH
     }
 
     /// By what hits are compared: t, but lights come before what they are set into.
     fn rank(&self, t: f64, primitive: u32) -> f64 {
         match self.geometry.primitives[primitive as usize].finish {
-            Finish::Light(_) => t * (1.0 - FLUSH),
+            Finish::Light(_) => t - self.flush(t),
             Finish::Material(_) => t,
         }
     }
@@ -187,11 +203,17 @@ impl Nearest<'_> {
         if self.but.contains(&index) {
             return;
         }
-        // A little beyond the best, so that an equally near hit is found and the indices decide.
-        let limit = self.hit.map_or(self.t_max, |best| best.at.t + best.at.t * FLUSH);
+        // One number beyond the best, so that an equally near hit is found and the indices decide; where there are lights,
+        // as far as they come first.
+        let lights = self.bvh.lights;
+        let reach = |t: f64| if lights { t + 2.0 * self.flush(t) } else { t.next_up() };
+        let limit = self.hit.map_or(self.t_max, |best| reach(best.at.t));
         let Some(at) = hit(limit.min(self.t_max)) else { return };
         let better = self.hit.is_none_or(|best| {
-            let (a, b) = (self.rank(at.t, index), self.rank(best.at.t, best.primitive));
+            let [a, b] = match lights {
+                true => [self.rank(at.t, index), self.rank(best.at.t, best.primitive)],
+                false => [at.t, best.at.t],
+            };
             a < b || a == b && index < best.primitive
         });
         if better {

@@ -101,6 +101,7 @@ fn int_09_crossings_are_none_or_two() {
     crossings_are_even(RAYS);
 }
 
+/// `cargo test --release -- --ignored int_09` runs it.
 #[test]
 #[ignore = "a minute; the full number of rays of INT-09"]
 fn int_09_crossings_of_a_million_rays() {

@@ -16,6 +16,12 @@ pub struct Probe {
 }
 
 impl Probe {
+    /// How many lengths of its direction the ray starts away from the world's origin, at most.
+    pub fn farthest(&self) -> f64 {
+        let z = self.axes[2];
+        self.ray.origin.abs().max_element() * self.inverse[z].abs()
+    }
+
     #[inline(always)]
     pub fn new(ray: Ray) -> Self {
         let d = ray.direction;

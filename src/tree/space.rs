@@ -35,6 +35,11 @@ impl Space {
         Self { origin, per: 1.0 / size, size, farthest: origin.abs().max_element() }
     }
 
+    /// The largest of the world's coordinates that the space holds.
+    pub fn reach(&self) -> f64 {
+        self.farthest + self.size
+    }
+
     #[inline]
     pub fn point(&self, point: DVec3) -> DVec3 {
         (point - self.origin) * self.per

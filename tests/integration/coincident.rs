@@ -92,25 +92,70 @@ fn sheets_in_one_plane_cast_their_shadows_together() {
     }
 }
 
+/// Seen from below, through a clear floor: what stands on it shows its base.
+#[test]
+fn bases_are_seen_through_the_floor_that_they_stand_on() {
+    for (at, size) in [(0.0, 1.0), (1000.0, 1.0), (-3.7, 1e-3), (1e6, 50.0)] {
+        let v = |x: f64, y: f64, z: f64| {
+            format!("({:?}, {:?}, {:?})", at + x * size, at + y * size, at + z * size)
+        };
+        for shape in [
+            format!("Cylinder(from: {}, to: {}, radius: {size:?})", v(0.0, 0.0, 0.0), v(0.0, 1.0, 0.0)),
+            format!("Box(min: {}, max: {})", v(-1.0, 0.0, -1.0), v(1.0, 1.0, 1.0)),
+            format!("Cone(base: {}, apex: {}, radius: {size:?})", v(0.0, 0.0, 0.0), v(0.0, 1.0, 0.0)),
+        ] {
+            // The base is lit; the inside, which would be seen if it were missed, is dark.
+            let solid = format!("\"solid\": (shape: {shape}, material: (ambient: 0, diffuse: 1, color: 1))");
+            let floor = format!("\"floor\": (shape: Plane(point: {}), {CLEAR})", v(0.0, 0.0, 0.0));
+            for objects in [[&solid, &floor], [&floor, &solid]] {
+                let text = format!(
+                    r#"(output: (size: (1, 1)), ambient: 0, quality: (antialias: 1),
+                    lights: {{ "below": Directional(direction: (0, 1, 0)) }},
+                    camera: (position: {}, target: {}, up: (0, 0, 1)), objects: {{ {}, {} }})"#,
+                    v(0.1, -5.0, 0.2),
+                    v(0.1, 0.0, 0.2),
+                    objects[0],
+                    objects[1]
+                );
+                let found = shoot_all(&text)[0].pixel(0, 0).x;
+                // The floor dims the light and the view, unless the base is met first.
+                let known = [0.25, 0.5, 1.0].iter().any(|share| (found - share).abs() < 1e-3);
+                assert!(known, "{at} {size} {shape}: {found}");
+            }
+        }
+    }
+}
+
+/// Two sheets that are close, but not in one place, are two.
+#[test]
+fn sheets_that_lie_apart_are_passed_once_each() {
+    for apart in [1e-14, 1e-13, 1e-12, 1e-9, 1e-3] {
+        let sheet = |y: f64| format!("shape: Plane(point: (0, {y:?}, 0)), {CLEAR}");
+        both_ways("background: 1", [&sheet(1.0), &sheet(1.0 + apart)], [0.25; 3], 0.02);
+    }
+}
+
 /// The light of a panel in a ceiling is the same as that of one a little below.
 #[test]
 fn panels_shine_from_within_a_ceiling() {
-    let lit = |height: f64| {
-        format!(
-            r#"lights: {{ "panel": Rectangle(corner: (-1, {height:?}, -1), u: (2, 0, 0), v: (0, 0, 2)) }}, ambient: 0"#
-        )
-    };
-    let seen = |fields: &str, integrator: &str| {
+    let seen = |at: f64, height: f64, integrator: &str| {
+        let v = |x: f64, y: f64, z: f64| format!("({:?}, {:?}, {:?})", at + x, at + y, at + z);
         let text = format!(
             r#"(output: (size: (1, 1)), quality: (integrator: {integrator}, samples: 4096, bounces: 1, antialias: 1),
-            camera: (position: (0.1, 1, 0.2), target: (0.1, 0, 0.2), up: (0, 0, -1), projection: Perspective(fov: 0.001)),
-            {fields}, objects: {{ "ceiling": (shape: Plane(point: (0, 4, 0)), material: Lambertian(color: 0)),
-                                  "floor": (shape: Plane(), material: Lambertian(color: 1)) }})"#
+            camera: (position: {}, target: {}, up: (0, 0, -1), projection: Perspective(fov: 0.001)), ambient: 0,
+            lights: {{ "panel": Rectangle(corner: {}, u: (2, 0, 0), v: (0, 0, 2)) }},
+            objects: {{ "ceiling": (shape: Plane(point: {}), material: Lambertian(color: 0)),
+                        "floor": (shape: Plane(point: {}), material: Lambertian(color: 1)) }})"#,
+            v(0.1, 1.0, 0.2),
+            v(0.1, 0.0, 0.2),
+            v(-1.0, height, -1.0),
+            v(0.0, 4.0, 0.0),
+            v(0.0, 0.0, 0.0)
         );
         shoot_all(&text)[0].pixel(0, 0).x
     };
-    for integrator in BOTH {
-        let (flush, below) = (seen(&lit(4.0), integrator), seen(&lit(3.999), integrator));
-        assert!((flush / below - 1.0).abs() < 0.01, "{integrator}: {flush} and {below}");
+    for (at, integrator) in [0.0, 7.3, -1e4, 1e6].into_iter().flat_map(|at| BOTH.map(|i| (at, i))) {
+        let (flush, below) = (seen(at, 4.0, integrator), seen(at, 3.999, integrator));
+        assert!((flush / below - 1.0).abs() < 0.01, "{at} {integrator}: {flush} and {below}");
     }
 }

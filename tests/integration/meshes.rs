@@ -75,6 +75,7 @@ fn no_ray_leaks_out_of_a_closed_mesh() {
     assert_watertight(RAYS);
 }
 
+/// INT-12 in full: `cargo test --release -- --ignored ten_million` runs it.
 #[test]
 #[ignore = "minutes of rays, for release builds"]
 fn no_ray_of_ten_million_leaks_out_of_a_closed_mesh() {

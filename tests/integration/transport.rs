@@ -69,7 +69,7 @@ fn sa_03_closed_furnace() {
 
 /// `cargo test --release -- --ignored sa_03` runs the 10^6 paths of the full case.
 #[test]
-#[ignore = "10^6 paths"]
+#[ignore = "a minute; the full number of paths of SA-03"]
 fn sa_03_closed_furnace_in_full() {
     near(closed_furnace(1_000_000, "integrator: Path, bounces: 1000"), 1.0, 1e-3);
     near(closed_furnace(1_000_000, "integrator: Path(roulette: Off), bounces: 10"), 0.914_100_654_08, 1e-3);
