@@ -130,6 +130,10 @@ impl Leaves for Nearest<'_> {
     const IN_ORDER: bool = true;
 
     #[inline(always)]
+    fn fetch<L: Lanes>(&self, _: u32) {
+    }
+
+    #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
         self.test(self.bvh.leaf(leaf));
         Some(slabs.limit(self.limit()))
@@ -153,6 +157,10 @@ impl Any<'_> {
 
 impl Leaves for Any<'_> {
     const IN_ORDER: bool = false;
+
+    #[inline(always)]
+    fn fetch<L: Lanes>(&self, _: u32) {
+    }
 
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {

@@ -15,21 +15,15 @@ pub struct Packet {
     /// Of each corner, along each axis.
     corners: [[[f32; 8]; 3]; 3],
     parts: [u32; 8],
-    /// Indices of their corners' positions.
-    vertices: [[u32; 3]; 8],
-    /// A bit for each lane in use.
-    used: u32,
 }
 
 impl Packet {
     pub fn new(space: &Space, leaf: &[u32], parts: &Parts) -> Self {
-        let mut packet =
-            Self { corners: [[[0.0; 8]; 3]; 3], parts: [u32::MAX; 8], vertices: [[0; 3]; 8], used: 0 };
+        // What is no number is not met.
+        let mut packet = Self { corners: [[[f32::NAN; 8]; 3]; 3], parts: [u32::MAX; 8] };
         for (lane, &part) in leaf.iter().enumerate().take(8) {
             packet.parts[lane] = part;
-            packet.vertices[lane] = parts.triangles[part as usize];
-            packet.used |= 1 << lane;
-            for (rows, corner) in packet.corners.iter_mut().zip(packet.vertices[lane]) {
+            for (rows, corner) in packet.corners.iter_mut().zip(parts.triangles[part as usize]) {
                 let rounded = space.point(parts.positions[corner as usize]).as_vec3();
                 rows.iter_mut().zip(rounded.to_array()).for_each(|(row, value)| row[lane] = value);
             }
@@ -47,12 +41,6 @@ impl Packet {
             DVec3::new(rows[0][lane].into(), rows[1][lane].into(), rows[2][lane].into())
         };
         [corner(a) * size, corner(b) * size, corner(c) * size]
-    }
-
-    /// Indices of the positions of a lane's corners.
-    #[inline(always)]
-    pub fn vertices(&self, lane: usize) -> [u32; 3] {
-        self.vertices[lane & 7]
     }
 
     #[inline(always)]
@@ -145,7 +133,7 @@ impl Sheared {
         let margin = error.plus(error);
         let near = first.minus(margin);
         let (start, limit_lanes) = (L::splat(self.start), L::splat(limit));
-        let live = !missed & near.at_most(limit_lanes) & start.at_most(last.plus(margin)) & packet.used;
+        let live = !missed & near.at_most(limit_lanes) & start.at_most(last.plus(margin));
         let mut sieve = Sieve { hit: 0, unsure: live, within: 0, near: [f32::NEG_INFINITY; 8] };
         let inside = live & (off.below(low) | high.below(under));
         if inside == 0 {

@@ -10,8 +10,29 @@ mod x86;
 
 pub use portable::Portable;
 
+/// Four f64.
+pub trait Quad: Copy {
+    fn splat(value: f64) -> Self;
+    fn load(values: &[f64; 4]) -> Self;
+    fn plus(self, other: Self) -> Self;
+    fn minus(self, other: Self) -> Self;
+    fn times(self, other: Self) -> Self;
+    /// The larger of each; `other` where `self` is not a number.
+    fn larger(self, other: Self) -> Self;
+    fn smaller(self, other: Self) -> Self;
+    fn absolute(self) -> Self;
+    /// These magnitudes with the signs of others.
+    fn signed_like(self, signs: Self) -> Self;
+    /// A bit for each lane whose sign is negative.
+    fn signs(self) -> u32;
+    fn below(self, other: Self) -> u32;
+    fn narrow(self) -> [f32; 4];
+}
+
 /// Eight f32. Comparisons give a bit per lane, lane 0 the lowest; they are false for what is not a number.
 pub trait Lanes: Copy {
+    type Quad: Quad;
+
     fn splat(value: f32) -> Self;
     fn load(values: &[f32; 8]) -> Self;
     fn store(self) -> [f32; 8];
@@ -26,6 +47,10 @@ pub trait Lanes: Copy {
     fn smaller(self, other: Self) -> Self;
     fn absolute(self) -> Self;
     fn below(self, other: Self) -> u32;
+    /// Does work on the same lanes, out of line: what comes before and after keeps its registers.
+    fn apart<W: Work>(work: W) -> W::Output;
+    /// Asks for the cache lines of an entry that will be needed soon. There need not be one.
+    fn fetch<T>(all: &[T], soon: usize);
     fn at_most(self, other: Self) -> u32;
 }
 

@@ -1,6 +1,6 @@
 //! Lanes as arrays, which compilers turn into whatever there is.
 
-use super::Lanes;
+use super::{Lanes, Quad, Work};
 
 /// Eight numbers in an array.
 #[derive(Clone, Copy)]
@@ -24,7 +24,89 @@ impl Portable {
     }
 }
 
+/// Four numbers in an array.
+#[derive(Clone, Copy)]
+pub struct PortableQuad([f64; 4]);
+
+impl PortableQuad {
+    #[inline(always)]
+    fn each(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        let mut values = self.0;
+        values.iter_mut().zip(other.0).for_each(|(a, b)| *a = f(*a, b));
+        Self(values)
+    }
+
+    #[inline(always)]
+    fn bits(self, other: Self, f: impl Fn(f64, f64) -> bool) -> u32 {
+        (0..4).map(|lane| u32::from(f(self.0[lane], other.0[lane])) << lane).sum()
+    }
+}
+
+impl Quad for PortableQuad {
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self([value; 4])
+    }
+
+    #[inline(always)]
+    fn load(values: &[f64; 4]) -> Self {
+        Self(*values)
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        self.each(other, |a, b| a + b)
+    }
+
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        self.each(other, |a, b| a - b)
+    }
+
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        self.each(other, |a, b| a * b)
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        self.each(other, |a, b| if a > b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        self.each(other, |a, b| if a < b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn absolute(self) -> Self {
+        self.each(self, |a, _| a.abs())
+    }
+
+    #[inline(always)]
+    fn signed_like(self, signs: Self) -> Self {
+        self.each(signs, f64::copysign)
+    }
+
+    #[inline(always)]
+    fn signs(self) -> u32 {
+        self.bits(self, |a, _| a.is_sign_negative())
+    }
+
+    #[inline(always)]
+    fn below(self, other: Self) -> u32 {
+        self.bits(other, |a, b| a < b)
+    }
+
+    #[inline(always)]
+    fn narrow(self) -> [f32; 4] {
+        self.0.map(|value| value as f32)
+    }
+}
+
 impl Lanes for Portable {
+    type Quad = PortableQuad;
+
     #[inline(always)]
     fn splat(value: f32) -> Self {
         Self([value; 8])
@@ -78,6 +160,14 @@ impl Lanes for Portable {
     #[inline(always)]
     fn absolute(self) -> Self {
         self.each(self, |a, _| a.abs())
+    }
+
+    #[inline(always)]
+    fn fetch<T>(_: &[T], _: usize) {}
+
+    #[inline(never)]
+    fn apart<W: Work>(work: W) -> W::Output {
+        work.run::<Self>()
     }
 
     #[inline(always)]

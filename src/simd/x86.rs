@@ -4,7 +4,7 @@
 //! come to be in [`run`] alone, which asks the processor first.
 #![allow(unsafe_code, reason = "intrinsics are unsafe where the processor may lack them")]
 
-use super::{Lanes, Work};
+use super::{Lanes, Quad, Work};
 use std::arch::x86_64::*;
 
 /// Whether the processor has what this file needs. The answer is remembered: asking is a load.
@@ -28,12 +28,23 @@ fn with_avx<W: Work>(work: W) -> W::Output {
     work.run::<Avx>()
 }
 
+#[inline(never)]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn with_avx_apart<W: Work>(work: W) -> W::Output {
+    work.run::<Avx>()
+}
+
 #[derive(Clone, Copy)]
 struct Avx(__m256);
+
+#[derive(Clone, Copy)]
+struct AvxQuad(__m256d);
 
 // SAFETY of all that follows: there are lanes of this kind only where the processor has AVX2 and FMA, see above.
 // What is read and written are arrays of eight f32, through pointers to whole ones that need no alignment.
 impl Lanes for Avx {
+    type Quad = AvxQuad;
+
     #[inline(always)]
     fn splat(value: f32) -> Self {
         Self(unsafe { _mm256_set1_ps(value) })
@@ -93,6 +104,20 @@ impl Lanes for Avx {
     }
 
     #[inline(always)]
+    fn apart<W: Work>(work: W) -> W::Output {
+        unsafe { with_avx_apart(work) }
+    }
+
+    #[inline(always)]
+    fn fetch<T>(all: &[T], soon: usize) {
+        let lines = size_of::<T>().div_ceil(64);
+        let begin = all.as_ptr().wrapping_add(soon).cast::<i8>();
+        for line in 0..lines {
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(begin.wrapping_add(64 * line)) };
+        }
+    }
+
+    #[inline(always)]
     fn below(self, other: Self) -> u32 {
         unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)) as u32 }
     }
@@ -100,5 +125,72 @@ impl Lanes for Avx {
     #[inline(always)]
     fn at_most(self, other: Self) -> u32 {
         unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0)) as u32 }
+    }
+}
+
+impl Quad for AvxQuad {
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self(unsafe { _mm256_set1_pd(value) })
+    }
+
+    #[inline(always)]
+    fn load(values: &[f64; 4]) -> Self {
+        Self(unsafe { _mm256_loadu_pd(values.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        Self(unsafe { _mm256_add_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        Self(unsafe { _mm256_sub_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        Self(unsafe { _mm256_mul_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        Self(unsafe { _mm256_max_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        Self(unsafe { _mm256_min_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn absolute(self) -> Self {
+        Self(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
+    }
+
+    #[inline(always)]
+    fn signed_like(self, signs: Self) -> Self {
+        unsafe {
+            let sign = _mm256_set1_pd(-0.0);
+            Self(_mm256_or_pd(_mm256_andnot_pd(sign, self.0), _mm256_and_pd(sign, signs.0)))
+        }
+    }
+
+    #[inline(always)]
+    fn signs(self) -> u32 {
+        unsafe { _mm256_movemask_pd(self.0) as u32 }
+    }
+
+    #[inline(always)]
+    fn below(self, other: Self) -> u32 {
+        unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0)) as u32 }
+    }
+
+    #[inline(always)]
+    fn narrow(self) -> [f32; 4] {
+        let mut values = [0.0; 4];
+        unsafe { _mm_storeu_ps(values.as_mut_ptr(), _mm256_cvtpd_ps(self.0)) };
+        values
     }
 }

@@ -9,7 +9,7 @@ use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::mesh::{self, Normals, Sheared};
-use crate::simd::Lanes;
+use crate::simd::{Lanes, Work};
 use crate::tree::{Leaves, Probe, Slabs};
 use std::sync::Arc;
 
@@ -133,7 +133,29 @@ impl Leaves for Nearest<'_> {
     const IN_ORDER: bool = true;
 
     #[inline(always)]
+    fn fetch<L: Lanes>(&self, leaf: u32) {
+        L::fetch(self.mesh.mesh.packets(), leaf as usize);
+    }
+
+    #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
+        L::apart(Visit { search: self, leaf, slabs })
+    }
+}
+
+impl Work for Visit<'_, Nearest<'_>> {
+    type Output = Option<f32>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Option<f32> {
+        let Self { search, leaf, slabs } = self;
+        search.test::<L>(leaf, slabs)
+    }
+}
+
+impl Nearest<'_> {
+    #[inline(always)]
+    fn test<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
         let packet = self.mesh.mesh.packet(leaf);
         let sheared = self.sheared.get_or_insert_with(|| Sheared::new(self.probe, slabs));
         let mut limit = slabs.limit(self.hit.map_or(self.t_max, |hit| hit.t));
@@ -160,6 +182,13 @@ impl Leaves for Nearest<'_> {
     }
 }
 
+/// The visit of a leaf.
+struct Visit<'a, S> {
+    search: &'a mut S,
+    leaf: u32,
+    slabs: &'a Slabs,
+}
+
 /// The search for any triangle.
 struct Any<'a> {
     mesh: &'a Mesh,
@@ -175,7 +204,29 @@ impl Leaves for Any<'_> {
     const IN_ORDER: bool = false;
 
     #[inline(always)]
+    fn fetch<L: Lanes>(&self, leaf: u32) {
+        L::fetch(self.mesh.mesh.packets(), leaf as usize);
+    }
+
+    #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
+        L::apart(Visit { search: self, leaf, slabs })
+    }
+}
+
+impl Work for Visit<'_, Any<'_>> {
+    type Output = Option<f32>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Option<f32> {
+        let Self { search, leaf, slabs } = self;
+        search.test::<L>(leaf, slabs)
+    }
+}
+
+impl Any<'_> {
+    #[inline(always)]
+    fn test<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
         let packet = self.mesh.mesh.packet(leaf);
         let (probe, limit) = (self.probe, &mut self.limit);
         let sheared = self.sheared.get_or_insert_with(|| {
