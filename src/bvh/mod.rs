@@ -134,7 +134,7 @@ impl Leaves for Nearest<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
+    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, _: f32) -> Option<f32> {
         self.test(self.bvh.leaf(leaf));
         Some(slabs.limit(self.limit()))
     }
@@ -163,9 +163,9 @@ impl Leaves for Any<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
+    fn visit<L: Lanes>(&mut self, leaf: u32, _: &Slabs, limit: f32) -> Option<f32> {
         self.found = self.test(self.bvh.leaf(leaf));
-        (!self.found).then(|| slabs.limit(self.t_max))
+        (!self.found).then_some(limit)
     }
 }
 

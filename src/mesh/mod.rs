@@ -122,11 +122,6 @@ impl Mesh {
         &self.packets
     }
 
-    #[inline(always)]
-    pub fn packet(&self, leaf: u32) -> &Packet {
-        &self.packets[leaf as usize]
-    }
-
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }

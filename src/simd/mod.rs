@@ -40,6 +40,8 @@ pub trait Lanes: Copy {
     fn minus(self, other: Self) -> Self;
     fn times(self, other: Self) -> Self;
     fn over(self, other: Self) -> Self;
+    /// self · factor + term, rounded once or twice.
+    fn times_plus(self, factor: Self, term: Self) -> Self;
     /// self · factor - term, rounded once or twice.
     fn times_minus(self, factor: Self, term: Self) -> Self;
     /// The larger of each; `other` where `self` is not a number.

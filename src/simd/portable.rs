@@ -143,6 +143,11 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn times_plus(self, factor: Self, term: Self) -> Self {
+        self.times(factor).plus(term)
+    }
+
+    #[inline(always)]
     fn times_minus(self, factor: Self, term: Self) -> Self {
         self.times(factor).minus(term)
     }

@@ -83,6 +83,11 @@ impl Lanes for Avx {
     }
 
     #[inline(always)]
+    fn times_plus(self, factor: Self, term: Self) -> Self {
+        Self(unsafe { _mm256_fmadd_ps(self.0, factor.0, term.0) })
+    }
+
+    #[inline(always)]
     fn times_minus(self, factor: Self, term: Self) -> Self {
         Self(unsafe { _mm256_fmsub_ps(self.0, factor.0, term.0) })
     }

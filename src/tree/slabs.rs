@@ -2,7 +2,7 @@
 
 use super::space::{power_of_two, reciprocal};
 use super::{Node, Probe, Tree};
-use crate::math::{DVec3, gamma};
+use crate::math::{DVec3, gamma, larger};
 use crate::simd::{Lanes, Quad};
 
 /// A ray as a tree's f32 filters see it: its direction scaled by a power of two, so that the longest component is of
@@ -10,7 +10,7 @@ use crate::simd::{Lanes, Quad};
 #[derive(Clone, Copy, Debug)]
 pub struct Slabs {
     /// Along each axis, for the planes of boxes that come first and for those that come last: 1 / direction and
-    /// origin / direction, with all that rounding may do taken off the distances to the first and added to the others.
+    /// -origin / direction, with all that rounding may do taken off for the first and added for the others.
     enter: [[f32; 4]; 2],
     leave: [[f32; 4]; 2],
     /// A bit for each axis along which upper planes come first.
@@ -69,12 +69,6 @@ impl Start {
     }
 }
 
-/// The larger number; the second if one is none.
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
 #[inline(always)]
 fn longest(v: DVec3) -> f64 {
     let v = v.abs();
@@ -99,13 +93,13 @@ impl Slabs {
         // The second for what is not a number.
         let steepness = inverse.absolute().smaller(L::Quad::splat(STEEPEST));
         let inverse = steepness.signed_like(inverse);
-        let offset = row(origin).times(inverse);
+        let offset = row(-origin).times(inverse);
         let off = offset.absolute().times(L::Quad::splat(4.0 * ROUNDOFF));
         let off = off.plus(steepness.times(L::Quad::splat(error + SLACK)));
         let spread = L::Quad::splat(SPREAD);
         Some(Self {
-            enter: [inverse.narrow(), offset.plus(off).narrow()],
-            leave: [inverse.times(spread).narrow(), offset.minus(off).times(spread).narrow()],
+            enter: [inverse.narrow(), offset.minus(off).narrow()],
+            leave: [inverse.times(spread).narrow(), offset.plus(off).times(spread).narrow()],
             octant: inverse.signs(),
             origin,
             error,
@@ -172,13 +166,13 @@ impl<L: Lanes> Wide<L> {
     #[inline(always)]
     fn enter(&self, node: &Node, axis: usize) -> L {
         let [inverse, offset] = self.enter[axis];
-        L::load(&node.planes[axis][self.near[axis] & 1]).times_minus(inverse, offset)
+        L::load(&node.planes[axis][self.near[axis] & 1]).times_plus(inverse, offset)
     }
 
     #[inline(always)]
     fn leave(&self, node: &Node, axis: usize) -> L {
         let [inverse, offset] = self.leave[axis];
-        L::load(&node.planes[axis][!self.near[axis] & 1]).times_minus(inverse, offset)
+        L::load(&node.planes[axis][!self.near[axis] & 1]).times_plus(inverse, offset)
     }
 }
 

@@ -9,9 +9,9 @@ pub trait Leaves {
     /// Whether leaves that are entered nearer are to be visited first, which pays if that lowers the limit.
     const IN_ORDER: bool;
 
-    /// Tests what is in a leaf; gives the limit beyond which nothing is of interest any more, or none to end the walk.
+    /// Tests what is in a leaf and before `limit`; gives the limit beyond which nothing is of interest any more, or none to end the walk.
     /// Implementations are `#[inline(always)]`.
-    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32>;
+    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, limit: f32) -> Option<f32>;
 
     /// Asks for what is in a leaf that will be visited soon.
     fn fetch<L: Lanes>(&self, leaf: u32);
@@ -68,7 +68,7 @@ impl<V: Leaves> Work for Walk<'_, V> {
         let mut at = from;
         loop {
             if let Some(leaf) = at.as_leaf() {
-                limit = leaves.visit::<L>(leaf, slabs)?;
+                limit = leaves.visit::<L>(leaf, slabs, limit)?;
             } else if top > STACK - 8 {
                 limit = walk_apart(Walk { tree, slabs, leaves, limit, from: at })?;
             } else {
