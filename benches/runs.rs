@@ -9,8 +9,9 @@
 //! it. In every round each command runs once, so that a slow spell of the machine meets all of them; a round before
 //! those that count warms up. Commands start in the root of the repository, and what they say is not shown.
 //!
-//! Told are the medians and quartiles of the wall time, from the start of the process until it has ended, and of the
-//! wall time of `kinora` over that of the other command in the same round. CPU time and peak memory are the system's own
+//! Told are the medians of the wall time, from the start of the process until it has ended, of the CPU time and of the
+//! peak memory, with the quartiles of the first; and of the share that `kinora` took of what the other command did in the
+//! same round. On a machine that is busy otherwise, CPU time is the steadier one. It and memory are the system's own
 //! counts, and only Linux is asked for them: those of the process that the command starts, and for the CPU time of the
 //! children too that it has waited for.
 
@@ -165,25 +166,29 @@ fn report(settings: &Settings, runners: &[Runner]) -> Outcome<()> {
     if let Some(load) = load() {
         write!(text, ", load {load}")?;
     }
-    writeln!(text, "\n  wall s  quartiles          CPU s  peak MiB  ours / this")?;
+    writeln!(text, "\n  wall s  quartiles          CPU s  peak MiB   ours / this")?;
+    writeln!(text, "{:44}wall  quartiles       CPU", "")?;
     for (index, runner) in runners.iter().enumerate() {
-        let wall = quartiles(runner.runs.iter().map(|run| run.wall));
-        let cpu = quartiles(runner.runs.iter().filter_map(|run| run.cpu));
-        let peak = quartiles(runner.runs.iter().filter_map(|run| run.peak));
-        let [low, median, high] = wall.unwrap_or_default();
-        write!(text, "{median:8.3}  {low:7.3} - {high:<7.3}")?;
-        let shown = |of: Option<[f64; 3]>, digits| {
-            of.map_or("-".to_owned(), |[_, median, _]| format!("{median:.digits$}"))
-        };
-        write!(text, "  {:>6}  {:>8}", shown(cpu, 2), shown(peak, 0))?;
-        let ratios = runners[0].runs.iter().zip(&runner.runs).map(|(ours, other)| ours.wall / other.wall);
-        match quartiles(ratios) {
-            Some([low, median, high]) if index > 0 => write!(text, "  {median:.3} ({low:.3} - {high:.3})")?,
-            _ => write!(text, "  {:21}", "")?,
+        let [low, wall, high] = quartiles(runner.runs.iter().map(|run| run.wall)).unwrap_or_default();
+        let cpu = median(runner.runs.iter().filter_map(|run| run.cpu), 2);
+        let peak = median(runner.runs.iter().filter_map(|run| run.peak), 0);
+        write!(text, "{wall:8.3}  {low:7.3} - {high:<7.3}  {cpu:>6}  {peak:>8}")?;
+        let rounds = || runners[0].runs.iter().zip(&runner.runs);
+        match quartiles(rounds().map(|(ours, other)| ours.wall / other.wall)) {
+            Some([low, wall, high]) if index > 0 => {
+                let cpu = median(rounds().filter_map(|(ours, other)| Some(ours.cpu? / other.cpu?)), 3);
+                write!(text, "   {wall:.3}  {low:.3} - {high:.3}  {cpu:>6}")?;
+            }
+            _ => write!(text, "{:31}", "")?,
         }
         writeln!(text, "  {}", runner.words.join(" "))?;
     }
     Ok(stdout().write_all(text.as_bytes())?)
+}
+
+/// To so many digits; a dash if there are no values.
+fn median(values: impl Iterator<Item = f64>, digits: usize) -> String {
+    quartiles(values).map_or("-".to_owned(), |[_, median, _]| format!("{median:.digits$}"))
 }
 
 /// How many processes have wanted a processor in the last minute.
