@@ -2,8 +2,11 @@
 //!
 //! A tie goes to the lower index, so neither the tree's layout nor its builder shows in a picture.
 
+mod bundle;
 #[cfg(test)]
 mod tests;
+
+pub use bundle::Hits;
 
 use crate::math::UNIT_ROUNDOFF;
 use crate::scene::{Finish, Geometry};
@@ -130,8 +133,7 @@ impl Leaves for Nearest<'_> {
     const IN_ORDER: bool = true;
 
     #[inline(always)]
-    fn fetch<L: Lanes>(&self, _: u32) {
-    }
+    fn fetch<L: Lanes>(&self, _: u32) {}
 
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, _: f32) -> Option<f32> {
@@ -159,8 +161,7 @@ impl Leaves for Any<'_> {
     const IN_ORDER: bool = false;
 
     #[inline(always)]
-    fn fetch<L: Lanes>(&self, _: u32) {
-    }
+    fn fetch<L: Lanes>(&self, _: u32) {}
 
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, _: &Slabs, limit: f32) -> Option<f32> {

@@ -10,7 +10,7 @@ mod rotation;
 pub use angle::Angle;
 pub use basis::{Basis, look_at, perpendicular};
 pub use bounds::Aabb;
-pub use error::{UNIT_ROUNDOFF, difference_of_products, gamma, next_away};
+pub use error::{NEAR_ZERO, UNIT_ROUNDOFF, difference_of_products, gamma, next_away};
 pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 pub use root::root_between;
 pub use rotation::{axis_angle, euler_xyz, slerp};

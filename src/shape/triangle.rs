@@ -31,7 +31,7 @@ impl Geometric for Triangle {
     }
 
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-        flat::surface(self.corners[0], perpendicular(self.corners).normalize_or(DVec3::Y), ray, at.t)
+        flat::surface(self.corners[0], unit_normal(self.corners), ray, at.t)
     }
 
     fn bounds(&self) -> Option<Aabb> {
@@ -58,7 +58,7 @@ impl Geometric for Triangle {
         let [a, b, c] = self.corners;
         let weights = uniform_weights(u);
         let point = a + (b - a) * weights.x + (c - a) * weights.y;
-        Some((flat::placed(a, point, perpendicular(self.corners).normalize_or(DVec3::Y)), 0))
+        Some((flat::placed(a, point, unit_normal(self.corners)), 0))
     }
 }
 
@@ -74,6 +74,11 @@ pub(super) fn perpendicular([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
+/// The direction of [`perpendicular`].
+pub(super) fn unit_normal(corners: [DVec3; 3]) -> DVec3 {
+    perpendicular(corners).normalize_or(DVec3::Y)
+}
+
 /// Whether the line of the ray passes through the triangle or its boundary.
 ///
 /// Woop, Benthin, Wald, *Watertight Ray/Triangle Intersection* (2013): the corners are sheared so that the
@@ -81,7 +86,8 @@ pub(super) fn perpendicular([a, b, c]: [DVec3; 3]) -> DVec3 {
 /// compute the same number for it with opposite signs, and zero counts as inside, so no ray slips between.
 #[inline]
 pub(super) fn covers(corners: [DVec3; 3], probe: &Probe) -> bool {
-    let [(ax, ay), (bx, by), (cx, cy)] = [sheared(corners[0], probe), sheared(corners[1], probe), sheared(corners[2], probe)];
+    let [(ax, ay), (bx, by), (cx, cy)] =
+        [sheared(corners[0], probe), sheared(corners[1], probe), sheared(corners[2], probe)];
     let u = cx * by - cy * bx;
     let v = ax * cy - ay * cx;
     let w = bx * ay - by * ax;

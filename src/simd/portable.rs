@@ -54,6 +54,57 @@ impl Quad for PortableQuad {
     }
 
     #[inline(always)]
+    fn store(self) -> [f64; 4] {
+        self.0
+    }
+
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        self.each(other, |a, b| a / b)
+    }
+
+    #[inline(always)]
+    fn root(self) -> Self {
+        self.each(self, |a, _| a.sqrt())
+    }
+
+    #[inline(always)]
+    fn negated(self) -> Self {
+        self.each(self, |a, _| -a)
+    }
+
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        self.each(self, |a, _| f64::from_bits(a.to_bits() & 0x7ff0_0000_0000_0000))
+    }
+
+    #[inline(always)]
+    fn stepped(self, out: u32, back: u32) -> Self {
+        let mut values = self.0;
+        for (lane, value) in values.iter_mut().enumerate() {
+            let (out, back) = (u64::from(out >> lane & 1), u64::from(back >> lane & 1));
+            *value = f64::from_bits(value.to_bits().wrapping_add(out).wrapping_sub(back));
+        }
+        Self(values)
+    }
+
+    #[inline(always)]
+    fn pick(self, bits: u32, other: Self) -> Self {
+        let mut values = other.0;
+        for (lane, value) in values.iter_mut().enumerate() {
+            if bits >> lane & 1 == 1 {
+                *value = self.0[lane];
+            }
+        }
+        Self(values)
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self) -> u32 {
+        self.bits(other, |a, b| a <= b)
+    }
+
+    #[inline(always)]
     fn plus(self, other: Self) -> Self {
         self.each(other, |a, b| a + b)
     }
@@ -173,6 +224,17 @@ impl Lanes for Portable {
     #[inline(never)]
     fn apart<W: Work>(work: W) -> W::Output {
         work.run::<Self>()
+    }
+
+    #[inline(always)]
+    fn pick(self, bits: u32, other: Self) -> Self {
+        let mut values = other.0;
+        for (lane, value) in values.iter_mut().enumerate() {
+            if bits >> lane & 1 == 1 {
+                *value = self.0[lane];
+            }
+        }
+        Self(values)
     }
 
     #[inline(always)]

@@ -40,10 +40,29 @@ struct Avx(__m256);
 #[derive(Clone, Copy)]
 struct AvxQuad(__m256d);
 
+/// All bits of the lanes whose bit is set.
+#[inline(always)]
+fn chosen_quad(bits: u32) -> __m256i {
+    // SAFETY: called by the lanes below only.
+    unsafe {
+        let lane = _mm256_setr_epi64x(1, 2, 4, 8);
+        _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(i64::from(bits)), lane), lane)
+    }
+}
+
 // SAFETY of all that follows: there are lanes of this kind only where the processor has AVX2 and FMA, see above.
 // What is read and written are arrays of eight f32, through pointers to whole ones that need no alignment.
 impl Lanes for Avx {
     type Quad = AvxQuad;
+
+    #[inline(always)]
+    fn pick(self, bits: u32, other: Self) -> Self {
+        unsafe {
+            let lane = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let chosen = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(bits as i32), lane), lane);
+            Self(_mm256_blendv_ps(other.0, self.0, _mm256_castsi256_ps(chosen)))
+        }
+    }
 
     #[inline(always)]
     fn splat(value: f32) -> Self {
@@ -134,6 +153,52 @@ impl Lanes for Avx {
 }
 
 impl Quad for AvxQuad {
+    #[inline(always)]
+    fn store(self) -> [f64; 4] {
+        let mut values = [0.0; 4];
+        unsafe { _mm256_storeu_pd(values.as_mut_ptr(), self.0) };
+        values
+    }
+
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        Self(unsafe { _mm256_div_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn root(self) -> Self {
+        Self(unsafe { _mm256_sqrt_pd(self.0) })
+    }
+
+    #[inline(always)]
+    fn negated(self) -> Self {
+        Self(unsafe { _mm256_xor_pd(_mm256_set1_pd(-0.0), self.0) })
+    }
+
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        Self(unsafe { _mm256_and_pd(_mm256_set1_pd(f64::INFINITY), self.0) })
+    }
+
+    #[inline(always)]
+    fn stepped(self, out: u32, back: u32) -> Self {
+        unsafe {
+            // The bits of a chosen lane are all set: -1.
+            let bits = _mm256_sub_epi64(_mm256_castpd_si256(self.0), chosen_quad(out));
+            Self(_mm256_castsi256_pd(_mm256_add_epi64(bits, chosen_quad(back))))
+        }
+    }
+
+    #[inline(always)]
+    fn pick(self, bits: u32, other: Self) -> Self {
+        Self(unsafe { _mm256_blendv_pd(other.0, self.0, _mm256_castsi256_pd(chosen_quad(bits))) })
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self) -> u32 {
+        unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0)) as u32 }
+    }
+
     #[inline(always)]
     fn splat(value: f64) -> Self {
         Self(unsafe { _mm256_set1_pd(value) })

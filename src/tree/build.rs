@@ -274,7 +274,9 @@ fn plans(binary: &Bvh2, groups: &[Leaf], largest: u32) -> Vec<Plan> {
             let mut best = (f32::INFINITY, 0u8);
             for k in 1..roots {
                 let cost = left.cost[k.min(7)] + right.cost[(roots - k).min(7)];
-                if cost < best.0 { best = (cost, k as u8); }
+                if cost < best.0 {
+                    best = (cost, k as u8);
+                }
             }
             best
         };

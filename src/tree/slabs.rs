@@ -24,21 +24,21 @@ pub struct Slabs {
 }
 
 /// Farther from the tree than this, rays begin near it instead. Ways through a tree's space are then shorter than 32.
-const AFAR: f64 = 4.0;
+pub(super) const AFAR: f64 = 4.0;
 
 /// What is steeper than this along an axis is taken for as steep as this: within the tree's space it stays as close to a
 /// plane as [`SLACK`] says.
-const STEEPEST: f64 = (1u64 << 40) as f64;
+pub(super) const STEEPEST: f64 = (1u64 << 40) as f64;
 
 /// Added to the error of the origin, which it hardly changes: four times as far as rays that are steeper than
 /// [`STEEPEST`] may go along an axis, so that they enter before 0 and leave after 32 whatever they are within.
-const SLACK: f64 = 128.0 / STEEPEST;
+pub(super) const SLACK: f64 = 128.0 / STEEPEST;
 
 /// Half the distance from 1 to the next f32.
-const ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
+pub(super) const ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
 
 /// Relative error of where a ray enters and leaves boxes, on both sides of a comparison.
-const SPREAD: f64 = 1.0 + 16.0 * ROUNDOFF;
+pub(super) const SPREAD: f64 = 1.0 + 16.0 * ROUNDOFF;
 
 /// Where a ray begins in a tree's space.
 struct Start {
@@ -53,7 +53,8 @@ impl Start {
     #[inline(never)]
     fn approach(tree: &Tree, probe: &Probe, t_max: f64) -> Option<Self> {
         let scale = power_of_two(probe.ray.direction.abs().max_element());
-        let (origin, error) = (tree.space.point(probe.ray.origin), tree.space.error(longest(probe.ray.origin)));
+        let (origin, error) =
+            (tree.space.point(probe.ray.origin), tree.space.error(longest(probe.ray.origin)));
         let enter = tree.crossed(origin, probe.inverse * scale, error)?;
         // Comparisons are false for what is not a number: then the tree is walked.
         if enter > t_max * scale * tree.space.per * (1.0 + f64::EPSILON) {

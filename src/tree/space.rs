@@ -13,14 +13,14 @@ pub struct Space {
     /// 1 / `per`.
     pub size: f64,
     /// The longest of the origin's coordinates.
-    farthest: f64,
+    pub(super) farthest: f64,
 }
 
 /// Times its own extent that a tree's things may be away from the world's origin to have it as theirs.
 const NEARBY: f64 = 4.0;
 
 /// Roundings of coordinates on their way into the space, of the larger of the point's and the origin's.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl Space {
     /// The space in which `bounds` lie between -1 and 1.

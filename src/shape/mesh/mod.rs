@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod tests;
 
-use super::triangle::{covers, depth, perpendicular, uniform_weights};
+use super::triangle::{covers, depth, uniform_weights, unit_normal};
 use super::{Crossing, Geometric, Parameters, Surface, flat};
 use crate::camera::Ray;
 use crate::color::Rgb;
@@ -49,7 +49,7 @@ impl Geometric for Mesh {
 
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
         let corners = self.mesh.corners(at.part);
-        let normal = perpendicular(corners).normalize_or(DVec3::Y);
+        let normal = unit_normal(corners);
         self.shaded(flat::surface(corners[0], normal, ray, at.t), at.part)
     }
 
@@ -92,7 +92,7 @@ impl Geometric for Mesh {
         let corners @ [a, b, c] = self.mesh.corners(index as u32);
         let weights = uniform_weights(DVec2::new(rest, u.y));
         let point = a + (b - a) * weights.x + (c - a) * weights.y;
-        let normal = perpendicular(corners).normalize_or(DVec3::Y);
+        let normal = unit_normal(corners);
         Some((self.shaded(flat::placed(a, point, normal), index as u32), index as u32))
     }
 }

@@ -1,0 +1,201 @@
+//! Whitted's integrator for eight rays at once, in scenes where each ray leads to at most one other: whose surfaces have
+//! lobes of one value, reflect and do not let pass, and whose lights are points or infinitely far away.
+//!
+//! Eight neighbours of a picture meet mostly the same. Every number is computed as `whitted` does, lane by lane, so that
+//! pictures do not tell how many rays were traced at once.
+
+mod lights;
+mod shade;
+
+use super::tracer::Tracer;
+use crate::camera::Ray;
+use crate::color::Rgb;
+use crate::counters::Counts;
+use crate::film::LayerId;
+use crate::light::Source;
+use crate::material::MadeOf;
+use crate::math::{DVec3, NEAR_ZERO};
+use crate::scene::Finish;
+use crate::shape::{Rays, Surfaces, lanes};
+use crate::simd::{Lanes, Octo, Quad, Rows, Vector, Work, dispatch};
+use lights::Arrivals;
+use shade::{Color, Reflectors};
+
+/// What eight rays add to each layer: red, green and blue of each.
+pub struct Sums {
+    pub layers: Vec<[[f64; 8]; 3]>,
+    pub counts: Counts,
+}
+
+impl Sums {
+    pub fn new(layers: usize) -> Self {
+        Self { layers: vec![[[0.0; 8]; 3]; layers], counts: Counts::default() }
+    }
+
+    /// Adds to the rays whose bits are set.
+    #[inline(always)]
+    fn add<L: Lanes>(&mut self, layer: LayerId, radiance: Color<L>, rays: u32) {
+        let sums = &mut self.layers[layer.index()];
+        let none = L::splat(0.0);
+        for (sum, radiance) in sums.iter_mut().zip([radiance.r, radiance.g, radiance.b]) {
+            let more = radiance.pick(rays, none).store().map(f64::from);
+            *sum = (Octo::<L::Quad>::load(sum) + Octo::load(&more)).store();
+        }
+    }
+
+    /// Adds to one ray.
+    fn add_to(&mut self, lane: usize, layer: LayerId, radiance: Rgb) {
+        let sums = &mut self.layers[layer.index()];
+        for (sum, radiance) in sums.iter_mut().zip(radiance.to_array()) {
+            sum[lane] += f64::from(radiance);
+        }
+    }
+}
+
+/// Whether the tracer's scene is one in which rays are traced together.
+pub fn suits(tracer: &Tracer) -> bool {
+    let shading = tracer.scene.shading;
+    let plain = |index: u32| {
+        let material = &shading.materials[index as usize];
+        let sharp = !material.lobes.is_fuzzy() || material.lobes.mirror == Rgb::ZERO;
+        material.paints.is_empty() && sharp && material.lobes.microfacet == 0.0
+    };
+    let is_plain = |finish: &Finish| match finish {
+        Finish::Material(MadeOf::One(index)) => plain(*index),
+        Finish::Material(MadeOf::Slots { .. }) | Finish::Light(_) => false,
+    };
+    let lit = |source: &Source| {
+        matches!(source, Source::Point { .. } | Source::Spot { .. } | Source::Directional { .. })
+    };
+    let bare = tracer.fog.is_none() && !tracer.media && !tracer.clear;
+    bare && tracer.scene.geometry.primitives.iter().all(|primitive| is_plain(&primitive.finish))
+        && tracer.lights.iter().all(|(_, light)| lit(&light.source))
+}
+
+/// Adds what is seen along the cameras' rays whose bits are set.
+pub fn follow(tracer: &Tracer, rays: &[Ray; 8], wanted: u32, sums: &mut Sums) {
+    dispatch(Follow { tracer, rays, wanted, sums });
+}
+
+struct Follow<'a, 't> {
+    tracer: &'a Tracer<'t>,
+    rays: &'a [Ray; 8],
+    wanted: u32,
+    sums: &'a mut Sums,
+}
+
+impl Work for Follow<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { tracer, rays, wanted, sums } = self;
+        let rays = Rays {
+            origin: Rows::of(&rays.map(|ray| ray.origin)),
+            direction: Rows::of(&rays.map(|ray| ray.direction)),
+        };
+        let mut bundle = Bundle::<L> { rays, throughput: Color::splat(Rgb::ONE), wanted };
+        let mut left = tracer.quality.bounces;
+        while bundle.wanted != 0 {
+            bundle = bundle.step(tracer, left, sums);
+            left = left.saturating_sub(1);
+        }
+    }
+}
+
+/// Eight rays on their way.
+struct Bundle<L: Lanes> {
+    rays: Rays,
+    throughput: Color<L>,
+    /// A bit for each ray that is followed.
+    wanted: u32,
+}
+
+impl<L: Lanes> Bundle<L> {
+    /// Follows the rays to where they end; gives those that start there. `left` bounces are left.
+    #[inline(always)]
+    fn step(self, tracer: &Tracer, left: u32, sums: &mut Sums) -> Self {
+        let Self { rays, throughput, wanted } = self;
+        let hits = tracer.bvh.closest_together::<L>(tracer.scene.geometry, &rays, wanted);
+        let met = hits.at.met;
+        if let Some(environment) = tracer.environment {
+            for lane in lanes(wanted & !met) {
+                let sky = environment.radiance(rays.direction.one(lane));
+                sums.add_to(lane, environment.layer, throughput.one(lane) * sky);
+            }
+        }
+        if met == 0 {
+            return Self { wanted: 0, ..self };
+        }
+        let found = Reflectors::<L>::of(tracer, &rays, &hits);
+        if let Some(ambient) = &tracer.ambient {
+            let share = throughput.times(found.ambient).times(Color::splat(ambient.radiance));
+            sums.add(ambient.layer, share, met);
+        }
+        for lane in lanes(found.emissive) {
+            let material = found.materials[lane];
+            let material = &tracer.scene.shading.materials[material as usize];
+            sums.add_to(lane, material.emission_layer, throughput.one(lane) * material.lobes.emission);
+        }
+        for (_, light) in &tracer.lights {
+            let (arrivals, arriving) = Arrivals::<L>::of(light, Vector::load(&found.surfaces.point));
+            let (share, lit) = found.reflected(arrivals.direction, met & arriving);
+            if lit == 0 {
+                continue;
+            }
+            let (shadow, t_max) = arrivals.shadow_rays(&found.surfaces);
+            let moving = Octo::splat(0.0).below(Vector::<L::Quad>::load(&shadow.direction).longest());
+            sums.counts.rays.shadow += u64::from((lit & moving).count_ones());
+            let hidden = match lit & moving {
+                0 => 0,
+                moving => tracer.bvh.occluded_together::<L>(tracer.scene.geometry, &shadow, moving, t_max),
+            };
+            let radiance = throughput.times(share).times(arrivals.radiance);
+            sums.add(light.layer, radiance, lit & !hidden);
+        }
+        let share = throughput.times(found.mirror);
+        let bright = L::splat(tracer.quality.threshold).at_most(share.largest());
+        let above = Octo::splat(0.0).below(found.mirrored.dot(Vector::load(&found.surfaces.normal)));
+        let on = met & found.mirrors & above & bright & if left > 0 { 0xff } else { 0 };
+        sums.counts.rays.mirror += u64::from(on.count_ones());
+        Self { rays: spawn(&found.surfaces, found.mirrored), throughput: share, wanted: on }
+    }
+}
+
+/// [`super::spawn::spawn`] of eight rays.
+#[inline(always)]
+fn spawn<Q: Quad>(surfaces: &Surfaces, direction: Vector<Q>) -> Rays {
+    Rays { origin: start(surfaces, direction).store(), direction: direction.store() }
+}
+
+/// Where such rays start.
+#[inline(always)]
+fn start<Q: Quad>(surfaces: &Surfaces, direction: Vector<Q>) -> Vector<Q> {
+    let normal = Vector::load(&surfaces.normal);
+    let reach = normal.absolute().dot(Vector::load(&surfaces.error));
+    let below = direction.dot(normal).below(Octo::splat(0.0));
+    let side = (-normal).pick(below, normal);
+    let moved = Vector::load(&surfaces.point) + side * reach;
+    Vector { x: next_away(moved.x, side.x), y: next_away(moved.y, side.y), z: next_away(moved.z, side.z) }
+}
+
+/// [`crate::math::next_away`] of eight numbers.
+#[inline(always)]
+fn next_away<Q: Quad>(value: Octo<Q>, towards: Octo<Q>) -> Octo<Q> {
+    let zero = Octo::splat(0.0);
+    let (up, down, negative) = (zero.below(towards), towards.below(zero), value.signs());
+    let next = value.stepped((up & !negative) | (down & negative), (up & negative) | (down & !negative));
+    let least = Octo::splat(NEAR_ZERO);
+    // What is next to zero may have been stepped past it, which gives no number.
+    let tiny = (next.absolute().below(least) | value.absolute().below(least)) & (up | down);
+    least.signed_like(towards).pick(tiny, next)
+}
+
+/// The point that a vector of the world stands for, in all lanes.
+#[inline(always)]
+fn everywhere<Q: Quad>(point: DVec3) -> Vector<Q> {
+    Vector::splat(point)
+}
+
+#[cfg(test)]
+mod tests;
