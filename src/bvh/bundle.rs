@@ -48,9 +48,7 @@ impl Work for Closest<'_> {
     fn run<L: Lanes>(self) -> Hits {
         let Self { bvh, geometry, rays, wanted } = self;
         let (origin, direction) = rays.load::<L>();
-        let Some(slabs) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted) else {
-            return self.one_by_one();
-        };
+        let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
         let hits = Hits { at: Crossings::NONE, primitives: [u32::MAX; 8] };
         let mut nearest = Nearest { bvh, geometry, rays, slabs: &slabs, limit: L::splat(0.0), hits };
         for &(index, _) in &bvh.planes {
@@ -60,21 +58,27 @@ impl Work for Closest<'_> {
             nearest.test(index, wanted);
         }
         nearest.limit = slabs.limit(Octo::load(&nearest.hits.at.t));
-        bvh.tree.walk_together(&slabs, wanted, &mut nearest);
-        nearest.hits
+        if near != 0 {
+            bvh.tree.walk_together(&slabs, near, &mut nearest);
+        }
+        let mut hits = nearest.hits;
+        if afar != 0 {
+            self.one_by_one(afar, &mut hits);
+        }
+        hits
     }
 }
 
 impl Closest<'_> {
     #[inline(never)]
-    fn one_by_one(&self) -> Hits {
-        let mut primitives = [u32::MAX; 8];
-        let at = Crossings::one_by_one(self.wanted, |lane| {
-            let hit = self.bvh.closest(self.geometry, &Probe::new(self.rays.one(lane)))?;
-            primitives[lane] = hit.primitive;
-            Some(hit.at)
-        });
-        Hits { at, primitives }
+    fn one_by_one(&self, rays: u32, hits: &mut Hits) {
+        for lane in lanes(rays) {
+            if let Some(hit) = self.bvh.closest(self.geometry, &Probe::new(self.rays.one(lane))) {
+                hits.at.met |= 1 << lane;
+                (hits.at.t[lane], hits.at.parts[lane]) = (hit.at.t, hit.at.part);
+                hits.primitives[lane] = hit.primitive;
+            }
+        }
     }
 }
 
@@ -143,9 +147,7 @@ impl Work for Occluded<'_> {
     fn run<L: Lanes>(self) -> u32 {
         let Self { bvh, geometry, rays, wanted, t_max } = self;
         let (origin, direction) = rays.load::<L>();
-        let Some(slabs) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted) else {
-            return self.one_by_one();
-        };
+        let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
         let limit = slabs.limit(Octo::splat(t_max));
         let mut any = Any { bvh, geometry, rays, t_max: [t_max; 8], limit, hidden: 0 };
         for &(index, _) in &bvh.planes {
@@ -154,19 +156,21 @@ impl Work for Occluded<'_> {
         for &index in &bvh.unbounded {
             any.test(index, wanted);
         }
-        if any.hidden != wanted {
-            bvh.tree.walk_together(&slabs, wanted, &mut any);
+        let (near, afar) = (near & !any.hidden, afar & !any.hidden);
+        if near != 0 {
+            bvh.tree.walk_together(&slabs, near, &mut any);
         }
-        any.hidden
+        let hidden = any.hidden;
+        if afar == 0 { hidden } else { hidden | self.one_by_one(afar) }
     }
 }
 
 impl Occluded<'_> {
     #[inline(never)]
-    fn one_by_one(&self) -> u32 {
+    fn one_by_one(&self, rays: u32) -> u32 {
         let hidden =
             |lane: usize| self.bvh.occluded(self.geometry, &Probe::new(self.rays.one(lane)), self.t_max);
-        lanes(self.wanted).filter(|&lane| hidden(lane)).map(|lane| 1 << lane).sum()
+        lanes(rays).filter(|&lane| hidden(lane)).map(|lane| 1 << lane).sum()
     }
 }
 

@@ -155,9 +155,11 @@ impl Window<'_> {
         for left in (0..width).step_by(BLOCK.0 as usize) {
             for top in self.rows.clone().step_by(BLOCK.1 as usize) {
                 pixels.clear();
-                let columns = left..width.min(left + BLOCK.0);
-                let rows = top..self.rows.end.min(top + BLOCK.1);
-                pixels.extend(rows.flat_map(|y| columns.clone().map(move |x| (x, y))));
+                for y in top..self.rows.end.min(top + BLOCK.1) {
+                    for x in left..width.min(left + BLOCK.0) {
+                        pixels.push((x, y));
+                    }
+                }
                 self.pixels.trace_together(&pixels, &mut sums, &mut eight);
                 for (&(x, y), sums) in pixels.iter().zip(sums.chunks_exact_mut(layers)) {
                     let at = ((y - self.rows.start) * width + x) as usize * layers;

@@ -84,14 +84,17 @@ impl<'a> Pixels<'a> {
         let quality = &self.settings.quality;
         let samples = quality.antialias * quality.antialias;
         let layers = eight.layers.len();
-        let wanted = 0xff >> (8 - pixels.len().min(8));
-        for sample in 0..samples {
-            let (inside, lens) = self.grid(sample);
+        let last = pixels.last().copied().unwrap_or_default();
+        let mut together = together::Pixels {
+            size: self.settings.size,
             // Lanes without a pixel repeat the last one.
-            let pixel = |lane: usize| pixels.get(lane).or(pixels.last()).copied().unwrap_or_default();
-            let rays = std::array::from_fn(|lane| self.ray(pixel(lane), inside, lens));
-            eight.counts.rays.camera += pixels.len() as u64;
-            together::follow(&self.tracer, &rays, wanted, eight);
+            pixels: std::array::from_fn(|lane| pixels.get(lane).copied().unwrap_or(last)),
+            inside: DVec2::ZERO,
+            wanted: 0xff >> (8 - pixels.len().min(8)),
+        };
+        for sample in 0..samples {
+            together.inside = self.inside(self.grid(sample).0);
+            together::follow(&self.tracer, &together, eight);
             for (index, layer) in eight.layers.iter_mut().enumerate() {
                 let [r, g, b] = std::mem::replace(layer, [[0.0; 8]; 3]);
                 for lane in 0..pixels.len() {
@@ -100,15 +103,20 @@ impl<'a> Pixels<'a> {
                 }
             }
         }
-        for sum in sums {
-            *sum /= f64::from(samples);
+        if samples > 1 {
+            sums.iter_mut().for_each(|sum| *sum /= f64::from(samples));
         }
+    }
+
+    /// Where in its pixel a sample lies that is at this place of the unit square.
+    fn inside(&self, place: DVec2) -> DVec2 {
+        let filter = &self.settings.filter;
+        DVec2::new(filter.offset(place.x), filter.offset(place.y)) + DVec2::splat(0.5)
     }
 
     fn ray(&self, (x, y): (u32, u32), inside: DVec2, lens: DVec2) -> Ray {
         let (width, height) = (f64::from(self.settings.size.0), f64::from(self.settings.size.1));
-        let offset = DVec2::new(self.settings.filter.offset(inside.x), self.settings.filter.offset(inside.y));
-        let at = DVec2::new(f64::from(x), f64::from(y)) + (offset + DVec2::splat(0.5));
+        let at = DVec2::new(f64::from(x), f64::from(y)) + self.inside(inside);
         // Square pixels: both axes in units of half the picture's height, from its centre.
         let screen = DVec2::new(2.0 * at.x - width, height - 2.0 * at.y) / height;
         self.tracer.scene.camera.ray(screen, lens)

@@ -4,20 +4,20 @@
 //! Eight neighbours of a picture meet mostly the same. Every number is computed as `whitted` does, lane by lane, so that
 //! pictures do not tell how many rays were traced at once.
 
+mod camera;
 mod lights;
 mod shade;
 
 use super::tracer::Tracer;
-use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::counters::Counts;
 use crate::film::LayerId;
 use crate::light::Source;
 use crate::material::MadeOf;
-use crate::math::{DVec3, NEAR_ZERO};
+use crate::math::{DVec2, DVec3, NEAR_ZERO};
 use crate::scene::Finish;
 use crate::shape::{Rays, Surfaces, lanes};
-use crate::simd::{Lanes, Octo, Quad, Rows, Vector, Work, dispatch};
+use crate::simd::{Lanes, Octo, Quad, Vector, Work, dispatch};
 use lights::Arrivals;
 use shade::{Color, Reflectors};
 
@@ -72,15 +72,24 @@ pub fn suits(tracer: &Tracer) -> bool {
         && tracer.lights.iter().all(|(_, light)| lit(&light.source))
 }
 
-/// Adds what is seen along the cameras' rays whose bits are set.
-pub fn follow(tracer: &Tracer, rays: &[Ray; 8], wanted: u32, sums: &mut Sums) {
-    dispatch(Follow { tracer, rays, wanted, sums });
+/// Eight pixels of a picture, and where in each of them a ray goes.
+pub struct Pixels {
+    /// Width and height of the picture.
+    pub size: (u32, u32),
+    pub pixels: [(u32, u32); 8],
+    pub inside: DVec2,
+    /// A bit for each that is wanted.
+    pub wanted: u32,
+}
+
+/// Adds what is seen through pixels.
+pub fn follow(tracer: &Tracer, pixels: &Pixels, sums: &mut Sums) {
+    dispatch(Follow { tracer, pixels, sums });
 }
 
 struct Follow<'a, 't> {
     tracer: &'a Tracer<'t>,
-    rays: &'a [Ray; 8],
-    wanted: u32,
+    pixels: &'a Pixels,
     sums: &'a mut Sums,
 }
 
@@ -89,11 +98,9 @@ impl Work for Follow<'_, '_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { tracer, rays, wanted, sums } = self;
-        let rays = Rays {
-            origin: Rows::of(&rays.map(|ray| ray.origin)),
-            direction: Rows::of(&rays.map(|ray| ray.direction)),
-        };
+        let Self { tracer, pixels: &Pixels { size, ref pixels, inside, wanted }, sums } = self;
+        sums.counts.rays.camera += u64::from(wanted.count_ones());
+        let rays = camera::rays::<L>(tracer.scene.camera, size, pixels, inside);
         let mut bundle = Bundle::<L> { rays, throughput: Color::splat(Rgb::ONE), wanted };
         let mut left = tracer.quality.bounces;
         while bundle.wanted != 0 {

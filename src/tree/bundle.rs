@@ -3,7 +3,8 @@
 use super::slabs::{AFAR, ROUNDOFF, SLACK, SPREAD, STEEPEST};
 use super::space::ROUNDING;
 use super::{Child, Node, Tree};
-use crate::simd::{Lanes, Octo, Vector};
+use crate::math::gamma;
+use crate::simd::{Lanes, Octo, Quad, Vector};
 
 /// What a tree's leaves hold, while eight rays walk the tree.
 pub trait BundleLeaves<L> {
@@ -25,28 +26,36 @@ pub struct BundleSlabs<L: Lanes> {
 }
 
 impl<L: Lanes> BundleSlabs<L> {
-    /// The rays in the tree's space; none if one of those whose bits are set comes from so far that it should begin
-    /// elsewhere.
+    /// The rays in the tree's space, and a bit for each that may be walked along together with the others, and for each
+    /// that comes from so far that it has to begin elsewhere. The others pass by the whole tree.
     #[inline(always)]
-    pub fn new(tree: &Tree, from: Vector<L::Quad>, direction: Vector<L::Quad>, rays: u32) -> Option<Self> {
+    pub fn new(
+        tree: &Tree,
+        from: Vector<L::Quad>,
+        direction: Vector<L::Quad>,
+        rays: u32,
+    ) -> (Self, u32, u32) {
         let space = &tree.space;
         let per = Octo::splat(space.per);
         let origin = (from - Vector::splat(space.origin)) * per;
-        if Octo::splat(AFAR).below(origin.longest()) & rays != 0 {
-            return None;
-        }
+        let near = origin.longest().at_most(Octo::splat(AFAR)) & rays;
         let scale = direction.longest().power_of_two();
         let error = from.longest().larger(Octo::splat(space.farthest)) * Octo::splat(space.per * ROUNDING);
         let error = error + Octo::splat(SLACK);
         let (x, x_bits) = Self::along(origin.x, direction.x, scale, error);
         let (y, y_bits) = Self::along(origin.y, direction.y, scale, error);
         let (z, z_bits) = Self::along(origin.z, direction.z, scale, error);
-        Some(Self {
+        let slabs = Self {
             enter: [x[0], y[0], z[0]],
             leave: [x[1], y[1], z[1]],
-            backwards: [x_bits & rays, y_bits & rays, z_bits & rays],
+            backwards: [x_bits & near, y_bits & near, z_bits & near],
             unit: scale * per,
-        })
+        };
+        let afar = match rays & !near {
+            0 => 0,
+            afar => afar & tree.crossed_together(origin, direction, error),
+        };
+        (slabs, near, afar)
     }
 
     /// Along one axis, with the bounds of [`Slabs::new`](super::Slabs::new).
@@ -105,6 +114,36 @@ type Waiting = (f32, Child, u32);
 const STACK: usize = 64;
 
 impl Tree {
+    /// The rays that may meet the tree's box, as `Tree::crossed` has it for one.
+    #[inline(always)]
+    fn crossed_together<Q: Quad>(&self, origin: Vector<Q>, direction: Vector<Q>, error: Octo<Q>) -> u32 {
+        let (x, y, z) = (
+            self.between(0, origin.x, direction.x, error),
+            self.between(1, origin.y, direction.y, error),
+            self.between(2, origin.z, direction.z, error),
+        );
+        let enter = x.0.larger(y.0.larger(z.0.larger(Octo::splat(0.0))));
+        let leave = x.1.smaller(y.1.smaller(z.1.smaller(Octo::splat(f64::INFINITY))));
+        let spread = Octo::splat(1.0 + 4.0 * gamma(3));
+        enter.at_most(leave * spread)
+    }
+
+    /// Where rays enter and leave the box along an axis. What is no number, for rays within a plane, bounds nothing.
+    #[inline(always)]
+    fn between<Q: Quad>(
+        &self,
+        axis: usize,
+        origin: Octo<Q>,
+        direction: Octo<Q>,
+        error: Octo<Q>,
+    ) -> (Octo<Q>, Octo<Q>) {
+        let inverse = Octo::splat(1.0) / direction;
+        let low = (Octo::splat(self.bounds[0][axis]) - error - origin) * inverse;
+        let high = (Octo::splat(self.bounds[1][axis]) + error - origin) * inverse;
+        let backwards = inverse.signs();
+        (high.pick(backwards, low), low.pick(backwards, high))
+    }
+
     /// Visits every leaf that the rays may meet.
     #[inline(always)]
     pub fn walk_together<L: Lanes>(
