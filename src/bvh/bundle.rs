@@ -3,7 +3,7 @@
 use super::Bvh;
 use crate::scene::Geometry;
 use crate::shape::{Crossings, Rays, lanes};
-use crate::simd::{Lanes, Octo, Work};
+use crate::simd::{Choice, Lanes, Octo, Work};
 use crate::tree::{BundleLeaves, BundleSlabs, Probe};
 
 /// What eight rays meet first.
@@ -98,19 +98,19 @@ impl<L: Lanes> Nearest<'_, L> {
         let Hits { at, primitives } = &mut self.hits;
         let t = Octo::<L::Quad>::load(&at.t);
         // The next number, so that an equally near one is found.
-        let limit = t.stepped(0xff, 0).smaller(Octo::splat(f64::INFINITY)).store();
+        let limit = t.next_away(t).smaller(Octo::splat(f64::INFINITY)).store();
         let primitive = &self.geometry.primitives[index as usize];
         let found = primitive.hit_together::<L>(self.rays, wanted, &limit);
         if found.met == 0 {
             return;
         }
         let found_t = Octo::load(&found.t);
-        let mut better = found.met & found_t.below(t);
+        let mut better = found.met & found_t.below(t).bits();
         for lane in lanes(found.met & !better) {
             better |= u32::from(index < primitives[lane]) << lane;
         }
         at.met |= better;
-        at.t = found_t.pick(better, t).store();
+        at.t = found_t.pick(Choice::of(better), t).store();
         for lane in lanes(better) {
             (primitives[lane], at.parts[lane]) = (index, found.parts[lane]);
         }

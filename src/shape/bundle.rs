@@ -55,7 +55,7 @@ impl Crossings {
 
     #[inline(always)]
     fn between<Q: Quad>(t: Octo<Q>, crossed: u32, limit: &[f64; 8]) -> Self {
-        let met = crossed & Octo::splat(0.0).below(t) & t.below(Octo::load(limit));
+        let met = crossed & (Octo::splat(0.0).below(t) & t.below(Octo::load(limit))).bits();
         Self { met, t: t.store(), parts: [0; 8] }
     }
 
@@ -170,7 +170,7 @@ impl Work for Hit<'_, Plane> {
         let normal = Vector::splat(self.shape.normal);
         let along = normal.dot(direction);
         let height = normal.dot(Vector::splat(self.shape.point) - origin);
-        Crossings::between(height / along, Octo::splat(0.0).below(along.absolute()), self.limit)
+        Crossings::between(height / along, Octo::splat(0.0).below(along.absolute()).bits(), self.limit)
     }
 }
 
@@ -190,7 +190,7 @@ impl Work for Hit<'_, Sphere> {
         let closest = b / a;
         let nearest = (from_center + d * closest).length();
         let square = (radius - nearest) * (radius + nearest);
-        let missed = (is_outside & b.at_most(zero)) | square.below(zero);
+        let missed = ((is_outside & b.at_most(zero)) | square.below(zero)).bits();
         if missed == 0xff {
             return Crossings::NONE;
         }
@@ -201,7 +201,7 @@ impl Work for Hit<'_, Sphere> {
             (closest - half_chord).pick(afar, c / (closest + half_chord))
         };
         let mut t = entry;
-        if is_outside != 0xff {
+        if is_outside.bits() != 0xff {
             let ahead = zero.below(closest);
             let back = -outside * (distance + radius) / a / (half_chord - closest);
             t = entry.pick(is_outside, (closest + half_chord).pick(ahead, back));
@@ -219,8 +219,8 @@ impl Work for Hit<'_, Triangle> {
         let Self { shape: triangle, wanted, limit, .. } = self;
         let (origin, direction) = self.rays.load::<L>();
         let d = direction.absolute();
-        let first = d.y.at_most(d.x) & d.z.at_most(d.x);
-        let last = d.y.below(d.z) & !first;
+        let first = (d.y.at_most(d.x) & d.z.at_most(d.x)).bits();
+        let last = d.y.below(d.z).bits() & !first;
         let axis = match (first & wanted, last & wanted) {
             (first, _) if first == wanted => 0,
             (0, 0) => 1,
@@ -246,7 +246,7 @@ impl Work for Hit<'_, Triangle> {
         let w = bx * ay - by * ax;
         let inside = (zero.at_most(u) & zero.at_most(v) & zero.at_most(w))
             | (u.at_most(zero) & v.at_most(zero) & w.at_most(zero));
-        let covered = inside & zero.below((u + v + w).absolute());
+        let covered = (inside & zero.below((u + v + w).absolute())).bits();
         if covered & wanted == 0 {
             return Some(Crossings::NONE);
         }
@@ -256,7 +256,7 @@ impl Work for Hit<'_, Triangle> {
         let (a, b, c) = (az * inverse, bz * inverse, cz * inverse);
         let (near, far) = (a.smaller(b).smaller(c), a.larger(b).larger(c));
         let t = t.larger(near).smaller(far);
-        Some(Crossings::between(t, covered & zero.below(along.absolute()), limit))
+        Some(Crossings::between(t, covered & zero.below(along.absolute()).bits(), limit))
     }
 }
 

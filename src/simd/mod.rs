@@ -9,12 +9,15 @@ mod portable;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-pub use octo::{Octo, Rows, Vector};
+pub use octo::{Choice, Octo, Rows, Vector};
 pub use portable::Portable;
 
 /// Four f64, computed with as scalars are: each operation rounded by itself, the same on every processor. Comparisons
-/// give a bit per lane, lane 0 the lowest; they are false for what is not a number.
+/// are false for what is not a number.
 pub trait Quad: Copy {
+    /// A choice of lanes.
+    type Mask: Copy;
+
     fn splat(value: f64) -> Self;
     fn load(values: &[f64; 4]) -> Self;
     fn store(self) -> [f64; 4];
@@ -32,18 +35,24 @@ pub trait Quad: Copy {
     fn signed_like(self, signs: Self) -> Self;
     /// The largest powers of two that are not above the magnitudes of normal numbers.
     fn power_of_two(self) -> Self;
-    /// The next numbers away from zero in the lanes of `out`, those towards it in the lanes of `back`.
-    fn stepped(self, out: u32, back: u32) -> Self;
-    /// These in the lanes of `bits`, others elsewhere.
-    fn pick(self, bits: u32, other: Self) -> Self;
-    /// A bit for each lane whose sign is negative.
+    /// [`crate::math::next_away`].
+    fn next_away(self, towards: Self) -> Self;
+    /// These in the lanes of a choice, others elsewhere.
+    fn pick(self, chosen: Self::Mask, other: Self) -> Self;
+    /// A bit for each lane whose sign is negative, lane 0 the lowest.
     fn signs(self) -> u32;
-    fn below(self, other: Self) -> u32;
-    fn at_most(self, other: Self) -> u32;
+    fn below(self, other: Self) -> Self::Mask;
+    fn at_most(self, other: Self) -> Self::Mask;
     fn narrow(self) -> [f32; 4];
+    fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// A bit for each chosen lane.
+    fn bits(chosen: Self::Mask) -> u32;
+    fn choose(bits: u32) -> Self::Mask;
 }
 
-/// Eight f32, for filters and colours. Comparisons are as those of [`Quad`].
+/// Eight f32, for filters and colours. Comparisons give a bit per lane, lane 0 the lowest; they are false for what is not a
+/// number.
 pub trait Lanes: Copy {
     type Quad: Quad;
 

@@ -2,9 +2,9 @@
 
 use super::Quad;
 use crate::math::DVec3;
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 
-/// Eight f64. Comparisons give a bit per lane, lane 0 the lowest.
+/// Eight f64.
 #[derive(Clone, Copy)]
 pub struct Octo<Q>([Q; 2]);
 
@@ -57,15 +57,16 @@ impl<Q: Quad> Octo<Q> {
         Self([self.0[0].power_of_two(), self.0[1].power_of_two()])
     }
 
+    /// [`crate::math::next_away`].
     #[inline(always)]
-    pub fn stepped(self, out: u32, back: u32) -> Self {
-        Self([self.0[0].stepped(out, back), self.0[1].stepped(out >> 4, back >> 4)])
+    pub fn next_away(self, towards: Self) -> Self {
+        Self([self.0[0].next_away(towards.0[0]), self.0[1].next_away(towards.0[1])])
     }
 
-    /// These in the lanes of `bits`, others elsewhere.
+    /// These in the lanes of a choice, others elsewhere.
     #[inline(always)]
-    pub fn pick(self, bits: u32, other: Self) -> Self {
-        Self([self.0[0].pick(bits, other.0[0]), self.0[1].pick(bits >> 4, other.0[1])])
+    pub fn pick(self, chosen: Choice<Q>, other: Self) -> Self {
+        Self([self.0[0].pick(chosen.0[0], other.0[0]), self.0[1].pick(chosen.0[1], other.0[1])])
     }
 
     /// A bit for each lane whose sign is negative.
@@ -75,19 +76,55 @@ impl<Q: Quad> Octo<Q> {
     }
 
     #[inline(always)]
-    pub fn below(self, other: Self) -> u32 {
-        self.0[0].below(other.0[0]) | self.0[1].below(other.0[1]) << 4
+    pub fn below(self, other: Self) -> Choice<Q> {
+        Choice([self.0[0].below(other.0[0]), self.0[1].below(other.0[1])])
     }
 
     #[inline(always)]
-    pub fn at_most(self, other: Self) -> u32 {
-        self.0[0].at_most(other.0[0]) | self.0[1].at_most(other.0[1]) << 4
+    pub fn at_most(self, other: Self) -> Choice<Q> {
+        Choice([self.0[0].at_most(other.0[0]), self.0[1].at_most(other.0[1])])
     }
 
     #[inline(always)]
     pub fn narrow(self) -> [f32; 8] {
         let ([a, b, c, d], [e, f, g, h]) = (self.0[0].narrow(), self.0[1].narrow());
         [a, b, c, d, e, f, g, h]
+    }
+}
+
+/// A choice among eight lanes.
+#[derive(Clone, Copy)]
+pub struct Choice<Q: Quad>([Q::Mask; 2]);
+
+impl<Q: Quad> Choice<Q> {
+    /// The lanes whose bits are set.
+    #[inline(always)]
+    pub fn of(bits: u32) -> Self {
+        Self([Q::choose(bits), Q::choose(bits >> 4)])
+    }
+
+    /// A bit for each chosen lane, lane 0 the lowest.
+    #[inline(always)]
+    pub fn bits(self) -> u32 {
+        Q::bits(self.0[0]) | Q::bits(self.0[1]) << 4
+    }
+}
+
+impl<Q: Quad> BitAnd for Choice<Q> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self([Q::both(self.0[0], other.0[0]), Q::both(self.0[1], other.0[1])])
+    }
+}
+
+impl<Q: Quad> BitOr for Choice<Q> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self([Q::either(self.0[0], other.0[0]), Q::either(self.0[1], other.0[1])])
     }
 }
 
@@ -203,8 +240,9 @@ impl<Q: Quad> Vector<Q> {
     }
 
     #[inline(always)]
-    pub fn pick(self, bits: u32, other: Self) -> Self {
-        Self { x: self.x.pick(bits, other.x), y: self.y.pick(bits, other.y), z: self.z.pick(bits, other.z) }
+    pub fn pick(self, chosen: Choice<Q>, other: Self) -> Self {
+        let (x, y, z) = (self.x, self.y, self.z);
+        Self { x: x.pick(chosen, other.x), y: y.pick(chosen, other.y), z: z.pick(chosen, other.z) }
     }
 
     /// The longest of each vector's coordinates.

@@ -1,6 +1,7 @@
 //! Lanes as arrays, which compilers turn into whatever there is.
 
 use super::{Lanes, Quad, Work};
+use crate::math::next_away;
 
 /// Eight numbers in an array.
 #[derive(Clone, Copy)]
@@ -37,12 +38,14 @@ impl PortableQuad {
     }
 
     #[inline(always)]
-    fn bits(self, other: Self, f: impl Fn(f64, f64) -> bool) -> u32 {
+    fn lanes(self, other: Self, f: impl Fn(f64, f64) -> bool) -> u32 {
         (0..4).map(|lane| u32::from(f(self.0[lane], other.0[lane])) << lane).sum()
     }
 }
 
 impl Quad for PortableQuad {
+    type Mask = u32;
+
     #[inline(always)]
     fn splat(value: f64) -> Self {
         Self([value; 4])
@@ -79,20 +82,15 @@ impl Quad for PortableQuad {
     }
 
     #[inline(always)]
-    fn stepped(self, out: u32, back: u32) -> Self {
-        let mut values = self.0;
-        for (lane, value) in values.iter_mut().enumerate() {
-            let (out, back) = (u64::from(out >> lane & 1), u64::from(back >> lane & 1));
-            *value = f64::from_bits(value.to_bits().wrapping_add(out).wrapping_sub(back));
-        }
-        Self(values)
+    fn next_away(self, towards: Self) -> Self {
+        self.each(towards, next_away)
     }
 
     #[inline(always)]
-    fn pick(self, bits: u32, other: Self) -> Self {
+    fn pick(self, chosen: u32, other: Self) -> Self {
         let mut values = other.0;
         for (lane, value) in values.iter_mut().enumerate() {
-            if bits >> lane & 1 == 1 {
+            if chosen >> lane & 1 == 1 {
                 *value = self.0[lane];
             }
         }
@@ -100,8 +98,28 @@ impl Quad for PortableQuad {
     }
 
     #[inline(always)]
+    fn both(a: u32, b: u32) -> u32 {
+        a & b
+    }
+
+    #[inline(always)]
+    fn either(a: u32, b: u32) -> u32 {
+        a | b
+    }
+
+    #[inline(always)]
+    fn bits(chosen: u32) -> u32 {
+        chosen
+    }
+
+    #[inline(always)]
+    fn choose(bits: u32) -> u32 {
+        bits & 0xf
+    }
+
+    #[inline(always)]
     fn at_most(self, other: Self) -> u32 {
-        self.bits(other, |a, b| a <= b)
+        self.lanes(other, |a, b| a <= b)
     }
 
     #[inline(always)]
@@ -141,12 +159,12 @@ impl Quad for PortableQuad {
 
     #[inline(always)]
     fn signs(self) -> u32 {
-        self.bits(self, |a, _| a.is_sign_negative())
+        self.lanes(self, |a, _| a.is_sign_negative())
     }
 
     #[inline(always)]
     fn below(self, other: Self) -> u32 {
-        self.bits(other, |a, b| a < b)
+        self.lanes(other, |a, b| a < b)
     }
 
     #[inline(always)]

@@ -5,6 +5,7 @@
 #![allow(unsafe_code, reason = "intrinsics are unsafe where the processor may lack them")]
 
 use super::{Lanes, Quad, Work};
+use crate::math::NEAR_ZERO;
 use std::arch::x86_64::*;
 
 /// Whether the processor has what this file needs. The answer is remembered: asking is a load.
@@ -39,16 +40,6 @@ struct Avx(__m256);
 
 #[derive(Clone, Copy)]
 struct AvxQuad(__m256d);
-
-/// All bits of the lanes whose bit is set.
-#[inline(always)]
-fn chosen_quad(bits: u32) -> __m256i {
-    // SAFETY: called by the lanes below only.
-    unsafe {
-        let lane = _mm256_setr_epi64x(1, 2, 4, 8);
-        _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(i64::from(bits)), lane), lane)
-    }
-}
 
 // SAFETY of all that follows: there are lanes of this kind only where the processor has AVX2 and FMA, see above.
 // What is read and written are arrays of eight f32, through pointers to whole ones that need no alignment.
@@ -153,6 +144,8 @@ impl Lanes for Avx {
 }
 
 impl Quad for AvxQuad {
+    type Mask = __m256d;
+
     #[inline(always)]
     fn store(self) -> [f64; 4] {
         let mut values = [0.0; 4];
@@ -181,22 +174,54 @@ impl Quad for AvxQuad {
     }
 
     #[inline(always)]
-    fn stepped(self, out: u32, back: u32) -> Self {
+    fn next_away(self, towards: Self) -> Self {
         unsafe {
-            // The bits of a chosen lane are all set: -1.
-            let bits = _mm256_sub_epi64(_mm256_castpd_si256(self.0), chosen_quad(out));
-            Self(_mm256_castsi256_pd(_mm256_add_epi64(bits, chosen_quad(back))))
+            let (bits, zero) = (_mm256_castpd_si256(self.0), _mm256_setzero_pd());
+            // -1 where the signs differ, which leads towards zero; 1 elsewhere.
+            let apart = _mm256_xor_si256(bits, _mm256_castpd_si256(towards.0));
+            let back = _mm256_cmpgt_epi64(_mm256_setzero_si256(), apart);
+            let next = _mm256_add_epi64(bits, _mm256_or_si256(back, _mm256_set1_epi64x(1)));
+            let next = Self(_mm256_castsi256_pd(next));
+            // What is next to zero may have been stepped past it, which gives no number.
+            let least = Self::splat(NEAR_ZERO);
+            let tiny = Self::either(next.absolute().below(least), self.absolute().below(least));
+            let next = least.signed_like(towards).pick(tiny, next);
+            Self(_mm256_blendv_pd(self.0, next.0, _mm256_cmp_pd::<_CMP_NEQ_OQ>(towards.0, zero)))
         }
     }
 
     #[inline(always)]
-    fn pick(self, bits: u32, other: Self) -> Self {
-        Self(unsafe { _mm256_blendv_pd(other.0, self.0, _mm256_castsi256_pd(chosen_quad(bits))) })
+    fn pick(self, chosen: __m256d, other: Self) -> Self {
+        Self(unsafe { _mm256_blendv_pd(other.0, self.0, chosen) })
     }
 
     #[inline(always)]
-    fn at_most(self, other: Self) -> u32 {
-        unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0)) as u32 }
+    fn both(a: __m256d, b: __m256d) -> __m256d {
+        unsafe { _mm256_and_pd(a, b) }
+    }
+
+    #[inline(always)]
+    fn either(a: __m256d, b: __m256d) -> __m256d {
+        unsafe { _mm256_or_pd(a, b) }
+    }
+
+    #[inline(always)]
+    fn bits(chosen: __m256d) -> u32 {
+        unsafe { _mm256_movemask_pd(chosen) as u32 }
+    }
+
+    #[inline(always)]
+    fn choose(bits: u32) -> __m256d {
+        unsafe {
+            let lane = _mm256_setr_epi64x(1, 2, 4, 8);
+            let chosen = _mm256_and_si256(_mm256_set1_epi64x(i64::from(bits)), lane);
+            _mm256_castsi256_pd(_mm256_cmpeq_epi64(chosen, lane))
+        }
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self) -> __m256d {
+        unsafe { _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0) }
     }
 
     #[inline(always)]
@@ -253,8 +278,8 @@ impl Quad for AvxQuad {
     }
 
     #[inline(always)]
-    fn below(self, other: Self) -> u32 {
-        unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0)) as u32 }
+    fn below(self, other: Self) -> __m256d {
+        unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0) }
     }
 
     #[inline(always)]

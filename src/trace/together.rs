@@ -14,7 +14,7 @@ use crate::counters::Counts;
 use crate::film::LayerId;
 use crate::light::Source;
 use crate::material::MadeOf;
-use crate::math::{DVec2, DVec3, NEAR_ZERO};
+use crate::math::{DVec2, DVec3};
 use crate::scene::Finish;
 use crate::shape::{Rays, Surfaces, lanes};
 use crate::simd::{Lanes, Octo, Quad, Vector, Work, dispatch};
@@ -144,14 +144,16 @@ impl<L: Lanes> Bundle<L> {
             let material = &tracer.scene.shading.materials[material as usize];
             sums.add_to(lane, material.emission_layer, throughput.one(lane) * material.lobes.emission);
         }
+        let starts = Starts::new(&found.surfaces);
         for (_, light) in &tracer.lights {
             let (arrivals, arriving) = Arrivals::<L>::of(light, Vector::load(&found.surfaces.point));
             let (share, lit) = found.reflected(arrivals.direction, met & arriving);
             if lit == 0 {
                 continue;
             }
-            let (shadow, t_max) = arrivals.shadow_rays(&found.surfaces);
-            let moving = Octo::splat(0.0).below(Vector::<L::Quad>::load(&shadow.direction).longest());
+            let (shadow, t_max) = arrivals.shadow_rays(&starts);
+            let way = Vector::<L::Quad>::load(&shadow.direction).longest();
+            let moving = Octo::splat(0.0).below(way).bits();
             sums.counts.rays.shadow += u64::from((lit & moving).count_ones());
             let hidden = match lit & moving {
                 0 => 0,
@@ -162,40 +164,47 @@ impl<L: Lanes> Bundle<L> {
         }
         let share = throughput.times(found.mirror);
         let bright = L::splat(tracer.quality.threshold).at_most(share.largest());
-        let above = Octo::splat(0.0).below(found.mirrored.dot(Vector::load(&found.surfaces.normal)));
+        let above = Octo::splat(0.0).below(found.mirrored.dot(Vector::load(&found.surfaces.normal))).bits();
         let on = met & found.mirrors & above & bright & if left > 0 { 0xff } else { 0 };
         sums.counts.rays.mirror += u64::from(on.count_ones());
-        Self { rays: spawn(&found.surfaces, found.mirrored), throughput: share, wanted: on }
+        let rays = Rays { origin: starts.towards(found.mirrored).store(), direction: found.mirrored.store() };
+        Self { rays, throughput: share, wanted: on }
     }
 }
 
-/// [`super::spawn::spawn`] of eight rays.
-#[inline(always)]
-fn spawn<Q: Quad>(surfaces: &Surfaces, direction: Vector<Q>) -> Rays {
-    Rays { origin: start(surfaces, direction).store(), direction: direction.store() }
+/// Where rays from eight surfaces start, as [`super::spawn::spawn`] has it for one.
+struct Starts<Q> {
+    point: Vector<Q>,
+    normal: Vector<Q>,
+    reach: Octo<Q>,
+    /// On the side that the normals are on, where most rays lead.
+    above: Vector<Q>,
 }
 
-/// Where such rays start.
-#[inline(always)]
-fn start<Q: Quad>(surfaces: &Surfaces, direction: Vector<Q>) -> Vector<Q> {
-    let normal = Vector::load(&surfaces.normal);
-    let reach = normal.absolute().dot(Vector::load(&surfaces.error));
-    let below = direction.dot(normal).below(Octo::splat(0.0));
-    let side = (-normal).pick(below, normal);
-    let moved = Vector::load(&surfaces.point) + side * reach;
-    Vector { x: next_away(moved.x, side.x), y: next_away(moved.y, side.y), z: next_away(moved.z, side.z) }
+impl<Q: Quad> Starts<Q> {
+    #[inline(always)]
+    fn new(surfaces: &Surfaces) -> Self {
+        let (point, normal) = (Vector::load(&surfaces.point), Vector::load(&surfaces.normal));
+        let reach = normal.absolute().dot(Vector::load(&surfaces.error));
+        Self { point, normal, reach, above: beyond(point, normal, reach) }
+    }
+
+    #[inline(always)]
+    fn towards(&self, direction: Vector<Q>) -> Vector<Q> {
+        let Self { point, normal, reach, above } = *self;
+        let below = direction.dot(normal).below(Octo::splat(0.0));
+        if below.bits() == 0 {
+            return above;
+        }
+        beyond(point, -normal, reach).pick(below, above)
+    }
 }
 
-/// [`crate::math::next_away`] of eight numbers.
+/// Points moved to a side, each coordinate rounded away from where it was.
 #[inline(always)]
-fn next_away<Q: Quad>(value: Octo<Q>, towards: Octo<Q>) -> Octo<Q> {
-    let zero = Octo::splat(0.0);
-    let (up, down, negative) = (zero.below(towards), towards.below(zero), value.signs());
-    let next = value.stepped((up & !negative) | (down & negative), (up & negative) | (down & !negative));
-    let least = Octo::splat(NEAR_ZERO);
-    // What is next to zero may have been stepped past it, which gives no number.
-    let tiny = (next.absolute().below(least) | value.absolute().below(least)) & (up | down);
-    least.signed_like(towards).pick(tiny, next)
+fn beyond<Q: Quad>(point: Vector<Q>, side: Vector<Q>, reach: Octo<Q>) -> Vector<Q> {
+    let moved = point + side * reach;
+    Vector { x: moved.x.next_away(side.x), y: moved.y.next_away(side.y), z: moved.z.next_away(side.z) }
 }
 
 /// The point that a vector of the world stands for, in all lanes.

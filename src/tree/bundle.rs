@@ -38,7 +38,7 @@ impl<L: Lanes> BundleSlabs<L> {
         let space = &tree.space;
         let per = Octo::splat(space.per);
         let origin = (from - Vector::splat(space.origin)) * per;
-        let near = origin.longest().at_most(Octo::splat(AFAR)) & rays;
+        let near = origin.longest().at_most(Octo::splat(AFAR)).bits() & rays;
         let scale = direction.longest().power_of_two();
         let error = from.longest().larger(Octo::splat(space.farthest)) * Octo::splat(space.per * ROUNDING);
         let error = error + Octo::splat(SLACK);
@@ -125,7 +125,7 @@ impl Tree {
         let enter = x.0.larger(y.0.larger(z.0.larger(Octo::splat(0.0))));
         let leave = x.1.smaller(y.1.smaller(z.1.smaller(Octo::splat(f64::INFINITY))));
         let spread = Octo::splat(1.0 + 4.0 * gamma(3));
-        enter.at_most(leave * spread)
+        enter.at_most(leave * spread).bits()
     }
 
     /// Where rays enter and leave the box along an axis. What is no number, for rays within a plane, bounds nothing.
@@ -140,7 +140,7 @@ impl Tree {
         let inverse = Octo::splat(1.0) / direction;
         let low = (Octo::splat(self.bounds[0][axis]) - error - origin) * inverse;
         let high = (Octo::splat(self.bounds[1][axis]) + error - origin) * inverse;
-        let backwards = inverse.signs();
+        let backwards = inverse.below(Octo::splat(0.0));
         (high.pick(backwards, low), low.pick(backwards, high))
     }
 

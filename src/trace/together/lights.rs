@@ -1,10 +1,10 @@
 //! Light on its way to eight points, as `super::super::lights` has it for one.
 
 use super::shade::Color;
-use super::{everywhere, spawn, start};
+use super::{Starts, everywhere};
 use crate::light::{Attenuation, Light, Source};
 use crate::math::DVec3;
-use crate::shape::{Rays, Surfaces};
+use crate::shape::Rays;
 use crate::simd::{Lanes, Octo, Quad, Vector};
 
 /// Light that would reach eight points if nothing stood in its way.
@@ -33,7 +33,7 @@ impl<L: Lanes> Arrivals<L> {
                 let cosine = -direction.dot(everywhere(cone.axis));
                 let inside = cosine.store().map(|cosine| cone.share(cosine));
                 let share = shares(attenuation, way.length()) * Octo::load(&inside);
-                let arriving = Octo::splat(0.0).below(share);
+                let arriving = Octo::splat(0.0).below(share).bits();
                 (Self::from(*position, way, radiance, share), arriving)
             }
             Source::Directional { to_light } => {
@@ -54,10 +54,13 @@ impl<L: Lanes> Arrivals<L> {
 
     /// The rays from surfaces to where the light comes from, and the t before which nothing may stand.
     #[inline(always)]
-    pub fn shadow_rays(&self, surfaces: &Surfaces) -> (Rays, f64) {
-        let Some(position) = self.from else { return (spawn(surfaces, self.direction), f64::INFINITY) };
+    pub(super) fn shadow_rays(&self, starts: &Starts<L::Quad>) -> (Rays, f64) {
+        let Some(position) = self.from else {
+            let origin = starts.towards(self.direction).store();
+            return (Rays { origin, direction: self.direction.store() }, f64::INFINITY);
+        };
         let target: Vector<L::Quad> = everywhere(position);
-        let origin = start(surfaces, target - Vector::load(&surfaces.point));
+        let origin = starts.towards(target - starts.point);
         (Rays { origin: origin.store(), direction: (target - origin).store() }, 1.0)
     }
 }

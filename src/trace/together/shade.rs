@@ -7,7 +7,7 @@ use crate::color::Rgb;
 use crate::material::{Exponent, Highlight, Material};
 use crate::math::DVec3;
 use crate::shape::{Rays, Surfaces, lanes};
-use crate::simd::{Lanes, Octo, Rows, Vector};
+use crate::simd::{Choice, Lanes, Octo, Rows, Vector};
 
 /// Eight colours.
 #[derive(Clone, Copy)]
@@ -195,7 +195,8 @@ impl<L: Lanes> Reflectors<L> {
     pub fn reflected(&self, to_light: Vector<L::Quad>, wanted: u32) -> (Color<L>, u32) {
         let zero = Octo::splat(0.0);
         let cosine = self.normal.dot(to_light);
-        let lit = wanted & zero.below(cosine) & zero.below(Vector::load(&self.surfaces.normal).dot(to_light));
+        let above = zero.below(Vector::load(&self.surfaces.normal).dot(to_light));
+        let lit = wanted & (zero.below(cosine) & above).bits();
         if lit == 0 {
             return (self.diffuse, 0);
         }
@@ -213,7 +214,7 @@ impl<L: Lanes> Reflectors<L> {
         let mut cosine = self.mirrored.dot(to_light);
         if *blinn != 0 {
             let half = (to_light + self.to_eye).normalized_or(everywhere(DVec3::ZERO));
-            cosine = self.normal.dot(half).pick(*blinn, cosine);
+            cosine = self.normal.dot(half).pick(Choice::of(*blinn), cosine);
         }
         let (zero, one) = (Octo::splat(0.0), Octo::splat(1.0));
         let Exponents::Whole(n) = exponents else { return self.raised_one_by_one(cosine) };
@@ -251,7 +252,7 @@ fn picked<L: Lanes>(these: &Surfaces, bits: u32, others: &Surfaces) -> Surfaces 
 
 #[inline(always)]
 fn picked_rows<L: Lanes>(these: &Rows, bits: u32, others: &Rows) -> Rows {
-    Vector::<L::Quad>::load(these).pick(bits, Vector::load(others)).store()
+    Vector::<L::Quad>::load(these).pick(Choice::of(bits), Vector::load(others)).store()
 }
 
 impl Exponents {
