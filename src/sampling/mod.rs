@@ -2,6 +2,7 @@
 
 mod frame;
 mod sampler;
+mod sobol;
 mod warp;
 
 pub use frame::Frame;

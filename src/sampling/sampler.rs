@@ -5,8 +5,8 @@
 //! samples: they are points of an Owen-scrambled Sobol sequence (Burley, *Practical Hash-based Owen
 //! Scrambling*, 2020), four dimensions at a time; different uses are scrambled independently.
 
+use super::sobol;
 use crate::math::DVec2;
-use sobol_burley::sample_4d;
 
 /// What random numbers are used for. Different uses never share numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,7 +75,7 @@ impl PixelSampler {
 impl Sampler {
     /// Four numbers in 0..1.
     pub fn four(&self, of: Use) -> [f64; 4] {
-        sample_4d(self.sample, 0, hash([self.pixel, of.number(), 0])).map(f64::from)
+        sobol::point(self.sample, hash([self.pixel, of.number(), 0])).map(f64::from)
     }
 
     /// Two numbers in 0..1.
