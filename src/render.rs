@@ -3,7 +3,7 @@
 use crate::camera_path::NoCamera;
 use crate::counters::{Counts, Meter};
 use crate::encode::{EncodeError, Encoder, Job, Output, Report};
-use crate::film::Film;
+use crate::film::{Extras, Film};
 use crate::humane;
 use crate::memory;
 use crate::schedule::{FilmSink, FrameLoop, NoFrame, Stage, Tally};
@@ -102,7 +102,7 @@ impl Error for RenderError {}
 /// Renders the requested frames. `meter` may be watched from another thread meanwhile.
 pub fn render(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> Result<Summary, RenderError> {
     let start = Instant::now();
-    let (needed, available) = (memory::needed(sequence), memory::available());
+    let (needed, available) = (memory::needed(sequence, Extras::default()), memory::available());
     if needed > available {
         return Err(RenderError::TooLarge { needed, available });
     }

@@ -2,9 +2,10 @@
 
 use super::path::Paths;
 use super::tracer::{Dice, Tracer, Work};
-use super::{Moment, TraceSettings, whitted};
+use super::{Moment, TraceSettings, guides, whitted};
 use crate::bvh::Bvh;
 use crate::counters::Dropped;
+use crate::film::LayerId;
 use crate::math::{DVec2, DVec3};
 use crate::quality::Integrator;
 use crate::sampling::{PixelSampler, Sampler, Use};
@@ -19,6 +20,10 @@ pub struct Pixels<'a> {
     paths: Option<Paths<'a>>,
     /// Whether samples are drawn at random; else they stand on a regular grid.
     random: bool,
+    /// How many layers hold light.
+    lights: usize,
+    /// Where guides are recorded, if they are.
+    guides: Option<LayerId>,
 }
 
 impl<'a> Pixels<'a> {
@@ -28,13 +33,16 @@ impl<'a> Pixels<'a> {
             Integrator::Whitted => true,
             Integrator::Path(path) => path.refractive_shadows,
         };
-        let tracer = Tracer::new(scene, bvh, quality, refractive_shadows);
+        let lights = scene.weights.0.len();
+        let mut tracer = Tracer::new(scene, bvh, quality, refractive_shadows);
+        tracer.holdout = settings.extras.coverage_layer(lights);
         let paths = match quality.integrator {
             Integrator::Whitted => None,
             Integrator::Path(path) => Some(Paths::new(&tracer, path)),
         };
         let random = paths.is_some() || moment.of > 1 || calls_for_samples(scene, &tracer);
-        Self { settings, moment, tracer, paths, random }
+        let guides = settings.extras.guides_layer(lights);
+        Self { settings, moment, tracer, paths, random, lights, guides }
     }
 
     /// Adds a pixel's layers to `sums`: the mean of its samples or, of several moments, this moment's part of
@@ -77,6 +85,9 @@ impl<'a> Pixels<'a> {
         let screen = DVec2::new(2.0 * at.x - width, height - 2.0 * at.y) / height;
         let ray = self.tracer.scene.camera.ray(screen, lens);
         work.counts.rays.camera += 1;
+        if let Some(first) = self.guides {
+            guides::record(&self.tracer, &ray, first, work);
+        }
         let dice = Dice { sampler, surface: 0 };
         match &self.paths {
             None => whitted::follow(&self.tracer, ray, dice, work),
@@ -87,7 +98,12 @@ impl<'a> Pixels<'a> {
     /// Adds the sample in hand to the sums, but for what is no light: one such number would spoil the pixel.
     fn take(&self, sums: &mut [DVec3], work: &mut Work) {
         let limit = self.settings.quality.clamp.map(f64::from);
-        for (sum, sample) in sums.iter_mut().zip(&mut work.layers) {
+        let (lights, extras) = sums.split_at_mut(self.lights);
+        let (sampled_lights, sampled_extras) = work.layers.split_at_mut(self.lights);
+        for (sum, sample) in extras.iter_mut().zip(sampled_extras) {
+            *sum += std::mem::take(sample);
+        }
+        for (sum, sample) in lights.iter_mut().zip(sampled_lights) {
             let sample = std::mem::take(sample);
             if sample.is_finite() && sample.min_element() >= 0.0 {
                 *sum += limit.map_or(sample, |limit| sample.min(DVec3::splat(limit)));
