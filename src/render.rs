@@ -2,7 +2,7 @@
 
 use crate::camera_path::NoCamera;
 use crate::counters::{Counts, Meter};
-use crate::encode::{EncodeError, Encoder, Job, Output, Report};
+use crate::encode::{EncodeError, Encoder, Job, Output, Report, Still};
 use crate::film::{Extras, Film};
 use crate::humane;
 use crate::memory;
@@ -102,7 +102,8 @@ impl Error for RenderError {}
 /// Renders the requested frames. `meter` may be watched from another thread meanwhile.
 pub fn render(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> Result<Summary, RenderError> {
     let start = Instant::now();
-    let (needed, available) = (memory::needed(sequence, Extras::default()), memory::available());
+    let extras = extras(sequence, &request.outputs);
+    let (needed, available) = (memory::needed(sequence, extras), memory::available());
     if needed > available {
         return Err(RenderError::TooLarge { needed, available });
     }
@@ -110,7 +111,7 @@ pub fn render(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> Res
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = Arc::new(pool.map_err(|error| RenderError::Threads(error.to_string()))?);
     let encoder = Encoder::start(job(sequence, request), Arc::clone(&pool))?;
-    let mut frames = FrameLoop::new(sequence, encoder, Arc::clone(meter));
+    let mut frames = FrameLoop::with_extras(sequence, extras, encoder, Arc::clone(meter));
     pool.install(|| request.frames.iter().try_for_each(|&frame| frames.frame(frame)))?;
     let tally = frames.tally().clone();
     let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::finish)?;
@@ -120,14 +121,26 @@ pub fn render(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> Res
 }
 
 fn job(sequence: &Sequence, request: &Request) -> Job {
+    let output = &sequence.output;
     Job {
         outputs: request.outputs.clone(),
         frames: request.frames.clone(),
         rate: sequence.timeline.rate,
-        size: sequence.output.size,
-        tonemap: sequence.output.tonemap,
-        gif: sequence.output.gif,
+        size: output.size,
+        tonemap: output.tonemap,
+        transparent: output.transparent,
+        matte: output.matte,
+        caption: output.caption.clone(),
+        formats: output.formats,
+        about: sequence.about(),
     }
+}
+
+/// What films have to record for these outputs.
+fn extras(sequence: &Sequence, outputs: &[Output]) -> Extras {
+    let exr = outputs.iter().any(|output| matches!(output, Output::Stills(Still::Exr, _)));
+    let guides = exr && sequence.output.formats.exr.layers.call_for_guides();
+    Extras { coverage: sequence.output.transparent, guides }
 }
 
 fn summary(tally: &Tally, report: Report, request: &Request, elapsed: Duration) -> Summary {

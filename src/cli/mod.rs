@@ -22,7 +22,7 @@ use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Renders keyframed animations from one text file: PNG, PPM or EXR frames and GIFs, ray traced.
+/// Renders keyframed animations from one text file into pictures, GIFs and videos, ray traced.
 #[derive(Parser)]
 #[command(version, arg_required_else_help = true, after_help = AFTER_HELP)]
 struct Arguments {

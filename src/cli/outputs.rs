@@ -35,7 +35,7 @@ impl Run<'_> {
         }
         let left_out = self.own.iter().find(|output| output.is_animation());
         let note =
-            |output| format!("{output} holds all frames and is left as it is; name a GIF of these with -o");
+            |output| format!("{output} holds all frames and is left as it is; name an animation of these with -o");
         (stills, left_out.map(note))
     }
 }

@@ -6,7 +6,7 @@ use super::overrides::{self, Overrides};
 use super::progress::{self, ProgressMode};
 use super::{load, loading, summary, terminal, values};
 use crate::counters::Meter;
-use crate::encode::{Output, Tonemap};
+use crate::encode::{Output, Template, Tonemap};
 use crate::frame_set::FrameSet;
 use crate::quality::Integrator;
 use crate::render::{Request, render};
@@ -17,7 +17,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Render a sequence into PNG, PPM or EXR frames and GIFs.
+/// Render a sequence into pictures, GIFs and videos.
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
@@ -26,8 +26,9 @@ pub struct Arguments {
 
     /// File to write; may be given several times [default: those that the sequence names]
     ///
-    /// The format follows the extension: .gif for an animation, .png or .ppm for a picture per
-    /// frame, .exr for its linear radiance, where #### or %04d is the place of the frame number.
+    /// The format follows the extension: .mp4, .gif, .apng, .webp or .y4m for an animation, .png,
+    /// .jpg or .ppm for a picture per frame, .exr for its linear radiance, where #### or %04d is the
+    /// place of the frame number; - for raw video (Y4M) on the standard output, for any encoder.
     /// Without this option, a draft's files are called draft_..., and a part of the frames
     /// leaves the whole animation as it is.
     #[arg(short, long, value_name = "FILE", value_parser = Output::parse, verbatim_doc_comment)]
@@ -85,6 +86,32 @@ pub struct Arguments {
     #[arg(long, value_name = "STOPS", value_parser = values::exposure, allow_hyphen_values = true)]
     exposure: Option<f64>,
 
+    /// Leave the background out: PNG, APNG, WebP and EXR get alpha
+    #[arg(long)]
+    transparent: bool,
+
+    /// Write this into every picture, such as "frame {frame}, {time} s"
+    ///
+    /// {frame}, {frames}, {time} and {name} stand for their values.
+    #[arg(long, value_name = "TEXT", value_parser = values::caption)]
+    caption: Option<Template>,
+
+    /// Bits of a PNG's channels: 8 or 16 [default: as the sequence says]
+    #[arg(long, value_name = "N", value_parser = values::bits)]
+    bits: Option<bool>,
+
+    /// Quality of JPEGs and of MP4 video, 1 to 100 [default: as the sequence says]
+    #[arg(long, value_name = "N", value_parser = values::encode_quality, allow_hyphen_values = true)]
+    quality: Option<u8>,
+
+    /// How large a GIF may become, such as 5MB: it loses colours, pixels or frames until it fits
+    #[arg(long, value_name = "SIZE", value_parser = values::file_size, allow_hyphen_values = true)]
+    max_size: Option<u64>,
+
+    /// PNGs without text about the frame
+    #[arg(long)]
+    no_metadata: bool,
+
     /// A quick look: half the width and height, antialias 1, at most 16 samples and 1 bounce
     ///
     /// What --size, --antialias, --samples and --bounces say goes before it.
@@ -104,6 +131,8 @@ const AFTER_HELP: &str = "\
 Examples:
   kinora render turn.ron                             everything as the file says
   kinora render turn.ron -o t_####.png -o t.gif      frames and an animation
+  kinora render turn.ron -o turn.mp4 --quality 80    a video for browsers and slides
+  kinora render turn.ron -o - | x265 --y4m - -o t.hevc  raw video for any encoder
   kinora render turn.ron --frames 0-47:2 -s 640x360  every second frame, small
   kinora render turn.ron -r 30 --draft               a quick look at another rate";
 
@@ -119,6 +148,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         partial: frames.len() < sequence.timeline.frames as usize,
     };
     let (outputs, note) = run.outputs();
+    let streams = outputs.contains(&Output::Stream);
+    let json = arguments.progress == ProgressMode::Json;
+    if streams && json {
+        let message = "-o - and --progress json both write to the standard output; leave one out";
+        return Err(Failure::Bad(message.to_owned()));
+    }
     let request = Request { outputs, frames, threads: arguments.threads };
 
     let meter = Arc::new(Meter::default());
@@ -131,8 +166,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         done.notes.insert(0, draft_note(&sequence));
     }
     if !arguments.quiet {
-        let json = arguments.progress == ProgressMode::Json;
-        terminal::say(&if json { summary::json(&done) } else { summary::text(&done) })?;
+        let told = if json { summary::json(&done) } else { summary::text(&done) };
+        if streams {
+            terminal::complain(&told);
+        } else {
+            terminal::say(&told)?;
+        }
     }
     Ok(())
 }
@@ -149,6 +188,12 @@ impl Arguments {
             seed: self.seed,
             tonemap: self.tonemap,
             exposure: self.exposure,
+            transparent: self.transparent,
+            caption: self.caption.clone(),
+            max_size: self.max_size,
+            encode_quality: self.quality,
+            deep: self.bits,
+            no_metadata: self.no_metadata,
             draft: self.draft,
         }
     }

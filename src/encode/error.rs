@@ -29,10 +29,10 @@ pub enum JobError {
     IsFolder { path: PathBuf },
     /// No frames, or no pixels.
     Empty,
-    /// A picture of more than 65535 pixels along an axis does not fit into a GIF.
-    GifTooLarge { path: PathBuf, size: (u32, u32) },
-    /// A GIF that runs for months.
-    GifTooLong { path: PathBuf },
+    /// A picture of more pixels than a format takes; `limit` says how many those are.
+    TooLarge { path: PathBuf, size: (u32, u32), limit: &'static str },
+    /// An animation that runs for months.
+    TooLong { path: PathBuf },
 }
 
 /// How films differ from what the job announced.
@@ -130,12 +130,12 @@ impl fmt::Display for JobError {
                 write!(f, "cannot write {}: it is a folder; name a file in it", path.display())
             }
             Self::Empty => f.write_str("there is nothing to write: no frames, or a size of zero"),
-            Self::GifTooLarge { path, size: (width, height) } => write!(
+            Self::TooLarge { path, size: (width, height), limit } => write!(
                 f,
-                "{} cannot hold {width}x{height} pixels: a GIF ends at 65535x65535; render smaller (-s) or to PNG",
+                "{} cannot hold {width}x{height} pixels: {limit}; render smaller (-s) or to PNG",
                 path.display()
             ),
-            Self::GifTooLong { path } => {
+            Self::TooLong { path } => {
                 write!(f, "{} would play for more than 100 days; raise the frame rate (-r)", path.display())
             }
         }

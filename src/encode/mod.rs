@@ -2,32 +2,47 @@
 //!
 //! ```text
 //! Film ─┬─ exr ▶ atomic ▶ frame_0000.exr …
-//!       └─ develop ▶ Picture ─┬─ png ▶ atomic ▶ frame_0000.png …
-//!                             ├─ store (the PNGs, or a spool) ──┐
-//!                             └─ gif: histogram ▶ palette ──────┴▶ dither ▶ delta ▶ atomic ▶ out.gif
+//!       └─ develop ▶ Picture ▶ caption ─┬─ png, jpeg, ppm ▶ atomic ▶ frame_0000.png …
+//!                                       ├─ movie: apng, webp, mp4, y4m ▶ atomic ▶ out.mp4
+//!                                       ├─ store (the PNGs, or a spool) ──┐
+//!                                       └─ gif: histogram ▶ palette ──────┴▶ dither ▶ delta ▶ atomic ▶ out.gif
 //! ```
 
+mod about;
+mod animations;
 mod atomic;
+mod caption;
 mod develop;
 mod error;
 mod exr;
 mod gif;
 mod job;
+mod jpeg;
+mod movie;
 mod output;
 mod pattern;
+mod picture;
 mod png;
 mod ppm;
+mod settings;
 mod store;
+mod text;
 #[cfg(test)]
 mod tests;
 mod tonemap;
 mod worker;
 
-pub use develop::{Picture, ToneTable};
+pub use about::About;
+pub use caption::{Caption, CaptionError, Corner, Template};
+pub use develop::ToneTable;
 pub use error::{EncodeError, FilmsError, JobError};
-pub use job::{GifSettings, Job};
-pub use output::{Output, OutputError};
+pub use job::Job;
+pub use output::{Moving, Output, OutputError, Still};
 pub use pattern::{FramePattern, PatternError};
+pub use picture::Picture;
+pub use settings::{
+    ExrLayers, ExrSettings, Formats, GifSettings, JpegSettings, MATTE, Mp4Settings, Plays, PngSettings, Y4mSettings,
+};
 pub use tonemap::Tonemap;
 
 use crate::film::Film;

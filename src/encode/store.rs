@@ -1,7 +1,7 @@
 //! Where a GIF's frames wait for the second pass.
 
 use super::atomic::folder_of;
-use super::develop::Picture;
+use super::picture::Picture;
 use super::error::EncodeError;
 use super::pattern::FramePattern;
 use super::png;
@@ -32,7 +32,7 @@ impl Store {
             Self::Own { .. } => Ok(()),
             Self::Spool(_) => {
                 let path = self.path(index);
-                let stored = png::encode(picture).and_then(|bytes| fs::write(&path, bytes));
+                let stored = png::encode(picture, &[]).and_then(|bytes| fs::write(&path, bytes));
                 stored.map_err(|e| EncodeError::write(&path, e))
             }
         }

@@ -1,7 +1,7 @@
 //! The colours of a whole animation in bounded memory.
 
 use super::palette::Palette;
-use crate::encode::develop::Picture;
+use crate::encode::picture::Picture;
 use std::collections::BTreeSet;
 
 /// Bits per channel that select a bin: 2^18 bins of 16 bytes.
@@ -95,7 +95,7 @@ mod tests {
     use super::*;
 
     fn picture(colors: &[[u8; 3]]) -> Picture {
-        Picture { width: colors.len() as u32, height: 1, rgb: colors.as_flattened().to_vec() }
+        Picture::opaque(colors.len() as u32, 1, colors.as_flattened().to_vec())
     }
 
     #[test]

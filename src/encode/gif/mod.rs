@@ -5,7 +5,6 @@
 //! to the one palette and writes what changes. So memory does not grow with the number of frames.
 
 mod delta;
-mod difference;
 mod dither;
 mod file;
 mod histogram;
@@ -16,10 +15,10 @@ mod tests;
 mod threshold;
 mod timing;
 
-use super::develop::Picture;
 use super::error::{EncodeError, JobError};
-use super::job::GifSettings;
 use super::job::Job;
+use super::picture::Picture;
+use super::settings::GifSettings;
 use dither::Mixer;
 use file::GifFile;
 use histogram::Histogram;
@@ -51,28 +50,34 @@ impl Animation {
     /// The animation of a job's frames as the GIF file `path`.
     pub fn new(path: &Path, job: &Job) -> Result<Self, JobError> {
         let (Ok(width), Ok(height)) = (u16::try_from(job.size.0), u16::try_from(job.size.1)) else {
-            return Err(JobError::GifTooLarge { path: path.to_path_buf(), size: job.size });
+            let limit = "a GIF ends at 65535x65535";
+            return Err(JobError::TooLarge { path: path.to_path_buf(), size: job.size, limit });
         };
         let Some(shots) = timing::shots(job.frames.len(), job.rate) else {
-            return Err(JobError::GifTooLong { path: path.to_path_buf() });
+            return Err(JobError::TooLong { path: path.to_path_buf() });
         };
         Ok(Self {
             path: path.to_path_buf(),
             size: (width, height),
-            settings: job.gif,
+            settings: job.formats.gif,
             dropped: job.frames.len() - shots.len(),
             shots,
-            histogram: Histogram::new(usize::from(job.gif.colors)),
+            histogram: Histogram::new(usize::from(job.formats.gif.colors)),
         })
     }
 
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// How many frames are left out to stay at [`timing::FASTEST`], if any.
-    pub fn dropped(&self) -> usize {
-        self.dropped
+    /// What to tell if frames are left out to stay at [`timing::FASTEST`].
+    pub fn dropped_note(&self, job: &Job) -> Option<String> {
+        let total = job.frames.len();
+        (self.dropped > 0).then(|| {
+            format!(
+                "{} plays at 50 frames per second and shows {} of {total} frames: viewers slow GIFs down that are \
+                 faster (here {})",
+                self.path.display(),
+                total - self.dropped,
+                job.rate,
+            )
+        })
     }
 
     /// Whether the frame of this index in the job's list shows.

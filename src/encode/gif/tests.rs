@@ -1,14 +1,13 @@
 //! GIFs read back with the `gif` crate.
 
 use super::*;
-use crate::encode::Output;
-use crate::encode::{GifSettings, Tonemap};
+use crate::encode::{About, Formats, GifSettings, MATTE, Moving, Output, Tonemap};
 use crate::time::Rate;
 use ::gif::{ColorOutput, DecodeOptions, DisposalMethod, Repeat};
 use std::collections::HashMap;
 use std::fs;
 
-const SETTINGS: GifSettings = GifSettings { plays: None, colors: 256, dither: true };
+const SETTINGS: GifSettings = GifSettings { plays: None, colors: 256, dither: true, max_size: None };
 
 /// A GIF as a viewer shows it.
 struct Shown {
@@ -53,12 +52,16 @@ fn make(pictures: &[Picture], rate: (i128, i128), gif: GifSettings) -> Shown {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("a.gif");
     let job = Job {
-        outputs: vec![Output::Gif(path.clone())],
+        outputs: vec![Output::Movie(Moving::Gif, path.clone())],
         frames: (0..pictures.len() as u32).collect(),
         rate: Rate::new(rate.0, rate.1).expect("a rate"),
         size: (pictures[0].width, pictures[0].height),
         tonemap: Tonemap::Srgb,
-        gif,
+        transparent: false,
+        matte: MATTE,
+        caption: None,
+        formats: Formats { gif, ..Formats::default() },
+        about: About::default(),
     };
     let mut animation = Animation::new(&path, &job).expect("a fitting job");
     for (index, picture) in pictures.iter().enumerate() {
@@ -72,7 +75,7 @@ fn make(pictures: &[Picture], rate: (i128, i128), gif: GifSettings) -> Shown {
 
 fn picture(width: u32, height: u32, color: impl Fn(u32, u32) -> [u8; 3]) -> Picture {
     let rgb = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    Picture { width, height, rgb: rgb.flat_map(|(x, y)| color(x, y)).collect() }
+    Picture::opaque(width, height, rgb.flat_map(|(x, y)| color(x, y)).collect())
 }
 
 /// A square that moves over one colour: few colours.
