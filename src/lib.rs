@@ -54,6 +54,8 @@ pub mod trace;
 pub mod schedule;
 pub mod memory;
 pub mod render;
+pub mod filmstrip;
+pub mod assemble;
 pub mod cli;
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use crate::humane;
 use crate::memory;
 use crate::schedule::{FilmSink, FrameLoop, NoFrame, Stage, Tally};
 use crate::sequence::Sequence;
+use rayon::ThreadPool;
 use std::error::Error;
 use std::fmt::{Display, Formatter};
 use std::num::NonZeroUsize;
@@ -103,21 +104,29 @@ impl Error for RenderError {}
 pub fn render(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> Result<Summary, RenderError> {
     let start = Instant::now();
     let extras = extras(sequence, &request.outputs);
-    let (needed, available) = (memory::needed(sequence, extras), memory::available());
-    if needed > available {
-        return Err(RenderError::TooLarge { needed, available });
-    }
-    let threads = request.threads.map_or(0, NonZeroUsize::get);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = Arc::new(pool.map_err(|error| RenderError::Threads(error.to_string()))?);
+    check_memory(sequence, extras)?;
+    let pool = Arc::new(pool(request.threads)?);
     let encoder = Encoder::start(job(sequence, request), Arc::clone(&pool))?;
     let mut frames = FrameLoop::with_extras(sequence, extras, encoder, Arc::clone(meter));
     pool.install(|| request.frames.iter().try_for_each(|&frame| frames.frame(frame)))?;
     let tally = frames.tally().clone();
     let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::finish)?;
-    let mut summary = summary(&tally, report, request, start.elapsed());
+    let mut summary = summary(&tally, report, request.frames.len() as u32, start.elapsed());
     summary.notes.splice(..0, sequence.notes());
     Ok(summary)
+}
+
+/// Refuses pictures that do not fit into memory.
+pub(crate) fn check_memory(sequence: &Sequence, extras: Extras) -> Result<(), RenderError> {
+    let (needed, available) = (memory::needed(sequence, extras), memory::available());
+    if needed > available { Err(RenderError::TooLarge { needed, available }) } else { Ok(()) }
+}
+
+/// The threads that trace.
+pub(crate) fn pool(threads: Option<NonZeroUsize>) -> Result<ThreadPool, RenderError> {
+    let threads = threads.map_or(0, NonZeroUsize::get);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|error| RenderError::Threads(error.to_string()))
 }
 
 fn job(sequence: &Sequence, request: &Request) -> Job {
@@ -143,11 +152,12 @@ fn extras(sequence: &Sequence, outputs: &[Output]) -> Extras {
     Extras { coverage: sequence.output.transparent, guides }
 }
 
-fn summary(tally: &Tally, report: Report, request: &Request, elapsed: Duration) -> Summary {
+/// What a run of so many frames did.
+pub(crate) fn summary(tally: &Tally, report: Report, frames: u32, elapsed: Duration) -> Summary {
     // The frame loop only waits for the encoder; its own time is what encoding took.
     let time = |stage| if stage == Stage::Encode { report.busy } else { tally.stages[stage as usize] };
     Summary {
-        frames: request.frames.len() as u32,
+        frames,
         counts: tally.counts,
         bvh_builds: tally.bvh_builds,
         stages: Stage::ALL.map(|stage| (stage.name(), time(stage))).to_vec(),

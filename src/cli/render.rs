@@ -1,19 +1,17 @@
 //! `kinora render`: a sequence file in, frames and animations out.
 
 use super::failure::Failure;
+use super::options::Options;
 use super::outputs::Run;
 use super::overrides::{self, Overrides};
 use super::progress::{self, ProgressMode};
 use super::{load, loading, summary, terminal, values};
 use crate::counters::Meter;
-use crate::encode::{Output, Template, Tonemap};
+use crate::encode::{Output, Template};
 use crate::frame_set::FrameSet;
-use crate::quality::Integrator;
 use crate::render::{Request, render};
 use crate::sequence::Sequence;
-use crate::time::Rate;
 use clap::Args;
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -41,50 +39,8 @@ pub struct Arguments {
     #[arg(long, value_name = "SET", allow_hyphen_values = true, verbatim_doc_comment)]
     frames: Option<FrameSet>,
 
-    /// Width and height in pixels, such as 1280x720 [default: as the sequence says]
-    #[arg(short, long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true)]
-    size: Option<(u32, u32)>,
-
-    /// Frames per second: 24, 29.97 or 30000/1001 [default: as the sequence says]
-    ///
-    /// The animation keeps its duration in seconds.
-    #[arg(short = 'r', long, value_name = "RATE", value_parser = values::rate, allow_hyphen_values = true)]
-    fps: Option<Rate>,
-
-    /// Threads to render with; the picture is the same with any [default: one per processor]
-    #[arg(short, long, value_name = "N", value_parser = values::threads, allow_hyphen_values = true)]
-    threads: Option<NonZeroUsize>,
-
-    /// How light is followed: whitted or path [default: as the sequence says]
-    #[arg(long, value_name = "NAME", value_parser = values::integrator)]
-    integrator: Option<Integrator>,
-
-    /// Longest chain of reflections and refractions, 0 for none [default: as the sequence says]
-    #[arg(long, value_name = "N", value_parser = values::bounces, allow_hyphen_values = true)]
-    bounces: Option<u32>,
-
-    /// N×N samples per pixel where nothing is random, 1 to 64 [default: as the sequence says]
-    #[arg(long, value_name = "N", value_parser = values::antialias, allow_hyphen_values = true)]
-    antialias: Option<u32>,
-
-    /// Random samples per pixel where something is [default: as the sequence says]
-    ///
-    /// Paths, area lights, rough surfaces, lenses and motion blur are drawn at random: four times
-    /// the samples halve the noise.
-    #[arg(long, value_name = "N", value_parser = values::samples, allow_hyphen_values = true, verbatim_doc_comment)]
-    samples: Option<u32>,
-
-    /// Another number gives other noise [default: as the sequence says]
-    #[arg(long, value_name = "N", value_parser = values::seed, allow_hyphen_values = true)]
-    seed: Option<u32>,
-
-    /// How radiance is displayed: srgb, none, reinhard or filmic [default: as the sequence says]
-    #[arg(long, value_name = "MAP", value_parser = values::tonemap)]
-    tonemap: Option<Tonemap>,
-
-    /// Stops by which pictures are brightened, such as -1.5 [default: as the sequence says]
-    #[arg(long, value_name = "STOPS", value_parser = values::exposure, allow_hyphen_values = true)]
-    exposure: Option<f64>,
+    #[command(flatten)]
+    options: Options,
 
     /// Leave the background out: PNG, APNG, WebP and EXR get alpha
     #[arg(long)]
@@ -104,27 +60,15 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = values::encode_quality, allow_hyphen_values = true)]
     quality: Option<u8>,
 
-    /// How large a GIF may become, such as 5MB: it loses colours, pixels or frames until it fits
+    /// How large a GIF may become, such as 5MB
+    ///
+    /// It loses colours, then pixels, then frames until it fits; a note says which.
     #[arg(long, value_name = "SIZE", value_parser = values::file_size, allow_hyphen_values = true)]
     max_size: Option<u64>,
 
     /// PNGs without text about the frame
     #[arg(long)]
     no_metadata: bool,
-
-    /// A quick look: half the width and height, antialias 1, at most 16 samples and 1 bounce
-    ///
-    /// What --size, --antialias, --samples and --bounces say goes before it.
-    #[arg(long)]
-    draft: bool,
-
-    /// Print nothing but errors.
-    #[arg(short, long)]
-    quiet: bool,
-
-    /// How progress is told
-    #[arg(long, value_enum, default_value_t, value_name = "HOW")]
-    progress: ProgressMode,
 }
 
 const AFTER_HELP: &str = "\
@@ -137,35 +81,35 @@ Examples:
   kinora render turn.ron -r 30 --draft               a quick look at another rate";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let loading = loading::Reporter::new(arguments.progress, arguments.quiet);
+    let loading = loading::Reporter::new(arguments.options.progress, arguments.options.quiet);
     let sequence = load::sequence(&arguments.file, loading)?;
     let sequence = overrides::applied(sequence, &arguments.overrides()).map_err(Failure::Bad)?;
-    let frames = arguments.frames_of(&sequence)?;
+    let frames = frames_of(arguments.frames.as_ref(), &sequence)?;
     let run = Run {
         own: &sequence.output.files,
         wanted: &arguments.output,
-        draft: arguments.draft,
+        draft: arguments.options.draft,
         partial: frames.len() < sequence.timeline.frames as usize,
     };
     let (outputs, note) = run.outputs();
     let streams = outputs.contains(&Output::Stream);
-    let json = arguments.progress == ProgressMode::Json;
+    let json = arguments.options.progress == ProgressMode::Json;
     if streams && json {
         let message = "-o - and --progress json both write to the standard output; leave one out";
         return Err(Failure::Bad(message.to_owned()));
     }
-    let request = Request { outputs, frames, threads: arguments.threads };
+    let request = Request { outputs, frames, threads: arguments.options.threads };
 
     let meter = Arc::new(Meter::default());
     let frames = request.frames.len();
-    let show = progress::Reporter::new(arguments.progress, arguments.quiet, frames);
+    let show = progress::Reporter::new(arguments.options.progress, arguments.options.quiet, frames);
     let mut done = progress::watch(&meter, frames, show, || render(&sequence, &request, &meter))?;
 
     done.notes.extend(note);
-    if arguments.draft {
+    if arguments.options.draft {
         done.notes.insert(0, draft_note(&sequence));
     }
-    if !arguments.quiet {
+    if !arguments.options.quiet {
         let told = if json { summary::json(&done) } else { summary::text(&done) };
         if streams {
             terminal::complain(&told);
@@ -179,34 +123,26 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 impl Arguments {
     fn overrides(&self) -> Overrides {
         Overrides {
-            size: self.size,
-            rate: self.fps,
-            bounces: self.bounces,
-            antialias: self.antialias,
-            samples: self.samples,
-            integrator: self.integrator,
-            seed: self.seed,
-            tonemap: self.tonemap,
-            exposure: self.exposure,
             transparent: self.transparent,
             caption: self.caption.clone(),
             max_size: self.max_size,
             encode_quality: self.quality,
             deep: self.bits,
             no_metadata: self.no_metadata,
-            draft: self.draft,
+            ..self.options.overrides()
         }
     }
+}
 
-    fn frames_of(&self, sequence: &Sequence) -> Result<Vec<u32>, Failure> {
-        let count = sequence.timeline.frames;
-        let (set, option) = match &self.frames {
-            Some(set) => (Some(set.clone()), "--frames: "),
-            None => (FrameSet::whole(count), ""),
-        };
-        let set = set.ok_or_else(|| Failure::Bad("the sequence has no frames".to_owned()))?;
-        set.frames(count).map_err(|error| Failure::Bad(format!("{option}{error}")))
-    }
+/// The frames of a set, or all.
+pub fn frames_of(wanted: Option<&FrameSet>, sequence: &Sequence) -> Result<Vec<u32>, Failure> {
+    let count = sequence.timeline.frames;
+    let (set, option) = match wanted {
+        Some(set) => (Some(set.clone()), "--frames: "),
+        None => (FrameSet::whole(count), ""),
+    };
+    let set = set.ok_or_else(|| Failure::Bad("the sequence has no frames".to_owned()))?;
+    set.frames(count).map_err(|error| Failure::Bad(format!("{option}{error}")))
 }
 
 /// Says what a draft came out as, so that nobody takes it for the real thing.

@@ -5,7 +5,7 @@ use crate::encode::{Template, Tonemap};
 use crate::film::MOST_STOPS;
 use crate::humane::parse_bytes;
 use crate::quality::{Integrator, MOST_SAMPLES, PathSettings};
-use crate::time::Rate;
+use crate::time::{Rate, Time};
 use std::num::NonZeroUsize;
 
 /// Pixels along a side, at most.
@@ -97,6 +97,12 @@ pub fn exposure(text: &str) -> Result<f64, String> {
 /// Text with places such as `{frame}`.
 pub fn caption(text: &str) -> Result<Template, String> {
     Template::parse(text).map_err(|error| error.to_string())
+}
+
+/// A time of 0 or more.
+pub fn seconds(text: &str) -> Result<Time, String> {
+    let time = decimal(text).map(|(part, whole)| Time::new(part.into(), whole.into()));
+    time.ok_or_else(|| "write seconds such as 1.5, 0 or more".to_owned())
 }
 
 /// `5MB`.

@@ -67,7 +67,7 @@ impl Animations {
         if let Some(store) = self.store {
             for animation in self.gifs {
                 notes.extend(animation.dropped_note(job));
-                pool.install(|| animation.write(|index| store.get(index)))?;
+                notes.extend(pool.install(|| animation.write(|index| store.get(index)))?);
             }
         }
         Ok(notes)

@@ -6,12 +6,12 @@ use super::settings::{ExrLayers, ExrSettings};
 use crate::color::Rgb;
 use crate::film::{Film, Guides};
 use exr::error::{Error, UnitResult};
-use exr::meta::attribute::{Chromaticities, LineOrder, Text};
 use exr::image::write::channels::WritableChannels;
+use exr::meta::attribute::{Chromaticities, LineOrder, Text};
 use exr::prelude::f16;
 use exr::prelude::{
-    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, SpecificChannels, Vec2,
-    WritableImage,
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, SpecificChannels,
+    Vec2, WritableImage,
 };
 use std::io;
 use std::path::Path;
@@ -127,7 +127,8 @@ impl Sheet<'_> {
 
     /// R, G and B with a prefix.
     fn colors(&self, prefix: &str, color: impl Fn(usize) -> Rgb) -> Vec<AnyChannel<FlatSamples>> {
-        let channel = |(axis, letter)| self.channel(format!("{prefix}{letter}"), self.half, |p| color(p)[axis]);
+        let channel =
+            |(axis, letter)| self.channel(format!("{prefix}{letter}"), self.half, |p| color(p)[axis]);
         ["R", "G", "B"].into_iter().enumerate().map(channel).collect()
     }
 
@@ -218,8 +219,23 @@ mod tests {
         let found = channels(&path);
         let order: Vec<_> = found.iter().map(|(name, _)| name.as_str()).collect();
         let expected = [
-            "A", "B", "G", "N.X", "N.Y", "N.Z", "R", "Z", "albedo.B", "albedo.G", "albedo.R", "constant.B",
-            "constant.G", "constant.R", "key.B", "key.G", "key.R",
+            "A",
+            "B",
+            "G",
+            "N.X",
+            "N.Y",
+            "N.Z",
+            "R",
+            "Z",
+            "albedo.B",
+            "albedo.G",
+            "albedo.R",
+            "constant.B",
+            "constant.G",
+            "constant.R",
+            "key.B",
+            "key.G",
+            "key.R",
         ];
         assert_eq!(order, expected);
         let value = |name: &str, pixel: usize| {

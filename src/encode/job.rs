@@ -1,14 +1,14 @@
 //! What an encoder is asked to do, and whether that can be done.
 
-use super::atomic::{NewFolders, folder_of};
 use super::about::About;
+use super::atomic::{NewFolders, folder_of};
 use super::caption::Caption;
 use super::error::{EncodeError, JobError};
+use super::jpeg;
+use super::movie::{mp4, webp};
 use super::output::{Moving, Output, Still};
 use super::settings::Formats;
 use super::tonemap::Tonemap;
-use super::jpeg;
-use super::movie::{mp4, webp};
 use crate::color::Rgb;
 use crate::time::Rate;
 use std::collections::{HashMap, HashSet};

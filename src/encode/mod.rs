@@ -10,6 +10,7 @@
 
 mod about;
 mod animations;
+mod assembly;
 mod atomic;
 mod caption;
 mod develop;
@@ -25,6 +26,7 @@ mod picture;
 mod png;
 mod ppm;
 mod settings;
+mod sheet;
 mod store;
 mod text;
 #[cfg(test)]
@@ -32,7 +34,8 @@ mod tests;
 mod tonemap;
 mod worker;
 
-pub use about::About;
+pub use about::{About, Shown};
+pub use assembly::{Assembly, read_picture};
 pub use caption::{Caption, CaptionError, Corner, Template};
 pub use develop::ToneTable;
 pub use error::{EncodeError, FilmsError, JobError};
@@ -40,9 +43,12 @@ pub use job::Job;
 pub use output::{Moving, Output, OutputError, Still};
 pub use pattern::{FramePattern, PatternError};
 pub use picture::Picture;
+pub use png::texts as frame_texts;
 pub use settings::{
-    ExrLayers, ExrSettings, Formats, GifSettings, JpegSettings, MATTE, Mp4Settings, Plays, PngSettings, Y4mSettings,
+    ExrLayers, ExrSettings, Formats, GifSettings, JpegSettings, MATTE, Mp4Settings, Plays, PngSettings,
+    Y4mSettings,
 };
+pub use sheet::{Sheet, columns as sheet_columns};
 pub use tonemap::Tonemap;
 
 use crate::film::Film;
@@ -53,6 +59,19 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 use worker::Worker;
+
+/// Writes a picture of no frame in particular, such as a filmstrip, as a still of 8 bits.
+pub fn write_picture(output: &Output, picture: &Picture, formats: Formats) -> Result<(), EncodeError> {
+    let path = output.path(0);
+    match output {
+        Output::Stills(Still::Png, _) => png::write(&path, picture, &[]),
+        Output::Stills(Still::Jpeg, _) => jpeg::write(&path, picture, formats.jpeg.quality),
+        Output::Stills(Still::Ppm, _) => ppm::write(&path, picture),
+        Output::Stills(Still::Exr, _) | Output::Movie(..) | Output::Stream => {
+            Err(JobError::NoPicture { output: output.to_string() }.into())
+        }
+    }
+}
 
 /// Films that wait for the encoder at most, besides the one it works on.
 const WAITING: usize = 2;

@@ -75,7 +75,9 @@ impl Output {
         };
         let pattern = FramePattern::parse(text);
         if let Some(format) = named(&STILLS, &extension) {
-            return pattern.map(|pattern| Self::Stills(format, pattern)).map_err(|e| fault(Cause::Pattern(e)));
+            return pattern
+                .map(|pattern| Self::Stills(format, pattern))
+                .map_err(|e| fault(Cause::Pattern(e)));
         }
         if let Some(format) = named(&MOVING, &extension) {
             return match pattern {
@@ -198,9 +200,12 @@ mod tests {
 
     #[test]
     fn formats_follow_the_extension() {
-        for (text, format) in
-            [("a/b_####.png", Still::Png), ("A.JPEG", Still::Jpeg), ("a_####.ppm", Still::Ppm), ("a.exr", Still::Exr)]
-        {
+        for (text, format) in [
+            ("a/b_####.png", Still::Png),
+            ("A.JPEG", Still::Jpeg),
+            ("a_####.ppm", Still::Ppm),
+            ("a.exr", Still::Exr),
+        ] {
             assert!(matches!(Output::parse(text), Ok(Output::Stills(found, _)) if found == format), "{text}");
         }
         for (name, format) in MOVING {

@@ -84,6 +84,18 @@ pub fn read(path: &Path) -> Result<Picture, EncodeError> {
     decode(path).map_err(|e| EncodeError::read(path, e))
 }
 
+/// The texts of a PNG file, by their keywords; none of what is no PNG.
+pub fn texts(path: &Path) -> Vec<(String, String)> {
+    let file = File::open(path).ok();
+    let Some(reader) = file.and_then(|file| png::Decoder::new(BufReader::new(file)).read_info().ok()) else {
+        return Vec::new();
+    };
+    let info = reader.info();
+    let latin = info.uncompressed_latin1_text.iter().map(|text| (text.keyword.clone(), text.text.clone()));
+    let others = info.utf8_text.iter().filter_map(|text| Some((text.keyword.clone(), text.get_text().ok()?)));
+    latin.chain(others).collect()
+}
+
 fn decode(path: &Path) -> io::Result<Picture> {
     let mut reader = png::Decoder::new(BufReader::new(File::open(path)?)).read_info()?;
     let info = reader.info();
@@ -123,9 +135,13 @@ mod tests {
         let clear = Picture { alpha: Some(codes(5 * 7)), ..plain };
         let deep: Picture<u16> = Picture::opaque(5, 7, codes(5 * 7 * 3));
         let deep_clear = Picture { alpha: Some(codes(5 * 7)), ..deep.clone() };
-        let DynamicImage::ImageRgba8(found) = load(encode(&clear, &[]).expect("bytes")) else { panic!("no RGBA") };
+        let DynamicImage::ImageRgba8(found) = load(encode(&clear, &[]).expect("bytes")) else {
+            panic!("no RGBA")
+        };
         assert_eq!(found.into_raw(), clear.interleaved());
-        let DynamicImage::ImageRgb16(found) = load(encode(&deep, &[]).expect("bytes")) else { panic!("no RGB16") };
+        let DynamicImage::ImageRgb16(found) = load(encode(&deep, &[]).expect("bytes")) else {
+            panic!("no RGB16")
+        };
         assert_eq!(found.into_raw(), deep.rgb);
         let DynamicImage::ImageRgba16(found) = load(encode(&deep_clear, &[]).expect("bytes")) else {
             panic!("no RGBA16")
@@ -135,8 +151,14 @@ mod tests {
 
     #[test]
     fn a_frame_tells_what_it_shows() {
-        let about =
-            About { name: "Ente→".into(), frames: 48, seed: 7, samples: 64, antialias: 2, layers: Vec::new() };
+        let about = About {
+            name: "Ente→".into(),
+            frames: 48,
+            seed: 7,
+            samples: 64,
+            antialias: 2,
+            layers: Vec::new(),
+        };
         let rate = Rate::new(30_000, 1001).expect("a rate");
         let texts = metadata(&Shown { about: &about, frame: 12, rate });
         let bytes = encode(&Picture::opaque(1, 1, vec![0u8; 3]), &texts).expect("bytes");

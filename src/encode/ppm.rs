@@ -1,8 +1,8 @@
 //! Pictures as binary PPM (P6), 8 bits a channel.
 
 use super::atomic;
-use super::picture::Picture;
 use super::error::EncodeError;
+use super::picture::Picture;
 use image::codecs::pnm::{PnmEncoder, PnmSubtype, SampleEncoding};
 use image::{ExtendedColorType, ImageEncoder};
 use std::io;

@@ -1,9 +1,9 @@
 //! Where a GIF's frames wait for the second pass.
 
 use super::atomic::folder_of;
-use super::picture::Picture;
 use super::error::EncodeError;
 use super::pattern::FramePattern;
+use super::picture::Picture;
 use super::png;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -4,9 +4,8 @@ use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
 use std::sync::LazyLock;
 
 /// Roboto Medium, see assets/README.md.
-static FONT: LazyLock<Option<FontRef<'static>>> = LazyLock::new(|| {
-    FontRef::try_from_slice(include_bytes!("../../assets/fonts/Roboto-Medium.ttf")).ok()
-});
+static FONT: LazyLock<Option<FontRef<'static>>> =
+    LazyLock::new(|| FontRef::try_from_slice(include_bytes!("../../assets/fonts/Roboto-Medium.ttf")).ok());
 
 /// A line of text: how much of each pixel it covers.
 #[derive(Clone, Debug, Default)]

@@ -21,7 +21,16 @@ pub fn formats(fields: &mut Fields<'_>) -> Option<Formats> {
     let webp = fields.or("webp", |node| plays(node, "the WebP's settings"), default.webp);
     let y4m = fields.or("y4m", y4m, default.y4m);
     let mp4 = fields.or("mp4", mp4, default.mp4);
-    Some(Formats { png: png?, jpeg: jpeg?, exr: exr?, gif: gif?, apng: apng?, webp: webp?, y4m: y4m?, mp4: mp4? })
+    Some(Formats {
+        png: png?,
+        jpeg: jpeg?,
+        exr: exr?,
+        gif: gif?,
+        apng: apng?,
+        webp: webp?,
+        y4m: y4m?,
+        mp4: mp4?,
+    })
 }
 
 fn png(node: Node<'_>) -> Option<PngSettings> {

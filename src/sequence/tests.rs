@@ -1,8 +1,8 @@
 //! One valid example per feature, and texts that must not bring the reader down.
 
 use super::*;
-use crate::encode::GifSettings;
 use crate::camera_path::{Focus, Lens, Step, ZoomBy};
+use crate::encode::GifSettings;
 use crate::encode::Output;
 use crate::environment::SkyTracks;
 use crate::filter::{Filter, Kernel};

@@ -14,6 +14,7 @@ mod files;
 mod animation;
 mod background;
 mod counters;
+mod coverage;
 mod coincident;
 mod determinism;
 mod golden;

@@ -113,7 +113,8 @@ fn sixteen_bits_hold_the_same_picture_more_finely() {
     for (name, tonemap) in Tonemap::NAMED {
         let (picture, _) = ToneTable::new(tonemap).develop(&film);
         let deep = develop_deep(tonemap, &film);
-        let near = |(code, deep): (&u8, &u16)| (f64::from(*code) - f64::from(*deep) / 257.0).abs() <= 0.5 + 1e-9;
+        let near =
+            |(code, deep): (&u8, &u16)| (f64::from(*code) - f64::from(*deep) / 257.0).abs() <= 0.5 + 1e-9;
         assert!(picture.rgb.iter().zip(&deep.rgb).all(near), "{name}");
         assert!(deep.rgb.iter().any(|deep| deep % 257 != 0), "{name}");
     }

@@ -48,11 +48,9 @@ fn show(path: &Path) -> Shown {
     shown
 }
 
-fn make(pictures: &[Picture], rate: (i128, i128), gif: GifSettings) -> Shown {
-    let dir = tempfile::tempdir().expect("a folder");
-    let path = dir.path().join("a.gif");
-    let job = Job {
-        outputs: vec![Output::Movie(Moving::Gif, path.clone())],
+fn job(path: &Path, pictures: &[Picture], rate: (i128, i128), gif: GifSettings) -> Job {
+    Job {
+        outputs: vec![Output::Movie(Moving::Gif, path.to_path_buf())],
         frames: (0..pictures.len() as u32).collect(),
         rate: Rate::new(rate.0, rate.1).expect("a rate"),
         size: (pictures[0].width, pictures[0].height),
@@ -62,14 +60,23 @@ fn make(pictures: &[Picture], rate: (i128, i128), gif: GifSettings) -> Shown {
         caption: None,
         formats: Formats { gif, ..Formats::default() },
         about: About::default(),
-    };
-    let mut animation = Animation::new(&path, &job).expect("a fitting job");
+    }
+}
+
+fn write(path: &Path, job: &Job, pictures: &[Picture]) -> Option<String> {
+    let mut animation = Animation::new(path, job).expect("a fitting job");
     for (index, picture) in pictures.iter().enumerate() {
         if animation.shows(index) {
             animation.count(picture);
         }
     }
-    animation.write(|index| Ok(pictures[index].clone())).expect("written");
+    animation.write(|index| Ok(pictures[index].clone())).expect("written")
+}
+
+fn make(pictures: &[Picture], rate: (i128, i128), gif: GifSettings) -> Shown {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("a.gif");
+    write(&path, &job(&path, pictures, rate, gif), pictures);
     show(&path)
 }
 
@@ -191,4 +198,29 @@ fn the_smallest_pictures() {
         assert_eq!(shown.size, (1, 1));
         assert_eq!(shown.delays.iter().sum::<u64>(), 30);
     }
+}
+
+#[test]
+fn a_limit_is_kept_and_what_is_lost_is_told() {
+    let pictures: Vec<_> = (0..12).map(gradient).collect();
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("a.gif");
+    let written = |max_size| {
+        let job = job(&path, &pictures, (24, 1), GifSettings { max_size, ..SETTINGS });
+        let note = write(&path, &job, &pictures);
+        (fs::metadata(&path).expect("a file").len(), note)
+    };
+    let (whole, note) = written(None);
+    assert_eq!((note, written(Some(whole)).1), (None, None));
+    for share in [0.8, 0.4, 0.1] {
+        let most = (whole as f64 * share) as u64;
+        let (size, note) = written(Some(most));
+        let note = note.expect("a note");
+        assert!(size <= most && size as f64 > 0.2 * most as f64, "{size} of {most}: {note}");
+        assert!(note.contains("would have") && note.contains("instead of"), "{note}");
+        let shown = show(&path);
+        assert_eq!(shown.delays.iter().sum::<u64>(), 50);
+    }
+    let (_, note) = written(Some(100));
+    assert!(note.expect("a note").contains("cannot be made as small as"));
 }

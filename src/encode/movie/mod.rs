@@ -4,6 +4,7 @@
 pub mod apng;
 pub mod clock;
 pub mod difference;
+mod h264;
 pub mod mp4;
 #[cfg(test)]
 mod tests;

@@ -1,5 +1,6 @@
 //! MP4 with H.264: what browsers, slides and every player show.
 
+use super::h264::{told_colors, units};
 use super::yuv::Planes;
 use crate::encode::atomic::Aside;
 use crate::encode::error::EncodeError;
@@ -85,7 +86,7 @@ impl Mp4 {
         let mut before = Vec::new();
         for unit in units(stream) {
             match unit.first().map(|first| first & 31) {
-                Some(SEQUENCE) => self.sequence = unit.to_vec(),
+                Some(SEQUENCE) => self.sequence = told_colors(unit),
                 Some(PICTURES) => self.pictures = unit.to_vec(),
                 Some(kind) => {
                     before.extend((unit.len() as u32).to_be_bytes());
@@ -216,19 +217,6 @@ fn colors() -> UnknownBox {
     UnknownBox { box_type: BoxType::Normal(*b"colr"), box_size: size, payload }
 }
 
-/// The units of a stream, without the start codes of two or three zeros and a one in front of each.
-fn units(stream: &[u8]) -> impl Iterator<Item = &[u8]> {
-    let starts: Vec<usize> =
-        stream.windows(3).enumerate().filter(|(_, bytes)| *bytes == [0, 0, 1]).map(|(at, _)| at).collect();
-    let ends = starts.iter().skip(1).copied().chain([stream.len()]).collect::<Vec<_>>();
-    starts.into_iter().zip(ends).map(|(start, end)| {
-        let unit = &stream[start + 3..end];
-        // The first zero of the next start code; no unit ends with one.
-        let last = unit.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
-        &unit[..last]
-    })
-}
-
 fn other(error: impl std::fmt::Debug) -> io::Error {
     io::Error::other(format!("{error:?}"))
 }
@@ -236,13 +224,6 @@ fn other(error: impl std::fmt::Debug) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn units_end_before_the_next_start_code() {
-        let stream = [0, 0, 0, 1, 0x67, 1, 2, 0, 0, 1, 0x68, 3, 0, 0, 0, 1, 0x65, 0, 0, 3, 1];
-        let found: Vec<&[u8]> = units(&stream).collect();
-        assert_eq!(found, [&[0x67, 1, 2][..], &[0x68, 3], &[0x65, 0, 0, 3, 1]]);
-    }
 
     #[test]
     fn sizes_have_a_limit() {

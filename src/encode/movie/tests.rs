@@ -159,5 +159,8 @@ fn mp4_shows_nearly_the_frames() {
         let mean = planes.y.iter().enumerate().map(off).sum::<f64>() / planes.y.len() as f64;
         assert!(mean < 2.0, "{mean}");
     }
-    assert!(bytes == make("a.mp4", &pictures, (30_000, 1001), Formats::default()), "not the same bytes again");
+    assert!(
+        bytes == make("a.mp4", &pictures, (30_000, 1001), Formats::default()),
+        "not the same bytes again"
+    );
 }

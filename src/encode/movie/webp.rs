@@ -128,7 +128,12 @@ impl Webp {
 
     /// A part of a frame, coded in the way that takes less space, and its flags: as it is, or, where nothing is
     /// transparent, with all that stays as it was left out.
-    fn coded(&mut self, pixels: &[[u8; 4]], place: Rectangle, alpha: bool) -> Result<(Vec<u8>, u8), EncodingError> {
+    fn coded(
+        &mut self,
+        pixels: &[[u8; 4]],
+        place: Rectangle,
+        alpha: bool,
+    ) -> Result<(Vec<u8>, u8), EncodingError> {
         let stride = self.size.0 as usize;
         let part: Vec<[u8; 4]> = place.rows(pixels, stride).flatten().copied().collect();
         if alpha {
@@ -140,7 +145,8 @@ impl Webp {
             return Ok((plain, REPLACES));
         }
         let before = place.rows(&self.last, stride).flatten();
-        let new: Vec<[u8; 4]> = part.iter().zip(before).map(|(n, o)| if n == o { [0; 4] } else { *n }).collect();
+        let new: Vec<[u8; 4]> =
+            part.iter().zip(before).map(|(n, o)| if n == o { [0; 4] } else { *n }).collect();
         let sparse = image(&new, place, true)?;
         if sparse.len() >= plain.len() {
             return Ok((plain, REPLACES));
@@ -157,7 +163,9 @@ impl Webp {
             let share = ((piece + 1) * stay / pieces - piece * stay / pieces) as u32;
             let number = |length: usize| three(length as u32);
             let mut frame = Vec::with_capacity(image.len() + 16);
-            frame.extend([place.left / 2, place.top / 2, place.width - 1, place.height - 1].map(number).as_flattened());
+            frame.extend(
+                [place.left / 2, place.top / 2, place.width - 1, place.height - 1].map(number).as_flattened(),
+            );
             frame.extend(three(share));
             frame.push(flags);
             frame.extend(&image);

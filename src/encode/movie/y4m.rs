@@ -38,8 +38,9 @@ impl Y4m {
         let chroma = if full_chroma { "C444" } else { "C420jpeg" };
         let (rate, (width, height)) = (job.rate.per_second(), job.size);
         let (frames, seconds) = (rate.numer(), rate.denom());
-        let head =
-            format!("YUV4MPEG2 W{width} H{height} F{frames}:{seconds} Ip A1:1 {chroma} XCOLORRANGE=LIMITED\n");
+        let head = format!(
+            "YUV4MPEG2 W{width} H{height} F{frames}:{seconds} Ip A1:1 {chroma} XCOLORRANGE=LIMITED\n"
+        );
         y4m.put(&[head.as_bytes()])?;
         Ok(y4m)
     }
@@ -67,7 +68,9 @@ impl Movie for Y4m {
     fn finish(self: Box<Self>) -> Result<(), EncodeError> {
         match self.to {
             To::File { file, .. } => file.commit(),
-            To::Stdout(mut stdout) => stdout.flush().map_err(|e| EncodeError::write("the standard output", e)),
+            To::Stdout(mut stdout) => {
+                stdout.flush().map_err(|e| EncodeError::write("the standard output", e))
+            }
         }
     }
 }

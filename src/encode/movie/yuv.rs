@@ -34,7 +34,8 @@ impl Planes {
         let pixels = picture.rgb.as_chunks::<3>().0;
         let (width, height) = (picture.width as usize, picture.height as usize);
         let chroma = (width.div_ceil(2), height.div_ceil(2));
-        let (mut u, mut v) = (Vec::with_capacity(chroma.0 * chroma.1), Vec::with_capacity(chroma.0 * chroma.1));
+        let (mut u, mut v) =
+            (Vec::with_capacity(chroma.0 * chroma.1), Vec::with_capacity(chroma.0 * chroma.1));
         for cy in 0..chroma.1 {
             let rows = [2 * cy, (2 * cy + 1).min(height - 1)];
             for cx in 0..chroma.0 {
