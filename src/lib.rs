@@ -24,6 +24,7 @@ pub mod filter;
 pub mod film;
 pub mod glow;
 pub mod frame_set;
+pub mod stop;
 pub mod camera;
 pub mod camera_path;
 mod simd;

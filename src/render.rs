@@ -8,6 +8,7 @@ use crate::humane;
 use crate::memory;
 use crate::schedule::{FilmSink, FrameLoop, NoFrame, Stage, Tally};
 use crate::sequence::Sequence;
+use crate::stop::Stop;
 use rayon::ThreadPool;
 use std::error::Error;
 use std::fmt::{Display, Formatter};
@@ -49,6 +50,12 @@ pub enum RenderError {
     TooLarge {
         needed: u64,
         available: u64,
+    },
+    /// A signal came when so many frames were done; these files were written.
+    Stopped {
+        signal: usize,
+        done: usize,
+        files: Vec<PathBuf>,
     },
     /// The thread pool could not be started.
     Threads(String),
@@ -93,6 +100,9 @@ impl Display for RenderError {
                 )
             }
             Self::Camera { frame, why } => write!(f, "frame {frame} has no camera: {why}"),
+            Self::Stopped { done, .. } => {
+                write!(f, "stopped after {}", humane::counted(*done as u64, "frame"))
+            }
             Self::Threads(why) => write!(f, "cannot start the threads: {why}; try fewer with --threads"),
         }
     }
@@ -102,13 +112,34 @@ impl Error for RenderError {}
 
 /// Renders the requested frames. `meter` may be watched from another thread meanwhile.
 pub fn render(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> Result<Summary, RenderError> {
+    render_until(sequence, request, meter, &Stop::default())
+}
+
+/// The same, but that it stops after the frame in hand when it is asked to. Stills that are written stay; animations
+/// are closed with the frames that there are, beside the place of the whole one.
+pub fn render_until(
+    sequence: &Sequence,
+    request: &Request,
+    meter: &Arc<Meter>,
+    stop: &Stop,
+) -> Result<Summary, RenderError> {
     let start = Instant::now();
     let extras = extras(sequence, &request.outputs);
     check_memory(sequence, extras)?;
     let pool = Arc::new(pool(request.threads)?);
     let encoder = Encoder::start(job(sequence, request), Arc::clone(&pool))?;
     let mut frames = FrameLoop::with_extras(sequence, extras, encoder, Arc::clone(meter));
-    pool.install(|| request.frames.iter().try_for_each(|&frame| frames.frame(frame)))?;
+    let mut done = 0;
+    pool.install(|| {
+        request.frames.iter().take_while(|_| stop.signal().is_none()).try_for_each(|&frame| {
+            done += 1;
+            frames.frame(frame)
+        })
+    })?;
+    if let Some(signal) = stop.signal().filter(|_| done < request.frames.len()) {
+        let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::stop)?;
+        return Err(RenderError::Stopped { signal, done, files: report.files });
+    }
     let tally = frames.tally().clone();
     let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::finish)?;
     let mut summary = summary(&tally, report, request.frames.len() as u32, start.elapsed());

@@ -51,7 +51,7 @@ pub struct Arguments {
 
 const AFTER_HELP: &str = "\
 Examples:
-  kinora filmstrip turn.ron                          nine frames, in a picture about 1920 pixels wide
+  kinora filmstrip turn.ron                          nine frames, about 1920 pixels wide
   kinora filmstrip turn.ron -n 4 --columns 4 -s 480x270 -o strip.png
   kinora filmstrip turn.ron --frames 0-40:10 --caption \"{time} s\"
 

@@ -17,6 +17,7 @@ mod overrides;
 mod poster;
 mod progress;
 mod render;
+mod signals;
 mod summary;
 mod terminal;
 mod values;

@@ -5,11 +5,11 @@ use super::options::Options;
 use super::outputs::Run;
 use super::overrides::{self, Overrides};
 use super::progress::{self, ProgressMode};
-use super::{load, loading, summary, terminal, values};
+use super::{load, loading, signals, summary, terminal, values};
 use crate::counters::Meter;
 use crate::encode::{Output, Template};
 use crate::frame_set::FrameSet;
-use crate::render::{Request, render};
+use crate::render::{RenderError, Request, render_until};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::path::PathBuf;
@@ -24,9 +24,9 @@ pub struct Arguments {
 
     /// File to write; may be given several times [default: those that the sequence names]
     ///
-    /// The format follows the extension: .mp4, .gif, .apng, .webp or .y4m for an animation, .png,
-    /// .jpg or .ppm for a picture per frame, .exr for its linear radiance, where #### or %04d is the
-    /// place of the frame number; - for raw video (Y4M) on the standard output, for any encoder.
+    /// The format follows the extension: .mp4, .gif, .apng, .webp or .y4m for an animation,
+    /// .png, .jpg or .ppm for a picture per frame, .exr for its linear radiance, where ####
+    /// or %04d is the place of the frame number; - for raw video (Y4M) on the standard output.
     /// Without this option, a draft's files are called draft_..., and a part of the frames
     /// leaves the whole animation as it is.
     #[arg(short, long, value_name = "FILE", value_parser = Output::parse, verbatim_doc_comment)]
@@ -103,7 +103,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let meter = Arc::new(Meter::default());
     let frames = request.frames.len();
     let show = progress::Reporter::new(arguments.options.progress, arguments.options.quiet, frames);
-    let mut done = progress::watch(&meter, frames, show, || render(&sequence, &request, &meter))?;
+    let stop = signals::watched();
+    let done = progress::watch(&meter, frames, show, || render_until(&sequence, &request, &meter, &stop));
+    if let Err(RenderError::Stopped { signal, done, files }) = &done {
+        let message = signals::told(*done, files, std::env::args_os(), &request.frames[*done..]);
+        return Err(Failure::Stopped { signal: *signal, message });
+    }
+    let mut done = done?;
 
     done.notes.extend(note);
     if arguments.options.draft {

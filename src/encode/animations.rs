@@ -8,6 +8,7 @@ use super::output::{Moving, Output};
 use super::picture::Picture;
 use super::store::Store;
 use rayon::ThreadPool;
+use std::path::PathBuf;
 
 /// The animations in the making.
 pub struct Animations {
@@ -56,6 +57,27 @@ impl Animations {
             Some(store) if shows => store.put(index, matte),
             _ => Ok(()),
         }
+    }
+
+    /// Whether no picture has come.
+    pub fn is_empty(&self) -> bool {
+        self.done == 0
+    }
+
+    /// Closes all animations as they are, each beside its place, and names the files.
+    pub fn stop(self, pool: &ThreadPool) -> Result<Vec<PathBuf>, EncodeError> {
+        let mut files = Vec::new();
+        for (movie, _) in self.movies {
+            files.extend(movie.stop()?);
+        }
+        if let Some(store) = self.store {
+            for animation in self.gifs {
+                let animation = animation.cut(self.done);
+                files.push(animation.path().to_path_buf());
+                pool.install(|| animation.write(|index| store.get(index)))?;
+            }
+        }
+        Ok(files)
     }
 
     /// Writes what is left and puts all files in their places. Returns what users should know.

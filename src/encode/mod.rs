@@ -93,6 +93,8 @@ pub struct Report {
 enum Message {
     Film(u32, Film),
     Finish,
+    /// No more frames come, though more were announced.
+    Stop,
 }
 
 /// The encoding thread. Dropped before [`Encoder::finish`], it stops: stills that are written stay, a GIF
@@ -146,6 +148,15 @@ impl Encoder {
             }
             // If the thread has failed and does not listen, joining it tells why.
             let _ = running.messages.send(Message::Finish);
+        }
+        self.join()
+    }
+
+    /// Ends before the last frame: stills stay, and animations are closed with the frames that came, as
+    /// `part_NAME`. The report names what was written.
+    pub fn stop(mut self) -> Result<Report, EncodeError> {
+        if let Some(running) = &self.running {
+            let _ = running.messages.send(Message::Stop);
         }
         self.join()
     }

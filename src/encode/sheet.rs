@@ -7,6 +7,8 @@ use super::text::Line;
 const PAPER: u8 = 255;
 /// How dark the text is.
 const INK: u8 = 40;
+/// The line around each frame, without which a bright one would have no edge.
+const LINE: u8 = 170;
 /// A sheet's usual width divided by its height.
 const ASPECT: f64 = 1.5;
 
@@ -27,8 +29,8 @@ impl Sheet {
     pub fn new(count: u32, columns: u32, cell: (u32, u32)) -> Self {
         let columns = columns.clamp(1, count.max(1));
         let gap = (cell.0 / 24).clamp(4, 24);
-        let letters = (cell.1 as f32 * 0.085).clamp(11.0, 40.0);
-        let below = (letters * 1.35).round() as u32;
+        let letters = (cell.0 as f32 * 0.05).clamp(11.0, 28.0);
+        let below = (letters * 1.4).round() as u32;
         let rows = count.max(1).div_ceil(columns);
         let width = columns * (cell.0 + gap) + gap;
         let height = rows * (cell.1 + below + gap) + gap;
@@ -40,6 +42,8 @@ impl Sheet {
     pub fn put(&mut self, index: u32, frame: &Picture, text: &str) {
         let left = self.gap + index % self.columns * (self.cell.0 + self.gap);
         let top = self.gap + index / self.columns * (self.cell.1 + self.below + self.gap);
+        let edge = Picture::filled(self.cell.0 + 2, self.cell.1 + 2, [LINE; 3]);
+        self.picture.place(&edge, left - 1, top - 1);
         self.picture.place(frame, left, top);
         let line = Line::new(text, self.letters);
         let across = (self.cell.0 as usize).saturating_sub(line.width) / 2;
@@ -84,10 +88,9 @@ mod tests {
         let picture = sheet.finish();
         assert_eq!((picture.width, picture.height), (3 * 100 + 4, 2 * (48 + 15 + 4) + 4));
         let pixel = |x: u32, y: u32| &picture.rgb[3 * (y * picture.width + x) as usize..][..3];
-        assert_eq!(
-            (pixel(4, 4), pixel(99, 51), pixel(3, 4)),
-            (&[0, 99, 0][..], &[0, 99, 0][..], &[255; 3][..])
-        );
+        let frame = [0, 99, 0];
+        assert_eq!((pixel(4, 4), pixel(99, 51)), (&frame[..], &frame[..]));
+        assert_eq!((pixel(3, 4), pixel(2, 4)), (&[LINE; 3][..], &[255; 3][..]));
         assert_eq!(pixel(104, 4 + 48 + 15 + 4), [40, 99, 0]);
         // The last place is empty, and there is ink below a frame.
         assert_eq!(pixel(204, 4 + 48 + 15 + 4), [255; 3]);

@@ -62,6 +62,10 @@ impl Worker {
                     self.report.busy += start.elapsed();
                     return Ok(self.report);
                 }
+                Ok(Message::Stop) => {
+                    self.stop()?;
+                    return Ok(self.report);
+                }
                 Err(_) => return Err(EncodeError::Stopped(None)),
             }
             self.report.busy += start.elapsed();
@@ -99,6 +103,20 @@ impl Worker {
         }
         self.note();
         self.report.files = self.job.outputs.iter().map(|o| PathBuf::from(o.to_string())).collect();
+        self.folders.keep();
+        Ok(())
+    }
+
+    /// Closes what there is.
+    fn stop(&mut self) -> Result<(), EncodeError> {
+        let Some(animations) = self.animations.take() else { return Ok(()) };
+        if animations.is_empty() {
+            // Nothing was written, and the folders go as they came.
+            return Ok(());
+        }
+        let stills = self.job.outputs.iter().filter(|output| !output.is_animation());
+        self.report.files = stills.map(|output| PathBuf::from(output.to_string())).collect();
+        self.report.files.extend(animations.stop(&self.pool)?);
         self.folders.keep();
         Ok(())
     }

@@ -16,6 +16,7 @@ mod tests;
 mod threshold;
 mod timing;
 
+use super::atomic::part_of;
 use super::error::{EncodeError, JobError};
 use super::job::Job;
 use super::picture::Picture;
@@ -66,6 +67,17 @@ impl Animation {
             shots,
             histogram: Histogram::new(usize::from(job.formats.gif.colors)),
         })
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The animation of the job's first frames alone, beside the whole one's place.
+    pub fn cut(mut self, frames: usize) -> Self {
+        self.shots.retain(|shot| shot.index < frames);
+        self.path = part_of(&self.path);
+        self
     }
 
     /// What to tell if frames are left out to stay at [`timing::FASTEST`].

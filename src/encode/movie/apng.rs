@@ -9,7 +9,7 @@ use crate::encode::movie::Movie;
 use crate::encode::picture::Picture;
 use crate::time::Rate;
 use png::{BlendOp, DisposeOp, EncodingError, Writer};
-use std::io::{self, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -55,6 +55,17 @@ impl Apng {
             last: Vec::new(),
             pushed: 0,
         })
+    }
+
+    /// The file with all that belongs at its end.
+    fn closed(self) -> Result<Aside, EncodeError> {
+        let Self { path, writer, file, .. } = self;
+        if let Some(writer) = writer {
+            writer.finish().map_err(|e| EncodeError::write(&path, e))?;
+        }
+        // The writer was the other one who held it.
+        let file = Arc::try_unwrap(file.0).map_err(|_| EncodeError::Stopped(None))?;
+        Ok(file.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 
     fn start(&self, alpha: bool) -> Result<Writer<Shared>, EncodingError> {
@@ -113,12 +124,31 @@ impl Movie for Apng {
     }
 
     fn finish(self: Box<Self>) -> Result<(), EncodeError> {
-        let Self { path, writer, file, .. } = *self;
-        if let Some(writer) = writer {
-            writer.finish().map_err(|e| EncodeError::write(&path, e))?;
-        }
-        // The writer was the other one who held it.
-        let file = Arc::try_unwrap(file.0).map_err(|_| EncodeError::Stopped(None))?;
-        file.into_inner().unwrap_or_else(PoisonError::into_inner).commit()
+        self.closed()?.commit()
     }
+
+    fn stop(self: Box<Self>) -> Result<Option<PathBuf>, EncodeError> {
+        let (path, frames, plays) = (self.path.clone(), self.pushed as u32, self.plays);
+        let mut file = self.closed()?;
+        announce(&mut file, frames, plays).map_err(|e| EncodeError::write(&path, e))?;
+        let part = file.divert();
+        file.commit().map(|()| Some(part))
+    }
+}
+
+/// Where the chunk that announces the animation stands: behind the file's mark and its first chunk.
+const CONTROL_AT: u64 = 8 + 25;
+
+/// Announces another number of frames than before.
+fn announce(file: &mut Aside, frames: u32, plays: u32) -> io::Result<()> {
+    let body = [*b"acTL", frames.to_be_bytes(), plays.to_be_bytes()].concat();
+    file.seek(SeekFrom::Start(CONTROL_AT + 4))?;
+    file.write_all(&body)?;
+    file.write_all(&checksum(&body).to_be_bytes())
+}
+
+/// The CRC of a PNG's chunks (ISO 3309).
+fn checksum(bytes: &[u8]) -> u32 {
+    let step = |crc: u32, _| if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 };
+    !bytes.iter().fold(u32::MAX, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), step))
 }

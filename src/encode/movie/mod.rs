@@ -16,6 +16,7 @@ use super::error::EncodeError;
 use super::job::Job;
 use super::output::{Moving, Output};
 use super::picture::Picture;
+use std::path::PathBuf;
 
 /// An animation in the making. Its file appears when it is finished, and not at all if it is dropped before.
 pub trait Movie: Send {
@@ -24,6 +25,9 @@ pub trait Movie: Send {
 
     /// Writes what is left.
     fn finish(self: Box<Self>) -> Result<(), EncodeError>;
+
+    /// Closes the animation with the frames that came, beside the place of the whole one, and names the file.
+    fn stop(self: Box<Self>) -> Result<Option<PathBuf>, EncodeError>;
 }
 
 /// Starts the animation that an output is, unless it is none or a GIF.

@@ -174,6 +174,11 @@ impl Movie for Mp4 {
         stream.and_then(|stream| self.write(&stream)).map_err(|e| EncodeError::write(&self.path, e))
     }
 
+    fn stop(mut self: Box<Self>) -> Result<Option<PathBuf>, EncodeError> {
+        let path = self.file.divert();
+        self.finish().map(|()| Some(path))
+    }
+
     fn finish(mut self: Box<Self>) -> Result<(), EncodeError> {
         self.end().map_err(|e| EncodeError::write(&self.path, e))?;
         self.file.commit()

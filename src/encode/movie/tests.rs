@@ -164,3 +164,42 @@ fn mp4_shows_nearly_the_frames() {
         "not the same bytes again"
     );
 }
+
+/// What is there when a run is stopped plays, under a name that tells it from the whole.
+#[test]
+fn stopped_animations_play_what_they_have() {
+    let pictures = frames((31, 17), false);
+    for name in ["a.apng", "a.webp", "a.mp4", "a.y4m"] {
+        let dir = tempfile::tempdir().expect("a folder");
+        let path = dir.path().join(name);
+        let job = job(&path.to_string_lossy(), (31, 17), (24, 1), Formats::default());
+        let mut movie = start(&job.outputs[0], &job).expect("started").expect("a movie");
+        pictures[..2].iter().try_for_each(|picture| movie.push(picture)).expect("pushed");
+        let part = movie.stop().expect("stopped").expect("a file");
+        assert_eq!(part, dir.path().join(format!("part_{name}")));
+        assert!(!path.exists());
+        let bytes = fs::read(part).expect("a file");
+        let found = match name {
+            "a.apng" => {
+                PngDecoder::new(Cursor::new(bytes)).and_then(PngDecoder::apng).expect("APNG").into_frames()
+            }
+            "a.webp" => WebPDecoder::new(Cursor::new(&bytes))
+                .expect("a WebP")
+                .into_frames()
+                .collect_frames()
+                .map(|f| {
+                    assert_eq!(f.len(), 2);
+                    image::Frames::new(Box::new(f.into_iter().map(Ok)))
+                })
+                .expect("frames"),
+            "a.mp4" => {
+                let size = bytes.len() as u64;
+                let file = re_mp4::Mp4::read(Cursor::new(bytes), size).expect("an MP4");
+                assert_eq!(file.tracks().values().next().expect("a track").samples.len(), 2);
+                continue;
+            }
+            _ => continue,
+        };
+        same(found.collect_frames().expect("frames"), &[&pictures[0], &pictures[1]]);
+    }
+}

@@ -190,6 +190,11 @@ impl Movie for Webp {
         self.add(picture).map_err(|e| EncodeError::write(&self.path, into_io(e)))
     }
 
+    fn stop(mut self: Box<Self>) -> Result<Option<PathBuf>, EncodeError> {
+        let path = self.file.divert();
+        self.finish().map(|()| Some(path))
+    }
+
     fn finish(mut self: Box<Self>) -> Result<(), EncodeError> {
         self.end().map_err(|e| EncodeError::write(&self.path, e))?;
         self.file.commit()

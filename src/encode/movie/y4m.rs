@@ -65,6 +65,14 @@ impl Movie for Y4m {
         }
     }
 
+    fn stop(mut self: Box<Self>) -> Result<Option<PathBuf>, EncodeError> {
+        let path = match &mut self.to {
+            To::File { file, .. } => Some(file.divert()),
+            To::Stdout(_) => None,
+        };
+        self.finish().map(|()| path)
+    }
+
     fn finish(self: Box<Self>) -> Result<(), EncodeError> {
         match self.to {
             To::File { file, .. } => file.commit(),
