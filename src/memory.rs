@@ -8,8 +8,9 @@ use crate::sequence::Sequence;
 /// Films alive at once: the one being traced, those that wait for the encoder, and the one it develops.
 const FILMS: u64 = 4;
 
-/// Bytes of a pixel besides its layers: the developed picture, and a palette index with its codings.
-const BESIDES: u64 = 16;
+/// Bytes of a pixel besides its layers: the developed picture in 8 and 16 bits, with and without alpha, and what each
+/// animation keeps of its last frame with the codings of the next.
+const BESIDES: u64 = 48;
 
 /// What a machine that does not tell is taken to have free.
 const UNKNOWN: u64 = 4 << 30;

@@ -1,6 +1,5 @@
 //! How each format is written: the parts of `output` that are named after formats.
 
-use super::fault::Fault;
 use super::fields::Fields;
 use super::node::Node;
 use super::values::{list, switch, text, whole};
@@ -17,8 +16,8 @@ pub fn formats(fields: &mut Fields<'_>) -> Option<Formats> {
     let jpeg = fields.or("jpeg", jpeg, default.jpeg);
     let exr = fields.or("exr", exr, default.exr);
     let gif = fields.or("gif", gif, default.gif);
-    let apng = fields.or("apng", |node| plays(node, "the APNG's settings"), default.apng);
-    let webp = fields.or("webp", |node| plays(node, "the WebP's settings"), default.webp);
+    let apng = fields.or("apng", |node| plays(node, "`apng`"), default.apng);
+    let webp = fields.or("webp", |node| plays(node, "`webp`"), default.webp);
     let y4m = fields.or("y4m", y4m, default.y4m);
     let mp4 = fields.or("mp4", mp4, default.mp4);
     Some(Formats {
@@ -34,7 +33,7 @@ pub fn formats(fields: &mut Fields<'_>) -> Option<Formats> {
 }
 
 fn png(node: Node<'_>) -> Option<PngSettings> {
-    let mut fields = Fields::of(node, "the PNG's settings")?;
+    let mut fields = Fields::of(node, "`png`")?;
     let deep = fields.or("bits", bits, false);
     let metadata = fields.or("metadata", switch, true);
     fields.finish();
@@ -54,12 +53,12 @@ fn bits(node: Node<'_>) -> Option<bool> {
 }
 
 fn jpeg(node: Node<'_>) -> Option<JpegSettings> {
-    let quality = quality(node, "the JPEG's settings", JpegSettings::default().quality)?;
+    let quality = quality(node, "`jpeg`", JpegSettings::default().quality)?;
     Some(JpegSettings { quality })
 }
 
 fn mp4(node: Node<'_>) -> Option<Mp4Settings> {
-    let quality = quality(node, "the MP4's settings", Mp4Settings::default().quality)?;
+    let quality = quality(node, "`mp4`", Mp4Settings::default().quality)?;
     Some(Mp4Settings { quality })
 }
 
@@ -71,7 +70,7 @@ fn quality(node: Node<'_>, what: &'static str, default: u8) -> Option<u8> {
 }
 
 fn exr(node: Node<'_>) -> Option<ExrSettings> {
-    let mut fields = Fields::of(node, "the EXR's settings")?;
+    let mut fields = Fields::of(node, "`exr`")?;
     let precisions = [("Float", false), ("Half", true)];
     let half = fields.or("precision", |node| word(node, "precision", &precisions), false);
     let layers = fields.or("layers", exr_layers, ExrLayers::default());
@@ -108,7 +107,7 @@ fn exr_layers(node: Node<'_>) -> Option<ExrLayers> {
 
 fn gif(node: Node<'_>) -> Option<GifSettings> {
     let default = GifSettings::default();
-    let mut fields = Fields::of(node, "the GIF's settings")?;
+    let mut fields = Fields::of(node, "`gif`")?;
     let plays = fields.optional("plays", whole(1..=u16::MAX.into()));
     let colors = fields.or("colors", whole(2..=256), u32::from(default.colors));
     let dither = fields.or("dither", switch, default.dither);
@@ -122,8 +121,7 @@ fn gif(node: Node<'_>) -> Option<GifSettings> {
 fn size(node: Node<'_>) -> Option<u64> {
     let size = parse_bytes(&text(node)?);
     if size.is_none() {
-        let title = "expected a size such as \"5 MB\", \"800 kB\" or \"2 MiB\", at least 1 kB";
-        node.fault(Fault::new(node.span(), title, "not a size of a file"));
+        node.expected("a size such as \"5 MB\", \"800 kB\" or \"2 MiB\", at least 1 kB");
     }
     size
 }
@@ -136,7 +134,7 @@ fn plays(node: Node<'_>, what: &'static str) -> Option<Plays> {
 }
 
 fn y4m(node: Node<'_>) -> Option<Y4mSettings> {
-    let mut fields = Fields::of(node, "the settings of raw video")?;
+    let mut fields = Fields::of(node, "`y4m`")?;
     let chromas = [("C420", false), ("C444", true)];
     let full = fields.or("chroma", |node| word(node, "chroma", &chromas), false);
     fields.finish();

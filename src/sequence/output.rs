@@ -77,7 +77,11 @@ fn caption(node: Node<'_>) -> Option<Caption> {
 
 fn template(node: Node<'_>) -> Option<Template> {
     let template = Template::parse(&text(node)?);
-    template.map_err(|error| node.fault(Fault::new(node.span(), error.to_string(), "cannot be written"))).ok()
+    template
+        .map_err(|error| {
+            node.fault(Fault::new(node.span(), format!("`caption`: {error}"), "cannot be written"))
+        })
+        .ok()
 }
 
 fn size(node: Node<'_>) -> Option<(u32, u32)> {
