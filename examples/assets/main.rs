@@ -1,12 +1,13 @@
-//! Makes the pictures and the mesh in `assets/` that sequences use:
+//! Makes the pictures and the meshes in `assets/` that sequences use:
 //!
 //! ```text
 //! cargo run --release --example assets
 //! ```
 //!
 //! Everything is computed from formulas and fixed seeds, so that the files are the same on every machine. The
-//! pictures are part of the repository; the mesh, 13 MB, is not.
+//! pictures are part of the repository; the meshes, 13 and 22 MB, are not.
 
+mod hills;
 mod moon;
 mod paint;
 mod planet;
@@ -33,7 +34,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     for picture in pictures() {
         write(&picture, &path(&picture.name)?)?;
     }
-    ply::write(BufWriter::new(File::create(path("meshes/shell.ply")?)?), &shell::parts())?;
+    for (name, parts) in [("meshes/shell.ply", shell::parts()), ("meshes/hills.ply", hills::parts())] {
+        ply::write(BufWriter::new(File::create(path(name)?)?), &parts)?;
+    }
     Ok(())
 }
 

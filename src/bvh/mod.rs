@@ -2,8 +2,11 @@
 //!
 //! A tie goes to the lower index, so neither the tree's layout nor its builder shows in a picture.
 
+mod bundle;
 #[cfg(test)]
 mod tests;
+
+pub use bundle::Hits;
 
 use crate::math::UNIT_ROUNDOFF;
 use crate::scene::{Finish, Geometry};
@@ -130,7 +133,10 @@ impl Leaves for Nearest<'_> {
     const IN_ORDER: bool = true;
 
     #[inline(always)]
-    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
+    fn fetch<L: Lanes>(&self, _: u32) {}
+
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, _: f32) -> Option<f32> {
         self.test(self.bvh.leaf(leaf));
         Some(slabs.limit(self.limit()))
     }
@@ -155,9 +161,12 @@ impl Leaves for Any<'_> {
     const IN_ORDER: bool = false;
 
     #[inline(always)]
-    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
+    fn fetch<L: Lanes>(&self, _: u32) {}
+
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, leaf: u32, _: &Slabs, limit: f32) -> Option<f32> {
         self.found = self.test(self.bvh.leaf(leaf));
-        (!self.found).then(|| slabs.limit(self.t_max))
+        (!self.found).then_some(limit)
     }
 }
 

@@ -46,7 +46,7 @@ pub fn cross(a: DVec3, b: DVec3) -> DVec3 {
 
 /// Numbers nearer to zero than this soon lead to subnormal ones, with which processors compute a hundred times slower:
 /// 2^-900, far below any length that matters.
-const NEAR_ZERO: f64 = f64::from_bits((1023 - 900) << 52);
+pub const NEAR_ZERO: f64 = f64::from_bits((1023 - 900) << 52);
 
 /// The neighbour of `value` in the direction of `towards`; `value` itself when that is zero. Next to zero it is as far
 /// as [`NEAR_ZERO`].

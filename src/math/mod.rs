@@ -10,10 +10,22 @@ mod rotation;
 pub use angle::Angle;
 pub use basis::{Basis, look_at, perpendicular};
 pub use bounds::Aabb;
-pub use error::{UNIT_ROUNDOFF, difference_of_products, gamma, next_away};
+pub use error::{NEAR_ZERO, UNIT_ROUNDOFF, difference_of_products, gamma, next_away};
 pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 pub use root::root_between;
 pub use rotation::{axis_angle, euler_xyz, slerp};
+
+/// The larger number; the second if one of them is none. One instruction, unlike `f64::max`.
+#[inline(always)]
+pub fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The smaller number; the second if one of them is none.
+#[inline(always)]
+pub fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
 
 /// `base` to a whole power by repeated squaring, in one fixed order of multiplications.
 pub fn power(base: f64, exponent: u32) -> f64 {

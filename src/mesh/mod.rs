@@ -113,14 +113,13 @@ impl Mesh {
         if self.exact {
             return packet.exact(lane, self.tree.space().size);
         }
-        let [a, b, c] = packet.vertices(lane);
-        let positions = &self.parts.positions;
-        [positions[a as usize], positions[b as usize], positions[c as usize]]
+        self.corners(packet.part(lane))
     }
 
+    /// The triangles of the tree's leaves.
     #[inline(always)]
-    pub fn packet(&self, leaf: u32) -> &Packet {
-        &self.packets[leaf as usize]
+    pub fn packets(&self) -> &[Packet] {
+        &self.packets
     }
 
     pub fn bounds(&self) -> Aabb {

@@ -15,21 +15,15 @@ pub struct Packet {
     /// Of each corner, along each axis.
     corners: [[[f32; 8]; 3]; 3],
     parts: [u32; 8],
-    /// Indices of their corners' positions.
-    vertices: [[u32; 3]; 8],
-    /// A bit for each lane in use.
-    used: u32,
 }
 
 impl Packet {
     pub fn new(space: &Space, leaf: &[u32], parts: &Parts) -> Self {
-        let mut packet =
-            Self { corners: [[[0.0; 8]; 3]; 3], parts: [u32::MAX; 8], vertices: [[0; 3]; 8], used: 0 };
+        // What is no number is not met.
+        let mut packet = Self { corners: [[[f32::NAN; 8]; 3]; 3], parts: [u32::MAX; 8] };
         for (lane, &part) in leaf.iter().enumerate().take(8) {
             packet.parts[lane] = part;
-            packet.vertices[lane] = parts.triangles[part as usize];
-            packet.used |= 1 << lane;
-            for (rows, corner) in packet.corners.iter_mut().zip(packet.vertices[lane]) {
+            for (rows, corner) in packet.corners.iter_mut().zip(parts.triangles[part as usize]) {
                 let rounded = space.point(parts.positions[corner as usize]).as_vec3();
                 rows.iter_mut().zip(rounded.to_array()).for_each(|(row, value)| row[lane] = value);
             }
@@ -49,12 +43,6 @@ impl Packet {
         [corner(a) * size, corner(b) * size, corner(c) * size]
     }
 
-    /// Indices of the positions of a lane's corners.
-    #[inline(always)]
-    pub fn vertices(&self, lane: usize) -> [u32; 3] {
-        self.vertices[lane & 7]
-    }
-
     #[inline(always)]
     pub fn part(&self, lane: usize) -> u32 {
         self.parts[lane & 7]
@@ -69,26 +57,31 @@ pub struct Sheared {
     /// 1 / direction along the last axis: depths are t.
     inverse: f32,
     origin: [f32; 3],
-    /// How far off sheared coordinates and depths may be.
+    /// How far off sheared coordinates may be, and depths with what rounds them.
     error: f32,
+    margin: f32,
+    /// The ray's t = 0 as a depth, rounded down, and rounded up by more than that.
     start: f32,
+    after_start: f32,
 }
 
 /// What the filter says of eight triangles, a bit each.
 #[derive(Clone, Copy, Debug)]
-pub struct Sieve {
+pub struct Sieve<L> {
     /// Hit by the ray's line for sure.
     pub hit: u32,
     /// To be tested in f64.
     pub unsure: u32,
-    /// Hit, and within the ray's ends for sure.
-    pub within: u32,
-    /// No hit is nearer.
-    pub near: [f32; 8],
+    /// No hit of those that are sure is nearer, or farther.
+    pub near: L,
+    far: L,
 }
 
 /// Half the distance from 1 to the next f32.
 const ROUNDOFF: f32 = f32::EPSILON / 2.0;
+
+/// By more than this share both ends of a ray are not rounded outwards.
+const INWARDS: f32 = 16.0 * ROUNDOFF;
 
 impl Sheared {
     /// Coordinates of corners are off by 1 u, those of the origin by `reach` u, and their difference by the sum of both;
@@ -97,13 +90,17 @@ impl Sheared {
     pub fn new(probe: &Probe, slabs: &Slabs) -> Self {
         let [x, y, z] = probe.axes;
         let reach = 1.0 + slabs.origin.abs().max_element() as f32;
+        let error = reach * (8.0 * ROUNDOFF) + 2.0 * slabs.error as f32;
+        let start = slabs.start();
         Self {
             axes: probe.axes,
             shear: probe.shear.map(|shear| shear as f32),
             inverse: slabs.inverse_along(z),
             origin: [x, y, z].map(|axis| slabs.origin[axis] as f32),
-            error: reach * (8.0 * ROUNDOFF) + 2.0 * slabs.error as f32,
-            start: slabs.start(),
+            error,
+            margin: 2.0 * error,
+            start,
+            after_start: start + (start.abs() + 1.0) * INWARDS,
         }
     }
 
@@ -122,7 +119,7 @@ impl Sheared {
 
     /// Sifts a packet's triangles, as far as they may be met before `limit`.
     #[inline(always)]
-    pub fn sift<L: Lanes>(&self, packet: &Packet, limit: f32) -> Sieve {
+    pub fn sift<L: Lanes>(&self, packet: &Packet, limit: f32) -> Sieve<L> {
         // No closures here: they would be compiled for less than the lanes need.
         let (ax, ay, az) = self.place::<L>(&packet.corners[0]);
         let (bx, by, bz) = self.place::<L>(&packet.corners[1]);
@@ -136,20 +133,19 @@ impl Sheared {
         // An edge's number is off by 4·size·error for its coordinates and by 4u·size² for its roundings, and the
         // coordinates are at most 1 / (4u) of the error.
         let error = L::splat(self.error);
-        let off = size.plus(error).times(L::splat(8.0 * self.error));
+        let off = size.plus(error).times(error).times(L::splat(8.0));
         let under = L::splat(0.0).minus(off);
         let (low, high) = (u.smaller(v).smaller(w), u.larger(v).larger(w));
         let missed = low.below(under) & off.below(high);
         let first = az.smaller(bz).smaller(cz);
         let last = az.larger(bz).larger(cz);
-        let margin = error.plus(error);
+        let margin = L::splat(self.margin);
         let near = first.minus(margin);
-        let (start, limit_lanes) = (L::splat(self.start), L::splat(limit));
-        let live = !missed & near.at_most(limit_lanes) & start.at_most(last.plus(margin)) & packet.used;
-        let mut sieve = Sieve { hit: 0, unsure: live, within: 0, near: [f32::NEG_INFINITY; 8] };
+        let (start, limit) = (L::splat(self.start), L::splat(limit));
+        let live = !missed & near.at_most(limit) & start.at_most(last.plus(margin));
         let inside = live & (off.below(low) | high.below(under));
         if inside == 0 {
-            return sieve;
+            return Sieve { hit: 0, unsure: live, near, far: near };
         }
         // The depth at the hit, between the corners' by weights: v and w are off by `off`, and so, three times, is
         // what they are divided by; their sums with what rounds depths.
@@ -159,16 +155,14 @@ impl Sheared {
         let spread = last.minus(first).times(off).times(L::splat(6.0));
         let least = sum.absolute().minus(off.times(L::splat(3.0)));
         let slack = spread.over(least).plus(margin.times(L::splat(3.0)));
-        let nearest = t.minus(slack).larger(near);
-        let farthest = t.plus(slack);
-        sieve.unsure = live & !inside;
-        sieve.hit = inside & nearest.at_most(limit_lanes) & start.at_most(farthest);
-        // Both ends of the ray are rounded outwards, by less than the slack.
-        let (after, before) = (self.start.abs() + 1.0, limit.abs());
-        let inwards = 16.0 * ROUNDOFF;
-        let later = L::splat(self.start + after * inwards);
-        sieve.within = sieve.hit & later.below(nearest) & farthest.below(L::splat(limit - before * inwards));
-        sieve.near = nearest.store();
-        sieve
+        let (near, far) = (t.minus(slack).larger(near), t.plus(slack));
+        Sieve { hit: inside & near.at_most(limit) & start.at_most(far), unsure: live & !inside, near, far }
+    }
+
+    /// Which of the triangles that are hit for sure are so between both ends of the ray.
+    #[inline(always)]
+    pub fn within<L: Lanes>(&self, sieve: &Sieve<L>, limit: f32) -> u32 {
+        let (start, limit) = (L::splat(self.after_start), L::splat(limit - limit.abs() * INWARDS));
+        sieve.hit & start.below(sieve.near) & sieve.far.below(limit)
     }
 }

@@ -3,7 +3,8 @@
 use crate::camera::Ray;
 use crate::material::MadeOf;
 use crate::math::{Aabb, DAffine3, DMat3, DVec2, DVec3, gamma};
-use crate::shape::{Crossing, Shape, Surface};
+use crate::shape::{Crossing, Crossings, Rays, Shape, Surface, Surfaces};
+use crate::simd::Lanes;
 use crate::tree::Probe;
 
 /// A shape in the world. Most shapes are moved there once ([`Shape::transformed`]); the others keep their own
@@ -73,6 +74,24 @@ impl Primitive {
             None => self.shape.hit(probe, t_max),
             Some(placement) => self.shape.hit(&Probe::new(placement.ray_to_object(&probe.ray)), t_max),
         }
+    }
+
+    /// [`Primitive::hit`] of those of eight rays whose bits are set.
+    #[inline(always)]
+    pub fn hit_together<L: Lanes>(&self, rays: &Rays, wanted: u32, limit: &[f64; 8]) -> Crossings {
+        if self.placement.is_none() {
+            return self.shape.hit_together::<L>(rays, wanted, limit);
+        }
+        Crossings::one_by_one(wanted, |lane| self.hit(&Probe::new(rays.one(lane)), limit[lane]))
+    }
+
+    /// [`Primitive::surface`] where those of eight rays meet the primitive whose bits are set.
+    #[inline(always)]
+    pub fn surface_together<L: Lanes>(&self, rays: &Rays, at: &Crossings, wanted: u32) -> Surfaces {
+        if self.placement.is_none() {
+            return self.shape.surface_together::<L>(rays, at, wanted);
+        }
+        Surfaces::one_by_one(wanted, |lane| self.surface(&rays.one(lane), at.one(lane)))
     }
 
     /// Whether the ray meets the primitive in 0 < t < `t_max`.

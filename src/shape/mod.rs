@@ -5,6 +5,7 @@
 //! sphere is a sphere); those are moved once per change of geometry, see [`Geometric::transformed`], and the
 //! rest have their rays moved instead.
 
+mod bundle;
 mod chord;
 mod cone;
 mod cuboid;
@@ -26,6 +27,7 @@ mod taper;
 mod torus;
 mod triangle;
 
+pub use bundle::{Crossings, Rays, Surfaces, lanes};
 pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;

@@ -2,7 +2,7 @@
 
 use super::{Crossing, Geometric, Parameters, Surface, flat};
 use crate::camera::Ray;
-use crate::math::{Aabb, DAffine3, DVec2, DVec3};
+use crate::math::{Aabb, DAffine3, DVec2, DVec3, larger, smaller};
 use crate::tree::Probe;
 
 /// The flat triangle between three corners that are not in one line.
@@ -31,7 +31,7 @@ impl Geometric for Triangle {
     }
 
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-        flat::surface(self.corners[0], perpendicular(self.corners).normalize_or(DVec3::Y), ray, at.t)
+        flat::surface(self.corners[0], unit_normal(self.corners), ray, at.t)
     }
 
     fn bounds(&self) -> Option<Aabb> {
@@ -58,7 +58,7 @@ impl Geometric for Triangle {
         let [a, b, c] = self.corners;
         let weights = uniform_weights(u);
         let point = a + (b - a) * weights.x + (c - a) * weights.y;
-        Some((flat::placed(a, point, perpendicular(self.corners).normalize_or(DVec3::Y)), 0))
+        Some((flat::placed(a, point, unit_normal(self.corners)), 0))
     }
 }
 
@@ -74,23 +74,34 @@ pub(super) fn perpendicular([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
+/// The direction of [`perpendicular`].
+pub(super) fn unit_normal(corners: [DVec3; 3]) -> DVec3 {
+    perpendicular(corners).normalize_or(DVec3::Y)
+}
+
 /// Whether the line of the ray passes through the triangle or its boundary.
 ///
 /// Woop, Benthin, Wald, *Watertight Ray/Triangle Intersection* (2013): the corners are sheared so that the
 /// ray runs along an axis, and each edge is tested in the plane across it. Two triangles that share an edge
 /// compute the same number for it with opposite signs, and zero counts as inside, so no ray slips between.
+#[inline]
 pub(super) fn covers(corners: [DVec3; 3], probe: &Probe) -> bool {
-    let [x, y, z] = probe.axes;
-    let [(ax, ay), (bx, by), (cx, cy)] = corners.map(|corner| {
-        let p = corner - probe.ray.origin;
-        (p[x] - probe.shear[0] * p[z], p[y] - probe.shear[1] * p[z])
-    });
+    let [(ax, ay), (bx, by), (cx, cy)] =
+        [sheared(corners[0], probe), sheared(corners[1], probe), sheared(corners[2], probe)];
     let u = cx * by - cy * bx;
     let v = ax * cy - ay * cx;
     let w = bx * ay - by * ax;
     let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
     // A sum of zero is a triangle seen from its edge, or one without an area.
     inside && u + v + w != 0.0
+}
+
+/// A corner seen along the ray, which runs through 0.
+#[inline(always)]
+fn sheared(corner: DVec3, probe: &Probe) -> (f64, f64) {
+    let [x, y, z] = probe.axes;
+    let p = (corner - probe.ray.origin).to_array();
+    (p[x] - probe.shear[0] * p[z], p[y] - probe.shear[1] * p[z])
 }
 
 /// Where the line of the ray crosses the triangle's plane, given that it [`covers`] the triangle. Seen from its edge a
@@ -101,8 +112,11 @@ pub(super) fn depth(corners: [DVec3; 3], probe: &Probe) -> Option<f64> {
     let normal = perpendicular(corners);
     let along = normal.dot(ray.direction);
     let t = normal.dot(corners[0] - ray.origin) / along;
-    let [a, b, c] = corners.map(|corner| (corner[*z] - ray.origin[*z]) * inverse[*z]);
-    (along != 0.0).then(|| t.max(a.min(b).min(c)).min(a.max(b).max(c)))
+    let (origin, inverse) = (ray.origin[*z], inverse[*z]);
+    let [a, b, c] = [corners[0][*z], corners[1][*z], corners[2][*z]];
+    let [a, b, c] = [(a - origin) * inverse, (b - origin) * inverse, (c - origin) * inverse];
+    let (first, last) = (smaller(smaller(a, b), c), larger(larger(a, b), c));
+    (along != 0.0).then(|| smaller(larger(t, first), last))
 }
 
 #[cfg(test)]

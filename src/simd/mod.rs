@@ -1,17 +1,61 @@
-//! Eight f32 at a time, on whatever the processor has.
+//! Eight numbers at a time, on whatever the processor has.
 //!
-//! Only filters compute with these lanes: what they decide differs between levels in what is tested again in
-//! f64, never in what is hit. Code that works on lanes is generic over [`Lanes`], is inlined whole, and is run by
+//! Filters compute in f32: what they decide differs between levels in what is tested again in f64, never in what is hit.
+//! Whatever ends up in a picture is computed as scalars are, lane by lane. Code that works on lanes is generic over [`Lanes`], is inlined whole, and is run by
 //! [`dispatch`] on the widest that the processor has.
 
+mod octo;
 mod portable;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+pub use octo::{Choice, Octo, Rows, Vector};
 pub use portable::Portable;
 
-/// Eight f32. Comparisons give a bit per lane, lane 0 the lowest; they are false for what is not a number.
+/// Four f64, computed with as scalars are: each operation rounded by itself, the same on every processor. Comparisons
+/// are false for what is not a number.
+pub trait Quad: Copy {
+    /// A choice of lanes.
+    type Mask: Copy;
+
+    fn splat(value: f64) -> Self;
+    fn load(values: &[f64; 4]) -> Self;
+    fn store(self) -> [f64; 4];
+    fn plus(self, other: Self) -> Self;
+    fn minus(self, other: Self) -> Self;
+    fn times(self, other: Self) -> Self;
+    fn over(self, other: Self) -> Self;
+    fn root(self) -> Self;
+    fn negated(self) -> Self;
+    fn absolute(self) -> Self;
+    /// The larger of each; `other` where `self` is not a number.
+    fn larger(self, other: Self) -> Self;
+    fn smaller(self, other: Self) -> Self;
+    /// These magnitudes with the signs of others.
+    fn signed_like(self, signs: Self) -> Self;
+    /// The largest powers of two that are not above the magnitudes of normal numbers.
+    fn power_of_two(self) -> Self;
+    /// [`crate::math::next_away`].
+    fn next_away(self, towards: Self) -> Self;
+    /// These in the lanes of a choice, others elsewhere.
+    fn pick(self, chosen: Self::Mask, other: Self) -> Self;
+    /// A bit for each lane whose sign is negative, lane 0 the lowest.
+    fn signs(self) -> u32;
+    fn below(self, other: Self) -> Self::Mask;
+    fn at_most(self, other: Self) -> Self::Mask;
+    fn narrow(self) -> [f32; 4];
+    fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// A bit for each chosen lane.
+    fn bits(chosen: Self::Mask) -> u32;
+    fn choose(bits: u32) -> Self::Mask;
+}
+
+/// Eight f32, for filters and colours. Comparisons give a bit per lane, lane 0 the lowest; they are false for what is not a
+/// number.
 pub trait Lanes: Copy {
+    type Quad: Quad;
+
     fn splat(value: f32) -> Self;
     fn load(values: &[f32; 8]) -> Self;
     fn store(self) -> [f32; 8];
@@ -19,14 +63,22 @@ pub trait Lanes: Copy {
     fn minus(self, other: Self) -> Self;
     fn times(self, other: Self) -> Self;
     fn over(self, other: Self) -> Self;
+    /// self · factor + term, rounded once or twice.
+    fn times_plus(self, factor: Self, term: Self) -> Self;
     /// self · factor - term, rounded once or twice.
     fn times_minus(self, factor: Self, term: Self) -> Self;
     /// The larger of each; `other` where `self` is not a number.
     fn larger(self, other: Self) -> Self;
     fn smaller(self, other: Self) -> Self;
     fn absolute(self) -> Self;
+    /// These in the lanes of `bits`, others elsewhere.
+    fn pick(self, bits: u32, other: Self) -> Self;
     fn below(self, other: Self) -> u32;
     fn at_most(self, other: Self) -> u32;
+    /// Does work on the same lanes, out of line: what comes before and after keeps its registers.
+    fn apart<W: Work>(work: W) -> W::Output;
+    /// Asks for the cache lines of an entry that will be needed soon. There need not be one.
+    fn fetch<T>(all: &[T], soon: usize);
 }
 
 /// Work that is done with lanes of any kind.

@@ -16,6 +16,7 @@ mod round_tests;
 #[cfg(test)]
 mod tests;
 mod throughput;
+mod together;
 mod tracer;
 mod whitted;
 
@@ -31,6 +32,7 @@ use pixel::Pixels;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use together::Sums;
 use tracer::Work;
 
 /// What tracing needs to know besides the scene.
@@ -60,6 +62,9 @@ impl Moment {
 /// Side of the square tiles that a thread finishes one after the other: rays of neighbours meet the same
 /// nodes and primitives.
 const TILE: u32 = 8;
+
+/// Columns and rows of pixels whose rays are traced together.
+const BLOCK: (u32, u32) = (4, 2);
 
 /// Traces one frame. The film and the counts are the same for any number of threads.
 pub fn trace(scene: &Scene, bvh: &Bvh, settings: &TraceSettings, meter: &Meter) -> (Film, Counts) {
@@ -125,6 +130,9 @@ struct Window<'a> {
 impl Window<'_> {
     /// Traces the band's pixels, tile by tile. `data` is the picture's part for the band.
     fn trace<T>(&self, data: &mut [T], store: impl Fn(&mut T, DVec3)) -> Counts {
+        if self.pixels.together {
+            return self.trace_together(data, store);
+        }
         let width = self.pixels.settings.size.0;
         let mut work = Work::new(self.layers);
         let mut sums = vec![DVec3::ZERO; self.layers];
@@ -140,5 +148,31 @@ impl Window<'_> {
             }
         }
         work.counts
+    }
+
+    /// The same, eight pixels at a time.
+    fn trace_together<T>(&self, data: &mut [T], store: impl Fn(&mut T, DVec3)) -> Counts {
+        let (width, layers) = (self.pixels.settings.size.0, self.layers);
+        let mut eight = Sums::new(layers);
+        let mut sums = vec![DVec3::ZERO; 8 * layers];
+        let mut pixels = Vec::with_capacity(8);
+        for left in (0..width).step_by(BLOCK.0 as usize) {
+            for top in self.rows.clone().step_by(BLOCK.1 as usize) {
+                pixels.clear();
+                for y in top..self.rows.end.min(top + BLOCK.1) {
+                    for x in left..width.min(left + BLOCK.0) {
+                        pixels.push((x, y));
+                    }
+                }
+                self.pixels.trace_together(&pixels, &mut sums, &mut eight);
+                for (&(x, y), sums) in pixels.iter().zip(sums.chunks_exact_mut(layers)) {
+                    let at = ((y - self.rows.start) * width + x) as usize * layers;
+                    for (layer, sum) in data[at..at + layers].iter_mut().zip(sums) {
+                        store(layer, std::mem::take(sum));
+                    }
+                }
+            }
+        }
+        eight.counts
     }
 }

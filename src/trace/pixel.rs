@@ -1,11 +1,13 @@
 //! A pixel: its samples, and their mean.
 
 use super::path::Paths;
+use super::together::Sums;
 use super::tracer::{Dice, Tracer, Work};
-use super::{Moment, TraceSettings, guides, whitted};
+use super::{Moment, TraceSettings, guides, together, whitted};
 use crate::bvh::Bvh;
-use crate::counters::Dropped;
-use crate::film::LayerId;
+use crate::camera::Ray;
+use crate::counters::{Counts, Dropped};
+use crate::film::{Extras, LayerId};
 use crate::math::{DVec2, DVec3};
 use crate::quality::Integrator;
 use crate::sampling::{PixelSampler, Sampler, Use};
@@ -24,6 +26,8 @@ pub struct Pixels<'a> {
     lights: usize,
     /// Where guides are recorded, if they are.
     guides: Option<LayerId>,
+    /// Whether pixels are traced eight at a time.
+    pub together: bool,
 }
 
 impl<'a> Pixels<'a> {
@@ -42,7 +46,9 @@ impl<'a> Pixels<'a> {
         };
         let random = paths.is_some() || moment.of > 1 || calls_for_samples(scene, &tracer);
         let guides = settings.extras.guides_layer(lights);
-        Self { settings, moment, tracer, paths, random, lights, guides }
+        // Eight at a time only light is recorded.
+        let together = !random && settings.extras == Extras::default() && together::suits(&tracer);
+        Self { settings, moment, tracer, paths, random, lights, guides, together }
     }
 
     /// Adds a pixel's layers to `sums`: the mean of its samples or, of several moments, this moment's part of
@@ -72,18 +78,61 @@ impl<'a> Pixels<'a> {
             let [x, y, u, v] = sampler.four(Use::Camera);
             return (DVec2::new(x, y), DVec2::new(u, v));
         }
+        self.grid(sample)
+    }
+
+    /// [`Pixels::place`] on the regular grid.
+    fn grid(&self, sample: u32) -> (DVec2, DVec2) {
         let n = self.settings.quality.antialias;
         let cell = DVec2::new(f64::from(sample % n), f64::from(sample / n));
         ((cell + DVec2::splat(0.5)) / f64::from(n), DVec2::ZERO)
     }
 
-    fn sample(&self, (x, y): (u32, u32), inside: DVec2, lens: DVec2, sampler: Sampler, work: &mut Work) {
+    /// [`Pixels::trace`] of up to eight pixels, whose layers are one after the other in `sums`.
+    pub fn trace_together(&self, pixels: &[(u32, u32)], sums: &mut [DVec3], eight: &mut Sums) {
+        let quality = &self.settings.quality;
+        let samples = quality.antialias * quality.antialias;
+        let layers = eight.layers.len();
+        let last = pixels.last().copied().unwrap_or_default();
+        let mut together = together::Pixels {
+            size: self.settings.size,
+            // Lanes without a pixel repeat the last one.
+            pixels: std::array::from_fn(|lane| pixels.get(lane).copied().unwrap_or(last)),
+            inside: DVec2::ZERO,
+            wanted: 0xff >> (8 - pixels.len().min(8)),
+        };
+        for sample in 0..samples {
+            together.inside = self.inside(self.grid(sample).0);
+            together::follow(&self.tracer, &together, eight);
+            for (index, layer) in eight.layers.iter_mut().enumerate() {
+                let [r, g, b] = std::mem::replace(layer, [[0.0; 8]; 3]);
+                for lane in 0..pixels.len() {
+                    let sample = DVec3::new(r[lane], g[lane], b[lane]);
+                    self.take_one(&mut sums[lane * layers + index], sample, &mut eight.counts);
+                }
+            }
+        }
+        if samples > 1 {
+            sums.iter_mut().for_each(|sum| *sum /= f64::from(samples));
+        }
+    }
+
+    /// Where in its pixel a sample lies that is at this place of the unit square.
+    fn inside(&self, place: DVec2) -> DVec2 {
+        let filter = &self.settings.filter;
+        DVec2::new(filter.offset(place.x), filter.offset(place.y)) + DVec2::splat(0.5)
+    }
+
+    fn ray(&self, (x, y): (u32, u32), inside: DVec2, lens: DVec2) -> Ray {
         let (width, height) = (f64::from(self.settings.size.0), f64::from(self.settings.size.1));
-        let offset = DVec2::new(self.settings.filter.offset(inside.x), self.settings.filter.offset(inside.y));
-        let at = DVec2::new(f64::from(x), f64::from(y)) + (offset + DVec2::splat(0.5));
+        let at = DVec2::new(f64::from(x), f64::from(y)) + self.inside(inside);
         // Square pixels: both axes in units of half the picture's height, from its centre.
         let screen = DVec2::new(2.0 * at.x - width, height - 2.0 * at.y) / height;
-        let ray = self.tracer.scene.camera.ray(screen, lens);
+        self.tracer.scene.camera.ray(screen, lens)
+    }
+
+    fn sample(&self, pixel: (u32, u32), inside: DVec2, lens: DVec2, sampler: Sampler, work: &mut Work) {
+        let ray = self.ray(pixel, inside, lens);
         work.counts.rays.camera += 1;
         if let Some(first) = self.guides {
             guides::record(&self.tracer, &ray, first, work);
@@ -97,19 +146,22 @@ impl<'a> Pixels<'a> {
 
     /// Adds the sample in hand to the sums, but for what is no light: one such number would spoil the pixel.
     fn take(&self, sums: &mut [DVec3], work: &mut Work) {
-        let limit = self.settings.quality.clamp.map(f64::from);
         let (lights, extras) = sums.split_at_mut(self.lights);
         let (sampled_lights, sampled_extras) = work.layers.split_at_mut(self.lights);
         for (sum, sample) in extras.iter_mut().zip(sampled_extras) {
             *sum += std::mem::take(sample);
         }
         for (sum, sample) in lights.iter_mut().zip(sampled_lights) {
-            let sample = std::mem::take(sample);
-            if sample.is_finite() && sample.min_element() >= 0.0 {
-                *sum += limit.map_or(sample, |limit| sample.min(DVec3::splat(limit)));
-            } else {
-                count(sample, &mut work.counts.dropped);
-            }
+            self.take_one(sum, std::mem::take(sample), &mut work.counts);
+        }
+    }
+
+    fn take_one(&self, sum: &mut DVec3, sample: DVec3, counts: &mut Counts) {
+        if sample.is_finite() && sample.min_element() >= 0.0 {
+            let limit = self.settings.quality.clamp.map(f64::from);
+            *sum += limit.map_or(sample, |limit| sample.min(DVec3::splat(limit)));
+        } else {
+            count(sample, &mut counts.dropped);
         }
     }
 }

@@ -112,22 +112,25 @@ struct Collapse<'a> {
     groups: &'a [Leaf],
     /// Things in a leaf at most.
     largest: u32,
-    /// Of each binary node: whether everything below it makes one leaf.
-    is_leaf: Vec<bool>,
+    plans: Vec<Plan>,
     nodes: Vec<Node>,
     leaves: Vec<Leaf>,
 }
 
 impl<'a> Collapse<'a> {
     fn new(binary: &'a Bvh2, groups: &'a [Leaf], largest: u32) -> Self {
-        let is_leaf = leaves_that_pay(binary, groups, largest);
-        Self { binary, groups, largest, is_leaf, nodes: Vec::new(), leaves: Vec::new() }
+        let plans = plans(binary, groups, largest);
+        Self { binary, groups, largest, plans, nodes: Vec::new(), leaves: Vec::new() }
+    }
+
+    fn is_leaf(&self, binary: u32) -> bool {
+        self.plans[binary as usize].is_leaf
     }
 
     fn tree(mut self, space: Space) -> (Tree, Vec<Leaf>) {
         let [min, max] = self.planes(0).map(|corner| DVec3::from_array(corner.map(f64::from)));
         let root = self.child(0);
-        let mut waiting = if self.is_leaf[0] { Vec::new() } else { vec![(0, root)] };
+        let mut waiting = if self.is_leaf(0) { Vec::new() } else { vec![(0, root)] };
         while let Some((binary, child)) = waiting.pop() {
             self.fill(binary, child, &mut waiting);
         }
@@ -142,7 +145,7 @@ impl<'a> Collapse<'a> {
 
     /// A new leaf, or a place for a new node, for a binary node.
     fn child(&mut self, binary: u32) -> Child {
-        if self.is_leaf[binary as usize] {
+        if self.is_leaf(binary) {
             let corners = self.planes(binary);
             return self.leaf(self.things(binary), corners);
         }
@@ -172,28 +175,32 @@ impl<'a> Collapse<'a> {
 
     /// Fills a node with up to eight descendants of a binary node: the largest ones are opened first.
     fn fill(&mut self, binary: u32, child: Child, waiting: &mut Vec<(u32, Child)>) {
-        let below = |binary: u32| {
-            let first = self.binary.nodes[binary as usize].first_index;
-            [first, first + 1]
-        };
-        let area = |binary: u32| self.binary.nodes[binary as usize].aabb().half_area();
-        let mut slots = below(binary).to_vec();
-        while slots.len() < 8 {
-            let inner = (0..slots.len()).filter(|&slot| !self.is_leaf[slots[slot] as usize]);
-            let Some(largest) = inner.max_by(|&a, &b| area(slots[a]).total_cmp(&area(slots[b]))) else {
-                break;
-            };
-            let [left, right] = below(slots[largest]);
-            slots[largest] = left;
-            slots.push(right);
-        }
+        let mut slots = Vec::new();
+        let node = &self.binary.nodes[binary as usize];
+        let left = self.plans[binary as usize].split[8];
+        self.roots(node.first_index, left, &mut slots);
+        self.roots(node.first_index + 1, 8 - left, &mut slots);
         for (slot, binary) in slots.into_iter().enumerate() {
             let placed = self.child(binary);
             self.place(child, slot, placed, self.planes(binary));
-            if !self.is_leaf[binary as usize] {
+            if !self.is_leaf(binary) {
                 waiting.push((binary, placed));
             }
         }
+    }
+
+    /// The nodes and leaves, at most `count`, that a binary node becomes as a forest.
+    fn roots(&self, binary: u32, count: u8, roots: &mut Vec<u32>) {
+        let plan = &self.plans[binary as usize];
+        let left = plan.split[count as usize];
+        if left == 0 {
+            roots.push(binary);
+            return;
+        }
+        let count = plan.used[count as usize];
+        let first = self.binary.nodes[binary as usize].first_index;
+        self.roots(first, left, roots);
+        self.roots(first + 1, count - left, roots);
     }
 
     fn place(&mut self, parent: Child, slot: usize, child: Child, corners: [[f32; 3]; 2]) {
@@ -224,9 +231,18 @@ impl<'a> Collapse<'a> {
     }
 }
 
-/// Which binary nodes become leaves, by the surface area heuristic: the test of a leaf costs the same however full it
-/// is.
-fn leaves_that_pay(binary: &Bvh2, groups: &[Leaf], largest: u32) -> Vec<bool> {
+#[derive(Clone, Copy, Default)]
+struct Plan {
+    /// cost[i]: of the subtree as a forest of at most i roots
+    cost: [f32; 8],
+    /// roots of the left child if the forest of at most i roots is split; 0 if it is one root. [8]: as the children of a node
+    split: [u8; 9],
+    used: [u8; 9],
+    is_leaf: bool,
+    things: u32,
+}
+
+fn plans(binary: &Bvh2, groups: &[Leaf], largest: u32) -> Vec<Plan> {
     let nodes = &binary.nodes;
     let mut order = vec![0u32];
     let mut at = 0;
@@ -237,30 +253,54 @@ fn leaves_that_pay(binary: &Bvh2, groups: &[Leaf], largest: u32) -> Vec<bool> {
         }
         at += 1;
     }
-    let mut is_leaf = vec![true; nodes.len()];
-    let held = |node: &Bvh2Node| {
-        let first = node.first_index as usize;
-        let own = &binary.primitive_indices[first..first + node.prim_count as usize];
-        own.iter().map(|&group| groups[group as usize].len() as u32).sum()
-    };
-    let mut things: Vec<u32> =
-        nodes.iter().map(|node| if node.prim_count > 0 { held(node) } else { 0 }).collect();
-    let mut cost: Vec<f32> = nodes.iter().map(|node| node.aabb().half_area()).collect();
-    // Children stand behind their parents.
+    let leaf_cost: f32 = 1.0;
+    let mut plans = vec![Plan::default(); nodes.len()];
     for &index in order.iter().rev() {
         let (index, node) = (index as usize, &nodes[index as usize]);
+        let area = node.aabb().half_area();
+        let mut plan = Plan::default();
         if node.prim_count > 0 {
+            let first = node.first_index as usize;
+            let own = &binary.primitive_indices[first..first + node.prim_count as usize];
+            plan.things = own.iter().map(|&group| groups[group as usize].len() as u32).sum();
+            plan.is_leaf = true;
+            plan.cost = [area * leaf_cost; 8];
+            plans[index] = plan;
             continue;
         }
-        let [left, right] = [0, 1].map(|side| node.first_index as usize + side);
-        things[index] = things[left] + things[right];
-        let apart = cost[left] + cost[right] + cost[index] * STEP;
-        is_leaf[index] = things[index] <= largest && cost[index] <= apart;
-        if !is_leaf[index] {
-            cost[index] = apart;
+        let (left, right) = (plans[node.first_index as usize], plans[node.first_index as usize + 1]);
+        plan.things = left.things + right.things;
+        let distribute = |roots: usize| {
+            let mut best = (f32::INFINITY, 0u8);
+            for k in 1..roots {
+                let cost = left.cost[k.min(7)] + right.cost[(roots - k).min(7)];
+                if cost < best.0 {
+                    best = (cost, k as u8);
+                }
+            }
+            best
+        };
+        let (inner, split) = distribute(8);
+        plan.split[8] = split;
+        let as_node = inner + area;
+        let as_leaf = if plan.things <= largest { area * leaf_cost } else { f32::INFINITY };
+        plan.is_leaf = as_leaf <= as_node;
+        plan.cost[1] = as_leaf.min(as_node);
+        for roots in 2..8 {
+            let (cost, split) = distribute(roots);
+            if cost < plan.cost[roots - 1] {
+                plan.cost[roots] = cost;
+                plan.split[roots] = split;
+                plan.used[roots] = roots as u8;
+            } else {
+                plan.cost[roots] = plan.cost[roots - 1];
+                plan.split[roots] = plan.split[roots - 1];
+                plan.used[roots] = plan.used[roots - 1];
+            }
         }
+        plans[index] = plan;
     }
-    is_leaf
+    plans
 }
 
 #[cfg(test)]

@@ -4,12 +4,14 @@
 //! what it holds: a tree gives the same hits as asking everything, to the last bit, on every processor.
 
 mod build;
+mod bundle;
 mod probe;
 mod slabs;
 mod space;
 mod walk;
 
 pub use build::Leaf;
+pub use bundle::{BundleLeaves, BundleSlabs};
 pub use probe::Probe;
 pub use slabs::Slabs;
 pub use space::Space;

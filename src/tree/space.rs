@@ -13,14 +13,14 @@ pub struct Space {
     /// 1 / `per`.
     pub size: f64,
     /// The longest of the origin's coordinates.
-    farthest: f64,
+    pub(super) farthest: f64,
 }
 
 /// Times its own extent that a tree's things may be away from the world's origin to have it as theirs.
 const NEARBY: f64 = 4.0;
 
 /// Roundings of coordinates on their way into the space, of the larger of the point's and the origin's.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl Space {
     /// The space in which `bounds` lie between -1 and 1.
@@ -50,15 +50,16 @@ impl Space {
         self.point(point).as_vec3().as_dvec3() * self.size == point
     }
 
-    /// How far off [`Space::point`] may be along each axis.
+    /// How far off [`Space::point`] may be along each axis, for points whose longest coordinate is `longest`.
     #[inline]
-    pub fn error(&self, point: DVec3) -> f64 {
-        point.abs().max_element().max(self.farthest) * self.per * ROUNDING
+    pub fn error(&self, longest: f64) -> f64 {
+        let longest = if longest > self.farthest { longest } else { self.farthest };
+        longest * self.per * ROUNDING
     }
 
     /// A box in the space that holds what the world's box does: its corners rounded outwards.
     pub fn outward(&self, bounds: Aabb) -> [[f32; 3]; 2] {
-        let error = self.error(bounds.min).max(self.error(bounds.max));
+        let error = self.error(bounds.min.abs().max(bounds.max.abs()).max_element());
         let (min, max) = (self.point(bounds.min) - error, self.point(bounds.max) + error);
         let down = |v: f64| if f64::from(v as f32) > v { (v as f32).next_down() } else { v as f32 };
         let up = |v: f64| if f64::from(v as f32) < v { (v as f32).next_up() } else { v as f32 };

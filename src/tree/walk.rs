@@ -1,7 +1,7 @@
 //! Walking a tree along a ray.
 
 use super::slabs::Wide;
-use super::{Child, Probe, Slabs, Tree};
+use super::{Child, Node, Probe, Slabs, Tree};
 use crate::simd::{Lanes, Work, dispatch};
 
 /// What a tree's leaves hold, while a ray walks the tree.
@@ -9,24 +9,41 @@ pub trait Leaves {
     /// Whether leaves that are entered nearer are to be visited first, which pays if that lowers the limit.
     const IN_ORDER: bool;
 
-    /// Tests what is in a leaf; gives the limit beyond which nothing is of interest any more, or none to end the walk.
+    /// Tests what is in a leaf and before `limit`; gives the limit beyond which nothing is of interest any more, or none to end the walk.
     /// Implementations are `#[inline(always)]`.
-    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32>;
-}
+    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, limit: f32) -> Option<f32>;
 
-/// Children put off at once. Deeper trees than these hold are walked by recursion.
-const STACK: usize = 48;
+    /// Asks for what is in a leaf that will be visited soon.
+    fn fetch<L: Lanes>(&self, leaf: u32);
+}
 
 impl Tree {
     /// Visits every leaf that the ray may meet before `t_max`.
     #[inline(always)]
     pub fn walk(&self, probe: &Probe, t_max: f64, leaves: &mut impl Leaves) {
-        if self.root == Child::NONE {
-            return;
+        if self.root != Child::NONE {
+            dispatch(Begin { tree: self, probe, t_max, leaves });
         }
-        if let Some(slabs) = Slabs::new(self, probe, t_max) {
+    }
+}
+
+/// A walk from the root on.
+struct Begin<'a, V> {
+    tree: &'a Tree,
+    probe: &'a Probe,
+    t_max: f64,
+    leaves: &'a mut V,
+}
+
+impl<V: Leaves> Work for Begin<'_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { tree, probe, t_max, leaves } = self;
+        if let Some(slabs) = Slabs::new::<L>(tree, probe, t_max) {
             let limit = slabs.limit(t_max);
-            dispatch(Walk { tree: self, slabs: &slabs, leaves, limit, from: self.root });
+            Walk { tree, slabs: &slabs, leaves, limit, from: tree.root }.run::<L>();
         }
     }
 }
@@ -39,9 +56,6 @@ struct Walk<'a, V> {
     from: Child,
 }
 
-/// A child with where the ray enters it.
-type Entered = (f32, Child);
-
 impl<V: Leaves> Work for Walk<'_, V> {
     /// The limit at the end of the walk; none if a leaf has ended it.
     type Output = Option<f32>;
@@ -50,72 +64,97 @@ impl<V: Leaves> Work for Walk<'_, V> {
     fn run<L: Lanes>(self) -> Option<f32> {
         let Self { tree, slabs, leaves, mut limit, from } = self;
         let wide = Wide::<L>::new(slabs);
-        let mut stack = [(0.0, Child::NONE); STACK];
-        let mut top = 0;
+        let (mut entries, mut top) = ([Entered(0); STACK], 0);
         let mut at = from;
         loop {
             if let Some(leaf) = at.as_leaf() {
-                limit = leaves.visit::<L>(leaf, slabs)?;
+                limit = leaves.visit::<L>(leaf, slabs, limit)?;
+            } else if top > STACK - 8 {
+                limit = walk_apart(Walk { tree, slabs, leaves, limit, from: at })?;
             } else {
                 let node = &tree.nodes[at.0 as usize];
-                let (mut met, enter) = wide.test(node, limit);
+                let (met, enter) = wide.test(node, limit);
                 if met != 0 {
-                    let first = met.trailing_zeros() as usize;
-                    met &= met - 1;
-                    if met == 0 {
-                        at = node.children[first & 7];
+                    let first = met.trailing_zeros() as usize & 7;
+                    let mut others = met & (met - 1);
+                    if others == 0 {
+                        at = node.children[first];
                         continue;
                     }
-                    let mut nearest = (enter[first & 7], node.children[first & 7]);
+                    let mut nearest = Entered::new(node, &enter, first);
                     let bottom = top;
-                    while met != 0 {
-                        let slot = met.trailing_zeros() as usize;
-                        met &= met - 1;
-                        let mut other = (enter[slot & 7], node.children[slot & 7]);
-                        if V::IN_ORDER && other.0 < nearest.0 {
-                            (nearest, other) = (other, nearest);
-                        }
-                        if top == STACK {
-                            let from = other.1;
-                            limit = walk_apart(Walk { tree, slabs, leaves, limit, from })?;
-                            continue;
-                        }
+                    while others != 0 {
+                        let mut other = Entered::new(node, &enter, others.trailing_zeros() as usize & 7);
+                        others &= others - 1;
                         if V::IN_ORDER {
-                            put(&mut stack, bottom, top, other);
-                        } else {
-                            stack[top] = other;
+                            (nearest, other) = nearest.sorted(other);
                         }
+                        match other.child().as_leaf() {
+                            Some(leaf) => leaves.fetch::<L>(leaf),
+                            None => L::fetch(&tree.nodes, other.child().0 as usize),
+                        }
+                        put(&mut entries, if V::IN_ORDER { bottom } else { top }, top, other);
                         top += 1;
                     }
-                    at = nearest.1;
+                    at = nearest.child();
                     continue;
                 }
             }
-            loop {
+            at = loop {
                 top = match top.checked_sub(1) {
                     Some(top) => top,
                     None => return Some(limit),
                 };
-                let (enter, child) = stack[top];
+                let next = entries[top % STACK];
                 // A box entered exactly at the limit may hold an equally near thing of a lower index.
-                if !V::IN_ORDER || enter <= limit {
-                    at = child;
-                    break;
+                if next.enter() <= limit {
+                    break next.child();
                 }
-            }
+            };
         }
     }
 }
 
-/// Puts a child among those above `bottom`, of which the nearest is on top.
+/// A child with where the ray enters it, in the upper half, so that numbers compare like distances: those are never
+/// negative, and then their bits are in order.
+#[derive(Clone, Copy)]
+struct Entered(u64);
+
+impl Entered {
+    #[inline(always)]
+    fn new(node: &Node, enter: &[f32; 8], slot: usize) -> Self {
+        Self(u64::from(enter[slot].to_bits()) << 32 | u64::from(node.children[slot].0))
+    }
+
+    #[inline(always)]
+    fn child(self) -> Child {
+        Child(self.0 as u32)
+    }
+
+    #[inline(always)]
+    fn enter(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
+    }
+
+    /// The nearer and the farther of two, without a branch, which could not be predicted.
+    #[inline(always)]
+    fn sorted(self, other: Self) -> (Self, Self) {
+        (Self(self.0.min(other.0)), Self(self.0.max(other.0)))
+    }
+}
+
+/// Children put off at once. Where a deeper tree needs more, what is below a node is walked by recursion.
+const STACK: usize = 64;
+
+/// Puts a child among those between `bottom` and `top`, of which the nearest is on top.
 #[inline(always)]
-fn put(stack: &mut [Entered; STACK], bottom: usize, top: usize, child: Entered) {
+fn put(entries: &mut [Entered; STACK], bottom: usize, top: usize, child: Entered) {
     let mut place = top;
-    while place > bottom && stack[place - 1].0 < child.0 {
-        stack[place] = stack[place - 1];
+    while place > bottom && entries[(place - 1) % STACK].0 < child.0 {
+        entries[place % STACK] = entries[(place - 1) % STACK];
         place -= 1;
     }
-    stack[place] = child;
+    entries[place % STACK] = child;
 }
 
 /// The same walk from another child on, out of line.

@@ -3,13 +3,13 @@
 #[cfg(test)]
 mod tests;
 
-use super::triangle::{covers, depth, perpendicular, uniform_weights};
+use super::triangle::{covers, depth, uniform_weights, unit_normal};
 use super::{Crossing, Geometric, Parameters, Surface, flat};
 use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::mesh::{self, Normals, Sheared};
-use crate::simd::Lanes;
+use crate::simd::{Lanes, Work};
 use crate::tree::{Leaves, Probe, Slabs};
 use std::sync::Arc;
 
@@ -42,14 +42,14 @@ impl Geometric for Mesh {
     }
 
     fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
-        let mut any = Any { mesh: self, probe, sheared: None, t_max, limit: 0.0, found: false };
+        let mut any = Any { mesh: self, probe, sheared: None, t_max, found: false };
         self.mesh.tree().walk(probe, t_max, &mut any);
         any.found
     }
 
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
         let corners = self.mesh.corners(at.part);
-        let normal = perpendicular(corners).normalize_or(DVec3::Y);
+        let normal = unit_normal(corners);
         self.shaded(flat::surface(corners[0], normal, ray, at.t), at.part)
     }
 
@@ -92,7 +92,7 @@ impl Geometric for Mesh {
         let corners @ [a, b, c] = self.mesh.corners(index as u32);
         let weights = uniform_weights(DVec2::new(rest, u.y));
         let point = a + (b - a) * weights.x + (c - a) * weights.y;
-        let normal = perpendicular(corners).normalize_or(DVec3::Y);
+        let normal = unit_normal(corners);
         Some((self.shaded(flat::placed(a, point, normal), index as u32), index as u32))
     }
 }
@@ -133,31 +133,59 @@ impl Leaves for Nearest<'_> {
     const IN_ORDER: bool = true;
 
     #[inline(always)]
-    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
-        let packet = self.mesh.mesh.packet(leaf);
-        let sheared = self.sheared.get_or_insert_with(|| Sheared::new(self.probe, slabs));
-        let mut limit = slabs.limit(self.hit.map_or(self.t_max, |hit| hit.t));
+    fn fetch<L: Lanes>(&self, leaf: u32) {
+        L::fetch(self.mesh.mesh.packets(), leaf as usize);
+    }
+
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, limit: f32) -> Option<f32> {
+        L::apart(Visit { search: self, leaf, slabs, limit })
+    }
+}
+
+impl Work for Visit<'_, Nearest<'_>> {
+    type Output = Option<f32>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Option<f32> {
+        let Self { search, leaf, slabs, mut limit } = self;
+        let Nearest { mesh: Mesh { mesh, .. }, probe, t_max, .. } = *search;
+        let packet = &mesh.packets()[leaf as usize];
+        let sheared = search.sheared.get_or_insert_with(|| Sheared::new(probe, slabs));
         let sieve = sheared.sift::<L>(packet, limit);
         let mut candidates = sieve.hit | sieve.unsure;
+        if candidates == 0 {
+            return Some(limit);
+        }
+        let near = sieve.near.store();
         while candidates != 0 {
-            let lane = candidates.trailing_zeros() as usize;
+            let lane = candidates.trailing_zeros() as usize & 7;
+            let sure = sieve.hit >> lane & 1 == 1;
             candidates &= candidates - 1;
-            if sieve.hit >> lane & 1 == 1 && sieve.near[lane & 7] > limit {
+            if sure && near[lane] > limit {
                 continue;
             }
-            let corners = self.mesh.mesh.packed_corners(packet, lane);
-            if sieve.hit >> lane & 1 == 0 && !covers(corners, self.probe) {
+            let corners = mesh.packed_corners(packet, lane);
+            if !sure && !covers(corners, probe) {
                 continue;
             }
-            let Some(t) = depth(corners, self.probe).filter(|&t| t > 0.0 && t < self.t_max) else { continue };
+            let Some(t) = depth(corners, probe).filter(|&t| t > 0.0 && t < t_max) else { continue };
             let part = packet.part(lane);
-            if self.hit.is_none_or(|best| t < best.t || t == best.t && part < best.part) {
-                self.hit = Some(Crossing { t, part });
+            if search.hit.is_none_or(|best| t < best.t || t == best.t && part < best.part) {
+                search.hit = Some(Crossing { t, part });
                 limit = slabs.limit(t);
             }
         }
         Some(limit)
     }
+}
+
+/// The visit of a leaf.
+struct Visit<'a, S> {
+    search: &'a mut S,
+    leaf: u32,
+    slabs: &'a Slabs,
+    limit: f32,
 }
 
 /// The search for any triangle.
@@ -166,8 +194,6 @@ struct Any<'a> {
     probe: &'a Probe,
     sheared: Option<Sheared>,
     t_max: f64,
-    /// The filters' one, from the first leaf on.
-    limit: f32,
     found: bool,
 }
 
@@ -175,23 +201,43 @@ impl Leaves for Any<'_> {
     const IN_ORDER: bool = false;
 
     #[inline(always)]
-    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs) -> Option<f32> {
-        let packet = self.mesh.mesh.packet(leaf);
-        let (probe, limit) = (self.probe, &mut self.limit);
-        let sheared = self.sheared.get_or_insert_with(|| {
-            *limit = slabs.limit(self.t_max);
-            Sheared::new(probe, slabs)
-        });
-        let sieve = sheared.sift::<L>(packet, self.limit);
-        self.found = sieve.within != 0;
+    fn fetch<L: Lanes>(&self, leaf: u32) {
+        L::fetch(self.mesh.mesh.packets(), leaf as usize);
+    }
+
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, limit: f32) -> Option<f32> {
+        self.found = L::apart(Visit { search: self, leaf, slabs, limit });
+        (!self.found).then_some(limit)
+    }
+}
+
+impl Work for Visit<'_, Any<'_>> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> bool {
+        let Self { search, leaf, slabs, limit } = self;
+        let Any { mesh: Mesh { mesh, .. }, probe, t_max, .. } = *search;
+        let packet = &mesh.packets()[leaf as usize];
+        let sheared = search.sheared.get_or_insert_with(|| Sheared::new(probe, slabs));
+        let sieve = sheared.sift::<L>(packet, limit);
         let mut candidates = sieve.hit | sieve.unsure;
-        while !self.found && candidates != 0 {
+        if candidates == 0 {
+            return false;
+        }
+        if sheared.within(&sieve, limit) != 0 {
+            return true;
+        }
+        while candidates != 0 {
             let lane = candidates.trailing_zeros() as usize;
             candidates &= candidates - 1;
-            let corners = self.mesh.mesh.packed_corners(packet, lane);
+            let corners = mesh.packed_corners(packet, lane);
             let t = if covers(corners, probe) { depth(corners, probe) } else { None };
-            self.found = t.is_some_and(|t| t > 0.0 && t < self.t_max);
+            if t.is_some_and(|t| t > 0.0 && t < t_max) {
+                return true;
+            }
         }
-        if self.found { None } else { Some(self.limit) }
+        false
     }
 }

@@ -1,0 +1,211 @@
+//! Eight rays at once: each meets what it would alone.
+
+use super::Bvh;
+use crate::scene::Geometry;
+use crate::shape::{Crossings, Rays, lanes};
+use crate::simd::{Choice, Lanes, Octo, Work};
+use crate::tree::{BundleLeaves, BundleSlabs, Probe};
+
+/// What eight rays meet first.
+#[derive(Clone, Copy, Debug)]
+pub struct Hits {
+    pub at: Crossings,
+    /// Indices of the primitives.
+    pub primitives: [u32; 8],
+}
+
+impl Bvh {
+    /// [`Bvh::closest`] of those of eight rays whose bits are set. Only where no lights are among the primitives.
+    #[inline(always)]
+    pub fn closest_together<L: Lanes>(&self, geometry: &Geometry, rays: &Rays, wanted: u32) -> Hits {
+        L::apart(Closest { bvh: self, geometry, rays, wanted })
+    }
+
+    /// [`Bvh::occluded`] of those of eight rays whose bits are set, a bit each.
+    #[inline(always)]
+    pub fn occluded_together<L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        rays: &Rays,
+        wanted: u32,
+        t_max: f64,
+    ) -> u32 {
+        L::apart(Occluded { bvh: self, geometry, rays, wanted, t_max })
+    }
+}
+
+struct Closest<'a> {
+    bvh: &'a Bvh,
+    geometry: &'a Geometry,
+    rays: &'a Rays,
+    wanted: u32,
+}
+
+impl Work for Closest<'_> {
+    type Output = Hits;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Hits {
+        let Self { bvh, geometry, rays, wanted } = self;
+        let (origin, direction) = rays.load::<L>();
+        let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
+        let hits = Hits { at: Crossings::NONE, primitives: [u32::MAX; 8] };
+        let mut nearest = Nearest { bvh, geometry, rays, slabs: &slabs, limit: L::splat(0.0), hits };
+        for &(index, _) in &bvh.planes {
+            nearest.test(index, wanted);
+        }
+        for &index in &bvh.unbounded {
+            nearest.test(index, wanted);
+        }
+        nearest.limit = slabs.limit(Octo::load(&nearest.hits.at.t));
+        if near != 0 {
+            bvh.tree.walk_together(&slabs, near, &mut nearest);
+        }
+        let mut hits = nearest.hits;
+        if afar != 0 {
+            self.one_by_one(afar, &mut hits);
+        }
+        hits
+    }
+}
+
+impl Closest<'_> {
+    #[inline(never)]
+    fn one_by_one(&self, rays: u32, hits: &mut Hits) {
+        for lane in lanes(rays) {
+            if let Some(hit) = self.bvh.closest(self.geometry, &Probe::new(self.rays.one(lane))) {
+                hits.at.met |= 1 << lane;
+                (hits.at.t[lane], hits.at.parts[lane]) = (hit.at.t, hit.at.part);
+                hits.primitives[lane] = hit.primitive;
+            }
+        }
+    }
+}
+
+struct Nearest<'a, L: Lanes> {
+    bvh: &'a Bvh,
+    geometry: &'a Geometry,
+    rays: &'a Rays,
+    slabs: &'a BundleSlabs<L>,
+    limit: L,
+    hits: Hits,
+}
+
+impl<L: Lanes> Nearest<'_, L> {
+    /// Takes a primitive's crossings where they are nearer, or as near and the primitive is the earlier one.
+    #[inline(always)]
+    fn test(&mut self, index: u32, wanted: u32) {
+        let Hits { at, primitives } = &mut self.hits;
+        let t = Octo::<L::Quad>::load(&at.t);
+        // The next number, so that an equally near one is found.
+        let limit = t.next_away(t).smaller(Octo::splat(f64::INFINITY)).store();
+        let primitive = &self.geometry.primitives[index as usize];
+        let found = primitive.hit_together::<L>(self.rays, wanted, &limit);
+        if found.met == 0 {
+            return;
+        }
+        let found_t = Octo::load(&found.t);
+        let mut better = found.met & found_t.below(t).bits();
+        for lane in lanes(found.met & !better) {
+            better |= u32::from(index < primitives[lane]) << lane;
+        }
+        at.met |= better;
+        at.t = found_t.pick(Choice::of(better), t).store();
+        for lane in lanes(better) {
+            (primitives[lane], at.parts[lane]) = (index, found.parts[lane]);
+        }
+    }
+}
+
+impl<L: Lanes> BundleLeaves<L> for Nearest<'_, L> {
+    #[inline(always)]
+    fn visit(&mut self, leaf: u32, rays: u32) {
+        for &index in self.bvh.leaf(leaf) {
+            self.test(index, rays);
+        }
+        self.limit = self.slabs.limit(Octo::load(&self.hits.at.t));
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> L {
+        self.limit
+    }
+}
+
+struct Occluded<'a> {
+    bvh: &'a Bvh,
+    geometry: &'a Geometry,
+    rays: &'a Rays,
+    wanted: u32,
+    t_max: f64,
+}
+
+impl Work for Occluded<'_> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u32 {
+        let Self { bvh, geometry, rays, wanted, t_max } = self;
+        let (origin, direction) = rays.load::<L>();
+        let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
+        let limit = slabs.limit(Octo::splat(t_max));
+        let mut any = Any { bvh, geometry, rays, t_max: [t_max; 8], limit, hidden: 0 };
+        for &(index, _) in &bvh.planes {
+            any.test(index, wanted);
+        }
+        for &index in &bvh.unbounded {
+            any.test(index, wanted);
+        }
+        let (near, afar) = (near & !any.hidden, afar & !any.hidden);
+        if near != 0 {
+            bvh.tree.walk_together(&slabs, near, &mut any);
+        }
+        let hidden = any.hidden;
+        if afar == 0 { hidden } else { hidden | self.one_by_one(afar) }
+    }
+}
+
+impl Occluded<'_> {
+    #[inline(never)]
+    fn one_by_one(&self, rays: u32) -> u32 {
+        let hidden =
+            |lane: usize| self.bvh.occluded(self.geometry, &Probe::new(self.rays.one(lane)), self.t_max);
+        lanes(rays).filter(|&lane| hidden(lane)).map(|lane| 1 << lane).sum()
+    }
+}
+
+struct Any<'a, L: Lanes> {
+    bvh: &'a Bvh,
+    geometry: &'a Geometry,
+    rays: &'a Rays,
+    t_max: [f64; 8],
+    limit: L,
+    hidden: u32,
+}
+
+impl<L: Lanes> Any<'_, L> {
+    #[inline(always)]
+    fn test(&mut self, index: u32, wanted: u32) {
+        let wanted = wanted & !self.hidden;
+        if wanted == 0 {
+            return;
+        }
+        let primitive = &self.geometry.primitives[index as usize];
+        self.hidden |= primitive.hit_together::<L>(self.rays, wanted, &self.t_max).met;
+        self.limit = L::splat(-1.0).pick(self.hidden, self.limit);
+    }
+}
+
+impl<L: Lanes> BundleLeaves<L> for Any<'_, L> {
+    #[inline(always)]
+    fn visit(&mut self, leaf: u32, rays: u32) {
+        for &index in self.bvh.leaf(leaf) {
+            self.test(index, rays);
+        }
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> L {
+        self.limit
+    }
+}

@@ -1,0 +1,217 @@
+//! Whitted's integrator for eight rays at once, in scenes where each ray leads to at most one other: whose surfaces have
+//! lobes of one value, reflect and do not let pass, and whose lights are points or infinitely far away.
+//!
+//! Eight neighbours of a picture meet mostly the same. Every number is computed as `whitted` does, lane by lane, so that
+//! pictures do not tell how many rays were traced at once.
+
+mod camera;
+mod lights;
+mod shade;
+
+use super::tracer::Tracer;
+use crate::color::Rgb;
+use crate::counters::Counts;
+use crate::film::LayerId;
+use crate::light::Source;
+use crate::material::MadeOf;
+use crate::math::{DVec2, DVec3};
+use crate::scene::Finish;
+use crate::shape::{Rays, Surfaces, lanes};
+use crate::simd::{Lanes, Octo, Quad, Vector, Work, dispatch};
+use lights::Arrivals;
+use shade::{Color, Reflectors};
+
+/// What eight rays add to each layer: red, green and blue of each.
+pub struct Sums {
+    pub layers: Vec<[[f64; 8]; 3]>,
+    pub counts: Counts,
+}
+
+impl Sums {
+    pub fn new(layers: usize) -> Self {
+        Self { layers: vec![[[0.0; 8]; 3]; layers], counts: Counts::default() }
+    }
+
+    /// Adds to the rays whose bits are set.
+    #[inline(always)]
+    fn add<L: Lanes>(&mut self, layer: LayerId, radiance: Color<L>, rays: u32) {
+        let sums = &mut self.layers[layer.index()];
+        let none = L::splat(0.0);
+        for (sum, radiance) in sums.iter_mut().zip([radiance.r, radiance.g, radiance.b]) {
+            let more = radiance.pick(rays, none).store().map(f64::from);
+            *sum = (Octo::<L::Quad>::load(sum) + Octo::load(&more)).store();
+        }
+    }
+
+    /// Adds to one ray.
+    fn add_to(&mut self, lane: usize, layer: LayerId, radiance: Rgb) {
+        let sums = &mut self.layers[layer.index()];
+        for (sum, radiance) in sums.iter_mut().zip(radiance.to_array()) {
+            sum[lane] += f64::from(radiance);
+        }
+    }
+}
+
+/// Whether the tracer's scene is one in which rays are traced together.
+pub fn suits(tracer: &Tracer) -> bool {
+    let shading = tracer.scene.shading;
+    let plain = |index: u32| {
+        let material = &shading.materials[index as usize];
+        let sharp = !material.lobes.is_fuzzy() || material.lobes.mirror == Rgb::ZERO;
+        material.paints.is_empty() && sharp && material.lobes.microfacet == 0.0
+    };
+    let is_plain = |finish: &Finish| match finish {
+        Finish::Material(MadeOf::One(index)) => plain(*index),
+        Finish::Material(MadeOf::Slots { .. }) | Finish::Light(_) => false,
+    };
+    let lit = |source: &Source| {
+        matches!(source, Source::Point { .. } | Source::Spot { .. } | Source::Directional { .. })
+    };
+    let bare = tracer.fog.is_none() && !tracer.media && !tracer.clear;
+    bare && tracer.scene.geometry.primitives.iter().all(|primitive| is_plain(&primitive.finish))
+        && tracer.lights.iter().all(|(_, light)| lit(&light.source))
+}
+
+/// Eight pixels of a picture, and where in each of them a ray goes.
+pub struct Pixels {
+    /// Width and height of the picture.
+    pub size: (u32, u32),
+    pub pixels: [(u32, u32); 8],
+    pub inside: DVec2,
+    /// A bit for each that is wanted.
+    pub wanted: u32,
+}
+
+/// Adds what is seen through pixels.
+pub fn follow(tracer: &Tracer, pixels: &Pixels, sums: &mut Sums) {
+    dispatch(Follow { tracer, pixels, sums });
+}
+
+struct Follow<'a, 't> {
+    tracer: &'a Tracer<'t>,
+    pixels: &'a Pixels,
+    sums: &'a mut Sums,
+}
+
+impl Work for Follow<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { tracer, pixels: &Pixels { size, ref pixels, inside, wanted }, sums } = self;
+        sums.counts.rays.camera += u64::from(wanted.count_ones());
+        let rays = camera::rays::<L>(tracer.scene.camera, size, pixels, inside);
+        let mut bundle = Bundle::<L> { rays, throughput: Color::splat(Rgb::ONE), wanted };
+        let mut left = tracer.quality.bounces;
+        while bundle.wanted != 0 {
+            bundle = bundle.step(tracer, left, sums);
+            left = left.saturating_sub(1);
+        }
+    }
+}
+
+/// Eight rays on their way.
+struct Bundle<L: Lanes> {
+    rays: Rays,
+    throughput: Color<L>,
+    /// A bit for each ray that is followed.
+    wanted: u32,
+}
+
+impl<L: Lanes> Bundle<L> {
+    /// Follows the rays to where they end; gives those that start there. `left` bounces are left.
+    #[inline(always)]
+    fn step(self, tracer: &Tracer, left: u32, sums: &mut Sums) -> Self {
+        let Self { rays, throughput, wanted } = self;
+        let hits = tracer.bvh.closest_together::<L>(tracer.scene.geometry, &rays, wanted);
+        let met = hits.at.met;
+        if let Some(environment) = tracer.environment {
+            for lane in lanes(wanted & !met) {
+                let sky = environment.radiance(rays.direction.one(lane));
+                sums.add_to(lane, environment.layer, throughput.one(lane) * sky);
+            }
+        }
+        if met == 0 {
+            return Self { wanted: 0, ..self };
+        }
+        let found = Reflectors::<L>::of(tracer, &rays, &hits);
+        if let Some(ambient) = &tracer.ambient {
+            let share = throughput.times(found.ambient).times(Color::splat(ambient.radiance));
+            sums.add(ambient.layer, share, met);
+        }
+        for lane in lanes(found.emissive) {
+            let material = found.materials[lane];
+            let material = &tracer.scene.shading.materials[material as usize];
+            sums.add_to(lane, material.emission_layer, throughput.one(lane) * material.lobes.emission);
+        }
+        let starts = Starts::new(&found.surfaces);
+        for (_, light) in &tracer.lights {
+            let (arrivals, arriving) = Arrivals::<L>::of(light, Vector::load(&found.surfaces.point));
+            let (share, lit) = found.reflected(arrivals.direction, met & arriving);
+            if lit == 0 {
+                continue;
+            }
+            let (shadow, t_max) = arrivals.shadow_rays(&starts);
+            let way = Vector::<L::Quad>::load(&shadow.direction).longest();
+            let moving = Octo::splat(0.0).below(way).bits();
+            sums.counts.rays.shadow += u64::from((lit & moving).count_ones());
+            let hidden = match lit & moving {
+                0 => 0,
+                moving => tracer.bvh.occluded_together::<L>(tracer.scene.geometry, &shadow, moving, t_max),
+            };
+            let radiance = throughput.times(share).times(arrivals.radiance);
+            sums.add(light.layer, radiance, lit & !hidden);
+        }
+        let share = throughput.times(found.mirror);
+        let bright = L::splat(tracer.quality.threshold).at_most(share.largest());
+        let above = Octo::splat(0.0).below(found.mirrored.dot(Vector::load(&found.surfaces.normal))).bits();
+        let on = met & found.mirrors & above & bright & if left > 0 { 0xff } else { 0 };
+        sums.counts.rays.mirror += u64::from(on.count_ones());
+        let rays = Rays { origin: starts.towards(found.mirrored).store(), direction: found.mirrored.store() };
+        Self { rays, throughput: share, wanted: on }
+    }
+}
+
+/// Where rays from eight surfaces start, as [`super::spawn::spawn`] has it for one.
+struct Starts<Q> {
+    point: Vector<Q>,
+    normal: Vector<Q>,
+    reach: Octo<Q>,
+    /// On the side that the normals are on, where most rays lead.
+    above: Vector<Q>,
+}
+
+impl<Q: Quad> Starts<Q> {
+    #[inline(always)]
+    fn new(surfaces: &Surfaces) -> Self {
+        let (point, normal) = (Vector::load(&surfaces.point), Vector::load(&surfaces.normal));
+        let reach = normal.absolute().dot(Vector::load(&surfaces.error));
+        Self { point, normal, reach, above: beyond(point, normal, reach) }
+    }
+
+    #[inline(always)]
+    fn towards(&self, direction: Vector<Q>) -> Vector<Q> {
+        let Self { point, normal, reach, above } = *self;
+        let below = direction.dot(normal).below(Octo::splat(0.0));
+        if below.bits() == 0 {
+            return above;
+        }
+        beyond(point, -normal, reach).pick(below, above)
+    }
+}
+
+/// Points moved to a side, each coordinate rounded away from where it was.
+#[inline(always)]
+fn beyond<Q: Quad>(point: Vector<Q>, side: Vector<Q>, reach: Octo<Q>) -> Vector<Q> {
+    let moved = point + side * reach;
+    Vector { x: moved.x.next_away(side.x), y: moved.y.next_away(side.y), z: moved.z.next_away(side.z) }
+}
+
+/// The point that a vector of the world stands for, in all lanes.
+#[inline(always)]
+fn everywhere<Q: Quad>(point: DVec3) -> Vector<Q> {
+    Vector::splat(point)
+}
+
+#[cfg(test)]
+mod tests;
