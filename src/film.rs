@@ -1,6 +1,7 @@
 //! The film: what the tracer fills and the encoder develops.
 
 use crate::color::Rgb;
+use glam::Vec3;
 
 /// The strongest exposure, in stops up or down.
 pub const MOST_STOPS: f64 = 40.0;
@@ -17,6 +18,47 @@ impl LayerId {
     }
 }
 
+/// What a film records besides light, where something asks for it. What nobody asks for is neither traced nor kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extras {
+    /// How much of the background shows through each pixel. Light of the background that is seen straight on is
+    /// left out then.
+    pub coverage: bool,
+    /// Depth, normals and albedo of what is seen first.
+    pub guides: bool,
+}
+
+/// Layers that guides take: [depth, hits, 0], normal and albedo.
+const GUIDES: usize = 3;
+
+impl Extras {
+    /// How many layers of a film they take, after those of light.
+    pub fn layers(self) -> usize {
+        usize::from(self.coverage) + if self.guides { GUIDES } else { 0 }
+    }
+
+    /// The layer of what shows through, after `lights` layers of light.
+    pub fn coverage_layer(self, lights: usize) -> Option<LayerId> {
+        self.coverage.then_some(LayerId(lights as u32))
+    }
+
+    /// The first layer of the guides.
+    pub fn guides_layer(self, lights: usize) -> Option<LayerId> {
+        self.guides.then_some(LayerId((lights + usize::from(self.coverage)) as u32))
+    }
+}
+
+/// What is seen first in a pixel, as the mean over its samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Guides {
+    /// Distance from the camera along its line of sight; none where nothing is hit.
+    pub depth: Option<f32>,
+    /// Of unit length, in the world, or zero where nothing is hit.
+    pub normal: Vec3,
+    /// Share of the light that the surface sends on, in all its lobes.
+    pub albedo: Rgb,
+}
+
 /// Linear radiance of one frame, kept apart by what weights it. Light is linear: the picture is the sum over
 /// the layers of `weights[l]` times the layer, so a frame in which only weights differ needs no ray.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,14 +69,21 @@ pub struct Film {
     pub weights: Vec<Rgb>,
     /// Factor of the displayed picture, above 0. It is no part of the radiance: 1 as traced.
     pub exposure: f32,
-    /// Row by row from the top left pixel; each pixel holds its layers one after the other.
+    /// What is recorded besides light.
+    pub extras: Extras,
+    /// Row by row from the top left pixel; each pixel holds its layers of light and those of the extras.
     pub data: Vec<Rgb>,
 }
 
 impl Film {
     pub fn new(width: u32, height: u32, weights: Vec<Rgb>) -> Self {
-        let data = vec![Rgb::ZERO; width as usize * height as usize * weights.len()];
-        Self { width, height, weights, exposure: 1.0, data }
+        Self::with_extras(width, height, weights, Extras::default())
+    }
+
+    pub fn with_extras(width: u32, height: u32, weights: Vec<Rgb>, extras: Extras) -> Self {
+        let pixels = width as usize * height as usize;
+        let data = vec![Rgb::ZERO; pixels * (weights.len() + extras.layers())];
+        Self { width, height, weights, exposure: 1.0, extras, data }
     }
 
     /// Shows the film `stops` brighter, each of which doubles it. Easings may lead past [`MOST_STOPS`]; the
@@ -43,8 +92,9 @@ impl Film {
         self.exposure = libm::exp2(stops.clamp(-MOST_STOPS, MOST_STOPS)) as f32;
     }
 
+    /// How many values a pixel holds.
     pub fn layers(&self) -> usize {
-        self.weights.len()
+        self.weights.len() + self.extras.layers()
     }
 
     /// The weighted sum of every pixel's layers, row by row: f64 in the order of the layers, rounded once.
@@ -54,7 +104,37 @@ impl Film {
 
     /// The same of one pixel, counted row by row.
     pub fn radiance_at(&self, pixel: usize) -> Rgb {
-        self.weighted(&self.data[pixel * self.layers()..][..self.layers()])
+        self.weighted(self.pixel(pixel))
+    }
+
+    /// The part of a pixel's radiance that comes from one layer of light.
+    pub fn radiance_of(&self, pixel: usize, layer: usize) -> Rgb {
+        (self.weights[layer].as_dvec3() * self.pixel(pixel)[layer].as_dvec3()).as_vec3()
+    }
+
+    /// How much of a pixel hides the background, from 0 to 1: all of it, unless coverage is recorded. The pixel's
+    /// radiance is that of the covered part times this, as compositors have it.
+    pub fn alpha_at(&self, pixel: usize) -> f32 {
+        let Some(layer) = self.extras.coverage_layer(self.weights.len()) else { return 1.0 };
+        // What shows through may be tinted; the picture has one number for it.
+        let through = self.pixel(pixel)[layer.index()].element_sum() / 3.0;
+        (1.0 - through).clamp(0.0, 1.0)
+    }
+
+    /// What is seen first in a pixel, if that is recorded.
+    pub fn guides_at(&self, pixel: usize) -> Option<Guides> {
+        let first = self.extras.guides_layer(self.weights.len())?.index();
+        let [depth, normal, albedo] = *self.pixel(pixel)[first..].first_chunk()?;
+        let hits = depth.y;
+        Some(Guides {
+            depth: (hits > 0.0).then_some(depth.x / hits),
+            normal: normal.normalize_or_zero(),
+            albedo,
+        })
+    }
+
+    fn pixel(&self, pixel: usize) -> &[Rgb] {
+        &self.data[pixel * self.layers()..][..self.layers()]
     }
 
     fn weighted(&self, layers: &[Rgb]) -> Rgb {
@@ -74,6 +154,23 @@ mod tests {
         film.data[2] = Rgb::splat(0.25);
         film.data[3] = Rgb::ONE;
         assert_eq!(film.radiance().collect::<Vec<_>>(), [Rgb::ZERO, Rgb::new(0.75, 0.25, 2.25)]);
+    }
+
+    #[test]
+    fn extras_stand_after_the_light() {
+        let extras = Extras { coverage: true, guides: true };
+        let mut film = Film::with_extras(1, 2, vec![Rgb::ONE; 2], extras);
+        let values = [0.25, 0.5, 0.75].map(Rgb::splat);
+        let guides = [Rgb::new(3.0, 0.5, 0.0), Rgb::new(0.0, 0.3, 0.4), Rgb::new(0.1, 0.2, 0.3)];
+        film.data[6..].copy_from_slice(&[values.as_slice(), &guides].concat());
+        assert_eq!(film.radiance().collect::<Vec<_>>(), [Rgb::ZERO, Rgb::splat(0.75)]);
+        assert_eq!((film.alpha_at(0), film.alpha_at(1)), (1.0, 0.25));
+        assert_eq!(film.radiance_of(1, 1), Rgb::splat(0.5));
+        let seen = film.guides_at(1).expect("guides");
+        assert_eq!((seen.depth, seen.albedo), (Some(6.0), Rgb::new(0.1, 0.2, 0.3)));
+        assert!((seen.normal - Rgb::new(0.0, 0.6, 0.8)).length() < 1e-6);
+        assert_eq!(film.guides_at(0).expect("guides").depth, None);
+        assert_eq!(Film::new(1, 1, vec![Rgb::ONE]).guides_at(0), None);
     }
 
     #[test]

@@ -32,6 +32,24 @@ pub fn bytes(bytes: u64) -> String {
     scaled(bytes as f64, &["bytes", "kB", "MB", "GB", "TB", "PB", "EB"])
 }
 
+/// A number of bytes from text such as `5 MB`, `800kB` or `2 MiB`: at least 1000.
+pub fn parse_bytes(text: &str) -> Option<u64> {
+    let text = text.trim();
+    let end = text.find(|c: char| !c.is_ascii_digit() && c != '.')?;
+    let (number, unit) = text.split_at(end);
+    let factor = match unit.trim().to_ascii_lowercase().as_str() {
+        "kb" | "k" => 1e3,
+        "mb" | "m" => 1e6,
+        "gb" | "g" => 1e9,
+        "kib" => 1024.0,
+        "mib" => 1024.0 * 1024.0,
+        "gib" => 1024.0 * 1024.0 * 1024.0,
+        _ => return None,
+    };
+    let bytes = number.parse::<f64>().ok()? * factor;
+    (1e3..=1e15).contains(&bytes).then_some(bytes as u64)
+}
+
 /// A measured time, to three digits or whole seconds: `850 µs`, `12.3 ms`, `4.56 s`, `2 min 05 s`.
 pub fn time(time: Duration) -> String {
     let seconds = time.as_secs_f64();

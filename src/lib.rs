@@ -24,6 +24,7 @@ pub mod filter;
 pub mod film;
 pub mod glow;
 pub mod frame_set;
+pub mod stop;
 pub mod camera;
 pub mod camera_path;
 mod simd;
@@ -54,6 +55,8 @@ pub mod trace;
 pub mod schedule;
 pub mod memory;
 pub mod render;
+pub mod filmstrip;
+pub mod assemble;
 pub mod cli;
 
 #[cfg(test)]

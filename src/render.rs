@@ -2,12 +2,14 @@
 
 use crate::camera_path::NoCamera;
 use crate::counters::{Counts, Meter};
-use crate::encode::{EncodeError, Encoder, Job, Output, Report};
-use crate::film::Film;
+use crate::encode::{EncodeError, Encoder, Job, Output, Report, Still};
+use crate::film::{Extras, Film};
 use crate::humane;
 use crate::memory;
 use crate::schedule::{FilmSink, FrameLoop, NoFrame, Stage, Tally};
 use crate::sequence::Sequence;
+use crate::stop::Stop;
+use rayon::ThreadPool;
 use std::error::Error;
 use std::fmt::{Display, Formatter};
 use std::num::NonZeroUsize;
@@ -48,6 +50,12 @@ pub enum RenderError {
     TooLarge {
         needed: u64,
         available: u64,
+    },
+    /// A signal came when so many frames were done; these files were written.
+    Stopped {
+        signal: usize,
+        done: usize,
+        files: Vec<PathBuf>,
     },
     /// The thread pool could not be started.
     Threads(String),
@@ -92,6 +100,9 @@ impl Display for RenderError {
                 )
             }
             Self::Camera { frame, why } => write!(f, "frame {frame} has no camera: {why}"),
+            Self::Stopped { done, .. } => {
+                write!(f, "stopped after {}", humane::counted(*done as u64, "frame"))
+            }
             Self::Threads(why) => write!(f, "cannot start the threads: {why}; try fewer with --threads"),
         }
     }
@@ -101,40 +112,83 @@ impl Error for RenderError {}
 
 /// Renders the requested frames. `meter` may be watched from another thread meanwhile.
 pub fn render(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> Result<Summary, RenderError> {
+    render_until(sequence, request, meter, &Stop::default())
+}
+
+/// The same, but that it stops after the frame in hand when it is asked to. Stills that are written stay; animations
+/// are closed with the frames that there are, beside the place of the whole one.
+pub fn render_until(
+    sequence: &Sequence,
+    request: &Request,
+    meter: &Arc<Meter>,
+    stop: &Stop,
+) -> Result<Summary, RenderError> {
     let start = Instant::now();
-    let (needed, available) = (memory::needed(sequence), memory::available());
-    if needed > available {
-        return Err(RenderError::TooLarge { needed, available });
-    }
-    let threads = request.threads.map_or(0, NonZeroUsize::get);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = Arc::new(pool.map_err(|error| RenderError::Threads(error.to_string()))?);
+    let extras = extras(sequence, &request.outputs);
+    check_memory(sequence, extras)?;
+    let pool = Arc::new(pool(request.threads)?);
     let encoder = Encoder::start(job(sequence, request), Arc::clone(&pool))?;
-    let mut frames = FrameLoop::new(sequence, encoder, Arc::clone(meter));
-    pool.install(|| request.frames.iter().try_for_each(|&frame| frames.frame(frame)))?;
+    let mut frames = FrameLoop::with_extras(sequence, extras, encoder, Arc::clone(meter));
+    let mut done = 0;
+    pool.install(|| {
+        request.frames.iter().take_while(|_| stop.signal().is_none()).try_for_each(|&frame| {
+            done += 1;
+            frames.frame(frame)
+        })
+    })?;
+    if let Some(signal) = stop.signal().filter(|_| done < request.frames.len()) {
+        let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::stop)?;
+        return Err(RenderError::Stopped { signal, done, files: report.files });
+    }
     let tally = frames.tally().clone();
     let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::finish)?;
-    let mut summary = summary(&tally, report, request, start.elapsed());
+    let mut summary = summary(&tally, report, request.frames.len() as u32, start.elapsed());
     summary.notes.splice(..0, sequence.notes());
     Ok(summary)
 }
 
+/// Refuses pictures that do not fit into memory.
+pub(crate) fn check_memory(sequence: &Sequence, extras: Extras) -> Result<(), RenderError> {
+    let (needed, available) = (memory::needed(sequence, extras), memory::available());
+    if needed > available { Err(RenderError::TooLarge { needed, available }) } else { Ok(()) }
+}
+
+/// The threads that trace.
+pub(crate) fn pool(threads: Option<NonZeroUsize>) -> Result<ThreadPool, RenderError> {
+    let threads = threads.map_or(0, NonZeroUsize::get);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|error| RenderError::Threads(error.to_string()))
+}
+
 fn job(sequence: &Sequence, request: &Request) -> Job {
+    let output = &sequence.output;
     Job {
         outputs: request.outputs.clone(),
         frames: request.frames.clone(),
         rate: sequence.timeline.rate,
-        size: sequence.output.size,
-        tonemap: sequence.output.tonemap,
-        gif: sequence.output.gif,
+        size: output.size,
+        tonemap: output.tonemap,
+        transparent: output.transparent,
+        matte: output.matte,
+        caption: output.caption.clone(),
+        formats: output.formats,
+        about: sequence.about(),
     }
 }
 
-fn summary(tally: &Tally, report: Report, request: &Request, elapsed: Duration) -> Summary {
+/// What films have to record for these outputs.
+fn extras(sequence: &Sequence, outputs: &[Output]) -> Extras {
+    let exr = outputs.iter().any(|output| matches!(output, Output::Stills(Still::Exr, _)));
+    let guides = exr && sequence.output.formats.exr.layers.call_for_guides();
+    Extras { coverage: sequence.output.transparent, guides }
+}
+
+/// What a run of so many frames did.
+pub(crate) fn summary(tally: &Tally, report: Report, frames: u32, elapsed: Duration) -> Summary {
     // The frame loop only waits for the encoder; its own time is what encoding took.
     let time = |stage| if stage == Stage::Encode { report.busy } else { tally.stages[stage as usize] };
     Summary {
-        frames: request.frames.len() as u32,
+        frames,
         counts: tally.counts,
         bvh_builds: tally.bvh_builds,
         stages: Stage::ALL.map(|stage| (stage.name(), time(stage))).to_vec(),

@@ -17,6 +17,8 @@ pub enum Failure {
     Faults(String),
     /// The run broke off.
     Incomplete(String),
+    /// A signal of this number has stopped it.
+    Stopped { signal: usize, message: String },
 }
 
 impl Failure {
@@ -24,6 +26,8 @@ impl Failure {
         match self {
             Self::Bad(_) | Self::Faults(_) => BAD_INPUT,
             Self::Incomplete(_) => INCOMPLETE,
+            // What shells give for programs that a signal ends.
+            Self::Stopped { signal, .. } => 128 + *signal as u8,
         }
     }
 
@@ -33,6 +37,7 @@ impl Failure {
                 let error = if terminal::color() { "\x1b[1m\x1b[91merror\x1b[0m" } else { "error" };
                 terminal::complain(&format!("{error}: {message}"));
             }
+            Self::Stopped { message, .. } => terminal::complain(message),
             Self::Faults(text) => terminal::complain(text.trim_end()),
         }
     }
@@ -46,6 +51,7 @@ impl From<RenderError> for Failure {
             RenderError::TooLarge { .. }
             | RenderError::Camera { .. }
             | RenderError::Encode(EncodeError::Job(_)) => Self::Bad(message),
+            RenderError::Stopped { signal, .. } => Self::Stopped { signal, message },
             RenderError::Encode(_) | RenderError::Threads(_) => Self::Incomplete(message),
         }
     }

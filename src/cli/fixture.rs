@@ -2,7 +2,7 @@
 
 use crate::camera_path::{CameraPath, Focus, Lens};
 use crate::color::Rgb;
-use crate::encode::{GifSettings, Output, Tonemap};
+use crate::encode::{Formats, MATTE, Output, Tonemap};
 use crate::light::{Attenuation, LightKind, LightTracks};
 use crate::math::{Angle, DVec3};
 use crate::quality::Quality;
@@ -37,7 +37,10 @@ pub fn sequence() -> Sequence {
             files: ["output/nothing_####.png", "output/nothing.gif"].map(output).to_vec(),
             tonemap: Tonemap::Srgb,
             exposure: Constant(0.0),
-            gif: GifSettings { plays: None, colors: 256, dither: true },
+            transparent: false,
+            matte: MATTE,
+            caption: None,
+            formats: Formats::default(),
         },
         quality: Quality::default(),
         background: Rgb::ZERO.into(),

@@ -2,17 +2,22 @@
 //!
 //! Arguments in; files, a summary on stdout, progress and errors on stderr, and an exit code out.
 
+mod assemble;
 mod check;
 mod failure;
+mod filmstrip;
 #[cfg(test)]
 mod fixture;
 mod json;
 mod load;
 mod loading;
+mod options;
 mod outputs;
 mod overrides;
+mod poster;
 mod progress;
 mod render;
+mod signals;
 mod summary;
 mod terminal;
 mod values;
@@ -22,7 +27,7 @@ use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Renders keyframed animations from one text file: PNG, PPM or EXR frames and GIFs, ray traced.
+/// Renders keyframed animations from one text file into pictures, GIFs and videos, ray traced.
 #[derive(Parser)]
 #[command(version, arg_required_else_help = true, after_help = AFTER_HELP)]
 struct Arguments {
@@ -33,6 +38,9 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Render(render::Arguments),
+    Filmstrip(filmstrip::Arguments),
+    Poster(poster::Arguments),
+    Assemble(assemble::Arguments),
     Check(check::Arguments),
 }
 
@@ -41,6 +49,9 @@ Examples:
   kinora render sequences/hello.ron                  render a sequence into the files that it names
   kinora render sequences/hello.ron --draft          a quick look, at half the size
   kinora render sequences/hello.ron -o out/turn.gif  choose the file to write
+  kinora render sequences/hello.ron -o out/turn.mp4  a video for browsers and slides
+  kinora filmstrip sequences/hello.ron               some frames in one picture, for a page
+  kinora poster sequences/hello.ron                  one frame
   kinora check sequences/hello.ron                   find every mistake, render nothing
 
 `kinora render --help` lists the options. Exit codes: 0 done, 2 a mistake in the command or the sequence,
@@ -66,6 +77,9 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let done = match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
+        Command::Filmstrip(arguments) => filmstrip::run(&arguments),
+        Command::Poster(arguments) => poster::run(&arguments),
+        Command::Assemble(arguments) => assemble::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
     };
     match done {

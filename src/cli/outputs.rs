@@ -34,8 +34,9 @@ impl Run<'_> {
             return (self.own.iter().map(part).collect(), None);
         }
         let left_out = self.own.iter().find(|output| output.is_animation());
-        let note =
-            |output| format!("{output} holds all frames and is left as it is; name a GIF of these with -o");
+        let note = |output| {
+            format!("{output} holds all frames and is left as it is; name an animation of these with -o")
+        };
         (stills, left_out.map(note))
     }
 }

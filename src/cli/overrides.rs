@@ -1,6 +1,6 @@
 //! Options that change a sequence before it is rendered.
 
-use crate::encode::Tonemap;
+use crate::encode::{Caption, Template, Tonemap};
 use crate::frame_set::MOST_FRAMES;
 use crate::quality::Integrator;
 use crate::sequence::Sequence;
@@ -25,6 +25,18 @@ pub struct Overrides {
     pub tonemap: Option<Tonemap>,
     /// Stops, in place of the keys that the file may have.
     pub exposure: Option<f64>,
+    /// Leaves the background out.
+    pub transparent: bool,
+    /// Burnt into every picture.
+    pub caption: Option<Template>,
+    /// Bytes that a GIF may have at most.
+    pub max_size: Option<u64>,
+    /// 1..=100, of JPEGs and videos.
+    pub encode_quality: Option<u8>,
+    /// Whether PNGs have 16 bits.
+    pub deep: Option<bool>,
+    /// PNGs without text.
+    pub no_metadata: bool,
     /// Coarser values for whatever is not given.
     pub draft: bool,
 }
@@ -42,6 +54,18 @@ pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, S
         sequence.quality.bounces = sequence.quality.bounces.min(DRAFT_BOUNCES);
     }
     let Sequence { output, quality, .. } = &mut sequence;
+    output.transparent |= wanted.transparent;
+    if let Some(text) = &wanted.caption {
+        // The file's corner and size, if it has a caption of its own.
+        let own = output.caption.take().unwrap_or_else(|| Caption::new(text.clone()));
+        output.caption = Some(Caption { text: text.clone(), ..own });
+    }
+    let formats = &mut output.formats;
+    formats.gif.max_size = wanted.max_size.or(formats.gif.max_size);
+    replace(&mut formats.jpeg.quality, wanted.encode_quality);
+    replace(&mut formats.mp4.quality, wanted.encode_quality);
+    replace(&mut formats.png.deep, wanted.deep);
+    formats.png.metadata &= !wanted.no_metadata;
     replace(&mut output.size, wanted.size);
     replace(&mut output.tonemap, wanted.tonemap);
     replace(&mut output.exposure, wanted.exposure.map(Into::into));
@@ -93,6 +117,12 @@ mod tests {
             seed: Some(7),
             tonemap: Some(Tonemap::Filmic),
             exposure: Some(-0.5),
+            transparent: true,
+            caption: Template::parse("{frame}").ok(),
+            max_size: Some(5000),
+            encode_quality: Some(60),
+            deep: Some(true),
+            no_metadata: true,
             draft: false,
         };
         let found = applied(sequence(), &wanted).expect("a countable rate");
@@ -101,6 +131,10 @@ mod tests {
         assert_eq!((found.quality.samples, found.quality.seed), (100, 7));
         assert_eq!(found.quality.integrator, Integrator::Path(PathSettings::default()));
         assert_eq!((found.output.tonemap, found.output.exposure), (Tonemap::Filmic, (-0.5).into()));
+        let formats = found.output.formats;
+        assert!(found.output.transparent && found.output.caption.is_some());
+        assert_eq!((formats.gif.max_size, formats.jpeg.quality, formats.mp4.quality), (Some(5000), 60, 60));
+        assert_eq!((formats.png.deep, formats.png.metadata), (true, false));
         // Three seconds hold 89.91 frames; the last one is begun.
         assert_eq!((found.timeline.frames, found.timeline.duration), (90, sequence().timeline.duration));
         assert_eq!(found.timeline.rate.to_string(), "30000/1001");

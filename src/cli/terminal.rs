@@ -24,7 +24,7 @@ pub fn say(line: &str) -> Result<(), Failure> {
     }
 }
 
-/// Prints a line of errors.
+/// Prints a line of errors, or of results where the standard output is taken by them.
 pub fn complain(line: &str) {
     let _ = writeln!(stderr(), "{line}");
 }

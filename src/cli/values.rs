@@ -1,10 +1,11 @@
 //! Values of options: parsed strictly, within the limits that hold in sequence files too, and with faults that
 //! say what would be right.
 
-use crate::encode::Tonemap;
+use crate::encode::{Template, Tonemap};
 use crate::film::MOST_STOPS;
+use crate::humane::parse_bytes;
 use crate::quality::{Integrator, MOST_SAMPLES, PathSettings};
-use crate::time::Rate;
+use crate::time::{Rate, Time};
 use std::num::NonZeroUsize;
 
 /// Pixels along a side, at most.
@@ -93,6 +94,37 @@ pub fn exposure(text: &str) -> Result<f64, String> {
     stops.ok_or_else(|| format!("write a number of stops from -{MOST_STOPS} to {MOST_STOPS}, such as -1.5"))
 }
 
+/// Text with places such as `{frame}`.
+pub fn caption(text: &str) -> Result<Template, String> {
+    Template::parse(text).map_err(|error| error.to_string())
+}
+
+/// A time of 0 or more.
+pub fn seconds(text: &str) -> Result<Time, String> {
+    let time = decimal(text).map(|(part, whole)| Time::new(part.into(), whole.into()));
+    time.ok_or_else(|| "write seconds such as 1.5, 0 or more".to_owned())
+}
+
+/// `5MB`.
+pub fn file_size(text: &str) -> Result<u64, String> {
+    parse_bytes(text).ok_or_else(|| "write a size such as 5MB, 800kB or 2MiB, at least 1kB".to_owned())
+}
+
+/// Of pictures with loss.
+pub fn encode_quality(text: &str) -> Result<u8, String> {
+    let quality = within(text, 1, 100).map(|quality| quality as u8);
+    quality.ok_or_else(|| "write a whole number from 1 (small) to 100 (good)".to_owned())
+}
+
+/// Whether a PNG has 16 bits a channel.
+pub fn bits(text: &str) -> Result<bool, String> {
+    match text {
+        "8" => Ok(false),
+        "16" => Ok(true),
+        _ => Err("write 8 or 16".to_owned()),
+    }
+}
+
 fn within(text: &str, least: u32, most: u32) -> Option<u32> {
     whole(text).and_then(|n| u32::try_from(n).ok()).filter(|n| (least..=most).contains(n))
 }
@@ -178,6 +210,18 @@ mod tests {
         assert_eq!(integrator("Whitted"), Ok(Integrator::Whitted));
         assert_eq!(integrator("path"), Ok(Integrator::Path(PathSettings::default())));
         assert!(integrator("paths").is_err() && integrator("").is_err());
+    }
+
+    #[test]
+    fn settings_of_files() {
+        assert_eq!((file_size("5MB"), file_size("1.5 MiB")), (Ok(5_000_000), Ok(1_572_864)));
+        for bad in ["", "5", "MB", "-5MB", "5 TB of it", "0.5kB", "1.2.3MB"] {
+            assert!(file_size(bad).is_err(), "`{bad}`");
+        }
+        assert_eq!((encode_quality("1"), encode_quality("100")), (Ok(1), Ok(100)));
+        assert!(encode_quality("0").is_err() && encode_quality("101").is_err());
+        assert_eq!((bits("8"), bits("16")), (Ok(false), Ok(true)));
+        assert!(bits("12").is_err() && caption("{when}").is_err() && caption("{time} s").is_ok());
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::error::EncodeError;
 use std::fs;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempDir};
 
 /// A file in the making. Dropped before [`Aside::commit`], it vanishes and the old file stays.
 pub struct Aside {
@@ -18,12 +18,19 @@ impl Aside {
         let folder = folder_of(path);
         fs::create_dir_all(folder).map_err(|e| EncodeError::write(folder, e))?;
         let mut builder = tempfile::Builder::new();
-        builder.prefix(".kinora-").suffix(".part");
+        builder.prefix(PREFIX).suffix(".part");
         // A temporary is private by default; what it becomes should be as open as the umask lets it.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let file = builder.tempfile_in(folder).map_err(|e| EncodeError::write(path, e))?;
+        mark(file.as_file());
         Ok(Self { path: path.to_path_buf(), file: BufWriter::with_capacity(1 << 16, file) })
+    }
+
+    /// The file will be a part of what it was to be, beside its place; returns where.
+    pub fn divert(&mut self) -> PathBuf {
+        self.path = part_of(&self.path);
+        self.path.clone()
     }
 
     /// Puts the file in its place, once all of it is stored.
@@ -68,6 +75,67 @@ pub fn folder_of(path: &Path) -> &Path {
     }
 }
 
+/// Where a part of the file `path` goes, so that it is not taken for the whole.
+pub fn part_of(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("part_{name}"))
+}
+
+/// What temporaries of any run are called.
+const PREFIX: &str = ".kinora-";
+/// Temporaries that were touched less than this ago are left alone: someone may be about to lock them.
+#[cfg(unix)]
+const FRESH: std::time::Duration = std::time::Duration::from_secs(20);
+
+/// Tells other runs that this file is in use. The system forgets it when the process ends, however that happens; and
+/// where it cannot lock, temporaries are just never taken for left over.
+fn mark(file: &fs::File) {
+    #[cfg(unix)]
+    let _ = file.try_lock();
+    #[cfg(not(unix))]
+    let _ = file;
+}
+
+/// A hidden folder beside the file `path`, marked as in use for as long as the lock lives.
+pub fn spool(path: &Path) -> Result<(TempDir, fs::File), EncodeError> {
+    let folder = folder_of(path);
+    let fault = |e| EncodeError::write(folder, e);
+    let spool =
+        tempfile::Builder::new().prefix(&format!("{PREFIX}spool-")).tempdir_in(folder).map_err(fault)?;
+    let lock = fs::File::create(spool.path().join(LOCK)).map_err(fault)?;
+    mark(&lock);
+    Ok((spool, lock))
+}
+
+/// The file that marks a spool.
+const LOCK: &str = "lock";
+
+/// Removes what killed runs have left in a folder. What a live process has marked stays, and so does whatever cannot
+/// be told; nothing of it stops a run.
+#[cfg(unix)]
+fn sweep(folder: &Path) {
+    for entry in folder.read_dir().into_iter().flatten().flatten() {
+        if entry.file_name().to_string_lossy().starts_with(PREFIX) {
+            let path = entry.path();
+            let is_spool = path.is_dir();
+            let marked = if is_spool { path.join(LOCK) } else { path.clone() };
+            if is_left_over(&marked) {
+                let _ = if is_spool { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
+            }
+        }
+    }
+}
+
+#[cfg(not(unix))]
+fn sweep(_: &Path) {}
+
+#[cfg(unix)]
+fn is_left_over(marked: &Path) -> bool {
+    let Ok(file) = fs::File::open(marked) else { return false };
+    let age = file.metadata().and_then(|found| found.modified()).ok().and_then(|time| time.elapsed().ok());
+    age.is_some_and(|age| age >= FRESH) && file.try_lock().is_ok()
+}
+
 /// Folders created for a run that may still come to nothing. Dropped before [`NewFolders::keep`], it
 /// removes those of them that are empty.
 #[derive(Debug, Default)]
@@ -87,8 +155,10 @@ impl NewFolders {
                 Err(e) => return Err(EncodeError::write(path, e)),
             }
         }
-        let probe = tempfile::Builder::new().prefix(".kinora-").tempfile_in(folder);
-        probe.map(drop).map_err(|e| EncodeError::write(folder, e))
+        let probe = tempfile::Builder::new().prefix(PREFIX).tempfile_in(folder);
+        probe.map(drop).map_err(|e| EncodeError::write(folder, e))?;
+        sweep(folder);
+        Ok(())
     }
 
     pub fn keep(&mut self) {
@@ -148,6 +218,35 @@ mod tests {
         let message = write(&path, b"new").expect_err("a folder stands there").to_string();
         assert!(message.contains(&path.display().to_string()), "{message}");
         assert_eq!(names(dir.path()), ["taken"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_a_killed_run_left_is_removed_and_what_is_in_use_is_not() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let old = std::time::SystemTime::now() - 2 * FRESH;
+        let aged = |path: &Path| {
+            fs::File::options().write(true).open(path).and_then(|file| file.set_modified(old)).expect("aged");
+        };
+        for name in [".kinora-dead.part", ".kinora-new.part", "mine.part"] {
+            fs::write(dir.path().join(name), "").expect("a disk");
+        }
+        fs::create_dir(dir.path().join(".kinora-spool-dead")).expect("a disk");
+        fs::write(dir.path().join(".kinora-spool-dead/lock"), "").expect("a disk");
+        for name in [".kinora-dead.part", "mine.part", ".kinora-spool-dead/lock"] {
+            aged(&dir.path().join(name));
+        }
+        let live = Aside::create(&dir.path().join("a.gif")).expect("begun");
+        let (live_spool, _lock) = spool(&dir.path().join("a.gif")).expect("begun");
+        aged(live.file.get_ref().path());
+        aged(&live_spool.path().join(LOCK));
+        NewFolders::default().prepare(dir.path()).expect("writable");
+        let name = |path: &Path| path.file_name().expect("a name").to_string_lossy().into_owned();
+        let mut expected =
+            vec![".kinora-new.part".to_owned(), "mine.part".to_owned(), name(live.file.get_ref().path())];
+        expected.push(name(live_spool.path()));
+        expected.sort();
+        assert_eq!(names(dir.path()), expected);
     }
 
     #[test]

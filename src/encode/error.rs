@@ -12,6 +12,8 @@ pub enum EncodeError {
     Write { path: PathBuf, reason: io::Error },
     /// A stored frame could not be read back.
     Read { path: PathBuf, reason: io::Error },
+    /// A picture that is to be part of an animation cannot be read.
+    Unreadable { path: PathBuf, reason: io::Error },
     /// What was pushed is not what the job announced.
     Films(FilmsError),
     /// The encoder has failed before and has told why, or its thread could not live.
@@ -29,10 +31,12 @@ pub enum JobError {
     IsFolder { path: PathBuf },
     /// No frames, or no pixels.
     Empty,
-    /// A picture of more than 65535 pixels along an axis does not fit into a GIF.
-    GifTooLarge { path: PathBuf, size: (u32, u32) },
-    /// A GIF that runs for months.
-    GifTooLong { path: PathBuf },
+    /// A format that holds no single picture.
+    NoPicture { output: String },
+    /// A picture of more pixels than a format takes; `limit` says how many those are.
+    TooLarge { path: PathBuf, size: (u32, u32), limit: &'static str },
+    /// An animation that runs for months.
+    TooLong { path: PathBuf },
 }
 
 /// How films differ from what the job announced.
@@ -89,6 +93,9 @@ impl fmt::Display for EncodeError {
                 write!(f, "cannot read the frame {} back for the GIF: {reason}; ", path.display())?;
                 f.write_str("leave the run's files alone until it ends")
             }
+            Self::Unreadable { path, reason } => {
+                write!(f, "cannot read the frame {}: {reason}", path.display())
+            }
             Self::Stopped(None) => f.write_str("the encoder has stopped after an earlier error"),
             Self::Stopped(Some(reason)) => write!(f, "cannot run the encoder's thread: {reason}"),
         }
@@ -130,12 +137,15 @@ impl fmt::Display for JobError {
                 write!(f, "cannot write {}: it is a folder; name a file in it", path.display())
             }
             Self::Empty => f.write_str("there is nothing to write: no frames, or a size of zero"),
-            Self::GifTooLarge { path, size: (width, height) } => write!(
+            Self::NoPicture { output } => {
+                write!(f, "output \"{output}\" holds no picture; write .png, .jpg or .ppm")
+            }
+            Self::TooLarge { path, size: (width, height), limit } => write!(
                 f,
-                "{} cannot hold {width}x{height} pixels: a GIF ends at 65535x65535; render smaller (-s) or to PNG",
+                "{} cannot hold {width}x{height} pixels: {limit}; render smaller (-s) or to PNG",
                 path.display()
             ),
-            Self::GifTooLong { path } => {
+            Self::TooLong { path } => {
                 write!(f, "{} would play for more than 100 days; raise the frame rate (-r)", path.display())
             }
         }
@@ -164,9 +174,10 @@ impl std::error::Error for EncodeError {
         match self {
             Self::Job(error) => Some(error),
             Self::Films(error) => Some(error),
-            Self::Write { reason, .. } | Self::Read { reason, .. } | Self::Stopped(Some(reason)) => {
-                Some(reason)
-            }
+            Self::Write { reason, .. }
+            | Self::Read { reason, .. }
+            | Self::Unreadable { reason, .. }
+            | Self::Stopped(Some(reason)) => Some(reason),
             Self::Stopped(None) => None,
         }
     }

@@ -1,11 +1,18 @@
-//! Films as OpenEXR: linear radiance in f32, without loss and without exposure or tone map.
+//! Films as OpenEXR: linear radiance, without loss in f32, and without exposure or tone map.
 
 use super::atomic::Aside;
 use super::error::EncodeError;
-use crate::film::Film;
+use super::settings::{ExrLayers, ExrSettings};
+use crate::color::Rgb;
+use crate::film::{Film, Guides};
 use exr::error::{Error, UnitResult};
-use exr::meta::attribute::{Chromaticities, LineOrder};
-use exr::prelude::{Blocks, Compression, Encoding, Image, SpecificChannels, Vec2, WritableImage};
+use exr::image::write::channels::WritableChannels;
+use exr::meta::attribute::{Chromaticities, LineOrder, Text};
+use exr::prelude::f16;
+use exr::prelude::{
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, SpecificChannels,
+    Vec2, WritableImage,
+};
 use std::io;
 use std::path::Path;
 
@@ -24,26 +31,127 @@ const SRGB: Chromaticities = Chromaticities {
     white: Vec2(0.3127, 0.3290),
 };
 
-/// Writes the film's radiance as the file `path`, whole or not at all.
-pub fn write(path: &Path, film: &Film) -> Result<(), EncodeError> {
+/// Depth of what is not there, as other renderers write it.
+const NOTHING: f32 = 1e10;
+
+/// Writes the film's radiance as the file `path`, whole or not at all. `names` are those of the film's layers of
+/// light.
+pub fn write(path: &Path, film: &Film, settings: ExrSettings, names: &[String]) -> Result<(), EncodeError> {
     let mut aside = Aside::create(path)?;
-    encode(film, &mut aside).map_err(|error| EncodeError::write(path, plain(error)))?;
+    let written = match settings.layers.any() {
+        true => all(film, settings, names, &mut aside),
+        false => plain(film, settings.half, &mut aside),
+    };
+    written.map_err(|error| EncodeError::write(path, cause(error)))?;
     aside.commit()
 }
 
-/// Writes the channels R, G and B to `file`. The radiance is summed as it is written, so that no second copy of
-/// the picture is held.
-fn encode(film: &Film, file: &mut Aside) -> UnitResult {
+/// Writes the channels R, G and B, and A if the background is left out. The radiance is summed as it is written, so
+/// that no second copy of the picture is held.
+fn plain(film: &Film, half: bool, file: &mut Aside) -> UnitResult {
+    let width = film.width as usize;
+    let at = |Vec2(x, y): Vec2<usize>| y * width + x;
+    let color = |place| film.radiance_at(at(place));
+    let short = |place| color(place).to_array().map(f16::from_f32).into();
+    let alpha = |place| film.alpha_at(at(place));
+    match (film.extras.coverage, half) {
+        (false, false) => {
+            let channels = SpecificChannels::rgb::<f32, f32, f32>(|place| color(place).into());
+            image(film, channels).write().non_parallel().to_buffered(file)
+        }
+        (false, true) => {
+            let channels = SpecificChannels::rgb::<f16, f16, f16>(short);
+            image(film, channels).write().non_parallel().to_buffered(file)
+        }
+        (true, false) => {
+            let pixel = |place| {
+                let Rgb { x, y, z } = color(place);
+                (x, y, z, alpha(place))
+            };
+            let channels = SpecificChannels::rgba::<f32, f32, f32, f32>(pixel);
+            image(film, channels).write().non_parallel().to_buffered(file)
+        }
+        (true, true) => {
+            let pixel = |place| {
+                let (r, g, b) = short(place);
+                (r, g, b, f16::from_f32(alpha(place)))
+            };
+            let channels = SpecificChannels::rgba::<f16, f16, f16, f16>(pixel);
+            image(film, channels).write().non_parallel().to_buffered(file)
+        }
+    }
+}
+
+/// Writes the picture and whatever layers are asked for, each channel `LAYER.R` and so on.
+fn all(film: &Film, settings: ExrSettings, names: &[String], file: &mut Aside) -> UnitResult {
+    let pixels = film.width as usize * film.height as usize;
+    let sheet = Sheet { film, pixels, half: settings.half };
+    let mut list = sheet.colors("", |pixel| film.radiance_at(pixel));
+    if film.extras.coverage {
+        list.push(sheet.channel("A".to_owned(), settings.half, |pixel| film.alpha_at(pixel)));
+    }
+    if settings.layers.lights {
+        for (layer, name) in names.iter().enumerate().take(film.weights.len()) {
+            list.extend(sheet.colors(&format!("{name}."), |pixel| film.radiance_of(pixel, layer)));
+        }
+    }
+    list.extend(sheet.guides(settings.layers));
+    image(film, AnyChannels::sort(list.into())).write().non_parallel().to_buffered(file)
+}
+
+/// A file of these channels.
+fn image<'c, C: WritableChannels<'c> + 'c>(film: &Film, channels: C) -> Image<Layer<C>> {
     let size = Vec2(film.width as usize, film.height as usize);
-    let radiance = |Vec2(x, y): Vec2<usize>| film.radiance_at(y * size.0 + x).into();
-    let channels = SpecificChannels::rgb::<f32, f32, f32>(radiance);
     let mut image = Image::from_encoded_channels(size, ENCODING, channels);
     image.attributes.chromaticities = Some(SRGB);
-    image.write().non_parallel().to_buffered(file)
+    image
+}
+
+/// Channels of a film's size.
+struct Sheet<'a> {
+    film: &'a Film,
+    pixels: usize,
+    /// Whether colours are 16-bit floats. Depth and normals never are.
+    half: bool,
+}
+
+impl Sheet<'_> {
+    fn channel(&self, name: String, half: bool, value: impl Fn(usize) -> f32) -> AnyChannel<FlatSamples> {
+        let values = (0..self.pixels).map(value);
+        let samples = match half {
+            true => FlatSamples::F16(values.map(f16::from_f32).collect()),
+            false => FlatSamples::F32(values.collect()),
+        };
+        AnyChannel::new(Text::from(name.as_str()), samples)
+    }
+
+    /// R, G and B with a prefix.
+    fn colors(&self, prefix: &str, color: impl Fn(usize) -> Rgb) -> Vec<AnyChannel<FlatSamples>> {
+        let channel =
+            |(axis, letter)| self.channel(format!("{prefix}{letter}"), self.half, |p| color(p)[axis]);
+        ["R", "G", "B"].into_iter().enumerate().map(channel).collect()
+    }
+
+    fn guides(&self, layers: ExrLayers) -> Vec<AnyChannel<FlatSamples>> {
+        let none = Guides { depth: None, normal: Rgb::ZERO, albedo: Rgb::ZERO };
+        let seen = |pixel| self.film.guides_at(pixel).unwrap_or(none);
+        let mut list = Vec::new();
+        if layers.depth {
+            list.push(self.channel("Z".to_owned(), false, |pixel| seen(pixel).depth.unwrap_or(NOTHING)));
+        }
+        if layers.normal {
+            let axis = |(axis, letter)| self.channel(format!("N.{letter}"), false, |p| seen(p).normal[axis]);
+            list.extend(["X", "Y", "Z"].into_iter().enumerate().map(axis));
+        }
+        if layers.albedo {
+            list.extend(self.colors("albedo.", |pixel| seen(pixel).albedo));
+        }
+        list
+    }
 }
 
 /// The disk's own error where there is one: it knows what helps.
-fn plain(error: Error) -> io::Error {
+fn cause(error: Error) -> io::Error {
     match error {
         Error::Io(error) => error,
         other => io::Error::other(other),
@@ -53,7 +161,7 @@ fn plain(error: Error) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::Rgb;
+    use crate::film::Extras;
     use exr::prelude::read_first_rgba_layer_from_file;
     use std::fs;
 
@@ -73,7 +181,7 @@ mod tests {
         let path = dir.path().join("a.exr");
         let mut film = film();
         film.expose(3.0);
-        write(&path, &film).expect("written");
+        write(&path, &film, ExrSettings::default(), &[]).expect("written");
         let image = read_first_rgba_layer_from_file(
             path,
             |size, _| vec![Rgb::ZERO; size.area()],
@@ -87,12 +195,86 @@ mod tests {
         assert_eq!(image.attributes.chromaticities, Some(SRGB));
     }
 
+    /// Every channel of a file by its name, as f32.
+    fn channels(path: &Path) -> Vec<(String, Vec<f32>)> {
+        let image = exr::prelude::read_first_flat_layer_from_file(path).expect("an EXR file");
+        let list = image.layer_data.channel_data.list;
+        list.into_iter().map(|c| (c.name.to_string(), c.sample_data.values_as_f32().collect())).collect()
+    }
+
+    #[test]
+    fn layers_of_light_add_up_to_the_picture_and_guides_stand_beside_it() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let path = dir.path().join("a.exr");
+        let extras = Extras { coverage: true, guides: true };
+        let mut film = Film::with_extras(3, 2, vec![Rgb::ONE, Rgb::new(0.5, 2.0, 0.0)], extras);
+        for (i, value) in film.data.iter_mut().enumerate() {
+            *value = Rgb::new(i as f32, 0.5, 0.25) / 32.0;
+        }
+        // What is seen first: nothing at the first pixel.
+        film.data[3..6].fill(Rgb::ZERO);
+        let layers = ExrLayers { lights: true, depth: true, normal: true, albedo: true };
+        let names = ["constant".to_owned(), "key".to_owned()];
+        write(&path, &film, ExrSettings { half: false, layers }, &names).expect("written");
+        let found = channels(&path);
+        let order: Vec<_> = found.iter().map(|(name, _)| name.as_str()).collect();
+        let expected = [
+            "A",
+            "B",
+            "G",
+            "N.X",
+            "N.Y",
+            "N.Z",
+            "R",
+            "Z",
+            "albedo.B",
+            "albedo.G",
+            "albedo.R",
+            "constant.B",
+            "constant.G",
+            "constant.R",
+            "key.B",
+            "key.G",
+            "key.R",
+        ];
+        assert_eq!(order, expected);
+        let value = |name: &str, pixel: usize| {
+            found.iter().find(|(found, _)| found == name).map(|(_, values)| values[pixel]).expect(name)
+        };
+        for pixel in 0..6 {
+            for channel in ["R", "G", "B"] {
+                let parts = ["constant", "key"].map(|layer| value(&format!("{layer}.{channel}"), pixel));
+                assert_eq!(value(channel, pixel), parts[0] + parts[1]);
+            }
+            assert_eq!(value("A", pixel), film.alpha_at(pixel));
+        }
+        assert_eq!((value("Z", 0), value("N.X", 0)), (NOTHING, 0.0));
+        assert_eq!(Some(value("Z", 1)), film.guides_at(1).and_then(|seen| seen.depth));
+    }
+
+    #[test]
+    fn half_floats_are_half_as_fine() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let path = dir.path().join("a.exr");
+        for coverage in [false, true] {
+            let extras = Extras { coverage, guides: false };
+            let mut film = Film::with_extras(2, 1, vec![Rgb::ONE], extras);
+            film.data[0] = Rgb::new(0.1, 1.0, 1000.3);
+            write(&path, &film, ExrSettings { half: true, ..ExrSettings::default() }, &[]).expect("written");
+            let found = channels(&path);
+            assert_eq!(found.len(), if coverage { 4 } else { 3 });
+            let color: Vec<f32> = found.iter().rev().take(3).map(|(_, values)| values[0]).collect();
+            let expected = [0.1, 1.0, 1000.3].map(|value| f16::from_f32(value).to_f32());
+            assert_eq!([color[0], color[1], color[2]], expected);
+        }
+    }
+
     #[test]
     fn the_bytes_are_always_the_same() {
         let dir = tempfile::tempdir().expect("a folder");
         let bytes = ["a.exr", "b.exr"].map(|name| {
             let path = dir.path().join(name);
-            write(&path, &film()).expect("written");
+            write(&path, &film(), ExrSettings::default(), &[]).expect("written");
             fs::read(path).expect("read")
         });
         assert_eq!(bytes[0], bytes[1]);

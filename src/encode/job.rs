@@ -1,28 +1,18 @@
 //! What an encoder is asked to do, and whether that can be done.
 
+use super::about::About;
 use super::atomic::{NewFolders, folder_of};
+use super::caption::Caption;
 use super::error::{EncodeError, JobError};
-use super::output::Output;
+use super::jpeg;
+use super::movie::{mp4, webp};
+use super::output::{Moving, Output, Still};
+use super::settings::Formats;
 use super::tonemap::Tonemap;
+use crate::color::Rgb;
 use crate::time::Rate;
 use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
-
-/// How animations are made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct GifSettings {
-    /// How often the animation plays; for ever if absent.
-    pub plays: Option<u16>,
-    /// Size of the palette, 2..=256.
-    pub colors: u16,
-    pub dither: bool,
-}
-
-impl Default for GifSettings {
-    fn default() -> Self {
-        Self { plays: None, colors: 256, dither: true }
-    }
-}
 
 /// What all outputs of one run share.
 #[derive(Clone, Debug)]
@@ -35,7 +25,14 @@ pub struct Job {
     /// Width and height in pixels.
     pub size: (u32, u32),
     pub tonemap: Tonemap,
-    pub gif: GifSettings,
+    /// Whether films tell what hides the background, so that pictures have alpha.
+    pub transparent: bool,
+    /// What pictures without alpha show where the background is left out.
+    pub matte: Rgb,
+    /// What is written into every picture.
+    pub caption: Option<Caption>,
+    pub formats: Formats,
+    pub about: About,
 }
 
 impl Job {
@@ -56,7 +53,20 @@ impl Job {
                 });
             }
         }
+        self.outputs.iter().try_for_each(|output| self.check_size(output))?;
         self.check_paths(&distinct)
+    }
+
+    /// Formats have their limits. That of GIFs is found where they are planned.
+    fn check_size(&self, output: &Output) -> Result<(), JobError> {
+        let limit = match output {
+            Output::Stills(Still::Jpeg, _) => jpeg::limit(self.size),
+            Output::Movie(Moving::Webp, _) => webp::limit(self.size),
+            Output::Movie(Moving::Mp4, _) => mp4::limit(self.size),
+            _ => None,
+        };
+        let path = || output.path(self.frames.first().copied().unwrap_or(0));
+        limit.map_or(Ok(()), |limit| Err(JobError::TooLarge { path: path(), size: self.size, limit }))
     }
 
     fn check_paths(&self, frames: &HashSet<u32>) -> Result<(), JobError> {
@@ -82,7 +92,8 @@ impl Job {
     /// Creates the folders that are missing, and proves that all can be written to.
     pub(super) fn prepare_folders(&self) -> Result<NewFolders, EncodeError> {
         let mut folders = NewFolders::default();
-        for output in &self.outputs {
+        let files = self.outputs.iter().filter(|output| **output != Output::Stream);
+        for output in files {
             let first = self.frames.first().copied().unwrap_or(0);
             folders.prepare(folder_of(&output.path(first)))?;
         }

@@ -2,32 +2,53 @@
 //!
 //! ```text
 //! Film ─┬─ exr ▶ atomic ▶ frame_0000.exr …
-//!       └─ develop ▶ Picture ─┬─ png ▶ atomic ▶ frame_0000.png …
-//!                             ├─ store (the PNGs, or a spool) ──┐
-//!                             └─ gif: histogram ▶ palette ──────┴▶ dither ▶ delta ▶ atomic ▶ out.gif
+//!       └─ develop ▶ Picture ▶ caption ─┬─ png, jpeg, ppm ▶ atomic ▶ frame_0000.png …
+//!                                       ├─ movie: apng, webp, mp4, y4m ▶ atomic ▶ out.mp4
+//!                                       ├─ store (the PNGs, or a spool) ──┐
+//!                                       └─ gif: histogram ▶ palette ──────┴▶ dither ▶ delta ▶ atomic ▶ out.gif
 //! ```
 
+mod about;
+mod animations;
+mod assembly;
 mod atomic;
+mod caption;
 mod develop;
 mod error;
 mod exr;
 mod gif;
 mod job;
+mod jpeg;
+mod movie;
 mod output;
 mod pattern;
+mod picture;
 mod png;
 mod ppm;
+mod settings;
+mod sheet;
 mod store;
+mod text;
 #[cfg(test)]
 mod tests;
 mod tonemap;
 mod worker;
 
-pub use develop::{Picture, ToneTable};
+pub use about::{About, Shown};
+pub use assembly::{Assembly, read_picture};
+pub use caption::{Caption, CaptionError, Corner, Template};
+pub use develop::ToneTable;
 pub use error::{EncodeError, FilmsError, JobError};
-pub use job::{GifSettings, Job};
-pub use output::{Output, OutputError};
+pub use job::Job;
+pub use output::{Moving, Output, OutputError, Still};
 pub use pattern::{FramePattern, PatternError};
+pub use picture::Picture;
+pub use png::texts as frame_texts;
+pub use settings::{
+    ExrLayers, ExrSettings, Formats, GifSettings, JpegSettings, MATTE, Mp4Settings, Plays, PngSettings,
+    Y4mSettings,
+};
+pub use sheet::{Sheet, columns as sheet_columns};
 pub use tonemap::Tonemap;
 
 use crate::film::Film;
@@ -38,6 +59,19 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 use worker::Worker;
+
+/// Writes a picture of no frame in particular, such as a filmstrip, as a still of 8 bits.
+pub fn write_picture(output: &Output, picture: &Picture, formats: Formats) -> Result<(), EncodeError> {
+    let path = output.path(0);
+    match output {
+        Output::Stills(Still::Png, _) => png::write(&path, picture, &[]),
+        Output::Stills(Still::Jpeg, _) => jpeg::write(&path, picture, formats.jpeg.quality),
+        Output::Stills(Still::Ppm, _) => ppm::write(&path, picture),
+        Output::Stills(Still::Exr, _) | Output::Movie(..) | Output::Stream => {
+            Err(JobError::NoPicture { output: output.to_string() }.into())
+        }
+    }
+}
 
 /// Films that wait for the encoder at most, besides the one it works on.
 const WAITING: usize = 2;
@@ -59,6 +93,8 @@ pub struct Report {
 enum Message {
     Film(u32, Film),
     Finish,
+    /// No more frames come, though more were announced.
+    Stop,
 }
 
 /// The encoding thread. Dropped before [`Encoder::finish`], it stops: stills that are written stay, a GIF
@@ -112,6 +148,15 @@ impl Encoder {
             }
             // If the thread has failed and does not listen, joining it tells why.
             let _ = running.messages.send(Message::Finish);
+        }
+        self.join()
+    }
+
+    /// Ends before the last frame: stills stay, and animations are closed with the frames that came, as
+    /// `part_NAME`. The report names what was written.
+    pub fn stop(mut self) -> Result<Report, EncodeError> {
+        if let Some(running) = &self.running {
+            let _ = running.messages.send(Message::Stop);
         }
         self.join()
     }

@@ -7,34 +7,87 @@ use std::path::{Path, PathBuf};
 /// One thing to write.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Output {
-    /// One PNG per frame.
-    Png(FramePattern),
-    /// One binary PPM per frame.
-    Ppm(FramePattern),
-    /// One OpenEXR file per frame.
-    Exr(FramePattern),
-    /// One GIF of all frames.
-    Gif(PathBuf),
+    /// One file per frame.
+    Stills(Still, FramePattern),
+    /// One file of all frames.
+    Movie(Moving, PathBuf),
+    /// All frames as Y4M on the standard output.
+    Stream,
 }
+
+/// Formats of single frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Still {
+    Png,
+    Jpeg,
+    /// Binary, P6.
+    Ppm,
+    /// OpenEXR, which holds radiance.
+    Exr,
+}
+
+/// Formats that show frames one after the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moving {
+    Gif,
+    Apng,
+    Webp,
+    /// Raw frames, for other programs.
+    Y4m,
+    /// H.264 in an MP4 container.
+    Mp4,
+}
+
+/// The extensions of stills.
+const STILLS: [(&str, Still); 5] = [
+    ("png", Still::Png),
+    ("jpg", Still::Jpeg),
+    ("jpeg", Still::Jpeg),
+    ("ppm", Still::Ppm),
+    ("exr", Still::Exr),
+];
+
+/// The extensions of animations.
+const MOVING: [(&str, Moving); 5] = [
+    ("gif", Moving::Gif),
+    ("apng", Moving::Apng),
+    ("webp", Moving::Webp),
+    ("mp4", Moving::Mp4),
+    ("y4m", Moving::Y4m),
+];
+
+/// Extensions of videos that only other programs can write.
+const FOREIGN: [&str; 6] = ["mov", "mkv", "webm", "avi", "m4v", "ogv"];
+
+/// What stands for the standard output.
+const STREAM: &str = "-";
 
 impl Output {
     /// Reads an output; its format follows the extension, in either case.
     pub fn parse(text: &str) -> Result<Self, OutputError> {
-        let fault = |cause| OutputError { text: text.to_owned(), cause };
-        let pattern = || FramePattern::parse(text).map_err(|e| fault(Cause::Pattern(e)));
-        let extension = Path::new(text).extension().and_then(|extension| extension.to_str());
-        match extension.map(str::to_ascii_lowercase).as_deref() {
-            Some("png") => pattern().map(Self::Png),
-            Some("ppm") => pattern().map(Self::Ppm),
-            Some("exr") => pattern().map(Self::Exr),
-            Some("gif") => match FramePattern::parse(text) {
-                Ok(pattern) if !pattern.has_place() => Ok(Self::Gif(PathBuf::from(text))),
-                Err(error @ PatternError::NoFileName) => Err(fault(Cause::Pattern(error))),
-                _ => Err(fault(Cause::PlaceInGif)),
-            },
-            Some(_) => Err(fault(Cause::UnknownExtension)),
-            None => Err(fault(Cause::NoExtension)),
+        if text == STREAM {
+            return Ok(Self::Stream);
         }
+        let fault = |cause| OutputError { text: text.to_owned(), cause };
+        let extension = Path::new(text).extension().and_then(|extension| extension.to_str());
+        let Some(extension) = extension.map(str::to_ascii_lowercase) else {
+            return Err(fault(Cause::NoExtension));
+        };
+        let pattern = FramePattern::parse(text);
+        if let Some(format) = named(&STILLS, &extension) {
+            return pattern
+                .map(|pattern| Self::Stills(format, pattern))
+                .map_err(|e| fault(Cause::Pattern(e)));
+        }
+        if let Some(format) = named(&MOVING, &extension) {
+            return match pattern {
+                Ok(pattern) if !pattern.has_place() => Ok(Self::Movie(format, PathBuf::from(text))),
+                Err(error @ PatternError::NoFileName) => Err(fault(Cause::Pattern(error))),
+                _ => Err(fault(Cause::PlaceInMovie)),
+            };
+        }
+        let foreign = FOREIGN.contains(&extension.as_str());
+        Err(fault(if foreign { Cause::ForeignVideo } else { Cause::UnknownExtension }))
     }
 
     /// Whether a run of `frames` frames would write all of them to one and the same file.
@@ -44,15 +97,17 @@ impl Output {
 
     /// The names of the frames' own files, unless one file holds all.
     pub fn pattern(&self) -> Option<&FramePattern> {
-        match self {
-            Self::Png(pattern) | Self::Ppm(pattern) | Self::Exr(pattern) => Some(pattern),
-            Self::Gif(_) => None,
-        }
+        if let Self::Stills(_, pattern) = self { Some(pattern) } else { None }
     }
 
     /// Whether all frames go into one file that shows them one after the other.
     pub fn is_animation(&self) -> bool {
-        matches!(self, Self::Gif(_))
+        !matches!(self, Self::Stills(..))
+    }
+
+    /// Whether its pictures may have alpha.
+    pub fn takes_alpha(&self) -> bool {
+        matches!(self, Self::Stills(Still::Png | Still::Exr, _) | Self::Movie(Moving::Apng | Moving::Webp, _))
     }
 
     /// The same output with `prefix` in front of the file's name.
@@ -61,23 +116,32 @@ impl Output {
         let path = Path::new(&text);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let prefixed = path.with_file_name(format!("{prefix}{name}"));
-        Self::parse(&prefixed.to_string_lossy()).unwrap_or_else(|_| self.clone())
+        match self {
+            Self::Stream => Self::Stream,
+            _ => Self::parse(&prefixed.to_string_lossy()).unwrap_or_else(|_| self.clone()),
+        }
     }
 
     /// The file that `frame` goes to.
     pub fn path(&self, frame: u32) -> PathBuf {
         match self {
-            Self::Png(pattern) | Self::Ppm(pattern) | Self::Exr(pattern) => pattern.path(frame),
-            Self::Gif(path) => path.clone(),
+            Self::Stills(_, pattern) => pattern.path(frame),
+            Self::Movie(_, path) => path.clone(),
+            Self::Stream => PathBuf::from(STREAM),
         }
     }
+}
+
+fn named<T: Copy>(table: &[(&str, T)], extension: &str) -> Option<T> {
+    table.iter().find(|(name, _)| *name == extension).map(|(_, format)| *format)
 }
 
 impl fmt::Display for Output {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Png(pattern) | Self::Ppm(pattern) | Self::Exr(pattern) => pattern.fmt(f),
-            Self::Gif(path) => path.display().fmt(f),
+            Self::Stills(_, pattern) => pattern.fmt(f),
+            Self::Movie(_, path) => path.display().fmt(f),
+            Self::Stream => f.write_str(STREAM),
         }
     }
 }
@@ -93,12 +157,13 @@ pub struct OutputError {
 enum Cause {
     NoExtension,
     UnknownExtension,
-    PlaceInGif,
+    ForeignVideo,
+    PlaceInMovie,
     Pattern(PatternError),
 }
 
-const KNOWN: &str =
-    "known are .png, .ppm and .exr (one file per frame: \"frame_####.png\") and .gif (one file for all)";
+const KNOWN: &str = "known are .png, .jpg, .ppm and .exr (one file per frame: \"frame_####.png\"), and .gif, .apng, \
+     .webp, .mp4 and .y4m (one file for all)";
 
 impl fmt::Display for OutputError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -106,8 +171,12 @@ impl fmt::Display for OutputError {
         match self.cause {
             Cause::NoExtension => write!(f, "has no extension to tell its format; {KNOWN}"),
             Cause::UnknownExtension => write!(f, "has an unknown extension; {KNOWN}"),
-            Cause::PlaceInGif => f.write_str(
-                "has a place for frame numbers, but one GIF holds all frames; leave the place out",
+            Cause::ForeignVideo => f.write_str(
+                "is a video that other programs write; write .mp4, or .y4m (- on the command line for the standard \
+                 output), which they all read",
+            ),
+            Cause::PlaceInMovie => f.write_str(
+                "has a place for frame numbers, but one such file holds all frames; leave the place out",
             ),
             Cause::Pattern(PatternError::NoFileName) => f.write_str("has no file name"),
             Cause::Pattern(PatternError::TwoPlaces) => {
@@ -131,16 +200,24 @@ mod tests {
 
     #[test]
     fn formats_follow_the_extension() {
-        assert!(matches!(Output::parse("a/b_####.png"), Ok(Output::Png(_))));
-        assert!(matches!(Output::parse("A.PNG"), Ok(Output::Png(_))));
-        assert!(matches!(Output::parse("a_####.ppm"), Ok(Output::Ppm(_))));
-        assert!(matches!(Output::parse("a_####.exr"), Ok(Output::Exr(_))));
-        assert_eq!(Output::parse("a/b.gif"), Ok(Output::Gif("a/b.gif".into())));
+        for (text, format) in [
+            ("a/b_####.png", Still::Png),
+            ("A.JPEG", Still::Jpeg),
+            ("a_####.ppm", Still::Ppm),
+            ("a.exr", Still::Exr),
+        ] {
+            assert!(matches!(Output::parse(text), Ok(Output::Stills(found, _)) if found == format), "{text}");
+        }
+        for (name, format) in MOVING {
+            let text = format!("a/b.{name}");
+            assert_eq!(Output::parse(&text), Ok(Output::Movie(format, text.into())));
+        }
+        assert_eq!(Output::parse("-"), Ok(Output::Stream));
     }
 
     #[test]
     fn shows_what_the_user_wrote() {
-        for text in ["./a//b_%04d.png", "b.GIF", "b.png"] {
+        for text in ["./a//b_%04d.png", "b.GIF", "b.png", "-"] {
             assert_eq!(Output::parse(text).expect(text).to_string(), text);
         }
     }
@@ -151,15 +228,16 @@ mod tests {
         assert!(needs("a.png", 2) && needs("a.exr", 2));
         assert!(!needs("a.png", 1));
         assert!(!needs("a_#.png", 2));
-        assert!(!needs("a.gif", 2));
+        assert!(!needs("a.gif", 2) && !needs("-", 2));
     }
 
     #[test]
     fn refusals_say_what_is_right() {
         for (text, part) in [
-            ("a.webp", "known are .png"),
+            ("a.tiff", "known are .png"),
             ("a", "known are .png"),
-            ("-", "known are .png"),
+            ("a.webm", "write .mp4, or .y4m"),
+            ("a_##.mp4", "leave the place out"),
             ("a_##.gif", "leave the place out"),
             ("a_##_#.png", "keep one run of #"),
             ("a_%4d.png", "write %04d"),

@@ -1,6 +1,8 @@
 //! File names with a place for the frame number.
 
+use super::atomic::folder_of;
 use std::fmt;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// The widest place that is taken for one; no sequence has more digits in its frame numbers.
@@ -66,6 +68,26 @@ impl FramePattern {
             Some(Place { digits, after }) => format!("{}{frame:0digits$}{after}", self.before),
         };
         self.folder.join(name)
+    }
+
+    /// The numbers of the frames whose files are there, in rising order.
+    pub fn numbers(&self) -> io::Result<Vec<u32>> {
+        let mut numbers = Vec::new();
+        for entry in folder_of(&self.folder.join("any")).read_dir()? {
+            let name = entry?.file_name();
+            let number = name.to_str().and_then(|name| self.number(name));
+            // Other names may read as the same number; a frame's own is the one that it would be given.
+            numbers.extend(number.filter(|&n| self.path(n).file_name() == Some(&name)));
+        }
+        numbers.sort_unstable();
+        Ok(numbers)
+    }
+
+    /// The number in a name of this pattern.
+    fn number(&self, name: &str) -> Option<u32> {
+        let place = self.place.as_ref()?;
+        let digits = name.strip_prefix(&self.before)?.strip_suffix(&place.after)?;
+        digits.bytes().all(|b| b.is_ascii_digit()).then(|| digits.parse().ok())?
     }
 
     /// The same name with a place before the extension, to suggest.
@@ -154,6 +176,19 @@ mod tests {
         assert_eq!(error("a_%099999999999999999999d.png"), PatternError::TooWide);
         assert_eq!(error(".."), PatternError::NoFileName);
         assert_eq!(error(""), PatternError::NoFileName);
+    }
+
+    #[test]
+    fn frames_are_found_by_their_own_names() {
+        let dir = tempfile::tempdir().expect("a folder");
+        for name in
+            ["f_0007.png", "f_0010.png", "f_12345.png", "f_11.png", "f_.png", "g_0001.png", "f_-001.png"]
+        {
+            std::fs::write(dir.path().join(name), "").expect("a disk");
+        }
+        let pattern =
+            FramePattern::parse(&dir.path().join("f_####.png").to_string_lossy()).expect("a pattern");
+        assert_eq!(pattern.numbers().expect("a folder"), [7, 10, 12_345]);
     }
 
     #[test]

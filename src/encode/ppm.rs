@@ -1,8 +1,8 @@
 //! Pictures as binary PPM (P6), 8 bits a channel.
 
 use super::atomic;
-use super::develop::Picture;
 use super::error::EncodeError;
+use super::picture::Picture;
 use image::codecs::pnm::{PnmEncoder, PnmSubtype, SampleEncoding};
 use image::{ExtendedColorType, ImageEncoder};
 use std::io;
@@ -29,7 +29,7 @@ mod tests {
 
     #[test]
     fn a_header_and_the_rows() {
-        let picture = Picture { width: 2, height: 1, rgb: vec![255, 0, 10, 1, 2, 3] };
+        let picture = Picture::opaque(2, 1, vec![255, 0, 10, 1, 2, 3]);
         assert_eq!(encode(&picture).expect("bytes"), b"P6\n2 1 255\n\xff\x00\x0a\x01\x02\x03");
     }
 }

@@ -1,11 +1,11 @@
 //! Where a GIF's frames wait for the second pass.
 
-use super::atomic::folder_of;
-use super::develop::Picture;
+use super::atomic::spool;
 use super::error::EncodeError;
 use super::pattern::FramePattern;
+use super::picture::Picture;
 use super::png;
-use std::fs;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
@@ -14,25 +14,24 @@ pub enum Store {
     /// The run's own PNG files.
     Own { pattern: FramePattern, frames: Vec<u32> },
     /// A hidden folder that vanishes with this value.
-    Spool(TempDir),
+    Spool { folder: TempDir, _lock: File },
 }
 
 impl Store {
     /// A spool beside the file `path` that is to be made of it. The system's own temporary folder is no
     /// place for it: it often lives in memory.
     pub fn spool_for(path: &Path) -> Result<Self, EncodeError> {
-        let folder = folder_of(path);
-        let spool = tempfile::Builder::new().prefix(".kinora-spool-").tempdir_in(folder);
-        spool.map(Self::Spool).map_err(|e| EncodeError::write(folder, e))
+        let (folder, lock) = spool(path)?;
+        Ok(Self::Spool { folder, _lock: lock })
     }
 
     /// Stores a frame, unless the run's own files do that.
     pub fn put(&self, index: usize, picture: &Picture) -> Result<(), EncodeError> {
         match self {
             Self::Own { .. } => Ok(()),
-            Self::Spool(_) => {
+            Self::Spool { .. } => {
                 let path = self.path(index);
-                let stored = png::encode(picture).and_then(|bytes| fs::write(&path, bytes));
+                let stored = png::encode(picture, &[]).and_then(|bytes| fs::write(&path, bytes));
                 stored.map_err(|e| EncodeError::write(&path, e))
             }
         }
@@ -45,7 +44,7 @@ impl Store {
     fn path(&self, index: usize) -> PathBuf {
         match self {
             Self::Own { pattern, frames } => pattern.path(frames[index]),
-            Self::Spool(folder) => folder.path().join(format!("{index}.png")),
+            Self::Spool { folder, .. } => folder.path().join(format!("{index}.png")),
         }
     }
 }

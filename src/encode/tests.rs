@@ -20,7 +20,11 @@ fn job(outputs: &[String], frames: &[u32]) -> Job {
         rate: Rate::new(24, 1).expect("a rate"),
         size: SIZE,
         tonemap: Tonemap::None,
-        gif: GifSettings { plays: None, colors: 256, dither: true },
+        transparent: false,
+        matte: MATTE,
+        caption: None,
+        formats: Formats::default(),
+        about: About { name: "a".into(), frames: 256, ..About::default() },
     }
 }
 

@@ -1,19 +1,18 @@
 //! The encoding thread's work: one film after the other, then the animations.
 
+use super::about::Shown;
+use super::animations::Animations;
 use super::atomic::NewFolders;
-use super::develop::ToneTable;
+use super::develop::{ToneTable, develop_deep};
 use super::error::EncodeError;
-use super::exr;
-use super::gif::Animation;
 use super::job::Job;
-use super::output::Output;
-use super::png;
-use super::ppm;
+use super::output::{Output, Still};
+use super::picture::Picture;
 use super::store::Store;
-use super::{Message, Report};
+use super::{Message, Report, exr, jpeg, png, ppm};
 use crate::film::Film;
 use rayon::ThreadPool;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
@@ -22,11 +21,8 @@ pub struct Worker {
     job: Arc<Job>,
     pool: Arc<ThreadPool>,
     table: ToneTable,
-    animations: Vec<Animation>,
-    /// There if there are animations.
-    store: Option<Store>,
-    /// Films so far.
-    done: usize,
+    /// None once they are finished.
+    animations: Option<Animations>,
     report: Report,
     /// The first frame with pixels that are not numbers.
     first_nan: Option<u32>,
@@ -34,29 +30,24 @@ pub struct Worker {
     folders: NewFolders,
 }
 
+/// A frame as it is written.
+struct Developed<'a> {
+    shown: Shown<'a>,
+    film: &'a Film,
+    picture: &'a Picture,
+    /// The picture without alpha.
+    matte: &'a Picture,
+}
+
 impl Worker {
     /// Checks the job and prepares all places. Nothing stays behind if this fails.
     pub fn new(job: Arc<Job>, pool: Arc<ThreadPool>) -> Result<Self, EncodeError> {
         job.check()?;
-        let gifs = job.outputs.iter().filter_map(|output| match output {
-            Output::Gif(path) => Some(path),
-            Output::Png(_) | Output::Ppm(_) | Output::Exr(_) => None,
-        });
-        let animations = gifs.clone().map(|path| Animation::new(path, &job)).collect::<Result<_, _>>()?;
         let folders = job.prepare_folders()?;
-        let own = job.outputs.iter().find_map(|output| match output {
-            Output::Png(pattern) => Some(Store::Own { pattern: pattern.clone(), frames: job.frames.clone() }),
-            // Radiance is no picture yet; and one kind of file that is read back is enough.
-            Output::Ppm(_) | Output::Exr(_) | Output::Gif(_) => None,
-        });
-        let store = match (own, gifs.clone().next()) {
-            (_, None) => None,
-            (Some(own), _) => Some(own),
-            (None, Some(path)) => Some(Store::spool_for(path)?),
-        };
+        let animations = Some(Animations::start(&job, own_store(&job))?);
         let table = ToneTable::new(job.tonemap);
         let report = Report::default();
-        Ok(Self { job, pool, table, animations, store, done: 0, report, first_nan: None, folders })
+        Ok(Self { job, pool, table, animations, report, first_nan: None, folders })
     }
 
     /// Works until all is written. If the other side leaves without a word, nothing more is.
@@ -71,6 +62,10 @@ impl Worker {
                     self.report.busy += start.elapsed();
                     return Ok(self.report);
                 }
+                Ok(Message::Stop) => {
+                    self.stop()?;
+                    return Ok(self.report);
+                }
                 Err(_) => return Err(EncodeError::Stopped(None)),
             }
             self.report.busy += start.elapsed();
@@ -78,63 +73,94 @@ impl Worker {
     }
 
     fn film(&mut self, frame: u32, film: Film) -> Result<(), EncodeError> {
-        let (picture, nan_pixels) = self.table.develop(&film);
+        let job = Arc::clone(&self.job);
+        let shown = Shown { about: &job.about, frame, rate: job.rate };
+        let (mut picture, nan_pixels) = self.table.develop(&film);
         self.report.nan_pixels += nan_pixels;
         if nan_pixels > 0 {
             self.first_nan.get_or_insert(frame);
         }
-        for output in &self.job.outputs {
-            match output {
-                Output::Png(pattern) => png::write(&pattern.path(frame), &picture)?,
-                Output::Ppm(pattern) => ppm::write(&pattern.path(frame), &picture)?,
-                Output::Exr(pattern) => exr::write(&pattern.path(frame), &film)?,
-                Output::Gif(_) => {}
+        if let Some(caption) = &job.caption {
+            caption.draw(&mut picture, &shown);
+        }
+        let over = picture.alpha.is_some().then(|| picture.over(job.matte));
+        let matte = over.as_ref().unwrap_or(&picture);
+        let developed = Developed { shown, film: &film, picture: &picture, matte };
+        for output in &job.outputs {
+            if let Output::Stills(format, pattern) = output {
+                still(&job, *format, &pattern.path(frame), &developed)?;
             }
         }
-        drop(film);
-        let index = self.done;
-        self.done += 1;
-        let mut shows = false;
-        for animation in self.animations.iter_mut().filter(|animation| animation.shows(index)) {
-            animation.count(&picture);
-            shows = true;
-        }
-        match &self.store {
-            Some(store) if shows => store.put(index, &picture),
-            _ => Ok(()),
+        match &mut self.animations {
+            Some(animations) => animations.push(&picture, matte),
+            None => Ok(()),
         }
     }
 
     fn finish(&mut self) -> Result<(), EncodeError> {
-        self.note();
-        if let Some(store) = self.store.take() {
-            for animation in self.animations.drain(..) {
-                self.pool.install(|| animation.write(|index| store.get(index)))?;
-            }
+        if let Some(animations) = self.animations.take() {
+            self.report.notes.extend(animations.finish(&self.job, &self.pool)?);
         }
+        self.note();
         self.report.files = self.job.outputs.iter().map(|o| PathBuf::from(o.to_string())).collect();
         self.folders.keep();
         Ok(())
     }
 
-    fn note(&mut self) {
-        let total = self.job.frames.len();
-        for animation in self.animations.iter().filter(|animation| animation.dropped() > 0) {
-            self.report.notes.push(format!(
-                "{} plays at 50 frames per second and shows {} of {total} frames: viewers slow GIFs down that \
-                 are faster (here {})",
-                animation.path().display(),
-                total - animation.dropped(),
-                self.job.rate,
-            ));
+    /// Closes what there is.
+    fn stop(&mut self) -> Result<(), EncodeError> {
+        let Some(animations) = self.animations.take() else { return Ok(()) };
+        if animations.is_empty() {
+            // Nothing was written, and the folders go as they came.
+            return Ok(());
         }
+        let stills = self.job.outputs.iter().filter(|output| !output.is_animation());
+        self.report.files = stills.map(|output| PathBuf::from(output.to_string())).collect();
+        self.report.files.extend(animations.stop(&self.pool)?);
+        self.folders.keep();
+        Ok(())
+    }
+
+    fn note(&mut self) {
         if let Some(first) = self.first_nan {
             let pixels = self.report.nan_pixels;
-            let kept = self.job.outputs.iter().any(|output| matches!(output, Output::Exr(_)));
+            let kept = self.job.outputs.iter().any(|output| matches!(output, Output::Stills(Still::Exr, _)));
             let kept = if kept { "; EXR files keep them" } else { "" };
             self.report.notes.push(format!(
                 "{pixels} pixels were not numbers and are shown as 0, the first in frame {first}{kept}"
             ));
         }
     }
+}
+
+/// Writes one frame's own file.
+fn still(job: &Job, format: Still, path: &Path, frame: &Developed) -> Result<(), EncodeError> {
+    let Developed { shown, film, picture, matte } = frame;
+    match format {
+        Still::Png => {
+            let texts = if job.formats.png.metadata { png::metadata(shown) } else { Vec::new() };
+            if !job.formats.png.deep {
+                return png::write(path, picture, &texts);
+            }
+            let mut deep = develop_deep(job.tonemap, film);
+            if let Some(caption) = &job.caption {
+                caption.draw(&mut deep, shown);
+            }
+            png::write(path, &deep, &texts)
+        }
+        Still::Jpeg => jpeg::write(path, matte, job.formats.jpeg.quality),
+        Still::Ppm => ppm::write(path, matte),
+        Still::Exr => exr::write(path, film, job.formats.exr, &job.about.layers),
+    }
+}
+
+/// The run's own files, if they hold what GIFs show: pictures of 8 bits without alpha or loss.
+fn own_store(job: &Job) -> Option<Store> {
+    let plain = !job.formats.png.deep && !job.transparent;
+    job.outputs.iter().filter(|_| plain).find_map(|output| match output {
+        Output::Stills(Still::Png, pattern) => {
+            Some(Store::Own { pattern: pattern.clone(), frames: job.frames.clone() })
+        }
+        _ => None,
+    })
 }

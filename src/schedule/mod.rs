@@ -12,6 +12,7 @@ use crate::bvh::Bvh;
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::counters::Meter;
+use crate::film::Extras;
 use crate::filter::FilterSampler;
 use crate::scene::{Geometry, Shading, Weights, extract};
 use crate::sequence::Sequence;
@@ -41,6 +42,11 @@ pub struct FrameLoop<S> {
 impl<S: FilmSink> FrameLoop<S> {
     /// Films go to `sink` in the order in which frames are asked for.
     pub fn new(sequence: &Sequence, sink: S, meter: Arc<Meter>) -> Self {
+        Self::with_extras(sequence, Extras::default(), sink, meter)
+    }
+
+    /// The same for films that record `extras` besides light.
+    pub fn with_extras(sequence: &Sequence, extras: Extras, sink: S, meter: Arc<Meter>) -> Self {
         let mut world = spawn(sequence);
         let Glows { ambient, sky_table, layers } = world.resource::<Glows>().clone();
         world.insert_resource(Current(Geometry::default()));
@@ -52,6 +58,7 @@ impl<S: FilmSink> FrameLoop<S> {
             size: sequence.output.size,
             quality: sequence.quality,
             filter: FilterSampler::new(sequence.quality.filter),
+            extras,
         }));
         world.insert_resource(Exposure(sequence.output.exposure.clone()));
         world.insert_resource(Exposed::default());

@@ -196,12 +196,13 @@ impl Exposed {
         if moment.index == 0 {
             let pixels = width as usize * height as usize;
             self.sums.clear();
-            self.sums.resize(pixels * scene.weights.0.len(), DVec3::ZERO);
+            let layers = scene.weights.0.len() + settings.extras.layers();
+            self.sums.resize(pixels * layers, DVec3::ZERO);
         }
         let counts = trace_moment(scene, bvh, settings, moment, &mut self.sums, meter);
         let last = moment.index + 1 == moment.of;
         let film = last.then(|| {
-            let mut film = Film::new(width, height, scene.weights.0.clone());
+            let mut film = Film::with_extras(width, height, scene.weights.0.clone(), settings.extras);
             film.data.iter_mut().zip(&self.sums).for_each(|(layer, sum)| *layer = sum.as_vec3());
             film
         });

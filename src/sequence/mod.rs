@@ -1,5 +1,6 @@
 //! The sequence: what a file says, resolved and checked. No names to look up, no defaults left.
 
+mod about;
 mod assets;
 mod camera;
 mod check;
@@ -11,6 +12,7 @@ mod environment;
 mod fault;
 mod fields;
 mod fog;
+mod formats;
 mod keys;
 mod layers;
 mod level;
@@ -43,7 +45,7 @@ pub use load::{LoadError, load, load_watched, parse};
 
 use crate::camera_path::CameraPath;
 use crate::color::Rgb;
-use crate::encode::{GifSettings, Output, Tonemap};
+use crate::encode::{Caption, Formats, Output, Tonemap};
 use crate::environment::EnvironmentTracks;
 use crate::fog::FogTracks;
 use crate::light::LightTracks;
@@ -112,5 +114,11 @@ pub struct OutputSettings {
     /// Stops by which the displayed picture is brighter than the radiance, within
     /// ±[`MOST_STOPS`](crate::film::MOST_STOPS) at every key.
     pub exposure: Animated<f64>,
-    pub gif: GifSettings,
+    /// Whether the background is left out where the camera sees it, so that pictures have alpha.
+    pub transparent: bool,
+    /// What stands in its place in formats without alpha.
+    pub matte: Rgb,
+    /// What is written into every picture.
+    pub caption: Option<Caption>,
+    pub formats: Formats,
 }

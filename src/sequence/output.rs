@@ -1,12 +1,14 @@
-//! `output` and `quality`: how large, how fine, and into which files.
+//! `output`: how large, how it is shown, and into which files.
 
 use super::OutputSettings;
+use super::colors::color;
 use super::fault::Fault;
 use super::fields::Fields;
+use super::formats::formats;
 use super::keys::keyed;
 use super::node::Node;
 use super::values::{between, each, list, one_of, switch, text, tuple, whole};
-use crate::encode::{GifSettings, Output, Tonemap};
+use crate::encode::{Caption, Corner, Formats, MATTE, Output, Template, Tonemap};
 use crate::film::MOST_STOPS;
 use std::cell::RefCell;
 use std::collections::HashSet;
@@ -22,9 +24,21 @@ pub fn output(node: Node<'_>, name: &str, frames: u32) -> Option<OutputSettings>
     let files = fields.or("files", |node| files(node, frames), defaults.files);
     let tonemap = fields.or("tonemap", one_of("tone map", &Tonemap::NAMED), defaults.tonemap);
     let exposure = fields.or("exposure", keyed(between(-MOST_STOPS..=MOST_STOPS)), defaults.exposure);
-    let gif = fields.or("gif", gif, GifSettings::default());
+    let transparent = fields.or("transparent", switch, defaults.transparent);
+    let matte = fields.or("matte", color, defaults.matte);
+    let caption = fields.optional("caption", caption);
+    let formats = formats(&mut fields);
     fields.finish();
-    Some(OutputSettings { size: size?, files: files?, tonemap: tonemap?, exposure: exposure?, gif: gif? })
+    Some(OutputSettings {
+        size: size?,
+        files: files?,
+        tonemap: tonemap?,
+        exposure: exposure?,
+        transparent: transparent?,
+        matte: matte?,
+        caption: caption?,
+        formats: formats?,
+    })
 }
 
 /// What a file without `output` gives.
@@ -36,8 +50,38 @@ pub fn default_output(name: &str, frames: u32) -> OutputSettings {
         _ => vec![format!("output/{name}/frame_####.png"), format!("output/{name}.gif")],
     };
     let files = names.iter().filter_map(|name| Output::parse(name).ok()).collect();
-    let (tonemap, gif) = (Tonemap::default(), GifSettings::default());
-    OutputSettings { size: (640, 360), files, tonemap, exposure: 0.0.into(), gif }
+    OutputSettings {
+        size: (640, 360),
+        files,
+        tonemap: Tonemap::default(),
+        exposure: 0.0.into(),
+        transparent: false,
+        matte: MATTE,
+        caption: None,
+        formats: Formats::default(),
+    }
+}
+
+/// A text, or a text with its corner and size.
+fn caption(node: Node<'_>) -> Option<Caption> {
+    if node.is_text() {
+        return template(node).map(Caption::new);
+    }
+    let mut fields = Fields::of(node, "a caption")?;
+    let text = fields.required("text", template);
+    let corner = fields.or("corner", one_of("corner", &Corner::NAMED), Corner::default());
+    let size = fields.or("size", between(0.005..=0.5), 0.045);
+    fields.finish();
+    Some(Caption { text: text?, corner: corner?, size: size? as f32 })
+}
+
+fn template(node: Node<'_>) -> Option<Template> {
+    let template = Template::parse(&text(node)?);
+    template
+        .map_err(|error| {
+            node.fault(Fault::new(node.span(), format!("`caption`: {error}"), "cannot be written"))
+        })
+        .ok()
 }
 
 fn size(node: Node<'_>) -> Option<(u32, u32)> {
@@ -76,6 +120,11 @@ fn file(node: Node<'_>, frames: u32) -> Option<Output> {
         node.fault(node.mismatch(what).help(help));
         return None;
     }
+    if path == "-" {
+        let help = "`-o -` on the command line writes there";
+        node.fault(node.mismatch("a file, not the standard output").help(help));
+        return None;
+    }
     let output = match Output::parse(&path) {
         Ok(output) => output,
         Err(error) => {
@@ -105,14 +154,4 @@ fn check_place(path: &str) -> Result<(), (&'static str, &'static str)> {
         return Err(("a file name without control characters", "remove line breaks and tabs"));
     }
     Ok(())
-}
-
-fn gif(node: Node<'_>) -> Option<GifSettings> {
-    let mut fields = Fields::of(node, "the GIF's settings")?;
-    let plays = fields.optional("plays", whole(1..=u16::MAX.into()));
-    let colors = fields.or("colors", whole(2..=256), u32::from(GifSettings::default().colors));
-    let dither = fields.or("dither", switch, GifSettings::default().dither);
-    fields.finish();
-    let (plays, colors) = (plays?.map(|plays| plays as u16), colors? as u16);
-    Some(GifSettings { plays, colors, dither: dither? })
 }

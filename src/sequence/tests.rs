@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::camera_path::{Focus, Lens, Step, ZoomBy};
+use crate::encode::GifSettings;
 use crate::encode::Output;
 use crate::environment::SkyTracks;
 use crate::filter::{Filter, Kernel};
@@ -114,7 +115,8 @@ fn the_shortest_file_has_every_default() {
 fn everything_is_read() {
     let sequence = read(EVERYTHING);
     assert_eq!(sequence.timeline.frames, 48);
-    assert_eq!(sequence.output.gif, GifSettings { plays: Some(3), colors: 16, dither: false });
+    let gif = GifSettings { plays: Some(3), colors: 16, dither: false, max_size: None };
+    assert_eq!(sequence.output.formats.gif, gif);
     assert_eq!(sequence.output.tonemap, Tonemap::None);
     let path = PathSettings { roulette: None, refractive_shadows: true };
     let quality = Quality {

@@ -1,6 +1,7 @@
 //! Scene → Film: rays in parallel, sums in one fixed order.
 
 mod coincident;
+mod guides;
 mod lights;
 mod luminaires;
 mod media;
@@ -22,7 +23,7 @@ mod whitted;
 use crate::bvh::Bvh;
 use crate::color::Rgb;
 use crate::counters::{Counts, Meter};
-use crate::film::Film;
+use crate::film::{Extras, Film};
 use crate::filter::FilterSampler;
 use crate::math::DVec3;
 use crate::quality::Quality;
@@ -42,6 +43,8 @@ pub struct TraceSettings {
     pub quality: Quality,
     /// Of the quality's filter.
     pub filter: FilterSampler,
+    /// What films record besides light.
+    pub extras: Extras,
 }
 
 /// One of the moments at which motion is looked at while the shutter is open.
@@ -66,7 +69,7 @@ const BLOCK: (u32, u32) = (4, 2);
 /// Traces one frame. The film and the counts are the same for any number of threads.
 pub fn trace(scene: &Scene, bvh: &Bvh, settings: &TraceSettings, meter: &Meter) -> (Film, Counts) {
     let (width, height) = settings.size;
-    let mut film = Film::new(width, height, scene.weights.0.clone());
+    let mut film = Film::with_extras(width, height, scene.weights.0.clone(), settings.extras);
     let layers = film.layers();
     let pixels = Pixels::new(scene, bvh, settings, Moment::ONLY);
     let store = |layer: &mut Rgb, sum: DVec3| *layer = sum.as_vec3();
@@ -85,7 +88,8 @@ pub fn trace_moment(
     meter: &Meter,
 ) -> Counts {
     let pixels = Pixels::new(scene, bvh, settings, moment);
-    in_bands(&pixels, scene.weights.0.len(), sums, meter, |layer, sum| *layer += sum)
+    let layers = scene.weights.0.len() + settings.extras.layers();
+    in_bands(&pixels, layers, sums, meter, |layer, sum| *layer += sum)
 }
 
 /// Traces all pixels into `data`, by `store`.

@@ -78,7 +78,7 @@ impl<'a> Paths<'a> {
             Met::Nothing => {
                 let weight =
                     self.met_weight(path, |_| self.luminaires.sky_density(tracer, path.ray.direction));
-                tracer.add_sky(&path.ray, path.throughput.shining() * weight, work);
+                tracer.add_sky(&path.ray, path.throughput.shining() * weight, path.left, work);
                 false
             }
             Met::Light { index, outside, surface, hit } => {

@@ -3,10 +3,11 @@
 use super::path::Paths;
 use super::together::Sums;
 use super::tracer::{Dice, Tracer, Work};
-use super::{Moment, TraceSettings, together, whitted};
+use super::{Moment, TraceSettings, guides, together, whitted};
 use crate::bvh::Bvh;
 use crate::camera::Ray;
 use crate::counters::{Counts, Dropped};
+use crate::film::{Extras, LayerId};
 use crate::math::{DVec2, DVec3};
 use crate::quality::Integrator;
 use crate::sampling::{PixelSampler, Sampler, Use};
@@ -21,6 +22,10 @@ pub struct Pixels<'a> {
     paths: Option<Paths<'a>>,
     /// Whether samples are drawn at random; else they stand on a regular grid.
     random: bool,
+    /// How many layers hold light.
+    lights: usize,
+    /// Where guides are recorded, if they are.
+    guides: Option<LayerId>,
     /// Whether pixels are traced eight at a time.
     pub together: bool,
 }
@@ -32,14 +37,18 @@ impl<'a> Pixels<'a> {
             Integrator::Whitted => true,
             Integrator::Path(path) => path.refractive_shadows,
         };
-        let tracer = Tracer::new(scene, bvh, quality, refractive_shadows);
+        let lights = scene.weights.0.len();
+        let mut tracer = Tracer::new(scene, bvh, quality, refractive_shadows);
+        tracer.holdout = settings.extras.coverage_layer(lights);
         let paths = match quality.integrator {
             Integrator::Whitted => None,
             Integrator::Path(path) => Some(Paths::new(&tracer, path)),
         };
         let random = paths.is_some() || moment.of > 1 || calls_for_samples(scene, &tracer);
-        let together = !random && together::suits(&tracer);
-        Self { settings, moment, tracer, paths, random, together }
+        let guides = settings.extras.guides_layer(lights);
+        // Eight at a time only light is recorded.
+        let together = !random && settings.extras == Extras::default() && together::suits(&tracer);
+        Self { settings, moment, tracer, paths, random, lights, guides, together }
     }
 
     /// Adds a pixel's layers to `sums`: the mean of its samples or, of several moments, this moment's part of
@@ -125,6 +134,9 @@ impl<'a> Pixels<'a> {
     fn sample(&self, pixel: (u32, u32), inside: DVec2, lens: DVec2, sampler: Sampler, work: &mut Work) {
         let ray = self.ray(pixel, inside, lens);
         work.counts.rays.camera += 1;
+        if let Some(first) = self.guides {
+            guides::record(&self.tracer, &ray, first, work);
+        }
         let dice = Dice { sampler, surface: 0 };
         match &self.paths {
             None => whitted::follow(&self.tracer, ray, dice, work),
@@ -134,7 +146,12 @@ impl<'a> Pixels<'a> {
 
     /// Adds the sample in hand to the sums, but for what is no light: one such number would spoil the pixel.
     fn take(&self, sums: &mut [DVec3], work: &mut Work) {
-        for (sum, sample) in sums.iter_mut().zip(&mut work.layers) {
+        let (lights, extras) = sums.split_at_mut(self.lights);
+        let (sampled_lights, sampled_extras) = work.layers.split_at_mut(self.lights);
+        for (sum, sample) in extras.iter_mut().zip(sampled_extras) {
+            *sum += std::mem::take(sample);
+        }
+        for (sum, sample) in lights.iter_mut().zip(sampled_lights) {
             self.take_one(sum, std::mem::take(sample), &mut work.counts);
         }
     }

@@ -32,6 +32,8 @@ pub struct Tracer<'a> {
     pub environment: Option<&'a Environment>,
     pub ambient: Option<Glow>,
     pub fog: Option<Fog>,
+    /// Where the shares of eye rays that meet nothing go, in place of what the sky would add.
+    pub holdout: Option<LayerId>,
     /// Whether shadow rays pass what refracts.
     pub refractive_shadows: bool,
     /// Whether any material lets light pass to what lies in its shadow.
@@ -122,6 +124,7 @@ impl<'a> Tracer<'a> {
             environment: (!environment.is_black() && weighted(environment.layer)).then_some(environment),
             ambient: Some(shading.ambient).filter(glows),
             fog: shading.fog.filter(|fog| fog.density > 0.0),
+            holdout: None,
             refractive_shadows,
             clear: clear || (media && refractive_shadows),
             media,
@@ -177,9 +180,12 @@ impl<'a> Tracer<'a> {
         Met::Surface(Face { material, lobes, surface, outside, hit, enclosure })
     }
 
-    /// What the sky adds to a ray that met nothing.
-    pub fn add_sky(&self, ray: &Ray, throughput: Rgb, work: &mut Work) {
-        if let Some(environment) = self.environment {
+    /// What the sky adds to a ray that met nothing and may take so many bounces more. With all of them left it has
+    /// come straight from the eye: what it sees is the picture's background, and may be held out.
+    pub fn add_sky(&self, ray: &Ray, throughput: Rgb, left: u32, work: &mut Work) {
+        if let Some(holdout) = self.holdout.filter(|_| left == self.quality.bounces) {
+            work.add(holdout, throughput);
+        } else if let Some(environment) = self.environment {
             work.add(environment.layer, throughput * environment.radiance(ray.direction));
         }
     }

@@ -51,7 +51,7 @@ fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
         met
     });
     let face = match met {
-        Met::Nothing => return tracer.add_sky(&ray, throughput, work),
+        Met::Nothing => return tracer.add_sky(&ray, throughput, pending.left, work),
         Met::Light { index, outside, .. } => {
             let light = &tracer.scene.shading.lights[index as usize];
             if sees_lights {

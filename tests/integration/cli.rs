@@ -74,7 +74,10 @@ fn help_of_commands_shows_options_units_and_defaults() {
         assert!(run.stdout.contains(part), "`{part}` in {}", run.stdout);
     }
     assert!(kinora(&["check", "--help"]).stdout.contains("kinora check sequences/hello.ron"));
-    assert!(run.stdout.lines().all(|line| line.chars().count() <= 100), "{}", run.stdout);
+    for command in ["render", "filmstrip", "poster", "assemble", "check"] {
+        let help = kinora(&[command, "--help"]).stdout;
+        assert!(help.lines().all(|line| line.chars().count() <= 100), "{help}");
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use kinora::color::Rgb;
 use kinora::counters::Meter;
 use kinora::encode::EncodeError;
-use kinora::film::Film;
+use kinora::film::{Extras, Film};
 use kinora::material::MadeOf;
 use kinora::math::{DAffine3, DVec3};
 use kinora::scene::{Finish, Geometry};
@@ -84,6 +84,14 @@ pub fn shoot(sequence: &Sequence, frames: impl IntoIterator<Item = u32>) -> Vec<
     let films = frame_loop.into_sink().expect("the sink").0;
     assert_eq!(films.len(), works.len(), "a film per frame");
     films.into_iter().zip(works).map(|(film, work)| Shot { film, work }).collect()
+}
+
+/// The first frame with what is recorded besides light.
+pub fn shoot_extra(sequence: &Sequence, extras: Extras) -> Film {
+    let meter = Arc::new(Meter::default());
+    let mut frame_loop = FrameLoop::with_extras(sequence, extras, Films::default(), meter);
+    frame_loop.frame(0).unwrap_or_else(|fault| panic!("{fault:?}"));
+    frame_loop.into_sink().and_then(|mut films| films.0.pop()).expect("a film")
 }
 
 /// All frames of a sequence written as text.

@@ -1,7 +1,8 @@
 //! Codes against the formula, and pictures of films with odd values.
 
 use super::*;
-use crate::color::{Rgb, srgb_to_linear};
+use crate::color::srgb_to_linear;
+use crate::film::Extras;
 
 /// Those with a curve of their own.
 const CURVES: [Tonemap; 3] = [Tonemap::Srgb, Tonemap::None, Tonemap::Filmic];
@@ -100,4 +101,36 @@ fn reinhard_compresses_the_luminance() {
     let (picture, _) = ToneTable::new(Tonemap::Reinhard).develop(&film);
     let code = |linear: f32| exact_code(Tonemap::Srgb, linear) as u8;
     assert_eq!(picture.rgb, [code(0.5), code(0.5), code(0.5), code(1.0 / 1.2126), 0, 0]);
+}
+
+#[test]
+fn sixteen_bits_hold_the_same_picture_more_finely() {
+    let mut film = Film::new(64, 4, vec![Rgb::ONE]);
+    for (i, pixel) in film.data.iter_mut().enumerate() {
+        *pixel = Rgb::new(i as f32 / 200.0, i as f32 * 0.02, -1.0);
+    }
+    film.data[9].x = f32::NAN;
+    for (name, tonemap) in Tonemap::NAMED {
+        let (picture, _) = ToneTable::new(tonemap).develop(&film);
+        let deep = develop_deep(tonemap, &film);
+        let near =
+            |(code, deep): (&u8, &u16)| (f64::from(*code) - f64::from(*deep) / 257.0).abs() <= 0.5 + 1e-9;
+        assert!(picture.rgb.iter().zip(&deep.rgb).all(near), "{name}");
+        assert!(deep.rgb.iter().any(|deep| deep % 257 != 0), "{name}");
+    }
+}
+
+/// An edge that covers a quarter of a pixel has the colour of what is there, and a quarter of alpha.
+#[test]
+fn alpha_is_not_multiplied_into_the_colour() {
+    let extras = Extras { coverage: true, guides: false };
+    let mut film = Film::with_extras(3, 1, vec![Rgb::ONE], extras);
+    let color = Rgb::new(0.18, 0.5, 1.0);
+    film.data = vec![color, Rgb::ZERO, color * 0.25, Rgb::splat(0.75), Rgb::ZERO, Rgb::ONE];
+    let (picture, _) = ToneTable::new(Tonemap::Srgb).develop(&film);
+    assert_eq!(picture.rgb, [118, 188, 255, 118, 188, 255, 0, 0, 0]);
+    assert_eq!(picture.alpha, Some(vec![255, 64, 0]));
+    let deep = develop_deep(Tonemap::Srgb, &film);
+    assert_eq!(deep.rgb[..3], deep.rgb[3..6]);
+    assert_eq!(deep.alpha, Some(vec![65535, 16384, 0]));
 }

@@ -1,6 +1,6 @@
 //! One frame of a GIF: what it changes, compressed.
 
-use super::difference::{Rectangle, changed};
+use crate::encode::movie::difference::{Rectangle, changed};
 use gif::{DisposalMethod, Frame};
 use std::borrow::Cow;
 

@@ -5,7 +5,7 @@ use super::timing::pieces;
 use crate::encode::atomic::Aside;
 use crate::encode::error::EncodeError;
 use gif::{Encoder, EncodingError, Frame, Repeat};
-use std::io;
+use std::io::{self, Seek};
 use std::path::{Path, PathBuf};
 
 /// A GIF in the making. It appears when it is finished, and not at all if it is dropped before.
@@ -14,6 +14,13 @@ pub struct GifFile {
     encoder: Encoder<Aside>,
     /// The last frame, whose delay may still grow.
     held: Option<Held>,
+}
+
+/// A file that only has to be put in its place. Dropped instead, it vanishes.
+pub struct Finished {
+    pub file: Aside,
+    /// Bytes.
+    pub size: u64,
 }
 
 struct Held {
@@ -62,11 +69,13 @@ impl GifFile {
         Ok(())
     }
 
-    /// Writes the last frame and the end, and puts the file in its place.
-    pub fn finish(mut self) -> Result<(), EncodeError> {
+    /// Writes the last frame and the end.
+    pub fn finish(mut self) -> Result<Finished, EncodeError> {
         self.write_held()?;
         let Self { path, encoder, .. } = self;
-        encoder.into_inner().map_err(|e| EncodeError::write(&path, into_io(e)))?.commit()
+        let mut file = encoder.into_inner().map_err(|e| EncodeError::write(&path, into_io(e)))?;
+        let size = file.stream_position().map_err(|e| EncodeError::write(&path, e))?;
+        Ok(Finished { file, size })
     }
 
     fn write_held(&mut self) -> Result<(), EncodeError> {

@@ -1,25 +1,30 @@
 //! The colours of a whole animation in bounded memory.
 
 use super::palette::Palette;
-use crate::encode::develop::Picture;
-use std::collections::BTreeSet;
+use crate::encode::picture::Picture;
 
-/// Bits per channel that select a bin: 2^18 bins of 16 bytes.
-const BITS: u32 = 6;
+/// Colours that are told apart, at most.
+const MOST: usize = 1 << 16;
+/// Places of the table, as a power of two: at most half of them are taken.
+const TABLE_BITS: u32 = 17;
 
-/// Counts colours as frames pass: one by one while they are few, and always in bins.
+/// Counts colours as frames pass: each by itself while there are not too many, and else the finest groups of
+/// neighbouring ones that are few enough. What comes out does not depend on the order of the frames.
 pub struct Histogram {
-    /// The distinct colours, until there are more than `exact_limit`.
-    exact: Option<BTreeSet<[u8; 3]>>,
+    /// The distinct colours as they are, until there are more than `exact_limit`.
     exact_limit: usize,
-    bins: Vec<Bin>,
+    /// Bits of every channel that do not count.
+    coarse: u32,
+    table: Vec<Group>,
+    taken: usize,
 }
 
-/// How many pixels fell in, and the sum of their colours' lower bits (the upper ones are the bin's own).
+/// How many pixels fell in, and the sum of their colours.
 #[derive(Clone, Copy, Default)]
-struct Bin {
+struct Group {
+    key: u32,
     count: u64,
-    low: [u64; 3],
+    sum: [u64; 3],
 }
 
 /// A colour that stands for `count` pixels, in 0..=255 per channel with fractions.
@@ -32,61 +37,72 @@ pub struct Weighted {
 impl Histogram {
     /// `exact_limit` is the number of colours up to which they are kept as they are.
     pub fn new(exact_limit: usize) -> Self {
-        let bins = vec![Bin::default(); 1 << (3 * BITS)];
-        Self { exact: Some(BTreeSet::new()), exact_limit, bins }
+        Self { exact_limit, coarse: 0, table: vec![Group::default(); 1 << TABLE_BITS], taken: 0 }
     }
 
     /// Counts a frame's pixels.
     pub fn add(&mut self, picture: &Picture) {
         let pixels = picture.rgb.as_chunks::<3>().0;
-        self.add_exact(pixels);
-        for &[r, g, b] in pixels {
-            let high = |channel: u8| usize::from(channel >> (8 - BITS));
-            let low = |channel: u8| u64::from(channel & ((1 << (8 - BITS)) - 1));
-            let bin = &mut self.bins[(high(r) << (2 * BITS)) | (high(g) << BITS) | high(b)];
-            bin.count += 1;
-            bin.low[0] += low(r);
-            bin.low[1] += low(g);
-            bin.low[2] += low(b);
+        // Neighbours are often equal, and then one step counts them all.
+        for run in pixels.chunk_by(|a, b| a == b) {
+            let count = run.len() as u64;
+            self.put(Group { key: self.key(run[0]), count, sum: run[0].map(|code| u64::from(code) * count) });
+            if self.taken > MOST {
+                self.coarsen();
+            }
         }
     }
 
-    fn add_exact(&mut self, pixels: &[[u8; 3]]) {
-        let mut last = None;
-        for &color in pixels {
-            let Some(exact) = &mut self.exact else { return };
-            if last != Some(color) && exact.insert(color) && exact.len() > self.exact_limit {
-                self.exact = None;
-            }
-            last = Some(color);
+    fn key(&self, color: [u8; 3]) -> u32 {
+        color.iter().fold(0, |key, code| key << 8 | u32::from(code >> self.coarse))
+    }
+
+    fn put(&mut self, group: Group) {
+        let mut place = (group.key.wrapping_mul(0x9E37_79B1) >> (32 - TABLE_BITS)) as usize;
+        while self.table[place].count > 0 && self.table[place].key != group.key {
+            place = (place + 1) % self.table.len();
+        }
+        let found = &mut self.table[place];
+        self.taken += usize::from(found.count == 0);
+        found.key = group.key;
+        found.count += group.count;
+        found.sum = [0, 1, 2].map(|i| found.sum[i] + group.sum[i]);
+    }
+
+    /// Makes groups of eight out of what was told apart.
+    fn coarsen(&mut self) {
+        let groups = std::mem::replace(&mut self.table, vec![Group::default(); 1 << TABLE_BITS]);
+        self.coarse += 1;
+        self.taken = 0;
+        for group in groups.into_iter().filter(|group| group.count > 0) {
+            // Bits do not cross from one channel to the next.
+            let key = (group.key >> 1) & 0x7f_7f7f;
+            self.put(Group { key, ..group });
         }
     }
 
     /// The best palette of at most `size` colours.
     pub fn palette(&self, size: usize) -> Palette {
-        match &self.exact {
-            Some(exact) if exact.len() <= size => Palette::exact(exact.iter().copied().collect()),
-            _ => Palette::clustered(&self.weighted(), size),
+        let weighted = self.weighted();
+        match self.distinct() {
+            Some(distinct) if distinct <= size => {
+                Palette::exact(weighted.iter().map(|w| w.color.map(|code| code as u8)).collect())
+            }
+            _ => Palette::clustered(&weighted, size),
         }
     }
 
     /// The number of distinct colours, while it is within the limit.
     pub fn distinct(&self) -> Option<usize> {
-        self.exact.as_ref().map(BTreeSet::len)
+        (self.coarse == 0 && self.taken <= self.exact_limit).then_some(self.taken)
     }
 
-    /// The bins that hold something, by their mean colours.
+    /// The groups by their mean colours, in the order of their keys.
     fn weighted(&self) -> Vec<Weighted> {
-        let full = self.bins.iter().enumerate().filter(|(_, bin)| bin.count > 0);
-        full.map(|(index, bin)| {
-            let mean = |channel: u32| {
-                let high = (index >> ((2 - channel) * BITS)) & ((1 << BITS) - 1);
-                let low = bin.low[channel as usize] as f64 / bin.count as f64;
-                ((high << (8 - BITS)) as f64 + low) as f32
-            };
-            Weighted { color: [mean(0), mean(1), mean(2)], count: bin.count }
-        })
-        .collect()
+        let mut groups: Vec<&Group> = self.table.iter().filter(|group| group.count > 0).collect();
+        groups.sort_unstable_by_key(|group| group.key);
+        let mean = |group: &&Group| group.sum.map(|sum| (sum as f64 / group.count as f64) as f32);
+        groups.iter().map(|group| Weighted { color: mean(group), count: group.count }).collect()
     }
 }
 
@@ -95,20 +111,34 @@ mod tests {
     use super::*;
 
     fn picture(colors: &[[u8; 3]]) -> Picture {
-        Picture { width: colors.len() as u32, height: 1, rgb: colors.as_flattened().to_vec() }
+        Picture::opaque(colors.len() as u32, 1, colors.as_flattened().to_vec())
     }
 
     #[test]
-    fn bins_hold_counts_and_means() {
+    fn colours_are_counted_one_by_one() {
         let mut histogram = Histogram::new(1);
-        histogram.add(&picture(&[[4, 8, 255], [6, 9, 252], [200, 0, 0]]));
-        let weighted = histogram.weighted();
-        let expected = [
-            Weighted { color: [5.0, 8.5, 253.5], count: 2 },
-            Weighted { color: [200.0, 0.0, 0.0], count: 1 },
-        ];
-        assert_eq!(weighted, expected);
+        histogram.add(&picture(&[[4, 8, 255], [6, 9, 252], [4, 8, 255], [4, 8, 255]]));
+        let expected =
+            [([4.0, 8.0, 255.0], 3), ([6.0, 9.0, 252.0], 1)].map(|(color, count)| Weighted { color, count });
+        assert_eq!(histogram.weighted(), expected);
         assert_eq!(histogram.distinct(), None);
+    }
+
+    #[test]
+    fn too_many_colours_are_grouped_whatever_their_order() {
+        let color = |i: u32| [i as u8, (i >> 8) as u8, (i >> 16) as u8 * 40];
+        let mut colors: Vec<[u8; 3]> = (0..3 << 16).map(color).collect();
+        let counted = |colors: &[[u8; 3]]| {
+            let mut histogram = Histogram::new(256);
+            colors.chunks(1000).for_each(|part| histogram.add(&picture(part)));
+            assert_eq!(histogram.coarse, 1);
+            histogram.weighted()
+        };
+        let groups = counted(&colors);
+        assert!(groups.len() <= MOST && groups.iter().map(|group| group.count).sum::<u64>() == 3 << 16);
+        assert_eq!(groups[0], Weighted { color: [0.5, 0.5, 0.0], count: 4 });
+        colors.reverse();
+        assert!(groups == counted(&colors));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::dither::{Mixer, PARTS};
 use super::threshold;
-use crate::encode::develop::Picture;
+use crate::encode::picture::Picture;
 
 /// Mixes that are remembered, as a power of two: 2^15 take 0.6 MB, which stays in a processor's cache.
 const CACHE_BITS: u32 = 15;

@@ -1,14 +1,11 @@
 //! One palette for a whole animation.
 
 use super::histogram::Weighted;
-use crate::color::srgb_to_linear;
-use quantette::deps::palette::Oklab;
-use quantette::kmeans::{Kmeans, KmeansOptions};
-use quantette::wu::{BinnerF32x3, WuF32x3};
-use quantette::{PaletteBuf, PaletteCounts, PaletteSize, color_space};
+use crate::color::{linear_to_srgb, srgb_to_linear};
+use rayon::prelude::*;
 
-/// How many samples k-means sees: enough for about 500 per colour of a full palette.
-const SAMPLES: u32 = 1 << 17;
+/// How often centres are moved, at most.
+const ROUNDS: usize = 16;
 
 /// Distinct colours, in the order of their bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,20 +22,17 @@ impl Palette {
         Self { colors, exact: true }
     }
 
-    /// At most `size` colours (2..=256) that stand for those of an animation: Wu's method to start from, then
-    /// k-means in Oklab over samples drawn in proportion to the counts. The same input gives the same palette.
+    /// At most `size` colours (2..=256) that stand for those of an animation: clusters in Oklab, divided until there
+    /// are enough, then moved to where they fit best. The same input gives the same palette.
     pub fn clustered(weighted: &[Weighted], size: usize) -> Self {
-        let oklab: Vec<Oklab> = weighted.iter().map(|w| oklab(w.color.map(linear_of_code))).collect();
-        let counts = scaled_counts(weighted);
-        let size = PaletteSize::try_from(size.clamp(1, 256)).unwrap_or(PaletteSize::MAX);
-        let centroids = PaletteCounts::new(oklab.clone(), counts.clone())
-            .ok()
-            .and_then(|counts| WuF32x3::run_palette_counts(&counts, BinnerF32x3::oklab_from_srgb8()))
-            .map(|wu| wu.palette(size));
-        let Some(centroids) = centroids else { return Self::exact(vec![[0; 3]]) };
-        let colors = refined(&samples(&oklab, &counts), centroids);
-        let bytes = color_space::oklab_to_srgb8(&colors).into_iter().map(Into::into).collect();
-        Self { exact: false, ..Self::exact(bytes) }
+        let points: Vec<Point> = weighted.iter().map(Point::new).collect();
+        let mut centers = divided(&points, size.clamp(1, 256));
+        for _ in 0..ROUNDS {
+            if !settle(&points, &mut centers) {
+                break;
+            }
+        }
+        Self { exact: false, ..Self::exact(centers.into_iter().map(code_of_oklab).collect()) }
     }
 
     pub fn colors(&self) -> &[[u8; 3]] {
@@ -51,37 +45,103 @@ impl Palette {
     }
 }
 
-/// k-means from `centroids` on; they come back as they are if there is nothing to learn from.
-fn refined(samples: &[Oklab], centroids: PaletteBuf<Oklab>) -> Vec<Oklab> {
-    let options = KmeansOptions::new().sampling_factor(f32::INFINITY).max_samples(SAMPLES);
-    match Kmeans::run_slice(samples, centroids.clone(), options) {
-        Ok(kmeans) => kmeans.into_palette().into_vec(),
-        Err(_) => centroids.into_vec(),
+/// A colour as it looks, and how much of it there is.
+struct Point {
+    place: [f32; 3],
+    weight: f64,
+}
+
+impl Point {
+    fn new(weighted: &Weighted) -> Self {
+        let Oklab { l, a, b } = oklab(weighted.color.map(linear_of_code));
+        Self { place: [l, a, b], weight: weighted.count as f64 }
     }
 }
 
-/// The counts as weights whose sum fits the quantiser's `u32`; none becomes zero.
-fn scaled_counts(weighted: &[Weighted]) -> Vec<u32> {
-    let total: u64 = weighted.iter().map(|w| w.count).sum();
-    let divisor = (total >> 31) + 1;
-    weighted.iter().map(|w| (w.count / divisor).max(1) as u32).collect()
+/// A part of the colours.
+struct Cluster {
+    members: Vec<u32>,
+    mean: [f64; 3],
+    /// Squared distances from the mean along each axis, summed.
+    spread: [f64; 3],
 }
 
-/// A list of colours in which each is as frequent as its count says: every n-th pixel of the animation, as
-/// if its pixels were sorted by colour.
-fn samples(colors: &[Oklab], counts: &[u32]) -> Vec<Oklab> {
-    let total: u64 = counts.iter().map(|&count| u64::from(count)).sum();
-    let wanted = total.min(u64::from(SAMPLES));
-    let (mut seen, mut taken) = (0, 0);
-    let mut samples = Vec::with_capacity(wanted as usize);
-    for (&color, &count) in colors.iter().zip(counts) {
-        seen += u64::from(count);
-        while taken < wanted && taken * total < seen * wanted {
-            samples.push(color);
-            taken += 1;
+impl Cluster {
+    fn new(points: &[Point], members: Vec<u32>) -> Self {
+        let (mut weight, mut sum, mut squares) = (0.0, [0.0; 3], [0.0; 3]);
+        for point in members.iter().map(|&member| &points[member as usize]) {
+            weight += point.weight;
+            for axis in 0..3 {
+                let x = f64::from(point.place[axis]);
+                sum[axis] += point.weight * x;
+                squares[axis] += point.weight * x * x;
+            }
+        }
+        let mean = sum.map(|sum| if weight > 0.0 { sum / weight } else { 0.0 });
+        let spread = [0, 1, 2].map(|axis| (squares[axis] - mean[axis] * sum[axis]).max(0.0));
+        Self { members, mean, spread }
+    }
+
+    fn error(&self) -> f64 {
+        if self.members.len() > 1 { self.spread.iter().sum() } else { 0.0 }
+    }
+
+    /// Two clusters, on both sides of the mean along the axis of the largest spread.
+    fn halves(self, points: &[Point]) -> [Self; 2] {
+        let axis = (0..3).max_by(|&a, &b| self.spread[a].total_cmp(&self.spread[b])).unwrap_or(0);
+        let below = |&member: &u32| f64::from(points[member as usize].place[axis]) < self.mean[axis];
+        let (low, high) = self.members.into_iter().partition(below);
+        [low, high].map(|members| Self::new(points, members))
+    }
+}
+
+/// The means of `size` clusters, or fewer if there are fewer colours: always that with the largest error is divided.
+fn divided(points: &[Point], size: usize) -> Vec<[f32; 3]> {
+    let mut clusters = vec![Cluster::new(points, (0..points.len() as u32).collect())];
+    while clusters.len() < size {
+        let errors = clusters.iter().map(Cluster::error).enumerate();
+        let Some((worst, error)) = errors.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        if error <= 0.0 {
+            break;
+        }
+        let halves = clusters.swap_remove(worst).halves(points);
+        // Rounding may leave nothing on one side.
+        let whole = halves.iter().any(|half| half.members.is_empty());
+        clusters.extend(halves.into_iter().filter(|half| !half.members.is_empty()));
+        if whole {
+            break;
         }
     }
-    samples
+    clusters.into_iter().map(|cluster| cluster.mean.map(|x| x as f32)).collect()
+}
+
+/// Moves every centre to the mean of the colours that are nearest to it (Lloyd); whether any has moved.
+fn settle(points: &[Point], centers: &mut [[f32; 3]]) -> bool {
+    let nearest = |point: &Point| {
+        let mut best = (f32::INFINITY, 0);
+        for (index, center) in centers.iter().enumerate() {
+            let [l, a, b] = [0, 1, 2].map(|axis| center[axis] - point.place[axis]);
+            let distance = l * l + a * a + b * b;
+            if distance < best.0 {
+                best = (distance, index);
+            }
+        }
+        best.1
+    };
+    let owners: Vec<usize> = points.par_iter().map(nearest).collect();
+    let mut sums = vec![(0.0, [0.0; 3]); centers.len()];
+    for (point, owner) in points.iter().zip(owners) {
+        let (weight, sum) = &mut sums[owner];
+        *weight += point.weight;
+        *sum = [0, 1, 2].map(|axis| sum[axis] + point.weight * f64::from(point.place[axis]));
+    }
+    let mut moved = false;
+    for (center, (weight, sum)) in centers.iter_mut().zip(sums).filter(|(_, (weight, _))| *weight > 0.0) {
+        let mean = sum.map(|sum| (sum / weight) as f32);
+        moved |= mean != *center;
+        *center = mean;
+    }
+    moved
 }
 
 /// Linear light of an sRGB code with fractions.
@@ -104,6 +164,32 @@ pub const LMS_ROOT_TO_OKLAB: [[f32; 3]; 3] = [
 
 pub fn multiply(matrix: &[[f32; 3]; 3], v: [f32; 3]) -> [f32; 3] {
     matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+}
+
+/// The way back.
+const OKLAB_TO_LMS_ROOT: [[f32; 3]; 3] = [
+    [1.0, 0.396_337_78, 0.215_803_76],
+    [1.0, -0.105_561_346, -0.063_854_17],
+    [1.0, -0.089_484_18, -1.291_485_5],
+];
+const LMS_TO_RGB: [[f32; 3]; 3] = [
+    [4.076_741_7, -3.307_711_6, 0.230_969_94],
+    [-1.268_438, 2.609_757_4, -0.341_319_38],
+    [-0.004_196_086_3, -0.703_418_6, 1.707_614_7],
+];
+
+/// A colour as it looks: how light it is, and how far from grey to red and to yellow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Oklab {
+    pub l: f32,
+    pub a: f32,
+    pub b: f32,
+}
+
+/// The sRGB codes nearest to a colour in Oklab.
+fn code_of_oklab(lab: [f32; 3]) -> [u8; 3] {
+    let linear = multiply(&LMS_TO_RGB, multiply(&OKLAB_TO_LMS_ROOT, lab).map(|root| root * root * root));
+    linear.map(|part| (linear_to_srgb(f64::from(part).clamp(0.0, 1.0)) * 255.0 + 0.5) as u8)
 }
 
 /// Oklab of a linear colour.
@@ -142,6 +228,29 @@ mod tests {
         weighted.push(Weighted { color: [255.0, 0.0, 0.0], count: 1 << 38 });
         let palette = Palette::clustered(&weighted, 64);
         assert!(palette.colors().iter().any(|&[r, g, b]| r > 240 && g < 40 && b < 40), "{palette:?}");
+    }
+
+    /// A long gradient alone takes all the palette, to its very ends.
+    #[test]
+    fn gradients_take_what_there_is() {
+        let yellow = |i: u32| Weighted { color: [i as f32, i as f32, 0.0], count: 100 };
+        let weighted: Vec<_> = (0..256).map(yellow).collect();
+        for size in [16, 64, 128] {
+            let palette = Palette::clustered(&weighted, size);
+            let count = palette.colors().len();
+            assert!((size * 9 / 10..=size).contains(&count), "{count} of {size}");
+            let (first, last) = (palette.colors()[0][0], palette.colors()[count - 1][0]);
+            let step = (255 / size) as u8 + 3;
+            assert!(first <= 2 * step && last >= 255 - step, "{size}: {first} {last}");
+        }
+    }
+
+    #[test]
+    fn codes_survive_oklab() {
+        for code in [[0, 0, 0], [255, 255, 255], [255, 0, 0], [3, 200, 90], [17, 17, 255]] {
+            let Oklab { l, a, b } = oklab(code.map(|code| linear_of_code(f32::from(code))));
+            assert_eq!(code_of_oklab([l, a, b]), code);
+        }
     }
 
     #[test]

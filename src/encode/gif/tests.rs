@@ -1,14 +1,13 @@
 //! GIFs read back with the `gif` crate.
 
 use super::*;
-use crate::encode::Output;
-use crate::encode::{GifSettings, Tonemap};
+use crate::encode::{About, Formats, GifSettings, MATTE, Moving, Output, Tonemap};
 use crate::time::Rate;
 use ::gif::{ColorOutput, DecodeOptions, DisposalMethod, Repeat};
 use std::collections::HashMap;
 use std::fs;
 
-const SETTINGS: GifSettings = GifSettings { plays: None, colors: 256, dither: true };
+const SETTINGS: GifSettings = GifSettings { plays: None, colors: 256, dither: true, max_size: None };
 
 /// A GIF as a viewer shows it.
 struct Shown {
@@ -49,30 +48,41 @@ fn show(path: &Path) -> Shown {
     shown
 }
 
-fn make(pictures: &[Picture], rate: (i128, i128), gif: GifSettings) -> Shown {
-    let dir = tempfile::tempdir().expect("a folder");
-    let path = dir.path().join("a.gif");
-    let job = Job {
-        outputs: vec![Output::Gif(path.clone())],
+fn job(path: &Path, pictures: &[Picture], rate: (i128, i128), gif: GifSettings) -> Job {
+    Job {
+        outputs: vec![Output::Movie(Moving::Gif, path.to_path_buf())],
         frames: (0..pictures.len() as u32).collect(),
         rate: Rate::new(rate.0, rate.1).expect("a rate"),
         size: (pictures[0].width, pictures[0].height),
         tonemap: Tonemap::Srgb,
-        gif,
-    };
-    let mut animation = Animation::new(&path, &job).expect("a fitting job");
+        transparent: false,
+        matte: MATTE,
+        caption: None,
+        formats: Formats { gif, ..Formats::default() },
+        about: About::default(),
+    }
+}
+
+fn write(path: &Path, job: &Job, pictures: &[Picture]) -> Option<String> {
+    let mut animation = Animation::new(path, job).expect("a fitting job");
     for (index, picture) in pictures.iter().enumerate() {
         if animation.shows(index) {
             animation.count(picture);
         }
     }
-    animation.write(|index| Ok(pictures[index].clone())).expect("written");
+    animation.write(|index| Ok(pictures[index].clone())).expect("written")
+}
+
+fn make(pictures: &[Picture], rate: (i128, i128), gif: GifSettings) -> Shown {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("a.gif");
+    write(&path, &job(&path, pictures, rate, gif), pictures);
     show(&path)
 }
 
 fn picture(width: u32, height: u32, color: impl Fn(u32, u32) -> [u8; 3]) -> Picture {
     let rgb = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    Picture { width, height, rgb: rgb.flat_map(|(x, y)| color(x, y)).collect() }
+    Picture::opaque(width, height, rgb.flat_map(|(x, y)| color(x, y)).collect())
 }
 
 /// A square that moves over one colour: few colours.
@@ -188,4 +198,29 @@ fn the_smallest_pictures() {
         assert_eq!(shown.size, (1, 1));
         assert_eq!(shown.delays.iter().sum::<u64>(), 30);
     }
+}
+
+#[test]
+fn a_limit_is_kept_and_what_is_lost_is_told() {
+    let pictures: Vec<_> = (0..12).map(gradient).collect();
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("a.gif");
+    let written = |max_size| {
+        let job = job(&path, &pictures, (24, 1), GifSettings { max_size, ..SETTINGS });
+        let note = write(&path, &job, &pictures);
+        (fs::metadata(&path).expect("a file").len(), note)
+    };
+    let (whole, note) = written(None);
+    assert_eq!((note, written(Some(whole)).1), (None, None));
+    for share in [0.8, 0.4, 0.1] {
+        let most = (whole as f64 * share) as u64;
+        let (size, note) = written(Some(most));
+        let note = note.expect("a note");
+        assert!(size <= most && size as f64 > 0.2 * most as f64, "{size} of {most}: {note}");
+        assert!(note.contains("would have") && note.contains("instead of"), "{note}");
+        let shown = show(&path);
+        assert_eq!(shown.delays.iter().sum::<u64>(), 50);
+    }
+    let (_, note) = written(Some(100));
+    assert!(note.expect("a note").contains("cannot be made as small as"));
 }

@@ -1,5 +1,6 @@
 //! Which frames a GIF shows, and for how many centiseconds.
 
+use crate::encode::movie::clock::ticks;
 use crate::time::Rate;
 use num_rational::Ratio;
 
@@ -23,7 +24,7 @@ const LONGEST_CS: i128 = 100 * 86_400 * 100;
 /// adds up: the sum of all delays is within half a centisecond of the true time at every frame. Above 50 frames per
 /// second, what shows is what would show at that moment of the fast animation, over the same whole time.
 pub fn shots(frames: usize, rate: Rate) -> Option<Vec<Shot>> {
-    let start_of = |index: usize| centiseconds(index, rate);
+    let start_of = |index: usize| ticks(index, rate, 100);
     let total = start_of(frames);
     if total > LONGEST_CS {
         return None;
@@ -40,12 +41,6 @@ pub fn shots(frames: usize, rate: Rate) -> Option<Vec<Shot>> {
         Shot { index: (index as usize).min(frames - 1), delay: delay as u64 }
     };
     Some((0..count).map(shot).collect())
-}
-
-/// c_k = floor((200·k·den + num) / (2·num)) for num/den frames per second.
-fn centiseconds(index: usize, rate: Rate) -> i128 {
-    let (num, den) = (rate.per_second().numer().to_owned(), rate.per_second().denom().to_owned());
-    (200 * index as i128 * den + num) / (2 * num)
 }
 
 /// The delays, each as a GIF can hold it, that add up to `total`. None of them is so short that viewers
@@ -103,7 +98,7 @@ mod tests {
         assert_eq!(indices[..7], [0, 1, 2, 3, 4, 6, 7]);
         for (frames, num, den) in [(601, 60, 1), (7, 240, 1), (1001, 60_000, 1001), (3, 51, 1)] {
             let delays = delays(frames, num, den);
-            let total = centiseconds(frames, Rate::new(num, den).expect("a rate"));
+            let total = ticks(frames, Rate::new(num, den).expect("a rate"), 100);
             assert_eq!(i128::from(delays.iter().sum::<u64>() as u32), total);
             assert!(delays.iter().all(|&delay| (2..=3).contains(&delay)));
         }

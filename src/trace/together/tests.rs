@@ -6,6 +6,7 @@ use crate::color::Rgb;
 use crate::counters::Counts;
 use crate::environment::{Environment, Sky};
 use crate::film::LayerId;
+use crate::film::Extras;
 use crate::filter::FilterSampler;
 use crate::glow::Glow;
 use crate::light::{Attenuation, Cone, Light, Source};
@@ -139,7 +140,7 @@ impl World {
         let scene = Scene { geometry, shading, weights: &weights, camera };
         let bvh = Bvh::build(geometry);
         let filter = FilterSampler::new(quality.filter);
-        let settings = TraceSettings { size: SIZE, quality: *quality, filter };
+        let settings = TraceSettings { size: SIZE, quality: *quality, filter, extras: Extras::default() };
         let mut pixels = Pixels::new(&scene, &bvh, &settings, Moment::ONLY);
         assert!(pixels.together, "a scene for eight rays");
         pixels.together = together;

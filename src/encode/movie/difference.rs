@@ -1,4 +1,4 @@
-//! What changes from one frame's indices to the next.
+//! What changes from one frame to the next.
 
 /// A rectangle of pixels, never empty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,7 +11,7 @@ pub struct Rectangle {
 
 impl Rectangle {
     /// This part of a picture that is `stride` pixels wide.
-    pub fn rows<'a>(&self, picture: &'a [u8], stride: usize) -> impl Iterator<Item = &'a [u8]> + use<'a> {
+    pub fn rows<'a, T>(&self, picture: &'a [T], stride: usize) -> impl Iterator<Item = &'a [T]> + use<'a, T> {
         let Self { left, top, width, height } = *self;
         picture.chunks_exact(stride).skip(top).take(height).map(move |row| &row[left..left + width])
     }
@@ -19,7 +19,7 @@ impl Rectangle {
 
 /// The smallest rectangle that holds every difference of two pictures of the same size, both `stride`
 /// pixels wide; none if they are equal.
-pub fn changed(old: &[u8], new: &[u8], stride: usize) -> Option<Rectangle> {
+pub fn changed<T: PartialEq>(old: &[T], new: &[T], stride: usize) -> Option<Rectangle> {
     let rows = || old.chunks_exact(stride).zip(new.chunks_exact(stride));
     let top = rows().position(|(old, new)| old != new)?;
     let bottom = rows().rposition(|(old, new)| old != new)?;

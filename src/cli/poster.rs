@@ -1,0 +1,104 @@
+//! `kinora poster`: a sequence file in, one frame out.
+
+use super::failure::Failure;
+use super::filmstrip::named;
+use super::options::Options;
+use super::overrides::{self, Overrides};
+use super::progress::{self, ProgressMode};
+use super::{load, loading, summary, terminal, values};
+use crate::counters::Meter;
+use crate::encode::{Output, Template};
+use crate::render::{Request, render};
+use crate::sequence::Sequence;
+use crate::time::Time;
+use clap::Args;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Render one frame of a sequence.
+#[derive(Args, Debug, PartialEq)]
+#[command(after_help = AFTER_HELP)]
+pub struct Arguments {
+    /// The sequence file (.ron).
+    file: PathBuf,
+
+    /// The picture to write: .png, .jpg, .ppm or .exr [default: output/NAME_poster.png]
+    #[arg(short, long, value_name = "FILE", value_parser = Output::parse)]
+    output: Vec<Output>,
+
+    /// The frame, counted from 0 [default: that in the middle]
+    #[arg(long, value_name = "N", conflicts_with = "at")]
+    frame: Option<u32>,
+
+    /// The frame that shows at this time, in seconds
+    #[arg(long, value_name = "SECONDS", value_parser = values::seconds, allow_hyphen_values = true)]
+    at: Option<Time>,
+
+    /// Leave the background out: PNG and EXR get alpha
+    #[arg(long)]
+    transparent: bool,
+
+    /// Write this into the picture, such as "frame {frame}, {time} s"
+    #[arg(long, value_name = "TEXT", value_parser = values::caption)]
+    caption: Option<Template>,
+
+    /// Bits of a PNG's channels: 8 or 16 [default: as the sequence says]
+    #[arg(long, value_name = "N", value_parser = values::bits)]
+    bits: Option<bool>,
+
+    #[command(flatten)]
+    options: Options,
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  kinora poster turn.ron                             the frame in the middle
+  kinora poster turn.ron --at 1.5 -s 1920x1080 -o cover.jpg
+  kinora poster turn.ron --frame 0 --transparent --bits 16 -o cover.png";
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let options = &arguments.options;
+    let sequence = load::sequence(&arguments.file, loading::Reporter::new(options.progress, options.quiet))?;
+    let overrides = Overrides {
+        transparent: arguments.transparent,
+        caption: arguments.caption.clone(),
+        deep: arguments.bits,
+        ..options.overrides()
+    };
+    let sequence = overrides::applied(sequence, &overrides).map_err(Failure::Bad)?;
+    let frame = arguments.frame_of(&sequence)?;
+    let outputs = match arguments.output.is_empty() {
+        true => vec![named(&sequence, "poster")?],
+        false => arguments.output.clone(),
+    };
+    if let Some(output) = outputs.iter().find(|output| output.is_animation()) {
+        return Err(Failure::Bad(format!(
+            "a poster is one picture; write .png, .jpg, .ppm or .exr, not {output}"
+        )));
+    }
+    let request = Request { outputs, frames: vec![frame], threads: options.threads };
+
+    let meter = Arc::new(Meter::default());
+    let show = progress::Reporter::new(options.progress, options.quiet, 1);
+    let done = progress::watch(&meter, 1, show, || render(&sequence, &request, &meter))?;
+    if options.quiet {
+        return Ok(());
+    }
+    let json = options.progress == ProgressMode::Json;
+    terminal::say(&if json { summary::json(&done) } else { summary::text(&done) })
+}
+
+impl Arguments {
+    fn frame_of(&self, sequence: &Sequence) -> Result<u32, Failure> {
+        let count = sequence.timeline.frames;
+        let frame = match (self.frame, self.at) {
+            (Some(frame), _) => frame,
+            (None, Some(time)) => sequence.timeline.frame_at(time),
+            (None, None) => count / 2,
+        };
+        if frame < count {
+            return Ok(frame);
+        }
+        Err(Failure::Bad(format!("there is no frame {frame}; the last one is {}", count.saturating_sub(1))))
+    }
+}

@@ -1,0 +1,47 @@
+//! Animations that take their frames one after the other. GIFs are not among them: they know their palette only
+//! after the last frame.
+
+pub mod apng;
+pub mod clock;
+pub mod difference;
+mod h264;
+pub mod mp4;
+#[cfg(test)]
+mod tests;
+pub mod webp;
+pub mod y4m;
+mod yuv;
+
+use super::error::EncodeError;
+use super::job::Job;
+use super::output::{Moving, Output};
+use super::picture::Picture;
+use std::path::PathBuf;
+
+/// An animation in the making. Its file appears when it is finished, and not at all if it is dropped before.
+pub trait Movie: Send {
+    /// Adds the job's next frame.
+    fn push(&mut self, picture: &Picture) -> Result<(), EncodeError>;
+
+    /// Writes what is left.
+    fn finish(self: Box<Self>) -> Result<(), EncodeError>;
+
+    /// Closes the animation with the frames that came, beside the place of the whole one, and names the file.
+    fn stop(self: Box<Self>) -> Result<Option<PathBuf>, EncodeError>;
+}
+
+/// Starts the animation that an output is, unless it is none or a GIF.
+pub fn start(output: &Output, job: &Job) -> Result<Option<Box<dyn Movie>>, EncodeError> {
+    let (format, path) = match output {
+        Output::Stills(..) => return Ok(None),
+        Output::Stream => return Ok(Some(Box::new(y4m::Y4m::to_stdout(job)?))),
+        Output::Movie(format, path) => (format, path),
+    };
+    Ok(match format {
+        Moving::Gif => None,
+        Moving::Apng => Some(Box::new(apng::Apng::create(path, job)?)),
+        Moving::Webp => Some(Box::new(webp::Webp::create(path, job)?)),
+        Moving::Y4m => Some(Box::new(y4m::Y4m::create(path, job)?)),
+        Moving::Mp4 => Some(Box::new(mp4::Mp4::create(path, job)?)),
+    })
+}

@@ -1,0 +1,77 @@
+//! Text as pixels, in the bundled font.
+
+use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
+use std::sync::LazyLock;
+
+/// Roboto Medium, see assets/README.md.
+static FONT: LazyLock<Option<FontRef<'static>>> =
+    LazyLock::new(|| FontRef::try_from_slice(include_bytes!("../../assets/fonts/Roboto-Medium.ttf")).ok());
+
+/// A line of text: how much of each pixel it covers.
+#[derive(Clone, Debug, Default)]
+pub struct Line {
+    pub width: usize,
+    pub height: usize,
+    /// 0..=1, row by row.
+    pub cover: Vec<f32>,
+}
+
+impl Line {
+    /// The text, `size` pixels high from the lowest descender to the highest letter.
+    pub fn new(text: &str, size: f32) -> Self {
+        // The font is a part of the program; if it were broken, pictures would still be right without captions.
+        let Some(font) = FONT.as_ref() else { return Self::default() };
+        let scale = PxScale::from(size);
+        let scaled = font.as_scaled(scale);
+        let (mut at, mut last, mut glyphs) = (0.0, None, Vec::new());
+        for letter in text.chars() {
+            let glyph = scaled.glyph_id(letter);
+            at += last.map_or(0.0, |last| scaled.kern(last, glyph));
+            glyphs.push(glyph.with_scale_and_position(scale, point(at, scaled.ascent())));
+            at += scaled.h_advance(glyph);
+            last = Some(glyph);
+        }
+        let (width, height) = (at.ceil() as usize, scaled.height().ceil() as usize);
+        let mut line = Self { width, height, cover: vec![0.0; width * height] };
+        for outlined in glyphs.into_iter().filter_map(|glyph| font.outline_glyph(glyph)) {
+            let (left, top) = (outlined.px_bounds().min.x as i64, outlined.px_bounds().min.y as i64);
+            outlined.draw(|x, y, cover| line.add(left + i64::from(x), top + i64::from(y), cover));
+        }
+        line
+    }
+
+    /// Letters may touch each other.
+    fn add(&mut self, x: i64, y: i64, cover: f32) {
+        let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else { return };
+        if x < self.width && y < self.height {
+            let pixel = &mut self.cover[y * self.width + x];
+            *pixel = (*pixel + cover).min(1.0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn letters_cover_some_of_their_line() {
+        let line = Line::new("frame 007 · 0.29 s", 32.0);
+        assert_eq!((line.height, line.cover.len()), (32, line.width * 32));
+        assert!((180..300).contains(&line.width), "{}", line.width);
+        let share = line.cover.iter().sum::<f32>() / line.cover.len() as f32;
+        assert!((0.1..0.4).contains(&share), "{share}");
+        assert!(line.cover.iter().all(|cover| (0.0..=1.0).contains(cover)));
+    }
+
+    #[test]
+    fn digits_are_equally_wide() {
+        let widths = (0..10).map(|digit| Line::new(&format!("{digit}{digit}"), 40.0).width);
+        assert_eq!(widths.collect::<std::collections::HashSet<_>>().len(), 1);
+    }
+
+    #[test]
+    fn nothing_takes_no_place() {
+        assert_eq!(Line::new("", 20.0).width, 0);
+    }
+}

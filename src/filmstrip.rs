@@ -1,0 +1,91 @@
+//! A figure of a sequence: several of its frames in one picture, each with its number and time.
+
+use crate::color::Rgb;
+use crate::counters::Meter;
+use crate::encode::{About, EncodeError, Output, Report, Sheet, Shown, Template, ToneTable, write_picture};
+use crate::film::{Extras, Film};
+use crate::render::{RenderError, Summary, check_memory, pool, summary};
+use crate::schedule::{FilmSink, FrameLoop};
+use crate::sequence::Sequence;
+use crate::time::Rate;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What is shown of a sequence, and where it goes. Frames have the sequence's size.
+#[derive(Clone, Debug)]
+pub struct Request {
+    pub frames: Vec<u32>,
+    /// A still without a place for frame numbers, but no EXR.
+    pub output: Output,
+    pub columns: u32,
+    /// What stands below each frame.
+    pub text: Template,
+    pub threads: Option<NonZeroUsize>,
+}
+
+/// Where films go: developed, and put into their cells.
+struct Cells {
+    sheet: Sheet,
+    table: ToneTable,
+    matte: Rgb,
+    about: About,
+    rate: Rate,
+    text: Template,
+    next: u32,
+}
+
+impl FilmSink for Cells {
+    fn push(&mut self, frame: u32, film: Film) -> Result<(), EncodeError> {
+        let picture = self.table.develop(&film).0.over(self.matte);
+        let shown = Shown { about: &self.about, frame, rate: self.rate };
+        self.sheet.put(self.next, &picture, &self.text.told(&shown));
+        self.next += 1;
+        Ok(())
+    }
+}
+
+/// Renders the filmstrip. `meter` may be watched from another thread meanwhile.
+pub fn filmstrip(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> Result<Summary, RenderError> {
+    let start = Instant::now();
+    let extras = Extras { coverage: sequence.output.transparent, guides: false };
+    check_memory(sequence, extras)?;
+    let count = request.frames.len() as u32;
+    let cells = Cells {
+        sheet: Sheet::new(count, request.columns, sequence.output.size),
+        table: ToneTable::new(sequence.output.tonemap),
+        matte: sequence.output.matte,
+        about: sequence.about(),
+        rate: sequence.timeline.rate,
+        text: request.text.clone(),
+        next: 0,
+    };
+    let mut frames = FrameLoop::with_extras(sequence, extras, cells, Arc::clone(meter));
+    pool(request.threads)?.install(|| request.frames.iter().try_for_each(|&frame| frames.frame(frame)))?;
+    let tally = frames.tally().clone();
+    if let Some(cells) = frames.into_sink() {
+        write_picture(&request.output, &cells.sheet.finish(), sequence.output.formats)?;
+    }
+    let report = Report { files: vec![PathBuf::from(request.output.to_string())], ..Report::default() };
+    Ok(summary(&tally, report, count, start.elapsed()))
+}
+
+/// `count` frames spread evenly over a sequence of `frames`, from the first to the last.
+pub fn spread(frames: u32, count: u32) -> Vec<u32> {
+    let (last, steps) = (u64::from(frames.max(1) - 1), u64::from(count.clamp(1, frames.max(1)) - 1));
+    let at = |step: u64| if steps == 0 { 0 } else { (2 * step * last + steps) / (2 * steps) };
+    (0..=steps).map(|step| at(step) as u32).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_spread_from_the_first_to_the_last() {
+        assert_eq!(spread(72, 4), [0, 24, 47, 71]);
+        assert_eq!(spread(3, 8), [0, 1, 2]);
+        assert_eq!((spread(1, 5), spread(9, 1)), (vec![0], vec![0]));
+    }
+}
