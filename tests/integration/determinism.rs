@@ -209,7 +209,6 @@ fn ga_01_zero_strength_equals_absence() {
         ("", "emission: 0, emission_color: (9, 9, 9)", "", ""),
         ("", "fuzz: 0.5", "", ""),
         ("", "mirror: 0, mirror_color: Checker()", "", ""),
-        ("", r##"diffuse_color: Checker(a: "\#c84", b: "\#c84")"##, "", ""),
         ("roll: 360", "", "", ""),
         ("path: [Zoom(factor: 1), Dolly(forward: 0, right: 0, upward: 0)]", "", "", ""),
     ] {
