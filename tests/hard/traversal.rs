@@ -216,7 +216,7 @@ fn bvh_03_trees_equal_linear_scans() {
 #[test]
 #[ignore = "minutes; all rays of BVH-03"]
 fn bvh_03_trees_equal_linear_scans_in_full() {
-    trees_equal_scans(200_000);
+    trees_equal_scans(125_000);
 }
 
 /// Whether anything lies before t_max is whether the nearest does.
