@@ -18,7 +18,7 @@ use proptest::test_runner::RngSeed;
 use std::sync::Arc;
 
 /// Cases per property.
-const CASES: u32 = if cfg!(debug_assertions) { 200 } else { 20_000 };
+const CASES: u32 = if cfg!(debug_assertions) { 200 } else { 100_000 };
 
 /// The same cases in every run; `PROPTEST_RNG_SEED=2` tries others.
 fn config(cases: u32) -> ProptestConfig {
