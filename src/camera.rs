@@ -16,6 +16,22 @@ impl Ray {
     }
 }
 
+/// How much a ray stands for: a beam as wide as what a pixel shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Beam {
+    /// Where the ray starts.
+    pub width: f64,
+    /// How much it grows per unit of length.
+    pub spread: f64,
+}
+
+impl Beam {
+    /// Its width after a way.
+    pub fn after(&self, length: f64) -> f64 {
+        self.width + self.spread * length
+    }
+}
+
 /// How the camera maps space to the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
@@ -44,6 +60,17 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// The beam of a pixel around a ray; `pixel` is its height in the units of [`Camera::ray`]. Depth of field is no
+    /// part of it.
+    pub fn beam(&self, ray: &Ray, pixel: f64) -> Beam {
+        match self.projection {
+            Projection::Perspective { half_height } => {
+                Beam { width: 0.0, spread: half_height * pixel * ray.direction.dot(self.basis.forward) }
+            }
+            Projection::Orthographic { half_height } => Beam { width: half_height * pixel, spread: 0.0 },
+        }
+    }
+
     /// The ray through a point of the picture: `screen.y` runs from -1 at the bottom to 1 at the top,
     /// `screen.x` likewise times the picture's width / height. `u`, two numbers in 0..1, picks the point of
     /// the lens, evenly over its area.

@@ -18,7 +18,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_code_survives_the_round_trip() {
+    fn co_01_every_code_survives_the_round_trip() {
         for code in 0..=255u8 {
             let linear = srgb_to_linear(f64::from(code) / 255.0);
             assert_eq!((linear_to_srgb(linear) * 255.0 + 0.5).floor(), f64::from(code));

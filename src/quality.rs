@@ -23,6 +23,8 @@ pub struct Quality {
     pub clamp: Option<f32>,
     /// Moments per frame at which motion is looked at while the shutter is open, at least 1.
     pub shutter_steps: u32,
+    /// Whether light falls on smooth meshes as on the surfaces that they stand for, not as on their triangles.
+    pub smooth_terminator: bool,
     /// Another seed gives other noise.
     pub seed: u32,
 }
@@ -78,6 +80,7 @@ impl Default for Quality {
             threshold: 1e-3,
             clamp: None,
             shutter_steps: 32,
+            smooth_terminator: true,
             seed: 0,
         }
     }

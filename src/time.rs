@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn frame_of_time_of_frame_is_the_frame() {
+    fn ca_07_frame_of_time_of_frame_is_the_frame() {
         for r in [rate(24, 1), rate(25, 1), rate(30, 1), rate(60, 1), rate(24000, 1001), rate(30000, 1001)] {
             let timeline = Timeline::of_frames(100_000, r);
             for k in 0..100_000 {

@@ -52,6 +52,16 @@ impl Rotation {
 }
 
 impl TransformTracks {
+    /// Whether anything about it changes over time.
+    pub fn is_keyed(&self) -> bool {
+        let turns = match &self.rotation {
+            Rotation::Quaternion(quaternion) => quaternion.is_keyed(),
+            Rotation::AxisAngle { axis, angle } => axis.is_keyed() || angle.is_keyed(),
+            Rotation::Euler { x, y, z } => x.is_keyed() || y.is_keyed() || z.is_keyed(),
+        };
+        turns || self.translation.is_keyed() || self.scale.is_keyed()
+    }
+
     /// Parent from object. A scale of 0 along any axis gives a singular transform, which hides the object.
     pub fn at(&self, time: Time) -> DAffine3 {
         let (scale, rotation) = (self.scale.at(time), self.rotation.at(time));

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Layered gradient noise, about -1..=1.
 pub fn noise(point: DVec3, octaves: u32, seed: u32) -> f64 {
-    2.0 * Pattern::Noise { octaves, seed }.share(point, DVec3::ZERO) - 1.0
+    2.0 * Pattern::Noise { octaves, seed }.share(point, DVec3::ZERO, DVec3::ZERO) - 1.0
 }
 
 /// Layered noise with sharp crests, in 0..=1.

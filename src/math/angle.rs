@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn keyed_turns_close_bit_for_bit() {
+    fn ca_01_keyed_turns_close_bit_for_bit() {
         // 3 turns over 7·3 frames: a thirds-and-sevenths grid that no binary fraction holds.
         let at = |k: u32| {
             let s = Fraction { num: f64::from(k), den: 21.0 };

@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn up_on_the_line_of_sight_still_gives_a_frame() {
+    fn ca_03_up_on_the_line_of_sight_still_gives_a_frame() {
         let above = DVec3::new(0.0, 10.0, 0.0);
         for (eye, up) in [
             (above, DVec3::Y),
@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn a_usable_up_is_honoured() {
+    fn ca_03_a_usable_up_is_honoured() {
         for degrees in [8.0, 1.0, 0.01] {
             let forward = DVec3::NEG_Z;
             let tilt = super::super::Angle(degrees).cos_sin();
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn eye_on_target_has_no_frame() {
+    fn ca_03_eye_on_target_has_no_frame() {
         assert_eq!(look_at(DVec3::ONE, DVec3::ONE, DVec3::Y), None);
         assert_eq!(look_at(DVec3::splat(f64::INFINITY), DVec3::ONE, DVec3::Y), None);
     }

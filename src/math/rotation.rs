@@ -42,7 +42,7 @@ mod tests {
     }
 
     #[test]
-    fn near_identical_rotations_interpolate_evenly() {
+    fn ca_04_near_identical_rotations_interpolate_evenly() {
         let start = DQuat::from_axis_angle(DVec3::new(0.1, 0.9, 0.2).normalize(), 0.7);
         let axis = DVec3::new(0.3, 0.5, 0.8).normalize();
         for angle in [0.0, 1e-8, 1e-5, 1e-4, 5e-4, 1e-3, 0.01, 3.0] {
@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn half_a_turn_goes_the_way_of_its_axis() {
+    fn ca_05_half_a_turn_goes_the_way_of_its_axis() {
         let quarter = slerp(about_y(0.0), about_y(180.0), 0.5);
         assert!((quarter * DVec3::X - DVec3::NEG_Z).length() <= 1e-12);
         assert_eq!(axis_angle(DVec3::Y, Angle(180.0)) * DVec3::X, DVec3::NEG_X);
@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn the_short_way_from_350_to_10_passes_0() {
+    fn ca_05_the_short_way_from_350_to_10_passes_0() {
         let middle = slerp(about_y(350.0), about_y(10.0), 0.5);
         assert!((middle * DVec3::X - DVec3::X).length() <= 1e-12);
     }

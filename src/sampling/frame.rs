@@ -12,14 +12,15 @@ pub struct Frame {
 
 impl Frame {
     /// The frame around the unit vector `z` (Duff et al., *Building an Orthonormal Basis, Revisited*, 2017):
-    /// one sign, no branch and no cancellation, also at z = -1.
+    /// one sign, no branch and no cancellation, also at z = -1. Rounding leaves a part of both axes along z, up to 6 u,
+    /// which is taken away; then no two axes are off a right angle by more than 4 u.
     pub fn around(z: DVec3) -> Self {
         let sign = 1.0_f64.copysign(z.z);
         let a = -1.0 / (sign + z.z);
         let b = z.x * z.y * a;
         let x = DVec3::new(1.0 + sign * z.x * z.x * a, sign * b, -sign * z.x);
         let y = DVec3::new(b, sign + z.y * z.y * a, -z.y);
-        Self { x, y, z }
+        Self { x: x - z * x.dot(z), y: y - z * y.dot(z), z }
     }
 
     /// A vector given along the frame's axes.
@@ -41,12 +42,16 @@ mod tests {
 
     fn assert_orthonormal(z: DVec3) {
         let Frame { x, y, z } = Frame::around(z);
-        for (v, w, dot) in [(x, x, 1.0), (y, y, 1.0), (z, z, 1.0), (x, y, 0.0), (y, z, 0.0), (z, x, 0.0)] {
-            assert!((v.dot(w) - dot).abs() <= 8.0 * UNIT_ROUNDOFF, "{z}: {} against {dot}", v.dot(w));
+        for v in [x, y, z] {
+            assert!((v.length() - 1.0).abs() <= 4.0 * UNIT_ROUNDOFF, "{z}: length {}", v.length());
+        }
+        for (v, w) in [(x, y), (y, z), (z, x)] {
+            assert!(v.dot(w).abs() <= 4.0 * UNIT_ROUNDOFF, "{z}: {}", v.dot(w));
         }
         assert!((x.cross(y) - z).length() <= 8.0 * UNIT_ROUNDOFF, "right-handed around {z}");
     }
 
+    /// The basis of Frisvad (2012) cancels next to -z: in f32 it is off by 0.6.
     #[test]
     fn sa_06_orthonormal_everywhere() {
         assert_orthonormal(DVec3::NEG_Z);
@@ -60,7 +65,7 @@ mod tests {
             }
         }
         let mut random = Random(3);
-        for _ in 0..100_000 {
+        for _ in 0..1_000_000 {
             assert_orthonormal(random.point(1.0).normalize());
         }
     }

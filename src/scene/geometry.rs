@@ -2,9 +2,9 @@
 
 use super::primitive::{Finish, Primitive, abs, inverse};
 use crate::bvh::Hit;
-use crate::math::DAffine3;
+use crate::math::{DAffine3, DVec3};
 use crate::shape::{Shape, Surface};
-use crate::texture::Spot;
+use crate::texture::{Footprint, Spot};
 
 /// All that can be seen, in the order of the file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,11 +33,15 @@ impl Geometry {
         self.origins.push(Origin { shape: shape.clone(), to_object });
     }
 
-    /// What paint may ask of the point where a primitive was hit.
-    pub fn spot(&self, hit: &Hit, surface: &Surface) -> Spot {
+    /// What paint may ask of the point where a primitive was hit. `printed` says whether it asks how much is seen in u
+    /// and v.
+    pub fn spot(&self, hit: &Hit, surface: &Surface, seen: &Footprint, printed: bool) -> Spot {
         let Origin { shape, to_object } = &self.origins[hit.primitive as usize];
         let point = to_object.transform_point3(surface.point);
         let error = abs(to_object).transform_vector3(surface.error);
-        Spot { uv: shape.uv(point, hit.at.part), point, error, color: shape.color(point, hit.at.part) }
+        let uv = |point: DVec3| shape.uv(point, hit.at.part);
+        let seen = seen.moved(&to_object.matrix3);
+        let seen_uv = if printed { seen.printed(point, uv) } else { Footprint::default() };
+        Spot { uv: uv(point), point, error, color: shape.color(point, hit.at.part), seen, seen_uv }
     }
 }

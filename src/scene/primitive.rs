@@ -29,6 +29,8 @@ pub enum Finish {
 pub struct Placement {
     pub to_world: DAffine3,
     pub to_object: DAffine3,
+    /// How far a ray that starts at a point of the surface may start from there in the shape's space.
+    apart: f64,
 }
 
 impl Primitive {
@@ -38,7 +40,7 @@ impl Primitive {
         Some(match shape.transformed(&to_world) {
             Some(shape) => Self { shape, placement: None, finish },
             None => {
-                let placement = Some(Box::new(Placement { to_world, to_object }));
+                let placement = Some(Box::new(Placement::new(shape, to_world, to_object)));
                 Self { shape: shape.clone(), placement, finish }
             }
         })
@@ -111,6 +113,20 @@ impl Primitive {
         }
     }
 
+    /// The surface for a ray that passes it, a little off the edges of its triangle if it is one of a mesh: so far inside
+    /// that the ray starts beyond its neighbours as well, which it meets in the same place if it comes to an edge. Of a
+    /// closed mesh it then enters one triangle, not two.
+    pub fn passed(&self, surface: Surface, part: u32) -> Surface {
+        let Shape::Mesh(shape) = &self.shape else { return surface };
+        let corners = shape.mesh.corners(part);
+        match &self.placement {
+            None => surface.clear_of_edges(corners),
+            Some(placement) => {
+                surface.clear_of_edges(corners.map(|corner| placement.to_world.transform_point3(corner)))
+            }
+        }
+    }
+
     /// A point of the surface that `from` may see, with its part and its density per solid angle there; none
     /// if the shape has no area to choose from.
     pub fn sample_from(&self, from: DVec3, u: DVec2) -> Option<(Surface, u32, f64)> {
@@ -144,6 +160,23 @@ impl Primitive {
 }
 
 impl Placement {
+    fn new(shape: &Shape, to_world: DAffine3, to_object: DAffine3) -> Self {
+        let placement = Self { to_world, to_object, apart: 0.0 };
+        let apart = shape.bounds().map_or(0.0, |bounds| placement.apart(bounds));
+        Self { apart, ..placement }
+    }
+
+    /// How far the origin of a ray that starts at a point of a shape within `bounds` may lie from that point in the
+    /// shape's space: the point's error in the world, the way along the normal past it, and the rounding of the way
+    /// back. No shape states a larger error of its own than gamma(64) of its coordinates.
+    fn apart(&self, bounds: Aabb) -> f64 {
+        let farthest = bounds.min.abs().max(bounds.max.abs());
+        let (back, in_world) = (abs(&self.to_object), abs(&self.to_world).transform_point3(farthest));
+        let error = self.error(farthest, DVec3::splat(farthest.length() * gamma(64)), in_world);
+        let moved = DVec3::splat(2.0 * error.length() + in_world.max_element() * gamma(2));
+        back.transform_vector3(moved).length() + (back.transform_point3(in_world) * gamma(5)).length()
+    }
+
     fn ray_to_object(&self, ray: &Ray) -> Ray {
         Ray {
             origin: self.to_object.transform_point3(ray.origin),
@@ -154,7 +187,7 @@ impl Placement {
     /// The shape's own error moved to the world, plus the rounding of the move there and, as the next ray
     /// from this point is moved back into the shape's space, of the way back.
     fn surface(&self, shape: &Shape, ray: &Ray, at: Crossing) -> Surface {
-        self.moved(&shape.surface(&self.ray_to_object(ray), at))
+        self.moved(&shape.surface_apart(&self.ray_to_object(ray), at, self.apart))
     }
 
     /// By how much areas across the world's unit vector `normal` have grown: those across a moved normal
@@ -164,15 +197,22 @@ impl Placement {
         self.to_world.matrix3.determinant().abs() / back
     }
 
+    /// The error in the world of a point that is known to `error` in the shape's space; of the point and its place in
+    /// the world the absolute values.
+    fn error(&self, local: DVec3, error: DVec3, in_world: DVec3) -> DVec3 {
+        let (forth, back) = (abs(&self.to_world), abs(&self.to_object));
+        let there = forth.transform_point3(local) * gamma(5);
+        let and_back = forth.transform_vector3(back.transform_point3(in_world)) * gamma(5);
+        forth.transform_vector3(error) + there + and_back
+    }
+
     fn moved(&self, local: &Surface) -> Surface {
         let point = self.to_world.transform_point3(local.point);
-        let (forth, back) = (abs(&self.to_world), abs(&self.to_object));
-        let there = forth.transform_point3(local.point.abs()) * gamma(5);
-        let and_back = forth.transform_vector3(back.transform_point3(point.abs())) * gamma(5);
-        let error = forth.transform_vector3(local.error) + there + and_back;
+        let error = self.error(local.point.abs(), local.error, point.abs());
         let turned = |normal: DVec3| (self.to_object.matrix3.transpose() * normal).normalize_or(normal);
         // An uneven scale may turn the shading normal past the surface's horizon.
-        Surface::new(point, error, turned(local.normal)).shaded(turned(local.shading))
+        let lift = self.to_world.transform_vector3(local.lift);
+        Surface { lift, ..Surface::new(point, error, turned(local.normal)).shaded(turned(local.shading)) }
     }
 }
 
@@ -203,7 +243,7 @@ mod tests {
     const UNIT: Shape = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 });
 
     #[test]
-    fn ellipsoids_are_hit_in_world_units() {
+    fn xf_02_ellipsoids_are_hit_in_world_units() {
         let scale = DAffine3::from_scale(DVec3::new(3.0, 1.0, 0.5));
         let ray = Ray { origin: DVec3::new(10.0, 0.2, 0.1), direction: DVec3::NEG_X };
         let hit = |affine: DAffine3, ray: Ray| {
@@ -226,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn badly_scaled_transforms_invert() {
+    fn xf_04_badly_scaled_transforms_invert() {
         let turn = crate::math::axis_angle(DVec3::new(0.6, 0.48, 0.64), crate::math::Angle(40.0));
         let m = DMat3::from_diagonal(DVec3::new(1e3, 1e-3, 1.0)) * turn;
         let back = inverse(&DAffine3::from_mat3(m)).expect("an inverse");
@@ -237,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn normals_of_uneven_scales() {
+    fn xf_01_normals_of_uneven_scales() {
         let affine = DAffine3::from_scale(DVec3::new(2.0, 1.0, 1.0));
         let primitive = Primitive::new(&UNIT, affine, Finish::Material(MadeOf::One(0))).expect("a primitive");
         let n = DVec3::new(1.0, 1.0, 0.0).normalize();

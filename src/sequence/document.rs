@@ -16,6 +16,7 @@ use super::node::Node;
 use super::object::{Draft, Parent, Surface, object, report_circles};
 use super::output::{default_output, output};
 use super::quality::quality;
+use super::reach::{TransformPlace, report_out_of_range};
 use super::timeline::{still, timeline};
 use super::{Named, Object, Sequence};
 use crate::camera_path::CameraPath;
@@ -45,13 +46,17 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     let fog = fields.optional("fog", fog);
     let mut places = Places { lights: Vec::new(), materials: Vec::new(), objects: fields.place("objects") };
     let lights = fields.or("lights", |node| lights(node, &mut places.lights), Vec::new());
-    let scene = scene(&mut fields, &mut places.materials);
+    let mut transforms = Vec::new();
+    let scene = scene(&mut fields, &mut places.materials, &mut transforms);
     // After the objects, which cameras may focus on.
     let cameras = cameras(&mut fields, scene.as_ref().map(|(_, objects)| objects.as_slice()));
     fields.finish();
     if let (Some(timeline), Some(Cameras { list, active, places })) = (&timeline, &cameras) {
         let steps = quality.unwrap_or_default().shutter_steps;
         report_blind_cameras(root.file, timeline, steps, list, active, places);
+    }
+    if let (Some(timeline), Some((_, objects))) = (&timeline, &scene) {
+        report_out_of_range(root.file, timeline, objects, &transforms);
     }
     let (timeline, cameras, (materials, objects)) = (timeline?, cameras?, scene?);
     let sequence = Sequence {
@@ -138,8 +143,12 @@ fn unnamed(camera: CameraPath) -> Named<CameraPath> {
 
 type Scene = (Vec<Named<MaterialTracks>>, Vec<Named<Object>>);
 
-/// Materials and objects, and where the materials with a name stand in the file.
-fn scene(fields: &mut Fields<'_>, places: &mut Vec<Range<usize>>) -> Option<Scene> {
+/// Materials and objects, and where the materials with a name and the objects' transforms stand in the file.
+fn scene(
+    fields: &mut Fields<'_>,
+    places: &mut Vec<Range<usize>>,
+    transforms: &mut Vec<TransformPlace>,
+) -> Option<Scene> {
     let default = fields.or("default_material", material, Given::default());
     let mut material_entries = Vec::new();
     let materials = fields.optional("materials", |node| {
@@ -151,6 +160,7 @@ fn scene(fields: &mut Fields<'_>, places: &mut Vec<Range<usize>>) -> Option<Scen
     let objects = fields.optional("objects", |node| objects(node, &names));
     let (default, materials, objects) =
         (default?, materials?.unwrap_or_default(), objects?.unwrap_or_default());
+    transforms.extend(objects.iter().map(|(draft, _)| draft.value.place.clone()));
     Some(assembled(&default, &materials, objects))
 }
 
@@ -180,7 +190,7 @@ fn assembled(default: &Given, named: &[Named<Given>], drafts: Vec<Placed>) -> Sc
     };
     let mut objects = Vec::with_capacity(drafts.len());
     for (Named { name, value: draft }, parent) in drafts {
-        let Draft { shape, material, transform, visible } = draft;
+        let Draft { shape, material, transform, visible, .. } = draft;
         let made_of = match material {
             Surface::Named(index) => MadeOf::One(index as u32),
             Surface::Inline(given) => MadeOf::One(append(format!("objects.{name:?}.material"), over(&given))),

@@ -29,6 +29,7 @@ mod output;
 mod paint;
 mod path;
 mod quality;
+mod reach;
 mod shape;
 mod suggest;
 mod symbols;

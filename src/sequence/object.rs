@@ -8,6 +8,7 @@ use super::mesh::file_place;
 use super::mtl::{Own, own_materials};
 use super::names::{Entry, Names};
 use super::node::Node;
+use super::reach::TransformPlace;
 use super::shape::shape;
 use super::suggest::shortened;
 use super::transform::transform;
@@ -23,6 +24,7 @@ pub struct Draft {
     pub material: Surface,
     pub transform: TransformTracks,
     pub visible: Animated<bool>,
+    pub place: TransformPlace,
 }
 
 /// Where an object's material comes from.
@@ -58,6 +60,8 @@ pub fn object(node: Node<'_>, materials: &Names<'_>, objects: &Names<'_>) -> (Op
         (Some(Shape::Mesh(mesh)), Some(Surface::Default)) => own(node, place, mesh),
         (_, material) => material,
     };
+    let place_of = |name| fields.place(name);
+    let placed = TransformPlace { scale: place_of("scale"), translation: place_of("translation") };
     let transform = transform(&mut fields);
     let visible = fields.or("visible", keyed(switch), true);
     let parent = fields
@@ -65,7 +69,7 @@ pub fn object(node: Node<'_>, materials: &Names<'_>, objects: &Names<'_>) -> (Op
     fields.finish();
     let draft = || {
         let (Some(_), shape) = (&parent, shape?) else { return None };
-        Some(Draft { shape, material: material?, transform: transform?, visible: visible? })
+        Some(Draft { shape, material: material?, transform: transform?, visible: visible?, place: placed })
     };
     (draft(), parent.flatten())
 }

@@ -184,7 +184,7 @@ mod tests {
 
     fn color(text: &str, x: f64, y: f64) -> Rgb {
         let point = DVec3::new(x, y, 0.0);
-        at_start(text).color(&Spot { uv: DVec2::new(x, y), point, error: DVec3::ZERO, color: Rgb::X })
+        at_start(text).color(&Spot { uv: DVec2::new(x, y), point, color: Rgb::X, ..Spot::default() })
     }
 
     #[test]
@@ -233,12 +233,8 @@ mod tests {
         let bottom_right = Image::texel(&linear.image, 1, 1);
         assert_eq!(bottom_right, Rgb::splat(60.0 / 255.0));
         assert_eq!(
-            Paint::Image(linear.at(Time::from_integer(0))).color(&Spot {
-                uv: DVec2::new(0.4, 0.6),
-                point: DVec3::ZERO,
-                error: DVec3::ZERO,
-                color: Rgb::ZERO
-            }),
+            Paint::Image(linear.at(Time::from_integer(0)))
+                .color(&Spot { uv: DVec2::new(0.4, 0.6), ..Spot::default() }),
             bottom_right,
             "twice as small, so it is seen twice"
         );

@@ -23,6 +23,7 @@ pub fn quality(node: Node<'_>) -> Option<Quality> {
     let threshold = fields.or("threshold", between(0.0..=1.0), f64::from(default.threshold));
     let clamp = fields.optional("clamp", positive);
     let shutter_steps = fields.or("shutter_steps", whole(1..=4096), default.shutter_steps);
+    let smooth_terminator = fields.or("smooth_terminator", switch, default.smooth_terminator);
     let seed = fields.or("seed", whole(0..=u32::MAX), default.seed);
     fields.finish();
     Some(Quality {
@@ -34,6 +35,7 @@ pub fn quality(node: Node<'_>) -> Option<Quality> {
         threshold: threshold? as f32,
         clamp: clamp?.map(|clamp| clamp as f32),
         shutter_steps: shutter_steps?,
+        smooth_terminator: smooth_terminator?,
         seed: seed?,
     })
 }

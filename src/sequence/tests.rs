@@ -27,7 +27,8 @@ const EVERYTHING: &str = r##"
              exposure: [(0, -2), (48, 1.5, Smooth)],
              gif: (plays: 3, colors: 16, dither: false)),
     quality: (integrator: Path(roulette: Off, refractive_shadows: true), bounces: 2, antialias: 1, samples: 16,
-              filter: BlackmanHarris(width: 2.5), threshold: 0.01, clamp: 10, shutter_steps: 8, seed: 4294967295),
+              filter: BlackmanHarris(width: 2.5), threshold: 0.01, clamp: 10, shutter_steps: 8,
+              smooth_terminator: false, seed: 4294967295),
     background: [(0, "#102030"), (24, Srgb(0, 0, 255), Smooth), (48, 0)],
     ambient: Linear8(255, 255, 255),
     fog: (color: [(0, 0.5), (24, "#abc")], density: [(0, 0), (48, 0.1)], falloff: (base: -1, height: [(0, 2), (48, 3)])),
@@ -128,6 +129,7 @@ fn everything_is_read() {
         threshold: 0.01,
         clamp: Some(10.0),
         shutter_steps: 8,
+        smooth_terminator: false,
         seed: u32::MAX,
     };
     assert_eq!(sequence.quality, quality);

@@ -9,10 +9,10 @@ use crate::time::Time;
 use std::ops::RangeInclusive;
 
 /// Numbers beyond this are refused: their squares and products must stay far from overflow.
-const LARGEST: f64 = 1e30;
+pub const LARGEST: f64 = 1e30;
 
 /// Lengths below this are refused, for their squares must stay far from underflow.
-const SHORTEST: f64 = 1e-30;
+pub const SHORTEST: f64 = 1e-30;
 
 /// Whether a value is written like a number.
 pub fn is_number(node: Node<'_>) -> bool {

@@ -187,23 +187,26 @@ impl Work for Hit<'_, Sphere> {
         let outside = distance - radius;
         let (a, b) = (d.dot(d), -from_center.dot(d));
         let is_outside = zero.at_most(outside);
-        let closest = b / a;
-        let nearest = (from_center + d * closest).length();
+        let inverse = Octo::splat(1.0) / a;
+        let first = b * inverse;
+        let near = from_center + d * first;
+        let nearest = near.length();
         let square = (radius - nearest) * (radius + nearest);
         let missed = ((is_outside & b.at_most(zero)) | square.below(zero)).bits();
         if missed == 0xff {
             return Crossings::NONE;
         }
-        let half_chord = (square / a).root();
+        let closest = first - near.dot(d) * inverse;
+        let half_chord = (square * inverse).root();
         let entry = {
-            let c = outside * (distance + radius) / a;
+            let c = outside * (distance + radius) * inverse;
             let afar = (Octo::splat(2.0) * radius).below(distance);
             (closest - half_chord).pick(afar, c / (closest + half_chord))
         };
         let mut t = entry;
         if is_outside.bits() != 0xff {
             let ahead = zero.below(closest);
-            let back = -outside * (distance + radius) / a / (half_chord - closest);
+            let back = -outside * (distance + radius) * inverse / (half_chord - closest);
             t = entry.pick(is_outside, (closest + half_chord).pick(ahead, back));
         }
         Crossings::between(t, !missed, self.limit)

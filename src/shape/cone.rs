@@ -13,7 +13,11 @@ macro_rules! as_its_frustum {
         }
 
         fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-            self.0.surface(ray, at)
+            self.0.surface(ray, at, 0.0)
+        }
+
+        fn surface_apart(&self, ray: &Ray, at: Crossing, apart: f64) -> Surface {
+            self.0.surface(ray, at, apart)
         }
 
         fn bounds(&self) -> Option<Aabb> {

@@ -2,7 +2,7 @@
 
 use super::{Crossing, Geometric, Parameters, Surface};
 use crate::camera::Ray;
-use crate::math::{Aabb, DAffine3, DVec2, DVec3, gamma};
+use crate::math::{Aabb, DAffine3, DVec2, DVec3, gamma, next_away};
 use crate::tree::Probe;
 
 /// The surface of the axis-aligned box from `min` to `max`, each of whose sides is longer than 0.
@@ -31,41 +31,33 @@ impl Geometric for Cuboid {
         Some(Self { min, max })
     }
 
-    /// Slabs: the ray is inside from the last entry to the first exit. Every side of the box is a
-    /// difference of two coordinates, so its sign, and with it what lies ahead, is exact.
     fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        let (o, d) = (probe.ray.origin, probe.ray.direction);
-        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-        for axis in 0..3 {
-            if d[axis] == 0.0 {
-                if o[axis] < self.min[axis] || o[axis] > self.max[axis] {
-                    return None;
-                }
-                continue;
-            }
-            let a = (self.min[axis] - o[axis]) / d[axis];
-            let b = (self.max[axis] - o[axis]) / d[axis];
-            enter = enter.max(a.min(b));
-            leave = leave.min(a.max(b));
-        }
+        let [enter, leave] = self.crossings(&probe.ray)?.map(|(t, _)| t);
         let t = if enter > 0.0 { enter } else { leave };
         (enter <= leave && t > 0.0 && t < t_max).then_some(Crossing::at(t))
     }
 
-    /// The face is the one that the ray crosses at t; the point is put onto its plane exactly. On an edge of
-    /// the box that is never the face beyond the edge, which the ray may not see.
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-        let (o, d) = (ray.origin, ray.direction);
-        let faces =
-            [self.min, self.max].into_iter().flat_map(|corner| (0..3).map(move |axis| (axis, corner[axis])));
-        let off = |&(axis, plane): &(usize, f64)| ((plane - o[axis]) / d[axis] - at.t).abs();
-        // A ray along a face gives no number, or an infinite one, and sorts last.
-        let crossed = faces.min_by(|a, b| off(a).total_cmp(&off(b)));
-        let (axis, plane) = crossed.unwrap_or((0, self.min.x));
-        let mut point = ray.at(at.t).clamp(self.min, self.max);
-        point[axis] = plane;
+        self.surface_apart(ray, at, 0.0)
+    }
+
+    /// The face is one that the ray enters by, or else leaves by: on an edge of the box that is never the face beyond
+    /// the edge, which the ray may not see. The point is put onto its plane exactly, and stays off all edges, so that a
+    /// ray that goes in there is between all faces, and leaves the box once.
+    fn surface_apart(&self, ray: &Ray, at: Crossing, apart: f64) -> Surface {
+        let entering = |&[(enter, _), _]: &[(f64, usize); 2]| enter == at.t;
+        let crossings = self.crossings(ray);
+        let (enters, axis) = match crossings {
+            Some(crossings) if entering(&crossings) => (true, crossings[0].1),
+            Some([_, (_, axis)]) => (false, axis),
+            None => (true, 0),
+        };
+        let above = (ray.direction[axis] > 0.0) != enters;
+        let (min, max) = self.clear_of_edges(apart);
+        let mut point = ray.at(at.t).max(min).min(max);
+        point[axis] = if above { self.max[axis] } else { self.min[axis] };
         let mut normal = DVec3::ZERO;
-        normal[axis] = if plane == self.max[axis] { 1.0 } else { -1.0 };
+        normal[axis] = if above { 1.0 } else { -1.0 };
         Surface::new(point, point.abs() * gamma(1), normal)
     }
 
@@ -124,6 +116,37 @@ impl Geometric for Cuboid {
 }
 
 impl Cuboid {
+    /// Where a line enters and leaves the box, with the axes across which it does; the first after the second if it
+    /// passes by. Slabs: it is inside from the last entry to the first exit. Every side of the box is a difference of
+    /// two coordinates, so its sign, and with it what lies ahead, is exact.
+    fn crossings(&self, ray: &Ray) -> Option<[(f64, usize); 2]> {
+        let (o, d) = (ray.origin, ray.direction);
+        let (mut enter, mut leave) = ((f64::NEG_INFINITY, 0), (f64::INFINITY, 0));
+        for axis in 0..3 {
+            if d[axis] == 0.0 {
+                if o[axis] < self.min[axis] || o[axis] > self.max[axis] {
+                    return None;
+                }
+                continue;
+            }
+            let a = (self.min[axis] - o[axis]) / d[axis];
+            let b = (self.max[axis] - o[axis]) / d[axis];
+            let (near, far) = if a < b { (a, b) } else { (b, a) };
+            enter = if near > enter.0 { (near, axis) } else { enter };
+            leave = if far < leave.0 { (far, axis) } else { leave };
+        }
+        Some([enter, leave])
+    }
+
+    /// Between which corners points are that far, and at least one number, off all edges; the middle twice if
+    /// there are none.
+    fn clear_of_edges(&self, apart: f64) -> (DVec3, DVec3) {
+        let min = (self.min + apart).map(|v| next_away(v, 1.0));
+        let max = (self.max - apart).map(|v| next_away(v, -1.0));
+        let middle = self.min * 0.5 + self.max * 0.5;
+        (min.min(middle), max.max(middle))
+    }
+
     /// The areas of one face across each axis.
     fn faces(&self) -> DVec3 {
         let side = self.max - self.min;
@@ -142,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_in_its_faces_enter() {
+    fn bvh_01_rays_in_its_faces_enter() {
         for x in [0.0, 0.5, 1.0] {
             for y in [0.0, 0.5, 1.0] {
                 for (dx, dy) in [(0.0, 0.0), (-0.0, 0.0), (0.0, -0.0), (-0.0, -0.0)] {

@@ -44,21 +44,26 @@ impl Frustum {
     }
 
     /// Points stay clear of the seams between side and ends, and of a cone's tip, by as much as rounding may
-    /// move the ray that starts there: from within, it is within all parts, so it leaves the solid once.
-    pub fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
+    /// move the ray that starts there, and by `apart`: from within, it is within all parts, so it leaves the solid
+    /// once.
+    pub fn surface(&self, ray: &Ray, at: Crossing, apart: f64) -> Surface {
         let ray = self.frame.local(ray);
         let near = ray.at(at.t);
-        if at.part == SIDE { self.side(near, self.turn(&ray, at.t)) } else { self.end(near, at.part) }
+        let clearance = self.clearance(apart);
+        match at.part {
+            SIDE => self.side(near, self.turn(&ray, at.t, clearance), clearance),
+            part => self.end(near, part, clearance),
+        }
     }
 
     /// The direction away from the axis in which a ray meets the side. At a tip, the point may be closer to the
     /// axis than points of the side may be, or than the rounding of the way there; then that the ray enters or
     /// leaves there tells the direction.
-    fn turn(&self, ray: &Ray, t: f64) -> DVec2 {
+    fn turn(&self, ray: &Ray, t: f64, clearance: f64) -> DVec2 {
         let off = across(ray.at(t));
         let way = ray.origin.length() + (ray.direction * t).length() + self.taper.reach();
         // The point, the shift of Taper::crossings and the sum with it, two roundings each, and the root.
-        if off.length() > (way * gamma(8)).max(self.clearance()) {
+        if off.length() > (way * gamma(8)).max(clearance) {
             return off.normalize();
         }
         let enters = self.taper.crossings(ray).is_some_and(|[enter, _]| enter.t == t);
@@ -69,11 +74,11 @@ impl Frustum {
     /// The surface of the side next to `near`, in the direction `turn` from the axis. The point's share of the
     /// way from the middle of the side to an end gives both its coordinates in the plane of the axis, exact to
     /// 3 u of the radii and of the height.
-    fn side(&self, near: DVec3, turn: DVec2) -> Surface {
+    fn side(&self, near: DVec3, turn: DVec2, clearance: f64) -> Surface {
         let Taper { half, mean, lean } = self.taper;
         let off = across(near).length() - mean;
         let share = (off * lean + near.y * half) / (lean * lean + half * half);
-        let (low, high) = self.clear_shares();
+        let (low, high) = self.clear_shares(clearance);
         let share = share.max(low).min(high).clamp(-1.0, 1.0);
         let radial = turn * (mean + lean * share);
         let normal = self.taper.normal();
@@ -85,17 +90,16 @@ impl Frustum {
     }
 
     /// Between which shares points of the side are clear of its ends, and of a tip's other side.
-    fn clear_shares(&self) -> (f64, f64) {
+    fn clear_shares(&self, clearance: f64) -> (f64, f64) {
         let Taper { half, mean, lean } = self.taper;
-        let clearance = self.clearance();
         let end = 1.0 - clearance * self.taper.normal().x / half;
         let tip = (clearance - mean) / lean;
         if lean > 0.0 { (tip.max(-end), end) } else { (-end, if lean < 0.0 { tip.min(end) } else { end }) }
     }
 
-    fn end(&self, near: DVec3, part: u32) -> Surface {
+    fn end(&self, near: DVec3, part: u32, clearance: f64) -> Surface {
         let sign = if part == TOP { 1.0 } else { -1.0 };
-        let longest = (self.taper.end_radius(part) - self.clearance()).max(0.0);
+        let longest = (self.taper.end_radius(part) - clearance).max(0.0);
         let radial = across(near).clamp_length_max(longest);
         let point = DVec3::new(radial.x, sign * self.taper.half, radial.y);
         self.frame.surface(point, DVec3::Y * sign, self.error())
@@ -104,10 +108,10 @@ impl Frustum {
     /// How far from the axis points of the side stay at a tip, and how much closer to it than the rim those of
     /// an end: across the axis, so that it is [`Frame::clearance`] across the side. Shapes flatter than their
     /// rounding have no such points; theirs stay near where they are.
-    fn clearance(&self) -> f64 {
+    fn clearance(&self, apart: f64) -> f64 {
         let widest = self.taper.mean + self.taper.lean.abs();
-        let clearance = self.frame.clearance(self.taper.reach(), self.error()) / self.taper.normal().x;
-        clearance.min(0.5 * widest)
+        let clearance = self.frame.clearance(self.taper.reach(), self.error()) + apart;
+        (clearance / self.taper.normal().x).min(0.5 * widest)
     }
 
     /// The rounding of the point within the frame and of the test of a ray from there: its distance from the
@@ -172,10 +176,10 @@ impl Frustum {
         let turn = Angle(360.0 * u.y).cos_sin();
         if part == SIDE {
             let (radius, y) = self.side_sample(share);
-            return (self.side(DVec3::new(radius, y, 0.0), turn), part);
+            return (self.side(DVec3::new(radius, y, 0.0), turn, self.clearance(0.0)), part);
         }
         let radial = turn * (self.taper.end_radius(part) * share.sqrt());
-        (self.end(DVec3::new(radial.x, 0.0, radial.y), part), part)
+        (self.end(DVec3::new(radial.x, 0.0, radial.y), part, self.clearance(0.0)), part)
     }
 
     /// The radius and height above which lies a given share of the side's area. From the bottom it grows as

@@ -26,6 +26,13 @@ pub trait Geometric: Clone + PartialEq {
     /// The surface where [`Geometric::hit`] found the ray to cross it.
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface;
 
+    /// [`Geometric::surface`] for a shape whose rays are moved to it: points of shapes with edges stay clear of
+    /// these by `apart` more than they would, as that is how far off the moves may bring the next ray's origin.
+    fn surface_apart(&self, ray: &Ray, at: Crossing, apart: f64) -> Surface {
+        let _ = apart;
+        self.surface(ray, at)
+    }
+
     /// A box around the shape; none if it is infinite.
     fn bounds(&self) -> Option<Aabb>;
 

@@ -119,6 +119,11 @@ impl Shape {
         })
     }
 
+    /// See [`Geometric::surface_apart`].
+    pub fn surface_apart(&self, ray: &Ray, at: Crossing, apart: f64) -> Surface {
+        each_shape!(self, shape => shape.surface_apart(ray, at, apart), Group => self.surface(ray, at))
+    }
+
     /// See [`Geometric::bounds`]; none also if there is nothing to see.
     pub fn bounds(&self) -> Option<Aabb> {
         each_shape!(self, shape => shape.bounds(), Group => None)

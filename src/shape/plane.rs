@@ -56,7 +56,7 @@ mod tests {
     }
 
     #[test]
-    fn parallel_and_in_plane_rays_miss() {
+    fn int_17_parallel_and_in_plane_rays_miss() {
         assert_eq!(hit(DVec3::Y, DVec3::X), None);
         assert_eq!(hit(DVec3::ZERO, DVec3::X), None);
         assert!(hit(DVec3::Y, DVec3::new(1.0, -1e-300, 0.0)).is_none_or(f64::is_finite));
@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn normals_stay_perpendicular_under_uneven_scale() {
+    fn xf_01_normals_stay_perpendicular_under_uneven_scale() {
         let slope = Plane { point: DVec3::ZERO, normal: DVec3::new(1.0, 1.0, 0.0).normalize() };
         let moved = slope.transformed(&DAffine3::from_scale(DVec3::new(2.0, 1.0, 1.0))).expect("a plane");
         assert!((moved.normal - DVec3::new(1.0, 2.0, 0.0) / 5f64.sqrt()).length() < 1e-15);

@@ -1,6 +1,7 @@
 //! Where a ray meets a shape, and what the surface is like there.
 
-use crate::math::DVec3;
+use super::flat;
+use crate::math::{DVec2, DVec3};
 
 /// Where a ray meets a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,11 +31,14 @@ pub struct Surface {
     /// Unit normal to shade with, on the geometric normal's side: that of the smooth surface which a mesh
     /// stands for. Elsewhere the geometric one.
     pub shading: DVec3,
+    /// From the point to the smooth surface that a mesh stands for, where that lies above it; zero elsewhere. From
+    /// there light is looked for, which the flat triangles would hide.
+    pub lift: DVec3,
 }
 
 impl Surface {
     pub fn new(point: DVec3, error: DVec3, normal: DVec3) -> Self {
-        Self { point, error, normal, shading: normal }
+        Self { point, error, normal, shading: normal, lift: DVec3::ZERO }
     }
 
     /// A density per area at the point as one per solid angle, as seen `from` elsewhere; none when the surface
@@ -50,6 +54,30 @@ impl Surface {
     /// The surface with a unit normal to shade with, turned to the geometric normal's side.
     pub fn shaded(self, shading: DVec3) -> Self {
         Self { shading: if shading.dot(self.normal) < 0.0 { -shading } else { shading }, ..self }
+    }
+
+    /// Whether light from this direction, which may lie below the surface's own horizon, falls on the smooth surface
+    /// that it stands for.
+    pub fn smoothly_faces(&self, direction: DVec3) -> bool {
+        self.lift != DVec3::ZERO && direction.dot(self.shading) > 0.0
+    }
+
+    /// The surface with its point as far from the edges of the flat triangle that it lies in as rounding may move rays
+    /// that start there: by its error, their way off the surface and the error of the test from there, with a neighbour
+    /// at any angle but a sharp one. In triangles too small for that, the middle.
+    pub fn clear_of_edges(self, [a, b, c]: [DVec3; 3]) -> Self {
+        let DVec2 { x, y } = flat::shares(self.point - a, b - a, c - a);
+        let doubled_area = (b - a).cross(c - a).length();
+        let clear = 8.0 * self.error.length() / doubled_area;
+        // A weight is the distance from the opposite edge over the height above it, which is the doubled area over the
+        // edge.
+        let lacks = [
+            clear * (c - b).length() - (1.0 - x - y),
+            clear * (a - c).length() - x,
+            clear * (b - a).length() - y,
+        ];
+        let lack = lacks.into_iter().fold(0.0, f64::max).min(1.0 / 3.0);
+        Self { point: self.point + ((a - self.point) + (b - self.point) + (c - self.point)) * lack, ..self }
     }
 
     /// The surface with both normals turned to the other side.

@@ -122,14 +122,17 @@ pub(super) fn depth(corners: [DVec3; 3], probe: &Probe) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::UNIT_ROUNDOFF;
 
     fn hit(corners: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
         let triangle = Triangle { corners };
         triangle.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY).map(|crossing| crossing.t)
     }
 
+    /// Tests of edges that are not the same number for both triangles leak along them: Möller and Trumbore's loses 11 %
+    /// of f64 rays.
     #[test]
-    fn the_diagonal_of_a_quad_does_not_leak() {
+    fn int_13_the_diagonal_of_a_quad_does_not_leak() {
         let p = |x: f64, y: f64| DVec3::new(x, y, 0.0);
         let (a, b, c, d) = (p(-5.0, -5.0), p(5.0, -5.0), p(5.0, 5.0), p(-5.0, 5.0));
         let eye = DVec3::new(0.0, 0.0, 10.0);
@@ -138,7 +141,7 @@ mod tests {
             (s, t) => s.or(t),
         };
         let t = nearest(DVec3::new(0.304_584_47, 0.304_584_47, -0.902_472_5)).expect("a hit");
-        assert!((t - 10.0 / 0.902_472_5).abs() < 1e-14);
+        assert!((t - 10.0 / 0.902_472_5).abs() <= 8.0 * UNIT_ROUNDOFF * t);
         for k in 1..100_000 {
             let s = -5.0 + 1e-4 * f64::from(k);
             assert!(nearest((p(s, s) - eye).normalize()).is_some(), "at {s}");
@@ -146,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn edge_on_and_degenerate_triangles_are_not_hit() {
+    fn int_15_edge_on_and_degenerate_triangles_are_not_hit() {
         let flat = [DVec3::ZERO, DVec3::X, DVec3::Y];
         assert_eq!(hit(flat, DVec3::new(-1.0, 0.5, 0.0), DVec3::X), None);
         assert_eq!(hit([DVec3::ONE; 3], DVec3::ZERO, DVec3::ONE), None);

@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn the_seam_of_a_repeated_image_does_not_show() {
+    fn sh_13_the_seam_of_a_repeated_image_does_not_show() {
         let image = grey(5, &[0.9, 0.2, 0.4, 0.1, 0.3]);
         for whole in [-3.0, 0.0, 1.0, 100.0] {
             let jump =
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn no_coordinate_leaves_the_image() {
+    fn sh_13_no_coordinate_leaves_the_image() {
         let ends = [
             0.0,
             -0.0,

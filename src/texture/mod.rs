@@ -2,6 +2,7 @@
 
 mod decode;
 mod error;
+mod footprint;
 mod image;
 mod noise;
 mod paint;
@@ -14,6 +15,7 @@ mod tracks;
 
 pub use decode::Encoding;
 pub use error::ImageError;
+pub use footprint::Footprint;
 pub use image::{Filter, Image, Wrap};
 pub use paint::{Channel, ImagePaint, Paint, PatternPaint, Spot};
 pub use pattern::Pattern;

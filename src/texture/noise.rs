@@ -1,5 +1,6 @@
 //! Gradient noise: smooth random numbers in space, the same at the same point always.
 
+use super::footprint::contrast;
 use crate::math::DVec3;
 
 /// Gradient noise (Perlin, *Improving Noise*, 2002) with another hash: about -1..=1, and 0 at every point of
@@ -19,23 +20,28 @@ pub fn noise(point: DVec3, seed: u32) -> f64 {
 }
 
 /// Noise of `octaves` sizes, each half as large and half as strong as the one before; as large as one alone.
-pub fn layered(point: DVec3, octaves: u32, seed: u32) -> f64 {
-    sum(point, octaves, seed, |noise| noise)
+/// Clouds that are too small where a pixel covers `width` units are left out.
+pub fn layered(point: DVec3, octaves: u32, seed: u32, width: f64) -> f64 {
+    sum(point, octaves, seed, width, |noise| noise)
 }
 
 /// [`layered`] noise without its sign, which has sharp valleys (Perlin's turbulence); in 0..=1.
-pub fn turbulence(point: DVec3, octaves: u32, seed: u32) -> f64 {
-    sum(point, octaves, seed, f64::abs)
+pub fn turbulence(point: DVec3, octaves: u32, seed: u32, width: f64) -> f64 {
+    sum(point, octaves, seed, width, f64::abs)
 }
 
-fn sum(mut point: DVec3, octaves: u32, seed: u32, of: impl Fn(f64) -> f64) -> f64 {
+fn sum(mut point: DVec3, octaves: u32, seed: u32, mut width: f64, of: impl Fn(f64) -> f64) -> f64 {
     let (mut sum, mut strength, mut whole) = (0.0, 1.0, 0.0);
     for octave in 0..octaves {
         // Each octave has gradients of its own, or they would all agree about the origin.
-        sum += strength * of(noise(point, seed.wrapping_add(octave)));
+        let left = strength * contrast(width);
+        if left > 0.0 {
+            sum += left * of(noise(point, seed.wrapping_add(octave)));
+        }
         whole += strength;
         strength *= 0.5;
         point *= 2.0;
+        width *= 2.0;
     }
     sum / whole
 }
@@ -94,7 +100,7 @@ mod tests {
     #[test]
     fn far_away_is_no_trouble() {
         for far in [1e15, 1e18, -1e30, 1e300] {
-            assert!(layered(DVec3::new(far, -far, 0.5), 8, 1).is_finite());
+            assert!(layered(DVec3::new(far, -far, 0.5), 8, 1, 0.0).is_finite());
         }
     }
 }

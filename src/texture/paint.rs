@@ -1,11 +1,11 @@
 //! Paint: the colour of a surface from point to point, at one moment.
 
-use super::{Filter, Image, Pattern, Placement, Shared, Space, Wrap};
+use super::{Filter, Footprint, Image, Pattern, Placement, Shared, Space, Wrap};
 use crate::color::Rgb;
 use crate::math::{DVec2, DVec3};
 
 /// What a paint may ask of a point on a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spot {
     /// The surface's own coordinates.
     pub uv: DVec2,
@@ -15,6 +15,9 @@ pub struct Spot {
     pub error: DVec3,
     /// The vertices' colour at the point; white where vertices have none.
     pub color: Rgb,
+    /// How much of the object is seen, in its space, and in its coordinates u and v for what is printed on it.
+    pub seen: Footprint,
+    pub seen_uv: Footprint,
 }
 
 /// How far off u and v may be, for every unit of them. They are found by a few operations from a point whose
@@ -79,6 +82,16 @@ impl Paint {
         }
     }
 
+    /// Whether any pattern lies on the surface, by u and v.
+    pub fn is_printed(&self) -> bool {
+        match self {
+            Self::Color(_) | Self::VertexColor | Self::Image(_) => false,
+            Self::Pattern(paint) => {
+                paint.space == Space::Uv || paint.first.is_printed() || paint.second.is_printed()
+            }
+        }
+    }
+
     /// The colour of a paint that is the same at every point.
     pub fn constant(&self) -> Option<Rgb> {
         if let Self::Color(color) = self { Some(*color) } else { None }
@@ -95,12 +108,13 @@ impl ImagePaint {
 
 impl PatternPaint {
     pub fn color(&self, spot: &Spot) -> Rgb {
-        let (point, error) = match self.space {
-            Space::Object => (spot.point, spot.error),
-            Space::Uv => (spot.uv.extend(0.0), ((spot.uv.abs() + 1.0) * UV_ERROR).extend(0.0)),
+        let (point, error, seen) = match self.space {
+            Space::Object => (spot.point, spot.error, &spot.seen),
+            Space::Uv => (spot.uv.extend(0.0), ((spot.uv.abs() + 1.0) * UV_ERROR).extend(0.0), &spot.seen_uv),
         };
         let (point, error) = self.placement.local(point, error);
-        match self.pattern.share(point, error) as f32 {
+        let seen = self.placement.footprint(seen).extent();
+        match self.pattern.share(point, error, seen) as f32 {
             0.0 => self.first.color(spot),
             1.0 => self.second.color(spot),
             share => self.first.color(spot).lerp(self.second.color(spot), share),

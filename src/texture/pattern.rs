@@ -1,5 +1,6 @@
 //! Patterns that are computed: how much of their second paint is at a point.
 
+use super::footprint::contrast;
 use super::noise::{layered, turbulence};
 use crate::math::{Angle, DVec3, gamma};
 
@@ -23,31 +24,46 @@ pub enum Pattern {
 }
 
 impl Pattern {
-    /// How much of the second paint is at `point`, in 0..=1, where each coordinate is known within `error`.
-    pub fn share(&self, point: DVec3, error: DVec3) -> f64 {
+    /// How much of the second paint is at `point`, in 0..=1, where each coordinate is known within `error` and what
+    /// is seen reaches as far as `seen` along each axis. What is too small to be seen fades to the mean.
+    pub fn share(&self, point: DVec3, error: DVec3, seen: DVec3) -> f64 {
         if !point.is_finite() {
             return 0.0;
         }
         // Of the cosines, sines and sums below.
         let rounding = gamma(4) * (point.x.abs() + 2.0);
         let slope = error.x + error.y + rounding;
+        // Where coordinates themselves are so uncertain that a twentieth of a cell is, cells are as if they were small.
+        let width = seen.max(error * UNCERTAIN);
         match *self {
             Self::Checker => {
                 let odd = |i: usize| is_odd(cell(point[i], error[i]));
-                in_turn(odd(0) ^ odd(1) ^ odd(2))
+                let left = contrast(width.x) * contrast(width.y) * contrast(width.z);
+                in_turn(odd(0) ^ odd(1) ^ odd(2), left)
             }
-            Self::Stripes => in_turn(is_odd(cell(point.x, error.x))),
-            Self::Waves => in_turn(is_odd(cell(point.x + libm::cos(point.y), slope))),
-            Self::Dots => in_turn(is_odd(cell(libm::cos(point.x) + libm::sin(point.y), slope))),
+            Self::Stripes => in_turn(is_odd(cell(point.x, error.x)), contrast(width.x)),
+            Self::Waves => {
+                in_turn(is_odd(cell(point.x + libm::cos(point.y), slope)), contrast(width.x + width.y))
+            }
+            Self::Dots => {
+                let height = libm::cos(point.x) + libm::sin(point.y);
+                in_turn(is_odd(cell(height, slope)), contrast(width.x + width.y))
+            }
             Self::Gradient { axis } => point.dot(axis).clamp(0.0, 1.0),
-            Self::Noise { octaves, seed } => (0.5 + 0.5 * layered(point, octaves, seed)).clamp(0.0, 1.0),
+            Self::Noise { octaves, seed } => {
+                (0.5 + 0.5 * layered(point, octaves, seed, width.max_element())).clamp(0.0, 1.0)
+            }
             Self::Marble { octaves, seed, turbulence: strength } => {
-                let vein = point.x + strength * turbulence(point, octaves, seed);
-                0.5 + 0.5 * Angle(360.0 * vein).cos_sin().y
+                let vein = point.x + strength * turbulence(point, octaves, seed, width.max_element());
+                // A vein and what is between two of them are two cells.
+                0.5 + 0.5 * contrast(2.0 * width.x) * Angle(360.0 * vein).cos_sin().y
             }
         }
     }
 }
+
+/// A coordinate known to a twentieth of a cell counts as half a cell wide: from there on contrast is lost.
+const UNCERTAIN: f64 = 10.0;
 
 /// The whole number below a coordinate that is known within `bound`. A coordinate that may be a whole number
 /// counts as one: a plane at a cell's boundary lies in one cell with all its points, wherever rounding puts
@@ -60,8 +76,9 @@ fn is_odd(cell: f64) -> bool {
     cell.rem_euclid(2.0) == 1.0
 }
 
-fn in_turn(second: bool) -> f64 {
-    if second { 1.0 } else { 0.0 }
+/// One of two cells that are shown in turn, with this contrast to the other.
+fn in_turn(second: bool, contrast: f64) -> f64 {
+    if second { 0.5 + 0.5 * contrast } else { 0.5 - 0.5 * contrast }
 }
 
 #[cfg(test)]
@@ -70,7 +87,7 @@ mod tests {
     use crate::testing::Random;
 
     fn exact(pattern: Pattern, x: f64, y: f64, z: f64) -> f64 {
-        pattern.share(DVec3::new(x, y, z), DVec3::ZERO)
+        pattern.share(DVec3::new(x, y, z), DVec3::ZERO, DVec3::ZERO)
     }
 
     #[test]
@@ -103,7 +120,7 @@ mod tests {
 
     /// A checker of unit cubes on a plane between two layers of them shows the squares of x and z alone.
     #[test]
-    fn a_plane_on_a_boundary_shows_one_layer_of_cells() {
+    fn sh_17_a_plane_on_a_boundary_shows_one_layer_of_cells() {
         let mut random = Random(17);
         for height in [0.0, 2.0] {
             for error in [1e-16, 1e-15, 1e-14, 1e-13] {
@@ -111,9 +128,9 @@ mod tests {
                     let p = random.point(50.0);
                     let y = height + (2.0 * random.unit() - 1.0) * error;
                     let bound = DVec3::splat(error);
-                    let seen = Pattern::Checker.share(DVec3::new(p.x, y, p.z), bound);
+                    let seen = Pattern::Checker.share(DVec3::new(p.x, y, p.z), bound, DVec3::ZERO);
                     let flat = is_odd(cell(p.x, error)) ^ is_odd(cell(p.z, error));
-                    assert_eq!(seen, in_turn(flat), "{p} at {y:e}");
+                    assert_eq!(seen, in_turn(flat, 1.0), "{p} at {y:e}");
                 }
             }
         }
@@ -133,9 +150,10 @@ mod tests {
         let all = [Pattern::Checker, Pattern::Stripes, Pattern::Waves, Pattern::Dots, noise, marble];
         let mut random = Random(5);
         let odd_points = [f64::NAN, f64::INFINITY, 1e300, -1e300, 1e17].map(DVec3::splat);
-        for point in (0..2000).map(|_| random.point(100.0)).chain(odd_points) {
+        let points: Vec<_> = (0..2000).map(|_| random.point(100.0)).chain(odd_points).collect();
+        for point in points {
             for pattern in all {
-                let share = pattern.share(point, DVec3::splat(1e-12));
+                let share = pattern.share(point, DVec3::splat(1e-12), random.point(2.0).abs());
                 assert!((0.0..=1.0).contains(&share), "{pattern:?} at {point}: {share}");
             }
         }

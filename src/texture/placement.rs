@@ -1,5 +1,6 @@
 //! Where a pattern or an image lies: scaled, then rotated, then moved, as an object is.
 
+use super::Footprint;
 use crate::math::{DMat3, DQuat, DVec3, gamma};
 use crate::time::Time;
 use crate::track::Animated;
@@ -55,6 +56,11 @@ impl Placement {
     pub fn local(&self, point: DVec3, error: DVec3) -> (DVec3, DVec3) {
         let rounding = (point.abs() + self.offset.abs()) * gamma(10);
         (self.inverse * (point - self.offset), self.inverse.abs() * (error + rounding))
+    }
+
+    /// What is seen of the surface, in the pattern's coordinates.
+    pub fn footprint(&self, footprint: &Footprint) -> Footprint {
+        footprint.moved(&self.inverse)
     }
 }
 

@@ -7,7 +7,8 @@ use crate::time::Time;
 use crate::track::{Animated, Ease, Key, Repeat, Track};
 
 fn spot(x: f64, y: f64, z: f64) -> Spot {
-    Spot { uv: DVec2::new(x, y), point: DVec3::new(x, y, z), error: DVec3::splat(1e-14), color: Rgb::ONE }
+    let (uv, point) = (DVec2::new(x, y), DVec3::new(x, y, z));
+    Spot { uv, point, error: DVec3::splat(1e-14), color: Rgb::ONE, ..Spot::default() }
 }
 
 fn start() -> Time {

@@ -47,14 +47,15 @@ impl Crossed {
 
 impl<'a> Tracer<'a> {
     /// What lies in the surfaces that a ray has just passed, and has not been passed yet.
-    pub fn lying_in(&self, crossed: Option<&Crossed>) -> Option<Met<'a>> {
+    /// `width` is that of the ray's beam.
+    pub fn lying_in(&self, crossed: Option<&Crossed>, width: f64) -> Option<Met<'a>> {
         let Crossed { point, normal, error, mut primitives, mut count } = *crossed?;
         let wide = (self.bvh.reach() + point.abs().max_element()) * WIDEST;
         let way = Ray { origin: point + normal * wide, direction: normal * (-2.0 * wide) };
         while count < MOST {
             let skipped = &primitives[..count];
             let hit = self.bvh.closest_but(self.scene.geometry, &Probe::new(way), 1.0, skipped)?;
-            let met = self.met(&way, hit);
+            let met = self.met(&way, hit, width);
             let surface = match &met {
                 Met::Surface(face) => &face.surface,
                 Met::Light { surface, .. } => surface,

@@ -2,7 +2,7 @@
 //! so that pictures without guides take no work for them, and those with them have the same light.
 
 use super::tracer::{Met, Tracer, Work};
-use crate::camera::Ray;
+use crate::camera::{Beam, Ray};
 use crate::color::Rgb;
 use crate::film::LayerId;
 use crate::material::Lobes;
@@ -10,9 +10,9 @@ use crate::math::DVec3;
 use crate::tree::Probe;
 
 /// Adds to the sample in hand what the ray meets, from the layer `first` on. A ray that meets nothing adds nothing.
-pub fn record(tracer: &Tracer, ray: &Ray, first: LayerId, work: &mut Work) {
+pub fn record(tracer: &Tracer, (ray, beam): (&Ray, &Beam), first: LayerId, work: &mut Work) {
     let Some(hit) = tracer.bvh.closest(tracer.scene.geometry, &Probe::new(*ray)) else { return };
-    let (surface, albedo) = match tracer.met(ray, hit) {
+    let (surface, albedo) = match tracer.met(ray, hit, beam.after(hit.at.t)) {
         Met::Surface(face) => (face.surface, albedo(&face.lobes)),
         Met::Light { surface, .. } => (surface, Rgb::ONE),
         Met::Nothing => return,

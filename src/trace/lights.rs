@@ -1,6 +1,6 @@
 //! Light on its way to a surface: from where, how much, and with what chance it was asked for.
 
-use super::spawn::{spawn, spawn_between, spawn_to};
+use super::spawn::{spawn, spawn_between, spawn_gathering, spawn_to};
 use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::light::{Light, Source};
@@ -49,7 +49,7 @@ impl Arrival {
         match &self.from {
             Origin::Point(point) => (spawn_to(surface, *point), 1.0),
             Origin::Surface(target) => (spawn_between(surface, target), 1.0),
-            Origin::Infinity => (spawn(surface, self.direction), f64::INFINITY),
+            Origin::Infinity => (spawn_gathering(surface, self.direction), f64::INFINITY),
         }
     }
 

@@ -14,6 +14,7 @@ use crate::math::{DVec2, DVec3};
 use crate::sampling::Use;
 use crate::scene::Finish;
 use crate::shape::{Crossing, Surface};
+use crate::texture::Footprint;
 use std::f64::consts::PI;
 
 /// One source of light.
@@ -191,7 +192,10 @@ impl Luminaire<'_> {
                 let hit = Hit { at: Crossing { t: 1.0, part }, primitive: *index };
                 let emission = match material.paints.is_empty() {
                     true => material.lobes.emission,
-                    false => material.painted(&tracer.scene.geometry.spot(&hit, &surface)).emission,
+                    false => {
+                        let spot = tracer.scene.geometry.spot(&hit, &surface, &Footprint::default(), false);
+                        material.painted(&spot).emission
+                    }
                 };
                 Some(Arrival::from_surface(at, surface, emission, density))
             }

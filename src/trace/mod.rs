@@ -10,7 +10,7 @@ mod path;
 mod pixel;
 mod scatter;
 mod shade;
-mod spawn;
+pub mod spawn;
 #[cfg(test)]
 mod round_tests;
 #[cfg(test)]

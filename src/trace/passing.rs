@@ -72,7 +72,7 @@ impl Tracer<'_> {
         let mut share = Passing::all_or_nothing(false);
         let mut crossed: Option<Crossed> = None;
         for _ in 0..=PASSED {
-            if let Some(Met::Surface(face)) = self.lying_in(crossed.as_ref()) {
+            if let Some(Met::Surface(face)) = self.lying_in(crossed.as_ref(), 0.0) {
                 let (passes, beyond) = self.straight_through(&face, arrival, media);
                 share.dim(passes.whole, passes.unbent);
                 media = beyond;
@@ -88,7 +88,7 @@ impl Tracer<'_> {
                 share.absorb(media.here(&self.scene.shading.materials), length);
             }
             let Some(hit) = hit else { return share };
-            let Met::Surface(face) = self.met(&ray, hit) else { break };
+            let Met::Surface(face) = self.met(&ray, hit, 0.0) else { break };
             let (passes, beyond) = self.straight_through(&face, arrival, media);
             share.dim(passes.whole, passes.unbent);
             media = beyond;

@@ -11,10 +11,10 @@ use super::lights::seen;
 use super::luminaires::Luminaires;
 use super::media::Media;
 use super::scatter::{Kind, Scatter, scatter, scatter_density};
-use super::spawn::spawn;
+use super::spawn::{spawn, spawn_gathering};
 use super::throughput::Throughput;
 use super::tracer::{Dice, Face, Met, Tracer, Work};
-use crate::camera::Ray;
+use crate::camera::{Beam, Ray};
 use crate::color::Rgb;
 use crate::counters::RayCounts;
 use crate::math::DVec3;
@@ -30,6 +30,7 @@ pub struct Paths<'a> {
 /// Where a path is.
 struct Path {
     ray: Ray,
+    beam: Beam,
     throughput: Throughput,
     media: Media,
     /// What the ray has just passed.
@@ -50,9 +51,10 @@ impl<'a> Paths<'a> {
     }
 
     /// Adds what is seen along a camera's ray to `work`.
-    pub fn follow(&self, tracer: &Tracer, ray: Ray, mut dice: Dice, work: &mut Work) {
+    pub fn follow(&self, tracer: &Tracer, (ray, beam): (Ray, Beam), mut dice: Dice, work: &mut Work) {
         let mut path = Path {
             ray,
+            beam,
             throughput: Throughput::showing(Rgb::ONE),
             media: Media::default(),
             crossed: None,
@@ -68,9 +70,9 @@ impl<'a> Paths<'a> {
 
     /// Goes on to the next surface and from there; false at the path's end.
     fn step(&self, tracer: &Tracer, path: &mut Path, dice: Dice, work: &mut Work) -> bool {
-        let met = tracer.lying_in(path.crossed.as_ref()).unwrap_or_else(|| {
+        let met = tracer.lying_in(path.crossed.as_ref(), path.beam.width).unwrap_or_else(|| {
             path.crossed = None;
-            let (met, way) = tracer.advance(&path.ray, &path.media, &path.throughput, work);
+            let (met, way) = tracer.advance((&path.ray, &path.beam), &path.media, &path.throughput, work);
             path.throughput.go(way);
             met
         });
@@ -88,7 +90,10 @@ impl<'a> Paths<'a> {
                 work.add(light.layer, path.throughput.shining() * seen(light, outside) * weight);
                 false
             }
-            Met::Surface(face) => self.at_surface(tracer, path, &face, dice, work),
+            Met::Surface(face) => {
+                path.beam.width = face.width;
+                self.at_surface(tracer, path, &face, dice, work)
+            }
         }
     }
 
@@ -164,7 +169,10 @@ impl<'a> Paths<'a> {
             Kind::Unbent | Kind::Bent => Some(face.crossed(path.crossed, next.direction)),
             Kind::Mirrored | Kind::Scattered => None,
         };
-        path.ray = spawn(&face.surface, next.direction);
+        path.ray = match next.kind {
+            Kind::Scattered => spawn_gathering(&face.surface, next.direction),
+            Kind::Unbent | Kind::Bent | Kind::Mirrored => spawn(&face.surface, next.direction),
+        };
         path.media = next.media.unwrap_or(path.media);
         match next.kind {
             // Straight on: what was drawn before still leads there, and no bounce is taken.

@@ -5,8 +5,8 @@ use super::together::Sums;
 use super::tracer::{Dice, Tracer, Work};
 use super::{Moment, TraceSettings, guides, together, whitted};
 use crate::bvh::Bvh;
-use crate::camera::Ray;
-use crate::counters::{Counts, Dropped};
+use crate::camera::{Beam, Ray};
+use crate::counters::Dropped;
 use crate::film::{Extras, LayerId};
 use crate::math::{DVec2, DVec3};
 use crate::quality::Integrator;
@@ -92,6 +92,7 @@ impl<'a> Pixels<'a> {
     pub fn trace_together(&self, pixels: &[(u32, u32)], sums: &mut [DVec3], eight: &mut Sums) {
         let quality = &self.settings.quality;
         let samples = quality.antialias * quality.antialias;
+        let limit = quality.clamp.map(f64::from);
         let layers = eight.layers.len();
         let last = pixels.last().copied().unwrap_or_default();
         let mut together = together::Pixels {
@@ -108,7 +109,7 @@ impl<'a> Pixels<'a> {
                 let [r, g, b] = std::mem::replace(layer, [[0.0; 8]; 3]);
                 for lane in 0..pixels.len() {
                     let sample = DVec3::new(r[lane], g[lane], b[lane]);
-                    self.take_one(&mut sums[lane * layers + index], sample, &mut eight.counts);
+                    add(&mut sums[lane * layers + index], sample, limit, &mut eight.counts.dropped);
                 }
             }
         }
@@ -123,46 +124,50 @@ impl<'a> Pixels<'a> {
         DVec2::new(filter.offset(place.x), filter.offset(place.y)) + DVec2::splat(0.5)
     }
 
-    fn ray(&self, (x, y): (u32, u32), inside: DVec2, lens: DVec2) -> Ray {
+    fn ray(&self, (x, y): (u32, u32), inside: DVec2, lens: DVec2) -> (Ray, Beam) {
         let (width, height) = (f64::from(self.settings.size.0), f64::from(self.settings.size.1));
         let at = DVec2::new(f64::from(x), f64::from(y)) + self.inside(inside);
         // Square pixels: both axes in units of half the picture's height, from its centre.
         let screen = DVec2::new(2.0 * at.x - width, height - 2.0 * at.y) / height;
-        self.tracer.scene.camera.ray(screen, lens)
+        let camera = self.tracer.scene.camera;
+        let ray = camera.ray(screen, lens);
+        (ray, camera.beam(&ray, 2.0 / height))
     }
 
     fn sample(&self, pixel: (u32, u32), inside: DVec2, lens: DVec2, sampler: Sampler, work: &mut Work) {
-        let ray = self.ray(pixel, inside, lens);
+        let (ray, beam) = self.ray(pixel, inside, lens);
         work.counts.rays.camera += 1;
         if let Some(first) = self.guides {
-            guides::record(&self.tracer, &ray, first, work);
+            guides::record(&self.tracer, (&ray, &beam), first, work);
         }
         let dice = Dice { sampler, surface: 0 };
         match &self.paths {
-            None => whitted::follow(&self.tracer, ray, dice, work),
-            Some(paths) => paths.follow(&self.tracer, ray, dice, work),
+            None => whitted::follow(&self.tracer, (ray, beam), dice, work),
+            Some(paths) => paths.follow(&self.tracer, (ray, beam), dice, work),
         }
     }
 
-    /// Adds the sample in hand to the sums, but for what is no light: one such number would spoil the pixel.
+    /// Adds the sample in hand to the sums, but for what is no light.
     fn take(&self, sums: &mut [DVec3], work: &mut Work) {
+        let limit = self.settings.quality.clamp.map(f64::from);
         let (lights, extras) = sums.split_at_mut(self.lights);
         let (sampled_lights, sampled_extras) = work.layers.split_at_mut(self.lights);
         for (sum, sample) in extras.iter_mut().zip(sampled_extras) {
             *sum += std::mem::take(sample);
         }
         for (sum, sample) in lights.iter_mut().zip(sampled_lights) {
-            self.take_one(sum, std::mem::take(sample), &mut work.counts);
+            add(sum, std::mem::take(sample), limit, &mut work.counts.dropped);
         }
     }
+}
 
-    fn take_one(&self, sum: &mut DVec3, sample: DVec3, counts: &mut Counts) {
-        if sample.is_finite() && sample.min_element() >= 0.0 {
-            let limit = self.settings.quality.clamp.map(f64::from);
-            *sum += limit.map_or(sample, |limit| sample.min(DVec3::splat(limit)));
-        } else {
-            count(sample, &mut counts.dropped);
-        }
+/// Adds a sample of a layer to a sum. What is no light is left out and counted: one such number would spoil the pixel.
+/// Among the samples that are averaged it counts as black.
+fn add(sum: &mut DVec3, sample: DVec3, limit: Option<f64>, dropped: &mut Dropped) {
+    if sample.is_finite() && sample.min_element() >= 0.0 {
+        *sum += limit.map_or(sample, |limit| sample.min(DVec3::splat(limit)));
+    } else {
+        count(sample, dropped);
     }
 }
 
@@ -184,4 +189,48 @@ fn calls_for_samples(scene: &Scene, tracer: &Tracer) -> bool {
     };
     let area = || tracer.lights.iter().any(|(_, light)| light.source.is_sampled());
     scene.camera.lens.is_some() || area() || rough()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::Random;
+
+    /// Samples that are no light, one in a thousand of each kind: counted by their cause, and no pixel is spoilt. Tested
+    /// after averaging, one NaN takes the whole pixel with it.
+    #[test]
+    fn sa_08_what_is_no_light_is_dropped_and_counted() {
+        const SAMPLES: u32 = 1_000_000;
+        let bad = [f64::NAN, f64::INFINITY, -1.0, 1e30];
+        for limit in [None, Some(10.0)] {
+            let (mut random, mut sum, mut dropped) = (Random(8), DVec3::ZERO, Dropped::default());
+            let mut injected = [0u64; 4];
+            for k in 0..SAMPLES {
+                let kind = (1000.0 * random.unit()) as usize;
+                let mut sample = DVec3::splat(0.5);
+                if kind < 4 {
+                    injected[kind] += 1;
+                    // In any of the channels.
+                    sample[k as usize % 3] = bad[kind];
+                }
+                add(&mut sum, sample, limit, &mut dropped);
+            }
+            let [undefined, infinite, negative, bright] = injected;
+            assert!(injected.iter().all(|count| *count > 800));
+            assert_eq!(dropped, Dropped { undefined, infinite, negative });
+            assert!(sum.is_finite());
+            let kept = f64::from(SAMPLES) - (undefined + infinite + negative) as f64;
+            let expected = 3.0 * 0.5 * kept + bright as f64 * (limit.unwrap_or(bad[3]) - 0.5);
+            assert!((sum.element_sum() / expected - 1.0).abs() < 1e-9, "{sum} with {limit:?}");
+        }
+        let mut dropped = Dropped::default();
+        for sample in [
+            DVec3::new(f64::NAN, f64::INFINITY, -1.0),
+            DVec3::new(0.0, f64::NEG_INFINITY, 0.0),
+            DVec3::new(0.0, -0.0, -1e-300),
+        ] {
+            add(&mut DVec3::ZERO.clone(), sample, None, &mut dropped);
+        }
+        assert_eq!(dropped, Dropped { undefined: 1, infinite: 1, negative: 1 });
+    }
 }

@@ -133,7 +133,7 @@ fn int_09_rays_at_rims_that_enter_hit() {
 }
 
 #[test]
-fn crossings_of_tori_are_even() {
+fn int_09_crossings_of_tori_are_even() {
     let uneven = DAffine3::from_mat3_translation(
         euler_xyz(Angle(30.0), Angle(40.0), Angle(0.0)) * DMat3::from_diagonal(DVec3::new(-2.0, 1.0, 0.5)),
         DVec3::new(7.0, -3.0, 4.0),
@@ -155,7 +155,7 @@ fn crossings_of_tori_are_even() {
 
 /// Ellipses instead of circles, mirrored and sheared by uneven scales of turned shapes.
 #[test]
-fn crossings_of_unevenly_scaled_shapes_are_even() {
+fn int_09_crossings_of_unevenly_scaled_shapes_are_even() {
     let mut random = Random(12);
     let mut odd = 0;
     for shape in [cylinder(true), cone(1.0, 0.0), cone(1.0, 0.4)] {
@@ -181,7 +181,7 @@ fn crossings_of_unevenly_scaled_shapes_are_even() {
 
 /// From inside a convex shape every ray leaves once; from within the tube of a torus once or three times.
 #[test]
-fn rays_that_start_inside_leave() {
+fn int_05_rays_that_start_inside_leave() {
     let mut random = Random(13);
     for (shape, counts) in [(cylinder(true), [1, 1]), (cone(1.0, 0.4), [1, 1]), (torus(0.5), [1, 3])] {
         let primitive = placed(shape.clone(), DAffine3::from_scale(DVec3::splat(0.3)));

@@ -57,7 +57,8 @@ impl Seen<'_> {
         let normal = self.normal();
         let cosine = normal.dot(to_light);
         let mut reflected = Reflected::default();
-        if cosine <= 0.0 || self.surface.normal.dot(to_light) <= 0.0 {
+        let above = self.surface.normal.dot(to_light) > 0.0 || self.surface.smoothly_faces(to_light);
+        if cosine <= 0.0 || !above {
             return reflected;
         }
         reflected.diffuse = self.lobes.diffuse * cosine as f32;
@@ -160,7 +161,7 @@ mod tests {
     /// What a level surface of the material sends to the eye.
     fn reflected(material: &Material, to_light: DVec3, to_eye: DVec3) -> Reflected {
         let (point, normal) = (DVec3::ZERO, DVec3::Y);
-        let surface = Surface { point, error: DVec3::ZERO, normal, shading: normal };
+        let surface = Surface::new(point, DVec3::ZERO, normal);
         Seen { material, lobes: &material.lobes, surface: &surface, to_eye }.reflected(to_light)
     }
 

@@ -9,18 +9,33 @@ use crate::shape::Surface;
 /// coordinate is rounded away from it (Pharr, Jakob, Humphreys, *Physically Based Rendering*, section 6.8.6).
 #[inline]
 pub fn spawn(surface: &Surface, direction: DVec3) -> Ray {
-    let reach = surface.normal.abs().dot(surface.error);
     let side = if direction.dot(surface.normal) < 0.0 { -surface.normal } else { surface.normal };
-    let moved = surface.point + side * reach;
-    let origin =
-        DVec3::new(next_away(moved.x, side.x), next_away(moved.y, side.y), next_away(moved.z, side.z));
-    Ray { origin, direction }
+    Ray { origin: origin(surface, surface.point, side), direction }
 }
 
-/// The ray from a surface to a point: it reaches the point at t = 1.
+/// A ray along which light is gathered: one that leaves the smooth surface which a mesh stands for starts from there
+/// (Hanika, *Hacking the Shadow Terminator*, in *Ray Tracing Gems II*, 2021), on the side that is seen, so that
+/// triangles do not shadow what is shaded as if they were curved.
+#[inline]
+pub fn spawn_gathering(surface: &Surface, direction: DVec3) -> Ray {
+    if !surface.smoothly_faces(direction) {
+        return spawn(surface, direction);
+    }
+    Ray { origin: origin(surface, surface.point + surface.lift, surface.normal), direction }
+}
+
+/// The start of a ray at a point of a surface, or above it, on a side of it.
+#[inline]
+fn origin(surface: &Surface, point: DVec3, side: DVec3) -> DVec3 {
+    let reach = surface.normal.abs().dot(surface.error);
+    let moved = point + side * reach;
+    DVec3::new(next_away(moved.x, side.x), next_away(moved.y, side.y), next_away(moved.z, side.z))
+}
+
+/// The ray from a surface to a point from which light may come: it reaches the point at t = 1.
 #[inline]
 pub fn spawn_to(surface: &Surface, target: DVec3) -> Ray {
-    let origin = spawn(surface, target - surface.point).origin;
+    let origin = spawn_gathering(surface, target - surface.point).origin;
     Ray { origin, direction: target - origin }
 }
 

@@ -96,14 +96,14 @@ fn sphere(radius: f64, center: DVec3) -> Target {
 }
 
 #[test]
-fn lit_spheres_do_not_shadow_themselves() {
+fn self_01_lit_spheres_do_not_shadow_themselves() {
     for (radius, center) in each_place() {
         assert_eq!(sphere(radius, center).false_shadows(), 0, "radius {radius} at {center}");
     }
 }
 
 #[test]
-fn rays_leave_spheres_from_close_by() {
+fn self_01_rays_leave_spheres_from_close_by() {
     for (radius, center) in each_place() {
         let limit = 32.0 * UNIT_ROUNDOFF * (center.length() + radius);
         for (surface, direction) in sphere(radius, center).points(8) {
@@ -122,7 +122,7 @@ fn rays_leave_spheres_from_close_by() {
 
 /// From inside, the far side is one chord away: 2 r cos. An origin moved inwards lengthens it.
 #[test]
-fn spheres_lit_from_inside_end_at_their_far_side() {
+fn self_01_spheres_lit_from_inside_end_at_their_far_side() {
     for (radius, center) in each_place() {
         let sphere = sphere(radius, center).primitive;
         let mut random = Random(9);
@@ -142,7 +142,7 @@ fn spheres_lit_from_inside_end_at_their_far_side() {
 }
 
 #[test]
-fn lit_ellipsoids_do_not_shadow_themselves() {
+fn self_01_lit_ellipsoids_do_not_shadow_themselves() {
     let unit = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 });
     for (size, middle) in each_place() {
         let aim = tilted(DVec3::new(3.0, 1.0, 0.5) * size, middle);
@@ -171,36 +171,36 @@ fn flat_shapes_do_not_shadow_themselves(shape: Shape) {
 const CORNER: DVec3 = DVec3::new(-0.5, 0.0, -0.5);
 
 #[test]
-fn lit_planes_do_not_shadow_themselves() {
+fn self_01_lit_planes_do_not_shadow_themselves() {
     flat_shapes_do_not_shadow_themselves(Shape::Plane(Plane { point: CORNER, normal: DVec3::Y }));
 }
 
 #[test]
-fn lit_rectangles_do_not_shadow_themselves() {
+fn self_01_lit_rectangles_do_not_shadow_themselves() {
     let rectangle = Rectangle { corner: CORNER, u: DVec3::new(1.0, 0.0, 0.1), v: DVec3::Z };
     flat_shapes_do_not_shadow_themselves(Shape::Rectangle(rectangle));
 }
 
 #[test]
-fn lit_disks_do_not_shadow_themselves() {
+fn self_01_lit_disks_do_not_shadow_themselves() {
     let disk = Disk { center: DVec3::ZERO, normal: DVec3::Y, radius: 0.5 };
     flat_shapes_do_not_shadow_themselves(Shape::Disk(disk));
 }
 
 #[test]
-fn lit_triangles_do_not_shadow_themselves() {
+fn self_01_lit_triangles_do_not_shadow_themselves() {
     let corners = [CORNER, DVec3::new(0.5, 0.0, -0.3), DVec3::new(0.1, 0.0, 0.5)];
     flat_shapes_do_not_shadow_themselves(Shape::Triangle(Triangle { corners }));
 }
 
 #[test]
-fn lit_boxes_do_not_shadow_themselves() {
+fn self_01_lit_boxes_do_not_shadow_themselves() {
     let cuboid = Cuboid { min: DVec3::splat(-0.5), max: DVec3::splat(0.5) };
     flat_shapes_do_not_shadow_themselves(Shape::Cuboid(cuboid));
 }
 
 #[test]
-fn lit_cylinders_do_not_shadow_themselves() {
+fn self_01_lit_cylinders_do_not_shadow_themselves() {
     let (from, to) = (DVec3::new(0.0, -0.4, 0.1), DVec3::new(0.2, 0.5, 0.0));
     let cylinder = Cylinder::new(from, to, 0.4, true).expect("a cylinder");
     flat_shapes_do_not_shadow_themselves(Shape::Cylinder(cylinder));
@@ -209,7 +209,7 @@ fn lit_cylinders_do_not_shadow_themselves() {
 }
 
 #[test]
-fn lit_cones_do_not_shadow_themselves() {
+fn self_01_lit_cones_do_not_shadow_themselves() {
     for (base, top) in [(0.6, 0.0), (0.5, 0.2), (0.1, 0.6), (0.5, 0.5)] {
         let cone = Cone::new(DVec3::Y * -0.3, DVec3::Y * 0.7, base, top, true).expect("a cone");
         flat_shapes_do_not_shadow_themselves(Shape::Cone(cone));
@@ -219,7 +219,7 @@ fn lit_cones_do_not_shadow_themselves() {
 /// Flat shapes through the origin along the axes, whose coordinates are exact zeros there: nothing but the normal,
 /// which may not be a unit vector to the last bit, says how far rounding has moved a point off them.
 #[test]
-fn floors_at_height_zero_do_not_shadow_themselves() {
+fn self_01_floors_at_height_zero_do_not_shadow_themselves() {
     let mut wrong = Vec::new();
     for (a, b) in [3.0, 7.0, 10.0].into_iter().flat_map(|a| [3.0, 7.0, 10.0].map(|b| (a, b))) {
         let (u, v) = (DVec3::X * a, DVec3::new(1.0, 0.0, b));

@@ -15,8 +15,8 @@ use crate::film::LayerId;
 use crate::light::Source;
 use crate::material::MadeOf;
 use crate::math::{DVec2, DVec3};
-use crate::scene::Finish;
-use crate::shape::{Rays, Surfaces, lanes};
+use crate::scene::{Finish, Primitive};
+use crate::shape::{Rays, Shape, Surfaces, lanes};
 use crate::simd::{Lanes, Octo, Quad, Vector, Work, dispatch};
 use lights::Arrivals;
 use shade::{Color, Reflectors};
@@ -68,7 +68,10 @@ pub fn suits(tracer: &Tracer) -> bool {
         matches!(source, Source::Point { .. } | Source::Spot { .. } | Source::Directional { .. })
     };
     let bare = tracer.fog.is_none() && !tracer.media && !tracer.clear;
-    bare && tracer.scene.geometry.primitives.iter().all(|primitive| is_plain(&primitive.finish))
+    // Light may be looked for above the surface of a mesh, and meshes are met ray by ray anyway.
+    let suited =
+        |primitive: &Primitive| is_plain(&primitive.finish) && !matches!(primitive.shape, Shape::Mesh(_));
+    bare && tracer.scene.geometry.primitives.iter().all(suited)
         && tracer.lights.iter().all(|(_, light)| lit(&light.source))
 }
 

@@ -6,7 +6,7 @@ use super::shade::Seen;
 use super::spawn::spawn;
 use super::throughput::Throughput;
 use crate::bvh::{Bvh, Hit};
-use crate::camera::Ray;
+use crate::camera::{Beam, Ray};
 use crate::color::Rgb;
 use crate::counters::Counts;
 use crate::environment::Environment;
@@ -20,6 +20,7 @@ use crate::quality::Quality;
 use crate::sampling::Sampler;
 use crate::scene::{Finish, Primitive, Scene};
 use crate::shape::Surface;
+use crate::texture::Footprint;
 use crate::tree::Probe;
 
 /// One frame's scene, ready to be traced.
@@ -88,6 +89,8 @@ pub struct Face<'a> {
     pub outside: bool,
     pub hit: Hit,
     pub enclosure: Enclosure,
+    /// How wide the ray's beam is there.
+    pub width: f64,
 }
 
 impl Face<'_> {
@@ -136,7 +139,7 @@ impl<'a> Tracer<'a> {
     /// itself glows for the throughput's other part alone.
     pub fn advance(
         &self,
-        ray: &Ray,
+        (ray, beam): (&Ray, &Beam),
         media: &Media,
         throughput: &Throughput,
         work: &mut Work,
@@ -147,7 +150,7 @@ impl<'a> Tracer<'a> {
         if self.media {
             way.passed = media.here(&self.scene.shading.materials).transmittance(t);
         }
-        let met = hit.map_or(Met::Nothing, |hit| self.met(ray, hit));
+        let met = hit.map_or(Met::Nothing, |hit| self.met(ray, hit, beam.after(hit.at.t)));
         if let Some(fog) = &self.fog {
             let opacity = fog.opacity(ray, t) as f32;
             let glows = match met {
@@ -160,10 +163,13 @@ impl<'a> Tracer<'a> {
         (met, way)
     }
 
-    /// What a hit is.
-    pub fn met(&self, ray: &Ray, hit: Hit) -> Met<'a> {
+    /// What a hit is, for a beam of this width.
+    pub fn met(&self, ray: &Ray, hit: Hit, width: f64) -> Met<'a> {
         let primitive = &self.scene.geometry.primitives[hit.primitive as usize];
-        let surface = primitive.surface(ray, hit.at);
+        let mut surface = primitive.surface(ray, hit.at);
+        if !self.quality.smooth_terminator {
+            surface.lift = DVec3::ZERO;
+        }
         // Surfaces are two-sided: the normal faces the eye.
         let outside = surface.normal.dot(ray.direction) <= 0.0;
         if let Finish::Light(index) = primitive.finish {
@@ -173,11 +179,17 @@ impl<'a> Tracer<'a> {
         let material = &self.scene.shading.materials[index as usize];
         let lobes = match material.paints.is_empty() {
             true => material.lobes,
-            false => material.painted(&self.scene.geometry.spot(&hit, &surface)),
+            false => {
+                let seen = Footprint::new(width, ray.direction, surface.normal);
+                material.painted(&self.scene.geometry.spot(&hit, &surface, &seen, material.is_printed()))
+            }
         };
+        if lobes.transparency != Rgb::ZERO || material.refracts() {
+            surface = primitive.passed(surface, hit.at.part);
+        }
         let surface = if outside { surface } else { surface.flipped() };
         let enclosure = Enclosure { primitive: hit.primitive, material: index };
-        Met::Surface(Face { material, lobes, surface, outside, hit, enclosure })
+        Met::Surface(Face { material, lobes, surface, outside, hit, enclosure, width })
     }
 
     /// What the sky adds to a ray that met nothing and may take so many bounces more. With all of them left it has

@@ -8,7 +8,7 @@ use super::media::{Boundary, Media};
 use super::spawn::spawn;
 use super::throughput::Throughput;
 use super::tracer::{Dice, Face, Met, Tracer, Work};
-use crate::camera::Ray;
+use crate::camera::{Beam, Ray};
 use crate::color::Rgb;
 use crate::math::{DVec2, DVec3};
 use crate::optics::reflect;
@@ -18,6 +18,7 @@ use crate::sampling::{Frame, Use};
 #[derive(Clone, Copy, Debug)]
 pub struct Pending {
     ray: Ray,
+    beam: Beam,
     throughput: Rgb,
     /// Bounces that are left.
     left: u32,
@@ -30,10 +31,10 @@ pub struct Pending {
 }
 
 /// Adds what is seen along a camera's ray to `work`.
-pub fn follow(tracer: &Tracer, ray: Ray, mut dice: Dice, work: &mut Work) {
+pub fn follow(tracer: &Tracer, (ray, beam): (Ray, Beam), mut dice: Dice, work: &mut Work) {
     let (throughput, left) = (Rgb::ONE, tracer.quality.bounces);
-    let mut next =
-        Some(Pending { ray, throughput, left, media: Media::default(), sees_lights: true, crossed: None });
+    let (media, crossed) = (Media::default(), None);
+    let mut next = Some(Pending { ray, beam, throughput, left, media, sees_lights: true, crossed });
     while let Some(pending) = next.take() {
         step(tracer, pending, &mut dice, work);
         next = work.pending.pop();
@@ -42,11 +43,11 @@ pub fn follow(tracer: &Tracer, ray: Ray, mut dice: Dice, work: &mut Work) {
 
 /// Follows one ray to where it ends, and puts off those that start there.
 fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
-    let Pending { ray, mut throughput, ref media, sees_lights, .. } = pending;
-    let lying = tracer.lying_in(pending.crossed.as_ref());
+    let Pending { ray, ref beam, mut throughput, ref media, sees_lights, .. } = pending;
+    let lying = tracer.lying_in(pending.crossed.as_ref(), beam.width);
     let crossed = pending.crossed.filter(|_| lying.is_some());
     let met = lying.unwrap_or_else(|| {
-        let (met, way) = tracer.advance(&ray, media, &Throughput::showing(throughput), work);
+        let (met, way) = tracer.advance((&ray, beam), media, &Throughput::showing(throughput), work);
         throughput *= way.passed * way.clear;
         met
     });
@@ -130,7 +131,7 @@ impl Branch<'_, '_> {
         if share == Rgb::ZERO || throughput.max_element() < self.tracer.quality.threshold {
             return false;
         }
-        work.pending.push(Pending { ray, throughput, left, media, sees_lights, crossed });
+        work.pending.push(Pending { ray, beam: self.beam(), throughput, left, media, sees_lights, crossed });
         true
     }
 
@@ -189,7 +190,8 @@ impl Branch<'_, '_> {
         let ray = Tracer::straight_on(self.face, &self.pending.ray);
         let (throughput, media) = (self.throughput, boundary.passed);
         let crossed = self.passed(self.pending.ray.direction);
-        work.pending.push(Pending { ray, throughput, media, crossed, ..*self.pending });
+        let beam = self.beam();
+        work.pending.push(Pending { ray, beam, throughput, media, crossed, ..*self.pending });
         true
     }
 
@@ -203,7 +205,13 @@ impl Branch<'_, '_> {
         let ray = Tracer::straight_on(self.face, &self.pending.ray);
         let media = self.boundary.map_or(self.pending.media, |boundary| boundary.passed);
         let crossed = self.passed(self.pending.ray.direction);
-        work.pending.push(Pending { ray, throughput, media, crossed, ..*self.pending });
+        let beam = self.beam();
+        work.pending.push(Pending { ray, beam, throughput, media, crossed, ..*self.pending });
+    }
+
+    /// The beam where it meets the surface. It goes on as if all surfaces were flat.
+    fn beam(&self) -> Beam {
+        Beam { width: self.face.width, ..self.pending.beam }
     }
 
     /// The place that a ray in a direction has passed.

@@ -137,7 +137,7 @@ fn samples_on_ball(size: (u32, u32), n: u32, height: f64, light: [f64; 3]) -> (u
 }
 
 #[test]
-fn a_matte_ball_takes_a_camera_ray_per_sample_and_a_shadow_ray_per_facing_light() {
+fn ga_02_a_matte_ball_takes_a_camera_ray_per_sample_and_a_shadow_ray_per_facing_light() {
     let lights = [[3.0, 4.0, 5.0], [0.0, 0.0, -8.0], [-9.0, 1.0, 0.5]];
     for n in [1, 2, 3] {
         for (count, lights) in (0..=3).map(|count| (count, &lights[..count])) {
@@ -160,7 +160,7 @@ fn a_matte_ball_takes_a_camera_ray_per_sample_and_a_shadow_ray_per_facing_light(
 }
 
 #[test]
-fn mirror_rays_are_as_many_as_mirrors_call_for() {
+fn ga_02_mirror_rays_are_as_many_as_mirrors_call_for() {
     let mirror_rays = |bounces: u32, material: &str| {
         let shots = shoot_all(&format!(
             r#"(output: (size: (23, 17)), quality: (antialias: 1, bounces: {bounces}),
@@ -180,7 +180,7 @@ fn mirror_rays_are_as_many_as_mirrors_call_for() {
 }
 
 #[test]
-fn no_light_means_no_shadow_rays() {
+fn ga_02_no_light_means_no_shadow_rays() {
     for fields in ["", r#"lights: { "off": Point(position: (0, 5, 5), on: false) },"#] {
         let shots = shoot_all(&format!(
             r#"(output: (size: (8, 6)), {fields} objects: {{ "b": (shape: Sphere()) }})"#

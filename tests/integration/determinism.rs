@@ -34,7 +34,7 @@ fn same(a: &[Film], b: &[Film], what: &str) {
 }
 
 #[test]
-fn films_are_the_same_for_any_number_of_threads_and_any_run() {
+fn sa_10_films_are_the_same_for_any_number_of_threads_and_any_run() {
     for sequence in golden_sequences() {
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
@@ -112,7 +112,7 @@ fn files_of_a_subset_are_those_of_the_whole() {
 
 /// BVH-05: of things at the same place the first in the file is seen, however many other things there are.
 #[test]
-fn the_first_of_coincident_objects_is_seen() {
+fn bvh_05_the_first_of_coincident_objects_is_seen() {
     let (red, green) = ("color: (1, 0, 0)", "color: (0, 1, 0)");
     for (shape, place) in [
         ("Sphere()", ""),
@@ -154,7 +154,7 @@ fn the_first_of_coincident_objects_is_seen() {
 }
 
 #[test]
-fn a_ball_that_touches_the_floor_is_the_same_in_every_tree() {
+fn bvh_05_a_ball_that_touches_the_floor_is_the_same_in_every_tree() {
     let picture = |fillers: u32| {
         let fillers: String =
             (0..fillers).map(|k| format!("\"{k}\": (shape: Sphere(center: ({k}, 0, 30))),")).collect();
@@ -172,7 +172,7 @@ fn a_ball_that_touches_the_floor_is_the_same_in_every_tree() {
 
 /// GA-01: what has no strength is not there, bit for bit.
 #[test]
-fn zero_strength_equals_absence() {
+fn ga_01_zero_strength_equals_absence() {
     let picture = |camera: &str, material: &str, lights: &str, objects: &str| {
         let text = format!(
             r#"(output: (size: (32, 24)), background: (0.1, 0.2, 0.3), timeline: (frames: 2, keys: Frames),
@@ -201,6 +201,14 @@ fn zero_strength_equals_absence() {
             "",
             r#""flat": (shape: Sphere(center: (0, 1, 0), radius: 2), scale: [(0, 1), (1, 0), (2, 1)])"#,
         ),
+        ("aperture: 0, focus: 3", "", "", ""),
+        ("shutter: 0", "", "", ""),
+        ("", "transparency: 0, transparency_color: (1, 0, 0)", "", ""),
+        ("", "transparency: 1, transparency_color: 0", "", ""),
+        ("", "refraction: 0, ior: 2, absorption: 3, priority: 5, fresnel: Exact", "", ""),
+        ("", "emission: 0, emission_color: (9, 9, 9)", "", ""),
+        ("", "fuzz: 0.5", "", ""),
+        ("", "mirror: 0, mirror_color: Checker()", "", ""),
         ("roll: 360", "", "", ""),
         ("path: [Zoom(factor: 1), Dolly(forward: 0, right: 0, upward: 0)]", "", "", ""),
     ] {
@@ -210,6 +218,18 @@ fn zero_strength_equals_absence() {
             &[camera, material, lights, objects].concat(),
         );
     }
+    // Roughness of no strength, and fog of none.
+    let shiny = |material: &str, fields: &str| {
+        films(shoot_all(&format!(
+            r#"(output: (size: (16, 12)), background: Gradient(), {fields}
+            lights: {{ "l": Point(position: (3, 5, 4)) }}, objects: {{ "b": (shape: Sphere(), material: {material}) }})"#
+        )))
+    };
+    same(&shiny("Metal(fuzz: 0)", ""), &shiny("Metal()", ""), "fuzz");
+    let matt = shiny("(specular: 0.5)", "");
+    same(&shiny("(specular: 0.5)", "fog: (color: 1, density: 0),"), &matt, "fog");
+    let falling = "fog: (color: 1, density: 0, falloff: (height: 2)),";
+    same(&shiny("(specular: 0.5)", falling), &matt, "fog with a falloff");
     // Ambient light of no strength against a material that reflects none.
     let dark = |fields: &str| films(shoot_all(&format!(r#"(output: (size: (8, 6)), {fields})"#)));
     same(

@@ -71,14 +71,14 @@ fn assert_watertight(rays: u32) {
 }
 
 #[test]
-fn no_ray_leaks_out_of_a_closed_mesh() {
+fn int_12_no_ray_leaks_out_of_a_closed_mesh() {
     assert_watertight(RAYS);
 }
 
-/// INT-12 in full: `cargo test --release -- --ignored ten_million` runs it.
+/// INT-12 in full: `cargo test --release -- --ignored int_12` runs it.
 #[test]
 #[ignore = "minutes of rays, for release builds"]
-fn no_ray_of_ten_million_leaks_out_of_a_closed_mesh() {
+fn int_12_no_ray_of_ten_million_leaks_out_of_a_closed_mesh() {
     assert_watertight(10_000_000);
 }
 
@@ -139,7 +139,7 @@ fn file_formats_do_not_show() {
 
 /// XF-01: both normals turn with the inverse transpose, also when mirrored, and stay on one side.
 #[test]
-fn normals_of_placed_meshes_are_perpendicular() {
+fn xf_01_normals_of_placed_meshes_are_perpendicular() {
     let s = 0.5_f64.sqrt();
     let shear =
         DAffine3::from_mat3(kinora::math::DMat3::from_cols(DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Z));
@@ -243,7 +243,7 @@ fn broken_files_are_told_with_their_line() {
 }
 
 #[test]
-fn what_is_left_out_is_told() {
+fn int_15_what_is_left_out_is_told() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\nf 2 2 2\n";
     fs::write(folder.path().join("a.obj"), text).expect("a disk");
@@ -253,7 +253,7 @@ fn what_is_left_out_is_told() {
 
 /// INT-15: whatever a mesh is like, no pixel is without a colour.
 #[test]
-fn no_mesh_makes_a_pixel_that_is_no_number() {
+fn int_15_no_mesh_makes_a_pixel_that_is_no_number() {
     let text = "(
         output: (size: (24, 24)), quality: (antialias: 1),
         camera: (position: (0.3, 0.3, 2), target: (0.3, 0.3, 0)),

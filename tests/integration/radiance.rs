@@ -73,7 +73,7 @@ fn highlight(model: &str, eye: [f64; 3], light: [f64; 3], shift: [f64; 3]) -> Rg
 }
 
 #[test]
-fn highlights_stand_where_they_must_wherever_the_scene_is() {
+fn sh_01_highlights_stand_where_they_must_wherever_the_scene_is() {
     let light = [13.0, 4.0, 0.0];
     for shift in [[0.0; 3], [1024.0, -512.0, 256.0]] {
         for model in ["Phong", "BlinnPhong"] {
@@ -87,7 +87,7 @@ fn highlights_stand_where_they_must_wherever_the_scene_is() {
 }
 
 #[test]
-fn a_moved_scene_gives_the_same_picture() {
+fn sh_01_a_moved_scene_gives_the_same_picture() {
     let picture = |[x, y, z]: [f64; 3]| {
         let at = |p: [f64; 3]| vector([p[0] + x, p[1] + y, p[2] + z]);
         let text = format!(
@@ -182,7 +182,7 @@ fn a_lit_wall_in_a_mirror() {
 
 /// BVH-07: only what stands between the point and the light shadows, however far away.
 #[test]
-fn occluders_before_and_beyond_the_light() {
+fn bvh_07_occluders_before_and_beyond_the_light() {
     let floor = |light: f64, occluder: &str| {
         let radiance = radiance_at_target(&format!(
             r#"camera: (position: (5, 5, 0)), lights: {{ "l": Point(position: (0, {light:?}, 0)) }},
@@ -244,7 +244,7 @@ fn inside_a_sphere_and_a_box() {
 }
 
 #[test]
-fn ellipsoids_are_lit_by_their_own_normals() {
+fn xf_01_ellipsoids_are_lit_by_their_own_normals() {
     // XF-01: the unit sphere's (1, 1, 0) / sqrt 2 under a scale of (2, 1, 1): the normal is (1, 2, 0) / sqrt 5.
     let h = 0.5_f64.sqrt();
     let (point, eye, light) = ([2.0 * h, h, 0.0], [2.0 * h + 1.0, h + 2.0, 0.5], [2.0 * h, h + 10.0, 0.0]);

@@ -104,6 +104,30 @@ fn sh_18_area_lights_follow_their_form_factors() {
     near(floor(&format!("\"l\": Rectangle({below})")), square, 0.005 * square);
 }
 
+/// The mean of 16 seeds is within three of its standard errors, and of half a percent.
+#[test]
+fn sh_18_seeds_scatter_around_the_form_factor() {
+    const MATT: &str = "\"floor\": (shape: Plane(), material: Lambertian(color: 0.5))";
+    let square =
+        "lights: { \"l\": Rectangle(corner: (-1, 1.5, -1), u: (2, 0, 0), v: (0, 0, 2)) }, objects: { MATT }";
+    let disk = "objects: { MATT, \"lamp\": (shape: Disk(center: (0, 2, 0), radius: 1),
+        material: (color: 1, ambient: 0, diffuse: 0, emission: 1)) }";
+    for (scene, expected) in [(square, 0.178_842_373_315_128), (disk, 0.1)] {
+        let found: Vec<f64> = (0..16)
+            .map(|seed| {
+                let camera = "camera: (position: (3, 1, 0), projection: Orthographic(height: 1e-6))";
+                let quality = format!("quality: (integrator: Path, samples: 4096, bounces: 1, seed: {seed})");
+                mean(1, &format!("{quality}, {camera}, {}", scene.replace("MATT", MATT)))
+            })
+            .collect();
+        let mean = found.iter().sum::<f64>() / 16.0;
+        let variance = found.iter().map(|one| (one - mean) * (one - mean)).sum::<f64>() / 15.0;
+        // The film is f32.
+        let error = (variance / 16.0).sqrt() + expected * f64::from(f32::EPSILON);
+        near(mean, expected, (3.0 * error).min(0.005 * expected));
+    }
+}
+
 #[test]
 fn objects_that_shine_light_as_lights_do() {
     let floor = |shape: &str, scale: &str| {
@@ -197,25 +221,6 @@ fn both_integrators_agree_where_light_comes_straight() {
         );
         near(f64::from(shoot_all(&text)[0].pixel(0, 0).x), 1.0, 1e-6);
     }
-}
-
-/// The floor at the origin under lights on both sides, seen from the side.
-fn shadowed(blockers: &str) -> f64 {
-    let radiance = radiance_at_target(&format!(
-        "camera: (position: (0, 0.5, 3)), ambient: 1,
-        lights: {{ \"a\": Point(position: (-4, 8, 0)), \"b\": Point(position: (4, 8, 0)) }},
-        objects: {{ \"floor\": (shape: Plane(), material: (color: 1, ambient: 0.1, diffuse: 0.5)), {blockers} }}"
-    ));
-    f64::from(radiance.x)
-}
-
-#[test]
-fn sh_03_where_shadows_overlap_only_ambient_light_is_left() {
-    let a = "\"a\": (shape: Sphere(center: (-1, 2, 0), radius: 0.5))";
-    let b = "\"b\": (shape: Sphere(center: (1, 2, 0), radius: 0.5))";
-    near(shadowed(""), 0.994_427_190_999_916, 1e-6);
-    near(shadowed(a), 0.547_213_595_499_958, 1e-6);
-    near(shadowed(&format!("{a}, {b}")), 0.1, 1e-6);
 }
 
 #[test]
@@ -344,7 +349,7 @@ fn ground_fog_is_seen_from_any_height() {
 }
 
 #[test]
-fn lenses_without_aperture_and_shutters_that_do_not_open_change_nothing() {
+fn ca_09_lenses_without_aperture_and_shutters_that_do_not_open_change_nothing() {
     let picture = |camera: &str| {
         let text = format!(
             "(output: (size: (16, 16)), timeline: (frames: 2),

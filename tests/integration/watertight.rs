@@ -21,7 +21,7 @@ fn icosphere(subdivisions: u32) -> Vec<[DVec3; 3]> {
 }
 
 #[test]
-fn no_ray_leaks_between_triangles() {
+fn int_12_no_ray_leaks_between_triangles() {
     let unit = icosphere(3);
     assert_eq!(unit.len(), 1280);
     for (scale, offset) in [(1.0, 0.0), (1.0, 100.0), (1.0, 1e4), (1000.0, 0.0), (1e-6, 1.0)] {

@@ -23,7 +23,7 @@ fn equals_the_formula_around_every_threshold() {
 }
 
 #[test]
-fn equals_the_formula_and_is_monotone_over_65536_values() {
+fn co_01_equals_the_formula_and_is_monotone_over_65536_values() {
     for tonemap in CURVES {
         let table = ToneTable::new(tonemap);
         let mut last = 0;
@@ -71,7 +71,7 @@ fn co_02_values_outside_the_range() {
 }
 
 #[test]
-fn halves_round_up_and_one_is_white() {
+fn co_02_halves_round_up_and_one_is_white() {
     let half_up = srgb_to_linear(254.5 / 255.0) as f32;
     assert_eq!(exact_code(Tonemap::Srgb, half_up), 255);
     assert_eq!(ToneTable::new(Tonemap::Srgb).code(half_up), 255);

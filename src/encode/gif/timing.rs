@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn fractional_rates_do_not_drift() {
+    fn ca_08_fractional_rates_do_not_drift() {
         for (num, den) in [(24_000, 1001), (30_000, 1001), (1, 3), (50, 1), (49, 1), (12_345, 678)] {
             let delays = delays(5000, num, den);
             assert_true_to_time(&delays, num, den);
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn fast_rates_are_resampled_over_the_same_time() {
+    fn ca_08_fast_rates_are_resampled_over_the_same_time() {
         let shots = shots(60, Rate::new(60, 1).expect("a rate")).expect("short");
         let indices: Vec<_> = shots.iter().map(|shot| shot.index).collect();
         assert_eq!(indices[..7], [0, 1, 2, 3, 4, 6, 7]);

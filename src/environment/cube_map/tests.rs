@@ -22,7 +22,7 @@ fn smooth(direction: DVec3) -> f64 {
 }
 
 #[test]
-fn edges_have_no_seams() {
+fn sh_15_edges_have_no_seams() {
     let map = cube_map(64, |d| Rgb::splat(smooth(d) as f32));
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
@@ -42,7 +42,7 @@ fn edges_have_no_seams() {
 }
 
 #[test]
-fn corners_have_no_seams() {
+fn sh_15_corners_have_no_seams() {
     let mut random = Random(6);
     let map = cube_map(8, |d| Rgb::splat(smooth(d) as f32));
     for sign in 0..8u8 {
@@ -56,7 +56,7 @@ fn corners_have_no_seams() {
 }
 
 #[test]
-fn no_direction_leaves_the_map() {
+fn sh_15_no_direction_leaves_the_map() {
     let mut random = Random(1);
     let map = cube_map(4, |_| Rgb::ONE);
     for k in 0..1_000_000 {

@@ -159,7 +159,7 @@ fn faults_name_the_line() {
 
 /// INT-15 (d).
 #[test]
-fn vertices_that_are_nowhere_are_refused_with_their_face() {
+fn int_15_vertices_that_are_nowhere_are_refused_with_their_face() {
     let why = "coordinates are finite and at most 1e30";
     assert_eq!(
         fault("v 0 0 0\nv 1 nan 0\nv 0 1 0\nv 0 1 0\nf 1 3 4\nf 1 2 3\n"),

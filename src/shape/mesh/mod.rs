@@ -11,6 +11,7 @@ use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::mesh::{self, Normals, Sheared};
 use crate::simd::{Lanes, Work};
 use crate::tree::{Leaves, Probe, Slabs};
+use glam::Vec3;
 use std::sync::Arc;
 
 /// A mesh, and how it is shaded. Meshes are large and never change, so they are shared, and compared by where
@@ -50,7 +51,8 @@ impl Geometric for Mesh {
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
         let corners = self.mesh.corners(at.part);
         let normal = unit_normal(corners);
-        self.shaded(flat::surface(corners[0], normal, ray, at.t), at.part)
+        let surface = self.shaded(flat::surface(corners[0], normal, ray, at.t), at.part);
+        if surface.shading == normal { surface } else { self.lifted(surface, ray, at.part) }
     }
 
     fn bounds(&self) -> Option<Aabb> {
@@ -97,15 +99,33 @@ impl Geometric for Mesh {
     }
 }
 
-/// An interpolated unit normal that is shorter than this has no direction that could be trusted: corners'
-/// normals are f32, and cancel to within their rounding.
-const SHORTEST_NORMAL: f64 = 1e-6;
+/// An interpolated unit normal that is not longer than this has no direction: corners' normals are f32, each off by
+/// less than √3 · 2^-25, the rounding of three coordinates below 1, and so is any mean of them.
+const NO_DIRECTION: f64 = f32::EPSILON as f64;
 
 impl Mesh {
     /// The weights of a triangle's second and third corner at a point of it.
     fn weights(&self, point: DVec3, part: u32) -> DVec2 {
         let [a, b, c] = self.mesh.corners(part);
         flat::shares(point - a, b - a, c - a)
+    }
+
+    /// The surface with the way to the smooth one on the side that the ray comes from: the point is moved onto the
+    /// planes across the corners' normals that lie above it, and these points are weighted as the corners are.
+    fn lifted(&self, surface: Surface, ray: &Ray, part: u32) -> Surface {
+        let Some(normals) = self.mesh.corner_normals(part, self.normals) else { return surface };
+        let seen = if surface.normal.dot(ray.direction) > 0.0 { -surface.normal } else { surface.normal };
+        let DVec2 { x, y } = self.weights(surface.point, part);
+        let weights = [1.0 - x - y, x, y];
+        let above = |corner: DVec3, normal: Vec3, weight: f64| {
+            let normal = normal.as_dvec3();
+            let normal = if normal.dot(seen) < 0.0 { -normal } else { normal };
+            normal * ((corner - surface.point).dot(normal).max(0.0) * weight.max(0.0))
+        };
+        let [a, b, c] = self.mesh.corners(part);
+        let [p, q, r] = normals;
+        let lift = above(a, p, weights[0]) + above(b, q, weights[1]) + above(c, r, weights[2]);
+        Surface { lift, ..surface }
     }
 
     /// The surface with the normal that the corners' normals come to.
@@ -115,7 +135,7 @@ impl Mesh {
         let weights = self.weights(surface.point, part);
         let normal = a + (b - a) * weights.x + (c - a) * weights.y;
         let length = normal.length();
-        if length < SHORTEST_NORMAL { surface } else { surface.shaded(normal / length) }
+        if length <= NO_DIRECTION { surface } else { surface.shaded(normal / length) }
     }
 }
 

@@ -53,7 +53,7 @@ fn the_tree_finds_what_every_triangle_finds() {
 
 /// Coordinates are interpolated, not normalised, and mean the same at every point (SH-14).
 #[test]
-fn texture_coordinates_are_interpolated() {
+fn sh_14_texture_coordinates_are_interpolated() {
     let with = |uvs: [(f64, f64); 3]| {
         let uvs = uvs.map(|(u, v)| DVec2::new(u, v)).to_vec();
         shape(Parts { uvs: Some(Corners::per_vertex(uvs)), ..triangle() }, Normals::Flat)
@@ -82,7 +82,7 @@ fn with_normals(normals: [Vec3; 3]) -> Mesh {
 
 /// INT-15 (f) and its relatives: no direction left, not finite, none given.
 #[test]
-fn the_geometric_normal_stands_in_for_one_without_a_direction() {
+fn int_15_the_geometric_normal_stands_in_for_one_without_a_direction() {
     let n = Vec3::new(0.3, 0.4, 0.866).normalize();
     for normals in [[n, -n, Vec3::X], [Vec3::ZERO; 3], [Vec3::NAN; 3], [Vec3::INFINITY; 3]] {
         let mesh = with_normals(normals);
@@ -104,7 +104,7 @@ fn shading_normals_stay_on_the_geometric_side() {
 
 /// INT-15 (a) to (c) and (e).
 #[test]
-fn what_has_no_area_is_never_hit() {
+fn int_15_what_has_no_area_is_never_hit() {
     let p = |x: f64, y: f64| DVec3::new(x, y, 0.0);
     let positions =
         vec![p(0.0, 0.0), p(1.0, 0.0), p(0.0, 1.0), p(2.0, 0.0), p(1.4e-21, 0.0), p(0.0, 1.4e-21)];

@@ -1,0 +1,177 @@
+//! Whether objects stay within what can be computed with: chains of parents multiply their scales.
+
+use super::fault::Fault;
+use super::node::File;
+use super::suggest::shortened;
+use super::values::{LARGEST, SHORTEST};
+use super::{Named, Object};
+use crate::math::{DAffine3, DVec3};
+use crate::time::{Time, Timeline};
+use crate::track::{Animate, Animated};
+use crate::transform::TransformTracks;
+use std::ops::Range;
+
+/// Where an object's transform stands in the file.
+#[derive(Clone, Default)]
+pub struct TransformPlace {
+    pub scale: Range<usize>,
+    pub translation: Range<usize>,
+}
+
+/// How far an easing may go beyond the keys on both sides of it, as a share of the way between them: the curves of
+/// easings.net stay below 2, and Bezier's below 10 for all control points that make sense.
+const OVERSHOOT: f64 = 10.0;
+
+/// Bounds of what a transform does to lengths, over all times: the least and the largest factor, and the farthest that
+/// it moves the origin.
+#[derive(Clone, Copy)]
+struct Span {
+    least: f64,
+    most: f64,
+    moved: f64,
+}
+
+impl Span {
+    const NONE: Self = Self { least: 1.0, most: 1.0, moved: 0.0 };
+
+    fn of(tracks: &TransformTracks) -> Self {
+        let (least, most) =
+            range(&tracks.scale, |scale: &DVec3| (scale.abs().min_element(), scale.abs().max_element()));
+        let (_, moved) = range(&tracks.translation, |by: &DVec3| (by.length(), by.length()));
+        Self { least, most, moved: moved + tracks.pivot.length() * (1.0 + most) }
+    }
+
+    /// What an object does within its parent.
+    fn within(self, parent: Self) -> Self {
+        Self {
+            least: self.least * parent.least,
+            most: self.most * parent.most,
+            moved: self.moved * parent.most + parent.moved,
+        }
+    }
+
+    /// Whether nothing can be out of range, whatever the keys do.
+    fn is_safe(self) -> bool {
+        self.least >= SHORTEST && self.most <= LARGEST && self.moved <= LARGEST
+    }
+}
+
+/// The least and the largest of all values. Keys that pass through zero on their way hide an object for a moment; that
+/// is not the least.
+fn range<T: Animate>(values: &Animated<T>, of: impl Fn(&T) -> (f64, f64)) -> (f64, f64) {
+    match values {
+        Animated::Constant(value) => of(value),
+        Animated::Keyed(track) => {
+            let each = || track.keys().iter().map(|key| of(&key.value));
+            let least = each().map(|(least, _)| least).filter(|least| *least > 0.0);
+            (
+                least.fold(f64::INFINITY, f64::min),
+                OVERSHOOT * each().map(|(_, most)| most).fold(0.0, f64::max),
+            )
+        }
+    }
+}
+
+/// Reports each object that is placed out of range, with the first such frame. Objects with a parent that is are not
+/// reported again.
+pub fn report_out_of_range(
+    file: &File<'_>,
+    timeline: &Timeline,
+    objects: &[Named<Object>],
+    places: &[TransformPlace],
+) {
+    let chain = |index: usize| {
+        std::iter::successors(Some(index), |&at| objects.get(at)?.value.parent).map(|at| &objects[at].value)
+    };
+    let mut out = vec![false; objects.len()];
+    for (index, span) in spans(objects) {
+        let inherited = objects[index].value.parent.is_some_and(|parent| out[parent]);
+        if inherited || span.is_safe() {
+            out[index] = inherited;
+            continue;
+        }
+        let wrong = |frame: u32| {
+            let time = timeline.clock(frame).time;
+            Some((frame, fault_of(chain(index).map(|object| object.transform.at(time)))?))
+        };
+        let still = chain(index).all(|object| !object.transform.is_keyed());
+        let frames = if still { 1 } else { timeline.frames };
+        if let Some((frame, what)) = (0..frames).find_map(wrong) {
+            out[index] = true;
+            let when = if still { String::new() } else { format!(" at frame {frame}") };
+            let place = places.get(index).cloned().unwrap_or_default();
+            file.push(fault(&objects[index], what, &when, place, timeline.clock(frame).time));
+        }
+    }
+}
+
+/// What the transforms of each object and all its parents may come to, parents first. Objects whose parents lead in a
+/// circle are left out; that is a fault of its own.
+fn spans(objects: &[Named<Object>]) -> Vec<(usize, Span)> {
+    let mut known: Vec<Option<Span>> = vec![None; objects.len()];
+    let mut visited = vec![false; objects.len()];
+    let mut spans = Vec::with_capacity(objects.len());
+    for start in 0..objects.len() {
+        let mut way = Vec::new();
+        let mut at = Some(start);
+        while let Some(index) = at.filter(|&index| !visited[index]) {
+            visited[index] = true;
+            way.push(index);
+            at = objects[index].value.parent;
+        }
+        // What is visited but not known is on a circle, or hangs on one.
+        let Some(mut span) = at.map_or(Some(Span::NONE), |index| known[index]) else { continue };
+        for index in way.into_iter().rev() {
+            span = Span::of(&objects[index].value.transform).within(span);
+            known[index] = Some(span);
+            spans.push((index, span));
+        }
+    }
+    spans
+}
+
+#[derive(Clone, Copy)]
+enum OutOfRange {
+    Large,
+    Far,
+    Small,
+}
+
+/// What is wrong with an object's place in the world: the product of these transforms, the object's own first.
+fn fault_of(chain: impl Iterator<Item = DAffine3>) -> Option<OutOfRange> {
+    let (mut world, mut hidden) = (DAffine3::IDENTITY, false);
+    for local in chain {
+        // A scale that keys lead through zero hides an object, and is meant to.
+        hidden |= local.matrix3.determinant() == 0.0;
+        world = local * world;
+    }
+    // Overflow may also lead to NaN.
+    let within = |v: DVec3| v.is_finite() && v.abs().max_element() <= LARGEST;
+    let axes = world.matrix3.to_cols_array_2d().map(DVec3::from_array);
+    if !axes.into_iter().all(within) {
+        return Some(OutOfRange::Large);
+    }
+    if !within(world.translation) {
+        return Some(OutOfRange::Far);
+    }
+    let flat = axes.into_iter().any(|axis| axis.abs().max_element() < SHORTEST);
+    ((flat || world.matrix3.determinant() == 0.0) && !hidden).then_some(OutOfRange::Small)
+}
+
+fn fault(object: &Named<Object>, what: OutOfRange, when: &str, place: TransformPlace, time: Time) -> Fault {
+    let name = shortened(&object.name);
+    let with = if object.value.parent.is_some() { "with those of its parents, " } else { "" };
+    let (title, field, span) = match what {
+        OutOfRange::Large => ("is scaled beyond 1e30", "`scale`", place.scale),
+        OutOfRange::Small => ("is scaled below 1e-30", "`scale`", place.scale),
+        OutOfRange::Far => ("is moved beyond 1e30", "`translation`", place.translation),
+    };
+    let own = match what {
+        OutOfRange::Far => object.value.transform.translation.at(time),
+        OutOfRange::Large | OutOfRange::Small => object.value.transform.scale.at(time),
+    };
+    let DVec3 { x, y, z } = own;
+    let label = format!("{with}{field} comes out of range here, where its own is ({x:e}, {y:e}, {z:e})");
+    Fault::new(span, format!("object `{name}` {title}{when}"), label)
+        .help("scales of a parent multiply those of its children")
+}

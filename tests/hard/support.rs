@@ -1,0 +1,56 @@
+//! What the hard cases share.
+
+#[path = "../integration/support.rs"]
+#[allow(dead_code, reason = "shared with the other tests, which need more of it")]
+mod shared;
+
+pub use shared::{Random, geometry, radiance_at_target, sequence, shoot, shoot_all};
+
+use kinora::camera::Ray;
+use kinora::material::MadeOf;
+use kinora::math::{Angle, DAffine3, DVec3, UNIT_ROUNDOFF};
+use kinora::scene::{Finish, Primitive};
+use kinora::shape::{Crossing, Shape, Surface};
+use kinora::tree::Probe;
+
+/// The unit round-off.
+pub const U: f64 = UNIT_ROUNDOFF;
+
+/// The default size of a sweep whose whole size is `whole`.
+pub fn few(whole: u32) -> u32 {
+    if cfg!(debug_assertions) { whole / 200 } else { whole / 10 }
+}
+
+/// Evenly over the sphere.
+pub fn direction(random: &mut Random) -> DVec3 {
+    let z = 2.0 * random.unit() - 1.0;
+    let turn = Angle(360.0 * random.unit()).cos_sin() * ((1.0 - z) * (1.0 + z)).sqrt();
+    DVec3::new(turn.x, turn.y, z)
+}
+
+/// A point of the unit disk across a unit vector, evenly over its area, times `radius`.
+pub fn disk_across(random: &mut Random, axis: DVec3, inner: f64, outer: f64) -> DVec3 {
+    let (u, v) = axis.any_orthonormal_pair();
+    let radius = (inner * inner + (outer * outer - inner * inner) * random.unit()).sqrt();
+    let turn = Angle(360.0 * random.unit()).cos_sin() * radius;
+    u * turn.x + v * turn.y
+}
+
+pub fn placed(shape: &Shape, to_world: DAffine3) -> Primitive {
+    Primitive::new(shape, to_world, Finish::Material(MadeOf::One(0))).expect("a primitive")
+}
+
+pub fn hit(primitive: &Primitive, origin: DVec3, direction: DVec3) -> Option<Crossing> {
+    primitive.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY)
+}
+
+/// Where a ray meets the primitive, with the surface as the primitive gives it.
+pub fn met(primitive: &Primitive, origin: DVec3, direction: DVec3) -> Option<(f64, Surface)> {
+    let at = hit(primitive, origin, direction)?;
+    Some((at.t, primitive.surface(&Ray { origin, direction }, at)))
+}
+
+/// The surface with its normal against the direction, as integrators see it.
+pub fn facing(surface: Surface, direction: DVec3) -> Surface {
+    if surface.normal.dot(direction) > 0.0 { surface.flipped() } else { surface }
+}
