@@ -5,6 +5,7 @@ use super::{Mesh, MeshError, Packet, Parts, Place};
 use crate::math::{Aabb, DVec3};
 use crate::tree::Tree;
 use glam::Vec3;
+use rayon::prelude::*;
 use std::sync::OnceLock;
 
 /// Coordinates beyond this are refused: their squares and products must stay far from overflow.
@@ -13,11 +14,19 @@ pub(super) const LARGEST: f64 = 1e30;
 /// Triangles of one mesh at most.
 const MOST_TRIANGLES: usize = 1 << 30;
 
+/// Triangles, and leaves of them, that are not worth more than one thread.
+const FEW: usize = 4096;
+
 impl Mesh {
     /// The mesh of these parts; triangles without an area are left out and counted.
     pub fn new(mut parts: Parts) -> Result<Self, MeshError> {
         check(&parts)?;
-        let keep: Vec<bool> = parts.triangles.iter().map(|&triangle| has_area(&parts, triangle)).collect();
+        let keep: Vec<bool> = parts
+            .triangles
+            .par_iter()
+            .with_min_len(FEW)
+            .map(|&triangle| has_area(&parts, triangle))
+            .collect();
         let skipped = keep.iter().filter(|keep| !**keep).count();
         if skipped == keep.len() {
             return Err(MeshError::new(match skipped {
@@ -29,11 +38,15 @@ impl Mesh {
             drop_triangles(&mut parts, &keep);
         }
         parts.normals = parts.normals.map(|normals| normals.map(unit));
-        let corners = |part: u32| parts.triangles[part as usize].map(|v| parts.positions[v as usize]);
+        let corners = |triangle: &[u32; 3]| triangle.map(|vertex| parts.positions[vertex as usize]);
+        let triangles = parts.triangles.par_iter().with_min_len(FEW);
+        let bounds =
+            triangles.map(|triangle| Aabb::around(corners(triangle))).reduce(|| Aabb::EMPTY, Aabb::union);
         let count = parts.triangles.len() as u32;
-        let bounds = (0..count).map(|part| Aabb::around(corners(part))).fold(Aabb::EMPTY, Aabb::union);
-        let (tree, leaves) = Tree::of_triangles(corners, count);
-        let packets = leaves.iter().map(|leaf| Packet::new(tree.space(), leaf, &parts)).collect();
+        let (tree, leaves) =
+            Tree::of_triangles(bounds, |part| corners(&parts.triangles[part as usize]), count);
+        let leaf = |leaf| Packet::new(tree.space(), leaves.leaf(leaf), &parts);
+        let packets = (0..leaves.len() as u32).into_par_iter().with_min_len(FEW).map(leaf).collect();
         let exact = parts.positions.iter().all(|&position| tree.space().is_exact(position));
         Ok(Self {
             tree,

@@ -4,12 +4,13 @@
 //! what it holds: a tree gives the same hits as asking everything, to the last bit, on every processor.
 
 mod build;
+mod contents;
 mod probe;
 mod slabs;
 mod space;
 mod walk;
 
-pub use build::Leaf;
+pub use contents::Contents;
 pub use probe::Probe;
 pub use slabs::Slabs;
 pub use space::Space;
