@@ -11,7 +11,7 @@ const TOGETHER: usize = 1 << 14;
 const WIDENED: f64 = 2.0 * f32::EPSILON as f64;
 
 /// Boxes smaller than this, times their mean, are not cut.
-const SMALL: f32 = 3.0;
+const SMALL: f32 = 0.75;
 
 /// A cut has to leave less than this share of a box.
 const WORTH: f32 = 0.6;
@@ -29,17 +29,24 @@ pub fn boxes(corners: impl Fn(u32) -> [DVec3; 3] + Sync, count: u32) -> Vec<Boxe
     let mean = sums.into_iter().sum::<f64>() / f64::from(count);
     let small = SMALL * mean as f32;
     let cut = |boxed: &Boxed| {
+        let corners = corners(boxed.thing());
         let mut pieces = Pieces { thing: boxed.thing(), small, boxes: Vec::new() };
-        pieces.cut(&corners(boxed.thing()), boxed.bounds(), 0);
-        pieces.boxes
+        if boxed.bounds().measure() > small && least(corners) < WORTH * boxed.bounds().measure() {
+            pieces.cut(&corners, boxed.bounds(), 0);
+        }
+        (pieces.boxes.len() > 1).then_some(pieces.boxes)
     };
-    let large = |boxed: &&Boxed| boxed.bounds().measure() > small;
-    let pieces: Vec<_> = boxes.par_iter().filter(large).map(cut).collect();
-    if !pieces.is_empty() {
-        boxes.retain(|boxed| boxed.bounds().measure() <= small);
-        boxes.extend(pieces.into_iter().flatten());
+    let pieces: Vec<_> = boxes.par_iter().enumerate().filter_map(|(i, boxed)| Some((i, cut(boxed)?))).collect();
+    for (i, pieces) in pieces {
+        boxes[i] = pieces[0];
+        boxes.extend_from_slice(&pieces[1..]);
     }
     boxes
+}
+
+/// What the boxes of a triangle's pieces come to at least, however it is cut: the areas of its shadows along the axes.
+fn least([a, b, c]: [DVec3; 3]) -> f32 {
+    (0.5 * (b - a).cross(c - a).abs().element_sum()) as f32
 }
 
 /// A box around points, rounded outwards.
@@ -52,8 +59,10 @@ fn around(points: &[DVec3]) -> Bounds {
 /// Cuts above each other at most.
 const DEEPEST: u32 = 12;
 
-/// Places along its longest side where a box may be cut.
-const PLACES: u32 = 8;
+/// Where a box may be cut.
+fn place(low: f32, high: f32) -> f64 {
+    f64::from(low) * 0.5 + f64::from(high) * 0.5
+}
 
 /// The pieces of a triangle.
 struct Pieces {
@@ -68,18 +77,10 @@ impl Pieces {
         let measure = bounds.measure();
         if measure > self.small && depth < DEEPEST {
             let axis = bounds.longest();
-            let (low, high) = (f64::from(bounds.low[axis]), f64::from(bounds.high[axis]));
-            let step = (high - low) / f64::from(PLACES);
-            let cuts = (1..PLACES).map(|i| {
-                let place = low + step * f64::from(i);
-                let sides = sides(corners, axis, place);
-                let bounds = [around(&sides[0]), around(&sides[1])];
-                (bounds[0].measure() + bounds[1].measure(), sides, bounds)
-            });
-            let best = cuts.min_by(|a, b| a.0.total_cmp(&b.0));
-            if let Some((sum, [a, b], [c, d])) = best
-                && sum < WORTH * measure
-            {
+            let place = place(bounds.low[axis], bounds.high[axis]);
+            let [a, b] = sides(corners, axis, place);
+            let (c, d) = (around(&a), around(&b));
+            if c.measure() + d.measure() < WORTH * measure {
                 self.cut(&a, c, depth + 1);
                 self.cut(&b, d, depth + 1);
                 return;
