@@ -26,6 +26,16 @@ impl Contents {
         &self.things[begin as usize..self.ends[leaf] as usize]
     }
 
+    /// Nothing yet, with room for so many things.
+    pub(super) fn with_capacity(things: usize) -> Self {
+        Self { things: Vec::with_capacity(things), ends: Vec::new() }
+    }
+
+    pub(super) fn shrink_to_fit(&mut self) {
+        self.things.shrink_to_fit();
+        self.ends.shrink_to_fit();
+    }
+
     /// One more leaf; gives its number.
     pub(super) fn push(&mut self, things: impl Iterator<Item = u32>) -> u32 {
         let begin = self.things.len();

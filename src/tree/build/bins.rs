@@ -2,20 +2,15 @@
 //! "On fast Construction of SAH-based Bounding Volume Hierarchies").
 
 use super::bounds::{Bounds, Boxed};
+use super::split::TOGETHER;
 use glam::Vec4;
 use rayon::prelude::*;
-
-/// Boxes that are put into bins together where there are several such groups.
-pub const TOGETHER: usize = 1 << 14;
 
 /// Added to small numbers it leaves them rounded to whole ones in the last bits.
 const ROUNDING: f32 = (3 << 22) as f32;
 
 /// Centres closer together than this are not told apart: the number of bins per length must be finite.
 const CLOSEST: f32 = 1e-30;
-
-/// So few boxes are put in order instead.
-pub const FEW: usize = 8;
 
 /// The best split of boxes with their centres in `centres`; none if all of these are in one place.
 pub fn split(boxes: &[Boxed], centres: &Bounds) -> Option<Split> {

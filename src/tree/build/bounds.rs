@@ -9,6 +9,10 @@ pub struct Bounds {
     pub high: Vec4,
 }
 
+/// Planes are no farther out than this, whatever rounding may have done to boxes: things lie between -1 and 1, and areas
+/// must be numbers.
+const FARTHEST: f32 = 1e9;
+
 /// What length adds to area, for boxes that have none.
 const LENGTH: f32 = 1e-12;
 
@@ -16,7 +20,9 @@ impl Bounds {
     pub const EMPTY: Self = Self { low: Vec4::INFINITY, high: Vec4::NEG_INFINITY };
 
     pub fn new([low, high]: [[f32; 3]; 2]) -> Self {
-        let row = |[x, y, z]: [f32; 3]| Vec4::new(x, y, z, 0.0);
+        // -0 becomes 0: which of both is the smaller would depend on which comes first.
+        let row = |[x, y, z]: [f32; 3]| Vec4::new(x, y, z, 0.0) + Vec4::ZERO;
+        let row = |corner| row(corner).max(Vec4::splat(-FARTHEST)).min(Vec4::splat(FARTHEST));
         Self { low: row(low), high: row(high) }
     }
 
@@ -39,6 +45,14 @@ impl Bounds {
         area + (LENGTH * length + f32::MIN_POSITIVE)
     }
 
+    /// Around boxes, and around twice their centres.
+    pub fn both(boxes: &[Boxed]) -> [Self; 2] {
+        let with = |[all, centres]: [Self; 2], boxed: &Boxed| {
+            [all.union(boxed.bounds()), centres.with(boxed.centre())]
+        };
+        boxes.iter().fold([Self::EMPTY; 2], with)
+    }
+
     /// The axis along which the box is longest.
     #[inline(always)]
     pub fn longest(&self) -> usize {
@@ -56,7 +70,7 @@ impl Bounds {
 /// A thing to be found by its box, which may hold a part of it only.
 #[derive(Clone, Copy, Debug)]
 pub struct Boxed {
-    /// Its fourth numbers are the thing's index, and 1, so that sums of both are numbers to compute with.
+    /// Its fourth numbers are the thing's index, and 1 or 2, so that sums of both are numbers to compute with.
     bounds: Bounds,
 }
 
@@ -69,6 +83,16 @@ impl Boxed {
 
     pub fn thing(&self) -> u32 {
         self.bounds.low.w.to_bits() ^ 1.0_f32.to_bits()
+    }
+
+    /// With a mark or without.
+    pub fn marked(mut self, mark: bool) -> Self {
+        self.bounds.high.w = if mark { 2.0 } else { 1.0 };
+        self
+    }
+
+    pub fn is_marked(&self) -> bool {
+        self.bounds.high.w == 2.0
     }
 
     #[inline(always)]

@@ -7,16 +7,22 @@ use crate::tree::{Child, Contents, Node, Space, Tree};
 /// The tree that a binary one becomes by its plans, with what is in its leaves. What is below a node stands behind it,
 /// its children side by side.
 pub fn collapse(binary: &Binary, space: Space) -> (Tree, Contents) {
-    let mut wide = Wide { binary, nodes: Vec::new(), contents: Contents::default() };
     let all = binary.root();
+    let contents = Contents::with_capacity(all.count);
+    let mut wide = Wide { binary, nodes: Vec::with_capacity(all.count / LIKELY), contents };
     let bounds = all.corners(binary).map(|corner| DVec3::from_array(corner.map(f64::from)));
     let mut waiting = Vec::new();
     let root = wide.child(all, &mut waiting);
     while let Some((subtree, node)) = waiting.pop() {
         wide.fill(subtree, node, &mut waiting);
     }
+    wide.nodes.shrink_to_fit();
+    wide.contents.shrink_to_fit();
     (Tree { space, bounds, nodes: wide.nodes, root }, wide.contents)
 }
+
+/// Boxes for a node of most trees over triangles.
+const LIKELY: usize = 24;
 
 struct Wide<'a> {
     binary: &'a Binary,

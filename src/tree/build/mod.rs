@@ -5,8 +5,10 @@ mod binary;
 mod bins;
 mod bounds;
 mod collapse;
+mod partition;
 mod pieces;
 mod plan;
+mod split;
 #[cfg(test)]
 mod tests;
 
@@ -40,7 +42,11 @@ impl Tree {
             return (Self::default(), Contents::default());
         }
         let space = Space::around(bounds);
-        let boxes = pieces::boxes(|triangle| corners(triangle).map(|corner| space.point(corner)), count);
+        let placed = |triangle| {
+            let [a, b, c] = corners(triangle);
+            [space.point(a), space.point(b), space.point(c)]
+        };
+        let boxes = pieces::boxes(placed, count);
         Self::over(space, boxes, TOGETHER)
     }
 

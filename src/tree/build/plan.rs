@@ -22,7 +22,7 @@ pub fn single(measure: f32) -> Costs {
 #[inline(always)]
 pub fn join(left: &Costs, right: &Costs, measure: f32, count: usize, fits: bool) -> (Costs, Plan) {
     let distributed = |roots: usize| {
-        let mut best = (f32::INFINITY, 0);
+        let mut best = (f32::INFINITY, 1);
         for of_left in 1..roots {
             let cost = left[of_left - 1] + right[roots - of_left - 1];
             if cost < best.0 {
