@@ -103,10 +103,10 @@ impl<const N: usize> Bins<N> {
 
     #[inline(always)]
     fn count(&mut self, grid: &Grid, boxed: &Boxed) {
-        let (places, bounds) = (grid.places(boxed), boxed.bounds());
-        for axis in 0..3 {
+        let bounds = boxed.bounds();
+        for (axis, place) in grid.places(boxed).into_iter().enumerate() {
             // N is a power of two.
-            let place = places[axis] % N;
+            let place = place % N;
             let bin = &mut self.bounds[axis][place];
             *bin = bin.union(bounds);
             self.counts[axis][place] += 1;
