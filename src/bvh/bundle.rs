@@ -120,7 +120,7 @@ impl<L: Lanes> Nearest<'_, L> {
 impl<L: Lanes> BundleLeaves<L> for Nearest<'_, L> {
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
-        for &index in self.bvh.leaf(leaf) {
+        for &index in self.bvh.leaves.leaf(leaf) {
             self.test(index, rays);
         }
         self.limit = self.slabs.limit(Octo::load(&self.hits.at.t));
@@ -199,7 +199,7 @@ impl<L: Lanes> Any<'_, L> {
 impl<L: Lanes> BundleLeaves<L> for Any<'_, L> {
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
-        for &index in self.bvh.leaf(leaf) {
+        for &index in self.bvh.leaves.leaf(leaf) {
             self.test(index, rays);
         }
     }

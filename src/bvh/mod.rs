@@ -12,15 +12,14 @@ use crate::math::UNIT_ROUNDOFF;
 use crate::scene::{Finish, Geometry};
 use crate::shape::{Crossing, Geometric, Plane, Shape};
 use crate::simd::Lanes;
-use crate::tree::{Leaves, Probe, Slabs, Tree};
+use crate::tree::{Contents, Leaves, Probe, Slabs, Tree};
 
 /// A tree over the bounded primitives, and the list of those that no box holds.
 #[derive(Clone, Debug, Default)]
 pub struct Bvh {
     tree: Tree,
-    /// Indices of the primitives of each leaf, one leaf after the other, and where each leaf's begin.
-    primitives: Vec<u32>,
-    begins: Vec<u32>,
+    /// Indices of the primitives of each leaf.
+    leaves: Contents,
     /// Infinite primitives with their indices. They are here as they are, so that their tests are inlined where the ray
     /// is still in registers.
     planes: Vec<(u32, Plane)>,
@@ -56,20 +55,9 @@ impl Bvh {
             }
         }
         let lights = geometry.primitives.iter().any(|p| matches!(p.finish, Finish::Light(_)));
-        let (tree, leaves) = Tree::of_boxes(&boxes);
-        let mut bvh = Self { tree, primitives: Vec::new(), begins: vec![0], planes, unbounded, lights };
-        for leaf in leaves {
-            bvh.primitives.extend(leaf.into_iter().map(|thing| bounded[thing as usize]));
-            bvh.begins.push(bvh.primitives.len() as u32);
-        }
-        bvh
-    }
-
-    /// Indices of the primitives of a leaf.
-    #[inline(always)]
-    fn leaf(&self, leaf: u32) -> &[u32] {
-        let leaf = leaf as usize;
-        &self.primitives[self.begins[leaf] as usize..self.begins[leaf + 1] as usize]
+        let (tree, mut leaves) = Tree::of_boxes(&boxes);
+        leaves.renumber(|thing| bounded[thing as usize]);
+        Self { tree, leaves, planes, unbounded, lights }
     }
 
     /// The largest of the coordinates between which all bounded primitives lie.
@@ -137,7 +125,7 @@ impl Leaves for Nearest<'_> {
 
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, _: f32) -> Option<f32> {
-        self.test(self.bvh.leaf(leaf));
+        self.test(self.bvh.leaves.leaf(leaf));
         Some(slabs.limit(self.limit()))
     }
 }
@@ -165,7 +153,7 @@ impl Leaves for Any<'_> {
 
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, _: &Slabs, limit: f32) -> Option<f32> {
-        self.found = self.test(self.bvh.leaf(leaf));
+        self.found = self.test(self.bvh.leaves.leaf(leaf));
         (!self.found).then_some(limit)
     }
 }

@@ -5,6 +5,7 @@ use super::{Mesh, MeshError, Packet, Parts, Place};
 use crate::math::{Aabb, DVec3};
 use crate::tree::Tree;
 use glam::Vec3;
+use rayon::prelude::*;
 use std::sync::OnceLock;
 
 /// Coordinates beyond this are refused: their squares and products must stay far from overflow.
@@ -13,27 +14,31 @@ pub(super) const LARGEST: f64 = 1e30;
 /// Triangles of one mesh at most.
 const MOST_TRIANGLES: usize = 1 << 30;
 
+/// Triangles, and leaves of them, that are not worth more than one thread.
+const FEW: usize = 4096;
+
 impl Mesh {
     /// The mesh of these parts; triangles without an area are left out and counted.
     pub fn new(mut parts: Parts) -> Result<Self, MeshError> {
         check(&parts)?;
-        let keep: Vec<bool> = parts.triangles.iter().map(|&triangle| has_area(&parts, triangle)).collect();
-        let skipped = keep.iter().filter(|keep| !**keep).count();
-        if skipped == keep.len() {
+        let (solid, bounds) = solid(&parts);
+        let skipped = parts.triangles.len() - solid;
+        if solid == 0 {
             return Err(MeshError::new(match skipped {
                 0 => "it has no triangles".to_owned(),
                 _ => "none of its triangles has an area".to_owned(),
             }));
         }
         if skipped > 0 {
+            let has_area = |&triangle: &[u32; 3]| has_area(corners(&parts, triangle));
+            let keep: Vec<bool> = parts.triangles.iter().map(has_area).collect();
             drop_triangles(&mut parts, &keep);
         }
         parts.normals = parts.normals.map(|normals| normals.map(unit));
-        let corners = |part: u32| parts.triangles[part as usize].map(|v| parts.positions[v as usize]);
-        let count = parts.triangles.len() as u32;
-        let bounds = (0..count).map(|part| Aabb::around(corners(part))).fold(Aabb::EMPTY, Aabb::union);
-        let (tree, leaves) = Tree::of_triangles(corners, count);
-        let packets = leaves.iter().map(|leaf| Packet::new(tree.space(), leaf, &parts)).collect();
+        let placed = |part: u32| corners(&parts, parts.triangles[part as usize]);
+        let (tree, leaves) = Tree::of_triangles(bounds, placed, solid as u32);
+        let leaf = |leaf| Packet::new(tree.space(), leaves.leaf(leaf), &parts);
+        let packets = (0..leaves.len() as u32).into_par_iter().with_min_len(FEW).map(leaf).collect();
         let exact = parts.positions.iter().all(|&position| tree.space().is_exact(position));
         Ok(Self {
             tree,
@@ -86,10 +91,35 @@ pub(super) fn not_placed(place: Place, position: DVec3, face: Option<u64>) -> Me
     MeshError::at(place, why)
 }
 
+/// How many triangles have an area, and a box around them.
+fn solid(parts: &Parts) -> (usize, Aabb) {
+    let some = |triangles: &[[u32; 3]]| {
+        let (mut count, mut bounds) = (0, Aabb::EMPTY);
+        for &triangle in triangles {
+            let corners = corners(parts, triangle);
+            if has_area(corners) {
+                count += 1;
+                bounds = bounds.union(Aabb::around(corners));
+            }
+        }
+        (count, bounds)
+    };
+    parts
+        .triangles
+        .par_chunks(FEW)
+        .map(some)
+        .reduce(|| (0, Aabb::EMPTY), |(n, a), (m, b)| (n + m, a.union(b)))
+}
+
+#[inline(always)]
+fn corners(parts: &Parts, [a, b, c]: [u32; 3]) -> [DVec3; 3] {
+    let position = |vertex: u32| parts.positions[vertex as usize];
+    [position(a), position(b), position(c)]
+}
+
 /// Whether a triangle encloses an area: its corners differ, are not in one line to within rounding, and what
 /// they enclose is more than the smallest normal f32, below which nothing about it could be computed.
-fn has_area(parts: &Parts, triangle: [u32; 3]) -> bool {
-    let [a, b, c] = triangle.map(|vertex| parts.positions[vertex as usize]);
+fn has_area([a, b, c]: [DVec3; 3]) -> bool {
     let (u, v) = (b - a, c - a);
     let doubled = u.cross(v).length();
     let sine = doubled / (u.length() * v.length());

@@ -5,13 +5,14 @@
 
 mod build;
 mod bundle;
+mod contents;
 mod probe;
 mod slabs;
 mod space;
 mod walk;
 
-pub use build::Leaf;
 pub use bundle::{BundleLeaves, BundleSlabs};
+pub use contents::Contents;
 pub use probe::Probe;
 pub use slabs::Slabs;
 pub use space::Space;
