@@ -7,6 +7,7 @@
 mod camera;
 mod lights;
 mod shade;
+mod starts;
 
 use super::tracer::Tracer;
 use crate::color::Rgb;
@@ -16,10 +17,11 @@ use crate::light::Source;
 use crate::material::MadeOf;
 use crate::math::{DVec2, DVec3};
 use crate::scene::{Finish, Primitive};
-use crate::shape::{Rays, Shape, Surfaces, lanes};
+use crate::shape::{Rays, Shape, lanes};
 use crate::simd::{Lanes, Octo, Quad, Vector, Work, dispatch};
 use lights::Arrivals;
 use shade::{Color, Reflectors};
+use starts::Starts;
 
 /// What eight rays add to each layer: red, green and blue of each.
 pub struct Sums {
@@ -173,41 +175,6 @@ impl<L: Lanes> Bundle<L> {
         let rays = Rays { origin: starts.towards(found.mirrored).store(), direction: found.mirrored.store() };
         Self { rays, throughput: share, wanted: on }
     }
-}
-
-/// Where rays from eight surfaces start, as [`super::spawn::spawn`] has it for one.
-struct Starts<Q> {
-    point: Vector<Q>,
-    normal: Vector<Q>,
-    reach: Octo<Q>,
-    /// On the side that the normals are on, where most rays lead.
-    above: Vector<Q>,
-}
-
-impl<Q: Quad> Starts<Q> {
-    #[inline(always)]
-    fn new(surfaces: &Surfaces) -> Self {
-        let (point, normal) = (Vector::load(&surfaces.point), Vector::load(&surfaces.normal));
-        let reach = normal.absolute().dot(Vector::load(&surfaces.error));
-        Self { point, normal, reach, above: beyond(point, normal, reach) }
-    }
-
-    #[inline(always)]
-    fn towards(&self, direction: Vector<Q>) -> Vector<Q> {
-        let Self { point, normal, reach, above } = *self;
-        let below = direction.dot(normal).below(Octo::splat(0.0));
-        if below.bits() == 0 {
-            return above;
-        }
-        beyond(point, -normal, reach).pick(below, above)
-    }
-}
-
-/// Points moved to a side, each coordinate rounded away from where it was.
-#[inline(always)]
-fn beyond<Q: Quad>(point: Vector<Q>, side: Vector<Q>, reach: Octo<Q>) -> Vector<Q> {
-    let moved = point + side * reach;
-    Vector { x: moved.x.next_away(side.x), y: moved.y.next_away(side.y), z: moved.z.next_away(side.z) }
 }
 
 /// The point that a vector of the world stands for, in all lanes.

@@ -1,7 +1,8 @@
 //! Light on its way to eight points, as `super::super::lights` has it for one.
 
+use super::everywhere;
 use super::shade::Color;
-use super::{Starts, everywhere};
+use super::starts::Starts;
 use crate::light::{Attenuation, Light, Source};
 use crate::math::DVec3;
 use crate::shape::Rays;
@@ -54,7 +55,7 @@ impl<L: Lanes> Arrivals<L> {
 
     /// The rays from surfaces to where the light comes from, and the t before which nothing may stand.
     #[inline(always)]
-    pub(super) fn shadow_rays(&self, starts: &Starts<L::Quad>) -> (Rays, f64) {
+    pub fn shadow_rays(&self, starts: &Starts<L::Quad>) -> (Rays, f64) {
         let Some(position) = self.from else {
             let origin = starts.towards(self.direction).store();
             return (Rays { origin, direction: self.direction.store() }, f64::INFINITY);
