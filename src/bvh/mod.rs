@@ -118,8 +118,6 @@ struct Nearest<'a> {
 }
 
 impl Leaves for Nearest<'_> {
-    const IN_ORDER: bool = true;
-
     #[inline(always)]
     fn fetch<L: Lanes>(&self, _: u32) {}
 
@@ -146,8 +144,6 @@ impl Any<'_> {
 }
 
 impl Leaves for Any<'_> {
-    const IN_ORDER: bool = false;
-
     #[inline(always)]
     fn fetch<L: Lanes>(&self, _: u32) {}
 

@@ -6,9 +6,6 @@ use crate::simd::{Lanes, Work, dispatch};
 
 /// What a tree's leaves hold, while a ray walks the tree.
 pub trait Leaves {
-    /// Whether leaves that are entered nearer are to be visited first, which pays if that lowers the limit.
-    const IN_ORDER: bool;
-
     /// Tests what is in a leaf and before `limit`; gives the limit beyond which nothing is of interest any more, or none to end the walk.
     /// Implementations are `#[inline(always)]`.
     fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, limit: f32) -> Option<f32>;
@@ -18,7 +15,7 @@ pub trait Leaves {
 }
 
 impl Tree {
-    /// Visits every leaf that the ray may meet before `t_max`.
+    /// Visits every leaf that the ray may meet before `t_max`, of a node's children the nearest first.
     #[inline(always)]
     pub fn walk(&self, probe: &Probe, t_max: f64, leaves: &mut impl Leaves) {
         if self.root != Child::NONE {
@@ -86,14 +83,12 @@ impl<V: Leaves> Work for Walk<'_, V> {
                     while others != 0 {
                         let mut other = Entered::new(node, &enter, others.trailing_zeros() as usize & 7);
                         others &= others - 1;
-                        if V::IN_ORDER {
-                            (nearest, other) = nearest.sorted(other);
-                        }
+                        (nearest, other) = nearest.sorted(other);
                         match other.child().as_leaf() {
                             Some(leaf) => leaves.fetch::<L>(leaf),
                             None => L::fetch(&tree.nodes, other.child().0 as usize),
                         }
-                        put(&mut entries, if V::IN_ORDER { bottom } else { top }, top, other);
+                        put(&mut entries, bottom, top, other);
                         top += 1;
                     }
                     at = nearest.child();

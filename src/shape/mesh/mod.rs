@@ -150,8 +150,6 @@ struct Nearest<'a> {
 }
 
 impl Leaves for Nearest<'_> {
-    const IN_ORDER: bool = true;
-
     #[inline(always)]
     fn fetch<L: Lanes>(&self, leaf: u32) {
         L::fetch(self.mesh.mesh.packets(), leaf as usize);
@@ -218,8 +216,6 @@ struct Any<'a> {
 }
 
 impl Leaves for Any<'_> {
-    const IN_ORDER: bool = false;
-
     #[inline(always)]
     fn fetch<L: Lanes>(&self, leaf: u32) {
         L::fetch(self.mesh.mesh.packets(), leaf as usize);
@@ -253,7 +249,8 @@ impl Work for Visit<'_, Any<'_>> {
             let lane = candidates.trailing_zeros() as usize;
             candidates &= candidates - 1;
             let corners = mesh.packed_corners(packet, lane);
-            let t = if covers(corners, probe) { depth(corners, probe) } else { None };
+            let sure = sieve.hit >> lane & 1 == 1;
+            let t = if sure || covers(corners, probe) { depth(corners, probe) } else { None };
             if t.is_some_and(|t| t > 0.0 && t < t_max) {
                 return true;
             }
