@@ -97,7 +97,7 @@ impl<L: Lanes> Nearest<'_, L> {
     fn test(&mut self, index: u32, wanted: u32) {
         let Hits { at, primitives } = &mut self.hits;
         let t = Octo::<L::Quad>::load(&at.t);
-        // The next number, so that an equally near one is found.
+        // The next number, so that an equally near one is found. There is none after infinity.
         let limit = t.next_away(t).smaller(Octo::splat(f64::INFINITY)).store();
         let primitive = &self.geometry.primitives[index as usize];
         let found = primitive.hit_together::<L>(self.rays, wanted, &limit);

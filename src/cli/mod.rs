@@ -11,6 +11,7 @@ mod fixture;
 mod json;
 mod load;
 mod loading;
+mod look;
 mod options;
 mod outputs;
 mod overrides;

@@ -2,12 +2,13 @@
 
 use super::failure::Failure;
 use super::filmstrip::named;
+use super::look::Look;
 use super::options::Options;
-use super::overrides::{self, Overrides};
+use super::overrides;
 use super::progress::{self, ProgressMode};
 use super::{load, loading, summary, terminal, values};
 use crate::counters::Meter;
-use crate::encode::{Output, Template};
+use crate::encode::Output;
 use crate::render::{Request, render};
 use crate::sequence::Sequence;
 use crate::time::Time;
@@ -34,17 +35,8 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, allow_hyphen_values = true)]
     at: Option<Time>,
 
-    /// Leave the background out: PNG and EXR get alpha
-    #[arg(long)]
-    transparent: bool,
-
-    /// Write this into the picture, such as "frame {frame}, {time} s"
-    #[arg(long, value_name = "TEXT", value_parser = values::caption)]
-    caption: Option<Template>,
-
-    /// Bits of a PNG's channels: 8 or 16 [default: as the sequence says]
-    #[arg(long, value_name = "N", value_parser = values::bits)]
-    bits: Option<bool>,
+    #[command(flatten)]
+    look: Look,
 
     #[command(flatten)]
     options: Options,
@@ -59,12 +51,7 @@ Examples:
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = &arguments.options;
     let sequence = load::sequence(&arguments.file, loading::Reporter::new(options.progress, options.quiet))?;
-    let overrides = Overrides {
-        transparent: arguments.transparent,
-        caption: arguments.caption.clone(),
-        deep: arguments.bits,
-        ..options.overrides()
-    };
+    let overrides = arguments.look.with(options.overrides());
     let sequence = overrides::applied(sequence, &overrides).map_err(Failure::Bad)?;
     let frame = arguments.frame_of(&sequence)?;
     let outputs = match arguments.output.is_empty() {

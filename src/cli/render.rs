@@ -1,13 +1,14 @@
 //! `kinora render`: a sequence file in, frames and animations out.
 
 use super::failure::Failure;
+use super::look::Look;
 use super::options::Options;
 use super::outputs::Run;
 use super::overrides::{self, Overrides};
 use super::progress::{self, ProgressMode};
 use super::{load, loading, signals, summary, terminal, values};
 use crate::counters::Meter;
-use crate::encode::{Output, Template};
+use crate::encode::Output;
 use crate::frame_set::FrameSet;
 use crate::render::{RenderError, Request, render_until};
 use crate::sequence::Sequence;
@@ -42,19 +43,8 @@ pub struct Arguments {
     #[command(flatten)]
     options: Options,
 
-    /// Leave the background out: PNG, APNG, WebP and EXR get alpha
-    #[arg(long)]
-    transparent: bool,
-
-    /// Write this into every picture, such as "frame {frame}, {time} s"
-    ///
-    /// {frame}, {frames}, {time} and {name} stand for their values.
-    #[arg(long, value_name = "TEXT", value_parser = values::caption)]
-    caption: Option<Template>,
-
-    /// Bits of a PNG's channels: 8 or 16 [default: as the sequence says]
-    #[arg(long, value_name = "N", value_parser = values::bits)]
-    bits: Option<bool>,
+    #[command(flatten)]
+    look: Look,
 
     /// Quality of JPEGs and of MP4 video, 1 to 100 [default: as the sequence says]
     #[arg(long, value_name = "N", value_parser = values::encode_quality, allow_hyphen_values = true)]
@@ -129,13 +119,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 impl Arguments {
     fn overrides(&self) -> Overrides {
         Overrides {
-            transparent: self.transparent,
-            caption: self.caption.clone(),
             max_size: self.max_size,
             encode_quality: self.quality,
-            deep: self.bits,
             no_metadata: self.no_metadata,
-            ..self.options.overrides()
+            ..self.look.with(self.options.overrides())
         }
     }
 }

@@ -12,30 +12,36 @@ mod x86;
 pub use octo::{Choice, Octo, Rows, Vector};
 pub use portable::Portable;
 
-/// Four f64, computed with as scalars are: each operation rounded by itself, the same on every processor. Comparisons
-/// are false for what is not a number.
-pub trait Quad: Copy {
-    /// A choice of lanes.
-    type Mask: Copy;
+/// A row of numbers. What compares with something that is not a number is false.
+pub trait Numbers: Copy {
+    type Scalar;
+    type Row;
 
-    fn splat(value: f64) -> Self;
-    fn load(values: &[f64; 4]) -> Self;
-    fn store(self) -> [f64; 4];
+    fn splat(value: Self::Scalar) -> Self;
+    fn load(values: &Self::Row) -> Self;
+    fn store(self) -> Self::Row;
     fn plus(self, other: Self) -> Self;
     fn minus(self, other: Self) -> Self;
     fn times(self, other: Self) -> Self;
     fn over(self, other: Self) -> Self;
-    fn root(self) -> Self;
-    fn negated(self) -> Self;
-    fn absolute(self) -> Self;
-    /// The larger of each; `other` where `self` is not a number.
+    /// The larger of each; `other` where one is not a number.
     fn larger(self, other: Self) -> Self;
     fn smaller(self, other: Self) -> Self;
+    fn absolute(self) -> Self;
+}
+
+/// Four f64, computed with as scalars are: each operation rounded by itself, the same on every processor.
+pub trait Quad: Numbers<Scalar = f64, Row = [f64; 4]> {
+    /// A choice of lanes.
+    type Mask: Copy;
+
+    fn root(self) -> Self;
+    fn negated(self) -> Self;
     /// These magnitudes with the signs of others.
     fn signed_like(self, signs: Self) -> Self;
     /// The largest powers of two that are not above the magnitudes of normal numbers.
     fn power_of_two(self) -> Self;
-    /// [`crate::math::next_away`].
+    /// [`crate::math::next_away`] of finite numbers; of others it may be no number.
     fn next_away(self, towards: Self) -> Self;
     /// These in the lanes of a choice, others elsewhere.
     fn pick(self, chosen: Self::Mask, other: Self) -> Self;
@@ -51,26 +57,14 @@ pub trait Quad: Copy {
     fn choose(bits: u32) -> Self::Mask;
 }
 
-/// Eight f32, for filters and colours. Comparisons give a bit per lane, lane 0 the lowest; they are false for what is not a
-/// number.
-pub trait Lanes: Copy {
+/// Eight f32, for filters and colours. Comparisons give a bit per lane, lane 0 the lowest.
+pub trait Lanes: Numbers<Scalar = f32, Row = [f32; 8]> {
     type Quad: Quad;
 
-    fn splat(value: f32) -> Self;
-    fn load(values: &[f32; 8]) -> Self;
-    fn store(self) -> [f32; 8];
-    fn plus(self, other: Self) -> Self;
-    fn minus(self, other: Self) -> Self;
-    fn times(self, other: Self) -> Self;
-    fn over(self, other: Self) -> Self;
     /// self · factor + term, rounded once or twice.
     fn times_plus(self, factor: Self, term: Self) -> Self;
     /// self · factor - term, rounded once or twice.
     fn times_minus(self, factor: Self, term: Self) -> Self;
-    /// The larger of each; `other` where `self` is not a number.
-    fn larger(self, other: Self) -> Self;
-    fn smaller(self, other: Self) -> Self;
-    fn absolute(self) -> Self;
     /// These in the lanes of `bits`, others elsewhere.
     fn pick(self, bits: u32, other: Self) -> Self;
     fn below(self, other: Self) -> u32;
@@ -143,6 +137,79 @@ pub mod tests {
                 a.times_minus(b, a),
             ];
             (numbers.map(L::store), [a.below(b), a.at_most(b)])
+        }
+    }
+
+    /// All that quads can do, of two rows of numbers: numbers, and bits of choices.
+    struct AllQuads([f64; 4], [f64; 4]);
+
+    fn all_quads<Q: Quad>(a: Q, b: Q) -> (Vec<[f64; 4]>, Vec<u32>) {
+        let (below, at_most) = (a.below(b), a.at_most(b));
+        let numbers = [
+            a.plus(b),
+            a.minus(b),
+            a.times(b),
+            a.over(b),
+            a.root(),
+            a.negated(),
+            a.absolute(),
+            a.larger(b),
+            a.smaller(b),
+            a.signed_like(b),
+            a.power_of_two(),
+            a.pick(below, b),
+            a.pick(Q::choose(0b0101), b),
+        ];
+        let mut rows: Vec<_> = numbers.map(Q::store).to_vec();
+        rows.push(a.narrow().map(f64::from));
+        let finite = a.absolute().below(Q::splat(f64::INFINITY));
+        rows.push(a.next_away(b).pick(finite, a).store());
+        let bits = [below, at_most, Q::both(below, at_most), Q::either(below, at_most), Q::choose(0b1010)];
+        let mut bits = bits.map(Q::bits).to_vec();
+        bits.push(a.signs());
+        (rows, bits)
+    }
+
+    impl Work for AllQuads {
+        type Output = (Vec<[f64; 4]>, Vec<u32>);
+
+        #[inline(always)]
+        fn run<L: Lanes>(self) -> Self::Output {
+            all_quads(L::Quad::load(&self.0), L::Quad::load(&self.1))
+        }
+    }
+
+    #[test]
+    fn levels_compute_the_same_in_f64() {
+        let mut random = Random(6);
+        let special = [
+            0.0,
+            -0.0,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            f64::NAN,
+            f64::MAX,
+            -1.0,
+            1e-310,
+            crate::math::NEAR_ZERO,
+            -crate::math::NEAR_ZERO.next_up(),
+        ];
+        for round in 0..20_000 {
+            let mut row = || {
+                [0; 4].map(|_| match round % 2 {
+                    0 => (random.unit() - 0.5) * 100.0,
+                    _ => special[(random.unit() * special.len() as f64) as usize],
+                })
+            };
+            let (a, b) = (row(), row());
+            let (best, bits) = dispatch(AllQuads(a, b));
+            let (plain, expected) = AllQuads(a, b).run::<Portable>();
+            assert_eq!(bits, expected, "{a:?} {b:?}");
+            // Of numbers that are none, no bits are promised.
+            let known = |rows: Vec<[f64; 4]>| -> Vec<Option<u64>> {
+                rows.iter().flatten().map(|v| (!v.is_nan()).then(|| v.to_bits())).collect()
+            };
+            assert_eq!(known(best), known(plain), "{a:?} {b:?}");
         }
     }
 

@@ -128,41 +128,32 @@ impl<Q: Quad> BitOr for Choice<Q> {
     }
 }
 
-impl<Q: Quad> Add for Octo<Q> {
-    type Output = Self;
+macro_rules! operator {
+    ($trait:ident, $name:ident, $quads:ident) => {
+        impl<Q: Quad> $trait for Octo<Q> {
+            type Output = Self;
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self([self.0[0].plus(other.0[0]), self.0[1].plus(other.0[1])])
-    }
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                Self([self.0[0].$quads(other.0[0]), self.0[1].$quads(other.0[1])])
+            }
+        }
+
+        impl<Q: Quad> $trait for Vector<Q> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                Self { x: self.x.$name(other.x), y: self.y.$name(other.y), z: self.z.$name(other.z) }
+            }
+        }
+    };
 }
 
-impl<Q: Quad> Sub for Octo<Q> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self([self.0[0].minus(other.0[0]), self.0[1].minus(other.0[1])])
-    }
-}
-
-impl<Q: Quad> Mul for Octo<Q> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self([self.0[0].times(other.0[0]), self.0[1].times(other.0[1])])
-    }
-}
-
-impl<Q: Quad> Div for Octo<Q> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        Self([self.0[0].over(other.0[0]), self.0[1].over(other.0[1])])
-    }
-}
+operator!(Add, add, plus);
+operator!(Sub, sub, minus);
+operator!(Mul, mul, times);
+operator!(Div, div, over);
 
 impl<Q: Quad> Neg for Octo<Q> {
     type Output = Self;
@@ -250,33 +241,6 @@ impl<Q: Quad> Vector<Q> {
     pub fn longest(self) -> Octo<Q> {
         let v = self.absolute();
         v.x.larger(v.y).larger(v.z)
-    }
-}
-
-impl<Q: Quad> Add for Vector<Q> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
-    }
-}
-
-impl<Q: Quad> Sub for Vector<Q> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
-    }
-}
-
-impl<Q: Quad> Mul for Vector<Q> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self { x: self.x * other.x, y: self.y * other.y, z: self.z * other.z }
     }
 }
 

@@ -4,7 +4,7 @@
 //! come to be in [`run`] alone, which asks the processor first.
 #![allow(unsafe_code, reason = "intrinsics are unsafe where the processor may lack them")]
 
-use super::{Lanes, Quad, Work};
+use super::{Lanes, Numbers, Quad, Work};
 use crate::math::NEAR_ZERO;
 use std::arch::x86_64::*;
 
@@ -43,6 +43,101 @@ struct AvxQuad(__m256d);
 
 // SAFETY of all that follows: there are lanes of this kind only where the processor has AVX2 and FMA, see above.
 // What is read and written are arrays of eight f32, through pointers to whole ones that need no alignment.
+/// What both can do, by their instructions.
+macro_rules! numbers {
+    ($name:ident, $scalar:ty, $count:literal, $splat:ident, $load:ident, $store:ident, $plus:ident, $minus:ident,
+     $times:ident, $over:ident, $larger:ident, $smaller:ident, $without:ident) => {
+        impl Numbers for $name {
+            type Scalar = $scalar;
+            type Row = [$scalar; $count];
+
+            #[inline(always)]
+            fn splat(value: $scalar) -> Self {
+                Self(unsafe { $splat(value) })
+            }
+
+            #[inline(always)]
+            fn load(values: &Self::Row) -> Self {
+                Self(unsafe { $load(values.as_ptr()) })
+            }
+
+            #[inline(always)]
+            fn store(self) -> Self::Row {
+                let mut values = [0.0; $count];
+                unsafe { $store(values.as_mut_ptr(), self.0) };
+                values
+            }
+
+            #[inline(always)]
+            fn plus(self, other: Self) -> Self {
+                Self(unsafe { $plus(self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn minus(self, other: Self) -> Self {
+                Self(unsafe { $minus(self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn times(self, other: Self) -> Self {
+                Self(unsafe { $times(self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn over(self, other: Self) -> Self {
+                Self(unsafe { $over(self.0, other.0) })
+            }
+
+            // Of two numbers that compare neither way, the instructions take the second.
+            #[inline(always)]
+            fn larger(self, other: Self) -> Self {
+                Self(unsafe { $larger(self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn smaller(self, other: Self) -> Self {
+                Self(unsafe { $smaller(self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn absolute(self) -> Self {
+                Self(unsafe { $without($splat(-0.0), self.0) })
+            }
+        }
+    };
+}
+
+numbers!(
+    Avx,
+    f32,
+    8,
+    _mm256_set1_ps,
+    _mm256_loadu_ps,
+    _mm256_storeu_ps,
+    _mm256_add_ps,
+    _mm256_sub_ps,
+    _mm256_mul_ps,
+    _mm256_div_ps,
+    _mm256_max_ps,
+    _mm256_min_ps,
+    _mm256_andnot_ps
+);
+numbers!(
+    AvxQuad,
+    f64,
+    4,
+    _mm256_set1_pd,
+    _mm256_loadu_pd,
+    _mm256_storeu_pd,
+    _mm256_add_pd,
+    _mm256_sub_pd,
+    _mm256_mul_pd,
+    _mm256_div_pd,
+    _mm256_max_pd,
+    _mm256_min_pd,
+    _mm256_andnot_pd
+);
+
 impl Lanes for Avx {
     type Quad = AvxQuad;
 
@@ -56,43 +151,6 @@ impl Lanes for Avx {
     }
 
     #[inline(always)]
-    fn splat(value: f32) -> Self {
-        Self(unsafe { _mm256_set1_ps(value) })
-    }
-
-    #[inline(always)]
-    fn load(values: &[f32; 8]) -> Self {
-        Self(unsafe { _mm256_loadu_ps(values.as_ptr()) })
-    }
-
-    #[inline(always)]
-    fn store(self) -> [f32; 8] {
-        let mut values = [0.0; 8];
-        unsafe { _mm256_storeu_ps(values.as_mut_ptr(), self.0) };
-        values
-    }
-
-    #[inline(always)]
-    fn plus(self, other: Self) -> Self {
-        Self(unsafe { _mm256_add_ps(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn minus(self, other: Self) -> Self {
-        Self(unsafe { _mm256_sub_ps(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn times(self, other: Self) -> Self {
-        Self(unsafe { _mm256_mul_ps(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn over(self, other: Self) -> Self {
-        Self(unsafe { _mm256_div_ps(self.0, other.0) })
-    }
-
-    #[inline(always)]
     fn times_plus(self, factor: Self, term: Self) -> Self {
         Self(unsafe { _mm256_fmadd_ps(self.0, factor.0, term.0) })
     }
@@ -100,22 +158,6 @@ impl Lanes for Avx {
     #[inline(always)]
     fn times_minus(self, factor: Self, term: Self) -> Self {
         Self(unsafe { _mm256_fmsub_ps(self.0, factor.0, term.0) })
-    }
-
-    // Of two numbers that compare neither way, the instructions take the second.
-    #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        Self(unsafe { _mm256_max_ps(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn smaller(self, other: Self) -> Self {
-        Self(unsafe { _mm256_min_ps(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn absolute(self) -> Self {
-        Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
     }
 
     #[inline(always)]
@@ -145,18 +187,6 @@ impl Lanes for Avx {
 
 impl Quad for AvxQuad {
     type Mask = __m256d;
-
-    #[inline(always)]
-    fn store(self) -> [f64; 4] {
-        let mut values = [0.0; 4];
-        unsafe { _mm256_storeu_pd(values.as_mut_ptr(), self.0) };
-        values
-    }
-
-    #[inline(always)]
-    fn over(self, other: Self) -> Self {
-        Self(unsafe { _mm256_div_pd(self.0, other.0) })
-    }
 
     #[inline(always)]
     fn root(self) -> Self {
@@ -222,46 +252,6 @@ impl Quad for AvxQuad {
     #[inline(always)]
     fn at_most(self, other: Self) -> __m256d {
         unsafe { _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0) }
-    }
-
-    #[inline(always)]
-    fn splat(value: f64) -> Self {
-        Self(unsafe { _mm256_set1_pd(value) })
-    }
-
-    #[inline(always)]
-    fn load(values: &[f64; 4]) -> Self {
-        Self(unsafe { _mm256_loadu_pd(values.as_ptr()) })
-    }
-
-    #[inline(always)]
-    fn plus(self, other: Self) -> Self {
-        Self(unsafe { _mm256_add_pd(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn minus(self, other: Self) -> Self {
-        Self(unsafe { _mm256_sub_pd(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn times(self, other: Self) -> Self {
-        Self(unsafe { _mm256_mul_pd(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        Self(unsafe { _mm256_max_pd(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn smaller(self, other: Self) -> Self {
-        Self(unsafe { _mm256_min_pd(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn absolute(self) -> Self {
-        Self(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
     }
 
     #[inline(always)]

@@ -103,7 +103,7 @@ fn int_09_crossings_are_none_or_two() {
 
 /// `cargo test --release -- --ignored int_09` runs it.
 #[test]
-#[ignore = "a minute; the full number of rays of INT-09"]
+#[ignore = "ten seconds; the full number of rays of INT-09"]
 fn int_09_crossings_of_a_million_rays() {
     crossings_are_even(1_000_000);
 }

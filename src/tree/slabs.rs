@@ -3,7 +3,7 @@
 use super::space::{power_of_two, reciprocal};
 use super::{Node, Probe, Tree};
 use crate::math::{DVec3, gamma, larger};
-use crate::simd::{Lanes, Quad};
+use crate::simd::{Lanes, Numbers, Quad};
 
 /// A ray as a tree's f32 filters see it: its direction scaled by a power of two, so that the longest component is of
 /// 1..2, and begun near the tree if it comes from afar.
@@ -89,12 +89,11 @@ impl Slabs {
         // The distance to a plane p along an axis is p·i - o·i. Of it, rounding i to f32 takes u of |p·i|, which is at
         // most |t| + |o·i|; rounding o·i takes u of that; and the product and the difference take u of p·i and t, where
         // they are rounded apart. That is 3u of |o·i| and 3u of |t|.
-        let row = |v: DVec3| L::Quad::load(&[v.x, v.y, v.z, 1.0]);
-        let inverse = row(probe.inverse).times(L::Quad::splat(scale));
+        let inverse = row::<L::Quad>(probe.inverse).times(L::Quad::splat(scale));
         // The second for what is not a number.
         let steepness = inverse.absolute().smaller(L::Quad::splat(STEEPEST));
         let inverse = steepness.signed_like(inverse);
-        let offset = row(-origin).times(inverse);
+        let offset = row::<L::Quad>(-origin).times(inverse);
         let off = offset.absolute().times(L::Quad::splat(4.0 * ROUNDOFF));
         let off = off.plus(steepness.times(L::Quad::splat(error + SLACK)));
         let spread = L::Quad::splat(SPREAD);
@@ -127,6 +126,12 @@ impl Slabs {
     pub fn start(&self) -> f32 {
         -(self.begin * self.unit * (1.0 + 4.0 * ROUNDOFF)) as f32
     }
+}
+
+/// A vector in a row, with a number behind it that harms nobody.
+#[inline(always)]
+fn row<Q: Quad>(v: DVec3) -> Q {
+    Q::load(&[v.x, v.y, v.z, 1.0])
 }
 
 /// [`Slabs`] in lanes.

@@ -57,6 +57,7 @@ fn int_01_far_small_spheres() {
     far_small_spheres(few(200_000));
 }
 
+/// `cargo test --release -- --ignored int_01` runs it.
 #[test]
 #[ignore = "seconds; the full number of rays of INT-01"]
 fn int_01_far_small_spheres_in_full() {

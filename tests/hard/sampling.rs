@@ -23,6 +23,7 @@ fn sa_05_numbers_are_below_one() {
     numbers_are_below_one(few(100_000_000) / 4);
 }
 
+/// `cargo test --release -- --ignored sa_05` runs it.
 #[test]
 #[ignore = "seconds; all draws of SA-05"]
 fn sa_05_numbers_are_below_one_in_full() {
@@ -70,6 +71,7 @@ fn sa_07_constants_keep_their_mean() {
     }
 }
 
+/// `cargo test --release -- --ignored sa_07` runs it.
 #[test]
 #[ignore = "half a minute; as many samples as a pixel may have"]
 fn sa_07_constants_keep_their_mean_in_full() {

@@ -88,6 +88,7 @@ fn bvh_02_flat_leaves_are_not_lost() {
     flat_leaves(few(2_000_000));
 }
 
+/// `cargo test --release -- --ignored bvh_02` runs it.
 #[test]
 #[ignore = "seconds; all rectangles of BVH-02"]
 fn bvh_02_flat_leaves_are_not_lost_in_full() {
@@ -213,8 +214,9 @@ fn bvh_03_trees_equal_linear_scans() {
     trees_equal_scans(if cfg!(debug_assertions) { 20 } else { 500 });
 }
 
+/// `cargo test --release -- --ignored bvh_03` runs it.
 #[test]
-#[ignore = "minutes; all rays of BVH-03"]
+#[ignore = "a minute; all rays of BVH-03"]
 fn bvh_03_trees_equal_linear_scans_in_full() {
     trees_equal_scans(125_000);
 }

@@ -75,9 +75,9 @@ fn int_12_no_ray_leaks_out_of_a_closed_mesh() {
     assert_watertight(RAYS);
 }
 
-/// INT-12 in full: `cargo test --release -- --ignored int_12` runs it.
+/// `cargo test --release -- --ignored int_12` runs it.
 #[test]
-#[ignore = "minutes of rays, for release builds"]
+#[ignore = "a minute; the full number of rays of INT-12"]
 fn int_12_no_ray_of_ten_million_leaks_out_of_a_closed_mesh() {
     assert_watertight(10_000_000);
 }

@@ -67,7 +67,7 @@ fn sa_03_closed_furnace() {
     near(closed_furnace(60_000, "integrator: Path(roulette: Off), bounces: 10"), 0.914_100_654_08, 1e-3);
 }
 
-/// `cargo test --release -- --ignored sa_03` runs the 10^6 paths of the full case.
+/// `cargo test --release -- --ignored sa_03` runs it.
 #[test]
 #[ignore = "a minute; the full number of paths of SA-03"]
 fn sa_03_closed_furnace_in_full() {
