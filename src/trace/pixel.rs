@@ -30,7 +30,9 @@ pub struct Pixels<'a> {
     /// Where guides are recorded, if they are.
     guides: Option<LayerId>,
     /// Whether pixels are traced eight at a time.
-    together: bool,
+    pub together: bool,
+    /// Paths that are followed at once, at most.
+    at_once: usize,
 }
 
 impl<'a> Pixels<'a> {
@@ -51,7 +53,14 @@ impl<'a> Pixels<'a> {
         let guides = settings.extras.guides_layer(lights);
         // Eight at a time only light is recorded.
         let together = !random && settings.extras == Extras::default() && together::suits(&tracer);
-        Self { settings, moment, tracer, paths, random, lights, guides, together }
+        Self { settings, moment, tracer, paths, random, lights, guides, together, at_once: WAVE }
+    }
+
+    /// Follows every path by itself.
+    #[cfg(test)]
+    pub fn one_by_one(&mut self) {
+        self.at_once = 1;
+        self.paths.iter_mut().for_each(Paths::one_by_one);
     }
 
     /// What a thread needs to trace pixels.
@@ -121,19 +130,22 @@ impl<'a> Pixels<'a> {
         let mut samples = samples.peekable();
         let mut eight = Vec::with_capacity(8);
         while samples.peek().is_some() {
-            while followed.paths.len() < WAVE && samples.peek().is_some() {
+            while followed.pixels.len() < self.at_once && samples.peek().is_some() {
                 eight.clear();
-                eight.extend(samples.by_ref().take(8));
+                eight.extend(samples.by_ref().take(self.at_once.min(8)));
                 let rays = dispatch(Eyes { of: self, wanted: &eight });
                 for (lane, Wanted { index, sampler, .. }) in eight.iter().enumerate() {
-                    let ray = rays.one(lane);
-                    work.first = followed.paths.len() * layers;
-                    let eye = self.seen_along(ray, work);
-                    followed.paths.push(Path::new(&self.tracer, eye, *sampler, work.first));
+                    let place = followed.pixels.len();
+                    work.first = place * layers;
+                    let eye = self.seen_along(rays.one(lane), work);
+                    if followed.paths.len() == place {
+                        followed.paths.push(Path::nowhere(*sampler));
+                    }
+                    followed.paths[place].start(&self.tracer, eye, *sampler, work.first);
                     followed.pixels.push(*index);
                 }
             }
-            integrator.follow(&self.tracer, &mut followed.paths, work);
+            integrator.follow(&self.tracer, &mut followed.paths[..followed.pixels.len()], work);
             self.take_all(sums, work, followed);
         }
     }
@@ -220,7 +232,6 @@ impl<'a> Pixels<'a> {
         for (index, samples) in followed.pixels.drain(..).zip(work.layers.chunks_exact_mut(layers)) {
             self.take(&mut sums[index * layers..][..layers], samples, &mut work.counts.dropped);
         }
-        followed.paths.clear();
     }
 
     /// Adds a sample's layers to a pixel's sums, but for what is no light, and leaves nothing of them.
@@ -279,7 +290,8 @@ impl simd::Work for Eyes<'_, '_> {
     }
 }
 
-/// Paths on their way, and the places of their pixels among those that are traced.
+/// The places of pixels among those that are traced, with a path on its way for each. There may be more paths, left over
+/// from earlier.
 #[derive(Default)]
 pub struct Followed {
     paths: Vec<Path>,

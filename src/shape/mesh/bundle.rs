@@ -3,7 +3,7 @@
 use super::{Any, Mesh, Nearest};
 use crate::shape::bundle::{Hit, lanes};
 use crate::shape::{Crossing, Crossings, Rays};
-use crate::simd::{Lanes, Octo, Work};
+use crate::simd::{Lanes, Octo, Work, dispatch};
 use crate::tree::{Branch, BundleLeaves, BundleSlabs, Leaves, Probe, Slabs};
 
 /// The search along one ray of a bundle.
@@ -97,6 +97,18 @@ impl<'a, L: Lanes, S: Search<'a>> BundleLeaves<L> for Bundle<'_, 'a, L, S> {
     #[inline(always)]
     fn limit(&self) -> L {
         self.limit
+    }
+}
+
+impl Mesh {
+    /// [`Geometric::hit`](super::Geometric::hit) of those of eight rays whose bits are set, which should go the same way.
+    pub fn hit_of(&self, rays: &Rays, wanted: u32, t_max: &[f64; 8]) -> Crossings {
+        dispatch(Hit { shape: self, rays, wanted, limit: t_max })
+    }
+
+    /// [`Geometric::blocks`](super::Geometric::blocks) likewise, a bit each.
+    pub fn blocks_of(&self, rays: &Rays, wanted: u32, t_max: &[f64; 8]) -> u32 {
+        dispatch(Blocked { mesh: self, rays, wanted, t_max })
     }
 }
 

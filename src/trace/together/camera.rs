@@ -9,12 +9,7 @@ use crate::simd::{Octo, Quad};
 /// The rays through points of a picture of this width and height, in pixels from its upper left corner; `lens` gives two
 /// numbers each in 0..1 for the place on the lens.
 #[inline(always)]
-pub fn rays<Q: Quad>(
-    camera: &Camera,
-    size: (u32, u32),
-    [x, y]: [Octo<Q>; 2],
-    lens: &[[f64; 8]; 2],
-) -> Rays {
+pub fn rays<Q: Quad>(camera: &Camera, size: (u32, u32), [x, y]: [Octo<Q>; 2], lens: &[[f64; 8]; 2]) -> Rays {
     let (width, height) = (f64::from(size.0), Octo::splat(f64::from(size.1)));
     let two = Octo::splat(2.0);
     let (x, y) = ((two * x - Octo::splat(width)) / height, (height - two * y) / height);
