@@ -20,7 +20,7 @@ pub use error::{MeshError, NO_FILE, Place};
 pub use load::load;
 pub use meter::LoadMeter;
 pub use mtl::MtlMaterial;
-pub use packet::{Packet, Sheared};
+pub use packet::{Packet, Sheared, ShearedRays};
 
 use crate::color::Rgb;
 use crate::math::{Aabb, DVec2, DVec3};

@@ -243,15 +243,7 @@ impl Work for Hit<'_, Triangle> {
     fn run<L: Lanes>(self) -> Option<Crossings> {
         let Self { shape: triangle, wanted, limit, .. } = self;
         let (origin, direction) = self.rays.load::<L>();
-        let d = direction.absolute();
-        let first = (d.y.at_most(d.x) & d.z.at_most(d.x)).bits();
-        let last = d.y.below(d.z).bits() & !first;
-        let axis = match (first & wanted, last & wanted) {
-            (first, _) if first == wanted => 0,
-            (0, 0) => 1,
-            (0, last) if last == wanted => 2,
-            _ => return None,
-        };
+        let axis = direction.longest_axis(wanted)?;
         let (dx, dy, dz) = turned(direction, axis);
         let inverse = Octo::splat(1.0) / dz;
         let (shear_x, shear_y) = (dx * inverse, dy * inverse);
