@@ -23,8 +23,8 @@ pub trait BundleLeaves<L> {
 #[derive(Clone, Copy, Debug)]
 pub struct Branch(Child);
 
-/// So many rays go on alone: a node takes as long for a bundle as for about two rays.
-const FEW: u32 = 2;
+/// So many rays go on alone.
+const FEW: u32 = 1;
 
 /// Eight rays as a tree's filters see them, like [`Slabs`](super::Slabs).
 pub struct BundleSlabs<L: Lanes> {
