@@ -10,8 +10,9 @@
     reason = "a test that panics has done its work; clippy knows only `#[test]`"
 )]
 
-mod exact;
 mod support;
+
+use kinora::accuracy::exact;
 
 mod intersection;
 mod traversal;
@@ -22,5 +23,6 @@ mod sampling;
 mod camera;
 mod colour;
 mod moved;
+mod odd;
 mod properties;
 mod sources;
