@@ -1,6 +1,7 @@
 //! Eight rays and one shape: the tests of single rays, lane by lane, with the same operations in the same order, so that
 //! eight rays meet what each of them does, to the last bit.
 
+use super::mesh::Blocked;
 use super::{Crossing, Plane, Shape, Sphere, Surface, Triangle};
 use crate::camera::Ray;
 use crate::math::{DVec3, gamma};
@@ -42,6 +43,13 @@ impl Rays {
     fn at<L: Lanes>(&self, t: &[f64; 8]) -> Vector<L::Quad> {
         let (origin, direction) = self.load::<L>();
         origin + direction * Octo::load(t)
+    }
+
+    pub fn of(rays: &[Ray; 8]) -> Self {
+        Self {
+            origin: Rows::of(&rays.map(|ray| ray.origin)),
+            direction: Rows::of(&rays.map(|ray| ray.direction)),
+        }
     }
 
     /// One of them.
@@ -109,11 +117,11 @@ impl Surfaces {
 }
 
 /// The test of eight rays against a shape, before their limits.
-struct Hit<'a, S> {
-    shape: &'a S,
-    rays: &'a Rays,
-    wanted: u32,
-    limit: &'a [f64; 8],
+pub struct Hit<'a, S> {
+    pub shape: &'a S,
+    pub rays: &'a Rays,
+    pub wanted: u32,
+    pub limit: &'a [f64; 8],
 }
 
 /// The surface of a shape where eight rays cross it.
@@ -131,11 +139,21 @@ impl Shape {
             Self::Sphere(shape) => Some(L::apart(Hit { shape, rays, wanted, limit })),
             Self::Plane(shape) => Some(L::apart(Hit { shape, rays, wanted, limit })),
             Self::Triangle(shape) => L::apart(Hit { shape, rays, wanted, limit }),
+            Self::Mesh(shape) => Some(L::apart(Hit { shape, rays, wanted, limit })),
             _ => None,
         };
         match found {
             Some(found) => Crossings { met: found.met & wanted, ..found },
             None => self.hit_one_by_one(rays, wanted, limit),
+        }
+    }
+
+    /// [`Shape::blocks`] of those of eight rays whose bits are set, a bit each.
+    #[inline(always)]
+    pub fn blocks_together<L: Lanes>(&self, rays: &Rays, wanted: u32, t_max: &[f64; 8]) -> u32 {
+        match self {
+            Self::Mesh(mesh) => L::apart(Blocked { mesh, rays, wanted, t_max }),
+            _ => self.hit_together::<L>(rays, wanted, t_max).met,
         }
     }
 
