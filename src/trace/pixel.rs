@@ -28,7 +28,7 @@ pub struct Pixels<'a> {
     /// Where guides are recorded, if they are.
     guides: Option<LayerId>,
     /// Whether pixels are traced eight at a time.
-    together: bool,
+    pub together: bool,
 }
 
 impl<'a> Pixels<'a> {

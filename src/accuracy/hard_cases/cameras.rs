@@ -126,7 +126,8 @@ fn pole() -> Case {
     }
     fn judge<R: Machine>(_: &Over, [a, b]: [V<R>; 2]) -> Verdict {
         let turn = a.wide().angle_between(b.wide()).to_degrees();
-        Verdict { wrong: !(turn <= 1.0), ..Verdict::off(turn) }
+        let verdict = Verdict::off(turn);
+        Verdict { wrong: verdict.wrong || turn > 1.0, ..verdict }
     }
     Case {
         id: "CA-02",

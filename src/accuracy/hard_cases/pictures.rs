@@ -148,7 +148,7 @@ fn pole() -> Picture {
         AtPole::new(center, 0.7, center + DVec3::new(x, -(1.0 - x * x - z * z).sqrt(), z) * 0.7)
     }
     let shown = |angle: f64| match angle.is_finite() {
-        true => grey(if (angle / 2e-4).floor() as u32 % 2 == 0 { 0.75 } else { 0.1 }),
+        true => grey(if ((angle / 2e-4).floor() as u32).is_multiple_of(2) { 0.75 } else { 0.1 }),
         false => NOTHING,
     };
     let textbook = panel(SIDE, |x, y| shown(maps::arc_cosine(&at::<f32>(x, y)).wide()));

@@ -113,7 +113,8 @@ fn judge<R: Machine>(at: &Aimed<R>, found: Option<R>) -> Verdict {
     let V([x, y, z]) = at.origin.to::<Exact>() + at.direction.to::<Exact>() * Exact::of(t.wide());
     let out = (x * x + z * z).sqrt() - Exact::of(MAJOR);
     let off = ((out * out + y * y).sqrt() - Exact::of(MINOR)).value().abs();
-    Verdict { wrong: !(off < 0.1 * MINOR), ..Verdict::off(off) }
+    let verdict = Verdict::off(off);
+    Verdict { wrong: verdict.wrong || off > 0.1 * MINOR, ..verdict }
 }
 
 fn inputs<R: Machine>(distance: f64, effort: Effort) -> Vec<Aimed<R>> {
