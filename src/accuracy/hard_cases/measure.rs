@@ -67,7 +67,7 @@ pub trait Way {
 /// What a way's answers are worth together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answers {
-    /// The largest error of those that are not wrong.
+    /// The largest error of those that can be compared.
     pub worst: Option<f64>,
     /// The share of wrong ones.
     pub wrong: f64,
