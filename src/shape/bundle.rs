@@ -107,6 +107,10 @@ impl Surfaces {
         for lane in lanes(wanted) {
             surfaces[lane] = surface(lane);
         }
+        Self::of(&surfaces)
+    }
+
+    pub fn of(surfaces: &[Surface; 8]) -> Self {
         Self {
             point: Rows::of(&surfaces.map(|surface| surface.point)),
             error: Rows::of(&surfaces.map(|surface| surface.error)),
@@ -318,12 +322,24 @@ impl Work for Met<'_, Sphere> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Surfaces {
         let Sphere { center, radius } = *self.shape;
-        let center = Vector::splat(center);
-        let normal = (self.rays.at::<L>(self.t) - center).normalized_or(Vector::splat(DVec3::Y));
-        let point = center + normal * Octo::splat(radius);
-        let error = point.absolute() * Octo::splat(gamma(2))
-            + center.absolute() * Octo::splat(gamma(1))
-            + Vector::splat(DVec3::splat(radius * gamma(6)));
-        Surfaces::new(point, error, normal)
+        let at = self.rays.at::<L>(self.t);
+        on_sphere(at, Vector::splat(center), Octo::splat(radius))
     }
+}
+
+/// The same where each ray crosses a sphere of its own.
+#[inline(always)]
+pub fn on_spheres<L: Lanes>(centers: &Rows, radii: &[f64; 8], rays: &Rays, t: &[f64; 8]) -> Surfaces {
+    on_sphere(rays.at::<L>(t), Vector::load(centers), Octo::load(radii))
+}
+
+#[inline(always)]
+fn on_sphere<Q: Quad>(at: Vector<Q>, center: Vector<Q>, radius: Octo<Q>) -> Surfaces {
+    let normal = (at - center).normalized_or(Vector::splat(DVec3::Y));
+    let point = center + normal * radius;
+    let rounding = radius * Octo::splat(gamma(6));
+    let error = point.absolute() * Octo::splat(gamma(2))
+        + center.absolute() * Octo::splat(gamma(1))
+        + Vector { x: rounding, y: rounding, z: rounding };
+    Surfaces::new(point, error, normal)
 }

@@ -4,6 +4,7 @@ mod coincident;
 mod guides;
 mod lights;
 mod luminaires;
+mod matt;
 mod media;
 mod passing;
 mod path;

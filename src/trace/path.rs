@@ -9,12 +9,13 @@
 use super::coincident::Crossed;
 use super::lights::seen;
 use super::luminaires::Luminaires;
+use super::matt::{Eight, Matt};
 use super::media::Media;
 use super::scatter::{Kind, Scatter, scatter, scatter_density};
 use super::spawn::{spawn, spawn_gathering};
 use super::throughput::Throughput;
 use super::tracer::{Dice, Face, Met, Tracer, Work};
-use super::wave::Shadow;
+use super::wave::{Shadow, WAVE};
 use crate::bvh::Hit;
 use crate::camera::{Beam, Ray};
 use crate::color::Rgb;
@@ -27,27 +28,29 @@ use crate::sampling::{Sampler, Use};
 pub struct Paths<'a> {
     luminaires: Luminaires<'a>,
     settings: PathSettings,
+    /// For surfaces of which eight are shaded at once.
+    matt: Option<Matt>,
 }
 
 /// Where a path is.
 pub struct Path {
     pub ray: Ray,
-    beam: Beam,
-    throughput: Throughput,
-    media: Media,
+    pub beam: Beam,
+    pub throughput: Throughput,
+    pub media: Media,
     /// What the ray has just passed.
     pub crossed: Option<Crossed>,
     /// Bounces that are left.
-    left: u32,
+    pub left: u32,
     /// Where the direction was drawn, and with which density per solid angle; none where there was no choice.
     drawn: Option<(DVec3, f64)>,
     /// The last surface that has turned the path back, if it has scattered it: then light was asked for there.
     asked: Option<DVec3>,
     /// Whether light that is met now has been counted by a shadow ray from there, through what refracts.
     counted: bool,
-    dice: Dice,
+    pub dice: Dice,
     /// Where the layers of its sample begin in what is worked with.
-    first: usize,
+    pub first: usize,
 }
 
 impl Path {
@@ -69,9 +72,21 @@ impl Path {
     }
 }
 
+impl Path {
+    /// Notes that it was scattered at a point, with a density per solid angle of its direction.
+    pub fn scattered(&mut self, point: DVec3, density: f64) {
+        self.crossed = None;
+        (self.asked, self.counted) = (Some(point), false);
+        self.drawn = Some((point, density));
+        self.left -= 1;
+    }
+}
+
 impl<'a> Paths<'a> {
     pub fn new(tracer: &Tracer<'a>, settings: PathSettings) -> Self {
-        Self { luminaires: Luminaires::new(tracer), settings }
+        let luminaires = Luminaires::new(tracer);
+        let matt = Matt::new(tracer, luminaires.plain_lights());
+        Self { luminaires, settings, matt }
     }
 
     /// Follows paths from the eye to where they end, all of them from surface to surface. What is seen along them is added
@@ -79,16 +94,34 @@ impl<'a> Paths<'a> {
     pub fn follow(&self, tracer: &Tracer, paths: &mut [Path], work: &mut Work) {
         let mut active: Vec<u32> = (0..paths.len() as u32).collect();
         let mut hits = Vec::with_capacity(active.len());
+        let (mut matt, mut matt_hits) = (Vec::with_capacity(active.len()), Vec::with_capacity(active.len()));
+        let mut goes_on = [false; WAVE];
         let mut from_eye = true;
         while !active.is_empty() {
             tracer.meet(paths, &active, from_eye, &mut hits);
-            let mut hit = hits.iter();
-            active.retain(|&index| {
+            for (&index, hit) in active.iter().zip(&hits) {
                 let path = &mut paths[index as usize];
+                if let Some(hit) = hit
+                    && self.matt.as_ref().is_some_and(|matt| matt.takes(tracer, path, hit))
+                {
+                    matt.push(index);
+                    matt_hits.push(*hit);
+                    continue;
+                }
                 work.first = path.first;
-                let goes_on = self.step(tracer, path, hit.next().copied().flatten(), work);
-                path.dice.surface += 1;
-                goes_on
+                goes_on[index as usize] = self.step(tracer, path, *hit, work);
+            }
+            if let Some(shader) = &self.matt {
+                for (which, hits) in matt.chunks(8).zip(matt_hits.chunks(8)) {
+                    let on = shader.follow(Eight { integrator: self, tracer, paths, which, hits }, work);
+                    (0..).zip(which).for_each(|(lane, &index)| goes_on[index as usize] = on >> lane & 1 == 1);
+                }
+            }
+            matt.clear();
+            matt_hits.clear();
+            active.retain(|&index| {
+                paths[index as usize].dice.surface += 1;
+                goes_on[index as usize]
             });
             let mut shadows = std::mem::take(&mut work.shadows);
             tracer.cast(&mut shadows, from_eye, work);
@@ -155,7 +188,7 @@ impl<'a> Paths<'a> {
         let seen = face.seen(&path.ray);
         let u = dice.sampler.four(Use::Scatter(dice.surface));
         let Some(next) = scatter(&seen, boundary.as_ref(), u) else { return false };
-        let goes_on = self.go_on(path, face, &next) && self.survives(tracer, path, dice);
+        let goes_on = self.go_on(path, face, &next) && self.survives(tracer, path);
         if goes_on {
             count(next.kind, &mut work.counts.rays);
         }
@@ -232,13 +265,13 @@ impl<'a> Paths<'a> {
     }
 
     /// Russian roulette: dim paths end at random, and those that go on make up for them.
-    fn survives(&self, tracer: &Tracer, path: &mut Path, dice: Dice) -> bool {
+    pub fn survives(&self, tracer: &Tracer, path: &mut Path) -> bool {
         let Some(after) = self.settings.roulette else { return true };
         if tracer.quality.bounces - path.left <= after {
             return true;
         }
         let chance = path.throughput.shining().max_element().min(0.95);
-        if dice.sampler.two(Use::Roulette(dice.surface)).x >= f64::from(chance) {
+        if path.dice.sampler.two(Use::Roulette(path.dice.surface)).x >= f64::from(chance) {
             return false;
         }
         path.throughput.make_up_for(chance);

@@ -13,6 +13,8 @@ use crate::math::{DVec2, DVec3};
 use crate::quality::Integrator;
 use crate::sampling::{PixelSampler, Sampler, Use};
 use crate::scene::{Primitive, Scene};
+use crate::shape::Rays;
+use crate::simd::{self, Lanes, Octo, dispatch};
 
 /// A frame's scene with all that its pixels have in common.
 pub struct Pixels<'a> {
@@ -112,20 +114,28 @@ impl<'a> Pixels<'a> {
     ) {
         let Some(integrator) = &self.paths else { return };
         let layers = work.layers.len() / WAVE;
-        for (index, &pixel) in pixels.iter().enumerate() {
-            for (sample, sampler) in self.samples(pixel) {
-                work.first = followed.paths.len() * layers;
-                let eye = self.eye(pixel, sample, &sampler, work);
-                followed.paths.push(Path::new(&self.tracer, eye, sampler, work.first));
-                followed.pixels.push(index);
-                if followed.paths.len() == WAVE {
-                    integrator.follow(&self.tracer, &mut followed.paths, work);
-                    self.take_all(sums, work, followed);
+        let samples = pixels.iter().enumerate();
+        let samples = samples.flat_map(|(index, &pixel)| {
+            self.samples(pixel).map(move |(_, sampler)| Wanted { index, pixel, sampler })
+        });
+        let mut samples = samples.peekable();
+        let mut eight = Vec::with_capacity(8);
+        while samples.peek().is_some() {
+            while followed.paths.len() < WAVE && samples.peek().is_some() {
+                eight.clear();
+                eight.extend(samples.by_ref().take(8));
+                let rays = dispatch(Eyes { of: self, wanted: &eight });
+                for (lane, Wanted { index, sampler, .. }) in eight.iter().enumerate() {
+                    let ray = rays.one(lane);
+                    work.first = followed.paths.len() * layers;
+                    let eye = self.seen_along(ray, work);
+                    followed.paths.push(Path::new(&self.tracer, eye, *sampler, work.first));
+                    followed.pixels.push(*index);
                 }
             }
+            integrator.follow(&self.tracer, &mut followed.paths, work);
+            self.take_all(sums, work, followed);
         }
-        integrator.follow(&self.tracer, &mut followed.paths, work);
-        self.take_all(sums, work, followed);
     }
 
     /// Where in the unit square a sample lies before the filter spreads it, and where on the lens.
@@ -180,20 +190,23 @@ impl<'a> Pixels<'a> {
         DVec2::new(filter.offset(place.x), filter.offset(place.y)) + DVec2::splat(0.5)
     }
 
-    fn ray(&self, (x, y): (u32, u32), inside: DVec2, lens: DVec2) -> (Ray, Beam) {
+    fn ray(&self, (x, y): (u32, u32), inside: DVec2, lens: DVec2) -> Ray {
         let (width, height) = (f64::from(self.settings.size.0), f64::from(self.settings.size.1));
         let at = DVec2::new(f64::from(x), f64::from(y)) + self.inside(inside);
         // Square pixels: both axes in units of half the picture's height, from its centre.
         let screen = DVec2::new(2.0 * at.x - width, height - 2.0 * at.y) / height;
-        let camera = self.tracer.scene.camera;
-        let ray = camera.ray(screen, lens);
-        (ray, camera.beam(&ray, 2.0 / height))
+        self.tracer.scene.camera.ray(screen, lens)
     }
 
-    /// The ray from the eye along which a sample is seen. What else than light is recorded is added to `work`.
+    /// The ray from the eye along which a sample is seen.
     fn eye(&self, pixel: (u32, u32), sample: u32, sampler: &Sampler, work: &mut Work) -> (Ray, Beam) {
         let (inside, lens) = self.place(sample, sampler);
-        let (ray, beam) = self.ray(pixel, inside, lens);
+        self.seen_along(self.ray(pixel, inside, lens), work)
+    }
+
+    /// A ray from the eye with its beam. What else than light is recorded is added to `work`.
+    fn seen_along(&self, ray: Ray, work: &mut Work) -> (Ray, Beam) {
+        let beam = self.tracer.scene.camera.beam(&ray, 2.0 / f64::from(self.settings.size.1));
         work.counts.rays.camera += 1;
         if let Some(first) = self.guides {
             guides::record(&self.tracer, (&ray, &beam), first, work);
@@ -229,6 +242,41 @@ pub enum Tracing {
     Together(Sums),
     Rays(Work),
     Paths(Work, Followed),
+}
+
+/// A sample that is wanted of one of several pixels.
+struct Wanted {
+    index: usize,
+    pixel: (u32, u32),
+    sampler: Sampler,
+}
+
+/// The rays from the eye of up to eight samples drawn at random.
+struct Eyes<'a, 'b> {
+    of: &'a Pixels<'b>,
+    wanted: &'a [Wanted],
+}
+
+impl simd::Work for Eyes<'_, '_> {
+    type Output = Rays;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Rays {
+        let Self { of: Pixels { settings, tracer, .. }, wanted } = self;
+        let last = wanted.len() - 1;
+        let mut samplers = [wanted[last].sampler; 8];
+        for (sampler, wanted) in samplers.iter_mut().zip(wanted) {
+            *sampler = wanted.sampler;
+        }
+        let [mut x, mut y, u, v] = Sampler::four_together(&samplers, Use::Camera);
+        for lane in 0..8 {
+            let (left, top) = wanted[lane.min(last)].pixel;
+            x[lane] = f64::from(left) + (settings.filter.offset(x[lane]) + 0.5);
+            y[lane] = f64::from(top) + (settings.filter.offset(y[lane]) + 0.5);
+        }
+        let at = [Octo::load(&x), Octo::load(&y)];
+        together::camera::rays::<L::Quad>(tracer.scene.camera, settings.size, at, &[u, v])
+    }
 }
 
 /// Paths on their way, and the places of their pixels among those that are traced.

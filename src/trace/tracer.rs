@@ -176,14 +176,28 @@ impl<'a> Tracer<'a> {
         (met, way)
     }
 
+    /// The surface that was hit.
+    #[inline]
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+        let mut surface = self.scene.geometry.primitives[hit.primitive as usize].surface(ray, hit.at);
+        if !self.quality.smooth_terminator {
+            surface.lift = DVec3::ZERO;
+        }
+        surface
+    }
+
+    /// The material that was hit.
+    #[inline]
+    pub fn material_of(&self, hit: &Hit) -> &'a Material {
+        let index = self.scene.geometry.primitives[hit.primitive as usize].material(hit.at.part);
+        &self.scene.shading.materials[index.unwrap_or_default() as usize]
+    }
+
     /// What a hit is, for a beam of this width.
     #[inline]
     pub fn met(&self, ray: &Ray, hit: Hit, width: f64) -> Met<'a> {
         let primitive = &self.scene.geometry.primitives[hit.primitive as usize];
-        let mut surface = primitive.surface(ray, hit.at);
-        if !self.quality.smooth_terminator {
-            surface.lift = DVec3::ZERO;
-        }
+        let mut surface = self.surface(ray, &hit);
         // Surfaces are two-sided: the normal faces the eye.
         let outside = surface.normal.dot(ray.direction) <= 0.0;
         if let Finish::Light(index) = primitive.finish {

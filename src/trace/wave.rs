@@ -21,14 +21,14 @@ const BUNDLE: usize = 3;
 
 /// Light that reaches a surface unless something stands in its way.
 pub struct Shadow {
-    ray: Ray,
-    t_max: f64,
+    pub ray: Ray,
+    pub t_max: f64,
     /// Where the layers of its path's sample begin.
-    first: usize,
-    layer: LayerId,
+    pub first: usize,
+    pub layer: LayerId,
     /// Lights that have been asked before this one at the surface.
-    turn: u32,
-    radiance: Rgb,
+    pub turn: u32,
+    pub radiance: Rgb,
 }
 
 impl Shadow {
