@@ -22,6 +22,7 @@ mod shading;
 mod sampling;
 mod camera;
 mod colour;
+mod matrix;
 mod moved;
 mod odd;
 mod properties;
