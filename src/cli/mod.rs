@@ -2,6 +2,7 @@
 //!
 //! Arguments in; files, a summary on stdout, progress and errors on stderr, and an exit code out.
 
+mod accuracy;
 mod assemble;
 mod check;
 mod failure;
@@ -43,6 +44,7 @@ enum Command {
     Poster(poster::Arguments),
     Assemble(assemble::Arguments),
     Check(check::Arguments),
+    Accuracy(accuracy::Arguments),
 }
 
 const AFTER_HELP: &str = "\
@@ -82,6 +84,7 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Poster(arguments) => poster::run(&arguments),
         Command::Assemble(arguments) => assemble::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Accuracy(arguments) => accuracy::run(&arguments),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -263,7 +263,10 @@ impl Work for Hit<'_, Triangle> {
         let w = bx * ay - by * ax;
         let inside = (zero.at_most(u) & zero.at_most(v) & zero.at_most(w))
             | (u.at_most(zero) & v.at_most(zero) & w.at_most(zero));
-        let covered = (inside & zero.below((u + v + w).absolute())).bits();
+        let (left, right) = (ax.smaller(bx).smaller(cx), ax.larger(bx).larger(cx));
+        let (low, high) = (ay.smaller(by).smaller(cy), ay.larger(by).larger(cy));
+        let around = left.at_most(zero) & zero.at_most(right) & low.at_most(zero) & zero.at_most(high);
+        let covered = (inside & around & zero.below((u + v + w).absolute())).bits();
         if covered & wanted == 0 {
             return Some(Crossings::NONE);
         }
