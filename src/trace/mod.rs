@@ -138,8 +138,7 @@ impl Window<'_> {
         let mut sums = vec![DVec3::ZERO; most * layers];
         let mut tile = Vec::with_capacity(most);
         for left in (0..width).step_by(TILE as usize) {
-            tile.clear();
-            tile.extend(self.tile(left..width.min(left + TILE)));
+            self.put_tile(left..width.min(left + TILE), &mut tile);
             self.pixels.trace(&tile, &mut sums[..tile.len() * layers], &mut tracing);
             for (&(x, y), sums) in tile.iter().zip(sums.chunks_exact_mut(layers)) {
                 let at = ((y - self.rows.start) * width + x) as usize * layers;
@@ -152,16 +151,16 @@ impl Window<'_> {
     }
 
     /// The pixels of some columns, block by block.
-    fn tile(&self, columns: Range<u32>) -> impl Iterator<Item = (u32, u32)> {
-        let rows = self.rows.clone();
-        let tops = rows.clone().step_by(BLOCK.1 as usize);
-        let blocks = tops.flat_map({
-            let columns = columns.clone();
-            move |top| columns.clone().step_by(BLOCK.0 as usize).map(move |left| (left, top))
-        });
-        blocks.flat_map(move |(left, top)| {
-            let (right, below) = (columns.end.min(left + BLOCK.0), rows.end.min(top + BLOCK.1));
-            (top..below).flat_map(move |y| (left..right).map(move |x| (x, y)))
-        })
+    fn put_tile(&self, columns: Range<u32>, tile: &mut Vec<(u32, u32)>) {
+        tile.clear();
+        for top in self.rows.clone().step_by(BLOCK.1 as usize) {
+            for left in columns.clone().step_by(BLOCK.0 as usize) {
+                for y in top..self.rows.end.min(top + BLOCK.1) {
+                    for x in left..columns.end.min(left + BLOCK.0) {
+                        tile.push((x, y));
+                    }
+                }
+            }
+        }
     }
 }

@@ -40,14 +40,18 @@ pub struct BundleSlabs<L: Lanes> {
     hull: Option<Wide<L>>,
 }
 
-/// Rays along one axis: those of [`Slabs`](super::Slabs), and bounds of all of them.
-struct Along<L> {
+/// Rays along one axis: those of [`Slabs`](super::Slabs).
+struct Along<L: Lanes> {
     enter: [L; 2],
     leave: [L; 2],
     /// Bits of rays that go backwards.
     backwards: u32,
-    hull: [[L; 2]; 2],
+    steepness: Octo<L::Quad>,
 }
+
+/// In trees of no more nodes, to find what holds all rays takes longer than to do without, and so does what a ray by itself
+/// needs.
+const SMALL: usize = 8;
 
 impl<L: Lanes> BundleSlabs<L> {
     /// The rays in the tree's space, and a bit for each that may be walked along together with the others, and for each
@@ -66,18 +70,22 @@ impl<L: Lanes> BundleSlabs<L> {
         let scale = direction.longest().power_of_two();
         let error = from.longest().larger(Octo::splat(space.farthest)) * Octo::splat(space.per * ROUNDING);
         let error = error + Octo::splat(SLACK);
-        let x = Self::along(origin.x, direction.x, scale, error, near);
-        let y = Self::along(origin.y, direction.y, scale, error, near);
-        let z = Self::along(origin.z, direction.z, scale, error, near);
+        let x = Self::along(origin.x, direction.x, scale, error);
+        let y = Self::along(origin.y, direction.y, scale, error);
+        let z = Self::along(origin.z, direction.z, scale, error);
         let backwards = [x.backwards & near, y.backwards & near, z.backwards & near];
         let mut hull = None;
-        if (backwards[0] == 0 || backwards[0] == near)
+        if tree.nodes.len() > SMALL
+            && (backwards[0] == 0 || backwards[0] == near)
             && (backwards[1] == 0 || backwards[1] == near)
             && (backwards[2] == 0 || backwards[2] == near)
         {
+            let x = Self::hull(origin.x, x.steepness, error, backwards[0] == 0, near);
+            let y = Self::hull(origin.y, y.steepness, error, backwards[1] == 0, near);
+            let z = Self::hull(origin.z, z.steepness, error, backwards[2] == 0, near);
             hull = Some(Wide {
-                enter: [x.hull[0], y.hull[0], z.hull[0]],
-                leave: [x.hull[1], y.hull[1], z.hull[1]],
+                enter: [x[0], y[0], z[0]],
+                leave: [x[1], y[1], z[1]],
                 near: [
                     usize::from(backwards[0] != 0),
                     usize::from(backwards[1] != 0),
@@ -108,7 +116,6 @@ impl<L: Lanes> BundleSlabs<L> {
         direction: Octo<L::Quad>,
         scale: Octo<L::Quad>,
         error: Octo<L::Quad>,
-        wanted: u32,
     ) -> Along<L> {
         let inverse = Octo::splat(1.0) / direction * scale;
         let steepness = inverse.absolute().smaller(Octo::splat(STEEPEST));
@@ -119,8 +126,7 @@ impl<L: Lanes> BundleSlabs<L> {
         let enter = [L::load(&inverse.narrow()), L::load(&(offset - off).narrow())];
         let leave = [L::load(&(inverse * spread).narrow()), L::load(&((offset + off) * spread).narrow())];
         let backwards = inverse.signs();
-        let hull = Self::hull(&origin.store(), &steepness.store(), &error.store(), backwards, wanted);
-        Along { enter, leave, backwards, hull }
+        Along { enter, leave, backwards, steepness }
     }
 
     /// What holds the rays whose bits are set, along an axis along which all of them go backwards, or none: a box that
@@ -129,13 +135,14 @@ impl<L: Lanes> BundleSlabs<L> {
     /// what is entered or left before the start is not told from what is so at the start.
     #[inline(always)]
     fn hull(
-        origin: &[f64; 8],
-        steepness: &[f64; 8],
-        error: &[f64; 8],
-        backwards: u32,
+        origin: Octo<L::Quad>,
+        steepness: Octo<L::Quad>,
+        error: Octo<L::Quad>,
+        forwards: bool,
         wanted: u32,
     ) -> [[L; 2]; 2] {
-        let sign = if backwards & wanted == 0 { 1.0 } else { -1.0 };
+        let (origin, steepness, error) = (origin.store(), steepness.store(), error.store());
+        let sign = if forwards { 1.0 } else { -1.0 };
         let (mut least, mut most) = (f64::INFINITY, 0.0);
         let (mut first, mut last) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut farthest_off = 0.0;
@@ -265,10 +272,11 @@ impl Tree {
     ) {
         let mut stack: [Waiting; STACK] = [(0.0, Child::NONE, 0); STACK];
         let (mut top, mut at) = (0, from);
+        let few = if self.nodes.len() > SMALL { FEW } else { 0 };
         loop {
             if let Some(leaf) = at.as_leaf() {
                 leaves.visit(leaf, rays);
-            } else if rays.count_ones() <= FEW {
+            } else if rays.count_ones() <= few {
                 while rays != 0 {
                     leaves.part(rays.trailing_zeros() as usize & 7, Branch(at));
                     rays &= rays - 1;
