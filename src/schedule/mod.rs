@@ -14,7 +14,7 @@ use crate::bvh::Bvh;
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::counters::Meter;
-use crate::film::{Extras, Film};
+use crate::film::{Extras, Film, LayerId};
 use crate::filter::FilterSampler;
 use crate::scene::{Geometry, Shading, Weights, extract};
 use crate::sequence::Sequence;
@@ -78,11 +78,12 @@ impl<S: FilmSink> FrameLoop<S> {
         self.run(frame, still)
     }
 
-    /// Makes a frame that has been looked at; traces it with all layers of light for which `lit` is not black. The film is
+    /// Makes a frame that has been looked at, traced with these layers of light, among them all that it shows. Its film is
     /// given back.
-    pub fn trace(&mut self, look: &Look, lit: &[Rgb]) -> Result<Option<Film>, NoFrame> {
-        let lit = Some(Weights(lit.to_vec()));
-        self.world.insert_resource(Wanted { lit, keep: true });
+    pub fn trace(&mut self, look: &Look, lit: &[LayerId]) -> Result<Option<Film>, NoFrame> {
+        let mut weights = vec![Rgb::ZERO; look.weights.len()];
+        lit.iter().for_each(|layer| weights[layer.index()] = Rgb::ONE);
+        self.world.insert_resource(Wanted { lit: Some(Weights(weights)), keep: true });
         let done = self.run(look.frame, look.moments == 1);
         self.world.insert_resource(Wanted::default());
         done?;

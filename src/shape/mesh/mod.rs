@@ -29,6 +29,17 @@ impl PartialEq for Mesh {
     }
 }
 
+impl Mesh {
+    /// Whether it is shaded with normals of its vertices.
+    pub fn is_smooth(&self) -> bool {
+        match self.normals {
+            Normals::File => self.mesh.has_normals(),
+            Normals::Smooth => true,
+            Normals::Flat => false,
+        }
+    }
+}
+
 impl Content for Mesh {
     fn feed(&self, into: &mut Digester) {
         let Self { mesh, normals } = self;
