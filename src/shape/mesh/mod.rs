@@ -1,7 +1,10 @@
 //! Triangle meshes: many triangles with a tree of their own.
 
+mod bundle;
 #[cfg(test)]
 mod tests;
+
+pub use bundle::Blocked;
 
 use super::triangle::{covers, depth, uniform_weights, unit_normal};
 use super::{Crossing, Geometric, Parameters, Surface, flat};
