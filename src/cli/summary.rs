@@ -43,7 +43,7 @@ pub fn text(summary: &Summary) -> String {
 
 /// One JSON object.
 pub fn json(summary: &Summary) -> String {
-    let Counts { rays, dropped } = summary.counts;
+    let Counts { rays, evaluations, dropped } = summary.counts;
     let stages = summary
         .stages
         .iter()
@@ -55,6 +55,11 @@ pub fn json(summary: &Summary) -> String {
         .whole("scattered", rays.scattered)
         .whole("shadow", rays.shadow)
         .whole("total", rays.total());
+    let evaluations = Object::new()
+        .whole("fog", evaluations.fog)
+        .whole("paint", evaluations.paint)
+        .whole("light_samples", evaluations.light_samples)
+        .whole("lens_samples", evaluations.lens_samples);
     let dropped = Object::new()
         .whole("undefined", dropped.undefined)
         .whole("infinite", dropped.infinite)
@@ -66,6 +71,7 @@ pub fn json(summary: &Summary) -> String {
         .whole("reused", summary.reused.into())
         .real("elapsed_s", Some(summary.elapsed.as_secs_f64()))
         .object("rays", counts)
+        .object("evaluations", evaluations)
         .object("dropped_samples", dropped)
         .whole("bvh_builds", summary.bvh_builds)
         .object("expected", expected(summary.expected.as_ref()))
@@ -218,7 +224,8 @@ dropped undefined   2
         let wanted = concat!(
             r#"{"event":"summary","files":["out/orbit_####.png","out/\"orbit\".gif"],"frames":72,"reused":0,"#,
             r#""elapsed_s":10.440,"rays":{"camera":66355200,"mirror":20481,"transmitted":0,"scattered":0,"shadow":9,"#,
-            r#""total":66375690},"dropped_samples":{"undefined":0,"infinite":0,"negative":0},"#,
+            r#""total":66375690},"evaluations":{"fog":0,"paint":0,"light_samples":0,"lens_samples":0},"#,
+            r#""dropped_samples":{"undefined":0,"infinite":0,"negative":0},"#,
             r#""bvh_builds":1,"expected":{},"stages_s":{"animate":0.001,"trace":9.870},"notes":["a draft"]}"#,
         );
         assert_eq!(json(&summary()), wanted);

@@ -207,6 +207,7 @@ impl<'a> Pixels<'a> {
         let (inside, lens) = self.place(sample, sampler);
         let (ray, beam) = self.ray(pixel, inside, lens);
         work.counts.rays.camera += 1;
+        work.counts.evaluations.lens_samples += u64::from(self.tracer.scene.camera.lens.is_some());
         if let Some(first) = self.guides {
             guides::record(&self.tracer, (&ray, &beam), first, work);
         }

@@ -162,7 +162,11 @@ impl<'a> Tracer<'a> {
             way.passed = media.here(&self.scene.shading.materials).transmittance(t);
         }
         let met = hit.map_or(Met::Nothing, |hit| self.met(ray, hit, beam.after(hit.at.t)));
+        if let Met::Surface(face) = &met {
+            work.counts.evaluations.paint += u64::from(!face.material.paints.is_empty());
+        }
         if let Some(fog) = &self.fog {
+            work.counts.evaluations.fog += 1;
             let opacity = fog.opacity(ray, t) as f32;
             let glows = match met {
                 Met::Surface(_) => throughput.seen(),
