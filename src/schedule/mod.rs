@@ -105,12 +105,13 @@ impl<S: FilmSink> FrameLoop<S> {
         pushed.map_err(NoFrame::Encode)
     }
 
-    /// Runs the stages for a frame: for its start alone, or for every moment while the shutter is open.
+    /// Runs the stages for a frame: for every moment while the shutter is open, or for the first if all are alike.
     fn run(&mut self, frame: u32, still: bool) -> Result<(), NoFrame> {
-        let moments = match still {
-            true => vec![(self.timeline.clock(frame), Moment::ONLY)],
-            false => self.shutter.moments(&self.timeline, frame),
-        };
+        let mut moments = self.shutter.moments(&self.timeline, frame);
+        if still {
+            moments.truncate(1);
+            moments.iter_mut().for_each(|(_, moment)| *moment = Moment::ONLY);
+        }
         for (clock, moment) in moments {
             self.world.insert_resource(Now(clock));
             self.world.insert_resource(Shown(moment));

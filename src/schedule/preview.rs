@@ -134,9 +134,10 @@ impl Preview {
         }
     }
 
-    /// Hands the scene at the start of a frame over; nothing if it has no camera then.
+    /// Hands the scene at a frame's first moment over; nothing if it has no camera then.
     pub fn scene_of<T>(&mut self, frame: u32, see: impl FnOnce(&Scene) -> T) -> Option<T> {
-        self.moment(self.timeline.clock(frame)).ok()?;
+        let (clock, _) = *self.shutter.moments(&self.timeline, frame).first()?;
+        self.moment(clock).ok()?;
         let (geometry, shading) = (&self.current::<Geometry>()?.0, &self.current::<Shading>()?.0);
         let (weights, camera) = (&self.current::<Weights>()?.0, &self.current::<Option<Camera>>()?.0);
         Some(see(&Scene { geometry, shading, weights, camera: camera.as_ref()? }))
