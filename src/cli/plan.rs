@@ -31,7 +31,7 @@ pub struct Arguments {
     #[command(flatten)]
     options: Options,
 
-    /// Memory for films that are kept for later frames, such as 2GB [default: a quarter of what is free]
+    /// Memory for films that later frames are made of, such as 2GB [default: a share of what is free]
     #[arg(long, value_name = "SIZE", value_parser = values::file_size)]
     memory: Option<u64>,
 
@@ -156,7 +156,7 @@ impl Told<'_> {
         let films = counted(span.traced as u64, "film");
         let changes = match span.changes.is_empty() {
             true => "nothing changes".to_owned(),
-            false => span.changes.iter().map(|part| self.part(*part)).collect::<Vec<_>>().join(", "),
+            false => self.changes(&span.changes),
         };
         format!("{range}: {changes} ({films})")
     }
@@ -180,22 +180,37 @@ impl Told<'_> {
         unused.map(|effect| effect.name())
     }
 
-    fn part(&self, part: Part) -> String {
+    /// Who changes, those first that do the same.
+    fn changes(&self, changes: &[Part]) -> String {
+        let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
+        for part in changes {
+            let (who, does) = self.part(*part);
+            match groups.iter_mut().find(|(same, _)| *same == does) {
+                Some((_, all)) => all.push(who),
+                None => groups.push((does, vec![who])),
+            }
+        }
+        groups.iter().map(|(does, all)| format!("{} {does}", all.join(", "))).collect::<Vec<_>>().join("; ")
+    }
+
+    /// Who it is, and what is seen of the change.
+    fn part(&self, part: Part) -> (String, &'static str) {
         let Sequence { cameras, objects, materials, lights, .. } = self.sequence;
+        let named = |kind: &str, name: &str| format!("{kind} \"{name}\"");
         match part {
-            Part::Camera(index) => format!("camera \"{}\" moves", cameras[index].name),
-            Part::Cut => "a cut to another camera".to_owned(),
-            Part::Object(index) => format!("object \"{}\" moves", objects[index].name),
-            Part::Material(index) => format!("material \"{}\" changes", materials[index].name),
-            Part::Light(index) => format!("light \"{}\" moves", lights[index].name),
-            Part::Brightness(index) => format!("light \"{}\" is switched or faded", lights[index].name),
-            Part::Emission(index) => format!("emission of \"{}\" fades", materials[index].name),
-            Part::Background => "the background changes".to_owned(),
-            Part::BackgroundBrightness => "the background fades".to_owned(),
-            Part::Ambient => "ambient light fades".to_owned(),
-            Part::Fog => "the fog changes".to_owned(),
-            Part::FogColor => "the fog's colour changes".to_owned(),
-            Part::Exposure => "the exposure changes".to_owned(),
+            Part::Camera(index) => (named("camera", &cameras[index].name), "moves"),
+            Part::Cut => ("the active camera".to_owned(), "is another"),
+            Part::Object(index) => (named("object", &objects[index].name), "moves"),
+            Part::Material(index) => (material(&materials[index].name), "changes"),
+            Part::Light(index) => (named("light", &lights[index].name), "moves"),
+            Part::Brightness(index) => (named("light", &lights[index].name), "fades"),
+            Part::Emission(index) => (format!("emission of {}", material(&materials[index].name)), "fades"),
+            Part::Background => ("the background".to_owned(), "changes"),
+            Part::BackgroundBrightness => ("the background".to_owned(), "fades"),
+            Part::Ambient => ("ambient light".to_owned(), "fades"),
+            Part::Fog => ("the fog".to_owned(), "changes"),
+            Part::FogColor => ("the fog's colour".to_owned(), "fades"),
+            Part::Exposure => ("the exposure".to_owned(), "changes"),
         }
     }
 
@@ -207,9 +222,7 @@ impl Told<'_> {
             Caller::Ambient => "the ambient light".to_owned(),
             Caller::Fog => "the fog".to_owned(),
             Caller::Light(index) => format!("light \"{}\"", self.sequence.lights[index as usize].name),
-            Caller::Material(index) => {
-                format!("material \"{}\"", self.sequence.materials[index as usize].name)
-            }
+            Caller::Material(index) => material(&self.sequence.materials[index as usize].name),
         }
     }
 
@@ -220,7 +233,13 @@ impl Told<'_> {
             Object::new()
                 .whole("first", frame(span.first))
                 .whole("last", frame(span.last))
-                .texts("changes", span.changes.iter().map(|part| self.part(*part)))
+                .texts(
+                    "changes",
+                    span.changes.iter().map(|part| {
+                        let (who, does) = self.part(*part);
+                        format!("{who} {does}")
+                    }),
+                )
                 .whole("films", span.traced as u64)
         };
         let names = self.sequence.about().layers;
@@ -253,6 +272,11 @@ impl Told<'_> {
             .whole("budget_bytes", self.budget)
             .finish()
     }
+}
+
+/// A material by its name; that of an object is called by where it is written.
+fn material(name: &str) -> String {
+    if name.starts_with("objects.") { name.to_owned() } else { format!("material \"{name}\"") }
 }
 
 /// `about 12,000 rays, 3,000 of them from the camera`.

@@ -124,11 +124,15 @@ fn random(scene: &Scene, look: &Look) -> Caller {
 fn light(scene: &Scene, lit: &[LayerId], found: &mut Vec<(Effect, Caller)>) {
     let shading = scene.shading;
     let on = |layer: LayerId| lit.contains(&layer);
+    let used = || scene.geometry.materials().into_iter().map(|index| &shading.materials[index as usize]);
+    let lit_by_lights = used().any(|material| material.lobes.reflects_lights());
     for (index, light) in (0..).zip(&shading.lights) {
         if light.radiance == Rgb::ZERO || !on(light.layer) {
             continue;
         }
-        found.push((Effect::Shadows, Caller::Light(index)));
+        if lit_by_lights {
+            found.push((Effect::Shadows, Caller::Light(index)));
+        }
         let attenuation = match light.source {
             Source::Point { attenuation, .. } | Source::Spot { attenuation, .. } => attenuation,
             _ => Attenuation::default(),
@@ -143,7 +147,8 @@ fn light(scene: &Scene, lit: &[LayerId], found: &mut Vec<(Effect, Caller)>) {
     if !shading.environment.is_black() && on(shading.environment.layer) {
         found.push((Effect::Environment, Caller::Background));
     }
-    if shading.ambient.radiance != Rgb::ZERO && on(shading.ambient.layer) {
+    let gathers = || used().any(|material| material.lobes.ambient != Rgb::ZERO);
+    if shading.ambient.radiance != Rgb::ZERO && on(shading.ambient.layer) && gathers() {
         found.push((Effect::Ambient, Caller::Ambient));
     }
     if shading.fog.is_some() {

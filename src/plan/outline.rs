@@ -8,7 +8,7 @@ use crate::schedule::{Look, Preview};
 use crate::sequence::Sequence;
 use std::collections::BTreeMap;
 
-/// Frames one after the other in which the same things change.
+/// Frames one after the other in which the same things change; which of the lights fade may differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Span {
     /// Where the first and the last of them are among the frames that were asked for.
@@ -44,8 +44,14 @@ fn spans(sequence: &Sequence, plan: &Plan) -> Vec<Span> {
         if let Some((last, last_values)) = &before {
             let changes = seen(last, look, between(last_values, &now));
             match spans.last_mut() {
-                Some(span) if span.changes == changes || span.first == span.last && span.first == 0 => {
+                Some(span) if span.first == span.last && span.first == 0 => {
                     *span = Span { last: index, traced: span.traced + traced, changes, ..*span };
+                }
+                Some(span) if alike(&span.changes, &changes) => {
+                    (span.last, span.traced) = (index, span.traced + traced);
+                    span.changes.extend(changes);
+                    span.changes.sort_unstable();
+                    span.changes.dedup();
                 }
                 _ => spans.push(Span { first: index, last: index, changes, traced }),
             }
@@ -55,6 +61,15 @@ fn spans(sequence: &Sequence, plan: &Plan) -> Vec<Span> {
         before = Some((look, now));
     }
     spans
+}
+
+/// Whether the same things change, where all that only weights light counts as one.
+fn alike(one: &Change, other: &Change) -> bool {
+    let shape = |change: &Change| {
+        let moves: Change = change.iter().copied().filter(|part| !part.is_weight()).collect();
+        (change.len() > moves.len(), moves)
+    };
+    shape(one) == shape(other)
 }
 
 /// Of what has changed, that which makes a difference.

@@ -28,12 +28,13 @@ impl Digests {
     pub fn shading(&mut self, geometry: &Geometry, shading: &Shading) {
         let mut digester = Digester::new();
         let materials = self.used.iter().map(|&index| (index, &shading.materials[index as usize]));
-        let mut painted = false;
+        let (mut painted, mut ambient) = (false, false);
         for (index, material) in materials {
             painted |= !material.paints.is_empty();
+            ambient |= material.lobes.ambient != Rgb::ZERO;
             (index, material).feed(&mut digester);
         }
-        feed_light(shading, &mut digester);
+        feed_light(shading, ambient, &mut digester);
         if painted {
             self.origins.get_or_insert_with(|| geometry.origins()).feed(&mut digester);
         }
@@ -51,13 +52,13 @@ impl Digests {
     }
 }
 
-/// What shines. Of each kind the number comes first, so that none is taken for another.
-fn feed_light(shading: &Shading, digester: &mut Digester) {
+/// What shines; ambient light where any material reflects it.
+fn feed_light(shading: &Shading, reflects: bool, digester: &mut Digester) {
     let Shading { materials: _, lights, environment, sky_table: _, ambient, fog } = shading;
     let shines = |(_, light): &(u32, &Light)| light.radiance != Rgb::ZERO;
     let lights: Vec<(u32, &Light)> = (0..).zip(lights).filter(shines).collect();
     lights.feed(digester);
     (!environment.is_black()).then_some(environment).feed(digester);
-    (ambient.radiance != Rgb::ZERO).then_some(ambient).feed(digester);
+    (reflects && ambient.radiance != Rgb::ZERO).then_some(ambient).feed(digester);
     fog.feed(digester);
 }
