@@ -304,8 +304,3 @@ mod tests {
         });
     }
 }
-
-pub fn fault(n: u32) -> bool {
-    static F: std::sync::OnceLock<u32> = std::sync::OnceLock::new();
-    *F.get_or_init(|| std::env::var("FAULT").ok().and_then(|f| f.parse().ok()).unwrap_or(0)) == n
-}

@@ -17,7 +17,7 @@ use crate::sequence::Sequence;
 use clap::Args;
 use std::path::PathBuf;
 
-/// Tell what a render of a sequence would trace, and what it would take from films that are there already.
+/// Tell what a render would trace, and which frames it would make of films that are there.
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
@@ -31,7 +31,7 @@ pub struct Arguments {
     #[command(flatten)]
     options: Options,
 
-    /// Memory for films that later frames are made of, such as 2GB [default: a share of what is free]
+    /// Memory for films that later frames are made of, such as 2GB [default: a share]
     #[arg(long, value_name = "SIZE", value_parser = values::file_size)]
     memory: Option<u64>,
 
@@ -46,8 +46,8 @@ Examples:
   kinora plan show.ron --memory 200MB     the same with less room for films
   kinora plan show.ron --json             for programs
 
-Rays of the camera, films, trees and memory are exact. All rays together come of a trial: some frames
-are traced with a small part of their samples, which tells them to about 5 %.";
+Rays of the camera, films, trees and memory are exact. All rays together come of a trial: some
+frames are traced with a small part of their samples, which tells them to about 5 %.";
 
 /// What is told of a plan.
 struct Told<'a> {

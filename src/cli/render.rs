@@ -56,7 +56,7 @@ pub struct Arguments {
     #[arg(long, value_name = "SIZE", value_parser = values::file_size, allow_hyphen_values = true)]
     max_size: Option<u64>,
 
-    /// Memory for films that later frames are made of, such as 2GB [default: a share of what is free]
+    /// Memory for films that later frames are made of, such as 2GB [default: a share]
     ///
     /// What is traced once serves all frames in which the same is seen, or only lights are
     /// switched and faded. `kinora plan` says how much memory that takes.

@@ -113,11 +113,11 @@ fn random_sequence(seed: u64) -> Sequence {
     let mut when = |on: bool, text: &str| {
         if on { text.replace("KEYS", &keys(&mut random, FRAMES, number)) } else { String::new() }
     };
-    let background = when(seed % 3 == 0, "background: KEYS,");
+    let background = when(seed.is_multiple_of(3), "background: KEYS,");
     let ambient = when(seed % 4 == 1, "ambient: KEYS,");
     let fog = when(fog, "fog: (density: 0.05, color: KEYS),");
-    let emission = when(seed % 2 == 0, "emission: KEYS,");
-    let exposure = when(seed % 5 == 0, "exposure: KEYS,");
+    let emission = when(seed.is_multiple_of(2), "emission: KEYS,");
+    let exposure = when(seed.is_multiple_of(5), "exposure: KEYS,");
     let moves = when(moves, "translation: [(3, (0, 0, 0)), (6, (0.5, 0, 0))],");
     let glass = when(
         glass,
