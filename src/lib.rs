@@ -59,6 +59,7 @@ pub mod memory;
 pub mod render;
 pub mod filmstrip;
 pub mod assemble;
+pub mod accuracy;
 pub mod cli;
 
 #[cfg(test)]

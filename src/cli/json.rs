@@ -26,6 +26,14 @@ impl Object {
         }
     }
 
+    /// With all digits; null if absent or not finite.
+    pub fn exact(self, key: &str, value: Option<f64>) -> Self {
+        match value.filter(|value| value.is_finite()) {
+            Some(value) => self.raw(key, format_args!("{value:e}")),
+            None => self.raw(key, "null"),
+        }
+    }
+
     pub fn texts(self, key: &str, values: impl Iterator<Item = String>) -> Self {
         let values = values.map(|value| quoted(&value)).collect::<Vec<_>>();
         self.raw(key, format_args!("[{}]", values.join(",")))

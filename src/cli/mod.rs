@@ -2,6 +2,7 @@
 //!
 //! Arguments in; files, a summary on stdout, progress and errors on stderr, and an exit code out.
 
+mod accuracy;
 mod assemble;
 mod check;
 mod failure;
@@ -45,6 +46,7 @@ enum Command {
     Assemble(assemble::Arguments),
     Check(check::Arguments),
     Plan(plan::Arguments),
+    Accuracy(accuracy::Arguments),
 }
 
 const AFTER_HELP: &str = "\
@@ -86,6 +88,7 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Assemble(arguments) => assemble::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
+        Command::Accuracy(arguments) => accuracy::run(&arguments),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -47,12 +47,11 @@ const SINE: [f64; 8] = [
 #[inline(always)]
 fn series<T: Real>(coefficients: &[f64; 8], square: T) -> T {
     let [a, b, c, d, e, f, g, h] = *coefficients;
-    let of = |value| T::of(value);
     // By Estrin's scheme: Horner's would be one long chain.
     let fourth = square * square;
     let eighth = fourth * fourth;
-    let low = (of(a) + of(b) * square) + (of(c) + of(d) * square) * fourth;
-    let high = (of(e) + of(f) * square) + (of(g) + of(h) * square) * fourth;
+    let low = (T::of(a) + T::of(b) * square) + (T::of(c) + T::of(d) * square) * fourth;
+    let high = (T::of(e) + T::of(f) * square) + (T::of(g) + T::of(h) * square) * fourth;
     low + high * eighth
 }
 
@@ -72,7 +71,7 @@ pub fn cos_sin_of_quarters<T: Real>(r: T) -> (T, T) {
 pub fn cos_sin_of_turns<T: Real>(u: T) -> (T, T) {
     let quarters = u * T::of(4.0);
     let place = quarters + T::of(0.5);
-    let [zero, one] = [0.0, 1.0].map(T::of);
+    let (zero, one) = (T::of(0.0), T::of(1.0));
     // The nearest quarter, 4 again being 0. What is left is exact.
     let nearest = place.at_least(1.0, one, zero)
         + place.at_least(2.0, one, zero)
@@ -80,11 +79,15 @@ pub fn cos_sin_of_turns<T: Real>(u: T) -> (T, T) {
         + place.at_least(4.0, one, zero);
     let (c, s) = cos_sin_of_quarters(quarters - nearest);
     let (minus_c, minus_s) = (zero - c, zero - s);
-    let pick = |a: [T; 4]| {
-        let late = place.at_least(4.0, a[0], a[3]);
-        place.at_least(1.0, place.at_least(2.0, place.at_least(3.0, late, a[2]), a[1]), a[0])
-    };
-    (pick([c, minus_s, minus_c, s]), pick([s, c, minus_s, minus_c]))
+    (of_quarter(place, [c, minus_s, minus_c, s]), of_quarter(place, [s, c, minus_s, minus_c]))
+}
+
+/// The one of the quarter before 1, 2, 3 or 4.
+// No closure: it would be compiled for less than the lanes need.
+#[inline(always)]
+fn of_quarter<T: Real>(place: T, [a, b, c, d]: [T; 4]) -> T {
+    let late = place.at_least(4.0, a, d);
+    place.at_least(1.0, place.at_least(2.0, place.at_least(3.0, late, c), b), a)
 }
 
 #[cfg(test)]

@@ -243,15 +243,7 @@ impl Work for Hit<'_, Triangle> {
     fn run<L: Lanes>(self) -> Option<Crossings> {
         let Self { shape: triangle, wanted, limit, .. } = self;
         let (origin, direction) = self.rays.load::<L>();
-        let d = direction.absolute();
-        let first = (d.y.at_most(d.x) & d.z.at_most(d.x)).bits();
-        let last = d.y.below(d.z).bits() & !first;
-        let axis = match (first & wanted, last & wanted) {
-            (first, _) if first == wanted => 0,
-            (0, 0) => 1,
-            (0, last) if last == wanted => 2,
-            _ => return None,
-        };
+        let axis = direction.longest_axis(wanted)?;
         let (dx, dy, dz) = turned(direction, axis);
         let inverse = Octo::splat(1.0) / dz;
         let (shear_x, shear_y) = (dx * inverse, dy * inverse);
@@ -271,7 +263,10 @@ impl Work for Hit<'_, Triangle> {
         let w = bx * ay - by * ax;
         let inside = (zero.at_most(u) & zero.at_most(v) & zero.at_most(w))
             | (u.at_most(zero) & v.at_most(zero) & w.at_most(zero));
-        let covered = (inside & zero.below((u + v + w).absolute())).bits();
+        let (left, right) = (ax.smaller(bx).smaller(cx), ax.larger(bx).larger(cx));
+        let (low, high) = (ay.smaller(by).smaller(cy), ay.larger(by).larger(cy));
+        let around = left.at_most(zero) & zero.at_most(right) & low.at_most(zero) & zero.at_most(high);
+        let covered = (inside & around & zero.below((u + v + w).absolute())).bits();
         if covered & wanted == 0 {
             return Some(Crossings::NONE);
         }

@@ -254,6 +254,30 @@ impl<Q: Quad> Vector<Q> {
         Self { x: x.pick(chosen, other.x), y: y.pick(chosen, other.y), z: z.pick(chosen, other.z) }
     }
 
+    #[inline(always)]
+    pub fn along(self, axis: usize) -> Octo<Q> {
+        match axis {
+            0 => self.x,
+            1 => self.y,
+            _ => self.z,
+        }
+    }
+
+    /// The axis along which those lanes whose bits are set are longest, the first of equal ones but for the last two, if
+    /// it is the same for all.
+    #[inline(always)]
+    pub fn longest_axis(self, wanted: u32) -> Option<usize> {
+        let d = self.absolute();
+        let first = (d.y.at_most(d.x) & d.z.at_most(d.x)).bits() & wanted;
+        let last = d.y.below(d.z).bits() & wanted & !first;
+        match (first, last) {
+            (first, _) if first == wanted => Some(0),
+            (0, 0) => Some(1),
+            (0, last) if last == wanted => Some(2),
+            _ => None,
+        }
+    }
+
     /// The longest of each vector's coordinates.
     #[inline(always)]
     pub fn longest(self) -> Octo<Q> {

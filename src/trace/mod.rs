@@ -21,6 +21,8 @@ mod together;
 mod tracer;
 mod wave;
 mod whitted;
+#[cfg(test)]
+mod worlds;
 
 use crate::bvh::Bvh;
 use crate::color::Rgb;
@@ -132,8 +134,9 @@ impl Window<'_> {
     fn trace<T>(&self, data: &mut [T], store: impl Fn(&mut T, DVec3)) -> Counts {
         let (width, layers) = (self.pixels.settings.size.0, self.pixels.layers());
         let mut tracing = self.pixels.start();
-        let mut sums = vec![DVec3::ZERO; (TILE * TILE) as usize * layers];
-        let mut tile = Vec::with_capacity((TILE * TILE) as usize);
+        let most = TILE as usize * self.rows.len();
+        let mut sums = vec![DVec3::ZERO; most * layers];
+        let mut tile = Vec::with_capacity(most);
         for left in (0..width).step_by(TILE as usize) {
             tile.clear();
             tile.extend(self.tile(left..width.min(left + TILE)));

@@ -23,6 +23,7 @@ use crate::counters::RayCounts;
 use crate::math::DVec3;
 use crate::quality::PathSettings;
 use crate::sampling::{Sampler, Use};
+use crate::shape::Shape;
 
 /// The integrator over one frame's scene.
 pub struct Paths<'a> {
@@ -30,6 +31,8 @@ pub struct Paths<'a> {
     settings: PathSettings,
     /// For surfaces of which eight are shaded at once.
     matt: Option<Matt>,
+    /// Whether there are any.
+    meshes: bool,
 }
 
 /// Where a path is.
@@ -70,9 +73,7 @@ impl Path {
             first,
         }
     }
-}
 
-impl Path {
     /// Notes that it was scattered at a point, with a density per solid angle of its direction.
     pub fn scattered(&mut self, point: DVec3, density: f64) {
         self.crossed = None;
@@ -86,7 +87,15 @@ impl<'a> Paths<'a> {
     pub fn new(tracer: &Tracer<'a>, settings: PathSettings) -> Self {
         let luminaires = Luminaires::new(tracer);
         let matt = Matt::new(tracer, luminaires.plain_lights());
-        Self { luminaires, settings, matt }
+        let mut primitives = tracer.scene.geometry.primitives.iter();
+        let meshes = primitives.any(|primitive| matches!(primitive.shape, Shape::Mesh(_)));
+        Self { luminaires, settings, matt, meshes }
+    }
+
+    /// Shades every path by itself.
+    #[cfg(test)]
+    pub fn one_by_one(&mut self) {
+        self.matt = None;
     }
 
     /// Follows paths from the eye to where they end, all of them from surface to surface. What is seen along them is added
@@ -99,6 +108,9 @@ impl<'a> Paths<'a> {
         let mut from_eye = true;
         while !active.is_empty() {
             tracer.meet(paths, &active, from_eye, &mut hits);
+            if self.meshes {
+                tracer.fetch(&hits);
+            }
             for (&index, hit) in active.iter().zip(&hits) {
                 let path = &mut paths[index as usize];
                 if let Some(hit) = hit
@@ -109,6 +121,13 @@ impl<'a> Paths<'a> {
                     continue;
                 }
                 work.first = path.first;
+                // Most paths end this way, and have not to go through all that others may meet.
+                if hit.is_none() && path.crossed.is_none() && path.media.is_outside() && tracer.fog.is_none()
+                {
+                    self.escape(tracer, path, work);
+                    goes_on[index as usize] = false;
+                    continue;
+                }
                 goes_on[index as usize] = self.step(tracer, path, *hit, work);
             }
             if let Some(shader) = &self.matt {
@@ -143,9 +162,7 @@ impl<'a> Paths<'a> {
         });
         match met {
             Met::Nothing => {
-                let weight =
-                    self.met_weight(path, |_| self.luminaires.sky_density(tracer, path.ray.direction));
-                tracer.add_sky(&path.ray, path.throughput.shining() * weight, path.left, work);
+                self.escape(tracer, path, work);
                 false
             }
             Met::Light { index, outside, surface, hit } => {
@@ -160,6 +177,12 @@ impl<'a> Paths<'a> {
                 self.at_surface(tracer, path, &face, work)
             }
         }
+    }
+
+    /// Adds what the sky sends to a path that has met nothing.
+    fn escape(&self, tracer: &Tracer, path: &Path, work: &mut Work) {
+        let weight = self.met_weight(path, |_| self.luminaires.sky_density(tracer, path.ray.direction));
+        tracer.add_sky(&path.ray, path.throughput.shining() * weight, path.left, work);
     }
 
     /// What light that was met counts, against the density with which it was asked for: the balance heuristic.

@@ -13,6 +13,8 @@ use crate::math::{DVec2, DVec3};
 use crate::quality::Integrator;
 use crate::sampling::{PixelSampler, Sampler, Use};
 use crate::scene::{Primitive, Scene};
+use crate::shape::Rays;
+use crate::simd::{self, Lanes, Octo, dispatch};
 
 /// A frame's scene with all that its pixels have in common.
 pub struct Pixels<'a> {
@@ -29,6 +31,8 @@ pub struct Pixels<'a> {
     guides: Option<LayerId>,
     /// Whether pixels are traced eight at a time.
     pub together: bool,
+    /// Paths that are followed at once, at most.
+    at_once: usize,
 }
 
 impl<'a> Pixels<'a> {
@@ -49,7 +53,14 @@ impl<'a> Pixels<'a> {
         let guides = settings.extras.guides_layer(lights);
         // Eight at a time only light is recorded.
         let together = !random && settings.extras == Extras::default() && together::suits(&tracer);
-        Self { settings, moment, tracer, paths, random, lights, guides, together }
+        Self { settings, moment, tracer, paths, random, lights, guides, together, at_once: WAVE }
+    }
+
+    /// Follows every path by itself.
+    #[cfg(test)]
+    pub fn one_by_one(&mut self) {
+        self.at_once = 1;
+        self.paths.iter_mut().for_each(Paths::one_by_one);
     }
 
     /// How many layers are traced, dark ones among them.
@@ -124,20 +135,28 @@ impl<'a> Pixels<'a> {
     ) {
         let Some(integrator) = &self.paths else { return };
         let layers = work.layers.len() / WAVE;
-        for (index, &pixel) in pixels.iter().enumerate() {
-            for (sample, sampler) in self.samples(pixel) {
-                work.first = followed.paths.len() * layers;
-                let eye = self.eye(pixel, sample, &sampler, work);
-                followed.paths.push(Path::new(&self.tracer, eye, sampler, work.first));
-                followed.pixels.push(index);
-                if followed.paths.len() == WAVE {
-                    integrator.follow(&self.tracer, &mut followed.paths, work);
-                    self.take_all(sums, work, followed);
+        let samples = pixels.iter().enumerate();
+        let samples = samples.flat_map(|(index, &pixel)| {
+            self.samples(pixel).map(move |(_, sampler)| Wanted { index, pixel, sampler })
+        });
+        let mut samples = samples.peekable();
+        let mut eight = Vec::with_capacity(8);
+        while samples.peek().is_some() {
+            while followed.pixels.len() < self.at_once && samples.peek().is_some() {
+                eight.clear();
+                eight.extend(samples.by_ref().take(self.at_once.min(8)));
+                let rays = dispatch(Eyes { of: self, wanted: &eight });
+                for (lane, Wanted { index, sampler, .. }) in eight.iter().enumerate() {
+                    let place = followed.pixels.len();
+                    work.first = place * layers;
+                    let eye = self.seen_along(rays.one(lane), work);
+                    followed.paths.push(Path::new(&self.tracer, eye, *sampler, work.first));
+                    followed.pixels.push(*index);
                 }
             }
+            integrator.follow(&self.tracer, &mut followed.paths, work);
+            self.take_all(sums, work, followed);
         }
-        integrator.follow(&self.tracer, &mut followed.paths, work);
-        self.take_all(sums, work, followed);
     }
 
     /// Where in the unit square a sample lies before the filter spreads it, and where on the lens.
@@ -192,20 +211,19 @@ impl<'a> Pixels<'a> {
         DVec2::new(filter.offset(place.x), filter.offset(place.y)) + DVec2::splat(0.5)
     }
 
-    fn ray(&self, (x, y): (u32, u32), inside: DVec2, lens: DVec2) -> (Ray, Beam) {
+    /// The ray from the eye along which a sample is seen.
+    fn eye(&self, (x, y): (u32, u32), sample: u32, sampler: &Sampler, work: &mut Work) -> (Ray, Beam) {
+        let (inside, lens) = self.place(sample, sampler);
         let (width, height) = (f64::from(self.settings.size.0), f64::from(self.settings.size.1));
         let at = DVec2::new(f64::from(x), f64::from(y)) + self.inside(inside);
         // Square pixels: both axes in units of half the picture's height, from its centre.
         let screen = DVec2::new(2.0 * at.x - width, height - 2.0 * at.y) / height;
-        let camera = self.tracer.scene.camera;
-        let ray = camera.ray(screen, lens);
-        (ray, camera.beam(&ray, 2.0 / height))
+        self.seen_along(self.tracer.scene.camera.ray(screen, lens), work)
     }
 
-    /// The ray from the eye along which a sample is seen. What else than light is recorded is added to `work`.
-    fn eye(&self, pixel: (u32, u32), sample: u32, sampler: &Sampler, work: &mut Work) -> (Ray, Beam) {
-        let (inside, lens) = self.place(sample, sampler);
-        let (ray, beam) = self.ray(pixel, inside, lens);
+    /// A ray from the eye with its beam. What else than light is recorded is added to `work`.
+    fn seen_along(&self, ray: Ray, work: &mut Work) -> (Ray, Beam) {
+        let beam = self.tracer.scene.camera.beam(&ray, 2.0 / f64::from(self.settings.size.1));
         work.counts.rays.camera += 1;
         work.counts.evaluations.lens_samples += u64::from(self.tracer.scene.camera.lens.is_some());
         if let Some(first) = self.guides {
@@ -242,6 +260,41 @@ pub enum Tracing {
     Together(Sums),
     Rays(Work),
     Paths(Work, Followed),
+}
+
+/// A sample that is wanted of one of several pixels.
+struct Wanted {
+    index: usize,
+    pixel: (u32, u32),
+    sampler: Sampler,
+}
+
+/// The rays from the eye of up to eight samples drawn at random.
+struct Eyes<'a, 'b> {
+    of: &'a Pixels<'b>,
+    wanted: &'a [Wanted],
+}
+
+impl simd::Work for Eyes<'_, '_> {
+    type Output = Rays;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Rays {
+        let Self { of: Pixels { settings, tracer, .. }, wanted } = self;
+        let last = wanted.len() - 1;
+        let mut samplers = [wanted[last].sampler; 8];
+        for (sampler, wanted) in samplers.iter_mut().zip(wanted) {
+            *sampler = wanted.sampler;
+        }
+        let [mut x, mut y, u, v] = Sampler::four_together(&samplers, Use::Camera);
+        for lane in 0..8 {
+            let (left, top) = wanted[lane.min(last)].pixel;
+            x[lane] = f64::from(left) + (settings.filter.offset(x[lane]) + 0.5);
+            y[lane] = f64::from(top) + (settings.filter.offset(y[lane]) + 0.5);
+        }
+        let at = [Octo::load(&x), Octo::load(&y)];
+        together::camera::rays::<L::Quad>(tracer.scene.camera, settings.size, at, &[u, v])
+    }
 }
 
 /// Paths on their way, and the places of their pixels among those that are traced.

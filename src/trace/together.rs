@@ -4,7 +4,7 @@
 //! Eight neighbours of a picture meet mostly the same. Every number is computed as `whitted` does, lane by lane, so that
 //! pictures do not tell how many rays were traced at once.
 
-mod camera;
+pub mod camera;
 mod lights;
 mod shade;
 mod starts;
@@ -106,7 +106,9 @@ impl Work for Follow<'_, '_> {
     fn run<L: Lanes>(self) {
         let Self { tracer, pixels: &Pixels { size, ref pixels, inside, wanted }, sums } = self;
         sums.counts.rays.camera += u64::from(wanted.count_ones());
-        let rays = camera::rays::<L>(tracer.scene.camera, size, pixels, inside);
+        let x = Octo::load(&pixels.map(|(x, _)| f64::from(x))) + Octo::splat(inside.x);
+        let y = Octo::load(&pixels.map(|(_, y)| f64::from(y))) + Octo::splat(inside.y);
+        let rays = camera::rays::<L::Quad>(tracer.scene.camera, size, [x, y], &[[0.0; 8]; 2]);
         let mut bundle = Bundle::<L> { rays, throughput: Color::splat(Rgb::ONE), wanted };
         let mut left = tracer.quality.bounces;
         while bundle.wanted != 0 {

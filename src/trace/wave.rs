@@ -10,7 +10,9 @@ use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::film::LayerId;
 use crate::math::DVec3;
-use crate::shape::{Rays, Surface};
+use crate::scene::Geometry;
+use crate::shape::{Rays, Shape, Surface};
+use crate::simd::{self, Lanes, dispatch};
 use crate::tree::Probe;
 
 /// Paths that are followed at once, at most.
@@ -79,11 +81,16 @@ impl Tracer<'_> {
         }
     }
 
+    /// Asks for what surfaces that were hit are made from, so that it is there when they are shaded.
+    pub fn fetch(&self, hits: &[Option<Hit>]) {
+        dispatch(Fetch { geometry: self.scene.geometry, hits });
+    }
+
     /// Adds the light that nothing stands in the way of, in the order in which it has been asked for.
     pub fn cast(&self, shadows: &mut Vec<Shadow>, from_first: bool, work: &mut Work) {
         work.counts.rays.shadow += shadows.iter().filter(|shadow| !shadow.is_there()).count() as u64;
         let geometry = self.scene.geometry;
-        if !from_first {
+        if !from_first || shadows.len() < BUNDLE {
             for shadow in shadows.drain(..) {
                 let Shadow { ray, t_max, .. } = shadow;
                 if shadow.is_there() || !self.bvh.occluded(geometry, &Probe::new(ray), t_max) {
@@ -110,6 +117,33 @@ impl Tracer<'_> {
         shadows.clear();
     }
 }
+
+/// The corners of triangles of meshes lie anywhere in memory. They are asked for all at once.
+struct Fetch<'a> {
+    geometry: &'a Geometry,
+    hits: &'a [Option<Hit>],
+}
+
+impl simd::Work for Fetch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        for hit in self.hits.iter().flatten() {
+            if let Shape::Mesh(shape) = &self.geometry.primitives[hit.primitive as usize].shape {
+                shape.mesh.fetch::<L>(hit.at.part);
+            }
+        }
+        for hit in self.hits.iter().flatten() {
+            if let Shape::Mesh(shape) = &self.geometry.primitives[hit.primitive as usize].shape {
+                shape.mesh.fetch_corners::<L>(hit.at.part, shape.normals);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
 
 /// A bit for each of so many lanes.
 fn wanted(count: usize) -> u32 {

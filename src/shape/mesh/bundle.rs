@@ -1,102 +1,21 @@
-//! Eight rays and one mesh: they share the nodes of its tree, and meet its triangles ray by ray.
+//! Eight rays and one mesh: they share the nodes of its tree and what has to be known of each triangle.
 
 use super::{Any, Mesh, Nearest};
-use crate::shape::bundle::{Hit, lanes};
-use crate::shape::{Crossing, Crossings, Rays};
-use crate::simd::{Lanes, Octo, Work};
-use crate::tree::{Branch, BundleLeaves, BundleSlabs, Leaves, Probe, Slabs};
+use crate::mesh::ShearedRays;
+use crate::shape::bundle::Hit;
+use crate::shape::{Crossing, Crossings, Geometric, Rays, Triangle, lanes};
+use crate::simd::{Lanes, Octo, Work, dispatch};
+use crate::tree::{Branch, BundleLeaves, BundleSlabs, Probe, Slabs};
 
-/// The search along one ray of a bundle.
-trait Search<'a>: Leaves {
-    fn new(mesh: &'a Mesh, probe: &'a Probe, t_max: f64) -> Self;
-
-    /// The t beyond which nothing is of interest any more; below 0 once the search is over.
-    fn reach(&self) -> f64;
-}
-
-impl<'a> Search<'a> for Nearest<'a> {
-    fn new(mesh: &'a Mesh, probe: &'a Probe, t_max: f64) -> Self {
-        Self { mesh, probe, sheared: None, t_max, hit: None }
+impl Mesh {
+    /// [`Geometric::hit`] of those of eight rays whose bits are set, which should go the same way.
+    pub fn hit_of(&self, rays: &Rays, wanted: u32, t_max: &[f64; 8]) -> Crossings {
+        dispatch(Hit { shape: self, rays, wanted, limit: t_max })
     }
 
-    #[inline(always)]
-    fn reach(&self) -> f64 {
-        self.hit.map_or(self.t_max, |hit| hit.t)
-    }
-}
-
-impl<'a> Search<'a> for Any<'a> {
-    fn new(mesh: &'a Mesh, probe: &'a Probe, t_max: f64) -> Self {
-        Self { mesh, probe, sheared: None, t_max, found: false }
-    }
-
-    #[inline(always)]
-    fn reach(&self) -> f64 {
-        if self.found { -1.0 } else { self.t_max }
-    }
-}
-
-/// Eight searches at once.
-struct Bundle<'b, 'a, L: Lanes, S> {
-    mesh: &'a Mesh,
-    probes: &'a [Probe; 8],
-    slabs: &'b BundleSlabs<L>,
-    searches: [S; 8],
-    /// Of rays that have come to a triangle, or gone on alone.
-    alone: [Option<Slabs>; 8],
-    limit: L,
-}
-
-impl<'a, L: Lanes, S: Search<'a>> Bundle<'_, 'a, L, S> {
-    #[inline(always)]
-    fn limits(&self) -> L {
-        let mut reach = [0.0; 8];
-        for (reach, search) in reach.iter_mut().zip(&self.searches) {
-            *reach = search.reach();
-        }
-        self.slabs.limit(Octo::load(&reach))
-    }
-
-    /// A ray by itself with its limit; none if it is over.
-    #[inline(always)]
-    fn single(&mut self, ray: usize) -> Option<(Slabs, f32)> {
-        let reach = self.searches[ray].reach();
-        if reach < 0.0 {
-            return None;
-        }
-        let slot = &mut self.alone[ray];
-        if slot.is_none() {
-            *slot = Slabs::new::<L>(self.mesh.mesh.tree(), &self.probes[ray], reach);
-        }
-        slot.map(|slabs| (slabs, slabs.limit(reach)))
-    }
-}
-
-impl<'a, L: Lanes, S: Search<'a>> BundleLeaves<L> for Bundle<'_, 'a, L, S> {
-    #[inline(always)]
-    fn visit(&mut self, leaf: u32, rays: u32) {
-        let mut rest = rays;
-        while rest != 0 {
-            let ray = rest.trailing_zeros() as usize & 7;
-            rest &= rest - 1;
-            if let Some((slabs, limit)) = self.single(ray) {
-                self.searches[ray].visit::<L>(leaf, &slabs, limit);
-            }
-        }
-        self.limit = self.limits();
-    }
-
-    #[inline(always)]
-    fn part(&mut self, ray: usize, below: Branch) {
-        if let Some((slabs, limit)) = self.single(ray) {
-            self.mesh.mesh.tree().walk_below::<L>(below, &slabs, limit, &mut self.searches[ray]);
-            self.limit = self.limits();
-        }
-    }
-
-    #[inline(always)]
-    fn limit(&self) -> L {
-        self.limit
+    /// [`Geometric::blocks`] likewise, a bit each.
+    pub fn blocks_of(&self, rays: &Rays, wanted: u32, t_max: &[f64; 8]) -> u32 {
+        dispatch(Blocked { mesh: self, rays, wanted, t_max })
     }
 }
 
@@ -114,15 +33,14 @@ impl Work for Hit<'_, Mesh> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Crossings {
         let Self { shape, rays, wanted, limit } = self;
-        let probes = std::array::from_fn(|ray| Probe::new(rays.one(ray)));
-        let mut hits: [Option<Crossing>; 8] = [None; 8];
-        let afar = search::<L, Nearest>(shape, rays, (&probes, limit), wanted, |ray, search| {
-            hits[ray] = search.hit;
-        });
-        for ray in lanes(afar) {
-            hits[ray] = super::Geometric::hit(shape, &probes[ray], limit[ray]);
+        let (mut found, alone) = search::<L, false>(shape, rays, wanted, limit);
+        for ray in lanes(alone) {
+            if let Some(at) = shape.hit(&Probe::new(rays.one(ray)), limit[ray]) {
+                found.met |= 1 << ray;
+                (found.t[ray], found.parts[ray]) = (at.t, at.part);
+            }
         }
-        Crossings::one_by_one(wanted, |ray| hits[ray])
+        found
     }
 }
 
@@ -133,36 +51,134 @@ impl Work for Blocked<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> u32 {
         let Self { mesh, rays, wanted, t_max } = self;
-        let probes = std::array::from_fn(|ray| Probe::new(rays.one(ray)));
-        let mut blocked = 0;
-        let afar = search::<L, Any>(mesh, rays, (&probes, t_max), wanted, |ray, search| {
-            blocked |= u32::from(search.found) << ray;
-        });
-        for ray in lanes(afar) {
-            blocked |= u32::from(super::Geometric::blocks(mesh, &probes[ray], t_max[ray])) << ray;
+        let (found, alone) = search::<L, true>(mesh, rays, wanted, t_max);
+        let mut blocked = found.met;
+        for ray in lanes(alone) {
+            blocked |= u32::from(mesh.blocks(&Probe::new(rays.one(ray)), t_max[ray])) << ray;
         }
-        blocked & wanted
+        blocked
     }
 }
 
-/// Searches along those rays whose bits are set; gives those that come from too far away to go with the others.
+/// Searches along those rays whose bits are set for what is nearest, or for `ANY` triangle; gives what is found, and those
+/// that have to be asked for alone: they come from afar, or are not longest along the same axis as the others.
 #[inline(always)]
-fn search<'a, L: Lanes, S: Search<'a>>(
-    mesh: &'a Mesh,
+fn search<L: Lanes, const ANY: bool>(
+    mesh: &Mesh,
     rays: &Rays,
-    (probes, t_max): (&'a [Probe; 8], &[f64; 8]),
     wanted: u32,
-    mut take: impl FnMut(usize, &S),
-) -> u32 {
+    t_max: &[f64; 8],
+) -> (Crossings, u32) {
     let (origin, direction) = rays.load::<L>();
     let tree = mesh.mesh.tree();
     let (slabs, near, afar) = BundleSlabs::<L>::new(tree, origin, direction, wanted);
-    if near != 0 {
-        let searches = std::array::from_fn(|ray| S::new(mesh, &probes[ray], t_max[ray]));
-        let limit = slabs.limit(Octo::load(t_max));
-        let mut bundle = Bundle { mesh, probes, slabs: &slabs, searches, alone: [None; 8], limit };
-        tree.walk_together(&slabs, near, &mut bundle);
-        (0..8).for_each(|ray| take(ray, &bundle.searches[ray]));
+    if near == 0 {
+        return (Crossings::NONE, afar);
     }
-    afar
+    let Some(sheared) = ShearedRays::new(&slabs, direction, near) else {
+        return (Crossings::NONE, near | afar);
+    };
+    let limit = slabs.limit(Octo::load(t_max));
+    let found = Crossings::NONE;
+    let (limits, alone) = (*t_max, [None; 8]);
+    let mut bundle =
+        Bundle::<L, ANY> { mesh, rays, slabs: &slabs, sheared, t_max, limits, limit, found, alone };
+    tree.walk_together(&slabs, near, &mut bundle);
+    (bundle.found, afar)
+}
+
+/// Eight searches at once.
+struct Bundle<'a, L: Lanes, const ANY: bool> {
+    mesh: &'a Mesh,
+    rays: &'a Rays,
+    slabs: &'a BundleSlabs<L>,
+    sheared: ShearedRays<L>,
+    t_max: &'a [f64; 8],
+    /// The t before which hits are of interest: one number beyond the best, so that an equally near one is found and the
+    /// indices decide; below 0 once a search is over.
+    limits: [f64; 8],
+    limit: L,
+    found: Crossings,
+    /// Rays that have gone on alone.
+    alone: [Option<(Probe, Slabs)>; 8],
+}
+
+impl<L: Lanes, const ANY: bool> Bundle<'_, L, ANY> {
+    /// Notes what is hit along a ray.
+    #[inline(always)]
+    fn note(&mut self, ray: usize, at: Crossing) {
+        self.found.met |= 1 << ray;
+        (self.found.t[ray], self.found.parts[ray]) = (at.t, at.part);
+        self.limits[ray] = if ANY { -1.0 } else { at.t.next_up() };
+    }
+}
+
+impl<L: Lanes, const ANY: bool> BundleLeaves<L> for Bundle<'_, L, ANY> {
+    #[inline(always)]
+    fn visit(&mut self, leaf: u32, rays: u32) {
+        let mesh = &self.mesh.mesh;
+        let packet = &mesh.packets()[leaf as usize];
+        let mut nearer = false;
+        for lane in 0..packet.count() {
+            let mut candidates = self.sheared.sift(packet, lane, self.limit) & rays;
+            if ANY {
+                candidates &= !self.found.met;
+            }
+            if candidates == 0 {
+                continue;
+            }
+            let triangle = Triangle { corners: mesh.packed_corners(packet, lane) };
+            let test = Hit { shape: &triangle, rays: self.rays, wanted: candidates, limit: &self.limits };
+            let Some(crossings) = L::apart(test) else { continue };
+            let part = packet.part(lane);
+            for ray in lanes(crossings.met & candidates) {
+                let (t, best) = (crossings.t[ray], self.found.t[ray]);
+                if t < best || t == best && part < self.found.parts[ray] {
+                    self.note(ray, Crossing { t, part });
+                    nearer = true;
+                }
+            }
+        }
+        if nearer {
+            self.limit = self.slabs.limit(Octo::load(&self.limits));
+        }
+    }
+
+    #[inline(always)]
+    fn part(&mut self, ray: usize, below: Branch) {
+        let (mesh, t_max) = (self.mesh, self.t_max[ray]);
+        let hit = (self.found.met >> ray & 1 == 1).then(|| self.found.one(ray));
+        if ANY && hit.is_some() {
+            return;
+        }
+        let slot = &mut self.alone[ray];
+        if slot.is_none() {
+            let probe = Probe::new(self.rays.one(ray));
+            *slot = Slabs::new::<L>(mesh.mesh.tree(), &probe, t_max).map(|slabs| (probe, slabs));
+        }
+        let Some((probe, slabs)) = slot else { return };
+        let limit = slabs.limit(hit.map_or(t_max, |hit| hit.t));
+        let tree = mesh.mesh.tree();
+        if ANY {
+            let mut search = Any { mesh, probe, sheared: None, t_max, found: false };
+            tree.walk_below::<L>(below, slabs, limit, &mut search);
+            if !search.found {
+                return;
+            }
+            self.note(ray, Crossing::at(0.0));
+        } else {
+            let mut search = Nearest { mesh, probe, sheared: None, t_max, hit };
+            tree.walk_below::<L>(below, slabs, limit, &mut search);
+            match search.hit {
+                Some(found) if search.hit != hit => self.note(ray, found),
+                _ => return,
+            }
+        }
+        self.limit = self.slabs.limit(Octo::load(&self.limits));
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> L {
+        self.limit
+    }
 }
