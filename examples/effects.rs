@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! cargo run --release --example effects
+//! cargo run --release --example effects -- --counts      rays alone, in a moment
 //! ```
 //!
 //! Instructions are counted by valgrind where there is one: the program runs itself under it, once for each effect.
@@ -152,7 +153,9 @@ impl Case {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
-    if let (Some(_), Some(name)) = (arguments.next().filter(|word| word == "--one"), arguments.next()) {
+    let first = arguments.next();
+    let timed = first.as_deref() != Some("--counts");
+    if let (Some("--one"), Some(name)) = (first.as_deref(), arguments.next()) {
         let case = CASES.iter().find(|case| case.name == name).ok_or("there is no such effect")?;
         shot(&case.sequence(SMALL)?, &std::env::temp_dir().join("effect.ppm").to_string_lossy())?;
         return Ok(());
@@ -160,8 +163,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut table = String::new();
     let mut plain = None;
     for case in CASES {
-        let found = Found::of(case)?;
-        writeln!(stdout(), "{}: {:.3} s, {} rays", case.name, found.seconds, found.rays)?;
+        let found = Found::of(case, timed)?;
+        writeln!(stdout(), "{}: {} rays", case.name, found.rays)?;
         table += &found.row(case, plain.get_or_insert_with(|| found.clone()));
     }
     std::fs::write("docs/effects.md", page(&table))?;
@@ -171,26 +174,27 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// What an effect takes.
 #[derive(Clone, Debug)]
 struct Found {
-    /// Of one processor.
-    seconds: f64,
+    /// Of one processor, if it was measured.
+    seconds: Option<f64>,
     rays: u64,
     instructions: Option<u64>,
 }
 
 impl Found {
-    fn of(case: &Case) -> Result<Self, Box<dyn Error>> {
+    fn of(case: &Case, timed: bool) -> Result<Self, Box<dyn Error>> {
         let sequence = case.sequence(SIZE)?;
         let file = format!("docs/images/effects/{}.png", case.name);
         let mut times = Vec::new();
         let mut rays = 0;
-        for _ in 0..RUNS {
+        for _ in 0..if timed { RUNS } else { 1 } {
             let start = clock_gettime(ClockId::ProcessCPUTime);
             rays = shot(&sequence, &file)?.counts.rays.total();
             let end = clock_gettime(ClockId::ProcessCPUTime);
             times.push((end.tv_sec - start.tv_sec) as f64 + (end.tv_nsec - start.tv_nsec) as f64 * 1e-9);
         }
         times.sort_by(f64::total_cmp);
-        Ok(Self { seconds: times[RUNS / 2], rays, instructions: instructions(case.name) })
+        let seconds = timed.then(|| times[RUNS / 2]);
+        Ok(Self { seconds, rays, instructions: timed.then(|| instructions(case.name)).flatten() })
     }
 
     fn row(&self, case: &Case, plain: &Self) -> String {
@@ -202,9 +206,9 @@ impl Found {
         // Writing to a string cannot fail.
         _ = writeln!(
             row,
-            "| ![{name}](images/effects/{name}.png) | {} | {:.2} | {} | {} | {} |",
+            "| ![{name}](images/effects/{name}.png) | {} | {} | {} | {} | {} |",
             case.about,
-            self.seconds / plain.seconds,
+            self.seconds.zip(plain.seconds).map_or(String::new(), |(a, b)| format!("{:.2}", a / b)),
             ratio(self.rays, plain.rays),
             self.rays,
             instructions,
