@@ -240,7 +240,7 @@ fn page(table: &str) -> String {
         scene without it. What it does call for is priced here, one effect at a time on one scene: a ball on a floor, {} by {}\n\
         pixels with 16 samples each, on one thread. The numbers are ratios to the plain scene in the first row: time of the\n\
         processor, the middle of {RUNS} runs; rays of all kinds, and how many that are; and instructions of a picture of {} by {}\n\
-        pixels, which count reading the sequence and writing the file as well.\n\n\
+        pixels, which count reading the sequence and writing the file as well. With `-- --counts`, only rays are told.\n\n\
         `kinora plan FILE` tells which effects a sequence calls for, and who does.\n\n\
         ```sh\ncargo run --release --example effects      # this page and its pictures\n```\n\n\
         | | effect | time | rays | | instructions |\n|---|---|---|---|---|---|\n{table}",
