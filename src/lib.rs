@@ -1,7 +1,7 @@
 //! Kinora renders keyframed animation sequences from one text file.
 //!
 //! ```text
-//! sequence.ron ──load──▶ Sequence ──spawn──▶ World                       (once)
+//! sequence.ron ──load──▶ Sequence ──spawn──▶ World ──plan──▶ Plan        (once)
 //!                                              │
 //!           per frame:  Animate ▶ Extract ▶ Accelerate ▶ Trace ▶ Encode
 //!                       World(t)   Scene       Bvh        Film    files
@@ -11,6 +11,7 @@
 //! what stands higher, never the reverse.
 
 // Nouns: what there is.
+pub mod digest;
 pub mod time;
 pub mod math;
 pub mod sampling;
@@ -53,6 +54,7 @@ pub mod trace;
 
 // The only place that knows the systems' order, and the front door.
 pub mod schedule;
+pub mod plan;
 pub mod memory;
 pub mod render;
 pub mod filmstrip;

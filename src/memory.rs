@@ -25,6 +25,14 @@ pub fn needed(sequence: &Sequence, extras: Extras) -> u64 {
     (u64::from(width) * u64::from(height)).saturating_mul(pixel)
 }
 
+/// The part of the memory that is left, as a divisor, which films that are kept for other frames may have.
+const SHARE: u64 = 4;
+
+/// Bytes that films may have that are kept for other frames, where nobody says how many.
+pub fn for_films(sequence: &Sequence, extras: Extras) -> u64 {
+    available().saturating_sub(needed(sequence, extras)) / SHARE
+}
+
 /// Bytes that can be had without swapping, as Linux tells; elsewhere a cautious guess.
 pub fn available() -> u64 {
     std::fs::read_to_string("/proc/meminfo").ok().as_deref().and_then(available_in).unwrap_or(UNKNOWN)

@@ -208,6 +208,10 @@ impl<'a> Paths<'a> {
         tracer.add_ambient(face, path.throughput.seen(), work);
         tracer.add_emission(face, path.throughput.shining() * self.met_weight(path, density), work);
         self.ask_for_light(tracer, path, face, dice, work);
+        // Without a bounce left, only what is passed straight on leads further.
+        if path.left == 0 && face.lobes.transparency == Rgb::ZERO {
+            return false;
+        }
         let seen = face.seen(&path.ray);
         let u = dice.sampler.four(Use::Scatter(dice.surface));
         let Some(next) = scatter(&seen, boundary.as_ref(), u) else { return false };
@@ -228,11 +232,12 @@ impl<'a> Paths<'a> {
         let mut turn = 0;
         self.luminaires.ask(tracer, &seen, dice, path.left == 0, |asked| {
             let arrival = &asked.arrival;
+            work.counts.evaluations.light_samples += u64::from(arrival.density.is_some());
             let reflected = seen.reflected(arrival.direction);
             // At the last surface of a path nothing is met by chance any more.
             let met = if path.left > 0 { scatter_density(&seen, arrival.direction) } else { 0.0 };
             let weight = arrival.density.map_or(1.0, |density| density / (density + met)) as f32;
-            let scattered = reflected.scattered(tracer.clearness(arrival, seen.surface));
+            let scattered = reflected.scattered(tracer.clearness(arrival, seen.surface, work));
             let share = scattered + reflected.highlight;
             if share == Rgb::ZERO || arrival.radiance == Rgb::ZERO {
                 return;

@@ -115,9 +115,7 @@ impl<'a> Tracer<'a> {
     pub fn new(scene: &'a Scene<'a>, bvh: &'a Bvh, quality: &'a Quality, refractive_shadows: bool) -> Self {
         let shading = scene.shading;
         let weighted = |layer: LayerId| scene.weights.0[layer.index()] != Rgb::ZERO;
-        let shines = |light: &Light| light.radiance != Rgb::ZERO && weighted(light.layer);
         let glows = |glow: &Glow| glow.radiance != Rgb::ZERO && weighted(glow.layer);
-        let lights = (0..).zip(&shading.lights).filter(|(_, light)| shines(light));
         let used = |test: fn(&Material) -> bool| {
             let mut materials = scene.geometry.primitives.iter().flat_map(Primitive::materials);
             materials.any(|index| test(&shading.materials[index as usize]))
@@ -129,10 +127,10 @@ impl<'a> Tracer<'a> {
             scene,
             bvh,
             quality,
-            lights: lights.map(|(index, light)| (index, *light)).collect(),
+            lights: scene.lights().map(|(index, light)| (index, *light)).collect(),
             environment: (!environment.is_black() && weighted(environment.layer)).then_some(environment),
             ambient: Some(shading.ambient).filter(glows),
-            fog: shading.fog.filter(|fog| fog.density > 0.0),
+            fog: shading.fog,
             holdout: None,
             refractive_shadows,
             clear: clear || (media && refractive_shadows),
@@ -164,7 +162,11 @@ impl<'a> Tracer<'a> {
             way.passed = media.here(&self.scene.shading.materials).transmittance(t);
         }
         let met = hit.map_or(Met::Nothing, |hit| self.met(ray, hit, beam.after(hit.at.t)));
+        if let Met::Surface(face) = &met {
+            work.counts.evaluations.paint += u64::from(!face.material.paints.is_empty());
+        }
         if let Some(fog) = &self.fog {
+            work.counts.evaluations.fog += 1;
             let opacity = fog.opacity(ray, t) as f32;
             let glows = match met {
                 Met::Surface(_) => throughput.seen(),

@@ -104,8 +104,9 @@ impl Branch<'_, '_> {
                 false => DVec2::ZERO,
             };
             let Some(arrival) = arrival(light, seen.surface.point, u) else { continue };
+            work.counts.evaluations.light_samples += u64::from(arrival.density.is_some());
             let reflected = seen.reflected(arrival.direction);
-            let clear = self.tracer.clearness(&arrival, seen.surface);
+            let clear = self.tracer.clearness(&arrival, seen.surface, work);
             let share = reflected.scattered(clear) + reflected.highlight;
             if share == Rgb::ZERO {
                 continue;

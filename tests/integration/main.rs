@@ -10,6 +10,7 @@ mod support;
 mod bad_input;
 mod cli;
 mod render;
+mod reuse;
 mod outputs;
 mod files;
 mod animation;

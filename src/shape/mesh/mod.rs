@@ -10,6 +10,7 @@ use super::triangle::{covers, depth, uniform_weights, unit_normal};
 use super::{Crossing, Geometric, Parameters, Surface, flat};
 use crate::camera::Ray;
 use crate::color::Rgb;
+use crate::digest::{Content, Digester};
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::mesh::{self, Normals, Sheared};
 use crate::simd::{Lanes, Work};
@@ -28,6 +29,25 @@ pub struct Mesh {
 impl PartialEq for Mesh {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.mesh, &other.mesh) && self.normals == other.normals
+    }
+}
+
+impl Mesh {
+    /// Whether it is shaded with normals of its vertices.
+    pub fn is_smooth(&self) -> bool {
+        match self.normals {
+            Normals::File => self.mesh.has_normals(),
+            Normals::Smooth => true,
+            Normals::Flat => false,
+        }
+    }
+}
+
+impl Content for Mesh {
+    fn feed(&self, into: &mut Digester) {
+        let Self { mesh, normals } = self;
+        mesh.digest().feed(into);
+        normals.feed(into);
     }
 }
 
