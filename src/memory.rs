@@ -1,4 +1,4 @@
-//! How much memory a run takes, and how much there is.
+//! How much memory a run takes.
 
 use crate::color::Rgb;
 use crate::film::Extras;
@@ -12,9 +12,6 @@ const FILMS: u64 = 4;
 /// animation keeps of its last frame with the codings of the next.
 const BESIDES: u64 = 48;
 
-/// What a machine that does not tell is taken to have free.
-const UNKNOWN: u64 = 4 << 30;
-
 /// Bytes that the pictures of a run take at once. The scene itself is not counted.
 pub fn needed(sequence: &Sequence, extras: Extras) -> u64 {
     let (width, height) = sequence.output.size;
@@ -23,17 +20,6 @@ pub fn needed(sequence: &Sequence, extras: Extras) -> u64 {
     let layer = size_of::<Rgb>() as u64 * FILMS + sums;
     let pixel = (sequence.layers() + extras.layers() as u64).saturating_mul(layer).saturating_add(BESIDES);
     (u64::from(width) * u64::from(height)).saturating_mul(pixel)
-}
-
-/// Bytes that can be had without swapping, as Linux tells; elsewhere a cautious guess.
-pub fn available() -> u64 {
-    std::fs::read_to_string("/proc/meminfo").ok().as_deref().and_then(available_in).unwrap_or(UNKNOWN)
-}
-
-fn available_in(meminfo: &str) -> Option<u64> {
-    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    let kibibytes: u64 = line.split_whitespace().next()?.parse().ok()?;
-    kibibytes.checked_mul(1024)
 }
 
 #[cfg(test)]
@@ -48,13 +34,5 @@ mod tests {
         };
         assert_eq!(needed("") + 100 * 24, needed("shutter: [(0, 0), (1, 0.5)]"));
         assert_eq!(needed(""), needed("shutter: 0"));
-    }
-
-    #[test]
-    fn reads_what_linux_tells() {
-        let text = "MemTotal:       24000000 kB\nMemAvailable:   1000 kB\n";
-        assert_eq!(available_in(text), Some(1_024_000));
-        assert_eq!(available_in("nothing"), None);
-        assert!(available() > 0);
     }
 }

@@ -2,9 +2,10 @@
 
 use crate::camera_path::NoCamera;
 use crate::counters::{Counts, Meter};
-use crate::encode::{EncodeError, Encoder, Job, Output, Report, Still};
+use crate::encode::{EncodeError, Encoder, Existing, Job, Output, Report, Still};
 use crate::film::{Extras, Film};
 use crate::humane;
+use crate::machine;
 use crate::memory;
 use crate::schedule::{FilmSink, FrameLoop, NoFrame, Stage, Tally};
 use crate::sequence::Sequence;
@@ -23,6 +24,7 @@ pub struct Request {
     /// Frame numbers in the order in which they are rendered and shown.
     pub frames: Vec<u32>,
     pub outputs: Vec<Output>,
+    pub existing: Existing,
     /// Threads that trace; as many as the machine has if absent.
     pub threads: Option<NonZeroUsize>,
 }
@@ -149,7 +151,7 @@ pub fn render_until(
 
 /// Refuses pictures that do not fit into memory.
 pub(crate) fn check_memory(sequence: &Sequence, extras: Extras) -> Result<(), RenderError> {
-    let (needed, available) = (memory::needed(sequence, extras), memory::available());
+    let (needed, available) = (memory::needed(sequence, extras), machine::free_memory());
     if needed > available { Err(RenderError::TooLarge { needed, available }) } else { Ok(()) }
 }
 
@@ -164,6 +166,7 @@ fn job(sequence: &Sequence, request: &Request) -> Job {
     let output = &sequence.output;
     Job {
         outputs: request.outputs.clone(),
+        existing: request.existing,
         frames: request.frames.clone(),
         rate: sequence.timeline.rate,
         size: output.size,

@@ -39,7 +39,7 @@ pub use assembly::{Assembly, read_picture};
 pub use caption::{Caption, CaptionError, Corner, Template};
 pub use develop::ToneTable;
 pub use error::{EncodeError, FilmsError, JobError};
-pub use job::Job;
+pub use job::{Existing, Job};
 pub use output::{Moving, Output, OutputError, Still};
 pub use pattern::{FramePattern, PatternError};
 pub use picture::Picture;

@@ -15,6 +15,7 @@ fn start(job: Job) -> Result<Encoder, EncodeError> {
 
 fn job(outputs: &[String], frames: &[u32]) -> Job {
     Job {
+        existing: Existing::default(),
         outputs: outputs.iter().map(|text| Output::parse(text).expect(text)).collect(),
         frames: frames.to_vec(),
         rate: Rate::new(24, 1).expect("a rate"),

@@ -5,12 +5,14 @@
     reason = "a test that panics has done its work; clippy knows only `#[test]`"
 )]
 
+mod command;
 mod support;
 
 mod bad_input;
 mod cli;
 mod render;
 mod outputs;
+mod runs;
 mod files;
 mod animation;
 mod background;
