@@ -1,5 +1,6 @@
 //! The camera at one moment: a frame in space and a projection.
 
+use crate::digest::content;
 use crate::math::{Basis, DVec2, DVec3};
 use crate::sampling::disk;
 
@@ -41,6 +42,8 @@ pub enum Projection {
     Orthographic { half_height: f64 },
 }
 
+content!(enum Projection { Perspective { half_height }, Orthographic { half_height } });
+
 /// A lens that is not a pinhole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinLens {
@@ -50,6 +53,8 @@ pub struct ThinLens {
     pub focus: f64,
 }
 
+content!(struct ThinLens { radius, focus });
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     pub position: DVec3,
@@ -58,6 +63,8 @@ pub struct Camera {
     /// None for a pinhole.
     pub lens: Option<ThinLens>,
 }
+
+content!(struct Camera { position, basis, projection, lens });
 
 impl Camera {
     /// The beam of a pixel around a ray; `pixel` is its height in the units of [`Camera::ray`]. Depth of field is no

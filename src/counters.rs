@@ -69,8 +69,10 @@ impl AddAssign for Counts {
 /// How far a run has come, for whoever watches from another thread. Nothing is decided by it.
 #[derive(Debug, Default)]
 pub struct Meter {
-    /// Frames traced.
+    /// Frames made.
     pub frames: AtomicU32,
+    /// Those of them that were made of the film of another.
+    pub reused: AtomicU32,
     /// Share of the frame in hand, in thousandths.
     pub thousandths: AtomicU32,
     pub rays: AtomicU64,

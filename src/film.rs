@@ -1,7 +1,9 @@
 //! The film: what the tracer fills and the encoder develops.
 
 use crate::color::Rgb;
+use crate::digest::content;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// The strongest exposure, in stops up or down.
 pub const MOST_STOPS: f64 = 40.0;
@@ -9,6 +11,8 @@ pub const MOST_STOPS: f64 = 40.0;
 /// Index of a film's layer. Layer 0 holds all light that no key weights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct LayerId(pub u32);
+
+content!(struct LayerId(index));
 
 impl LayerId {
     pub const CONSTANT: Self = Self(0);
@@ -65,14 +69,23 @@ pub struct Guides {
 pub struct Film {
     pub width: u32,
     pub height: u32,
-    /// One per layer; the layer's light was traced as if its weight were one.
+    /// One per layer of light, which was traced as if its weight were one. A layer of weight 0 is dark, whatever the
+    /// film holds of it.
     pub weights: Vec<Rgb>,
     /// Factor of the displayed picture, above 0. It is no part of the radiance: 1 as traced.
     pub exposure: f32,
     /// What is recorded besides light.
     pub extras: Extras,
-    /// Row by row from the top left pixel; each pixel holds its layers of light and those of the extras.
-    pub data: Vec<Rgb>,
+    /// The layers of light that were traced, ascending. The others are not held.
+    pub held: Arc<[LayerId]>,
+    /// Row by row from the top left pixel; each pixel holds its layers of light and those of the extras. Films of
+    /// frames that differ in weights alone share it.
+    pub data: Arc<Vec<Rgb>>,
+}
+
+/// The layers of light that are not dark, ascending.
+pub fn lit(weights: &[Rgb]) -> impl Iterator<Item = LayerId> {
+    (0..).zip(weights).filter(|(_, weight)| **weight != Rgb::ZERO).map(|(layer, _)| LayerId(layer))
 }
 
 impl Film {
@@ -80,21 +93,32 @@ impl Film {
         Self::with_extras(width, height, weights, Extras::default())
     }
 
+    /// A black film of the layers that are not dark.
     pub fn with_extras(width: u32, height: u32, weights: Vec<Rgb>, extras: Extras) -> Self {
+        let held: Arc<[LayerId]> = lit(&weights).collect();
         let pixels = width as usize * height as usize;
-        let data = vec![Rgb::ZERO; pixels * (weights.len() + extras.layers())];
-        Self { width, height, weights, exposure: 1.0, extras, data }
+        let data = Arc::new(vec![Rgb::ZERO; pixels * (held.len() + extras.layers())]);
+        Self { width, height, weights, exposure: 1.0, extras, held, data }
     }
 
-    /// Shows the film `stops` brighter, each of which doubles it. Easings may lead past [`MOST_STOPS`]; the
-    /// exposure stays within.
+    /// What the film holds, to be changed. Films that share it keep their own.
+    pub fn data_mut(&mut self) -> &mut [Rgb] {
+        Arc::make_mut(&mut self.data).as_mut_slice()
+    }
+
+    /// The same light with other weights. Layers that are not held must be dark.
+    pub fn weighted_by(&self, weights: &[Rgb]) -> Self {
+        Self { weights: weights.to_vec(), ..self.clone() }
+    }
+
+    /// Shows the film `stops` brighter: see [`exposure`].
     pub fn expose(&mut self, stops: f64) {
-        self.exposure = libm::exp2(stops.clamp(-MOST_STOPS, MOST_STOPS)) as f32;
+        self.exposure = exposure(stops);
     }
 
     /// How many values a pixel holds.
     pub fn layers(&self) -> usize {
-        self.weights.len() + self.extras.layers()
+        self.held.len() + self.extras.layers()
     }
 
     /// The weighted sum of every pixel's layers, row by row: f64 in the order of the layers, rounded once.
@@ -109,13 +133,19 @@ impl Film {
 
     /// The part of a pixel's radiance that comes from one layer of light.
     pub fn radiance_of(&self, pixel: usize, layer: usize) -> Rgb {
-        (self.weights[layer].as_dvec3() * self.pixel(pixel)[layer].as_dvec3()).as_vec3()
+        let (id, weight) = (LayerId(layer as u32), self.weights[layer]);
+        match self.held.binary_search(&id) {
+            Ok(place) if weight != Rgb::ZERO => {
+                (weight.as_dvec3() * self.pixel(pixel)[place].as_dvec3()).as_vec3()
+            }
+            _ => Rgb::ZERO,
+        }
     }
 
     /// How much of a pixel hides the background, from 0 to 1: all of it, unless coverage is recorded. The pixel's
     /// radiance is that of the covered part times this, as compositors have it.
     pub fn alpha_at(&self, pixel: usize) -> f32 {
-        let Some(layer) = self.extras.coverage_layer(self.weights.len()) else { return 1.0 };
+        let Some(layer) = self.extras.coverage_layer(self.held.len()) else { return 1.0 };
         // What shows through may be tinted; the picture has one number for it.
         let through = self.pixel(pixel)[layer.index()].element_sum() / 3.0;
         (1.0 - through).clamp(0.0, 1.0)
@@ -123,7 +153,7 @@ impl Film {
 
     /// What is seen first in a pixel, if that is recorded.
     pub fn guides_at(&self, pixel: usize) -> Option<Guides> {
-        let first = self.extras.guides_layer(self.weights.len())?.index();
+        let first = self.extras.guides_layer(self.held.len())?.index();
         let [depth, normal, albedo] = *self.pixel(pixel)[first..].first_chunk()?;
         let hits = depth.y;
         Some(Guides {
@@ -137,11 +167,23 @@ impl Film {
         &self.data[pixel * self.layers()..][..self.layers()]
     }
 
+    /// Dark layers are passed over: they may hold anything, as what is met in them has not been asked for.
     fn weighted(&self, layers: &[Rgb]) -> Rgb {
-        let sum =
-            |sum: glam::DVec3, (weight, layer): (&Rgb, &Rgb)| sum + weight.as_dvec3() * layer.as_dvec3();
-        self.weights.iter().zip(layers).fold(glam::DVec3::ZERO, sum).as_vec3()
+        let mut sum = glam::DVec3::ZERO;
+        for (id, layer) in self.held.iter().zip(layers) {
+            let weight = self.weights[id.index()];
+            if weight != Rgb::ZERO {
+                sum += weight.as_dvec3() * layer.as_dvec3();
+            }
+        }
+        sum.as_vec3()
     }
+}
+
+/// The factor of a picture that is shown `stops` brighter, each of which doubles it. Easings may lead past
+/// [`MOST_STOPS`]; the exposure stays within.
+pub fn exposure(stops: f64) -> f32 {
+    libm::exp2(stops.clamp(-MOST_STOPS, MOST_STOPS)) as f32
 }
 
 #[cfg(test)]
@@ -151,9 +193,20 @@ mod tests {
     #[test]
     fn radiance_weights_the_layers() {
         let mut film = Film::new(2, 1, vec![Rgb::ONE, Rgb::new(0.5, 0.0, 2.0)]);
-        film.data[2] = Rgb::splat(0.25);
-        film.data[3] = Rgb::ONE;
+        film.data_mut()[2..].copy_from_slice(&[Rgb::splat(0.25), Rgb::ONE]);
         assert_eq!(film.radiance().collect::<Vec<_>>(), [Rgb::ZERO, Rgb::new(0.75, 0.25, 2.25)]);
+    }
+
+    #[test]
+    fn dark_layers_are_not_held_and_what_is_held_of_them_is_not_seen() {
+        let mut film = Film::new(1, 1, vec![Rgb::ONE, Rgb::ZERO, Rgb::X]);
+        assert_eq!((&*film.held, film.data.len()), (&[LayerId(0), LayerId(2)][..], 2));
+        film.data_mut().copy_from_slice(&[Rgb::splat(f32::INFINITY), Rgb::splat(0.5)]);
+        let fair = film.weighted_by(&[Rgb::ZERO, Rgb::ZERO, Rgb::ONE]);
+        assert_eq!(fair.radiance_at(0), Rgb::splat(0.5));
+        let parts = |film: &Film| [0, 1, 2].map(|layer| film.radiance_of(0, layer));
+        assert_eq!(parts(&fair), [Rgb::ZERO, Rgb::ZERO, Rgb::splat(0.5)]);
+        assert!(Arc::ptr_eq(&film.data, &fair.data), "no copy was made");
     }
 
     #[test]
@@ -162,7 +215,7 @@ mod tests {
         let mut film = Film::with_extras(1, 2, vec![Rgb::ONE; 2], extras);
         let values = [0.25, 0.5, 0.75].map(Rgb::splat);
         let guides = [Rgb::new(3.0, 0.5, 0.0), Rgb::new(0.0, 0.3, 0.4), Rgb::new(0.1, 0.2, 0.3)];
-        film.data[6..].copy_from_slice(&[values.as_slice(), &guides].concat());
+        film.data_mut()[6..].copy_from_slice(&[values.as_slice(), &guides].concat());
         assert_eq!(film.radiance().collect::<Vec<_>>(), [Rgb::ZERO, Rgb::splat(0.75)]);
         assert_eq!((film.alpha_at(0), film.alpha_at(1)), (1.0, 0.25));
         assert_eq!(film.radiance_of(1, 1), Rgb::splat(0.5));

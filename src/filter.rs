@@ -4,6 +4,7 @@
 //! pixel and feeds that pixel alone, with weight 1 (Ernst, Stamminger, Greiner, *Filter Importance Sampling*,
 //! 2006). All are products of the same filter along x and y, so each axis is sampled by itself.
 
+use crate::digest::content;
 use std::f64::consts::PI;
 
 /// A filter along one axis of the picture: symmetric, nowhere negative, and 0 beyond half its width.
@@ -13,6 +14,8 @@ pub struct Filter {
     /// Full width of the support in pixels, above 0.
     pub width: f64,
 }
+
+content!(struct Filter { kernel, width });
 
 /// The shape of a filter, over t from -1 to 1 on its support.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +29,15 @@ pub enum Kernel {
     /// The window of Harris, *On the Use of Windows for Harmonic Analysis*, 1978, with four terms, -92 dB.
     BlackmanHarris,
 }
+
+content!(
+    enum Kernel {
+        Box,
+        Tent,
+        Gaussian,
+        BlackmanHarris,
+    }
+);
 
 impl Filter {
     /// The mean over the pixel's own square.

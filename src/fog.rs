@@ -2,6 +2,7 @@
 
 use crate::camera::Ray;
 use crate::color::Rgb;
+use crate::digest::content;
 use crate::glow::{Dimmer, Glow};
 use crate::time::Time;
 use crate::track::Animated;
@@ -17,6 +18,8 @@ pub struct Fog {
     pub falloff: Option<Falloff>,
 }
 
+content!(struct Fog { glow, density, falloff });
+
 /// Fog that grows thinner with height: its density is `density`·exp(-(y - `base`) / `height`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Falloff {
@@ -24,6 +27,8 @@ pub struct Falloff {
     /// Above 0.
     pub height: f64,
 }
+
+content!(struct Falloff { base, height });
 
 /// Fog over time.
 #[derive(Clone, Component, Debug, PartialEq)]

@@ -1,6 +1,7 @@
 //! Light split in two: what is traced once, and what only weights it from frame to frame.
 
 use crate::color::Rgb;
+use crate::digest::content;
 use crate::film::LayerId;
 use crate::time::Time;
 use crate::track::Animated;
@@ -12,6 +13,8 @@ pub struct Glow {
     pub radiance: Rgb,
     pub layer: LayerId,
 }
+
+content!(struct Glow { radiance, layer });
 
 impl Default for Glow {
     fn default() -> Self {
@@ -50,7 +53,13 @@ impl Dimmer {
         if let Animated::Constant(intensity) = intensity {
             radiance *= *intensity as f32;
         }
-        let radiance = if *on == Animated::Constant(false) { Rgb::ZERO } else { radiance };
+        // What is 0 or off at every key is so in between: no easing makes anything of it.
+        let never = on.values().all(|on| !on)
+            || intensity.values().all(|intensity| *intensity <= 0.0)
+            || color.values().all(|color| *color == Rgb::ZERO);
+        if never {
+            return (Rgb::ZERO, Self::default());
+        }
         (radiance, Self { on: keyed(on), intensity: keyed(intensity), color: keyed(color) })
     }
 

@@ -11,6 +11,7 @@
 //! what stands higher, never the reverse.
 
 // Nouns: what there is.
+pub mod digest;
 pub mod time;
 pub mod math;
 pub mod sampling;
@@ -54,6 +55,7 @@ pub mod trace;
 
 // The only place that knows the systems' order, and the front door.
 pub mod schedule;
+pub mod plan;
 pub mod memory;
 pub mod render;
 pub mod filmstrip;

@@ -1,5 +1,6 @@
 //! How much work goes into a picture.
 
+use crate::digest::content;
 use crate::filter::Filter;
 
 /// What every sequence settles about the work per pixel.
@@ -38,6 +39,13 @@ pub enum Integrator {
     Path(PathSettings),
 }
 
+content!(
+    enum Integrator {
+        Whitted,
+        Path(settings),
+    }
+);
+
 /// More samples than these are asked for by mistake.
 pub const MOST_SAMPLES: u32 = 1 << 24;
 
@@ -50,6 +58,8 @@ pub struct PathSettings {
     /// out then, so that nothing counts twice.
     pub refractive_shadows: bool,
 }
+
+content!(struct PathSettings { roulette, refractive_shadows });
 
 impl Integrator {
     /// Whether light is also found by what it shines on, so that it pays to know where it comes from.

@@ -168,10 +168,10 @@ mod tests {
     /// Two layers of all kinds of values, with a height that is no multiple of the rows of a block.
     fn film() -> Film {
         let mut film = Film::new(5, 37, vec![Rgb::ONE, Rgb::new(0.5, 2.0, 1e-3)]);
-        for (i, value) in film.data.iter_mut().enumerate() {
+        for (i, value) in film.data_mut().iter_mut().enumerate() {
             *value = Rgb::new(i as f32 * 0.37, 1.0 / (i as f32 + 1.0), libm::expf(i as f32 * 0.2));
         }
-        film.data[4] = Rgb::new(-1.0, f32::INFINITY, f32::NAN);
+        film.data_mut()[4] = Rgb::new(-1.0, f32::INFINITY, f32::NAN);
         film
     }
 
@@ -208,11 +208,11 @@ mod tests {
         let path = dir.path().join("a.exr");
         let extras = Extras { coverage: true, guides: true };
         let mut film = Film::with_extras(3, 2, vec![Rgb::ONE, Rgb::new(0.5, 2.0, 0.0)], extras);
-        for (i, value) in film.data.iter_mut().enumerate() {
+        for (i, value) in film.data_mut().iter_mut().enumerate() {
             *value = Rgb::new(i as f32, 0.5, 0.25) / 32.0;
         }
         // What is seen first: nothing at the first pixel.
-        film.data[3..6].fill(Rgb::ZERO);
+        film.data_mut()[3..6].fill(Rgb::ZERO);
         let layers = ExrLayers { lights: true, depth: true, normal: true, albedo: true };
         let names = ["constant".to_owned(), "key".to_owned()];
         write(&path, &film, ExrSettings { half: false, layers }, &names).expect("written");
@@ -259,7 +259,7 @@ mod tests {
         for coverage in [false, true] {
             let extras = Extras { coverage, guides: false };
             let mut film = Film::with_extras(2, 1, vec![Rgb::ONE], extras);
-            film.data[0] = Rgb::new(0.1, 1.0, 1000.3);
+            film.data_mut()[0] = Rgb::new(0.1, 1.0, 1000.3);
             write(&path, &film, ExrSettings { half: true, ..ExrSettings::default() }, &[]).expect("written");
             let found = channels(&path);
             assert_eq!(found.len(), if coverage { 4 } else { 3 });

@@ -32,7 +32,7 @@ fn job(outputs: &[String], frames: &[u32]) -> Job {
 /// A film in which frame k is gray of code k.
 fn film(frame: u32) -> Film {
     let mut film = Film::new(SIZE.0, SIZE.1, vec![Rgb::ONE]);
-    film.data.fill(Rgb::splat(frame as f32 / 255.0));
+    film.data_mut().fill(Rgb::splat(frame as f32 / 255.0));
     film
 }
 
@@ -226,7 +226,7 @@ fn notes_tell_of_dropped_frames_and_of_pixels_that_are_not_numbers() {
     let mut encoder = start(job).expect("started");
     for frame in 0..60 {
         let mut film = film(frame);
-        film.data[3].y = if frame >= 7 { f32::NAN } else { 0.0 };
+        film.data_mut()[3].y = if frame >= 7 { f32::NAN } else { 0.0 };
         encoder.push(frame, film).expect("taken");
     }
     let report = encoder.finish().expect("written");

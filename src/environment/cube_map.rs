@@ -4,6 +4,7 @@
 mod tests;
 
 use crate::color::Rgb;
+use crate::digest::content;
 use crate::math::{DVec2, DVec3};
 use crate::texture::{Filter, Image, Wrap};
 
@@ -48,6 +49,8 @@ pub struct CubeMap {
     /// around them the border on the very edge, half a texel away.
     values: Vec<Rgb>,
 }
+
+content!(struct CubeMap { size, values });
 
 /// Why six images make no cube map; the number is the face's index in [`FACES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

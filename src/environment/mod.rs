@@ -12,6 +12,7 @@ pub use table::SkyTable;
 pub use tracks::{EnvironmentTracks, SkyTracks};
 
 use crate::color::Rgb;
+use crate::digest::content;
 use crate::film::LayerId;
 use crate::math::{DMat3, DVec2, DVec3};
 use bevy_ecs::component::Component;
@@ -27,6 +28,8 @@ pub struct Environment {
     /// Where its light is collected.
     pub layer: LayerId,
 }
+
+content!(struct Environment { sky, from_world, strength, layer });
 
 impl Default for Environment {
     /// No light from anywhere.

@@ -3,6 +3,7 @@
 use super::CubeMap;
 use super::equirect;
 use crate::color::Rgb;
+use crate::digest::content;
 use crate::math::{DVec2, DVec3};
 use crate::texture::{Filter, Image, Shared, Wrap};
 
@@ -20,6 +21,13 @@ pub enum Sky {
     /// A picture of all directions: longitude to the right, latitude upwards, -z in the middle.
     Equirect(Shared<Image>),
 }
+
+content!(enum Sky {
+    Constant(radiance),
+    Gradient { bottom, top, up },
+    CubeMap(map),
+    Equirect(image),
+});
 
 impl Sky {
     /// Radiance from a direction, a unit vector.

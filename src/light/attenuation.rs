@@ -1,5 +1,7 @@
 //! How light grows fainter with distance.
 
+use crate::digest::content;
+
 /// The share min(1, 1 / (`constant` + `linear`·d + `quadratic`·d²)) of the light arrives at distance d. Each
 /// part is at least 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -8,6 +10,8 @@ pub struct Attenuation {
     pub linear: f64,
     pub quadratic: f64,
 }
+
+content!(struct Attenuation { constant, linear, quadratic });
 
 /// As bright far away as near.
 impl Default for Attenuation {

@@ -7,6 +7,7 @@ pub use attenuation::Attenuation;
 pub use tracks::{LightKind, LightTracks};
 
 use crate::color::Rgb;
+use crate::digest::content;
 use crate::film::LayerId;
 use crate::math::DVec3;
 use crate::shape::{Rectangle, Sphere};
@@ -24,6 +25,8 @@ pub struct Light {
     pub layer: LayerId,
 }
 
+content!(struct Light { source, radiance, layer });
+
 /// Where light comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Source {
@@ -38,6 +41,14 @@ pub enum Source {
     /// From every point of a rectangle: to both sides, or only to that of `u` × `v`.
     Rectangle { rectangle: Rectangle, one_sided: bool },
 }
+
+content!(enum Source {
+    Point { position, attenuation },
+    Spot { position, cone, attenuation },
+    Directional { to_light },
+    Sphere(sphere),
+    Rectangle { rectangle, one_sided },
+});
 
 impl Source {
     /// Whether light comes from more than one direction, so that one has to be drawn.
@@ -55,6 +66,8 @@ pub struct Cone {
     pub full: f64,
     pub none: f64,
 }
+
+content!(struct Cone { axis, full, none });
 
 impl Cone {
     /// The share of the light that goes in a direction of this cosine to the axis: smooth from the full light

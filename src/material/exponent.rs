@@ -1,5 +1,6 @@
 //! Highlights: their shape and their exponent.
 
+use crate::digest::content;
 use crate::math::power;
 
 /// The shape of the highlight.
@@ -12,12 +13,26 @@ pub enum Highlight {
     BlinnPhong,
 }
 
+content!(
+    enum Highlight {
+        Phong,
+        BlinnPhong,
+    }
+);
+
 /// The exponent of a highlight, at least 0. Whole numbers are raised by multiplications.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exponent {
     Whole(u32),
     Real(f64),
 }
+
+content!(
+    enum Exponent {
+        Whole(n),
+        Real(n),
+    }
+);
 
 impl Exponent {
     /// The largest whole exponent that is raised by multiplications: up to here a power's relative error

@@ -1,6 +1,7 @@
 //! The lobes of a material at one point, as numbers.
 
 use crate::color::Rgb;
+use crate::digest::content;
 
 /// Mirrors of less fuzz are sharp: their reflections are spread over less than a tenth of a degree.
 const SHARP: f32 = 0.0008;
@@ -31,6 +32,21 @@ pub struct Lobes {
     pub roughness: f32,
 }
 
+content!(struct Lobes {
+    emission,
+    ambient,
+    diffuse,
+    specular,
+    mirror,
+    fuzz,
+    transparency,
+    refraction,
+    microfacet,
+    base,
+    metallic,
+    roughness,
+});
+
 /// A lobe, or a parameter of one, that paint may vary over a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slot {
@@ -46,6 +62,22 @@ pub enum Slot {
     Metallic,
     Roughness,
 }
+
+content!(
+    enum Slot {
+        Emission,
+        Ambient,
+        Diffuse,
+        Specular,
+        Mirror,
+        Fuzz,
+        Transparency,
+        Refraction,
+        Base,
+        Metallic,
+        Roughness,
+    }
+);
 
 impl Lobes {
     /// Multiplies a slot by a colour; a slot that is one number by the colour's mean.

@@ -9,6 +9,7 @@ pub use lobes::{Lobes, Slot};
 pub use tracks::{Level, Lobe, MaterialTracks};
 
 use crate::color::Rgb;
+use crate::digest::content;
 use crate::film::LayerId;
 use crate::optics::Fresnel;
 use crate::texture::{Paint, Spot};
@@ -30,6 +31,8 @@ pub struct Material {
     pub medium: Medium,
 }
 
+content!(struct Material { lobes, paints, emission_layer, highlight, shininess, fresnel, medium });
+
 /// What an object is made of: indices into the scene's materials.
 #[derive(Clone, Copy, Component, Debug, PartialEq, Eq)]
 pub enum MadeOf {
@@ -39,6 +42,8 @@ pub enum MadeOf {
     /// stands the one of triangles without a slot.
     Slots { first: u32, count: u32 },
 }
+
+content!(enum MadeOf { One(index), Slots { first, count } });
 
 impl MadeOf {
     /// All materials in use.
@@ -60,6 +65,8 @@ pub struct Medium {
     /// Where media overlap, the one of the highest priority is there.
     pub priority: i32,
 }
+
+content!(struct Medium { ior, absorption, priority });
 
 impl Material {
     /// The lobes at a point of the surface.

@@ -77,19 +77,30 @@ impl MaterialTracks {
             slots.retain(|slot| !is_absent(*slot, &lobes));
             !slots.is_empty()
         });
+        // What a lobe without strength is like makes no difference, and so is not told.
+        let (shines, refracts) = (lobes.specular != Rgb::ZERO, lobes.refraction != Rgb::ZERO);
+        lobes.fuzz = if lobes.mirror == Rgb::ZERO { 0.0 } else { lobes.fuzz };
+        if lobes.microfacet == 0.0 {
+            (lobes.base, lobes.metallic, lobes.roughness) = (Rgb::ZERO, 0.0, 0.0);
+        }
         Material {
             lobes,
             paints: paints.0,
             emission_layer,
-            highlight: self.highlight,
-            shininess: Exponent::new(self.shininess.at(time).max(0.0)),
-            fresnel: self.fresnel,
-            medium: Medium {
-                ior: self.ior.at(time).max(LEAST_IOR),
-                absorption: self.absorption.at(time).max(Rgb::ZERO),
-                priority: self.priority,
-            },
+            highlight: if shines { self.highlight } else { Highlight::default() },
+            shininess: Exponent::new(if shines { self.shininess.at(time).max(0.0) } else { 0.0 }),
+            fresnel: if refracts { self.fresnel } else { Fresnel::default() },
+            medium: self.medium(refracts, lobes.microfacet > 0.0, time),
         }
+    }
+
+    /// What is behind the surface: all of it matters to what is refracted, the index alone to small mirrors.
+    fn medium(&self, refracts: bool, mirrors: bool, time: Time) -> Medium {
+        let ior = if refracts || mirrors { self.ior.at(time).max(LEAST_IOR) } else { Medium::EMPTY.ior };
+        if !refracts {
+            return Medium { ior, ..Medium::EMPTY };
+        }
+        Medium { ior, absorption: self.absorption.at(time).max(Rgb::ZERO), priority: self.priority }
     }
 
     /// The emission that is traced, but for paint, and what weights it over time.

@@ -49,6 +49,7 @@ impl Mesh {
             parts,
             smooth: OnceLock::new(),
             areas: OnceLock::new(),
+            digest: OnceLock::new(),
         })
     }
 }

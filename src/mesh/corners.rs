@@ -1,5 +1,7 @@
 //! Values at the corners of triangles: normals, texture coordinates.
 
+use crate::digest::{Content, Digester};
+
 /// Values at the corners of triangles. Files index them like the positions or on their own, as a position on a
 /// seam has several.
 #[derive(Clone, Debug, PartialEq)]
@@ -8,6 +10,14 @@ pub struct Corners<T> {
     /// Indices into the values for each triangle; without them the positions' indices hold. A corner whose
     /// index leads nowhere has no value.
     indices: Option<Vec<[u32; 3]>>,
+}
+
+impl<T: Content> Content for Corners<T> {
+    fn feed(&self, into: &mut Digester) {
+        let Self { values, indices } = self;
+        values.feed(into);
+        indices.feed(into);
+    }
 }
 
 /// The index of a corner without a value.

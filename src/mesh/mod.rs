@@ -23,6 +23,7 @@ pub use mtl::MtlMaterial;
 pub use packet::{Packet, Sheared};
 
 use crate::color::Rgb;
+use crate::digest::{Content, Digest, Digester, content};
 use crate::math::{Aabb, DVec2, DVec3};
 use crate::tree::Tree;
 use glam::Vec3;
@@ -63,6 +64,7 @@ pub struct Mesh {
     pub skipped: usize,
     smooth: OnceLock<Vec<Vec3>>,
     areas: OnceLock<Vec<f64>>,
+    digest: OnceLock<Digest>,
 }
 
 /// Which normals a mesh is shaded with.
@@ -75,6 +77,14 @@ pub enum Normals {
     /// Those of its triangles.
     Flat,
 }
+
+content!(
+    enum Normals {
+        File,
+        Smooth,
+        Flat,
+    }
+);
 
 impl Mesh {
     pub fn positions(&self) -> &[DVec3] {
@@ -158,6 +168,17 @@ impl Mesh {
     /// Normals of a smooth surface through the vertices, one each; computed when first asked for.
     pub fn smooth_normals(&self) -> &[Vec3] {
         self.smooth.get_or_init(|| smooth::normals(&self.parts.positions, &self.parts.triangles))
+    }
+
+    /// What the mesh holds, but for the materials that came with it; computed when first asked for.
+    pub fn digest(&self) -> Digest {
+        *self.digest.get_or_init(|| {
+            let Parts { positions, triangles, normals, uvs, colors, slots, materials: _ } = &self.parts;
+            let mut digester = Digester::new();
+            (positions, triangles, colors).feed(&mut digester);
+            (normals, uvs, slots).feed(&mut digester);
+            digester.finish()
+        })
     }
 
     /// The area of all triangles up to and including each; computed when first asked for.

@@ -1,5 +1,7 @@
 //! How much light a boundary between two media reflects.
 
+use crate::digest::content;
+
 /// Which formula a transparent boundary follows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Fresnel {
@@ -11,6 +13,14 @@ pub enum Fresnel {
     /// Schlick's approximation (1994).
     Schlick,
 }
+
+content!(
+    enum Fresnel {
+        Off,
+        Exact,
+        Schlick,
+    }
+);
 
 impl Fresnel {
     /// The reflected share where light meets the boundary at an angle whose cosine is `cosine` and goes on at

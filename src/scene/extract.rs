@@ -77,7 +77,8 @@ pub fn shading(
     shading.0.materials = in_file_order(materials);
     shading.0.lights = in_file_order(lights);
     shading.0.environment = skies.iter().next().cloned().unwrap_or_default();
-    shading.0.fog = fogs.iter().next().copied();
+    // Of no density is no fog.
+    shading.0.fog = fogs.iter().next().copied().filter(|fog| fog.density > 0.0);
 }
 
 pub fn weights(weighted: Query<&Weight>, mut weights: ResMut<Current<Weights>>) {

@@ -2,6 +2,7 @@
 
 use super::primitive::{Finish, Primitive, abs, inverse};
 use crate::bvh::Hit;
+use crate::digest::{Digest, content};
 use crate::math::{DAffine3, DVec3};
 use crate::shape::{Shape, Surface};
 use crate::texture::{Footprint, Spot};
@@ -21,6 +22,8 @@ struct Origin {
     to_object: DAffine3,
 }
 
+content!(struct Origin { shape, to_object });
+
 impl Geometry {
     /// Adds a shape placed by `to_world`, unless that flattens it.
     pub fn push(&mut self, shape: &Shape, to_world: DAffine3, finish: Finish) {
@@ -31,6 +34,19 @@ impl Geometry {
         };
         self.primitives.push(primitive);
         self.origins.push(Origin { shape: shape.clone(), to_object });
+    }
+
+    /// The materials that are seen somewhere, ascending.
+    pub fn materials(&self) -> Vec<u32> {
+        let mut used: Vec<u32> = self.primitives.iter().flat_map(Primitive::materials).collect();
+        used.sort_unstable();
+        used.dedup();
+        used
+    }
+
+    /// What paint can tell of the shapes before they were moved.
+    pub fn origins(&self) -> Digest {
+        Digest::of(&self.origins)
     }
 
     /// What paint may ask of the point where a primitive was hit. `printed` says whether it asks how much is seen in u

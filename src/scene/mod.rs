@@ -2,10 +2,12 @@
 //!
 //! Everything keeps the file's order, so that whatever breaks a tie by index breaks it the same way always.
 
+mod content;
 pub mod extract;
 mod geometry;
 mod primitive;
 
+pub use content::Digests;
 pub use geometry::Geometry;
 pub use primitive::{Finish, Placement, Primitive};
 
@@ -43,4 +45,14 @@ pub struct Scene<'a> {
     pub shading: &'a Shading,
     pub weights: &'a Weights,
     pub camera: &'a Camera,
+}
+
+impl<'a> Scene<'a> {
+    /// The lights that shine with a weight above 0, each with its index.
+    pub fn lights(&self) -> impl Iterator<Item = (u32, &'a Light)> {
+        let shines = |(_, light): &(u32, &Light)| {
+            light.radiance != Rgb::ZERO && self.weights.0[light.layer.index()] != Rgb::ZERO
+        };
+        (0..).zip(&self.shading.lights).filter(shines)
+    }
 }

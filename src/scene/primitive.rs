@@ -1,6 +1,7 @@
 //! One thing to hit: a shape, where it is, and what it is made of.
 
 use crate::camera::Ray;
+use crate::digest::content;
 use crate::material::MadeOf;
 use crate::math::{Aabb, DAffine3, DMat3, DVec2, DVec3, gamma};
 use crate::shape::{Crossing, Crossings, Rays, Shape, Surface, Surfaces};
@@ -16,6 +17,8 @@ pub struct Primitive {
     pub finish: Finish,
 }
 
+content!(struct Primitive { shape, placement, finish });
+
 /// What a primitive looks like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Finish {
@@ -23,6 +26,13 @@ pub enum Finish {
     /// Index into the scene's lights: the primitive is that light.
     Light(u32),
 }
+
+content!(
+    enum Finish {
+        Material(made_of),
+        Light(index),
+    }
+);
 
 /// A shape's own space within the world.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +42,8 @@ pub struct Placement {
     /// How far a ray that starts at a point of the surface may start from there in the shape's space.
     apart: f64,
 }
+
+content!(struct Placement { to_world, to_object, apart });
 
 impl Primitive {
     /// `shape` placed by `to_world`; none if that flattens it (a scale of 0 hides an object).

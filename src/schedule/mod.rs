@@ -1,10 +1,12 @@
 //! The frame's systems and their order: the only file that names it.
 
+mod preview;
 mod shutter;
 mod stages;
 #[cfg(test)]
 mod tests;
 
+pub use preview::{Look, Preview};
 pub use stages::{FilmSink, NoFrame, Stage, Tally};
 
 use crate::animate;
@@ -12,13 +14,13 @@ use crate::bvh::Bvh;
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::counters::Meter;
-use crate::film::Extras;
+use crate::film::{Extras, Film};
 use crate::filter::FilterSampler;
 use crate::scene::{Geometry, Shading, Weights, extract};
 use crate::sequence::Sequence;
 use crate::time::Timeline;
-use crate::trace::TraceSettings;
-use crate::world::{Current, Glows, Now, spawn};
+use crate::trace::{Moment, TraceSettings};
+use crate::world::{Current, Glows, Now, sky_table, spawn};
 use bevy_ecs::schedule::common_conditions::resource_changed;
 use bevy_ecs::schedule::{
     IntoScheduleConfigs, LogLevel, Schedule, ScheduleBuildSettings, SingleThreadedExecutor,
@@ -26,9 +28,11 @@ use bevy_ecs::schedule::{
 use bevy_ecs::system::IntoSystem;
 use bevy_ecs::world::World;
 use shutter::Shutter;
-use stages::{Exposed, Exposure, Faults, Settings, Shown, Sink, Stopwatch, Watched};
+use stages::{Exposed, Exposure, Faults, Settings, Shown, Sink, Stopwatch, Wanted, Watched};
 use std::marker::PhantomData;
 use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+use std::time::Instant;
 
 /// A sequence's world and the systems that make frames of it.
 pub struct FrameLoop<S> {
@@ -36,6 +40,8 @@ pub struct FrameLoop<S> {
     schedule: Schedule,
     timeline: Timeline,
     shutter: Shutter,
+    /// Tells which frames have something that moves while the shutter is open; none if it never is.
+    preview: Option<Preview>,
     sink: PhantomData<S>,
 }
 
@@ -47,12 +53,8 @@ impl<S: FilmSink> FrameLoop<S> {
 
     /// The same for films that record `extras` besides light.
     pub fn with_extras(sequence: &Sequence, extras: Extras, sink: S, meter: Arc<Meter>) -> Self {
-        let mut world = spawn(sequence);
-        let Glows { ambient, sky_table, layers } = world.resource::<Glows>().clone();
-        world.insert_resource(Current(Geometry::default()));
-        world.insert_resource(Current(Shading { ambient, sky_table, ..Shading::default() }));
-        world.insert_resource(Current(Weights(vec![Rgb::ONE; layers])));
-        world.insert_resource(Current(None::<Camera>));
+        let mut world = looks(sequence);
+        world.resource_mut::<Current<Shading>>().0.sky_table = sky_table(sequence);
         world.insert_resource(Current(Bvh::default()));
         world.insert_resource(Settings(TraceSettings {
             size: sequence.output.size,
@@ -62,18 +64,53 @@ impl<S: FilmSink> FrameLoop<S> {
         }));
         world.insert_resource(Exposure(sequence.output.exposure.clone()));
         world.insert_resource(Exposed::default());
+        world.insert_resource(Wanted::default());
         world.insert_resource(Sink(sink));
-        world.insert_resource(Faults::default());
-        world.insert_resource(Stopwatch::default());
-        world.insert_resource(Tally::default());
         world.insert_resource(Watched(meter));
         let (timeline, shutter) = (sequence.timeline, Shutter::new(sequence));
-        Self { world, schedule: schedule::<S>(), timeline, shutter, sink: PhantomData }
+        let preview = sequence.blurs_motion().then(|| Preview::new(sequence));
+        Self { world, schedule: schedule::<S>(), timeline, shutter, preview, sink: PhantomData }
     }
 
-    /// Makes one frame and hands its film to the sink. After an error no further frame can be made.
+    /// Makes one frame by itself and hands its film to the sink. After an error no further frame can be made.
     pub fn frame(&mut self, frame: u32) -> Result<(), NoFrame> {
-        for (clock, moment) in self.shutter.moments(&self.timeline, frame) {
+        let still = self.preview.as_mut().is_none_or(|preview| preview.look(frame).moments == 1);
+        self.run(frame, still)
+    }
+
+    /// Makes a frame that has been looked at; traces it with all layers of light for which `lit` is not black. The film is
+    /// given back.
+    pub fn trace(&mut self, look: &Look, lit: &[Rgb]) -> Result<Option<Film>, NoFrame> {
+        let lit = Some(Weights(lit.to_vec()));
+        self.world.insert_resource(Wanted { lit, keep: true });
+        let done = self.run(look.frame, look.moments == 1);
+        self.world.insert_resource(Wanted::default());
+        done?;
+        Ok(self.world.resource_mut::<Exposed>().kept.take())
+    }
+
+    /// Makes a frame that has been looked at of the film of another frame of the same transport, which holds all layers
+    /// that this one shows.
+    pub fn reuse(&mut self, look: &Look, film: &Film) -> Result<(), NoFrame> {
+        let start = Instant::now();
+        let film = Film { exposure: look.exposure, ..film.weighted_by(&look.weights) };
+        let pushed = self.world.resource_mut::<Sink<S>>().0.push(look.frame, film);
+        let mut tally = self.world.resource_mut::<Tally>();
+        tally.reused += 1;
+        tally.stages[Stage::Encode as usize] += start.elapsed();
+        let meter = &self.world.resource::<Watched>().0;
+        meter.reused.fetch_add(1, Relaxed);
+        meter.frames.fetch_add(1, Relaxed);
+        pushed.map_err(NoFrame::Encode)
+    }
+
+    /// Runs the stages for a frame: for its start alone, or for every moment while the shutter is open.
+    fn run(&mut self, frame: u32, still: bool) -> Result<(), NoFrame> {
+        let moments = match still {
+            true => vec![(self.timeline.clock(frame), Moment::ONLY)],
+            false => self.shutter.moments(&self.timeline, frame),
+        };
+        for (clock, moment) in moments {
             self.world.insert_resource(Now(clock));
             self.world.insert_resource(Shown(moment));
             self.world.resource_mut::<Stopwatch>().start();
@@ -96,8 +133,22 @@ impl<S: FilmSink> FrameLoop<S> {
     }
 }
 
-/// One chain of stages. Systems of one stage touch different data; two that did not would be refused.
-fn schedule<S: FilmSink>() -> Schedule {
+/// A world of the sequence with what the stages up to Extract read and write.
+fn looks(sequence: &Sequence) -> World {
+    let mut world = spawn(sequence);
+    let Glows { ambient, layers } = *world.resource::<Glows>();
+    world.insert_resource(Current(Geometry::default()));
+    world.insert_resource(Current(Shading { ambient, ..Shading::default() }));
+    world.insert_resource(Current(Weights(vec![Rgb::ONE; layers])));
+    world.insert_resource(Current(None::<Camera>));
+    world.insert_resource(Faults::default());
+    world.insert_resource(Stopwatch::default());
+    world.insert_resource(Tally::default());
+    world
+}
+
+/// One chain of stages, up to Extract. Systems of one stage touch different data; two that did not would be refused.
+fn seen() -> Schedule {
     use stages::*;
     let mut schedule = Schedule::default();
     schedule.set_executor(SingleThreadedExecutor::new());
@@ -120,6 +171,13 @@ fn schedule<S: FilmSink>() -> Schedule {
         lap(Stage::Extract),
     );
     schedule.add_systems(packed.chain().in_set(Stage::Extract));
+    schedule
+}
+
+/// All stages.
+fn schedule<S: FilmSink>() -> Schedule {
+    use stages::*;
+    let mut schedule = seen();
     let rebuilt = accelerate.run_if(resource_changed::<Current<Geometry>>);
     schedule.add_systems((rebuilt, lap(Stage::Accelerate)).chain().in_set(Stage::Accelerate));
     schedule.add_systems((trace_frame.run_if(no_fault), lap(Stage::Trace)).chain().in_set(Stage::Trace));

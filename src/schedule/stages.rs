@@ -5,7 +5,7 @@ use crate::camera::Camera;
 use crate::camera_path::NoCamera;
 use crate::counters::{Counts, Meter};
 use crate::encode::EncodeError;
-use crate::film::Film;
+use crate::film::{Film, lit};
 use crate::math::DVec3;
 use crate::scene::{Geometry, Scene, Shading, Weights};
 use crate::trace::{Moment, TraceSettings, trace, trace_moment};
@@ -62,6 +62,9 @@ pub struct Tally {
     /// How often each kind of data was packed anew.
     pub geometry_packs: u64,
     pub shading_packs: u64,
+    /// Frames that were traced, and those that were made of the film of another.
+    pub traced: u32,
+    pub reused: u32,
     pub stages: [Duration; 5],
 }
 
@@ -82,11 +85,19 @@ pub struct Watched(pub Arc<Meter>);
 #[derive(Resource)]
 pub struct Shown(pub Moment);
 
-/// The film between Trace and Encode, and what several moments add up to before they are a film.
+/// Which layers of light the frame in hand is traced with, if not with those that it shows; and whether its film is kept.
+#[derive(Default, Resource)]
+pub struct Wanted {
+    pub lit: Option<Weights>,
+    pub keep: bool,
+}
+
+/// The film between Trace and Encode, what several moments add up to before they are a film, and the film that is kept.
 #[derive(Default, Resource)]
 pub struct Exposed {
     film: Option<Film>,
     sums: Vec<DVec3>,
+    pub kept: Option<Film>,
 }
 
 /// The first error of a frame. A failing system does not stop a chain: the systems after it look here.
@@ -96,6 +107,11 @@ pub struct Faults(Option<NoFrame>);
 impl Faults {
     pub fn take(&mut self) -> Result<(), NoFrame> {
         self.0.take().map_or(Ok(()), Err)
+    }
+
+    /// Why there is no camera, if that was the error.
+    pub fn no_camera(&mut self) -> Option<NoCamera> {
+        if let Some(NoFrame::Camera { why, .. }) = self.0.take() { Some(why) } else { None }
     }
 }
 
@@ -160,13 +176,14 @@ type Traced<'w> = (
 pub fn trace_frame(
     now: Res<Now>,
     (geometry, bvh, shading, weights, camera): Traced,
-    (settings, exposure, shown): (Res<Settings>, Res<Exposure>, Res<Shown>),
+    (settings, exposure, shown, wanted): (Res<Settings>, Res<Exposure>, Res<Shown>, Res<Wanted>),
     watched: Res<Watched>,
     mut exposed: ResMut<Exposed>,
     mut tally: ResMut<Tally>,
 ) {
     let Some(camera) = &camera.0 else { return };
-    let scene = Scene { geometry: &geometry.0, shading: &shading.0, weights: &weights.0, camera };
+    let traced = wanted.lit.as_ref().unwrap_or(&weights.0);
+    let scene = Scene { geometry: &geometry.0, shading: &shading.0, weights: traced, camera };
     let (film, counts) = match shown.0 {
         Moment::ONLY => {
             let (film, counts) = trace(&scene, &bvh.0, &settings.0, &watched.0);
@@ -176,7 +193,10 @@ pub fn trace_frame(
     };
     tally.counts += counts;
     let Some(mut film) = film else { return };
+    tally.traced += 1;
+    film.weights.clone_from(&weights.0.0);
     film.expose(exposure.0.at(now.0.start));
+    exposed.kept = wanted.keep.then(|| film.clone());
     exposed.film = Some(film);
     watched.0.thousandths.store(0, Relaxed);
     watched.0.frames.fetch_add(1, Relaxed);
@@ -196,14 +216,14 @@ impl Exposed {
         if moment.index == 0 {
             let pixels = width as usize * height as usize;
             self.sums.clear();
-            let layers = scene.weights.0.len() + settings.extras.layers();
+            let layers = lit(&scene.weights.0).count() + settings.extras.layers();
             self.sums.resize(pixels * layers, DVec3::ZERO);
         }
         let counts = trace_moment(scene, bvh, settings, moment, &mut self.sums, meter);
         let last = moment.index + 1 == moment.of;
         let film = last.then(|| {
             let mut film = Film::with_extras(width, height, scene.weights.0.clone(), settings.extras);
-            film.data.iter_mut().zip(&self.sums).for_each(|(layer, sum)| *layer = sum.as_vec3());
+            film.data_mut().iter_mut().zip(&self.sums).for_each(|(layer, sum)| *layer = sum.as_vec3());
             film
         });
         (film, counts)

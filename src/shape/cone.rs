@@ -2,6 +2,7 @@
 
 use super::{Crossing, Geometric, Parameters, Surface, frustum::Frustum};
 use crate::camera::Ray;
+use crate::digest::content;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::tree::Probe;
 
@@ -50,6 +51,8 @@ pub(super) use as_its_frustum;
 /// The cone over a circle, up to its tip or to another circle; closed where it is flat, or open.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cone(Frustum);
+
+content!(struct Cone(frustum));
 
 impl Cone {
     /// `radius` around `base` is above 0, `top_radius` around `apex` not below; none if `base` is `apex`.

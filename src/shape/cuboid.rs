@@ -2,6 +2,7 @@
 
 use super::{Crossing, Geometric, Parameters, Surface};
 use crate::camera::Ray;
+use crate::digest::content;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3, gamma, next_away};
 use crate::tree::Probe;
 
@@ -11,6 +12,8 @@ pub struct Cuboid {
     pub min: DVec3,
     pub max: DVec3,
 }
+
+content!(struct Cuboid { min, max });
 
 impl Geometric for Cuboid {
     const NAME: &'static str = "Box";

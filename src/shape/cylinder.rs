@@ -2,12 +2,15 @@
 
 use super::{Crossing, Geometric, Parameters, Surface, cone::as_its_frustum, frustum::Frustum};
 use crate::camera::Ray;
+use crate::digest::content;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::tree::Probe;
 
 /// All points at a distance from the line between two points; with both ends closed, or open.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cylinder(Frustum);
+
+content!(struct Cylinder(frustum));
 
 impl Cylinder {
     /// `radius` is above 0; none if `from` is `to`.

@@ -2,6 +2,7 @@
 
 use super::{Crossing, Geometric, Parameters, Surface, flat};
 use crate::camera::Ray;
+use crate::digest::content;
 use crate::math::{Aabb, Angle, DAffine3, DVec2, DVec3, gamma};
 use crate::tree::Probe;
 
@@ -12,6 +13,8 @@ pub struct Disk {
     pub normal: DVec3,
     pub radius: f64,
 }
+
+content!(struct Disk { center, normal, radius });
 
 impl Geometric for Disk {
     const NAME: &'static str = "Disk";

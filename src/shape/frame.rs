@@ -2,6 +2,7 @@
 
 use super::{Surface, flat};
 use crate::camera::Ray;
+use crate::digest::content;
 use crate::math::{DAffine3, DMat3, DVec2, DVec3, UNIT_ROUNDOFF, gamma, perpendicular};
 use std::f64::consts::TAU;
 
@@ -12,6 +13,8 @@ pub struct Frame {
     pub origin: DVec3,
     pub axes: DMat3,
 }
+
+content!(struct Frame { origin, axes });
 
 impl Frame {
     /// The frame at `origin` whose y axis is the unit vector `axis`; upright, its axes are those of space.

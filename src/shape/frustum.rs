@@ -4,6 +4,7 @@ use super::frame::{Frame, across, around, even_scale};
 use super::taper::{BOTTOM, SIDE, TOP, Taper};
 use super::{Crossing, Surface};
 use crate::camera::Ray;
+use crate::digest::content;
 use crate::math::{Aabb, Angle, DAffine3, DVec2, DVec3, gamma};
 use crate::tree::Probe;
 use std::f64::consts::PI;
@@ -17,6 +18,8 @@ pub struct Frustum {
     /// Whether the ends are closed.
     capped: bool,
 }
+
+content!(struct Frustum { frame, taper, capped });
 
 impl Frustum {
     /// From `bottom` to `top`, each a centre and a radius; none if the axis between them has no length.

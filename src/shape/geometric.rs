@@ -3,11 +3,12 @@
 use super::{Crossing, Parameters, Surface};
 use crate::camera::Ray;
 use crate::color::Rgb;
+use crate::digest::Content;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::tree::Probe;
 
 /// A shape in its own space.
-pub trait Geometric: Clone + PartialEq {
+pub trait Geometric: Clone + PartialEq + Content {
     /// The word that files call the shape by.
     const NAME: &'static str;
 

@@ -45,6 +45,7 @@ pub use triangle::Triangle;
 
 use crate::camera::Ray;
 use crate::color::Rgb;
+use crate::digest::content;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::tree::Probe;
 use bevy_ecs::component::Component;
@@ -68,6 +69,8 @@ macro_rules! shapes {
                 }
             };
         }
+
+        content!(enum Shape { $($shape(shape),)* Group });
 
         impl Shape {
             /// The words that files call shapes by.

@@ -2,6 +2,7 @@
 
 use super::{Crossing, Geometric, Parameters, Surface, flat};
 use crate::camera::Ray;
+use crate::digest::content;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::tree::Probe;
 
@@ -11,6 +12,8 @@ pub struct Plane {
     pub point: DVec3,
     pub normal: DVec3,
 }
+
+content!(struct Plane { point, normal });
 
 impl Geometric for Plane {
     const NAME: &'static str = "Plane";

@@ -2,6 +2,7 @@
 
 use super::{Crossing, Geometric, Parameters, Surface, flat, triangle::covers};
 use crate::camera::Ray;
+use crate::digest::content;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::tree::Probe;
 
@@ -12,6 +13,8 @@ pub struct Rectangle {
     pub u: DVec3,
     pub v: DVec3,
 }
+
+content!(struct Rectangle { corner, u, v });
 
 impl Geometric for Rectangle {
     const NAME: &'static str = "Rectangle";

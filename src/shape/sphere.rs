@@ -3,6 +3,7 @@
 use super::frame::even_scale;
 use super::{Crossing, Geometric, Parameters, Surface};
 use crate::camera::Ray;
+use crate::digest::content;
 use crate::math::{Aabb, Angle, DAffine3, DVec2, DVec3, gamma};
 use crate::sampling::{self, Frame};
 use crate::tree::Probe;
@@ -18,6 +19,8 @@ pub struct Sphere {
     pub center: DVec3,
     pub radius: f64,
 }
+
+content!(struct Sphere { center, radius });
 
 impl Geometric for Sphere {
     const NAME: &'static str = "Sphere";

@@ -2,6 +2,7 @@
 
 use super::{Crossing, frame::across};
 use crate::camera::Ray;
+use crate::digest::content;
 use crate::math::{DVec2, DVec3, difference_of_products};
 
 /// The parts of cylinders and cones.
@@ -17,6 +18,8 @@ pub struct Taper {
     pub mean: f64,
     pub lean: f64,
 }
+
+content!(struct Taper { half, mean, lean });
 
 impl Taper {
     /// From the narrower end on: exactly `mean` for a cylinder, however far away `y` is, and to within a few

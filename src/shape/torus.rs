@@ -3,6 +3,7 @@
 use super::frame::{Frame, across, around, even_scale};
 use super::{Crossing, Geometric, Parameters, Surface, chord::Chord};
 use crate::camera::Ray;
+use crate::digest::content;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3, UNIT_ROUNDOFF, gamma, root_between};
 use crate::tree::Probe;
 use std::f64::consts::{PI, TAU};
@@ -15,6 +16,8 @@ pub struct Torus {
     pub(super) major: f64,
     pub(super) minor: f64,
 }
+
+content!(struct Torus { frame, major, minor });
 
 impl Geometric for Torus {
     const NAME: &'static str = "Torus";

@@ -2,6 +2,7 @@
 
 use super::{Crossing, Geometric, Parameters, Surface, flat};
 use crate::camera::Ray;
+use crate::digest::content;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3, larger, smaller};
 use crate::tree::Probe;
 
@@ -10,6 +11,8 @@ use crate::tree::Probe;
 pub struct Triangle {
     pub corners: [DVec3; 3],
 }
+
+content!(struct Triangle { corners });
 
 impl Geometric for Triangle {
     const NAME: &'static str = "Triangle";

@@ -1,6 +1,7 @@
 //! Images: texels in linear light, and what lies between them.
 
 use crate::color::Rgb;
+use crate::digest::content;
 use crate::math::DVec2;
 
 /// A picture in linear light; at least one texel wide and high.
@@ -11,6 +12,8 @@ pub struct Image {
     /// Row by row from the top left, as files have them.
     texels: Vec<Rgb>,
 }
+
+content!(struct Image { width, height, texels });
 
 /// What is seen beyond the edges of an image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,6 +27,14 @@ pub enum Wrap {
     Clamp,
 }
 
+content!(
+    enum Wrap {
+        Repeat,
+        Mirror,
+        Clamp,
+    }
+);
+
 /// What is seen between the centres of texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {
@@ -33,6 +44,13 @@ pub enum Filter {
     /// The nearest texel.
     Nearest,
 }
+
+content!(
+    enum Filter {
+        Bilinear,
+        Nearest,
+    }
+);
 
 impl Image {
     /// An image of `width` × `height` texels, row by row from the top left; none if there are more or fewer of

@@ -2,6 +2,7 @@
 
 use super::{Filter, Footprint, Image, Pattern, Placement, Shared, Space, Wrap};
 use crate::color::Rgb;
+use crate::digest::content;
 use crate::math::{DVec2, DVec3};
 
 /// What a paint may ask of a point on a surface.
@@ -33,6 +34,15 @@ pub enum Paint {
     Pattern(Box<PatternPaint>),
 }
 
+content!(
+    enum Paint {
+        Color(color),
+        VertexColor,
+        Image(paint),
+        Pattern(paint),
+    }
+);
+
 /// An image on a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImagePaint {
@@ -47,6 +57,8 @@ pub struct ImagePaint {
     pub placement: Placement,
 }
 
+content!(struct ImagePaint { image, wrap, filter, channel, tint, placement });
+
 /// Two paints in a pattern, which may be patterns themselves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PatternPaint {
@@ -57,6 +69,8 @@ pub struct PatternPaint {
     pub second: Paint,
 }
 
+content!(struct PatternPaint { pattern, space, placement, first, second });
+
 /// One of a colour's three numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
@@ -64,6 +78,14 @@ pub enum Channel {
     G,
     B,
 }
+
+content!(
+    enum Channel {
+        R,
+        G,
+        B,
+    }
+);
 
 impl From<Rgb> for Paint {
     fn from(color: Rgb) -> Self {

@@ -2,6 +2,7 @@
 
 use super::footprint::contrast;
 use super::noise::{layered, turbulence};
+use crate::digest::content;
 use crate::math::{Angle, DVec3, gamma};
 
 /// A pattern of two paints, in units of its own. Where only x and y are named, it is the same for every z.
@@ -22,6 +23,16 @@ pub enum Pattern {
     /// Veins across x, one per unit, that `turbulence` moves by so many units at most.
     Marble { octaves: u32, seed: u32, turbulence: f64 },
 }
+
+content!(enum Pattern {
+    Checker,
+    Stripes,
+    Waves,
+    Dots,
+    Gradient { axis },
+    Noise { octaves, seed },
+    Marble { octaves, seed, turbulence },
+});
 
 impl Pattern {
     /// How much of the second paint is at `point`, in 0..=1, where each coordinate is known within `error` and what

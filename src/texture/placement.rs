@@ -1,6 +1,7 @@
 //! Where a pattern or an image lies: scaled, then rotated, then moved, as an object is.
 
 use super::Footprint;
+use crate::digest::content;
 use crate::math::{DMat3, DQuat, DVec3, gamma};
 use crate::time::Time;
 use crate::track::Animated;
@@ -15,6 +16,13 @@ pub enum Space {
     /// (u, v, 0): the pattern is printed on the surface.
     Uv,
 }
+
+content!(
+    enum Space {
+        Object,
+        Uv,
+    }
+);
 
 /// A placement over time: a point p of the pattern is shown at offset + R(scale · p).
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +48,8 @@ pub struct Placement {
     offset: DVec3,
     inverse: DMat3,
 }
+
+content!(struct Placement { offset, inverse });
 
 impl PlacementTracks {
     pub fn at(&self, time: Time) -> Placement {

@@ -1,16 +1,24 @@
 //! Large data that many own and nobody changes.
 
+use crate::digest::{Content, Digest, Digester};
 use std::ops::Deref;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Something loaded once, compared by where it is and not by what it holds: values that are compared in every
 /// frame must not walk through an image's texels.
 #[derive(Debug)]
-pub struct Shared<T>(Arc<T>);
+pub struct Shared<T>(Arc<Held<T>>);
+
+#[derive(Debug)]
+struct Held<T> {
+    value: T,
+    /// Of the value; computed when first asked for.
+    digest: OnceLock<Digest>,
+}
 
 impl<T> Shared<T> {
     pub fn new(value: T) -> Self {
-        Self(Arc::new(value))
+        Self(Arc::new(Held { value, digest: OnceLock::new() }))
     }
 }
 
@@ -24,7 +32,13 @@ impl<T> Deref for Shared<T> {
     type Target = T;
 
     fn deref(&self) -> &T {
-        &self.0
+        &self.0.value
+    }
+}
+
+impl<T: Content> Content for Shared<T> {
+    fn feed(&self, into: &mut Digester) {
+        self.0.digest.get_or_init(|| Digest::of(&self.0.value)).feed(into);
     }
 }
 

@@ -29,6 +29,7 @@ use crate::math::DVec3;
 use crate::quality::Quality;
 use crate::scene::Scene;
 use pixel::Pixels;
+pub use pixel::is_random;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -66,19 +67,18 @@ const TILE: u32 = 8;
 /// Columns and rows of pixels whose rays are traced together.
 const BLOCK: (u32, u32) = (4, 2);
 
-/// Traces one frame. The film and the counts are the same for any number of threads.
+/// Traces one frame: the layers that are not dark. The film and the counts are the same for any number of threads.
 pub fn trace(scene: &Scene, bvh: &Bvh, settings: &TraceSettings, meter: &Meter) -> (Film, Counts) {
     let (width, height) = settings.size;
     let mut film = Film::with_extras(width, height, scene.weights.0.clone(), settings.extras);
-    let layers = film.layers();
     let pixels = Pixels::new(scene, bvh, settings, Moment::ONLY);
     let store = |layer: &mut Rgb, sum: DVec3| *layer = sum.as_vec3();
-    let counts = in_bands(&pixels, layers, &mut film.data, meter, store);
+    let counts = in_bands(&pixels, film.data_mut(), meter, store);
     (film, counts)
 }
 
 /// Adds what is seen at one moment of several to the sums that become a film: those samples of each pixel that
-/// fall on the moment. `sums` holds every pixel's layers, as a [`Film`] does.
+/// fall on the moment. `sums` holds the layers of every pixel that a [`Film`] does.
 pub fn trace_moment(
     scene: &Scene,
     bvh: &Bvh,
@@ -88,14 +88,12 @@ pub fn trace_moment(
     meter: &Meter,
 ) -> Counts {
     let pixels = Pixels::new(scene, bvh, settings, moment);
-    let layers = scene.weights.0.len() + settings.extras.layers();
-    in_bands(&pixels, layers, sums, meter, |layer, sum| *layer += sum)
+    in_bands(&pixels, sums, meter, |layer, sum| *layer += sum)
 }
 
 /// Traces all pixels into `data`, by `store`.
 fn in_bands<T: Send>(
     pixels: &Pixels,
-    layers: usize,
     data: &mut [T],
     meter: &Meter,
     store: impl Fn(&mut T, DVec3) + Sync,
@@ -104,9 +102,10 @@ fn in_bands<T: Send>(
     let bands = height.div_ceil(TILE);
     let done = AtomicU32::new(0);
     let moment = pixels.moment;
-    let counts = data.par_chunks_mut((width * TILE) as usize * layers).enumerate().map(|(band, data)| {
+    let held = pixels.held();
+    let counts = data.par_chunks_mut((width * TILE) as usize * held.len()).enumerate().map(|(band, data)| {
         let top = band as u32 * TILE;
-        let window = Window { pixels, layers, rows: top..height.min(top + TILE) };
+        let window = Window { pixels, held: &held, rows: top..height.min(top + TILE) };
         let counts = window.trace(data, &store);
         meter.rays.fetch_add(counts.rays.total(), Relaxed);
         let done = u64::from(done.fetch_add(1, Relaxed) + 1);
@@ -123,7 +122,8 @@ fn in_bands<T: Send>(
 /// A band of the picture's rows.
 struct Window<'a> {
     pixels: &'a Pixels<'a>,
-    layers: usize,
+    /// Which of the layers that are traced the picture holds.
+    held: &'a [usize],
     rows: Range<u32>,
 }
 
@@ -134,25 +134,38 @@ impl Window<'_> {
             return self.trace_together(data, store);
         }
         let width = self.pixels.settings.size.0;
-        let mut work = Work::new(self.layers);
-        let mut sums = vec![DVec3::ZERO; self.layers];
+        let layers = self.pixels.layers();
+        let mut work = Work::new(layers);
+        let mut sums = vec![DVec3::ZERO; layers];
         for left in (0..width).step_by(TILE as usize) {
             for y in self.rows.clone() {
                 for x in left..width.min(left + TILE) {
-                    let at = ((y - self.rows.start) * width + x) as usize * self.layers;
                     self.pixels.trace((x, y), &mut sums, &mut work);
-                    for (layer, sum) in data[at..at + self.layers].iter_mut().zip(&mut sums) {
-                        store(layer, std::mem::take(sum));
-                    }
+                    self.store((x, y), data, &mut sums, &store);
                 }
             }
         }
         work.counts
     }
 
+    /// Stores the layers of a pixel that are held, and begins the next one's.
+    fn store<T>(
+        &self,
+        (x, y): (u32, u32),
+        data: &mut [T],
+        sums: &mut [DVec3],
+        store: &impl Fn(&mut T, DVec3),
+    ) {
+        let at = ((y - self.rows.start) * self.pixels.settings.size.0 + x) as usize * self.held.len();
+        for (layer, &index) in data[at..].iter_mut().zip(self.held) {
+            store(layer, sums[index]);
+        }
+        sums.fill(DVec3::ZERO);
+    }
+
     /// The same, eight pixels at a time.
     fn trace_together<T>(&self, data: &mut [T], store: impl Fn(&mut T, DVec3)) -> Counts {
-        let (width, layers) = (self.pixels.settings.size.0, self.layers);
+        let (width, layers) = (self.pixels.settings.size.0, self.pixels.layers());
         let mut eight = Sums::new(layers);
         let mut sums = vec![DVec3::ZERO; 8 * layers];
         let mut pixels = Vec::with_capacity(8);
@@ -166,10 +179,7 @@ impl Window<'_> {
                 }
                 self.pixels.trace_together(&pixels, &mut sums, &mut eight);
                 for (&(x, y), sums) in pixels.iter().zip(sums.chunks_exact_mut(layers)) {
-                    let at = ((y - self.rows.start) * width + x) as usize * layers;
-                    for (layer, sum) in data[at..at + layers].iter_mut().zip(sums) {
-                        store(layer, std::mem::take(sum));
-                    }
+                    self.store((x, y), data, sums, &store);
                 }
             }
         }

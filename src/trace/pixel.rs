@@ -7,7 +7,7 @@ use super::{Moment, TraceSettings, guides, together, whitted};
 use crate::bvh::Bvh;
 use crate::camera::{Beam, Ray};
 use crate::counters::Dropped;
-use crate::film::{Extras, LayerId};
+use crate::film::{Extras, LayerId, lit};
 use crate::math::{DVec2, DVec3};
 use crate::quality::Integrator;
 use crate::sampling::{PixelSampler, Sampler, Use};
@@ -44,11 +44,22 @@ impl<'a> Pixels<'a> {
             Integrator::Whitted => None,
             Integrator::Path(path) => Some(Paths::new(&tracer, path)),
         };
-        let random = paths.is_some() || moment.of > 1 || calls_for_samples(scene, &tracer);
+        let random = moment.of > 1 || is_random(scene, quality.integrator);
         let guides = settings.extras.guides_layer(lights);
         // Eight at a time only light is recorded.
         let together = !random && settings.extras == Extras::default() && together::suits(&tracer);
         Self { settings, moment, tracer, paths, random, lights, guides, together }
+    }
+
+    /// How many layers are traced, dark ones among them.
+    pub fn layers(&self) -> usize {
+        self.lights + self.settings.extras.layers()
+    }
+
+    /// Those of them that a film holds.
+    pub fn held(&self) -> Vec<usize> {
+        let lit = lit(&self.tracer.scene.weights.0).map(LayerId::index);
+        lit.chain(self.lights..self.layers()).collect()
     }
 
     /// Adds a pixel's layers to `sums`: the mean of its samples or, of several moments, this moment's part of
@@ -181,14 +192,15 @@ fn count(sample: DVec3, dropped: &mut Dropped) {
     }
 }
 
-/// Whether anything in the scene has to be sampled even where rays branch.
-fn calls_for_samples(scene: &Scene, tracer: &Tracer) -> bool {
+/// Whether samples of one moment of the scene are drawn at random: along paths, and where a lens, a light with an area
+/// or a rough surface has to be sampled.
+pub fn is_random(scene: &Scene, integrator: Integrator) -> bool {
     let rough = || {
         let mut materials = scene.geometry.primitives.iter().flat_map(Primitive::materials);
         materials.any(|index| scene.shading.materials[index as usize].is_rough())
     };
-    let area = || tracer.lights.iter().any(|(_, light)| light.source.is_sampled());
-    scene.camera.lens.is_some() || area() || rough()
+    let area = || scene.lights().any(|(_, light)| light.source.is_sampled());
+    integrator.looks_for_lights() || scene.camera.lens.is_some() || area() || rough()
 }
 
 #[cfg(test)]

@@ -109,9 +109,7 @@ impl<'a> Tracer<'a> {
     pub fn new(scene: &'a Scene<'a>, bvh: &'a Bvh, quality: &'a Quality, refractive_shadows: bool) -> Self {
         let shading = scene.shading;
         let weighted = |layer: LayerId| scene.weights.0[layer.index()] != Rgb::ZERO;
-        let shines = |light: &Light| light.radiance != Rgb::ZERO && weighted(light.layer);
         let glows = |glow: &Glow| glow.radiance != Rgb::ZERO && weighted(glow.layer);
-        let lights = (0..).zip(&shading.lights).filter(|(_, light)| shines(light));
         let used = |test: fn(&Material) -> bool| {
             let mut materials = scene.geometry.primitives.iter().flat_map(Primitive::materials);
             materials.any(|index| test(&shading.materials[index as usize]))
@@ -123,10 +121,10 @@ impl<'a> Tracer<'a> {
             scene,
             bvh,
             quality,
-            lights: lights.map(|(index, light)| (index, *light)).collect(),
+            lights: scene.lights().map(|(index, light)| (index, *light)).collect(),
             environment: (!environment.is_black() && weighted(environment.layer)).then_some(environment),
             ambient: Some(shading.ambient).filter(glows),
-            fog: shading.fog.filter(|fog| fog.density > 0.0),
+            fog: shading.fog,
             holdout: None,
             refractive_shadows,
             clear: clear || (media && refractive_shadows),

@@ -6,4 +6,4 @@ mod spawn;
 
 pub use components::{AreaLight, FileOrder, Transform, Visible, VisibleTrack, Weight};
 pub use resources::{ActiveCamera, Current, Glows, Hierarchy, Now, Objects};
-pub use spawn::spawn;
+pub use spawn::{sky_table, spawn};

@@ -1,12 +1,10 @@
 //! What there is one of.
 
-use crate::environment::SkyTable;
 use crate::glow::Glow;
 use crate::time::Clock;
 use crate::track::Animated;
 use bevy_ecs::entity::Entity;
 use bevy_ecs::resource::Resource;
-use std::sync::Arc;
 
 /// The moment that the world shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Resource)]
@@ -32,10 +30,9 @@ pub struct ActiveCamera {
     pub index: Animated<usize>,
 }
 
-/// The ambient light, where the sky is bright, and how many layers of the film all light takes.
-#[derive(Clone, Debug, Resource)]
+/// The ambient light, and how many layers of the film all light takes.
+#[derive(Clone, Copy, Debug, Resource)]
 pub struct Glows {
     pub ambient: Glow,
-    pub sky_table: Option<Arc<SkyTable>>,
     pub layers: usize,
 }

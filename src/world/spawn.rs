@@ -29,13 +29,15 @@ pub fn spawn(sequence: &Sequence) -> World {
     spawn_fog(&mut world, &mut layers, sequence);
     spawn_cameras(&mut world, sequence);
     spawn_objects(&mut world, sequence);
-    let sky_table = sequence.quality.integrator.looks_for_lights().then(|| table(sequence)).flatten();
-    world.insert_resource(Glows { ambient, sky_table, layers: layers.count() });
+    world.insert_resource(Glows { ambient, layers: layers.count() });
     world
 }
 
-/// Where the sky is bright. No key changes that.
-fn table(sequence: &Sequence) -> Option<Arc<SkyTable>> {
+/// Where the sky is bright, if paths may ask for its light. No key changes that.
+pub fn sky_table(sequence: &Sequence) -> Option<Arc<SkyTable>> {
+    if !sequence.quality.integrator.looks_for_lights() {
+        return None;
+    }
     let environment = sequence.background.at(sequence.timeline.clock(0).time, LayerId::CONSTANT);
     SkyTable::new(&environment.sky).map(Arc::new)
 }

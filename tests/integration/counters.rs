@@ -94,7 +94,7 @@ fn keyed_materials_and_lights_that_move_pack_shading_alone() {
     for material in [
         "color: [(0, (1, 0, 0)), (2, (0, 1, 0))]",
         "mirror: [(0, 0), (2, 1)]",
-        "shininess: [(0, 3), (2, 5)]",
+        "specular: 1, shininess: [(0, 3), (2, 5)]",
         "specular: [(0, 0), (2, 1)], diffuse: [(0, 0), (2, 1)]",
     ] {
         made_anew(&ball(4, "", LAMP, material, ""), &[SHADING, SHADING, NOTHING]);

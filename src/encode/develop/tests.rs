@@ -59,7 +59,7 @@ fn co_01_known_codes() {
 fn co_02_values_outside_the_range() {
     let mut film = Film::new(3, 2, vec![Rgb::ONE]);
     let values = [f32::NAN, -0.1, f32::INFINITY, 1e30, -f32::INFINITY, HIGHEST];
-    for (pixel, value) in film.data.iter_mut().zip(values) {
+    for (pixel, value) in film.data_mut().iter_mut().zip(values) {
         pixel.x = value;
     }
     for (name, tonemap) in Tonemap::NAMED {
@@ -84,11 +84,11 @@ fn co_02_halves_round_up_and_one_is_white() {
 #[test]
 fn the_exposure_comes_first() {
     let mut film = Film::new(1, 1, vec![Rgb::splat(0.5)]);
-    film.data[0] = Rgb::new(0.25, 0.5, 1.0);
+    film.data_mut()[0] = Rgb::new(0.25, 0.5, 1.0);
     film.expose(2.0);
     for (name, tonemap) in Tonemap::NAMED {
         let mut brighter = Film::new(1, 1, vec![Rgb::ONE]);
-        brighter.data[0] = Rgb::new(0.5, 1.0, 2.0);
+        brighter.data_mut()[0] = Rgb::new(0.5, 1.0, 2.0);
         let table = ToneTable::new(tonemap);
         assert_eq!(table.develop(&film), table.develop(&brighter), "{name}");
     }
@@ -97,7 +97,7 @@ fn the_exposure_comes_first() {
 #[test]
 fn reinhard_compresses_the_luminance() {
     let mut film = Film::new(2, 1, vec![Rgb::ONE]);
-    film.data = vec![Rgb::ONE, Rgb::X];
+    film.data_mut().copy_from_slice(&[Rgb::ONE, Rgb::X]);
     let (picture, _) = ToneTable::new(Tonemap::Reinhard).develop(&film);
     let code = |linear: f32| exact_code(Tonemap::Srgb, linear) as u8;
     assert_eq!(picture.rgb, [code(0.5), code(0.5), code(0.5), code(1.0 / 1.2126), 0, 0]);
@@ -106,10 +106,10 @@ fn reinhard_compresses_the_luminance() {
 #[test]
 fn sixteen_bits_hold_the_same_picture_more_finely() {
     let mut film = Film::new(64, 4, vec![Rgb::ONE]);
-    for (i, pixel) in film.data.iter_mut().enumerate() {
+    for (i, pixel) in film.data_mut().iter_mut().enumerate() {
         *pixel = Rgb::new(i as f32 / 200.0, i as f32 * 0.02, -1.0);
     }
-    film.data[9].x = f32::NAN;
+    film.data_mut()[9].x = f32::NAN;
     for (name, tonemap) in Tonemap::NAMED {
         let (picture, _) = ToneTable::new(tonemap).develop(&film);
         let deep = develop_deep(tonemap, &film);
@@ -126,7 +126,8 @@ fn alpha_is_not_multiplied_into_the_colour() {
     let extras = Extras { coverage: true, guides: false };
     let mut film = Film::with_extras(3, 1, vec![Rgb::ONE], extras);
     let color = Rgb::new(0.18, 0.5, 1.0);
-    film.data = vec![color, Rgb::ZERO, color * 0.25, Rgb::splat(0.75), Rgb::ZERO, Rgb::ONE];
+    film.data =
+        std::sync::Arc::new(vec![color, Rgb::ZERO, color * 0.25, Rgb::splat(0.75), Rgb::ZERO, Rgb::ONE]);
     let (picture, _) = ToneTable::new(Tonemap::Srgb).develop(&film);
     assert_eq!(picture.rgb, [118, 188, 255, 118, 188, 255, 0, 0, 0]);
     assert_eq!(picture.alpha, Some(vec![255, 64, 0]));

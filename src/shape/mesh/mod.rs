@@ -7,6 +7,7 @@ use super::triangle::{covers, depth, uniform_weights, unit_normal};
 use super::{Crossing, Geometric, Parameters, Surface, flat};
 use crate::camera::Ray;
 use crate::color::Rgb;
+use crate::digest::{Content, Digester};
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::mesh::{self, Normals, Sheared};
 use crate::simd::{Lanes, Work};
@@ -25,6 +26,14 @@ pub struct Mesh {
 impl PartialEq for Mesh {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.mesh, &other.mesh) && self.normals == other.normals
+    }
+}
+
+impl Content for Mesh {
+    fn feed(&self, into: &mut Digester) {
+        let Self { mesh, normals } = self;
+        mesh.digest().feed(into);
+        normals.feed(into);
     }
 }
 

@@ -145,7 +145,7 @@ impl World {
         assert!(pixels.together, "a scene for eight rays");
         pixels.together = together;
         let mut sums = vec![DVec3::ZERO; (SIZE.0 * SIZE.1) as usize * 3];
-        let window = Window { pixels: &pixels, layers: 3, rows: 0..SIZE.1 };
+        let window = Window { pixels: &pixels, held: &[0, 1, 2], rows: 0..SIZE.1 };
         let counts = window.trace(&mut sums, |layer, sum| *layer = sum);
         (sums, counts)
     }

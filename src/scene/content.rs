@@ -1,0 +1,58 @@
+//! What tracing would make of a scene, as a digest: nothing that has no effect on it is part of it.
+
+use super::{Geometry, Scene, Shading};
+use crate::color::Rgb;
+use crate::digest::{Content, Digest, Digester};
+use crate::light::Light;
+
+/// The parts of a scene that take long to hash, each hashed when it has changed.
+#[derive(Clone, Debug, Default)]
+pub struct Digests {
+    geometry: Digest,
+    /// The materials that are seen somewhere, ascending.
+    used: Vec<u32>,
+    /// The shapes' own spaces, which only paint asks for.
+    origins: Option<Digest>,
+    shading: Digest,
+}
+
+impl Digests {
+    /// Notes that the geometry has changed.
+    pub fn geometry(&mut self, geometry: &Geometry) {
+        self.geometry = Digest::of(&geometry.primitives);
+        self.origins = None;
+        self.used = geometry.materials();
+    }
+
+    /// Notes that the shading or the geometry has changed; of both, the geometry is noted first.
+    pub fn shading(&mut self, geometry: &Geometry, shading: &Shading) {
+        let mut digester = Digester::new();
+        let materials = self.used.iter().map(|&index| (index, &shading.materials[index as usize]));
+        let mut painted = false;
+        for (index, material) in materials {
+            painted |= !material.paints.is_empty();
+            (index, material).feed(&mut digester);
+        }
+        feed_light(shading, &mut digester);
+        if painted {
+            self.origins.get_or_insert_with(|| geometry.origins()).feed(&mut digester);
+        }
+        self.shading = digester.finish();
+    }
+
+    /// All that light meets on its way through a scene whose parts have been noted, but for weights.
+    pub fn transport(&self, scene: &Scene) -> Digest {
+        Digest::of(&(self.geometry, self.shading, scene.camera))
+    }
+}
+
+/// What shines. Of each kind the number comes first, so that none is taken for another.
+fn feed_light(shading: &Shading, digester: &mut Digester) {
+    let Shading { materials: _, lights, environment, sky_table: _, ambient, fog } = shading;
+    let shines = |(_, light): &(u32, &Light)| light.radiance != Rgb::ZERO;
+    let lights: Vec<(u32, &Light)> = (0..).zip(lights).filter(shines).collect();
+    lights.feed(digester);
+    (!environment.is_black()).then_some(environment).feed(digester);
+    (ambient.radiance != Rgb::ZERO).then_some(ambient).feed(digester);
+    fog.feed(digester);
+}

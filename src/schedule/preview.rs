@@ -1,0 +1,176 @@
+//! Frames looked at without tracing: what each of them evaluates to.
+
+use super::stages::{Faults, Shown, Stopwatch};
+use super::{Shutter, looks, seen};
+use crate::camera::Camera;
+use crate::camera_path::NoCamera;
+use crate::color::Rgb;
+use crate::digest::{Content, Digest, Digester};
+use crate::film::exposure;
+use crate::quality::{Integrator, Quality};
+use crate::scene::{Digests, Geometry, Scene, Shading, Weights};
+use crate::sequence::Sequence;
+use crate::time::{Clock, Timeline};
+use crate::trace::{Moment, is_random};
+use crate::track::Animated;
+use crate::world::{Current, Now};
+use bevy_ecs::change_detection::{DetectChanges, Tick};
+use bevy_ecs::schedule::Schedule;
+use bevy_ecs::world::World;
+
+/// A sequence's world without anything that traces.
+pub struct Preview {
+    world: World,
+    schedule: Schedule,
+    timeline: Timeline,
+    shutter: Shutter,
+    exposure: Animated<f64>,
+    /// What is the same in all frames.
+    settings: Settings,
+    digests: Digests,
+    /// When geometry and shading had changed last.
+    changed: Option<(Tick, Tick)>,
+}
+
+/// What a frame evaluates to. It depends on the sequence and the frame alone, not on what was looked at before.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    pub frame: u32,
+    /// All that decides which light each layer holds, at every moment at which the frame is traced: geometry, materials,
+    /// where lights are, sky, fog, cameras, and the settings of quality that are called for. What has no strength has no
+    /// part in it.
+    pub transport: Digest,
+    /// What each layer is weighted with.
+    pub weights: Vec<Rgb>,
+    /// Factor of the displayed picture.
+    pub exposure: f32,
+    /// Moments at which the frame is traced: one, unless something moves while the shutter is open.
+    pub moments: u32,
+    /// Whether samples are drawn at random.
+    pub random: bool,
+    /// Why the frame cannot be traced.
+    pub fault: Option<NoCamera>,
+}
+
+impl Look {
+    /// What the frame looks like: equal digests, equal radiance and exposure.
+    pub fn digest(&self) -> Digest {
+        let weighted = |(_, weight): &(u32, Rgb)| *weight != Rgb::ZERO;
+        let weights: Vec<(u32, Rgb)> = (0..).zip(self.weights.iter().copied()).filter(weighted).collect();
+        Digest::of(&(self.transport, weights, self.exposure))
+    }
+}
+
+/// The settings that change films.
+struct Settings {
+    size: (u32, u32),
+    coverage: bool,
+    quality: Quality,
+}
+
+impl Preview {
+    pub fn new(sequence: &Sequence) -> Self {
+        let mut world = looks(sequence);
+        world.insert_resource(Shown(Moment::ONLY));
+        let settings = Settings {
+            size: sequence.output.size,
+            coverage: sequence.output.transparent,
+            quality: sequence.quality,
+        };
+        Self {
+            world,
+            schedule: seen(),
+            timeline: sequence.timeline,
+            shutter: Shutter::new(sequence),
+            exposure: sequence.output.exposure.clone(),
+            settings,
+            digests: Digests::default(),
+            changed: None,
+        }
+    }
+
+    /// What a frame evaluates to.
+    pub fn look(&mut self, frame: u32) -> Look {
+        let moments = self.shutter.moments(&self.timeline, frame);
+        let mut found: Vec<(Digest, bool)> = Vec::with_capacity(moments.len());
+        let mut fault = None;
+        for &(clock, _) in &moments {
+            match self.moment(clock) {
+                Ok(one) => found.push(one),
+                Err(why) => {
+                    fault = Some(why);
+                    break;
+                }
+            }
+        }
+        // What stands still while the shutter is open is one moment.
+        if fault.is_none() && found.windows(2).all(|pair| pair[0] == pair[1]) {
+            found.truncate(1);
+        }
+        let random = found.len() > 1 || found.first().is_some_and(|one| one.1);
+        let mut digester = Digester::new();
+        self.settings.feed(random, &mut digester);
+        found.feed(&mut digester);
+        fault.is_some().feed(&mut digester);
+        Look {
+            frame,
+            transport: digester.finish(),
+            weights: self.world.resource::<Current<Weights>>().0.0.clone(),
+            exposure: exposure(self.exposure.at(self.timeline.clock(frame).start)),
+            moments: found.len() as u32,
+            random,
+            fault,
+        }
+    }
+
+    /// What light meets at a moment, and whether the moment alone calls for random samples.
+    fn moment(&mut self, clock: Clock) -> Result<(Digest, bool), NoCamera> {
+        self.world.insert_resource(Now(clock));
+        self.world.resource_mut::<Stopwatch>().start();
+        self.schedule.run(&mut self.world);
+        self.world.clear_trackers();
+        if let Some(why) = self.world.resource_mut::<Faults>().no_camera() {
+            return Err(why);
+        }
+        let world = &self.world;
+        let (Some(geometry), Some(shading)) =
+            (world.get_resource_ref::<Current<Geometry>>(), world.get_resource_ref::<Current<Shading>>())
+        else {
+            return Err(NoCamera::NotFinite);
+        };
+        let now = (geometry.last_changed(), shading.last_changed());
+        if self.changed != Some(now) {
+            if self.changed.map(|(geometry, _)| geometry) != Some(now.0) {
+                self.digests.geometry(&geometry.0);
+            }
+            self.digests.shading(&geometry.0, &shading.0);
+            self.changed = Some(now);
+        }
+        let camera = &world.resource::<Current<Option<Camera>>>().0;
+        let Some(camera) = camera else { return Err(NoCamera::NotFinite) };
+        let weights = &world.resource::<Current<Weights>>().0;
+        let scene = Scene { geometry: &geometry.0, shading: &shading.0, weights, camera };
+        let random = is_random(&scene, self.settings.quality.integrator);
+        Ok((self.digests.transport(&scene), random))
+    }
+}
+
+impl Settings {
+    /// Those that a film with or without random samples asks for.
+    fn feed(&self, random: bool, into: &mut Digester) {
+        let Self { size: (width, height), coverage, quality } = self;
+        let Quality { integrator, bounces, filter, antialias, samples, .. } = quality;
+        let Quality { threshold, clamp, smooth_terminator, seed, shutter_steps: _, .. } = quality;
+        (*width, *height, *coverage).feed(into);
+        (integrator, *bounces, filter).feed(into);
+        (*clamp, *smooth_terminator, random).feed(into);
+        if *integrator == Integrator::Whitted {
+            threshold.feed(into);
+        }
+        if random {
+            (*samples, *seed).feed(into);
+        } else {
+            antialias.feed(into);
+        }
+    }
+}
