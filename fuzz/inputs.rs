@@ -116,6 +116,7 @@ pub fn gif(bytes: &[u8]) {
     let job = Job {
         outputs: vec![Output::parse(&path.to_string_lossy()).expect("an output")],
         existing: Existing::Replace,
+        seen: Vec::new(),
         frames: (0..frames as u32).collect(),
         rate,
         size: (width, height),

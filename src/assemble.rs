@@ -53,6 +53,7 @@ pub fn assemble(request: &Request) -> Result<Report, RenderError> {
     let job = Job {
         outputs: animations,
         existing: Existing::Replace,
+        seen: Vec::new(),
         frames: request.frames.iter().map(|(number, _)| *number).collect(),
         rate: request.rate,
         size,

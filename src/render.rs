@@ -2,11 +2,12 @@
 
 use crate::camera_path::NoCamera;
 use crate::counters::{Counts, Meter};
-use crate::encode::{EncodeError, Encoder, Existing, Job, Output, Report, Still};
+use crate::encode::{EncodeError, Encoder, Existing, Job, Output, Report, Seen, Still};
 use crate::film::{Extras, Film};
 use crate::humane;
 use crate::machine;
 use crate::memory;
+use crate::plan::survey;
 use crate::schedule::{FilmSink, FrameLoop, NoFrame, Stage, Tally};
 use crate::sequence::Sequence;
 use crate::stop::Stop;
@@ -16,6 +17,7 @@ use std::fmt::{Display, Formatter};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 
 /// What to render of a sequence, and where to.
@@ -33,6 +35,8 @@ pub struct Request {
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
     pub frames: u32,
+    /// Those of them that were there, whole and right, and were left as they are.
+    pub kept: u32,
     pub counts: Counts,
     pub bvh_builds: u64,
     /// Wall time spent in each stage, in the order of the flow. Encoding runs beside the others.
@@ -58,6 +62,10 @@ pub enum RenderError {
         signal: usize,
         done: usize,
         files: Vec<PathBuf>,
+        /// Frames that are still to come.
+        rest: Vec<u32>,
+        /// Whether a next run keeps the frames that are there.
+        keeps: bool,
     },
     /// The thread pool could not be started.
     Threads(String),
@@ -129,18 +137,24 @@ pub fn render_until(
     let extras = extras(sequence, &request.outputs);
     check_memory(sequence, extras)?;
     let pool = Arc::new(pool(request.threads)?);
-    let encoder = Encoder::start(job(sequence, request), Arc::clone(&pool))?;
+    let seen = pool.install(|| seen(sequence, &request.frames));
+    let job = job(sequence, request, seen);
+    let keeps = job.keeps();
+    let encoder = Encoder::start(job, Arc::clone(&pool), stop)?;
+    let missing = encoder.missing();
+    meter.frames.fetch_add((request.frames.len() - missing.len()) as u32, Relaxed);
     let mut frames = FrameLoop::with_extras(sequence, extras, encoder, Arc::clone(meter));
     let mut done = 0;
     pool.install(|| {
-        request.frames.iter().take_while(|_| stop.signal().is_none()).try_for_each(|&frame| {
+        missing.iter().take_while(|_| stop.signal().is_none()).try_for_each(|&frame| {
             done += 1;
             frames.frame(frame)
         })
     })?;
-    if let Some(signal) = stop.signal().filter(|_| done < request.frames.len()) {
+    if let Some(signal) = stop.signal().filter(|_| done < missing.len()) {
         let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::stop)?;
-        return Err(RenderError::Stopped { signal, done, files: report.files });
+        let rest = missing[done..].to_vec();
+        return Err(RenderError::Stopped { signal, done, files: report.files, rest, keeps });
     }
     let tally = frames.tally().clone();
     let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::finish)?;
@@ -162,12 +176,19 @@ pub(crate) fn pool(threads: Option<NonZeroUsize>) -> Result<ThreadPool, RenderEr
     pool.map_err(|error| RenderError::Threads(error.to_string()))
 }
 
-fn job(sequence: &Sequence, request: &Request) -> Job {
+/// What frames look like, by which those are found that are there.
+fn seen(sequence: &Sequence, frames: &[u32]) -> Vec<Seen> {
+    let looks = survey(sequence, frames).frames;
+    looks.iter().map(|look| Seen { radiance: look.radiance(), exposure: look.exposure }).collect()
+}
+
+fn job(sequence: &Sequence, request: &Request, seen: Vec<Seen>) -> Job {
     let output = &sequence.output;
     Job {
         outputs: request.outputs.clone(),
         existing: request.existing,
         frames: request.frames.clone(),
+        seen,
         rate: sequence.timeline.rate,
         size: output.size,
         tonemap: output.tonemap,
@@ -192,6 +213,7 @@ pub(crate) fn summary(tally: &Tally, report: Report, frames: u32, elapsed: Durat
     let time = |stage| if stage == Stage::Encode { report.busy } else { tally.stages[stage as usize] };
     Summary {
         frames,
+        kept: report.kept,
         counts: tally.counts,
         bvh_builds: tally.bvh_builds,
         stages: Stage::ALL.map(|stage| (stage.name(), time(stage))).to_vec(),

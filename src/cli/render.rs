@@ -6,7 +6,8 @@ use super::options::Options;
 use super::outputs::Run;
 use super::overrides::{self, Overrides};
 use super::progress::{self, ProgressMode};
-use super::{load, loading, signals, summary, terminal, values};
+use super::signals::{self, Next};
+use super::{load, loading, summary, terminal, values};
 use crate::counters::Meter;
 use crate::encode::{Existing, Output};
 use crate::frame_set::{FrameSet, Shard};
@@ -125,11 +126,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let show = progress::Reporter::new(arguments.options.progress, arguments.options.quiet, frames);
     let stop = signals::watched();
     let done = progress::watch(&meter, frames, show, || render_until(&sequence, &request, &meter, &stop));
-    if let Err(RenderError::Stopped { signal, done, files }) = &done {
-        let message = signals::told(*done, files, std::env::args_os(), &request.frames[*done..]);
-        return Err(Failure::Stopped { signal: *signal, message });
-    }
-    let mut done = done?;
+    let mut done = match done {
+        Err(RenderError::Stopped { signal, done, files, rest, keeps }) => {
+            let animated = request.outputs.iter().any(Output::is_animation);
+            let next = match (keeps, animated) {
+                (true, _) => Next::Same,
+                (false, false) => Next::Frames(&rest),
+                (false, true) => Next::Anew,
+            };
+            let message = signals::told(done, &files, std::env::args_os(), next);
+            return Err(Failure::Stopped { signal, message });
+        }
+        done => done?,
+    };
 
     done.notes.extend(note);
     if arguments.options.draft {

@@ -10,7 +10,7 @@ pub fn text(summary: &Summary) -> String {
     let mut groups = Vec::new();
     let files = summary.files.iter().map(|file| file.display().to_string());
     groups.push(("wrote", files.collect()));
-    groups.push(("frames", vec![humane::count(summary.frames.into())]));
+    groups.push(("frames", vec![frames(summary)]));
     groups.push(("time", vec![time(summary)]));
     groups.push(("rays", rays(summary)));
     groups.push(("dropped", dropped(summary)));
@@ -52,6 +52,7 @@ pub fn json(summary: &Summary) -> String {
         .text("event", "summary")
         .texts("files", summary.files.iter().map(|file| file.to_string_lossy().into_owned()))
         .whole("frames", summary.frames.into())
+        .whole("kept", summary.kept.into())
         .real("elapsed_s", Some(summary.elapsed.as_secs_f64()))
         .object("rays", counts)
         .object("dropped_samples", dropped)
@@ -61,10 +62,20 @@ pub fn json(summary: &Summary) -> String {
         .finish()
 }
 
+/// How many, and how many of them needed nothing.
+fn frames(summary: &Summary) -> String {
+    let all = humane::count(summary.frames.into());
+    match summary.kept {
+        0 => all,
+        kept => format!("{all}, of which {} kept", humane::count(kept.into())),
+    }
+}
+
 fn time(summary: &Summary) -> String {
     let whole = humane::time(summary.elapsed);
-    match summary.elapsed.checked_div(summary.frames) {
-        Some(each) if summary.frames > 1 => format!("{whole}, {} per frame", humane::time(each)),
+    let rendered = summary.frames.saturating_sub(summary.kept);
+    match summary.elapsed.checked_div(rendered) {
+        Some(each) if rendered > 1 => format!("{whole}, {} per frame", humane::time(each)),
         _ => whole,
     }
 }
@@ -111,6 +122,7 @@ mod tests {
     fn summary() -> Summary {
         Summary {
             frames: 72,
+            kept: 0,
             counts: Counts {
                 rays: RayCounts { camera: 66_355_200, mirror: 20_481, shadow: 9, ..RayCounts::default() },
                 ..Counts::default()
@@ -159,6 +171,13 @@ dropped undefined   2
     }
 
     #[test]
+    fn kept_frames_are_told_and_take_no_time() {
+        let text = text(&Summary { kept: 62, ..summary() });
+        assert!(text.contains("frames  72, of which 62 kept\ntime    10.4 s, 1.04 s per frame\n"), "{text}");
+        assert!(super::text(&Summary { kept: 72, ..summary() }).contains("time    10.4 s\n"));
+    }
+
+    #[test]
     fn an_empty_run_has_a_summary() {
         let text = text(&Summary::default());
         assert!(text.starts_with("frames  0\ntime    0 µs\n"), "{text}");
@@ -168,7 +187,7 @@ dropped undefined   2
     #[test]
     fn programs_read_one_line() {
         let wanted = concat!(
-            r#"{"event":"summary","files":["out/orbit_####.png","out/\"orbit\".gif"],"frames":72,"#,
+            r#"{"event":"summary","files":["out/orbit_####.png","out/\"orbit\".gif"],"frames":72,"kept":0,"#,
             r#""elapsed_s":10.440,"rays":{"camera":66355200,"mirror":20481,"transmitted":0,"scattered":0,"shadow":9,"#,
             r#""total":66375690},"dropped_samples":{"undefined":0,"infinite":0,"negative":0},"#,
             r#""bvh_builds":1,"stages_s":{"animate":0.001,"trace":9.870},"notes":["a draft"]}"#,

@@ -92,7 +92,7 @@ impl fmt::Display for EncodeError {
                 write!(f, "cannot write {}: {}{}", path.display(), plain(reason), remedy(reason))
             }
             Self::Read { path, reason } => {
-                write!(f, "cannot read the frame {} back for the GIF: {reason}; ", path.display())?;
+                write!(f, "cannot read the frame {} back for an animation: {reason}; ", path.display())?;
                 f.write_str("leave the run's files alone until it ends")
             }
             Self::Unreadable { path, reason } => {

@@ -4,6 +4,7 @@ use super::about::About;
 use super::atomic::{NewFolders, folder_of};
 use super::caption::Caption;
 use super::error::{EncodeError, JobError};
+use super::identity::Seen;
 use super::jpeg;
 use super::movie::{mp4, webp};
 use super::output::{Moving, Output, Still};
@@ -32,6 +33,8 @@ pub struct Job {
     pub existing: Existing,
     /// The frame numbers that will come, in order.
     pub frames: Vec<u32>,
+    /// What each of them looks like, to find and name those that are there; nothing if nobody has looked.
+    pub seen: Vec<Seen>,
     /// Frames per second at which the frames play, one after the other, whatever their numbers are.
     pub rate: Rate,
     /// Width and height in pixels.

@@ -40,8 +40,9 @@ const LAMP: &str = r#"lights: { "lamp": Point(position: (3, 4, 5)) },"#;
 fn what_moves_differs_and_what_returns_is_the_same() {
     let there_and_back = [0, 1, 2, 3, 4, 3, 2, 1, 0, 1, 2, 3];
     assert_eq!(first_like(&ball(LAMP, "", "")), STILL);
-    let moves =
-        |repeat: &str| format!("translation: Track(keys: [(0, (0, 0, 0)), (4, (1, 0, 0))], repeat: {repeat})");
+    let moves = |repeat: &str| {
+        format!("translation: Track(keys: [(0, (0, 0, 0)), (4, (1, 0, 0))], repeat: {repeat})")
+    };
     assert_eq!(first_like(&ball(LAMP, "", &moves("PingPong"))), there_and_back);
     assert_eq!(first_like(&ball(LAMP, "", &moves("Loop"))), [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3]);
     assert_eq!(first_like(&ball(LAMP, "", &moves("Hold"))), [0, 1, 2, 3, 4, 4, 4, 4, 4, 4, 4, 4]);
