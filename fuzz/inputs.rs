@@ -3,18 +3,23 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "a panic is how a fault is found")]
 #![allow(dead_code, reason = "each fuzz target uses one of these")]
 
+use kinora::color::Rgb;
 use kinora::counters::Meter;
-use kinora::encode::{Assembly, EncodeError, Existing, Formats, Job, Output, Picture, Tonemap, About, MATTE};
+use kinora::encode::{
+    About, Assembly, EncodeError, Encoder, Existing, Formats, Job, MATTE, Output, Picture, Seen, Tonemap,
+};
 use kinora::film::Film;
 use kinora::frame_set::FrameSet;
 use kinora::mesh::{self, Mesh};
 use kinora::schedule::{FilmSink, FrameLoop};
 use kinora::sequence::{Sequence, parse};
+use kinora::stop::Stop;
 use kinora::texture::{Encoding, Image};
 use kinora::time::Rate;
 use std::collections::HashSet;
 use std::fs::File;
 use std::io;
+use std::sync::Arc;
 
 /// The text of a sequence: read, or refused with messages that can be laid out.
 pub fn sequence(bytes: &[u8]) {
@@ -98,6 +103,25 @@ pub fn picture(bytes: &[u8]) {
     }
 }
 
+/// A frame's file that is there when a run begins; its first byte says in which format.
+pub fn kept(bytes: &[u8]) {
+    let Some((format, bytes)) = bytes.split_first() else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let name = ["f_#.png", "f_#.exr"][usize::from(format % 2)];
+    let output = Output::parse(&folder.path().join(name).to_string_lossy()).expect("an output");
+    let mut job = job(&output, (2, 1), 1);
+    job.seen = vec![Seen::default()];
+    std::fs::write(output.path(0), bytes).expect("a disk");
+    let pool = Arc::new(rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread"));
+    let start = |job: Job| Encoder::start(job, Arc::clone(&pool), &Stop::default()).expect("a job");
+    let mut encoder = start(job.clone());
+    if encoder.missing() == [0] {
+        encoder.push(0, Film::new(2, 1, vec![Rgb::ONE])).expect("a film");
+    }
+    encoder.finish().expect("a file");
+    assert!(start(job).missing().is_empty(), "what has been written is not kept");
+}
+
 /// Three numbers and pixels, as a GIF that is read back: as many colours as fit come out as they went in.
 pub fn gif(bytes: &[u8]) {
     let &[width, height, rate, colors, ref codes @ ..] = bytes else { return };
@@ -113,20 +137,8 @@ pub fn gif(bytes: &[u8]) {
     let mut formats = Formats::default();
     formats.gif.colors = u16::from(colors).max(1) + 1;
     let rate = Rate::new(i128::from(rate % 60) + 1, 1).expect("a rate");
-    let job = Job {
-        outputs: vec![Output::parse(&path.to_string_lossy()).expect("an output")],
-        existing: Existing::Replace,
-        seen: Vec::new(),
-        frames: (0..frames as u32).collect(),
-        rate,
-        size: (width, height),
-        tonemap: Tonemap::default(),
-        transparent: false,
-        matte: MATTE,
-        caption: None,
-        formats,
-        about: About::default(),
-    };
+    let output = Output::parse(&path.to_string_lossy()).expect("an output");
+    let job = Job { rate, formats, ..job(&output, (width, height), frames as u32) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     let mut assembly = Assembly::start(job).expect("a job");
     for rgb in &pictures {
@@ -144,6 +156,24 @@ pub fn gif(bytes: &[u8]) {
         let mut found: Vec<_> = shown.into_iter().map(|(rgb, _)| rgb).collect();
         found.dedup();
         assert!(found == expected, "{distinct} colours of {} differ", formats.gif.colors);
+    }
+}
+
+/// What writes so many frames into one output.
+fn job(output: &Output, size: (u32, u32), frames: u32) -> Job {
+    Job {
+        outputs: vec![output.clone()],
+        existing: Existing::Keep,
+        frames: (0..frames).collect(),
+        seen: Vec::new(),
+        rate: Rate::default(),
+        size,
+        tonemap: Tonemap::default(),
+        transparent: false,
+        matte: MATTE,
+        caption: None,
+        formats: Formats::default(),
+        about: About::default(),
     }
 }
 

@@ -14,7 +14,6 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, SpecificChannels,
     Vec2, WritableImage,
 };
-use seal::{SEAL, digest_of, plain_digest, seal};
 use std::io;
 use std::path::Path;
 
@@ -55,13 +54,16 @@ pub fn write(
         false => plain(film, settings.half, identity, &mut aside),
     };
     written.map_err(|error| EncodeError::write(path, cause(error)))?;
+    if identity.is_some() {
+        seal::close(&mut aside).map_err(|error| EncodeError::write(path, error))?;
+    }
     aside.commit()
 }
 
 /// Writes the channels R, G and B, and A if the background is left out. The radiance is summed as it is written, so
 /// that no second copy of the picture is held.
 fn plain(film: &Film, half: bool, identity: Option<Digest>, file: &mut Aside) -> UnitResult {
-    let seal = identity.map(|identity| seal(identity, plain_digest(film, half)));
+    let seal = identity.map(seal::open);
     let width = film.width as usize;
     let at = |Vec2(x, y): Vec2<usize>| y * width + x;
     let color = |place| film.radiance_at(at(place));
@@ -116,7 +118,7 @@ fn all(
     }
     list.extend(sheet.guides(settings.layers));
     let channels = AnyChannels::sort(list.into());
-    let seal = identity.map(|identity| seal(identity, digest_of(&channels.list)));
+    let seal = identity.map(seal::open);
     image(film, channels, seal).write().non_parallel().to_buffered(file)
 }
 
@@ -130,7 +132,7 @@ fn image<'c, C: WritableChannels<'c> + 'c>(
     let mut image = Image::from_encoded_channels(size, ENCODING, channels);
     image.attributes.chromaticities = Some(SRGB);
     // One alone: the order of several would differ from run to run.
-    image.attributes.other.extend(seal.map(|seal| (Text::from(SEAL), seal)));
+    image.attributes.other.extend(seal.map(|seal| (Text::from(seal::SEAL), seal)));
     image
 }
 

@@ -14,8 +14,11 @@ mod assembly;
 mod atomic;
 mod caption;
 mod develop;
+mod disk;
 mod error;
 mod exr;
+#[cfg(test)]
+mod fault_tests;
 mod gif;
 mod identity;
 mod job;

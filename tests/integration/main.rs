@@ -9,10 +9,12 @@ mod command;
 mod support;
 
 mod bad_input;
+mod inputs;
 mod cli;
 mod render;
 mod outputs;
 mod runs;
+mod interruptions;
 mod files;
 mod animation;
 mod background;

@@ -1,78 +1,74 @@
-//! What an EXR file says about itself: its identity, and a digest of its samples, as the format has no sums of its own.
+//! What an EXR file says about itself: its identity, and a digest of the whole file, as the format has no sums of its
+//! own. Where the digest stands, zeros are digested in its place.
 
 use crate::digest::{Digest, Digester};
+use crate::encode::atomic::Aside;
+use crate::encode::disk::{Operation, attempt};
 use crate::encode::job::Job;
 use crate::files;
-use crate::film::Film;
-use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, Text};
-use exr::prelude::{AnyChannel, FlatSamples, ReadChannels, ReadLayers, f16, read};
-use std::io::Cursor;
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// The attribute's name.
 pub const SEAL: &str = "kinora:identity";
 
+/// How the attribute begins in the file: its name and its type, before four bytes of length.
+const START: &[u8] = b"kinora:identity\0string\0";
+
+/// Digits of a digest.
+const DIGITS: usize = 32;
+
 /// Bytes of a file's header at most, and of what stands between its blocks.
-const BESIDES: u64 = 1 << 22;
+const BESIDES: usize = 1 << 22;
 
-pub fn seal(identity: Digest, samples: Digest) -> AttributeValue {
-    AttributeValue::Text(Text::from(format!("{identity} {samples}").as_str()))
+/// The attribute before the rest of the file is known.
+pub fn open(identity: Digest) -> AttributeValue {
+    AttributeValue::Text(Text::from(format!("{identity} {:0DIGITS$}", 0).as_str()))
 }
 
-/// The digest of a film's radiance as [`digest_of`] finds it in the file: pixel by pixel, A, B, G and R.
-pub fn plain_digest(film: &Film, half: bool) -> Digest {
+/// Puts the digest in its place, once all has been written.
+pub fn close(file: &mut Aside) -> io::Result<()> {
+    file.seek(SeekFrom::Start(0))?;
+    let mut head = Vec::new();
+    Read::by_ref(file).take(BESIDES as u64).read_to_end(&mut head)?;
+    let place = place_in(&head).ok_or(io::ErrorKind::InvalidData)?;
     let mut digester = Digester::new();
-    for pixel in 0..film.width as usize * film.height as usize {
-        let [r, g, b] = film.radiance_at(pixel).to_array();
-        let alpha = film.extras.coverage.then(|| film.alpha_at(pixel));
-        for value in alpha.into_iter().chain([b, g, r]) {
-            match half {
-                true => digester.bytes(&f16::from_f32(value).to_bits().to_le_bytes()),
-                false => digester.bytes(&value.to_bits().to_le_bytes()),
-            }
+    digester.bytes(&head);
+    let mut piece = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut piece)? {
+            0 => break,
+            read => digester.bytes(&piece[..read]),
         }
     }
-    digester.finish()
+    file.seek(SeekFrom::Start(place as u64))?;
+    file.write_all(digester.finish().to_string().as_bytes())
 }
 
-/// The digest of all samples, pixel by pixel in the order of the channels.
-pub fn digest_of(channels: &[AnyChannel<FlatSamples>]) -> Digest {
-    let mut digester = Digester::new();
-    let pixels = channels.iter().map(|channel| channel.sample_data.len()).min().unwrap_or(0);
-    for pixel in 0..pixels {
-        for channel in channels {
-            match &channel.sample_data {
-                FlatSamples::F16(values) => digester.bytes(&values[pixel].to_bits().to_le_bytes()),
-                FlatSamples::F32(values) => digester.bytes(&values[pixel].to_bits().to_le_bytes()),
-                FlatSamples::U32(values) => digester.bytes(&values[pixel].to_le_bytes()),
-            }
-        }
-    }
-    digester.finish()
+/// Where the digest stands in a file that starts like this.
+fn place_in(head: &[u8]) -> Option<usize> {
+    let start = head.windows(START.len()).position(|window| window == START)?;
+    Some(start + START.len() + size_of::<u32>() + DIGITS + 1).filter(|place| place + DIGITS <= head.len())
 }
 
-/// Whether a file has this identity, and all samples that it was written with.
+/// Whether a file has this identity, and not a byte of it has changed.
 pub fn holds(path: &Path, identity: Digest, job: &Job) -> bool {
     // Layers take what they take; a picture without compression takes less than this of each.
     let layers = job.about.layers.len() as u64 + 4;
-    let most = u64::from(job.size.0) * u64::from(job.size.1) * 16 * layers + BESIDES;
-    files::read(path, most).is_ok_and(|bytes| is_whole(&bytes, identity, job))
+    let most = u64::from(job.size.0) * u64::from(job.size.1) * 16 * layers + BESIDES as u64;
+    attempt(Operation::Read, path, || files::read(path, most)).is_ok_and(|bytes| is_whole(bytes, identity))
 }
 
-fn is_whole(bytes: &[u8], identity: Digest, job: &Job) -> bool {
-    let Ok(meta) = MetaData::read_from_buffered(Cursor::new(bytes), true) else { return false };
-    let [header] = &*meta.headers else { return false };
-    let Some(AttributeValue::Text(text)) = header.shared_attributes.other.get(&Text::from(SEAL)) else {
-        return false;
-    };
-    let text = text.to_string();
-    let Some(samples) = text.strip_prefix(&format!("{identity} ")) else { return false };
-    let size = (header.layer_size.width(), header.layer_size.height());
-    if size != (job.size.0 as usize, job.size.1 as usize) {
+fn is_whole(mut bytes: Vec<u8>, identity: Digest) -> bool {
+    let head = bytes.len().min(BESIDES);
+    let Some(place) = place_in(&bytes[..head]) else { return false };
+    if bytes[place - DIGITS - 1..place - 1] != *identity.to_string().as_bytes() {
         return false;
     }
-    let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
-    let image = reader.all_attributes().non_parallel().pedantic().from_buffered(Cursor::new(bytes));
-    image.is_ok_and(|image| digest_of(&image.layer_data.channel_data.list).to_string() == samples)
+    let found = bytes[place..place + DIGITS].to_vec();
+    bytes[place..place + DIGITS].fill(b'0');
+    let mut digester = Digester::new();
+    digester.bytes(&bytes);
+    digester.finish().to_string().as_bytes() == found
 }

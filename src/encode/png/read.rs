@@ -2,6 +2,7 @@
 
 use super::IDENTITY;
 use crate::digest::Digest;
+use crate::encode::disk::{Operation, attempt};
 use crate::encode::error::EncodeError;
 use crate::encode::job::Job;
 use crate::encode::picture::Picture;
@@ -23,7 +24,8 @@ pub fn read(path: &Path) -> Result<Picture, EncodeError> {
 }
 
 fn decode(path: &Path) -> io::Result<Picture> {
-    let mut reader = Decoder::new(BufReader::new(File::open(path)?)).read_info()?;
+    let file = attempt(Operation::Read, path, || File::open(path))?;
+    let mut reader = Decoder::new(BufReader::new(file)).read_info()?;
     let info = reader.info();
     let alpha = info.color_type == ColorType::Rgba;
     if !(alpha || info.color_type == ColorType::Rgb) || info.bit_depth != BitDepth::Eight {
@@ -60,7 +62,8 @@ pub fn holds(path: &Path, identity: Digest, job: &Job) -> bool {
     let pixels = u64::from(job.size.0) * u64::from(job.size.1);
     // A little more than the picture without compression.
     let most = pixels * 8 + pixels / 8 + BESIDES;
-    files::read(path, most).is_ok_and(|bytes| is_whole(&bytes, identity, job))
+    attempt(Operation::Read, path, || files::read(path, most))
+        .is_ok_and(|bytes| is_whole(&bytes, identity, job))
 }
 
 fn is_whole(bytes: &[u8], identity: Digest, job: &Job) -> bool {
