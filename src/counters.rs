@@ -42,6 +42,20 @@ counts! {
 }
 
 counts! {
+    /// What effects ask for besides rays; exactly none where nothing calls for them.
+    Evaluations {
+        /// Ways through fog.
+        fog,
+        /// Points of surfaces that paint was looked up for.
+        paint,
+        /// Directions that were drawn towards lights with an area, things that shine and skies.
+        light_samples,
+        /// Points that were drawn on a lens.
+        lens_samples,
+    }
+}
+
+counts! {
     /// Samples that were left out of the picture because they are no light, by cause. A sample counts once in
     /// each of its layers.
     Dropped {
@@ -56,12 +70,14 @@ counts! {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     pub rays: RayCounts,
+    pub evaluations: Evaluations,
     pub dropped: Dropped,
 }
 
 impl AddAssign for Counts {
     fn add_assign(&mut self, other: Self) {
         self.rays += other.rays;
+        self.evaluations += other.evaluations;
         self.dropped += other.dropped;
     }
 }

@@ -4,7 +4,8 @@ use crate::color::Rgb;
 use crate::counters::Meter;
 use crate::encode::{About, EncodeError, Output, Report, Sheet, Shown, Template, ToneTable, write_picture};
 use crate::film::{Extras, Film};
-use crate::render::{RenderError, Summary, check_memory, pool, summary};
+use crate::plan::{self, Plan};
+use crate::render::{RenderError, Reuse, Summary, check_memory, pool, summary};
 use crate::schedule::{FilmSink, FrameLoop};
 use crate::sequence::Sequence;
 use crate::time::Rate;
@@ -62,7 +63,11 @@ pub fn filmstrip(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> 
         next: 0,
     };
     let mut frames = FrameLoop::with_extras(sequence, extras, cells, Arc::clone(meter));
-    pool(request.threads)?.install(|| request.frames.iter().try_for_each(|&frame| frames.frame(frame)))?;
+    let budget = Reuse::Share.budget(sequence, extras);
+    pool(request.threads)?.install(|| {
+        let plan = Plan::new(sequence, &request.frames, extras, budget);
+        plan::run(&plan, &mut frames, || true)
+    })?;
     let tally = frames.tally().clone();
     if let Some(cells) = frames.into_sink() {
         write_picture(&request.output, &cells.sheet.finish(), sequence.output.formats)?;

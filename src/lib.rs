@@ -1,7 +1,7 @@
 //! Kinora renders keyframed animation sequences from one text file.
 //!
 //! ```text
-//! sequence.ron ──load──▶ Sequence ──spawn──▶ World                       (once)
+//! sequence.ron ──load──▶ Sequence ──spawn──▶ World ──plan──▶ Plan        (once)
 //!                                              │
 //!           per frame:  Animate ▶ Extract ▶ Accelerate ▶ Trace ▶ Encode
 //!                       World(t)   Scene       Bvh        Film    files

@@ -2,6 +2,7 @@
 
 use crate::color::Rgb;
 use crate::film::Extras;
+use crate::machine;
 use crate::math::DVec3;
 use crate::sequence::Sequence;
 
@@ -20,6 +21,14 @@ pub fn needed(sequence: &Sequence, extras: Extras) -> u64 {
     let layer = size_of::<Rgb>() as u64 * FILMS + sums;
     let pixel = (sequence.layers() + extras.layers() as u64).saturating_mul(layer).saturating_add(BESIDES);
     (u64::from(width) * u64::from(height)).saturating_mul(pixel)
+}
+
+/// The part of the memory that is left, as a divisor, which films that are kept for other frames may have.
+const SHARE: u64 = 4;
+
+/// Bytes that films may have that are kept for other frames, where nobody says how many.
+pub fn for_films(sequence: &Sequence, extras: Extras) -> u64 {
+    machine::free_memory().saturating_sub(needed(sequence, extras)) / SHARE
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use crate::film::{Extras, Film};
 use crate::humane;
 use crate::machine;
 use crate::memory;
-use crate::plan::survey;
+use crate::plan::{self, Effort, Expected, Plan, survey};
 use crate::schedule::{FilmSink, FrameLoop, NoFrame, Stage, Tally};
 use crate::sequence::Sequence;
 use crate::stop::Stop;
@@ -29,6 +29,29 @@ pub struct Request {
     pub existing: Existing,
     /// Threads that trace; as many as the machine has if absent.
     pub threads: Option<NonZeroUsize>,
+    pub reuse: Reuse,
+}
+
+/// How many bytes films may have that are kept, so that nothing is traced twice. It never shows in a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reuse {
+    /// Every frame is traced by itself.
+    Off,
+    /// A share of what the machine has left.
+    #[default]
+    Share,
+    Within(u64),
+}
+
+impl Reuse {
+    /// The bytes of it for films of this sequence.
+    pub fn budget(self, sequence: &Sequence, extras: Extras) -> u64 {
+        match self {
+            Self::Off => 0,
+            Self::Share => memory::for_films(sequence, extras),
+            Self::Within(bytes) => bytes,
+        }
+    }
 }
 
 /// What a run did.
@@ -37,8 +60,12 @@ pub struct Summary {
     pub frames: u32,
     /// Those of them that were there, whole and right, and were left as they are.
     pub kept: u32,
+    /// Those of them that were made of the film of another.
+    pub reused: u32,
     pub counts: Counts,
     pub bvh_builds: u64,
+    /// What was expected, if there was a plan.
+    pub expected: Option<Forecast>,
     /// Wall time spent in each stage, in the order of the flow. Encoding runs beside the others.
     pub stages: Vec<(&'static str, Duration)>,
     pub elapsed: Duration,
@@ -46,6 +73,16 @@ pub struct Summary {
     pub files: Vec<PathBuf>,
     /// What a user should know about the result.
     pub notes: Vec<String>,
+}
+
+/// What a plan says about a run before it begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Forecast {
+    pub reused: u32,
+    pub camera_rays: u64,
+    /// Of all kinds, if it was worth a trial.
+    pub rays: Option<u64>,
+    pub bvh_builds: u64,
 }
 
 /// Why a run stopped.
@@ -144,13 +181,8 @@ pub fn render_until(
     let missing = encoder.missing();
     meter.frames.fetch_add((request.frames.len() - missing.len()) as u32, Relaxed);
     let mut frames = FrameLoop::with_extras(sequence, extras, encoder, Arc::clone(meter));
-    let mut done = 0;
-    pool.install(|| {
-        missing.iter().take_while(|_| stop.signal().is_none()).try_for_each(|&frame| {
-            done += 1;
-            frames.frame(frame)
-        })
-    })?;
+    let (done, expected) =
+        pool.install(|| planned(sequence, request, &missing, extras, &mut frames, stop))?;
     if let Some(signal) = stop.signal().filter(|_| done < missing.len()) {
         let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::stop)?;
         let rest = missing[done..].to_vec();
@@ -159,8 +191,46 @@ pub fn render_until(
     let tally = frames.tally().clone();
     let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::finish)?;
     let mut summary = summary(&tally, report, request.frames.len() as u32, start.elapsed());
+    summary.expected = expected;
     summary.notes.splice(..0, sequence.notes());
     Ok(summary)
+}
+
+/// Samples of a run of which a small part is worth tracing first, to tell how many rays there will be.
+const WORTH_A_TRIAL: u64 = 1 << 24;
+
+/// That part: a 256th, in a few frames.
+const TRIAL: Effort = Effort { frames: 8, samples: WORTH_A_TRIAL / 256 / 16 };
+
+/// Makes the frames that are missing by a plan, or each by itself. Gives the number of those that were begun.
+fn planned<S: FilmSink>(
+    sequence: &Sequence,
+    request: &Request,
+    missing: &[u32],
+    extras: Extras,
+    frames: &mut FrameLoop<S>,
+    stop: &Stop,
+) -> Result<(usize, Option<Forecast>), NoFrame> {
+    let on = || stop.signal().is_none();
+    if request.reuse == Reuse::Off {
+        let mut done = 0;
+        missing.iter().take_while(|_| on()).try_for_each(|&frame| {
+            done += 1;
+            frames.frame(frame)
+        })?;
+        return Ok((done, None));
+    }
+    let budget = request.reuse.budget(sequence, extras);
+    let plan = Plan::new(sequence, missing, extras, budget);
+    let known = Expected::of(sequence, &plan);
+    let expected = if known.camera < WORTH_A_TRIAL { known } else { plan::pilot(sequence, &plan, TRIAL) };
+    let forecast = Forecast {
+        reused: plan.reused() as u32,
+        camera_rays: expected.camera,
+        rays: expected.rays,
+        bvh_builds: plan.builds(),
+    };
+    Ok((plan::run(&plan, frames, on)?, Some(forecast)))
 }
 
 /// Refuses pictures that do not fit into memory.
@@ -201,7 +271,7 @@ fn job(sequence: &Sequence, request: &Request, seen: Vec<Seen>) -> Job {
 }
 
 /// What films have to record for these outputs.
-fn extras(sequence: &Sequence, outputs: &[Output]) -> Extras {
+pub(crate) fn extras(sequence: &Sequence, outputs: &[Output]) -> Extras {
     let exr = outputs.iter().any(|output| matches!(output, Output::Stills(Still::Exr, _)));
     let guides = exr && sequence.output.formats.exr.layers.call_for_guides();
     Extras { coverage: sequence.output.transparent, guides }
@@ -214,6 +284,8 @@ pub(crate) fn summary(tally: &Tally, report: Report, frames: u32, elapsed: Durat
     Summary {
         frames,
         kept: report.kept,
+        reused: tally.reused,
+        expected: None,
         counts: tally.counts,
         bvh_builds: tally.bvh_builds,
         stages: Stage::ALL.map(|stage| (stage.name(), time(stage))).to_vec(),

@@ -31,6 +31,11 @@ impl Object {
         self.raw(key, format_args!("[{}]", values.join(",")))
     }
 
+    pub fn objects(self, key: &str, values: impl Iterator<Item = Self>) -> Self {
+        let values = values.map(Self::finish).collect::<Vec<_>>();
+        self.raw(key, format_args!("[{}]", values.join(",")))
+    }
+
     pub fn object(self, key: &str, value: Self) -> Self {
         self.raw(key, value.finish())
     }
@@ -86,9 +91,9 @@ mod tests {
             .texts("d", ["e".to_owned(), "\"".to_owned()].into_iter())
             .object("f", inner)
             .object("g", Object::new())
+            .objects("h", [Object::new().whole("i", 1), Object::new()].into_iter())
             .finish();
-        let wanted =
-            r#"{"a":"b","c":18446744073709551615,"d":["e","\""],"f":{"t":0.123,"n":null,"x":null},"g":{}}"#;
+        let wanted = r#"{"a":"b","c":18446744073709551615,"d":["e","\""],"f":{"t":0.123,"n":null,"x":null},"g":{},"h":[{"i":1},{}]}"#;
         assert_eq!(text, wanted);
     }
 }

@@ -15,6 +15,7 @@ mod look;
 mod options;
 mod outputs;
 mod overrides;
+mod plan;
 mod poster;
 mod progress;
 mod render;
@@ -43,6 +44,7 @@ enum Command {
     Poster(poster::Arguments),
     Assemble(assemble::Arguments),
     Check(check::Arguments),
+    Plan(plan::Arguments),
 }
 
 const AFTER_HELP: &str = "\
@@ -54,6 +56,7 @@ Examples:
   kinora filmstrip sequences/hello.ron               some frames in one picture, for a page
   kinora poster sequences/hello.ron                  one frame
   kinora check sequences/hello.ron                   find every mistake, render nothing
+  kinora plan sequences/light-show.ron               what a render would trace, and what it would not
 
 `kinora render --help` lists the options. Exit codes: 0 done, 2 a mistake in the command or the sequence,
 3 frames or files could not be made.";
@@ -82,6 +85,7 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Poster(arguments) => poster::run(&arguments),
         Command::Assemble(arguments) => assemble::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -9,7 +9,7 @@ use super::progress::{self, ProgressMode};
 use super::{load, loading, summary, terminal, values};
 use crate::counters::Meter;
 use crate::encode::{Existing, Output};
-use crate::render::{Request, render};
+use crate::render::{Request, Reuse, render};
 use crate::sequence::Sequence;
 use crate::time::Time;
 use clap::Args;
@@ -64,8 +64,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "a poster is one picture; write .png, .jpg, .ppm or .exr, not {output}"
         )));
     }
-    let request =
-        Request { outputs, existing: Existing::Replace, frames: vec![frame], threads: options.threads };
+    let request = Request {
+        outputs,
+        existing: Existing::Replace,
+        frames: vec![frame],
+        threads: options.threads,
+        reuse: Reuse::Off,
+    };
 
     let meter = Arc::new(Meter::default());
     let show = progress::Reporter::new(options.progress, options.quiet, 1);

@@ -37,6 +37,8 @@ pub struct Snapshot {
     /// Frames done, with the part of the one in hand.
     done: f64,
     frames: usize,
+    /// Those that were made of the film of another.
+    reused: u32,
     rays: u64,
     elapsed: Duration,
 }
@@ -135,7 +137,8 @@ impl Snapshot {
     fn of(meter: &Meter, frames: usize, elapsed: Duration) -> Self {
         // Both parts of the meter are not read at once, and may be a frame apart.
         let done = meter.frames_done().min(frames as f64);
-        Self { done, frames, rays: meter.rays.load(Relaxed), elapsed }
+        let reused = meter.reused.load(Relaxed);
+        Self { done, frames, reused, rays: meter.rays.load(Relaxed), elapsed }
     }
 
     /// Time left if the rest goes on as what is done; none before anything is.
@@ -146,10 +149,13 @@ impl Snapshot {
             .flatten()
     }
 
-    /// `frame 12/72 · 3.10 Mray/s · 21 s left`.
+    /// `frame 12/72 · 3.10 Mray/s · 5 reused · 21 s left`.
     fn line(&self) -> String {
         let rate = humane::ray_rate(self.rays, self.elapsed);
         let mut line = format!("frame {}/{} · {rate}", self.done as u64, self.frames);
+        if self.reused > 0 {
+            line += &format!(" · {} reused", self.reused);
+        }
         if self.done < self.frames as f64
             && let Some(left) = self.left()
         {
@@ -163,6 +169,7 @@ impl Snapshot {
             .text("event", "progress")
             .whole("frame", self.done as u64)
             .whole("frames", self.frames as u64)
+            .whole("reused", self.reused.into())
             .whole("rays", self.rays)
             .real("elapsed_s", Some(self.elapsed.as_secs_f64()))
             .real("left_s", self.left().map(|left| left.as_secs_f64()))
@@ -190,7 +197,7 @@ mod tests {
     }
 
     fn snapshot(done: f64, seconds: u64) -> Snapshot {
-        Snapshot { done, frames: 72, rays: 31_000_000, elapsed: Duration::from_secs(seconds) }
+        Snapshot { done, frames: 72, reused: 0, rays: 31_000_000, elapsed: Duration::from_secs(seconds) }
     }
 
     #[test]
@@ -198,7 +205,9 @@ mod tests {
         assert_eq!(snapshot(24.7, 10).line(), "frame 24/72 · 3.10 Mray/s · 19 s left");
         assert_eq!(snapshot(0.0, 10).line(), "frame 0/72 · 3.10 Mray/s");
         assert_eq!(snapshot(72.0, 10).line(), "frame 72/72 · 3.10 Mray/s");
-        let json = r#"{"event":"progress","frame":24,"frames":72,"rays":31000000,"elapsed_s":10.000,"left_s":20.000}"#;
+        let some = Snapshot { reused: 5, ..snapshot(24.0, 10) };
+        assert_eq!(some.line(), "frame 24/72 · 3.10 Mray/s · 5 reused · 20 s left");
+        let json = r#"{"event":"progress","frame":24,"frames":72,"reused":0,"rays":31000000,"elapsed_s":10.000,"left_s":20.000}"#;
         assert_eq!(snapshot(24.0, 10).json(), json);
         assert!(snapshot(0.0, 0).json().ends_with(r#""elapsed_s":0.000,"left_s":null}"#));
     }
@@ -219,7 +228,10 @@ mod tests {
         });
         assert_eq!(result, "done");
         let text = String::from_utf8(out.0.lock().expect("no panic in a test").clone()).expect("text");
-        assert!(text.starts_with(r#"{"event":"progress","frame":2,"frames":2,"rays":5,"#), "{text}");
+        assert!(
+            text.starts_with(r#"{"event":"progress","frame":2,"frames":2,"reused":0,"rays":5,"#),
+            "{text}"
+        );
         assert_eq!(text.lines().count(), 1);
     }
 

@@ -12,7 +12,7 @@ use crate::counters::Meter;
 use crate::encode::{Existing, Output};
 use crate::frame_set::{FrameSet, Shard};
 use crate::humane::counted;
-use crate::render::{RenderError, Request, render_until};
+use crate::render::{RenderError, Request, Reuse, render_until};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::path::PathBuf;
@@ -73,6 +73,17 @@ pub struct Arguments {
     #[arg(long, value_name = "SIZE", value_parser = values::file_size, allow_hyphen_values = true)]
     max_size: Option<u64>,
 
+    /// Memory for films that later frames are made of, such as 2GB [default: a share of what is free]
+    ///
+    /// What is traced once serves all frames in which the same is seen, or only lights are
+    /// switched and faded. `kinora plan` says how much memory that takes.
+    #[arg(long, value_name = "SIZE", value_parser = values::file_size, verbatim_doc_comment)]
+    memory: Option<u64>,
+
+    /// Trace every frame by itself; the files are the same, to the byte
+    #[arg(long, conflicts_with = "memory")]
+    no_reuse: bool,
+
     /// PNGs without text about the frame
     #[arg(long)]
     no_metadata: bool,
@@ -118,8 +129,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let message = "-o - and --progress json both write to the standard output; leave one out";
         return Err(Failure::Bad(message.to_owned()));
     }
-    let request =
-        Request { outputs, existing: arguments.existing(), frames, threads: arguments.options.threads };
+    let request = Request {
+        outputs,
+        existing: arguments.existing(),
+        frames,
+        threads: arguments.options.threads,
+        reuse: reuse(arguments.no_reuse, arguments.memory),
+    };
 
     let meter = Arc::new(Meter::default());
     let frames = request.frames.len();
@@ -180,6 +196,11 @@ impl Arguments {
             ..self.look.with(self.options.overrides())
         }
     }
+}
+
+/// What `--no-reuse` and `--memory` say.
+fn reuse(off: bool, memory: Option<u64>) -> Reuse {
+    if off { Reuse::Off } else { memory.map_or(Reuse::Share, Reuse::Within) }
 }
 
 /// The frames of a set, or all.

@@ -3,7 +3,17 @@
 use super::json::Object;
 use crate::counters::Counts;
 use crate::humane;
-use crate::render::Summary;
+use crate::render::{Forecast, Summary};
+
+/// What was expected; empty if there was no plan.
+fn expected(forecast: Option<&Forecast>) -> Object {
+    let Some(forecast) = forecast else { return Object::new() };
+    let object = Object::new()
+        .whole("reused", forecast.reused.into())
+        .whole("camera_rays", forecast.camera_rays)
+        .whole("bvh_builds", forecast.bvh_builds);
+    forecast.rays.into_iter().fold(object, |object, rays| object.whole("rays", rays))
+}
 
 /// Aligned lines, a heading for each group in front.
 pub fn text(summary: &Summary) -> String {
@@ -15,6 +25,7 @@ pub fn text(summary: &Summary) -> String {
     groups.push(("rays", rays(summary)));
     groups.push(("dropped", dropped(summary)));
     groups.push(("BVH", vec![humane::counted(summary.bvh_builds, "build")]));
+    groups.push(("planned", summary.expected.iter().map(planned).collect()));
     let stages = summary.stages.iter().map(|&(name, time)| (name, humane::time(time))).collect::<Vec<_>>();
     groups.push(("stages", aligned(&stages)));
     groups.push(("note", summary.notes.clone()));
@@ -32,7 +43,7 @@ pub fn text(summary: &Summary) -> String {
 
 /// One JSON object.
 pub fn json(summary: &Summary) -> String {
-    let Counts { rays, dropped } = summary.counts;
+    let Counts { rays, evaluations, dropped } = summary.counts;
     let stages = summary
         .stages
         .iter()
@@ -44,6 +55,11 @@ pub fn json(summary: &Summary) -> String {
         .whole("scattered", rays.scattered)
         .whole("shadow", rays.shadow)
         .whole("total", rays.total());
+    let evaluations = Object::new()
+        .whole("fog", evaluations.fog)
+        .whole("paint", evaluations.paint)
+        .whole("light_samples", evaluations.light_samples)
+        .whole("lens_samples", evaluations.lens_samples);
     let dropped = Object::new()
         .whole("undefined", dropped.undefined)
         .whole("infinite", dropped.infinite)
@@ -53,22 +69,38 @@ pub fn json(summary: &Summary) -> String {
         .texts("files", summary.files.iter().map(|file| file.to_string_lossy().into_owned()))
         .whole("frames", summary.frames.into())
         .whole("kept", summary.kept.into())
+        .whole("reused", summary.reused.into())
         .real("elapsed_s", Some(summary.elapsed.as_secs_f64()))
         .object("rays", counts)
+        .object("evaluations", evaluations)
         .object("dropped_samples", dropped)
         .whole("bvh_builds", summary.bvh_builds)
+        .object("expected", expected(summary.expected.as_ref()))
         .object("stages_s", stages)
         .texts("notes", summary.notes.iter().cloned())
         .finish()
 }
 
-/// How many, and how many of them needed nothing.
+/// How many, and how many of them needed nothing, or less.
 fn frames(summary: &Summary) -> String {
-    let all = humane::count(summary.frames.into());
-    match summary.kept {
-        0 => all,
-        kept => format!("{all}, of which {} kept", humane::count(kept.into())),
+    let mut told = humane::count(summary.frames.into());
+    if summary.kept > 0 {
+        told += &format!(", of which {} kept", humane::count(summary.kept.into()));
     }
+    if summary.reused > 0 {
+        told += &format!(", {} of them from films of others", humane::count(summary.reused.into()));
+    }
+    told
+}
+
+/// What was expected, to be compared with what was done.
+fn planned(expected: &Forecast) -> String {
+    let rays = match expected.rays {
+        Some(rays) => format!("about {} rays", humane::count(rays)),
+        None => format!("{} of the camera", humane::counted(expected.camera_rays, "ray")),
+    };
+    let builds = humane::counted(expected.bvh_builds, "build");
+    format!("{rays}, {builds}, {} frames from films of others", humane::count(expected.reused.into()))
 }
 
 fn time(summary: &Summary) -> String {
@@ -123,6 +155,8 @@ mod tests {
         Summary {
             frames: 72,
             kept: 0,
+            reused: 0,
+            expected: None,
             counts: Counts {
                 rays: RayCounts { camera: 66_355_200, mirror: 20_481, shadow: 9, ..RayCounts::default() },
                 ..Counts::default()
@@ -151,6 +185,21 @@ stages  animate  840 µs
         trace    9.87 s
 note    a draft";
         assert_eq!(text(&summary()), wanted);
+    }
+
+    #[test]
+    fn what_was_planned_stands_beside_what_was_done() {
+        let expected =
+            Forecast { reused: 70, camera_rays: 66_355_200, rays: Some(66_400_000), bvh_builds: 1 };
+        let summary = Summary { reused: 70, expected: Some(expected), ..summary() };
+        let told = text(&summary);
+        assert!(told.contains("\nframes  72, 70 of them from films of others\n"), "{told}");
+        assert!(
+            told.contains("\nplanned about 66,400,000 rays, 1 build, 70 frames from films of others\n"),
+            "{told}"
+        );
+        let wanted = r#""expected":{"reused":70,"camera_rays":66355200,"bvh_builds":1,"rays":66400000}"#;
+        assert!(json(&summary).contains(wanted), "{}", json(&summary));
     }
 
     #[test]
@@ -187,10 +236,11 @@ dropped undefined   2
     #[test]
     fn programs_read_one_line() {
         let wanted = concat!(
-            r#"{"event":"summary","files":["out/orbit_####.png","out/\"orbit\".gif"],"frames":72,"kept":0,"#,
+            r#"{"event":"summary","files":["out/orbit_####.png","out/\"orbit\".gif"],"frames":72,"kept":0,"reused":0,"#,
             r#""elapsed_s":10.440,"rays":{"camera":66355200,"mirror":20481,"transmitted":0,"scattered":0,"shadow":9,"#,
-            r#""total":66375690},"dropped_samples":{"undefined":0,"infinite":0,"negative":0},"#,
-            r#""bvh_builds":1,"stages_s":{"animate":0.001,"trace":9.870},"notes":["a draft"]}"#,
+            r#""total":66375690},"evaluations":{"fog":0,"paint":0,"light_samples":0,"lens_samples":0},"#,
+            r#""dropped_samples":{"undefined":0,"infinite":0,"negative":0},"#,
+            r#""bvh_builds":1,"expected":{},"stages_s":{"animate":0.001,"trace":9.870},"notes":["a draft"]}"#,
         );
         assert_eq!(json(&summary()), wanted);
     }

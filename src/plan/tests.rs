@@ -163,3 +163,14 @@ fn digests_depend_on_the_frame_alone() {
 fn digests_are_the_same_in_every_version_that_renders_the_same() {
     assert_eq!(digests(&ball(LAMP, "", ""))[0].to_string(), "0ad695b53ac90e07ddc1b61b48d97470");
 }
+
+/// What happens between a frame's start and its first moment is seen.
+#[test]
+fn still_frames_show_their_moments_not_their_start() {
+    let camera = "camera: (shutter: 1), quality: (shutter_steps: 2),";
+    let hidden = "visible: [(0, true), (3.125, false), (4.0625, true)]";
+    let looks = survey(&ball(&format!("{camera} {LAMP}"), "", hidden), &[2, 3, 4]).frames;
+    assert!(looks.iter().all(|look| look.moments == 1), "{looks:?}");
+    assert_ne!(looks[1].transport, looks[0].transport);
+    assert_eq!(looks[2].transport, looks[0].transport);
+}

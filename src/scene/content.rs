@@ -40,6 +40,11 @@ impl Digests {
         self.shading = digester.finish();
     }
 
+    /// Of what a tree is built over.
+    pub fn primitives(&self) -> Digest {
+        self.geometry
+    }
+
     /// All that light meets on its way through a scene whose parts have been noted, but for weights.
     pub fn transport(&self, scene: &Scene) -> Digest {
         Digest::of(&(self.geometry, self.shading, scene.camera))

@@ -14,7 +14,7 @@ use crate::bvh::Bvh;
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::counters::Meter;
-use crate::film::{Extras, Film};
+use crate::film::{Extras, Film, LayerId};
 use crate::filter::FilterSampler;
 use crate::scene::{Geometry, Shading, Weights, extract};
 use crate::sequence::Sequence;
@@ -78,11 +78,12 @@ impl<S: FilmSink> FrameLoop<S> {
         self.run(frame, still)
     }
 
-    /// Makes a frame that has been looked at; traces it with all layers of light for which `lit` is not black. The film is
+    /// Makes a frame that has been looked at, traced with these layers of light, among them all that it shows. Its film is
     /// given back.
-    pub fn trace(&mut self, look: &Look, lit: &[Rgb]) -> Result<Option<Film>, NoFrame> {
-        let lit = Some(Weights(lit.to_vec()));
-        self.world.insert_resource(Wanted { lit, keep: true });
+    pub fn trace(&mut self, look: &Look, lit: &[LayerId]) -> Result<Option<Film>, NoFrame> {
+        let mut weights = vec![Rgb::ZERO; look.weights.len()];
+        lit.iter().for_each(|layer| weights[layer.index()] = Rgb::ONE);
+        self.world.insert_resource(Wanted { lit: Some(Weights(weights)), keep: true });
         let done = self.run(look.frame, look.moments == 1);
         self.world.insert_resource(Wanted::default());
         done?;
@@ -104,12 +105,13 @@ impl<S: FilmSink> FrameLoop<S> {
         pushed.map_err(NoFrame::Encode)
     }
 
-    /// Runs the stages for a frame: for its start alone, or for every moment while the shutter is open.
+    /// Runs the stages for a frame: for every moment while the shutter is open, or for the first if all are alike.
     fn run(&mut self, frame: u32, still: bool) -> Result<(), NoFrame> {
-        let moments = match still {
-            true => vec![(self.timeline.clock(frame), Moment::ONLY)],
-            false => self.shutter.moments(&self.timeline, frame),
-        };
+        let mut moments = self.shutter.moments(&self.timeline, frame);
+        if still {
+            moments.truncate(1);
+            moments.iter_mut().for_each(|(_, moment)| *moment = Moment::ONLY);
+        }
         for (clock, moment) in moments {
             self.world.insert_resource(Now(clock));
             self.world.insert_resource(Shown(moment));

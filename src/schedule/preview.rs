@@ -33,7 +33,7 @@ pub struct Preview {
 }
 
 /// What a frame evaluates to. It depends on the sequence and the frame alone, not on what was looked at before.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Look {
     pub frame: u32,
     /// All that decides which light each layer holds, at every moment at which the frame is traced: geometry, materials,
@@ -48,6 +48,9 @@ pub struct Look {
     pub moments: u32,
     /// Whether samples are drawn at random.
     pub random: bool,
+    /// The geometry at the first and the last moment, and how often it changes in between.
+    pub geometry: (Digest, Digest),
+    pub rebuilds: u32,
     /// Why the frame cannot be traced.
     pub fault: Option<NoCamera>,
 }
@@ -102,10 +105,16 @@ impl Preview {
     pub fn look(&mut self, frame: u32) -> Look {
         let moments = self.shutter.moments(&self.timeline, frame);
         let mut found: Vec<(Digest, bool)> = Vec::with_capacity(moments.len());
-        let mut fault = None;
+        let (mut fault, mut geometry, mut rebuilds) = (None, None, 0);
         for &(clock, _) in &moments {
             match self.moment(clock) {
-                Ok(one) => found.push(one),
+                Ok(one) => {
+                    found.push(one);
+                    let now = self.digests.primitives();
+                    let (first, last) = *geometry.get_or_insert((now, now));
+                    rebuilds += u32::from(last != now);
+                    geometry = Some((first, now));
+                }
                 Err(why) => {
                     fault = Some(why);
                     break;
@@ -128,8 +137,23 @@ impl Preview {
             exposure: exposure(self.exposure.at(self.timeline.clock(frame).start)),
             moments: found.len() as u32,
             random,
+            geometry: geometry.unwrap_or_default(),
+            rebuilds,
             fault,
         }
+    }
+
+    /// Hands the scene at a frame's first moment over; nothing if it has no camera then.
+    pub fn scene_of<T>(&mut self, frame: u32, see: impl FnOnce(&Scene) -> T) -> Option<T> {
+        let (clock, _) = *self.shutter.moments(&self.timeline, frame).first()?;
+        self.moment(clock).ok()?;
+        let (geometry, shading) = (&self.current::<Geometry>()?.0, &self.current::<Shading>()?.0);
+        let (weights, camera) = (&self.current::<Weights>()?.0, &self.current::<Option<Camera>>()?.0);
+        Some(see(&Scene { geometry, shading, weights, camera: camera.as_ref()? }))
+    }
+
+    fn current<T: Send + Sync + 'static>(&self) -> Option<&Current<T>> {
+        self.world.get_resource()
     }
 
     /// What light meets at a moment, and whether the moment alone calls for random samples.

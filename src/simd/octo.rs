@@ -1,7 +1,7 @@
 //! Eight f64 in two quads, and vectors of them: what eight rays have one each of.
 
 use super::Quad;
-use crate::math::DVec3;
+use crate::math::{DVec3, Real};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 
 /// Eight f64.
@@ -92,6 +92,18 @@ impl<Q: Quad> Octo<Q> {
     }
 }
 
+impl<Q: Quad> Real for Octo<Q> {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        Self::splat(value)
+    }
+
+    #[inline(always)]
+    fn at_least(self, limit: f64, then: Self, or: Self) -> Self {
+        then.pick(Self::splat(limit).at_most(self), or)
+    }
+}
+
 /// A choice among eight lanes.
 #[derive(Clone, Copy)]
 pub struct Choice<Q: Quad>([Q::Mask; 2]);
@@ -174,6 +186,12 @@ impl Rows {
 
     pub fn of(vectors: &[DVec3; 8]) -> Self {
         Self([vectors.map(|v| v.x), vectors.map(|v| v.y), vectors.map(|v| v.z)])
+    }
+
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, v: DVec3) {
+        let [x, y, z] = &mut self.0;
+        (x[lane], y[lane], z[lane]) = (v.x, v.y, v.z);
     }
 
     #[inline]

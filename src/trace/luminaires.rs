@@ -90,6 +90,17 @@ impl<'a> Luminaires<'a> {
         all
     }
 
+    /// All sources in the order in which they are asked, if each is a light without an area that is asked every time.
+    pub fn plain_lights(&self) -> Option<Vec<Light>> {
+        let all = self.groups.iter().flat_map(|group| &group.members);
+        let plain = all.map(|member| match member {
+            Luminaire::Light(_, light) if !light.source.is_sampled() => Some(*light),
+            _ => None,
+        });
+        let chosen = self.groups.iter().any(|group| group.chances.is_some());
+        if chosen { None } else { plain.collect() }
+    }
+
     /// Asks every layer's sources for light at a point that is seen. At the `last` surface of a path only
     /// lights are asked: what else shines is seen at the end of a bounce, and there is none left.
     pub fn ask(&self, tracer: &Tracer, seen: &Seen, dice: Dice, last: bool, mut take: impl FnMut(Asked)) {
@@ -98,11 +109,14 @@ impl<'a> Luminaires<'a> {
             let number = group.layer.0;
             let mut ask = |index: usize, chance: f64, turn: u32| {
                 let light = number.wrapping_mul(2 * ASKED as u32).wrapping_add(turn);
-                let u = dice.sampler.two(Use::Light { surface, light });
                 let member = &group.members[index];
                 if last && !matches!(member, Luminaire::Light(..)) {
                     return;
                 }
+                let u = match member.is_sampled() {
+                    true => dice.sampler.two(Use::Light { surface, light }),
+                    false => DVec2::ZERO,
+                };
                 let arrival = member.arrival(tracer, seen.surface.point, u);
                 if let Some(arrival) = arrival {
                     take(Asked { layer: group.layer, arrival: arrival.with_chance(chance) });
@@ -152,6 +166,14 @@ fn sources<'a>(tracer: &Tracer<'a>) -> Vec<(LayerId, Luminaire<'a>)> {
 }
 
 impl Luminaire<'_> {
+    /// Whether its light comes from more than one direction, so that one has to be drawn.
+    fn is_sampled(&self) -> bool {
+        match self {
+            Self::Light(_, light) => light.source.is_sampled(),
+            Self::Object(_) | Self::Sky(_) => true,
+        }
+    }
+
     /// Roughly how much light it gives, which is all that a choice among many goes by.
     fn power(&self, tracer: &Tracer) -> f64 {
         let brightness = |color: Rgb| f64::from(color.element_sum());

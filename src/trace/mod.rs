@@ -4,6 +4,7 @@ mod coincident;
 mod guides;
 mod lights;
 mod luminaires;
+mod matt;
 mod media;
 mod passing;
 mod path;
@@ -18,6 +19,7 @@ mod tests;
 mod throughput;
 mod together;
 mod tracer;
+mod wave;
 mod whitted;
 
 use crate::bvh::Bvh;
@@ -33,8 +35,6 @@ pub use pixel::is_random;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
-use together::Sums;
-use tracer::Work;
 
 /// What tracing needs to know besides the scene.
 #[derive(Clone, Debug)]
@@ -130,59 +130,36 @@ struct Window<'a> {
 impl Window<'_> {
     /// Traces the band's pixels, tile by tile. `data` is the picture's part for the band.
     fn trace<T>(&self, data: &mut [T], store: impl Fn(&mut T, DVec3)) -> Counts {
-        if self.pixels.together {
-            return self.trace_together(data, store);
-        }
-        let width = self.pixels.settings.size.0;
-        let layers = self.pixels.layers();
-        let mut work = Work::new(layers);
-        let mut sums = vec![DVec3::ZERO; layers];
-        for left in (0..width).step_by(TILE as usize) {
-            for y in self.rows.clone() {
-                for x in left..width.min(left + TILE) {
-                    self.pixels.trace((x, y), &mut sums, &mut work);
-                    self.store((x, y), data, &mut sums, &store);
-                }
-            }
-        }
-        work.counts
-    }
-
-    /// Stores the layers of a pixel that are held, and begins the next one's.
-    fn store<T>(
-        &self,
-        (x, y): (u32, u32),
-        data: &mut [T],
-        sums: &mut [DVec3],
-        store: &impl Fn(&mut T, DVec3),
-    ) {
-        let at = ((y - self.rows.start) * self.pixels.settings.size.0 + x) as usize * self.held.len();
-        for (layer, &index) in data[at..].iter_mut().zip(self.held) {
-            store(layer, sums[index]);
-        }
-        sums.fill(DVec3::ZERO);
-    }
-
-    /// The same, eight pixels at a time.
-    fn trace_together<T>(&self, data: &mut [T], store: impl Fn(&mut T, DVec3)) -> Counts {
         let (width, layers) = (self.pixels.settings.size.0, self.pixels.layers());
-        let mut eight = Sums::new(layers);
-        let mut sums = vec![DVec3::ZERO; 8 * layers];
-        let mut pixels = Vec::with_capacity(8);
-        for left in (0..width).step_by(BLOCK.0 as usize) {
-            for top in self.rows.clone().step_by(BLOCK.1 as usize) {
-                pixels.clear();
-                for y in top..self.rows.end.min(top + BLOCK.1) {
-                    for x in left..width.min(left + BLOCK.0) {
-                        pixels.push((x, y));
-                    }
+        let mut tracing = self.pixels.start();
+        let mut sums = vec![DVec3::ZERO; (TILE * TILE) as usize * layers];
+        let mut tile = Vec::with_capacity((TILE * TILE) as usize);
+        for left in (0..width).step_by(TILE as usize) {
+            tile.clear();
+            tile.extend(self.tile(left..width.min(left + TILE)));
+            self.pixels.trace(&tile, &mut sums[..tile.len() * layers], &mut tracing);
+            for (&(x, y), sums) in tile.iter().zip(sums.chunks_exact_mut(layers)) {
+                let at = ((y - self.rows.start) * width + x) as usize * self.held.len();
+                for (layer, &index) in data[at..].iter_mut().zip(self.held) {
+                    store(layer, sums[index]);
                 }
-                self.pixels.trace_together(&pixels, &mut sums, &mut eight);
-                for (&(x, y), sums) in pixels.iter().zip(sums.chunks_exact_mut(layers)) {
-                    self.store((x, y), data, sums, &store);
-                }
+                sums.fill(DVec3::ZERO);
             }
         }
-        eight.counts
+        tracing.counts()
+    }
+
+    /// The pixels of some columns, block by block.
+    fn tile(&self, columns: Range<u32>) -> impl Iterator<Item = (u32, u32)> {
+        let rows = self.rows.clone();
+        let tops = rows.clone().step_by(BLOCK.1 as usize);
+        let blocks = tops.flat_map({
+            let columns = columns.clone();
+            move |top| columns.clone().step_by(BLOCK.0 as usize).map(move |left| (left, top))
+        });
+        blocks.flat_map(move |(left, top)| {
+            let (right, below) = (columns.end.min(left + BLOCK.0), rows.end.min(top + BLOCK.1));
+            (top..below).flat_map(move |y| (left..right).map(move |x| (x, y)))
+        })
     }
 }

@@ -89,6 +89,7 @@ impl Tracer<'_> {
             }
             let Some(hit) = hit else { return share };
             let Met::Surface(face) = self.met(&ray, hit, 0.0) else { break };
+            work.counts.evaluations.paint += u64::from(!face.material.paints.is_empty());
             let (passes, beyond) = self.straight_through(&face, arrival, media);
             share.dim(passes.whole, passes.unbent);
             media = beyond;
@@ -120,8 +121,9 @@ impl Tracer<'_> {
     }
 
     /// The share of the light that the fog lets pass on its way to a surface.
-    pub fn clearness(&self, arrival: &Arrival, surface: &Surface) -> f32 {
+    pub fn clearness(&self, arrival: &Arrival, surface: &Surface, work: &mut Work) -> f32 {
         let Some(fog) = &self.fog else { return 1.0 };
+        work.counts.evaluations.fog += 1;
         let length = match &arrival.from {
             Origin::Point(point) => (*point - surface.point).length(),
             Origin::Surface(target) => (target.point - surface.point).length(),

@@ -9,50 +9,54 @@
 use super::coincident::Crossed;
 use super::lights::seen;
 use super::luminaires::Luminaires;
+use super::matt::{Eight, Matt};
 use super::media::Media;
 use super::scatter::{Kind, Scatter, scatter, scatter_density};
 use super::spawn::{spawn, spawn_gathering};
 use super::throughput::Throughput;
 use super::tracer::{Dice, Face, Met, Tracer, Work};
+use super::wave::{Shadow, WAVE};
+use crate::bvh::Hit;
 use crate::camera::{Beam, Ray};
 use crate::color::Rgb;
 use crate::counters::RayCounts;
 use crate::math::DVec3;
 use crate::quality::PathSettings;
-use crate::sampling::Use;
+use crate::sampling::{Sampler, Use};
 
 /// The integrator over one frame's scene.
 pub struct Paths<'a> {
     luminaires: Luminaires<'a>,
     settings: PathSettings,
+    /// For surfaces of which eight are shaded at once.
+    matt: Option<Matt>,
 }
 
 /// Where a path is.
-struct Path {
-    ray: Ray,
-    beam: Beam,
-    throughput: Throughput,
-    media: Media,
+pub struct Path {
+    pub ray: Ray,
+    pub beam: Beam,
+    pub throughput: Throughput,
+    pub media: Media,
     /// What the ray has just passed.
-    crossed: Option<Crossed>,
+    pub crossed: Option<Crossed>,
     /// Bounces that are left.
-    left: u32,
+    pub left: u32,
     /// Where the direction was drawn, and with which density per solid angle; none where there was no choice.
     drawn: Option<(DVec3, f64)>,
     /// The last surface that has turned the path back, if it has scattered it: then light was asked for there.
     asked: Option<DVec3>,
     /// Whether light that is met now has been counted by a shadow ray from there, through what refracts.
     counted: bool,
+    pub dice: Dice,
+    /// Where the layers of its sample begin in what is worked with.
+    pub first: usize,
 }
 
-impl<'a> Paths<'a> {
-    pub fn new(tracer: &Tracer<'a>, settings: PathSettings) -> Self {
-        Self { luminaires: Luminaires::new(tracer), settings }
-    }
-
-    /// Adds what is seen along a camera's ray to `work`.
-    pub fn follow(&self, tracer: &Tracer, (ray, beam): (Ray, Beam), mut dice: Dice, work: &mut Work) {
-        let mut path = Path {
+impl Path {
+    /// From the eye.
+    pub fn new(tracer: &Tracer, (ray, beam): (Ray, Beam), sampler: Sampler, first: usize) -> Self {
+        Self {
             ray,
             beam,
             throughput: Throughput::showing(Rgb::ONE),
@@ -62,17 +66,78 @@ impl<'a> Paths<'a> {
             drawn: None,
             asked: None,
             counted: false,
-        };
-        while self.step(tracer, &mut path, dice, work) {
-            dice.surface += 1;
+            dice: Dice { sampler, surface: 0 },
+            first,
+        }
+    }
+}
+
+impl Path {
+    /// Notes that it was scattered at a point, with a density per solid angle of its direction.
+    pub fn scattered(&mut self, point: DVec3, density: f64) {
+        self.crossed = None;
+        (self.asked, self.counted) = (Some(point), false);
+        self.drawn = Some((point, density));
+        self.left -= 1;
+    }
+}
+
+impl<'a> Paths<'a> {
+    pub fn new(tracer: &Tracer<'a>, settings: PathSettings) -> Self {
+        let luminaires = Luminaires::new(tracer);
+        let matt = Matt::new(tracer, luminaires.plain_lights());
+        Self { luminaires, settings, matt }
+    }
+
+    /// Follows paths from the eye to where they end, all of them from surface to surface. What is seen along them is added
+    /// to `work`.
+    pub fn follow(&self, tracer: &Tracer, paths: &mut [Path], work: &mut Work) {
+        let mut active: Vec<u32> = (0..paths.len() as u32).collect();
+        let mut hits = Vec::with_capacity(active.len());
+        let (mut matt, mut matt_hits) = (Vec::with_capacity(active.len()), Vec::with_capacity(active.len()));
+        let mut goes_on = [false; WAVE];
+        let mut from_eye = true;
+        while !active.is_empty() {
+            tracer.meet(paths, &active, from_eye, &mut hits);
+            for (&index, hit) in active.iter().zip(&hits) {
+                let path = &mut paths[index as usize];
+                if let Some(hit) = hit
+                    && self.matt.as_ref().is_some_and(|matt| matt.takes(tracer, path, hit))
+                {
+                    matt.push(index);
+                    matt_hits.push(*hit);
+                    continue;
+                }
+                work.first = path.first;
+                goes_on[index as usize] = self.step(tracer, path, *hit, work);
+            }
+            if let Some(shader) = &self.matt {
+                for (which, hits) in matt.chunks(8).zip(matt_hits.chunks(8)) {
+                    let on = shader.follow(Eight { integrator: self, tracer, paths, which, hits }, work);
+                    (0..).zip(which).for_each(|(lane, &index)| goes_on[index as usize] = on >> lane & 1 == 1);
+                }
+            }
+            matt.clear();
+            matt_hits.clear();
+            active.retain(|&index| {
+                paths[index as usize].dice.surface += 1;
+                goes_on[index as usize]
+            });
+            let mut shadows = std::mem::take(&mut work.shadows);
+            tracer.cast(&mut shadows, from_eye, work);
+            work.shadows = shadows;
+            from_eye = false;
         }
     }
 
-    /// Goes on to the next surface and from there; false at the path's end.
-    fn step(&self, tracer: &Tracer, path: &mut Path, dice: Dice, work: &mut Work) -> bool {
+    /// Goes on to the next surface and from there; false at the path's end. `hit` is what lies ahead of a
+    /// ray that has not passed anything just now.
+    fn step(&self, tracer: &Tracer, path: &mut Path, hit: Option<Hit>, work: &mut Work) -> bool {
         let met = tracer.lying_in(path.crossed.as_ref(), path.beam.width).unwrap_or_else(|| {
+            let hit = if path.crossed.is_none() { hit } else { tracer.closest(&path.ray) };
             path.crossed = None;
-            let (met, way) = tracer.advance((&path.ray, &path.beam), &path.media, &path.throughput, work);
+            let (met, way) =
+                tracer.advance((&path.ray, &path.beam), hit, &path.media, &path.throughput, work);
             path.throughput.go(way);
             met
         });
@@ -92,7 +157,7 @@ impl<'a> Paths<'a> {
             }
             Met::Surface(face) => {
                 path.beam.width = face.width;
-                self.at_surface(tracer, path, &face, dice, work)
+                self.at_surface(tracer, path, &face, work)
             }
         }
     }
@@ -107,7 +172,8 @@ impl<'a> Paths<'a> {
         asked(from).map_or(1.0, |asked| (density / (density + asked)) as f32)
     }
 
-    fn at_surface(&self, tracer: &Tracer, path: &mut Path, face: &Face, dice: Dice, work: &mut Work) -> bool {
+    fn at_surface(&self, tracer: &Tracer, path: &mut Path, face: &Face, work: &mut Work) -> bool {
+        let dice = path.dice;
         let boundary = tracer.boundary(face, &path.media);
         if let Some(boundary) = boundary.filter(|boundary| boundary.hidden) {
             path.crossed = Some(face.crossed(path.crossed, path.ray.direction));
@@ -119,10 +185,14 @@ impl<'a> Paths<'a> {
         tracer.add_ambient(face, path.throughput.seen(), work);
         tracer.add_emission(face, path.throughput.shining() * self.met_weight(path, density), work);
         self.ask_for_light(tracer, path, face, dice, work);
+        // Without a bounce left, only what is passed straight on leads further.
+        if path.left == 0 && face.lobes.transparency == Rgb::ZERO {
+            return false;
+        }
         let seen = face.seen(&path.ray);
         let u = dice.sampler.four(Use::Scatter(dice.surface));
         let Some(next) = scatter(&seen, boundary.as_ref(), u) else { return false };
-        let goes_on = self.go_on(path, face, &next) && self.survives(tracer, path, dice);
+        let goes_on = self.go_on(path, face, &next) && self.survives(tracer, path);
         if goes_on {
             count(next.kind, &mut work.counts.rays);
         }
@@ -136,15 +206,24 @@ impl<'a> Paths<'a> {
         }
         let seen = face.seen(&path.ray);
         let throughput = path.throughput.seen();
+        let mut turn = 0;
         self.luminaires.ask(tracer, &seen, dice, path.left == 0, |asked| {
             let arrival = &asked.arrival;
+            work.counts.evaluations.light_samples += u64::from(arrival.density.is_some());
             let reflected = seen.reflected(arrival.direction);
             // At the last surface of a path nothing is met by chance any more.
             let met = if path.left > 0 { scatter_density(&seen, arrival.direction) } else { 0.0 };
             let weight = arrival.density.map_or(1.0, |density| density / (density + met)) as f32;
-            let scattered = reflected.scattered(tracer.clearness(arrival, seen.surface));
+            let scattered = reflected.scattered(tracer.clearness(arrival, seen.surface, work));
             let share = scattered + reflected.highlight;
             if share == Rgb::ZERO || arrival.radiance == Rgb::ZERO {
+                return;
+            }
+            turn += 1;
+            if !tracer.clear && !tracer.media {
+                let share = share - scattered * (1.0 - weight);
+                let radiance = throughput * share * arrival.radiance;
+                work.shadows.push(Shadow::new(arrival, seen.surface, (asked.layer, turn), radiance, work));
                 return;
             }
             let passing = tracer.passing(arrival, seen.surface, &path.media, work);
@@ -173,7 +252,9 @@ impl<'a> Paths<'a> {
             Kind::Scattered => spawn_gathering(&face.surface, next.direction),
             Kind::Unbent | Kind::Bent | Kind::Mirrored => spawn(&face.surface, next.direction),
         };
-        path.media = next.media.unwrap_or(path.media);
+        if let Some(media) = next.media {
+            path.media = media;
+        }
         match next.kind {
             // Straight on: what was drawn before still leads there, and no bounce is taken.
             Kind::Unbent => return true,
@@ -189,13 +270,13 @@ impl<'a> Paths<'a> {
     }
 
     /// Russian roulette: dim paths end at random, and those that go on make up for them.
-    fn survives(&self, tracer: &Tracer, path: &mut Path, dice: Dice) -> bool {
+    pub fn survives(&self, tracer: &Tracer, path: &mut Path) -> bool {
         let Some(after) = self.settings.roulette else { return true };
         if tracer.quality.bounces - path.left <= after {
             return true;
         }
         let chance = path.throughput.shining().max_element().min(0.95);
-        if dice.sampler.two(Use::Roulette(dice.surface)).x >= f64::from(chance) {
+        if path.dice.sampler.two(Use::Roulette(path.dice.surface)).x >= f64::from(chance) {
             return false;
         }
         path.throughput.make_up_for(chance);

@@ -1,12 +1,13 @@
 //! A pixel: its samples, and their mean.
 
-use super::path::Paths;
+use super::path::{Path, Paths};
 use super::together::Sums;
 use super::tracer::{Dice, Tracer, Work};
+use super::wave::WAVE;
 use super::{Moment, TraceSettings, guides, together, whitted};
 use crate::bvh::Bvh;
 use crate::camera::{Beam, Ray};
-use crate::counters::Dropped;
+use crate::counters::{Counts, Dropped};
 use crate::film::{Extras, LayerId, lit};
 use crate::math::{DVec2, DVec3};
 use crate::quality::Integrator;
@@ -62,25 +63,81 @@ impl<'a> Pixels<'a> {
         lit.chain(self.lights..self.layers()).collect()
     }
 
-    /// Adds a pixel's layers to `sums`: the mean of its samples or, of several moments, this moment's part of
-    /// it.
-    pub fn trace(&self, pixel: (u32, u32), sums: &mut [DVec3], work: &mut Work) {
-        let quality = &self.settings.quality;
-        let samples = if self.random { quality.samples } else { quality.antialias * quality.antialias };
-        let numbers = PixelSampler::new(pixel, quality.seed);
-        let Moment { index, of } = self.moment;
-        for sample in 0..samples {
-            if of > 1 && numbers.part_of_time(sample, of) != index {
-                continue;
+    /// What a thread needs to trace pixels.
+    pub fn start(&self) -> Tracing {
+        let layers = self.layers();
+        match (self.together, &self.paths) {
+            (true, _) => Tracing::Together(Sums::new(layers)),
+            (false, Some(_)) => Tracing::Paths(Work::new(WAVE, layers), Followed::default()),
+            (false, None) => Tracing::Rays(Work::new(1, layers)),
+        }
+    }
+
+    /// Adds pixels' layers, one pixel after the other, to `sums`: the means of their samples or, of several moments, this
+    /// moment's part of them. Neighbours should follow each other.
+    pub fn trace(&self, pixels: &[(u32, u32)], sums: &mut [DVec3], tracing: &mut Tracing) {
+        match tracing {
+            Tracing::Together(eight) => {
+                let layers = eight.layers.len();
+                for (pixels, sums) in pixels.chunks(8).zip(sums.chunks_mut(8 * layers)) {
+                    self.trace_together(pixels, sums, eight);
+                }
+                return;
             }
-            let sampler = numbers.sample(sample);
-            let (inside, lens) = self.place(sample, &sampler);
-            self.sample(pixel, inside, lens, sampler, work);
-            self.take(sums, work);
+            Tracing::Paths(work, paths) => self.trace_paths(pixels, sums, work, paths),
+            Tracing::Rays(work) => {
+                let layers = work.layers.len();
+                for (&pixel, sums) in pixels.iter().zip(sums.chunks_exact_mut(layers)) {
+                    for (sample, sampler) in self.samples(pixel) {
+                        let eye = self.eye(pixel, sample, &sampler, work);
+                        whitted::follow(&self.tracer, eye, Dice { sampler, surface: 0 }, work);
+                        self.take(sums, &mut work.layers, &mut work.counts.dropped);
+                    }
+                }
+            }
         }
-        for sum in sums {
-            *sum /= f64::from(samples);
+        let samples = f64::from(self.count());
+        sums.iter_mut().for_each(|sum| *sum /= samples);
+    }
+
+    /// How many samples a pixel has.
+    fn count(&self) -> u32 {
+        let quality = &self.settings.quality;
+        if self.random { quality.samples } else { quality.antialias * quality.antialias }
+    }
+
+    /// The pixel's samples at this moment, by their numbers.
+    fn samples(&self, pixel: (u32, u32)) -> impl Iterator<Item = (u32, Sampler)> {
+        let numbers = PixelSampler::new(pixel, self.settings.quality.seed);
+        let Moment { index, of } = self.moment;
+        let now = move |sample: &u32| of == 1 || numbers.part_of_time(*sample, of) == index;
+        (0..self.count()).filter(now).map(move |sample| (sample, numbers.sample(sample)))
+    }
+
+    /// Many paths at once, of one pixel or several.
+    fn trace_paths(
+        &self,
+        pixels: &[(u32, u32)],
+        sums: &mut [DVec3],
+        work: &mut Work,
+        followed: &mut Followed,
+    ) {
+        let Some(integrator) = &self.paths else { return };
+        let layers = work.layers.len() / WAVE;
+        for (index, &pixel) in pixels.iter().enumerate() {
+            for (sample, sampler) in self.samples(pixel) {
+                work.first = followed.paths.len() * layers;
+                let eye = self.eye(pixel, sample, &sampler, work);
+                followed.paths.push(Path::new(&self.tracer, eye, sampler, work.first));
+                followed.pixels.push(index);
+                if followed.paths.len() == WAVE {
+                    integrator.follow(&self.tracer, &mut followed.paths, work);
+                    self.take_all(sums, work, followed);
+                }
+            }
         }
+        integrator.follow(&self.tracer, &mut followed.paths, work);
+        self.take_all(sums, work, followed);
     }
 
     /// Where in the unit square a sample lies before the filter spreads it, and where on the lens.
@@ -99,8 +156,8 @@ impl<'a> Pixels<'a> {
         ((cell + DVec2::splat(0.5)) / f64::from(n), DVec2::ZERO)
     }
 
-    /// [`Pixels::trace`] of up to eight pixels, whose layers are one after the other in `sums`.
-    pub fn trace_together(&self, pixels: &[(u32, u32)], sums: &mut [DVec3], eight: &mut Sums) {
+    /// [`Pixels::trace`] of up to eight pixels.
+    fn trace_together(&self, pixels: &[(u32, u32)], sums: &mut [DVec3], eight: &mut Sums) {
         let quality = &self.settings.quality;
         let samples = quality.antialias * quality.antialias;
         let limit = quality.clamp.map(f64::from);
@@ -145,29 +202,60 @@ impl<'a> Pixels<'a> {
         (ray, camera.beam(&ray, 2.0 / height))
     }
 
-    fn sample(&self, pixel: (u32, u32), inside: DVec2, lens: DVec2, sampler: Sampler, work: &mut Work) {
+    /// The ray from the eye along which a sample is seen. What else than light is recorded is added to `work`.
+    fn eye(&self, pixel: (u32, u32), sample: u32, sampler: &Sampler, work: &mut Work) -> (Ray, Beam) {
+        let (inside, lens) = self.place(sample, sampler);
         let (ray, beam) = self.ray(pixel, inside, lens);
         work.counts.rays.camera += 1;
+        work.counts.evaluations.lens_samples += u64::from(self.tracer.scene.camera.lens.is_some());
         if let Some(first) = self.guides {
             guides::record(&self.tracer, (&ray, &beam), first, work);
         }
-        let dice = Dice { sampler, surface: 0 };
-        match &self.paths {
-            None => whitted::follow(&self.tracer, (ray, beam), dice, work),
-            Some(paths) => paths.follow(&self.tracer, (ray, beam), dice, work),
-        }
+        (ray, beam)
     }
 
-    /// Adds the sample in hand to the sums, but for what is no light.
-    fn take(&self, sums: &mut [DVec3], work: &mut Work) {
+    /// Adds the samples of paths that have been followed to their pixels' sums.
+    fn take_all(&self, sums: &mut [DVec3], work: &mut Work, followed: &mut Followed) {
+        let layers = work.layers.len() / WAVE;
+        for (index, samples) in followed.pixels.drain(..).zip(work.layers.chunks_exact_mut(layers)) {
+            self.take(&mut sums[index * layers..][..layers], samples, &mut work.counts.dropped);
+        }
+        followed.paths.clear();
+    }
+
+    /// Adds a sample's layers to a pixel's sums, but for what is no light, and leaves nothing of them.
+    fn take(&self, sums: &mut [DVec3], sample: &mut [DVec3], dropped: &mut Dropped) {
         let limit = self.settings.quality.clamp.map(f64::from);
         let (lights, extras) = sums.split_at_mut(self.lights);
-        let (sampled_lights, sampled_extras) = work.layers.split_at_mut(self.lights);
+        let (sampled_lights, sampled_extras) = sample.split_at_mut(self.lights);
         for (sum, sample) in extras.iter_mut().zip(sampled_extras) {
             *sum += std::mem::take(sample);
         }
         for (sum, sample) in lights.iter_mut().zip(sampled_lights) {
-            add(sum, std::mem::take(sample), limit, &mut work.counts.dropped);
+            add(sum, std::mem::take(sample), limit, dropped);
+        }
+    }
+}
+
+/// What a thread traces pixels with.
+pub enum Tracing {
+    Together(Sums),
+    Rays(Work),
+    Paths(Work, Followed),
+}
+
+/// Paths on their way, and the places of their pixels among those that are traced.
+#[derive(Default)]
+pub struct Followed {
+    paths: Vec<Path>,
+    pixels: Vec<usize>,
+}
+
+impl Tracing {
+    pub fn counts(self) -> Counts {
+        match self {
+            Self::Together(eight) => eight.counts,
+            Self::Rays(work) | Self::Paths(work, _) => work.counts,
         }
     }
 }

@@ -19,9 +19,10 @@ use crate::math::{DVec2, DVec3};
 use crate::scene::{Finish, Primitive};
 use crate::shape::{Rays, Shape, lanes};
 use crate::simd::{Lanes, Octo, Quad, Vector, Work, dispatch};
-use lights::Arrivals;
-use shade::{Color, Reflectors};
-use starts::Starts;
+pub use lights::Arrivals;
+pub use shade::Color;
+use shade::Reflectors;
+pub use starts::Starts;
 
 /// What eight rays add to each layer: red, green and blue of each.
 pub struct Sums {

@@ -47,7 +47,8 @@ fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
     let lying = tracer.lying_in(pending.crossed.as_ref(), beam.width);
     let crossed = pending.crossed.filter(|_| lying.is_some());
     let met = lying.unwrap_or_else(|| {
-        let (met, way) = tracer.advance((&ray, beam), media, &Throughput::showing(throughput), work);
+        let (met, way) =
+            tracer.advance((&ray, beam), tracer.closest(&ray), media, &Throughput::showing(throughput), work);
         throughput *= way.passed * way.clear;
         met
     });
@@ -103,8 +104,9 @@ impl Branch<'_, '_> {
                 false => DVec2::ZERO,
             };
             let Some(arrival) = arrival(light, seen.surface.point, u) else { continue };
+            work.counts.evaluations.light_samples += u64::from(arrival.density.is_some());
             let reflected = seen.reflected(arrival.direction);
-            let clear = self.tracer.clearness(&arrival, seen.surface);
+            let clear = self.tracer.clearness(&arrival, seen.surface, work);
             let share = reflected.scattered(clear) + reflected.highlight;
             if share == Rgb::ZERO {
                 continue;

@@ -163,3 +163,44 @@ fn quiet_runs_still_tell_errors() {
     refused(&["render", "-q", "no/such/file.ron"], &["there is no file"]);
     refused(&["render", "no/such/file.ron", "--progress", "json"], &["there is no file"]);
 }
+
+#[test]
+fn plans_tell_spans_effects_layers_rays_and_memory() {
+    let file = scratch("plan.ron");
+    let text = r#"(timeline: (frames: 8, keys: Frames), output: (size: (16, 12)),
+        lights: {
+            "key": Point(position: (3, 4, 5), on: [(0, true), (4, false)]),
+            "never": Point(position: (1, 2, 3), on: [(0, false), (90, true)]),
+        },
+        objects: { "floor": (shape: Plane(), material: (mirror: 0.3)), "ball": (shape: Sphere(), translation: [(5, (0, 0, 0)), (7, (1, 0, 0))]) })"#;
+    std::fs::write(&file, text).expect("the folder is writable");
+    let file = file.to_string_lossy();
+    let run = kinora(&["plan", &file]);
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    for part in [
+        "frames  8, 5 of them from films of others\n",
+        "films   3 films, with up to 2 layers of light\n",
+        "spans   0-3: nothing changes (1 film)\n",
+        "4: light \"key\" is switched or faded (0 films)\n",
+        "5: nothing changes (0 films)\n",
+        "6-7: object \"ball\" moves (2 films)\n",
+        "key: in 1 film\n",
+        "never: dark, not traced\n",
+        "shadows: light \"key\"\n",
+        "mirror: material \"",
+        "unused  orthographic, lens, motion blur,",
+        "builds  3 trees\n",
+        " times fewer",
+        "memory  ",
+    ] {
+        assert!(run.stdout.contains(part), "`{part}` in {}", run.stdout);
+    }
+    let json = kinora(&["plan", &file, "--json", "--frames", "0-5", "--memory", "1MB"]);
+    assert_eq!(json.code, Some(0));
+    let wanted =
+        r#"{"event":"plan","frames":6,"reused":5,"spans":[{"first":0,"last":3,"changes":[],"films":1},"#;
+    assert!(json.stdout.starts_with(wanted), "{}", json.stdout);
+    assert!(json.stdout.contains(r#""budget_bytes":1000000"#), "{}", json.stdout);
+    refused(&["plan", &file, "--memory", "much"], &["5MB"]);
+    refused(&["render", &file, "--memory", "5MB", "--no-reuse"], &["cannot be used with"]);
+}

@@ -210,3 +210,58 @@ fn motion_that_does_not_show_builds_no_tree() {
         assert_eq!(builds, [1, 0, 0, 0, 0], "{object}");
     }
 }
+
+/// GA-02: what an effect asks for is counted, and exactly none of it without the effect. GA-01: of zero strength it
+/// gives the same picture, with the same work, as none.
+#[test]
+fn ga_01_ga_02_effects_that_are_not_called_for_take_no_work() {
+    let shot = |integrator: &str, fields: &str, light: &str, material: &str| {
+        let text = format!(
+            r#"(timeline: (frames: 1), output: (size: (16, 12)), quality: ({integrator} samples: 2, bounces: 3), {fields}
+            lights: {{ {light} }}, objects: {{
+                "floor": (shape: Plane(point: (0, -1, 0))), "ball": (shape: Sphere(), material: {material}),
+            }})"#
+        );
+        let sequence = crate::support::sequence(&text);
+        let mut shots = crate::support::shoot(&sequence, [0]);
+        shots.pop().expect("a shot")
+    };
+    const LAMP: &str = r#""lamp": Point(position: (3, 4, 5))"#;
+    const AREA: &str = r#""lamp": Sphere(center: (3, 4, 5), radius: 0.5)"#;
+    for integrator in ["", "integrator: Path,"] {
+        let plain = shot(integrator, "", LAMP, "(color: 0.5)");
+        let none = plain.work;
+        assert_eq!((none.fog, none.paint, none.light_samples, none.lens_samples), (0, 0, 0, 0));
+        assert_eq!((none.mirror, none.transmitted), (0, 0));
+        let with = |fields: &str, light: &str, material: &str| shot(integrator, fields, light, material).work;
+        assert!(with("fog: (density: 0.1),", LAMP, "()").fog > 0);
+        assert!(with("", LAMP, "(color: Checker())").paint > 0);
+        assert!(with("", AREA, "()").light_samples > 0);
+        assert!(with("camera: (aperture: 0.1),", LAMP, "()").lens_samples > 0);
+        assert!(with("", LAMP, "(mirror: 0.5)").mirror > 0);
+        assert!(with("", LAMP, "(transparency: 0.5)").transmitted > 0);
+        assert_eq!(with("", "", "(color: 0.5)").shadow, 0);
+        for (fields, material) in [
+            ("fog: (density: 0, color: 1),", "(color: 0.5)"),
+            ("camera: (aperture: 0),", "(color: 0.5)"),
+            ("camera: (shutter: 0),", "(color: 0.5)"),
+            // Nothing moves while it is open.
+            ("camera: (shutter: 1),", "(color: 0.5)"),
+            ("", "(color: 0.5, mirror: 0, fuzz: 0.5)"),
+            ("", "(color: 0.5, transparency: 0)"),
+            ("", "(color: 0.5, emission: 0)"),
+            ("", "(color: 0.5, refraction: 0, ior: 1.5, absorption: 1)"),
+            ("", "(color: 0.5, specular: 0, specular_color: Checker())"),
+        ] {
+            let found = shot(integrator, fields, LAMP, material);
+            assert!(found.film == plain.film, "{integrator} {fields} {material}");
+            assert_eq!(found.work, plain.work, "{integrator} {fields} {material}");
+        }
+        let off = format!(r#"{LAMP}, "off": Sphere(center: (30, 40, 50), radius: 0.1, intensity: 0)"#);
+        let found = shot(integrator, "", &off, "(color: 0.5)");
+        assert!(
+            found.film == plain.film && found.work == plain.work,
+            "{integrator} a light without intensity"
+        );
+    }
+}

@@ -4,7 +4,7 @@
 use image::{Rgb, RgbImage, imageops};
 use kinora::counters::Meter;
 use kinora::encode::{Existing, Output};
-use kinora::render::{Request, render};
+use kinora::render::{Request, Reuse, render};
 use kinora::sequence::load;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -31,6 +31,7 @@ fn rendered(path: &Path) -> RgbImage {
         outputs: vec![output.clone()],
         existing: Existing::Replace,
         threads: None,
+        reuse: Reuse::Share,
     };
     render(&sequence, &request, &Arc::new(Meter::default())).unwrap_or_else(|error| panic!("{error}"));
     let pictures: Vec<_> = frames.iter().map(|&frame| read(&output.path(frame))).collect();

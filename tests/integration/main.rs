@@ -12,6 +12,7 @@ mod bad_input;
 mod inputs;
 mod cli;
 mod render;
+mod reuse;
 mod outputs;
 mod runs;
 mod interruptions;

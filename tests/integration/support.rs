@@ -42,6 +42,10 @@ pub struct Work {
     pub transmitted: u64,
     pub scattered: u64,
     pub shadow: u64,
+    pub fog: u64,
+    pub paint: u64,
+    pub light_samples: u64,
+    pub lens_samples: u64,
     pub bvh_builds: u64,
     pub geometry_packs: u64,
     pub shading_packs: u64,
@@ -49,12 +53,17 @@ pub struct Work {
 
 impl Work {
     fn between(before: &Tally, after: &Tally) -> Self {
+        let (old, new) = (before.counts.evaluations, after.counts.evaluations);
         Self {
             camera: after.counts.rays.camera - before.counts.rays.camera,
             mirror: after.counts.rays.mirror - before.counts.rays.mirror,
             transmitted: after.counts.rays.transmitted - before.counts.rays.transmitted,
             scattered: after.counts.rays.scattered - before.counts.rays.scattered,
             shadow: after.counts.rays.shadow - before.counts.rays.shadow,
+            fog: new.fog - old.fog,
+            paint: new.paint - old.paint,
+            light_samples: new.light_samples - old.light_samples,
+            lens_samples: new.lens_samples - old.lens_samples,
             bvh_builds: after.bvh_builds - before.bvh_builds,
             geometry_packs: after.geometry_packs - before.geometry_packs,
             shading_packs: after.shading_packs - before.shading_packs,

@@ -1,7 +1,10 @@
 //! Triangle meshes: many triangles with a tree of their own.
 
+mod bundle;
 #[cfg(test)]
 mod tests;
+
+pub use bundle::Blocked;
 
 use super::triangle::{covers, depth, uniform_weights, unit_normal};
 use super::{Crossing, Geometric, Parameters, Surface, flat};
@@ -26,6 +29,17 @@ pub struct Mesh {
 impl PartialEq for Mesh {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.mesh, &other.mesh) && self.normals == other.normals
+    }
+}
+
+impl Mesh {
+    /// Whether it is shaded with normals of its vertices.
+    pub fn is_smooth(&self) -> bool {
+        match self.normals {
+            Normals::File => self.mesh.has_normals(),
+            Normals::Smooth => true,
+            Normals::Flat => false,
+        }
     }
 }
 

@@ -1,0 +1,273 @@
+//! `kinora plan`: what a render would trace and build, and what it would not. Only a trial of a few small pictures is
+//! traced.
+
+use super::failure::Failure;
+use super::json::Object;
+use super::loading;
+use super::options::Options;
+use super::render::frames_of;
+use super::{load, overrides, terminal, values};
+use crate::film::LayerId;
+use crate::frame_set::FrameSet;
+use crate::humane::{self, count, counted};
+use crate::memory;
+use crate::plan::{Caller, Effect, Effort, Expected, Outline, Part, Plan, Span, outline, pilot};
+use crate::render::{Reuse, extras, pool};
+use crate::sequence::Sequence;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Tell what a render of a sequence would trace, and what it would take from films that are there already.
+#[derive(Args, Debug, PartialEq)]
+#[command(after_help = AFTER_HELP)]
+pub struct Arguments {
+    /// The sequence file (.ron).
+    file: PathBuf,
+
+    /// Frames that would be rendered, as `render` has them [default: all]
+    #[arg(long, value_name = "SET", allow_hyphen_values = true)]
+    frames: Option<FrameSet>,
+
+    #[command(flatten)]
+    options: Options,
+
+    /// Memory for films that are kept for later frames, such as 2GB [default: a quarter of what is free]
+    #[arg(long, value_name = "SIZE", value_parser = values::file_size)]
+    memory: Option<u64>,
+
+    /// One JSON object, for programs
+    #[arg(long)]
+    json: bool,
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  kinora plan show.ron                    spans, effects, layers, rays and memory
+  kinora plan show.ron --memory 200MB     the same with less room for films
+  kinora plan show.ron --json             for programs
+
+Rays of the camera, films, trees and memory are exact. All rays together come of a trial: some frames
+are traced with a small part of their samples, which tells them to about 5 %.";
+
+/// What is told of a plan.
+struct Told<'a> {
+    sequence: &'a Sequence,
+    plan: Plan,
+    outline: Outline,
+    expected: Expected,
+    budget: u64,
+    /// Of films that wait for the encoder and the pictures made of them.
+    besides: u64,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let options = &arguments.options;
+    let loading = loading::Reporter::new(options.progress, options.quiet);
+    let sequence = load::sequence(&arguments.file, options.allow_outside, loading)?;
+    let sequence = overrides::applied(sequence, &options.overrides()).map_err(Failure::Bad)?;
+    let frames = frames_of(arguments.frames.as_ref(), &sequence)?;
+    let extras = extras(&sequence, &sequence.output.files);
+    let budget = arguments.memory.map_or(Reuse::Share, Reuse::Within).budget(&sequence, extras);
+    let besides = memory::needed(&sequence, extras);
+    let told = pool(options.threads)?.install(|| {
+        let plan = Plan::new(&sequence, &frames, extras, budget);
+        let outline = outline(&sequence, &plan);
+        let expected = pilot(&sequence, &plan, Effort::PLAN);
+        Told { sequence: &sequence, plan, outline, expected, budget, besides }
+    });
+    terminal::say(&if arguments.json { told.json() } else { told.text() })
+}
+
+impl Told<'_> {
+    fn text(&self) -> String {
+        let Self { plan, outline, expected, .. } = self;
+        let (frames, films) = (plan.of.len() as u64, plan.takes.len() as u64);
+        let mut groups = vec![
+            (
+                "frames",
+                vec![format!("{}, {} of them from films of others", count(frames), count(frames - films))],
+            ),
+            ("films", vec![self.films()]),
+        ];
+        groups.push(("spans", outline.spans.iter().map(|span| self.span(span)).collect()));
+        groups.push(("layers", self.layers()));
+        let effect =
+            |(effect, caller): (&Effect, &Caller)| format!("{}: {}", effect.name(), self.caller(*caller));
+        groups.push(("effects", outline.effects.iter().map(effect).collect()));
+        groups.push(("unused", vec![self.unused().collect::<Vec<_>>().join(", ")]));
+        groups.push(("builds", vec![counted(plan.builds(), "tree")]));
+        let (alone, reused) = (expected.rays_alone, expected.rays);
+        groups.push((
+            "rays",
+            vec![
+                format!("frame by frame  {}", rays(expected.camera_alone, alone)),
+                format!("with this plan  {}{}", rays(expected.camera, reused), fewer(alone, reused)),
+            ],
+        ));
+        let kept = humane::bytes(plan.kept_bytes());
+        groups.push((
+            "memory",
+            vec![
+                format!("{kept} for films that are kept, of {}", humane::bytes(self.budget)),
+                format!("{} for pictures on their way", humane::bytes(self.besides)),
+            ],
+        ));
+        let mut text = String::new();
+        for (heading, lines) in groups {
+            for (place, line) in lines.iter().enumerate() {
+                text += &format!("{:<7} {line}\n", if place == 0 { heading } else { "" });
+            }
+        }
+        text.truncate(text.trim_end().len());
+        text
+    }
+
+    /// How many films there are, and what does not fit.
+    fn films(&self) -> String {
+        let takes = &self.plan.takes;
+        let most = takes.iter().map(|take| take.lit.len()).max().unwrap_or(0) as u64;
+        let films = counted(takes.len() as u64, "film");
+        let mut text = format!("{films}, with up to {} of light", counted(most, "layer"));
+        let unlimited = self.transports();
+        if takes.len() > unlimited {
+            text += &format!(
+                "; with more --memory {} would do, as films give way to others or have no room for all layers",
+                count(unlimited as u64)
+            );
+        }
+        text
+    }
+
+    /// Films that would be traced if there were room for all.
+    fn transports(&self) -> usize {
+        let looks = &self.plan.survey.frames;
+        let mut different: Vec<_> = looks.iter().map(|look| look.transport).collect();
+        different.sort_unstable();
+        different.dedup();
+        different.len()
+    }
+
+    fn span(&self, span: &Span) -> String {
+        let frame = |index: usize| self.plan.survey.frames[index].frame;
+        let range = match (frame(span.first), frame(span.last)) {
+            (first, last) if first == last => first.to_string(),
+            (first, last) => format!("{first}-{last}"),
+        };
+        let films = counted(span.traced as u64, "film");
+        let changes = match span.changes.is_empty() {
+            true => "nothing changes".to_owned(),
+            false => span.changes.iter().map(|part| self.part(*part)).collect::<Vec<_>>().join(", "),
+        };
+        format!("{range}: {changes} ({films})")
+    }
+
+    /// Every layer of light with what shines in it, and whether it is traced.
+    fn layers(&self) -> Vec<String> {
+        let names = self.sequence.about().layers;
+        let traced = |layer: usize| {
+            let id = LayerId(layer as u32);
+            self.plan.takes.iter().filter(|take| take.lit.contains(&id)).count() as u64
+        };
+        let told = |(layer, name): (usize, String)| match traced(layer) {
+            0 => format!("{name}: dark, not traced"),
+            films => format!("{name}: in {}", counted(films, "film")),
+        };
+        names.into_iter().enumerate().map(told).collect()
+    }
+
+    fn unused(&self) -> impl Iterator<Item = &'static str> {
+        let unused = Effect::ALL.iter().filter(|effect| !self.outline.effects.contains_key(effect));
+        unused.map(|effect| effect.name())
+    }
+
+    fn part(&self, part: Part) -> String {
+        let Sequence { cameras, objects, materials, lights, .. } = self.sequence;
+        match part {
+            Part::Camera(index) => format!("camera \"{}\" moves", cameras[index].name),
+            Part::Cut => "a cut to another camera".to_owned(),
+            Part::Object(index) => format!("object \"{}\" moves", objects[index].name),
+            Part::Material(index) => format!("material \"{}\" changes", materials[index].name),
+            Part::Light(index) => format!("light \"{}\" moves", lights[index].name),
+            Part::Brightness(index) => format!("light \"{}\" is switched or faded", lights[index].name),
+            Part::Emission(index) => format!("emission of \"{}\" fades", materials[index].name),
+            Part::Background => "the background changes".to_owned(),
+            Part::BackgroundBrightness => "the background fades".to_owned(),
+            Part::Ambient => "ambient light fades".to_owned(),
+            Part::Fog => "the fog changes".to_owned(),
+            Part::FogColor => "the fog's colour changes".to_owned(),
+            Part::Exposure => "the exposure changes".to_owned(),
+        }
+    }
+
+    fn caller(&self, caller: Caller) -> String {
+        match caller {
+            Caller::Camera => "the camera".to_owned(),
+            Caller::Integrator => "the integrator".to_owned(),
+            Caller::Background => "the background".to_owned(),
+            Caller::Ambient => "the ambient light".to_owned(),
+            Caller::Fog => "the fog".to_owned(),
+            Caller::Light(index) => format!("light \"{}\"", self.sequence.lights[index as usize].name),
+            Caller::Material(index) => {
+                format!("material \"{}\"", self.sequence.materials[index as usize].name)
+            }
+        }
+    }
+
+    fn json(&self) -> String {
+        let Self { plan, outline, expected, .. } = self;
+        let frame = |index: usize| u64::from(plan.survey.frames[index].frame);
+        let span = |span: &Span| {
+            Object::new()
+                .whole("first", frame(span.first))
+                .whole("last", frame(span.last))
+                .texts("changes", span.changes.iter().map(|part| self.part(*part)))
+                .whole("films", span.traced as u64)
+        };
+        let names = self.sequence.about().layers;
+        let film = |take: &crate::plan::Take| {
+            Object::new()
+                .whole("traced_for", frame(take.frames[0]))
+                .whole("frames", take.frames.len() as u64)
+                .texts("layers", take.lit.iter().map(|layer| names[layer.index()].clone()))
+        };
+        let effect = |object: Object, (effect, caller): (&Effect, &Caller)| {
+            object.text(effect.name(), &self.caller(*caller))
+        };
+        let rays = |camera: u64, all: Option<u64>| {
+            let object = Object::new().whole("camera", camera);
+            all.into_iter().fold(object, |object, all| object.whole("all", all))
+        };
+        Object::new()
+            .text("event", "plan")
+            .whole("frames", plan.of.len() as u64)
+            .whole("reused", plan.reused() as u64)
+            .objects("spans", outline.spans.iter().map(span))
+            .objects("films", plan.takes.iter().map(film))
+            .texts("layers", names.iter().cloned())
+            .object("effects", outline.effects.iter().fold(Object::new(), effect))
+            .texts("unused_effects", self.unused().map(str::to_owned))
+            .whole("bvh_builds", plan.builds())
+            .object("rays_frame_by_frame", rays(expected.camera_alone, expected.rays_alone))
+            .object("rays", rays(expected.camera, expected.rays))
+            .whole("kept_bytes", plan.kept_bytes())
+            .whole("budget_bytes", self.budget)
+            .finish()
+    }
+}
+
+/// `about 12,000 rays, 3,000 of them from the camera`.
+fn rays(camera: u64, all: Option<u64>) -> String {
+    match all {
+        Some(all) => format!("about {}, {} of them from the camera", count(all), count(camera)),
+        None => format!("{} from the camera", count(camera)),
+    }
+}
+
+fn fewer(alone: Option<u64>, reused: Option<u64>) -> String {
+    match (alone, reused) {
+        (Some(alone), Some(reused)) if reused > 0 && alone > reused => {
+            format!("; {:.1} times fewer", alone as f64 / reused as f64)
+        }
+        _ => String::new(),
+    }
+}

@@ -1,0 +1,88 @@
+//! What changes from frame to frame, and whose keys or path make it.
+
+use crate::camera::Camera;
+use crate::digest::{Content, Digest};
+use crate::film::LayerId;
+use crate::glow::Glow;
+use crate::sequence::Sequence;
+use crate::time::Clock;
+
+/// Something that has keys or a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Part {
+    /// By its index in the sequence, as all of these.
+    Camera(usize),
+    /// Which camera is looked through.
+    Cut,
+    Object(usize),
+    Material(usize),
+    /// Where a light is.
+    Light(usize),
+    /// How bright a light is, and in which colour.
+    Brightness(usize),
+    /// How bright a material shines.
+    Emission(usize),
+    Background,
+    BackgroundBrightness,
+    Ambient,
+    Fog,
+    FogColor,
+    Exposure,
+}
+
+/// What has changed since another frame.
+pub type Change = Vec<Part>;
+
+impl Part {
+    /// Whether it weights light that is traced already, or what is shown.
+    pub fn is_weight(self) -> bool {
+        match self {
+            Self::Brightness(_) | Self::Emission(_) | Self::BackgroundBrightness => true,
+            Self::Ambient | Self::FogColor | Self::Exposure => true,
+            Self::Camera(_) | Self::Cut | Self::Object(_) | Self::Material(_) => false,
+            Self::Light(_) | Self::Background | Self::Fog => false,
+        }
+    }
+}
+
+/// What every part's keys evaluate to at a moment. An object's are its own, not those of what moves it.
+pub fn values(sequence: &Sequence, clock: &Clock) -> Vec<(Part, Digest)> {
+    let time = clock.time;
+    let mut values = Vec::new();
+    let mut note = |part, value: &dyn Content| values.push((part, Digest::of(value)));
+    let active = sequence.active_camera.at(clock.start);
+    note(Part::Cut, &active);
+    if let Some(camera) = sequence.cameras.get(active) {
+        let camera: Option<Camera> = camera.value.at(clock, None).ok();
+        note(Part::Camera(active), &camera);
+    }
+    for (index, object) in sequence.objects.iter().enumerate() {
+        note(Part::Object(index), &(object.value.transform.at(time), object.value.visible.at(time)));
+    }
+    for (index, light) in sequence.lights.iter().enumerate() {
+        note(Part::Light(index), &light.value.kind.at(time));
+        note(Part::Brightness(index), &light.value.dimmer().at(clock.start));
+    }
+    for (index, material) in sequence.materials.iter().enumerate() {
+        note(Part::Material(index), &material.value.at(time, LayerId::CONSTANT));
+        note(Part::Emission(index), &material.value.emission_split().1.at(clock.start));
+    }
+    note(Part::Background, &sequence.background.at(time, LayerId::CONSTANT));
+    note(Part::BackgroundBrightness, &sequence.background.dimmer().at(clock.start));
+    note(Part::Ambient, &sequence.ambient.at(clock.start));
+    if let Some(fog) = &sequence.fog {
+        note(Part::Fog, &fog.at(time, Glow::default()));
+        note(Part::FogColor, &fog.split().1.at(clock.start));
+    }
+    note(Part::Exposure, &sequence.output.exposure.at(clock.start));
+    values
+}
+
+/// The parts whose values differ.
+pub fn between(before: &[(Part, Digest)], now: &[(Part, Digest)]) -> Change {
+    let differs = |(part, value): &&(Part, Digest)| before.iter().all(|other| other != &(*part, *value));
+    // A camera that was not looked through before has not moved: the cut has led to it.
+    let cut = before.first() != now.first();
+    let moved = |part: &Part| !(cut && matches!(part, Part::Camera(_)));
+    now.iter().filter(differs).map(|(part, _)| *part).filter(moved).collect()
+}

@@ -1,0 +1,110 @@
+//! How many rays a plan will trace: counted in a few small pictures.
+//!
+//! What a frame's rays meet hardly depends on how many they are. So some of the frames are traced with a small part of
+//! their samples, and counted up. Rays of the camera need no trial: they are known exactly.
+
+use super::Plan;
+use crate::counters::Meter;
+use crate::encode::EncodeError;
+use crate::film::{Film, LayerId, lit};
+use crate::schedule::{FilmSink, FrameLoop, Look};
+use crate::sequence::Sequence;
+use std::sync::Arc;
+
+/// What a run is expected to trace.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Expected {
+    /// Rays of the camera, exactly: frame by frame, and with the films of the plan.
+    pub camera_alone: u64,
+    pub camera: u64,
+    /// Rays of all kinds, where pilots were traced.
+    pub rays_alone: Option<u64>,
+    pub rays: Option<u64>,
+}
+
+/// How much a pilot may do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// Frames that are traced, at most, in each of the two ways.
+    pub frames: usize,
+    /// Samples of one of them, at most.
+    pub samples: u64,
+}
+
+impl Effort {
+    /// For whoever asks for nothing else.
+    pub const PLAN: Self = Self { frames: 24, samples: 1 << 14 };
+}
+
+struct Nowhere;
+
+impl FilmSink for Nowhere {
+    fn push(&mut self, _frame: u32, _film: Film) -> Result<(), EncodeError> {
+        Ok(())
+    }
+}
+
+impl Expected {
+    /// Only what is known without tracing anything.
+    pub fn of(sequence: &Sequence, plan: &Plan) -> Self {
+        let looks = &plan.survey.frames;
+        let camera = plan.takes.iter().map(|take| samples(sequence, &looks[take.frames[0]])).sum();
+        let camera_alone = looks.iter().map(|look| samples(sequence, look)).sum();
+        Self { camera_alone, camera, rays_alone: None, rays: None }
+    }
+}
+
+/// What a plan of the sequence will trace, from pictures of some of its frames.
+pub fn pilot(sequence: &Sequence, plan: &Plan, effort: Effort) -> Expected {
+    let looks = &plan.survey.frames;
+    let known = Expected::of(sequence, plan);
+    let films: Vec<(&Look, Vec<LayerId>)> =
+        plan.takes.iter().map(|take| (&looks[take.frames[0]], take.lit.clone())).collect();
+    let rays = counted_up(sequence, &films, effort);
+    let rays_alone = if plan.reused() == 0 {
+        rays
+    } else {
+        let alone: Vec<(&Look, Vec<LayerId>)> =
+            looks.iter().map(|look| (look, lit(&look.weights).collect())).collect();
+        counted_up(sequence, &alone, effort)
+    };
+    Expected { rays_alone, rays, ..known }
+}
+
+/// Camera rays of a film.
+fn samples(sequence: &Sequence, look: &Look) -> u64 {
+    let (width, height) = sequence.output.size;
+    let quality = &sequence.quality;
+    let each = if look.random { quality.samples } else { quality.antialias * quality.antialias };
+    if look.fault.is_some() { 0 } else { u64::from(width) * u64::from(height) * u64::from(each) }
+}
+
+/// The rays of films, from those of some of them, spread evenly over their order.
+fn counted_up(sequence: &Sequence, films: &[(&Look, Vec<LayerId>)], effort: Effort) -> Option<u64> {
+    let chosen = films.len().min(effort.frames);
+    let (mut traced, mut rays) = (0.0, 0.0);
+    let mut small = sequence.clone();
+    for index in 0..chosen {
+        let (look, lit) = &films[(2 * index + 1) * films.len() / (2 * chosen)];
+        shrink(&mut small, sequence, look, effort.samples);
+        let mut frames = FrameLoop::new(&small, Nowhere, Arc::new(Meter::default()));
+        frames.trace(look, lit).ok()?;
+        let counts = frames.tally().counts.rays;
+        traced += samples(&small, look) as f64;
+        rays += counts.total() as f64;
+    }
+    let all: f64 = films.iter().map(|(look, _)| samples(sequence, look) as f64).sum();
+    (traced > 0.0).then(|| (all / traced * rays).round() as u64)
+}
+
+/// Leaves so many samples of a frame, spread over as many pixels as there are.
+fn shrink(small: &mut Sequence, sequence: &Sequence, look: &Look, samples: u64) {
+    small.quality = sequence.quality;
+    small.quality.antialias = 1;
+    small.quality.samples = sequence.quality.samples.min(look.moments);
+    let (width, height) = sequence.output.size;
+    let pixels = samples / u64::from(small.quality.samples.max(1));
+    let share = (pixels as f64 / (f64::from(width) * f64::from(height))).sqrt().min(1.0);
+    let side = |whole: u32| ((f64::from(whole) * share).round() as u32).clamp(1, whole);
+    small.output.size = (side(width), side(height));
+}

@@ -1,0 +1,314 @@
+//! Nothing is traced twice, and no picture tells: what is made of the film of another frame has the bytes that it has
+//! by itself.
+
+use crate::support::{Random, sequence};
+use kinora::counters::Meter;
+use kinora::encode::{EncodeError, Existing, Output};
+use kinora::film::{Extras, Film};
+use kinora::plan::{self, Effort, Plan};
+use kinora::render::{Request, Reuse, Summary, render};
+use kinora::schedule::{FilmSink, FrameLoop, Tally};
+use kinora::sequence::Sequence;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+/// What frames show, to the bit.
+#[derive(Default)]
+struct Shown(Vec<(u32, Vec<[u32; 3]>, u32)>);
+
+impl FilmSink for Shown {
+    fn push(&mut self, frame: u32, film: Film) -> Result<(), EncodeError> {
+        let pixels = film.radiance().map(|radiance| radiance.to_array().map(f32::to_bits)).collect();
+        self.0.push((frame, pixels, film.exposure.to_bits()));
+        Ok(())
+    }
+}
+
+fn frame_loop(sequence: &Sequence) -> FrameLoop<Shown> {
+    FrameLoop::new(sequence, Shown::default(), Arc::new(Meter::default()))
+}
+
+/// Frames by a plan with room for so many bytes of films.
+fn planned(sequence: &Sequence, frames: &[u32], budget: u64) -> (Shown, Tally, Plan) {
+    let plan = Plan::new(sequence, frames, Extras::default(), budget);
+    let mut frames = frame_loop(sequence);
+    plan::run(&plan, &mut frames, || true).unwrap_or_else(|fault| panic!("{fault:?}"));
+    let tally = frames.tally().clone();
+    (frames.into_sink().expect("the sink"), tally, plan)
+}
+
+/// Frames one by one.
+fn alone(sequence: &Sequence, frames: &[u32]) -> (Shown, Tally) {
+    let mut all = frame_loop(sequence);
+    frames.iter().for_each(|&frame| all.frame(frame).unwrap_or_else(|fault| panic!("{fault:?}")));
+    let tally = all.tally().clone();
+    (all.into_sink().expect("the sink"), tally)
+}
+
+#[track_caller]
+fn same(one: &Shown, other: &Shown, what: &str) {
+    assert_eq!(one.0.len(), other.0.len());
+    for (a, b) in one.0.iter().zip(&other.0) {
+        assert!(a == b, "{what}: frame {} differs", a.0);
+    }
+}
+
+/// Keys at random frames; values are those of `value`.
+fn keys(random: &mut Random, frames: u32, mut value: impl FnMut(&mut Random) -> String) -> String {
+    let mut keys = String::new();
+    let mut frame = 0;
+    while frame < frames {
+        let ease = ["", ", Step", ", Smooth"][(3.0 * random.unit()) as usize];
+        _ = write!(keys, "({frame}, {}{ease}), ", value(random));
+        frame += 1 + (4.0 * random.unit()) as u32;
+    }
+    format!("[{keys}]")
+}
+
+fn number(random: &mut Random) -> String {
+    let value = (2.0 * random.unit() - 0.6).max(0.0);
+    format!("{value:.3}")
+}
+
+fn color(random: &mut Random) -> String {
+    let mut part = || (1.3 * random.unit() - 0.3).max(0.0);
+    format!("({:.3}, {:.3}, {:.3})", part(), part(), part())
+}
+
+const FRAMES: u32 = 10;
+
+/// A sequence of a few things and lights, of which lights are keyed at random, and other things now and then.
+fn random_sequence(seed: u64) -> Sequence {
+    let mut random = Random(seed);
+    let mut chance = |share: f64| random.unit() < share;
+    let (paths, moves, orbits, blurs) = (chance(0.5), chance(0.25), chance(0.15), chance(0.2));
+    let (fog, glass, clamp, lens) = (chance(0.3), chance(0.4), chance(0.2), chance(0.2));
+    let mut lights = String::new();
+    for index in 0..2 + (4.0 * random.unit()) as usize {
+        let at = random.point(3.0);
+        let place = format!("({:.2}, {:.2}, {:.2})", at.x, 3.5 + at.y.abs(), at.z);
+        let kind = match (5.0 * random.unit()) as u32 {
+            0 => format!("Spot(position: {place}, angle: 80"),
+            1 => format!("Directional(direction: (-{:.2}, -3, 1)", random.unit()),
+            2 => format!("Sphere(center: {place}, radius: 0.4"),
+            3 => format!("Rectangle(corner: {place}, u: (1, 0, 0), v: (0, 0, 1)"),
+            _ => format!("Point(position: {place}"),
+        };
+        let mut tracks = String::new();
+        if random.unit() < 0.6 {
+            _ = write!(tracks, ", intensity: {}", keys(&mut random, FRAMES, number));
+        }
+        if random.unit() < 0.4 {
+            let switch = |random: &mut Random| (random.unit() < 0.5).to_string();
+            _ = write!(tracks, ", on: {}", keys(&mut random, FRAMES, switch).replace(", Smooth", ""));
+        }
+        if random.unit() < 0.3 {
+            _ = write!(tracks, ", color: {}", keys(&mut random, FRAMES, color));
+        }
+        _ = writeln!(lights, "\"{index}\": {kind}{tracks}),");
+    }
+    let mut when = |on: bool, text: &str| {
+        if on { text.replace("KEYS", &keys(&mut random, FRAMES, number)) } else { String::new() }
+    };
+    let background = when(seed.is_multiple_of(3), "background: KEYS,");
+    let ambient = when(seed % 4 == 1, "ambient: KEYS,");
+    let fog = when(fog, "fog: (density: 0.05, color: KEYS),");
+    let emission = when(seed.is_multiple_of(2), "emission: KEYS,");
+    let exposure = when(seed.is_multiple_of(5), "exposure: KEYS,");
+    let moves = when(moves, "translation: [(3, (0, 0, 0)), (6, (0.5, 0, 0))],");
+    let glass = when(
+        glass,
+        "\"glass\": (shape: Sphere(center: (1.2, 0.6, 1), radius: 0.6), material: Dielectric()),",
+    );
+    let integrator = if paths {
+        "integrator: Path, bounces: 3, samples: 3,"
+    } else {
+        "bounces: 3, antialias: 1, samples: 3,"
+    };
+    let clamp = if clamp { "clamp: 2," } else { "" };
+    let camera = [
+        if orbits { "path: Orbit(azimuth: [(0, 0), (2, 20), (8, 20), (9, 0)])," } else { "" },
+        if blurs { "shutter: [(0, 0.5, Step), (5, 0)]," } else { "" },
+        if lens { "aperture: [(0, 0, Step), (5, 0.1)]," } else { "" },
+    ]
+    .concat();
+    sequence(&format!(
+        r#"(timeline: (frames: {FRAMES}, keys: Frames), output: (size: (14, 10), {exposure}),
+        quality: ({integrator} {clamp} shutter_steps: 4), {background} {ambient} {fog}
+        camera: (position: (0, 2, 8), target: (0, 0.8, 0), {camera}),
+        lights: {{ {lights} }},
+        objects: {{
+            "floor": (shape: Plane(), material: (color: 0.6, mirror: 0.2)),
+            "ball": (shape: Sphere(center: (-1, 0.8, 0), radius: 0.8), material: (color: 0.5, specular: 0.4), {moves}),
+            "bulb": (shape: Sphere(center: (0.2, 0.3, 1.5), radius: 0.3), material: ({emission} color: 0.3)),
+            {glass}
+        }})"#
+    ))
+}
+
+/// Lights keyed at random: each frame made of whatever film is the frame by itself, with much room, with little, with
+/// none, backwards and of some frames alone.
+#[test]
+fn reuse_never_shows() {
+    let (mut reused, mut rays, mut rays_alone) = (0, 0, 0);
+    for seed in 0..48 {
+        let sequence = random_sequence(seed);
+        let frames: Vec<u32> = (0..FRAMES).collect();
+        let (wanted, tally_alone) = alone(&sequence, &frames);
+        let film = 14 * 10 * 12;
+        for budget in [u64::MAX, 3 * film, film, 0] {
+            let (shown, tally, plan) = planned(&sequence, &frames, budget);
+            same(&shown, &wanted, &format!("seed {seed} with {budget} bytes"));
+            assert_eq!(tally.reused as usize, plan.reused(), "seed {seed}");
+            assert!(plan.kept_bytes() <= budget, "seed {seed}: {} of {budget}", plan.kept_bytes());
+            assert!(tally.counts.rays.total() <= tally_alone.counts.rays.total() || budget < u64::MAX);
+            if budget == u64::MAX {
+                reused += tally.reused;
+                rays += tally.counts.rays.total();
+                rays_alone += tally_alone.counts.rays.total();
+            }
+        }
+        let some: Vec<u32> =
+            frames.iter().rev().copied().filter(|frame| frame % 3 != 1).chain([4, 4]).collect();
+        let (shown, _, _) = planned(&sequence, &some, u64::MAX);
+        same(&shown, &alone(&sequence, &some).0, &format!("seed {seed} backwards"));
+        for frame in &shown.0 {
+            assert!(wanted.0.contains(frame), "seed {seed}: frame {} backwards", frame.0);
+        }
+    }
+    assert!(reused > 150 && 2 * rays < rays_alone, "{reused} frames reused, {rays} rays of {rays_alone}");
+}
+
+/// Every file of a render: stills, 16 bits and linear, and animations.
+fn files(sequence: &Sequence, frames: &[u32], reuse: Reuse) -> (BTreeMap<String, Vec<u8>>, Summary) {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    let output = |name: &str| Output::parse(&folder.path().join(name).to_string_lossy()).expect("an output");
+    let outputs = ["##.png", "##.exr", "all.gif", "all.apng"].map(output).to_vec();
+    let request =
+        Request { frames: frames.to_vec(), outputs, existing: Existing::Replace, threads: None, reuse };
+    let summary = render(sequence, &request, &Arc::default()).unwrap_or_else(|error| panic!("{error}"));
+    let entries = fs::read_dir(folder.path()).expect("the folder is readable").flatten();
+    let read = |entry: fs::DirEntry| {
+        (entry.file_name().to_string_lossy().into_owned(), fs::read(entry.path()).expect("a file"))
+    };
+    (entries.map(read).collect(), summary)
+}
+
+#[test]
+fn files_are_the_same_to_the_byte() {
+    for seed in [2, 5, 8] {
+        let mut sequence = random_sequence(seed);
+        sequence.output.formats.exr.layers.lights = true;
+        sequence.output.formats.exr.layers.depth = true;
+        sequence.output.transparent = seed == 5;
+        let frames: Vec<u32> = (0..FRAMES).collect();
+        let (wanted, without) = files(&sequence, &frames, Reuse::Off);
+        let (found, with) = files(&sequence, &frames, Reuse::Share);
+        assert!(found == wanted, "seed {seed}");
+        assert_eq!((wanted.len(), without.reused), (2 * FRAMES as usize + 2, 0));
+        assert_eq!(with.expected.map(|expected| expected.reused), Some(with.reused));
+        // Two shards.
+        let (even, odd): (Vec<u32>, Vec<u32>) = frames.iter().partition(|frame| *frame % 2 == 0);
+        for part in [even, odd] {
+            for (name, bytes) in files(&sequence, &part, Reuse::Within(1 << 20)).0 {
+                assert!(name.starts_with("all") || wanted[&name] == bytes, "seed {seed}: {name}");
+            }
+        }
+    }
+}
+
+fn shipped(name: &str) -> Sequence {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("sequences").join(name);
+    let mut sequence = kinora::sequence::load(&path).unwrap_or_else(|error| panic!("{error}"));
+    sequence.output.size = (24, 18);
+    sequence.quality.samples = 4;
+    sequence
+}
+
+/// 48 frames with three keyed lights, by both integrators.
+#[test]
+fn light_choreography_takes_a_25th_of_the_rays() {
+    for integrator in ["Whitted", "Path"] {
+        let sequence = sequence(&format!(
+            r#"(timeline: (frames: 48, keys: Frames), output: (size: (32, 24)), quality: (integrator: {integrator}, samples: 4),
+            lights: {{
+                "a": Point(position: (3, 5, 4), on: [(0, true), (16, false), (30, true)]),
+                "b": Point(position: (-4, 3, 4), intensity: [(0, 0.1), (24, 1), (47, 0.3)]),
+                "c": Point(position: (0, 6, 1), color: [(0, (1, 0, 0)), (47, (0, 0.5, 1))]),
+            }},
+            objects: {{ "floor": (shape: Plane(), material: (mirror: 0.2)), "ball": (shape: Sphere(center: (0, 1, 0))) }})"#
+        ));
+        let frames: Vec<u32> = (0..48).collect();
+        let (wanted, tally_alone) = alone(&sequence, &frames);
+        let (shown, tally, plan) = planned(&sequence, &frames, u64::MAX);
+        same(&shown, &wanted, integrator);
+        assert_eq!((plan.takes.len(), tally.traced, tally.reused), (1, 1, 47));
+        let ratio = tally_alone.counts.rays.total() as f64 / tally.counts.rays.total() as f64;
+        assert!(ratio >= 25.0, "{integrator}: {ratio} times fewer rays");
+    }
+}
+
+/// What plans say of the shipped sequences is what happens: films, trees and rays of the camera exactly, all rays nearly.
+#[test]
+fn plans_come_true() {
+    for (name, films) in [("light-show.ron", 1), ("loop.ron", 24), ("hold.ron", 30)] {
+        let sequence = shipped(name);
+        let frames: Vec<u32> = (0..sequence.timeline.frames).collect();
+        let (shown, tally, plan) = planned(&sequence, &frames, u64::MAX);
+        assert_eq!((plan.takes.len(), tally.traced), (films, films as u32), "{name}");
+        assert_eq!(tally.bvh_builds, plan.builds(), "{name}");
+        let expected = plan::pilot(&sequence, &plan, Effort::PLAN);
+        let found = tally.counts.rays;
+        assert_eq!(expected.camera, found.camera, "{name}");
+        let rays = expected.rays.expect("a trial") as f64 / found.total() as f64;
+        assert!((rays - 1.0).abs() < 0.05, "{name}: {rays}");
+        // Some frames by themselves.
+        let some: Vec<u32> = frames.iter().copied().step_by(frames.len() / 7).collect();
+        for frame in alone(&sequence, &some).0.0 {
+            assert!(shown.0.contains(&frame), "{name}: frame {}", frame.0);
+        }
+    }
+}
+
+/// Lights that are off in every frame that shares a film are not traced; trees and packing are as for one frame.
+#[test]
+fn what_stays_dark_is_not_traced() {
+    let lamp = |name: &str, on: &str| format!("\"{name}\": Point(position: (3, 4, 5), on: {on}),");
+    let text = |lights: &str| {
+        sequence(&format!(
+            r#"(timeline: (frames: 12, keys: Frames), output: (size: (16, 12)), quality: (antialias: 1),
+            lights: {{ {lights} }}, objects: {{ "floor": (shape: Plane()), "ball": (shape: Sphere()) }})"#
+        ))
+    };
+    let lit = lamp("lit", "[(0, true), (6, false)]");
+    let shadow = |lights: &str, frames: &[u32]| planned(&text(lights), frames, u64::MAX).1.counts.rays.shadow;
+    let all: Vec<u32> = (0..12).collect();
+    let one = shadow(&lit, &[0]);
+    assert!(one > 50);
+    assert_eq!(shadow(&lit, &all), one);
+    assert_eq!(shadow(&lit, &all[6..]), 0);
+    let late = lamp("late", "[(0, false), (9, true)]");
+    assert_eq!(shadow(&(lit.clone() + &late), &all[..9]), one, "it comes on later, in no frame of these");
+    assert_eq!(shadow(&(lit.clone() + &late), &all), 2 * one);
+    let (_, tally, _) = planned(&text(&lit), &all, u64::MAX);
+    assert_eq!((tally.bvh_builds, tally.geometry_packs, tally.shading_packs, tally.traced), (1, 1, 1, 1));
+}
+
+/// A shutter that is open while a lamp fades sees nothing move.
+#[test]
+fn open_shutters_see_what_moves_alone() {
+    let text = |object: &str| {
+        sequence(&format!(
+            r#"(timeline: (frames: 6, keys: Frames), output: (size: (16, 12)), quality: (antialias: 2, samples: 9),
+            camera: (shutter: 1), lights: {{ "lamp": Point(position: (3, 4, 5), intensity: [(0, 0.1), (5, 1)]) }},
+            objects: {{ "floor": (shape: Plane()), "ball": (shape: Sphere(), {object}) }})"#
+        ))
+    };
+    let camera = |object: &str| planned(&text(object), &[0, 1, 2, 3, 4, 5], u64::MAX).1.counts.rays.camera;
+    assert_eq!(camera(""), 16 * 12 * 4, "one film, without random samples");
+    // The ball moves in two frames, and those before it, after it and with it are different films.
+    assert_eq!(camera("translation: [(2, (0, 0, 0)), (4, (1, 0, 0))]"), 16 * 12 * (4 + 9 + 9 + 4));
+}
