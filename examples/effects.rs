@@ -8,7 +8,7 @@
 //! Instructions are counted by valgrind where there is one: the program runs itself under it, once for each effect.
 
 use kinora::counters::Meter;
-use kinora::encode::Output;
+use kinora::encode::{Existing, Output};
 use kinora::render::{Request, Reuse, Summary, render};
 use kinora::sequence::{Sequence, parse};
 use rustix::time::{ClockId, clock_gettime};
@@ -219,7 +219,13 @@ impl Found {
 
 fn shot(sequence: &Sequence, file: &str) -> Result<Summary, Box<dyn Error>> {
     let outputs = vec![Output::parse(file)?];
-    let request = Request { frames: vec![0], outputs, threads: NonZeroUsize::new(1), reuse: Reuse::Off };
+    let request = Request {
+        frames: vec![0],
+        outputs,
+        existing: Existing::Replace,
+        threads: NonZeroUsize::new(1),
+        reuse: Reuse::Off,
+    };
     Ok(render(sequence, &request, &Arc::new(Meter::default()))?)
 }
 

@@ -6,7 +6,7 @@
 //! ```
 
 use kinora::counters::Meter;
-use kinora::encode::Output;
+use kinora::encode::{Existing, Output};
 use kinora::render::{Request, Reuse, render};
 use kinora::sequence::load;
 use std::error::Error;
@@ -51,7 +51,13 @@ fn picture(name: &str, frames: &[u32], samples: u32) -> Result<(), Box<dyn Error
     for &frame in frames {
         let output = format!("docs/images/gallery/{name}-{frame}.png");
         let outputs = vec![Output::parse(&output)?];
-        let request = Request { frames: vec![frame], outputs, threads: None, reuse: Reuse::Share };
+        let request = Request {
+            frames: vec![frame],
+            outputs,
+            existing: Existing::Replace,
+            threads: None,
+            reuse: Reuse::Share,
+        };
         let summary = render(&sequence, &request, &Arc::new(Meter::default()))?;
         writeln!(stdout(), "{output}: {:.1} s", summary.elapsed.as_secs_f64())?;
     }

@@ -2,8 +2,8 @@
 
 use crate::color::Rgb;
 use crate::encode::{
-    About, Assembly, EncodeError, Formats, Job, MATTE, Output, Report, Sheet, Shown, Template, Tonemap,
-    frame_texts, read_picture, sheet_columns, write_picture,
+    About, Assembly, EncodeError, Existing, Formats, Job, MATTE, Output, Report, Sheet, Shown, Template,
+    Tonemap, frame_texts, read_picture, sheet_columns, write_picture,
 };
 use crate::render::{RenderError, pool};
 use crate::time::Rate;
@@ -52,6 +52,8 @@ pub fn assemble(request: &Request) -> Result<Report, RenderError> {
     let size = (first.width, first.height);
     let job = Job {
         outputs: animations,
+        existing: Existing::Replace,
+        seen: Vec::new(),
         frames: request.frames.iter().map(|(number, _)| *number).collect(),
         rate: request.rate,
         size,

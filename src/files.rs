@@ -1,4 +1,4 @@
-//! Files that are read: plain ones, up to a size.
+//! Files that are read: plain ones, up to a size, and inside one folder.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
@@ -45,9 +45,41 @@ fn too_large(most: u64) -> io::Error {
     io::Error::new(ErrorKind::FileTooLarge, format!("it is larger than {most}"))
 }
 
-/// The one name among the many of a file. What does not exist keeps the name that it has.
-pub fn one_name(path: PathBuf) -> PathBuf {
-    path.canonicalize().unwrap_or(path)
+/// The folder in which all files lie that a sequence may name, wherever `..` and links lead; or none.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Root(Option<PathBuf>);
+
+/// The folder that marks a project: its parent is the root.
+const MARK: &str = "assets";
+
+impl Root {
+    /// Files may lie anywhere.
+    pub const ANYWHERE: Self = Self(None);
+
+    /// The root of a sequence in `folder`: the nearest folder, from this one upwards, that holds one called `assets`;
+    /// else this one.
+    pub fn of(folder: &Path) -> Self {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        // A folder that does not exist holds no files either, and keeps its name.
+        let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+        let marked = folder.ancestors().find(|above| above.join(MARK).is_dir());
+        Self(Some(marked.unwrap_or(&folder).to_owned()))
+    }
+
+    /// The one name among the many of a file that is there.
+    ///
+    /// # Errors
+    /// No such file, or one outside of the root.
+    pub fn admit(&self, path: &Path) -> io::Result<PathBuf> {
+        let path = path.canonicalize()?;
+        match &self.0 {
+            Some(root) if !path.starts_with(root) => {
+                let root = root.display();
+                Err(io::Error::other(format!("it lies outside of {root}; --allow-outside lets it be read")))
+            }
+            _ => Ok(path),
+        }
+    }
 }
 
 /// What is wrong, the commonest in words that are the same on every system.
@@ -82,6 +114,54 @@ mod tests {
         assert_eq!(read_at_most(&b"abc"[..], 3).expect("short enough"), b"abc");
         let error = read_at_most(io::repeat(0), 3 << 20).expect_err("endless");
         assert_eq!(why(&error), "it is larger than 3 MiB");
+    }
+
+    #[test]
+    fn the_root_is_the_nearest_folder_with_assets() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let top = dir.path().canonicalize().expect("a folder");
+        for folder in ["assets", "a/b", "c/assets", "c/d"] {
+            fs::create_dir_all(top.join(folder)).expect("a disk");
+        }
+        let root = |folder: &str| Root::of(&top.join(folder));
+        assert_eq!(root("a/b"), Root(Some(top.clone())));
+        assert_eq!(root("c/d/../d"), Root(Some(top.join("c"))));
+        // A file is no folder; and what is not there has no root above it.
+        fs::remove_dir(top.join("assets")).expect("a disk");
+        fs::write(top.join("a/assets"), "").expect("a disk");
+        assert_eq!(root("a/b"), Root(Some(top.join("a/b"))));
+        assert_eq!(root("none"), Root(Some(top.join("none"))));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_dots_do_not_lead_out_of_the_root() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let top = dir.path().canonicalize().expect("a folder");
+        for folder in ["in/assets", "inner"] {
+            fs::create_dir_all(top.join(folder)).expect("a disk");
+        }
+        for file in ["secret", "in/plain", "inner/near"] {
+            fs::write(top.join(file), "").expect("a disk");
+        }
+        std::os::unix::fs::symlink(top.join("secret"), top.join("in/link")).expect("a disk");
+        std::os::unix::fs::symlink(top.join("in/plain"), top.join("back")).expect("a disk");
+        let root = Root::of(&top.join("in/assets"));
+        for (name, good) in [
+            ("in/plain", true),
+            ("in/assets/../plain", true),
+            ("back", true),
+            ("in/link", false),
+            ("in/../secret", false),
+            ("inner/near", false),
+        ] {
+            let admitted = root.admit(&top.join(name));
+            assert_eq!(admitted.is_ok(), good, "{name}");
+            assert!(Root::ANYWHERE.admit(&top.join(name)).is_ok());
+            let told = admitted.map_err(|error| why(&error)).err();
+            assert!(good || told.is_some_and(|told| told.contains("--allow-outside")), "{name}");
+        }
+        assert_eq!(why(&root.admit(&top.join("none")).expect_err("no file")), NO_FILE);
     }
 
     #[cfg(unix)]

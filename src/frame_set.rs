@@ -4,10 +4,12 @@
 //! large; [`FrameSet::frames`] counts it out against a sequence's length.
 
 mod error;
+mod shard;
 #[cfg(test)]
 mod tests;
 
 pub use error::FrameSetError;
+pub use shard::Shard;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::str::FromStr;

@@ -1,7 +1,8 @@
-//! How much memory a run takes, and how much there is.
+//! How much memory a run takes.
 
 use crate::color::Rgb;
 use crate::film::Extras;
+use crate::machine;
 use crate::math::DVec3;
 use crate::sequence::Sequence;
 
@@ -11,9 +12,6 @@ const FILMS: u64 = 4;
 /// Bytes of a pixel besides its layers: the developed picture in 8 and 16 bits, with and without alpha, and what each
 /// animation keeps of its last frame with the codings of the next.
 const BESIDES: u64 = 48;
-
-/// What a machine that does not tell is taken to have free.
-const UNKNOWN: u64 = 4 << 30;
 
 /// Bytes that the pictures of a run take at once. The scene itself is not counted.
 pub fn needed(sequence: &Sequence, extras: Extras) -> u64 {
@@ -30,18 +28,7 @@ const SHARE: u64 = 4;
 
 /// Bytes that films may have that are kept for other frames, where nobody says how many.
 pub fn for_films(sequence: &Sequence, extras: Extras) -> u64 {
-    available().saturating_sub(needed(sequence, extras)) / SHARE
-}
-
-/// Bytes that can be had without swapping, as Linux tells; elsewhere a cautious guess.
-pub fn available() -> u64 {
-    std::fs::read_to_string("/proc/meminfo").ok().as_deref().and_then(available_in).unwrap_or(UNKNOWN)
-}
-
-fn available_in(meminfo: &str) -> Option<u64> {
-    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    let kibibytes: u64 = line.split_whitespace().next()?.parse().ok()?;
-    kibibytes.checked_mul(1024)
+    machine::free_memory().saturating_sub(needed(sequence, extras)) / SHARE
 }
 
 #[cfg(test)]
@@ -56,13 +43,5 @@ mod tests {
         };
         assert_eq!(needed("") + 100 * 24, needed("shutter: [(0, 0), (1, 0.5)]"));
         assert_eq!(needed(""), needed("shutter: 0"));
-    }
-
-    #[test]
-    fn reads_what_linux_tells() {
-        let text = "MemTotal:       24000000 kB\nMemAvailable:   1000 kB\n";
-        assert_eq!(available_in(text), Some(1_024_000));
-        assert_eq!(available_in("nothing"), None);
-        assert!(available() > 0);
     }
 }

@@ -2,11 +2,12 @@
 
 use crate::camera_path::NoCamera;
 use crate::counters::{Counts, Meter};
-use crate::encode::{EncodeError, Encoder, Job, Output, Report, Still};
+use crate::encode::{EncodeError, Encoder, Existing, Job, Output, Report, Seen, Still};
 use crate::film::{Extras, Film};
 use crate::humane;
+use crate::machine;
 use crate::memory;
-use crate::plan::{self, Effort, Expected, Plan};
+use crate::plan::{self, Effort, Expected, Plan, survey};
 use crate::schedule::{FilmSink, FrameLoop, NoFrame, Stage, Tally};
 use crate::sequence::Sequence;
 use crate::stop::Stop;
@@ -16,6 +17,7 @@ use std::fmt::{Display, Formatter};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 
 /// What to render of a sequence, and where to.
@@ -24,6 +26,7 @@ pub struct Request {
     /// Frame numbers in the order in which they are rendered and shown.
     pub frames: Vec<u32>,
     pub outputs: Vec<Output>,
+    pub existing: Existing,
     /// Threads that trace; as many as the machine has if absent.
     pub threads: Option<NonZeroUsize>,
     pub reuse: Reuse,
@@ -55,6 +58,8 @@ impl Reuse {
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
     pub frames: u32,
+    /// Those of them that were there, whole and right, and were left as they are.
+    pub kept: u32,
     /// Those of them that were made of the film of another.
     pub reused: u32,
     pub counts: Counts,
@@ -94,6 +99,10 @@ pub enum RenderError {
         signal: usize,
         done: usize,
         files: Vec<PathBuf>,
+        /// Frames that are still to come.
+        rest: Vec<u32>,
+        /// Whether a next run keeps the frames that are there.
+        keeps: bool,
     },
     /// The thread pool could not be started.
     Threads(String),
@@ -165,12 +174,19 @@ pub fn render_until(
     let extras = extras(sequence, &request.outputs);
     check_memory(sequence, extras)?;
     let pool = Arc::new(pool(request.threads)?);
-    let encoder = Encoder::start(job(sequence, request), Arc::clone(&pool))?;
+    let seen = pool.install(|| seen(sequence, &request.frames));
+    let job = job(sequence, request, seen);
+    let keeps = job.keeps();
+    let encoder = Encoder::start(job, Arc::clone(&pool), stop)?;
+    let missing = encoder.missing();
+    meter.frames.fetch_add((request.frames.len() - missing.len()) as u32, Relaxed);
     let mut frames = FrameLoop::with_extras(sequence, extras, encoder, Arc::clone(meter));
-    let (done, expected) = pool.install(|| planned(sequence, request, extras, &mut frames, stop))?;
-    if let Some(signal) = stop.signal().filter(|_| done < request.frames.len()) {
+    let (done, expected) =
+        pool.install(|| planned(sequence, request, &missing, extras, &mut frames, stop))?;
+    if let Some(signal) = stop.signal().filter(|_| done < missing.len()) {
         let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::stop)?;
-        return Err(RenderError::Stopped { signal, done, files: report.files });
+        let rest = missing[done..].to_vec();
+        return Err(RenderError::Stopped { signal, done, files: report.files, rest, keeps });
     }
     let tally = frames.tally().clone();
     let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::finish)?;
@@ -186,10 +202,11 @@ const WORTH_A_TRIAL: u64 = 1 << 24;
 /// That part: a 256th, in a few frames.
 const TRIAL: Effort = Effort { frames: 8, samples: WORTH_A_TRIAL / 256 / 16 };
 
-/// Makes the requested frames by a plan, or each by itself. Gives the number of those that were begun.
+/// Makes the frames that are missing by a plan, or each by itself. Gives the number of those that were begun.
 fn planned<S: FilmSink>(
     sequence: &Sequence,
     request: &Request,
+    missing: &[u32],
     extras: Extras,
     frames: &mut FrameLoop<S>,
     stop: &Stop,
@@ -197,14 +214,14 @@ fn planned<S: FilmSink>(
     let on = || stop.signal().is_none();
     if request.reuse == Reuse::Off {
         let mut done = 0;
-        request.frames.iter().take_while(|_| on()).try_for_each(|&frame| {
+        missing.iter().take_while(|_| on()).try_for_each(|&frame| {
             done += 1;
             frames.frame(frame)
         })?;
         return Ok((done, None));
     }
     let budget = request.reuse.budget(sequence, extras);
-    let plan = Plan::new(sequence, &request.frames, extras, budget);
+    let plan = Plan::new(sequence, missing, extras, budget);
     let known = Expected::of(sequence, &plan);
     let expected = if known.camera < WORTH_A_TRIAL { known } else { plan::pilot(sequence, &plan, TRIAL) };
     let forecast = Forecast {
@@ -218,7 +235,7 @@ fn planned<S: FilmSink>(
 
 /// Refuses pictures that do not fit into memory.
 pub(crate) fn check_memory(sequence: &Sequence, extras: Extras) -> Result<(), RenderError> {
-    let (needed, available) = (memory::needed(sequence, extras), memory::available());
+    let (needed, available) = (memory::needed(sequence, extras), machine::free_memory());
     if needed > available { Err(RenderError::TooLarge { needed, available }) } else { Ok(()) }
 }
 
@@ -229,11 +246,19 @@ pub(crate) fn pool(threads: Option<NonZeroUsize>) -> Result<ThreadPool, RenderEr
     pool.map_err(|error| RenderError::Threads(error.to_string()))
 }
 
-fn job(sequence: &Sequence, request: &Request) -> Job {
+/// What frames look like, by which those are found that are there.
+fn seen(sequence: &Sequence, frames: &[u32]) -> Vec<Seen> {
+    let looks = survey(sequence, frames).frames;
+    looks.iter().map(|look| Seen { radiance: look.radiance(), exposure: look.exposure }).collect()
+}
+
+fn job(sequence: &Sequence, request: &Request, seen: Vec<Seen>) -> Job {
     let output = &sequence.output;
     Job {
         outputs: request.outputs.clone(),
+        existing: request.existing,
         frames: request.frames.clone(),
+        seen,
         rate: sequence.timeline.rate,
         size: output.size,
         tonemap: output.tonemap,
@@ -258,6 +283,7 @@ pub(crate) fn summary(tally: &Tally, report: Report, frames: u32, elapsed: Durat
     let time = |stage| if stage == Stage::Encode { report.busy } else { tally.stages[stage as usize] };
     Summary {
         frames,
+        kept: report.kept,
         reused: tally.reused,
         expected: None,
         counts: tally.counts,

@@ -18,11 +18,15 @@ prints one line about the sequence, or all mistakes with their places (exit code
 pub struct Arguments {
     /// The sequence file (.ron).
     file: PathBuf,
+
+    /// Images and meshes may lie outside of the nearest folder that holds `assets/`
+    #[arg(long)]
+    allow_outside: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let loading = Reporter::new(ProgressMode::Auto, false);
-    let sequence = load::sequence(&arguments.file, loading)?;
+    let sequence = load::sequence(&arguments.file, arguments.allow_outside, loading)?;
     terminal::say(&line(&sequence))?;
     sequence.notes().iter().try_for_each(|note| terminal::say(&format!("note: {note}")))
 }

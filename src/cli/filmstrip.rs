@@ -59,7 +59,8 @@ Examples:
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = &arguments.options;
-    let sequence = load::sequence(&arguments.file, loading::Reporter::new(options.progress, options.quiet))?;
+    let loading = loading::Reporter::new(options.progress, options.quiet);
+    let sequence = load::sequence(&arguments.file, options.allow_outside, loading)?;
     let mut sequence = overrides::applied(sequence, &options.overrides()).map_err(Failure::Bad)?;
     let frames = match &arguments.frames {
         Some(set) => render::frames_of(Some(set), &sequence)?,

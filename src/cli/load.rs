@@ -3,13 +3,15 @@
 use super::failure::Failure;
 use super::loading::{self, Reporter};
 use super::terminal;
+use crate::files::Root;
 use crate::sequence::{Sequence, load_watched};
 use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The sequence in a file. Meshes may take their time, so progress is told.
-pub fn sequence(path: &Path, show: Reporter) -> Result<Sequence, Failure> {
+/// The sequence in a file, which names others only within its root unless they may lie outside. Meshes may take their
+/// time, so progress is told.
+pub fn sequence(path: &Path, outside: bool, show: Reporter) -> Result<Sequence, Failure> {
     let name = path.display();
     match std::fs::metadata(path) {
         Ok(what) if what.is_dir() => {
@@ -22,7 +24,8 @@ pub fn sequence(path: &Path, show: Reporter) -> Result<Sequence, Failure> {
         Ok(_) => {}
     }
     let meter = Arc::default();
-    let load = || load_watched(path, &meter);
+    let root = if outside { Root::ANYWHERE } else { Root::of(path.parent().unwrap_or(Path::new(""))) };
+    let load = || load_watched(path, root, &meter);
     loading::watch(&meter, show, load).map_err(|error| Failure::Faults(error.render(terminal::color())))
 }
 

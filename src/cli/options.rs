@@ -63,6 +63,13 @@ pub struct Options {
     #[arg(long)]
     pub draft: bool,
 
+    /// Images and meshes may lie outside of the sequence's root
+    ///
+    /// That is the nearest folder above the sequence that holds one called `assets`, or else
+    /// the sequence's own.
+    #[arg(long, verbatim_doc_comment)]
+    pub allow_outside: bool,
+
     /// Print nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,

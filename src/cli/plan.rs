@@ -63,7 +63,7 @@ struct Told<'a> {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = &arguments.options;
     let loading = loading::Reporter::new(options.progress, options.quiet);
-    let sequence = load::sequence(&arguments.file, loading)?;
+    let sequence = load::sequence(&arguments.file, options.allow_outside, loading)?;
     let sequence = overrides::applied(sequence, &options.overrides()).map_err(Failure::Bad)?;
     let frames = frames_of(arguments.frames.as_ref(), &sequence)?;
     let extras = extras(&sequence, &sequence.output.files);

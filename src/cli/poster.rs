@@ -8,7 +8,7 @@ use super::overrides;
 use super::progress::{self, ProgressMode};
 use super::{load, loading, summary, terminal, values};
 use crate::counters::Meter;
-use crate::encode::Output;
+use crate::encode::{Existing, Output};
 use crate::render::{Request, Reuse, render};
 use crate::sequence::Sequence;
 use crate::time::Time;
@@ -50,7 +50,8 @@ Examples:
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = &arguments.options;
-    let sequence = load::sequence(&arguments.file, loading::Reporter::new(options.progress, options.quiet))?;
+    let loading = loading::Reporter::new(options.progress, options.quiet);
+    let sequence = load::sequence(&arguments.file, options.allow_outside, loading)?;
     let overrides = arguments.look.with(options.overrides());
     let sequence = overrides::applied(sequence, &overrides).map_err(Failure::Bad)?;
     let frame = arguments.frame_of(&sequence)?;
@@ -63,7 +64,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "a poster is one picture; write .png, .jpg, .ppm or .exr, not {output}"
         )));
     }
-    let request = Request { outputs, frames: vec![frame], threads: options.threads, reuse: Reuse::Off };
+    let request = Request {
+        outputs,
+        existing: Existing::Replace,
+        frames: vec![frame],
+        threads: options.threads,
+        reuse: Reuse::Off,
+    };
 
     let meter = Arc::new(Meter::default());
     let show = progress::Reporter::new(options.progress, options.quiet, 1);

@@ -6,10 +6,12 @@ use super::options::Options;
 use super::outputs::Run;
 use super::overrides::{self, Overrides};
 use super::progress::{self, ProgressMode};
-use super::{load, loading, signals, summary, terminal, values};
+use super::signals::{self, Next};
+use super::{load, loading, summary, terminal, values};
 use crate::counters::Meter;
-use crate::encode::Output;
-use crate::frame_set::FrameSet;
+use crate::encode::{Existing, Output};
+use crate::frame_set::{FrameSet, Shard};
+use crate::humane::counted;
 use crate::render::{RenderError, Request, Reuse, render_until};
 use crate::sequence::Sequence;
 use clap::Args;
@@ -39,6 +41,21 @@ pub struct Arguments {
     /// Each frame shows the same moment as in the whole sequence.
     #[arg(long, value_name = "SET", allow_hyphen_values = true, verbatim_doc_comment)]
     frames: Option<FrameSet>,
+
+    /// Only a part of these frames, for one of several processes: 2/4 is the second of four
+    ///
+    /// Shards may write into one folder at the same time. They write stills; `kinora assemble`
+    /// makes animations of them.
+    #[arg(long, value_name = "I/N", allow_hyphen_values = true, verbatim_doc_comment)]
+    shard: Option<Shard>,
+
+    /// Render all frames anew [default: keep those that are there and right]
+    #[arg(long, conflicts_with = "fail_if_exists")]
+    overwrite: bool,
+
+    /// Write nothing if a file is there already
+    #[arg(long)]
+    fail_if_exists: bool,
 
     #[command(flatten)]
     options: Options,
@@ -79,39 +96,65 @@ Examples:
   kinora render turn.ron -o turn.mp4 --quality 80    a video for browsers and slides
   kinora render turn.ron -o - | x265 --y4m - -o t.hevc  raw video for any encoder
   kinora render turn.ron --frames 0-47:2 -s 640x360  every second frame, small
+  kinora render turn.ron --shard 2/4                 one of four processes, on any machine
   kinora render turn.ron -r 30 --draft               a quick look at another rate";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let loading = loading::Reporter::new(arguments.options.progress, arguments.options.quiet);
-    let sequence = load::sequence(&arguments.file, loading)?;
+    let sequence = load::sequence(&arguments.file, arguments.options.allow_outside, loading)?;
     let sequence = overrides::applied(sequence, &arguments.overrides()).map_err(Failure::Bad)?;
-    let frames = frames_of(arguments.frames.as_ref(), &sequence)?;
+    let all = frames_of(arguments.frames.as_ref(), &sequence)?;
+    let frames = arguments.shard.map_or(&*all, |shard| shard.of(&all)).to_vec();
     let run = Run {
         own: &sequence.output.files,
         wanted: &arguments.output,
         draft: arguments.options.draft,
-        partial: frames.len() < sequence.timeline.frames as usize,
+        partial: arguments.shard.is_some() || frames.len() < sequence.timeline.frames as usize,
     };
     let (outputs, note) = run.outputs();
+    if let Some(shard) = arguments.shard {
+        if let Some(output) = outputs.iter().find(|output| output.is_animation()) {
+            return Err(Failure::Bad(no_animation(output)));
+        }
+        if frames.is_empty() {
+            return terminal::say(&format!(
+                "shard {shard} has no frames: there are {}",
+                counted(all.len() as u64, "frame")
+            ));
+        }
+    }
     let streams = outputs.contains(&Output::Stream);
     let json = arguments.options.progress == ProgressMode::Json;
     if streams && json {
         let message = "-o - and --progress json both write to the standard output; leave one out";
         return Err(Failure::Bad(message.to_owned()));
     }
-    let reuse = reuse(arguments.no_reuse, arguments.memory);
-    let request = Request { outputs, frames, threads: arguments.options.threads, reuse };
+    let request = Request {
+        outputs,
+        existing: arguments.existing(),
+        frames,
+        threads: arguments.options.threads,
+        reuse: reuse(arguments.no_reuse, arguments.memory),
+    };
 
     let meter = Arc::new(Meter::default());
     let frames = request.frames.len();
     let show = progress::Reporter::new(arguments.options.progress, arguments.options.quiet, frames);
     let stop = signals::watched();
     let done = progress::watch(&meter, frames, show, || render_until(&sequence, &request, &meter, &stop));
-    if let Err(RenderError::Stopped { signal, done, files }) = &done {
-        let message = signals::told(*done, files, std::env::args_os(), &request.frames[*done..]);
-        return Err(Failure::Stopped { signal: *signal, message });
-    }
-    let mut done = done?;
+    let mut done = match done {
+        Err(RenderError::Stopped { signal, done, files, rest, keeps }) => {
+            let animated = request.outputs.iter().any(Output::is_animation);
+            let next = match (keeps, animated) {
+                (true, _) => Next::Same,
+                (false, false) => Next::Frames(&rest),
+                (false, true) => Next::Anew,
+            };
+            let message = signals::told(done, &files, std::env::args_os(), next);
+            return Err(Failure::Stopped { signal, message });
+        }
+        done => done?,
+    };
 
     done.notes.extend(note);
     if arguments.options.draft {
@@ -128,7 +171,23 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Why a shard does not write an animation.
+fn no_animation(output: &Output) -> String {
+    format!(
+        "every shard would write all of {output}; let shards write stills (-o f_####.png), and then make it of them \
+         with `kinora assemble`"
+    )
+}
+
 impl Arguments {
+    fn existing(&self) -> Existing {
+        match (self.overwrite, self.fail_if_exists) {
+            (true, _) => Existing::Replace,
+            (_, true) => Existing::Refuse,
+            _ => Existing::Keep,
+        }
+    }
+
     fn overrides(&self) -> Overrides {
         Overrides {
             max_size: self.max_size,

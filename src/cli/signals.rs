@@ -18,31 +18,58 @@ pub fn watched() -> Stop {
     stop
 }
 
-/// What a stopped run has left, and how to go on with `rest`, the frames that are missing.
+/// What goes on with a run that was stopped.
+#[derive(Clone, Copy, Debug)]
+pub enum Next<'a> {
+    /// The same command, which keeps the frames that are there.
+    Same,
+    /// The same for the frames that are missing.
+    Frames(&'a [u32]),
+    /// The same command, which starts anew.
+    Anew,
+}
+
+/// What a stopped run has left, and how to go on.
 pub fn told(
     done: usize,
     files: &[PathBuf],
     arguments: impl Iterator<Item = OsString>,
-    rest: &[u32],
+    next: Next<'_>,
 ) -> String {
     let mut lines = vec![format!("stopped after {}", crate::humane::counted(done as u64, "frame"))];
     lines.extend(files.iter().map(|file| format!("wrote   {}", file.display())));
-    lines.push(format!("to go on: {}", command(arguments, rest)));
+    let command = command(arguments, next);
+    lines.push(match next {
+        Next::Same | Next::Frames(_) => format!("to go on: {command}"),
+        Next::Anew => format!(
+            "to start again: {command}\n(with frames as PNG too, -o f_####.png, those that are done are kept)"
+        ),
+    });
     lines.join("\n")
 }
 
-/// The command with its own frames replaced.
-fn command(arguments: impl Iterator<Item = OsString>, rest: &[u32]) -> String {
+/// The command without what would start anew or refuse to go on; with its own frames replaced, if need be.
+fn command(arguments: impl Iterator<Item = OsString>, next: Next<'_>) -> String {
+    let replaced: &[&str] = match next {
+        Next::Frames(_) => &["--frames", "--shard"],
+        Next::Same | Next::Anew => &[],
+    };
     let mut words = vec!["kinora".to_owned()];
     let mut arguments = arguments.skip(1).map(|word| word.to_string_lossy().into_owned());
     while let Some(word) = arguments.next() {
-        if word == "--frames" {
-            arguments.next();
-        } else if !word.starts_with("--frames=") {
+        let name = word.split('=').next().unwrap_or_default();
+        if replaced.contains(&name) {
+            // Its value is the next word, unless it is a part of this one.
+            if name == word {
+                arguments.next();
+            }
+        } else if !["--overwrite", "--fail-if-exists"].contains(&name) {
             words.push(quoted(word));
         }
     }
-    words.push(format!("--frames {}", set(rest)));
+    if let Next::Frames(rest) = next {
+        words.push(format!("--frames {}", set(rest)));
+    }
     words.join(" ")
 }
 
@@ -74,11 +101,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_command_to_go_on_names_the_frames_that_are_missing() {
+    fn the_command_to_go_on_keeps_what_is_done() {
         let words =
-            ["/usr/bin/kinora", "render", "a b.ron", "--frames", "0-9", "-o", "f_##.png", "--frames=2"];
-        let command = command(words.iter().map(OsString::from), &[5, 6, 7, 8, 9]);
-        assert_eq!(command, "kinora render 'a b.ron' -o 'f_##.png' --frames 5-9");
+            "/usr/bin/kinora render a.ron --shard 2/4 --frames 0-9 --overwrite -o f_##.png --frames=2";
+        let command = |next| command(words.split(' ').map(OsString::from), next);
+        let rest = command(Next::Frames(&[5, 6, 7, 8, 9]));
+        assert_eq!(rest, "kinora render a.ron -o 'f_##.png' --frames 5-9");
+        let same = "kinora render a.ron --shard 2/4 --frames 0-9 -o 'f_##.png' --frames=2";
+        assert_eq!((command(Next::Same).as_str(), command(Next::Anew).as_str()), (same, same));
+        assert_eq!(quoted("a b.ron".to_owned()), "'a b.ron'");
     }
 
     #[test]

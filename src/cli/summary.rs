@@ -68,6 +68,7 @@ pub fn json(summary: &Summary) -> String {
         .text("event", "summary")
         .texts("files", summary.files.iter().map(|file| file.to_string_lossy().into_owned()))
         .whole("frames", summary.frames.into())
+        .whole("kept", summary.kept.into())
         .whole("reused", summary.reused.into())
         .real("elapsed_s", Some(summary.elapsed.as_secs_f64()))
         .object("rays", counts)
@@ -80,12 +81,16 @@ pub fn json(summary: &Summary) -> String {
         .finish()
 }
 
+/// How many, and how many of them needed nothing, or less.
 fn frames(summary: &Summary) -> String {
-    let frames = humane::count(summary.frames.into());
-    match summary.reused {
-        0 => frames,
-        reused => format!("{frames}, {} of them from films of others", humane::count(reused.into())),
+    let mut told = humane::count(summary.frames.into());
+    if summary.kept > 0 {
+        told += &format!(", of which {} kept", humane::count(summary.kept.into()));
     }
+    if summary.reused > 0 {
+        told += &format!(", {} of them from films of others", humane::count(summary.reused.into()));
+    }
+    told
 }
 
 /// What was expected, to be compared with what was done.
@@ -100,8 +105,9 @@ fn planned(expected: &Forecast) -> String {
 
 fn time(summary: &Summary) -> String {
     let whole = humane::time(summary.elapsed);
-    match summary.elapsed.checked_div(summary.frames) {
-        Some(each) if summary.frames > 1 => format!("{whole}, {} per frame", humane::time(each)),
+    let rendered = summary.frames.saturating_sub(summary.kept);
+    match summary.elapsed.checked_div(rendered) {
+        Some(each) if rendered > 1 => format!("{whole}, {} per frame", humane::time(each)),
         _ => whole,
     }
 }
@@ -148,6 +154,7 @@ mod tests {
     fn summary() -> Summary {
         Summary {
             frames: 72,
+            kept: 0,
             reused: 0,
             expected: None,
             counts: Counts {
@@ -213,6 +220,13 @@ dropped undefined   2
     }
 
     #[test]
+    fn kept_frames_are_told_and_take_no_time() {
+        let text = text(&Summary { kept: 62, ..summary() });
+        assert!(text.contains("frames  72, of which 62 kept\ntime    10.4 s, 1.04 s per frame\n"), "{text}");
+        assert!(super::text(&Summary { kept: 72, ..summary() }).contains("time    10.4 s\n"));
+    }
+
+    #[test]
     fn an_empty_run_has_a_summary() {
         let text = text(&Summary::default());
         assert!(text.starts_with("frames  0\ntime    0 µs\n"), "{text}");
@@ -222,7 +236,7 @@ dropped undefined   2
     #[test]
     fn programs_read_one_line() {
         let wanted = concat!(
-            r#"{"event":"summary","files":["out/orbit_####.png","out/\"orbit\".gif"],"frames":72,"reused":0,"#,
+            r#"{"event":"summary","files":["out/orbit_####.png","out/\"orbit\".gif"],"frames":72,"kept":0,"reused":0,"#,
             r#""elapsed_s":10.440,"rays":{"camera":66355200,"mirror":20481,"transmitted":0,"scattered":0,"shadow":9,"#,
             r#""total":66375690},"evaluations":{"fog":0,"paint":0,"light_samples":0,"lens_samples":0},"#,
             r#""dropped_samples":{"undefined":0,"infinite":0,"negative":0},"#,

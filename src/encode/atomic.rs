@@ -1,30 +1,54 @@
 //! Files that appear whole or not at all: written aside in the same folder, then renamed.
 
+use super::disk::{Operation, attempt};
 use super::error::EncodeError;
 use std::fs;
-use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, TempDir};
 
 /// A file in the making. Dropped before [`Aside::commit`], it vanishes and the old file stays.
 pub struct Aside {
     path: PathBuf,
-    file: BufWriter<NamedTempFile>,
+    file: BufWriter<Temporary>,
+}
+
+/// The temporary that it is written to.
+struct Temporary(NamedTempFile);
+
+impl Write for Temporary {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let Self(file) = self;
+        attempt(Operation::Write, file.path(), || file.as_file().write(bytes))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
+impl Seek for Temporary {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let Self(file) = self;
+        attempt(Operation::Seek, file.path(), || file.as_file().seek(to))
+    }
 }
 
 impl Aside {
     /// Starts a file that will be `path`; folders above it are created.
     pub fn create(path: &Path) -> Result<Self, EncodeError> {
         let folder = folder_of(path);
-        fs::create_dir_all(folder).map_err(|e| EncodeError::write(folder, e))?;
+        let created = attempt(Operation::CreateFolder, folder, || fs::create_dir_all(folder));
+        created.map_err(|e| EncodeError::write(folder, e))?;
         let mut builder = tempfile::Builder::new();
         builder.prefix(PREFIX).suffix(".part");
         // A temporary is private by default; what it becomes should be as open as the umask lets it.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let file = builder.tempfile_in(folder).map_err(|e| EncodeError::write(path, e))?;
+        let file = attempt(Operation::Create, path, || builder.tempfile_in(folder));
+        let file = file.map_err(|e| EncodeError::write(path, e))?;
         mark(file.as_file());
-        Ok(Self { path: path.to_path_buf(), file: BufWriter::with_capacity(1 << 16, file) })
+        Ok(Self { path: path.to_path_buf(), file: BufWriter::with_capacity(1 << 16, Temporary(file)) })
     }
 
     /// The file will be a part of what it was to be, beside its place; returns where.
@@ -37,9 +61,9 @@ impl Aside {
     pub fn commit(self) -> Result<(), EncodeError> {
         let Self { path, file } = self;
         let fault = |e| EncodeError::write(&path, e);
-        let file = file.into_inner().map_err(|e| fault(e.into_error()))?;
-        file.as_file().sync_data().map_err(fault)?;
-        file.persist(&path).map_err(|e| fault(e.error))?;
+        let Temporary(file) = file.into_inner().map_err(|e| fault(e.into_error()))?;
+        attempt(Operation::Sync, &path, || file.as_file().sync_data()).map_err(fault)?;
+        attempt(Operation::Rename, &path, || file.persist(&path).map_err(|e| e.error)).map_err(fault)?;
         Ok(())
     }
 }
@@ -57,6 +81,14 @@ impl Write for Aside {
 impl Seek for Aside {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.file.seek(to)
+    }
+}
+
+/// Reads back what was written, after seeking to it.
+impl Read for Aside {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let Temporary(file) = self.file.get_ref();
+        attempt(Operation::Read, file.path(), || file.as_file().read(buffer))
     }
 }
 
@@ -100,9 +132,11 @@ fn mark(file: &fs::File) {
 pub fn spool(path: &Path) -> Result<(TempDir, fs::File), EncodeError> {
     let folder = folder_of(path);
     let fault = |e| EncodeError::write(folder, e);
-    let spool =
-        tempfile::Builder::new().prefix(&format!("{PREFIX}spool-")).tempdir_in(folder).map_err(fault)?;
-    let lock = fs::File::create(spool.path().join(LOCK)).map_err(fault)?;
+    let prefix = format!("{PREFIX}spool-");
+    let make = || tempfile::Builder::new().prefix(&prefix).tempdir_in(folder);
+    let spool = attempt(Operation::CreateFolder, folder, make).map_err(fault)?;
+    let lock = spool.path().join(LOCK);
+    let lock = attempt(Operation::Create, &lock, || fs::File::create(&lock)).map_err(fault)?;
     mark(&lock);
     Ok((spool, lock))
 }
@@ -148,14 +182,15 @@ impl NewFolders {
     pub fn prepare(&mut self, folder: &Path) -> Result<(), EncodeError> {
         let missing = folder.ancestors().take_while(|path| !path.as_os_str().is_empty() && !path.exists());
         for path in missing.collect::<Vec<_>>().into_iter().rev() {
-            match fs::create_dir(path) {
+            match attempt(Operation::CreateFolder, path, || fs::create_dir(path)) {
                 Ok(()) => self.created.push(path.to_path_buf()),
                 // `new/..` is there as soon as `new` is; or someone else was faster.
                 Err(_) if path.is_dir() => {}
                 Err(e) => return Err(EncodeError::write(path, e)),
             }
         }
-        let probe = tempfile::Builder::new().prefix(PREFIX).tempfile_in(folder);
+        let probe = || tempfile::Builder::new().prefix(PREFIX).tempfile_in(folder);
+        let probe = attempt(Operation::Create, folder, probe);
         probe.map(drop).map_err(|e| EncodeError::write(folder, e))?;
         sweep(folder);
         Ok(())
@@ -238,12 +273,12 @@ mod tests {
         }
         let live = Aside::create(&dir.path().join("a.gif")).expect("begun");
         let (live_spool, _lock) = spool(&dir.path().join("a.gif")).expect("begun");
-        aged(live.file.get_ref().path());
+        aged(live.file.get_ref().0.path());
         aged(&live_spool.path().join(LOCK));
         NewFolders::default().prepare(dir.path()).expect("writable");
         let name = |path: &Path| path.file_name().expect("a name").to_string_lossy().into_owned();
         let mut expected =
-            vec![".kinora-new.part".to_owned(), "mine.part".to_owned(), name(live.file.get_ref().path())];
+            vec![".kinora-new.part".to_owned(), "mine.part".to_owned(), name(live.file.get_ref().0.path())];
         expected.push(name(live_spool.path()));
         expected.sort();
         assert_eq!(names(dir.path()), expected);

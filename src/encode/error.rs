@@ -29,6 +29,8 @@ pub enum JobError {
     Duplicate { path: PathBuf },
     /// A folder stands where a file should go.
     IsFolder { path: PathBuf },
+    /// A file is there, and none is to be replaced.
+    Exists { path: PathBuf },
     /// No frames, or no pixels.
     Empty,
     /// A format that holds no single picture.
@@ -90,7 +92,7 @@ impl fmt::Display for EncodeError {
                 write!(f, "cannot write {}: {}{}", path.display(), plain(reason), remedy(reason))
             }
             Self::Read { path, reason } => {
-                write!(f, "cannot read the frame {} back for the GIF: {reason}; ", path.display())?;
+                write!(f, "cannot read the frame {} back for an animation: {reason}; ", path.display())?;
                 f.write_str("leave the run's files alone until it ends")
             }
             Self::Unreadable { path, reason } => {
@@ -136,6 +138,12 @@ impl fmt::Display for JobError {
             Self::IsFolder { path } => {
                 write!(f, "cannot write {}: it is a folder; name a file in it", path.display())
             }
+            Self::Exists { path } => write!(
+                f,
+                "{} is there already; name another file, or leave out --fail-if-exists to keep what is right and \
+                 replace what is not",
+                path.display()
+            ),
             Self::Empty => f.write_str("there is nothing to write: no frames, or a size of zero"),
             Self::NoPicture { output } => {
                 write!(f, "output \"{output}\" holds no picture; write .png, .jpg or .ppm")

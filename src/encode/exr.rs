@@ -4,10 +4,11 @@ use super::atomic::Aside;
 use super::error::EncodeError;
 use super::settings::{ExrLayers, ExrSettings};
 use crate::color::Rgb;
+use crate::digest::Digest;
 use crate::film::{Film, Guides};
 use exr::error::{Error, UnitResult};
 use exr::image::write::channels::WritableChannels;
-use exr::meta::attribute::{Chromaticities, LineOrder, Text};
+use exr::meta::attribute::{AttributeValue, Chromaticities, LineOrder, Text};
 use exr::prelude::f16;
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, SpecificChannels,
@@ -15,6 +16,10 @@ use exr::prelude::{
 };
 use std::io;
 use std::path::Path;
+
+mod seal;
+
+pub use seal::holds;
 
 /// 16 rows at a time, compressed as ZIP does; in order, as the frame's bytes may not depend on threads.
 const ENCODING: Encoding = Encoding {
@@ -36,19 +41,29 @@ const NOTHING: f32 = 1e10;
 
 /// Writes the film's radiance as the file `path`, whole or not at all. `names` are those of the film's layers of
 /// light.
-pub fn write(path: &Path, film: &Film, settings: ExrSettings, names: &[String]) -> Result<(), EncodeError> {
+pub fn write(
+    path: &Path,
+    film: &Film,
+    settings: ExrSettings,
+    names: &[String],
+    identity: Option<Digest>,
+) -> Result<(), EncodeError> {
     let mut aside = Aside::create(path)?;
     let written = match settings.layers.any() {
-        true => all(film, settings, names, &mut aside),
-        false => plain(film, settings.half, &mut aside),
+        true => all(film, settings, names, identity, &mut aside),
+        false => plain(film, settings.half, identity, &mut aside),
     };
     written.map_err(|error| EncodeError::write(path, cause(error)))?;
+    if identity.is_some() {
+        seal::close(&mut aside).map_err(|error| EncodeError::write(path, error))?;
+    }
     aside.commit()
 }
 
 /// Writes the channels R, G and B, and A if the background is left out. The radiance is summed as it is written, so
 /// that no second copy of the picture is held.
-fn plain(film: &Film, half: bool, file: &mut Aside) -> UnitResult {
+fn plain(film: &Film, half: bool, identity: Option<Digest>, file: &mut Aside) -> UnitResult {
+    let seal = identity.map(seal::open);
     let width = film.width as usize;
     let at = |Vec2(x, y): Vec2<usize>| y * width + x;
     let color = |place| film.radiance_at(at(place));
@@ -57,11 +72,11 @@ fn plain(film: &Film, half: bool, file: &mut Aside) -> UnitResult {
     match (film.extras.coverage, half) {
         (false, false) => {
             let channels = SpecificChannels::rgb::<f32, f32, f32>(|place| color(place).into());
-            image(film, channels).write().non_parallel().to_buffered(file)
+            image(film, channels, seal).write().non_parallel().to_buffered(file)
         }
         (false, true) => {
             let channels = SpecificChannels::rgb::<f16, f16, f16>(short);
-            image(film, channels).write().non_parallel().to_buffered(file)
+            image(film, channels, seal).write().non_parallel().to_buffered(file)
         }
         (true, false) => {
             let pixel = |place| {
@@ -69,7 +84,7 @@ fn plain(film: &Film, half: bool, file: &mut Aside) -> UnitResult {
                 (x, y, z, alpha(place))
             };
             let channels = SpecificChannels::rgba::<f32, f32, f32, f32>(pixel);
-            image(film, channels).write().non_parallel().to_buffered(file)
+            image(film, channels, seal).write().non_parallel().to_buffered(file)
         }
         (true, true) => {
             let pixel = |place| {
@@ -77,13 +92,19 @@ fn plain(film: &Film, half: bool, file: &mut Aside) -> UnitResult {
                 (r, g, b, f16::from_f32(alpha(place)))
             };
             let channels = SpecificChannels::rgba::<f16, f16, f16, f16>(pixel);
-            image(film, channels).write().non_parallel().to_buffered(file)
+            image(film, channels, seal).write().non_parallel().to_buffered(file)
         }
     }
 }
 
 /// Writes the picture and whatever layers are asked for, each channel `LAYER.R` and so on.
-fn all(film: &Film, settings: ExrSettings, names: &[String], file: &mut Aside) -> UnitResult {
+fn all(
+    film: &Film,
+    settings: ExrSettings,
+    names: &[String],
+    identity: Option<Digest>,
+    file: &mut Aside,
+) -> UnitResult {
     let pixels = film.width as usize * film.height as usize;
     let sheet = Sheet { film, pixels, half: settings.half };
     let mut list = sheet.colors("", |pixel| film.radiance_at(pixel));
@@ -96,14 +117,22 @@ fn all(film: &Film, settings: ExrSettings, names: &[String], file: &mut Aside) -
         }
     }
     list.extend(sheet.guides(settings.layers));
-    image(film, AnyChannels::sort(list.into())).write().non_parallel().to_buffered(file)
+    let channels = AnyChannels::sort(list.into());
+    let seal = identity.map(seal::open);
+    image(film, channels, seal).write().non_parallel().to_buffered(file)
 }
 
 /// A file of these channels.
-fn image<'c, C: WritableChannels<'c> + 'c>(film: &Film, channels: C) -> Image<Layer<C>> {
+fn image<'c, C: WritableChannels<'c> + 'c>(
+    film: &Film,
+    channels: C,
+    seal: Option<AttributeValue>,
+) -> Image<Layer<C>> {
     let size = Vec2(film.width as usize, film.height as usize);
     let mut image = Image::from_encoded_channels(size, ENCODING, channels);
     image.attributes.chromaticities = Some(SRGB);
+    // One alone: the order of several would differ from run to run.
+    image.attributes.other.extend(seal.map(|seal| (Text::from(seal::SEAL), seal)));
     image
 }
 
@@ -181,7 +210,7 @@ mod tests {
         let path = dir.path().join("a.exr");
         let mut film = film();
         film.expose(3.0);
-        write(&path, &film, ExrSettings::default(), &[]).expect("written");
+        write(&path, &film, ExrSettings::default(), &[], None).expect("written");
         let image = read_first_rgba_layer_from_file(
             path,
             |size, _| vec![Rgb::ZERO; size.area()],
@@ -215,7 +244,7 @@ mod tests {
         film.data_mut()[3..6].fill(Rgb::ZERO);
         let layers = ExrLayers { lights: true, depth: true, normal: true, albedo: true };
         let names = ["constant".to_owned(), "key".to_owned()];
-        write(&path, &film, ExrSettings { half: false, layers }, &names).expect("written");
+        write(&path, &film, ExrSettings { half: false, layers }, &names, None).expect("written");
         let found = channels(&path);
         let order: Vec<_> = found.iter().map(|(name, _)| name.as_str()).collect();
         let expected = [
@@ -260,7 +289,8 @@ mod tests {
             let extras = Extras { coverage, guides: false };
             let mut film = Film::with_extras(2, 1, vec![Rgb::ONE], extras);
             film.data_mut()[0] = Rgb::new(0.1, 1.0, 1000.3);
-            write(&path, &film, ExrSettings { half: true, ..ExrSettings::default() }, &[]).expect("written");
+            write(&path, &film, ExrSettings { half: true, ..ExrSettings::default() }, &[], None)
+                .expect("written");
             let found = channels(&path);
             assert_eq!(found.len(), if coverage { 4 } else { 3 });
             let color: Vec<f32> = found.iter().rev().take(3).map(|(_, values)| values[0]).collect();
@@ -274,7 +304,7 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         let bytes = ["a.exr", "b.exr"].map(|name| {
             let path = dir.path().join(name);
-            write(&path, &film(), ExrSettings::default(), &[]).expect("written");
+            write(&path, &film(), ExrSettings::default(), &[], None).expect("written");
             fs::read(path).expect("read")
         });
         assert_eq!(bytes[0], bytes[1]);

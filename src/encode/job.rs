@@ -4,6 +4,7 @@ use super::about::About;
 use super::atomic::{NewFolders, folder_of};
 use super::caption::Caption;
 use super::error::{EncodeError, JobError};
+use super::identity::Seen;
 use super::jpeg;
 use super::movie::{mp4, webp};
 use super::output::{Moving, Output, Still};
@@ -11,15 +12,29 @@ use super::settings::Formats;
 use super::tonemap::Tonemap;
 use crate::color::Rgb;
 use crate::time::Rate;
-use std::collections::{HashMap, HashSet};
-use std::path::PathBuf;
+
+/// What becomes of files of an earlier run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Existing {
+    /// Frames that are there, whole and as they would be made now, are kept; all else is made, and replaced.
+    #[default]
+    Keep,
+    /// All is made anew, and replaced.
+    Replace,
+    /// Nothing is made if a file is there.
+    Refuse,
+}
 
 /// What all outputs of one run share.
 #[derive(Clone, Debug)]
 pub struct Job {
     pub outputs: Vec<Output>,
+    /// What is done about files that are there already.
+    pub existing: Existing,
     /// The frame numbers that will come, in order.
     pub frames: Vec<u32>,
+    /// What each of them looks like, to find and name those that are there; nothing if nobody has looked.
+    pub seen: Vec<Seen>,
     /// Frames per second at which the frames play, one after the other, whatever their numbers are.
     pub rate: Rate,
     /// Width and height in pixels.
@@ -41,7 +56,9 @@ impl Job {
         if self.frames.is_empty() || self.size.0 == 0 || self.size.1 == 0 {
             return Err(JobError::Empty);
         }
-        let distinct: HashSet<u32> = self.frames.iter().copied().collect();
+        let mut distinct = self.frames.clone();
+        distinct.sort_unstable();
+        distinct.dedup();
         for output in &self.outputs {
             if let Some(pattern) = output.pattern()
                 && output.needs_place(distinct.len())
@@ -54,7 +71,8 @@ impl Job {
             }
         }
         self.outputs.iter().try_for_each(|output| self.check_size(output))?;
-        self.check_paths(&distinct)
+        self.check_names(&distinct)?;
+        self.outputs.iter().try_for_each(|output| self.check_place(output, &distinct))
     }
 
     /// Formats have their limits. That of GIFs is found where they are planned.
@@ -69,21 +87,26 @@ impl Job {
         limit.map_or(Ok(()), |limit| Err(JobError::TooLarge { path: path(), size: self.size, limit }))
     }
 
-    fn check_paths(&self, frames: &HashSet<u32>) -> Result<(), JobError> {
-        let mut owners: HashMap<PathBuf, usize> = HashMap::new();
-        let mut sorted: Vec<u32> = frames.iter().copied().collect();
-        sorted.sort_unstable();
-        for (owner, output) in self.outputs.iter().enumerate() {
-            for &frame in &sorted {
-                let path = output.path(frame);
-                // Tells `a.png` and `./a.png` the same; a path for which that fails stands for itself.
-                let key = std::path::absolute(&path).unwrap_or_else(|_| path.clone());
-                if *owners.entry(key).or_insert(owner) != owner {
+    /// No file may be written by two outputs.
+    fn check_names(&self, frames: &[u32]) -> Result<(), JobError> {
+        for (place, output) in self.outputs.iter().enumerate() {
+            for other in &self.outputs[..place] {
+                if let Some(path) = output.shared_with(other, frames) {
                     return Err(JobError::Duplicate { path });
                 }
-                if path.is_dir() {
-                    return Err(JobError::IsFolder { path });
-                }
+            }
+        }
+        Ok(())
+    }
+
+    /// No folder may stand where a file goes, and no file where none is to be replaced.
+    fn check_place(&self, output: &Output, frames: &[u32]) -> Result<(), JobError> {
+        for path in output.present(frames) {
+            if path.is_dir() {
+                return Err(JobError::IsFolder { path });
+            }
+            if self.existing == Existing::Refuse {
+                return Err(JobError::Exists { path });
             }
         }
         Ok(())

@@ -14,11 +14,16 @@ mod assembly;
 mod atomic;
 mod caption;
 mod develop;
+mod disk;
 mod error;
 mod exr;
+#[cfg(test)]
+mod fault_tests;
 mod gif;
+mod identity;
 mod job;
 mod jpeg;
+mod keep;
 mod movie;
 mod output;
 mod pattern;
@@ -40,7 +45,8 @@ pub use atomic::write as write_file;
 pub use caption::{Caption, CaptionError, Corner, Template};
 pub use develop::ToneTable;
 pub use error::{EncodeError, FilmsError, JobError};
-pub use job::Job;
+pub use identity::Seen;
+pub use job::{Existing, Job};
 pub use output::{Moving, Output, OutputError, Still};
 pub use pattern::{FramePattern, PatternError};
 pub use picture::Picture;
@@ -53,6 +59,8 @@ pub use sheet::{Sheet, columns as sheet_columns};
 pub use tonemap::Tonemap;
 
 use crate::film::Film;
+use crate::stop::Stop;
+use keep::Kept;
 use rayon::ThreadPool;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -82,6 +90,8 @@ const WAITING: usize = 2;
 pub struct Report {
     /// One per output, in the job's order: the pattern of stills as the user wrote it, or the file.
     pub files: Vec<PathBuf>,
+    /// Frames that were there, and were left as they are.
+    pub kept: u32,
     /// What the user should know, a line each.
     pub notes: Vec<String>,
     /// Pixels of all films with a component that is not a number; such components are written as 0.
@@ -93,6 +103,8 @@ pub struct Report {
 /// What the encoder's thread is told.
 enum Message {
     Film(u32, Film),
+    /// The frame's files are there.
+    Kept(u32),
     Finish,
     /// No more frames come, though more were announced.
     Stop,
@@ -102,8 +114,10 @@ enum Message {
 /// does not appear, and temporaries vanish.
 pub struct Encoder {
     job: Arc<Job>,
-    /// Films taken so far.
+    /// Frames taken so far, with those that are kept.
     pushed: usize,
+    /// Which of the job's frames need no film.
+    kept: Vec<bool>,
     /// None once the thread has failed or finished.
     running: Option<Running>,
 }
@@ -117,23 +131,46 @@ impl Encoder {
     /// Checks the job, creates and probes the folders it writes to, and starts the thread. If this fails,
     /// nothing was written and no folder is left behind.
     ///
-    /// Frames of a GIF are compressed by the threads of `pool`.
-    pub fn start(job: Job, pool: Arc<ThreadPool>) -> Result<Self, EncodeError> {
+    /// Frames of an earlier run are looked at, on the threads of `pool`, which also compress those of a GIF. Where
+    /// `stop` asks for it, the rest is not looked at.
+    pub fn start(job: Job, pool: Arc<ThreadPool>, stop: &Stop) -> Result<Self, EncodeError> {
         let job = Arc::new(job);
-        let worker = Worker::new(Arc::clone(&job), pool)?;
+        let mut worker = Worker::new(Arc::clone(&job), Arc::clone(&pool))?;
+        let Kept { frames: kept, notes } = job.kept(&pool, stop);
+        worker.tell(notes);
         let (messages, receiver) = sync_channel(WAITING);
         let thread = thread::Builder::new().name("encode".into()).spawn(move || worker.run(receiver));
         let thread = thread.map_err(|e| EncodeError::Stopped(Some(e)))?;
-        Ok(Self { job, pushed: 0, running: Some(Running { messages, thread }) })
+        Ok(Self { job, pushed: 0, kept, running: Some(Running { messages, thread }) })
     }
 
-    /// Hands over the next frame; waits while the encoder is behind, so that memory stays bounded.
+    /// The frames of which films are still to come, in order: those that are not kept.
+    pub fn missing(&self) -> Vec<u32> {
+        let frames = self.job.frames.iter().zip(&self.kept).skip(self.pushed);
+        frames.filter(|(_, kept)| !**kept).map(|(frame, _)| *frame).collect()
+    }
+
+    /// Hands over the next frame that is missing; waits while the encoder is behind, so that memory stays bounded.
     ///
     /// Returns the error of an earlier frame as soon as there is one.
     pub fn push(&mut self, frame: u32, film: Film) -> Result<(), EncodeError> {
+        self.pass_kept()?;
         self.check(frame, &film)?;
+        self.send(Message::Film(frame, film))
+    }
+
+    /// Lets the encoder know of kept frames up to the next that is missing.
+    fn pass_kept(&mut self) -> Result<(), EncodeError> {
+        while self.kept.get(self.pushed) == Some(&true) {
+            self.send(Message::Kept(self.job.frames[self.pushed]))?;
+        }
+        Ok(())
+    }
+
+    /// Tells of the next frame.
+    fn send(&mut self, message: Message) -> Result<(), EncodeError> {
         let Some(running) = &self.running else { return Err(EncodeError::Stopped(None)) };
-        if running.messages.send(Message::Film(frame, film)).is_err() {
+        if running.messages.send(message).is_err() {
             return self.join().and(Err(EncodeError::Stopped(None)));
         }
         self.pushed += 1;
@@ -142,6 +179,7 @@ impl Encoder {
 
     /// Waits for everything to be written.
     pub fn finish(mut self) -> Result<Report, EncodeError> {
+        self.pass_kept()?;
         if let Some(running) = &self.running {
             if self.pushed < self.job.frames.len() && !running.thread.is_finished() {
                 let (expected, got) = (self.job.frames.len(), self.pushed);

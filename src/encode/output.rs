@@ -1,6 +1,8 @@
 //! What a run writes, as the user says it: `-o out/frame_####.png`, `-o out.gif`.
 
+use super::atomic::folder_of;
 use super::pattern::{FramePattern, PatternError};
+use std::ffi::{OsStr, OsString};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -122,6 +124,44 @@ impl Output {
         }
     }
 
+    /// The first file that both outputs would write for one of these frames.
+    pub fn shared_with(&self, other: &Self, frames: &[u32]) -> Option<PathBuf> {
+        let folder = |output: &Self| {
+            // Tells `a.png` and `./a.png` the same; a folder for which that fails stands for itself.
+            let path = output.path(0);
+            let folder = folder_of(&path).to_path_buf();
+            std::path::absolute(&folder).unwrap_or(folder)
+        };
+        if self.extension() != other.extension() || folder(self) != folder(other) {
+            return None;
+        }
+        let shared = |frame: u32| self.path(frame).file_name() == other.path(frame).file_name();
+        let numbered = |output: &Self| output.pattern().is_some_and(FramePattern::has_place);
+        let frames = if numbered(self) || numbered(other) { frames } else { frames.get(..1)? };
+        frames.iter().find(|&&frame| shared(frame)).map(|&frame| self.path(frame))
+    }
+
+    fn extension(&self) -> Option<OsString> {
+        self.path(0).extension().map(OsStr::to_owned)
+    }
+
+    /// Its files that are there, of these frames in rising order.
+    pub fn present(&self, frames: &[u32]) -> Vec<PathBuf> {
+        match self {
+            Self::Stream => Vec::new(),
+            Self::Stills(_, pattern) if pattern.has_place() => {
+                // A folder that cannot be listed is found to be wrong when it is written to.
+                let there = pattern.numbers().unwrap_or_default().into_iter();
+                there.filter(|n| frames.binary_search(n).is_ok()).map(|n| pattern.path(n)).collect()
+            }
+            Self::Stills(..) | Self::Movie(..) => {
+                let path = self.path(0);
+                // Links that lead nowhere are there, too.
+                if path.symlink_metadata().is_ok() { vec![path] } else { Vec::new() }
+            }
+        }
+    }
+
     /// The file that `frame` goes to.
     pub fn path(&self, frame: u32) -> PathBuf {
         match self {
@@ -229,6 +269,23 @@ mod tests {
         assert!(!needs("a.png", 1));
         assert!(!needs("a_#.png", 2));
         assert!(!needs("a.gif", 2) && !needs("-", 2));
+    }
+
+    #[test]
+    fn outputs_that_share_a_file_are_found() {
+        let shared = |a: &str, b: &str, frames: &[u32]| {
+            let parsed = |text| Output::parse(text).expect(text);
+            let path = parsed(a).shared_with(&parsed(b), frames);
+            path.map(|path| path.display().to_string())
+        };
+        assert_eq!(shared("a_#.png", "./a_##.png", &[3, 9]), None);
+        assert_eq!(shared("a_#.png", "./a_##.png", &[3, 9, 10]), Some("a_10.png".into()));
+        assert_eq!(shared("a_#.png", "b/a_#.png", &[3]), None);
+        assert_eq!(shared("a_#.png", "a_3.png", &[3]), Some("a_3.png".into()));
+        assert_eq!(shared("a.gif", "./a.gif", &[0, 1]), Some("a.gif".into()));
+        assert_eq!(shared("a.gif", "a.apng", &[0, 1]), None);
+        assert_eq!(shared("-", "a.y4m", &[0]), None);
+        assert_eq!(shared("-", "-", &[0]), Some("-".into()));
     }
 
     #[test]

@@ -4,12 +4,24 @@ use super::about::Shown;
 use super::atomic;
 use super::error::EncodeError;
 use super::picture::{Code, Picture};
-use std::fs::File;
-use std::io::{self, BufReader};
+use crate::digest::Digest;
+use std::io;
 use std::path::Path;
+
+mod read;
+
+pub use read::{holds, read, texts};
 
 /// A keyword and what it says.
 pub type Text = (&'static str, String);
+
+/// The keyword of a frame's identity.
+const IDENTITY: &str = "kinora:identity";
+
+/// The text that names what a frame is made of.
+pub fn identity(identity: Digest) -> Text {
+    (IDENTITY, identity.to_string())
+}
 
 /// What a file tells about the frame that it shows. No time of day: equal frames are equal files.
 pub fn metadata(shown: &Shown) -> Vec<Text> {
@@ -79,40 +91,12 @@ pub fn write<C: PngCode>(path: &Path, picture: &Picture<C>, texts: &[Text]) -> R
     atomic::write(path, &bytes)
 }
 
-/// Reads back what [`write`] wrote as a picture of 8 bits without alpha.
-pub fn read(path: &Path) -> Result<Picture, EncodeError> {
-    decode(path).map_err(|e| EncodeError::read(path, e))
-}
-
-/// The texts of a PNG file, by their keywords; none of what is no PNG.
-pub fn texts(path: &Path) -> Vec<(String, String)> {
-    let file = File::open(path).ok();
-    let Some(reader) = file.and_then(|file| png::Decoder::new(BufReader::new(file)).read_info().ok()) else {
-        return Vec::new();
-    };
-    let info = reader.info();
-    let latin = info.uncompressed_latin1_text.iter().map(|text| (text.keyword.clone(), text.text.clone()));
-    let others = info.utf8_text.iter().filter_map(|text| Some((text.keyword.clone(), text.get_text().ok()?)));
-    latin.chain(others).collect()
-}
-
-fn decode(path: &Path) -> io::Result<Picture> {
-    let mut reader = png::Decoder::new(BufReader::new(File::open(path)?)).read_info()?;
-    let info = reader.info();
-    if info.color_type != png::ColorType::Rgb || info.bit_depth != png::BitDepth::Eight {
-        return Err(io::Error::new(io::ErrorKind::InvalidData, "it is not 8-bit RGB any more"));
-    }
-    let (width, height) = (info.width, info.height);
-    let mut rgb = vec![0; width as usize * height as usize * 3];
-    reader.next_frame(&mut rgb)?;
-    Ok(Picture::opaque(width, height, rgb))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::encode::About;
     use crate::time::Rate;
+    use ::png::Decoder;
     use image::DynamicImage;
 
     fn codes<C: Code>(count: u32) -> Vec<C> {
@@ -162,7 +146,7 @@ mod tests {
         let rate = Rate::new(30_000, 1001).expect("a rate");
         let texts = metadata(&Shown { about: &about, frame: 12, rate });
         let bytes = encode(&Picture::opaque(1, 1, vec![0u8; 3]), &texts).expect("bytes");
-        let reader = png::Decoder::new(io::Cursor::new(bytes)).read_info().expect("a PNG");
+        let reader = Decoder::new(io::Cursor::new(bytes)).read_info().expect("a PNG");
         let info = reader.info();
         let found: Vec<_> = info.uncompressed_latin1_text.iter().map(|t| (&*t.keyword, &*t.text)).collect();
         assert_eq!(found[0], ("Software", concat!("Kinora ", env!("CARGO_PKG_VERSION"))));

@@ -1,6 +1,7 @@
 //! Where a GIF's frames wait for the second pass.
 
 use super::atomic::spool;
+use super::disk::{Operation, attempt};
 use super::error::EncodeError;
 use super::pattern::FramePattern;
 use super::picture::Picture;
@@ -31,7 +32,8 @@ impl Store {
             Self::Own { .. } => Ok(()),
             Self::Spool { .. } => {
                 let path = self.path(index);
-                let stored = png::encode(picture, &[]).and_then(|bytes| fs::write(&path, bytes));
+                let stored = png::encode(picture, &[])
+                    .and_then(|bytes| attempt(Operation::Write, &path, || fs::write(&path, bytes)));
                 stored.map_err(|e| EncodeError::write(&path, e))
             }
         }

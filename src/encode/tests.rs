@@ -10,11 +10,13 @@ const SIZE: (u32, u32) = (6, 4);
 
 fn start(job: Job) -> Result<Encoder, EncodeError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
-    Encoder::start(job, std::sync::Arc::new(pool))
+    Encoder::start(job, std::sync::Arc::new(pool), &Stop::default())
 }
 
 fn job(outputs: &[String], frames: &[u32]) -> Job {
     Job {
+        existing: Existing::default(),
+        seen: Vec::new(),
         outputs: outputs.iter().map(|text| Output::parse(text).expect(text)).collect(),
         frames: frames.to_vec(),
         rate: Rate::new(24, 1).expect("a rate"),

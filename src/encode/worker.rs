@@ -24,6 +24,8 @@ pub struct Worker {
     /// None once they are finished.
     animations: Option<Animations>,
     report: Report,
+    /// Frames that came.
+    done: usize,
     /// The first frame with pixels that are not numbers.
     first_nan: Option<u32>,
     /// Last, so that what lies in the folders has vanished when they are looked at.
@@ -32,6 +34,8 @@ pub struct Worker {
 
 /// A frame as it is written.
 struct Developed<'a> {
+    /// Its place in the job's list.
+    index: usize,
     shown: Shown<'a>,
     film: &'a Film,
     picture: &'a Picture,
@@ -47,7 +51,12 @@ impl Worker {
         let animations = Some(Animations::start(&job, own_store(&job))?);
         let table = ToneTable::new(job.tonemap);
         let report = Report::default();
-        Ok(Self { job, pool, table, animations, report, first_nan: None, folders })
+        Ok(Self { job, pool, table, animations, report, done: 0, first_nan: None, folders })
+    }
+
+    /// Adds notes to what the user should know.
+    pub fn tell(&mut self, notes: Vec<String>) {
+        self.report.notes.extend(notes);
     }
 
     /// Works until all is written. If the other side leaves without a word, nothing more is.
@@ -57,6 +66,7 @@ impl Worker {
             let start = Instant::now();
             match message {
                 Ok(Message::Film(frame, film)) => self.film(frame, film)?,
+                Ok(Message::Kept(frame)) => self.kept(frame)?,
                 Ok(Message::Finish) => {
                     self.finish()?;
                     self.report.busy += start.elapsed();
@@ -85,7 +95,8 @@ impl Worker {
         }
         let over = picture.alpha.is_some().then(|| picture.over(job.matte));
         let matte = over.as_ref().unwrap_or(&picture);
-        let developed = Developed { shown, film: &film, picture: &picture, matte };
+        let developed = Developed { index: self.done, shown, film: &film, picture: &picture, matte };
+        self.done += 1;
         for output in &job.outputs {
             if let Output::Stills(format, pattern) = output {
                 still(&job, *format, &pattern.path(frame), &developed)?;
@@ -93,6 +104,30 @@ impl Worker {
         }
         match &mut self.animations {
             Some(animations) => animations.push(&picture, matte),
+            None => Ok(()),
+        }
+    }
+
+    /// Makes of a frame that is there what is not.
+    fn kept(&mut self, frame: u32) -> Result<(), EncodeError> {
+        let job = Arc::clone(&self.job);
+        self.done += 1;
+        self.report.kept += 1;
+        let silent = |output: &&Output| !job.is_said(output);
+        let (Some(pattern), Some(_)) = (job.source(), job.outputs.iter().find(silent)) else { return Ok(()) };
+        let picture = png::read(&pattern.path(frame))?;
+        let matte = picture.over(job.matte);
+        for output in job.outputs.iter().filter(silent) {
+            match output {
+                Output::Stills(Still::Jpeg, pattern) => {
+                    jpeg::write(&pattern.path(frame), &matte, job.formats.jpeg.quality)?;
+                }
+                Output::Stills(Still::Ppm, pattern) => ppm::write(&pattern.path(frame), &matte)?,
+                _ => {}
+            }
+        }
+        match &mut self.animations {
+            Some(animations) => animations.push(&picture, &matte),
             None => Ok(()),
         }
     }
@@ -135,10 +170,12 @@ impl Worker {
 
 /// Writes one frame's own file.
 fn still(job: &Job, format: Still, path: &Path, frame: &Developed) -> Result<(), EncodeError> {
-    let Developed { shown, film, picture, matte } = frame;
+    let Developed { index, shown, film, picture, matte } = frame;
+    let identity = job.identity(format, *index);
     match format {
         Still::Png => {
-            let texts = if job.formats.png.metadata { png::metadata(shown) } else { Vec::new() };
+            let mut texts = if job.formats.png.metadata { png::metadata(shown) } else { Vec::new() };
+            texts.extend(identity.map(png::identity));
             if !job.formats.png.deep {
                 return png::write(path, picture, &texts);
             }
@@ -150,7 +187,7 @@ fn still(job: &Job, format: Still, path: &Path, frame: &Developed) -> Result<(),
         }
         Still::Jpeg => jpeg::write(path, matte, job.formats.jpeg.quality),
         Still::Ppm => ppm::write(path, matte),
-        Still::Exr => exr::write(path, film, job.formats.exr, &job.about.layers),
+        Still::Exr => exr::write(path, film, job.formats.exr, &job.about.layers, identity),
     }
 }
 

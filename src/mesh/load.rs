@@ -1,7 +1,8 @@
 //! Mesh files → [`Mesh`].
 
 use super::{LoadMeter, Mesh, MeshError, Parts, obj, ply};
-use crate::files;
+use crate::files::{self, Root};
+use crate::machine;
 use std::cell::RefCell;
 use std::collections::HashSet;
 use std::io::{self, BufReader, Read};
@@ -13,27 +14,34 @@ const LARGEST_FILE: u64 = 8 << 30;
 /// The same of material libraries, which are text without geometry.
 const LARGEST_LIBRARY: u64 = 64 << 20;
 
+/// Bytes that a triangle takes at least, once more than the file has been read: in packets, in the tree, and as the
+/// tree is built.
+const TRIANGLE: u64 = 128;
+
 /// Bytes read at once.
 const BLOCK: usize = 1 << 18;
 
-/// Reads the mesh in an OBJ or PLY file, whichever its extension says.
-pub fn load(path: &Path, meter: &LoadMeter) -> Result<Mesh, MeshError> {
+/// Reads the mesh in an OBJ or PLY file, whichever its extension says. Its material libraries lie in `root`.
+pub fn load(path: &Path, root: &Root, meter: &LoadMeter) -> Result<Mesh, MeshError> {
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    let parts = read(path, &name, meter)?;
+    let parts = read(path, root, &name, meter)?;
+    machine::check_memory(parts.triangles.len() as u64 * TRIANGLE)?;
     meter.start(format!("building the tree of {name}"), 0);
     Mesh::new(parts)
 }
 
-fn read(path: &Path, name: &str, meter: &LoadMeter) -> Result<Parts, MeshError> {
+fn read(path: &Path, root: &Root, name: &str, meter: &LoadMeter) -> Result<Parts, MeshError> {
     let format = Format::of(path)?;
     let (file, size) = files::open(path, LARGEST_FILE)?;
+    // What is read is not much smaller than the file, if it is not larger.
+    machine::check_memory(size)?;
     meter.start(format!("loading {name}"), size);
     let input = BufReader::with_capacity(BLOCK, Metered { input: file.take(size), meter });
     match format {
         Format::Ply => ply::read_sized(input, size),
         Format::Obj => {
             let folder = path.parent().unwrap_or(Path::new(""));
-            let libraries = Libraries { folder, read: RefCell::default() };
+            let libraries = Libraries { folder, root, read: RefCell::default() };
             let mut parts = obj::read(input, &|library| libraries.read(library))?;
             for map in parts.materials.iter_mut().filter_map(|material| material.diffuse_map.as_mut()) {
                 map.file = folder.join(&map.file).to_string_lossy().into_owned();
@@ -61,13 +69,14 @@ impl Format {
 /// The material libraries of a mesh, found from its folder on and read once each.
 struct Libraries<'a> {
     folder: &'a Path,
+    root: &'a Root,
     read: RefCell<HashSet<PathBuf>>,
 }
 
 impl Libraries<'_> {
     /// The bytes of a library. Whatever its name, a second reading adds nothing.
     fn read(&self, name: &str) -> io::Result<Vec<u8>> {
-        let path = files::one_name(self.folder.join(name));
+        let path = self.root.admit(&self.folder.join(name))?;
         if self.read.borrow().contains(&path) {
             return Ok(Vec::new());
         }
@@ -100,7 +109,7 @@ mod tests {
     fn libraries_are_read_once_under_all_their_names() {
         let folder = tempfile::tempdir().expect("a folder");
         fs::write(folder.path().join("a.mtl"), "newmtl a").expect("a disk");
-        let libraries = Libraries { folder: folder.path(), read: RefCell::default() };
+        let libraries = Libraries { folder: folder.path(), root: &Root::ANYWHERE, read: RefCell::default() };
         let again = ["a.mtl", "a.mtl", "./a.mtl"].map(|name| libraries.read(name).expect("a library").len());
         assert_eq!(again, [8, 0, 0]);
         assert_eq!(libraries.read("b.mtl").expect_err("no file").kind(), io::ErrorKind::NotFound);

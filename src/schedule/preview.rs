@@ -58,9 +58,18 @@ pub struct Look {
 impl Look {
     /// What the frame looks like: equal digests, equal radiance and exposure.
     pub fn digest(&self) -> Digest {
+        Digest::of(&(self.transport, self.shown(), self.exposure))
+    }
+
+    /// What of light the frame shows: equal digests, equal radiance in all layers.
+    pub fn radiance(&self) -> Digest {
+        Digest::of(&(self.transport, self.shown()))
+    }
+
+    /// The layers that show, with their weights.
+    fn shown(&self) -> Vec<(u32, Rgb)> {
         let weighted = |(_, weight): &(u32, Rgb)| *weight != Rgb::ZERO;
-        let weights: Vec<(u32, Rgb)> = (0..).zip(self.weights.iter().copied()).filter(weighted).collect();
-        Digest::of(&(self.transport, weights, self.exposure))
+        (0..).zip(self.weights.iter().copied()).filter(weighted).collect()
     }
 }
 

@@ -4,7 +4,7 @@ use super::fault::Fault;
 use super::node::Node;
 use super::suggest::shortened;
 use super::values::text;
-use crate::files;
+use crate::files::Root;
 use crate::texture::{Encoding, Image, ImageError, Shared};
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -14,6 +14,7 @@ use std::rc::Rc;
 /// The images read so far.
 pub struct Assets {
     folder: PathBuf,
+    root: Root,
     images: RefCell<HashMap<(PathBuf, Encoding), Read>>,
 }
 
@@ -21,14 +22,14 @@ pub struct Assets {
 type Read = Result<Shared<Image>, Rc<ImageError>>;
 
 impl Assets {
-    pub fn new(folder: &Path) -> Self {
-        Self { folder: folder.to_owned(), images: RefCell::default() }
+    pub fn new(folder: &Path, root: Root) -> Self {
+        Self { folder: folder.to_owned(), root, images: RefCell::default() }
     }
 
-    /// Reads a file, or remembers what came of it. Paths are relative to the sequence's folder, or absolute; the
-    /// file may lie anywhere, as it is only read.
+    /// Reads a file, or remembers what came of it. Paths are relative to the sequence's folder, or absolute, and lead
+    /// into the root.
     pub fn image(&self, name: &str, encoding: Encoding) -> Read {
-        let path = files::one_name(self.folder.join(name));
+        let path = self.root.admit(&self.folder.join(name)).map_err(|error| Rc::new(error.into()))?;
         let mut images = self.images.borrow_mut();
         let read = images
             .entry((path, encoding))

@@ -4,7 +4,7 @@ use super::document;
 use super::fault::{Fault, Faults};
 use super::node;
 use super::{Sequence, syntax};
-use crate::files;
+use crate::files::{self, Root};
 use crate::mesh::LoadMeter;
 use std::fmt;
 use std::fs::File;
@@ -44,15 +44,15 @@ impl fmt::Display for LoadError {
 
 impl std::error::Error for LoadError {}
 
-/// Reads the sequence in a file.
+/// Reads the sequence in a file. The files that it names lie in its root, see [`Root::of`].
 pub fn load(path: &Path) -> Result<Sequence, LoadError> {
-    load_watched(path, &Arc::default())
+    load_watched(path, Root::of(folder_of(path)), &Arc::default())
 }
 
-/// [`load`], with a meter that may be watched from another thread meanwhile.
-pub fn load_watched(path: &Path, meter: &Arc<LoadMeter>) -> Result<Sequence, LoadError> {
+/// [`load`], with a meter that may be watched from another thread meanwhile, and files from `root`.
+pub fn load_watched(path: &Path, root: Root, meter: &Arc<LoadMeter>) -> Result<Sequence, LoadError> {
     let text = read(path).map_err(|reason| LoadError::Unreadable { path: path.to_owned(), reason })?;
-    let source = Source { name: &path.to_string_lossy(), folder: folder_of(path), text: &text };
+    let source = Source { name: &path.to_string_lossy(), folder: folder_of(path), root, text: &text };
     source.parse(meter).map_err(|faults| LoadError::Faults(Box::new(faults)))
 }
 
@@ -68,11 +68,14 @@ fn read(path: &Path) -> Result<String, String> {
 }
 
 /// Reads a sequence from text. `name` is the path that messages call the file by: what it names is looked for
-/// from its directory on, and without directory and extension it becomes the sequence's name.
+/// from its directory on, within that directory's root, and without directory and extension it becomes the sequence's
+/// name.
 pub fn parse(name: &str, text: &str) -> Result<Sequence, Faults> {
-    Source { name, folder: folder_of(Path::new(name)), text }.parse(&Arc::default())
+    let folder = folder_of(Path::new(name));
+    Source { name, folder, root: Root::of(folder), text }.parse(&Arc::default())
 }
 
+/// Where a file's own paths begin.
 fn folder_of(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new(""))
 }
@@ -81,12 +84,13 @@ fn folder_of(path: &Path) -> &Path {
 struct Source<'s> {
     name: &'s str,
     folder: &'s Path,
+    root: Root,
     text: &'s str,
 }
 
 impl Source<'_> {
-    fn parse(&self, meter: &Arc<LoadMeter>) -> Result<Sequence, Faults> {
-        let Self { name, folder, text } = *self;
+    fn parse(self, meter: &Arc<LoadMeter>) -> Result<Sequence, Faults> {
+        let Self { name, folder, root, text } = self;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let faults = syntax::faults(text);
         if !faults.is_empty() {
@@ -94,7 +98,7 @@ impl Source<'_> {
         }
         let stem =
             Path::new(name).file_stem().map_or_else(|| "sequence".into(), |stem| stem.to_string_lossy());
-        let mut file = node::File::new(text, folder);
+        let mut file = node::File::new(text, folder, root);
         file.meshes.meter = Arc::clone(meter);
         let sequence = document::sequence(file.root(), &stem);
         let mut faults = file.into_faults();

@@ -9,7 +9,7 @@ use super::suggest::shortened;
 use super::values::{each, list, number, text, tuple, vector, whole};
 use super::words::word;
 use super::{Named, Object, Sequence};
-use crate::files;
+use crate::files::{self, Root};
 use crate::math::{DVec2, DVec3};
 use crate::mesh::{self, Corners, LoadMeter, NO_FILE, Normals, Parts};
 use crate::shape::{Mesh, Shape};
@@ -23,6 +23,7 @@ use std::sync::Arc;
 /// The mesh files that a sequence names, found from its own folder on and read once each.
 pub struct Meshes {
     folder: PathBuf,
+    root: Root,
     pub meter: Arc<LoadMeter>,
     read: RefCell<HashMap<PathBuf, Read>>,
     /// The materials of meshes, by the mesh's address; the mesh is kept so that no other can have that.
@@ -33,9 +34,10 @@ pub struct Meshes {
 type Read = Result<Arc<mesh::Mesh>, String>;
 
 impl Meshes {
-    pub fn new(folder: &Path) -> Self {
+    pub fn new(folder: &Path, root: Root) -> Self {
         Self {
             folder: folder.to_owned(),
+            root,
             meter: Arc::default(),
             read: RefCell::default(),
             own: RefCell::default(),
@@ -44,10 +46,10 @@ impl Meshes {
 
     /// Reads a file, or remembers what came of it.
     fn mesh(&self, name: &str) -> Read {
-        let path = files::one_name(self.folder.join(name));
+        let path = self.root.admit(&self.folder.join(name)).map_err(|error| files::why(&error))?;
         let mut read = self.read.borrow_mut();
         let mesh = read.entry(path).or_insert_with_key(|path| {
-            mesh::load(path, &self.meter).map(Arc::new).map_err(|error| error.to_string())
+            mesh::load(path, &self.root, &self.meter).map(Arc::new).map_err(|error| error.to_string())
         });
         mesh.clone()
     }

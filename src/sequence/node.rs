@@ -9,6 +9,7 @@ use super::keys::KeyClock;
 use super::level::{Entries, Parts, Raw};
 use super::mesh::Meshes;
 use super::suggest::shortened;
+use crate::files::Root;
 use ron::value::RawValue;
 use serde::de::{Deserialize, Deserializer, IgnoredAny};
 use std::cell::{Cell, RefCell};
@@ -30,9 +31,9 @@ pub struct File<'s> {
 const MOST_ENTRIES: usize = 1_000_000;
 
 impl<'s> File<'s> {
-    /// `folder` is where the file's own paths begin.
-    pub fn new(source: &'s str, folder: &Path) -> Self {
-        let (assets, meshes) = (Assets::new(folder), Meshes::new(folder));
+    /// `folder` is where the file's own paths begin, and `root` where they lead.
+    pub fn new(source: &'s str, folder: &Path, root: Root) -> Self {
+        let (assets, meshes) = (Assets::new(folder, root.clone()), Meshes::new(folder, root));
         Self { source, faults: RefCell::default(), clock: Cell::default(), assets, meshes }
     }
 

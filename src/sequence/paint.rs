@@ -164,6 +164,7 @@ fn two_or_three(node: Node<'_>, z: f64) -> Option<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::Root;
     use crate::math::DVec2;
     use crate::sequence::Faults;
     use crate::sequence::node::File;
@@ -172,7 +173,7 @@ mod tests {
     use std::path::Path;
 
     fn read(text: &str) -> Result<PaintTracks, String> {
-        let file = File::new(text, Path::new("tests/bad/images"));
+        let file = File::new(text, Path::new("tests/bad/images"), Root::of(Path::new("")));
         let paint = paint(file.root());
         let faults = file.into_faults();
         paint.filter(|_| faults.is_empty()).ok_or_else(|| Faults::new("test.ron", text, faults).to_string())

@@ -2,7 +2,7 @@
 
 use super::{Image, ImageError};
 use crate::color::{Rgb, srgb_to_linear};
-use crate::files;
+use crate::{files, machine};
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
@@ -45,6 +45,9 @@ impl Image {
         if u64::from(width) * u64::from(height) > MOST_TEXELS {
             return Err(ImageError::TooLarge(format!("it has more than {MOST_TEXELS} pixels")));
         }
+        // What is decoded, a copy with three channels, and the texels.
+        let pixels = u64::from(width) * u64::from(height);
+        machine::check_memory(2 * decoder.total_bytes() + pixels * size_of::<Rgb>() as u64)?;
         let orientation = decoder.orientation()?;
         let mut picture = DynamicImage::from_decoder(decoder)?;
         picture.apply_orientation(orientation);

@@ -3,7 +3,7 @@
 use crate::golden;
 use crate::support::{Shot, sequence, shoot, shoot_all};
 use kinora::counters::Meter;
-use kinora::encode::Output;
+use kinora::encode::{Existing, Output};
 use kinora::film::Film;
 use kinora::render::{Request, Reuse, render};
 use kinora::sequence::{Sequence, load};
@@ -73,7 +73,8 @@ fn files(sequence: &Sequence, frames: Vec<u32>, threads: usize) -> BTreeMap<Stri
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     let output = |name: &str| Output::parse(&folder.path().join(name).to_string_lossy()).expect("an output");
     let outputs = vec![output("##.png"), output("##.exr"), output("all.gif")];
-    let request = Request { frames, outputs, threads: NonZeroUsize::new(threads), reuse: Reuse::Share };
+    let threads = NonZeroUsize::new(threads);
+    let request = Request { frames, outputs, existing: Existing::Replace, threads, reuse: Reuse::Share };
     render(sequence, &request, &Arc::new(Meter::default())).unwrap_or_else(|error| panic!("{error}"));
     let entries = fs::read_dir(folder.path()).expect("the folder is readable").flatten();
     let entries = entries.map(|entry| {

@@ -34,7 +34,7 @@ fn pipes_and_devices_are_refused_and_not_waited_for() {
     let why = "it is no plain file, but a device or a pipe";
     for (file, expected) in [
         ("a.obj", format!("line 1: `pipe.mtl` cannot be read: {why}")),
-        ("b.obj", format!("line 1: `zero.mtl` cannot be read: {why}")),
+        ("b.obj", "line 1: `zero.mtl` cannot be read: it lies outside of ".to_owned()),
         ("c.obj", "line 1: `.` cannot be read: it is a folder".to_owned()),
         ("pipe.ply", why.to_owned()),
     ] {
@@ -85,4 +85,74 @@ fn an_image_of_many_names_is_read_once() {
     let [a, b, c] = [0, 1, 2].map(|index| image(&sequence.materials[index].value));
     assert!(a == b, "one image under two names");
     assert!(a != c, "another encoding gives other texels");
+}
+
+/// The nearest folder with `assets` in it bounds what a sequence may name, wherever links lead.
+#[cfg(unix)]
+#[test]
+fn what_lies_outside_of_the_root_is_not_read() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir_all(at("project/assets")).expect("a disk");
+    fs::create_dir_all(at("project/scenes")).expect("a disk");
+    image::RgbImage::new(1, 1).save(at("secret.png")).expect("a disk");
+    image::RgbImage::new(1, 1).save(at("project/assets/open.png")).expect("a disk");
+    fs::write(at("secret.mtl"), "newmtl a\n").expect("a disk");
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    fs::write(at("secret.obj"), format!("{triangle}f 1 2 3\n")).expect("a disk");
+    let with = |head: &str| format!("{head}\n{triangle}usemtl a\nf 1 2 3\n");
+    fs::write(at("project/scenes/library.obj"), with("mtllib ../../secret.mtl")).expect("a disk");
+    fs::write(at("project/scenes/map.obj"), with("mtllib map.mtl")).expect("a disk");
+    fs::write(at("project/scenes/map.mtl"), "newmtl a\nmap_Kd ../../secret.png\n").expect("a disk");
+    std::os::unix::fs::symlink(at("secret.png"), at("project/scenes/link.png")).expect("a disk");
+    let absolute = at("secret.png").to_string_lossy().into_owned();
+    let image = |name: &str| format!("(background: Equirect({name:?}))");
+    let mesh = |name: &str| format!("(objects: {{ \"a\": (shape: Mesh({name:?})) }})");
+    let scene = at("project/scenes/scene.ron");
+    for (text, good) in [
+        (image("../assets/open.png"), true),
+        (image("../../secret.png"), false),
+        (image(&absolute), false),
+        (image("link.png"), false),
+        (mesh("../../secret.obj"), false),
+        (mesh("library.obj"), false),
+        (mesh("map.obj"), false),
+    ] {
+        fs::write(&scene, &text).expect("a disk");
+        let told = load(&scene).map_err(|error| error.to_string()).err();
+        assert_eq!(told.is_none(), good, "{text}: {told:?}");
+        assert!(told.is_none_or(|told| told.contains("--allow-outside")), "{text}");
+        let check = |options: &[&str]| {
+            let mut command = Command::cargo_bin("kinora").expect("the binary is built with its tests");
+            command.arg("check").args(options).arg(&scene).output().expect("the binary runs").status.code()
+        };
+        assert_eq!((check(&[]) == Some(0), check(&["--allow-outside"])), (good, Some(0)), "{text}");
+    }
+}
+
+/// What a file says of its own size is not believed.
+#[test]
+fn files_that_announce_too_much_are_refused_at_once() {
+    let folder = folder();
+    let mut png = Vec::new();
+    let mut encoder = png::Encoder::new(&mut png, 16_000, 8_000);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header().expect("memory");
+    writer.write_chunk(png::chunk::IDAT, &[0x78, 0x9c, 3, 0, 0, 0, 0, 1]).expect("memory");
+    drop(writer);
+    fs::write(folder.path().join("a.png"), png).expect("a disk");
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\n\
+                  property float y\nproperty float z\nelement face 1\n\
+                  property list uchar int vertex_indices\nend_header\n";
+    fs::write(folder.path().join("a.ply"), header).expect("a disk");
+    fs::write(folder.path().join("a.hdr"), "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 60000 +X 60000\n")
+        .expect("a disk");
+    for (text, name) in [
+        ("(background: Equirect(\"a.png\"))", "a.png"),
+        ("(background: Equirect(\"a.hdr\"))", "a.hdr"),
+        ("(objects: { \"a\": (shape: Mesh(\"a.ply\")) })", "a.ply"),
+    ] {
+        let told = sequence_in(folder.path(), text).expect_err(name);
+        assert!(told.contains(name), "{told}");
+    }
 }

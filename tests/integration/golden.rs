@@ -3,7 +3,7 @@
 
 use image::{Rgb, RgbImage, imageops};
 use kinora::counters::Meter;
-use kinora::encode::Output;
+use kinora::encode::{Existing, Output};
 use kinora::render::{Request, Reuse, render};
 use kinora::sequence::load;
 use std::path::{Path, PathBuf};
@@ -26,8 +26,13 @@ fn rendered(path: &Path) -> RgbImage {
     let pattern = folder.path().join("##.png").to_string_lossy().into_owned();
     let output = Output::parse(&pattern).expect("a pattern");
     let frames: Vec<u32> = (0..sequence.timeline.frames).collect();
-    let request =
-        Request { frames: frames.clone(), outputs: vec![output.clone()], threads: None, reuse: Reuse::Share };
+    let request = Request {
+        frames: frames.clone(),
+        outputs: vec![output.clone()],
+        existing: Existing::Replace,
+        threads: None,
+        reuse: Reuse::Share,
+    };
     render(&sequence, &request, &Arc::new(Meter::default())).unwrap_or_else(|error| panic!("{error}"));
     let pictures: Vec<_> = frames.iter().map(|&frame| read(&output.path(frame))).collect();
     let (width, height) = sequence.output.size;

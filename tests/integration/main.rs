@@ -5,13 +5,17 @@
     reason = "a test that panics has done its work; clippy knows only `#[test]`"
 )]
 
+mod command;
 mod support;
 
 mod bad_input;
+mod inputs;
 mod cli;
 mod render;
 mod reuse;
 mod outputs;
+mod runs;
+mod interruptions;
 mod files;
 mod animation;
 mod background;

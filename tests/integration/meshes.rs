@@ -3,6 +3,7 @@
 use crate::support::{Random, geometry, shoot_all};
 use kinora::bvh::Bvh;
 use kinora::camera::Ray;
+use kinora::files::Root;
 use kinora::material::MadeOf;
 use kinora::math::{DAffine3, DVec3, UNIT_ROUNDOFF};
 use kinora::mesh::{self, Corners, LoadMeter, Normals, Parts, generate, obj, ply};
@@ -117,7 +118,8 @@ fn file_formats_do_not_show() {
     obj::write(File::create(path("a.obj")).expect("a file"), &parts).expect("a disk");
     ply::write(File::create(path("a.ply")).expect("a file"), &parts).expect("a disk");
     let read = |name: &str| {
-        let mesh = mesh::load(&path(name), &LoadMeter::default()).unwrap_or_else(|error| panic!("{error}"));
+        let mesh = mesh::load(&path(name), &Root::ANYWHERE, &LoadMeter::default())
+            .unwrap_or_else(|error| panic!("{error}"));
         Shape::Mesh(Mesh { mesh: Arc::new(mesh), normals: Normals::File })
     };
     let shapes = [read("a.obj"), read("a.ply"), shape(parts, Normals::File)];

@@ -50,6 +50,8 @@ fn show(path: &Path) -> Shown {
 
 fn job(path: &Path, pictures: &[Picture], rate: (i128, i128), gif: GifSettings) -> Job {
     Job {
+        existing: crate::encode::Existing::default(),
+        seen: Vec::new(),
         outputs: vec![Output::Movie(Moving::Gif, path.to_path_buf())],
         frames: (0..pictures.len() as u32).collect(),
         rate: Rate::new(rate.0, rate.1).expect("a rate"),

@@ -27,6 +27,8 @@ fn frames(size: (u32, u32), alpha: bool) -> Vec<Picture> {
 
 fn job(path: &str, size: (u32, u32), rate: (i128, i128), formats: Formats) -> Job {
     Job {
+        existing: crate::encode::Existing::default(),
+        seen: Vec::new(),
         outputs: vec![Output::parse(path).expect(path)],
         frames: (0..4).collect(),
         rate: Rate::new(rate.0, rate.1).expect("a rate"),

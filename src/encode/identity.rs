@@ -1,0 +1,63 @@
+//! What a frame's file is made of, as one number that is written into it: a file that holds the number that it would be
+//! given now, and is whole, needs not be made again.
+//!
+//! The number is a digest of what the frame looks like, of all settings that change the file's bytes, and of Kinora's
+//! version. It never lies beside the file, where it could stay behind or get lost.
+
+use super::about::Shown;
+use super::job::Job;
+use super::output::Still;
+use super::png;
+use crate::digest::{Content, Digest, Digester};
+
+/// What a frame looks like before it is developed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seen {
+    /// Of its radiance in all layers.
+    pub radiance: Digest,
+    /// Factor of the displayed picture.
+    pub exposure: f32,
+}
+
+/// A version that gives other bytes gives other numbers.
+const PROGRAM: &str = concat!("Kinora ", env!("CARGO_PKG_VERSION"));
+
+impl Job {
+    /// The identity of a frame's file, by the frame's place in the job's list. Formats that have no room for it, and
+    /// PNGs without metadata, have none; neither have frames of which nobody has told what they look like.
+    pub(super) fn identity(&self, format: Still, index: usize) -> Option<Digest> {
+        if !self.carries_identity(format) {
+            return None;
+        }
+        let (seen, &frame) = (self.seen.get(index)?, self.frames.get(index)?);
+        let shown = Shown { about: &self.about, frame, rate: self.rate };
+        let mut digester = Digester::new();
+        PROGRAM.feed(&mut digester);
+        seen.radiance.feed(&mut digester);
+        match format {
+            Still::Exr => {
+                "EXR".feed(&mut digester);
+                // Settings are told as text, so that a new one cannot be forgotten.
+                format!("{:?}", (self.formats.exr, &self.about.layers)).as_str().feed(&mut digester);
+            }
+            _ => {
+                "PNG".feed(&mut digester);
+                seen.exposure.feed(&mut digester);
+                let caption = self.caption.as_ref().map(|c| (c.text.told(&shown), c.corner, c.size));
+                let look = (self.tonemap, caption, self.formats.png, self.transparent);
+                format!("{look:?}").as_str().feed(&mut digester);
+                format!("{:?}", png::metadata(&shown)).as_str().feed(&mut digester);
+            }
+        }
+        Some(digester.finish())
+    }
+
+    /// Whether files of this format say what they show.
+    pub(super) fn carries_identity(&self, format: Still) -> bool {
+        match format {
+            Still::Png => self.formats.png.metadata,
+            Still::Exr => true,
+            Still::Jpeg | Still::Ppm => false,
+        }
+    }
+}

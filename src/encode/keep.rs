@@ -1,0 +1,96 @@
+//! Frames of an earlier run that need not be made again.
+
+use super::job::{Existing, Job};
+use super::output::{Output, Still};
+use super::pattern::FramePattern;
+use super::{exr, png};
+use crate::stop::Stop;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+
+/// What there is of a job.
+#[derive(Debug, Default)]
+pub struct Kept {
+    /// Of each frame in the job's list, whether its files are there, whole and as they would be made now.
+    pub frames: Vec<bool>,
+    /// Why files that are there are not kept, a line each.
+    pub notes: Vec<String>,
+}
+
+/// Bytes of the files that are read at the same time, if that allows more than one.
+const MEMORY: u64 = 1 << 28;
+
+impl Job {
+    /// The stills of which all other pictures of a frame can be made: PNGs of 8 bits.
+    pub(super) fn source(&self) -> Option<&FramePattern> {
+        let plain = self.carries_identity(Still::Png) && !self.formats.png.deep;
+        self.outputs.iter().find_map(|output| match output {
+            Output::Stills(Still::Png, pattern) if plain => Some(pattern),
+            _ => None,
+        })
+    }
+
+    /// Whether frames are kept by a next run: their files say what they show, and what does not can be made of them.
+    pub fn keeps(&self) -> bool {
+        let said = |output: &Output| self.is_said(output);
+        self.outputs.iter().any(said) && (self.outputs.iter().all(said) || self.source().is_some())
+    }
+
+    /// Whether an output's files say what they show.
+    pub(super) fn is_said(&self, output: &Output) -> bool {
+        matches!(output, Output::Stills(format, _) if self.carries_identity(*format))
+    }
+
+    /// Looks at all files that are there. Where a stop is asked for, the rest is not looked at.
+    pub(super) fn kept(&self, pool: &ThreadPool, stop: &Stop) -> Kept {
+        let none = vec![false; self.frames.len()];
+        if self.existing != Existing::Keep {
+            return Kept { frames: none, ..Kept::default() };
+        }
+        if !self.keeps() {
+            return Kept { frames: none, notes: self.why_not() };
+        }
+        let keeps = |index: usize| stop.signal().is_none() && self.keeps_frame(index);
+        // A file's bytes, and what they decode to.
+        let bytes = u64::from(self.size.0) * u64::from(self.size.1) * 32;
+        let frames = if bytes.saturating_mul(pool.current_num_threads() as u64) <= MEMORY {
+            pool.install(|| (0..self.frames.len()).into_par_iter().map(keeps).collect())
+        } else {
+            (0..self.frames.len()).map(keeps).collect()
+        };
+        Kept { frames, notes: Vec::new() }
+    }
+
+    fn keeps_frame(&self, index: usize) -> bool {
+        self.outputs.iter().all(|output| {
+            let Output::Stills(format, pattern) = output else { return true };
+            let path = pattern.path(self.frames[index]);
+            match (format, self.identity(*format, index)) {
+                (Still::Png, Some(identity)) => png::holds(&path, identity, self),
+                (Still::Exr, Some(identity)) => exr::holds(&path, identity, self),
+                // What cannot tell is written again of what can.
+                _ => !self.carries_identity(*format),
+            }
+        })
+    }
+
+    /// What to tell about files that are there, and of which none can be kept.
+    fn why_not(&self) -> Vec<String> {
+        let mut frames = self.frames.clone();
+        frames.sort_unstable();
+        let stills = self.outputs.iter().filter(|output| !output.is_animation());
+        let there: Vec<&Output> = stills.filter(|output| !output.present(&frames).is_empty()).collect();
+        let said = there.iter().any(|output| self.is_said(output));
+        let reason = match there.first() {
+            None => return Vec::new(),
+            Some(_) if said => {
+                "other outputs are made of frames as PNGs of 8 bits, and there are none".to_owned()
+            }
+            Some(Output::Stills(Still::Png, _)) => {
+                "PNGs without metadata do not say what they show".to_owned()
+            }
+            Some(output) => format!("{output} has no room to say what it shows"),
+        };
+        vec![format!("no frame that was there could be kept: {reason}")]
+    }
+}

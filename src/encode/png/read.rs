@@ -1,0 +1,90 @@
+//! PNG files back into pictures, and what they tell.
+
+use super::IDENTITY;
+use crate::digest::Digest;
+use crate::encode::disk::{Operation, attempt};
+use crate::encode::error::EncodeError;
+use crate::encode::job::Job;
+use crate::encode::picture::Picture;
+use crate::files;
+use png::{BitDepth, ColorType, DecodeOptions, Decoder, Limits, Reader};
+use std::fs::File;
+use std::io::{self, BufReader, Cursor};
+use std::path::Path;
+
+/// How every PNG ends: an empty chunk, with its sum.
+const END: &[u8] = b"\0\0\0\0IEND\xae\x42\x60\x82";
+
+/// Bytes of texts and other chunks beside the picture, at most.
+const BESIDES: u64 = 1 << 20;
+
+/// Reads back a picture of 8 bits that [`write`](super::write) wrote.
+pub fn read(path: &Path) -> Result<Picture, EncodeError> {
+    decode(path).map_err(|e| EncodeError::read(path, e))
+}
+
+fn decode(path: &Path) -> io::Result<Picture> {
+    let file = attempt(Operation::Read, path, || File::open(path))?;
+    let mut reader = Decoder::new(BufReader::new(file)).read_info()?;
+    let info = reader.info();
+    let alpha = info.color_type == ColorType::Rgba;
+    if !(alpha || info.color_type == ColorType::Rgb) || info.bit_depth != BitDepth::Eight {
+        return Err(io::Error::new(io::ErrorKind::InvalidData, "it is no picture of 8 bits any more"));
+    }
+    let (width, height) = (info.width, info.height);
+    let mut codes = vec![0; reader.output_buffer_size().ok_or(io::ErrorKind::InvalidData)?];
+    reader.next_frame(&mut codes)?;
+    if !alpha {
+        return Ok(Picture::opaque(width, height, codes));
+    }
+    let pixels = codes.as_chunks::<4>().0;
+    let rgb = pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+    Ok(Picture { width, height, rgb, alpha: Some(pixels.iter().map(|pixel| pixel[3]).collect()) })
+}
+
+/// The texts of a PNG file, by their keywords; none of what is no PNG.
+pub fn texts(path: &Path) -> Vec<(String, String)> {
+    let file = File::open(path).ok();
+    let reader = file.and_then(|file| Decoder::new(BufReader::new(file)).read_info().ok());
+    reader.map_or_else(Vec::new, |reader| told(&reader))
+}
+
+fn told<R: io::BufRead + io::Seek>(reader: &Reader<R>) -> Vec<(String, String)> {
+    let info = reader.info();
+    let latin = info.uncompressed_latin1_text.iter().map(|text| (text.keyword.clone(), text.text.clone()));
+    let others = info.utf8_text.iter().filter_map(|text| Some((text.keyword.clone(), text.get_text().ok()?)));
+    latin.chain(others).collect()
+}
+
+/// Whether a file has this identity, and is whole: all sums of its chunks and of the picture are right, and nothing
+/// comes after its end.
+pub fn holds(path: &Path, identity: Digest, job: &Job) -> bool {
+    let pixels = u64::from(job.size.0) * u64::from(job.size.1);
+    // A little more than the picture without compression.
+    let most = pixels * 8 + pixels / 8 + BESIDES;
+    attempt(Operation::Read, path, || files::read(path, most))
+        .is_ok_and(|bytes| is_whole(&bytes, identity, job))
+}
+
+fn is_whole(bytes: &[u8], identity: Digest, job: &Job) -> bool {
+    let mut options = DecodeOptions::default();
+    options.set_ignore_checksums(false);
+    options.set_skip_ancillary_crc_failures(false);
+    let mut decoder = Decoder::new_with_options(Cursor::new(bytes), options);
+    // Texts are held before the size is known to be right.
+    decoder.set_limits(Limits { bytes: BESIDES as usize });
+    let Ok(mut reader) = decoder.read_info() else { return false };
+    let expected = identity.to_string();
+    if !told(&reader).iter().any(|(keyword, text)| keyword == IDENTITY && *text == expected) {
+        return false;
+    }
+    let info = reader.info();
+    let depth = if job.formats.png.deep { BitDepth::Sixteen } else { BitDepth::Eight };
+    let color = if job.transparent { ColorType::Rgba } else { ColorType::Rgb };
+    if (info.width, info.height, info.bit_depth, info.color_type) != (job.size.0, job.size.1, depth, color) {
+        return false;
+    }
+    let Some(size) = reader.output_buffer_size() else { return false };
+    let decoded = reader.next_frame(&mut vec![0; size]).and_then(|_| reader.finish());
+    decoded.is_ok() && bytes.ends_with(END)
+}

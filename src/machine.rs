@@ -1,0 +1,51 @@
+//! What the machine has.
+
+use crate::humane;
+use std::io;
+
+/// Bytes that a machine that does not tell is taken to have free.
+const UNKNOWN: u64 = 4 << 30;
+
+/// Bytes of memory that can be had without swapping, as Linux tells; elsewhere a cautious guess.
+pub fn free_memory() -> u64 {
+    std::fs::read_to_string("/proc/meminfo").ok().as_deref().and_then(available_in).unwrap_or(UNKNOWN)
+}
+
+/// Refuses what would take more memory than there is, before it is taken.
+pub fn check_memory(needed: u64) -> io::Result<()> {
+    let free = free_memory();
+    if needed <= free {
+        return Ok(());
+    }
+    let (needed, free) = (humane::bytes(needed), humane::bytes(free));
+    Err(io::Error::new(
+        io::ErrorKind::OutOfMemory,
+        format!("it would take {needed} of memory, and there are {free}"),
+    ))
+}
+
+fn available_in(meminfo: &str) -> Option<u64> {
+    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kibibytes: u64 = line.split_whitespace().next()?.parse().ok()?;
+    kibibytes.checked_mul(1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_what_linux_tells() {
+        let text = "MemTotal:       24000000 kB\nMemAvailable:   1000 kB\n";
+        assert_eq!(available_in(text), Some(1_024_000));
+        assert_eq!(available_in("nothing"), None);
+        assert!(free_memory() > 0);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_told() {
+        assert!(check_memory(1).is_ok());
+        let told = check_memory(u64::MAX).expect_err("more than any machine has").to_string();
+        assert!(told.starts_with("it would take ") && told.contains(" of memory, and there are "), "{told}");
+    }
+}

@@ -1,0 +1,214 @@
+//! Runs beside and after each other in one folder.
+
+use crate::command::{BALL, contents, folder, kinora, refused};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+#[test]
+fn shards_make_what_one_run_makes() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    kinora(
+        folder.path(),
+        &["render", "ball.ron", "-o", "one/f_##.png", "-o", "one/f_##.exr", "-o", "one/a.gif"],
+    );
+    std::thread::scope(|scope| {
+        for shard in ["1/5", "2/5", "3/5", "4/5", "5/5"] {
+            let outputs = ["-o", "all/f_##.png", "-o", "all/f_##.exr"];
+            let arguments = [&["render", "ball.ron", "--shard", shard], &outputs[..]].concat();
+            let path = folder.path();
+            scope.spawn(move || kinora(path, &arguments));
+        }
+    });
+    kinora(folder.path(), &["assemble", "all/f_##.png", "-o", "all/a.gif"]);
+    assert!(contents(&at("one")) == contents(&at("all")));
+    assert_eq!(contents(&at("one")).len(), 25);
+}
+
+#[test]
+fn shards_write_stills() {
+    let folder = folder();
+    let told = kinora(folder.path(), &["render", "ball.ron", "--shard", "1/1"]);
+    assert!(told.contains("output/ball.gif holds all frames and is left as it is"), "{told}");
+    assert!(!folder.path().join("output/ball.gif").exists());
+    let told = refused(folder.path(), &["render", "ball.ron", "--shard", "1/2", "-o", "a.gif"]);
+    assert!(
+        told.contains("every shard would write all of a.gif") && told.contains("kinora assemble"),
+        "{told}"
+    );
+    let told = refused(folder.path(), &["render", "ball.ron", "--shard", "3/2", "-o", "f_##.png"]);
+    assert!(told.contains("such as 2/4"), "{told}");
+    let told = kinora(folder.path(), &["render", "ball.ron", "--shard", "1/20", "-o", "few/f_##.png"]);
+    assert_eq!(told, "shard 1/20 has no frames: there are 12 frames\n");
+    assert!(!folder.path().join("few").exists());
+}
+
+#[test]
+fn nothing_is_replaced_where_nothing_may_be() {
+    let folder = folder();
+    let refusing = |outputs: &[&str]| {
+        refused(folder.path(), &[&["render", "ball.ron", "--fail-if-exists"], outputs].concat())
+    };
+    for name in ["f_11.png", "a.gif"] {
+        fs::write(folder.path().join(name), "mine").expect("a disk");
+    }
+    let before = contents(folder.path());
+    for outputs in [&["-o", "f_##.png"][..], &["-o", "new/f_##.png", "-o", "a.gif"]] {
+        let told = refusing(outputs);
+        assert!(told.contains(" is there already") && told.contains("--fail-if-exists"), "{told}");
+    }
+    assert!(contents(folder.path()) == before && !folder.path().join("new").exists());
+    // Frames of other numbers are none of those that would be written.
+    let rest = ["render", "ball.ron", "--fail-if-exists", "--frames", "0-10", "-o", "f_##.png"];
+    kinora(folder.path(), &rest);
+    refused(folder.path(), &rest);
+    refused(folder.path(), &["render", "ball.ron", "--fail-if-exists", "--overwrite"]);
+    fs::create_dir(folder.path().join("g_03.png")).expect("a disk");
+    let told = refused(folder.path(), &["render", "ball.ron", "-o", "g_##.png"]);
+    assert!(told.contains("g_03.png: it is a folder"), "{told}");
+}
+
+/// What a run tells of frames: all of them, and those that were kept.
+fn told_kept(told: &str) -> (u32, u32) {
+    let line = told.lines().find(|line| line.starts_with("frames ")).expect("a summary");
+    let mut numbers = line.split(|c: char| !c.is_ascii_digit()).filter_map(|digits| digits.parse().ok());
+    (numbers.next().expect("a number"), numbers.next().unwrap_or(0))
+}
+
+/// Renders into stills of all kinds and animations; gives how many frames were kept and what there is then.
+fn rendered(folder: &Path, rest: &[&str]) -> (u32, BTreeMap<String, Vec<u8>>) {
+    let outputs = ["-o", "f_##.png", "-o", "f_##.exr", "-o", "f_##.jpg", "-o", "a.gif", "-o", "a.mp4"];
+    let told = kinora(folder, &[&["render", "ball.ron"], &outputs[..], rest].concat());
+    (told_kept(&told).1, contents(folder))
+}
+
+#[test]
+fn a_second_run_keeps_what_is_right_and_makes_what_is_not() {
+    let folder = folder();
+    let path = folder.path();
+    let (kept, whole) = rendered(path, &[]);
+    assert_eq!((kept, whole.len()), (0, 39));
+    let modified = |name: &str| fs::metadata(path.join(name)).and_then(|file| file.modified()).expect(name);
+    let before = ["f_00.png", "f_00.exr"].map(modified);
+    let (kept, again) = rendered(path, &[]);
+    assert_eq!(kept, 12);
+    assert!(again == whole, "a second run changes bytes");
+    assert_eq!(before, ["f_00.png", "f_00.exr"].map(modified), "kept files are not touched");
+
+    // Each in another way: missing, cut, empty, one bit changed, another frame's, foreign, longer.
+    let damage = |name: &str, with: &dyn Fn(&mut Vec<u8>)| {
+        let mut bytes = whole[name].clone();
+        with(&mut bytes);
+        fs::write(path.join(name), bytes).expect("a disk");
+    };
+    fs::remove_file(path.join("f_00.png")).expect("it was there");
+    damage("f_01.png", &|bytes| bytes.truncate(bytes.len() - 5));
+    damage("f_02.png", &Vec::clear);
+    damage("f_03.png", &|bytes| *bytes = whole["f_04.png"].clone());
+    damage("f_05.png", &|bytes| *bytes = whole["f_05.jpg"].clone());
+    damage("f_06.png", &|bytes| bytes.push(0));
+    let middle = whole["f_07.png"].len() / 2;
+    damage("f_07.png", &|bytes| bytes[middle] ^= 1);
+    let end = whole["f_08.exr"].len() - 40;
+    damage("f_08.exr", &|bytes| bytes[end] ^= 1);
+    damage("f_09.exr", &|bytes| bytes.truncate(end));
+    fs::remove_file(path.join("f_10.jpg")).expect("it was there");
+    fs::remove_file(path.join("a.gif")).expect("it was there");
+    let (kept, mended) = rendered(path, &[]);
+    assert_eq!(kept, 3, "frames 4, 10 and 11");
+    assert!(mended == whole, "what is mended differs");
+
+    let (kept, anew) = rendered(path, &["--overwrite"]);
+    assert_eq!(kept, 0);
+    assert!(anew == whole);
+}
+
+/// Every bit of a small frame counts.
+#[test]
+fn no_damaged_frame_is_kept() {
+    let folder = folder();
+    let path = folder.path();
+    for name in ["f_##.png", "f_##.exr"] {
+        let arguments = ["render", "ball.ron", "--frames", "3", "-s", "8x6", "-o", name];
+        kinora(path, &arguments);
+        let file = path.join(name.replace("##", "03"));
+        let whole = fs::read(&file).expect("a frame");
+        for part in 0..40 {
+            let mut bytes = whole.clone();
+            let at = part * (whole.len() - 1) / 39;
+            bytes[at] ^= 1 << (part % 8);
+            fs::write(&file, &bytes).expect("a disk");
+            kinora(path, &arguments);
+            assert!(fs::read(&file).expect("a frame") == whole, "{name}: byte {at} is not mended");
+        }
+    }
+}
+
+#[test]
+fn only_frames_that_a_change_touches_are_made_anew() {
+    let base = BALL.to_owned();
+    let run = |first: &str, second: &str, rest: &[&str]| {
+        let folder = folder();
+        let render = |text: &str| {
+            fs::write(folder.path().join("ball.ron"), text).expect("a disk");
+            let told = kinora(folder.path(), &[&["render", "ball.ron", "-o", "f_##.png"], rest].concat());
+            (told_kept(&told).1, contents(folder.path()))
+        };
+        render(first);
+        let (kept, found) = render(second);
+        fs::remove_dir_all(folder.path()).expect("a folder");
+        fs::create_dir(folder.path()).expect("a folder");
+        assert!(render(second).1 == found, "a run that goes on differs from one that does not");
+        kept
+    };
+    let with = |from: &str, to: &str| {
+        assert!(base.contains(from));
+        base.replace(from, to)
+    };
+    // The ball stands still from frame 6 on in both, and goes another way before.
+    let moves = |x: f64| with("[(0, (-1, 0, 0)), (12,", &format!("[(0, ({x}, 0, 0)), (6, (1, 0, 0)), (12,"));
+    assert_eq!(run(&moves(-1.0), &moves(-2.0), &[]), 6);
+    // A light goes out earlier: frames before and after see the same.
+    let out = |frame: u32| with("(3, 4, 5)", &format!("(3, 4, 5), on: [(0, true), ({frame}, false)]"));
+    assert_eq!(run(&out(9), &out(7), &[]), 10);
+    // What does not show, and what changes no pixel.
+    let off = "(3, 4, 5)), \"off\": Point(position: (1, 2, 3), intensity: 0)";
+    assert_eq!(run(&base, &with("(3, 4, 5))", off), &[]), 12);
+    assert_eq!(run(&base, &with("objects: {", "// A comment.\n objects: {"), &["-t", "3"]), 12);
+    // What changes all.
+    assert_eq!(run(&base, &with("size: (32, 18)", "size: (32, 18), tonemap: Filmic"), &[]), 0);
+    assert_eq!(run(&base, &with("size: (32, 18)", "size: (32, 18), caption: \"{frame}\""), &[]), 0);
+    assert_eq!(run(&base, &with("size: (32, 18)", "size: (32, 17)"), &[]), 0);
+    assert_eq!(run(&base, &with("size: (32, 18)", "size: (32, 18), transparent: true"), &[]), 0);
+    assert_eq!(run(&base, &with("(0.01, 0.03, 0.05)", "(0.01, 0.03, 0.06)"), &[]), 0);
+}
+
+#[test]
+fn frames_that_say_nothing_are_made_anew_and_the_run_says_so() {
+    let folder = folder();
+    for (outputs, reason) in [
+        (&["-o", "j_##.jpg"][..], "j_##.jpg has no room to say what it shows"),
+        (&["-o", "p_##.ppm"], "p_##.ppm has no room"),
+        (&["-o", "n_##.png", "--no-metadata"], "PNGs without metadata do not say what they show"),
+        (
+            &["-o", "d_##.png", "--bits", "16", "-o", "d.gif"],
+            "other outputs are made of frames as PNGs of 8 bits",
+        ),
+    ] {
+        let render = || kinora(folder.path(), &[&["render", "ball.ron"], outputs].concat());
+        assert!(!render().contains("could be kept"), "{outputs:?}");
+        let told = render();
+        assert!(told.contains(&format!("note    no frame that was there could be kept: {reason}")), "{told}");
+        assert_eq!(told_kept(&told), (12, 0));
+    }
+    // Deep frames alone are kept, and so are transparent ones that a video is made of.
+    for outputs in
+        [&["-o", "e_##.png", "--bits", "16"][..], &["-o", "t_##.png", "-o", "t.webp", "--transparent"]]
+    {
+        let render = || told_kept(&kinora(folder.path(), &[&["render", "ball.ron"], outputs].concat())).1;
+        let found = (render(), contents(folder.path()), render());
+        assert_eq!((found.0, found.2), (0, 12));
+        assert!(found.1 == contents(folder.path()));
+    }
+}
