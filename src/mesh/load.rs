@@ -21,6 +21,11 @@ const TRIANGLE: u64 = 128;
 /// Bytes read at once.
 const BLOCK: usize = 1 << 18;
 
+/// Whether meshes are read from files with this extension.
+pub fn known_format(path: &Path) -> Result<(), MeshError> {
+    Format::of(path).map(|_| ())
+}
+
 /// Reads the mesh in an OBJ or PLY file, whichever its extension says. Its material libraries lie in `root`.
 pub fn load(path: &Path, root: &Root, meter: &LoadMeter) -> Result<Mesh, MeshError> {
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();

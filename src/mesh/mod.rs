@@ -17,7 +17,7 @@ mod tests;
 
 pub use corners::Corners;
 pub use error::{MeshError, NO_FILE, Place};
-pub use load::load;
+pub use load::{known_format, load};
 pub use meter::LoadMeter;
 pub use mtl::MtlMaterial;
 pub use packet::{Packet, Sheared, ShearedRays};

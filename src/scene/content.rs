@@ -1,9 +1,10 @@
 //! What tracing would make of a scene, as a digest: nothing that has no effect on it is part of it.
 
-use super::{Geometry, Scene, Shading};
+use super::{Finish, Geometry, Primitive, Scene, Shading};
 use crate::color::Rgb;
 use crate::digest::{Content, Digest, Digester};
 use crate::light::Light;
+use crate::material::MadeOf;
 
 /// The parts of a scene that take long to hash, each hashed when it has changed.
 #[derive(Clone, Debug, Default)]
@@ -19,20 +20,38 @@ pub struct Digests {
 impl Digests {
     /// Notes that the geometry has changed.
     pub fn geometry(&mut self, geometry: &Geometry) {
-        self.geometry = Digest::of(&geometry.primitives);
         self.origins = None;
         self.used = geometry.materials();
+        self.geometry = self.of_primitives(&geometry.primitives);
+    }
+
+    /// Of primitives, whose materials are counted among those that are used: others do not matter, nor how many there are.
+    fn of_primitives(&self, primitives: &[Primitive]) -> Digest {
+        let place = |material: u32| self.used.partition_point(|used| *used < material) as u32;
+        let mut digester = Digester::new();
+        for Primitive { shape, placement, finish } in primitives {
+            (shape, placement).feed(&mut digester);
+            let finish = match *finish {
+                Finish::Material(MadeOf::One(index)) => Finish::Material(MadeOf::One(place(index))),
+                Finish::Material(MadeOf::Slots { first, count }) => {
+                    Finish::Material(MadeOf::Slots { first: place(first), count })
+                }
+                Finish::Light(index) => Finish::Light(index),
+            };
+            finish.feed(&mut digester);
+        }
+        digester.finish()
     }
 
     /// Notes that the shading or the geometry has changed; of both, the geometry is noted first.
     pub fn shading(&mut self, geometry: &Geometry, shading: &Shading) {
         let mut digester = Digester::new();
-        let materials = self.used.iter().map(|&index| (index, &shading.materials[index as usize]));
+        let materials = self.used.iter().map(|&index| &shading.materials[index as usize]);
         let (mut painted, mut ambient) = (false, false);
-        for (index, material) in materials {
+        for material in materials {
             painted |= !material.paints.is_empty();
             ambient |= material.lobes.ambient != Rgb::ZERO;
-            (index, material).feed(&mut digester);
+            material.feed(&mut digester);
         }
         feed_light(shading, ambient, &mut digester);
         if painted {

@@ -46,6 +46,7 @@ impl Meshes {
 
     /// Reads a file, or remembers what came of it.
     fn mesh(&self, name: &str) -> Read {
+        mesh::known_format(Path::new(name)).map_err(|error| error.to_string())?;
         let path = self.root.admit(&self.folder.join(name)).map_err(|error| files::why(&error))?;
         let mut read = self.read.borrow_mut();
         let mesh = read.entry(path).or_insert_with_key(|path| {

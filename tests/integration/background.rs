@@ -1,6 +1,6 @@
 //! Skies around a scene: directly, in mirrors, turned and faded.
 
-use crate::support::shoot_all;
+use crate::support::shoot_all_in;
 use image::{ImageBuffer, Rgb as Pixel};
 use kinora::color::Rgb;
 use std::path::Path;
@@ -11,9 +11,15 @@ fn near(found: Rgb, expected: Rgb) {
 
 /// The one pixel of every frame.
 fn seen(frames: u32, fields: &str) -> Vec<Rgb> {
-    let shots = shoot_all(&format!(
+    seen_in(Path::new(""), frames, fields)
+}
+
+/// The same of a sequence in a folder with its images.
+fn seen_in(folder: &Path, frames: u32, fields: &str) -> Vec<Rgb> {
+    let text = format!(
         "(timeline: (frames: {frames}, keys: Frames), output: (size: (1, 1)), quality: (antialias: 1), {fields})"
-    ));
+    );
+    let shots = shoot_all_in(folder, &text);
     shots.iter().map(|shot| shot.pixel(0, 0)).collect()
 }
 
@@ -44,11 +50,11 @@ fn images_turn_and_fade_by_keys() {
     // At 45 degrees to the right of straight ahead is the middle of the third column.
     let camera = "camera: (position: (0, 0, 0), target: (1, 0, -1))";
     let sky = |fields: &str| format!("background: Equirect(file: {file:?}, {fields}), {camera}");
-    near(seen(1, &sky(""))[0], Rgb::Z * 4.0);
+    near(seen_in(folder.path(), 1, &sky(""))[0], Rgb::Z * 4.0);
     // Turned to the right by a quarter, it shows there what was ahead on the left.
-    let turned = seen(3, &sky("rotation: [(0, 0), (2, -180)]"));
+    let turned = seen_in(folder.path(), 3, &sky("rotation: [(0, 0), (2, -180)]"));
     [Rgb::Z, Rgb::Y, Rgb::X].into_iter().zip(turned).for_each(|(color, seen)| near(seen, color * 4.0));
-    let faded = seen(3, &sky("intensity: [(0, 0), (2, 1)]"));
+    let faded = seen_in(folder.path(), 3, &sky("intensity: [(0, 0), (2, 1)]"));
     [0.0, 2.0, 4.0].into_iter().zip(faded).for_each(|(blue, seen)| near(seen, Rgb::Z * blue));
 }
 
@@ -60,7 +66,7 @@ fn images_of_all_directions_may_be_off_by_a_pixel() {
         let path = folder.path().join(format!("{width}x{height}.png"));
         ImageBuffer::from_pixel(width, height, Pixel([255u8; 3])).save(&path).expect("a file");
         let file = path.to_string_lossy().replace('\\', "/");
-        near(seen(1, &format!("background: Equirect({file:?}), {AHEAD}"))[0], Rgb::ONE);
+        near(seen_in(folder.path(), 1, &format!("background: Equirect({file:?}), {AHEAD}"))[0], Rgb::ONE);
     }
 }
 
@@ -73,7 +79,10 @@ fn cube_maps_face_the_way_their_names_say_or_mirrored() {
     }
     let files = folder.path().join("sky-*.png").to_string_lossy().replace('\\', "/");
     let sky = |more: &str| format!("background: CubeMap(files: {files:?}, encoding: Linear{more}), {AHEAD}");
-    near(seen(1, &sky(""))[0], Rgb::splat(60.0 / 255.0));
-    near(seen(1, &sky(", mirrored: true"))[0], Rgb::splat(50.0 / 255.0));
-    near(seen(1, &sky(", rotation: AxisAngle(axis: (1, 0, 0), angle: 90)"))[0], Rgb::splat(40.0 / 255.0));
+    near(seen_in(folder.path(), 1, &sky(""))[0], Rgb::splat(60.0 / 255.0));
+    near(seen_in(folder.path(), 1, &sky(", mirrored: true"))[0], Rgb::splat(50.0 / 255.0));
+    near(
+        seen_in(folder.path(), 1, &sky(", rotation: AxisAngle(axis: (1, 0, 0), angle: 90)"))[0],
+        Rgb::splat(40.0 / 255.0),
+    );
 }

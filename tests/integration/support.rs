@@ -10,11 +10,17 @@ use kinora::scene::{Finish, Geometry};
 use kinora::schedule::{FilmSink, FrameLoop, Tally};
 use kinora::sequence::{Sequence, parse};
 use kinora::shape::Shape;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Reads a sequence that must be right.
 pub fn sequence(text: &str) -> Sequence {
-    parse("test.ron", text).unwrap_or_else(|faults| panic!("{faults}"))
+    sequence_in(Path::new(""), text)
+}
+
+/// Reads a sequence that must be right as if it were in a folder.
+pub fn sequence_in(folder: &Path, text: &str) -> Sequence {
+    parse(&folder.join("test.ron").to_string_lossy(), text).unwrap_or_else(|faults| panic!("{faults}"))
 }
 
 /// Keeps films instead of writing them.
@@ -116,7 +122,12 @@ pub fn shoot_extra(sequence: &Sequence, extras: Extras) -> Film {
 
 /// All frames of a sequence written as text.
 pub fn shoot_all(text: &str) -> Vec<Shot> {
-    let sequence = sequence(text);
+    shoot_all_in(Path::new(""), text)
+}
+
+/// All frames of a sequence written as text, in a folder with its files.
+pub fn shoot_all_in(folder: &Path, text: &str) -> Vec<Shot> {
+    let sequence = sequence_in(folder, text);
     shoot(&sequence, 0..sequence.timeline.frames)
 }
 
