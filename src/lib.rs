@@ -22,6 +22,7 @@ pub mod humane;
 pub mod files;
 pub mod filter;
 pub mod film;
+pub mod metrics;
 pub mod glow;
 pub mod frame_set;
 pub mod stop;
@@ -57,6 +58,7 @@ pub mod memory;
 pub mod render;
 pub mod filmstrip;
 pub mod assemble;
+pub mod accuracy;
 pub mod cli;
 
 #[cfg(test)]

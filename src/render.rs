@@ -3,7 +3,7 @@
 use crate::camera_path::NoCamera;
 use crate::counters::{Counts, Meter};
 use crate::encode::{EncodeError, Encoder, Job, Output, Report, Still};
-use crate::film::{Extras, Film};
+use crate::film::{Extras, Film, Noise};
 use crate::humane;
 use crate::memory;
 use crate::schedule::{FilmSink, FrameLoop, NoFrame, Stage, Tally};
@@ -33,6 +33,8 @@ pub struct Summary {
     pub frames: u32,
     pub counts: Counts,
     pub bvh_builds: u64,
+    /// Frames that were sampled until they were good enough, and how good they are.
+    pub noise: Vec<(u32, Noise)>,
     /// Wall time spent in each stage, in the order of the flow. Encoding runs beside the others.
     pub stages: Vec<(&'static str, Duration)>,
     pub elapsed: Duration,
@@ -191,6 +193,7 @@ pub(crate) fn summary(tally: &Tally, report: Report, frames: u32, elapsed: Durat
         frames,
         counts: tally.counts,
         bvh_builds: tally.bvh_builds,
+        noise: tally.noise.clone(),
         stages: Stage::ALL.map(|stage| (stage.name(), time(stage))).to_vec(),
         elapsed,
         files: report.files,

@@ -2,6 +2,7 @@
 //!
 //! Arguments in; files, a summary on stdout, progress and errors on stderr, and an exit code out.
 
+mod accuracy;
 mod assemble;
 mod check;
 mod failure;
@@ -18,6 +19,7 @@ mod overrides;
 mod poster;
 mod progress;
 mod render;
+mod share;
 mod signals;
 mod summary;
 mod terminal;
@@ -43,6 +45,7 @@ enum Command {
     Poster(poster::Arguments),
     Assemble(assemble::Arguments),
     Check(check::Arguments),
+    Accuracy(accuracy::Arguments),
 }
 
 const AFTER_HELP: &str = "\
@@ -54,6 +57,7 @@ Examples:
   kinora filmstrip sequences/hello.ron               some frames in one picture, for a page
   kinora poster sequences/hello.ron                  one frame
   kinora check sequences/hello.ron                   find every mistake, render nothing
+  kinora accuracy sequences/room.ron --quick         what accuracy costs in time
 
 `kinora render --help` lists the options. Exit codes: 0 done, 2 a mistake in the command or the sequence,
 3 frames or files could not be made.";
@@ -82,6 +86,7 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Poster(arguments) => poster::run(&arguments),
         Command::Assemble(arguments) => assemble::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Accuracy(arguments) => accuracy::run(&arguments),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

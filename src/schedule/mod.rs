@@ -73,16 +73,21 @@ impl<S: FilmSink> FrameLoop<S> {
 
     /// Makes one frame and hands its film to the sink. After an error no further frame can be made.
     pub fn frame(&mut self, frame: u32) -> Result<(), NoFrame> {
-        for (clock, moment) in self.shutter.moments(&self.timeline, frame) {
-            self.world.insert_resource(Now(clock));
-            self.world.insert_resource(Shown(moment));
-            self.world.resource_mut::<Stopwatch>().start();
-            self.schedule.run(&mut self.world);
-            // Without this, removals of components pile up for ever.
-            self.world.clear_trackers();
-            self.world.resource_mut::<Faults>().take()?;
+        let moments = self.shutter.moments(&self.timeline, frame);
+        loop {
+            for &(clock, moment) in &moments {
+                self.world.insert_resource(Now(clock));
+                self.world.insert_resource(Shown(moment));
+                self.world.resource_mut::<Stopwatch>().start();
+                self.schedule.run(&mut self.world);
+                // Without this, removals of components pile up for ever.
+                self.world.clear_trackers();
+                self.world.resource_mut::<Faults>().take()?;
+            }
+            if !self.world.resource::<Exposed>().goes_on() {
+                return Ok(());
+            }
         }
-        Ok(())
     }
 
     /// What has been done so far.

@@ -5,10 +5,10 @@ use crate::camera::Camera;
 use crate::camera_path::NoCamera;
 use crate::counters::{Counts, Meter};
 use crate::encode::EncodeError;
-use crate::film::Film;
+use crate::film::{Film, Noise};
 use crate::math::DVec3;
 use crate::scene::{Geometry, Scene, Shading, Weights};
-use crate::trace::{Moment, TraceSettings, trace, trace_moment};
+use crate::trace::{Moment, Rounds, TraceSettings, trace, trace_moment};
 use crate::track::Animated;
 use crate::world::{Current, Now};
 use bevy_ecs::resource::Resource;
@@ -63,6 +63,8 @@ pub struct Tally {
     pub geometry_packs: u64,
     pub shading_packs: u64,
     pub stages: [Duration; 5],
+    /// How good frames are that were sampled until they were good enough.
+    pub noise: Vec<(u32, Noise)>,
 }
 
 #[derive(Resource)]
@@ -87,6 +89,15 @@ pub struct Shown(pub Moment);
 pub struct Exposed {
     film: Option<Film>,
     sums: Vec<DVec3>,
+    /// Samples of a frame of several moments that is not good enough yet.
+    rounds: Option<Rounds>,
+}
+
+impl Exposed {
+    /// Whether the frame's moments are to be looked at again.
+    pub fn goes_on(&self) -> bool {
+        self.rounds.is_some()
+    }
 }
 
 /// The first error of a frame. A failing system does not stop a chain: the systems after it look here.
@@ -176,6 +187,7 @@ pub fn trace_frame(
     };
     tally.counts += counts;
     let Some(mut film) = film else { return };
+    tally.noise.extend(film.noise.map(|noise| (now.0.frame, noise)));
     film.expose(exposure.0.at(now.0.start));
     exposed.film = Some(film);
     watched.0.thousandths.store(0, Relaxed);
@@ -192,6 +204,15 @@ impl Exposed {
         moment: Moment,
         meter: &Meter,
     ) -> (Option<Film>, Counts) {
+        if let Some(target) = settings.quality.noise {
+            let mut rounds = self.rounds.take().unwrap_or_else(|| Rounds::new(scene, settings, target));
+            let counts = rounds.trace(scene, bvh, settings, moment, meter);
+            if moment.index + 1 == moment.of && rounds.settle(meter) {
+                return (Some(rounds.film()), counts);
+            }
+            self.rounds = Some(rounds);
+            return (None, counts);
+        }
         let (width, height) = settings.size;
         if moment.index == 0 {
             let pixels = width as usize * height as usize;

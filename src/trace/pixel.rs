@@ -12,6 +12,7 @@ use crate::math::{DVec2, DVec3};
 use crate::quality::Integrator;
 use crate::sampling::{PixelSampler, Sampler, Use};
 use crate::scene::{Primitive, Scene};
+use std::ops::Range;
 
 /// A frame's scene with all that its pixels have in common.
 pub struct Pixels<'a> {
@@ -21,7 +22,7 @@ pub struct Pixels<'a> {
     /// None for Whitted's integrator.
     paths: Option<Paths<'a>>,
     /// Whether samples are drawn at random; else they stand on a regular grid.
-    random: bool,
+    pub random: bool,
     /// How many layers hold light.
     lights: usize,
     /// Where guides are recorded, if they are.
@@ -51,14 +52,35 @@ impl<'a> Pixels<'a> {
         Self { settings, moment, tracer, paths, random, lights, guides, together }
     }
 
+    /// The same with samples drawn at random, whatever the scene calls for.
+    pub fn sampled(scene: &'a Scene<'a>, bvh: &'a Bvh, settings: &'a TraceSettings, moment: Moment) -> Self {
+        Self { random: true, together: false, ..Self::new(scene, bvh, settings, moment) }
+    }
+
     /// Adds a pixel's layers to `sums`: the mean of its samples or, of several moments, this moment's part of
     /// it.
     pub fn trace(&self, pixel: (u32, u32), sums: &mut [DVec3], work: &mut Work) {
         let quality = &self.settings.quality;
         let samples = if self.random { quality.samples } else { quality.antialias * quality.antialias };
-        let numbers = PixelSampler::new(pixel, quality.seed);
+        self.add(pixel, 0..samples, quality.seed, sums, work);
+        for sum in sums {
+            *sum /= f64::from(samples);
+        }
+    }
+
+    /// Adds some samples of a pixel to `sums` or, of several moments, those that fall on this one. Another seed gives
+    /// independent ones.
+    pub fn add(
+        &self,
+        pixel: (u32, u32),
+        samples: Range<u32>,
+        seed: u32,
+        sums: &mut [DVec3],
+        work: &mut Work,
+    ) {
+        let numbers = PixelSampler::new(pixel, seed).with(self.settings.quality.points);
         let Moment { index, of } = self.moment;
-        for sample in 0..samples {
+        for sample in samples {
             if of > 1 && numbers.part_of_time(sample, of) != index {
                 continue;
             }
@@ -66,9 +88,6 @@ impl<'a> Pixels<'a> {
             let (inside, lens) = self.place(sample, &sampler);
             self.sample(pixel, inside, lens, sampler, work);
             self.take(sums, work);
-        }
-        for sum in sums {
-            *sum /= f64::from(samples);
         }
     }
 
