@@ -34,7 +34,8 @@ impl Measured {
 
     /// Points that no other one beats in both time and error. Those that are short by intent are not compared.
     pub fn front(&self, error: impl Fn(&Point) -> f64) -> Vec<&Point> {
-        let compared = |point: &&Point| !matches!(point.setting.axis, Axis::Bounces | Axis::Roulette);
+        let compared =
+            |point: &&Point| matches!(point.setting.axis, Axis::Samples | Axis::Noise | Axis::Antialias);
         let mut all: Vec<&Point> = self.points.iter().filter(compared).collect();
         all.sort_by(|a, b| a.wall.median.total_cmp(&b.wall.median));
         let mut least = f64::INFINITY;
@@ -92,8 +93,10 @@ impl Measured {
             _ => format!(" ({} to {})", percent(self.share(error.low)), percent(self.share(error.high))),
         };
         let mut line = format!(
-            "as the file says ({}): error {}{range} of the mean brightness, {} a frame",
+            "as the file says ({}): a pixel is off by {:.1}/255 on the display and by {}{range} of the mean brightness \
+             in light, {} a frame",
             described(own),
+            CODES * own.displayed().mean,
             percent(self.share(error.mean)),
             seconds(own.wall.median)
         );
@@ -125,11 +128,14 @@ impl Measured {
     fn step(&self, from: &Point, to: &Point) -> String {
         let time = to.wall.median / from.wall.median;
         let change = match from.error() / to.error() {
-            ratio if ratio > 1.05 => format!("cuts the error to {}", percent(1.0 / ratio)),
-            _ => "changes the error little".to_owned(),
+            ratio if ratio > 1.05 => format!("divide the error by {}", factor(ratio)),
+            _ => "change the error little".to_owned(),
         };
         let what = |point: &Point| described(point);
-        format!("{} costs {} times {} and {change}", what(to), factor(time), what(from))
+        // Samples are many, the others one.
+        let (cost, s) = if to.setting.axis == Axis::Samples { ("cost", "") } else { ("costs", "s") };
+        let change = change.replacen(' ', &format!("{s} "), 1);
+        format!("{} {cost} {} times the time of {} and {change}", what(to), factor(time), what(from))
     }
 
     fn spreading(&self) -> Option<String> {

@@ -61,6 +61,11 @@ pub struct Point {
 }
 
 impl Point {
+    /// Root of the mean squared error of what is displayed, in 0..=1.
+    pub fn displayed(&self) -> Estimate {
+        self.psnr.map(|decibels| libm::exp10(-decibels / 20.0))
+    }
+
     /// 1 / (squared error x seconds): twice of it is the same picture in half the time.
     pub fn efficiency(&self) -> f64 {
         1.0 / (self.squared.mean * self.wall.median)
@@ -119,7 +124,7 @@ const FLIP_RUNS: u32 = 4;
 /// Parts in which references are rendered, so that progress can be told.
 const PARTS: u32 = 16;
 /// Pixels of a picture that is measured, at least and at most.
-const LEAST: f64 = 64.0 * 36.0;
+const LEAST: f64 = 48.0 * 27.0;
 const MOST: f64 = 480.0 * 300.0;
 /// Pixels that a longer ladder of samples is given up for.
 const GOOD: f64 = 160.0 * 90.0;

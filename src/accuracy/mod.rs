@@ -5,6 +5,7 @@
 //!                                                            └─ report ▶ page, plots
 //! ```
 
+mod budget;
 mod clock;
 mod findings;
 pub mod measure;
@@ -13,6 +14,7 @@ mod settings;
 mod statistics;
 mod studio;
 
+pub use budget::{Budget, budget};
 pub use clock::processor_time;
 pub use findings::{Advice, described, factor, percent, seconds};
 pub use measure::{Layer, Measured, Point, Request, measure};

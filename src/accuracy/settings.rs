@@ -99,6 +99,8 @@ pub struct Settings {
     pub reference: u32,
     /// The same where bounces are compared, and how many of these.
     pub deep: (u32, u32),
+    /// Samples at most where bounces and roulette are compared.
+    short: u32,
 }
 
 /// The reference has this many times the samples of anything that it judges.
@@ -116,6 +118,7 @@ impl Settings {
             random,
             reference: 0,
             deep: (0, own.bounces.saturating_mul(2).max(16)),
+            short: if most > 16 { SHORT } else { SHORT / 4 },
         };
         if random {
             settings.samples(own, most);
@@ -154,7 +157,8 @@ impl Settings {
             }
             None => self.push(Axis::Samples, *own, own.samples.to_string(), flags(own.samples)),
         }
-        let ladder = (0..=24).step_by(2).map(|power| 1_u32 << power).take_while(|&samples| samples <= most);
+        // Every power of two up to 16, then every other one.
+        let ladder = [1, 2, 4, 8, 16, 64, 256, 1024].into_iter().take_while(|&samples| samples <= most);
         let ladder: Vec<u32> = ladder.collect();
         for &samples in ladder.iter().filter(|&&samples| own.noise.is_some() || samples != own.samples) {
             self.push(Axis::Samples, plain(samples, own.points), samples.to_string(), flags(samples));
@@ -169,7 +173,7 @@ impl Settings {
         }
         let own = if own.noise.is_some() { 0 } else { own.samples };
         self.reference = FINER.saturating_mul(most.max(own));
-        self.deep.0 = FINER * SHORT;
+        self.deep.0 = FINER * self.short;
         self.leave_out(
             "anti-aliasing grid",
             "pixels have random samples in this frame, which smooth edges as well",
@@ -178,8 +182,16 @@ impl Settings {
 
     fn noise(&mut self, own: &Quality, most: u32) {
         let errors = [0.2, 0.1, 0.05, 0.02];
-        let wanted = errors.into_iter().take(if most >= 256 { 4 } else { 2 });
-        for error in wanted.filter(|error| own.noise.is_none_or(|target| target.error != *error)) {
+        let wanted = if most >= 256 {
+            &errors[..]
+        } else if most > 16 {
+            &errors[..2]
+        } else {
+            &errors[1..2]
+        };
+        for error in
+            wanted.iter().copied().filter(|error| own.noise.is_none_or(|target| target.error != *error))
+        {
             let target = NoiseTarget { error, most: own.noise.map_or(NoiseTarget::MOST, |own| own.most) };
             let quality = Quality { noise: Some(target), ..*own };
             self.push(Axis::Noise, quality, percent(error), format!("--noise {error}"));
@@ -202,7 +214,10 @@ impl Settings {
 
     fn bounces(&mut self, own: &Quality) {
         let deeper = own.bounces.saturating_mul(2).max(1);
-        let mut all: Vec<u32> = vec![0, 1, 2, 3, 5, 8, own.bounces / 2, own.bounces, deeper];
+        let mut all: Vec<u32> = vec![0, 1, 2, own.bounces / 2, own.bounces, deeper];
+        if self.short == SHORT {
+            all.extend([3, 5, 8]);
+        }
         all.sort_unstable();
         all.dedup();
         for bounces in all.into_iter().filter(|&bounces| bounces <= deeper) {
@@ -228,7 +243,7 @@ impl Settings {
 
     /// The file's quality with no more samples than it takes to compare.
     fn short(&self, own: &Quality) -> Quality {
-        Quality { samples: own.samples.min(SHORT), noise: None, ..*own }
+        Quality { samples: own.samples.min(self.short), noise: None, ..*own }
     }
 
     /// The qualities of the references: those for most axes, and those for bounces.

@@ -95,38 +95,123 @@ fn true_error(film: &Film, references: &References) -> f64 {
     square.max(0.0).sqrt()
 }
 
-fn experiment(sequence: &Sequence, runs: u32, samples: u32) -> (f64, f64, f64, f64) {
+/// Of many runs: the shares whose true error lies between what is told, and above it; and the mean true error.
+fn told(sequence: &Sequence, runs: u32, samples: u32) -> (f64, f64, f64) {
     let references = references(sequence, samples);
-    let (mut inside, mut above, mut sum, mut told) = (0, 0, 0.0, 0.0);
+    let (mut inside, mut above, mut sum) = (0, 0, 0.0);
     for seed in 0..runs {
         let film = film(sequence, seed);
         let noise = film.noise.expect("an error was asked for");
         let error = true_error(&film, &references);
         inside += u32::from((noise.low..=noise.high).contains(&error));
         above += u32::from(error > noise.high);
-        sum += error / f64::from(runs);
-        told += noise.error / f64::from(runs);
+        sum += error;
     }
-    (f64::from(inside) / f64::from(runs), f64::from(above) / f64::from(runs), sum, told)
+    let share = |count: u32| f64::from(count) / f64::from(runs);
+    (share(inside), share(above), sum / f64::from(runs))
+}
+
+/// What is asked for is met, and what is told of it is true: not in some 95 of 100 frames by chance alone, but with
+/// decisions to stop that hang on the very numbers that are told of.
+#[test]
+fn errors_are_met_and_told() {
+    for error in [0.1, 0.05] {
+        let (inside, above, mean) = told(&soft_shadow(&format!("noise: {error}")), 100, 4096);
+        assert!(
+            (0.9..=1.0).contains(&inside) && above <= 0.05 && mean <= error,
+            "{error}: {inside} {above} {mean}"
+        );
+    }
 }
 
 #[test]
-fn zz_experiment() {
-    for error in [0.1, 0.05, 0.02] {
-        let s = soft_shadow(&format!("noise: {error}"));
-        eprintln!("{error} soft {:?}", experiment(&s, 100, 8192));
-    }
-    for (file, size) in [
-        ("sequences/field-orbit.ron", (64, 40)),
-        ("sequences/field-dielectric.ron", (64, 40)),
-        ("sequences/room-effects.ron", (64, 40)),
-    ] {
-        let mut s = kinora::sequence::load(std::path::Path::new(file)).expect("x");
-        s.output.size = size;
-        if file.contains("room") {
-            s.quality.integrator = kinora::quality::Integrator::Path(Default::default());
+#[ignore = "takes minutes: `cargo test --release --test integration shipped_scenes -- --ignored --nocapture`"]
+fn errors_are_met_and_told_of_shipped_scenes() {
+    for file in ["field-orbit", "field-dielectric", "field-metal", "room-effects"] {
+        let path = format!("{}/sequences/{file}.ron", env!("CARGO_MANIFEST_DIR"));
+        let mut sequence = kinora::sequence::load(std::path::Path::new(&path)).expect("a sequence");
+        sequence.output.size = (64, 40);
+        for error in [0.1, 0.05] {
+            sequence.quality.noise = Some(NoiseTarget { error, most: NoiseTarget::MOST });
+            let (inside, above, mean) = told(&sequence, 40, 4096);
+            eprintln!("{file} {error}: {inside} inside, {above} above, {mean} on average");
+            assert!(
+                inside >= 0.9 && above <= 0.05 && mean <= error,
+                "{file} {error}: {inside} {above} {mean}"
+            );
         }
-        s.quality.noise = Some(NoiseTarget { error: 0.1, most: 4096 });
-        eprintln!("{file} {:?} {:?}", experiment(&s, 30, 4096), film(&s, 0).noise);
     }
+}
+
+/// Two panels, of which the second is on in frame 0 alone.
+fn switched() -> Sequence {
+    sequence(
+        "(timeline: (frames: 2, keys: Frames), output: (size: (20, 12)), quality: (noise: 0.1), ambient: 0,
+        camera: (position: (0, 4, 7), target: (0, 0.4, 0)),
+        lights: { \"a\": Rectangle(corner: (-3, 5, -2), u: (2, 0, 0), v: (0, 0, 2), intensity: [(0, 12), (9, 0)]),
+            \"b\": Sphere(position: (3, 5, 1), radius: 1, intensity: 9, on: [(0, true), (1, false)]) },
+        objects: { \"floor\": (shape: Plane()), \"ball\": (shape: Sphere(center: (0, 1, 0))) })",
+    )
+}
+
+/// Else a frame's bytes would depend on what other frames are made of.
+#[test]
+fn a_layer_does_not_depend_on_which_others_shine() {
+    let shots = shoot(&switched(), 0..2);
+    let layers = shots[0].film.layers();
+    let of = |frame: usize, layer: usize| shots[frame].film.data.iter().skip(layer).step_by(layers);
+    assert_eq!(layers, 3);
+    assert!(of(0, 1).eq(of(1, 1)), "the layer of a");
+    assert!(of(0, 2).any(|value| *value != Rgb::ZERO) && of(1, 2).all(|value| *value == Rgb::ZERO));
+}
+
+#[test]
+fn threads_do_not_show_in_what_is_sampled_until_it_is_good() {
+    let shoot_on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| shoot(&switched(), [0]).remove(0).film)
+    };
+    assert_eq!(shoot_on(1), shoot_on(3));
+}
+
+/// Smooth parts take fewer samples than difficult ones, and no pixel takes more than it may.
+#[test]
+fn samples_go_where_the_error_is() {
+    let rays = |quality: &str| {
+        let shot = shoot(&soft_shadow(quality), [0]).remove(0);
+        (shot.work.camera, shot.film.noise)
+    };
+    let (camera, noise) = rays("noise: 0.05");
+    let noise = noise.expect("an error was asked for");
+    assert_eq!(camera as f64, (noise.samples * 384.0).round());
+    assert!(noise.samples > 32.0 && noise.samples < 512.0 && noise.capped == 0.0, "{noise:?}");
+    let (camera, noise) = rays("noise: 0.0001, most_samples: 48");
+    assert_eq!(camera, 48 * 384);
+    assert!(noise.is_some_and(|noise: Noise| (noise.capped - 1.0).abs() < 1e-9 && noise.error > 0.0001));
+}
+
+/// The moments of a frame are looked at again until all of them together are good.
+#[test]
+fn motion_blur_is_sampled_until_it_is_good() {
+    let text = |quality: &str| {
+        format!(
+            "(timeline: (frames: 4, keys: Frames), output: (size: (16, 12)), quality: (shutter_steps: 8, {quality}),
+            background: 0.2, camera: (position: (0, 0, 5), shutter: 0.5), objects: {{ \"ball\": (shape: Sphere(),
+            material: (emission: 1), translation: [(0, (-1, 0, 0)), (4, (3, 0, 0))]) }})"
+        )
+    };
+    let shoot = |quality: &str| shoot(&sequence(&text(quality)), [1]).remove(0).film;
+    let (good, long) = (shoot("noise: 0.05"), shoot("samples: 4096"));
+    let (noise, best) = (good.noise.expect("an error was asked for"), long.radiance().collect::<Vec<_>>());
+    let error = kinora::metrics::mean_squared_error(&good.radiance().collect::<Vec<_>>(), &best).sqrt();
+    assert!(noise.error < 0.05 && error < 0.03, "{noise:?} {error}");
+}
+
+#[test]
+fn without_chance_there_is_no_noise_to_look_for() {
+    let text =
+        "(output: (size: (8, 8)), quality: Error(0.01), lights: { \"sun\": Point(position: (1, 5, 3)) },
+        objects: { \"ball\": (shape: Sphere()) })";
+    let shot = shoot(&sequence(text), [0]).remove(0);
+    assert_eq!((shot.film.noise, shot.work.camera), (None, 4 * 64));
 }

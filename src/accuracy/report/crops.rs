@@ -30,7 +30,9 @@ pub fn crops(measured: &Measured) -> io::Result<Vec<Crop>> {
     for axis in axes {
         let others = measured.on(axis).into_iter().filter(|point| !std::ptr::eq(*point, own));
         let far = |point: &&Point| libm::log(point.wall.median / own.wall.median).abs();
-        shown.extend(others.min_by(|a, b| far(a).total_cmp(&far(b))));
+        // A grid has few neighbours; others are near or would show nothing.
+        let near = others.min_by(|a, b| far(a).total_cmp(&far(b)));
+        shown.extend(near.filter(|point| axis == Axis::Antialias || far(point) < libm::log(2.5)));
     }
     let mut all = Vec::new();
     for point in shown {

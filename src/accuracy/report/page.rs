@@ -122,8 +122,8 @@ fn pictures(html: &mut Html, measured: &Measured) -> Result<(), Box<dyn Error>> 
     html.tag("h2", "What it looks like");
     html.tag(
         "p",
-        "Where the file's own setting is worst, enlarged: the file's own, settings that take about as long, and what it \
-         should be. Below each, what an eye sees in it (FLIP): black is no difference, white a large one.",
+        "Where the file's own setting is worst, enlarged: the file's own, settings that take about as long \
+         (at most 2.5 times, at least 0.4), and what it should be. Below each, what an eye sees in it (FLIP): black is no difference, white a large one.",
     );
     html.raw("<div class=\"crops\">\n");
     for crop in crops(measured)? {
