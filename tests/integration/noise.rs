@@ -149,7 +149,7 @@ fn switched() -> Sequence {
         "(timeline: (frames: 2, keys: Frames), output: (size: (20, 12)), quality: (noise: 0.1), ambient: 0,
         camera: (position: (0, 4, 7), target: (0, 0.4, 0)),
         lights: { \"a\": Rectangle(corner: (-3, 5, -2), u: (2, 0, 0), v: (0, 0, 2), intensity: [(0, 12), (9, 0)]),
-            \"b\": Sphere(position: (3, 5, 1), radius: 1, intensity: 9, on: [(0, true), (1, false)]) },
+            \"b\": Sphere(center: (3, 5, 1), radius: 1, intensity: 9, on: [(0, true), (1, false)]) },
         objects: { \"floor\": (shape: Plane()), \"ball\": (shape: Sphere(center: (0, 1, 0))) })",
     )
 }
