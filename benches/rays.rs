@@ -5,7 +5,7 @@
 //! ```
 //!
 //! For each `NAME.mesh` in DIR, the rays of `NAME.primary.rays` and `NAME.bounce.rays` are traced for the nearest hit and
-//! those of `NAME.shadow.rays` for any. Times are those of the thread's own clock, the median of a few passes after one
+//! those of `NAME.shadow.rays` for any, one by one and, where neighbours go the same way, in bundles of eight. Times are those of the thread's own clock, the median of a few passes after one
 //! to warm up. Meshes are built on all threads (`RAYON_NUM_THREADS` limits them); times are medians as well. Hits are written to `NAME.SET.ours.hits`. Numbers in the files are little-endian:
 //!
 //! - `.mesh`: `KMSH`, u32 vertices, u32 triangles, three f32 per vertex, three u32 per triangle
@@ -15,7 +15,7 @@
 use kinora::camera::Ray;
 use kinora::math::DVec3;
 use kinora::mesh::{self, Normals, Parts};
-use kinora::shape::{Geometric, Mesh};
+use kinora::shape::{Geometric, Mesh, Rays};
 use kinora::tree::Probe;
 use rustix::time::{ClockId, clock_gettime};
 use std::error::Error;
@@ -70,10 +70,22 @@ fn main() -> Outcome<()> {
         let mut sets = String::new();
         for set in SETS {
             let rays = path.with_extension(format!("{set}.rays"));
-            let (rate, hits) = trace(&mesh, &read_rays(&rays)?, set == "shadow");
+            let rays = read_rays(&rays)?;
+            let any = set == "shadow";
+            let (rate, hits) = timed(&rays, |rays, hits| trace(&mesh, rays, any, hits));
             fs::write(path.with_extension(format!("{set}.ours.hits")), written(&hits))?;
-            writeln!(stdout(), "  {set:8} {rate:7.3} Mray/s")?;
-            write!(sets, "{}\"{set}\": {{\"single\": {rate}}}", if sets.is_empty() { "" } else { ", " })?;
+            write!(stdout(), "  {set:8} {rate:7.3} Mray/s")?;
+            write!(sets, "{}\"{set}\": {{\"single\": {rate}", if sets.is_empty() { "" } else { ", " })?;
+            if set != "bounce" {
+                let (rate, together) = timed(&rays, |rays, hits| trace_bundles(&mesh, rays, any, hits));
+                if together != hits {
+                    return Err(format!("{name}, {set}: rays in bundles hit something else").into());
+                }
+                write!(stdout(), ", {rate:7.3} in bundles of eight")?;
+                write!(sets, ", \"packet\": {rate}")?;
+            }
+            writeln!(stdout())?;
+            sets.push('}');
         }
         let threads = rayon::current_num_threads();
         let build = format!("\"single_{threads}t\": {wall}, \"single_{threads}t_cpu\": {cpu}");
@@ -96,23 +108,56 @@ fn seconds_by(clock: ClockId) -> f64 {
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
+impl Record {
+    fn ray(&self) -> Ray {
+        let [origin, direction] = [self.origin, self.direction].map(|v| DVec3::from_array(v.map(f64::from)));
+        Ray { origin, direction }
+    }
+}
+
+/// A triangle, or none, and where it is hit.
+type Found = (u32, f32);
+
+fn trace(mesh: &Mesh, rays: &[Record], any: bool, hits: &mut [Found]) {
+    for (ray, hit) in rays.iter().zip(hits) {
+        let probe = Probe::new(ray.ray());
+        let t_max = f64::from(ray.t_max);
+        *hit = match any {
+            true if mesh.blocks(&probe, t_max) => (0, ray.t_max),
+            true => (NONE, ray.t_max),
+            false => mesh.hit(&probe, t_max).map_or((NONE, ray.t_max), |hit| (hit.part, hit.t as f32)),
+        };
+    }
+}
+
+fn trace_bundles(mesh: &Mesh, rays: &[Record], any: bool, hits: &mut [Found]) {
+    for (rays, hits) in rays.chunks(8).zip(hits.chunks_mut(8)) {
+        let last = rays.len() - 1;
+        let bundle = Rays::of(&std::array::from_fn(|lane| rays[lane.min(last)].ray()));
+        let t_max = std::array::from_fn(|lane| f64::from(rays[lane.min(last)].t_max));
+        let wanted = 0xff >> (7 - last);
+        if any {
+            let blocked = mesh.blocks_of(&bundle, wanted, &t_max);
+            for (lane, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+                *hit = (if blocked >> lane & 1 == 1 { 0 } else { NONE }, ray.t_max);
+            }
+        } else {
+            let found = mesh.hit_of(&bundle, wanted, &t_max);
+            for (lane, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+                let met = found.met >> lane & 1 == 1;
+                *hit = if met { (found.parts[lane], found.t[lane] as f32) } else { (NONE, ray.t_max) };
+            }
+        }
+    }
+}
+
 /// Millions of rays in a second, and the hits.
-fn trace(mesh: &Mesh, rays: &[Record], any: bool) -> (f64, Vec<(u32, f32)>) {
+fn timed(rays: &[Record], trace: impl Fn(&[Record], &mut [Found])) -> (f64, Vec<Found>) {
     let mut hits = vec![(NONE, 0.0); rays.len()];
     let mut times = Vec::new();
     for _ in 0..=PASSES {
         let before = seconds();
-        for (ray, hit) in rays.iter().zip(&mut hits) {
-            let [origin, direction] =
-                [ray.origin, ray.direction].map(|v| DVec3::from_array(v.map(f64::from)));
-            let probe = Probe::new(Ray { origin, direction });
-            let t_max = f64::from(ray.t_max);
-            *hit = match any {
-                true if mesh.blocks(&probe, t_max) => (0, ray.t_max),
-                true => (NONE, ray.t_max),
-                false => mesh.hit(&probe, t_max).map_or((NONE, ray.t_max), |hit| (hit.part, hit.t as f32)),
-            };
-        }
+        trace(rays, &mut hits);
         times.push(seconds() - before);
     }
     // The first pass warms up.

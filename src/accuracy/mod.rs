@@ -7,7 +7,9 @@
 
 mod budget;
 mod clock;
+pub mod exact;
 mod findings;
+pub mod hard_cases;
 pub mod measure;
 pub mod report;
 mod settings;

@@ -1,10 +1,10 @@
 //! Eight rays at once: each meets what it would alone.
 
-use super::Bvh;
+use super::{Bvh, Hit};
 use crate::scene::Geometry;
 use crate::shape::{Crossings, Rays, lanes};
-use crate::simd::{Choice, Lanes, Octo, Work};
-use crate::tree::{BundleLeaves, BundleSlabs, Probe};
+use crate::simd::{Choice, Lanes, Octo, Work, dispatch};
+use crate::tree::{Branch, BundleLeaves, BundleSlabs, Probe, Slabs, Tree};
 
 /// What eight rays meet first.
 #[derive(Clone, Copy, Debug)]
@@ -14,7 +14,30 @@ pub struct Hits {
     pub primitives: [u32; 8],
 }
 
+impl Hits {
+    /// What one of the rays meets.
+    pub fn one(&self, lane: usize) -> Option<Hit> {
+        let met = self.at.met >> lane & 1 == 1;
+        met.then(|| Hit { at: self.at.one(lane), primitive: self.primitives[lane] })
+    }
+}
+
 impl Bvh {
+    /// Whether [`Bvh::closest_of`] is for the geometry.
+    pub fn takes_bundles(&self) -> bool {
+        !self.lights
+    }
+
+    /// [`Bvh::closest_together`] on the widest lanes that there are.
+    pub fn closest_of(&self, geometry: &Geometry, rays: &Rays, wanted: u32) -> Hits {
+        dispatch(Closest { bvh: self, geometry, rays, wanted })
+    }
+
+    /// [`Bvh::occluded_together`] on the widest lanes that there are, each ray with a limit of its own.
+    pub fn occluded_of(&self, geometry: &Geometry, rays: &Rays, wanted: u32, t_max: &[f64; 8]) -> u32 {
+        dispatch(Occluded { bvh: self, geometry, rays, wanted, t_max })
+    }
+
     /// [`Bvh::closest`] of those of eight rays whose bits are set. Only where no lights are among the primitives.
     #[inline(always)]
     pub fn closest_together<L: Lanes>(&self, geometry: &Geometry, rays: &Rays, wanted: u32) -> Hits {
@@ -30,7 +53,7 @@ impl Bvh {
         wanted: u32,
         t_max: f64,
     ) -> u32 {
-        L::apart(Occluded { bvh: self, geometry, rays, wanted, t_max })
+        L::apart(Occluded { bvh: self, geometry, rays, wanted, t_max: &[t_max; 8] })
     }
 }
 
@@ -50,7 +73,8 @@ impl Work for Closest<'_> {
         let (origin, direction) = rays.load::<L>();
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
         let hits = Hits { at: Crossings::NONE, primitives: [u32::MAX; 8] };
-        let mut nearest = Nearest { bvh, geometry, rays, slabs: &slabs, limit: L::splat(0.0), hits };
+        let (limit, alone) = (L::splat(0.0), [None; 8]);
+        let mut nearest = Nearest { bvh, geometry, rays, slabs: &slabs, limit, hits, alone };
         for &(index, _) in &bvh.planes {
             nearest.test(index, wanted);
         }
@@ -82,6 +106,7 @@ impl Closest<'_> {
     }
 }
 
+/// The search for what is nearest.
 struct Nearest<'a, L: Lanes> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
@@ -89,6 +114,23 @@ struct Nearest<'a, L: Lanes> {
     slabs: &'a BundleSlabs<L>,
     limit: L,
     hits: Hits,
+    alone: [Option<Alone>; 8],
+}
+
+/// A ray of a bundle by itself.
+#[derive(Clone, Copy)]
+struct Alone {
+    probe: Probe,
+    slabs: Slabs,
+}
+
+impl Alone {
+    /// A ray that is near the tree.
+    #[inline(always)]
+    fn new<L: Lanes>(tree: &Tree, rays: &Rays, ray: usize) -> Option<Self> {
+        let probe = Probe::new(rays.one(ray));
+        Some(Self { probe, slabs: Slabs::new::<L>(tree, &probe, f64::INFINITY)? })
+    }
 }
 
 impl<L: Lanes> Nearest<'_, L> {
@@ -127,6 +169,26 @@ impl<L: Lanes> BundleLeaves<L> for Nearest<'_, L> {
     }
 
     #[inline(always)]
+    fn part(&mut self, ray: usize, below: Branch) {
+        let Self { bvh, geometry, .. } = *self;
+        if self.alone[ray].is_none() {
+            self.alone[ray] = Alone::new::<L>(&bvh.tree, self.rays, ray);
+        }
+        let Some(Alone { probe, slabs }) = &self.alone[ray] else { return };
+        let hit = self.hits.one(ray);
+        let mut single =
+            super::Nearest { bvh, geometry, probe, t_max: f64::INFINITY, but: &[], afar: 0.0, hit };
+        let limit = slabs.limit(self.hits.at.t[ray]);
+        bvh.tree.walk_below::<L>(below, slabs, limit, &mut single);
+        if let Some(Hit { at, primitive }) = single.hit {
+            let hits = &mut self.hits;
+            hits.at.met |= 1 << ray;
+            (hits.at.t[ray], hits.at.parts[ray], hits.primitives[ray]) = (at.t, at.part, primitive);
+        }
+        self.limit = self.slabs.limit(Octo::load(&self.hits.at.t));
+    }
+
+    #[inline(always)]
     fn limit(&self) -> L {
         self.limit
     }
@@ -137,7 +199,7 @@ struct Occluded<'a> {
     geometry: &'a Geometry,
     rays: &'a Rays,
     wanted: u32,
-    t_max: f64,
+    t_max: &'a [f64; 8],
 }
 
 impl Work for Occluded<'_> {
@@ -148,8 +210,8 @@ impl Work for Occluded<'_> {
         let Self { bvh, geometry, rays, wanted, t_max } = self;
         let (origin, direction) = rays.load::<L>();
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
-        let limit = slabs.limit(Octo::splat(t_max));
-        let mut any = Any { bvh, geometry, rays, t_max: [t_max; 8], limit, hidden: 0 };
+        let limit = slabs.limit(Octo::load(t_max));
+        let mut any = Any { bvh, geometry, rays, t_max, limit, hidden: 0, alone: [None; 8] };
         for &(index, _) in &bvh.planes {
             any.test(index, wanted);
         }
@@ -168,8 +230,9 @@ impl Work for Occluded<'_> {
 impl Occluded<'_> {
     #[inline(never)]
     fn one_by_one(&self, rays: u32) -> u32 {
-        let hidden =
-            |lane: usize| self.bvh.occluded(self.geometry, &Probe::new(self.rays.one(lane)), self.t_max);
+        let hidden = |lane: usize| {
+            self.bvh.occluded(self.geometry, &Probe::new(self.rays.one(lane)), self.t_max[lane])
+        };
         lanes(rays).filter(|&lane| hidden(lane)).map(|lane| 1 << lane).sum()
     }
 }
@@ -178,9 +241,10 @@ struct Any<'a, L: Lanes> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
     rays: &'a Rays,
-    t_max: [f64; 8],
+    t_max: &'a [f64; 8],
     limit: L,
     hidden: u32,
+    alone: [Option<Alone>; 8],
 }
 
 impl<L: Lanes> Any<'_, L> {
@@ -191,7 +255,7 @@ impl<L: Lanes> Any<'_, L> {
             return;
         }
         let primitive = &self.geometry.primitives[index as usize];
-        self.hidden |= primitive.hit_together::<L>(self.rays, wanted, &self.t_max).met;
+        self.hidden |= primitive.blocks_together::<L>(self.rays, wanted, self.t_max);
         self.limit = L::splat(-1.0).pick(self.hidden, self.limit);
     }
 }
@@ -201,6 +265,25 @@ impl<L: Lanes> BundleLeaves<L> for Any<'_, L> {
     fn visit(&mut self, leaf: u32, rays: u32) {
         for &index in self.bvh.leaves.leaf(leaf) {
             self.test(index, rays);
+        }
+    }
+
+    #[inline(always)]
+    fn part(&mut self, ray: usize, below: Branch) {
+        let Self { bvh, geometry, .. } = *self;
+        if self.hidden >> ray & 1 == 1 {
+            return;
+        }
+        if self.alone[ray].is_none() {
+            self.alone[ray] = Alone::new::<L>(&bvh.tree, self.rays, ray);
+        }
+        let Some(Alone { probe, slabs }) = &self.alone[ray] else { return };
+        let t_max = self.t_max[ray];
+        let mut single = super::Any { bvh, geometry, probe, t_max, found: false };
+        bvh.tree.walk_below::<L>(below, slabs, slabs.limit(t_max), &mut single);
+        if single.found {
+            self.hidden |= 1 << ray;
+            self.limit = L::splat(-1.0).pick(self.hidden, self.limit);
         }
     }
 

@@ -174,6 +174,7 @@ impl Nearest<'_> {
         }
     }
 
+    #[inline(always)]
     fn test(&mut self, leaf: &[u32]) {
         for &index in leaf {
             let primitive = &self.geometry.primitives[index as usize];

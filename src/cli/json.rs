@@ -26,9 +26,12 @@ impl Object {
         }
     }
 
-    /// With all of its digits; null if it is not finite.
-    pub fn number(self, key: &str, value: f64) -> Self {
-        if value.is_finite() { self.raw(key, value) } else { self.raw(key, "null") }
+    /// With all digits; null if absent or not finite.
+    pub fn exact(self, key: &str, value: Option<f64>) -> Self {
+        match value.filter(|value| value.is_finite()) {
+            Some(value) => self.raw(key, format_args!("{value:e}")),
+            None => self.raw(key, "null"),
+        }
     }
 
     pub fn texts(self, key: &str, values: impl Iterator<Item = String>) -> Self {

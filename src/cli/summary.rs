@@ -111,11 +111,11 @@ fn error(summary: &Summary) -> Vec<String> {
 fn noise(frames: &[(u32, Noise)]) -> Object {
     frames.iter().fold(Object::new(), |object, (frame, noise)| {
         let of = Object::new()
-            .number("error", noise.error)
-            .number("low", noise.low)
-            .number("high", noise.high)
-            .number("samples", noise.samples)
-            .number("capped", noise.capped);
+            .exact("error", Some(noise.error))
+            .exact("low", Some(noise.low))
+            .exact("high", Some(noise.high))
+            .exact("samples", Some(noise.samples))
+            .exact("capped", Some(noise.capped));
         object.object(&frame.to_string(), of)
     })
 }

@@ -44,7 +44,7 @@ pub use job::Job;
 pub use output::{Moving, Output, OutputError, Still};
 pub use pattern::{FramePattern, PatternError};
 pub use picture::Picture;
-pub use png::texts as frame_texts;
+pub use png::{texts as frame_texts, write as write_png};
 pub use settings::{
     ExrLayers, ExrSettings, Formats, GifSettings, JpegSettings, MATTE, Mp4Settings, Plays, PngSettings,
     Y4mSettings,

@@ -6,6 +6,7 @@ mod bounds;
 mod error;
 mod root;
 mod rotation;
+mod turn;
 
 pub use angle::Angle;
 pub use basis::{Basis, look_at, perpendicular};
@@ -14,6 +15,7 @@ pub use error::{NEAR_ZERO, UNIT_ROUNDOFF, difference_of_products, gamma, next_aw
 pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 pub use root::root_between;
 pub use rotation::{axis_angle, euler_xyz, slerp};
+pub use turn::{Real, cos_sin_of_quarters, cos_sin_of_turns};
 
 /// The larger number; the second if one of them is none. One instruction, unlike `f64::max`.
 #[inline(always)]

@@ -20,10 +20,11 @@ pub use error::{MeshError, NO_FILE, Place};
 pub use load::load;
 pub use meter::LoadMeter;
 pub use mtl::MtlMaterial;
-pub use packet::{Packet, Sheared};
+pub use packet::{Packet, Sheared, ShearedRays};
 
 use crate::color::Rgb;
 use crate::math::{Aabb, DVec2, DVec3};
+use crate::simd::Lanes;
 use crate::tree::Tree;
 use glam::Vec3;
 use std::sync::OnceLock;
@@ -130,6 +131,33 @@ impl Mesh {
     #[inline]
     pub fn corners(&self, part: u32) -> [DVec3; 3] {
         self.parts.triangles[part as usize].map(|vertex| self.parts.positions[vertex as usize])
+    }
+
+    /// Asks for a triangle that will be needed soon.
+    #[inline(always)]
+    pub fn fetch<L: Lanes>(&self, part: u32) {
+        L::fetch(&self.parts.triangles, part as usize);
+    }
+
+    /// Asks for what there is at a triangle's corners, for normals of a kind.
+    #[inline(always)]
+    pub fn fetch_corners<L: Lanes>(&self, part: u32, normals: Normals) {
+        for vertex in self.parts.triangles[part as usize] {
+            L::fetch(&self.parts.positions, vertex as usize);
+        }
+        match (normals, &self.parts.normals, self.smooth.get()) {
+            (Normals::File, Some(normals), _) => {
+                for index in normals.indices(part, &self.parts.triangles) {
+                    L::fetch(normals.values(), index as usize);
+                }
+            }
+            (Normals::Smooth, _, Some(normals)) => {
+                for vertex in self.parts.triangles[part as usize] {
+                    L::fetch(normals, vertex as usize);
+                }
+            }
+            _ => {}
+        }
     }
 
     /// Texture coordinates at a triangle's corners, if all of them have some.

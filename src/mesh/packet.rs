@@ -5,8 +5,8 @@
 
 use super::Parts;
 use crate::math::DVec3;
-use crate::simd::Lanes;
-use crate::tree::{Probe, Slabs, Space};
+use crate::simd::{Lanes, Octo, Vector};
+use crate::tree::{BundleSlabs, Probe, Slabs, Space};
 
 /// The triangles of a leaf, in the space of its tree, one row of numbers after the other.
 #[derive(Clone, Debug)]
@@ -46,6 +46,16 @@ impl Packet {
     #[inline(always)]
     pub fn part(&self, lane: usize) -> u32 {
         self.parts[lane & 7]
+    }
+
+    /// How many triangles there are, in the first lanes.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        let mut count = 0;
+        for part in self.parts {
+            count += usize::from(part != u32::MAX);
+        }
+        count
     }
 }
 
@@ -164,5 +174,73 @@ impl Sheared {
     pub fn within<L: Lanes>(&self, sieve: &Sieve<L>, limit: f32) -> u32 {
         let (start, limit) = (L::splat(self.after_start), L::splat(limit - limit.abs() * INWARDS));
         sieve.hit & start.below(sieve.near) & sieve.far.below(limit)
+    }
+}
+
+/// Eight rays that are all longest along the same axis, as [`Sheared`] has one: one triangle is tested with all of them.
+pub struct ShearedRays<L> {
+    axes: [usize; 3],
+    shear: [L; 2],
+    inverse: L,
+    origin: [L; 3],
+    error: L,
+    margin: L,
+}
+
+impl<L: Lanes> ShearedRays<L> {
+    /// None if those whose bits are set are not all longest along one axis.
+    #[inline(always)]
+    pub fn new(slabs: &BundleSlabs<L>, direction: Vector<L::Quad>, wanted: u32) -> Option<Self> {
+        let z = direction.longest_axis(wanted)?;
+        let (x, y) = if z == 0 { (1, 2) } else { (if z == 1 { 2 } else { 0 }, if z == 1 { 0 } else { 1 }) };
+        let [dx, dy, dz] = [direction.along(x), direction.along(y), direction.along(z)];
+        let inverse = Octo::splat(1.0) / dz;
+        let all = slabs.origin();
+        let reach = all[0].absolute().larger(all[1].absolute()).larger(all[2].absolute());
+        let reach = L::splat(1.0).plus(reach);
+        let rounding = reach.times(L::splat(8.0 * ROUNDOFF));
+        let error = rounding.plus(slabs.error().times(L::splat(2.0)));
+        Some(Self {
+            axes: [x, y, z],
+            shear: [L::load(&(dx * inverse).narrow()), L::load(&(dy * inverse).narrow())],
+            inverse: slabs.inverse_along(z),
+            origin: [all[x], all[y], all[z]],
+            error,
+            margin: error.times(L::splat(2.0)),
+        })
+    }
+
+    #[inline(always)]
+    fn place(&self, corner: &[[f32; 8]; 3], lane: usize) -> (L, L, L) {
+        let [x, y, z] = self.axes;
+        let x = L::splat(corner[x][lane]).minus(self.origin[0]);
+        let y = L::splat(corner[y][lane]).minus(self.origin[1]);
+        let depth = L::splat(corner[z][lane]).minus(self.origin[2]);
+        let x = self.shear[0].times_minus(depth, x);
+        let y = self.shear[1].times_minus(depth, y);
+        (x, y, depth.times(self.inverse))
+    }
+
+    /// The rays that may hit a packet's triangle from where they start, near its tree, up to their limits, a bit each: by
+    /// the bounds of [`Sheared::sift`].
+    #[inline(always)]
+    pub fn sift(&self, packet: &Packet, lane: usize, limit: L) -> u32 {
+        let lane = lane & 7;
+        let (ax, ay, az) = self.place(&packet.corners[0], lane);
+        let (bx, by, bz) = self.place(&packet.corners[1], lane);
+        let (cx, cy, cz) = self.place(&packet.corners[2], lane);
+        let u = cx.times_minus(by, cy.times(bx));
+        let v = ax.times_minus(cy, ay.times(cx));
+        let w = bx.times_minus(ay, by.times(ax));
+        let size = ax.absolute().larger(ay.absolute());
+        let size = size.larger(bx.absolute().larger(by.absolute()));
+        let size = size.larger(cx.absolute().larger(cy.absolute()));
+        let off = size.plus(self.error).times(self.error).times(L::splat(8.0));
+        let under = L::splat(0.0).minus(off);
+        let (low, high) = (u.smaller(v).smaller(w), u.larger(v).larger(w));
+        let missed = low.below(under) & off.below(high);
+        let near = az.smaller(bz).smaller(cz).minus(self.margin);
+        let far = az.larger(bz).larger(cz).plus(self.margin);
+        !missed & near.at_most(limit) & L::splat(0.0).at_most(far)
     }
 }

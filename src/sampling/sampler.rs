@@ -98,6 +98,22 @@ impl Sampler {
         }
     }
 
+    /// [`Sampler::four`] of eight samplers, a row for each of the four. To be inlined where lanes are at work.
+    #[inline(always)]
+    pub fn four_together(eight: &[Self; 8], of: Use) -> [[f64; 8]; 4] {
+        let number = of.number();
+        let (mut samples, mut seeds) = ([0; 8], [0; 8]);
+        for lane in 0..8 {
+            samples[lane] = eight[lane].sample;
+            seeds[lane] = hash([eight[lane].pixel, number, 0]);
+        }
+        if eight[0].points == Points::Independent {
+            let lanes: [[f64; 4]; 8] = std::array::from_fn(|lane| independent(seeds[lane], samples[lane]));
+            return std::array::from_fn(|row| std::array::from_fn(|lane| lanes[lane][row]));
+        }
+        sobol::points(&samples, &seeds).map(|row| row.map(f64::from))
+    }
+
     /// Two numbers in 0..1.
     pub fn two(&self, of: Use) -> DVec2 {
         let [x, y, ..] = self.four(of);
@@ -112,6 +128,7 @@ fn independent(seed: u32, sample: u32) -> [f64; 4] {
 
 /// A well-mixed number from three: a round of multiplications and shifts for each (the finalizer of
 /// MurmurHash3, Appleby 2011).
+#[inline(always)]
 pub fn hash(words: [u32; 3]) -> u32 {
     words.iter().fold(0x9e37_79b9, |state, &word| {
         let mut h = state.rotate_left(13).wrapping_mul(5).wrapping_add(0xe654_6b64) ^ word;

@@ -1,11 +1,11 @@
 //! Uniform numbers bent into directions and points, with their densities.
 
-use crate::math::{Angle, DVec2, DVec3};
+use crate::math::{DVec2, DVec3, cos_sin_of_quarters, cos_sin_of_turns};
 use std::f64::consts::PI;
 
 /// (cosine, sine) of `u` turns.
 fn turn(u: f64) -> DVec2 {
-    Angle(360.0 * u).cos_sin()
+    cos_sin_of_turns(u).into()
 }
 
 /// The direction at `height` above the xy plane, in -1..=1, after `u` turns. Archimedes: heights are uniform
@@ -53,9 +53,9 @@ pub fn disk(u: DVec2) -> DVec2 {
         return DVec2::ZERO;
     }
     if square.x.abs() > square.y.abs() {
-        Angle(45.0 * (square.y / square.x)).cos_sin() * square.x
+        DVec2::from(cos_sin_of_quarters(0.5 * (square.y / square.x))) * square.x
     } else {
-        let (sine, cosine) = Angle(45.0 * (square.x / square.y)).cos_sin().into();
+        let (sine, cosine) = cos_sin_of_quarters(0.5 * (square.x / square.y));
         DVec2::new(cosine, sine) * square.y
     }
 }
@@ -68,6 +68,7 @@ pub fn in_ball(u: DVec3) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Angle;
     use crate::sampling::Frame;
     use crate::testing::{Random, chi_square};
 

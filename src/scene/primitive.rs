@@ -81,10 +81,21 @@ impl Primitive {
     /// [`Primitive::hit`] of those of eight rays whose bits are set.
     #[inline(always)]
     pub fn hit_together<L: Lanes>(&self, rays: &Rays, wanted: u32, limit: &[f64; 8]) -> Crossings {
-        if self.placement.is_none() {
-            return self.shape.hit_together::<L>(rays, wanted, limit);
+        match &self.placement {
+            None => self.shape.hit_together::<L>(rays, wanted, limit),
+            Some(placement) => self.shape.hit_together::<L>(&placement.rays_to_object(rays), wanted, limit),
         }
-        Crossings::one_by_one(wanted, |lane| self.hit(&Probe::new(rays.one(lane)), limit[lane]))
+    }
+
+    /// [`Primitive::blocks`] of those of eight rays whose bits are set, a bit each.
+    #[inline(always)]
+    pub fn blocks_together<L: Lanes>(&self, rays: &Rays, wanted: u32, t_max: &[f64; 8]) -> u32 {
+        match &self.placement {
+            None => self.shape.blocks_together::<L>(rays, wanted, t_max),
+            Some(placement) => {
+                self.shape.blocks_together::<L>(&placement.rays_to_object(rays), wanted, t_max)
+            }
+        }
     }
 
     /// [`Primitive::surface`] where those of eight rays meet the primitive whose bits are set.
@@ -182,6 +193,11 @@ impl Placement {
             origin: self.to_object.transform_point3(ray.origin),
             direction: self.to_object.transform_vector3(ray.direction),
         }
+    }
+
+    #[inline(never)]
+    fn rays_to_object(&self, rays: &Rays) -> Rays {
+        Rays::of(&std::array::from_fn(|lane| self.ray_to_object(&rays.one(lane))))
     }
 
     /// The shape's own error moved to the world, plus the rounding of the move there and, as the next ray

@@ -90,19 +90,32 @@ pub fn report_out_of_range(
             out[index] = inherited;
             continue;
         }
-        let wrong = |frame: u32| {
-            let time = timeline.clock(frame).time;
-            Some((frame, fault_of(chain(index).map(|object| object.transform.at(time)))?))
-        };
+        let wrong =
+            |time: Time| Some((time, fault_of(chain(index).map(|object| object.transform.at(time)))?));
         let still = chain(index).all(|object| !object.transform.is_keyed());
         let frames = if still { 1 } else { timeline.frames };
-        if let Some((frame, what)) = (0..frames).find_map(wrong) {
+        // Keys are where values are largest; they may lie between frames, where shutters are open or another rate looks.
+        let keys = chain(index).flat_map(|object| key_times(&object.transform));
+        let within = keys.filter(|time| *time > Time::from_integer(0) && *time < timeline.duration);
+        let times = (0..frames).map(|frame| timeline.clock(frame).time).chain(within);
+        if let Some((time, what)) = times.filter_map(wrong).min_by_key(|(time, _)| *time) {
             out[index] = true;
-            let when = if still { String::new() } else { format!(" at frame {frame}") };
+            let when = if still { String::new() } else { format!(" at frame {}", timeline.frame_at(time)) };
             let place = places.get(index).cloned().unwrap_or_default();
-            file.push(fault(&objects[index], what, &when, place, timeline.clock(frame).time));
+            file.push(fault(&objects[index], what, &when, place, time));
         }
     }
+}
+
+/// When the scale and the translation have keys.
+fn key_times(tracks: &TransformTracks) -> Vec<Time> {
+    fn of<T: Animate>(values: &Animated<T>) -> Vec<Time> {
+        match values {
+            Animated::Constant(_) => Vec::new(),
+            Animated::Keyed(track) => track.keys().iter().map(|key| key.time).collect(),
+        }
+    }
+    [of(&tracks.scale), of(&tracks.translation)].concat()
 }
 
 /// What the transforms of each object and all its parents may come to, parents first. Objects whose parents lead in a

@@ -189,7 +189,7 @@ pub fn angle_between(least: f64, most: f64) -> impl Fn(Node<'_>) -> Option<Angle
 
 /// A vertical field of view.
 pub fn field_of_view(node: Node<'_>) -> Option<Angle> {
-    let what = "an angle above 0 and below 180 degrees";
+    let what = "an angle from 0.000001 to below 180 degrees";
     number_where(node, what, |value| (1e-6..180.0).contains(&value)).map(Angle)
 }
 

@@ -1,6 +1,7 @@
 //! Eight rays and one shape: the tests of single rays, lane by lane, with the same operations in the same order, so that
 //! eight rays meet what each of them does, to the last bit.
 
+use super::mesh::Blocked;
 use super::{Crossing, Plane, Shape, Sphere, Surface, Triangle};
 use crate::camera::Ray;
 use crate::math::{DVec3, gamma};
@@ -42,6 +43,13 @@ impl Rays {
     fn at<L: Lanes>(&self, t: &[f64; 8]) -> Vector<L::Quad> {
         let (origin, direction) = self.load::<L>();
         origin + direction * Octo::load(t)
+    }
+
+    pub fn of(rays: &[Ray; 8]) -> Self {
+        Self {
+            origin: Rows::of(&rays.map(|ray| ray.origin)),
+            direction: Rows::of(&rays.map(|ray| ray.direction)),
+        }
     }
 
     /// One of them.
@@ -99,6 +107,10 @@ impl Surfaces {
         for lane in lanes(wanted) {
             surfaces[lane] = surface(lane);
         }
+        Self::of(&surfaces)
+    }
+
+    pub fn of(surfaces: &[Surface; 8]) -> Self {
         Self {
             point: Rows::of(&surfaces.map(|surface| surface.point)),
             error: Rows::of(&surfaces.map(|surface| surface.error)),
@@ -109,11 +121,11 @@ impl Surfaces {
 }
 
 /// The test of eight rays against a shape, before their limits.
-struct Hit<'a, S> {
-    shape: &'a S,
-    rays: &'a Rays,
-    wanted: u32,
-    limit: &'a [f64; 8],
+pub struct Hit<'a, S> {
+    pub shape: &'a S,
+    pub rays: &'a Rays,
+    pub wanted: u32,
+    pub limit: &'a [f64; 8],
 }
 
 /// The surface of a shape where eight rays cross it.
@@ -131,11 +143,21 @@ impl Shape {
             Self::Sphere(shape) => Some(L::apart(Hit { shape, rays, wanted, limit })),
             Self::Plane(shape) => Some(L::apart(Hit { shape, rays, wanted, limit })),
             Self::Triangle(shape) => L::apart(Hit { shape, rays, wanted, limit }),
+            Self::Mesh(shape) => Some(L::apart(Hit { shape, rays, wanted, limit })),
             _ => None,
         };
         match found {
             Some(found) => Crossings { met: found.met & wanted, ..found },
             None => self.hit_one_by_one(rays, wanted, limit),
+        }
+    }
+
+    /// [`Shape::blocks`] of those of eight rays whose bits are set, a bit each.
+    #[inline(always)]
+    pub fn blocks_together<L: Lanes>(&self, rays: &Rays, wanted: u32, t_max: &[f64; 8]) -> u32 {
+        match self {
+            Self::Mesh(mesh) => L::apart(Blocked { mesh, rays, wanted, t_max }),
+            _ => self.hit_together::<L>(rays, wanted, t_max).met,
         }
     }
 
@@ -221,15 +243,7 @@ impl Work for Hit<'_, Triangle> {
     fn run<L: Lanes>(self) -> Option<Crossings> {
         let Self { shape: triangle, wanted, limit, .. } = self;
         let (origin, direction) = self.rays.load::<L>();
-        let d = direction.absolute();
-        let first = (d.y.at_most(d.x) & d.z.at_most(d.x)).bits();
-        let last = d.y.below(d.z).bits() & !first;
-        let axis = match (first & wanted, last & wanted) {
-            (first, _) if first == wanted => 0,
-            (0, 0) => 1,
-            (0, last) if last == wanted => 2,
-            _ => return None,
-        };
+        let axis = direction.longest_axis(wanted)?;
         let (dx, dy, dz) = turned(direction, axis);
         let inverse = Octo::splat(1.0) / dz;
         let (shear_x, shear_y) = (dx * inverse, dy * inverse);
@@ -249,7 +263,10 @@ impl Work for Hit<'_, Triangle> {
         let w = bx * ay - by * ax;
         let inside = (zero.at_most(u) & zero.at_most(v) & zero.at_most(w))
             | (u.at_most(zero) & v.at_most(zero) & w.at_most(zero));
-        let covered = (inside & zero.below((u + v + w).absolute())).bits();
+        let (left, right) = (ax.smaller(bx).smaller(cx), ax.larger(bx).larger(cx));
+        let (low, high) = (ay.smaller(by).smaller(cy), ay.larger(by).larger(cy));
+        let around = left.at_most(zero) & zero.at_most(right) & low.at_most(zero) & zero.at_most(high);
+        let covered = (inside & around & zero.below((u + v + w).absolute())).bits();
         if covered & wanted == 0 {
             return Some(Crossings::NONE);
         }
@@ -297,12 +314,24 @@ impl Work for Met<'_, Sphere> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Surfaces {
         let Sphere { center, radius } = *self.shape;
-        let center = Vector::splat(center);
-        let normal = (self.rays.at::<L>(self.t) - center).normalized_or(Vector::splat(DVec3::Y));
-        let point = center + normal * Octo::splat(radius);
-        let error = point.absolute() * Octo::splat(gamma(2))
-            + center.absolute() * Octo::splat(gamma(1))
-            + Vector::splat(DVec3::splat(radius * gamma(6)));
-        Surfaces::new(point, error, normal)
+        let at = self.rays.at::<L>(self.t);
+        on_sphere(at, Vector::splat(center), Octo::splat(radius))
     }
+}
+
+/// The same where each ray crosses a sphere of its own.
+#[inline(always)]
+pub fn on_spheres<L: Lanes>(centers: &Rows, radii: &[f64; 8], rays: &Rays, t: &[f64; 8]) -> Surfaces {
+    on_sphere(rays.at::<L>(t), Vector::load(centers), Octo::load(radii))
+}
+
+#[inline(always)]
+fn on_sphere<Q: Quad>(at: Vector<Q>, center: Vector<Q>, radius: Octo<Q>) -> Surfaces {
+    let normal = (at - center).normalized_or(Vector::splat(DVec3::Y));
+    let point = center + normal * radius;
+    let rounding = radius * Octo::splat(gamma(6));
+    let error = point.absolute() * Octo::splat(gamma(2))
+        + center.absolute() * Octo::splat(gamma(1))
+        + Vector { x: rounding, y: rounding, z: rounding };
+    Surfaces::new(point, error, normal)
 }

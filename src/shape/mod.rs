@@ -27,7 +27,7 @@ mod taper;
 mod torus;
 mod triangle;
 
-pub use bundle::{Crossings, Rays, Surfaces, lanes};
+pub use bundle::{Crossings, Rays, Surfaces, lanes, on_spheres};
 pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;

@@ -33,6 +33,7 @@ impl Geometric for Sphere {
     /// the sign of c = (f - r)(f + r) says on which side of the surface the ray starts, which settles how
     /// many roots lie ahead before any is computed. From that point the closest one is found again, so that of the
     /// roundings of the way there only the last one is left.
+    #[inline]
     fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
         let d = probe.ray.direction;
         let from_center = probe.ray.origin - self.center;

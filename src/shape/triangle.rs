@@ -84,6 +84,10 @@ pub(super) fn unit_normal(corners: [DVec3; 3]) -> DVec3 {
 /// Woop, Benthin, Wald, *Watertight Ray/Triangle Intersection* (2013): the corners are sheared so that the
 /// ray runs along an axis, and each edge is tested in the plane across it. Two triangles that share an edge
 /// compute the same number for it with opposite signs, and zero counts as inside, so no ray slips between.
+///
+/// The products of an edge's number are rounded by the ray's distance from the triangle, which says nothing of triangles
+/// that are smaller than that: of these, the box around the sheared corners must hold the ray as well. It does if the
+/// triangle does, so that still no ray slips between.
 #[inline]
 pub(super) fn covers(corners: [DVec3; 3], probe: &Probe) -> bool {
     let [(ax, ay), (bx, by), (cx, cy)] =
@@ -93,7 +97,13 @@ pub(super) fn covers(corners: [DVec3; 3], probe: &Probe) -> bool {
     let w = bx * ay - by * ax;
     let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
     // A sum of zero is a triangle seen from its edge, or one without an area.
-    inside && u + v + w != 0.0
+    inside && u + v + w != 0.0 && spans_zero([ax, bx, cx]) && spans_zero([ay, by, cy])
+}
+
+/// Whether zero lies between the smallest and the largest of three numbers, or is one of them.
+#[inline(always)]
+fn spans_zero([a, b, c]: [f64; 3]) -> bool {
+    smaller(smaller(a, b), c) <= 0.0 && larger(larger(a, b), c) >= 0.0
 }
 
 /// A corner seen along the ray, which runs through 0.
@@ -123,6 +133,7 @@ pub(super) fn depth(corners: [DVec3; 3], probe: &Probe) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::math::UNIT_ROUNDOFF;
+    use crate::testing::Random;
 
     fn hit(corners: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
         let triangle = Triangle { corners };
@@ -145,6 +156,22 @@ mod tests {
         for k in 1..100_000 {
             let s = -5.0 + 1e-4 * f64::from(k);
             assert!(nearest((p(s, s) - eye).normalize()).is_some(), "at {s}");
+        }
+    }
+
+    /// Triangles of the size of their distance's rounding: the signs of their edges' numbers are anything.
+    #[test]
+    fn specks_are_not_hit_by_rays_that_pass_them() {
+        let mut random = Random(15);
+        for _ in 0..200_000 {
+            let origin = random.point(2.0);
+            let size = libm::pow(10.0, -13.0 - 4.0 * random.unit());
+            let corners = [random.point(size), random.point(size), random.point(size)];
+            let direction = random.direction();
+            let beside = origin.cross(direction).length();
+            if beside > 1e-3 {
+                assert_eq!(hit(corners, origin, direction), None, "{corners:?} {beside} beside");
+            }
         }
     }
 

@@ -1,7 +1,7 @@
 //! Eight f64 in two quads, and vectors of them: what eight rays have one each of.
 
 use super::Quad;
-use crate::math::DVec3;
+use crate::math::{DVec3, Real};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 
 /// Eight f64.
@@ -92,6 +92,18 @@ impl<Q: Quad> Octo<Q> {
     }
 }
 
+impl<Q: Quad> Real for Octo<Q> {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        Self::splat(value)
+    }
+
+    #[inline(always)]
+    fn at_least(self, limit: f64, then: Self, or: Self) -> Self {
+        then.pick(Self::splat(limit).at_most(self), or)
+    }
+}
+
 /// A choice among eight lanes.
 #[derive(Clone, Copy)]
 pub struct Choice<Q: Quad>([Q::Mask; 2]);
@@ -176,6 +188,12 @@ impl Rows {
         Self([vectors.map(|v| v.x), vectors.map(|v| v.y), vectors.map(|v| v.z)])
     }
 
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, v: DVec3) {
+        let [x, y, z] = &mut self.0;
+        (x[lane], y[lane], z[lane]) = (v.x, v.y, v.z);
+    }
+
     #[inline]
     pub fn one(&self, lane: usize) -> DVec3 {
         let [x, y, z] = &self.0;
@@ -234,6 +252,30 @@ impl<Q: Quad> Vector<Q> {
     pub fn pick(self, chosen: Choice<Q>, other: Self) -> Self {
         let (x, y, z) = (self.x, self.y, self.z);
         Self { x: x.pick(chosen, other.x), y: y.pick(chosen, other.y), z: z.pick(chosen, other.z) }
+    }
+
+    #[inline(always)]
+    pub fn along(self, axis: usize) -> Octo<Q> {
+        match axis {
+            0 => self.x,
+            1 => self.y,
+            _ => self.z,
+        }
+    }
+
+    /// The axis along which those lanes whose bits are set are longest, the first of equal ones but for the last two, if
+    /// it is the same for all.
+    #[inline(always)]
+    pub fn longest_axis(self, wanted: u32) -> Option<usize> {
+        let d = self.absolute();
+        let first = (d.y.at_most(d.x) & d.z.at_most(d.x)).bits() & wanted;
+        let last = d.y.below(d.z).bits() & wanted & !first;
+        match (first, last) {
+            (first, _) if first == wanted => Some(0),
+            (0, 0) => Some(1),
+            (0, last) if last == wanted => Some(2),
+            _ => None,
+        }
     }
 
     /// The longest of each vector's coordinates.

@@ -10,8 +10,7 @@
 //! is compared. Means add up where roots of squares at most do, so a sum of layers with weights of 0 or more is as
 //! good as its parts.
 
-use super::pixel::Pixels;
-use super::tracer::Work;
+use super::pixel::{Drawn, Pixels};
 use super::{Moment, TraceSettings};
 use crate::bvh::Bvh;
 use crate::color::Rgb;
@@ -236,29 +235,26 @@ impl Block {
     }
 
     /// The places of its pixels, row by row, as they are kept.
-    fn places(&self) -> impl Iterator<Item = (u32, u32)> + Clone + use<> {
+    fn places(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
         let (left, top, width) = (self.left, self.top, self.width);
         (0..self.pixels()).map(move |index| (left + index % width, top + index / width))
     }
 
     fn trace(&mut self, pixels: &Pixels, samples: &Range<u32>, seeds: &[u32; SETS]) -> Counts {
         let layers = self.open.len();
-        let mut work = Work::new(layers);
-        let mut taken = vec![DVec3::ZERO; layers];
-        let places = self.places();
-        let mut sums = self.sums.chunks_exact_mut(layers);
-        for &seed in seeds {
-            for (pixel, sums) in places.clone().zip(sums.by_ref()) {
-                pixels.add(pixel, samples.clone(), seed, &mut taken, &mut work);
-                for ((sum, taken), open) in sums.iter_mut().zip(&mut taken).zip(&self.open) {
-                    let taken = std::mem::take(taken);
-                    if *open {
-                        *sum += taken;
-                    }
+        let mut tracing = pixels.start(layers);
+        let places: Vec<_> = self.places().collect();
+        let mut taken = vec![DVec3::ZERO; layers * places.len()];
+        for (&seed, sums) in seeds.iter().zip(self.sums.chunks_exact_mut(taken.len())) {
+            pixels.add(&places, &Drawn { samples: samples.clone(), seed }, &mut taken, &mut tracing);
+            for (index, (sum, taken)) in sums.iter_mut().zip(&mut taken).enumerate() {
+                let taken = std::mem::take(taken);
+                if self.open[index % layers] {
+                    *sum += taken;
                 }
             }
         }
-        work.counts
+        tracing.counts()
     }
 
     /// Notes how many samples the sets of open layers have.

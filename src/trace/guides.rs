@@ -20,7 +20,7 @@ pub fn record(tracer: &Tracer, (ray, beam): (&Ray, &Beam), first: LayerId, work:
     let camera = tracer.scene.camera;
     let depth = (surface.point - camera.position).dot(camera.basis.forward);
     let values = [DVec3::new(depth, 1.0, 0.0), surface.shading, albedo.as_dvec3()];
-    for (layer, value) in work.layers[first.index()..].iter_mut().zip(values) {
+    for (layer, value) in work.layers[work.first + first.index()..].iter_mut().zip(values) {
         *layer += value;
     }
 }

@@ -90,6 +90,17 @@ impl<'a> Luminaires<'a> {
         all
     }
 
+    /// All sources in the order in which they are asked, if each is a light without an area that is asked every time.
+    pub fn plain_lights(&self) -> Option<Vec<Light>> {
+        let all = self.groups.iter().flat_map(|group| &group.members);
+        let plain = all.map(|member| match member {
+            Luminaire::Light(_, light) if !light.source.is_sampled() => Some(*light),
+            _ => None,
+        });
+        let chosen = self.groups.iter().any(|group| group.chances.is_some());
+        if chosen { None } else { plain.collect() }
+    }
+
     /// Asks every layer's sources for light at a point that is seen. At the `last` surface of a path only
     /// lights are asked: what else shines is seen at the end of a bounce, and there is none left.
     pub fn ask(&self, tracer: &Tracer, seen: &Seen, dice: Dice, last: bool, mut take: impl FnMut(Asked)) {

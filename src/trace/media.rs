@@ -65,6 +65,11 @@ impl Boundary {
 }
 
 impl Media {
+    /// Whether the ray is inside of nothing.
+    pub fn is_outside(&self) -> bool {
+        self.count == 0
+    }
+
     /// The medium around the ray.
     pub fn here(&self, materials: &[Material]) -> Medium {
         let prevailing = self.prevailing(materials);

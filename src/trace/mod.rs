@@ -5,6 +5,7 @@ mod coincident;
 mod guides;
 mod lights;
 mod luminaires;
+mod matt;
 mod media;
 mod passing;
 mod path;
@@ -19,7 +20,10 @@ mod tests;
 mod throughput;
 mod together;
 mod tracer;
+mod wave;
 mod whitted;
+#[cfg(test)]
+mod worlds;
 
 use crate::bvh::Bvh;
 use crate::color::Rgb;
@@ -34,8 +38,6 @@ use pixel::Pixels;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
-use together::Sums;
-use tracer::Work;
 
 /// What tracing needs to know besides the scene.
 #[derive(Clone, Debug)]
@@ -135,49 +137,36 @@ struct Window<'a> {
 impl Window<'_> {
     /// Traces the band's pixels, tile by tile. `data` is the picture's part for the band.
     fn trace<T>(&self, data: &mut [T], store: impl Fn(&mut T, DVec3)) -> Counts {
-        if self.pixels.together {
-            return self.trace_together(data, store);
-        }
-        let width = self.pixels.settings.size.0;
-        let mut work = Work::new(self.layers);
-        let mut sums = vec![DVec3::ZERO; self.layers];
+        let (width, layers) = (self.pixels.settings.size.0, self.layers);
+        let mut tracing = self.pixels.start(layers);
+        let most = TILE as usize * self.rows.len();
+        let mut sums = vec![DVec3::ZERO; most * layers];
+        let mut tile = Vec::with_capacity(most);
         for left in (0..width).step_by(TILE as usize) {
-            for y in self.rows.clone() {
-                for x in left..width.min(left + TILE) {
-                    let at = ((y - self.rows.start) * width + x) as usize * self.layers;
-                    self.pixels.trace((x, y), &mut sums, &mut work);
-                    for (layer, sum) in data[at..at + self.layers].iter_mut().zip(&mut sums) {
-                        store(layer, std::mem::take(sum));
-                    }
+            tile.clear();
+            tile.extend(self.tile(left..width.min(left + TILE)));
+            self.pixels.trace(&tile, &mut sums[..tile.len() * layers], &mut tracing);
+            for (&(x, y), sums) in tile.iter().zip(sums.chunks_exact_mut(layers)) {
+                let at = ((y - self.rows.start) * width + x) as usize * layers;
+                for (layer, sum) in data[at..at + layers].iter_mut().zip(sums) {
+                    store(layer, std::mem::take(sum));
                 }
             }
         }
-        work.counts
+        tracing.counts()
     }
 
-    /// The same, eight pixels at a time.
-    fn trace_together<T>(&self, data: &mut [T], store: impl Fn(&mut T, DVec3)) -> Counts {
-        let (width, layers) = (self.pixels.settings.size.0, self.layers);
-        let mut eight = Sums::new(layers);
-        let mut sums = vec![DVec3::ZERO; 8 * layers];
-        let mut pixels = Vec::with_capacity(8);
-        for left in (0..width).step_by(BLOCK.0 as usize) {
-            for top in self.rows.clone().step_by(BLOCK.1 as usize) {
-                pixels.clear();
-                for y in top..self.rows.end.min(top + BLOCK.1) {
-                    for x in left..width.min(left + BLOCK.0) {
-                        pixels.push((x, y));
-                    }
-                }
-                self.pixels.trace_together(&pixels, &mut sums, &mut eight);
-                for (&(x, y), sums) in pixels.iter().zip(sums.chunks_exact_mut(layers)) {
-                    let at = ((y - self.rows.start) * width + x) as usize * layers;
-                    for (layer, sum) in data[at..at + layers].iter_mut().zip(sums) {
-                        store(layer, std::mem::take(sum));
-                    }
-                }
-            }
-        }
-        eight.counts
+    /// The pixels of some columns, block by block.
+    fn tile(&self, columns: Range<u32>) -> impl Iterator<Item = (u32, u32)> {
+        let rows = self.rows.clone();
+        let tops = rows.clone().step_by(BLOCK.1 as usize);
+        let blocks = tops.flat_map({
+            let columns = columns.clone();
+            move |top| columns.clone().step_by(BLOCK.0 as usize).map(move |left| (left, top))
+        });
+        blocks.flat_map(move |(left, top)| {
+            let (right, below) = (columns.end.min(left + BLOCK.0), rows.end.min(top + BLOCK.1));
+            (top..below).flat_map(move |y| (left..right).map(move |x| (x, y)))
+        })
     }
 }

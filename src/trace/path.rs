@@ -9,78 +9,174 @@
 use super::coincident::Crossed;
 use super::lights::seen;
 use super::luminaires::Luminaires;
+use super::matt::{Eight, Matt};
 use super::media::Media;
 use super::scatter::{Kind, Scatter, scatter, scatter_density};
 use super::spawn::{spawn, spawn_gathering};
 use super::throughput::Throughput;
 use super::tracer::{Dice, Face, Met, Tracer, Work};
+use super::wave::{Shadow, WAVE};
+use crate::bvh::Hit;
 use crate::camera::{Beam, Ray};
 use crate::color::Rgb;
 use crate::counters::RayCounts;
 use crate::math::DVec3;
 use crate::quality::PathSettings;
-use crate::sampling::Use;
+use crate::sampling::{Sampler, Use};
+use crate::shape::Shape;
 
 /// The integrator over one frame's scene.
 pub struct Paths<'a> {
     luminaires: Luminaires<'a>,
     settings: PathSettings,
+    /// For surfaces of which eight are shaded at once.
+    matt: Option<Matt>,
+    /// Whether there are any.
+    meshes: bool,
 }
 
 /// Where a path is.
-struct Path {
-    ray: Ray,
-    beam: Beam,
-    throughput: Throughput,
-    media: Media,
+pub struct Path {
+    pub ray: Ray,
+    pub beam: Beam,
+    pub throughput: Throughput,
+    pub media: Media,
     /// What the ray has just passed.
-    crossed: Option<Crossed>,
+    pub crossed: Option<Crossed>,
     /// Bounces that are left.
-    left: u32,
+    pub left: u32,
     /// Where the direction was drawn, and with which density per solid angle; none where there was no choice.
     drawn: Option<(DVec3, f64)>,
     /// The last surface that has turned the path back, if it has scattered it: then light was asked for there.
     asked: Option<DVec3>,
     /// Whether light that is met now has been counted by a shadow ray from there, through what refracts.
     counted: bool,
+    pub dice: Dice,
+    /// Where the layers of its sample begin in what is worked with.
+    pub first: usize,
+}
+
+impl Path {
+    /// One that leads nowhere.
+    pub fn nowhere(sampler: Sampler) -> Self {
+        Self {
+            ray: Ray { origin: DVec3::ZERO, direction: DVec3::ZERO },
+            beam: Beam::default(),
+            throughput: Throughput::showing(Rgb::ONE),
+            media: Media::default(),
+            crossed: None,
+            left: 0,
+            drawn: None,
+            asked: None,
+            counted: false,
+            dice: Dice { sampler, surface: 0 },
+            first: 0,
+        }
+    }
+
+    /// Starts at the eye, in place, as there is much to a path that need not be written.
+    pub fn start(&mut self, tracer: &Tracer, (ray, beam): (Ray, Beam), sampler: Sampler, first: usize) {
+        (self.ray, self.beam) = (ray, beam);
+        self.throughput = Throughput::showing(Rgb::ONE);
+        self.media = Media::default();
+        self.crossed = None;
+        self.left = tracer.quality.bounces;
+        (self.drawn, self.asked, self.counted) = (None, None, false);
+        self.dice = Dice { sampler, surface: 0 };
+        self.first = first;
+    }
+}
+
+impl Path {
+    /// Notes that it was scattered at a point, with a density per solid angle of its direction.
+    pub fn scattered(&mut self, point: DVec3, density: f64) {
+        self.crossed = None;
+        (self.asked, self.counted) = (Some(point), false);
+        self.drawn = Some((point, density));
+        self.left -= 1;
+    }
 }
 
 impl<'a> Paths<'a> {
     pub fn new(tracer: &Tracer<'a>, settings: PathSettings) -> Self {
-        Self { luminaires: Luminaires::new(tracer), settings }
+        let luminaires = Luminaires::new(tracer);
+        let matt = Matt::new(tracer, luminaires.plain_lights());
+        let mut primitives = tracer.scene.geometry.primitives.iter();
+        let meshes = primitives.any(|primitive| matches!(primitive.shape, Shape::Mesh(_)));
+        Self { luminaires, settings, matt, meshes }
     }
 
-    /// Adds what is seen along a camera's ray to `work`.
-    pub fn follow(&self, tracer: &Tracer, (ray, beam): (Ray, Beam), mut dice: Dice, work: &mut Work) {
-        let mut path = Path {
-            ray,
-            beam,
-            throughput: Throughput::showing(Rgb::ONE),
-            media: Media::default(),
-            crossed: None,
-            left: tracer.quality.bounces,
-            drawn: None,
-            asked: None,
-            counted: false,
-        };
-        while self.step(tracer, &mut path, dice, work) {
-            dice.surface += 1;
+    /// Shades every path by itself.
+    #[cfg(test)]
+    pub fn one_by_one(&mut self) {
+        self.matt = None;
+    }
+
+    /// Follows paths from the eye to where they end, all of them from surface to surface. What is seen along them is added
+    /// to `work`.
+    pub fn follow(&self, tracer: &Tracer, paths: &mut [Path], work: &mut Work) {
+        let mut active: Vec<u32> = (0..paths.len() as u32).collect();
+        let mut hits = Vec::with_capacity(active.len());
+        let (mut matt, mut matt_hits) = (Vec::with_capacity(active.len()), Vec::with_capacity(active.len()));
+        let mut goes_on = [false; WAVE];
+        let mut from_eye = true;
+        while !active.is_empty() {
+            tracer.meet(paths, &active, from_eye, &mut hits);
+            if self.meshes {
+                tracer.fetch(&hits);
+            }
+            for (&index, hit) in active.iter().zip(&hits) {
+                let path = &mut paths[index as usize];
+                if let Some(hit) = hit
+                    && self.matt.as_ref().is_some_and(|matt| matt.takes(tracer, path, hit))
+                {
+                    matt.push(index);
+                    matt_hits.push(*hit);
+                    continue;
+                }
+                work.first = path.first;
+                // Most paths end this way, and have not to go through all that others may meet.
+                if hit.is_none() && path.crossed.is_none() && path.media.is_outside() && tracer.fog.is_none()
+                {
+                    self.escape(tracer, path, work);
+                    goes_on[index as usize] = false;
+                    continue;
+                }
+                goes_on[index as usize] = self.step(tracer, path, *hit, work);
+            }
+            if let Some(shader) = &self.matt {
+                for (which, hits) in matt.chunks(8).zip(matt_hits.chunks(8)) {
+                    let on = shader.follow(Eight { integrator: self, tracer, paths, which, hits }, work);
+                    (0..).zip(which).for_each(|(lane, &index)| goes_on[index as usize] = on >> lane & 1 == 1);
+                }
+            }
+            matt.clear();
+            matt_hits.clear();
+            active.retain(|&index| {
+                paths[index as usize].dice.surface += 1;
+                goes_on[index as usize]
+            });
+            let mut shadows = std::mem::take(&mut work.shadows);
+            tracer.cast(&mut shadows, from_eye, work);
+            work.shadows = shadows;
+            from_eye = false;
         }
     }
 
-    /// Goes on to the next surface and from there; false at the path's end.
-    fn step(&self, tracer: &Tracer, path: &mut Path, dice: Dice, work: &mut Work) -> bool {
+    /// Goes on to the next surface and from there; false at the path's end. `hit` is what lies ahead of a
+    /// ray that has not passed anything just now.
+    fn step(&self, tracer: &Tracer, path: &mut Path, hit: Option<Hit>, work: &mut Work) -> bool {
         let met = tracer.lying_in(path.crossed.as_ref(), path.beam.width).unwrap_or_else(|| {
+            let hit = if path.crossed.is_none() { hit } else { tracer.closest(&path.ray) };
             path.crossed = None;
-            let (met, way) = tracer.advance((&path.ray, &path.beam), &path.media, &path.throughput, work);
+            let (met, way) =
+                tracer.advance((&path.ray, &path.beam), hit, &path.media, &path.throughput, work);
             path.throughput.go(way);
             met
         });
         match met {
             Met::Nothing => {
-                let weight =
-                    self.met_weight(path, |_| self.luminaires.sky_density(tracer, path.ray.direction));
-                tracer.add_sky(&path.ray, path.throughput.shining() * weight, path.left, work);
+                self.escape(tracer, path, work);
                 false
             }
             Met::Light { index, outside, surface, hit } => {
@@ -92,9 +188,15 @@ impl<'a> Paths<'a> {
             }
             Met::Surface(face) => {
                 path.beam.width = face.width;
-                self.at_surface(tracer, path, &face, dice, work)
+                self.at_surface(tracer, path, &face, work)
             }
         }
+    }
+
+    /// Adds what the sky sends to a path that has met nothing.
+    fn escape(&self, tracer: &Tracer, path: &Path, work: &mut Work) {
+        let weight = self.met_weight(path, |_| self.luminaires.sky_density(tracer, path.ray.direction));
+        tracer.add_sky(&path.ray, path.throughput.shining() * weight, path.left, work);
     }
 
     /// What light that was met counts, against the density with which it was asked for: the balance heuristic.
@@ -107,7 +209,8 @@ impl<'a> Paths<'a> {
         asked(from).map_or(1.0, |asked| (density / (density + asked)) as f32)
     }
 
-    fn at_surface(&self, tracer: &Tracer, path: &mut Path, face: &Face, dice: Dice, work: &mut Work) -> bool {
+    fn at_surface(&self, tracer: &Tracer, path: &mut Path, face: &Face, work: &mut Work) -> bool {
+        let dice = path.dice;
         let boundary = tracer.boundary(face, &path.media);
         if let Some(boundary) = boundary.filter(|boundary| boundary.hidden) {
             path.crossed = Some(face.crossed(path.crossed, path.ray.direction));
@@ -122,7 +225,7 @@ impl<'a> Paths<'a> {
         let seen = face.seen(&path.ray);
         let u = dice.sampler.four(Use::Scatter(dice.surface));
         let Some(next) = scatter(&seen, boundary.as_ref(), u) else { return false };
-        let goes_on = self.go_on(path, face, &next) && self.survives(tracer, path, dice);
+        let goes_on = self.go_on(path, face, &next) && self.survives(tracer, path);
         if goes_on {
             count(next.kind, &mut work.counts.rays);
         }
@@ -136,6 +239,7 @@ impl<'a> Paths<'a> {
         }
         let seen = face.seen(&path.ray);
         let throughput = path.throughput.seen();
+        let mut turn = 0;
         self.luminaires.ask(tracer, &seen, dice, path.left == 0, |asked| {
             let arrival = &asked.arrival;
             let reflected = seen.reflected(arrival.direction);
@@ -145,6 +249,13 @@ impl<'a> Paths<'a> {
             let scattered = reflected.scattered(tracer.clearness(arrival, seen.surface));
             let share = scattered + reflected.highlight;
             if share == Rgb::ZERO || arrival.radiance == Rgb::ZERO {
+                return;
+            }
+            turn += 1;
+            if !tracer.clear && !tracer.media {
+                let share = share - scattered * (1.0 - weight);
+                let radiance = throughput * share * arrival.radiance;
+                work.shadows.push(Shadow::new(arrival, seen.surface, (asked.layer, turn), radiance, work));
                 return;
             }
             let passing = tracer.passing(arrival, seen.surface, &path.media, work);
@@ -173,7 +284,9 @@ impl<'a> Paths<'a> {
             Kind::Scattered => spawn_gathering(&face.surface, next.direction),
             Kind::Unbent | Kind::Bent | Kind::Mirrored => spawn(&face.surface, next.direction),
         };
-        path.media = next.media.unwrap_or(path.media);
+        if let Some(media) = next.media {
+            path.media = media;
+        }
         match next.kind {
             // Straight on: what was drawn before still leads there, and no bounce is taken.
             Kind::Unbent => return true,
@@ -189,13 +302,13 @@ impl<'a> Paths<'a> {
     }
 
     /// Russian roulette: dim paths end at random, and those that go on make up for them.
-    fn survives(&self, tracer: &Tracer, path: &mut Path, dice: Dice) -> bool {
+    pub fn survives(&self, tracer: &Tracer, path: &mut Path) -> bool {
         let Some(after) = self.settings.roulette else { return true };
         if tracer.quality.bounces - path.left <= after {
             return true;
         }
         let chance = path.throughput.shining().max_element().min(0.95);
-        if dice.sampler.two(Use::Roulette(dice.surface)).x >= f64::from(chance) {
+        if path.dice.sampler.two(Use::Roulette(path.dice.surface)).x >= f64::from(chance) {
             return false;
         }
         path.throughput.make_up_for(chance);

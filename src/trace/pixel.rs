@@ -1,17 +1,20 @@
 //! A pixel: its samples, and their mean.
 
-use super::path::Paths;
+use super::path::{Path, Paths};
 use super::together::Sums;
 use super::tracer::{Dice, Tracer, Work};
+use super::wave::WAVE;
 use super::{Moment, TraceSettings, guides, together, whitted};
 use crate::bvh::Bvh;
 use crate::camera::{Beam, Ray};
-use crate::counters::Dropped;
+use crate::counters::{Counts, Dropped};
 use crate::film::{Extras, LayerId};
 use crate::math::{DVec2, DVec3};
 use crate::quality::Integrator;
 use crate::sampling::{PixelSampler, Sampler, Use};
 use crate::scene::{Primitive, Scene};
+use crate::shape::Rays;
+use crate::simd::{self, Lanes, Octo, dispatch};
 use std::ops::Range;
 
 /// A frame's scene with all that its pixels have in common.
@@ -29,6 +32,15 @@ pub struct Pixels<'a> {
     guides: Option<LayerId>,
     /// Whether pixels are traced eight at a time.
     pub together: bool,
+    /// Paths that are followed at once, at most.
+    at_once: usize,
+}
+
+/// Some of a pixel's samples. Another seed gives independent ones.
+#[derive(Clone, Debug)]
+pub struct Drawn {
+    pub samples: Range<u32>,
+    pub seed: u32,
 }
 
 impl<'a> Pixels<'a> {
@@ -49,7 +61,7 @@ impl<'a> Pixels<'a> {
         let guides = settings.extras.guides_layer(lights);
         // Eight at a time only light is recorded.
         let together = !random && settings.extras == Extras::default() && together::suits(&tracer);
-        Self { settings, moment, tracer, paths, random, lights, guides, together }
+        Self { settings, moment, tracer, paths, random, lights, guides, together, at_once: WAVE }
     }
 
     /// The same with samples drawn at random, whatever the scene calls for.
@@ -57,37 +69,110 @@ impl<'a> Pixels<'a> {
         Self { random: true, together: false, ..Self::new(scene, bvh, settings, moment) }
     }
 
-    /// Adds a pixel's layers to `sums`: the mean of its samples or, of several moments, this moment's part of
-    /// it.
-    pub fn trace(&self, pixel: (u32, u32), sums: &mut [DVec3], work: &mut Work) {
-        let quality = &self.settings.quality;
-        let samples = if self.random { quality.samples } else { quality.antialias * quality.antialias };
-        self.add(pixel, 0..samples, quality.seed, sums, work);
-        for sum in sums {
-            *sum /= f64::from(samples);
+    /// Follows every path by itself.
+    #[cfg(test)]
+    pub fn one_by_one(&mut self) {
+        self.at_once = 1;
+        self.paths.iter_mut().for_each(Paths::one_by_one);
+    }
+
+    /// What a thread needs to trace pixels.
+    pub fn start(&self, layers: usize) -> Tracing {
+        match (self.together, &self.paths) {
+            (true, _) => Tracing::Together(Sums::new(layers)),
+            (false, Some(_)) => Tracing::Paths(Work::new(WAVE, layers), Followed::default()),
+            (false, None) => Tracing::Rays(Work::new(1, layers)),
         }
     }
 
-    /// Adds some samples of a pixel to `sums` or, of several moments, those that fall on this one. Another seed gives
-    /// independent ones.
-    pub fn add(
+    /// Adds pixels' layers, one pixel after the other, to `sums`: the means of their samples or, of several moments, this
+    /// moment's part of them. Neighbours should follow each other.
+    pub fn trace(&self, pixels: &[(u32, u32)], sums: &mut [DVec3], tracing: &mut Tracing) {
+        if let Tracing::Together(eight) = tracing {
+            let layers = eight.layers.len();
+            for (pixels, sums) in pixels.chunks(8).zip(sums.chunks_mut(8 * layers)) {
+                self.trace_together(pixels, sums, eight);
+            }
+            return;
+        }
+        self.add(pixels, &self.all(), sums, tracing);
+        let samples = f64::from(self.count());
+        sums.iter_mut().for_each(|sum| *sum /= samples);
+    }
+
+    /// Adds some of the pixels' samples to `sums` or, of several moments, those that fall on this one.
+    pub fn add(&self, pixels: &[(u32, u32)], drawn: &Drawn, sums: &mut [DVec3], tracing: &mut Tracing) {
+        match tracing {
+            // Without chance there is no part of the samples.
+            Tracing::Together(_) => {}
+            Tracing::Paths(work, paths) => self.trace_paths(pixels, drawn, sums, work, paths),
+            Tracing::Rays(work) => {
+                let layers = work.layers.len();
+                for (&pixel, sums) in pixels.iter().zip(sums.chunks_exact_mut(layers)) {
+                    for (sample, sampler) in self.samples(pixel, drawn) {
+                        let eye = self.eye(pixel, sample, &sampler, work);
+                        whitted::follow(&self.tracer, eye, Dice { sampler, surface: 0 }, work);
+                        self.take(sums, &mut work.layers, &mut work.counts.dropped);
+                    }
+                }
+            }
+        }
+    }
+
+    /// All samples of the quality.
+    fn all(&self) -> Drawn {
+        Drawn { samples: 0..self.count(), seed: self.settings.quality.seed }
+    }
+
+    /// How many samples a pixel has.
+    fn count(&self) -> u32 {
+        let quality = &self.settings.quality;
+        if self.random { quality.samples } else { quality.antialias * quality.antialias }
+    }
+
+    /// The pixel's samples at this moment, by their numbers.
+    fn samples(&self, pixel: (u32, u32), drawn: &Drawn) -> impl Iterator<Item = (u32, Sampler)> + use<> {
+        let numbers = PixelSampler::new(pixel, drawn.seed).with(self.settings.quality.points);
+        let Moment { index, of } = self.moment;
+        let now = move |sample: &u32| of == 1 || numbers.part_of_time(*sample, of) == index;
+        drawn.samples.clone().filter(now).map(move |sample| (sample, numbers.sample(sample)))
+    }
+
+    /// Many paths at once, of one pixel or several.
+    fn trace_paths(
         &self,
-        pixel: (u32, u32),
-        samples: Range<u32>,
-        seed: u32,
+        pixels: &[(u32, u32)],
+        drawn: &Drawn,
         sums: &mut [DVec3],
         work: &mut Work,
+        followed: &mut Followed,
     ) {
-        let numbers = PixelSampler::new(pixel, seed).with(self.settings.quality.points);
-        let Moment { index, of } = self.moment;
-        for sample in samples {
-            if of > 1 && numbers.part_of_time(sample, of) != index {
-                continue;
+        let Some(integrator) = &self.paths else { return };
+        let layers = work.layers.len() / WAVE;
+        let samples = pixels.iter().enumerate();
+        let samples = samples.flat_map(|(index, &pixel)| {
+            self.samples(pixel, drawn).map(move |(_, sampler)| Wanted { index, pixel, sampler })
+        });
+        let mut samples = samples.peekable();
+        let mut eight = Vec::with_capacity(8);
+        while samples.peek().is_some() {
+            while followed.pixels.len() < self.at_once && samples.peek().is_some() {
+                eight.clear();
+                eight.extend(samples.by_ref().take(self.at_once.min(8)));
+                let rays = dispatch(Eyes { of: self, wanted: &eight });
+                for (lane, Wanted { index, sampler, .. }) in eight.iter().enumerate() {
+                    let place = followed.pixels.len();
+                    work.first = place * layers;
+                    let eye = self.seen_along(rays.one(lane), work);
+                    if followed.paths.len() == place {
+                        followed.paths.push(Path::nowhere(*sampler));
+                    }
+                    followed.paths[place].start(&self.tracer, eye, *sampler, work.first);
+                    followed.pixels.push(*index);
+                }
             }
-            let sampler = numbers.sample(sample);
-            let (inside, lens) = self.place(sample, &sampler);
-            self.sample(pixel, inside, lens, sampler, work);
-            self.take(sums, work);
+            integrator.follow(&self.tracer, &mut followed.paths[..followed.pixels.len()], work);
+            self.take_all(sums, work, followed);
         }
     }
 
@@ -107,8 +192,8 @@ impl<'a> Pixels<'a> {
         ((cell + DVec2::splat(0.5)) / f64::from(n), DVec2::ZERO)
     }
 
-    /// [`Pixels::trace`] of up to eight pixels, whose layers are one after the other in `sums`.
-    pub fn trace_together(&self, pixels: &[(u32, u32)], sums: &mut [DVec3], eight: &mut Sums) {
+    /// [`Pixels::trace`] of up to eight pixels.
+    fn trace_together(&self, pixels: &[(u32, u32)], sums: &mut [DVec3], eight: &mut Sums) {
         let quality = &self.settings.quality;
         let samples = quality.antialias * quality.antialias;
         let limit = quality.clamp.map(f64::from);
@@ -143,39 +228,107 @@ impl<'a> Pixels<'a> {
         DVec2::new(filter.offset(place.x), filter.offset(place.y)) + DVec2::splat(0.5)
     }
 
-    fn ray(&self, (x, y): (u32, u32), inside: DVec2, lens: DVec2) -> (Ray, Beam) {
+    fn ray(&self, (x, y): (u32, u32), inside: DVec2, lens: DVec2) -> Ray {
         let (width, height) = (f64::from(self.settings.size.0), f64::from(self.settings.size.1));
         let at = DVec2::new(f64::from(x), f64::from(y)) + self.inside(inside);
         // Square pixels: both axes in units of half the picture's height, from its centre.
         let screen = DVec2::new(2.0 * at.x - width, height - 2.0 * at.y) / height;
-        let camera = self.tracer.scene.camera;
-        let ray = camera.ray(screen, lens);
-        (ray, camera.beam(&ray, 2.0 / height))
+        self.tracer.scene.camera.ray(screen, lens)
     }
 
-    fn sample(&self, pixel: (u32, u32), inside: DVec2, lens: DVec2, sampler: Sampler, work: &mut Work) {
-        let (ray, beam) = self.ray(pixel, inside, lens);
+    /// The ray from the eye along which a sample is seen.
+    fn eye(&self, pixel: (u32, u32), sample: u32, sampler: &Sampler, work: &mut Work) -> (Ray, Beam) {
+        let (inside, lens) = self.place(sample, sampler);
+        self.seen_along(self.ray(pixel, inside, lens), work)
+    }
+
+    /// A ray from the eye with its beam. What else than light is recorded is added to `work`.
+    fn seen_along(&self, ray: Ray, work: &mut Work) -> (Ray, Beam) {
+        let beam = self.tracer.scene.camera.beam(&ray, 2.0 / f64::from(self.settings.size.1));
         work.counts.rays.camera += 1;
         if let Some(first) = self.guides {
             guides::record(&self.tracer, (&ray, &beam), first, work);
         }
-        let dice = Dice { sampler, surface: 0 };
-        match &self.paths {
-            None => whitted::follow(&self.tracer, (ray, beam), dice, work),
-            Some(paths) => paths.follow(&self.tracer, (ray, beam), dice, work),
+        (ray, beam)
+    }
+
+    /// Adds the samples of paths that have been followed to their pixels' sums.
+    fn take_all(&self, sums: &mut [DVec3], work: &mut Work, followed: &mut Followed) {
+        let layers = work.layers.len() / WAVE;
+        for (index, samples) in followed.pixels.drain(..).zip(work.layers.chunks_exact_mut(layers)) {
+            self.take(&mut sums[index * layers..][..layers], samples, &mut work.counts.dropped);
         }
     }
 
-    /// Adds the sample in hand to the sums, but for what is no light.
-    fn take(&self, sums: &mut [DVec3], work: &mut Work) {
+    /// Adds a sample's layers to a pixel's sums, but for what is no light, and leaves nothing of them.
+    fn take(&self, sums: &mut [DVec3], sample: &mut [DVec3], dropped: &mut Dropped) {
         let limit = self.settings.quality.clamp.map(f64::from);
         let (lights, extras) = sums.split_at_mut(self.lights);
-        let (sampled_lights, sampled_extras) = work.layers.split_at_mut(self.lights);
+        let (sampled_lights, sampled_extras) = sample.split_at_mut(self.lights);
         for (sum, sample) in extras.iter_mut().zip(sampled_extras) {
             *sum += std::mem::take(sample);
         }
         for (sum, sample) in lights.iter_mut().zip(sampled_lights) {
-            add(sum, std::mem::take(sample), limit, &mut work.counts.dropped);
+            add(sum, std::mem::take(sample), limit, dropped);
+        }
+    }
+}
+
+/// What a thread traces pixels with.
+pub enum Tracing {
+    Together(Sums),
+    Rays(Work),
+    Paths(Work, Followed),
+}
+
+/// A sample that is wanted of one of several pixels.
+struct Wanted {
+    index: usize,
+    pixel: (u32, u32),
+    sampler: Sampler,
+}
+
+/// The rays from the eye of up to eight samples drawn at random.
+struct Eyes<'a, 'b> {
+    of: &'a Pixels<'b>,
+    wanted: &'a [Wanted],
+}
+
+impl simd::Work for Eyes<'_, '_> {
+    type Output = Rays;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Rays {
+        let Self { of: Pixels { settings, tracer, .. }, wanted } = self;
+        let last = wanted.len() - 1;
+        let mut samplers = [wanted[last].sampler; 8];
+        for (sampler, wanted) in samplers.iter_mut().zip(wanted) {
+            *sampler = wanted.sampler;
+        }
+        let [mut x, mut y, u, v] = Sampler::four_together(&samplers, Use::Camera);
+        for lane in 0..8 {
+            let (left, top) = wanted[lane.min(last)].pixel;
+            x[lane] = f64::from(left) + (settings.filter.offset(x[lane]) + 0.5);
+            y[lane] = f64::from(top) + (settings.filter.offset(y[lane]) + 0.5);
+        }
+        let at = [Octo::load(&x), Octo::load(&y)];
+        together::camera::rays::<L::Quad>(tracer.scene.camera, settings.size, at, &[u, v])
+    }
+}
+
+/// The places of pixels among those that are traced, with a path on its way for each. There may be more paths, left over
+/// from earlier.
+#[derive(Default)]
+pub struct Followed {
+    paths: Vec<Path>,
+    pixels: Vec<usize>,
+}
+
+impl Tracing {
+    pub fn counts(self) -> Counts {
+        match self {
+            Self::Together(eight) => eight.counts,
+            Self::Rays(work) | Self::Paths(work, _) => work.counts,
         }
     }
 }

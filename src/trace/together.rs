@@ -4,7 +4,7 @@
 //! Eight neighbours of a picture meet mostly the same. Every number is computed as `whitted` does, lane by lane, so that
 //! pictures do not tell how many rays were traced at once.
 
-mod camera;
+pub mod camera;
 mod lights;
 mod shade;
 mod starts;
@@ -19,9 +19,10 @@ use crate::math::{DVec2, DVec3};
 use crate::scene::{Finish, Primitive};
 use crate::shape::{Rays, Shape, lanes};
 use crate::simd::{Lanes, Octo, Quad, Vector, Work, dispatch};
-use lights::Arrivals;
-use shade::{Color, Reflectors};
-use starts::Starts;
+pub use lights::Arrivals;
+pub use shade::Color;
+use shade::Reflectors;
+pub use starts::Starts;
 
 /// What eight rays add to each layer: red, green and blue of each.
 pub struct Sums {
@@ -105,7 +106,9 @@ impl Work for Follow<'_, '_> {
     fn run<L: Lanes>(self) {
         let Self { tracer, pixels: &Pixels { size, ref pixels, inside, wanted }, sums } = self;
         sums.counts.rays.camera += u64::from(wanted.count_ones());
-        let rays = camera::rays::<L>(tracer.scene.camera, size, pixels, inside);
+        let x = Octo::load(&pixels.map(|(x, _)| f64::from(x))) + Octo::splat(inside.x);
+        let y = Octo::load(&pixels.map(|(_, y)| f64::from(y))) + Octo::splat(inside.y);
+        let rays = camera::rays::<L::Quad>(tracer.scene.camera, size, [x, y], &[[0.0; 8]; 2]);
         let mut bundle = Bundle::<L> { rays, throughput: Color::splat(Rgb::ONE), wanted };
         let mut left = tracer.quality.bounces;
         while bundle.wanted != 0 {

@@ -45,21 +45,27 @@ pub struct Tracer<'a> {
 
 /// What one thread's samples work with.
 pub struct Work {
-    /// What the sample in hand adds to each layer.
+    /// What samples add to each layer, sample after sample.
     pub layers: Vec<DVec3>,
+    /// Where the layers of the sample in hand begin.
+    pub first: usize,
     pub counts: Counts,
     /// Rays that are put off.
     pub pending: Vec<super::whitted::Pending>,
+    /// Light whose shadow rays are put off.
+    pub shadows: Vec<super::wave::Shadow>,
 }
 
 impl Work {
-    pub fn new(layers: usize) -> Self {
-        let layers = vec![DVec3::ZERO; layers];
-        Self { layers, counts: Counts::default(), pending: Vec::new() }
+    /// For so many samples at once, and layers of each.
+    pub fn new(samples: usize, layers: usize) -> Self {
+        let layers = vec![DVec3::ZERO; samples * layers];
+        Self { layers, first: 0, counts: Counts::default(), pending: Vec::new(), shadows: Vec::new() }
     }
 
+    #[inline]
     pub fn add(&mut self, layer: LayerId, radiance: Rgb) {
-        self.layers[layer.index()] += radiance.as_dvec3();
+        self.layers[self.first + layer.index()] += radiance.as_dvec3();
     }
 }
 
@@ -134,17 +140,24 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// What the ray meets, and what its way there, which may be infinite, leaves of the light. The fog's own light
+    /// What the ray meets first.
+    #[inline]
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        self.bvh.closest(self.scene.geometry, &Probe::new(*ray))
+    }
+
+    /// What the ray has come to, and what its way there, which may be infinite, leaves of the light. The fog's own light
     /// is added. What a surface gathers comes through no fog, as its shadow rays do not: a way to what shines by
     /// itself glows for the throughput's other part alone.
+    #[inline]
     pub fn advance(
         &self,
         (ray, beam): (&Ray, &Beam),
+        hit: Option<Hit>,
         media: &Media,
         throughput: &Throughput,
         work: &mut Work,
     ) -> (Met<'a>, Way) {
-        let hit = self.bvh.closest(self.scene.geometry, &Probe::new(*ray));
         let t = hit.map_or(f64::INFINITY, |hit| hit.at.t);
         let mut way = Way { passed: Rgb::ONE, clear: 1.0 };
         if self.media {
@@ -163,13 +176,28 @@ impl<'a> Tracer<'a> {
         (met, way)
     }
 
-    /// What a hit is, for a beam of this width.
-    pub fn met(&self, ray: &Ray, hit: Hit, width: f64) -> Met<'a> {
-        let primitive = &self.scene.geometry.primitives[hit.primitive as usize];
-        let mut surface = primitive.surface(ray, hit.at);
+    /// The surface that was hit.
+    #[inline]
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+        let mut surface = self.scene.geometry.primitives[hit.primitive as usize].surface(ray, hit.at);
         if !self.quality.smooth_terminator {
             surface.lift = DVec3::ZERO;
         }
+        surface
+    }
+
+    /// The material that was hit.
+    #[inline]
+    pub fn material_of(&self, hit: &Hit) -> &'a Material {
+        let index = self.scene.geometry.primitives[hit.primitive as usize].material(hit.at.part);
+        &self.scene.shading.materials[index.unwrap_or_default() as usize]
+    }
+
+    /// What a hit is, for a beam of this width.
+    #[inline]
+    pub fn met(&self, ray: &Ray, hit: Hit, width: f64) -> Met<'a> {
+        let primitive = &self.scene.geometry.primitives[hit.primitive as usize];
+        let mut surface = self.surface(ray, &hit);
         // Surfaces are two-sided: the normal faces the eye.
         let outside = surface.normal.dot(ray.direction) <= 0.0;
         if let Finish::Light(index) = primitive.finish {

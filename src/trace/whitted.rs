@@ -47,7 +47,8 @@ fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
     let lying = tracer.lying_in(pending.crossed.as_ref(), beam.width);
     let crossed = pending.crossed.filter(|_| lying.is_some());
     let met = lying.unwrap_or_else(|| {
-        let (met, way) = tracer.advance((&ray, beam), media, &Throughput::showing(throughput), work);
+        let (met, way) =
+            tracer.advance((&ray, beam), tracer.closest(&ray), media, &Throughput::showing(throughput), work);
         throughput *= way.passed * way.clear;
         met
     });

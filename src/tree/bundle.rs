@@ -1,9 +1,10 @@
 //! Walking a tree along eight rays at once, which pays where they go the same way.
 
-use super::slabs::{AFAR, ROUNDOFF, SLACK, SPREAD, STEEPEST};
+use super::slabs::{AFAR, ROUNDOFF, SLACK, SPREAD, STEEPEST, Wide};
 use super::space::ROUNDING;
-use super::{Child, Node, Tree};
-use crate::math::gamma;
+use super::walk::{Leaves, Walk};
+use super::{Child, Node, Slabs, Tree};
+use crate::math::{gamma, larger, smaller};
 use crate::simd::{Lanes, Octo, Quad, Vector};
 
 /// What a tree's leaves hold, while eight rays walk the tree.
@@ -13,7 +14,17 @@ pub trait BundleLeaves<L> {
 
     /// The limits beyond which nothing is of interest any more; below 0 for rays that have ended.
     fn limit(&self) -> L;
+
+    /// Goes on along one of the rays alone, by [`Tree::walk_below`].
+    fn part(&mut self, ray: usize, below: Branch);
 }
+
+/// What is below a node of a tree.
+#[derive(Clone, Copy, Debug)]
+pub struct Branch(Child);
+
+/// So many rays go on alone.
+const FEW: u32 = 1;
 
 /// Eight rays as a tree's filters see them, like [`Slabs`](super::Slabs).
 pub struct BundleSlabs<L: Lanes> {
@@ -23,6 +34,19 @@ pub struct BundleSlabs<L: Lanes> {
     /// Rays for which upper planes come first.
     backwards: [u32; 3],
     unit: Octo<L::Quad>,
+    origin: [L; 3],
+    error: L,
+    /// What holds all rays, where they go the same way along every axis.
+    hull: Option<Wide<L>>,
+}
+
+/// Rays along one axis: those of [`Slabs`](super::Slabs), and bounds of all of them.
+struct Along<L> {
+    enter: [L; 2],
+    leave: [L; 2],
+    /// Bits of rays that go backwards.
+    backwards: u32,
+    hull: [[L; 2]; 2],
 }
 
 impl<L: Lanes> BundleSlabs<L> {
@@ -42,14 +66,33 @@ impl<L: Lanes> BundleSlabs<L> {
         let scale = direction.longest().power_of_two();
         let error = from.longest().larger(Octo::splat(space.farthest)) * Octo::splat(space.per * ROUNDING);
         let error = error + Octo::splat(SLACK);
-        let (x, x_bits) = Self::along(origin.x, direction.x, scale, error);
-        let (y, y_bits) = Self::along(origin.y, direction.y, scale, error);
-        let (z, z_bits) = Self::along(origin.z, direction.z, scale, error);
+        let x = Self::along(origin.x, direction.x, scale, error, near);
+        let y = Self::along(origin.y, direction.y, scale, error, near);
+        let z = Self::along(origin.z, direction.z, scale, error, near);
+        let backwards = [x.backwards & near, y.backwards & near, z.backwards & near];
+        let mut hull = None;
+        if (backwards[0] == 0 || backwards[0] == near)
+            && (backwards[1] == 0 || backwards[1] == near)
+            && (backwards[2] == 0 || backwards[2] == near)
+        {
+            hull = Some(Wide {
+                enter: [x.hull[0], y.hull[0], z.hull[0]],
+                leave: [x.hull[1], y.hull[1], z.hull[1]],
+                near: [
+                    usize::from(backwards[0] != 0),
+                    usize::from(backwards[1] != 0),
+                    usize::from(backwards[2] != 0),
+                ],
+            });
+        }
         let slabs = Self {
-            enter: [x[0], y[0], z[0]],
-            leave: [x[1], y[1], z[1]],
-            backwards: [x_bits & near, y_bits & near, z_bits & near],
+            enter: [x.enter, y.enter, z.enter],
+            leave: [x.leave, y.leave, z.leave],
+            backwards,
             unit: scale * per,
+            origin: [L::load(&origin.x.narrow()), L::load(&origin.y.narrow()), L::load(&origin.z.narrow())],
+            error: L::load(&error.narrow()),
+            hull,
         };
         let afar = match rays & !near {
             0 => 0,
@@ -65,7 +108,8 @@ impl<L: Lanes> BundleSlabs<L> {
         direction: Octo<L::Quad>,
         scale: Octo<L::Quad>,
         error: Octo<L::Quad>,
-    ) -> ([[L; 2]; 2], u32) {
+        wanted: u32,
+    ) -> Along<L> {
         let inverse = Octo::splat(1.0) / direction * scale;
         let steepness = inverse.absolute().smaller(Octo::splat(STEEPEST));
         let inverse = steepness.signed_like(inverse);
@@ -74,7 +118,61 @@ impl<L: Lanes> BundleSlabs<L> {
         let spread = Octo::splat(SPREAD);
         let enter = [L::load(&inverse.narrow()), L::load(&(offset - off).narrow())];
         let leave = [L::load(&(inverse * spread).narrow()), L::load(&((offset + off) * spread).narrow())];
-        ([enter, leave], inverse.signs())
+        let backwards = inverse.signs();
+        let hull = Self::hull(&origin.store(), &steepness.store(), &error.store(), backwards, wanted);
+        Along { enter, leave, backwards, hull }
+    }
+
+    /// What holds the rays whose bits are set, along an axis along which all of them go backwards, or none: a box that
+    /// lies ahead of the foremost origin is entered no earlier than by the least steep ray from there, and left no later
+    /// than by the steepest from the hindmost origin. Both are rays like others, with the same bounds of their rounding;
+    /// what is entered or left before the start is not told from what is so at the start.
+    #[inline(always)]
+    fn hull(
+        origin: &[f64; 8],
+        steepness: &[f64; 8],
+        error: &[f64; 8],
+        backwards: u32,
+        wanted: u32,
+    ) -> [[L; 2]; 2] {
+        let sign = if backwards & wanted == 0 { 1.0 } else { -1.0 };
+        let (mut least, mut most) = (f64::INFINITY, 0.0);
+        let (mut first, mut last) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut farthest_off = 0.0;
+        for lane in 0..8 {
+            if wanted >> lane & 1 == 1 {
+                least = smaller(steepness[lane], least);
+                most = larger(steepness[lane], most);
+                first = larger(sign * origin[lane], first);
+                last = smaller(sign * origin[lane], last);
+                farthest_off = larger(error[lane], farthest_off);
+            }
+        }
+        let pad = |offset: f64, steepness: f64| offset.abs() * (4.0 * ROUNDOFF) + farthest_off * steepness;
+        let (enter, leave) = (-first * least, -last * most);
+        let (enter, leave) = (enter - pad(enter, least), leave + pad(leave, most));
+        [
+            [L::splat((sign * least) as f32), L::splat(enter as f32)],
+            [L::splat((sign * most * SPREAD) as f32), L::splat((leave * SPREAD) as f32)],
+        ]
+    }
+
+    /// Where the rays start in the tree's space, in f32.
+    #[inline(always)]
+    pub fn origin(&self) -> [L; 3] {
+        self.origin
+    }
+
+    /// How far off the rays' origins may be along each axis, before they are rounded to f32.
+    #[inline(always)]
+    pub fn error(&self) -> L {
+        self.error
+    }
+
+    /// 1 / direction along an axis.
+    #[inline(always)]
+    pub fn inverse_along(&self, axis: usize) -> L {
+        self.enter[axis % 3][0]
     }
 
     /// Limits of the rays' t in the filters' units, rounded up.
@@ -170,9 +268,20 @@ impl Tree {
         loop {
             if let Some(leaf) = at.as_leaf() {
                 leaves.visit(leaf, rays);
+            } else if rays.count_ones() <= FEW {
+                while rays != 0 {
+                    leaves.part(rays.trailing_zeros() as usize & 7, Branch(at));
+                    rays &= rays - 1;
+                }
             } else {
                 let (node, limit, bottom) = (&self.nodes[at.0 as usize], leaves.limit(), top);
-                for slot in 0..8 {
+                let mut candidates = 0xff;
+                if let Some(hull) = &slabs.hull {
+                    (candidates, _) = hull.test(node, f32::INFINITY);
+                }
+                while candidates != 0 {
+                    let slot = candidates.trailing_zeros() as usize & 7;
+                    candidates &= candidates - 1;
                     let child = node.children[slot];
                     if child == Child::NONE {
                         continue;
@@ -200,6 +309,19 @@ impl Tree {
             top = next;
             (_, at, rays) = stack[top];
         }
+    }
+
+    /// Walks what is below a node along a single ray, of which nothing beyond `limit` is of interest. Gives what is left of
+    /// the limit, or none if a leaf has ended the walk.
+    #[inline(always)]
+    pub fn walk_below<L: Lanes>(
+        &self,
+        below: Branch,
+        slabs: &Slabs,
+        limit: f32,
+        leaves: &mut impl Leaves,
+    ) -> Option<f32> {
+        L::apart(Walk { tree: self, slabs, leaves, limit, from: below.0 })
     }
 
     /// The same from another child on, out of line.

@@ -11,7 +11,7 @@ mod slabs;
 mod space;
 mod walk;
 
-pub use bundle::{BundleLeaves, BundleSlabs};
+pub use bundle::{Branch, BundleLeaves, BundleSlabs};
 pub use contents::Contents;
 pub use probe::Probe;
 pub use slabs::Slabs;

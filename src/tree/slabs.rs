@@ -137,9 +137,10 @@ fn row<Q: Quad>(v: DVec3) -> Q {
 /// [`Slabs`] in lanes.
 #[derive(Clone, Copy)]
 pub(super) struct Wide<L> {
-    enter: [[L; 2]; 3],
-    leave: [[L; 2]; 3],
-    near: [usize; 3],
+    pub enter: [[L; 2]; 3],
+    pub leave: [[L; 2]; 3],
+    /// Along each axis whether upper planes come first.
+    pub near: [usize; 3],
 }
 
 // No closures here: they would be compiled for less than the lanes need.

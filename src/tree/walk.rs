@@ -45,12 +45,13 @@ impl<V: Leaves> Work for Begin<'_, V> {
     }
 }
 
-struct Walk<'a, V> {
-    tree: &'a Tree,
-    slabs: &'a Slabs,
-    leaves: &'a mut V,
-    limit: f32,
-    from: Child,
+/// A walk from a child on.
+pub(super) struct Walk<'a, V> {
+    pub tree: &'a Tree,
+    pub slabs: &'a Slabs,
+    pub leaves: &'a mut V,
+    pub limit: f32,
+    pub from: Child,
 }
 
 impl<V: Leaves> Work for Walk<'_, V> {

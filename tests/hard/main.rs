@@ -10,8 +10,9 @@
     reason = "a test that panics has done its work; clippy knows only `#[test]`"
 )]
 
-mod exact;
 mod support;
+
+use kinora::accuracy::exact;
 
 mod intersection;
 mod traversal;
@@ -21,6 +22,8 @@ mod shading;
 mod sampling;
 mod camera;
 mod colour;
+mod matrix;
 mod moved;
+mod odd;
 mod properties;
 mod sources;

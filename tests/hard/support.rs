@@ -4,7 +4,7 @@
 #[allow(dead_code, reason = "shared with the other tests, which need more of it")]
 mod shared;
 
-pub use shared::{Random, geometry, radiance_at_target, sequence, shoot, shoot_all};
+pub use shared::{Random, geometry, radiance_at_target, sequence, shoot, shoot_all, shoot_counting};
 
 use kinora::camera::Ray;
 use kinora::material::MadeOf;

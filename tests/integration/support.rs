@@ -1,7 +1,7 @@
 //! What the tests share: sequences as text, films collected instead of written, and random numbers.
 
 use kinora::color::Rgb;
-use kinora::counters::Meter;
+use kinora::counters::{Dropped, Meter};
 use kinora::encode::EncodeError;
 use kinora::film::{Extras, Film};
 use kinora::material::MadeOf;
@@ -84,6 +84,17 @@ pub fn shoot(sequence: &Sequence, frames: impl IntoIterator<Item = u32>) -> Vec<
     let films = frame_loop.into_sink().expect("the sink").0;
     assert_eq!(films.len(), works.len(), "a film per frame");
     films.into_iter().zip(works).map(|(film, work)| Shot { film, work }).collect()
+}
+
+/// The first frame, and the samples that were no light.
+#[allow(dead_code, reason = "for the hard cases")]
+pub fn shoot_counting(text: &str) -> (Film, Dropped) {
+    let sequence = sequence(text);
+    let mut frame_loop = FrameLoop::new(&sequence, Films::default(), Arc::new(Meter::default()));
+    frame_loop.frame(0).unwrap_or_else(|fault| panic!("{fault:?}"));
+    let dropped = frame_loop.tally().counts.dropped;
+    let film = frame_loop.into_sink().and_then(|mut films| films.0.pop()).expect("a film");
+    (film, dropped)
 }
 
 /// The first frame with what is recorded besides light.

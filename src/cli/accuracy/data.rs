@@ -58,15 +58,23 @@ pub fn json(measured: &Measured, origin: &Origin) -> String {
             .text("axis", setting.axis.name())
             .text("value", &setting.value)
             .text("flags", &setting.flags);
-        columns(point).into_iter().fold(object, |object, (name, value)| object.number(name, value)).finish()
+        columns(point)
+            .into_iter()
+            .fold(object, |object, (name, value)| object.exact(name, Some(value)))
+            .finish()
     });
     let slopes = measured.slopes.iter().fold(Object::new(), |object, (axis, slope)| {
-        let of =
-            Object::new().number("power", slope.mean).number("low", slope.low).number("high", slope.high);
+        let of = Object::new()
+            .exact("power", Some(slope.mean))
+            .exact("low", Some(slope.low))
+            .exact("high", Some(slope.high));
         object.object(axis.name(), of)
     });
     let layers = measured.layers.iter().fold(Object::new(), |object, layer| {
-        object.object(&layer.name, Object::new().number("share", layer.share).number("error", layer.error))
+        object.object(
+            &layer.name,
+            Object::new().exact("share", Some(layer.share)).exact("error", Some(layer.error)),
+        )
     });
     let left_out =
         measured.left_out.iter().fold(Object::new(), |object, left| object.text(left.what, &left.why));
@@ -74,7 +82,7 @@ pub fn json(measured: &Measured, origin: &Origin) -> String {
         .text("command", &origin.command)
         .text("machine", &origin.machine)
         .whole("threads", measured.threads as u64)
-        .number("price_of_half_the_error", measured.price_of_half().unwrap_or(f64::NAN))
+        .exact("price_of_half_the_error", measured.price_of_half())
         .object("slopes", slopes)
         .object("layers", layers)
         .object("left_out", left_out)
@@ -105,8 +113,8 @@ fn about(measured: &Measured) -> Object {
         .text("measured_size", &size(measured.size))
         .whole("runs", measured.runs.into())
         .whole("reference_samples", measured.reference.into())
-        .number("reference_error", measured.reference_error)
-        .number("brightness", measured.brightness)
+        .exact("reference_error", Some(measured.reference_error))
+        .exact("brightness", Some(measured.brightness))
         .real("took_s", Some(measured.took.as_secs_f64()))
         .texts("findings", measured.lines().into_iter())
         .raw("advice", list(advice))

@@ -19,7 +19,8 @@ use std::time::Duration;
 #[derive(Args, Debug, PartialEq)]
 pub struct Options {
     /// The sequence file (.ron)
-    file: PathBuf,
+    #[arg(required_unless_present = "hard_cases")]
+    file: Option<PathBuf>,
 
     /// Folder for the report: report.html, its plots, data.csv and data.json [default: output/NAME_accuracy]
     #[arg(short, long, value_name = "DIR")]
@@ -28,10 +29,6 @@ pub struct Options {
     /// Frames to measure, as of `render` [default: that in the middle]
     #[arg(long, value_name = "SET", allow_hyphen_values = true)]
     frames: Option<FrameSet>,
-
-    /// A first answer in under a minute: small pictures, few settings
-    #[arg(long)]
-    quick: bool,
 
     /// About how long it may take, such as 90s, 10min or 2h [default: 5min]
     ///
@@ -60,18 +57,15 @@ pub struct Options {
     progress: ProgressMode,
 }
 
-pub const AFTER_HELP: &str = "\
-Examples:
-  kinora accuracy turn.ron --quick            a first answer in under a minute
-  kinora accuracy turn.ron -o report          the frame in the middle, five minutes
-  kinora accuracy turn.ron --frames 0-71:24 --time 30min -s 320x180";
-
 /// What a first answer may take: with loading and writing, less than a minute.
 const QUICK: Duration = Duration::from_secs(40);
 const USUAL: Duration = Duration::from_secs(5 * 60);
 
-pub fn run(options: &Options) -> Result<(), Failure> {
-    let sequence = load::sequence(&options.file, loading::Reporter::new(options.progress, options.quiet))?;
+pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
+    let Some(file) = &options.file else {
+        return Err(Failure::Bad("name the sequence file to measure".to_owned()));
+    };
+    let sequence = load::sequence(file, loading::Reporter::new(options.progress, options.quiet))?;
     let frames = match &options.frames {
         Some(_) => render::frames_of(options.frames.as_ref(), &sequence)?,
         None => vec![sequence.timeline.frames / 2],
@@ -83,8 +77,8 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         .map_err(|error| Failure::Bad(format!("cannot create the folder {}: {error}", folder.display())))?;
     let request = Request {
         frames,
-        time: options.time.unwrap_or(if options.quick { QUICK } else { USUAL }),
-        quick: options.quick,
+        time: options.time.unwrap_or(if quick { QUICK } else { USUAL }),
+        quick,
         size: options.size,
         most_samples: options.most_samples.map(|most| most.min(1024)),
         threads: options.threads,
@@ -95,7 +89,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let origin = Origin {
         command: std::env::args().collect::<Vec<_>>().join(" "),
         machine: machine(),
-        file: options.file.display().to_string(),
+        file: file.display().to_string(),
     };
     let report = write(&folder, &measured, &origin)?;
     if options.quiet {

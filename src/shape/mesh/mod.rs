@@ -1,7 +1,10 @@
 //! Triangle meshes: many triangles with a tree of their own.
 
+mod bundle;
 #[cfg(test)]
 mod tests;
+
+pub use bundle::Blocked;
 
 use super::triangle::{covers, depth, uniform_weights, unit_normal};
 use super::{Crossing, Geometric, Parameters, Surface, flat};
@@ -50,9 +53,15 @@ impl Geometric for Mesh {
 
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
         let corners = self.mesh.corners(at.part);
-        let normal = unit_normal(corners);
-        let surface = self.shaded(flat::surface(corners[0], normal, ray, at.t), at.part);
-        if surface.shading == normal { surface } else { self.lifted(surface, ray, at.part) }
+        let surface = flat::surface(corners[0], unit_normal(corners), ray, at.t);
+        let Some(normals) = self.mesh.corner_normals(at.part, self.normals) else { return surface };
+        let weights = weights(corners, surface.point);
+        let shaded = shaded(surface, normals, weights);
+        if shaded.shading == surface.normal {
+            surface
+        } else {
+            lifted(shaded, ray, corners, normals, weights)
+        }
     }
 
     fn bounds(&self) -> Option<Aabb> {
@@ -95,7 +104,12 @@ impl Geometric for Mesh {
         let weights = uniform_weights(DVec2::new(rest, u.y));
         let point = a + (b - a) * weights.x + (c - a) * weights.y;
         let normal = unit_normal(corners);
-        Some((self.shaded(flat::placed(a, point, normal), index as u32), index as u32))
+        let surface = flat::placed(a, point, normal);
+        let surface = match self.mesh.corner_normals(index as u32, self.normals) {
+            Some(normals) => shaded(surface, normals, self::weights(corners, point)),
+            None => surface,
+        };
+        Some((surface, index as u32))
     }
 }
 
@@ -106,37 +120,40 @@ const NO_DIRECTION: f64 = f32::EPSILON as f64;
 impl Mesh {
     /// The weights of a triangle's second and third corner at a point of it.
     fn weights(&self, point: DVec3, part: u32) -> DVec2 {
-        let [a, b, c] = self.mesh.corners(part);
-        flat::shares(point - a, b - a, c - a)
+        weights(self.mesh.corners(part), point)
     }
+}
 
-    /// The surface with the way to the smooth one on the side that the ray comes from: the point is moved onto the
-    /// planes across the corners' normals that lie above it, and these points are weighted as the corners are.
-    fn lifted(&self, surface: Surface, ray: &Ray, part: u32) -> Surface {
-        let Some(normals) = self.mesh.corner_normals(part, self.normals) else { return surface };
-        let seen = if surface.normal.dot(ray.direction) > 0.0 { -surface.normal } else { surface.normal };
-        let DVec2 { x, y } = self.weights(surface.point, part);
-        let weights = [1.0 - x - y, x, y];
-        let above = |corner: DVec3, normal: Vec3, weight: f64| {
-            let normal = normal.as_dvec3();
-            let normal = if normal.dot(seen) < 0.0 { -normal } else { normal };
-            normal * ((corner - surface.point).dot(normal).max(0.0) * weight.max(0.0))
-        };
-        let [a, b, c] = self.mesh.corners(part);
-        let [p, q, r] = normals;
-        let lift = above(a, p, weights[0]) + above(b, q, weights[1]) + above(c, r, weights[2]);
-        Surface { lift, ..surface }
-    }
+fn weights([a, b, c]: [DVec3; 3], point: DVec3) -> DVec2 {
+    flat::shares(point - a, b - a, c - a)
+}
 
-    /// The surface with the normal that the corners' normals come to.
-    fn shaded(&self, surface: Surface, part: u32) -> Surface {
-        let Some(normals) = self.mesh.corner_normals(part, self.normals) else { return surface };
-        let [a, b, c] = normals.map(|normal| normal.as_dvec3());
-        let weights = self.weights(surface.point, part);
-        let normal = a + (b - a) * weights.x + (c - a) * weights.y;
-        let length = normal.length();
-        if length <= NO_DIRECTION { surface } else { surface.shaded(normal / length) }
-    }
+/// The surface with the way to the smooth one on the side that the ray comes from: the point is moved onto the
+/// planes across the corners' normals that lie above it, and these points are weighted as the corners are.
+fn lifted(
+    surface: Surface,
+    ray: &Ray,
+    [a, b, c]: [DVec3; 3],
+    [p, q, r]: [Vec3; 3],
+    DVec2 { x, y }: DVec2,
+) -> Surface {
+    let seen = if surface.normal.dot(ray.direction) > 0.0 { -surface.normal } else { surface.normal };
+    let weights = [1.0 - x - y, x, y];
+    let above = |corner: DVec3, normal: Vec3, weight: f64| {
+        let normal = normal.as_dvec3();
+        let normal = if normal.dot(seen) < 0.0 { -normal } else { normal };
+        normal * ((corner - surface.point).dot(normal).max(0.0) * weight.max(0.0))
+    };
+    let lift = above(a, p, weights[0]) + above(b, q, weights[1]) + above(c, r, weights[2]);
+    Surface { lift, ..surface }
+}
+
+/// The surface with the normal that the corners' normals come to.
+fn shaded(surface: Surface, normals: [Vec3; 3], weights: DVec2) -> Surface {
+    let [a, b, c] = normals.map(|normal| normal.as_dvec3());
+    let normal = a + (b - a) * weights.x + (c - a) * weights.y;
+    let length = normal.length();
+    if length <= NO_DIRECTION { surface } else { surface.shaded(normal / length) }
 }
 
 /// The search for the nearest triangle. What the filter is sure of is not tested again; only its t is computed.

@@ -24,6 +24,11 @@ impl<L: Lanes> Color<L> {
     }
 
     #[inline(always)]
+    pub fn load([r, g, b]: &[[f32; 8]; 3]) -> Self {
+        Self { r: L::load(r), g: L::load(g), b: L::load(b) }
+    }
+
+    #[inline(always)]
     pub fn times(self, other: Self) -> Self {
         Self { r: self.r.times(other.r), g: self.g.times(other.g), b: self.b.times(other.b) }
     }

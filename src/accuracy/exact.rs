@@ -1,7 +1,7 @@
 //! Numbers of about 106 bits: an unevaluated sum of two f64 (Dekker, *A floating-point technique for extending the
 //! available precision*, 1971). The relative error of each operation is a few 2^-104.
 
-use kinora::math::DVec3;
+use crate::math::DVec3;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// `high` + `low`, of which `low` is at most half a unit in the last place of `high`.
@@ -54,6 +54,18 @@ impl Exact {
             exponent >>= 1;
         }
         result
+    }
+}
+
+impl PartialEq for Exact {
+    fn eq(&self, other: &Self) -> bool {
+        (*self - *other).high == 0.0
+    }
+}
+
+impl PartialOrd for Exact {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        (*self - *other).high.partial_cmp(&0.0)
     }
 }
 
@@ -182,17 +194,22 @@ pub fn sphere_chord(center: DVec3, radius: f64, origin: DVec3, direction: DVec3)
     SphereChord { nearest, roots }
 }
 
-#[test]
-fn products_sums_quotients_and_roots_have_their_digits() {
-    let third = Exact::from(1.0) / Exact::from(3.0);
-    let off = third * Exact::from(3.0) - Exact::from(1.0);
-    assert!(off.value().abs() < 1e-31, "{off:?}");
-    let two = Exact::from(2.0);
-    assert!((two.sqrt() * two.sqrt() - two).value().abs() < 1e-31);
-    // (1 + e)(1 - e) = 1 - e² for e = 2^-52.
-    let e = f64::EPSILON;
-    assert_eq!((Exact::from(1.0 + e) * Exact::from(1.0 - e) - Exact::from(1.0)).value(), -e * e);
-    // 1.1^10 of the number that 1.1 is in f64, from exact integers.
-    let known = Exact { high: 2.593_742_460_100_002_4, low: 0.0 };
-    assert!((Exact::from(1.1).power(10) - known).value().abs() < 1e-15);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_sums_quotients_and_roots_have_their_digits() {
+        let third = Exact::from(1.0) / Exact::from(3.0);
+        let off = third * Exact::from(3.0) - Exact::from(1.0);
+        assert!(off.value().abs() < 1e-31, "{off:?}");
+        let two = Exact::from(2.0);
+        assert!((two.sqrt() * two.sqrt() - two).value().abs() < 1e-31);
+        // (1 + e)(1 - e) = 1 - e² for e = 2^-52.
+        let e = f64::EPSILON;
+        assert_eq!((Exact::from(1.0 + e) * Exact::from(1.0 - e) - Exact::from(1.0)).value(), -e * e);
+        // 1.1^10 of the number that 1.1 is in f64, from exact integers.
+        let known = Exact { high: 2.593_742_460_100_002_4, low: 0.0 };
+        assert!((Exact::from(1.1).power(10) - known).value().abs() < 1e-15);
+    }
 }

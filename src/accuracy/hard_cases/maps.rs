@@ -1,0 +1,202 @@
+//! Textures at the poles of spheres, and skies at the edges of cube maps.
+
+use super::draw::Draw;
+use super::measure::{Case, Effort, Verdict, way};
+use super::real::{Machine, Real, V};
+use crate::accuracy::exact::Exact;
+use crate::color::Rgb;
+use crate::environment::CubeMap;
+use crate::math::{Angle, DVec2, DVec3};
+use crate::shape::{Geometric, Sphere};
+use crate::texture::Image;
+use std::f64::consts::PI;
+use std::rc::Rc;
+
+/// A point of a sphere close to its pole -y.
+#[derive(Clone, Copy)]
+pub struct AtPole<R> {
+    pub center: V<R>,
+    pub radius: R,
+    pub point: V<R>,
+    pub sphere: Sphere,
+}
+
+impl<R: Machine> AtPole<R> {
+    pub fn new(center: DVec3, radius: f64, point: DVec3) -> Self {
+        let (center, radius, point) = (V::<R>::of(center), R::of(radius), V::<R>::of(point));
+        let sphere = Sphere { center: center.wide(), radius: radius.wide() };
+        Self { center, radius, point, sphere }
+    }
+}
+
+/// The angle from -y by the arc cosine of the height.
+pub fn arc_cosine<R: Machine>(at: &AtPole<R>) -> R {
+    let height = (at.point.0[1] - at.center.0[1]) / at.radius;
+    (-height).arc_cosine()
+}
+
+fn arc_tangent(at: &AtPole<f32>) -> f32 {
+    let V([x, y, z]) = at.point - at.center;
+    f32::arc_tangent((x * x + z * z).root(), -y)
+}
+
+pub fn ours(at: &AtPole<f64>) -> f64 {
+    at.sphere.uv(at.point.wide(), 0).y * PI
+}
+
+fn at_pole<R: Machine>(effort: Effort) -> Vec<AtPole<R>> {
+    let mut draw = Draw::new(13);
+    let one = |_| {
+        let (angle, turn) = (draw.scale(1e-6, 1e-2), Angle(360.0 * draw.unit()).cos_sin());
+        let across = turn * libm::sin(angle);
+        let up = DVec3::new(across.x, -libm::cos(angle), across.y);
+        let (center, radius) = (DVec3::new(0.0, 3.0, 0.0), 0.7);
+        AtPole::new(center, radius, center + up * radius)
+    };
+    (0..effort.inputs).map(one).collect()
+}
+
+/// The angle of the point that there is: its tangent is the distance from the axis over the height, and small.
+fn pole_judge<R: Machine>(at: &AtPole<R>, found: R) -> Verdict {
+    let V([x, y, z]) = at.point.to::<Exact>() - at.center.to();
+    let tangent = (x * x + z * z).sqrt() / -y;
+    // atan(x) = x - x³/3 + x⁵/5 - …
+    let square = tangent * tangent;
+    let (mut angle, mut power) = (Exact::zero(), tangent);
+    for k in 0..10 {
+        let term = power / Exact::of(f64::from(2 * k + 1));
+        angle = if k % 2 == 0 { angle + term } else { angle - term };
+        power = power * square;
+    }
+    Verdict::off(((Exact::of(found.wide()) - angle) / angle).value().abs())
+}
+
+fn pole(effort: Effort) -> Case {
+    Case {
+        id: "SH-13",
+        what: "latitude 10^-6 to 10^-2 radians from the pole of a sphere",
+        error: "largest relative error",
+        wrong: "no number",
+        ways: [
+            way(at_pole::<f32>(effort), arc_cosine, pole_judge),
+            way(at_pole::<f64>(effort), arc_cosine, pole_judge),
+            way(at_pole::<f32>(effort), arc_tangent, pole_judge),
+            way(at_pole::<f64>(effort), ours, pole_judge),
+        ],
+    }
+}
+
+/// Texels along an edge of a face.
+const SIZE: u32 = 64;
+
+/// The light that the cube maps hold: 0.5 + 0.5 d·a.
+fn light(direction: DVec3) -> f64 {
+    0.5 + 0.5 * direction.normalize().dot(DVec3::new(0.2, 0.3, 0.93).normalize())
+}
+
+/// The direction to a place of a face: s to the right and t down, in -1..=1.
+fn on_face(face: usize, s: f64, t: f64) -> DVec3 {
+    let [right, up] = [s, -t];
+    match face {
+        0 => DVec3::new(1.0, up, -right),
+        1 => DVec3::new(-1.0, up, right),
+        2 => DVec3::new(right, 1.0, -up),
+        3 => DVec3::new(right, -1.0, up),
+        4 => DVec3::new(right, up, 1.0),
+        _ => DVec3::new(-right, up, -1.0),
+    }
+}
+
+/// Six faces that hold what a function says of directions, at the middles of their texels.
+pub fn faces(size: u32, of: impl Fn(DVec3) -> f64) -> Option<[Image; 6]> {
+    let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(size) * 2.0 - 1.0;
+    let texels = |face: usize| {
+        let at = |i: u32| Rgb::splat(of(on_face(face, middle(i % size), middle(i / size))) as f32);
+        Image::new(size, size, (0..size * size).map(at).collect())
+    };
+    let [a, b, c, d, e, f] = [0, 1, 2, 3, 4, 5].map(texels);
+    Some([a?, b?, c?, d?, e?, f?])
+}
+
+/// The textbook: the face of the longest coordinate, filtered up to its own edge.
+pub fn clamped<R: Machine>(faces: &[Image; 6], direction: V<R>) -> R {
+    let size = faces[0].width();
+    let V([x, y, z]) = direction;
+    let [ax, ay, az] = [x, y, z].map(Real::absolute);
+    let (face, right, down, long) = if ax >= ay && ax >= az {
+        if x > R::zero() { (0, -z, -y, ax) } else { (1, z, -y, ax) }
+    } else if ay >= az {
+        if y > R::zero() { (2, x, z, ay) } else { (3, x, -z, ay) }
+    } else if z > R::zero() {
+        (4, x, -y, az)
+    } else {
+        (5, -x, -y, az)
+    };
+    let place = |along: R| {
+        let at = (R::of(0.5) * along / long + R::of(0.5)) * R::of(size.into()) - R::of(0.5);
+        let at = at.larger(R::zero()).smaller(R::of((size - 1).into()));
+        let low = at.whole_part();
+        ((low.wide() as u32).min(size - 2), at - low.smaller(R::of((size - 2).into())))
+    };
+    let ((column, s), (row, t)) = (place(right), place(down));
+    let texel = |x: u32, y: u32| R::of(faces[face].texel(column + x, row + y).x.into());
+    let mix = |a: R, b: R, share: R| a + (b - a) * share;
+    mix(mix(texel(0, 0), texel(1, 0), s), mix(texel(0, 1), texel(1, 1), s), t)
+}
+
+/// Two directions close to each other, on both sides of an edge of the cube.
+#[derive(Clone)]
+struct AtEdge<R> {
+    sides: [V<R>; 2],
+    maps: Rc<([Image; 6], CubeMap)>,
+}
+
+fn at_edge<R: Machine>(maps: &Rc<([Image; 6], CubeMap)>, effort: Effort) -> Vec<AtEdge<R>> {
+    let mut draw = Draw::new(15);
+    let one = |k: u32| {
+        let (axis, along) = (k as usize % 3, draw.between(-0.99, 0.99));
+        let signs = DVec2::new(
+            if draw.unit() < 0.5 { -1.0 } else { 1.0 },
+            if draw.unit() < 0.5 { -1.0 } else { 1.0 },
+        );
+        let sides = [1e-6, -1e-6].map(|off| {
+            let mut d = DVec3::ZERO;
+            (d[axis], d[(axis + 1) % 3], d[(axis + 2) % 3]) =
+                (along, signs.x * (1.0 + off), signs.y * (1.0 - off));
+            V::of(d.normalize())
+        });
+        AtEdge { sides, maps: Rc::clone(maps) }
+    };
+    (0..effort.inputs).map(one).collect()
+}
+
+fn seam(effort: Effort) -> Option<Case> {
+    fn jump<R: Real>(sides: [R; 2]) -> f64 {
+        (sides[0].wide() - sides[1].wide()).abs()
+    }
+    let images = faces(SIZE, light)?;
+    let map = CubeMap::new(images.each_ref()).ok()?;
+    let maps = Rc::new((images, map));
+    fn textbook<R: Machine>(at: &AtEdge<R>) -> [R; 2] {
+        at.sides.map(|side| clamped(&at.maps.0, side))
+    }
+    fn ours(at: &AtEdge<f64>) -> [f64; 2] {
+        at.sides.map(|side| at.maps.1.radiance(side.wide()).x.into())
+    }
+    Some(Case {
+        id: "SH-15",
+        what: "sky of six faces of 64 x 64 texels, 10^-6 radians on both sides of edges",
+        error: "largest jump over an edge (1/255 = 0.0039 is seen)",
+        wrong: "",
+        ways: [
+            way(at_edge::<f32>(&maps, effort), textbook, |_, sides| Verdict::off(jump(sides))),
+            way(at_edge::<f64>(&maps, effort), textbook, |_, sides| Verdict::off(jump(sides))),
+            None,
+            way(at_edge::<f64>(&maps, effort), ours, |_, sides| Verdict::off(jump(sides))),
+        ],
+    })
+}
+
+pub fn cases(effort: Effort) -> Vec<Case> {
+    [pole(effort)].into_iter().chain(seam(effort)).collect()
+}

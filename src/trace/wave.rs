@@ -1,0 +1,151 @@
+//! Paths that go from surface to surface together: what is asked of the tree for many of them at once.
+//!
+//! Rays of neighbours are traced as bundles where they go the same way: from the eye, and from what it sees to the lights.
+
+use super::lights::Arrival;
+use super::path::Path;
+use super::tracer::{Tracer, Work};
+use crate::bvh::Hit;
+use crate::camera::Ray;
+use crate::color::Rgb;
+use crate::film::LayerId;
+use crate::math::DVec3;
+use crate::scene::Geometry;
+use crate::shape::{Rays, Shape, Surface};
+use crate::simd::{self, Lanes, dispatch};
+use crate::tree::Probe;
+
+/// Paths that are followed at once, at most.
+pub const WAVE: usize = 64;
+
+/// Fewer rays than these are traced one by one.
+const BUNDLE: usize = 3;
+
+/// Light that reaches a surface unless something stands in its way.
+pub struct Shadow {
+    pub ray: Ray,
+    pub t_max: f64,
+    /// Where the layers of its path's sample begin.
+    pub first: usize,
+    pub layer: LayerId,
+    /// Lights that have been asked before this one at the surface.
+    pub turn: u32,
+    pub radiance: Rgb,
+}
+
+impl Shadow {
+    /// For the sample in hand.
+    pub fn new(
+        arrival: &Arrival,
+        surface: &Surface,
+        (layer, turn): (LayerId, u32),
+        radiance: Rgb,
+        work: &Work,
+    ) -> Self {
+        let (ray, t_max) = arrival.shadow_ray(surface);
+        Self { ray, t_max, first: work.first, layer, turn, radiance }
+    }
+
+    /// Whether the light is at the surface itself, so that there is no way on which anything could stand.
+    fn is_there(&self) -> bool {
+        self.ray.direction == DVec3::ZERO
+    }
+
+    fn arrives(&self, work: &mut Work) {
+        work.first = self.first;
+        work.add(self.layer, self.radiance);
+    }
+}
+
+impl Tracer<'_> {
+    /// What paths meet next, one after the other, unless they have just passed something, in which something else may lie;
+    /// of such as start at the eye, eight at a time.
+    pub fn meet(&self, paths: &[Path], active: &[u32], from_eye: bool, hits: &mut Vec<Option<Hit>>) {
+        hits.clear();
+        if !from_eye || !self.bvh.takes_bundles() {
+            hits.extend(active.iter().map(|index| {
+                let path = &paths[*index as usize];
+                if path.crossed.is_none() { self.closest(&path.ray) } else { None }
+            }));
+            return;
+        }
+        let ray = |index: &u32| paths[*index as usize].ray;
+        for some in active.chunks(8) {
+            if some.len() < BUNDLE {
+                hits.extend(some.iter().map(|index| self.closest(&ray(index))));
+                continue;
+            }
+            let rays = Rays::of(&std::array::from_fn(|lane| ray(&some[lane.min(some.len() - 1)])));
+            let found = self.bvh.closest_of(self.scene.geometry, &rays, wanted(some.len()));
+            hits.extend((0..some.len()).map(|lane| found.one(lane)));
+        }
+    }
+
+    /// Asks for what surfaces that were hit are made from, so that it is there when they are shaded.
+    pub fn fetch(&self, hits: &[Option<Hit>]) {
+        dispatch(Fetch { geometry: self.scene.geometry, hits });
+    }
+
+    /// Adds the light that nothing stands in the way of, in the order in which it has been asked for.
+    pub fn cast(&self, shadows: &mut Vec<Shadow>, from_first: bool, work: &mut Work) {
+        work.counts.rays.shadow += shadows.iter().filter(|shadow| !shadow.is_there()).count() as u64;
+        let geometry = self.scene.geometry;
+        if !from_first || shadows.len() < BUNDLE {
+            for shadow in shadows.drain(..) {
+                let Shadow { ray, t_max, .. } = shadow;
+                if shadow.is_there() || !self.bvh.occluded(geometry, &Probe::new(ray), t_max) {
+                    shadow.arrives(work);
+                }
+            }
+            return;
+        }
+        // Rays to one light go the same way. Those of one surface keep their order.
+        shadows.sort_by_key(|shadow| shadow.turn);
+        for some in shadows.chunks(8) {
+            let last = some.len() - 1;
+            let rays = Rays::of(&std::array::from_fn(|lane| some[lane.min(last)].ray));
+            let t_max = std::array::from_fn(|lane| some[lane.min(last)].t_max);
+            let moving =
+                (0..).zip(some).filter(|(_, shadow)| !shadow.is_there()).map(|(lane, _)| 1 << lane).sum();
+            let hidden = self.bvh.occluded_of(geometry, &rays, moving, &t_max);
+            for (lane, shadow) in some.iter().enumerate() {
+                if hidden >> lane & 1 == 0 {
+                    shadow.arrives(work);
+                }
+            }
+        }
+        shadows.clear();
+    }
+}
+
+/// The corners of triangles of meshes lie anywhere in memory. They are asked for all at once.
+struct Fetch<'a> {
+    geometry: &'a Geometry,
+    hits: &'a [Option<Hit>],
+}
+
+impl simd::Work for Fetch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        for hit in self.hits.iter().flatten() {
+            if let Shape::Mesh(shape) = &self.geometry.primitives[hit.primitive as usize].shape {
+                shape.mesh.fetch::<L>(hit.at.part);
+            }
+        }
+        for hit in self.hits.iter().flatten() {
+            if let Shape::Mesh(shape) = &self.geometry.primitives[hit.primitive as usize].shape {
+                shape.mesh.fetch_corners::<L>(hit.at.part, shape.normals);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
+
+/// A bit for each of so many lanes.
+fn wanted(count: usize) -> u32 {
+    0xff >> (8 - count.min(8))
+}

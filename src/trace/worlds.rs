@@ -1,0 +1,214 @@
+//! Worlds at random, to trace in one way and in another.
+
+use crate::bvh::Bvh;
+use crate::camera::{Camera, Projection, ThinLens};
+use crate::color::Rgb;
+use crate::counters::Counts;
+use crate::environment::{Environment, Sky};
+use crate::film::Extras;
+use crate::film::LayerId;
+use crate::filter::FilterSampler;
+use crate::glow::Glow;
+use crate::light::{Attenuation, Cone, Light, Source};
+use crate::material::{Exponent, Highlight, Lobes, MadeOf, Material, Medium};
+use crate::math::{Angle, DAffine3, DMat3, DVec3, axis_angle, look_at};
+use crate::mesh::{self, Normals, generate};
+use crate::optics::Fresnel;
+use crate::quality::{Integrator, PathSettings, Quality};
+use crate::scene::{Finish, Geometry, Scene, Shading, Weights};
+use crate::shape::{
+    Cone as ConeShape, Cuboid, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle,
+};
+use crate::testing::Random;
+use crate::trace::pixel::Pixels;
+use crate::trace::{Moment, TraceSettings, Window};
+use std::sync::Arc;
+
+const SIZE: (u32, u32) = (61, 37);
+
+fn color(random: &mut Random) -> Rgb {
+    Rgb::new(random.unit() as f32, random.unit() as f32, random.unit() as f32)
+}
+
+/// One of a few values.
+fn one_of<T: Copy>(random: &mut Random, values: &[T]) -> T {
+    values[(random.unit() * values.len() as f64) as usize]
+}
+
+fn layer(random: &mut Random) -> LayerId {
+    LayerId(one_of(random, &[0, 1, 2]))
+}
+
+fn material(random: &mut Random) -> Material {
+    let mut lobe = |chance: f64| if random.unit() < chance { color(random) } else { Rgb::ZERO };
+    let lobes = Lobes {
+        ambient: lobe(0.7),
+        diffuse: lobe(0.8),
+        specular: lobe(0.6),
+        mirror: lobe(0.6),
+        emission: lobe(0.2),
+        ..Lobes::default()
+    };
+    Material {
+        lobes,
+        paints: Vec::new(),
+        emission_layer: layer(random),
+        highlight: one_of(random, &[Highlight::Phong, Highlight::BlinnPhong]),
+        shininess: Exponent::new(one_of(random, &[0.0, 1.0, 32.0, 200.0, 7.5])),
+        fresnel: Fresnel::Off,
+        medium: Medium::EMPTY,
+    }
+}
+
+fn shape(random: &mut Random, kind: usize) -> Shape {
+    let mut point = || random.point(3.0);
+    let (a, b, c) = (point(), point(), point());
+    let radius = 0.2 + random.unit();
+    match kind % 8 {
+        0 => Shape::Plane(Plane { point: a, normal: b.normalize_or(DVec3::Y) }),
+        1 => Shape::Triangle(Triangle { corners: [a, b, c] }),
+        2 => Shape::Cuboid(Cuboid { min: a.min(b), max: a.max(b) }),
+        3 => Shape::Disk(Disk { center: a, normal: b.normalize_or(DVec3::Y), radius }),
+        4 => Shape::Rectangle(Rectangle { corner: a, u: b, v: b.cross(c) }),
+        5 => Shape::Cylinder(Cylinder::new(a, b, radius, true).expect("a cylinder")),
+        6 => Shape::Cone(ConeShape::new(a, b, radius, 0.0, true).expect("a cone")),
+        _ => Shape::Sphere(Sphere { center: a, radius }),
+    }
+}
+
+fn light(random: &mut Random) -> Light {
+    let position = random.point(6.0);
+    let attenuation = Attenuation { constant: 1.0, linear: 0.1 * random.unit(), quadratic: 0.05 };
+    let cone = Cone { axis: -position.normalize_or(DVec3::Y), full: 0.9, none: 0.6 };
+    let source = match (random.unit() * 4.0) as u32 {
+        0 => Source::Point { position, attenuation: Attenuation::default() },
+        1 => Source::Point { position, attenuation },
+        2 => Source::Spot { position, cone, attenuation },
+        _ => Source::Directional { to_light: position.normalize_or(DVec3::Y) },
+    };
+    Light { source, radiance: color(random), layer: layer(random) }
+}
+
+/// A world at random, far from the world's origin for some seeds and seen from afar for others.
+pub struct World {
+    geometry: Geometry,
+    shading: Shading,
+    camera: Camera,
+    quality: Quality,
+    /// Around which everything lies.
+    middle: DVec3,
+}
+
+impl World {
+    /// For Whitted's integrator.
+    pub fn new(seed: u64) -> Self {
+        let random = &mut Random(seed);
+        let middle = one_of(random, &[DVec3::ZERO, DVec3::new(1e5, -3e4, 2e3)]);
+        let moved = DAffine3::from_translation(middle);
+        let materials: Vec<_> = (0..4).map(|_| material(random)).collect();
+        let mut geometry = Geometry::default();
+        for kind in 0..1 + (random.unit() * 24.0) as usize {
+            let finish = Finish::Material(MadeOf::One(one_of(random, &[0, 1, 2, 3])));
+            let turn = axis_angle(random.direction(), Angle(360.0 * random.unit()));
+            let uneven = DMat3::from_diagonal(DVec3::new(1.0, 0.5 + random.unit(), 1.0));
+            let placed = DAffine3::from_mat3(one_of(random, &[DMat3::IDENTITY, turn, turn * uneven]));
+            geometry.push(&shape(random, kind), moved * placed, finish);
+        }
+        let sky = Sky::Gradient { bottom: color(random), top: color(random), up: DVec3::Y };
+        let shading = Shading {
+            materials,
+            lights: (0..3).map(|_| shifted(light(random), middle)).collect(),
+            environment: Environment { sky, layer: layer(random), ..Environment::default() },
+            ambient: Glow { radiance: color(random), layer: layer(random) },
+            ..Shading::default()
+        };
+        let position = middle + random.direction() * one_of(random, &[2.0, 8.0, 300.0]);
+        let half_height = one_of(random, &[0.03, 0.5, 2.0]);
+        let projection = one_of(
+            random,
+            &[Projection::Perspective { half_height }, Projection::Orthographic { half_height: 4.0 }],
+        );
+        let basis = look_at(position, middle, DVec3::Y).expect("a frame");
+        let quality = Quality {
+            bounces: one_of(random, &[0, 1, 4]),
+            antialias: one_of(random, &[1, 2]),
+            threshold: one_of(random, &[0.0, 0.3]),
+            clamp: one_of(random, &[None, Some(0.5)]),
+            ..Quality::default()
+        };
+        Self {
+            geometry,
+            shading,
+            camera: Camera { position, basis, projection, lens: None },
+            quality,
+            middle,
+        }
+    }
+
+    /// For paths: with meshes, a lens, and materials that let light pass or scatter it, in some of them.
+    pub fn of_paths(seed: u64) -> Self {
+        let mut world = Self::new(seed);
+        let random = &mut Random(seed + 1000);
+        let chance = |random: &mut Random, share: f64| random.unit() < share;
+        for material in &mut world.shading.materials {
+            if chance(random, 0.5) {
+                let Lobes { ambient, diffuse, .. } = material.lobes;
+                material.lobes = Lobes { ambient, diffuse, ..Lobes::default() };
+            }
+        }
+        let first = &mut world.shading.materials[0];
+        match seed % 4 {
+            0 => (first.lobes.refraction, first.medium.ior) = (color(random), 1.5),
+            1 => first.lobes.fuzz = 0.3,
+            2 => first.lobes.transparency = color(random),
+            _ => {}
+        }
+        if chance(random, 0.3) {
+            world.shading.lights.clear();
+        }
+        let middle = DAffine3::from_translation(world.middle);
+        for normals in [Normals::Smooth, Normals::Flat] {
+            let parts = generate::displaced_sphere(3, seed);
+            let mesh = Arc::new(mesh::Mesh::new(parts).expect("a mesh"));
+            let turn = axis_angle(random.direction(), Angle(360.0 * random.unit()));
+            let place = middle * DAffine3::from_translation(random.point(2.0)) * DAffine3::from_mat3(turn);
+            let finish = Finish::Material(MadeOf::One(one_of(random, &[0, 1, 2, 3])));
+            world.geometry.push(&Shape::Mesh(Mesh { mesh, normals }), place, finish);
+        }
+        if chance(random, 0.5) {
+            world.camera.lens = Some(ThinLens { radius: 0.1, focus: 4.0 });
+        }
+        let roulette = one_of(random, &[None, Some(1)]);
+        let path = PathSettings { roulette, refractive_shadows: chance(random, 0.5) };
+        world.quality.integrator = Integrator::Path(path);
+        world.quality.samples = one_of(random, &[1, 3]);
+        world
+    }
+
+    /// The picture's layers, with what was counted; before it is traced, `change` may say how.
+    pub fn trace(&self, change: impl FnOnce(&mut Pixels)) -> (Vec<DVec3>, Counts) {
+        let weights = Weights(vec![Rgb::ONE; 3]);
+        let Self { geometry, shading, camera, quality, .. } = self;
+        let scene = Scene { geometry, shading, weights: &weights, camera };
+        let bvh = Bvh::build(geometry);
+        let filter = FilterSampler::new(quality.filter);
+        let settings = TraceSettings { size: SIZE, quality: *quality, filter, extras: Extras::default() };
+        let mut pixels = Pixels::new(&scene, &bvh, &settings, Moment::ONLY);
+        change(&mut pixels);
+        let mut sums = vec![DVec3::ZERO; (SIZE.0 * SIZE.1) as usize * 3];
+        let window = Window { pixels: &pixels, layers: 3, rows: 0..SIZE.1 };
+        let counts = window.trace(&mut sums, |layer, sum| *layer = sum);
+        (sums, counts)
+    }
+}
+
+fn shifted(light: Light, by: DVec3) -> Light {
+    let source = match light.source {
+        Source::Point { position, attenuation } => Source::Point { position: position + by, attenuation },
+        Source::Spot { position, cone, attenuation } => {
+            Source::Spot { position: position + by, cone, attenuation }
+        }
+        other => other,
+    };
+    Light { source, ..light }
+}
