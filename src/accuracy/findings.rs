@@ -227,7 +227,7 @@ impl Measured {
     /// same in both.
     fn largest_change(&self, a: &Point, b: &Point) -> f64 {
         let largest =
-            a.picture.iter().zip(&b.picture).flat_map(|(a, b)| (0..3).map(move |i| (a[i] - b[i]).abs()));
+            a.settled.iter().zip(&b.settled).flat_map(|(a, b)| (0..3).map(move |i| (a[i] - b[i]).abs()));
         f64::from(largest.fold(0.0, f32::max)) * CODES
     }
 

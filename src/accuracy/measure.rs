@@ -53,8 +53,8 @@ pub struct Point {
     pub bias: f64,
     /// What the picture displays as; the first run.
     pub picture: Vec<[f32; 3]>,
-    /// Radiance as the mean of all runs.
-    pub mean: Vec<Rgb>,
+    /// The same of all runs together.
+    pub settled: Vec<[f32; 3]>,
     /// Of each run: squared error.
     pub runs: Vec<f64>,
     pub flips: Vec<f32>,
@@ -255,6 +255,7 @@ struct Tried {
     flip: Vec<f64>,
     sum: Vec<DVec3>,
     picture: Vec<[f32; 3]>,
+    exposures: Vec<f32>,
     flips: Vec<f32>,
 }
 
@@ -293,7 +294,7 @@ impl<'a> Bench<'a> {
             });
         }
         let pair = References { a: shots[0].radiance(), b: shots[1].radiance() };
-        let displayed = self.studio.displayed(&shots[0].films, &pair.best());
+        let displayed = self.studio.displayed(&shots[0].exposures(), &pair.best());
         let (width, each) = (self.studio.size().0 as usize, displayed.len() / self.studio.frames());
         let flips =
             displayed.chunks(each.max(1)).map(|frame| Flip::new(frame, width, PIXELS_PER_DEGREE)).collect();
@@ -381,6 +382,7 @@ impl Tried {
         let radiance = shot.radiance();
         self.took.push(shot.took);
         self.rays += shot.rays;
+        self.exposures = shot.exposures();
         let taken = shot.films.iter().map(|film| film.noise.map(|noise| noise.samples));
         let taken: f64 = taken.map(|taken| taken.unwrap_or_else(|| samples_of(quality, random))).sum();
         self.samples += taken / studio.frames() as f64;
@@ -391,7 +393,7 @@ impl Tried {
         }
         self.squared.push(reference.pair.squared_error(&radiance));
         self.relative.push(reference.pair.relative_squared_error(&radiance));
-        let picture = studio.displayed(&shot.films, &radiance);
+        let picture = studio.displayed(&shot.exposures(), &radiance);
         let squares = picture
             .iter()
             .zip(&reference.displayed)
@@ -431,7 +433,7 @@ impl Tried {
             flip: Estimate::of(&self.flip),
             bias,
             picture: self.picture,
-            mean,
+            settled: studio.displayed(&self.exposures, &mean),
             runs: self.squared,
             flips: self.flips,
             setting,

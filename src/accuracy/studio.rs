@@ -92,13 +92,13 @@ impl Studio {
         Ok(shot.films.iter().any(|film| film.noise.is_some()))
     }
 
-    /// How the frames with this radiance display.
-    pub fn displayed(&self, films: &[Film], radiance: &[Rgb]) -> Vec<[f32; 3]> {
-        let each = (radiance.len() / films.len().max(1)).max(1);
-        let frames = radiance.chunks(each).zip(films);
+    /// How the frames with this radiance display, each by its exposure.
+    pub fn displayed(&self, exposures: &[f32], radiance: &[Rgb]) -> Vec<[f32; 3]> {
+        let each = (radiance.len() / exposures.len().max(1)).max(1);
+        let frames = radiance.chunks(each).zip(exposures);
         let pixel = |light: Rgb| displayed(self.sequence.output.tonemap, light).map(|value| value as f32);
         frames
-            .flat_map(|(frame, film)| frame.iter().map(move |&light| pixel(light * film.exposure)))
+            .flat_map(|(frame, &exposure)| frame.iter().map(move |&light| pixel(light * exposure)))
             .collect()
     }
 }
@@ -107,6 +107,11 @@ impl Shot {
     /// The radiance of all frames, one after the other.
     pub fn radiance(&self) -> Vec<Rgb> {
         self.films.iter().flat_map(Film::radiance).collect()
+    }
+
+    /// By how much each frame is brightened.
+    pub fn exposures(&self) -> Vec<f32> {
+        self.films.iter().map(|film| film.exposure).collect()
     }
 
     /// What one layer adds to it.
