@@ -7,7 +7,6 @@ use super::together::{Arrivals, Color, Starts};
 use super::tracer::{Tracer, Work};
 use super::wave::Shadow;
 use crate::bvh::Hit;
-use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::light::Light;
 use crate::material::{MadeOf, Material};
@@ -90,7 +89,7 @@ impl simd::Work for Follow<'_, '_, '_> {
         let last = which.len() - 1;
         // Lanes without a path repeat the last one.
         let mut places = [0; 8];
-        let mut rays = [Ray { origin: DVec3::ZERO, direction: DVec3::Y }; 8];
+        let mut rays = [paths[which[last] as usize].ray; 8];
         let mut at = [hits[last]; 8];
         for lane in 0..8 {
             let from = lane.min(last);
@@ -154,7 +153,7 @@ impl simd::Work for Follow<'_, '_, '_> {
         let density = cosine.larger(Octo::splat(0.0)) / Octo::splat(PI);
         let each = (Octo::splat(1.0) / (Octo::splat(PI) * density)).narrow();
         let gathers = share.scaled(L::load(&each));
-        let (origin, direction) = (gathering.towards(direction).store(), direction.store());
+        let further_on = Rays { origin: gathering.towards(direction).store(), direction: direction.store() };
         let density = density.store();
         let mut on = 0;
         for lane in lanes(lit) {
@@ -163,7 +162,7 @@ impl simd::Work for Follow<'_, '_, '_> {
             if density[lane] <= 0.0 || path.throughput.shining() == Rgb::ZERO {
                 continue;
             }
-            path.ray = Ray { origin: origin.one(lane), direction: direction.one(lane) };
+            path.ray = further_on.one(lane);
             let point = ground.surfaces.point.one(lane);
             path.scattered(point, density[lane]);
             if integrator.survives(tracer, path) {

@@ -57,37 +57,23 @@ pub struct Path {
 }
 
 impl Path {
-    /// One that leads nowhere.
-    pub fn nowhere(sampler: Sampler) -> Self {
+    /// From the eye.
+    pub fn new(tracer: &Tracer, (ray, beam): (Ray, Beam), sampler: Sampler, first: usize) -> Self {
         Self {
-            ray: Ray { origin: DVec3::ZERO, direction: DVec3::ZERO },
-            beam: Beam::default(),
+            ray,
+            beam,
             throughput: Throughput::showing(Rgb::ONE),
             media: Media::default(),
             crossed: None,
-            left: 0,
+            left: tracer.quality.bounces,
             drawn: None,
             asked: None,
             counted: false,
             dice: Dice { sampler, surface: 0 },
-            first: 0,
+            first,
         }
     }
 
-    /// Starts at the eye, in place, as there is much to a path that need not be written.
-    pub fn start(&mut self, tracer: &Tracer, (ray, beam): (Ray, Beam), sampler: Sampler, first: usize) {
-        (self.ray, self.beam) = (ray, beam);
-        self.throughput = Throughput::showing(Rgb::ONE);
-        self.media = Media::default();
-        self.crossed = None;
-        self.left = tracer.quality.bounces;
-        (self.drawn, self.asked, self.counted) = (None, None, false);
-        self.dice = Dice { sampler, surface: 0 };
-        self.first = first;
-    }
-}
-
-impl Path {
     /// Notes that it was scattered at a point, with a density per solid angle of its direction.
     pub fn scattered(&mut self, point: DVec3, density: f64) {
         self.crossed = None;

@@ -164,14 +164,11 @@ impl<'a> Pixels<'a> {
                     let place = followed.pixels.len();
                     work.first = place * layers;
                     let eye = self.seen_along(rays.one(lane), work);
-                    if followed.paths.len() == place {
-                        followed.paths.push(Path::nowhere(*sampler));
-                    }
-                    followed.paths[place].start(&self.tracer, eye, *sampler, work.first);
+                    followed.paths.push(Path::new(&self.tracer, eye, *sampler, work.first));
                     followed.pixels.push(*index);
                 }
             }
-            integrator.follow(&self.tracer, &mut followed.paths[..followed.pixels.len()], work);
+            integrator.follow(&self.tracer, &mut followed.paths, work);
             self.take_all(sums, work, followed);
         }
     }
@@ -228,18 +225,14 @@ impl<'a> Pixels<'a> {
         DVec2::new(filter.offset(place.x), filter.offset(place.y)) + DVec2::splat(0.5)
     }
 
-    fn ray(&self, (x, y): (u32, u32), inside: DVec2, lens: DVec2) -> Ray {
+    /// The ray from the eye along which a sample is seen.
+    fn eye(&self, (x, y): (u32, u32), sample: u32, sampler: &Sampler, work: &mut Work) -> (Ray, Beam) {
+        let (inside, lens) = self.place(sample, sampler);
         let (width, height) = (f64::from(self.settings.size.0), f64::from(self.settings.size.1));
         let at = DVec2::new(f64::from(x), f64::from(y)) + self.inside(inside);
         // Square pixels: both axes in units of half the picture's height, from its centre.
         let screen = DVec2::new(2.0 * at.x - width, height - 2.0 * at.y) / height;
-        self.tracer.scene.camera.ray(screen, lens)
-    }
-
-    /// The ray from the eye along which a sample is seen.
-    fn eye(&self, pixel: (u32, u32), sample: u32, sampler: &Sampler, work: &mut Work) -> (Ray, Beam) {
-        let (inside, lens) = self.place(sample, sampler);
-        self.seen_along(self.ray(pixel, inside, lens), work)
+        self.seen_along(self.tracer.scene.camera.ray(screen, lens), work)
     }
 
     /// A ray from the eye with its beam. What else than light is recorded is added to `work`.
@@ -258,6 +251,7 @@ impl<'a> Pixels<'a> {
         for (index, samples) in followed.pixels.drain(..).zip(work.layers.chunks_exact_mut(layers)) {
             self.take(&mut sums[index * layers..][..layers], samples, &mut work.counts.dropped);
         }
+        followed.paths.clear();
     }
 
     /// Adds a sample's layers to a pixel's sums, but for what is no light, and leaves nothing of them.
@@ -316,8 +310,7 @@ impl simd::Work for Eyes<'_, '_> {
     }
 }
 
-/// The places of pixels among those that are traced, with a path on its way for each. There may be more paths, left over
-/// from earlier.
+/// Paths on their way, and the places of their pixels among those that are traced.
 #[derive(Default)]
 pub struct Followed {
     paths: Vec<Path>,
