@@ -350,7 +350,7 @@ pub fn percent(share: f64) -> String {
         size if size >= 10.0 => format!("{percent:.0} %"),
         size if size >= 1.0 => format!("{percent:.1} %"),
         size if size >= 0.1 => format!("{percent:.2} %"),
-        size if size == 0.0 => "0 %".to_owned(),
+        0.0 => "0 %".to_owned(),
         _ => format!("{percent:.3} %"),
     }
 }

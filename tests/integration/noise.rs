@@ -45,7 +45,7 @@ fn slope(points: Points) -> f64 {
     let error = |samples: u32| {
         sequence.quality.samples = samples;
         let square: f64 = (0..16).map(|seed| references.squared_error(&radiance(&sequence, seed))).sum();
-        (f64::from(samples).log2(), (square / 16.0).log2() / 2.0)
+        (libm::log2(f64::from(samples)), libm::log2(square / 16.0) / 2.0)
     };
     let all: Vec<(f64, f64)> = [4, 8, 16, 32, 64].map(error).to_vec();
     let count = all.len() as f64;
