@@ -63,6 +63,36 @@ pub struct Guides {
     pub albedo: Rgb,
 }
 
+/// How good a film is that was sampled until it was good enough. Errors are shares of brightness: over each block of
+/// 8 x 8 pixels the root of the mean square against the mean, and over the blocks the root of the mean square of that.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Noise {
+    pub error: f64,
+    /// In 95 of 100 frames, the error that there really is lies between these.
+    pub low: f64,
+    pub high: f64,
+    /// Mean over the pixels.
+    pub samples: f64,
+    /// Share of the pixels that have all the samples that they may, whatever their error.
+    pub capped: f64,
+}
+
+impl Noise {
+    /// Of an estimate of the squared error, and of the estimate's variance.
+    ///
+    /// What there really is strays as much as the estimate does, for it is a sum of as many squares. So their ratio has
+    /// twice the relative variance, and its logarithm is nearly normal.
+    pub fn of_square(square: f64, variance: f64) -> Self {
+        if square == 0.0 {
+            return Self::default();
+        }
+        // 1.96 standard deviations of a normal distribution hold 95 of 100.
+        let reach = 1.96 * (2.0 * variance).sqrt() / square;
+        let at = |by: f64| (square * libm::exp(by)).sqrt();
+        Self { error: at(0.0), low: at(-reach), high: at(reach), ..Self::default() }
+    }
+}
+
 /// Linear radiance of one frame, kept apart by what weights it. Light is linear: the picture is the sum over
 /// the layers of `weights[l]` times the layer, so a frame in which only weights differ needs no ray.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,6 +106,8 @@ pub struct Film {
     pub exposure: f32,
     /// What is recorded besides light.
     pub extras: Extras,
+    /// How good it is, if that was asked for.
+    pub noise: Option<Noise>,
     /// The layers of light that were traced, ascending. The others are not held.
     pub held: Arc<[LayerId]>,
     /// Row by row from the top left pixel; each pixel holds its layers of light and those of the extras. Films of
@@ -98,7 +130,7 @@ impl Film {
         let held: Arc<[LayerId]> = lit(&weights).collect();
         let pixels = width as usize * height as usize;
         let data = Arc::new(vec![Rgb::ZERO; pixels * (held.len() + extras.layers())]);
-        Self { width, height, weights, exposure: 1.0, extras, held, data }
+        Self { width, height, weights, exposure: 1.0, extras, noise: None, held, data }
     }
 
     /// What the film holds, to be changed. Films that share it keep their own.

@@ -24,6 +24,7 @@ pub mod machine;
 pub mod files;
 pub mod filter;
 pub mod film;
+pub mod metrics;
 pub mod glow;
 pub mod frame_set;
 pub mod stop;

@@ -5,6 +5,7 @@ use crate::film::Extras;
 use crate::machine;
 use crate::math::DVec3;
 use crate::sequence::Sequence;
+use crate::trace::SETS;
 
 /// Films alive at once: the one being traced, those that wait for the encoder, and the one it develops.
 const FILMS: u64 = 4;
@@ -18,7 +19,9 @@ pub fn needed(sequence: &Sequence, extras: Extras) -> u64 {
     let (width, height) = sequence.output.size;
     // What several moments add up to is kept besides.
     let sums = if sequence.blurs_motion() { size_of::<DVec3>() as u64 } else { 0 };
-    let layer = size_of::<Rgb>() as u64 * FILMS + sums;
+    // Where an error is asked for, every set of a pixel's samples has its sum.
+    let sets = if sequence.quality.noise.is_some() { SETS as u64 * size_of::<DVec3>() as u64 } else { sums };
+    let layer = size_of::<Rgb>() as u64 * FILMS + sets;
     let pixel = (sequence.layers() + extras.layers() as u64).saturating_mul(layer).saturating_add(BESIDES);
     (u64::from(width) * u64::from(height)).saturating_mul(pixel)
 }

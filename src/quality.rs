@@ -2,6 +2,7 @@
 
 use crate::digest::content;
 use crate::filter::Filter;
+use crate::sampling::Points;
 
 /// What every sequence settles about the work per pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +18,10 @@ pub struct Quality {
     /// Samples per pixel where a lens, an area light, motion blur, a rough surface or paths ask for random
     /// ones; at least 1.
     pub samples: u32,
+    /// Samples are taken until this is reached, where they are random: then `samples` does not count.
+    pub noise: Option<NoiseTarget>,
+    /// Where random numbers come from.
+    pub points: Points,
     /// Rays that would add less than this share to the picture are not followed. Whitted's integrator asks; paths
     /// end by roulette.
     pub threshold: f32,
@@ -28,6 +33,22 @@ pub struct Quality {
     pub smooth_terminator: bool,
     /// Another seed gives other noise.
     pub seed: u32,
+}
+
+/// How good a picture is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseTarget {
+    /// Error of a block of 8 x 8 pixels as a share of its brightness, above 0: roots of mean squares, against the mean.
+    pub error: f64,
+    /// Samples of a pixel, at most.
+    pub most: u32,
+}
+
+content!(struct NoiseTarget { error, most });
+
+impl NoiseTarget {
+    /// Samples of a pixel at most, unless something else is said.
+    pub const MOST: u32 = 4096;
 }
 
 /// How light is followed.
@@ -87,6 +108,8 @@ impl Default for Quality {
             filter: Filter::PIXEL,
             antialias: 2,
             samples: 64,
+            noise: None,
+            points: Points::Sobol,
             threshold: 1e-3,
             clamp: None,
             shutter_steps: 32,

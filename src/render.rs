@@ -3,7 +3,7 @@
 use crate::camera_path::NoCamera;
 use crate::counters::{Counts, Meter};
 use crate::encode::{EncodeError, Encoder, Existing, Job, Output, Report, Seen, Still};
-use crate::film::{Extras, Film};
+use crate::film::{Extras, Film, Noise};
 use crate::humane;
 use crate::machine;
 use crate::memory;
@@ -66,6 +66,8 @@ pub struct Summary {
     pub bvh_builds: u64,
     /// What was expected, if there was a plan.
     pub expected: Option<Forecast>,
+    /// Frames that were sampled until they were good enough, and how good they are.
+    pub noise: Vec<(u32, Noise)>,
     /// Wall time spent in each stage, in the order of the flow. Encoding runs beside the others.
     pub stages: Vec<(&'static str, Duration)>,
     pub elapsed: Duration,
@@ -288,6 +290,7 @@ pub(crate) fn summary(tally: &Tally, report: Report, frames: u32, elapsed: Durat
         expected: None,
         counts: tally.counts,
         bvh_builds: tally.bvh_builds,
+        noise: tally.noise.clone(),
         stages: Stage::ALL.map(|stage| (stage.name(), time(stage))).to_vec(),
         elapsed,
         files: report.files,

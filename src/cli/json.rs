@@ -35,8 +35,7 @@ impl Object {
     }
 
     pub fn texts(self, key: &str, values: impl Iterator<Item = String>) -> Self {
-        let values = values.map(|value| quoted(&value)).collect::<Vec<_>>();
-        self.raw(key, format_args!("[{}]", values.join(",")))
+        self.raw(key, list(values.map(|value| quoted(&value))))
     }
 
     pub fn objects(self, key: &str, values: impl Iterator<Item = Self>) -> Self {
@@ -52,12 +51,18 @@ impl Object {
         format!("{{{}}}", self.0)
     }
 
-    fn raw(mut self, key: &str, value: impl Display) -> Self {
+    /// What is JSON already.
+    pub fn raw(mut self, key: &str, value: impl Display) -> Self {
         let comma = if self.0.is_empty() { "" } else { "," };
         // Writing to a string cannot fail.
         let _ = write!(self.0, "{comma}{}:{value}", quoted(key));
         self
     }
+}
+
+/// A list of what is JSON already.
+pub fn list(values: impl Iterator<Item = String>) -> String {
+    format!("[{}]", values.collect::<Vec<_>>().join(","))
 }
 
 /// A string in quotes, with everything escaped that may not stand in one.

@@ -20,6 +20,7 @@ mod plan;
 mod poster;
 mod progress;
 mod render;
+mod share;
 mod signals;
 mod summary;
 mod terminal;
@@ -59,6 +60,7 @@ Examples:
   kinora poster sequences/hello.ron                  one frame
   kinora check sequences/hello.ron                   find every mistake, render nothing
   kinora plan sequences/light-show.ron               what a render would trace, and what it would not
+  kinora accuracy sequences/room.ron --quick         what accuracy costs in time
 
 `kinora render --help` lists the options. Exit codes: 0 done, 2 a mistake in the command or the sequence,
 3 frames or files could not be made.";

@@ -2,7 +2,7 @@
 
 use crate::encode::{Caption, Template, Tonemap};
 use crate::frame_set::MOST_FRAMES;
-use crate::quality::Integrator;
+use crate::quality::{Integrator, NoiseTarget};
 use crate::sequence::Sequence;
 use crate::time::Rate;
 
@@ -18,7 +18,10 @@ pub struct Overrides {
     pub rate: Option<Rate>,
     pub bounces: Option<u32>,
     pub antialias: Option<u32>,
+    /// In place of an error that the file may ask for.
     pub samples: Option<u32>,
+    /// The error to be reached.
+    pub noise: Option<f64>,
     /// Keeps the settings of the file's integrator if it is of this kind.
     pub integrator: Option<Integrator>,
     pub seed: Option<u32>,
@@ -50,6 +53,7 @@ pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, S
         let (width, height) = sequence.output.size;
         sequence.output.size = (width.div_ceil(2), height.div_ceil(2));
         sequence.quality.antialias = 1;
+        sequence.quality.noise = None;
         sequence.quality.samples = sequence.quality.samples.min(DRAFT_SAMPLES);
         sequence.quality.bounces = sequence.quality.bounces.min(DRAFT_BOUNCES);
     }
@@ -71,7 +75,13 @@ pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, S
     replace(&mut output.exposure, wanted.exposure.map(Into::into));
     replace(&mut quality.bounces, wanted.bounces);
     replace(&mut quality.antialias, wanted.antialias);
-    replace(&mut quality.samples, wanted.samples);
+    if let Some(samples) = wanted.samples {
+        (quality.samples, quality.noise) = (samples, None);
+    }
+    if let Some(error) = wanted.noise {
+        let most = quality.noise.map_or(NoiseTarget::MOST, |own| own.most);
+        quality.noise = Some(NoiseTarget { error, most });
+    }
     replace(&mut quality.seed, wanted.seed);
     let own = quality.integrator;
     replace(&mut quality.integrator, wanted.integrator.filter(|other| !own.is_like(other)));
@@ -113,6 +123,7 @@ mod tests {
             bounces: Some(9),
             antialias: Some(4),
             samples: Some(100),
+            noise: Some(0.05),
             integrator: Some(Integrator::Path(PathSettings::default())),
             seed: Some(7),
             tonemap: Some(Tonemap::Filmic),
@@ -129,6 +140,7 @@ mod tests {
         assert_eq!(found.output.size, (320, 200));
         assert_eq!((found.quality.bounces, found.quality.antialias), (9, 4));
         assert_eq!((found.quality.samples, found.quality.seed), (100, 7));
+        assert_eq!(found.quality.noise, Some(NoiseTarget { error: 0.05, most: NoiseTarget::MOST }));
         assert_eq!(found.quality.integrator, Integrator::Path(PathSettings::default()));
         assert_eq!((found.output.tonemap, found.output.exposure), (Tonemap::Filmic, (-0.5).into()));
         let formats = found.output.formats;

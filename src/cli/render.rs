@@ -8,6 +8,7 @@ use super::overrides::{self, Overrides};
 use super::progress::{self, ProgressMode};
 use super::signals::{self, Next};
 use super::{load, loading, summary, terminal, values};
+use crate::accuracy::{Budget, budget, percent, seconds};
 use crate::counters::Meter;
 use crate::encode::{Existing, Output};
 use crate::frame_set::{FrameSet, Shard};
@@ -17,6 +18,7 @@ use crate::sequence::Sequence;
 use clap::Args;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Render a sequence into pictures, GIFs and videos.
 #[derive(Args, Debug, PartialEq)]
@@ -84,6 +86,16 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "memory")]
     no_reuse: bool,
 
+    /// How long tracing may take, such as 60s or 10min: as many samples as fit
+    ///
+    /// A pilot of a few frames finds out; all frames then have the same number of samples,
+    /// which is told. The same again on any machine: --samples with that number.
+    #[arg(
+        long, value_name = "TIME", value_parser = values::duration, allow_hyphen_values = true,
+        conflicts_with_all = ["samples", "noise", "draft"], verbatim_doc_comment
+    )]
+    time_limit: Option<Duration>,
+
     /// PNGs without text about the frame
     #[arg(long)]
     no_metadata: bool,
@@ -102,7 +114,7 @@ Examples:
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let loading = loading::Reporter::new(arguments.options.progress, arguments.options.quiet);
     let sequence = load::sequence(&arguments.file, arguments.options.allow_outside, loading)?;
-    let sequence = overrides::applied(sequence, &arguments.overrides()).map_err(Failure::Bad)?;
+    let mut sequence = overrides::applied(sequence, &arguments.overrides()).map_err(Failure::Bad)?;
     let all = frames_of(arguments.frames.as_ref(), &sequence)?;
     let frames = arguments.shard.map_or(&*all, |shard| shard.of(&all)).to_vec();
     let run = Run {
@@ -128,6 +140,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if streams && json {
         let message = "-o - and --progress json both write to the standard output; leave one out";
         return Err(Failure::Bad(message.to_owned()));
+    }
+    let mut budgeted = None;
+    if let Some(limit) = arguments.time_limit {
+        let budget = budget(&sequence, &frames, limit, arguments.options.threads)?;
+        sequence.quality = budget.quality;
+        budgeted = Some(budget);
+        if !arguments.options.quiet {
+            terminal::complain(&budget_note(&budget));
+        }
     }
     let request = Request {
         outputs,
@@ -157,6 +178,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
 
     done.notes.extend(note);
+    done.notes.extend(budgeted.as_ref().map(budget_note));
     if arguments.options.draft {
         done.notes.insert(0, draft_note(&sequence));
     }
@@ -212,6 +234,25 @@ pub fn frames_of(wanted: Option<&FrameSet>, sequence: &Sequence) -> Result<Vec<u
     };
     let set = set.ok_or_else(|| Failure::Bad("the sequence has no frames".to_owned()))?;
     set.frames(count).map_err(|error| Failure::Bad(format!("{option}{error}")))
+}
+
+/// Says what fits into the time, what to expect of it, and how to have the same again.
+fn budget_note(budget: &Budget) -> String {
+    let quality = budget.quality;
+    let (samples, flag) = match budget.error {
+        Some(_) => (format!("{} samples a pixel", quality.samples), format!("--samples {}", quality.samples)),
+        None => {
+            (format!("a grid of {0}x{0}", quality.antialias), format!("--antialias {}", quality.antialias))
+        }
+    };
+    let mut note = format!("into the time fit {samples}: tracing should take {}", seconds(budget.wall));
+    if let Some(cpu) = budget.cpu {
+        note += &format!(" ({} of processors)", seconds(cpu));
+    }
+    if let Some(error) = budget.error {
+        note += &format!(", and leave an error of {} of the brightness or less", percent(error));
+    }
+    note + &format!("; the same again: {flag}")
 }
 
 /// Says what a draft came out as, so that nobody takes it for the real thing.

@@ -2,6 +2,7 @@
 
 use super::json::Object;
 use crate::counters::Counts;
+use crate::film::Noise;
 use crate::humane;
 use crate::render::{Forecast, Summary};
 
@@ -24,6 +25,7 @@ pub fn text(summary: &Summary) -> String {
     groups.push(("time", vec![time(summary)]));
     groups.push(("rays", rays(summary)));
     groups.push(("dropped", dropped(summary)));
+    groups.push(("error", error(summary)));
     groups.push(("BVH", vec![humane::counted(summary.bvh_builds, "build")]));
     groups.push(("planned", summary.expected.iter().map(planned).collect()));
     let stages = summary.stages.iter().map(|&(name, time)| (name, humane::time(time))).collect::<Vec<_>>();
@@ -74,6 +76,7 @@ pub fn json(summary: &Summary) -> String {
         .object("rays", counts)
         .object("evaluations", evaluations)
         .object("dropped_samples", dropped)
+        .object("noise", noise(&summary.noise))
         .whole("bvh_builds", summary.bvh_builds)
         .object("expected", expected(summary.expected.as_ref()))
         .object("stages_s", stages)
@@ -124,6 +127,42 @@ fn rays(summary: &Summary) -> Vec<String> {
     lines
 }
 
+/// What error is left where one was asked for: that of the worst frame, and its range.
+fn error(summary: &Summary) -> Vec<String> {
+    let worst = summary.noise.iter().max_by(|a, b| a.1.error.total_cmp(&b.1.error));
+    let Some((frame, worst)) = worst else { return Vec::new() };
+    let percent = |error: f64| format!("{:.2}", 100.0 * error);
+    let (error, low, high) = (percent(worst.error), percent(worst.low), percent(worst.high));
+    let range = format!("{error} % of the brightness left ({low} to {high}, 95 of 100 times)");
+    let count = summary.noise.len() as f64;
+    let samples = summary.noise.iter().map(|(_, noise)| noise.samples).sum::<f64>() / count;
+    let mut lines = match summary.noise.len() {
+        1 => vec![range],
+        _ => vec![format!("at most {range}, in frame {frame}")],
+    };
+    lines.push(format!("{samples:.0} samples in a pixel on average"));
+    let capped = summary.noise.iter().map(|(_, noise)| noise.capped).sum::<f64>() / count;
+    if capped > 0.0 {
+        lines.push(format!(
+            "{:.2} % of the pixels took all samples that they may, and are worse",
+            100.0 * capped
+        ));
+    }
+    lines
+}
+
+fn noise(frames: &[(u32, Noise)]) -> Object {
+    frames.iter().fold(Object::new(), |object, (frame, noise)| {
+        let of = Object::new()
+            .exact("error", Some(noise.error))
+            .exact("low", Some(noise.low))
+            .exact("high", Some(noise.high))
+            .exact("samples", Some(noise.samples))
+            .exact("capped", Some(noise.capped));
+        object.object(&frame.to_string(), of)
+    })
+}
+
 /// Samples that were left out, by cause; nothing where there are none, as there should be.
 fn dropped(summary: &Summary) -> Vec<String> {
     let dropped = summary.counts.dropped;
@@ -162,6 +201,7 @@ mod tests {
                 ..Counts::default()
             },
             bvh_builds: 1,
+            noise: Vec::new(),
             stages: vec![("animate", Duration::from_micros(840)), ("trace", Duration::from_millis(9870))],
             elapsed: Duration::from_millis(10_440),
             files: vec!["out/orbit_####.png".into(), "out/\"orbit\".gif".into()],
@@ -239,7 +279,7 @@ dropped undefined   2
             r#"{"event":"summary","files":["out/orbit_####.png","out/\"orbit\".gif"],"frames":72,"kept":0,"reused":0,"#,
             r#""elapsed_s":10.440,"rays":{"camera":66355200,"mirror":20481,"transmitted":0,"scattered":0,"shadow":9,"#,
             r#""total":66375690},"evaluations":{"fog":0,"paint":0,"light_samples":0,"lens_samples":0},"#,
-            r#""dropped_samples":{"undefined":0,"infinite":0,"negative":0},"#,
+            r#""dropped_samples":{"undefined":0,"infinite":0,"negative":0},"noise":{},"#,
             r#""bvh_builds":1,"expected":{},"stages_s":{"animate":0.001,"trace":9.870},"notes":["a draft"]}"#,
         );
         assert_eq!(json(&summary()), wanted);

@@ -5,8 +5,10 @@ use crate::encode::{Template, Tonemap};
 use crate::film::MOST_STOPS;
 use crate::humane::parse_bytes;
 use crate::quality::{Integrator, MOST_SAMPLES, PathSettings};
+use crate::sequence::ERRORS;
 use crate::time::{Rate, Time};
 use std::num::NonZeroUsize;
+use std::time::Duration;
 
 /// Pixels along a side, at most.
 const LONGEST_SIDE: u32 = 65_536;
@@ -66,6 +68,13 @@ pub fn samples(text: &str) -> Result<u32, String> {
         .ok_or_else(|| format!("write a whole number of samples, 1 to {MOST_SAMPLES}, such as 256"))
 }
 
+/// An error as a share of brightness.
+pub fn noise(text: &str) -> Result<f64, String> {
+    let error = text.parse().ok().filter(|error| ERRORS.contains(error));
+    let (least, most) = (ERRORS.start(), ERRORS.end());
+    error.ok_or_else(|| format!("write an error from {least} to {most}, such as 0.01 for 1 %"))
+}
+
 /// The name of an integrator, in either case.
 pub fn integrator(text: &str) -> Result<Integrator, String> {
     match text.to_ascii_lowercase().as_str() {
@@ -103,6 +112,22 @@ pub fn caption(text: &str) -> Result<Template, String> {
 pub fn seconds(text: &str) -> Result<Time, String> {
     let time = decimal(text).map(|(part, whole)| Time::new(part.into(), whole.into()));
     time.ok_or_else(|| "write seconds such as 1.5, 0 or more".to_owned())
+}
+
+/// `90s`, `10min` or `2h`: how long something may take, at least a second.
+pub fn duration(text: &str) -> Result<Duration, String> {
+    let digits = text.find(|c: char| c != '.' && !c.is_ascii_digit()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(digits);
+    let unit = match unit.trim() {
+        "s" => Some(1.0),
+        "min" => Some(60.0),
+        "h" => Some(3600.0),
+        _ => None,
+    };
+    let seconds = decimal(number).zip(unit).map(|((part, whole), unit)| part as f64 / whole as f64 * unit);
+    let duration =
+        seconds.filter(|seconds| *seconds >= 1.0).and_then(|s| Duration::try_from_secs_f64(s).ok());
+    duration.ok_or_else(|| "write a time such as 90s, 10min or 2h, at least 1s".to_owned())
 }
 
 /// `5MB`.
@@ -199,6 +224,14 @@ mod tests {
     }
 
     #[test]
+    fn errors_are_shares() {
+        assert_eq!((noise("0.01"), noise("1")), (Ok(0.01), Ok(1.0)));
+        for bad in ["", "0", "1%", "-0.1", "2", "nan", "1e-9"] {
+            assert!(noise(bad).is_err(), "`{bad}`");
+        }
+    }
+
+    #[test]
     fn tone_maps_are_known_by_name() {
         assert_eq!((tonemap("none"), tonemap("Filmic")), (Ok(Tonemap::None), Ok(Tonemap::Filmic)));
         let message = tonemap("aces").expect_err("no such tone map");
@@ -210,6 +243,15 @@ mod tests {
         assert_eq!(integrator("Whitted"), Ok(Integrator::Whitted));
         assert_eq!(integrator("path"), Ok(Integrator::Path(PathSettings::default())));
         assert!(integrator("paths").is_err() && integrator("").is_err());
+    }
+
+    #[test]
+    fn durations_have_units() {
+        let seconds = |text| duration(text).map(|duration| duration.as_secs_f64());
+        assert_eq!((seconds("90s"), seconds("1.5min"), seconds("2 h")), (Ok(90.0), Ok(90.0), Ok(7200.0)));
+        for bad in ["", "90", "s", "0s", "-5s", "1d", "1e3s", "1..5s", "nan s"] {
+            assert!(duration(bad).is_err(), "`{bad}`");
+        }
     }
 
     #[test]

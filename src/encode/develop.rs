@@ -99,17 +99,23 @@ impl ToneTable {
 
 /// The film as it displays, in codes of 16 bits, by the curves themselves: 640x360 pixels take about 50 ms.
 pub fn develop_deep(tonemap: Tonemap, film: &Film) -> Picture<u16> {
-    let code = |linear: f32| if linear > 0.0 { u16::of(tonemap.displayed(linear.into())) } else { 0 };
     let pixel = |(index, radiance): (usize, Rgb)| {
         let mut light = radiance * film.exposure;
         if film.extras.coverage {
             light = uncovered(light, film.alpha_at(index));
         }
-        let light = light.to_array();
-        (if tonemap.compresses() { compressed(light) } else { light }).map(code)
+        displayed(tonemap, light).map(u16::of)
     };
     let rgb = film.radiance().enumerate().flat_map(pixel).collect();
     Picture { width: film.width, height: film.height, rgb, alpha: alpha(film) }
+}
+
+/// What a linear colour displays as, by the curves themselves: from 0 to 1.
+pub fn displayed(tonemap: Tonemap, light: Rgb) -> [f64; 3] {
+    let light = light.to_array();
+    let light = if tonemap.compresses() { compressed(light) } else { light };
+    // Written so that NaN fails the comparison.
+    light.map(|linear| if linear > 0.0 { tonemap.displayed(linear.into()) } else { 0.0 })
 }
 
 /// The colour of what covers a share `alpha` of a pixel.

@@ -43,7 +43,7 @@ pub use about::{About, Shown};
 pub use assembly::{Assembly, read_picture};
 pub use atomic::write as write_file;
 pub use caption::{Caption, CaptionError, Corner, Template};
-pub use develop::ToneTable;
+pub use develop::{ToneTable, displayed};
 pub use error::{EncodeError, FilmsError, JobError};
 pub use identity::Seen;
 pub use job::{Existing, Job};
@@ -56,6 +56,7 @@ pub use settings::{
     Y4mSettings,
 };
 pub use sheet::{Sheet, columns as sheet_columns};
+pub use text::FONT_FILE;
 pub use tonemap::Tonemap;
 
 use crate::film::Film;
@@ -80,6 +81,11 @@ pub fn write_picture(output: &Output, picture: &Picture, formats: Formats) -> Re
             Err(JobError::NoPicture { output: output.to_string() }.into())
         }
     }
+}
+
+/// A picture as a PNG in memory.
+pub fn png_bytes(picture: &Picture) -> std::io::Result<Vec<u8>> {
+    png::encode(picture, &[])
 }
 
 /// Films that wait for the encoder at most, besides the one it works on.

@@ -6,6 +6,7 @@
 //! Scrambling*, 2020), four dimensions at a time; different uses are scrambled independently.
 
 use super::sobol;
+use crate::digest::content;
 use crate::math::DVec2;
 
 /// What random numbers are used for. Different uses never share numbers.
@@ -38,15 +39,33 @@ impl Use {
     }
 }
 
+/// How the numbers of a pixel's samples lie among each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Points {
+    /// Stratified, points of a scrambled Sobol sequence.
+    #[default]
+    Sobol,
+    /// Each by itself, as dice fall. Noisier, and good to compare with.
+    Independent,
+}
+
+content!(
+    enum Points {
+        Sobol,
+        Independent,
+    }
+);
+
 /// The random numbers of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PixelSampler(u32);
+pub struct PixelSampler(u32, Points);
 
 /// The random numbers of one sample of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampler {
     pixel: u32,
     sample: u32,
+    points: Points,
 }
 
 /// Longest stratified run of samples; longer ones are made of several.
@@ -55,13 +74,18 @@ const RUN: u32 = 1 << 16;
 impl PixelSampler {
     /// The numbers of the pixel at (`x`, `y`).
     pub fn new((x, y): (u32, u32), seed: u32) -> Self {
-        Self(hash([seed, x, y]))
+        Self(hash([seed, x, y]), Points::Sobol)
+    }
+
+    /// The same, but that they lie so among each other.
+    pub fn with(self, points: Points) -> Self {
+        Self(self.0, points)
     }
 
     /// The numbers of one of the pixel's samples.
     pub fn sample(self, sample: u32) -> Sampler {
         let pixel = if sample < RUN { self.0 } else { hash([self.0, sample / RUN, 0]) };
-        Sampler { pixel, sample: sample % RUN }
+        Sampler { pixel, sample: sample % RUN, points: self.1 }
     }
 
     /// Which of `count` equal parts of a time a sample looks at: the radical inverse of its number, shifted at
@@ -75,7 +99,11 @@ impl PixelSampler {
 impl Sampler {
     /// Four numbers in 0..1.
     pub fn four(&self, of: Use) -> [f64; 4] {
-        sobol::point(self.sample, hash([self.pixel, of.number(), 0])).map(f64::from)
+        let seed = hash([self.pixel, of.number(), 0]);
+        match self.points {
+            Points::Sobol => sobol::point(self.sample, seed).map(f64::from),
+            Points::Independent => independent(seed, self.sample),
+        }
     }
 
     /// [`Sampler::four`] of eight samplers, a row for each of the four. To be inlined where lanes are at work.
@@ -87,6 +115,10 @@ impl Sampler {
             samples[lane] = eight[lane].sample;
             seeds[lane] = hash([eight[lane].pixel, number, 0]);
         }
+        if eight[0].points == Points::Independent {
+            let lanes: [[f64; 4]; 8] = std::array::from_fn(|lane| independent(seeds[lane], samples[lane]));
+            return std::array::from_fn(|row| std::array::from_fn(|lane| lanes[lane][row]));
+        }
         sobol::points(&samples, &seeds).map(|row| row.map(f64::from))
     }
 
@@ -95,6 +127,11 @@ impl Sampler {
         let [x, y, ..] = self.four(of);
         DVec2::new(x, y)
     }
+}
+
+/// Four numbers in 0..1 that have nothing to do with those of other samples.
+fn independent(seed: u32, sample: u32) -> [f64; 4] {
+    std::array::from_fn(|dimension| f64::from(hash([seed, sample, dimension as u32])) / 4_294_967_296.0)
 }
 
 /// A well-mixed number from three: a round of multiplications and shifts for each (the finalizer of

@@ -83,7 +83,9 @@ impl<S: FilmSink> FrameLoop<S> {
     pub fn trace(&mut self, look: &Look, lit: &[LayerId]) -> Result<Option<Film>, NoFrame> {
         let mut weights = vec![Rgb::ZERO; look.weights.len()];
         lit.iter().for_each(|layer| weights[layer.index()] = Rgb::ONE);
-        self.world.insert_resource(Wanted { lit: Some(Weights(weights)), keep: true });
+        // Sampled until it is good enough, a film is for the frame's own weights.
+        let lit = self.world.resource::<Settings>().0.quality.noise.is_none().then_some(Weights(weights));
+        self.world.insert_resource(Wanted { lit, keep: true });
         let done = self.run(look.frame, look.moments == 1);
         self.world.insert_resource(Wanted::default());
         done?;
@@ -112,16 +114,20 @@ impl<S: FilmSink> FrameLoop<S> {
             moments.truncate(1);
             moments.iter_mut().for_each(|(_, moment)| *moment = Moment::ONLY);
         }
-        for (clock, moment) in moments {
-            self.world.insert_resource(Now(clock));
-            self.world.insert_resource(Shown(moment));
-            self.world.resource_mut::<Stopwatch>().start();
-            self.schedule.run(&mut self.world);
-            // Without this, removals of components pile up for ever.
-            self.world.clear_trackers();
-            self.world.resource_mut::<Faults>().take()?;
+        loop {
+            for &(clock, moment) in &moments {
+                self.world.insert_resource(Now(clock));
+                self.world.insert_resource(Shown(moment));
+                self.world.resource_mut::<Stopwatch>().start();
+                self.schedule.run(&mut self.world);
+                // Without this, removals of components pile up for ever.
+                self.world.clear_trackers();
+                self.world.resource_mut::<Faults>().take()?;
+            }
+            if !self.world.resource::<Exposed>().goes_on() {
+                return Ok(());
+            }
         }
-        Ok(())
     }
 
     /// What has been done so far.

@@ -130,10 +130,15 @@ impl Preview {
         self.settings.feed(random, &mut digester);
         found.feed(&mut digester);
         fault.is_some().feed(&mut digester);
+        let weights = self.world.resource::<Current<Weights>>().0.0.clone();
+        // How good a film has become is told for its own weights: films of others are not made of it.
+        if random && self.settings.quality.noise.is_some() {
+            weights.feed(&mut digester);
+        }
         Look {
             frame,
             transport: digester.finish(),
-            weights: self.world.resource::<Current<Weights>>().0.0.clone(),
+            weights,
             exposure: exposure(self.exposure.at(self.timeline.clock(frame).start)),
             moments: found.len() as u32,
             random,
@@ -193,7 +198,8 @@ impl Settings {
     fn feed(&self, random: bool, into: &mut Digester) {
         let Self { size: (width, height), coverage, quality } = self;
         let Quality { integrator, bounces, filter, antialias, samples, .. } = quality;
-        let Quality { threshold, clamp, smooth_terminator, seed, shutter_steps: _, .. } = quality;
+        let Quality { threshold, clamp, smooth_terminator, seed, noise, points, shutter_steps: _, .. } =
+            quality;
         (*width, *height, *coverage).feed(into);
         (integrator, *bounces, filter).feed(into);
         (*clamp, *smooth_terminator, random).feed(into);
@@ -201,7 +207,11 @@ impl Settings {
             threshold.feed(into);
         }
         if random {
-            (*samples, *seed).feed(into);
+            (*seed, points).feed(into);
+            match noise {
+                Some(target) => target.feed(into),
+                None => samples.feed(into),
+            }
         } else {
             antialias.feed(into);
         }

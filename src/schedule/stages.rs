@@ -5,10 +5,10 @@ use crate::camera::Camera;
 use crate::camera_path::NoCamera;
 use crate::counters::{Counts, Meter};
 use crate::encode::EncodeError;
-use crate::film::{Film, lit};
+use crate::film::{Film, Noise, lit};
 use crate::math::DVec3;
 use crate::scene::{Geometry, Scene, Shading, Weights};
-use crate::trace::{Moment, TraceSettings, trace, trace_moment};
+use crate::trace::{Moment, Rounds, TraceSettings, trace, trace_moment};
 use crate::track::Animated;
 use crate::world::{Current, Now};
 use bevy_ecs::resource::Resource;
@@ -66,6 +66,8 @@ pub struct Tally {
     pub traced: u32,
     pub reused: u32,
     pub stages: [Duration; 5],
+    /// How good frames are that were sampled until they were good enough.
+    pub noise: Vec<(u32, Noise)>,
 }
 
 #[derive(Resource)]
@@ -98,6 +100,15 @@ pub struct Exposed {
     film: Option<Film>,
     sums: Vec<DVec3>,
     pub kept: Option<Film>,
+    /// Samples of a frame of several moments that is not good enough yet.
+    rounds: Option<Rounds>,
+}
+
+impl Exposed {
+    /// Whether the frame's moments are to be looked at again.
+    pub fn goes_on(&self) -> bool {
+        self.rounds.is_some()
+    }
 }
 
 /// The first error of a frame. A failing system does not stop a chain: the systems after it look here.
@@ -195,6 +206,7 @@ pub fn trace_frame(
     let Some(mut film) = film else { return };
     tally.traced += 1;
     film.weights.clone_from(&weights.0.0);
+    tally.noise.extend(film.noise.map(|noise| (now.0.frame, noise)));
     film.expose(exposure.0.at(now.0.start));
     exposed.kept = wanted.keep.then(|| film.clone());
     exposed.film = Some(film);
@@ -212,6 +224,15 @@ impl Exposed {
         moment: Moment,
         meter: &Meter,
     ) -> (Option<Film>, Counts) {
+        if let Some(target) = settings.quality.noise {
+            let mut rounds = self.rounds.take().unwrap_or_else(|| Rounds::new(scene, settings, target));
+            let counts = rounds.trace(scene, bvh, settings, moment, meter);
+            if moment.index + 1 == moment.of && rounds.settle(meter) {
+                return (Some(rounds.film()), counts);
+            }
+            self.rounds = Some(rounds);
+            return (None, counts);
+        }
         let (width, height) = settings.size;
         if moment.index == 0 {
             let pixels = width as usize * height as usize;

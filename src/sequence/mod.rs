@@ -43,6 +43,7 @@ mod words;
 
 pub use fault::Faults;
 pub use load::{LoadError, load, load_watched, parse};
+pub use quality::ERRORS;
 
 use crate::camera_path::CameraPath;
 use crate::color::Rgb;

@@ -2,23 +2,34 @@
 
 use super::fields::Fields;
 use super::node::Node;
-use super::values::{between, is_number, positive, switch, whole};
-use super::words::{Variants, variant};
+use super::values::{between, is_number, positive, switch, tuple, whole};
+use super::words::{Variants, variant, word};
 use crate::filter::{Filter, Kernel};
-use crate::quality::{Integrator, MOST_SAMPLES, PathSettings, Quality};
+use crate::quality::{Integrator, MOST_SAMPLES, NoiseTarget, PathSettings, Quality};
+use crate::sampling::Points;
 use std::ops::RangeInclusive;
 
 /// Widths of filters in pixels. Wider ones would blur, not reconstruct.
 const FILTER_WIDTHS: RangeInclusive<f64> = 0.01..=16.0;
 
-/// Reads `quality`.
+/// Errors that can be asked for.
+pub const ERRORS: RangeInclusive<f64> = 1e-4..=1.0;
+
+/// Reads `quality`: fields, or `Error(0.01)` alone.
 pub fn quality(node: Node<'_>) -> Option<Quality> {
     let default = Quality::default();
+    if node.word() == "Error" {
+        let error = error(node)?;
+        return Some(Quality { noise: Some(NoiseTarget { error, most: NoiseTarget::MOST }), ..default });
+    }
     let mut fields = Fields::of(node, "the quality")?;
     let integrator = fields.or("integrator", integrator, default.integrator);
     let bounces = fields.or("bounces", whole(0..=1000), default.bounces);
     let antialias = fields.or("antialias", whole(1..=64), default.antialias);
     let samples = fields.or("samples", whole(1..=MOST_SAMPLES), default.samples);
+    let noise = fields.optional("noise", between(ERRORS));
+    let most_samples = fields.or("most_samples", whole(1..=MOST_SAMPLES), NoiseTarget::MOST);
+    let points = fields.or("sampler", points, default.points);
     let filter = fields.or("filter", filter, default.filter);
     let threshold = fields.or("threshold", between(0.0..=1.0), f64::from(default.threshold));
     let clamp = fields.optional("clamp", positive);
@@ -26,11 +37,15 @@ pub fn quality(node: Node<'_>) -> Option<Quality> {
     let smooth_terminator = fields.or("smooth_terminator", switch, default.smooth_terminator);
     let seed = fields.or("seed", whole(0..=u32::MAX), default.seed);
     fields.finish();
+    let (noise, most) = (noise?, most_samples?);
+    let noise = noise.map(|error| NoiseTarget { error, most });
     Some(Quality {
         integrator: integrator?,
         bounces: bounces?,
         antialias: antialias?,
         samples: samples?,
+        noise,
+        points: points?,
         filter: filter?,
         threshold: threshold? as f32,
         clamp: clamp?.map(|clamp| clamp as f32),
@@ -38,6 +53,16 @@ pub fn quality(node: Node<'_>) -> Option<Quality> {
         smooth_terminator: smooth_terminator?,
         seed: seed?,
     })
+}
+
+/// `Error(0.01)`.
+fn error(node: Node<'_>) -> Option<f64> {
+    let [error] = tuple(node, "Error(0.01)")?;
+    between(ERRORS)(error)
+}
+
+fn points(node: Node<'_>) -> Option<Points> {
+    word(node, "sampler", &[("Sobol", Points::Sobol), ("Independent", Points::Independent)])
 }
 
 fn integrator(node: Node<'_>) -> Option<Integrator> {

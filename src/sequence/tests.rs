@@ -10,7 +10,8 @@ use crate::light::{Attenuation, LightKind};
 use crate::material::{Highlight, Level, MadeOf, MaterialTracks};
 use crate::math::{Angle, DQuat, DVec3};
 use crate::optics::Fresnel;
-use crate::quality::{Integrator, PathSettings};
+use crate::quality::{Integrator, NoiseTarget, PathSettings};
+use crate::sampling::Points;
 use crate::shape::{Cuboid, Sphere};
 use crate::texture::PaintTracks;
 use crate::time::{Rate, Time};
@@ -27,6 +28,7 @@ const EVERYTHING: &str = r##"
              exposure: [(0, -2), (48, 1.5, Smooth)],
              gif: (plays: 3, colors: 16, dither: false)),
     quality: (integrator: Path(roulette: Off, refractive_shadows: true), bounces: 2, antialias: 1, samples: 16,
+              noise: 0.02, most_samples: 512, sampler: Independent,
               filter: BlackmanHarris(width: 2.5), threshold: 0.01, clamp: 10, shutter_steps: 8,
               smooth_terminator: false, seed: 4294967295),
     background: [(0, "#102030"), (24, Srgb(0, 0, 255), Smooth), (48, 0)],
@@ -126,6 +128,8 @@ fn everything_is_read() {
         filter: Filter { kernel: Kernel::BlackmanHarris, width: 2.5 },
         antialias: 1,
         samples: 16,
+        noise: Some(NoiseTarget { error: 0.02, most: 512 }),
+        points: Points::Independent,
         threshold: 0.01,
         clamp: Some(10.0),
         shutter_steps: 8,

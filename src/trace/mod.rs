@@ -1,5 +1,6 @@
 //! Scene → Film: rays in parallel, sums in one fixed order.
 
+mod adaptive;
 mod coincident;
 mod guides;
 mod lights;
@@ -32,6 +33,7 @@ use crate::filter::FilterSampler;
 use crate::math::DVec3;
 use crate::quality::Quality;
 use crate::scene::Scene;
+pub use adaptive::{Rounds, SETS};
 use pixel::Pixels;
 pub use pixel::is_random;
 use rayon::prelude::*;
@@ -74,6 +76,9 @@ pub fn trace(scene: &Scene, bvh: &Bvh, settings: &TraceSettings, meter: &Meter) 
     let (width, height) = settings.size;
     let mut film = Film::with_extras(width, height, scene.weights.0.clone(), settings.extras);
     let pixels = Pixels::new(scene, bvh, settings, Moment::ONLY);
+    if let Some(target) = settings.quality.noise.filter(|_| pixels.random) {
+        return adaptive::trace(scene, bvh, settings, target, meter);
+    }
     let store = |layer: &mut Rgb, sum: DVec3| *layer = sum.as_vec3();
     let counts = in_bands(&pixels, film.data_mut(), meter, store);
     (film, counts)

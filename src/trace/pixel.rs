@@ -15,6 +15,7 @@ use crate::sampling::{PixelSampler, Sampler, Use};
 use crate::scene::{Primitive, Scene};
 use crate::shape::Rays;
 use crate::simd::{self, Lanes, Octo, dispatch};
+use std::ops::Range;
 
 /// A frame's scene with all that its pixels have in common.
 pub struct Pixels<'a> {
@@ -24,7 +25,7 @@ pub struct Pixels<'a> {
     /// None for Whitted's integrator.
     paths: Option<Paths<'a>>,
     /// Whether samples are drawn at random; else they stand on a regular grid.
-    random: bool,
+    pub random: bool,
     /// How many layers hold light.
     lights: usize,
     /// Where guides are recorded, if they are.
@@ -33,6 +34,13 @@ pub struct Pixels<'a> {
     pub together: bool,
     /// Paths that are followed at once, at most.
     at_once: usize,
+}
+
+/// Some of a pixel's samples. Another seed gives independent ones.
+#[derive(Clone, Debug)]
+pub struct Drawn {
+    pub samples: Range<u32>,
+    pub seed: u32,
 }
 
 impl<'a> Pixels<'a> {
@@ -54,6 +62,11 @@ impl<'a> Pixels<'a> {
         // Eight at a time only light is recorded.
         let together = !random && settings.extras == Extras::default() && together::suits(&tracer);
         Self { settings, moment, tracer, paths, random, lights, guides, together, at_once: WAVE }
+    }
+
+    /// The same with samples drawn at random, whatever the scene calls for.
+    pub fn sampled(scene: &'a Scene<'a>, bvh: &'a Bvh, settings: &'a TraceSettings, moment: Moment) -> Self {
+        Self { random: true, together: false, ..Self::new(scene, bvh, settings, moment) }
     }
 
     /// Follows every path by itself.
@@ -87,19 +100,28 @@ impl<'a> Pixels<'a> {
     /// Adds pixels' layers, one pixel after the other, to `sums`: the means of their samples or, of several moments, this
     /// moment's part of them. Neighbours should follow each other.
     pub fn trace(&self, pixels: &[(u32, u32)], sums: &mut [DVec3], tracing: &mut Tracing) {
-        match tracing {
-            Tracing::Together(eight) => {
-                let layers = eight.layers.len();
-                for (pixels, sums) in pixels.chunks(8).zip(sums.chunks_mut(8 * layers)) {
-                    self.trace_together(pixels, sums, eight);
-                }
-                return;
+        if let Tracing::Together(eight) = tracing {
+            let layers = eight.layers.len();
+            for (pixels, sums) in pixels.chunks(8).zip(sums.chunks_mut(8 * layers)) {
+                self.trace_together(pixels, sums, eight);
             }
-            Tracing::Paths(work, paths) => self.trace_paths(pixels, sums, work, paths),
+            return;
+        }
+        self.add(pixels, &self.all(), sums, tracing);
+        let samples = f64::from(self.count());
+        sums.iter_mut().for_each(|sum| *sum /= samples);
+    }
+
+    /// Adds some of the pixels' samples to `sums` or, of several moments, those that fall on this one.
+    pub fn add(&self, pixels: &[(u32, u32)], drawn: &Drawn, sums: &mut [DVec3], tracing: &mut Tracing) {
+        match tracing {
+            // Without chance there is no part of the samples.
+            Tracing::Together(_) => {}
+            Tracing::Paths(work, paths) => self.trace_paths(pixels, drawn, sums, work, paths),
             Tracing::Rays(work) => {
                 let layers = work.layers.len();
                 for (&pixel, sums) in pixels.iter().zip(sums.chunks_exact_mut(layers)) {
-                    for (sample, sampler) in self.samples(pixel) {
+                    for (sample, sampler) in self.samples(pixel, drawn) {
                         let eye = self.eye(pixel, sample, &sampler, work);
                         whitted::follow(&self.tracer, eye, Dice { sampler, surface: 0 }, work);
                         self.take(sums, &mut work.layers, &mut work.counts.dropped);
@@ -107,8 +129,11 @@ impl<'a> Pixels<'a> {
                 }
             }
         }
-        let samples = f64::from(self.count());
-        sums.iter_mut().for_each(|sum| *sum /= samples);
+    }
+
+    /// All samples of the quality.
+    fn all(&self) -> Drawn {
+        Drawn { samples: 0..self.count(), seed: self.settings.quality.seed }
     }
 
     /// How many samples a pixel has.
@@ -118,17 +143,18 @@ impl<'a> Pixels<'a> {
     }
 
     /// The pixel's samples at this moment, by their numbers.
-    fn samples(&self, pixel: (u32, u32)) -> impl Iterator<Item = (u32, Sampler)> {
-        let numbers = PixelSampler::new(pixel, self.settings.quality.seed);
+    fn samples(&self, pixel: (u32, u32), drawn: &Drawn) -> impl Iterator<Item = (u32, Sampler)> + use<> {
+        let numbers = PixelSampler::new(pixel, drawn.seed).with(self.settings.quality.points);
         let Moment { index, of } = self.moment;
         let now = move |sample: &u32| of == 1 || numbers.part_of_time(*sample, of) == index;
-        (0..self.count()).filter(now).map(move |sample| (sample, numbers.sample(sample)))
+        drawn.samples.clone().filter(now).map(move |sample| (sample, numbers.sample(sample)))
     }
 
     /// Many paths at once, of one pixel or several.
     fn trace_paths(
         &self,
         pixels: &[(u32, u32)],
+        drawn: &Drawn,
         sums: &mut [DVec3],
         work: &mut Work,
         followed: &mut Followed,
@@ -137,7 +163,7 @@ impl<'a> Pixels<'a> {
         let layers = work.layers.len() / WAVE;
         let samples = pixels.iter().enumerate();
         let samples = samples.flat_map(|(index, &pixel)| {
-            self.samples(pixel).map(move |(_, sampler)| Wanted { index, pixel, sampler })
+            self.samples(pixel, drawn).map(move |(_, sampler)| Wanted { index, pixel, sampler })
         });
         let mut samples = samples.peekable();
         let mut eight = Vec::with_capacity(8);

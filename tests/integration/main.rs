@@ -27,6 +27,7 @@ mod golden;
 mod integrators;
 mod radiance;
 mod transport;
+mod noise;
 mod watertight;
 mod mesh_materials;
 mod meshes;

@@ -8,37 +8,24 @@ use crate::encode::write_file;
 use clap::Args;
 use std::path::PathBuf;
 
-pub const AFTER_HELP: &str = "\
-Examples:
-  kinora accuracy --hard-cases                       the table, in about ten seconds
-  kinora accuracy --hard-cases --quick               fewer inputs, in about a second
-  kinora accuracy --hard-cases --json cases.jsonl    for tools, one line of JSON a case
-  kinora accuracy --hard-cases --pictures output     what some of the errors look like
-
-Errors are the same in every run, times are not. docs/numerics.md explains the cases.";
-
 #[derive(Args, Debug, PartialEq)]
 pub struct Options {
-    /// Fewer inputs and shorter times
-    #[arg(long)]
-    quick: bool,
-
     /// Write the table into this file as well, one line of JSON a case
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", requires = "hard_cases")]
     json: Option<PathBuf>,
 
     /// Make pictures of the telling cases in this folder, instead of the table
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["quick", "json"])]
+    #[arg(long, value_name = "DIR", requires = "hard_cases", conflicts_with_all = ["quick", "json"])]
     pictures: Option<PathBuf>,
 }
 
-pub fn run(options: &Options) -> Result<(), Failure> {
+pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
     if let Some(folder) = &options.pictures {
         let written = pictures::write(folder).map_err(|error| Failure::Incomplete(error.to_string()))?;
         let files: Vec<_> = written.iter().map(|file| format!("wrote {}", file.display())).collect();
         return terminal::say(&files.join("\n"));
     }
-    let effort = if options.quick { Effort::QUICK } else { Effort::FULL };
+    let effort = if quick { Effort::QUICK } else { Effort::FULL };
     terminal::say(&heading())?;
     let mut lines = String::new();
     for case in cases(effort) {

@@ -1,0 +1,33 @@
+//! How long something takes: on the wall, and in time of processors, which others on the machine disturb less.
+
+use std::time::Instant;
+
+/// Seconds that went by.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Took {
+    pub wall: f64,
+    /// Of all threads together; none where the system does not tell.
+    pub cpu: Option<f64>,
+}
+
+/// Does something and tells how long it took.
+pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Took) {
+    let (start, before) = (Instant::now(), processor_time());
+    let done = work();
+    let wall = start.elapsed().as_secs_f64();
+    let cpu = processor_time().zip(before).map(|(after, before)| after - before);
+    (done, Took { wall, cpu })
+}
+
+/// Seconds that this process has spent on processors.
+#[cfg(unix)]
+pub fn processor_time() -> Option<f64> {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    Some(time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9)
+}
+
+/// Unknown here.
+#[cfg(not(unix))]
+pub fn processor_time() -> Option<f64> {
+    None
+}

@@ -1,0 +1,9 @@
+//! Measurements as a page to read, and as plots.
+
+mod crops;
+mod page;
+mod plots;
+mod scale;
+
+pub use page::{Origin, page};
+pub use plots::{Chart, NoPlot, charts};

@@ -1,0 +1,125 @@
+//! Renders frames of a sequence by any quality, and keeps what comes of it.
+
+use super::clock::{Took, timed};
+use crate::color::Rgb;
+use crate::counters::Meter;
+use crate::encode::{EncodeError, displayed};
+use crate::film::Film;
+use crate::quality::{NoiseTarget, Quality};
+use crate::render::{RenderError, pool};
+use crate::schedule::{FilmSink, FrameLoop};
+use crate::sequence::Sequence;
+use rayon::ThreadPool;
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+
+/// What is rendered, again and again.
+pub struct Studio {
+    sequence: Sequence,
+    frames: Vec<u32>,
+    pool: ThreadPool,
+}
+
+/// All frames by one quality.
+pub struct Shot {
+    /// One for each frame.
+    pub films: Vec<Film>,
+    /// Without start-up, loading and writing.
+    pub took: Took,
+    pub rays: u64,
+}
+
+/// Keeps films instead of writing them.
+#[derive(Default)]
+struct Films(Vec<Film>);
+
+impl FilmSink for Films {
+    fn push(&mut self, _frame: u32, film: Film) -> Result<(), EncodeError> {
+        self.0.push(film);
+        Ok(())
+    }
+}
+
+impl Studio {
+    pub fn new(
+        sequence: &Sequence,
+        frames: &[u32],
+        threads: Option<NonZeroUsize>,
+    ) -> Result<Self, RenderError> {
+        Ok(Self { sequence: sequence.clone(), frames: frames.to_vec(), pool: pool(threads)? })
+    }
+
+    /// The same at another size.
+    pub fn resize(&mut self, size: (u32, u32)) {
+        self.sequence.output.size = size;
+    }
+
+    pub fn size(&self) -> (u32, u32) {
+        self.sequence.output.size
+    }
+
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    pub fn frames(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Pixels of all frames.
+    pub fn pixels(&self) -> f64 {
+        let (width, height) = self.size();
+        f64::from(width) * f64::from(height) * self.frames.len() as f64
+    }
+
+    pub fn shoot(&self, quality: &Quality) -> Result<Shot, RenderError> {
+        let mut sequence = self.sequence.clone();
+        sequence.quality = *quality;
+        let mut frames = FrameLoop::new(&sequence, Films::default(), Arc::new(Meter::default()));
+        let all = || self.frames.iter().try_for_each(|&frame| frames.frame(frame));
+        let (done, took) = timed(|| self.pool.install(all));
+        done?;
+        let rays = frames.tally().counts.rays.total();
+        let films = frames.into_sink().map_or_else(Vec::new, |films| films.0);
+        Ok(Shot { films, took, rays })
+    }
+
+    /// Whether pixels have random samples in any of the frames.
+    pub fn is_random(&self) -> Result<bool, RenderError> {
+        let noise = Some(NoiseTarget { error: 1.0, most: 1 });
+        let shot = self.shoot(&Quality { noise, ..self.sequence.quality })?;
+        // Where nothing is random, no error is looked for.
+        Ok(shot.films.iter().any(|film| film.noise.is_some()))
+    }
+
+    /// How the frames with this radiance display, each by its exposure.
+    pub fn displayed(&self, exposures: &[f32], radiance: &[Rgb]) -> Vec<[f32; 3]> {
+        let each = (radiance.len() / exposures.len().max(1)).max(1);
+        let frames = radiance.chunks(each).zip(exposures);
+        let pixel = |light: Rgb| displayed(self.sequence.output.tonemap, light).map(|value| value as f32);
+        frames
+            .flat_map(|(frame, &exposure)| frame.iter().map(move |&light| pixel(light * exposure)))
+            .collect()
+    }
+}
+
+impl Shot {
+    /// The radiance of all frames, one after the other.
+    pub fn radiance(&self) -> Vec<Rgb> {
+        self.films.iter().flat_map(Film::radiance).collect()
+    }
+
+    /// By how much each frame is brightened.
+    pub fn exposures(&self) -> Vec<f32> {
+        self.films.iter().map(|film| film.exposure).collect()
+    }
+
+    /// What one layer adds to it.
+    pub fn radiance_of(&self, layer: usize) -> Vec<Rgb> {
+        let of = |film: &Film| {
+            let pixels = film.width as usize * film.height as usize;
+            (0..pixels).map(|pixel| film.radiance_of(pixel, layer)).collect::<Vec<_>>()
+        };
+        self.films.iter().flat_map(of).collect()
+    }
+}
