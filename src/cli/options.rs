@@ -45,10 +45,10 @@ pub struct Options {
     #[arg(long, value_name = "N", value_parser = values::samples, allow_hyphen_values = true, verbatim_doc_comment)]
     pub samples: Option<u32>,
 
-    /// Take samples until this error is reached, such as 0.01 for 1 % [default: as the sequence says]
+    /// Error to reach where something is random: 0.01 for 1 % [default: as the sequence says]
     ///
-    /// Where something is random, every block of 8x8 pixels is sampled until its error, as a share
-    /// of its brightness, is smaller. Smooth parts take fewer samples than difficult ones.
+    /// Every block of 8x8 pixels is sampled until its error, as a share of its brightness,
+    /// is smaller. Smooth parts take fewer samples than difficult ones.
     #[arg(
         long, value_name = "ERROR", value_parser = values::noise, allow_hyphen_values = true,
         conflicts_with = "samples", verbatim_doc_comment
