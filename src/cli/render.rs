@@ -142,6 +142,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Bad(message.to_owned()));
     }
     let mut budgeted = None;
+    if arguments.time_limit.is_some() && arguments.shard.is_some() {
+        let message = "--time-limit picks the samples of all frames, and each shard would pick others: find out how many \
+                       there are without --shard, then give them to all shards by --samples";
+        return Err(Failure::Bad(message.to_owned()));
+    }
     if let Some(limit) = arguments.time_limit {
         let budget = budget(&sequence, &frames, limit, arguments.options.threads)?;
         sequence.quality = budget.quality;
