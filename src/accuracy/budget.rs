@@ -82,7 +82,7 @@ pub fn budget(
     }
     let total = |cost: &dyn Fn(&Pilot) -> Option<Cost>| summed(&pilots, frames, cost);
     let wall = total(&|pilot| Some(pilot.wall)).unwrap_or_default();
-    let fitting = ((limit - spent - wall.base) / wall.each).clamp(1.0, f64::from(MOST_SAMPLES));
+    let fitting = fitting(limit - spent, wall);
     let random = pilots.iter().any(|pilot| pilot.error.is_some());
     let (samples, quality) = if random {
         (fitting.floor(), Quality { samples: fitting as u32, ..own })
@@ -99,6 +99,11 @@ pub fn budget(
         error: worst.map(|error| error / samples.sqrt()),
         spent,
     })
+}
+
+/// How many samples fit into so many seconds; one at least.
+fn fitting(seconds: f64, cost: Cost) -> f64 {
+    ((seconds - cost.base) / cost.each).clamp(1.0, f64::from(MOST_SAMPLES))
 }
 
 /// Looks at a frame twice, with few samples and with more, in about so many seconds.
@@ -178,18 +183,11 @@ mod tests {
         assert_eq!(one, Some(Cost { base: 2.0, each: 0.0 }));
     }
 
-    /// What is traced is counted, not timed: the samples are those that were chosen.
     #[test]
     fn more_time_is_more_samples() {
-        let text = r#"(output: (size: (16, 12)), quality: (integrator: Path), background: 0.5,
-            objects: { "ball": (shape: Sphere()) })"#;
-        let sequence = crate::sequence::parse("a.ron", text).expect("a sequence");
-        let samples = |seconds| {
-            let budget = budget(&sequence, &[0], Duration::from_secs_f64(seconds), NonZeroUsize::new(1));
-            let budget = budget.expect("a budget");
-            assert!(budget.error.is_some_and(|error| error > 0.0 && error < 1.0), "{budget:?}");
-            budget.quality.samples
-        };
-        assert!(samples(1.0) > samples(0.01));
+        let cost = Cost { base: 0.5, each: 0.25 };
+        assert_eq!([1.0, 2.0, 4.0].map(|seconds| fitting(seconds, cost)), [2.0, 6.0, 14.0]);
+        assert_eq!(fitting(0.1, cost), 1.0, "one at least");
+        assert_eq!(fitting(1.0, Cost::default()), f64::from(MOST_SAMPLES), "what costs nothing");
     }
 }

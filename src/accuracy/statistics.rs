@@ -38,7 +38,9 @@ impl Estimate {
 fn student(freedom: usize) -> f64 {
     const NORMAL: f64 = 1.959_963_985;
     let (z, n) = (NORMAL, freedom as f64);
-    let (z3, z5, z7) = (z * z * z, z * z * z * z * z, z * z * z * z * z * z * z);
+    let square = z * z;
+    let (z3, z5) = (square * z, square * square * z);
+    let (z7, z9) = (z5 * square, z5 * square * square);
     match freedom {
         0 => f64::INFINITY,
         1 => 12.706,
@@ -47,6 +49,7 @@ fn student(freedom: usize) -> f64 {
             z + (z3 + z) / (4.0 * n)
                 + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n)
                 + (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n * n * n)
+                + (79.0 * z9 + 776.0 * z7 + 1482.0 * z5 - 1920.0 * z3 - 945.0 * z) / (92160.0 * n * n * n * n)
         }
     }
 }
