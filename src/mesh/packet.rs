@@ -134,26 +134,15 @@ impl Sheared {
         let (ax, ay, az) = self.place::<L>(&packet.corners[0]);
         let (bx, by, bz) = self.place::<L>(&packet.corners[1]);
         let (cx, cy, cz) = self.place::<L>(&packet.corners[2]);
-        let u = cx.times_minus(by, cy.times(bx));
-        let v = ax.times_minus(cy, ay.times(cx));
-        let w = bx.times_minus(ay, by.times(ax));
-        let size = ax.absolute().larger(ay.absolute());
-        let size = size.larger(bx.absolute().larger(by.absolute()));
-        let size = size.larger(cx.absolute().larger(cy.absolute()));
-        // An edge's number is off by 4·size·error for its coordinates and by 4u·size² for its roundings, and the
-        // coordinates are at most 1 / (4u) of the error.
-        let error = L::splat(self.error);
-        let off = size.plus(error).times(error).times(L::splat(8.0));
-        let under = L::splat(0.0).minus(off);
-        let (low, high) = (u.smaller(v).smaller(w), u.larger(v).larger(w));
-        let missed = low.below(under) & off.below(high);
+        let Edges { numbers: [u, v, w], off, low, high, missed } =
+            Edges::new([(ax, ay), (bx, by), (cx, cy)], L::splat(self.error));
         let first = az.smaller(bz).smaller(cz);
         let last = az.larger(bz).larger(cz);
         let margin = L::splat(self.margin);
         let near = first.minus(margin);
         let (start, limit) = (L::splat(self.start), L::splat(limit));
         let live = !missed & near.at_most(limit) & start.at_most(last.plus(margin));
-        let inside = live & (off.below(low) | high.below(under));
+        let inside = live & (off.below(low) | high.below(L::splat(0.0).minus(off)));
         if inside == 0 {
             return Sieve { hit: 0, unsure: live, near, far: near };
         }
@@ -177,6 +166,36 @@ impl Sheared {
     }
 }
 
+/// On which sides of a triangle's edges a ray passes, in eight lanes: either the triangles or the rays differ.
+struct Edges<L> {
+    /// Of each edge, 0 on it.
+    numbers: [L; 3],
+    /// How far off they may be.
+    off: L,
+    low: L,
+    high: L,
+    /// A bit for each lane in which the ray passes for sure.
+    missed: u32,
+}
+
+impl<L: Lanes> Edges<L> {
+    /// Of corners that are sheared, whose coordinates are off by `error`. An edge's number is off by 4·size·error for
+    /// these and by 4u·size² for its roundings, and the coordinates are at most 1 / (4u) of the error.
+    #[inline(always)]
+    fn new([(ax, ay), (bx, by), (cx, cy)]: [(L, L); 3], error: L) -> Self {
+        let u = cx.times_minus(by, cy.times(bx));
+        let v = ax.times_minus(cy, ay.times(cx));
+        let w = bx.times_minus(ay, by.times(ax));
+        let size = ax.absolute().larger(ay.absolute());
+        let size = size.larger(bx.absolute().larger(by.absolute()));
+        let size = size.larger(cx.absolute().larger(cy.absolute()));
+        let off = size.plus(error).times(error).times(L::splat(8.0));
+        let (low, high) = (u.smaller(v).smaller(w), u.larger(v).larger(w));
+        let missed = low.below(L::splat(0.0).minus(off)) & off.below(high);
+        Self { numbers: [u, v, w], off, low, high, missed }
+    }
+}
+
 /// Eight rays that are all longest along the same axis, as [`Sheared`] has one: one triangle is tested with all of them.
 pub struct ShearedRays<L> {
     axes: [usize; 3],
@@ -192,7 +211,7 @@ impl<L: Lanes> ShearedRays<L> {
     #[inline(always)]
     pub fn new(slabs: &BundleSlabs<L>, direction: Vector<L::Quad>, wanted: u32) -> Option<Self> {
         let z = direction.longest_axis(wanted)?;
-        let (x, y) = if z == 0 { (1, 2) } else { (if z == 1 { 2 } else { 0 }, if z == 1 { 0 } else { 1 }) };
+        let [x, y] = [[1, 2], [2, 0], [0, 1]][z];
         let [dx, dy, dz] = [direction.along(x), direction.along(y), direction.along(z)];
         let inverse = Octo::splat(1.0) / dz;
         let all = slabs.origin();
@@ -229,16 +248,7 @@ impl<L: Lanes> ShearedRays<L> {
         let (ax, ay, az) = self.place(&packet.corners[0], lane);
         let (bx, by, bz) = self.place(&packet.corners[1], lane);
         let (cx, cy, cz) = self.place(&packet.corners[2], lane);
-        let u = cx.times_minus(by, cy.times(bx));
-        let v = ax.times_minus(cy, ay.times(cx));
-        let w = bx.times_minus(ay, by.times(ax));
-        let size = ax.absolute().larger(ay.absolute());
-        let size = size.larger(bx.absolute().larger(by.absolute()));
-        let size = size.larger(cx.absolute().larger(cy.absolute()));
-        let off = size.plus(self.error).times(self.error).times(L::splat(8.0));
-        let under = L::splat(0.0).minus(off);
-        let (low, high) = (u.smaller(v).smaller(w), u.larger(v).larger(w));
-        let missed = low.below(under) & off.below(high);
+        let Edges { missed, .. } = Edges::new([(ax, ay), (bx, by), (cx, cy)], self.error);
         let near = az.smaller(bz).smaller(cz).minus(self.margin);
         let far = az.larger(bz).larger(cz).plus(self.margin);
         !missed & near.at_most(limit) & L::splat(0.0).at_most(far)

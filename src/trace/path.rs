@@ -15,7 +15,7 @@ use super::scatter::{Kind, Scatter, scatter, scatter_density};
 use super::spawn::{spawn, spawn_gathering};
 use super::throughput::Throughput;
 use super::tracer::{Dice, Face, Met, Tracer, Work};
-use super::wave::{Shadow, WAVE};
+use super::wave::{Lists, Shadow, WAVE};
 use crate::bvh::Hit;
 use crate::camera::{Beam, Ray};
 use crate::color::Rgb;
@@ -101,17 +101,18 @@ impl<'a> Paths<'a> {
     /// Follows paths from the eye to where they end, all of them from surface to surface. What is seen along them is added
     /// to `work`.
     pub fn follow(&self, tracer: &Tracer, paths: &mut [Path], work: &mut Work) {
-        let mut active: Vec<u32> = (0..paths.len() as u32).collect();
-        let mut hits = Vec::with_capacity(active.len());
-        let (mut matt, mut matt_hits) = (Vec::with_capacity(active.len()), Vec::with_capacity(active.len()));
+        let mut lists = std::mem::take(&mut work.lists);
+        let Lists { active, hits, matt, matt_hits } = &mut lists;
+        active.clear();
+        active.extend(0..paths.len() as u32);
         let mut goes_on = [false; WAVE];
         let mut from_eye = true;
         while !active.is_empty() {
-            tracer.meet(paths, &active, from_eye, &mut hits);
+            tracer.meet(paths, active, from_eye, hits);
             if self.meshes {
-                tracer.fetch(&hits);
+                tracer.fetch(hits);
             }
-            for (&index, hit) in active.iter().zip(&hits) {
+            for (&index, hit) in active.iter().zip(&*hits) {
                 let path = &mut paths[index as usize];
                 if let Some(hit) = hit
                     && self.matt.as_ref().is_some_and(|matt| matt.takes(tracer, path, hit))
@@ -147,6 +148,7 @@ impl<'a> Paths<'a> {
             work.shadows = shadows;
             from_eye = false;
         }
+        work.lists = lists;
     }
 
     /// Goes on to the next surface and from there; false at the path's end. `hit` is what lies ahead of a

@@ -5,6 +5,7 @@ use super::media::{Boundary, Enclosure, Media};
 use super::shade::Seen;
 use super::spawn::spawn;
 use super::throughput::Throughput;
+use super::wave::Lists;
 use crate::bvh::{Bvh, Hit};
 use crate::camera::{Beam, Ray};
 use crate::color::Rgb;
@@ -54,13 +55,15 @@ pub struct Work {
     pub pending: Vec<super::whitted::Pending>,
     /// Light whose shadow rays are put off.
     pub shadows: Vec<super::wave::Shadow>,
+    pub lists: Lists,
 }
 
 impl Work {
     /// For so many samples at once, and layers of each.
     pub fn new(samples: usize, layers: usize) -> Self {
         let layers = vec![DVec3::ZERO; samples * layers];
-        Self { layers, first: 0, counts: Counts::default(), pending: Vec::new(), shadows: Vec::new() }
+        let (pending, shadows) = (Vec::new(), Vec::new());
+        Self { layers, first: 0, counts: Counts::default(), pending, shadows, lists: Lists::default() }
     }
 
     #[inline]

@@ -18,6 +18,15 @@ use crate::tree::Probe;
 /// Paths that are followed at once, at most.
 pub const WAVE: usize = 64;
 
+/// Places of paths on their way, what they meet, and the same of those at matt surfaces. Kept from wave to wave.
+#[derive(Default)]
+pub struct Lists {
+    pub active: Vec<u32>,
+    pub hits: Vec<Option<Hit>>,
+    pub matt: Vec<u32>,
+    pub matt_hits: Vec<Hit>,
+}
+
 /// Fewer rays than these are traced one by one.
 const BUNDLE: usize = 3;
 
