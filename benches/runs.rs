@@ -107,7 +107,7 @@ fn ours(settings: &Settings) -> Vec<String> {
     let name = &settings.sequence;
     let shipped = format!("sequences/bench/{name}.ron");
     let file = if Path::new(&shipped).is_file() { &shipped } else { name };
-    let mut words = vec![env!("CARGO_BIN_EXE_kinora"), "render", file, "-q"];
+    let mut words = vec![env!("CARGO_BIN_EXE_kinora"), "render", file, "-q", "--overwrite"];
     words.extend(settings.threads.iter().flat_map(|threads| ["-t", threads]));
     words.into_iter().map(str::to_owned).collect()
 }
