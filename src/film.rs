@@ -80,14 +80,14 @@ pub struct Noise {
 impl Noise {
     /// Of an estimate of the squared error, and of the estimate's variance.
     ///
-    /// What there really is strays as much as the estimate does, for it is a sum of as many squares. So their ratio has
-    /// twice the relative variance, and its logarithm is nearly normal.
+    /// The estimate is the mean of two sums of squares, of which what there really is is a third: it strays twice as much.
+    /// So their ratio has three times the relative variance, and its logarithm is nearly normal.
     pub fn of_square(square: f64, variance: f64) -> Self {
         if square == 0.0 {
             return Self::default();
         }
         // 1.96 standard deviations of a normal distribution hold 95 of 100.
-        let reach = 1.96 * (2.0 * variance).sqrt() / square;
+        let reach = 1.96 * (3.0 * variance).sqrt() / square;
         let at = |by: f64| (square * libm::exp(by)).sqrt();
         Self { error: at(0.0), low: at(-reach), high: at(reach), ..Self::default() }
     }

@@ -1,9 +1,10 @@
 //! Sampling until an error is reached: blocks of pixels, in rounds of more and more samples.
 //!
 //! Every pixel is looked at by four sets of samples, scrambled independently. How far they are apart is the error of
-//! their mean; the spread within one set is not, for its points are not independent. Two sets decide when a block has
-//! enough. The other two tell what error is left: of numbers that were stopped at because they were small, the mean
-//! would be too small.
+//! their mean; the spread within one set is not, for its points are not independent. How far two of them are
+//! apart decides when a block has enough. What error is left is told by the difference of the other two, and by that of the
+//! two pairs' means, which have no part in it: of numbers that were stopped at because they were small, the mean would be
+//! too small. What few samples show, and those much, is in one set or another, in the picture as well as in what is told.
 //!
 //! A layer of a block is closed on its own: whatever else is traced does not change it, so it is the same whichever
 //! lights are on. Its error is the root of the mean square over the block's pixels, its scale their mean, to which it
@@ -202,7 +203,7 @@ impl Rounds {
         film
     }
 
-    /// What is left, as the sets tell that had no part in deciding when to stop.
+    /// What is left, by differences that had no part in deciding when to stop.
     fn noise(&self) -> Noise {
         let pixels = f64::from(self.size.0) * f64::from(self.size.1);
         let each: Vec<_> = self.blocks.iter().map(|block| block.weighted(&self.weights)).collect();
@@ -299,7 +300,7 @@ impl Block {
         square + variance.sqrt() <= scale * scale
     }
 
-    /// The weighted picture, with its error by the last two sets.
+    /// The weighted picture, with its error by the last two sets and by both pairs.
     fn weighted(&self, weights: &[Rgb]) -> Part {
         let value = |set: usize, pixel: usize| {
             let layers = weights.iter().enumerate();
@@ -308,22 +309,39 @@ impl Block {
         let pixels = 0..self.pixels() as usize;
         let sets = pixels.flat_map(|pixel| (0..SETS).map(move |set| (set, pixel)));
         let sum: f64 = sets.map(|(set, pixel)| value(set, pixel).element_sum()).sum();
-        let (square, variance) = self.squared_error(|pixel| value(2, pixel) - value(3, pixel));
+        let count = f64::from(self.pixels());
+        let (mut square, mut variance) = (0.0, 0.0);
+        for pixel in 0..self.pixels() as usize {
+            let [a, b, c, d] = std::array::from_fn(|set| value(set, pixel));
+            // The mean of two has half the variance of one: so their difference is as far off as one set.
+            let others = squared(c - d);
+            let pairs = squared(a + b - c - d) / 2.0;
+            square += (others + pairs) / (2.0 * count);
+            // Of independent numbers, the variance of the mean is a quarter of the sum of theirs, and that of each at most
+            // the mean of its square: a bound, however unlike the pixels are, and however few of them are far off.
+            variance += (others * others + pairs * pairs) / (4.0 * count * count);
+        }
         Part { mean: sum / f64::from(3 * SETS as u32 * self.pixels()), square, variance }
     }
 
     /// The squared error of the mean over all sets, as mean over pixels and channels, by how far two sets are apart;
-    /// and the variance of that. The difference of two sets has twice the variance of one.
+    /// and the variance of that, as if all pixels were alike.
     fn squared_error(&self, between: impl Fn(usize) -> DVec3) -> (f64, f64) {
         let count = f64::from(self.pixels());
         let (mut mean, mut squares) = (0.0, 0.0);
         for pixel in 0..self.pixels() as usize {
-            let square = between(pixel).length_squared() / (3.0 * 2.0 * SETS as f64);
+            let square = squared(between(pixel));
             mean += square / count;
             squares += square * square / count;
         }
         (mean, (squares - mean * mean).max(0.0) / count)
     }
+}
+
+/// The squared error of a pixel's mean over all sets, as mean over channels, by the difference of two sets: it has twice the
+/// variance of one.
+fn squared(between: DVec3) -> f64 {
+    between.length_squared() / (3.0 * 2.0 * SETS as f64)
 }
 
 /// What a block says of the whole picture.

@@ -1,6 +1,8 @@
 //! Errors of sampled pictures: how they fall with samples, and whether what is told of them is true.
 
+use crate::command::{folder, kinora};
 use crate::support::{sequence, shoot};
+use exr::meta::attribute::AttributeValue;
 use kinora::color::Rgb;
 use kinora::film::{Film, Noise};
 use kinora::metrics::References;
@@ -111,16 +113,40 @@ fn told(sequence: &Sequence, runs: u32, samples: u32) -> (f64, f64, f64) {
     (share(inside), share(above), sum / f64::from(runs))
 }
 
-/// What is asked for is met, and what is told of it is true: not in some 95 of 100 frames by chance alone, but with
-/// decisions to stop that hang on the very numbers that are told of.
+/// Light that few paths find, and those much of it: what a mirror ball throws from a small lamp onto the floor.
+const RARE: &str = r#"(output: (size: (24, 16)), quality: (QUALITY, integrator: Path(), bounces: 4), background: 0.02, ambient: 0,
+    camera: (position: (0, 4, 7), target: (0, 0.4, 0)),
+    lights: { "lamp": Sphere(center: (-2, 3.5, 2), radius: 0.6, intensity: 30) },
+    objects: { "floor": (shape: Plane(), material: Lambertian(color: 0.6)),
+        "ball": (shape: Sphere(center: (0, 1, 0)), material: Metal(color: 0.9)),
+        "post": (shape: Box(min: (1.4, 0, -1), max: (1.8, 2, -0.6)), material: Lambertian(color: 0.6)) })"#;
+
+/// Hardly any light, behind a screen that leaves most of the picture black.
+const DARK: &str = r#"(output: (size: (24, 16)), quality: (QUALITY), background: 0, ambient: 0,
+    camera: (position: (0, 4, 7), target: (0, 0.4, 0)),
+    lights: { "panel": Rectangle(corner: (-3, 2.2, -2), u: (0.8, 0, 0), v: (0, 0, 0.8), intensity: 0.01) },
+    objects: { "floor": (shape: Plane(), material: Lambertian(color: 0.05)),
+        "ball": (shape: Sphere(center: (0, 1, 0)), material: Lambertian(color: 0.05)),
+        "screen": (shape: Box(min: (-1.5, 0, -9), max: (-1.3, 9, 9)), material: Lambertian(color: 0.05)) })"#;
+
+/// What is asked for is met, and what is told of it is true: the interval that holds the truth in 95 of 100 frames holds it
+/// in 90 to 99, though decisions to stop hang on the very samples that are told of. Of 200 frames with a chance of 95 %,
+/// fewer than 180 are one case in 300, more than 198 one in 1000.
 #[test]
 fn errors_are_met_and_told() {
-    for error in [0.1, 0.05] {
-        let (inside, above, mean) = told(&soft_shadow(&format!("noise: {error}")), 100, 4096);
-        assert!(
-            (0.9..=1.0).contains(&inside) && above <= 0.05 && mean <= error,
-            "{error}: {inside} {above} {mean}"
-        );
+    let quality = |text: &str, error: f64| sequence(&text.replace("QUALITY", &format!("noise: {error}")));
+    let soft = |error: f64| soft_shadow(&format!("noise: {error}"));
+    let scenes = [
+        ("soft", soft(0.1), 0.1),
+        ("soft", soft(0.05), 0.05),
+        ("rare", quality(RARE, 0.2), 0.2),
+        ("dark", quality(DARK, 0.1), 0.1),
+    ];
+    for (name, sequence, error) in scenes {
+        let (inside, above, mean) = told(&sequence, 200, 4096);
+        let what = format!("{name} {error}: {inside} inside, {above} above, {mean} on average");
+        eprintln!("{what}");
+        assert!((0.9..=0.99).contains(&inside) && above <= 0.05 && mean <= error, "{what}");
     }
 }
 
@@ -218,4 +244,75 @@ fn without_chance_there_is_no_noise_to_look_for() {
         objects: { \"ball\": (shape: Sphere()) })";
     let shot = shoot(&sequence(text), [0]).remove(0);
     assert_eq!((shot.film.noise, shot.work.camera), (None, 4 * 64));
+}
+
+/// The errors of all frames as a summary for programs tells them.
+fn summarised(told: &str) -> &str {
+    let start = told.rfind("\"noise\":").expect("errors");
+    let end = told[start..].find("\"bvh_builds\"").expect("what follows");
+    &told[start..start + end]
+}
+
+/// In PNG and EXR files, in the summary, and again where frames are kept.
+#[test]
+fn frames_tell_their_error() {
+    let folder = folder();
+    let text = "(timeline: (frames: 3, keys: Frames), output: (size: (24, 16)), quality: (noise: 0.1), background: 0.1,
+        camera: (position: (0, 4, 7), target: (0, 0.4, 0)),
+        lights: { \"panel\": Rectangle(corner: (-3, 5, -2), u: (2, 0, 0), v: (0, 0, 2), intensity: 12) },
+        objects: { \"floor\": (shape: Plane()), \"ball\": (shape: Sphere(), translation: [(0, (0, 1, 0)), (2, (0, 1, 1))]) })";
+    std::fs::write(folder.path().join("soft.ron"), text).expect("the folder is writable");
+    let render = |outputs: &[&str]| {
+        kinora(folder.path(), &[&["render", "soft.ron", "--progress", "json"], outputs].concat())
+    };
+    let both = ["-o", "f_#.png", "-o", "f_#.exr"];
+    let told = render(&both);
+    let sequence = kinora::sequence::load(&folder.path().join("soft.ron")).expect("a sequence");
+    for frame in 0..3 {
+        let noise = shoot(&sequence, [frame]).remove(0).film.noise.expect("an error was asked for");
+        let Noise { error, low, high, samples, capped } = noise;
+        let wanted = format!("{error} low={low} high={high} samples={samples} capped={capped}");
+        let texts = kinora::encode::frame_texts(&folder.path().join(format!("f_{frame}.png")));
+        let found =
+            texts.iter().find(|(keyword, _)| keyword == "kinora:error").map(|(_, text)| text.as_str());
+        assert_eq!(found, Some(wanted.as_str()));
+        let path = folder.path().join(format!("f_{frame}.exr"));
+        let layer = exr::prelude::read_first_flat_layer_from_file(path).expect("an EXR file");
+        let attributes = layer.layer_data.attributes.other;
+        let tells = attributes.values().any(|value| match value {
+            AttributeValue::Text(text) => text.to_string().contains(&format!("kinora:error: {wanted}\n")),
+            _ => false,
+        });
+        assert!(tells, "{attributes:?}");
+        assert!(summarised(&told).contains(&format!("\"{frame}\":{{\"error\":{error:e}")), "{told}");
+    }
+    let again = render(&both);
+    assert!(again.contains("\"kept\":3") && summarised(&again) == summarised(&told), "{again}");
+    render(&["-o", "g_#.png", "-o", "g_#.exr", "--no-metadata"]);
+    for name in ["g_0.png", "g_0.exr"] {
+        let bytes = std::fs::read(folder.path().join(name)).expect("a frame");
+        assert!(!bytes.windows(12).any(|window| window == b"kinora:error"), "{name}");
+    }
+}
+
+/// What does not change from frame to frame has the same noise, so that it stands still; another seed gives other noise.
+#[test]
+fn noise_does_not_crawl() {
+    let moving = |seed: u32| {
+        sequence(&format!(
+            "(timeline: (frames: 2, keys: Frames), output: (size: (24, 16)), quality: (samples: 2, seed: {seed}),
+            camera: (position: (0, 4, 7), target: (0, 0.4, 0)),
+            lights: {{ \"panel\": Rectangle(corner: (-4, 5, -2), u: (2, 0, 0), v: (0, 0, 2), intensity: 12) }},
+            objects: {{ \"floor\": (shape: Plane()), \"ball\": (shape: Sphere(radius: 0.5),
+                translation: [(0, (2.5, 0.5, 0)), (1, (3, 0.5, 0))]) }})"
+        ))
+    };
+    let left = |film: &Film| -> Vec<Rgb> {
+        let pixels = film.radiance().enumerate();
+        pixels.filter(|(index, _)| index % 24 < 10).map(|(_, light)| light).collect()
+    };
+    let shots = shoot(&moving(0), 0..2);
+    assert!(left(&shots[0].film) == left(&shots[1].film));
+    assert!(shots[0].film.data != shots[1].film.data, "the ball has moved");
+    assert!(left(&shots[0].film) != left(&shoot(&moving(1), [0])[0].film), "noise is there");
 }
