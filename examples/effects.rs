@@ -225,6 +225,7 @@ fn shot(sequence: &Sequence, file: &str) -> Result<Summary, Box<dyn Error>> {
         existing: Existing::Replace,
         threads: NonZeroUsize::new(1),
         reuse: Reuse::Off,
+        time_limit: None,
     };
     Ok(render(sequence, &request, &Arc::new(Meter::default()))?)
 }

@@ -57,6 +57,7 @@ fn picture(name: &str, frames: &[u32], samples: u32) -> Result<(), Box<dyn Error
             existing: Existing::Replace,
             threads: None,
             reuse: Reuse::Share,
+            time_limit: None,
         };
         let summary = render(&sequence, &request, &Arc::new(Meter::default()))?;
         writeln!(stdout(), "{output}: {:.1} s", summary.elapsed.as_secs_f64())?;

@@ -3,7 +3,7 @@
 use crate::color::Rgb;
 use crate::counters::Meter;
 use crate::encode::{About, EncodeError, Output, Report, Sheet, Shown, Template, ToneTable, write_picture};
-use crate::film::{Extras, Film};
+use crate::film::{Extras, Film, Noise};
 use crate::plan::{self, Plan};
 use crate::render::{RenderError, Reuse, Summary, check_memory, pool, summary};
 use crate::schedule::{FilmSink, FrameLoop};
@@ -35,6 +35,7 @@ struct Cells {
     rate: Rate,
     text: Template,
     next: u32,
+    noise: Vec<(u32, Noise)>,
 }
 
 impl FilmSink for Cells {
@@ -43,6 +44,7 @@ impl FilmSink for Cells {
         let shown = Shown { about: &self.about, frame, rate: self.rate };
         self.sheet.put(self.next, &picture, &self.text.told(&shown));
         self.next += 1;
+        self.noise.extend(film.noise.map(|noise| (frame, noise)));
         Ok(())
     }
 }
@@ -61,6 +63,7 @@ pub fn filmstrip(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> 
         rate: sequence.timeline.rate,
         text: request.text.clone(),
         next: 0,
+        noise: Vec::new(),
     };
     let mut frames = FrameLoop::with_extras(sequence, extras, cells, Arc::clone(meter));
     let budget = Reuse::Share.budget(sequence, extras);
@@ -69,10 +72,12 @@ pub fn filmstrip(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> 
         plan::run(&plan, &mut frames, || true)
     })?;
     let tally = frames.tally().clone();
+    let files = vec![PathBuf::from(request.output.to_string())];
+    let mut report = Report { files, ..Report::default() };
     if let Some(cells) = frames.into_sink() {
         write_picture(&request.output, &cells.sheet.finish(), sequence.output.formats)?;
+        report.noise = cells.noise;
     }
-    let report = Report { files: vec![PathBuf::from(request.output.to_string())], ..Report::default() };
     Ok(summary(&tally, report, count, start.elapsed()))
 }
 

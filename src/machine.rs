@@ -1,6 +1,8 @@
 //! What the machine has.
 
 use crate::humane;
+#[cfg(unix)]
+use rustix::time::{ClockId, clock_gettime};
 use std::io;
 
 /// Bytes that a machine that does not tell is taken to have free.
@@ -22,6 +24,34 @@ pub fn check_memory(needed: u64) -> io::Result<()> {
         io::ErrorKind::OutOfMemory,
         format!("it would take {needed} of memory, and there are {free}"),
     ))
+}
+
+/// Seconds that this process has spent on processors, where the system tells.
+#[cfg(unix)]
+pub fn processor_time() -> Option<f64> {
+    Some(seconds(ClockId::ProcessCPUTime))
+}
+
+/// Seconds that this thread has spent on a processor.
+#[cfg(unix)]
+pub fn thread_time() -> Option<f64> {
+    Some(seconds(ClockId::ThreadCPUTime))
+}
+
+#[cfg(unix)]
+fn seconds(clock: ClockId) -> f64 {
+    let time = clock_gettime(clock);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}
+
+#[cfg(not(unix))]
+pub fn processor_time() -> Option<f64> {
+    None
+}
+
+#[cfg(not(unix))]
+pub fn thread_time() -> Option<f64> {
+    None
 }
 
 fn available_in(meminfo: &str) -> Option<u64> {

@@ -2,12 +2,13 @@
 
 use crate::camera_path::NoCamera;
 use crate::counters::{Counts, Meter};
-use crate::encode::{EncodeError, Encoder, Existing, Job, Output, Report, Seen, Still};
+use crate::encode::{About, EncodeError, Encoder, Existing, Job, Output, Report, Seen, Still, TimeLimit};
 use crate::film::{Extras, Film, Noise};
 use crate::humane;
 use crate::machine;
 use crate::memory;
 use crate::plan::{self, Effort, Expected, Plan, survey};
+use crate::quality::Quality;
 use crate::schedule::{FilmSink, FrameLoop, NoFrame, Stage, Tally};
 use crate::sequence::Sequence;
 use crate::stop::Stop;
@@ -30,6 +31,14 @@ pub struct Request {
     /// Threads that trace; as many as the machine has if absent.
     pub threads: Option<NonZeroUsize>,
     pub reuse: Reuse,
+    /// What settled how many samples the sequence has, if that was a limit of time: files tell it.
+    pub time_limit: Option<Duration>,
+}
+
+impl Request {
+    fn limit(&self) -> Option<TimeLimit> {
+        self.time_limit.map(|time| TimeLimit { time, frames: self.frames.len() as u32 })
+    }
 }
 
 /// How many bytes films may have that are kept, so that nothing is traced twice. It never shows in a picture.
@@ -68,6 +77,8 @@ pub struct Summary {
     pub expected: Option<Forecast>,
     /// Frames that were sampled until they were good enough, and how good they are.
     pub noise: Vec<(u32, Noise)>,
+    /// Seconds that tracing took of all processors together, where the system tells.
+    pub cpu: Option<f64>,
     /// Wall time spent in each stage, in the order of the flow. Encoding runs beside the others.
     pub stages: Vec<(&'static str, Duration)>,
     pub elapsed: Duration,
@@ -183,17 +194,23 @@ pub fn render_until(
     let missing = encoder.missing();
     meter.frames.fetch_add((request.frames.len() - missing.len()) as u32, Relaxed);
     let mut frames = FrameLoop::with_extras(sequence, extras, encoder, Arc::clone(meter));
+    let before = machine::processor_time();
     let (done, expected) =
         pool.install(|| planned(sequence, request, &missing, extras, &mut frames, stop))?;
+    let after = machine::processor_time();
     if let Some(signal) = stop.signal().filter(|_| done < missing.len()) {
         let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::stop)?;
         let rest = missing[done..].to_vec();
         return Err(RenderError::Stopped { signal, done, files: report.files, rest, keeps });
     }
     let tally = frames.tally().clone();
-    let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::finish)?;
+    let encoder = frames.into_sink();
+    let encoding = encoder.as_ref().and_then(Encoder::cpu);
+    let cpu = after.zip(before).zip(encoding).map(|((after, before), encoding)| after - before - encoding);
+    let report = encoder.map_or_else(|| Ok(Report::default()), Encoder::finish)?;
     let mut summary = summary(&tally, report, request.frames.len() as u32, start.elapsed());
     summary.expected = expected;
+    summary.cpu = cpu;
     summary.notes.splice(..0, sequence.notes());
     Ok(summary)
 }
@@ -254,6 +271,26 @@ fn seen(sequence: &Sequence, frames: &[u32]) -> Vec<Seen> {
     looks.iter().map(|look| Seen { radiance: look.radiance(), exposure: look.exposure }).collect()
 }
 
+/// The quality of frames that an earlier run with the same limit of time has made, if any of them are there, whole and as
+/// they would be made now with these samples.
+pub fn settled(sequence: &Sequence, request: &Request) -> Option<Quality> {
+    if request.existing != Existing::Keep {
+        return None;
+    }
+    let counts = job(sequence, request, Vec::new()).settled();
+    let qualities = counts.into_iter().map(|(samples, antialias)| Quality {
+        samples,
+        antialias,
+        noise: None,
+        ..sequence.quality
+    });
+    qualities.into_iter().find(|&quality| {
+        let sequence = Sequence { quality, ..sequence.clone() };
+        let seen = seen(&sequence, &request.frames);
+        job(&sequence, request, seen).keeps_any()
+    })
+}
+
 fn job(sequence: &Sequence, request: &Request, seen: Vec<Seen>) -> Job {
     let output = &sequence.output;
     Job {
@@ -268,7 +305,7 @@ fn job(sequence: &Sequence, request: &Request, seen: Vec<Seen>) -> Job {
         matte: output.matte,
         caption: output.caption.clone(),
         formats: output.formats,
-        about: sequence.about(),
+        about: About { time_limit: request.limit(), ..sequence.about() },
     }
 }
 
@@ -290,7 +327,8 @@ pub(crate) fn summary(tally: &Tally, report: Report, frames: u32, elapsed: Durat
         expected: None,
         counts: tally.counts,
         bvh_builds: tally.bvh_builds,
-        noise: tally.noise.clone(),
+        noise: report.noise,
+        cpu: None,
         stages: Stage::ALL.map(|stage| (stage.name(), time(stage))).to_vec(),
         elapsed,
         files: report.files,

@@ -1,13 +1,14 @@
 //! How many samples fit into a time: a pilot of a few frames tells what a sample costs, and what it gives.
 
-use super::clock::Took;
+use super::clock::{Clock, Took};
 use super::studio::Studio;
+use crate::film::{Extras, Noise};
 use crate::filmstrip::spread;
+use crate::plan::Plan;
 use crate::quality::{MOST_SAMPLES, NoiseTarget, Quality};
-use crate::render::RenderError;
+use crate::render::{RenderError, Request, extras};
 use crate::sampling::Points;
 use crate::sequence::Sequence;
-use std::num::NonZeroUsize;
 use std::time::Duration;
 
 /// Samples that fit, and what to expect of them.
@@ -15,7 +16,7 @@ use std::time::Duration;
 pub struct Budget {
     /// With as many samples as fit: random ones, or on a grid where nothing is random.
     pub quality: Quality,
-    /// Seconds that tracing all frames should take.
+    /// Seconds that tracing all films should take.
     pub wall: f64,
     /// Of all processors together, where the system tells.
     pub cpu: Option<f64>,
@@ -25,14 +26,14 @@ pub struct Budget {
     pub spent: f64,
 }
 
-/// Frames that are looked at.
+/// Films that are looked at.
 const PILOTS: u32 = 5;
 /// Share of the time that may be spent on finding out.
 const SHARE: f64 = 0.08;
-/// Samples of the pilot's second look: one of each set, or several.
+/// Samples of the first look: one of each set.
 const SETS: u32 = crate::trace::SETS as u32;
 
-/// A frame's cost: seconds without any sample, and for each.
+/// A film's cost: seconds without any sample, and for each.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Cost {
     base: f64,
@@ -51,37 +52,42 @@ impl Cost {
     }
 }
 
-/// What a pilot frame told.
+/// What a film that was looked at told.
 struct Pilot {
-    frame: u32,
+    /// Its place among the films of the run.
+    place: usize,
     wall: Cost,
     cpu: Option<Cost>,
     /// Its error with one sample, if it has any.
     error: Option<f64>,
 }
 
-/// Finds how many samples fit into `limit` seconds of tracing `frames`, the pilot included.
+/// Finds how many samples fit into `limit` of tracing the frames of `request`, the pilot included.
 pub fn budget(
     sequence: &Sequence,
-    frames: &[u32],
+    request: &Request,
     limit: Duration,
-    threads: Option<NonZeroUsize>,
+    clock: Clock,
 ) -> Result<Budget, RenderError> {
     let limit = limit.as_secs_f64();
     let own = Quality { noise: None, ..sequence.quality };
-    let places = spread(frames.len() as u32, PILOTS);
+    let sequence = Sequence { quality: own, ..sequence.clone() };
+    let extras = extras(&sequence, &request.outputs);
+    let studio = Studio::new(&sequence, &request.frames, request.threads)?;
+    let room = request.reuse.budget(&sequence, extras);
+    let plan = studio.install(|| Plan::new(&sequence, &request.frames, extras, room));
+    let places = spread(plan.takes.len() as u32, PILOTS);
+    let stage = Stage { studio, plan, extras, own, clock };
     let mut pilots = Vec::new();
     let mut spent = 0.0;
     for (done, &place) in places.iter().enumerate() {
-        let frame = frames[place as usize];
-        let studio = Studio::new(sequence, &[frame], threads)?;
         let share = (SHARE * limit - spent) / (places.len() - done) as f64;
-        let (pilot, took) = look(&studio, frame, &own, share)?;
+        let (pilot, took) = stage.look(place as usize, share)?;
         spent += took;
         pilots.push(pilot);
     }
-    let total = |cost: &dyn Fn(&Pilot) -> Option<Cost>| summed(&pilots, frames, cost);
-    let wall = total(&|pilot| Some(pilot.wall)).unwrap_or_default();
+    let films = stage.plan.takes.len();
+    let wall = summed(&pilots, films, &|pilot| Some(pilot.wall)).unwrap_or_default();
     let fitting = fitting(limit - spent, wall);
     let random = pilots.iter().any(|pilot| pilot.error.is_some());
     let (samples, quality) = if random {
@@ -94,7 +100,7 @@ pub fn budget(
     Ok(Budget {
         quality,
         wall: wall.of(samples),
-        cpu: total(&|pilot| pilot.cpu).map(|cost| cost.of(samples)),
+        cpu: summed(&pilots, films, &|pilot| pilot.cpu).map(|cost| cost.of(samples)),
         // As independent samples would; stratified ones are better.
         error: worst.map(|error| error / samples.sqrt()),
         spent,
@@ -106,34 +112,60 @@ fn fitting(seconds: f64, cost: Cost) -> f64 {
     ((seconds - cost.base) / cost.each).clamp(1.0, f64::from(MOST_SAMPLES))
 }
 
-/// Looks at a frame twice, with few samples and with more, in about so many seconds.
-fn look(studio: &Studio, frame: u32, own: &Quality, seconds: f64) -> Result<(Pilot, f64), RenderError> {
-    let started = [studio.shoot(&sampled(own, SETS))?, studio.shoot(&sampled(own, SETS))?];
-    let random = started[1].films.iter().find_map(|film| film.noise);
-    let few = if random.is_some() { SETS } else { own.antialias * own.antialias };
-    let (first, second) = (started[0].took, started[1].took);
-    let spent = first.wall + second.wall;
-    // Five to twenty times as many, as far as there is time.
-    let rounds = ((seconds - spent) / second.wall).clamp(2.0, 16.0) as u32;
-    let (many, quality) = match random {
-        Some(_) => (SETS * rounds, sampled(own, SETS * rounds)),
-        None => {
-            let antialias = own.antialias + 1 + u32::from(rounds > 4);
-            (antialias * antialias, Quality { antialias, ..*own })
-        }
-    };
-    let long = studio.shoot(&quality)?;
-    let cost = |of: &dyn Fn(&Took) -> Option<f64>| {
-        Some(Cost::between((f64::from(few), of(&second)?), (f64::from(many), of(&long.took)?)))
-    };
-    let noise = long.films.iter().find_map(|film| film.noise);
-    let pilot = Pilot {
-        frame,
-        wall: cost(&|took| Some(took.wall)).unwrap_or_default(),
-        cpu: cost(&|took| took.cpu),
-        error: noise.map(|noise| noise.high * f64::from(many).sqrt()),
-    };
-    Ok((pilot, spent + long.took.wall))
+/// What pilots look at, and how.
+struct Stage {
+    studio: Studio,
+    plan: Plan,
+    extras: Extras,
+    own: Quality,
+    clock: Clock,
+}
+
+impl Stage {
+    fn shoot(&self, place: usize, quality: &Quality) -> Result<(Took, Option<Noise>), RenderError> {
+        let take = &self.plan.takes[place];
+        let look = &self.plan.survey.frames[take.frames[0]];
+        let shot = self.studio.take(quality, self.extras, look, &take.lit)?;
+        let noise = shot.films.iter().find_map(|film| film.noise);
+        Ok((self.clock.told(shot.took, shot.rays), noise))
+    }
+
+    /// Looks at a film with few samples and with more, in about so many seconds. What is looked at first warms up what
+    /// the others find warm, and tells the error.
+    fn look(&self, place: usize, seconds: f64) -> Result<(Pilot, f64), RenderError> {
+        let (first, random) = self.shoot(place, &sampled(&self.own, SETS))?;
+        let each = first.wall / f64::from(if random.is_some() { SETS } else { self.grid(0).1 });
+        // Samples that there is time for, half of them for the second cost.
+        let room = ((seconds - first.wall) / each / 2.0).clamp(0.0, 1e9);
+        let mut spent = first.wall;
+        let mut error = random.map(|noise| noise.high * f64::from(SETS).sqrt());
+        let costs = match random {
+            Some(_) => {
+                let rounds = (room as u32 / 2 / SETS).clamp(1, 16);
+                let (took, noise) = self.shoot(place, &sampled(&self.own, SETS * rounds))?;
+                spent += took.wall;
+                error = noise.map(|noise| noise.high * f64::from(SETS * rounds).sqrt()).or(error);
+                let many = (room as u32).clamp(4, 64);
+                [(1, Quality { samples: 1, ..self.own }), (many, Quality { samples: many, ..self.own })]
+            }
+            None => [self.grid(0), self.grid(1 + u32::from(room > 8.0 * f64::from(self.grid(0).1)))]
+                .map(|(quality, samples)| (samples, quality)),
+        };
+        let [(few, short), (many, long)] = costs;
+        let (short, long) = (self.shoot(place, &short)?.0, self.shoot(place, &long)?.0);
+        spent += short.wall + long.wall;
+        let cost = |of: &dyn Fn(&Took) -> Option<f64>| {
+            Some(Cost::between((f64::from(few), of(&short)?), (f64::from(many), of(&long)?)))
+        };
+        let wall = cost(&|took| Some(took.wall)).unwrap_or_default();
+        Ok((Pilot { place, wall, cpu: cost(&|took| took.cpu), error }, spent))
+    }
+
+    /// A grid so many steps finer than the sequence's own, and its samples.
+    fn grid(&self, finer: u32) -> (Quality, u32) {
+        let antialias = self.own.antialias + finer;
+        (Quality { antialias, ..self.own }, antialias * antialias)
+    }
 }
 
 /// So many samples everywhere, with a look at their error.
@@ -142,15 +174,15 @@ fn sampled(own: &Quality, samples: u32) -> Quality {
     Quality { noise: Some(NoiseTarget { error: f64::NAN, most: samples }), points: Points::Sobol, ..*own }
 }
 
-/// The cost of all frames: between pilots it changes evenly.
-fn summed(pilots: &[Pilot], frames: &[u32], cost: &dyn Fn(&Pilot) -> Option<Cost>) -> Option<Cost> {
+/// The cost of so many films: between pilots it changes evenly.
+fn summed(pilots: &[Pilot], films: usize, cost: &dyn Fn(&Pilot) -> Option<Cost>) -> Option<Cost> {
     let mut sum = Cost::default();
-    for &frame in frames {
-        let after = pilots.iter().position(|pilot| pilot.frame >= frame).unwrap_or(pilots.len() - 1);
-        let before = after.saturating_sub(usize::from(pilots[after].frame > frame));
+    for film in 0..films {
+        let after = pilots.iter().position(|pilot| pilot.place >= film).unwrap_or(pilots.len() - 1);
+        let before = after.saturating_sub(usize::from(pilots[after].place > film));
         let (a, b) = (&pilots[before], &pilots[after]);
-        let width = f64::from(b.frame.saturating_sub(a.frame)).max(1.0);
-        let part = (f64::from(frame.saturating_sub(a.frame)) / width).min(1.0);
+        let width = b.place.saturating_sub(a.place).max(1) as f64;
+        let part = (film.saturating_sub(a.place) as f64 / width).min(1.0);
         let (a, b) = (cost(a)?, cost(b)?);
         sum.base += a.base * (1.0 - part) + b.base * part;
         sum.each += a.each * (1.0 - part) + b.each * part;
@@ -162,8 +194,8 @@ fn summed(pilots: &[Pilot], frames: &[u32], cost: &dyn Fn(&Pilot) -> Option<Cost
 mod tests {
     use super::*;
 
-    fn pilot(frame: u32, base: f64, each: f64) -> Pilot {
-        Pilot { frame, wall: Cost { base, each }, cpu: None, error: None }
+    fn pilot(place: usize, base: f64, each: f64) -> Pilot {
+        Pilot { place, wall: Cost { base, each }, cpu: None, error: None }
     }
 
     #[test]
@@ -174,12 +206,12 @@ mod tests {
     }
 
     #[test]
-    fn frames_between_pilots_cost_what_lies_between() {
-        let pilots = [pilot(10, 1.0, 0.0), pilot(14, 5.0, 4.0)];
-        let sum = summed(&pilots, &[10, 11, 12, 13, 14], &|pilot| Some(pilot.wall)).expect("a cost");
+    fn films_between_pilots_cost_what_lies_between() {
+        let pilots = [pilot(0, 1.0, 0.0), pilot(4, 5.0, 4.0)];
+        let sum = summed(&pilots, 5, &|pilot| Some(pilot.wall)).expect("a cost");
         assert!((sum.base - 15.0).abs() < 1e-12 && (sum.each - 10.0).abs() < 1e-12, "{sum:?}");
-        assert_eq!(summed(&pilots, &[10], &|pilot| pilot.cpu), None);
-        let one = summed(&pilots[..1], &[10, 10], &|pilot| Some(pilot.wall));
+        assert_eq!(summed(&pilots, 1, &|pilot| pilot.cpu), None);
+        let one = summed(&pilots[..1], 2, &|pilot| Some(pilot.wall));
         assert_eq!(one, Some(Cost { base: 2.0, each: 0.0 }));
     }
 

@@ -1,6 +1,8 @@
 //! Renders every setting several times, in turn, and compares the pictures with two references.
 
 use super::clock::Took;
+use super::layering::Layering;
+use super::precision::{Precision, precision};
 use super::settings::{Axis, LeftOut, Setting, Settings, samples_of};
 use super::statistics::{Estimate, Spread, slope};
 use super::studio::{Shot, Studio};
@@ -112,9 +114,17 @@ pub struct Measured {
     /// With how which power of the samples the error changes, by axis.
     pub slopes: Vec<(Axis, Estimate)>,
     pub layers: Vec<Layer>,
+    /// The same for all sequences.
+    pub precision: Vec<Precision>,
     pub took: Duration,
 }
 
+/// Share of the time that goes into rendering; the rest into comparing.
+const SHARE: f64 = 0.7;
+/// Share of the time for a setting that is sampled until it is good.
+const NOISE_SHARE: f64 = 0.1;
+/// Trials of a size, at most.
+const TRIALS: u32 = 3;
 /// Runs of each setting where samples are random.
 const RUNS: u32 = 16;
 /// Runs where every picture is the same, for the time alone.
@@ -138,13 +148,15 @@ pub fn measure(
     let start = Instant::now();
     let own = sequence.quality;
     let mut studio = Studio::new(sequence, &request.frames, request.threads)?;
-    let (settings, size) = planned(&mut studio, &own, sequence.output.size, request)?;
-    studio.resize(size);
+    let (mut settings, size) = planned(&mut studio, &own, sequence.output.size, request)?;
+    let each = fit(&mut studio, &settings, &own, size, request, start)?;
+    settings.hurry((NOISE_SHARE * request.time.as_secs_f64() / each / f64::from(RUNS)) as u32);
     let mut bench = Bench::new(&studio, settings, &own, progress);
     let references = bench.references()?;
     bench.run(&references)?;
     let layers = bench.layers(&references, sequence)?;
-    let Bench { settings, tries, runs, .. } = bench;
+    let Bench { mut settings, tries, runs, .. } = bench;
+    let tries = settings.without_unfinished(tries, |tried| tried.capped > 0.0);
     let main = &references[0];
     let points: Vec<Point> = settings
         .all
@@ -156,7 +168,7 @@ pub fn measure(
         name: sequence.name.clone(),
         frames: request.frames.clone(),
         full_size: sequence.output.size,
-        size,
+        size: studio.size(),
         threads: studio.threads(),
         random: settings.random,
         runs,
@@ -168,6 +180,7 @@ pub fn measure(
         brightness: main.pair.brightness(),
         wanted: main.displayed.clone(),
         layers,
+        precision: precision(),
         took: start.elapsed(),
     })
 }
@@ -185,10 +198,15 @@ fn planned(
     studio.shoot(&pilot)?;
     let seconds = studio.shoot(&pilot)?.took.wall;
     let each = seconds / (studio.pixels() * samples_of(&pilot, random));
-    let settings = |most| Settings::new(own, random, most);
+    let layerings = studio.layerings();
+    let settings = |most| {
+        let mut settings = Settings::new(own, random, most);
+        settings.layers(own, &layerings);
+        settings
+    };
     let affordable = |settings: &Settings| {
         // Some of the time goes into comparing.
-        let samples = 0.8 * request.time.as_secs_f64() / each / studio.frames() as f64;
+        let samples = SHARE * request.time.as_secs_f64() / each / studio.frames() as f64;
         samples / work(settings, own)
     };
     let ladders: &[u32] = if request.quick { &[16] } else { &[1024, 256, 64] };
@@ -200,6 +218,36 @@ fn planned(
     let chosen = chosen.unwrap_or_else(|| settings(ladders[ladders.len() - 1]));
     let size = request.size.unwrap_or_else(|| scaled(full, affordable(&chosen).clamp(LEAST, MOST)));
     Ok((chosen, size))
+}
+
+/// Settles for this size, or for a smaller one if a trial says that the rest would take longer than there is time for: what
+/// a sample costs can be far off in pictures of a few pixels, or while something else is at work. Gives the seconds that a
+/// sample of every pixel takes.
+fn fit(
+    studio: &mut Studio,
+    settings: &Settings,
+    own: &Quality,
+    mut size: (u32, u32),
+    request: &Request,
+    start: Instant,
+) -> Result<f64, RenderError> {
+    let mut each = f64::INFINITY;
+    for _ in 0..TRIALS {
+        studio.resize(size);
+        let few = Quality { samples: settings.reference / PARTS / 2, noise: None, ..*own };
+        let trial = if settings.random { few } else { *own };
+        let seconds = studio.shoot(&trial)?.took.wall;
+        each = seconds / samples_of(&trial, settings.random);
+        let whole = each * work(settings, own);
+        let left = SHARE * request.time.saturating_sub(start.elapsed()).as_secs_f64();
+        let pixels = f64::from(size.0) * f64::from(size.1);
+        let smaller = scaled(size, (pixels * left / whole).clamp(LEAST, pixels));
+        if smaller == size || request.size.is_some() {
+            break;
+        }
+        size = smaller;
+    }
+    Ok(each)
 }
 
 /// Samples in a pixel over all that is rendered.
@@ -257,6 +305,8 @@ struct Tried {
     picture: Vec<[f32; 3]>,
     exposures: Vec<f32>,
     flips: Vec<f32>,
+    /// Share of the pixels that had all the samples that they may.
+    capped: f64,
 }
 
 impl<'a> Bench<'a> {
@@ -268,7 +318,11 @@ impl<'a> Bench<'a> {
     }
 
     fn shoot(&mut self, quality: &Quality) -> Result<Shot, RenderError> {
-        let shot = self.studio.shoot(quality)?;
+        self.shoot_in(quality, Layering::Own)
+    }
+
+    fn shoot_in(&mut self, quality: &Quality, layering: Layering) -> Result<Shot, RenderError> {
+        let shot = self.studio.shoot_in(quality, layering)?;
         self.done += samples_of(quality, self.settings.random);
         (self.progress)((self.done / self.whole).min(1.0));
         Ok(shot)
@@ -337,8 +391,11 @@ impl<'a> Bench<'a> {
         for run in 0..self.runs {
             let seed = hash([self.own.seed, run, 1]);
             for index in 0..self.settings.all.len() {
-                let Setting { axis, quality, .. } = self.settings.all[index];
-                let shot = self.shoot(&Quality { seed, ..quality })?;
+                let Setting { axis, quality, layering, .. } = self.settings.all[index];
+                if self.settings.is_unfinished(index, self.tries[index].capped > 0.0) {
+                    continue;
+                }
+                let shot = self.shoot_in(&Quality { seed, ..quality }, layering)?;
                 let reference = &references[usize::from(axis == Axis::Bounces)];
                 let random = self.settings.random;
                 self.tries[index].add(&shot, &quality, random, reference, self.studio, run);
@@ -386,6 +443,12 @@ impl Tried {
         let taken = shot.films.iter().map(|film| film.noise.map(|noise| noise.samples));
         let taken: f64 = taken.map(|taken| taken.unwrap_or_else(|| samples_of(quality, random))).sum();
         self.samples += taken / studio.frames() as f64;
+        self.capped = shot
+            .films
+            .iter()
+            .filter_map(|film| film.noise)
+            .map(|noise| noise.capped)
+            .fold(self.capped, f64::max);
         self.sum.resize(radiance.len(), DVec3::ZERO);
         self.sum.iter_mut().zip(&radiance).for_each(|(sum, value)| *sum += value.as_dvec3());
         if !random && run > 0 {

@@ -1,5 +1,6 @@
 //! What is tried: settings that differ from the file's own along one axis each.
 
+use super::layering::Layering;
 use crate::quality::{Integrator, NoiseTarget, PathSettings, Quality};
 use crate::sampling::Points;
 
@@ -18,11 +19,20 @@ pub enum Axis {
     Bounces,
     /// When dim paths may end.
     Roulette,
+    /// In how many layers light is kept apart.
+    Layers,
 }
 
 impl Axis {
-    pub const ALL: [Self; 6] =
-        [Self::Samples, Self::Independent, Self::Noise, Self::Antialias, Self::Bounces, Self::Roulette];
+    pub const ALL: [Self; 7] = [
+        Self::Samples,
+        Self::Independent,
+        Self::Noise,
+        Self::Antialias,
+        Self::Bounces,
+        Self::Roulette,
+        Self::Layers,
+    ];
 
     /// In plots and tables.
     pub fn name(self) -> &'static str {
@@ -33,6 +43,7 @@ impl Axis {
             Self::Antialias => "anti-aliasing grid",
             Self::Bounces => "bounces",
             Self::Roulette => "roulette",
+            Self::Layers => "layers of light",
         }
     }
 
@@ -60,12 +71,16 @@ impl Axis {
             Self::Roulette => {
                 "After this many bounces, dim rays end at random and others make up for them: less time, more noise."
             }
+            Self::Layers => {
+                "Light that is keyed in one way is kept apart from all other light, in a layer of its own, so that frames \
+                 in which only lights change need no rays. Every layer asks its lights by itself."
+            }
         }
     }
 
     /// Whether points along it form a curve along which more is better.
     pub fn is_curve(self) -> bool {
-        self != Self::Roulette
+        !matches!(self, Self::Roulette | Self::Layers)
     }
 }
 
@@ -78,6 +93,7 @@ pub struct Setting {
     pub value: String,
     /// What to paste behind `kinora render FILE`; empty if only the file can say it.
     pub flags: String,
+    pub layering: Layering,
 }
 
 /// An axis that is not tried, and why.
@@ -107,6 +123,8 @@ pub struct Settings {
 const FINER: u32 = 64;
 /// Samples that show what a bounce or roulette changes.
 const SHORT: u32 = 16;
+/// Samples that whatever is sampled until it is good may take.
+const LEAST_PATIENCE: u32 = 64;
 
 impl Settings {
     /// Along all axes that mean something where pixels are sampled at random, or are not. `most` is how many samples
@@ -132,15 +150,11 @@ impl Settings {
             "light samples",
             "each surface asks every light once for every sample of a pixel: it is the axis of samples",
         );
-        settings.leave_out(
-            "precision",
-            "it is the same for all pictures; `kinora accuracy --hard-cases` measures it",
-        );
         settings
     }
 
     fn push(&mut self, axis: Axis, quality: Quality, value: String, flags: String) {
-        self.all.push(Setting { axis, quality, value, flags });
+        self.all.push(Setting { axis, quality, value, flags, layering: Layering::Own });
     }
 
     fn leave_out(&mut self, what: &'static str, why: &str) {
@@ -241,9 +255,53 @@ impl Settings {
         }
     }
 
+    /// Adds the axis of layers, of which there are so many with each layering; none if there is nothing to compare.
+    pub fn layers(&mut self, own: &Quality, counts: &[(Layering, u64)]) {
+        if counts.len() < 2 {
+            return self.leave_out(
+                "layers of light",
+                "one frame with several lights shows what they cost, and this is none",
+            );
+        }
+        for &(layering, count) in counts {
+            self.push(Axis::Layers, self.short(own), count.to_string(), String::new());
+            if let Some(last) = self.all.last_mut() {
+                last.layering = layering;
+            }
+        }
+    }
+
     /// The file's quality with no more samples than it takes to compare.
     fn short(&self, own: &Quality) -> Quality {
         Quality { samples: own.samples.min(self.short), noise: None, ..*own }
+    }
+
+    /// Lets no setting but the file's own take more samples in a pixel than these until it is good.
+    pub fn hurry(&mut self, most: u32) {
+        let targets = self.all.iter_mut().skip(1).filter_map(|setting| setting.quality.noise.as_mut());
+        targets.for_each(|target| target.most = target.most.min(most.max(LEAST_PATIENCE)));
+    }
+
+    /// Whether a setting was stopped before it was as good as it should be, if it took all samples that it may.
+    pub fn is_unfinished(&self, index: usize, took_all: bool) -> bool {
+        index > 0 && took_all && self.all[index].quality.noise.is_some()
+    }
+
+    /// Leaves out settings that were stopped, with what came of them.
+    pub fn without_unfinished<T>(&mut self, came: Vec<T>, took_all: impl Fn(&T) -> bool) -> Vec<T> {
+        let unfinished: Vec<bool> =
+            came.iter().enumerate().map(|(index, came)| self.is_unfinished(index, took_all(came))).collect();
+        for (setting, _) in self.all.iter().zip(&unfinished).filter(|(_, unfinished)| **unfinished) {
+            let most = setting.quality.noise.map_or(0, |target| target.most);
+            let why = format!(
+                "{} is not reached everywhere by {most} samples in a pixel, and there was no time for more",
+                setting.value
+            );
+            self.left_out.push(LeftOut { what: "until an error is reached", why });
+        }
+        let mut kept = unfinished.iter();
+        self.all.retain(|_| kept.next().is_none_or(|unfinished| !unfinished));
+        came.into_iter().zip(unfinished).filter(|(_, unfinished)| !unfinished).map(|(came, _)| came).collect()
     }
 
     /// The qualities of the references: those for most axes, and those for bounces.
@@ -277,7 +335,10 @@ mod tests {
         for (own, random) in [(Quality::default(), false), (Quality::default(), true), (path, true)] {
             let settings = Settings::new(&own, random, 64);
             assert_eq!(settings.all[0].quality, own);
-            let main = settings.all.iter().filter(|s| !matches!(s.axis, Axis::Bounces | Axis::Roulette));
+            let main = settings
+                .all
+                .iter()
+                .filter(|s| !matches!(s.axis, Axis::Bounces | Axis::Roulette | Axis::Layers));
             assert_eq!(main.filter(|setting| setting.quality == own).count(), 1);
             let finest = settings.all.iter().map(|s| samples_of(&s.quality, random)).fold(0.0, f64::max);
             assert!(f64::from(settings.reference) >= 64.0 * finest || random);

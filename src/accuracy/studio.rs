@@ -1,13 +1,14 @@
 //! Renders frames of a sequence by any quality, and keeps what comes of it.
 
 use super::clock::{Took, timed};
+use super::layering::Layering;
 use crate::color::Rgb;
 use crate::counters::Meter;
 use crate::encode::{EncodeError, displayed};
-use crate::film::Film;
+use crate::film::{Extras, Film, LayerId};
 use crate::quality::{NoiseTarget, Quality};
 use crate::render::{RenderError, pool};
-use crate::schedule::{FilmSink, FrameLoop};
+use crate::schedule::{FilmSink, FrameLoop, Look};
 use crate::sequence::Sequence;
 use rayon::ThreadPool;
 use std::num::NonZeroUsize;
@@ -73,8 +74,12 @@ impl Studio {
     }
 
     pub fn shoot(&self, quality: &Quality) -> Result<Shot, RenderError> {
-        let mut sequence = self.sequence.clone();
-        sequence.quality = *quality;
+        self.shoot_in(quality, Layering::Own)
+    }
+
+    /// The same with light kept apart as it is in the first frame.
+    pub fn shoot_in(&self, quality: &Quality, layering: Layering) -> Result<Shot, RenderError> {
+        let sequence = Sequence { quality: *quality, ..self.layered(layering) };
         let mut frames = FrameLoop::new(&sequence, Films::default(), Arc::new(Meter::default()));
         let all = || self.frames.iter().try_for_each(|&frame| frames.frame(frame));
         let (done, took) = timed(|| self.pool.install(all));
@@ -82,6 +87,46 @@ impl Studio {
         let rays = frames.tally().counts.rays.total();
         let films = frames.into_sink().map_or_else(Vec::new, |films| films.0);
         Ok(Shot { films, took, rays })
+    }
+
+    /// The film of a frame that has been looked at, with these layers of light.
+    pub fn take(
+        &self,
+        quality: &Quality,
+        extras: Extras,
+        look: &Look,
+        lit: &[LayerId],
+    ) -> Result<Shot, RenderError> {
+        let sequence = Sequence { quality: *quality, ..self.sequence.clone() };
+        let meter = Arc::new(Meter::default());
+        let mut frames = FrameLoop::with_extras(&sequence, extras, Films::default(), meter);
+        let (film, took) = timed(|| self.pool.install(|| frames.trace(look, lit)));
+        Ok(Shot { films: film?.into_iter().collect(), took, rays: frames.tally().counts.rays.total() })
+    }
+
+    /// Does something on the studio's threads.
+    pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        self.pool.install(work)
+    }
+
+    fn layered(&self, layering: Layering) -> Sequence {
+        let first = self.frames.first().copied().unwrap_or_default();
+        layering.of(&self.sequence, self.sequence.timeline.clock(first).start)
+    }
+
+    /// In how many layers light can be kept apart, if that is one frame of several lights: from the fewest on, each number
+    /// once, with the sequence's own among them.
+    pub fn layerings(&self) -> Vec<(Layering, u64)> {
+        if self.frames.len() != 1 || self.sequence.lights.len() < 2 {
+            return Vec::new();
+        }
+        let count = |layering: Layering| (layering, self.layered(layering).layers());
+        let own = count(Layering::Own);
+        let others = [Layering::Together, Layering::Apart].map(count);
+        let mut all: Vec<_> =
+            others.into_iter().filter(|(_, layers)| *layers != own.1).chain([own]).collect();
+        all.sort_by_key(|(_, layers)| *layers);
+        all
     }
 
     /// Whether pixels have random samples in any of the frames.

@@ -38,7 +38,7 @@ pub struct Overrides {
     pub encode_quality: Option<u8>,
     /// Whether PNGs have 16 bits.
     pub deep: Option<bool>,
-    /// PNGs without text.
+    /// PNGs and EXR files without text.
     pub no_metadata: bool,
     /// Coarser values for whatever is not given.
     pub draft: bool,
@@ -70,6 +70,7 @@ pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, S
     replace(&mut formats.mp4.quality, wanted.encode_quality);
     replace(&mut formats.png.deep, wanted.deep);
     formats.png.metadata &= !wanted.no_metadata;
+    formats.exr.metadata &= !wanted.no_metadata;
     replace(&mut output.size, wanted.size);
     replace(&mut output.tonemap, wanted.tonemap);
     replace(&mut output.exposure, wanted.exposure.map(Into::into));
@@ -147,6 +148,7 @@ mod tests {
         assert!(found.output.transparent && found.output.caption.is_some());
         assert_eq!((formats.gif.max_size, formats.jpeg.quality, formats.mp4.quality), (Some(5000), 60, 60));
         assert_eq!((formats.png.deep, formats.png.metadata), (true, false));
+        assert!(!formats.exr.metadata);
         // Three seconds hold 89.91 frames; the last one is begun.
         assert_eq!((found.timeline.frames, found.timeline.duration), (90, sequence().timeline.duration));
         assert_eq!(found.timeline.rate.to_string(), "30000/1001");

@@ -70,6 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         frames: vec![frame],
         threads: options.threads,
         reuse: Reuse::Off,
+        time_limit: None,
     };
 
     let meter = Arc::new(Meter::default());

@@ -8,7 +8,7 @@ use super::overrides::{self, Overrides};
 use super::progress::{self, ProgressMode};
 use super::signals::{self, Next};
 use super::{load, loading, summary, terminal, values};
-use crate::accuracy::{Budget, budget, percent, seconds};
+use crate::accuracy::{Budget, Clock, Settled, percent, seconds, settled};
 use crate::counters::Meter;
 use crate::encode::{Existing, Output};
 use crate::frame_set::{FrameSet, Shard};
@@ -96,7 +96,7 @@ pub struct Arguments {
     )]
     time_limit: Option<Duration>,
 
-    /// PNGs without text about the frame
+    /// PNGs and EXR files without text about the frame
     #[arg(long)]
     no_metadata: bool,
 }
@@ -141,19 +141,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let message = "-o - and --progress json both write to the standard output; leave one out";
         return Err(Failure::Bad(message.to_owned()));
     }
-    let mut budgeted = None;
     if arguments.time_limit.is_some() && arguments.shard.is_some() {
         let message = "--time-limit picks the samples of all frames, and each shard would pick others: find out how many \
                        there are without --shard, then give them to all shards by --samples";
         return Err(Failure::Bad(message.to_owned()));
-    }
-    if let Some(limit) = arguments.time_limit {
-        let budget = budget(&sequence, &frames, limit, arguments.options.threads)?;
-        sequence.quality = budget.quality;
-        budgeted = Some(budget);
-        if !arguments.options.quiet {
-            terminal::complain(&budget_note(&budget));
-        }
     }
     let request = Request {
         outputs,
@@ -161,7 +152,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         frames,
         threads: arguments.options.threads,
         reuse: reuse(arguments.no_reuse, arguments.memory),
+        time_limit: arguments.time_limit,
     };
+    let mut chosen = None;
+    if let Some(limit) = arguments.time_limit {
+        let settled = settled(&sequence, &request, limit, Clock::Machine)?;
+        sequence.quality = settled.quality();
+        let note = limit_note(&settled);
+        if !arguments.options.quiet {
+            terminal::complain(&note);
+        }
+        chosen = Some(note);
+    }
 
     let meter = Arc::new(Meter::default());
     let frames = request.frames.len();
@@ -183,7 +185,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
 
     done.notes.extend(note);
-    done.notes.extend(budgeted.as_ref().map(budget_note));
+    done.notes.extend(chosen);
     if arguments.options.draft {
         done.notes.insert(0, draft_note(&sequence));
     }
@@ -239,6 +241,18 @@ pub fn frames_of(wanted: Option<&FrameSet>, sequence: &Sequence) -> Result<Vec<u
     };
     let set = set.ok_or_else(|| Failure::Bad("the sequence has no frames".to_owned()))?;
     set.frames(count).map_err(|error| Failure::Bad(format!("{option}{error}")))
+}
+
+/// Says how many samples there are for the time.
+fn limit_note(settled: &Settled) -> String {
+    match settled {
+        Settled::Now(budget) => budget_note(budget),
+        Settled::Before(quality) => format!(
+            "an earlier run with this limit has settled on {} samples a pixel, and a grid of {1}x{1} where nothing is \
+             random: its frames are kept, and the others get as many; --overwrite settles anew",
+            quality.samples, quality.antialias
+        ),
+    }
 }
 
 /// Says what fits into the time, what to expect of it, and how to have the same again.

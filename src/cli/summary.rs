@@ -1,6 +1,7 @@
 //! What a run did, for people and for programs.
 
 use super::json::Object;
+use crate::accuracy::seconds;
 use crate::counters::Counts;
 use crate::film::Noise;
 use crate::humane;
@@ -73,6 +74,7 @@ pub fn json(summary: &Summary) -> String {
         .whole("kept", summary.kept.into())
         .whole("reused", summary.reused.into())
         .real("elapsed_s", Some(summary.elapsed.as_secs_f64()))
+        .real("tracing_cpu_s", summary.cpu)
         .object("rays", counts)
         .object("evaluations", evaluations)
         .object("dropped_samples", dropped)
@@ -107,12 +109,15 @@ fn planned(expected: &Forecast) -> String {
 }
 
 fn time(summary: &Summary) -> String {
-    let whole = humane::time(summary.elapsed);
+    let mut told = humane::time(summary.elapsed);
     let rendered = summary.frames.saturating_sub(summary.kept);
-    match summary.elapsed.checked_div(rendered) {
-        Some(each) if rendered > 1 => format!("{whole}, {} per frame", humane::time(each)),
-        _ => whole,
+    if let Some(each) = summary.elapsed.checked_div(rendered).filter(|_| rendered > 1) {
+        told += &format!(", {} per frame", humane::time(each));
     }
+    if let Some(cpu) = summary.cpu {
+        told += &format!("; tracing took {} of processors", seconds(cpu));
+    }
+    told
 }
 
 /// The total with its rate, then each kind. Those that few scenes have are told where there are any.
@@ -127,6 +132,9 @@ fn rays(summary: &Summary) -> Vec<String> {
     lines
 }
 
+/// Frames of which each has a line of its own; of more, files and the summary in JSON tell.
+const FEW_FRAMES: usize = 12;
+
 /// What error is left where one was asked for: that of the worst frame, and its range.
 fn error(summary: &Summary) -> Vec<String> {
     let worst = summary.noise.iter().max_by(|a, b| a.1.error.total_cmp(&b.1.error));
@@ -140,6 +148,16 @@ fn error(summary: &Summary) -> Vec<String> {
         1 => vec![range],
         _ => vec![format!("at most {range}, in frame {frame}")],
     };
+    if (2..=FEW_FRAMES).contains(&summary.noise.len()) {
+        let row = |(frame, noise): &(u32, Noise)| {
+            let errors = [noise.error, noise.low, noise.high].map(percent);
+            format!(
+                "frame {frame}: {} % ({} to {}), {:.0} samples",
+                errors[0], errors[1], errors[2], noise.samples
+            )
+        };
+        lines.extend(summary.noise.iter().map(row));
+    }
     lines.push(format!("{samples:.0} samples in a pixel on average"));
     let capped = summary.noise.iter().map(|(_, noise)| noise.capped).sum::<f64>() / count;
     if capped > 0.0 {
@@ -202,6 +220,7 @@ mod tests {
             },
             bvh_builds: 1,
             noise: Vec::new(),
+            cpu: Some(19.84),
             stages: vec![("animate", Duration::from_micros(840)), ("trace", Duration::from_millis(9870))],
             elapsed: Duration::from_millis(10_440),
             files: vec!["out/orbit_####.png".into(), "out/\"orbit\".gif".into()],
@@ -215,7 +234,7 @@ mod tests {
 wrote   out/orbit_####.png
         out/\"orbit\".gif
 frames  72
-time    10.4 s, 145 ms per frame
+time    10.4 s, 145 ms per frame; tracing took 19.8 s of processors
 rays    all     66,375,690  6.36 Mray/s
         camera  66,355,200
         mirror      20,481
@@ -262,8 +281,8 @@ dropped undefined   2
     #[test]
     fn kept_frames_are_told_and_take_no_time() {
         let text = text(&Summary { kept: 62, ..summary() });
-        assert!(text.contains("frames  72, of which 62 kept\ntime    10.4 s, 1.04 s per frame\n"), "{text}");
-        assert!(super::text(&Summary { kept: 72, ..summary() }).contains("time    10.4 s\n"));
+        assert!(text.contains("frames  72, of which 62 kept\ntime    10.4 s, 1.04 s per frame; tracing took 19.8 s of processors\n"), "{text}");
+        assert!(super::text(&Summary { kept: 72, ..summary() }).contains("time    10.4 s; "));
     }
 
     #[test]
@@ -277,7 +296,7 @@ dropped undefined   2
     fn programs_read_one_line() {
         let wanted = concat!(
             r#"{"event":"summary","files":["out/orbit_####.png","out/\"orbit\".gif"],"frames":72,"kept":0,"reused":0,"#,
-            r#""elapsed_s":10.440,"rays":{"camera":66355200,"mirror":20481,"transmitted":0,"scattered":0,"shadow":9,"#,
+            r#""elapsed_s":10.440,"tracing_cpu_s":19.840,"rays":{"camera":66355200,"mirror":20481,"transmitted":0,"scattered":0,"shadow":9,"#,
             r#""total":66375690},"evaluations":{"fog":0,"paint":0,"light_samples":0,"lens_samples":0},"#,
             r#""dropped_samples":{"undefined":0,"infinite":0,"negative":0},"noise":{},"#,
             r#""bvh_builds":1,"expected":{},"stages_s":{"animate":0.001,"trace":9.870},"notes":["a draft"]}"#,

@@ -1,9 +1,12 @@
 //! What is known about a run's frames besides their pixels, for captions, metadata and the names of layers.
 
+use crate::humane::counted;
 use crate::time::{Rate, Time};
+use std::fmt;
+use std::time::Duration;
 
 /// The sequence that is rendered, as files may tell it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct About {
     /// The sequence's name.
     pub name: String,
@@ -14,8 +17,25 @@ pub struct About {
     pub samples: u32,
     /// Samples along each side of a pixel where nothing is.
     pub antialias: u32,
+    /// The error to which pixels are sampled, in place of a number of samples.
+    pub noise: Option<f64>,
+    /// What settled how many samples there are, if the sequence did not.
+    pub time_limit: Option<TimeLimit>,
     /// Names of the film's layers of light.
     pub layers: Vec<String>,
+}
+
+/// A time that so many frames were to take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TimeLimit {
+    pub time: Duration,
+    pub frames: u32,
+}
+
+impl fmt::Display for TimeLimit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} s for {}", self.time.as_secs_f64(), counted(self.frames.into(), "frame"))
+    }
 }
 
 /// One frame of it.

@@ -2,6 +2,7 @@
 
 use super::atomic::Aside;
 use super::error::EncodeError;
+use super::record;
 use super::settings::{ExrLayers, ExrSettings};
 use crate::color::Rgb;
 use crate::digest::Digest;
@@ -19,7 +20,7 @@ use std::path::Path;
 
 mod seal;
 
-pub use seal::holds;
+pub use seal::{holds, texts};
 
 /// 16 rows at a time, compressed as ZIP does; in order, as the frame's bytes may not depend on threads.
 const ENCODING: Encoding = Encoding {
@@ -39,6 +40,13 @@ const SRGB: Chromaticities = Chromaticities {
 /// Depth of what is not there, as other renderers write it.
 const NOTHING: f32 = 1e10;
 
+/// What a file says of itself besides its pixels.
+#[derive(Clone, Debug, Default)]
+pub struct Words {
+    pub identity: Option<Digest>,
+    pub texts: Vec<record::Text>,
+}
+
 /// Writes the film's radiance as the file `path`, whole or not at all. `names` are those of the film's layers of
 /// light.
 pub fn write(
@@ -46,15 +54,15 @@ pub fn write(
     film: &Film,
     settings: ExrSettings,
     names: &[String],
-    identity: Option<Digest>,
+    words: &Words,
 ) -> Result<(), EncodeError> {
     let mut aside = Aside::create(path)?;
     let written = match settings.layers.any() {
-        true => all(film, settings, names, identity, &mut aside),
-        false => plain(film, settings.half, identity, &mut aside),
+        true => all(film, settings, names, words, &mut aside),
+        false => plain(film, settings.half, words, &mut aside),
     };
     written.map_err(|error| EncodeError::write(path, cause(error)))?;
-    if identity.is_some() {
+    if words.identity.is_some() {
         seal::close(&mut aside).map_err(|error| EncodeError::write(path, error))?;
     }
     aside.commit()
@@ -62,8 +70,7 @@ pub fn write(
 
 /// Writes the channels R, G and B, and A if the background is left out. The radiance is summed as it is written, so
 /// that no second copy of the picture is held.
-fn plain(film: &Film, half: bool, identity: Option<Digest>, file: &mut Aside) -> UnitResult {
-    let seal = identity.map(seal::open);
+fn plain(film: &Film, half: bool, words: &Words, file: &mut Aside) -> UnitResult {
     let width = film.width as usize;
     let at = |Vec2(x, y): Vec2<usize>| y * width + x;
     let color = |place| film.radiance_at(at(place));
@@ -72,11 +79,11 @@ fn plain(film: &Film, half: bool, identity: Option<Digest>, file: &mut Aside) ->
     match (film.extras.coverage, half) {
         (false, false) => {
             let channels = SpecificChannels::rgb::<f32, f32, f32>(|place| color(place).into());
-            image(film, channels, seal).write().non_parallel().to_buffered(file)
+            image(film, channels, words).write().non_parallel().to_buffered(file)
         }
         (false, true) => {
             let channels = SpecificChannels::rgb::<f16, f16, f16>(short);
-            image(film, channels, seal).write().non_parallel().to_buffered(file)
+            image(film, channels, words).write().non_parallel().to_buffered(file)
         }
         (true, false) => {
             let pixel = |place| {
@@ -84,7 +91,7 @@ fn plain(film: &Film, half: bool, identity: Option<Digest>, file: &mut Aside) ->
                 (x, y, z, alpha(place))
             };
             let channels = SpecificChannels::rgba::<f32, f32, f32, f32>(pixel);
-            image(film, channels, seal).write().non_parallel().to_buffered(file)
+            image(film, channels, words).write().non_parallel().to_buffered(file)
         }
         (true, true) => {
             let pixel = |place| {
@@ -92,19 +99,13 @@ fn plain(film: &Film, half: bool, identity: Option<Digest>, file: &mut Aside) ->
                 (r, g, b, f16::from_f32(alpha(place)))
             };
             let channels = SpecificChannels::rgba::<f16, f16, f16, f16>(pixel);
-            image(film, channels, seal).write().non_parallel().to_buffered(file)
+            image(film, channels, words).write().non_parallel().to_buffered(file)
         }
     }
 }
 
 /// Writes the picture and whatever layers are asked for, each channel `LAYER.R` and so on.
-fn all(
-    film: &Film,
-    settings: ExrSettings,
-    names: &[String],
-    identity: Option<Digest>,
-    file: &mut Aside,
-) -> UnitResult {
+fn all(film: &Film, settings: ExrSettings, names: &[String], words: &Words, file: &mut Aside) -> UnitResult {
     let pixels = film.width as usize * film.height as usize;
     let sheet = Sheet { film, pixels, half: settings.half };
     let mut list = sheet.colors("", |pixel| film.radiance_at(pixel));
@@ -118,21 +119,20 @@ fn all(
     }
     list.extend(sheet.guides(settings.layers));
     let channels = AnyChannels::sort(list.into());
-    let seal = identity.map(seal::open);
-    image(film, channels, seal).write().non_parallel().to_buffered(file)
+    image(film, channels, words).write().non_parallel().to_buffered(file)
 }
 
 /// A file of these channels.
-fn image<'c, C: WritableChannels<'c> + 'c>(
-    film: &Film,
-    channels: C,
-    seal: Option<AttributeValue>,
-) -> Image<Layer<C>> {
+fn image<'c, C: WritableChannels<'c> + 'c>(film: &Film, channels: C, words: &Words) -> Image<Layer<C>> {
     let size = Vec2(film.width as usize, film.height as usize);
     let mut image = Image::from_encoded_channels(size, ENCODING, channels);
     image.attributes.chromaticities = Some(SRGB);
-    // One alone: the order of several would differ from run to run.
-    image.attributes.other.extend(seal.map(|seal| (Text::from(seal::SEAL), seal)));
+    // One alone in each of the two maps: the order of several would differ from run to run.
+    let seal = words.identity.map(|identity| (Text::from(seal::SEAL), seal::open(identity)));
+    image.attributes.other.extend(seal);
+    let told = Text::new_or_none(record::lines(&words.texts)).filter(|_| !words.texts.is_empty());
+    let told = told.map(|told| (Text::from(seal::WORDS), AttributeValue::Text(told)));
+    image.layer_data.attributes.other.extend(told);
     image
 }
 
@@ -210,7 +210,7 @@ mod tests {
         let path = dir.path().join("a.exr");
         let mut film = film();
         film.expose(3.0);
-        write(&path, &film, ExrSettings::default(), &[], None).expect("written");
+        write(&path, &film, ExrSettings::default(), &[], &Words::default()).expect("written");
         let image = read_first_rgba_layer_from_file(
             path,
             |size, _| vec![Rgb::ZERO; size.area()],
@@ -244,7 +244,8 @@ mod tests {
         film.data_mut()[3..6].fill(Rgb::ZERO);
         let layers = ExrLayers { lights: true, depth: true, normal: true, albedo: true };
         let names = ["constant".to_owned(), "key".to_owned()];
-        write(&path, &film, ExrSettings { half: false, layers }, &names, None).expect("written");
+        write(&path, &film, ExrSettings { layers, ..ExrSettings::default() }, &names, &Words::default())
+            .expect("written");
         let found = channels(&path);
         let order: Vec<_> = found.iter().map(|(name, _)| name.as_str()).collect();
         let expected = [
@@ -289,7 +290,7 @@ mod tests {
             let extras = Extras { coverage, guides: false };
             let mut film = Film::with_extras(2, 1, vec![Rgb::ONE], extras);
             film.data_mut()[0] = Rgb::new(0.1, 1.0, 1000.3);
-            write(&path, &film, ExrSettings { half: true, ..ExrSettings::default() }, &[], None)
+            write(&path, &film, ExrSettings { half: true, ..ExrSettings::default() }, &[], &Words::default())
                 .expect("written");
             let found = channels(&path);
             assert_eq!(found.len(), if coverage { 4 } else { 3 });
@@ -304,7 +305,7 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         let bytes = ["a.exr", "b.exr"].map(|name| {
             let path = dir.path().join(name);
-            write(&path, &film(), ExrSettings::default(), &[], None).expect("written");
+            write(&path, &film(), ExrSettings::default(), &[], &Words::default()).expect("written");
             fs::read(path).expect("read")
         });
         assert_eq!(bytes[0], bytes[1]);

@@ -7,7 +7,7 @@
 use super::about::Shown;
 use super::job::Job;
 use super::output::Still;
-use super::png;
+use super::record;
 use crate::digest::{Content, Digest, Digester};
 
 /// What a frame looks like before it is developed.
@@ -46,13 +46,24 @@ impl Job {
                 let caption = self.caption.as_ref().map(|c| (c.text.told(&shown), c.corner, c.size));
                 let look = (self.tonemap, caption, self.formats.png, self.transparent);
                 format!("{look:?}").as_str().feed(&mut digester);
-                format!("{:?}", png::metadata(&shown)).as_str().feed(&mut digester);
             }
+        }
+        if self.tells(format) {
+            format!("{:?}", record::facts(&shown)).as_str().feed(&mut digester);
         }
         Some(digester.finish())
     }
 
-    /// Whether files of this format say what they show.
+    /// Whether files of this format tell in words what they show.
+    pub(super) fn tells(&self, format: Still) -> bool {
+        match format {
+            Still::Png => self.formats.png.metadata,
+            Still::Exr => self.formats.exr.metadata,
+            Still::Jpeg | Still::Ppm => false,
+        }
+    }
+
+    /// Whether files of this format hold an identity.
     pub(super) fn carries_identity(&self, format: Still) -> bool {
         match format {
             Still::Png => self.formats.png.metadata,

@@ -3,10 +3,13 @@
 use super::job::{Existing, Job};
 use super::output::{Output, Still};
 use super::pattern::FramePattern;
+use super::record::{self, Told};
 use super::{exr, png};
 use crate::stop::Stop;
 use rayon::ThreadPool;
 use rayon::prelude::*;
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
 
 /// What there is of a job.
 #[derive(Debug, Default)]
@@ -59,6 +62,35 @@ impl Job {
             (0..self.frames.len()).map(keeps).collect()
         };
         Kept { frames, notes: Vec::new() }
+    }
+
+    /// Whether a frame is there, whole and as it would be made now.
+    pub fn keeps_any(&self) -> bool {
+        self.keeps() && (0..self.frames.len()).any(|index| self.keeps_frame(index))
+    }
+
+    /// What the files of a frame tell in words.
+    pub(super) fn told(&self, frame: u32) -> impl Iterator<Item = Vec<Told>> {
+        self.outputs.iter().filter_map(move |output| match output {
+            Output::Stills(Still::Png, pattern) => Some(png::texts(&pattern.path(frame))),
+            Output::Stills(Still::Exr, pattern) => Some(exr::texts(&pattern.path(frame))),
+            _ => None,
+        })
+    }
+
+    /// The samples that this job's limit of time has settled for frames that are there, where they are random and along
+    /// each side of a grid: what most frames have comes first.
+    pub fn settled(&self) -> Vec<(u32, u32)> {
+        let Some(limit) = &self.about.time_limit else { return Vec::new() };
+        let mut found: BTreeMap<(u32, u32), usize> = BTreeMap::new();
+        for &frame in &self.frames {
+            for counts in self.told(frame).filter_map(|told| record::told_counts(&told, limit)) {
+                *found.entry(counts).or_default() += 1;
+            }
+        }
+        let mut all: Vec<_> = found.into_iter().collect();
+        all.sort_by_key(|(_, frames)| Reverse(*frames));
+        all.into_iter().map(|(counts, _)| counts).collect()
     }
 
     fn keeps_frame(&self, index: usize) -> bool {

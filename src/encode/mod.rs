@@ -30,6 +30,7 @@ mod pattern;
 mod picture;
 mod png;
 mod ppm;
+mod record;
 mod settings;
 mod sheet;
 mod store;
@@ -39,7 +40,7 @@ mod tests;
 mod tonemap;
 mod worker;
 
-pub use about::{About, Shown};
+pub use about::{About, Shown, TimeLimit};
 pub use assembly::{Assembly, read_picture};
 pub use atomic::write as write_file;
 pub use caption::{Caption, CaptionError, Corner, Template};
@@ -59,12 +60,14 @@ pub use sheet::{Sheet, columns as sheet_columns};
 pub use text::FONT_FILE;
 pub use tonemap::Tonemap;
 
-use crate::film::Film;
+use crate::film::{Film, Noise};
+use crate::machine::thread_time;
 use crate::stop::Stop;
 use keep::Kept;
 use rayon::ThreadPool;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
@@ -92,12 +95,14 @@ pub fn png_bytes(picture: &Picture) -> std::io::Result<Vec<u8>> {
 const WAITING: usize = 2;
 
 /// What was written.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// One per output, in the job's order: the pattern of stills as the user wrote it, or the file.
     pub files: Vec<PathBuf>,
     /// Frames that were there, and were left as they are.
     pub kept: u32,
+    /// How good the frames are that were sampled until they were good enough, kept ones among them.
+    pub noise: Vec<(u32, Noise)>,
     /// What the user should know, a line each.
     pub notes: Vec<String>,
     /// Pixels of all films with a component that is not a number; such components are written as 0.
@@ -124,6 +129,8 @@ pub struct Encoder {
     pushed: usize,
     /// Which of the job's frames need no film.
     kept: Vec<bool>,
+    /// Nanoseconds that the thread has worked on a processor; none where the system does not tell.
+    cpu: Option<Arc<AtomicU64>>,
     /// None once the thread has failed or finished.
     running: Option<Running>,
 }
@@ -142,12 +149,18 @@ impl Encoder {
     pub fn start(job: Job, pool: Arc<ThreadPool>, stop: &Stop) -> Result<Self, EncodeError> {
         let job = Arc::new(job);
         let mut worker = Worker::new(Arc::clone(&job), Arc::clone(&pool))?;
+        let cpu = thread_time().map(|_| worker.cpu());
         let Kept { frames: kept, notes } = job.kept(&pool, stop);
         worker.tell(notes);
         let (messages, receiver) = sync_channel(WAITING);
         let thread = thread::Builder::new().name("encode".into()).spawn(move || worker.run(receiver));
         let thread = thread.map_err(|e| EncodeError::Stopped(Some(e)))?;
-        Ok(Self { job, pushed: 0, kept, running: Some(Running { messages, thread }) })
+        Ok(Self { job, pushed: 0, kept, cpu, running: Some(Running { messages, thread }) })
+    }
+
+    /// Seconds that encoding has taken of a processor so far, where the system tells.
+    pub fn cpu(&self) -> Option<f64> {
+        self.cpu.as_ref().map(|nanoseconds| nanoseconds.load(Relaxed) as f64 * 1e-9)
     }
 
     /// The frames of which films are still to come, in order: those that are not kept.

@@ -1,9 +1,9 @@
 //! Pictures as PNG, written fast: 8 or 16 bits, with alpha where they have some.
 
-use super::about::Shown;
 use super::atomic;
 use super::error::EncodeError;
 use super::picture::{Code, Picture};
+use super::record::Text;
 use crate::digest::Digest;
 use std::io;
 use std::path::Path;
@@ -12,29 +12,12 @@ mod read;
 
 pub use read::{holds, read, texts};
 
-/// A keyword and what it says.
-pub type Text = (&'static str, String);
-
 /// The keyword of a frame's identity.
 const IDENTITY: &str = "kinora:identity";
 
 /// The text that names what a frame is made of.
 pub fn identity(identity: Digest) -> Text {
     (IDENTITY, identity.to_string())
-}
-
-/// What a file tells about the frame that it shows. No time of day: equal frames are equal files.
-pub fn metadata(shown: &Shown) -> Vec<Text> {
-    let about = shown.about;
-    vec![
-        ("Software", format!("Kinora {}", env!("CARGO_PKG_VERSION"))),
-        ("Title", about.name.clone()),
-        ("kinora:frame", shown.frame.to_string()),
-        ("kinora:time", shown.time().to_string()),
-        ("kinora:seed", about.seed.to_string()),
-        ("kinora:samples", about.samples.to_string()),
-        ("kinora:antialias", about.antialias.to_string()),
-    ]
 }
 
 /// Codes that PNG knows, which has the higher byte first.
@@ -94,7 +77,8 @@ pub fn write<C: PngCode>(path: &Path, picture: &Picture<C>, texts: &[Text]) -> R
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::encode::About;
+    use crate::encode::record::facts;
+    use crate::encode::{About, Shown};
     use crate::time::Rate;
     use ::png::Decoder;
     use image::DynamicImage;
@@ -141,10 +125,10 @@ mod tests {
             seed: 7,
             samples: 64,
             antialias: 2,
-            layers: Vec::new(),
+            ..About::default()
         };
         let rate = Rate::new(30_000, 1001).expect("a rate");
-        let texts = metadata(&Shown { about: &about, frame: 12, rate });
+        let texts = facts(&Shown { about: &about, frame: 12, rate });
         let bytes = encode(&Picture::opaque(1, 1, vec![0u8; 3]), &texts).expect("bytes");
         let reader = Decoder::new(io::Cursor::new(bytes)).read_info().expect("a PNG");
         let info = reader.info();

@@ -44,12 +44,20 @@ impl Default for JpegSettings {
 }
 
 /// How EXR files are written.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ExrSettings {
     /// Colours as 16-bit floats instead of 32.
     pub half: bool,
     /// What the files hold besides the picture.
     pub layers: ExrLayers,
+    /// Whether the file tells in words what it shows.
+    pub metadata: bool,
+}
+
+impl Default for ExrSettings {
+    fn default() -> Self {
+        Self { half: false, layers: ExrLayers::default(), metadata: true }
+    }
 }
 
 /// Layers of an EXR file besides the picture.

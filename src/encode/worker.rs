@@ -8,12 +8,15 @@ use super::error::EncodeError;
 use super::job::Job;
 use super::output::{Output, Still};
 use super::picture::Picture;
+use super::record;
 use super::store::Store;
 use super::{Message, Report, exr, jpeg, png, ppm};
 use crate::film::Film;
+use crate::machine::thread_time;
 use rayon::ThreadPool;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
@@ -24,6 +27,8 @@ pub struct Worker {
     /// None once they are finished.
     animations: Option<Animations>,
     report: Report,
+    /// Nanoseconds on a processor so far.
+    cpu: Arc<AtomicU64>,
     /// Frames that came.
     done: usize,
     /// The first frame with pixels that are not numbers.
@@ -51,7 +56,13 @@ impl Worker {
         let animations = Some(Animations::start(&job, own_store(&job))?);
         let table = ToneTable::new(job.tonemap);
         let report = Report::default();
-        Ok(Self { job, pool, table, animations, report, done: 0, first_nan: None, folders })
+        let cpu = Arc::default();
+        Ok(Self { job, pool, table, animations, report, cpu, done: 0, first_nan: None, folders })
+    }
+
+    /// Where the time is told that it has worked.
+    pub fn cpu(&self) -> Arc<AtomicU64> {
+        Arc::clone(&self.cpu)
     }
 
     /// Adds notes to what the user should know.
@@ -79,12 +90,14 @@ impl Worker {
                 Err(_) => return Err(EncodeError::Stopped(None)),
             }
             self.report.busy += start.elapsed();
+            self.cpu.store((thread_time().unwrap_or(0.0) * 1e9) as u64, Relaxed);
         }
     }
 
     fn film(&mut self, frame: u32, film: Film) -> Result<(), EncodeError> {
         let job = Arc::clone(&self.job);
         let shown = Shown { about: &job.about, frame, rate: job.rate };
+        self.report.noise.extend(film.noise.map(|noise| (frame, noise)));
         let (mut picture, nan_pixels) = self.table.develop(&film);
         self.report.nan_pixels += nan_pixels;
         if nan_pixels > 0 {
@@ -113,6 +126,11 @@ impl Worker {
         let job = Arc::clone(&self.job);
         self.done += 1;
         self.report.kept += 1;
+        if job.about.noise.is_some() {
+            self.report.noise.extend(
+                job.told(frame).find_map(|told| record::told_error(&told)).map(|noise| (frame, noise)),
+            );
+        }
         let silent = |output: &&Output| !job.is_said(output);
         let (Some(pattern), Some(_)) = (job.source(), job.outputs.iter().find(silent)) else { return Ok(()) };
         let picture = png::read(&pattern.path(frame))?;
@@ -172,9 +190,14 @@ impl Worker {
 fn still(job: &Job, format: Still, path: &Path, frame: &Developed) -> Result<(), EncodeError> {
     let Developed { index, shown, film, picture, matte } = frame;
     let identity = job.identity(format, *index);
+    let mut texts = Vec::new();
+    if job.tells(format) {
+        texts = record::facts(shown);
+        texts.extend(film.noise.as_ref().map(record::error));
+    }
     match format {
         Still::Png => {
-            let mut texts = if job.formats.png.metadata { png::metadata(shown) } else { Vec::new() };
+            let mut texts = texts;
             texts.extend(identity.map(png::identity));
             if !job.formats.png.deep {
                 return png::write(path, picture, &texts);
@@ -187,7 +210,10 @@ fn still(job: &Job, format: Still, path: &Path, frame: &Developed) -> Result<(),
         }
         Still::Jpeg => jpeg::write(path, matte, job.formats.jpeg.quality),
         Still::Ppm => ppm::write(path, matte),
-        Still::Exr => exr::write(path, film, job.formats.exr, &job.about.layers, identity),
+        Still::Exr => {
+            let words = exr::Words { identity, texts };
+            exr::write(path, film, job.formats.exr, &job.about.layers, &words)
+        }
     }
 }
 

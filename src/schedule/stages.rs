@@ -5,7 +5,7 @@ use crate::camera::Camera;
 use crate::camera_path::NoCamera;
 use crate::counters::{Counts, Meter};
 use crate::encode::EncodeError;
-use crate::film::{Film, Noise, lit};
+use crate::film::{Film, lit};
 use crate::math::DVec3;
 use crate::scene::{Geometry, Scene, Shading, Weights};
 use crate::trace::{Moment, Rounds, TraceSettings, trace, trace_moment};
@@ -66,8 +66,6 @@ pub struct Tally {
     pub traced: u32,
     pub reused: u32,
     pub stages: [Duration; 5],
-    /// How good frames are that were sampled until they were good enough.
-    pub noise: Vec<(u32, Noise)>,
 }
 
 #[derive(Resource)]
@@ -206,7 +204,6 @@ pub fn trace_frame(
     let Some(mut film) = film else { return };
     tally.traced += 1;
     film.weights.clone_from(&weights.0.0);
-    tally.noise.extend(film.noise.map(|noise| (now.0.frame, noise)));
     film.expose(exposure.0.at(now.0.start));
     exposed.kept = wanted.keep.then(|| film.clone());
     exposed.film = Some(film);

@@ -14,6 +14,8 @@ impl Sequence {
             seed: self.quality.seed,
             samples: self.quality.samples,
             antialias: self.quality.antialias,
+            noise: self.quality.noise.map(|target| target.error),
+            time_limit: None,
             layers: self.layer_names(),
         }
     }

@@ -74,8 +74,9 @@ fn exr(node: Node<'_>) -> Option<ExrSettings> {
     let precisions = [("Float", false), ("Half", true)];
     let half = fields.or("precision", |node| word(node, "precision", &precisions), false);
     let layers = fields.or("layers", exr_layers, ExrLayers::default());
+    let metadata = fields.or("metadata", switch, true);
     fields.finish();
-    Some(ExrSettings { half: half?, layers: layers? })
+    Some(ExrSettings { half: half?, layers: layers?, metadata: metadata? })
 }
 
 #[derive(Clone, Copy)]

@@ -74,7 +74,14 @@ fn files(sequence: &Sequence, frames: Vec<u32>, threads: usize) -> BTreeMap<Stri
     let output = |name: &str| Output::parse(&folder.path().join(name).to_string_lossy()).expect("an output");
     let outputs = vec![output("##.png"), output("##.exr"), output("all.gif")];
     let threads = NonZeroUsize::new(threads);
-    let request = Request { frames, outputs, existing: Existing::Replace, threads, reuse: Reuse::Share };
+    let request = Request {
+        frames,
+        outputs,
+        existing: Existing::Replace,
+        threads,
+        reuse: Reuse::Share,
+        time_limit: None,
+    };
     render(sequence, &request, &Arc::new(Meter::default())).unwrap_or_else(|error| panic!("{error}"));
     let entries = fs::read_dir(folder.path()).expect("the folder is readable").flatten();
     let entries = entries.map(|entry| {

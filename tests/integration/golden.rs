@@ -32,6 +32,7 @@ fn rendered(path: &Path) -> RgbImage {
         existing: Existing::Replace,
         threads: None,
         reuse: Reuse::Share,
+        time_limit: None,
     };
     render(&sequence, &request, &Arc::new(Meter::default())).unwrap_or_else(|error| panic!("{error}"));
     let pictures: Vec<_> = frames.iter().map(|&frame| read(&output.path(frame))).collect();

@@ -187,8 +187,14 @@ fn files(sequence: &Sequence, frames: &[u32], reuse: Reuse) -> (BTreeMap<String,
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     let output = |name: &str| Output::parse(&folder.path().join(name).to_string_lossy()).expect("an output");
     let outputs = ["##.png", "##.exr", "all.gif", "all.apng"].map(output).to_vec();
-    let request =
-        Request { frames: frames.to_vec(), outputs, existing: Existing::Replace, threads: None, reuse };
+    let request = Request {
+        frames: frames.to_vec(),
+        outputs,
+        existing: Existing::Replace,
+        threads: None,
+        reuse,
+        time_limit: None,
+    };
     let summary = render(sequence, &request, &Arc::default()).unwrap_or_else(|error| panic!("{error}"));
     let entries = fs::read_dir(folder.path()).expect("the folder is readable").flatten();
     let read = |entry: fs::DirEntry| {

@@ -21,13 +21,14 @@ const INK: RGBColor = RGBColor(40, 44, 52);
 const GRID: RGBColor = RGBColor(228, 230, 234);
 const FRONT: RGBColor = RGBColor(150, 154, 162);
 /// Told apart by most people who see colours differently (Okabe and Ito 2008).
-const COLORS: [RGBColor; 6] = [
+const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
     RGBColor(0, 114, 178),
     RGBColor(204, 121, 167),
     RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
 ];
 
 /// Whether the font is there. Without it plots could not be laid out.
@@ -89,7 +90,11 @@ pub fn charts(measured: &Measured) -> Vec<Chart> {
             measured,
             "error",
             "Error of the light against time",
-            "RMSE, as a share of the mean brightness",
+            (
+                "RMSE, as a share of the mean brightness",
+                "How far the light of a pixel is from what it should be, typically; 5 % would be a twentieth of the picture's \
+                 mean brightness.",
+            ),
             &main,
             radiance,
         ),
@@ -97,17 +102,31 @@ pub fn charts(measured: &Measured) -> Vec<Chart> {
             measured,
             "relative",
             "Error relative to each pixel against time",
-            "root of relMSE",
+            (
+                "root of relMSE",
+                "The same as a share of each pixel's own brightness, so that dark parts count as much as bright ones.",
+            ),
             &main,
             relative,
         ),
-        Chart::new(measured, "flip", "What an eye sees against time", "FLIP", &main, flip),
+        Chart::new(
+            measured,
+            "flip",
+            "What an eye sees against time",
+            (
+                "FLIP",
+                "How different the displayed picture looks to someone who flips between it and what it should be: 0 is no \
+                 difference.",
+            ),
+            &main,
+            flip,
+        ),
     ];
     let mut deep = Chart::new(
         measured,
         "bounces",
         "What each bounce adds, against its time",
-        "light left out, as a share of the mean brightness",
+        ("light left out, as a share of the mean brightness", ""),
         &[Axis::Bounces],
         move |point| {
             let bias = point.bias.max(0.0).sqrt() / brightness;
@@ -129,7 +148,7 @@ impl Chart {
         measured: &Measured,
         name: &'static str,
         title: &str,
-        y: &'static str,
+        (y, meaning): (&'static str, &str),
         axes: &[Axis],
         error: impl Fn(&Point) -> Estimate,
     ) -> Self {
@@ -152,9 +171,10 @@ impl Chart {
         Self {
             name,
             title: title.to_owned(),
-            caption: "Further left is faster, further down is better: what no other point beats in both lies on the \
+            caption: format!(
+                "{meaning} Further left is faster, further down is better: what no other point beats in both lies on the \
                 grey line. The ring is the file's own setting; numbers at points are settings."
-                .to_owned(),
+            ),
             x: "time for a frame",
             y,
             curves: axes.iter().map(curve).filter(|curve| !curve.spots.is_empty()).collect(),
@@ -249,7 +269,7 @@ impl Chart {
             )?;
             chart.draw_series(curve.spots.iter().map(|spot| {
                 let style = (FONT, 13).into_font().color(&color);
-                EmptyElement::at((spot.x, spot.y)) + Text::new(spot.label.clone(), (7, -14), style)
+                EmptyElement::at((spot.x, spot.y)) + Text::new(spot.label.clone(), (9, -17), style)
             }))?;
         }
         if let Some(own) = self.own {
@@ -261,6 +281,8 @@ impl Chart {
         chart
             .configure_series_labels()
             .position(SeriesLabelPosition::UpperRight)
+            // Browsers lay text out a little wider.
+            .margin(18)
             .background_style(WHITE.mix(0.85))
             .border_style(GRID)
             .label_font(text(14))

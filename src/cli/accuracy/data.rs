@@ -76,6 +76,13 @@ pub fn json(measured: &Measured, origin: &Origin) -> String {
             Object::new().exact("share", Some(layer.share)).exact("error", Some(layer.error)),
         )
     });
+    let precision = measured.precision.iter().fold(Object::new(), |object, way| {
+        let of = Object::new()
+            .whole("cases", way.cases.into())
+            .whole("failing", way.failing.into())
+            .exact("time", Some(way.time));
+        object.object(way.way, of)
+    });
     let left_out =
         measured.left_out.iter().fold(Object::new(), |object, left| object.text(left.what, &left.why));
     about(measured)
@@ -85,6 +92,7 @@ pub fn json(measured: &Measured, origin: &Origin) -> String {
         .exact("price_of_half_the_error", measured.price_of_half())
         .object("slopes", slopes)
         .object("layers", layers)
+        .object("precision", precision)
         .object("left_out", left_out)
         .raw("points", list(points))
         .finish()

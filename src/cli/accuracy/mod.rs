@@ -12,7 +12,7 @@ use clap::Args;
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Compute the hard cases of numerics in four ways, and print the error and the time of each
-    #[arg(long, conflicts_with_all = ["file", "output", "frames", "time", "size", "most_samples", "threads"])]
+    #[arg(long, conflicts_with_all = ["file", "output", "frames", "time", "size", "most_samples", "threads", "allow_outside"])]
     hard_cases: bool,
 
     /// A first answer: in under a minute of a file, with small pictures and few settings; in about a second of the

@@ -48,6 +48,10 @@ pub struct Options {
     #[arg(short, long, value_name = "N", value_parser = values::threads, allow_hyphen_values = true)]
     threads: Option<NonZeroUsize>,
 
+    /// Images and meshes may lie outside of the sequence's root, as of `render`
+    #[arg(long)]
+    allow_outside: bool,
+
     /// Print nothing but errors
     #[arg(short, long)]
     quiet: bool,
@@ -65,7 +69,8 @@ pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
     let Some(file) = &options.file else {
         return Err(Failure::Bad("name the sequence file to measure".to_owned()));
     };
-    let sequence = load::sequence(file, false, loading::Reporter::new(options.progress, options.quiet))?;
+    let sequence =
+        load::sequence(file, options.allow_outside, loading::Reporter::new(options.progress, options.quiet))?;
     let frames = match &options.frames {
         Some(_) => render::frames_of(options.frames.as_ref(), &sequence)?,
         None => vec![sequence.timeline.frames / 2],

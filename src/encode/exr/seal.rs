@@ -5,15 +5,23 @@ use crate::digest::{Digest, Digester};
 use crate::encode::atomic::Aside;
 use crate::encode::disk::{Operation, attempt};
 use crate::encode::job::Job;
+use crate::encode::record::{self, Told};
 use crate::files;
 use exr::meta::attribute::{AttributeValue, Text};
+use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// The attribute's name.
 pub const SEAL: &str = "kinora:identity";
 
-/// How the attribute begins in the file: its name and its type, before four bytes of length.
+/// The name of the attribute that tells in words what the file shows.
+pub const WORDS: &str = "kinora:about";
+
+/// How that begins in the file.
+const TELLS: &[u8] = b"kinora:about\0string\0";
+
+/// How the seal begins in the file: its name and its type, before four bytes of length.
 const START: &[u8] = b"kinora:identity\0string\0";
 
 /// Digits of a digest.
@@ -50,6 +58,24 @@ pub fn close(file: &mut Aside) -> io::Result<()> {
 fn place_in(head: &[u8]) -> Option<usize> {
     let start = head.windows(START.len()).position(|window| window == START)?;
     Some(start + START.len() + size_of::<u32>() + DIGITS + 1).filter(|place| place + DIGITS <= head.len())
+}
+
+/// What a file tells in words; nothing of what is no file of ours.
+pub fn texts(path: &Path) -> Vec<Told> {
+    let read = || -> io::Result<Vec<u8>> {
+        let mut head = Vec::new();
+        File::open(path)?.take(BESIDES as u64).read_to_end(&mut head)?;
+        Ok(head)
+    };
+    read().ok().and_then(|head| told_in(&head)).unwrap_or_default()
+}
+
+fn told_in(head: &[u8]) -> Option<Vec<Told>> {
+    let start = head.windows(TELLS.len()).position(|window| window == TELLS)? + TELLS.len();
+    let (length, rest) = head.get(start..)?.split_first_chunk()?;
+    let text = rest.get(..u32::from_le_bytes(*length) as usize)?;
+    // Latin-1: every byte is the number of its letter.
+    Some(record::of_lines(&text.iter().copied().map(char::from).collect::<String>()))
 }
 
 /// Whether a file has this identity, and not a byte of it has changed.
