@@ -1,7 +1,7 @@
 //! Pictures as PNG, written fast: 8 or 16 bits, with alpha where they have some.
 
 use super::about::Shown;
-use super::atomic;
+use super::atomic::Aside;
 use super::error::EncodeError;
 use super::picture::{Code, Picture};
 use crate::digest::Digest;
@@ -85,10 +85,10 @@ pub fn encode<C: PngCode>(picture: &Picture<C>, texts: &[Text]) -> io::Result<Ve
     Ok(bytes)
 }
 
-/// Writes the picture as the file `path`, whole or not at all.
-pub fn write<C: PngCode>(path: &Path, picture: &Picture<C>, texts: &[Text]) -> Result<(), EncodeError> {
+/// Writes the picture aside, for the place `path`.
+pub fn write<C: PngCode>(path: &Path, picture: &Picture<C>, texts: &[Text]) -> Result<Aside, EncodeError> {
     let bytes = encode(picture, texts).map_err(|e| EncodeError::write(path, e))?;
-    atomic::write(path, &bytes)
+    Aside::holding(path, &bytes)
 }
 
 #[cfg(test)]
@@ -108,7 +108,7 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("a.png");
         let picture = Picture::opaque(5, 7, codes(5 * 7 * 3));
-        write(&path, &picture, &[]).expect("written");
+        write(&path, &picture, &[]).and_then(Aside::commit).expect("written");
         assert_eq!(read(&path).expect("read"), picture);
     }
 
