@@ -44,7 +44,8 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     let background = fields.or("background", environment, Rgb::ZERO);
     let ambient = fields.or("ambient", keyed(color), Rgb::ONE);
     let fog = fields.optional("fog", fog);
-    let mut places = Places { lights: Vec::new(), materials: Vec::new(), objects: fields.place("objects") };
+    let (fog_place, objects) = (fields.place("fog"), fields.place("objects"));
+    let mut places = Places { lights: Vec::new(), materials: Vec::new(), objects, fog: fog_place };
     let lights = fields.or("lights", |node| lights(node, &mut places.lights), Vec::new());
     let mut transforms = Vec::new();
     let scene = scene(&mut fields, &mut places.materials, &mut transforms);
