@@ -6,11 +6,13 @@ use crate::accuracy::{Measured, Request, measure};
 use crate::cli::failure::Failure;
 use crate::cli::progress::ProgressMode;
 use crate::cli::share;
+use crate::cli::shell::quoted;
 use crate::cli::{load, loading, render, terminal, values};
 use crate::encode::{EncodeError, png_bytes, write_file};
 use crate::frame_set::FrameSet;
 use crate::humane;
 use clap::Args;
+use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -101,6 +103,12 @@ pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
     terminal::say(&told(&measured, &origin, &report))
 }
 
+/// Where the report comes from; the command and the file as a shell reads them.
+fn origin(file: &Path, arguments: impl Iterator<Item = OsString>) -> Origin {
+    let words: Vec<String> = arguments.map(|word| quoted(&word)).collect();
+    Origin { command: words.join(" "), machine: machine(), file: quoted(file.as_os_str()) }
+}
+
 /// The answer in lines, and what to do with it.
 fn told(measured: &Measured, origin: &Origin, report: &Path) -> String {
     let mut lines = measured.lines();
@@ -144,4 +152,21 @@ fn machine() -> String {
     let model = model.map_or_else(|| std::env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned());
     let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     format!("{model}, {}, {}", humane::counted(processors as u64, "processor"), std::env::consts::OS)
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+
+    #[test]
+    fn a_report_tells_commands_that_shells_read() {
+        let words = ["kinora", "accuracy", "my file.ron", "-s", "8x8"].map(OsString::from);
+        let Origin { command, file, .. } = origin(Path::new("my file.ron"), words.into_iter());
+        assert_eq!((&*command, &*file), ("kinora accuracy 'my file.ron' -s 8x8", "'my file.ron'"));
+        let name = OsStr::from_bytes(b"a\xff.ron");
+        let Origin { command, file, .. } = origin(Path::new(name), [name.to_owned()].into_iter());
+        assert_eq!((&*command, &*file), (r"$'a\xff.ron'", r"$'a\xff.ron'"));
+    }
 }
