@@ -24,7 +24,9 @@ pub struct Options {
     #[arg(required_unless_present = "hard_cases")]
     file: Option<PathBuf>,
 
-    /// Folder for the report: report.html, its plots, data.csv and data.json [default: output/NAME_accuracy]
+    /// Folder for the report [default: output/NAME_accuracy]
+    ///
+    /// It holds report.html, its plots, data.csv and data.json.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 
