@@ -77,6 +77,7 @@ pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
     let folder = options.output.clone();
     let folder = folder.unwrap_or_else(|| Path::new("output").join(format!("{}_accuracy", sequence.name)));
     // Nobody wants to learn after the work that it cannot be written.
+    let new = !folder.exists();
     std::fs::create_dir_all(&folder)
         .map_err(|error| Failure::Bad(format!("cannot create the folder {}: {error}", folder.display())))?;
     let request = Request {
@@ -88,13 +89,12 @@ pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
         threads: options.threads,
     };
     let mut show = share::Reporter::new(options.progress, options.quiet);
-    let measured = measure(&sequence, &request, &mut |done| show.tell(done))?;
+    let measured = measure(&sequence, &request, &mut |done| show.tell(done)).inspect_err(|_| {
+        // Nothing came of it, so nothing stays. A folder that is in use again is not empty, and does.
+        let _ = new.then(|| std::fs::remove_dir(&folder));
+    })?;
     show.finish();
-    let origin = Origin {
-        command: std::env::args().collect::<Vec<_>>().join(" "),
-        machine: machine(),
-        file: file.display().to_string(),
-    };
+    let origin = origin(file, std::env::args_os());
     let report = write(&folder, &measured, &origin)?;
     if options.quiet {
         return Ok(());
