@@ -51,6 +51,10 @@ pub struct Arguments {
     #[arg(long, value_name = "I/N", allow_hyphen_values = true, verbatim_doc_comment)]
     shard: Option<Shard>,
 
+    /// Keep the frames that are there and right, and make the others, as without any of these
+    #[arg(long, conflicts_with_all = ["overwrite", "fail_if_exists"])]
+    resume: bool,
+
     /// Render all frames anew [default: keep those that are there and right]
     #[arg(long, conflicts_with = "fail_if_exists")]
     overwrite: bool,
