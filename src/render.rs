@@ -82,6 +82,8 @@ pub struct Summary {
 pub struct Forecast {
     pub reused: u32,
     pub camera_rays: u64,
+    /// Whether that is known exactly: not where samples are taken until an error is reached.
+    pub exact: bool,
     /// Of all kinds, if it was worth a trial.
     pub rays: Option<u64>,
     pub bvh_builds: u64,
@@ -263,6 +265,7 @@ fn planned<S: FilmSink>(
     let forecast = Forecast {
         reused: plan.reused() as u32,
         camera_rays: expected.camera,
+        exact: expected.exact,
         rays: expected.rays,
         bvh_builds: plan.builds(),
     };

@@ -157,7 +157,7 @@ impl Case {
         let quality = if fields.contains("quality:") { "" } else { default };
         let background = if fields.contains("background:") { "" } else { "background: (0.35, 0.5, 0.7)," };
         let text = format!(
-            "(timeline: (frames: 1), output: (size: ({}, {})), {quality} {background} {fields}
+            "(timeline: (frames: 1), output: (size: ({}, {}), png: (metadata: false)), {quality} {background} {fields}
             camera: (position: (0, 2.2, 7), target: (0, 0.9, 0), {camera}), lights: {{ {lamp} }},
             default_material: (ambient: 0.2),
             objects: {{

@@ -25,7 +25,7 @@ use std::sync::Arc;
 
 /// Of the pictures, and of those that are traced under valgrind.
 const SIZE: (u32, u32) = (240, 180);
-const SMALL: (u32, u32) = (64, 48);
+const SMALL: (u32, u32) = (120, 90);
 
 /// Rounds of which the middle one's time is told. Each traces every effect once, so that a slow spell of the machine
 /// meets all of them.

@@ -56,7 +56,8 @@ pub fn page(found: &[Found], idle: &[(&Case, Option<u64>)]) -> String {
         | | effect | time | rays | | instructions |\n|---|---|---|---|---|---|\n{rows}\n\
         ## What no effect costs\n\n\
         The same scene with an effect that is written down and has no strength: how many instructions more than without a\n\
-        word of it, of the same small picture. What is left is reading the words, and finding that they ask for nothing.\n\n\
+        word of it, of the same small picture. What is left is reading the words, and finding that they ask for nothing;\n\
+        in the last row, that nothing moves while the shutter is open, at each of its sixteen moments.\n\n\
         | effect | instructions |\n|---|---|\n{nothing}",
         SIZE.0, SIZE.1, SMALL.0, SMALL.1,
     )
