@@ -196,7 +196,14 @@ impl Told<'_> {
                 None => groups.push((does, vec![who])),
             }
         }
-        groups.iter().map(|(does, all)| format!("{} {does}", all.join(", "))).collect::<Vec<_>>().join("; ")
+        let told = |(does, all): &(&str, Vec<String>)| match &all[..] {
+            [rest @ .., last] if !rest.is_empty() => {
+                // Several move where one moves.
+                format!("{} and {last} {}", rest.join(", "), does.trim_end_matches('s'))
+            }
+            all => format!("{} {does}", all.concat()),
+        };
+        groups.iter().map(told).collect::<Vec<_>>().join("; ")
     }
 
     /// Who it is, and what is seen of the change.

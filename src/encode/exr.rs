@@ -39,6 +39,10 @@ const SRGB: Chromaticities = Chromaticities {
 /// Depth of what is not there, as other renderers write it.
 const NOTHING: f32 = 1e10;
 
+/// The layers of normals and of albedo.
+pub const NORMAL: &str = "N";
+pub const ALBEDO: &str = "albedo";
+
 /// Writes the film's radiance aside, for the place `path`. `names` are those of the film's layers of
 /// light.
 pub fn write(
@@ -169,11 +173,12 @@ impl Sheet<'_> {
             list.push(self.channel("Z".to_owned(), false, |pixel| seen(pixel).depth.unwrap_or(NOTHING)));
         }
         if layers.normal {
-            let axis = |(axis, letter)| self.channel(format!("N.{letter}"), false, |p| seen(p).normal[axis]);
+            let axis =
+                |(axis, letter)| self.channel(format!("{NORMAL}.{letter}"), false, |p| seen(p).normal[axis]);
             list.extend(["X", "Y", "Z"].into_iter().enumerate().map(axis));
         }
         if layers.albedo {
-            list.extend(self.colors("albedo.", |pixel| seen(pixel).albedo));
+            list.extend(self.colors(&format!("{ALBEDO}."), |pixel| seen(pixel).albedo));
         }
         list
     }

@@ -181,7 +181,8 @@ fn still(job: &Job, format: Still, path: &Path, frame: &Developed) -> Result<Asi
     let identity = job.identity(format, *index);
     match format {
         Still::Png => {
-            let mut texts = if job.formats.png.metadata { png::metadata(shown) } else { Vec::new() };
+            let seen = job.seen.get(*index);
+            let mut texts = if job.formats.png.metadata { png::metadata(shown, seen) } else { Vec::new() };
             texts.extend(identity.map(png::identity));
             if !job.formats.png.deep {
                 return png::write(path, picture, &texts);

@@ -16,6 +16,7 @@ mod reuse;
 mod outputs;
 mod runs;
 mod interruptions;
+mod limits;
 mod files;
 mod animation;
 mod background;
