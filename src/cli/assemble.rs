@@ -3,7 +3,8 @@
 use super::failure::Failure;
 use super::{terminal, values};
 use crate::assemble::{Request, assemble, told_by};
-use crate::encode::{FramePattern, Output, Template};
+use crate::color::Rgb;
+use crate::encode::{FramePattern, Output, Plays, Template};
 use crate::frame_set::FrameSet;
 use crate::time::Rate;
 use clap::Args;
@@ -38,6 +39,16 @@ pub struct Arguments {
     /// Colours of a GIF's palette, 2 to 256
     #[arg(long, value_name = "N", default_value = "256", value_parser = clap::value_parser!(u16).range(2..=256))]
     colors: u16,
+
+    /// How often a GIF, APNG or WebP plays, 1 to 65535 [default: for ever]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    plays: Option<u16>,
+
+    /// What formats without alpha show behind transparent frames [default: white]
+    ///
+    /// Three or six digits, such as "#ff8800" or "#f80".
+    #[arg(long, value_name = "COLOR", value_parser = values::matte)]
+    matte: Option<Rgb>,
 
     /// GIFs without dithering
     #[arg(long)]
@@ -85,6 +96,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let formats = &mut request.formats;
     (formats.gif.colors, formats.gif.dither) = (arguments.colors, !arguments.no_dither);
     formats.gif.max_size = arguments.max_size;
+    formats.gif.plays = arguments.plays;
+    (formats.apng, formats.webp) = (Plays(arguments.plays), Plays(arguments.plays));
+    request.matte = arguments.matte.unwrap_or(request.matte);
     if let Some(quality) = arguments.quality {
         (formats.mp4.quality, formats.jpeg.quality) = (quality, quality);
     }

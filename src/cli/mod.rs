@@ -21,6 +21,7 @@ mod poster;
 mod progress;
 mod render;
 mod share;
+mod shell;
 mod signals;
 mod summary;
 mod terminal;

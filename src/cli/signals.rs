@@ -1,5 +1,6 @@
 //! Ctrl-C and being told to end: the first time, a run stops after the frame in hand; the second time, at once.
 
+use super::shell::quoted;
 use crate::stop::Stop;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -55,27 +56,23 @@ fn command(arguments: impl Iterator<Item = OsString>, next: Next<'_>) -> String 
         Next::Same | Next::Anew => &[],
     };
     let mut words = vec!["kinora".to_owned()];
-    let mut arguments = arguments.skip(1).map(|word| word.to_string_lossy().into_owned());
+    let mut arguments = arguments.skip(1);
     while let Some(word) = arguments.next() {
-        let name = word.split('=').next().unwrap_or_default();
+        let text = word.to_string_lossy();
+        let name = text.split('=').next().unwrap_or_default();
         if replaced.contains(&name) {
             // Its value is the next word, unless it is a part of this one.
-            if name == word {
+            if name == text {
                 arguments.next();
             }
         } else if !["--overwrite", "--fail-if-exists"].contains(&name) {
-            words.push(quoted(word));
+            words.push(quoted(&word));
         }
     }
     if let Next::Frames(rest) = next {
         words.push(format!("--frames {}", set(rest)));
     }
     words.join(" ")
-}
-
-fn quoted(word: String) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "-_./=%:,+@".contains(c);
-    if word.chars().all(plain) { word } else { format!("'{}'", word.replace('\'', r"'\''")) }
 }
 
 /// Frames as ranges with steps.
@@ -109,7 +106,6 @@ mod tests {
         assert_eq!(rest, "kinora render a.ron -o 'f_##.png' --frames 5-9");
         let same = "kinora render a.ron --shard 2/4 --frames 0-9 -o 'f_##.png' --frames=2";
         assert_eq!((command(Next::Same).as_str(), command(Next::Anew).as_str()), (same, same));
-        assert_eq!(quoted("a b.ron".to_owned()), "'a b.ron'");
     }
 
     #[test]

@@ -18,7 +18,7 @@ const FRAMES: [u32; 2] = [3, 4];
 fn run(folder: &Path) -> Result<Report, EncodeError> {
     let outputs = ["new/f_#.png", "new/f_#.exr", "new/f_#.jpg", "a.gif", "a.mp4", "a.apng"];
     let outputs = outputs.map(|name| Output::parse(&folder.join(name).to_string_lossy()).expect(name));
-    let seen = |frame: &u32| Seen { radiance: Digest(u128::from(*frame)), exposure: 1.0 };
+    let seen = |frame: &u32| Seen { radiance: Digest(u128::from(*frame)), exposure: 1.0, random: false };
     let job = Job {
         outputs: outputs.to_vec(),
         existing: Existing::Keep,

@@ -17,6 +17,8 @@ pub struct Seen {
     pub radiance: Digest,
     /// Factor of the displayed picture.
     pub exposure: f32,
+    /// Whether its samples were drawn at random, so that it has a seed.
+    pub random: bool,
 }
 
 /// A version that gives other bytes gives other numbers.
@@ -49,7 +51,10 @@ impl Job {
             }
         }
         if self.tells(format) {
-            format!("{:?}", record::facts(&shown)).as_str().feed(&mut digester);
+            let mut texts = record::facts(&shown, Some(seen));
+            // Another name of the sequence's file is no reason to make all frames again.
+            texts.retain(|(keyword, _)| *keyword != record::TITLE);
+            format!("{texts:?}").as_str().feed(&mut digester);
         }
         Some(digester.finish())
     }

@@ -1,6 +1,6 @@
 //! Pictures as PNG, written fast: 8 or 16 bits, with alpha where they have some.
 
-use super::atomic;
+use super::atomic::Aside;
 use super::error::EncodeError;
 use super::picture::{Code, Picture};
 use super::record::Text;
@@ -68,15 +68,16 @@ pub fn encode<C: PngCode>(picture: &Picture<C>, texts: &[Text]) -> io::Result<Ve
     Ok(bytes)
 }
 
-/// Writes the picture as the file `path`, whole or not at all.
-pub fn write<C: PngCode>(path: &Path, picture: &Picture<C>, texts: &[Text]) -> Result<(), EncodeError> {
+/// Writes the picture aside, for the place `path`.
+pub fn write<C: PngCode>(path: &Path, picture: &Picture<C>, texts: &[Text]) -> Result<Aside, EncodeError> {
     let bytes = encode(picture, texts).map_err(|e| EncodeError::write(path, e))?;
-    atomic::write(path, &bytes)
+    Aside::holding(path, &bytes)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::encode::identity::Seen;
     use crate::encode::record::facts;
     use crate::encode::{About, Shown};
     use crate::time::Rate;
@@ -92,7 +93,7 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("a.png");
         let picture = Picture::opaque(5, 7, codes(5 * 7 * 3));
-        write(&path, &picture, &[]).expect("written");
+        write(&path, &picture, &[]).and_then(Aside::commit).expect("written");
         assert_eq!(read(&path).expect("read"), picture);
     }
 
@@ -128,14 +129,20 @@ mod tests {
             ..About::default()
         };
         let rate = Rate::new(30_000, 1001).expect("a rate");
-        let texts = facts(&Shown { about: &about, frame: 12, rate });
+        let shown = Shown { about: &about, frame: 12, rate };
+        let texts = facts(&shown, Some(&Seen { random: true, ..Seen::default() }));
         let bytes = encode(&Picture::opaque(1, 1, vec![0u8; 3]), &texts).expect("bytes");
         let reader = Decoder::new(io::Cursor::new(bytes)).read_info().expect("a PNG");
         let info = reader.info();
         let found: Vec<_> = info.uncompressed_latin1_text.iter().map(|t| (&*t.keyword, &*t.text)).collect();
         assert_eq!(found[0], ("Software", concat!("Kinora ", env!("CARGO_PKG_VERSION"))));
         assert_eq!(found[1..4], [("kinora:frame", "12"), ("kinora:time", "1001/2500"), ("kinora:seed", "7")]);
+        assert_eq!(found[4..], [("kinora:samples", "64")]);
         assert_eq!(info.utf8_text[0].get_text().expect("text"), "Ente→");
+        // Where nothing is random, other settings count.
+        let texts = facts(&shown, Some(&Seen::default()));
+        assert_eq!(texts[4..], [("kinora:antialias", "2".to_owned())]);
+        assert_eq!(facts(&shown, None).len(), 4);
     }
 
     #[test]

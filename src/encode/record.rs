@@ -4,6 +4,7 @@
 //! reached is not: it follows from all that is, as the pixels do.
 
 use super::about::{Shown, TimeLimit};
+use super::identity::Seen;
 use crate::film::Noise;
 
 /// A keyword and what it says.
@@ -12,27 +13,34 @@ pub type Text = (&'static str, String);
 /// The same, read back.
 pub type Told = (String, String);
 
-const SAMPLES: &str = "kinora:samples";
-const ANTIALIAS: &str = "kinora:antialias";
+/// The keyword of the sequence's name.
+pub const TITLE: &str = "Title";
 const TIME_LIMIT: &str = "kinora:time-limit";
 const ERROR: &str = "kinora:error";
 
-/// What is known about a frame before it is made. No time of day: equal frames are equal files.
-pub fn facts(shown: &Shown) -> Vec<Text> {
+/// What is known about a frame before it is made. No time of day: equal frames are equal files. Of the settings of samples,
+/// it tells those that the frame calls for, as far as that is known.
+pub fn facts(shown: &Shown, seen: Option<&Seen>) -> Vec<Text> {
     let about = shown.about;
     let mut facts = vec![
         ("Software", format!("Kinora {}", env!("CARGO_PKG_VERSION"))),
-        ("Title", about.name.clone()),
+        (TITLE, about.name.clone()),
         ("kinora:frame", shown.frame.to_string()),
         ("kinora:time", shown.time().to_string()),
-        ("kinora:seed", about.seed.to_string()),
-        (ANTIALIAS, about.antialias.to_string()),
     ];
-    facts.push(match about.noise {
-        Some(error) => ("kinora:noise", error.to_string()),
-        None => (SAMPLES, about.samples.to_string()),
-    });
-    facts.extend(about.time_limit.map(|limit| (TIME_LIMIT, limit.to_string())));
+    match seen.map(|seen| seen.random) {
+        Some(true) => {
+            facts.push(("kinora:seed", about.seed.to_string()));
+            facts.push(match about.noise {
+                Some(error) => ("kinora:noise", error.to_string()),
+                None => ("kinora:samples", about.samples.to_string()),
+            });
+        }
+        Some(false) => facts.push(("kinora:antialias", about.antialias.to_string())),
+        None => {}
+    }
+    let settled = |limit| format!("{limit}, samples={} antialias={}", about.samples, about.antialias);
+    facts.extend(about.time_limit.map(|limit: TimeLimit| (TIME_LIMIT, settled(limit))));
     facts
 }
 
@@ -54,8 +62,9 @@ pub fn told_error(told: &[Told]) -> Option<Noise> {
 
 /// Samples of a pixel, where they are random and along each side of a grid, that this limit has settled.
 pub fn told_counts(told: &[Told], limit: &TimeLimit) -> Option<(u32, u32)> {
-    (find(told, TIME_LIMIT)? == limit.to_string()).then_some(())?;
-    Some((find(told, SAMPLES)?.parse().ok()?, find(told, ANTIALIAS)?.parse().ok()?))
+    let counts = find(told, TIME_LIMIT)?.strip_prefix(&limit.to_string())?.strip_prefix(", samples=")?;
+    let (samples, antialias) = counts.split_once(" antialias=")?;
+    Some((samples.parse().ok()?, antialias.parse().ok()?))
 }
 
 fn find<'a>(told: &'a [Told], keyword: &str) -> Option<&'a str> {
@@ -105,7 +114,7 @@ mod tests {
         let limit = |seconds, frames| TimeLimit { time: Duration::from_millis(seconds), frames };
         let about = About { samples: 37, antialias: 2, time_limit: Some(limit(1500, 9)), ..About::default() };
         let rate = Rate::new(24, 1).expect("a rate");
-        let told = told(&facts(&Shown { about: &about, frame: 3, rate }));
+        let told = told(&facts(&Shown { about: &about, frame: 3, rate }, None));
         assert_eq!(told_counts(&told, &limit(1500, 9)), Some((37, 2)));
         assert_eq!(told_counts(&told, &limit(1500, 8)), None);
         assert_eq!(told_counts(&told, &limit(1501, 9)), None);

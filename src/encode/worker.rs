@@ -2,7 +2,8 @@
 
 use super::about::Shown;
 use super::animations::Animations;
-use super::atomic::NewFolders;
+use super::atomic::{Aside, NewFolders};
+use super::commits::Commits;
 use super::develop::{ToneTable, develop_deep};
 use super::error::EncodeError;
 use super::job::Job;
@@ -26,6 +27,7 @@ pub struct Worker {
     table: ToneTable,
     /// None once they are finished.
     animations: Option<Animations>,
+    commits: Commits,
     report: Report,
     /// Nanoseconds on a processor so far.
     cpu: Arc<AtomicU64>,
@@ -55,9 +57,8 @@ impl Worker {
         let folders = job.prepare_folders()?;
         let animations = Some(Animations::start(&job, own_store(&job))?);
         let table = ToneTable::new(job.tonemap);
-        let report = Report::default();
-        let cpu = Arc::default();
-        Ok(Self { job, pool, table, animations, report, cpu, done: 0, first_nan: None, folders })
+        let (commits, report, cpu) = Default::default();
+        Ok(Self { job, pool, table, animations, commits, report, cpu, done: 0, first_nan: None, folders })
     }
 
     /// Where the time is told that it has worked.
@@ -112,7 +113,7 @@ impl Worker {
         self.done += 1;
         for output in &job.outputs {
             if let Output::Stills(format, pattern) = output {
-                still(&job, *format, &pattern.path(frame), &developed)?;
+                self.commits.push(still(&job, *format, &pattern.path(frame), &developed)?)?;
             }
         }
         match &mut self.animations {
@@ -138,9 +139,12 @@ impl Worker {
         for output in job.outputs.iter().filter(silent) {
             match output {
                 Output::Stills(Still::Jpeg, pattern) => {
-                    jpeg::write(&pattern.path(frame), &matte, job.formats.jpeg.quality)?;
+                    let path = pattern.path(frame);
+                    self.commits.push(jpeg::write(&path, &matte, job.formats.jpeg.quality)?)?;
                 }
-                Output::Stills(Still::Ppm, pattern) => ppm::write(&pattern.path(frame), &matte)?,
+                Output::Stills(Still::Ppm, pattern) => {
+                    self.commits.push(ppm::write(&pattern.path(frame), &matte)?)?;
+                }
                 _ => {}
             }
         }
@@ -151,6 +155,7 @@ impl Worker {
     }
 
     fn finish(&mut self) -> Result<(), EncodeError> {
+        self.commits.wait()?;
         if let Some(animations) = self.animations.take() {
             self.report.notes.extend(animations.finish(&self.job, &self.pool)?);
         }
@@ -162,6 +167,7 @@ impl Worker {
 
     /// Closes what there is.
     fn stop(&mut self) -> Result<(), EncodeError> {
+        self.commits.wait()?;
         let Some(animations) = self.animations.take() else { return Ok(()) };
         if animations.is_empty() {
             // Nothing was written, and the folders go as they came.
@@ -186,13 +192,13 @@ impl Worker {
     }
 }
 
-/// Writes one frame's own file.
-fn still(job: &Job, format: Still, path: &Path, frame: &Developed) -> Result<(), EncodeError> {
+/// Writes one frame's own file aside.
+fn still(job: &Job, format: Still, path: &Path, frame: &Developed) -> Result<Aside, EncodeError> {
     let Developed { index, shown, film, picture, matte } = frame;
     let identity = job.identity(format, *index);
     let mut texts = Vec::new();
     if job.tells(format) {
-        texts = record::facts(shown);
+        texts = record::facts(shown, job.seen.get(*index));
         texts.extend(film.noise.as_ref().map(record::error));
     }
     match format {

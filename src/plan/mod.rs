@@ -24,7 +24,7 @@ pub use films::{Room, Take};
 pub use outline::{Outline, Span, outline};
 pub use pilot::{Effort, Expected, pilot};
 pub use run::run;
-pub use survey::{Survey, survey};
+pub use survey::{Survey, survey, survey_until};
 
 use crate::film::Extras;
 use crate::sequence::Sequence;
@@ -44,7 +44,11 @@ impl Plan {
     /// The plan of these frames, in this order. Films that are kept take `budget` bytes at most; with none, every frame
     /// is traced by itself.
     pub fn new(sequence: &Sequence, frames: &[u32], extras: Extras, budget: u64) -> Self {
-        let survey = survey(sequence, frames);
+        Self::of(survey(sequence, frames), sequence, extras, budget)
+    }
+
+    /// The same of frames that are evaluated already.
+    pub fn of(survey: Survey, sequence: &Sequence, extras: Extras, budget: u64) -> Self {
         let (width, height) = sequence.output.size;
         let pixels = u64::from(width) * u64::from(height);
         let room = Room { pixels, extras: extras.layers() as u64, budget };

@@ -1,166 +1,146 @@
-//! Limits of time: how many samples a run has is settled once, and kept by whoever goes on with it.
+//! What is too much is refused in words, before it takes time, memory or files.
 
-use crate::command::{contents, folder, kinora, run, stderr};
-use kinora::accuracy::{Clock, Settled, settled};
-use kinora::counters::Meter;
-use kinora::encode::{Existing, Output, frame_texts};
-use kinora::render::{Request, Reuse, render};
-use kinora::sequence::{Sequence, load};
+use crate::command::{BALL, folder, kinora, refused, run, stderr};
+use kinora::sequence::parse;
 use std::fs;
 use std::path::Path;
-use std::sync::Arc;
-use std::time::Duration;
 
-/// A ball that moves through soft light; nothing that takes long.
-const SOFT: &str = r#"(
-    timeline: (frames: 6, fps: 24, keys: Frames),
-    output: (size: (24, 16)),
-    background: 0.1,
-    camera: (position: (0, 3, 7), target: (0, 0.5, 0)),
-    lights: { "panel": Rectangle(corner: (-3, 5, -2), u: (2, 0, 0), v: (0, 0, 2), intensity: 12) },
-    objects: { "floor": (shape: Plane()),
-        "ball": (shape: Sphere(radius: 1), translation: [(0, (-1, 1, 0)), (6, (1, 1, 0))]) },
-)"#;
-
-const LIMIT: Duration = Duration::from_secs(3);
-
-/// Machines by what a ray takes them, in seconds.
-const FAST: Clock = Clock::Rays(1e-5);
-const SLOW: Clock = Clock::Rays(3e-5);
-
-fn soft(folder: &Path, text: &str) -> Sequence {
-    let path = folder.join("soft.ron");
-    fs::write(&path, text).expect("the folder is writable");
-    load(&path).expect("a sequence")
+/// Writes a sequence with these fields.
+fn write(folder: &Path, name: &str, fields: &str) {
+    fs::write(folder.join(name), format!("({fields})")).expect("the folder is writable");
 }
 
-fn request(folder: &Path, extension: &str, frames: &[u32]) -> Request {
-    let output =
-        Output::parse(&folder.join(format!("f_#.{extension}")).to_string_lossy()).expect("an output");
-    Request {
-        frames: frames.to_vec(),
-        outputs: vec![output],
-        existing: Existing::Keep,
-        threads: None,
-        reuse: Reuse::Share,
-        time_limit: Some(LIMIT),
-    }
+/// Runs it with no more than so many kibibytes of addresses, and gives its message; it must be refused.
+#[cfg(target_os = "linux")]
+fn refused_within(kibibytes: u64, folder: &Path, arguments: &[&str]) -> String {
+    let mut command = std::process::Command::new("sh");
+    command.args(["-c", &format!("ulimit -v {kibibytes}; exec \"$@\""), "sh"]);
+    let binary = assert_cmd::cargo::cargo_bin("kinora");
+    let done = command.arg(binary).args(arguments).current_dir(folder).output().expect("a shell");
+    let told = stderr(&done);
+    assert_eq!(done.status.code(), Some(2), "{arguments:?}: {told}");
+    told
 }
 
-/// Renders with as many samples as fit; gives their number, whether frames that are there have told it, and how many of
-/// these were kept.
-fn limited(sequence: &Sequence, request: &Request, clock: Clock) -> (u32, bool, u32) {
-    let chosen = settled(sequence, request, LIMIT, clock).expect("samples");
-    let quality = chosen.quality();
-    let sequence = Sequence { quality, ..sequence.clone() };
-    let summary = render(&sequence, request, &Arc::new(Meter::default())).expect("frames");
-    (quality.samples, matches!(chosen, Settled::Before(_)), summary.kept)
-}
-
-const ALL: [u32; 6] = [0, 1, 2, 3, 4, 5];
-
-/// On another machine, or with something else at work, a pilot would choose otherwise.
+#[cfg(target_os = "linux")]
 #[test]
-fn a_run_that_goes_on_keeps_the_samples_that_were_settled() {
-    for extension in ["png", "exr"] {
-        let (whole, parts) = (folder(), folder());
-        let sequence = soft(whole.path(), SOFT);
-        let (samples, before, _) = limited(&sequence, &request(whole.path(), extension, &ALL), FAST);
-        assert!(!before && samples > 30, "{samples}");
-        // What a killed run leaves.
-        for frame in [0, 1, 4] {
-            let name = format!("f_{frame}.{extension}");
-            fs::copy(whole.path().join(&name), parts.path().join(&name)).expect("a copy");
-        }
-        let going_on = limited(&sequence, &request(parts.path(), extension, &ALL), SLOW);
-        assert_eq!(going_on, (samples, true, 3), "{extension}");
-        for frame in ALL {
-            let name = format!("f_{frame}.{extension}");
-            let bytes = [&whole, &parts].map(|folder| fs::read(folder.path().join(&name)).expect("a frame"));
-            assert!(bytes[0] == bytes[1], "{name}");
-        }
-        // All are there now.
-        assert_eq!(limited(&sequence, &request(parts.path(), extension, &ALL), SLOW), (samples, true, 6));
-    }
-}
-
-#[test]
-fn only_frames_of_the_same_limit_and_picture_settle_samples() {
+fn what_does_not_fit_into_memory_is_refused_before_it_is_made() {
+    const LITTLE: u64 = 2 << 20;
     let folder = folder();
-    let sequence = soft(folder.path(), SOFT);
-    let all = request(folder.path(), "png", &ALL);
-    let (samples, ..) = limited(&sequence, &all, FAST);
-    let chosen = |sequence: &Sequence, request: &Request, limit: Duration| {
-        settled(sequence, request, limit, SLOW).expect("samples")
+    let (path, before) = (folder.path(), crate::command::contents(folder.path()));
+    let long = BALL.replace("frames: 12", "frames: 400");
+    fs::write(path.join("long.ron"), long).expect("the folder is writable");
+    for (arguments, what, mend) in [
+        (
+            &["render", "ball.ron", "-s", "6000x6000", "-o", "a.png", "--frames", "0"][..],
+            "the picture needs",
+            "--size",
+        ),
+        (&["filmstrip", "long.ron", "-n", "400", "-s", "1000x1000"], "the filmstrip needs", "fewer frames"),
+        (&["accuracy", "ball.ron", "--quick", "-s", "4000x4000"], "to compare pictures", "--size"),
+    ] {
+        let told = refused_within(LITTLE, path, arguments);
+        assert!(told.contains(what) && told.contains(" of memory and there are "), "{told}");
+        assert!(told.contains(mend), "{told}");
+    }
+    fs::remove_file(path.join("long.ron")).expect("a file");
+    assert_eq!(crate::command::contents(path), before);
+    assert!(!path.join("output/ball_accuracy").exists());
+}
+
+#[test]
+fn check_refuses_what_render_would() {
+    let folder = folder();
+    let path = folder.path();
+    for (output, message) in [
+        ("size: (65536, 65536)", "the picture needs 412 GB"),
+        ("size: (20000, 8), files: \"a.webp\"", "a WebP ends at 16384x16384"),
+        ("size: (65536, 8), files: \"a.gif\"", "a GIF ends at 65535x65535"),
+        ("size: (8, 8), files: [\"a_#.png\", \"./a_#.png\"]", "./a_0.png"),
+    ] {
+        write(path, "large.ron", &format!("timeline: (frames: 2), output: ({output})"));
+        for command in ["check", "render"] {
+            let told = refused(path, &[command, "large.ron"]);
+            assert!(told.contains(message), "{command}: {told}");
+        }
+    }
+    let told = kinora(path, &["check", "ball.ron"]);
+    assert!(told.contains("12 frames"), "{told}");
+}
+
+#[test]
+fn endless_checks_are_refused() {
+    let told = |fields: &str| {
+        parse("a.ron", &format!("({fields})")).map(|_| ()).map_err(|faults| faults.to_string())
     };
-    assert!(matches!(chosen(&sequence, &all, LIMIT), Settled::Before(quality) if quality.samples == samples));
-    // Fewer frames in the same time, or more time, make better ones.
-    let some = request(folder.path(), "png", &[0, 1]);
-    assert!(matches!(chosen(&sequence, &some, LIMIT), Settled::Now(_)));
-    assert!(matches!(chosen(&sequence, &all, 2 * LIMIT), Settled::Now(_)));
-    let anew = Request { existing: Existing::Replace, ..all.clone() };
-    assert!(matches!(chosen(&sequence, &anew, LIMIT), Settled::Now(_)));
-    // Another scene in all frames.
-    let other = soft(folder.path(), &SOFT.replace("intensity: 12", "intensity: 13"));
-    assert!(matches!(chosen(&other, &all, LIMIT), Settled::Now(_)));
-    // The same scene in some of them.
-    let other = soft(folder.path(), &SOFT.replace("(6, (1, 1, 0))", "(3, (0, 1, 0)), (6, (1, 2, 0))"));
-    assert!(matches!(chosen(&other, &all, LIMIT), Settled::Before(quality) if quality.samples == samples));
+    let camera = "camera: (shutter: 1, path: Orbit())";
+    let message = told(&format!("timeline: (frames: 10000000), quality: (shutter_steps: 4096), {camera}"));
+    let message = message.expect_err("40 thousand million moments");
+    assert!(message.contains("10000000 frames with 4096 moments each"), "{message}");
+    assert!(message.contains("fewer frames") && message.contains("timeline"), "{message}");
+    let message = told(&format!("timeline: (frames: 1000000), quality: (shutter_steps: 32), {camera}"));
+    assert!(message.expect_err("32 million moments").contains("write `shutter_steps: 16` or less"));
+    // What stands still, or has no shutter, has one moment a frame.
+    let many = "timeline: (frames: 1000000), quality: (shutter_steps: 4096)";
+    assert_eq!(told(&format!("{many}, camera: (shutter: 1)")), Ok(()));
+    assert_eq!(told(&format!("{many}, camera: (path: Orbit())")), Ok(()));
+
+    let chain = (0..2000).map(|index| {
+        let parent = if index == 0 { String::new() } else { format!(", parent: \"{}\"", index - 1) };
+        format!("\"{index}\": (shape: Group, translation: [(0, (0, 0, 0)), (1, (1e30, 0, 0))]{parent}),")
+    });
+    let chain: String = chain.collect();
+    let message = told(&format!("timeline: (frames: 10000000), objects: {{ {chain} }}"));
+    let message = message.expect_err("objects far away");
+    assert!(message.contains("for 10000000 frames") && message.contains("translation"), "{message}");
 }
 
-/// Twice the time is twice the samples, less what frames cost without any; and rays alone tell.
+/// So many entries, of groups without anything in them.
+fn groups(count: usize) -> String {
+    (0..count).fold(String::from("(objects: {"), |text, index| text + &format!("\"{index}\":(shape:Group),"))
+        + "})"
+}
+
 #[test]
-fn samples_fit_into_the_time() {
-    let folder = folder();
-    let sequence = soft(folder.path(), SOFT);
-    let anew = Request { existing: Existing::Replace, ..request(folder.path(), "png", &ALL) };
-    for (limit, clock) in [(LIMIT, FAST), (2 * LIMIT, FAST), (LIMIT, SLOW)] {
-        let Settled::Now(budget) = settled(&sequence, &anew, limit, clock).expect("samples") else {
-            panic!("nothing is there")
-        };
-        let Clock::Rays(each) = clock else { panic!("rays tell the time") };
-        let sequence = Sequence { quality: budget.quality, ..sequence.clone() };
-        let rays = render(&sequence, &anew, &Arc::new(Meter::default())).expect("frames").counts.rays.total();
-        let took = each * rays as f64;
-        let told = budget.cpu.expect("rays tell it");
-        assert!((told / took - 1.0).abs() < 0.02, "{told} was told, {took} it was");
-        let whole = took + budget.spent;
-        let limit = limit.as_secs_f64();
-        // A sample more would not fit.
-        assert!(whole <= 1.02 * limit && whole >= 0.9 * limit, "{whole} of {limit}");
+fn lists_have_a_million_entries_and_no_more() {
+    let sequence = parse("a.ron", &groups(1_000_000)).map_err(|faults| faults.to_string());
+    assert_eq!(sequence.map(|sequence| sequence.objects.len()), Ok(1_000_000));
+    let told = parse("a.ron", &groups(1_000_001)).map(|_| ()).expect_err("one too many").to_string();
+    assert!(told.contains("more than 1000000 entries"), "{told}");
+    assert!(told.lines().count() < 20 && told.len() < 4000, "the message is short");
+}
+
+#[test]
+fn brackets_stand_so_deep_and_no_deeper() {
+    let nested = |depth: usize| {
+        let pattern = "Checker(even: ".repeat(depth) + "0.5" + &")".repeat(depth);
+        let text = format!("(objects: {{ \"a\": (shape: Sphere(), material: (color: {pattern})) }})");
+        parse("a.ron", &text).map(|_| ()).map_err(|faults| faults.to_string())
+    };
+    assert_eq!(nested(20), Ok(()));
+    for depth in [60, 1000, 100_000] {
+        let told = nested(depth).expect_err("too deep");
+        assert!(told.contains("nested too deeply") && told.contains("about 60 deep"), "{told}");
+        assert!(told.len() < 4000, "the message is short");
     }
+    // Parents are no brackets: chains of them may be long.
+    let chain = (0..20_000).map(|index| {
+        let parent = if index == 0 { String::new() } else { format!(", parent: \"{}\"", index - 1) };
+        format!("\"{index}\": (shape: Group{parent}),")
+    });
+    let chain: String = chain.collect();
+    assert!(parse("a.ron", &format!("(objects: {{ {chain} }})")).is_ok());
 }
 
-/// Films that several frames share are paid for once.
+/// A pipe that nobody writes to is not waited for.
+#[cfg(unix)]
 #[test]
-fn frames_of_one_film_get_its_samples() {
+fn assemble_does_not_wait_for_pipes() {
     let folder = folder();
-    let still = SOFT.replace("[(0, (-1, 1, 0)), (6, (1, 1, 0))]", "(0, 1, 0)");
-    let (moving, still) = (soft(folder.path(), SOFT), soft(folder.path(), &still));
-    let all = request(folder.path(), "png", &ALL);
-    let samples =
-        |sequence: &Sequence| settled(sequence, &all, LIMIT, FAST).expect("samples").quality().samples;
-    assert!(samples(&still) > 5 * samples(&moving));
-}
-
-#[test]
-fn the_command_keeps_what_it_has_settled() {
-    let folder = folder();
-    soft(folder.path(), SOFT);
-    let arguments = ["render", "soft.ron", "--time-limit", "1s", "-o", "f_#.png"];
-    let first = kinora(folder.path(), &arguments);
-    assert!(first.contains("into the time fit"), "{first}");
-    let before = contents(folder.path());
-    for frame in [2, 3] {
-        fs::remove_file(folder.path().join(format!("f_{frame}.png"))).expect("a frame");
-    }
-    let again = kinora(folder.path(), &arguments);
-    assert!(again.contains("an earlier run with this limit has settled on"), "{again}");
-    assert!(again.contains("of which 4 kept"), "{again}");
-    assert!(contents(folder.path()) == before);
-    let texts = frame_texts(&folder.path().join("f_2.png"));
-    let told = |keyword: &str| texts.iter().find(|(k, _)| k == keyword).map(|(_, text)| text.as_str());
-    assert_eq!(told("kinora:time-limit"), Some("1 s for 6 frames"));
-    let other = run(folder.path(), &["render", "soft.ron", "--time-limit", "2s", "-o", "f_#.png"]);
-    assert!(stderr(&other).contains("into the time fit"), "{}", stderr(&other));
+    let made = std::process::Command::new("mkfifo").arg(folder.path().join("f_00.png")).status();
+    assert!(made.expect("a command").success());
+    let done = run(folder.path(), &["assemble", "f_##.png", "-o", "f.gif"]);
+    let told = stderr(&done);
+    assert!(done.status.code() == Some(3) && told.contains("f_00.png"), "{told}");
+    assert!(told.contains("it is no plain file, but a device or a pipe"), "{told}");
 }

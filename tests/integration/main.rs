@@ -28,6 +28,7 @@ mod integrators;
 mod radiance;
 mod transport;
 mod noise;
+mod time_limits;
 mod limits;
 mod watertight;
 mod mesh_materials;
