@@ -1,0 +1,153 @@
+# shellcheck shell=bash
+# What the scripts beside this one share: a place to work in, the job, a worker to kill, and the comparison of bytes.
+#
+# Each of them exports the same 24 frames for its engine, runs them there, kills a worker in the middle, and compares all
+# files with those of a single run. Exit codes: 0 if they are the same, 77 if the engine cannot be had here, 1 otherwise.
+# KINORA names the program to test.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+kinora=${KINORA:-$root/target/release/kinora}
+engine=$(basename "$0" .sh)
+# Seconds that an engine may take to install, and a job to run.
+install_time=${INSTALL_TIME:-120}
+job_time=${JOB_TIME:-180}
+
+say() { echo "$engine: $*"; }
+fail() {
+    say "FAILED: $*" >&2
+    exit 1
+}
+# Said where the engine cannot be had.
+skip() {
+    say "skipped: $*" >&2
+    exit 77
+}
+
+[[ -x $kinora ]] || fail "there is no $kinora; build it with cargo build --release, or name another by KINORA"
+
+work=$(mktemp -d "${TMPDIR:-/tmp}/kinora-farm-$engine-XXXXXX")
+project=$work/project
+# What was started, in order.
+started=()
+
+# Ends all that was started, and what that started, whatever happened.
+leave() {
+    local code=$? pid
+    trap - EXIT INT TERM
+    set +e
+    if declare -F stop_engine >/dev/null; then stop_engine >/dev/null 2>&1; fi
+    for pid in "${started[@]}" $(workers); do kill -TERM "$pid" 2>/dev/null; done
+    for pid in "${started[@]}" $(workers); do
+        # What does not listen within 5 s.
+        for _ in {1..50}; do kill -0 "$pid" 2>/dev/null && sleep 0.1; done
+        kill -KILL "$pid" 2>/dev/null
+    done
+    wait 2>/dev/null
+    if ((code == 0 || code == 77)) || [[ -z ${KEEP:-} ]]; then
+        rm -rf "$work"
+    else
+        say "left in $work" >&2
+    fi
+    exit "$code"
+}
+trap leave EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+# Starts something that lasts, with its messages in a file.
+start() {
+    local log=$1
+    shift
+    "$@" >>"$log" 2>&1 &
+    started+=($!)
+}
+
+# Waits until a command succeeds.
+await() {
+    local seconds=$1 what=$2 end
+    shift 2
+    end=$((SECONDS + seconds))
+    until "$@" >/dev/null 2>&1; do
+        ((SECONDS < end)) || fail "$what: not within $seconds s"
+        sleep 0.1
+    done
+}
+
+# Installs Debian packages if a program is missing that they hold.
+debian() {
+    local program=$1
+    shift
+    command -v "$program" >/dev/null && return
+    command -v apt-get >/dev/null || skip "there is no $program, and no apt-get to install it"
+    ((EUID == 0)) || skip "there is no $program, and only root can install it"
+    say "installing $*"
+    {
+        timeout "$install_time" apt-get update -qq
+        DEBIAN_FRONTEND=noninteractive timeout "$install_time" apt-get install -y -qq --no-install-recommends "$@"
+    } >"$work/apt.log" 2>&1 || true
+    command -v "$program" >/dev/null || skip "cannot install $*: $(tail -n 1 "$work/apt.log")"
+}
+
+# Installs a Python package into an environment of its own, if there is none yet, and tells where it is.
+python_package() {
+    local package=$1 place
+    place=${FARM_CACHE:-${TMPDIR:-/tmp}/kinora-farm-engines}/$package
+    if [[ ! -x $place/bin/python ]] || ! "$place/bin/pip" show -q "$package" 2>/dev/null; then
+        command -v python3 >/dev/null || skip "there is no python3"
+        say "installing $package" >&2
+        { python3 -m venv "$place" && timeout "$install_time" "$place/bin/pip" install -q "$package"; } \
+            >"$work/pip.log" 2>&1 || skip "cannot install $package: $(tail -n 1 "$work/pip.log")"
+    fi
+    echo "$place"
+}
+
+# What is rendered: small, but long enough that a worker can be met at its work.
+settings=(-r 8 -s 240x180 --antialias 4)
+sequence=sequences/hello.ron
+frames=24
+
+# Lays a project with the sequence, and renders it in one run beside it.
+prepare() {
+    mkdir -p "$project/sequences" "$work/bin" "$work/single"
+    cp "$root/$sequence" "$project/$sequence"
+    ln -s "$(realpath "$kinora")" "$work/bin/kinora"
+    export PATH=$work/bin:$PATH
+    say "one run"
+    (cd "$project" && kinora render -q "$sequence" "${settings[@]}" -o "$work/single/f_##.png" -o "$work/single/f.gif")
+}
+
+# Process ids of all renders of the project.
+workers() {
+    local process
+    for process in /proc/[0-9]*; do
+        if [[ $(readlink "$process/cwd" 2>/dev/null) == "$project"* &&
+            $(tr '\0' ' ' 2>/dev/null <"$process/cmdline") == *"kinora render"* ]]; then
+            basename "$process"
+        fi
+    done
+}
+
+written() { find "$project" -name 'f_??.png' | wc -l; }
+more_than() { (($(written) > $1)); }
+at_work() { [[ -n $(workers) ]]; }
+
+# Waits until some frames are there, and kills a render that is at work.
+kill_a_worker() {
+    local after=${1:-3} pid
+    await "$job_time" "more than $after frames" more_than "$after"
+    await "$job_time" "a render at work" at_work
+    pid=$(workers | shuf -n 1)
+    ((pid)) && kill -KILL "$pid"
+    (($(written) < frames)) || fail "all frames were there before a worker was killed"
+    say "killed a render when $(written) of $frames frames were there"
+}
+
+# Compares all files of the job with those of the single run.
+compare() {
+    local file
+    for file in "$work"/single/*; do
+        cmp "$file" "$project/$(realpath --relative-to="$work/single" "$file")" || fail "not the bytes of one run"
+    done
+    say "the same bytes as one run: $(find "$work/single" -type f | wc -l) files"
+}
