@@ -62,6 +62,7 @@ pub mod render;
 pub mod filmstrip;
 pub mod assemble;
 pub mod accuracy;
+pub mod farm;
 pub mod cli;
 
 #[cfg(test)]

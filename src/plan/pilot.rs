@@ -81,20 +81,47 @@ fn samples(sequence: &Sequence, look: &Look) -> u64 {
 
 /// The rays of films, from those of some of them, spread evenly over their order.
 fn counted_up(sequence: &Sequence, films: &[(&Look, Vec<LayerId>)], effort: Effort) -> Option<u64> {
+    let trials = trials(sequence, films, effort)?;
+    let traced: f64 = trials.iter().map(|trial| trial.samples).sum();
+    let rays: f64 = trials.iter().map(|trial| trial.rays).sum();
+    let all: f64 = films.iter().map(|(look, _)| samples(sequence, look) as f64).sum();
+    (traced > 0.0).then(|| (all / traced * rays).round() as u64)
+}
+
+/// Rays that each film of a plan is expected to take: its samples are known, and each of them is taken to send as many
+/// rays as those of the film nearest to it that is tried. Without a trial, only rays of the camera are told.
+pub fn work(sequence: &Sequence, plan: &Plan, effort: Effort) -> Vec<f64> {
+    let looks = &plan.survey.frames;
+    let films: Vec<(&Look, Vec<LayerId>)> =
+        plan.takes.iter().map(|take| (&looks[take.frames[0]], take.lit.clone())).collect();
+    let trials = trials(sequence, &films, effort).unwrap_or_default();
+    let rays = |(film, (look, _)): (usize, &(&Look, Vec<LayerId>))| {
+        let nearest = trials.get(film * trials.len() / films.len());
+        let each = nearest.filter(|trial| trial.samples > 0.0).map_or(1.0, |trial| trial.rays / trial.samples);
+        samples(sequence, look) as f64 * each
+    };
+    films.iter().enumerate().map(rays).collect()
+}
+
+/// What a film took that was tried.
+struct Trial {
+    samples: f64,
+    rays: f64,
+}
+
+/// Traces some of the films with a small part of their samples: each of them stands for as many that are its neighbours.
+fn trials(sequence: &Sequence, films: &[(&Look, Vec<LayerId>)], effort: Effort) -> Option<Vec<Trial>> {
     let chosen = films.len().min(effort.frames);
-    let (mut traced, mut rays) = (0.0, 0.0);
     let mut small = sequence.clone();
-    for index in 0..chosen {
+    let trial = |index: usize| {
         let (look, lit) = &films[(2 * index + 1) * films.len() / (2 * chosen)];
         shrink(&mut small, sequence, look, effort.samples);
         let mut frames = FrameLoop::new(&small, Nowhere, Arc::new(Meter::default()));
         frames.trace(look, lit).ok()?;
-        let counts = frames.tally().counts.rays;
-        traced += samples(&small, look) as f64;
-        rays += counts.total() as f64;
-    }
-    let all: f64 = films.iter().map(|(look, _)| samples(sequence, look) as f64).sum();
-    (traced > 0.0).then(|| (all / traced * rays).round() as u64)
+        let rays = frames.tally().counts.rays.total() as f64;
+        Some(Trial { samples: samples(&small, look) as f64, rays })
+    };
+    (0..chosen).map(trial).collect()
 }
 
 /// Leaves so many samples of a frame, spread over as many pixels as there are.

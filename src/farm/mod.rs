@@ -1,0 +1,21 @@
+//! Past one machine: a sequence as a job for engines that hand out work.
+//!
+//! ```text
+//! Sequence, frames ──▶ Plan ──chunks──▶ Job ──openjd, slurm, hyperqueue, shell──▶ Export: files, and how to submit them
+//! ```
+//!
+//! A frame is a function of the sequence, its number and the settings, so nothing of ours has to coordinate anything:
+//! a job is a list of chunks of frames, each of them one `kinora render`, and after them one `kinora assemble` for
+//! every file that holds several frames. Everything here is pure: what a job says depends on nothing but its fields.
+
+mod chunk;
+mod hyperqueue;
+mod job;
+mod openjd;
+mod shell;
+mod slurm;
+mod words;
+
+pub use chunk::{Chunk, Class, Films, classes};
+pub use job::{Engine, Export, Job, JobFile, MARK};
+pub use words::{command, quoted};
