@@ -20,6 +20,7 @@ pub mod color;
 pub mod track;
 pub mod counters;
 pub mod humane;
+pub mod quote;
 pub mod machine;
 pub mod files;
 pub mod filter;

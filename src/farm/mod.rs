@@ -11,6 +11,7 @@
 mod chunk;
 mod hyperqueue;
 mod job;
+mod makespan;
 mod openjd;
 mod shell;
 mod slurm;
@@ -18,4 +19,5 @@ mod words;
 
 pub use chunk::{Chunk, Class, Films, classes};
 pub use job::{Engine, Export, Job, JobFile, MARK};
+pub use makespan::makespan;
 pub use words::{command, quoted};
