@@ -9,6 +9,7 @@
 //! every file that holds several frames. Everything here is pure: what a job says depends on nothing but its fields.
 
 mod chunk;
+mod fingerprint;
 mod hyperqueue;
 mod job;
 mod openjd;
@@ -17,5 +18,6 @@ mod slurm;
 mod words;
 
 pub use chunk::{Chunk, Class, Films, classes};
+pub use fingerprint::Fingerprint;
 pub use job::{Engine, Export, Job, JobFile, MARK};
 pub use words::{command, quoted};
