@@ -1,22 +1,24 @@
 //! `kinora render`: a sequence file in, frames and animations out.
 
 use super::failure::Failure;
-use super::look::Look;
-use super::options::Options;
 use super::outputs::Run;
-use super::overrides::{self, Overrides};
+use super::overrides;
 use super::progress::{self, ProgressMode};
+use super::settings::Settings;
 use super::signals::{self, Next};
 use super::{load, loading, summary, terminal, values};
 use crate::accuracy::{Budget, budget, percent, seconds};
 use crate::counters::Meter;
 use crate::encode::{Existing, Output};
+use crate::farm::Fingerprint;
+use crate::files::{self, Root};
 use crate::frame_set::{FrameSet, Shard};
 use crate::humane::counted;
-use crate::render::{RenderError, Request, Reuse, render_until};
+use crate::plan::with_shared;
+use crate::render::{RenderError, Request, render_until};
 use crate::sequence::Sequence;
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -51,6 +53,26 @@ pub struct Arguments {
     #[arg(long, value_name = "I/N", allow_hyphen_values = true, verbatim_doc_comment)]
     shard: Option<Shard>,
 
+    /// Also those of these frames that are made of the films of the frames to render
+    ///
+    /// What is traced for one frame serves all in which the same is seen, or only lights are
+    /// switched and faded. For whoever hands out films: `kinora farm export openjd`.
+    #[arg(long, value_name = "SET", conflicts_with = "shard", verbatim_doc_comment)]
+    with_shared: Option<FrameSet>,
+
+    /// Claim each frame before it is made, so that any number of processes may do the same
+    ///
+    /// Each skips what others have done and are doing; at the end it waits for them, and takes
+    /// over what processes had in hand that have died. Only stills that say what they show, PNG
+    /// and EXR, can be shared like this.
+    #[arg(long, conflicts_with_all = ["overwrite", "fail_if_exists"], verbatim_doc_comment)]
+    claim: bool,
+
+    /// Refuse to begin with another version, or if the sequence or what it reads has changed
+    /// since `kinora farm export` told this
+    #[arg(long, value_name = "FINGERPRINT", verbatim_doc_comment)]
+    expect: Option<String>,
+
     /// Render all frames anew [default: keep those that are there and right]
     #[arg(long, conflicts_with = "fail_if_exists")]
     overwrite: bool,
@@ -60,31 +82,7 @@ pub struct Arguments {
     fail_if_exists: bool,
 
     #[command(flatten)]
-    options: Options,
-
-    #[command(flatten)]
-    look: Look,
-
-    /// Quality of JPEGs and of MP4 video, 1 to 100 [default: as the sequence says]
-    #[arg(long, value_name = "N", value_parser = values::encode_quality, allow_hyphen_values = true)]
-    quality: Option<u8>,
-
-    /// How large a GIF may become, such as 5MB
-    ///
-    /// It loses colours, then pixels, then frames until it fits; a note says which.
-    #[arg(long, value_name = "SIZE", value_parser = values::file_size, allow_hyphen_values = true)]
-    max_size: Option<u64>,
-
-    /// Memory for films that later frames are made of, such as 2GB [default: a share]
-    ///
-    /// What is traced once serves all frames in which the same is seen, or only lights are
-    /// switched and faded. `kinora plan` says how much memory that takes.
-    #[arg(long, value_name = "SIZE", value_parser = values::file_size, verbatim_doc_comment)]
-    memory: Option<u64>,
-
-    /// Trace every frame by itself; the files are the same, to the byte
-    #[arg(long, conflicts_with = "memory")]
-    no_reuse: bool,
+    settings: Settings,
 
     /// How long tracing may take, such as 60s or 10min: as many samples as fit
     ///
@@ -95,10 +93,6 @@ pub struct Arguments {
         conflicts_with_all = ["samples", "noise", "draft"], verbatim_doc_comment
     )]
     time_limit: Option<Duration>,
-
-    /// PNGs without text about the frame
-    #[arg(long)]
-    no_metadata: bool,
 }
 
 const AFTER_HELP: &str = "\
@@ -112,15 +106,25 @@ Examples:
   kinora render turn.ron -r 30 --draft               a quick look at another rate";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let loading = loading::Reporter::new(arguments.options.progress, arguments.options.quiet);
-    let sequence = load::sequence(&arguments.file, arguments.options.allow_outside, loading)?;
-    let mut sequence = overrides::applied(sequence, &arguments.overrides()).map_err(Failure::Bad)?;
+    let options = &arguments.settings.options;
+    let loading = loading::Reporter::new(options.progress, options.quiet);
+    let (sequence, root) = load::with_files(&arguments.file, options.allow_outside, loading)?;
+    if let Some(expected) = &arguments.expect {
+        fingerprint(&arguments.file, &root)?.check(expected).map_err(Failure::Bad)?;
+    }
+    let mut sequence = overrides::applied(sequence, &arguments.settings.overrides()).map_err(Failure::Bad)?;
     let all = frames_of(arguments.frames.as_ref(), &sequence)?;
-    let frames = arguments.shard.map_or(&*all, |shard| shard.of(&all)).to_vec();
+    let mut frames = arguments.shard.map_or(&*all, |shard| shard.of(&all)).to_vec();
+    if let Some(among) = &arguments.with_shared {
+        let among = among.frames(sequence.timeline.frames);
+        let among = among.map_err(|error| Failure::Bad(format!("--with-shared: {error}")))?;
+        frames = with_shared(&sequence, &frames, &among);
+    }
+    let frames = frames;
     let run = Run {
         own: &sequence.output.files,
         wanted: &arguments.output,
-        draft: arguments.options.draft,
+        draft: options.draft,
         partial: arguments.shard.is_some() || frames.len() < sequence.timeline.frames as usize,
     };
     let (outputs, note) = run.outputs();
@@ -136,7 +140,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     let streams = outputs.contains(&Output::Stream);
-    let json = arguments.options.progress == ProgressMode::Json;
+    let json = options.progress == ProgressMode::Json;
     if streams && json {
         let message = "-o - and --progress json both write to the standard output; leave one out";
         return Err(Failure::Bad(message.to_owned()));
@@ -148,10 +152,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Bad(message.to_owned()));
     }
     if let Some(limit) = arguments.time_limit {
-        let budget = budget(&sequence, &frames, limit, arguments.options.threads)?;
+        let budget = budget(&sequence, &frames, limit, options.threads)?;
         sequence.quality = budget.quality;
         budgeted = Some(budget);
-        if !arguments.options.quiet {
+        if !options.quiet {
             terminal::complain(&budget_note(&budget));
         }
     }
@@ -159,13 +163,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         outputs,
         existing: arguments.existing(),
         frames,
-        threads: arguments.options.threads,
-        reuse: reuse(arguments.no_reuse, arguments.memory),
+        threads: options.threads,
+        reuse: arguments.settings.reuse(),
     };
 
     let meter = Arc::new(Meter::default());
     let frames = request.frames.len();
-    let show = progress::Reporter::new(arguments.options.progress, arguments.options.quiet, frames);
+    let show = progress::Reporter::new(options.progress, options.quiet, frames);
     let stop = signals::watched();
     let done = progress::watch(&meter, frames, show, || render_until(&sequence, &request, &meter, &stop));
     let mut done = match done {
@@ -184,10 +188,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
     done.notes.extend(note);
     done.notes.extend(budgeted.as_ref().map(budget_note));
-    if arguments.options.draft {
+    if options.draft {
         done.notes.insert(0, draft_note(&sequence));
     }
-    if !arguments.options.quiet {
+    if !options.quiet {
         let told = if json { summary::json(&done) } else { summary::text(&done) };
         if streams {
             terminal::complain(&told);
@@ -214,20 +218,13 @@ impl Arguments {
             _ => Existing::Keep,
         }
     }
-
-    fn overrides(&self) -> Overrides {
-        Overrides {
-            max_size: self.max_size,
-            encode_quality: self.quality,
-            no_metadata: self.no_metadata,
-            ..self.look.with(self.options.overrides())
-        }
-    }
 }
 
-/// What `--no-reuse` and `--memory` say.
-fn reuse(off: bool, memory: Option<u64>) -> Reuse {
-    if off { Reuse::Off } else { memory.map_or(Reuse::Share, Reuse::Within) }
+/// What is read now, to be compared with what was read for a job.
+pub fn fingerprint(file: &Path, root: &Root) -> Result<Fingerprint, Failure> {
+    Fingerprint::of(file, &root.admitted()).map_err(|(path, error)| {
+        Failure::Bad(format!("cannot read {}: {}", path.display(), files::why(&error)))
+    })
 }
 
 /// The frames of a set, or all.

@@ -131,8 +131,7 @@ mod tests {
     fn films_that_take_longest_come_first_and_fewer_at_a_time() {
         let films: [(&[u32], f64); 6] =
             [(&[0], 10.0), (&[1], 9.0), (&[2], 80.0), (&[3], 11.0), (&[4], 70.0), (&[5], 10.0)];
-        let expected =
-            [(1, vec![vec![2], vec![4]]), (4, vec![vec![0, 1, 3, 5]])];
+        let expected = [(1, vec![vec![2], vec![4]]), (4, vec![vec![0, 1, 3, 5]])];
         assert_eq!(chunks(&films, 3), expected);
     }
 

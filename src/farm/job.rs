@@ -40,6 +40,8 @@ pub struct Job {
     pub frames: String,
     /// Patterns of the frames' own files. At least one.
     pub stills: Vec<String>,
+    /// Whether these say what they show, so that tasks can tell what others have done and are doing.
+    pub claims: bool,
     /// What follows once all frames are there: the options of one `kinora assemble` each.
     pub assemblies: Vec<Vec<String>>,
     /// Chunks of frames, those first whose films take longest.
@@ -88,7 +90,8 @@ impl Job {
         let words = ["kinora", "render", &path(&self.sequence), "--frames", frames];
         let mut words: Vec<String> = words.map(str::to_owned).to_vec();
         words.extend(self.stills.iter().flat_map(|still| ["-o".to_owned(), still.clone()]));
-        words.extend(["--claim".to_owned(), "--expect".to_owned(), self.fingerprint.clone()]);
+        words.extend(self.claims.then(|| "--claim".to_owned()));
+        words.extend(["--expect".to_owned(), self.fingerprint.clone()]);
         words.extend(self.settings.iter().cloned());
         words
     }

@@ -9,6 +9,7 @@
 //! every file that holds several frames. Everything here is pure: what a job says depends on nothing but its fields.
 
 mod chunk;
+mod fingerprint;
 mod hyperqueue;
 mod job;
 mod makespan;
@@ -18,6 +19,7 @@ mod slurm;
 mod words;
 
 pub use chunk::{Chunk, Class, Films, classes};
+pub use fingerprint::Fingerprint;
 pub use job::{Engine, Export, Job, JobFile, MARK};
 pub use makespan::makespan;
 pub use words::{command, quoted};

@@ -24,7 +24,7 @@ pub use films::{Room, Take};
 pub use outline::{Outline, Span, outline};
 pub use pilot::{Effort, Expected, pilot, work};
 pub use run::run;
-pub use survey::{Survey, survey};
+pub use survey::{Survey, survey, with_shared};
 
 use crate::film::Extras;
 use crate::sequence::Sequence;

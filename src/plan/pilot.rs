@@ -97,7 +97,8 @@ pub fn work(sequence: &Sequence, plan: &Plan, effort: Effort) -> Vec<f64> {
     let trials = trials(sequence, &films, effort).unwrap_or_default();
     let rays = |(film, (look, _)): (usize, &(&Look, Vec<LayerId>))| {
         let nearest = trials.get(film * trials.len() / films.len());
-        let each = nearest.filter(|trial| trial.samples > 0.0).map_or(1.0, |trial| trial.rays / trial.samples);
+        let each =
+            nearest.filter(|trial| trial.samples > 0.0).map_or(1.0, |trial| trial.rays / trial.samples);
         samples(sequence, look) as f64 * each
     };
     films.iter().enumerate().map(rays).collect()
