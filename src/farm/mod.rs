@@ -20,6 +20,6 @@ mod words;
 
 pub use chunk::{Chunk, Class, Films, classes};
 pub use fingerprint::Fingerprint;
-pub use job::{Engine, Export, Job, JobFile, MARK};
+pub use job::{Assembly, Engine, Export, Job, JobFile, MARK};
 pub use makespan::makespan;
 pub use words::{command, quoted};
