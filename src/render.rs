@@ -7,7 +7,7 @@ use crate::film::{Extras, Film, Noise};
 use crate::humane;
 use crate::machine;
 use crate::memory;
-use crate::plan::{self, Effort, Expected, Plan, Room, Shared, run_shared, survey};
+use crate::plan::{self, Effort, Expected, Plan, Room, Shared, Survey, run_shared, survey};
 use crate::schedule::{FilmSink, FrameLoop, NoFrame, Stage, Tally};
 use crate::sequence::Sequence;
 use crate::stop::Stop;
@@ -176,7 +176,7 @@ pub fn render_until(
     let extras = extras(sequence, &request.outputs);
     check_memory(sequence, extras)?;
     let pool = Arc::new(pool(request.threads)?);
-    let seen = pool.install(|| seen(sequence, &request.frames));
+    let seen = pool.install(|| seen(&survey(sequence, &request.frames)));
     let job = job(sequence, request, seen);
     let keeps = job.keeps();
     let encoder = Encoder::start(job, Arc::clone(&pool), stop)?;
@@ -269,12 +269,12 @@ pub(crate) fn pool(threads: Option<NonZeroUsize>) -> Result<ThreadPool, RenderEr
 }
 
 /// What frames look like, by which those are found that are there.
-fn seen(sequence: &Sequence, frames: &[u32]) -> Vec<Seen> {
-    let looks = survey(sequence, frames).frames;
+pub(crate) fn seen(survey: &Survey) -> Vec<Seen> {
+    let looks = &survey.frames;
     looks.iter().map(|look| Seen { radiance: look.radiance(), exposure: look.exposure }).collect()
 }
 
-fn job(sequence: &Sequence, request: &Request, seen: Vec<Seen>) -> Job {
+pub(crate) fn job(sequence: &Sequence, request: &Request, seen: Vec<Seen>) -> Job {
     let output = &sequence.output;
     Job {
         outputs: request.outputs.clone(),

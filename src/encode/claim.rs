@@ -1,6 +1,7 @@
 //! Claims: files that say which frames a process has in hand, so that others leave them alone.
 //!
-//! A claim is a hidden file beside the frame that it is for. It is written aside and then linked or renamed into its
+//! Claims are for films: whoever has one in hand makes all frames of it, as only one of them has to be traced. A claim is a
+//! hidden file in the folder of the frames, called after the film and the frames' names. It is written aside and then linked or renamed into its
 //! place if that is free, which only one process can; no lock is asked for. Its process touches it every few seconds. A
 //! claim is void when its process is known to have ended, or has not touched it for a long time. Times are those of the
 //! file system alone: that of a file which is made now is compared with that of the claim.
@@ -11,6 +12,8 @@
 use super::atomic::{PREFIX, folder_of};
 use super::disk::{Operation, attempt};
 use super::error::EncodeError;
+use super::output::Output;
+use crate::digest::Digest;
 use crate::process::Process;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -30,7 +33,7 @@ const BEAT: Duration = Duration::from_secs(10);
 /// file, and than a machine is usually held up.
 const LEASE: Duration = Duration::from_secs(120);
 
-/// What claims of any run are called, before the name of their frame.
+/// What claims of any run are called, before what they are for.
 const CLAIM: &str = "claim-";
 
 /// The claims of a process.
@@ -62,10 +65,13 @@ pub struct Holder {
     text: String,
 }
 
-/// The claim for a frame's file.
-pub fn path_of(frame: &Path) -> PathBuf {
+/// The claim for those frames of an output that are made of a film, whichever of them are wanted.
+pub fn path_of(output: &Output, film: Digest) -> PathBuf {
+    // Called alike on all machines, wherever the folder is there.
+    let frame = output.path(0);
     let name = frame.file_name().unwrap_or_default().to_string_lossy();
-    frame.with_file_name(format!("{PREFIX}{CLAIM}{name}"))
+    let what = Digest::of(&(film, &*name));
+    frame.with_file_name(format!("{PREFIX}{CLAIM}{what}"))
 }
 
 /// Whether a file is a claim, by its name.
@@ -107,6 +113,11 @@ fn aside(folder: &Path) -> io::Result<NamedTempFile> {
 }
 
 impl Holder {
+    /// Somebody who does not say who it is.
+    pub fn unknown(silent: Duration) -> Self {
+        Self { process: None, silent, text: String::new() }
+    }
+
     /// Whether the claim is void, so that its frame may be claimed by another.
     pub fn is_gone(&self) -> bool {
         self.silent >= LEASE || self.process.as_ref().is_some_and(Process::has_ended)
@@ -133,18 +144,17 @@ impl Claims {
         Self { process: Process::this(), held, _alive: alive }
     }
 
-    /// Claims the frame of this file, unless somebody else does.
-    pub fn claim(&self, frame: &Path) -> Result<Result<Claim, Holder>, EncodeError> {
-        let path = path_of(frame);
-        let fault = |error| EncodeError::write(&path, error);
+    /// Claims what this claim is for, unless somebody else does.
+    pub fn claim(&self, path: &Path) -> Result<Result<Claim, Holder>, EncodeError> {
+        let fault = |error| EncodeError::write(path, error);
         loop {
-            if let Some(claim) = self.put(&path).map_err(fault)? {
+            if let Some(claim) = self.put(path).map_err(fault)? {
                 return Ok(Ok(claim));
             }
-            match holder(&path).map_err(fault)? {
+            match holder(path).map_err(fault)? {
                 // Given up meanwhile.
                 None => {}
-                Some(holder) if holder.is_gone() => clear(&path, &holder).map_err(fault)?,
+                Some(holder) if holder.is_gone() => clear(path, &holder).map_err(fault)?,
                 Some(holder) => return Ok(Err(holder)),
             }
         }
@@ -230,6 +240,8 @@ mod tests {
     use super::*;
     use std::time::SystemTime;
 
+    const NAME: &str = ".kinora-claim-0";
+
     fn names(folder: &Path) -> Vec<String> {
         let entries = fs::read_dir(folder).expect("a folder").flatten();
         entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
@@ -243,13 +255,13 @@ mod tests {
     #[test]
     fn one_of_several_has_a_claim_and_none_stays() {
         let dir = tempfile::tempdir().expect("a folder");
-        let frame = dir.path().join("f_0.png");
+        let path = dir.path().join(NAME);
         let (claims, got) = (Claims::new(), AtomicU64::new(0));
         thread::scope(|scope| {
             for _ in 0..8 {
                 scope.spawn(|| {
                     for _ in 0..20 {
-                        if let Ok(claim) = claims.claim(&frame).expect("a disk") {
+                        if let Ok(claim) = claims.claim(&path).expect("a disk") {
                             assert_eq!(got.fetch_add(1, Relaxed), 0, "two have it");
                             got.fetch_sub(1, Relaxed);
                             drop(claim);
@@ -264,26 +276,26 @@ mod tests {
     #[test]
     fn a_claim_says_who_has_it() {
         let dir = tempfile::tempdir().expect("a folder");
-        let frame = dir.path().join("f_0.png");
+        let path = dir.path().join(NAME);
         let claims = Claims::new();
-        let claim = claims.claim(&frame).expect("a disk").expect("free");
-        let found = claims.claim(&frame).expect("a disk").expect_err("taken");
+        let claim = claims.claim(&path).expect("a disk").expect("free");
+        let found = claims.claim(&path).expect("a disk").expect_err("taken");
         assert_eq!(found.process, Some(Process::this()));
         assert!(found.silent < LEASE && !found.is_gone());
-        assert_eq!(names(dir.path()), [".kinora-claim-f_0.png"]);
+        assert_eq!(names(dir.path()), [NAME]);
         drop(claim);
-        assert_eq!(holder(&path_of(&frame)).expect("a disk"), None);
+        assert_eq!(holder(&path).expect("a disk"), None);
     }
 
     #[test]
     fn void_claims_are_taken_over_and_others_are_not() {
         let dir = tempfile::tempdir().expect("a folder");
-        let frame = dir.path().join("f_0.png");
+        let path = dir.path().join(NAME);
         let claims = Claims::new();
         let there = |text: &str, silent: u64| {
-            fs::write(path_of(&frame), text).expect("a disk");
-            age(&path_of(&frame), Duration::from_secs(silent));
-            claims.claim(&frame).expect("a disk").is_ok()
+            fs::write(&path, text).expect("a disk");
+            age(&path, Duration::from_secs(silent));
+            claims.claim(&path).expect("a disk").is_ok()
         };
         let elsewhere = "elsewhere boot 1 1\n0\n";
         assert!(!there(elsewhere, 60) && there(elsewhere, 300));
@@ -302,13 +314,13 @@ mod tests {
     #[test]
     fn a_claim_that_was_taken_over_is_left_alone() {
         let dir = tempfile::tempdir().expect("a folder");
-        let frame = dir.path().join("f_0.png");
+        let path = dir.path().join(NAME);
         let (first, second) = (Claims::new(), Claims::new());
-        let lost = first.claim(&frame).expect("a disk").expect("free");
-        age(&path_of(&frame), LEASE);
-        let taken = second.claim(&frame).expect("a disk").expect("void");
+        let lost = first.claim(&path).expect("a disk").expect("free");
+        age(&path, LEASE);
+        let taken = second.claim(&path).expect("a disk").expect("void");
         drop(lost);
-        assert!(first.claim(&frame).expect("a disk").is_err());
+        assert!(first.claim(&path).expect("a disk").is_err());
         drop(taken);
         assert!(names(dir.path()).is_empty());
     }
@@ -316,7 +328,7 @@ mod tests {
     #[test]
     fn a_claim_that_is_void_no_more_is_put_back() {
         let dir = tempfile::tempdir().expect("a folder");
-        let path = path_of(&dir.path().join("f_0.png"));
+        let path = dir.path().join(NAME);
         fs::write(&path, "new").expect("a disk");
         let before = Holder { process: None, silent: LEASE, text: "old".to_owned() };
         clear(&path, &before).expect("a disk");
@@ -328,12 +340,26 @@ mod tests {
     #[test]
     fn touched_claims_stay_fresh() {
         let dir = tempfile::tempdir().expect("a folder");
-        let frame = dir.path().join("f_0.png");
+        let path = dir.path().join(NAME);
         let claims = Claims::new();
-        let claim = claims.claim(&frame).expect("a disk").expect("free");
-        age(&path_of(&frame), LEASE);
+        let claim = claims.claim(&path).expect("a disk").expect("free");
+        age(&path, LEASE);
         lock(&claims.held).values_mut().for_each(|file| touch(file).expect("a disk"));
-        let found = holder(&path_of(&frame)).expect("a disk").expect("a claim");
+        let found = holder(&path).expect("a disk").expect("a claim");
         assert!(found.silent < BEAT && found.text == claim.text, "{found:?}");
+    }
+
+    #[test]
+    fn claims_are_for_films_of_an_output() {
+        let output = |name: &str| Output::parse(name).expect(name);
+        let path = |name: &str, film: u128| path_of(&output(name), Digest(film));
+        assert_eq!(path("a/f_##.png", 1), path("a/f_%02d.png", 1));
+        assert_ne!(path("a/f_##.png", 1), path("a/f_##.png", 2));
+        assert_ne!(path("a/f_##.png", 1), path("a/g_##.png", 1));
+        let one = path("a/f_##.png", 1);
+        assert_eq!(one.parent(), Some(Path::new("a")));
+        assert_eq!(one.file_name(), path("b/f_##.png", 1).file_name());
+        assert!(is_claim(&one.file_name().expect("a name").to_string_lossy()));
+        assert!(!is_claim(".kinora-abcdef.part"));
     }
 }

@@ -20,6 +20,7 @@ mod error;
 mod exr;
 #[cfg(test)]
 mod fault_tests;
+mod found;
 mod gif;
 mod identity;
 mod job;
@@ -47,6 +48,7 @@ pub use caption::{Caption, CaptionError, Corner, Template};
 pub use claim::{Claim, Holder};
 pub use develop::{ToneTable, displayed};
 pub use error::{EncodeError, FilmsError, JobError};
+pub use found::{Found, found, in_hand};
 pub use identity::Seen;
 pub use job::{Existing, Job};
 pub use output::{Moving, Output, OutputError, Still};
@@ -61,6 +63,7 @@ pub use sheet::{Sheet, columns as sheet_columns};
 pub use text::FONT_FILE;
 pub use tonemap::Tonemap;
 
+use crate::digest::Digest;
 use crate::film::Film;
 use crate::stop::Stop;
 use claim::Claims;
@@ -181,18 +184,19 @@ impl Encoder {
         frames.filter(|(_, kept)| !**kept).map(|(frame, _)| *frame).collect()
     }
 
-    /// Asks for frames that one process should make, as they share a film. Those that are this one's are claimed until
-    /// their files are there.
-    pub fn ask(&mut self, frames: &[u32]) -> Result<Asked, EncodeError> {
+    /// Asks for the frames of a film, which one process should make. If that is this one, they are claimed until their
+    /// files are there.
+    pub fn ask(&mut self, film: Digest, frames: &[u32]) -> Result<Asked, EncodeError> {
         let places: Vec<usize> = frames.iter().filter_map(|&frame| self.place(frame)).collect();
         let missing =
             |kept: &[bool]| places.iter().copied().filter(|&place| !kept[place]).collect::<Vec<_>>();
         let Some(shared) = &mut self.shared else { return Ok(Asked::Mine(frames.to_vec())) };
         // The films before have theirs.
         shared.now = None;
-        let first = frames.first().and_then(|&frame| Some(self.job.outputs.first()?.path(frame)));
-        let Some(first) = first.filter(|_| !missing(&self.kept).is_empty()) else { return Ok(Asked::Done) };
-        let claim = match shared.claims.claim(&first)? {
+        let Some(output) = self.job.outputs.first().filter(|_| !missing(&self.kept).is_empty()) else {
+            return Ok(Asked::Done);
+        };
+        let claim = match shared.claims.claim(&claim::path_of(output, film))? {
             Ok(claim) => claim,
             Err(holder) => return Ok(Asked::Theirs(holder)),
         };

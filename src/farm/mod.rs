@@ -16,10 +16,12 @@ mod makespan;
 mod openjd;
 mod shell;
 mod slurm;
+mod status;
 mod words;
 
 pub use chunk::{Chunk, Class, Films, classes};
 pub use fingerprint::Fingerprint;
 pub use job::{Assembly, Engine, Export, Job, JobFile, MARK};
 pub use makespan::makespan;
+pub use status::{Frame, Status};
 pub use words::{command, quoted};

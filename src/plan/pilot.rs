@@ -72,7 +72,7 @@ pub fn pilot(sequence: &Sequence, plan: &Plan, effort: Effort) -> Expected {
 }
 
 /// Camera rays of a film.
-fn samples(sequence: &Sequence, look: &Look) -> u64 {
+pub fn samples(sequence: &Sequence, look: &Look) -> u64 {
     let (width, height) = sequence.output.size;
     let quality = &sequence.quality;
     let each = if look.random { quality.samples } else { quality.antialias * quality.antialias };

@@ -42,7 +42,8 @@ pub fn run_shared(
                 return Ok(Shared { done, complete: false });
             }
             let numbers: Vec<u32> = film.iter().map(|look| look.frame).collect();
-            let asked = frames.with_sink(|encoder| encoder.ask(&numbers)).map_err(NoFrame::Encode)?;
+            let name = film.first().map(|look| look.transport).unwrap_or_default();
+            let asked = frames.with_sink(|encoder| encoder.ask(name, &numbers)).map_err(NoFrame::Encode)?;
             let missing = match asked {
                 Asked::Theirs(_) => {
                     theirs.push(film);

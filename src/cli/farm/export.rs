@@ -1,11 +1,11 @@
 //! `kinora farm export`: a sequence file and options of `render` in, a job for an engine out, beside the sequence.
 
+use super::stills::{Wanted, is_said, source};
 use crate::cli::failure::Failure;
-use crate::cli::outputs::Run;
 use crate::cli::render::{fingerprint, frames_of};
 use crate::cli::settings::Spoken;
 use crate::cli::{load, loading, overrides, terminal};
-use crate::encode::{Output, Still, write_file};
+use crate::encode::{Output, write_file};
 use crate::farm::{Assembly, Engine, Export, Films, Job, JobFile, MARK, classes};
 use crate::files::{self, Root, way};
 use crate::filmstrip::spread;
@@ -126,7 +126,9 @@ impl Arguments {
 
     fn job(&self, sequence: &Sequence, root: &Root, frames: &[u32]) -> Result<Job, Failure> {
         let options = &self.spoken.settings.options;
-        let (stills, animations) = self.outputs(sequence, frames)?;
+        let wanted =
+            Wanted { outputs: &self.output, filmstrip: self.filmstrip.as_ref(), draft: options.draft };
+        let (stills, animations) = wanted.of(sequence, frames)?;
         let here = Path::new("");
         let base = found(self.folder(), way(self.folder(), here))?;
         let down = found(self.folder(), way(here, self.folder()))?;
@@ -156,42 +158,6 @@ impl Arguments {
 }
 
 impl Arguments {
-    /// The frames' own files, and what is assembled of them.
-    fn outputs(&self, sequence: &Sequence, frames: &[u32]) -> Result<(Vec<Output>, Vec<Output>), Failure> {
-        let run = Run {
-            own: &sequence.output.files,
-            wanted: &self.output,
-            draft: self.spoken.settings.options.draft,
-            partial: frames.len() < sequence.timeline.frames as usize,
-        };
-        let (mut animations, mut stills): (Vec<_>, Vec<_>) =
-            run.outputs().0.into_iter().partition(Output::is_animation);
-        if animations.contains(&Output::Stream) {
-            return Err(bad("a job has no standard output to stream to; name files with -o"));
-        }
-        if let Some(strip) = &self.filmstrip
-            && !matches!(strip, Output::Stills(Still::Png | Still::Jpeg | Still::Ppm, _))
-        {
-            return Err(Failure::Bad(format!(
-                "a filmstrip is one picture; write .png, .jpg or .ppm, not {strip}"
-            )));
-        }
-        let several = animations.first().or(self.filmstrip.as_ref());
-        if let Some(several) = several {
-            let formats = &sequence.output.formats;
-            if formats.png.deep {
-                return Err(Failure::Bad(format!(
-                    "{several} is assembled of PNGs of 8 bits; leave either out"
-                )));
-            }
-            if source(&stills).is_none() {
-                stills.push(beside(several)?);
-            }
-        }
-        animations.dedup();
-        Ok((stills, animations))
-    }
-
     /// What `kinora assemble` is told, for the animations and for the filmstrip.
     fn assemblies(&self, (stills, animations): (&[Output], &[Output]), frames: &[u32]) -> Vec<Assembly> {
         let Some(source) = source(stills) else { return Vec::new() };
@@ -207,22 +173,6 @@ impl Arguments {
         let strip = self.filmstrip.as_ref().map(|strip| assembly(&some, std::slice::from_ref(strip)));
         moving.into_iter().chain(strip).collect()
     }
-}
-
-/// Whether its files say what they show.
-fn is_said(still: &Output, sequence: &Sequence) -> bool {
-    matches!(still, Output::Stills(format, _) if format.is_said(&sequence.output.formats))
-}
-
-/// The stills that others are made of.
-fn source(stills: &[Output]) -> Option<&Output> {
-    stills.iter().find(|still| matches!(still, Output::Stills(Still::Png, _)))
-}
-
-/// Stills for a file that holds several frames, in a folder that is called as it is.
-fn beside(file: &Output) -> Result<Output, Failure> {
-    let path = file.path(0).with_extension("").join("frame_####.png");
-    Output::parse(&path.to_string_lossy()).map_err(|error| Failure::Bad(error.to_string()))
 }
 
 /// Settings that are about files of several frames.
@@ -265,10 +215,6 @@ fn found(folder: &Path, way: std::io::Result<PathBuf>) -> Result<PathBuf, Failur
     way.map_err(|error| {
         Failure::Bad(format!("cannot find the way to {}: {}", folder.display(), files::why(&error)))
     })
-}
-
-fn bad(message: &str) -> Failure {
-    Failure::Bad(message.to_owned())
 }
 
 fn told(job: &Job, export: &Export, frames: usize) -> String {

@@ -1,6 +1,8 @@
 //! `kinora farm`: renders as jobs for other programs that hand out work.
 
 mod export;
+mod status;
+mod stills;
 
 use super::failure::Failure;
 use clap::{Args, Subcommand};
@@ -15,10 +17,12 @@ pub struct Arguments {
 #[derive(Subcommand, Debug, PartialEq)]
 enum Command {
     Export(export::Arguments),
+    Status(status::Arguments),
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.command {
         Command::Export(arguments) => export::run(arguments),
+        Command::Status(arguments) => status::run(arguments),
     }
 }
