@@ -298,11 +298,20 @@ impl Encoder {
         Ok(place)
     }
 
+    /// Gives up the claim of what will not be pushed any more; what was pushed has its part in it. Folders that were
+    /// made for nothing can go then.
+    fn give_up(&mut self) {
+        if let Some(shared) = &mut self.shared {
+            shared.now = None;
+        }
+    }
+
     /// Lets the thread end and returns what it has to say.
     fn join(&mut self) -> Result<Report, EncodeError> {
         let Some(Running { messages, thread }) = self.running.take() else {
             return Err(EncodeError::Stopped(None));
         };
+        self.give_up();
         drop(messages);
         thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     }
@@ -310,6 +319,7 @@ impl Encoder {
 
 impl Drop for Encoder {
     fn drop(&mut self) {
+        self.give_up();
         if let Some(Running { messages, thread }) = self.running.take() {
             drop(messages);
             // An error or a panic of abandoned work has no one to go to.

@@ -10,7 +10,7 @@ use crate::farm::{Assembly, Engine, Export, Films, Job, JobFile, MARK, classes};
 use crate::files::{self, Root, way};
 use crate::filmstrip::spread;
 use crate::frame_set::{self, FrameSet};
-use crate::humane::counted;
+use crate::humane::{count, counted};
 use crate::render::{extras, pool};
 use crate::sequence::Sequence;
 use clap::{Args, ValueEnum};
@@ -223,8 +223,8 @@ fn told(job: &Job, export: &Export, frames: usize) -> String {
     let mut lines: Vec<String> =
         export.files.iter().map(|file| format!("wrote   {}", job.beside(&file.name))).collect();
     lines.push(format!(
-        "frames  {} of {} in {}",
-        counted(frames as u64, "frame"),
+        "frames  {}, made of {}, in {}",
+        count(frames as u64),
         counted(films, "film"),
         counted(tasks, "task")
     ));
