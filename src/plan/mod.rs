@@ -22,7 +22,7 @@ pub use changes::{Change, Part};
 pub use effects::{Caller, Effect};
 pub use films::{Room, Take};
 pub use outline::{Outline, Span, outline};
-pub use pilot::{Effort, Expected, pilot, work};
+pub use pilot::{Effort, Expected, Nowhere, pilot, shrunk, work};
 pub use run::run;
 pub use survey::{Survey, survey, with_shared};
 

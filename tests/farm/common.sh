@@ -103,18 +103,28 @@ python_package() {
 }
 
 # What is rendered: small, but long enough that a worker can be met at its work.
-settings=(-r 8 -s 240x180 --antialias 4)
 sequence=sequences/hello.ron
+settings=(-r 8 -s 240x180 --antialias 4)
+files=(-o frames/f_##.png -o turn.gif -o turn.mp4)
 frames=24
 
 # Lays a project with the sequence, and renders it in one run beside it.
 prepare() {
-    mkdir -p "$project/sequences" "$work/bin" "$work/single"
-    cp "$root/$sequence" "$project/$sequence"
+    local place
+    mkdir -p "$work/bin"
     ln -s "$(realpath "$kinora")" "$work/bin/kinora"
     export PATH=$work/bin:$PATH
+    for place in "$project" "$work/single"; do
+        mkdir -p "$place/sequences"
+        cp "$root/$sequence" "$place/$sequence"
+    done
     say "one run"
-    (cd "$project" && kinora render -q "$sequence" "${settings[@]}" -o "$work/single/f_##.png" -o "$work/single/f.gif")
+    (cd "$work/single" && kinora render -q "$sequence" "${settings[@]}" "${files[@]}")
+}
+
+# Writes the job for an engine, in about as many tasks.
+export_job() {
+    (cd "$project" && kinora farm export "$1" "$sequence" "${settings[@]}" "${files[@]}" --chunks "$2" --throttle 2)
 }
 
 # Process ids of all renders of the project.
@@ -132,22 +142,35 @@ written() { find "$project" -name 'f_??.png' | wc -l; }
 more_than() { (($(written) > $1)); }
 at_work() { [[ -n $(workers) ]]; }
 
-# Waits until some frames are there, and kills a render that is at work.
-kill_a_worker() {
-    local after=${1:-3} pid
-    await "$job_time" "more than $after frames" more_than "$after"
+# Waits until more than so many frames are there and some are in work.
+await_work() {
+    await "$job_time" "more than $1 frames" more_than "$1"
     await "$job_time" "a render at work" at_work
-    pid=$(workers | shuf -n 1)
-    ((pid)) && kill -KILL "$pid"
-    (($(written) < frames)) || fail "all frames were there before a worker was killed"
-    say "killed a render when $(written) of $frames frames were there"
+}
+
+# Says what happened in the middle, and makes sure that it was the middle.
+middle() {
+    local there
+    there=$(written)
+    ((there < frames)) || fail "$*, but all frames were there already"
+    say "$*, with $there of $frames frames there"
+}
+
+# Kills one of the renders.
+kill_a_render() {
+    local all
+    mapfile -t all < <(workers)
+    kill -KILL "${all[RANDOM % ${#all[@]}]}"
+    middle "killed a render"
 }
 
 # Compares all files of the job with those of the single run.
 compare() {
-    local file
-    for file in "$work"/single/*; do
-        cmp "$file" "$project/$(realpath --relative-to="$work/single" "$file")" || fail "not the bytes of one run"
+    local file all
+    mapfile -t all < <(cd "$work/single" && find . -type f ! -path './sequences/*')
+    ((${#all[@]} == frames + 2)) || fail "one run wrote ${#all[@]} files"
+    for file in "${all[@]}"; do
+        cmp "$work/single/$file" "$project/$file" || fail "$file has not the bytes of one run"
     done
-    say "the same bytes as one run: $(find "$work/single" -type f | wc -l) files"
+    say "passed: ${#all[@]} files with the bytes of one run"
 }

@@ -89,7 +89,6 @@ crash() {
 }
 
 gone() { [[ -z $(squeue --noheader --array) ]]; }
-state() { scontrol show job "$1" 2>/dev/null | grep --only-matching --max-count=1 'JobState=[A-Z]*'; }
 
 prepare
 configure
@@ -98,3 +97,31 @@ start "$folder/slurmctld.log" slurmctld -D
 start_node n1
 start_node n2
 await 30 "two nodes" idle_nodes
+
+export_job slurm 8
+say "$(sbatch --version), two nodes"
+"$project/sequences/hello.slurm-submit.sh" | tee "$work/submitted"
+job=$(grep --only-matching --max-count=1 '[0-9]*' "$work/submitted")
+
+await_work 2
+kill_a_render
+
+# As before the end of its time, or when the task must make room.
+await_work 4
+mapfile -t tasks < <(squeue --noheader --states=running --format=%i)
+scancel --signal=TERM --batch "${tasks[0]}"
+middle "told task ${tasks[0]} to make room"
+
+await_work 6
+until crash n1 || crash n2; do
+    more_than $((frames - 1)) && fail "no node was at work any more"
+    sleep 0.1
+done
+middle "crashed a node"
+
+await "$job_time" "an empty queue" gone
+scontrol show job "$job" | grep --only-matching 'ArrayTaskId=[0-9]*\|JobState=[A-Z]*\|Restarts=[0-9]*' | paste -sd '   \n'
+[[ -f $project/turn.mp4 ]] || fail "nothing was assembled: $(tail -n 3 "$project"/sequences/*logs/*)"
+restarts=$(scontrol show job "$job" | grep --only-matching 'Restarts=[1-9][0-9]*' | wc -l)
+((restarts >= 2)) || fail "only $restarts tasks went back to the queue"
+compare
