@@ -22,6 +22,7 @@ pub mod counters;
 pub mod humane;
 pub mod quote;
 pub mod machine;
+pub mod process;
 pub mod files;
 pub mod filter;
 pub mod film;

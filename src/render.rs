@@ -7,7 +7,7 @@ use crate::film::{Extras, Film, Noise};
 use crate::humane;
 use crate::machine;
 use crate::memory;
-use crate::plan::{self, Effort, Expected, Plan, survey};
+use crate::plan::{self, Effort, Expected, Plan, Room, Shared, run_shared, survey};
 use crate::schedule::{FilmSink, FrameLoop, NoFrame, Stage, Tally};
 use crate::sequence::Sequence;
 use crate::stop::Stop;
@@ -183,8 +183,10 @@ pub fn render_until(
     let missing = encoder.missing();
     meter.frames.fetch_add((request.frames.len() - missing.len()) as u32, Relaxed);
     let mut frames = FrameLoop::with_extras(sequence, extras, encoder, Arc::clone(meter));
-    let (done, expected) =
-        pool.install(|| planned(sequence, request, &missing, extras, &mut frames, stop))?;
+    let (done, expected) = pool.install(|| match request.existing {
+        Existing::Share => shared(sequence, request, &missing, extras, &mut frames, (meter, stop)),
+        _ => planned(sequence, request, &missing, extras, &mut frames, stop),
+    })?;
     if let Some(signal) = stop.signal().filter(|_| done < missing.len()) {
         let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::stop)?;
         let rest = missing[done..].to_vec();
@@ -233,6 +235,24 @@ fn planned<S: FilmSink>(
         bvh_builds: plan.builds(),
     };
     Ok((plan::run(&plan, frames, on)?, Some(forecast)))
+}
+
+/// Makes those of the missing frames that no other process makes. Gives how many were begun; or all, when all are there.
+fn shared(
+    sequence: &Sequence,
+    request: &Request,
+    missing: &[u32],
+    extras: Extras,
+    frames: &mut FrameLoop<Encoder>,
+    (meter, stop): (&Meter, &Stop),
+) -> Result<(usize, Option<Forecast>), NoFrame> {
+    let room = Room::of(sequence, extras, request.reuse.budget(sequence, extras));
+    let there = |others: usize| {
+        meter.frames.fetch_add(others as u32, Relaxed);
+    };
+    let on = || stop.signal().is_none();
+    let Shared { done, complete } = run_shared(&survey(sequence, missing), room, frames, on, there)?;
+    Ok((if complete { missing.len() } else { done }, None))
 }
 
 /// Refuses pictures that do not fit into memory.

@@ -106,6 +106,16 @@ Examples:
   kinora render turn.ron -r 30 --draft               a quick look at another rate";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let done = rendered(arguments);
+    let watched = arguments.settings.options.progress == ProgressMode::OpenJd;
+    if let Some(failure) = done.as_ref().err().filter(|_| watched) {
+        // Whoever watches may be gone; the failure is told once more on the other stream.
+        let _ = terminal::say(&failure.openjd());
+    }
+    done
+}
+
+fn rendered(arguments: &Arguments) -> Result<(), Failure> {
     let options = &arguments.settings.options;
     let loading = loading::Reporter::new(options.progress, options.quiet);
     let (sequence, root) = load::with_files(&arguments.file, options.allow_outside, loading)?;
@@ -125,13 +135,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         own: &sequence.output.files,
         wanted: &arguments.output,
         draft: options.draft,
-        partial: arguments.shard.is_some() || frames.len() < sequence.timeline.frames as usize,
+        partial: arguments.shares() || frames.len() < sequence.timeline.frames as usize,
     };
     let (outputs, note) = run.outputs();
+    if arguments.shares()
+        && let Some(output) = outputs.iter().find(|output| output.is_animation())
+    {
+        return Err(Failure::Bad(no_animation(output)));
+    }
     if let Some(shard) = arguments.shard {
-        if let Some(output) = outputs.iter().find(|output| output.is_animation()) {
-            return Err(Failure::Bad(no_animation(output)));
-        }
         if frames.is_empty() {
             return terminal::say(&format!(
                 "shard {shard} has no frames: there are {}",
@@ -141,14 +153,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let streams = outputs.contains(&Output::Stream);
     let json = options.progress == ProgressMode::Json;
-    if streams && json {
-        let message = "-o - and --progress json both write to the standard output; leave one out";
-        return Err(Failure::Bad(message.to_owned()));
+    let told = match options.progress {
+        ProgressMode::Json => Some("json"),
+        ProgressMode::OpenJd => Some("openjd"),
+        ProgressMode::Auto | ProgressMode::Plain => None,
+    };
+    if let Some(mode) = told.filter(|_| streams) {
+        return Err(Failure::Bad(format!(
+            "-o - and --progress {mode} both write to the standard output; leave one out"
+        )));
     }
     let mut budgeted = None;
-    if arguments.time_limit.is_some() && arguments.shard.is_some() {
-        let message = "--time-limit picks the samples of all frames, and each shard would pick others: find out how many \
-                       there are without --shard, then give them to all shards by --samples";
+    if arguments.time_limit.is_some() && arguments.shares() {
+        let message = "--time-limit picks the samples of all frames, and each process would pick others: find out how many \
+                       there are without --shard and --claim, then give them to all processes by --samples";
         return Err(Failure::Bad(message.to_owned()));
     }
     if let Some(limit) = arguments.time_limit {
@@ -202,19 +220,25 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Why a shard does not write an animation.
+/// Why processes that share the work do not write an animation.
 fn no_animation(output: &Output) -> String {
     format!(
-        "every shard would write all of {output}; let shards write stills (-o f_####.png), and then make it of them \
+        "every process would write all of {output}; let them write stills (-o f_####.png), and then make it of them \
          with `kinora assemble`"
     )
 }
 
 impl Arguments {
+    /// Whether this process makes a part of the frames, and others the rest.
+    fn shares(&self) -> bool {
+        self.shard.is_some() || self.claim
+    }
+
     fn existing(&self) -> Existing {
-        match (self.overwrite, self.fail_if_exists) {
-            (true, _) => Existing::Replace,
-            (_, true) => Existing::Refuse,
+        match (self.overwrite, self.fail_if_exists, self.claim) {
+            (true, ..) => Existing::Replace,
+            (_, true, _) => Existing::Refuse,
+            (.., true) => Existing::Share,
             _ => Existing::Keep,
         }
     }

@@ -67,7 +67,7 @@ pub struct Spoken {
 }
 
 /// Those that are about the process that is told them, not about what it makes.
-const OWN: [&str; 2] = ["quiet", "progress"];
+const OWN: [&str; 3] = ["quiet", "progress", "threads"];
 
 fn words(matches: &ArgMatches) -> Vec<String> {
     let command = Settings::augment_args(Command::new(""));

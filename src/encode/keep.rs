@@ -44,7 +44,7 @@ impl Job {
     /// Looks at all files that are there. Where a stop is asked for, the rest is not looked at.
     pub(super) fn kept(&self, pool: &ThreadPool, stop: &Stop) -> Kept {
         let none = vec![false; self.frames.len()];
-        if self.existing != Existing::Keep {
+        if !matches!(self.existing, Existing::Keep | Existing::Share) {
             return Kept { frames: none, ..Kept::default() };
         }
         if !self.keeps() {
@@ -61,7 +61,7 @@ impl Job {
         Kept { frames, notes: Vec::new() }
     }
 
-    fn keeps_frame(&self, index: usize) -> bool {
+    pub(super) fn keeps_frame(&self, index: usize) -> bool {
         self.outputs.iter().all(|output| {
             let Output::Stills(format, pattern) = output else { return true };
             let path = pattern.path(self.frames[index]);

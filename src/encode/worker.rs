@@ -24,8 +24,6 @@ pub struct Worker {
     /// None once they are finished.
     animations: Option<Animations>,
     report: Report,
-    /// Frames that came.
-    done: usize,
     /// The first frame with pixels that are not numbers.
     first_nan: Option<u32>,
     /// Last, so that what lies in the folders has vanished when they are looked at.
@@ -51,7 +49,7 @@ impl Worker {
         let animations = Some(Animations::start(&job, own_store(&job))?);
         let table = ToneTable::new(job.tonemap);
         let report = Report::default();
-        Ok(Self { job, pool, table, animations, report, done: 0, first_nan: None, folders })
+        Ok(Self { job, pool, table, animations, report, first_nan: None, folders })
     }
 
     /// Adds notes to what the user should know.
@@ -65,8 +63,9 @@ impl Worker {
             let message = messages.recv();
             let start = Instant::now();
             match message {
-                Ok(Message::Film(frame, film)) => self.film(frame, film)?,
-                Ok(Message::Kept(frame)) => self.kept(frame)?,
+                // The claim ends when the files are there.
+                Ok(Message::Film(place, film, _claim)) => self.film(place, film)?,
+                Ok(Message::Kept(place)) => self.kept(place)?,
                 Ok(Message::Finish) => {
                     self.finish()?;
                     self.report.busy += start.elapsed();
@@ -82,8 +81,9 @@ impl Worker {
         }
     }
 
-    fn film(&mut self, frame: u32, film: Film) -> Result<(), EncodeError> {
+    fn film(&mut self, index: usize, film: Film) -> Result<(), EncodeError> {
         let job = Arc::clone(&self.job);
+        let frame = job.frames[index];
         let shown = Shown { about: &job.about, frame, rate: job.rate };
         let (mut picture, nan_pixels) = self.table.develop(&film);
         self.report.nan_pixels += nan_pixels;
@@ -95,8 +95,7 @@ impl Worker {
         }
         let over = picture.alpha.is_some().then(|| picture.over(job.matte));
         let matte = over.as_ref().unwrap_or(&picture);
-        let developed = Developed { index: self.done, shown, film: &film, picture: &picture, matte };
-        self.done += 1;
+        let developed = Developed { index, shown, film: &film, picture: &picture, matte };
         for output in &job.outputs {
             if let Output::Stills(format, pattern) = output {
                 still(&job, *format, &pattern.path(frame), &developed)?;
@@ -109,9 +108,9 @@ impl Worker {
     }
 
     /// Makes of a frame that is there what is not.
-    fn kept(&mut self, frame: u32) -> Result<(), EncodeError> {
+    fn kept(&mut self, index: usize) -> Result<(), EncodeError> {
         let job = Arc::clone(&self.job);
-        self.done += 1;
+        let frame = job.frames[index];
         self.report.kept += 1;
         let silent = |output: &&Output| !job.is_said(output);
         let (Some(pattern), Some(_)) = (job.source(), job.outputs.iter().find(silent)) else { return Ok(()) };

@@ -45,14 +45,25 @@ pub struct Job {
     pub stills: Vec<String>,
     /// Whether these say what they show, so that tasks can tell what others have done and are doing.
     pub claims: bool,
-    /// What follows once all frames are there: the options of one `kinora assemble` each.
-    pub assemblies: Vec<Vec<String>>,
+    /// What follows once all frames are there.
+    pub assemblies: Vec<Assembly>,
     /// Chunks of frames, those first whose films take longest.
     pub classes: Vec<Class>,
     /// Tasks that run at the same time, at most.
     pub throttle: Option<u32>,
     /// Threads of a task.
     pub threads: Option<u32>,
+}
+
+/// Files that are made of frames which are there, by one `kinora assemble`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Assembly {
+    /// The pattern of the frames.
+    pub source: String,
+    /// Which of them, as `--frames` takes them.
+    pub frames: String,
+    pub settings: Vec<String>,
+    pub outputs: Vec<String>,
 }
 
 /// A file of a job.
@@ -90,20 +101,32 @@ impl Job {
 
     /// The command that renders these frames, to be run in `base`.
     pub fn render(&self, frames: &str) -> Vec<String> {
-        let words = ["kinora", "render", &path(&self.sequence), "--frames", frames];
-        let mut words: Vec<String> = words.map(str::to_owned).to_vec();
-        words.extend(self.stills.iter().flat_map(|still| ["-o".to_owned(), still.clone()]));
-        words.extend(self.claims.then(|| "--claim".to_owned()));
-        words.extend(["--expect".to_owned(), self.fingerprint.clone()]);
-        words.extend(self.settings.iter().cloned());
-        words
+        self.render_in(&Plain, frames)
     }
 
     /// The commands that follow when all frames are there, to be run in `base`.
     pub fn assemble(&self) -> impl Iterator<Item = Vec<String>> {
-        self.assemblies.iter().map(|options| {
-            let mut words = vec!["kinora".to_owned(), "assemble".to_owned()];
-            words.extend(options.iter().cloned());
+        self.assemble_in(&Plain)
+    }
+
+    /// The same with names as an engine has them.
+    pub(super) fn render_in(&self, names: &impl Names, frames: &str) -> Vec<String> {
+        let mut words = vec!["kinora".to_owned(), "render".to_owned(), names.sequence(self)];
+        words.extend(["--frames".to_owned(), frames.to_owned()]);
+        words.extend(self.stills.iter().flat_map(|still| ["-o".to_owned(), names.file(still)]));
+        words.extend(self.claims.then(|| "--claim".to_owned()));
+        words.extend(["--expect".to_owned(), self.fingerprint.clone()]);
+        words.extend(self.settings.iter().map(|word| names.word(word)));
+        words
+    }
+
+    pub(super) fn assemble_in(&self, names: &impl Names) -> impl Iterator<Item = Vec<String>> {
+        self.assemblies.iter().map(|assembly| {
+            let Assembly { source, frames, settings, outputs } = assembly;
+            let mut words = vec!["kinora".to_owned(), "assemble".to_owned(), names.file(source)];
+            words.extend(["--of".to_owned(), names.sequence(self), "--frames".to_owned(), frames.clone()]);
+            words.extend(settings.iter().map(|word| names.word(word)));
+            words.extend(outputs.iter().flat_map(|output| ["-o".to_owned(), names.file(output)]));
             words
         })
     }
@@ -113,6 +136,26 @@ impl Job {
         path(&self.folder.join(name))
     }
 }
+
+/// What an engine calls files, and words that it would take for something else.
+pub(super) trait Names {
+    fn sequence(&self, job: &Job) -> String {
+        path(&job.sequence)
+    }
+
+    fn file(&self, name: &str) -> String {
+        name.to_owned()
+    }
+
+    fn word(&self, word: &str) -> String {
+        word.to_owned()
+    }
+}
+
+/// As they are.
+struct Plain;
+
+impl Names for Plain {}
 
 impl Chunk {
     /// Its frames, as `--frames` takes them.

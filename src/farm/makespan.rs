@@ -109,7 +109,10 @@ mod tests {
             let digit = |place: u64| 1 + (case * 2_654_435_761 + place * 40_503 * (case + 7)) / 97 % 23;
             let tasks: Vec<u64> = (0..4 + case % 5).map(digit).collect();
             let (found, best) = (of(&tasks, workers as usize), best(&tasks, &mut vec![0; workers as usize]));
-            assert!(best <= found && 3 * workers * found <= (4 * workers - 1) * best, "{tasks:?}: {found}, {best}");
+            assert!(
+                best <= found && 3 * workers * found <= (4 * workers - 1) * best,
+                "{tasks:?}: {found}, {best}"
+            );
         }
     }
 

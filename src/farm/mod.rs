@@ -21,7 +21,7 @@ mod words;
 
 pub use chunk::{Chunk, Class, Films, classes};
 pub use fingerprint::Fingerprint;
-pub use job::{Engine, Export, Job, JobFile, MARK};
+pub use job::{Assembly, Engine, Export, Job, JobFile, MARK};
 pub use makespan::{Scaling, makespan};
 pub use price::Price;
 pub use words::{command, quoted};

@@ -14,11 +14,8 @@ const PATIENCE: u32 = 90;
 const RESTARTS: u32 = 20;
 
 pub fn export(job: &Job) -> Export {
-    let script = |kind: &str, text: String| JobFile {
-        name: named(job, kind),
-        text,
-        executable: kind == SUBMIT,
-    };
+    let script =
+        |kind: &str, text: String| JobFile { name: named(job, kind), text, executable: kind == SUBMIT };
     let mut files = vec![script(RENDER, render(job)), script(SUBMIT, submit(job))];
     if !job.assemblies.is_empty() {
         files.push(script(ASSEMBLE, assemble(job)));
@@ -74,7 +71,8 @@ fn render(job: &Job) -> String {
     let chunks: Vec<String> = job.chunks().map(|chunk| format!("    {}\n", chunk.set())).collect();
     let throttle = job.throttle.map(|most| format!("%{most}")).unwrap_or_default();
     let array = format!("0-{}{throttle}", chunks.len().saturating_sub(1));
-    let head = head(job, &job.name, "%A_%a.log", Some(array)) + &format!("#SBATCH --signal=B:TERM@{NOTICE}\n");
+    let head =
+        head(job, &job.name, "%A_%a.log", Some(array)) + &format!("#SBATCH --signal=B:TERM@{NOTICE}\n");
     let chunks = chunks.concat();
     let render = command(&job.render(FRAMES));
     format!(

@@ -14,6 +14,7 @@ mod films;
 mod outline;
 mod pilot;
 mod run;
+mod shared;
 mod survey;
 #[cfg(test)]
 mod tests;
@@ -24,6 +25,7 @@ pub use films::{Room, Take};
 pub use outline::{Outline, Span, outline};
 pub use pilot::{Effort, Expected, Nowhere, pilot, shrunk, work};
 pub use run::run;
+pub use shared::{Shared, run_shared};
 pub use survey::{Survey, survey, with_shared};
 
 use crate::film::Extras;
@@ -45,9 +47,7 @@ impl Plan {
     /// is traced by itself.
     pub fn new(sequence: &Sequence, frames: &[u32], extras: Extras, budget: u64) -> Self {
         let survey = survey(sequence, frames);
-        let (width, height) = sequence.output.size;
-        let pixels = u64::from(width) * u64::from(height);
-        let room = Room { pixels, extras: extras.layers() as u64, budget };
+        let room = Room::of(sequence, extras, budget);
         let (takes, of) = films::takes(&survey.frames, &room);
         Self { survey, room, takes, of }
     }

@@ -6,7 +6,7 @@ use crate::cli::render::{fingerprint, frames_of};
 use crate::cli::settings::Spoken;
 use crate::cli::{load, loading, overrides, terminal};
 use crate::encode::{Output, Still, write_file};
-use crate::farm::{Engine, Export, Films, Job, JobFile, MARK, classes};
+use crate::farm::{Assembly, Engine, Export, Films, Job, JobFile, MARK, classes};
 use crate::files::{self, Root, way};
 use crate::filmstrip::spread;
 use crate::frame_set::{self, FrameSet};
@@ -147,7 +147,7 @@ impl Arguments {
             settings: self.spoken.words.clone(),
             frames: frame_set::text(frames),
             stills: stills.iter().map(ToString::to_string).collect(),
-            assemblies: self.assemblies(&file, (&stills, &animations), frames),
+            assemblies: self.assemblies((&stills, &animations), frames),
             classes: classes(&films, self.chunks.map(NonZeroUsize::get)),
             throttle: self.throttle,
             threads: options.threads.map(|threads| threads.get() as u32),
@@ -193,25 +193,18 @@ impl Arguments {
     }
 
     /// What `kinora assemble` is told, for the animations and for the filmstrip.
-    fn assemblies(
-        &self,
-        sequence: &Path,
-        (stills, animations): (&[Output], &[Output]),
-        frames: &[u32],
-    ) -> Vec<Vec<String>> {
+    fn assemblies(&self, (stills, animations): (&[Output], &[Output]), frames: &[u32]) -> Vec<Assembly> {
         let Some(source) = source(stills) else { return Vec::new() };
-        let words = |set: &[u32], outputs: &[Output]| {
-            let sequence = sequence.to_string_lossy().into_owned();
-            let mut words = vec![source.to_string(), "--of".to_owned(), sequence];
-            words.extend(["--frames".to_owned(), frame_set::text(set)]);
-            words.extend(self.spoken.words.iter().filter(|word| is_for_assembly(word)).cloned());
-            words.extend(outputs.iter().flat_map(|output| ["-o".to_owned(), output.to_string()]));
-            words
+        let assembly = |set: &[u32], outputs: &[Output]| Assembly {
+            source: source.to_string(),
+            frames: frame_set::text(set),
+            settings: self.spoken.words.iter().filter(|word| is_for_assembly(word)).cloned().collect(),
+            outputs: outputs.iter().map(ToString::to_string).collect(),
         };
-        let moving = (!animations.is_empty()).then(|| words(frames, animations));
+        let moving = (!animations.is_empty()).then(|| assembly(frames, animations));
         let some: Vec<u32> =
             spread(frames.len() as u32, STRIP).into_iter().map(|index| frames[index as usize]).collect();
-        let strip = self.filmstrip.as_ref().map(|strip| words(&some, std::slice::from_ref(strip)));
+        let strip = self.filmstrip.as_ref().map(|strip| assembly(&some, std::slice::from_ref(strip)));
         moving.into_iter().chain(strip).collect()
     }
 }
@@ -235,7 +228,7 @@ fn beside(file: &Output) -> Result<Output, Failure> {
 /// Settings that are about files of several frames.
 fn is_for_assembly(word: &str) -> bool {
     let name = word.split('=').next().unwrap_or_default();
-    ["--fps", "--quality", "--max-size", "--threads", "--allow-outside"].contains(&name)
+    ["--fps", "--quality", "--max-size", "--allow-outside"].contains(&name)
 }
 
 /// No file may be replaced but a job's.
