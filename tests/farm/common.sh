@@ -28,6 +28,8 @@ skip() {
 
 work=$(mktemp -d "${TMPDIR:-/tmp}/kinora-farm-$engine-XXXXXX")
 project=$work/project
+# The files of one run, which several scripts may share.
+single=${SINGLE:-$work/single}
 # What was started, in order.
 started=()
 
@@ -104,7 +106,7 @@ python_package() {
 
 # What is rendered: small, but long enough that a worker can be met at its work.
 sequence=sequences/hello.ron
-settings=(-r 8 -s 240x180 --antialias 4)
+settings=(-r 8 -s 240x180 --antialias 6)
 files=(-o frames/f_##.png -o turn.gif -o turn.mp4)
 frames=24
 
@@ -114,12 +116,13 @@ prepare() {
     mkdir -p "$work/bin"
     ln -s "$(realpath "$kinora")" "$work/bin/kinora"
     export PATH=$work/bin:$PATH
-    for place in "$project" "$work/single"; do
+    for place in "$project" "$single"; do
         mkdir -p "$place/sequences"
         cp "$root/$sequence" "$place/$sequence"
     done
+    [[ -f $single/turn.mp4 ]] && return
     say "one run"
-    (cd "$work/single" && kinora render -q "$sequence" "${settings[@]}" "${files[@]}")
+    (cd "$single" && kinora render -q "$sequence" "${settings[@]}" "${files[@]}")
 }
 
 # Writes the job for an engine, in about as many tasks.
@@ -129,24 +132,18 @@ export_job() {
 
 # Process ids of all renders of the project.
 workers() {
-    local process
-    for process in /proc/[0-9]*; do
-        if [[ $(readlink "$process/cwd" 2>/dev/null) == "$project"* &&
-            $(tr '\0' ' ' 2>/dev/null <"$process/cmdline") == *"kinora render"* ]]; then
-            basename "$process"
+    local pid
+    for pid in $(pgrep --full 'kinora render '); do
+        if [[ $(readlink "/proc/$pid/cwd") == "$project" && $(readlink "/proc/$pid/exe") == */kinora* ]]; then
+            echo "$pid"
         fi
     done
 }
 
 written() { find "$project" -name 'f_??.png' | wc -l; }
 more_than() { (($(written) > $1)); }
-at_work() { [[ -n $(workers) ]]; }
-
-# Waits until more than so many frames are there and some are in work.
-await_work() {
-    await "$job_time" "more than $1 frames" more_than "$1"
-    await "$job_time" "a render at work" at_work
-}
+# Waits until more than so many frames are there.
+await_frames() { await "$job_time" "more than $1 frames" more_than "$1"; }
 
 # Says what happened in the middle, and makes sure that it was the middle.
 middle() {
@@ -156,21 +153,25 @@ middle() {
     say "$*, with $there of $frames frames there"
 }
 
-# Kills one of the renders.
-kill_a_render() {
+kill_any() {
     local all
     mapfile -t all < <(workers)
-    kill -KILL "${all[RANDOM % ${#all[@]}]}"
+    ((${#all[@]})) && kill -KILL "${all[RANDOM % ${#all[@]}]}"
+}
+
+# Kills one of the renders.
+kill_a_render() {
+    await "$job_time" "a render at work" kill_any
     middle "killed a render"
 }
 
 # Compares all files of the job with those of the single run.
 compare() {
     local file all
-    mapfile -t all < <(cd "$work/single" && find . -type f ! -path './sequences/*')
+    mapfile -t all < <(cd "$single" && find . -type f ! -path './sequences/*')
     ((${#all[@]} == frames + 2)) || fail "one run wrote ${#all[@]} files"
     for file in "${all[@]}"; do
-        cmp "$work/single/$file" "$project/$file" || fail "$file has not the bytes of one run"
+        cmp "$single/$file" "$project/$file" || fail "$file has not the bytes of one run"
     done
     say "passed: ${#all[@]} files with the bytes of one run"
 }

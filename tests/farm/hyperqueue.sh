@@ -32,13 +32,13 @@ first=${started[-1]}
 start "$work/worker-2.log" worker
 await 30 "two workers" workers_there
 
-export_job hyperqueue 8
+export_job hyperqueue 6
 say "$version, two workers"
 cd "$project"
 start "$work/submit.log" submit sequences/hello.hq.toml
 job=${started[-1]}
 
-await_work 4
+await_frames 4
 # The shell's child is the worker.
 pkill -KILL --parent "$first"
 middle "killed a worker"
