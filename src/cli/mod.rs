@@ -21,6 +21,7 @@ mod plan;
 mod poster;
 mod progress;
 mod render;
+mod scaling;
 mod settings;
 mod share;
 mod signals;

@@ -32,7 +32,7 @@ pub struct Chunk {
 pub struct Films(Vec<(Vec<u32>, f64)>);
 
 /// Rays that take as long as a pixel of a frame which is developed, compressed and written.
-const WRITE: f64 = 0.125;
+pub(super) const WRITE: f64 = 0.125;
 
 /// Work that is worth a task of its own: about a second of one processor, some ten times what it takes to start one.
 const WORTH: f64 = (1 << 22) as f64;

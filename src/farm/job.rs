@@ -19,6 +19,9 @@ pub enum Engine {
 /// Stands in every file of a job, so that no other file is taken for one and replaced.
 pub const MARK: &str = "Written by kinora farm export";
 
+/// The option for the number of threads, as settings have it, if they have it.
+pub const THREADS: &str = "--threads=";
+
 /// A sequence as a job. Its paths are relative to `base`, the folder in which the commands run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {

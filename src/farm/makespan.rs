@@ -23,9 +23,45 @@ pub fn makespan(tasks: &[Duration], workers: NonZeroUsize) -> Duration {
     last
 }
 
+/// What so many workers make of a job.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scaling {
+    pub workers: NonZeroUsize,
+    /// From the start of the first task to the end of the last.
+    pub makespan: Duration,
+    /// How many times sooner they are done than one process that renders everything.
+    pub speedup: f64,
+    /// The same as a share of what as many times as there are workers would be.
+    pub efficiency: f64,
+}
+
+impl Scaling {
+    /// Of tasks that take so long, and `alone` in one process.
+    pub fn of(tasks: &[Duration], alone: Duration, workers: NonZeroUsize) -> Self {
+        let makespan = makespan(tasks, workers);
+        let speedup = if makespan.is_zero() { 1.0 } else { alone.as_secs_f64() / makespan.as_secs_f64() };
+        Self { workers, makespan, speedup, efficiency: speedup / workers.get() as f64 }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Of 4 tasks of 3 s each, of which 1 s is to start it.
+    #[test]
+    fn what_every_task_has_to_start_costs_efficiency() {
+        let tasks = [Duration::from_secs(3); 4];
+        let scaling = |workers| {
+            let workers = NonZeroUsize::new(workers).expect("a worker");
+            let scaling = Scaling::of(&tasks, Duration::from_secs(9), workers);
+            (scaling.makespan.as_secs(), scaling.speedup, scaling.efficiency)
+        };
+        assert_eq!(scaling(1), (12, 0.75, 0.75));
+        assert_eq!(scaling(3), (6, 1.5, 0.5));
+        assert_eq!(scaling(10_000), (3, 3.0, 3.0 / 10_000.0));
+        assert_eq!(Scaling::of(&[], Duration::ZERO, NonZeroUsize::MIN).efficiency, 1.0);
+    }
 
     fn of(tasks: &[u64], workers: usize) -> u64 {
         let tasks: Vec<Duration> = tasks.iter().map(|&task| Duration::from_secs(task)).collect();

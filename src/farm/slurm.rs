@@ -1,7 +1,7 @@
 //! Jobs for Slurm: an array of tasks, a job that depends on it, and the script that submits both.
 
-use super::job::{Export, Job, JobFile, MARK};
-use super::words::{command, quoted};
+use super::job::{Export, Job, JobFile, MARK, THREADS};
+use super::words::quoted;
 use std::path::Path;
 
 /// Seconds before the end of its time at which a task is told, and after which a frame that is still in hand is given
@@ -74,8 +74,7 @@ fn render(job: &Job) -> String {
     let head =
         head(job, &job.name, "%A_%a.log", Some(array)) + &format!("#SBATCH --signal=B:TERM@{NOTICE}\n");
     let chunks = chunks.concat();
-    let word = |word: &String| if word == FRAMES { "\"$frames\"".to_owned() } else { quoted(word) };
-    let command = job.render(FRAMES).iter().map(word).collect::<Vec<_>>().join(" ");
+    let render = command(&job.render(FRAMES));
     format!(
         r#"{head}
 # What each task renders; those that should take longest come first.
@@ -92,8 +91,7 @@ make_room() {{
 }} 2>/dev/null
 trap make_room TERM
 
-{command} \
-    --threads "${{SLURM_CPUS_PER_TASK:-1}}" &
+{render} &
 render=$!
 wait "$render"
 code=$?
@@ -115,6 +113,13 @@ exit "$code"
 
 /// Stands for the frames of a task. No word of a command line holds it.
 const FRAMES: &str = "\0";
+
+/// A command with as many threads as its task is given processors.
+fn command(words: &[String]) -> String {
+    let word = |word: &String| if word == FRAMES { "\"$frames\"".to_owned() } else { quoted(word) };
+    let words: Vec<String> = words.iter().filter(|word| !word.starts_with(THREADS)).map(word).collect();
+    format!("{} \\\n    {THREADS}\"${{SLURM_CPUS_PER_TASK:-1}}\"", words.join(" "))
+}
 
 fn assemble(job: &Job) -> String {
     let head = head(job, &format!("{}-assemble", job.name), "%j-assemble.log", None);

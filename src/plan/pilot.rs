@@ -36,7 +36,8 @@ impl Effort {
     pub const PLAN: Self = Self { frames: 24, samples: 1 << 14 };
 }
 
-struct Nowhere;
+/// Takes films that nobody wants.
+pub struct Nowhere;
 
 impl FilmSink for Nowhere {
     fn push(&mut self, _frame: u32, _film: Film) -> Result<(), EncodeError> {
@@ -113,10 +114,9 @@ struct Trial {
 /// Traces some of the films with a small part of their samples: each of them stands for as many that are its neighbours.
 fn trials(sequence: &Sequence, films: &[(&Look, Vec<LayerId>)], effort: Effort) -> Option<Vec<Trial>> {
     let chosen = films.len().min(effort.frames);
-    let mut small = sequence.clone();
     let trial = |index: usize| {
         let (look, lit) = &films[(2 * index + 1) * films.len() / (2 * chosen)];
-        shrink(&mut small, sequence, look, effort.samples);
+        let small = shrunk(sequence, look, effort.samples);
         let mut frames = FrameLoop::new(&small, Nowhere, Arc::new(Meter::default()));
         frames.trace(look, lit).ok()?;
         let rays = frames.tally().counts.rays.total() as f64;
@@ -125,9 +125,9 @@ fn trials(sequence: &Sequence, films: &[(&Look, Vec<LayerId>)], effort: Effort) 
     (0..chosen).map(trial).collect()
 }
 
-/// Leaves so many samples of a frame, spread over as many pixels as there are.
-fn shrink(small: &mut Sequence, sequence: &Sequence, look: &Look, samples: u64) {
-    small.quality = sequence.quality;
+/// A sequence of which a frame has so many samples, spread over as many pixels as there are.
+pub fn shrunk(sequence: &Sequence, look: &Look, samples: u64) -> Sequence {
+    let mut small = sequence.clone();
     small.quality.antialias = 1;
     small.quality.samples = sequence.quality.samples.min(look.moments);
     let (width, height) = sequence.output.size;
@@ -135,4 +135,5 @@ fn shrink(small: &mut Sequence, sequence: &Sequence, look: &Look, samples: u64) 
     let share = (pixels as f64 / (f64::from(width) * f64::from(height))).sqrt().min(1.0);
     let side = |whole: u32| ((f64::from(whole) * share).round() as u32).clamp(1, whole);
     small.output.size = (side(width), side(height));
+    small
 }

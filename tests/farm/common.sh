@@ -28,6 +28,8 @@ skip() {
 
 work=$(mktemp -d "${TMPDIR:-/tmp}/kinora-farm-$engine-XXXXXX")
 project=$work/project
+# The files of one run, which several scripts may share.
+single=${SINGLE:-$work/single}
 # What was started, in order.
 started=()
 
@@ -103,51 +105,73 @@ python_package() {
 }
 
 # What is rendered: small, but long enough that a worker can be met at its work.
-settings=(-r 8 -s 240x180 --antialias 4)
 sequence=sequences/hello.ron
+settings=(-r 8 -s 240x180 --antialias 6)
+files=(-o frames/f_##.png -o turn.gif -o turn.mp4)
 frames=24
 
 # Lays a project with the sequence, and renders it in one run beside it.
 prepare() {
-    mkdir -p "$project/sequences" "$work/bin" "$work/single"
-    cp "$root/$sequence" "$project/$sequence"
+    local place
+    mkdir -p "$work/bin"
     ln -s "$(realpath "$kinora")" "$work/bin/kinora"
     export PATH=$work/bin:$PATH
+    for place in "$project" "$single"; do
+        mkdir -p "$place/sequences"
+        cp "$root/$sequence" "$place/$sequence"
+    done
+    [[ -f $single/turn.mp4 ]] && return
     say "one run"
-    (cd "$project" && kinora render -q "$sequence" "${settings[@]}" -o "$work/single/f_##.png" -o "$work/single/f.gif")
+    (cd "$single" && kinora render -q "$sequence" "${settings[@]}" "${files[@]}")
+}
+
+# Writes the job for an engine, in about as many tasks.
+export_job() {
+    (cd "$project" && kinora farm export "$1" "$sequence" "${settings[@]}" "${files[@]}" --chunks "$2" --throttle 2)
 }
 
 # Process ids of all renders of the project.
 workers() {
-    local process
-    for process in /proc/[0-9]*; do
-        if [[ $(readlink "$process/cwd" 2>/dev/null) == "$project"* &&
-            $(tr '\0' ' ' 2>/dev/null <"$process/cmdline") == *"kinora render"* ]]; then
-            basename "$process"
+    local pid
+    for pid in $(pgrep --full 'kinora render '); do
+        if [[ $(readlink "/proc/$pid/cwd") == "$project" && $(readlink "/proc/$pid/exe") == */kinora* ]]; then
+            echo "$pid"
         fi
     done
 }
 
 written() { find "$project" -name 'f_??.png' | wc -l; }
 more_than() { (($(written) > $1)); }
-at_work() { [[ -n $(workers) ]]; }
+# Waits until more than so many frames are there.
+await_frames() { await "$job_time" "more than $1 frames" more_than "$1"; }
 
-# Waits until some frames are there, and kills a render that is at work.
-kill_a_worker() {
-    local after=${1:-3} pid
-    await "$job_time" "more than $after frames" more_than "$after"
-    await "$job_time" "a render at work" at_work
-    pid=$(workers | shuf -n 1)
-    ((pid)) && kill -KILL "$pid"
-    (($(written) < frames)) || fail "all frames were there before a worker was killed"
-    say "killed a render when $(written) of $frames frames were there"
+# Says what happened in the middle, and makes sure that it was the middle.
+middle() {
+    local there
+    there=$(written)
+    ((there < frames)) || fail "$*, but all frames were there already"
+    say "$*, with $there of $frames frames there"
+}
+
+kill_any() {
+    local all
+    mapfile -t all < <(workers)
+    ((${#all[@]})) && kill -KILL "${all[RANDOM % ${#all[@]}]}"
+}
+
+# Kills one of the renders.
+kill_a_render() {
+    await "$job_time" "a render at work" kill_any
+    middle "killed a render"
 }
 
 # Compares all files of the job with those of the single run.
 compare() {
-    local file
-    for file in "$work"/single/*; do
-        cmp "$file" "$project/$(realpath --relative-to="$work/single" "$file")" || fail "not the bytes of one run"
+    local file all
+    mapfile -t all < <(cd "$single" && find . -type f ! -path './sequences/*')
+    ((${#all[@]} == frames + 2)) || fail "one run wrote ${#all[@]} files"
+    for file in "${all[@]}"; do
+        cmp "$single/$file" "$project/$file" || fail "$file has not the bytes of one run"
     done
-    say "the same bytes as one run: $(find "$work/single" -type f | wc -l) files"
+    say "passed: ${#all[@]} files with the bytes of one run"
 }

@@ -89,7 +89,6 @@ crash() {
 }
 
 gone() { [[ -z $(squeue --noheader --array) ]]; }
-state() { scontrol show job "$1" 2>/dev/null | grep --only-matching --max-count=1 'JobState=[A-Z]*'; }
 
 prepare
 configure
@@ -98,3 +97,35 @@ start "$folder/slurmctld.log" slurmctld -D
 start_node n1
 start_node n2
 await 30 "two nodes" idle_nodes
+
+export_job slurm 6
+say "$(sbatch --version), two nodes"
+"$project/sequences/hello.slurm-submit.sh" | tee "$work/submitted"
+job=$(grep --only-matching --max-count=1 '[0-9]*' "$work/submitted")
+
+await_frames 2
+kill_a_render
+
+# As before the end of its time, or when the task must make room.
+await_frames 4
+tell_any() {
+    local render
+    render=$(workers | shuf -n 1)
+    task=$(tr '\0' '\n' <"/proc/$render/environ" | sed -n 's/^SLURM_JOB_ID=//p')
+    # It would try again for minutes if the task has just ended.
+    [[ $task ]] && timeout 2 scancel --quiet --signal=TERM --batch "$task"
+}
+await "$job_time" "a task at work" tell_any
+middle "told job $task to make room"
+
+await_frames 7
+crash_any() { crash n1 || crash n2; }
+await "$job_time" "a node at work" crash_any
+middle "crashed a node"
+
+await "$job_time" "an empty queue" gone
+scontrol show job "$job" | grep --only-matching 'ArrayTaskId=[0-9]*\|JobState=[A-Z]*\|Restarts=[0-9]*' | paste -sd '   \n'
+[[ -f $project/turn.mp4 ]] || fail "nothing was assembled: $(tail -n 3 "$project"/sequences/*logs/*)"
+restarts=$(scontrol show job "$job" | grep --only-matching 'Restarts=[1-9][0-9]*' | wc -l)
+((restarts >= 2)) || fail "only $restarts tasks went back to the queue"
+compare
