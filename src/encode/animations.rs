@@ -1,5 +1,6 @@
 //! All animations of a run, fed with the same pictures.
 
+use super::atomic::part_of;
 use super::error::EncodeError;
 use super::gif::Animation;
 use super::job::Job;
@@ -92,6 +93,16 @@ impl Animations {
                 notes.extend(pool.install(|| animation.write(|index| store.get(index)))?);
             }
         }
+        notes.extend(job.outputs.iter().filter_map(|output| left_part(output, job)));
         Ok(notes)
     }
+}
+
+/// Tells of a part that an earlier run has left beside a whole animation. It may be wanted, and stays.
+fn left_part(output: &Output, job: &Job) -> Option<String> {
+    let Output::Movie(_, path) = output else { return None };
+    let part = part_of(path);
+    let own = job.outputs.iter().any(|other| matches!(other, Output::Movie(_, path) if *path == part));
+    let there = !own && part.is_file();
+    there.then(|| format!("{} holds a part of this animation, of an earlier run, and may go", part.display()))
 }

@@ -3,7 +3,7 @@
 use super::fault::Fault;
 use super::node::File;
 use super::suggest::shortened;
-use super::values::{LARGEST, SHORTEST};
+use super::values::{LARGEST, MOST_MOMENTS, SHORTEST};
 use super::{Named, Object};
 use crate::math::{DAffine3, DVec3};
 use crate::time::{Time, Timeline};
@@ -84,6 +84,7 @@ pub fn report_out_of_range(
         std::iter::successors(Some(index), |&at| objects.get(at)?.value.parent).map(|at| &objects[at].value)
     };
     let mut out = vec![false; objects.len()];
+    let mut left = MOST_MOMENTS;
     for (index, span) in spans(objects) {
         let inherited = objects[index].value.parent.is_some_and(|parent| out[parent]);
         if inherited || span.is_safe() {
@@ -94,6 +95,12 @@ pub fn report_out_of_range(
             |time: Time| Some((time, fault_of(chain(index).map(|object| object.transform.at(time)))?));
         let still = chain(index).all(|object| !object.transform.is_keyed());
         let frames = if still { 1 } else { timeline.frames };
+        let looks = u64::from(frames).saturating_mul(chain(index).count() as u64);
+        let Some(rest) = left.checked_sub(looks) else {
+            file.push(too_near(&objects[index], frames, places.get(index).cloned().unwrap_or_default()));
+            return;
+        };
+        left = rest;
         // Keys are where values are largest; they may lie between frames, where shutters are open or another rate looks.
         let keys = chain(index).flat_map(|object| key_times(&object.transform));
         let within = keys.filter(|time| *time > Time::from_integer(0) && *time < timeline.duration);
@@ -105,6 +112,14 @@ pub fn report_out_of_range(
             file.push(fault(&objects[index], what, &when, place, time));
         }
     }
+}
+
+/// An object of which it would take too long to tell.
+fn too_near(object: &Named<Object>, frames: u32, place: TransformPlace) -> Fault {
+    let name = shortened(&object.name);
+    let title = format!("object `{name}` is scaled or moved too near to 1e-30 or 1e30 for {frames} frames");
+    Fault::new(place.scale, title, "it would take too long to look at every frame")
+        .help("stay farther from these limits with `scale` and `translation` of the object and its parents")
 }
 
 /// When the scale and the translation have keys.

@@ -49,12 +49,18 @@ pub struct Animation {
     histogram: Histogram,
 }
 
+const LIMIT: &str = "a GIF ends at 65535x65535";
+
+/// What keeps pictures of this size from being GIFs.
+pub fn limit((width, height): (u32, u32)) -> Option<&'static str> {
+    (width.max(height) > u16::MAX.into()).then_some(LIMIT)
+}
+
 impl Animation {
     /// The animation of a job's frames as the GIF file `path`.
     pub fn new(path: &Path, job: &Job) -> Result<Self, JobError> {
         let (Ok(width), Ok(height)) = (u16::try_from(job.size.0), u16::try_from(job.size.1)) else {
-            let limit = "a GIF ends at 65535x65535";
-            return Err(JobError::TooLarge { path: path.to_path_buf(), size: job.size, limit });
+            return Err(JobError::TooLarge { path: path.to_path_buf(), size: job.size, limit: LIMIT });
         };
         let Some(shots) = timing::shots(job.frames.len(), job.rate) else {
             return Err(JobError::TooLong { path: path.to_path_buf() });
