@@ -17,7 +17,7 @@ mod statistics;
 mod studio;
 
 pub use budget::{Budget, budget};
-pub use clock::processor_time;
+pub use clock::{Took, processor_time, timed};
 pub use findings::{Advice, described, factor, percent, seconds};
 pub use measure::{Layer, Measured, Point, Request, measure};
 pub use settings::{Axis, LeftOut, Setting, Settings};

@@ -3,6 +3,7 @@
 use super::about::Shown;
 use super::animations::Animations;
 use super::atomic::{Aside, NewFolders};
+use super::claim::Claim;
 use super::commits::Commits;
 use super::develop::{ToneTable, develop_deep};
 use super::error::EncodeError;
@@ -26,8 +27,6 @@ pub struct Worker {
     animations: Option<Animations>,
     commits: Commits,
     report: Report,
-    /// Frames that came.
-    done: usize,
     /// The first frame with pixels that are not numbers.
     first_nan: Option<u32>,
     /// Last, so that what lies in the folders has vanished when they are looked at.
@@ -53,7 +52,7 @@ impl Worker {
         let animations = Some(Animations::start(&job, own_store(&job))?);
         let table = ToneTable::new(job.tonemap);
         let (commits, report) = Default::default();
-        Ok(Self { job, pool, table, animations, commits, report, done: 0, first_nan: None, folders })
+        Ok(Self { job, pool, table, animations, commits, report, first_nan: None, folders })
     }
 
     /// Adds notes to what the user should know.
@@ -67,8 +66,8 @@ impl Worker {
             let message = messages.recv();
             let start = Instant::now();
             match message {
-                Ok(Message::Film(frame, film)) => self.film(frame, film)?,
-                Ok(Message::Kept(frame)) => self.kept(frame)?,
+                Ok(Message::Film(place, film, claim)) => self.film(place, film, claim.as_ref())?,
+                Ok(Message::Kept(place)) => self.kept(place)?,
                 Ok(Message::Finish) => {
                     self.finish()?;
                     self.report.busy += start.elapsed();
@@ -84,8 +83,9 @@ impl Worker {
         }
     }
 
-    fn film(&mut self, frame: u32, film: Film) -> Result<(), EncodeError> {
+    fn film(&mut self, index: usize, film: Film, claim: Option<&Arc<Claim>>) -> Result<(), EncodeError> {
         let job = Arc::clone(&self.job);
+        let frame = job.frames[index];
         let shown = Shown { about: &job.about, frame, rate: job.rate };
         let (mut picture, nan_pixels) = self.table.develop(&film);
         self.report.nan_pixels += nan_pixels;
@@ -97,11 +97,11 @@ impl Worker {
         }
         let over = picture.alpha.is_some().then(|| picture.over(job.matte));
         let matte = over.as_ref().unwrap_or(&picture);
-        let developed = Developed { index: self.done, shown, film: &film, picture: &picture, matte };
-        self.done += 1;
+        let developed = Developed { index, shown, film: &film, picture: &picture, matte };
         for output in &job.outputs {
             if let Output::Stills(format, pattern) = output {
-                self.commits.push(still(&job, *format, &pattern.path(frame), &developed)?)?;
+                let file = still(&job, *format, &pattern.path(frame), &developed)?;
+                self.commits.push(file, claim.cloned())?;
             }
         }
         match &mut self.animations {
@@ -111,9 +111,9 @@ impl Worker {
     }
 
     /// Makes of a frame that is there what is not.
-    fn kept(&mut self, frame: u32) -> Result<(), EncodeError> {
+    fn kept(&mut self, index: usize) -> Result<(), EncodeError> {
         let job = Arc::clone(&self.job);
-        self.done += 1;
+        let frame = job.frames[index];
         self.report.kept += 1;
         let silent = |output: &&Output| !job.is_said(output);
         let (Some(pattern), Some(_)) = (job.source(), job.outputs.iter().find(silent)) else { return Ok(()) };
@@ -123,10 +123,10 @@ impl Worker {
             match output {
                 Output::Stills(Still::Jpeg, pattern) => {
                     let path = pattern.path(frame);
-                    self.commits.push(jpeg::write(&path, &matte, job.formats.jpeg.quality)?)?;
+                    self.commits.push(jpeg::write(&path, &matte, job.formats.jpeg.quality)?, None)?;
                 }
                 Output::Stills(Still::Ppm, pattern) => {
-                    self.commits.push(ppm::write(&pattern.path(frame), &matte)?)?;
+                    self.commits.push(ppm::write(&pattern.path(frame), &matte)?, None)?;
                 }
                 _ => {}
             }

@@ -16,6 +16,7 @@ mod reuse;
 mod outputs;
 mod runs;
 mod interruptions;
+mod farm;
 mod limits;
 mod files;
 mod animation;
