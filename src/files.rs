@@ -1,8 +1,10 @@
 //! Files that are read: plain ones, up to a size, and inside one folder.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Why nothing can be read from where no file is.
 pub const NO_FILE: &str = "there is no such file";
@@ -45,16 +47,22 @@ fn too_large(most: u64) -> io::Error {
     io::Error::new(ErrorKind::FileTooLarge, format!("it is larger than {most}"))
 }
 
-/// The folder in which all files lie that a sequence may name, wherever `..` and links lead; or none.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Root(Option<PathBuf>);
+/// The folder in which all files lie that a sequence may name, wherever `..` and links lead; or none. It remembers which
+/// files it has admitted.
+#[derive(Clone, Debug, Default)]
+pub struct Root {
+    folder: Option<PathBuf>,
+    admitted: Arc<Mutex<BTreeSet<PathBuf>>>,
+}
 
 /// The folder that marks a project: its parent is the root.
 const MARK: &str = "assets";
 
 impl Root {
     /// Files may lie anywhere.
-    pub const ANYWHERE: Self = Self(None);
+    pub fn anywhere() -> Self {
+        Self::default()
+    }
 
     /// The root of a sequence in `folder`: the nearest folder, from this one upwards, that holds one called `assets`;
     /// else this one.
@@ -63,7 +71,7 @@ impl Root {
         // A folder that does not exist holds no files either, and keeps its name.
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
         let marked = folder.ancestors().find(|above| above.join(MARK).is_dir());
-        Self(Some(marked.unwrap_or(&folder).to_owned()))
+        Self { folder: Some(marked.unwrap_or(&folder).to_owned()), admitted: Arc::default() }
     }
 
     /// The one name among the many of a file that is there.
@@ -72,14 +80,40 @@ impl Root {
     /// No such file, or one outside of the root.
     pub fn admit(&self, path: &Path) -> io::Result<PathBuf> {
         let path = path.canonicalize()?;
-        match &self.0 {
+        match &self.folder {
             Some(root) if !path.starts_with(root) => {
                 let root = root.display();
                 Err(io::Error::other(format!("it lies outside of {root}; --allow-outside lets it be read")))
             }
-            _ => Ok(path),
+            _ => {
+                self.names().insert(path.clone());
+                Ok(path)
+            }
         }
     }
+
+    /// The folder, if files may not lie anywhere.
+    pub fn folder(&self) -> Option<&Path> {
+        self.folder.as_deref()
+    }
+
+    /// The files that were admitted so far, in the order of their names.
+    pub fn admitted(&self) -> Vec<PathBuf> {
+        self.names().iter().cloned().collect()
+    }
+
+    fn names(&self) -> MutexGuard<'_, BTreeSet<PathBuf>> {
+        self.admitted.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The way from one folder to another, both of which are there: empty if they are one.
+pub fn way(from: &Path, to: &Path) -> io::Result<PathBuf> {
+    let whole = |path: &Path| if path.as_os_str().is_empty() { Path::new(".") } else { path }.canonicalize();
+    let (from, to) = (whole(from)?, whole(to)?);
+    let shared = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
+    let up = from.components().skip(shared).map(|_| Component::ParentDir);
+    Ok(up.chain(to.components().skip(shared)).collect())
 }
 
 /// What is wrong, the commonest in words that are the same on every system.
@@ -123,14 +157,14 @@ mod tests {
         for folder in ["assets", "a/b", "c/assets", "c/d"] {
             fs::create_dir_all(top.join(folder)).expect("a disk");
         }
-        let root = |folder: &str| Root::of(&top.join(folder));
-        assert_eq!(root("a/b"), Root(Some(top.clone())));
-        assert_eq!(root("c/d/../d"), Root(Some(top.join("c"))));
+        let root = |folder: &str| Root::of(&top.join(folder)).folder().map(Path::to_owned);
+        assert_eq!(root("a/b"), Some(top.clone()));
+        assert_eq!(root("c/d/../d"), Some(top.join("c")));
         // A file is no folder; and what is not there has no root above it.
         fs::remove_dir(top.join("assets")).expect("a disk");
         fs::write(top.join("a/assets"), "").expect("a disk");
-        assert_eq!(root("a/b"), Root(Some(top.join("a/b"))));
-        assert_eq!(root("none"), Root(Some(top.join("none"))));
+        assert_eq!(root("a/b"), Some(top.join("a/b")));
+        assert_eq!(root("none"), Some(top.join("none")));
     }
 
     #[cfg(unix)]
@@ -157,11 +191,45 @@ mod tests {
         ] {
             let admitted = root.admit(&top.join(name));
             assert_eq!(admitted.is_ok(), good, "{name}");
-            assert!(Root::ANYWHERE.admit(&top.join(name)).is_ok());
+            assert!(Root::anywhere().admit(&top.join(name)).is_ok());
             let told = admitted.map_err(|error| why(&error)).err();
             assert!(good || told.is_some_and(|told| told.contains("--allow-outside")), "{name}");
         }
         assert_eq!(why(&root.admit(&top.join("none")).expect_err("no file")), NO_FILE);
+    }
+
+    #[test]
+    fn ways_lead_up_and_down() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let top = dir.path();
+        fs::create_dir_all(top.join("a/b")).expect("a disk");
+        fs::create_dir_all(top.join("c")).expect("a disk");
+        let told = |from: &str, to: &str| way(&top.join(from), &top.join(to)).expect("folders");
+        for (from, to, expected) in [
+            ("a", "a", ""),
+            ("a", "a/b", "b"),
+            ("a/b", "a", ".."),
+            ("a/b", "c", "../../c"),
+            ("a/../c", "a", "../a"),
+        ] {
+            assert_eq!(told(from, to), Path::new(expected));
+        }
+        assert!(way(top, &top.join("none")).is_err());
+    }
+
+    #[test]
+    fn a_root_remembers_what_it_admits() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let top = dir.path().canonicalize().expect("a folder");
+        for name in ["b", "a"] {
+            fs::write(top.join(name), "").expect("a disk");
+        }
+        let root = Root::of(&top);
+        let copy = root.clone();
+        for name in ["b", "a", "./b", "none", ".."] {
+            let _ = copy.admit(&top.join(name));
+        }
+        assert_eq!(root.admitted(), [top.join("a"), top.join("b")]);
     }
 
     #[cfg(unix)]

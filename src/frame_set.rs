@@ -78,6 +78,26 @@ impl FromStr for FrameSet {
     }
 }
 
+/// Rising frames as a text that reads as these: ranges, with steps where they have some.
+pub fn text(frames: &[u32]) -> String {
+    let mut parts = Vec::new();
+    let mut rest = frames;
+    while let [first, after @ ..] = rest {
+        let step = after.first().map_or(1, |second| second - first);
+        let count = 1 + rest.windows(2).take_while(|pair| pair[1] - pair[0] == step).count();
+        // Two that are apart are no range.
+        let count = if count == 2 && step > 1 { 1 } else { count };
+        let last = rest[count - 1];
+        parts.push(match (count, step) {
+            (1, _) => first.to_string(),
+            (_, 1) => format!("{first}-{last}"),
+            _ => format!("{first}-{last}:{step}"),
+        });
+        rest = &rest[count..];
+    }
+    parts.join(",")
+}
+
 /// One part between commas: a frame, or a range that may have a step.
 fn steps(part: &str) -> Result<Steps, FrameSetError> {
     let (range, step) = match part.split_once([':', 'x']) {

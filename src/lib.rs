@@ -20,7 +20,9 @@ pub mod color;
 pub mod track;
 pub mod counters;
 pub mod humane;
+pub mod quote;
 pub mod machine;
+pub mod process;
 pub mod files;
 pub mod filter;
 pub mod film;
@@ -62,6 +64,7 @@ pub mod render;
 pub mod filmstrip;
 pub mod assemble;
 pub mod accuracy;
+pub mod farm;
 pub mod cli;
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use crate::film::{Extras, Film, Noise};
 use crate::humane;
 use crate::machine;
 use crate::memory;
-use crate::plan::{self, Effort, Expected, Plan, Survey, survey, survey_until};
+use crate::plan::{self, Effort, Expected, Plan, Room, Shared, Survey, run_shared, survey, survey_until};
 use crate::quality::Quality;
 use crate::schedule::{FilmSink, FrameLoop, Look, NoFrame, Stage, Tally};
 use crate::sequence::Sequence;
@@ -231,8 +231,11 @@ pub fn render_until(
     meter.frames.fetch_add((request.frames.len() - missing.len()) as u32, Relaxed);
     let mut frames = FrameLoop::with_extras(sequence, extras, encoder, Arc::clone(meter));
     let before = machine::processor_time();
-    let (done, expected) =
-        pool.install(|| planned(sequence, request, survey.only(&missing), extras, &mut frames, stop))?;
+    let survey = survey.only(&missing);
+    let (done, expected) = pool.install(|| match request.existing {
+        Existing::Share => shared(sequence, request, &survey, &mut frames, (meter, stop)),
+        _ => planned(sequence, request, survey, extras, &mut frames, stop),
+    })?;
     let after = machine::processor_time();
     if let Some(signal) = stop.signal().filter(|_| done < missing.len()) {
         let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::stop)?;
@@ -289,6 +292,24 @@ fn planned<S: FilmSink>(
     Ok((plan::run(&plan, frames, on)?, Some(forecast)))
 }
 
+/// Makes those of the missing frames that no other process makes. Gives how many were begun; or all, when all are there.
+fn shared(
+    sequence: &Sequence,
+    request: &Request,
+    survey: &Survey,
+    frames: &mut FrameLoop<Encoder>,
+    (meter, stop): (&Meter, &Stop),
+) -> Result<(usize, Option<Forecast>), NoFrame> {
+    let extras = extras(sequence, &request.outputs);
+    let room = Room::of(sequence, extras, request.reuse.budget(sequence, extras));
+    let there = |others: usize| {
+        meter.frames.fetch_add(others as u32, Relaxed);
+    };
+    let on = || stop.signal().is_none();
+    let Shared { done, complete } = run_shared(survey, room, frames, on, there)?;
+    Ok((if complete { survey.frames.len() } else { done }, None))
+}
+
 /// Finds what a render would refuse before its first frame: a picture that does not fit into memory, or outputs that
 /// cannot be written. Nothing is touched.
 pub fn check(sequence: &Sequence, request: &Request) -> Result<(), RenderError> {
@@ -323,7 +344,7 @@ pub fn settled(sequence: &Sequence, request: &Request) -> Option<Quality> {
     })
 }
 
-fn job(sequence: &Sequence, request: &Request, survey: &Survey) -> Job {
+pub(crate) fn job(sequence: &Sequence, request: &Request, survey: &Survey) -> Job {
     let output = &sequence.output;
     // By what they look like, those are found that are there.
     let seen = |look: &Look| Seen { radiance: look.radiance(), exposure: look.exposure, random: look.random };

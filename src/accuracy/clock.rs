@@ -1,6 +1,7 @@
 //! How long something takes: on the wall, and in time of processors, which others on the machine disturb less.
 
 use crate::machine::processor_time;
+use std::ops::Sub;
 use std::time::Instant;
 
 /// By what tracing is timed.
@@ -31,6 +32,29 @@ impl Clock {
                 Took { wall: seconds, cpu: Some(seconds) }
             }
         }
+    }
+}
+
+impl Took {
+    /// What one thread alone is at work, however busy the machine is: the processors' time, unless several threads shared
+    /// the work.
+    pub fn alone(self) -> f64 {
+        self.cpu.map_or(self.wall, |cpu| cpu.min(self.wall))
+    }
+
+    /// What so many threads are at work together.
+    pub fn on(self, threads: usize) -> f64 {
+        self.cpu.map_or(self.wall, |cpu| cpu / threads as f64)
+    }
+}
+
+impl Sub for Took {
+    type Output = Self;
+
+    /// What is left without a part of it.
+    fn sub(self, part: Self) -> Self {
+        let cpu = self.cpu.zip(part.cpu).map(|(all, part)| (all - part).max(0.0));
+        Self { wall: (self.wall - part.wall).max(0.0), cpu }
     }
 }
 

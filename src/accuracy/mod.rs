@@ -20,7 +20,7 @@ mod statistics;
 mod studio;
 
 pub use budget::{Budget, budget};
-pub use clock::Clock;
+pub use clock::{Clock, Took, timed};
 pub use findings::{Advice, described, factor, percent, seconds};
 pub use layering::Layering;
 pub use measure::{Layer, Measured, Point, Request, measure};

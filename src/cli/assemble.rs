@@ -1,11 +1,12 @@
 //! `kinora assemble`: finished frames in, animations and filmstrips out.
 
 use super::failure::Failure;
-use super::{terminal, values};
+use super::{load, loading, terminal, values};
 use crate::assemble::{Request, assemble, told_by};
 use crate::color::Rgb;
 use crate::encode::{FramePattern, Output, Plays, Template};
 use crate::frame_set::FrameSet;
+use crate::sequence::Sequence;
 use crate::time::Rate;
 use clap::Args;
 use std::num::NonZeroUsize;
@@ -28,6 +29,15 @@ pub struct Arguments {
     #[arg(long, value_name = "SET", allow_hyphen_values = true)]
     frames: Option<FrameSet>,
 
+    /// Settings of GIFs, videos and the rate as this sequence has them, so that the files are
+    /// those that `render` would write
+    #[arg(long, value_name = "SEQUENCE", verbatim_doc_comment)]
+    of: Option<PathBuf>,
+
+    /// What the sequence reads may lie outside of its root, as `render` has it
+    #[arg(long, requires = "of")]
+    allow_outside: bool,
+
     /// Frames per second: 24, 29.97 or 30000/1001 [default: as the frames tell, or else 24]
     #[arg(short = 'r', long, value_name = "RATE", value_parser = values::rate, allow_hyphen_values = true)]
     fps: Option<Rate>,
@@ -36,9 +46,9 @@ pub struct Arguments {
     #[arg(long, value_name = "SIZE", value_parser = values::file_size, allow_hyphen_values = true)]
     max_size: Option<u64>,
 
-    /// Colours of a GIF's palette, 2 to 256
-    #[arg(long, value_name = "N", default_value = "256", value_parser = clap::value_parser!(u16).range(2..=256))]
-    colors: u16,
+    /// Colours of a GIF's palette, 2 to 256 [default: 256]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=256))]
+    colors: Option<u16>,
 
     /// How often a GIF, APNG or WebP plays, 1 to 65535 [default: for ever]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
@@ -82,8 +92,8 @@ Examples:
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let frames = arguments.found()?;
-    let told = frames.iter().find(|(number, _)| *number > 0);
-    let rate = arguments.fps.or_else(|| told.and_then(|(number, path)| told_by(path, *number).1));
+    let sequence = arguments.sequence()?;
+    let rate = arguments.fps.or_else(|| arguments.own_rate(&frames, sequence.as_ref()));
     let mut request = Request {
         frames,
         outputs: arguments.output.clone(),
@@ -93,11 +103,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         threads: arguments.threads,
         ..Request::default()
     };
+    if let Some(sequence) = sequence {
+        (request.formats, request.matte) = (sequence.output.formats, sequence.output.matte);
+    }
     let formats = &mut request.formats;
-    (formats.gif.colors, formats.gif.dither) = (arguments.colors, !arguments.no_dither);
-    formats.gif.max_size = arguments.max_size;
-    formats.gif.plays = arguments.plays;
-    (formats.apng, formats.webp) = (Plays(arguments.plays), Plays(arguments.plays));
+    formats.gif.colors = arguments.colors.unwrap_or(formats.gif.colors);
+    formats.gif.dither &= !arguments.no_dither;
+    formats.gif.max_size = arguments.max_size.or(formats.gif.max_size);
+    if arguments.plays.is_some() {
+        formats.gif.plays = arguments.plays;
+        (formats.apng, formats.webp) = (Plays(arguments.plays), Plays(arguments.plays));
+    }
     request.matte = arguments.matte.unwrap_or(request.matte);
     if let Some(quality) = arguments.quality {
         (formats.mp4.quality, formats.jpeg.quality) = (quality, quality);
@@ -118,6 +134,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 impl Arguments {
+    /// The sequence whose settings are wanted.
+    fn sequence(&self) -> Result<Option<Sequence>, Failure> {
+        let load = |path: &PathBuf| load::sequence(path, self.allow_outside, loading::Reporter::Silent);
+        self.of.as_ref().map(load).transpose()
+    }
+
+    /// The rate that the sequence has, or that the frames tell.
+    fn own_rate(&self, frames: &[(u32, PathBuf)], sequence: Option<&Sequence>) -> Option<Rate> {
+        let told = frames.iter().find(|(number, _)| *number > 0);
+        let told = || told.and_then(|(number, path)| told_by(path, *number).1);
+        sequence.map(|sequence| sequence.timeline.rate).or_else(told)
+    }
+
     /// The frames that are there, by their numbers.
     fn found(&self) -> Result<Vec<(u32, PathBuf)>, Failure> {
         let bad = |what: String| Failure::Bad(what);

@@ -31,6 +31,15 @@ impl Failure {
         }
     }
 
+    /// The same as the one line that a runner of Open Job Description shows of a task that has failed.
+    pub fn openjd(&self) -> String {
+        let (Self::Bad(text)
+        | Self::Faults(text)
+        | Self::Incomplete(text)
+        | Self::Stopped { message: text, .. }) = self;
+        format!("openjd_fail: {}", text.split_whitespace().collect::<Vec<_>>().join(" "))
+    }
+
     pub fn print(&self) {
         match self {
             Self::Bad(message) | Self::Incomplete(message) => {

@@ -1,5 +1,6 @@
 //! Just enough JSON to write one object per line for other programs.
 
+use crate::quote::quoted;
 use std::fmt::{Display, Write};
 
 /// An object in the making; keys are plain words.
@@ -65,35 +66,9 @@ pub fn list(values: impl Iterator<Item = String>) -> String {
     format!("[{}]", values.collect::<Vec<_>>().join(","))
 }
 
-/// A string in quotes, with everything escaped that may not stand in one.
-fn quoted(text: &str) -> String {
-    let mut quoted = String::with_capacity(text.len() + 2);
-    quoted.push('"');
-    for c in text.chars() {
-        match c {
-            '"' => quoted.push_str("\\\""),
-            '\\' => quoted.push_str("\\\\"),
-            '\n' => quoted.push_str("\\n"),
-            '\t' => quoted.push_str("\\t"),
-            c if c < ' ' || c == '\x7f' => {
-                let _ = write!(quoted, "\\u{:04x}", u32::from(c));
-            }
-            c => quoted.push(c),
-        }
-    }
-    quoted.push('"');
-    quoted
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn strings_are_escaped() {
-        assert_eq!(quoted("a\"b\\c/ü→"), r#""a\"b\\c/ü→""#);
-        assert_eq!(quoted("\n\t\r\x00\x1f\x7f"), r#""\n\t\u000d\u0000\u001f\u007f""#);
-    }
 
     #[test]
     fn objects_nest() {

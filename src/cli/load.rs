@@ -12,6 +12,11 @@ use std::sync::Arc;
 /// The sequence in a file, which names others only within its root unless they may lie outside. Meshes may take their
 /// time, so progress is told.
 pub fn sequence(path: &Path, outside: bool, show: Reporter) -> Result<Sequence, Failure> {
+    with_files(path, outside, show).map(|(sequence, _)| sequence)
+}
+
+/// The same, with the root that knows which files were read.
+pub fn with_files(path: &Path, outside: bool, show: Reporter) -> Result<(Sequence, Root), Failure> {
     let name = path.display();
     match std::fs::metadata(path) {
         Ok(what) if what.is_dir() => {
@@ -24,9 +29,11 @@ pub fn sequence(path: &Path, outside: bool, show: Reporter) -> Result<Sequence, 
         Ok(_) => {}
     }
     let meter = Arc::default();
-    let root = if outside { Root::ANYWHERE } else { Root::of(path.parent().unwrap_or(Path::new(""))) };
-    let load = || load_watched(path, root, &meter);
-    loading::watch(&meter, show, load).map_err(|error| Failure::Faults(error.render(terminal::color())))
+    let root = if outside { Root::anywhere() } else { Root::of(path.parent().unwrap_or(Path::new(""))) };
+    let load = || load_watched(path, root.clone(), &meter);
+    let sequence = loading::watch(&meter, show, load);
+    let sequence = sequence.map_err(|error| Failure::Faults(error.render(terminal::color())))?;
+    Ok((sequence, root))
 }
 
 /// The usual slip is to leave out the extension.

@@ -60,6 +60,9 @@ impl Reporter {
             ProgressMode::Json => {
                 Self::Lines { out: Box::new(stdout()), format: Snapshot::json, last: String::new() }
             }
+            ProgressMode::OpenJd => {
+                Self::Lines { out: Box::new(stdout()), format: Snapshot::openjd, last: String::new() }
+            }
         }
     }
 
@@ -117,6 +120,10 @@ impl Snapshot {
             Some((done, total)) => format!("{what} {} %", u128::from(done) * 100 / u128::from(total)),
             None => what.to_owned(),
         }
+    }
+
+    fn openjd(&self) -> String {
+        format!("openjd_status: {}", self.line())
     }
 
     fn json(&self) -> String {

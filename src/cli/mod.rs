@@ -6,6 +6,7 @@ mod accuracy;
 mod assemble;
 mod check;
 mod failure;
+mod farm;
 mod filmstrip;
 #[cfg(test)]
 mod fixture;
@@ -20,6 +21,8 @@ mod plan;
 mod poster;
 mod progress;
 mod render;
+mod scaling;
+mod settings;
 mod share;
 mod shell;
 mod signals;
@@ -49,6 +52,7 @@ enum Command {
     Check(check::Arguments),
     Plan(plan::Arguments),
     Accuracy(accuracy::Arguments),
+    Farm(farm::Arguments),
 }
 
 const AFTER_HELP: &str = "\
@@ -62,6 +66,7 @@ Examples:
   kinora check sequences/hello.ron                   find every mistake, render nothing
   kinora plan sequences/light-show.ron               what a render would trace, and what it would not
   kinora accuracy sequences/room.ron --quick         what accuracy costs in time
+  kinora farm export slurm sequences/hello.ron       the same on many machines
 
 `kinora render --help` lists the options. Exit codes: 0 done, 2 a mistake in the command or the sequence,
 3 frames or files could not be made.";
@@ -92,6 +97,7 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Accuracy(arguments) => accuracy::run(&arguments),
+        Command::Farm(arguments) => farm::run(&arguments),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

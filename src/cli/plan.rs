@@ -6,7 +6,9 @@ use super::json::Object;
 use super::loading;
 use super::options::Options;
 use super::render::frames_of;
+use super::scaling::{Farm, Share};
 use super::{load, overrides, terminal, values};
+use crate::accuracy::timed;
 use crate::film::LayerId;
 use crate::frame_set::FrameSet;
 use crate::humane::{self, count, counted};
@@ -15,6 +17,7 @@ use crate::plan::{Caller, Effect, Effort, Expected, Outline, Part, Plan, Span, o
 use crate::render::{Reuse, extras, pool};
 use crate::sequence::Sequence;
 use clap::Args;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 /// Tell what a render would trace, and which frames it would make of films that are there.
@@ -35,6 +38,20 @@ pub struct Arguments {
     #[arg(long, value_name = "SIZE", value_parser = values::file_size)]
     memory: Option<u64>,
 
+    /// How long so many workers would take, of as many threads each: 1,2,50; up to 10000
+    ///
+    /// A few frames are rendered to find out what rays, trees, files and the start of a task
+    /// take on this machine, with -t threads. Tasks are those of `kinora farm export`.
+    #[arg(
+        long, value_name = "N", value_parser = values::workers, value_delimiter = ',',
+        allow_hyphen_values = true, verbatim_doc_comment
+    )]
+    workers: Vec<NonZeroUsize>,
+
+    /// About how many tasks these share, as `farm export` has it [default: as many as are worth one]
+    #[arg(long, value_name = "N", requires = "workers")]
+    chunks: Option<NonZeroUsize>,
+
     /// One JSON object, for programs
     #[arg(long)]
     json: bool,
@@ -44,6 +61,7 @@ const AFTER_HELP: &str = "\
 Examples:
   kinora plan show.ron                    spans, effects, layers, rays and memory
   kinora plan show.ron --memory 200MB     the same with less room for films
+  kinora plan show.ron --workers 1,8,100  how long a farm takes, and what it wastes
   kinora plan show.ron --json             for programs
 
 Films, trees and memory are exact, and rays of the camera too where the samples are set. All rays
@@ -58,6 +76,8 @@ struct Told<'a> {
     outline: Outline,
     expected: Expected,
     budget: u64,
+    /// What workers make of it, if that is asked for.
+    farm: Option<Farm>,
     /// Of films that wait for the encoder and the pictures made of them.
     besides: u64,
 }
@@ -65,17 +85,21 @@ struct Told<'a> {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = &arguments.options;
     let loading = loading::Reporter::new(options.progress, options.quiet);
-    let sequence = load::sequence(&arguments.file, options.allow_outside, loading)?;
+    let (sequence, load) = timed(|| load::sequence(&arguments.file, options.allow_outside, loading));
+    let sequence = sequence?;
     let sequence = overrides::applied(sequence, &options.overrides()).map_err(Failure::Bad)?;
     let frames = frames_of(arguments.frames.as_ref(), &sequence)?;
     let extras = extras(&sequence, &sequence.output.files);
     let budget = arguments.memory.map_or(Reuse::Share, Reuse::Within).budget(&sequence, extras);
     let besides = memory::needed(&sequence, extras);
+    let share = Share { workers: &arguments.workers, chunks: arguments.chunks, threads: options.threads };
+    let farm =
+        (!arguments.workers.is_empty()).then(|| Farm::of(&sequence, &frames, &share, load)).transpose()?;
     let told = pool(options.threads)?.install(|| {
         let plan = Plan::new(&sequence, &frames, extras, budget);
         let outline = outline(&sequence, &plan);
         let expected = pilot(&sequence, &plan, Effort::PLAN);
-        Told { sequence: &sequence, plan, outline, expected, budget, besides }
+        Told { sequence: &sequence, plan, outline, expected, budget, farm, besides }
     });
     terminal::say(&if arguments.json { told.json() } else { told.text() })
 }
@@ -118,6 +142,7 @@ impl Told<'_> {
                 format!("{} for pictures on their way", humane::bytes(self.besides)),
             ],
         ));
+        groups.extend(self.farm.iter().map(|farm| ("farm", farm.lines())));
         let mut text = String::new();
         for (heading, lines) in groups {
             for (place, line) in lines.iter().enumerate() {
@@ -269,7 +294,7 @@ impl Told<'_> {
             let object = Object::new().whole("camera", camera).raw("exact", expected.exact);
             all.into_iter().fold(object, |object, all| object.whole("all", all))
         };
-        Object::new()
+        let object = Object::new()
             .text("event", "plan")
             .whole("frames", plan.of.len() as u64)
             .whole("reused", plan.reused() as u64)
@@ -282,8 +307,8 @@ impl Told<'_> {
             .object("rays_frame_by_frame", rays(expected.camera_alone, expected.rays_alone))
             .object("rays", rays(expected.camera, expected.rays))
             .whole("kept_bytes", plan.kept_bytes())
-            .whole("budget_bytes", self.budget)
-            .finish()
+            .whole("budget_bytes", self.budget);
+        self.farm.iter().fold(object, |object, farm| object.object("farm", farm.json())).finish()
     }
 }
 

@@ -22,6 +22,9 @@ pub enum ProgressMode {
     Plain,
     /// One JSON object per line on stdout, the summary last
     Json,
+    /// Lines on stdout that runners of Open Job Description read
+    #[value(name = "openjd")]
+    OpenJd,
 }
 
 /// Where and how progress is shown.
@@ -75,13 +78,14 @@ impl Reporter {
                 at_once: false,
                 last: String::new(),
             },
-            ProgressMode::Json => Self::Lines {
-                out: Box::new(stdout()),
-                format: Snapshot::json,
-                at_once: true,
-                last: String::new(),
-            },
+            ProgressMode::Json => Self::on_stdout(Snapshot::json),
+            ProgressMode::OpenJd => Self::on_stdout(Snapshot::openjd),
         }
+    }
+
+    /// For programs, which want the last line however short the run is.
+    fn on_stdout(format: fn(&Snapshot) -> String) -> Self {
+        Self::Lines { out: Box::new(stdout()), format, at_once: true, last: String::new() }
     }
 
     fn bar(frames: usize) -> Self {
@@ -164,6 +168,12 @@ impl Snapshot {
         line
     }
 
+    /// What a runner of Open Job Description shows of a task: how much of it is done, in per cent, and a line.
+    fn openjd(&self) -> String {
+        let share = if self.frames == 0 { 1.0 } else { self.done / self.frames as f64 };
+        format!("openjd_progress: {:.1}\nopenjd_status: {}", 100.0 * share, self.line())
+    }
+
     fn json(&self) -> String {
         Object::new()
             .text("event", "progress")
@@ -209,6 +219,10 @@ mod tests {
         assert_eq!(some.line(), "frame 24/72 · 3.10 Mray/s · 5 reused · 20 s left");
         let json = r#"{"event":"progress","frame":24,"frames":72,"reused":0,"rays":31000000,"elapsed_s":10.000,"left_s":20.000}"#;
         assert_eq!(snapshot(24.0, 10).json(), json);
+        assert_eq!(
+            snapshot(24.7, 10).openjd(),
+            "openjd_progress: 34.3\nopenjd_status: frame 24/72 · 3.10 Mray/s · 19 s left"
+        );
         assert!(snapshot(0.0, 0).json().ends_with(r#""elapsed_s":0.000,"left_s":null}"#));
     }
 

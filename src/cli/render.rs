@@ -1,22 +1,24 @@
 //! `kinora render`: a sequence file in, frames and animations out.
 
 use super::failure::Failure;
-use super::look::Look;
-use super::options::Options;
 use super::outputs::Run;
-use super::overrides::{self, Overrides};
+use super::overrides;
 use super::progress::{self, ProgressMode};
+use super::settings::Settings;
 use super::signals::{self, Next};
 use super::{load, loading, summary, terminal, values};
 use crate::accuracy::{Budget, Clock, Settled, percent, seconds, settled};
 use crate::counters::Meter;
 use crate::encode::{Existing, Output};
+use crate::farm::Fingerprint;
+use crate::files::{self, Root};
 use crate::frame_set::{FrameSet, Shard};
 use crate::humane::counted;
-use crate::render::{RenderError, Request, Reuse, render_until};
+use crate::plan::with_shared;
+use crate::render::{RenderError, Request, render_until};
 use crate::sequence::Sequence;
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -51,6 +53,25 @@ pub struct Arguments {
     #[arg(long, value_name = "I/N", allow_hyphen_values = true, verbatim_doc_comment)]
     shard: Option<Shard>,
 
+    /// Also those of these frames that are made of the films of the frames to render
+    ///
+    /// What is traced for one frame serves all in which the same is seen, or only lights are
+    /// switched and faded. For whoever hands out films: `kinora farm export openjd`.
+    #[arg(long, value_name = "SET", conflicts_with = "shard", verbatim_doc_comment)]
+    with_shared: Option<FrameSet>,
+
+    /// Claim each frame before it is made, so that any number of processes may do the same
+    ///
+    /// Each skips what others have done and are doing; at the end it waits for them, and takes
+    /// over what processes had in hand that have died. Only stills that say what they show, PNG
+    /// and EXR, can be shared like this.
+    #[arg(long, conflicts_with_all = ["overwrite", "fail_if_exists"], verbatim_doc_comment)]
+    claim: bool,
+
+    /// Refuse to begin with another version, or if the sequence or what it reads has changed
+    /// since `kinora farm export` told this
+    #[arg(long, value_name = "FINGERPRINT", verbatim_doc_comment)]
+    expect: Option<String>,
     /// Keep the frames that are there and right, and make the others, as without any of these
     #[arg(long, conflicts_with_all = ["overwrite", "fail_if_exists"])]
     resume: bool,
@@ -64,31 +85,7 @@ pub struct Arguments {
     fail_if_exists: bool,
 
     #[command(flatten)]
-    options: Options,
-
-    #[command(flatten)]
-    look: Look,
-
-    /// Quality of JPEGs and of MP4 video, 1 to 100 [default: as the sequence says]
-    #[arg(long, value_name = "N", value_parser = values::encode_quality, allow_hyphen_values = true)]
-    quality: Option<u8>,
-
-    /// How large a GIF may become, such as 5MB
-    ///
-    /// It loses colours, then pixels, then frames until it fits; a note says which.
-    #[arg(long, value_name = "SIZE", value_parser = values::file_size, allow_hyphen_values = true)]
-    max_size: Option<u64>,
-
-    /// Memory for films that later frames are made of, such as 2GB [default: a share]
-    ///
-    /// What is traced once serves all frames in which the same is seen, or only lights are
-    /// switched and faded. `kinora plan` says how much memory that takes.
-    #[arg(long, value_name = "SIZE", value_parser = values::file_size, verbatim_doc_comment)]
-    memory: Option<u64>,
-
-    /// Trace every frame by itself; the files are the same, to the byte
-    #[arg(long, conflicts_with = "memory")]
-    no_reuse: bool,
+    settings: Settings,
 
     /// How long tracing may take, such as 60s or 10min: as many samples as fit
     ///
@@ -99,10 +96,6 @@ pub struct Arguments {
         conflicts_with_all = ["samples", "noise", "draft"], verbatim_doc_comment
     )]
     time_limit: Option<Duration>,
-
-    /// PNGs and EXR files without text about the frame
-    #[arg(long)]
-    no_metadata: bool,
 }
 
 const AFTER_HELP: &str = "\
@@ -116,42 +109,70 @@ Examples:
   kinora render turn.ron -r 30 --draft               a quick look at another rate";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let loading = loading::Reporter::new(arguments.options.progress, arguments.options.quiet);
-    let sequence = load::sequence(&arguments.file, arguments.options.allow_outside, loading)?;
-    let mut sequence = overrides::applied(sequence, &arguments.overrides()).map_err(Failure::Bad)?;
+    let done = rendered(arguments);
+    let watched = arguments.settings.options.progress == ProgressMode::OpenJd;
+    if let Some(failure) = done.as_ref().err().filter(|_| watched) {
+        // Whoever watches may be gone; the failure is told once more on the other stream.
+        let _ = terminal::say(&failure.openjd());
+    }
+    done
+}
+
+fn rendered(arguments: &Arguments) -> Result<(), Failure> {
+    let options = &arguments.settings.options;
+    let loading = loading::Reporter::new(options.progress, options.quiet);
+    let (sequence, root) = load::with_files(&arguments.file, options.allow_outside, loading)?;
+    if let Some(expected) = &arguments.expect {
+        fingerprint(&arguments.file, &root)?.check(expected).map_err(Failure::Bad)?;
+    }
+    let mut sequence = overrides::applied(sequence, &arguments.settings.overrides()).map_err(Failure::Bad)?;
     let all = frames_of(arguments.frames.as_ref(), &sequence)?;
-    let frames = arguments.shard.map_or(&*all, |shard| shard.of(&all)).to_vec();
+    let mut frames = arguments.shard.map_or(&*all, |shard| shard.of(&all)).to_vec();
+    if let Some(among) = &arguments.with_shared {
+        let among = among.frames(sequence.timeline.frames);
+        let among = among.map_err(|error| Failure::Bad(format!("--with-shared: {error}")))?;
+        frames = with_shared(&sequence, &frames, &among);
+    }
+    let frames = frames;
     let run = Run {
         own: &sequence.output.files,
         wanted: &arguments.output,
-        draft: arguments.options.draft,
-        partial: arguments.shard.is_some() || frames.len() < sequence.timeline.frames as usize,
+        draft: options.draft,
+        partial: arguments.shares() || frames.len() < sequence.timeline.frames as usize,
     };
     let (outputs, note) = run.outputs();
-    if let Some(shard) = arguments.shard {
+    if arguments.shares() {
         only_stills(&outputs)?;
-        if frames.is_empty() {
-            let there = counted(all.len() as u64, "frame");
-            return terminal::say(&format!("shard {shard} has no frames: there are {there}"));
-        }
+    }
+    if let Some(shard) = arguments.shard
+        && frames.is_empty()
+    {
+        let there = counted(all.len() as u64, "frame");
+        return terminal::say(&format!("shard {shard} has no frames: there are {there}"));
     }
     let streams = outputs.contains(&Output::Stream);
-    let json = arguments.options.progress == ProgressMode::Json;
-    if streams && json {
-        let message = "-o - and --progress json both write to the standard output; leave one out";
-        return Err(Failure::Bad(message.to_owned()));
+    let json = options.progress == ProgressMode::Json;
+    let told = match options.progress {
+        ProgressMode::Json => Some("json"),
+        ProgressMode::OpenJd => Some("openjd"),
+        ProgressMode::Auto | ProgressMode::Plain => None,
+    };
+    if let Some(mode) = told.filter(|_| streams) {
+        return Err(Failure::Bad(format!(
+            "-o - and --progress {mode} both write to the standard output; leave one out"
+        )));
     }
-    if arguments.time_limit.is_some() && arguments.shard.is_some() {
-        let message = "--time-limit picks the samples of all frames, and each shard would pick others: find out how many \
-                       there are without --shard, then give them to all shards by --samples";
+    if arguments.time_limit.is_some() && arguments.shares() {
+        let message = "--time-limit picks the samples of all frames, and each process would pick others: find out how many \
+                       there are without --shard and --claim, then give them to all processes by --samples";
         return Err(Failure::Bad(message.to_owned()));
     }
     let request = Request {
         outputs,
         existing: arguments.existing(),
         frames,
-        threads: arguments.options.threads,
-        reuse: reuse(arguments.no_reuse, arguments.memory),
+        threads: options.threads,
+        reuse: arguments.settings.reuse(),
         time_limit: arguments.time_limit,
     };
     let mut chosen = None;
@@ -159,7 +180,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let settled = settled(&sequence, &request, limit, Clock::Machine)?;
         sequence.quality = settled.quality();
         let note = limit_note(&settled);
-        if !arguments.options.quiet {
+        if !options.quiet {
             terminal::complain(&note);
         }
         chosen = Some(note);
@@ -167,16 +188,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
     let meter = Arc::new(Meter::default());
     let frames = request.frames.len();
-    let show = progress::Reporter::new(arguments.options.progress, arguments.options.quiet, frames);
+    let show = progress::Reporter::new(options.progress, options.quiet, frames);
     let stop = signals::watched();
     let done = progress::watch(&meter, frames, show, || render_until(&sequence, &request, &meter, &stop));
     let mut done = done.map_err(|error| failure(error, &request.outputs))?;
     done.notes.extend(note);
     done.notes.extend(chosen);
-    if arguments.options.draft {
+    if options.draft {
         done.notes.insert(0, draft_note(&sequence));
     }
-    if arguments.options.quiet {
+    if options.quiet {
         return Ok(());
     }
     let told = if json { summary::json(&done) } else { summary::text(&done) };
@@ -198,37 +219,36 @@ fn failure(error: RenderError, outputs: &[Output]) -> Failure {
     Failure::Stopped { signal, message: signals::told(done, &files, std::env::args_os(), next) }
 }
 
-/// Shards do not write animations.
+/// Processes that share the work write no animations.
 fn only_stills(outputs: &[Output]) -> Result<(), Failure> {
     let Some(output) = outputs.iter().find(|output| output.is_animation()) else { return Ok(()) };
     Err(Failure::Bad(format!(
-        "every shard would write all of {output}; let shards write stills (-o f_####.png), and then make it of them \
+        "every process would write all of {output}; let them write stills (-o f_####.png), and then make it of them \
          with `kinora assemble`"
     )))
 }
 
 impl Arguments {
-    fn existing(&self) -> Existing {
-        match (self.overwrite, self.fail_if_exists) {
-            (true, _) => Existing::Replace,
-            (_, true) => Existing::Refuse,
-            _ => Existing::Keep,
-        }
+    /// Whether this process makes a part of the frames, and others the rest.
+    fn shares(&self) -> bool {
+        self.shard.is_some() || self.claim
     }
 
-    fn overrides(&self) -> Overrides {
-        Overrides {
-            max_size: self.max_size,
-            encode_quality: self.quality,
-            no_metadata: self.no_metadata,
-            ..self.look.with(self.options.overrides())
+    fn existing(&self) -> Existing {
+        match (self.overwrite, self.fail_if_exists, self.claim) {
+            (true, ..) => Existing::Replace,
+            (_, true, _) => Existing::Refuse,
+            (.., true) => Existing::Share,
+            _ => Existing::Keep,
         }
     }
 }
 
-/// What `--no-reuse` and `--memory` say.
-fn reuse(off: bool, memory: Option<u64>) -> Reuse {
-    if off { Reuse::Off } else { memory.map_or(Reuse::Share, Reuse::Within) }
+/// What is read now, to be compared with what was read for a job.
+pub fn fingerprint(file: &Path, root: &Root) -> Result<Fingerprint, Failure> {
+    Fingerprint::of(file, &root.admitted()).map_err(|(path, error)| {
+        Failure::Bad(format!("cannot read {}: {}", path.display(), files::why(&error)))
+    })
 }
 
 /// The frames of a set, or all.

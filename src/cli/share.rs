@@ -19,6 +19,7 @@ enum Show {
     Bar(ProgressBar),
     Lines,
     Json,
+    OpenJd,
 }
 
 impl Reporter {
@@ -28,6 +29,7 @@ impl Reporter {
             ProgressMode::Auto if terminal::interactive() => Show::Bar(bar()),
             ProgressMode::Auto | ProgressMode::Plain => Show::Lines,
             ProgressMode::Json => Show::Json,
+            ProgressMode::OpenJd => Show::OpenJd,
         };
         Self { show, start: Instant::now(), told: Instant::now() }
     }
@@ -54,6 +56,11 @@ impl Reporter {
                     .real("left_s", left(done, elapsed).map(|left| left.as_secs_f64()));
                 // A reader that went away does not stop the work.
                 let _ = terminal::say(&object.finish());
+            }
+            Show::OpenJd => {
+                let status = line(done, elapsed);
+                let _ =
+                    terminal::say(&format!("openjd_progress: {:.1}\nopenjd_status: {status}", 100.0 * done));
             }
             Show::Silent | Show::Bar(_) => {}
         }

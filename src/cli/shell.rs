@@ -1,15 +1,11 @@
 //! Commands as shells read them, for whoever copies them.
 
+use crate::farm;
 use std::ffi::OsStr;
 
 /// A word as it stands in a command, in quotes if it needs some.
 pub fn quoted(word: &OsStr) -> String {
-    let Some(text) = word.to_str() else { return escaped(word) };
-    let plain = |c: char| c.is_alphanumeric() || "-_./=%:,+@".contains(c);
-    if !text.is_empty() && text.chars().all(plain) {
-        return text.to_owned();
-    }
-    format!("'{}'", text.replace('\'', r"'\''"))
+    word.to_str().map_or_else(|| escaped(word), farm::quoted)
 }
 
 /// A word that is no text, with its bytes by their numbers, as bash and zsh read them.

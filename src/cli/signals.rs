@@ -1,6 +1,7 @@
 //! Ctrl-C and being told to end: the first time, a run stops after the frame in hand; the second time, at once.
 
 use super::shell::quoted;
+use crate::frame_set;
 use crate::stop::Stop;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -70,27 +71,9 @@ fn command(arguments: impl Iterator<Item = OsString>, next: Next<'_>) -> String 
         }
     }
     if let Next::Frames(rest) = next {
-        words.push(format!("--frames {}", set(rest)));
+        words.push(format!("--frames {}", frame_set::text(rest)));
     }
     words.join(" ")
-}
-
-/// Frames as ranges with steps.
-fn set(frames: &[u32]) -> String {
-    let mut parts = Vec::new();
-    let mut rest = frames;
-    while let [first, after @ ..] = rest {
-        let step = after.first().map_or(1, |second| second - first);
-        let count = 1 + rest.windows(2).take_while(|pair| pair[1] - pair[0] == step).count();
-        let last = rest[count - 1];
-        parts.push(match (count, step) {
-            (1, _) => first.to_string(),
-            (_, 1) => format!("{first}-{last}"),
-            _ => format!("{first}-{last}:{step}"),
-        });
-        rest = &rest[count..];
-    }
-    parts.join(",")
 }
 
 #[cfg(test)]
@@ -106,15 +89,5 @@ mod tests {
         assert_eq!(rest, "kinora render a.ron -o 'f_##.png' --frames 5-9");
         let same = "kinora render a.ron --shard 2/4 --frames 0-9 -o 'f_##.png' --frames=2";
         assert_eq!((command(Next::Same).as_str(), command(Next::Anew).as_str()), (same, same));
-    }
-
-    #[test]
-    fn sets_are_short() {
-        assert_eq!(set(&[3]), "3");
-        assert_eq!(set(&[0, 1, 2, 10, 12, 14, 20]), "0-2,10-14:2,20");
-        for frames in [vec![1, 5, 6, 7, 9], vec![0, 2, 3]] {
-            let parsed: crate::frame_set::FrameSet = set(&frames).parse().expect("a set");
-            assert_eq!(parsed.frames(10), Ok(frames));
-        }
     }
 }

@@ -51,6 +51,15 @@ pub fn threads(text: &str) -> Result<NonZeroUsize, String> {
 /// More threads than any machine has processors only cost time.
 const MOST_THREADS: u32 = 1024;
 
+/// At least 1.
+pub fn workers(text: &str) -> Result<NonZeroUsize, String> {
+    let count = within(text, 1, MOST_WORKERS).and_then(|count| NonZeroUsize::new(count as usize));
+    count.ok_or_else(|| format!("write numbers of workers, 1 to {MOST_WORKERS}, such as 1,2,50"))
+}
+
+/// More than any farm has for one sequence.
+const MOST_WORKERS: u32 = 10_000;
+
 /// Reflections one after the other, or none.
 pub fn bounces(text: &str) -> Result<u32, String> {
     within(text, 0, MOST_BOUNCES)
@@ -226,6 +235,8 @@ mod tests {
             assert!(samples(bad).is_err() && seed(bad).is_err(), "`{bad}`");
         }
         assert!(samples("0").is_err() && samples("16777217").is_err());
+        assert_eq!(workers("10000").map(NonZeroUsize::get), Ok(10_000));
+        assert!(workers("0").is_err() && workers("10001").is_err() && workers("").is_err());
         assert!(threads("0").is_err() && threads("-1").is_err() && threads("many").is_err());
     }
 

@@ -1,5 +1,6 @@
 //! Files that appear whole or not at all: written aside in the same folder, then renamed.
 
+use super::claim;
 use super::disk::{Operation, attempt};
 use super::error::EncodeError;
 use std::fs;
@@ -120,7 +121,7 @@ pub fn part_of(path: &Path) -> PathBuf {
 }
 
 /// What temporaries of any run are called.
-const PREFIX: &str = ".kinora-";
+pub const PREFIX: &str = ".kinora-";
 /// Temporaries that were touched less than this ago are left alone: someone may be about to lock them.
 #[cfg(unix)]
 const FRESH: std::time::Duration = std::time::Duration::from_secs(20);
@@ -155,8 +156,11 @@ const LOCK: &str = "lock";
 #[cfg(unix)]
 fn sweep(folder: &Path) {
     for entry in folder.read_dir().into_iter().flatten().flatten() {
-        if entry.file_name().to_string_lossy().starts_with(PREFIX) {
-            let path = entry.path();
+        let (name, path) = (entry.file_name(), entry.path());
+        let name = name.to_string_lossy();
+        if claim::is_claim(&name) {
+            claim::sweep(&path);
+        } else if name.starts_with(PREFIX) {
             let is_spool = path.is_dir();
             let marked = if is_spool { path.join(LOCK) } else { path.clone() };
             if is_left_over(&marked) {

@@ -2,8 +2,10 @@
 //! would only wait, and small frames would take longer to store than to make.
 
 use super::atomic::Aside;
+use super::claim::Claim;
 use super::error::EncodeError;
 use std::collections::VecDeque;
+use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 
 /// Files that are stored at the same time. Disks store a few together in hardly more time than one.
@@ -16,12 +18,16 @@ pub struct Commits {
 }
 
 impl Commits {
-    /// Lets a file come into its place. Returns the error of an earlier one, if there is one.
-    pub fn push(&mut self, file: Aside) -> Result<(), EncodeError> {
+    /// Lets a file come into its place, until when its claim holds. Returns the error of an earlier one, if there is one.
+    pub fn push(&mut self, file: Aside, claim: Option<Arc<Claim>>) -> Result<(), EncodeError> {
         if self.under_way.len() >= TOGETHER {
             self.wait_for_first()?;
         }
-        let thread = thread::Builder::new().name("store".into()).spawn(move || file.commit());
+        let thread = thread::Builder::new().name("store".into()).spawn(move || {
+            let done = file.commit();
+            drop(claim);
+            done
+        });
         self.under_way.push_back(thread.map_err(|error| EncodeError::Stopped(Some(error)))?);
         Ok(())
     }

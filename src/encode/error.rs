@@ -31,6 +31,8 @@ pub enum JobError {
     IsFolder { path: PathBuf },
     /// A file is there, and none is to be replaced.
     Exists { path: PathBuf },
+    /// Processes cannot share the making of what does not say what it shows.
+    NotShared { output: String },
     /// No frames, or no pixels.
     Empty,
     /// A format that holds no single picture.
@@ -135,6 +137,11 @@ impl fmt::Display for JobError {
             Self::Duplicate { path } => {
                 write!(f, "two outputs would write {}; name each file once", path.display())
             }
+            Self::NotShared { output } => write!(
+                f,
+                "{output} does not say what it shows, so processes that share the work could not tell what is done; write \
+                 PNGs with metadata, or EXR"
+            ),
             Self::IsFolder { path } => {
                 write!(f, "cannot write {}: it is a folder; name a file in it", path.display())
             }

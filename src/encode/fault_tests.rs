@@ -17,11 +17,43 @@ const FRAMES: [u32; 2] = [3, 4];
 /// Writes all formats but those that are like others, into two folders.
 fn run(folder: &Path) -> Result<Report, EncodeError> {
     let outputs = ["new/f_#.png", "new/f_#.exr", "new/f_#.jpg", "a.gif", "a.mp4", "a.apng"];
+    let mut encoder = started(folder, &outputs, Existing::Keep)?;
+    for frame in encoder.missing() {
+        encoder.push(frame, film(frame))?;
+    }
+    encoder.finish()
+}
+
+/// Writes frames that others may make, too: each is a film of its own.
+fn shared(folder: &Path) -> Result<Report, EncodeError> {
+    let mut encoder = started(folder, &["new/f_#.png", "new/f_#.exr"], Existing::Share)?;
+    for frame in encoder.missing() {
+        match encoder.ask(Digest(frame.into()), &[frame])? {
+            Asked::Mine(frames) => {
+                frames.into_iter().try_for_each(|frame| encoder.push(frame, film(frame)))?
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    encoder.finish()
+}
+
+fn film(frame: u32) -> Film {
+    let extras = crate::film::Extras { coverage: true, guides: false };
+    let mut film = Film::with_extras(SIZE.0, SIZE.1, vec![Rgb::ONE], extras);
+    for (place, value) in film.data_mut().iter_mut().enumerate() {
+        *value = Rgb::splat(frame as f32 * 0.01 + place as f32 * 0.02);
+    }
+    film
+}
+
+fn started(folder: &Path, outputs: &[&str], existing: Existing) -> Result<Encoder, EncodeError> {
+    let outputs = outputs.iter().copied();
     let outputs = outputs.map(|name| Output::parse(&folder.join(name).to_string_lossy()).expect(name));
     let seen = |frame: &u32| Seen { radiance: Digest(u128::from(*frame)), exposure: 1.0, random: false };
     let job = Job {
-        outputs: outputs.to_vec(),
-        existing: Existing::Keep,
+        outputs: outputs.collect(),
+        existing,
         frames: FRAMES.to_vec(),
         seen: FRAMES.iter().map(seen).collect(),
         rate: Rate::new(24, 1).expect("a rate"),
@@ -35,16 +67,7 @@ fn run(folder: &Path) -> Result<Report, EncodeError> {
         about: About::default(),
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
-    let mut encoder = Encoder::start(job, Arc::new(pool), &Stop::default())?;
-    for frame in encoder.missing() {
-        let extras = crate::film::Extras { coverage: true, guides: false };
-        let mut film = Film::with_extras(SIZE.0, SIZE.1, vec![Rgb::ONE], extras);
-        for (place, value) in film.data_mut().iter_mut().enumerate() {
-            *value = Rgb::splat(frame as f32 * 0.01 + place as f32 * 0.02);
-        }
-        encoder.push(frame, film)?;
-    }
-    encoder.finish()
+    Encoder::start(job, Arc::new(pool), &Stop::default())
 }
 
 /// All files in a folder and below, by their names.
@@ -65,17 +88,27 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 
 #[test]
 fn whatever_fails_no_file_is_partial_and_the_next_run_goes_on() {
-    let reference = tempfile::tempdir().expect("a folder");
-    plan(reference.path(), usize::MAX, false);
-    run(reference.path()).expect("no faults");
-    let operations = end(reference.path());
-    let whole = contents(reference.path());
-    assert_eq!(whole.len(), 10, "{:?}", whole.keys());
+    let operations = failing(run, 10);
     for kind in
         [Operation::CreateFolder, Operation::Create, Operation::Write, Operation::Sync, Operation::Rename]
     {
         assert!(operations.contains(&kind), "{kind:?}");
     }
+}
+
+#[test]
+fn whatever_fails_no_claim_stays() {
+    failing(shared, 5);
+}
+
+/// Lets every operation of a run that makes so many files and folders fail.
+fn failing(run: fn(&Path) -> Result<Report, EncodeError>, files: usize) -> Vec<Operation> {
+    let reference = tempfile::tempdir().expect("a folder");
+    plan(reference.path(), usize::MAX, false);
+    run(reference.path()).expect("no faults");
+    let operations = end(reference.path());
+    let whole = contents(reference.path());
+    assert_eq!(whole.len(), files, "{:?}", whole.keys());
     for (first, operation) in operations.iter().enumerate() {
         for lasts in [false, true] {
             let dir = tempfile::tempdir().expect("a folder");
@@ -98,6 +131,7 @@ fn whatever_fails_no_file_is_partial_and_the_next_run_goes_on() {
             assert!(contents(dir.path()) == whole, "{what}: the next run makes other files");
         }
     }
+    operations
 }
 
 /// The second run reads what is there, to keep it and to make animations of it.

@@ -28,7 +28,7 @@ impl Job {
     /// The identity of a frame's file, by the frame's place in the job's list. Formats that have no room for it, and
     /// PNGs without metadata, have none; neither have frames of which nobody has told what they look like.
     pub(super) fn identity(&self, format: Still, index: usize) -> Option<Digest> {
-        if !self.carries_identity(format) {
+        if !format.is_said(&self.formats) {
             return None;
         }
         let (seen, &frame) = (self.seen.get(index)?, self.frames.get(index)?);
@@ -64,15 +64,6 @@ impl Job {
         match format {
             Still::Png => self.formats.png.metadata,
             Still::Exr => self.formats.exr.metadata,
-            Still::Jpeg | Still::Ppm => false,
-        }
-    }
-
-    /// Whether files of this format hold an identity.
-    pub(super) fn carries_identity(&self, format: Still) -> bool {
-        match format {
-            Still::Png => self.formats.png.metadata,
-            Still::Exr => true,
             Still::Jpeg | Still::Ppm => false,
         }
     }

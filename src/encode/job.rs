@@ -23,6 +23,9 @@ pub enum Existing {
     Replace,
     /// Nothing is made if a file is there.
     Refuse,
+    /// As [`Existing::Keep`], while other processes make frames of the same job: each is claimed first. Frames must be
+    /// in rising order, and all outputs stills that say what they show.
+    Share,
 }
 
 /// What all outputs of one run share.
@@ -75,7 +78,17 @@ impl Job {
         }
         self.outputs.iter().try_for_each(|output| check_size(output, self.first(), self.size))?;
         self.check_names(&distinct)?;
+        self.check_shared()?;
         self.outputs.iter().try_for_each(|output| self.check_place(output, &distinct))
+    }
+
+    /// Only what says what it shows can be told from what another process has not made yet.
+    fn check_shared(&self) -> Result<(), JobError> {
+        let silent = self.outputs.iter().find(|output| !self.is_said(output));
+        match silent.filter(|_| self.existing == Existing::Share) {
+            Some(output) => Err(JobError::NotShared { output: output.to_string() }),
+            None => Ok(()),
+        }
     }
 
     fn first(&self) -> u32 {

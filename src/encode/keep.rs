@@ -26,7 +26,7 @@ const MEMORY: u64 = 1 << 28;
 impl Job {
     /// The stills of which all other pictures of a frame can be made: PNGs of 8 bits.
     pub(super) fn source(&self) -> Option<&FramePattern> {
-        let plain = self.carries_identity(Still::Png) && !self.formats.png.deep;
+        let plain = Still::Png.is_said(&self.formats) && !self.formats.png.deep;
         self.outputs.iter().find_map(|output| match output {
             Output::Stills(Still::Png, pattern) if plain => Some(pattern),
             _ => None,
@@ -41,13 +41,13 @@ impl Job {
 
     /// Whether an output's files say what they show.
     pub(super) fn is_said(&self, output: &Output) -> bool {
-        matches!(output, Output::Stills(format, _) if self.carries_identity(*format))
+        matches!(output, Output::Stills(format, _) if format.is_said(&self.formats))
     }
 
     /// Looks at all files that are there. Where a stop is asked for, the rest is not looked at.
     pub(super) fn kept(&self, pool: &ThreadPool, stop: &Stop) -> Kept {
         let none = vec![false; self.frames.len()];
-        if self.existing != Existing::Keep {
+        if !matches!(self.existing, Existing::Keep | Existing::Share) {
             return Kept { frames: none, ..Kept::default() };
         }
         if !self.keeps() {
@@ -93,7 +93,7 @@ impl Job {
         all.into_iter().map(|(counts, _)| counts).collect()
     }
 
-    fn keeps_frame(&self, index: usize) -> bool {
+    pub(super) fn keeps_frame(&self, index: usize) -> bool {
         self.outputs.iter().all(|output| {
             let Output::Stills(format, pattern) = output else { return true };
             let path = pattern.path(self.frames[index]);
@@ -101,7 +101,7 @@ impl Job {
                 (Still::Png, Some(identity)) => png::holds(&path, identity, self),
                 (Still::Exr, Some(identity)) => exr::holds(&path, identity, self),
                 // What cannot tell is written again of what can.
-                _ => !self.carries_identity(*format),
+                _ => !format.is_said(&self.formats),
             }
         })
     }

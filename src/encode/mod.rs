@@ -13,6 +13,7 @@ mod animations;
 mod assembly;
 mod atomic;
 mod caption;
+mod claim;
 mod commits;
 mod develop;
 mod disk;
@@ -20,6 +21,7 @@ mod error;
 mod exr;
 #[cfg(test)]
 mod fault_tests;
+mod found;
 mod gif;
 mod identity;
 mod job;
@@ -45,9 +47,11 @@ pub use about::{About, Shown, TimeLimit};
 pub use assembly::{Assembly, read_picture};
 pub use atomic::write as write_file;
 pub use caption::{Caption, CaptionError, Corner, Template};
+pub use claim::{Claim, Holder};
 pub use develop::{ToneTable, displayed};
 pub use error::{EncodeError, FilmsError, JobError};
 pub use exr::{ALBEDO, NORMAL};
+pub use found::{Found, found, in_hand};
 pub use identity::Seen;
 pub use job::{Existing, Job, check_size};
 pub use output::{Moving, Output, OutputError, Still};
@@ -62,9 +66,11 @@ pub use sheet::{Sheet, columns as sheet_columns};
 pub use text::FONT_FILE;
 pub use tonemap::Tonemap;
 
+use crate::digest::Digest;
 use crate::film::{Film, Noise};
 use crate::machine::thread_time;
 use crate::stop::Stop;
+use claim::Claims;
 use keep::Kept;
 use rayon::ThreadPool;
 use std::path::{Path, PathBuf};
@@ -119,14 +125,26 @@ pub struct Report {
     pub busy: Duration,
 }
 
-/// What the encoder's thread is told.
+/// What the encoder's thread is told of frames, by their places in the job's list.
 enum Message {
-    Film(u32, Film),
+    /// With the claim that holds until the frame's files are there.
+    Film(usize, Film, Option<Arc<Claim>>),
     /// The frame's files are there.
-    Kept(u32),
+    Kept(usize),
     Finish,
     /// No more frames come, though more were announced.
     Stop,
+}
+
+/// What came of asking for frames that others may make, too.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Asked {
+    /// These of them are missing, and are to be pushed next.
+    Mine(Vec<u32>),
+    /// All of them are there.
+    Done,
+    /// Somebody has them in hand.
+    Theirs(Holder),
 }
 
 /// The encoding thread. Dropped before [`Encoder::finish`], it stops: stills that are written stay, a GIF
@@ -139,8 +157,17 @@ pub struct Encoder {
     kept: Vec<bool>,
     /// Nanoseconds that the thread has worked on a processor; none where the system does not tell.
     cpu: Option<Arc<AtomicU64>>,
+    /// What this process makes, where others make frames of the job, too.
+    shared: Option<Shared>,
     /// None once the thread has failed or finished.
     running: Option<Running>,
+}
+
+/// A job's frames that several processes make, in any order.
+struct Shared {
+    claims: Claims,
+    /// The claim of the frames that are pushed now.
+    now: Option<Arc<Claim>>,
 }
 
 struct Running {
@@ -160,10 +187,11 @@ impl Encoder {
         let cpu = thread_time().map(|_| worker.cpu());
         let Kept { frames: kept, notes } = job.kept(&pool, stop);
         worker.tell(notes);
+        let shared = (job.existing == Existing::Share).then(|| Shared { claims: Claims::new(), now: None });
         let (messages, receiver) = sync_channel(WAITING);
         let thread = thread::Builder::new().name("encode".into()).spawn(move || worker.run(receiver));
         let thread = thread.map_err(|e| EncodeError::Stopped(Some(e)))?;
-        Ok(Self { job, pushed: 0, kept, cpu, running: Some(Running { messages, thread }) })
+        Ok(Self { job, pushed: 0, kept, shared, cpu, running: Some(Running { messages, thread }) })
     }
 
     /// Seconds that encoding has taken of a processor so far, where the system tells.
@@ -177,19 +205,53 @@ impl Encoder {
         frames.filter(|(_, kept)| !**kept).map(|(frame, _)| *frame).collect()
     }
 
+    /// Asks for the frames of a film, which one process should make. If that is this one, they are claimed until their
+    /// files are there.
+    pub fn ask(&mut self, film: Digest, frames: &[u32]) -> Result<Asked, EncodeError> {
+        let places: Vec<usize> = frames.iter().filter_map(|&frame| self.place(frame)).collect();
+        let missing =
+            |kept: &[bool]| places.iter().copied().filter(|&place| !kept[place]).collect::<Vec<_>>();
+        let Some(shared) = &mut self.shared else { return Ok(Asked::Mine(frames.to_vec())) };
+        // The films before have theirs.
+        shared.now = None;
+        let Some(output) = self.job.outputs.first().filter(|_| !missing(&self.kept).is_empty()) else {
+            return Ok(Asked::Done);
+        };
+        let claim = match shared.claims.claim(&claim::path_of(output, film))? {
+            Ok(claim) => claim,
+            Err(holder) => return Ok(Asked::Theirs(holder)),
+        };
+        // Whoever had them until now may have made them.
+        for place in missing(&self.kept) {
+            self.kept[place] = self.job.keeps_frame(place);
+        }
+        let missing = missing(&self.kept);
+        if missing.is_empty() {
+            return Ok(Asked::Done);
+        }
+        shared.now = Some(Arc::new(claim));
+        Ok(Asked::Mine(missing.into_iter().map(|place| self.job.frames[place]).collect()))
+    }
+
     /// Hands over the next frame that is missing; waits while the encoder is behind, so that memory stays bounded.
     ///
     /// Returns the error of an earlier frame as soon as there is one.
     pub fn push(&mut self, frame: u32, film: Film) -> Result<(), EncodeError> {
-        self.pass_kept()?;
-        self.check(frame, &film)?;
-        self.send(Message::Film(frame, film))
+        if self.shared.is_none() {
+            self.pass_kept()?;
+        }
+        let place = self.check(frame, &film)?;
+        let claim = self.shared.as_ref().and_then(|shared| shared.now.clone());
+        if self.shared.is_some() {
+            self.kept[place] = true;
+        }
+        self.send(Message::Film(place, film, claim))
     }
 
     /// Lets the encoder know of kept frames up to the next that is missing.
     fn pass_kept(&mut self) -> Result<(), EncodeError> {
         while self.kept.get(self.pushed) == Some(&true) {
-            self.send(Message::Kept(self.job.frames[self.pushed]))?;
+            self.send(Message::Kept(self.pushed))?;
         }
         Ok(())
     }
@@ -206,7 +268,15 @@ impl Encoder {
 
     /// Waits for everything to be written.
     pub fn finish(mut self) -> Result<Report, EncodeError> {
-        self.pass_kept()?;
+        match self.shared.take() {
+            // What this process has not made, others have.
+            Some(_) if self.kept.iter().all(|kept| *kept) => {
+                let others = self.kept.len() - self.pushed;
+                (0..others).try_for_each(|place| self.send(Message::Kept(place)))?;
+            }
+            Some(_) => {}
+            None => self.pass_kept()?,
+        }
         if let Some(running) = &self.running {
             if self.pushed < self.job.frames.len() && !running.thread.is_finished() {
                 let (expected, got) = (self.job.frames.len(), self.pushed);
@@ -227,17 +297,34 @@ impl Encoder {
         self.join()
     }
 
-    /// Whether the film is the one that the job announced.
-    fn check(&self, frame: u32, film: &Film) -> Result<(), FilmsError> {
-        let expected = self.job.frames.get(self.pushed).copied();
-        if expected != Some(frame) {
-            return Err(FilmsError::Order { expected, got: frame });
-        }
+    /// A frame's place in the job's list.
+    fn place(&self, frame: u32) -> Option<usize> {
+        self.job.frames.binary_search(&frame).ok()
+    }
+
+    /// Whether the film is one that the job announced; gives its place.
+    fn check(&self, frame: u32, film: &Film) -> Result<usize, FilmsError> {
+        let (place, expected) = match &self.shared {
+            Some(_) => (self.place(frame).filter(|&place| !self.kept[place]), None),
+            None => {
+                let expected = self.job.frames.get(self.pushed).copied();
+                (Some(self.pushed).filter(|_| expected == Some(frame)), expected)
+            }
+        };
+        let Some(place) = place else { return Err(FilmsError::Order { expected, got: frame }) };
         let got = (film.width, film.height);
         if got != self.job.size {
             return Err(FilmsError::Size { frame, expected: self.job.size, got });
         }
-        Ok(())
+        Ok(place)
+    }
+
+    /// Gives up the claim of what will not be pushed any more; what was pushed has its part in it. Folders that were
+    /// made for nothing can go then.
+    fn give_up(&mut self) {
+        if let Some(shared) = &mut self.shared {
+            shared.now = None;
+        }
     }
 
     /// Lets the thread end and returns what it has to say.
@@ -245,6 +332,7 @@ impl Encoder {
         let Some(Running { messages, thread }) = self.running.take() else {
             return Err(EncodeError::Stopped(None));
         };
+        self.give_up();
         drop(messages);
         thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     }
@@ -252,6 +340,7 @@ impl Encoder {
 
 impl Drop for Encoder {
     fn drop(&mut self) {
+        self.give_up();
         if let Some(Running { messages, thread }) = self.running.take() {
             drop(messages);
             // An error or a panic of abandoned work has no one to go to.

@@ -2,6 +2,7 @@
 
 use super::atomic::folder_of;
 use super::pattern::{FramePattern, PatternError};
+use super::settings::Formats;
 use std::ffi::{OsStr, OsString};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -38,6 +39,17 @@ pub enum Moving {
     Y4m,
     /// H.264 in an MP4 container.
     Mp4,
+}
+
+impl Still {
+    /// Whether files of this format say what they show, so that a next run can tell whether they are right.
+    pub fn is_said(self, formats: &Formats) -> bool {
+        match self {
+            Self::Png => formats.png.metadata,
+            Self::Exr => true,
+            Self::Jpeg | Self::Ppm => false,
+        }
+    }
 }
 
 /// The extensions of stills.

@@ -3,6 +3,7 @@
 use super::about::Shown;
 use super::animations::Animations;
 use super::atomic::{Aside, NewFolders};
+use super::claim::Claim;
 use super::commits::Commits;
 use super::develop::{ToneTable, develop_deep};
 use super::error::EncodeError;
@@ -31,8 +32,6 @@ pub struct Worker {
     report: Report,
     /// Nanoseconds on a processor so far.
     cpu: Arc<AtomicU64>,
-    /// Frames that came.
-    done: usize,
     /// The first frame with pixels that are not numbers.
     first_nan: Option<u32>,
     /// Last, so that what lies in the folders has vanished when they are looked at.
@@ -58,7 +57,7 @@ impl Worker {
         let animations = Some(Animations::start(&job, own_store(&job))?);
         let table = ToneTable::new(job.tonemap);
         let (commits, report, cpu) = Default::default();
-        Ok(Self { job, pool, table, animations, commits, report, cpu, done: 0, first_nan: None, folders })
+        Ok(Self { job, pool, table, animations, commits, report, cpu, first_nan: None, folders })
     }
 
     /// Where the time is told that it has worked.
@@ -77,8 +76,8 @@ impl Worker {
             let message = messages.recv();
             let start = Instant::now();
             match message {
-                Ok(Message::Film(frame, film)) => self.film(frame, film)?,
-                Ok(Message::Kept(frame)) => self.kept(frame)?,
+                Ok(Message::Film(place, film, claim)) => self.film(place, film, claim.as_ref())?,
+                Ok(Message::Kept(place)) => self.kept(place)?,
                 Ok(Message::Finish) => {
                     self.finish()?;
                     self.report.busy += start.elapsed();
@@ -95,8 +94,9 @@ impl Worker {
         }
     }
 
-    fn film(&mut self, frame: u32, film: Film) -> Result<(), EncodeError> {
+    fn film(&mut self, index: usize, film: Film, claim: Option<&Arc<Claim>>) -> Result<(), EncodeError> {
         let job = Arc::clone(&self.job);
+        let frame = job.frames[index];
         let shown = Shown { about: &job.about, frame, rate: job.rate };
         self.report.noise.extend(film.noise.map(|noise| (frame, noise)));
         let (mut picture, nan_pixels) = self.table.develop(&film);
@@ -109,11 +109,11 @@ impl Worker {
         }
         let over = picture.alpha.is_some().then(|| picture.over(job.matte));
         let matte = over.as_ref().unwrap_or(&picture);
-        let developed = Developed { index: self.done, shown, film: &film, picture: &picture, matte };
-        self.done += 1;
+        let developed = Developed { index, shown, film: &film, picture: &picture, matte };
         for output in &job.outputs {
             if let Output::Stills(format, pattern) = output {
-                self.commits.push(still(&job, *format, &pattern.path(frame), &developed)?)?;
+                let file = still(&job, *format, &pattern.path(frame), &developed)?;
+                self.commits.push(file, claim.cloned())?;
             }
         }
         match &mut self.animations {
@@ -123,9 +123,9 @@ impl Worker {
     }
 
     /// Makes of a frame that is there what is not.
-    fn kept(&mut self, frame: u32) -> Result<(), EncodeError> {
+    fn kept(&mut self, index: usize) -> Result<(), EncodeError> {
         let job = Arc::clone(&self.job);
-        self.done += 1;
+        let frame = job.frames[index];
         self.report.kept += 1;
         if job.about.noise.is_some() {
             self.report.noise.extend(
@@ -140,10 +140,10 @@ impl Worker {
             match output {
                 Output::Stills(Still::Jpeg, pattern) => {
                     let path = pattern.path(frame);
-                    self.commits.push(jpeg::write(&path, &matte, job.formats.jpeg.quality)?)?;
+                    self.commits.push(jpeg::write(&path, &matte, job.formats.jpeg.quality)?, None)?;
                 }
                 Output::Stills(Still::Ppm, pattern) => {
-                    self.commits.push(ppm::write(&pattern.path(frame), &matte)?)?;
+                    self.commits.push(ppm::write(&pattern.path(frame), &matte)?, None)?;
                 }
                 _ => {}
             }

@@ -102,3 +102,19 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn sets_are_told_shortly() {
+    for (frames, told) in [
+        (&[][..], ""),
+        (&[3], "3"),
+        (&[0, 1, 2, 10, 12, 14, 20], "0-2,10-14:2,20"),
+        (&[1, 5, 6, 7, 9], "1,5-7,9"),
+        (&[0, 2, 3], "0,2-3"),
+        (&[0, 48], "0,48"),
+    ] {
+        assert_eq!(text(frames), told);
+        let parsed: Option<FrameSet> = told.parse().ok();
+        assert_eq!(parsed.map_or(Ok(Vec::new()), |set| set.frames(50)), Ok(frames.to_vec()));
+    }
+}

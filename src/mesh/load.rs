@@ -114,7 +114,8 @@ mod tests {
     fn libraries_are_read_once_under_all_their_names() {
         let folder = tempfile::tempdir().expect("a folder");
         fs::write(folder.path().join("a.mtl"), "newmtl a").expect("a disk");
-        let libraries = Libraries { folder: folder.path(), root: &Root::ANYWHERE, read: RefCell::default() };
+        let libraries =
+            Libraries { folder: folder.path(), root: &Root::anywhere(), read: RefCell::default() };
         let again = ["a.mtl", "a.mtl", "./a.mtl"].map(|name| libraries.read(name).expect("a library").len());
         assert_eq!(again, [8, 0, 0]);
         assert_eq!(libraries.read("b.mtl").expect_err("no file").kind(), io::ErrorKind::NotFound);

@@ -99,14 +99,14 @@ fn icospheres_are_closed_and_turned_outwards() {
 #[test]
 fn files_are_told_by_their_extension() {
     let meter = LoadMeter::default();
-    let fault = |name: &str| load(name.as_ref(), &Root::ANYWHERE, &meter).expect_err("a fault").to_string();
+    let fault = |name: &str| load(name.as_ref(), &Root::anywhere(), &meter).expect_err("a fault").to_string();
     assert_eq!(fault("mesh.stl"), "meshes are read from .obj and .ply files");
     assert_eq!(fault("no/such/file.obj"), "there is no such file");
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("SPHERE.PLY");
     let parts = generate::icosphere(1);
     ply::write(std::fs::File::create(&path).expect("a file"), &parts).expect("a disk");
-    let mesh = load(&path, &Root::ANYWHERE, &meter).expect("a mesh");
+    let mesh = load(&path, &Root::anywhere(), &meter).expect("a mesh");
     assert_eq!(mesh.triangles(), parts.triangles);
     assert_eq!(meter.what(), "building the tree of SPHERE.PLY");
     assert_eq!(meter.share(), None);

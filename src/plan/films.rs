@@ -7,8 +7,9 @@
 
 use crate::color::Rgb;
 use crate::digest::Digest;
-use crate::film::{LayerId, lit};
+use crate::film::{Extras, LayerId, lit};
 use crate::schedule::Look;
+use crate::sequence::Sequence;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// A film that will be traced, and the frames that are made of it.
@@ -30,6 +31,12 @@ pub struct Room {
 }
 
 impl Room {
+    /// For films of a sequence that have these layers besides light.
+    pub fn of(sequence: &Sequence, extras: Extras, budget: u64) -> Self {
+        let (width, height) = sequence.output.size;
+        Self { pixels: u64::from(width) * u64::from(height), extras: extras.layers() as u64, budget }
+    }
+
     /// Bytes of a film with so many layers of light.
     pub fn bytes(&self, lit: usize) -> u64 {
         let layer = size_of::<Rgb>() as u64;

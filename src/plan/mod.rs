@@ -14,6 +14,7 @@ mod films;
 mod outline;
 mod pilot;
 mod run;
+mod shared;
 mod survey;
 #[cfg(test)]
 mod tests;
@@ -22,9 +23,10 @@ pub use changes::{Change, Part};
 pub use effects::{Caller, Effect};
 pub use films::{Room, Take};
 pub use outline::{Outline, Span, outline};
-pub use pilot::{Effort, Expected, pilot};
+pub use pilot::{Effort, Expected, Nowhere, pilot, samples, shrunk, work};
 pub use run::run;
-pub use survey::{Survey, survey, survey_until};
+pub use shared::{Shared, run_shared};
+pub use survey::{Survey, survey, survey_until, with_shared};
 
 use crate::film::Extras;
 use crate::sequence::Sequence;
@@ -49,9 +51,7 @@ impl Plan {
 
     /// The same of frames that are evaluated already.
     pub fn of(survey: Survey, sequence: &Sequence, extras: Extras, budget: u64) -> Self {
-        let (width, height) = sequence.output.size;
-        let pixels = u64::from(width) * u64::from(height);
-        let room = Room { pixels, extras: extras.layers() as u64, budget };
+        let room = Room::of(sequence, extras, budget);
         let (takes, of) = films::takes(&survey.frames, &room);
         Self { survey, room, takes, of }
     }

@@ -40,7 +40,8 @@ impl Effort {
     pub const PLAN: Self = Self { frames: 24, samples: 1 << 14 };
 }
 
-struct Nowhere;
+/// Takes films that nobody wants.
+pub struct Nowhere;
 
 impl FilmSink for Nowhere {
     fn push(&mut self, _frame: u32, _film: Film) -> Result<(), EncodeError> {
@@ -87,7 +88,7 @@ pub fn pilot(sequence: &Sequence, plan: &Plan, effort: Effort) -> Expected {
 }
 
 /// Camera rays of a film; the least that there are where an error is asked for.
-fn samples(sequence: &Sequence, look: &Look) -> u64 {
+pub fn samples(sequence: &Sequence, look: &Look) -> u64 {
     let (width, height) = sequence.output.size;
     let quality = &sequence.quality;
     let each = match quality.noise {
@@ -107,29 +108,59 @@ struct Counted {
 
 /// The rays of films, from those of some of them, spread evenly over their order.
 fn counted_up(sequence: &Sequence, films: &[(&Look, Vec<LayerId>)], effort: Effort) -> Option<Counted> {
-    // Until an error is reached, a picture takes several times the samples.
-    let most = effort.frames.div_ceil(if sequence.quality.noise.is_some() { 4 } else { 1 });
-    let chosen = films.len().min(most);
-    let (mut traced, mut camera, mut rays) = (0.0, 0.0, 0.0);
-    let mut small = sequence.clone();
-    for index in 0..chosen {
-        let (look, lit) = &films[(2 * index + 1) * films.len() / (2 * chosen)];
-        shrink(&mut small, sequence, look, effort.samples);
-        let mut frames = FrameLoop::new(&small, Nowhere, Arc::new(Meter::default()));
-        frames.trace(look, lit).ok()?;
-        let counts = frames.tally().counts.rays;
-        traced += samples(&small, look) as f64;
-        camera += counts.camera as f64;
-        rays += counts.total() as f64;
-    }
+    let trials = trials(sequence, films, effort)?;
+    let sum = |part: fn(&Trial) -> f64| trials.iter().map(part).sum::<f64>();
+    let (traced, camera, rays) =
+        (sum(|trial| trial.samples), sum(|trial| trial.camera), sum(|trial| trial.rays));
     let all: f64 = films.iter().map(|(look, _)| samples(sequence, look) as f64).sum();
     let whole = |part: f64| (all / traced * part).round() as u64;
     (traced > 0.0).then(|| Counted { camera: whole(camera), all: whole(rays) })
 }
 
-/// Leaves so many samples of a frame, spread over as many pixels as there are.
-fn shrink(small: &mut Sequence, sequence: &Sequence, look: &Look, samples: u64) {
-    small.quality = sequence.quality;
+/// Rays that each film of a plan is expected to take: its samples are known, and each of them is taken to send as many
+/// rays as those of the film nearest to it that is tried. Without a trial, only rays of the camera are told.
+pub fn work(sequence: &Sequence, plan: &Plan, effort: Effort) -> Vec<f64> {
+    let looks = &plan.survey.frames;
+    let films: Vec<(&Look, Vec<LayerId>)> =
+        plan.takes.iter().map(|take| (&looks[take.frames[0]], take.lit.clone())).collect();
+    let trials = trials(sequence, &films, effort).unwrap_or_default();
+    let rays = |(film, (look, _)): (usize, &(&Look, Vec<LayerId>))| {
+        let nearest = trials.get(film * trials.len() / films.len());
+        let each =
+            nearest.filter(|trial| trial.samples > 0.0).map_or(1.0, |trial| trial.rays / trial.samples);
+        samples(sequence, look) as f64 * each
+    };
+    films.iter().enumerate().map(rays).collect()
+}
+
+/// What a film took that was tried.
+struct Trial {
+    samples: f64,
+    /// Rays of the camera, and of all kinds.
+    camera: f64,
+    rays: f64,
+}
+
+/// Traces some of the films with a small part of their samples: each of them stands for as many that are its neighbours.
+fn trials(sequence: &Sequence, films: &[(&Look, Vec<LayerId>)], effort: Effort) -> Option<Vec<Trial>> {
+    // Until an error is reached, a picture takes several times the samples.
+    let most = effort.frames.div_ceil(if sequence.quality.noise.is_some() { 4 } else { 1 });
+    let chosen = films.len().min(most);
+    let trial = |index: usize| {
+        let (look, lit) = &films[(2 * index + 1) * films.len() / (2 * chosen)];
+        let small = shrunk(sequence, look, effort.samples);
+        let mut frames = FrameLoop::new(&small, Nowhere, Arc::new(Meter::default()));
+        frames.trace(look, lit).ok()?;
+        let counts = frames.tally().counts.rays;
+        let samples = samples(&small, look) as f64;
+        Some(Trial { samples, camera: counts.camera as f64, rays: counts.total() as f64 })
+    };
+    (0..chosen).map(trial).collect()
+}
+
+/// A sequence of which a frame has so many samples, spread over as many pixels as there are.
+pub fn shrunk(sequence: &Sequence, look: &Look, samples: u64) -> Sequence {
+    let mut small = sequence.clone();
     small.quality.antialias = 1;
     small.quality.samples = sequence.quality.samples.min(look.moments);
     let (width, height) = sequence.output.size;
@@ -138,4 +169,5 @@ fn shrink(small: &mut Sequence, sequence: &Sequence, look: &Look, samples: u64) 
     let share = (pixels as f64 / (f64::from(width) * f64::from(height))).sqrt().min(1.0);
     let side = |whole: u32| ((f64::from(whole) * share).round() as u32).clamp(1, whole);
     small.output.size = (side(width), side(height));
+    small
 }

@@ -1,9 +1,11 @@
 //! Every frame evaluated, and none traced.
 
+use crate::digest::Digest;
 use crate::schedule::{Look, Preview};
 use crate::sequence::Sequence;
 use crate::stop::Stop;
 use rayon::prelude::*;
+use std::collections::{BTreeSet, HashSet};
 
 /// What the frames of a run evaluate to, in the order in which they were asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,6 +20,16 @@ impl Survey {
         self.frames.retain(|look| wanted.next_if(|frame| **frame == look.frame).is_some());
         self
     }
+}
+
+/// These frames, and those of `among` that are made of the same films as one of them, in rising order.
+pub fn with_shared(sequence: &Sequence, frames: &[u32], among: &[u32]) -> Vec<u32> {
+    let transports: HashSet<Digest> =
+        survey(sequence, frames).frames.iter().map(|look| look.transport).collect();
+    let looks = survey(sequence, among).frames;
+    let shared = looks.iter().filter(|look| transports.contains(&look.transport)).map(|look| look.frame);
+    let all: BTreeSet<u32> = shared.chain(frames.iter().copied()).collect();
+    all.into_iter().collect()
 }
 
 /// Frames that are not worth a world of their own.

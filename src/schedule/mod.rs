@@ -135,6 +135,11 @@ impl<S: FilmSink> FrameLoop<S> {
         self.world.resource::<Tally>()
     }
 
+    /// Does something with the sink.
+    pub fn with_sink<T>(&mut self, act: impl FnOnce(&mut S) -> T) -> T {
+        act(&mut self.world.resource_mut::<Sink<S>>().0)
+    }
+
     /// Ends the loop and gives the sink back.
     pub fn into_sink(mut self) -> Option<S> {
         self.world.remove_resource::<Sink<S>>().map(|sink| sink.0)

@@ -118,7 +118,7 @@ fn file_formats_do_not_show() {
     obj::write(File::create(path("a.obj")).expect("a file"), &parts).expect("a disk");
     ply::write(File::create(path("a.ply")).expect("a file"), &parts).expect("a disk");
     let read = |name: &str| {
-        let mesh = mesh::load(&path(name), &Root::ANYWHERE, &LoadMeter::default())
+        let mesh = mesh::load(&path(name), &Root::anywhere(), &LoadMeter::default())
             .unwrap_or_else(|error| panic!("{error}"));
         Shape::Mesh(Mesh { mesh: Arc::new(mesh), normals: Normals::File })
     };

@@ -34,7 +34,7 @@ fn shards_write_stills() {
     assert!(!folder.path().join("output/ball.gif").exists());
     let told = refused(folder.path(), &["render", "ball.ron", "--shard", "1/2", "-o", "a.gif"]);
     assert!(
-        told.contains("every shard would write all of a.gif") && told.contains("kinora assemble"),
+        told.contains("every process would write all of a.gif") && told.contains("kinora assemble"),
         "{told}"
     );
     let told = refused(folder.path(), &["render", "ball.ron", "--shard", "3/2", "-o", "f_##.png"]);

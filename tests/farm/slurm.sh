@@ -1,0 +1,131 @@
+#!/usr/bin/env bash
+# An exported job on a Slurm of two nodes, both of them this machine. A render is killed, one is told to make room, and a
+# node dies with all that runs on it. Must be run by root, as Slurm's own daemons must.
+# shellcheck source=tests/farm/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+((EUID == 0)) || skip "only root can start Slurm's daemons"
+debian slurmctld slurmctld slurmd slurm-client munge
+debian slurmd slurmd
+debian munged munge
+
+# All daemons have their files in the temporary folder, and listen on ports that nobody else has.
+folder=$work/slurm
+export SLURM_CONF=$folder/slurm.conf
+free() { ! (: <"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }
+port=$((20000 + RANDOM % 10000))
+until free "$port" && free $((port + 1)) && free $((port + 2)); do port=$((port + 3)); done
+
+configure() {
+    local host
+    host=$(hostname -s)
+    mkdir -p "$folder"/{munge,state,n1,n2}
+    chmod 711 "$work" "$folder" "$folder/munge"
+    : >"$folder/cgroup.conf"
+    cat >"$SLURM_CONF" <<CONF
+ClusterName=kinora
+SlurmctldHost=$host(127.0.0.1)
+SlurmUser=root
+SlurmctldPort=$port
+AuthType=auth/munge
+# A task that is requeued may begin again when its credential has run out: after 2 minutes, if nothing else is said.
+AuthInfo=socket=$folder/munge/socket,cred_expire=5
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+JobAcctGatherType=jobacct_gather/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_CPU
+MpiDefault=none
+SwitchType=switch/none
+ReturnToService=2
+KillWait=5
+SlurmdTimeout=10
+StateSaveLocation=$folder/state
+SlurmdSpoolDir=$folder/%n
+SlurmctldPidFile=$folder/slurmctld.pid
+SlurmdPidFile=$folder/%n.pid
+SchedulerParameters=batch_sched_delay=0,sched_interval=1
+NodeName=n[1-2] NodeHostname=$host NodeAddr=127.0.0.1 Port=[$((port + 1))-$((port + 2))] CPUs=1 State=UNKNOWN
+PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
+CONF
+}
+
+# Munge is told apart from the user that it serves: it does not run as root.
+start_munge() {
+    (umask 077 && head -c 1024 /dev/urandom >"$folder/munge/key")
+    chown -R munge: "$folder/munge"
+    start "$folder/munge.log" setpriv --reuid munge --regid munge --clear-groups munged --foreground \
+        --socket="$folder/munge/socket" --key-file="$folder/munge/key" --pid-file="$folder/munge/pid" \
+        --log-file="$folder/munge/log" --seed-file="$folder/munge/seed"
+    await 10 "munged" test -S "$folder/munge/socket"
+}
+
+declare -A node
+start_node() {
+    start "$folder/$1.log" slurmd -D -N "$1"
+    node[$1]=${started[-1]}
+}
+
+idle_nodes() { [[ $(sinfo --noheader --Node --states=idle --format %N | wc -l) == 2 ]]; }
+
+stop_engine() { scontrol shutdown; }
+
+# All that runs below a process, and itself.
+family() {
+    local child
+    for child in $(ps -o pid= --ppid "$1"); do family "$child"; done
+    echo "$1"
+}
+
+# The node's daemon and all of its tasks are gone at once, as when a machine loses its power; then it is there again.
+crash() {
+    local step killed=("${node[$1]}")
+    for step in $(pgrep --full "^slurmstepd: \[[0-9]+\.batch\]"); do
+        if [[ $(ps -o args= --ppid "$step") == *"$folder/$1/"* ]]; then mapfile -t -O 1 killed < <(family "$step"); fi
+    done
+    ((${#killed[@]} > 1)) || return 1
+    kill -KILL "${killed[@]}"
+    start_node "$1"
+}
+
+gone() { [[ -z $(squeue --noheader --array) ]]; }
+
+prepare
+configure
+start_munge
+start "$folder/slurmctld.log" slurmctld -D
+start_node n1
+start_node n2
+await 30 "two nodes" idle_nodes
+
+export_job slurm 6
+say "$(sbatch --version), two nodes"
+"$project/sequences/hello.slurm-submit.sh" | tee "$work/submitted"
+job=$(grep --only-matching --max-count=1 '[0-9]*' "$work/submitted")
+
+await_frames 2
+kill_a_render
+
+# As before the end of its time, or when the task must make room.
+await_frames 4
+tell_any() {
+    local render
+    render=$(workers | shuf -n 1)
+    task=$(tr '\0' '\n' <"/proc/$render/environ" | sed -n 's/^SLURM_JOB_ID=//p')
+    # It would try again for minutes if the task has just ended.
+    [[ $task ]] && timeout 2 scancel --quiet --signal=TERM --batch "$task"
+}
+await "$job_time" "a task at work" tell_any
+middle "told job $task to make room"
+
+await_frames 7
+crash_any() { crash n1 || crash n2; }
+await "$job_time" "a node at work" crash_any
+middle "crashed a node"
+
+await "$job_time" "an empty queue" gone
+scontrol show job "$job" | grep --only-matching 'ArrayTaskId=[0-9]*\|JobState=[A-Z]*\|Restarts=[0-9]*' | paste -sd '   \n'
+[[ -f $project/turn.mp4 ]] || fail "nothing was assembled: $(tail -n 3 "$project"/sequences/*logs/*)"
+restarts=$(scontrol show job "$job" | grep --only-matching 'Restarts=[1-9][0-9]*' | wc -l)
+((restarts >= 2)) || fail "only $restarts tasks went back to the queue"
+compare
