@@ -4,13 +4,15 @@ use super::Named;
 use super::fault::Fault;
 use super::node::File;
 use super::suggest::shortened;
-use super::values::MOST_MOMENTS;
 use crate::camera_path::{CameraPath, Lens, NoCamera, moments};
 use crate::time::{Clock, Time, Timeline};
 use crate::track::Animated;
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::ops::Range;
+
+/// Moments that are looked at, at most: some seconds of one processor.
+const MOST_MOMENTS: u64 = 1 << 24;
 
 /// Frames that are looked at in parallel before it is known which cameras need no more looks.
 const BLOCK: u32 = 1 << 13;

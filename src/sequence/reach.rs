@@ -3,7 +3,7 @@
 use super::fault::Fault;
 use super::node::File;
 use super::suggest::shortened;
-use super::values::{LARGEST, MOST_MOMENTS, SHORTEST};
+use super::values::{LARGEST, SHORTEST};
 use super::{Named, Object};
 use crate::math::{DAffine3, DVec3};
 use crate::time::{Time, Timeline};
@@ -21,6 +21,9 @@ pub struct TransformPlace {
 /// How far an easing may go beyond the keys on both sides of it, as a share of the way between them: the curves of
 /// easings.net stay below 2, and Bezier's below 10 for all control points that make sense.
 const OVERSHOOT: f64 = 10.0;
+
+/// Transforms that are looked at one by one, at most: a second or two. Only those near the limits are.
+const MOST_LOOKS: u64 = 1 << 21;
 
 /// Bounds of what a transform does to lengths, over all times: the least and the largest factor, and the farthest that
 /// it moves the origin.
@@ -84,7 +87,7 @@ pub fn report_out_of_range(
         std::iter::successors(Some(index), |&at| objects.get(at)?.value.parent).map(|at| &objects[at].value)
     };
     let mut out = vec![false; objects.len()];
-    let mut left = MOST_MOMENTS;
+    let mut left = MOST_LOOKS;
     for (index, span) in spans(objects) {
         let inherited = objects[index].value.parent.is_some_and(|parent| out[parent]);
         if inherited || span.is_safe() {

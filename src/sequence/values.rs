@@ -14,9 +14,6 @@ pub const LARGEST: f64 = 1e30;
 /// Lengths below this are refused, for their squares must stay far from underflow.
 pub const SHORTEST: f64 = 1e-30;
 
-/// Moments that are looked at while a file is read, at most: some seconds of one processor.
-pub const MOST_MOMENTS: u64 = 1 << 24;
-
 /// Whether a value is written like a number.
 pub fn is_number(node: Node<'_>) -> bool {
     let unsigned = node.text().trim_start_matches(['+', '-', '.']);

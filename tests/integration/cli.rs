@@ -207,7 +207,7 @@ fn plans_tell_spans_effects_layers_rays_and_memory() {
     ] {
         assert!(run.stdout.contains(part), "`{part}` in {}", run.stdout);
     }
-    let both = text.replace("ball\": (shape: Sphere(), ", "ring\": (shape: Torus(), translation: [(5, (0, 0, 0)), (7, (1, 0, 0))]), \"ball\": (shape: Sphere(), ");
+    let both = text.replace("ball\": (shape: Sphere(), ", "ring\": (shape: Sphere(center: (3, 0, 0)), translation: [(5, (0, 0, 0)), (7, (1, 0, 0))]), \"ball\": (shape: Sphere(), ");
     let other = scratch("plans.ron");
     std::fs::write(&other, both).expect("the folder is writable");
     let told = kinora(&["plan", &other.to_string_lossy()]).stdout;
