@@ -83,8 +83,7 @@ struct Told<'a> {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = &arguments.options;
     let loading = loading::Reporter::new(options.progress, options.quiet);
-    let (sequence, load) =
-        timed(|| load::sequence(&arguments.file, options.allow_outside, loading));
+    let (sequence, load) = timed(|| load::sequence(&arguments.file, options.allow_outside, loading));
     let sequence = sequence?;
     let sequence = overrides::applied(sequence, &options.overrides()).map_err(Failure::Bad)?;
     let frames = frames_of(arguments.frames.as_ref(), &sequence)?;
@@ -92,7 +91,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let budget = arguments.memory.map_or(Reuse::Share, Reuse::Within).budget(&sequence, extras);
     let besides = memory::needed(&sequence, extras);
     let share = Share { workers: &arguments.workers, chunks: arguments.chunks, threads: options.threads };
-    let farm = (!arguments.workers.is_empty()).then(|| Farm::of(&sequence, &frames, &share, load)).transpose()?;
+    let farm =
+        (!arguments.workers.is_empty()).then(|| Farm::of(&sequence, &frames, &share, load)).transpose()?;
     let told = pool(options.threads)?.install(|| {
         let plan = Plan::new(&sequence, &frames, extras, budget);
         let outline = outline(&sequence, &plan);

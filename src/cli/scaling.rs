@@ -80,7 +80,8 @@ impl Farm {
     pub fn json(&self) -> Object {
         let Price { task, look, film, ray, write } = self.price;
         let price = [("task", task), ("look", look), ("film", film), ("ray", ray), ("write", write)];
-        let price = price.iter().fold(Object::new(), |object, (name, value)| object.exact(name, Some(*value)));
+        let price =
+            price.iter().fold(Object::new(), |object, (name, value)| object.exact(name, Some(*value)));
         let seconds = |time: Duration| Some(time.as_secs_f64());
         let scaling = |scaling: &Scaling| {
             Object::new()

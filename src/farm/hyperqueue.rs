@@ -50,7 +50,9 @@ fn on_threads(mut words: Vec<String>, threads: u32) -> Vec<String> {
 fn task(job: &Job, id: usize, words: &[String], rest: &str) -> String {
     let folder = job.sequence.parent().unwrap_or(Path::new(""));
     let logs = folder.join(format!("{}.hq-logs", job.name));
-    let log = |kind: &str| quoted(&logs.join(format!("%{{JOB_ID}}-%{{TASK_ID}}-%{{INSTANCE_ID}}.{kind}")).to_string_lossy());
+    let log = |kind: &str| {
+        quoted(&logs.join(format!("%{{JOB_ID}}-%{{TASK_ID}}-%{{INSTANCE_ID}}.{kind}")).to_string_lossy())
+    };
     let words: Vec<String> = words.iter().map(|word| quoted(word)).collect();
     format!(
         "\n[[task]]\nid = {id}\ncommand = [{}]\nstdout = {}\nstderr = {}\ncrash_limit = {CRASHES}\n{rest}",

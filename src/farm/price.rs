@@ -60,7 +60,8 @@ impl Price {
             let (width, height) = sequence.output.size;
             f64::from(width) * f64::from(height)
         };
-        let stage = |stage: Stage| done.stages.get(stage as usize).map_or(0.0, |(_, time)| time.as_secs_f64());
+        let stage =
+            |stage: Stage| done.stages.get(stage as usize).map_or(0.0, |(_, time)| time.as_secs_f64());
         let all: f64 = Stage::ALL.iter().map(|&of| stage(of)).sum();
         // Stages tell how long they were at it, however busy the machine is; the processors' time is divided as they say.
         let work = (took - world).on(pool.current_num_threads());
@@ -92,7 +93,8 @@ fn rendered(
     stills: &[Output],
     threads: Option<NonZeroUsize>,
 ) -> Result<(Summary, Took), RenderError> {
-    let folder = tempfile::tempdir().map_err(|reason| EncodeError::Write { path: std::env::temp_dir(), reason })?;
+    let folder =
+        tempfile::tempdir().map_err(|reason| EncodeError::Write { path: std::env::temp_dir(), reason })?;
     let outputs = stills.iter().enumerate().filter_map(|(place, still)| {
         let name = still.path(0);
         let extension = Path::new(&name).extension()?.to_str()?;
