@@ -3,9 +3,10 @@
 use crate::color::Rgb;
 use crate::encode::{
     About, Assembly, EncodeError, Existing, Formats, Job, MATTE, Output, Report, Sheet, Shown, Template,
-    Tonemap, frame_texts, read_picture, sheet_columns, write_picture,
+    Tonemap, check_size, frame_texts, read_picture, sheet_columns, write_picture,
 };
-use crate::render::{RenderError, pool};
+use crate::memory;
+use crate::render::{Large, RenderError, pool};
 use crate::time::Rate;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -66,6 +67,11 @@ pub fn assemble(request: &Request) -> Result<Report, RenderError> {
     };
     let count = request.frames.len() as u32;
     let columns = request.columns.unwrap_or_else(|| sheet_columns(count, size));
+    if !strips.is_empty() {
+        let sheet = Sheet::size(count, columns, size);
+        Large::Filmstrip.check(memory::for_sheet(sheet))?;
+        strips.iter().try_for_each(|strip| check_size(strip, 0, sheet)).map_err(EncodeError::from)?;
+    }
     let mut sheet = (!strips.is_empty()).then(|| Sheet::new(count, columns, size));
     let mut assembly = Assembly::start(job)?;
     for (index, (number, path)) in (0..).zip(&request.frames) {
@@ -79,6 +85,7 @@ pub fn assemble(request: &Request) -> Result<Report, RenderError> {
     let mut report = assembly.finish(&pool(request.threads)?)?;
     if let Some(sheet) = sheet {
         let picture = sheet.finish();
+        report.notes.extend(request.text.note(&about.name));
         for strip in &strips {
             write_picture(strip, &picture, request.formats)?;
             report.files.push(PathBuf::from(strip.to_string()));

@@ -13,6 +13,17 @@ pub fn linear_to_srgb(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055 }
 }
 
+/// `#rrggbb` or `#rgb`, as linear light.
+pub fn hex_color(text: &str) -> Option<Rgb> {
+    let digits = text.strip_prefix('#')?.chars().map(|digit| digit.to_digit(16));
+    let codes = match *digits.collect::<Option<Vec<u32>>>()? {
+        [r, g, b] => [r * 17, g * 17, b * 17],
+        [r, rr, g, gg, b, bb] => [r * 16 + rr, g * 16 + gg, b * 16 + bb],
+        _ => return None,
+    };
+    Some(Rgb::from_array(codes.map(|code| srgb_to_linear(f64::from(code) / 255.0) as f32)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

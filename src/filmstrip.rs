@@ -2,10 +2,13 @@
 
 use crate::color::Rgb;
 use crate::counters::Meter;
-use crate::encode::{About, EncodeError, Output, Report, Sheet, Shown, Template, ToneTable, write_picture};
+use crate::encode::{
+    About, EncodeError, Output, Report, Sheet, Shown, Template, ToneTable, check_size, write_picture,
+};
 use crate::film::{Extras, Film};
+use crate::memory;
 use crate::plan::{self, Plan};
-use crate::render::{RenderError, Reuse, Summary, check_memory, pool, summary};
+use crate::render::{Large, RenderError, Reuse, Summary, pool, summary};
 use crate::schedule::{FilmSink, FrameLoop};
 use crate::sequence::Sequence;
 use crate::time::Rate;
@@ -51,8 +54,10 @@ impl FilmSink for Cells {
 pub fn filmstrip(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> Result<Summary, RenderError> {
     let start = Instant::now();
     let extras = Extras { coverage: sequence.output.transparent, guides: false };
-    check_memory(sequence, extras)?;
     let count = request.frames.len() as u32;
+    let sheet = Sheet::size(count, request.columns, sequence.output.size);
+    Large::Filmstrip.check(memory::needed(sequence, extras).saturating_add(memory::for_sheet(sheet)))?;
+    check_size(&request.output, 0, sheet).map_err(EncodeError::from)?;
     let cells = Cells {
         sheet: Sheet::new(count, request.columns, sequence.output.size),
         table: ToneTable::new(sequence.output.tonemap),
@@ -72,7 +77,9 @@ pub fn filmstrip(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> 
     if let Some(cells) = frames.into_sink() {
         write_picture(&request.output, &cells.sheet.finish(), sequence.output.formats)?;
     }
-    let report = Report { files: vec![PathBuf::from(request.output.to_string())], ..Report::default() };
+    let files = vec![PathBuf::from(request.output.to_string())];
+    let notes = request.text.note(&sequence.name).into_iter().collect();
+    let report = Report { files, notes, ..Report::default() };
     Ok(summary(&tally, report, count, start.elapsed()))
 }
 

@@ -26,6 +26,15 @@ pub fn needed(sequence: &Sequence, extras: Extras) -> u64 {
     (u64::from(width) * u64::from(height)).saturating_mul(pixel)
 }
 
+/// Bytes of a pixel of a filmstrip: the sheet, the codes that are handed to the encoder, and what comes of them, which
+/// may be no smaller.
+const SHEET: u64 = 9;
+
+/// Bytes that a filmstrip of this size takes, besides the frames that are put into it.
+pub fn for_sheet((width, height): (u32, u32)) -> u64 {
+    (u64::from(width) * u64::from(height)).saturating_mul(SHEET)
+}
+
 /// The part of the memory that is left, as a divisor, which films that are kept for other frames may have.
 const SHARE: u64 = 4;
 

@@ -7,8 +7,8 @@ use crate::film::{Extras, Film, Noise};
 use crate::humane;
 use crate::machine;
 use crate::memory;
-use crate::plan::{self, Effort, Expected, Plan, Room, Shared, Survey, run_shared, survey};
-use crate::schedule::{FilmSink, FrameLoop, NoFrame, Stage, Tally};
+use crate::plan::{self, Effort, Expected, Plan, Room, Shared, Survey, run_shared, survey_until};
+use crate::schedule::{FilmSink, FrameLoop, Look, NoFrame, Stage, Tally};
 use crate::sequence::Sequence;
 use crate::stop::Stop;
 use rayon::ThreadPool;
@@ -82,17 +82,40 @@ pub struct Summary {
 pub struct Forecast {
     pub reused: u32,
     pub camera_rays: u64,
+    /// Whether that is known exactly: not where samples are taken until an error is reached.
+    pub exact: bool,
     /// Of all kinds, if it was worth a trial.
     pub rays: Option<u64>,
     pub bvh_builds: u64,
+}
+
+/// What may be too large for the memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Large {
+    Picture,
+    Filmstrip,
+    /// Pictures of several settings, which are compared.
+    Measurement,
+}
+
+impl Large {
+    /// Refuses what takes so many bytes and does not fit into memory.
+    pub(crate) fn check(self, needed: u64) -> Result<(), RenderError> {
+        let available = machine::free_memory();
+        if needed > available {
+            return Err(RenderError::TooLarge { what: self, needed, available });
+        }
+        Ok(())
+    }
 }
 
 /// Why a run stopped.
 #[derive(Debug)]
 pub enum RenderError {
     Encode(EncodeError),
-    /// The picture would not fit: bytes needed and bytes there are.
+    /// It would not fit: bytes needed and bytes there are.
     TooLarge {
+        what: Large,
         needed: u64,
         available: u64,
     },
@@ -140,13 +163,22 @@ impl Display for RenderError {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Encode(error) => error.fmt(f),
-            Self::TooLarge { needed, available } => {
+            Self::TooLarge { what, needed, available } => {
+                let (what, mend) = match what {
+                    Large::Picture => (
+                        "the picture needs",
+                        "make it smaller with --size, such as 1280x720, or with --draft",
+                    ),
+                    Large::Filmstrip => {
+                        ("the filmstrip needs", "show fewer frames, or make them smaller, such as 320x200")
+                    }
+                    Large::Measurement => (
+                        "to compare pictures of this size needs",
+                        "measure smaller ones with --size, such as 320x200, or fewer frames",
+                    ),
+                };
                 let (needed, available) = (humane::bytes(*needed), humane::bytes(*available));
-                write!(
-                    f,
-                    "the picture needs {needed} of memory and there are {available}; make it smaller with \
-                     --size, such as 1280x720, or with --draft"
-                )
+                write!(f, "{what} {needed} of memory and there are {available}; {mend}")
             }
             Self::Camera { frame, why } => write!(f, "frame {frame} has no camera: {why}"),
             Self::Stopped { done, .. } => {
@@ -174,18 +206,23 @@ pub fn render_until(
 ) -> Result<Summary, RenderError> {
     let start = Instant::now();
     let extras = extras(sequence, &request.outputs);
-    check_memory(sequence, extras)?;
+    Large::Picture.check(memory::needed(sequence, extras))?;
     let pool = Arc::new(pool(request.threads)?);
-    let seen = pool.install(|| seen(&survey(sequence, &request.frames)));
-    let job = job(sequence, request, seen);
+    let survey = pool.install(|| survey_until(sequence, &request.frames, stop));
+    let job = job(sequence, request, &survey);
     let keeps = job.keeps();
+    if let Some(signal) = stop.signal().filter(|_| survey.frames.len() < request.frames.len()) {
+        let rest = request.frames.clone();
+        return Err(RenderError::Stopped { signal, done: 0, files: Vec::new(), rest, keeps });
+    }
     let encoder = Encoder::start(job, Arc::clone(&pool), stop)?;
     let missing = encoder.missing();
     meter.frames.fetch_add((request.frames.len() - missing.len()) as u32, Relaxed);
     let mut frames = FrameLoop::with_extras(sequence, extras, encoder, Arc::clone(meter));
+    let survey = survey.only(&missing);
     let (done, expected) = pool.install(|| match request.existing {
-        Existing::Share => shared(sequence, request, &missing, extras, &mut frames, (meter, stop)),
-        _ => planned(sequence, request, &missing, extras, &mut frames, stop),
+        Existing::Share => shared(sequence, request, &survey, &mut frames, (meter, stop)),
+        _ => planned(sequence, request, survey, extras, &mut frames, stop),
     })?;
     if let Some(signal) = stop.signal().filter(|_| done < missing.len()) {
         let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::stop)?;
@@ -210,7 +247,7 @@ const TRIAL: Effort = Effort { frames: 8, samples: WORTH_A_TRIAL / 256 / 16 };
 fn planned<S: FilmSink>(
     sequence: &Sequence,
     request: &Request,
-    missing: &[u32],
+    missing: Survey,
     extras: Extras,
     frames: &mut FrameLoop<S>,
     stop: &Stop,
@@ -218,19 +255,20 @@ fn planned<S: FilmSink>(
     let on = || stop.signal().is_none();
     if request.reuse == Reuse::Off {
         let mut done = 0;
-        missing.iter().take_while(|_| on()).try_for_each(|&frame| {
+        missing.frames.iter().take_while(|_| on()).try_for_each(|look| {
             done += 1;
-            frames.frame(frame)
+            frames.frame(look.frame)
         })?;
         return Ok((done, None));
     }
     let budget = request.reuse.budget(sequence, extras);
-    let plan = Plan::new(sequence, missing, extras, budget);
+    let plan = Plan::of(missing, sequence, extras, budget);
     let known = Expected::of(sequence, &plan);
     let expected = if known.camera < WORTH_A_TRIAL { known } else { plan::pilot(sequence, &plan, TRIAL) };
     let forecast = Forecast {
         reused: plan.reused() as u32,
         camera_rays: expected.camera,
+        exact: expected.exact,
         rays: expected.rays,
         bvh_builds: plan.builds(),
     };
@@ -241,24 +279,26 @@ fn planned<S: FilmSink>(
 fn shared(
     sequence: &Sequence,
     request: &Request,
-    missing: &[u32],
-    extras: Extras,
+    survey: &Survey,
     frames: &mut FrameLoop<Encoder>,
     (meter, stop): (&Meter, &Stop),
 ) -> Result<(usize, Option<Forecast>), NoFrame> {
+    let extras = extras(sequence, &request.outputs);
     let room = Room::of(sequence, extras, request.reuse.budget(sequence, extras));
     let there = |others: usize| {
         meter.frames.fetch_add(others as u32, Relaxed);
     };
     let on = || stop.signal().is_none();
-    let Shared { done, complete } = run_shared(&survey(sequence, missing), room, frames, on, there)?;
-    Ok((if complete { missing.len() } else { done }, None))
+    let Shared { done, complete } = run_shared(survey, room, frames, on, there)?;
+    Ok((if complete { survey.frames.len() } else { done }, None))
 }
 
-/// Refuses pictures that do not fit into memory.
-pub(crate) fn check_memory(sequence: &Sequence, extras: Extras) -> Result<(), RenderError> {
-    let (needed, available) = (memory::needed(sequence, extras), machine::free_memory());
-    if needed > available { Err(RenderError::TooLarge { needed, available }) } else { Ok(()) }
+/// Finds what a render would refuse before its first frame: a picture that does not fit into memory, or outputs that
+/// cannot be written. Nothing is touched.
+pub fn check(sequence: &Sequence, request: &Request) -> Result<(), RenderError> {
+    let extras = extras(sequence, &request.outputs);
+    Large::Picture.check(memory::needed(sequence, extras))?;
+    Ok(job(sequence, request, &Survey::default()).check().map_err(EncodeError::from)?)
 }
 
 /// The threads that trace.
@@ -268,19 +308,15 @@ pub(crate) fn pool(threads: Option<NonZeroUsize>) -> Result<ThreadPool, RenderEr
     pool.map_err(|error| RenderError::Threads(error.to_string()))
 }
 
-/// What frames look like, by which those are found that are there.
-pub(crate) fn seen(survey: &Survey) -> Vec<Seen> {
-    let looks = &survey.frames;
-    looks.iter().map(|look| Seen { radiance: look.radiance(), exposure: look.exposure }).collect()
-}
-
-pub(crate) fn job(sequence: &Sequence, request: &Request, seen: Vec<Seen>) -> Job {
+pub(crate) fn job(sequence: &Sequence, request: &Request, survey: &Survey) -> Job {
     let output = &sequence.output;
+    // By what they look like, those are found that are there.
+    let seen = |look: &Look| Seen { radiance: look.radiance(), exposure: look.exposure, random: look.random };
     Job {
         outputs: request.outputs.clone(),
         existing: request.existing,
         frames: request.frames.clone(),
-        seen,
+        seen: survey.frames.iter().map(seen).collect(),
         rate: sequence.timeline.rate,
         size: output.size,
         tonemap: output.tonemap,
@@ -324,8 +360,17 @@ mod tests {
 
     #[test]
     fn a_picture_that_is_too_large_says_how_to_shrink_it() {
-        let text = RenderError::TooLarge { needed: 48_000_000_000, available: 8_100_000_000 }.to_string();
-        assert!(text.contains("48.0 GB") && text.contains("8.10 GB"), "{text}");
-        assert!(text.contains("--size") && text.contains("--draft"), "{text}");
+        for (what, parts) in [
+            (Large::Picture, ["the picture", "--size", "--draft"]),
+            (Large::Filmstrip, ["the filmstrip", "fewer frames", "320x200"]),
+            (Large::Measurement, ["to compare", "--size", "fewer frames"]),
+        ] {
+            let text = RenderError::TooLarge { what, needed: 48_000_000_000, available: 8_100_000_000 };
+            let text = text.to_string();
+            assert!(text.contains("48.0 GB") && text.contains("8.10 GB"), "{text}");
+            assert!(parts.iter().all(|part| text.contains(part)), "{text}");
+        }
+        assert!(matches!(Large::Picture.check(u64::MAX), Err(RenderError::TooLarge { .. })));
+        assert!(Large::Picture.check(1).is_ok());
     }
 }

@@ -8,7 +8,7 @@ use crate::color::Rgb;
 use crate::math::DVec3;
 use crate::metrics::{Flip, PIXELS_PER_DEGREE, References, psnr};
 use crate::quality::Quality;
-use crate::render::RenderError;
+use crate::render::{Large, RenderError};
 use crate::sampling::hash;
 use crate::sequence::Sequence;
 use std::num::NonZeroUsize;
@@ -140,6 +140,11 @@ pub fn measure(
     let mut studio = Studio::new(sequence, &request.frames, request.threads)?;
     let (settings, size) = planned(&mut studio, &own, sequence.output.size, request)?;
     studio.resize(size);
+    Large::Measurement.check(memory_for(
+        sequence.layers(),
+        settings.all.len() as u64,
+        studio.pixels() as u64,
+    ))?;
     let mut bench = Bench::new(&studio, settings, &own, progress);
     let references = bench.references()?;
     bench.run(&references)?;
@@ -171,6 +176,23 @@ pub fn measure(
         took: start.elapsed(),
     })
 }
+
+/// Bytes that measuring so many settings takes, for pictures of all frames together: films with the sums of the long ones,
+/// references with what they display as and what FLIP sees of them, and of every setting the picture and the sum of all
+/// its runs.
+fn memory_for(layers: u64, settings: u64, pixels: u64) -> u64 {
+    let (light, sum) = (size_of::<Rgb>() as u64, size_of::<DVec3>() as u64);
+    let shown = size_of::<[f32; 3]>() as u64;
+    // Two shots and their sums are there at a time, and two halves of each layer of the main reference.
+    let films = layers.saturating_mul(2 * light + sum + 2 * light);
+    let references = 2 * (2 * light + shown + FLIP_BYTES);
+    // What all runs add up to is displayed, too.
+    let tried = settings.saturating_mul(sum + 2 * shown);
+    pixels.saturating_mul(films.saturating_add(references).saturating_add(tried))
+}
+
+/// What FLIP keeps of a pixel: colours and features, with their halves while they are filtered.
+const FLIP_BYTES: u64 = 64;
 
 /// What is tried, and in which size, so that it takes about as long as it may.
 fn planned(

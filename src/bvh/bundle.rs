@@ -69,11 +69,19 @@ impl Work for Closest<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Hits {
+        if self.bvh.tree.is_small() { self.search::<L, 0>() } else { self.search::<L, 8>() }
+    }
+}
+
+impl Closest<'_> {
+    /// Searches with room for so many rays that go on alone.
+    #[inline(always)]
+    fn search<L: Lanes, const ALONE: usize>(self) -> Hits {
         let Self { bvh, geometry, rays, wanted } = self;
         let (origin, direction) = rays.load::<L>();
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
         let hits = Hits { at: Crossings::NONE, primitives: [u32::MAX; 8] };
-        let (limit, alone) = (L::splat(0.0), [None; 8]);
+        let (limit, alone) = (L::splat(0.0), [None; ALONE]);
         let mut nearest = Nearest { bvh, geometry, rays, slabs: &slabs, limit, hits, alone };
         for &(index, _) in &bvh.planes {
             nearest.test(index, wanted);
@@ -91,9 +99,7 @@ impl Work for Closest<'_> {
         }
         hits
     }
-}
 
-impl Closest<'_> {
     #[inline(never)]
     fn one_by_one(&self, rays: u32, hits: &mut Hits) {
         for lane in lanes(rays) {
@@ -107,14 +113,14 @@ impl Closest<'_> {
 }
 
 /// The search for what is nearest.
-struct Nearest<'a, L: Lanes> {
+struct Nearest<'a, L: Lanes, const ALONE: usize> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
     rays: &'a Rays,
     slabs: &'a BundleSlabs<L>,
     limit: L,
     hits: Hits,
-    alone: [Option<Alone>; 8],
+    alone: [Option<Alone>; ALONE],
 }
 
 /// A ray of a bundle by itself.
@@ -133,7 +139,22 @@ impl Alone {
     }
 }
 
-impl<L: Lanes> Nearest<'_, L> {
+/// A ray of a bundle by itself, made when it is first asked for; none where there is no room for it.
+#[inline(always)]
+fn alone<'a, L: Lanes>(
+    all: &'a mut [Option<Alone>],
+    bvh: &Bvh,
+    rays: &Rays,
+    ray: usize,
+) -> Option<&'a Alone> {
+    let alone = all.get_mut(ray)?;
+    if alone.is_none() {
+        *alone = Alone::new::<L>(&bvh.tree, rays, ray);
+    }
+    alone.as_ref()
+}
+
+impl<L: Lanes, const ALONE: usize> Nearest<'_, L, ALONE> {
     /// Takes a primitive's crossings where they are nearer, or as near and the primitive is the earlier one.
     #[inline(always)]
     fn test(&mut self, index: u32, wanted: u32) {
@@ -159,7 +180,9 @@ impl<L: Lanes> Nearest<'_, L> {
     }
 }
 
-impl<L: Lanes> BundleLeaves<L> for Nearest<'_, L> {
+impl<L: Lanes, const ALONE: usize> BundleLeaves<L> for Nearest<'_, L, ALONE> {
+    const ALONE: bool = ALONE > 0;
+
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
         for &index in self.bvh.leaves.leaf(leaf) {
@@ -171,10 +194,7 @@ impl<L: Lanes> BundleLeaves<L> for Nearest<'_, L> {
     #[inline(always)]
     fn part(&mut self, ray: usize, below: Branch) {
         let Self { bvh, geometry, .. } = *self;
-        if self.alone[ray].is_none() {
-            self.alone[ray] = Alone::new::<L>(&bvh.tree, self.rays, ray);
-        }
-        let Some(Alone { probe, slabs }) = &self.alone[ray] else { return };
+        let Some(Alone { probe, slabs }) = alone::<L>(&mut self.alone, bvh, self.rays, ray) else { return };
         let hit = self.hits.one(ray);
         let mut single =
             super::Nearest { bvh, geometry, probe, t_max: f64::INFINITY, but: &[], afar: 0.0, hit };
@@ -207,11 +227,18 @@ impl Work for Occluded<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> u32 {
+        if self.bvh.tree.is_small() { self.search::<L, 0>() } else { self.search::<L, 8>() }
+    }
+}
+
+impl Occluded<'_> {
+    #[inline(always)]
+    fn search<L: Lanes, const ALONE: usize>(self) -> u32 {
         let Self { bvh, geometry, rays, wanted, t_max } = self;
         let (origin, direction) = rays.load::<L>();
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
         let limit = slabs.limit(Octo::load(t_max));
-        let mut any = Any { bvh, geometry, rays, t_max, limit, hidden: 0, alone: [None; 8] };
+        let mut any = Any { bvh, geometry, rays, t_max, limit, hidden: 0, alone: [None; ALONE] };
         for &(index, _) in &bvh.planes {
             any.test(index, wanted);
         }
@@ -225,9 +252,7 @@ impl Work for Occluded<'_> {
         let hidden = any.hidden;
         if afar == 0 { hidden } else { hidden | self.one_by_one(afar) }
     }
-}
 
-impl Occluded<'_> {
     #[inline(never)]
     fn one_by_one(&self, rays: u32) -> u32 {
         let hidden = |lane: usize| {
@@ -237,17 +262,17 @@ impl Occluded<'_> {
     }
 }
 
-struct Any<'a, L: Lanes> {
+struct Any<'a, L: Lanes, const ALONE: usize> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
     rays: &'a Rays,
     t_max: &'a [f64; 8],
     limit: L,
     hidden: u32,
-    alone: [Option<Alone>; 8],
+    alone: [Option<Alone>; ALONE],
 }
 
-impl<L: Lanes> Any<'_, L> {
+impl<L: Lanes, const ALONE: usize> Any<'_, L, ALONE> {
     #[inline(always)]
     fn test(&mut self, index: u32, wanted: u32) {
         let wanted = wanted & !self.hidden;
@@ -260,7 +285,9 @@ impl<L: Lanes> Any<'_, L> {
     }
 }
 
-impl<L: Lanes> BundleLeaves<L> for Any<'_, L> {
+impl<L: Lanes, const ALONE: usize> BundleLeaves<L> for Any<'_, L, ALONE> {
+    const ALONE: bool = ALONE > 0;
+
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
         for &index in self.bvh.leaves.leaf(leaf) {
@@ -274,10 +301,7 @@ impl<L: Lanes> BundleLeaves<L> for Any<'_, L> {
         if self.hidden >> ray & 1 == 1 {
             return;
         }
-        if self.alone[ray].is_none() {
-            self.alone[ray] = Alone::new::<L>(&bvh.tree, self.rays, ray);
-        }
-        let Some(Alone { probe, slabs }) = &self.alone[ray] else { return };
+        let Some(Alone { probe, slabs }) = alone::<L>(&mut self.alone, bvh, self.rays, ray) else { return };
         let t_max = self.t_max[ray];
         let mut single = super::Any { bvh, geometry, probe, t_max, found: false };
         bvh.tree.walk_below::<L>(below, slabs, slabs.limit(t_max), &mut single);

@@ -3,7 +3,8 @@
 use super::failure::Failure;
 use super::{load, loading, terminal, values};
 use crate::assemble::{Request, assemble, told_by};
-use crate::encode::{FramePattern, Output, Template};
+use crate::color::Rgb;
+use crate::encode::{FramePattern, Output, Plays, Template};
 use crate::frame_set::FrameSet;
 use crate::sequence::Sequence;
 use crate::time::Rate;
@@ -48,6 +49,16 @@ pub struct Arguments {
     /// Colours of a GIF's palette, 2 to 256 [default: 256]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=256))]
     colors: Option<u16>,
+
+    /// How often a GIF, APNG or WebP plays, 1 to 65535 [default: for ever]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    plays: Option<u16>,
+
+    /// What formats without alpha show behind transparent frames [default: white]
+    ///
+    /// Three or six digits, such as "#ff8800" or "#f80".
+    #[arg(long, value_name = "COLOR", value_parser = values::matte)]
+    matte: Option<Rgb>,
 
     /// GIFs without dithering
     #[arg(long)]
@@ -99,6 +110,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     formats.gif.colors = arguments.colors.unwrap_or(formats.gif.colors);
     formats.gif.dither &= !arguments.no_dither;
     formats.gif.max_size = arguments.max_size.or(formats.gif.max_size);
+    if arguments.plays.is_some() {
+        formats.gif.plays = arguments.plays;
+        (formats.apng, formats.webp) = (Plays(arguments.plays), Plays(arguments.plays));
+    }
+    request.matte = arguments.matte.unwrap_or(request.matte);
     if let Some(quality) = arguments.quality {
         (formats.mp4.quality, formats.jpeg.quality) = (quality, quality);
     }

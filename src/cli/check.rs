@@ -4,7 +4,9 @@ use super::failure::Failure;
 use super::loading::Reporter;
 use super::progress::ProgressMode;
 use super::{load, terminal};
+use crate::encode::Existing;
 use crate::humane::counted;
+use crate::render::{self, Request, Reuse};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::path::PathBuf;
@@ -27,8 +29,20 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let loading = Reporter::new(ProgressMode::Auto, false);
     let sequence = load::sequence(&arguments.file, arguments.allow_outside, loading)?;
+    render::check(&sequence, &request(&sequence))?;
     terminal::say(&line(&sequence))?;
     sequence.notes().iter().try_for_each(|note| terminal::say(&format!("note: {note}")))
+}
+
+/// What `render` would do by itself.
+fn request(sequence: &Sequence) -> Request {
+    Request {
+        outputs: sequence.output.files.clone(),
+        existing: Existing::Keep,
+        frames: (0..sequence.timeline.frames).collect(),
+        threads: None,
+        reuse: Reuse::Share,
+    }
 }
 
 /// What a sequence is, in one line.

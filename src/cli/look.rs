@@ -7,7 +7,7 @@ use clap::Args;
 
 #[derive(Args, Debug, PartialEq)]
 pub struct Look {
-    /// Leave the background out: PNG, APNG, WebP and EXR get alpha
+    /// Leave the background out: PNG, APNG, WebP and EXR get alpha, GIFs clear pixels
     #[arg(long)]
     transparent: bool,
 

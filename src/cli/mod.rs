@@ -24,6 +24,7 @@ mod render;
 mod scaling;
 mod settings;
 mod share;
+mod shell;
 mod signals;
 mod summary;
 mod terminal;

@@ -64,8 +64,10 @@ Examples:
   kinora plan show.ron --workers 1,8,100  how long a farm takes, and what it wastes
   kinora plan show.ron --json             for programs
 
-Rays of the camera, films, trees and memory are exact. All rays together come of a trial: some
-frames are traced with a small part of their samples, which tells them to about 5 %.";
+Films, trees and memory are exact, and rays of the camera too where the samples are set. All rays
+together come of a trial: some frames are traced with a small part of their samples, which tells
+them to about 5 %. Where an error is asked for, small pictures are traced until they have it, and
+tell how many samples that takes to about a quarter.";
 
 /// What is told of a plan.
 struct Told<'a> {
@@ -124,8 +126,12 @@ impl Told<'_> {
         groups.push((
             "rays",
             vec![
-                format!("frame by frame  {}", rays(expected.camera_alone, alone)),
-                format!("with this plan  {}{}", rays(expected.camera, reused), fewer(alone, reused)),
+                format!("frame by frame  {}", rays(expected.camera_alone, expected.exact, alone)),
+                format!(
+                    "with this plan  {}{}",
+                    rays(expected.camera, expected.exact, reused),
+                    fewer(alone, reused)
+                ),
             ],
         ));
         let kept = humane::bytes(plan.kept_bytes());
@@ -215,7 +221,14 @@ impl Told<'_> {
                 None => groups.push((does, vec![who])),
             }
         }
-        groups.iter().map(|(does, all)| format!("{} {does}", all.join(", "))).collect::<Vec<_>>().join("; ")
+        let told = |(does, all): &(&str, Vec<String>)| match &all[..] {
+            [rest @ .., last] if !rest.is_empty() => {
+                // Several move where one moves.
+                format!("{} and {last} {}", rest.join(", "), does.trim_end_matches('s'))
+            }
+            all => format!("{} {does}", all.concat()),
+        };
+        groups.iter().map(told).collect::<Vec<_>>().join("; ")
     }
 
     /// Who it is, and what is seen of the change.
@@ -278,7 +291,7 @@ impl Told<'_> {
             object.text(effect.name(), &self.caller(*caller))
         };
         let rays = |camera: u64, all: Option<u64>| {
-            let object = Object::new().whole("camera", camera);
+            let object = Object::new().whole("camera", camera).raw("exact", expected.exact);
             all.into_iter().fold(object, |object, all| object.whole("all", all))
         };
         let object = Object::new()
@@ -305,10 +318,11 @@ fn material(name: &str) -> String {
 }
 
 /// `about 12,000 rays, 3,000 of them from the camera`.
-fn rays(camera: u64, all: Option<u64>) -> String {
+fn rays(camera: u64, exact: bool, all: Option<u64>) -> String {
+    let camera = format!("{}{} ", if exact { "" } else { "about " }, count(camera));
     match all {
-        Some(all) => format!("about {}, {} of them from the camera", count(all), count(camera)),
-        None => format!("{} from the camera", count(camera)),
+        Some(all) => format!("about {}, {camera}of them from the camera", count(all)),
+        None => format!("{camera}from the camera"),
     }
 }
 

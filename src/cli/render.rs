@@ -72,6 +72,9 @@ pub struct Arguments {
     /// since `kinora farm export` told this
     #[arg(long, value_name = "FINGERPRINT", verbatim_doc_comment)]
     expect: Option<String>,
+    /// Keep the frames that are there and right, and make the others, as without any of these
+    #[arg(long, conflicts_with_all = ["overwrite", "fail_if_exists"])]
+    resume: bool,
 
     /// Render all frames anew [default: keep those that are there and right]
     #[arg(long, conflicts_with = "fail_if_exists")]
@@ -138,17 +141,13 @@ fn rendered(arguments: &Arguments) -> Result<(), Failure> {
         partial: arguments.shares() || frames.len() < sequence.timeline.frames as usize,
     };
     let (outputs, note) = run.outputs();
-    if arguments.shares()
-        && let Some(output) = outputs.iter().find(|output| output.is_animation())
-    {
-        return Err(Failure::Bad(no_animation(output)));
+    if arguments.shares() {
+        only_stills(&outputs)?;
     }
     if let Some(shard) = arguments.shard {
         if frames.is_empty() {
-            return terminal::say(&format!(
-                "shard {shard} has no frames: there are {}",
-                counted(all.len() as u64, "frame")
-            ));
+            let there = counted(all.len() as u64, "frame");
+            return terminal::say(&format!("shard {shard} has no frames: there are {there}"));
         }
     }
     let streams = outputs.contains(&Output::Stream);
@@ -190,42 +189,41 @@ fn rendered(arguments: &Arguments) -> Result<(), Failure> {
     let show = progress::Reporter::new(options.progress, options.quiet, frames);
     let stop = signals::watched();
     let done = progress::watch(&meter, frames, show, || render_until(&sequence, &request, &meter, &stop));
-    let mut done = match done {
-        Err(RenderError::Stopped { signal, done, files, rest, keeps }) => {
-            let animated = request.outputs.iter().any(Output::is_animation);
-            let next = match (keeps, animated) {
-                (true, _) => Next::Same,
-                (false, false) => Next::Frames(&rest),
-                (false, true) => Next::Anew,
-            };
-            let message = signals::told(done, &files, std::env::args_os(), next);
-            return Err(Failure::Stopped { signal, message });
-        }
-        done => done?,
-    };
-
+    let mut done = done.map_err(|error| failure(error, &request.outputs))?;
     done.notes.extend(note);
     done.notes.extend(budgeted.as_ref().map(budget_note));
     if options.draft {
         done.notes.insert(0, draft_note(&sequence));
     }
-    if !options.quiet {
-        let told = if json { summary::json(&done) } else { summary::text(&done) };
-        if streams {
-            terminal::complain(&told);
-        } else {
-            terminal::say(&told)?;
-        }
+    if options.quiet {
+        return Ok(());
     }
-    Ok(())
+    let told = if json { summary::json(&done) } else { summary::text(&done) };
+    if streams {
+        terminal::complain(&told);
+        return Ok(());
+    }
+    terminal::say(&told)
 }
 
-/// Why processes that share the work do not write an animation.
-fn no_animation(output: &Output) -> String {
-    format!(
+/// Why a run failed; if it was stopped, how it goes on.
+fn failure(error: RenderError, outputs: &[Output]) -> Failure {
+    let RenderError::Stopped { signal, done, files, rest, keeps } = error else { return error.into() };
+    let next = match (keeps, outputs.iter().any(Output::is_animation)) {
+        (true, _) => Next::Same,
+        (false, false) => Next::Frames(&rest),
+        (false, true) => Next::Anew,
+    };
+    Failure::Stopped { signal, message: signals::told(done, &files, std::env::args_os(), next) }
+}
+
+/// Processes that share the work write no animations.
+fn only_stills(outputs: &[Output]) -> Result<(), Failure> {
+    let Some(output) = outputs.iter().find(|output| output.is_animation()) else { return Ok(()) };
+    Err(Failure::Bad(format!(
         "every process would write all of {output}; let them write stills (-o f_####.png), and then make it of them \
          with `kinora assemble`"
-    )
+    )))
 }
 
 impl Arguments {

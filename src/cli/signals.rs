@@ -1,6 +1,6 @@
 //! Ctrl-C and being told to end: the first time, a run stops after the frame in hand; the second time, at once.
 
-use crate::farm::quoted;
+use super::shell::quoted;
 use crate::frame_set;
 use crate::stop::Stop;
 use std::ffi::OsString;
@@ -57,12 +57,13 @@ fn command(arguments: impl Iterator<Item = OsString>, next: Next<'_>) -> String 
         Next::Same | Next::Anew => &[],
     };
     let mut words = vec!["kinora".to_owned()];
-    let mut arguments = arguments.skip(1).map(|word| word.to_string_lossy().into_owned());
+    let mut arguments = arguments.skip(1);
     while let Some(word) = arguments.next() {
-        let name = word.split('=').next().unwrap_or_default();
+        let text = word.to_string_lossy();
+        let name = text.split('=').next().unwrap_or_default();
         if replaced.contains(&name) {
             // Its value is the next word, unless it is a part of this one.
-            if name == word {
+            if name == text {
                 arguments.next();
             }
         } else if !["--overwrite", "--fail-if-exists"].contains(&name) {

@@ -12,6 +12,7 @@ fn expected(forecast: Option<&Forecast>) -> Object {
     let object = Object::new()
         .whole("reused", forecast.reused.into())
         .whole("camera_rays", forecast.camera_rays)
+        .raw("exact", forecast.exact)
         .whole("bvh_builds", forecast.bvh_builds);
     forecast.rays.into_iter().fold(object, |object, rays| object.whole("rays", rays))
 }
@@ -100,7 +101,8 @@ fn frames(summary: &Summary) -> String {
 fn planned(expected: &Forecast) -> String {
     let rays = match expected.rays {
         Some(rays) => format!("about {} rays", humane::count(rays)),
-        None => format!("{} of the camera", humane::counted(expected.camera_rays, "ray")),
+        None if expected.exact => format!("{} of the camera", humane::counted(expected.camera_rays, "ray")),
+        None => format!("{} of the camera or more", humane::counted(expected.camera_rays, "ray")),
     };
     let builds = humane::counted(expected.bvh_builds, "build");
     format!("{rays}, {builds}, {} frames from films of others", humane::count(expected.reused.into()))
@@ -229,8 +231,13 @@ note    a draft";
 
     #[test]
     fn what_was_planned_stands_beside_what_was_done() {
-        let expected =
-            Forecast { reused: 70, camera_rays: 66_355_200, rays: Some(66_400_000), bvh_builds: 1 };
+        let expected = Forecast {
+            reused: 70,
+            camera_rays: 66_355_200,
+            exact: true,
+            rays: Some(66_400_000),
+            bvh_builds: 1,
+        };
         let summary = Summary { reused: 70, expected: Some(expected), ..summary() };
         let told = text(&summary);
         assert!(told.contains("\nframes  72, 70 of them from films of others\n"), "{told}");
@@ -238,7 +245,8 @@ note    a draft";
             told.contains("\nplanned about 66,400,000 rays, 1 build, 70 frames from films of others\n"),
             "{told}"
         );
-        let wanted = r#""expected":{"reused":70,"camera_rays":66355200,"bvh_builds":1,"rays":66400000}"#;
+        let wanted =
+            r#""expected":{"reused":70,"camera_rays":66355200,"exact":true,"bvh_builds":1,"rays":66400000}"#;
         assert!(json(&summary).contains(wanted), "{}", json(&summary));
     }
 

@@ -1,6 +1,7 @@
 //! Values of options: parsed strictly, within the limits that hold in sequence files too, and with faults that
 //! say what would be right.
 
+use crate::color::{Rgb, hex_color};
 use crate::encode::{Template, Tonemap};
 use crate::film::MOST_STOPS;
 use crate::humane::parse_bytes;
@@ -98,6 +99,11 @@ pub fn seed(text: &str) -> Result<u32, String> {
     let plain = (1..=10).contains(&text.len()) && text.bytes().all(|b| b.is_ascii_digit());
     let seed = plain.then(|| text.parse().ok()).flatten();
     seed.ok_or_else(|| format!("write a whole number, 0 to {}", u32::MAX))
+}
+
+/// A colour as the web writes it.
+pub fn matte(text: &str) -> Result<Rgb, String> {
+    hex_color(text).ok_or_else(|| "write a colour such as \"#ff8800\" or \"#f80\"".to_owned())
 }
 
 /// The name of a tone map, in either case.

@@ -1,5 +1,6 @@
 //! All animations of a run, fed with the same pictures.
 
+use super::atomic::part_of;
 use super::error::EncodeError;
 use super::gif::Animation;
 use super::job::Job;
@@ -48,15 +49,14 @@ impl Animations {
         }
         let index = self.done;
         self.done += 1;
-        let mut shows = false;
-        for animation in self.gifs.iter_mut().filter(|animation| animation.shows(index)) {
-            animation.count(matte);
-            shows = true;
+        let mut shown = self.gifs.iter_mut().filter(|animation| animation.shows(index)).peekable();
+        if shown.peek().is_none() {
+            return Ok(());
         }
-        match &self.store {
-            Some(store) if shows => store.put(index, matte),
-            _ => Ok(()),
-        }
+        let cut = picture.alpha.as_ref().map(|alpha| Picture { alpha: Some(halved(alpha)), ..matte.clone() });
+        let picture = cut.as_ref().unwrap_or(matte);
+        shown.for_each(|animation| animation.count(picture));
+        self.store.as_ref().map_or(Ok(()), |store| store.put(index, picture))
     }
 
     /// Whether no picture has come.
@@ -92,6 +92,21 @@ impl Animations {
                 notes.extend(pool.install(|| animation.write(|index| store.get(index)))?);
             }
         }
+        notes.extend(job.outputs.iter().filter_map(|output| left_part(output, job)));
         Ok(notes)
     }
+}
+
+/// Alpha for GIFs, whose pixels are there or not: there if half of them is covered.
+fn halved(alpha: &[u8]) -> Vec<u8> {
+    alpha.iter().map(|&alpha| if alpha < 128 { 0 } else { 255 }).collect()
+}
+
+/// Tells of a part that an earlier run has left beside a whole animation. It may be wanted, and stays.
+fn left_part(output: &Output, job: &Job) -> Option<String> {
+    let Output::Movie(_, path) = output else { return None };
+    let part = part_of(path);
+    let own = job.outputs.iter().any(|other| matches!(other, Output::Movie(_, path) if *path == part));
+    let there = !own && part.is_file();
+    there.then(|| format!("{} holds a part of this animation, of an earlier run, and may go", part.display()))
 }

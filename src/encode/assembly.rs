@@ -6,9 +6,10 @@ use super::atomic::NewFolders;
 use super::error::{EncodeError, FilmsError};
 use super::job::Job;
 use super::picture::Picture;
+use crate::files;
 use image::{DynamicImage, ImageReader};
 use rayon::ThreadPool;
-use std::io;
+use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
 /// Animations in the making, fed with finished pictures. Dropped before it is finished, nothing appears.
@@ -58,7 +59,9 @@ impl Assembly {
 /// A picture from a file of any format that is read; 16 bits become 8.
 pub fn read_picture(path: &Path) -> Result<Picture, EncodeError> {
     let fault = |error: io::Error| EncodeError::Unreadable { path: path.to_path_buf(), reason: error };
-    let reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format).map_err(fault)?;
+    // Pictures are as large as they are; the reader has a limit of its own.
+    let (file, _) = files::open(path, u64::MAX).map_err(fault)?;
+    let reader = ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(fault)?;
     let image = reader.decode().map_err(|error| fault(io::Error::other(error)))?;
     let (width, height) = (image.width(), image.height());
     if !image.color().has_alpha() {

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, TempDir};
 
 /// A file in the making. Dropped before [`Aside::commit`], it vanishes and the old file stays.
+#[must_use]
 pub struct Aside {
     path: PathBuf,
     file: BufWriter<Temporary>,
@@ -50,6 +51,13 @@ impl Aside {
         let file = file.map_err(|e| EncodeError::write(path, e))?;
         mark(file.as_file());
         Ok(Self { path: path.to_path_buf(), file: BufWriter::with_capacity(1 << 16, Temporary(file)) })
+    }
+
+    /// A file with these bytes.
+    pub fn holding(path: &Path, bytes: &[u8]) -> Result<Self, EncodeError> {
+        let mut aside = Self::create(path)?;
+        aside.write_all(bytes).map_err(|e| EncodeError::write(path, e))?;
+        Ok(aside)
     }
 
     /// The file will be a part of what it was to be, beside its place; returns where.
@@ -95,9 +103,7 @@ impl Read for Aside {
 
 /// Writes `bytes` as the file `path`, whole or not at all.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), EncodeError> {
-    let mut aside = Aside::create(path)?;
-    aside.write_all(bytes).map_err(|e| EncodeError::write(path, e))?;
-    aside.commit()
+    Aside::holding(path, bytes)?.commit()
 }
 
 /// The folder that holds `path`; the working directory if it names none.

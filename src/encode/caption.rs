@@ -2,7 +2,7 @@
 
 use super::about::Shown;
 use super::picture::{Code, Picture};
-use super::text::Line;
+use super::text::{Line, lacking};
 use std::fmt;
 
 /// What is written into pictures, and where.
@@ -110,6 +110,24 @@ impl Template {
         Ok(Self(parts))
     }
 
+    /// Which letters the font lacks, and captions therefore leave out; nothing if it has them all. `name` is the
+    /// sequence's.
+    pub fn note(&self, name: &str) -> Option<String> {
+        let fixed = |part: &Part| match part {
+            Part::Text(text) => text.clone(),
+            Part::Field(Field::Name) => name.to_owned(),
+            // Numbers.
+            Part::Field(Field::Frame | Field::Frames | Field::Time) => String::new(),
+        };
+        let letters = lacking(&self.0.iter().map(fixed).collect::<String>());
+        let (shown, more) = letters.split_at(letters.len().min(MOST_LETTERS));
+        let shown: Vec<String> = shown.iter().map(|letter| format!("`{}`", letter.escape_debug())).collect();
+        let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
+        let shown = shown.join(", ");
+        (!letters.is_empty())
+            .then(|| format!("captions are without {shown}{more}, which the font does not have"))
+    }
+
     /// The text of a frame.
     pub fn told(&self, shown: &Shown) -> String {
         let part = |part: &Part| match part {
@@ -122,6 +140,9 @@ impl Template {
         self.0.iter().map(part).collect()
     }
 }
+
+/// Letters that one note tells.
+const MOST_LETTERS: usize = 12;
 
 /// Letters are at least this high in pixels, or nobody can read them.
 const LOWEST: f32 = 9.0;
@@ -200,6 +221,17 @@ mod tests {
         assert_eq!(told("{{plain}} }"), Ok("{plain} }".into()));
         assert_eq!(told("{date}"), Err(CaptionError::Unknown("date".into())));
         assert_eq!(told("{frame"), Err(CaptionError::Unclosed));
+    }
+
+    #[test]
+    fn letters_that_cannot_be_shown_are_told_once() {
+        let note = |text, name| Template::parse(text).expect("a template").note(name);
+        let told = "captions are without `漢`, `字`, which the font does not have";
+        assert_eq!(note("{name} 漢字 漢 {frame}", "turn").as_deref(), Some(told));
+        assert_eq!(note("{name}", "漢字").as_deref(), Some(told));
+        assert_eq!(note("zoë {frame}", "漢字"), None);
+        let many: String = ('一'..'丏').collect();
+        assert!(note(&many, "").is_some_and(|note| note.contains("and 3 more")));
     }
 
     #[test]

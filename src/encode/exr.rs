@@ -39,7 +39,11 @@ const SRGB: Chromaticities = Chromaticities {
 /// Depth of what is not there, as other renderers write it.
 const NOTHING: f32 = 1e10;
 
-/// Writes the film's radiance as the file `path`, whole or not at all. `names` are those of the film's layers of
+/// The layers of normals and of albedo.
+pub const NORMAL: &str = "N";
+pub const ALBEDO: &str = "albedo";
+
+/// Writes the film's radiance aside, for the place `path`. `names` are those of the film's layers of
 /// light.
 pub fn write(
     path: &Path,
@@ -47,7 +51,7 @@ pub fn write(
     settings: ExrSettings,
     names: &[String],
     identity: Option<Digest>,
-) -> Result<(), EncodeError> {
+) -> Result<Aside, EncodeError> {
     let mut aside = Aside::create(path)?;
     let written = match settings.layers.any() {
         true => all(film, settings, names, identity, &mut aside),
@@ -57,7 +61,7 @@ pub fn write(
     if identity.is_some() {
         seal::close(&mut aside).map_err(|error| EncodeError::write(path, error))?;
     }
-    aside.commit()
+    Ok(aside)
 }
 
 /// Writes the channels R, G and B, and A if the background is left out. The radiance is summed as it is written, so
@@ -169,11 +173,12 @@ impl Sheet<'_> {
             list.push(self.channel("Z".to_owned(), false, |pixel| seen(pixel).depth.unwrap_or(NOTHING)));
         }
         if layers.normal {
-            let axis = |(axis, letter)| self.channel(format!("N.{letter}"), false, |p| seen(p).normal[axis]);
+            let axis =
+                |(axis, letter)| self.channel(format!("{NORMAL}.{letter}"), false, |p| seen(p).normal[axis]);
             list.extend(["X", "Y", "Z"].into_iter().enumerate().map(axis));
         }
         if layers.albedo {
-            list.extend(self.colors("albedo.", |pixel| seen(pixel).albedo));
+            list.extend(self.colors(&format!("{ALBEDO}."), |pixel| seen(pixel).albedo));
         }
         list
     }
@@ -210,7 +215,7 @@ mod tests {
         let path = dir.path().join("a.exr");
         let mut film = film();
         film.expose(3.0);
-        write(&path, &film, ExrSettings::default(), &[], None).expect("written");
+        write(&path, &film, ExrSettings::default(), &[], None).and_then(Aside::commit).expect("written");
         let image = read_first_rgba_layer_from_file(
             path,
             |size, _| vec![Rgb::ZERO; size.area()],
@@ -244,7 +249,9 @@ mod tests {
         film.data_mut()[3..6].fill(Rgb::ZERO);
         let layers = ExrLayers { lights: true, depth: true, normal: true, albedo: true };
         let names = ["constant".to_owned(), "key".to_owned()];
-        write(&path, &film, ExrSettings { half: false, layers }, &names, None).expect("written");
+        write(&path, &film, ExrSettings { half: false, layers }, &names, None)
+            .and_then(Aside::commit)
+            .expect("written");
         let found = channels(&path);
         let order: Vec<_> = found.iter().map(|(name, _)| name.as_str()).collect();
         let expected = [
@@ -290,6 +297,7 @@ mod tests {
             let mut film = Film::with_extras(2, 1, vec![Rgb::ONE], extras);
             film.data_mut()[0] = Rgb::new(0.1, 1.0, 1000.3);
             write(&path, &film, ExrSettings { half: true, ..ExrSettings::default() }, &[], None)
+                .and_then(Aside::commit)
                 .expect("written");
             let found = channels(&path);
             assert_eq!(found.len(), if coverage { 4 } else { 3 });
@@ -304,7 +312,9 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         let bytes = ["a.exr", "b.exr"].map(|name| {
             let path = dir.path().join(name);
-            write(&path, &film(), ExrSettings::default(), &[], None).expect("written");
+            write(&path, &film(), ExrSettings::default(), &[], None)
+                .and_then(Aside::commit)
+                .expect("written");
             fs::read(path).expect("read")
         });
         assert_eq!(bytes[0], bytes[1]);

@@ -50,7 +50,7 @@ fn film(frame: u32) -> Film {
 fn started(folder: &Path, outputs: &[&str], existing: Existing) -> Result<Encoder, EncodeError> {
     let outputs = outputs.iter().copied();
     let outputs = outputs.map(|name| Output::parse(&folder.join(name).to_string_lossy()).expect(name));
-    let seen = |frame: &u32| Seen { radiance: Digest(u128::from(*frame)), exposure: 1.0 };
+    let seen = |frame: &u32| Seen { radiance: Digest(u128::from(*frame)), exposure: 1.0, random: false };
     let job = Job {
         outputs: outputs.collect(),
         existing,

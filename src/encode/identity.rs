@@ -17,6 +17,8 @@ pub struct Seen {
     pub radiance: Digest,
     /// Factor of the displayed picture.
     pub exposure: f32,
+    /// Whether its samples were drawn at random, so that it has a seed.
+    pub random: bool,
 }
 
 /// A version that gives other bytes gives other numbers.
@@ -46,7 +48,10 @@ impl Job {
                 let caption = self.caption.as_ref().map(|c| (c.text.told(&shown), c.corner, c.size));
                 let look = (self.tonemap, caption, self.formats.png, self.transparent);
                 format!("{look:?}").as_str().feed(&mut digester);
-                format!("{:?}", png::metadata(&shown)).as_str().feed(&mut digester);
+                let mut texts = png::metadata(&shown, Some(seen));
+                // Another name of the sequence's file is no reason to make all frames again.
+                texts.retain(|(keyword, _)| *keyword != png::TITLE);
+                format!("{texts:?}").as_str().feed(&mut digester);
             }
         }
         Some(digester.finish())

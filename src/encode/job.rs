@@ -5,11 +5,11 @@ use super::atomic::{NewFolders, folder_of};
 use super::caption::Caption;
 use super::error::{EncodeError, JobError};
 use super::identity::Seen;
-use super::jpeg;
 use super::movie::{mp4, webp};
 use super::output::{Moving, Output, Still};
 use super::settings::Formats;
 use super::tonemap::Tonemap;
+use super::{gif, jpeg};
 use crate::color::Rgb;
 use crate::time::Rate;
 
@@ -55,7 +55,10 @@ pub struct Job {
 
 impl Job {
     /// Finds what contradicts itself, without touching any file.
-    pub(super) fn check(&self) -> Result<(), JobError> {
+    ///
+    /// # Errors
+    /// Sizes that a format does not have, several outputs for one file, and files that may not be replaced.
+    pub fn check(&self) -> Result<(), JobError> {
         if self.frames.is_empty() || self.size.0 == 0 || self.size.1 == 0 {
             return Err(JobError::Empty);
         }
@@ -73,7 +76,7 @@ impl Job {
                 });
             }
         }
-        self.outputs.iter().try_for_each(|output| self.check_size(output))?;
+        self.outputs.iter().try_for_each(|output| check_size(output, self.first(), self.size))?;
         self.check_names(&distinct)?;
         self.check_shared()?;
         self.outputs.iter().try_for_each(|output| self.check_place(output, &distinct))
@@ -88,16 +91,8 @@ impl Job {
         }
     }
 
-    /// Formats have their limits. That of GIFs is found where they are planned.
-    fn check_size(&self, output: &Output) -> Result<(), JobError> {
-        let limit = match output {
-            Output::Stills(Still::Jpeg, _) => jpeg::limit(self.size),
-            Output::Movie(Moving::Webp, _) => webp::limit(self.size),
-            Output::Movie(Moving::Mp4, _) => mp4::limit(self.size),
-            _ => None,
-        };
-        let path = || output.path(self.frames.first().copied().unwrap_or(0));
-        limit.map_or(Ok(()), |limit| Err(JobError::TooLarge { path: path(), size: self.size, limit }))
+    fn first(&self) -> u32 {
+        self.frames.first().copied().unwrap_or(0)
     }
 
     /// No file may be written by two outputs.
@@ -135,4 +130,16 @@ impl Job {
         }
         Ok(folders)
     }
+}
+
+/// Refuses pictures that are larger than an output's format takes; `frame` is the first of them.
+pub fn check_size(output: &Output, frame: u32, size: (u32, u32)) -> Result<(), JobError> {
+    let limit = match output {
+        Output::Stills(Still::Jpeg, _) => jpeg::limit(size),
+        Output::Movie(Moving::Gif, _) => gif::limit(size),
+        Output::Movie(Moving::Webp, _) => webp::limit(size),
+        Output::Movie(Moving::Mp4, _) => mp4::limit(size),
+        _ => None,
+    };
+    limit.map_or(Ok(()), |limit| Err(JobError::TooLarge { path: output.path(frame), size, limit }))
 }

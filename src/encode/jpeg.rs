@@ -1,6 +1,6 @@
 //! Pictures as JPEG: small, and not without loss.
 
-use super::atomic;
+use super::atomic::Aside;
 use super::error::EncodeError;
 use super::picture::Picture;
 use image::ExtendedColorType;
@@ -16,10 +16,10 @@ pub fn limit((width, height): (u32, u32)) -> Option<&'static str> {
     (width.max(height) > LONGEST).then_some("a JPEG ends at 65535x65535")
 }
 
-/// Writes the picture as the file `path`, whole or not at all. `quality` goes from 1 to 100.
-pub fn write(path: &Path, picture: &Picture, quality: u8) -> Result<(), EncodeError> {
+/// Writes the picture aside, for the place `path`. `quality` goes from 1 to 100.
+pub fn write(path: &Path, picture: &Picture, quality: u8) -> Result<Aside, EncodeError> {
     let bytes = encode(picture, quality).map_err(|error| EncodeError::write(path, error))?;
-    atomic::write(path, &bytes)
+    Aside::holding(path, &bytes)
 }
 
 fn encode(picture: &Picture, quality: u8) -> io::Result<Vec<u8>> {

@@ -14,6 +14,7 @@ mod assembly;
 mod atomic;
 mod caption;
 mod claim;
+mod commits;
 mod develop;
 mod disk;
 mod error;
@@ -48,13 +49,14 @@ pub use caption::{Caption, CaptionError, Corner, Template};
 pub use claim::{Claim, Holder};
 pub use develop::{ToneTable, displayed};
 pub use error::{EncodeError, FilmsError, JobError};
+pub use exr::{ALBEDO, NORMAL};
 pub use found::{Found, found, in_hand};
 pub use identity::Seen;
-pub use job::{Existing, Job};
+pub use job::{Existing, Job, check_size};
 pub use output::{Moving, Output, OutputError, Still};
 pub use pattern::{FramePattern, PatternError};
 pub use picture::Picture;
-pub use png::{texts as frame_texts, write as write_png};
+pub use png::texts as frame_texts;
 pub use settings::{
     ExrLayers, ExrSettings, Formats, GifSettings, JpegSettings, MATTE, Mp4Settings, Plays, PngSettings,
     Y4mSettings,
@@ -69,7 +71,7 @@ use crate::stop::Stop;
 use claim::Claims;
 use keep::Kept;
 use rayon::ThreadPool;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
@@ -79,14 +81,20 @@ use worker::Worker;
 /// Writes a picture of no frame in particular, such as a filmstrip, as a still of 8 bits.
 pub fn write_picture(output: &Output, picture: &Picture, formats: Formats) -> Result<(), EncodeError> {
     let path = output.path(0);
-    match output {
-        Output::Stills(Still::Png, _) => png::write(&path, picture, &[]),
-        Output::Stills(Still::Jpeg, _) => jpeg::write(&path, picture, formats.jpeg.quality),
-        Output::Stills(Still::Ppm, _) => ppm::write(&path, picture),
+    let aside = match output {
+        Output::Stills(Still::Png, _) => png::write(&path, picture, &[])?,
+        Output::Stills(Still::Jpeg, _) => jpeg::write(&path, picture, formats.jpeg.quality)?,
+        Output::Stills(Still::Ppm, _) => ppm::write(&path, picture)?,
         Output::Stills(Still::Exr, _) | Output::Movie(..) | Output::Stream => {
-            Err(JobError::NoPicture { output: output.to_string() }.into())
+            return Err(JobError::NoPicture { output: output.to_string() }.into());
         }
-    }
+    };
+    aside.commit()
+}
+
+/// Writes a picture as a PNG, whole or not at all.
+pub fn write_png(path: &Path, picture: &Picture) -> Result<(), EncodeError> {
+    png::write(path, picture, &[])?.commit()
 }
 
 /// A picture as a PNG in memory.

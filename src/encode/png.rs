@@ -1,8 +1,9 @@
 //! Pictures as PNG, written fast: 8 or 16 bits, with alpha where they have some.
 
 use super::about::Shown;
-use super::atomic;
+use super::atomic::Aside;
 use super::error::EncodeError;
+use super::identity::Seen;
 use super::picture::{Code, Picture};
 use crate::digest::Digest;
 use std::io;
@@ -18,23 +19,33 @@ pub type Text = (&'static str, String);
 /// The keyword of a frame's identity.
 const IDENTITY: &str = "kinora:identity";
 
+/// The keyword of the sequence's name.
+pub const TITLE: &str = "Title";
+
 /// The text that names what a frame is made of.
 pub fn identity(identity: Digest) -> Text {
     (IDENTITY, identity.to_string())
 }
 
-/// What a file tells about the frame that it shows. No time of day: equal frames are equal files.
-pub fn metadata(shown: &Shown) -> Vec<Text> {
+/// What a file tells about the frame that it shows. No time of day: equal frames are equal files. Of the settings of
+/// samples, it tells those that the frame calls for, as far as that is known.
+pub fn metadata(shown: &Shown, seen: Option<&Seen>) -> Vec<Text> {
     let about = shown.about;
-    vec![
+    let mut texts = vec![
         ("Software", format!("Kinora {}", env!("CARGO_PKG_VERSION"))),
-        ("Title", about.name.clone()),
+        (TITLE, about.name.clone()),
         ("kinora:frame", shown.frame.to_string()),
         ("kinora:time", shown.time().to_string()),
-        ("kinora:seed", about.seed.to_string()),
-        ("kinora:samples", about.samples.to_string()),
-        ("kinora:antialias", about.antialias.to_string()),
-    ]
+    ];
+    match seen.map(|seen| seen.random) {
+        Some(true) => {
+            texts.push(("kinora:seed", about.seed.to_string()));
+            texts.push(("kinora:samples", about.samples.to_string()));
+        }
+        Some(false) => texts.push(("kinora:antialias", about.antialias.to_string())),
+        None => {}
+    }
+    texts
 }
 
 /// Codes that PNG knows, which has the higher byte first.
@@ -85,10 +96,10 @@ pub fn encode<C: PngCode>(picture: &Picture<C>, texts: &[Text]) -> io::Result<Ve
     Ok(bytes)
 }
 
-/// Writes the picture as the file `path`, whole or not at all.
-pub fn write<C: PngCode>(path: &Path, picture: &Picture<C>, texts: &[Text]) -> Result<(), EncodeError> {
+/// Writes the picture aside, for the place `path`.
+pub fn write<C: PngCode>(path: &Path, picture: &Picture<C>, texts: &[Text]) -> Result<Aside, EncodeError> {
     let bytes = encode(picture, texts).map_err(|e| EncodeError::write(path, e))?;
-    atomic::write(path, &bytes)
+    Aside::holding(path, &bytes)
 }
 
 #[cfg(test)]
@@ -108,7 +119,7 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("a.png");
         let picture = Picture::opaque(5, 7, codes(5 * 7 * 3));
-        write(&path, &picture, &[]).expect("written");
+        write(&path, &picture, &[]).and_then(Aside::commit).expect("written");
         assert_eq!(read(&path).expect("read"), picture);
     }
 
@@ -144,14 +155,20 @@ mod tests {
             layers: Vec::new(),
         };
         let rate = Rate::new(30_000, 1001).expect("a rate");
-        let texts = metadata(&Shown { about: &about, frame: 12, rate });
+        let shown = Shown { about: &about, frame: 12, rate };
+        let texts = metadata(&shown, Some(&Seen { random: true, ..Seen::default() }));
         let bytes = encode(&Picture::opaque(1, 1, vec![0u8; 3]), &texts).expect("bytes");
         let reader = Decoder::new(io::Cursor::new(bytes)).read_info().expect("a PNG");
         let info = reader.info();
         let found: Vec<_> = info.uncompressed_latin1_text.iter().map(|t| (&*t.keyword, &*t.text)).collect();
         assert_eq!(found[0], ("Software", concat!("Kinora ", env!("CARGO_PKG_VERSION"))));
         assert_eq!(found[1..4], [("kinora:frame", "12"), ("kinora:time", "1001/2500"), ("kinora:seed", "7")]);
+        assert_eq!(found[4..], [("kinora:samples", "64")]);
         assert_eq!(info.utf8_text[0].get_text().expect("text"), "Ente→");
+        // Where nothing is random, other settings count.
+        let texts = metadata(&shown, Some(&Seen::default()));
+        assert_eq!(texts[4..], [("kinora:antialias", "2".to_owned())]);
+        assert_eq!(metadata(&shown, None).len(), 4);
     }
 
     #[test]

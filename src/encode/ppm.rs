@@ -1,6 +1,6 @@
 //! Pictures as binary PPM (P6), 8 bits a channel.
 
-use super::atomic;
+use super::atomic::Aside;
 use super::error::EncodeError;
 use super::picture::Picture;
 use image::codecs::pnm::{PnmEncoder, PnmSubtype, SampleEncoding};
@@ -8,10 +8,10 @@ use image::{ExtendedColorType, ImageEncoder};
 use std::io;
 use std::path::Path;
 
-/// Writes the picture as the file `path`, whole or not at all.
-pub fn write(path: &Path, picture: &Picture) -> Result<(), EncodeError> {
+/// Writes the picture aside, for the place `path`.
+pub fn write(path: &Path, picture: &Picture) -> Result<Aside, EncodeError> {
     let bytes = encode(picture).map_err(|error| EncodeError::write(path, error))?;
-    atomic::write(path, &bytes)
+    Aside::holding(path, &bytes)
 }
 
 fn encode(picture: &Picture) -> io::Result<Vec<u8>> {

@@ -24,18 +24,39 @@ pub struct Sheet {
     picture: Picture,
 }
 
-impl Sheet {
-    /// A sheet of `count` frames of this size.
-    pub fn new(count: u32, columns: u32, cell: (u32, u32)) -> Self {
+/// How a sheet is laid out, in pixels; as in [`Sheet`].
+struct Measures {
+    columns: u32,
+    gap: u32,
+    letters: f32,
+    below: u32,
+    size: (u32, u32),
+}
+
+impl Measures {
+    fn of(count: u32, columns: u32, cell: (u32, u32)) -> Self {
         let columns = columns.clamp(1, count.max(1));
         let gap = (cell.0 / 24).clamp(4, 24);
         let letters = (cell.0 as f32 * 0.05).clamp(11.0, 28.0);
         let below = (letters * 1.4).round() as u32;
         let rows = count.max(1).div_ceil(columns);
-        let width = columns * (cell.0 + gap) + gap;
-        let height = rows * (cell.1 + below + gap) + gap;
-        let picture = Picture::filled(width, height, [PAPER; 3]);
+        // What is too large for whole numbers is for memory, too.
+        let side = |places: u32, one: u32| places.saturating_mul(one + gap).saturating_add(gap);
+        Self { columns, gap, letters, below, size: (side(columns, cell.0), side(rows, cell.1 + below)) }
+    }
+}
+
+impl Sheet {
+    /// A sheet of `count` frames of this size.
+    pub fn new(count: u32, columns: u32, cell: (u32, u32)) -> Self {
+        let Measures { columns, gap, letters, below, size } = Measures::of(count, columns, cell);
+        let picture = Picture::filled(size.0, size.1, [PAPER; 3]);
         Self { columns, cell, gap, letters, below, picture }
+    }
+
+    /// Width and height of such a sheet in pixels.
+    pub fn size(count: u32, columns: u32, cell: (u32, u32)) -> (u32, u32) {
+        Measures::of(count, columns, cell).size
     }
 
     /// Puts a frame of the sheet's size into its place.

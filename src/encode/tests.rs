@@ -179,7 +179,10 @@ fn an_error_in_the_middle_comes_early_and_leaves_no_temporary() {
     assert!(error.to_string().contains("f_3.png"), "{error}");
     assert!(matches!(encoder.push(99, film(99)), Err(EncodeError::Films(_) | EncodeError::Stopped(None))));
     assert!(matches!(encoder.finish(), Err(EncodeError::Stopped(None))));
-    assert_eq!(names(dir.path()), ["f_0.png", "f_1.png", "f_2.png", "f_3.png"]);
+    // Frames after it may be there: several are stored together.
+    let names = names(dir.path());
+    assert_eq!(names[..4], ["f_0.png", "f_1.png", "f_2.png", "f_3.png"]);
+    assert!(names.iter().all(|name| name.starts_with("f_")), "{names:?}");
 }
 
 #[test]
@@ -189,7 +192,7 @@ fn a_lost_frame_leaves_neither_gif_nor_temporary() {
     let mut encoder = start(job(&outputs, &[0, 1])).expect("started");
     encoder.push(0, film(0)).expect("taken");
     encoder.push(1, film(1)).expect("taken");
-    while !dir.path().join("f_1.png").exists() {
+    while ["f_0.png", "f_1.png"].iter().any(|name| !dir.path().join(name).exists()) {
         std::thread::yield_now();
     }
     fs::remove_file(dir.path().join("f_0.png")).expect("removed");

@@ -8,6 +8,18 @@ pub const FONT_FILE: &[u8] = include_bytes!("../../assets/fonts/Roboto-Medium.tt
 
 static FONT: LazyLock<Option<FontRef<'static>>> = LazyLock::new(|| FontRef::try_from_slice(FONT_FILE).ok());
 
+/// The letters of a text that the font does not have, each once, in their order.
+pub fn lacking(text: &str) -> Vec<char> {
+    let mut lacking = Vec::new();
+    for letter in text.chars() {
+        let known = FONT.as_ref().is_none_or(|font| font.glyph_id(letter).0 != 0);
+        if !known && !lacking.contains(&letter) {
+            lacking.push(letter);
+        }
+    }
+    lacking
+}
+
 /// A line of text: how much of each pixel it covers.
 #[derive(Clone, Debug, Default)]
 pub struct Line {
@@ -69,6 +81,12 @@ mod tests {
     fn digits_are_equally_wide() {
         let widths = (0..10).map(|digit| Line::new(&format!("{digit}{digit}"), 40.0).width);
         assert_eq!(widths.collect::<std::collections::HashSet<_>>().len(), 1);
+    }
+
+    #[test]
+    fn letters_that_are_not_there_are_told() {
+        assert_eq!(lacking("zoë 漢字 12 漢"), ['漢', '字']);
+        assert!(lacking("frame 007 · 0.29 s, ÄÖÜß Ωλ Жя").is_empty());
     }
 
     #[test]

@@ -2,7 +2,9 @@
 
 use super::about::Shown;
 use super::animations::Animations;
-use super::atomic::NewFolders;
+use super::atomic::{Aside, NewFolders};
+use super::claim::Claim;
+use super::commits::Commits;
 use super::develop::{ToneTable, develop_deep};
 use super::error::EncodeError;
 use super::job::Job;
@@ -23,6 +25,7 @@ pub struct Worker {
     table: ToneTable,
     /// None once they are finished.
     animations: Option<Animations>,
+    commits: Commits,
     report: Report,
     /// The first frame with pixels that are not numbers.
     first_nan: Option<u32>,
@@ -48,8 +51,8 @@ impl Worker {
         let folders = job.prepare_folders()?;
         let animations = Some(Animations::start(&job, own_store(&job))?);
         let table = ToneTable::new(job.tonemap);
-        let report = Report::default();
-        Ok(Self { job, pool, table, animations, report, first_nan: None, folders })
+        let (commits, report) = Default::default();
+        Ok(Self { job, pool, table, animations, commits, report, first_nan: None, folders })
     }
 
     /// Adds notes to what the user should know.
@@ -63,8 +66,7 @@ impl Worker {
             let message = messages.recv();
             let start = Instant::now();
             match message {
-                // The claim ends when the files are there.
-                Ok(Message::Film(place, film, _claim)) => self.film(place, film)?,
+                Ok(Message::Film(place, film, claim)) => self.film(place, film, claim.as_ref())?,
                 Ok(Message::Kept(place)) => self.kept(place)?,
                 Ok(Message::Finish) => {
                     self.finish()?;
@@ -81,7 +83,7 @@ impl Worker {
         }
     }
 
-    fn film(&mut self, index: usize, film: Film) -> Result<(), EncodeError> {
+    fn film(&mut self, index: usize, film: Film, claim: Option<&Arc<Claim>>) -> Result<(), EncodeError> {
         let job = Arc::clone(&self.job);
         let frame = job.frames[index];
         let shown = Shown { about: &job.about, frame, rate: job.rate };
@@ -98,7 +100,8 @@ impl Worker {
         let developed = Developed { index, shown, film: &film, picture: &picture, matte };
         for output in &job.outputs {
             if let Output::Stills(format, pattern) = output {
-                still(&job, *format, &pattern.path(frame), &developed)?;
+                let file = still(&job, *format, &pattern.path(frame), &developed)?;
+                self.commits.push(file, claim.cloned())?;
             }
         }
         match &mut self.animations {
@@ -119,9 +122,12 @@ impl Worker {
         for output in job.outputs.iter().filter(silent) {
             match output {
                 Output::Stills(Still::Jpeg, pattern) => {
-                    jpeg::write(&pattern.path(frame), &matte, job.formats.jpeg.quality)?;
+                    let path = pattern.path(frame);
+                    self.commits.push(jpeg::write(&path, &matte, job.formats.jpeg.quality)?, None)?;
                 }
-                Output::Stills(Still::Ppm, pattern) => ppm::write(&pattern.path(frame), &matte)?,
+                Output::Stills(Still::Ppm, pattern) => {
+                    self.commits.push(ppm::write(&pattern.path(frame), &matte)?, None)?;
+                }
                 _ => {}
             }
         }
@@ -132,6 +138,7 @@ impl Worker {
     }
 
     fn finish(&mut self) -> Result<(), EncodeError> {
+        self.commits.wait()?;
         if let Some(animations) = self.animations.take() {
             self.report.notes.extend(animations.finish(&self.job, &self.pool)?);
         }
@@ -143,6 +150,7 @@ impl Worker {
 
     /// Closes what there is.
     fn stop(&mut self) -> Result<(), EncodeError> {
+        self.commits.wait()?;
         let Some(animations) = self.animations.take() else { return Ok(()) };
         if animations.is_empty() {
             // Nothing was written, and the folders go as they came.
@@ -167,13 +175,14 @@ impl Worker {
     }
 }
 
-/// Writes one frame's own file.
-fn still(job: &Job, format: Still, path: &Path, frame: &Developed) -> Result<(), EncodeError> {
+/// Writes one frame's own file aside.
+fn still(job: &Job, format: Still, path: &Path, frame: &Developed) -> Result<Aside, EncodeError> {
     let Developed { index, shown, film, picture, matte } = frame;
     let identity = job.identity(format, *index);
     match format {
         Still::Png => {
-            let mut texts = if job.formats.png.metadata { png::metadata(shown) } else { Vec::new() };
+            let seen = job.seen.get(*index);
+            let mut texts = if job.formats.png.metadata { png::metadata(shown, seen) } else { Vec::new() };
             texts.extend(identity.map(png::identity));
             if !job.formats.png.deep {
                 return png::write(path, picture, &texts);

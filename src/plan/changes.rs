@@ -78,11 +78,11 @@ pub fn values(sequence: &Sequence, clock: &Clock) -> Vec<(Part, Digest)> {
     values
 }
 
-/// The parts whose values differ.
+/// The parts whose values differ. Both list the same parts in the same order, but for the camera that is looked through.
 pub fn between(before: &[(Part, Digest)], now: &[(Part, Digest)]) -> Change {
-    let differs = |(part, value): &&(Part, Digest)| before.iter().all(|other| other != &(*part, *value));
+    let differs = |index: usize| before.get(index) != now.get(index);
     // A camera that was not looked through before has not moved: the cut has led to it.
     let cut = before.first() != now.first();
     let moved = |part: &Part| !(cut && matches!(part, Part::Camera(_)));
-    now.iter().filter(differs).map(|(part, _)| *part).filter(moved).collect()
+    (0..now.len()).filter(|index| differs(*index)).map(|index| now[index].0).filter(moved).collect()
 }

@@ -26,7 +26,7 @@ pub use outline::{Outline, Span, outline};
 pub use pilot::{Effort, Expected, Nowhere, pilot, samples, shrunk, work};
 pub use run::run;
 pub use shared::{Shared, run_shared};
-pub use survey::{Survey, survey, with_shared};
+pub use survey::{Survey, survey, survey_until, with_shared};
 
 use crate::film::Extras;
 use crate::sequence::Sequence;
@@ -46,7 +46,11 @@ impl Plan {
     /// The plan of these frames, in this order. Films that are kept take `budget` bytes at most; with none, every frame
     /// is traced by itself.
     pub fn new(sequence: &Sequence, frames: &[u32], extras: Extras, budget: u64) -> Self {
-        let survey = survey(sequence, frames);
+        Self::of(survey(sequence, frames), sequence, extras, budget)
+    }
+
+    /// The same of frames that are evaluated already.
+    pub fn of(survey: Survey, sequence: &Sequence, extras: Extras, budget: u64) -> Self {
         let room = Room::of(sequence, extras, budget);
         let (takes, of) = films::takes(&survey.frames, &room);
         Self { survey, room, takes, of }

@@ -1,7 +1,8 @@
 //! How many rays a plan will trace: counted in a few small pictures.
 //!
 //! What a frame's rays meet hardly depends on how many they are. So some of the frames are traced with a small part of
-//! their samples, and counted up. Rays of the camera need no trial: they are known exactly.
+//! their samples, and counted up. Rays of the camera need no trial where the number of samples is set: they are known
+//! exactly. Where an error is asked for, small pictures are traced until they have it.
 
 use super::Plan;
 use crate::counters::Meter;
@@ -9,14 +10,17 @@ use crate::encode::EncodeError;
 use crate::film::{Film, LayerId, lit};
 use crate::schedule::{FilmSink, FrameLoop, Look};
 use crate::sequence::Sequence;
+use crate::trace::LEAST_SAMPLES;
 use std::sync::Arc;
 
 /// What a run is expected to trace.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Expected {
-    /// Rays of the camera, exactly: frame by frame, and with the films of the plan.
+    /// Rays of the camera: frame by frame, and with the films of the plan.
     pub camera_alone: u64,
     pub camera: u64,
+    /// Whether those are exact. Where an error is asked for they are the least that there can be, or those of a trial.
+    pub exact: bool,
     /// Rays of all kinds, where pilots were traced.
     pub rays_alone: Option<u64>,
     pub rays: Option<u64>,
@@ -51,7 +55,8 @@ impl Expected {
         let looks = &plan.survey.frames;
         let camera = plan.takes.iter().map(|take| samples(sequence, &looks[take.frames[0]])).sum();
         let camera_alone = looks.iter().map(|look| samples(sequence, look)).sum();
-        Self { camera_alone, camera, rays_alone: None, rays: None }
+        let exact = sequence.quality.noise.is_none() || !looks.iter().any(|look| look.random);
+        Self { camera_alone, camera, exact, rays_alone: None, rays: None }
     }
 }
 
@@ -61,32 +66,55 @@ pub fn pilot(sequence: &Sequence, plan: &Plan, effort: Effort) -> Expected {
     let known = Expected::of(sequence, plan);
     let films: Vec<(&Look, Vec<LayerId>)> =
         plan.takes.iter().map(|take| (&looks[take.frames[0]], take.lit.clone())).collect();
-    let rays = counted_up(sequence, &films, effort);
-    let rays_alone = if plan.reused() == 0 {
-        rays
+    let counted = counted_up(sequence, &films, effort);
+    let alone = if plan.reused() == 0 {
+        counted
     } else {
         let alone: Vec<(&Look, Vec<LayerId>)> =
             looks.iter().map(|look| (look, lit(&look.weights).collect())).collect();
         counted_up(sequence, &alone, effort)
     };
-    Expected { rays_alone, rays, ..known }
+    let camera = |counted: Option<Counted>, least: u64| match counted {
+        Some(counted) if !known.exact => counted.camera,
+        _ => least,
+    };
+    Expected {
+        camera_alone: camera(alone, known.camera_alone),
+        camera: camera(counted, known.camera),
+        exact: known.exact,
+        rays_alone: alone.map(|counted| counted.all),
+        rays: counted.map(|counted| counted.all),
+    }
 }
 
-/// Camera rays of a film.
+/// Camera rays of a film; the least that there are where an error is asked for.
 pub fn samples(sequence: &Sequence, look: &Look) -> u64 {
     let (width, height) = sequence.output.size;
     let quality = &sequence.quality;
-    let each = if look.random { quality.samples } else { quality.antialias * quality.antialias };
+    let each = match quality.noise {
+        _ if !look.random => quality.antialias * quality.antialias,
+        Some(target) => target.most.min(LEAST_SAMPLES),
+        None => quality.samples,
+    };
     if look.fault.is_some() { 0 } else { u64::from(width) * u64::from(height) * u64::from(each) }
 }
 
+/// Rays of the camera, and of all kinds.
+#[derive(Clone, Copy, Debug)]
+struct Counted {
+    camera: u64,
+    all: u64,
+}
+
 /// The rays of films, from those of some of them, spread evenly over their order.
-fn counted_up(sequence: &Sequence, films: &[(&Look, Vec<LayerId>)], effort: Effort) -> Option<u64> {
+fn counted_up(sequence: &Sequence, films: &[(&Look, Vec<LayerId>)], effort: Effort) -> Option<Counted> {
     let trials = trials(sequence, films, effort)?;
-    let traced: f64 = trials.iter().map(|trial| trial.samples).sum();
-    let rays: f64 = trials.iter().map(|trial| trial.rays).sum();
+    let sum = |part: fn(&Trial) -> f64| trials.iter().map(part).sum::<f64>();
+    let (traced, camera, rays) =
+        (sum(|trial| trial.samples), sum(|trial| trial.camera), sum(|trial| trial.rays));
     let all: f64 = films.iter().map(|(look, _)| samples(sequence, look) as f64).sum();
-    (traced > 0.0).then(|| (all / traced * rays).round() as u64)
+    let whole = |part: f64| (all / traced * part).round() as u64;
+    (traced > 0.0).then(|| Counted { camera: whole(camera), all: whole(rays) })
 }
 
 /// Rays that each film of a plan is expected to take: its samples are known, and each of them is taken to send as many
@@ -108,19 +136,24 @@ pub fn work(sequence: &Sequence, plan: &Plan, effort: Effort) -> Vec<f64> {
 /// What a film took that was tried.
 struct Trial {
     samples: f64,
+    /// Rays of the camera, and of all kinds.
+    camera: f64,
     rays: f64,
 }
 
 /// Traces some of the films with a small part of their samples: each of them stands for as many that are its neighbours.
 fn trials(sequence: &Sequence, films: &[(&Look, Vec<LayerId>)], effort: Effort) -> Option<Vec<Trial>> {
-    let chosen = films.len().min(effort.frames);
+    // Until an error is reached, a picture takes several times the samples.
+    let most = effort.frames.div_ceil(if sequence.quality.noise.is_some() { 4 } else { 1 });
+    let chosen = films.len().min(most);
     let trial = |index: usize| {
         let (look, lit) = &films[(2 * index + 1) * films.len() / (2 * chosen)];
         let small = shrunk(sequence, look, effort.samples);
         let mut frames = FrameLoop::new(&small, Nowhere, Arc::new(Meter::default()));
         frames.trace(look, lit).ok()?;
-        let rays = frames.tally().counts.rays.total() as f64;
-        Some(Trial { samples: samples(&small, look) as f64, rays })
+        let counts = frames.tally().counts.rays;
+        let samples = samples(&small, look) as f64;
+        Some(Trial { samples, camera: counts.camera as f64, rays: counts.total() as f64 })
     };
     (0..chosen).map(trial).collect()
 }
@@ -131,7 +164,8 @@ pub fn shrunk(sequence: &Sequence, look: &Look, samples: u64) -> Sequence {
     small.quality.antialias = 1;
     small.quality.samples = sequence.quality.samples.min(look.moments);
     let (width, height) = sequence.output.size;
-    let pixels = samples / u64::from(small.quality.samples.max(1));
+    let each = if small.quality.noise.is_some() { LEAST_SAMPLES } else { small.quality.samples.max(1) };
+    let pixels = samples / u64::from(each);
     let share = (pixels as f64 / (f64::from(width) * f64::from(height))).sqrt().min(1.0);
     let side = |whole: u32| ((f64::from(whole) * share).round() as u32).clamp(1, whole);
     small.output.size = (side(width), side(height));

@@ -3,6 +3,7 @@
 use crate::digest::Digest;
 use crate::schedule::{Look, Preview};
 use crate::sequence::Sequence;
+use crate::stop::Stop;
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashSet};
 
@@ -10,6 +11,15 @@ use std::collections::{BTreeSet, HashSet};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Survey {
     pub frames: Vec<Look>,
+}
+
+impl Survey {
+    /// That of these frames, which are in the same order.
+    pub fn only(mut self, frames: &[u32]) -> Self {
+        let mut wanted = frames.iter().peekable();
+        self.frames.retain(|look| wanted.next_if(|frame| **frame == look.frame).is_some());
+        self
+    }
 }
 
 /// These frames, and those of `among` that are made of the same films as one of them, in rising order.
@@ -27,10 +37,16 @@ const FEW: usize = 64;
 
 /// Evaluates frames, in parallel. What one evaluates to does not depend on the others.
 pub fn survey(sequence: &Sequence, frames: &[u32]) -> Survey {
+    survey_until(sequence, frames, &Stop::default())
+}
+
+/// The same; where `stop` asks for it, the rest is left out.
+pub fn survey_until(sequence: &Sequence, frames: &[u32], stop: &Stop) -> Survey {
     let part = frames.len().div_ceil(rayon::current_num_threads()).max(FEW);
     let looked = frames.par_chunks(part).flat_map_iter(|frames| {
         let mut preview = Preview::new(sequence);
-        frames.iter().map(move |&frame| preview.look(frame)).collect::<Vec<_>>()
+        let on = |_: &&u32| stop.signal().is_none();
+        frames.iter().take_while(on).map(move |&frame| preview.look(frame)).collect::<Vec<_>>()
     });
     Survey { frames: looked.collect() }
 }

@@ -174,3 +174,20 @@ fn still_frames_show_their_moments_not_their_start() {
     assert_ne!(looks[1].transport, looks[0].transport);
     assert_eq!(looks[2].transport, looks[0].transport);
 }
+
+#[test]
+fn a_stop_ends_the_look_at_frames() {
+    let stop = crate::stop::Stop::default();
+    let sequence = ball(LAMP, "", "");
+    let frames: Vec<u32> = (0..12).collect();
+    assert_eq!(survey_until(&sequence, &frames, &stop), survey(&sequence, &frames));
+    stop.flag().store(2, std::sync::atomic::Ordering::Relaxed);
+    assert_eq!(survey_until(&sequence, &frames, &stop).frames, []);
+}
+
+#[test]
+fn a_part_of_a_survey_is_the_survey_of_a_part() {
+    let sequence = ball(LAMP, "", "translation: [(0, (0, 0, 0)), (11, (1, 0, 0))]");
+    let part = [9, 3, 4];
+    assert_eq!(survey(&sequence, &[9, 1, 3, 0, 4, 2]).only(&part), survey(&sequence, &part));
+}

@@ -97,9 +97,11 @@ impl<S: FilmSink> FrameLoop<S> {
     pub fn reuse(&mut self, look: &Look, film: &Film) -> Result<(), NoFrame> {
         let start = Instant::now();
         let film = Film { exposure: look.exposure, ..film.weighted_by(&look.weights) };
+        let noise = film.noise.map(|noise| (look.frame, noise));
         let pushed = self.world.resource_mut::<Sink<S>>().0.push(look.frame, film);
         let mut tally = self.world.resource_mut::<Tally>();
         tally.reused += 1;
+        tally.noise.extend(noise);
         tally.stages[Stage::Encode as usize] += start.elapsed();
         let meter = &self.world.resource::<Watched>().0;
         meter.reused.fetch_add(1, Relaxed);

@@ -1,9 +1,10 @@
 //! What a sequence tells about itself in the files that come of it.
 
 use super::Sequence;
-use crate::encode::About;
-use crate::glow::{Dimmer, Glow};
+use super::layers::Shining;
+use crate::encode::{ALBEDO, About, NORMAL};
 use crate::layers::Layers;
+use std::collections::HashSet;
 
 impl Sequence {
     /// Its name, length and settings, and the names of its layers of light.
@@ -23,29 +24,44 @@ impl Sequence {
     fn layer_names(&self) -> Vec<String> {
         let mut layers = Layers::new();
         let mut members: Vec<Vec<&str>> = vec![Vec::new()];
-        for (name, dimmer) in self.named_dimmers() {
+        for (what, dimmer) in self.dimmers() {
             let index = layers.of(&dimmer).index();
             members.resize(layers.count().max(members.len()), Vec::new());
-            members[index].push(name);
+            members[index].push(self.name_of(what));
         }
-        let mut names: Vec<String> = Vec::new();
-        for (index, members) in members.iter().enumerate() {
-            let name = if index == 0 { "constant".to_owned() } else { plain(&members.join("+")) };
-            let taken = names.contains(&name);
-            names.push(if taken { format!("{name}_{index}") } else { name });
+        let mut taken: HashSet<String> = TAKEN.map(str::to_owned).into();
+        let mut names = vec![CONSTANT.to_owned()];
+        for (index, members) in members.iter().enumerate().skip(1) {
+            let name = unlike(plain(&members.join("+")), index, &taken);
+            taken.insert(name.clone());
+            names.push(name);
         }
         names
     }
 
-    /// Whatever shines, with how it is keyed, in the order in which layers are given.
-    fn named_dimmers(&self) -> impl Iterator<Item = (&str, Dimmer)> {
-        let air = [("background", self.background.dimmer()), ("ambient", Glow::split(&self.ambient).1)];
-        let lights = self.lights.iter().map(|light| (light.name.as_str(), light.value.dimmer()));
-        let materials = self.materials.iter();
-        let emission = materials.map(|material| (material.name.as_str(), material.value.emission_split().1));
-        let fog = self.fog.iter().map(|fog| ("fog", fog.split().1));
-        air.into_iter().chain(lights).chain(emission).chain(fog)
+    fn name_of(&self, what: Shining) -> &str {
+        match what {
+            Shining::Background => "background",
+            Shining::Ambient => "ambient",
+            Shining::Light(index) => &self.lights[index].name,
+            Shining::Material(index) => &self.materials[index].name,
+            Shining::Fog => "fog",
+        }
     }
+}
+
+/// The layer of light without keys.
+const CONSTANT: &str = "constant";
+
+/// Names that no keyed layer may have, as files have other channels under them, whether these are asked for or not.
+const TAKEN: [&str; 3] = [CONSTANT, NORMAL, ALBEDO];
+
+/// The name, or if it is taken already, with as many numbers behind it as make it another.
+fn unlike(mut name: String, index: usize, taken: &HashSet<String>) -> String {
+    while taken.contains(&name) {
+        name += &format!("_{index}");
+    }
+    name
 }
 
 /// A name without dots, which separate layers from channels, and without anything unusual. Long ones are cut.
@@ -74,5 +90,21 @@ mod tests {
         let names = sequence.about().layers;
         assert_eq!(names, ["constant", "background", "key_1+rim", "fill", "constant_4"]);
         assert_eq!(names.len() as u64, sequence.layers());
+    }
+
+    #[test]
+    fn no_layer_is_called_like_another_channel() {
+        let named = |lights: &[&str]| {
+            let light = |(index, name): (usize, &&str)| {
+                format!("{name:?}: Point(position: (1, 2, 3), intensity: [(0, 1), ({}, 0)]),", index + 1)
+            };
+            let lights: String = lights.iter().enumerate().map(light).collect();
+            let sequence = parse("a.ron", &format!("(lights: {{ {lights} }})")).expect("a sequence");
+            sequence.about().layers
+        };
+        assert_eq!(named(&["albedo", "N", "Z"]), ["constant", "albedo_1", "N_2", "Z"]);
+        // A name with a number may be there already.
+        assert_eq!(named(&["x y", "x_y_3", "x.y"]), ["constant", "x_y", "x_y_3", "x_y_3_3"]);
+        assert_eq!(named(&["a_2", "a 2", "a_2_2"]), ["constant", "a_2", "a_2_2", "a_2_2_3"]);
     }
 }

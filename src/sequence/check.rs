@@ -5,42 +5,113 @@ use super::fault::Fault;
 use super::node::File;
 use super::suggest::shortened;
 use crate::camera_path::{CameraPath, Lens, NoCamera, moments};
-use crate::time::{Clock, Timeline};
+use crate::time::{Clock, Time, Timeline};
 use crate::track::Animated;
+use rayon::prelude::*;
+use std::collections::HashSet;
 use std::ops::Range;
 
+/// Moments that are looked at, at most: some seconds of one processor.
+const MOST_MOMENTS: u64 = 1 << 24;
+
+/// Frames that are looked at in parallel before it is known which cameras need no more looks.
+const BLOCK: u32 = 1 << 13;
+
+/// The cameras of a file as they are checked.
+pub struct Cameras<'a> {
+    pub list: &'a [Named<CameraPath>],
+    pub active: &'a Animated<usize>,
+    /// Where each stands in the file.
+    pub places: &'a [Range<usize>],
+}
+
 /// Reports each camera that shows nothing at a frame at which it is looked through, with the first such frame.
-/// While a shutter is open, `steps` moments of a frame are looked at.
+/// While a shutter is open, `steps` moments of a frame are looked at; `place` is where the file says how many frames
+/// there are.
 pub fn report_blind_cameras(
     file: &File<'_>,
     timeline: &Timeline,
     steps: u32,
-    cameras: &[Named<CameraPath>],
-    active: &Animated<usize>,
-    places: &[Range<usize>],
+    cameras: &Cameras<'_>,
+    place: Range<usize>,
 ) {
-    let mut done = vec![false; cameras.len()];
-    for frame in 0..timeline.frames {
-        let index = active.at(timeline.clock(frame).start);
-        let (Some(camera), Some(false)) = (cameras.get(index), done.get(index)) else {
-            if done.iter().all(|done| *done) {
-                return;
+    if let Some(fault) = too_many_moments(timeline, steps, cameras, place) {
+        file.push(fault);
+        return;
+    }
+    let looked_through: HashSet<usize> = cameras.active.values().copied().collect();
+    let mut left = looked_through.len();
+    let mut done = vec![false; cameras.list.len()];
+    for first in (0..timeline.frames).step_by(BLOCK as usize) {
+        let block = first..timeline.frames.min(first.saturating_add(BLOCK));
+        let look = |frame| look(frame, timeline, steps, cameras, &done);
+        let found: Vec<Finding> = block.into_par_iter().filter_map(look).collect();
+        for Finding { frame, camera, blind } in found {
+            if std::mem::replace(&mut done[camera], true) {
+                continue;
             }
-            continue;
-        };
-        // One moment of what stands still is like every other.
-        let (still, shutter) = (stands_still(&camera.value), &camera.value.shutter);
-        let clocks =
-            if still { vec![timeline.clock(frame)] } else { moments(shutter, steps, timeline, frame) };
-        let blind = |clock: &Clock| camera.value.at(clock, None).err().map(|why| (clock.time, why));
-        done[index] = still;
-        if let Some((time, why)) = clocks.iter().find_map(blind) {
-            done[index] = true;
-            let open = if time == timeline.clock(frame).start { "" } else { ", while the shutter is open" };
-            let place = places.get(index).cloned().unwrap_or(0..0);
-            file.push(fault(&camera.name, why, &format!("at frame {frame}{open}"), place));
+            left -= 1;
+            if let Some((time, why)) = blind {
+                let open =
+                    if time == timeline.clock(frame).start { "" } else { ", while the shutter is open" };
+                let place = cameras.places.get(camera).cloned().unwrap_or(0..0);
+                file.push(fault(&cameras.list[camera].name, why, &format!("at frame {frame}{open}"), place));
+            }
+        }
+        if left == 0 {
+            return;
         }
     }
+}
+
+/// What is known of a camera after a look at a frame.
+struct Finding {
+    frame: u32,
+    camera: usize,
+    /// When it shows nothing, and why; else nothing more has to be looked at.
+    blind: Option<(Time, NoCamera)>,
+}
+
+/// Looks at a frame through its camera, unless that is done. Tells what needs no further look.
+fn look(
+    frame: u32,
+    timeline: &Timeline,
+    steps: u32,
+    cameras: &Cameras<'_>,
+    done: &[bool],
+) -> Option<Finding> {
+    let index = cameras.active.at(timeline.clock(frame).start);
+    let camera = &cameras.list.get(index).filter(|_| !done[index])?.value;
+    // One moment of what stands still is like every other.
+    let still = stands_still(camera);
+    let clocks =
+        if still { vec![timeline.clock(frame)] } else { moments(&camera.shutter, steps, timeline, frame) };
+    let blind = |clock: &Clock| camera.at(clock, None).err().map(|why| (clock.time, why));
+    let blind = clocks.iter().find_map(blind);
+    (still || blind.is_some()).then_some(Finding { frame, camera: index, blind })
+}
+
+/// Refuses what nobody would wait for: very many frames, each of very many moments.
+fn too_many_moments(
+    timeline: &Timeline,
+    steps: u32,
+    cameras: &Cameras<'_>,
+    place: Range<usize>,
+) -> Option<Fault> {
+    let opens = |camera: &Named<CameraPath>| {
+        !stands_still(&camera.value) && camera.value.shutter.values().any(|open| *open > 0.0)
+    };
+    let moments = u64::from(timeline.frames) * u64::from(steps);
+    if moments <= MOST_MOMENTS || !cameras.list.iter().any(opens) {
+        return None;
+    }
+    let frames = timeline.frames;
+    let title = format!("{frames} frames with {steps} moments each, while shutters are open, are too many");
+    let fault = Fault::new(place, title, format!("together there may be {MOST_MOMENTS} moments"));
+    Some(match MOST_MOMENTS / u64::from(frames) {
+        0 | 1 => fault.help("write fewer frames, or a `shutter` of 0"),
+        most => fault.help(format!("write `shutter_steps: {most}` or less in `quality`, or fewer frames")),
+    })
 }
 
 fn fault(name: &str, why: NoCamera, when: &str, place: Range<usize>) -> Fault {

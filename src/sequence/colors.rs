@@ -5,7 +5,7 @@ use super::node::Node;
 use super::suggest::listed;
 use super::values::{between, each, not_negative, number, text, tuple};
 use super::words::{Variants, is_literal, unknown, variant};
-use crate::color::{Rgb, srgb_to_linear};
+use crate::color::{Rgb, hex_color, srgb_to_linear};
 use crate::track::Animated;
 
 const WAYS: &str =
@@ -58,15 +58,9 @@ fn codes(node: Node<'_>, what: &str, decode: impl Fn(f64) -> f64) -> Option<Rgb>
 /// `"#rrggbb"` or `"#rgb"`, in sRGB.
 fn hex(node: Node<'_>) -> Option<Rgb> {
     let text = text(node)?;
-    let digits: Option<Vec<u32>> =
-        text.strip_prefix('#').and_then(|digits| digits.chars().map(|digit| digit.to_digit(16)).collect());
-    let codes = match digits.as_deref() {
-        Some(&[r, g, b]) => [r * 17, g * 17, b * 17],
-        Some(&[r, rr, g, gg, b, bb]) => [r * 16 + rr, g * 16 + gg, b * 16 + bb],
-        _ => {
-            node.fault(node.mismatch("a colour such as \"#ff8800\" or \"#f80\"").help(WAYS));
-            return None;
-        }
-    };
-    Some(Rgb::from_array(codes.map(|code| srgb_to_linear(f64::from(code) / 255.0) as f32)))
+    let color = hex_color(&text);
+    if color.is_none() {
+        node.fault(node.mismatch("a colour such as \"#ff8800\" or \"#f80\"").help(WAYS));
+    }
+    color
 }

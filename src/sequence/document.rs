@@ -1,7 +1,7 @@
 //! The whole file: its sections, and the names between them.
 
 use super::camera::{camera, default_camera};
-use super::check::report_blind_cameras;
+use super::check::{self, report_blind_cameras};
 use super::colors::color;
 use super::environment::environment;
 use super::fault::Fault;
@@ -37,6 +37,7 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     }
     let mut fields = Fields::of(root, "the sequence")?;
     // First, for it says what the times of keys mean.
+    let length = fields.place("timeline");
     let timeline = fields.or("timeline", timeline, still());
     let frames = timeline.map_or(1, |timeline| timeline.frames);
     let output = fields.or("output", |node| output(node, name, frames), default_output(name, frames));
@@ -44,7 +45,8 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     let background = fields.or("background", environment, Rgb::ZERO);
     let ambient = fields.or("ambient", keyed(color), Rgb::ONE);
     let fog = fields.optional("fog", fog);
-    let mut places = Places { lights: Vec::new(), materials: Vec::new(), objects: fields.place("objects") };
+    let (fog_place, objects) = (fields.place("fog"), fields.place("objects"));
+    let mut places = Places { lights: Vec::new(), materials: Vec::new(), objects, fog: fog_place };
     let lights = fields.or("lights", |node| lights(node, &mut places.lights), Vec::new());
     let mut transforms = Vec::new();
     let scene = scene(&mut fields, &mut places.materials, &mut transforms);
@@ -53,7 +55,8 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     fields.finish();
     if let (Some(timeline), Some(Cameras { list, active, places })) = (&timeline, &cameras) {
         let steps = quality.unwrap_or_default().shutter_steps;
-        report_blind_cameras(root.file, timeline, steps, list, active, places);
+        let cameras = check::Cameras { list, active, places };
+        report_blind_cameras(root.file, timeline, steps, &cameras, length);
     }
     if let (Some(timeline), Some((_, objects))) = (&timeline, &scene) {
         report_out_of_range(root.file, timeline, objects, &transforms);

@@ -42,6 +42,7 @@ mod values;
 mod words;
 
 pub use fault::Faults;
+pub use layers::LightLayers;
 pub use load::{LoadError, load, load_watched, parse};
 pub use quality::ERRORS;
 

@@ -21,6 +21,7 @@ impl Sequence {
         notes.extend(self.left_out());
         notes.extend(self.missing_libraries());
         notes.extend(self.gains());
+        notes.extend(self.output.caption.as_ref().and_then(|caption| caption.text.note(&self.name)));
         notes
     }
 

@@ -22,6 +22,9 @@ pub struct TransformPlace {
 /// easings.net stay below 2, and Bezier's below 10 for all control points that make sense.
 const OVERSHOOT: f64 = 10.0;
 
+/// Transforms that are looked at one by one, at most: a second or two. Only those near the limits are.
+const MOST_LOOKS: u64 = 1 << 21;
+
 /// Bounds of what a transform does to lengths, over all times: the least and the largest factor, and the farthest that
 /// it moves the origin.
 #[derive(Clone, Copy)]
@@ -84,6 +87,7 @@ pub fn report_out_of_range(
         std::iter::successors(Some(index), |&at| objects.get(at)?.value.parent).map(|at| &objects[at].value)
     };
     let mut out = vec![false; objects.len()];
+    let mut left = MOST_LOOKS;
     for (index, span) in spans(objects) {
         let inherited = objects[index].value.parent.is_some_and(|parent| out[parent]);
         if inherited || span.is_safe() {
@@ -94,6 +98,12 @@ pub fn report_out_of_range(
             |time: Time| Some((time, fault_of(chain(index).map(|object| object.transform.at(time)))?));
         let still = chain(index).all(|object| !object.transform.is_keyed());
         let frames = if still { 1 } else { timeline.frames };
+        let looks = u64::from(frames).saturating_mul(chain(index).count() as u64);
+        let Some(rest) = left.checked_sub(looks) else {
+            file.push(too_near(&objects[index], frames, places.get(index).cloned().unwrap_or_default()));
+            return;
+        };
+        left = rest;
         // Keys are where values are largest; they may lie between frames, where shutters are open or another rate looks.
         let keys = chain(index).flat_map(|object| key_times(&object.transform));
         let within = keys.filter(|time| *time > Time::from_integer(0) && *time < timeline.duration);
@@ -105,6 +115,14 @@ pub fn report_out_of_range(
             file.push(fault(&objects[index], what, &when, place, time));
         }
     }
+}
+
+/// An object of which it would take too long to tell.
+fn too_near(object: &Named<Object>, frames: u32, place: TransformPlace) -> Fault {
+    let name = shortened(&object.name);
+    let title = format!("object `{name}` is scaled or moved too near to 1e-30 or 1e30 for {frames} frames");
+    Fault::new(place.scale, title, "it would take too long to look at every frame")
+        .help("stay farther from these limits with `scale` and `translation` of the object and its parents")
 }
 
 /// When the scale and the translation have keys.

@@ -21,11 +21,16 @@ pub fn is_number(node: Node<'_>) -> bool {
     unsigned.starts_with(|c: char| c.is_ascii_digit()) || starts("inf") || starts("NaN")
 }
 
+/// What is written as a plain number, however large.
+fn decimal(node: Node<'_>) -> Option<f64> {
+    let text = node.text();
+    is_decimal(text).then(|| text.replace('_', "").parse().ok()).flatten()
+}
+
 /// Any finite number.
 pub fn number(node: Node<'_>) -> Option<f64> {
     let text = node.text();
-    if is_decimal(text) {
-        let value: f64 = text.replace('_', "").parse().ok()?;
+    if let Some(value) = decimal(node) {
         if value.abs() <= LARGEST {
             return Some(value);
         }
@@ -57,6 +62,15 @@ fn number_where(node: Node<'_>, what: &str, good: impl Fn(f64) -> bool) -> Optio
     None
 }
 
+/// The same within bounds, which are narrower than those of all numbers.
+fn bounded(node: Node<'_>, what: &str, good: impl Fn(f64) -> bool) -> Option<f64> {
+    if decimal(node).is_some_and(|value| value.abs() > LARGEST) {
+        node.expected(what);
+        return None;
+    }
+    number_where(node, what, good)
+}
+
 /// A number above 0, such as a radius.
 pub fn positive(node: Node<'_>) -> Option<f64> {
     let value = number_where(node, "a number above 0", |value| value > 0.0)?;
@@ -76,7 +90,7 @@ pub fn not_negative(node: Node<'_>) -> Option<f64> {
 pub fn between(range: RangeInclusive<f64>) -> impl Fn(Node<'_>) -> Option<f64> {
     move |node| {
         let what = format!("a number from {} to {}", range.start(), range.end());
-        number_where(node, &what, |value| range.contains(&value))
+        bounded(node, &what, |value| range.contains(&value))
     }
 }
 
@@ -85,7 +99,7 @@ pub fn whole(range: RangeInclusive<u32>) -> impl Fn(Node<'_>) -> Option<u32> {
     move |node| {
         let what = format!("a whole number from {} to {}", range.start(), range.end());
         let bounds = f64::from(*range.start())..=f64::from(*range.end());
-        let value = number_where(node, &what, |value| value.fract() == 0.0 && bounds.contains(&value))?;
+        let value = bounded(node, &what, |value| value.fract() == 0.0 && bounds.contains(&value))?;
         Some(value as u32)
     }
 }
@@ -95,7 +109,7 @@ pub fn whole_number(range: RangeInclusive<i32>) -> impl Fn(Node<'_>) -> Option<i
     move |node| {
         let what = format!("a whole number from {} to {}", range.start(), range.end());
         let bounds = f64::from(*range.start())..=f64::from(*range.end());
-        let value = number_where(node, &what, |value| value.fract() == 0.0 && bounds.contains(&value))?;
+        let value = bounded(node, &what, |value| value.fract() == 0.0 && bounds.contains(&value))?;
         Some(value as i32)
     }
 }
@@ -183,7 +197,7 @@ pub fn angle(node: Node<'_>) -> Option<Angle> {
 pub fn angle_between(least: f64, most: f64) -> impl Fn(Node<'_>) -> Option<Angle> {
     move |node| {
         let what = format!("an angle from {least} to {most} degrees");
-        number_where(node, &what, |value| (least..=most).contains(&value)).map(Angle)
+        bounded(node, &what, |value| (least..=most).contains(&value)).map(Angle)
     }
 }
 

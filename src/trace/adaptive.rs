@@ -30,6 +30,8 @@ const SIDE: u32 = 8;
 pub const SETS: usize = 4;
 /// Samples of each set in the first round.
 const FIRST: u32 = 8;
+/// Samples of a pixel that are taken in any case, unless fewer are allowed.
+pub const LEAST_SAMPLES: u32 = SETS as u32 * FIRST;
 /// What is darker than the mean of the frame by this factor counts as so bright: four stops, below which a display
 /// shows few steps and an eye none beside the rest.
 const DARKEST: f64 = 1.0 / 16.0;

@@ -7,6 +7,7 @@ use super::together::{Arrivals, Color, Starts};
 use super::tracer::{Tracer, Work};
 use super::wave::Shadow;
 use crate::bvh::Hit;
+use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::light::Light;
 use crate::material::{MadeOf, Material};
@@ -80,14 +81,21 @@ struct Ground<L: Lanes> {
     diffuse: Color<L>,
 }
 
-impl simd::Work for Follow<'_, '_, '_> {
-    type Output = u32;
+/// Up to eight paths in lanes; lanes without a path repeat the last one.
+struct Lined {
+    /// Places of the paths among all.
+    places: [usize; 8],
+    rays: [Ray; 8],
+    at: [Hit; 8],
+    /// A bit for each lane that has a path of its own.
+    there: u32,
+}
 
+impl Lined {
     #[inline(always)]
-    fn run<L: Lanes>(self) -> u32 {
-        let Self { matt, eight: Eight { integrator, tracer, paths, which, hits }, work } = self;
+    fn of(eight: &Eight) -> Self {
+        let Eight { paths, which, hits, .. } = eight;
         let last = which.len() - 1;
-        // Lanes without a path repeat the last one.
         let mut places = [0; 8];
         let mut rays = [paths[which[last] as usize].ray; 8];
         let mut at = [hits[last]; 8];
@@ -97,45 +105,70 @@ impl simd::Work for Follow<'_, '_, '_> {
             rays[lane] = paths[places[lane]].ray;
             at[lane] = hits[from];
         }
-        let there = 0xff >> (7 - last.min(7));
-        let ground = Ground::<L>::of(tracer, &Rays::of(&rays), &at);
+        Self { places, rays, at, there: 0xff >> (7 - last.min(7)) }
+    }
+}
+
+impl simd::Work for Follow<'_, '_, '_> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) -> u32 {
+        let lined = Lined::of(&self.eight);
+        let ground = Ground::<L>::of(self.eight.tracer, &Rays::of(&lined.rays), &lined.at);
         let gathering = Starts::gathering(&ground.surfaces, ground.lift.as_ref());
-        for lane in lanes(there) {
-            let path = &mut paths[places[lane]];
-            path.beam.width = path.beam.after(at[lane].at.t);
+        self.arrive(&lined);
+        self.ask_for_light(&lined, &ground, &gathering);
+        self.scatter(&lined, &ground, &gathering)
+    }
+}
+
+impl Follow<'_, '_, '_> {
+    /// What is so at the surfaces whatever lights there are: how wide beams are, and ambient light.
+    #[inline(always)]
+    fn arrive(&mut self, lined: &Lined) {
+        let Eight { tracer, paths, .. } = &mut self.eight;
+        for lane in lanes(lined.there) {
+            let (path, at) = (&mut paths[lined.places[lane]], &lined.at[lane]);
+            path.beam.width = path.beam.after(at.at.t);
             if let Some(ambient) = &tracer.ambient {
-                work.first = path.first;
-                let lobes = &tracer.material_of(&at[lane]).lobes;
-                work.add(ambient.layer, path.throughput.seen() * lobes.ambient * ambient.radiance);
+                self.work.first = path.first;
+                let lobes = &tracer.material_of(at).lobes;
+                self.work.add(ambient.layer, path.throughput.seen() * lobes.ambient * ambient.radiance);
             }
         }
-        for (turn, light) in (0..).zip(&matt.lights) {
+    }
+
+    /// Puts off a shadow ray to every light that would be reflected.
+    #[inline(always)]
+    fn ask_for_light<L: Lanes>(&mut self, lined: &Lined, ground: &Ground<L>, gathering: &Starts<L::Quad>) {
+        for (turn, light) in (0..).zip(&self.matt.lights) {
             let (arrivals, arriving) = Arrivals::<L>::of(light, gathering.point);
-            let (_, share, lit) = ground.reflected(arrivals.direction, there & arriving);
+            let (_, share, lit) = ground.reflected(arrivals.direction, lined.there & arriving);
             if lit == 0 {
                 continue;
             }
-            let (shadow, t_max) = arrivals.shadow_rays(&gathering);
+            let (shadow, t_max) = arrivals.shadow_rays(gathering);
             for lane in lanes(lit) {
-                let path = &paths[places[lane]];
+                let path = &self.eight.paths[lined.places[lane]];
                 let (share, radiance) = (share.one(lane), arrivals.radiance.one(lane));
                 if radiance == Rgb::ZERO {
                     continue;
                 }
                 let radiance = path.throughput.seen() * share * radiance;
-                let ray = shadow.one(lane);
-                work.shadows.push(Shadow {
-                    ray,
-                    t_max,
-                    first: path.first,
-                    layer: light.layer,
-                    turn,
-                    radiance,
-                });
+                let (ray, first, layer) = (shadow.one(lane), path.first, light.layer);
+                self.work.shadows.push(Shadow { ray, t_max, first, layer, turn, radiance });
             }
         }
+    }
+
+    /// Sends paths on, evenly over the hemisphere; gives a bit for each that goes on.
+    #[inline(always)]
+    fn scatter<L: Lanes>(self, lined: &Lined, ground: &Ground<L>, gathering: &Starts<L::Quad>) -> u32 {
+        let Self { eight: Eight { integrator, tracer, paths, .. }, work, .. } = self;
+        let places = &lined.places;
         let mut further = 0;
-        for lane in lanes(there) {
+        for lane in lanes(lined.there) {
             further |= u32::from(paths[places[lane]].left > 0) << lane;
         }
         if further == 0 {

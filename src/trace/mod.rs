@@ -33,7 +33,7 @@ use crate::filter::FilterSampler;
 use crate::math::DVec3;
 use crate::quality::Quality;
 use crate::scene::Scene;
-pub use adaptive::{Rounds, SETS};
+pub use adaptive::{LEAST_SAMPLES, Rounds, SETS};
 use pixel::Pixels;
 pub use pixel::is_random;
 use rayon::prelude::*;

@@ -1,21 +1,24 @@
 //! A pixel: its samples, and their mean.
 
-use super::path::{Path, Paths};
+mod eye;
+mod sums;
+mod waves;
+
+use super::path::Paths;
 use super::together::Sums;
 use super::tracer::{Dice, Tracer, Work};
 use super::wave::WAVE;
-use super::{Moment, TraceSettings, guides, together, whitted};
+use super::{Moment, TraceSettings, together, whitted};
 use crate::bvh::Bvh;
-use crate::camera::{Beam, Ray};
 use crate::counters::{Counts, Dropped};
 use crate::film::{Extras, LayerId, lit};
 use crate::math::{DVec2, DVec3};
 use crate::quality::Integrator;
-use crate::sampling::{PixelSampler, Sampler, Use};
+use crate::sampling::{PixelSampler, Sampler};
 use crate::scene::{Primitive, Scene};
-use crate::shape::Rays;
-use crate::simd::{self, Lanes, Octo, dispatch};
 use std::ops::Range;
+use sums::add;
+use waves::Followed;
 
 /// A frame's scene with all that its pixels have in common.
 pub struct Pixels<'a> {
@@ -150,57 +153,6 @@ impl<'a> Pixels<'a> {
         drawn.samples.clone().filter(now).map(move |sample| (sample, numbers.sample(sample)))
     }
 
-    /// Many paths at once, of one pixel or several.
-    fn trace_paths(
-        &self,
-        pixels: &[(u32, u32)],
-        drawn: &Drawn,
-        sums: &mut [DVec3],
-        work: &mut Work,
-        followed: &mut Followed,
-    ) {
-        let Some(integrator) = &self.paths else { return };
-        let layers = work.layers.len() / WAVE;
-        let samples = pixels.iter().enumerate();
-        let samples = samples.flat_map(|(index, &pixel)| {
-            self.samples(pixel, drawn).map(move |(_, sampler)| Wanted { index, pixel, sampler })
-        });
-        let mut samples = samples.peekable();
-        let mut eight = Vec::with_capacity(8);
-        while samples.peek().is_some() {
-            while followed.pixels.len() < self.at_once && samples.peek().is_some() {
-                eight.clear();
-                eight.extend(samples.by_ref().take(self.at_once.min(8)));
-                let rays = dispatch(Eyes { of: self, wanted: &eight });
-                for (lane, Wanted { index, sampler, .. }) in eight.iter().enumerate() {
-                    let place = followed.pixels.len();
-                    work.first = place * layers;
-                    let eye = self.seen_along(rays.one(lane), work);
-                    followed.paths.push(Path::new(&self.tracer, eye, *sampler, work.first));
-                    followed.pixels.push(*index);
-                }
-            }
-            integrator.follow(&self.tracer, &mut followed.paths, work);
-            self.take_all(sums, work, followed);
-        }
-    }
-
-    /// Where in the unit square a sample lies before the filter spreads it, and where on the lens.
-    fn place(&self, sample: u32, sampler: &Sampler) -> (DVec2, DVec2) {
-        if self.random {
-            let [x, y, u, v] = sampler.four(Use::Camera);
-            return (DVec2::new(x, y), DVec2::new(u, v));
-        }
-        self.grid(sample)
-    }
-
-    /// [`Pixels::place`] on the regular grid.
-    fn grid(&self, sample: u32) -> (DVec2, DVec2) {
-        let n = self.settings.quality.antialias;
-        let cell = DVec2::new(f64::from(sample % n), f64::from(sample / n));
-        ((cell + DVec2::splat(0.5)) / f64::from(n), DVec2::ZERO)
-    }
-
     /// [`Pixels::trace`] of up to eight pixels.
     fn trace_together(&self, pixels: &[(u32, u32)], sums: &mut [DVec3], eight: &mut Sums) {
         let quality = &self.settings.quality;
@@ -231,42 +183,6 @@ impl<'a> Pixels<'a> {
         }
     }
 
-    /// Where in its pixel a sample lies that is at this place of the unit square.
-    fn inside(&self, place: DVec2) -> DVec2 {
-        let filter = &self.settings.filter;
-        DVec2::new(filter.offset(place.x), filter.offset(place.y)) + DVec2::splat(0.5)
-    }
-
-    /// The ray from the eye along which a sample is seen.
-    fn eye(&self, (x, y): (u32, u32), sample: u32, sampler: &Sampler, work: &mut Work) -> (Ray, Beam) {
-        let (inside, lens) = self.place(sample, sampler);
-        let (width, height) = (f64::from(self.settings.size.0), f64::from(self.settings.size.1));
-        let at = DVec2::new(f64::from(x), f64::from(y)) + self.inside(inside);
-        // Square pixels: both axes in units of half the picture's height, from its centre.
-        let screen = DVec2::new(2.0 * at.x - width, height - 2.0 * at.y) / height;
-        self.seen_along(self.tracer.scene.camera.ray(screen, lens), work)
-    }
-
-    /// A ray from the eye with its beam. What else than light is recorded is added to `work`.
-    fn seen_along(&self, ray: Ray, work: &mut Work) -> (Ray, Beam) {
-        let beam = self.tracer.scene.camera.beam(&ray, 2.0 / f64::from(self.settings.size.1));
-        work.counts.rays.camera += 1;
-        work.counts.evaluations.lens_samples += u64::from(self.tracer.scene.camera.lens.is_some());
-        if let Some(first) = self.guides {
-            guides::record(&self.tracer, (&ray, &beam), first, work);
-        }
-        (ray, beam)
-    }
-
-    /// Adds the samples of paths that have been followed to their pixels' sums.
-    fn take_all(&self, sums: &mut [DVec3], work: &mut Work, followed: &mut Followed) {
-        let layers = work.layers.len() / WAVE;
-        for (index, samples) in followed.pixels.drain(..).zip(work.layers.chunks_exact_mut(layers)) {
-            self.take(&mut sums[index * layers..][..layers], samples, &mut work.counts.dropped);
-        }
-        followed.paths.clear();
-    }
-
     /// Adds a sample's layers to a pixel's sums, but for what is no light, and leaves nothing of them.
     fn take(&self, sums: &mut [DVec3], sample: &mut [DVec3], dropped: &mut Dropped) {
         let limit = self.settings.quality.clamp.map(f64::from);
@@ -288,74 +204,12 @@ pub enum Tracing {
     Paths(Work, Followed),
 }
 
-/// A sample that is wanted of one of several pixels.
-struct Wanted {
-    index: usize,
-    pixel: (u32, u32),
-    sampler: Sampler,
-}
-
-/// The rays from the eye of up to eight samples drawn at random.
-struct Eyes<'a, 'b> {
-    of: &'a Pixels<'b>,
-    wanted: &'a [Wanted],
-}
-
-impl simd::Work for Eyes<'_, '_> {
-    type Output = Rays;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> Rays {
-        let Self { of: Pixels { settings, tracer, .. }, wanted } = self;
-        let last = wanted.len() - 1;
-        let mut samplers = [wanted[last].sampler; 8];
-        for (sampler, wanted) in samplers.iter_mut().zip(wanted) {
-            *sampler = wanted.sampler;
-        }
-        let [mut x, mut y, u, v] = Sampler::four_together(&samplers, Use::Camera);
-        for lane in 0..8 {
-            let (left, top) = wanted[lane.min(last)].pixel;
-            x[lane] = f64::from(left) + (settings.filter.offset(x[lane]) + 0.5);
-            y[lane] = f64::from(top) + (settings.filter.offset(y[lane]) + 0.5);
-        }
-        let at = [Octo::load(&x), Octo::load(&y)];
-        together::camera::rays::<L::Quad>(tracer.scene.camera, settings.size, at, &[u, v])
-    }
-}
-
-/// Paths on their way, and the places of their pixels among those that are traced.
-#[derive(Default)]
-pub struct Followed {
-    paths: Vec<Path>,
-    pixels: Vec<usize>,
-}
-
 impl Tracing {
     pub fn counts(self) -> Counts {
         match self {
             Self::Together(eight) => eight.counts,
             Self::Rays(work) | Self::Paths(work, _) => work.counts,
         }
-    }
-}
-
-/// Adds a sample of a layer to a sum. What is no light is left out and counted: one such number would spoil the pixel.
-/// Among the samples that are averaged it counts as black.
-fn add(sum: &mut DVec3, sample: DVec3, limit: Option<f64>, dropped: &mut Dropped) {
-    if sample.is_finite() && sample.min_element() >= 0.0 {
-        *sum += limit.map_or(sample, |limit| sample.min(DVec3::splat(limit)));
-    } else {
-        count(sample, dropped);
-    }
-}
-
-fn count(sample: DVec3, dropped: &mut Dropped) {
-    if sample.is_nan() {
-        dropped.undefined += 1;
-    } else if !sample.is_finite() {
-        dropped.infinite += 1;
-    } else {
-        dropped.negative += 1;
     }
 }
 
@@ -368,48 +222,4 @@ pub fn is_random(scene: &Scene, integrator: Integrator) -> bool {
     };
     let area = || scene.lights().any(|(_, light)| light.source.is_sampled());
     integrator.looks_for_lights() || scene.camera.lens.is_some() || area() || rough()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::testing::Random;
-
-    /// Samples that are no light, one in a thousand of each kind: counted by their cause, and no pixel is spoilt. Tested
-    /// after averaging, one NaN takes the whole pixel with it.
-    #[test]
-    fn sa_08_what_is_no_light_is_dropped_and_counted() {
-        const SAMPLES: u32 = 1_000_000;
-        let bad = [f64::NAN, f64::INFINITY, -1.0, 1e30];
-        for limit in [None, Some(10.0)] {
-            let (mut random, mut sum, mut dropped) = (Random(8), DVec3::ZERO, Dropped::default());
-            let mut injected = [0u64; 4];
-            for k in 0..SAMPLES {
-                let kind = (1000.0 * random.unit()) as usize;
-                let mut sample = DVec3::splat(0.5);
-                if kind < 4 {
-                    injected[kind] += 1;
-                    // In any of the channels.
-                    sample[k as usize % 3] = bad[kind];
-                }
-                add(&mut sum, sample, limit, &mut dropped);
-            }
-            let [undefined, infinite, negative, bright] = injected;
-            assert!(injected.iter().all(|count| *count > 800));
-            assert_eq!(dropped, Dropped { undefined, infinite, negative });
-            assert!(sum.is_finite());
-            let kept = f64::from(SAMPLES) - (undefined + infinite + negative) as f64;
-            let expected = 3.0 * 0.5 * kept + bright as f64 * (limit.unwrap_or(bad[3]) - 0.5);
-            assert!((sum.element_sum() / expected - 1.0).abs() < 1e-9, "{sum} with {limit:?}");
-        }
-        let mut dropped = Dropped::default();
-        for sample in [
-            DVec3::new(f64::NAN, f64::INFINITY, -1.0),
-            DVec3::new(0.0, f64::NEG_INFINITY, 0.0),
-            DVec3::new(0.0, -0.0, -1e-300),
-        ] {
-            add(&mut DVec3::ZERO.clone(), sample, None, &mut dropped);
-        }
-        assert_eq!(dropped, Dropped { undefined: 1, infinite: 1, negative: 1 });
-    }
 }

@@ -1,11 +1,12 @@
-//! Whitted's integrator for eight rays at once, in scenes where each ray leads to at most one other: whose surfaces have
-//! lobes of one value, reflect and do not let pass, and whose lights are points or infinitely far away.
+//! Whitted's integrator for eight rays at once, in scenes where each ray leads to at most one other: whose surfaces are
+//! not rough, reflect and do not let pass, and whose lights are points or infinitely far away.
 //!
 //! Eight neighbours of a picture meet mostly the same. Every number is computed as `whitted` does, lane by lane, so that
 //! pictures do not tell how many rays were traced at once.
 
 pub mod camera;
 mod lights;
+mod paint;
 mod shade;
 mod starts;
 
@@ -20,6 +21,7 @@ use crate::scene::{Finish, Primitive};
 use crate::shape::{Rays, Shape, lanes};
 use crate::simd::{Lanes, Octo, Quad, Vector, Work, dispatch};
 pub use lights::Arrivals;
+use paint::Beams;
 pub use shade::Color;
 use shade::Reflectors;
 pub use starts::Starts;
@@ -60,8 +62,12 @@ pub fn suits(tracer: &Tracer) -> bool {
     let shading = tracer.scene.shading;
     let plain = |index: u32| {
         let material = &shading.materials[index as usize];
-        let sharp = !material.lobes.is_fuzzy() || material.lobes.mirror == Rgb::ZERO;
-        material.paints.is_empty() && sharp && material.lobes.microfacet == 0.0
+        let lobes = &material.lobes;
+        let sharp = !lobes.is_fuzzy() || lobes.mirror == Rgb::ZERO;
+        let shines_evenly = material.paints.is_empty() || lobes.emission == Rgb::ZERO;
+        // Paint may make a mirror fuzzier than it is where nothing is painted.
+        let stays_sharp = material.paints.is_empty() || lobes.fuzz == 0.0 || lobes.mirror == Rgb::ZERO;
+        sharp && stays_sharp && shines_evenly && lobes.microfacet == 0.0
     };
     let is_plain = |finish: &Finish| match finish {
         Finish::Material(MadeOf::One(index)) => plain(*index),
@@ -110,9 +116,10 @@ impl Work for Follow<'_, '_> {
         let y = Octo::load(&pixels.map(|(_, y)| f64::from(y))) + Octo::splat(inside.y);
         let rays = camera::rays::<L::Quad>(tracer.scene.camera, size, [x, y], &[[0.0; 8]; 2]);
         let mut bundle = Bundle::<L> { rays, throughput: Color::splat(Rgb::ONE), wanted };
+        let mut beams = tracer.painted.then(|| Beams::new(tracer, self.pixels, &bundle.rays));
         let mut left = tracer.quality.bounces;
         while bundle.wanted != 0 {
-            bundle = bundle.step(tracer, left, sums);
+            bundle = bundle.step(tracer, left, beams.as_mut(), sums);
             left = left.saturating_sub(1);
         }
     }
@@ -129,7 +136,7 @@ struct Bundle<L: Lanes> {
 impl<L: Lanes> Bundle<L> {
     /// Follows the rays to where they end; gives those that start there. `left` bounces are left.
     #[inline(always)]
-    fn step(self, tracer: &Tracer, left: u32, sums: &mut Sums) -> Self {
+    fn step(self, tracer: &Tracer, left: u32, mut beams: Option<&mut Beams>, sums: &mut Sums) -> Self {
         let Self { rays, throughput, wanted } = self;
         let hits = tracer.bvh.closest_together::<L>(tracer.scene.geometry, &rays, wanted);
         let met = hits.at.met;
@@ -142,7 +149,11 @@ impl<L: Lanes> Bundle<L> {
         if met == 0 {
             return Self { wanted: 0, ..self };
         }
-        let found = Reflectors::<L>::of(tracer, &rays, &hits);
+        if let Some(beams) = &mut beams {
+            beams.advance(&hits);
+        }
+        let found = Reflectors::<L>::of(tracer, &rays, &hits, beams.as_deref());
+        sums.counts.evaluations.paint += u64::from(found.painted.count_ones());
         if let Some(ambient) = &tracer.ambient {
             let share = throughput.times(found.ambient).times(Color::splat(ambient.radiance));
             sums.add(ambient.layer, share, met);

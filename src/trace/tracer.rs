@@ -42,6 +42,8 @@ pub struct Tracer<'a> {
     pub clear: bool,
     /// Whether any material refracts, so that rays must know what they are inside of.
     pub media: bool,
+    /// Whether any material is painted, so that it matters how wide beams are.
+    pub painted: bool,
 }
 
 /// What one thread's samples work with.
@@ -125,6 +127,7 @@ impl<'a> Tracer<'a> {
         };
         let media = used(Material::refracts);
         let clear = used(|material| material.lobes.transparency != Rgb::ZERO);
+        let painted = used(|material| !material.paints.is_empty());
         let environment = &shading.environment;
         Self {
             scene,
@@ -138,6 +141,7 @@ impl<'a> Tracer<'a> {
             refractive_shadows,
             clear: clear || (media && refractive_shadows),
             media,
+            painted,
         }
     }
 

@@ -10,7 +10,7 @@ use crate::film::LayerId;
 use crate::filter::FilterSampler;
 use crate::glow::Glow;
 use crate::light::{Attenuation, Cone, Light, Source};
-use crate::material::{Exponent, Highlight, Lobes, MadeOf, Material, Medium};
+use crate::material::{Exponent, Highlight, Lobes, MadeOf, Material, Medium, Slot};
 use crate::math::{Angle, DAffine3, DMat3, DVec3, axis_angle, look_at};
 use crate::mesh::{self, Normals, generate};
 use crate::optics::Fresnel;
@@ -20,6 +20,8 @@ use crate::shape::{
     Cone as ConeShape, Cuboid, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle,
 };
 use crate::testing::Random;
+use crate::texture::{Paint, Pattern, PatternPaint, PlacementTracks, Space};
+use crate::time::Time;
 use crate::trace::pixel::Pixels;
 use crate::trace::{Moment, TraceSettings, Window};
 use std::sync::Arc;
@@ -39,19 +41,41 @@ fn layer(random: &mut Random) -> LayerId {
     LayerId(one_of(random, &[0, 1, 2]))
 }
 
+/// A pattern in the colours of some lobes, in space or over u and v.
+fn paint(random: &mut Random) -> (Vec<Slot>, Paint) {
+    let patterns = [
+        Pattern::Checker,
+        Pattern::Stripes,
+        Pattern::Waves,
+        Pattern::Noise { octaves: 3, seed: 1 },
+        Pattern::Marble { octaves: 2, seed: 4, turbulence: 1.0 },
+    ];
+    let pattern = PatternPaint {
+        pattern: one_of(random, &patterns),
+        space: one_of(random, &[Space::Object, Space::Uv]),
+        placement: PlacementTracks::default().at(Time::from_integer(0)),
+        // Black takes a lobe away.
+        first: Paint::Color(one_of(random, &[Rgb::ZERO, Rgb::ONE])),
+        second: Paint::Color(color(random)),
+    };
+    let slots = [Slot::Ambient, Slot::Diffuse, Slot::Specular, Slot::Mirror];
+    (slots.into_iter().filter(|_| random.unit() < 0.6).collect(), Paint::Pattern(Box::new(pattern)))
+}
+
 fn material(random: &mut Random) -> Material {
+    let painted = random.unit() < 0.4;
     let mut lobe = |chance: f64| if random.unit() < chance { color(random) } else { Rgb::ZERO };
     let lobes = Lobes {
         ambient: lobe(0.7),
         diffuse: lobe(0.8),
         specular: lobe(0.6),
         mirror: lobe(0.6),
-        emission: lobe(0.2),
+        emission: if painted { Rgb::ZERO } else { lobe(0.2) },
         ..Lobes::default()
     };
     Material {
         lobes,
-        paints: Vec::new(),
+        paints: if painted { vec![paint(random)] } else { Vec::new() },
         emission_layer: layer(random),
         highlight: one_of(random, &[Highlight::Phong, Highlight::BlinnPhong]),
         shininess: Exponent::new(one_of(random, &[0.0, 1.0, 32.0, 200.0, 7.5])),

@@ -9,6 +9,9 @@ use crate::simd::{Lanes, Octo, Quad, Vector};
 
 /// What a tree's leaves hold, while eight rays walk the tree.
 pub trait BundleLeaves<L> {
+    /// Whether a ray may go on alone. Not having what it needs for that, a bundle is begun sooner.
+    const ALONE: bool;
+
     /// Tests what is in a leaf for the rays whose bits are set. Implementations are `#[inline(always)]`.
     fn visit(&mut self, leaf: u32, rays: u32);
 
@@ -75,7 +78,7 @@ impl<L: Lanes> BundleSlabs<L> {
         let z = Self::along(origin.z, direction.z, scale, error);
         let backwards = [x.backwards & near, y.backwards & near, z.backwards & near];
         let mut hull = None;
-        if tree.nodes.len() > SMALL
+        if !tree.is_small()
             && (backwards[0] == 0 || backwards[0] == near)
             && (backwards[1] == 0 || backwards[1] == near)
             && (backwards[2] == 0 || backwards[2] == near)
@@ -219,6 +222,12 @@ type Waiting = (f32, Child, u32);
 const STACK: usize = 64;
 
 impl Tree {
+    /// Whether the tree is too small for a hull of the rays, and for rays that go on alone.
+    #[inline(always)]
+    pub fn is_small(&self) -> bool {
+        self.nodes.len() <= SMALL
+    }
+
     /// The rays that may meet the tree's box, as `Tree::crossed` has it for one.
     #[inline(always)]
     fn crossed_together<Q: Quad>(&self, origin: Vector<Q>, direction: Vector<Q>, error: Octo<Q>) -> u32 {
@@ -263,16 +272,16 @@ impl Tree {
     }
 
     #[inline(always)]
-    fn walk_together_from<L: Lanes>(
+    fn walk_together_from<L: Lanes, T: BundleLeaves<L>>(
         &self,
         from: Child,
         slabs: &BundleSlabs<L>,
         mut rays: u32,
-        leaves: &mut impl BundleLeaves<L>,
+        leaves: &mut T,
     ) {
         let mut stack: [Waiting; STACK] = [(0.0, Child::NONE, 0); STACK];
         let (mut top, mut at) = (0, from);
-        let few = if self.nodes.len() > SMALL { FEW } else { 0 };
+        let few = if T::ALONE { FEW } else { 0 };
         loop {
             if let Some(leaf) = at.as_leaf() {
                 leaves.visit(leaf, rays);

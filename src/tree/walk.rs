@@ -112,7 +112,7 @@ impl<V: Leaves> Work for Walk<'_, V> {
 }
 
 /// A child with where the ray enters it, in the upper half, so that numbers compare like distances: those are never
-/// negative, and then their bits are in order.
+/// below zero, and then their bits are in order. A zero with a sign counts as far; that changes the order of visits alone.
 #[derive(Clone, Copy)]
 struct Entered(u64);
 

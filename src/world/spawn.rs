@@ -8,10 +8,9 @@ use crate::color::Rgb;
 use crate::environment::SkyTable;
 use crate::film::LayerId;
 use crate::glow::{Dimmer, Glow};
-use crate::layers::Layers;
 use crate::light::{Light, Source};
 use crate::math::DAffine3;
-use crate::sequence::Sequence;
+use crate::sequence::{LightLayers, Sequence};
 use crate::track::Animated;
 use bevy_ecs::entity::Entity;
 use bevy_ecs::world::{EntityWorldMut, World};
@@ -20,16 +19,16 @@ use std::sync::Arc;
 /// A world of the sequence. Everything counts as changed until the first frame has been made.
 pub fn spawn(sequence: &Sequence) -> World {
     let mut world = World::new();
-    let mut layers = Layers::new();
+    let layers = sequence.light_layers();
     world.insert_resource(Now(sequence.timeline.clock(0)));
-    spawn_environment(&mut world, &mut layers, sequence);
-    let ambient = spawn_ambient(&mut world, &mut layers, &sequence.ambient);
-    spawn_lights(&mut world, &mut layers, sequence);
-    spawn_materials(&mut world, &mut layers, sequence);
-    spawn_fog(&mut world, &mut layers, sequence);
+    spawn_environment(&mut world, &layers, sequence);
+    let ambient = spawn_ambient(&mut world, &layers, &sequence.ambient);
+    spawn_lights(&mut world, &layers, sequence);
+    spawn_materials(&mut world, &layers, sequence);
+    spawn_fog(&mut world, &layers, sequence);
     spawn_cameras(&mut world, sequence);
     spawn_objects(&mut world, sequence);
-    world.insert_resource(Glows { ambient, layers: layers.count() });
+    world.insert_resource(Glows { ambient, layers: layers.count });
     world
 }
 
@@ -49,33 +48,32 @@ fn weigh(entity: &mut EntityWorldMut<'_>, dimmer: Dimmer, layer: LayerId) {
     }
 }
 
-fn spawn_ambient(world: &mut World, layers: &mut Layers, color: &Animated<Rgb>) -> Glow {
+fn spawn_ambient(world: &mut World, layers: &LightLayers, color: &Animated<Rgb>) -> Glow {
     let (radiance, dimmer) = Glow::split(color);
-    let layer = layers.of(&dimmer);
+    let layer = layers.ambient;
     weigh(&mut world.spawn_empty(), dimmer, layer);
     Glow { radiance, layer }
 }
 
-fn spawn_environment(world: &mut World, layers: &mut Layers, sequence: &Sequence) {
+fn spawn_environment(world: &mut World, layers: &LightLayers, sequence: &Sequence) {
     let (tracks, dimmer) = (&sequence.background, sequence.background.dimmer());
-    let layer = layers.of(&dimmer);
+    let layer = layers.background;
     let environment = tracks.at(sequence.timeline.clock(0).time, layer);
     weigh(&mut world.spawn((environment, tracks.clone())), dimmer, layer);
 }
 
-fn spawn_fog(world: &mut World, layers: &mut Layers, sequence: &Sequence) {
+fn spawn_fog(world: &mut World, layers: &LightLayers, sequence: &Sequence) {
     let Some(tracks) = &sequence.fog else { return };
     let (radiance, dimmer) = tracks.split();
-    let layer = layers.of(&dimmer);
+    let layer = layers.fog;
     let fog = tracks.at(sequence.timeline.clock(0).time, Glow { radiance, layer });
     weigh(&mut world.spawn((fog, tracks.clone())), dimmer, layer);
 }
 
-fn spawn_lights(world: &mut World, layers: &mut Layers, sequence: &Sequence) {
+fn spawn_lights(world: &mut World, layers: &LightLayers, sequence: &Sequence) {
     let start = sequence.timeline.clock(0).time;
-    for (order, light) in (0..).zip(&sequence.lights) {
+    for ((order, light), &layer) in (0..).zip(&sequence.lights).zip(&layers.lights) {
         let (tracks, dimmer) = (&light.value, light.value.dimmer());
-        let layer = layers.of(&dimmer);
         let source = tracks.kind.at(start);
         let light = Light { source, radiance: tracks.constant_radiance(), layer };
         let mut entity = world.spawn((FileOrder(order), light, tracks.clone()));
@@ -86,11 +84,10 @@ fn spawn_lights(world: &mut World, layers: &mut Layers, sequence: &Sequence) {
     }
 }
 
-fn spawn_materials(world: &mut World, layers: &mut Layers, sequence: &Sequence) {
+fn spawn_materials(world: &mut World, layers: &LightLayers, sequence: &Sequence) {
     let start = sequence.timeline.clock(0).time;
-    for (order, material) in (0..).zip(&sequence.materials) {
+    for ((order, material), &layer) in (0..).zip(&sequence.materials).zip(&layers.materials) {
         let (_, dimmer) = material.value.emission_split();
-        let layer = layers.of(&dimmer);
         let now = material.value.at(start, layer);
         weigh(&mut world.spawn((FileOrder(order), now, material.value.clone())), dimmer, layer);
     }

@@ -74,7 +74,7 @@ fn help_of_commands_shows_options_units_and_defaults() {
         assert!(run.stdout.contains(part), "`{part}` in {}", run.stdout);
     }
     assert!(kinora(&["check", "--help"]).stdout.contains("kinora check sequences/hello.ron"));
-    for command in ["render", "filmstrip", "poster", "assemble", "check", "plan"] {
+    for command in ["render", "filmstrip", "poster", "assemble", "check", "plan", "accuracy"] {
         let help = kinora(&[command, "--help"]).stdout;
         assert!(help.lines().all(|line| line.chars().count() <= 100), "{help}");
     }
@@ -101,6 +101,7 @@ fn unknown_words_are_refused_with_a_guess() {
     refused(&["render"], &["<FILE>"]);
     refused(&["check"], &["<FILE>"]);
     refused(&["check", "a.ron", "-o", "a.gif"], &["'-o'"]);
+    refused(&["render", "a.ron", "--resume", "--overwrite"], &["'--resume'", "'--overwrite'"]);
 }
 
 #[test]
@@ -195,6 +196,11 @@ fn plans_tell_spans_effects_layers_rays_and_memory() {
     ] {
         assert!(run.stdout.contains(part), "`{part}` in {}", run.stdout);
     }
+    let both = text.replace("ball\": (shape: Sphere(), ", "ring\": (shape: Sphere(center: (3, 0, 0)), translation: [(5, (0, 0, 0)), (7, (1, 0, 0))]), \"ball\": (shape: Sphere(), ");
+    let other = scratch("plans.ron");
+    std::fs::write(&other, both).expect("the folder is writable");
+    let told = kinora(&["plan", &other.to_string_lossy()]).stdout;
+    assert!(told.contains("6-7: object \"ring\" and object \"ball\" move (2 films)\n"), "{told}");
     let json = kinora(&["plan", &file, "--json", "--frames", "0-5", "--memory", "1MB"]);
     assert_eq!(json.code, Some(0));
     let wanted =

@@ -36,7 +36,7 @@ fn start(folder: &Path, arguments: &[&str]) -> Child {
     command.spawn().expect("the binary runs")
 }
 
-/// The jobs as they are expected, `tests/farm/golden`. `KINORA_BLESS=1` writes them as they are now.
+/// The jobs as they are expected, `tests/golden/farm`. `KINORA_BLESS=1` writes them as they are now.
 #[test]
 fn jobs_are_as_expected() {
     let folder = farm();
@@ -263,7 +263,7 @@ fn processes_share_the_frames() {
     assert!(contents(&folder.path().join("all")) == whole, "or a claim is left");
 }
 
-/// A claim for a film of frame 0 to 5 of `half.ron`, as a process of another machine would have it.
+/// A claim that is held in a folder, if there is one.
 fn only_claim(folder: &Path) -> Option<PathBuf> {
     let entries = fs::read_dir(folder).ok()?.flatten();
     entries.map(|entry| entry.path()).find(|path| path.to_string_lossy().contains(".kinora-claim-"))

@@ -1,7 +1,7 @@
 //! What `kinora` writes besides plain frames: videos, raw streams, filmstrips, posters, and animations of frames that
 //! are there; and what is left when it is stopped.
 
-use crate::command::{BALL, folder, kinora, run};
+use crate::command::{BALL, contents, folder, kinora, run};
 use std::fs;
 use std::path::Path;
 
@@ -37,6 +37,96 @@ fn every_format_is_written_and_frames_can_be_assembled_again() {
     let refused = run(folder.path(), &["assemble", "c_##.png", "-o", "c.gif"]);
     assert_eq!(refused.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&refused.stderr).contains("there are no frames c_##.png"));
+}
+
+#[test]
+fn frames_can_be_assembled_as_the_sequence_says() {
+    let folder = folder();
+    let own =
+        "gif: (plays: 1, colors: 16), apng: (plays: 1), webp: (plays: 1), transparent: true, matte: \"#f00\"";
+    let text = BALL.replace("size: (32, 18)", &format!("size: (32, 18), {own}"));
+    fs::write(folder.path().join("ball.ron"), text).expect("writable");
+    let formats = ["gif", "apng", "webp", "mp4"];
+    let named = |name: &str| formats.map(|format| format!("{name}.{format}"));
+    let outputs =
+        |names: &[String]| names.iter().flat_map(|name| ["-o".to_owned(), name.clone()]).collect::<Vec<_>>();
+    let run = |arguments: &[&str], names: &[String]| {
+        let outputs = outputs(names);
+        let arguments = arguments.iter().copied().chain(outputs.iter().map(String::as_str));
+        kinora(folder.path(), &arguments.collect::<Vec<_>>())
+    };
+    run(&["render", "ball.ron", "-o", "f_##.png"], &named("a"));
+    run(&["assemble", "f_##.png", "--plays", "1", "--matte", "#ff0000", "--colors", "16"], &named("b"));
+    let files = contents(folder.path());
+    for format in formats {
+        assert!(files[&format!("a.{format}")] == files[&format!("b.{format}")], "{format}");
+    }
+    run(&["assemble", "f_##.png", "--colors", "16"], &named("c"));
+    let files = contents(folder.path());
+    assert!(formats.iter().all(|format| files[&format!("a.{format}")] != files[&format!("c.{format}")]));
+    for (option, value) in [("--plays", "0"), ("--plays", "65536"), ("--matte", "red"), ("--matte", "#12345")]
+    {
+        let refused =
+            crate::command::refused(folder.path(), &["assemble", "f_##.png", "-o", "d.gif", option, value]);
+        assert!(refused.contains(option), "{refused}");
+    }
+}
+
+#[test]
+fn layers_of_any_names_have_channels_of_their_own() {
+    let folder = folder();
+    let light = |(index, name): (usize, &&str)| {
+        format!("{name:?}: Point(position: (1, 5, 3), intensity: [(0, 1), ({}, 0)]),", index + 1)
+    };
+    for names in [&["albedo", "N", "Z", "R"][..], &["x y", "x_y_3", "x.y"]] {
+        let lights: String = names.iter().enumerate().map(light).collect();
+        let text = BALL.replace("lights: {", &format!("lights: {{ {lights}"));
+        let text = text.replace("(32, 18)", "(32, 18), exr: (layers: [Lights, Depth, Normal, Albedo])");
+        fs::write(folder.path().join("lit.ron"), text).expect("writable");
+        kinora(folder.path(), &["render", "lit.ron", "--frames", "0", "--overwrite", "-o", "f.exr"]);
+    }
+}
+
+#[test]
+fn letters_that_captions_lack_are_told() {
+    let folder = folder();
+    let note = "captions are without `漢`, which the font does not have";
+    let told = |arguments: &[&str]| {
+        let told = kinora(folder.path(), arguments);
+        assert_eq!(told.matches(note).count(), 1, "{arguments:?}: {told}");
+    };
+    told(&["render", "ball.ron", "-o", "f_##.png", "--caption", "zoë 漢 {frame}"]);
+    told(&["filmstrip", "ball.ron", "-n", "2", "--caption", "漢"]);
+    told(&["assemble", "f_##.png", "-o", "strip.png", "--caption", "漢"]);
+    told(&["poster", "ball.ron", "--caption", "漢漢"]);
+    let text = BALL.replace("size: (32, 18)", "size: (32, 18), caption: \"漢\"");
+    fs::write(folder.path().join("ball.ron"), text).expect("writable");
+    told(&["check", "ball.ron"]);
+}
+
+#[test]
+fn a_part_beside_a_whole_animation_is_told() {
+    let folder = folder();
+    fs::write(folder.path().join("part_a.gif"), "a part").expect("writable");
+    let render =
+        |rest: &[&str]| kinora(folder.path(), &[&["render", "ball.ron", "-o", "a.gif"], rest].concat());
+    let told = render(&[]);
+    assert!(told.contains("note    part_a.gif holds a part of this animation"), "{told}");
+    assert!(folder.path().join("part_a.gif").exists(), "it may be wanted");
+    assert!(!render(&["-o", "part_a.gif"]).contains("holds a part"));
+}
+
+/// Frames that are made of the film of another have its error.
+#[test]
+fn errors_are_told_of_all_frames() {
+    let folder = folder();
+    let still =
+        BALL.replace("frames: 12", "frames: 3").replace("[(0, (-1, 0, 0)), (12, (1, 0, 0))]", "(0, 0, 0)");
+    fs::write(folder.path().join("still.ron"), still).expect("writable");
+    let noisy = ["--integrator", "path", "--noise", "0.5", "--progress", "json", "-o", "f_#.png"];
+    let told = kinora(folder.path(), &[&["render", "still.ron"], &noisy[..]].concat());
+    let noise = told.split("\"noise\":{").nth(1).expect("a summary");
+    assert!([0, 1, 2].iter().all(|frame| noise.contains(&format!("\"{frame}\":{{\"error\""))), "{told}");
 }
 
 #[test]

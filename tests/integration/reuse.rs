@@ -6,6 +6,7 @@ use kinora::counters::Meter;
 use kinora::encode::{EncodeError, Existing, Output};
 use kinora::film::{Extras, Film};
 use kinora::plan::{self, Effort, Plan};
+use kinora::quality::NoiseTarget;
 use kinora::render::{Request, Reuse, Summary, render};
 use kinora::schedule::{FilmSink, FrameLoop, Tally};
 use kinora::sequence::Sequence;
@@ -271,6 +272,30 @@ fn plans_come_true() {
             assert!(shown.0.contains(&frame), "{name}: frame {}", frame.0);
         }
     }
+}
+
+/// Where an error is asked for, how many samples that takes is found by a trial, and said to be no more than that.
+#[test]
+fn plans_know_what_an_error_takes() {
+    for (name, error) in [("field-orbit.ron", 0.05), ("field-moves.ron", 0.1)] {
+        let mut sequence = shipped(name);
+        sequence.quality.noise = Some(NoiseTarget { error, most: 1024 });
+        sequence.output.size = (160, 120);
+        let (_, tally, plan) = planned(&sequence, &[0, 3], u64::MAX);
+        let expected = plan::pilot(&sequence, &plan, Effort::PLAN);
+        assert!(!expected.exact);
+        let (camera, all) = (tally.counts.rays.camera, tally.counts.rays.total());
+        for (what, told, found) in
+            [("camera", expected.camera, camera), ("all", expected.rays.unwrap_or(0), all)]
+        {
+            let ratio = told as f64 / found as f64;
+            assert!((0.75..1.33).contains(&ratio), "{name}, {what}: {told} for {found}");
+        }
+    }
+    let mut sequence = shipped("glazed-orbit.ron");
+    sequence.quality.noise = Some(NoiseTarget { error: 0.05, most: 1024 });
+    let plan = planned(&sequence, &[0], u64::MAX).2;
+    assert!(plan::Expected::of(&sequence, &plan).exact, "nothing is random");
 }
 
 /// Lights that are off in every frame that shares a film are not traced; trees and packing are as for one frame.

@@ -185,6 +185,35 @@ fn only_frames_that_a_change_touches_are_made_anew() {
 }
 
 #[test]
+fn settings_that_frames_do_not_call_for_change_none() {
+    let folder = folder();
+    let path = folder.path();
+    let kept = |file: &str, rest: &[&str]| {
+        told_kept(&kinora(path, &[&["render", file, "-o", "f_##.png"], rest].concat())).1
+    };
+    assert_eq!(kept("ball.ron", &[]), 0);
+    // Nothing is random.
+    assert_eq!(kept("ball.ron", &["--samples", "9"]), 12);
+    assert_eq!(kept("ball.ron", &["--seed", "3"]), 12);
+    let before = contents(path);
+    fs::rename(path.join("ball.ron"), path.join("other.ron")).expect("a disk");
+    assert_eq!(kept("other.ron", &[]), 12);
+    assert!(before.iter().all(|(name, bytes)| name == "ball.ron" || contents(path).get(name) == Some(bytes)));
+    assert_eq!(kept("other.ron", &["--antialias", "3"]), 0);
+    // Everything is.
+    let random = ["--integrator", "path", "--samples", "2"];
+    assert_eq!(kept("other.ron", &random), 0);
+    assert_eq!(kept("other.ron", &[&random[..], &["--antialias", "4"]].concat()), 12);
+    assert_eq!(kept("other.ron", &[&random[..], &["--seed", "3"]].concat()), 0);
+    // A caption shows the name.
+    let named = ["--caption", "{name}"];
+    assert_eq!(kept("other.ron", &named), 0);
+    assert_eq!(kept("other.ron", &named), 12);
+    fs::rename(path.join("other.ron"), path.join("ball.ron")).expect("a disk");
+    assert_eq!(kept("ball.ron", &named), 0);
+}
+
+#[test]
 fn frames_that_say_nothing_are_made_anew_and_the_run_says_so() {
     let folder = folder();
     for (outputs, reason) in [

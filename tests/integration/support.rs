@@ -1,11 +1,16 @@
 //! What the tests share: sequences as text, films collected instead of written, and random numbers.
 
+#[path = "../../src/testing/random.rs"]
+mod random;
+
+pub use random::Random;
+
 use kinora::color::Rgb;
 use kinora::counters::{Dropped, Meter};
 use kinora::encode::EncodeError;
 use kinora::film::{Extras, Film};
 use kinora::material::MadeOf;
-use kinora::math::{DAffine3, DVec3};
+use kinora::math::DAffine3;
 use kinora::scene::{Finish, Geometry};
 use kinora::schedule::{FilmSink, FrameLoop, Tally};
 use kinora::sequence::{Sequence, parse};
@@ -145,23 +150,4 @@ pub fn geometry(shapes: impl IntoIterator<Item = Shape>) -> Geometry {
         .into_iter()
         .for_each(|shape| geometry.push(&shape, DAffine3::IDENTITY, Finish::Material(MadeOf::One(0))));
     geometry
-}
-
-/// splitmix64 (Steele et al. 2014).
-pub struct Random(pub u64);
-
-impl Random {
-    /// Evenly in 0..1.
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Evenly in the cube from -`reach` to `reach`.
-    pub fn point(&mut self, reach: f64) -> DVec3 {
-        DVec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * (2.0 * reach)
-    }
 }

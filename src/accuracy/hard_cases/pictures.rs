@@ -35,7 +35,7 @@ pub fn write(folder: &Path) -> Result<Vec<PathBuf>, EncodeError> {
     let mut written = Vec::new();
     for (name, picture) in pictures {
         let path = folder.join(format!("{name}.png"));
-        write_png(&path, &picture, &[])?;
+        write_png(&path, &picture)?;
         written.push(path);
     }
     Ok(written)

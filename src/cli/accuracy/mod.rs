@@ -15,9 +15,11 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["file", "output", "frames", "time", "size", "most_samples", "threads"])]
     hard_cases: bool,
 
-    /// A first answer: in under a minute of a file, with small pictures and few settings; in about a second of the
-    /// hard cases
-    #[arg(long)]
+    /// A first answer
+    ///
+    /// In under a minute of a file, with small pictures and few settings; in about a second
+    /// of the hard cases.
+    #[arg(long, verbatim_doc_comment)]
     quick: bool,
 
     #[command(flatten)]
@@ -44,4 +46,5 @@ Examples:
   kinora accuracy --hard-cases --json cases.jsonl    for tools, one line of JSON a case
   kinora accuracy --hard-cases --pictures output     what some of the errors look like
 
-Errors are the same in every run, times are not. docs/accuracy.md explains the report, docs/numerics.md the cases.";
+Errors are the same in every run, times are not. docs/accuracy.md explains the report,
+docs/numerics.md the cases.";

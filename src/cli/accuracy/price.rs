@@ -6,11 +6,13 @@ use crate::accuracy::{Measured, Request, measure};
 use crate::cli::failure::Failure;
 use crate::cli::progress::ProgressMode;
 use crate::cli::share;
+use crate::cli::shell::quoted;
 use crate::cli::{load, loading, render, terminal, values};
 use crate::encode::{EncodeError, png_bytes, write_file};
 use crate::frame_set::FrameSet;
 use crate::humane;
 use clap::Args;
+use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -22,7 +24,9 @@ pub struct Options {
     #[arg(required_unless_present = "hard_cases")]
     file: Option<PathBuf>,
 
-    /// Folder for the report: report.html, its plots, data.csv and data.json [default: output/NAME_accuracy]
+    /// Folder for the report [default: output/NAME_accuracy]
+    ///
+    /// It holds report.html, its plots, data.csv and data.json.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 
@@ -73,6 +77,7 @@ pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
     let folder = options.output.clone();
     let folder = folder.unwrap_or_else(|| Path::new("output").join(format!("{}_accuracy", sequence.name)));
     // Nobody wants to learn after the work that it cannot be written.
+    let new = !folder.exists();
     std::fs::create_dir_all(&folder)
         .map_err(|error| Failure::Bad(format!("cannot create the folder {}: {error}", folder.display())))?;
     let request = Request {
@@ -84,13 +89,12 @@ pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
         threads: options.threads,
     };
     let mut show = share::Reporter::new(options.progress, options.quiet);
-    let measured = measure(&sequence, &request, &mut |done| show.tell(done))?;
+    let measured = measure(&sequence, &request, &mut |done| show.tell(done)).inspect_err(|_| {
+        // Nothing came of it, so nothing stays. A folder that is in use again is not empty, and does.
+        let _ = new.then(|| std::fs::remove_dir(&folder));
+    })?;
     show.finish();
-    let origin = Origin {
-        command: std::env::args().collect::<Vec<_>>().join(" "),
-        machine: machine(),
-        file: file.display().to_string(),
-    };
+    let origin = origin(file, std::env::args_os());
     let report = write(&folder, &measured, &origin)?;
     if options.quiet {
         return Ok(());
@@ -99,6 +103,12 @@ pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
         return terminal::say(&data::summary(&measured, &report));
     }
     terminal::say(&told(&measured, &origin, &report))
+}
+
+/// Where the report comes from; the command and the file as a shell reads them.
+fn origin(file: &Path, arguments: impl Iterator<Item = OsString>) -> Origin {
+    let words: Vec<String> = arguments.map(|word| quoted(&word)).collect();
+    Origin { command: words.join(" "), machine: machine(), file: quoted(file.as_os_str()) }
 }
 
 /// The answer in lines, and what to do with it.
@@ -144,4 +154,21 @@ fn machine() -> String {
     let model = model.map_or_else(|| std::env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned());
     let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     format!("{model}, {}, {}", humane::counted(processors as u64, "processor"), std::env::consts::OS)
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+
+    #[test]
+    fn a_report_tells_commands_that_shells_read() {
+        let words = ["kinora", "accuracy", "my file.ron", "-s", "8x8"].map(OsString::from);
+        let Origin { command, file, .. } = origin(Path::new("my file.ron"), words.into_iter());
+        assert_eq!((&*command, &*file), ("kinora accuracy 'my file.ron' -s 8x8", "'my file.ron'"));
+        let name = OsStr::from_bytes(b"a\xff.ron");
+        let Origin { command, file, .. } = origin(Path::new(name), [name.to_owned()].into_iter());
+        assert_eq!((&*command, &*file), (r"$'a\xff.ron'", r"$'a\xff.ron'"));
+    }
 }

@@ -11,7 +11,7 @@ use crate::farm::{Frame, Status};
 use crate::frame_set::{self, FrameSet};
 use crate::humane::{count, rough_time};
 use crate::plan::{Plan, samples};
-use crate::render::{Request, Reuse, extras, job, pool, seen};
+use crate::render::{Request, Reuse, extras, job, pool};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::path::PathBuf;
@@ -80,8 +80,8 @@ impl Arguments {
         };
         let (plan, job) = pool.install(|| {
             let plan = Plan::new(sequence, &request.frames, films, u64::MAX);
-            let seen = seen(&plan.survey);
-            (plan, job(sequence, &request, seen))
+            let job = job(sequence, &request, &plan.survey);
+            (plan, job)
         });
         let found = found(&job, &pool).map_err(|error| Failure::Bad(error.to_string()))?;
         let frame = |(place, found): (usize, Found)| {

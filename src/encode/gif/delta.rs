@@ -28,6 +28,19 @@ pub fn delta(
     Some(if punched.buffer.len() < opaque.buffer.len() { punched } else { opaque })
 }
 
+/// A picture with clear pixels after `old`, from which nothing shows through: what is not clear of it, cut out, to vanish
+/// before the next frame. None if they are equal.
+pub fn alone(old: Option<&[u8]>, new: &[u8], size: (u16, u16), clear: u8) -> Option<Frame<'static>> {
+    if old == Some(new) {
+        return None;
+    }
+    let stride = usize::from(size.0);
+    let seen = changed(&vec![clear; new.len()], new, stride);
+    let seen = seen.unwrap_or(Rectangle { left: 0, top: 0, width: 1, height: 1 });
+    let indices = seen.rows(new, stride).flatten().copied().collect();
+    Some(Frame { dispose: DisposalMethod::Background, ..coded(seen, indices, Some(clear)) })
+}
+
 /// A frame that changes nothing: the picture's first pixel once more, for the rest of a long hold.
 pub fn filler(first_pixel: u8) -> Frame<'static> {
     coded(Rectangle { left: 0, top: 0, width: 1, height: 1 }, vec![first_pixel], None)

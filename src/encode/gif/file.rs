@@ -4,7 +4,7 @@ use super::delta::filler;
 use super::timing::pieces;
 use crate::encode::atomic::Aside;
 use crate::encode::error::EncodeError;
-use gif::{Encoder, EncodingError, Frame, Repeat};
+use gif::{DisposalMethod, Encoder, EncodingError, Frame, Repeat};
 use std::io::{self, Seek};
 use std::path::{Path, PathBuf};
 
@@ -84,7 +84,10 @@ impl GifFile {
             frame.delay = piece;
             let written = self.encoder.write_lzw_pre_encoded_frame(&frame);
             written.map_err(|e| EncodeError::write(&self.path, into_io(e)))?;
-            frame = filler(first_pixel);
+            // What vanishes at its end comes again.
+            if frame.dispose == DisposalMethod::Keep {
+                frame = filler(first_pixel);
+            }
         }
         Ok(())
     }

@@ -146,7 +146,17 @@ fn shrunk(picture: &Picture, width: u32, height: u32) -> Picture {
             rgb.extend(sum.map(|light| (linear_to_srgb(f64::from(light).min(1.0)) * 255.0 + 0.5) as u8));
         }
     }
-    Picture::opaque(width, height, rgb)
+    let half = |alpha: &Vec<u8>| {
+        let covered = |row: &[(usize, f32)], column: &[(usize, f32)]| {
+            let share = |&(y, down): &(usize, f32), &(x, across): &(usize, f32)| {
+                down * across * f32::from(alpha[y * stride + x]) / 255.0
+            };
+            row.iter().flat_map(|y| column.iter().map(move |x| share(y, x))).sum::<f32>() >= 0.5
+        };
+        let pixels = rows.iter().flat_map(|row| columns.iter().map(move |column| covered(row, column)));
+        pixels.map(|covered| if covered { 255 } else { 0 }).collect()
+    };
+    Picture { alpha: picture.alpha.as_ref().map(half), ..Picture::opaque(width, height, rgb) }
 }
 
 /// Which of `from` pixels each of `to` covers, and with which share.

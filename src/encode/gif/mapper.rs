@@ -29,8 +29,17 @@ impl<'a> Mapper<'a> {
         Self { mixer, screen, cache: Cache(vec![(NO_KEY, [0; PARTS]); 1 << CACHE_BITS]) }
     }
 
-    /// One palette index per pixel.
-    pub fn map(&mut self, picture: &Picture) -> Vec<u8> {
+    /// One palette index per pixel; `clear`, if there is one, for those that alpha leaves out.
+    pub fn map(&mut self, picture: &Picture, clear: Option<u8>) -> Vec<u8> {
+        let mut indices = self.opaque(picture);
+        if let (Some(clear), Some(alpha)) = (clear, &picture.alpha) {
+            let out = indices.iter_mut().zip(alpha).filter(|(_, alpha)| **alpha == 0);
+            out.for_each(|(index, _)| *index = clear);
+        }
+        indices
+    }
+
+    fn opaque(&mut self, picture: &Picture) -> Vec<u8> {
         let pixels = picture.rgb.as_chunks::<3>().0;
         let width = picture.width.max(1) as usize;
         let mut indices = Vec::with_capacity(pixels.len());

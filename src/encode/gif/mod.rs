@@ -46,15 +46,23 @@ pub struct Animation {
     shots: Vec<Shot>,
     /// Frames of the job that do not show.
     dropped: usize,
+    /// Whether pixels may be clear.
+    clear: bool,
     histogram: Histogram,
+}
+
+const LIMIT: &str = "a GIF ends at 65535x65535";
+
+/// What keeps pictures of this size from being GIFs.
+pub fn limit((width, height): (u32, u32)) -> Option<&'static str> {
+    (width.max(height) > u16::MAX.into()).then_some(LIMIT)
 }
 
 impl Animation {
     /// The animation of a job's frames as the GIF file `path`.
     pub fn new(path: &Path, job: &Job) -> Result<Self, JobError> {
         let (Ok(width), Ok(height)) = (u16::try_from(job.size.0), u16::try_from(job.size.1)) else {
-            let limit = "a GIF ends at 65535x65535";
-            return Err(JobError::TooLarge { path: path.to_path_buf(), size: job.size, limit });
+            return Err(JobError::TooLarge { path: path.to_path_buf(), size: job.size, limit: LIMIT });
         };
         let Some(shots) = timing::shots(job.frames.len(), job.rate) else {
             return Err(JobError::TooLong { path: path.to_path_buf() });
@@ -65,6 +73,7 @@ impl Animation {
             settings: job.formats.gif,
             dropped: job.frames.len() - shots.len(),
             shots,
+            clear: job.transparent,
             histogram: Histogram::new(usize::from(job.formats.gif.colors)),
         })
     }
@@ -126,11 +135,12 @@ impl Animation {
                 for shot in &shots {
                     histogram.add(&load(shot.index)?);
                 }
-                palette(&histogram, plan.colors, shots.len())
+                palette(&histogram, plan.colors, shots.len(), self.clear)
             }
-            false => palette(&self.histogram, plan.colors, shots.len()),
+            false => palette(&self.histogram, plan.colors, shots.len(), self.clear),
         };
         let mixer = Mixer::new(palette, self.settings.dither);
+        let clear = transparent.filter(|_| self.clear);
         let at_a_time = self.at_a_time();
         let mut mappers: Vec<_> = (0..at_a_time).map(|_| Mapper::new(&mixer)).collect();
         let mut table = mixer.palette().colors().as_flattened().to_vec();
@@ -138,12 +148,15 @@ impl Animation {
         let mut file = GifFile::create(&self.path, size, &table, self.settings.plays)?;
         let mut last: Option<Vec<u8>> = None;
         for shots in shots.chunks(at_a_time) {
-            let map = |(mapper, shot): (&mut Mapper, &Shot)| Ok(mapper.map(&load(shot.index)?));
+            let map = |(mapper, shot): (&mut Mapper, &Shot)| Ok(mapper.map(&load(shot.index)?, clear));
             let indices: Vec<Vec<u8>> =
                 mappers.par_iter_mut().zip(shots).map(map).collect::<Result<_, EncodeError>>()?;
             let frame = |i: usize| {
                 let old = if i == 0 { last.as_deref() } else { Some(indices[i - 1].as_slice()) };
-                delta::delta(old, &indices[i], size, transparent)
+                match clear {
+                    Some(clear) => delta::alone(old, &indices[i], size, clear),
+                    None => delta::delta(old, &indices[i], size, transparent),
+                }
             };
             let frames: Vec<_> = (0..indices.len()).into_par_iter().map(frame).collect();
             for ((frame, shot), indices) in frames.into_iter().zip(shots).zip(&indices) {
@@ -161,14 +174,15 @@ impl Animation {
     }
 }
 
-/// A palette of at most so many colours, and the index after it that means "as before", if that is worth its place.
-fn palette(histogram: &Histogram, colors: u16, shots: usize) -> (Palette, Option<u8>) {
+/// A palette of at most so many colours, and the index after it that is transparent: needed where pixels may be clear, and
+/// else for what is as before, if that is worth its place.
+fn palette(histogram: &Histogram, colors: u16, shots: usize, clear: bool) -> (Palette, Option<u8>) {
     let size = usize::from(colors).clamp(2, 256);
     let reserved = match histogram.distinct() {
         Some(distinct) if distinct <= size => distinct < size,
         _ => size >= TRANSPARENT_FROM,
     };
-    let reserved = reserved && shots > 1;
+    let reserved = clear || reserved && shots > 1;
     let palette = histogram.palette(size - usize::from(reserved));
     let transparent = reserved.then_some(palette.colors().len() as u8);
     (palette, transparent)

@@ -48,6 +48,68 @@ fn show(path: &Path) -> Shown {
     shown
 }
 
+/// A GIF with clear pixels as a viewer shows it: none where nothing is.
+fn show_clear(path: &Path) -> Vec<(Vec<Option<[u8; 3]>>, u64)> {
+    let mut options = DecodeOptions::new();
+    options.set_color_output(ColorOutput::RGBA);
+    let mut decoder = options.read_info(fs::File::open(path).expect("a file")).expect("a GIF");
+    let (width, height) = (usize::from(decoder.width()), usize::from(decoder.height()));
+    let mut shown = Vec::new();
+    while let Some(frame) = decoder.read_next_frame().expect("a frame") {
+        // Every frame vanishes before the next, so it starts from nothing.
+        assert_eq!(frame.dispose, DisposalMethod::Background);
+        let mut canvas = vec![None; width * height];
+        for (i, &[r, g, b, a]) in frame.buffer.as_chunks::<4>().0.iter().enumerate() {
+            let (x, y) = (i % usize::from(frame.width), i / usize::from(frame.width));
+            let place = (y + usize::from(frame.top)) * width + x + usize::from(frame.left);
+            canvas[place] = (a > 0).then_some([r, g, b]);
+        }
+        shown.push((canvas, u64::from(frame.delay)));
+    }
+    shown
+}
+
+/// A block of 3x2 pixels that moves over nothing, stays, and goes.
+#[test]
+fn clear_pixels_show_what_is_behind_the_gif() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("a.gif");
+    let picture = |place: Option<usize>| {
+        let seen = |i: usize| {
+            place.is_some_and(|left| (left..left + 3).contains(&(i % 16)) && (2..4).contains(&(i / 16)))
+        };
+        let rgb = (0..160).flat_map(|i| if seen(i) { [200, i as u8, 0] } else { [255; 3] }).collect();
+        let alpha = (0..160).map(|i| if seen(i) { 255 } else { 0 }).collect();
+        Picture { alpha: Some(alpha), ..Picture::opaque(16, 10, rgb) }
+    };
+    let pictures = [Some(1), Some(9), Some(9), None, Some(0)].map(picture);
+    for colors in [256, 4] {
+        let gif = GifSettings { colors, dither: false, ..SETTINGS };
+        let job = Job { transparent: true, ..job(&path, &pictures, (10, 1), gif) };
+        let mut animation = Animation::new(&path, &job).expect("a GIF");
+        pictures.iter().for_each(|picture| animation.count(picture));
+        animation.write(|index| Ok(pictures[index].clone())).expect("written");
+        let shown = show_clear(&path);
+        assert_eq!(shown.iter().map(|(_, delay)| *delay).collect::<Vec<_>>(), [10, 20, 10, 10]);
+        for (shown, picture) in shown.iter().map(|(shown, _)| shown).zip([0, 1, 3, 4].map(|i| &pictures[i])) {
+            let pixels = picture.rgb.as_chunks::<3>().0.iter().zip(picture.alpha.iter().flatten());
+            for (shown, (color, alpha)) in shown.iter().zip(pixels) {
+                assert_eq!(shown.is_some(), *alpha == 255);
+                assert!(colors == 4 || shown.is_none_or(|shown| shown == *color), "{shown:?} {color:?}");
+            }
+        }
+    }
+    // Longer than one frame may stay.
+    let gif = GifSettings { colors: 256, ..SETTINGS };
+    let job = Job { transparent: true, ..job(&path, &pictures[..1], (1, 1000), gif) };
+    let mut animation = Animation::new(&path, &job).expect("a GIF");
+    animation.count(&pictures[0]);
+    animation.write(|_| Ok(pictures[0].clone())).expect("written");
+    let shown = show_clear(&path);
+    assert_eq!(shown.iter().map(|(_, delay)| delay).sum::<u64>(), 100_000);
+    assert!(shown.len() > 1 && shown.iter().all(|(canvas, _)| *canvas == shown[0].0));
+}
+
 fn job(path: &Path, pictures: &[Picture], rate: (i128, i128), gif: GifSettings) -> Job {
     Job {
         existing: crate::encode::Existing::default(),

@@ -20,6 +20,8 @@ pub struct Apng {
     /// None before the first frame, which tells whether there is alpha.
     writer: Option<Writer<Shared>>,
     file: Shared,
+    /// How many frames the file says that it holds, and how many it will hold.
+    announced: u32,
     frames: u32,
     plays: u32,
     size: (u32, u32),
@@ -44,12 +46,14 @@ impl Write for Shared {
 
 impl Apng {
     pub fn create(path: &Path, job: &Job) -> Result<Self, EncodeError> {
+        let frames = u32::try_from(job.frames.len()).unwrap_or(u32::MAX);
         Ok(Self {
             path: path.to_path_buf(),
             rate: job.rate,
             writer: None,
             file: Shared(Arc::new(Mutex::new(Aside::create(path)?))),
-            frames: u32::try_from(job.frames.len()).unwrap_or(u32::MAX),
+            announced: frames,
+            frames,
             plays: job.formats.apng.0.map_or(0, u32::from),
             size: job.size,
             last: Vec::new(),
@@ -123,16 +127,19 @@ impl Movie for Apng {
         self.write(picture).map_err(|e| EncodeError::write(&self.path, e))
     }
 
-    fn finish(self: Box<Self>) -> Result<(), EncodeError> {
-        self.closed()?.commit()
+    fn divert(&mut self) -> Option<PathBuf> {
+        self.frames = self.pushed as u32;
+        let Shared(file) = &self.file;
+        Some(file.lock().unwrap_or_else(PoisonError::into_inner).divert())
     }
 
-    fn stop(self: Box<Self>) -> Result<Option<PathBuf>, EncodeError> {
-        let (path, frames, plays) = (self.path.clone(), self.pushed as u32, self.plays);
+    fn finish(self: Box<Self>) -> Result<(), EncodeError> {
+        let (path, announced, frames, plays) = (self.path.clone(), self.announced, self.frames, self.plays);
         let mut file = self.closed()?;
-        announce(&mut file, frames, plays).map_err(|e| EncodeError::write(&path, e))?;
-        let part = file.divert();
-        file.commit().map(|()| Some(part))
+        if frames != announced {
+            announce(&mut file, frames, plays).map_err(|e| EncodeError::write(&path, e))?;
+        }
+        file.commit()
     }
 }
 

@@ -26,8 +26,14 @@ pub trait Movie: Send {
     /// Writes what is left.
     fn finish(self: Box<Self>) -> Result<(), EncodeError>;
 
+    /// From now on the animation is a part of what it was to be, and will be beside its place; names the file, if it is one.
+    fn divert(&mut self) -> Option<PathBuf>;
+
     /// Closes the animation with the frames that came, beside the place of the whole one, and names the file.
-    fn stop(self: Box<Self>) -> Result<Option<PathBuf>, EncodeError>;
+    fn stop(mut self: Box<Self>) -> Result<Option<PathBuf>, EncodeError> {
+        let path = self.divert();
+        self.finish().map(|()| path)
+    }
 }
 
 /// Starts the animation that an output is, unless it is none or a GIF.

@@ -174,9 +174,8 @@ impl Movie for Mp4 {
         stream.and_then(|stream| self.write(&stream)).map_err(|e| EncodeError::write(&self.path, e))
     }
 
-    fn stop(mut self: Box<Self>) -> Result<Option<PathBuf>, EncodeError> {
-        let path = self.file.divert();
-        self.finish().map(|()| Some(path))
+    fn divert(&mut self) -> Option<PathBuf> {
+        Some(self.file.divert())
     }
 
     fn finish(mut self: Box<Self>) -> Result<(), EncodeError> {

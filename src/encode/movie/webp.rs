@@ -190,9 +190,8 @@ impl Movie for Webp {
         self.add(picture).map_err(|e| EncodeError::write(&self.path, into_io(e)))
     }
 
-    fn stop(mut self: Box<Self>) -> Result<Option<PathBuf>, EncodeError> {
-        let path = self.file.divert();
-        self.finish().map(|()| Some(path))
+    fn divert(&mut self) -> Option<PathBuf> {
+        Some(self.file.divert())
     }
 
     fn finish(mut self: Box<Self>) -> Result<(), EncodeError> {

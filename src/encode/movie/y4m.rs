@@ -65,12 +65,11 @@ impl Movie for Y4m {
         }
     }
 
-    fn stop(mut self: Box<Self>) -> Result<Option<PathBuf>, EncodeError> {
-        let path = match &mut self.to {
+    fn divert(&mut self) -> Option<PathBuf> {
+        match &mut self.to {
             To::File { file, .. } => Some(file.divert()),
             To::Stdout(_) => None,
-        };
-        self.finish().map(|()| path)
+        }
     }
 
     fn finish(self: Box<Self>) -> Result<(), EncodeError> {

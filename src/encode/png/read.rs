@@ -8,7 +8,6 @@ use crate::encode::job::Job;
 use crate::encode::picture::Picture;
 use crate::files;
 use png::{BitDepth, ColorType, DecodeOptions, Decoder, Limits, Reader};
-use std::fs::File;
 use std::io::{self, BufReader, Cursor};
 use std::path::Path;
 
@@ -24,7 +23,7 @@ pub fn read(path: &Path) -> Result<Picture, EncodeError> {
 }
 
 fn decode(path: &Path) -> io::Result<Picture> {
-    let file = attempt(Operation::Read, path, || File::open(path))?;
+    let (file, _) = attempt(Operation::Read, path, || files::open(path, u64::MAX))?;
     let mut reader = Decoder::new(BufReader::new(file)).read_info()?;
     let info = reader.info();
     let alpha = info.color_type == ColorType::Rgba;
@@ -44,8 +43,8 @@ fn decode(path: &Path) -> io::Result<Picture> {
 
 /// The texts of a PNG file, by their keywords; none of what is no PNG.
 pub fn texts(path: &Path) -> Vec<(String, String)> {
-    let file = File::open(path).ok();
-    let reader = file.and_then(|file| Decoder::new(BufReader::new(file)).read_info().ok());
+    let file = files::open(path, u64::MAX).ok();
+    let reader = file.and_then(|(file, _)| Decoder::new(BufReader::new(file)).read_info().ok());
     reader.map_or_else(Vec::new, |reader| told(&reader))
 }
 

@@ -114,6 +114,8 @@ impl<L: Lanes, const ANY: bool> Bundle<'_, L, ANY> {
 }
 
 impl<L: Lanes, const ANY: bool> BundleLeaves<L> for Bundle<'_, L, ANY> {
+    const ALONE: bool = true;
+
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
         let mesh = &self.mesh.mesh;

@@ -2,6 +2,7 @@
 
 use super::super::tracer::Tracer;
 use super::everywhere;
+use super::paint::{Beams, Eye};
 use crate::bvh::Hits;
 use crate::color::Rgb;
 use crate::material::{Exponent, Highlight, Material};
@@ -72,21 +73,23 @@ pub struct Reflectors<L: Lanes> {
     /// A bit for each with a mirror, or that shines by itself.
     pub mirrors: u32,
     pub emissive: u32,
+    /// A bit for each that is painted: its colours come later.
+    pub painted: u32,
     pub materials: [u32; 8],
     /// In which a mirror shows what it does.
     pub mirrored: Vector<L::Quad>,
-    diffuse: Color<L>,
-    specular: Color<L>,
+    pub(super) diffuse: Color<L>,
+    pub(super) specular: Color<L>,
     /// The normals to shade with.
     normal: Vector<L::Quad>,
     to_eye: Vector<L::Quad>,
-    shines: Shines,
+    pub(super) shines: Shines,
 }
 
 /// The highlights of eight points.
 #[derive(Clone, Copy)]
-struct Shines {
-    any: u32,
+pub(super) struct Shines {
+    pub any: u32,
     /// A bit for each by Blinn and Phong.
     blinn: u32,
     exponents: Exponents,
@@ -102,13 +105,16 @@ enum Exponents {
 impl<L: Lanes> Reflectors<L> {
     /// The surfaces that rays meet, of which there is at least one.
     #[inline(always)]
-    pub fn of(tracer: &Tracer, rays: &Rays, hits: &Hits) -> Self {
+    pub fn of(tracer: &Tracer, rays: &Rays, hits: &Hits, beams: Option<&Beams>) -> Self {
         let (mut found, mut rest) = Self::next(tracer, rays, hits, hits.at.met);
         while rest != 0 {
             let wanted = rest;
             let more;
             (more, rest) = Self::next(tracer, rays, hits, wanted);
             found = more.pick(wanted & !rest, found);
+        }
+        if let Some(beams) = beams.filter(|_| found.painted != 0) {
+            found.paint(&Eye { tracer, rays, hits, beams });
         }
         found.turn(rays);
         found
@@ -147,6 +153,7 @@ impl<L: Lanes> Reflectors<L> {
             mirror: Color::splat(lobes.mirror),
             mirrors: has(lobes.mirror),
             emissive: has(lobes.emission),
+            painted: if material.paints.is_empty() { 0 } else { bits },
             materials: [index; 8],
             mirrored: nowhere,
             diffuse: Color::splat(lobes.diffuse),
@@ -168,6 +175,7 @@ impl<L: Lanes> Reflectors<L> {
             mirror: self.mirror.pick(bits, other.mirror),
             mirrors: self.mirrors | other.mirrors,
             emissive: self.emissive | other.emissive,
+            painted: self.painted | other.painted,
             materials,
             diffuse: self.diffuse.pick(bits, other.diffuse),
             specular: self.specular.pick(bits, other.specular),

@@ -7,7 +7,7 @@ use crate::trace::worlds::World;
 #[test]
 fn eight_rays_see_what_each_of_them_does() {
     let together = |pixels: &mut Pixels| assert!(pixels.together, "a scene for eight rays");
-    let (mut rays, mut mirrored) = (0, 0);
+    let (mut rays, mut mirrored, mut painted) = (0, 0, 0);
     for seed in 0..150 {
         let world = World::new(seed);
         let (alone, counts) = world.trace(|pixels| pixels.together = false);
@@ -17,9 +17,11 @@ fn eight_rays_see_what_each_of_them_does() {
         assert_eq!(differ, 0, "seed {seed}");
         rays += counts.rays.shadow;
         mirrored += counts.rays.mirror;
+        painted += counts.evaluations.paint;
         if seed % 10 == 0 {
             assert!(portably(|| world.trace(together)).0 == eight, "seed {seed}");
         }
     }
     assert!(rays > 100_000 && mirrored > 100_000, "{rays} {mirrored}");
+    assert!(painted > 50_000, "{painted}");
 }

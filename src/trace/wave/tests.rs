@@ -6,7 +6,7 @@ use crate::trace::worlds::World;
 #[test]
 fn waves_of_paths_see_what_each_of_them_does() {
     let mut total = [0; 4];
-    for seed in 0..48 {
+    for seed in 0..64 {
         let world = World::of_paths(seed);
         let (alone, counts) = world.trace(|pixels| pixels.one_by_one());
         let (waves, counts_of_waves) = world.trace(|_| {});

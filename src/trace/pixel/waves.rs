@@ -1,0 +1,62 @@
+//! Samples of pixels as paths, of which many are followed at once.
+
+use super::eye::{Eyes, Wanted};
+use super::{Drawn, Pixels};
+use crate::math::DVec3;
+use crate::simd::dispatch;
+use crate::trace::path::Path;
+use crate::trace::tracer::Work;
+use crate::trace::wave::WAVE;
+
+/// Paths on their way, and the places of their pixels among those that are traced.
+#[derive(Default)]
+pub struct Followed {
+    paths: Vec<Path>,
+    pixels: Vec<usize>,
+}
+
+impl Pixels<'_> {
+    /// Many paths at once, of one pixel or several.
+    pub(super) fn trace_paths(
+        &self,
+        pixels: &[(u32, u32)],
+        drawn: &Drawn,
+        sums: &mut [DVec3],
+        work: &mut Work,
+        followed: &mut Followed,
+    ) {
+        let Some(integrator) = &self.paths else { return };
+        let layers = work.layers.len() / WAVE;
+        let samples = pixels.iter().enumerate();
+        let samples = samples.flat_map(|(index, &pixel)| {
+            self.samples(pixel, drawn).map(move |(_, sampler)| Wanted { index, pixel, sampler })
+        });
+        let mut samples = samples.peekable();
+        let mut eight = Vec::with_capacity(8);
+        while samples.peek().is_some() {
+            while followed.pixels.len() < self.at_once && samples.peek().is_some() {
+                eight.clear();
+                eight.extend(samples.by_ref().take(self.at_once.min(8)));
+                let rays = dispatch(Eyes { of: self, wanted: &eight });
+                for (lane, Wanted { index, sampler, .. }) in eight.iter().enumerate() {
+                    let place = followed.pixels.len();
+                    work.first = place * layers;
+                    let eye = self.seen_along(rays.one(lane), work);
+                    followed.paths.push(Path::new(&self.tracer, eye, *sampler, work.first));
+                    followed.pixels.push(*index);
+                }
+            }
+            integrator.follow(&self.tracer, &mut followed.paths, work);
+            self.take_all(sums, work, followed);
+        }
+    }
+
+    /// Adds the samples of paths that have been followed to their pixels' sums.
+    fn take_all(&self, sums: &mut [DVec3], work: &mut Work, followed: &mut Followed) {
+        let layers = work.layers.len() / WAVE;
+        for (index, samples) in followed.pixels.drain(..).zip(work.layers.chunks_exact_mut(layers)) {
+            self.take(&mut sums[index * layers..][..layers], samples, &mut work.counts.dropped);
+        }
+        followed.paths.clear();
+    }
+}

@@ -1,0 +1,44 @@
+#!/bin/bash
+# Written by kinora farm export; half.slurm-submit.sh submits it.
+#SBATCH --job-name=half
+#SBATCH --array=0-2%5
+#SBATCH --cpus-per-task=2
+#SBATCH --requeue
+#SBATCH --open-mode=append
+#SBATCH --output=sub/half.slurm-logs/%A_%a.log
+#SBATCH --signal=B:TERM@120
+
+# What each task renders; those that should take longest come first.
+chunks=(
+    0-1
+    2-3
+    4-11
+)
+frames=${chunks[SLURM_ARRAY_TASK_ID]}
+echo "frames $frames on ${SLURMD_NODENAME:-$HOSTNAME}, restart ${SLURM_RESTART_COUNT:-0}"
+
+# Near the end of its time, this script alone is told. Kinora then ends after the frame in hand; told again, at once, which
+# leaves time to go back to the queue.
+make_room() {
+    kill -TERM "$render"
+    { sleep 90 && kill -TERM "$render"; } &
+} 2>/dev/null
+trap make_room TERM
+
+kinora render sub/half.ron --frames "$frames" -o 'out/f_##.png' --claim --expect 0.1.0:fee505183bae --exposure=-1 '--caption=it'\''s {{{frame}}}' \
+    --threads="${SLURM_CPUS_PER_TASK:-1}" &
+render=$!
+wait "$render"
+code=$?
+# The signal ends the waiting, not the render.
+while kill -0 "$render" 2>/dev/null; do
+    wait "$render"
+    code=$?
+done
+
+# Stopped (143) or killed (137): the frames that are missing go back to the queue, unless the job is being cancelled.
+running() { [[ $(squeue --noheader --jobs="$SLURM_JOB_ID" --format=%T) == RUNNING ]]; }
+if ((code == 143 || code == 137)) && ((${SLURM_RESTART_COUNT:-0} < 20)) && running; then
+    scontrol requeue "$SLURM_JOB_ID"
+fi
+exit "$code"

@@ -1,0 +1,146 @@
+//! What is too much is refused in words, before it takes time, memory or files.
+
+use crate::command::{BALL, folder, kinora, refused, run, stderr};
+use kinora::sequence::parse;
+use std::fs;
+use std::path::Path;
+
+/// Writes a sequence with these fields.
+fn write(folder: &Path, name: &str, fields: &str) {
+    fs::write(folder.join(name), format!("({fields})")).expect("the folder is writable");
+}
+
+/// Runs it with no more than so many kibibytes of addresses, and gives its message; it must be refused.
+#[cfg(target_os = "linux")]
+fn refused_within(kibibytes: u64, folder: &Path, arguments: &[&str]) -> String {
+    let mut command = std::process::Command::new("sh");
+    command.args(["-c", &format!("ulimit -v {kibibytes}; exec \"$@\""), "sh"]);
+    let binary = assert_cmd::cargo::cargo_bin("kinora");
+    let done = command.arg(binary).args(arguments).current_dir(folder).output().expect("a shell");
+    let told = stderr(&done);
+    assert_eq!(done.status.code(), Some(2), "{arguments:?}: {told}");
+    told
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_does_not_fit_into_memory_is_refused_before_it_is_made() {
+    const LITTLE: u64 = 2 << 20;
+    let folder = folder();
+    let (path, before) = (folder.path(), crate::command::contents(folder.path()));
+    let long = BALL.replace("frames: 12", "frames: 400");
+    fs::write(path.join("long.ron"), long).expect("the folder is writable");
+    for (arguments, what, mend) in [
+        (
+            &["render", "ball.ron", "-s", "6000x6000", "-o", "a.png", "--frames", "0"][..],
+            "the picture needs",
+            "--size",
+        ),
+        (&["filmstrip", "long.ron", "-n", "400", "-s", "1000x1000"], "the filmstrip needs", "fewer frames"),
+        (&["accuracy", "ball.ron", "--quick", "-s", "4000x4000"], "to compare pictures", "--size"),
+    ] {
+        let told = refused_within(LITTLE, path, arguments);
+        assert!(told.contains(what) && told.contains(" of memory and there are "), "{told}");
+        assert!(told.contains(mend), "{told}");
+    }
+    fs::remove_file(path.join("long.ron")).expect("a file");
+    assert_eq!(crate::command::contents(path), before);
+    assert!(!path.join("output/ball_accuracy").exists());
+}
+
+#[test]
+fn check_refuses_what_render_would() {
+    let folder = folder();
+    let path = folder.path();
+    for (output, message) in [
+        ("size: (65536, 65536)", "the picture needs 412 GB"),
+        ("size: (20000, 8), files: \"a.webp\"", "a WebP ends at 16384x16384"),
+        ("size: (65536, 8), files: \"a.gif\"", "a GIF ends at 65535x65535"),
+        ("size: (8, 8), files: [\"a_#.png\", \"./a_#.png\"]", "./a_0.png"),
+    ] {
+        write(path, "large.ron", &format!("timeline: (frames: 2), output: ({output})"));
+        for command in ["check", "render"] {
+            let told = refused(path, &[command, "large.ron"]);
+            assert!(told.contains(message), "{command}: {told}");
+        }
+    }
+    let told = kinora(path, &["check", "ball.ron"]);
+    assert!(told.contains("12 frames"), "{told}");
+}
+
+#[test]
+fn endless_checks_are_refused() {
+    let told = |fields: &str| {
+        parse("a.ron", &format!("({fields})")).map(|_| ()).map_err(|faults| faults.to_string())
+    };
+    let camera = "camera: (shutter: 1, path: Orbit())";
+    let message = told(&format!("timeline: (frames: 10000000), quality: (shutter_steps: 4096), {camera}"));
+    let message = message.expect_err("40 thousand million moments");
+    assert!(message.contains("10000000 frames with 4096 moments each"), "{message}");
+    assert!(message.contains("fewer frames") && message.contains("timeline"), "{message}");
+    let message = told(&format!("timeline: (frames: 1000000), quality: (shutter_steps: 32), {camera}"));
+    assert!(message.expect_err("32 million moments").contains("write `shutter_steps: 16` or less"));
+    // What stands still, or has no shutter, has one moment a frame.
+    let many = "timeline: (frames: 100000), quality: (shutter_steps: 4096)";
+    assert_eq!(told(&format!("{many}, camera: (shutter: 1)")), Ok(()));
+    assert_eq!(told(&format!("{many}, camera: (path: Orbit())")), Ok(()));
+
+    let chain = (0..2000).map(|index| {
+        let parent = if index == 0 { String::new() } else { format!(", parent: \"{}\"", index - 1) };
+        format!("\"{index}\": (shape: Group, translation: [(0, (0, 0, 0)), (1, (1e30, 0, 0))]{parent}),")
+    });
+    let chain: String = chain.collect();
+    let message = told(&format!("timeline: (frames: 10000000), objects: {{ {chain} }}"));
+    let message = message.expect_err("objects far away");
+    assert!(message.contains("for 10000000 frames") && message.contains("translation"), "{message}");
+}
+
+/// So many entries, of groups without anything in them.
+fn groups(count: usize) -> String {
+    (0..count).fold(String::from("(objects: {"), |text, index| text + &format!("\"{index}\":(shape:Group),"))
+        + "})"
+}
+
+#[test]
+fn lists_have_a_million_entries_and_no_more() {
+    let sequence = parse("a.ron", &groups(1_000_000)).map_err(|faults| faults.to_string());
+    assert_eq!(sequence.map(|sequence| sequence.objects.len()), Ok(1_000_000));
+    let told = parse("a.ron", &groups(1_000_001)).map(|_| ()).expect_err("one too many").to_string();
+    assert!(told.contains("more than 1000000 entries"), "{told}");
+    assert!(told.lines().count() < 20 && told.len() < 4000, "the message is short");
+}
+
+#[test]
+fn brackets_stand_so_deep_and_no_deeper() {
+    let nested = |depth: usize| {
+        let pattern = "Checker(a: ".repeat(depth) + "0.5" + &")".repeat(depth);
+        let text = format!("(objects: {{ \"a\": (shape: Sphere(), material: (color: {pattern})) }})");
+        parse("a.ron", &text).map(|_| ()).map_err(|faults| faults.to_string())
+    };
+    assert_eq!(nested(20), Ok(()));
+    for depth in [60, 1000, 100_000] {
+        let told = nested(depth).expect_err("too deep");
+        assert!(told.contains("nested too deeply") && told.contains("about 60 deep"), "{told}");
+        assert!(told.len() < 4000, "the message is short");
+    }
+    // Parents are no brackets: chains of them may be long.
+    let chain = (0..20_000).map(|index| {
+        let parent = if index == 0 { String::new() } else { format!(", parent: \"{}\"", index - 1) };
+        format!("\"{index}\": (shape: Group{parent}),")
+    });
+    let chain: String = chain.collect();
+    assert!(parse("a.ron", &format!("(objects: {{ {chain} }})")).is_ok());
+}
+
+/// A pipe that nobody writes to is not waited for.
+#[cfg(unix)]
+#[test]
+fn assemble_does_not_wait_for_pipes() {
+    let folder = folder();
+    let made = std::process::Command::new("mkfifo").arg(folder.path().join("f_00.png")).status();
+    assert!(made.expect("a command").success());
+    let done = run(folder.path(), &["assemble", "f_##.png", "-o", "f.gif"]);
+    let told = stderr(&done);
+    assert!(done.status.code() == Some(3) && told.contains("f_00.png"), "{told}");
+    assert!(told.contains("it is no plain file, but a device or a pipe"), "{told}");
+}
