@@ -136,11 +136,12 @@ export_job() {
     (cd "$project" && kinora farm export "$1" "$sequence" "${settings[@]}" "${files[@]}" --chunks "$2" --throttle 2)
 }
 
-# Process ids of all renders of the project.
+# Process ids of all renders of the project: they run in its folder, or name it.
 workers() {
     local pid
     for pid in $(pgrep --full 'kinora render '); do
-        if [[ $(readlink "/proc/$pid/cwd") == "$project" && $(readlink "/proc/$pid/exe") == */kinora* ]]; then
+        [[ $(readlink "/proc/$pid/exe") == */kinora* ]] || continue
+        if [[ $(readlink "/proc/$pid/cwd") == "$project" || $(tr '\0' ' ' <"/proc/$pid/cmdline") == *" $project/"* ]]; then
             echo "$pid"
         fi
     done
