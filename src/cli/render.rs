@@ -144,11 +144,9 @@ fn rendered(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.shares() {
         only_stills(&outputs)?;
     }
-    if let Some(shard) = arguments.shard {
-        if frames.is_empty() {
-            let there = counted(all.len() as u64, "frame");
-            return terminal::say(&format!("shard {shard} has no frames: there are {there}"));
-        }
+    if let Some(shard) = arguments.shard.filter(|_| frames.is_empty()) {
+        let there = counted(all.len() as u64, "frame");
+        return terminal::say(&format!("shard {shard} has no frames: there are {there}"));
     }
     let streams = outputs.contains(&Output::Stream);
     let json = options.progress == ProgressMode::Json;
