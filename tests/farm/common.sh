@@ -39,18 +39,22 @@ single=${SINGLE:-$work/single}
 # What was started, in order.
 started=()
 
+# All processes that were started by this script or on its behalf: their environment names its folder.
+ours() {
+    # Without it itself.
+    env -i grep --files-with-matches --fixed-strings --text "$work/" /proc/[0-9]*/environ 2>/dev/null | env -i cut -d / -f 3
+}
+
 # Ends all that was started, and what that started, whatever happened.
 leave() {
     local code=$? pid
     trap - EXIT INT TERM
     set +e
     if declare -F stop_engine >/dev/null; then stop_engine >/dev/null 2>&1; fi
-    for pid in "${started[@]}" $(workers); do kill -TERM "$pid" 2>/dev/null; done
-    for pid in "${started[@]}" $(workers); do
-        # What does not listen within 5 s.
-        for _ in {1..50}; do kill -0 "$pid" 2>/dev/null && sleep 0.1; done
-        kill -KILL "$pid" 2>/dev/null
-    done
+    for pid in "${started[@]}" $(ours); do kill -TERM "$pid" 2>/dev/null; done
+    # What does not listen within 5 s.
+    for _ in {1..50}; do [[ -n $(ours) ]] && sleep 0.1; done
+    for pid in "${started[@]}" $(ours); do kill -KILL "$pid" 2>/dev/null; done
     wait 2>/dev/null
     if ((code == 0 || code == 77)) || [[ -z ${KEEP:-} ]]; then
         rm -rf "$work"
@@ -136,11 +140,12 @@ export_job() {
     (cd "$project" && kinora farm export "$1" "$sequence" "${settings[@]}" "${files[@]}" --chunks "$2" --throttle 2)
 }
 
-# Process ids of all renders of the project.
+# Process ids of all renders of the project: they run in its folder, or name it.
 workers() {
     local pid
     for pid in $(pgrep --full 'kinora render '); do
-        if [[ $(readlink "/proc/$pid/cwd") == "$project" && $(readlink "/proc/$pid/exe") == */kinora* ]]; then
+        [[ $(readlink "/proc/$pid/exe") == */kinora* ]] || continue
+        if [[ $(readlink "/proc/$pid/cwd") == "$project" || $(tr '\0' ' ' <"/proc/$pid/cmdline") == *" $project/"* ]]; then
             echo "$pid"
         fi
     done
