@@ -48,7 +48,7 @@ pub struct Arguments {
     )]
     workers: Vec<NonZeroUsize>,
 
-    /// About how many tasks these share, as `farm export` has it [default: as many as are worth one]
+    /// About how many tasks these share, as in `farm export` [default: as many as are worth one]
     #[arg(long, value_name = "N", requires = "workers")]
     chunks: Option<NonZeroUsize>,
 

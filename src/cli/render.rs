@@ -144,9 +144,7 @@ fn rendered(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.shares() {
         only_stills(&outputs)?;
     }
-    if let Some(shard) = arguments.shard
-        && frames.is_empty()
-    {
+    if let Some(shard) = arguments.shard.filter(|_| frames.is_empty()) {
         let there = counted(all.len() as u64, "frame");
         return terminal::say(&format!("shard {shard} has no frames: there are {there}"));
     }

@@ -149,7 +149,6 @@ mod tests {
         let expected = [
             "--size=4x3",
             "--fps=30",
-            "--threads=2",
             "--exposure=-1.5",
             "--draft",
             "--transparent",

@@ -2,7 +2,8 @@
 # What the scripts beside this one share: a place to work in, the job, a worker to kill, and the comparison of bytes.
 #
 # Each of them exports the same 24 frames for its engine, runs them there, kills a worker in the middle, and compares all
-# files with those of a single run. Exit codes: 0 if they are the same, 77 if the engine cannot be had here, 1 otherwise.
+# files with those of a single run. Exit codes: 0 if they are the same, 1 if not, 77 if the engine cannot be had here, 75 if the
+# middle was missed or did not come in time.
 # KINORA names the program to test.
 set -euo pipefail
 
@@ -17,6 +18,11 @@ say() { echo "$engine: $*"; }
 fail() {
     say "FAILED: $*" >&2
     exit 1
+}
+# Said where the machine was too slow, or too fast, to tell.
+miss() {
+    say "undecided: $*" >&2
+    exit 75
 }
 # Said where the engine cannot be had.
 skip() {
@@ -33,18 +39,22 @@ single=${SINGLE:-$work/single}
 # What was started, in order.
 started=()
 
+# All processes that were started by this script or on its behalf: their environment names its folder.
+ours() {
+    # Without it itself.
+    env -i grep --files-with-matches --fixed-strings --text "$work/" /proc/[0-9]*/environ 2>/dev/null | env -i cut -d / -f 3
+}
+
 # Ends all that was started, and what that started, whatever happened.
 leave() {
     local code=$? pid
     trap - EXIT INT TERM
     set +e
     if declare -F stop_engine >/dev/null; then stop_engine >/dev/null 2>&1; fi
-    for pid in "${started[@]}" $(workers); do kill -TERM "$pid" 2>/dev/null; done
-    for pid in "${started[@]}" $(workers); do
-        # What does not listen within 5 s.
-        for _ in {1..50}; do kill -0 "$pid" 2>/dev/null && sleep 0.1; done
-        kill -KILL "$pid" 2>/dev/null
-    done
+    for pid in "${started[@]}" $(ours); do kill -TERM "$pid" 2>/dev/null; done
+    # What does not listen within 5 s.
+    for _ in {1..50}; do [[ -n $(ours) ]] && sleep 0.1; done
+    for pid in "${started[@]}" $(ours); do kill -KILL "$pid" 2>/dev/null; done
     wait 2>/dev/null
     if ((code == 0 || code == 77)) || [[ -z ${KEEP:-} ]]; then
         rm -rf "$work"
@@ -71,7 +81,7 @@ await() {
     shift 2
     end=$((SECONDS + seconds))
     until "$@" >/dev/null 2>&1; do
-        ((SECONDS < end)) || fail "$what: not within $seconds s"
+        ((SECONDS < end)) || miss "$what: not within $seconds s"
         sleep 0.1
     done
 }
@@ -130,11 +140,12 @@ export_job() {
     (cd "$project" && kinora farm export "$1" "$sequence" "${settings[@]}" "${files[@]}" --chunks "$2" --throttle 2)
 }
 
-# Process ids of all renders of the project.
+# Process ids of all renders of the project: they run in its folder, or name it.
 workers() {
     local pid
     for pid in $(pgrep --full 'kinora render '); do
-        if [[ $(readlink "/proc/$pid/cwd") == "$project" && $(readlink "/proc/$pid/exe") == */kinora* ]]; then
+        [[ $(readlink "/proc/$pid/exe") == */kinora* ]] || continue
+        if [[ $(readlink "/proc/$pid/cwd") == "$project" || $(tr '\0' ' ' <"/proc/$pid/cmdline") == *" $project/"* ]]; then
             echo "$pid"
         fi
     done
@@ -149,7 +160,7 @@ await_frames() { await "$job_time" "more than $1 frames" more_than "$1"; }
 middle() {
     local there
     there=$(written)
-    ((there < frames)) || fail "$*, but all frames were there already"
+    ((there < frames)) || miss "$*, but all frames were there already"
     say "$*, with $there of $frames frames there"
 }
 

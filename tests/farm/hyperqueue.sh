@@ -14,7 +14,7 @@ if command -v hq >/dev/null; then
     version=$(hq --version)
 else
     place=$(python_package hyperqueue) || exit
-    engine() { "$place/bin/python" "$root/tests/farm/hyperqueue.py" "$@"; }
+    engine() { "$place/bin/python" "$root/tests/farm/hq.py" "$@"; }
     server() { engine server "$work/hq"; }
     worker() { engine worker "$work/hq"; }
     workers_there() { (($(cat "$work"/worker-?.log | grep --count '^joined') == 2)); }

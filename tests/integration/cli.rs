@@ -74,8 +74,19 @@ fn help_of_commands_shows_options_units_and_defaults() {
         assert!(run.stdout.contains(part), "`{part}` in {}", run.stdout);
     }
     assert!(kinora(&["check", "--help"]).stdout.contains("kinora check sequences/hello.ron"));
-    for command in ["render", "filmstrip", "poster", "assemble", "check", "plan", "accuracy"] {
-        let help = kinora(&[command, "--help"]).stdout;
+    for command in [
+        "render",
+        "filmstrip",
+        "poster",
+        "assemble",
+        "check",
+        "plan",
+        "accuracy",
+        "farm export",
+        "farm status",
+    ] {
+        let words: Vec<&str> = command.split(' ').chain(["--help"]).collect();
+        let help = kinora(&words).stdout;
         assert!(help.lines().all(|line| line.chars().count() <= 100), "{help}");
     }
 }

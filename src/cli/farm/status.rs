@@ -26,7 +26,7 @@ pub struct Arguments {
     /// The sequence file (.ron)
     file: PathBuf,
 
-    /// The frames' files, as the job has them; only their names count [default: as the sequence says]
+    /// The frames' files as the job has them: their names count [default: as the sequence says]
     #[arg(short, long, value_name = "FILE", value_parser = Output::parse)]
     output: Vec<Output>,
 

@@ -1,8 +1,8 @@
 """HyperQueue by its Python package, which has no command line: a server, a worker, and the submission of a job file.
 
-    hyperqueue.py server FOLDER
-    hyperqueue.py worker FOLDER
-    hyperqueue.py submit FOLDER JOBFILE
+    hq.py server FOLDER
+    hq.py worker FOLDER
+    hq.py submit FOLDER JOBFILE
 """
 
 import os
