@@ -26,8 +26,9 @@ pub struct Budget {
     pub spent: f64,
 }
 
-/// Films that are looked at.
+/// Films that are looked at in any case; and at most, as far as there is time.
 const PILOTS: u32 = 5;
+const MORE: u32 = 33;
 /// Share of the time that may be spent on finding out.
 const SHARE: f64 = 0.08;
 /// Samples of the first look: one of each set.
@@ -62,6 +63,17 @@ struct Pilot {
     error: Option<f64>,
 }
 
+impl Pilot {
+    /// Where some films are random, it is their samples that are chosen: the grid of one that is not stays.
+    fn keep_grid(&mut self, antialias: u32) {
+        if self.error.is_none() {
+            let kept = |cost: Cost| Cost { base: cost.of(f64::from(antialias * antialias)), each: 0.0 };
+            self.wall = kept(self.wall);
+            self.cpu = self.cpu.map(kept);
+        }
+    }
+}
+
 /// Finds how many samples fit into `limit` of tracing the frames of `request`, the pilot included.
 pub fn budget(
     sequence: &Sequence,
@@ -76,20 +88,32 @@ pub fn budget(
     let studio = Studio::new(&sequence, &request.frames, request.threads)?;
     let room = request.reuse.budget(&sequence, extras);
     let plan = studio.install(|| Plan::new(&sequence, &request.frames, extras, room));
-    let places = spread(plan.takes.len() as u32, PILOTS);
+    let films = plan.takes.len();
+    let mut places = spread(films as u32, PILOTS);
+    let least = places.len();
+    let mut more: Vec<u32> = spread(films as u32, MORE).into_iter().filter(|k| !places.contains(k)).collect();
+    // In the order of van der Corput, so that wherever time runs out they lie all over the list.
+    more.sort_unstable_by_key(|place| place.reverse_bits());
+    places.extend(more);
     let stage = Stage { studio, plan, extras, own, clock };
     let mut pilots = Vec::new();
     let mut spent = 0.0;
     for (done, &place) in places.iter().enumerate() {
-        let share = (SHARE * limit - spent) / (places.len() - done) as f64;
-        let (pilot, took) = stage.look(place as usize, share)?;
+        let left = SHARE * limit - spent;
+        if done >= least && left <= 0.0 {
+            break;
+        }
+        let (pilot, took) = stage.look(place as usize, left / (places.len() - done) as f64)?;
         spent += took;
         pilots.push(pilot);
     }
-    let films = stage.plan.takes.len();
+    pilots.sort_unstable_by_key(|pilot| pilot.place);
+    let random = pilots.iter().any(|pilot| pilot.error.is_some());
+    if random {
+        pilots.iter_mut().for_each(|pilot| pilot.keep_grid(own.antialias));
+    }
     let wall = summed(&pilots, films, &|pilot| Some(pilot.wall)).unwrap_or_default();
     let fitting = fitting(limit - spent, wall);
-    let random = pilots.iter().any(|pilot| pilot.error.is_some());
     let (samples, quality) = if random {
         (fitting.floor(), Quality { samples: fitting as u32, ..own })
     } else {
@@ -213,6 +237,16 @@ mod tests {
         assert_eq!(summed(&pilots, 1, &|pilot| pilot.cpu), None);
         let one = summed(&pilots[..1], 2, &|pilot| Some(pilot.wall));
         assert_eq!(one, Some(Cost { base: 2.0, each: 0.0 }));
+    }
+
+    #[test]
+    fn grids_stay_where_samples_are_chosen() {
+        let mut still = pilot(0, 1.0, 0.5);
+        still.keep_grid(4);
+        assert_eq!(still.wall, Cost { base: 9.0, each: 0.0 });
+        let mut noisy = Pilot { error: Some(1.0), ..pilot(0, 1.0, 0.5) };
+        noisy.keep_grid(4);
+        assert_eq!(noisy.wall, Cost { base: 1.0, each: 0.5 });
     }
 
     #[test]
