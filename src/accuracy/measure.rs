@@ -31,6 +31,13 @@ pub struct Request {
     pub threads: Option<NonZeroUsize>,
 }
 
+impl Request {
+    /// Pixels at least.
+    fn least(&self) -> f64 {
+        if self.quick { LEAST_QUICK } else { LEAST }
+    }
+}
+
 /// What a setting costs, and what it gives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
@@ -136,6 +143,8 @@ const PARTS: u32 = 16;
 /// Pixels of a picture that is measured, at least and at most.
 const LEAST: f64 = 48.0 * 27.0;
 const MOST: f64 = 480.0 * 300.0;
+/// At least where a first answer is wanted soon, of a file that asks for very many samples.
+const LEAST_QUICK: f64 = 16.0 * 12.0;
 /// Pixels that a longer ladder of samples is given up for.
 const GOOD: f64 = 160.0 * 90.0;
 
@@ -238,7 +247,7 @@ fn planned(
         ladders.iter().map(|&most| settings(most)).find(good)
     });
     let chosen = chosen.unwrap_or_else(|| settings(ladders[ladders.len() - 1]));
-    let size = request.size.unwrap_or_else(|| scaled(full, affordable(&chosen).clamp(LEAST, MOST)));
+    let size = request.size.unwrap_or_else(|| scaled(full, affordable(&chosen).clamp(request.least(), MOST)));
     Ok((chosen, size))
 }
 
@@ -263,7 +272,7 @@ fn fit(
         let whole = each * work(settings, own);
         let left = SHARE * request.time.saturating_sub(start.elapsed()).as_secs_f64();
         let pixels = f64::from(size.0) * f64::from(size.1);
-        let smaller = scaled(size, (pixels * left / whole).clamp(LEAST, pixels));
+        let smaller = scaled(size, (pixels * left / whole).clamp(request.least().min(pixels), pixels));
         if smaller == size || request.size.is_some() {
             break;
         }
