@@ -48,6 +48,11 @@ impl Cost {
         Self { base: (short - each * few).max(0.0), each }
     }
 
+    /// Of so many samples, however many others take.
+    fn kept(self, samples: f64) -> Self {
+        Self { base: self.of(samples), each: 0.0 }
+    }
+
     fn of(self, samples: f64) -> f64 {
         self.base + self.each * samples
     }
@@ -67,9 +72,9 @@ impl Pilot {
     /// Where some films are random, it is their samples that are chosen: the grid of one that is not stays.
     fn keep_grid(&mut self, antialias: u32) {
         if self.error.is_none() {
-            let kept = |cost: Cost| Cost { base: cost.of(f64::from(antialias * antialias)), each: 0.0 };
-            self.wall = kept(self.wall);
-            self.cpu = self.cpu.map(kept);
+            let samples = f64::from(antialias * antialias);
+            self.wall = self.wall.kept(samples);
+            self.cpu = self.cpu.map(|cost| cost.kept(samples));
         }
     }
 }
