@@ -398,9 +398,9 @@ pub fn percent(share: f64) -> String {
 /// A factor with two digits that mean something.
 pub fn factor(factor: f64) -> String {
     match factor {
-        large if large >= 99.5 => format!("{large:.0}"),
-        middle if middle >= 9.95 => format!("{middle:.0}"),
-        small if small >= 0.095 => format!("{small:.1}"),
+        large if large >= 9.95 => format!("{large:.0}"),
+        middle if middle >= 0.995 => format!("{middle:.1}"),
+        small if small >= 0.0995 => format!("{small:.2}"),
         tiny => format!("{tiny:.3}"),
     }
 }

@@ -52,7 +52,7 @@ const WORDS: [(&str, &str); 10] = [
     (
         "reference",
         "What the picture should be: two long renders with random numbers of their own, of at least 64 times the samples \
-         of what they judge. Multiplying the differences to both leaves the references' own noise out.",
+         of what they judge; less of what is sampled until it is good. Multiplying the differences to both leaves the references' own noise out.",
     ),
     (
         "interval",

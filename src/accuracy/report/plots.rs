@@ -159,8 +159,10 @@ impl Chart {
         let shown = |spot: &Spot| spot.y > 0.0 && spot.y.is_finite();
         let curve = |&axis: &Axis| {
             let mut on = measured.on(axis);
-            if axis != Axis::Noise {
-                on.sort_by(|a, b| a.samples.total_cmp(&b.samples));
+            match axis {
+                Axis::Noise => {}
+                Axis::Bounces => on.sort_by_key(|point| point.setting.quality.bounces),
+                _ => on.sort_by(|a, b| a.samples.total_cmp(&b.samples)),
             }
             Curve { axis, spots: on.into_iter().map(spot).filter(shown).collect() }
         };
