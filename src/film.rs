@@ -80,17 +80,35 @@ pub struct Noise {
 impl Noise {
     /// Of an estimate of the squared error, and of the estimate's variance.
     ///
-    /// The estimate is the mean of two sums of squares, of which what there really is is a third: it strays twice as much.
-    /// So their ratio has three times the relative variance, and its logarithm is nearly normal.
+    /// The estimate is the mean of two sums of squares, of which what there really is is a third: if it is like the sum of
+    /// n squares of normal numbers, the estimate is like that of 2 n, whose relative variance is 1 / n. So their ratio
+    /// has Fisher's F distribution with n and 2 n degrees of freedom.
     pub fn of_square(square: f64, variance: f64) -> Self {
         if square == 0.0 {
             return Self::default();
         }
+        let freedom = square * square / variance;
+        let at = |z: f64| (square * f_quantile(z, freedom, 2.0 * freedom)).sqrt();
         // 1.96 standard deviations of a normal distribution hold 95 of 100.
-        let reach = 1.96 * (3.0 * variance).sqrt() / square;
-        let at = |by: f64| (square * libm::exp(by)).sqrt();
-        Self { error: at(0.0), low: at(-reach), high: at(reach), ..Self::default() }
+        Self { error: square.sqrt(), low: at(-1.96), high: at(1.96), ..Self::default() }
     }
+}
+
+/// The quantile of the F distribution where a normal distribution has that of `z` standard deviations: its cube root is
+/// like the ratio of two normal numbers (Paulson, "An approximate normalization of the analysis of variance
+/// distribution", 1942). Infinite where the freedom is too little to bound it.
+fn f_quantile(z: f64, above: f64, below: f64) -> f64 {
+    let (a, b) = (2.0 / (9.0 * above), 2.0 / (9.0 * below));
+    // ((1 - b) x - (1 - a))^2 = z^2 (b x^2 + a), by its roots for x.
+    let square = (1.0 - b) * (1.0 - b) - z * z * b;
+    if square <= 0.0 {
+        return if z > 0.0 { f64::INFINITY } else { 0.0 };
+    }
+    let half = (1.0 - a) * (1.0 - b);
+    let rest = (1.0 - a) * (1.0 - a) - z * z * a;
+    let root = (half * half - square * rest).max(0.0).sqrt().copysign(z);
+    let x = ((half + root) / square).max(0.0);
+    x * x * x
 }
 
 /// Linear radiance of one frame, kept apart by what weights it. Light is linear: the picture is the sum over
@@ -239,6 +257,23 @@ mod tests {
         let parts = |film: &Film| [0, 1, 2].map(|layer| film.radiance_of(0, layer));
         assert_eq!(parts(&fair), [Rgb::ZERO, Rgb::ZERO, Rgb::splat(0.5)]);
         assert!(Arc::ptr_eq(&film.data, &fair.data), "no copy was made");
+    }
+
+    /// Tables of the F distribution at 2.5 and 97.5 of 100. The formula is nearer the more freedom there is.
+    #[test]
+    fn quantiles_of_f() {
+        for (above, below, within, low, high) in [
+            (5.0, 10.0, 0.04, 0.1511, 4.2361),
+            (10.0, 20.0, 0.01, 0.2925, 2.7737),
+            (60.0, 120.0, 0.001, 0.6325, 1.5299),
+        ] {
+            let found = [-1.96, 1.96].map(|z| f_quantile(z, above, below));
+            assert!((found[0] / low - 1.0).abs() < within, "{above}, {below}: {found:?}");
+            assert!((found[1] / high - 1.0).abs() < within, "{above}, {below}: {found:?}");
+        }
+        // So little is known that nothing is ruled out.
+        assert_eq!([-1.96, 1.96].map(|z| f_quantile(z, 0.1, 0.2)), [0.0, f64::INFINITY]);
+        assert!((f_quantile(1.96, f64::INFINITY, f64::INFINITY) - 1.0).abs() < 1e-12);
     }
 
     #[test]

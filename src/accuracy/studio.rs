@@ -4,11 +4,11 @@ use super::clock::{Took, timed};
 use super::layering::Layering;
 use crate::color::Rgb;
 use crate::counters::Meter;
-use crate::encode::{EncodeError, displayed};
+use crate::encode::displayed;
 use crate::film::{Extras, Film, LayerId};
 use crate::quality::{NoiseTarget, Quality};
 use crate::render::{RenderError, pool};
-use crate::schedule::{FilmSink, FrameLoop, Look};
+use crate::schedule::{Films, FrameLoop, Look};
 use crate::sequence::Sequence;
 use rayon::ThreadPool;
 use std::num::NonZeroUsize;
@@ -28,17 +28,6 @@ pub struct Shot {
     /// Without start-up, loading and writing.
     pub took: Took,
     pub rays: u64,
-}
-
-/// Keeps films instead of writing them.
-#[derive(Default)]
-struct Films(Vec<Film>);
-
-impl FilmSink for Films {
-    fn push(&mut self, _frame: u32, film: Film) -> Result<(), EncodeError> {
-        self.0.push(film);
-        Ok(())
-    }
 }
 
 impl Studio {

@@ -7,7 +7,7 @@ mod stages;
 mod tests;
 
 pub use preview::{Look, Preview};
-pub use stages::{FilmSink, NoFrame, Stage, Tally};
+pub use stages::{FilmSink, Films, NoFrame, Stage, Tally};
 
 use crate::animate;
 use crate::bvh::Bvh;

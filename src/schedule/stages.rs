@@ -47,6 +47,17 @@ pub trait FilmSink: Send + Sync + 'static {
     fn push(&mut self, frame: u32, film: Film) -> Result<(), EncodeError>;
 }
 
+/// Keeps films instead of writing them.
+#[derive(Debug, Default)]
+pub struct Films(pub Vec<Film>);
+
+impl FilmSink for Films {
+    fn push(&mut self, _frame: u32, film: Film) -> Result<(), EncodeError> {
+        self.0.push(film);
+        Ok(())
+    }
+}
+
 /// Why a frame was not made.
 #[derive(Debug)]
 pub enum NoFrame {

@@ -101,9 +101,8 @@ fn int_09_crossings_are_none_or_two() {
     crossings_are_even(RAYS);
 }
 
-/// `cargo test --release -- --ignored int_09` runs it.
 #[test]
-#[ignore = "ten seconds; the full number of rays of INT-09"]
+#[ignore = "takes ten seconds: the full number of rays of INT-09; cargo test --release -- --ignored int_09"]
 fn int_09_crossings_of_a_million_rays() {
     crossings_are_even(1_000_000);
 }

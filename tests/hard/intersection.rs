@@ -57,9 +57,8 @@ fn int_01_far_small_spheres() {
     far_small_spheres(few(200_000));
 }
 
-/// `cargo test --release -- --ignored int_01` runs it.
 #[test]
-#[ignore = "seconds; the full number of rays of INT-01"]
+#[ignore = "takes seconds: the full number of rays of INT-01; cargo test --release -- --ignored int_01"]
 fn int_01_far_small_spheres_in_full() {
     far_small_spheres(200_000);
 }

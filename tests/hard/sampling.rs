@@ -23,9 +23,8 @@ fn sa_05_numbers_are_below_one() {
     numbers_are_below_one(few(100_000_000) / 4);
 }
 
-/// `cargo test --release -- --ignored sa_05` runs it.
 #[test]
-#[ignore = "seconds; all draws of SA-05"]
+#[ignore = "takes seconds: all draws of SA-05; cargo test --release -- --ignored sa_05"]
 fn sa_05_numbers_are_below_one_in_full() {
     numbers_are_below_one(100_000_000);
 }
@@ -71,9 +70,8 @@ fn sa_07_constants_keep_their_mean() {
     }
 }
 
-/// `cargo test --release -- --ignored sa_07` runs it.
 #[test]
-#[ignore = "half a minute; as many samples as a pixel may have"]
+#[ignore = "takes half a minute: as many samples as a pixel may have; cargo test --release -- --ignored sa_07"]
 fn sa_07_constants_keep_their_mean_in_full() {
     for emission in [0.1, 1.0] {
         let found = f64::from(constant_pixel(1 << 24, emission));

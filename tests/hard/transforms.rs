@@ -159,9 +159,8 @@ fn int_09_far_and_uneven_rims_are_crossed_evenly() {
     far_uneven_rims(few(200_000));
 }
 
-/// `cargo test --release -- --ignored int_09` runs it.
 #[test]
-#[ignore = "seconds; 2 million rays at rims"]
+#[ignore = "takes seconds: 2 million rays at rims; cargo test --release -- --ignored int_09"]
 fn int_09_far_and_uneven_rims_are_crossed_evenly_in_full() {
     far_uneven_rims(2_000_000);
 }

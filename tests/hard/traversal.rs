@@ -88,9 +88,8 @@ fn bvh_02_flat_leaves_are_not_lost() {
     flat_leaves(few(2_000_000));
 }
 
-/// `cargo test --release -- --ignored bvh_02` runs it.
 #[test]
-#[ignore = "seconds; all rectangles of BVH-02"]
+#[ignore = "takes seconds: all rectangles of BVH-02; cargo test --release -- --ignored bvh_02"]
 fn bvh_02_flat_leaves_are_not_lost_in_full() {
     flat_leaves(2_000_000);
 }
@@ -214,9 +213,8 @@ fn bvh_03_trees_equal_linear_scans() {
     trees_equal_scans(if cfg!(debug_assertions) { 20 } else { 500 });
 }
 
-/// `cargo test --release -- --ignored bvh_03` runs it.
 #[test]
-#[ignore = "a minute; all rays of BVH-03"]
+#[ignore = "takes a minute: all rays of BVH-03; cargo test --release -- --ignored bvh_03"]
 fn bvh_03_trees_equal_linear_scans_in_full() {
     trees_equal_scans(125_000);
 }

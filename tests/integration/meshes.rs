@@ -76,9 +76,8 @@ fn int_12_no_ray_leaks_out_of_a_closed_mesh() {
     assert_watertight(RAYS);
 }
 
-/// `cargo test --release -- --ignored int_12` runs it.
 #[test]
-#[ignore = "a minute; the full number of rays of INT-12"]
+#[ignore = "takes a minute: the full number of rays of INT-12; cargo test --release -- --ignored int_12"]
 fn int_12_no_ray_of_ten_million_leaks_out_of_a_closed_mesh() {
     assert_watertight(10_000_000);
 }

@@ -7,12 +7,11 @@ pub use random::Random;
 
 use kinora::color::Rgb;
 use kinora::counters::{Dropped, Meter};
-use kinora::encode::EncodeError;
 use kinora::film::{Extras, Film};
 use kinora::material::MadeOf;
 use kinora::math::DAffine3;
 use kinora::scene::{Finish, Geometry};
-use kinora::schedule::{FilmSink, FrameLoop, Tally};
+use kinora::schedule::{Films, FrameLoop, Tally};
 use kinora::sequence::{Sequence, parse};
 use kinora::shape::Shape;
 use std::path::Path;
@@ -26,17 +25,6 @@ pub fn sequence(text: &str) -> Sequence {
 /// Reads a sequence that must be right as if it were in a folder.
 pub fn sequence_in(folder: &Path, text: &str) -> Sequence {
     parse(&folder.join("test.ron").to_string_lossy(), text).unwrap_or_else(|faults| panic!("{faults}"))
-}
-
-/// Keeps films instead of writing them.
-#[derive(Default)]
-struct Films(Vec<Film>);
-
-impl FilmSink for Films {
-    fn push(&mut self, _frame: u32, film: Film) -> Result<(), EncodeError> {
-        self.0.push(film);
-        Ok(())
-    }
 }
 
 /// One frame: its film and what making it took.
