@@ -3,6 +3,7 @@
 use super::corners::retain;
 use super::{Mesh, MeshError, Packet, Parts, Place};
 use crate::math::{Aabb, DVec3};
+use crate::simd::fetch_ahead;
 use crate::tree::Tree;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -35,11 +36,10 @@ impl Mesh {
             drop_triangles(&mut parts, &keep);
         }
         parts.normals = parts.normals.map(|normals| normals.map(unit));
-        let placed = |part: u32| corners(&parts, parts.triangles[part as usize]);
-        let (tree, leaves) = Tree::of_triangles(bounds, placed, solid as u32);
+        let (tree, leaves) = Tree::of_triangles(bounds, &parts.positions, &parts.triangles);
         let leaf = |leaf| Packet::new(tree.space(), leaves.leaf(leaf), &parts);
         let packets = (0..leaves.len() as u32).into_par_iter().with_min_len(FEW).map(leaf).collect();
-        let exact = parts.positions.iter().all(|&position| tree.space().is_exact(position));
+        let exact = first(&parts.positions, |position| !tree.space().is_exact(*position)).is_none();
         Ok(Self {
             tree,
             packets,
@@ -59,11 +59,12 @@ fn check(parts: &Parts) -> Result<(), MeshError> {
     if triangles.len() > MOST_TRIANGLES {
         return Err(MeshError::new(format!("it has more than {MOST_TRIANGLES} triangles")));
     }
-    if let Some(vertex) = positions.iter().position(|position| !is_placed(*position)) {
+    if let Some(vertex) = first(positions, |position| !is_placed(*position)) {
         return Err(not_placed(Place::Vertex(vertex as u64), positions[vertex], None));
     }
-    let outside = |triangle: &[u32; 3]| triangle.iter().find(|v| **v as usize >= positions.len()).copied();
-    if let Some((face, vertex)) = triangles.iter().enumerate().find_map(|(i, t)| Some((i, outside(t)?))) {
+    let outside = |vertex: &u32| *vertex as usize >= positions.len();
+    if let Some(face) = first(triangles, |triangle| triangle.iter().any(outside)) {
+        let vertex = triangles[face].iter().copied().find(outside).unwrap_or_default();
         let why = format!("there is no vertex {vertex}; the mesh has {}", positions.len());
         return Err(MeshError::at(Place::Face(face as u64), why));
     }
@@ -72,6 +73,12 @@ fn check(parts: &Parts) -> Result<(), MeshError> {
         return Err(MeshError::new("it needs a colour for every vertex, and a slot for every triangle"));
     }
     Ok(())
+}
+
+/// The first of many entries that is as looked for.
+fn first<T: Sync>(entries: &[T], is_it: impl Fn(&T) -> bool + Sync) -> Option<usize> {
+    let in_group = |(group, entries): (usize, &[T])| Some(group * FEW + entries.iter().position(&is_it)?);
+    entries.par_chunks(FEW).enumerate().find_map_first(in_group)
 }
 
 /// Whether a position can be computed with.
@@ -96,7 +103,8 @@ pub(super) fn not_placed(place: Place, position: DVec3, face: Option<u64>) -> Me
 fn solid(parts: &Parts) -> (usize, Aabb) {
     let some = |triangles: &[[u32; 3]]| {
         let (mut count, mut bounds) = (0, Aabb::EMPTY);
-        for &triangle in triangles {
+        for (now, &triangle) in triangles.iter().enumerate() {
+            fetch_ahead(&parts.positions, triangles, now);
             let corners = corners(parts, triangle);
             if has_area(corners) {
                 count += 1;
@@ -118,14 +126,23 @@ fn corners(parts: &Parts, [a, b, c]: [u32; 3]) -> [DVec3; 3] {
     [position(a), position(b), position(c)]
 }
 
+/// What the sine of a triangle's angle has to be more than, and twice its area no less than.
+const SINE: f64 = 4.0 * f64::EPSILON;
+const DOUBLED: f64 = 2.0 * f32::MIN_POSITIVE as f64;
+
 /// Whether a triangle encloses an area: its corners differ, are not in one line to within rounding, and what
 /// they enclose is more than the smallest normal f32, below which nothing about it could be computed.
 fn has_area([a, b, c]: [DVec3; 3]) -> bool {
     let (u, v) = (b - a, c - a);
-    let doubled = u.cross(v).length();
+    let [square, of_sides] = [u.cross(v).length_squared(), u.length_squared() * v.length_squared()];
+    // What is more than that by half, after roundings, needs no roots. Squares in this range are normal numbers.
+    if square > 2.0 * SINE * SINE * of_sides && square > 2.0 * DOUBLED * DOUBLED {
+        return true;
+    }
+    let doubled = square.sqrt();
     let sine = doubled / (u.length() * v.length());
     // False for the quotient of zeros as well.
-    sine > 4.0 * f64::EPSILON && 0.5 * doubled >= f64::from(f32::MIN_POSITIVE)
+    sine > SINE && doubled >= DOUBLED
 }
 
 fn drop_triangles(parts: &mut Parts, keep: &[bool]) {

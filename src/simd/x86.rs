@@ -35,6 +35,17 @@ fn with_avx_apart<W: Work>(work: W) -> W::Output {
     work.run::<Avx>()
 }
 
+/// [`Lanes::fetch`].
+#[inline(always)]
+pub fn fetch<T>(all: &[T], soon: usize) {
+    let lines = size_of::<T>().div_ceil(64);
+    let begin = all.as_ptr().wrapping_add(soon).cast::<i8>();
+    for line in 0..lines {
+        // SAFETY: every processor of this kind has the hint, and nothing comes of it, wherever it points.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(begin.wrapping_add(64 * line)) };
+    }
+}
+
 #[derive(Clone, Copy)]
 struct Avx(__m256);
 
@@ -167,11 +178,7 @@ impl Lanes for Avx {
 
     #[inline(always)]
     fn fetch<T>(all: &[T], soon: usize) {
-        let lines = size_of::<T>().div_ceil(64);
-        let begin = all.as_ptr().wrapping_add(soon).cast::<i8>();
-        for line in 0..lines {
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(begin.wrapping_add(64 * line)) };
-        }
+        fetch(all, soon);
     }
 
     #[inline(always)]

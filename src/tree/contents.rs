@@ -53,6 +53,13 @@ impl Contents {
         self.ends.len() as u32 - 1
     }
 
+    /// The leaves of others behind these.
+    pub(super) fn append(&mut self, others: Self) {
+        let before = self.things.len() as u32;
+        self.things.extend_from_slice(&others.things);
+        self.ends.extend(others.ends.iter().map(|end| end + before));
+    }
+
     /// Other numbers for all things.
     pub(crate) fn renumber(&mut self, number: impl Fn(u32) -> u32) {
         for thing in &mut self.things {

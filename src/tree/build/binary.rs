@@ -3,6 +3,7 @@
 use super::bounds::{Bounds, Boxed};
 use super::plan::{self, Costs, Plan};
 use super::split::{Halves, TOGETHER, split};
+use rayon::iter::repeat_n;
 use rayon::prelude::*;
 
 /// A binary tree over boxes, which stand in its order: those of every subtree together.
@@ -39,11 +40,12 @@ impl Binary {
     /// Over one box at least, with leaves of at most `largest` of them.
     pub fn new(mut boxes: Vec<Boxed>, largest: usize) -> Self {
         let empty = Node { corners: [[0.0; 3]; 2], left: 0, plan: Plan::default() };
-        let mut nodes = vec![empty; boxes.len() - 1];
         let union = |[a, b]: [Bounds; 2], [c, d]: [Bounds; 2]| [a.union(c), b.union(d)];
-        let [bounds, centres] = match boxes.len() < 2 * TOGETHER {
-            true => Bounds::both(&boxes),
-            false => boxes.par_chunks(TOGETHER).map(Bounds::both).reduce(|| [Bounds::EMPTY; 2], union),
+        let around = || boxes.par_chunks(TOGETHER).map(Bounds::both).reduce(|| [Bounds::EMPTY; 2], union);
+        let (mut nodes, [bounds, centres]) = match boxes.len() < 2 * TOGETHER {
+            true => (vec![empty; boxes.len() - 1], Bounds::both(&boxes)),
+            // Memory is had from the system when it is first written to, which takes its time as well.
+            false => (repeat_n(empty, boxes.len() - 1).collect(), around()),
         };
         Range { boxes: &mut boxes, nodes: &mut nodes, bounds, centres, depth: 0 }.build(largest);
         Self { boxes, nodes }

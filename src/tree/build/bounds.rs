@@ -20,10 +20,16 @@ impl Bounds {
     pub const EMPTY: Self = Self { low: Vec4::INFINITY, high: Vec4::NEG_INFINITY };
 
     pub fn new([low, high]: [[f32; 3]; 2]) -> Self {
+        let row = |[x, y, z]: [f32; 3]| Vec4::new(x, y, z, 0.0);
+        Self { low: row(low), high: row(high) }.tamed()
+    }
+
+    /// With planes to compute with.
+    #[inline(always)]
+    pub fn tamed(self) -> Self {
         // -0 becomes 0: which of both is the smaller would depend on which comes first.
-        let row = |[x, y, z]: [f32; 3]| Vec4::new(x, y, z, 0.0) + Vec4::ZERO;
-        let row = |corner| row(corner).max(Vec4::splat(-FARTHEST)).min(Vec4::splat(FARTHEST));
-        Self { low: row(low), high: row(high) }
+        let row = |row: Vec4| (row + Vec4::ZERO).max(Vec4::splat(-FARTHEST)).min(Vec4::splat(FARTHEST));
+        Self { low: row(self.low), high: row(self.high) }
     }
 
     #[inline(always)]

@@ -32,22 +32,14 @@ impl Tree {
         Self::over(space, (0..).zip(boxes).map(boxed).collect(), 1)
     }
 
-    /// A tree over triangles that lie within `bounds`, with what is in its leaves. Long triangles may be in several.
-    pub fn of_triangles(
-        bounds: Aabb,
-        corners: impl Fn(u32) -> [DVec3; 3] + Sync,
-        count: u32,
-    ) -> (Self, Contents) {
-        if count == 0 {
+    /// A tree over triangles, given as indices into positions, that lie within `bounds`, with what is in its leaves. Long
+    /// triangles may be in several.
+    pub fn of_triangles(bounds: Aabb, positions: &[DVec3], triangles: &[[u32; 3]]) -> (Self, Contents) {
+        if triangles.is_empty() {
             return (Self::default(), Contents::default());
         }
         let space = Space::around(bounds);
-        let placed = |triangle| {
-            let [a, b, c] = corners(triangle);
-            [space.point(a), space.point(b), space.point(c)]
-        };
-        let boxes = pieces::boxes(placed, count);
-        Self::over(space, boxes, TOGETHER)
+        Self::over(space, pieces::boxes(&space, positions, triangles), TOGETHER)
     }
 
     /// A tree over boxes in `space`, with leaves of at most `largest` things.

@@ -84,10 +84,12 @@ fn trees_are_the_same_on_all_threads() {
             [a, a + random.point(if i % 100 == 0 { 2.0 } else { 0.02 }), a + random.point(0.02)]
         })
         .collect();
-    let bounds = Aabb::around(corners.iter().flatten().copied());
+    let positions: Vec<DVec3> = corners.into_iter().flatten().collect();
+    let triangles: Vec<_> = (0..60_000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let bounds = Aabb::around(positions.iter().copied());
     let build = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        let both = || [Tree::of_boxes(&boxes), Tree::of_triangles(bounds, |i| corners[i as usize], 60_000)];
+        let both = || [Tree::of_boxes(&boxes), Tree::of_triangles(bounds, &positions, &triangles)];
         pool.install(both).map(|(tree, contents)| {
             let bits = |node: &Node| (node.planes.map(|p| p.map(|p| p.map(f32::to_bits))), node.children);
             (tree.nodes.iter().map(bits).collect::<Vec<_>>(), contents)
