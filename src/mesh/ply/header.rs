@@ -135,7 +135,7 @@ impl Header {
     pub fn least_size(&self) -> u128 {
         let size = |scalar: Scalar| match self.encoding {
             Encoding::Ascii => 2,
-            Encoding::LittleEndian | Encoding::BigEndian => scalar.size(),
+            Encoding::LittleEndian | Encoding::BigEndian => scalar.size() as u128,
         };
         let record = |element: &Element| -> u128 {
             element.properties.iter().map(|property| size(property.list.unwrap_or(property.item))).sum()
@@ -147,7 +147,8 @@ impl Header {
 }
 
 impl Scalar {
-    fn size(self) -> u128 {
+    /// Bytes of a binary number.
+    pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,

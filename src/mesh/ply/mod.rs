@@ -2,6 +2,7 @@
 
 mod header;
 mod read;
+mod records;
 mod scalars;
 #[cfg(test)]
 mod tests;

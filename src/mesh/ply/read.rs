@@ -1,12 +1,14 @@
 //! PLY files → parts of meshes.
 
 use super::header::{Element, Encoding, Header};
-use super::scalars::{Binary, Scalars, Text};
+use super::records::{Blocks, Reader, Records};
+use super::scalars::{Scalars, Text};
 use super::vertices::{Vertices, incomplete, skip_list};
 use crate::humane::count;
 use crate::mesh::lines::Lines;
 use crate::mesh::{Corners, MeshError, Parts, Place};
 use std::io::BufRead;
+use std::ops::Range;
 
 /// Reads a PLY file. Polygons are cut into triangles around their first corner; elements and properties that
 /// are not known are skipped.
@@ -30,7 +32,7 @@ pub fn read_sized(input: impl BufRead, size: u64) -> Result<Parts, MeshError> {
     }
     match header.encoding {
         Encoding::Ascii => elements(&header, &mut Text::new(lines)),
-        encoding => elements(&header, &mut Binary { input: lines.into_rest(), encoding }),
+        encoding => elements(&header, &mut Blocks::new(lines.into_rest(), encoding)),
     }
 }
 
@@ -48,7 +50,7 @@ fn report_too_many_vertices(header: &Header) -> Result<(), MeshError> {
     }
 }
 
-fn elements(header: &Header, values: &mut impl Scalars) -> Result<Parts, MeshError> {
+fn elements(header: &Header, records: &mut impl Records) -> Result<Parts, MeshError> {
     let counts = |name: &str| header.elements.iter().find(|e| e.name == name).map(|e| e.count);
     let Some(vertex_count) = counts("vertex") else {
         return Err(MeshError::new("it has no `element vertex`"));
@@ -62,9 +64,9 @@ fn elements(header: &Header, values: &mut impl Scalars) -> Result<Parts, MeshErr
             return Err(MeshError::new(format!("its `element {}` has no properties", element.name)));
         }
         match element.name.as_str() {
-            "vertex" => vertices = Vertices::read(element, values)?,
-            "face" => triangles = faces(element, values, vertex_count, &vertices)?,
-            _ => skip(element, values)?,
+            "vertex" => vertices = Vertices::read(element, records)?,
+            "face" => triangles = faces(element, records, vertex_count, &vertices)?,
+            _ => records.read(element, &Skipper(element), |()| ())?,
         }
     }
     if let Some(error) = vertices.at_nowhere(None) {
@@ -78,24 +80,17 @@ fn elements(header: &Header, values: &mut impl Scalars) -> Result<Parts, MeshErr
 
 fn faces(
     element: &Element,
-    values: &mut impl Scalars,
+    records: &mut impl Records,
     vertex_count: u64,
     vertices: &Vertices,
 ) -> Result<Vec<[u32; 3]>, MeshError> {
     let named = |name: &str| name == "vertex_indices" || name == "vertex_index";
     let corners = element.properties.iter().position(|p| p.list.is_some() && named(&p.name));
     let corners = corners.ok_or_else(|| element.lacks("list `vertex_indices`"))?;
-    let mut reader = FaceReader { element, corners, vertex_count, triangles: Vec::new() };
-    for face in 0..element.count {
-        let first = reader.triangles.len();
-        reader.face(face, values).map_err(|error| incomplete(error, element, face))?;
-        if let Some((nowhere, _)) = vertices.nowhere
-            && reader.triangles[first..].iter().flatten().any(|&vertex| vertex == nowhere)
-        {
-            return Err(vertices.at_nowhere(Some(face)).unwrap_or_else(|| MeshError::new("no such vertex")));
-        }
-    }
-    Ok(reader.triangles)
+    let reader = FaceReader { element, corners, vertex_count, vertices };
+    let mut triangles = Vec::new();
+    records.read(element, &reader, |part| triangles.extend(part))?;
+    Ok(triangles)
 }
 
 struct FaceReader<'a> {
@@ -103,15 +98,39 @@ struct FaceReader<'a> {
     /// Which property is the list of corners.
     corners: usize,
     vertex_count: u64,
-    triangles: Vec<[u32; 3]>,
+    vertices: &'a Vertices,
+}
+
+impl Reader for FaceReader<'_> {
+    type Part = Vec<[u32; 3]>;
+
+    fn part(&self, records: Range<u64>, values: &mut impl Scalars) -> Result<Self::Part, MeshError> {
+        let mut triangles = Vec::new();
+        for face in records {
+            let first = triangles.len();
+            self.face(face, values, &mut triangles).map_err(|error| incomplete(error, self.element, face))?;
+            if let Some((nowhere, _)) = self.vertices.nowhere
+                && triangles[first..].iter().flatten().any(|&vertex| vertex == nowhere)
+            {
+                let fault = self.vertices.at_nowhere(Some(face));
+                return Err(fault.unwrap_or_else(|| MeshError::new("no such vertex")));
+            }
+        }
+        Ok(triangles)
+    }
 }
 
 impl FaceReader<'_> {
-    fn face(&mut self, face: u64, values: &mut impl Scalars) -> Result<(), MeshError> {
+    fn face(
+        &self,
+        face: u64,
+        values: &mut impl Scalars,
+        triangles: &mut Vec<[u32; 3]>,
+    ) -> Result<(), MeshError> {
         values.begin()?;
         for (index, property) in self.element.properties.iter().enumerate() {
             match property.list {
-                Some(_) if index == self.corners => self.polygon(face, values)?,
+                Some(_) if index == self.corners => self.polygon(face, values, triangles)?,
                 Some(count) => skip_list(property, count, values)?,
                 None => values.next(property.item).map(|_| ())?,
             }
@@ -120,7 +139,12 @@ impl FaceReader<'_> {
     }
 
     /// A list of corners, cut into triangles around the first.
-    fn polygon(&mut self, face: u64, values: &mut impl Scalars) -> Result<(), MeshError> {
+    fn polygon(
+        &self,
+        face: u64,
+        values: &mut impl Scalars,
+        triangles: &mut Vec<[u32; 3]>,
+    ) -> Result<(), MeshError> {
         let property = &self.element.properties[self.corners];
         let count = values.next(property.list.unwrap_or(property.item))?;
         if count < 3.0 {
@@ -129,8 +153,9 @@ impl FaceReader<'_> {
         }
         let mut corner = || {
             let index = values.next(property.item)?;
-            if index >= 0.0 && index.fract() == 0.0 && index < self.vertex_count as f64 {
-                return Ok(index as u32);
+            let vertex = index as u32;
+            if f64::from(vertex) == index && u64::from(vertex) < self.vertex_count {
+                return Ok(vertex);
             }
             let why = format!("there is no vertex {index}; the file has {}, from 0", self.vertex_count);
             Err(MeshError::at(place(face, values), why))
@@ -138,7 +163,7 @@ impl FaceReader<'_> {
         let (first, mut last) = (corner()?, corner()?);
         for _ in 2..count as u64 {
             let next = corner()?;
-            self.triangles.push([first, last, next]);
+            triangles.push([first, last, next]);
             last = next;
         }
         Ok(())
@@ -149,16 +174,23 @@ fn place(face: u64, values: &impl Scalars) -> Place {
     values.line().map_or(Place::Face(face), Place::Line)
 }
 
-fn skip(element: &Element, values: &mut impl Scalars) -> Result<(), MeshError> {
-    let mut record = || {
-        values.begin()?;
-        for property in &element.properties {
-            match property.list {
-                Some(count) => skip_list(property, count, values)?,
-                None => values.next(property.item).map(|_| ())?,
+/// Reads over the records of an element.
+struct Skipper<'a>(&'a Element);
+
+impl Reader for Skipper<'_> {
+    type Part = ();
+
+    fn part(&self, mut records: Range<u64>, values: &mut impl Scalars) -> Result<(), MeshError> {
+        let mut record = || {
+            values.begin()?;
+            for property in &self.0.properties {
+                match property.list {
+                    Some(count) => skip_list(property, count, values)?,
+                    None => values.next(property.item).map(|_| ())?,
+                }
             }
-        }
-        values.end()
-    };
-    (0..element.count).try_for_each(|index| record().map_err(|error| incomplete(error, element, index)))
+            values.end()
+        };
+        records.try_for_each(|index| record().map_err(|error| incomplete(error, self.0, index)))
+    }
 }

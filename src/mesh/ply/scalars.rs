@@ -3,7 +3,7 @@
 use super::header::{Encoding, Scalar};
 use crate::mesh::lines::{Lines, parsed, quoted};
 use crate::mesh::{MeshError, Place};
-use std::io::{BufRead, ErrorKind};
+use std::io::BufRead;
 
 /// Numbers in records. Every type of number fits into f64.
 pub trait Scalars {
@@ -95,20 +95,20 @@ impl<R: BufRead> Scalars for Text<R> {
 }
 
 /// Records as bytes.
-pub struct Binary<R> {
-    pub input: R,
+pub struct Binary<'b> {
+    pub bytes: &'b [u8],
     pub encoding: Encoding,
 }
 
-impl<R: BufRead> Binary<R> {
+impl Binary<'_> {
     /// The next `N` bytes, the lowest first.
-    #[inline]
+    #[inline(always)]
     fn bytes<const N: usize>(&mut self) -> Result<[u8; N], MeshError> {
-        let mut bytes = [0; N];
-        self.input.read_exact(&mut bytes).map_err(|error| match error.kind() {
-            ErrorKind::UnexpectedEof => MeshError::new("the file ends"),
-            _ => error.into(),
-        })?;
+        let Some((bytes, rest)) = self.bytes.split_first_chunk() else {
+            return Err(MeshError::new("the file ends"));
+        };
+        self.bytes = rest;
+        let mut bytes = *bytes;
         if self.encoding == Encoding::BigEndian {
             bytes.reverse();
         }
@@ -116,11 +116,12 @@ impl<R: BufRead> Binary<R> {
     }
 }
 
-impl<R: BufRead> Scalars for Binary<R> {
+impl Scalars for Binary<'_> {
     fn begin(&mut self) -> Result<(), MeshError> {
         Ok(())
     }
 
+    #[inline]
     fn next(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
         Ok(match scalar {
             Scalar::I8 => i8::from_le_bytes(self.bytes()?).into(),

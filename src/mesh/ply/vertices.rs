@@ -1,12 +1,14 @@
 //! The vertices of a PLY file.
 
 use super::header::{Element, Property, Scalar};
+use super::records::{Reader, Records};
 use super::scalars::Scalars;
 use crate::color::{Rgb, srgb_to_linear};
 use crate::math::{DVec2, DVec3};
 use crate::mesh::build::{is_placed, not_placed};
 use crate::mesh::{MeshError, Place};
 use glam::Vec3;
+use std::ops::Range;
 
 /// Names of what is read of a vertex, and its place in a record. Programs do not agree on those of texture
 /// coordinates.
@@ -45,27 +47,49 @@ pub struct Vertices {
 }
 
 /// What a file has of a vertex, and how its colours are to be read.
-struct Layout {
+struct Layout<'a> {
+    element: &'a Element,
+    /// The place of each property, if it is read.
+    places: Vec<Option<usize>>,
     has: [bool; 11],
     color: Scalar,
     /// The linear value of every code of a byte.
     codes: Vec<f32>,
 }
 
-impl Vertices {
-    pub fn read(element: &Element, values: &mut impl Scalars) -> Result<Self, MeshError> {
-        let layout = Layout::of(element)?;
-        let mut vertices = Self::default();
-        for index in 0..element.count {
-            let record = record(element, values).map_err(|error| incomplete(error, element, index))?;
+impl Reader for Layout<'_> {
+    type Part = Vertices;
+
+    fn part(&self, records: Range<u64>, values: &mut impl Scalars) -> Result<Vertices, MeshError> {
+        let mut vertices = Vertices::default();
+        for index in records {
+            let record = self.record(values).map_err(|error| incomplete(error, self.element, index))?;
             let line = values.line();
             let place = || line.map_or(Place::Vertex(index), Place::Line);
-            vertices.add(&layout, &record, line).map_err(|why| MeshError::at(place(), why))?;
+            vertices.add(self, &record, line).map_err(|why| MeshError::at(place(), why))?;
         }
         Ok(vertices)
     }
+}
 
-    fn add(&mut self, layout: &Layout, r: &Record, line: Option<u64>) -> Result<(), String> {
+impl Vertices {
+    pub fn read(element: &Element, records: &mut impl Records) -> Result<Self, MeshError> {
+        let mut vertices = Self::default();
+        records.read(element, &Layout::of(element)?, |part| vertices.append(part))?;
+        Ok(vertices)
+    }
+
+    fn append(&mut self, part: Self) {
+        let Self { positions, normals, colors, uvs, nowhere } = part;
+        let before = self.positions.len() as u32;
+        self.nowhere = self.nowhere.or(nowhere.map(|(vertex, line)| (vertex + before, line)));
+        self.positions.extend(positions);
+        self.normals.extend(normals);
+        self.colors.extend(colors);
+        self.uvs.extend(uvs);
+    }
+
+    fn add(&mut self, layout: &Layout<'_>, r: &Record, line: Option<u64>) -> Result<(), String> {
         let position = DVec3::new(r[0], r[1], r[2]);
         if self.nowhere.is_none() && !is_placed(position) {
             self.nowhere = Some((self.positions.len() as u32, line));
@@ -95,11 +119,12 @@ impl Vertices {
     }
 }
 
-impl Layout {
-    fn of(element: &Element) -> Result<Self, MeshError> {
-        let mut layout = Self { has: [false; 11], color: Scalar::F32, codes: Vec::new() };
-        for property in &element.properties {
-            let Some(place) = place(property) else { continue };
+impl<'a> Layout<'a> {
+    fn of(element: &'a Element) -> Result<Self, MeshError> {
+        let places = element.properties.iter().map(place).collect();
+        let mut layout = Self { element, places, has: [false; 11], color: Scalar::F32, codes: Vec::new() };
+        for (property, place) in element.properties.iter().zip(&layout.places) {
+            let Some(place) = *place else { continue };
             layout.has[place] = true;
             if place == 6 {
                 layout.color = property.item;
@@ -110,6 +135,23 @@ impl Layout {
         }
         layout.codes = (0..256).map(|code| srgb_to_linear(f64::from(code) / 255.0) as f32).collect();
         Ok(layout)
+    }
+
+    fn record(&self, values: &mut impl Scalars) -> Result<Record, MeshError> {
+        let mut record = [0.0; 11];
+        values.begin()?;
+        for (property, place) in self.element.properties.iter().zip(&self.places) {
+            if let Some(count) = property.list {
+                skip_list(property, count, values)?;
+                continue;
+            }
+            let value = values.next(property.item)?;
+            if let Some(place) = *place {
+                record[place] = value;
+            }
+        }
+        values.end()?;
+        Ok(record)
     }
 
     fn all(&self, mut places: std::ops::Range<usize>) -> bool {
@@ -133,23 +175,6 @@ impl Layout {
 fn place(property: &Property) -> Option<usize> {
     let place = NAMES.iter().find(|(name, _)| *name == property.name).map(|(_, place)| *place);
     place.filter(|_| property.list.is_none())
-}
-
-fn record(element: &Element, values: &mut impl Scalars) -> Result<Record, MeshError> {
-    let mut record = [0.0; 11];
-    values.begin()?;
-    for property in &element.properties {
-        if let Some(count) = property.list {
-            skip_list(property, count, values)?;
-            continue;
-        }
-        let value = values.next(property.item)?;
-        if let Some(place) = place(property) {
-            record[place] = value;
-        }
-    }
-    values.end()?;
-    Ok(record)
 }
 
 /// Reads over a list.
