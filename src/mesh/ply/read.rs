@@ -66,7 +66,7 @@ fn elements(header: &Header, records: &mut impl Records) -> Result<Parts, MeshEr
         match element.name.as_str() {
             "vertex" => vertices = Vertices::read(element, records)?,
             "face" => triangles = faces(element, records, vertex_count, &vertices)?,
-            _ => records.read(element, &Skipper(element), |()| ())?,
+            _ => records.read(element, &Skipper(element))?,
         }
     }
     if let Some(error) = vertices.at_nowhere(None) {
@@ -88,9 +88,7 @@ fn faces(
     let corners = element.properties.iter().position(|p| p.list.is_some() && named(&p.name));
     let corners = corners.ok_or_else(|| element.lacks("list `vertex_indices`"))?;
     let reader = FaceReader { element, corners, vertex_count, vertices };
-    let mut triangles = Vec::new();
-    records.read(element, &reader, |part| triangles.extend(part))?;
-    Ok(triangles)
+    records.read(element, &reader)
 }
 
 struct FaceReader<'a> {
@@ -102,13 +100,17 @@ struct FaceReader<'a> {
 }
 
 impl Reader for FaceReader<'_> {
-    type Part = Vec<[u32; 3]>;
+    type Output = Vec<[u32; 3]>;
 
-    fn part(&self, records: Range<u64>, values: &mut impl Scalars) -> Result<Self::Part, MeshError> {
-        let mut triangles = Vec::new();
+    fn read(
+        &self,
+        records: Range<u64>,
+        values: &mut impl Scalars,
+        triangles: &mut Self::Output,
+    ) -> Result<(), MeshError> {
         for face in records {
             let first = triangles.len();
-            self.face(face, values, &mut triangles).map_err(|error| incomplete(error, self.element, face))?;
+            self.face(face, values, triangles).map_err(|error| incomplete(error, self.element, face))?;
             if let Some((nowhere, _)) = self.vertices.nowhere
                 && triangles[first..].iter().flatten().any(|&vertex| vertex == nowhere)
             {
@@ -116,7 +118,11 @@ impl Reader for FaceReader<'_> {
                 return Err(fault.unwrap_or_else(|| MeshError::new("no such vertex")));
             }
         }
-        Ok(triangles)
+        Ok(())
+    }
+
+    fn append(whole: &mut Self::Output, part: &mut Self::Output) {
+        whole.append(part);
     }
 }
 
@@ -178,9 +184,9 @@ fn place(face: u64, values: &impl Scalars) -> Place {
 struct Skipper<'a>(&'a Element);
 
 impl Reader for Skipper<'_> {
-    type Part = ();
+    type Output = ();
 
-    fn part(&self, mut records: Range<u64>, values: &mut impl Scalars) -> Result<(), MeshError> {
+    fn read(&self, mut records: Range<u64>, values: &mut impl Scalars, _: &mut ()) -> Result<(), MeshError> {
         let mut record = || {
             values.begin()?;
             for property in &self.0.properties {
@@ -193,4 +199,6 @@ impl Reader for Skipper<'_> {
         };
         records.try_for_each(|index| record().map_err(|error| incomplete(error, self.0, index)))
     }
+
+    fn append(_: &mut (), _: &mut ()) {}
 }

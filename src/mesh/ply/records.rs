@@ -10,41 +10,40 @@ use std::ops::Range;
 
 /// What is made of records.
 pub trait Reader: Sync {
-    /// What some of them give.
-    type Part: Send;
+    /// What they give.
+    type Output: Default + Send;
 
-    /// Reads the records with these numbers.
-    fn part(&self, records: Range<u64>, values: &mut impl Scalars) -> Result<Self::Part, MeshError>;
+    /// Reads the records with these numbers and adds what they give.
+    fn read(
+        &self,
+        records: Range<u64>,
+        values: &mut impl Scalars,
+        into: &mut Self::Output,
+    ) -> Result<(), MeshError>;
+
+    /// Moves what a part of the records gave behind what those before did.
+    fn append(whole: &mut Self::Output, part: &mut Self::Output);
 }
 
 /// Where records come from.
 pub trait Records {
-    /// Reads all records of an element. The parts are taken in their order.
-    fn read<T: Reader>(
-        &mut self,
-        element: &Element,
-        reader: &T,
-        take: impl FnMut(T::Part),
-    ) -> Result<(), MeshError>;
+    /// Reads all records of an element.
+    fn read<T: Reader>(&mut self, element: &Element, reader: &T) -> Result<T::Output, MeshError>;
 }
 
 impl<R: BufRead> Records for Text<R> {
-    fn read<T: Reader>(
-        &mut self,
-        element: &Element,
-        reader: &T,
-        mut take: impl FnMut(T::Part),
-    ) -> Result<(), MeshError> {
-        take(reader.part(0..element.count, self)?);
-        Ok(())
+    fn read<T: Reader>(&mut self, element: &Element, reader: &T) -> Result<T::Output, MeshError> {
+        let mut output = T::Output::default();
+        reader.read(0..element.count, self, &mut output)?;
+        Ok(output)
     }
 }
 
 /// Bytes read at once.
-const BLOCK: usize = 1 << 21;
+const BLOCK: usize = 1 << 20;
 
 /// Bytes of records that one thread reads at a time.
-const TOGETHER: usize = 1 << 16;
+const TOGETHER: usize = 1 << 15;
 
 /// Binary records, in blocks whose parts are read in parallel.
 pub struct Blocks<R> {
@@ -102,12 +101,8 @@ impl<R: Read> Blocks<R> {
 }
 
 impl<R: Read> Records for Blocks<R> {
-    fn read<T: Reader>(
-        &mut self,
-        element: &Element,
-        reader: &T,
-        mut take: impl FnMut(T::Part),
-    ) -> Result<(), MeshError> {
+    fn read<T: Reader>(&mut self, element: &Element, reader: &T) -> Result<T::Output, MeshError> {
+        let (mut whole, mut outputs) = (T::Output::default(), Vec::new());
         let (size, encoding) = (Size::of(element), self.encoding);
         let mut records = 0..element.count;
         while !records.is_empty() {
@@ -117,13 +112,18 @@ impl<R: Read> Records for Blocks<R> {
                 // A record that breaks off is read like the others: it may be wrong before it ends.
                 parts.push((std::mem::take(&mut records), self.rest.clone()));
             }
-            let part = |(records, bytes): (Range<u64>, Range<usize>)| {
-                reader.part(records, &mut Binary { bytes: &self.buffer[bytes], encoding })
+            // Outputs are used again for the next parts, with the memory that they have.
+            outputs.resize_with(parts.len().max(outputs.len()), T::Output::default);
+            let read = |((records, bytes), output): (_, &mut T::Output)| {
+                reader.read(records, &mut Binary { bytes: &self.buffer[bytes], encoding }, output)
             };
-            let parts: Vec<_> = parts.into_par_iter().map(part).collect();
-            parts.into_iter().try_for_each(|part| part.map(&mut take))?;
+            let done: Vec<_> = parts.into_par_iter().zip(&mut outputs).map(read).collect();
+            for (done, output) in done.into_iter().zip(&mut outputs) {
+                done?;
+                T::append(&mut whole, output);
+            }
         }
-        Ok(())
+        Ok(whole)
     }
 }
 

@@ -58,35 +58,38 @@ struct Layout<'a> {
 }
 
 impl Reader for Layout<'_> {
-    type Part = Vertices;
+    type Output = Vertices;
 
-    fn part(&self, records: Range<u64>, values: &mut impl Scalars) -> Result<Vertices, MeshError> {
-        let mut vertices = Vertices::default();
+    fn read(
+        &self,
+        records: Range<u64>,
+        values: &mut impl Scalars,
+        vertices: &mut Vertices,
+    ) -> Result<(), MeshError> {
         for index in records {
             let record = self.record(values).map_err(|error| incomplete(error, self.element, index))?;
             let line = values.line();
             let place = || line.map_or(Place::Vertex(index), Place::Line);
             vertices.add(self, &record, line).map_err(|why| MeshError::at(place(), why))?;
         }
-        Ok(vertices)
+        Ok(())
+    }
+
+    fn append(whole: &mut Vertices, part: &mut Vertices) {
+        let Vertices { positions, normals, colors, uvs, nowhere } = part;
+        let before = whole.positions.len() as u32;
+        let nowhere = nowhere.take().map(|(vertex, line)| (vertex + before, line));
+        whole.nowhere = whole.nowhere.or(nowhere);
+        whole.positions.append(positions);
+        whole.normals.append(normals);
+        whole.colors.append(colors);
+        whole.uvs.append(uvs);
     }
 }
 
 impl Vertices {
     pub fn read(element: &Element, records: &mut impl Records) -> Result<Self, MeshError> {
-        let mut vertices = Self::default();
-        records.read(element, &Layout::of(element)?, |part| vertices.append(part))?;
-        Ok(vertices)
-    }
-
-    fn append(&mut self, part: Self) {
-        let Self { positions, normals, colors, uvs, nowhere } = part;
-        let before = self.positions.len() as u32;
-        self.nowhere = self.nowhere.or(nowhere.map(|(vertex, line)| (vertex + before, line)));
-        self.positions.extend(positions);
-        self.normals.extend(normals);
-        self.colors.extend(colors);
-        self.uvs.extend(uvs);
+        records.read(element, &Layout::of(element)?)
     }
 
     fn add(&mut self, layout: &Layout<'_>, r: &Record, line: Option<u64>) -> Result<(), String> {

@@ -9,13 +9,14 @@ use rayon::prelude::*;
 /// A binary tree over boxes, which stand in its order: those of every subtree together.
 pub struct Binary {
     pub boxes: Vec<Boxed>,
+    /// Around all of them.
+    pub bounds: Bounds,
     /// A parent, then everything below its left child, then everything below its right one. Single boxes have none.
     nodes: Vec<Node>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    corners: [[f32; 3]; 2],
     /// Boxes below the left child.
     left: u32,
     plan: Plan,
@@ -39,7 +40,7 @@ struct Range<'a> {
 impl Binary {
     /// Over one box at least, with leaves of at most `largest` of them.
     pub fn new(mut boxes: Vec<Boxed>, largest: usize) -> Self {
-        let empty = Node { corners: [[0.0; 3]; 2], left: 0, plan: Plan::default() };
+        let empty = Node { left: 0, plan: Plan::default() };
         let union = |[a, b]: [Bounds; 2], [c, d]: [Bounds; 2]| [a.union(c), b.union(d)];
         let around = || boxes.par_chunks(TOGETHER).map(Bounds::both).reduce(|| [Bounds::EMPTY; 2], union);
         let (mut nodes, [bounds, centres]) = match boxes.len() < 2 * TOGETHER {
@@ -48,7 +49,7 @@ impl Binary {
             false => (repeat_n(empty, boxes.len() - 1).collect(), around()),
         };
         Range { boxes: &mut boxes, nodes: &mut nodes, bounds, centres, depth: 0 }.build(largest);
-        Self { boxes, nodes }
+        Self { boxes, bounds, nodes }
     }
 
     pub fn root(&self) -> Subtree {
@@ -65,15 +66,6 @@ pub struct Subtree {
 }
 
 impl Subtree {
-    /// The lower and the upper corner of its box.
-    pub fn corners(self, tree: &Binary) -> [[f32; 3]; 2] {
-        if self.count == 1 {
-            tree.boxes[self.begin].bounds().corners()
-        } else {
-            tree.nodes[self.node].corners
-        }
-    }
-
     pub fn plan(self, tree: &Binary) -> Plan {
         if self.count == 1 { Plan::SINGLE } else { tree.nodes[self.node].plan }
     }
@@ -109,7 +101,7 @@ impl Range<'_> {
             false => rayon::join(|| a.build(largest), || b.build(largest)),
         };
         let (costs, plan) = plan::join(&a, &b, measure, count, count <= largest);
-        *node = Node { corners: self.bounds.corners(), left: left as u32, plan };
+        *node = Node { left: left as u32, plan };
         costs
     }
 }

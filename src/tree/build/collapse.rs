@@ -1,6 +1,7 @@
 //! From a binary tree to one with eight children per node.
 
 use super::binary::{Binary, Subtree};
+use super::bounds::Bounds;
 use super::split::TOGETHER;
 use crate::math::DVec3;
 use crate::tree::{Child, Contents, Node, Space, Tree};
@@ -10,29 +11,39 @@ use rayon::prelude::*;
 /// its children side by side.
 pub fn collapse(binary: &Binary, space: Space) -> (Tree, Contents) {
     let all = binary.root();
-    let bounds = all.corners(binary).map(|corner| DVec3::from_array(corner.map(f64::from)));
     // What is small is made in parallel and put into the whole, in the order in which it is met there.
-    let mut small = Vec::new();
-    Wide::of(binary, all, |_, subtree, _| {
+    let (mut top, mut small) = (Wide::default(), Vec::new());
+    top.add(binary, all, |_, subtree, _| {
         let is_small = subtree.count < TOGETHER;
         small.extend(is_small.then_some(subtree));
         is_small
     });
-    let part = |subtree| Wide::of(binary, subtree, |_, _, _| false);
+    let part = |subtree: Subtree| {
+        let mut part = Wide::with_capacity(subtree.count / LIKELY, subtree.count);
+        part.add(binary, subtree, |_, _, _| false);
+        part.enclose(0..part.nodes.len());
+        part
+    };
     let parts: Vec<_> = small.into_par_iter().map(part).collect();
-    let mut parts = parts.into_iter();
-    let mut wide = Wide::of(binary, all, |whole, subtree, node| {
+    let sum = |size: fn(&Wide) -> usize| size(&top) + parts.iter().map(size).sum::<usize>();
+    let mut wide = Wide::with_capacity(sum(|part| part.nodes.len()) - parts.len(), all.count);
+    let (mut parts, mut upper) = (parts.into_iter(), Vec::new());
+    wide.add(binary, all, |whole, subtree, node| {
         let part = if subtree.count < TOGETHER { parts.next() } else { None };
+        if part.is_none() {
+            upper.push(node);
+        }
         part.map(|part| whole.append(node, part)).is_some()
     });
-    wide.nodes.shrink_to_fit();
+    wide.enclose(upper.into_iter());
     wide.contents.shrink_to_fit();
     let root = if wide.nodes.is_empty() { Child::leaf(0) } else { Child(0) };
+    let bounds = binary.bounds.corners().map(|corner| DVec3::from_array(corner.map(f64::from)));
     (Tree { space, bounds, nodes: wide.nodes, root }, wide.contents)
 }
 
-/// Boxes for a node of most trees over triangles.
-const LIKELY: usize = 24;
+/// Boxes for a node of most trees over triangles, at least.
+const LIKELY: usize = 16;
 
 /// A part of a tree.
 #[derive(Default)]
@@ -45,22 +56,24 @@ struct Wide {
 type Waiting = Vec<(Subtree, usize)>;
 
 impl Wide {
-    /// What a subtree becomes, its root first, but for what is put `aside`.
-    fn of(
+    fn with_capacity(nodes: usize, things: usize) -> Self {
+        Self { nodes: Vec::with_capacity(nodes), contents: Contents::with_capacity(things) }
+    }
+
+    /// Adds what a subtree becomes, its root first, but for what is put `aside`.
+    fn add(
+        &mut self,
         binary: &Binary,
         subtree: Subtree,
         mut aside: impl FnMut(&mut Self, Subtree, usize) -> bool,
-    ) -> Self {
-        let contents = Contents::with_capacity(subtree.count);
-        let mut wide = Self { nodes: Vec::with_capacity(subtree.count / LIKELY), contents };
+    ) {
         let mut waiting = Vec::new();
-        wide.child(binary, subtree, &mut waiting);
+        self.child(binary, subtree, &mut waiting);
         while let Some((subtree, node)) = waiting.pop() {
-            if !aside(&mut wide, subtree, node) {
-                wide.fill(binary, subtree, node, &mut waiting);
+            if !aside(self, subtree, node) {
+                self.fill(binary, subtree, node, &mut waiting);
             }
         }
-        wide
     }
 
     /// A leaf, or a node that waits for its children.
@@ -75,16 +88,29 @@ impl Wide {
         Child(self.nodes.len() as u32 - 1)
     }
 
+    /// Gives a node its children, with the boxes of those that are leaves.
     fn fill(&mut self, binary: &Binary, subtree: Subtree, node: usize, waiting: &mut Waiting) {
         let (mut roots, mut count) = ([subtree; 8], 0);
         subtree.roots(binary, 8, &mut roots, &mut count);
         for (slot, root) in roots.into_iter().enumerate().take(count) {
             let child = self.child(binary, root, waiting);
-            let [low, high] = root.corners(binary);
-            let node = &mut self.nodes[node];
-            node.children[slot] = child;
-            for (axis, planes) in node.planes.iter_mut().enumerate() {
-                (planes[0][slot], planes[1][slot]) = (low[axis], high[axis]);
+            self.nodes[node].children[slot] = child;
+            if child.as_leaf().is_some() {
+                let boxes = root.boxes(binary).iter().map(|boxed| boxed.bounds());
+                self.nodes[node].set_box(slot, boxes.fold(Bounds::EMPTY, Bounds::union).corners());
+            }
+        }
+    }
+
+    /// The boxes of nodes that are children of others, in whose order they stand.
+    fn enclose(&mut self, nodes: impl DoubleEndedIterator<Item = usize>) {
+        for node in nodes.rev() {
+            for slot in 0..8 {
+                let child = self.nodes[node].children[slot];
+                if child != Child::NONE && child.as_leaf().is_none() {
+                    let corners = self.nodes[child.0 as usize].corners();
+                    self.nodes[node].set_box(slot, corners);
+                }
             }
         }
     }
@@ -101,12 +127,25 @@ impl Wide {
         for node in &mut part.nodes {
             node.children = node.children.map(moved);
         }
-        let mut below = part.nodes.drain(..);
-        if let Some(root) = below.next() {
-            self.nodes[node] = root;
-        }
-        self.nodes.extend(below);
+        self.nodes[node] = part.nodes[0].clone();
+        self.nodes.extend_from_slice(&part.nodes[1..]);
         self.contents.append(part.contents);
+    }
+}
+
+impl Node {
+    fn set_box(&mut self, slot: usize, [low, high]: [[f32; 3]; 2]) {
+        for (axis, planes) in self.planes.iter_mut().enumerate() {
+            (planes[0][slot], planes[1][slot]) = (low[axis], high[axis]);
+        }
+    }
+
+    /// Of a box around those of all its children.
+    fn corners(&self) -> [[f32; 3]; 2] {
+        [
+            self.planes.map(|[low, _]| low.into_iter().fold(f32::INFINITY, f32::min)),
+            self.planes.map(|[_, high]| high.into_iter().fold(f32::NEG_INFINITY, f32::max)),
+        ]
     }
 }
 
