@@ -3,8 +3,8 @@
 use super::corners::retain;
 use super::{Mesh, MeshError, Packet, Parts, Place};
 use crate::math::{Aabb, DVec3};
-use crate::simd::fetch_ahead;
-use crate::tree::Tree;
+use crate::simd::{fetch, fetch_ahead};
+use crate::tree::{Contents, Tree};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::OnceLock;
@@ -37,8 +37,11 @@ impl Mesh {
         }
         parts.normals = parts.normals.map(|normals| normals.map(unit));
         let (tree, leaves) = Tree::of_triangles(bounds, &parts.positions, &parts.triangles);
-        let leaf = |leaf| Packet::new(tree.space(), leaves.leaf(leaf), &parts);
-        let packets = (0..leaves.len() as u32).into_par_iter().with_min_len(FEW).map(leaf).collect();
+        let packet = |leaf| {
+            fetch_leaves(&leaves, leaf, &parts);
+            Packet::new(tree.space(), leaves.leaf(leaf), &parts)
+        };
+        let packets = (0..leaves.len() as u32).into_par_iter().with_min_len(FEW).map(packet).collect();
         let exact = first(&parts.positions, |position| !tree.space().is_exact(*position)).is_none();
         Ok(Self {
             tree,
@@ -51,6 +54,23 @@ impl Mesh {
             areas: OnceLock::new(),
             digest: OnceLock::new(),
         })
+    }
+}
+
+/// Leaves between asking for the triangles of one, or for their corners, and needing them.
+const AHEAD: u32 = 4;
+
+/// Asks for what leaves hold that come up soon after another one.
+#[inline(always)]
+fn fetch_leaves(leaves: &Contents, now: u32, parts: &Parts) {
+    if (now + 2 * AHEAD) as usize >= leaves.len() {
+        return;
+    }
+    for &part in leaves.leaf(now + 2 * AHEAD) {
+        fetch(&parts.triangles, part as usize);
+    }
+    for vertex in leaves.leaf(now + AHEAD).iter().flat_map(|&part| parts.triangles[part as usize]) {
+        fetch(&parts.positions, vertex as usize);
     }
 }
 

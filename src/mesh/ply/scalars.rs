@@ -51,7 +51,7 @@ impl<R: BufRead> Scalars for Text<R> {
     fn begin(&mut self) -> Result<(), MeshError> {
         loop {
             let Some((number, line)) = self.lines.next()? else {
-                return Err(MeshError::new("the file ends"));
+                return Err(ends());
             };
             if !line.is_empty() {
                 self.line.clear();
@@ -94,6 +94,11 @@ impl<R: BufRead> Scalars for Text<R> {
     }
 }
 
+#[cold]
+fn ends() -> MeshError {
+    MeshError::new("the file ends")
+}
+
 /// Records as bytes.
 pub struct Binary<'b> {
     pub bytes: &'b [u8],
@@ -105,7 +110,7 @@ impl Binary<'_> {
     #[inline(always)]
     fn bytes<const N: usize>(&mut self) -> Result<[u8; N], MeshError> {
         let Some((bytes, rest)) = self.bytes.split_first_chunk() else {
-            return Err(MeshError::new("the file ends"));
+            return Err(ends());
         };
         self.bytes = rest;
         let mut bytes = *bytes;
@@ -121,7 +126,7 @@ impl Scalars for Binary<'_> {
         Ok(())
     }
 
-    #[inline]
+    #[inline(always)]
     fn next(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
         Ok(match scalar {
             Scalar::I8 => i8::from_le_bytes(self.bytes()?).into(),

@@ -52,6 +52,10 @@ fn sweep(boxes: &mut [Boxed], centres: &Bounds) -> Halves {
         }
         boxes[place] = boxed;
     }
+    if let [a, b] = boxes {
+        let (a, b) = (Bounds::both(&[*a]), Bounds::both(&[*b]));
+        return Halves { left: 1, bounds: [a[0], b[0]], centres: [a[1], b[1]] };
+    }
     let mut right = [[Bounds::EMPTY; 2]; FEW];
     let mut side = [Bounds::EMPTY; 2];
     for place in (1..count).rev() {
