@@ -12,12 +12,12 @@ use std::ops::Range;
 
 /// Reads a PLY file. Polygons are cut into triangles around their first corner; elements and properties that
 /// are not known are skipped.
-pub fn read(input: impl BufRead) -> Result<Parts, MeshError> {
+pub fn read(input: impl BufRead + Send) -> Result<Parts, MeshError> {
     read_sized(input, u64::MAX)
 }
 
 /// [`read`], where the whole file is known to have no more than `size` bytes.
-pub fn read_sized(input: impl BufRead, size: u64) -> Result<Parts, MeshError> {
+pub fn read_sized(input: impl BufRead + Send, size: u64) -> Result<Parts, MeshError> {
     let mut lines = Lines::new(input, false);
     let header = Header::read(&mut lines)?;
     report_too_many_vertices(&header)?;

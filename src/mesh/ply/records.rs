@@ -5,7 +5,7 @@ use super::scalars::{Binary, Scalars, Text};
 use super::vertices::incomplete;
 use crate::mesh::MeshError;
 use rayon::prelude::*;
-use std::io::{BufRead, ErrorKind, Read};
+use std::io::{self, BufRead, ErrorKind, Read};
 use std::ops::Range;
 
 /// What is made of records.
@@ -39,7 +39,7 @@ impl<R: BufRead> Records for Text<R> {
     }
 }
 
-/// Bytes read at once.
+/// Bytes of a block.
 const BLOCK: usize = 1 << 20;
 
 /// Bytes of records that one thread reads at a time.
@@ -49,81 +49,133 @@ const TOGETHER: usize = 1 << 15;
 pub struct Blocks<R> {
     input: R,
     encoding: Encoding,
-    buffer: Vec<u8>,
-    /// What of the buffer is still to be read.
-    rest: Range<usize>,
-    /// Nothing follows behind the buffer.
+    /// Whether nothing follows.
     ended: bool,
+    /// What was had from the input, and behind its records is still to be read.
+    last: Block,
+}
+
+#[derive(Default)]
+struct Block {
+    buffer: Vec<u8>,
+    /// Bytes in the buffer.
+    filled: usize,
+    /// Bytes of its records.
+    used: usize,
+    /// Which records there are, in parts, and where.
+    parts: Vec<(Range<u64>, Range<usize>)>,
 }
 
 impl<R: Read> Blocks<R> {
     pub fn new(input: R, encoding: Encoding) -> Self {
-        Self { input, encoding, buffer: vec![0; BLOCK], rest: 0..0, ended: false }
+        Self { input, encoding, ended: false, last: Block::default() }
     }
 
-    /// Fills the buffer behind what is still to be read, and makes it larger if that is all of it.
-    fn fill(&mut self) -> Result<(), MeshError> {
-        self.buffer.copy_within(self.rest.clone(), 0);
-        self.rest = 0..self.rest.len();
-        if self.rest.end == self.buffer.len() {
-            self.buffer.resize(2 * self.rest.end, 0);
+    /// The block behind another one, with the next of these records.
+    fn follow(
+        &mut self,
+        before: &Block,
+        block: &mut Block,
+        size: &Size,
+        records: &mut Range<u64>,
+    ) -> Result<(), MeshError> {
+        let rest = &before.buffer[before.used..before.filled];
+        block.parts.clear();
+        block.buffer.resize(BLOCK.max(rest.len()), 0);
+        block.buffer[..rest.len()].copy_from_slice(rest);
+        (block.filled, block.used) = (rest.len(), 0);
+        while block.parts.is_empty() && !records.is_empty() {
+            if block.filled == block.buffer.len() {
+                block.buffer.resize(2 * block.filled, 0);
+            }
+            self.fill(block)?;
+            block.cut(size, self.encoding, records);
+            if block.parts.is_empty() && self.ended {
+                // A record that breaks off is read like the others: it may be wrong before it ends.
+                block.parts.push((std::mem::take(records), 0..block.filled));
+            }
         }
-        while !self.ended && self.rest.end < self.buffer.len() {
-            match self.input.read(&mut self.buffer[self.rest.end..]) {
-                Ok(read) => (self.rest.end, self.ended) = (self.rest.end + read, read == 0),
+        Ok(())
+    }
+
+    fn fill(&mut self, block: &mut Block) -> io::Result<()> {
+        while !self.ended && block.filled < block.buffer.len() {
+            match self.input.read(&mut block.buffer[block.filled..]) {
+                Ok(0) => self.ended = true,
+                Ok(read) => block.filled += read,
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                Err(error) => return Err(error.into()),
+                Err(error) => return Err(error),
             }
         }
         Ok(())
     }
 }
 
-impl<R: Read> Blocks<R> {
-    /// The whole records that are in the buffer, in parts: which they are, and where.
-    fn parts(&mut self, size: &Size, records: &mut Range<u64>) -> Vec<(Range<u64>, Range<usize>)> {
-        let (mut parts, bytes) = (Vec::new(), &self.buffer[..self.rest.end]);
+impl Block {
+    /// Finds the whole records.
+    fn cut(&mut self, size: &Size, encoding: Encoding, records: &mut Range<u64>) {
+        let bytes = &self.buffer[..self.filled];
         loop {
-            let (first, begin) = (records.start, self.rest.start);
+            let (first, begin) = (records.start, self.used);
             while !records.is_empty()
-                && self.rest.start - begin < TOGETHER
-                && let Some(end) = size.end(bytes, self.rest.start, self.encoding)
+                && self.used - begin < TOGETHER
+                && let Some(end) = size.end(bytes, self.used, encoding)
             {
-                self.rest.start = end;
+                self.used = end;
                 records.start += 1;
             }
             if records.start == first {
-                return parts;
+                return;
             }
-            parts.push((first..records.start, begin..self.rest.start));
+            self.parts.push((first..records.start, begin..self.used));
         }
+    }
+
+    /// Reads all parts, in parallel. Of several faults it is the first one.
+    fn read<T: Reader>(
+        &self,
+        reader: &T,
+        encoding: Encoding,
+        outputs: &mut Vec<T::Output>,
+    ) -> Result<(), MeshError> {
+        outputs.resize_with(self.parts.len(), T::Output::default);
+        let read = |((records, bytes), output): (&(Range<u64>, Range<usize>), &mut T::Output)| {
+            let mut values = Binary { bytes: &self.buffer[bytes.clone()], encoding };
+            reader.read(records.clone(), &mut values, output)
+        };
+        let done: Vec<_> = self.parts.par_iter().zip(outputs).map(read).collect();
+        done.into_iter().collect()
     }
 }
 
-impl<R: Read> Records for Blocks<R> {
+impl<R: Read + Send> Records for Blocks<R> {
     fn read<T: Reader>(&mut self, element: &Element, reader: &T) -> Result<T::Output, MeshError> {
-        let (mut whole, mut outputs) = (T::Output::default(), Vec::new());
-        let (size, encoding) = (Size::of(element), self.encoding);
-        let mut records = 0..element.count;
-        while !records.is_empty() {
-            self.fill().map_err(|error| incomplete(error, element, records.start))?;
-            let mut parts = self.parts(&size, &mut records);
-            if parts.is_empty() && self.ended {
-                // A record that breaks off is read like the others: it may be wrong before it ends.
-                parts.push((std::mem::take(&mut records), self.rest.clone()));
-            }
-            // Outputs are used again for the next parts, with the memory that they have.
-            outputs.resize_with(parts.len().max(outputs.len()), T::Output::default);
-            let read = |((records, bytes), output): (_, &mut T::Output)| {
-                reader.read(records, &mut Binary { bytes: &self.buffer[bytes], encoding }, output)
-            };
-            let done: Vec<_> = parts.into_par_iter().zip(&mut outputs).map(read).collect();
-            for (done, output) in done.into_iter().zip(&mut outputs) {
-                done?;
-                T::append(&mut whole, output);
+        let (size, encoding, mut records) = (Size::of(element), self.encoding, 0..element.count);
+        let (mut now, mut soon) = (std::mem::take(&mut self.last), Block::default());
+        let mut whole = T::Output::default();
+        // Both are used again and again, with the memory that they have.
+        let (mut outputs, mut done) = (Vec::new(), Vec::new());
+        now.parts.clear();
+        loop {
+            // While a block is read, what the one before gave is put in its place, and the next one is made ready.
+            let (read, follows) = rayon::join(
+                || now.read(reader, encoding, &mut outputs),
+                || {
+                    done.iter_mut().for_each(|part| T::append(&mut whole, part));
+                    let next = records.start;
+                    let follows = self.follow(&now, &mut soon, &size, &mut records);
+                    follows.map_err(|error| incomplete(error, element, next))
+                },
+            );
+            read?;
+            follows?;
+            (now, soon) = (soon, now);
+            (outputs, done) = (done, outputs);
+            if now.parts.is_empty() && done.is_empty() {
+                self.last = now;
+                return Ok(whole);
             }
         }
-        Ok(whole)
     }
 }
 
