@@ -2,6 +2,7 @@
 
 use super::corners::retain;
 use super::{Mesh, MeshError, Packet, Parts, Place};
+use crate::digest::{Content, Digest, Digester};
 use crate::math::{Aabb, DVec3};
 use crate::simd::{fetch, fetch_ahead};
 use crate::tree::{Contents, Tree};
@@ -16,7 +17,7 @@ pub(super) const LARGEST: f64 = 1e30;
 const MOST_TRIANGLES: usize = 1 << 30;
 
 /// Triangles, and leaves of them, that are not worth more than one thread.
-const FEW: usize = 4096;
+pub(super) const FEW: usize = 4096;
 
 impl Mesh {
     /// The mesh of these parts; triangles without an area are left out and counted.
@@ -35,13 +36,10 @@ impl Mesh {
             let keep: Vec<bool> = parts.triangles.iter().map(has_area).collect();
             drop_triangles(&mut parts, &keep);
         }
-        parts.normals = parts.normals.map(|normals| normals.map(unit));
-        let (tree, leaves) = Tree::of_triangles(bounds, &parts.positions, &parts.triangles);
-        let packet = |leaf| {
-            fetch_leaves(&leaves, leaf, &parts);
-            Packet::new(tree.space(), leaves.leaf(leaf), &parts)
-        };
-        let packets = (0..leaves.len() as u32).into_par_iter().with_min_len(FEW).map(packet).collect();
+        if let Some(normals) = &mut parts.normals {
+            normals.change(unit);
+        }
+        let ((tree, packets), digest) = rayon::join(|| tree(&parts, bounds), || digest(&parts));
         let exact = first(&parts.positions, |position| !tree.space().is_exact(*position)).is_none();
         Ok(Self {
             tree,
@@ -50,11 +48,31 @@ impl Mesh {
             bounds,
             skipped,
             parts,
+            digest,
             smooth: OnceLock::new(),
             areas: OnceLock::new(),
-            digest: OnceLock::new(),
         })
     }
+}
+
+/// The tree over triangles within `bounds`, and the packets of its leaves.
+fn tree(parts: &Parts, bounds: Aabb) -> (Tree, Vec<Packet>) {
+    let (tree, leaves) = Tree::of_triangles(bounds, &parts.positions, &parts.triangles);
+    let packet = |leaf| {
+        fetch_leaves(&leaves, leaf, parts);
+        Packet::new(tree.space(), leaves.leaf(leaf), parts)
+    };
+    let packets = (0..leaves.len() as u32).into_par_iter().with_min_len(FEW).map(packet).collect();
+    (tree, packets)
+}
+
+/// What there is but for materials.
+fn digest(parts: &Parts) -> Digest {
+    let Parts { positions, triangles, normals, uvs, colors, slots, materials: _ } = parts;
+    let mut digester = Digester::new();
+    (positions, triangles, colors).feed(&mut digester);
+    (normals, uvs, slots).feed(&mut digester);
+    digester.finish()
 }
 
 /// Leaves between asking for the triangles of one, or for their corners, and needing them.

@@ -1,6 +1,8 @@
 //! Values at the corners of triangles: normals, texture coordinates.
 
+use super::build::FEW;
 use crate::digest::{Content, Digester};
+use rayon::prelude::*;
 
 /// Values at the corners of triangles. Files index them like the positions or on their own, as a position on a
 /// seam has several.
@@ -23,7 +25,7 @@ impl<T: Content> Content for Corners<T> {
 /// The index of a corner without a value.
 pub const NOWHERE: u32 = u32::MAX;
 
-impl<T: Copy> Corners<T> {
+impl<T: Copy + Send> Corners<T> {
     /// A value for each position.
     pub fn per_vertex(values: Vec<T>) -> Self {
         Self { values, indices: None }
@@ -56,8 +58,8 @@ impl<T: Copy> Corners<T> {
     }
 
     /// Changes every value.
-    pub(super) fn map(self, change: impl Fn(T) -> T) -> Self {
-        Self { values: self.values.into_iter().map(change).collect(), indices: self.indices }
+    pub(super) fn change(&mut self, change: impl Fn(T) -> T + Sync) {
+        self.values.par_iter_mut().with_min_len(FEW).for_each(|value| *value = change(*value));
     }
 
     /// Drops the triangles that are not kept.

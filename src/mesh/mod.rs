@@ -23,7 +23,7 @@ pub use mtl::MtlMaterial;
 pub use packet::{Packet, Sheared, ShearedRays};
 
 use crate::color::Rgb;
-use crate::digest::{Content, Digest, Digester, content};
+use crate::digest::{Digest, content};
 use crate::math::{Aabb, DVec2, DVec3};
 use crate::simd::Lanes;
 use crate::tree::Tree;
@@ -65,7 +65,7 @@ pub struct Mesh {
     pub skipped: usize,
     smooth: OnceLock<Vec<Vec3>>,
     areas: OnceLock<Vec<f64>>,
-    digest: OnceLock<Digest>,
+    digest: Digest,
 }
 
 /// Which normals a mesh is shaded with.
@@ -198,15 +198,9 @@ impl Mesh {
         self.smooth.get_or_init(|| smooth::normals(&self.parts.positions, &self.parts.triangles))
     }
 
-    /// What the mesh holds, but for the materials that came with it; computed when first asked for.
+    /// What the mesh holds, but for the materials that came with it.
     pub fn digest(&self) -> Digest {
-        *self.digest.get_or_init(|| {
-            let Parts { positions, triangles, normals, uvs, colors, slots, materials: _ } = &self.parts;
-            let mut digester = Digester::new();
-            (positions, triangles, colors).feed(&mut digester);
-            (normals, uvs, slots).feed(&mut digester);
-            digester.finish()
-        })
+        self.digest
     }
 
     /// The area of all triangles up to and including each; computed when first asked for.
