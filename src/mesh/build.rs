@@ -4,8 +4,8 @@ use super::corners::retain;
 use super::{Mesh, MeshError, Packet, Parts, Place};
 use crate::digest::{Content, Digest, Digester};
 use crate::math::{Aabb, DVec3};
-use crate::simd::{fetch, fetch_ahead};
-use crate::tree::{Contents, Tree};
+use crate::simd::fetch;
+use crate::tree::{Contents, Tree, fetch_ahead};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::OnceLock;
@@ -198,4 +198,33 @@ fn drop_triangles(parts: &mut Parts, keep: &[bool]) {
 /// overflow.
 fn unit(normal: Vec3) -> Vec3 {
     normal.as_dvec3().normalize_or_zero().as_vec3()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::Random;
+
+    /// Squares decide as the lengths themselves do, of every size and at the limits.
+    #[test]
+    fn areas_are_told_without_roots() {
+        let by_lengths = |[a, b, c]: [DVec3; 3]| {
+            let doubled = (b - a).cross(c - a).length();
+            let sine = doubled / ((b - a).length() * (c - a).length());
+            sine > 4.0 * f64::EPSILON && 0.5 * doubled >= f64::from(f32::MIN_POSITIVE)
+        };
+        let mut random = Random(13);
+        let mut counts = [0; 2];
+        for exponent in -170..=30 {
+            for _ in 0..200 {
+                let (a, b) = (random.point(1.0), random.point(1.0));
+                let slender = libm::exp2(-60.0 * random.unit() * random.unit());
+                let c = a + (b - a) * random.unit() + random.point(slender);
+                let triangle = [a, b, c].map(|corner| corner * libm::exp10(f64::from(exponent)));
+                assert_eq!(has_area(triangle), by_lengths(triangle), "{triangle:?}");
+                counts[usize::from(has_area(triangle))] += 1;
+            }
+        }
+        assert!(counts.into_iter().all(|count| count > 1000), "{counts:?}");
+    }
 }

@@ -106,17 +106,6 @@ pub fn fetch<T>(all: &[T], soon: usize) {
     Portable::fetch(all, soon);
 }
 
-/// Triangles between asking for one's corners and needing them.
-const AHEAD: usize = 16;
-
-/// Asks for the corners of a triangle that comes up soon after another one.
-#[inline(always)]
-pub fn fetch_ahead<T>(positions: &[T], triangles: &[[u32; 3]], now: usize) {
-    if let Some(soon) = triangles.get(now + AHEAD) {
-        soon.iter().for_each(|&vertex| fetch(positions, vertex as usize));
-    }
-}
-
 #[cfg(test)]
 pub mod tests {
     use super::*;

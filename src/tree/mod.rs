@@ -11,6 +11,7 @@ mod slabs;
 mod space;
 mod walk;
 
+pub use build::fetch_ahead;
 pub use bundle::{Branch, BundleLeaves, BundleSlabs};
 pub use contents::Contents;
 pub use probe::Probe;

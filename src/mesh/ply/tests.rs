@@ -199,6 +199,75 @@ fn absurd_counts_end_with_the_file() {
     assert_eq!(fault(&[text.as_bytes(), &[0; 36]].concat()), "its `element empty` has no properties");
 }
 
+/// As many records as fill several blocks of a file, some with lists of their own, and one larger than a block: vertices as
+/// bytes and as text, and the corners of the faces.
+fn many_records() -> (Vec<u8>, String, Vec<Vec<u32>>) {
+    const VERTICES: u32 = 60_000;
+    let (mut bytes, mut text) = (Vec::new(), String::new());
+    for vertex in 0..VERTICES {
+        let [x, y, z] = [vertex % 251, vertex % 13, vertex / 7].map(|v| v as f32 * 0.5);
+        let bones = &[1_u8, 2, 3][..vertex as usize % 4 % 3];
+        [x, y].iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+        bytes.extend([&[bones.len() as u8], bones].concat());
+        bytes.extend(z.to_le_bytes());
+        text += &format!("{x} {y} {}", bones.len());
+        bones.iter().for_each(|bone| text += &format!(" {bone}"));
+        text += &format!(" {z}\n");
+    }
+    let corners = |face: u32| match face {
+        70_000 => 500_000,
+        _ => 3 + face % 3,
+    };
+    let faces = (0..90_000).map(|face| (0..corners(face)).map(|i| (face + i * i) % VERTICES).collect());
+    (bytes, text, faces.collect())
+}
+
+fn many_header(format: &str) -> String {
+    format!(
+        "ply\nformat {format} 1.0\nelement vertex 60000\nproperty float x\nproperty float y\n\
+         property list uchar uchar bones\nproperty float z\nelement face 90000\n\
+         property list int int vertex_indices\nend_header\n"
+    )
+}
+
+#[test]
+fn blocks_do_not_show() {
+    let (vertices, lines, faces) = many_records();
+    let mut text = many_header("ascii") + &lines;
+    for face in &faces {
+        let corners: String = face.iter().map(|corner| format!(" {corner}")).collect();
+        text += &format!("{}{corners}\n", face.len());
+    }
+    let binary = |faces: &[Vec<u32>]| {
+        let mut bytes = [many_header("binary_little_endian").as_bytes(), &vertices].concat();
+        for face in faces {
+            bytes.extend((face.len() as u32).to_le_bytes());
+            face.iter().for_each(|corner| bytes.extend(corner.to_le_bytes()));
+        }
+        bytes
+    };
+    let whole = binary(&faces);
+    assert_eq!(good(&whole), good(text.as_bytes()));
+
+    // Of several faults the first one is told, wherever the others are and also if the file breaks off behind it.
+    let mut wrong = faces;
+    for face in [89_999, 40_000, 30_000] {
+        wrong[face][1] = 60_000 + face as u32;
+        let why = format!("face {face}: there is no vertex {}; the file has 60000, from 0", 60_000 + face);
+        assert_eq!(fault(&binary(&wrong)), why);
+    }
+    let last = binary(&wrong[..30_001]);
+    assert_eq!(fault(&last[..last.len() - 4]), fault(&last));
+    assert_eq!(fault(&whole[..whole.len() - 1]), "the file ends in face 89999 of 90000");
+    assert_eq!(fault(&whole[..whole.len() - 1_000_000]), "the file ends in face 70000 of 90000");
+    let begin = many_header("binary_little_endian").len();
+    assert_eq!(fault(&whole[..begin + vertices.len() - 1]), "the file ends in vertex 59999 of 60000");
+    let mut nowhere = whole;
+    let at = begin + vertices.len() - 4;
+    nowhere[at..at + 4].copy_from_slice(&f32::NAN.to_le_bytes());
+    assert!(fault(&nowhere).starts_with("vertex 59999: the vertex has z = NaN, and face "));
+}
+
 #[test]
 fn damaged_files_do_not_panic() {
     let mut random = Random(5);

@@ -141,7 +141,7 @@ impl Node {
     }
 
     /// Of a box around those of all its children.
-    fn corners(&self) -> [[f32; 3]; 2] {
+    pub(super) fn corners(&self) -> [[f32; 3]; 2] {
         [
             self.planes.map(|[low, _]| low.into_iter().fold(f32::INFINITY, f32::min)),
             self.planes.map(|[_, high]| high.into_iter().fold(f32::NEG_INFINITY, f32::max)),

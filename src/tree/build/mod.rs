@@ -12,6 +12,8 @@ mod split;
 #[cfg(test)]
 mod tests;
 
+pub use pieces::fetch_ahead;
+
 use super::{Contents, Space, Tree};
 use crate::math::{Aabb, DVec3};
 use binary::Binary;

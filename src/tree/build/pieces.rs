@@ -2,7 +2,7 @@
 
 use super::bounds::{Bounds, Boxed};
 use crate::math::DVec3;
-use crate::simd::fetch_ahead;
+use crate::simd::fetch;
 use crate::tree::Space;
 use glam::Vec4;
 use rayon::prelude::*;
@@ -56,6 +56,17 @@ pub fn boxes(space: &Space, positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<
         }
     }
     boxes
+}
+
+/// Triangles between asking for one's corners and needing them.
+const AHEAD: usize = 16;
+
+/// Asks for the corners of a triangle that comes up soon after another one.
+#[inline(always)]
+pub fn fetch_ahead(positions: &[DVec3], triangles: &[[u32; 3]], now: usize) {
+    if let Some(soon) = triangles.get(now + AHEAD) {
+        soon.iter().for_each(|&vertex| fetch(positions, vertex as usize));
+    }
 }
 
 #[inline(always)]

@@ -6,22 +6,25 @@ fn cube(at: DVec3, side: f64) -> Aabb {
     Aabb { min: at, max: at + DVec3::splat(side) }
 }
 
-/// Checks that each thing is in a leaf, and its box within all boxes above that.
+/// Checks that each thing is in a leaf, and its box within all boxes above that, which are no larger than they must be.
 fn check(boxes: &[Aabb]) -> (Tree, Contents) {
     let (tree, contents) = Tree::of_boxes(boxes);
     let mut seen = vec![0; boxes.len()];
     let everywhere = [[f32::NEG_INFINITY; 3], [f32::INFINITY; 3]];
     let mut waiting = vec![(tree.root, everywhere)];
     while let Some((child, [low, high])) = waiting.pop() {
+        let is_tight = |corners| [low, high] == everywhere || [low, high] == corners;
         if let Some(leaf) = child.as_leaf() {
             for &thing in contents.leaf(leaf) {
                 seen[thing as usize] += 1;
                 let [min, max] = Bounds::new(tree.space().outward(boxes[thing as usize])).corners();
-                assert!((0..3).all(|k| low[k] <= min[k] && max[k] <= high[k]));
+                assert!(is_tight([min, max]));
             }
             continue;
         }
-        let Node { planes, children } = &tree.nodes[child.0 as usize];
+        let node = &tree.nodes[child.0 as usize];
+        assert!(is_tight(node.corners()));
+        let Node { planes, children } = node;
         for (slot, &child) in children.iter().enumerate().filter(|(_, child)| **child != Child::NONE) {
             let side = |side: usize| [0, 1, 2].map(|axis: usize| planes[axis][side][slot]);
             waiting.push((child, [side(0), side(1)]));
