@@ -1,6 +1,5 @@
 //! Eight rays at once: each meets what it would alone.
 
-use super::balls::Lines;
 use super::{Bvh, Hit};
 use crate::scene::Geometry;
 use crate::shape::{Crossings, Rays, lanes};
@@ -38,6 +37,17 @@ impl Hits {
         at.t = found_t.pick(Choice::of(better), t).store();
         for lane in lanes(better) {
             (primitives[lane], at.parts[lane]) = (index, found.parts[lane]);
+        }
+    }
+
+    /// Takes what of all that stands in no tree is nearer.
+    #[inline(always)]
+    fn test_untreed<L: Lanes>(&mut self, bvh: &Bvh, geometry: &Geometry, rays: &Rays, wanted: u32) {
+        for &(index, _) in &bvh.planes {
+            self.test::<L>(geometry, rays, index, wanted);
+        }
+        for &index in &bvh.untreed {
+            self.test::<L>(geometry, rays, index, wanted);
         }
     }
 
@@ -104,22 +114,17 @@ impl Closest<'_> {
     #[inline(always)]
     fn search<L: Lanes, const ALONE: usize>(self) -> Hits {
         let Self { bvh, geometry, rays, wanted } = self;
-        let mut hits = Hits::NONE;
-        for &(index, _) in &bvh.planes {
-            hits.test::<L>(geometry, rays, index, wanted);
-        }
-        for &index in &bvh.untreed {
-            hits.test::<L>(geometry, rays, index, wanted);
-        }
         if bvh.tree.is_empty() {
+            let mut hits = Hits::NONE;
+            hits.test_untreed::<L>(bvh, geometry, rays, wanted);
             return hits;
         }
         let (origin, direction) = rays.load::<L>();
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
-        let (limit, alone) = (slabs.limit(Octo::load(&hits.at.t)), [None; ALONE]);
-        let lines = (!bvh.packs.is_empty()).then(|| Lines::new(&slabs, direction));
-        let mut nearest =
-            Nearest { bvh, geometry, rays, slabs: &slabs, lines: lines.as_ref(), limit, hits, alone };
+        let (hits, limit, alone) = (Hits::NONE, L::splat(0.0), [None; ALONE]);
+        let mut nearest = Nearest { bvh, geometry, rays, slabs: &slabs, limit, hits, alone };
+        nearest.hits.test_untreed::<L>(bvh, geometry, rays, wanted);
+        nearest.limit = slabs.limit(Octo::load(&nearest.hits.at.t));
         if near != 0 {
             bvh.tree.walk_together(&slabs, near, &mut nearest);
         }
@@ -148,7 +153,6 @@ struct Nearest<'a, L: Lanes, const ALONE: usize> {
     geometry: &'a Geometry,
     rays: &'a Rays,
     slabs: &'a BundleSlabs<L>,
-    lines: Option<&'a Lines<L>>,
     limit: L,
     hits: Hits,
     alone: [Option<Alone>; ALONE],
@@ -191,16 +195,6 @@ impl<L: Lanes, const ALONE: usize> BundleLeaves<L> for Nearest<'_, L, ALONE> {
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
         let Self { bvh, geometry, .. } = *self;
-        if let (Some(balls), Some(lines)) = (bvh.packs.of(leaf), self.lines) {
-            for lane in 0..balls.count() {
-                let met = rays & lines.meeting(balls, lane, self.limit);
-                if met != 0 {
-                    self.hits.test::<L>(geometry, self.rays, balls.primitive(lane), met);
-                    self.limit = self.slabs.limit(Octo::load(&self.hits.at.t));
-                }
-            }
-            return;
-        }
         for &index in bvh.leaves.leaf(leaf) {
             self.hits.test::<L>(geometry, self.rays, index, rays);
         }
@@ -262,9 +256,7 @@ impl Occluded<'_> {
         let (origin, direction) = rays.load::<L>();
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
         let limit = L::splat(-1.0).pick(hidden, slabs.limit(Octo::load(t_max)));
-        let lines = (!bvh.packs.is_empty()).then(|| Lines::new(&slabs, direction));
-        let mut any =
-            Any { bvh, geometry, rays, t_max, lines: lines.as_ref(), limit, hidden, alone: [None; ALONE] };
+        let mut any = Any { bvh, geometry, rays, t_max, limit, hidden, alone: [None; ALONE] };
         if near != 0 {
             bvh.tree.walk_together(&slabs, near, &mut any);
         }
@@ -296,7 +288,6 @@ struct Any<'a, L: Lanes, const ALONE: usize> {
     geometry: &'a Geometry,
     rays: &'a Rays,
     t_max: &'a [f64; 8],
-    lines: Option<&'a Lines<L>>,
     limit: L,
     hidden: u32,
     alone: [Option<Alone>; ALONE],
@@ -316,15 +307,6 @@ impl<L: Lanes, const ALONE: usize> BundleLeaves<L> for Any<'_, L, ALONE> {
 
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
-        if let (Some(balls), Some(lines)) = (self.bvh.packs.of(leaf), self.lines) {
-            for lane in 0..balls.count() {
-                let met = rays & lines.meeting(balls, lane, self.limit);
-                if met != 0 {
-                    self.test(balls.primitive(lane), met);
-                }
-            }
-            return;
-        }
         for &index in self.bvh.leaves.leaf(leaf) {
             self.test(index, rays);
         }

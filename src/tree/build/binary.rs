@@ -38,8 +38,8 @@ struct Range<'a> {
 }
 
 impl Binary {
-    /// Over one box at least, with leaves of several that fit into one.
-    pub fn new(mut boxes: Vec<Boxed>, fit: &(impl Fn(&[Boxed]) -> bool + Sync)) -> Self {
+    /// Over one box at least, with leaves of at most `largest` of them.
+    pub fn new(mut boxes: Vec<Boxed>, largest: usize) -> Self {
         let empty = Node { left: 0, plan: Plan::default() };
         let union = |[a, b]: [Bounds; 2], [c, d]: [Bounds; 2]| [a.union(c), b.union(d)];
         let around = || boxes.par_chunks(TOGETHER).map(Bounds::both).reduce(|| [Bounds::EMPTY; 2], union);
@@ -48,7 +48,7 @@ impl Binary {
             // Memory is had from the system when it is first written to, which takes its time as well.
             false => (repeat_n(empty, boxes.len() - 1).collect(), around()),
         };
-        Range { boxes: &mut boxes, nodes: &mut nodes, bounds, centres, depth: 0 }.build(fit);
+        Range { boxes: &mut boxes, nodes: &mut nodes, bounds, centres, depth: 0 }.build(largest);
         Self { boxes, bounds, nodes }
     }
 
@@ -86,11 +86,10 @@ impl Subtree {
 }
 
 impl Range<'_> {
-    fn build(self, fit: &(impl Fn(&[Boxed]) -> bool + Sync)) -> Costs {
+    fn build(self, largest: usize) -> Costs {
         let count = self.boxes.len();
         let measure = self.bounds.measure();
         let Some((node, nodes)) = self.nodes.split_first_mut() else { return plan::single(measure) };
-        let is_leaf = fit(self.boxes);
         let Halves { left, bounds, centres } = split(self.boxes, &self.centres, self.depth);
         let (boxes, rest) = self.boxes.split_at_mut(left);
         let (nodes, others) = nodes.split_at_mut(left - 1);
@@ -98,10 +97,10 @@ impl Range<'_> {
         let a = Range { boxes, nodes, bounds: bounds[0], centres: centres[0], depth };
         let b = Range { boxes: rest, nodes: others, bounds: bounds[1], centres: centres[1], depth };
         let (a, b) = match count < PARALLEL {
-            true => (a.build(fit), b.build(fit)),
-            false => rayon::join(|| a.build(fit), || b.build(fit)),
+            true => (a.build(largest), b.build(largest)),
+            false => rayon::join(|| a.build(largest), || b.build(largest)),
         };
-        let (costs, plan) = plan::join(&a, &b, measure, count, is_leaf);
+        let (costs, plan) = plan::join(&a, &b, measure, count, count <= largest);
         *node = Node { left: left as u32, plan };
         costs
     }
