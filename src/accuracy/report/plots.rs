@@ -7,10 +7,13 @@ use crate::accuracy::settings::Axis;
 use crate::accuracy::statistics::Estimate;
 use crate::encode::{FONT_FILE, Picture};
 use plotters::coord::Shift;
+use plotters::coord::ranged1d::Ranged;
+use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::*;
 use plotters::style::register_font;
 use std::error::Error;
 use std::fmt;
+use std::ops::Range;
 use std::sync::LazyLock;
 
 /// Pixels of a plot.
@@ -80,12 +83,17 @@ impl Error for NoPlot {}
 
 /// All plots of a measurement: those that have something to show.
 pub fn charts(measured: &Measured) -> Vec<Chart> {
+    let mut all = Vec::from(errors(measured));
+    all.push(bounces(measured));
+    all.retain(|chart| chart.curves.iter().any(|curve| curve.spots.len() > 1));
+    all
+}
+
+/// The errors of all that takes samples, as three ways to measure them see them.
+fn errors(measured: &Measured) -> [Chart; 3] {
     let brightness = measured.brightness;
-    let radiance = move |point: &Point| point.squared.root().map(|error| error / brightness);
-    let relative = |point: &Point| point.relative.root();
-    let flip = |point: &Point| point.flip;
-    let main = [Axis::Samples, Axis::Independent, Axis::Noise, Axis::Antialias];
-    let mut all = vec![
+    let axes = [Axis::Samples, Axis::Independent, Axis::Noise, Axis::Antialias];
+    [
         Chart::new(
             measured,
             "error",
@@ -95,8 +103,8 @@ pub fn charts(measured: &Measured) -> Vec<Chart> {
                 "How far the light of a pixel is from what it should be, typically; 5 % would be a twentieth of the picture's \
                  mean brightness.",
             ),
-            &main,
-            radiance,
+            &axes,
+            move |point| point.squared.root().map(|error| error / brightness),
         ),
         Chart::new(
             measured,
@@ -106,8 +114,8 @@ pub fn charts(measured: &Measured) -> Vec<Chart> {
                 "root of relMSE",
                 "The same as a share of each pixel's own brightness, so that dark parts count as much as bright ones.",
             ),
-            &main,
-            relative,
+            &axes,
+            |point| point.relative.root(),
         ),
         Chart::new(
             measured,
@@ -118,29 +126,28 @@ pub fn charts(measured: &Measured) -> Vec<Chart> {
                 "How different the displayed picture looks to someone who flips between it and what it should be: 0 is no \
                  difference.",
             ),
-            &main,
-            flip,
+            &axes,
+            |point| point.flip,
         ),
-    ];
-    let mut deep = Chart::new(
+    ]
+}
+
+/// What is left out with fewer bounces.
+fn bounces(measured: &Measured) -> Chart {
+    let chart = Chart::new(
         measured,
         "bounces",
         "What each bounce adds, against its time",
         ("light left out, as a share of the mean brightness", ""),
         &[Axis::Bounces],
-        move |point| {
-            let bias = point.bias.max(0.0).sqrt() / brightness;
+        |point| {
+            let bias = point.bias.max(0.0).sqrt() / measured.brightness;
             Estimate { mean: bias, low: bias, high: bias }
         },
     );
-    deep.caption = "Each point is a number of bounces; its error is what shorter chains of reflections leave out, without \
-        noise. Points without any error left stand nowhere on a logarithmic axis."
-        .to_owned();
-    deep.front.clear();
-    deep.own = None;
-    all.push(deep);
-    all.retain(|chart| chart.curves.iter().any(|curve| curve.spots.len() > 1));
-    all
+    let caption = "Each point is a number of bounces; its error is what shorter chains of reflections leave out, without \
+        noise. Points without any error left stand nowhere on a logarithmic axis.";
+    Chart { caption: caption.to_owned(), front: Vec::new(), own: None, ..chart }
 }
 
 impl Chart {
@@ -223,19 +230,18 @@ impl Chart {
         let (xs, ys) = (range(spots().map(|spot| spot.x)), range(spots().map(|spot| spot.y)));
         let (x_ticks, y_ticks) = (ticks(&xs), ticks(&ys));
         area.fill(&WHITE)?;
-        let text = |size: i32| (FONT, size).into_font().color(&INK);
-        let mut chart = ChartBuilder::on(area)
+        let mut plane = ChartBuilder::on(area)
             .caption(&self.title, text(20))
             .margin(14)
             .x_label_area_size(46)
             .y_label_area_size(78)
             .build_cartesian_2d(
-                xs.clone().log_scale().with_key_points(x_ticks.clone()),
+                xs.log_scale().with_key_points(x_ticks.clone()),
                 ys.clone().log_scale().with_key_points(y_ticks.clone()),
             )?;
         let is_share = self.is_share;
         let share = move |value: &f64| if is_share { percent(*value) } else { format!("{value:.3}") };
-        chart
+        plane
             .configure_mesh()
             .bold_line_style(GRID)
             .light_line_style(TRANSPARENT)
@@ -249,47 +255,82 @@ impl Chart {
             .label_style(text(14))
             .axis_desc_style(text(15))
             .draw()?;
-        chart.draw_series(LineSeries::new(self.front.iter().copied(), FRONT.stroke_width(6)))?;
-        for curve in &self.curves {
-            let color = COLORS[curve.axis as usize];
-            let line =
-                LineSeries::new(curve.spots.iter().map(|spot| (spot.x, spot.y)), color.stroke_width(2));
-            chart
-                .draw_series(line)?
-                .label(curve.axis.name())
-                .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 22, y)], color.stroke_width(3)));
-            let bars = curve.spots.iter().filter(|spot| spot.low < spot.high);
-            let reach = |y: f64| y.clamp(ys.start, ys.end);
-            chart.draw_series(bars.map(|spot| {
-                PathElement::new(
-                    vec![(spot.x, reach(spot.low)), (spot.x, reach(spot.high))],
-                    color.stroke_width(1),
-                )
-            }))?;
-            chart.draw_series(
-                curve.spots.iter().map(|spot| Circle::new((spot.x, spot.y), 4, color.filled())),
-            )?;
-            chart.draw_series(curve.spots.iter().map(|spot| {
-                let style = (FONT, 13).into_font().color(&color);
-                EmptyElement::at((spot.x, spot.y)) + Text::new(spot.label.clone(), (9, -17), style)
-            }))?;
-        }
-        if let Some(own) = self.own {
-            chart
-                .draw_series([Circle::new(own, 9, INK.stroke_width(2))])?
-                .label("the file's own")
-                .legend(|(x, y)| Circle::new((x + 11, y), 6, INK.stroke_width(2)));
-        }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            // Browsers lay text out a little wider.
-            .margin(18)
-            .background_style(WHITE.mix(0.85))
-            .border_style(GRID)
-            .label_font(text(14))
-            .draw()?;
+        plane.draw_series(LineSeries::new(self.front.iter().copied(), FRONT.stroke_width(6)))?;
+        self.curves.iter().try_for_each(|curve| curve.draw(&mut plane, &ys))?;
+        self.draw_own(&mut plane)?;
+        legend(&mut plane)?;
         area.present()?;
         Ok(())
     }
+
+    /// The ring around the file's own setting.
+    fn draw_own<'a, B: DrawingBackend + 'a, X: Along, Y: Along>(
+        &self,
+        plane: &mut Plane<'a, B, X, Y>,
+    ) -> Result<(), Fault<B>> {
+        let Some(own) = self.own else { return Ok(()) };
+        plane
+            .draw_series([Circle::new(own, 9, INK.stroke_width(2))])?
+            .label("the file's own")
+            .legend(|(x, y)| Circle::new((x + 11, y), 6, INK.stroke_width(2)));
+        Ok(())
+    }
+}
+
+/// What curves are drawn on, its axes, and what may go wrong.
+type Plane<'a, B, X, Y> = ChartContext<'a, B, Cartesian2d<X, Y>>;
+type Fault<B> = DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>;
+
+/// An axis of real numbers.
+trait Along: Ranged<ValueType = f64> {}
+
+impl<T: Ranged<ValueType = f64>> Along for T {}
+
+impl Curve {
+    /// Its line, the bars of its errors and its points with their labels; bars end where the axis does.
+    fn draw<'a, B: DrawingBackend + 'a, X: Along, Y: Along>(
+        &self,
+        plane: &mut Plane<'a, B, X, Y>,
+        ys: &Range<f64>,
+    ) -> Result<(), Fault<B>> {
+        let color = COLORS[self.axis as usize];
+        let line = LineSeries::new(self.spots.iter().map(|spot| (spot.x, spot.y)), color.stroke_width(2));
+        plane
+            .draw_series(line)?
+            .label(self.axis.name())
+            .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 22, y)], color.stroke_width(3)));
+        let reach = |y: f64| y.clamp(ys.start, ys.end);
+        let bars = self.spots.iter().filter(|spot| spot.low < spot.high).map(|spot| {
+            let ends = vec![(spot.x, reach(spot.low)), (spot.x, reach(spot.high))];
+            PathElement::new(ends, color.stroke_width(1))
+        });
+        plane.draw_series(bars)?;
+        let point = |spot: &Spot| Circle::new((spot.x, spot.y), 4, color.filled());
+        plane.draw_series(self.spots.iter().map(point))?;
+        let style = (FONT, 13).into_font().color(&color);
+        plane.draw_series(self.spots.iter().map(|spot| {
+            EmptyElement::at((spot.x, spot.y)) + Text::new(spot.label.clone(), (9, -17), style.clone())
+        }))?;
+        Ok(())
+    }
+}
+
+/// Which curve is which.
+fn legend<'a, B: DrawingBackend + 'a, X: Along, Y: Along>(
+    plane: &mut Plane<'a, B, X, Y>,
+) -> Result<(), Fault<B>> {
+    plane
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperRight)
+        // Browsers lay text out a little wider.
+        .margin(18)
+        .background_style(WHITE.mix(0.85))
+        .border_style(GRID)
+        .label_font(text(14))
+        .draw()
+}
+
+/// Text of so many pixels.
+fn text(size: i32) -> TextStyle<'static> {
+    (FONT, size).into_font().color(&INK)
 }
