@@ -90,6 +90,9 @@ fn only_jobs_are_replaced() {
 #[test]
 fn what_makes_no_job_is_refused() {
     let folder = farm();
+    for name in ["folder.gif", "folder.png"] {
+        fs::create_dir(folder.path().join(name)).expect("a disk");
+    }
     for (rest, part) in [
         (&["-o", "-"][..], "no standard output to stream to"),
         (&["--filmstrip", "a.gif"], "a filmstrip is one picture"),
@@ -97,6 +100,10 @@ fn what_makes_no_job_is_refused() {
         (&["--chunks", "0"], "--chunks"),
         (&["--frames", "12"], "there is no frame 12"),
         (&["--shard", "1/2"], "--shard"),
+        (&["-o", "f.png"], "write \"f_####.png\""),
+        (&["-o", "half.ron/f_##.png"], "half.ron is a file; name a folder there"),
+        (&["-o", "folder.gif"], "cannot write folder.gif: it is a folder"),
+        (&["--filmstrip", "folder.png"], "cannot write folder.png: it is a folder"),
     ] {
         let told = refused(folder.path(), &[&["farm", "export", "shell", "half.ron"], rest].concat());
         assert!(told.contains(part), "{told}");
@@ -369,7 +376,21 @@ fn status_tells_what_there_is() {
     let folder = farm();
     let path = folder.path();
     let status = |rest: &[&str]| kinora(path, &[&["farm", "status", "out/half", "half.ron"], rest].concat());
-    assert_eq!(status(&[]), "frames  12: 0 done, 0 in work, 0 stale, 12 missing\nmissing 0-11\n");
+    let told = refused(path, &["farm", "status", "half", "half.ron"]);
+    assert!(
+        told.contains("there is no folder half; the frames of half.ron go into out/half, or where"),
+        "{told}"
+    );
+    let told = refused(path, &["farm", "status", "out/half", "half.ron"]);
+    assert!(told.contains("there is no folder out/half yet; it appears with the first task"), "{told}");
+    let told = refused(path, &["farm", "status", "half.ron", "out/half"]);
+    assert!(told.contains("half.ron is a file; the frames' folder comes first"), "{told}");
+    fs::create_dir_all(path.join("out/half")).expect("a disk");
+    assert_eq!(
+        status(&[]),
+        "frames  12: 0 done, 0 in work, 0 stale, 12 missing\nmissing 0-11\n\
+         note    there is no file out/half/frame_####.png; if the job's are called otherwise, say how with -o\n"
+    );
     let frames = |set: &str, rest: &[&str]| {
         let arguments =
             ["render", "half.ron", "--frames", set, "-o", "out/half/frame_####.png", "--overwrite"];
