@@ -9,7 +9,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant, SystemTime};
 
 /// Twelve frames, of which the second half is a light that fades over what the sixth shows.
-const HALF: &str = r#"(
+pub const HALF: &str = r#"(
     timeline: (frames: 12, fps: 24, keys: Frames),
     output: (size: (32, 18), files: ["out/half.gif"]),
     lights: { "sun": Point(position: (3, 4, 5), intensity: [(0, 1), (6, 1), (12, 0)]) },
@@ -24,7 +24,7 @@ const ENGINES: [(&str, &str); 4] = [
 ];
 
 /// A folder with `half.ron` in it, and other sequences.
-fn farm() -> tempfile::TempDir {
+pub fn farm() -> tempfile::TempDir {
     let folder = folder();
     fs::write(folder.path().join("half.ron"), HALF).expect("a disk");
     folder
@@ -114,7 +114,7 @@ fn what_makes_no_job_is_refused() {
 }
 
 /// The frames of a set, counted out.
-fn counted(set: &str) -> Vec<u32> {
+pub fn counted(set: &str) -> Vec<u32> {
     let set: kinora::frame_set::FrameSet = set.parse().expect("a set");
     set.frames(12).expect("frames")
 }
