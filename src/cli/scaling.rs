@@ -11,6 +11,9 @@ use crate::sequence::Sequence;
 use std::num::NonZeroUsize;
 use std::time::Duration;
 
+/// What the times are, and which way they are known to be wrong.
+const ESTIMATE: &str = "an estimate, by what a few small pictures took just now: jobs of seconds take less";
+
 /// How the work is shared.
 pub struct Share<'a> {
     pub workers: &'a [NonZeroUsize],
@@ -74,6 +77,7 @@ impl Farm {
                 100.0 * scaling.efficiency
             )
         }));
+        lines.push(ESTIMATE.to_owned());
         lines
     }
 

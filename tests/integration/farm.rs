@@ -135,6 +135,20 @@ fn a_film_is_in_one_task() {
     assert!(chunks.len() >= 3, "{chunks:?}");
 }
 
+#[test]
+fn a_plan_for_workers_says_that_it_is_an_estimate() {
+    let folder = farm();
+    let told = kinora(folder.path(), &["plan", "half.ron", "--workers", "1,2"]);
+    let farm = told.split("\nfarm    ").nth(1).expect("a group for the farm");
+    let lines: Vec<&str> = farm.lines().map(str::trim).collect();
+    assert_eq!(
+        lines[1].split_whitespace().collect::<Vec<_>>(),
+        ["workers", "makespan", "speed-up", "efficiency"]
+    );
+    assert!(lines[2].starts_with("1 ") && lines[3].starts_with("2 "), "{told}");
+    assert!(lines[4].starts_with("an estimate, "), "{told}");
+}
+
 /// A name for the binary that scripts find.
 #[cfg(unix)]
 fn path_with_kinora(folder: &Path) -> std::ffi::OsString {
