@@ -147,8 +147,8 @@ fn write(folder: &Path, measured: &Measured, origin: &Origin) -> Result<PathBuf,
     };
     let unwritten = |error: EncodeError| Failure::Incomplete(error.to_string());
     for chart in charts(measured) {
-        let svg = chart.svg().map_err(|error| broken(&error))?;
-        let image = chart.image().map_err(|error| broken(&error))?;
+        let svg = chart.plot.svg().map_err(|error| broken(&error))?;
+        let image = chart.plot.image().map_err(|error| broken(&error))?;
         let png = png_bytes(&image).map_err(|error| broken(&error))?;
         file(&format!("{}.svg", chart.name), svg.as_bytes()).map_err(unwritten)?;
         file(&format!("{}.png", chart.name), &png).map_err(unwritten)?;
