@@ -1,5 +1,6 @@
 //! Eight rays at once: each meets what it would alone.
 
+use super::balls::Lines;
 use super::{Bvh, Hit};
 use crate::scene::Geometry;
 use crate::shape::{Crossings, Rays, lanes};
@@ -82,7 +83,9 @@ impl Closest<'_> {
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
         let hits = Hits { at: Crossings::NONE, primitives: [u32::MAX; 8] };
         let (limit, alone) = (L::splat(0.0), [None; ALONE]);
-        let mut nearest = Nearest { bvh, geometry, rays, slabs: &slabs, limit, hits, alone };
+        let lines = (!bvh.packs.is_empty()).then(|| Lines::new(&slabs, direction));
+        let mut nearest =
+            Nearest { bvh, geometry, rays, slabs: &slabs, lines: lines.as_ref(), limit, hits, alone };
         for &(index, _) in &bvh.planes {
             nearest.test(index, wanted);
         }
@@ -118,6 +121,7 @@ struct Nearest<'a, L: Lanes, const ALONE: usize> {
     geometry: &'a Geometry,
     rays: &'a Rays,
     slabs: &'a BundleSlabs<L>,
+    lines: Option<&'a Lines<L>>,
     limit: L,
     hits: Hits,
     alone: [Option<Alone>; ALONE],
@@ -185,6 +189,16 @@ impl<L: Lanes, const ALONE: usize> BundleLeaves<L> for Nearest<'_, L, ALONE> {
 
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
+        if let (Some(balls), Some(lines)) = (self.bvh.packs.of(leaf), self.lines) {
+            for lane in 0..balls.count() {
+                let met = rays & lines.meeting(balls, lane, self.limit);
+                if met != 0 {
+                    self.test(balls.primitive(lane), met);
+                    self.limit = self.slabs.limit(Octo::load(&self.hits.at.t));
+                }
+            }
+            return;
+        }
         for &index in self.bvh.leaves.leaf(leaf) {
             self.test(index, rays);
         }
@@ -238,7 +252,9 @@ impl Occluded<'_> {
         let (origin, direction) = rays.load::<L>();
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
         let limit = slabs.limit(Octo::load(t_max));
-        let mut any = Any { bvh, geometry, rays, t_max, limit, hidden: 0, alone: [None; ALONE] };
+        let lines = (!bvh.packs.is_empty()).then(|| Lines::new(&slabs, direction));
+        let mut any =
+            Any { bvh, geometry, rays, t_max, lines: lines.as_ref(), limit, hidden: 0, alone: [None; ALONE] };
         for &(index, _) in &bvh.planes {
             any.test(index, wanted);
         }
@@ -267,6 +283,7 @@ struct Any<'a, L: Lanes, const ALONE: usize> {
     geometry: &'a Geometry,
     rays: &'a Rays,
     t_max: &'a [f64; 8],
+    lines: Option<&'a Lines<L>>,
     limit: L,
     hidden: u32,
     alone: [Option<Alone>; ALONE],
@@ -290,6 +307,15 @@ impl<L: Lanes, const ALONE: usize> BundleLeaves<L> for Any<'_, L, ALONE> {
 
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
+        if let (Some(balls), Some(lines)) = (self.bvh.packs.of(leaf), self.lines) {
+            for lane in 0..balls.count() {
+                let met = rays & lines.meeting(balls, lane, self.limit);
+                if met != 0 {
+                    self.test(balls.primitive(lane), met);
+                }
+            }
+            return;
+        }
         for &index in self.bvh.leaves.leaf(leaf) {
             self.test(index, rays);
         }

@@ -2,6 +2,7 @@
 //!
 //! A tie goes to the lower index, so neither the tree's layout nor its builder shows in a picture.
 
+mod balls;
 mod bundle;
 #[cfg(test)]
 mod tests;
@@ -13,6 +14,7 @@ use crate::scene::{Finish, Geometry};
 use crate::shape::{Crossing, Geometric, Plane, Shape};
 use crate::simd::Lanes;
 use crate::tree::{Contents, Leaves, Probe, Slabs, Tree};
+use balls::{Line, Packs, is_ball};
 
 /// A tree over the bounded primitives, and the list of those that no box holds.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +22,8 @@ pub struct Bvh {
     tree: Tree,
     /// Indices of the primitives of each leaf.
     leaves: Contents,
+    /// The same of leaves of several spheres, for the filter.
+    packs: Packs,
     /// Infinite primitives with their indices. They are here as they are, so that their tests are inlined where the ray
     /// is still in registers.
     planes: Vec<(u32, Plane)>,
@@ -55,9 +59,11 @@ impl Bvh {
             }
         }
         let lights = geometry.primitives.iter().any(|p| matches!(p.finish, Finish::Light(_)));
-        let (tree, mut leaves) = Tree::of_boxes(&boxes);
+        let primitive = |thing: u32| &geometry.primitives[bounded[thing as usize] as usize];
+        let (tree, mut leaves) = Tree::of_boxes(&boxes, |thing| is_ball(primitive(thing)));
         leaves.renumber(|thing| bounded[thing as usize]);
-        Self { tree, leaves, planes, unbounded, lights }
+        let packs = Packs::new(tree.space(), &leaves, geometry);
+        Self { tree, leaves, packs, planes, unbounded, lights }
     }
 
     /// The largest of the coordinates between which all bounded primitives lie.
@@ -122,9 +128,18 @@ impl Leaves for Nearest<'_> {
     fn fetch<L: Lanes>(&self, _: u32) {}
 
     #[inline(always)]
-    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, _: f32) -> Option<f32> {
-        self.test(self.bvh.leaves.leaf(leaf));
-        Some(slabs.limit(self.limit()))
+    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, mut limit: f32) -> Option<f32> {
+        let Some(balls) = self.bvh.packs.of(leaf) else {
+            self.test(self.bvh.leaves.leaf(leaf));
+            return Some(slabs.limit(self.limit()));
+        };
+        let (mut met, near) = Line::new(slabs, self.probe).sift::<L>(balls, limit);
+        while met != 0 {
+            self.test(&[balls.primitive(met.trailing_zeros() as usize)]);
+            limit = slabs.limit(self.limit());
+            met &= (met - 1) & near.at_most(L::splat(limit));
+        }
+        Some(limit)
     }
 }
 
@@ -148,8 +163,16 @@ impl Leaves for Any<'_> {
     fn fetch<L: Lanes>(&self, _: u32) {}
 
     #[inline(always)]
-    fn visit<L: Lanes>(&mut self, leaf: u32, _: &Slabs, limit: f32) -> Option<f32> {
-        self.found = self.test(self.bvh.leaves.leaf(leaf));
+    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, limit: f32) -> Option<f32> {
+        let Some(balls) = self.bvh.packs.of(leaf) else {
+            self.found = self.test(self.bvh.leaves.leaf(leaf));
+            return (!self.found).then_some(limit);
+        };
+        let (mut met, _) = Line::new(slabs, self.probe).sift::<L>(balls, limit);
+        while met != 0 && !self.found {
+            self.found = self.test(&[balls.primitive(met.trailing_zeros() as usize)]);
+            met &= met - 1;
+        }
         (!self.found).then_some(limit)
     }
 }

@@ -82,6 +82,8 @@ chunks=(
 {chunks})
 frames=${{chunks[SLURM_ARRAY_TASK_ID]}}
 echo "frames $frames on ${{SLURMD_NODENAME:-$HOSTNAME}}, restart ${{SLURM_RESTART_COUNT:-0}}"
+# Not by SLURM_JOB_ID: the last task's is that of the whole array.
+task=${{SLURM_ARRAY_JOB_ID}}_$SLURM_ARRAY_TASK_ID
 
 # Near the end of its time, this script alone is told. Kinora then ends after the frame in hand; told again, at once, which
 # leaves time to go back to the queue.
@@ -102,9 +104,9 @@ while kill -0 "$render" 2>/dev/null; do
 done
 
 # Stopped (143) or killed (137): the frames that are missing go back to the queue, unless the job is being cancelled.
-running() {{ [[ $(squeue --noheader --jobs="$SLURM_JOB_ID" --format=%T) == RUNNING ]]; }}
+running() {{ [[ $(squeue --noheader --jobs="$task" --format=%T) == RUNNING ]]; }}
 if ((code == 143 || code == 137)) && ((${{SLURM_RESTART_COUNT:-0}} < {RESTARTS})) && running; then
-    scontrol requeue "$SLURM_JOB_ID"
+    scontrol requeue "$task"
 fi
 exit "$code"
 "#
