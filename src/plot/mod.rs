@@ -278,5 +278,7 @@ mod tests {
     fn pixels_show_the_same_as_svg() {
         let image = plot().image().expect("a plot");
         assert_eq!((image.width, image.height), SIZE);
+        let shown = |color: RGBColor| image.rgb.chunks(3).any(|pixel| pixel == [color.0, color.1, color.2]);
+        assert!(shown(COLORS[0]) && shown(COLORS[1]) && shown(BEHIND) && !shown(COLORS[2]));
     }
 }
