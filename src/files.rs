@@ -118,6 +118,8 @@ pub fn way(from: &Path, to: &Path) -> io::Result<PathBuf> {
 
 /// The file that stands where a folder, or one above it, should be.
 pub fn in_the_way(folder: &Path) -> Option<&Path> {
+    // With a slash behind it, a file is not there.
+    let folder = folder.components().as_path();
     folder.ancestors().find(|path| path.exists()).filter(|path| !path.is_dir())
 }
 
@@ -153,7 +155,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("file");
         fs::write(&file, "").expect("a disk");
-        for inside in ["", "a", "a/b"] {
+        for inside in ["", "a", "a/b/"] {
             assert_eq!(in_the_way(&file.join(inside)), Some(file.as_path()), "{inside}");
             assert_eq!(in_the_way(&folder.path().join(inside)), None, "{inside}");
         }
