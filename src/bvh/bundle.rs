@@ -1,6 +1,5 @@
 //! Eight rays at once: each meets what it would alone.
 
-use super::balls::Lines;
 use super::{Bvh, Hit};
 use crate::scene::Geometry;
 use crate::shape::{Crossings, Rays, lanes};
@@ -16,6 +15,42 @@ pub struct Hits {
 }
 
 impl Hits {
+    const NONE: Self = Self { at: Crossings::NONE, primitives: [u32::MAX; 8] };
+
+    /// Takes a primitive's crossings where they are nearer, or as near and the primitive is the earlier one.
+    #[inline(always)]
+    fn test<L: Lanes>(&mut self, geometry: &Geometry, rays: &Rays, index: u32, wanted: u32) {
+        let Self { at, primitives } = self;
+        let t = Octo::<L::Quad>::load(&at.t);
+        // The next number, so that an equally near one is found. There is none after infinity.
+        let limit = t.next_away(t).smaller(Octo::splat(f64::INFINITY)).store();
+        let found = geometry.primitives[index as usize].hit_together::<L>(rays, wanted, &limit);
+        if found.met == 0 {
+            return;
+        }
+        let found_t = Octo::load(&found.t);
+        let mut better = found.met & found_t.below(t).bits();
+        for lane in lanes(found.met & !better) {
+            better |= u32::from(index < primitives[lane]) << lane;
+        }
+        at.met |= better;
+        at.t = found_t.pick(Choice::of(better), t).store();
+        for lane in lanes(better) {
+            (primitives[lane], at.parts[lane]) = (index, found.parts[lane]);
+        }
+    }
+
+    /// Takes what of all that stands in no tree is nearer.
+    #[inline(always)]
+    fn test_untreed<L: Lanes>(&mut self, bvh: &Bvh, geometry: &Geometry, rays: &Rays, wanted: u32) {
+        for &(index, _) in &bvh.planes {
+            self.test::<L>(geometry, rays, index, wanted);
+        }
+        for &index in &bvh.untreed {
+            self.test::<L>(geometry, rays, index, wanted);
+        }
+    }
+
     /// What one of the rays meets.
     pub fn one(&self, lane: usize) -> Option<Hit> {
         let met = self.at.met >> lane & 1 == 1;
@@ -79,19 +114,16 @@ impl Closest<'_> {
     #[inline(always)]
     fn search<L: Lanes, const ALONE: usize>(self) -> Hits {
         let Self { bvh, geometry, rays, wanted } = self;
+        if bvh.tree.is_empty() {
+            let mut hits = Hits::NONE;
+            hits.test_untreed::<L>(bvh, geometry, rays, wanted);
+            return hits;
+        }
         let (origin, direction) = rays.load::<L>();
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
-        let hits = Hits { at: Crossings::NONE, primitives: [u32::MAX; 8] };
-        let (limit, alone) = (L::splat(0.0), [None; ALONE]);
-        let lines = (!bvh.packs.is_empty()).then(|| Lines::new(&slabs, direction));
-        let mut nearest =
-            Nearest { bvh, geometry, rays, slabs: &slabs, lines: lines.as_ref(), limit, hits, alone };
-        for &(index, _) in &bvh.planes {
-            nearest.test(index, wanted);
-        }
-        for &index in &bvh.unbounded {
-            nearest.test(index, wanted);
-        }
+        let (hits, limit, alone) = (Hits::NONE, L::splat(0.0), [None; ALONE]);
+        let mut nearest = Nearest { bvh, geometry, rays, slabs: &slabs, limit, hits, alone };
+        nearest.hits.test_untreed::<L>(bvh, geometry, rays, wanted);
         nearest.limit = slabs.limit(Octo::load(&nearest.hits.at.t));
         if near != 0 {
             bvh.tree.walk_together(&slabs, near, &mut nearest);
@@ -121,7 +153,6 @@ struct Nearest<'a, L: Lanes, const ALONE: usize> {
     geometry: &'a Geometry,
     rays: &'a Rays,
     slabs: &'a BundleSlabs<L>,
-    lines: Option<&'a Lines<L>>,
     limit: L,
     hits: Hits,
     alone: [Option<Alone>; ALONE],
@@ -158,49 +189,14 @@ fn alone<'a, L: Lanes>(
     alone.as_ref()
 }
 
-impl<L: Lanes, const ALONE: usize> Nearest<'_, L, ALONE> {
-    /// Takes a primitive's crossings where they are nearer, or as near and the primitive is the earlier one.
-    #[inline(always)]
-    fn test(&mut self, index: u32, wanted: u32) {
-        let Hits { at, primitives } = &mut self.hits;
-        let t = Octo::<L::Quad>::load(&at.t);
-        // The next number, so that an equally near one is found. There is none after infinity.
-        let limit = t.next_away(t).smaller(Octo::splat(f64::INFINITY)).store();
-        let primitive = &self.geometry.primitives[index as usize];
-        let found = primitive.hit_together::<L>(self.rays, wanted, &limit);
-        if found.met == 0 {
-            return;
-        }
-        let found_t = Octo::load(&found.t);
-        let mut better = found.met & found_t.below(t).bits();
-        for lane in lanes(found.met & !better) {
-            better |= u32::from(index < primitives[lane]) << lane;
-        }
-        at.met |= better;
-        at.t = found_t.pick(Choice::of(better), t).store();
-        for lane in lanes(better) {
-            (primitives[lane], at.parts[lane]) = (index, found.parts[lane]);
-        }
-    }
-}
-
 impl<L: Lanes, const ALONE: usize> BundleLeaves<L> for Nearest<'_, L, ALONE> {
     const ALONE: bool = ALONE > 0;
 
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
-        if let (Some(balls), Some(lines)) = (self.bvh.packs.of(leaf), self.lines) {
-            for lane in 0..balls.count() {
-                let met = rays & lines.meeting(balls, lane, self.limit);
-                if met != 0 {
-                    self.test(balls.primitive(lane), met);
-                    self.limit = self.slabs.limit(Octo::load(&self.hits.at.t));
-                }
-            }
-            return;
-        }
-        for &index in self.bvh.leaves.leaf(leaf) {
-            self.test(index, rays);
+        let Self { bvh, geometry, .. } = *self;
+        for &index in bvh.leaves.leaf(leaf) {
+            self.hits.test::<L>(geometry, self.rays, index, rays);
         }
         self.limit = self.slabs.limit(Octo::load(&self.hits.at.t));
     }
@@ -249,19 +245,18 @@ impl Occluded<'_> {
     #[inline(always)]
     fn search<L: Lanes, const ALONE: usize>(self) -> u32 {
         let Self { bvh, geometry, rays, wanted, t_max } = self;
+        let mut hidden = 0;
+        for index in bvh.planes.iter().map(|(index, _)| index).chain(&bvh.untreed) {
+            hidden |= hidden_by::<L>(geometry, rays, *index, wanted & !hidden, t_max);
+        }
+        let wanted = wanted & !hidden;
+        if bvh.tree.is_empty() || wanted == 0 {
+            return hidden;
+        }
         let (origin, direction) = rays.load::<L>();
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
-        let limit = slabs.limit(Octo::load(t_max));
-        let lines = (!bvh.packs.is_empty()).then(|| Lines::new(&slabs, direction));
-        let mut any =
-            Any { bvh, geometry, rays, t_max, lines: lines.as_ref(), limit, hidden: 0, alone: [None; ALONE] };
-        for &(index, _) in &bvh.planes {
-            any.test(index, wanted);
-        }
-        for &index in &bvh.unbounded {
-            any.test(index, wanted);
-        }
-        let (near, afar) = (near & !any.hidden, afar & !any.hidden);
+        let limit = L::splat(-1.0).pick(hidden, slabs.limit(Octo::load(t_max)));
+        let mut any = Any { bvh, geometry, rays, t_max, limit, hidden, alone: [None; ALONE] };
         if near != 0 {
             bvh.tree.walk_together(&slabs, near, &mut any);
         }
@@ -278,12 +273,21 @@ impl Occluded<'_> {
     }
 }
 
+/// Those of eight rays whose bits are set that a primitive stands in the way of.
+#[inline(always)]
+fn hidden_by<L: Lanes>(geometry: &Geometry, rays: &Rays, index: u32, wanted: u32, t_max: &[f64; 8]) -> u32 {
+    if wanted == 0 {
+        0
+    } else {
+        geometry.primitives[index as usize].blocks_together::<L>(rays, wanted, t_max)
+    }
+}
+
 struct Any<'a, L: Lanes, const ALONE: usize> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
     rays: &'a Rays,
     t_max: &'a [f64; 8],
-    lines: Option<&'a Lines<L>>,
     limit: L,
     hidden: u32,
     alone: [Option<Alone>; ALONE],
@@ -293,11 +297,7 @@ impl<L: Lanes, const ALONE: usize> Any<'_, L, ALONE> {
     #[inline(always)]
     fn test(&mut self, index: u32, wanted: u32) {
         let wanted = wanted & !self.hidden;
-        if wanted == 0 {
-            return;
-        }
-        let primitive = &self.geometry.primitives[index as usize];
-        self.hidden |= primitive.blocks_together::<L>(self.rays, wanted, self.t_max);
+        self.hidden |= hidden_by::<L>(self.geometry, self.rays, index, wanted, self.t_max);
         self.limit = L::splat(-1.0).pick(self.hidden, self.limit);
     }
 }
@@ -307,15 +307,6 @@ impl<L: Lanes, const ALONE: usize> BundleLeaves<L> for Any<'_, L, ALONE> {
 
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
-        if let (Some(balls), Some(lines)) = (self.bvh.packs.of(leaf), self.lines) {
-            for lane in 0..balls.count() {
-                let met = rays & lines.meeting(balls, lane, self.limit);
-                if met != 0 {
-                    self.test(balls.primitive(lane), met);
-                }
-            }
-            return;
-        }
         for &index in self.bvh.leaves.leaf(leaf) {
             self.test(index, rays);
         }

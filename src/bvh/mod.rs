@@ -2,7 +2,6 @@
 //!
 //! A tie goes to the lower index, so neither the tree's layout nor its builder shows in a picture.
 
-mod balls;
 mod bundle;
 #[cfg(test)]
 mod tests;
@@ -13,8 +12,7 @@ use crate::math::UNIT_ROUNDOFF;
 use crate::scene::{Finish, Geometry};
 use crate::shape::{Crossing, Geometric, Plane, Shape};
 use crate::simd::Lanes;
-use crate::tree::{Contents, Leaves, Probe, Slabs, Tree};
-use balls::{Line, Packs, is_ball};
+use crate::tree::{Contents, Leaves, Probe, Slabs, Stack, Tree};
 
 /// A tree over the bounded primitives, and the list of those that no box holds.
 #[derive(Clone, Debug, Default)]
@@ -22,13 +20,13 @@ pub struct Bvh {
     tree: Tree,
     /// Indices of the primitives of each leaf.
     leaves: Contents,
-    /// The same of leaves of several spheres, for the filter.
-    packs: Packs,
     /// Infinite primitives with their indices. They are here as they are, so that their tests are inlined where the ray
     /// is still in registers.
     planes: Vec<(u32, Plane)>,
-    /// Indices of others without a box.
-    unbounded: Vec<u32>,
+    /// Indices of others without a box, or of the only one that has a box: they are tested without a walk.
+    untreed: Vec<u32>,
+    /// The largest of the coordinates between which all bounded primitives lie.
+    reach: f64,
     /// Whether lights are among the primitives.
     lights: bool,
 }
@@ -45,7 +43,7 @@ impl Bvh {
     /// A tree over `geometry`. The same geometry gives the same tree.
     pub fn build(geometry: &Geometry) -> Self {
         let (mut bounded, mut boxes) = (Vec::new(), Vec::new());
-        let (mut planes, mut unbounded) = (Vec::new(), Vec::new());
+        let (mut planes, mut untreed) = (Vec::new(), Vec::new());
         for (index, primitive) in (0..).zip(&geometry.primitives) {
             match primitive.bounds() {
                 Some(bounds) => {
@@ -54,21 +52,24 @@ impl Bvh {
                 }
                 None => match (&primitive.shape, &primitive.placement) {
                     (Shape::Plane(plane), None) => planes.push((index, *plane)),
-                    _ => unbounded.push(index),
+                    _ => untreed.push(index),
                 },
             }
         }
         let lights = geometry.primitives.iter().any(|p| matches!(p.finish, Finish::Light(_)));
-        let primitive = |thing: u32| &geometry.primitives[bounded[thing as usize] as usize];
-        let (tree, mut leaves) = Tree::of_boxes(&boxes, |thing| is_ball(primitive(thing)));
+        let (mut tree, mut leaves) = Tree::of_boxes(&boxes);
+        let reach = tree.space().reach();
+        if let [only] = bounded[..] {
+            untreed.push(only);
+            (tree, leaves) = Default::default();
+        }
         leaves.renumber(|thing| bounded[thing as usize]);
-        let packs = Packs::new(tree.space(), &leaves, geometry);
-        Self { tree, leaves, packs, planes, unbounded, lights }
+        Self { tree, leaves, planes, untreed, reach, lights }
     }
 
     /// The largest of the coordinates between which all bounded primitives lie.
     pub fn reach(&self) -> f64 {
-        self.tree.space().reach()
+        self.reach
     }
 
     /// The nearest primitive along the ray beyond t = 0; of equally near ones the first in the file.
@@ -90,9 +91,49 @@ impl Bvh {
     pub fn closest_but(&self, geometry: &Geometry, probe: &Probe, t_max: f64, but: &[u32]) -> Option<Hit> {
         let afar = if self.lights { probe.farthest() } else { 0.0 };
         let mut nearest = Nearest { bvh: self, geometry, probe, t_max, but, afar, hit: None };
-        nearest.test_unbounded();
+        nearest.test_planes();
+        nearest.test(&self.untreed);
         self.tree.walk(probe, nearest.limit(), &mut nearest);
         nearest.hit
+    }
+
+    /// [`Bvh::closest`] on lanes that are at work already.
+    #[inline(always)]
+    pub fn closest_on<L: Lanes>(&self, geometry: &Geometry, probe: &Probe, stack: &mut Stack) -> Option<Hit> {
+        let afar = if self.lights { probe.farthest() } else { 0.0 };
+        let mut nearest =
+            Nearest { bvh: self, geometry, probe, t_max: f64::INFINITY, but: &[], afar, hit: None };
+        nearest.test_planes();
+        for &index in &self.untreed {
+            let primitive = &geometry.primitives[index as usize];
+            nearest.consider(index, |limit| primitive.hit_on::<L>(probe, limit, stack));
+        }
+        self.tree.walk_on::<L>(probe, nearest.limit(), &mut nearest, stack);
+        nearest.hit
+    }
+
+    /// [`Bvh::occluded`] on lanes that are at work already.
+    #[inline(always)]
+    pub fn occluded_on<L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        probe: &Probe,
+        t_max: f64,
+        stack: &mut Stack,
+    ) -> bool {
+        for (_, plane) in &self.planes {
+            if plane.hit(probe, t_max).is_some() {
+                return true;
+            }
+        }
+        for &index in &self.untreed {
+            if geometry.primitives[index as usize].blocks_on::<L>(probe, t_max, stack) {
+                return true;
+            }
+        }
+        let mut any = Any { bvh: self, geometry, probe, t_max, found: false };
+        self.tree.walk_on::<L>(probe, t_max, &mut any, stack);
+        any.found
     }
 
     /// Whether anything lies on the ray in 0 < t < `t_max`.
@@ -103,7 +144,7 @@ impl Bvh {
             return true;
         }
         self.tree.walk(probe, t_max, &mut any);
-        any.found || any.test(&self.unbounded)
+        any.found || any.test(&self.untreed)
     }
 }
 
@@ -128,18 +169,9 @@ impl Leaves for Nearest<'_> {
     fn fetch<L: Lanes>(&self, _: u32) {}
 
     #[inline(always)]
-    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, mut limit: f32) -> Option<f32> {
-        let Some(balls) = self.bvh.packs.of(leaf) else {
-            self.test(self.bvh.leaves.leaf(leaf));
-            return Some(slabs.limit(self.limit()));
-        };
-        let (mut met, near) = Line::new(slabs, self.probe).sift::<L>(balls, limit);
-        while met != 0 {
-            self.test(&[balls.primitive(met.trailing_zeros() as usize)]);
-            limit = slabs.limit(self.limit());
-            met &= (met - 1) & near.at_most(L::splat(limit));
-        }
-        Some(limit)
+    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, _: f32) -> Option<f32> {
+        self.test(self.bvh.leaves.leaf(leaf));
+        Some(slabs.limit(self.limit()))
     }
 }
 
@@ -163,16 +195,8 @@ impl Leaves for Any<'_> {
     fn fetch<L: Lanes>(&self, _: u32) {}
 
     #[inline(always)]
-    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, limit: f32) -> Option<f32> {
-        let Some(balls) = self.bvh.packs.of(leaf) else {
-            self.found = self.test(self.bvh.leaves.leaf(leaf));
-            return (!self.found).then_some(limit);
-        };
-        let (mut met, _) = Line::new(slabs, self.probe).sift::<L>(balls, limit);
-        while met != 0 && !self.found {
-            self.found = self.test(&[balls.primitive(met.trailing_zeros() as usize)]);
-            met &= met - 1;
-        }
+    fn visit<L: Lanes>(&mut self, leaf: u32, _: &Slabs, limit: f32) -> Option<f32> {
+        self.found = self.test(self.bvh.leaves.leaf(leaf));
         (!self.found).then_some(limit)
     }
 }
@@ -206,12 +230,11 @@ impl Nearest<'_> {
     }
 
     #[inline(always)]
-    fn test_unbounded(&mut self) {
+    fn test_planes(&mut self) {
         let (bvh, probe) = (self.bvh, self.probe);
         for (index, plane) in &bvh.planes {
             self.consider(*index, |limit| plane.hit(probe, limit));
         }
-        self.test(&bvh.unbounded);
     }
 
     /// Takes a primitive's hit before a limit if it is better than what there is.

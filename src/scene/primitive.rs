@@ -6,7 +6,7 @@ use crate::material::MadeOf;
 use crate::math::{Aabb, DAffine3, DMat3, DVec2, DVec3, gamma};
 use crate::shape::{Crossing, Crossings, Rays, Shape, Surface, Surfaces};
 use crate::simd::Lanes;
-use crate::tree::Probe;
+use crate::tree::{Probe, Stack};
 
 /// A shape in the world. Most shapes are moved there once ([`Shape::transformed`]); the others keep their own
 /// space and have rays moved into it.
@@ -87,6 +87,30 @@ impl Primitive {
         match &self.placement {
             None => self.shape.hit(probe, t_max),
             Some(placement) => self.shape.hit(&Probe::new(placement.ray_to_object(&probe.ray)), t_max),
+        }
+    }
+
+    /// [`Primitive::hit`] on lanes that are at work already.
+    #[inline(always)]
+    pub fn hit_on<L: Lanes>(&self, probe: &Probe, t_max: f64, stack: &mut Stack) -> Option<Crossing> {
+        match (&self.shape, &self.placement) {
+            (Shape::Mesh(mesh), None) => mesh.hit_on::<L>(probe, t_max, stack),
+            (Shape::Mesh(mesh), Some(placement)) => {
+                mesh.hit_on::<L>(&Probe::new(placement.ray_to_object(&probe.ray)), t_max, stack)
+            }
+            _ => self.hit(probe, t_max),
+        }
+    }
+
+    /// [`Primitive::blocks`] likewise.
+    #[inline(always)]
+    pub fn blocks_on<L: Lanes>(&self, probe: &Probe, t_max: f64, stack: &mut Stack) -> bool {
+        match (&self.shape, &self.placement) {
+            (Shape::Mesh(mesh), None) => mesh.blocks_on::<L>(probe, t_max, stack),
+            (Shape::Mesh(mesh), Some(placement)) => {
+                mesh.blocks_on::<L>(&Probe::new(placement.ray_to_object(&probe.ray)), t_max, stack)
+            }
+            _ => self.blocks(probe, t_max),
         }
     }
 

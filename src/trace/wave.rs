@@ -13,7 +13,7 @@ use crate::math::DVec3;
 use crate::scene::Geometry;
 use crate::shape::{Rays, Shape, Surface};
 use crate::simd::{self, Lanes, dispatch};
-use crate::tree::Probe;
+use crate::tree::{Probe, Stack};
 
 /// Paths that are followed at once, at most.
 pub const WAVE: usize = 64;
@@ -72,10 +72,7 @@ impl Tracer<'_> {
     pub fn meet(&self, paths: &[Path], active: &[u32], from_eye: bool, hits: &mut Vec<Option<Hit>>) {
         hits.clear();
         if !from_eye || !self.bvh.takes_bundles() {
-            hits.extend(active.iter().map(|index| {
-                let path = &paths[*index as usize];
-                if path.crossed.is_none() { self.closest(&path.ray) } else { None }
-            }));
+            dispatch(Meet { tracer: self, paths, active, hits });
             return;
         }
         let ray = |index: &u32| paths[*index as usize].ray;
@@ -100,12 +97,8 @@ impl Tracer<'_> {
         work.counts.rays.shadow += shadows.iter().filter(|shadow| !shadow.is_there()).count() as u64;
         let geometry = self.scene.geometry;
         if !from_first || shadows.len() < BUNDLE {
-            for shadow in shadows.drain(..) {
-                let Shadow { ray, t_max, .. } = shadow;
-                if shadow.is_there() || !self.bvh.occluded(geometry, &Probe::new(ray), t_max) {
-                    shadow.arrives(work);
-                }
-            }
+            dispatch(Cast { tracer: self, shadows, work });
+            shadows.clear();
             return;
         }
         // Rays to one light go the same way. Those of one surface keep their order.
@@ -124,6 +117,56 @@ impl Tracer<'_> {
             }
         }
         shadows.clear();
+    }
+}
+
+/// What paths meet, one after the other.
+struct Meet<'a> {
+    tracer: &'a Tracer<'a>,
+    paths: &'a [Path],
+    active: &'a [u32],
+    hits: &'a mut Vec<Option<Hit>>,
+}
+
+impl simd::Work for Meet<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Tracer { bvh, scene, .. } = self.tracer;
+        let mut stack = Stack::default();
+        for &index in self.active {
+            let path = &self.paths[index as usize];
+            let hit = match path.crossed {
+                None => bvh.closest_on::<L>(scene.geometry, &Probe::new(path.ray), &mut stack),
+                Some(_) => None,
+            };
+            self.hits.push(hit);
+        }
+    }
+}
+
+/// Shadow rays, one after the other.
+struct Cast<'a> {
+    tracer: &'a Tracer<'a>,
+    shadows: &'a [Shadow],
+    work: &'a mut Work,
+}
+
+impl simd::Work for Cast<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Tracer { bvh, scene, .. } = self.tracer;
+        let mut stack = Stack::default();
+        for shadow in self.shadows {
+            let Shadow { ray, t_max, .. } = *shadow;
+            if shadow.is_there() || !bvh.occluded_on::<L>(scene.geometry, &Probe::new(ray), t_max, &mut stack)
+            {
+                shadow.arrives(self.work);
+            }
+        }
     }
 }
 

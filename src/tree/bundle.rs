@@ -2,7 +2,7 @@
 
 use super::slabs::{AFAR, ROUNDOFF, SLACK, SPREAD, STEEPEST, Wide};
 use super::space::ROUNDING;
-use super::walk::{Leaves, Walk};
+use super::walk::{Leaves, Stack, Walk};
 use super::{Child, Node, Slabs, Tree};
 use crate::math::{gamma, larger, smaller};
 use crate::simd::{Lanes, Octo, Quad, Vector};
@@ -338,7 +338,7 @@ impl Tree {
         limit: f32,
         leaves: &mut impl Leaves,
     ) -> Option<f32> {
-        L::apart(Walk { tree: self, slabs, leaves, limit, from: below.0 })
+        L::apart(Walk { tree: self, slabs, leaves, limit, from: below.0, stack: &mut Stack::default() })
     }
 
     /// The same from another child on, out of line.

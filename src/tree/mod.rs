@@ -16,7 +16,7 @@ pub use contents::Contents;
 pub use probe::Probe;
 pub use slabs::Slabs;
 pub use space::Space;
-pub use walk::Leaves;
+pub use walk::{Leaves, Stack};
 
 use crate::math::DVec3;
 
@@ -72,6 +72,11 @@ impl Default for Tree {
 }
 
 impl Tree {
+    /// Whether there is nothing in it.
+    pub fn is_empty(&self) -> bool {
+        self.root == Child::NONE
+    }
+
     /// The space in which the tree's filters compute.
     pub fn space(&self) -> &Space {
         &self.space

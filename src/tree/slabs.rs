@@ -114,18 +114,6 @@ impl Slabs {
         self.enter[0][longest]
     }
 
-    /// The ray's direction in the filters' units: at its longest component of 1..2.
-    #[inline(always)]
-    pub fn direction(&self, probe: &Probe) -> DVec3 {
-        probe.ray.direction * reciprocal(power_of_two(probe.longest))
-    }
-
-    /// How far off `origin` may be, with more than what f64 tests round along rays that are not longer than usual.
-    #[inline(always)]
-    pub fn widened_error(&self) -> f64 {
-        self.error + SLACK
-    }
-
     /// A limit of the ray's t in the filters' units, rounded up: nothing that is met before `t` lies beyond it.
     #[inline]
     pub fn limit(&self, t: f64) -> f32 {

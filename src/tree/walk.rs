@@ -22,6 +22,17 @@ impl Tree {
             dispatch(Begin { tree: self, probe, t_max, leaves });
         }
     }
+
+    /// [`Tree::walk`] on lanes that are at work already.
+    #[inline(always)]
+    pub fn walk_on<L: Lanes>(&self, probe: &Probe, t_max: f64, leaves: &mut impl Leaves, stack: &mut Stack) {
+        if self.root != Child::NONE
+            && let Some(slabs) = Slabs::new::<L>(self, probe, t_max)
+        {
+            let limit = slabs.limit(t_max);
+            Walk { tree: self, slabs: &slabs, leaves, limit, from: self.root, stack }.run::<L>();
+        }
+    }
 }
 
 /// A walk from the root on.
@@ -38,10 +49,7 @@ impl<V: Leaves> Work for Begin<'_, V> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Self { tree, probe, t_max, leaves } = self;
-        if let Some(slabs) = Slabs::new::<L>(tree, probe, t_max) {
-            let limit = slabs.limit(t_max);
-            Walk { tree, slabs: &slabs, leaves, limit, from: tree.root }.run::<L>();
-        }
+        tree.walk_on::<L>(probe, t_max, leaves, &mut Stack::default());
     }
 }
 
@@ -52,6 +60,7 @@ pub(super) struct Walk<'a, V> {
     pub leaves: &'a mut V,
     pub limit: f32,
     pub from: Child,
+    pub stack: &'a mut Stack,
 }
 
 impl<V: Leaves> Work for Walk<'_, V> {
@@ -60,15 +69,15 @@ impl<V: Leaves> Work for Walk<'_, V> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Option<f32> {
-        let Self { tree, slabs, leaves, mut limit, from } = self;
+        let Self { tree, slabs, leaves, mut limit, from, stack: Stack(entries) } = self;
         let wide = Wide::<L>::new(slabs);
-        let (mut entries, mut top) = ([Entered(0); STACK], 0);
-        let mut at = from;
+        let (mut top, mut at) = (0, from);
         loop {
             if let Some(leaf) = at.as_leaf() {
                 limit = leaves.visit::<L>(leaf, slabs, limit)?;
             } else if top > STACK - 8 {
-                limit = walk_apart(Walk { tree, slabs, leaves, limit, from: at })?;
+                let stack = &mut Stack::default();
+                limit = walk_apart(Walk { tree, slabs, leaves, limit, from: at, stack })?;
             } else {
                 let node = &tree.nodes[at.0 as usize];
                 let (met, enter) = wide.test(node, limit);
@@ -89,7 +98,7 @@ impl<V: Leaves> Work for Walk<'_, V> {
                             Some(leaf) => leaves.fetch::<L>(leaf),
                             None => L::fetch(&tree.nodes, other.child().0 as usize),
                         }
-                        put(&mut entries, bottom, top, other);
+                        put(entries, bottom, top, other);
                         top += 1;
                     }
                     at = nearest.child();
@@ -141,6 +150,15 @@ impl Entered {
 
 /// Children put off at once. Where a deeper tree needs more, what is below a node is walked by recursion.
 const STACK: usize = 64;
+
+/// Room for the children that a walk puts off. What is in it before and after means nothing.
+pub struct Stack([Entered; STACK]);
+
+impl Default for Stack {
+    fn default() -> Self {
+        Self([Entered(0); STACK])
+    }
+}
 
 /// Puts a child among those between `bottom` and `top`, of which the nearest is on top.
 #[inline(always)]

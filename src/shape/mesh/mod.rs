@@ -14,7 +14,7 @@ use crate::digest::{Content, Digester};
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::mesh::{self, Normals, Sheared};
 use crate::simd::{Lanes, Work};
-use crate::tree::{Leaves, Probe, Slabs};
+use crate::tree::{Leaves, Probe, Slabs, Stack};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -43,6 +43,19 @@ impl Mesh {
     }
 }
 
+/// [`Geometric::hit`] and [`Geometric::blocks`] on lanes that are at work already.
+impl Mesh {
+    #[inline(always)]
+    pub fn hit_on<L: Lanes>(&self, probe: &Probe, t_max: f64, stack: &mut Stack) -> Option<Crossing> {
+        L::apart(Alone { search: Nearest::new(self, probe, t_max), stack })
+    }
+
+    #[inline(always)]
+    pub fn blocks_on<L: Lanes>(&self, probe: &Probe, t_max: f64, stack: &mut Stack) -> bool {
+        L::apart(Alone { search: Any::new(self, probe, t_max), stack })
+    }
+}
+
 impl Content for Mesh {
     fn feed(&self, into: &mut Digester) {
         let Self { mesh, normals } = self;
@@ -60,13 +73,13 @@ impl Geometric for Mesh {
 
     /// Of equally near triangles the one with the lowest index.
     fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        let mut nearest = Nearest { mesh: self, probe, sheared: None, t_max, hit: None };
+        let mut nearest = Nearest::new(self, probe, t_max);
         self.mesh.tree().walk(probe, t_max, &mut nearest);
         nearest.hit
     }
 
     fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
-        let mut any = Any { mesh: self, probe, sheared: None, t_max, found: false };
+        let mut any = Any::new(self, probe, t_max);
         self.mesh.tree().walk(probe, t_max, &mut any);
         any.found
     }
@@ -186,6 +199,40 @@ struct Nearest<'a> {
     hit: Option<Crossing>,
 }
 
+impl<'a> Nearest<'a> {
+    fn new(mesh: &'a Mesh, probe: &'a Probe, t_max: f64) -> Self {
+        Self { mesh, probe, sheared: None, t_max, hit: None }
+    }
+}
+
+/// A search along a single ray.
+struct Alone<'a, S> {
+    search: S,
+    stack: &'a mut Stack,
+}
+
+impl Work for Alone<'_, Nearest<'_>> {
+    type Output = Option<Crossing>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) -> Option<Crossing> {
+        let Nearest { mesh: Mesh { mesh, .. }, probe, t_max, .. } = self.search;
+        mesh.tree().walk_on::<L>(probe, t_max, &mut self.search, self.stack);
+        self.search.hit
+    }
+}
+
+impl Work for Alone<'_, Any<'_>> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) -> bool {
+        let Any { mesh: Mesh { mesh, .. }, probe, t_max, .. } = self.search;
+        mesh.tree().walk_on::<L>(probe, t_max, &mut self.search, self.stack);
+        self.search.found
+    }
+}
+
 impl Leaves for Nearest<'_> {
     #[inline(always)]
     fn fetch<L: Lanes>(&self, leaf: u32) {
@@ -250,6 +297,12 @@ struct Any<'a> {
     sheared: Option<Sheared>,
     t_max: f64,
     found: bool,
+}
+
+impl<'a> Any<'a> {
+    fn new(mesh: &'a Mesh, probe: &'a Probe, t_max: f64) -> Self {
+        Self { mesh, probe, sheared: None, t_max, found: false }
+    }
 }
 
 impl Leaves for Any<'_> {

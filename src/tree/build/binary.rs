@@ -36,8 +36,8 @@ struct Range<'a> {
 }
 
 impl Binary {
-    /// Over one box at least, with leaves of several that fit into one.
-    pub fn new(mut boxes: Vec<Boxed>, fit: &(impl Fn(&[Boxed]) -> bool + Sync)) -> Self {
+    /// Over one box at least, with leaves of at most `largest` of them.
+    pub fn new(mut boxes: Vec<Boxed>, largest: usize) -> Self {
         let empty = Node { corners: [[0.0; 3]; 2], left: 0, plan: Plan::default() };
         let mut nodes = vec![empty; boxes.len() - 1];
         let union = |[a, b]: [Bounds; 2], [c, d]: [Bounds; 2]| [a.union(c), b.union(d)];
@@ -45,7 +45,7 @@ impl Binary {
             true => Bounds::both(&boxes),
             false => boxes.par_chunks(TOGETHER).map(Bounds::both).reduce(|| [Bounds::EMPTY; 2], union),
         };
-        Range { boxes: &mut boxes, nodes: &mut nodes, bounds, centres, depth: 0 }.build(fit);
+        Range { boxes: &mut boxes, nodes: &mut nodes, bounds, centres, depth: 0 }.build(largest);
         Self { boxes, nodes }
     }
 
@@ -92,11 +92,10 @@ impl Subtree {
 }
 
 impl Range<'_> {
-    fn build(self, fit: &(impl Fn(&[Boxed]) -> bool + Sync)) -> Costs {
+    fn build(self, largest: usize) -> Costs {
         let count = self.boxes.len();
         let measure = self.bounds.measure();
         let Some((node, nodes)) = self.nodes.split_first_mut() else { return plan::single(measure) };
-        let is_leaf = fit(self.boxes);
         let Halves { left, bounds, centres } = split(self.boxes, &self.centres, self.depth);
         let (boxes, rest) = self.boxes.split_at_mut(left);
         let (nodes, others) = nodes.split_at_mut(left - 1);
@@ -104,10 +103,10 @@ impl Range<'_> {
         let a = Range { boxes, nodes, bounds: bounds[0], centres: centres[0], depth };
         let b = Range { boxes: rest, nodes: others, bounds: bounds[1], centres: centres[1], depth };
         let (a, b) = match count < PARALLEL {
-            true => (a.build(fit), b.build(fit)),
-            false => rayon::join(|| a.build(fit), || b.build(fit)),
+            true => (a.build(largest), b.build(largest)),
+            false => rayon::join(|| a.build(largest), || b.build(largest)),
         };
-        let (costs, plan) = plan::join(&a, &b, measure, count, is_leaf);
+        let (costs, plan) = plan::join(&a, &b, measure, count, count <= largest);
         *node = Node { corners: self.bounds.corners(), left: left as u32, plan };
         costs
     }

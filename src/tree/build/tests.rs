@@ -8,7 +8,7 @@ fn cube(at: DVec3, side: f64) -> Aabb {
 
 /// Checks that each thing is in a leaf, and its box within all boxes above that.
 fn check(boxes: &[Aabb]) -> (Tree, Contents) {
-    let (tree, contents) = Tree::of_boxes(boxes, |_| false);
+    let (tree, contents) = Tree::of_boxes(boxes);
     let mut seen = vec![0; boxes.len()];
     let everywhere = [[f32::NEG_INFINITY; 3], [f32::INFINITY; 3]];
     let mut waiting = vec![(tree.root, everywhere)];
@@ -59,7 +59,7 @@ fn equal_boxes_make_balanced_trees() {
 
 #[test]
 fn few_and_strange_boxes() {
-    assert!(Tree::of_boxes(&[], |_| false).1.is_empty());
+    assert!(Tree::of_boxes(&[]).1.is_empty());
     let mut random = Random(3);
     for count in 1..40 {
         check(&(0..count).map(|_| cube(random.point(3.0), random.unit())).collect::<Vec<_>>());
@@ -87,12 +87,7 @@ fn trees_are_the_same_on_all_threads() {
     let bounds = Aabb::around(corners.iter().flatten().copied());
     let build = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        let both = || {
-            [
-                Tree::of_boxes(&boxes, |thing| thing % 9 != 0),
-                Tree::of_triangles(bounds, |i| corners[i as usize], 60_000),
-            ]
-        };
+        let both = || [Tree::of_boxes(&boxes), Tree::of_triangles(bounds, |i| corners[i as usize], 60_000)];
         pool.install(both).map(|(tree, contents)| {
             let bits = |node: &Node| (node.planes.map(|p| p.map(|p| p.map(f32::to_bits))), node.children);
             (tree.nodes.iter().map(bits).collect::<Vec<_>>(), contents)
