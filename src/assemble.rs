@@ -3,7 +3,7 @@
 use crate::color::Rgb;
 use crate::encode::{
     About, Assembly, EncodeError, Existing, Formats, Job, MATTE, Output, Report, Sheet, Shown, Template,
-    Tonemap, check_size, frame_texts, read_picture, sheet_columns, write_picture,
+    Tonemap, check_size, frame_texts, prepare_picture, read_picture, sheet_columns, write_picture,
 };
 use crate::memory;
 use crate::render::{Large, RenderError, pool};
@@ -72,6 +72,7 @@ pub fn assemble(request: &Request) -> Result<Report, RenderError> {
         Large::Filmstrip.check(memory::for_sheet(sheet))?;
         strips.iter().try_for_each(|strip| check_size(strip, 0, sheet)).map_err(EncodeError::from)?;
     }
+    let _folders = strips.iter().map(prepare_picture).collect::<Result<Vec<_>, _>>()?;
     let mut sheet = (!strips.is_empty()).then(|| Sheet::new(count, columns, size));
     let mut assembly = Assembly::start(job)?;
     for (index, (number, path)) in (0..).zip(&request.frames) {

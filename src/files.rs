@@ -116,6 +116,13 @@ pub fn way(from: &Path, to: &Path) -> io::Result<PathBuf> {
     Ok(up.chain(to.components().skip(shared)).collect())
 }
 
+/// The file that stands where a folder, or one above it, should be.
+pub fn in_the_way(folder: &Path) -> Option<&Path> {
+    // With a slash behind it, a file is not there.
+    let folder = folder.components().as_path();
+    folder.ancestors().find(|path| path.exists()).filter(|path| !path.is_dir())
+}
+
 /// What is wrong, the commonest in words that are the same on every system.
 pub fn why(error: &io::Error) -> String {
     match error.kind() {
@@ -141,6 +148,18 @@ mod tests {
         assert_eq!(read(&path, 1 << 20).expect("a plain file").len(), 1 << 20);
         fs::write(&path, vec![7; (1 << 20) + 1]).expect("a disk");
         assert_eq!(told(&path), "it is larger than 1 MiB");
+    }
+
+    #[test]
+    fn files_are_found_that_stand_in_the_way_of_folders() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("file");
+        fs::write(&file, "").expect("a disk");
+        for inside in ["", "a", "a/b/"] {
+            assert_eq!(in_the_way(&file.join(inside)), Some(file.as_path()), "{inside}");
+            assert_eq!(in_the_way(&folder.path().join(inside)), None, "{inside}");
+        }
+        assert_eq!(in_the_way(Path::new("")), None);
     }
 
     #[test]

@@ -3,7 +3,8 @@
 use crate::color::Rgb;
 use crate::counters::Meter;
 use crate::encode::{
-    About, EncodeError, Output, Report, Sheet, Shown, Template, ToneTable, check_size, write_picture,
+    About, EncodeError, Output, Report, Sheet, Shown, Template, ToneTable, check_size, prepare_picture,
+    write_picture,
 };
 use crate::film::{Extras, Film, Noise};
 use crate::memory;
@@ -60,6 +61,7 @@ pub fn filmstrip(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> 
     let sheet = Sheet::size(count, request.columns, sequence.output.size);
     Large::Filmstrip.check(memory::needed(sequence, extras).saturating_add(memory::for_sheet(sheet)))?;
     check_size(&request.output, 0, sheet).map_err(EncodeError::from)?;
+    let _folders = prepare_picture(&request.output)?;
     let cells = Cells {
         sheet: Sheet::new(count, request.columns, sequence.output.size),
         table: ToneTable::new(sequence.output.tonemap),

@@ -47,6 +47,7 @@ pub mod quality;
 
 // Film → files, and file → Sequence.
 pub mod encode;
+pub mod plot;
 pub mod sequence;
 
 // Sequence → World → World at t → Scene → Bvh → Film.

@@ -4,6 +4,9 @@ use crate::humane;
 #[cfg(unix)]
 use rustix::time::{ClockId, clock_gettime};
 use std::io;
+use std::path::Path;
+
+mod cgroup;
 
 /// Bytes that a machine that does not tell is taken to have free.
 const UNKNOWN: u64 = 4 << 30;
@@ -11,11 +14,16 @@ const UNKNOWN: u64 = 4 << 30;
 /// Bytes of memory that can be had without swapping, and that the process may have, as Linux tells; elsewhere a
 /// cautious guess.
 pub fn free_memory() -> u64 {
-    let told = |file: &str| std::fs::read_to_string(file).unwrap_or_default();
-    let free = kibibytes_in(&told("/proc/meminfo"), "MemAvailable:").unwrap_or(UNKNOWN);
-    let taken = kibibytes_in(&told("/proc/self/status"), "VmSize:").unwrap_or(0);
-    let allowed = address_space_in(&told("/proc/self/limits"));
-    allowed.map_or(free, |allowed| free.min(allowed.saturating_sub(taken)))
+    free_in(|file| std::fs::read_to_string(file).ok())
+}
+
+/// The same of a machine of which `told` gives what a file of the kernel says, if it is there.
+fn free_in(told: impl Fn(&Path) -> Option<String>) -> u64 {
+    let said = |file: &str| told(Path::new(file)).unwrap_or_default();
+    let free = kibibytes_in(&said("/proc/meminfo"), "MemAvailable:").unwrap_or(UNKNOWN);
+    let taken = kibibytes_in(&said("/proc/self/status"), "VmSize:").unwrap_or(0);
+    let allowed = address_space_in(&said("/proc/self/limits")).map(|allowed| allowed.saturating_sub(taken));
+    [allowed, cgroup::free_memory(told)].into_iter().flatten().fold(free, u64::min)
 }
 
 /// Refuses what would take more memory than there is, before it is taken.
@@ -86,6 +94,28 @@ mod tests {
         assert_eq!(address_space_in(&limits("3072000000")), Some(3_072_000_000));
         assert_eq!((address_space_in(&limits("unlimited")), address_space_in("")), (None, None));
         assert!(free_memory() > 0);
+    }
+
+    #[test]
+    fn the_least_of_what_is_free_and_what_is_allowed_can_be_had() {
+        let least = |limit: &str, group: &str| {
+            free_in(|file| {
+                let text = match file.to_str()? {
+                    "/proc/meminfo" => "MemAvailable: 5 kB\n".to_owned(),
+                    "/proc/self/status" => "VmSize: 1 kB\n".to_owned(),
+                    "/proc/self/limits" => format!("Max address space  {limit}  {limit}  bytes\n"),
+                    "/proc/self/cgroup" => "0::/job\n".to_owned(),
+                    "/proc/self/mountinfo" => "9 8 0:26 / /groups rw - cgroup2 cgroup rw\n".to_owned(),
+                    "/groups/job/memory.max" => group.to_owned(),
+                    _ => return None,
+                };
+                Some(text)
+            })
+        };
+        assert_eq!(least("unlimited", "max"), 5120);
+        assert_eq!(least("unlimited", "4000"), 4000);
+        assert_eq!(least("3024", "4000"), 2000);
+        assert_eq!(free_in(|_| None), UNKNOWN);
     }
 
     #[test]

@@ -7,7 +7,9 @@ use crate::film::{Extras, Film, Noise};
 use crate::humane;
 use crate::machine;
 use crate::memory;
-use crate::plan::{self, Effort, Expected, Plan, Room, Shared, Survey, run_shared, survey, survey_until};
+use crate::plan::{
+    self, Effort, Expected, Plan, Room, Shared, Survey, Work, run_shared, survey, survey_until,
+};
 use crate::quality::Quality;
 use crate::schedule::{FilmSink, FrameLoop, Look, NoFrame, Stage, Tally};
 use crate::sequence::Sequence;
@@ -234,7 +236,7 @@ pub fn render_until(
     let survey = survey.only(&missing);
     let (done, expected) = pool.install(|| match request.existing {
         Existing::Share => shared(sequence, request, &survey, &mut frames, (meter, stop)),
-        _ => planned(sequence, request, survey, extras, &mut frames, stop),
+        _ => planned(sequence, request, survey, &mut frames, (meter, stop)),
     })?;
     let after = machine::processor_time();
     if let Some(signal) = stop.signal().filter(|_| done < missing.len()) {
@@ -265,12 +267,13 @@ fn planned<S: FilmSink>(
     sequence: &Sequence,
     request: &Request,
     missing: Survey,
-    extras: Extras,
     frames: &mut FrameLoop<S>,
-    stop: &Stop,
+    (meter, stop): (&Meter, &Stop),
 ) -> Result<(usize, Option<Forecast>), NoFrame> {
     let on = || stop.signal().is_none();
+    let kept = request.frames.len() - missing.frames.len();
     if request.reuse == Reuse::Off {
+        meter.begin(kept, Vec::new());
         let mut done = 0;
         missing.frames.iter().take_while(|_| on()).try_for_each(|look| {
             done += 1;
@@ -278,10 +281,11 @@ fn planned<S: FilmSink>(
         })?;
         return Ok((done, None));
     }
+    let extras = extras(sequence, &request.outputs);
     let budget = request.reuse.budget(sequence, extras);
     let plan = Plan::of(missing, sequence, extras, budget);
-    let known = Expected::of(sequence, &plan);
-    let expected = if known.camera < WORTH_A_TRIAL { known } else { plan::pilot(sequence, &plan, TRIAL) };
+    let worth = Expected::of(sequence, &plan).camera >= WORTH_A_TRIAL;
+    let Work { expected, films } = plan::work(sequence, &plan, if worth { TRIAL } else { Effort::NONE });
     let forecast = Forecast {
         reused: plan.reused() as u32,
         camera_rays: expected.camera,
@@ -289,6 +293,7 @@ fn planned<S: FilmSink>(
         rays: expected.rays,
         bvh_builds: plan.builds(),
     };
+    meter.begin(kept, films);
     Ok((plan::run(&plan, frames, on)?, Some(forecast)))
 }
 
@@ -302,6 +307,7 @@ fn shared(
 ) -> Result<(usize, Option<Forecast>), NoFrame> {
     let extras = extras(sequence, &request.outputs);
     let room = Room::of(sequence, extras, request.reuse.budget(sequence, extras));
+    meter.begin(request.frames.len() - survey.frames.len(), Vec::new());
     let there = |others: usize| {
         meter.frames.fetch_add(others as u32, Relaxed);
     };

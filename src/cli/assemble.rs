@@ -5,12 +5,14 @@ use super::{load, loading, terminal, values};
 use crate::assemble::{Request, assemble, told_by};
 use crate::color::Rgb;
 use crate::encode::{FramePattern, Output, Plays, Template};
+use crate::files::{in_the_way, why};
 use crate::frame_set::FrameSet;
 use crate::sequence::Sequence;
 use crate::time::Rate;
 use clap::Args;
+use std::io::{self, ErrorKind};
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Make GIFs, videos and filmstrips of frames that are rendered already.
 #[derive(Args, Debug, PartialEq)]
@@ -157,7 +159,7 @@ impl Arguments {
                     self.pattern
                 ))
             })?;
-        let there = pattern.numbers().map_err(|error| bad(format!("cannot look for {pattern}: {error}")))?;
+        let there = pattern.numbers().map_err(|error| bad(nowhere(&pattern, &error)))?;
         let Some(last) = there.last() else {
             return Err(bad(format!("there are no frames {pattern}")));
         };
@@ -173,4 +175,21 @@ impl Arguments {
         };
         Ok(wanted.into_iter().map(|frame| (frame, pattern.path(frame))).collect())
     }
+}
+
+/// Why the frames' folder cannot be looked into.
+fn nowhere(pattern: &FramePattern, error: &io::Error) -> String {
+    let path = pattern.path(0);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let reason = match (in_the_way(folder), error.kind()) {
+        (Some(file), _) => format!("{} is a file; name a folder there", file.display()),
+        (None, ErrorKind::NotFound) => {
+            format!(
+                "there is no folder {}; name the one that the frames were rendered into",
+                folder.display()
+            )
+        }
+        _ => why(error),
+    };
+    format!("cannot look for {pattern}: {reason}")
 }

@@ -2,7 +2,7 @@
 
 use super::json::Object;
 use super::terminal;
-use crate::counters::Meter;
+use crate::counters::{Meter, Work};
 use crate::humane;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -44,6 +44,9 @@ pub struct Snapshot {
     reused: u32,
     rays: u64,
     elapsed: Duration,
+    /// What is done of what takes time, and since when.
+    work: Work,
+    working: Duration,
 }
 
 /// Does the work while another thread shows how far it has come.
@@ -142,14 +145,20 @@ impl Snapshot {
         // Both parts of the meter are not read at once, and may be a frame apart.
         let done = meter.frames_done().min(frames as f64);
         let reused = meter.reused.load(Relaxed);
-        Self { done, frames, reused, rays: meter.rays.load(Relaxed), elapsed }
+        let working = meter.outset.get().map_or(elapsed, |outset| outset.at.elapsed());
+        let rays = meter.rays.load(Relaxed);
+        Self { done, frames, reused, rays, elapsed, work: meter.work(frames), working }
     }
 
-    /// Time left if the rest goes on as what is done; none before anything is.
+    /// Time left if the rest of the work goes on as what is done. None before anything is, nor for frames that take no
+    /// work, of which all that is known is that they take little.
     fn left(&self) -> Option<Duration> {
-        let rest = self.frames as f64 - self.done;
-        (self.done > 0.0)
-            .then(|| Duration::try_from_secs_f64(self.elapsed.as_secs_f64() * rest / self.done).ok())
+        let Work { done, rest } = self.work;
+        if self.frames > 0 && self.done >= self.frames as f64 {
+            return Some(Duration::ZERO);
+        }
+        (done > 0.0 && rest > 0.0)
+            .then(|| Duration::try_from_secs_f64(self.working.as_secs_f64() * rest / done).ok())
             .flatten()
     }
 
@@ -207,7 +216,34 @@ mod tests {
     }
 
     fn snapshot(done: f64, seconds: u64) -> Snapshot {
-        Snapshot { done, frames: 72, reused: 0, rays: 31_000_000, elapsed: Duration::from_secs(seconds) }
+        let elapsed = Duration::from_secs(seconds);
+        let work = Work { done, rest: 72.0 - done };
+        Snapshot { done, frames: 72, reused: 0, rays: 31_000_000, elapsed, work, working: elapsed }
+    }
+
+    /// Forty frames of an earlier run, and of the films of the others the one that takes most.
+    #[test]
+    fn what_is_left_is_weighed_by_its_work() {
+        let some = Snapshot {
+            work: Work { done: 900.0, rest: 100.0 },
+            working: Duration::from_secs(9),
+            ..snapshot(41.0, 10)
+        };
+        assert_eq!(some.left(), Some(Duration::from_secs(1)));
+        let mixed = Snapshot { work: Work { done: 1000.0, rest: 0.0 }, ..some };
+        assert_eq!(mixed.left(), None);
+        assert_eq!(mixed.line(), "frame 41/72 · 3.10 Mray/s");
+        assert_eq!(Snapshot { done: 72.0, ..mixed }.left(), Some(Duration::ZERO));
+        assert_eq!(Snapshot { work: Work { done: 0.0, rest: 1000.0 }, ..some }.left(), None);
+    }
+
+    #[test]
+    fn a_look_at_a_run_takes_what_the_meter_tells() {
+        let meter = Meter { frames: 8.into(), reused: 3.into(), ..Meter::default() };
+        meter.begin(4, vec![600.0, 400.0]);
+        let look = Snapshot::of(&meter, 12, Duration::from_secs(3600));
+        assert_eq!((look.done, look.reused, look.work), (8.0, 3, Work { done: 600.0, rest: 400.0 }));
+        assert!(look.working < look.elapsed, "what came before tracing does not count");
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::files::{self, Root};
 use crate::frame_set::{FrameSet, Shard};
 use crate::humane::counted;
 use crate::plan::with_shared;
-use crate::render::{RenderError, Request, render_until};
+use crate::render::{RenderError, Request, Summary, render_until};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -72,6 +72,7 @@ pub struct Arguments {
     /// since `kinora farm export` told this
     #[arg(long, value_name = "FINGERPRINT", verbatim_doc_comment)]
     expect: Option<String>,
+
     /// Keep the frames that are there and right, and make the others, as without any of these
     #[arg(long, conflicts_with_all = ["overwrite", "fail_if_exists"])]
     resume: bool,
@@ -120,20 +121,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn rendered(arguments: &Arguments) -> Result<(), Failure> {
     let options = &arguments.settings.options;
-    let loading = loading::Reporter::new(options.progress, options.quiet);
-    let (sequence, root) = load::with_files(&arguments.file, options.allow_outside, loading)?;
-    if let Some(expected) = &arguments.expect {
-        fingerprint(&arguments.file, &root)?.check(expected).map_err(Failure::Bad)?;
-    }
-    let mut sequence = overrides::applied(sequence, &arguments.settings.overrides()).map_err(Failure::Bad)?;
+    let mut sequence = arguments.sequence()?;
     let all = frames_of(arguments.frames.as_ref(), &sequence)?;
-    let mut frames = arguments.shard.map_or(&*all, |shard| shard.of(&all)).to_vec();
-    if let Some(among) = &arguments.with_shared {
-        let among = among.frames(sequence.timeline.frames);
-        let among = among.map_err(|error| Failure::Bad(format!("--with-shared: {error}")))?;
-        frames = with_shared(&sequence, &frames, &among);
-    }
-    let frames = frames;
+    let frames = arguments.part_of(&all, &sequence)?;
     let run = Run {
         own: &sequence.output.files,
         wanted: &arguments.output,
@@ -141,29 +131,10 @@ fn rendered(arguments: &Arguments) -> Result<(), Failure> {
         partial: arguments.shares() || frames.len() < sequence.timeline.frames as usize,
     };
     let (outputs, note) = run.outputs();
-    if arguments.shares() {
-        only_stills(&outputs)?;
-    }
+    arguments.refuse(&outputs)?;
     if let Some(shard) = arguments.shard.filter(|_| frames.is_empty()) {
         let there = counted(all.len() as u64, "frame");
         return terminal::say(&format!("shard {shard} has no frames: there are {there}"));
-    }
-    let streams = outputs.contains(&Output::Stream);
-    let json = options.progress == ProgressMode::Json;
-    let told = match options.progress {
-        ProgressMode::Json => Some("json"),
-        ProgressMode::OpenJd => Some("openjd"),
-        ProgressMode::Auto | ProgressMode::Plain => None,
-    };
-    if let Some(mode) = told.filter(|_| streams) {
-        return Err(Failure::Bad(format!(
-            "-o - and --progress {mode} both write to the standard output; leave one out"
-        )));
-    }
-    if arguments.time_limit.is_some() && arguments.shares() {
-        let message = "--time-limit picks the samples of all frames, and each process would pick others: find out how many \
-                       there are without --shard and --claim, then give them to all processes by --samples";
-        return Err(Failure::Bad(message.to_owned()));
     }
     let request = Request {
         outputs,
@@ -173,37 +144,97 @@ fn rendered(arguments: &Arguments) -> Result<(), Failure> {
         reuse: arguments.settings.reuse(),
         time_limit: arguments.time_limit,
     };
-    let mut chosen = None;
-    if let Some(limit) = arguments.time_limit {
-        let settled = settled(&sequence, &request, limit, Clock::Machine)?;
-        sequence.quality = settled.quality();
-        let note = limit_note(&settled);
-        if !options.quiet {
-            terminal::complain(&note);
-        }
-        chosen = Some(note);
-    }
-
-    let meter = Arc::new(Meter::default());
-    let frames = request.frames.len();
-    let show = progress::Reporter::new(options.progress, options.quiet, frames);
-    let stop = signals::watched();
-    let done = progress::watch(&meter, frames, show, || render_until(&sequence, &request, &meter, &stop));
-    let mut done = done.map_err(|error| failure(error, &request.outputs))?;
+    let chosen = arguments.settle(&mut sequence, &request)?;
+    let mut done = arguments.watched(&sequence, &request)?;
     done.notes.extend(note);
     done.notes.extend(chosen);
     if options.draft {
         done.notes.insert(0, draft_note(&sequence));
     }
-    if options.quiet {
-        return Ok(());
+    arguments.tell(&done, &request.outputs)
+}
+
+impl Arguments {
+    /// The sequence with the settings of the command line, if it is the one that is expected.
+    fn sequence(&self) -> Result<Sequence, Failure> {
+        let options = &self.settings.options;
+        let loading = loading::Reporter::new(options.progress, options.quiet);
+        let (sequence, root) = load::with_files(&self.file, options.allow_outside, loading)?;
+        if let Some(expected) = &self.expect {
+            fingerprint(&self.file, &root)?.check(expected).map_err(Failure::Bad)?;
+        }
+        overrides::applied(sequence, &self.settings.overrides()).map_err(Failure::Bad)
     }
-    let told = if json { summary::json(&done) } else { summary::text(&done) };
-    if streams {
-        terminal::complain(&told);
-        return Ok(());
+
+    /// Those of the frames that this process is to make.
+    fn part_of(&self, all: &[u32], sequence: &Sequence) -> Result<Vec<u32>, Failure> {
+        let frames = self.shard.map_or(all, |shard| shard.of(all));
+        let Some(among) = &self.with_shared else { return Ok(frames.to_vec()) };
+        let among = among.frames(sequence.timeline.frames);
+        let among = among.map_err(|error| Failure::Bad(format!("--with-shared: {error}")))?;
+        Ok(with_shared(sequence, frames, &among))
     }
-    terminal::say(&told)
+
+    /// Refuses options that do not go together with what is written.
+    fn refuse(&self, outputs: &[Output]) -> Result<(), Failure> {
+        if self.shares() {
+            only_stills(outputs)?;
+        }
+        let told = match self.settings.options.progress {
+            ProgressMode::Json => Some("json"),
+            ProgressMode::OpenJd => Some("openjd"),
+            ProgressMode::Auto | ProgressMode::Plain => None,
+        };
+        if let Some(mode) = told.filter(|_| outputs.contains(&Output::Stream)) {
+            return Err(Failure::Bad(format!(
+                "-o - and --progress {mode} both write to the standard output; leave one out"
+            )));
+        }
+        if self.time_limit.is_some() && self.shares() {
+            let message = "--time-limit picks the samples of all frames, and each process would pick others: find out how \
+                           many there are without --shard and --claim, then give them to all processes by --samples";
+            return Err(Failure::Bad(message.to_owned()));
+        }
+        Ok(())
+    }
+
+    /// Gives the sequence the samples that fit into the limit of time, if there is one, and says which.
+    fn settle(&self, sequence: &mut Sequence, request: &Request) -> Result<Option<String>, Failure> {
+        let Some(limit) = self.time_limit else { return Ok(None) };
+        let settled = settled(sequence, request, limit, Clock::Machine)?;
+        sequence.quality = settled.quality();
+        let note = limit_note(&settled);
+        if !self.settings.options.quiet {
+            terminal::complain(&note);
+        }
+        Ok(Some(note))
+    }
+
+    /// Renders while progress is told.
+    fn watched(&self, sequence: &Sequence, request: &Request) -> Result<Summary, Failure> {
+        let options = &self.settings.options;
+        let meter = Arc::new(Meter::default());
+        let frames = request.frames.len();
+        let show = progress::Reporter::new(options.progress, options.quiet, frames);
+        let stop = signals::watched();
+        let done = progress::watch(&meter, frames, show, || render_until(sequence, request, &meter, &stop));
+        done.map_err(|error| failure(error, &request.outputs))
+    }
+
+    /// Tells what was done, beside frames that go to the standard output.
+    fn tell(&self, done: &Summary, outputs: &[Output]) -> Result<(), Failure> {
+        let options = &self.settings.options;
+        if options.quiet {
+            return Ok(());
+        }
+        let json = options.progress == ProgressMode::Json;
+        let told = if json { summary::json(done) } else { summary::text(done) };
+        if outputs.contains(&Output::Stream) {
+            terminal::complain(&told);
+            return Ok(());
+        }
+        terminal::say(&told)
+    }
 }
 
 /// Why a run failed; if it was stopped, how it goes on.

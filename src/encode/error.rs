@@ -29,6 +29,8 @@ pub enum JobError {
     Duplicate { path: PathBuf },
     /// A folder stands where a file should go.
     IsFolder { path: PathBuf },
+    /// A file stands where the path has a folder.
+    IsFile { path: PathBuf, file: PathBuf },
     /// A file is there, and none is to be replaced.
     Exists { path: PathBuf },
     /// Processes cannot share the making of what does not say what it shows.
@@ -144,6 +146,14 @@ impl fmt::Display for JobError {
             ),
             Self::IsFolder { path } => {
                 write!(f, "cannot write {}: it is a folder; name a file in it", path.display())
+            }
+            Self::IsFile { path, file } => {
+                write!(
+                    f,
+                    "cannot write {}: {} is a file; name a folder there",
+                    path.display(),
+                    file.display()
+                )
             }
             Self::Exists { path } => write!(
                 f,

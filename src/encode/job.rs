@@ -11,7 +11,9 @@ use super::settings::Formats;
 use super::tonemap::Tonemap;
 use super::{gif, jpeg};
 use crate::color::Rgb;
+use crate::files::in_the_way;
 use crate::time::Rate;
+use std::path::Path;
 
 /// What becomes of files of an earlier run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -107,8 +109,11 @@ impl Job {
         Ok(())
     }
 
-    /// No folder may stand where a file goes, and no file where none is to be replaced.
+    /// No folder may stand where a file goes, and no file where a folder is or none is to be replaced.
     fn check_place(&self, output: &Output, frames: &[u32]) -> Result<(), JobError> {
+        if *output != Output::Stream {
+            check_folder(&output.path(self.first()))?;
+        }
         for path in output.present(frames) {
             if path.is_dir() {
                 return Err(JobError::IsFolder { path });
@@ -130,6 +135,25 @@ impl Job {
         }
         Ok(folders)
     }
+}
+
+/// No file may stand where the path has a folder.
+fn check_folder(path: &Path) -> Result<(), JobError> {
+    in_the_way(folder_of(path))
+        .map_or(Ok(()), |file| Err(JobError::IsFile { path: path.to_owned(), file: file.to_owned() }))
+}
+
+/// Proves that a single picture can be written. Folders that are made for it go with the result, unless something is in
+/// them by then.
+pub fn prepare_picture(output: &Output) -> Result<NewFolders, EncodeError> {
+    let path = output.path(0);
+    check_folder(&path)?;
+    if path.is_dir() {
+        return Err(JobError::IsFolder { path }.into());
+    }
+    let mut folders = NewFolders::default();
+    folders.prepare(folder_of(&path))?;
+    Ok(folders)
 }
 
 /// Refuses pictures that are larger than an output's format takes; `frame` is the first of them.

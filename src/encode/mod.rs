@@ -45,7 +45,7 @@ mod worker;
 
 pub use about::{About, Shown, TimeLimit};
 pub use assembly::{Assembly, read_picture};
-pub use atomic::write as write_file;
+pub use atomic::{NewFolders, write as write_file};
 pub use caption::{Caption, CaptionError, Corner, Template};
 pub use claim::{Claim, Holder};
 pub use develop::{ToneTable, displayed};
@@ -53,7 +53,7 @@ pub use error::{EncodeError, FilmsError, JobError};
 pub use exr::{ALBEDO, NORMAL};
 pub use found::{Found, found, in_hand};
 pub use identity::Seen;
-pub use job::{Existing, Job, check_size};
+pub use job::{Existing, Job, check_size, prepare_picture};
 pub use output::{Moving, Output, OutputError, Still};
 pub use pattern::{FramePattern, PatternError};
 pub use picture::Picture;

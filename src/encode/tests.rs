@@ -141,7 +141,8 @@ fn jobs_that_cannot_be_done_leave_nothing() {
     assert!(bad(&["new/f_#.png", "new/f_%d.png"], keep).contains("two outputs would write"));
     assert!(bad(&["a.gif", "./a.gif"], keep).contains("two outputs would write"));
     assert!(bad(&["new/a.gif", "folder.gif"], keep).contains("it is a folder"));
-    assert!(bad(&["new/a.gif", "file/b.gif"], keep).contains("file"));
+    assert!(bad(&["new/a.gif", "file/b.gif"], keep).contains("file is a file; name a folder there"));
+    assert!(bad(&["new/a.gif", "file/in/f_#.png"], keep).contains("file is a file; name a folder there"));
     assert!(bad(&["new/a.gif"], |job| job.size.1 = 65_536).contains("a GIF ends at 65535x65535"));
     assert!(bad(&["new/a.gif"], |job| job.frames.clear()).contains("nothing to write"));
     let slow = |job: &mut Job| job.rate = Rate::new(1, 10_000_000).expect("a rate");

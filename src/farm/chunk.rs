@@ -45,7 +45,7 @@ impl Films {
     pub fn of(sequence: &Sequence, frames: &[u32], extras: Extras) -> Self {
         let plan = Plan::new(sequence, frames, extras, u64::MAX);
         let write = plan.room.pixels as f64 * WRITE;
-        let films = plan.takes.iter().zip(work(sequence, &plan, Effort::PLAN)).map(|(take, rays)| {
+        let films = plan.takes.iter().zip(work(sequence, &plan, Effort::PLAN).films).map(|(take, rays)| {
             let frames: Vec<u32> = take.frames.iter().map(|&index| frames[index]).collect();
             let work = rays + write * frames.len() as f64;
             (frames, work)

@@ -10,6 +10,7 @@
 
 mod chunk;
 mod fingerprint;
+mod forecast;
 mod hyperqueue;
 mod job;
 mod makespan;
@@ -22,6 +23,7 @@ mod words;
 
 pub use chunk::{Chunk, Class, Films, classes};
 pub use fingerprint::Fingerprint;
+pub use forecast::Forecast;
 pub use job::{Assembly, Engine, Export, Job, JobFile, MARK};
 pub use makespan::{Scaling, makespan};
 pub use price::Price;

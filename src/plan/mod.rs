@@ -23,7 +23,7 @@ pub use changes::{Change, Part};
 pub use effects::{Caller, Effect};
 pub use films::{Room, Take};
 pub use outline::{Outline, Span, outline};
-pub use pilot::{Effort, Expected, Nowhere, pilot, samples, shrunk, work};
+pub use pilot::{Effort, Expected, Nowhere, Work, pilot, samples, shrunk, work};
 pub use run::run;
 pub use shared::{Shared, run_shared};
 pub use survey::{Survey, survey, survey_until, with_shared};

@@ -38,6 +38,17 @@ pub struct Effort {
 impl Effort {
     /// For whoever asks for nothing else.
     pub const PLAN: Self = Self { frames: 24, samples: 1 << 14 };
+    /// Nothing is traced: only rays of the camera are told, and the least that there can be where an error is asked for.
+    pub const NONE: Self = Self { frames: 0, samples: 0 };
+}
+
+/// What the films of a plan are expected to take.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Work {
+    /// All of them together. Of frames one by one only rays of the camera are told.
+    pub expected: Expected,
+    /// Rays of each film, in the order in which they are traced.
+    pub films: Vec<f64>,
 }
 
 /// Takes films that nobody wants.
@@ -58,34 +69,57 @@ impl Expected {
         let exact = sequence.quality.noise.is_none() || !looks.iter().any(|look| look.random);
         Self { camera_alone, camera, exact, rays_alone: None, rays: None }
     }
+
+    /// Rays of the camera: those that are known, or those of a trial where it takes one.
+    fn camera_of(&self, counted: Option<Counted>, known: u64) -> u64 {
+        counted.filter(|_| !self.exact).map_or(known, |counted| counted.camera)
+    }
 }
 
 /// What a plan of the sequence will trace, from pictures of some of its frames.
 pub fn pilot(sequence: &Sequence, plan: &Plan, effort: Effort) -> Expected {
+    let expected = work(sequence, plan, effort).expected;
+    if plan.reused() == 0 {
+        return Expected { camera_alone: expected.camera, rays_alone: expected.rays, ..expected };
+    }
     let looks = &plan.survey.frames;
-    let known = Expected::of(sequence, plan);
-    let films: Vec<(&Look, Vec<LayerId>)> =
-        plan.takes.iter().map(|take| (&looks[take.frames[0]], take.lit.clone())).collect();
-    let counted = counted_up(sequence, &films, effort);
-    let alone = if plan.reused() == 0 {
-        counted
-    } else {
-        let alone: Vec<(&Look, Vec<LayerId>)> =
-            looks.iter().map(|look| (look, lit(&look.weights).collect())).collect();
-        counted_up(sequence, &alone, effort)
-    };
-    let camera = |counted: Option<Counted>, least: u64| match counted {
-        Some(counted) if !known.exact => counted.camera,
-        _ => least,
-    };
+    let alone: Vec<Exposure> = looks.iter().map(|look| (look, lit(&look.weights).collect())).collect();
+    let trials = trials(sequence, &alone, effort).unwrap_or_default();
+    let counted = counted_up(sequence, &alone, &trials);
     Expected {
-        camera_alone: camera(alone, known.camera_alone),
-        camera: camera(counted, known.camera),
-        exact: known.exact,
-        rays_alone: alone.map(|counted| counted.all),
-        rays: counted.map(|counted| counted.all),
+        camera_alone: expected.camera_of(counted, expected.camera_alone),
+        rays_alone: counted.map(|counted| counted.all),
+        ..expected
     }
 }
+
+/// What the films of a plan will take: their samples are known, and each of them is taken to send as many rays as those
+/// of the film nearest to it that is tried. Without a trial, only rays of the camera are told.
+pub fn work(sequence: &Sequence, plan: &Plan, effort: Effort) -> Work {
+    let looks = &plan.survey.frames;
+    let films: Vec<Exposure> =
+        plan.takes.iter().map(|take| (&looks[take.frames[0]], take.lit.clone())).collect();
+    let trials = trials(sequence, &films, effort).unwrap_or_default();
+    let counted = counted_up(sequence, &films, &trials);
+    let known = Expected::of(sequence, plan);
+    let rays = |(film, (look, _)): (usize, &Exposure)| {
+        let nearest = trials.get(film * trials.len() / films.len());
+        let each =
+            nearest.filter(|trial| trial.samples > 0.0).map_or(1.0, |trial| trial.rays / trial.samples);
+        samples(sequence, look) as f64 * each
+    };
+    Work {
+        expected: Expected {
+            camera: known.camera_of(counted, known.camera),
+            rays: counted.map(|counted| counted.all),
+            ..known
+        },
+        films: films.iter().enumerate().map(rays).collect(),
+    }
+}
+
+/// A look, and the layers of light that it is traced with.
+type Exposure<'a> = (&'a Look, Vec<LayerId>);
 
 /// Camera rays of a film; the least that there are where an error is asked for.
 pub fn samples(sequence: &Sequence, look: &Look) -> u64 {
@@ -106,31 +140,14 @@ struct Counted {
     all: u64,
 }
 
-/// The rays of films, from those of some of them, spread evenly over their order.
-fn counted_up(sequence: &Sequence, films: &[(&Look, Vec<LayerId>)], effort: Effort) -> Option<Counted> {
-    let trials = trials(sequence, films, effort)?;
+/// The rays of films, from those of some of them, spread evenly over their order. None without a trial.
+fn counted_up(sequence: &Sequence, films: &[Exposure], trials: &[Trial]) -> Option<Counted> {
     let sum = |part: fn(&Trial) -> f64| trials.iter().map(part).sum::<f64>();
     let (traced, camera, rays) =
         (sum(|trial| trial.samples), sum(|trial| trial.camera), sum(|trial| trial.rays));
     let all: f64 = films.iter().map(|(look, _)| samples(sequence, look) as f64).sum();
     let whole = |part: f64| (all / traced * part).round() as u64;
     (traced > 0.0).then(|| Counted { camera: whole(camera), all: whole(rays) })
-}
-
-/// Rays that each film of a plan is expected to take: its samples are known, and each of them is taken to send as many
-/// rays as those of the film nearest to it that is tried. Without a trial, only rays of the camera are told.
-pub fn work(sequence: &Sequence, plan: &Plan, effort: Effort) -> Vec<f64> {
-    let looks = &plan.survey.frames;
-    let films: Vec<(&Look, Vec<LayerId>)> =
-        plan.takes.iter().map(|take| (&looks[take.frames[0]], take.lit.clone())).collect();
-    let trials = trials(sequence, &films, effort).unwrap_or_default();
-    let rays = |(film, (look, _)): (usize, &(&Look, Vec<LayerId>))| {
-        let nearest = trials.get(film * trials.len() / films.len());
-        let each =
-            nearest.filter(|trial| trial.samples > 0.0).map_or(1.0, |trial| trial.rays / trial.samples);
-        samples(sequence, look) as f64 * each
-    };
-    films.iter().enumerate().map(rays).collect()
 }
 
 /// What a film took that was tried.
@@ -142,7 +159,7 @@ struct Trial {
 }
 
 /// Traces some of the films with a small part of their samples: each of them stands for as many that are its neighbours.
-fn trials(sequence: &Sequence, films: &[(&Look, Vec<LayerId>)], effort: Effort) -> Option<Vec<Trial>> {
+fn trials(sequence: &Sequence, films: &[Exposure], effort: Effort) -> Option<Vec<Trial>> {
     // Until an error is reached, a picture takes several times the samples.
     let most = effort.frames.div_ceil(if sequence.quality.noise.is_some() { 4 } else { 1 });
     let chosen = films.len().min(most);

@@ -9,7 +9,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant, SystemTime};
 
 /// Twelve frames, of which the second half is a light that fades over what the sixth shows.
-const HALF: &str = r#"(
+pub const HALF: &str = r#"(
     timeline: (frames: 12, fps: 24, keys: Frames),
     output: (size: (32, 18), files: ["out/half.gif"]),
     lights: { "sun": Point(position: (3, 4, 5), intensity: [(0, 1), (6, 1), (12, 0)]) },
@@ -24,7 +24,7 @@ const ENGINES: [(&str, &str); 4] = [
 ];
 
 /// A folder with `half.ron` in it, and other sequences.
-fn farm() -> tempfile::TempDir {
+pub fn farm() -> tempfile::TempDir {
     let folder = folder();
     fs::write(folder.path().join("half.ron"), HALF).expect("a disk");
     folder
@@ -90,6 +90,9 @@ fn only_jobs_are_replaced() {
 #[test]
 fn what_makes_no_job_is_refused() {
     let folder = farm();
+    for name in ["folder.gif", "folder.png"] {
+        fs::create_dir(folder.path().join(name)).expect("a disk");
+    }
     for (rest, part) in [
         (&["-o", "-"][..], "no standard output to stream to"),
         (&["--filmstrip", "a.gif"], "a filmstrip is one picture"),
@@ -97,6 +100,10 @@ fn what_makes_no_job_is_refused() {
         (&["--chunks", "0"], "--chunks"),
         (&["--frames", "12"], "there is no frame 12"),
         (&["--shard", "1/2"], "--shard"),
+        (&["-o", "f.png"], "write \"f_####.png\""),
+        (&["-o", "half.ron/f_##.png"], "half.ron is a file; name a folder there"),
+        (&["-o", "folder.gif"], "cannot write folder.gif: it is a folder"),
+        (&["--filmstrip", "folder.png"], "cannot write folder.png: it is a folder"),
     ] {
         let told = refused(folder.path(), &[&["farm", "export", "shell", "half.ron"], rest].concat());
         assert!(told.contains(part), "{told}");
@@ -107,7 +114,7 @@ fn what_makes_no_job_is_refused() {
 }
 
 /// The frames of a set, counted out.
-fn counted(set: &str) -> Vec<u32> {
+pub fn counted(set: &str) -> Vec<u32> {
     let set: kinora::frame_set::FrameSet = set.parse().expect("a set");
     set.frames(12).expect("frames")
 }
@@ -126,6 +133,20 @@ fn a_film_is_in_one_task() {
     let with_six = chunks.iter().find(|chunk| chunk.contains(&6)).expect("a chunk");
     assert!((6..12).all(|frame| with_six.contains(&frame)), "{chunks:?}");
     assert!(chunks.len() >= 3, "{chunks:?}");
+}
+
+#[test]
+fn a_plan_for_workers_says_that_it_is_an_estimate() {
+    let folder = farm();
+    let told = kinora(folder.path(), &["plan", "half.ron", "--workers", "1,2"]);
+    let farm = told.split("\nfarm    ").nth(1).expect("a group for the farm");
+    let lines: Vec<&str> = farm.lines().map(str::trim).collect();
+    assert_eq!(
+        lines[1].split_whitespace().collect::<Vec<_>>(),
+        ["workers", "makespan", "speed-up", "efficiency"]
+    );
+    assert!(lines[2].starts_with("1 ") && lines[3].starts_with("2 "), "{told}");
+    assert!(lines[4].starts_with("an estimate, "), "{told}");
 }
 
 /// A name for the binary that scripts find.
@@ -369,7 +390,21 @@ fn status_tells_what_there_is() {
     let folder = farm();
     let path = folder.path();
     let status = |rest: &[&str]| kinora(path, &[&["farm", "status", "out/half", "half.ron"], rest].concat());
-    assert_eq!(status(&[]), "frames  12: 0 done, 0 in work, 0 stale, 12 missing\nmissing 0-11\n");
+    let told = refused(path, &["farm", "status", "half", "half.ron"]);
+    assert!(
+        told.contains("there is no folder half; the frames of half.ron go into out/half, or where"),
+        "{told}"
+    );
+    let told = refused(path, &["farm", "status", "out/half", "half.ron"]);
+    assert!(told.contains("there is no folder out/half yet; it appears with the first task"), "{told}");
+    let told = refused(path, &["farm", "status", "half.ron", "out/half"]);
+    assert!(told.contains("half.ron is a file; the frames' folder comes first"), "{told}");
+    fs::create_dir_all(path.join("out/half")).expect("a disk");
+    assert_eq!(
+        status(&[]),
+        "frames  12: 0 done, 0 in work, 0 stale, 12 missing\nmissing 0-11\n\
+         note    there is no file out/half/frame_####.png; if the job's are called otherwise, say how with -o\n"
+    );
     let frames = |set: &str, rest: &[&str]| {
         let arguments =
             ["render", "half.ron", "--frames", set, "-o", "out/half/frame_####.png", "--overwrite"];

@@ -17,6 +17,7 @@ mod outputs;
 mod runs;
 mod interruptions;
 mod farm;
+mod farm_jobs;
 mod limits;
 mod files;
 mod animation;

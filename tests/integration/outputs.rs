@@ -1,7 +1,7 @@
 //! What `kinora` writes besides plain frames: videos, raw streams, filmstrips, posters, and animations of frames that
 //! are there; and what is left when it is stopped.
 
-use crate::command::{BALL, contents, folder, kinora, run};
+use crate::command::{BALL, contents, folder, kinora, refused, run};
 use std::fs;
 use std::path::Path;
 
@@ -164,6 +164,28 @@ fn filmstrips_and_posters() {
         assert_eq!(refused.status.code(), Some(2), "{arguments:?}");
         assert!(String::from_utf8_lossy(&refused.stderr).contains(message), "{refused:?}");
     }
+}
+
+#[test]
+fn places_that_are_wrong_are_told_before_anything_is_made() {
+    let folder = folder();
+    let path = folder.path();
+    fs::create_dir(path.join("folder.png")).expect("a disk");
+    kinora(path, &["render", "ball.ron", "-o", "f_##.png"]);
+    let before = contents(path);
+    for (arguments, message) in [
+        (&["filmstrip", "ball.ron", "-o", "folder.png"][..], "folder.png: it is a folder; name a file in it"),
+        (&["filmstrip", "ball.ron", "-o", "ball.ron/s.png"], "ball.ron is a file; name a folder there"),
+        (&["render", "ball.ron", "-o", "ball.ron/a.gif"], "ball.ron is a file; name a folder there"),
+        (&["assemble", "f_##.png", "-o", "a.gif", "-o", "folder.png"], "folder.png: it is a folder"),
+        (&["assemble", "none/f_##.png", "-o", "a.gif"], "none/f_##.png: there is no folder none; name"),
+        (&["assemble", "ball.ron/f_##.png", "-o", "a.gif"], "ball.ron is a file; name a folder there"),
+        (&["accuracy", "ball.ron", "-o", "ball.ron/new"], "ball.ron is a file; name another folder with -o"),
+    ] {
+        let told = refused(path, arguments);
+        assert!(told.contains(message), "{told}");
+    }
+    assert!(contents(path) == before, "something was written");
 }
 
 /// A run that is stopped leaves whole frames, animations of what there is, and the command to go on.

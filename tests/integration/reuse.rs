@@ -272,6 +272,17 @@ fn plans_come_true() {
         assert_eq!(expected.camera, found.camera, "{name}");
         let rays = expected.rays.expect("a trial") as f64 / found.total() as f64;
         assert!((rays - 1.0).abs() < 0.05, "{name}: {rays}");
+        let work = plan::work(&sequence, &plan, Effort::PLAN);
+        assert_eq!((work.expected.camera, work.expected.rays), (expected.camera, expected.rays), "{name}");
+        let share = work.films.iter().sum::<f64>() / found.total() as f64;
+        assert!(work.films.len() == films && (share - 1.0).abs() < 0.05, "{name}: {share}");
+        // Without a trial, films are weighed by the rays of the camera.
+        let untried = plan::work(&sequence, &plan, Effort::NONE);
+        assert_eq!(
+            (untried.expected.rays, untried.films.iter().sum()),
+            (None, found.camera as f64),
+            "{name}"
+        );
         // Some frames by themselves.
         let some: Vec<u32> = frames.iter().copied().step_by(frames.len() / 7).collect();
         for frame in alone(&sequence, &some).0.0 {

@@ -3,7 +3,6 @@
 mod crops;
 mod page;
 mod plots;
-mod scale;
 
 pub use page::{Origin, page};
-pub use plots::{Chart, NoPlot, charts};
+pub use plots::{Chart, charts};

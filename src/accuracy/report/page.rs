@@ -74,7 +74,7 @@ pub fn page(measured: &Measured, origin: &Origin) -> Result<String, Box<dyn Erro
     advice(&mut html, measured, origin);
     html.tag("h2", "Error against time");
     for chart in charts(measured) {
-        html.raw(&format!("<figure id=\"{}\">{}", chart.name, chart.svg()?));
+        html.raw(&format!("<figure id=\"{}\">{}", chart.name, chart.plot.svg()?));
         html.tag("figcaption", &chart.caption);
         html.raw("</figure>\n");
     }

@@ -1,91 +1,34 @@
-//! Error against time, on logarithmic axes: a curve per setting, as SVG and as pixels.
+//! Error against time: a curve per setting.
 
-use super::scale::{range, ticks};
 use crate::accuracy::findings::{percent, seconds};
 use crate::accuracy::measure::{Measured, Point};
 use crate::accuracy::settings::Axis;
 use crate::accuracy::statistics::Estimate;
-use crate::encode::{FONT_FILE, Picture};
-use plotters::coord::Shift;
-use plotters::prelude::*;
-use plotters::style::register_font;
-use std::error::Error;
-use std::fmt;
-use std::sync::LazyLock;
+use crate::plot::{Curve, Legend, Plot, Scale, Spot};
 
-/// Pixels of a plot.
-const SIZE: (u32, u32) = (860, 500);
-/// The font that plots are laid out in. Browsers take their own.
-const FONT: &str = "sans-serif";
-const INK: RGBColor = RGBColor(40, 44, 52);
-const GRID: RGBColor = RGBColor(228, 230, 234);
-const FRONT: RGBColor = RGBColor(150, 154, 162);
-/// Told apart by most people who see colours differently (Okabe and Ito 2008).
-const COLORS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(0, 114, 178),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(230, 159, 0),
-];
-
-/// Whether the font is there. Without it plots could not be laid out.
-static REGISTERED: LazyLock<bool> =
-    LazyLock::new(|| register_font(FONT, FontStyle::Normal, FONT_FILE).is_ok());
-
-/// A plot: what it shows, and where its curves run.
+/// A plot of a measurement.
 #[derive(Clone, Debug)]
 pub struct Chart {
     /// For the names of files.
     pub name: &'static str,
-    pub title: String,
     /// What a reader should look for.
     pub caption: String,
-    x: &'static str,
-    y: &'static str,
-    curves: Vec<Curve>,
-    own: Option<(f64, f64)>,
-    front: Vec<(f64, f64)>,
-    is_share: bool,
+    pub plot: Plot,
 }
-
-#[derive(Clone, Debug)]
-struct Curve {
-    axis: Axis,
-    spots: Vec<Spot>,
-}
-
-#[derive(Clone, Debug)]
-struct Spot {
-    x: f64,
-    y: f64,
-    low: f64,
-    high: f64,
-    label: String,
-}
-
-/// Why a plot could not be drawn.
-#[derive(Debug)]
-pub struct NoPlot(String);
-
-impl fmt::Display for NoPlot {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "cannot draw a plot: {}", self.0)
-    }
-}
-
-impl Error for NoPlot {}
 
 /// All plots of a measurement: those that have something to show.
 pub fn charts(measured: &Measured) -> Vec<Chart> {
+    let mut all = Vec::from(errors(measured));
+    all.push(bounces(measured));
+    all.retain(|chart| chart.plot.curves.iter().any(|curve| curve.spots.len() > 1));
+    all
+}
+
+/// The errors of all that takes samples, as three ways to measure them see them.
+fn errors(measured: &Measured) -> [Chart; 3] {
     let brightness = measured.brightness;
-    let radiance = move |point: &Point| point.squared.root().map(|error| error / brightness);
-    let relative = |point: &Point| point.relative.root();
-    let flip = |point: &Point| point.flip;
-    let main = [Axis::Samples, Axis::Independent, Axis::Noise, Axis::Antialias];
-    let mut all = vec![
+    let axes = [Axis::Samples, Axis::Independent, Axis::Noise, Axis::Antialias];
+    [
         Chart::new(
             measured,
             "error",
@@ -95,8 +38,8 @@ pub fn charts(measured: &Measured) -> Vec<Chart> {
                 "How far the light of a pixel is from what it should be, typically; 5 % would be a twentieth of the picture's \
                  mean brightness.",
             ),
-            &main,
-            radiance,
+            &axes,
+            move |point| point.squared.root().map(|error| error / brightness),
         ),
         Chart::new(
             measured,
@@ -106,8 +49,8 @@ pub fn charts(measured: &Measured) -> Vec<Chart> {
                 "root of relMSE",
                 "The same as a share of each pixel's own brightness, so that dark parts count as much as bright ones.",
             ),
-            &main,
-            relative,
+            &axes,
+            |point| point.relative.root(),
         ),
         Chart::new(
             measured,
@@ -118,29 +61,28 @@ pub fn charts(measured: &Measured) -> Vec<Chart> {
                 "How different the displayed picture looks to someone who flips between it and what it should be: 0 is no \
                  difference.",
             ),
-            &main,
-            flip,
+            &axes,
+            |point| point.flip,
         ),
-    ];
-    let mut deep = Chart::new(
+    ]
+}
+
+/// What is left out with fewer bounces.
+fn bounces(measured: &Measured) -> Chart {
+    let Chart { name, plot, .. } = Chart::new(
         measured,
         "bounces",
         "What each bounce adds, against its time",
         ("light left out, as a share of the mean brightness", ""),
         &[Axis::Bounces],
-        move |point| {
-            let bias = point.bias.max(0.0).sqrt() / brightness;
+        |point| {
+            let bias = point.bias.max(0.0).sqrt() / measured.brightness;
             Estimate { mean: bias, low: bias, high: bias }
         },
     );
-    deep.caption = "Each point is a number of bounces; its error is what shorter chains of reflections leave out, without \
-        noise. Points without any error left stand nowhere on a logarithmic axis."
-        .to_owned();
-    deep.front.clear();
-    deep.own = None;
-    all.push(deep);
-    all.retain(|chart| chart.curves.iter().any(|curve| curve.spots.len() > 1));
-    all
+    let caption = "Each point is a number of bounces; its error is what shorter chains of reflections leave out, without \
+        noise. Points without any error left stand nowhere on a logarithmic axis.";
+    Chart { name, caption: caption.to_owned(), plot: Plot { behind: Vec::new(), ring: None, ..plot } }
 }
 
 impl Chart {
@@ -164,132 +106,42 @@ impl Chart {
                 Axis::Bounces => on.sort_by_key(|point| point.setting.quality.bounces),
                 _ => on.sort_by(|a, b| a.samples.total_cmp(&b.samples)),
             }
-            Curve { axis, spots: on.into_iter().map(spot).filter(shown).collect() }
+            Curve {
+                name: axis.name().to_owned(),
+                color: color(axis),
+                spots: on.into_iter().map(spot).filter(shown).collect(),
+            }
         };
         let front = measured.front(|point| error(point).mean);
         let front = front.iter().map(|point| (point.wall.median, error(point).mean)).filter(|at| at.1 > 0.0);
         let own = measured.own();
         let own = (own.wall.median, error(own).mean);
-        Self {
-            name,
+        let label: fn(f64) -> String = if name == "flip" { |value| format!("{value:.3}") } else { percent };
+        let plot = Plot {
             title: title.to_owned(),
-            caption: format!(
-                "{meaning} Further left is faster, further down is better: what no other point beats in both lies on the \
-                grey line. The ring is the file's own setting; numbers at points are settings."
-            ),
-            x: "time for a frame",
-            y,
+            x: Scale { name: "time for a frame", label: seconds },
+            y: Scale { name: y, label },
             curves: axes.iter().map(curve).filter(|curve| !curve.spots.is_empty()).collect(),
-            own: (own.1 > 0.0).then_some(own),
-            front: front.collect(),
-            is_share: name != "flip",
-        }
+            behind: front.collect(),
+            ring: (own.1 > 0.0).then_some((own, "the file's own")),
+            legend: Legend::UpperRight,
+        };
+        let caption = format!(
+            "{meaning} Further left is faster, further down is better: what no other point beats in both lies on the \
+            grey line. The ring is the file's own setting; numbers at points are settings."
+        );
+        Self { name, caption, plot }
     }
+}
 
-    /// The plot as SVG, to stand in a page or a file.
-    pub fn svg(&self) -> Result<String, NoPlot> {
-        let mut text = String::new();
-        let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-        self.draw(&area)?;
-        drop(area);
-        // Fill the width that there is.
-        Ok(text.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{}\" ", self.title), 1))
-    }
-
-    /// The plot in pixels.
-    pub fn image(&self) -> Result<Picture, NoPlot> {
-        let mut rgb = vec![0; (SIZE.0 * SIZE.1 * 3) as usize];
-        let area = BitMapBackend::with_buffer(&mut rgb, SIZE).into_drawing_area();
-        self.draw(&area)?;
-        drop(area);
-        Ok(Picture::opaque(SIZE.0, SIZE.1, rgb))
-    }
-
-    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), NoPlot>
-    where
-        B::ErrorType: 'static,
-    {
-        if !*REGISTERED {
-            return Err(NoPlot("its font cannot be read".to_owned()));
-        }
-        self.drawn(area).map_err(|error| NoPlot(error.to_string()))
-    }
-
-    fn drawn<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), Box<dyn Error>>
-    where
-        B::ErrorType: 'static,
-    {
-        let spots = || self.curves.iter().flat_map(|curve| &curve.spots);
-        let (xs, ys) = (range(spots().map(|spot| spot.x)), range(spots().map(|spot| spot.y)));
-        let (x_ticks, y_ticks) = (ticks(&xs), ticks(&ys));
-        area.fill(&WHITE)?;
-        let text = |size: i32| (FONT, size).into_font().color(&INK);
-        let mut chart = ChartBuilder::on(area)
-            .caption(&self.title, text(20))
-            .margin(14)
-            .x_label_area_size(46)
-            .y_label_area_size(78)
-            .build_cartesian_2d(
-                xs.clone().log_scale().with_key_points(x_ticks.clone()),
-                ys.clone().log_scale().with_key_points(y_ticks.clone()),
-            )?;
-        let is_share = self.is_share;
-        let share = move |value: &f64| if is_share { percent(*value) } else { format!("{value:.3}") };
-        chart
-            .configure_mesh()
-            .bold_line_style(GRID)
-            .light_line_style(TRANSPARENT)
-            .axis_style(INK)
-            .x_desc(self.x)
-            .y_desc(self.y)
-            .x_labels(x_ticks.len())
-            .y_labels(y_ticks.len())
-            .x_label_formatter(&|value| seconds(*value))
-            .y_label_formatter(&share)
-            .label_style(text(14))
-            .axis_desc_style(text(15))
-            .draw()?;
-        chart.draw_series(LineSeries::new(self.front.iter().copied(), FRONT.stroke_width(6)))?;
-        for curve in &self.curves {
-            let color = COLORS[curve.axis as usize];
-            let line =
-                LineSeries::new(curve.spots.iter().map(|spot| (spot.x, spot.y)), color.stroke_width(2));
-            chart
-                .draw_series(line)?
-                .label(curve.axis.name())
-                .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 22, y)], color.stroke_width(3)));
-            let bars = curve.spots.iter().filter(|spot| spot.low < spot.high);
-            let reach = |y: f64| y.clamp(ys.start, ys.end);
-            chart.draw_series(bars.map(|spot| {
-                PathElement::new(
-                    vec![(spot.x, reach(spot.low)), (spot.x, reach(spot.high))],
-                    color.stroke_width(1),
-                )
-            }))?;
-            chart.draw_series(
-                curve.spots.iter().map(|spot| Circle::new((spot.x, spot.y), 4, color.filled())),
-            )?;
-            chart.draw_series(curve.spots.iter().map(|spot| {
-                let style = (FONT, 13).into_font().color(&color);
-                EmptyElement::at((spot.x, spot.y)) + Text::new(spot.label.clone(), (9, -17), style)
-            }))?;
-        }
-        if let Some(own) = self.own {
-            chart
-                .draw_series([Circle::new(own, 9, INK.stroke_width(2))])?
-                .label("the file's own")
-                .legend(|(x, y)| Circle::new((x + 11, y), 6, INK.stroke_width(2)));
-        }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            // Browsers lay text out a little wider.
-            .margin(18)
-            .background_style(WHITE.mix(0.85))
-            .border_style(GRID)
-            .label_font(text(14))
-            .draw()?;
-        area.present()?;
-        Ok(())
+/// Those that are never in one plot may have the same.
+fn color(axis: Axis) -> usize {
+    match axis {
+        Axis::Samples | Axis::Antialias => 0,
+        Axis::Independent => 1,
+        Axis::Noise => 2,
+        Axis::Bounces => 3,
+        Axis::Roulette => 4,
+        Axis::Layers => 5,
     }
 }

@@ -9,6 +9,7 @@ use crate::cli::share;
 use crate::cli::shell::quoted;
 use crate::cli::{load, loading, render, terminal, values};
 use crate::encode::{EncodeError, png_bytes, write_file};
+use crate::files::in_the_way;
 use crate::frame_set::FrameSet;
 use crate::humane;
 use clap::Args;
@@ -82,6 +83,12 @@ pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
     let folder = options.output.clone();
     let folder = folder.unwrap_or_else(|| Path::new("output").join(format!("{}_accuracy", sequence.name)));
     // Nobody wants to learn after the work that it cannot be written.
+    if let Some(file) = in_the_way(&folder) {
+        let (folder, file) = (folder.display(), file.display());
+        return Err(Failure::Bad(format!(
+            "cannot write into the folder {folder}: {file} is a file; name another folder with -o"
+        )));
+    }
     let new = !folder.exists();
     std::fs::create_dir_all(&folder)
         .map_err(|error| Failure::Bad(format!("cannot create the folder {}: {error}", folder.display())))?;
@@ -140,8 +147,8 @@ fn write(folder: &Path, measured: &Measured, origin: &Origin) -> Result<PathBuf,
     };
     let unwritten = |error: EncodeError| Failure::Incomplete(error.to_string());
     for chart in charts(measured) {
-        let svg = chart.svg().map_err(|error| broken(&error))?;
-        let image = chart.image().map_err(|error| broken(&error))?;
+        let svg = chart.plot.svg().map_err(|error| broken(&error))?;
+        let image = chart.plot.image().map_err(|error| broken(&error))?;
         let png = png_bytes(&image).map_err(|error| broken(&error))?;
         file(&format!("{}.svg", chart.name), svg.as_bytes()).map_err(unwritten)?;
         file(&format!("{}.png", chart.name), &png).map_err(unwritten)?;

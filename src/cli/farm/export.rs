@@ -5,13 +5,14 @@ use crate::cli::failure::Failure;
 use crate::cli::render::{fingerprint, frames_of};
 use crate::cli::settings::Spoken;
 use crate::cli::{load, loading, overrides, terminal};
-use crate::encode::{Output, write_file};
+use crate::encode::{Existing, Output, write_file};
 use crate::farm::{Assembly, Engine, Export, Films, Job, JobFile, MARK, classes};
 use crate::files::{self, Root, way};
 use crate::filmstrip::spread;
 use crate::frame_set::{self, FrameSet};
 use crate::humane::{count, counted};
-use crate::render::{extras, pool};
+use crate::plan::Survey;
+use crate::render::{Request, Reuse, extras, job, pool};
 use crate::sequence::Sequence;
 use clap::{Args, ValueEnum};
 use std::fs;
@@ -129,6 +130,7 @@ impl Arguments {
         let wanted =
             Wanted { outputs: &self.output, filmstrip: self.filmstrip.as_ref(), draft: options.draft };
         let (stills, animations) = wanted.of(sequence, frames)?;
+        self.check(sequence, frames, [&stills[..], &animations].concat())?;
         let here = Path::new("");
         let base = found(self.folder(), way(self.folder(), here))?;
         let down = found(self.folder(), way(here, self.folder()))?;
@@ -158,6 +160,26 @@ impl Arguments {
 }
 
 impl Arguments {
+    /// Finds what would let every task fail: outputs that cannot be written.
+    fn check(&self, sequence: &Sequence, frames: &[u32], outputs: Vec<Output>) -> Result<(), Failure> {
+        let check = |frames: &[u32], outputs: Vec<Output>| {
+            let request = Request {
+                frames: frames.to_vec(),
+                outputs,
+                existing: Existing::Keep,
+                threads: None,
+                reuse: Reuse::Off,
+                time_limit: None,
+            };
+            job(sequence, &request, &Survey::default())
+                .check()
+                .map_err(|error| Failure::Bad(error.to_string()))
+        };
+        check(frames, outputs)?;
+        // A filmstrip is one picture of several frames.
+        self.filmstrip.iter().try_for_each(|strip| check(&frames[..1], vec![strip.clone()]))
+    }
+
     /// What `kinora assemble` is told, for the animations and for the filmstrip.
     fn assemblies(&self, (stills, animations): (&[Output], &[Output]), frames: &[u32]) -> Vec<Assembly> {
         let Some(source) = source(stills) else { return Vec::new() };

@@ -14,7 +14,7 @@ use crate::plan::{Plan, samples};
 use crate::render::{Request, Reuse, extras, job, pool};
 use crate::sequence::Sequence;
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Tell which frames are done, stale, missing or in work, and how long the rest will take.
 #[derive(Args, Debug, PartialEq)]
@@ -54,20 +54,34 @@ file, or with other settings.";
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = &arguments.settings;
     let options = &settings.options;
+    if arguments.folder.is_file() {
+        return Err(Failure::Bad(format!(
+            "{} is a file; the frames' folder comes first, then the sequence file",
+            arguments.folder.display()
+        )));
+    }
     let loading = loading::Reporter::new(options.progress, options.quiet);
     let sequence = load::sequence(&arguments.file, options.allow_outside, loading)?;
     let sequence = overrides::applied(sequence, &settings.overrides()).map_err(Failure::Bad)?;
     let numbers = frames_of(arguments.frames.as_ref(), &sequence)?;
-    let status = arguments.status(&sequence, numbers)?;
-    terminal::say(&if arguments.json { json(&status) } else { text(&status) })
+    let stills = arguments.stills(&sequence, &numbers)?;
+    let names = stills.first().map(ToString::to_string).unwrap_or_default();
+    let status = arguments.status(&sequence, numbers, stills)?;
+    terminal::say(&if arguments.json { json(&status) } else { text(&status, &names) })
 }
 
 impl Arguments {
-    fn status(&self, sequence: &Sequence, numbers: Vec<u32>) -> Result<Status, Failure> {
+    /// The frames' files in the folder.
+    fn stills(&self, sequence: &Sequence, numbers: &[u32]) -> Result<Vec<Output>, Failure> {
+        let draft = self.settings.options.draft;
+        let wanted = Wanted { outputs: &self.output, filmstrip: None, draft };
+        let (stills, _) = wanted.of(sequence, numbers)?;
+        self.check_folder(&stills)?;
+        stills.iter().map(|still| self.placed(still)).collect()
+    }
+
+    fn status(&self, sequence: &Sequence, numbers: Vec<u32>, stills: Vec<Output>) -> Result<Status, Failure> {
         let options = &self.settings.options;
-        let wanted = Wanted { outputs: &self.output, filmstrip: None, draft: options.draft };
-        let (stills, _) = wanted.of(sequence, &numbers)?;
-        let stills: Vec<Output> = stills.iter().map(|still| self.placed(still)).collect::<Result<_, _>>()?;
         let Some(first) = stills.first().cloned() else { return Ok(Status::default()) };
         let pool = pool(options.threads)?;
         let films = extras(sequence, &stills);
@@ -95,6 +109,24 @@ impl Arguments {
         Ok(Status::of(&frames, |film| in_hand(&first, film)))
     }
 
+    /// The folder must be there; where it is not, says where the frames go.
+    fn check_folder(&self, stills: &[Output]) -> Result<(), Failure> {
+        if self.folder.is_dir() {
+            return Ok(());
+        }
+        let own = stills.first().map(|still| still.path(0)).unwrap_or_default();
+        let own = own.parent().filter(|own| !own.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let (folder, file) = (self.folder.display(), self.file.display());
+        Err(Failure::Bad(if own == self.folder {
+            format!("there is no folder {folder} yet; it appears with the first task of the job")
+        } else {
+            format!(
+                "there is no folder {folder}; the frames of {file} go into {}, or where -o says",
+                own.display()
+            )
+        }))
+    }
+
     /// The files of this name in the folder.
     fn placed(&self, still: &Output) -> Result<Output, Failure> {
         let text = still.to_string();
@@ -104,7 +136,8 @@ impl Arguments {
     }
 }
 
-fn text(status: &Status) -> String {
+/// What there is of files that are called like this.
+fn text(status: &Status, names: &str) -> String {
     let Status { done, stale, missing, in_work, left } = status;
     let working: usize = in_work.iter().map(|(_, frames)| frames.len()).sum();
     let all = done.len() + stale.len() + missing.len() + working;
@@ -124,6 +157,11 @@ fn text(status: &Status) -> String {
         if !frames.is_empty() {
             lines.push(format!("{heading:<7} {}", frame_set::text(frames)));
         }
+    }
+    if missing.len() == all {
+        lines.push(format!(
+            "note    there is no file {names}; if the job's are called otherwise, say how with -o"
+        ));
     }
     if let Some(left) = left.filter(|_| done.len() < all) {
         lines.push(format!("left    {}, if it goes on as so far", rough_time(left)));
