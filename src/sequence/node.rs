@@ -222,6 +222,9 @@ impl Content<'_> {
 
 /// The value in `raw` without blanks and comments around it.
 fn without_blanks(raw: &str) -> &str {
+    if is_plain(raw) {
+        return raw.trim();
+    }
     // A new reader stands on the first character that is no blank, and after a value right behind it.
     let Ok(mut reader) = ron::Deserializer::from_str(raw) else { return raw };
     let start = reader.remainder();
@@ -229,6 +232,12 @@ fn without_blanks(raw: &str) -> &str {
         Ok(_) => start[..start.len() - reader.remainder().len()].trim_end(),
         Err(_) => start,
     }
+}
+
+/// Whether all that may stand around a value are blanks on which ron and Rust agree: those of ASCII, no comment, and no
+/// attribute of the file.
+fn is_plain(text: &str) -> bool {
+    text.bytes().all(|byte| byte.is_ascii() && byte != b'/' && byte != b'#')
 }
 
 /// A leading word, and what follows it behind any blanks.
@@ -242,6 +251,9 @@ fn split_word(text: &str) -> (&str, &str) {
     if rest.starts_with(['"', '\'', '#']) {
         return ("", text);
     }
-    let rest = ron::Deserializer::from_str(rest).map_or(rest, |reader| reader.remainder());
+    let rest = match is_plain(rest) {
+        true => rest.trim_start(),
+        false => ron::Deserializer::from_str(rest).map_or(rest, |reader| reader.remainder()),
+    };
     (word, if rest.starts_with('(') { rest } else { "" })
 }
