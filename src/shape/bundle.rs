@@ -297,14 +297,19 @@ impl Work for Met<'_, Plane> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Surfaces {
         let (anchor, normal) = (Vector::splat(self.shape.point), Vector::splat(self.shape.normal));
-        let near = self.rays.at::<L>(self.t);
-        let height = normal.dot(anchor - near);
-        let point = near + normal * height;
-        let error = (anchor - point).absolute() * Octo::splat(gamma(11))
-            + point.absolute() * Octo::splat(gamma(3))
-            + normal.absolute() * (height.absolute() * Octo::splat(gamma(8)));
-        Surfaces::new(point, error, normal)
+        placed(anchor, self.rays.at::<L>(self.t), normal)
     }
+}
+
+/// [`super::flat::placed`].
+#[inline(always)]
+pub(super) fn placed<Q: Quad>(anchor: Vector<Q>, near: Vector<Q>, normal: Vector<Q>) -> Surfaces {
+    let height = normal.dot(anchor - near);
+    let point = near + normal * height;
+    let error = (anchor - point).absolute() * Octo::splat(gamma(11))
+        + point.absolute() * Octo::splat(gamma(3))
+        + normal.absolute() * (height.absolute() * Octo::splat(gamma(8)));
+    Surfaces::new(point, error, normal)
 }
 
 /// [`Sphere::surface`](super::Geometric::surface).

@@ -231,6 +231,22 @@ impl<Q: Quad> Vector<Q> {
     }
 
     #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - other.y * self.z,
+            y: self.z * other.x - other.z * self.x,
+            z: self.x * other.y - other.x * self.y,
+        }
+    }
+
+    #[inline(always)]
+    pub fn equals(self, other: Self) -> Choice<Q> {
+        let x = self.x.at_most(other.x) & other.x.at_most(self.x);
+        let y = self.y.at_most(other.y) & other.y.at_most(self.y);
+        x & y & self.z.at_most(other.z) & other.z.at_most(self.z)
+    }
+
+    #[inline(always)]
     pub fn length(self) -> Octo<Q> {
         self.dot(self).root()
     }
@@ -292,6 +308,15 @@ impl<Q: Quad> Mul<Octo<Q>> for Vector<Q> {
     #[inline(always)]
     fn mul(self, factor: Octo<Q>) -> Self {
         Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
+    }
+}
+
+impl<Q: Quad> Div<Octo<Q>> for Vector<Q> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(self, by: Octo<Q>) -> Self {
+        Self { x: self.x / by, y: self.y / by, z: self.z / by }
     }
 }
 

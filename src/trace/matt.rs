@@ -247,6 +247,13 @@ impl<L: Lanes> Ground<L> {
 fn surfaces<L: Lanes>(tracer: &Tracer, rays: &Rays, at: &[Hit; 8]) -> (Surfaces, Option<Rows>) {
     let primitives = &tracer.scene.geometry.primitives;
     let t = at.map(|hit| hit.at.t);
+    if let Primitive { shape: Shape::Mesh(mesh), placement: None, .. } = &primitives[at[0].primitive as usize]
+        && at.iter().all(|hit| hit.primitive == at[0].primitive)
+        && let Some((surfaces, lift)) = mesh.surfaces_of::<L>(rays, &t, &at.map(|hit| hit.at.part))
+    {
+        let lifted = tracer.quality.smooth_terminator && lift.0.iter().flatten().any(|way| *way != 0.0);
+        return (surfaces, lifted.then_some(lift));
+    }
     let (mut centers, mut radii, mut spheres) = (Rows::ZERO, [0.0; 8], true);
     for lane in 0..8 {
         match &primitives[at[lane].primitive as usize] {

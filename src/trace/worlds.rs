@@ -192,10 +192,17 @@ impl World {
         }
         let middle = DAffine3::from_translation(world.middle);
         for normals in [Normals::Smooth, Normals::Flat] {
-            let parts = generate::displaced_sphere(3, seed);
-            let mesh = Arc::new(mesh::Mesh::new(parts).expect("a mesh"));
+            let mut parts = generate::displaced_sphere(3, seed);
             let turn = axis_angle(random.direction(), Angle(360.0 * random.unit()));
-            let place = middle * DAffine3::from_translation(random.point(2.0)) * DAffine3::from_mat3(turn);
+            let mut place =
+                middle * DAffine3::from_translation(random.point(2.0)) * DAffine3::from_mat3(turn);
+            // Some are where they are, without a space of their own.
+            if chance(random, 0.5) {
+                let moved =
+                    parts.positions.iter().map(|position| place.transform_point3(*position)).collect();
+                (parts.positions, place) = (moved, DAffine3::IDENTITY);
+            }
+            let mesh = Arc::new(mesh::Mesh::new(parts).expect("a mesh"));
             let finish = Finish::Material(MadeOf::One(one_of(random, &[0, 1, 2, 3])));
             world.geometry.push(&Shape::Mesh(Mesh { mesh, normals }), place, finish);
         }

@@ -1,6 +1,7 @@
 //! Triangle meshes: many triangles with a tree of their own.
 
 mod bundle;
+mod surfaces;
 #[cfg(test)]
 mod tests;
 

@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::mesh::{Corners, Parts, generate};
-use crate::shape::Triangle;
+use crate::shape::{Rays, Surfaces, Triangle};
 use crate::simd::tests::portably;
+use crate::simd::{Rows, dispatch};
 use crate::testing::Random;
 use glam::Vec3;
 
@@ -135,4 +136,51 @@ fn points_are_drawn_evenly() {
     for u in [0.0, 1.0 - f64::EPSILON] {
         assert!(mesh.sample_area(DVec2::splat(u)).expect("a point").0.point.is_finite());
     }
+}
+
+/// The surfaces where eight rays cross a mesh.
+struct Eight<'a>(&'a Mesh, &'a Rays, &'a [Crossing; 8]);
+
+impl Work for Eight<'_> {
+    type Output = Option<(Surfaces, Rows)>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let Self(mesh, rays, at) = self;
+        mesh.surfaces_of::<L>(rays, &at.map(|at| at.t), &at.map(|at| at.part))
+    }
+}
+
+#[test]
+fn eight_surfaces_are_those_of_each() {
+    let mut random = Random(21);
+    let mesh = Arc::new(mesh::Mesh::new(generate::displaced_sphere(3, 5)).expect("a mesh"));
+    let mut lifted = 0;
+    for normals in [Normals::Smooth, Normals::Flat].into_iter().cycle().take(600) {
+        let mesh = Mesh { mesh: mesh.clone(), normals };
+        let rays: [Ray; 8] = std::array::from_fn(|_| {
+            // From inside, too, where the normals are on the other side.
+            let reach = if random.unit() < 0.3 { 0.2 } else { 3.0 };
+            let origin = random.point(reach);
+            Ray { origin, direction: (random.point(0.3) - origin).normalize() }
+        });
+        let at = rays.map(|ray| mesh.hit(&Probe::new(ray), f64::INFINITY));
+        let Some(at) = at.into_iter().collect::<Option<Vec<_>>>() else { continue };
+        let at = at.try_into().expect("eight");
+        let together = Rays::of(&rays);
+        let eight = || Eight(&mesh, &together, &at);
+        for (surfaces, lift) in [dispatch(eight()), portably(|| dispatch(eight()))].into_iter().flatten() {
+            for lane in 0..8 {
+                let one = mesh.surface(&rays[lane], at[lane]);
+                let Surfaces { point, error, normal, shading } = &surfaces;
+                assert_eq!(
+                    [point, error, normal].map(|rows| rows.one(lane)),
+                    [one.point, one.error, one.normal]
+                );
+                assert_eq!((shading.one(lane), lift.one(lane)), (one.shading, one.lift));
+                lifted += usize::from(one.lift != DVec3::ZERO);
+            }
+        }
+    }
+    assert!(lifted > 1000, "{lifted}");
 }
