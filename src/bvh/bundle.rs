@@ -206,8 +206,7 @@ impl<L: Lanes, const ALONE: usize> BundleLeaves<L> for Nearest<'_, L, ALONE> {
         let Self { bvh, geometry, .. } = *self;
         let Some(Alone { probe, slabs }) = alone::<L>(&mut self.alone, bvh, self.rays, ray) else { return };
         let hit = self.hits.one(ray);
-        let mut single =
-            super::Nearest { bvh, geometry, probe, t_max: f64::INFINITY, but: &[], afar: 0.0, hit };
+        let mut single = super::Nearest::new(bvh, geometry, probe, hit);
         let limit = slabs.limit(self.hits.at.t[ray]);
         bvh.tree.walk_below::<L>(below, slabs, limit, &mut single);
         if let Some(Hit { at, primitive }) = single.hit {

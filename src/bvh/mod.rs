@@ -89,8 +89,7 @@ impl Bvh {
     /// [`Bvh::closest_before`] of all primitives but some.
     #[inline(always)]
     pub fn closest_but(&self, geometry: &Geometry, probe: &Probe, t_max: f64, but: &[u32]) -> Option<Hit> {
-        let afar = if self.lights { probe.farthest() } else { 0.0 };
-        let mut nearest = Nearest { bvh: self, geometry, probe, t_max, but, afar, hit: None };
+        let mut nearest = Nearest { t_max, but, ..Nearest::new(self, geometry, probe, None) };
         nearest.test_planes();
         nearest.test(&self.untreed);
         self.tree.walk(probe, nearest.limit(), &mut nearest);
@@ -100,9 +99,7 @@ impl Bvh {
     /// [`Bvh::closest`] on lanes that are at work already.
     #[inline(always)]
     pub fn closest_on<L: Lanes>(&self, geometry: &Geometry, probe: &Probe, stack: &mut Stack) -> Option<Hit> {
-        let afar = if self.lights { probe.farthest() } else { 0.0 };
-        let mut nearest =
-            Nearest { bvh: self, geometry, probe, t_max: f64::INFINITY, but: &[], afar, hit: None };
+        let mut nearest = Nearest::new(self, geometry, probe, None);
         nearest.test_planes();
         for &index in &self.untreed {
             let primitive = &geometry.primitives[index as usize];
@@ -201,7 +198,14 @@ impl Leaves for Any<'_> {
     }
 }
 
-impl Nearest<'_> {
+impl<'a> Nearest<'a> {
+    /// Along the whole ray, with what has been found before.
+    #[inline(always)]
+    fn new(bvh: &'a Bvh, geometry: &'a Geometry, probe: &'a Probe, hit: Option<Hit>) -> Self {
+        let afar = if bvh.lights { probe.farthest() } else { 0.0 };
+        Self { bvh, geometry, probe, t_max: f64::INFINITY, but: &[], afar, hit }
+    }
+
     /// Beyond this nothing is of interest.
     fn limit(&self) -> f64 {
         let far = |hit: Hit| if self.bvh.lights { hit.at.t + 2.0 * self.flush(hit.at.t) } else { hit.at.t };

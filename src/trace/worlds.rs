@@ -174,8 +174,10 @@ impl World {
         let mut world = Self::new(seed);
         let random = &mut Random(seed + 1000);
         let chance = |random: &mut Random, share: f64| random.unit() < share;
+        // In some worlds a matt mesh is all there is, so that neighbours meet nothing else.
+        let alone = seed % 4 == 3;
         for material in &mut world.shading.materials {
-            if chance(random, 0.5) {
+            if alone || chance(random, 0.5) {
                 let Lobes { ambient, diffuse, .. } = material.lobes;
                 material.lobes = Lobes { ambient, diffuse, ..Lobes::default() };
             }
@@ -191,13 +193,18 @@ impl World {
             world.shading.lights.clear();
         }
         let middle = DAffine3::from_translation(world.middle);
-        for normals in [Normals::Smooth, Normals::Flat] {
+        if alone {
+            world.geometry = Geometry::default();
+            world.quality.smooth_terminator = seed % 8 == 7;
+        }
+        let all = [Normals::Smooth, Normals::Flat];
+        for normals in all.into_iter().take(if alone { 1 } else { 2 }) {
             let mut parts = generate::displaced_sphere(3, seed);
             let turn = axis_angle(random.direction(), Angle(360.0 * random.unit()));
             let mut place =
                 middle * DAffine3::from_translation(random.point(2.0)) * DAffine3::from_mat3(turn);
             // Some are where they are, without a space of their own.
-            if chance(random, 0.5) {
+            if alone || chance(random, 0.5) {
                 let moved =
                     parts.positions.iter().map(|position| place.transform_point3(*position)).collect();
                 (parts.positions, place) = (moved, DAffine3::IDENTITY);
