@@ -15,6 +15,7 @@ use crate::color::Rgb;
 use crate::digest::content;
 use crate::film::LayerId;
 use crate::math::{DMat3, DVec2, DVec3};
+use crate::simd::{Lanes, Rows, Vector};
 use bevy_ecs::component::Component;
 
 /// A sky around the world at one moment, without what keys weight: fading it touches its layer's weight alone.
@@ -43,6 +44,19 @@ impl Environment {
     /// Radiance from a direction, given as a unit vector in the world.
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         self.sky.radiance(self.from_world * direction) * self.strength
+    }
+
+    /// [`Environment::radiance`] from eight directions: its red, green and blue.
+    #[inline(always)]
+    pub fn radiance_of_eight<L: Lanes>(&self, directions: &Rows) -> [[f32; 8]; 3] {
+        let d = Vector::<L::Quad>::load(directions);
+        let DMat3 { x_axis, y_axis, z_axis } = self.from_world;
+        let d = Vector::splat(x_axis) * d.x + Vector::splat(y_axis) * d.y + Vector::splat(z_axis) * d.z;
+        let mut radiance = self.sky.radiance_of_eight::<L>(d);
+        for row in &mut radiance {
+            *row = L::load(row).times(L::splat(self.strength)).store();
+        }
+        radiance
     }
 
     /// Whether it is certain that no light comes from anywhere.

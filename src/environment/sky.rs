@@ -5,6 +5,7 @@ use super::equirect;
 use crate::color::Rgb;
 use crate::digest::content;
 use crate::math::{DVec2, DVec3};
+use crate::simd::{Lanes, Octo, Vector};
 use crate::texture::{Filter, Image, Shared, Wrap};
 
 /// Radiance from every direction.
@@ -41,6 +42,37 @@ impl Sky {
             Self::CubeMap(map) => map.radiance(direction),
             Self::Equirect(image) => seen(image, equirect::uv(direction)),
         }
+    }
+
+    /// [`Sky::radiance`] from eight directions: its red, green and blue.
+    #[inline(always)]
+    pub(super) fn radiance_of_eight<L: Lanes>(&self, directions: Vector<L::Quad>) -> [[f32; 8]; 3] {
+        let mut radiance = [[0.0; 8]; 3];
+        match self {
+            Self::Constant(everywhere) => {
+                for (row, color) in radiance.iter_mut().zip(everywhere.to_array()) {
+                    *row = [color; 8];
+                }
+            }
+            Self::Gradient { bottom, top, up } => {
+                let (zero, one) = (Octo::splat(0.0), Octo::splat(1.0));
+                let height = Octo::splat(0.5) * (directions.dot(Vector::splat(*up)) + one);
+                let share = L::load(&height.larger(zero).smaller(one).narrow());
+                for (row, (bottom, top)) in
+                    radiance.iter_mut().zip(bottom.to_array().into_iter().zip(top.to_array()))
+                {
+                    let below = L::splat(bottom).times(L::splat(1.0).minus(share));
+                    *row = below.plus(L::splat(top).times(share)).store();
+                }
+            }
+            Self::CubeMap(_) | Self::Equirect(_) => {
+                let (directions, [r, g, b]) = (directions.store(), &mut radiance);
+                for (lane, ((r, g), b)) in r.iter_mut().zip(g).zip(b).enumerate() {
+                    (*r, *g, *b) = self.radiance(directions.one(lane)).into();
+                }
+            }
+        }
+        radiance
     }
 
     /// Radiance from the direction at a place of [`equirect::direction`].

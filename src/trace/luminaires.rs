@@ -141,6 +141,11 @@ impl<'a> Luminaires<'a> {
         Some(primitive.density_from(from, surface)? * chance)
     }
 
+    /// Whether the sky is asked for light.
+    pub fn ask_the_sky(&self) -> bool {
+        self.sky.is_some()
+    }
+
     /// The density per solid angle with which the sky is asked for light from a direction; none if it never is.
     pub fn sky_density(&self, tracer: &Tracer, direction: DVec3) -> Option<f64> {
         let ((table, chance), environment) = self.sky.zip(tracer.environment)?;

@@ -2,12 +2,13 @@
 
 mod adaptive;
 mod coincident;
+mod escape;
 mod guides;
 mod lights;
 mod luminaires;
-mod matt;
 mod media;
 mod passing;
+mod one_lobe;
 mod path;
 mod pixel;
 mod scatter;

@@ -7,10 +7,11 @@
 //! are; shadow rays pass what is transparent and, if the settings say so, what refracts.
 
 use super::coincident::Crossed;
+use super::escape;
 use super::lights::seen;
 use super::luminaires::Luminaires;
-use super::matt::{Eight, Matt};
 use super::media::Media;
+use super::one_lobe::{Eight, Lobe, OneLobe};
 use super::scatter::{Kind, Scatter, scatter, scatter_density};
 use super::spawn::{spawn, spawn_gathering};
 use super::throughput::Throughput;
@@ -30,7 +31,9 @@ pub struct Paths<'a> {
     luminaires: Luminaires<'a>,
     settings: PathSettings,
     /// For surfaces of which eight are shaded at once.
-    matt: Option<Matt>,
+    one_lobe: Option<OneLobe>,
+    /// Whether what the sky sends to paths that meet nothing is found for eight at once.
+    skies: bool,
     /// Whether there are any.
     meshes: bool,
 }
@@ -74,11 +77,19 @@ impl Path {
         }
     }
 
-    /// Notes that it was scattered at a point, with a density per solid angle of its direction.
-    pub fn scattered(&mut self, point: DVec3, density: f64) {
-        self.crossed = None;
+    /// Goes on from a point where it was scattered, with a density per solid angle of its direction.
+    pub fn scattered(&mut self, ray: Ray, point: DVec3, density: f64) {
+        (self.ray, self.crossed) = (ray, None);
         (self.asked, self.counted) = (Some(point), false);
         self.drawn = Some((point, density));
+        self.left -= 1;
+    }
+
+    /// Goes on by a mirror, past which no shadow ray goes.
+    pub fn mirrored(&mut self, ray: Ray) {
+        (self.ray, self.crossed) = (ray, None);
+        (self.asked, self.counted) = (None, false);
+        self.drawn = None;
         self.left -= 1;
     }
 }
@@ -86,23 +97,24 @@ impl Path {
 impl<'a> Paths<'a> {
     pub fn new(tracer: &Tracer<'a>, settings: PathSettings) -> Self {
         let luminaires = Luminaires::new(tracer);
-        let matt = Matt::new(tracer, luminaires.plain_lights());
+        let one_lobe = OneLobe::new(tracer, luminaires.plain_lights());
+        let skies = !luminaires.ask_the_sky() && tracer.holdout.is_none();
         let mut primitives = tracer.scene.geometry.primitives.iter();
         let meshes = primitives.any(|primitive| matches!(primitive.shape, Shape::Mesh(_)));
-        Self { luminaires, settings, matt, meshes }
+        Self { luminaires, settings, one_lobe, skies, meshes }
     }
 
     /// Shades every path by itself.
     #[cfg(test)]
     pub fn one_by_one(&mut self) {
-        self.matt = None;
+        (self.one_lobe, self.skies) = (None, false);
     }
 
     /// Follows paths from the eye to where they end, all of them from surface to surface. What is seen along them is added
     /// to `work`.
     pub fn follow(&self, tracer: &Tracer, paths: &mut [Path], work: &mut Work) {
         let mut lists = std::mem::take(&mut work.lists);
-        let Lists { active, hits, matt, matt_hits } = &mut lists;
+        let Lists { active, hits, queues, escaped } = &mut lists;
         active.clear();
         active.extend(0..paths.len() as u32);
         let mut goes_on = [false; WAVE];
@@ -114,31 +126,38 @@ impl<'a> Paths<'a> {
             }
             for (&index, hit) in active.iter().zip(&*hits) {
                 let path = &mut paths[index as usize];
-                if let Some(hit) = hit
-                    && self.matt.as_ref().is_some_and(|matt| matt.takes(tracer, path, hit))
+                if let (Some(hit), Some(one_lobe)) = (hit, &self.one_lobe)
+                    && let Some(lobe) = one_lobe.at(tracer, path, hit)
                 {
-                    matt.push(index);
-                    matt_hits.push(*hit);
+                    queues[lobe as usize].push((index, *hit));
                     continue;
                 }
                 work.first = path.first;
                 // Most paths end this way, and have not to go through all that others may meet.
                 if hit.is_none() && path.crossed.is_none() && path.media.is_outside() && tracer.fog.is_none()
                 {
-                    self.escape(tracer, path, work);
                     goes_on[index as usize] = false;
+                    match self.skies {
+                        true => escaped.push(index),
+                        false => self.escape(tracer, path, work),
+                    }
                     continue;
                 }
                 goes_on[index as usize] = self.step(tracer, path, *hit, work);
             }
-            if let Some(shader) = &self.matt {
-                for (which, hits) in matt.chunks(8).zip(matt_hits.chunks(8)) {
-                    let on = shader.follow(Eight { integrator: self, tracer, paths, which, hits }, work);
-                    (0..).zip(which).for_each(|(lane, &index)| goes_on[index as usize] = on >> lane & 1 == 1);
+            escape::add_sky(tracer, paths, escaped, work);
+            escaped.clear();
+            if let Some(one_lobe) = &self.one_lobe {
+                for (lobe, queue) in Lobe::ALL.into_iter().zip(queues.iter_mut()) {
+                    for at in queue.chunks(8) {
+                        let on = one_lobe.follow(lobe, Eight { integrator: self, tracer, paths, at }, work);
+                        for (lane, (index, _)) in at.iter().enumerate() {
+                            goes_on[*index as usize] = on >> lane & 1 == 1;
+                        }
+                    }
+                    queue.clear();
                 }
             }
-            matt.clear();
-            matt_hits.clear();
             active.retain(|&index| {
                 paths[index as usize].dice.surface += 1;
                 goes_on[index as usize]

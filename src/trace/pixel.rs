@@ -7,7 +7,7 @@ mod waves;
 use super::path::Paths;
 use super::together::Sums;
 use super::tracer::{Dice, Tracer, Work};
-use super::wave::WAVE;
+use super::wave::wave;
 use super::{Moment, TraceSettings, together, whitted};
 use crate::bvh::Bvh;
 use crate::counters::{Counts, Dropped};
@@ -60,11 +60,12 @@ impl<'a> Pixels<'a> {
             Integrator::Whitted => None,
             Integrator::Path(path) => Some(Paths::new(&tracer, path)),
         };
+        let at_once = wave(lights + settings.extras.layers());
         let random = moment.of > 1 || is_random(scene, quality.integrator);
         let guides = settings.extras.guides_layer(lights);
         // Eight at a time only light is recorded.
         let together = !random && settings.extras == Extras::default() && together::suits(&tracer);
-        Self { settings, moment, tracer, paths, random, lights, guides, together, at_once: WAVE }
+        Self { settings, moment, tracer, paths, random, lights, guides, together, at_once }
     }
 
     /// The same with samples drawn at random, whatever the scene calls for.
@@ -95,7 +96,7 @@ impl<'a> Pixels<'a> {
         let layers = self.layers();
         match (self.together, &self.paths) {
             (true, _) => Tracing::Together(Sums::new(layers)),
-            (false, Some(_)) => Tracing::Paths(Work::new(WAVE, layers), Followed::default()),
+            (false, Some(_)) => Tracing::Paths(Work::new(self.at_once, layers), Followed::default()),
             (false, None) => Tracing::Rays(Work::new(1, layers)),
         }
     }

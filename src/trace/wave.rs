@@ -3,6 +3,7 @@
 //! Rays of neighbours are traced as bundles where they go the same way: from the eye, and from what it sees to the lights.
 
 use super::lights::Arrival;
+use super::one_lobe::Lobe;
 use super::path::Path;
 use super::tracer::{Tracer, Work};
 use crate::bvh::Hit;
@@ -15,16 +16,23 @@ use crate::shape::{Rays, Shape, Surface};
 use crate::simd::{self, Lanes, dispatch};
 use crate::tree::{Probe, Stack};
 
-/// Paths that are followed at once, at most.
-pub const WAVE: usize = 64;
+/// Paths that are followed at once, at most, and how many sums of layers they may have.
+pub const WAVE: usize = 256;
+const SUMS: usize = 2048;
 
-/// Places of paths on their way, what they meet, and the same of those at matt surfaces. Kept from wave to wave.
+/// How many paths are followed at once that add to so many layers: many, so that eight of a kind are often among them,
+/// unless their sums then are too many to stay in the cache.
+pub fn wave(layers: usize) -> usize {
+    (SUMS / layers.max(1)).clamp(32, WAVE)
+}
+
+/// Places of paths on their way, what they meet, places of those that meet nothing, and what of those at surfaces of one lobe. Kept from wave to wave.
 #[derive(Default)]
 pub struct Lists {
     pub active: Vec<u32>,
     pub hits: Vec<Option<Hit>>,
-    pub matt: Vec<u32>,
-    pub matt_hits: Vec<Hit>,
+    pub escaped: Vec<u32>,
+    pub queues: [Vec<(u32, Hit)>; Lobe::ALL.len()],
 }
 
 /// Fewer rays than these are traced one by one.

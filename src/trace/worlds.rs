@@ -177,10 +177,15 @@ impl World {
         // In some worlds a matt mesh is all there is, so that neighbours meet nothing else.
         let alone = seed % 4 == 3;
         for material in &mut world.shading.materials {
-            if alone || chance(random, 0.5) {
-                let Lobes { ambient, diffuse, .. } = material.lobes;
-                material.lobes = Lobes { ambient, diffuse, ..Lobes::default() };
-            }
+            let Lobes { ambient, diffuse, mirror, .. } = material.lobes;
+            let matt = Lobes { ambient, diffuse, ..Lobes::default() };
+            let lobes = match random.unit() {
+                share if alone || share < 0.4 => matt,
+                share if share < 0.5 => Lobes { ambient, mirror, ..Lobes::default() },
+                share if share < 0.7 => Lobes { ambient, mirror, fuzz: 0.7, ..Lobes::default() },
+                _ => continue,
+            };
+            material.lobes = lobes;
         }
         let first = &mut world.shading.materials[0];
         match seed % 4 {
@@ -191,6 +196,11 @@ impl World {
         }
         if chance(random, 0.3) {
             world.shading.lights.clear();
+        }
+        let environment = &mut world.shading.environment;
+        environment.from_world = DMat3::from_axis_angle(random.direction(), random.unit());
+        if chance(random, 0.3) {
+            environment.sky = Sky::Constant(color(random));
         }
         let middle = DAffine3::from_translation(world.middle);
         if alone {

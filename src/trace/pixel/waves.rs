@@ -6,7 +6,6 @@ use crate::math::DVec3;
 use crate::simd::dispatch;
 use crate::trace::path::Path;
 use crate::trace::tracer::Work;
-use crate::trace::wave::WAVE;
 
 /// Paths on their way, and the places of their pixels among those that are traced.
 #[derive(Default)]
@@ -26,7 +25,7 @@ impl Pixels<'_> {
         followed: &mut Followed,
     ) {
         let Some(integrator) = &self.paths else { return };
-        let layers = work.layers.len() / WAVE;
+        let layers = work.layers.len() / self.at_once;
         let samples = pixels.iter().enumerate();
         let samples = samples.flat_map(|(index, &pixel)| {
             self.samples(pixel, drawn).map(move |(_, sampler)| Wanted { index, pixel, sampler })
@@ -53,7 +52,7 @@ impl Pixels<'_> {
 
     /// Adds the samples of paths that have been followed to their pixels' sums.
     fn take_all(&self, sums: &mut [DVec3], work: &mut Work, followed: &mut Followed) {
-        let layers = work.layers.len() / WAVE;
+        let layers = work.layers.len() / self.at_once;
         for (index, samples) in followed.pixels.drain(..).zip(work.layers.chunks_exact_mut(layers)) {
             self.take(&mut sums[index * layers..][..layers], samples, &mut work.counts.dropped);
         }

@@ -25,6 +25,15 @@ impl<L: Lanes> Color<L> {
     }
 
     #[inline(always)]
+    pub fn of(colors: &[Rgb; 8]) -> Self {
+        let mut rows = [[0.0; 8]; 3];
+        for (lane, color) in colors.iter().enumerate() {
+            (rows[0][lane], rows[1][lane], rows[2][lane]) = (color.x, color.y, color.z);
+        }
+        Self::load(&rows)
+    }
+
+    #[inline(always)]
     pub fn load([r, g, b]: &[[f32; 8]; 3]) -> Self {
         Self { r: L::load(r), g: L::load(g), b: L::load(b) }
     }
