@@ -133,7 +133,8 @@ fn trace(mesh: &Mesh, rays: &[Record], any: bool, hits: &mut [Found]) {
 fn trace_bundles(mesh: &Mesh, rays: &[Record], any: bool, hits: &mut [Found]) {
     for (rays, hits) in rays.chunks(8).zip(hits.chunks_mut(8)) {
         let last = rays.len() - 1;
-        let bundle = Rays::of(&std::array::from_fn(|lane| rays[lane.min(last)].ray()));
+        let each: Vec<_> = rays.iter().map(Record::ray).collect();
+        let bundle = Rays::gather(each.len(), |lane| &each[lane]);
         let t_max = std::array::from_fn(|lane| f64::from(rays[lane.min(last)].t_max));
         let wanted = 0xff >> (7 - last);
         if any {

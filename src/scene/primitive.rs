@@ -233,7 +233,8 @@ impl Placement {
 
     #[inline(never)]
     fn rays_to_object(&self, rays: &Rays) -> Rays {
-        Rays::of(&std::array::from_fn(|lane| self.ray_to_object(&rays.one(lane))))
+        let each: [_; 8] = std::array::from_fn(|lane| self.ray_to_object(&rays.one(lane)));
+        Rays::gather(8, |lane| &each[lane])
     }
 
     /// The shape's own error moved to the world, plus the rounding of the move there and, as the next ray

@@ -45,11 +45,16 @@ impl Rays {
         origin + direction * Octo::load(t)
     }
 
-    pub fn of(rays: &[Ray; 8]) -> Self {
-        Self {
-            origin: Rows::of(&rays.map(|ray| ray.origin)),
-            direction: Rows::of(&rays.map(|ray| ray.direction)),
+    /// So many rays, eight at most and one at least; the others are the last one.
+    #[inline(always)]
+    pub fn gather<'a>(count: usize, ray: impl Fn(usize) -> &'a Ray) -> Self {
+        let mut rays = Self { origin: Rows::ZERO, direction: Rows::ZERO };
+        for lane in 0..8 {
+            let Ray { origin, direction } = *ray(lane.min(count - 1));
+            rays.origin.set(lane, origin);
+            rays.direction.set(lane, direction);
         }
+        rays
     }
 
     /// One of them.

@@ -16,8 +16,8 @@ use crate::light::Light;
 use crate::material::{Lobes, MadeOf, Material};
 use crate::sampling::{Sampler, Use};
 use crate::scene::Finish;
-use crate::shape::{Rays, lanes};
-use crate::simd::{self, Lanes, Octo, Rows, Vector, dispatch};
+use crate::shape::{Crossing, Rays, lanes};
+use crate::simd::{self, Lanes, Octo, Vector, dispatch};
 use even::Even;
 use ground::Ground;
 use mirrors::Fuzzy;
@@ -65,8 +65,11 @@ pub struct Eight<'a, 't> {
     pub integrator: &'a Paths<'t>,
     pub tracer: &'a Tracer<'t>,
     pub paths: &'a mut [Path],
-    /// Places of these paths among all, and what each has hit. There is at least one.
-    pub at: &'a [(u32, Hit)],
+    /// Places of paths that go on among all, and what each of them has hit.
+    pub active: &'a [u32],
+    pub hits: &'a [Option<Hit>],
+    /// Which of those these are. There is at least one.
+    pub which: &'a [u32],
 }
 
 impl OneLobe {
@@ -138,21 +141,19 @@ struct Lined<'a> {
 impl<'a> Lined<'a> {
     #[inline(always)]
     fn of(eight: &Eight<'_, 'a>) -> Self {
-        let Eight { tracer, paths, at, .. } = eight;
-        let last = at.len() - 1;
-        let (place, hit) = at[last];
-        let mut rays = Rays { origin: Rows::ZERO, direction: Rows::ZERO };
-        let (mut places, mut hits) = ([place as usize; 8], [hit; 8]);
-        let mut lobes = [&tracer.material_of(&hit).lobes; 8];
+        let Eight { tracer, paths, active, hits, which, .. } = eight;
+        let last = which.len() - 1;
+        let (mut places, mut at) = ([0; 8], [Hit { at: Crossing::at(0.0), primitive: 0 }; 8]);
+        let mut lobes = [&tracer.scene.shading.materials[0].lobes; 8];
         for lane in 0..8 {
-            let (place, hit) = at[lane.min(last)];
-            let ray = &paths[place as usize].ray;
-            rays.origin.set(lane, ray.origin);
-            rays.direction.set(lane, ray.direction);
-            (places[lane], hits[lane]) = (place as usize, hit);
-            lobes[lane] = &tracer.material_of(&hit).lobes;
+            let which = which[lane.min(last)] as usize;
+            places[lane] = active[which] as usize;
+            if let Some(hit) = &hits[which] {
+                (at[lane], lobes[lane]) = (*hit, &tracer.material_of(hit).lobes);
+            }
         }
-        Self { places, rays, at: hits, lobes, there: 0xff >> (7 - last.min(7)) }
+        let rays = Rays::gather(8, |lane| &paths[places[lane]].ray);
+        Self { places, rays, at, lobes, there: 0xff >> (7 - last.min(7)) }
     }
 }
 

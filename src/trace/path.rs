@@ -39,6 +39,7 @@ pub struct Paths<'a> {
 }
 
 /// Where a path is.
+#[derive(Clone, Copy)]
 pub struct Path {
     pub ray: Ray,
     pub beam: Beam,
@@ -48,10 +49,10 @@ pub struct Path {
     pub crossed: Option<Crossed>,
     /// Bounces that are left.
     pub left: u32,
-    /// Where the direction was drawn, and with which density per solid angle; none where there was no choice.
-    drawn: Option<(DVec3, f64)>,
     /// The last surface that has turned the path back, if it has scattered it: then light was asked for there.
     asked: Option<DVec3>,
+    /// The density per solid angle with which the direction was drawn there; none where there was no choice.
+    density: Option<f64>,
     /// Whether light that is met now has been counted by a shadow ray from there, through what refracts.
     counted: bool,
     pub dice: Dice,
@@ -60,36 +61,47 @@ pub struct Path {
 }
 
 impl Path {
-    /// From the eye.
-    pub fn new(tracer: &Tracer, (ray, beam): (Ray, Beam), sampler: Sampler, first: usize) -> Self {
+    /// Along no ray yet.
+    pub fn new(tracer: &Tracer, sampler: Sampler) -> Self {
         Self {
-            ray,
-            beam,
+            ray: Ray { origin: DVec3::ZERO, direction: DVec3::ZERO },
+            beam: Beam::default(),
             throughput: Throughput::showing(Rgb::ONE),
             media: Media::default(),
             crossed: None,
             left: tracer.quality.bounces,
-            drawn: None,
             asked: None,
+            density: None,
             counted: false,
             dice: Dice { sampler, surface: 0 },
-            first,
+            first: 0,
         }
+    }
+
+    /// Begins at the eye, but for its beam. Written field by field: what is put together elsewhere and copied has to be
+    /// waited for.
+    #[inline(always)]
+    pub fn begin(&mut self, tracer: &Tracer, ray: Ray, sampler: Sampler, first: usize) {
+        self.ray = ray;
+        self.throughput.begin();
+        (self.media, self.crossed) = (Media::default(), None);
+        self.left = tracer.quality.bounces;
+        (self.asked, self.density, self.counted) = (None, None, false);
+        self.dice = Dice { sampler, surface: 0 };
+        self.first = first;
     }
 
     /// Goes on from a point where it was scattered, with a density per solid angle of its direction.
     pub fn scattered(&mut self, ray: Ray, point: DVec3, density: f64) {
         (self.ray, self.crossed) = (ray, None);
-        (self.asked, self.counted) = (Some(point), false);
-        self.drawn = Some((point, density));
+        (self.asked, self.density, self.counted) = (Some(point), Some(density), false);
         self.left -= 1;
     }
 
     /// Goes on by a mirror, past which no shadow ray goes.
     pub fn mirrored(&mut self, ray: Ray) {
         (self.ray, self.crossed) = (ray, None);
-        (self.asked, self.counted) = (None, false);
-        self.drawn = None;
+        (self.asked, self.density, self.counted) = (None, None, false);
         self.left -= 1;
     }
 }
@@ -124,12 +136,12 @@ impl<'a> Paths<'a> {
             if self.meshes {
                 tracer.fetch(hits);
             }
-            for (&index, hit) in active.iter().zip(&*hits) {
+            for ((slot, &index), hit) in (0..).zip(&*active).zip(&*hits) {
                 let path = &mut paths[index as usize];
                 if let (Some(hit), Some(one_lobe)) = (hit, &self.one_lobe)
                     && let Some(lobe) = one_lobe.at(tracer, path, hit)
                 {
-                    queues[lobe as usize].push((index, *hit));
+                    queues[lobe as usize].push(slot);
                     continue;
                 }
                 work.first = path.first;
@@ -149,10 +161,11 @@ impl<'a> Paths<'a> {
             escaped.clear();
             if let Some(one_lobe) = &self.one_lobe {
                 for (lobe, queue) in Lobe::ALL.into_iter().zip(queues.iter_mut()) {
-                    for at in queue.chunks(8) {
-                        let on = one_lobe.follow(lobe, Eight { integrator: self, tracer, paths, at }, work);
-                        for (lane, (index, _)) in at.iter().enumerate() {
-                            goes_on[*index as usize] = on >> lane & 1 == 1;
+                    for which in queue.chunks(8) {
+                        let eight = Eight { integrator: self, tracer, paths, active, hits, which };
+                        let on = one_lobe.follow(lobe, eight, work);
+                        for (lane, slot) in which.iter().enumerate() {
+                            goes_on[active[*slot as usize] as usize] = on >> lane & 1 == 1;
                         }
                     }
                     queue.clear();
@@ -212,7 +225,7 @@ impl<'a> Paths<'a> {
         if let Some(from) = path.asked.filter(|_| path.counted) {
             return if asked(from).is_some() { 0.0 } else { 1.0 };
         }
-        let Some((from, density)) = path.drawn else { return 1.0 };
+        let Some((from, density)) = path.asked.zip(path.density) else { return 1.0 };
         asked(from).map_or(1.0, |asked| (density / (density + asked)) as f32)
     }
 
@@ -307,7 +320,7 @@ impl<'a> Paths<'a> {
             Kind::Mirrored => (path.asked, path.counted) = (None, false),
             Kind::Scattered => (path.asked, path.counted) = (Some(face.surface.point), false),
         }
-        path.drawn = next.density.map(|density| (face.surface.point, density));
+        path.density = next.density;
         let left = path.left.checked_sub(1);
         path.left = left.unwrap_or(0);
         left.is_some()

@@ -22,6 +22,14 @@ impl Throughput {
         Self { gathers: Rgb::ZERO, shows: share, clear: 1.0 }
     }
 
+    /// Begins as that of a ray from the eye. Number by number: what is put together elsewhere has to be waited for.
+    #[inline(always)]
+    pub fn begin(&mut self) {
+        (self.gathers.x, self.gathers.y, self.gathers.z) = (0.0, 0.0, 0.0);
+        (self.shows.x, self.shows.y, self.shows.z) = (1.0, 1.0, 1.0);
+        self.clear = 1.0;
+    }
+
     /// Of what surfaces send to the eye because something shines on them: fog dims it all.
     pub fn seen(&self) -> Rgb {
         (self.gathers + self.shows) * self.clear

@@ -32,7 +32,7 @@ pub struct Lists {
     pub active: Vec<u32>,
     pub hits: Vec<Option<Hit>>,
     pub escaped: Vec<u32>,
-    pub queues: [Vec<(u32, Hit)>; Lobe::ALL.len()],
+    pub queues: [Vec<u32>; Lobe::ALL.len()],
 }
 
 /// Fewer rays than these are traced one by one.
@@ -83,13 +83,13 @@ impl Tracer<'_> {
             dispatch(Meet { tracer: self, paths, active, hits });
             return;
         }
-        let ray = |index: &u32| paths[*index as usize].ray;
         for some in active.chunks(8) {
+            let ray = |lane: usize| &paths[some[lane] as usize].ray;
             if some.len() < BUNDLE {
-                hits.extend(some.iter().map(|index| self.closest(&ray(index))));
+                hits.extend((0..some.len()).map(|lane| self.closest(ray(lane))));
                 continue;
             }
-            let rays = Rays::of(&std::array::from_fn(|lane| ray(&some[lane.min(some.len() - 1)])));
+            let rays = Rays::gather(some.len(), ray);
             let found = self.bvh.closest_of(self.scene.geometry, &rays, wanted(some.len()));
             hits.extend((0..some.len()).map(|lane| found.one(lane)));
         }
@@ -113,7 +113,7 @@ impl Tracer<'_> {
         shadows.sort_by_key(|shadow| shadow.turn);
         for some in shadows.chunks(8) {
             let last = some.len() - 1;
-            let rays = Rays::of(&std::array::from_fn(|lane| some[lane.min(last)].ray));
+            let rays = Rays::gather(some.len(), |lane| &some[lane].ray);
             let t_max = std::array::from_fn(|lane| some[lane.min(last)].t_max);
             let moving =
                 (0..).zip(some).filter(|(_, shadow)| !shadow.is_there()).map(|(lane, _)| 1 << lane).sum();

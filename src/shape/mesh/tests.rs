@@ -167,7 +167,7 @@ fn eight_surfaces_are_those_of_each() {
         let at = rays.map(|ray| mesh.hit(&Probe::new(ray), f64::INFINITY));
         let Some(at) = at.into_iter().collect::<Option<Vec<_>>>() else { continue };
         let at = at.try_into().expect("eight");
-        let together = Rays::of(&rays);
+        let together = Rays::gather(8, |lane| &rays[lane]);
         let eight = || Eight(&mesh, &together, &at);
         for (surfaces, lift) in [dispatch(eight()), portably(|| dispatch(eight()))].into_iter().flatten() {
             for lane in 0..8 {

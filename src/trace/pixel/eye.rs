@@ -45,18 +45,20 @@ impl Pixels<'_> {
         let at = DVec2::new(f64::from(x), f64::from(y)) + self.inside(inside);
         // Square pixels: both axes in units of half the picture's height, from its centre.
         let screen = DVec2::new(2.0 * at.x - width, height - 2.0 * at.y) / height;
-        self.seen_along(self.tracer.scene.camera.ray(screen, lens), work)
+        let ray = self.tracer.scene.camera.ray(screen, lens);
+        (ray, self.seen_along(&ray, work))
     }
 
-    /// A ray from the eye with its beam. What else than light is recorded is added to `work`.
-    pub(super) fn seen_along(&self, ray: Ray, work: &mut Work) -> (Ray, Beam) {
-        let beam = self.tracer.scene.camera.beam(&ray, 2.0 / f64::from(self.settings.size.1));
+    /// The beam of a ray from the eye. What else than light is recorded is added to `work`.
+    #[inline(always)]
+    pub(super) fn seen_along(&self, ray: &Ray, work: &mut Work) -> Beam {
+        let beam = self.tracer.scene.camera.beam(ray, 2.0 / f64::from(self.settings.size.1));
         work.counts.rays.camera += 1;
         work.counts.evaluations.lens_samples += u64::from(self.tracer.scene.camera.lens.is_some());
         if let Some(first) = self.guides {
-            guides::record(&self.tracer, (&ray, &beam), first, work);
+            guides::record(&self.tracer, (ray, &beam), first, work);
         }
-        (ray, beam)
+        beam
     }
 }
 

@@ -7,7 +7,7 @@ use crate::simd::dispatch;
 use crate::trace::path::Path;
 use crate::trace::tracer::Work;
 
-/// Paths on their way, and the places of their pixels among those that are traced.
+/// Paths, those on their way first, and the places of their pixels among those that are traced.
 #[derive(Default)]
 pub struct Followed {
     paths: Vec<Path>,
@@ -39,13 +39,18 @@ impl Pixels<'_> {
                 let rays = dispatch(Eyes { of: self, wanted: &eight });
                 for (lane, Wanted { index, sampler, .. }) in eight.iter().enumerate() {
                     let place = followed.pixels.len();
+                    if place == followed.paths.len() {
+                        followed.paths.push(Path::new(&self.tracer, *sampler));
+                    }
                     work.first = place * layers;
-                    let eye = self.seen_along(rays.one(lane), work);
-                    followed.paths.push(Path::new(&self.tracer, eye, *sampler, work.first));
+                    let path = &mut followed.paths[place];
+                    path.begin(&self.tracer, rays.one(lane), *sampler, work.first);
+                    path.beam = self.seen_along(&path.ray, work);
                     followed.pixels.push(*index);
                 }
             }
-            integrator.follow(&self.tracer, &mut followed.paths, work);
+            let paths = &mut followed.paths[..followed.pixels.len()];
+            integrator.follow(&self.tracer, paths, work);
             self.take_all(sums, work, followed);
         }
     }
@@ -56,6 +61,5 @@ impl Pixels<'_> {
         for (index, samples) in followed.pixels.drain(..).zip(work.layers.chunks_exact_mut(layers)) {
             self.take(&mut sums[index * layers..][..layers], samples, &mut work.counts.dropped);
         }
-        followed.paths.clear();
     }
 }
