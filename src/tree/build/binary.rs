@@ -67,7 +67,7 @@ pub struct Subtree {
 
 impl Subtree {
     pub fn plan(self, tree: &Binary) -> Plan {
-        if self.count == 1 { Plan::SINGLE } else { tree.nodes[self.node].plan }
+        if self.count == 1 { Plan::LEAF } else { tree.nodes[self.node].plan }
     }
 
     pub fn children(self, tree: &Binary) -> [Self; 2] {
@@ -89,8 +89,13 @@ impl Range<'_> {
     fn build(self, largest: usize) -> Costs {
         let count = self.boxes.len();
         let measure = self.bounds.measure();
-        let Some((node, nodes)) = self.nodes.split_first_mut() else { return plan::single(measure) };
+        let Some((node, nodes)) = self.nodes.split_first_mut() else { return plan::leaf(measure) };
         let Halves { left, bounds, centres } = split(self.boxes, &self.centres, self.depth);
+        // Where halves come to no less than a leaf of all, parts of them hardly ever do.
+        if count <= largest && bounds[0].measure() + bounds[1].measure() >= measure {
+            *node = Node { left: left as u32, plan: Plan::LEAF };
+            return plan::leaf(measure);
+        }
         let (boxes, rest) = self.boxes.split_at_mut(left);
         let (nodes, others) = nodes.split_at_mut(left - 1);
         let depth = self.depth + 1;

@@ -13,8 +13,8 @@ pub type Costs = [f32; 7];
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Plan(u32);
 
-/// The costs of a single thing.
-pub fn single(measure: f32) -> Costs {
+/// The costs of a leaf.
+pub fn leaf(measure: f32) -> Costs {
     [measure; 7]
 }
 
@@ -50,8 +50,8 @@ pub fn join(left: &Costs, right: &Costs, measure: f32, count: usize, fits: bool)
 }
 
 impl Plan {
-    /// Of a single thing.
-    pub const SINGLE: Self = Self(1);
+    /// Of a leaf that is not divided.
+    pub const LEAF: Self = Self(1);
 
     pub fn is_leaf(self) -> bool {
         self.0 & 1 == 1
