@@ -1,6 +1,6 @@
 //! PLY files → parts of meshes.
 
-use super::header::{Element, Encoding, Header};
+use super::header::{Element, Encoding, Header, Scalar};
 use super::records::{Blocks, Reader, Records};
 use super::scalars::{Scalars, Text};
 use super::vertices::{Vertices, incomplete, skip_list};
@@ -87,7 +87,8 @@ fn faces(
     let named = |name: &str| name == "vertex_indices" || name == "vertex_index";
     let corners = element.properties.iter().position(|p| p.list.is_some() && named(&p.name));
     let corners = corners.ok_or_else(|| element.lacks("list `vertex_indices`"))?;
-    let reader = FaceReader { element, corners, vertex_count, vertices };
+    let alone = element.properties[corners].list.filter(|_| element.properties.len() == 1);
+    let reader = FaceReader { element, corners, alone, vertex_count, vertices };
     records.read(element, &reader)
 }
 
@@ -95,6 +96,8 @@ struct FaceReader<'a> {
     element: &'a Element,
     /// Which property is the list of corners.
     corners: usize,
+    /// The type of its count, if there is no other property.
+    alone: Option<Scalar>,
     vertex_count: u64,
     vertices: &'a Vertices,
 }
@@ -108,9 +111,15 @@ impl Reader for FaceReader<'_> {
         values: &mut impl Scalars,
         triangles: &mut Self::Output,
     ) -> Result<(), MeshError> {
+        let item = self.element.properties[self.corners].item;
         for face in records {
             let first = triangles.len();
-            self.face(face, values, triangles).map_err(|error| incomplete(error, self.element, face))?;
+            match self.alone.and_then(|count| values.triangle(count, item, self.vertex_count)) {
+                Some(triangle) => triangles.push(triangle),
+                None => self
+                    .face(face, values, triangles)
+                    .map_err(|error| incomplete(error, self.element, face))?,
+            }
             if let Some((nowhere, _)) = self.vertices.nowhere
                 && triangles[first..].iter().flatten().any(|&vertex| vertex == nowhere)
             {

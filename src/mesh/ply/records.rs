@@ -212,7 +212,10 @@ impl Size {
     fn end(&self, bytes: &[u8], mut at: usize, encoding: Encoding) -> Option<usize> {
         for List { before, count, item } in &self.lists {
             at += before;
-            let items = Binary { bytes: bytes.get(at..)?, encoding }.next(*count).ok()? as usize;
+            let items = match count {
+                Scalar::U8 => usize::from(*bytes.get(at)?),
+                _ => Binary { bytes: bytes.get(at..)?, encoding }.next(*count).ok()? as usize,
+            };
             at = items.checked_mul(*item)?.checked_add(at + count.size())?;
         }
         Some(at + self.after).filter(|&end| end <= bytes.len())

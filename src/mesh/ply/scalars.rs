@@ -13,6 +13,12 @@ pub trait Scalars {
     /// The next number of the record.
     fn next(&mut self, scalar: Scalar) -> Result<f64, MeshError>;
 
+    /// A list of three whole numbers below a limit, if that comes next and can be read at once: of types and in an order
+    /// of bytes that most files have.
+    fn triangle(&mut self, _count: Scalar, _item: Scalar, _below: u64) -> Option<[u32; 3]> {
+        None
+    }
+
     /// The record is over.
     fn end(&mut self) -> Result<(), MeshError>;
 
@@ -137,6 +143,26 @@ impl Scalars for Binary<'_> {
             Scalar::U32 => u32::from_le_bytes(self.bytes()?).into(),
             Scalar::F32 => f32::from_le_bytes(self.bytes()?).into(),
             Scalar::F64 => f64::from_le_bytes(self.bytes()?),
+        })
+    }
+
+    #[inline(always)]
+    fn triangle(&mut self, count: Scalar, item: Scalar, below: u64) -> Option<[u32; 3]> {
+        let whole = matches!((count, item), (Scalar::U8 | Scalar::I8, Scalar::U32 | Scalar::I32));
+        if !whole || self.encoding != Encoding::LittleEndian {
+            return None;
+        }
+        let ([3, indices @ ..], rest) = self.bytes.split_first_chunk::<13>()? else { return None };
+        // What is negative reads as what no signed number is.
+        let below = if item == Scalar::I32 { below.min(1 << 31) } else { below };
+        let mut triangle = [0; 3];
+        for (vertex, bytes) in triangle.iter_mut().zip(indices.as_chunks::<4>().0) {
+            *vertex = u32::from_le_bytes(*bytes);
+        }
+        let known = triangle.iter().all(|vertex| u64::from(*vertex) < below);
+        known.then(|| {
+            self.bytes = rest;
+            triangle
         })
     }
 
