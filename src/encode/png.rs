@@ -5,6 +5,7 @@ use super::error::EncodeError;
 use super::picture::{Code, Picture};
 use super::record::Text;
 use crate::digest::Digest;
+use std::borrow::Cow;
 use std::io;
 use std::path::Path;
 
@@ -24,22 +25,22 @@ pub fn identity(identity: Digest) -> Text {
 pub trait PngCode: Code {
     const DEPTH: png::BitDepth;
 
-    fn bytes(codes: Vec<Self>) -> Vec<u8>;
+    fn bytes(codes: &[Self]) -> Cow<'_, [u8]>;
 }
 
 impl PngCode for u8 {
     const DEPTH: png::BitDepth = png::BitDepth::Eight;
 
-    fn bytes(codes: Vec<Self>) -> Vec<u8> {
-        codes
+    fn bytes(codes: &[Self]) -> Cow<'_, [u8]> {
+        Cow::Borrowed(codes)
     }
 }
 
 impl PngCode for u16 {
     const DEPTH: png::BitDepth = png::BitDepth::Sixteen;
 
-    fn bytes(codes: Vec<Self>) -> Vec<u8> {
-        codes.into_iter().flat_map(Self::to_be_bytes).collect()
+    fn bytes(codes: &[Self]) -> Cow<'_, [u8]> {
+        codes.iter().flat_map(|code| code.to_be_bytes()).collect()
     }
 }
 
@@ -61,8 +62,8 @@ pub fn encode<C: PngCode>(picture: &Picture<C>, texts: &[Text]) -> io::Result<Ve
     }
     let mut writer = encoder.write_header()?;
     match picture.alpha {
-        Some(_) => writer.write_image_data(&C::bytes(picture.interleaved()))?,
-        None => writer.write_image_data(&C::bytes(picture.rgb.clone()))?,
+        Some(_) => writer.write_image_data(&C::bytes(&picture.interleaved()))?,
+        None => writer.write_image_data(&C::bytes(&picture.rgb))?,
     }
     writer.finish()?;
     Ok(bytes)

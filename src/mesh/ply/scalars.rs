@@ -19,6 +19,11 @@ pub trait Scalars {
         None
     }
 
+    /// The next floats of a record, if they can be read at once.
+    fn floats(&mut self, _into: &mut [f32]) -> bool {
+        false
+    }
+
     /// The record is over.
     fn end(&mut self) -> Result<(), MeshError>;
 
@@ -144,6 +149,19 @@ impl Scalars for Binary<'_> {
             Scalar::F32 => f32::from_le_bytes(self.bytes()?).into(),
             Scalar::F64 => f64::from_le_bytes(self.bytes()?),
         })
+    }
+
+    #[inline(always)]
+    fn floats(&mut self, into: &mut [f32]) -> bool {
+        let Some((bytes, rest)) = self.bytes.split_at_checked(4 * into.len()) else { return false };
+        if self.encoding != Encoding::LittleEndian {
+            return false;
+        }
+        for (float, bytes) in into.iter_mut().zip(bytes.as_chunks().0) {
+            *float = f32::from_le_bytes(*bytes);
+        }
+        self.bytes = rest;
+        true
     }
 
     #[inline(always)]

@@ -33,7 +33,10 @@ const NAMES: [(&str, usize); 17] = [
 ];
 
 /// Values of one vertex by their places.
-type Record = [f64; 11];
+type Record = [f64; MOST];
+
+/// How many of them there are at most.
+const MOST: usize = 11;
 
 /// Everything about the vertices. Lists are empty if the file has no such properties.
 #[derive(Default)]
@@ -51,7 +54,9 @@ struct Layout<'a> {
     element: &'a Element,
     /// The place of each property, if it is read.
     places: Vec<Option<usize>>,
-    has: [bool; 11],
+    has: [bool; MOST],
+    /// The places of the properties, if all are floats and read.
+    floats: Option<Vec<usize>>,
     color: Scalar,
     /// The linear value of every code of a byte.
     codes: Vec<f32>,
@@ -125,7 +130,8 @@ impl Vertices {
 impl<'a> Layout<'a> {
     fn of(element: &'a Element) -> Result<Self, MeshError> {
         let places = element.properties.iter().map(place).collect();
-        let mut layout = Self { element, places, has: [false; 11], color: Scalar::F32, codes: Vec::new() };
+        let (has, color, codes) = ([false; MOST], Scalar::F32, Vec::new());
+        let mut layout = Self { element, places, has, floats: None, color, codes };
         for (property, place) in element.properties.iter().zip(&layout.places) {
             let Some(place) = *place else { continue };
             layout.has[place] = true;
@@ -136,13 +142,25 @@ impl<'a> Layout<'a> {
         if !layout.all(0..3) {
             return Err(element.lacks("x, y and z"));
         }
+        let floats = element.properties.iter().all(|property| property.item == Scalar::F32);
+        let each: Option<Vec<_>> = layout.places.iter().copied().collect();
+        layout.floats = each.filter(|each| floats && each.len() <= MOST);
         layout.codes = (0..256).map(|code| srgb_to_linear(f64::from(code) / 255.0) as f32).collect();
         Ok(layout)
     }
 
+    #[inline]
     fn record(&self, values: &mut impl Scalars) -> Result<Record, MeshError> {
-        let mut record = [0.0; 11];
+        let mut record = [0.0; MOST];
         values.begin()?;
+        if let Some(places) = &self.floats {
+            let mut floats = [0.0; MOST];
+            let floats = &mut floats[..places.len()];
+            if values.floats(floats) {
+                places.iter().zip(floats).for_each(|(place, float)| record[*place] = f64::from(*float));
+                return Ok(record);
+            }
+        }
         for (property, place) in self.element.properties.iter().zip(&self.places) {
             if let Some(count) = property.list {
                 skip_list(property, count, values)?;
