@@ -5,8 +5,11 @@
 //! ```
 //!
 //! For each `NAME.mesh` in DIR, the rays of `NAME.primary.rays` and `NAME.bounce.rays` are traced for the nearest hit and
-//! those of `NAME.shadow.rays` for any, one by one and, where neighbours go the same way, in bundles of eight. Times are those of the thread's own clock, the median of a few passes after one
-//! to warm up. Meshes are built on all threads (`RAYON_NUM_THREADS` limits them); times are medians as well. Hits are written to `NAME.SET.ours.hits`. Numbers in the files are little-endian:
+//! those of `NAME.shadow.rays` for any, one by one and, where neighbours go the same way, in bundles of eight. Times are
+//! those of the thread's own clock, the median of a few passes after one to warm up. All rays of `NAME.edge.rays`, if there
+//! are any, should hit something: those that miss are counted, over all four ways to trace them. Meshes are built on all
+//! threads (`RAYON_NUM_THREADS` limits them); times are medians as well. Hits are written to `NAME.SET.ours.hits`. Numbers
+//! in the files are little-endian:
 //!
 //! - `.mesh`: `KMSH`, u32 vertices, u32 triangles, three f32 per vertex, three u32 per triangle
 //! - `.rays`: `KRAY`, u32 count, then origin, tmin, direction, tmax per ray, eight f32
@@ -87,6 +90,12 @@ fn main() -> Outcome<()> {
             writeln!(stdout())?;
             sets.push('}');
         }
+        let edges = path.with_extension("edge.rays");
+        if edges.exists() {
+            let lost = lost(&mesh, &read_rays(&edges)?);
+            writeln!(stdout(), "  edge     {lost} rays miss")?;
+            write!(sets, ", \"edge_misses\": {{\"single\": {lost}}}")?;
+        }
         let threads = rayon::current_num_threads();
         let build = format!("\"single_{threads}t\": {wall}, \"single_{threads}t_cpu\": {cpu}");
         let comma = if report.is_empty() { "" } else { ", " };
@@ -128,6 +137,19 @@ fn trace(mesh: &Mesh, rays: &[Record], any: bool, hits: &mut [Found]) {
             false => mesh.hit(&probe, t_max).map_or((NONE, ray.t_max), |hit| (hit.part, hit.t as f32)),
         };
     }
+}
+
+/// How many of rays that must hit something do not, one by one or in bundles, for the nearest hit or for any.
+fn lost(mesh: &Mesh, rays: &[Record]) -> usize {
+    let mut lost = 0;
+    for any in [false, true] {
+        for trace in [trace, trace_bundles] {
+            let mut hits = vec![(NONE, 0.0); rays.len()];
+            trace(mesh, rays, any, &mut hits);
+            lost += hits.iter().filter(|(part, _)| *part == NONE).count();
+        }
+    }
+    lost
 }
 
 fn trace_bundles(mesh: &Mesh, rays: &[Record], any: bool, hits: &mut [Found]) {

@@ -65,6 +65,7 @@ impl Sky {
                     *row = below.plus(L::splat(top).times(share)).store();
                 }
             }
+            // Images are asked for light as well, but for black ones: few come here.
             Self::CubeMap(_) | Self::Equirect(_) => {
                 let (directions, [r, g, b]) = (directions.store(), &mut radiance);
                 for (lane, ((r, g), b)) in r.iter_mut().zip(g).zip(b).enumerate() {

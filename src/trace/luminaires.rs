@@ -142,7 +142,7 @@ impl<'a> Luminaires<'a> {
     }
 
     /// Whether the sky is asked for light.
-    pub fn ask_the_sky(&self) -> bool {
+    pub fn sky_is_asked(&self) -> bool {
         self.sky.is_some()
     }
 

@@ -3,8 +3,8 @@
 //! Every number is that of `path` and `scatter`, lane by lane, so that pictures do not tell which of them computed it.
 
 mod even;
+mod fuzzy;
 mod ground;
-mod mirrors;
 
 use super::path::{Path, Paths};
 use super::together::{Arrivals, Color, Starts};
@@ -19,8 +19,8 @@ use crate::scene::Finish;
 use crate::shape::{Crossing, Rays, lanes};
 use crate::simd::{self, Lanes, Octo, Vector, dispatch};
 use even::Even;
+use fuzzy::Fuzzy;
 use ground::Ground;
-use mirrors::Fuzzy;
 use std::f64::consts::PI;
 
 /// The lobe of a surface that has no other.
@@ -40,7 +40,9 @@ impl Lobe {
         let lobes = &material.lobes;
         let others = [lobes.emission, lobes.specular, lobes.transparency, lobes.refraction];
         let absent = others.iter().all(|lobe| *lobe == Rgb::ZERO) && lobes.microfacet == 0.0;
-        if !absent || !material.paints.is_empty() {
+        // Shares of what has overflowed are not what they are alone.
+        let finite = lobes.diffuse.is_finite() && lobes.mirror.is_finite();
+        if !absent || !finite || !material.paints.is_empty() {
             return None;
         }
         match [lobes.diffuse != Rgb::ZERO, lobes.mirror != Rgb::ZERO] {
@@ -102,7 +104,8 @@ trait Scatters<L: Lanes> {
 
     fn of(ground: &Ground<L::Quad>, lobes: &[&Lobes; 8]) -> Self;
 
-    /// The shares of light from directions of these cosines that are scattered.
+    /// The shares of light from directions that are scattered, where it falls on what is seen; cosines are those of the
+    /// directions to the normals.
     fn share(&self, to_light: Vector<L::Quad>, cosine: Octo<L::Quad>) -> Color<L>;
 
     /// Directions for rows of numbers in 0..1.

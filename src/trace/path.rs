@@ -39,7 +39,6 @@ pub struct Paths<'a> {
 }
 
 /// Where a path is.
-#[derive(Clone, Copy)]
 pub struct Path {
     pub ray: Ray,
     pub beam: Beam,
@@ -61,15 +60,15 @@ pub struct Path {
 }
 
 impl Path {
-    /// Along no ray yet.
-    pub fn new(tracer: &Tracer, sampler: Sampler) -> Self {
+    /// One that has no bounces, until it begins.
+    pub fn new(ray: Ray, sampler: Sampler) -> Self {
         Self {
-            ray: Ray { origin: DVec3::ZERO, direction: DVec3::ZERO },
+            ray,
             beam: Beam::default(),
             throughput: Throughput::showing(Rgb::ONE),
             media: Media::default(),
             crossed: None,
-            left: tracer.quality.bounces,
+            left: 0,
             asked: None,
             density: None,
             counted: false,
@@ -81,14 +80,15 @@ impl Path {
     /// Begins at the eye, but for its beam. Written field by field: what is put together elsewhere and copied has to be
     /// waited for.
     #[inline(always)]
-    pub fn begin(&mut self, tracer: &Tracer, ray: Ray, sampler: Sampler, first: usize) {
-        self.ray = ray;
-        self.throughput.begin();
-        (self.media, self.crossed) = (Media::default(), None);
-        self.left = tracer.quality.bounces;
-        (self.asked, self.density, self.counted) = (None, None, false);
-        self.dice = Dice { sampler, surface: 0 };
-        self.first = first;
+    pub fn begin(&mut self, tracer: &Tracer, along: Ray, sampler: Sampler, layers: usize) {
+        let Self { ray, beam: _, throughput, media, crossed, left, asked, density, counted, dice, first } =
+            self;
+        (*ray, *first) = (along, layers);
+        throughput.begin();
+        (*media, *crossed) = (Media::default(), None);
+        *left = tracer.quality.bounces;
+        (*asked, *density, *counted) = (None, None, false);
+        *dice = Dice { sampler, surface: 0 };
     }
 
     /// Goes on from a point where it was scattered, with a density per solid angle of its direction.
@@ -110,7 +110,7 @@ impl<'a> Paths<'a> {
     pub fn new(tracer: &Tracer<'a>, settings: PathSettings) -> Self {
         let luminaires = Luminaires::new(tracer);
         let one_lobe = OneLobe::new(tracer, luminaires.plain_lights());
-        let skies = !luminaires.ask_the_sky() && tracer.holdout.is_none();
+        let skies = !luminaires.sky_is_asked() && tracer.holdout.is_none();
         let mut primitives = tracer.scene.geometry.primitives.iter();
         let meshes = primitives.any(|primitive| matches!(primitive.shape, Shape::Mesh(_)));
         Self { luminaires, settings, one_lobe, skies, meshes }

@@ -7,7 +7,7 @@ mod waves;
 use super::path::Paths;
 use super::together::Sums;
 use super::tracer::{Dice, Tracer, Work};
-use super::wave::wave;
+use super::wave::at_once;
 use super::{Moment, TraceSettings, together, whitted};
 use crate::bvh::Bvh;
 use crate::counters::{Counts, Dropped};
@@ -60,7 +60,7 @@ impl<'a> Pixels<'a> {
             Integrator::Whitted => None,
             Integrator::Path(path) => Some(Paths::new(&tracer, path)),
         };
-        let at_once = wave(lights + settings.extras.layers());
+        let at_once = at_once(lights + settings.extras.layers());
         let random = moment.of > 1 || is_random(scene, quality.integrator);
         let guides = settings.extras.guides_layer(lights);
         // Eight at a time only light is recorded.

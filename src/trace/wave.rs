@@ -16,22 +16,29 @@ use crate::shape::{Rays, Shape, Surface};
 use crate::simd::{self, Lanes, dispatch};
 use crate::tree::{Probe, Stack};
 
-/// Paths that are followed at once, at most, and how many sums of layers they may have.
+/// Paths that are followed at once, at most, and at least where there are as many.
 pub const WAVE: usize = 256;
+const LEAST: usize = 32;
+
+/// Sums of layers that stay in the cache.
 const SUMS: usize = 2048;
 
-/// How many paths are followed at once that add to so many layers: many, so that eight of a kind are often among them,
-/// unless their sums then are too many to stay in the cache.
-pub fn wave(layers: usize) -> usize {
-    (SUMS / layers.max(1)).clamp(32, WAVE)
+/// How many paths that add to so many layers are followed at once, a multiple of eight: many, so that eight of a kind are
+/// often among them, unless their sums are too many then.
+pub fn at_once(layers: usize) -> usize {
+    (SUMS / layers.max(1) / 8 * 8).clamp(LEAST, WAVE)
 }
 
-/// Places of paths on their way, what they meet, places of those that meet nothing, and what of those at surfaces of one lobe. Kept from wave to wave.
+/// Lists of paths, kept from wave to wave.
 #[derive(Default)]
 pub struct Lists {
+    /// Places of those on their way.
     pub active: Vec<u32>,
+    /// What each of them meets.
     pub hits: Vec<Option<Hit>>,
+    /// Places of those that have just met nothing.
     pub escaped: Vec<u32>,
+    /// For each lobe, which of those on their way are at surfaces that have no other.
     pub queues: [Vec<u32>; Lobe::ALL.len()],
 }
 

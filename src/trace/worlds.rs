@@ -121,6 +121,8 @@ pub struct World {
     quality: Quality,
     /// Around which everything lies.
     middle: DVec3,
+    /// Layers of light.
+    layers: usize,
 }
 
 impl World {
@@ -166,6 +168,7 @@ impl World {
             camera: Camera { position, basis, projection, lens: None },
             quality,
             middle,
+            layers: 3,
         }
     }
 
@@ -230,21 +233,24 @@ impl World {
         let path = PathSettings { roulette, refractive_shadows: chance(random, 0.5) };
         world.quality.integrator = Integrator::Path(path);
         world.quality.samples = one_of(random, &[1, 3]);
+        // Of many layers fewer paths are followed at once, of these no power of two.
+        world.layers = one_of(random, &[3, 3, 9, 20]);
         world
     }
 
     /// The picture's layers, with what was counted; before it is traced, `change` may say how.
     pub fn trace(&self, change: impl FnOnce(&mut Pixels)) -> (Vec<DVec3>, Counts) {
-        let weights = Weights(vec![Rgb::ONE; 3]);
-        let Self { geometry, shading, camera, quality, .. } = self;
+        let Self { geometry, shading, camera, quality, layers, .. } = self;
+        let weights = Weights(vec![Rgb::ONE; *layers]);
         let scene = Scene { geometry, shading, weights: &weights, camera };
         let bvh = Bvh::build(geometry);
         let filter = FilterSampler::new(quality.filter);
         let settings = TraceSettings { size: SIZE, quality: *quality, filter, extras: Extras::default() };
         let mut pixels = Pixels::new(&scene, &bvh, &settings, Moment::ONLY);
         change(&mut pixels);
-        let mut sums = vec![DVec3::ZERO; (SIZE.0 * SIZE.1) as usize * 3];
-        let window = Window { pixels: &pixels, held: &[0, 1, 2], rows: 0..SIZE.1 };
+        let mut sums = vec![DVec3::ZERO; (SIZE.0 * SIZE.1) as usize * layers];
+        let held: Vec<_> = (0..*layers).collect();
+        let window = Window { pixels: &pixels, held: &held, rows: 0..SIZE.1 };
         let counts = window.trace(&mut sums, |layer, sum| *layer = sum);
         (sums, counts)
     }

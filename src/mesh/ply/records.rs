@@ -213,6 +213,7 @@ impl Size {
         for List { before, count, item } in &self.lists {
             at += before;
             let items = match count {
+                // What most files have, by the shortest way: all that follows waits for it.
                 Scalar::U8 => usize::from(*bytes.get(at)?),
                 _ => Binary { bytes: bytes.get(at..)?, encoding }.next(*count).ok()? as usize,
             };

@@ -13,13 +13,14 @@ pub trait Scalars {
     /// The next number of the record.
     fn next(&mut self, scalar: Scalar) -> Result<f64, MeshError>;
 
-    /// A list of three whole numbers below a limit, if that comes next and can be read at once: of types and in an order
-    /// of bytes that most files have.
+    /// A whole record, instead of all from `begin` to `end`, that is a list of three whole numbers below a limit; none if
+    /// it is another one, or of types or in an order of bytes that few files have. Then nothing has been read.
     fn triangle(&mut self, _count: Scalar, _item: Scalar, _below: u64) -> Option<[u32; 3]> {
         None
     }
 
-    /// The next floats of a record, if they can be read at once.
+    /// A whole record of floats, instead of all from `begin` to `end`; false if it cannot be read at once. Then nothing has
+    /// been read.
     fn floats(&mut self, _into: &mut [f32]) -> bool {
         false
     }

@@ -5,7 +5,7 @@ use super::*;
 use crate::color::{Rgb, srgb_to_linear};
 use crate::math::{DVec2, DVec3};
 use crate::mesh::lines::Lines;
-use crate::mesh::{Corners, Mesh, Parts, generate, obj};
+use crate::mesh::{Corners, Mesh, MeshError, Parts, generate, obj};
 use crate::testing::Random;
 use glam::Vec3;
 
@@ -266,6 +266,51 @@ fn blocks_do_not_show() {
     let at = begin + vertices.len() - 4;
     nowhere[at..at + 4].copy_from_slice(&f32::NAN.to_le_bytes());
     assert!(fault(&nowhere).starts_with("vertex 59999: the vertex has z = NaN, and face "));
+}
+
+/// Vertices of floats and faces of one list, which are read at once where the lowest byte comes first, and one by one
+/// where it is the last.
+fn plain_file(big: bool, [count, item]: [&str; 2], faces: &[Vec<i64>]) -> Vec<u8> {
+    let (endian, vertices) = (if big { "big" } else { "little" }, 5);
+    let mut bytes = format!(
+        "ply\nformat binary_{endian}_endian 1.0\nelement vertex {vertices}\nproperty float z\nproperty float x\n\
+         property float y\nproperty float t\nproperty float s\nelement face {}\n\
+         property list {count} {item} vertex_indices\nend_header\n",
+        faces.len()
+    )
+    .into_bytes();
+    let mut push = |value: &[u8]| match big {
+        true => bytes.extend(value.iter().rev()),
+        false => bytes.extend(value),
+    };
+    (0..5 * vertices).for_each(|k| push(&(0.1 * k as f32).to_le_bytes()));
+    for face in faces {
+        push(&[face.len() as u8]);
+        face.iter().for_each(|corner| push(&(*corner as u32).to_le_bytes()));
+    }
+    bytes
+}
+
+#[test]
+fn what_is_read_at_once_is_read_as_one_by_one() {
+    let right = vec![vec![0, 1, 2], vec![4, 3, 2, 1], vec![2, 3, 4]];
+    let parts = good(&plain_file(false, ["uchar", "uint"], &right));
+    assert_eq!(parts.triangles, [[0, 1, 2], [4, 3, 2], [4, 2, 1], [2, 3, 4]]);
+    let [z, x, y, t, s] = [5.0_f32, 6.0, 7.0, 8.0, 9.0].map(|k| f64::from(0.1 * k));
+    assert_eq!(parts.positions[1], DVec3::new(x, y, z));
+    assert_eq!(parts.uvs.map(|uvs| uvs.values()[1]), Some(DVec2::new(s, t)));
+    for types in [["uchar", "uint"], ["uchar", "int"], ["char", "int"]] {
+        for (face, corner, wrong) in [(0, 0, 0), (2, 2, 5), (0, 1, -1), (2, 0, 1 << 31), (1, 3, 1 << 20)] {
+            let mut faces = right.clone();
+            faces[face][corner] = wrong;
+            let [little, big] = [false, true].map(|big| plain_file(big, types, &faces));
+            for cut in 0..45 {
+                let [little, big] = [&little, &big].map(|bytes| read(&bytes[..bytes.len() - cut]));
+                let told = |read: Result<Parts, MeshError>| read.map_err(|error| error.to_string());
+                assert_eq!(told(little), told(big), "{types:?}, {wrong} in face {face}, {cut} bytes less");
+            }
+        }
+    }
 }
 
 #[test]

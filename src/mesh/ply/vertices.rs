@@ -55,7 +55,7 @@ struct Layout<'a> {
     /// The place of each property, if it is read.
     places: Vec<Option<usize>>,
     has: [bool; MOST],
-    /// The places of the properties, if all are floats and read.
+    /// The places of the properties, if all are floats and read, and no more than there are places.
     floats: Option<Vec<usize>>,
     color: Scalar,
     /// The linear value of every code of a byte.
@@ -152,7 +152,6 @@ impl<'a> Layout<'a> {
     #[inline]
     fn record(&self, values: &mut impl Scalars) -> Result<Record, MeshError> {
         let mut record = [0.0; MOST];
-        values.begin()?;
         if let Some(places) = &self.floats {
             let mut floats = [0.0; MOST];
             let floats = &mut floats[..places.len()];
@@ -161,6 +160,7 @@ impl<'a> Layout<'a> {
                 return Ok(record);
             }
         }
+        values.begin()?;
         for (property, place) in self.element.properties.iter().zip(&self.places) {
             if let Some(count) = property.list {
                 skip_list(property, count, values)?;

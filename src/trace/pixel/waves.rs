@@ -25,7 +25,7 @@ impl Pixels<'_> {
         followed: &mut Followed,
     ) {
         let Some(integrator) = &self.paths else { return };
-        let layers = work.layers.len() / self.at_once;
+        let layers = self.layers();
         let samples = pixels.iter().enumerate();
         let samples = samples.flat_map(|(index, &pixel)| {
             self.samples(pixel, drawn).map(move |(_, sampler)| Wanted { index, pixel, sampler })
@@ -35,12 +35,13 @@ impl Pixels<'_> {
         while samples.peek().is_some() {
             while followed.pixels.len() < self.at_once && samples.peek().is_some() {
                 eight.clear();
-                eight.extend(samples.by_ref().take(self.at_once.min(8)));
+                let room = self.at_once - followed.pixels.len();
+                eight.extend(samples.by_ref().take(room.min(8)));
                 let rays = dispatch(Eyes { of: self, wanted: &eight });
                 for (lane, Wanted { index, sampler, .. }) in eight.iter().enumerate() {
                     let place = followed.pixels.len();
                     if place == followed.paths.len() {
-                        followed.paths.push(Path::new(&self.tracer, *sampler));
+                        followed.paths.push(Path::new(rays.one(lane), *sampler));
                     }
                     work.first = place * layers;
                     let path = &mut followed.paths[place];
@@ -57,7 +58,7 @@ impl Pixels<'_> {
 
     /// Adds the samples of paths that have been followed to their pixels' sums.
     fn take_all(&self, sums: &mut [DVec3], work: &mut Work, followed: &mut Followed) {
-        let layers = work.layers.len() / self.at_once;
+        let layers = self.layers();
         for (index, samples) in followed.pixels.drain(..).zip(work.layers.chunks_exact_mut(layers)) {
             self.take(&mut sums[index * layers..][..layers], samples, &mut work.counts.dropped);
         }

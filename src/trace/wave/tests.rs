@@ -1,5 +1,6 @@
 //! Pictures do not tell how many paths were followed at once.
 
+use super::{LEAST, SUMS, WAVE, at_once};
 use crate::simd::tests::portably;
 use crate::trace::worlds::World;
 
@@ -24,4 +25,13 @@ fn waves_of_paths_see_what_each_of_them_does() {
         }
     }
     assert!(total.iter().all(|rays| *rays > 10_000), "{total:?}");
+}
+
+#[test]
+fn waves_are_made_of_whole_eights() {
+    for layers in 0..3000 {
+        let paths = at_once(layers);
+        assert!(paths.is_multiple_of(8) && (LEAST..=WAVE).contains(&paths), "{layers} layers");
+        assert!(paths == LEAST || paths * layers <= SUMS, "{layers} layers");
+    }
 }

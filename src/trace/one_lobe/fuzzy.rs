@@ -1,4 +1,4 @@
-//! Fuzzy mirrors, as [`Fuzz`](crate::optics::Fuzz) has it for one.
+//! Mirrors that scatter, as [`Fuzz`](crate::optics::Fuzz) has it for one.
 
 use super::{Drawn, Ground, Scatters};
 use crate::material::Lobes;
