@@ -237,7 +237,8 @@ fn read_rays(path: &Path) -> Outcome<Vec<Record>> {
 
 /// The numbers behind a file's four letters.
 fn words(bytes: &[u8], letters: &[u8; 4], path: &Path) -> Outcome<Vec<u32>> {
-    let rest = bytes.strip_prefix(letters).ok_or_else(|| format!("{}: no such file", path.display()))?;
+    let rest =
+        bytes.strip_prefix(letters).ok_or_else(|| format!("{}: no such file", path.to_string_lossy()))?;
     Ok(rest.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
 }
 

@@ -54,6 +54,7 @@ fn picture(name: &str, frames: &[u32], samples: u32) -> Result<(), Box<dyn Error
         let request = Request {
             frames: vec![frame],
             outputs,
+            confined: false,
             existing: Existing::Replace,
             threads: None,
             reuse: Reuse::Share,

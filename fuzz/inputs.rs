@@ -108,7 +108,7 @@ pub fn kept(bytes: &[u8]) {
     let Some((format, bytes)) = bytes.split_first() else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let name = ["f_#.png", "f_#.exr"][usize::from(format % 2)];
-    let output = Output::parse(&folder.path().join(name).to_string_lossy()).expect("an output");
+    let output = Output::parse(folder.path().join(name)).expect("an output");
     let mut job = job(&output, (2, 1), 1);
     job.seen = vec![Seen::default()];
     std::fs::write(output.path(0), bytes).expect("a disk");
@@ -137,7 +137,7 @@ pub fn gif(bytes: &[u8]) {
     let mut formats = Formats::default();
     formats.gif.colors = u16::from(colors).max(1) + 1;
     let rate = Rate::new(i128::from(rate % 60) + 1, 1).expect("a rate");
-    let output = Output::parse(&path.to_string_lossy()).expect("an output");
+    let output = Output::parse(&path).expect("an output");
     let job = Job { rate, formats, ..job(&output, (width, height), frames as u32) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     let mut assembly = Assembly::start(job).expect("a job");
@@ -163,6 +163,7 @@ pub fn gif(bytes: &[u8]) {
 fn job(output: &Output, size: (u32, u32), frames: u32) -> Job {
     Job {
         outputs: vec![output.clone()],
+        confined: false,
         existing: Existing::Keep,
         frames: (0..frames).collect(),
         seen: Vec::new(),

@@ -53,6 +53,7 @@ pub fn assemble(request: &Request) -> Result<Report, RenderError> {
     let size = (first.width, first.height);
     let job = Job {
         outputs: animations,
+        confined: false,
         existing: Existing::Replace,
         seen: Vec::new(),
         frames: request.frames.iter().map(|(number, _)| *number).collect(),
@@ -89,7 +90,7 @@ pub fn assemble(request: &Request) -> Result<Report, RenderError> {
         report.notes.extend(request.text.note(&about.name));
         for strip in &strips {
             write_picture(strip, &picture, request.formats)?;
-            report.files.push(PathBuf::from(strip.to_string()));
+            report.files.push(strip.name().to_owned());
         }
     }
     Ok(report)

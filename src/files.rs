@@ -1,5 +1,6 @@
 //! Files that are read: plain ones, up to a size, and inside one folder.
 
+use crate::escape;
 use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
@@ -82,7 +83,7 @@ impl Root {
         let path = path.canonicalize()?;
         match &self.folder {
             Some(root) if !path.starts_with(root) => {
-                let root = root.display();
+                let root = escape::path(root);
                 Err(io::Error::other(format!("it lies outside of {root}; --allow-outside lets it be read")))
             }
             _ => {
@@ -114,6 +115,56 @@ pub fn way(from: &Path, to: &Path) -> io::Result<PathBuf> {
     let shared = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
     let up = from.components().skip(shared).map(|_| Component::ParentDir);
     Ok(up.chain(to.components().skip(shared)).collect())
+}
+
+/// What a file is that takes bytes one after the other, and cannot be replaced by another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    Pipe,
+    Device,
+    /// Takes none of those who only know its name.
+    Socket,
+}
+
+impl Channel {
+    /// What a path leads to through all links, if that is no plain file, no folder, and not nothing.
+    #[cfg(unix)]
+    pub fn at(path: &Path) -> Option<Self> {
+        use std::os::unix::fs::FileTypeExt;
+        let what = fs::metadata(path).ok()?.file_type();
+        match () {
+            () if what.is_fifo() => Some(Self::Pipe),
+            () if what.is_char_device() || what.is_block_device() => Some(Self::Device),
+            () if what.is_socket() => Some(Self::Socket),
+            () => None,
+        }
+    }
+
+    #[cfg(not(unix))]
+    pub fn at(_: &Path) -> Option<Self> {
+        None
+    }
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pipe => "a pipe",
+            Self::Device => "a device",
+            Self::Socket => "a socket",
+        }
+    }
+}
+
+/// Where a path leads that goes out of the working directory, if it does: through a link to a folder, or one that leads
+/// to a pipe or a device. Any other file is replaced, be it a link or not. `path` itself has no `..`.
+pub fn leaves(path: &Path) -> Option<PathBuf> {
+    let here = Path::new(".").canonicalize().ok()?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let there = |path: &&Path| path.symlink_metadata().is_ok();
+    let known = folder.ancestors().find(there).unwrap_or(Path::new("."));
+    let known = [Some(known), Channel::at(path).map(|_| path)].into_iter().flatten();
+    // A link that leads nowhere may lead anywhere by the time it is followed.
+    let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.read_link().unwrap_or_default());
+    known.map(whole).find(|whole| !whole.starts_with(&here))
 }
 
 /// The file that stands where a folder, or one above it, should be.
@@ -249,6 +300,18 @@ mod tests {
             let _ = copy.admit(&top.join(name));
         }
         assert_eq!(root.admitted(), [top.join("a"), top.join("b")]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn channels_are_told_from_files() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let socket = dir.path().join("socket");
+        let _bound = std::os::unix::net::UnixListener::bind(&socket).expect("a disk");
+        std::os::unix::fs::symlink("/dev/null", dir.path().join("link")).expect("a disk");
+        assert_eq!(Channel::at(&socket), Some(Channel::Socket));
+        assert_eq!(Channel::at(&dir.path().join("link")), Some(Channel::Device));
+        assert_eq!((Channel::at(dir.path()), Channel::at(&dir.path().join("none"))), (None, None));
     }
 
     #[cfg(unix)]

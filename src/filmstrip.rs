@@ -14,7 +14,6 @@ use crate::schedule::{FilmSink, FrameLoop};
 use crate::sequence::Sequence;
 use crate::time::Rate;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -79,7 +78,7 @@ pub fn filmstrip(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> 
         plan::run(&plan, &mut frames, || true)
     })?;
     let tally = frames.tally().clone();
-    let files = vec![PathBuf::from(request.output.to_string())];
+    let files = vec![request.output.name().to_owned()];
     let mut report = Report { files, ..Report::default() };
     if let Some(cells) = frames.into_sink() {
         write_picture(&request.output, &cells.sheet.finish(), sequence.output.formats)?;

@@ -20,7 +20,7 @@ pub mod color;
 pub mod track;
 pub mod counters;
 pub mod humane;
-pub mod quote;
+pub mod escape;
 pub mod machine;
 pub mod process;
 pub mod files;

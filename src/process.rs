@@ -21,7 +21,7 @@ impl Process {
         let host = read("/proc/sys/kernel/hostname").or_else(|| std::env::var("HOSTNAME").ok());
         let space = fs::read_link("/proc/self/ns/pid").ok();
         let machine = read("/proc/sys/kernel/random/boot_id").zip(space);
-        let machine = machine.map(|(boot, space)| format!("{boot},{}", space.display()));
+        let machine = machine.map(|(boot, space)| format!("{boot},{}", space.to_string_lossy()));
         let id = std::process::id();
         Self {
             // It stands in a line of words.

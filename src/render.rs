@@ -29,6 +29,9 @@ pub struct Request {
     /// Frame numbers in the order in which they are rendered and shown.
     pub frames: Vec<u32>,
     pub outputs: Vec<Output>,
+    /// Whether these stay within the working directory, wherever links lead: those do that a sequence names, which may
+    /// come from others.
+    pub confined: bool,
     pub existing: Existing,
     /// Threads that trace; as many as the machine has if absent.
     pub threads: Option<NonZeroUsize>,
@@ -356,6 +359,7 @@ pub(crate) fn job(sequence: &Sequence, request: &Request, survey: &Survey) -> Jo
     let seen = |look: &Look| Seen { radiance: look.radiance(), exposure: look.exposure, random: look.random };
     Job {
         outputs: request.outputs.clone(),
+        confined: request.confined,
         existing: request.existing,
         frames: request.frames.clone(),
         seen: survey.frames.iter().map(seen).collect(),

@@ -90,6 +90,7 @@ fn shot(sequence: &Sequence, file: &str) -> Result<Summary, Box<dyn Error>> {
     let request = Request {
         frames: vec![0],
         outputs,
+        confined: false,
         existing: Existing::Replace,
         threads: NonZeroUsize::new(1),
         reuse: Reuse::Off,

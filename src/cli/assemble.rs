@@ -5,6 +5,7 @@ use super::{load, loading, terminal, values};
 use crate::assemble::{Request, assemble, told_by};
 use crate::color::Rgb;
 use crate::encode::{FramePattern, Output, Plays, Template};
+use crate::escape;
 use crate::files::{in_the_way, why};
 use crate::frame_set::FrameSet;
 use crate::sequence::Sequence;
@@ -19,12 +20,12 @@ use std::path::{Path, PathBuf};
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// The frames: a name with #### or %04d in the place of their numbers, such as out/f_####.png
-    pattern: String,
+    pattern: PathBuf,
 
     /// File to write; may be given several times
     ///
     /// .mp4, .gif, .apng, .webp, .y4m or - for an animation; .png, .jpg or .ppm for a filmstrip.
-    #[arg(short, long, value_name = "FILE", value_parser = Output::parse, required = true)]
+    #[arg(short, long, value_name = "FILE", value_parser = values::output(), required = true)]
     output: Vec<Output>,
 
     /// Only these frames: 0-47, 0..48, 7,9,20 or 1-40:2 [default: all that are there]
@@ -124,7 +125,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.quiet {
         return Ok(());
     }
-    let wrote = report.files.iter().map(|file| format!("wrote   {}", file.display()));
+    let wrote = report.files.iter().map(|file| format!("wrote   {}", escape::path(file)));
     let facts = format!("frames  {} at {} per second", request.frames.len(), request.rate);
     let notes = report.notes.iter().map(|note| format!("note    {note}"));
     let told: Vec<String> = wrote.chain([facts]).chain(notes).collect();
@@ -156,7 +157,7 @@ impl Arguments {
             FramePattern::parse(&self.pattern).ok().filter(FramePattern::has_place).ok_or_else(|| {
                 bad(format!(
                     "`{}` has no place for frame numbers; write it as in out/frame_####.png",
-                    self.pattern
+                    escape::path(&self.pattern)
                 ))
             })?;
         let there = pattern.numbers().map_err(|error| bad(nowhere(&pattern, &error)))?;
@@ -168,7 +169,7 @@ impl Arguments {
             Some(set) => {
                 let set = set.frames(last + 1).map_err(|error| bad(format!("--frames: {error}")))?;
                 if let Some(missing) = set.iter().find(|frame| there.binary_search(frame).is_err()) {
-                    return Err(bad(format!("there is no frame {}", pattern.path(*missing).display())));
+                    return Err(bad(format!("there is no frame {}", escape::path(pattern.path(*missing)))));
                 }
                 set
             }
@@ -182,11 +183,11 @@ fn nowhere(pattern: &FramePattern, error: &io::Error) -> String {
     let path = pattern.path(0);
     let folder = path.parent().unwrap_or(Path::new(""));
     let reason = match (in_the_way(folder), error.kind()) {
-        (Some(file), _) => format!("{} is a file; name a folder there", file.display()),
+        (Some(file), _) => format!("{} is a file; name a folder there", escape::path(file)),
         (None, ErrorKind::NotFound) => {
             format!(
                 "there is no folder {}; name the one that the frames were rendered into",
-                folder.display()
+                escape::path(folder)
             )
         }
         _ => why(error),

@@ -5,6 +5,7 @@ use super::loading::Reporter;
 use super::progress::ProgressMode;
 use super::{load, terminal};
 use crate::encode::Existing;
+use crate::escape;
 use crate::humane::counted;
 use crate::render::{self, Request, Reuse};
 use crate::sequence::Sequence;
@@ -31,13 +32,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let sequence = load::sequence(&arguments.file, arguments.allow_outside, loading)?;
     render::check(&sequence, &request(&sequence))?;
     terminal::say(&line(&sequence))?;
-    sequence.notes().iter().try_for_each(|note| terminal::say(&format!("note: {note}")))
+    let note = |note: &String| terminal::say(&format!("note: {}", escape::line(note)));
+    sequence.notes().iter().try_for_each(note)
 }
 
 /// What `render` would do by itself.
 fn request(sequence: &Sequence) -> Request {
     Request {
         outputs: sequence.output.files.clone(),
+        confined: true,
         existing: Existing::Keep,
         frames: (0..sequence.timeline.frames).collect(),
         threads: None,
@@ -61,7 +64,7 @@ fn line(sequence: &Sequence) -> String {
         number(sequence.cameras.len(), "camera"),
         sequence.output.files.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
     ];
-    format!("{}: {}", sequence.name, facts.join(" · "))
+    format!("{}: {}", escape::line(&sequence.name), facts.join(" · "))
 }
 
 /// How many objects, and how many triangles in their meshes.

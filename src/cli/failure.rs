@@ -42,12 +42,9 @@ impl Failure {
 
     pub fn print(&self) {
         match self {
-            Self::Bad(message) | Self::Incomplete(message) => {
-                let error = if terminal::color() { "\x1b[1m\x1b[91merror\x1b[0m" } else { "error" };
-                terminal::complain(&format!("{error}: {message}"));
-            }
+            Self::Bad(message) | Self::Incomplete(message) => terminal::error(message),
             Self::Stopped { message, .. } => terminal::complain(message),
-            Self::Faults(text) => terminal::complain(text.trim_end()),
+            Self::Faults(text) => terminal::faults(text),
         }
     }
 }

@@ -5,7 +5,7 @@ use super::options::Options;
 use super::{load, loading, overrides, progress, render, summary, terminal, values};
 use crate::cli::progress::ProgressMode;
 use crate::counters::Meter;
-use crate::encode::{Output, Still, Template, sheet_columns};
+use crate::encode::{Output, Still, Template, check_within, sheet_columns};
 use crate::filmstrip::{Request, filmstrip, spread};
 use crate::frame_set::FrameSet;
 use crate::sequence::Sequence;
@@ -26,7 +26,7 @@ pub struct Arguments {
     file: PathBuf,
 
     /// The picture to write: .png, .jpg or .ppm [default: output/NAME_filmstrip.png]
-    #[arg(short, long, value_name = "FILE", value_parser = Output::parse)]
+    #[arg(short, long, value_name = "FILE", value_parser = values::output())]
     output: Option<Output>,
 
     /// How many frames, from the first to the last
@@ -78,6 +78,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         sequence.output.size = fitting(sequence.output.size, columns.min(count));
     }
     let output = arguments.output.clone().map_or_else(|| named(&sequence, "filmstrip"), Ok)?;
+    if arguments.output.is_none() {
+        check_within(output.name()).map_err(|error| Failure::Bad(error.to_string()))?;
+    }
     if !matches!(output, Output::Stills(Still::Png | Still::Jpeg | Still::Ppm, _)) {
         return Err(Failure::Bad(format!(
             "a filmstrip is one picture; write .png, .jpg or .ppm, not {output}"
@@ -107,7 +110,7 @@ fn fitting((width, height): (u32, u32), columns: u32) -> (u32, u32) {
 /// The usual file of something that is made of a sequence.
 pub fn named(sequence: &Sequence, what: &str) -> Result<Output, Failure> {
     let name = sequence.name.replace(['#', '%'], "_");
-    Output::parse(&format!("output/{name}_{what}.png")).map_err(|error| Failure::Bad(error.to_string()))
+    Output::parse(format!("output/{name}_{what}.png")).map_err(|error| Failure::Bad(error.to_string()))
 }
 
 #[cfg(test)]

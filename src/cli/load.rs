@@ -3,6 +3,7 @@
 use super::failure::Failure;
 use super::loading::{self, Reporter};
 use super::terminal;
+use crate::escape;
 use crate::files::Root;
 use crate::sequence::{Sequence, load_watched};
 use std::io::ErrorKind;
@@ -17,7 +18,7 @@ pub fn sequence(path: &Path, outside: bool, show: Reporter) -> Result<Sequence, 
 
 /// The same, with the root that knows which files were read.
 pub fn with_files(path: &Path, outside: bool, show: Reporter) -> Result<(Sequence, Root), Failure> {
-    let name = path.display();
+    let name = escape::path(path);
     match std::fs::metadata(path) {
         Ok(what) if what.is_dir() => {
             return Err(Failure::Bad(format!("{name} is a folder; name the sequence file in it")));
@@ -39,5 +40,5 @@ pub fn with_files(path: &Path, outside: bool, show: Reporter) -> Result<(Sequenc
 /// The usual slip is to leave out the extension.
 fn suggestion(path: &Path) -> String {
     let ron = path.with_extension("ron");
-    if ron.is_file() { format!("; did you mean {}?", ron.display()) } else { String::new() }
+    if ron.is_file() { format!("; did you mean {}?", escape::path(ron)) } else { String::new() }
 }

@@ -4,6 +4,7 @@
 use super::json::Object;
 use super::progress::ProgressMode;
 use super::terminal;
+use crate::escape;
 use crate::mesh::LoadMeter;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{Write, stderr, stdout};
@@ -82,13 +83,13 @@ impl Reporter {
                 let (done, total) = snapshot.share.unwrap_or((1, 1));
                 bar.set_length(total);
                 bar.set_position(done);
-                bar.set_message(snapshot.line());
+                bar.set_message(escape::line(&snapshot.line()).into_owned());
             }
             Self::Lines { out, format, last } => {
                 let line = format(snapshot);
                 if line != *last {
                     // A reader that went away does not stop the work.
-                    let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+                    let _ = terminal::tell(out, &line);
                     *last = line;
                 }
             }

@@ -30,8 +30,10 @@ mod summary;
 mod terminal;
 mod values;
 
+use crate::escape;
+use clap::builder::Styles;
 use clap::error::{ContextKind, ContextValue};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -78,11 +80,24 @@ pub fn main() -> ExitCode {
 
 /// Runs a command; `arguments` start with the program's name.
 fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let arguments = match Arguments::try_parse_from(arguments) {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    // What could steer a terminal is told without colours, so that all that is left of its kind can be escaped.
+    let plain = arguments.iter().any(|argument| escape::path(argument).as_str() != argument);
+    let mut command = Arguments::command();
+    if plain {
+        command = command.styles(Styles::plain());
+    }
+    let parsed = command.try_get_matches_from_mut(arguments);
+    let parsed = parsed.and_then(|matches| Arguments::from_arg_matches(&matches));
+    let arguments = match parsed.map_err(|message| message.format(&mut command)) {
         Ok(arguments) => arguments,
         Err(message) => {
-            // Also the way of --help and --version, with code 0. Nobody is left to tell if printing fails.
-            let _ = message.print();
+            if plain && message.use_stderr() {
+                terminal::complain(message.render().ansi().to_string().trim_end());
+            } else {
+                // Also the way of --help and --version, with code 0. Nobody is left to tell if printing fails.
+                let _ = message.print();
+            }
             if let Some(file) = forgotten_command(&message) {
                 terminal::complain(&format!("\nTo render this file: kinora render {file}"));
             }

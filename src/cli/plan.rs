@@ -9,6 +9,7 @@ use super::render::frames_of;
 use super::scaling::{Farm, Share};
 use super::{load, overrides, terminal, values};
 use crate::accuracy::timed;
+use crate::escape;
 use crate::film::LayerId;
 use crate::frame_set::FrameSet;
 use crate::humane::{self, count, counted};
@@ -146,7 +147,8 @@ impl Told<'_> {
         let mut text = String::new();
         for (heading, lines) in groups {
             for (place, line) in lines.iter().enumerate() {
-                text += &format!("{:<7} {line}\n", if place == 0 { heading } else { "" });
+                let heading = if place == 0 { heading } else { "" };
+                text += &format!("{heading:<7} {}\n", escape::line(line));
             }
         }
         text.truncate(text.trim_end().len());

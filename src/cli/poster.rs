@@ -24,7 +24,7 @@ pub struct Arguments {
     file: PathBuf,
 
     /// The picture to write: .png, .jpg, .ppm or .exr [default: output/NAME_poster.png]
-    #[arg(short, long, value_name = "FILE", value_parser = Output::parse)]
+    #[arg(short, long, value_name = "FILE", value_parser = values::output())]
     output: Vec<Output>,
 
     /// The frame, counted from 0 [default: that in the middle]
@@ -66,6 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let request = Request {
         outputs,
+        confined: arguments.output.is_empty(),
         existing: Existing::Replace,
         frames: vec![frame],
         threads: options.threads,

@@ -121,7 +121,7 @@ impl Reporter {
                 let line = format(snapshot);
                 if line != *last {
                     // A reader that went away does not stop a run.
-                    let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+                    let _ = terminal::tell(out, &line);
                     *last = line;
                 }
             }

@@ -10,6 +10,7 @@ use super::{load, loading, summary, terminal, values};
 use crate::accuracy::{Budget, Clock, Settled, percent, seconds, settled};
 use crate::counters::Meter;
 use crate::encode::{Existing, Output};
+use crate::escape;
 use crate::farm::Fingerprint;
 use crate::files::{self, Root};
 use crate::frame_set::{FrameSet, Shard};
@@ -36,7 +37,7 @@ pub struct Arguments {
     /// or %04d is the place of the frame number; - for raw video (Y4M) on the standard output.
     /// Without this option, a draft's files are called draft_..., and a part of the frames
     /// leaves the whole animation as it is.
-    #[arg(short, long, value_name = "FILE", value_parser = Output::parse, verbatim_doc_comment)]
+    #[arg(short, long, value_name = "FILE", value_parser = values::output(), verbatim_doc_comment)]
     output: Vec<Output>,
 
     /// Frames to render, counted from 0: 0-47, 0..48, 7,9,20 or 1-40:2 [default: all]
@@ -138,6 +139,7 @@ fn rendered(arguments: &Arguments) -> Result<(), Failure> {
     }
     let request = Request {
         outputs,
+        confined: arguments.output.is_empty(),
         existing: arguments.existing(),
         frames,
         threads: options.threads,
@@ -276,7 +278,7 @@ impl Arguments {
 /// What is read now, to be compared with what was read for a job.
 pub fn fingerprint(file: &Path, root: &Root) -> Result<Fingerprint, Failure> {
     Fingerprint::of(file, &root.admitted()).map_err(|(path, error)| {
-        Failure::Bad(format!("cannot read {}: {}", path.display(), files::why(&error)))
+        Failure::Bad(format!("cannot read {}: {}", escape::path(path), files::why(&error)))
     })
 }
 

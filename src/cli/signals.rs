@@ -1,6 +1,7 @@
 //! Ctrl-C and being told to end: the first time, a run stops after the frame in hand; the second time, at once.
 
 use super::shell::quoted;
+use crate::escape;
 use crate::frame_set;
 use crate::stop::Stop;
 use std::ffi::OsString;
@@ -39,7 +40,7 @@ pub fn told(
     next: Next<'_>,
 ) -> String {
     let mut lines = vec![format!("stopped after {}", crate::humane::counted(done as u64, "frame"))];
-    lines.extend(files.iter().map(|file| format!("wrote   {}", file.display())));
+    lines.extend(files.iter().map(|file| format!("wrote   {}", escape::path(file))));
     let command = command(arguments, next);
     lines.push(match next {
         Next::Same | Next::Frames(_) => format!("to go on: {command}"),

@@ -3,6 +3,7 @@
 use super::json::Object;
 use crate::accuracy::seconds;
 use crate::counters::Counts;
+use crate::escape;
 use crate::film::Noise;
 use crate::humane;
 use crate::render::{Forecast, Summary};
@@ -21,7 +22,7 @@ fn expected(forecast: Option<&Forecast>) -> Object {
 /// Aligned lines, a heading for each group in front.
 pub fn text(summary: &Summary) -> String {
     let mut groups = Vec::new();
-    let files = summary.files.iter().map(|file| file.display().to_string());
+    let files = summary.files.iter().map(escape::path);
     groups.push(("wrote", files.collect()));
     groups.push(("frames", vec![frames(summary)]));
     groups.push(("time", vec![time(summary)]));
@@ -38,7 +39,7 @@ pub fn text(summary: &Summary) -> String {
     for (heading, lines) in groups {
         for (place, line) in lines.iter().enumerate() {
             let heading = if place == 0 { heading } else { "" };
-            text += &format!("{heading:<7} {line}\n");
+            text += &format!("{heading:<7} {}\n", escape::line(line));
         }
     }
     text.truncate(text.trim_end().len());

@@ -1,6 +1,8 @@
-//! What is on the other end of stdout and stderr.
+//! What is on the other end of stdout and stderr. All text goes through here, and none of it steers a terminal: control
+//! and format characters are escaped, whoever they come from.
 
 use super::failure::Failure;
+use crate::escape;
 use std::env;
 use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
 
@@ -16,7 +18,7 @@ pub fn color() -> bool {
 
 /// Prints a line of results. A reader that went away (`kinora … | head`) does not make a run fail.
 pub fn say(line: &str) -> Result<(), Failure> {
-    match writeln!(stdout(), "{line}").and_then(|()| stdout().flush()) {
+    match tell(&mut stdout(), line) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::Incomplete(format!("cannot write to the standard output: {error}")))
         }
@@ -26,5 +28,22 @@ pub fn say(line: &str) -> Result<(), Failure> {
 
 /// Prints a line of errors, or of results where the standard output is taken by them.
 pub fn complain(line: &str) {
-    let _ = writeln!(stderr(), "{line}");
+    let _ = tell(&mut stderr(), line);
+}
+
+/// Prints an error.
+pub fn error(message: &str) {
+    let label = if color() { "\x1b[1m\x1b[91merror\x1b[0m" } else { "error" };
+    let _ = writeln!(stderr(), "{label}: {}", escape::lines(message));
+}
+
+/// Prints the faults of a file, which are laid out with colours and escaped already.
+pub fn faults(text: &str) {
+    let _ = writeln!(stderr(), "{}", text.trim_end());
+}
+
+/// Writes a line to whoever reads it.
+pub fn tell(out: &mut dyn Write, line: &str) -> std::io::Result<()> {
+    writeln!(out, "{}", escape::lines(line))?;
+    out.flush()
 }

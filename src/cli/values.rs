@@ -2,12 +2,13 @@
 //! say what would be right.
 
 use crate::color::{Rgb, hex_color};
-use crate::encode::{Template, Tonemap};
+use crate::encode::{Output, Template, Tonemap};
 use crate::film::MOST_STOPS;
 use crate::humane::parse_bytes;
 use crate::quality::{Integrator, MOST_SAMPLES, PathSettings};
 use crate::sequence::ERRORS;
 use crate::time::{Rate, Time};
+use clap::builder::{OsStringValueParser, TypedValueParser};
 use std::num::NonZeroUsize;
 use std::time::Duration;
 
@@ -19,6 +20,11 @@ const FASTEST: i128 = 1_000_000;
 const MOST_BOUNCES: u32 = 1000;
 /// Samples along an axis of a pixel, at most.
 const FINEST: u32 = 64;
+
+/// A file to write, whose name need not be text.
+pub fn output() -> impl TypedValueParser<Value = Output> {
+    OsStringValueParser::new().try_map(Output::parse)
+}
 
 /// `1280x720`, in pixels.
 pub fn size(text: &str) -> Result<(u32, u32), String> {

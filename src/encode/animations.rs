@@ -8,6 +8,7 @@ use super::movie::{self, Movie};
 use super::output::{Moving, Output};
 use super::picture::Picture;
 use super::store::Store;
+use crate::escape;
 use rayon::ThreadPool;
 use std::path::PathBuf;
 
@@ -108,5 +109,7 @@ fn left_part(output: &Output, job: &Job) -> Option<String> {
     let part = part_of(path);
     let own = job.outputs.iter().any(|other| matches!(other, Output::Movie(_, path) if *path == part));
     let there = !own && part.is_file();
-    there.then(|| format!("{} holds a part of this animation, of an earlier run, and may go", part.display()))
+    there.then(|| {
+        format!("{} holds a part of this animation, of an earlier run, and may go", escape::path(part))
+    })
 }

@@ -10,7 +10,7 @@ use crate::files;
 use image::{DynamicImage, ImageReader};
 use rayon::ThreadPool;
 use std::io::{self, BufReader};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Animations in the making, fed with finished pictures. Dropped before it is finished, nothing appears.
 pub struct Assembly {
@@ -51,7 +51,7 @@ impl Assembly {
     pub fn finish(mut self, pool: &ThreadPool) -> Result<Report, EncodeError> {
         let notes = self.animations.finish(&self.job, pool)?;
         self.folders.keep();
-        let files = self.job.outputs.iter().map(|output| PathBuf::from(output.to_string())).collect();
+        let files = self.job.outputs.iter().map(|output| output.name().to_owned()).collect();
         Ok(Report { files, notes, ..Report::default() })
     }
 }

@@ -1,9 +1,12 @@
-//! Files that appear whole or not at all: written aside in the same folder, then renamed.
+//! Files that appear whole or not at all: written aside in the same folder, then renamed. A link in their place is
+//! replaced, and what it leads to stays as it is. Pipes and devices are written into, as they cannot be replaced.
 
 use super::claim;
 use super::disk::{Operation, attempt};
 use super::error::EncodeError;
-use std::fs;
+use super::output::prefixed;
+use crate::files::{self, Channel};
+use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, TempDir};
@@ -12,33 +15,57 @@ use tempfile::{NamedTempFile, TempDir};
 #[must_use]
 pub struct Aside {
     path: PathBuf,
-    file: BufWriter<Temporary>,
+    file: BufWriter<Target>,
 }
 
-/// The temporary that it is written to.
-struct Temporary(NamedTempFile);
+/// What it is written to.
+enum Target {
+    Temporary(NamedTempFile),
+    /// A pipe or a device, at once.
+    Channel(PathBuf, File),
+}
 
-impl Write for Temporary {
+impl Target {
+    fn file(&self) -> (&Path, &File) {
+        match self {
+            Self::Temporary(file) => (file.path(), file.as_file()),
+            Self::Channel(path, file) => (path, file),
+        }
+    }
+}
+
+impl Write for Target {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let Self(file) = self;
-        attempt(Operation::Write, file.path(), || file.as_file().write(bytes))
+        let (path, mut file) = self.file();
+        attempt(Operation::Write, path, || file.write(bytes))
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.0.flush()
+        Ok(())
     }
 }
 
-impl Seek for Temporary {
+impl Seek for Target {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        let Self(file) = self;
-        attempt(Operation::Seek, file.path(), || file.as_file().seek(to))
+        let (path, mut file) = self.file();
+        attempt(Operation::Seek, path, || file.seek(to))
     }
 }
 
 impl Aside {
-    /// Starts a file that will be `path`; folders above it are created.
+    /// Starts a file that will be `path`; folders above it are created. A pipe is waited for until somebody reads it.
     pub fn create(path: &Path) -> Result<Self, EncodeError> {
+        let target = match Channel::at(path) {
+            Some(_) => {
+                let file = attempt(Operation::Create, path, || fs::OpenOptions::new().write(true).open(path));
+                Target::Channel(path.to_owned(), file.map_err(|e| EncodeError::write(path, e))?)
+            }
+            None => Target::Temporary(Self::temporary(path)?),
+        };
+        Ok(Self { path: path.to_path_buf(), file: BufWriter::with_capacity(1 << 16, target) })
+    }
+
+    fn temporary(path: &Path) -> Result<NamedTempFile, EncodeError> {
         let folder = folder_of(path);
         let created = attempt(Operation::CreateFolder, folder, || fs::create_dir_all(folder));
         created.map_err(|e| EncodeError::write(folder, e))?;
@@ -50,7 +77,7 @@ impl Aside {
         let file = attempt(Operation::Create, path, || builder.tempfile_in(folder));
         let file = file.map_err(|e| EncodeError::write(path, e))?;
         mark(file.as_file());
-        Ok(Self { path: path.to_path_buf(), file: BufWriter::with_capacity(1 << 16, Temporary(file)) })
+        Ok(file)
     }
 
     /// A file with these bytes.
@@ -60,9 +87,12 @@ impl Aside {
         Ok(aside)
     }
 
-    /// The file will be a part of what it was to be, beside its place; returns where.
+    /// The file will be a part of what it was to be, beside its place; returns where. What has gone into a pipe or a
+    /// device is there.
     pub fn divert(&mut self) -> PathBuf {
-        self.path = part_of(&self.path);
+        if let Target::Temporary(_) = self.file.get_ref() {
+            self.path = part_of(&self.path);
+        }
         self.path.clone()
     }
 
@@ -70,7 +100,9 @@ impl Aside {
     pub fn commit(self) -> Result<(), EncodeError> {
         let Self { path, file } = self;
         let fault = |e| EncodeError::write(&path, e);
-        let Temporary(file) = file.into_inner().map_err(|e| fault(e.into_error()))?;
+        let Target::Temporary(file) = file.into_inner().map_err(|e| fault(e.into_error()))? else {
+            return Ok(());
+        };
         attempt(Operation::Sync, &path, || file.as_file().sync_data()).map_err(fault)?;
         attempt(Operation::Rename, &path, || file.persist(&path).map_err(|e| e.error)).map_err(fault)?;
         Ok(())
@@ -96,8 +128,8 @@ impl Seek for Aside {
 /// Reads back what was written, after seeking to it.
 impl Read for Aside {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let Temporary(file) = self.file.get_ref();
-        attempt(Operation::Read, file.path(), || file.as_file().read(buffer))
+        let (path, mut file) = self.file.get_ref().file();
+        attempt(Operation::Read, path, || file.read(buffer))
     }
 }
 
@@ -116,8 +148,7 @@ pub fn folder_of(path: &Path) -> &Path {
 
 /// Where a part of the file `path` goes, so that it is not taken for the whole.
 pub fn part_of(path: &Path) -> PathBuf {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("part_{name}"))
+    prefixed(path, "part_")
 }
 
 /// What temporaries of any run are called.
@@ -161,7 +192,12 @@ fn sweep(folder: &Path) {
         if claim::is_claim(&name) {
             claim::sweep(&path);
         } else if name.starts_with(PREFIX) {
-            let is_spool = path.is_dir();
+            // Pipes would be waited for, and links lead elsewhere.
+            let Ok(what) = entry.file_type() else { continue };
+            let is_spool = what.is_dir();
+            if !is_spool && !what.is_file() {
+                continue;
+            }
             let marked = if is_spool { path.join(LOCK) } else { path.clone() };
             if is_left_over(&marked) {
                 let _ = if is_spool { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
@@ -175,7 +211,7 @@ fn sweep(_: &Path) {}
 
 #[cfg(unix)]
 fn is_left_over(marked: &Path) -> bool {
-    let Ok(file) = fs::File::open(marked) else { return false };
+    let Ok((file, _)) = files::open(marked, u64::MAX) else { return false };
     let age = file.metadata().and_then(|found| found.modified()).ok().and_then(|time| time.elapsed().ok());
     age.is_some_and(|age| age >= FRESH) && file.try_lock().is_ok()
 }
@@ -261,7 +297,7 @@ mod tests {
         let path = dir.path().join("taken");
         fs::create_dir_all(path.join("inside")).expect("a folder");
         let message = write(&path, b"new").expect_err("a folder stands there").to_string();
-        assert!(message.contains(&path.display().to_string()), "{message}");
+        assert!(message.contains(&*path.to_string_lossy()), "{message}");
         assert_eq!(names(dir.path()), ["taken"]);
     }
 
@@ -283,12 +319,12 @@ mod tests {
         }
         let live = Aside::create(&dir.path().join("a.gif")).expect("begun");
         let (live_spool, _lock) = spool(&dir.path().join("a.gif")).expect("begun");
-        aged(live.file.get_ref().0.path());
+        aged(live.file.get_ref().file().0);
         aged(&live_spool.path().join(LOCK));
         NewFolders::default().prepare(dir.path()).expect("writable");
         let name = |path: &Path| path.file_name().expect("a name").to_string_lossy().into_owned();
         let mut expected =
-            vec![".kinora-new.part".to_owned(), "mine.part".to_owned(), name(live.file.get_ref().0.path())];
+            vec![".kinora-new.part".to_owned(), "mine.part".to_owned(), name(live.file.get_ref().file().0)];
         expected.push(name(live_spool.path()));
         expected.sort();
         assert_eq!(names(dir.path()), expected);

@@ -69,8 +69,8 @@ pub struct Holder {
 pub fn path_of(output: &Output, film: Digest) -> PathBuf {
     // Called alike on all machines, wherever the folder is there.
     let frame = output.path(0);
-    let name = frame.file_name().unwrap_or_default().to_string_lossy();
-    let what = Digest::of(&(film, &*name));
+    let name = frame.file_name().unwrap_or_default().as_encoded_bytes();
+    let what = Digest::of(&(film, name));
     frame.with_file_name(format!("{PREFIX}{CLAIM}{what}"))
 }
 

@@ -1,5 +1,7 @@
 //! What can go wrong between films and files, grouped by cause.
 
+use crate::escape;
+use crate::files::Channel;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -31,6 +33,10 @@ pub enum JobError {
     IsFolder { path: PathBuf },
     /// A file stands where the path has a folder.
     IsFile { path: PathBuf, file: PathBuf },
+    /// A link leads out of the working directory, in which a sequence has to stay.
+    Leaves { path: PathBuf, to: PathBuf },
+    /// A format does not go into a pipe or a device, or nothing does.
+    Channel { path: PathBuf, channel: Channel },
     /// A file is there, and none is to be replaced.
     Exists { path: PathBuf },
     /// Processes cannot share the making of what does not say what it shows.
@@ -93,14 +99,14 @@ impl fmt::Display for EncodeError {
             Self::Job(error) => error.fmt(f),
             Self::Films(error) => error.fmt(f),
             Self::Write { path, reason } => {
-                write!(f, "cannot write {}: {}{}", path.display(), plain(reason), remedy(reason))
+                write!(f, "cannot write {}: {}{}", escape::path(path), plain(reason), remedy(reason))
             }
             Self::Read { path, reason } => {
-                write!(f, "cannot read the frame {} back for an animation: {reason}; ", path.display())?;
+                write!(f, "cannot read the frame {} back for an animation: {reason}; ", escape::path(path))?;
                 f.write_str("leave the run's files alone until it ends")
             }
             Self::Unreadable { path, reason } => {
-                write!(f, "cannot read the frame {}: {reason}", path.display())
+                write!(f, "cannot read the frame {}: {reason}", escape::path(path))
             }
             Self::Stopped(None) => f.write_str("the encoder has stopped after an earlier error"),
             Self::Stopped(Some(reason)) => write!(f, "cannot run the encoder's thread: {reason}"),
@@ -137,7 +143,7 @@ impl fmt::Display for JobError {
                 "output \"{output}\" has no place for the numbers of {frames} frames; write \"{suggestion}\""
             ),
             Self::Duplicate { path } => {
-                write!(f, "two outputs would write {}; name each file once", path.display())
+                write!(f, "two outputs would write {}; name each file once", escape::path(path))
             }
             Self::NotShared { output } => write!(
                 f,
@@ -145,21 +151,37 @@ impl fmt::Display for JobError {
                  PNGs with metadata, or EXR"
             ),
             Self::IsFolder { path } => {
-                write!(f, "cannot write {}: it is a folder; name a file in it", path.display())
+                write!(f, "cannot write {}: it is a folder; name a file in it", escape::path(path))
             }
             Self::IsFile { path, file } => {
                 write!(
                     f,
                     "cannot write {}: {} is a file; name a folder there",
-                    path.display(),
-                    file.display()
+                    escape::path(path),
+                    escape::path(file)
                 )
             }
+            Self::Leaves { path, to } => write!(
+                f,
+                "cannot write {}: it leads to {}, out of the working directory; only what -o names may go there",
+                escape::path(path),
+                escape::path(to)
+            ),
+            Self::Channel { path, channel: channel @ Channel::Socket } => {
+                write!(f, "cannot write {}: it is {}; name a file", escape::path(path), channel.name())
+            }
+            Self::Channel { path, channel } => write!(
+                f,
+                "cannot write {}: it is {}, into which only .png, .jpg, .ppm and .y4m go, which are written from their \
+                 beginning to their end; name a file",
+                escape::path(path),
+                channel.name()
+            ),
             Self::Exists { path } => write!(
                 f,
                 "{} is there already; name another file, or leave out --fail-if-exists to keep what is right and \
                  replace what is not",
-                path.display()
+                escape::path(path)
             ),
             Self::Empty => f.write_str("there is nothing to write: no frames, or a size of zero"),
             Self::NoPicture { output } => {
@@ -168,10 +190,14 @@ impl fmt::Display for JobError {
             Self::TooLarge { path, size: (width, height), limit } => write!(
                 f,
                 "{} cannot hold {width}x{height} pixels: {limit}; render smaller (-s) or to PNG",
-                path.display()
+                escape::path(path)
             ),
             Self::TooLong { path } => {
-                write!(f, "{} would play for more than 100 days; raise the frame rate (-r)", path.display())
+                write!(
+                    f,
+                    "{} would play for more than 100 days; raise the frame rate (-r)",
+                    escape::path(path)
+                )
             }
         }
     }

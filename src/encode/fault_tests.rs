@@ -49,10 +49,11 @@ fn film(frame: u32) -> Film {
 
 fn started(folder: &Path, outputs: &[&str], existing: Existing) -> Result<Encoder, EncodeError> {
     let outputs = outputs.iter().copied();
-    let outputs = outputs.map(|name| Output::parse(&folder.join(name).to_string_lossy()).expect(name));
+    let outputs = outputs.map(|name| Output::parse(folder.join(name)).expect(name));
     let seen = |frame: &u32| Seen { radiance: Digest(u128::from(*frame)), exposure: 1.0, random: false };
     let job = Job {
         outputs: outputs.collect(),
+        confined: false,
         existing,
         frames: FRAMES.to_vec(),
         seen: FRAMES.iter().map(seen).collect(),

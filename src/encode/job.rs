@@ -7,11 +7,12 @@ use super::error::{EncodeError, JobError};
 use super::identity::Seen;
 use super::movie::{mp4, webp};
 use super::output::{Moving, Output, Still};
+use super::pattern::FramePattern;
 use super::settings::Formats;
 use super::tonemap::Tonemap;
 use super::{gif, jpeg};
 use crate::color::Rgb;
-use crate::files::in_the_way;
+use crate::files::{Channel, in_the_way, leaves};
 use crate::time::Rate;
 use std::path::Path;
 
@@ -34,6 +35,9 @@ pub enum Existing {
 #[derive(Clone, Debug)]
 pub struct Job {
     pub outputs: Vec<Output>,
+    /// Whether outputs stay within the working directory, wherever links lead: those do that a sequence names, which may
+    /// come from others.
+    pub confined: bool,
     /// What is done about files that are there already.
     pub existing: Existing,
     /// The frame numbers that will come, in order.
@@ -59,7 +63,8 @@ impl Job {
     /// Finds what contradicts itself, without touching any file.
     ///
     /// # Errors
-    /// Sizes that a format does not have, several outputs for one file, and files that may not be replaced.
+    /// Sizes that a format does not have, several outputs for one file, files that may not be replaced, pipes and devices
+    /// that do not take a format, and places that may not be written to.
     pub fn check(&self) -> Result<(), JobError> {
         if self.frames.is_empty() || self.size.0 == 0 || self.size.1 == 0 {
             return Err(JobError::Empty);
@@ -111,14 +116,24 @@ impl Job {
 
     /// No folder may stand where a file goes, and no file where a folder is or none is to be replaced.
     fn check_place(&self, output: &Output, frames: &[u32]) -> Result<(), JobError> {
-        if *output != Output::Stream {
-            check_folder(&output.path(self.first()))?;
+        if *output == Output::Stream {
+            return Ok(());
+        }
+        check_folder(&output.path(self.first()))?;
+        if self.confined {
+            check_within(&output.path(self.first()))?;
         }
         for path in output.present(frames) {
             if path.is_dir() {
                 return Err(JobError::IsFolder { path });
             }
-            if self.existing == Existing::Refuse {
+            if let Some(channel) = Channel::at(&path) {
+                // It is not replaced, nor does its folder say where a link leads.
+                check_channel(output, &path, channel)?;
+                if self.confined {
+                    check_within(&path)?;
+                }
+            } else if self.existing == Existing::Refuse {
                 return Err(JobError::Exists { path });
             }
         }
@@ -130,11 +145,28 @@ impl Job {
         let mut folders = NewFolders::default();
         let files = self.outputs.iter().filter(|output| **output != Output::Stream);
         for output in files {
-            let first = self.frames.first().copied().unwrap_or(0);
-            folders.prepare(folder_of(&output.path(first)))?;
+            let path = output.path(self.first());
+            let numbered = output.pattern().is_some_and(FramePattern::has_place);
+            // Where nothing but a pipe or a device is written into, its folder need not take files.
+            if numbered || Channel::at(&path).is_none() {
+                folders.prepare(folder_of(&path))?;
+            }
         }
         Ok(folders)
     }
+}
+
+/// A pipe or a device takes what is written from its beginning to its end.
+fn check_channel(output: &Output, path: &Path, channel: Channel) -> Result<(), JobError> {
+    if channel != Channel::Socket && output.is_sequential() {
+        return Ok(());
+    }
+    Err(JobError::Channel { path: path.to_owned(), channel })
+}
+
+/// What a sequence names may not lead out of the working directory.
+pub fn check_within(path: &Path) -> Result<(), JobError> {
+    leaves(path).map_or(Ok(()), |to| Err(JobError::Leaves { path: path.to_owned(), to }))
 }
 
 /// No file may stand where the path has a folder.
@@ -152,6 +184,10 @@ pub fn prepare_picture(output: &Output) -> Result<NewFolders, EncodeError> {
         return Err(JobError::IsFolder { path }.into());
     }
     let mut folders = NewFolders::default();
+    if let Some(channel) = Channel::at(&path) {
+        check_channel(output, &path, channel)?;
+        return Ok(folders);
+    }
     folders.prepare(folder_of(&path))?;
     Ok(folders)
 }

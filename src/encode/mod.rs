@@ -53,7 +53,7 @@ pub use error::{EncodeError, FilmsError, JobError};
 pub use exr::{ALBEDO, NORMAL};
 pub use found::{Found, found, in_hand};
 pub use identity::Seen;
-pub use job::{Existing, Job, check_size, prepare_picture};
+pub use job::{Existing, Job, check_size, check_within, prepare_picture};
 pub use output::{Moving, Output, OutputError, Still};
 pub use pattern::{FramePattern, PatternError};
 pub use picture::Picture;

@@ -3,6 +3,7 @@
 use super::atomic::folder_of;
 use super::pattern::{FramePattern, PatternError};
 use super::settings::Formats;
+use crate::escape;
 use std::ffi::{OsStr, OsString};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -78,13 +79,15 @@ const STREAM: &str = "-";
 
 impl Output {
     /// Reads an output; its format follows the extension, in either case.
-    pub fn parse(text: &str) -> Result<Self, OutputError> {
-        if text == STREAM {
+    pub fn parse(text: impl AsRef<Path>) -> Result<Self, OutputError> {
+        let text = text.as_ref();
+        if text.as_os_str() == STREAM {
             return Ok(Self::Stream);
         }
         let fault = |cause| OutputError { text: text.to_owned(), cause };
-        let extension = Path::new(text).extension().and_then(|extension| extension.to_str());
-        let Some(extension) = extension.map(str::to_ascii_lowercase) else {
+        let Some(extension) =
+            text.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase())
+        else {
             return Err(fault(Cause::NoExtension));
         };
         let pattern = FramePattern::parse(text);
@@ -119,20 +122,34 @@ impl Output {
         !matches!(self, Self::Stills(..))
     }
 
+    /// Whether its files are written from their beginning to their end, as pipes and devices take them.
+    pub fn is_sequential(&self) -> bool {
+        match self {
+            Self::Stills(Still::Png | Still::Jpeg | Still::Ppm, _) => true,
+            Self::Movie(Moving::Y4m, _) | Self::Stream => true,
+            Self::Stills(Still::Exr, _) | Self::Movie(..) => false,
+        }
+    }
+
     /// Whether its pictures may have alpha.
     pub fn takes_alpha(&self) -> bool {
         matches!(self, Self::Stills(Still::Png | Still::Exr, _) | Self::Movie(Moving::Apng | Moving::Webp, _))
     }
 
+    /// What the user wrote.
+    pub fn name(&self) -> &Path {
+        match self {
+            Self::Stills(_, pattern) => pattern.name(),
+            Self::Movie(_, path) => path,
+            Self::Stream => Path::new(STREAM),
+        }
+    }
+
     /// The same output with `prefix` in front of the file's name.
     pub fn prefixed(&self, prefix: &str) -> Self {
-        let text = self.to_string();
-        let path = Path::new(&text);
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let prefixed = path.with_file_name(format!("{prefix}{name}"));
         match self {
             Self::Stream => Self::Stream,
-            _ => Self::parse(&prefixed.to_string_lossy()).unwrap_or_else(|_| self.clone()),
+            _ => Self::parse(prefixed(self.name(), prefix)).unwrap_or_else(|_| self.clone()),
         }
     }
 
@@ -184,24 +201,27 @@ impl Output {
     }
 }
 
+/// The same path with `prefix` in front of the file's name.
+pub fn prefixed(path: &Path, prefix: &str) -> PathBuf {
+    let mut name = OsString::from(prefix);
+    name.push(path.file_name().unwrap_or_default());
+    path.with_file_name(name)
+}
+
 fn named<T: Copy>(table: &[(&str, T)], extension: &str) -> Option<T> {
     table.iter().find(|(name, _)| *name == extension).map(|(_, format)| *format)
 }
 
 impl fmt::Display for Output {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Stills(_, pattern) => pattern.fmt(f),
-            Self::Movie(_, path) => path.display().fmt(f),
-            Self::Stream => f.write_str(STREAM),
-        }
+        f.write_str(&escape::path(self.name()))
     }
 }
 
 /// Why a text names no output. Displays as one line that says what would be right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutputError {
-    text: String,
+    text: PathBuf,
     cause: Cause,
 }
 
@@ -219,7 +239,7 @@ const KNOWN: &str = "known are .png, .jpg, .ppm and .exr (one file per frame: \"
 
 impl fmt::Display for OutputError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "output \"{}\" ", self.text)?;
+        write!(f, "output \"{}\" ", escape::path(&self.text))?;
         match self.cause {
             Cause::NoExtension => write!(f, "has no extension to tell its format; {KNOWN}"),
             Cause::UnknownExtension => write!(f, "has an unknown extension; {KNOWN}"),
@@ -240,6 +260,7 @@ impl fmt::Display for OutputError {
             Cause::Pattern(PatternError::TooWide) => {
                 f.write_str("asks for more digits than frame numbers have; \"####\" is usual")
             }
+            Cause::Pattern(PatternError::NotText) => f.write_str("is no Unicode text; name it otherwise"),
         }
     }
 }
@@ -288,7 +309,7 @@ mod tests {
         let shared = |a: &str, b: &str, frames: &[u32]| {
             let parsed = |text| Output::parse(text).expect(text);
             let path = parsed(a).shared_with(&parsed(b), frames);
-            path.map(|path| path.display().to_string())
+            path.map(escape::path)
         };
         assert_eq!(shared("a_#.png", "./a_##.png", &[3, 9]), None);
         assert_eq!(shared("a_#.png", "./a_##.png", &[3, 9, 10]), Some("a_10.png".into()));

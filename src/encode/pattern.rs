@@ -1,8 +1,11 @@
 //! File names with a place for the frame number.
 
 use super::atomic::folder_of;
+use crate::escape;
+use std::ffi::{OsStr, OsString};
 use std::fmt;
 use std::io;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// The widest place that is taken for one; no sequence has more digits in its frame numbers.
@@ -13,9 +16,9 @@ const MAX_DIGITS: usize = 20;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FramePattern {
     /// What the user wrote.
-    text: String,
+    text: PathBuf,
     folder: PathBuf,
-    before: String,
+    before: OsString,
     place: Option<Place>,
 }
 
@@ -23,7 +26,7 @@ pub struct FramePattern {
 struct Place {
     /// Smallest number of digits; longer numbers just grow.
     digits: usize,
-    after: String,
+    after: OsString,
 }
 
 /// Why a text is no pattern.
@@ -34,26 +37,33 @@ pub enum PatternError {
     /// `%4d` would pad with spaces, which no one wants in a file name.
     PadsWithSpaces,
     TooWide,
+    /// Where names are no bytes, only those that are text can be taken apart.
+    NotText,
 }
 
 impl FramePattern {
     /// Reads a pattern; the path is relative to the working directory as given.
-    pub fn parse(text: &str) -> Result<Self, PatternError> {
-        let path = Path::new(text);
-        let name = path.file_name().and_then(|name| name.to_str()).ok_or(PatternError::NoFileName)?;
-        let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-        let (before, place) = match find_place(name)? {
+    pub fn parse(text: impl AsRef<Path>) -> Result<Self, PatternError> {
+        let text = text.as_ref();
+        let name = text.file_name().ok_or(PatternError::NoFileName)?;
+        let folder = text.parent().map(Path::to_path_buf).unwrap_or_default();
+        let bytes = name.as_encoded_bytes();
+        let (before, place) = match find_place(bytes)? {
             None => (name.to_owned(), None),
             Some(found) => {
-                let after = &name[found.end..];
-                if find_place(after)?.is_some() {
+                if find_place(&bytes[found.end..])?.is_some() {
                     return Err(PatternError::TwoPlaces);
                 }
-                let place = Place { digits: found.digits, after: after.to_owned() };
-                (name[..found.start].to_owned(), Some(place))
+                let after = part(name, found.end..bytes.len())?;
+                (part(name, 0..found.start)?, Some(Place { digits: found.digits, after }))
             }
         };
         Ok(Self { text: text.to_owned(), folder, before, place })
+    }
+
+    /// What the user wrote.
+    pub fn name(&self) -> &Path {
+        &self.text
     }
 
     /// Whether different frames get different names.
@@ -63,10 +73,11 @@ impl FramePattern {
 
     /// The file of `frame`.
     pub fn path(&self, frame: u32) -> PathBuf {
-        let name = match &self.place {
-            None => self.before.clone(),
-            Some(Place { digits, after }) => format!("{}{frame:0digits$}{after}", self.before),
-        };
+        let mut name = self.before.clone();
+        if let Some(Place { digits, after }) = &self.place {
+            name.push(format!("{frame:0digits$}"));
+            name.push(after);
+        }
         self.folder.join(name)
     }
 
@@ -75,7 +86,7 @@ impl FramePattern {
         let mut numbers = Vec::new();
         for entry in folder_of(&self.folder.join("any")).read_dir()? {
             let name = entry?.file_name();
-            let number = name.to_str().and_then(|name| self.number(name));
+            let number = self.number(&name);
             // Other names may read as the same number; a frame's own is the one that it would be given.
             numbers.extend(number.filter(|&n| self.path(n).file_name() == Some(&name)));
         }
@@ -84,24 +95,26 @@ impl FramePattern {
     }
 
     /// The number in a name of this pattern.
-    fn number(&self, name: &str) -> Option<u32> {
+    fn number(&self, name: &OsStr) -> Option<u32> {
         let place = self.place.as_ref()?;
-        let digits = name.strip_prefix(&self.before)?.strip_suffix(&place.after)?;
-        digits.bytes().all(|b| b.is_ascii_digit()).then(|| digits.parse().ok())?
+        let rest = name.as_encoded_bytes().strip_prefix(self.before.as_encoded_bytes())?;
+        let digits = rest.strip_suffix(place.after.as_encoded_bytes())?;
+        // A sign would be read as a part of the number.
+        digits.iter().all(u8::is_ascii_digit).then(|| str::from_utf8(digits).ok()?.parse().ok())?
     }
 
     /// The same name with a place before the extension, to suggest.
     pub fn suggestion(&self) -> String {
-        let path = Path::new(&self.text);
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let extension = path.extension().unwrap_or_default().to_string_lossy();
-        self.folder.join(format!("{stem}_####.{extension}")).display().to_string()
+        let mut name = self.text.file_stem().unwrap_or_default().to_owned();
+        name.push("_####.");
+        name.push(self.text.extension().unwrap_or_default());
+        escape::path(self.folder.join(name))
     }
 }
 
 impl fmt::Display for FramePattern {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.text)
+        f.write_str(&escape::path(&self.text))
     }
 }
 
@@ -112,23 +125,36 @@ struct Found {
     digits: usize,
 }
 
-fn find_place(name: &str) -> Result<Option<Found>, PatternError> {
-    for (start, c) in name.char_indices() {
-        let rest = &name[start + c.len_utf8()..];
-        let found = match c {
-            '#' => {
-                let digits = 1 + rest.bytes().take_while(|&b| b == b'#').count();
+/// A part of a name that begins and ends beside letters of ASCII.
+#[cfg(unix)]
+fn part(name: &OsStr, range: Range<usize>) -> Result<OsString, PatternError> {
+    use std::os::unix::ffi::OsStrExt;
+    Ok(OsStr::from_bytes(&name.as_bytes()[range]).to_owned())
+}
+
+#[cfg(not(unix))]
+fn part(name: &OsStr, range: Range<usize>) -> Result<OsString, PatternError> {
+    name.to_str().and_then(|name| name.get(range)).map(Into::into).ok_or(PatternError::NotText)
+}
+
+fn find_place(name: &[u8]) -> Result<Option<Found>, PatternError> {
+    for (start, letter) in name.iter().enumerate() {
+        let rest = &name[start + 1..];
+        let found = match letter {
+            b'#' => {
+                let digits = 1 + rest.iter().take_while(|&&b| b == b'#').count();
                 Found { start, end: start + digits, digits }
             }
-            '%' => {
-                let number = rest.bytes().take_while(u8::is_ascii_digit).count();
-                if rest.as_bytes().get(number) != Some(&b'd') {
+            b'%' => {
+                let number = rest.iter().take_while(|b| b.is_ascii_digit()).count();
+                if rest.get(number) != Some(&b'd') {
                     continue;
                 }
-                if number > 0 && !rest.starts_with('0') {
+                if number > 0 && !rest.starts_with(b"0") {
                     return Err(PatternError::PadsWithSpaces);
                 }
-                let digits = if number == 0 { 1 } else { rest[..number].parse().unwrap_or(usize::MAX) };
+                let digits = str::from_utf8(&rest[..number]).ok().and_then(|digits| digits.parse().ok());
+                let digits = if number == 0 { 1 } else { digits.unwrap_or(usize::MAX) };
                 Found { start, end: start + number + 2, digits }
             }
             _ => continue,
@@ -143,7 +169,7 @@ mod tests {
     use super::*;
 
     fn path(pattern: &str, frame: u32) -> String {
-        FramePattern::parse(pattern).expect(pattern).path(frame).display().to_string()
+        escape::path(FramePattern::parse(pattern).expect(pattern).path(frame))
     }
 
     #[test]
@@ -186,9 +212,19 @@ mod tests {
         {
             std::fs::write(dir.path().join(name), "").expect("a disk");
         }
-        let pattern =
-            FramePattern::parse(&dir.path().join("f_####.png").to_string_lossy()).expect("a pattern");
+        let pattern = FramePattern::parse(dir.path().join("f_####.png")).expect("a pattern");
         assert_eq!(pattern.numbers().expect("a folder"), [7, 10, 12_345]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn names_need_not_be_text() {
+        use std::os::unix::ffi::OsStrExt;
+        let name = |bytes: &'static [u8]| Path::new(OsStr::from_bytes(bytes));
+        let pattern = FramePattern::parse(name(b"o\xff/a\xff_##\xfe.png")).expect("a pattern");
+        assert_eq!(pattern.path(7), name(b"o\xff/a\xff_07\xfe.png"));
+        assert_eq!(pattern.number(name(b"a\xff_12\xfe.png").as_os_str()), Some(12));
+        assert_eq!(pattern.to_string(), r"o\xff/a\xff_##\xfe.png");
     }
 
     #[test]

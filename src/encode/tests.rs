@@ -15,6 +15,7 @@ fn start(job: Job) -> Result<Encoder, EncodeError> {
 
 fn job(outputs: &[String], frames: &[u32]) -> Job {
     Job {
+        confined: false,
         existing: Existing::default(),
         seen: Vec::new(),
         outputs: outputs.iter().map(|text| Output::parse(text).expect(text)).collect(),
@@ -38,7 +39,7 @@ fn film(frame: u32) -> Film {
 }
 
 fn within(dir: &tempfile::TempDir, name: &str) -> String {
-    dir.path().join(name).display().to_string()
+    dir.path().join(name).to_string_lossy().into_owned()
 }
 
 fn names(folder: &Path) -> Vec<String> {

@@ -16,7 +16,7 @@ use super::{Message, Report, exr, jpeg, png, ppm};
 use crate::film::Film;
 use crate::machine::thread_time;
 use rayon::ThreadPool;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::mpsc::Receiver;
@@ -160,7 +160,7 @@ impl Worker {
             self.report.notes.extend(animations.finish(&self.job, &self.pool)?);
         }
         self.note();
-        self.report.files = self.job.outputs.iter().map(|o| PathBuf::from(o.to_string())).collect();
+        self.report.files = self.job.outputs.iter().map(|output| output.name().to_owned()).collect();
         self.folders.keep();
         Ok(())
     }
@@ -174,7 +174,7 @@ impl Worker {
             return Ok(());
         }
         let stills = self.job.outputs.iter().filter(|output| !output.is_animation());
-        self.report.files = stills.map(|output| PathBuf::from(output.to_string())).collect();
+        self.report.files = stills.map(|output| output.name().to_owned()).collect();
         self.report.files.extend(animations.stop(&self.pool)?);
         self.folders.keep();
         Ok(())

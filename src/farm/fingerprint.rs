@@ -4,6 +4,7 @@
 //! the same version of the same files; so every task looks before it begins.
 
 use crate::digest::{Digest, Digester};
+use crate::escape;
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Read};
@@ -61,7 +62,7 @@ impl Fingerprint {
             ));
         }
         let changed =
-            |path: &Path| format!("{} has changed since the job was exported; {ANEW}", path.display());
+            |path: &Path| format!("{} has changed since the job was exported; {ANEW}", escape::path(path));
         let mut pairs = self.files.iter().zip(&files);
         match pairs.find(|((_, found), expected)| found != *expected) {
             Some(((path, _), _)) if self.files.len() == files.len() => Err(changed(path)),

@@ -98,12 +98,13 @@ fn rendered(
     let outputs = stills.iter().enumerate().filter_map(|(place, still)| {
         let name = still.path(0);
         let extension = Path::new(&name).extension()?.to_str()?;
-        Output::parse(folder.path().join(format!("{place}_####.{extension}")).to_str()?).ok()
+        Output::parse(folder.path().join(format!("{place}_####.{extension}"))).ok()
     });
     let outputs = outputs.collect();
     let request = Request {
         frames,
         outputs,
+        confined: false,
         existing: Existing::Replace,
         threads,
         reuse: Reuse::Off,

@@ -1,6 +1,7 @@
 //! Mesh files → [`Mesh`].
 
 use super::{LoadMeter, Mesh, MeshError, Parts, obj, ply};
+use crate::escape;
 use crate::files::{self, Root};
 use crate::machine;
 use std::cell::RefCell;
@@ -28,7 +29,7 @@ pub fn known_format(path: &Path) -> Result<(), MeshError> {
 
 /// Reads the mesh in an OBJ or PLY file, whichever its extension says. Its material libraries lie in `root`.
 pub fn load(path: &Path, root: &Root, meter: &LoadMeter) -> Result<Mesh, MeshError> {
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let name = escape::path(path.file_name().unwrap_or(path.as_os_str()));
     let parts = read(path, root, &name, meter)?;
     machine::check_memory(parts.triangles.len() as u64 * TRIANGLE)?;
     meter.start(format!("building the tree of {name}"), 0);

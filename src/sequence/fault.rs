@@ -1,5 +1,6 @@
 //! What is wrong with a file: where, what was expected, and what may have been meant.
 
+use crate::escape;
 use annotate_snippets::renderer::DecorStyle;
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use std::fmt;
@@ -121,7 +122,7 @@ impl Faults {
         let (first_line, line) = lines.line_of(fault.span.start);
         let mut group = if line.len() > LONGEST_LINE {
             let column = self.source[line.start..fault.span.start].chars().count() + 1;
-            let place = Origin::path(self.name.as_str()).line(first_line).char_column(column);
+            let place = Origin::path(escape::line(&self.name)).line(first_line).char_column(column);
             title.element(place).element(Level::NOTE.message(clean(&fault.label)))
         } else {
             title.element(self.snippet(fault, first_line, line))
@@ -150,10 +151,12 @@ impl Faults {
             }
             (start, end) = (start.min(other.start), end.max(other.end));
         }
-        let inside = |span: Range<usize>| span.start - start..span.end - start;
+        let piece = &self.source[start..end];
+        let place = |at: usize| shown(piece, at - start).len();
+        let inside = |span: Range<usize>| place(span.start)..place(span.end);
         let main = AnnotationKind::Primary.span(inside(self.first_line_of(&fault.span)));
-        let mut snippet = Snippet::source(&self.source[start..end])
-            .path(self.name.as_str())
+        let mut snippet = Snippet::source(shown(piece, piece.len()))
+            .path(escape::line(&self.name))
             .line_start(number)
             .annotation(main.label(clean(&fault.label)));
         if let Some((span, label)) = also {
@@ -180,9 +183,23 @@ impl fmt::Display for Faults {
 
 impl std::error::Error for Faults {}
 
-/// Text from the file must not steer the terminal.
+/// Text from the file must not steer the terminal, nor break a message's line.
 fn clean(text: &str) -> String {
-    annotate_snippets::normalize_untrusted_str(text).replace('\n', " ")
+    escape::line(&text.replace(['\n', '\r', '\t'], " ")).into_owned()
+}
+
+/// The source up to the byte `end`, as it is shown: its lines, with tabs and nothing else that steers a terminal.
+fn shown(source: &str, end: usize) -> String {
+    let mut shown = String::with_capacity(end);
+    for (at, c) in source.char_indices().take_while(|(at, _)| *at < end) {
+        match c {
+            '\r' if matches!(source.as_bytes().get(at + 1), None | Some(b'\n')) => {}
+            '\n' | '\t' => shown.push(c),
+            c if escape::must_escape(c) => shown.extend(c.escape_unicode()),
+            c => shown.push(c),
+        }
+    }
+    shown
 }
 
 fn line_around(source: &str, at: usize) -> Range<usize> {

@@ -12,7 +12,7 @@ use crate::encode::{Caption, Corner, Formats, MATTE, Output, Template, Tonemap};
 use crate::film::MOST_STOPS;
 use std::cell::RefCell;
 use std::collections::HashSet;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Component, PathBuf};
 
 const LONGEST_SIDE: u32 = 65_536;
 
@@ -97,8 +97,7 @@ fn files(node: Node<'_>, frames: u32) -> Option<Vec<Output>> {
         list(node, "file names", |node| {
             let output = file(node, frames)?;
             // `a.gif` and `./a.gif` are the same file.
-            let name = output.to_string();
-            let parts = Path::new(&name).components().filter(|part| *part != Component::CurDir);
+            let parts = output.name().components().filter(|part| *part != Component::CurDir);
             if named.borrow_mut().insert(parts.collect::<PathBuf>()) {
                 return Some(output);
             }

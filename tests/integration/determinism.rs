@@ -71,12 +71,13 @@ fn a_frame_alone_is_the_frame_of_the_whole() {
 /// The bytes of every file that a render of `frames` writes.
 fn files(sequence: &Sequence, frames: Vec<u32>, threads: usize) -> BTreeMap<String, Vec<u8>> {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
-    let output = |name: &str| Output::parse(&folder.path().join(name).to_string_lossy()).expect("an output");
+    let output = |name: &str| Output::parse(folder.path().join(name)).expect("an output");
     let outputs = vec![output("##.png"), output("##.exr"), output("all.gif")];
     let threads = NonZeroUsize::new(threads);
     let request = Request {
         frames,
         outputs,
+        confined: false,
         existing: Existing::Replace,
         threads,
         reuse: Reuse::Share,

@@ -29,6 +29,7 @@ fn rendered(path: &Path) -> RgbImage {
     let request = Request {
         frames: frames.clone(),
         outputs: vec![output.clone()],
+        confined: false,
         existing: Existing::Replace,
         threads: None,
         reuse: Reuse::Share,
@@ -85,7 +86,10 @@ fn golden_images_have_not_changed() {
             let shown = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("golden-{name}.png"));
             strip(&expected, &actual).save(&shown).expect("the folder is writable");
             let count = expected.pixels().zip(actual.pixels()).filter(|(e, a)| e != a).count();
-            wrong.push(format!("{name}: {count} pixels; expected, difference, actual: {}", shown.display()));
+            wrong.push(format!(
+                "{name}: {count} pixels; expected, difference, actual: {}",
+                shown.to_string_lossy()
+            ));
         }
     }
     assert!(wrong.is_empty(), "golden images differ\n{}", wrong.join("\n"));

@@ -229,3 +229,31 @@ fn a_signal_stops_after_the_frame_in_hand() {
         assert!((0..done).all(whole) && !folder.path().join(format!("f_{done}.png")).exists());
     }
 }
+
+#[cfg(unix)]
+#[test]
+fn names_of_outputs_need_not_be_text() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let folder = folder();
+    let (stills, movie) = (OsStr::from_bytes(b"d\xff/f\xfe_##.png"), OsStr::from_bytes(b"d\xff/\xfe.gif"));
+    let told = |words: &[&str], output: &[&OsStr]| {
+        let mut command =
+            assert_cmd::Command::cargo_bin("kinora").expect("the binary is built with its tests");
+        let done =
+            command.current_dir(folder.path()).args(words).args(output).output().expect("the binary runs");
+        assert!(done.status.success(), "{}", crate::command::stderr(&done));
+        String::from_utf8_lossy(&done.stdout).into_owned()
+    };
+    let option = OsStr::new("-o");
+    let first = told(&["render", "ball.ron"], &[option, stills, option, movie]);
+    assert!(first.contains("wrote   d\\xff/f\\xfe_##.png\n        d\\xff/\\xfe.gif\n"), "{first}");
+    let names = contents(&folder.path().join(OsStr::from_bytes(b"d\xff")));
+    assert_eq!(names.len(), 13);
+    assert!(folder.path().join(OsStr::from_bytes(b"d\xff/f\xfe_07.png")).exists());
+    assert!(told(&["render", "ball.ron"], &[option, stills, option, movie]).contains("of which 12 kept"));
+    told(&["assemble"], &[stills, option, OsStr::from_bytes(b"\xfe.mp4")]);
+    let status = ["farm", "status"].map(OsStr::new);
+    let job = [&status[..], &[OsStr::from_bytes(b"d\xff"), OsStr::new("ball.ron"), option, stills]].concat();
+    assert!(told(&[], &job).contains("12 done"));
+}

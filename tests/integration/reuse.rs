@@ -186,11 +186,12 @@ fn reuse_never_shows() {
 /// Every file of a render: stills, 16 bits and linear, and animations.
 fn files(sequence: &Sequence, frames: &[u32], reuse: Reuse) -> (BTreeMap<String, Vec<u8>>, Summary) {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
-    let output = |name: &str| Output::parse(&folder.path().join(name).to_string_lossy()).expect("an output");
+    let output = |name: &str| Output::parse(folder.path().join(name)).expect("an output");
     let outputs = ["##.png", "##.exr", "all.gif", "all.apng"].map(output).to_vec();
     let request = Request {
         frames: frames.to_vec(),
         outputs,
+        confined: false,
         existing: Existing::Replace,
         threads: None,
         reuse,

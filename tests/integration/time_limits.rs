@@ -35,11 +35,11 @@ fn soft(folder: &Path, text: &str) -> Sequence {
 }
 
 fn request(folder: &Path, extension: &str, frames: &[u32]) -> Request {
-    let output =
-        Output::parse(&folder.join(format!("f_#.{extension}")).to_string_lossy()).expect("an output");
+    let output = Output::parse(folder.join(format!("f_#.{extension}"))).expect("an output");
     Request {
         frames: frames.to_vec(),
         outputs: vec![output],
+        confined: false,
         existing: Existing::Keep,
         threads: None,
         reuse: Reuse::Share,

@@ -5,6 +5,7 @@ use crate::cli::failure::Failure;
 use crate::cli::json::Object;
 use crate::cli::terminal;
 use crate::encode::write_file;
+use crate::escape;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -22,7 +23,7 @@ pub struct Options {
 pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
     if let Some(folder) = &options.pictures {
         let written = pictures::write(folder).map_err(|error| Failure::Incomplete(error.to_string()))?;
-        let files: Vec<_> = written.iter().map(|file| format!("wrote {}", file.display())).collect();
+        let files: Vec<_> = written.iter().map(|file| format!("wrote {}", escape::path(file))).collect();
         return terminal::say(&files.join("\n"));
     }
     let effort = if quick { Effort::QUICK } else { Effort::FULL };

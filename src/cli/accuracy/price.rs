@@ -9,6 +9,7 @@ use crate::cli::share;
 use crate::cli::shell::quoted;
 use crate::cli::{load, loading, render, terminal, values};
 use crate::encode::{EncodeError, png_bytes, write_file};
+use crate::escape;
 use crate::files::in_the_way;
 use crate::frame_set::FrameSet;
 use crate::humane;
@@ -84,14 +85,15 @@ pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
     let folder = folder.unwrap_or_else(|| Path::new("output").join(format!("{}_accuracy", sequence.name)));
     // Nobody wants to learn after the work that it cannot be written.
     if let Some(file) = in_the_way(&folder) {
-        let (folder, file) = (folder.display(), file.display());
+        let (folder, file) = (escape::path(&folder), escape::path(file));
         return Err(Failure::Bad(format!(
             "cannot write into the folder {folder}: {file} is a file; name another folder with -o"
         )));
     }
     let new = !folder.exists();
-    std::fs::create_dir_all(&folder)
-        .map_err(|error| Failure::Bad(format!("cannot create the folder {}: {error}", folder.display())))?;
+    std::fs::create_dir_all(&folder).map_err(|error| {
+        Failure::Bad(format!("cannot create the folder {}: {error}", escape::path(&folder)))
+    })?;
     let request = Request {
         frames,
         time: options.time.unwrap_or(if quick { QUICK } else { USUAL }),
@@ -132,7 +134,7 @@ fn told(measured: &Measured, origin: &Origin, report: &Path) -> String {
             advice.goal, origin.file, advice.flags, advice.effect
         ));
     }
-    lines.push(format!("the whole report: {}", report.display()));
+    lines.push(format!("the whole report: {}", escape::path(report)));
     lines.join("\n")
 }
 

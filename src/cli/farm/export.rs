@@ -4,8 +4,9 @@ use super::stills::{Wanted, is_said, source};
 use crate::cli::failure::Failure;
 use crate::cli::render::{fingerprint, frames_of};
 use crate::cli::settings::Spoken;
-use crate::cli::{load, loading, overrides, terminal};
+use crate::cli::{load, loading, overrides, terminal, values};
 use crate::encode::{Existing, Output, write_file};
+use crate::escape;
 use crate::farm::{Assembly, Engine, Export, Films, Job, JobFile, MARK, classes};
 use crate::files::{self, Root, way};
 use crate::filmstrip::spread;
@@ -35,11 +36,11 @@ pub struct Arguments {
     ///
     /// Tasks write stills. Where there are none, PNGs are added for animations to be made of:
     /// in a folder beside each that is called as it is.
-    #[arg(short, long, value_name = "FILE", value_parser = Output::parse, verbatim_doc_comment)]
+    #[arg(short, long, value_name = "FILE", value_parser = values::output(), verbatim_doc_comment)]
     output: Vec<Output>,
 
     /// A filmstrip of some of the frames besides
-    #[arg(long, value_name = "FILE", value_parser = Output::parse)]
+    #[arg(long, value_name = "FILE", value_parser = values::output())]
     filmstrip: Option<Output>,
 
     /// Frames to render, as `render` has them [default: all]
@@ -150,8 +151,8 @@ impl Arguments {
             fingerprint,
             settings: self.spoken.words.clone(),
             frames: frame_set::text(frames),
-            stills: stills.iter().map(ToString::to_string).collect(),
-            assemblies: self.assemblies((&stills, &animations), frames),
+            stills: names(&stills)?,
+            assemblies: self.assemblies((&stills, &animations), frames)?,
             classes: classes(&films, self.chunks.map(NonZeroUsize::get)),
             throttle: self.throttle,
             threads: options.threads.map(|threads| threads.get() as u32),
@@ -166,6 +167,7 @@ impl Arguments {
             let request = Request {
                 frames: frames.to_vec(),
                 outputs,
+                confined: self.output.is_empty(),
                 existing: Existing::Keep,
                 threads: None,
                 reuse: Reuse::Off,
@@ -181,13 +183,20 @@ impl Arguments {
     }
 
     /// What `kinora assemble` is told, for the animations and for the filmstrip.
-    fn assemblies(&self, (stills, animations): (&[Output], &[Output]), frames: &[u32]) -> Vec<Assembly> {
-        let Some(source) = source(stills) else { return Vec::new() };
-        let assembly = |set: &[u32], outputs: &[Output]| Assembly {
-            source: source.to_string(),
-            frames: frame_set::text(set),
-            settings: self.spoken.words.iter().filter(|word| is_for_assembly(word)).cloned().collect(),
-            outputs: outputs.iter().map(ToString::to_string).collect(),
+    fn assemblies(
+        &self,
+        (stills, animations): (&[Output], &[Output]),
+        frames: &[u32],
+    ) -> Result<Vec<Assembly>, Failure> {
+        let Some(source) = source(stills) else { return Ok(Vec::new()) };
+        let source = name(source)?;
+        let assembly = |set: &[u32], outputs: &[Output]| {
+            Ok(Assembly {
+                source: source.clone(),
+                frames: frame_set::text(set),
+                settings: self.spoken.words.iter().filter(|word| is_for_assembly(word)).cloned().collect(),
+                outputs: names(outputs)?,
+            })
         };
         let moving = (!animations.is_empty()).then(|| assembly(frames, animations));
         let some: Vec<u32> =
@@ -195,6 +204,18 @@ impl Arguments {
         let strip = self.filmstrip.as_ref().map(|strip| assembly(&some, std::slice::from_ref(strip)));
         moving.into_iter().chain(strip).collect()
     }
+}
+
+/// An output's name, which jobs hold as text.
+fn name(output: &Output) -> Result<String, Failure> {
+    let name = output.name().to_str().map(str::to_owned);
+    name.ok_or_else(|| {
+        Failure::Bad(format!("jobs are text files, and {output} is no UTF-8; name it otherwise"))
+    })
+}
+
+fn names(outputs: &[Output]) -> Result<Vec<String>, Failure> {
+    outputs.iter().map(name).collect()
 }
 
 /// Settings that are about files of several frames.
@@ -211,7 +232,7 @@ fn check_place(path: &Path) -> Result<(), Failure> {
         Ok(_) if String::from_utf8_lossy(&head).contains(MARK) => Ok(()),
         _ => Err(Failure::Bad(format!(
             "{} is there already, and is no job of `kinora farm export`; move it away, or name the sequence otherwise",
-            path.display()
+            escape::path(path)
         ))),
     }
 }
@@ -227,7 +248,7 @@ fn write(path: &Path, file: &JobFile) -> Result<(), Failure> {
         let made = mode.and_then(|mode| {
             fs::set_permissions(path, fs::Permissions::from_mode(mode | (mode & 0o444) >> 2))
         });
-        made.map_err(|error| incomplete(format!("cannot make {} executable: {error}", path.display())))?;
+        made.map_err(|error| incomplete(format!("cannot make {} executable: {error}", escape::path(path))))?;
     }
     Ok(())
 }
@@ -235,7 +256,7 @@ fn write(path: &Path, file: &JobFile) -> Result<(), Failure> {
 /// A way between folders that are there.
 fn found(folder: &Path, way: std::io::Result<PathBuf>) -> Result<PathBuf, Failure> {
     way.map_err(|error| {
-        Failure::Bad(format!("cannot find the way to {}: {}", folder.display(), files::why(&error)))
+        Failure::Bad(format!("cannot find the way to {}: {}", escape::path(folder), files::why(&error)))
     })
 }
 

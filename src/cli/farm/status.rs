@@ -5,8 +5,9 @@ use crate::cli::failure::Failure;
 use crate::cli::json::Object;
 use crate::cli::render::frames_of;
 use crate::cli::settings::Settings;
-use crate::cli::{load, loading, overrides, terminal};
+use crate::cli::{load, loading, overrides, terminal, values};
 use crate::encode::{Existing, Found, Holder, Output, found, in_hand};
+use crate::escape;
 use crate::farm::{Frame, Status};
 use crate::frame_set::{self, FrameSet};
 use crate::humane::{count, rough_time};
@@ -27,7 +28,7 @@ pub struct Arguments {
     file: PathBuf,
 
     /// The frames' files as the job has them: their names count [default: as the sequence says]
-    #[arg(short, long, value_name = "FILE", value_parser = Output::parse)]
+    #[arg(short, long, value_name = "FILE", value_parser = values::output())]
     output: Vec<Output>,
 
     /// The frames of the job [default: all]
@@ -57,7 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.folder.is_file() {
         return Err(Failure::Bad(format!(
             "{} is a file; the frames' folder comes first, then the sequence file",
-            arguments.folder.display()
+            escape::path(&arguments.folder)
         )));
     }
     let loading = loading::Reporter::new(options.progress, options.quiet);
@@ -88,6 +89,7 @@ impl Arguments {
         let request = Request {
             frames: numbers,
             outputs: stills,
+            confined: false,
             existing: Existing::Share,
             threads: options.threads,
             reuse: Reuse::Off,
@@ -116,23 +118,21 @@ impl Arguments {
         }
         let own = stills.first().map(|still| still.path(0)).unwrap_or_default();
         let own = own.parent().filter(|own| !own.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let (folder, file) = (self.folder.display(), self.file.display());
+        let (folder, file) = (escape::path(&self.folder), escape::path(&self.file));
         Err(Failure::Bad(if own == self.folder {
             format!("there is no folder {folder} yet; it appears with the first task of the job")
         } else {
             format!(
                 "there is no folder {folder}; the frames of {file} go into {}, or where -o says",
-                own.display()
+                escape::path(own)
             )
         }))
     }
 
     /// The files of this name in the folder.
     fn placed(&self, still: &Output) -> Result<Output, Failure> {
-        let text = still.to_string();
-        let name = std::path::Path::new(&text).file_name().unwrap_or_default();
-        let placed = Output::parse(&self.folder.join(name).to_string_lossy());
-        placed.map_err(|error| Failure::Bad(error.to_string()))
+        let name = still.name().file_name().unwrap_or_default();
+        Output::parse(self.folder.join(name)).map_err(|error| Failure::Bad(error.to_string()))
     }
 }
 

@@ -67,5 +67,5 @@ pub fn source(stills: &[Output]) -> Option<&Output> {
 /// Stills for a file that holds several frames, in a folder that is called as it is.
 fn beside(file: &Output) -> Result<Output, Failure> {
     let path = file.path(0).with_extension("").join("frame_####.png");
-    Output::parse(&path.to_string_lossy()).map_err(|error| Failure::Bad(error.to_string()))
+    Output::parse(path).map_err(|error| Failure::Bad(error.to_string()))
 }

@@ -6,6 +6,7 @@ use super::timing::Shot;
 use crate::color::{linear_to_srgb, srgb_to_linear};
 use crate::encode::error::EncodeError;
 use crate::encode::picture::Picture;
+use crate::escape;
 use crate::humane;
 use std::sync::LazyLock;
 
@@ -112,7 +113,7 @@ pub fn write(animation: &Animation, load: &Load) -> Result<Option<String>, Encod
             break;
         }
     }
-    let path = animation.path.display();
+    let path = escape::path(&animation.path);
     let (size, before, limit) = (humane::bytes(best.size), humane::bytes(wanted), humane::bytes(most));
     let lost = plan.told(&asked, animation.size);
     let fits = best.size <= most;

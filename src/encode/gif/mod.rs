@@ -21,6 +21,7 @@ use super::error::{EncodeError, JobError};
 use super::job::Job;
 use super::picture::Picture;
 use super::settings::GifSettings;
+use crate::escape;
 use dither::Mixer;
 use file::{Finished, GifFile};
 use fit::{Load, Plan};
@@ -96,7 +97,7 @@ impl Animation {
             format!(
                 "{} plays at 50 frames per second and shows {} of {total} frames: viewers slow GIFs down that are \
                  faster (here {})",
-                self.path.display(),
+                escape::path(&self.path),
                 total - self.dropped,
                 job.rate,
             )

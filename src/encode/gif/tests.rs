@@ -112,6 +112,7 @@ fn clear_pixels_show_what_is_behind_the_gif() {
 
 fn job(path: &Path, pictures: &[Picture], rate: (i128, i128), gif: GifSettings) -> Job {
     Job {
+        confined: false,
         existing: crate::encode::Existing::default(),
         seen: Vec::new(),
         outputs: vec![Output::Movie(Moving::Gif, path.to_path_buf())],

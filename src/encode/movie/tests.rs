@@ -27,6 +27,7 @@ fn frames(size: (u32, u32), alpha: bool) -> Vec<Picture> {
 
 fn job(path: &str, size: (u32, u32), rate: (i128, i128), formats: Formats) -> Job {
     Job {
+        confined: false,
         existing: crate::encode::Existing::default(),
         seen: Vec::new(),
         outputs: vec![Output::parse(path).expect(path)],
