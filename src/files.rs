@@ -1,5 +1,9 @@
 //! Files that are read: plain ones, up to a size, and inside one folder.
 
+mod jpeg;
+
+pub use jpeg::is_cut;
+
 use crate::escape;
 use std::collections::BTreeSet;
 use std::fs::{self, File};

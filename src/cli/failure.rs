@@ -17,7 +17,7 @@ pub enum Failure {
     Faults(String),
     /// The run broke off.
     Incomplete(String),
-    /// A signal of this number has stopped it.
+    /// A signal of this number has stopped it. There is nothing to tell of that if the message is empty.
     Stopped { signal: usize, message: String },
 }
 
@@ -43,6 +43,7 @@ impl Failure {
     pub fn print(&self) {
         match self {
             Self::Bad(message) | Self::Incomplete(message) => terminal::error(message),
+            Self::Stopped { message, .. } if message.is_empty() => {}
             Self::Stopped { message, .. } => terminal::complain(message),
             Self::Faults(text) => terminal::faults(text),
         }

@@ -71,10 +71,11 @@ Examples:
   kinora farm export slurm sequences/hello.ron       the same on many machines
 
 `kinora render --help` lists the options. Exit codes: 0 done, 2 a mistake in the command or the sequence,
-3 frames or files could not be made.";
+3 frames or files could not be made, or nobody reads the standard output of `-o -`.";
 
 /// Runs the command that the process was started with.
 pub fn main() -> ExitCode {
+    signals::survive_size_limits();
     run(std::env::args_os())
 }
 

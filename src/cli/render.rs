@@ -182,6 +182,7 @@ impl Arguments {
         if self.shares() {
             only_stills(outputs)?;
         }
+        terminal::check_stream(outputs)?;
         let told = match self.settings.options.progress {
             ProgressMode::Json => Some("json"),
             ProgressMode::OpenJd => Some("openjd"),
@@ -220,7 +221,7 @@ impl Arguments {
         let show = progress::Reporter::new(options.progress, options.quiet, frames);
         let stop = signals::watched();
         let done = progress::watch(&meter, frames, show, || render_until(sequence, request, &meter, &stop));
-        done.map_err(|error| failure(error, &request.outputs))
+        done.map_err(|error| failure(error, &request.outputs, options.quiet))
     }
 
     /// Tells what was done, beside frames that go to the standard output.
@@ -239,9 +240,12 @@ impl Arguments {
     }
 }
 
-/// Why a run failed; if it was stopped, how it goes on.
-fn failure(error: RenderError, outputs: &[Output]) -> Failure {
+/// Why a run failed; if it was stopped, how it goes on, unless errors alone are told.
+fn failure(error: RenderError, outputs: &[Output], quiet: bool) -> Failure {
     let RenderError::Stopped { signal, done, files, rest, keeps } = error else { return error.into() };
+    if quiet {
+        return Failure::Stopped { signal, message: String::new() };
+    }
     let next = match (keeps, outputs.iter().any(Output::is_animation)) {
         (true, _) => Next::Same,
         (false, false) => Next::Frames(&rest),

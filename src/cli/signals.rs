@@ -21,6 +21,16 @@ pub fn watched() -> Stop {
     stop
 }
 
+/// Lets a file that would become larger than the process may make one (`ulimit -f`) fail as any other that cannot be
+/// written, with a message and without temporaries that stay. By itself, the system ends the program.
+pub fn survive_size_limits() {
+    #[cfg(unix)]
+    {
+        use signal_hook::consts::SIGXFSZ;
+        let _ = signal_hook::flag::register(SIGXFSZ, std::sync::Arc::default());
+    }
+}
+
 /// What goes on with a run that was stopped.
 #[derive(Clone, Copy, Debug)]
 pub enum Next<'a> {

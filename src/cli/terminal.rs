@@ -2,6 +2,7 @@
 //! and format characters are escaped, whoever they come from.
 
 use super::failure::Failure;
+use crate::encode::Output;
 use crate::escape;
 use std::env;
 use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
@@ -24,6 +25,35 @@ pub fn say(line: &str) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
+}
+
+/// Refuses to write frames to a standard output that is closed, as it would be refused by one whose reader goes away.
+pub fn check_stream(outputs: &[Output]) -> Result<(), Failure> {
+    if !outputs.contains(&Output::Stream) || !stdout_is_closed() {
+        return Ok(());
+    }
+    let message = "cannot write to the standard output: it is closed; give it a reader, such as `-o - | ffmpeg -i - ...`";
+    Err(Failure::Incomplete(message.to_owned()))
+}
+
+/// Whether the process was started without a standard output. Rust's runtime has opened the null device in its place, for
+/// reading and writing; who means to write there (`> /dev/null`) opens it for writing alone.
+#[cfg(unix)]
+fn stdout_is_closed() -> bool {
+    use rustix::fs::{OFlags, fcntl_getfl};
+    use std::fs::{File, metadata};
+    use std::os::fd::AsFd;
+    use std::os::unix::fs::MetadataExt;
+    let device = |found: std::io::Result<std::fs::Metadata>| found.ok().map(|found| found.rdev());
+    let Ok(file) = stdout().as_fd().try_clone_to_owned().map(File::from) else { return true };
+    let null = device(metadata("/dev/null"));
+    let both = fcntl_getfl(&file).is_ok_and(|flags| flags & OFlags::RWMODE == OFlags::RDWR);
+    both && null.is_some() && device(file.metadata()) == null
+}
+
+#[cfg(not(unix))]
+fn stdout_is_closed() -> bool {
+    false
 }
 
 /// Prints a line of errors, or of results where the standard output is taken by them.

@@ -114,9 +114,10 @@ impl fmt::Display for EncodeError {
     }
 }
 
-/// The reason without the name of the temporary file that it was met at.
+/// The reason without the name of the temporary file that it was met at, which `tempfile` adds.
 fn plain(reason: &io::Error) -> String {
-    if reason.get_ref().is_some() { reason.kind().to_string() } else { reason.to_string() }
+    let text = reason.to_string();
+    text.split_once(" at path ").map_or(text.clone(), |(why, _)| why.to_owned())
 }
 
 /// What usually helps, as the end of a message.
@@ -128,6 +129,11 @@ fn remedy(reason: &io::Error) -> &'static str {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
             "; free some space or name another place with -o"
         }
+        io::ErrorKind::NotFound => "; no file can be made there, so name another place with -o",
+        io::ErrorKind::FileTooLarge => {
+            "; a file may not become so large: raise the limit (ulimit -f), or render less at a time"
+        }
+        io::ErrorKind::BrokenPipe => "; whoever was to read it has gone away",
         io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
             "; a file stands where the path has a folder"
         }

@@ -30,6 +30,8 @@ fn text(job: &Job) -> String {
     frames.into_iter().for_each(|place| drop(words.drain(place..place + 2)));
     words.extend(["--quiet".to_owned(), format!("--threads={threads}"), "--frames".to_owned()]);
     let render = command(&words);
+    // Its shell tells the code of a task that fails on a line of its own: `xargs` has one for all of them.
+    let task = r#"sh -c '"$@" 3>&- || { echo "$?" >&3; exit 1; }' sh"#;
     let processes = processes(job, threads);
     let assemble: String = job.assemble().map(|words| command(&words) + "\n").collect();
     let then = if assemble.is_empty() { "" } else { "\n# Only when all frames are there.\n" };
@@ -42,8 +44,16 @@ cd -- "$(dirname -- "$0")"{base}
 processes=${{1:-{processes}}}
 
 # Frames of a task in each line; those that should take longest come first.
-xargs -n 1 -P "$processes" {render} <<'FRAMES'
+status=0
+exec 4>&1
+codes=$(xargs -n 1 -P "$processes" {task} {render} 3>&1 >&4 4>&- <<'FRAMES'
 {chunks}FRAMES
+) || status=$?
+# Of the tasks' exit codes the least says most: with 2 it does not help to try again, with 3 it may.
+if [ "$status" -ne 0 ]; then
+    code=$(printf '%s\n' $codes | sort -n | head -n 1)
+    exit "${{code:-$status}}"
+fi
 {then}{assemble}"#
     )
 }

@@ -178,8 +178,13 @@ fn inline(fields: &mut Fields<'_>) -> Option<Mesh> {
 }
 
 fn triangles(node: Node<'_>, count: Option<usize>) -> Option<Vec<[u32; 3]>> {
+    if let Some(count) = count.filter(|count| *count < 3) {
+        let there = ["`vertices` has none", "`vertices` has one", "`vertices` has two"][count];
+        node.fault(Fault::new(node.span(), "a triangle has three vertices", there));
+        return None;
+    }
     // Without vertices there has been a fault, and any index will do.
-    let last = count.map_or(u32::MAX - 1, |count| count.saturating_sub(1) as u32);
+    let last = count.map_or(u32::MAX - 1, |count| count as u32 - 1);
     list(node, "triangles", |node| each(tuple(node, "three vertices (a, b, c)")?, whole(0..=last)))
 }
 

@@ -27,9 +27,6 @@ pub struct File<'s> {
     pub meshes: Meshes,
 }
 
-/// Entries of one list, map or struct, at most.
-const MOST_ENTRIES: usize = 1_000_000;
-
 impl<'s> File<'s> {
     /// `folder` is where the file's own paths begin, and `root` where they lead.
     pub fn new(source: &'s str, folder: &Path, root: Root) -> Self {
@@ -137,12 +134,7 @@ impl<'s> Node<'s> {
     /// Takes the value apart.
     pub fn content(&self) -> Option<Content<'s>> {
         match self.read() {
-            Ok(Some(content)) => Some(content),
-            Ok(None) => {
-                let title = format!("more than {MOST_ENTRIES} entries");
-                self.fault(Fault::new(self.head(), title, "too many"));
-                None
-            }
+            Ok(content) => Some(content),
             // The file's syntax is known to be good; if ron still refuses a part, say so rather than fail.
             Err(error) => {
                 self.fault(Fault::new(self.span(), "this cannot be read", error.to_string()));
@@ -151,10 +143,10 @@ impl<'s> Node<'s> {
         }
     }
 
-    fn read(&self) -> Result<Option<Content<'s>>, ron::Error> {
+    fn read(&self) -> Result<Content<'s>, ron::Error> {
         let node = |raw: &'s RawValue| Node::new(self.file, raw.get_ron());
         let mut reader = ron::Deserializer::from_str(self.body)?;
-        let content = match self.body.chars().next() {
+        Ok(match self.body.chars().next() {
             Some('(') => match reader.deserialize_any(Parts)? {
                 Raw::Fields(fields) => {
                     Content::Fields(fields.into_iter().map(|(name, raw)| (name, node(raw))).collect())
@@ -170,8 +162,7 @@ impl<'s> Node<'s> {
                 Content::Map(entries.into_iter().map(|(key, value)| (node(key), node(value))).collect())
             }
             _ => Content::Plain,
-        };
-        Ok((content.len() <= MOST_ENTRIES).then_some(content))
+        })
     }
 
     pub fn fault(&self, fault: Fault) {
@@ -199,23 +190,12 @@ impl<'s> Node<'s> {
             (None, '[') => "a list".to_owned(),
             (None, '{') => "a map".to_owned(),
             (None, '(') => match self.read() {
-                Ok(Some(Content::Tuple(items))) if items.len() == 1 => "one value in parentheses".to_owned(),
-                Ok(Some(Content::Tuple(items))) if items.is_empty() => "empty parentheses".to_owned(),
-                Ok(Some(Content::Tuple(items))) => format!("{} values in parentheses", items.len()),
+                Ok(Content::Tuple(items)) if items.len() == 1 => "one value in parentheses".to_owned(),
+                Ok(Content::Tuple(items)) if items.is_empty() => "empty parentheses".to_owned(),
+                Ok(Content::Tuple(items)) => format!("{} values in parentheses", items.len()),
                 _ => "named fields".to_owned(),
             },
             _ => format!("`{}`", shortened(self.text)),
-        }
-    }
-}
-
-impl Content<'_> {
-    fn len(&self) -> usize {
-        match self {
-            Self::Fields(fields) => fields.len(),
-            Self::Tuple(items) | Self::List(items) => items.len(),
-            Self::Map(entries) => entries.len(),
-            Self::Plain => 0,
         }
     }
 }

@@ -6,9 +6,15 @@ use ron::error::{Error, Position};
 use serde::de::{Deserialize, IgnoredAny};
 use std::ops::Range;
 
-/// What keeps the text from being RON. Empty if it is.
+/// Entries of one list, map or struct, at most.
+const MOST_ENTRIES: usize = 1_000_000;
+
+/// What keeps the text from being RON that is worth reading. Empty if nothing does.
 pub fn faults(text: &str) -> Vec<Fault> {
     if let Some((at, '#')) = Symbols::new(text).next() {
+        if let Some(fault) = other_notation(text, true) {
+            return vec![fault];
+        }
         let title = "`#` starts neither a comment nor anything else here";
         let help = "comments start with //; attributes such as `#![enable(...)]` are not supported";
         return vec![Fault::new(at..at + 1, title, "remove this").help(help)];
@@ -17,7 +23,14 @@ pub fn faults(text: &str) -> Vec<Fault> {
         let help = "the shortest sequence is `()`; see sequences/README.md for what goes inside";
         return vec![Fault::new(0..0, "the file is empty", "expected ( ... )").help(help)];
     }
+    // Before ron looks at them, which takes its time.
+    if let Some(fault) = overfull(text, MOST_ENTRIES) {
+        return vec![fault];
+    }
     let Err((error, position)) = check(text) else { return Vec::new() };
+    if let Some(fault) = other_notation(text, matches!(error, Error::TrailingCharacters)) {
+        return vec![fault];
+    }
     if let Some(fault) = unclosed(text) {
         return vec![fault];
     }
@@ -30,6 +43,64 @@ pub fn faults(text: &str) -> Vec<Fault> {
         return vec![Fault::new(end..end, "the file ends too early", "expected more here")];
     }
     [notation, bracket].into_iter().flatten().collect()
+}
+
+/// Text in another notation altogether, such as YAML, TOML or a program: RON begins with a bracket, and ends with it.
+/// `trailing` if something follows its first value.
+fn other_notation(text: &str, trailing: bool) -> Option<Fault> {
+    // What many notations have for comments.
+    let is_comment = |line: &&str| line.trim().is_empty() || line.trim_start().starts_with('#');
+    let skipped: usize = text.split_inclusive('\n').take_while(is_comment).map(str::len).sum();
+    let mut symbols = Symbols::new(&text[skipped..]);
+    let (start, first) = symbols.next()?;
+    let start = skipped + start;
+    // `Sequence(...)` is meant well, if there is nothing else.
+    let opens = first.is_alphabetic() && symbols.next().is_some_and(|(_, next)| next == '(');
+    if matches!(first, '(' | '{') || opens && !trailing {
+        return None;
+    }
+    let fault = Fault::new(token(text, start), "this is no sequence in RON", "a sequence begins with `(`");
+    Some(fault.help(
+        "a sequence looks like (timeline: (frames: 48), objects: { \"ball\": (shape: Sphere()) }); \
+         sequences/README.md explains it",
+    ))
+}
+
+/// Brackets in brackets that are counted: many more than ron takes.
+const DEEPEST: usize = 1000;
+
+/// A bracket that is open, as its entries are counted.
+struct Open {
+    start: usize,
+    entries: usize,
+    /// Whether the next symbol begins an entry.
+    begins: bool,
+}
+
+/// The first bracket with more than `most` entries in it.
+fn overfull(text: &str, most: usize) -> Option<Fault> {
+    let mut open: Vec<Open> = Vec::new();
+    for (at, c) in Symbols::new(text) {
+        if matches!(c, ')' | ']' | '}') {
+            open.pop();
+            continue;
+        }
+        if let Some(inner) = open.last_mut() {
+            inner.entries += usize::from(inner.begins && c != ',');
+            inner.begins = c == ',';
+            if inner.entries > most {
+                let title = format!("more than {most} entries");
+                return Some(Fault::new(inner.start..inner.start + 1, title, "too many"));
+            }
+        }
+        if matches!(c, '(' | '[' | '{') {
+            open.push(Open { start: at, entries: 0, begins: true });
+        }
+        if open.len() > DEEPEST {
+            return None;
+        }
+    }
+    None
 }
 
 /// Reads through the text without keeping anything.
@@ -147,6 +218,9 @@ fn translated(text: &str, error: &Error, at: usize) -> Option<Fault> {
 
 /// Two values side by side: the comma belongs behind the first.
 fn missing_comma(text: &str, here: Range<usize>, found: &str) -> Fault {
+    if found == "%" {
+        return percent(text, here);
+    }
     if found == ":" {
         let help = "in ( ) every field has a name; in { } names are in quotes; in [ ] there are none";
         return Fault::new(here, "`:` is out of place", "not expected here").help(help);
@@ -155,4 +229,42 @@ fn missing_comma(text: &str, here: Range<usize>, found: &str) -> Fault {
     let last = text[..before].chars().next_back().map_or(0, char::len_utf8);
     let fault = Fault::new(before - last..before, "a comma is missing", "expected `,` after this");
     fault.also(here, "before this")
+}
+
+/// A share in per cent, which is written as a number.
+fn percent(text: &str, here: Range<usize>) -> Fault {
+    let start =
+        text[..here.start].rfind(|c: char| !matches!(c, '0'..='9' | '.' | '_')).map_or(0, |at| at + 1);
+    let number = text[start..here.start].parse().ok().map(|percent: f64| percent / 100.0);
+    let written = number.map_or("0.01 for 1 %".to_owned(), |number| {
+        let digits = format!("{number:.6}");
+        digits.trim_end_matches('0').trim_end_matches('.').to_owned()
+    });
+    Fault::new(
+        start..here.end,
+        "shares are written as plain numbers, without `%`",
+        format!("write {written}"),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_are_counted_in_all_brackets_at_all_depths() {
+        for text in [
+            "(a: 1, b: 2, c: 3)",
+            "(a: [1, 2, 3,])",
+            "(a: {\"b\": X(y: (1, [2], -3.5)), })",
+            "(a: { \"b\": 1, 'c': 2 /* , */, \"d,e\": [(0, 0), (0, 0), // ,\n (1,)] })",
+            "[[], (), {},]",
+        ] {
+            assert_eq!(overfull(text, 3), None, "{text}");
+            let fault = overfull(text, 2).expect(text);
+            assert!("([{".contains(&text[fault.span]), "{text}");
+        }
+        assert_eq!(overfull(") ] , }", 0), None);
+        assert_eq!(overfull(&"(".repeat(1 << 20), 1), None);
+    }
 }

@@ -21,7 +21,7 @@ pub enum Encoding {
 const LARGEST_FILE: u64 = 1 << 30;
 
 /// Texels along an axis at most.
-pub(super) const LARGEST_SIDE: u32 = 16_384;
+const LARGEST_SIDE: u32 = 16_384;
 
 /// Texels at most: 1.5 GiB of them.
 const MOST_TEXELS: u64 = 1 << 27;
@@ -35,15 +35,21 @@ impl Image {
 
     /// [`Image::load`] from the bytes of a file.
     pub fn decode(bytes: &[u8], encoding: Encoding) -> Result<Self, ImageError> {
+        if files::is_cut(bytes) {
+            return Err(ImageError::Cut);
+        }
         let mut limits = Limits::default();
-        (limits.max_image_width, limits.max_image_height) = (Some(LARGEST_SIDE), Some(LARGEST_SIDE));
         limits.max_alloc = Some(MOST_TEXELS * size_of::<[f32; 4]>() as u64);
         let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
         reader.limits(limits);
         let mut decoder = reader.into_decoder()?;
         let (width, height) = decoder.dimensions();
+        let too_large = |most: String| Err(ImageError::TooLarge { size: (width, height), most });
+        if width.max(height) > LARGEST_SIDE {
+            return too_large(format!("at most {LARGEST_SIDE} are read along a side"));
+        }
         if u64::from(width) * u64::from(height) > MOST_TEXELS {
-            return Err(ImageError::TooLarge(format!("it has more than {MOST_TEXELS} pixels")));
+            return too_large(format!("at most {MOST_TEXELS} are read"));
         }
         // What is decoded, a copy with three channels, and the texels.
         let pixels = u64::from(width) * u64::from(height);
@@ -52,8 +58,7 @@ impl Image {
         let mut picture = DynamicImage::from_decoder(decoder)?;
         picture.apply_orientation(orientation);
         let (width, height) = (picture.width(), picture.height());
-        Self::new(width, height, texels(picture, encoding))
-            .ok_or_else(|| ImageError::Broken("it has no pixels".to_owned()))
+        Self::new(width, height, texels(picture, encoding)).ok_or(ImageError::Empty)
     }
 }
 
@@ -151,12 +156,16 @@ mod tests {
             assert_eq!(refused(bytes), "it is no PNG, JPEG, BMP or HDR image");
         }
         let picture = ImageBuffer::from_fn(64, 64, |x, y| Pixel([(x * y) as u8, x as u8, y as u8]));
-        for format in [ImageFormat::Png, ImageFormat::Bmp] {
+        for format in [ImageFormat::Png, ImageFormat::Bmp, ImageFormat::Jpeg] {
             let bytes = encoded(picture.clone(), format);
-            for cut in [bytes.len() / 2, 20] {
-                assert!(refused(&bytes[..cut]).starts_with("it is damaged: "));
+            for cut in [bytes.len() - 1, bytes.len() / 2, 20] {
+                let told = refused(&bytes[..cut]);
+                assert_eq!(told, "it is damaged: it ends before its picture does", "{format:?} {cut}");
             }
         }
+        let mut jpeg = encoded(picture, ImageFormat::Jpeg);
+        jpeg.splice(2..20, []);
+        assert_eq!(refused(&jpeg), "it is damaged: its JPEG data cannot be decoded");
     }
 
     #[test]
@@ -184,14 +193,14 @@ mod tests {
         // A BMP's header alone: width and height are at 18 and 22.
         let mut bytes = encoded(ImageBuffer::from_pixel(1, 1, Pixel([0u8; 3])), ImageFormat::Bmp);
         for (width, height, why) in [
-            (60_000u32, 4u32, "wide or high"),
-            (4, 16_385, "wide or high"),
-            (16_384, 16_384, "134217728 pixels"),
+            (60_000u32, 4u32, "it has 60000x4 pixels; at most 16384 are read along a side"),
+            (4, 16_385, "it has 4x16385 pixels; at most 16384 are read along a side"),
+            (16_384, 16_384, "it has 16384x16384 pixels; at most 134217728 are read"),
         ] {
             bytes[18..22].copy_from_slice(&width.to_le_bytes());
             bytes[22..26].copy_from_slice(&height.to_le_bytes());
             let error = Image::decode(&bytes, Encoding::Srgb).expect_err("too large");
-            assert!(error.to_string().ends_with(why) && matches!(error, ImageError::TooLarge(_)), "{error}");
+            assert_eq!(error.to_string(), why);
         }
     }
 

@@ -184,9 +184,17 @@ fn a_shell_job_makes_what_one_run_makes() {
     assert!(at("one")["half.gif"] == at("out")["half.gif"], "the GIF differs");
     // Run again, it finds all done; and after a change it refuses.
     assert!(submitted().status.success());
+    // Exit codes are those of tasks, not those of `xargs`.
+    fs::remove_file(folder.path().join("out/half/frame_0003.png")).expect("a frame");
+    let mut command = Command::new("sh");
+    command.args(["-c", "ulimit -f 0; exec sh half.farm.sh 3"]).current_dir(folder.path()).env("PATH", &path);
+    let done = command.output().expect("a shell");
+    assert_eq!(done.status.code(), Some(3), "{}", stderr(&done));
+    assert!(submitted().status.success());
     fs::write(folder.path().join("half.ron"), HALF.replace("radius: 1", "radius: 2")).expect("a disk");
     let done = submitted();
-    assert!(!done.status.success() && stderr(&done).contains("half.ron has changed"), "{}", stderr(&done));
+    assert_eq!(done.status.code(), Some(2), "{}", stderr(&done));
+    assert!(stderr(&done).contains("half.ron has changed"), "{}", stderr(&done));
     assert!(at("one/half") == at("out/half"), "a refused task wrote something");
 }
 

@@ -4,6 +4,7 @@ use crate::command::{BALL, folder, kinora, refused, run, stderr};
 use kinora::sequence::parse;
 use std::fs;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 /// Writes a sequence with these fields.
 fn write(folder: &Path, name: &str, fields: &str) {
@@ -107,11 +108,23 @@ fn lists_may_have_a_million_entries() {
     assert_eq!(sequence.map(|sequence| sequence.objects.len()), Ok(1_000_000));
 }
 
+/// Before they are read, which would take a while where they stand in many brackets.
 #[test]
-fn lists_of_more_than_a_million_entries_are_refused() {
-    let told = parse("a.ron", &groups(1_000_001)).map(|_| ()).expect_err("one too many").to_string();
-    assert!(told.contains("more than 1000000 entries"), "{told}");
-    assert!(told.lines().count() < 20 && told.len() < 4000, "the message is short");
+fn lists_of_more_than_a_million_entries_are_refused_at_once() {
+    let long = |entry: &str| entry.repeat(1_000_001);
+    for text in [
+        groups(1_000_001),
+        format!("(lights: {{ \"a\": Point(intensity: [{}]) }})", long("(0, 1), ")),
+        format!("(objects: {{ \"a\": (shape: Mesh(vertices: [{}])) }})", long("(0, 0, 1), ")),
+        format!("(camera: (position: ({})))", long("1, ")),
+        format!("({})", long("a: 1, ")),
+    ] {
+        let begun = Instant::now();
+        let told = parse("a.ron", &text).map(|_| ()).expect_err("one too many").to_string();
+        assert!(told.contains("more than 1000000 entries"), "{told}");
+        assert!(told.lines().count() < 20 && told.len() < 4000, "the message is short");
+        assert!(begun.elapsed() < Duration::from_secs(5), "{:?}", begun.elapsed());
+    }
 }
 
 #[test]
@@ -147,4 +160,47 @@ fn assemble_does_not_wait_for_pipes() {
     let told = stderr(&done);
     assert!(done.status.code() == Some(3) && told.contains("f_00.png"), "{told}");
     assert!(told.contains("it is no plain file, but a device or a pipe"), "{told}");
+}
+
+/// Runs `kinora` by a shell that has limited it first, and gives its exit code and what it tells.
+#[cfg(target_os = "linux")]
+fn limited(folder: &Path, limit: &str, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut command = std::process::Command::new("sh");
+    command.args(["-c", &format!("{limit}; exec \"$@\""), "sh"]);
+    let binary = assert_cmd::cargo::cargo_bin("kinora");
+    let done = command.arg(binary).args(arguments).current_dir(folder).output().expect("a shell");
+    (done.status.code(), stderr(&done))
+}
+
+/// The system would end the program where a file becomes larger than it may.
+#[cfg(target_os = "linux")]
+#[test]
+fn files_that_may_not_become_so_large_end_the_run_in_words() {
+    let folder = folder();
+    let before = crate::command::contents(folder.path());
+    for outputs in
+        [&["-o", "a.y4m"][..], &["-o", "a.gif"], &["-o", "a.mp4"], &["-o", "f_##.ppm"], &["-o", "f_##.exr"]]
+    {
+        let arguments = [&["render", "ball.ron", "-s", "320x180", "--bits", "16"], outputs].concat();
+        let (code, told) = limited(folder.path(), "ulimit -f 4", &arguments);
+        assert_eq!(code, Some(3), "{outputs:?}: {told}");
+        assert!(told.contains("error: cannot write ") && told.contains("ulimit -f"), "{told}");
+        assert!(crate::command::contents(folder.path()) == before, "{outputs:?} leaves something");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn reasons_of_the_system_are_told_in_its_words() {
+    let folder = folder();
+    // Each animation has its file open until the end.
+    let outputs = ["a.mp4", "a.apng", "a.webp", "a.y4m"].map(|name| ["-o", name]).concat();
+    let arguments = [&["render", "ball.ron"], &outputs[..]].concat();
+    let (code, told) = limited(folder.path(), "ulimit -n 5", &arguments);
+    assert_eq!(code, Some(3), "{told}");
+    assert!(told.contains("cannot write a.webp: Too many open files"), "{told}");
+    let done = run(folder.path(), &["render", "ball.ron", "-o", "/proc/a.gif"]);
+    let told = stderr(&done);
+    assert_eq!(done.status.code(), Some(3), "{told}");
+    assert!(told.contains("cannot write /proc: No such file or directory") && told.contains("-o"), "{told}");
 }

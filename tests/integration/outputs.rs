@@ -257,3 +257,59 @@ fn names_of_outputs_need_not_be_text() {
     let job = [&status[..], &[OsStr::from_bytes(b"d\xff"), OsStr::new("ball.ron"), option, stills]].concat();
     assert!(told(&[], &job).contains("12 done"));
 }
+
+/// Nobody reads the frames: from the beginning, or not to the end.
+#[cfg(unix)]
+#[test]
+fn a_stream_that_nobody_reads_is_an_error() {
+    use std::process::{Command, Stdio};
+    let folder = folder();
+    let shell = |line: &str| {
+        let mut command = Command::new("sh");
+        let binary = assert_cmd::cargo::cargo_bin("kinora");
+        command.args(["-c", line, "sh"]).arg(binary).current_dir(folder.path());
+        command.output().expect("a shell")
+    };
+    kinora(folder.path(), &["render", "ball.ron", "-o", "f_##.png"]);
+    for words in ["render ball.ron -o - -o new/f_##.png", "assemble f_##.png -o -"] {
+        let done = shell(&format!("exec \"$1\" {words} >&-"));
+        let told = crate::command::stderr(&done);
+        assert_eq!(done.status.code(), Some(3), "{told}");
+        assert!(told.contains("cannot write to the standard output: it is closed"), "{told}");
+        assert!(!folder.path().join("new").exists());
+        assert!(shell(&format!("exec \"$1\" {} > /dev/null", words.replace("new/", ""))).status.success());
+    }
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin("kinora"));
+    command.current_dir(folder.path()).args(["render", "ball.ron", "-s", "640x360", "-o", "-"]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary runs");
+    drop(child.stdout.take());
+    let done = child.wait_with_output().expect("it ends");
+    assert_eq!(done.status.code(), Some(3));
+    let told = crate::command::stderr(&done);
+    assert!(told.contains("cannot write the standard output: ") && told.contains("gone away"), "{told}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_quiet_run_that_is_stopped_tells_nothing() {
+    use std::process::{Command, Stdio};
+    for (signal, code) in [("INT", 130), ("TERM", 143)] {
+        let folder = folder();
+        fs::write(folder.path().join("long.ron"), BALL.replace("frames: 12", "frames: 100000"))
+            .expect("writable");
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin("kinora"));
+        command.current_dir(folder.path()).args(["render", "long.ron", "-q", "-o", "f_#.png", "-o", "a.gif"]);
+        let mut child =
+            command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary runs");
+        while !folder.path().join("f_2.png").exists() {
+            assert!(child.try_wait().expect("a process").is_none(), "it was too fast");
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        let sent = Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status();
+        assert!(sent.expect("a command").success());
+        let done = child.wait_with_output().expect("it ends");
+        assert_eq!(done.status.code(), Some(code));
+        assert!(done.stdout.is_empty() && done.stderr.is_empty(), "{}", crate::command::stderr(&done));
+        assert!(folder.path().join("part_a.gif").exists());
+    }
+}
