@@ -2,20 +2,26 @@
 
 use crate::color::Rgb;
 use crate::encode::{
-    About, Assembly, EncodeError, Existing, Formats, Job, MATTE, Output, Report, Sheet, Shown, Template,
-    Tonemap, check_size, frame_texts, prepare_picture, read_picture, sheet_columns, write_picture,
+    About, Assembly, EncodeError, Existing, Flaw, Formats, FramePattern, Job, JobError, MATTE, Output,
+    Report, Sheet, Shown, Template, Tonemap, check_size, inspect, inspect_job, prepare_picture, read_picture,
+    sheet_columns, write_picture,
 };
+use crate::frame_set::{self, MOST_FRAMES};
 use crate::memory;
-use crate::render::{Large, RenderError, pool};
+use crate::plan::survey;
+use crate::render::{self, Large, RenderError, pool};
+use crate::sequence::Sequence;
 use crate::time::Rate;
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Frames on disk, and what is made of them.
 #[derive(Clone, Debug)]
 pub struct Request {
     /// The frames' numbers and files, in order; at least one.
     pub frames: Vec<(u32, PathBuf)>,
+    /// The sequence's name.
+    pub name: String,
     /// Animations, and stills, which become filmstrips of all these frames.
     pub outputs: Vec<Output>,
     pub rate: Rate,
@@ -28,28 +34,128 @@ pub struct Request {
     pub threads: Option<NonZeroUsize>,
 }
 
-/// What a frame's file tells about it, if it is one of ours: its sequence's name, and the rate.
-pub fn told_by(path: &Path, frame: u32) -> (Option<String>, Option<Rate>) {
-    let texts = frame_texts(path);
-    let of = |key: &str| texts.iter().find(|(keyword, _)| keyword == key).map(|(_, text)| text.clone());
-    let parts = |text: String| -> Option<Rate> {
-        let (seconds, whole) = text.split_once('/').unwrap_or((&text, "1"));
-        // Frame k shows at k / rate.
-        Rate::new(i128::from(frame) * whole.parse::<i128>().ok()?, seconds.parse().ok()?)
+/// Which frames are wanted of those that are called like this.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted<'a> {
+    pub pattern: &'a FramePattern,
+    /// Their numbers, in order. If absent, those of the whole sequence, as far as that is known.
+    pub numbers: Option<&'a [u32]>,
+    /// Whether those may be left out that are missing.
+    pub gaps: bool,
+}
+
+/// Frames that are there and right, as far as that can be known.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chosen {
+    pub frames: Vec<(u32, PathBuf)>,
+    /// The name that they tell of their sequence, and its rate.
+    pub name: Option<String>,
+    pub rate: Option<Rate>,
+    /// What the user should know.
+    pub notes: Vec<String>,
+}
+
+/// What helps where frames do not fit.
+const WITHOUT_SEQUENCE: &str = "--frames says which are meant, --allow-gaps leaves out what is missing, and --of SEQUENCE \
+                                tells which frames are right";
+
+/// What helps where a sequence says what frames should be.
+const WITH_SEQUENCE: &str = "render them, give the settings that they were rendered with, or leave out what is missing \
+                             with --allow-gaps";
+
+/// The frames that are wanted of a job, each compared with what the sequence evaluates to.
+///
+/// # Errors
+/// All frames that are missing, damaged, or would be made otherwise now.
+pub fn choose_of(
+    sequence: &Sequence,
+    request: &render::Request,
+    wanted: Wanted,
+) -> Result<Chosen, RenderError> {
+    let pool = pool(request.threads)?;
+    let survey = pool.install(|| survey(sequence, &request.frames));
+    let job = render::job(sequence, request, &survey);
+    let flaws = inspect_job(&job, wanted.pattern, &pool);
+    let mut chosen = chosen(wanted, &request.frames, flaws, WITH_SEQUENCE)?;
+    chosen.notes.extend(job.beyond());
+    if !job.keeps() {
+        let note = "frames without metadata do not say what they show: they are whole, and nobody knows whether they \
+                    are those of the sequence";
+        chosen.notes.push(note.to_owned());
+    }
+    (chosen.name, chosen.rate) = (Some(sequence.name.clone()), Some(sequence.timeline.rate));
+    Ok(chosen)
+}
+
+/// The frames that are wanted of those that are `there`, of which nothing is known but what they tell.
+///
+/// # Errors
+/// All frames that are missing or damaged, and those that differ from most in what frames of one run share.
+pub fn choose(wanted: Wanted, there: &[u32], threads: Option<NonZeroUsize>) -> Result<Chosen, RenderError> {
+    let named = |numbers: &[u32]| -> Vec<(u32, PathBuf)> {
+        numbers.iter().map(|&number| (number, wanted.pattern.path(number))).collect()
     };
-    (of("Title"), of("kinora:time").and_then(parts))
+    let found = inspect(&named(wanted.numbers.unwrap_or(there)), &pool(threads)?);
+    let numbers = match wanted.numbers {
+        Some(numbers) => numbers.to_vec(),
+        None => whole(wanted.pattern, there, found.frames)?,
+    };
+    let mut flaws = found.flaws;
+    let absent = numbers.iter().filter(|number| there.binary_search(number).is_err());
+    flaws.extend(absent.map(|&number| (number, Flaw::Missing)));
+    flaws.sort();
+    flaws.dedup();
+    let mut chosen = chosen(wanted, &numbers, flaws, WITHOUT_SEQUENCE)?;
+    (chosen.name, chosen.rate) = (found.name, found.rate);
+    if !found.silent.is_empty() && found.silent.len() < chosen.frames.len() {
+        let silent = frame_set::text(&found.silent);
+        chosen.notes.push(format!("frames {silent} do not say what they show, and the others do"));
+    }
+    Ok(chosen)
+}
+
+/// All frames that should be there: as many as they tell, or else those from the first to the last.
+fn whole(pattern: &FramePattern, there: &[u32], told: Option<u32>) -> Result<Vec<u32>, EncodeError> {
+    let (Some(first), Some(last)) = (there.first(), there.last()) else { return Ok(Vec::new()) };
+    let (first, last) = told.map_or((*first, *last), |count| (0, count.saturating_sub(1).max(*last)));
+    if (last - first) as usize >= MOST_FRAMES {
+        return Err(JobError::Apart { names: pattern.to_string(), first, last }.into());
+    }
+    Ok((first..=last).collect())
+}
+
+fn chosen(
+    wanted: Wanted,
+    numbers: &[u32],
+    flaws: Vec<(u32, Flaw)>,
+    advice: &'static str,
+) -> Result<Chosen, RenderError> {
+    let missing: Vec<u32> =
+        flaws.iter().filter(|(_, flaw)| *flaw == Flaw::Missing).map(|(number, _)| *number).collect();
+    let only_gaps = missing.len() == flaws.len() && missing.len() < numbers.len();
+    if !flaws.is_empty() && !(wanted.gaps && only_gaps) {
+        let names = wanted.pattern.to_string();
+        return Err(EncodeError::from(JobError::Frames { names, flaws, advice }).into());
+    }
+    let there = numbers.iter().filter(|number| missing.binary_search(number).is_err());
+    let note = |missing| format!("frames {} are missing and left out", frame_set::text(missing));
+    Ok(Chosen {
+        frames: there.map(|&number| (number, wanted.pattern.path(number))).collect(),
+        notes: (!missing.is_empty()).then(|| note(&missing)).into_iter().collect(),
+        ..Chosen::default()
+    })
 }
 
 /// Makes the animations and filmstrips.
 pub fn assemble(request: &Request) -> Result<Report, RenderError> {
     let (animations, strips): (Vec<_>, Vec<_>) =
         request.outputs.iter().cloned().partition(Output::is_animation);
-    let (first, name) = match request.frames.first() {
-        Some((number, path)) => (read_picture(path)?, told_by(path, *number).0),
-        None => return Err(EncodeError::from(crate::encode::JobError::Empty).into()),
+    let Some((_, path)) = request.frames.first() else {
+        return Err(EncodeError::from(JobError::Empty).into());
     };
+    let first = read_picture(path)?;
     let last = request.frames.iter().map(|(number, _)| *number).max().unwrap_or(0);
-    let about = About { name: name.unwrap_or_default(), frames: last + 1, ..About::default() };
+    let about = About { name: request.name.clone(), frames: last.saturating_add(1), ..About::default() };
     let size = (first.width, first.height);
     let job = Job {
         outputs: animations,
@@ -100,6 +206,7 @@ impl Default for Request {
     fn default() -> Self {
         Self {
             frames: Vec::new(),
+            name: String::new(),
             outputs: Vec::new(),
             rate: Rate::default(),
             formats: Formats::default(),

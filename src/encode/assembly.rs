@@ -7,9 +7,9 @@ use super::error::{EncodeError, FilmsError};
 use super::job::Job;
 use super::picture::Picture;
 use crate::files;
-use image::{DynamicImage, ImageReader};
+use image::{DynamicImage, ImageError, ImageReader};
 use rayon::ThreadPool;
-use std::io::{self, BufReader};
+use std::io::{self, Cursor, ErrorKind};
 use std::path::Path;
 
 /// Animations in the making, fed with finished pictures. Dropped before it is finished, nothing appears.
@@ -59,10 +59,17 @@ impl Assembly {
 /// A picture from a file of any format that is read; 16 bits become 8.
 pub fn read_picture(path: &Path) -> Result<Picture, EncodeError> {
     let fault = |error: io::Error| EncodeError::Unreadable { path: path.to_path_buf(), reason: error };
-    // Pictures are as large as they are; the reader has a limit of its own.
-    let (file, _) = files::open(path, u64::MAX).map_err(fault)?;
-    let reader = ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(fault)?;
-    let image = reader.decode().map_err(|error| fault(io::Error::other(error)))?;
+    // Pictures are as large as they are; the decoder has a limit of its own.
+    let bytes = files::read(path, u64::MAX - 1).map_err(fault)?;
+    decode_picture(&bytes).map_err(fault)
+}
+
+/// The same of the bytes of a file.
+pub fn decode_picture(bytes: &[u8]) -> io::Result<Picture> {
+    if files::is_cut(bytes) {
+        return Err(io::Error::new(ErrorKind::InvalidData, CUT));
+    }
+    let image = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?.decode().map_err(in_words)?;
     let (width, height) = (image.width(), image.height());
     if !image.color().has_alpha() {
         return Ok(Picture::opaque(width, height, image.into_rgb8().into_raw()));
@@ -71,4 +78,20 @@ pub fn read_picture(path: &Path) -> Result<Picture, EncodeError> {
     let pixels = pixels.as_chunks::<4>().0;
     let rgb = pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
     Ok(Picture { width, height, rgb, alpha: Some(pixels.iter().map(|pixel| pixel[3]).collect()) })
+}
+
+/// Why a picture is not read that ends too early.
+const CUT: &str = "it ends before its picture does";
+
+/// A decoder's error in words of our own.
+fn in_words(error: ImageError) -> io::Error {
+    let why = match error {
+        ImageError::Unsupported(_) => "it is no picture of a format that is read",
+        ImageError::Limits(_) => "it takes too much memory to decode",
+        ImageError::IoError(_) => CUT,
+        ImageError::Decoding(_) | ImageError::Encoding(_) | ImageError::Parameter(_) => {
+            "its data cannot be decoded"
+        }
+    };
+    io::Error::new(ErrorKind::InvalidData, why)
 }

@@ -1,7 +1,10 @@
 //! What can go wrong between films and files, grouped by cause.
 
+use super::inspect::Flaw;
 use crate::escape;
 use crate::files::Channel;
+use crate::frame_set::{self, MOST_FRAMES};
+use std::collections::BTreeMap;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -37,6 +40,10 @@ pub enum JobError {
     Leaves { path: PathBuf, to: PathBuf },
     /// A format does not go into a pipe or a device, or nothing does.
     Channel { path: PathBuf, channel: Channel },
+    /// Frames that something is to be made of, and what is wrong with each; with what to do about it.
+    Frames { names: String, flaws: Vec<(u32, Flaw)>, advice: &'static str },
+    /// From the first frame to the last there are more than any run has.
+    Apart { names: String, first: u32, last: u32 },
     /// A file is there, and none is to be replaced.
     Exists { path: PathBuf },
     /// Processes cannot share the making of what does not say what it shows.
@@ -183,6 +190,16 @@ impl fmt::Display for JobError {
                 escape::path(path),
                 channel.name()
             ),
+            Self::Frames { names, flaws, advice } => {
+                write!(f, "{names} cannot be assembled:")?;
+                by_flaw(flaws).try_for_each(|(flaw, frames)| write!(f, "\n  frames {frames}: {flaw}"))?;
+                write!(f, "\n{advice}")
+            }
+            Self::Apart { names, first, last } => write!(
+                f,
+                "{names}: frames {first} to {last} are more than {MOST_FRAMES}, the most of one run; name those that are \
+                 meant with --frames"
+            ),
             Self::Exists { path } => write!(
                 f,
                 "{} is there already; name another file, or leave out --fail-if-exists to keep what is right and \
@@ -207,6 +224,15 @@ impl fmt::Display for JobError {
             }
         }
     }
+}
+
+/// What is wrong, each with the frames of which it is, as `--frames` takes them.
+fn by_flaw(flaws: &[(u32, Flaw)]) -> impl Iterator<Item = (&Flaw, String)> {
+    let mut by_flaw: BTreeMap<&Flaw, Vec<u32>> = BTreeMap::new();
+    for (frame, flaw) in flaws {
+        by_flaw.entry(flaw).or_default().push(*frame);
+    }
+    by_flaw.into_iter().map(|(flaw, frames)| (flaw, frame_set::text(&frames)))
 }
 
 impl fmt::Display for FilmsError {

@@ -52,8 +52,8 @@ impl Job {
         }
         if self.tells(format) {
             let mut texts = record::facts(&shown, Some(seen));
-            // Another name of the sequence's file is no reason to make all frames again.
-            texts.retain(|(keyword, _)| *keyword != record::TITLE);
+            // Another name of the sequence's file is no reason to make all frames again, nor are frames that come after.
+            texts.retain(|(keyword, _)| ![record::TITLE, record::FRAMES].contains(keyword));
             format!("{texts:?}").as_str().feed(&mut digester);
         }
         Some(digester.finish())

@@ -5,6 +5,8 @@ use super::output::{Output, Still};
 use super::pattern::FramePattern;
 use super::record::{self, Told};
 use super::{exr, png};
+use crate::frame_set;
+use crate::humane::counted;
 use crate::stop::Stop;
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -18,6 +20,17 @@ pub struct Kept {
     pub frames: Vec<bool>,
     /// Why files that are there are not kept, a line each.
     pub notes: Vec<String>,
+}
+
+/// What there is of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Held {
+    /// It is there, whole and as it would be made now.
+    Right,
+    /// So it says, but without a digest of its bytes, as versions before wrote it: nobody knows what its pixels are.
+    Unsealed,
+    /// It is missing, damaged, or would be made otherwise now.
+    Stale,
 }
 
 /// Bytes of the files that are read at the same time, if that allows more than one.
@@ -53,15 +66,26 @@ impl Job {
         if !self.keeps() {
             return Kept { frames: none, notes: self.why_not() };
         }
-        let keeps = |index: usize| stop.signal().is_none() && self.keeps_frame(index);
-        // A file's bytes, and what they decode to.
-        let bytes = u64::from(self.size.0) * u64::from(self.size.1) * 32;
-        let frames = if bytes.saturating_mul(pool.current_num_threads() as u64) <= MEMORY {
-            pool.install(|| (0..self.frames.len()).into_par_iter().map(keeps).collect())
-        } else {
-            (0..self.frames.len()).map(keeps).collect()
+        let held = |index: usize| match stop.signal() {
+            None => self.held(index),
+            Some(_) => Held::Stale,
         };
-        Kept { frames, notes: Vec::new() }
+        // A file's bytes, at most.
+        let bytes = u64::from(self.size.0) * u64::from(self.size.1) * 32;
+        let held: Vec<Held> = if bytes.saturating_mul(pool.current_num_threads() as u64) <= MEMORY {
+            pool.install(|| (0..self.frames.len()).into_par_iter().map(held).collect())
+        } else {
+            (0..self.frames.len()).map(held).collect()
+        };
+        let unsealed = held.iter().filter(|held| **held == Held::Unsealed).count() as u64;
+        let note = (unsealed > 0).then(|| {
+            let frames = counted(unsealed, "frame");
+            format!("{frames} of a version before hold no digest of their pixels, and are made anew")
+        });
+        Kept {
+            frames: held.into_iter().map(|held| held == Held::Right).collect(),
+            notes: note.into_iter().collect(),
+        }
     }
 
     /// Whether a frame is there, whole and as it would be made now.
@@ -94,16 +118,40 @@ impl Job {
     }
 
     pub(super) fn keeps_frame(&self, index: usize) -> bool {
-        self.outputs.iter().all(|output| {
-            let Output::Stills(format, pattern) = output else { return true };
+        self.held(index) == Held::Right
+    }
+
+    /// What there is of a frame, by the worst of its files.
+    fn held(&self, index: usize) -> Held {
+        let of = |output: &Output| {
+            let Output::Stills(format, pattern) = output else { return Held::Right };
             let path = pattern.path(self.frames[index]);
             match (format, self.identity(*format, index)) {
                 (Still::Png, Some(identity)) => png::holds(&path, identity, self),
                 (Still::Exr, Some(identity)) => exr::holds(&path, identity, self),
                 // What cannot tell is written again of what can.
-                _ => !format.is_said(&self.formats),
+                _ if format.is_said(&self.formats) => Held::Stale,
+                _ => Held::Right,
             }
-        })
+        };
+        self.outputs.iter().map(of).max().unwrap_or(Held::Right)
+    }
+
+    /// What to tell about files of frames that the sequence does not have any more.
+    pub fn beyond(&self) -> Vec<String> {
+        let count = self.about.frames;
+        let note = |output: &Output| {
+            let there = output.pattern().filter(|pattern| pattern.has_place())?.numbers().ok()?;
+            let beyond = &there[there.partition_point(|number| *number < count)..];
+            (!beyond.is_empty()).then(|| {
+                format!(
+                    "{output}: frames {} are there, and the sequence has {}; they are left as they are",
+                    frame_set::text(beyond),
+                    counted(count.into(), "frame")
+                )
+            })
+        };
+        self.outputs.iter().filter(|_| count > 0).filter_map(note).collect()
     }
 
     /// What to tell about files that are there, and of which none can be kept.

@@ -10,16 +10,10 @@ use std::io;
 use std::path::Path;
 
 mod read;
+mod seal;
 
-pub use read::{holds, read, texts};
-
-/// The keyword of a frame's identity.
-const IDENTITY: &str = "kinora:identity";
-
-/// The text that names what a frame is made of.
-pub fn identity(identity: Digest) -> Text {
-    (IDENTITY, identity.to_string())
-}
+pub use read::{bytes_of, check, holds, is_png, read, texts, texts_in};
+pub use seal::{Seal, look};
 
 /// Codes that PNG knows, which has the higher byte first.
 pub trait PngCode: Code {
@@ -67,6 +61,22 @@ pub fn encode<C: PngCode>(picture: &Picture<C>, texts: &[Text]) -> io::Result<Ve
     }
     writer.finish()?;
     Ok(bytes)
+}
+
+/// Writes a frame aside that says what it shows, for the place `path`.
+pub fn write_frame<C: PngCode>(
+    path: &Path,
+    picture: &Picture<C>,
+    mut texts: Vec<Text>,
+    identity: Option<Digest>,
+) -> Result<Aside, EncodeError> {
+    let Some(identity) = identity else { return write(path, picture, &texts) };
+    texts.push(seal::text(identity));
+    let sealed = encode(picture, &texts).and_then(|mut bytes| {
+        seal::close(&mut bytes)?;
+        Ok(bytes)
+    });
+    Aside::holding(path, &sealed.map_err(|e| EncodeError::write(path, e))?)
 }
 
 /// Writes the picture aside, for the place `path`.
@@ -137,13 +147,16 @@ mod tests {
         let info = reader.info();
         let found: Vec<_> = info.uncompressed_latin1_text.iter().map(|t| (&*t.keyword, &*t.text)).collect();
         assert_eq!(found[0], ("Software", concat!("Kinora ", env!("CARGO_PKG_VERSION"))));
-        assert_eq!(found[1..4], [("kinora:frame", "12"), ("kinora:time", "1001/2500"), ("kinora:seed", "7")]);
-        assert_eq!(found[4..], [("kinora:samples", "64")]);
+        assert_eq!(
+            found[1..4],
+            [("kinora:frame", "12"), ("kinora:frames", "48"), ("kinora:time", "1001/2500")]
+        );
+        assert_eq!(found[4..], [("kinora:seed", "7"), ("kinora:samples", "64")]);
         assert_eq!(info.utf8_text[0].get_text().expect("text"), "Ente→");
         // Where nothing is random, other settings count.
         let texts = facts(&shown, Some(&Seen::default()));
-        assert_eq!(texts[4..], [("kinora:antialias", "2".to_owned())]);
-        assert_eq!(facts(&shown, None).len(), 4);
+        assert_eq!(texts[5..], [("kinora:antialias", "2".to_owned())]);
+        assert_eq!(facts(&shown, None).len(), 5);
     }
 
     #[test]

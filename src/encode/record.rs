@@ -15,7 +15,12 @@ pub type Told = (String, String);
 
 /// The keyword of the sequence's name.
 pub const TITLE: &str = "Title";
-const TIME_LIMIT: &str = "kinora:time-limit";
+/// That of the number of frames that the sequence has.
+pub const FRAMES: &str = "kinora:frames";
+/// Those of the frame's number and of when it starts.
+pub const FRAME: &str = "kinora:frame";
+pub const TIME: &str = "kinora:time";
+pub const TIME_LIMIT: &str = "kinora:time-limit";
 const ERROR: &str = "kinora:error";
 
 /// What is known about a frame before it is made. No time of day: equal frames are equal files. Of the settings of samples,
@@ -25,8 +30,9 @@ pub fn facts(shown: &Shown, seen: Option<&Seen>) -> Vec<Text> {
     let mut facts = vec![
         ("Software", format!("Kinora {}", env!("CARGO_PKG_VERSION"))),
         (TITLE, about.name.clone()),
-        ("kinora:frame", shown.frame.to_string()),
-        ("kinora:time", shown.time().to_string()),
+        (FRAME, shown.frame.to_string()),
+        (FRAMES, about.frames.to_string()),
+        (TIME, shown.time().to_string()),
     ];
     match seen.map(|seen| seen.random) {
         Some(true) => {
@@ -67,7 +73,8 @@ pub fn told_counts(told: &[Told], limit: &TimeLimit) -> Option<(u32, u32)> {
     Some((samples.parse().ok()?, antialias.parse().ok()?))
 }
 
-fn find<'a>(told: &'a [Told], keyword: &str) -> Option<&'a str> {
+/// What a keyword says.
+pub fn find<'a>(told: &'a [Told], keyword: &str) -> Option<&'a str> {
     told.iter().find(|(found, _)| found == keyword).map(|(_, text)| text.as_str())
 }
 

@@ -16,6 +16,7 @@ use super::{Message, Report, exr, jpeg, png, ppm};
 use crate::film::Film;
 use crate::machine::thread_time;
 use rayon::ThreadPool;
+use std::io;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -134,7 +135,12 @@ impl Worker {
         }
         let silent = |output: &&Output| !job.is_said(output);
         let (Some(pattern), Some(_)) = (job.source(), job.outputs.iter().find(silent)) else { return Ok(()) };
-        let picture = png::read(&pattern.path(frame))?;
+        let path = pattern.path(frame);
+        let picture = png::read(&path)?;
+        if (picture.width, picture.height) != job.size {
+            let reason = io::Error::new(io::ErrorKind::InvalidData, "it has another size by now");
+            return Err(EncodeError::read(path, reason));
+        }
         let matte = picture.over(job.matte);
         for output in job.outputs.iter().filter(silent) {
             match output {
@@ -203,16 +209,14 @@ fn still(job: &Job, format: Still, path: &Path, frame: &Developed) -> Result<Asi
     }
     match format {
         Still::Png => {
-            let mut texts = texts;
-            texts.extend(identity.map(png::identity));
             if !job.formats.png.deep {
-                return png::write(path, picture, &texts);
+                return png::write_frame(path, picture, texts, identity);
             }
             let mut deep = develop_deep(job.tonemap, film);
             if let Some(caption) = &job.caption {
                 caption.draw(&mut deep, shown);
             }
-            png::write(path, &deep, &texts)
+            png::write_frame(path, &deep, texts, identity)
         }
         Still::Jpeg => jpeg::write(path, matte, job.formats.jpeg.quality),
         Still::Ppm => ppm::write(path, matte),

@@ -165,9 +165,13 @@ fn path_with_kinora(folder: &Path) -> std::ffi::OsString {
 fn a_shell_job_makes_what_one_run_makes() {
     let folder = farm();
     let path = path_with_kinora(folder.path());
+    let settings = ["-s", "48x27", "--caption", "it's {frame}", "--exposure", "-1"];
     let one = ["render", "half.ron", "-o", "one/half/frame_####.png", "-o", "one/half.gif"];
-    kinora(folder.path(), &one);
-    kinora(folder.path(), &["farm", "export", "shell", "half.ron", "--chunks", "5"]);
+    kinora(folder.path(), &[&one[..], &settings].concat());
+    kinora(
+        folder.path(),
+        &[&["farm", "export", "shell", "half.ron", "--chunks", "5"], &settings[..]].concat(),
+    );
     let submitted = || {
         let mut command = Command::new("sh");
         command

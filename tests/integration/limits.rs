@@ -156,10 +156,10 @@ fn assemble_does_not_wait_for_pipes() {
     let folder = folder();
     let made = std::process::Command::new("mkfifo").arg(folder.path().join("f_00.png")).status();
     assert!(made.expect("a command").success());
-    let done = run(folder.path(), &["assemble", "f_##.png", "-o", "f.gif"]);
-    let told = stderr(&done);
-    assert!(done.status.code() == Some(3) && told.contains("f_00.png"), "{told}");
-    assert!(told.contains("it is no plain file, but a device or a pipe"), "{told}");
+    for of in [&[][..], &["--of", "ball.ron"]] {
+        let told = refused(folder.path(), &[&["assemble", "f_##.png", "-o", "f.gif"], of].concat());
+        assert!(told.contains("\n  frames 0: damaged: it is no plain file, but a device or a pipe\n"), "{told}");
+    }
 }
 
 /// Runs `kinora` by a shell that has limited it first, and gives its exit code and what it tells.

@@ -14,6 +14,7 @@ mod cli;
 mod render;
 mod reuse;
 mod outputs;
+mod assemble;
 mod places;
 mod runs;
 mod interruptions;

@@ -194,7 +194,7 @@ impl Arguments {
             Ok(Assembly {
                 source: source.clone(),
                 frames: frame_set::text(set),
-                settings: self.spoken.words.iter().filter(|word| is_for_assembly(word)).cloned().collect(),
+                settings: self.spoken.words.iter().filter_map(|word| for_assembly(word)).collect(),
                 outputs: names(outputs)?,
             })
         };
@@ -218,10 +218,15 @@ fn names(outputs: &[Output]) -> Result<Vec<String>, Failure> {
     outputs.iter().map(name).collect()
 }
 
-/// Settings that are about files of several frames.
-fn is_for_assembly(word: &str) -> bool {
-    let name = word.split('=').next().unwrap_or_default();
-    ["--fps", "--quality", "--max-size", "--allow-outside"].contains(&name)
+/// A setting of `render` as `assemble` takes it, which compares frames with what they would be with the same settings.
+fn for_assembly(word: &str) -> Option<String> {
+    match word.split_once('=').unwrap_or((word, "")) {
+        // How they are made does not show.
+        ("--memory" | "--no-reuse", _) => None,
+        // What stands below the frames of a filmstrip is called so.
+        ("--caption", text) => Some(format!("--frame-caption={text}")),
+        _ => Some(word.to_owned()),
+    }
 }
 
 /// No file may be replaced but a job's.

@@ -5,6 +5,7 @@ use crate::digest::{Digest, Digester};
 use crate::encode::atomic::Aside;
 use crate::encode::disk::{Operation, attempt};
 use crate::encode::job::Job;
+use crate::encode::keep::Held;
 use crate::encode::record::{self, Told};
 use crate::files;
 use exr::meta::attribute::{AttributeValue, Text};
@@ -78,12 +79,13 @@ fn told_in(head: &[u8]) -> Option<Vec<Told>> {
     Some(record::of_lines(&text.iter().copied().map(char::from).collect::<String>()))
 }
 
-/// Whether a file has this identity, and not a byte of it has changed.
-pub fn holds(path: &Path, identity: Digest, job: &Job) -> bool {
+/// What there is of the frame with this identity in a file: all of it if not a byte has changed.
+pub fn holds(path: &Path, identity: Digest, job: &Job) -> Held {
     // Layers take what they take; a picture without compression takes less than this of each.
     let layers = job.about.layers.len() as u64 + 4;
     let most = u64::from(job.size.0) * u64::from(job.size.1) * 16 * layers + BESIDES as u64;
-    attempt(Operation::Read, path, || files::read(path, most)).is_ok_and(|bytes| is_whole(bytes, identity))
+    let read = attempt(Operation::Read, path, || files::read(path, most));
+    if read.is_ok_and(|bytes| is_whole(bytes, identity)) { Held::Right } else { Held::Stale }
 }
 
 fn is_whole(mut bytes: Vec<u8>, identity: Digest) -> bool {

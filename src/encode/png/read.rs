@@ -1,10 +1,11 @@
 //! PNG files back into pictures, and what they tell.
 
-use super::IDENTITY;
+use super::seal::{self, Seal};
 use crate::digest::Digest;
 use crate::encode::disk::{Operation, attempt};
 use crate::encode::error::EncodeError;
 use crate::encode::job::Job;
+use crate::encode::keep::Held;
 use crate::encode::picture::Picture;
 use crate::files;
 use png::{BitDepth, ColorType, DecodeOptions, Decoder, Limits, Reader};
@@ -43,9 +44,21 @@ fn decode(path: &Path) -> io::Result<Picture> {
 
 /// The texts of a PNG file, by their keywords; none of what is no PNG.
 pub fn texts(path: &Path) -> Vec<(String, String)> {
-    let file = files::open(path, u64::MAX).ok();
-    let reader = file.and_then(|(file, _)| Decoder::new(BufReader::new(file)).read_info().ok());
-    reader.map_or_else(Vec::new, |reader| told(&reader))
+    files::open(path, u64::MAX).map_or_else(|_| Vec::new(), |(file, _)| told_in(BufReader::new(file)))
+}
+
+/// The same of its bytes.
+pub fn texts_in(bytes: &[u8]) -> Vec<(String, String)> {
+    told_in(Cursor::new(bytes))
+}
+
+fn told_in(input: impl io::BufRead + io::Seek) -> Vec<(String, String)> {
+    Decoder::new(input).read_info().map_or_else(|_| Vec::new(), |reader| told(&reader))
+}
+
+/// Whether a file begins as PNGs do.
+pub fn is_png(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\x89PNG\r\n\x1a\n")
 }
 
 fn told<R: io::BufRead + io::Seek>(reader: &Reader<R>) -> Vec<(String, String)> {
@@ -55,17 +68,28 @@ fn told<R: io::BufRead + io::Seek>(reader: &Reader<R>) -> Vec<(String, String)> 
     latin.chain(others).collect()
 }
 
-/// Whether a file has this identity, and is whole: all sums of its chunks and of the picture are right, and nothing
-/// comes after its end.
-pub fn holds(path: &Path, identity: Digest, job: &Job) -> bool {
-    let pixels = u64::from(job.size.0) * u64::from(job.size.1);
+/// What there is of the frame with this identity in a file.
+pub fn holds(path: &Path, identity: Digest, job: &Job) -> Held {
+    let Ok(mut bytes) = bytes_of(path, job.size) else { return Held::Stale };
+    let is = |name: &str| name == identity.to_string();
+    match seal::look(&mut bytes) {
+        Seal::Whole(name) if is(&name) => Held::Right,
+        Seal::Open(name) if is(&name) => Held::Unsealed,
+        _ => Held::Stale,
+    }
+}
+
+/// The bytes of a file that may be a frame of this size.
+pub fn bytes_of(path: &Path, (width, height): (u32, u32)) -> io::Result<Vec<u8>> {
+    let pixels = u64::from(width) * u64::from(height);
     // A little more than the picture without compression.
     let most = pixels * 8 + pixels / 8 + BESIDES;
     attempt(Operation::Read, path, || files::read(path, most))
-        .is_ok_and(|bytes| is_whole(&bytes, identity, job))
 }
 
-fn is_whole(bytes: &[u8], identity: Digest, job: &Job) -> bool {
+/// Whether a file that is not sealed is a whole PNG: all sums of its chunks and of the picture are right, and nothing
+/// comes after its end.
+pub fn check(bytes: &[u8]) -> bool {
     let mut options = DecodeOptions::default();
     options.set_ignore_checksums(false);
     options.set_skip_ancillary_crc_failures(false);
@@ -73,16 +97,6 @@ fn is_whole(bytes: &[u8], identity: Digest, job: &Job) -> bool {
     // Texts are held before the size is known to be right.
     decoder.set_limits(Limits { bytes: BESIDES as usize });
     let Ok(mut reader) = decoder.read_info() else { return false };
-    let expected = identity.to_string();
-    if !told(&reader).iter().any(|(keyword, text)| keyword == IDENTITY && *text == expected) {
-        return false;
-    }
-    let info = reader.info();
-    let depth = if job.formats.png.deep { BitDepth::Sixteen } else { BitDepth::Eight };
-    let color = if job.transparent { ColorType::Rgba } else { ColorType::Rgb };
-    if (info.width, info.height, info.bit_depth, info.color_type) != (job.size.0, job.size.1, depth, color) {
-        return false;
-    }
     let Some(size) = reader.output_buffer_size() else { return false };
     let decoded = reader.next_frame(&mut vec![0; size]).and_then(|_| reader.finish());
     decoded.is_ok() && bytes.ends_with(END)

@@ -21,5 +21,5 @@ if [ "$status" -ne 0 ]; then
 fi
 
 # Only when all frames are there.
-kinora assemble 'out/f_##.png' --of sub/half.ron --frames 0-11 -o 'out/a b.gif'
-kinora assemble 'out/f_##.png' --of sub/half.ron --frames 0-1,3-4,6-8,10-11 -o out/strip.png
+kinora assemble 'out/f_##.png' --of sub/half.ron --frames 0-11 --exposure=-1 '--frame-caption=it'\''s {{{frame}}}' -o 'out/a b.gif'
+kinora assemble 'out/f_##.png' --of sub/half.ron --frames 0-1,3-4,6-8,10-11 --exposure=-1 '--frame-caption=it'\''s {{{frame}}}' -o out/strip.png
