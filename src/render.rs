@@ -356,7 +356,12 @@ pub fn settled(sequence: &Sequence, request: &Request) -> Option<Quality> {
 pub(crate) fn job(sequence: &Sequence, request: &Request, survey: &Survey) -> Job {
     let output = &sequence.output;
     // By what they look like, those are found that are there.
-    let seen = |look: &Look| Seen { radiance: look.radiance(), exposure: look.exposure, random: look.random };
+    let seen = |look: &Look| Seen {
+        radiance: look.radiance,
+        film: look.film(),
+        exposure: look.exposure,
+        random: look.random,
+    };
     Job {
         outputs: request.outputs.clone(),
         confined: request.confined,

@@ -50,7 +50,7 @@ fn film(frame: u32) -> Film {
 fn started(folder: &Path, outputs: &[&str], existing: Existing) -> Result<Encoder, EncodeError> {
     let outputs = outputs.iter().copied();
     let outputs = outputs.map(|name| Output::parse(folder.join(name)).expect(name));
-    let seen = |frame: &u32| Seen { radiance: Digest(u128::from(*frame)), exposure: 1.0, random: false };
+    let seen = |frame: &u32| Seen { radiance: Digest(u128::from(*frame)), exposure: 1.0, ..Seen::default() };
     let job = Job {
         outputs: outputs.collect(),
         confined: false,

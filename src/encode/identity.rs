@@ -13,8 +13,10 @@ use crate::digest::{Content, Digest, Digester};
 /// What a frame looks like before it is developed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seen {
-    /// Of its radiance in all layers.
+    /// Of its radiance.
     pub radiance: Digest,
+    /// Of what all layers of its film hold, dark ones too.
+    pub film: Digest,
     /// Factor of the displayed picture.
     pub exposure: f32,
     /// Whether its samples were drawn at random, so that it has a seed.
@@ -35,15 +37,19 @@ impl Job {
         let shown = Shown { about: &self.about, frame, rate: self.rate };
         let mut digester = Digester::new();
         PROGRAM.feed(&mut digester);
-        seen.radiance.feed(&mut digester);
         match format {
             Still::Exr => {
                 "EXR".feed(&mut digester);
+                // Layers of light are written whether they are lit or not, under their names.
+                let lights = self.formats.exr.layers.lights;
+                let names = if lights { &self.about.layers[..] } else { &[] };
+                (if lights { seen.film } else { seen.radiance }).feed(&mut digester);
                 // Settings are told as text, so that a new one cannot be forgotten.
-                format!("{:?}", (self.formats.exr, &self.about.layers)).as_str().feed(&mut digester);
+                format!("{:?}", (self.formats.exr, names)).as_str().feed(&mut digester);
             }
             _ => {
                 "PNG".feed(&mut digester);
+                seen.radiance.feed(&mut digester);
                 seen.exposure.feed(&mut digester);
                 let caption = self.caption.as_ref().map(|c| (c.text.told(&shown), c.corner, c.size));
                 let look = (self.tonemap, caption, self.formats.png, self.transparent);

@@ -44,9 +44,12 @@ impl Geometry {
         used
     }
 
-    /// What paint can tell of the shapes before they were moved.
-    pub fn origins(&self) -> Digest {
-        Digest::of(&self.origins)
+    /// What paint can tell of the shapes before they were moved, where they show a material that is `painted`.
+    pub fn origins(&self, painted: impl Fn(u32) -> bool) -> Digest {
+        let shows = |primitive: &Primitive| primitive.materials().any(&painted);
+        let origins = self.primitives.iter().zip(&self.origins);
+        let origins = origins.map(|(primitive, origin)| shows(primitive).then_some(origin));
+        Digest::of(&origins.collect::<Vec<_>>())
     }
 
     /// What paint may ask of the point where a primitive was hit. `printed` says whether it asks how much is seen in u

@@ -7,7 +7,7 @@ pub mod extract;
 mod geometry;
 mod primitive;
 
-pub use content::Digests;
+pub use content::{Digests, Numbers};
 pub use geometry::Geometry;
 pub use primitive::{Finish, Placement, Primitive};
 

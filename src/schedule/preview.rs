@@ -8,7 +8,7 @@ use crate::color::Rgb;
 use crate::digest::{Content, Digest, Digester};
 use crate::film::exposure;
 use crate::quality::{Integrator, Quality};
-use crate::scene::{Digests, Geometry, Scene, Shading, Weights};
+use crate::scene::{Digests, Geometry, Numbers, Scene, Shading, Weights};
 use crate::sequence::Sequence;
 use crate::time::{Clock, Timeline};
 use crate::trace::{Moment, is_random};
@@ -40,6 +40,8 @@ pub struct Look {
     /// where lights are, sky, fog, cameras, and the settings of quality that are called for. What has no strength has no
     /// part in it.
     pub transport: Digest,
+    /// What of light the frame shows: equal digests, equal radiance. What shines in layers of weight 0 has no part in it.
+    pub radiance: Digest,
     /// What each layer is weighted with.
     pub weights: Vec<Rgb>,
     /// Factor of the displayed picture.
@@ -58,11 +60,11 @@ pub struct Look {
 impl Look {
     /// What the frame looks like: equal digests, equal radiance and exposure.
     pub fn digest(&self) -> Digest {
-        Digest::of(&(self.transport, self.shown(), self.exposure))
+        Digest::of(&(self.radiance, self.exposure))
     }
 
-    /// What of light the frame shows: equal digests, equal radiance in all layers.
-    pub fn radiance(&self) -> Digest {
+    /// What all layers of the frame's film hold and are weighted with, dark ones too.
+    pub fn film(&self) -> Digest {
         Digest::of(&(self.transport, self.shown()))
     }
 
@@ -71,6 +73,17 @@ impl Look {
         let weighted = |(_, weight): &(u32, Rgb)| *weight != Rgb::ZERO;
         (0..).zip(self.weights.iter().copied()).filter(weighted).collect()
     }
+}
+
+/// A look at one moment.
+#[derive(PartialEq)]
+struct Sight {
+    /// What light meets.
+    transport: Digest,
+    /// What is seen with the weights of the frame.
+    radiance: Digest,
+    /// Whether the moment alone calls for random samples.
+    random: bool,
 }
 
 /// The settings that change films.
@@ -104,7 +117,7 @@ impl Preview {
     /// What a frame evaluates to.
     pub fn look(&mut self, frame: u32) -> Look {
         let moments = self.shutter.moments(&self.timeline, frame);
-        let mut found: Vec<(Digest, bool)> = Vec::with_capacity(moments.len());
+        let mut found: Vec<Sight> = Vec::with_capacity(moments.len());
         let (mut fault, mut geometry, mut rebuilds) = (None, None, 0);
         for &(clock, _) in &moments {
             match self.moment(clock) {
@@ -125,11 +138,16 @@ impl Preview {
         if fault.is_none() && found.windows(2).all(|pair| pair[0] == pair[1]) {
             found.truncate(1);
         }
-        let random = found.len() > 1 || found.first().is_some_and(|one| one.1);
-        let mut digester = Digester::new();
-        self.settings.feed(random, &mut digester);
-        found.feed(&mut digester);
-        fault.is_some().feed(&mut digester);
+        let random = found.len() > 1 || found.first().is_some_and(|one| one.random);
+        let digester = |of: &dyn Fn(&Sight) -> Digest| {
+            let mut digester = Digester::new();
+            self.settings.feed(random, &mut digester);
+            found.iter().map(|one| (of(one), one.random)).collect::<Vec<_>>().feed(&mut digester);
+            fault.is_some().feed(&mut digester);
+            digester
+        };
+        let radiance = digester(&|one| one.radiance).finish();
+        let mut digester = digester(&|one| one.transport);
         let weights = self.world.resource::<Current<Weights>>().0.0.clone();
         // How good a film has become is told for its own weights: films of others are not made of it.
         if random && self.settings.quality.noise.is_some() {
@@ -138,6 +156,7 @@ impl Preview {
         Look {
             frame,
             transport: digester.finish(),
+            radiance,
             weights,
             exposure: exposure(self.exposure.at(self.timeline.clock(frame).start)),
             moments: found.len() as u32,
@@ -161,8 +180,7 @@ impl Preview {
         self.world.get_resource()
     }
 
-    /// What light meets at a moment, and whether the moment alone calls for random samples.
-    fn moment(&mut self, clock: Clock) -> Result<(Digest, bool), NoCamera> {
+    fn moment(&mut self, clock: Clock) -> Result<Sight, NoCamera> {
         self.world.insert_resource(Now(clock));
         self.world.resource_mut::<Stopwatch>().start();
         self.schedule.run(&mut self.world);
@@ -188,8 +206,11 @@ impl Preview {
         let Some(camera) = camera else { return Err(NoCamera::NotFinite) };
         let weights = &world.resource::<Current<Weights>>().0;
         let scene = Scene { geometry: &geometry.0, shading: &shading.0, weights, camera };
-        let random = is_random(&scene, self.settings.quality.integrator);
-        Ok((self.digests.transport(&scene), random))
+        let integrator = self.settings.quality.integrator;
+        let random = is_random(&scene, integrator);
+        let numbers = if integrator == Integrator::Whitted { Numbers::OfLights } else { Numbers::OfLayers };
+        let radiance = self.digests.radiance(&scene, numbers);
+        Ok(Sight { transport: self.digests.transport(&scene), radiance, random })
     }
 }
 

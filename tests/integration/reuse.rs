@@ -1,16 +1,17 @@
 //! Nothing is traced twice, and no picture tells: what is made of the film of another frame has the bytes that it has
 //! by itself.
 
-use crate::support::{Random, sequence};
+use crate::support::{Random, sequence, shoot};
 use kinora::counters::Meter;
+use kinora::digest::Digest;
 use kinora::encode::{EncodeError, Existing, Output};
 use kinora::film::{Extras, Film};
-use kinora::plan::{self, Effort, Plan};
+use kinora::plan::{self, Effort, Plan, survey};
 use kinora::quality::NoiseTarget;
 use kinora::render::{Request, Reuse, Summary, render};
 use kinora::schedule::{FilmSink, FrameLoop, Tally};
 use kinora::sequence::Sequence;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
@@ -354,4 +355,116 @@ fn open_shutters_see_what_moves_alone() {
     assert_eq!(camera(""), 16 * 12 * 4, "one film, without random samples");
     // The ball moves in two frames, and those before it, after it and with it are different films.
     assert_eq!(camera("translation: [(2, (0, 0, 0)), (4, (1, 0, 0))]"), 16 * 12 * (4 + 9 + 9 + 4));
+}
+
+/// Twelve frames of a ball that moves over a floor.
+const SCENE: &str = r#"(
+    timeline: (frames: 12, fps: 24, keys: Frames), output: (size: (16, 9)), quality: (samples: 2), background: 0.03,
+    materials: {},
+    lights: { "sun": Point(position: (3, 4, 5)), },
+    objects: { "floor": (shape: Plane(point: (0, -1, 0)), material: (color: 0.7)),
+               "ball": (shape: Sphere(radius: 1), translation: [(0, (-1, 0, 0)), (12, (1, 0, 0))]), },
+)"#;
+
+/// What is added, into which section.
+const ADDED: [(&str, &str); 11] = [
+    ("objects", r#""b": (shape: Sphere(center: (2, 0, 0), radius: 0.5), visible: [(0, false), (8, true)])"#),
+    (
+        "objects",
+        r#""b": (shape: Sphere(center: (2, 0, 0)), material: (emission: [(0, 0), (12, 1)]), visible: [(0, false), (8, true)])"#,
+    ),
+    (
+        "objects",
+        r#""b": (shape: Sphere(center: (2, 0, 0)), material: Metal(color: 0.5, fuzz: 0.3), visible: [(0, false), (8, true)])"#,
+    ),
+    ("objects", r#""b": (shape: Sphere(center: (2, 0, 0)), material: (color: Checker()), visible: false)"#),
+    (
+        "objects",
+        r#""g": (shape: Group, visible: [(0, false), (8, true)]), "b": (shape: Sphere(center: (2, 0, 0)), parent: "g")"#,
+    ),
+    ("materials", r#""unused": (color: 0.1, emission: [(0, 0), (12, 1)])"#),
+    ("lights", r#""x": Point(position: (1, 2, 3), on: [(0, false), (8, true)])"#),
+    ("lights", r#""x": Point(position: [(0, (1, 2, 3)), (12, (3, 2, 1))], intensity: [(8, 0), (12, 1)])"#),
+    ("lights", r#""x": Point(position: (1, 2, 3), intensity: 0)"#),
+    ("lights", r#""x": Directional(direction: (0, -1, 0), color: (0, 0, 0))"#),
+    (
+        "lights",
+        r#""x": Point(position: (1, 2, 3), on: [(0, false), (8, true)]), "y": Point(position: (3, 2, 1), on: [(0, false), (8, true)])"#,
+    ),
+];
+
+/// The digests of all frames, by which they are known again, and their pixels.
+fn known(text: &str) -> Vec<(Digest, Vec<[u32; 3]>)> {
+    let sequence = sequence(text);
+    let frames: Vec<u32> = (0..sequence.timeline.frames).collect();
+    let looks = survey(&sequence, &frames).frames;
+    let films = shoot(&sequence, frames).into_iter().map(|shot| shot.film);
+    let pixels = |film: Film| film.radiance().map(|color| color.to_array().map(f32::to_bits)).collect();
+    looks.into_iter().map(|look| look.radiance).zip(films.map(pixels)).collect()
+}
+
+/// What is hidden, dark or unused has no part in what a frame is known by: two frames are called alike if their pixels are.
+#[test]
+fn frames_are_known_by_what_they_show() {
+    let with = |text: &str, from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    };
+    let keyed = with(SCENE, "Point(", "Point(intensity: [(0, 1), (12, 2)], ");
+    let soft = with(&keyed, "lights: {", "lights: { \"soft\": Sphere(center: (0, 6, 0), radius: 1),");
+    let glowing =
+        with(&keyed, "radius: 1)", "radius: 1), material: (emission: [(0, 1), (12, 2)], color: 0.5)");
+    let path = |text: &str| with(text, "quality: (", "quality: (integrator: Path, ");
+    let noise = with(&path(&keyed), "samples: 2", "noise: 0.3, most_samples: 16");
+    let turning = with(
+        SCENE,
+        "translation",
+        "rotation: AxisAngle(axis: (0, 1, 0), angle: [(0, 0), (12, 90)]), translation",
+    );
+    let unlit = with(SCENE, "radius: 1)", "radius: 1), material: (color: 0, ambient: 1)");
+    let unlit = with(&unlit, "color: 0.7", "color: 0, ambient: 1");
+    let bases = [
+        path(&keyed),
+        path(&soft),
+        path(&glowing),
+        noise,
+        glowing,
+        soft,
+        keyed,
+        turning,
+        unlit,
+        SCENE.to_owned(),
+    ];
+    for (number, base) in bases.iter().enumerate() {
+        let before = known(base);
+        for (section, added) in ADDED {
+            let start = format!("{section}: {{");
+            let first = with(base, &start, &format!("{start} {added},"));
+            let at = base.find(&start).expect("a section");
+            let end = at + base[at..].find("},\n").expect("its end");
+            let last = format!("{}{added},{}", &base[..end], &base[end..]);
+            for text in [first, last] {
+                let after = known(&text);
+                for (frame, (before, after)) in before.iter().zip(&after).enumerate() {
+                    let (called, are) = (before.0 == after.0, before.1 == after.1);
+                    assert_eq!(called, are, "base {number}, frame {frame}, with {added}:\n{text}");
+                }
+            }
+        }
+    }
+}
+
+/// Where a shape was before it was turned is asked by its paint alone.
+#[test]
+fn what_turns_without_paint_stands_still() {
+    let films = |ball: &str| {
+        let text = SCENE
+            .replace("translation: [(0, (-1, 0, 0)), (12, (1, 0, 0))]", ball)
+            .replace("color: 0.7", "color: Checker()");
+        let looks = survey(&sequence(&text), &(0..12).collect::<Vec<u32>>()).frames;
+        looks.into_iter().map(|look| look.transport).collect::<BTreeSet<_>>().len()
+    };
+    let turning = "rotation: AxisAngle(axis: (0, 1, 0), angle: [(0, 0), (12, 90)])";
+    assert_eq!(films(turning), 1);
+    assert_eq!(films(&format!("material: (color: Checker()), {turning}")), 12);
 }

@@ -176,6 +176,11 @@ fn only_frames_that_a_change_touches_are_made_anew() {
     let off = "(3, 4, 5)), \"off\": Point(position: (1, 2, 3), intensity: 0)";
     assert_eq!(run(&base, &with("(3, 4, 5))", off), &[]), 12);
     assert_eq!(run(&base, &with("objects: {", "// A comment.\n objects: {"), &["-t", "3"]), 12);
+    let until_9 = "objects: { \"late\": (shape: Sphere(center: (2, 0, 0)), material: (emission: [(0, 0), (12, 1)]), \
+                   visible: [(0, false), (9, true)]),";
+    assert_eq!(run(&base, &with("objects: {", until_9), &[]), 9);
+    let lamp = "lights: { \"late\": Point(position: (1, 2, 3), on: [(0, false), (9, true)]),";
+    assert_eq!(run(&base, &with("lights: {", lamp), &[]), 9);
     // What changes all.
     assert_eq!(run(&base, &with("size: (32, 18)", "size: (32, 18), tonemap: Filmic"), &[]), 0);
     assert_eq!(run(&base, &with("size: (32, 18)", "size: (32, 18), caption: \"{frame}\""), &[]), 0);
