@@ -7,7 +7,7 @@ use clap::Args;
 
 #[derive(Args, Debug, PartialEq)]
 pub struct Look {
-    /// Leave the background out: PNG, APNG, WebP and EXR get alpha, GIFs clear pixels
+    /// Leave the background out, in formats with transparency; others show `matte` there
     #[arg(long)]
     transparent: bool,
 

@@ -30,8 +30,8 @@ mod summary;
 mod terminal;
 mod values;
 
-use clap::error::{ContextKind, ContextValue};
-use clap::{Parser, Subcommand};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -80,11 +80,15 @@ pub fn main() -> ExitCode {
 fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
-        Err(message) => {
+        Err(mut message) => {
+            let owners = owners_of_option(&mut message);
             // Also the way of --help and --version, with code 0. Nobody is left to tell if printing fails.
             let _ = message.print();
             if let Some(file) = forgotten_command(&message) {
                 terminal::complain(&format!("\nTo render this file: kinora render {file}"));
+            }
+            if let Some(owners) = owners {
+                terminal::complain(&format!("\n{owners}"));
             }
             return if message.use_stderr() { ExitCode::from(failure::BAD_INPUT) } else { ExitCode::SUCCESS };
         }
@@ -116,10 +120,30 @@ fn forgotten_command(message: &clap::Error) -> Option<&str> {
     }
 }
 
+/// Where an option is refused: says which commands have it, if any. The tip to pass it as a value goes, since no file is
+/// called like an option.
+fn owners_of_option(message: &mut clap::Error) -> Option<String> {
+    let option = match message.get(ContextKind::InvalidArg) {
+        Some(ContextValue::String(option)) if message.kind() == ErrorKind::UnknownArgument => option.clone(),
+        _ => return None,
+    };
+    let name = option.strip_prefix("--")?;
+    if let Some(ContextValue::StyledStrs(mut tips)) = message.remove(ContextKind::Suggested) {
+        tips.retain(|tip| !tip.to_string().contains(&format!("-- {option}")));
+        if !tips.is_empty() {
+            message.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
+        }
+    }
+    let command = Arguments::command();
+    let has = |command: &&clap::Command| command.get_arguments().any(|arg| arg.get_long() == Some(name));
+    let owners: Vec<String> =
+        command.get_subcommands().filter(has).map(|owner| format!("`kinora {}`", owner.get_name())).collect();
+    (!owners.is_empty()).then(|| format!("{option} is an option of {}", owners.join(" and ")))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_arguments_are_consistent() {
