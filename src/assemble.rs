@@ -10,6 +10,7 @@ use crate::render::{Large, RenderError, pool};
 use crate::time::Rate;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Frames on disk, and what is made of them.
 #[derive(Clone, Debug)]
@@ -83,7 +84,7 @@ pub fn assemble(request: &Request) -> Result<Report, RenderError> {
             sheet.put(index, &picture.over(request.matte), &request.text.told(&shown));
         }
     }
-    let mut report = assembly.finish(&pool(request.threads)?)?;
+    let mut report = assembly.finish()?;
     if let Some(sheet) = sheet {
         let picture = sheet.finish();
         report.notes.extend(request.text.note(&about.name));
