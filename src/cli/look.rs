@@ -13,7 +13,7 @@ pub struct Look {
 
     /// Write this into every picture, such as "frame {frame}, {time} s"
     ///
-    /// {frame}, {frames}, {time} and {name} stand for their values. A line break begins a new line.
+    /// {frame}, {frames}, {time} and {name} stand for their values; line breaks count.
     #[arg(long, value_name = "TEXT", value_parser = values::caption)]
     caption: Option<Template>,
 

@@ -73,9 +73,9 @@ pub struct Arguments {
     #[arg(long, value_name = "FINGERPRINT", verbatim_doc_comment)]
     expect: Option<String>,
 
-    /// Keep the PNG and EXR frames that are there and right, and make the others, as without any of these
+    /// Keep PNG and EXR frames that are there and right, as without any of these
     ///
-    /// A run that writes only animations, such as a GIF or an MP4, has no such frames and starts again.
+    /// Runs that write only animations, such as a GIF, have no such frames and start again.
     #[arg(long, conflicts_with_all = ["overwrite", "fail_if_exists"])]
     resume: bool,
 
