@@ -140,11 +140,11 @@ pub fn gif(bytes: &[u8]) {
     let output = Output::parse(&path).expect("an output");
     let job = Job { rate, formats, ..job(&output, (width, height), frames as u32) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
-    let mut assembly = Assembly::start(job).expect("a job");
+    let mut assembly = Assembly::start(job, Arc::new(pool)).expect("a job");
     for rgb in &pictures {
         assembly.push(&Picture::opaque(width, height, rgb.clone())).expect("a frame");
     }
-    assembly.finish(&pool).expect("a file");
+    assembly.finish().expect("a file");
     let distinct = pictures.iter().flat_map(|rgb| rgb.as_chunks::<3>().0).collect::<HashSet<_>>().len();
     let shown = played(&path, area);
     let total: u64 = shown.iter().map(|(_, delay)| delay).sum();

@@ -14,6 +14,7 @@ use crate::sequence::Sequence;
 use crate::time::Rate;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Frames on disk, and what is made of them.
 #[derive(Clone, Debug)]
@@ -175,13 +176,13 @@ pub fn assemble(request: &Request) -> Result<Report, RenderError> {
     let count = request.frames.len() as u32;
     let columns = request.columns.unwrap_or_else(|| sheet_columns(count, size));
     if !strips.is_empty() {
-        let sheet = Sheet::size(count, columns, size);
+        let sheet = Sheet::size(count, columns, size, request.text.lines());
         Large::Filmstrip.check(memory::for_sheet(sheet))?;
         strips.iter().try_for_each(|strip| check_size(strip, 0, sheet)).map_err(EncodeError::from)?;
     }
     let _folders = strips.iter().map(prepare_picture).collect::<Result<Vec<_>, _>>()?;
-    let mut sheet = (!strips.is_empty()).then(|| Sheet::new(count, columns, size));
-    let mut assembly = Assembly::start(job)?;
+    let mut sheet = (!strips.is_empty()).then(|| Sheet::new(count, columns, size, request.text.lines()));
+    let mut assembly = Assembly::start(job, Arc::new(pool(request.threads)?))?;
     for (index, (number, path)) in (0..).zip(&request.frames) {
         let picture = read_picture(path)?;
         assembly.push(&picture)?;
@@ -190,7 +191,7 @@ pub fn assemble(request: &Request) -> Result<Report, RenderError> {
             sheet.put(index, &picture.over(request.matte), &request.text.told(&shown));
         }
     }
-    let mut report = assembly.finish(&pool(request.threads)?)?;
+    let mut report = assembly.finish()?;
     if let Some(sheet) = sheet {
         let picture = sheet.finish();
         report.notes.extend(request.text.note(&about.name));

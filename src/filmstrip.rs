@@ -57,12 +57,12 @@ pub fn filmstrip(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> 
     let start = Instant::now();
     let extras = Extras { coverage: sequence.output.transparent, guides: false };
     let count = request.frames.len() as u32;
-    let sheet = Sheet::size(count, request.columns, sequence.output.size);
+    let sheet = Sheet::size(count, request.columns, sequence.output.size, request.text.lines());
     Large::Filmstrip.check(memory::needed(sequence, extras).saturating_add(memory::for_sheet(sheet)))?;
     check_size(&request.output, 0, sheet).map_err(EncodeError::from)?;
     let _folders = prepare_picture(&request.output)?;
     let cells = Cells {
-        sheet: Sheet::new(count, request.columns, sequence.output.size),
+        sheet: Sheet::new(count, request.columns, sequence.output.size, request.text.lines()),
         table: ToneTable::new(sequence.output.tonemap),
         matte: sequence.output.matte,
         about: sequence.about(),

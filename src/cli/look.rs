@@ -7,13 +7,13 @@ use clap::Args;
 
 #[derive(Args, Debug, PartialEq)]
 pub struct Look {
-    /// Leave the background out: PNG, APNG, WebP and EXR get alpha, GIFs clear pixels
+    /// Leave the background out, in formats with transparency; others show `matte` there
     #[arg(long)]
     transparent: bool,
 
     /// Write this into every picture, such as "frame {frame}, {time} s"
     ///
-    /// {frame}, {frames}, {time} and {name} stand for their values.
+    /// {frame}, {frames}, {time} and {name} stand for their values; line breaks count.
     #[arg(long, value_name = "TEXT", value_parser = values::caption)]
     caption: Option<Template>,
 

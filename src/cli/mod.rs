@@ -32,7 +32,7 @@ mod values;
 
 use crate::escape;
 use clap::builder::Styles;
-use clap::error::{ContextKind, ContextValue};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -92,7 +92,8 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let parsed = parsed.and_then(|matches| Arguments::from_arg_matches(&matches));
     let arguments = match parsed.map_err(|message| message.format(&mut command)) {
         Ok(arguments) => arguments,
-        Err(message) => {
+        Err(mut message) => {
+            let owners = owners_of_option(&mut message);
             if plain && message.use_stderr() {
                 terminal::complain(message.render().ansi().to_string().trim_end());
             } else {
@@ -101,6 +102,9 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             }
             if let Some(file) = forgotten_command(&message) {
                 terminal::complain(&format!("\nTo render this file: kinora render {file}"));
+            }
+            if let Some(owners) = owners {
+                terminal::complain(&format!("\n{owners}"));
             }
             return if message.use_stderr() { ExitCode::from(failure::BAD_INPUT) } else { ExitCode::SUCCESS };
         }
@@ -132,10 +136,30 @@ fn forgotten_command(message: &clap::Error) -> Option<&str> {
     }
 }
 
+/// Where an option is refused: says which commands have it, if any. The tip to pass it as a value goes, since no file is
+/// called like an option.
+fn owners_of_option(message: &mut clap::Error) -> Option<String> {
+    let option = match message.get(ContextKind::InvalidArg) {
+        Some(ContextValue::String(option)) if message.kind() == ErrorKind::UnknownArgument => option.clone(),
+        _ => return None,
+    };
+    let name = option.strip_prefix("--")?;
+    if let Some(ContextValue::StyledStrs(mut tips)) = message.remove(ContextKind::Suggested) {
+        tips.retain(|tip| !tip.to_string().contains(&format!("-- {option}")));
+        if !tips.is_empty() {
+            message.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
+        }
+    }
+    let command = Arguments::command();
+    let has = |command: &&clap::Command| command.get_arguments().any(|arg| arg.get_long() == Some(name));
+    let owners: Vec<String> =
+        command.get_subcommands().filter(has).map(|owner| format!("`kinora {}`", owner.get_name())).collect();
+    (!owners.is_empty()).then(|| format!("{option} is an option of {}", owners.join(" and ")))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_arguments_are_consistent() {

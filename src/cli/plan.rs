@@ -70,6 +70,10 @@ together come of a trial: some frames are traced with a small part of their samp
 them to about 5 %. Where an error is asked for, small pictures are traced until they have it, and
 tell how many samples that takes to about a quarter.";
 
+/// What a film is, for whoever reads the word for the first time.
+const FILM: &str = "a film is the light traced for a frame, in layers; frames in which lights only change their \
+                    brightness share one";
+
 /// What is told of a plan.
 struct Told<'a> {
     sequence: &'a Sequence,
@@ -112,9 +116,13 @@ impl Told<'_> {
         let mut groups = vec![
             (
                 "frames",
-                vec![format!("{}, {} of them from films of others", count(frames), count(frames - films))],
+                vec![format!(
+                    "{}, {} of them from films of other frames",
+                    count(frames),
+                    count(frames - films)
+                )],
             ),
-            ("films", vec![self.films()]),
+            ("films", vec![self.films(), FILM.to_owned()]),
         ];
         groups.push(("spans", outline.spans.iter().map(|span| self.span(span)).collect()));
         groups.push(("layers", self.layers()));
@@ -243,6 +251,7 @@ impl Told<'_> {
             Part::Object(index) => (named("object", &objects[index].name), "moves"),
             Part::Material(index) => (material(&materials[index].name), "changes"),
             Part::Light(index) => (named("light", &lights[index].name), "moves"),
+            Part::Switch(index) => (named("light", &lights[index].name), "toggles"),
             Part::Brightness(index) => (named("light", &lights[index].name), "fades"),
             Part::Emission(index) => (format!("emission of {}", material(&materials[index].name)), "fades"),
             Part::Background => ("the background".to_owned(), "changes"),

@@ -74,7 +74,9 @@ pub struct Arguments {
     #[arg(long, value_name = "FINGERPRINT", verbatim_doc_comment)]
     expect: Option<String>,
 
-    /// Keep the frames that are there and right, and make the others, as without any of these
+    /// Keep PNG and EXR frames that are there and right, as without any of these
+    ///
+    /// Runs that write only animations, such as a GIF, have no such frames and start again.
     #[arg(long, conflicts_with_all = ["overwrite", "fail_if_exists"])]
     resume: bool,
 

@@ -95,7 +95,10 @@ fn frames(summary: &Summary) -> String {
         told += &format!(", of which {} kept", humane::count(summary.kept.into()));
     }
     if summary.reused > 0 {
-        told += &format!(", {} of them from films of others", humane::count(summary.reused.into()));
+        told += &format!(
+            ", {} of them from films (traced light) of other frames",
+            humane::count(summary.reused.into())
+        );
     }
     told
 }
@@ -108,7 +111,7 @@ fn planned(expected: &Forecast) -> String {
         None => format!("{} of the camera or more", humane::counted(expected.camera_rays, "ray")),
     };
     let builds = humane::counted(expected.bvh_builds, "build");
-    format!("{rays}, {builds}, {} frames from films of others", humane::count(expected.reused.into()))
+    format!("{rays}, {builds}, {} frames from films of other frames", humane::count(expected.reused.into()))
 }
 
 fn time(summary: &Summary) -> String {
@@ -260,9 +263,12 @@ note    a draft";
         };
         let summary = Summary { reused: 70, expected: Some(expected), ..summary() };
         let told = text(&summary);
-        assert!(told.contains("\nframes  72, 70 of them from films of others\n"), "{told}");
         assert!(
-            told.contains("\nplanned about 66,400,000 rays, 1 build, 70 frames from films of others\n"),
+            told.contains("\nframes  72, 70 of them from films (traced light) of other frames\n"),
+            "{told}"
+        );
+        assert!(
+            told.contains("\nplanned about 66,400,000 rays, 1 build, 70 frames from films of other frames\n"),
             "{told}"
         );
         let wanted =

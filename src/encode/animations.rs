@@ -11,6 +11,7 @@ use super::store::Store;
 use crate::escape;
 use rayon::ThreadPool;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// The animations in the making.
 pub struct Animations {
@@ -24,11 +25,11 @@ pub struct Animations {
 }
 
 impl Animations {
-    /// Those of a job. `own` is a store that the run fills anyhow, if there is one.
-    pub fn start(job: &Job, own: Option<Store>) -> Result<Self, EncodeError> {
+    /// Those of a job, which use the threads of `pool`. `own` is a store that the run fills anyhow, if there is one.
+    pub fn start(job: &Job, own: Option<Store>, pool: &Arc<ThreadPool>) -> Result<Self, EncodeError> {
         let mut movies = Vec::new();
         for output in &job.outputs {
-            movies.extend(movie::start(output, job)?.map(|movie| (movie, output.takes_alpha())));
+            movies.extend(movie::start(output, job, pool)?.map(|movie| (movie, output.takes_alpha())));
         }
         let gifs = job.outputs.iter().filter_map(|output| match output {
             Output::Movie(Moving::Gif, path) => Some(path),
@@ -58,6 +59,11 @@ impl Animations {
         let picture = cut.as_ref().unwrap_or(matte);
         shown.for_each(|animation| animation.count(picture));
         self.store.as_ref().map_or(Ok(()), |store| store.put(index, picture))
+    }
+
+    /// Seconds of processor time that the pool has spent on animations so far.
+    pub fn cpu(&self) -> f64 {
+        self.movies.iter().map(|(movie, _)| movie.cpu()).sum()
     }
 
     /// Whether no picture has come.

@@ -11,22 +11,24 @@ use image::{DynamicImage, ImageError, ImageReader};
 use rayon::ThreadPool;
 use std::io::{self, Cursor, ErrorKind};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Animations in the making, fed with finished pictures. Dropped before it is finished, nothing appears.
 pub struct Assembly {
     job: Job,
     animations: Animations,
+    pool: Arc<ThreadPool>,
     done: usize,
     folders: NewFolders,
 }
 
 impl Assembly {
-    /// Checks the job and prepares all places.
-    pub fn start(job: Job) -> Result<Self, EncodeError> {
+    /// Checks the job and prepares all places. Animations are made on the threads of `pool`.
+    pub fn start(job: Job, pool: Arc<ThreadPool>) -> Result<Self, EncodeError> {
         job.check()?;
         let folders = job.prepare_folders()?;
-        let animations = Animations::start(&job, None)?;
-        Ok(Self { job, animations, done: 0, folders })
+        let animations = Animations::start(&job, None, &pool)?;
+        Ok(Self { job, animations, pool, done: 0, folders })
     }
 
     /// Adds the job's next frame.
@@ -48,8 +50,8 @@ impl Assembly {
     }
 
     /// Writes what is left and puts all files in their places.
-    pub fn finish(mut self, pool: &ThreadPool) -> Result<Report, EncodeError> {
-        let notes = self.animations.finish(&self.job, pool)?;
+    pub fn finish(mut self) -> Result<Report, EncodeError> {
+        let notes = self.animations.finish(&self.job, &self.pool)?;
         self.folders.keep();
         let files = self.job.outputs.iter().map(|output| output.name().to_owned()).collect();
         Ok(Report { files, notes, ..Report::default() })

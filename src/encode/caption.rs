@@ -2,7 +2,7 @@
 
 use super::about::Shown;
 use super::picture::{Code, Picture};
-use super::text::{Line, lacking};
+use super::text::{Align, Line, lacking};
 use std::fmt;
 
 /// What is written into pictures, and where.
@@ -119,13 +119,23 @@ impl Template {
             // Numbers.
             Part::Field(Field::Frame | Field::Frames | Field::Time) => String::new(),
         };
-        let letters = lacking(&self.0.iter().map(fixed).collect::<String>());
+        let text = self.0.iter().map(fixed).collect::<String>();
+        let letters = lacking(&text.lines().collect::<String>());
         let (shown, more) = letters.split_at(letters.len().min(MOST_LETTERS));
         let shown: Vec<String> = shown.iter().map(|letter| format!("`{}`", letter.escape_debug())).collect();
         let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
         let shown = shown.join(", ");
         (!letters.is_empty())
             .then(|| format!("captions are without {shown}{more}, which the font does not have"))
+    }
+
+    /// Lines of the text, by its own line breaks.
+    pub fn lines(&self) -> u32 {
+        let plain = |part: &Part| match part {
+            Part::Text(text) => text.clone(),
+            Part::Field(_) => "0".to_owned(),
+        };
+        self.0.iter().map(plain).collect::<String>().lines().count().max(1) as u32
     }
 
     /// The text of a frame.
@@ -160,7 +170,8 @@ impl Caption {
     /// Writes the caption of a frame into its picture: white on a dark ground.
     pub fn draw<C: Code>(&self, picture: &mut Picture<C>, shown: &Shown) {
         let size = (self.size * picture.height as f32).max(LOWEST);
-        let line = Line::new(&self.text.told(shown), size);
+        let align = if self.corner.is_right() { Align::Right } else { Align::Left };
+        let line = Line::block(&self.text.told(shown), size, align);
         if line.width == 0 {
             return;
         }
@@ -230,6 +241,7 @@ mod tests {
         assert_eq!(note("{name} 漢字 漢 {frame}", "turn").as_deref(), Some(told));
         assert_eq!(note("{name}", "漢字").as_deref(), Some(told));
         assert_eq!(note("zoë {frame}", "漢字"), None);
+        assert_eq!(note("zoë\n{frame}\r\n{time}", ""), None);
         let many: String = ('一'..'丏').collect();
         assert!(note(&many, "").is_some_and(|note| note.contains("and 3 more")));
     }
@@ -247,6 +259,23 @@ mod tests {
             assert!(!changed(100, 50));
             assert!(picture.rgb.contains(&255), "{name} has white letters");
         }
+    }
+
+    #[test]
+    fn lines_of_a_caption_stand_below_each_other() {
+        let about = about();
+        let rows = |text: &str| {
+            let mut picture: Picture<u8> = Picture::filled(200, 200, [100, 150, 200]);
+            let caption = Caption { size: 0.1, ..Caption::new(Template::parse(text).expect("a template")) };
+            caption.draw(&mut picture, &shown(&about));
+            picture.rgb.chunks(3 * 200).filter(|row| row[..3] != [100, 150, 200]).count()
+        };
+        assert_eq!((rows("{frame}"), rows("{frame}\nof {frames}"), rows("a\n\nb\n")), (26, 46, 66));
+        assert_eq!(
+            ["", "{frame}", "a\nb", "{name}\n{frame}\n"]
+                .map(|text| { Template::parse(text).expect("a template").lines() }),
+            [1, 1, 2, 2]
+        );
     }
 
     #[test]

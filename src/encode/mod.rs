@@ -78,7 +78,7 @@ use rayon::ThreadPool;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 use worker::Worker;
@@ -109,6 +109,9 @@ pub fn png_bytes(picture: &Picture) -> std::io::Result<Vec<u8>> {
 
 /// Films that wait for the encoder at most, besides the one it works on.
 const WAITING: usize = 2;
+
+/// How long a thread of the pool rests that has nothing to do but wait for the encoder.
+const PAUSE: Duration = Duration::from_millis(1);
 
 /// What was written.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -262,7 +265,7 @@ impl Encoder {
     /// Tells of the next frame.
     fn send(&mut self, message: Message) -> Result<(), EncodeError> {
         let Some(running) = &self.running else { return Err(EncodeError::Stopped(None)) };
-        if running.messages.send(message).is_err() {
+        if !hand_over(&running.messages, message) {
             return self.join().and(Err(EncodeError::Stopped(None)));
         }
         self.pushed += 1;
@@ -338,6 +341,26 @@ impl Encoder {
         self.give_up();
         drop(messages);
         thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    }
+}
+
+/// Sends a message; false if the encoder's thread has ended.
+///
+/// The encoder may wait for jobs of the pool that this thread belongs to. So this thread works on them while there is no
+/// room for the message: a pool of one thread would wait forever.
+fn hand_over(messages: &SyncSender<Message>, mut message: Message) -> bool {
+    loop {
+        match messages.try_send(message) {
+            Ok(()) => return true,
+            Err(TrySendError::Disconnected(_)) => return false,
+            Err(TrySendError::Full(back)) => message = back,
+        }
+        match rayon::yield_now() {
+            Some(rayon::Yield::Executed) => {}
+            Some(rayon::Yield::Idle) => thread::sleep(PAUSE),
+            // A thread of no pool.
+            None => return messages.send(message).is_ok(),
+        }
     }
 }
 

@@ -1,7 +1,7 @@
-//! A filmstrip: one picture of several frames in a grid, each with a line of text below.
+//! A filmstrip: one picture of several frames in a grid, each with a text below.
 
 use super::picture::Picture;
-use super::text::Line;
+use super::text::{Align, Line};
 
 /// What is behind the frames: paper.
 const PAPER: u8 = 255;
@@ -34,29 +34,35 @@ struct Measures {
 }
 
 impl Measures {
-    fn of(count: u32, columns: u32, cell: (u32, u32)) -> Self {
+    fn of(count: u32, columns: u32, cell: (u32, u32), lines: u32) -> Self {
         let columns = columns.clamp(1, count.max(1));
         let gap = (cell.0 / 24).clamp(4, 24);
         let letters = (cell.0 as f32 * 0.05).clamp(11.0, 28.0);
-        let below = (letters * 1.4).round() as u32;
+        let below = (letters * (0.4 + lines as f32)).round() as u32;
         let rows = count.max(1).div_ceil(columns);
         // What is too large for whole numbers is for memory, too.
-        let side = |places: u32, one: u32| places.saturating_mul(one + gap).saturating_add(gap);
-        Self { columns, gap, letters, below, size: (side(columns, cell.0), side(rows, cell.1 + below)) }
+        let side = |places: u32, one: u32| places.saturating_mul(one.saturating_add(gap)).saturating_add(gap);
+        Self {
+            columns,
+            gap,
+            letters,
+            below,
+            size: (side(columns, cell.0), side(rows, cell.1.saturating_add(below))),
+        }
     }
 }
 
 impl Sheet {
-    /// A sheet of `count` frames of this size.
-    pub fn new(count: u32, columns: u32, cell: (u32, u32)) -> Self {
-        let Measures { columns, gap, letters, below, size } = Measures::of(count, columns, cell);
+    /// A sheet of `count` frames of this size, each with so many lines of text.
+    pub fn new(count: u32, columns: u32, cell: (u32, u32), lines: u32) -> Self {
+        let Measures { columns, gap, letters, below, size } = Measures::of(count, columns, cell, lines);
         let picture = Picture::filled(size.0, size.1, [PAPER; 3]);
         Self { columns, cell, gap, letters, below, picture }
     }
 
     /// Width and height of such a sheet in pixels.
-    pub fn size(count: u32, columns: u32, cell: (u32, u32)) -> (u32, u32) {
-        Measures::of(count, columns, cell).size
+    pub fn size(count: u32, columns: u32, cell: (u32, u32), lines: u32) -> (u32, u32) {
+        Measures::of(count, columns, cell, lines).size
     }
 
     /// Puts a frame of the sheet's size into its place.
@@ -66,10 +72,11 @@ impl Sheet {
         let edge = Picture::filled(self.cell.0 + 2, self.cell.1 + 2, [LINE; 3]);
         self.picture.place(&edge, left - 1, top - 1);
         self.picture.place(frame, left, top);
-        let line = Line::new(text, self.letters);
+        let line = Line::block(text, self.letters, Align::Center);
         let across = (self.cell.0 as usize).saturating_sub(line.width) / 2;
         let down = (self.below as usize).saturating_sub(line.height);
-        for (y, row) in line.cover.chunks_exact(line.width.max(1)).enumerate() {
+        // More lines than there is room for come of a name with line breaks.
+        for (y, row) in line.cover.chunks_exact(line.width.max(1)).enumerate().take(self.below as usize) {
             let y = (top + self.cell.1) as usize + down + y;
             // A text that is too long ends with its cell.
             for (x, cover) in row.iter().enumerate().take(self.cell.0 as usize) {
@@ -102,7 +109,7 @@ mod tests {
 
     #[test]
     fn frames_and_texts_have_their_places() {
-        let mut sheet = Sheet::new(5, 3, (96, 48));
+        let mut sheet = Sheet::new(5, 3, (96, 48), 1);
         for index in 0..5 {
             sheet.put(index, &Picture::filled(96, 48, [10 * index as u8, 99, 0]), "frame 3");
         }
@@ -116,6 +123,23 @@ mod tests {
         // The last place is empty, and there is ink below a frame.
         assert_eq!(pixel(204, 4 + 48 + 15 + 4), [255; 3]);
         assert!((52..67).any(|y| (4..100).any(|x| pixel(x, y)[0] < 100)));
+    }
+
+    #[test]
+    fn every_line_has_its_room() {
+        let height = |lines, text: &str| {
+            let mut sheet = Sheet::new(1, 1, (96, 48), lines);
+            sheet.put(0, &Picture::filled(96, 48, [0; 3]), text);
+            let picture = sheet.finish();
+            let row = |y: u32| &picture.rgb[(3 * y * picture.width) as usize..][..3 * picture.width as usize];
+            let inked = |y: &u32| row(*y).iter().any(|code| *code < 100);
+            (picture.height, (53..picture.height).filter(inked).count())
+        };
+        assert_eq!(Sheet::size(1, 1, (96, 48), 3).1, height(3, "x").0);
+        let (one, two) = (height(1, "x"), height(2, "x\nx"));
+        assert_eq!((two.0 - one.0, two.1), (11, 2 * one.1));
+        // Nothing is drawn outside of the sheet.
+        height(1, "x\nx\nx\nx\nx\nx\nx");
     }
 
     #[test]

@@ -20,7 +20,15 @@ pub fn lacking(text: &str) -> Vec<char> {
     lacking
 }
 
-/// A line of text: how much of each pixel it covers.
+/// Where the lines of a text stand that are shorter than its longest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Align {
+    Left,
+    Center,
+    Right,
+}
+
+/// A line of text, or several below each other: how much of each pixel they cover.
 #[derive(Clone, Debug, Default)]
 pub struct Line {
     pub width: usize,
@@ -51,6 +59,28 @@ impl Line {
             outlined.draw(|x, y, cover| line.add(left + i64::from(x), top + i64::from(y), cover));
         }
         line
+    }
+
+    /// The lines of a text below each other, each `size` pixels high.
+    pub fn block(text: &str, size: f32, align: Align) -> Self {
+        let lines: Vec<Self> = text.lines().map(|line| Self::new(line, size)).collect();
+        let width = lines.iter().map(|line| line.width).max().unwrap_or(0);
+        let mut block = Self { width, height: 0, cover: Vec::new() };
+        for line in lines {
+            let left = match align {
+                Align::Left => 0,
+                Align::Center => (width - line.width) / 2,
+                Align::Right => width - line.width,
+            };
+            let top = block.cover.len();
+            block.height += line.height;
+            block.cover.resize(block.height * width, 0.0);
+            for y in 0..line.height {
+                let row = &line.cover[y * line.width..][..line.width];
+                block.cover[top + y * width + left..][..line.width].copy_from_slice(row);
+            }
+        }
+        block
     }
 
     /// Letters may touch each other.
@@ -87,6 +117,27 @@ mod tests {
     fn letters_that_are_not_there_are_told() {
         assert_eq!(lacking("zoë 漢字 12 漢"), ['漢', '字']);
         assert!(lacking("frame 007 · 0.29 s, ÄÖÜß Ωλ Жя").is_empty());
+    }
+
+    #[test]
+    fn lines_stand_below_each_other() {
+        let (short, long) = (Line::new("il", 20.0), Line::new("frame 007", 20.0));
+        let rows = |block: &Line, from: usize| -> Vec<Vec<f32>> {
+            block.cover.chunks(block.width).skip(from).take(20).map(<[f32]>::to_vec).collect()
+        };
+        for (align, left) in [(Align::Left, 0), (Align::Right, long.width - short.width)] {
+            let block = Line::block("frame 007\n\nil", 20.0, align);
+            assert_eq!((block.width, block.height, block.cover.len()), (long.width, 60, 60 * long.width));
+            assert_eq!(rows(&block, 0), rows(&long, 0));
+            assert!(rows(&block, 20).concat().iter().all(|cover| *cover == 0.0));
+            let last: Vec<f32> =
+                rows(&block, 40).iter().flat_map(|row| row[left..left + short.width].to_vec()).collect();
+            assert_eq!(last, short.cover);
+        }
+        let one = |text| Line::block(text, 20.0, Align::Center).cover;
+        assert_eq!(one("il"), short.cover);
+        assert_eq!(one("il\r\n"), short.cover);
+        assert_eq!(Line::block("", 20.0, Align::Left).width, 0);
     }
 
     #[test]

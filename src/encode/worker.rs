@@ -55,7 +55,7 @@ impl Worker {
     pub fn new(job: Arc<Job>, pool: Arc<ThreadPool>) -> Result<Self, EncodeError> {
         job.check()?;
         let folders = job.prepare_folders()?;
-        let animations = Some(Animations::start(&job, own_store(&job))?);
+        let animations = Some(Animations::start(&job, own_store(&job), &pool)?);
         let table = ToneTable::new(job.tonemap);
         let (commits, report, cpu) = Default::default();
         Ok(Self { job, pool, table, animations, commits, report, cpu, first_nan: None, folders })
@@ -91,7 +91,8 @@ impl Worker {
                 Err(_) => return Err(EncodeError::Stopped(None)),
             }
             self.report.busy += start.elapsed();
-            self.cpu.store((thread_time().unwrap_or(0.0) * 1e9) as u64, Relaxed);
+            let others = self.animations.as_ref().map_or(0.0, Animations::cpu);
+            self.cpu.store(((thread_time().unwrap_or(0.0) + others) * 1e9) as u64, Relaxed);
         }
     }
 

@@ -18,6 +18,8 @@ pub enum Part {
     Material(usize),
     /// Where a light is.
     Light(usize),
+    /// Whether a light is on.
+    Switch(usize),
     /// How bright a light is, and in which colour.
     Brightness(usize),
     /// How bright a material shines.
@@ -37,10 +39,18 @@ impl Part {
     /// Whether it weights light that is traced already, or what is shown.
     pub fn is_weight(self) -> bool {
         match self {
-            Self::Brightness(_) | Self::Emission(_) | Self::BackgroundBrightness => true,
+            Self::Switch(_) | Self::Brightness(_) | Self::Emission(_) | Self::BackgroundBrightness => true,
             Self::Ambient | Self::FogColor | Self::Exposure => true,
             Self::Camera(_) | Self::Cut | Self::Object(_) | Self::Material(_) => false,
             Self::Light(_) | Self::Background | Self::Fog => false,
+        }
+    }
+
+    /// The light that is switched, if this is a switch.
+    fn switched(self) -> Option<usize> {
+        match self {
+            Self::Switch(index) => Some(index),
+            _ => None,
         }
     }
 }
@@ -61,7 +71,9 @@ pub fn values(sequence: &Sequence, clock: &Clock) -> Vec<(Part, Digest)> {
     }
     for (index, light) in sequence.lights.iter().enumerate() {
         note(Part::Light(index), &light.value.kind.at(time));
-        note(Part::Brightness(index), &light.value.dimmer().at(clock.start));
+        let dimmer = light.value.dimmer();
+        note(Part::Switch(index), &dimmer.on.as_ref().is_none_or(|on| on.at(clock.start)));
+        note(Part::Brightness(index), &dimmer.at(clock.start));
     }
     for (index, material) in sequence.materials.iter().enumerate() {
         note(Part::Material(index), &material.value.at(time, LayerId::CONSTANT));
@@ -84,5 +96,10 @@ pub fn between(before: &[(Part, Digest)], now: &[(Part, Digest)]) -> Change {
     // A camera that was not looked through before has not moved: the cut has led to it.
     let cut = before.first() != now.first();
     let moved = |part: &Part| !(cut && matches!(part, Part::Camera(_)));
-    (0..now.len()).filter(|index| differs(*index)).map(|index| now[index].0).filter(moved).collect()
+    let mut changes: Change =
+        (0..now.len()).filter(|index| differs(*index)).map(|index| now[index].0).filter(moved).collect();
+    // A light that is switched is brighter or darker only for that.
+    let switched: Vec<usize> = changes.iter().filter_map(|part| part.switched()).collect();
+    changes.retain(|part| !matches!(part, Part::Brightness(index) if switched.contains(index)));
+    changes
 }

@@ -177,6 +177,33 @@ fn quiet_runs_still_tell_errors() {
 }
 
 #[test]
+fn options_of_other_commands_are_told() {
+    let run = kinora(&["poster", "a.ron", "--time-limit", "5s"]);
+    assert_eq!(run.code, Some(2));
+    assert!(run.stderr.contains("--time-limit is an option of `kinora render`"), "{}", run.stderr);
+    assert!(!run.stderr.contains("-- --time-limit"), "{}", run.stderr);
+    let help = kinora(&["poster", "--help"]).stdout;
+    assert!(!help.contains("GIF"), "{help}");
+}
+
+/// A switch is no fade.
+#[test]
+fn plans_tell_switches_from_fades() {
+    let file = scratch("switches.ron");
+    let text = r#"(timeline: (frames: 6, keys: Frames), output: (size: (16, 12)),
+        lights: {
+            "a": Point(position: (3, 4, 5), on: [(0, true), (2, false)]),
+            "b": Point(position: (3, 4, 5), on: [(0, false), (2, true)]),
+            "c": Point(position: (1, 2, 3), intensity: [(3, 1), (5, 0)]),
+        },
+        objects: { "ball": (shape: Sphere()) })"#;
+    std::fs::write(&file, text).expect("the folder is writable");
+    let told = kinora(&["plan", &file.to_string_lossy()]).stdout;
+    assert!(told.contains("2: light \"a\" and light \"b\" toggle (0 films)\n"), "{told}");
+    assert!(told.contains("4-5: light \"c\" fades (0 films)\n"), "{told}");
+}
+
+#[test]
 fn plans_tell_spans_effects_layers_rays_and_memory() {
     let file = scratch("plan.ron");
     let text = r#"(timeline: (frames: 8, keys: Frames), output: (size: (16, 12)),
@@ -190,10 +217,11 @@ fn plans_tell_spans_effects_layers_rays_and_memory() {
     let run = kinora(&["plan", &file]);
     assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
     for part in [
-        "frames  8, 5 of them from films of others\n",
+        "frames  8, 5 of them from films of other frames\n",
         "films   3 films, with up to 2 layers of light\n",
+        "a film is the light traced for a frame, in layers; ",
         "spans   0-3: nothing changes (1 film)\n",
-        "4: light \"key\" fades (0 films)\n",
+        "4: light \"key\" toggles (0 films)\n",
         "5: nothing changes (0 films)\n",
         "6-7: object \"ball\" moves (2 films)\n",
         "key: in 1 film\n",

@@ -39,6 +39,19 @@ fn every_format_is_written_and_frames_can_be_assembled_again() {
     assert!(String::from_utf8_lossy(&refused.stderr).contains("there are no frames c_##.png"));
 }
 
+/// The only thread of a run traces, and encodes while it waits for the encoder.
+#[test]
+fn videos_do_not_depend_on_threads() {
+    let folder = folder();
+    let video = |threads: &str| {
+        let name = format!("{threads}.mp4");
+        kinora(folder.path(), &["render", "ball.ron", "-r", "400", "-t", threads, "-o", &name]);
+        fs::read(folder.path().join(name)).expect("a video")
+    };
+    let one = video("1");
+    assert!(one == video("2") && one == video("3"));
+}
+
 #[test]
 fn frames_can_be_assembled_as_the_sequence_says() {
     let folder = folder();

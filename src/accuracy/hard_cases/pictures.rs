@@ -51,7 +51,7 @@ fn panel(side: u32, color: impl Fn(f64, f64) -> DVec3) -> Picture {
 }
 
 fn beside(panels: [Picture; 2]) -> Picture {
-    let mut sheet = Sheet::new(2, 2, (SIDE, SIDE));
+    let mut sheet = Sheet::new(2, 2, (SIDE, SIDE), 1);
     for (index, (panel, title)) in (0..).zip(panels.iter().zip(TITLES)) {
         sheet.put(index, panel, title);
     }
@@ -197,7 +197,7 @@ fn over_the_pole() -> Picture {
         })
     };
     let count = FRAMES.len() as u32;
-    let mut sheet = Sheet::new(2 * count, count, (SMALL, SMALL));
+    let mut sheet = Sheet::new(2 * count, count, (SMALL, SMALL), 1);
     for (index, elevation) in (0..).zip(FRAMES) {
         let rights = [fixed_up::<f32>(elevation).wide(), our_right(&at_elevation(elevation), &timeline)];
         for (row, (right, title)) in (0..).zip(rights.into_iter().zip(TITLES)) {

@@ -4,7 +4,9 @@
 pub mod apng;
 pub mod clock;
 pub mod difference;
+mod gops;
 mod h264;
+mod h264_encoder;
 pub mod mp4;
 #[cfg(test)]
 mod tests;
@@ -16,12 +18,19 @@ use super::error::EncodeError;
 use super::job::Job;
 use super::output::{Moving, Output};
 use super::picture::Picture;
+use rayon::ThreadPool;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// An animation in the making. Its file appears when it is finished, and not at all if it is dropped before.
 pub trait Movie: Send {
     /// Adds the job's next frame.
     fn push(&mut self, picture: &Picture) -> Result<(), EncodeError>;
+
+    /// Seconds of processor time that other threads have spent on this animation so far.
+    fn cpu(&self) -> f64 {
+        0.0
+    }
 
     /// Writes what is left.
     fn finish(self: Box<Self>) -> Result<(), EncodeError>;
@@ -36,8 +45,12 @@ pub trait Movie: Send {
     }
 }
 
-/// Starts the animation that an output is, unless it is none or a GIF.
-pub fn start(output: &Output, job: &Job) -> Result<Option<Box<dyn Movie>>, EncodeError> {
+/// Starts the animation that an output is, unless it is none or a GIF. Videos are encoded on the threads of `pool`.
+pub fn start(
+    output: &Output,
+    job: &Job,
+    pool: &Arc<ThreadPool>,
+) -> Result<Option<Box<dyn Movie>>, EncodeError> {
     let (format, path) = match output {
         Output::Stills(..) => return Ok(None),
         Output::Stream => return Ok(Some(Box::new(y4m::Y4m::to_stdout(job)?))),
@@ -48,6 +61,6 @@ pub fn start(output: &Output, job: &Job) -> Result<Option<Box<dyn Movie>>, Encod
         Moving::Apng => Some(Box::new(apng::Apng::create(path, job)?)),
         Moving::Webp => Some(Box::new(webp::Webp::create(path, job)?)),
         Moving::Y4m => Some(Box::new(y4m::Y4m::create(path, job)?)),
-        Moving::Mp4 => Some(Box::new(mp4::Mp4::create(path, job)?)),
+        Moving::Mp4 => Some(Box::new(mp4::Mp4::create(path, job, pool)?)),
     })
 }

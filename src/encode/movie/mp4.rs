@@ -1,6 +1,7 @@
 //! MP4 with H.264: what browsers, slides and every player show.
 
 use super::h264::{told_colors, units};
+use super::h264_encoder::{H264Encoder, missing_instructions};
 use super::yuv::Planes;
 use crate::encode::atomic::Aside;
 use crate::encode::error::EncodeError;
@@ -8,22 +9,19 @@ use crate::encode::job::Job;
 use crate::encode::movie::Movie;
 use crate::encode::picture::Picture;
 use crate::time::Rate;
-use rusty_h264_common::{Profile, YuvFrame};
-use rusty_h264_encoder::{Encoder, EncoderConfig, Preset};
+use rayon::ThreadPool;
+use rusty_h264_common::YuvFrame;
 use shiguredo_mp4::boxes::{Avc1Box, AvccBox, SampleEntry, UnknownBox, VisualSampleEntryFields as Visual};
 use shiguredo_mp4::mux::{Mp4FileMuxer, Mp4FileMuxerOptions, Sample, estimate_maximum_moov_box_size};
 use shiguredo_mp4::{BoxSize, BoxType, TrackKind, Uint};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Blocks of 16x16 pixels in a picture, at most, and along a side: those of level 5.2.
 const MOST_BLOCKS: u32 = 36_864;
 const LONGEST_BLOCKS: u32 = 543;
-/// Seconds between frames that a player can start from, at most.
-const SEEK_SECONDS: i128 = 2;
-/// Bytes of frames that the encoder may look ahead over.
-const LOOKAHEAD: usize = 1 << 26;
 /// Bytes of the size in front of each unit of a frame.
 const LENGTH_BYTES: u8 = 4;
 /// Kinds of units: parameters of the sequence and the pictures, and what starts a frame for those who seek.
@@ -33,11 +31,12 @@ const KEY: u8 = 5;
 /// Units that hold a part of a picture.
 const SLICES: std::ops::RangeInclusive<u8> = 1..=5;
 
-/// What keeps pictures of this size from being H.264.
+/// What keeps pictures of this size from being H.264 on this machine.
 pub fn limit((width, height): (u32, u32)) -> Option<&'static str> {
     let blocks = [width, height].map(|side| side.div_ceil(16));
     let fits = blocks[0].max(blocks[1]) <= LONGEST_BLOCKS && blocks[0] * blocks[1] <= MOST_BLOCKS;
-    (!fits).then_some("H.264 ends at 36864 blocks of 16x16 pixels, such as 4096x2304")
+    let size = (!fits).then_some("H.264 ends at 36864 blocks of 16x16 pixels, such as 4096x2304");
+    size.or_else(missing_instructions)
 }
 
 /// An MP4 in the making.
@@ -45,7 +44,7 @@ pub struct Mp4 {
     path: PathBuf,
     rate: Rate,
     file: Aside,
-    encoder: Encoder,
+    encoder: H264Encoder,
     muxer: Mp4FileMuxer,
     /// How far the file is written.
     position: u64,
@@ -59,12 +58,13 @@ pub struct Mp4 {
 }
 
 impl Mp4 {
-    pub fn create(path: &Path, job: &Job) -> Result<Self, EncodeError> {
+    /// Starts an MP4 that is encoded on the threads of `pool`.
+    pub fn create(path: &Path, job: &Job, pool: &Arc<ThreadPool>) -> Result<Self, EncodeError> {
         let fault = |e: io::Error| EncodeError::write(path, e);
         // The encoder takes colour for squares of four pixels, so sides are even.
         let even = |side: u32| side.next_multiple_of(2) as usize;
         let size = (even(job.size.0), even(job.size.1));
-        let encoder = Encoder::new(config(size, job)).map_err(|e| fault(other(e)))?;
+        let encoder = H264Encoder::new(size, job, Arc::clone(pool)).map_err(fault)?;
         let options = Mp4FileMuxerOptions {
             // With the index in front, browsers play before all is there.
             reserved_moov_box_size: estimate_maximum_moov_box_size(&[job.frames.len()]),
@@ -78,6 +78,14 @@ impl Mp4 {
         let (sequence, pictures) = (Vec::new(), Vec::new());
         let (path, rate) = (path.to_path_buf(), job.rate);
         Ok(Self { path, rate, file, encoder, muxer, position, sequence, pictures, size, started: false })
+    }
+
+    fn add(&mut self, frame: YuvFrame) -> io::Result<()> {
+        self.encoder.push(frame)?;
+        while let Some(stream) = self.encoder.next() {
+            self.write(&stream?)?;
+        }
+        Ok(())
     }
 
     /// Writes the frames that the encoder has finished. They come as units, each after a start code; every slice is
@@ -156,8 +164,9 @@ impl Mp4 {
     }
 
     fn end(&mut self) -> io::Result<()> {
-        let rest = self.encoder.try_flush().map_err(other)?;
-        self.write(&rest)?;
+        while let Some(stream) = self.encoder.rest() {
+            self.write(&stream?)?;
+        }
         let done = self.muxer.finalize().map_err(other)?;
         for (offset, bytes) in done.offset_and_bytes_pairs() {
             self.file.seek(SeekFrom::Start(offset))?;
@@ -170,8 +179,11 @@ impl Mp4 {
 impl Movie for Mp4 {
     fn push(&mut self, picture: &Picture) -> Result<(), EncodeError> {
         let frame = frame(&Planes::halved(picture), self.size);
-        let stream = self.encoder.try_encode(&frame).map_err(other);
-        stream.and_then(|stream| self.write(&stream)).map_err(|e| EncodeError::write(&self.path, e))
+        self.add(frame).map_err(|e| EncodeError::write(&self.path, e))
+    }
+
+    fn cpu(&self) -> f64 {
+        self.encoder.cpu()
     }
 
     fn divert(&mut self) -> Option<PathBuf> {
@@ -182,24 +194,6 @@ impl Movie for Mp4 {
         self.end().map_err(|e| EncodeError::write(&self.path, e))?;
         self.file.commit()
     }
-}
-
-fn config((width, height): (usize, usize), job: &Job) -> EncoderConfig {
-    let rate = job.rate.per_second();
-    let mut config = EncoderConfig::new(width, height);
-    config.profile = Profile::Main;
-    config.preset = Preset::Quality;
-    config.qp = quantizer(job.formats.mp4.quality);
-    config.framerate = (*rate.numer() as f64 / *rate.denom() as f64) as f32;
-    config.gop_size = (rate * SEEK_SECONDS).round().to_integer().clamp(1, 250) as u32;
-    let frame = (width * height * 3 / 2).max(1);
-    config.lookahead = (LOOKAHEAD / frame).clamp(1, 40) as u32;
-    config
-}
-
-/// The quantiser's step for a quality of 1..=100: 75 gives 20, about what is called visually lossless.
-fn quantizer(quality: u8) -> u8 {
-    (100 - quality.clamp(1, 100)).saturating_mul(4).div_ceil(5).min(51)
 }
 
 /// A frame of an even size; a row or column that is too few is there twice.
@@ -233,10 +227,5 @@ mod tests {
     fn sizes_have_a_limit() {
         assert_eq!(limit((4096, 2304)), None);
         assert!(limit((4096, 2320)).is_some() && limit((9000, 16)).is_some());
-    }
-
-    #[test]
-    fn qualities_are_quantizers() {
-        assert_eq!([100, 75, 50, 1].map(quantizer), [0, 20, 40, 51]);
     }
 }
