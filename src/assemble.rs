@@ -134,7 +134,8 @@ fn chosen(
     let missing: Vec<u32> =
         flaws.iter().filter(|(_, flaw)| *flaw == Flaw::Missing).map(|(number, _)| *number).collect();
     let only_gaps = missing.len() == flaws.len() && missing.len() < numbers.len();
-    if !flaws.is_empty() && !(wanted.gaps && only_gaps) {
+    let right = flaws.is_empty() || wanted.gaps && only_gaps;
+    if !right {
         let names = wanted.pattern.to_string();
         return Err(EncodeError::from(JobError::Frames { names, flaws, advice }).into());
     }
