@@ -128,7 +128,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let facts = format!("frames  {} at {} per second", request.frames.len(), request.rate);
     let notes = report.notes.iter().map(|note| format!("note    {note}"));
     let told: Vec<String> = wrote.chain([facts]).chain(notes).collect();
-    if arguments.output.contains(&Output::Stream) {
+    if arguments.output.iter().any(Output::is_stream) {
         terminal::complain(&told.join("\n"));
         return Ok(());
     }

@@ -14,8 +14,26 @@ pub enum Output {
     Stills(Still, FramePattern),
     /// One file of all frames.
     Movie(Moving, PathBuf),
-    /// All frames as Y4M on the standard output.
-    Stream,
+    /// All frames on the standard output.
+    Stream(Streamed),
+}
+
+/// What frames are on the standard output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Streamed {
+    /// Raw video.
+    Y4m,
+    /// Files one after the other, as netpbm's programs take them.
+    Ppm,
+    /// The same in ASCII, P3.
+    AsciiPpm,
+    Png,
+}
+
+impl Streamed {
+    /// The names that the command line knows.
+    pub const NAMED: [(&str, Self); 4] =
+        [("y4m", Self::Y4m), ("ppm", Self::Ppm), ("ppm-ascii", Self::AsciiPpm), ("png", Self::Png)];
 }
 
 /// Formats of single frames.
@@ -80,7 +98,7 @@ impl Output {
     /// Reads an output; its format follows the extension, in either case.
     pub fn parse(text: &str) -> Result<Self, OutputError> {
         if text == STREAM {
-            return Ok(Self::Stream);
+            return Ok(Self::Stream(Streamed::Y4m));
         }
         let fault = |cause| OutputError { text: text.to_owned(), cause };
         let extension = Path::new(text).extension().and_then(|extension| extension.to_str());
@@ -114,6 +132,11 @@ impl Output {
         if let Self::Stills(_, pattern) = self { Some(pattern) } else { None }
     }
 
+    /// Whether it goes to the standard output.
+    pub fn is_stream(&self) -> bool {
+        matches!(self, Self::Stream(_))
+    }
+
     /// Whether all frames go into one file that shows them one after the other.
     pub fn is_animation(&self) -> bool {
         !matches!(self, Self::Stills(..))
@@ -131,7 +154,7 @@ impl Output {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let prefixed = path.with_file_name(format!("{prefix}{name}"));
         match self {
-            Self::Stream => Self::Stream,
+            Self::Stream(_) => self.clone(),
             _ => Self::parse(&prefixed.to_string_lossy()).unwrap_or_else(|_| self.clone()),
         }
     }
@@ -160,7 +183,7 @@ impl Output {
     /// Its files that are there, of these frames in rising order.
     pub fn present(&self, frames: &[u32]) -> Vec<PathBuf> {
         match self {
-            Self::Stream => Vec::new(),
+            Self::Stream(_) => Vec::new(),
             Self::Stills(_, pattern) if pattern.has_place() => {
                 // A folder that cannot be listed is found to be wrong when it is written to.
                 let there = pattern.numbers().unwrap_or_default().into_iter();
@@ -179,7 +202,7 @@ impl Output {
         match self {
             Self::Stills(_, pattern) => pattern.path(frame),
             Self::Movie(_, path) => path.clone(),
-            Self::Stream => PathBuf::from(STREAM),
+            Self::Stream(_) => PathBuf::from(STREAM),
         }
     }
 }
@@ -193,7 +216,7 @@ impl fmt::Display for Output {
         match self {
             Self::Stills(_, pattern) => pattern.fmt(f),
             Self::Movie(_, path) => path.display().fmt(f),
-            Self::Stream => f.write_str(STREAM),
+            Self::Stream(_) => f.write_str(STREAM),
         }
     }
 }
@@ -264,7 +287,7 @@ mod tests {
             let text = format!("a/b.{name}");
             assert_eq!(Output::parse(&text), Ok(Output::Movie(format, text.into())));
         }
-        assert_eq!(Output::parse("-"), Ok(Output::Stream));
+        assert_eq!(Output::parse("-"), Ok(Output::Stream(Streamed::Y4m)));
     }
 
     #[test]
