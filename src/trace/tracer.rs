@@ -121,13 +121,15 @@ impl<'a> Tracer<'a> {
         let shading = scene.shading;
         let weighted = |layer: LayerId| scene.weights.0[layer.index()] != Rgb::ZERO;
         let glows = |glow: &Glow| glow.radiance != Rgb::ZERO && weighted(glow.layer);
-        let used = |test: fn(&Material) -> bool| {
+        let used = |test: &dyn Fn(&Material) -> bool| {
             let mut materials = scene.geometry.primitives.iter().flat_map(Primitive::materials);
             materials.any(|index| test(&shading.materials[index as usize]))
         };
-        let media = used(Material::refracts);
-        let clear = used(|material| material.lobes.transparency != Rgb::ZERO);
-        let painted = used(|material| !material.paints.is_empty());
+        let media = used(&Material::refracts);
+        let clear = used(&Material::is_clear);
+        let painted = used(&|material| !material.paints.is_empty());
+        let shines =
+            |material: &Material| material.lobes.emission != Rgb::ZERO && weighted(material.emission_layer);
         let environment = &shading.environment;
         Self {
             scene,

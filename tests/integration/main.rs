@@ -27,6 +27,7 @@ mod coverage;
 mod coincident;
 mod determinism;
 mod golden;
+mod images;
 mod integrators;
 mod radiance;
 mod transport;
