@@ -9,6 +9,7 @@ mod command;
 mod support;
 
 mod bad_input;
+mod bounces;
 mod inputs;
 mod cli;
 mod render;
