@@ -8,8 +8,8 @@ use crate::sampling::Points;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
     pub integrator: Integrator,
-    /// Longest chain of mirror reflections, refractions and, along paths, scattering. The light of lights at its
-    /// end still counts.
+    /// How often light may go from one surface to another on its way from its source to the eye: light of 0 bounces
+    /// comes straight from its source to the surface that is seen.
     pub bounces: u32,
     /// How a pixel's samples are spread over it and its neighbours.
     pub filter: Filter,
@@ -91,6 +91,14 @@ impl Integrator {
     /// Whether both are of the same kind, whatever their settings.
     pub fn is_like(&self, other: &Self) -> bool {
         std::mem::discriminant(self) == std::mem::discriminant(other)
+    }
+}
+
+impl Quality {
+    /// How many surfaces may reflect or bend light between its source and the eye: one more than the bounces between
+    /// them. A ray that starts behind the last of them only sees what gives off light.
+    pub fn surfaces(&self) -> u32 {
+        self.bounces + 1
     }
 }
 

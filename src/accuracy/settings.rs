@@ -65,8 +65,8 @@ impl Axis {
                 "Rays on a regular grid in each pixel, n x n of them, that smooth jagged edges. Nothing is random."
             }
             Self::Bounces => {
-                "How often a ray may be reflected or bent. Fewer bounces leave light out: that error is a bias, which \
-                 more samples do not take away."
+                "How often light may go from one surface to the next. Fewer bounces leave light out: that error is a \
+                 bias, which more samples do not take away."
             }
             Self::Roulette => {
                 "After this many bounces, dim rays end at random and others make up for them: less time, more noise."

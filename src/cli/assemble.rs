@@ -227,7 +227,7 @@ impl Arguments {
             ProgressMode::Json => json(report, request),
             _ => text(report, request),
         };
-        if self.output.contains(&Output::Stream) {
+        if self.output.iter().any(Output::is_stream) {
             terminal::complain(&told);
             return Ok(());
         }

@@ -30,7 +30,9 @@ pub struct Options {
     #[arg(long, value_name = "NAME", value_parser = values::integrator)]
     pub integrator: Option<Integrator>,
 
-    /// Longest chain of reflections and refractions, 0 for none [default: as the sequence says]
+    /// How often light goes from surface to surface, 0 to 1000 [default: as the sequence says]
+    ///
+    /// Light of 0 bounces comes straight from its source to the surface that is seen.
     #[arg(long, value_name = "N", value_parser = values::bounces, allow_hyphen_values = true)]
     pub bounces: Option<u32>,
 

@@ -9,7 +9,7 @@ use super::signals::{self, Next};
 use super::{load, loading, summary, terminal, values};
 use crate::accuracy::{Budget, Clock, Settled, percent, seconds, settled};
 use crate::counters::Meter;
-use crate::encode::{Existing, Output};
+use crate::encode::{Existing, Output, Streamed};
 use crate::escape;
 use crate::farm::Fingerprint;
 use crate::files::{self, Root};
@@ -34,11 +34,18 @@ pub struct Arguments {
     ///
     /// The format follows the extension: .mp4, .gif, .apng, .webp or .y4m for an animation,
     /// .png, .jpg or .ppm for a picture per frame, .exr for its linear radiance, where ####
-    /// or %04d is the place of the frame number; - for raw video (Y4M) on the standard output.
+    /// or %04d is the place of the frame number; - for the standard output, as --format says.
     /// Without this option, a draft's files are called draft_..., and a part of the frames
     /// leaves the whole animation as it is.
     #[arg(short, long, value_name = "FILE", value_parser = values::output(), verbatim_doc_comment)]
     output: Vec<Output>,
+
+    /// What -o - writes to the standard output: y4m, ppm, ppm-ascii or png [default: y4m]
+    ///
+    /// y4m is raw video for any encoder; ppm (P6), ppm-ascii (P3) and png are a file per frame,
+    /// one after the other.
+    #[arg(long, value_name = "FORMAT", value_parser = values::streamed, verbatim_doc_comment)]
+    format: Option<Streamed>,
 
     /// Frames to render, counted from 0: 0-47, 0..48, 7,9,20 or 1-40:2 [default: all]
     ///
@@ -108,6 +115,7 @@ Examples:
   kinora render turn.ron -o t_####.png -o t.gif      frames and an animation
   kinora render turn.ron -o turn.mp4 --quality 80    a video for browsers and slides
   kinora render turn.ron -o - | x265 --y4m - -o t.hevc  raw video for any encoder
+  kinora render turn.ron --frames 7 -o - --format ppm > 7.ppm  a frame for another program
   kinora render turn.ron --frames 0-47:2 -s 640x360  every second frame, small
   kinora render turn.ron --shard 2/4                 one of four processes, on any machine
   kinora render turn.ron -r 30 --draft               a quick look at another rate";
@@ -127,9 +135,10 @@ fn rendered(arguments: &Arguments) -> Result<(), Failure> {
     let mut sequence = arguments.sequence()?;
     let all = frames_of(arguments.frames.as_ref(), &sequence)?;
     let frames = arguments.part_of(&all, &sequence)?;
+    let wanted = arguments.outputs()?;
     let run = Run {
         own: &sequence.output.files,
-        wanted: &arguments.output,
+        wanted: &wanted,
         draft: options.draft,
         partial: arguments.shares() || frames.len() < sequence.timeline.frames as usize,
     };
@@ -170,6 +179,21 @@ impl Arguments {
         overrides::applied(sequence, &self.settings.overrides()).map_err(Failure::Bad)
     }
 
+    /// What the command line says to write.
+    fn outputs(&self) -> Result<Vec<Output>, Failure> {
+        let Some(streamed) = self.format else { return Ok(self.output.clone()) };
+        if !self.output.iter().any(Output::is_stream) {
+            let message = "--format says what goes to the standard output, and nothing does: write -o - as well; formats \
+                           of files follow their extensions";
+            return Err(Failure::Bad(message.to_owned()));
+        }
+        let as_said = |output: &Output| match output {
+            Output::Stream(_) => Output::Stream(streamed),
+            _ => output.clone(),
+        };
+        Ok(self.output.iter().map(as_said).collect())
+    }
+
     /// Those of the frames that this process is to make.
     fn part_of(&self, all: &[u32], sequence: &Sequence) -> Result<Vec<u32>, Failure> {
         let frames = self.shard.map_or(all, |shard| shard.of(all));
@@ -190,7 +214,7 @@ impl Arguments {
             ProgressMode::OpenJd => Some("openjd"),
             ProgressMode::Auto | ProgressMode::Plain => None,
         };
-        if let Some(mode) = told.filter(|_| outputs.contains(&Output::Stream)) {
+        if let Some(mode) = told.filter(|_| outputs.iter().any(Output::is_stream)) {
             return Err(Failure::Bad(format!(
                 "-o - and --progress {mode} both write to the standard output; leave one out"
             )));
@@ -234,7 +258,7 @@ impl Arguments {
         }
         let json = options.progress == ProgressMode::Json;
         let told = if json { summary::json(done) } else { summary::text(done) };
-        if outputs.contains(&Output::Stream) {
+        if outputs.iter().any(Output::is_stream) {
             terminal::complain(&told);
             return Ok(());
         }

@@ -29,7 +29,7 @@ pub fn say(line: &str) -> Result<(), Failure> {
 
 /// Refuses to write frames to a standard output that is closed, as it would be refused by one whose reader goes away.
 pub fn check_stream(outputs: &[Output]) -> Result<(), Failure> {
-    if !outputs.contains(&Output::Stream) || !stdout_is_closed() {
+    if !outputs.iter().any(Output::is_stream) || !stdout_is_closed() {
         return Ok(());
     }
     let message = "cannot write to the standard output: it is closed; give it a reader, such as `-o - | ffmpeg -i - ...`";

@@ -2,7 +2,7 @@
 //! say what would be right.
 
 use crate::color::{Rgb, hex_color};
-use crate::encode::{Output, Template, Tonemap};
+use crate::encode::{Output, Streamed, Template, Tonemap};
 use crate::film::MOST_STOPS;
 use crate::humane::parse_bytes;
 use crate::quality::{Integrator, MOST_SAMPLES, PathSettings};
@@ -116,6 +116,12 @@ pub fn matte(text: &str) -> Result<Rgb, String> {
 pub fn tonemap(text: &str) -> Result<Tonemap, String> {
     let found = Tonemap::NAMED.into_iter().find(|(name, _)| name.eq_ignore_ascii_case(text));
     found.map(|(_, tonemap)| tonemap).ok_or_else(|| "write srgb, none, reinhard or filmic".to_owned())
+}
+
+/// What is written to the standard output.
+pub fn streamed(text: &str) -> Result<Streamed, String> {
+    let found = Streamed::NAMED.into_iter().find(|(name, _)| name.eq_ignore_ascii_case(text));
+    found.map(|(_, streamed)| streamed).ok_or_else(|| "write y4m, ppm, ppm-ascii or png".to_owned())
 }
 
 /// Stops, up or down.

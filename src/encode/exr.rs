@@ -18,8 +18,10 @@ use exr::prelude::{
 use std::io;
 use std::path::Path;
 
+mod half;
 mod seal;
 
+use half::Halves;
 pub use seal::{holds, texts};
 
 /// 16 rows at a time, compressed as ZIP does; in order, as the frame's bytes may not depend on threads.
@@ -52,44 +54,45 @@ pub struct Words {
 }
 
 /// Writes the film's radiance aside, for the place `path`. `names` are those of the film's layers of
-/// light.
+/// light. Tells how many numbers were too large for the file's floats.
 pub fn write(
     path: &Path,
     film: &Film,
     settings: ExrSettings,
     names: &[String],
     words: &Words,
-) -> Result<Aside, EncodeError> {
+) -> Result<(Aside, u64), EncodeError> {
     let mut aside = Aside::create(path)?;
+    let halves = Halves::default();
     let written = match settings.layers.any() {
-        true => all(film, settings, names, words, &mut aside),
-        false => plain(film, settings.half, words, &mut aside),
+        true => all(film, settings, names, words, &halves, &mut aside),
+        false => plain(film, settings.half.then_some(&halves), words, &mut aside),
     };
     written.map_err(|error| EncodeError::write(path, cause(error)))?;
     if words.identity.is_some() {
         seal::close(&mut aside).map_err(|error| EncodeError::write(path, error))?;
     }
-    Ok(aside)
+    Ok((aside, halves.clipped()))
 }
 
 /// Writes the channels R, G and B, and A if the background is left out. The radiance is summed as it is written, so
 /// that no second copy of the picture is held.
-fn plain(film: &Film, half: bool, words: &Words, file: &mut Aside) -> UnitResult {
+fn plain(film: &Film, halves: Option<&Halves>, words: &Words, file: &mut Aside) -> UnitResult {
     let width = film.width as usize;
     let at = |Vec2(x, y): Vec2<usize>| y * width + x;
     let color = |place| film.radiance_at(at(place));
-    let short = |place| color(place).to_array().map(f16::from_f32).into();
     let alpha = |place| film.alpha_at(at(place));
-    match (film.extras.coverage, half) {
-        (false, false) => {
+    match (film.extras.coverage, halves) {
+        (false, None) => {
             let channels = SpecificChannels::rgb::<f32, f32, f32>(|place| color(place).into());
             image(film, channels, words).write().non_parallel().to_buffered(file)
         }
-        (false, true) => {
+        (false, Some(halves)) => {
+            let short = |place| color(place).to_array().map(|value| halves.half(value)).into();
             let channels = SpecificChannels::rgb::<f16, f16, f16>(short);
             image(film, channels, words).write().non_parallel().to_buffered(file)
         }
-        (true, false) => {
+        (true, None) => {
             let pixel = |place| {
                 let Rgb { x, y, z } = color(place);
                 (x, y, z, alpha(place))
@@ -97,10 +100,11 @@ fn plain(film: &Film, half: bool, words: &Words, file: &mut Aside) -> UnitResult
             let channels = SpecificChannels::rgba::<f32, f32, f32, f32>(pixel);
             image(film, channels, words).write().non_parallel().to_buffered(file)
         }
-        (true, true) => {
+        (true, Some(halves)) => {
             let pixel = |place| {
-                let (r, g, b) = short(place);
-                (r, g, b, f16::from_f32(alpha(place)))
+                let Rgb { x, y, z } = color(place);
+                let [r, g, b, a] = [x, y, z, alpha(place)].map(|value| halves.half(value));
+                (r, g, b, a)
             };
             let channels = SpecificChannels::rgba::<f16, f16, f16, f16>(pixel);
             image(film, channels, words).write().non_parallel().to_buffered(file)
@@ -109,9 +113,16 @@ fn plain(film: &Film, half: bool, words: &Words, file: &mut Aside) -> UnitResult
 }
 
 /// Writes the picture and whatever layers are asked for, each channel `LAYER.R` and so on.
-fn all(film: &Film, settings: ExrSettings, names: &[String], words: &Words, file: &mut Aside) -> UnitResult {
+fn all(
+    film: &Film,
+    settings: ExrSettings,
+    names: &[String],
+    words: &Words,
+    halves: &Halves,
+    file: &mut Aside,
+) -> UnitResult {
     let pixels = film.width as usize * film.height as usize;
-    let sheet = Sheet { film, pixels, half: settings.half };
+    let sheet = Sheet { film, pixels, half: settings.half, halves };
     let mut list = sheet.colors("", |pixel| film.radiance_at(pixel));
     if film.extras.coverage {
         list.push(sheet.channel("A".to_owned(), settings.half, |pixel| film.alpha_at(pixel)));
@@ -146,13 +157,14 @@ struct Sheet<'a> {
     pixels: usize,
     /// Whether colours are 16-bit floats. Depth and normals never are.
     half: bool,
+    halves: &'a Halves,
 }
 
 impl Sheet<'_> {
     fn channel(&self, name: String, half: bool, value: impl Fn(usize) -> f32) -> AnyChannel<FlatSamples> {
         let values = (0..self.pixels).map(value);
         let samples = match half {
-            true => FlatSamples::F16(values.map(f16::from_f32).collect()),
+            true => FlatSamples::F16(values.map(|value| self.halves.half(value)).collect()),
             false => FlatSamples::F32(values.collect()),
         };
         AnyChannel::new(Text::from(name.as_str()), samples)
@@ -216,7 +228,7 @@ mod tests {
         let mut film = film();
         film.expose(3.0);
         write(&path, &film, ExrSettings::default(), &[], &Words::default())
-            .and_then(Aside::commit)
+            .and_then(|(aside, _)| aside.commit())
             .expect("written");
         let image = read_first_rgba_layer_from_file(
             path,
@@ -252,7 +264,7 @@ mod tests {
         let layers = ExrLayers { lights: true, depth: true, normal: true, albedo: true };
         let names = ["constant".to_owned(), "key".to_owned()];
         write(&path, &film, ExrSettings { layers, ..ExrSettings::default() }, &names, &Words::default())
-            .and_then(Aside::commit)
+            .and_then(|(aside, _)| aside.commit())
             .expect("written");
         let found = channels(&path);
         let order: Vec<_> = found.iter().map(|(name, _)| name.as_str()).collect();
@@ -291,6 +303,27 @@ mod tests {
     }
 
     #[test]
+    fn half_floats_hold_their_largest_for_what_is_larger() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let path = dir.path().join("a.exr");
+        for (coverage, lights) in [(false, false), (true, false), (false, true)] {
+            let extras = Extras { coverage, guides: false };
+            let mut film = Film::with_extras(2, 1, vec![Rgb::ONE], extras);
+            film.data_mut()[0] = Rgb::new(65_519.0, 65_520.0, f32::INFINITY);
+            let layers = ExrLayers { lights, ..ExrLayers::default() };
+            let settings = ExrSettings { half: true, layers, ..ExrSettings::default() };
+            let names = ["constant".to_owned()];
+            let (aside, clipped) = write(&path, &film, settings, &names, &Words::default()).expect("written");
+            aside.commit().expect("written");
+            assert_eq!(clipped, if lights { 4 } else { 2 });
+            for (name, values) in channels(&path) {
+                let expected = if name == "A" { film.alpha_at(0) } else { 65_504.0 };
+                assert_eq!(values[0], expected, "{name}");
+            }
+        }
+    }
+
+    #[test]
     fn half_floats_are_half_as_fine() {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("a.exr");
@@ -299,7 +332,7 @@ mod tests {
             let mut film = Film::with_extras(2, 1, vec![Rgb::ONE], extras);
             film.data_mut()[0] = Rgb::new(0.1, 1.0, 1000.3);
             write(&path, &film, ExrSettings { half: true, ..ExrSettings::default() }, &[], &Words::default())
-                .and_then(Aside::commit)
+                .and_then(|(aside, _)| aside.commit())
                 .expect("written");
             let found = channels(&path);
             assert_eq!(found.len(), if coverage { 4 } else { 3 });
@@ -315,7 +348,7 @@ mod tests {
         let bytes = ["a.exr", "b.exr"].map(|name| {
             let path = dir.path().join(name);
             write(&path, &film(), ExrSettings::default(), &[], &Words::default())
-                .and_then(Aside::commit)
+                .and_then(|(aside, _)| aside.commit())
                 .expect("written");
             fs::read(path).expect("read")
         });

@@ -116,7 +116,7 @@ impl Job {
 
     /// No folder may stand where a file goes, and no file where a folder is or none is to be replaced.
     fn check_place(&self, output: &Output, frames: &[u32]) -> Result<(), JobError> {
-        if *output == Output::Stream {
+        if output.is_stream() {
             return Ok(());
         }
         check_folder(&output.path(self.first()))?;
@@ -143,7 +143,7 @@ impl Job {
     /// Creates the folders that are missing, and proves that all can be written to.
     pub(super) fn prepare_folders(&self) -> Result<NewFolders, EncodeError> {
         let mut folders = NewFolders::default();
-        let files = self.outputs.iter().filter(|output| **output != Output::Stream);
+        let files = self.outputs.iter().filter(|output| !output.is_stream());
         for output in files {
             let path = output.path(self.first());
             let numbered = output.pattern().is_some_and(FramePattern::has_place);

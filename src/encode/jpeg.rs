@@ -1,12 +1,9 @@
 //! Pictures as JPEG: small, and not without loss.
 
-use super::atomic::Aside;
-use super::error::EncodeError;
 use super::picture::Picture;
 use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
 use std::io;
-use std::path::Path;
 
 /// Pixels along a side, at most.
 const LONGEST: u32 = 65_535;
@@ -16,13 +13,8 @@ pub fn limit((width, height): (u32, u32)) -> Option<&'static str> {
     (width.max(height) > LONGEST).then_some("a JPEG ends at 65535x65535")
 }
 
-/// Writes the picture aside, for the place `path`. `quality` goes from 1 to 100.
-pub fn write(path: &Path, picture: &Picture, quality: u8) -> Result<Aside, EncodeError> {
-    let bytes = encode(picture, quality).map_err(|error| EncodeError::write(path, error))?;
-    Aside::holding(path, &bytes)
-}
-
-fn encode(picture: &Picture, quality: u8) -> io::Result<Vec<u8>> {
+/// The picture as the bytes of a JPEG file. `quality` goes from 1 to 100.
+pub fn encode(picture: &Picture, quality: u8) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut encoder = JpegEncoder::new_with_quality(&mut bytes, quality);
     encoder

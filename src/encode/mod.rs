@@ -56,13 +56,13 @@ pub use found::{Found, found, in_hand};
 pub use identity::Seen;
 pub use inspect::{Flaw, Inspected, inspect, inspect_job};
 pub use job::{Existing, Job, check_size, check_within, prepare_picture};
-pub use output::{Moving, Output, OutputError, Still};
+pub use output::{Moving, Output, OutputError, Still, Streamed};
 pub use pattern::{FramePattern, PatternError};
 pub use picture::Picture;
 pub use png::texts as frame_texts;
 pub use settings::{
     ExrLayers, ExrSettings, Formats, GifSettings, JpegSettings, MATTE, Mp4Settings, Plays, PngSettings,
-    Y4mSettings,
+    PpmSettings, Y4mSettings,
 };
 pub use sheet::{Sheet, columns as sheet_columns};
 pub use text::FONT_FILE;
@@ -72,9 +72,11 @@ use crate::digest::Digest;
 use crate::film::{Film, Noise};
 use crate::machine::thread_time;
 use crate::stop::Stop;
+use atomic::Aside;
 use claim::Claims;
 use keep::Kept;
 use rayon::ThreadPool;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -85,21 +87,26 @@ use worker::Worker;
 
 /// Writes a picture of no frame in particular, such as a filmstrip, as a still of 8 bits.
 pub fn write_picture(output: &Output, picture: &Picture, formats: Formats) -> Result<(), EncodeError> {
-    let path = output.path(0);
-    let aside = match output {
-        Output::Stills(Still::Png, _) => png::write(&path, picture, &[])?,
-        Output::Stills(Still::Jpeg, _) => jpeg::write(&path, picture, formats.jpeg.quality)?,
-        Output::Stills(Still::Ppm, _) => ppm::write(&path, picture)?,
-        Output::Stills(Still::Exr, _) | Output::Movie(..) | Output::Stream => {
+    let bytes = match output {
+        Output::Stills(Still::Png, _) => png::encode(picture, &[]),
+        Output::Stills(Still::Jpeg, _) => jpeg::encode(picture, formats.jpeg.quality),
+        Output::Stills(Still::Ppm, _) => ppm::encode(picture, formats.ppm.ascii),
+        Output::Stills(Still::Exr, _) | Output::Movie(..) | Output::Stream(_) => {
             return Err(JobError::NoPicture { output: output.to_string() }.into());
         }
     };
-    aside.commit()
+    holding(&output.path(0), bytes)?.commit()
 }
 
 /// Writes a picture as a PNG, whole or not at all.
 pub fn write_png(path: &Path, picture: &Picture) -> Result<(), EncodeError> {
-    png::write(path, picture, &[])?.commit()
+    holding(path, png::encode(picture, &[]))?.commit()
+}
+
+/// A file of these bytes aside, for the place `path`.
+fn holding(path: &Path, bytes: io::Result<Vec<u8>>) -> Result<Aside, EncodeError> {
+    let bytes = bytes.map_err(|error| EncodeError::write(path, error))?;
+    Aside::holding(path, &bytes)
 }
 
 /// A picture as a PNG in memory.

@@ -15,8 +15,26 @@ pub enum Output {
     Stills(Still, FramePattern),
     /// One file of all frames.
     Movie(Moving, PathBuf),
-    /// All frames as Y4M on the standard output.
-    Stream,
+    /// All frames on the standard output.
+    Stream(Streamed),
+}
+
+/// What frames are on the standard output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Streamed {
+    /// Raw video.
+    Y4m,
+    /// Files one after the other, as netpbm's programs take them.
+    Ppm,
+    /// The same in ASCII, P3.
+    AsciiPpm,
+    Png,
+}
+
+impl Streamed {
+    /// The names that the command line knows.
+    pub const NAMED: [(&str, Self); 4] =
+        [("y4m", Self::Y4m), ("ppm", Self::Ppm), ("ppm-ascii", Self::AsciiPpm), ("png", Self::Png)];
 }
 
 /// Formats of single frames.
@@ -82,7 +100,7 @@ impl Output {
     pub fn parse(text: impl AsRef<Path>) -> Result<Self, OutputError> {
         let text = text.as_ref();
         if text.as_os_str() == STREAM {
-            return Ok(Self::Stream);
+            return Ok(Self::Stream(Streamed::Y4m));
         }
         let fault = |cause| OutputError { text: text.to_owned(), cause };
         let Some(extension) =
@@ -117,6 +135,11 @@ impl Output {
         if let Self::Stills(_, pattern) = self { Some(pattern) } else { None }
     }
 
+    /// Whether it goes to the standard output.
+    pub fn is_stream(&self) -> bool {
+        matches!(self, Self::Stream(_))
+    }
+
     /// Whether all frames go into one file that shows them one after the other.
     pub fn is_animation(&self) -> bool {
         !matches!(self, Self::Stills(..))
@@ -126,7 +149,7 @@ impl Output {
     pub fn is_sequential(&self) -> bool {
         match self {
             Self::Stills(Still::Png | Still::Jpeg | Still::Ppm, _) => true,
-            Self::Movie(Moving::Y4m, _) | Self::Stream => true,
+            Self::Movie(Moving::Y4m, _) | Self::Stream(_) => true,
             Self::Stills(Still::Exr, _) | Self::Movie(..) => false,
         }
     }
@@ -141,14 +164,14 @@ impl Output {
         match self {
             Self::Stills(_, pattern) => pattern.name(),
             Self::Movie(_, path) => path,
-            Self::Stream => Path::new(STREAM),
+            Self::Stream(_) => Path::new(STREAM),
         }
     }
 
     /// The same output with `prefix` in front of the file's name.
     pub fn prefixed(&self, prefix: &str) -> Self {
         match self {
-            Self::Stream => Self::Stream,
+            Self::Stream(_) => self.clone(),
             _ => Self::parse(prefixed(self.name(), prefix)).unwrap_or_else(|_| self.clone()),
         }
     }
@@ -177,7 +200,7 @@ impl Output {
     /// Its files that are there, of these frames in rising order.
     pub fn present(&self, frames: &[u32]) -> Vec<PathBuf> {
         match self {
-            Self::Stream => Vec::new(),
+            Self::Stream(_) => Vec::new(),
             Self::Stills(_, pattern) if pattern.has_place() => {
                 // A folder that cannot be listed is found to be wrong when it is written to.
                 let there = pattern.numbers().unwrap_or_default().into_iter();
@@ -196,7 +219,7 @@ impl Output {
         match self {
             Self::Stills(_, pattern) => pattern.path(frame),
             Self::Movie(_, path) => path.clone(),
-            Self::Stream => PathBuf::from(STREAM),
+            Self::Stream(_) => PathBuf::from(STREAM),
         }
     }
 }
@@ -285,7 +308,7 @@ mod tests {
             let text = format!("a/b.{name}");
             assert_eq!(Output::parse(&text), Ok(Output::Movie(format, text.into())));
         }
-        assert_eq!(Output::parse("-"), Ok(Output::Stream));
+        assert_eq!(Output::parse("-"), Ok(Output::Stream(Streamed::Y4m)));
     }
 
     #[test]

@@ -1,13 +1,10 @@
 //! Pictures as PNG, written fast: 8 or 16 bits, with alpha where they have some.
 
-use super::atomic::Aside;
-use super::error::EncodeError;
 use super::picture::{Code, Picture};
 use super::record::Text;
 use crate::digest::Digest;
 use std::borrow::Cow;
 use std::io;
-use std::path::Path;
 
 mod read;
 mod seal;
@@ -63,26 +60,17 @@ pub fn encode<C: PngCode>(picture: &Picture<C>, texts: &[Text]) -> io::Result<Ve
     Ok(bytes)
 }
 
-/// Writes a frame aside that says what it shows, for the place `path`.
-pub fn write_frame<C: PngCode>(
-    path: &Path,
+/// The bytes of a PNG file that says what it shows.
+pub fn sealed<C: PngCode>(
     picture: &Picture<C>,
     mut texts: Vec<Text>,
     identity: Option<Digest>,
-) -> Result<Aside, EncodeError> {
-    let Some(identity) = identity else { return write(path, picture, &texts) };
+) -> io::Result<Vec<u8>> {
+    let Some(identity) = identity else { return encode(picture, &texts) };
     texts.push(seal::text(identity));
-    let sealed = encode(picture, &texts).and_then(|mut bytes| {
-        seal::close(&mut bytes)?;
-        Ok(bytes)
-    });
-    Aside::holding(path, &sealed.map_err(|e| EncodeError::write(path, e))?)
-}
-
-/// Writes the picture aside, for the place `path`.
-pub fn write<C: PngCode>(path: &Path, picture: &Picture<C>, texts: &[Text]) -> Result<Aside, EncodeError> {
-    let bytes = encode(picture, texts).map_err(|e| EncodeError::write(path, e))?;
-    Aside::holding(path, &bytes)
+    let mut bytes = encode(picture, &texts)?;
+    seal::close(&mut bytes)?;
+    Ok(bytes)
 }
 
 #[cfg(test)]
@@ -90,10 +78,11 @@ mod tests {
     use super::*;
     use crate::encode::identity::Seen;
     use crate::encode::record::facts;
-    use crate::encode::{About, Shown};
+    use crate::encode::{About, Shown, write_png};
     use crate::time::Rate;
     use ::png::Decoder;
     use image::DynamicImage;
+    use std::path::Path;
 
     fn codes<C: Code>(count: u32) -> Vec<C> {
         (0..count).map(|i| C::of(f64::from(i * 37 % 256) / 255.0)).collect()
@@ -104,7 +93,7 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("a.png");
         let picture = Picture::opaque(5, 7, codes(5 * 7 * 3));
-        write(&path, &picture, &[]).and_then(Aside::commit).expect("written");
+        write_png(&path, &picture).expect("written");
         assert_eq!(read(&path).expect("read"), picture);
     }
 

@@ -1,25 +1,24 @@
-//! Pictures as binary PPM (P6), 8 bits a channel.
+//! Pictures as PPM, 8 bits a channel: binary (P6), or in ASCII (P3).
 
-use super::atomic::Aside;
-use super::error::EncodeError;
 use super::picture::Picture;
 use image::codecs::pnm::{PnmEncoder, PnmSubtype, SampleEncoding};
 use image::{ExtendedColorType, ImageEncoder};
 use std::io;
-use std::path::Path;
 
-/// Writes the picture aside, for the place `path`.
-pub fn write(path: &Path, picture: &Picture) -> Result<Aside, EncodeError> {
-    let bytes = encode(picture).map_err(|error| EncodeError::write(path, error))?;
-    Aside::holding(path, &bytes)
-}
-
-fn encode(picture: &Picture) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::with_capacity(picture.rgb.len() + 32);
-    let encoder = PnmEncoder::new(&mut bytes).with_subtype(PnmSubtype::Pixmap(SampleEncoding::Binary));
+/// The picture as the bytes of a PPM file.
+pub fn encode(picture: &Picture, ascii: bool) -> io::Result<Vec<u8>> {
+    // A number of up to three digits, and what parts it from the next.
+    let each = if ascii { 4 } else { 1 };
+    let mut bytes = Vec::with_capacity(picture.rgb.len() * each + 32);
+    let samples = if ascii { SampleEncoding::Ascii } else { SampleEncoding::Binary };
+    let encoder = PnmEncoder::new(&mut bytes).with_subtype(PnmSubtype::Pixmap(samples));
     encoder
         .write_image(&picture.rgb, picture.width, picture.height, ExtendedColorType::Rgb8)
         .map_err(io::Error::other)?;
+    if ascii {
+        // Another picture may follow.
+        bytes.push(b'\n');
+    }
     Ok(bytes)
 }
 
@@ -30,6 +29,19 @@ mod tests {
     #[test]
     fn a_header_and_the_rows() {
         let picture = Picture::opaque(2, 1, vec![255, 0, 10, 1, 2, 3]);
-        assert_eq!(encode(&picture).expect("bytes"), b"P6\n2 1 255\n\xff\x00\x0a\x01\x02\x03");
+        assert_eq!(encode(&picture, false).expect("bytes"), b"P6\n2 1 255\n\xff\x00\x0a\x01\x02\x03");
+        let text = String::from_utf8(encode(&picture, true).expect("bytes")).expect("ASCII");
+        let words: Vec<_> = text.split_ascii_whitespace().collect();
+        assert_eq!(words, ["P3", "2", "1", "255", "255", "0", "10", "1", "2", "3"]);
+    }
+
+    /// Netpbm asks for lines of at most 70 characters.
+    #[test]
+    fn lines_of_ascii_are_short() {
+        let picture = Picture::opaque(40, 3, (0..360u16).map(|k| (k % 256) as u8).collect());
+        let text = String::from_utf8(encode(&picture, true).expect("bytes")).expect("ASCII");
+        assert!(text.lines().all(|line| line.len() <= 70) && text.ends_with('\n'), "{text}");
+        let decoded = image::load_from_memory(text.as_bytes()).expect("a PPM").into_rgb8();
+        assert_eq!(decoded.into_raw(), picture.rgb);
     }
 }

@@ -7,6 +7,7 @@ use crate::color::Rgb;
 pub struct Formats {
     pub png: PngSettings,
     pub jpeg: JpegSettings,
+    pub ppm: PpmSettings,
     pub exr: ExrSettings,
     pub gif: GifSettings,
     pub apng: Plays,
@@ -41,6 +42,13 @@ impl Default for JpegSettings {
     fn default() -> Self {
         Self { quality: 90 }
     }
+}
+
+/// How PPM files are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PpmSettings {
+    /// Numbers as text (P3), instead of bytes (P6).
+    pub ascii: bool,
 }
 
 /// How EXR files are written.

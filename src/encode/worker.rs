@@ -2,21 +2,23 @@
 
 use super::about::Shown;
 use super::animations::Animations;
-use super::atomic::{Aside, NewFolders};
+use super::atomic::NewFolders;
 use super::claim::Claim;
 use super::commits::Commits;
 use super::develop::{ToneTable, develop_deep};
 use super::error::EncodeError;
 use super::job::Job;
-use super::output::{Output, Still};
+use super::output::{Output, Still, Streamed};
 use super::picture::Picture;
-use super::record;
+use super::record::{self, Text};
 use super::store::Store;
-use super::{Message, Report, exr, jpeg, png, ppm};
+use super::{Message, Report, exr, holding, jpeg, png, ppm};
 use crate::film::Film;
+use crate::humane::counted;
 use crate::machine::thread_time;
 use rayon::ThreadPool;
-use std::io;
+use std::fs;
+use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -35,6 +37,9 @@ pub struct Worker {
     cpu: Arc<AtomicU64>,
     /// The first frame with pixels that are not numbers.
     first_nan: Option<u32>,
+    /// Numbers that were too large for the floats of EXR files, and the first frame with any.
+    clipped: u64,
+    first_clipped: Option<u32>,
     /// Last, so that what lies in the folders has vanished when they are looked at.
     folders: NewFolders,
 }
@@ -58,7 +63,19 @@ impl Worker {
         let animations = Some(Animations::start(&job, own_store(&job), &pool)?);
         let table = ToneTable::new(job.tonemap);
         let (commits, report, cpu) = Default::default();
-        Ok(Self { job, pool, table, animations, commits, report, cpu, first_nan: None, folders })
+        Ok(Self {
+            job,
+            pool,
+            table,
+            animations,
+            commits,
+            report,
+            cpu,
+            first_nan: None,
+            clipped: 0,
+            first_clipped: None,
+            folders,
+        })
     }
 
     /// Where the time is told that it has worked.
@@ -113,9 +130,10 @@ impl Worker {
         let matte = over.as_ref().unwrap_or(&picture);
         let developed = Developed { index, shown, film: &film, picture: &picture, matte };
         for output in &job.outputs {
-            if let Output::Stills(format, pattern) = output {
-                let file = still(&job, *format, &pattern.path(frame), &developed)?;
-                self.commits.push(file, claim.cloned())?;
+            if let Output::Stills(Still::Exr, pattern) = output {
+                self.exr(&pattern.path(frame), &developed, claim)?;
+            } else if let Some(bytes) = still(&job, output, &developed) {
+                self.put(&output.path(frame), output, bytes, claim)?;
             }
         }
         match &mut self.animations {
@@ -144,21 +162,50 @@ impl Worker {
         }
         let matte = picture.over(job.matte);
         for output in job.outputs.iter().filter(silent) {
-            match output {
-                Output::Stills(Still::Jpeg, pattern) => {
-                    let path = pattern.path(frame);
-                    self.commits.push(jpeg::write(&path, &matte, job.formats.jpeg.quality)?, None)?;
-                }
-                Output::Stills(Still::Ppm, pattern) => {
-                    self.commits.push(ppm::write(&pattern.path(frame), &matte)?, None)?;
-                }
-                _ => {}
+            let bytes = match output {
+                // As it is there.
+                Output::Stream(Streamed::Png) => Some(fs::read(pattern.path(frame))),
+                _ => without_alpha(&job, output, &matte),
+            };
+            if let Some(bytes) = bytes {
+                self.put(&output.path(frame), output, bytes, None)?;
             }
         }
         match &mut self.animations {
             Some(animations) => animations.push(&picture, &matte),
             None => Ok(()),
         }
+    }
+
+    /// Puts a frame's bytes where the output says: aside, or on the standard output.
+    fn put(
+        &mut self,
+        path: &Path,
+        output: &Output,
+        bytes: io::Result<Vec<u8>>,
+        claim: Option<&Arc<Claim>>,
+    ) -> Result<(), EncodeError> {
+        if !output.is_stream() {
+            return self.commits.push(holding(path, bytes)?, claim.cloned());
+        }
+        let mut stdout = io::stdout().lock();
+        let put = bytes.and_then(|bytes| stdout.write_all(&bytes)).and_then(|()| stdout.flush());
+        put.map_err(|error| EncodeError::write("the standard output", error))
+    }
+
+    /// Writes a frame's EXR file aside, and counts what its floats cannot hold.
+    fn exr(&mut self, path: &Path, frame: &Developed, claim: Option<&Arc<Claim>>) -> Result<(), EncodeError> {
+        let job = Arc::clone(&self.job);
+        let words = exr::Words {
+            identity: job.identity(Still::Exr, frame.index),
+            texts: texts(&job, Still::Exr, frame),
+        };
+        let (file, clipped) = exr::write(path, frame.film, job.formats.exr, &job.about.layers, &words)?;
+        self.clipped += clipped;
+        if clipped > 0 {
+            self.first_clipped.get_or_insert(frame.shown.frame);
+        }
+        self.commits.push(file, claim.cloned())
     }
 
     fn finish(&mut self) -> Result<(), EncodeError> {
@@ -196,35 +243,56 @@ impl Worker {
                 "{pixels} pixels were not numbers and are shown as 0, the first in frame {first}{kept}"
             ));
         }
+        if let Some(first) = self.first_clipped {
+            let numbers = counted(self.clipped, "number");
+            self.report.notes.push(format!(
+                "{numbers} above 65504, the most that EXR files of `precision: Half` hold, are written as that, the first \
+                 in frame {first}; `precision: Float` keeps them"
+            ));
+        }
     }
 }
 
-/// Writes one frame's own file aside.
-fn still(job: &Job, format: Still, path: &Path, frame: &Developed) -> Result<Aside, EncodeError> {
-    let Developed { index, shown, film, picture, matte } = frame;
-    let identity = job.identity(format, *index);
-    let mut texts = Vec::new();
-    if job.tells(format) {
-        texts = record::facts(shown, job.seen.get(*index));
-        texts.extend(film.noise.as_ref().map(record::error));
+/// What a frame's own file tells in words.
+fn texts(job: &Job, format: Still, frame: &Developed) -> Vec<Text> {
+    if !job.tells(format) {
+        return Vec::new();
     }
-    match format {
-        Still::Png => {
-            if !job.formats.png.deep {
-                return png::write_frame(path, picture, texts, identity);
-            }
-            let mut deep = develop_deep(job.tonemap, film);
-            if let Some(caption) = &job.caption {
-                caption.draw(&mut deep, shown);
-            }
-            png::write_frame(path, &deep, texts, identity)
-        }
-        Still::Jpeg => jpeg::write(path, matte, job.formats.jpeg.quality),
-        Still::Ppm => ppm::write(path, matte),
-        Still::Exr => {
-            let words = exr::Words { identity, texts };
-            exr::write(path, film, job.formats.exr, &job.about.layers, &words)
-        }
+    let mut texts = record::facts(&frame.shown, job.seen.get(frame.index));
+    texts.extend(frame.film.noise.as_ref().map(record::error));
+    texts
+}
+
+/// The bytes of a frame's own file; none of EXR, which is not made as a whole, and of what holds several frames.
+fn still(job: &Job, output: &Output, frame: &Developed) -> Option<io::Result<Vec<u8>>> {
+    match output {
+        Output::Stills(Still::Png, _) | Output::Stream(Streamed::Png) => Some(png_bytes(job, frame)),
+        _ => without_alpha(job, output, frame.matte),
+    }
+}
+
+fn png_bytes(job: &Job, frame: &Developed) -> io::Result<Vec<u8>> {
+    let (texts, identity) = (texts(job, Still::Png, frame), job.identity(Still::Png, frame.index));
+    if !job.formats.png.deep {
+        return png::sealed(frame.picture, texts, identity);
+    }
+    let mut deep = develop_deep(job.tonemap, frame.film);
+    if let Some(caption) = &job.caption {
+        caption.draw(&mut deep, &frame.shown);
+    }
+    png::sealed(&deep, texts, identity)
+}
+
+/// The bytes of a picture in a format without alpha that holds one.
+fn without_alpha(job: &Job, output: &Output, matte: &Picture) -> Option<io::Result<Vec<u8>>> {
+    let ascii = job.formats.ppm.ascii;
+    match output {
+        Output::Stills(Still::Jpeg, _) => Some(jpeg::encode(matte, job.formats.jpeg.quality)),
+        Output::Stills(Still::Ppm, _) | Output::Stream(Streamed::Ppm) => Some(ppm::encode(matte, ascii)),
+        Output::Stream(Streamed::AsciiPpm) => Some(ppm::encode(matte, true)),
+        Output::Stills(Still::Png | Still::Exr, _)
+        | Output::Stream(Streamed::Png | Streamed::Y4m)
+        | Output::Movie(..) => None,
     }
 }
 

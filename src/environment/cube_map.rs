@@ -48,9 +48,11 @@ pub struct CubeMap {
     /// Face by face, row by row from the top left, (size + 2)² values each: texels at their centres, and
     /// around them the border on the very edge, half a texel away.
     values: Vec<Rgb>,
+    /// Whether any of the pictures has alpha, which a sky does not show.
+    pub has_alpha: bool,
 }
 
-content!(struct CubeMap { size, values });
+content!(struct CubeMap { size, values, has_alpha });
 
 /// Why six images make no cube map; the number is the face's index in [`FACES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +85,8 @@ impl CubeMap {
         let places =
             (0..6).flat_map(|face| (0..across * across).map(move |i| (face, [i % across, i / across])));
         let values = places.map(|(face, at)| value(&faces, face, at)).collect();
-        Ok(Self { size, values })
+        let has_alpha = faces.iter().any(|face| face.has_alpha());
+        Ok(Self { size, values, has_alpha })
     }
 
     /// Texels along an edge of a face.
@@ -159,6 +162,6 @@ fn value(faces: &[&Image; 6], face: usize, at: [u32; 2]) -> Rgb {
 fn seen(faces: &[&Image; 6], direction: DVec3) -> Rgb {
     place(direction).map_or(Rgb::ZERO, |Place { face, s, t }| {
         let uv = DVec2::new(0.5 + 0.5 * s, 0.5 - 0.5 * t);
-        faces[face].sample(uv, Wrap::Clamp, Filter::Bilinear)
+        faces[face].sample(uv, [Wrap::Clamp.into(); 2], Filter::Bilinear)
     })
 }

@@ -87,7 +87,7 @@ impl Sky {
 
 /// East of the last column comes the first one; beyond the poles there is nothing.
 fn seen(image: &Image, uv: DVec2) -> Rgb {
-    image.sample_wrapped(uv, [Wrap::Repeat, Wrap::Clamp], Filter::Bilinear)
+    image.sample(uv, [Wrap::Repeat.into(), Wrap::Clamp.into()], Filter::Bilinear)
 }
 
 #[cfg(test)]

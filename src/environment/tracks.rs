@@ -58,6 +58,15 @@ impl From<Rgb> for EnvironmentTracks {
 }
 
 impl EnvironmentTracks {
+    /// Whether any of its images has alpha, which a sky does not show.
+    pub fn has_alpha(&self) -> bool {
+        match &self.sky {
+            SkyTracks::Equirect(image) => image.has_alpha(),
+            SkyTracks::CubeMap(map) => map.has_alpha,
+            SkyTracks::Constant(_) | SkyTracks::Gradient { .. } => false,
+        }
+    }
+
     /// What weights this environment over time: its keyed intensity, and the keyed colour of a constant sky.
     /// Keys of anything else change the environment itself.
     pub fn dimmer(&self) -> Dimmer {

@@ -61,6 +61,8 @@ pub enum Slot {
     Base,
     Metallic,
     Roughness,
+    /// How much of the surface is there: the alpha of its paint.
+    Coverage,
 }
 
 content!(
@@ -76,6 +78,7 @@ content!(
         Base,
         Metallic,
         Roughness,
+        Coverage,
     }
 );
 
@@ -95,6 +98,23 @@ impl Lobes {
             Slot::Base => self.base *= color,
             Slot::Metallic => self.metallic = (self.metallic * grey).min(1.0),
             Slot::Roughness => self.roughness = (self.roughness * grey).min(1.0),
+            // A share of them all: `covering`.
+            Slot::Coverage => {}
+        }
+    }
+
+    /// The lobes of a surface of which only this share is there: past the rest, light goes straight on.
+    pub fn covering(self, share: f32) -> Self {
+        Self {
+            emission: self.emission * share,
+            ambient: self.ambient * share,
+            diffuse: self.diffuse * share,
+            specular: self.specular * share,
+            mirror: self.mirror * share,
+            transparency: self.transparency * share + (1.0 - share),
+            refraction: self.refraction * share,
+            microfacet: self.microfacet * share,
+            ..self
         }
     }
 

@@ -12,7 +12,7 @@ use crate::color::Rgb;
 use crate::digest::content;
 use crate::film::LayerId;
 use crate::optics::Fresnel;
-use crate::texture::{Paint, Spot};
+use crate::texture::{Paint, Spot, Texel};
 use bevy_ecs::component::Component;
 use std::ops::RangeInclusive;
 
@@ -72,11 +72,38 @@ impl Material {
     /// The lobes at a point of the surface.
     pub fn painted(&self, spot: &Spot) -> Lobes {
         let mut lobes = self.lobes;
+        let mut coverage = 1.0;
         for (slots, paint) in &self.paints {
-            let color = paint.color(spot);
+            let Texel { color, alpha } = paint.at(spot);
+            // What is not there of the surface's own colour is not there of the surface; of a lobe's, of that lobe.
+            let color = match slots.contains(&Slot::Coverage) {
+                true => {
+                    coverage = alpha;
+                    color
+                }
+                false => color * alpha,
+            };
             slots.iter().for_each(|slot| lobes.tint(*slot, color));
         }
-        lobes
+        if coverage == 1.0 { lobes } else { lobes.covering(coverage) }
+    }
+
+    /// Whether light passes the surface straight on anywhere.
+    pub fn is_clear(&self) -> bool {
+        self.lobes.transparency != Rgb::ZERO || self.is_cut_out()
+    }
+
+    /// Whether parts of the surface are not there.
+    pub fn is_cut_out(&self) -> bool {
+        self.paints.iter().any(|(slots, _)| slots.contains(&Slot::Coverage))
+    }
+
+    /// Whether paint says anything that matters where so many surfaces are left that may reflect or bend light: with none
+    /// left, what the surface gives off and lets pass.
+    pub fn is_painted(&self, left: u32) -> bool {
+        let passed = [Slot::Emission, Slot::Transparency, Slot::Coverage];
+        let matters = |slots: &[Slot]| left > 0 || slots.iter().any(|slot| passed.contains(slot));
+        self.paints.iter().any(|(slots, _)| matters(slots))
     }
 
     /// Whether any paint has a pattern that lies on the surface, by u and v.

@@ -36,6 +36,7 @@ pub struct MaterialTracks {
     pub transparency: Lobe,
     pub refraction: Lobe,
     pub microfacet: Animated<f64>,
+    /// The surface's own colour. Its alpha says how much of the surface is there.
     pub base: PaintTracks,
     pub metallic: Level,
     pub roughness: Level,
@@ -70,6 +71,7 @@ impl MaterialTracks {
         };
         lobes.microfacet = level(&self.microfacet, time);
         lobes.base = paints.over(Slot::Base, &self.base, time);
+        paints.coverage(&self.base, time);
         lobes.fuzz = paints.level(Slot::Fuzz, &self.fuzz, time);
         lobes.metallic = paints.level(Slot::Metallic, &self.metallic, time);
         lobes.roughness = paints.level(Slot::Roughness, &self.roughness, time);
@@ -128,6 +130,7 @@ fn is_absent(slot: Slot, lobes: &Lobes) -> bool {
         Slot::Transparency => lobes.transparency == Rgb::ZERO,
         Slot::Refraction => lobes.refraction == Rgb::ZERO,
         Slot::Base | Slot::Metallic | Slot::Roughness => lobes.microfacet == 0.0,
+        Slot::Coverage => false,
     }
 }
 
@@ -137,7 +140,10 @@ struct Paints(Vec<(Vec<Slot>, Paint)>);
 impl Paints {
     /// The constant factor of a slot; what varies is noted.
     fn over(&mut self, slot: Slot, tint: &PaintTracks, time: Time) -> Rgb {
-        let paint = tint.at(time);
+        self.note(slot, tint.at(time))
+    }
+
+    fn note(&mut self, slot: Slot, paint: Paint) -> Rgb {
         if let Some(color) = paint.constant() {
             return color;
         }
@@ -148,10 +154,19 @@ impl Paints {
         Rgb::ONE
     }
 
+    /// Notes how much of the surface is there, if that is not all of it.
+    fn coverage(&mut self, base: &PaintTracks, time: Time) {
+        let paint = base.at(time);
+        if paint.has_alpha() {
+            self.note(Slot::Coverage, paint);
+        }
+    }
+
     fn level(&mut self, slot: Slot, tracks: &Level, time: Time) -> f32 {
         match tracks {
             Level::Even(value) => level(value, time).min(1.0),
-            Level::Painted(paint) => (self.over(slot, paint, time).element_sum() / 3.0).min(1.0),
+            // Numbers have no alpha.
+            Level::Painted(paint) => (self.note(slot, paint.at(time).opaque()).element_sum() / 3.0).min(1.0),
         }
     }
 }

@@ -23,8 +23,10 @@ pub struct MtlMaterial {
     pub opacity: Option<f32>,
     /// `illum`: the number of a model of illumination.
     pub model: Option<u32>,
-    /// `map_Kd`: the image that the diffuse reflectance is multiplied with.
+    /// `map_Kd`: the image that the diffuse reflectance is multiplied with. Its alpha says how much of the surface is there.
     pub diffuse_map: Option<Map>,
+    /// `map_d`, as it is written, until it is known whether that is the same image.
+    pub(super) opacity_map: Option<String>,
     /// What the file says besides that has a meaning but is not read, each once.
     pub left_out: Vec<&'static str>,
     /// That a library which its mesh names is not there. All materials of the mesh have it then, and there is one
@@ -74,6 +76,7 @@ pub fn read(input: impl BufRead) -> Result<Vec<MtlMaterial>, MeshError> {
             return Err(unlike(number, line, "`newmtl` and a name before the first value"));
         }
     }
+    materials.iter_mut().for_each(MtlMaterial::settle);
     Ok(materials)
 }
 
@@ -102,6 +105,7 @@ impl MtlMaterial {
                 self.model = Some(model.ok_or("a whole number behind `illum`")?);
             }
             b"map_Kd" => self.diffuse_map = Some(self.map(rest)?),
+            b"map_d" => self.opacity_map = Some(path(rest)),
             // A filter of white takes nothing away.
             b"Tf" if color(rest) == Ok(Rgb::ONE) => {}
             _ => {
@@ -110,6 +114,21 @@ impl MtlMaterial {
             }
         }
         Ok(())
+    }
+
+    /// The alpha of an image is read with its colours, as exporters mean it that name it for both.
+    fn settle(&mut self) {
+        let Some(line) = self.opacity_map.take() else { return };
+        if !self.diffuse_map.as_ref().is_some_and(|map| line.ends_with(&map.file)) {
+            self.leave_out("map_d");
+        }
+    }
+
+    /// The ambient reflectance that the file means: exporters that know no ambient light write white, or the diffuse
+    /// reflectance once more. Black is meant.
+    pub fn meant_ambient(&self) -> Option<Rgb> {
+        let said = |color: &Rgb| *color != Rgb::ONE && Some(*color) != self.diffuse;
+        self.ambient.filter(|color| *color == Rgb::ZERO || said(color))
     }
 
     fn leave_out(&mut self, name: &'static str) {
@@ -145,9 +164,14 @@ impl MtlMaterial {
             }
             rest = behind;
         }
-        map.file = String::from_utf8_lossy(rest).replace('\\', "/");
+        map.file = path(rest);
         if map.file.is_empty() { Err("the name of an image behind `map_Kd`") } else { Ok(map) }
     }
+}
+
+/// A name with `/` between folders.
+fn path(rest: &[u8]) -> String {
+    String::from_utf8_lossy(rest).replace('\\', "/")
 }
 
 /// Smaller factors are refused, for their reciprocals must stay far from overflow.
@@ -232,6 +256,26 @@ mod tests {
         assert_eq!((placed.file.as_str(), placed.clamps, told), ("a.png", false, vec![]));
         assert_eq!(map("-s 2").0.scale, DVec2::new(2.0, 1.0));
         assert_eq!(map("-mm 0.1 0.9 -t 1 -mm 0 1").1, ["map_Kd -mm", "map_Kd -t"]);
+    }
+
+    #[test]
+    fn the_alpha_of_an_image_is_read_with_its_colours() {
+        let told = |text: &str| read(text.as_bytes()).expect("a material").remove(0).left_out;
+        assert_eq!(told("newmtl a\nmap_Kd -s 2 tex\\leaf 1.png\nmap_d tex/leaf 1.png"), [""; 0]);
+        assert_eq!(told("newmtl a\nmap_d -imfchan m leaf.png\nmap_Kd leaf.png"), [""; 0]);
+        assert_eq!(told("newmtl a\nmap_Kd leaf.png\nmap_d mask.png"), ["map_d"]);
+        assert_eq!(told("newmtl a\nmap_d mask.png"), ["map_d"]);
+    }
+
+    #[test]
+    fn ambient_light_is_what_the_file_means_by_it() {
+        let meant = |text: &str| read(text.as_bytes()).expect("a material").remove(0).meant_ambient();
+        for nothing in ["Ka 1 1 1", "Ka 1", "Ka 1 1 1\nKd 0.5", "Ka 0.8 0.2 0\nKd 0.8 0.2 0", ""] {
+            assert_eq!(meant(&format!("newmtl a\n{nothing}")), None, "{nothing}");
+        }
+        for (text, ambient) in [("Ka 0 0 0\nKd 0 0 0", 0.0), ("Ka 0.2\nKd 0.8", 0.2), ("Ka 0.5", 0.5)] {
+            assert_eq!(meant(&format!("newmtl a\n{text}")), Some(Rgb::splat(ambient)), "{text}");
+        }
     }
 
     #[test]

@@ -158,17 +158,17 @@ fn light(scene: &Scene, lit: &[LayerId], found: &mut Vec<(Effect, Caller)>) {
 
 /// The effects of a material's lobes.
 fn of_material(material: &Material) -> impl Iterator<Item = Effect> {
-    let Lobes { emission, specular, mirror, transparency, refraction, microfacet, .. } = material.lobes;
+    let Lobes { emission, specular, mirror, refraction, microfacet, .. } = material.lobes;
     let refracts = refraction != Rgb::ZERO;
     let all = [
         (Effect::Emission, emission != Rgb::ZERO),
         (Effect::Highlights, specular != Rgb::ZERO),
         (Effect::Mirror, mirror != Rgb::ZERO),
         (Effect::Glossy, material.is_rough() || microfacet > 0.0),
-        (Effect::Transparency, transparency != Rgb::ZERO),
+        (Effect::Transparency, material.is_clear()),
         (Effect::Refraction, refracts),
         (Effect::Absorption, refracts && material.medium.absorption != Rgb::ZERO),
-        (Effect::ClearShadows, refracts || transparency != Rgb::ZERO),
+        (Effect::ClearShadows, refracts || material.is_clear()),
     ];
     all.into_iter().filter(|(_, on)| *on).map(|(effect, _)| effect)
 }

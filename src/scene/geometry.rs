@@ -61,6 +61,7 @@ impl Geometry {
         let uv = |point: DVec3| shape.uv(point, hit.at.part);
         let seen = seen.moved(&to_object.matrix3);
         let seen_uv = if printed { seen.printed(point, uv) } else { Footprint::default() };
-        Spot { uv: uv(point), point, error, color: shape.color(point, hit.at.part), seen, seen_uv }
+        let (color, ends) = (shape.color(point, hit.at.part), shape.uv_ends(hit.at.part));
+        Spot { uv: uv(point), ends, point, error, color, seen, seen_uv }
     }
 }

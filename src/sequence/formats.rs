@@ -5,7 +5,8 @@ use super::node::Node;
 use super::values::{list, switch, text, whole};
 use super::words::word;
 use crate::encode::{
-    ExrLayers, ExrSettings, Formats, GifSettings, JpegSettings, Mp4Settings, Plays, PngSettings, Y4mSettings,
+    ExrLayers, ExrSettings, Formats, GifSettings, JpegSettings, Mp4Settings, Plays, PngSettings, PpmSettings,
+    Y4mSettings,
 };
 use crate::humane::parse_bytes;
 
@@ -14,6 +15,7 @@ pub fn formats(fields: &mut Fields<'_>) -> Option<Formats> {
     let default = Formats::default();
     let png = fields.or("png", png, default.png);
     let jpeg = fields.or("jpeg", jpeg, default.jpeg);
+    let ppm = fields.or("ppm", ppm, default.ppm);
     let exr = fields.or("exr", exr, default.exr);
     let gif = fields.or("gif", gif, default.gif);
     let apng = fields.or("apng", |node| plays(node, "`apng`"), default.apng);
@@ -23,6 +25,7 @@ pub fn formats(fields: &mut Fields<'_>) -> Option<Formats> {
     Some(Formats {
         png: png?,
         jpeg: jpeg?,
+        ppm: ppm?,
         exr: exr?,
         gif: gif?,
         apng: apng?,
@@ -55,6 +58,13 @@ fn bits(node: Node<'_>) -> Option<bool> {
 fn jpeg(node: Node<'_>) -> Option<JpegSettings> {
     let quality = quality(node, "`jpeg`", JpegSettings::default().quality)?;
     Some(JpegSettings { quality })
+}
+
+fn ppm(node: Node<'_>) -> Option<PpmSettings> {
+    let mut fields = Fields::of(node, "`ppm`")?;
+    let ascii = fields.or("ascii", switch, false);
+    fields.finish();
+    Some(PpmSettings { ascii: ascii? })
 }
 
 fn mp4(node: Node<'_>) -> Option<Mp4Settings> {

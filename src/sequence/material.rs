@@ -204,8 +204,8 @@ fn metal(node: Node<'_>) -> Option<Given> {
     let color = fields.or("color", paint, Rgb::splat(0.8));
     let fuzz = fields.or("fuzz", level, Level::Even(0.0.into()));
     fields.finish();
-    let mirror = GivenLobe { strength: Some(1.0.into()), tint: Some(color?) };
-    Some(Given { mirror, fuzz: Some(fuzz?), ..Given::bare() })
+    let mirror = GivenLobe { strength: Some(1.0.into()), tint: color.clone() };
+    Some(Given { color: Some(color?), mirror, fuzz: Some(fuzz?), ..Given::bare() })
 }
 
 /// Glass, water, diamond.
@@ -215,9 +215,10 @@ fn dielectric(node: Node<'_>) -> Option<Given> {
     let model = fields.or("fresnel", fresnel, Fresnel::Exact);
     let (ior, absorption, priority) = medium(&mut fields);
     fields.finish();
-    let refraction = GivenLobe { strength: Some(1.0.into()), tint: Some(color?) };
+    let refraction = GivenLobe { strength: Some(1.0.into()), tint: color.clone() };
+    let color = Some(color?);
     let (fresnel, ior, absorption, priority) = (Some(model?), ior?, absorption?, priority?);
-    Some(Given { refraction, fresnel, ior, absorption, priority, ..Given::bare() })
+    Some(Given { color, refraction, fresnel, ior, absorption, priority, ..Given::bare() })
 }
 
 /// The metallic-roughness model of glTF 2.0.

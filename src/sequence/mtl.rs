@@ -56,10 +56,11 @@ fn diffuse_map(node: Node<'_>, place: &Range<usize>, material: &str, map: &Map) 
     };
     Some(ImageTracks {
         image,
-        wrap: if map.clamps { Wrap::Clamp } else { Wrap::Repeat },
+        wrap: map.clamps.then_some(Wrap::Clamp),
         filter: Filter::default(),
         channel: None,
         tint: Rgb::ONE.into(),
+        alpha: true,
         placement: placement(map),
     })
 }
@@ -94,8 +95,11 @@ fn translated(material: &MtlMaterial, image: Option<ImageTracks>, bare: &Given) 
     if given.color.is_some() || opacity < 1.0 {
         given.diffuse.strength = Some(opacity.into());
     }
-    if let Some(ambient) = tinted(material.ambient).filter(|_| material.ambient.is_some()) {
-        (given.ambient.strength, given.ambient.tint) = (Some(opacity.into()), Some(ambient));
+    if let Some(ambient) = material.meant_ambient() {
+        (given.ambient.strength, given.ambient.tint) = (Some(opacity.into()), tinted(Some(ambient)));
+    } else if opacity < 1.0 {
+        // What is left open is that of the default material, of what is there.
+        given.ambient.tint = tinted(material.diffuse.map(|color| color * opacity as f32));
     }
     if let Some(specular) = material.specular {
         let lobe = |there: bool| if there { 1.0 } else { 0.0 };
@@ -156,6 +160,14 @@ mod tests {
         assert_eq!((m.diffuse.strength, m.refraction.strength), (0.0.into(), 1.0.into()));
         assert_eq!(m.fresnel, Fresnel::Exact);
         assert_eq!(m.transparency.strength, 0.0.into());
+    }
+
+    #[test]
+    fn ambient_light_that_is_left_open_is_the_defaults_share_of_what_is_there() {
+        let m = tracks("newmtl a\nKa 1 1 1\nKd 0.8 0.4 0");
+        assert_eq!((&m.ambient.strength, &m.ambient.tint), (&0.1.into(), &Rgb::new(0.8, 0.4, 0.0).into()));
+        let m = tracks("newmtl a\nKa 1 1 1\nKd 0.8 0.4 0\nd 0.5");
+        assert_eq!((&m.ambient.strength, &m.ambient.tint), (&0.1.into(), &Rgb::new(0.4, 0.2, 0.0).into()));
     }
 
     #[test]

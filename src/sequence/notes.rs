@@ -1,108 +1,34 @@
 //! What a user should know about a sequence before it is rendered.
 
-use super::suggest::{listed, shortened};
+mod gains;
+mod images;
+mod meshes;
+
 use super::{Named, Object, Sequence};
-use crate::color::Rgb;
-use crate::humane::counted;
 use crate::material::{MadeOf, MaterialTracks};
-use crate::mesh::Mesh;
-use crate::quality::Integrator;
 use crate::shape::{self, Shape};
-use crate::texture::PaintTracks;
-use crate::time::{Time, Timeline};
-use crate::track::{Animate, Animated};
-use std::collections::{BTreeSet, HashSet};
-use std::sync::Arc;
+use std::collections::BTreeSet;
 
 impl Sequence {
     /// What is no mistake, but may not be what was meant.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.skipped_triangles();
         notes.extend(self.left_out());
+        notes.extend(self.white_ambient());
+        notes.extend(self.ignored_alpha());
         notes.extend(self.missing_libraries());
         notes.extend(self.gains());
         notes.extend(self.output.caption.as_ref().and_then(|caption| caption.text.note(&self.name)));
         notes
     }
 
-    fn skipped_triangles(&self) -> Vec<String> {
-        let skipped = self.meshes().into_iter().filter(|(_, mesh)| mesh.skipped > 0);
-        let note = |(name, mesh): (&str, &Mesh)| {
-            let triangles = counted(mesh.skipped as u64, "triangle");
-            format!("the mesh of `{}`: {triangles} without an area left out", shortened(name))
-        };
-        skipped.map(note).collect()
-    }
-
-    /// What the materials of meshes say that is not read, where objects are made of them.
-    fn left_out(&self) -> Vec<String> {
-        let mut seen = HashSet::new();
-        let mut notes = Vec::new();
-        for Named { name, value: Object { shape, made_of, .. } } in &self.objects {
-            let (Shape::Mesh(shape::Mesh { mesh, .. }), MadeOf::Slots { .. }) = (shape, made_of) else {
-                continue;
-            };
-            if !seen.insert(Arc::as_ptr(mesh)) {
-                continue;
-            }
-            let mut kinds: Vec<&str> = Vec::new();
-            for kind in mesh.materials().iter().flat_map(|material| &material.left_out) {
-                if !kinds.contains(kind) {
-                    kinds.push(kind);
-                }
-            }
-            if !kinds.is_empty() {
-                let kinds = listed(kinds);
-                notes.push(format!("the mesh of `{}`: {kinds} of its materials left out", shortened(name)));
-            }
-        }
-        notes
-    }
-
-    /// Material libraries that are not there, where nothing is made of them. Elsewhere they are mistakes.
-    fn missing_libraries(&self) -> Vec<String> {
-        let mut notes = Vec::new();
-        for (name, mesh) in self.meshes() {
-            if let Some(why) = mesh.materials().iter().find_map(|material| material.missing.as_ref()) {
-                notes.push(format!("the mesh of `{}`: {why}, and none is needed", shortened(name)));
-            }
-        }
-        notes
-    }
-
-    /// Materials that give off more light than they get, where paths may come by them again and again.
-    fn gains(&self) -> Vec<String> {
-        if !matches!(self.quality.integrator, Integrator::Path(_)) {
-            return Vec::new();
-        }
+    /// The materials that are seen somewhere, in their order.
+    fn used_materials(&self) -> impl Iterator<Item = &Named<MaterialTracks>> {
         let seen = self.objects.iter().filter(|object| object.value.shape != Shape::Group);
         let used: BTreeSet<u32> = seen.flat_map(|object| used(&object.value)).collect();
-        let materials = used.into_iter().filter_map(|index| self.materials.get(index as usize));
-        let gains = materials.map(|material| (&material.name, most_light(&material.value, &self.timeline)));
-        let mut gains = gains.filter(|(_, light)| *light > 1.0 + ROUNDING);
-        let note = |(name, light): (&String, f64)| {
-            let light = format!("{light:.2}");
-            let light = light.trim_end_matches('0').trim_end_matches('.');
-            format!(
-                "material `{}` reflects and lets pass up to {light} of the light that comes; with `Path` such light \
-                 adds up",
-                shortened(name)
-            )
-        };
-        let mut notes: Vec<_> = gains.by_ref().take(MOST_GAINS).map(note).collect();
-        match gains.count() as u64 {
-            0 => {}
-            more => notes.push(format!("and {} more like this", counted(more, "material"))),
-        }
-        notes
+        used.into_iter().filter_map(|index| self.materials.get(index as usize))
     }
 }
-
-/// Notes about materials of the same fault, at most.
-const MOST_GAINS: usize = 3;
-
-/// What would be told as 1.00 is as good as 1.
-const ROUNDING: f64 = 0.005;
 
 /// The materials that an object shows.
 fn used(object: &Object) -> impl Iterator<Item = u32> {
@@ -116,104 +42,4 @@ fn used(object: &Object) -> impl Iterator<Item = u32> {
         _ => None,
     };
     indices.filter(move |index| Some(*index) != rest)
-}
-
-/// The share of the light that a material gives off again, in the channel and at the key where it is most. Only
-/// colours count: what is painted may be less at every point.
-fn most_light(material: &MaterialTracks, timeline: &Timeline) -> f64 {
-    let MaterialTracks { diffuse, mirror, transparency, refraction, microfacet, base, .. } = material;
-    let lobes = [diffuse, mirror, transparency, refraction].map(|lobe| (&lobe.strength, &lobe.tint));
-    let lobes = lobes.into_iter().chain([(microfacet, base)]);
-    let colored = lobes.filter_map(|(strength, tint)| match tint {
-        PaintTracks::Color(color) => Some((strength, color)),
-        _ => None,
-    });
-    let colored: Vec<_> = colored.collect();
-    let (start, end) = (timeline.clock(0).time, timeline.clock(timeline.frames.saturating_sub(1)).time);
-    let keys = colored.iter().flat_map(|(strength, color)| key_times(strength).chain(key_times(color)));
-    let times = keys.filter(|time| (start..end).contains(time)).chain([start, end]);
-    let light = |time: Time| {
-        let mut sum = [0.0; 3];
-        for (strength, color) in &colored {
-            let (strength, color) = (strength.at(time).max(0.0), color.at(time).max(Rgb::ZERO));
-            sum.iter_mut().zip(color.to_array()).for_each(|(sum, part)| *sum += strength * f64::from(part));
-        }
-        sum.into_iter().fold(0.0, f64::max)
-    };
-    times.map(light).fold(0.0, f64::max)
-}
-
-fn key_times<T: Animate>(value: &Animated<T>) -> impl Iterator<Item = Time> {
-    let keys = if let Animated::Keyed(track) = value { track.keys() } else { &[] };
-    keys.iter().map(|key| key.time)
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::sequence::parse;
-
-    fn notes(text: &str) -> Vec<String> {
-        parse("test.ron", &format!("({text})")).unwrap_or_else(|faults| panic!("{faults}")).notes()
-    }
-
-    fn of(material: &str) -> Vec<String> {
-        notes(&format!(
-            "quality: (integrator: Path()), materials: {{ \"x\": {material}, \"unused\": (diffuse: 9) }},
-            objects: {{ \"ball\": (shape: Sphere(), material: \"x\") }}"
-        ))
-    }
-
-    #[test]
-    fn materials_that_gain_light_are_told_for_paths() {
-        let much = "(color: (0.5, 1, 0), diffuse: 0.75, mirror: 0.5, transparency: 0.5, refraction: 0)";
-        let note = "material `x` reflects and lets pass up to 1.75 of the light that comes; with `Path` such light \
-                    adds up";
-        assert_eq!(of(much), [note]);
-        for enough in [
-            "(color: 1, diffuse: 0.7, mirror: 0.2, refraction: 0.1, specular: 3, emission: 5, ambient: 2)",
-            "(color: (1, 0, 0), diffuse: 1, mirror: 1, mirror_color: (0, 1, 0), transparency_color: 2)",
-            "(color: Checker(), diffuse: 1, mirror: 1)",
-            "MetallicRoughness()",
-            "Dielectric()",
-            "Metal(color: 1)",
-        ] {
-            assert_eq!(of(enough), [""; 0], "{enough}");
-        }
-        assert!(of("MetallicRoughness(color: 2)")[0].contains(" 2 of the light"));
-        let whitted = "objects: { \"ball\": (shape: Sphere(), material: (diffuse: 5)) }";
-        assert_eq!(notes(whitted), [""; 0]);
-        let group =
-            "quality: (integrator: Path), default_material: (diffuse: 5), objects: { \"g\": (shape: Group) }";
-        assert_eq!(notes(group), [""; 0]);
-    }
-
-    #[test]
-    fn of_keys_the_moment_with_most_light_counts() {
-        let still = "timeline: (frames: 48), quality: (integrator: Path)";
-        let told = |fields: &str| {
-            notes(&format!(
-                "{still}, objects: {{ \"a\": (shape: Sphere(), material: (color: 1, {fields})) }}"
-            ))
-        };
-        assert_eq!(
-            told("diffuse: [(0, 1), (1, 0)], mirror: [(0, 0), (1, 1)]"),
-            [""; 0],
-            "one fades into the other"
-        );
-        assert_eq!(told("diffuse: 0.5, mirror: [(0, 0), (10, 5)]").len(), 1, "within the time that is shown");
-        assert_eq!(told("diffuse: 0.5, mirror: [(3, 0.5), (4, 1)]"), [""; 0], "later");
-        let note = told("diffuse: 0.5, mirror: [(0, 0), (1, 1), (1.5, 0)]").remove(0);
-        assert!(
-            note.starts_with("material `objects.\"a\".material` reflects and lets pass up to 1.5 of"),
-            "{note}"
-        );
-    }
-
-    #[test]
-    fn many_materials_are_counted() {
-        let balls: String =
-            (0..8).map(|i| format!("\"{i}\": (shape: Sphere(), material: (diffuse: 2)),")).collect();
-        let notes = notes(&format!("quality: (integrator: Path), objects: {{ {balls} }}"));
-        assert_eq!((notes.len(), notes[3].as_str()), (4, "and 5 materials more like this"));
-    }
 }

@@ -7,7 +7,7 @@ use super::keys::keyed;
 use super::node::{Content, Node};
 use super::suggest::shortened;
 use super::transform::turn;
-use super::values::{each, not_negative, number, one_of, unit_vector, vector, whole};
+use super::values::{each, not_negative, number, one_of, switch, unit_vector, vector, whole};
 use super::words::Variants;
 use crate::color::Rgb;
 use crate::math::DVec3;
@@ -29,6 +29,7 @@ pub fn paint(node: Node<'_>) -> Option<PaintTracks> {
         ("Stripes", |node| pattern(node, "`Stripes`", |_| Some(Pattern::Stripes))),
         ("Waves", |node| pattern(node, "`Waves`", |_| Some(Pattern::Waves))),
         ("Dots", |node| pattern(node, "`Dots`", |_| Some(Pattern::Dots))),
+        ("Islands", |node| pattern(node, "`Islands`", |_| Some(Pattern::Islands))),
         ("Gradient", |node| pattern(node, "`Gradient`", gradient)),
         ("Noise", |node| pattern(node, "`Noise`", noise)),
         ("Marble", |node| pattern(node, "`Marble`", marble)),
@@ -54,10 +55,11 @@ fn image_paint(node: Node<'_>) -> Option<PaintTracks> {
     let channels = &[("R", Channel::R), ("G", Channel::G), ("B", Channel::B)];
     let encoding = fields.or("encoding", encoding, Encoding::Srgb);
     let image = fields.required("file", image(encoding.unwrap_or_default()));
-    let wrap = fields.or("wrap", one_of("wrap", wraps), Wrap::Repeat);
+    let wrap = fields.optional("wrap", one_of("wrap", wraps));
     let filter = fields.or("filter", one_of("filter", filters), Filter::Bilinear);
     let channel = fields.optional("channel", one_of("channel", channels));
     let tint = fields.or("tint", keyed(color), Rgb::ONE);
+    let alpha = fields.or("alpha", switch, true);
     let placement = placement(&mut fields);
     fields.finish();
     encoding?;
@@ -67,6 +69,7 @@ fn image_paint(node: Node<'_>) -> Option<PaintTracks> {
         filter: filter?,
         channel: channel?,
         tint: tint?,
+        alpha: alpha?,
         placement: placement?,
     })))
 }
@@ -185,7 +188,7 @@ mod tests {
 
     fn color(text: &str, x: f64, y: f64) -> Rgb {
         let point = DVec3::new(x, y, 0.0);
-        at_start(text).color(&Spot { uv: DVec2::new(x, y), point, color: Rgb::X, ..Spot::default() })
+        at_start(text).at(&Spot { uv: DVec2::new(x, y), point, color: Rgb::X, ..Spot::default() }).color
     }
 
     #[test]
@@ -211,6 +214,7 @@ mod tests {
         for text in [
             "Waves",
             "Dots()",
+            "Islands",
             "Noise(octaves: 1, seed: 7)",
             "Marble(turbulence: 2, offset: [(0, (0, 0)), (1, (1, 0, 0))])",
         ] {
@@ -227,7 +231,7 @@ mod tests {
             panic!("two images")
         };
         assert_eq!(one.image, other.image);
-        assert_eq!((one.wrap, other.wrap, other.channel), (Wrap::Repeat, Wrap::Clamp, Some(Channel::G)));
+        assert_eq!((one.wrap, other.wrap, other.channel), (None, Some(Wrap::Clamp), Some(Channel::G)));
         let linear = read("Image(file: \"2x2.png\", encoding: Linear, filter: Nearest, scale: 0.5)");
         let Ok(PaintTracks::Image(linear)) = linear else { panic!("an image: {linear:?}") };
         assert_ne!(one.image, linear.image);
@@ -235,7 +239,8 @@ mod tests {
         assert_eq!(bottom_right, Rgb::splat(60.0 / 255.0));
         assert_eq!(
             Paint::Image(linear.at(Time::from_integer(0)))
-                .color(&Spot { uv: DVec2::new(0.4, 0.6), ..Spot::default() }),
+                .at(&Spot { uv: DVec2::new(0.4, 0.6), ..Spot::default() })
+                .color,
             bottom_right,
             "twice as small, so it is seen twice"
         );

@@ -36,6 +36,10 @@ macro_rules! as_its_frustum {
             self.0.uv(point, part)
         }
 
+        fn uv_ends(&self, part: u32) -> [bool; 2] {
+            self.0.uv_ends(part)
+        }
+
         fn area(&self) -> Option<f64> {
             Some(self.0.area())
         }

@@ -152,6 +152,11 @@ impl Frustum {
         DVec2::splat(0.5) + DVec2::new(p.x, up) / (2.0 * self.taper.end_radius(part))
     }
 
+    /// The side closes around the axis.
+    pub fn uv_ends(&self, part: u32) -> [bool; 2] {
+        [part != SIDE, true]
+    }
+
     /// The areas of side, bottom and top.
     fn areas(&self) -> [f64; 3] {
         let side = 4.0 * PI * self.taper.mean * libm::hypot(self.taper.half, self.taper.lean);

@@ -44,6 +44,12 @@ pub trait Geometric: Clone + PartialEq + Content {
     /// Texture coordinates of a point of the surface, in the shape's own space and to within rounding.
     fn uv(&self, point: DVec3, part: u32) -> DVec2;
 
+    /// Whether a part of the surface ends where u is 0 and 1, and where v is: else it closes there, or goes on for ever.
+    fn uv_ends(&self, part: u32) -> [bool; 2] {
+        let _ = part;
+        [true; 2]
+    }
+
     /// Colour of the vertices at a point of the surface; white where they have none. The arguments are those
     /// of [`Geometric::uv`].
     fn color(&self, point: DVec3, part: u32) -> Rgb {

@@ -137,6 +137,11 @@ impl Shape {
         each_shape!(self, shape => shape.uv(point, part), Group => DVec2::ZERO)
     }
 
+    /// See [`Geometric::uv_ends`].
+    pub fn uv_ends(&self, part: u32) -> [bool; 2] {
+        each_shape!(self, shape => shape.uv_ends(part), Group => [true; 2])
+    }
+
     /// Colour of the vertices at a point of the surface, white where there is none; the arguments are those of
     /// [`Geometric::uv`].
     pub fn color(&self, point: DVec3, part: u32) -> Rgb {

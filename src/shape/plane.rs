@@ -46,6 +46,10 @@ impl Geometric for Plane {
         let (right, up) = flat::axes(self.normal);
         DVec2::new((point - self.point).dot(right), (point - self.point).dot(up))
     }
+
+    fn uv_ends(&self, _: u32) -> [bool; 2] {
+        [false; 2]
+    }
 }
 
 #[cfg(test)]

@@ -93,6 +93,10 @@ impl Geometric for Sphere {
         DVec2::new(if wrapped < 1.0 { wrapped } else { 0.0 }, libm::atan2(libm::hypot(d.x, d.z), -d.y) / PI)
     }
 
+    fn uv_ends(&self, _: u32) -> [bool; 2] {
+        [false, true]
+    }
+
     fn area(&self) -> Option<f64> {
         Some(4.0 * PI * self.radius * self.radius)
     }

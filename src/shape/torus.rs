@@ -74,6 +74,10 @@ impl Geometric for Torus {
         DVec2::new(around(p), 0.5 + tube / TAU)
     }
 
+    fn uv_ends(&self, _: u32) -> [bool; 2] {
+        [false; 2]
+    }
+
     fn area(&self) -> Option<f64> {
         Some(TAU * self.major * TAU * self.minor)
     }

@@ -27,8 +27,8 @@ const LARGEST_SIDE: u32 = 16_384;
 const MOST_TEXELS: u64 = 1 << 27;
 
 impl Image {
-    /// Reads a PNG, JPEG, BMP or Radiance HDR file, whichever its first bytes say. Transparency is ignored; a
-    /// photograph is turned upright as its EXIF orientation says.
+    /// Reads a PNG, JPEG, BMP or Radiance HDR file, whichever its first bytes say. A photograph is turned upright as its
+    /// EXIF orientation says.
     pub fn load(path: &Path, encoding: Encoding) -> Result<Self, ImageError> {
         Self::decode(&files::read(path, LARGEST_FILE)?, encoding)
     }
@@ -51,14 +51,21 @@ impl Image {
         if u64::from(width) * u64::from(height) > MOST_TEXELS {
             return too_large(format!("at most {MOST_TEXELS} are read"));
         }
-        // What is decoded, a copy with three channels, and the texels.
+        // What is decoded, a copy with its channels, and the texels.
         let pixels = u64::from(width) * u64::from(height);
-        machine::check_memory(2 * decoder.total_bytes() + pixels * size_of::<Rgb>() as u64)?;
+        let texel = size_of::<Rgb>() + if decoder.color_type().has_alpha() { size_of::<f32>() } else { 0 };
+        machine::check_memory(2 * decoder.total_bytes() + pixels * texel as u64)?;
         let orientation = decoder.orientation()?;
         let mut picture = DynamicImage::from_decoder(decoder)?;
         picture.apply_orientation(orientation);
         let (width, height) = (picture.width(), picture.height());
-        Self::new(width, height, texels(picture, encoding)).ok_or(ImageError::Empty)
+        let alpha = picture.color().has_alpha().then(|| alpha(&picture));
+        let image = Self::new(width, height, texels(picture, encoding));
+        let image = match alpha {
+            Some(alpha) => image.and_then(|image| image.with_alpha(alpha)),
+            None => image,
+        };
+        image.ok_or(ImageError::Empty)
     }
 }
 
@@ -75,6 +82,26 @@ fn texels(picture: DynamicImage, encoding: Encoding) -> Vec<Rgb> {
             picture.into_rgb16().pixels().map(|p| p.0.map(|code| table[usize::from(code)]).into()).collect()
         }
         _ => picture.into_rgb32f().pixels().map(|p| p.0.map(radiance).into()).collect(),
+    }
+}
+
+/// How much of each pixel is there, row by row: no light, whatever the encoding of colours.
+fn alpha(picture: &DynamicImage) -> Vec<f32> {
+    let share = |code: u32, last: u32| (f64::from(code) / f64::from(last)) as f32;
+    match picture {
+        DynamicImage::ImageLumaA8(picture) => {
+            picture.pixels().map(|p| share(p.0[1].into(), u8::MAX.into())).collect()
+        }
+        DynamicImage::ImageRgba8(picture) => {
+            picture.pixels().map(|p| share(p.0[3].into(), u8::MAX.into())).collect()
+        }
+        DynamicImage::ImageLumaA16(picture) => {
+            picture.pixels().map(|p| share(p.0[1].into(), u16::MAX.into())).collect()
+        }
+        DynamicImage::ImageRgba16(picture) => {
+            picture.pixels().map(|p| share(p.0[3].into(), u16::MAX.into())).collect()
+        }
+        _ => picture.to_rgba32f().pixels().map(|p| p.0[3].clamp(0.0, 1.0)).collect(),
     }
 }
 
@@ -95,7 +122,9 @@ fn radiance(value: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use image::{ImageBuffer, ImageFormat, Luma, Rgb as Pixel, Rgba};
+    use crate::math::DVec2;
+    use crate::texture::{Filter, Wrap};
+    use image::{ImageBuffer, ImageFormat, Luma, LumaA, Rgb as Pixel, Rgba};
 
     fn encoded(picture: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
@@ -128,9 +157,27 @@ mod tests {
         let deep = ImageBuffer::from_pixel(1, 1, Pixel([0u16, 65535, 13107]));
         let deep = encoded(deep, ImageFormat::Png);
         assert_eq!(decoded(&deep, Encoding::Linear).texel(0, 0), Rgb::new(0.0, 1.0, 0.2));
-        let clear = ImageBuffer::from_pixel(1, 1, Rgba([255u8, 0, 255, 0]));
-        let clear = decoded(&encoded(clear, ImageFormat::Png), Encoding::Srgb);
-        assert_eq!(clear.texel(0, 0), Rgb::new(1.0, 0.0, 1.0));
+    }
+
+    #[test]
+    fn alpha_is_linear_whatever_the_encoding() {
+        let nearest = |image: &Image| {
+            image.sample_alpha(DVec2::splat(0.5), [Wrap::Clamp.into(); 2], Filter::Nearest).alpha
+        };
+        let red = |alpha| ImageBuffer::from_pixel(2, 1, Rgba([255u8, 0, 0, alpha]));
+        let pictures: [DynamicImage; 3] = [
+            red(51).into(),
+            ImageBuffer::from_pixel(2, 1, LumaA([255u8, 51])).into(),
+            ImageBuffer::from_pixel(2, 1, Rgba([0u16, 65535, 0, 13107])).into(),
+        ];
+        for picture in pictures {
+            for encoding in [Encoding::Srgb, Encoding::Linear] {
+                let image = decoded(&encoded(picture.clone(), ImageFormat::Png), encoding);
+                assert!(image.has_alpha() && nearest(&image) == 0.2, "{image:?}");
+            }
+        }
+        assert_eq!(decoded(&encoded(red(0), ImageFormat::Png), Encoding::Srgb).texel(0, 0), Rgb::X);
+        assert!(!decoded(&encoded(red(255), ImageFormat::Png), Encoding::Srgb).has_alpha());
     }
 
     #[test]

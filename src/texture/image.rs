@@ -1,5 +1,6 @@
 //! Images: texels in linear light, and what lies between them.
 
+use super::wrap::Axis;
 use crate::color::Rgb;
 use crate::digest::content;
 use crate::math::DVec2;
@@ -11,29 +12,40 @@ pub struct Image {
     height: u32,
     /// Row by row from the top left, as files have them.
     texels: Vec<Rgb>,
+    /// How much of each texel is there, in 0..=1; none if all of all is.
+    alpha: Option<Vec<f32>>,
+    /// Whether all texels are alike.
+    even: bool,
 }
 
-content!(struct Image { width, height, texels });
+content!(struct Image { width, height, texels, alpha, even });
 
-/// What is seen beyond the edges of an image.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Wrap {
-    /// The image again.
-    #[default]
-    Repeat,
-    /// The image and its mirror image in turn.
-    Mirror,
-    /// The texels at the edge.
-    Clamp,
+/// What an image shows at a point: a colour, and how much of it is there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Texel {
+    pub color: Rgb,
+    /// In 0..=1.
+    pub alpha: f32,
 }
 
-content!(
-    enum Wrap {
-        Repeat,
-        Mirror,
-        Clamp,
+impl Texel {
+    pub fn opaque(color: Rgb) -> Self {
+        Self { color, alpha: 1.0 }
     }
-);
+
+    /// A mixture in which `share` is the other one's: each counts with as much of its colour as is there (Porter and
+    /// Duff, *Compositing Digital Images*, 1984).
+    pub fn lerp(self, other: Self, share: f32) -> Self {
+        if self.alpha == 1.0 && other.alpha == 1.0 {
+            return Self::opaque(self.color.lerp(other.color, share));
+        }
+        let alpha = self.alpha * (1.0 - share) + other.alpha * share;
+        let there = (self.color * self.alpha).lerp(other.color * other.alpha, share);
+        // What is not there has any colour.
+        let color = if alpha > 0.0 { there / alpha } else { self.color.lerp(other.color, share) };
+        Self { color, alpha }
+    }
+}
 
 /// What is seen between the centres of texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,7 +69,19 @@ impl Image {
     /// them, or none at all.
     pub fn new(width: u32, height: u32, texels: Vec<Rgb>) -> Option<Self> {
         let right = !texels.is_empty() && u64::from(width) * u64::from(height) == texels.len() as u64;
-        right.then_some(Self { width, height, texels })
+        let even = texels.iter().all(|texel| *texel == texels[0]);
+        right.then_some(Self { width, height, texels, alpha: None, even })
+    }
+
+    /// The image with how much of each texel is there, in 0..=1; none if there are more or fewer than texels.
+    pub fn with_alpha(mut self, alpha: Vec<f32>) -> Option<Self> {
+        if alpha.len() != self.texels.len() {
+            return None;
+        }
+        let opaque = alpha.iter().all(|alpha| *alpha == 1.0);
+        self.even &= alpha.iter().all(|other| *other == alpha[0]);
+        self.alpha = (!opaque).then_some(alpha);
+        Some(self)
     }
 
     pub fn width(&self) -> u32 {
@@ -68,69 +92,60 @@ impl Image {
         self.height
     }
 
-    /// The texel in column `x` from the left and row `y` from the top; both inside the image.
+    /// Whether any of it is not, or not wholly, there.
+    pub fn has_alpha(&self) -> bool {
+        self.alpha.is_some()
+    }
+
+    /// The colour of an image that is the same, and there, everywhere.
+    pub fn constant(&self) -> Option<Rgb> {
+        (self.even && self.alpha.is_none()).then(|| self.texels[0])
+    }
+
+    /// The colour of the texel in column `x` from the left and row `y` from the top; both inside the image.
     pub fn texel(&self, x: u32, y: u32) -> Rgb {
-        self.texels[y as usize * self.width as usize + x as usize]
+        self.texels[self.index(x, y)]
     }
 
-    /// The colour at `uv`: u runs to the right and v upwards, both from 0 to 1 over the whole image, so the
-    /// centre of the texel in column i is at u = (i + 0.5) / width. Black where `uv` is not finite.
-    pub fn sample(&self, uv: DVec2, wrap: Wrap, filter: Filter) -> Rgb {
-        self.sample_wrapped(uv, [wrap; 2], filter)
+    fn index(&self, x: u32, y: u32) -> usize {
+        y as usize * self.width as usize + x as usize
     }
 
-    /// [`Image::sample`] with a wrap for u and one for v.
-    pub fn sample_wrapped(&self, uv: DVec2, [across, up]: [Wrap; 2], filter: Filter) -> Rgb {
+    /// The colour at `uv`, whatever is there: u runs to the right and v upwards, both from 0 to 1 over the whole image,
+    /// so the centre of the texel in column i is at u = (i + 0.5) / width. Black where `uv` is not finite.
+    pub fn sample(&self, uv: DVec2, axes: [Axis; 2], filter: Filter) -> Rgb {
+        self.filtered(uv, axes, filter, |index| self.texels[index], Rgb::lerp).unwrap_or(Rgb::ZERO)
+    }
+
+    /// [`Image::sample`] of what is there, with how much that is.
+    pub fn sample_alpha(&self, uv: DVec2, axes: [Axis; 2], filter: Filter) -> Texel {
+        let Some(alpha) = &self.alpha else { return Texel::opaque(self.sample(uv, axes, filter)) };
+        let texel = |index: usize| Texel { color: self.texels[index], alpha: alpha[index] };
+        self.filtered(uv, axes, filter, texel, Texel::lerp).unwrap_or(Texel::opaque(Rgb::ZERO))
+    }
+
+    /// What `texel` says at `uv`, mixed as the filter says; nothing where `uv` is not finite.
+    fn filtered<T>(
+        &self,
+        uv: DVec2,
+        [across, up]: [Axis; 2],
+        filter: Filter,
+        texel: impl Fn(usize) -> T,
+        lerp: impl Fn(T, T, f32) -> T,
+    ) -> Option<T> {
         if !uv.is_finite() {
-            return Rgb::ZERO;
+            return None;
         }
-        let texel = |x: u32, from_bottom: u32| self.texel(x, self.height - 1 - from_bottom);
-        match filter {
+        let texel = |x: u32, from_bottom: u32| texel(self.index(x, self.height - 1 - from_bottom));
+        Some(match filter {
             Filter::Nearest => texel(across.nearest(uv.x, self.width), up.nearest(uv.y, self.height)),
             Filter::Bilinear => {
                 let (x, y) = (across.between(uv.x, self.width), up.between(uv.y, self.height));
-                let low = texel(x.low, y.low).lerp(texel(x.high, y.low), x.share);
-                let high = texel(x.low, y.high).lerp(texel(x.high, y.high), x.share);
-                low.lerp(high, y.share)
+                let low = lerp(texel(x.low, y.low), texel(x.high, y.low), x.share);
+                let high = lerp(texel(x.low, y.high), texel(x.high, y.high), x.share);
+                lerp(low, high, y.share)
             }
-        }
-    }
-}
-
-/// Two neighbours, and how far from the lower to the higher one.
-struct Between {
-    low: u32,
-    high: u32,
-    share: f32,
-}
-
-impl Wrap {
-    /// A finite coordinate brought into 0..=1. The end is reached by rounding alone, or by clamping.
-    fn reduced(self, coordinate: f64) -> f64 {
-        match self {
-            Self::Repeat => coordinate - coordinate.floor(),
-            Self::Mirror => 1.0 - (1.0 - (coordinate - 2.0 * (coordinate * 0.5).floor())).abs(),
-            Self::Clamp => coordinate.clamp(0.0, 1.0),
-        }
-    }
-
-    fn nearest(self, coordinate: f64, size: u32) -> u32 {
-        ((self.reduced(coordinate) * f64::from(size)) as u32).min(size - 1)
-    }
-
-    fn between(self, coordinate: f64, size: u32) -> Between {
-        let at = self.reduced(coordinate) * f64::from(size) - 0.5;
-        let low = at.floor();
-        let index = |i: i64| self.index(i, i64::from(size)) as u32;
-        Between { low: index(low as i64), high: index(low as i64 + 1), share: (at - low) as f32 }
-    }
-
-    /// Which texel stands at index -1..=size of a row. A mirrored image repeats the texels at its edge.
-    fn index(self, i: i64, size: i64) -> i64 {
-        match self {
-            Self::Repeat => i.rem_euclid(size),
-            Self::Mirror | Self::Clamp => i.clamp(0, size - 1),
-        }
+        })
     }
 }
 
@@ -138,6 +153,7 @@ impl Wrap {
 mod tests {
     use super::*;
     use crate::testing::Random;
+    use crate::texture::Wrap;
 
     const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
 
@@ -148,7 +164,7 @@ mod tests {
     }
 
     fn at(image: &Image, u: f64, v: f64, wrap: Wrap) -> f32 {
-        image.sample(DVec2::new(u, v), wrap, Filter::Bilinear).x
+        image.sample(DVec2::new(u, v), [wrap.into(); 2], Filter::Bilinear).x
     }
 
     #[test]
@@ -158,7 +174,7 @@ mod tests {
             for filter in [Filter::Bilinear, Filter::Nearest] {
                 for (x, y) in (0..4).flat_map(|x| [(x, 0), (x, 1)]) {
                     let uv = DVec2::new((f64::from(x) + 0.5) / 4.0, 1.0 - (f64::from(y) + 0.5) / 2.0);
-                    assert_eq!(image.sample(uv, wrap, filter), image.texel(x, y));
+                    assert_eq!(image.sample(uv, [wrap.into(); 2], filter), image.texel(x, y));
                 }
             }
         }
@@ -226,11 +242,52 @@ mod tests {
             for (wrap, filter) in
                 WRAPS.into_iter().flat_map(|w| [(w, Filter::Bilinear), (w, Filter::Nearest)])
             {
-                let color = image.sample(DVec2::new(u, v), wrap, filter);
+                let color = image.sample(DVec2::new(u, v), [wrap.into(); 2], filter);
                 let finite = u.is_finite() && v.is_finite();
                 assert!(if finite { color.x >= 0.1 - 1e-6 && color.x <= 0.9 } else { color == Rgb::ZERO });
             }
         }
+    }
+
+    /// A row that is repeated three times, and ends there.
+    #[test]
+    fn repeated_images_end_at_whole_numbers() {
+        let image = grey(2, &[0.25, 0.75]);
+        let ends = [Axis::repeating(-1.0, 2.0), Wrap::Clamp.into()];
+        let at = |u: f64, filter| image.sample(DVec2::new(u, 0.5), ends, filter).x;
+        let smooth = [-1.5, -1.0, -0.9, 0.0, 1.0, 1.75, 1.9, 2.0, 2.5].map(|u| at(u, Filter::Bilinear));
+        assert_eq!(smooth, [0.25, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 0.75, 0.75]);
+        let firm = [-1.0, -1e-9, 0.0, 1.0, 2.0].map(|u| at(u, Filter::Nearest));
+        assert_eq!(firm, [0.25, 0.75, 0.25, 0.25, 0.75]);
+        let wrapped = image.sample(DVec2::new(2.0, 0.5), [Wrap::Repeat.into(); 2], Filter::Nearest).x;
+        assert_eq!(wrapped, 0.25, "without an end the next one begins");
+    }
+
+    #[test]
+    fn colours_that_are_not_there_are_not_mixed_in() {
+        let texels = vec![Rgb::X, Rgb::Y, Rgb::Z, Rgb::ONE];
+        let image = Image::new(4, 1, texels).and_then(|image| image.with_alpha(vec![1.0, 0.0, 0.5, 1.0]));
+        let image = image.expect("an image");
+        assert!(image.has_alpha() && image.constant().is_none());
+        let at = |u: f64| image.sample_alpha(DVec2::new(u, 0.5), [Wrap::Clamp.into(); 2], Filter::Bilinear);
+        assert_eq!(at(0.25), Texel { color: Rgb::X, alpha: 0.5 });
+        assert_eq!(at(0.375), Texel { color: Rgb::Y, alpha: 0.0 });
+        assert_eq!(at(0.5), Texel { color: Rgb::Z, alpha: 0.25 });
+        let Texel { color, alpha } = at(0.75);
+        assert_eq!(alpha, 0.75);
+        assert!((color - Rgb::new(2.0, 2.0, 3.0) / 3.0).abs().max_element() < 1e-6, "{color}");
+        assert_eq!(image.sample(DVec2::new(0.375, 0.5), [Wrap::Clamp.into(); 2], Filter::Nearest), Rgb::Y);
+    }
+
+    #[test]
+    fn images_of_one_colour_are_constant() {
+        let even = grey(3, &[0.5; 6]);
+        assert_eq!(even.constant(), Some(Rgb::splat(0.5)));
+        assert_eq!(grey(3, &[0.5, 0.5, 0.5, 0.5, 0.5, 0.6]).constant(), None);
+        let opaque = even.clone().with_alpha(vec![1.0; 6]).expect("an image");
+        assert!(opaque == even && !opaque.has_alpha());
+        assert_eq!(even.clone().with_alpha(vec![0.5; 6]).expect("an image").constant(), None);
+        assert_eq!(even.with_alpha(vec![0.5; 5]), None);
     }
 
     #[test]

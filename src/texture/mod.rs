@@ -12,13 +12,15 @@ mod shared;
 #[cfg(test)]
 mod tests;
 mod tracks;
+mod wrap;
 
 pub use decode::Encoding;
 pub use error::ImageError;
 pub use footprint::Footprint;
-pub use image::{Filter, Image, Wrap};
+pub use image::{Filter, Image, Texel};
 pub use paint::{Channel, ImagePaint, Paint, PatternPaint, Spot};
 pub use pattern::Pattern;
-pub use placement::{Placement, PlacementTracks, Space};
+pub use placement::{Placement, PlacementTracks, Reach, Space};
 pub use shared::Shared;
 pub use tracks::{ImageTracks, PaintTracks, PatternTracks};
+pub use wrap::{Axis, Wrap};

@@ -1,6 +1,6 @@
 //! Paint: the colour of a surface from point to point, at one moment.
 
-use super::{Filter, Footprint, Image, Pattern, Placement, Shared, Space, Wrap};
+use super::{Filter, Footprint, Image, Pattern, Placement, Reach, Shared, Space, Texel, Wrap};
 use crate::color::Rgb;
 use crate::digest::content;
 use crate::math::{DVec2, DVec3};
@@ -10,6 +10,8 @@ use crate::math::{DVec2, DVec3};
 pub struct Spot {
     /// The surface's own coordinates.
     pub uv: DVec2,
+    /// Whether the surface ends where u is 0 and 1, and where v is.
+    pub ends: [bool; 2],
     /// The point in the object's space, before the object is moved.
     pub point: DVec3,
     /// How far off each coordinate of `point` may be.
@@ -47,17 +49,22 @@ content!(
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImagePaint {
     pub image: Shared<Image>,
-    pub wrap: Wrap,
+    /// Beyond the image's edges; if nothing is said, it repeats as far as the surface goes on.
+    pub wrap: Option<Wrap>,
     pub filter: Filter,
     /// One channel spread to grey.
     pub channel: Option<Channel>,
     /// Factor of the colours.
     pub tint: Rgb,
+    /// Whether its alpha counts.
+    pub alpha: bool,
     /// Over u and v.
     pub placement: Placement,
+    /// How it goes on along its x and y there.
+    pub reach: [Reach; 2],
 }
 
-content!(struct ImagePaint { image, wrap, filter, channel, tint, placement });
+content!(struct ImagePaint { image, wrap, filter, channel, tint, alpha, placement, reach });
 
 /// Two paints in a pattern, which may be patterns themselves.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,13 +101,35 @@ impl From<Rgb> for Paint {
 }
 
 impl Paint {
-    /// The colour at a point of the surface; linear, without negative parts.
-    pub fn color(&self, spot: &Spot) -> Rgb {
+    /// What it is at a point of the surface: a linear colour without negative parts, and how much of that is there.
+    pub fn at(&self, spot: &Spot) -> Texel {
         match self {
-            Self::Color(color) => *color,
-            Self::VertexColor => spot.color,
-            Self::Image(paint) => paint.color(spot),
-            Self::Pattern(paint) => paint.color(spot),
+            Self::Color(color) => Texel::opaque(*color),
+            Self::VertexColor => Texel::opaque(spot.color),
+            Self::Image(paint) => paint.at(spot),
+            Self::Pattern(paint) => paint.at(spot),
+        }
+    }
+
+    /// Whether any of it is not, or not wholly, there.
+    pub fn has_alpha(&self) -> bool {
+        match self {
+            Self::Color(_) | Self::VertexColor => false,
+            Self::Image(paint) => paint.alpha && paint.image.has_alpha(),
+            Self::Pattern(paint) => paint.first.has_alpha() || paint.second.has_alpha(),
+        }
+    }
+
+    /// The same where all of it is there.
+    pub fn opaque(self) -> Self {
+        match self {
+            Self::Color(_) | Self::VertexColor => self,
+            Self::Image(paint) => Self::Image(ImagePaint { alpha: false, ..paint }),
+            Self::Pattern(paint) => {
+                let PatternPaint { first, second, .. } = *paint;
+                let (first, second) = (first.opaque(), second.opaque());
+                Self::Pattern(Box::new(PatternPaint { first, second, ..*paint }))
+            }
         }
     }
 
@@ -121,15 +150,33 @@ impl Paint {
 }
 
 impl ImagePaint {
-    pub fn color(&self, spot: &Spot) -> Rgb {
+    pub fn at(&self, spot: &Spot) -> Texel {
         let (at, _) = self.placement.local(spot.uv.extend(0.0), DVec3::ZERO);
-        let color = self.image.sample(at.truncate(), self.wrap, self.filter);
+        let axes = match self.wrap {
+            Some(wrap) => [wrap.into(); 2],
+            None => self.reach.map(|reach| reach.over(spot.ends)),
+        };
+        let Texel { color, alpha } = match self.alpha {
+            true => self.image.sample_alpha(at.truncate(), axes, self.filter),
+            false => Texel::opaque(self.image.sample(at.truncate(), axes, self.filter)),
+        };
+        Texel { color: self.tinted(color), alpha }
+    }
+
+    fn tinted(&self, color: Rgb) -> Rgb {
         self.channel.map_or(color, |channel| Rgb::splat(color[channel as usize])) * self.tint
+    }
+
+    /// The colour of an image that is the same, and there, everywhere.
+    pub fn constant(&self) -> Option<Rgb> {
+        let there = !self.alpha || !self.image.has_alpha();
+        let black = (there && self.tint == Rgb::ZERO).then_some(Rgb::ZERO);
+        self.image.constant().map(|color| self.tinted(color)).or(black)
     }
 }
 
 impl PatternPaint {
-    pub fn color(&self, spot: &Spot) -> Rgb {
+    pub fn at(&self, spot: &Spot) -> Texel {
         let (point, error, seen) = match self.space {
             Space::Object => (spot.point, spot.error, &spot.seen),
             Space::Uv => (spot.uv.extend(0.0), ((spot.uv.abs() + 1.0) * UV_ERROR).extend(0.0), &spot.seen_uv),
@@ -137,9 +184,9 @@ impl PatternPaint {
         let (point, error) = self.placement.local(point, error);
         let seen = self.placement.footprint(seen).extent();
         match self.pattern.share(point, error, seen) as f32 {
-            0.0 => self.first.color(spot),
-            1.0 => self.second.color(spot),
-            share => self.first.color(spot).lerp(self.second.color(spot), share),
+            0.0 => self.first.at(spot),
+            1.0 => self.second.at(spot),
+            share => self.first.at(spot).lerp(self.second.at(spot), share),
         }
     }
 }

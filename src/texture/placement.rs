@@ -1,6 +1,6 @@
 //! Where a pattern or an image lies: scaled, then rotated, then moved, as an object is.
 
-use super::Footprint;
+use super::{Axis, Footprint, Wrap};
 use crate::digest::content;
 use crate::math::{DMat3, DQuat, DVec3, gamma};
 use crate::time::Time;
@@ -51,6 +51,26 @@ pub struct Placement {
 
 content!(struct Placement { offset, inverse });
 
+/// How an image goes on along an axis of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// Over a surface that ends at 0 and 1 of u and v. Where it ends as a copy of the image does, to rounding, no other
+    /// copy follows.
+    ended: Axis,
+    /// Whether u, and v, lead along the axis.
+    by: [bool; 2],
+}
+
+content!(struct Reach { ended, by });
+
+impl Reach {
+    /// Over a surface of which `ends` says whether it ends at 0 and 1 of u, and of v.
+    pub fn over(&self, ends: [bool; 2]) -> Axis {
+        let goes_on = |of: usize| self.by[of] && !ends[of];
+        if goes_on(0) || goes_on(1) { Wrap::Repeat.into() } else { self.ended }
+    }
+}
+
 impl PlacementTracks {
     pub fn at(&self, time: Time) -> Placement {
         // While a keyed scale is 0, no point of the pattern is finite.
@@ -66,6 +86,24 @@ impl Placement {
     pub fn local(&self, point: DVec3, error: DVec3) -> (DVec3, DVec3) {
         let rounding = (point.abs() + self.offset.abs()) * gamma(10);
         (self.inverse * (point - self.offset), self.inverse.abs() * (error + rounding))
+    }
+
+    /// How an image that repeats goes on along an axis of its own, x or y, over a surface.
+    pub fn reach(&self, axis: usize) -> Reach {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X + DVec3::Y];
+        let corners = corners.map(|corner| {
+            let (at, error) = self.local(corner, DVec3::ZERO);
+            (at[axis], error[axis])
+        });
+        let whole = |(at, error): (f64, f64)| {
+            let whole = at.round();
+            ((at - whole).abs() <= error).then_some(whole)
+        };
+        let first = corners.into_iter().fold(corners[0], |a, b| if b.0 < a.0 { b } else { a });
+        let last = corners.into_iter().fold(corners[0], |a, b| if b.0 > a.0 { b } else { a });
+        let (from, to) = (whole(first).unwrap_or(f64::NEG_INFINITY), whole(last).unwrap_or(f64::INFINITY));
+        let ended = if from < to { Axis::repeating(from, to) } else { Wrap::Repeat.into() };
+        Reach { ended, by: [0, 1].map(|of: usize| self.inverse.col(of)[axis] != 0.0) }
     }
 
     /// What is seen of the surface, in the pattern's coordinates.
@@ -96,6 +134,33 @@ mod tests {
         let placement = PlacementTracks::default().at(Time::from_integer(0));
         let point = DVec3::new(0.1, -2.3, 1e9);
         assert_eq!(placement.local(point, DVec3::ZERO).0, point);
+    }
+
+    #[test]
+    fn images_end_where_surfaces_do() {
+        let ends =
+            |placement: &Placement, ends: [bool; 2]| [0, 1].map(|axis| placement.reach(axis).over(ends));
+        let on: Axis = Wrap::Repeat.into();
+        let one = PlacementTracks::default().at(Time::from_integer(0));
+        assert_eq!(ends(&one, [true, true]), [Axis::repeating(0.0, 1.0); 2]);
+        assert_eq!(ends(&one, [false, true]), [on, Axis::repeating(0.0, 1.0)]);
+        assert_eq!(ends(&one, [false, false]), [on; 2]);
+        // Ten copies, though a tenth is no binary number.
+        let small = placed(DVec3::ZERO, 0.0, DVec3::splat(0.1));
+        assert_eq!(ends(&small, [true, true]), [Axis::repeating(0.0, 10.0); 2]);
+        let turned = placed(DVec3::ZERO, 90.0, DVec3::ONE);
+        assert_eq!(ends(&turned, [false, true]), [Axis::repeating(0.0, 1.0), on]);
+        assert_eq!(ends(&turned, [true, true]), [Axis::repeating(0.0, 1.0), Axis::repeating(-1.0, 0.0)]);
+        // Moved by a part of itself, it goes on to the one side and to the other.
+        let moved = placed(DVec3::new(0.25, 0.0, 0.0), 0.0, DVec3::new(1.0, 0.7, 1.0));
+        let open = Axis::repeating(0.0, f64::INFINITY);
+        assert_eq!(ends(&moved, [true, true]), [on, open]);
+        assert_eq!(ends(&placed(DVec3::ZERO, 30.0, DVec3::ONE), [true, false]), [on; 2]);
+        assert_eq!(
+            ends(&placed(DVec3::ZERO, 0.0, DVec3::ZERO), [true, true]),
+            [on; 2],
+            "while it is nothing"
+        );
     }
 
     #[test]

@@ -23,10 +23,11 @@ fn image() -> ImageTracks {
     let texels = vec![Rgb::X, Rgb::Y, Rgb::Z, Rgb::ONE];
     ImageTracks {
         image: Shared::new(Image::new(2, 2, texels).expect("an image")),
-        wrap: Wrap::Repeat,
+        wrap: None,
         filter: Filter::Nearest,
         channel: None,
         tint: Rgb::ONE.into(),
+        alpha: true,
         placement: PlacementTracks::default(),
     }
 }
@@ -38,11 +39,11 @@ fn patterns_nest() {
     let gradient = Pattern::Gradient { axis: DVec3::Z };
     let paint = pattern(gradient, PaintTracks::Pattern(Box::new(stripes)), image);
     let paint = PaintTracks::Pattern(Box::new(paint)).at(start());
-    assert_eq!(paint.color(&spot(0.75, 0.25, -1.0)), Rgb::X, "a stripe");
-    assert_eq!(paint.color(&spot(1.25, 0.25, -1.0)), Rgb::Y, "a stripe");
-    assert_eq!(paint.color(&spot(0.75, 0.25, 1.0)), Rgb::ONE, "the image");
-    assert_eq!(paint.color(&spot(0.25, 0.75, 0.25)), Rgb::X, "both are red here");
-    assert_eq!(paint.color(&spot(1.25, 0.25, 0.5)), Rgb::new(0.0, 0.5, 0.5), "half of each");
+    assert_eq!(paint.at(&spot(0.75, 0.25, -1.0)).color, Rgb::X, "a stripe");
+    assert_eq!(paint.at(&spot(1.25, 0.25, -1.0)).color, Rgb::Y, "a stripe");
+    assert_eq!(paint.at(&spot(0.75, 0.25, 1.0)).color, Rgb::ONE, "the image");
+    assert_eq!(paint.at(&spot(0.25, 0.75, 0.25)).color, Rgb::X, "both are red here");
+    assert_eq!(paint.at(&spot(1.25, 0.25, 0.5)).color, Rgb::new(0.0, 0.5, 0.5), "half of each");
     assert!(paint.constant().is_none());
 }
 
@@ -53,7 +54,7 @@ fn offset_keys_slide_a_texture() {
     let offset = Track::new(keys, Repeat::Hold, false).expect("a track");
     let mut tracks = image();
     tracks.placement.offset = Animated::Keyed(offset);
-    let seen = |num| tracks.at(Time::new(num, 2)).color(&spot(0.25, 0.25, 0.0));
+    let seen = |num| tracks.at(Time::new(num, 2)).at(&spot(0.25, 0.25, 0.0)).color;
     assert_eq!([0, 1, 2].map(seen), [Rgb::Z, Rgb::ONE, Rgb::Z], "the image moves to the right");
 }
 
@@ -62,8 +63,8 @@ fn one_channel_is_grey() {
     let mut tracks = image();
     tracks.channel = Some(Channel::G);
     let paint = PaintTracks::Image(Box::new(tracks)).at(start());
-    assert_eq!(paint.color(&spot(0.75, 0.75, 0.0)), Rgb::ONE);
-    assert_eq!(paint.color(&spot(0.25, 0.75, 0.0)), Rgb::ZERO);
+    assert_eq!(paint.at(&spot(0.75, 0.75, 0.0)).color, Rgb::ONE);
+    assert_eq!(paint.at(&spot(0.25, 0.75, 0.0)).color, Rgb::ZERO);
 }
 
 #[test]
@@ -81,7 +82,7 @@ fn patterns_on_a_surface_have_firm_edges_too() {
     let checker = checker.at(start());
     for k in 0..10u32 {
         let v = f64::from(k) * 0.1;
-        let colors = [v - 1e-14, v, v + 1e-14].map(|v| checker.color(&spot(0.05, v, 0.0)));
+        let colors = [v - 1e-14, v, v + 1e-14].map(|v| checker.at(&spot(0.05, v, 0.0)).color);
         assert_eq!(colors, [[Rgb::X, Rgb::Y][k as usize % 2]; 3]);
     }
 }
@@ -91,5 +92,5 @@ fn a_color_is_constant_and_vertex_colors_are_not() {
     assert_eq!(PaintTracks::from(Rgb::X).at(start()).constant(), Some(Rgb::X));
     let vertex = PaintTracks::VertexColor.at(start());
     assert!(vertex.constant().is_none());
-    assert_eq!(vertex.color(&Spot { color: Rgb::Z, ..spot(0.0, 0.0, 0.0) }), Rgb::Z);
+    assert_eq!(vertex.at(&Spot { color: Rgb::Z, ..spot(0.0, 0.0, 0.0) }).color, Rgb::Z);
 }

@@ -19,10 +19,11 @@ pub enum PaintTracks {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageTracks {
     pub image: Shared<Image>,
-    pub wrap: Wrap,
+    pub wrap: Option<Wrap>,
     pub filter: Filter,
     pub channel: Option<Channel>,
     pub tint: Animated<Rgb>,
+    pub alpha: bool,
     pub placement: PlacementTracks,
 }
 
@@ -49,13 +50,30 @@ impl From<Rgb> for PaintTracks {
 }
 
 impl PaintTracks {
+    /// The paint at a moment, without what makes no difference: a pattern of two equal paints is that paint, an image of
+    /// one colour is that colour.
     pub fn at(&self, time: Time) -> Paint {
         match self {
             // An easing that overshoots must not turn reflectance negative.
             Self::Color(color) => Paint::Color(color.at(time).max(Rgb::ZERO)),
             Self::VertexColor => Paint::VertexColor,
-            Self::Image(tracks) => Paint::Image(tracks.at(time)),
-            Self::Pattern(tracks) => Paint::Pattern(Box::new(tracks.at(time))),
+            Self::Image(tracks) => {
+                let paint = tracks.at(time);
+                paint.constant().map_or_else(|| Paint::Image(paint), Paint::Color)
+            }
+            Self::Pattern(tracks) => {
+                let paint = tracks.at(time);
+                if paint.first == paint.second { paint.first } else { Paint::Pattern(Box::new(paint)) }
+            }
+        }
+    }
+
+    /// Whether any of it is, at any time, not or not wholly there.
+    pub fn has_alpha(&self) -> bool {
+        match self {
+            Self::Color(_) | Self::VertexColor => false,
+            Self::Image(tracks) => tracks.alpha && tracks.image.has_alpha(),
+            Self::Pattern(tracks) => tracks.first.has_alpha() || tracks.second.has_alpha(),
         }
     }
 }
@@ -65,8 +83,9 @@ impl ImageTracks {
         let placement = self.placement.at(time);
         // An easing that overshoots must not turn reflectance negative.
         let tint = self.tint.at(time).max(Rgb::ZERO);
-        let Self { image, wrap, filter, channel, .. } = self;
-        ImagePaint { image: image.clone(), wrap: *wrap, filter: *filter, channel: *channel, tint, placement }
+        let &Self { wrap, filter, channel, alpha, .. } = self;
+        let reach = [0, 1].map(|axis| placement.reach(axis));
+        ImagePaint { image: self.image.clone(), wrap, filter, channel, tint, alpha, placement, reach }
     }
 }
 

@@ -1,21 +1,20 @@
 //! What a camera's ray meets first, for those who ask: depth, normal and albedo. It is looked up by a ray of its own,
 //! so that pictures without guides take no work for them, and those with them have the same light.
 
+use super::passing::PASSED;
 use super::tracer::{Met, Tracer, Work};
 use crate::camera::{Beam, Ray};
 use crate::color::Rgb;
 use crate::film::LayerId;
 use crate::material::Lobes;
 use crate::math::DVec3;
-use crate::tree::Probe;
 
 /// Adds to the sample in hand what the ray meets, from the layer `first` on. A ray that meets nothing adds nothing.
 pub fn record(tracer: &Tracer, (ray, beam): (&Ray, &Beam), first: LayerId, work: &mut Work) {
-    let Some(hit) = tracer.bvh.closest(tracer.scene.geometry, &Probe::new(*ray)) else { return };
-    let (surface, albedo) = match tracer.met(ray, hit, beam.after(hit.at.t)) {
-        Met::Surface(face) => (face.surface, albedo(&face.lobes)),
-        Met::Light { surface, .. } => (surface, Rgb::ONE),
-        Met::Nothing => return,
+    let (surface, albedo) = match first_there(tracer, *ray, *beam) {
+        Some(Met::Surface(face)) => (face.surface, albedo(&face.lobes)),
+        Some(Met::Light { surface, .. }) => (surface, Rgb::ONE),
+        Some(Met::Nothing) | None => return,
     };
     let camera = tracer.scene.camera;
     let depth = (surface.point - camera.position).dot(camera.basis.forward);
@@ -23,6 +22,29 @@ pub fn record(tracer: &Tracer, (ray, beam): (&Ray, &Beam), first: LayerId, work:
     for (layer, value) in work.layers[work.first + first.index()..].iter_mut().zip(values) {
         *layer += value;
     }
+}
+
+/// What the ray meets first, but for parts of surfaces that are not there.
+fn first_there<'a>(tracer: &Tracer<'a>, mut ray: Ray, mut beam: Beam) -> Option<Met<'a>> {
+    let mut crossed = None;
+    for _ in 0..=PASSED {
+        let met = match tracer.lying_in(crossed.as_ref(), beam.width) {
+            Some(met) => met,
+            None => {
+                crossed = None;
+                let hit = tracer.closest(&ray)?;
+                beam.width = beam.after(hit.at.t);
+                tracer.met(&ray, hit, beam.width)
+            }
+        };
+        let Met::Surface(face) = &met else { return Some(met) };
+        if !face.material.is_cut_out() || face.lobes.transparency != Rgb::ONE {
+            return Some(met);
+        }
+        crossed = Some(face.crossed(crossed, ray.direction));
+        ray = Tracer::straight_on(face, &ray);
+    }
+    None
 }
 
 /// The share of light that a surface sends on, by whatever lobe; all of it where the surface shines.

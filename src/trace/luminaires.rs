@@ -101,18 +101,14 @@ impl<'a> Luminaires<'a> {
         if chosen { None } else { plain.collect() }
     }
 
-    /// Asks every layer's sources for light at a point that is seen. At the `last` surface of a path only
-    /// lights are asked: what else shines is seen at the end of a bounce, and there is none left.
-    pub fn ask(&self, tracer: &Tracer, seen: &Seen, dice: Dice, last: bool, mut take: impl FnMut(Asked)) {
+    /// Asks every layer's sources for light at a point that is seen.
+    pub fn ask(&self, tracer: &Tracer, seen: &Seen, dice: Dice, mut take: impl FnMut(Asked)) {
         let surface = dice.surface;
         for group in &self.groups {
             let number = group.layer.0;
             let mut ask = |index: usize, chance: f64, turn: u32| {
                 let light = number.wrapping_mul(2 * ASKED as u32).wrapping_add(turn);
                 let member = &group.members[index];
-                if last && !matches!(member, Luminaire::Light(..)) {
-                    return;
-                }
                 let u = match member.is_sampled() {
                     true => dice.sampler.two(Use::Light { surface, light }),
                     false => DVec2::ZERO,

@@ -192,12 +192,13 @@ impl Follow<'_, '_, '_> {
         }
     }
 
-    /// A bit for each path that has a bounce left.
+    /// A bit for each path that would find something by going on.
     #[inline(always)]
     fn further(&self, lined: &Lined) -> u32 {
+        let Eight { tracer, paths, .. } = &self.eight;
         let mut further = 0;
         for lane in lanes(lined.there) {
-            further |= u32::from(self.eight.paths[lined.places[lane]].left > 0) << lane;
+            further |= u32::from(tracer.goes_on(paths[lined.places[lane]].left)) << lane;
         }
         further
     }
@@ -291,17 +292,15 @@ impl Follow<'_, '_, '_> {
         goes_on
     }
 
-    /// Sends paths on by mirrors, unless that would lead below the surface; gives a bit for each that goes on.
+    /// Sends paths on by mirrors; gives a bit for each that goes on.
     #[inline(always)]
     fn reflect<L: Lanes>(self, lined: &Lined, ground: &Ground<L::Quad>) -> u32 {
         let further = self.further(lined);
         let Self { eight: Eight { integrator, tracer, paths, .. }, work, .. } = self;
-        let mirrored = ground.mirrored();
-        let above = Octo::splat(0.0).below(Vector::load(&ground.surfaces.normal).dot(mirrored)).bits();
-        let starts = Starts::<L::Quad>::new(&ground.surfaces);
-        let rays = Rays { origin: starts.towards(mirrored).store(), direction: mirrored.store() };
+        let starts = Starts::gathering(&ground.surfaces, ground.lift.as_ref());
+        let rays = starts.mirrored(ground.mirrored());
         let mut goes_on = 0;
-        for lane in lanes(further & above) {
+        for lane in lanes(further) {
             let path = &mut paths[lined.places[lane]];
             path.throughput.leave(Rgb::ZERO, lined.lobes[lane].mirror);
             if path.throughput.shining() == Rgb::ZERO {

@@ -13,7 +13,7 @@ use crate::tree::Probe;
 
 /// Surfaces that a shadow ray passes at most; what lies behind more is in shadow. Each one brings the ray nearer to
 /// its light, so it ends by itself: this bounds how long that takes, and whatever rounding might do against it.
-const PASSED: u32 = 4096;
+pub const PASSED: u32 = 4096;
 
 /// The share of a light that arrives in spite of what stands in the way.
 #[derive(Clone, Copy, Debug)]

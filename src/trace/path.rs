@@ -1,8 +1,9 @@
 //! Path tracing: one path per sample, light asked for at every surface (next-event estimation), weighed
 //! against light that is met by chance (multiple importance sampling, Veach 1997), with Russian roulette.
 //!
-//! Lights are asked at every surface. What shines by itself, objects and the sky, is seen after at most as many
-//! bounces as the quality allows; asking for its light takes one. Ambient light counts as emission, and
+//! Every surface that reflects light on its way asks all sources for light, and sends the path on. The ray behind the
+//! last of them, which the quality sets, only sees what gives off light, so that what is asked and what is met are weighed
+//! against each other there as everywhere else. Ambient light is reflected, so it counts at surfaces that reflect, and
 //! highlights show no more than what is asked. Mirrors, boundaries and what is transparent are followed as they
 //! are; shadow rays pass what is transparent and, if the settings say so, what refracts.
 
@@ -13,7 +14,7 @@ use super::luminaires::Luminaires;
 use super::media::Media;
 use super::one_lobe::{Eight, Lobe, OneLobe};
 use super::scatter::{Kind, Scatter, scatter, scatter_density};
-use super::spawn::{spawn, spawn_gathering};
+use super::spawn::{spawn, spawn_gathering, spawn_mirrored};
 use super::throughput::Throughput;
 use super::tracer::{Dice, Face, Met, Tracer, Work};
 use super::wave::{Lists, Shadow, WAVE};
@@ -46,7 +47,7 @@ pub struct Path {
     pub media: Media,
     /// What the ray has just passed.
     pub crossed: Option<Crossed>,
-    /// Bounces that are left.
+    /// Surfaces that are left to reflect or bend light.
     pub left: u32,
     /// The last surface that has turned the path back, if it has scattered it: then light was asked for there.
     asked: Option<DVec3>,
@@ -60,7 +61,7 @@ pub struct Path {
 }
 
 impl Path {
-    /// One that has no bounces, until it begins.
+    /// One that leads nowhere, until it begins.
     pub fn new(ray: Ray, sampler: Sampler) -> Self {
         Self {
             ray,
@@ -86,7 +87,7 @@ impl Path {
         (*ray, *first) = (along, layers);
         throughput.begin();
         (*media, *crossed) = (Media::default(), None);
-        *left = tracer.quality.bounces;
+        *left = tracer.quality.surfaces();
         (*asked, *density, *counted) = (None, None, false);
         *dice = Dice { sampler, surface: 0 };
     }
@@ -141,7 +142,11 @@ impl<'a> Paths<'a> {
                 if let (Some(hit), Some(one_lobe)) = (hit, &self.one_lobe)
                     && let Some(lobe) = one_lobe.at(tracer, path, hit)
                 {
-                    queues[lobe as usize].push(slot);
+                    match path.left {
+                        // These give off no light.
+                        0 => goes_on[index as usize] = false,
+                        _ => queues[lobe as usize].push(slot),
+                    }
                     continue;
                 }
                 work.first = path.first;
@@ -189,8 +194,8 @@ impl<'a> Paths<'a> {
         let met = tracer.lying_in(path.crossed.as_ref(), path.beam.width).unwrap_or_else(|| {
             let hit = if path.crossed.is_none() { hit } else { tracer.closest(&path.ray) };
             path.crossed = None;
-            let (met, way) =
-                tracer.advance((&path.ray, &path.beam), hit, &path.media, &path.throughput, work);
+            let from = (&path.ray, &path.beam, path.left);
+            let (met, way) = tracer.advance(from, hit, &path.media, &path.throughput, work);
             path.throughput.go(way);
             met
         });
@@ -239,16 +244,22 @@ impl<'a> Paths<'a> {
             return true;
         }
         let density = |from| self.luminaires.density(tracer, from, &face.hit, &face.surface);
-        tracer.add_ambient(face, path.throughput.seen(), work);
+        if path.left > 0 {
+            tracer.add_ambient(face, path.throughput.seen(), work);
+        }
         tracer.add_emission(face, path.throughput.shining() * self.met_weight(path, density), work);
-        self.ask_for_light(tracer, path, face, dice, work);
-        // Without a bounce left, only what is passed straight on leads further.
-        if path.left == 0 && face.lobes.transparency == Rgb::ZERO {
+        if path.left > 0 {
+            self.ask_for_light(tracer, path, face, dice, work);
+        }
+        // Where nothing would be found by going on, only what is passed straight on leads further.
+        let turns = tracer.goes_on(path.left);
+        if !turns && face.lobes.transparency == Rgb::ZERO {
             return false;
         }
         let seen = face.seen(&path.ray);
         let u = dice.sampler.four(Use::Scatter(dice.surface));
-        let Some(next) = scatter(&seen, boundary.as_ref(), u) else { return false };
+        let next = scatter(&seen, boundary.as_ref(), u);
+        let Some(next) = next.filter(|next| turns || next.kind == Kind::Unbent) else { return false };
         let goes_on = self.go_on(path, face, &next) && self.survives(tracer, path);
         if goes_on {
             count(next.kind, &mut work.counts.rays);
@@ -264,13 +275,12 @@ impl<'a> Paths<'a> {
         let seen = face.seen(&path.ray);
         let throughput = path.throughput.seen();
         let mut turn = 0;
-        self.luminaires.ask(tracer, &seen, dice, path.left == 0, |asked| {
+        self.luminaires.ask(tracer, &seen, dice, |asked| {
             let arrival = &asked.arrival;
             work.counts.evaluations.light_samples += u64::from(arrival.density.is_some());
             let reflected = seen.reflected(arrival.direction);
-            // At the last surface of a path nothing is met by chance any more.
-            let met = if path.left > 0 { scatter_density(&seen, arrival.direction) } else { 0.0 };
-            let weight = arrival.density.map_or(1.0, |density| density / (density + met)) as f32;
+            let weigh = |density| density / (density + scatter_density(&seen, arrival.direction));
+            let weight = arrival.density.map_or(1.0, weigh) as f32;
             let scattered = reflected.scattered(tracer.clearness(arrival, seen.surface, work));
             let share = scattered + reflected.highlight;
             if share == Rgb::ZERO || arrival.radiance == Rgb::ZERO {
@@ -307,13 +317,14 @@ impl<'a> Paths<'a> {
         };
         path.ray = match next.kind {
             Kind::Scattered => spawn_gathering(&face.surface, next.direction),
-            Kind::Unbent | Kind::Bent | Kind::Mirrored => spawn(&face.surface, next.direction),
+            Kind::Mirrored => spawn_mirrored(&face.surface, next.direction),
+            Kind::Unbent | Kind::Bent => spawn(&face.surface, next.direction),
         };
         if let Some(media) = next.media {
             path.media = media;
         }
         match next.kind {
-            // Straight on: what was drawn before still leads there, and no bounce is taken.
+            // Straight on: what was drawn before still leads there.
             Kind::Unbent => return true,
             Kind::Bent => path.counted |= self.settings.refractive_shadows && path.asked.is_some(),
             // No shadow ray goes by a mirror.
@@ -321,15 +332,14 @@ impl<'a> Paths<'a> {
             Kind::Scattered => (path.asked, path.counted) = (Some(face.surface.point), false),
         }
         path.density = next.density;
-        let left = path.left.checked_sub(1);
-        path.left = left.unwrap_or(0);
-        left.is_some()
+        path.left -= 1;
+        true
     }
 
     /// Russian roulette: dim paths end at random, and those that go on make up for them.
     pub fn survives(&self, tracer: &Tracer, path: &mut Path) -> bool {
         let Some(after) = self.settings.roulette else { return true };
-        if tracer.quality.bounces - path.left <= after {
+        if tracer.quality.surfaces() - path.left <= after {
             return true;
         }
         let chance = path.throughput.shining().max_element().min(0.95);

@@ -98,7 +98,7 @@ pub fn scatter(seen: &Seen, boundary: Option<&Boundary>, [choice, u, v, w]: [f64
         let mirrored = seen.mirrored();
         return match seen.fuzz() {
             Some(fuzz) => drawn(seen, &chances, fuzz.sample(mirrored, DVec3::new(u, v, w))),
-            None => mirror(seen, mirrored, seen.lobes.mirror / chances.mirror as f32),
+            None => Some(Scatter::sharp(Kind::Mirrored, mirrored, seen.lobes.mirror / chances.mirror as f32)),
         };
     }
     if falls_to(chances.transparent) {
@@ -111,17 +111,12 @@ pub fn scatter(seen: &Seen, boundary: Option<&Boundary>, [choice, u, v, w]: [f64
     bent(seen, boundary, &chances, rest / chances.refracted)
 }
 
-/// A mirror's reflection, unless it would lead below the surface.
-fn mirror(seen: &Seen, direction: DVec3, share: Rgb) -> Option<Scatter> {
-    let above = seen.surface.normal.dot(direction) > 0.0;
-    above.then_some(Scatter::sharp(Kind::Mirrored, direction, share))
-}
-
 /// The metallic-roughness surface's reflection, in one of its small mirrors.
 fn shine(seen: &Seen, chances: &Chances, u: DVec2) -> Option<Scatter> {
     let Some(microfacet) = seen.microfacet() else {
         let fresnel = seen.metallic_fresnel(seen.normal().dot(seen.to_eye));
-        return mirror(seen, seen.mirrored(), fresnel * (seen.lobes.microfacet / chances.shine as f32));
+        let share = fresnel * (seen.lobes.microfacet / chances.shine as f32);
+        return Some(Scatter::sharp(Kind::Mirrored, seen.mirrored(), share));
     };
     let frame = Frame::around(seen.normal());
     let eye = frame.to_local(seen.to_eye);
@@ -169,11 +164,11 @@ fn density_of(seen: &Seen, chances: &Chances, direction: DVec3) -> f64 {
 fn bent(seen: &Seen, boundary: &Boundary, chances: &Chances, choice: f64) -> Option<Scatter> {
     let share = seen.lobes.refraction / chances.refracted as f32;
     let Some(bent) = boundary.meet(seen.material.fresnel, -seen.to_eye, seen.normal()) else {
-        return mirror(seen, seen.mirrored(), share);
+        return Some(Scatter::sharp(Kind::Mirrored, seen.mirrored(), share));
     };
     if choice < bent.reflected {
         // A boundary reflects all colours alike, whatever colour it lets pass.
-        return mirror(seen, seen.mirrored(), Rgb::splat(share.max_element()));
+        return Some(Scatter::sharp(Kind::Mirrored, seen.mirrored(), Rgb::splat(share.max_element())));
     }
     let media = seen.passes(bent.direction).then_some(boundary.passed);
     Some(Scatter { media, ..Scatter::sharp(Kind::Bent, bent.direction, share) })

@@ -2,6 +2,7 @@
 
 use crate::camera::Ray;
 use crate::math::{DVec3, next_away};
+use crate::optics::reflect;
 use crate::shape::Surface;
 
 /// A ray from a surface that cannot meet it again where it starts: its origin is moved along the normal, to
@@ -22,6 +23,21 @@ pub fn spawn_gathering(surface: &Surface, direction: DVec3) -> Ray {
         return spawn(surface, direction);
     }
     Ray { origin: origin(surface, surface.point + surface.lift, surface.normal), direction }
+}
+
+/// The ray by which a mirror sends light on in a direction that its smooth normal gives. Where that leads below the flat
+/// surface but away from the smooth one which this stands for, it starts from there. Else, as where the smooth surface is
+/// hollow, it comes up again from the flat one, by which it is reflected once more: light that was dropped would leave
+/// black specks.
+#[inline]
+pub fn spawn_mirrored(surface: &Surface, direction: DVec3) -> Ray {
+    if direction.dot(surface.normal) > 0.0 {
+        return spawn(surface, direction);
+    }
+    if surface.smoothly_faces(direction) {
+        return spawn_gathering(surface, direction);
+    }
+    spawn(surface, reflect(direction, surface.normal))
 }
 
 /// The start of a ray at a point of a surface, or above it, on a side of it.

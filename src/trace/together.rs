@@ -11,11 +11,12 @@ mod shade;
 mod starts;
 
 use super::tracer::Tracer;
+use crate::bvh::Hits;
 use crate::color::Rgb;
 use crate::counters::Counts;
 use crate::film::LayerId;
 use crate::light::Source;
-use crate::material::MadeOf;
+use crate::material::{MadeOf, Material};
 use crate::math::{DVec2, DVec3};
 use crate::scene::{Finish, Primitive};
 use crate::shape::{Rays, Shape, lanes};
@@ -117,10 +118,13 @@ impl Work for Follow<'_, '_> {
         let rays = camera::rays::<L::Quad>(tracer.scene.camera, size, [x, y], &[[0.0; 8]; 2]);
         let mut bundle = Bundle::<L> { rays, throughput: Color::splat(Rgb::ONE), wanted };
         let mut beams = tracer.painted.then(|| Beams::new(tracer, self.pixels, &bundle.rays));
-        let mut left = tracer.quality.bounces;
-        while bundle.wanted != 0 {
+        let mut left = tracer.quality.surfaces();
+        while bundle.wanted != 0 && left > 0 {
             bundle = bundle.step(tracer, left, beams.as_mut(), sums);
-            left = left.saturating_sub(1);
+            left -= 1;
+        }
+        if bundle.wanted != 0 {
+            bundle.end(tracer, sums);
         }
     }
 }
@@ -134,18 +138,44 @@ struct Bundle<L: Lanes> {
 }
 
 impl<L: Lanes> Bundle<L> {
-    /// Follows the rays to where they end; gives those that start there. `left` bounces are left.
+    /// What the rays meet; the sky's light is added where that is nothing.
     #[inline(always)]
-    fn step(self, tracer: &Tracer, left: u32, mut beams: Option<&mut Beams>, sums: &mut Sums) -> Self {
+    fn meet(&self, tracer: &Tracer, sums: &mut Sums) -> Hits {
         let Self { rays, throughput, wanted } = self;
-        let hits = tracer.bvh.closest_together::<L>(tracer.scene.geometry, &rays, wanted);
-        let met = hits.at.met;
+        let hits = tracer.bvh.closest_together::<L>(tracer.scene.geometry, rays, *wanted);
         if let Some(environment) = tracer.environment {
-            for lane in lanes(wanted & !met) {
+            for lane in lanes(wanted & !hits.at.met) {
                 let sky = environment.radiance(rays.direction.one(lane));
                 sums.add_to(lane, environment.layer, throughput.one(lane) * sky);
             }
         }
+        hits
+    }
+
+    /// Adds what shines by itself to a ray.
+    fn add_emission(&self, lane: usize, material: &Material, sums: &mut Sums) {
+        sums.add_to(lane, material.emission_layer, self.throughput.one(lane) * material.lobes.emission);
+    }
+
+    /// Follows the rays behind the last surfaces that reflect, where only what gives off light is seen.
+    #[inline(always)]
+    fn end(self, tracer: &Tracer, sums: &mut Sums) {
+        let hits = self.meet(tracer, sums);
+        for lane in lanes(hits.at.met) {
+            let Some(hit) = hits.one(lane) else { continue };
+            let material = tracer.material_of(&hit);
+            if material.lobes.emission != Rgb::ZERO {
+                self.add_emission(lane, material, sums);
+            }
+        }
+    }
+
+    /// Follows the rays to where they end; gives those that start there. `left` surfaces may still reflect light.
+    #[inline(always)]
+    fn step(self, tracer: &Tracer, left: u32, mut beams: Option<&mut Beams>, sums: &mut Sums) -> Self {
+        let hits = self.meet(tracer, sums);
+        let Self { rays, throughput, .. } = self;
+        let met = hits.at.met;
         if met == 0 {
             return Self { wanted: 0, ..self };
         }
@@ -159,9 +189,8 @@ impl<L: Lanes> Bundle<L> {
             sums.add(ambient.layer, share, met);
         }
         for lane in lanes(found.emissive) {
-            let material = found.materials[lane];
-            let material = &tracer.scene.shading.materials[material as usize];
-            sums.add_to(lane, material.emission_layer, throughput.one(lane) * material.lobes.emission);
+            let material = &tracer.scene.shading.materials[found.materials[lane] as usize];
+            self.add_emission(lane, material, sums);
         }
         let starts = Starts::new(&found.surfaces);
         for (_, light) in &tracer.lights {
@@ -183,11 +212,9 @@ impl<L: Lanes> Bundle<L> {
         }
         let share = throughput.times(found.mirror);
         let bright = L::splat(tracer.quality.threshold).at_most(share.largest());
-        let above = Octo::splat(0.0).below(found.mirrored.dot(Vector::load(&found.surfaces.normal))).bits();
-        let on = met & found.mirrors & above & bright & if left > 0 { 0xff } else { 0 };
+        let on = met & found.mirrors & bright & if tracer.goes_on(left) { 0xff } else { 0 };
         sums.counts.rays.mirror += u64::from(on.count_ones());
-        let rays = Rays { origin: starts.towards(found.mirrored).store(), direction: found.mirrored.store() };
-        Self { rays, throughput: share, wanted: on }
+        Self { rays: starts.mirrored(found.mirrored), throughput: share, wanted: on }
     }
 }
 

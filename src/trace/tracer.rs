@@ -44,6 +44,8 @@ pub struct Tracer<'a> {
     pub media: bool,
     /// Whether any material is painted, so that it matters how wide beams are.
     pub painted: bool,
+    /// Whether rays can meet light where it is given off: the sky, surfaces that shine, lamps with an area, fog.
+    pub emitters: bool,
 }
 
 /// What one thread's samples work with.
@@ -121,20 +123,26 @@ impl<'a> Tracer<'a> {
         let shading = scene.shading;
         let weighted = |layer: LayerId| scene.weights.0[layer.index()] != Rgb::ZERO;
         let glows = |glow: &Glow| glow.radiance != Rgb::ZERO && weighted(glow.layer);
-        let used = |test: fn(&Material) -> bool| {
+        let used = |test: &dyn Fn(&Material) -> bool| {
             let mut materials = scene.geometry.primitives.iter().flat_map(Primitive::materials);
             materials.any(|index| test(&shading.materials[index as usize]))
         };
-        let media = used(Material::refracts);
-        let clear = used(|material| material.lobes.transparency != Rgb::ZERO);
-        let painted = used(|material| !material.paints.is_empty());
+        let media = used(&Material::refracts);
+        let clear = used(&Material::is_clear);
+        let painted = used(&|material| !material.paints.is_empty());
+        let shines =
+            |material: &Material| material.lobes.emission != Rgb::ZERO && weighted(material.emission_layer);
         let environment = &shading.environment;
+        let environment = (!environment.is_black() && weighted(environment.layer)).then_some(environment);
+        let lights: Vec<_> = scene.lights().map(|(index, light)| (index, *light)).collect();
+        let lamps = lights.iter().any(|(_, light)| light.source.is_sampled());
         Self {
             scene,
             bvh,
             quality,
-            lights: scene.lights().map(|(index, light)| (index, *light)).collect(),
-            environment: (!environment.is_black() && weighted(environment.layer)).then_some(environment),
+            emitters: environment.is_some() || lamps || shading.fog.is_some() || used(&shines),
+            lights,
+            environment,
             ambient: Some(shading.ambient).filter(glows),
             fog: shading.fog,
             holdout: None,
@@ -153,11 +161,11 @@ impl<'a> Tracer<'a> {
 
     /// What the ray has come to, and what its way there, which may be infinite, leaves of the light. The fog's own light
     /// is added. What a surface gathers comes through no fog, as its shadow rays do not: a way to what shines by
-    /// itself glows for the throughput's other part alone.
+    /// itself glows for the throughput's other part alone. `left` surfaces may still reflect or bend light.
     #[inline]
     pub fn advance(
         &self,
-        (ray, beam): (&Ray, &Beam),
+        (ray, beam, left): (&Ray, &Beam, u32),
         hit: Option<Hit>,
         media: &Media,
         throughput: &Throughput,
@@ -168,9 +176,9 @@ impl<'a> Tracer<'a> {
         if self.media {
             way.passed = media.here(&self.scene.shading.materials).transmittance(t);
         }
-        let met = hit.map_or(Met::Nothing, |hit| self.met(ray, hit, beam.after(hit.at.t)));
+        let met = hit.map_or(Met::Nothing, |hit| self.met_with(ray, hit, beam.after(hit.at.t), left));
         if let Met::Surface(face) = &met {
-            work.counts.evaluations.paint += u64::from(!face.material.paints.is_empty());
+            work.counts.evaluations.paint += u64::from(face.material.is_painted(left));
         }
         if let Some(fog) = &self.fog {
             work.counts.evaluations.fog += 1;
@@ -205,6 +213,13 @@ impl<'a> Tracer<'a> {
     /// What a hit is, for a beam of this width.
     #[inline]
     pub fn met(&self, ray: &Ray, hit: Hit, width: f64) -> Met<'a> {
+        self.met_with(ray, hit, width, 1)
+    }
+
+    /// The same where so many surfaces are left that may reflect or bend light. Behind the last of them nobody asks for
+    /// what paint says of lobes that only do that.
+    #[inline]
+    fn met_with(&self, ray: &Ray, hit: Hit, width: f64, left: u32) -> Met<'a> {
         let primitive = &self.scene.geometry.primitives[hit.primitive as usize];
         let mut surface = self.surface(ray, &hit);
         // Surfaces are two-sided: the normal faces the eye.
@@ -214,9 +229,9 @@ impl<'a> Tracer<'a> {
         }
         let index = primitive.material(hit.at.part).unwrap_or_default();
         let material = &self.scene.shading.materials[index as usize];
-        let lobes = match material.paints.is_empty() {
-            true => material.lobes,
-            false => {
+        let lobes = match material.is_painted(left) {
+            false => material.lobes,
+            true => {
                 let seen = Footprint::new(width, ray.direction, surface.normal);
                 material.painted(&self.scene.geometry.spot(&hit, &surface, &seen, material.is_printed()))
             }
@@ -229,10 +244,17 @@ impl<'a> Tracer<'a> {
         Met::Surface(Face { material, lobes, surface, outside, hit, enclosure, width })
     }
 
-    /// What the sky adds to a ray that met nothing and may take so many bounces more. With all of them left it has
-    /// come straight from the eye: what it sees is the picture's background, and may be held out.
+    /// Whether it is worth a ray to go on from a surface where so many surfaces are left that may reflect or bend light,
+    /// this one among them: behind the last, only light that is given off is seen.
+    #[inline(always)]
+    pub fn goes_on(&self, left: u32) -> bool {
+        left > 1 || left == 1 && self.emitters
+    }
+
+    /// What the sky adds to a ray that met nothing, with so many surfaces left that may reflect or bend light. With all
+    /// of them left it has come straight from the eye: what it sees is the picture's background, and may be held out.
     pub fn add_sky(&self, ray: &Ray, throughput: Rgb, left: u32, work: &mut Work) {
-        if let Some(holdout) = self.holdout.filter(|_| left == self.quality.bounces) {
+        if let Some(holdout) = self.holdout.filter(|_| left == self.quality.surfaces()) {
             work.add(holdout, throughput);
         } else if let Some(environment) = self.environment {
             work.add(environment.layer, throughput * environment.radiance(ray.direction));

@@ -5,7 +5,7 @@
 use super::coincident::Crossed;
 use super::lights::{arrival, seen};
 use super::media::{Boundary, Media};
-use super::spawn::spawn;
+use super::spawn::{spawn, spawn_gathering, spawn_mirrored};
 use super::throughput::Throughput;
 use super::tracer::{Dice, Face, Met, Tracer, Work};
 use crate::camera::{Beam, Ray};
@@ -20,7 +20,7 @@ pub struct Pending {
     ray: Ray,
     beam: Beam,
     throughput: Rgb,
-    /// Bounces that are left.
+    /// Surfaces that are left to reflect or bend light.
     left: u32,
     media: Media,
     /// Whether area lights count where the ray meets them. Those that the surface it comes from has sampled
@@ -32,7 +32,7 @@ pub struct Pending {
 
 /// Adds what is seen along a camera's ray to `work`.
 pub fn follow(tracer: &Tracer, (ray, beam): (Ray, Beam), mut dice: Dice, work: &mut Work) {
-    let (throughput, left) = (Rgb::ONE, tracer.quality.bounces);
+    let (throughput, left) = (Rgb::ONE, tracer.quality.surfaces());
     let (media, crossed) = (Media::default(), None);
     let mut next = Some(Pending { ray, beam, throughput, left, media, sees_lights: true, crossed });
     while let Some(pending) = next.take() {
@@ -47,8 +47,8 @@ fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
     let lying = tracer.lying_in(pending.crossed.as_ref(), beam.width);
     let crossed = pending.crossed.filter(|_| lying.is_some());
     let met = lying.unwrap_or_else(|| {
-        let (met, way) =
-            tracer.advance((&ray, beam), tracer.closest(&ray), media, &Throughput::showing(throughput), work);
+        let (from, showing) = ((&ray, beam, pending.left), Throughput::showing(throughput));
+        let (met, way) = tracer.advance(from, tracer.closest(&ray), media, &showing, work);
         throughput *= way.passed * way.clear;
         met
     });
@@ -70,6 +70,11 @@ fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
         Branch { tracer, pending: &pending, face: &face, boundary: boundary.as_ref(), crossed, throughput };
     if branch.hidden(work) {
         return;
+    }
+    if pending.left == 0 {
+        // Behind the last surface that reflects, only what gives off light is seen, through what lets it pass.
+        tracer.add_emission(&face, throughput, work);
+        return branch.transparent(work);
     }
     tracer.add_ambient(&face, throughput, work);
     tracer.add_emission(&face, throughput, work);
@@ -118,7 +123,7 @@ impl Branch<'_, '_> {
         }
     }
 
-    /// Puts off a ray that takes one of the bounces that are left, if it matters.
+    /// Puts off a ray from this one of the surfaces that are left, if it matters.
     fn bounce(
         &self,
         ray: Ray,
@@ -129,10 +134,14 @@ impl Branch<'_, '_> {
         work: &mut Work,
     ) -> bool {
         let throughput = self.throughput * share;
-        let Some(left) = self.pending.left.checked_sub(1) else { return false };
-        if share == Rgb::ZERO || throughput.max_element() < self.tracer.quality.threshold {
+        let left = self.pending.left;
+        if !self.tracer.goes_on(left)
+            || share == Rgb::ZERO
+            || throughput.max_element() < self.tracer.quality.threshold
+        {
             return false;
         }
+        let left = left - 1;
         work.pending.push(Pending { ray, beam: self.beam(), throughput, left, media, sees_lights, crossed });
         true
     }
@@ -143,12 +152,10 @@ impl Branch<'_, '_> {
             return;
         }
         let seen = self.face.seen(&self.pending.ray);
-        let (mut direction, fuzz) = (seen.mirrored(), seen.fuzz());
-        if let Some(fuzz) = fuzz {
-            let [_, u, v, w] = dice.sampler.four(Use::Scatter(dice.surface));
-            direction = fuzz.sample(direction, DVec3::new(u, v, w));
-        }
-        self.reflect(direction, lobes.mirror, fuzz.is_none(), work);
+        let mirrored = seen.mirrored();
+        let Some(fuzz) = seen.fuzz() else { return self.reflect(mirrored, lobes.mirror, work) };
+        let [_, u, v, w] = dice.sampler.four(Use::Scatter(dice.surface));
+        self.scatter(fuzz.sample(mirrored, DVec3::new(u, v, w)), lobes.mirror, work);
     }
 
     /// The metallic-roughness surface's reflection: in one of its small mirrors.
@@ -160,7 +167,7 @@ impl Branch<'_, '_> {
         let seen = self.face.seen(&self.pending.ray);
         let Some(microfacet) = seen.microfacet() else {
             let fresnel = seen.metallic_fresnel(seen.normal().dot(seen.to_eye));
-            return self.reflect(seen.mirrored(), fresnel * lobes.microfacet, true, work);
+            return self.reflect(seen.mirrored(), fresnel * lobes.microfacet, work);
         };
         let frame = Frame::around(seen.normal());
         let eye = frame.to_local(seen.to_eye);
@@ -173,15 +180,24 @@ impl Branch<'_, '_> {
         }
         let share = (microfacet.reflected(eye, light) / density) as f32;
         let fresnel = seen.metallic_fresnel(eye.dot(half));
-        self.reflect(frame.to_world(light), fresnel * (share * lobes.microfacet), false, work);
+        self.scatter(frame.to_world(light), fresnel * (share * lobes.microfacet), work);
     }
 
-    /// Puts off a reflection, unless it would lead below the surface.
-    fn reflect(&self, direction: DVec3, share: Rgb, sees_lights: bool, work: &mut Work) {
+    /// Puts off the reflection of a sharp mirror.
+    fn reflect(&self, direction: DVec3, share: Rgb, work: &mut Work) {
+        self.reflected(spawn_mirrored(&self.face.surface, direction), share, true, work);
+    }
+
+    /// Puts off a reflection that was drawn, unless it leads below the surface.
+    fn scatter(&self, direction: DVec3, share: Rgb, work: &mut Work) {
         let surface = &self.face.surface;
-        let above = direction.dot(surface.normal) > 0.0;
-        if above && self.bounce(spawn(surface, direction), share, self.pending.media, sees_lights, None, work)
-        {
+        if direction.dot(surface.normal) > 0.0 || surface.smoothly_faces(direction) {
+            self.reflected(spawn_gathering(surface, direction), share, false, work);
+        }
+    }
+
+    fn reflected(&self, ray: Ray, share: Rgb, sees_lights: bool, work: &mut Work) {
+        if self.bounce(ray, share, self.pending.media, sees_lights, None, work) {
             work.counts.rays.mirror += 1;
         }
     }
@@ -197,7 +213,7 @@ impl Branch<'_, '_> {
         true
     }
 
-    /// Passing unbent takes no bounce.
+    /// What passes unbent is not reflected: as many surfaces are left.
     fn transparent(&self, work: &mut Work) {
         let throughput = self.throughput * self.face.lobes.transparency;
         if throughput == Rgb::ZERO || throughput.max_element() < self.tracer.quality.threshold {
@@ -227,7 +243,7 @@ impl Branch<'_, '_> {
         let seen = self.face.seen(&self.pending.ray);
         let direction = self.pending.ray.direction;
         let Some(bent) = boundary.meet(self.face.material.fresnel, direction, seen.normal()) else {
-            return self.reflect(seen.mirrored(), share, true, work);
+            return self.reflect(seen.mirrored(), share, work);
         };
         let reflected = bent.reflected as f32;
         let ray = spawn(&self.face.surface, bent.direction);
@@ -239,6 +255,6 @@ impl Branch<'_, '_> {
             work.counts.rays.transmitted += 1;
         }
         // A boundary reflects all colours alike, whatever colour it lets pass.
-        self.reflect(seen.mirrored(), Rgb::splat(share.max_element() * reflected), true, work);
+        self.reflect(seen.mirrored(), Rgb::splat(share.max_element() * reflected), work);
     }
 }

@@ -1,6 +1,6 @@
 //! Work is done when it is called for, and once: trees, packing and rays are counted exactly.
 
-use crate::support::{Shot, Work, shoot_all};
+use crate::support::{Shot, Work, shoot_all, shoot_all_in};
 
 /// A sequence of `frames` frames of 16x12 pixels with keys in frames, a floor, a ball and a light. The rest may
 /// name fields again that come before `objects`.
@@ -263,5 +263,38 @@ fn ga_01_ga_02_effects_that_are_not_called_for_take_no_work() {
             found.film == plain.film && found.work == plain.work,
             "{integrator} a light without intensity"
         );
+    }
+}
+
+/// A pattern of one colour is that colour: no paint is asked for, and the picture is the same to the last bit.
+#[test]
+fn ga_02_paint_that_is_the_same_everywhere_is_a_colour() {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    let texels = [image::Rgb([90u8, 180, 30]); 6].iter().flat_map(|texel| texel.0).collect();
+    let even = image::RgbImage::from_raw(3, 2, texels).expect("all texels");
+    even.save(folder.path().join("even.png")).expect("a disk");
+    let shot = |color: &str| {
+        let text = format!(
+            r#"(output: (size: (16, 12)), quality: (antialias: 1), lights: {{ "lamp": Point(position: (3, 4, 5)) }},
+            objects: {{ "ball": (shape: Sphere(), material: (color: {color}, specular: 0.5, specular_color: {color})) }})"#
+        );
+        shoot_all_in(folder.path(), &text).remove(0)
+    };
+    let srgb = "Srgb(90, 180, 30)";
+    for (paint, color) in [
+        ("Checker(a: 0.3, b: 0.3)", "0.3"),
+        ("Checker(a: Stripes(a: 0.3, b: 0.3), b: Noise(a: 0.3, b: 0.3, octaves: 2))", "0.3"),
+        ("Image(\"even.png\")", srgb),
+        ("Waves(a: Image(\"even.png\"), b: Srgb(90, 180, 30))", srgb),
+        ("Image(file: \"even.png\", encoding: Linear, channel: R, tint: 0)", "0"),
+        ("Image(file: \"even.png\", wrap: Mirror, scale: 0.1, rotation: 30)", srgb),
+        ("Marble(a: [(0, 0.3), (1, 0.5)], b: 0.3)", "0.3"),
+    ] {
+        let (painted, plain) = (shot(paint), shot(color));
+        assert_eq!(painted.work, plain.work, "{paint}");
+        assert!(painted.film == plain.film, "{paint}");
+    }
+    for paint in ["Checker(a: 0.3, b: 0.4)", "VertexColor", "Checker(a: VertexColor, b: VertexColor)"] {
+        assert!(shot(paint).work.paint > 0, "{paint}");
     }
 }

@@ -9,6 +9,7 @@ mod command;
 mod support;
 
 mod bad_input;
+mod bounces;
 mod inputs;
 mod cli;
 mod render;
@@ -30,6 +31,7 @@ mod coverage;
 mod coincident;
 mod determinism;
 mod golden;
+mod images;
 mod integrators;
 mod radiance;
 mod transport;

@@ -19,7 +19,7 @@ usemtl lamp\nf 2 3 6 5
 
 const MTL: &str = "newmtl lamp\nKd 0 0 0\nKa 0 0 0\nKe 0 2 4
 newmtl dim\nKa 0.25 0.5 0.125
-newmtl picture\nKa 1 1 1\nKd 0.5 0.5 0.5\nmap_Kd images/left.png
+newmtl picture\nKa 0.75 0.75 0.75\nKd 0.5 0.5 0.5\nmap_Kd images/left.png
 ";
 
 /// The mesh in four pixels, under nothing but ambient light of radiance 0.5.
@@ -54,7 +54,7 @@ fn triangles_have_the_materials_of_their_file() {
         let shot = shoot(&scene, 0..1).remove(0);
         let pixels = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| shot.pixel(x, y).to_array());
         let bare = [0.375; 3];
-        assert_eq!(pixels, [bare, [0.125, 0.25, 0.0625], [0.0, 0.5, 0.0], [0.0, 2.0, 4.0]]);
+        assert_eq!(pixels, [bare, [0.125, 0.25, 0.0625], [0.0, 0.375, 0.0], [0.0, 2.0, 4.0]]);
     }
 }
 
@@ -72,6 +72,64 @@ fn a_material_of_the_object_goes_before() {
     for (x, y) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
         assert_eq!(shot.pixel(x, y), Rgb::splat(0.125));
     }
+}
+
+/// Exporters that know no ambient light write `Ka 1 1 1`, or `Kd` once more: neither says anything about it.
+#[test]
+fn ambient_colours_of_exporters_say_nothing() {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    let mesh = "mtllib a.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nusemtl a\nf 1 2 3 4\n";
+    fs::write(folder.path().join("a.obj"), mesh).expect("a disk");
+    let seen = |library: &str, rest: &str| {
+        fs::write(folder.path().join("a.mtl"), format!("newmtl a\n{library}\n")).expect("a disk");
+        let text = format!(
+            "(output: (size: (1, 1)), camera: (position: (0, 0, 5), projection: Orthographic(height: 1)), {rest} objects: {{ \"a\": (shape: Mesh(\"a.obj\")) }})"
+        );
+        fs::write(folder.path().join("scene.ron"), text).expect("a disk");
+        let sequence = load(&folder.path().join("scene.ron")).unwrap_or_else(|error| panic!("{error}"));
+        (shoot(&sequence, 0..1)[0].pixel(0, 0), sequence.notes())
+    };
+    let kd = "Kd 0.5 0.25 1";
+    let share = |strength: f32| Rgb::new(0.5, 0.25, 1.0) * strength;
+    let left_out = "the mesh of `a`: `Ka` is ignored where it is white or equals `Kd`, as exporters write it unasked; \
+                    the `ambient` of `default_material` counts instead";
+    assert_eq!(seen(kd, ""), (share(0.1), vec![]));
+    for ka in ["Ka 1.000000 1.000000 1.000000", "Ka 1", "Ka 0.5 0.25 1"] {
+        for library in [format!("{ka}\n{kd}"), format!("{kd}\n{ka}")] {
+            let (pixel, notes) = seen(&library, "");
+            assert_eq!(pixel, share(0.1), "{library}");
+            assert_eq!(notes, [left_out], "{library}");
+            let own = seen(&library, "default_material: (ambient: 0.5),").0;
+            assert_eq!(own, share(0.5), "{library}");
+        }
+    }
+    // Others mean it.
+    assert_eq!(seen(&format!("{kd}\nKa 0.2 0.2 0.2"), ""), (Rgb::splat(0.2), vec![]));
+    assert_eq!(seen(&format!("{kd}\nKa 0 0 0"), ""), (Rgb::ZERO, vec![]));
+    assert_eq!(seen("Ka 0.5 0.5 0.5", ""), (Rgb::splat(0.5), vec![]), "with no `Kd`");
+    assert_eq!(seen("Kd 0 0 0\nKa 0 0 0", ""), (Rgb::ZERO, vec![]));
+}
+
+/// What is clear in `map_Kd` is not there of the mesh.
+#[test]
+fn clear_parts_of_images_are_cut_out_of_meshes() {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    let mesh = "mtllib a.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+                usemtl a\nf 1/1 2/2 3/3 4/4\n";
+    fs::write(folder.path().join("a.obj"), mesh).expect("a disk");
+    fs::write(folder.path().join("a.mtl"), "newmtl a\nKa 0.5 0.5 0.5\nmap_Kd leaf.png\nmap_d leaf.png\n")
+        .expect("a disk");
+    let leaf =
+        image::RgbaImage::from_fn(2, 1, |x, _| image::Rgba([255, 255, 255, if x == 0 { 255 } else { 0 }]));
+    leaf.save(folder.path().join("leaf.png")).expect("a disk");
+    let text = "(output: (size: (2, 1)), quality: (antialias: 1), background: 0.25,
+        camera: (position: (0, 0, 5), projection: Orthographic(height: 1)),
+        objects: { \"a\": (shape: Mesh(\"a.obj\")) })";
+    fs::write(folder.path().join("scene.ron"), text).expect("a disk");
+    let sequence = load(&folder.path().join("scene.ron")).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(sequence.notes(), [""; 0]);
+    let shot = shoot(&sequence, 0..1).remove(0);
+    assert_eq!([0, 1].map(|x| shot.pixel(x, 0)), [0.5, 0.25].map(Rgb::splat));
 }
 
 #[test]

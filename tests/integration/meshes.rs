@@ -1,9 +1,11 @@
 //! Meshes as scenes see them: closed under any placement, the same from every file format, shaded on the right side.
 
-use crate::support::{Random, geometry, shoot_all};
+use crate::support::{Random, geometry, sequence, shoot_all, shoot_extra};
 use kinora::bvh::Bvh;
 use kinora::camera::Ray;
+use kinora::color::Rgb;
 use kinora::files::Root;
+use kinora::film::Extras;
 use kinora::material::MadeOf;
 use kinora::math::{DAffine3, DVec3, UNIT_ROUNDOFF};
 use kinora::mesh::{self, Corners, LoadMeter, Normals, Parts, generate, obj, ply};
@@ -272,4 +274,97 @@ fn int_15_no_mesh_makes_a_pixel_that_is_no_number() {
         assert!(shot.film.radiance().all(|radiance| radiance.is_finite()));
         assert!(shot.pixel(12, 12).max_element() > 0.0);
     }
+}
+
+/// A grid of points as a smooth mesh that is a sharp mirror.
+fn smooth_mirror(across: u32, along: u32, point: impl Fn(f64, f64) -> [f64; 3]) -> String {
+    let at = |k: u32, of: u32| f64::from(k) / f64::from(of);
+    let points = (0..=along).flat_map(|y| (0..=across).map(move |x| (x, y)));
+    let vertices: String = points
+        .map(|(x, y)| point(at(x, across), at(y, along)))
+        .map(|[x, y, z]| format!("({x:?}, {y:?}, {z:?}), "))
+        .collect();
+    let corner = |x: u32, y: u32| y * (across + 1) + x;
+    let triangles: String = (0..along)
+        .flat_map(|y| (0..across).map(move |x| (x, y)))
+        .map(|(x, y)| [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)])
+        .map(|[a, b, c, d]| format!("({a}, {b}, {c}), ({a}, {c}, {d}), "))
+        .collect();
+    format!(
+        "objects: {{ \"mirror\": (shape: Mesh(vertices: [{vertices}], triangles: [{triangles}], normals: Smooth),
+        material: Metal(color: 1)) }}"
+    )
+}
+
+/// A ball of few facets, with poles along z.
+fn mirror_ball() -> String {
+    smooth_mirror(9, 6, |u, v| {
+        let (turn, tilt) = (std::f64::consts::TAU * u, std::f64::consts::PI * v);
+        let level = if v == 0.0 || v == 1.0 { 0.0 } else { libm::sin(tilt) };
+        // The last column is the first one.
+        let turn = if u == 1.0 { 0.0 } else { turn };
+        [level * libm::cos(turn), level * libm::sin(turn), libm::cos(tilt)]
+    })
+}
+
+/// A mirror that takes nothing away cannot be told from even light around it, whatever its normals say.
+#[test]
+fn smooth_mirrors_lose_no_light() {
+    let bowl = smooth_mirror(7, 7, |u, v| {
+        let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+        [x, y, 0.8 * (x * x + y * y)]
+    });
+    let waves = smooth_mirror(12, 12, |u, v| {
+        let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+        [x, y, 0.12 * libm::cos(9.0 * x) * libm::cos(7.0 * y)]
+    });
+    for mirror in [mirror_ball(), bowl, waves] {
+        for integrator in ["Whitted", "Path(roulette: Off)"] {
+            for eye in ["(0.3, 0.2, 4)", "(3.5, 0.5, 0.9)"] {
+                let text = format!(
+                    "(output: (size: (48, 48)), quality: (integrator: {integrator}, antialias: 1, samples: 1, bounces: 1000),
+                    background: 1, camera: (position: {eye}, up: (0, 1, 0.1), projection: Orthographic(height: 2.2)), {mirror})"
+                );
+                let film = &shoot_all(&text)[0].film;
+                let dark =
+                    film.radiance().filter(|pixel| (*pixel - Rgb::ONE).abs().max_element() > 1e-5).count();
+                assert_eq!(dark, 0, "{integrator} from {eye}: {dark} pixels lose light");
+            }
+        }
+    }
+}
+
+/// What a smooth ball shows is what lies where its interpolated normals send the eye, up to its very rim.
+#[test]
+fn smooth_mirrors_show_what_their_normals_say() {
+    let text = format!(
+        "(output: (size: (96, 96)), quality: (antialias: 1), background: Gradient(bottom: 0, top: 1, up: (0.3, 1, -0.2)),
+        camera: (position: (0.3, 0.2, 4), projection: Orthographic(height: 2.2)), {})",
+        mirror_ball()
+    );
+    let sequence = sequence(&text);
+    let film = shoot_extra(&sequence, Extras { coverage: false, guides: true });
+    let toward = -DVec3::new(0.3, 0.2, 4.0).normalize();
+    let up = DVec3::new(0.3, 1.0, -0.2).normalize();
+    let mut off = Vec::new();
+    for pixel in 0..96 * 96 {
+        let Some(seen) = film.guides_at(pixel).filter(|seen| seen.depth.is_some()) else { continue };
+        let normal = seen.normal.as_dvec3();
+        // One that faces away is not used.
+        if normal.dot(toward) >= 0.0 {
+            continue;
+        }
+        let mirrored = toward - normal * (2.0 * normal.dot(toward));
+        let expected = 0.5 * (mirrored.dot(up) + 1.0);
+        let error = (f64::from(film.radiance_at(pixel).x) - expected).abs();
+        if error > 1e-5 {
+            off.push(error);
+        }
+    }
+    assert!(
+        off.is_empty(),
+        "{} pixels are off by up to {}",
+        off.len(),
+        off.iter().fold(0.0, |a: f64, b| a.max(*b))
+    );
 }

@@ -21,6 +21,87 @@ fn raw_video_goes_to_the_standard_output_and_words_elsewhere() {
     assert_eq!(refused.status.code(), Some(2));
 }
 
+/// What netpbm calls a stream: pictures one after the other, each with its header.
+#[test]
+fn stills_go_to_the_standard_output_one_after_the_other() {
+    let folder = folder();
+    kinora(folder.path(), &["render", "ball.ron", "-o", "f_#.ppm", "-o", "f_#.png", "--frames", "0-2"]);
+    let files = contents(folder.path());
+    let all = |extension: &str| [0, 1, 2].map(|k| files[&format!("f_{k}.{extension}")].clone()).concat();
+    let stream = |more: &[&str]| {
+        let output =
+            run(folder.path(), &[&["render", "ball.ron", "-o", "-", "--frames", "0-2"], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(String::from_utf8_lossy(&output.stderr).contains("frames  3"), "words go elsewhere");
+        output.stdout
+    };
+    assert!(stream(&["--format", "ppm"]) == all("ppm"));
+    assert!(stream(&["--format", "png"]) == all("png"));
+    // Frames that are kept go there as well.
+    assert!(stream(&["--format", "png", "-o", "f_#.png"]) == all("png"));
+    assert!(stream(&["--format", "ppm", "-o", "f_#.png"]) == all("ppm"));
+    assert!(stream(&["--format", "y4m"]) == stream(&[]));
+    let one =
+        run(folder.path(), &["render", "ball.ron", "-o", "-", "--format", "png", "--frames", "1", "-q"]);
+    assert!(one.stdout == files["f_1.png"] && one.stderr.is_empty());
+    let plain = stream(&["--format", "ppm-ascii"]);
+    let text = String::from_utf8(plain).expect("letters");
+    assert!(text.lines().all(|line| line.len() <= 70), "as netpbm says");
+    let mut words = text.split_ascii_whitespace();
+    for k in 0..3 {
+        let head: Vec<_> = words.by_ref().take(4).collect();
+        assert_eq!(head, ["P3", "32", "18", "255"]);
+        let samples: Vec<u8> =
+            words.by_ref().take(32 * 18 * 3).map(|word| word.parse().expect("a code")).collect();
+        let shown = image::open(folder.path().join(format!("f_{k}.png"))).expect("a PNG").into_rgb8();
+        assert!(samples == shown.into_raw(), "frame {k}");
+    }
+    assert_eq!(words.next(), None);
+}
+
+#[test]
+fn formats_of_the_standard_output_are_told() {
+    let folder = folder();
+    let told = |more: &[&str]| refused(folder.path(), &[&["render", "ball.ron"], more].concat());
+    assert!(told(&["-o", "-", "--format", "gif"]).contains("y4m, ppm, ppm-ascii or png"));
+    assert!(told(&["-o", "a.png", "--format", "ppm"]).contains("write -o - as well"));
+    assert!(
+        told(&["-o", "-", "--format", "png", "--progress", "json"])
+            .contains("both write to the standard output")
+    );
+}
+
+#[test]
+fn ppm_files_may_be_of_ascii() {
+    let folder = folder();
+    let text = BALL.replace("size: (32, 18)", "size: (32, 18), ppm: (ascii: true)");
+    fs::write(folder.path().join("ascii.ron"), text).expect("writable");
+    kinora(folder.path(), &["render", "ascii.ron", "-o", "a.ppm", "-o", "a.png", "--frames", "5"]);
+    let files = contents(folder.path());
+    assert!(files["a.ppm"].starts_with(b"P3\n"));
+    let open = |name: &str| image::open(folder.path().join(name)).expect(name).into_rgb8();
+    assert!(open("a.ppm") == open("a.png"));
+    let stream = run(folder.path(), &["render", "ascii.ron", "-o", "-", "--format", "ppm", "--frames", "5"]);
+    assert!(stream.stdout == files["a.ppm"], "as the sequence says");
+}
+
+#[test]
+fn what_half_floats_cannot_hold_is_counted() {
+    let folder = folder();
+    let text = "(output: (size: (4, 2), exr: (precision: Half)), background: (70000, 1, 65519))";
+    fs::write(folder.path().join("bright.ron"), text).expect("writable");
+    let told = kinora(folder.path(), &["render", "bright.ron", "-o", "a.exr"]);
+    assert!(told.contains("8 numbers above 65504"), "{told}");
+    let image =
+        exr::prelude::read_first_flat_layer_from_file(folder.path().join("a.exr")).expect("an EXR file");
+    for channel in image.layer_data.channel_data.list {
+        let expected = if channel.name.to_string() == "G" { 1.0 } else { 65504.0 };
+        assert!(channel.sample_data.values_as_f32().all(|value| value == expected), "{}", channel.name);
+    }
+    let told = kinora(folder.path(), &["render", "ball.ron", "-o", "b.exr", "--frames", "0"]);
+    assert!(!told.contains("65504"), "{told}");
+}
+
 #[test]
 fn every_format_is_written_and_frames_can_be_assembled_again() {
     let folder = folder();

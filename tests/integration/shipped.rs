@@ -60,3 +60,52 @@ fn listed_assets_are_there() {
         assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join("assets").join(name).is_file(), "{name}");
     }
 }
+
+/// Whoever looks for an example of a feature finds one.
+#[test]
+fn shipped_sequences_show_what_there_is() {
+    let texts = listed("sequences", "| [", "]").into_iter().map(|name| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("sequences").join(name);
+        fs::read_to_string(path).expect("a sequence")
+    });
+    let all: String = texts.collect();
+    for feature in [
+        "Orbit(",
+        "Zoom(",
+        "Dolly(",
+        "Spline(",
+        "aperture:",
+        "shutter:",
+        "integrator: Whitted",
+        "integrator: Path",
+        "fog:",
+        "active_camera:",
+        "Perspective(",
+        "Orthographic(",
+        "CubeMap(",
+        "Mesh(",
+        "Image(",
+        "Checker(",
+    ] {
+        assert!(all.contains(feature), "no sequence shows `{feature}`");
+    }
+}
+
+/// A flight, an open shutter and Whitted's integrator, each at a few of its frames.
+#[test]
+fn flights_and_open_shutters_render() {
+    for (name, frames, moments) in
+        [("flight", [0, 40, 89], [1; 3]), ("cradle", [0, 7, 27], [32; 3]), ("whitted", [0, 20, 47], [1; 3])]
+    {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("sequences/{name}.ron"));
+        let mut sequence = load(&path).unwrap_or_else(|error| panic!("{error}"));
+        (sequence.output.size, sequence.quality.antialias) = ((48, 32), 1);
+        for (frame, moments) in frames.into_iter().zip(moments) {
+            let shot = shoot(&sequence, [frame]).remove(0);
+            assert_eq!(shot.work.bvh_builds, moments, "{name}, frame {frame}: what moves");
+            let mean =
+                shot.film.radiance().map(|radiance| f64::from(radiance.y)).sum::<f64>() / (48.0 * 32.0);
+            assert!((0.1..0.8).contains(&mean), "{name}, frame {frame}: {mean}");
+        }
+    }
+}

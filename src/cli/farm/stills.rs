@@ -26,7 +26,7 @@ impl Wanted<'_> {
         };
         let (mut animations, mut stills): (Vec<_>, Vec<_>) =
             run.outputs().0.into_iter().partition(Output::is_animation);
-        if animations.contains(&Output::Stream) {
+        if animations.iter().any(Output::is_stream) {
             let message = "a job has no standard output to stream to; name files with -o";
             return Err(Failure::Bad(message.to_owned()));
         }

@@ -16,7 +16,7 @@ mod yuv;
 
 use super::error::EncodeError;
 use super::job::Job;
-use super::output::{Moving, Output};
+use super::output::{Moving, Output, Streamed};
 use super::picture::Picture;
 use rayon::ThreadPool;
 use std::path::PathBuf;
@@ -53,7 +53,9 @@ pub fn start(
 ) -> Result<Option<Box<dyn Movie>>, EncodeError> {
     let (format, path) = match output {
         Output::Stills(..) => return Ok(None),
-        Output::Stream => return Ok(Some(Box::new(y4m::Y4m::to_stdout(job)?))),
+        Output::Stream(Streamed::Y4m) => return Ok(Some(Box::new(y4m::Y4m::to_stdout(job)?))),
+        // Frames by themselves, which the worker writes.
+        Output::Stream(Streamed::Ppm | Streamed::AsciiPpm | Streamed::Png) => return Ok(None),
         Output::Movie(format, path) => (format, path),
     };
     Ok(match format {

@@ -18,7 +18,7 @@ const END: &[u8] = b"\0\0\0\0IEND\xae\x42\x60\x82";
 /// Bytes of texts and other chunks beside the picture, at most.
 const BESIDES: u64 = 1 << 20;
 
-/// Reads back a picture of 8 bits that [`write`](super::write) wrote.
+/// Reads back a picture of 8 bits that [`encode`](super::encode) has made.
 pub fn read(path: &Path) -> Result<Picture, EncodeError> {
     decode(path).map_err(|e| EncodeError::read(path, e))
 }

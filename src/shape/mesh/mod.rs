@@ -116,6 +116,11 @@ impl Geometric for Mesh {
         }
     }
 
+    /// Coordinates of a file lie anywhere.
+    fn uv_ends(&self, part: u32) -> [bool; 2] {
+        [self.mesh.corner_uvs(part).is_none(); 2]
+    }
+
     fn color(&self, point: DVec3, part: u32) -> Rgb {
         let Some([a, b, c]) = self.mesh.corner_colors(part) else { return Rgb::ONE };
         let weights = self.weights(point, part).as_vec2();

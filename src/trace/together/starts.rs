@@ -1,6 +1,6 @@
 //! Where rays start on eight surfaces.
 
-use crate::shape::Surfaces;
+use crate::shape::{Rays, Surfaces};
 use crate::simd::{Choice, Octo, Quad, Rows, Vector};
 
 /// Where rays from eight surfaces start, as `super::super::spawn` has it for one.
@@ -38,17 +38,45 @@ impl<Q: Quad> Starts<Q> {
 
     #[inline(always)]
     pub fn towards(&self, direction: Vector<Q>) -> Vector<Q> {
-        let Self { point, normal, reach, above, .. } = *self;
-        let zero = Octo::splat(0.0);
-        let below = direction.dot(normal).below(zero);
-        let mut start = above;
-        if below.bits() != 0 {
-            start = beyond(point, -normal, reach).pick(below, above);
-        }
+        let start = self.beside(direction);
         match self.smooth {
-            Some((lifted, shading, there)) => there.pick(lifted & zero.below(direction.dot(shading)), start),
+            Some((lifted, shading, there)) => {
+                there.pick(lifted & Octo::splat(0.0).below(direction.dot(shading)), start)
+            }
             None => start,
         }
+    }
+
+    /// On the side of the flat surfaces that directions lead to.
+    #[inline(always)]
+    fn beside(&self, direction: Vector<Q>) -> Vector<Q> {
+        let Self { point, normal, reach, above, .. } = *self;
+        let below = direction.dot(normal).below(Octo::splat(0.0));
+        match below.bits() {
+            0 => above,
+            _ => beyond(point, -normal, reach).pick(below, above),
+        }
+    }
+
+    /// The rays by which mirrors send light on, as `super::super::spawn::spawn_mirrored` has them.
+    #[inline(always)]
+    pub fn mirrored(&self, direction: Vector<Q>) -> Rays {
+        let zero = Octo::splat(0.0);
+        let along = self.normal.dot(direction);
+        let above = zero.below(along);
+        if above.bits() == 0xff {
+            return Rays { origin: self.above.store(), direction: direction.store() };
+        }
+        let up = direction - self.normal * (Octo::splat(2.0) * along);
+        let Some((lifted, shading, there)) = self.smooth else {
+            let direction = direction.pick(above, up);
+            return Rays { origin: self.beside(direction).store(), direction: direction.store() };
+        };
+        let away = lifted & zero.below(direction.dot(shading));
+        let direction = direction.pick(above | away, up);
+        let beside = self.beside(direction);
+        let origin = beside.pick(above, there.pick(away, beside));
+        Rays { origin: origin.store(), direction: direction.store() }
     }
 }
 

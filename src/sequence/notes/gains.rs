@@ -1,0 +1,145 @@
+//! Materials that give off more light than they get.
+
+use crate::color::Rgb;
+use crate::humane::counted;
+use crate::material::MaterialTracks;
+use crate::quality::Integrator;
+use crate::sequence::Sequence;
+use crate::sequence::suggest::shortened;
+use crate::texture::PaintTracks;
+use crate::time::{Time, Timeline};
+use crate::track::{Animate, Animated};
+
+impl Sequence {
+    /// Materials that give off more light than they get, where paths may come by them again and again.
+    pub(super) fn gains(&self) -> Vec<String> {
+        if !matches!(self.quality.integrator, Integrator::Path(_)) {
+            return Vec::new();
+        }
+        let gains = self
+            .used_materials()
+            .map(|material| (&material.name, most_light(&material.value, &self.timeline)));
+        let mut gains = gains.filter(|(_, light)| *light > 1.0 + ROUNDING);
+        let note = |(name, light): (&String, f64)| {
+            let light = format!("{light:.2}");
+            let light = light.trim_end_matches('0').trim_end_matches('.');
+            format!(
+                "material `{}` reflects and lets pass up to {light} of the light that comes; with `Path` such light \
+                 adds up",
+                shortened(name)
+            )
+        };
+        let mut notes: Vec<_> = gains.by_ref().take(MOST_GAINS).map(note).collect();
+        match gains.count() as u64 {
+            0 => {}
+            more => notes.push(format!("and {} more like this", counted(more, "material"))),
+        }
+        notes
+    }
+}
+
+/// Notes about materials of the same fault, at most.
+const MOST_GAINS: usize = 3;
+
+/// What would be told as 1.00 is as good as 1.
+const ROUNDING: f64 = 0.005;
+
+/// The share of the light that a material gives off again, in the channel and at the key where it is most. Only
+/// colours count: what is painted may be less at every point.
+fn most_light(material: &MaterialTracks, timeline: &Timeline) -> f64 {
+    let MaterialTracks { diffuse, mirror, transparency, refraction, microfacet, base, .. } = material;
+    let lobes = [diffuse, mirror, transparency, refraction].map(|lobe| (&lobe.strength, &lobe.tint));
+    let lobes = lobes.into_iter().chain([(microfacet, base)]);
+    let colored = lobes.filter_map(|(strength, tint)| match tint {
+        PaintTracks::Color(color) => Some((strength, color)),
+        _ => None,
+    });
+    let colored: Vec<_> = colored.collect();
+    let (start, end) = (timeline.clock(0).time, timeline.clock(timeline.frames.saturating_sub(1)).time);
+    let keys = colored.iter().flat_map(|(strength, color)| key_times(strength).chain(key_times(color)));
+    let times = keys.filter(|time| (start..end).contains(time)).chain([start, end]);
+    let light = |time: Time| {
+        let mut sum = [0.0; 3];
+        for (strength, color) in &colored {
+            let (strength, color) = (strength.at(time).max(0.0), color.at(time).max(Rgb::ZERO));
+            sum.iter_mut().zip(color.to_array()).for_each(|(sum, part)| *sum += strength * f64::from(part));
+        }
+        sum.into_iter().fold(0.0, f64::max)
+    };
+    times.map(light).fold(0.0, f64::max)
+}
+
+fn key_times<T: Animate>(value: &Animated<T>) -> impl Iterator<Item = Time> {
+    let keys = if let Animated::Keyed(track) = value { track.keys() } else { &[] };
+    keys.iter().map(|key| key.time)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::sequence::parse;
+
+    fn notes(text: &str) -> Vec<String> {
+        parse("test.ron", &format!("({text})")).unwrap_or_else(|faults| panic!("{faults}")).notes()
+    }
+
+    fn of(material: &str) -> Vec<String> {
+        notes(&format!(
+            "quality: (integrator: Path()), materials: {{ \"x\": {material}, \"unused\": (diffuse: 9) }},
+            objects: {{ \"ball\": (shape: Sphere(), material: \"x\") }}"
+        ))
+    }
+
+    #[test]
+    fn materials_that_gain_light_are_told_for_paths() {
+        let much = "(color: (0.5, 1, 0), diffuse: 0.75, mirror: 0.5, transparency: 0.5, refraction: 0)";
+        let note = "material `x` reflects and lets pass up to 1.75 of the light that comes; with `Path` such light \
+                    adds up";
+        assert_eq!(of(much), [note]);
+        for enough in [
+            "(color: 1, diffuse: 0.7, mirror: 0.2, refraction: 0.1, specular: 3, emission: 5, ambient: 2)",
+            "(color: (1, 0, 0), diffuse: 1, mirror: 1, mirror_color: (0, 1, 0), transparency_color: 2)",
+            "(color: Checker(), diffuse: 1, mirror: 1)",
+            "MetallicRoughness()",
+            "Dielectric()",
+            "Metal(color: 1)",
+        ] {
+            assert_eq!(of(enough), [""; 0], "{enough}");
+        }
+        assert!(of("MetallicRoughness(color: 2)")[0].contains(" 2 of the light"));
+        let whitted = "objects: { \"ball\": (shape: Sphere(), material: (diffuse: 5)) }";
+        assert_eq!(notes(whitted), [""; 0]);
+        let group =
+            "quality: (integrator: Path), default_material: (diffuse: 5), objects: { \"g\": (shape: Group) }";
+        assert_eq!(notes(group), [""; 0]);
+    }
+
+    #[test]
+    fn of_keys_the_moment_with_most_light_counts() {
+        let still = "timeline: (frames: 48), quality: (integrator: Path)";
+        let told = |fields: &str| {
+            notes(&format!(
+                "{still}, objects: {{ \"a\": (shape: Sphere(), material: (color: 1, {fields})) }}"
+            ))
+        };
+        assert_eq!(
+            told("diffuse: [(0, 1), (1, 0)], mirror: [(0, 0), (1, 1)]"),
+            [""; 0],
+            "one fades into the other"
+        );
+        assert_eq!(told("diffuse: 0.5, mirror: [(0, 0), (10, 5)]").len(), 1, "within the time that is shown");
+        assert_eq!(told("diffuse: 0.5, mirror: [(3, 0.5), (4, 1)]"), [""; 0], "later");
+        let note = told("diffuse: 0.5, mirror: [(0, 0), (1, 1), (1.5, 0)]").remove(0);
+        assert!(
+            note.starts_with("material `objects.\"a\".material` reflects and lets pass up to 1.5 of"),
+            "{note}"
+        );
+    }
+
+    #[test]
+    fn many_materials_are_counted() {
+        let balls: String =
+            (0..8).map(|i| format!("\"{i}\": (shape: Sphere(), material: (diffuse: 2)),")).collect();
+        let notes = notes(&format!("quality: (integrator: Path), objects: {{ {balls} }}"));
+        assert_eq!((notes.len(), notes[3].as_str()), (4, "and 5 materials more like this"));
+    }
+}

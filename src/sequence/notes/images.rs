@@ -1,0 +1,36 @@
+//! Images whose alpha is ignored.
+
+use crate::material::Level;
+use crate::sequence::suggest::{listed, shortened};
+use crate::sequence::{Named, Sequence};
+
+impl Sequence {
+    /// Images whose alpha is ignored, or shows what may not be meant.
+    pub(super) fn ignored_alpha(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if self.background.has_alpha() {
+            notes.push("the alpha of the images of `background` is ignored: skies have none".to_owned());
+        }
+        for Named { name, value } in self.used_materials() {
+            let levels =
+                [("fuzz", &value.fuzz), ("metallic", &value.metallic), ("roughness", &value.roughness)];
+            let painted = |level: &Level| matches!(level, Level::Painted(paint) if paint.has_alpha());
+            let fields: Vec<_> =
+                levels.iter().filter(|(_, level)| painted(level)).map(|(name, _)| *name).collect();
+            let name = shortened(name);
+            if !fields.is_empty() {
+                let fields = listed(fields);
+                notes.push(format!(
+                    "material `{name}`: the alpha of the images of {fields} is ignored: numbers have none"
+                ));
+            }
+            if value.base.has_alpha() && value.refraction.strength.values().any(|share| *share > 0.0) {
+                notes.push(format!(
+                    "material `{name}`: where the image of `color` is clear, light enters the refracting body unbent, as \
+                     through no real hole; put the image on another object"
+                ));
+            }
+        }
+        notes
+    }
+}

@@ -1,0 +1,81 @@
+//! What meshes and their files have that is not shown.
+
+use crate::humane::counted;
+use crate::material::MadeOf;
+use crate::mesh::{Mesh, MtlMaterial};
+use crate::sequence::suggest::{listed, shortened};
+use crate::sequence::{Named, Object, Sequence};
+use crate::shape::{self, Shape};
+use std::collections::HashSet;
+use std::sync::Arc;
+
+impl Sequence {
+    pub(super) fn skipped_triangles(&self) -> Vec<String> {
+        let skipped = self.meshes().into_iter().filter(|(_, mesh)| mesh.skipped > 0);
+        let note = |(name, mesh): (&str, &Mesh)| {
+            let triangles = counted(mesh.skipped as u64, "triangle");
+            format!("the mesh of `{}`: {triangles} without an area left out", shortened(name))
+        };
+        skipped.map(note).collect()
+    }
+
+    /// Meshes whose own materials are seen, each once, with the first object that shows them.
+    fn meshes_with_materials(&self) -> Vec<(&str, &Mesh)> {
+        let mut seen = HashSet::new();
+        let mut meshes = Vec::new();
+        for Named { name, value: Object { shape, made_of, .. } } in &self.objects {
+            let (Shape::Mesh(shape::Mesh { mesh, .. }), MadeOf::Slots { .. }) = (shape, made_of) else {
+                continue;
+            };
+            if seen.insert(Arc::as_ptr(mesh)) {
+                meshes.push((name.as_str(), &**mesh));
+            }
+        }
+        meshes
+    }
+
+    /// What the materials of meshes say that is not read, where objects are made of them.
+    pub(super) fn left_out(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        for (name, mesh) in self.meshes_with_materials() {
+            let mut kinds: Vec<&str> = Vec::new();
+            for kind in mesh.materials().iter().flat_map(|material| &material.left_out) {
+                if !kinds.contains(kind) {
+                    kinds.push(kind);
+                }
+            }
+            if !kinds.is_empty() {
+                let kinds = listed(kinds);
+                notes.push(format!("the mesh of `{}`: {kinds} of its materials left out", shortened(name)));
+            }
+        }
+        notes
+    }
+
+    /// Meshes with ambient reflectances that exporters write without meaning them, where objects are made of them.
+    pub(super) fn white_ambient(&self) -> Vec<String> {
+        let left_out =
+            |material: &MtlMaterial| material.ambient.is_some() && material.meant_ambient().is_none();
+        let meshes = self.meshes_with_materials().into_iter();
+        let meshes = meshes.filter(|(_, mesh)| mesh.materials().iter().any(left_out));
+        let note = |(name, _): (&str, &Mesh)| {
+            format!(
+                "the mesh of `{}`: `Ka` is ignored where it is white or equals `Kd`, as exporters write it unasked; the \
+                 `ambient` of `default_material` counts instead",
+                shortened(name)
+            )
+        };
+        meshes.map(note).collect()
+    }
+
+    /// Material libraries that are not there, where nothing is made of them. Elsewhere they are mistakes.
+    pub(super) fn missing_libraries(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        for (name, mesh) in self.meshes() {
+            if let Some(why) = mesh.materials().iter().find_map(|material| material.missing.as_ref()) {
+                notes.push(format!("the mesh of `{}`: {why}, and none is needed", shortened(name)));
+            }
+        }
+        notes
+    }
+}
