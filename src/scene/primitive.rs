@@ -4,6 +4,7 @@ use crate::camera::Ray;
 use crate::digest::content;
 use crate::material::MadeOf;
 use crate::math::{Aabb, DAffine3, DMat3, DVec2, DVec3, gamma};
+use crate::sampling::Frame;
 use crate::shape::{Crossing, Crossings, Rays, Shape, Surface, Surfaces};
 use crate::simd::Lanes;
 use crate::tree::{Probe, Stack};
@@ -175,9 +176,9 @@ impl Primitive {
     }
 
     /// A point of the surface that `from` may see, with its part and its density per solid angle there; none
-    /// if the shape has no area to choose from.
-    pub fn sample_from(&self, from: DVec3, u: DVec2) -> Option<(Surface, u32, f64)> {
-        let Some(placement) = &self.placement else { return self.shape.sample_from(from, u) };
+    /// if the shape has no area to choose from. See [`Geometric::sample_from`](crate::shape::Geometric::sample_from).
+    pub fn sample_from(&self, from: DVec3, frame: &Frame, u: DVec2) -> Option<(Surface, u32, f64)> {
+        let Some(placement) = &self.placement else { return self.shape.sample_from(from, frame, u) };
         let (local, part) = self.shape.sample_area(u)?;
         let surface = placement.moved(&local);
         let density = self.density_from(from, &surface)?;

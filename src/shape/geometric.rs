@@ -5,6 +5,7 @@ use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::digest::Content;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
+use crate::sampling::Frame;
 use crate::tree::Probe;
 
 /// A shape in its own space.
@@ -63,8 +64,10 @@ pub trait Geometric: Clone + PartialEq + Content {
         None
     }
 
-    /// A point of the surface that `from` may see, with its part and its density per solid angle there.
-    fn sample_from(&self, from: DVec3, u: DVec2) -> Option<(Surface, u32, f64)> {
+    /// A point of the surface that `from` may see, with its part and its density per solid angle there. Shapes that choose
+    /// among directions do so in a frame that is carried from that of the surface at `from`.
+    fn sample_from(&self, from: DVec3, frame: &Frame, u: DVec2) -> Option<(Surface, u32, f64)> {
+        let _ = frame;
         let (surface, part) = self.sample_area(u)?;
         let density = self.density_from(from, &surface)?;
         Some((surface, part, density))

@@ -47,6 +47,7 @@ use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::digest::content;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
+use crate::sampling::Frame;
 use crate::tree::Probe;
 use bevy_ecs::component::Component;
 
@@ -154,8 +155,8 @@ impl Shape {
     }
 
     /// See [`Geometric::sample_from`].
-    pub fn sample_from(&self, from: DVec3, u: DVec2) -> Option<(Surface, u32, f64)> {
-        each_shape!(self, shape => shape.sample_from(from, u), Group => None)
+    pub fn sample_from(&self, from: DVec3, frame: &Frame, u: DVec2) -> Option<(Surface, u32, f64)> {
+        each_shape!(self, shape => shape.sample_from(from, frame, u), Group => None)
     }
 
     /// See [`Geometric::density_from`].

@@ -105,14 +105,14 @@ impl Geometric for Sphere {
 
     /// From outside, uniform over the cone that holds the sphere: every point drawn is seen (Pharr, Jakob,
     /// Humphreys, *Physically Based Rendering*, 6.2.4). From inside, uniform over the area.
-    fn sample_from(&self, from: DVec3, u: DVec2) -> Option<(Surface, u32, f64)> {
+    fn sample_from(&self, from: DVec3, frame: &Frame, u: DVec2) -> Option<(Surface, u32, f64)> {
         let Some(cone) = self.cone_from(from) else {
             let (surface, part) = self.sample_area(u)?;
             return Some((surface, part, surface.density_from(from, 1.0 / self.area()?)?));
         };
         let to_center = self.center - from;
         let distance = to_center.length();
-        let frame = Frame::around(to_center / distance);
+        let frame = Frame::carried(frame.x, frame.z, to_center / distance);
         let direction = sampling::cone(cone, u);
         // The angle at the centre of the point that the direction meets, by the law of sines: its sine is
         // that of the angle at `from` times the near leg over the radius.
@@ -121,7 +121,7 @@ impl Geometric for Sphere {
         let near = distance * direction.z - rest.sqrt();
         let (sine, along) = (near * across / self.radius, (distance - near * direction.z) / self.radius);
         let turn = DVec2::new(direction.x, direction.y).normalize_or_zero() * sine;
-        let normal = frame.to_world(DVec3::new(turn.x, turn.y, -along)).normalize_or(-frame.z);
+        let normal = frame.to_world([turn.x, turn.y, -along]).normalize_or(-frame.z);
         Some((self.surface_along(normal), 0, sampling::cone_density(cone)))
     }
 

@@ -1,5 +1,6 @@
 //! Light on its way to a surface: from where, how much, and with what chance it was asked for.
 
+use super::shade::Seen;
 use super::spawn::{spawn, spawn_between, spawn_gathering, spawn_to};
 use crate::camera::Ray;
 use crate::color::Rgb;
@@ -69,9 +70,9 @@ impl Arrival {
     }
 }
 
-/// The light that comes to the point `at` from a light, for `u` uniform in the unit square; none if it does
-/// not shine there.
-pub fn arrival(light: &Light, at: DVec3, u: DVec2) -> Option<Arrival> {
+/// The light that comes to a surface from a light, for `u` uniform in the unit square; none if it does not shine there.
+pub fn arrival(light: &Light, seen: &Seen, u: DVec2) -> Option<Arrival> {
+    let at = seen.surface.point;
     match &light.source {
         Source::Point { position, attenuation } => {
             let way = *position - at;
@@ -94,11 +95,11 @@ pub fn arrival(light: &Light, at: DVec3, u: DVec2) -> Option<Arrival> {
         Source::Sphere(sphere) => {
             // No light comes to the inside of a sphere that shines outwards.
             let inside = (at - sphere.center).length() < sphere.radius;
-            let (surface, _, density) = sphere.sample_from(at, u).filter(|_| !inside)?;
+            let (surface, _, density) = sphere.sample_from(at, &seen.frame(), u).filter(|_| !inside)?;
             Some(Arrival::from_surface(at, surface, light.radiance, density))
         }
         Source::Rectangle { rectangle, one_sided } => {
-            let (surface, _, density) = rectangle.sample_from(at, u)?;
+            let (surface, _, density) = rectangle.sample_from(at, &seen.frame(), u)?;
             let shines = !one_sided || surface.normal.dot(at - surface.point) > 0.0;
             shines.then(|| Arrival::from_surface(at, surface, light.radiance, density))
         }

@@ -41,6 +41,8 @@ pub struct Paths<'a> {
 /// Where a path is.
 pub struct Path {
     pub ray: Ray,
+    /// Unit vector across the ray that it takes along for frames around normals (see [`Frame`](crate::sampling::Frame)).
+    pub tangent: DVec3,
     pub beam: Beam,
     pub throughput: Throughput,
     pub media: Media,
@@ -64,6 +66,7 @@ impl Path {
     pub fn new(ray: Ray, sampler: Sampler) -> Self {
         Self {
             ray,
+            tangent: DVec3::ZERO,
             beam: Beam::default(),
             throughput: Throughput::showing(Rgb::ONE),
             media: Media::default(),
@@ -81,9 +84,22 @@ impl Path {
     /// waited for.
     #[inline(always)]
     pub fn begin(&mut self, tracer: &Tracer, along: Ray, sampler: Sampler, layers: usize) {
-        let Self { ray, beam: _, throughput, media, crossed, left, asked, density, counted, dice, first } =
-            self;
+        let Self {
+            ray,
+            tangent,
+            beam: _,
+            throughput,
+            media,
+            crossed,
+            left,
+            asked,
+            density,
+            counted,
+            dice,
+            first,
+        } = self;
         (*ray, *first) = (along, layers);
+        *tangent = tracer.scene.camera.tangent(&along);
         throughput.begin();
         (*media, *crossed) = (Media::default(), None);
         *left = tracer.quality.bounces;
@@ -92,15 +108,15 @@ impl Path {
     }
 
     /// Goes on from a point where it was scattered, with a density per solid angle of its direction.
-    pub fn scattered(&mut self, ray: Ray, point: DVec3, density: f64) {
-        (self.ray, self.crossed) = (ray, None);
+    pub fn scattered(&mut self, ray: Ray, tangent: DVec3, point: DVec3, density: f64) {
+        (self.ray, self.tangent, self.crossed) = (ray, tangent, None);
         (self.asked, self.density, self.counted) = (Some(point), Some(density), false);
         self.left -= 1;
     }
 
     /// Goes on by a mirror, past which no shadow ray goes.
-    pub fn mirrored(&mut self, ray: Ray) {
-        (self.ray, self.crossed) = (ray, None);
+    pub fn mirrored(&mut self, ray: Ray, tangent: DVec3) {
+        (self.ray, self.tangent, self.crossed) = (ray, tangent, None);
         (self.asked, self.density, self.counted) = (None, None, false);
         self.left -= 1;
     }
@@ -246,7 +262,7 @@ impl<'a> Paths<'a> {
         if path.left == 0 && face.lobes.transparency == Rgb::ZERO {
             return false;
         }
-        let seen = face.seen(&path.ray);
+        let seen = face.seen(&path.ray, path.tangent);
         let u = dice.sampler.four(Use::Scatter(dice.surface));
         let Some(next) = scatter(&seen, boundary.as_ref(), u) else { return false };
         let goes_on = self.go_on(path, face, &next) && self.survives(tracer, path);
@@ -261,7 +277,7 @@ impl<'a> Paths<'a> {
         if !face.lobes.reflects_lights() {
             return;
         }
-        let seen = face.seen(&path.ray);
+        let seen = face.seen(&path.ray, path.tangent);
         let throughput = path.throughput.seen();
         let mut turn = 0;
         self.luminaires.ask(tracer, &seen, dice, path.left == 0, |asked| {
@@ -305,6 +321,9 @@ impl<'a> Paths<'a> {
             Kind::Unbent | Kind::Bent => Some(face.crossed(path.crossed, next.direction)),
             Kind::Mirrored | Kind::Scattered => None,
         };
+        if next.kind != Kind::Unbent {
+            path.tangent = face.seen(&path.ray, path.tangent).frame().tangent(next.direction);
+        }
         path.ray = match next.kind {
             Kind::Scattered => spawn_gathering(&face.surface, next.direction),
             Kind::Unbent | Kind::Bent | Kind::Mirrored => spawn(&face.surface, next.direction),

@@ -110,9 +110,10 @@ impl Face<'_> {
         Crossed::new(before, self.hit.primitive, &self.surface, direction)
     }
 
-    pub fn seen(&self, ray: &Ray) -> Seen<'_> {
+    /// What a ray sees that takes this tangent along.
+    pub fn seen(&self, ray: &Ray, tangent: DVec3) -> Seen<'_> {
         let Self { material, lobes, surface, .. } = self;
-        Seen { material, lobes, surface, to_eye: -ray.direction }
+        Seen { material, lobes, surface, to_eye: -ray.direction, tangent }
     }
 }
 

@@ -5,6 +5,7 @@
 use super::coincident::Crossed;
 use super::lights::{arrival, seen};
 use super::media::{Boundary, Media};
+use super::shade::Seen;
 use super::spawn::spawn;
 use super::throughput::Throughput;
 use super::tracer::{Dice, Face, Met, Tracer, Work};
@@ -12,12 +13,14 @@ use crate::camera::{Beam, Ray};
 use crate::color::Rgb;
 use crate::math::{DVec2, DVec3};
 use crate::optics::reflect;
-use crate::sampling::{Frame, Use};
+use crate::sampling::Use;
 
 /// A ray that is still to be followed.
 #[derive(Clone, Copy, Debug)]
 pub struct Pending {
     ray: Ray,
+    /// Unit vector across the ray that it takes along for frames around normals.
+    tangent: DVec3,
     beam: Beam,
     throughput: Rgb,
     /// Bounces that are left.
@@ -34,7 +37,8 @@ pub struct Pending {
 pub fn follow(tracer: &Tracer, (ray, beam): (Ray, Beam), mut dice: Dice, work: &mut Work) {
     let (throughput, left) = (Rgb::ONE, tracer.quality.bounces);
     let (media, crossed) = (Media::default(), None);
-    let mut next = Some(Pending { ray, beam, throughput, left, media, sees_lights: true, crossed });
+    let tangent = tracer.scene.camera.tangent(&ray);
+    let mut next = Some(Pending { ray, tangent, beam, throughput, left, media, sees_lights: true, crossed });
     while let Some(pending) = next.take() {
         step(tracer, pending, &mut dice, work);
         next = work.pending.pop();
@@ -93,17 +97,21 @@ struct Branch<'a, 't> {
 }
 
 impl Branch<'_, '_> {
+    fn seen(&self) -> Seen<'_> {
+        self.face.seen(&self.pending.ray, self.pending.tangent)
+    }
+
     fn lights(&self, dice: Dice, work: &mut Work) {
         if !self.face.lobes.reflects_lights() {
             return;
         }
-        let seen = self.face.seen(&self.pending.ray);
+        let seen = self.seen();
         for (index, light) in &self.tracer.lights {
             let u = match light.source.is_sampled() {
                 true => dice.sampler.two(Use::Light { surface: dice.surface, light: *index }),
                 false => DVec2::ZERO,
             };
-            let Some(arrival) = arrival(light, seen.surface.point, u) else { continue };
+            let Some(arrival) = arrival(light, &seen, u) else { continue };
             work.counts.evaluations.light_samples += u64::from(arrival.density.is_some());
             let reflected = seen.reflected(arrival.direction);
             let clear = self.tracer.clearness(&arrival, seen.surface, work);
@@ -133,7 +141,8 @@ impl Branch<'_, '_> {
         if share == Rgb::ZERO || throughput.max_element() < self.tracer.quality.threshold {
             return false;
         }
-        work.pending.push(Pending { ray, beam: self.beam(), throughput, left, media, sees_lights, crossed });
+        let (tangent, beam) = (self.seen().frame().tangent(ray.direction), self.beam());
+        work.pending.push(Pending { ray, tangent, beam, throughput, left, media, sees_lights, crossed });
         true
     }
 
@@ -142,7 +151,7 @@ impl Branch<'_, '_> {
         if lobes.mirror == Rgb::ZERO {
             return;
         }
-        let seen = self.face.seen(&self.pending.ray);
+        let seen = self.seen();
         let (mut direction, fuzz) = (seen.mirrored(), seen.fuzz());
         if let Some(fuzz) = fuzz {
             let [_, u, v, w] = dice.sampler.four(Use::Scatter(dice.surface));
@@ -157,13 +166,13 @@ impl Branch<'_, '_> {
         if lobes.microfacet == 0.0 {
             return;
         }
-        let seen = self.face.seen(&self.pending.ray);
+        let seen = self.seen();
         let Some(microfacet) = seen.microfacet() else {
             let fresnel = seen.metallic_fresnel(seen.normal().dot(seen.to_eye));
             return self.reflect(seen.mirrored(), fresnel * lobes.microfacet, true, work);
         };
-        let frame = Frame::around(seen.normal());
-        let eye = frame.to_local(seen.to_eye);
+        let frame = seen.frame();
+        let eye = DVec3::from(frame.to_local(seen.to_eye));
         let [_, _, u, v] = dice.sampler.four(Use::Glossy(dice.surface));
         let half = microfacet.sample(eye, DVec2::new(u, v));
         let light = reflect(-eye, half);
@@ -173,7 +182,7 @@ impl Branch<'_, '_> {
         }
         let share = (microfacet.reflected(eye, light) / density) as f32;
         let fresnel = seen.metallic_fresnel(eye.dot(half));
-        self.reflect(frame.to_world(light), fresnel * (share * lobes.microfacet), false, work);
+        self.reflect(frame.to_world(light.to_array()), fresnel * (share * lobes.microfacet), false, work);
     }
 
     /// Puts off a reflection, unless it would lead below the surface.
@@ -224,7 +233,7 @@ impl Branch<'_, '_> {
     fn refracted(&self, work: &mut Work) {
         let share = self.face.lobes.refraction;
         let Some(boundary) = self.boundary.filter(|_| share != Rgb::ZERO) else { return };
-        let seen = self.face.seen(&self.pending.ray);
+        let seen = self.seen();
         let direction = self.pending.ray.direction;
         let Some(bent) = boundary.meet(self.face.material.fresnel, direction, seen.normal()) else {
             return self.reflect(seen.mirrored(), share, true, work);

@@ -31,6 +31,7 @@ mod integrators;
 mod radiance;
 mod transport;
 mod noise;
+mod stratification;
 mod time_limits;
 mod watertight;
 mod mesh_materials;
