@@ -12,7 +12,7 @@ mod turn;
 pub use angle::Angle;
 pub use basis::{Basis, look_at, perpendicular};
 pub use bounds::Aabb;
-pub use error::{NEAR_ZERO, UNIT_ROUNDOFF, difference_of_products, gamma, next_away};
+pub use error::{NEAR_ZERO, UNIT_ROUNDOFF, difference_of_products, dot_plus, gamma, next_away};
 pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 pub use real::{Real, Vector3};
 pub use root::root_between;
