@@ -87,9 +87,27 @@ impl Primitive {
     /// space keeps its t, as its direction is not normalised.
     #[inline]
     pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
+        self.hit_after(probe, 0.0, t_max)
+    }
+
+    /// [`Primitive::hit`] beyond another t, as [`Geometric::hit_after`](crate::shape::Geometric::hit_after) has it.
+    #[inline]
+    pub fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
         match &self.placement {
-            None => self.shape.hit(probe, t_max),
-            Some(placement) => self.shape.hit(&Probe::new(placement.ray_to_object(&probe.ray)), t_max),
+            None => self.shape.hit_after(probe, after, t_max),
+            Some(placement) => {
+                self.shape.hit_after(&Probe::new(placement.ray_to_object(&probe.ray)), after, t_max)
+            }
+        }
+    }
+
+    /// Adds all crossings in `after` < t < `t_max`.
+    pub fn crossings(&self, probe: &Probe, after: f64, t_max: f64, found: &mut Vec<Crossing>) {
+        match &self.placement {
+            None => self.shape.crossings(probe, after, t_max, found),
+            Some(placement) => {
+                self.shape.crossings(&Probe::new(placement.ray_to_object(&probe.ray)), after, t_max, found);
+            }
         }
     }
 

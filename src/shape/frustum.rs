@@ -1,6 +1,7 @@
 //! What cylinders and cones have in common: a straight side around an axis, and two flat ends across it.
 
 use super::frame::{Frame, across, around, even_scale};
+use super::surface::exit;
 use super::taper::{BOTTOM, SIDE, TOP, Taper};
 use super::{Crossing, Surface};
 use crate::camera::Ray;
@@ -41,9 +42,11 @@ impl Frustum {
     }
 
     /// Of an open one, the crossings of its ends are not seen.
-    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        let seen = |at: &Crossing| at.t > 0.0 && at.t < t_max && (self.capped || at.part == SIDE);
-        self.taper.crossings(&self.frame.local(&probe.ray))?.into_iter().find(seen)
+    pub fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
+        let [enter, leave] = self.taper.crossings(&self.frame.local(&probe.ray))?;
+        let leave = Crossing { t: exit(enter.t, leave.t), ..leave };
+        let seen = |at: &Crossing| at.t > after && at.t < t_max && (self.capped || at.part == SIDE);
+        [enter, leave].into_iter().find(seen)
     }
 
     /// Points stay clear of the seams between side and ends, and of a cone's tip, by as much as rounding may

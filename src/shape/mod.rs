@@ -107,7 +107,18 @@ impl Shape {
     /// See [`Geometric::hit`].
     #[inline]
     pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        each_shape!(self, shape => shape.hit(probe, t_max), Group => None)
+        self.hit_after(probe, 0.0, t_max)
+    }
+
+    /// See [`Geometric::hit_after`].
+    #[inline]
+    pub fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
+        each_shape!(self, shape => shape.hit_after(probe, after, t_max), Group => None)
+    }
+
+    /// See [`Geometric::crossings`].
+    pub fn crossings(&self, probe: &Probe, after: f64, t_max: f64, found: &mut Vec<Crossing>) {
+        each_shape!(self, shape => shape.crossings(probe, after, t_max, found), Group => ());
     }
 
     /// See [`Geometric::blocks`].

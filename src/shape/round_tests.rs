@@ -460,7 +460,7 @@ fn surfaces_are_finite_everywhere() {
     let ray = Ray { origin: v(0.0, 5.0, 0.0), direction: DVec3::NEG_Y };
     for part in 0..3 {
         for t in [3.0, 4.0, 5.0, 6.0] {
-            let at = Crossing { t, part };
+            let at = Crossing::of_part(t, part);
             let needle = Cone::new(DVec3::ZERO, v(0.0, 1e6, 0.0), 1e-12, 0.0, true).expect("a cone");
             for surface in [cone(0.0, true).surface(&ray, at), needle.surface(&ray, at)] {
                 assert!(

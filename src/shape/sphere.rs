@@ -1,6 +1,7 @@
 //! Spheres.
 
 use super::frame::even_scale;
+use super::surface::exit;
 use super::{Crossing, Geometric, Parameters, Surface};
 use crate::camera::Ray;
 use crate::digest::content;
@@ -37,7 +38,7 @@ impl Geometric for Sphere {
     /// many roots lie ahead before any is computed. From that point the closest one is found again, so that of the
     /// roundings of the way there only the last one is left.
     #[inline]
-    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
+    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
         let d = probe.ray.direction;
         let from_center = probe.ray.origin - self.center;
         let distance = from_center.length();
@@ -57,13 +58,15 @@ impl Geometric for Sphere {
         let closest = first - near.dot(d) * inverse;
         let half_chord = (square * inverse).sqrt();
         let t = if outside >= 0.0 {
-            self.entry(outside * (distance + self.radius) * inverse, closest, half_chord, distance)
+            let c = outside * (distance + self.radius) * inverse;
+            let enter = self.entry(c, closest, half_chord, distance);
+            if enter > 0.0 && enter <= after { exit(enter, closest + half_chord) } else { enter }
         } else if closest > 0.0 {
             closest + half_chord
         } else {
             -outside * (distance + self.radius) * inverse / (half_chord - closest)
         };
-        (t > 0.0 && t < t_max).then_some(Crossing::at(t))
+        (t > after && t < t_max).then_some(Crossing::at(t))
     }
 
     /// The direction from the centre is exact to a few roundings, and so is the point put at `radius` along

@@ -1,18 +1,20 @@
 //! What a camera's ray meets first, for those who ask: depth, normal and albedo. It is looked up by a ray of its own,
 //! so that pictures without guides take no work for them, and those with them have the same light.
 
+use super::media::Media;
 use super::tracer::{Met, Tracer, Work};
 use crate::camera::{Beam, Ray};
 use crate::color::Rgb;
 use crate::film::LayerId;
 use crate::material::Lobes;
 use crate::math::DVec3;
-use crate::tree::Probe;
 
 /// Adds to the sample in hand what the ray meets, from the layer `first` on. A ray that meets nothing adds nothing.
 pub fn record(tracer: &Tracer, (ray, beam): (&Ray, &Beam), first: LayerId, work: &mut Work) {
-    let Some(hit) = tracer.bvh.closest(tracer.scene.geometry, &Probe::new(*ray)) else { return };
-    let (surface, albedo) = match tracer.met(ray, hit, beam.after(hit.at.t)) {
+    let closest = || tracer.closest(ray);
+    let stop = tracer.next_stop((ray, None), f64::INFINITY, closest, Media::default(), work);
+    let Some(stop) = stop else { return };
+    let (surface, albedo) = match tracer.met(ray, stop, beam.after(stop.passed.t)) {
         Met::Surface(face) => (face.surface, albedo(&face.lobes)),
         Met::Light { surface, .. } => (surface, Rgb::ONE),
         Met::Nothing => return,

@@ -1,7 +1,7 @@
 //! Light on its way to a surface: from where, how much, and with what chance it was asked for.
 
 use super::shade::Seen;
-use super::spawn::{spawn, spawn_between, spawn_gathering, spawn_to};
+use super::spawn::{spawn_between, spawn_gathering, spawn_to};
 use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::light::{Light, Source};
@@ -52,21 +52,6 @@ impl Arrival {
             Origin::Surface(target) => (spawn_between(surface, target), 1.0),
             Origin::Infinity => (spawn_gathering(surface, self.direction), f64::INFINITY),
         }
-    }
-
-    /// [`Arrival::shadow_ray`] on from a surface that it has passed; none if nothing of its way is left, as the
-    /// light comes from that surface, as far as rounding can tell.
-    pub fn beyond(&self, surface: &Surface) -> Option<(Ray, f64)> {
-        let on = spawn(surface, self.direction);
-        let end = match &self.from {
-            Origin::Point(point) => *point,
-            Origin::Surface(target) => spawn(target, -self.direction).origin,
-            Origin::Infinity => return Some((on, f64::INFINITY)),
-        };
-        let ray = Ray { origin: on.origin, direction: end - on.origin };
-        // It starts past all that the surface may reach to. From there it must not lead back to the surface.
-        let ahead = ray.direction.dot(surface.normal) * self.direction.dot(surface.normal) > 0.0;
-        ahead.then_some((ray, 1.0))
     }
 }
 

@@ -217,7 +217,7 @@ impl Luminaire<'_> {
                 let material = &tracer.scene.shading.materials[material as usize];
                 let at = seen.surface.point;
                 let (surface, part, density) = primitive.sample_from(at, &seen.frame(), u)?;
-                let hit = Hit { at: Crossing { t: 1.0, part }, primitive: *index };
+                let hit = Hit { at: Crossing::of_part(1.0, part), primitive: *index };
                 let emission = match material.paints.is_empty() {
                     true => material.lobes.emission,
                     false => {

@@ -87,8 +87,8 @@ impl OneLobe {
     pub fn at(&self, tracer: &Tracer, path: &Path, hit: &Hit) -> Option<Lobe> {
         let primitive = &tracer.scene.geometry.primitives[hit.primitive as usize];
         let Finish::Material(MadeOf::One(material)) = primitive.finish else { return None };
-        let outside = path.crossed.is_none() && path.media.is_outside();
-        self.materials[material as usize].filter(|_| outside)
+        let simple = !hit.at.crowded && path.passed.is_none() && path.media.is_outside();
+        self.materials[material as usize].filter(|_| simple)
     }
 
     /// Takes paths at surfaces of a lobe to where they go on; gives a bit for each that does.

@@ -138,7 +138,7 @@ impl<L: Lanes> Bundle<L> {
     #[inline(always)]
     fn step(self, tracer: &Tracer, left: u32, mut beams: Option<&mut Beams>, sums: &mut Sums) -> Self {
         let Self { rays, throughput, wanted } = self;
-        let hits = tracer.bvh.closest_together::<L>(tracer.scene.geometry, &rays, wanted);
+        let mut hits = tracer.bvh.closest_together::<L>(tracer.scene.geometry, &rays, wanted);
         let met = hits.at.met;
         if let Some(environment) = tracer.environment {
             for lane in lanes(wanted & !met) {
@@ -152,7 +152,8 @@ impl<L: Lanes> Bundle<L> {
         if let Some(beams) = &mut beams {
             beams.advance(&hits);
         }
-        let found = Reflectors::<L>::of(tracer, &rays, &hits, beams.as_deref());
+        let places = if hits.at.crowded & met == 0 { Vec::new() } else { tracer.settle(&rays, &mut hits) };
+        let found = Reflectors::<L>::of(tracer, &rays, &hits, &places, beams.as_deref());
         sums.counts.evaluations.paint += u64::from(found.painted.count_ones());
         if let Some(ambient) = &tracer.ambient {
             let share = throughput.times(found.ambient).times(Color::splat(ambient.radiance));

@@ -2,9 +2,9 @@
 //! show and what lies behind the transparent (Whitted 1980). Rays branch; nothing is left to chance but where
 //! a lens, an area light, a rough surface or motion has to be sampled.
 
-use super::coincident::Crossed;
 use super::lights::{arrival, seen};
-use super::media::{Boundary, Media};
+use super::media::Media;
+use super::place::Passed;
 use super::shade::Seen;
 use super::spawn::spawn;
 use super::throughput::Throughput;
@@ -29,16 +29,17 @@ pub struct Pending {
     /// Whether area lights count where the ray meets them. Those that the surface it comes from has sampled
     /// already do not.
     sees_lights: bool,
-    /// What the ray has just passed.
-    crossed: Option<Crossed>,
+    /// How far the ray has come, if it has passed something straight on.
+    passed: Option<Passed>,
 }
 
 /// Adds what is seen along a camera's ray to `work`.
 pub fn follow(tracer: &Tracer, (ray, beam): (Ray, Beam), mut dice: Dice, work: &mut Work) {
     let (throughput, left) = (Rgb::ONE, tracer.quality.bounces);
-    let (media, crossed) = (Media::default(), None);
+    let (media, passed) = (Media::default(), None);
+    work.nesting.clear();
     let tangent = tracer.scene.camera.tangent(&ray);
-    let mut next = Some(Pending { ray, tangent, beam, throughput, left, media, sees_lights: true, crossed });
+    let mut next = Some(Pending { ray, tangent, beam, throughput, left, media, sees_lights: true, passed });
     while let Some(pending) = next.take() {
         step(tracer, pending, &mut dice, work);
         next = work.pending.pop();
@@ -47,15 +48,11 @@ pub fn follow(tracer: &Tracer, (ray, beam): (Ray, Beam), mut dice: Dice, work: &
 
 /// Follows one ray to where it ends, and puts off those that start there.
 fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
-    let Pending { ray, ref beam, mut throughput, ref media, sees_lights, .. } = pending;
-    let lying = tracer.lying_in(pending.crossed.as_ref(), beam.width);
-    let crossed = pending.crossed.filter(|_| lying.is_some());
-    let met = lying.unwrap_or_else(|| {
-        let (met, way) =
-            tracer.advance((&ray, beam), tracer.closest(&ray), media, &Throughput::showing(throughput), work);
-        throughput *= way.passed * way.clear;
-        met
-    });
+    let Pending { ray, ref beam, mut throughput, media, sees_lights, passed, .. } = pending;
+    let first = || tracer.closest(&ray);
+    let (met, way) =
+        tracer.advance((&ray, beam, passed), first, media, &Throughput::showing(throughput), work);
+    throughput *= way.passed * way.clear;
     let face = match met {
         Met::Nothing => return tracer.add_sky(&ray, throughput, pending.left, work),
         Met::Light { index, outside, .. } => {
@@ -69,9 +66,7 @@ fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
     };
     let surface = dice.surface;
     dice.surface += 1;
-    let boundary = tracer.boundary(&face, media);
-    let branch =
-        Branch { tracer, pending: &pending, face: &face, boundary: boundary.as_ref(), crossed, throughput };
+    let branch = Branch { tracer, pending: &pending, face: &face, throughput };
     if branch.hidden(work) {
         return;
     }
@@ -89,10 +84,6 @@ struct Branch<'a, 't> {
     tracer: &'t Tracer<'a>,
     pending: &'t Pending,
     face: &'t Face<'a>,
-    /// If it refracts.
-    boundary: Option<&'t Boundary>,
-    /// What its ray has passed in the same place.
-    crossed: Option<Crossed>,
     throughput: Rgb,
 }
 
@@ -119,7 +110,7 @@ impl Branch<'_, '_> {
             if share == Rgb::ZERO {
                 continue;
             }
-            let passing = self.tracer.passing(&arrival, seen.surface, &self.pending.media, work);
+            let passing = self.tracer.passing(&arrival, seen.surface, self.pending.media, work);
             if passing.whole != Rgb::ZERO {
                 work.add(light.layer, self.throughput * share * passing.whole * arrival.radiance);
             }
@@ -127,22 +118,15 @@ impl Branch<'_, '_> {
     }
 
     /// Puts off a ray that takes one of the bounces that are left, if it matters.
-    fn bounce(
-        &self,
-        ray: Ray,
-        share: Rgb,
-        media: Media,
-        sees_lights: bool,
-        crossed: Option<Crossed>,
-        work: &mut Work,
-    ) -> bool {
+    fn bounce(&self, ray: Ray, share: Rgb, media: Media, sees_lights: bool, work: &mut Work) -> bool {
         let throughput = self.throughput * share;
         let Some(left) = self.pending.left.checked_sub(1) else { return false };
         if share == Rgb::ZERO || throughput.max_element() < self.tracer.quality.threshold {
             return false;
         }
         let (tangent, beam) = (self.seen().frame().tangent(ray.direction), self.beam());
-        work.pending.push(Pending { ray, tangent, beam, throughput, left, media, sees_lights, crossed });
+        let passed = None;
+        work.pending.push(Pending { ray, tangent, beam, throughput, left, media, sees_lights, passed });
         true
     }
 
@@ -189,21 +173,24 @@ impl Branch<'_, '_> {
     fn reflect(&self, direction: DVec3, share: Rgb, sees_lights: bool, work: &mut Work) {
         let surface = &self.face.surface;
         let above = direction.dot(surface.normal) > 0.0;
-        if above && self.bounce(spawn(surface, direction), share, self.pending.media, sees_lights, None, work)
-        {
+        if above && self.bounce(spawn(surface, direction), share, self.pending.media, sees_lights, work) {
             work.counts.rays.mirror += 1;
         }
     }
 
     /// Straight on through what hides the surface, if anything does.
     fn hidden(&self, work: &mut Work) -> bool {
-        let Some(boundary) = self.boundary.filter(|boundary| boundary.hidden) else { return false };
-        let ray = Tracer::straight_on(self.face, &self.pending.ray);
-        let (throughput, media) = (self.throughput, boundary.passed);
-        let crossed = self.passed(self.pending.ray.direction);
-        let beam = self.beam();
-        work.pending.push(Pending { ray, beam, throughput, media, crossed, ..*self.pending });
-        true
+        let hidden = self.face.boundary.is_some_and(|boundary| boundary.hidden);
+        if hidden {
+            self.straight_on(self.throughput, work);
+        }
+        hidden
+    }
+
+    fn straight_on(&self, throughput: Rgb, work: &mut Work) {
+        let media = self.face.boundary.map_or(self.pending.media, |boundary| boundary.passed);
+        let (beam, passed) = (self.beam(), Some(self.face.passed));
+        work.pending.push(Pending { beam, throughput, media, passed, ..*self.pending });
     }
 
     /// Passing unbent takes no bounce.
@@ -213,11 +200,7 @@ impl Branch<'_, '_> {
             return;
         }
         work.counts.rays.transmitted += 1;
-        let ray = Tracer::straight_on(self.face, &self.pending.ray);
-        let media = self.boundary.map_or(self.pending.media, |boundary| boundary.passed);
-        let crossed = self.passed(self.pending.ray.direction);
-        let beam = self.beam();
-        work.pending.push(Pending { ray, beam, throughput, media, crossed, ..*self.pending });
+        self.straight_on(throughput, work);
     }
 
     /// The beam where it meets the surface. It goes on as if all surfaces were flat.
@@ -225,14 +208,9 @@ impl Branch<'_, '_> {
         Beam { width: self.face.width, ..self.pending.beam }
     }
 
-    /// The place that a ray in a direction has passed.
-    fn passed(&self, direction: DVec3) -> Option<Crossed> {
-        Some(self.face.crossed(self.crossed, direction))
-    }
-
     fn refracted(&self, work: &mut Work) {
         let share = self.face.lobes.refraction;
-        let Some(boundary) = self.boundary.filter(|_| share != Rgb::ZERO) else { return };
+        let Some(boundary) = self.face.boundary.filter(|_| share != Rgb::ZERO) else { return };
         let seen = self.seen();
         let direction = self.pending.ray.direction;
         let Some(bent) = boundary.meet(self.face.material.fresnel, direction, seen.normal()) else {
@@ -243,8 +221,7 @@ impl Branch<'_, '_> {
         let media = if seen.passes(bent.direction) { boundary.passed } else { self.pending.media };
         // Shadow rays pass here too, so that what they have found must not count again.
         let sees_lights = self.pending.sees_lights;
-        let crossed = self.passed(bent.direction);
-        if self.bounce(ray, share * (1.0 - reflected), media, sees_lights, crossed, work) {
+        if self.bounce(ray, share * (1.0 - reflected), media, sees_lights, work) {
             work.counts.rays.transmitted += 1;
         }
         // A boundary reflects all colours alike, whatever colour it lets pass.

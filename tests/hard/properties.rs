@@ -1,8 +1,8 @@
 //! What holds for every shape under every transform, over twelve decades of sizes and places.
 
 use crate::exact::{Exact, Vector};
-use crate::support::{U, geometry};
-use kinora::bvh::{Bvh, Hit};
+use crate::support::{U, geometry, scan};
+use kinora::bvh::Bvh;
 use kinora::camera::Ray;
 use kinora::material::MadeOf;
 use kinora::math::{Angle, DAffine3, DMat3, DVec3, axis_angle};
@@ -291,9 +291,7 @@ proptest! {
         for (index, aim, from, far) in seen {
             let ray = aimed(&index.get(&things).1, aim, from * far);
             let probe = Probe::new(ray);
-            let hits = (0..).zip(&geometry.primitives);
-            let hits = hits.filter_map(|(primitive, p)| Some(Hit { at: p.hit(&probe, f64::INFINITY)?, primitive }));
-            let nearest = hits.reduce(|best, hit| if hit.at.t < best.at.t { hit } else { best });
+            let nearest = scan(&geometry, &bvh, &probe);
             prop_assert_eq!(bvh.closest(&geometry, &probe), nearest);
             prop_assert_eq!(bvh.occluded(&geometry, &probe, f64::INFINITY), nearest.is_some());
         }

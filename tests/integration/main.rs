@@ -25,6 +25,8 @@ mod background;
 mod counters;
 mod coverage;
 mod coincident;
+mod sheets;
+mod touching;
 mod determinism;
 mod golden;
 mod integrators;
