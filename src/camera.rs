@@ -2,7 +2,7 @@
 
 use crate::digest::content;
 use crate::math::{Basis, DVec2, DVec3};
-use crate::sampling::disk;
+use crate::sampling::{Frame, disk};
 
 /// A ray: `origin` + t·`direction`, with a unit direction when it comes from a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,6 +76,13 @@ impl Camera {
             }
             Projection::Orthographic { half_height } => Beam { width: half_height * pixel, spread: 0.0 },
         }
+    }
+
+    /// The unit vector across a ray that it takes along from the camera (see [`Frame`]): that to the right for one along
+    /// the line of sight.
+    #[inline]
+    pub fn tangent(&self, ray: &Ray) -> DVec3 {
+        Frame { x: self.basis.right, y: self.basis.up, z: -self.basis.forward }.tangent(ray.direction)
     }
 
     /// The ray through a point of the picture: `screen.y` runs from -1 at the bottom to 1 at the top,

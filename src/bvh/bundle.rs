@@ -4,7 +4,7 @@ use super::{Bvh, Hit};
 use crate::scene::Geometry;
 use crate::shape::{Crossings, Rays, lanes};
 use crate::simd::{Choice, Lanes, Octo, Work, dispatch};
-use crate::tree::{Branch, BundleLeaves, BundleSlabs, Probe, Slabs, Tree};
+use crate::tree::{Branch, BundleLeaves, BundleSlabs, Probe, Slabs, Tree, Vicinities, Vicinity};
 
 /// What eight rays meet first.
 #[derive(Clone, Copy, Debug)]
@@ -19,21 +19,24 @@ impl Hits {
 
     /// Takes a primitive's crossings where they are nearer, or as near and the primitive is the earlier one.
     #[inline(always)]
-    fn test<L: Lanes>(&mut self, geometry: &Geometry, rays: &Rays, index: u32, wanted: u32) {
+    fn test<L: Lanes>(&mut self, near: &Near, rays: &Rays, index: u32, wanted: u32) {
         let Self { at, primitives } = self;
         let t = Octo::<L::Quad>::load(&at.t);
-        // The next number, so that an equally near one is found. There is none after infinity.
-        let limit = t.next_away(t).smaller(Octo::splat(f64::INFINITY)).store();
-        let found = geometry.primitives[index as usize].hit_together::<L>(rays, wanted, &limit);
+        // A little behind the best, so that it is known what else is near it.
+        let limit = near.vicinities.ends(t).store();
+        let found = near.geometry.primitives[index as usize].hit_together::<L>(rays, wanted, &limit);
         if found.met == 0 {
             return;
         }
         let found_t = Octo::load(&found.t);
         let mut better = found.met & found_t.below(t).bits();
         for lane in lanes(found.met & !better) {
-            better |= u32::from(index < primitives[lane]) << lane;
+            let tie = found.t[lane] == at.t[lane] && index < primitives[lane];
+            better |= u32::from(tie) << lane;
         }
+        let crowded = found.crowded | t.below(near.vicinities.ends(found_t)).bits();
         at.met |= better;
+        at.crowded = at.crowded & !better | found.met & !better | crowded & better;
         at.t = found_t.pick(Choice::of(better), t).store();
         for lane in lanes(better) {
             (primitives[lane], at.parts[lane]) = (index, found.parts[lane]);
@@ -42,13 +45,20 @@ impl Hits {
 
     /// Takes what of all that stands in no tree is nearer.
     #[inline(always)]
-    fn test_untreed<L: Lanes>(&mut self, bvh: &Bvh, geometry: &Geometry, rays: &Rays, wanted: u32) {
+    fn test_untreed<L: Lanes>(&mut self, bvh: &Bvh, near: &Near, rays: &Rays, wanted: u32) {
         for &(index, _) in &bvh.planes {
-            self.test::<L>(geometry, rays, index, wanted);
+            self.test::<L>(near, rays, index, wanted);
         }
         for &index in &bvh.untreed {
-            self.test::<L>(geometry, rays, index, wanted);
+            self.test::<L>(near, rays, index, wanted);
         }
+    }
+
+    /// One of the rays meets this first.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, hit: Hit) {
+        self.at.set(lane, hit.at);
+        self.primitives[lane] = hit.primitive;
     }
 
     /// What one of the rays meets.
@@ -58,12 +68,13 @@ impl Hits {
     }
 }
 
-impl Bvh {
-    /// Whether [`Bvh::closest_of`] is for the geometry.
-    pub fn takes_bundles(&self) -> bool {
-        !self.lights
-    }
+/// What is searched, and how near to each other hits along each ray are looked at again.
+struct Near<'a> {
+    geometry: &'a Geometry,
+    vicinities: Vicinities,
+}
 
+impl Bvh {
     /// [`Bvh::closest_together`] on the widest lanes that there are.
     pub fn closest_of(&self, geometry: &Geometry, rays: &Rays, wanted: u32) -> Hits {
         dispatch(Closest { bvh: self, geometry, rays, wanted })
@@ -74,7 +85,7 @@ impl Bvh {
         dispatch(Occluded { bvh: self, geometry, rays, wanted, t_max })
     }
 
-    /// [`Bvh::closest`] of those of eight rays whose bits are set. Only where no lights are among the primitives.
+    /// [`Bvh::closest`] of those of eight rays whose bits are set.
     #[inline(always)]
     pub fn closest_together<L: Lanes>(&self, geometry: &Geometry, rays: &Rays, wanted: u32) -> Hits {
         L::apart(Closest { bvh: self, geometry, rays, wanted })
@@ -114,17 +125,19 @@ impl Closest<'_> {
     #[inline(always)]
     fn search<L: Lanes, const ALONE: usize>(self) -> Hits {
         let Self { bvh, geometry, rays, wanted } = self;
+        let (origin, direction) = rays.load::<L>();
+        let near = Near { geometry, vicinities: Vicinity::of_each(origin, direction, bvh.reach) };
         if bvh.tree.is_empty() {
             let mut hits = Hits::NONE;
-            hits.test_untreed::<L>(bvh, geometry, rays, wanted);
+            hits.test_untreed::<L>(bvh, &near, rays, wanted);
             return hits;
         }
-        let (origin, direction) = rays.load::<L>();
+        let all = &near;
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
         let (hits, limit, alone) = (Hits::NONE, L::splat(0.0), [None; ALONE]);
-        let mut nearest = Nearest { bvh, geometry, rays, slabs: &slabs, limit, hits, alone };
-        nearest.hits.test_untreed::<L>(bvh, geometry, rays, wanted);
-        nearest.limit = slabs.limit(Octo::load(&nearest.hits.at.t));
+        let mut nearest = Nearest { bvh, all, rays, slabs: &slabs, limit, hits, alone };
+        nearest.hits.test_untreed::<L>(bvh, all, rays, wanted);
+        nearest.limit = nearest.limits();
         if near != 0 {
             bvh.tree.walk_together(&slabs, near, &mut nearest);
         }
@@ -139,9 +152,7 @@ impl Closest<'_> {
     fn one_by_one(&self, rays: u32, hits: &mut Hits) {
         for lane in lanes(rays) {
             if let Some(hit) = self.bvh.closest(self.geometry, &Probe::new(self.rays.one(lane))) {
-                hits.at.met |= 1 << lane;
-                (hits.at.t[lane], hits.at.parts[lane]) = (hit.at.t, hit.at.part);
-                hits.primitives[lane] = hit.primitive;
+                hits.set(lane, hit);
             }
         }
     }
@@ -150,12 +161,20 @@ impl Closest<'_> {
 /// The search for what is nearest.
 struct Nearest<'a, L: Lanes, const ALONE: usize> {
     bvh: &'a Bvh,
-    geometry: &'a Geometry,
+    all: &'a Near<'a>,
     rays: &'a Rays,
     slabs: &'a BundleSlabs<L>,
     limit: L,
     hits: Hits,
     alone: [Option<Alone>; ALONE],
+}
+
+impl<L: Lanes, const ALONE: usize> Nearest<'_, L, ALONE> {
+    /// Beyond which nothing is of interest.
+    #[inline(always)]
+    fn limits(&self) -> L {
+        self.slabs.limit(self.all.vicinities.ends(Octo::load(&self.hits.at.t)))
+    }
 }
 
 /// A ray of a bundle by itself.
@@ -170,7 +189,7 @@ impl Alone {
     #[inline(always)]
     fn new<L: Lanes>(tree: &Tree, rays: &Rays, ray: usize) -> Option<Self> {
         let probe = Probe::new(rays.one(ray));
-        Some(Self { probe, slabs: Slabs::new::<L>(tree, &probe, f64::INFINITY)? })
+        Some(Self { probe, slabs: Slabs::new::<L>(tree, &probe, (0.0, f64::INFINITY))? })
     }
 }
 
@@ -194,27 +213,23 @@ impl<L: Lanes, const ALONE: usize> BundleLeaves<L> for Nearest<'_, L, ALONE> {
 
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
-        let Self { bvh, geometry, .. } = *self;
+        let Self { bvh, all, .. } = *self;
         for &index in bvh.leaves.leaf(leaf) {
-            self.hits.test::<L>(geometry, self.rays, index, rays);
+            self.hits.test::<L>(all, self.rays, index, rays);
         }
-        self.limit = self.slabs.limit(Octo::load(&self.hits.at.t));
+        self.limit = self.limits();
     }
 
     #[inline(always)]
     fn part(&mut self, ray: usize, below: Branch) {
-        let Self { bvh, geometry, .. } = *self;
+        let Self { bvh, all, .. } = *self;
         let Some(Alone { probe, slabs }) = alone::<L>(&mut self.alone, bvh, self.rays, ray) else { return };
-        let hit = self.hits.one(ray);
-        let mut single = super::Nearest::new(bvh, geometry, probe, hit);
-        let limit = slabs.limit(self.hits.at.t[ray]);
-        bvh.tree.walk_below::<L>(below, slabs, limit, &mut single);
-        if let Some(Hit { at, primitive }) = single.hit {
-            let hits = &mut self.hits;
-            hits.at.met |= 1 << ray;
-            (hits.at.t[ray], hits.at.parts[ray], hits.primitives[ray]) = (at.t, at.part, primitive);
+        let mut single = super::Nearest::new(bvh, all.geometry, probe, self.hits.one(ray));
+        bvh.tree.walk_below::<L>(below, slabs, slabs.limit(single.limit()), &mut single);
+        if let Some(hit) = single.hit {
+            self.hits.set(ray, hit);
         }
-        self.limit = self.slabs.limit(Octo::load(&self.hits.at.t));
+        self.limit = self.limits();
     }
 
     #[inline(always)]

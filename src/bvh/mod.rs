@@ -8,11 +8,11 @@ mod tests;
 
 pub use bundle::Hits;
 
-use crate::math::UNIT_ROUNDOFF;
-use crate::scene::{Finish, Geometry};
+use crate::math::smaller;
+use crate::scene::Geometry;
 use crate::shape::{Crossing, Geometric, Plane, Shape};
 use crate::simd::Lanes;
-use crate::tree::{Contents, Leaves, Probe, Slabs, Stack, Tree};
+use crate::tree::{Contents, Leaves, Probe, Slabs, Stack, Tree, Vicinity};
 
 /// A tree over the bounded primitives, and the list of those that no box holds.
 #[derive(Clone, Debug, Default)]
@@ -25,10 +25,8 @@ pub struct Bvh {
     planes: Vec<(u32, Plane)>,
     /// Indices of others without a box, or of the only one that has a box: they are tested without a walk.
     untreed: Vec<u32>,
-    /// The largest of the coordinates between which all bounded primitives lie.
+    /// The largest of the coordinates between which all bounded primitives lie, and of those of planes.
     reach: f64,
-    /// Whether lights are among the primitives.
-    lights: bool,
 }
 
 /// Where a ray meets a primitive.
@@ -56,44 +54,46 @@ impl Bvh {
                 },
             }
         }
-        let lights = geometry.primitives.iter().any(|p| matches!(p.finish, Finish::Light(_)));
         let (mut tree, mut leaves) = Tree::of_boxes(&boxes);
-        let reach = tree.space().reach();
+        let anchors = planes.iter().map(|(_, plane): &(u32, Plane)| plane.point.abs().max_element());
+        let reach = anchors.fold(tree.space().reach(), f64::max);
         if let [only] = bounded[..] {
             untreed.push(only);
             (tree, leaves) = Default::default();
         }
         leaves.renumber(|thing| bounded[thing as usize]);
-        Self { tree, leaves, planes, untreed, reach, lights }
+        Self { tree, leaves, planes, untreed, reach }
     }
 
-    /// The largest of the coordinates between which all bounded primitives lie.
-    pub fn reach(&self) -> f64 {
-        self.reach
+    /// How near hits along a ray have to be for their surfaces to be compared.
+    pub fn vicinity(&self, probe: &Probe) -> Vicinity {
+        Vicinity::new(probe, self.reach)
     }
 
     /// The nearest primitive along the ray beyond t = 0; of equally near ones the first in the file.
-    #[inline(always)]
-    pub fn closest(&self, geometry: &Geometry, probe: &Probe) -> Option<Hit> {
-        self.closest_before(geometry, probe, f64::INFINITY)
-    }
-
-    /// [`Bvh::closest`] among what lies before `t_max`.
     // Inlined, so that a ray just made is still in registers when the tree's space is entered: reading it back from
     // where it was written has to wait.
     #[inline(always)]
-    pub fn closest_before(&self, geometry: &Geometry, probe: &Probe, t_max: f64) -> Option<Hit> {
-        self.closest_but(geometry, probe, t_max, &[])
+    pub fn closest(&self, geometry: &Geometry, probe: &Probe) -> Option<Hit> {
+        self.closest_between(geometry, probe, (0.0, f64::INFINITY))
     }
 
-    /// [`Bvh::closest_before`] of all primitives but some.
+    /// [`Bvh::closest`] among what lies beyond one t and before another.
     #[inline(always)]
-    pub fn closest_but(&self, geometry: &Geometry, probe: &Probe, t_max: f64, but: &[u32]) -> Option<Hit> {
-        let mut nearest = Nearest { t_max, but, ..Nearest::new(self, geometry, probe, None) };
+    pub fn closest_between(&self, geometry: &Geometry, probe: &Probe, between: (f64, f64)) -> Option<Hit> {
+        let mut nearest = Nearest { between, ..Nearest::new(self, geometry, probe, None) };
         nearest.test_planes();
         nearest.test(&self.untreed);
-        self.tree.walk(probe, nearest.limit(), &mut nearest);
+        self.tree.walk(probe, (between.0, nearest.limit()), &mut nearest);
         nearest.hit
+    }
+
+    /// Adds everything that the ray meets beyond one t and before another.
+    pub fn crossings(&self, geometry: &Geometry, probe: &Probe, between: (f64, f64), found: &mut Vec<Hit>) {
+        let mut all = All { bvh: self, geometry, probe, between, found, crossings: Vec::new() };
+        self.planes.iter().for_each(|(index, _)| all.test(*index));
+        self.untreed.iter().for_each(|index| all.test(*index));
+        self.tree.walk(probe, between, &mut all);
     }
 
     /// [`Bvh::closest`] on lanes that are at work already.
@@ -105,7 +105,7 @@ impl Bvh {
             let primitive = &geometry.primitives[index as usize];
             nearest.consider(index, |limit| primitive.hit_on::<L>(probe, limit, stack));
         }
-        self.tree.walk_on::<L>(probe, nearest.limit(), &mut nearest, stack);
+        self.tree.walk_on::<L>(probe, (0.0, nearest.limit()), &mut nearest, stack);
         nearest.hit
     }
 
@@ -129,7 +129,7 @@ impl Bvh {
             }
         }
         let mut any = Any { bvh: self, geometry, probe, t_max, found: false };
-        self.tree.walk_on::<L>(probe, t_max, &mut any, stack);
+        self.tree.walk_on::<L>(probe, (0.0, t_max), &mut any, stack);
         any.found
     }
 
@@ -140,24 +140,18 @@ impl Bvh {
         if self.planes.iter().any(|(_, plane)| plane.hit(probe, t_max).is_some()) {
             return true;
         }
-        self.tree.walk(probe, t_max, &mut any);
+        self.tree.walk(probe, (0.0, t_max), &mut any);
         any.found || any.test(&self.untreed)
     }
 }
-
-/// The rounding of where two surfaces in one place are met, as a share of how far the ray goes and of how far from the
-/// world's origin it starts: that of two distances to planes, of a few roundings each.
-const FLUSH: f64 = 256.0 * UNIT_ROUNDOFF;
 
 struct Nearest<'a> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
     probe: &'a Probe,
-    t_max: f64,
-    /// Primitives that do not count.
-    but: &'a [u32],
-    /// The t that the ray's origin is away from the world's, where there are lights to be met.
-    afar: f64,
+    /// Only what lies beyond one t and before another counts.
+    between: (f64, f64),
+    vicinity: Vicinity,
     hit: Option<Hit>,
 }
 
@@ -198,70 +192,79 @@ impl Leaves for Any<'_> {
     }
 }
 
+/// Everything on a ray between two t.
+struct All<'a> {
+    bvh: &'a Bvh,
+    geometry: &'a Geometry,
+    probe: &'a Probe,
+    between: (f64, f64),
+    found: &'a mut Vec<Hit>,
+    crossings: Vec<Crossing>,
+}
+
+impl All<'_> {
+    fn test(&mut self, primitive: u32) {
+        let (after, t_max) = self.between;
+        self.geometry.primitives[primitive as usize].crossings(self.probe, after, t_max, &mut self.crossings);
+        self.found.extend(self.crossings.drain(..).map(|at| Hit { at, primitive }));
+    }
+}
+
+impl Leaves for All<'_> {
+    #[inline(always)]
+    fn fetch<L: Lanes>(&self, _: u32) {}
+
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, leaf: u32, _: &Slabs, limit: f32) -> Option<f32> {
+        let bvh = self.bvh;
+        bvh.leaves.leaf(leaf).iter().for_each(|index| self.test(*index));
+        Some(limit)
+    }
+}
+
 impl<'a> Nearest<'a> {
     /// Along the whole ray, with what has been found before.
     #[inline(always)]
     fn new(bvh: &'a Bvh, geometry: &'a Geometry, probe: &'a Probe, hit: Option<Hit>) -> Self {
-        let afar = if bvh.lights { probe.farthest() } else { 0.0 };
-        Self { bvh, geometry, probe, t_max: f64::INFINITY, but: &[], afar, hit }
+        let (between, vicinity) = ((0.0, f64::INFINITY), bvh.vicinity(probe));
+        Self { bvh, geometry, probe, between, vicinity, hit }
     }
 
-    /// Beyond this nothing is of interest.
+    /// Beyond this nothing is of interest: a little behind the best, so that it is known what else is near it.
+    #[inline(always)]
     fn limit(&self) -> f64 {
-        let far = |hit: Hit| if self.bvh.lights { hit.at.t + 2.0 * self.flush(hit.at.t) } else { hit.at.t };
-        self.hit.map_or(self.t_max, far)
-    }
-
-    /// How far apart hits of two surfaces in one place may be.
-    fn flush(&self, t: f64) -> f64 {
-        (t + self.afar) * FLUSH
-    }
-
-    /// By what hits are compared: t, but lights come before what they are set into.
-    fn rank(&self, t: f64, primitive: u32) -> f64 {
-        match self.geometry.primitives[primitive as usize].finish {
-            Finish::Light(_) => t - self.flush(t),
-            Finish::Material(_) => t,
-        }
+        let (_, t_max) = self.between;
+        self.hit.map_or(t_max, |hit| smaller(self.vicinity.end(hit.at.t), t_max))
     }
 
     #[inline(always)]
     fn test(&mut self, leaf: &[u32]) {
+        let after = self.between.0;
         for &index in leaf {
             let primitive = &self.geometry.primitives[index as usize];
-            self.consider(index, |limit| primitive.hit(self.probe, limit));
+            self.consider(index, |limit| primitive.hit_after(self.probe, after, limit));
         }
     }
 
     #[inline(always)]
     fn test_planes(&mut self) {
-        let (bvh, probe) = (self.bvh, self.probe);
+        let (bvh, probe, after) = (self.bvh, self.probe, self.between.0);
         for (index, plane) in &bvh.planes {
-            self.consider(*index, |limit| plane.hit(probe, limit));
+            self.consider(*index, |limit| plane.hit_after(probe, after, limit));
         }
     }
 
-    /// Takes a primitive's hit before a limit if it is better than what there is.
+    /// Takes a primitive's hit before a limit if it is nearer, or as near and the primitive the earlier one.
     #[inline(always)]
     fn consider(&mut self, index: u32, hit: impl FnOnce(f64) -> Option<Crossing>) {
-        if self.but.contains(&index) {
-            return;
+        let Some(mut at) = hit(self.limit()) else { return };
+        if let Some(best) = &mut self.hit {
+            if best.at.t < at.t || best.at.t == at.t && best.primitive < index {
+                best.at.crowded = true;
+                return;
+            }
+            at.crowded |= best.at.t < self.vicinity.end(at.t);
         }
-        // One number beyond the best, so that an equally near hit is found and the indices decide; where there are lights,
-        // as far as they come first.
-        let lights = self.bvh.lights;
-        let reach = |t: f64| if lights { t + 2.0 * self.flush(t) } else { t.next_up() };
-        let limit = self.hit.map_or(self.t_max, |best| reach(best.at.t));
-        let Some(at) = hit(limit.min(self.t_max)) else { return };
-        let better = self.hit.is_none_or(|best| {
-            let [a, b] = match lights {
-                true => [self.rank(at.t, index), self.rank(best.at.t, best.primitive)],
-                false => [at.t, best.at.t],
-            };
-            a < b || a == b && index < best.primitive
-        });
-        if better {
-            self.hit = Some(Hit { at, primitive: index });
-        }
+        self.hit = Some(Hit { at, primitive: index });
     }
 }

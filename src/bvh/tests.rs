@@ -53,7 +53,11 @@ fn random_geometry(random: &mut Random, count: usize) -> Geometry {
 fn brute_force(geometry: &Geometry, probe: &Probe) -> Option<Hit> {
     let hits = (0..).zip(&geometry.primitives);
     let hits = hits.filter_map(|(primitive, p)| Some(Hit { at: p.hit(probe, f64::INFINITY)?, primitive }));
-    hits.reduce(|best, hit| if hit.at.t < best.at.t { hit } else { best })
+    let hits: Vec<_> = hits.collect();
+    let mut nearest = *hits.iter().reduce(|best, hit| if hit.at.t < best.at.t { hit } else { best })?;
+    let end = Bvh::build(geometry).vicinity(probe).end(nearest.at.t);
+    nearest.at.crowded |= hits.iter().filter(|hit| hit.at.t < end).count() > 1;
+    Some(nearest)
 }
 
 fn random_ray(random: &mut Random) -> Ray {

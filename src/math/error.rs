@@ -35,6 +35,20 @@ fn split(a: f64) -> (f64, f64) {
     (high, a - high)
 }
 
+/// a·b + c as if computed with twice the digits and then rounded (Ogita, Rump and Oishi, *Accurate Sum and Dot Product*,
+/// 2005). Beyond the range of Dekker's splitting it is the plain sum.
+pub fn dot_plus(a: DVec3, b: DVec3, c: f64) -> f64 {
+    let (mut sum, mut lost) = (c, 0.0);
+    for (a, b) in a.to_array().into_iter().zip(b.to_array()) {
+        let product = a * b;
+        let next = sum + product;
+        let added = next - sum;
+        lost += (sum - (next - added)) + (product - added) + product_error(a, b, product);
+        sum = next;
+    }
+    if lost.is_finite() { sum + lost } else { sum }
+}
+
 /// The cross product with each component a [`difference_of_products`].
 pub fn cross(a: DVec3, b: DVec3) -> DVec3 {
     DVec3::new(
@@ -74,6 +88,14 @@ mod tests {
         assert_eq!(difference_of_products(1.0 + e, 1.0 - e, 1.0, 1.0), -e * e);
         assert_eq!(difference_of_products(3.0, 7.0, 21.0, 1.0), 0.0);
         assert_eq!(difference_of_products(1e300, 1e8, 1e300, 1e8 - 1.0), 1e300);
+    }
+
+    #[test]
+    fn cancelling_sums_keep_their_digits() {
+        let e = f64::EPSILON;
+        let (a, b) = (DVec3::new(1.0 + e, 3.0, 1e8), DVec3::new(1.0 - e, -1e16, 3e8));
+        assert_eq!(dot_plus(a, b, -1.0), -e * e);
+        assert_eq!(dot_plus(DVec3::splat(1e300), DVec3::X, 1.0), 1e300);
     }
 
     #[test]

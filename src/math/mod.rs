@@ -4,6 +4,7 @@ mod angle;
 mod basis;
 mod bounds;
 mod error;
+mod real;
 mod root;
 mod rotation;
 mod turn;
@@ -11,11 +12,12 @@ mod turn;
 pub use angle::Angle;
 pub use basis::{Basis, look_at, perpendicular};
 pub use bounds::Aabb;
-pub use error::{NEAR_ZERO, UNIT_ROUNDOFF, difference_of_products, gamma, next_away};
+pub use error::{NEAR_ZERO, UNIT_ROUNDOFF, difference_of_products, dot_plus, gamma, next_away};
 pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
+pub use real::{Real, Vector3};
 pub use root::root_between;
 pub use rotation::{axis_angle, euler_xyz, slerp};
-pub use turn::{Real, cos_sin_of_quarters, cos_sin_of_turns};
+pub use turn::{cos_sin_of_quarters, cos_sin_of_turns};
 
 /// The larger number; the second if one of them is none. One instruction, unlike `f64::max`.
 #[inline(always)]

@@ -1,26 +1,6 @@
 //! Cosines and sines of shares of a turn, for one number or for several at once: what directions are drawn with.
 
-use std::ops::{Add, Mul, Sub};
-
-/// What formulas can be computed with in any number of lanes: an f64, or a row of them, each operation rounded by itself.
-pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
-    fn of(value: f64) -> Self;
-
-    /// `then` where `self` is at least `limit`, otherwise `or`.
-    fn at_least(self, limit: f64, then: Self, or: Self) -> Self;
-}
-
-impl Real for f64 {
-    #[inline(always)]
-    fn of(value: f64) -> Self {
-        value
-    }
-
-    #[inline(always)]
-    fn at_least(self, limit: f64, then: Self, or: Self) -> Self {
-        if self >= limit { then } else { or }
-    }
-}
+use super::Real;
 
 /// 1 / n!, of even and of odd n from 2 on, with the signs of the series of the cosine and the sine.
 const COSINE: [f64; 8] = [

@@ -4,7 +4,8 @@
 //! surface. Walter et al., *Microfacet Models for Refraction through Rough Surfaces* (2007); Heitz,
 //! *Understanding the Masking-Shadowing Function* (2014).
 
-use crate::math::{Angle, DVec2, DVec3};
+use crate::math::{DVec2, DVec3};
+use crate::sampling::at_height;
 use std::f64::consts::PI;
 
 /// A distribution of small mirrors of width `alpha` (above 0): the square of what glTF calls roughness.
@@ -40,20 +41,13 @@ impl Microfacet {
         self.normals(half) * visible / (4.0 * eye.z)
     }
 
-    /// A small mirror's normal among those that `eye` sees (Heitz, *Sampling the GGX Distribution of Visible
-    /// Normals*, 2018).
+    /// A small mirror's normal among those that `eye` sees. Stretched so that the mirrors form a hemisphere, what they
+    /// show fills a cap of the sphere evenly (Dupuy and Benyoub, *Sampling Visible GGX Normals with Spherical Caps*,
+    /// 2023). The cap's axis is the frame's, so that nothing turns where the eye looks along the normal.
     pub fn sample(self, eye: DVec3, u: DVec2) -> DVec3 {
-        // Stretched so that the mirrors form a hemisphere.
-        let v = DVec3::new(self.alpha * eye.x, self.alpha * eye.y, eye.z).normalize();
-        let x = DVec3::new(-v.y, v.x, 0.0).normalize_or(DVec3::X);
-        let y = v.cross(x);
-        // A point of the disk that is its projection, half of it seen foreshortened.
-        let r = u.x.sqrt();
-        let turn = Angle(360.0 * u.y).cos_sin() * r;
-        let s = 0.5 * (1.0 + v.z);
-        let (a, b) = (turn.x, (1.0 - s) * ((1.0 - turn.x) * (1.0 + turn.x)).max(0.0).sqrt() + s * turn.y);
-        let up = x * a + y * b + v * (1.0 - a * a - b * b).max(0.0).sqrt();
-        DVec3::new(self.alpha * up.x, self.alpha * up.y, up.z.max(0.0)).normalize_or(DVec3::Z)
+        let eye = DVec3::new(self.alpha * eye.x, self.alpha * eye.y, eye.z).normalize();
+        let half = eye + at_height(1.0 - u.x * (1.0 + eye.z), u.y);
+        DVec3::new(self.alpha * half.x, self.alpha * half.y, half.z.max(0.0)).normalize_or(DVec3::Z)
     }
 
     /// The density of directions `light` that mirror `eye` in normals from [`Microfacet::sample`]; 0 for an eye

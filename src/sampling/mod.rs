@@ -8,5 +8,6 @@ mod warp;
 pub use frame::Frame;
 pub use sampler::{PixelSampler, Points, Sampler, Use, hash};
 pub use warp::{
-    cone, cone_density, cosine_hemisphere, cosine_hemisphere_density, disk, in_ball, uniform_sphere,
+    at_height, cone, cone_density, cosine_hemisphere, cosine_hemisphere_density, disk, in_ball,
+    uniform_sphere,
 };

@@ -10,7 +10,7 @@ fn turn(u: f64) -> DVec2 {
 
 /// The direction at `height` above the xy plane, in -1..=1, after `u` turns. Archimedes: heights are uniform
 /// over a sphere.
-fn at_height(height: f64, u: f64) -> DVec3 {
+pub fn at_height(height: f64, u: f64) -> DVec3 {
     let across = turn(u) * ((1.0 - height) * (1.0 + height)).max(0.0).sqrt();
     DVec3::new(across.x, across.y, height)
 }
@@ -89,12 +89,12 @@ mod tests {
             let frame = Frame::around(axis);
             let p = chi_square(COUNT, || Some(uniform_sphere(square(&mut random))), |_| 0.25 / PI);
             assert!(p >= 1e-4, "sphere: {p}");
-            let drawn = || Some(frame.to_world(cosine_hemisphere(square(&mut random))));
+            let drawn = || Some(frame.to_world(cosine_hemisphere(square(&mut random)).to_array()));
             let p = chi_square(COUNT, drawn, |d| cosine_hemisphere_density(d.dot(axis)));
             assert!(p >= 1e-4, "cosine around {axis}: {p}");
             let (mut first, mut second) = (0.0, 0.0);
             for _ in 0..MANY {
-                let cosine = frame.to_world(cosine_hemisphere(square(&mut random))).dot(axis);
+                let cosine = frame.to_world(cosine_hemisphere(square(&mut random)).to_array()).dot(axis);
                 first += cosine / f64::from(MANY);
                 second += cosine * cosine / f64::from(MANY);
             }

@@ -3,7 +3,8 @@
 use crate::camera::Ray;
 use crate::digest::content;
 use crate::material::MadeOf;
-use crate::math::{Aabb, DAffine3, DMat3, DVec2, DVec3, gamma};
+use crate::math::{Aabb, DAffine3, DMat3, DVec2, DVec3, dot_plus, gamma};
+use crate::sampling::Frame;
 use crate::shape::{Crossing, Crossings, Rays, Shape, Surface, Surfaces};
 use crate::simd::Lanes;
 use crate::tree::{Probe, Stack};
@@ -38,12 +39,14 @@ content!(
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placement {
     pub to_world: DAffine3,
-    pub to_object: DAffine3,
+    /// The way back of directions. That of points begins with the difference to where the shape's origin is in the world, so
+    /// that what rounding does to them does not grow with their distance from the world's origin.
+    back: DMat3,
     /// How far a ray that starts at a point of the surface may start from there in the shape's space.
     apart: f64,
 }
 
-content!(struct Placement { to_world, to_object, apart });
+content!(struct Placement { to_world, back, apart });
 
 impl Primitive {
     /// `shape` placed by `to_world`; none if that flattens it (a scale of 0 hides an object).
@@ -52,7 +55,7 @@ impl Primitive {
         Some(match shape.transformed(&to_world) {
             Some(shape) => Self { shape, placement: None, finish },
             None => {
-                let placement = Some(Box::new(Placement::new(shape, to_world, to_object)));
+                let placement = Some(Box::new(Placement::new(shape, to_world, to_object.matrix3)));
                 Self { shape: shape.clone(), placement, finish }
             }
         })
@@ -84,9 +87,27 @@ impl Primitive {
     /// space keeps its t, as its direction is not normalised.
     #[inline]
     pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
+        self.hit_after(probe, 0.0, t_max)
+    }
+
+    /// [`Primitive::hit`] beyond another t, as [`Geometric::hit_after`](crate::shape::Geometric::hit_after) has it.
+    #[inline]
+    pub fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
         match &self.placement {
-            None => self.shape.hit(probe, t_max),
-            Some(placement) => self.shape.hit(&Probe::new(placement.ray_to_object(&probe.ray)), t_max),
+            None => self.shape.hit_after(probe, after, t_max),
+            Some(placement) => {
+                self.shape.hit_after(&Probe::new(placement.ray_to_object(&probe.ray)), after, t_max)
+            }
+        }
+    }
+
+    /// Adds all crossings in `after` < t < `t_max`.
+    pub fn crossings(&self, probe: &Probe, after: f64, t_max: f64, found: &mut Vec<Crossing>) {
+        match &self.placement {
+            None => self.shape.crossings(probe, after, t_max, found),
+            Some(placement) => {
+                self.shape.crossings(&Probe::new(placement.ray_to_object(&probe.ray)), after, t_max, found);
+            }
         }
     }
 
@@ -175,9 +196,9 @@ impl Primitive {
     }
 
     /// A point of the surface that `from` may see, with its part and its density per solid angle there; none
-    /// if the shape has no area to choose from.
-    pub fn sample_from(&self, from: DVec3, u: DVec2) -> Option<(Surface, u32, f64)> {
-        let Some(placement) = &self.placement else { return self.shape.sample_from(from, u) };
+    /// if the shape has no area to choose from. See [`Geometric::sample_from`](crate::shape::Geometric::sample_from).
+    pub fn sample_from(&self, from: DVec3, frame: &Frame, u: DVec2) -> Option<(Surface, u32, f64)> {
+        let Some(placement) = &self.placement else { return self.shape.sample_from(from, frame, u) };
         let (local, part) = self.shape.sample_area(u)?;
         let surface = placement.moved(&local);
         let density = self.density_from(from, &surface)?;
@@ -207,8 +228,8 @@ impl Primitive {
 }
 
 impl Placement {
-    fn new(shape: &Shape, to_world: DAffine3, to_object: DAffine3) -> Self {
-        let placement = Self { to_world, to_object, apart: 0.0 };
+    fn new(shape: &Shape, to_world: DAffine3, back: DMat3) -> Self {
+        let placement = Self { to_world, back, apart: 0.0 };
         let apart = shape.bounds().map_or(0.0, |bounds| placement.apart(bounds));
         Self { apart, ..placement }
     }
@@ -218,17 +239,16 @@ impl Placement {
     /// back. No shape states a larger error of its own than gamma(64) of its coordinates.
     fn apart(&self, bounds: Aabb) -> f64 {
         let farthest = bounds.min.abs().max(bounds.max.abs());
-        let (back, in_world) = (abs(&self.to_object), abs(&self.to_world).transform_point3(farthest));
-        let error = self.error(farthest, DVec3::splat(farthest.length() * gamma(64)), in_world);
+        let (back, reach) = (self.back.abs(), self.to_world.matrix3.abs() * farthest);
+        let error = self.error(farthest, DVec3::splat(farthest.length() * gamma(64)), reach);
+        let in_world = reach + self.to_world.translation.abs();
         let moved = DVec3::splat(2.0 * error.length() + in_world.max_element() * gamma(2));
-        back.transform_vector3(moved).length() + (back.transform_point3(in_world) * gamma(5)).length()
+        (back * moved).length() + (back * reach * gamma(5)).length()
     }
 
     fn ray_to_object(&self, ray: &Ray) -> Ray {
-        Ray {
-            origin: self.to_object.transform_point3(ray.origin),
-            direction: self.to_object.transform_vector3(ray.direction),
-        }
+        let origin = self.back * (ray.origin - self.to_world.translation);
+        Ray { origin, direction: self.back * ray.direction }
     }
 
     #[inline(never)]
@@ -250,19 +270,21 @@ impl Placement {
         self.to_world.matrix3.determinant().abs() / back
     }
 
-    /// The error in the world of a point that is known to `error` in the shape's space; of the point and its place in
-    /// the world the absolute values.
-    fn error(&self, local: DVec3, error: DVec3, in_world: DVec3) -> DVec3 {
-        let (forth, back) = (abs(&self.to_world), abs(&self.to_object));
+    /// The error in the world of a point that is known to `error` in the shape's space; of the point, and of its way from
+    /// the shape's origin in the world, the absolute values.
+    fn error(&self, local: DVec3, error: DVec3, way: DVec3) -> DVec3 {
+        let (forth, back) = (abs(&self.to_world), self.back.abs());
         let there = forth.transform_point3(local) * gamma(5);
-        let and_back = forth.transform_vector3(back.transform_point3(in_world)) * gamma(5);
+        // A difference, three products, and the matrix.
+        let and_back = forth.transform_vector3(back * way) * gamma(5);
         forth.transform_vector3(error) + there + and_back
     }
 
     fn moved(&self, local: &Surface) -> Surface {
         let point = self.to_world.transform_point3(local.point);
-        let error = self.error(local.point.abs(), local.error, point.abs());
-        let turned = |normal: DVec3| (self.to_object.matrix3.transpose() * normal).normalize_or(normal);
+        let way = (point - self.to_world.translation).abs();
+        let error = self.error(local.point.abs(), local.error, way);
+        let turned = |normal: DVec3| (self.back.transpose() * normal).normalize_or(normal);
         // An uneven scale may turn the shading normal past the surface's horizon.
         let lift = self.to_world.transform_vector3(local.lift);
         Surface { lift, ..Surface::new(point, error, turned(local.normal)).shaded(turned(local.shading)) }
@@ -277,8 +299,20 @@ pub(super) fn inverse(affine: &DAffine3) -> Option<DAffine3> {
         return None;
     }
     let first = m.inverse();
-    // Newton's step squares the error that cancellation left in the cofactors of a badly scaled matrix.
-    let matrix3 = first * (DMat3::from_diagonal(DVec3::splat(2.0)) - m * first);
+    // Newton's step squares the error that cancellation left in the cofactors of a badly scaled matrix, if what is left to
+    // the identity has its digits.
+    let rows = m.transpose();
+    let left = |column: DVec3, unit: DVec3| {
+        let minus = |row: DVec3, one: f64| dot_plus(-row, column, one);
+        let DVec3 { x, y, z } = unit;
+        DVec3::new(minus(rows.x_axis, x), minus(rows.y_axis, y), minus(rows.z_axis, z))
+    };
+    let left = DMat3::from_cols(
+        left(first.x_axis, DVec3::X),
+        left(first.y_axis, DVec3::Y),
+        left(first.z_axis, DVec3::Z),
+    );
+    let matrix3 = first + first * left;
     let inverse = DAffine3 { matrix3, translation: -(matrix3 * affine.translation) };
     inverse.is_finite().then_some(inverse)
 }

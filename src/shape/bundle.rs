@@ -22,6 +22,8 @@ pub struct Crossings {
     pub met: u32,
     pub t: [f64; 8],
     pub parts: [u32; 8],
+    /// A bit for each at which something else may come first.
+    pub crowded: u32,
 }
 
 /// What eight points of surfaces are like.
@@ -64,12 +66,12 @@ impl Rays {
 }
 
 impl Crossings {
-    pub const NONE: Self = Self { met: 0, t: [f64::INFINITY; 8], parts: [0; 8] };
+    pub const NONE: Self = Self { met: 0, t: [f64::INFINITY; 8], parts: [0; 8], crowded: 0 };
 
     #[inline(always)]
     fn between<Q: Quad>(t: Octo<Q>, crossed: u32, limit: &[f64; 8]) -> Self {
         let met = crossed & (Octo::splat(0.0).below(t) & t.below(Octo::load(limit))).bits();
-        Self { met, t: t.store(), parts: [0; 8] }
+        Self { met, t: t.store(), parts: [0; 8], crowded: 0 }
     }
 
     /// Found ray by ray.
@@ -77,16 +79,24 @@ impl Crossings {
         let mut found = Self::NONE;
         for lane in lanes(rays) {
             if let Some(at) = hit(lane) {
-                (found.t[lane], found.parts[lane]) = (at.t, at.part);
-                found.met |= 1 << lane;
+                found.set(lane, at);
             }
         }
         found
     }
 
+    /// Where one of the rays crosses the shape is here.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, at: Crossing) {
+        (self.t[lane], self.parts[lane]) = (at.t, at.part);
+        self.met |= 1 << lane;
+        self.crowded = self.crowded & !(1 << lane) | u32::from(at.crowded) << lane;
+    }
+
     /// Where one of the rays crosses the shape.
     pub fn one(&self, lane: usize) -> Crossing {
-        Crossing { t: self.t[lane], part: self.parts[lane] }
+        let crowded = self.crowded >> lane & 1 == 1;
+        Crossing { crowded, ..Crossing::of_part(self.t[lane], self.parts[lane]) }
     }
 }
 
@@ -113,6 +123,13 @@ impl Surfaces {
             surfaces[lane] = surface(lane);
         }
         Self::of(&surfaces)
+    }
+
+    pub fn set(&mut self, lane: usize, surface: &Surface) {
+        self.point.set(lane, surface.point);
+        self.error.set(lane, surface.error);
+        self.normal.set(lane, surface.normal);
+        self.shading.set(lane, surface.shading);
     }
 
     pub fn of(surfaces: &[Surface; 8]) -> Self {

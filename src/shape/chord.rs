@@ -44,14 +44,20 @@ impl<'a> Chord<'a> {
         (from < to).then_some(Self { torus, t: first + second, speed, middle, direction, from, to })
     }
 
-    /// The first t ahead of the ray's origin at which it crosses the surface. On which side it starts is told
-    /// by the origin itself, not by its place on the chord.
-    pub fn first(&self, ray: &Ray) -> Option<f64> {
+    /// The first t beyond `after`, which is not behind the ray's origin, at which it crosses the surface. On which side it
+    /// starts is told by the origin itself, not by its place on the chord; from there, each crossing leads to the other side.
+    pub fn first(&self, ray: &Ray, after: f64) -> Option<f64> {
         let origin = -self.t * self.speed;
-        let inside = origin >= self.from && self.torus.distance(ray.origin) < 0.0;
-        let start = origin.max(self.from);
-        let s = if start < self.to { self.crossing(start, inside) } else { None };
-        s.map(|s| self.t + s / self.speed)
+        let mut inside = origin >= self.from && self.torus.distance(ray.origin) < 0.0;
+        let mut s = origin.max(self.from);
+        loop {
+            s = if s < self.to { self.crossing(s, inside)? } else { return None };
+            let t = self.t + s / self.speed;
+            if t > after {
+                return Some(t);
+            }
+            inside = !inside;
+        }
     }
 
     fn at(&self, s: f64) -> DVec3 {

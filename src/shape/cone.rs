@@ -9,8 +9,8 @@ use crate::tree::Probe;
 /// What a [`Geometric`] that wraps a [`Frustum`] leaves to it: all but how it is read.
 macro_rules! as_its_frustum {
     () => {
-        fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-            self.0.hit(probe, t_max)
+        fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
+            self.0.hit_after(probe, after, t_max)
         }
 
         fn surface(&self, ray: &Ray, at: Crossing) -> Surface {

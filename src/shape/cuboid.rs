@@ -1,5 +1,6 @@
 //! Axis-aligned boxes.
 
+use super::surface::exit;
 use super::{Crossing, Geometric, Parameters, Surface};
 use crate::camera::Ray;
 use crate::digest::content;
@@ -34,10 +35,10 @@ impl Geometric for Cuboid {
         Some(Self { min, max })
     }
 
-    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        let [enter, leave] = self.crossings(&probe.ray)?.map(|(t, _)| t);
-        let t = if enter > 0.0 { enter } else { leave };
-        (enter <= leave && t > 0.0 && t < t_max).then_some(Crossing::at(t))
+    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
+        let [enter, leave] = self.slabs(&probe.ray)?.map(|(t, _)| t);
+        let t = if enter > after { enter } else { exit(enter, leave) };
+        (enter <= leave && t > after && t < t_max).then_some(Crossing::at(t))
     }
 
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
@@ -49,7 +50,7 @@ impl Geometric for Cuboid {
     /// ray that goes in there is between all faces, and leaves the box once.
     fn surface_apart(&self, ray: &Ray, at: Crossing, apart: f64) -> Surface {
         let entering = |&[(enter, _), _]: &[(f64, usize); 2]| enter == at.t;
-        let crossings = self.crossings(ray);
+        let crossings = self.slabs(ray);
         let (enters, axis) = match crossings {
             Some(crossings) if entering(&crossings) => (true, crossings[0].1),
             Some([_, (_, axis)]) => (false, axis),
@@ -122,7 +123,7 @@ impl Cuboid {
     /// Where a line enters and leaves the box, with the axes across which it does; the first after the second if it
     /// passes by. Slabs: it is inside from the last entry to the first exit. Every side of the box is a difference of
     /// two coordinates, so its sign, and with it what lies ahead, is exact.
-    fn crossings(&self, ray: &Ray) -> Option<[(f64, usize); 2]> {
+    fn slabs(&self, ray: &Ray) -> Option<[(f64, usize); 2]> {
         let (o, d) = (ray.origin, ray.direction);
         let (mut enter, mut leave) = ((f64::NEG_INFINITY, 0), (f64::INFINITY, 0));
         for axis in 0..3 {

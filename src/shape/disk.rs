@@ -26,8 +26,8 @@ impl Geometric for Disk {
         Some(Self { center: center?, normal: normal?, radius: radius? })
     }
 
-    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        let t = flat::crossing(self.center, self.normal, probe, t_max)?;
+    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
+        let t = flat::crossing(self.center, self.normal, probe, after, t_max)?;
         let from_center = probe.ray.at(t) - self.center;
         (from_center.length_squared() <= self.radius * self.radius).then_some(Crossing::at(t))
     }

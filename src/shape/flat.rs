@@ -5,14 +5,14 @@ use crate::camera::Ray;
 use crate::math::{DAffine3, DVec2, DVec3, gamma};
 use crate::tree::Probe;
 
-/// Where the ray crosses the plane through `anchor` across `normal` (any length): the t in 0 < t < `t_max`.
+/// Where the ray crosses the plane through `anchor` across `normal` (any length): the t in `after` < t < `t_max`.
 /// A ray within the plane does not cross it.
 #[inline]
-pub fn crossing(anchor: DVec3, normal: DVec3, probe: &Probe, t_max: f64) -> Option<f64> {
+pub fn crossing(anchor: DVec3, normal: DVec3, probe: &Probe, after: f64, t_max: f64) -> Option<f64> {
     let along = normal.dot(probe.ray.direction);
     let height = normal.dot(anchor - probe.ray.origin);
     let t = height / along;
-    (along != 0.0 && t > 0.0 && t < t_max).then_some(t)
+    (along != 0.0 && t > after && t < t_max).then_some(t)
 }
 
 /// The surface where a ray crosses the plane through `anchor` across the unit vector `normal`.

@@ -1,6 +1,7 @@
 //! What cylinders and cones have in common: a straight side around an axis, and two flat ends across it.
 
 use super::frame::{Frame, across, around, even_scale};
+use super::surface::exit;
 use super::taper::{BOTTOM, SIDE, TOP, Taper};
 use super::{Crossing, Surface};
 use crate::camera::Ray;
@@ -41,9 +42,11 @@ impl Frustum {
     }
 
     /// Of an open one, the crossings of its ends are not seen.
-    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        let seen = |at: &Crossing| at.t > 0.0 && at.t < t_max && (self.capped || at.part == SIDE);
-        self.taper.crossings(&self.frame.local(&probe.ray))?.into_iter().find(seen)
+    pub fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
+        let [enter, leave] = self.taper.crossings(&self.frame.local(&probe.ray))?;
+        let leave = Crossing { t: exit(enter.t, leave.t), ..leave };
+        let seen = |at: &Crossing| at.t > after && at.t < t_max && (self.capped || at.part == SIDE);
+        [enter, leave].into_iter().find(seen)
     }
 
     /// Points stay clear of the seams between side and ends, and of a cone's tip, by as much as rounding may
@@ -74,47 +77,52 @@ impl Frustum {
         if enters { -along } else { along }
     }
 
-    /// The surface of the side next to `near`, in the direction `turn` from the axis. The point's share of the
-    /// way from the middle of the side to an end gives both its coordinates in the plane of the axis, exact to
-    /// 3 u of the radii and of the height.
+    /// The surface of the side next to `near`, in the direction `turn` from the axis. The point's share of the way from the
+    /// narrow end of the side to the wide one, which is 2, gives its coordinates in the plane of the axis: the radius to a
+    /// few roundings of itself, however close to a tip it is.
     fn side(&self, near: DVec3, turn: DVec2, clearance: f64) -> Surface {
         let Taper { half, mean, lean } = self.taper;
-        let off = across(near).length() - mean;
-        let share = (off * lean + near.y * half) / (lean * lean + half * half);
+        let (grows, narrowest) = (lean.abs(), mean - lean.abs());
+        let up = if lean > 0.0 { -1.0 } else { 1.0 };
+        let along = (across(near).length() - narrowest) * grows + (half - up * near.y) * half;
         let (low, high) = self.clear_shares(clearance);
-        let share = share.max(low).min(high).clamp(-1.0, 1.0);
-        let radial = turn * (mean + lean * share);
+        let share = (along / (grows * grows + half * half)).max(low).min(high).clamp(0.0, 2.0);
+        let radial = turn * (narrowest + grows * share);
         let normal = self.taper.normal();
         self.frame.surface(
-            DVec3::new(radial.x, half * share, radial.y),
+            DVec3::new(radial.x, up * (half - half * share), radial.y),
             DVec3::new(turn.x * normal.x, normal.y, turn.y * normal.x),
             self.error(),
         )
     }
 
-    /// Between which shares points of the side are clear of its ends, and of a tip's other side.
+    /// Between which shares of the way from the narrow end to the wide one points of the side are clear of the ends, and of
+    /// a tip's other side. At the wide end, the side and the end enclose a sharp angle, whose sine is that of the side to
+    /// the axis: clear across the end is farther along the side. At the narrow end, and at a tip that is less steep, the
+    /// angle is a wide one, and what moves a ray off one part moves it off the other as well.
     fn clear_shares(&self, clearance: f64) -> (f64, f64) {
         let Taper { half, mean, lean } = self.taper;
-        let end = 1.0 - clearance * self.taper.normal().x / half;
-        let tip = (clearance - mean) / lean;
-        if lean > 0.0 { (tip.max(-end), end) } else { (-end, if lean < 0.0 { tip.min(end) } else { end }) }
+        let narrow = clearance / libm::hypot(half, lean);
+        let tip = (clearance - (mean - lean.abs())) / lean.abs();
+        (if lean == 0.0 { narrow } else { narrow.max(tip) }, 2.0 - clearance / half)
     }
 
     fn end(&self, near: DVec3, part: u32, clearance: f64) -> Surface {
         let sign = if part == TOP { 1.0 } else { -1.0 };
-        let longest = (self.taper.end_radius(part) - clearance).max(0.0);
-        let radial = across(near).clamp_length_max(longest);
+        let is_wide = self.taper.lean * sign >= 0.0;
+        let clearance = if is_wide { clearance / self.taper.normal().x } else { clearance };
+        let radius = self.taper.end_radius(part);
+        let radial = across(near).clamp_length_max((radius - clearance).max(0.5 * radius));
         let point = DVec3::new(radial.x, sign * self.taper.half, radial.y);
         self.frame.surface(point, DVec3::Y * sign, self.error())
     }
 
-    /// How far from the axis points of the side stay at a tip, and how much closer to it than the rim those of
-    /// an end: across the axis, so that it is [`Frame::clearance`] across the side. Shapes flatter than their
-    /// rounding have no such points; theirs stay near where they are.
+    /// How far points stay from the axis at a tip, and from seams across the parts that meet there. Shapes flatter than
+    /// their rounding have no such points; theirs stay near where they are.
     fn clearance(&self, apart: f64) -> f64 {
-        let widest = self.taper.mean + self.taper.lean.abs();
+        let Taper { half, mean, lean } = self.taper;
         let clearance = self.frame.clearance(self.taper.reach(), self.error()) + apart;
-        (clearance / self.taper.normal().x).min(0.5 * widest)
+        clearance.min(0.5 * (mean + lean.abs())).min(half)
     }
 
     /// The rounding of the point within the frame and of the test of a ray from there: its distance from the

@@ -5,6 +5,7 @@ use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::digest::Content;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
+use crate::sampling::Frame;
 use crate::tree::Probe;
 
 /// A shape in its own space.
@@ -15,9 +16,24 @@ pub trait Geometric: Clone + PartialEq + Content {
     /// Makes the shape of what a file says; none if a parameter is missing or wrong, which has been reported.
     fn read(parameters: &mut impl Parameters) -> Option<Self>;
 
-    /// The smallest t in 0 < t < `t_max` at which the ray meets the surface, from either side. The ray's
-    /// direction has any length but zero.
-    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing>;
+    /// The smallest t in `after` < t < `t_max` at which the ray meets the surface, from either side; `after` is not below 0.
+    /// The ray's direction has any length but zero. A ray that passes a surface straight on is asked for its next crossing,
+    /// not moved: so each is found once, however near they are to each other. A solid that is entered is left at a larger t.
+    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing>;
+
+    /// [`Geometric::hit_after`] from the ray's origin on.
+    #[inline]
+    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
+        self.hit_after(probe, 0.0, t_max)
+    }
+
+    /// Adds all crossings in `after` < t < `t_max`.
+    fn crossings(&self, probe: &Probe, mut after: f64, t_max: f64, found: &mut Vec<Crossing>) {
+        while let Some(at) = self.hit_after(probe, after, t_max) {
+            found.push(at);
+            after = at.t;
+        }
+    }
 
     /// Whether the ray meets the surface in 0 < t < `t_max`: whether [`Geometric::hit`] finds anything.
     fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
@@ -69,8 +85,10 @@ pub trait Geometric: Clone + PartialEq + Content {
         None
     }
 
-    /// A point of the surface that `from` may see, with its part and its density per solid angle there.
-    fn sample_from(&self, from: DVec3, u: DVec2) -> Option<(Surface, u32, f64)> {
+    /// A point of the surface that `from` may see, with its part and its density per solid angle there. Shapes that choose
+    /// among directions do so in a frame that is carried from that of the surface at `from`.
+    fn sample_from(&self, from: DVec3, frame: &Frame, u: DVec2) -> Option<(Surface, u32, f64)> {
+        let _ = frame;
         let (surface, part) = self.sample_area(u)?;
         let density = self.density_from(from, &surface)?;
         Some((surface, part, density))

@@ -47,6 +47,7 @@ use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::digest::content;
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
+use crate::sampling::Frame;
 use crate::tree::Probe;
 use bevy_ecs::component::Component;
 
@@ -106,7 +107,18 @@ impl Shape {
     /// See [`Geometric::hit`].
     #[inline]
     pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        each_shape!(self, shape => shape.hit(probe, t_max), Group => None)
+        self.hit_after(probe, 0.0, t_max)
+    }
+
+    /// See [`Geometric::hit_after`].
+    #[inline]
+    pub fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
+        each_shape!(self, shape => shape.hit_after(probe, after, t_max), Group => None)
+    }
+
+    /// See [`Geometric::crossings`].
+    pub fn crossings(&self, probe: &Probe, after: f64, t_max: f64, found: &mut Vec<Crossing>) {
+        each_shape!(self, shape => shape.crossings(probe, after, t_max, found), Group => ());
     }
 
     /// See [`Geometric::blocks`].
@@ -159,8 +171,8 @@ impl Shape {
     }
 
     /// See [`Geometric::sample_from`].
-    pub fn sample_from(&self, from: DVec3, u: DVec2) -> Option<(Surface, u32, f64)> {
-        each_shape!(self, shape => shape.sample_from(from, u), Group => None)
+    pub fn sample_from(&self, from: DVec3, frame: &Frame, u: DVec2) -> Option<(Surface, u32, f64)> {
+        each_shape!(self, shape => shape.sample_from(from, frame, u), Group => None)
     }
 
     /// See [`Geometric::density_from`].

@@ -24,8 +24,8 @@ impl Geometric for Plane {
         Some(Self { point: point?, normal: normal? })
     }
 
-    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        flat::crossing(self.point, self.normal, probe, t_max).map(Crossing::at)
+    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
+        flat::crossing(self.point, self.normal, probe, after, t_max).map(Crossing::at)
     }
 
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface {

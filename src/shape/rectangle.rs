@@ -31,12 +31,12 @@ impl Geometric for Rectangle {
         Some(Self { corner, u, v })
     }
 
-    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
+    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
         let [a, b, c, d] = self.corners();
         if !covers([a, b, c], probe) && !covers([a, c, d], probe) {
             return None;
         }
-        flat::crossing(self.corner, self.u.cross(self.v), probe, t_max).map(Crossing::at)
+        flat::crossing(self.corner, self.u.cross(self.v), probe, after, t_max).map(Crossing::at)
     }
 
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface {

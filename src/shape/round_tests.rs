@@ -1,6 +1,7 @@
 //! Cylinders, cones and tori: the hard cases, and oracles that share nothing with the formulas under test.
 
 use super::{Cone, Crossing, Cylinder, Geometric, Surface, Torus};
+use crate::accuracy::exact::{Exact, Vector};
 use crate::camera::Ray;
 use crate::math::{DAffine3, DMat3, DVec2, DVec3, UNIT_ROUNDOFF};
 use crate::testing::Random;
@@ -297,6 +298,61 @@ fn first_crossing(f: impl Fn(f64) -> f64) -> Option<f64> {
     Some(0.5 * (inside + outside))
 }
 
+/// Cones of any slope are hit where they are, and the point of the surface is there: at its tip as well, where the sides
+/// of a flat one hardly differ, and all over. True is the quadratic around the tip in twice the precision.
+#[test]
+fn flat_and_steep_cones_are_hit_where_they_are() {
+    let mut random = Random(21);
+    for (radius, height) in
+        [(1e9, 0.85), (1e9, -0.85), (1e5, 1.0), (30.0, 1.0), (1.0, 1.0), (1e-3, 1.0), (1e-3, 1e6)]
+    {
+        let tip = v(0.0, height, 0.0);
+        let cone = Cone::new(DVec3::ZERO, tip, radius, 0.0, true).expect("a cone");
+        let size = radius + height.abs();
+        let (mut worst_t, mut worst_point) = (0.0f64, 0.0f64);
+        for _ in 0..RAYS / 4 {
+            // Next to the tip, as near as the cone is wider than its rounding there, and up to the rim; from above.
+            let least = 1024.0 * UNIT_ROUNDOFF * size / radius;
+            let share =
+                if random.unit() < 0.5 { least * libm::exp(20.0 * random.unit()) } else { random.unit() };
+            let share = share.min(0.95);
+            let aim = v(radius * share, height * (1.0 - share), 0.0);
+            let aim = DAffine3::from_rotation_y(7.0 * random.unit()).transform_point3(aim);
+            let origin =
+                aim + (random.direction() + v(0.0, height.signum(), 0.0)) * (3.0 + 10.0 * random.unit());
+            let ray = Ray { origin, direction: (aim - origin).normalize() };
+            let Some(at) = cone.hit(&Probe::new(ray), f64::INFINITY) else { continue };
+            let surface = cone.surface(&ray, at);
+            if surface.normal.dot(ray.direction) > -0.1 || surface.normal.y * height.signum() <= 0.0 {
+                continue;
+            }
+            let t = tip_quadratic(ray, tip, radius / height);
+            let way = origin.length() + at.t;
+            worst_t = worst_t.max((at.t - t).abs() * -surface.normal.dot(ray.direction) / (way + size));
+            worst_point = worst_point.max((ray.at(at.t) - surface.point).length() / (way + size));
+        }
+        let [t, point] = [worst_t, worst_point].map(|worst| worst / UNIT_ROUNDOFF);
+        assert!(
+            t <= 8.0 && point <= 32.0,
+            "radius {radius}, height {height}: t off by {t} u, points by {point} u"
+        );
+    }
+}
+
+/// Where a ray first meets the cone below a tip whose radius grows by `slope` with the distance below.
+fn tip_quadratic(ray: Ray, tip: DVec3, slope: f64) -> f64 {
+    let (o, d) = (Vector::from(ray.origin) - Vector::from(tip), Vector::from(ray.direction));
+    let k = Exact::from(slope) * Exact::from(slope);
+    let form = |a: Vector, b: Vector| a.0[0] * b.0[0] + a.0[2] * b.0[2] - k * a.0[1] * b.0[1];
+    let (a, b, c) = (form(d, d), form(o, d), form(o, o));
+    let root = (b * b - a * c).sqrt();
+    let far = if b.value() > 0.0 { -(b + root) } else { root - b };
+    let roots = [(far / a).value(), (c / far).value()];
+    // On the nappe below the tip.
+    let below = |t: &f64| (ray.at(*t).y - tip.y) * tip.y <= 0.0 && *t > 0.0;
+    roots.into_iter().filter(below).fold(f64::INFINITY, f64::min)
+}
+
 /// Turned, mirrored and evenly scaled shapes stay in their class and are hit where their rays are.
 #[test]
 fn moved_shapes_are_hit_where_they_are() {
@@ -404,7 +460,7 @@ fn surfaces_are_finite_everywhere() {
     let ray = Ray { origin: v(0.0, 5.0, 0.0), direction: DVec3::NEG_Y };
     for part in 0..3 {
         for t in [3.0, 4.0, 5.0, 6.0] {
-            let at = Crossing { t, part };
+            let at = Crossing::of_part(t, part);
             let needle = Cone::new(DVec3::ZERO, v(0.0, 1e6, 0.0), 1e-12, 0.0, true).expect("a cone");
             for surface in [cone(0.0, true).surface(&ray, at), needle.surface(&ray, at)] {
                 assert!(

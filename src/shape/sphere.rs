@@ -1,6 +1,7 @@
 //! Spheres.
 
 use super::frame::even_scale;
+use super::surface::exit;
 use super::{Crossing, Geometric, Parameters, Surface};
 use crate::camera::Ray;
 use crate::digest::content;
@@ -37,7 +38,7 @@ impl Geometric for Sphere {
     /// many roots lie ahead before any is computed. From that point the closest one is found again, so that of the
     /// roundings of the way there only the last one is left.
     #[inline]
-    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
+    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
         let d = probe.ray.direction;
         let from_center = probe.ray.origin - self.center;
         let distance = from_center.length();
@@ -57,13 +58,15 @@ impl Geometric for Sphere {
         let closest = first - near.dot(d) * inverse;
         let half_chord = (square * inverse).sqrt();
         let t = if outside >= 0.0 {
-            self.entry(outside * (distance + self.radius) * inverse, closest, half_chord, distance)
+            let c = outside * (distance + self.radius) * inverse;
+            let enter = self.entry(c, closest, half_chord, distance);
+            if enter > 0.0 && enter <= after { exit(enter, closest + half_chord) } else { enter }
         } else if closest > 0.0 {
             closest + half_chord
         } else {
             -outside * (distance + self.radius) * inverse / (half_chord - closest)
         };
-        (t > 0.0 && t < t_max).then_some(Crossing::at(t))
+        (t > after && t < t_max).then_some(Crossing::at(t))
     }
 
     /// The direction from the centre is exact to a few roundings, and so is the point put at `radius` along
@@ -109,14 +112,14 @@ impl Geometric for Sphere {
 
     /// From outside, uniform over the cone that holds the sphere: every point drawn is seen (Pharr, Jakob,
     /// Humphreys, *Physically Based Rendering*, 6.2.4). From inside, uniform over the area.
-    fn sample_from(&self, from: DVec3, u: DVec2) -> Option<(Surface, u32, f64)> {
+    fn sample_from(&self, from: DVec3, frame: &Frame, u: DVec2) -> Option<(Surface, u32, f64)> {
         let Some(cone) = self.cone_from(from) else {
             let (surface, part) = self.sample_area(u)?;
             return Some((surface, part, surface.density_from(from, 1.0 / self.area()?)?));
         };
         let to_center = self.center - from;
         let distance = to_center.length();
-        let frame = Frame::around(to_center / distance);
+        let frame = Frame::carried(frame.x, frame.z, to_center / distance);
         let direction = sampling::cone(cone, u);
         // The angle at the centre of the point that the direction meets, by the law of sines: its sine is
         // that of the angle at `from` times the near leg over the radius.
@@ -125,7 +128,7 @@ impl Geometric for Sphere {
         let near = distance * direction.z - rest.sqrt();
         let (sine, along) = (near * across / self.radius, (distance - near * direction.z) / self.radius);
         let turn = DVec2::new(direction.x, direction.y).normalize_or_zero() * sine;
-        let normal = frame.to_world(DVec3::new(turn.x, turn.y, -along)).normalize_or(-frame.z);
+        let normal = frame.to_world([turn.x, turn.y, -along]).normalize_or(-frame.z);
         Some((self.surface_along(normal), 0, sampling::cone_density(cone)))
     }
 

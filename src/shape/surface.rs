@@ -1,7 +1,7 @@
 //! Where a ray meets a shape, and what the surface is like there.
 
 use super::flat;
-use crate::math::{DVec2, DVec3};
+use crate::math::{DVec2, DVec3, larger};
 
 /// Where a ray meets a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,13 +9,26 @@ pub struct Crossing {
     pub t: f64,
     /// Which part of the shape is met, in the shape's own numbering: a triangle of a mesh, a cap.
     pub part: u32,
+    /// Whether something else is met so near that it is not certain which comes first (see
+    /// [`Vicinity`](crate::tree::Vicinity)).
+    pub crowded: bool,
 }
 
 impl Crossing {
     /// A crossing of a shape that has one part.
     pub fn at(t: f64) -> Self {
-        Self { t, part: 0 }
+        Self::of_part(t, 0)
     }
+
+    pub fn of_part(t: f64, part: u32) -> Self {
+        Self { t, part, crowded: false }
+    }
+}
+
+/// Where a ray leaves a convex solid: if it enters it ahead, then behind that, also where it only touches the solid.
+#[inline]
+pub fn exit(enter: f64, leave: f64) -> f64 {
+    if enter > 0.0 { larger(leave, enter.next_up()) } else { leave }
 }
 
 /// A point on a surface.

@@ -83,7 +83,7 @@ impl Taper {
         let end = |end: f64, part: u32| {
             // The tip of a cone belongs to its side.
             let part = if self.radius(end) > 0.0 { part } else { SIDE };
-            Crossing { t: (end - y) / dy, part }
+            Crossing::of_part((end - y) / dy, part)
         };
         let (bottom, top) = (end(-half, BOTTOM), end(half, TOP));
         Some(if dy > 0.0 { (bottom, top) } else { (top, bottom) })

@@ -38,10 +38,10 @@ impl Geometric for Torus {
 
     /// See `Chord`. Only where the ray is within the torus' bounding sphere and between the planes that
     /// touch it above and below are there any roots.
-    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
+    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
         let ray = self.frame.local(&probe.ray);
-        let t = Chord::new(self, &ray)?.first(&ray)?;
-        (t > 0.0 && t < t_max).then_some(Crossing::at(t))
+        let t = Chord::new(self, &ray)?.first(&ray, after)?;
+        (t > after && t < t_max).then_some(Crossing::at(t))
     }
 
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface {

@@ -28,9 +28,9 @@ impl Geometric for Triangle {
         Some(Self { corners: [a, b, c] })
     }
 
-    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
+    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
         let t = if covers(self.corners, probe) { depth(self.corners, probe)? } else { return None };
-        (t > 0.0 && t < t_max).then_some(Crossing::at(t))
+        (t > after && t < t_max).then_some(Crossing::at(t))
     }
 
     fn surface(&self, ray: &Ray, at: Crossing) -> Surface {

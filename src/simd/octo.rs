@@ -1,7 +1,7 @@
 //! Eight f64 in two quads, and vectors of them: what eight rays have one each of.
 
 use super::Quad;
-use crate::math::{DVec3, Real};
+use crate::math::{DVec3, Real, Vector3};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 
 /// Eight f64.
@@ -101,6 +101,11 @@ impl<Q: Quad> Real for Octo<Q> {
     #[inline(always)]
     fn at_least(self, limit: f64, then: Self, or: Self) -> Self {
         then.pick(Self::splat(limit).at_most(self), or)
+    }
+
+    #[inline(always)]
+    fn with_sign_of(self, sign: Self) -> Self {
+        self.signed_like(sign)
     }
 }
 
@@ -299,6 +304,20 @@ impl<Q: Quad> Vector<Q> {
     pub fn longest(self) -> Octo<Q> {
         let v = self.absolute();
         v.x.larger(v.y).larger(v.z)
+    }
+}
+
+impl<Q: Quad> Vector3 for Vector<Q> {
+    type Real = Octo<Q>;
+
+    #[inline(always)]
+    fn dot(self, other: Self) -> Octo<Q> {
+        self.dot(other)
+    }
+
+    #[inline(always)]
+    fn cross(self, other: Self) -> Self {
+        self.cross(other)
     }
 }
 

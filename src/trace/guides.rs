@@ -1,7 +1,8 @@
 //! What a camera's ray meets first, for those who ask: depth, normal and albedo. It is looked up by a ray of its own,
 //! so that pictures without guides take no work for them, and those with them have the same light.
 
-use super::passing::PASSED;
+use super::media::Media;
+use super::place::Passed;
 use super::tracer::{Met, Tracer, Work};
 use crate::camera::{Beam, Ray};
 use crate::color::Rgb;
@@ -11,7 +12,7 @@ use crate::math::DVec3;
 
 /// Adds to the sample in hand what the ray meets, from the layer `first` on. A ray that meets nothing adds nothing.
 pub fn record(tracer: &Tracer, (ray, beam): (&Ray, &Beam), first: LayerId, work: &mut Work) {
-    let (surface, albedo) = match first_there(tracer, *ray, *beam) {
+    let (surface, albedo) = match first_there(tracer, (ray, beam), work) {
         Some(Met::Surface(face)) => (face.surface, albedo(&face.lobes)),
         Some(Met::Light { surface, .. }) => (surface, Rgb::ONE),
         Some(Met::Nothing) | None => return,
@@ -25,26 +26,18 @@ pub fn record(tracer: &Tracer, (ray, beam): (&Ray, &Beam), first: LayerId, work:
 }
 
 /// What the ray meets first, but for parts of surfaces that are not there.
-fn first_there<'a>(tracer: &Tracer<'a>, mut ray: Ray, mut beam: Beam) -> Option<Met<'a>> {
-    let mut crossed = None;
-    for _ in 0..=PASSED {
-        let met = match tracer.lying_in(crossed.as_ref(), beam.width) {
-            Some(met) => met,
-            None => {
-                crossed = None;
-                let hit = tracer.closest(&ray)?;
-                beam.width = beam.after(hit.at.t);
-                tracer.met(&ray, hit, beam.width)
-            }
-        };
+fn first_there<'a>(tracer: &Tracer<'a>, (ray, beam): (&Ray, &Beam), work: &mut Work) -> Option<Met<'a>> {
+    let mut passed: Option<Passed> = None;
+    loop {
+        let closest = || tracer.closest(ray);
+        let stop = tracer.next_stop((ray, passed), f64::INFINITY, closest, Media::default(), work)?;
+        let met = tracer.met(ray, stop, beam.after(stop.passed.t));
         let Met::Surface(face) = &met else { return Some(met) };
         if !face.material.is_cut_out() || face.lobes.transparency != Rgb::ONE {
             return Some(met);
         }
-        crossed = Some(face.crossed(crossed, ray.direction));
-        ray = Tracer::straight_on(face, &ray);
+        passed = Some(face.passed);
     }
-    None
 }
 
 /// The share of light that a surface sends on, by whatever lobe; all of it where the surface shines.

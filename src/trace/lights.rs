@@ -1,6 +1,7 @@
 //! Light on its way to a surface: from where, how much, and with what chance it was asked for.
 
-use super::spawn::{spawn, spawn_between, spawn_gathering, spawn_to};
+use super::shade::Seen;
+use super::spawn::{spawn_between, spawn_gathering, spawn_to};
 use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::light::{Light, Source};
@@ -52,26 +53,11 @@ impl Arrival {
             Origin::Infinity => (spawn_gathering(surface, self.direction), f64::INFINITY),
         }
     }
-
-    /// [`Arrival::shadow_ray`] on from a surface that it has passed; none if nothing of its way is left, as the
-    /// light comes from that surface, as far as rounding can tell.
-    pub fn beyond(&self, surface: &Surface) -> Option<(Ray, f64)> {
-        let on = spawn(surface, self.direction);
-        let end = match &self.from {
-            Origin::Point(point) => *point,
-            Origin::Surface(target) => spawn(target, -self.direction).origin,
-            Origin::Infinity => return Some((on, f64::INFINITY)),
-        };
-        let ray = Ray { origin: on.origin, direction: end - on.origin };
-        // It starts past all that the surface may reach to. From there it must not lead back to the surface.
-        let ahead = ray.direction.dot(surface.normal) * self.direction.dot(surface.normal) > 0.0;
-        ahead.then_some((ray, 1.0))
-    }
 }
 
-/// The light that comes to the point `at` from a light, for `u` uniform in the unit square; none if it does
-/// not shine there.
-pub fn arrival(light: &Light, at: DVec3, u: DVec2) -> Option<Arrival> {
+/// The light that comes to a surface from a light, for `u` uniform in the unit square; none if it does not shine there.
+pub fn arrival(light: &Light, seen: &Seen, u: DVec2) -> Option<Arrival> {
+    let at = seen.surface.point;
     match &light.source {
         Source::Point { position, attenuation } => {
             let way = *position - at;
@@ -94,11 +80,11 @@ pub fn arrival(light: &Light, at: DVec3, u: DVec2) -> Option<Arrival> {
         Source::Sphere(sphere) => {
             // No light comes to the inside of a sphere that shines outwards.
             let inside = (at - sphere.center).length() < sphere.radius;
-            let (surface, _, density) = sphere.sample_from(at, u).filter(|_| !inside)?;
+            let (surface, _, density) = sphere.sample_from(at, &seen.frame(), u).filter(|_| !inside)?;
             Some(Arrival::from_surface(at, surface, light.radiance, density))
         }
         Source::Rectangle { rectangle, one_sided } => {
-            let (surface, _, density) = rectangle.sample_from(at, u)?;
+            let (surface, _, density) = rectangle.sample_from(at, &seen.frame(), u)?;
             let shines = !one_sided || surface.normal.dot(at - surface.point) > 0.0;
             shines.then(|| Arrival::from_surface(at, surface, light.radiance, density))
         }

@@ -113,7 +113,7 @@ impl<'a> Luminaires<'a> {
                     true => dice.sampler.two(Use::Light { surface, light }),
                     false => DVec2::ZERO,
                 };
-                let arrival = member.arrival(tracer, seen.surface.point, u);
+                let arrival = member.arrival(tracer, seen, u);
                 if let Some(arrival) = arrival {
                     take(Asked { layer: group.layer, arrival: arrival.with_chance(chance) });
                 }
@@ -197,10 +197,10 @@ impl Luminaire<'_> {
         }
     }
 
-    /// The light that comes from it to the point `at`, for `u` uniform in the unit square.
-    fn arrival(&self, tracer: &Tracer, at: DVec3, u: DVec2) -> Option<Arrival> {
+    /// The light that comes from it to a surface, for `u` uniform in the unit square.
+    fn arrival(&self, tracer: &Tracer, seen: &Seen, u: DVec2) -> Option<Arrival> {
         match self {
-            Self::Light(_, light) => arrival(light, at, u),
+            Self::Light(_, light) => arrival(light, seen, u),
             Self::Sky(table) => {
                 let environment = tracer.environment?;
                 let (direction, density) = environment.sample(table, u);
@@ -211,8 +211,9 @@ impl Luminaire<'_> {
                 let primitive = &tracer.scene.geometry.primitives[*index as usize];
                 let material = primitive.material(0)?;
                 let material = &tracer.scene.shading.materials[material as usize];
-                let (surface, part, density) = primitive.sample_from(at, u)?;
-                let hit = Hit { at: Crossing { t: 1.0, part }, primitive: *index };
+                let at = seen.surface.point;
+                let (surface, part, density) = primitive.sample_from(at, &seen.frame(), u)?;
+                let hit = Hit { at: Crossing::of_part(1.0, part), primitive: *index };
                 let emission = match material.paints.is_empty() {
                     true => material.lobes.emission,
                     false => {

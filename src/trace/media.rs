@@ -4,17 +4,9 @@ use crate::material::{Material, Medium};
 use crate::math::DVec3;
 use crate::optics::{Fresnel, refract};
 
-/// Enclosing surfaces at once, at most; the outermost are forgotten beyond it.
-const DEEPEST: usize = 6;
-
-/// The refractive surfaces that a ray is inside of, in the order in which it entered. Where several overlap,
-/// the medium of the highest priority is there; of equal ones the one entered last (Schmidt and Budge,
-/// *Simple Nested Dielectrics in Ray Traced Images*, 2002).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Media {
-    inside: [Enclosure; DEEPEST],
-    count: u8,
-}
+/// The refractive surfaces that a ray is inside of: an entry of [`Nesting`]. Outside of all by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Media(u32);
 
 /// A primitive with its material.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,15 +15,24 @@ pub struct Enclosure {
     pub material: u32,
 }
 
-/// What lies on the two sides of a surface that a ray passes.
+/// A surface that a ray passes: into what it encloses, or out of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Passage {
+    pub of: Enclosure,
+    pub enters: bool,
+}
+
+/// What lies on the two sides of a place where a ray passes one or more surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Boundary {
     pub before: Medium,
     pub behind: Medium,
-    /// Whether another medium of higher priority fills both sides: then there is nothing to see.
+    /// Whether the same medium fills both sides: then there is nothing to see.
     pub hidden: bool,
     /// What the ray is inside of once it has passed.
     pub passed: Media,
+    /// Which of the surfaces is seen.
+    pub seen: usize,
 }
 
 /// Light that goes on behind a boundary.
@@ -51,9 +52,7 @@ impl Boundary {
         let reflected = fresnel.reflectance(-direction.dot(normal), cosine, eta);
         Some(Bent { direction: bent, reflected })
     }
-}
 
-impl Boundary {
     /// The share of light that is reflected where it goes straight on, as shadow rays do. Between two boundaries of a
     /// thing that is so thin or so large that it hardly shifts light, the way outside is the straight one, and inside it
     /// is bent: the angle is that on the side of the lower index, from where no light is reflected totally.
@@ -66,60 +65,150 @@ impl Boundary {
 
 impl Media {
     /// Whether the ray is inside of nothing.
-    pub fn is_outside(&self) -> bool {
-        self.count == 0
+    pub fn is_outside(self) -> bool {
+        self == Self::default()
+    }
+}
+
+/// Lists of enclosing surfaces in the order in which rays entered them, any number long: each is another one with one more
+/// surface, so that a ray carries a number alone. Where several overlap, the medium of the highest priority is there; of
+/// equal ones that of the one entered last (Schmidt and Budge, *Simple Nested Dielectrics in Ray Traced Images*, 2002).
+#[derive(Debug, Default)]
+pub struct Nesting {
+    entries: Vec<Entry>,
+    /// What has to be entered again.
+    above: Vec<Enclosure>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    at: Enclosure,
+    outside: Media,
+    /// Whose medium is there.
+    prevailing: Enclosure,
+}
+
+impl Nesting {
+    /// Forgets all lists. No ray may be inside of anything.
+    pub fn clear(&mut self) {
+        self.entries.clear();
     }
 
-    /// The medium around the ray.
-    pub fn here(&self, materials: &[Material]) -> Medium {
-        let prevailing = self.prevailing(materials);
-        prevailing.map_or(Medium::EMPTY, |entry| materials[entry.material as usize].medium)
+    /// How many lists there are; for [`Nesting::forget_beyond`].
+    pub fn count(&self) -> usize {
+        self.entries.len()
     }
 
-    /// The boundary at a surface that the ray enters, or else leaves.
-    pub fn boundary(&self, at: Enclosure, entering: bool, materials: &[Material]) -> Boundary {
-        let entry = if entering { None } else { self.entry(at) };
-        let (outside, within, enclosure) = match entry {
-            Some(index) => (self.without(index), *self, self.inside[index]),
-            // A ray that started inside never entered.
-            None => (*self, self.entered(at), at),
-        };
-        let hidden = within.prevailing(materials) != Some(enclosure);
-        let (from, to) = if entering { (outside, within) } else { (within, outside) };
-        Boundary { before: from.here(materials), behind: to.here(materials), hidden, passed: to }
+    /// Forgets the lists that were made since there were so many.
+    pub fn forget_beyond(&mut self, count: usize) {
+        self.entries.truncate(count);
+    }
+
+    fn entry(&self, media: Media) -> Option<&Entry> {
+        self.entries.get((media.0 as usize).checked_sub(1)?)
+    }
+
+    /// The enclosure whose medium is there.
+    fn prevailing(&self, media: Media) -> Option<Enclosure> {
+        self.entry(media).map(|entry| entry.prevailing)
+    }
+
+    /// The medium around a ray.
+    pub fn here(&self, media: Media, materials: &[Material]) -> Medium {
+        self.prevailing(media).map_or(Medium::EMPTY, |at| materials[at.material as usize].medium)
+    }
+
+    fn entered(&mut self, outside: Media, at: Enclosure, materials: &[Material]) -> Media {
+        let priority = |at: Enclosure| materials[at.material as usize].medium.priority;
+        let above = self.prevailing(outside).filter(|other| priority(*other) > priority(at));
+        self.entries.push(Entry { at, outside, prevailing: above.unwrap_or(at) });
+        Media(self.entries.len() as u32)
+    }
+
+    /// The innermost list whose last entry passes a test, of those that a list is made of.
+    fn last(&self, mut media: Media, test: impl Fn(Enclosure) -> bool) -> Option<Media> {
+        while let Some(entry) = self.entry(media) {
+            if test(entry.at) {
+                return Some(media);
+            }
+            media = entry.outside;
+        }
+        None
     }
 
     /// The entry that a surface ends: its own last one. A mesh of several materials may have been entered by another
     /// of them; then that one's medium is what the ray leaves.
-    fn entry(&self, at: Enclosure) -> Option<usize> {
-        let entered = &self.inside[..usize::from(self.count)];
-        let own = entered.iter().rposition(|entry| *entry == at);
-        own.or_else(|| entered.iter().rposition(|entry| entry.primitive == at.primitive))
+    fn ended(&self, media: Media, by: Enclosure) -> Option<Media> {
+        let own = self.last(media, |at| at == by);
+        own.or_else(|| self.last(media, |at| at.primitive == by.primitive))
     }
 
-    fn entered(mut self, at: Enclosure) -> Self {
-        if usize::from(self.count) == DEEPEST {
-            self.inside.rotate_left(1);
-            self.count -= 1;
+    fn without(&mut self, media: Media, ended: Media, materials: &[Material]) -> Media {
+        self.above.clear();
+        let mut next = media;
+        while next != ended
+            && let Some(Entry { at, outside, .. }) = self.entry(next).copied()
+        {
+            self.above.push(at);
+            next = outside;
         }
-        self.inside[usize::from(self.count)] = at;
-        self.count += 1;
-        self
+        let mut left = self.entry(ended).map_or(ended, |entry| entry.outside);
+        while let Some(at) = self.above.pop() {
+            left = self.entered(left, at, materials);
+        }
+        left
     }
 
-    fn without(mut self, index: usize) -> Self {
-        let count = usize::from(self.count);
-        self.inside[index..count].rotate_left(1);
-        self.inside[count - 1] = Enclosure::default();
-        self.count -= 1;
-        self
+    /// What becomes of a ray that passes some surfaces in one place: it enters all that it enters before it leaves any, so
+    /// that between two media that touch there is no film of what is around both.
+    pub fn boundary(&mut self, media: Media, passages: &[Passage], materials: &[Material]) -> Boundary {
+        // In and out at once, as at an edge, is past.
+        let passes_by = |passage: &Passage| {
+            let back = |other: &Passage| {
+                other.of.primitive == passage.of.primitive && other.enters != passage.enters
+            };
+            passages.iter().any(back)
+        };
+        let crossed = || passages.iter().filter(|passage| !passes_by(passage));
+        let mut before = media;
+        for left in crossed().filter(|passage| !passage.enters) {
+            // A ray that started inside never entered.
+            if self.ended(before, left.of).is_none() {
+                before = self.entered(before, left.of, materials);
+            }
+        }
+        let mut passed = before;
+        for entered in crossed().filter(|passage| passage.enters) {
+            passed = self.entered(passed, entered.of, materials);
+        }
+        for left in crossed().filter(|passage| !passage.enters) {
+            if let Some(ended) = self.ended(passed, left.of) {
+                passed = self.without(passed, ended, materials);
+            }
+        }
+        let sides = [before, passed].map(|side| self.prevailing(side));
+        let seen = seen(passages, sides, materials);
+        Boundary {
+            before: self.here(before, materials),
+            behind: self.here(passed, materials),
+            hidden: sides[0] == sides[1],
+            passed,
+            seen,
+        }
     }
+}
 
-    /// The enclosure whose medium is there: of equal priorities the last (as `max_by_key` gives it).
-    fn prevailing(&self, materials: &[Material]) -> Option<Enclosure> {
-        let entered = self.inside[..usize::from(self.count)].iter().copied();
-        entered.max_by_key(|entry| materials[entry.material as usize].medium.priority)
-    }
+/// Which of some surfaces between two media is seen, of those that one of the media ends at: that of the higher priority, so
+/// that it is the same from both sides; of equal ones the first.
+fn seen(passages: &[Passage], [before, behind]: [Option<Enclosure>; 2], materials: &[Material]) -> usize {
+    let ends = |passage: &Passage| {
+        let side = if passage.enters { behind } else { before };
+        side.is_some_and(|side| side.primitive == passage.of.primitive)
+    };
+    let priority = |passage: &Passage| materials[passage.of.material as usize].medium.priority;
+    let candidates = passages.iter().enumerate().filter(|(_, passage)| ends(passage));
+    let best = candidates.reduce(|best, next| if priority(next.1) > priority(best.1) { next } else { best });
+    best.map_or(0, |(index, _)| index)
 }
 
 #[cfg(test)]
@@ -151,14 +240,14 @@ mod tests {
         materials: &[Material],
         events: impl Iterator<Item = (Enclosure, bool)>,
     ) -> Vec<(f64, f64, bool)> {
-        let mut media = Media::default();
-        let step = |(at, entering): (Enclosure, bool)| {
-            let boundary = media.boundary(at, entering, materials);
+        let (mut nesting, mut media) = (Nesting::default(), Media::default());
+        let step = |(of, enters): (Enclosure, bool)| {
+            let boundary = nesting.boundary(media, &[Passage { of, enters }], materials);
             media = boundary.passed;
             (boundary.before.ior, boundary.behind.ior, boundary.hidden)
         };
         let found = events.map(step).collect();
-        assert_eq!(media, Media::default(), "a ray that has left everything");
+        assert!(media.is_outside(), "a ray that has left everything");
         found
     }
 
@@ -205,5 +294,54 @@ mod tests {
     #[test]
     fn rays_that_start_inside_leave() {
         assert_eq!(way(&[glass(1.5, 0)], &[(0, false)]), [(1.5, 1.0, false)]);
+    }
+
+    /// However many there are, the medium of the one entered last is there, and each is left again, in any order.
+    #[test]
+    fn any_number_of_media_is_nested() {
+        let materials: Vec<_> = (1..=200).map(|k| glass(1.0 + 0.01 * f64::from(k), 0)).collect();
+        let inwards = (0..200).map(|k| (k, true));
+        let outwards = (0..200).map(|k| (k * 7 % 200, false));
+        let events: Vec<_> = inwards.chain(outwards).collect();
+        let mut inside = Vec::new();
+        for (&(k, enters), found) in events.iter().zip(way(&materials, &events)) {
+            if enters {
+                inside.push(k);
+            } else {
+                inside.retain(|other| *other != k);
+            }
+            let here = inside.last().map_or(1.0, |k| materials[*k as usize].medium.ior);
+            assert_eq!(found.1, here, "{k} {enters}");
+        }
+    }
+
+    fn at_once(materials: &[Material], inside: &[u32], passages: &[(u32, bool)]) -> Boundary {
+        let (mut nesting, mut media) = (Nesting::default(), Media::default());
+        let own = |k: u32| Enclosure { primitive: k, material: k };
+        for &k in inside {
+            media = nesting.boundary(media, &[Passage { of: own(k), enters: true }], materials).passed;
+        }
+        let passages: Vec<_> = passages.iter().map(|&(k, enters)| Passage { of: own(k), enters }).collect();
+        nesting.boundary(media, &passages, materials)
+    }
+
+    /// Where two media touch there is one boundary, the same both ways and whichever is named first.
+    #[test]
+    fn surfaces_in_one_place_are_one_boundary() {
+        for priorities in [[0, 0], [1, 0], [0, 1]] {
+            let materials = [glass(1.5, priorities[0]), glass(1.33, priorities[1])];
+            for passages in [[(0, false), (1, true)], [(1, true), (0, false)]] {
+                let down = at_once(&materials, &[0], &passages);
+                let up = at_once(&materials, &[1], &passages.map(|(k, enters)| (k, !enters)));
+                assert_eq!((down.before.ior, down.behind.ior, down.hidden), (1.5, 1.33, false));
+                assert_eq!((up.before.ior, up.behind.ior, up.hidden), (1.33, 1.5, false));
+                // Of different priorities the same surface is seen.
+                let shown = |boundary: Boundary, passages: [(u32, bool); 2]| passages[boundary.seen].0;
+                assert_eq!(shown(down, passages), shown(up, passages));
+            }
+        }
+        // In and out at once, as at an edge: nothing.
+        let edge = at_once(&[glass(1.5, 0)], &[], &[(0, true), (0, false)]);
+        assert!(edge.hidden && edge.passed.is_outside());
     }
 }

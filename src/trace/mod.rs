@@ -1,7 +1,6 @@
 //! Scene → Film: rays in parallel, sums in one fixed order.
 
 mod adaptive;
-mod coincident;
 mod escape;
 mod guides;
 mod lights;
@@ -11,6 +10,7 @@ mod one_lobe;
 mod passing;
 mod path;
 mod pixel;
+mod place;
 mod scatter;
 mod shade;
 pub mod spawn;

@@ -14,10 +14,10 @@ use crate::bvh::Hit;
 use crate::color::Rgb;
 use crate::light::Light;
 use crate::material::{Lobes, MadeOf, Material};
-use crate::sampling::{Sampler, Use};
+use crate::sampling::{Frame, Sampler, Use};
 use crate::scene::Finish;
 use crate::shape::{Crossing, Rays, lanes};
-use crate::simd::{self, Lanes, Octo, Vector, dispatch};
+use crate::simd::{self, Lanes, Octo, Rows, Vector, dispatch};
 use even::Even;
 use fuzzy::Fuzzy;
 use ground::Ground;
@@ -87,8 +87,8 @@ impl OneLobe {
     pub fn at(&self, tracer: &Tracer, path: &Path, hit: &Hit) -> Option<Lobe> {
         let primitive = &tracer.scene.geometry.primitives[hit.primitive as usize];
         let Finish::Material(MadeOf::One(material)) = primitive.finish else { return None };
-        let outside = path.crossed.is_none() && path.media.is_outside();
-        self.materials[material as usize].filter(|_| outside)
+        let simple = !hit.at.crowded && path.passed.is_none() && path.media.is_outside();
+        self.materials[material as usize].filter(|_| simple)
     }
 
     /// Takes paths at surfaces of a lobe to where they go on; gives a bit for each that does.
@@ -108,8 +108,13 @@ trait Scatters<L: Lanes> {
     /// directions to the normals.
     fn share(&self, to_light: Vector<L::Quad>, cosine: Octo<L::Quad>) -> Color<L>;
 
-    /// Directions for rows of numbers in 0..1.
-    fn draw(&self, ground: &Ground<L::Quad>, numbers: &[[f64; 8]; 4]) -> Drawn<L>;
+    /// Directions for rows of numbers in 0..1, in frames around the normals.
+    fn draw(
+        &self,
+        ground: &Ground<L::Quad>,
+        frame: &Frame<Vector<L::Quad>>,
+        numbers: &[[f64; 8]; 4],
+    ) -> Drawn<L>;
 }
 
 /// Eight directions that were drawn.
@@ -135,6 +140,7 @@ struct Lined<'a> {
     /// Places of the paths among all.
     places: [usize; 8],
     rays: Rays,
+    tangents: Rows,
     at: [Hit; 8],
     lobes: [&'a Lobes; 8],
     /// A bit for each lane that has a path of its own.
@@ -156,7 +162,11 @@ impl<'a> Lined<'a> {
             }
         }
         let rays = Rays::gather(8, |lane| &paths[places[lane]].ray);
-        Self { places, rays, at, lobes, there: 0xff >> (7 - last.min(7)) }
+        let mut tangents = Rows::ZERO;
+        for lane in 0..8 {
+            tangents.set(lane, paths[places[lane]].tangent);
+        }
+        Self { places, rays, tangents, at, lobes, there: 0xff >> (7 - last.min(7)) }
     }
 }
 
@@ -265,13 +275,14 @@ impl Follow<'_, '_, '_> {
             samplers[lane] = paths[places[lane]].dice.sampler;
         }
         let numbers = Sampler::four_together(&samplers, Use::Scatter(surface));
-        let Drawn { direction, density, share, lit } = scatters.draw(ground, &numbers);
+        let frame = ground.frame(&lined.tangents);
+        let Drawn { direction, density, share, lit } = scatters.draw(ground, &frame, &numbers);
         let each = (Octo::splat(1.0) / (Octo::splat(PI) * density)).narrow();
         let drawn = Octo::splat(0.0).below(density).bits();
         let on = further & lit & drawn & share.not_black();
         let share = share.scaled(L::load(&each));
         let rays = Rays { origin: starts.towards(direction).store(), direction: direction.store() };
-        let density = density.store();
+        let (tangents, density) = (frame.tangent(direction).store(), density.store());
         let mut goes_on = 0;
         for lane in lanes(on) {
             let path = &mut paths[places[lane]];
@@ -283,7 +294,12 @@ impl Follow<'_, '_, '_> {
             if path.throughput.shining() == Rgb::ZERO {
                 continue;
             }
-            path.scattered(rays.one(lane), ground.surfaces.point.one(lane), density[lane]);
+            path.scattered(
+                rays.one(lane),
+                tangents.one(lane),
+                ground.surfaces.point.one(lane),
+                density[lane],
+            );
             if integrator.survives(tracer, path) {
                 work.counts.rays.scattered += 1;
                 goes_on |= 1 << lane;
@@ -299,6 +315,7 @@ impl Follow<'_, '_, '_> {
         let Self { eight: Eight { integrator, tracer, paths, .. }, work, .. } = self;
         let starts = Starts::gathering(&ground.surfaces, ground.lift.as_ref());
         let rays = starts.mirrored(ground.mirrored());
+        let tangents = ground.frame(&lined.tangents).tangent(Vector::load(&rays.direction)).store();
         let mut goes_on = 0;
         for lane in lanes(further) {
             let path = &mut paths[lined.places[lane]];
@@ -306,7 +323,7 @@ impl Follow<'_, '_, '_> {
             if path.throughput.shining() == Rgb::ZERO {
                 continue;
             }
-            path.mirrored(rays.one(lane));
+            path.mirrored(rays.one(lane), tangents.one(lane));
             if integrator.survives(tracer, path) {
                 work.counts.rays.mirror += 1;
                 goes_on |= 1 << lane;

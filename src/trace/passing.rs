@@ -1,8 +1,8 @@
 //! Shadow rays: how much of a light arrives in spite of what stands in the way.
 
-use super::coincident::Crossed;
 use super::lights::{Arrival, Origin};
 use super::media::Media;
+use super::place::Passed;
 use super::tracer::{Face, Met, Tracer, Work};
 use crate::camera::Ray;
 use crate::color::Rgb;
@@ -10,10 +10,6 @@ use crate::material::{Lobes, Medium};
 use crate::math::DVec3;
 use crate::shape::Surface;
 use crate::tree::Probe;
-
-/// Surfaces that a shadow ray passes at most; what lies behind more is in shadow. Each one brings the ray nearer to
-/// its light, so it ends by itself: this bounds how long that takes, and whatever rounding might do against it.
-pub const PASSED: u32 = 4096;
 
 /// The share of a light that arrives in spite of what stands in the way.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +39,7 @@ impl Passing {
 impl Tracer<'_> {
     /// The share of the light that arrives at a surface, on its side that is seen, in spite of what stands in
     /// the way.
-    pub fn passing(&self, arrival: &Arrival, surface: &Surface, media: &Media, work: &mut Work) -> Passing {
+    pub fn passing(&self, arrival: &Arrival, surface: &Surface, media: Media, work: &mut Work) -> Passing {
         let (ray, t_max) = arrival.shadow_ray(surface);
         if ray.direction == DVec3::ZERO {
             return Passing::all_or_nothing(false);
@@ -53,71 +49,63 @@ impl Tracer<'_> {
             let mut passing =
                 Passing::all_or_nothing(self.bvh.occluded(self.scene.geometry, &Probe::new(ray), t_max));
             if self.media {
-                passing.absorb(media.here(&self.scene.shading.materials), ray.direction.length() * t_max);
+                let here = work.nesting.here(media, &self.scene.shading.materials);
+                passing.absorb(here, ray.direction.length() * t_max);
             }
             return passing;
         }
-        self.transmitted(arrival, ray, t_max, *media, work)
+        let lists = work.nesting.count();
+        let passing = self.transmitted(arrival, (&ray, t_max), media, work);
+        work.nesting.forget_beyond(lists);
+        passing
     }
 
-    /// [`Tracer::passing`] surface by surface: the product of what each of them lets pass.
+    /// [`Tracer::passing`] surface by surface: the product of what each of them lets pass, in their order along the ray.
     fn transmitted(
         &self,
         arrival: &Arrival,
-        mut ray: Ray,
-        mut t_max: f64,
+        (ray, t_max): (&Ray, f64),
         mut media: Media,
         work: &mut Work,
     ) -> Passing {
         let mut share = Passing::all_or_nothing(false);
-        let mut crossed: Option<Crossed> = None;
-        for _ in 0..=PASSED {
-            if let Some(Met::Surface(face)) = self.lying_in(crossed.as_ref(), 0.0) {
-                let (passes, beyond) = self.straight_through(&face, arrival, media);
-                share.dim(passes.whole, passes.unbent);
-                media = beyond;
-                if share.whole == Rgb::ZERO {
-                    return share;
-                }
-                crossed = Some(face.crossed(crossed, arrival.direction));
-                continue;
+        let mut passed: Option<Passed> = None;
+        let first = || self.bvh.closest_between(self.scene.geometry, &Probe::new(*ray), (0.0, t_max));
+        loop {
+            let from = passed.map_or(0.0, |passed| passed.t);
+            let stop = self.next_stop((ray, passed), t_max, first, media, work);
+            if self.media && !stop.is_some_and(|stop| stop.again) {
+                let length = ray.direction.length() * (stop.map_or(t_max, |stop| stop.passed.t) - from);
+                share.absorb(work.nesting.here(media, &self.scene.shading.materials), length);
             }
-            let hit = self.bvh.closest_before(self.scene.geometry, &Probe::new(ray), t_max);
-            let length = ray.direction.length() * hit.map_or(t_max, |hit| hit.at.t);
-            if self.media {
-                share.absorb(media.here(&self.scene.shading.materials), length);
-            }
-            let Some(hit) = hit else { return share };
-            let Met::Surface(face) = self.met(&ray, hit, 0.0) else { break };
+            let Some(stop) = stop else { return share };
+            let Met::Surface(face) = self.met(ray, stop, 0.0) else { return Passing::all_or_nothing(true) };
             work.counts.evaluations.paint += u64::from(!face.material.paints.is_empty());
-            let (passes, beyond) = self.straight_through(&face, arrival, media);
+            let passes = self.straight_through(&face, arrival);
             share.dim(passes.whole, passes.unbent);
-            media = beyond;
+            media = face.boundary.map_or(media, |boundary| boundary.passed);
             if share.whole == Rgb::ZERO {
                 return share;
             }
-            crossed = Some(face.crossed(None, arrival.direction));
-            let Some(rest) = arrival.beyond(&face.surface) else { return share };
-            (ray, t_max) = rest;
-            work.counts.rays.shadow += 1;
+            work.counts.rays.shadow += u64::from(face.passed.goes_on());
+            passed = Some(face.passed);
         }
-        Passing::all_or_nothing(true)
     }
 
-    /// The share that passes a surface straight on, and what is around the light beyond it.
-    fn straight_through(&self, face: &Face, arrival: &Arrival, media: Media) -> (Passing, Media) {
+    /// The share that passes a surface straight on.
+    fn straight_through(&self, face: &Face, arrival: &Arrival) -> Passing {
         let Lobes { transparency, refraction, .. } = face.lobes;
         let unbent = Passing { whole: transparency, unbent: transparency };
-        let Some(boundary) = self.boundary(face, &media) else { return (unbent, media) };
+        let Some(boundary) = &face.boundary else { return unbent };
         if boundary.hidden {
-            return (Passing::all_or_nothing(false), boundary.passed);
+            return Passing::all_or_nothing(false);
         }
         if !self.refractive_shadows {
-            return (unbent, boundary.passed);
+            return unbent;
         }
         let reflected = boundary.straight(face.material.fresnel, arrival.direction, face.surface.normal);
         let passes = 1.0 - reflected as f32;
-        (Passing { whole: transparency + refraction * passes, ..unbent }, boundary.passed)
+        Passing { whole: transparency + refraction * passes, ..unbent }
     }
 
     /// The share of the light that the fog lets pass on its way to a surface.

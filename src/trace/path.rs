@@ -7,12 +7,12 @@
 //! highlights show no more than what is asked. Mirrors, boundaries and what is transparent are followed as they
 //! are; shadow rays pass what is transparent and, if the settings say so, what refracts.
 
-use super::coincident::Crossed;
 use super::escape;
 use super::lights::seen;
 use super::luminaires::Luminaires;
 use super::media::Media;
 use super::one_lobe::{Eight, Lobe, OneLobe};
+use super::place::Passed;
 use super::scatter::{Kind, Scatter, scatter, scatter_density};
 use super::spawn::{spawn, spawn_gathering, spawn_mirrored};
 use super::throughput::Throughput;
@@ -42,11 +42,13 @@ pub struct Paths<'a> {
 /// Where a path is.
 pub struct Path {
     pub ray: Ray,
+    /// Unit vector across the ray that it takes along for frames around normals (see [`Frame`](crate::sampling::Frame)).
+    pub tangent: DVec3,
     pub beam: Beam,
     pub throughput: Throughput,
     pub media: Media,
-    /// What the ray has just passed.
-    pub crossed: Option<Crossed>,
+    /// How far the ray has come, if it has passed something straight on.
+    pub passed: Option<Passed>,
     /// Surfaces that are left to reflect or bend light.
     pub left: u32,
     /// The last surface that has turned the path back, if it has scattered it: then light was asked for there.
@@ -65,10 +67,11 @@ impl Path {
     pub fn new(ray: Ray, sampler: Sampler) -> Self {
         Self {
             ray,
+            tangent: DVec3::ZERO,
             beam: Beam::default(),
             throughput: Throughput::showing(Rgb::ONE),
             media: Media::default(),
-            crossed: None,
+            passed: None,
             left: 0,
             asked: None,
             density: None,
@@ -82,26 +85,39 @@ impl Path {
     /// waited for.
     #[inline(always)]
     pub fn begin(&mut self, tracer: &Tracer, along: Ray, sampler: Sampler, layers: usize) {
-        let Self { ray, beam: _, throughput, media, crossed, left, asked, density, counted, dice, first } =
-            self;
+        let Self {
+            ray,
+            tangent,
+            beam: _,
+            throughput,
+            media,
+            passed,
+            left,
+            asked,
+            density,
+            counted,
+            dice,
+            first,
+        } = self;
         (*ray, *first) = (along, layers);
+        *tangent = tracer.scene.camera.tangent(&along);
         throughput.begin();
-        (*media, *crossed) = (Media::default(), None);
+        (*media, *passed) = (Media::default(), None);
         *left = tracer.quality.surfaces();
         (*asked, *density, *counted) = (None, None, false);
         *dice = Dice { sampler, surface: 0 };
     }
 
     /// Goes on from a point where it was scattered, with a density per solid angle of its direction.
-    pub fn scattered(&mut self, ray: Ray, point: DVec3, density: f64) {
-        (self.ray, self.crossed) = (ray, None);
+    pub fn scattered(&mut self, ray: Ray, tangent: DVec3, point: DVec3, density: f64) {
+        (self.ray, self.tangent, self.passed) = (ray, tangent, None);
         (self.asked, self.density, self.counted) = (Some(point), Some(density), false);
         self.left -= 1;
     }
 
     /// Goes on by a mirror, past which no shadow ray goes.
-    pub fn mirrored(&mut self, ray: Ray) {
-        (self.ray, self.crossed) = (ray, None);
+    pub fn mirrored(&mut self, ray: Ray, tangent: DVec3) {
+        (self.ray, self.tangent, self.passed) = (ray, tangent, None);
         (self.asked, self.density, self.counted) = (None, None, false);
         self.left -= 1;
     }
@@ -126,6 +142,7 @@ impl<'a> Paths<'a> {
     /// Follows paths from the eye to where they end, all of them from surface to surface. What is seen along them is added
     /// to `work`.
     pub fn follow(&self, tracer: &Tracer, paths: &mut [Path], work: &mut Work) {
+        work.nesting.clear();
         let mut lists = std::mem::take(&mut work.lists);
         let Lists { active, hits, queues, escaped } = &mut lists;
         active.clear();
@@ -151,8 +168,7 @@ impl<'a> Paths<'a> {
                 }
                 work.first = path.first;
                 // Most paths end this way, and have not to go through all that others may meet.
-                if hit.is_none() && path.crossed.is_none() && path.media.is_outside() && tracer.fog.is_none()
-                {
+                if hit.is_none() && path.passed.is_none() && path.media.is_outside() && tracer.fog.is_none() {
                     goes_on[index as usize] = false;
                     match self.skies {
                         true => escaped.push(index),
@@ -188,17 +204,12 @@ impl<'a> Paths<'a> {
         work.lists = lists;
     }
 
-    /// Goes on to the next surface and from there; false at the path's end. `hit` is what lies ahead of a
-    /// ray that has not passed anything just now.
+    /// Goes on to the next surface and from there; false at the path's end. `hit` is what lies ahead of a ray that has not
+    /// passed anything.
     fn step(&self, tracer: &Tracer, path: &mut Path, hit: Option<Hit>, work: &mut Work) -> bool {
-        let met = tracer.lying_in(path.crossed.as_ref(), path.beam.width).unwrap_or_else(|| {
-            let hit = if path.crossed.is_none() { hit } else { tracer.closest(&path.ray) };
-            path.crossed = None;
-            let from = (&path.ray, &path.beam, path.left);
-            let (met, way) = tracer.advance(from, hit, &path.media, &path.throughput, work);
-            path.throughput.go(way);
-            met
-        });
+        let along = (&path.ray, &path.beam, path.passed, path.left);
+        let (met, way) = tracer.advance(along, || hit, path.media, &path.throughput, work);
+        path.throughput.go(way);
         match met {
             Met::Nothing => {
                 self.escape(tracer, path, work);
@@ -236,11 +247,9 @@ impl<'a> Paths<'a> {
 
     fn at_surface(&self, tracer: &Tracer, path: &mut Path, face: &Face, work: &mut Work) -> bool {
         let dice = path.dice;
-        let boundary = tracer.boundary(face, &path.media);
+        let boundary = face.boundary.as_ref();
         if let Some(boundary) = boundary.filter(|boundary| boundary.hidden) {
-            path.crossed = Some(face.crossed(path.crossed, path.ray.direction));
-            path.ray = Tracer::straight_on(face, &path.ray);
-            path.media = boundary.passed;
+            (path.passed, path.media) = (Some(face.passed), boundary.passed);
             return true;
         }
         let density = |from| self.luminaires.density(tracer, from, &face.hit, &face.surface);
@@ -256,9 +265,9 @@ impl<'a> Paths<'a> {
         if !turns && face.lobes.transparency == Rgb::ZERO {
             return false;
         }
-        let seen = face.seen(&path.ray);
+        let seen = face.seen(&path.ray, path.tangent);
         let u = dice.sampler.four(Use::Scatter(dice.surface));
-        let next = scatter(&seen, boundary.as_ref(), u);
+        let next = scatter(&seen, boundary, u);
         let Some(next) = next.filter(|next| turns || next.kind == Kind::Unbent) else { return false };
         let goes_on = self.go_on(path, face, &next) && self.survives(tracer, path);
         if goes_on {
@@ -272,7 +281,7 @@ impl<'a> Paths<'a> {
         if !face.lobes.reflects_lights() {
             return;
         }
-        let seen = face.seen(&path.ray);
+        let seen = face.seen(&path.ray, path.tangent);
         let throughput = path.throughput.seen();
         let mut turn = 0;
         self.luminaires.ask(tracer, &seen, dice, |asked| {
@@ -293,7 +302,7 @@ impl<'a> Paths<'a> {
                 work.shadows.push(Shadow::new(arrival, seen.surface, (asked.layer, turn), radiance, work));
                 return;
             }
-            let passing = tracer.passing(arrival, seen.surface, &path.media, work);
+            let passing = tracer.passing(arrival, seen.surface, path.media, work);
             if passing.whole != Rgb::ZERO {
                 // Only what comes unbent may also be met.
                 let share = share * passing.whole - scattered * passing.unbent * (1.0 - weight);
@@ -311,21 +320,24 @@ impl<'a> Paths<'a> {
         if path.throughput.shining() == Rgb::ZERO {
             return false;
         }
-        path.crossed = match next.kind {
-            Kind::Unbent | Kind::Bent => Some(face.crossed(path.crossed, next.direction)),
-            Kind::Mirrored | Kind::Scattered => None,
-        };
+        if let Some(media) = next.media {
+            path.media = media;
+        }
+        // Straight on: what was drawn before still leads there, and no bounce is taken.
+        if next.kind == Kind::Unbent {
+            path.passed = Some(face.passed);
+            return true;
+        }
+        let frame = face.seen(&path.ray, path.tangent).frame();
+        path.passed = None;
         path.ray = match next.kind {
             Kind::Scattered => spawn_gathering(&face.surface, next.direction),
             Kind::Mirrored => spawn_mirrored(&face.surface, next.direction),
             Kind::Unbent | Kind::Bent => spawn(&face.surface, next.direction),
         };
-        if let Some(media) = next.media {
-            path.media = media;
-        }
+        path.tangent = frame.tangent(path.ray.direction);
         match next.kind {
-            // Straight on: what was drawn before still leads there.
-            Kind::Unbent => return true,
+            Kind::Unbent => {}
             Kind::Bent => path.counted |= self.settings.refractive_shadows && path.asked.is_some(),
             // No shadow ray goes by a mirror.
             Kind::Mirrored => (path.asked, path.counted) = (None, false),

@@ -79,7 +79,8 @@ fn walks(shape: Shape, rims: [(f64, f64); 2], to_world: DAffine3, rays: u32) -> 
 }
 
 const CYLINDER_RIMS: [(f64, f64); 2] = [(-1.0, 1.0), (1.0, 1.0)];
-const CONES: [(f64, f64); 5] = [(1.0, 0.0), (1.0, 0.4), (0.2, 1.3), (1e-2, 0.0), (1e3, 0.0)];
+const CONES: [(f64, f64); 8] =
+    [(1.0, 0.0), (1.0, 0.4), (0.2, 1.3), (1e-2, 0.0), (1e3, 0.0), (1e6, 0.0), (1e6, 4e5), (1e3, 1e6)];
 
 fn crossings_are_even(rays: u32) {
     let turned = DAffine3::from_mat3_translation(

@@ -5,7 +5,7 @@ use super::shade::Seen;
 use crate::color::Rgb;
 use crate::math::{DVec2, DVec3};
 use crate::optics::reflect;
-use crate::sampling::{Frame, cosine_hemisphere};
+use crate::sampling::cosine_hemisphere;
 use std::f64::consts::PI;
 
 /// How a path goes on.
@@ -88,7 +88,7 @@ pub fn scatter(seen: &Seen, boundary: Option<&Boundary>, [choice, u, v, w]: [f64
         false
     };
     if falls_to(chances.diffuse) {
-        let direction = Frame::around(seen.normal()).to_world(cosine_hemisphere(DVec2::new(u, v)));
+        let direction = seen.frame().to_world(cosine_hemisphere(DVec2::new(u, v)).to_array());
         return drawn(seen, &chances, direction);
     }
     if falls_to(chances.shine) {
@@ -118,10 +118,10 @@ fn shine(seen: &Seen, chances: &Chances, u: DVec2) -> Option<Scatter> {
         let share = fresnel * (seen.lobes.microfacet / chances.shine as f32);
         return Some(Scatter::sharp(Kind::Mirrored, seen.mirrored(), share));
     };
-    let frame = Frame::around(seen.normal());
-    let eye = frame.to_local(seen.to_eye);
+    let frame = seen.frame();
+    let eye = DVec3::from(frame.to_local(seen.to_eye));
     let light = reflect(-eye, microfacet.sample(eye, u));
-    drawn(seen, chances, frame.to_world(light))
+    drawn(seen, chances, frame.to_world(light.to_array()))
 }
 
 /// A direction that more than one lobe may have given, weighed by all of them.
@@ -146,8 +146,7 @@ fn density_of(seen: &Seen, chances: &Chances, direction: DVec3) -> f64 {
     if chances.shine > 0.0
         && let Some(microfacet) = seen.microfacet()
     {
-        let frame = Frame::around(seen.normal());
-        let (eye, light) = (frame.to_local(seen.to_eye), frame.to_local(direction));
+        let [eye, light] = seen.local(direction);
         if light.z > 0.0 {
             density += chances.shine * microfacet.density(eye, light);
         }

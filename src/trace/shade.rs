@@ -24,6 +24,8 @@ pub struct Seen<'a> {
     pub surface: &'a Surface,
     /// Unit vector.
     pub to_eye: DVec3,
+    /// Unit vector across `to_eye`, from which the frame around the normal is made.
+    pub tangent: DVec3,
 }
 
 /// The shares of a light that a surface sends to the eye, by what they count in fog.
@@ -49,6 +51,17 @@ impl Seen<'_> {
     pub fn normal(&self) -> DVec3 {
         let smooth = self.surface.shading;
         if smooth.dot(self.to_eye) > 0.0 { smooth } else { self.surface.normal }
+    }
+
+    /// The frame around that normal.
+    pub fn frame(&self) -> Frame {
+        Frame::carried(self.tangent, self.to_eye, self.normal())
+    }
+
+    /// The directions to the eye and another one in the frame.
+    pub fn local(&self, direction: DVec3) -> [DVec3; 2] {
+        let frame = self.frame();
+        [self.to_eye, direction].map(|v| frame.to_local(v).into())
     }
 
     /// The shares of the light from `to_light` (a unit vector) that the surface sends to the eye. Black when the
@@ -123,8 +136,8 @@ impl Seen<'_> {
         let cosine = self.normal().dot(to_light);
         let below = self.rough_base() * (Rgb::ONE - fresnel) * cosine as f32;
         let Some(microfacet) = self.microfacet() else { return (below, Rgb::ZERO) };
-        let frame = Frame::around(self.normal());
-        let shine = microfacet.reflected(frame.to_local(self.to_eye), frame.to_local(to_light));
+        let [eye, light] = self.local(to_light);
+        let shine = microfacet.reflected(eye, light);
         (below, fresnel * (PI * shine) as f32)
     }
 
@@ -162,7 +175,8 @@ mod tests {
     fn reflected(material: &Material, to_light: DVec3, to_eye: DVec3) -> Reflected {
         let (point, normal) = (DVec3::ZERO, DVec3::Y);
         let surface = Surface::new(point, DVec3::ZERO, normal);
-        Seen { material, lobes: &material.lobes, surface: &surface, to_eye }.reflected(to_light)
+        let tangent = Frame::around(to_eye).x;
+        Seen { material, lobes: &material.lobes, surface: &surface, to_eye, tangent }.reflected(to_light)
     }
 
     #[test]

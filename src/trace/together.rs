@@ -19,7 +19,7 @@ use crate::light::Source;
 use crate::material::{MadeOf, Material};
 use crate::math::{DVec2, DVec3};
 use crate::scene::{Finish, Primitive};
-use crate::shape::{Rays, Shape, lanes};
+use crate::shape::{Rays, Shape, Surface, lanes};
 use crate::simd::{Lanes, Octo, Quad, Vector, Work, dispatch};
 pub use lights::Arrivals;
 use paint::Beams;
@@ -138,18 +138,20 @@ struct Bundle<L: Lanes> {
 }
 
 impl<L: Lanes> Bundle<L> {
-    /// What the rays meet; the sky's light is added where that is nothing.
+    /// What the rays meet, with the surfaces where several coincide; the sky's light is added where that is nothing.
     #[inline(always)]
-    fn meet(&self, tracer: &Tracer, sums: &mut Sums) -> Hits {
+    fn meet(&self, tracer: &Tracer, sums: &mut Sums) -> (Hits, Vec<(usize, Surface)>) {
         let Self { rays, throughput, wanted } = self;
-        let hits = tracer.bvh.closest_together::<L>(tracer.scene.geometry, rays, *wanted);
+        let mut hits = tracer.bvh.closest_together::<L>(tracer.scene.geometry, rays, *wanted);
         if let Some(environment) = tracer.environment {
             for lane in lanes(wanted & !hits.at.met) {
                 let sky = environment.radiance(rays.direction.one(lane));
                 sums.add_to(lane, environment.layer, throughput.one(lane) * sky);
             }
         }
-        hits
+        let places =
+            if hits.at.crowded & hits.at.met == 0 { Vec::new() } else { tracer.settle(rays, &mut hits) };
+        (hits, places)
     }
 
     /// Adds what shines by itself to a ray.
@@ -160,7 +162,7 @@ impl<L: Lanes> Bundle<L> {
     /// Follows the rays behind the last surfaces that reflect, where only what gives off light is seen.
     #[inline(always)]
     fn end(self, tracer: &Tracer, sums: &mut Sums) {
-        let hits = self.meet(tracer, sums);
+        let (hits, _) = self.meet(tracer, sums);
         for lane in lanes(hits.at.met) {
             let Some(hit) = hits.one(lane) else { continue };
             let material = tracer.material_of(&hit);
@@ -173,7 +175,7 @@ impl<L: Lanes> Bundle<L> {
     /// Follows the rays to where they end; gives those that start there. `left` surfaces may still reflect light.
     #[inline(always)]
     fn step(self, tracer: &Tracer, left: u32, mut beams: Option<&mut Beams>, sums: &mut Sums) -> Self {
-        let hits = self.meet(tracer, sums);
+        let (hits, places) = self.meet(tracer, sums);
         let Self { rays, throughput, .. } = self;
         let met = hits.at.met;
         if met == 0 {
@@ -182,7 +184,7 @@ impl<L: Lanes> Bundle<L> {
         if let Some(beams) = &mut beams {
             beams.advance(&hits);
         }
-        let found = Reflectors::<L>::of(tracer, &rays, &hits, beams.as_deref());
+        let found = Reflectors::<L>::of(tracer, &rays, &hits, &places, beams.as_deref());
         sums.counts.evaluations.paint += u64::from(found.painted.count_ones());
         if let Some(ambient) = &tracer.ambient {
             let share = throughput.times(found.ambient).times(Color::splat(ambient.radiance));

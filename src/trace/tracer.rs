@@ -1,9 +1,8 @@
 //! What both integrators share: the frame's scene with all that is constant resolved, and one sample's state.
 
-use super::coincident::Crossed;
-use super::media::{Boundary, Enclosure, Media};
+use super::media::{Boundary, Media, Nesting};
+use super::place::{Members, Passed, Stop};
 use super::shade::Seen;
-use super::spawn::spawn;
 use super::throughput::Throughput;
 use super::wave::Lists;
 use crate::bvh::{Bvh, Hit};
@@ -55,6 +54,9 @@ pub struct Work {
     /// Where the layers of the sample in hand begin.
     pub first: usize,
     pub counts: Counts,
+    /// What rays are inside of.
+    pub nesting: Nesting,
+    pub members: Members,
     /// Rays that are put off.
     pub pending: Vec<super::whitted::Pending>,
     /// Light whose shadow rays are put off.
@@ -67,7 +69,9 @@ impl Work {
     pub fn new(samples: usize, layers: usize) -> Self {
         let layers = vec![DVec3::ZERO; samples * layers];
         let (pending, shadows) = (Vec::new(), Vec::new());
-        Self { layers, first: 0, counts: Counts::default(), pending, shadows, lists: Lists::default() }
+        let (nesting, members) = (Nesting::default(), Members::default());
+        let (counts, lists) = (Counts::default(), Lists::default());
+        Self { layers, first: 0, counts, nesting, members, pending, shadows, lists }
     }
 
     #[inline]
@@ -98,23 +102,20 @@ pub struct Face<'a> {
     pub lobes: Lobes,
     /// Turned towards where the ray came from.
     pub surface: Surface,
-    /// Whether the ray came from the side that the normal is on.
-    pub outside: bool,
     pub hit: Hit,
-    pub enclosure: Enclosure,
+    /// If it refracts.
+    pub boundary: Option<Boundary>,
+    /// How far the ray has come once it has passed it straight on.
+    pub passed: Passed,
     /// How wide the ray's beam is there.
     pub width: f64,
 }
 
 impl Face<'_> {
-    /// The place where a ray passes the surface in a direction; `before` is what it has passed last.
-    pub fn crossed(&self, before: Option<Crossed>, direction: DVec3) -> Crossed {
-        Crossed::new(before, self.hit.primitive, &self.surface, direction)
-    }
-
-    pub fn seen(&self, ray: &Ray) -> Seen<'_> {
+    /// What a ray sees that takes this tangent along.
+    pub fn seen(&self, ray: &Ray, tangent: DVec3) -> Seen<'_> {
         let Self { material, lobes, surface, .. } = self;
-        Seen { material, lobes, surface, to_eye: -ray.direction }
+        Seen { material, lobes, surface, to_eye: -ray.direction, tangent }
     }
 }
 
@@ -159,30 +160,37 @@ impl<'a> Tracer<'a> {
         self.bvh.closest(self.scene.geometry, &Probe::new(*ray))
     }
 
-    /// What the ray has come to, and what its way there, which may be infinite, leaves of the light. The fog's own light
-    /// is added. What a surface gathers comes through no fog, as its shadow rays do not: a way to what shines by
-    /// itself glows for the throughput's other part alone. `left` surfaces may still reflect or bend light.
+    /// What the ray comes to, on from what it has passed, and what its way there, which may be infinite, leaves of the
+    /// light; `first` finds what lies ahead of one that has not passed anything. The fog's own light is added. What a surface
+    /// gathers comes through no fog, as its shadow rays do not: a way to what shines by itself glows for the throughput's
+    /// other part alone. `left` surfaces may still reflect or bend light.
     #[inline]
     pub fn advance(
         &self,
-        (ray, beam, left): (&Ray, &Beam, u32),
-        hit: Option<Hit>,
-        media: &Media,
+        (ray, beam, passed, left): (&Ray, &Beam, Option<Passed>, u32),
+        first: impl FnOnce() -> Option<Hit>,
+        media: Media,
         throughput: &Throughput,
         work: &mut Work,
     ) -> (Met<'a>, Way) {
-        let t = hit.map_or(f64::INFINITY, |hit| hit.at.t);
+        let from = passed.map_or(0.0, |passed| passed.t);
+        let stop = self.next_stop((ray, passed), f64::INFINITY, first, media, work);
+        let length = stop.map_or(f64::INFINITY, |stop| stop.passed.t - from);
         let mut way = Way { passed: Rgb::ONE, clear: 1.0 };
-        if self.media {
-            way.passed = media.here(&self.scene.shading.materials).transmittance(t);
-        }
-        let met = hit.map_or(Met::Nothing, |hit| self.met_with(ray, hit, beam.after(hit.at.t), left));
+        let met = stop.map_or(Met::Nothing, |stop| self.met_with(ray, stop, beam.after(length), left));
         if let Met::Surface(face) = &met {
             work.counts.evaluations.paint += u64::from(face.material.is_painted(left));
         }
+        if stop.is_some_and(|stop| stop.again) {
+            return (met, way);
+        }
+        if self.media {
+            way.passed = work.nesting.here(media, &self.scene.shading.materials).transmittance(length);
+        }
         if let Some(fog) = &self.fog {
             work.counts.evaluations.fog += 1;
-            let opacity = fog.opacity(ray, t) as f32;
+            let rest = Ray { origin: if from > 0.0 { ray.at(from) } else { ray.origin }, ..*ray };
+            let opacity = fog.opacity(&rest, length) as f32;
             let glows = match met {
                 Met::Surface(_) => throughput.seen(),
                 Met::Nothing | Met::Light { .. } => throughput.shown(),
@@ -210,18 +218,18 @@ impl<'a> Tracer<'a> {
         &self.scene.shading.materials[index.unwrap_or_default() as usize]
     }
 
-    /// What a hit is, for a beam of this width.
+    /// What a ray has stopped at, for a beam of this width.
     #[inline]
-    pub fn met(&self, ray: &Ray, hit: Hit, width: f64) -> Met<'a> {
-        self.met_with(ray, hit, width, 1)
+    pub fn met(&self, ray: &Ray, stop: Stop, width: f64) -> Met<'a> {
+        self.met_with(ray, stop, width, 1)
     }
 
     /// The same where so many surfaces are left that may reflect or bend light. Behind the last of them nobody asks for
     /// what paint says of lobes that only do that.
     #[inline]
-    fn met_with(&self, ray: &Ray, hit: Hit, width: f64, left: u32) -> Met<'a> {
+    fn met_with(&self, ray: &Ray, stop: Stop, width: f64, left: u32) -> Met<'a> {
+        let Stop { hit, mut surface, boundary, passed, .. } = stop;
         let primitive = &self.scene.geometry.primitives[hit.primitive as usize];
-        let mut surface = self.surface(ray, &hit);
         // Surfaces are two-sided: the normal faces the eye.
         let outside = surface.normal.dot(ray.direction) <= 0.0;
         if let Finish::Light(index) = primitive.finish {
@@ -236,12 +244,11 @@ impl<'a> Tracer<'a> {
                 material.painted(&self.scene.geometry.spot(&hit, &surface, &seen, material.is_printed()))
             }
         };
-        if lobes.transparency != Rgb::ZERO || material.refracts() {
+        if boundary.is_some() {
             surface = primitive.passed(surface, hit.at.part);
         }
         let surface = if outside { surface } else { surface.flipped() };
-        let enclosure = Enclosure { primitive: hit.primitive, material: index };
-        Met::Surface(Face { material, lobes, surface, outside, hit, enclosure, width })
+        Met::Surface(Face { material, lobes, surface, hit, boundary, passed, width })
     }
 
     /// Whether it is worth a ray to go on from a surface where so many surfaces are left that may reflect or bend light,
@@ -273,17 +280,6 @@ impl<'a> Tracer<'a> {
         if face.lobes.emission != Rgb::ZERO {
             work.add(face.material.emission_layer, throughput * face.lobes.emission);
         }
-    }
-
-    /// The boundary that a surface is if it refracts, for a ray inside of these media.
-    pub fn boundary(&self, face: &Face, media: &Media) -> Option<Boundary> {
-        let materials = &self.scene.shading.materials;
-        face.material.refracts().then(|| media.boundary(face.enclosure, face.outside, materials))
-    }
-
-    /// The ray straight on through a surface.
-    pub fn straight_on(face: &Face, ray: &Ray) -> Ray {
-        spawn(&face.surface, ray.direction)
     }
 }
 

@@ -82,11 +82,11 @@ impl Shadow {
 }
 
 impl Tracer<'_> {
-    /// What paths meet next, one after the other, unless they have just passed something, in which something else may lie;
-    /// of such as start at the eye, eight at a time.
+    /// What paths meet next, one after the other, but for those that have passed something straight on; of such as start at the
+    /// eye, eight at a time.
     pub fn meet(&self, paths: &[Path], active: &[u32], from_eye: bool, hits: &mut Vec<Option<Hit>>) {
         hits.clear();
-        if !from_eye || !self.bvh.takes_bundles() {
+        if !from_eye {
             dispatch(Meet { tracer: self, paths, active, hits });
             return;
         }
@@ -152,7 +152,7 @@ impl simd::Work for Meet<'_> {
         let mut stack = Stack::default();
         for &index in self.active {
             let path = &self.paths[index as usize];
-            let hit = match path.crossed {
+            let hit = match path.passed {
                 None => bvh.closest_on::<L>(scene.geometry, &Probe::new(path.ray), &mut stack),
                 Some(_) => None,
             };

@@ -2,9 +2,10 @@
 //! show and what lies behind the transparent (Whitted 1980). Rays branch; nothing is left to chance but where
 //! a lens, an area light, a rough surface or motion has to be sampled.
 
-use super::coincident::Crossed;
 use super::lights::{arrival, seen};
-use super::media::{Boundary, Media};
+use super::media::Media;
+use super::place::Passed;
+use super::shade::Seen;
 use super::spawn::{spawn, spawn_gathering, spawn_mirrored};
 use super::throughput::Throughput;
 use super::tracer::{Dice, Face, Met, Tracer, Work};
@@ -12,12 +13,14 @@ use crate::camera::{Beam, Ray};
 use crate::color::Rgb;
 use crate::math::{DVec2, DVec3};
 use crate::optics::reflect;
-use crate::sampling::{Frame, Use};
+use crate::sampling::Use;
 
 /// A ray that is still to be followed.
 #[derive(Clone, Copy, Debug)]
 pub struct Pending {
     ray: Ray,
+    /// Unit vector across the ray that it takes along for frames around normals.
+    tangent: DVec3,
     beam: Beam,
     throughput: Rgb,
     /// Surfaces that are left to reflect or bend light.
@@ -26,15 +29,17 @@ pub struct Pending {
     /// Whether area lights count where the ray meets them. Those that the surface it comes from has sampled
     /// already do not.
     sees_lights: bool,
-    /// What the ray has just passed.
-    crossed: Option<Crossed>,
+    /// How far the ray has come, if it has passed something straight on.
+    passed: Option<Passed>,
 }
 
 /// Adds what is seen along a camera's ray to `work`.
 pub fn follow(tracer: &Tracer, (ray, beam): (Ray, Beam), mut dice: Dice, work: &mut Work) {
     let (throughput, left) = (Rgb::ONE, tracer.quality.surfaces());
-    let (media, crossed) = (Media::default(), None);
-    let mut next = Some(Pending { ray, beam, throughput, left, media, sees_lights: true, crossed });
+    let (media, passed) = (Media::default(), None);
+    work.nesting.clear();
+    let tangent = tracer.scene.camera.tangent(&ray);
+    let mut next = Some(Pending { ray, tangent, beam, throughput, left, media, sees_lights: true, passed });
     while let Some(pending) = next.take() {
         step(tracer, pending, &mut dice, work);
         next = work.pending.pop();
@@ -43,15 +48,10 @@ pub fn follow(tracer: &Tracer, (ray, beam): (Ray, Beam), mut dice: Dice, work: &
 
 /// Follows one ray to where it ends, and puts off those that start there.
 fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
-    let Pending { ray, ref beam, mut throughput, ref media, sees_lights, .. } = pending;
-    let lying = tracer.lying_in(pending.crossed.as_ref(), beam.width);
-    let crossed = pending.crossed.filter(|_| lying.is_some());
-    let met = lying.unwrap_or_else(|| {
-        let (from, showing) = ((&ray, beam, pending.left), Throughput::showing(throughput));
-        let (met, way) = tracer.advance(from, tracer.closest(&ray), media, &showing, work);
-        throughput *= way.passed * way.clear;
-        met
-    });
+    let Pending { ray, ref beam, mut throughput, left, media, sees_lights, passed, .. } = pending;
+    let (first, showing) = (|| tracer.closest(&ray), Throughput::showing(throughput));
+    let (met, way) = tracer.advance((&ray, beam, passed, left), first, media, &showing, work);
+    throughput *= way.passed * way.clear;
     let face = match met {
         Met::Nothing => return tracer.add_sky(&ray, throughput, pending.left, work),
         Met::Light { index, outside, .. } => {
@@ -65,9 +65,7 @@ fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
     };
     let surface = dice.surface;
     dice.surface += 1;
-    let boundary = tracer.boundary(&face, media);
-    let branch =
-        Branch { tracer, pending: &pending, face: &face, boundary: boundary.as_ref(), crossed, throughput };
+    let branch = Branch { tracer, pending: &pending, face: &face, throughput };
     if branch.hidden(work) {
         return;
     }
@@ -90,25 +88,25 @@ struct Branch<'a, 't> {
     tracer: &'t Tracer<'a>,
     pending: &'t Pending,
     face: &'t Face<'a>,
-    /// If it refracts.
-    boundary: Option<&'t Boundary>,
-    /// What its ray has passed in the same place.
-    crossed: Option<Crossed>,
     throughput: Rgb,
 }
 
 impl Branch<'_, '_> {
+    fn seen(&self) -> Seen<'_> {
+        self.face.seen(&self.pending.ray, self.pending.tangent)
+    }
+
     fn lights(&self, dice: Dice, work: &mut Work) {
         if !self.face.lobes.reflects_lights() {
             return;
         }
-        let seen = self.face.seen(&self.pending.ray);
+        let seen = self.seen();
         for (index, light) in &self.tracer.lights {
             let u = match light.source.is_sampled() {
                 true => dice.sampler.two(Use::Light { surface: dice.surface, light: *index }),
                 false => DVec2::ZERO,
             };
-            let Some(arrival) = arrival(light, seen.surface.point, u) else { continue };
+            let Some(arrival) = arrival(light, &seen, u) else { continue };
             work.counts.evaluations.light_samples += u64::from(arrival.density.is_some());
             let reflected = seen.reflected(arrival.direction);
             let clear = self.tracer.clearness(&arrival, seen.surface, work);
@@ -116,7 +114,7 @@ impl Branch<'_, '_> {
             if share == Rgb::ZERO {
                 continue;
             }
-            let passing = self.tracer.passing(&arrival, seen.surface, &self.pending.media, work);
+            let passing = self.tracer.passing(&arrival, seen.surface, self.pending.media, work);
             if passing.whole != Rgb::ZERO {
                 work.add(light.layer, self.throughput * share * passing.whole * arrival.radiance);
             }
@@ -124,15 +122,7 @@ impl Branch<'_, '_> {
     }
 
     /// Puts off a ray from this one of the surfaces that are left, if it matters.
-    fn bounce(
-        &self,
-        ray: Ray,
-        share: Rgb,
-        media: Media,
-        sees_lights: bool,
-        crossed: Option<Crossed>,
-        work: &mut Work,
-    ) -> bool {
+    fn bounce(&self, ray: Ray, share: Rgb, media: Media, sees_lights: bool, work: &mut Work) -> bool {
         let throughput = self.throughput * share;
         let left = self.pending.left;
         if !self.tracer.goes_on(left)
@@ -142,7 +132,9 @@ impl Branch<'_, '_> {
             return false;
         }
         let left = left - 1;
-        work.pending.push(Pending { ray, beam: self.beam(), throughput, left, media, sees_lights, crossed });
+        let (tangent, beam) = (self.seen().frame().tangent(ray.direction), self.beam());
+        let passed = None;
+        work.pending.push(Pending { ray, tangent, beam, throughput, left, media, sees_lights, passed });
         true
     }
 
@@ -151,7 +143,7 @@ impl Branch<'_, '_> {
         if lobes.mirror == Rgb::ZERO {
             return;
         }
-        let seen = self.face.seen(&self.pending.ray);
+        let seen = self.seen();
         let mirrored = seen.mirrored();
         let Some(fuzz) = seen.fuzz() else { return self.reflect(mirrored, lobes.mirror, work) };
         let [_, u, v, w] = dice.sampler.four(Use::Scatter(dice.surface));
@@ -164,13 +156,13 @@ impl Branch<'_, '_> {
         if lobes.microfacet == 0.0 {
             return;
         }
-        let seen = self.face.seen(&self.pending.ray);
+        let seen = self.seen();
         let Some(microfacet) = seen.microfacet() else {
             let fresnel = seen.metallic_fresnel(seen.normal().dot(seen.to_eye));
             return self.reflect(seen.mirrored(), fresnel * lobes.microfacet, work);
         };
-        let frame = Frame::around(seen.normal());
-        let eye = frame.to_local(seen.to_eye);
+        let frame = seen.frame();
+        let eye = DVec3::from(frame.to_local(seen.to_eye));
         let [_, _, u, v] = dice.sampler.four(Use::Glossy(dice.surface));
         let half = microfacet.sample(eye, DVec2::new(u, v));
         let light = reflect(-eye, half);
@@ -180,7 +172,7 @@ impl Branch<'_, '_> {
         }
         let share = (microfacet.reflected(eye, light) / density) as f32;
         let fresnel = seen.metallic_fresnel(eye.dot(half));
-        self.scatter(frame.to_world(light), fresnel * (share * lobes.microfacet), work);
+        self.scatter(frame.to_world(light.to_array()), fresnel * (share * lobes.microfacet), work);
     }
 
     /// Puts off the reflection of a sharp mirror.
@@ -197,20 +189,24 @@ impl Branch<'_, '_> {
     }
 
     fn reflected(&self, ray: Ray, share: Rgb, sees_lights: bool, work: &mut Work) {
-        if self.bounce(ray, share, self.pending.media, sees_lights, None, work) {
+        if self.bounce(ray, share, self.pending.media, sees_lights, work) {
             work.counts.rays.mirror += 1;
         }
     }
 
     /// Straight on through what hides the surface, if anything does.
     fn hidden(&self, work: &mut Work) -> bool {
-        let Some(boundary) = self.boundary.filter(|boundary| boundary.hidden) else { return false };
-        let ray = Tracer::straight_on(self.face, &self.pending.ray);
-        let (throughput, media) = (self.throughput, boundary.passed);
-        let crossed = self.passed(self.pending.ray.direction);
-        let beam = self.beam();
-        work.pending.push(Pending { ray, beam, throughput, media, crossed, ..*self.pending });
-        true
+        let hidden = self.face.boundary.is_some_and(|boundary| boundary.hidden);
+        if hidden {
+            self.straight_on(self.throughput, work);
+        }
+        hidden
+    }
+
+    fn straight_on(&self, throughput: Rgb, work: &mut Work) {
+        let media = self.face.boundary.map_or(self.pending.media, |boundary| boundary.passed);
+        let (beam, passed) = (self.beam(), Some(self.face.passed));
+        work.pending.push(Pending { beam, throughput, media, passed, ..*self.pending });
     }
 
     /// What passes unbent is not reflected: as many surfaces are left.
@@ -220,11 +216,7 @@ impl Branch<'_, '_> {
             return;
         }
         work.counts.rays.transmitted += 1;
-        let ray = Tracer::straight_on(self.face, &self.pending.ray);
-        let media = self.boundary.map_or(self.pending.media, |boundary| boundary.passed);
-        let crossed = self.passed(self.pending.ray.direction);
-        let beam = self.beam();
-        work.pending.push(Pending { ray, beam, throughput, media, crossed, ..*self.pending });
+        self.straight_on(throughput, work);
     }
 
     /// The beam where it meets the surface. It goes on as if all surfaces were flat.
@@ -232,15 +224,10 @@ impl Branch<'_, '_> {
         Beam { width: self.face.width, ..self.pending.beam }
     }
 
-    /// The place that a ray in a direction has passed.
-    fn passed(&self, direction: DVec3) -> Option<Crossed> {
-        Some(self.face.crossed(self.crossed, direction))
-    }
-
     fn refracted(&self, work: &mut Work) {
         let share = self.face.lobes.refraction;
-        let Some(boundary) = self.boundary.filter(|_| share != Rgb::ZERO) else { return };
-        let seen = self.face.seen(&self.pending.ray);
+        let Some(boundary) = self.face.boundary.filter(|_| share != Rgb::ZERO) else { return };
+        let seen = self.seen();
         let direction = self.pending.ray.direction;
         let Some(bent) = boundary.meet(self.face.material.fresnel, direction, seen.normal()) else {
             return self.reflect(seen.mirrored(), share, work);
@@ -250,8 +237,7 @@ impl Branch<'_, '_> {
         let media = if seen.passes(bent.direction) { boundary.passed } else { self.pending.media };
         // Shadow rays pass here too, so that what they have found must not count again.
         let sees_lights = self.pending.sees_lights;
-        let crossed = self.passed(bent.direction);
-        if self.bounce(ray, share * (1.0 - reflected), media, sees_lights, crossed, work) {
+        if self.bounce(ray, share * (1.0 - reflected), media, sees_lights, work) {
             work.counts.rays.transmitted += 1;
         }
         // A boundary reflects all colours alike, whatever colour it lets pass.

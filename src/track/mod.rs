@@ -76,6 +76,11 @@ impl<T: Animate> Track<T> {
         let (a, Some(b)) = (&self.keys[from], self.keys.get(next)) else {
             return self.keys[from].value.clone();
         };
+        // Curves meet their ends to rounding only. A key is exactly what it says, so that a last key which repeats the first
+        // is the same state.
+        if time == a.time {
+            return a.value.clone();
+        }
         let s = Fraction::new(time - a.time, b.time - a.time);
         match a.ease {
             Ease::Step => a.value.clone(),
@@ -146,6 +151,7 @@ impl<T> From<T> for Animated<T> {
 mod tests {
     use super::*;
     use crate::math::DVec3;
+    use crate::testing::Random;
 
     fn seconds(num: i128, den: i128) -> Time {
         Time::new(num, den)
@@ -198,6 +204,22 @@ mod tests {
         let leaving = (spline.at(step) - points[0]).normalize();
         let arriving = (points[4] - spline.at(seconds(4, 1) - step)).normalize();
         assert!((leaving - arriving).length() < 1e-4, "{leaving} {arriving}");
+    }
+
+    #[test]
+    fn every_easing_is_exact_at_its_keys() {
+        let mut random = Random(9);
+        let easings: Vec<_> = Ease::names().filter_map(|name| Ease::named(&name)).collect();
+        for (round, ease) in (0..10).flat_map(|round| easings.iter().map(move |ease| (round, *ease))) {
+            let mut points: Vec<_> = (0..6).map(|_| random.point(10.0)).collect();
+            points.push(points[0]);
+            let keys: Vec<_> = (0..).zip(&points).map(|(t, v)| (t, *v, ease)).collect();
+            let looped = track(&keys, Repeat::Loop, round % 2 == 0);
+            assert_eq!((0..7).map(|t| looped.at(seconds(t, 1))).collect::<Vec<_>>(), points, "{ease:?}");
+            let keys: Vec<_> = (0..).zip(&points).map(|(t, v)| (t, v.x, ease)).collect();
+            let held = track(&keys, Repeat::Hold, round % 2 == 0);
+            assert!((0..).zip(&points).all(|(t, point)| held.at(seconds(t, 1)) == point.x), "{ease:?}");
+        }
     }
 
     #[test]

@@ -14,7 +14,7 @@ mod walk;
 pub use build::fetch_ahead;
 pub use bundle::{Branch, BundleLeaves, BundleSlabs};
 pub use contents::Contents;
-pub use probe::Probe;
+pub use probe::{Probe, Vicinities, Vicinity};
 pub use slabs::Slabs;
 pub use space::Space;
 pub use walk::{Leaves, Stack};

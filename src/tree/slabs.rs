@@ -48,10 +48,11 @@ struct Start {
 }
 
 impl Start {
-    /// Near the tree, if the ray comes from afar; none if it passes by, or meets the tree beyond `t_max`.
+    /// Near the tree, if the ray comes from afar, and no sooner than after the first t; none if it passes by, or meets the
+    /// tree beyond `t_max`.
     #[cold]
     #[inline(never)]
-    fn approach(tree: &Tree, probe: &Probe, t_max: f64) -> Option<Self> {
+    fn approach(tree: &Tree, probe: &Probe, (after, t_max): (f64, f64)) -> Option<Self> {
         let scale = power_of_two(probe.ray.direction.abs().max_element());
         let (origin, error) =
             (tree.space.point(probe.ray.origin), tree.space.error(longest(probe.ray.origin)));
@@ -60,7 +61,9 @@ impl Start {
         if enter > t_max * scale * tree.space.per * (1.0 + f64::EPSILON) {
             return None;
         }
-        let begin = (enter - 0.5).max(0.0);
+        // Behind the tree there is nothing more to meet.
+        let after = (after * scale * tree.space.per).min(enter + 4.0);
+        let begin = (enter - 0.5).max(after);
         let per_scale = reciprocal(scale);
         Some(Self {
             origin: origin + probe.ray.direction * per_scale * begin,
@@ -77,14 +80,15 @@ fn longest(v: DVec3) -> f64 {
 }
 
 impl Slabs {
-    /// The ray in the tree's space; none if it comes from afar and passes by the whole tree, or meets it beyond `t_max`.
+    /// The ray in the tree's space, beyond the first t; none if it comes from afar and passes by the whole tree, or meets it
+    /// beyond the second.
     #[inline(always)]
-    pub fn new<L: Lanes>(tree: &Tree, probe: &Probe, t_max: f64) -> Option<Self> {
+    pub fn new<L: Lanes>(tree: &Tree, probe: &Probe, between: (f64, f64)) -> Option<Self> {
         let scale = power_of_two(probe.longest);
         let origin = tree.space.point(probe.ray.origin);
-        let Start { origin, error, begin } = match longest(origin) <= AFAR {
+        let Start { origin, error, begin } = match longest(origin) <= AFAR && between.0 == 0.0 {
             true => Start { origin, error: tree.space.error(longest(probe.ray.origin)), begin: 0.0 },
-            false => Start::approach(tree, probe, t_max)?,
+            false => Start::approach(tree, probe, between)?,
         };
         // The distance to a plane p along an axis is p·i - o·i. Of it, rounding i to f32 takes u of |p·i|, which is at
         // most |t| + |o·i|; rounding o·i takes u of that; and the product and the difference take u of p·i and t, where

@@ -15,21 +15,28 @@ pub trait Leaves {
 }
 
 impl Tree {
-    /// Visits every leaf that the ray may meet before `t_max`, of a node's children the nearest first.
+    /// Visits every leaf that the ray may meet beyond the first t and before the second, of a node's children the nearest
+    /// first.
     #[inline(always)]
-    pub fn walk(&self, probe: &Probe, t_max: f64, leaves: &mut impl Leaves) {
+    pub fn walk(&self, probe: &Probe, between: (f64, f64), leaves: &mut impl Leaves) {
         if self.root != Child::NONE {
-            dispatch(Begin { tree: self, probe, t_max, leaves });
+            dispatch(Begin { tree: self, probe, between, leaves });
         }
     }
 
     /// [`Tree::walk`] on lanes that are at work already.
     #[inline(always)]
-    pub fn walk_on<L: Lanes>(&self, probe: &Probe, t_max: f64, leaves: &mut impl Leaves, stack: &mut Stack) {
+    pub fn walk_on<L: Lanes>(
+        &self,
+        probe: &Probe,
+        between: (f64, f64),
+        leaves: &mut impl Leaves,
+        stack: &mut Stack,
+    ) {
         if self.root != Child::NONE
-            && let Some(slabs) = Slabs::new::<L>(self, probe, t_max)
+            && let Some(slabs) = Slabs::new::<L>(self, probe, between)
         {
-            let limit = slabs.limit(t_max);
+            let limit = slabs.limit(between.1);
             Walk { tree: self, slabs: &slabs, leaves, limit, from: self.root, stack }.run::<L>();
         }
     }
@@ -39,7 +46,7 @@ impl Tree {
 struct Begin<'a, V> {
     tree: &'a Tree,
     probe: &'a Probe,
-    t_max: f64,
+    between: (f64, f64),
     leaves: &'a mut V,
 }
 
@@ -48,8 +55,8 @@ impl<V: Leaves> Work for Begin<'_, V> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { tree, probe, t_max, leaves } = self;
-        tree.walk_on::<L>(probe, t_max, leaves, &mut Stack::default());
+        let Self { tree, probe, between, leaves } = self;
+        tree.walk_on::<L>(probe, between, leaves, &mut Stack::default());
     }
 }
 

@@ -314,7 +314,7 @@ fn int_12_rays_at_edges_enter_closed_meshes_once() {
             "(0, 8, 0)",
             "(5, 0, 5)",
         ] {
-            for (place, scale) in [("(0, 0, 0)", 1.0), ("(3, -7, 11)", 0.3)] {
+            for (place, scale) in [("(0, 0, 0)", 1.0), ("(3, -7, 11)", 0.3), ("(3, -7, 11)", 0.5)] {
                 let text = format!(
                     "(output: (size: (65, 65)), quality: (antialias: 1, bounces: 9), background: 1, ambient: 0,
                     camera: (position: {eye}, up: (0, 1, 0.001), projection: Orthographic(height: 4.0625)),

@@ -1,8 +1,8 @@
 //! What holds for every shape under every transform, over twelve decades of sizes and places.
 
 use crate::exact::{Exact, Vector};
-use crate::support::{U, geometry};
-use kinora::bvh::{Bvh, Hit};
+use crate::support::{U, geometry, scan};
+use kinora::bvh::Bvh;
 use kinora::camera::Ray;
 use kinora::material::MadeOf;
 use kinora::math::{Angle, DAffine3, DMat3, DVec3, axis_angle};
@@ -168,16 +168,16 @@ fn first(primitive: &Primitive, ray: &Ray) -> Option<(Crossing, Surface)> {
 
 /// How far a point of the world is from the surface along the world's unit normal, in twice the precision: its distance
 /// in the shape's space, times how much the map stretches across the surface.
-fn off_surface(known: &Known, place: &Place, surface: &Surface) -> f64 {
+fn off_surface(known: &Known, place: &Place, point: Vector, normal: DVec3) -> f64 {
     let m = place.to_world.matrix3;
-    let p = Vector::from(surface.point) - Vector::from(place.to_world.translation);
+    let p = point - Vector::from(place.to_world.translation);
     let [a, b, c] = [m.x_axis, m.y_axis, m.z_axis].map(Vector::from);
     let cofactors = [b.cross(c), c.cross(a), a.cross(b)];
     let determinant = a.dot(cofactors[0]);
     let local = Vector(cofactors.map(|cofactor| cofactor.dot(p) / determinant));
     // The gradient of the distance in the shape's space is a unit vector n; in the world it is M⁻ᵀ n, and M⁻ᵀ n is along
     // the world's normal N: its length is 1 / |Mᵀ N|.
-    (known.distance)(&known.shape, local).value() * (m.transpose() * surface.normal).length()
+    (known.distance)(&known.shape, local).value() * (m.transpose() * normal).length()
 }
 
 proptest! {
@@ -202,13 +202,20 @@ proptest! {
                 0.0
             };
             let bound = surface.normal.abs().dot(surface.error) + moved;
-            let off = off_surface(&known, &place, &surface).abs();
+            let off = off_surface(&known, &place, surface.point.into(), surface.normal).abs();
             prop_assert!(off <= bound, "off by {off:e}, bound {bound:e}: {:?}", known.shape);
             // And they are where the ray crosses it: t is known to the rounding of the way, which grazing rays enlarge.
             let cosine = surface.normal.dot(ray.direction).abs();
             let way = ray.origin.length() + at.t + place.to_world.translation.length() + longest * slender;
             let beside = (ray.at(at.t) - surface.point).length();
             prop_assert!(beside <= (way * 64.0 * U + bound) / cosine, "{beside:e} beside, cosine {cosine}: {:?}", known.shape);
+            // Of placed shapes to 4 u of the way, from the shape's origin to the ray's and on to the hit.
+            if primitive.placement.is_some() {
+                let way = (ray.origin - place.to_world.translation).length() + at.t;
+                let met = Vector::from(ray.origin) + Vector::from(ray.direction).scaled(Exact::from(at.t));
+                let off = off_surface(&known, &place, met, surface.normal).abs();
+                prop_assert!(off <= 4.0 * U * way, "{} u of the way, cosine {cosine}: {:?}", off / (U * way), known.shape);
+            }
         }
     }
 
@@ -284,9 +291,7 @@ proptest! {
         for (index, aim, from, far) in seen {
             let ray = aimed(&index.get(&things).1, aim, from * far);
             let probe = Probe::new(ray);
-            let hits = (0..).zip(&geometry.primitives);
-            let hits = hits.filter_map(|(primitive, p)| Some(Hit { at: p.hit(&probe, f64::INFINITY)?, primitive }));
-            let nearest = hits.reduce(|best, hit| if hit.at.t < best.at.t { hit } else { best });
+            let nearest = scan(&geometry, &bvh, &probe);
             prop_assert_eq!(bvh.closest(&geometry, &probe), nearest);
             prop_assert_eq!(bvh.occluded(&geometry, &probe, f64::INFINITY), nearest.is_some());
         }

@@ -73,27 +73,24 @@ fn rays_start_on_surfaces_in_one_place() {
     only_in(
         "next_away(",
         &[
-            "bvh/bundle.rs", // the number after a limit
             "math/error.rs",
             "shape/cuboid.rs",
             "trace/spawn.rs",
             "trace/together/starts.rs", // the same for eight rays
         ],
     );
-    // Rays are made of an origin and a direction where they start, are moved into another space, or are looked at
-    // across a surface: no others.
+    // Rays are made of an origin and a direction where they start, or are moved into another space: no others.
     only_in(
         "Ray {",
         &[
-            "scene/primitive.rs",  // moved into a shape's space
-            "shape/bundle.rs",     // one of eight
-            "shape/frame.rs",      // likewise
-            "shape/taper.rs",      // begun closer to the shape
-            "trace/coincident.rs", // across a place, both ways
-            "trace/lights.rs",     // from a spawned origin to a light
-            "trace/passing.rs",    // a way through fog
+            "scene/primitive.rs",     // moved into a shape's space
+            "shape/bundle.rs",        // one of eight
+            "shape/frame.rs",         // likewise
+            "shape/taper.rs",         // begun closer to the shape
+            "trace/passing.rs",       // a way through fog
+            "trace/place/members.rs", // across a surface
             "trace/spawn.rs",
-            "trace/tracer.rs", // a reference in a signature
+            "trace/tracer.rs", // the rest of a way through fog
         ],
     );
 }

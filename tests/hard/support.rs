@@ -6,10 +6,11 @@ mod shared;
 
 pub use shared::{Random, geometry, radiance_at_target, sequence, shoot, shoot_all, shoot_counting};
 
+use kinora::bvh::{Bvh, Hit};
 use kinora::camera::Ray;
 use kinora::material::MadeOf;
 use kinora::math::{Angle, DAffine3, DVec3, UNIT_ROUNDOFF};
-use kinora::scene::{Finish, Primitive};
+use kinora::scene::{Finish, Geometry, Primitive};
 use kinora::shape::{Crossing, Shape, Surface};
 use kinora::tree::Probe;
 
@@ -38,6 +39,18 @@ pub fn disk_across(random: &mut Random, axis: DVec3, inner: f64, outer: f64) -> 
 
 pub fn placed(shape: &Shape, to_world: DAffine3) -> Primitive {
     Primitive::new(shape, to_world, Finish::Material(MadeOf::One(0))).expect("a primitive")
+}
+
+/// The closest hit, found primitive by primitive, of equally near ones that of the lowest index, and whether another one is
+/// near it.
+pub fn scan(geometry: &Geometry, bvh: &Bvh, probe: &Probe) -> Option<Hit> {
+    let hits = (0..).zip(&geometry.primitives);
+    let hits = hits.filter_map(|(primitive, p)| Some(Hit { at: p.hit(probe, f64::INFINITY)?, primitive }));
+    let hits: Vec<_> = hits.collect();
+    let mut nearest = *hits.iter().reduce(|best, hit| if hit.at.t < best.at.t { hit } else { best })?;
+    let end = bvh.vicinity(probe).end(nearest.at.t);
+    nearest.at.crowded |= hits.iter().filter(|hit| hit.at.t < end).count() > 1;
+    Some(nearest)
 }
 
 pub fn hit(primitive: &Primitive, origin: DVec3, direction: DVec3) -> Option<Crossing> {

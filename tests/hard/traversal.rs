@@ -1,8 +1,8 @@
 //! What trees may not lose. BVH-05 stands in `tests/integration/determinism.rs`, the closed forms of BVH-07 in
 //! `tests/integration/radiance.rs`.
 
-use crate::support::{Random, direction, few, geometry, placed};
-use kinora::bvh::{Bvh, Hit};
+use crate::support::{Random, direction, few, geometry, placed, scan};
+use kinora::bvh::Bvh;
 use kinora::camera::Ray;
 use kinora::material::MadeOf;
 use kinora::math::{DAffine3, DVec3};
@@ -94,13 +94,6 @@ fn bvh_02_flat_leaves_are_not_lost_in_full() {
     flat_leaves(2_000_000);
 }
 
-/// The nearest of all, one by one; of equally near ones the lowest index.
-fn scan(geometry: &Geometry, probe: &Probe) -> Option<Hit> {
-    let hits = (0..).zip(&geometry.primitives);
-    let hits = hits.filter_map(|(primitive, p)| Some(Hit { at: p.hit(probe, f64::INFINITY)?, primitive }));
-    hits.reduce(|best, hit| if hit.at.t < best.at.t { hit } else { best })
-}
-
 /// Rays for a scene in the cube from -1 to 1, half of them along an axis or through one of its vertices.
 fn rays(seed: u64, count: u32, vertices: &[DVec3]) -> Vec<Probe> {
     let mut random = Random(seed);
@@ -134,7 +127,7 @@ fn mesh_equals_scan(parts: Parts, seed: u64, count: u32) {
     let whole = geometry([Shape::Mesh(mesh)]);
     let (bvh, loose) = (Bvh::build(&whole), Bvh::build(&each));
     let met = probes.par_iter().filter(|probe| {
-        let expected = scan(&each, probe);
+        let expected = scan(&each, &loose, probe);
         assert_eq!(loose.closest(&each, probe), expected, "{probe:?}");
         let found = bvh.closest(&whole, probe).map(|hit| (hit.at.t, hit.at.part));
         assert_eq!(found, expected.map(|hit| (hit.at.t, hit.primitive)), "{probe:?}");
@@ -176,7 +169,7 @@ fn trees_equal_scans(count: u32) {
         }
         let bvh = Bvh::build(&geometry);
         rays(5, count, &middles).par_iter().for_each(|probe| {
-            assert_eq!(bvh.closest(&geometry, probe), scan(&geometry, probe), "{probe:?}");
+            assert_eq!(bvh.closest(&geometry, probe), scan(&geometry, &bvh, probe), "{probe:?}");
         });
     }
 }

@@ -341,6 +341,25 @@ fn what_stays_dark_is_not_traced() {
     assert_eq!((tally.bvh_builds, tally.geometry_packs, tally.shading_packs, tally.traced), (1, 1, 1, 1));
 }
 
+/// A curve that comes back to its first key has two frames there, of one film.
+#[test]
+fn the_ends_of_a_closed_curve_share_a_film() {
+    let mut random = Random(5);
+    for closed in [true, false] {
+        for _ in 0..40 {
+            let mut point = || (0..3).map(|_| number(&mut random)).collect::<Vec<_>>().join(", ");
+            let (a, b, c) = (point(), point(), point());
+            let sequence = sequence(&format!(
+                r#"(timeline: (frames: 10, keys: Frames), output: (size: (4, 4)), objects: {{ "ball": (shape: Sphere(),
+                translation: Track(keys: [(0, ({a}), CatmullRom), (3, ({b}), CatmullRom), (5, ({c}), CatmullRom), (9, ({a}))],
+                              closed: {closed})) }})"#
+            ));
+            let plan = Plan::new(&sequence, &[0, 9], Extras::default(), u64::MAX);
+            assert_eq!(plan.of[0], plan.of[1], "({a}), ({b}), ({c}), closed: {closed}");
+        }
+    }
+}
+
 /// A shutter that is open while a lamp fades sees nothing move.
 #[test]
 fn open_shutters_see_what_moves_alone() {

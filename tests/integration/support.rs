@@ -124,6 +124,11 @@ pub fn shoot_all_in(folder: &Path, text: &str) -> Vec<Shot> {
     shoot(&sequence, 0..sequence.timeline.frames)
 }
 
+/// The film of the first frame of a sequence written as text.
+pub fn shoot_film(text: &str) -> Film {
+    shoot(&sequence(text), [0]).remove(0).film
+}
+
 /// The radiance in the middle of the picture: a picture of one pixel and one sample, which looks exactly along
 /// the line from the camera to its target. `rest` are the other fields of a sequence.
 pub fn radiance_at_target(rest: &str) -> Rgb {

@@ -102,7 +102,7 @@ fn small_lights(effort: Effort) -> Case {
         stable_density(at, std::f32::consts::TAU)
     }
     fn ours(at: &Far<f64>) -> f64 {
-        let drawn = at.light.sample_from(DVec3::ZERO, DVec2::splat(0.5));
+        let drawn = at.light.sample_from(DVec3::ZERO, &Frame::around(DVec3::Z), DVec2::splat(0.5));
         drawn.map_or(f64::NAN, |(_, _, density)| density)
     }
     fn judge<R: Machine>(at: &Far<R>, found: R) -> Verdict {

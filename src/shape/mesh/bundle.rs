@@ -5,7 +5,7 @@ use crate::mesh::ShearedRays;
 use crate::shape::bundle::Hit;
 use crate::shape::{Crossing, Crossings, Geometric, Rays, Triangle, lanes};
 use crate::simd::{Lanes, Octo, Work, dispatch};
-use crate::tree::{Branch, BundleLeaves, BundleSlabs, Probe, Slabs};
+use crate::tree::{Branch, BundleLeaves, BundleSlabs, Probe, Slabs, Vicinities, Vicinity};
 
 impl Mesh {
     /// [`Geometric::hit`] of those of eight rays whose bits are set, which should go the same way.
@@ -36,8 +36,7 @@ impl Work for Hit<'_, Mesh> {
         let (mut found, alone) = search::<L, false>(shape, rays, wanted, limit);
         for ray in lanes(alone) {
             if let Some(at) = shape.hit(&Probe::new(rays.one(ray)), limit[ray]) {
-                found.met |= 1 << ray;
-                (found.t[ray], found.parts[ray]) = (at.t, at.part);
+                found.set(ray, at);
             }
         }
         found
@@ -79,11 +78,13 @@ fn search<L: Lanes, const ANY: bool>(
         return (Crossings::NONE, near | afar);
     };
     let limit = slabs.limit(Octo::load(t_max));
+    let vicinities = Vicinity::of_each(origin, direction, mesh.reach());
     let found = Crossings::NONE;
     let (limits, alone) = (*t_max, [None; 8]);
+    let slabs = &slabs;
     let mut bundle =
-        Bundle::<L, ANY> { mesh, rays, slabs: &slabs, sheared, t_max, limits, limit, found, alone };
-    tree.walk_together(&slabs, near, &mut bundle);
+        Bundle::<L, ANY> { mesh, rays, slabs, sheared, t_max, vicinities, limits, limit, found, alone };
+    tree.walk_together(slabs, near, &mut bundle);
     (bundle.found, afar)
 }
 
@@ -94,8 +95,9 @@ struct Bundle<'a, L: Lanes, const ANY: bool> {
     slabs: &'a BundleSlabs<L>,
     sheared: ShearedRays<L>,
     t_max: &'a [f64; 8],
-    /// The t before which hits are of interest: one number beyond the best, so that an equally near one is found and the
-    /// indices decide; below 0 once a search is over.
+    vicinities: Vicinities,
+    /// The t before which hits are of interest: a little beyond the best, so that equally near ones are found; below 0 once a
+    /// search is over.
     limits: [f64; 8],
     limit: L,
     found: Crossings,
@@ -107,9 +109,8 @@ impl<L: Lanes, const ANY: bool> Bundle<'_, L, ANY> {
     /// Notes what is hit along a ray.
     #[inline(always)]
     fn note(&mut self, ray: usize, at: Crossing) {
-        self.found.met |= 1 << ray;
-        (self.found.t[ray], self.found.parts[ray]) = (at.t, at.part);
-        self.limits[ray] = if ANY { -1.0 } else { at.t.next_up() };
+        self.found.set(ray, at);
+        self.limits[ray] = if ANY { -1.0 } else { self.vicinities.end(ray, at.t) };
     }
 }
 
@@ -136,8 +137,11 @@ impl<L: Lanes, const ANY: bool> BundleLeaves<L> for Bundle<'_, L, ANY> {
             for ray in lanes(crossings.met & candidates) {
                 let (t, best) = (crossings.t[ray], self.found.t[ray]);
                 if t < best || t == best && part < self.found.parts[ray] {
-                    self.note(ray, Crossing { t, part });
+                    let crowded = !ANY && best < self.vicinities.end(ray, t);
+                    self.note(ray, Crossing { t, part, crowded });
                     nearer = true;
+                } else {
+                    self.found.crowded |= 1 << ray;
                 }
             }
         }
@@ -156,10 +160,10 @@ impl<L: Lanes, const ANY: bool> BundleLeaves<L> for Bundle<'_, L, ANY> {
         let slot = &mut self.alone[ray];
         if slot.is_none() {
             let probe = Probe::new(self.rays.one(ray));
-            *slot = Slabs::new::<L>(mesh.mesh.tree(), &probe, t_max).map(|slabs| (probe, slabs));
+            *slot = Slabs::new::<L>(mesh.mesh.tree(), &probe, (0.0, t_max)).map(|slabs| (probe, slabs));
         }
         let Some((probe, slabs)) = slot else { return };
-        let limit = slabs.limit(hit.map_or(t_max, |hit| hit.t));
+        let limit = slabs.limit(if hit.is_some() { self.limits[ray] } else { t_max });
         let tree = mesh.mesh.tree();
         if ANY {
             let mut search = Any { mesh, probe, sheared: None, t_max, found: false };
@@ -169,7 +173,7 @@ impl<L: Lanes, const ANY: bool> BundleLeaves<L> for Bundle<'_, L, ANY> {
             }
             self.note(ray, Crossing::at(0.0));
         } else {
-            let mut search = Nearest { mesh, probe, sheared: None, t_max, hit };
+            let mut search = Nearest { hit, ..Nearest::new(mesh, probe, t_max) };
             tree.walk_below::<L>(below, slabs, limit, &mut search);
             match search.hit {
                 Some(found) if search.hit != hit => self.note(ray, found),

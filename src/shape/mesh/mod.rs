@@ -15,7 +15,7 @@ use crate::digest::{Content, Digester};
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::mesh::{self, Normals, Sheared};
 use crate::simd::{Lanes, Work};
-use crate::tree::{Leaves, Probe, Slabs, Stack};
+use crate::tree::{Leaves, Probe, Slabs, Stack, Vicinity};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -73,15 +73,20 @@ impl Geometric for Mesh {
     }
 
     /// Of equally near triangles the one with the lowest index.
-    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        let mut nearest = Nearest::new(self, probe, t_max);
-        self.mesh.tree().walk(probe, t_max, &mut nearest);
+    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
+        let mut nearest = Nearest { after, ..Nearest::new(self, probe, t_max) };
+        self.mesh.tree().walk(probe, (after, t_max), &mut nearest);
         nearest.hit
+    }
+
+    fn crossings(&self, probe: &Probe, after: f64, t_max: f64, found: &mut Vec<Crossing>) {
+        let mut all = All { mesh: self, probe, between: (after, t_max), found };
+        self.mesh.tree().walk(probe, (after, t_max), &mut all);
     }
 
     fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
         let mut any = Any::new(self, probe, t_max);
-        self.mesh.tree().walk(probe, t_max, &mut any);
+        self.mesh.tree().walk(probe, (0.0, t_max), &mut any);
         any.found
     }
 
@@ -157,6 +162,11 @@ impl Geometric for Mesh {
 const NO_DIRECTION: f64 = f32::EPSILON as f64;
 
 impl Mesh {
+    /// The largest of its coordinates.
+    fn reach(&self) -> f64 {
+        self.mesh.tree().space().reach()
+    }
+
     /// The weights of a triangle's second and third corner at a point of it.
     fn weights(&self, point: DVec3, part: u32) -> DVec2 {
         weights(self.mesh.corners(part), point)
@@ -201,13 +211,34 @@ struct Nearest<'a> {
     probe: &'a Probe,
     /// There from the first leaf on.
     sheared: Option<Sheared>,
+    after: f64,
     t_max: f64,
+    vicinity: Vicinity,
     hit: Option<Crossing>,
 }
 
 impl<'a> Nearest<'a> {
+    #[inline(always)]
     fn new(mesh: &'a Mesh, probe: &'a Probe, t_max: f64) -> Self {
-        Self { mesh, probe, sheared: None, t_max, hit: None }
+        let vicinity = Vicinity::new(probe, mesh.reach());
+        Self { mesh, probe, sheared: None, after: 0.0, t_max, vicinity, hit: None }
+    }
+
+    /// Takes a triangle's crossing if it is nearer, or as near and the triangle the earlier one; gives the t up to which
+    /// more is of interest if that is a new one.
+    #[inline(always)]
+    fn consider(&mut self, t: f64, part: u32) -> Option<f64> {
+        let Some(best) = &mut self.hit else {
+            self.hit = Some(Crossing::of_part(t, part));
+            return Some(self.vicinity.end(t));
+        };
+        if t < best.t || t == best.t && part < best.part {
+            let end = self.vicinity.end(t);
+            *best = Crossing { t, part, crowded: best.t < end };
+            return Some(end);
+        }
+        best.crowded |= t < self.vicinity.end(best.t);
+        None
     }
 }
 
@@ -222,8 +253,8 @@ impl Work for Alone<'_, Nearest<'_>> {
 
     #[inline(always)]
     fn run<L: Lanes>(mut self) -> Option<Crossing> {
-        let Nearest { mesh: Mesh { mesh, .. }, probe, t_max, .. } = self.search;
-        mesh.tree().walk_on::<L>(probe, t_max, &mut self.search, self.stack);
+        let Nearest { mesh: Mesh { mesh, .. }, probe, after, t_max, .. } = self.search;
+        mesh.tree().walk_on::<L>(probe, (after, t_max), &mut self.search, self.stack);
         self.search.hit
     }
 }
@@ -234,7 +265,7 @@ impl Work for Alone<'_, Any<'_>> {
     #[inline(always)]
     fn run<L: Lanes>(mut self) -> bool {
         let Any { mesh: Mesh { mesh, .. }, probe, t_max, .. } = self.search;
-        mesh.tree().walk_on::<L>(probe, t_max, &mut self.search, self.stack);
+        mesh.tree().walk_on::<L>(probe, (0.0, t_max), &mut self.search, self.stack);
         self.search.found
     }
 }
@@ -257,7 +288,7 @@ impl Work for Visit<'_, Nearest<'_>> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Option<f32> {
         let Self { search, leaf, slabs, mut limit } = self;
-        let Nearest { mesh: Mesh { mesh, .. }, probe, t_max, .. } = *search;
+        let Nearest { mesh: Mesh { mesh, .. }, probe, after, t_max, .. } = *search;
         let packet = &mesh.packets()[leaf as usize];
         let sheared = search.sheared.get_or_insert_with(|| Sheared::new(probe, slabs));
         let sieve = sheared.sift::<L>(packet, limit);
@@ -277,12 +308,36 @@ impl Work for Visit<'_, Nearest<'_>> {
             if !sure && !covers(corners, probe) {
                 continue;
             }
-            let Some(t) = depth(corners, probe).filter(|&t| t > 0.0 && t < t_max) else { continue };
-            let part = packet.part(lane);
-            if search.hit.is_none_or(|best| t < best.t || t == best.t && part < best.part) {
-                search.hit = Some(Crossing { t, part });
-                limit = slabs.limit(t);
+            let Some(t) = depth(corners, probe).filter(|&t| t > after && t < t_max) else { continue };
+            if let Some(end) = search.consider(t, packet.part(lane)) {
+                limit = slabs.limit(end);
             }
+        }
+        Some(limit)
+    }
+}
+
+/// All triangles beyond one t and before another.
+struct All<'a> {
+    mesh: &'a Mesh,
+    probe: &'a Probe,
+    between: (f64, f64),
+    found: &'a mut Vec<Crossing>,
+}
+
+impl Leaves for All<'_> {
+    #[inline(always)]
+    fn fetch<L: Lanes>(&self, _: u32) {}
+
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, leaf: u32, _: &Slabs, limit: f32) -> Option<f32> {
+        let Self { mesh: Mesh { mesh, .. }, probe, between: (after, t_max), .. } = *self;
+        let packet = &mesh.packets()[leaf as usize];
+        for lane in 0..packet.count() {
+            let corners = mesh.packed_corners(packet, lane);
+            let t = if covers(corners, probe) { depth(corners, probe) } else { None };
+            let within = t.filter(|&t| t > after && t < t_max);
+            self.found.extend(within.map(|t| Crossing::of_part(t, packet.part(lane))));
         }
         Some(limit)
     }

@@ -36,7 +36,7 @@ fn the_tree_finds_what_every_triangle_finds() {
         let origin = random.point(3.0);
         let probe = Probe::new(Ray { origin, direction: random.point(1.0) - origin });
         let each = (0..mesh.mesh.triangles().len() as u32)
-            .filter_map(|part| Some(Crossing { t: crossed(&mesh, part, &probe)?, part }));
+            .filter_map(|part| Some(Crossing::of_part(crossed(&mesh, part, &probe)?, part)));
         let nearest = each.min_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
         let hit = mesh.hit(&probe, f64::INFINITY);
         assert_eq!(hit, nearest);

@@ -3,6 +3,7 @@
 use super::{Drawn, Ground, Scatters};
 use crate::material::Lobes;
 use crate::math::cos_sin_of_turns;
+use crate::sampling::Frame;
 use crate::simd::{Lanes, Octo, Quad, Vector};
 use crate::trace::together::Color;
 use std::f64::consts::PI;
@@ -29,7 +30,12 @@ impl<L: Lanes> Scatters<L> for Fuzzy<L> {
     }
 
     #[inline(always)]
-    fn draw(&self, ground: &Ground<L::Quad>, [_, u, v, w]: &[[f64; 8]; 4]) -> Drawn<L> {
+    fn draw(
+        &self,
+        ground: &Ground<L::Quad>,
+        _: &Frame<Vector<L::Quad>>,
+        [_, u, v, w]: &[[f64; 8]; 4],
+    ) -> Drawn<L> {
         let off = in_ball(Octo::load(u), Octo::load(v), w) * self.fuzz;
         let direction = (self.mirrored + off).normalized_or(self.mirrored);
         let (_, lit) = ground.cosines(direction);

@@ -2,6 +2,7 @@
 
 use crate::bvh::Hit;
 use crate::math::DVec3;
+use crate::sampling::Frame;
 use crate::scene::Primitive;
 use crate::shape::{Rays, Shape, Surface, Surfaces, on_spheres};
 use crate::simd::{Lanes, Octo, Quad, Rows, Vector};
@@ -30,6 +31,12 @@ impl<Q: Quad> Ground<Q> {
         (surfaces.normal, surfaces.shading) = (normal.store(), shading.store());
         let normal = shading.pick(zero.below(shading.dot(-direction)), normal);
         Self { surfaces, lift, normal, direction }
+    }
+
+    /// [`Seen::frame`](crate::trace::shade::Seen::frame) for paths that take these tangents along.
+    #[inline(always)]
+    pub fn frame(&self, tangents: &Rows) -> Frame<Vector<Q>> {
+        Frame::carried(Vector::load(tangents), -self.direction, self.normal)
     }
 
     /// [`Seen::mirrored`](crate::trace::shade::Seen::mirrored).

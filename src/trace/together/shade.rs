@@ -7,7 +7,7 @@ use crate::bvh::Hits;
 use crate::color::Rgb;
 use crate::material::{Exponent, Highlight, Material};
 use crate::math::DVec3;
-use crate::shape::{Rays, Surfaces, lanes};
+use crate::shape::{Rays, Surface, Surfaces, lanes};
 use crate::simd::{Choice, Lanes, Octo, Rows, Vector};
 
 /// Eight colours.
@@ -112,15 +112,24 @@ enum Exponents {
 }
 
 impl<L: Lanes> Reflectors<L> {
-    /// The surfaces that rays meet, of which there is at least one.
+    /// The surfaces that rays meet, of which there is at least one; those at places are known already.
     #[inline(always)]
-    pub fn of(tracer: &Tracer, rays: &Rays, hits: &Hits, beams: Option<&Beams>) -> Self {
+    pub fn of(
+        tracer: &Tracer,
+        rays: &Rays,
+        hits: &Hits,
+        places: &[(usize, Surface)],
+        beams: Option<&Beams>,
+    ) -> Self {
         let (mut found, mut rest) = Self::next(tracer, rays, hits, hits.at.met);
         while rest != 0 {
             let wanted = rest;
             let more;
             (more, rest) = Self::next(tracer, rays, hits, wanted);
             found = more.pick(wanted & !rest, found);
+        }
+        for (lane, surface) in places {
+            found.surfaces.set(*lane, surface);
         }
         if let Some(beams) = beams.filter(|_| found.painted != 0) {
             found.paint(&Eye { tracer, rays, hits, beams });
