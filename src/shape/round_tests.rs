@@ -315,7 +315,7 @@ fn flat_and_steep_cones_are_hit_where_they_are() {
             let least = 1024.0 * UNIT_ROUNDOFF * size / radius;
             let share =
                 if random.unit() < 0.5 { least * libm::exp(20.0 * random.unit()) } else { random.unit() };
-            let share = share.min(0.95);
+            let share = share.clamp(least, 0.95);
             let aim = v(radius * share, height * (1.0 - share), 0.0);
             let aim = DAffine3::from_rotation_y(7.0 * random.unit()).transform_point3(aim);
             let origin =

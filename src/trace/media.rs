@@ -20,6 +20,8 @@ pub struct Enclosure {
 pub struct Passage {
     pub of: Enclosure,
     pub enters: bool,
+    /// Whether the ray touches an edge, and is on the same side of the surface before and behind.
+    pub grazes: bool,
 }
 
 /// What lies on the two sides of a place where a ray passes one or more surfaces.
@@ -167,7 +169,7 @@ impl Nesting {
             let back = |other: &Passage| {
                 other.of.primitive == passage.of.primitive && other.enters != passage.enters
             };
-            passages.iter().any(back)
+            passage.grazes || passages.iter().any(back)
         };
         let crossed = || passages.iter().filter(|passage| !passes_by(passage));
         let mut before = media;
@@ -242,7 +244,7 @@ mod tests {
     ) -> Vec<(f64, f64, bool)> {
         let (mut nesting, mut media) = (Nesting::default(), Media::default());
         let step = |(of, enters): (Enclosure, bool)| {
-            let boundary = nesting.boundary(media, &[Passage { of, enters }], materials);
+            let boundary = nesting.boundary(media, &[Passage { of, enters, grazes: false }], materials);
             media = boundary.passed;
             (boundary.before.ior, boundary.behind.ior, boundary.hidden)
         };
@@ -319,9 +321,12 @@ mod tests {
         let (mut nesting, mut media) = (Nesting::default(), Media::default());
         let own = |k: u32| Enclosure { primitive: k, material: k };
         for &k in inside {
-            media = nesting.boundary(media, &[Passage { of: own(k), enters: true }], materials).passed;
+            media = nesting
+                .boundary(media, &[Passage { of: own(k), enters: true, grazes: false }], materials)
+                .passed;
         }
-        let passages: Vec<_> = passages.iter().map(|&(k, enters)| Passage { of: own(k), enters }).collect();
+        let passages: Vec<_> =
+            passages.iter().map(|&(k, enters)| Passage { of: own(k), enters, grazes: false }).collect();
         nesting.boundary(media, &passages, materials)
     }
 
@@ -342,6 +347,9 @@ mod tests {
         }
         // In and out at once, as at an edge: nothing.
         let edge = at_once(&[glass(1.5, 0)], &[], &[(0, true), (0, false)]);
+        assert!(edge.hidden && edge.passed.is_outside());
+        let grazed = Passage { of: Enclosure::default(), enters: true, grazes: true };
+        let edge = Nesting::default().boundary(Media::default(), &[grazed], &[glass(1.5, 0)]);
         assert!(edge.hidden && edge.passed.is_outside());
     }
 }

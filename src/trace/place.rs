@@ -108,10 +108,9 @@ impl Tracer<'_> {
         media: Media,
         (members, nesting): (&mut Members, &mut Nesting),
     ) -> Option<Boundary> {
-        let passage = self.passage(ray, hit, surface).filter(|passage| self.refracts(passage))?;
-        let passages = [passage, Passage { enters: !passage.enters, ..passage }];
-        let count = if self.passes_an_edge(hit, surface, passage.enters, members) { 2 } else { 1 };
-        Some(nesting.boundary(media, &passages[..count], &self.scene.shading.materials))
+        let mut passage = self.passage(ray, hit, surface).filter(|passage| self.refracts(passage))?;
+        passage.grazes = self.grazes_an_edge(hit, surface, passage.enters, &mut members.crossings);
+        Some(nesting.boundary(media, &[passage], &self.scene.shading.materials))
     }
 
     fn refracts(&self, passage: &Passage) -> bool {
@@ -122,7 +121,7 @@ impl Tracer<'_> {
     fn passage(&self, ray: &Ray, hit: &Hit, surface: &Surface) -> Option<Passage> {
         let material = self.scene.geometry.primitives[hit.primitive as usize].material(hit.at.part)?;
         let of = Enclosure { primitive: hit.primitive, material };
-        Some(Passage { of, enters: surface.normal.dot(ray.direction) <= 0.0 })
+        Some(Passage { of, enters: surface.normal.dot(ray.direction) <= 0.0, grazes: false })
     }
 
     /// The stop after the first `before` ones at the place that begins at `t`; none if there are no more.
@@ -136,7 +135,7 @@ impl Tracer<'_> {
         (members, nesting): (&mut Members, &mut Nesting),
     ) -> Option<Stop> {
         self.gather(ray, (t, t_max), members);
-        let Members { all, passages, .. } = members;
+        let Members { all, passages, crossings, .. } = members;
         let beyond = all.iter().map(|member| member.hit.at.t).fold(t, f64::max);
         all.sort_by_key(|member| (member.layer, member.class, member.hit.primitive, member.hit.at.part));
         self.merge(all);
@@ -146,7 +145,13 @@ impl Tracer<'_> {
         let (stop, more) = (stops.next()?, stops.next().is_some());
         let bounds = stop[0].class == Class::Boundary;
         passages.clear();
-        passages.extend(stop.iter().map(|member| member.passage));
+        if bounds {
+            passages.extend(stop.iter().map(|member| {
+                let (passage, surface) = (member.passage, holding(member, all));
+                let grazes = self.grazes_an_edge(&member.hit, &surface, passage.enters, crossings);
+                Passage { grazes, ..passage }
+            }));
+        }
         let boundary = bounds.then(|| nesting.boundary(media, passages, &self.scene.shading.materials));
         let seen = &stop[boundary.map_or(0, |boundary| boundary.seen)];
         let passed = Passed { t, beyond, stops: more.then_some(before + 1) };

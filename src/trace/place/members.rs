@@ -54,7 +54,7 @@ impl Member {
 #[derive(Debug, Default)]
 pub struct Members {
     hits: Vec<Hit>,
-    crossings: Vec<Crossing>,
+    pub crossings: Vec<Crossing>,
     pub all: Vec<Member>,
     pub passages: Vec<Passage>,
 }
@@ -87,7 +87,13 @@ impl Tracer<'_> {
     /// Whether a ray that starts behind the surface of a mesh would be out of what it has entered, or back in what it has left:
     /// at a sharp edge, the error bound of the point may reach through the other face. Then not exactly one face lies between
     /// the origins of rays on both sides.
-    pub fn passes_an_edge(&self, hit: &Hit, surface: &Surface, enters: bool, members: &mut Members) -> bool {
+    pub fn grazes_an_edge(
+        &self,
+        hit: &Hit,
+        surface: &Surface,
+        enters: bool,
+        found: &mut Vec<Crossing>,
+    ) -> bool {
         let primitive = &self.scene.geometry.primitives[hit.primitive as usize];
         if !matches!(primitive.shape, Shape::Mesh(_)) {
             return false;
@@ -95,7 +101,6 @@ impl Tracer<'_> {
         let out = if enters { surface.normal } else { -surface.normal };
         let [from, to] = [out, -out].map(|side| spawn(surface, side).origin);
         let across = Ray { origin: from, direction: to - from };
-        let found = &mut members.crossings;
         found.clear();
         primitive.crossings(&Probe::new(across), 0.0, 1.0, found);
         let alike = |at: &Crossing| (primitive.surface(&across, *at).normal.dot(out) >= 0.0) == enters;
