@@ -90,6 +90,7 @@ pub struct Way {
 }
 
 /// What a ray hit.
+#[allow(clippy::large_enum_variant, reason = "one is made for every hit: a box would be an allocation")]
 pub enum Met<'a> {
     Nothing,
     Light { index: u32, outside: bool, surface: Surface, hit: Hit },

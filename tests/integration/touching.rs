@@ -8,7 +8,8 @@ const BOTH: [&str; 2] = ["Whitted", "Path(roulette: Off)"];
 
 /// Transmittance and reflectance of a boundary that light meets squarely.
 fn boundary(before: f64, behind: f64) -> (f64, f64) {
-    let reflected = ((before - behind) / (before + behind)).powi(2);
+    let amplitude = (before - behind) / (before + behind);
+    let reflected = amplitude * amplitude;
     (1.0 - reflected, reflected)
 }
 
