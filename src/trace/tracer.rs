@@ -88,6 +88,10 @@ pub struct Way {
 }
 
 /// What a ray hit.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "it lives on the stack for one step of a ray; an allocation for every hit would cost more"
+)]
 pub enum Met<'a> {
     Nothing,
     Light { index: u32, outside: bool, surface: Surface, hit: Hit },
