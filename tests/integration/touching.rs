@@ -9,8 +9,7 @@ const BOTH: [&str; 2] = ["Whitted", "Path(roulette: Off)"];
 /// Transmittance and reflectance of a boundary that light meets squarely.
 fn boundary(before: f64, behind: f64) -> (f64, f64) {
     let amplitude = (before - behind) / (before + behind);
-    let reflected = amplitude * amplitude;
-    (1.0 - reflected, reflected)
+    (1.0 - amplitude * amplitude, amplitude * amplitude)
 }
 
 /// The share of light that passes water under glass, all reflections between the three boundaries included.
