@@ -220,6 +220,22 @@ pub fn render_until(
     meter: &Arc<Meter>,
     stop: &Stop,
 ) -> Result<Summary, RenderError> {
+    rendered(sequence, request, meter, stop).map_err(|error| match error {
+        RenderError::Encode(EncodeError::Interrupted { signal, done }) => {
+            let rest = request.frames.get(done..).unwrap_or_default().to_vec();
+            let keeps = job(sequence, request, &Survey::default()).keeps();
+            RenderError::Stopped { signal, done, files: Vec::new(), rest, keeps }
+        }
+        error => error,
+    })
+}
+
+fn rendered(
+    sequence: &Sequence,
+    request: &Request,
+    meter: &Arc<Meter>,
+    stop: &Stop,
+) -> Result<Summary, RenderError> {
     let start = Instant::now();
     let extras = extras(sequence, &request.outputs);
     Large::Picture.check(memory::needed(sequence, extras))?;

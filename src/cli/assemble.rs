@@ -9,11 +9,13 @@ use super::settings::Settings;
 use super::{load, loading, terminal, values};
 use crate::assemble::{Chosen, Request, Wanted, assemble, choose, choose_of};
 use crate::color::Rgb;
-use crate::encode::{Existing, Formats, FramePattern, Output, Plays, Report, Still, Template};
+use crate::encode::{
+    EncodeError, Existing, Formats, FramePattern, JobError, Output, Plays, Report, Still, Template,
+};
 use crate::escape;
 use crate::files::{in_the_way, why};
 use crate::frame_set::{FrameSet, MOST_FRAMES};
-use crate::render::{self, Reuse};
+use crate::render::{self, RenderError, Reuse};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::io::{self, ErrorKind};
@@ -104,6 +106,7 @@ samples than most. -r is then the rate at which they are shown; with --of it is 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     terminal::check_stream(&arguments.output)?;
     let pattern = arguments.pattern()?;
+    arguments.check_outputs(&pattern)?;
     let (chosen, formats, matte) = match &arguments.of {
         Some(file) => arguments.chosen_of(file, &pattern)?,
         None => (arguments.chosen(&pattern)?, Formats::default(), Request::default().matte),
@@ -123,6 +126,19 @@ impl Arguments {
                 escape::path(&self.pattern)
             ))
         })
+    }
+
+    /// No frame may be replaced by what is made of it.
+    fn check_outputs(&self, pattern: &FramePattern) -> Result<(), Failure> {
+        let paths = self.output.iter().filter(|output| !output.is_stream()).map(|output| output.path(0));
+        match paths.into_iter().find(|path| pattern.matches(path)) {
+            Some(path) => Err(RenderError::from(EncodeError::from(JobError::OwnFrame {
+                path,
+                names: pattern.to_string(),
+            }))
+            .into()),
+            None => Ok(()),
+        }
     }
 
     /// The frames of a sequence, and its settings of formats.

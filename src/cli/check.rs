@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// What `render` would do by itself.
-fn request(sequence: &Sequence) -> Request {
+pub(super) fn request(sequence: &Sequence) -> Request {
     Request {
         outputs: sequence.output.files.clone(),
         confined: true,

@@ -7,7 +7,7 @@ use super::loading;
 use super::options::Options;
 use super::render::frames_of;
 use super::scaling::{Farm, Share};
-use super::{load, overrides, terminal, values};
+use super::{check, load, overrides, terminal, values};
 use crate::accuracy::timed;
 use crate::escape;
 use crate::film::LayerId;
@@ -15,7 +15,7 @@ use crate::frame_set::FrameSet;
 use crate::humane::{self, count, counted};
 use crate::memory;
 use crate::plan::{Caller, Effect, Effort, Expected, Outline, Part, Plan, Span, outline, pilot};
-use crate::render::{Reuse, extras, pool};
+use crate::render::{self, Reuse, extras, pool};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::num::NonZeroUsize;
@@ -94,6 +94,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let sequence = sequence?;
     let sequence = overrides::applied(sequence, &options.overrides()).map_err(Failure::Bad)?;
     let frames = frames_of(arguments.frames.as_ref(), &sequence)?;
+    // What none would render needs no plan.
+    render::check(&sequence, &check::request(&sequence))?;
     let extras = extras(&sequence, &sequence.output.files);
     let budget = arguments.memory.map_or(Reuse::Share, Reuse::Within).budget(&sequence, extras);
     let besides = memory::needed(&sequence, extras);

@@ -9,6 +9,7 @@ use super::output::{Moving, Output};
 use super::picture::Picture;
 use super::store::Store;
 use crate::escape;
+use crate::stop::Stop;
 use rayon::ThreadPool;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -26,10 +27,16 @@ pub struct Animations {
 
 impl Animations {
     /// Those of a job, which use the threads of `pool`. `own` is a store that the run fills anyhow, if there is one.
-    pub fn start(job: &Job, own: Option<Store>, pool: &Arc<ThreadPool>) -> Result<Self, EncodeError> {
+    /// `stop` ends waiting for who reads a pipe.
+    pub fn start(
+        job: &Job,
+        own: Option<Store>,
+        pool: &Arc<ThreadPool>,
+        stop: &Stop,
+    ) -> Result<Self, EncodeError> {
         let mut movies = Vec::new();
         for output in &job.outputs {
-            movies.extend(movie::start(output, job, pool)?.map(|movie| (movie, output.takes_alpha())));
+            movies.extend(movie::start(output, job, pool, stop)?.map(|movie| (movie, output.takes_alpha())));
         }
         let gifs = job.outputs.iter().filter_map(|output| match output {
             Output::Movie(Moving::Gif, path) => Some(path),

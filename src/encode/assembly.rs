@@ -7,6 +7,7 @@ use super::error::{EncodeError, FilmsError};
 use super::job::Job;
 use super::picture::Picture;
 use crate::files;
+use crate::stop::Stop;
 use image::{DynamicImage, ImageError, ImageReader};
 use rayon::ThreadPool;
 use std::io::{self, Cursor, ErrorKind};
@@ -27,7 +28,7 @@ impl Assembly {
     pub fn start(job: Job, pool: Arc<ThreadPool>) -> Result<Self, EncodeError> {
         job.check()?;
         let folders = job.prepare_folders()?;
-        let animations = Animations::start(&job, None, &pool)?;
+        let animations = Animations::start(&job, None, &pool, &Stop::default())?;
         Ok(Self { job, animations, pool, done: 0, folders })
     }
 

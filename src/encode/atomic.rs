@@ -1,13 +1,15 @@
 //! Files that appear whole or not at all: written aside in the same folder, then renamed. A link in their place is
 //! replaced, and what it leads to stays as it is. Pipes and devices are written into, as they cannot be replaced.
 
+use super::channel;
 use super::claim;
 use super::disk::{Operation, attempt};
 use super::error::EncodeError;
 use super::output::prefixed;
 use crate::files::{self, Channel};
+use crate::stop::Stop;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, TempDir};
 
@@ -55,11 +57,13 @@ impl Seek for Target {
 impl Aside {
     /// Starts a file that will be `path`; folders above it are created. A pipe is waited for until somebody reads it.
     pub fn create(path: &Path) -> Result<Self, EncodeError> {
+        Self::create_until(path, &Stop::default())
+    }
+
+    /// The same, but that a pipe is not waited for any longer when a stop is asked for.
+    pub fn create_until(path: &Path, stop: &Stop) -> Result<Self, EncodeError> {
         let target = match Channel::at(path) {
-            Some(_) => {
-                let file = attempt(Operation::Create, path, || fs::OpenOptions::new().write(true).open(path));
-                Target::Channel(path.to_owned(), file.map_err(|e| EncodeError::write(path, e))?)
-            }
+            Some(channel) => Target::Channel(path.to_owned(), channel::open(path, channel, stop)?),
             None => Target::Temporary(Self::temporary(path)?),
         };
         Ok(Self { path: path.to_path_buf(), file: BufWriter::with_capacity(1 << 16, target) })
@@ -81,8 +85,8 @@ impl Aside {
     }
 
     /// A file with these bytes.
-    pub fn holding(path: &Path, bytes: &[u8]) -> Result<Self, EncodeError> {
-        let mut aside = Self::create(path)?;
+    pub fn holding(path: &Path, bytes: &[u8], stop: &Stop) -> Result<Self, EncodeError> {
+        let mut aside = Self::create_until(path, stop)?;
         aside.write_all(bytes).map_err(|e| EncodeError::write(path, e))?;
         Ok(aside)
     }
@@ -135,7 +139,7 @@ impl Read for Aside {
 
 /// Writes `bytes` as the file `path`, whole or not at all.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), EncodeError> {
-    Aside::holding(path, bytes)?.commit()
+    Aside::holding(path, bytes, &Stop::default())?.commit()
 }
 
 /// The folder that holds `path`; the working directory if it names none.
@@ -237,7 +241,11 @@ impl NewFolders {
         }
         let probe = || tempfile::Builder::new().prefix(PREFIX).tempfile_in(folder);
         let probe = attempt(Operation::Create, folder, probe);
-        probe.map(drop).map_err(|e| EncodeError::write(folder, e))?;
+        probe.map(drop).map_err(|error| match error.kind() {
+            // The folder is there, and takes no files: that does not change.
+            ErrorKind::NotFound if folder.is_dir() => EncodeError::no_files(folder, &error),
+            _ => EncodeError::write(folder, error),
+        })?;
         sweep(folder);
         Ok(())
     }

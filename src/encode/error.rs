@@ -19,6 +19,8 @@ pub enum EncodeError {
     Read { path: PathBuf, reason: io::Error },
     /// A picture that is to be part of an animation cannot be read.
     Unreadable { path: PathBuf, reason: io::Error },
+    /// A signal of this number came while a pipe was waited for that nobody reads, after the films of so many frames.
+    Interrupted { signal: usize, done: usize },
     /// What was pushed is not what the job announced.
     Films(FilmsError),
     /// The encoder has failed before and has told why, or its thread could not live.
@@ -44,6 +46,10 @@ pub enum JobError {
     Frames { names: String, flaws: Vec<(u32, Flaw)>, advice: &'static str },
     /// From the first frame to the last there are more than any run has.
     Apart { names: String, first: u32, last: u32 },
+    /// What is made of frames would be one of them.
+    OwnFrame { path: PathBuf, names: String },
+    /// No file can be made in a folder of the system.
+    NoFiles { folder: PathBuf, why: String },
     /// A file is there, and none is to be replaced.
     Exists { path: PathBuf },
     /// Processes cannot share the making of what does not say what it shows.
@@ -83,6 +89,11 @@ impl EncodeError {
         Self::Write { path: path.as_ref().to_path_buf(), reason: reason.into() }
     }
 
+    /// In a folder that is there, but takes no files.
+    pub(super) fn no_files(folder: &Path, reason: &io::Error) -> Self {
+        Self::Job(JobError::NoFiles { folder: folder.to_path_buf(), why: plain(reason) })
+    }
+
     pub(super) fn read(path: impl AsRef<Path>, reason: impl Into<io::Error>) -> Self {
         Self::Read { path: path.as_ref().to_path_buf(), reason: reason.into() }
     }
@@ -115,6 +126,7 @@ impl fmt::Display for EncodeError {
             Self::Unreadable { path, reason } => {
                 write!(f, "cannot read the frame {}: {reason}", escape::path(path))
             }
+            Self::Interrupted { .. } => f.write_str("stopped while a pipe was waited for that nobody reads"),
             Self::Stopped(None) => f.write_str("the encoder has stopped after an earlier error"),
             Self::Stopped(Some(reason)) => write!(f, "cannot run the encoder's thread: {reason}"),
         }
@@ -200,6 +212,16 @@ impl fmt::Display for JobError {
                 "{names}: frames {first} to {last} are more than {MOST_FRAMES}, the most of one run; name those that are \
                  meant with --frames"
             ),
+            Self::OwnFrame { path, names } => write!(
+                f,
+                "cannot write {}: it would be one of the frames {names} that it is made of; name another file",
+                escape::path(path)
+            ),
+            Self::NoFiles { folder, why } => write!(
+                f,
+                "cannot write {}: {why}; no file can be made there, so name another place with -o",
+                escape::path(folder)
+            ),
             Self::Exists { path } => write!(
                 f,
                 "{} is there already; name another file, or leave out --fail-if-exists to keep what is right and \
@@ -261,7 +283,7 @@ impl std::error::Error for EncodeError {
             | Self::Read { reason, .. }
             | Self::Unreadable { reason, .. }
             | Self::Stopped(Some(reason)) => Some(reason),
-            Self::Stopped(None) => None,
+            Self::Interrupted { .. } | Self::Stopped(None) => None,
         }
     }
 }

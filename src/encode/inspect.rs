@@ -28,7 +28,7 @@ pub enum Flaw {
     Unsealed,
     /// It does not say what it shows, although its job's frames do.
     Silent,
-    /// It differs from most of the others in something that frames of one run share.
+    /// It differs from most of the others, or from what is to be made, in something that frames of one run share.
     Odd(String),
 }
 
@@ -81,13 +81,23 @@ fn flaw_in_job(job: &Job, index: usize, path: &Path) -> Option<Flaw> {
     match (png::look(&mut bytes), expected) {
         (Seal::Broken, _) => Some(Flaw::Damaged(CHANGED.to_owned())),
         (Seal::Whole(name), Some(expected)) => (name != expected).then_some(Flaw::Stale),
-        (Seal::Whole(_), None) => None,
+        (Seal::Whole(_), None) => of_another_size(&bytes, job.size),
         (_, _) if !png::check(&bytes) => Some(Flaw::Damaged(BROKEN.to_owned())),
         (Seal::Open(name), Some(expected)) if name == expected => Some(Flaw::Unsealed),
         (Seal::Open(_), Some(_)) => Some(Flaw::Stale),
         (Seal::None, Some(_)) => Some(Flaw::Silent),
-        (Seal::Open(_) | Seal::None, None) => None,
+        (Seal::Open(_) | Seal::None, None) => of_another_size(&bytes, job.size),
     }
+}
+
+/// What does not say what it shows may be a picture of anything; its size is known.
+fn of_another_size(bytes: &[u8], size: (u32, u32)) -> Option<Flaw> {
+    let found = png::size_in(bytes).filter(|found| *found != size)?;
+    Some(Flaw::Odd(format!("{} pixels, not {}", pixels(found), pixels(size))))
+}
+
+fn pixels((width, height): (u32, u32)) -> String {
+    format!("{width}x{height}")
 }
 
 fn unreadable(error: &io::Error) -> Flaw {
@@ -102,15 +112,23 @@ pub fn inspect(frames: &[(u32, PathBuf)], pool: &ThreadPool) -> Inspected {
     let look = |(frame, path): &(u32, PathBuf)| (*frame, words_of(path));
     let looked: Vec<_> = pool.install(|| frames.par_iter().map(look).collect());
     let mut found = Inspected::default();
-    let mut told = Vec::new();
-    for (frame, words) in looked {
-        match words {
-            Err(flaw) => found.flaws.push((frame, flaw)),
-            Ok(words) if words.is_empty() => found.silent.push(frame),
-            Ok(words) => told.push((frame, words)),
+    let (mut told, mut sizes) = (Vec::new(), BTreeMap::<String, Vec<u32>>::new());
+    for (frame, seen) in looked {
+        let (size, words) = match seen {
+            Ok(seen) => seen,
+            Err(flaw) => {
+                found.flaws.push((frame, flaw));
+                continue;
+            }
+        };
+        sizes.entry(pixels(size)).or_default().push(frame);
+        if words.is_empty() {
+            found.silent.push(frame);
+        } else {
+            told.push((frame, words));
         }
     }
-    let odd = odd(&told);
+    let odd = odd(&told, sizes);
     found.flaws.extend(odd);
     found.flaws.sort();
     let number = |words: &Vec<Told>| record::find(words, record::FRAMES)?.parse().ok();
@@ -120,13 +138,13 @@ pub fn inspect(frames: &[(u32, PathBuf)], pool: &ThreadPool) -> Inspected {
     found
 }
 
-/// What a whole picture tells in words: nothing if it is none of ours.
-fn words_of(path: &Path) -> Result<Vec<Told>, Flaw> {
+/// The size of a whole picture, and what it tells in words: nothing if it is none of ours.
+fn words_of(path: &Path) -> Result<((u32, u32), Vec<Told>), Flaw> {
     let mut bytes = files::read(path, u64::MAX - 1).map_err(|error| unreadable(&error))?;
     let damaged = |why: &str| Flaw::Damaged(why.to_owned());
     if !png::is_png(&bytes) {
         return match decode_picture(&bytes) {
-            Ok(_) => Ok(Vec::new()),
+            Ok(picture) => Ok(((picture.width, picture.height), Vec::new())),
             Err(error) => Err(damaged(&error.to_string())),
         };
     }
@@ -137,7 +155,8 @@ fn words_of(path: &Path) -> Result<Vec<Told>, Flaw> {
     }
     let words = png::texts_in(&bytes);
     let ours = record::find(&words, record::FRAME).is_some();
-    Ok(if ours { words } else { Vec::new() })
+    let size = png::size_in(&bytes).ok_or_else(|| damaged(BROKEN))?;
+    Ok((size, if ours { words } else { Vec::new() }))
 }
 
 /// What frames of one run share if they tell it, and how it is called.
@@ -151,8 +170,8 @@ const SHARED: [(&str, &str); 7] = [
     (record::TIME_LIMIT, "limit of time"),
 ];
 
-/// Frames that are not what their names say, and those that differ from most.
-fn odd(told: &[(u32, Vec<Told>)]) -> BTreeMap<u32, Flaw> {
+/// Frames that are not what their names say, and those that differ from most; `sizes` are those of all.
+fn odd(told: &[(u32, Vec<Told>)], sizes: BTreeMap<String, Vec<u32>>) -> BTreeMap<u32, Flaw> {
     let mut odd = BTreeMap::new();
     for (frame, words) in told {
         if let Some(shown) = record::find(words, record::FRAME).filter(|shown| *shown != frame.to_string()) {
@@ -164,7 +183,7 @@ fn odd(told: &[(u32, Vec<Told>)]) -> BTreeMap<u32, Flaw> {
         let value = |words: &Vec<Told>| record::find(words, keyword).map(str::to_owned);
         (*what, values(told, value))
     });
-    for (what, values) in shared.chain([("rate", values(told, rates))]) {
+    for (what, values) in shared.chain([("rate", values(told, rates)), ("size", sizes)]) {
         // What most frames have; of two that as many have, that of the first frame.
         let most = values.iter().max_by_key(|(_, frames)| (frames.len(), std::cmp::Reverse(frames[0])));
         let Some((usual, _)) = most else { continue };

@@ -5,6 +5,7 @@ use super::output::{Output, Still};
 use super::pattern::FramePattern;
 use super::record::{self, Told};
 use super::{exr, png};
+use crate::files::Channel;
 use crate::frame_set;
 use crate::humane::counted;
 use crate::stop::Stop;
@@ -12,6 +13,7 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 /// What there is of a job.
 #[derive(Debug, Default)]
@@ -159,7 +161,10 @@ impl Job {
         let mut frames = self.frames.clone();
         frames.sort_unstable();
         let stills = self.outputs.iter().filter(|output| !output.is_animation());
-        let there: Vec<&Output> = stills.filter(|output| !output.present(&frames).is_empty()).collect();
+        // A pipe or a device is no frame that was there.
+        let is_file = |path: &PathBuf| Channel::at(path).is_none();
+        let there: Vec<&Output> =
+            stills.filter(|output| output.present(&frames).iter().any(is_file)).collect();
         let said = there.iter().any(|output| self.is_said(output));
         let reason = match there.first() {
             None => return Vec::new(),

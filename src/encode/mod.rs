@@ -13,6 +13,7 @@ mod animations;
 mod assembly;
 mod atomic;
 mod caption;
+mod channel;
 mod claim;
 mod commits;
 mod develop;
@@ -95,18 +96,18 @@ pub fn write_picture(output: &Output, picture: &Picture, formats: Formats) -> Re
             return Err(JobError::NoPicture { output: output.to_string() }.into());
         }
     };
-    holding(&output.path(0), bytes)?.commit()
+    holding(&output.path(0), bytes, &Stop::default())?.commit()
 }
 
 /// Writes a picture as a PNG, whole or not at all.
 pub fn write_png(path: &Path, picture: &Picture) -> Result<(), EncodeError> {
-    holding(path, png::encode(picture, &[]))?.commit()
+    holding(path, png::encode(picture, &[]), &Stop::default())?.commit()
 }
 
 /// A file of these bytes aside, for the place `path`.
-fn holding(path: &Path, bytes: io::Result<Vec<u8>>) -> Result<Aside, EncodeError> {
+fn holding(path: &Path, bytes: io::Result<Vec<u8>>, stop: &Stop) -> Result<Aside, EncodeError> {
     let bytes = bytes.map_err(|error| EncodeError::write(path, error))?;
-    Aside::holding(path, &bytes)
+    Aside::holding(path, &bytes, stop)
 }
 
 /// A picture as a PNG in memory.
@@ -192,10 +193,10 @@ impl Encoder {
     /// nothing was written and no folder is left behind.
     ///
     /// Frames of an earlier run are looked at, on the threads of `pool`, which also compress those of a GIF. Where
-    /// `stop` asks for it, the rest is not looked at.
+    /// `stop` asks for it, the rest is not looked at, and pipes are not waited for any longer that nobody reads.
     pub fn start(job: Job, pool: Arc<ThreadPool>, stop: &Stop) -> Result<Self, EncodeError> {
         let job = Arc::new(job);
-        let mut worker = Worker::new(Arc::clone(&job), Arc::clone(&pool))?;
+        let mut worker = Worker::new(Arc::clone(&job), Arc::clone(&pool), stop)?;
         let cpu = thread_time().map(|_| worker.cpu());
         let Kept { frames: kept, notes } = job.kept(&pool, stop);
         worker.tell(notes);

@@ -94,6 +94,18 @@ impl FramePattern {
         Ok(numbers)
     }
 
+    /// Whether a path is that of some frame.
+    pub fn matches(&self, path: &Path) -> bool {
+        let folder = |path: &Path| {
+            let folder = folder_of(path);
+            folder.canonicalize().or_else(|_| std::path::absolute(folder)).unwrap_or(folder.to_path_buf())
+        };
+        let own = |name: &OsStr| {
+            self.number(name).is_some_and(|number| self.path(number).file_name() == Some(name))
+        };
+        path.file_name().is_some_and(own) && folder(path) == folder(&self.folder.join("any"))
+    }
+
     /// The number in a name of this pattern.
     fn number(&self, name: &OsStr) -> Option<u32> {
         let place = self.place.as_ref()?;
@@ -225,6 +237,21 @@ mod tests {
         assert_eq!(pattern.path(7), name(b"o\xff/a\xff_07\xfe.png"));
         assert_eq!(pattern.number(name(b"a\xff_12\xfe.png").as_os_str()), Some(12));
         assert_eq!(pattern.to_string(), r"o\xff/a\xff_##\xfe.png");
+    }
+
+    #[test]
+    fn paths_of_frames_are_told_from_others() {
+        let pattern = FramePattern::parse("a/f_##.png").expect("a pattern");
+        for (path, own) in [
+            ("a/f_05.png", true),
+            ("./a/f_123.png", true),
+            ("a/f_5.png", false),
+            ("a/f_005.png", false),
+            ("a/g_05.png", false),
+            ("f_05.png", false),
+        ] {
+            assert_eq!(pattern.matches(Path::new(path)), own, "{path}");
+        }
     }
 
     #[test]

@@ -9,7 +9,7 @@ use std::io;
 mod read;
 mod seal;
 
-pub use read::{bytes_of, check, holds, is_png, read, texts, texts_in};
+pub use read::{bytes_of, check, holds, is_png, read, size_in, texts, texts_in};
 pub use seal::{Seal, look};
 
 /// Codes that PNG knows, which has the higher byte first.

@@ -16,6 +16,7 @@ use super::{Message, Report, exr, holding, jpeg, png, ppm};
 use crate::film::Film;
 use crate::humane::counted;
 use crate::machine::thread_time;
+use crate::stop::Stop;
 use rayon::ThreadPool;
 use std::fs;
 use std::io::{self, Write};
@@ -33,6 +34,10 @@ pub struct Worker {
     animations: Option<Animations>,
     commits: Commits,
     report: Report,
+    /// Films that were written.
+    done: usize,
+    /// Ends waiting for who reads a pipe.
+    stop: Stop,
     /// Nanoseconds on a processor so far.
     cpu: Arc<AtomicU64>,
     /// The first frame with pixels that are not numbers.
@@ -57,10 +62,10 @@ struct Developed<'a> {
 
 impl Worker {
     /// Checks the job and prepares all places. Nothing stays behind if this fails.
-    pub fn new(job: Arc<Job>, pool: Arc<ThreadPool>) -> Result<Self, EncodeError> {
+    pub fn new(job: Arc<Job>, pool: Arc<ThreadPool>, stop: &Stop) -> Result<Self, EncodeError> {
         job.check()?;
         let folders = job.prepare_folders()?;
-        let animations = Some(Animations::start(&job, own_store(&job), &pool)?);
+        let animations = Some(Animations::start(&job, own_store(&job), &pool, stop)?);
         let table = ToneTable::new(job.tonemap);
         let (commits, report, cpu) = Default::default();
         Ok(Self {
@@ -70,6 +75,8 @@ impl Worker {
             animations,
             commits,
             report,
+            done: 0,
+            stop: stop.clone(),
             cpu,
             first_nan: None,
             clipped: 0,
@@ -94,7 +101,7 @@ impl Worker {
             let message = messages.recv();
             let start = Instant::now();
             match message {
-                Ok(Message::Film(place, film, claim)) => self.film(place, film, claim.as_ref())?,
+                Ok(Message::Film(place, film, claim)) => self.next_film(place, film, claim.as_ref())?,
                 Ok(Message::Kept(place)) => self.kept(place)?,
                 Ok(Message::Finish) => {
                     self.finish()?;
@@ -111,6 +118,16 @@ impl Worker {
             let others = self.animations.as_ref().map_or(0.0, Animations::cpu);
             self.cpu.store(((thread_time().unwrap_or(0.0) + others) * 1e9) as u64, Relaxed);
         }
+    }
+
+    /// A film; where that is interrupted, it is told how many there were before.
+    fn next_film(&mut self, index: usize, film: Film, claim: Option<&Arc<Claim>>) -> Result<(), EncodeError> {
+        self.film(index, film, claim).map_err(|error| match error {
+            EncodeError::Interrupted { signal, .. } => EncodeError::Interrupted { signal, done: self.done },
+            error => error,
+        })?;
+        self.done += 1;
+        Ok(())
     }
 
     fn film(&mut self, index: usize, film: Film, claim: Option<&Arc<Claim>>) -> Result<(), EncodeError> {
@@ -186,7 +203,7 @@ impl Worker {
         claim: Option<&Arc<Claim>>,
     ) -> Result<(), EncodeError> {
         if !output.is_stream() {
-            return self.commits.push(holding(path, bytes)?, claim.cloned());
+            return self.commits.push(holding(path, bytes, &self.stop)?, claim.cloned());
         }
         let mut stdout = io::stdout().lock();
         let put = bytes.and_then(|bytes| stdout.write_all(&bytes)).and_then(|()| stdout.flush());

@@ -309,3 +309,41 @@ fn frames_beyond_the_end_are_told() {
     let told = kinora(path, &["render", "ball.ron", "-o", "f_##.png"]);
     assert!(told.contains("frames  12, of which 12 kept") && !told.contains("they are left"), "{told}");
 }
+
+#[test]
+fn no_frame_is_replaced_by_what_is_made_of_it() {
+    let folder = rendered();
+    let path = folder.path();
+    let before = contents(path);
+    for of in [&[][..], &["--of", "ball.ron"]] {
+        for output in ["f_05.png", "./f_40.png", "f_##.png"] {
+            let told =
+                refused(path, &[&["assemble", "f_##.png"], of, &["-o", "a.gif", "-o", output]].concat());
+            assert!(told.contains("it would be one of the frames f_##.png"), "{told}");
+            assert!(told.contains(output.trim_end_matches("##.png")), "{told}");
+        }
+    }
+    assert!(contents(path) == before);
+    kinora(path, &["assemble", "f_##.png", "-o", "f_5.png"]);
+}
+
+#[test]
+fn frames_of_another_size_are_named() {
+    let folder = folder();
+    let path = folder.path();
+    kinora(path, &["render", "ball.ron", "--no-metadata", "-o", "n_##.png", "-o", "j_##.jpg"]);
+    for name in ["n_04.png", "n_07.png", "j_04.jpg", "j_07.jpg"] {
+        let other = image::RgbImage::from_pixel(16, 8, image::Rgb([9, 0, 0]));
+        other.save(path.join(name)).expect("a disk");
+    }
+    let before = contents(path);
+    for (names, of, told_of) in [
+        ("n_##.png", &["--of", "ball.ron", "--no-metadata"][..], "16x8 pixels, not 32x18"),
+        ("n_##.png", &[], "another size than most: 16x8, not 32x18"),
+        ("j_##.jpg", &[], "another size than most: 16x8, not 32x18"),
+    ] {
+        let told = refused(path, &[&["assemble", names], of, &["-o", "a.gif", "-o", "a.y4m"]].concat());
+        assert!(told.contains(&format!("\n  frames 4,7: {told_of}\n")), "{told}");
+    }
+    assert!(contents(path) == before);
+}

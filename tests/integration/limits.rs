@@ -204,6 +204,7 @@ fn reasons_of_the_system_are_told_in_its_words() {
     assert!(told.contains("cannot write a.webp: Too many open files"), "{told}");
     let done = run(folder.path(), &["render", "ball.ron", "-o", "/proc/a.gif"]);
     let told = stderr(&done);
-    assert_eq!(done.status.code(), Some(3), "{told}");
+    // Trying again does not help.
+    assert_eq!(done.status.code(), Some(2), "{told}");
     assert!(told.contains("cannot write /proc: No such file or directory") && told.contains("-o"), "{told}");
 }

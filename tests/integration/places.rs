@@ -1,7 +1,7 @@
 //! Where outputs go: through links to folders, in the place of links, and into pipes and devices.
 #![cfg(target_os = "linux")]
 
-use crate::command::{BALL, contents, folder, kinora, refused, run, stderr};
+use crate::command::{BALL, contents, folder, kinora, refused, run, stderr, watches};
 use assert_cmd::cargo::cargo_bin;
 use std::fs;
 use std::io::Read;
@@ -199,4 +199,61 @@ fn a_pipe_whose_reader_goes_away_ends_the_run() {
     assert_eq!(done.status.code(), Some(3));
     assert!(stderr(&done).contains("cannot write a.y4m: "), "{}", stderr(&done));
     assert!(run(path, &["check", "ball.ron"]).status.success());
+}
+
+/// While nobody reads a pipe, a run can be stopped: before its first frame, and when a frame's file is the pipe.
+#[test]
+fn a_run_that_waits_for_a_reader_is_stopped() {
+    for (name, output, done) in [("in.y4m", "in.y4m", 0), ("f_02.ppm", "f_##.ppm", 2)] {
+        for (signal, code) in [("TERM", 143), ("INT", 130)] {
+            let folder = folder();
+            let path = folder.path();
+            pipe(&path.join(name));
+            let mut command = Command::new(cargo_bin("kinora"));
+            command.current_dir(path).args(["render", "ball.ron", "-o", output]);
+            let mut child = command.stderr(Stdio::piped()).spawn().expect("the binary runs");
+            while !watches(&child) || done > 0 && !path.join("f_01.ppm").exists() {
+                assert!(child.try_wait().expect("a process").is_none(), "it has ended");
+                std::thread::sleep(Duration::from_millis(2));
+            }
+            // It begins to wait.
+            std::thread::sleep(Duration::from_millis(300));
+            let sent = Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status();
+            assert!(sent.expect("a command").success());
+            let ended = child.wait_with_output().expect("it ends");
+            let told = stderr(&ended);
+            assert_eq!(ended.status.code(), Some(code), "{told}");
+            assert!(told.contains(&format!("stopped after {done} frames")), "{told}");
+            assert_eq!(contents(path).len(), 1 + done, "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_pipe_is_no_frame_that_was_there() {
+    let folder = folder();
+    let path = folder.path();
+    pipe(&path.join("f.jpg"));
+    let reader = std::thread::spawn({
+        let pipe = path.join("f.jpg");
+        move || fs::read(pipe).expect("a pipe")
+    });
+    let told = kinora(path, &["render", "ball.ron", "--frames", "3", "-o", "f.jpg"]);
+    assert!(!told.contains("could be kept"), "{told}");
+    reader.join().expect("it ends");
+    kinora(path, &["render", "ball.ron", "--frames", "3", "-o", "g.jpg"]);
+    let told = kinora(path, &["render", "ball.ron", "--frames", "3", "-o", "g.jpg"]);
+    assert!(told.contains("could be kept: g.jpg has no room"), "{told}");
+}
+
+#[test]
+fn plan_refuses_what_render_does() {
+    let (inside, outside) = inside_and_outside();
+    let path = inside.path();
+    symlink(outside.path(), path.join("out")).expect("a disk");
+    naming(path, "\"out/a_##.png\"");
+    for command in ["plan", "check", "render"] {
+        let told = refused(path, &[command, "named.ron"]);
+        assert!(told.contains("out of the working directory"), "{command}: {told}");
+    }
 }

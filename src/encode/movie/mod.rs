@@ -18,6 +18,7 @@ use super::error::EncodeError;
 use super::job::Job;
 use super::output::{Moving, Output, Streamed};
 use super::picture::Picture;
+use crate::stop::Stop;
 use rayon::ThreadPool;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -50,6 +51,7 @@ pub fn start(
     output: &Output,
     job: &Job,
     pool: &Arc<ThreadPool>,
+    stop: &Stop,
 ) -> Result<Option<Box<dyn Movie>>, EncodeError> {
     let (format, path) = match output {
         Output::Stills(..) => return Ok(None),
@@ -62,7 +64,7 @@ pub fn start(
         Moving::Gif => None,
         Moving::Apng => Some(Box::new(apng::Apng::create(path, job)?)),
         Moving::Webp => Some(Box::new(webp::Webp::create(path, job)?)),
-        Moving::Y4m => Some(Box::new(y4m::Y4m::create(path, job)?)),
+        Moving::Y4m => Some(Box::new(y4m::Y4m::create(path, job, stop)?)),
         Moving::Mp4 => Some(Box::new(mp4::Mp4::create(path, job, pool)?)),
     })
 }

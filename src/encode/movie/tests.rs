@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::encode::{About, Formats, MATTE, Plays, Tonemap};
+use crate::stop::Stop;
 use crate::time::Rate;
 use image::codecs::png::PngDecoder;
 use image::codecs::webp::WebPDecoder;
@@ -65,7 +66,8 @@ fn make_on(
     let size = (pictures[0].width, pictures[0].height);
     let mut job = job(&path.to_string_lossy(), size, rate, formats);
     job.frames = (0..pictures.len() as u32).collect();
-    let mut movie = start(&job.outputs[0], &job, &pool(threads)).expect("started").expect("a movie");
+    let mut movie =
+        start(&job.outputs[0], &job, &pool(threads), &Stop::default()).expect("started").expect("a movie");
     pictures.iter().try_for_each(|picture| movie.push(picture)).expect("pushed");
     movie.finish().expect("finished");
     fs::read(path).expect("a file")
@@ -241,7 +243,8 @@ fn stopped_animations_play_what_they_have() {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join(name);
         let job = job(&path.to_string_lossy(), (31, 17), (24, 1), Formats::default());
-        let mut movie = start(&job.outputs[0], &job, &pool(2)).expect("started").expect("a movie");
+        let mut movie =
+            start(&job.outputs[0], &job, &pool(2), &Stop::default()).expect("started").expect("a movie");
         pictures[..2].iter().try_for_each(|picture| movie.push(picture)).expect("pushed");
         let part = movie.stop().expect("stopped").expect("a file");
         assert_eq!(part, dir.path().join(format!("part_{name}")));

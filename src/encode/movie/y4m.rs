@@ -6,6 +6,7 @@ use crate::encode::error::EncodeError;
 use crate::encode::job::Job;
 use crate::encode::movie::Movie;
 use crate::encode::picture::Picture;
+use crate::stop::Stop;
 use std::io::{self, BufWriter, Stdout, Write};
 use std::path::{Path, PathBuf};
 
@@ -21,8 +22,8 @@ enum To {
 }
 
 impl Y4m {
-    pub fn create(path: &Path, job: &Job) -> Result<Self, EncodeError> {
-        let file = Box::new(Aside::create(path)?);
+    pub fn create(path: &Path, job: &Job, stop: &Stop) -> Result<Self, EncodeError> {
+        let file = Box::new(Aside::create_until(path, stop)?);
         Self::start(To::File { path: path.to_path_buf(), file }, job)
     }
 

@@ -56,6 +56,12 @@ fn told_in(input: impl io::BufRead + io::Seek) -> Vec<(String, String)> {
     Decoder::new(input).read_info().map_or_else(|_| Vec::new(), |reader| told(&reader))
 }
 
+/// Width and height of a PNG, by its bytes.
+pub fn size_in(bytes: &[u8]) -> Option<(u32, u32)> {
+    let reader = Decoder::new(Cursor::new(bytes)).read_info().ok()?;
+    Some((reader.info().width, reader.info().height))
+}
+
 /// Whether a file begins as PNGs do.
 pub fn is_png(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\x89PNG\r\n\x1a\n")
