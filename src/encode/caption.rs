@@ -2,7 +2,8 @@
 
 use super::about::Shown;
 use super::picture::{Code, Picture};
-use super::text::{Align, Line, lacking};
+use super::text::{Align, Line, lacking, line_height};
+use crate::humane::counted;
 use std::fmt;
 
 /// What is written into pictures, and where.
@@ -167,15 +168,31 @@ impl Caption {
         Self { text, corner: Corner::default(), size: 0.045 }
     }
 
+    /// What to tell of a caption that is cut off in pictures of this height, which have no room for all its lines.
+    pub fn cut(&self, height: u32) -> Option<String> {
+        let (size, lines) = (self.letters(height), u64::from(self.text.lines()));
+        let room = (height as usize).saturating_sub(padding(size) / 2);
+        let fit = room.checked_div(line_height(size))? as u64;
+        (fit < lines).then(|| {
+            let lines = counted(lines, "line");
+            format!("the caption has {lines}, of which {fit} fit into pictures {height} pixels high; the rest is cut off")
+        })
+    }
+
+    /// The height of the letters in a picture of this height.
+    fn letters(&self, height: u32) -> f32 {
+        (self.size * height as f32).max(LOWEST)
+    }
+
     /// Writes the caption of a frame into its picture: white on a dark ground.
     pub fn draw<C: Code>(&self, picture: &mut Picture<C>, shown: &Shown) {
-        let size = (self.size * picture.height as f32).max(LOWEST);
+        let size = self.letters(picture.height);
         let align = if self.corner.is_right() { Align::Right } else { Align::Left };
         let line = Line::block(&self.text.told(shown), size, align);
         if line.width == 0 {
             return;
         }
-        let padding = (PADDING * size).round() as usize;
+        let padding = padding(size);
         let (width, height) = (line.width + 2 * padding, line.height + padding);
         let left = if self.corner.is_right() { (picture.width as usize).saturating_sub(width) } else { 0 };
         let top = if self.corner.is_bottom() { (picture.height as usize).saturating_sub(height) } else { 0 };
@@ -193,6 +210,11 @@ impl Caption {
             }
         }
     }
+}
+
+/// Pixels around letters of this height.
+fn padding(size: f32) -> usize {
+    (PADDING * size).round() as usize
 }
 
 /// Lays a grey over a pixel, as far as it covers it. Codes are mixed: letters are no light.
@@ -276,6 +298,20 @@ mod tests {
                 .map(|text| { Template::parse(text).expect("a template").lines() }),
             [1, 1, 2, 2]
         );
+    }
+
+    #[test]
+    fn lines_that_have_no_room_are_told() {
+        let caption = |text: &str| Caption { size: 0.1, ..Caption::new(Template::parse(text).expect(text)) };
+        let nine = "a\nb\nc\nd\ne\nf\ng\nh\n{frame}";
+        assert_eq!(caption(nine).cut(200), None);
+        let told = caption(&format!("{nine}\nj")).cut(200);
+        let expected =
+            "the caption has 10 lines, of which 9 fit into pictures 200 pixels high; the rest is cut off";
+        assert_eq!(told.as_deref(), Some(expected));
+        // Letters are not smaller than they can be read.
+        assert!(caption("a\nb").cut(18).is_some_and(|told| told.contains("of which 1 fit")));
+        assert!(caption("a").cut(4).is_some_and(|told| told.contains("of which 0 fit")));
     }
 
     #[test]

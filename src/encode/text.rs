@@ -20,6 +20,11 @@ pub fn lacking(text: &str) -> Vec<char> {
     lacking
 }
 
+/// Rows of pixels of a line whose letters are `size` pixels high.
+pub fn line_height(size: f32) -> usize {
+    FONT.as_ref().map_or(0, |font| font.as_scaled(PxScale::from(size)).height().ceil() as usize)
+}
+
 /// Where the lines of a text stand that are shorter than its longest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
@@ -52,7 +57,7 @@ impl Line {
             at += scaled.h_advance(glyph);
             last = Some(glyph);
         }
-        let (width, height) = (at.ceil() as usize, scaled.height().ceil() as usize);
+        let (width, height) = (at.ceil() as usize, line_height(size));
         let mut line = Self { width, height, cover: vec![0.0; width * height] };
         for outlined in glyphs.into_iter().filter_map(|glyph| font.outline_glyph(glyph)) {
             let (left, top) = (outlined.px_bounds().min.x as i64, outlined.px_bounds().min.y as i64);

@@ -17,6 +17,7 @@ use super::object::{Draft, Parent, Surface, object, report_circles};
 use super::output::{default_output, output};
 use super::quality::quality;
 use super::reach::{TransformPlace, report_out_of_range};
+use super::syntax::EXAMPLE;
 use super::timeline::{still, timeline};
 use super::{Named, Object, Sequence};
 use crate::camera_path::CameraPath;
@@ -34,6 +35,12 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     if !root.word().is_empty() {
         let title = format!("expected ( ... ) around the whole file, without `{}` in front", root.word());
         root.fault(Fault::new(root.head(), title, "remove this word"));
+    }
+    // As a file of JSON begins.
+    if root.text().starts_with('{') {
+        let fault = root.mismatch("the fields of the sequence, written (name: value, ...)");
+        root.fault(fault.help(EXAMPLE));
+        return None;
     }
     let mut fields = Fields::of(root, "the sequence")?;
     // First, for it says what the times of keys mean.

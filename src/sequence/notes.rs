@@ -18,7 +18,10 @@ impl Sequence {
         notes.extend(self.ignored_alpha());
         notes.extend(self.missing_libraries());
         notes.extend(self.gains());
-        notes.extend(self.output.caption.as_ref().and_then(|caption| caption.text.note(&self.name)));
+        if let Some(caption) = &self.output.caption {
+            notes.extend(caption.text.note(&self.name));
+            notes.extend(caption.cut(self.output.size.1));
+        }
         notes
     }
 

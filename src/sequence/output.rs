@@ -150,7 +150,10 @@ fn check_place(path: &str) -> Result<(), (&'static str, &'static str)> {
         return Err(("a relative path without `..`", help));
     }
     if path.chars().any(char::is_control) {
-        return Err(("a file name without control characters", "remove line breaks and tabs"));
+        return Err((
+            "a file name without control characters",
+            "remove control characters, such as line breaks and tabs",
+        ));
     }
     Ok(())
 }

@@ -60,11 +60,12 @@ fn other_notation(text: &str, trailing: bool) -> Option<Fault> {
         return None;
     }
     let fault = Fault::new(token(text, start), "this is no sequence in RON", "a sequence begins with `(`");
-    Some(fault.help(
-        "a sequence looks like (timeline: (frames: 48), objects: { \"ball\": (shape: Sphere()) }); \
-         sequences/README.md explains it",
-    ))
+    Some(fault.help(EXAMPLE))
 }
+
+/// What a sequence looks like.
+pub const EXAMPLE: &str = "a sequence looks like (timeline: (frames: 48), objects: { \"ball\": (shape: Sphere()) }); \
+                           sequences/README.md explains it";
 
 /// Brackets in brackets that are counted: many more than ron takes.
 const DEEPEST: usize = 1000;
@@ -233,18 +234,28 @@ fn missing_comma(text: &str, here: Range<usize>, found: &str) -> Fault {
 
 /// A share in per cent, which is written as a number.
 fn percent(text: &str, here: Range<usize>) -> Fault {
-    let start =
-        text[..here.start].rfind(|c: char| !matches!(c, '0'..='9' | '.' | '_')).map_or(0, |at| at + 1);
-    let number = text[start..here.start].parse().ok().map(|percent: f64| percent / 100.0);
-    let written = number.map_or("0.01 for 1 %".to_owned(), |number| {
-        let digits = format!("{number:.6}");
-        digits.trim_end_matches('0').trim_end_matches('.').to_owned()
-    });
-    Fault::new(
-        start..here.end,
-        "shares are written as plain numbers, without `%`",
-        format!("write {written}"),
-    )
+    let is_part = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '+' | '-');
+    let number = text[..here.start].trim_end();
+    let start = number.trim_end_matches(is_part).len();
+    let label = plain_number(&number[start..])
+        .unwrap_or_else(|| "write a share as a number: 0.01 for 1 %".to_owned());
+    Fault::new(start..here.end, "shares are written as plain numbers, without `%`", label)
+}
+
+/// What to write instead of a number of per cent, if it is one that anybody would write. One that is whole may be meant
+/// for something that is no share.
+fn plain_number(percent: &str) -> Option<String> {
+    /// Digits of numbers that people write.
+    const MOST_DIGITS: usize = 12;
+    let percent: f64 = percent.replace('_', "").parse().ok().filter(|number: &f64| number.is_finite())?;
+    // Read as a decimal, of which no division changes a digit.
+    let share: f64 = format!("{percent}e-2").parse().ok()?;
+    let (share, whole) = (share.to_string(), percent.to_string());
+    match percent.fract() == 0.0 {
+        _ if share.len() > MOST_DIGITS => None,
+        true => Some(format!("write {share}, or {whole} where no share is meant")),
+        false => Some(format!("write {share}")),
+    }
 }
 
 #[cfg(test)]
@@ -266,5 +277,32 @@ mod tests {
         }
         assert_eq!(overfull(") ] , }", 0), None);
         assert_eq!(overfull(&"(".repeat(1 << 20), 1), None);
+    }
+
+    #[test]
+    fn shares_in_per_cent_are_given_as_numbers() {
+        let general = "write a share as a number: 0.01 for 1 %";
+        for (number, label) in [
+            ("0.29", "write 0.0029"),
+            ("12.5", "write 0.125"),
+            ("-2.5", "write -0.025"),
+            ("3", "write 0.03, or 3 where no share is meant"),
+            ("1e2", "write 1, or 100 where no share is meant"),
+            ("1_000", "write 10, or 1000 where no share is meant"),
+            ("1e400", general),
+            ("0x10", general),
+            ("99999999999999999999999999", general),
+            ("1e-7", "write 0.000000001"),
+            ("1e-30", general),
+        ] {
+            for blank in ["", " "] {
+                let text = format!("(quality: (noise: {number}{blank}%))");
+                let faults = faults(&text);
+                let [fault] = &faults[..] else { panic!("{text}: {faults:?}") };
+                assert_eq!(&text[fault.span.clone()], format!("{number}{blank}%"));
+                let told = format!("{fault:?}");
+                assert!(told.contains(&format!("label: {label:?}")), "{told}");
+            }
+        }
     }
 }
