@@ -70,9 +70,8 @@ fn sa_03_closed_furnace() {
 /// After 10 bounces light has been scattered 11 times: 1 - 0.8^12.
 const CUT_SHORT: f64 = 0.931_280_523_264;
 
-/// `cargo test --release -- --ignored sa_03` runs it.
 #[test]
-#[ignore = "a minute; the full number of paths of SA-03"]
+#[ignore = "takes a minute: the full number of paths of SA-03; cargo test --release -- --ignored sa_03"]
 fn sa_03_closed_furnace_in_full() {
     near(closed_furnace(1_000_000, "integrator: Path, bounces: 1000"), 1.0, 1e-3);
     near(closed_furnace(1_000_000, "integrator: Path(roulette: Off), bounces: 10"), CUT_SHORT, 1e-3);
