@@ -119,7 +119,8 @@ impl MtlMaterial {
     /// The alpha of an image is read with its colours, as exporters mean it that name it for both.
     fn settle(&mut self) {
         let Some(line) = self.opacity_map.take() else { return };
-        if !self.diffuse_map.as_ref().is_some_and(|map| line.ends_with(&map.file)) {
+        let options = self.diffuse_map.as_ref().and_then(|map| line.strip_suffix(&map.file));
+        if !options.is_some_and(are_options) {
             self.leave_out("map_d");
         }
     }
@@ -172,6 +173,11 @@ impl MtlMaterial {
 /// A name with `/` between folders.
 fn path(rest: &[u8]) -> String {
     String::from_utf8_lossy(rest).replace('\\', "/")
+}
+
+/// Whether this can stand before the whole name of an image: options with their values, or nothing.
+fn are_options(before: &str) -> bool {
+    before.is_empty() || before.starts_with('-') && before.ends_with([' ', '\t'])
 }
 
 /// Smaller factors are refused, for their reciprocals must stay far from overflow.
@@ -265,6 +271,11 @@ mod tests {
         assert_eq!(told("newmtl a\nmap_d -imfchan m leaf.png\nmap_Kd leaf.png"), [""; 0]);
         assert_eq!(told("newmtl a\nmap_Kd leaf.png\nmap_d mask.png"), ["map_d"]);
         assert_eq!(told("newmtl a\nmap_d mask.png"), ["map_d"]);
+        // The end of another name is not the name.
+        assert_eq!(told("newmtl a\nmap_Kd leaf.png\nmap_d other_leaf.png"), ["map_d"]);
+        assert_eq!(told("newmtl a\nmap_Kd leaf.png\nmap_d other leaf.png"), ["map_d"]);
+        assert_eq!(told("newmtl a\nmap_Kd leaf.png\nmap_d -imfchan m tex\\leaf.png"), ["map_d"]);
+        assert_eq!(told("newmtl a\nmap_Kd leaf.png\nmap_d -imfchan m\tleaf.png"), [""; 0]);
     }
 
     #[test]
