@@ -175,7 +175,9 @@ impl Caption {
         let fit = room.checked_div(line_height(size))? as u64;
         (fit < lines).then(|| {
             let lines = counted(lines, "line");
-            format!("the caption has {lines}, of which {fit} fit into pictures {height} pixels high; the rest is cut off")
+            format!(
+                "the caption has {lines}; pictures {height} pixels high have room for {fit}, and the rest is cut off"
+            )
         })
     }
 
@@ -307,11 +309,15 @@ mod tests {
         assert_eq!(caption(nine).cut(200), None);
         let told = caption(&format!("{nine}\nj")).cut(200);
         let expected =
-            "the caption has 10 lines, of which 9 fit into pictures 200 pixels high; the rest is cut off";
+            "the caption has 10 lines; pictures 200 pixels high have room for 9, and the rest is cut off";
         assert_eq!(told.as_deref(), Some(expected));
         // Letters are not smaller than they can be read.
-        assert!(caption("a\nb").cut(18).is_some_and(|told| told.contains("of which 1 fit")));
-        assert!(caption("a").cut(4).is_some_and(|told| told.contains("of which 0 fit")));
+        let expected =
+            "the caption has 2 lines; pictures 18 pixels high have room for 1, and the rest is cut off";
+        assert_eq!(caption("a\nb").cut(18).as_deref(), Some(expected));
+        let expected =
+            "the caption has 1 line; pictures 4 pixels high have room for 0, and the rest is cut off";
+        assert_eq!(caption("a").cut(4).as_deref(), Some(expected));
     }
 
     #[test]
