@@ -63,16 +63,17 @@ pub fn write(
     words: &Words,
 ) -> Result<(Aside, u64), EncodeError> {
     let mut aside = Aside::create(path)?;
-    let halves = Halves::default();
+    let counted = Halves::default();
+    let halves = settings.half.then_some(&counted);
     let written = match settings.layers.any() {
-        true => all(film, settings, names, words, &halves, &mut aside),
-        false => plain(film, settings.half.then_some(&halves), words, &mut aside),
+        true => all(film, settings.layers, halves, names, words, &mut aside),
+        false => plain(film, halves, words, &mut aside),
     };
     written.map_err(|error| EncodeError::write(path, cause(error)))?;
     if words.identity.is_some() {
         seal::close(&mut aside).map_err(|error| EncodeError::write(path, error))?;
     }
-    Ok((aside, halves.clipped()))
+    Ok((aside, counted.clipped()))
 }
 
 /// Writes the channels R, G and B, and A if the background is left out. The radiance is summed as it is written, so
@@ -115,24 +116,24 @@ fn plain(film: &Film, halves: Option<&Halves>, words: &Words, file: &mut Aside) 
 /// Writes the picture and whatever layers are asked for, each channel `LAYER.R` and so on.
 fn all(
     film: &Film,
-    settings: ExrSettings,
+    layers: ExrLayers,
+    halves: Option<&Halves>,
     names: &[String],
     words: &Words,
-    halves: &Halves,
     file: &mut Aside,
 ) -> UnitResult {
     let pixels = film.width as usize * film.height as usize;
-    let sheet = Sheet { film, pixels, half: settings.half, halves };
+    let sheet = Sheet { film, pixels, halves };
     let mut list = sheet.colors("", |pixel| film.radiance_at(pixel));
     if film.extras.coverage {
-        list.push(sheet.channel("A".to_owned(), settings.half, |pixel| film.alpha_at(pixel)));
+        list.push(sheet.channel("A".to_owned(), halves, |pixel| film.alpha_at(pixel)));
     }
-    if settings.layers.lights {
+    if layers.lights {
         for (layer, name) in names.iter().enumerate().take(film.weights.len()) {
             list.extend(sheet.colors(&format!("{name}."), |pixel| film.radiance_of(pixel, layer)));
         }
     }
-    list.extend(sheet.guides(settings.layers));
+    list.extend(sheet.guides(layers));
     let channels = AnyChannels::sort(list.into());
     image(film, channels, words).write().non_parallel().to_buffered(file)
 }
@@ -155,17 +156,21 @@ fn image<'c, C: WritableChannels<'c> + 'c>(film: &Film, channels: C, words: &Wor
 struct Sheet<'a> {
     film: &'a Film,
     pixels: usize,
-    /// Whether colours are 16-bit floats. Depth and normals never are.
-    half: bool,
-    halves: &'a Halves,
+    /// What rounds colours to 16-bit floats, if anything does. Depth and normals are never rounded.
+    halves: Option<&'a Halves>,
 }
 
 impl Sheet<'_> {
-    fn channel(&self, name: String, half: bool, value: impl Fn(usize) -> f32) -> AnyChannel<FlatSamples> {
+    fn channel(
+        &self,
+        name: String,
+        halves: Option<&Halves>,
+        value: impl Fn(usize) -> f32,
+    ) -> AnyChannel<FlatSamples> {
         let values = (0..self.pixels).map(value);
-        let samples = match half {
-            true => FlatSamples::F16(values.map(|value| self.halves.half(value)).collect()),
-            false => FlatSamples::F32(values.collect()),
+        let samples = match halves {
+            Some(halves) => FlatSamples::F16(values.map(|value| halves.half(value)).collect()),
+            None => FlatSamples::F32(values.collect()),
         };
         AnyChannel::new(Text::from(name.as_str()), samples)
     }
@@ -173,7 +178,7 @@ impl Sheet<'_> {
     /// R, G and B with a prefix.
     fn colors(&self, prefix: &str, color: impl Fn(usize) -> Rgb) -> Vec<AnyChannel<FlatSamples>> {
         let channel =
-            |(axis, letter)| self.channel(format!("{prefix}{letter}"), self.half, |p| color(p)[axis]);
+            |(axis, letter)| self.channel(format!("{prefix}{letter}"), self.halves, |p| color(p)[axis]);
         ["R", "G", "B"].into_iter().enumerate().map(channel).collect()
     }
 
@@ -182,11 +187,11 @@ impl Sheet<'_> {
         let seen = |pixel| self.film.guides_at(pixel).unwrap_or(none);
         let mut list = Vec::new();
         if layers.depth {
-            list.push(self.channel("Z".to_owned(), false, |pixel| seen(pixel).depth.unwrap_or(NOTHING)));
+            list.push(self.channel("Z".to_owned(), None, |pixel| seen(pixel).depth.unwrap_or(NOTHING)));
         }
         if layers.normal {
             let axis =
-                |(axis, letter)| self.channel(format!("{NORMAL}.{letter}"), false, |p| seen(p).normal[axis]);
+                |(axis, letter)| self.channel(format!("{NORMAL}.{letter}"), None, |p| seen(p).normal[axis]);
             list.extend(["X", "Y", "Z"].into_iter().enumerate().map(axis));
         }
         if layers.albedo {
