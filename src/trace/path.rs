@@ -323,26 +323,29 @@ impl<'a> Paths<'a> {
         if let Some(media) = next.media {
             path.media = media;
         }
-        // Straight on: what was drawn before still leads there, and no bounce is taken.
-        if next.kind == Kind::Unbent {
-            path.passed = Some(face.passed);
-            return true;
-        }
-        let frame = face.seen(&path.ray, path.tangent).frame();
-        path.passed = None;
-        path.ray = match next.kind {
-            Kind::Scattered => spawn_gathering(&face.surface, next.direction),
-            Kind::Mirrored => spawn_mirrored(&face.surface, next.direction),
-            Kind::Unbent | Kind::Bent => spawn(&face.surface, next.direction),
-        };
-        path.tangent = frame.tangent(path.ray.direction);
-        match next.kind {
-            Kind::Unbent => {}
-            Kind::Bent => path.counted |= self.settings.refractive_shadows && path.asked.is_some(),
+        let ray = match next.kind {
+            // Straight on: what was drawn before still leads there, and no bounce is taken.
+            Kind::Unbent => {
+                path.passed = Some(face.passed);
+                return true;
+            }
+            Kind::Bent => {
+                path.counted |= self.settings.refractive_shadows && path.asked.is_some();
+                spawn(&face.surface, next.direction)
+            }
             // No shadow ray goes by a mirror.
-            Kind::Mirrored => (path.asked, path.counted) = (None, false),
-            Kind::Scattered => (path.asked, path.counted) = (Some(face.surface.point), false),
-        }
+            Kind::Mirrored => {
+                (path.asked, path.counted) = (None, false);
+                spawn_mirrored(&face.surface, next.direction)
+            }
+            Kind::Scattered => {
+                (path.asked, path.counted) = (Some(face.surface.point), false);
+                spawn_gathering(&face.surface, next.direction)
+            }
+        };
+        path.tangent = face.seen(&path.ray, path.tangent).frame().tangent(ray.direction);
+        path.ray = ray;
+        path.passed = None;
         path.density = next.density;
         path.left -= 1;
         true
