@@ -139,6 +139,9 @@ fn plain(reason: &io::Error) -> String {
     text.split_once(" at path ").map_or(text.clone(), |(why, _)| why.to_owned())
 }
 
+/// What helps where a folder takes no files, as the end of a message.
+const NO_FILES: &str = "; no file can be made there, so name another place with -o";
+
 /// What usually helps, as the end of a message.
 fn remedy(reason: &io::Error) -> &'static str {
     match reason.kind() {
@@ -148,7 +151,7 @@ fn remedy(reason: &io::Error) -> &'static str {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
             "; free some space or name another place with -o"
         }
-        io::ErrorKind::NotFound => "; no file can be made there, so name another place with -o",
+        io::ErrorKind::NotFound => NO_FILES,
         io::ErrorKind::FileTooLarge => {
             "; a file may not become so large: raise the limit (ulimit -f), or render less at a time"
         }
@@ -217,11 +220,9 @@ impl fmt::Display for JobError {
                 "cannot write {}: it would be one of the frames {names} that it is made of; name another file",
                 escape::path(path)
             ),
-            Self::NoFiles { folder, why } => write!(
-                f,
-                "cannot write {}: {why}; no file can be made there, so name another place with -o",
-                escape::path(folder)
-            ),
+            Self::NoFiles { folder, why } => {
+                write!(f, "cannot write {}: {why}{NO_FILES}", escape::path(folder))
+            }
             Self::Exists { path } => write!(
                 f,
                 "{} is there already; name another file, or leave out --fail-if-exists to keep what is right and \
