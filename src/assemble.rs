@@ -4,7 +4,7 @@ use crate::color::Rgb;
 use crate::encode::{
     About, Assembly, EncodeError, Existing, Flaw, Formats, FramePattern, Job, JobError, MATTE, Output,
     Report, Sheet, Shown, Template, Tonemap, check_size, inspect, inspect_job, prepare_picture, read_picture,
-    sheet_columns, write_picture,
+    same_file, sheet_columns, write_picture,
 };
 use crate::frame_set::{self, MOST_FRAMES};
 use crate::memory;
@@ -13,7 +13,7 @@ use crate::render::{self, Large, RenderError, pool};
 use crate::sequence::Sequence;
 use crate::time::Rate;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Frames on disk, and what is made of them.
@@ -148,8 +148,30 @@ fn chosen(
     })
 }
 
+/// Refuses to replace frames by what is made of them. `frame` says which frame, or which pattern of frames, has a path.
+///
+/// # Errors
+/// The first output that would be a frame.
+pub fn check_outputs<'f>(
+    outputs: &[Output],
+    frame: impl Fn(&Path) -> Option<&'f Path>,
+) -> Result<(), EncodeError> {
+    for path in outputs.iter().filter(|output| !output.is_stream()).map(|output| output.path(0)) {
+        if let Some(frames) = frame(&path).map(Path::to_owned) {
+            return Err(JobError::OwnFrame { path, frames }.into());
+        }
+    }
+    Ok(())
+}
+
 /// Makes the animations and filmstrips.
+///
+/// # Errors
+/// Outputs that would replace a frame, before anything is written; frames that cannot be read or differ in size; and
+/// files that cannot be written.
 pub fn assemble(request: &Request) -> Result<Report, RenderError> {
+    let frames = || request.frames.iter().map(|(_, frame)| frame.as_path());
+    check_outputs(&request.outputs, |path| frames().find(|frame| same_file(frame, path)))?;
     let (animations, strips): (Vec<_>, Vec<_>) =
         request.outputs.iter().cloned().partition(Output::is_animation);
     let Some((_, path)) = request.frames.first() else {

@@ -7,11 +7,9 @@ use super::progress::ProgressMode;
 use super::render::frames_of;
 use super::settings::Settings;
 use super::{load, loading, terminal, values};
-use crate::assemble::{Chosen, Request, Wanted, assemble, choose, choose_of};
+use crate::assemble::{Chosen, Request, Wanted, assemble, check_outputs, choose, choose_of};
 use crate::color::Rgb;
-use crate::encode::{
-    EncodeError, Existing, Formats, FramePattern, JobError, Output, Plays, Report, Still, Template,
-};
+use crate::encode::{Existing, Formats, FramePattern, Output, Plays, Report, Still, Template};
 use crate::escape;
 use crate::files::{in_the_way, why};
 use crate::frame_set::{FrameSet, MOST_FRAMES};
@@ -106,7 +104,9 @@ samples than most. -r is then the rate at which they are shown; with --of it is 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     terminal::check_stream(&arguments.output)?;
     let pattern = arguments.pattern()?;
-    arguments.check_outputs(&pattern)?;
+    // Those frames count too that are not asked for now.
+    let own = |path: &Path| pattern.matches(path).then_some(pattern.name());
+    check_outputs(&arguments.output, own).map_err(RenderError::from)?;
     let (chosen, formats, matte) = match &arguments.of {
         Some(file) => arguments.chosen_of(file, &pattern)?,
         None => (arguments.chosen(&pattern)?, Formats::default(), Request::default().matte),
@@ -126,19 +126,6 @@ impl Arguments {
                 escape::path(&self.pattern)
             ))
         })
-    }
-
-    /// No frame may be replaced by what is made of it.
-    fn check_outputs(&self, pattern: &FramePattern) -> Result<(), Failure> {
-        let paths = self.output.iter().filter(|output| !output.is_stream()).map(|output| output.path(0));
-        match paths.into_iter().find(|path| pattern.matches(path)) {
-            Some(path) => Err(RenderError::from(EncodeError::from(JobError::OwnFrame {
-                path,
-                names: pattern.to_string(),
-            }))
-            .into()),
-            None => Ok(()),
-        }
     }
 
     /// The frames of a sequence, and its settings of formats.

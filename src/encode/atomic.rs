@@ -6,6 +6,7 @@ use super::claim;
 use super::disk::{Operation, attempt};
 use super::error::EncodeError;
 use super::output::prefixed;
+use super::place::folder_of;
 use crate::files::{self, Channel};
 use crate::stop::Stop;
 use std::fs::{self, File};
@@ -140,14 +141,6 @@ impl Read for Aside {
 /// Writes `bytes` as the file `path`, whole or not at all.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), EncodeError> {
     Aside::holding(path, bytes, &Stop::default())?.commit()
-}
-
-/// The folder that holds `path`; the working directory if it names none.
-pub fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
 }
 
 /// Where a part of the file `path` goes, so that it is not taken for the whole.

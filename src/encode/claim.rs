@@ -9,10 +9,11 @@
 //! Claims save work, and are nothing that bytes depend on: should two processes ever make the same frame, because one was
 //! held up for longer than that, both write the same file, whole.
 
-use super::atomic::{PREFIX, folder_of};
+use super::atomic::PREFIX;
 use super::disk::{Operation, attempt};
 use super::error::EncodeError;
 use super::output::Output;
+use super::place::folder_of;
 use crate::digest::Digest;
 use crate::process::Process;
 use std::collections::BTreeMap;

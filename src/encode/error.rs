@@ -46,8 +46,8 @@ pub enum JobError {
     Frames { names: String, flaws: Vec<(u32, Flaw)>, advice: &'static str },
     /// From the first frame to the last there are more than any run has.
     Apart { names: String, first: u32, last: u32 },
-    /// What is made of frames would be one of them.
-    OwnFrame { path: PathBuf, names: String },
+    /// What is made of frames would be one of them; with its path among them, or the pattern of their names.
+    OwnFrame { path: PathBuf, frames: PathBuf },
     /// No file can be made in a folder of the system.
     NoFiles { folder: PathBuf, why: String },
     /// A file is there, and none is to be replaced.
@@ -215,10 +215,11 @@ impl fmt::Display for JobError {
                 "{names}: frames {first} to {last} are more than {MOST_FRAMES}, the most of one run; name those that are \
                  meant with --frames"
             ),
-            Self::OwnFrame { path, names } => write!(
+            Self::OwnFrame { path, frames } => write!(
                 f,
-                "cannot write {}: it would be one of the frames {names} that it is made of; name another file",
-                escape::path(path)
+                "cannot write {}: it would be one of the frames {} that it is made of; name another file",
+                escape::path(path),
+                escape::path(frames)
             ),
             Self::NoFiles { folder, why } => {
                 write!(f, "cannot write {}: {why}{NO_FILES}", escape::path(folder))

@@ -1,13 +1,14 @@
 //! What an encoder is asked to do, and whether that can be done.
 
 use super::about::About;
-use super::atomic::{NewFolders, folder_of};
+use super::atomic::NewFolders;
 use super::caption::Caption;
 use super::error::{EncodeError, JobError};
 use super::identity::Seen;
 use super::movie::{mp4, webp};
 use super::output::{Moving, Output, Still};
 use super::pattern::FramePattern;
+use super::place::folder_of;
 use super::settings::Formats;
 use super::tonemap::Tonemap;
 use super::{gif, jpeg};

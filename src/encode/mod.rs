@@ -33,6 +33,7 @@ mod movie;
 mod output;
 mod pattern;
 mod picture;
+mod place;
 mod png;
 mod ppm;
 mod record;
@@ -60,6 +61,7 @@ pub use job::{Existing, Job, check_size, check_within, prepare_picture};
 pub use output::{Moving, Output, OutputError, Still, Streamed};
 pub use pattern::{FramePattern, PatternError};
 pub use picture::Picture;
+pub use place::same_file;
 pub use png::texts as frame_texts;
 pub use settings::{
     ExrLayers, ExrSettings, Formats, GifSettings, JpegSettings, MATTE, Mp4Settings, Plays, PngSettings,

@@ -1,7 +1,7 @@
 //! What a run writes, as the user says it: `-o out/frame_####.png`, `-o out.gif`.
 
-use super::atomic::folder_of;
 use super::pattern::{FramePattern, PatternError};
+use super::place::same_folder;
 use super::settings::Formats;
 use crate::escape;
 use std::ffi::{OsStr, OsString};
@@ -178,13 +178,7 @@ impl Output {
 
     /// The first file that both outputs would write for one of these frames.
     pub fn shared_with(&self, other: &Self, frames: &[u32]) -> Option<PathBuf> {
-        let folder = |output: &Self| {
-            // Tells `a.png` and `./a.png` the same; a folder for which that fails stands for itself.
-            let path = output.path(0);
-            let folder = folder_of(&path).to_path_buf();
-            std::path::absolute(&folder).unwrap_or(folder)
-        };
-        if self.extension() != other.extension() || folder(self) != folder(other) {
+        if self.extension() != other.extension() || !same_folder(&self.path(0), &other.path(0)) {
             return None;
         }
         let shared = |frame: u32| self.path(frame).file_name() == other.path(frame).file_name();
@@ -339,6 +333,7 @@ mod tests {
         assert_eq!(shared("a_#.png", "b/a_#.png", &[3]), None);
         assert_eq!(shared("a_#.png", "a_3.png", &[3]), Some("a_3.png".into()));
         assert_eq!(shared("a.gif", "./a.gif", &[0, 1]), Some("a.gif".into()));
+        assert_eq!(shared("a.gif", "none/../a.gif", &[0, 1]), Some("a.gif".into()));
         assert_eq!(shared("a.gif", "a.apng", &[0, 1]), None);
         assert_eq!(shared("-", "a.y4m", &[0]), None);
         assert_eq!(shared("-", "-", &[0]), Some("-".into()));

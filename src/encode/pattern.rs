@@ -1,6 +1,6 @@
 //! File names with a place for the frame number.
 
-use super::atomic::folder_of;
+use super::place::{folder_of, same_file};
 use crate::escape;
 use std::ffi::{OsStr, OsString};
 use std::fmt;
@@ -96,14 +96,8 @@ impl FramePattern {
 
     /// Whether a path is that of some frame.
     pub fn matches(&self, path: &Path) -> bool {
-        let folder = |path: &Path| {
-            let folder = folder_of(path);
-            folder.canonicalize().or_else(|_| std::path::absolute(folder)).unwrap_or(folder.to_path_buf())
-        };
-        let own = |name: &OsStr| {
-            self.number(name).is_some_and(|number| self.path(number).file_name() == Some(name))
-        };
-        path.file_name().is_some_and(own) && folder(path) == folder(&self.folder.join("any"))
+        let number = path.file_name().and_then(|name| self.number(name));
+        number.is_some_and(|number| same_file(&self.path(number), path))
     }
 
     /// The number in a name of this pattern.

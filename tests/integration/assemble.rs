@@ -1,6 +1,8 @@
 //! `kinora assemble`: it gives the bytes that `render` would write, or refuses and names every frame that is not right.
 
 use crate::command::{BALL, contents, folder, kinora, refused};
+use kinora::assemble::{Request, assemble};
+use kinora::encode::Output;
 use std::fs;
 use std::path::Path;
 
@@ -325,6 +327,37 @@ fn no_frame_is_replaced_by_what_is_made_of_it() {
     }
     assert!(contents(path) == before);
     kinora(path, &["assemble", "f_##.png", "-o", "f_5.png"]);
+}
+
+/// Whoever uses the library may call frames as they like, so that no pattern is there to compare with.
+#[test]
+fn the_library_replaces_no_frame_either() {
+    let folder = rendered();
+    let path = folder.path();
+    let frames: Vec<_> = (0..12).map(|number| (number, path.join(format!("f_{number:02}.png")))).collect();
+    let before = contents(path);
+    let assembled = |output: &Path| {
+        let outputs = ["a.gif".as_ref(), output].map(|name| path.join(name));
+        let outputs = outputs.map(|output| Output::parse(output).expect("an output")).to_vec();
+        assemble(&Request { frames: frames.clone(), outputs, ..Request::default() })
+    };
+    let mut names = vec!["f_05.png", "./f_05.png", "none/../f_05.png", "../{own}/f_05.png", "f_##.png"];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(".", path.join("link")).expect("a link");
+        names.push("link/f_05.png");
+    }
+    let own = path.file_name().expect("a name").to_string_lossy();
+    for name in names {
+        let name = name.replace("{own}", &own);
+        let told = assembled(name.as_ref()).expect_err(&name).to_string();
+        assert!(
+            told.contains("it would be one of the frames ") && told.contains("name another file"),
+            "{told}"
+        );
+        assert!(contents(path) == before, "{name}: something was written");
+    }
+    assembled("f_5.png".as_ref()).expect("a filmstrip");
 }
 
 #[test]
