@@ -29,17 +29,21 @@ pub fn say(line: &str) -> Result<(), Failure> {
 
 /// Refuses to write frames to a standard output that is closed, as it would be refused by one whose reader goes away.
 pub fn check_stream(outputs: &[Output]) -> Result<(), Failure> {
-    if !outputs.iter().any(Output::is_stream) || !stdout_is_closed() {
+    if !outputs.iter().any(Output::is_stream) || !stdout_may_be_closed() {
         return Ok(());
     }
-    let message = "cannot write to the standard output: it is closed; give it a reader, such as `-o - | ffmpeg -i - ...`";
+    let message = "cannot write to the standard output: it is closed, or it is the null device opened for reading and \
+                   writing, which looks the same; give it a reader, such as `-o - | ffmpeg -i - ...`, or discard the \
+                   frames with `> /dev/null`, which opens that device for writing only";
     Err(Failure::Incomplete(message.to_owned()))
 }
 
-/// Whether the process was started without a standard output. Rust's runtime has opened the null device in its place, for
-/// reading and writing; who means to write there (`> /dev/null`) opens it for writing alone.
+/// Whether the process may have been started without a standard output. Rust's runtime then opens the null device in its
+/// place, for reading and writing, before any code of ours runs. Shells open it for writing alone (`> /dev/null`). Some
+/// programs open it for both, such as Python for `subprocess.DEVNULL`: nothing distinguishes that from a closed output, and
+/// to lose a run's frames in silence is worse than to ask for another output.
 #[cfg(unix)]
-fn stdout_is_closed() -> bool {
+fn stdout_may_be_closed() -> bool {
     use rustix::fs::{OFlags, fcntl_getfl};
     use std::fs::{File, metadata};
     use std::os::fd::AsFd;
@@ -52,7 +56,7 @@ fn stdout_is_closed() -> bool {
 }
 
 #[cfg(not(unix))]
-fn stdout_is_closed() -> bool {
+fn stdout_may_be_closed() -> bool {
     false
 }
 

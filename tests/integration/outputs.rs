@@ -366,11 +366,16 @@ fn a_stream_that_nobody_reads_is_an_error() {
     };
     kinora(folder.path(), &["render", "ball.ron", "-o", "f_##.png"]);
     for words in ["render ball.ron -o - -o new/f_##.png", "assemble f_##.png -o -"] {
-        let done = shell(&format!("exec \"$1\" {words} >&-"));
-        let told = crate::command::stderr(&done);
-        assert_eq!(done.status.code(), Some(3), "{told}");
-        assert!(told.contains("cannot write to the standard output: it is closed"), "{told}");
-        assert!(!folder.path().join("new").exists());
+        // Who starts a program without a standard output may also open the null device for reading and writing.
+        for nowhere in [">&-", "1<> /dev/null"] {
+            let done = shell(&format!("exec \"$1\" {words} {nowhere}"));
+            let told = crate::command::stderr(&done);
+            assert_eq!(done.status.code(), Some(3), "{told}");
+            for part in ["cannot write to the standard output: it is closed, or", "with `> /dev/null`"] {
+                assert!(told.contains(part), "{told}");
+            }
+            assert!(!folder.path().join("new").exists());
+        }
         assert!(shell(&format!("exec \"$1\" {} > /dev/null", words.replace("new/", ""))).status.success());
     }
     let mut command = Command::new(assert_cmd::cargo::cargo_bin("kinora"));
