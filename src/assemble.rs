@@ -57,8 +57,8 @@ pub struct Chosen {
 }
 
 /// What helps where frames do not fit.
-const WITHOUT_SEQUENCE: &str = "--frames says which are meant, --allow-gaps leaves out what is missing, and --of SEQUENCE \
-                                tells which frames are right";
+const WITHOUT_SEQUENCE: &str = "choose frames with --frames, leave out those that are missing with --allow-gaps, or compare \
+                                all with their sequence with --of SEQUENCE";
 
 /// What helps where a sequence says what frames should be.
 const WITH_SEQUENCE: &str = "render them, give the settings that they were rendered with, or leave out what is missing \
@@ -115,10 +115,10 @@ pub fn choose(wanted: Wanted, there: &[u32], threads: Option<NonZeroUsize>) -> R
     Ok(chosen)
 }
 
-/// All frames that should be there: as many as they tell, or else those from the first to the last.
-fn whole(pattern: &FramePattern, there: &[u32], told: Option<u32>) -> Result<Vec<u32>, EncodeError> {
+/// All frames that should be there: as many as the metadata gives, or else those from the first to the last.
+fn whole(pattern: &FramePattern, there: &[u32], count: Option<u32>) -> Result<Vec<u32>, EncodeError> {
     let (Some(first), Some(last)) = (there.first(), there.last()) else { return Ok(Vec::new()) };
-    let (first, last) = told.map_or((*first, *last), |count| (0, count.saturating_sub(1).max(*last)));
+    let (first, last) = count.map_or((*first, *last), |count| (0, count.saturating_sub(1).max(*last)));
     if (last - first) as usize >= MOST_FRAMES {
         return Err(JobError::Apart { names: pattern.to_string(), first, last }.into());
     }

@@ -24,7 +24,7 @@ pub enum Flaw {
     Damaged(String),
     /// It would be made otherwise now.
     Stale,
-    /// It holds no digest of its pixels, as versions before wrote it.
+    /// It holds no digest of its pixels, as earlier versions wrote it.
     Unsealed,
     /// It does not say what it shows, although its job's frames do.
     Silent,
@@ -38,7 +38,9 @@ impl fmt::Display for Flaw {
             Self::Missing => f.write_str("missing"),
             Self::Damaged(why) => write!(f, "damaged: {why}"),
             Self::Stale => f.write_str("stale: would be made otherwise now"),
-            Self::Unsealed => f.write_str("of a version before, without a digest of the pixels"),
+            Self::Unsealed => {
+                f.write_str("without a digest of their pixels, as earlier versions of Kinora wrote them")
+            }
             Self::Silent => f.write_str("without a word on what they show, as --no-metadata writes them"),
             Self::Odd(what) => f.write_str(what),
         }
