@@ -57,8 +57,8 @@ pub struct Chosen {
 }
 
 /// What helps where frames do not fit.
-const WITHOUT_SEQUENCE: &str = "choose frames with --frames, leave out those that are missing with --allow-gaps, or compare \
-                                all with their sequence with --of SEQUENCE";
+const WITHOUT_SEQUENCE: &str = "choose frames with --frames, leave out those that are missing with --allow-gaps, or check \
+                                all against their sequence with --of SEQUENCE";
 
 /// What helps where a sequence says what frames should be.
 const WITH_SEQUENCE: &str = "render them, give the settings that they were rendered with, or leave out what is missing \
@@ -148,7 +148,8 @@ fn chosen(
     })
 }
 
-/// Refuses to replace frames by what is made of them. `frame` says which frame, or which pattern of frames, has a path.
+/// Refuses to replace frames by what is made of them. `frame` gives the frame that lies at a path, or the
+/// pattern of the frames that it is one of.
 ///
 /// # Errors
 /// The first output that would be a frame.
