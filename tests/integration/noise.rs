@@ -21,32 +21,33 @@ fn soft_shadow(quality: &str) -> Sequence {
     ))
 }
 
-fn film(sequence: &Sequence, seed: u32) -> Film {
+fn film(sequence: &Sequence, frame: u32, seed: u32) -> Film {
     let mut sequence = sequence.clone();
     sequence.quality.seed = seed;
-    shoot(&sequence, [0]).remove(0).film
+    shoot(&sequence, [frame]).remove(0).film
 }
 
-fn radiance(sequence: &Sequence, seed: u32) -> Vec<Rgb> {
-    film(sequence, seed).radiance().collect()
+fn radiance(sequence: &Sequence, frame: u32, seed: u32) -> Vec<Rgb> {
+    film(sequence, frame, seed).radiance().collect()
 }
 
 /// Two long renders, with seeds that nothing else has.
-fn references(sequence: &Sequence, samples: u32) -> References {
+fn references(sequence: &Sequence, frame: u32, samples: u32) -> References {
     let mut sequence = sequence.clone();
     (sequence.quality.samples, sequence.quality.noise) = (samples, None);
     sequence.quality.points = Points::Sobol;
-    References { a: radiance(&sequence, 1_000_001), b: radiance(&sequence, 1_000_002) }
+    let [a, b] = [1_000_001, 1_000_002].map(|seed| radiance(&sequence, frame, seed));
+    References { a, b }
 }
 
 /// The exponent with which the error falls as samples are added, by least squares over the logarithms.
 fn slope(points: Points) -> f64 {
     let mut sequence = soft_shadow("samples: 1");
-    let references = references(&sequence, 4096);
+    let references = references(&sequence, 0, 4096);
     sequence.quality.points = points;
     let error = |samples: u32| {
         sequence.quality.samples = samples;
-        let square: f64 = (0..16).map(|seed| references.squared_error(&radiance(&sequence, seed))).sum();
+        let square: f64 = (0..16).map(|seed| references.squared_error(&radiance(&sequence, 0, seed))).sum();
         (libm::log2(f64::from(samples)), libm::log2(square / 16.0) / 2.0)
     };
     let all: Vec<(f64, f64)> = [4, 8, 16, 32, 64].map(error).to_vec();
@@ -97,12 +98,12 @@ fn true_error(film: &Film, references: &References) -> f64 {
     square.max(0.0).sqrt()
 }
 
-/// Of many runs: the shares whose true error lies between what is told, and above it; and the mean true error.
-fn told(sequence: &Sequence, runs: u32, samples: u32) -> (f64, f64, f64) {
-    let references = references(sequence, samples);
+/// Of many runs of a frame: the shares whose true error lies between what is told, and above it; and the mean true error.
+fn told(sequence: &Sequence, frame: u32, runs: u32, samples: u32) -> (f64, f64, f64) {
+    let references = references(sequence, frame, samples);
     let (mut inside, mut above, mut sum) = (0, 0, 0.0);
     for seed in 0..runs {
-        let film = film(sequence, seed);
+        let film = film(sequence, frame, seed);
         let noise = film.noise.expect("an error was asked for");
         let error = true_error(&film, &references);
         inside += u32::from((noise.low..=noise.high).contains(&error));
@@ -143,7 +144,7 @@ fn errors_are_met_and_told() {
         ("dark", quality(DARK, 0.1), 0.1),
     ];
     for (name, sequence, error) in scenes {
-        let (inside, above, mean) = told(&sequence, 200, 4096);
+        let (inside, above, mean) = told(&sequence, 0, 200, 4096);
         let what = format!("{name} {error}: {inside} inside, {above} above, {mean} on average");
         eprintln!("{what}");
         assert!((0.9..=0.99).contains(&inside) && above <= 0.05, "{what}");
@@ -155,17 +156,21 @@ fn errors_are_met_and_told() {
 #[test]
 #[ignore = "takes minutes: `cargo test --release --test integration shipped_scenes -- --ignored --nocapture`"]
 fn errors_are_met_and_told_of_shipped_scenes() {
-    for file in ["field-orbit", "field-dielectric", "field-metal", "room-effects"] {
+    // In frame 24 of the room the lens is open; frame 0 has no random samples, and so no error. Frame 44 is the limit that
+    // docs/accuracy.md names: small bright spots that a block's samples may all miss.
+    for (file, frame) in
+        [("field-orbit", 0), ("field-dielectric", 0), ("field-metal", 0), ("room-effects", 24)]
+    {
         let path = format!("{}/sequences/{file}.ron", env!("CARGO_MANIFEST_DIR"));
         let mut sequence = kinora::sequence::load(std::path::Path::new(&path)).expect("a sequence");
         sequence.output.size = (64, 40);
         for error in [0.1, 0.05] {
             sequence.quality.noise = Some(NoiseTarget { error, most: NoiseTarget::MOST });
-            let (inside, above, mean) = told(&sequence, 40, 4096);
-            eprintln!("{file} {error}: {inside} inside, {above} above, {mean} on average");
+            let (inside, above, mean) = told(&sequence, frame, 40, 4096);
+            eprintln!("{file} {frame} {error}: {inside} inside, {above} above, {mean} on average");
             assert!(
                 inside >= 0.9 && above <= 0.05 && mean <= error,
-                "{file} {error}: {inside} {above} {mean}"
+                "{file} {frame} {error}: {inside} {above} {mean}"
             );
         }
     }
