@@ -16,9 +16,10 @@
 //! - `.hits`: `KHIT`, u32 count, then a u32 triangle (0xffffffff for none) and its f32 t per ray
 
 use kinora::camera::Ray;
+use kinora::lanes::{Level, Mask as _, Row as _, SimdKernel, Vec3, dispatch};
 use kinora::math::DVec3;
 use kinora::mesh::{self, Normals, Parts};
-use kinora::shape::{Geometric, Mesh, Rays};
+use kinora::shape::{Geometric as _, LaneRay, Mesh, OneRay as _, PreparedRay, Span};
 use kinora::tree::Probe;
 use rustix::time::{ClockId, clock_gettime};
 use std::error::Error;
@@ -153,25 +154,58 @@ fn lost(mesh: &Mesh, rays: &[Record]) -> usize {
 }
 
 fn trace_bundles(mesh: &Mesh, rays: &[Record], any: bool, hits: &mut [Found]) {
-    for (rays, hits) in rays.chunks(8).zip(hits.chunks_mut(8)) {
-        let last = rays.len() - 1;
-        let each: Vec<_> = rays.iter().map(Record::ray).collect();
-        let bundle = Rays::gather(each.len(), |lane| &each[lane]);
-        let t_max = std::array::from_fn(|lane| f64::from(rays[lane.min(last)].t_max));
-        let wanted = 0xff >> (7 - last);
-        if any {
-            let blocked = mesh.blocks_of(&bundle, wanted, &t_max);
-            for (lane, (ray, hit)) in rays.iter().zip(hits).enumerate() {
-                *hit = (if blocked >> lane & 1 == 1 { 0 } else { NONE }, ray.t_max);
-            }
-        } else {
-            let found = mesh.hit_of(&bundle, wanted, &t_max);
-            for (lane, (ray, hit)) in rays.iter().zip(hits).enumerate() {
-                let met = found.met >> lane & 1 == 1;
-                *hit = if met { (found.parts[lane], found.t[lane] as f32) } else { (NONE, ray.t_max) };
+    dispatch(Bundles { mesh, rays, any, hits });
+}
+
+/// Rays that are traced eight at a time.
+struct Bundles<'a> {
+    mesh: &'a Mesh,
+    rays: &'a [Record],
+    any: bool,
+    hits: &'a mut [Found],
+}
+
+impl SimdKernel for Bundles<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Level>(self) {
+        for (rays, hits) in self.rays.chunks(8).zip(self.hits.chunks_mut(8)) {
+            let (ray, within) = bundle::<L>(rays);
+            if self.any {
+                let blocked = self.mesh.occludes(&ray, within).bits();
+                for (lane, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+                    *hit = (if blocked >> lane & 1 == 1 { 0 } else { NONE }, ray.t_max);
+                }
+            } else {
+                let found = self.mesh.intersect(&ray, within);
+                let (met, parts, t) = (found.is_hit().bits(), found.part.to_array(), found.t.to_array());
+                for (lane, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+                    let is_met = met >> lane & 1 == 1;
+                    *hit = if is_met { (parts[lane], t[lane] as f32) } else { (NONE, ray.t_max) };
+                }
             }
         }
     }
+}
+
+/// Up to eight rays in lanes. Lanes without a ray repeat the last one, and look at no part of it.
+#[inline(always)]
+fn bundle<L: Level>(rays: &[Record]) -> (PreparedRay<L::F64>, Span<L::F64>) {
+    let (mut rows, mut t_max) = ([[0.0; 8]; 6], [0.0; 8]);
+    for lane in 0..8 {
+        let Record { origin: [x, y, z], direction: [dx, dy, dz], t_max: end } =
+            rays[lane.min(rays.len() - 1)];
+        for (row, number) in rows.iter_mut().zip([x, y, z, dx, dy, dz]) {
+            row[lane] = f64::from(number);
+        }
+        if lane < rays.len() {
+            t_max[lane] = f64::from(end);
+        }
+    }
+    let [x, y, z, dx, dy, dz] = rows.map(L::F64::from_array);
+    let ray = LaneRay { origin: Vec3::new(x, y, z), direction: Vec3::new(dx, dy, dz) };
+    (PreparedRay::new(ray), Span::up_to(L::F64::from_array(t_max)))
 }
 
 /// Millions of rays in a second, and the hits.

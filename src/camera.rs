@@ -1,8 +1,10 @@
 //! The camera at one moment: a frame in space and a projection.
 
 use crate::digest::content;
+use crate::lanes::{Real, Vec3};
 use crate::math::{Basis, DVec2, DVec3};
-use crate::sampling::{Frame, disk};
+use crate::sampling::disk;
+use crate::shape::LaneRay;
 
 /// A ray: `origin` + t·`direction`, with a unit direction when it comes from a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,18 +19,19 @@ impl Ray {
     }
 }
 
-/// How much a ray stands for: a beam as wide as what a pixel shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Beam {
+/// How wide a ray's share of the picture is.
+#[derive(Clone, Copy, Debug)]
+pub struct RayCone<F> {
     /// Where the ray starts.
-    pub width: f64,
+    pub width: F,
     /// How much it grows per unit of length.
-    pub spread: f64,
+    pub spread: F,
 }
 
-impl Beam {
-    /// Its width after a way.
-    pub fn after(&self, length: f64) -> f64 {
+impl<F: Real> RayCone<F> {
+    /// The width after a way.
+    #[inline(always)]
+    pub fn width_at(&self, length: F) -> F {
         self.width + self.spread * length
     }
 }
@@ -67,47 +70,51 @@ pub struct Camera {
 content!(struct Camera { position, basis, projection, lens });
 
 impl Camera {
-    /// The beam of a pixel around a ray; `pixel` is its height in the units of [`Camera::ray`]. Depth of field is no
-    /// part of it.
-    pub fn beam(&self, ray: &Ray, pixel: f64) -> Beam {
+    /// The cones of pixels around rays; `pixel` is the height of one in the units of [`Camera::ray`]. Depth of field is
+    /// no part of them.
+    #[inline(always)]
+    pub fn cones<F: Real>(&self, ray: &LaneRay<F>, pixel: F) -> RayCone<F> {
+        let zero = F::splat(0.0);
         match self.projection {
             Projection::Perspective { half_height } => {
-                Beam { width: 0.0, spread: half_height * pixel * ray.direction.dot(self.basis.forward) }
+                let along = ray.direction.dot(Vec3::splat(self.basis.forward));
+                RayCone { width: zero, spread: F::splat(half_height) * pixel * along }
             }
-            Projection::Orthographic { half_height } => Beam { width: half_height * pixel, spread: 0.0 },
+            Projection::Orthographic { half_height } => {
+                RayCone { width: F::splat(half_height) * pixel, spread: zero }
+            }
         }
-    }
-
-    /// The unit vector across a ray that it takes along from the camera (see [`Frame`]): that to the right for one along
-    /// the line of sight.
-    #[inline]
-    pub fn tangent(&self, ray: &Ray) -> DVec3 {
-        Frame { x: self.basis.right, y: self.basis.up, z: -self.basis.forward }.tangent(ray.direction)
     }
 
     /// The ray through a point of the picture: `screen.y` runs from -1 at the bottom to 1 at the top,
     /// `screen.x` likewise times the picture's width / height. `u`, two numbers in 0..1, picks the point of
     /// the lens, evenly over its area.
     pub fn ray(&self, screen: DVec2, u: DVec2) -> Ray {
+        let ray = self.rays::<f64>(screen.to_array(), u.to_array());
+        Ray { origin: ray.origin.into(), direction: ray.direction.into() }
+    }
+
+    /// [`Camera::ray`] in lanes.
+    #[inline(always)]
+    pub fn rays<F: Real>(&self, [x, y]: [F; 2], [u, v]: [F; 2]) -> LaneRay<F> {
         let Basis { right, up, forward } = self.basis;
-        let (origin, toward) = match self.projection {
-            Projection::Perspective { half_height } => {
-                let across = right * (screen.x * half_height) + up * (screen.y * half_height);
-                (self.position, forward + across)
-            }
-            Projection::Orthographic { half_height } => {
-                let across = right * (screen.x * half_height) + up * (screen.y * half_height);
-                (self.position + across, forward)
-            }
-        };
+        let (right, up, forward) = (Vec3::<F>::splat(right), Vec3::<F>::splat(up), Vec3::<F>::splat(forward));
+        let (Projection::Perspective { half_height } | Projection::Orthographic { half_height }) =
+            self.projection;
+        let half_height = F::splat(half_height);
+        let across = right * (x * half_height) + up * (y * half_height);
+        let position = Vec3::splat(self.position);
+        let parallel = matches!(self.projection, Projection::Orthographic { .. });
+        let (origin, toward) =
+            if parallel { (position + across, forward) } else { (position, forward + across) };
         let Some(lens) = self.lens else {
-            let parallel = matches!(self.projection, Projection::Orthographic { .. });
-            return Ray { origin, direction: if parallel { toward } else { toward.normalize() } };
+            return LaneRay { origin, direction: if parallel { toward } else { toward.normalize() } };
         };
         // `toward` reaches the plane in focus at t = focus: its part along the line of sight is 1.
-        let offset = disk(u) * lens.radius;
-        let offset = right * offset.x + up * offset.y;
-        Ray { origin: origin + offset, direction: (toward * lens.focus - offset).normalize() }
+        let (radius, (across, along)) = (F::splat(lens.radius), disk(u, v));
+        let offset = right * (across * radius) + up * (along * radius);
+        let direction = (toward * F::splat(lens.focus) - offset).normalize();
+        LaneRay { origin: origin + offset, direction }
     }
 }
 

@@ -5,6 +5,7 @@
 //! 2006). All are products of the same filter along x and y, so each axis is sampled by itself.
 
 use crate::digest::content;
+use crate::lanes::Real;
 use std::f64::consts::PI;
 
 /// A filter along one axis of the picture: symmetric, nowhere negative, and 0 beyond half its width.
@@ -120,16 +121,26 @@ impl FilterSampler {
         Self { width: filter.width, side }
     }
 
-    /// Where along one axis a sample lies, in pixels from the pixel's centre. Numbers `u` that are even in 0..=1
+    /// Where along one axis samples lie, in pixels from the pixel's centre. Numbers `u` that are even in 0..=1
     /// give samples with the filter's density; ascending ones give ascending places, and 1/2 the centre.
-    pub fn offset(&self, u: f64) -> f64 {
-        let Some(side) = &self.side else { return (u - 0.5) * self.width };
+    #[inline(always)]
+    pub fn offset<F: Real>(&self, u: F) -> F {
+        let (half, one) = (F::splat(0.5), F::splat(1.0));
+        let Some(side) = &self.side else { return (u - half) * F::splat(self.width) };
+        let left = u.lt(half);
         // Exact, so that the sides mirror each other.
-        let beyond = if u < 0.5 { u } else { 1.0 - u };
-        let v = (2.0 * beyond).sqrt() * STEPS as f64;
-        let step = (v as usize).min(STEPS - 1);
-        let t = side[step] + (side[step + 1] - side[step]) * (v - step as f64);
-        (if u < 0.5 { -0.5 } else { 0.5 }) * self.width * t
+        let beyond = F::select(left, u, one - u);
+        let v = (F::splat(2.0) * beyond).sqrt() * F::splat(STEPS as f64);
+        let step = v.floor().min(F::splat((STEPS - 1) as f64));
+        let (steps, mut from) = (step.to_array(), step.to_array());
+        let mut to = from;
+        for lane in 0..F::LANES {
+            let step = steps[lane] as usize;
+            (from[lane], to[lane]) = (side[step], side[step + 1]);
+        }
+        let from = F::from_array(from);
+        let t = from + (F::from_array(to) - from) * (v - step);
+        F::select(left, F::splat(-0.5), half) * F::splat(self.width) * t
     }
 }
 

@@ -1,9 +1,11 @@
 //! Fog: light that is lost on the way to the eye, and the fog's own light in its place.
 
-use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::digest::content;
 use crate::glow::{Dimmer, Glow};
+use crate::lanes::{Real, out_of_line};
+use crate::math::{exp, exp_m1};
+use crate::shape::LaneRay;
 use crate::time::Time;
 use crate::track::Animated;
 use bevy_ecs::component::Component;
@@ -62,36 +64,48 @@ impl FogTracks {
     }
 }
 
+out_of_line! {
+    fn opacity<'k, F>(fog: &'k Fog, ray: &'k LaneRay<F>, t: F) -> F {
+        -exp_m1(-fog.thickness(ray, t))
+    }
+}
+
 impl Fog {
     /// The share of light that is lost on the way along `ray` (whose direction is a unit vector) up to `t`,
-    /// which may be infinite: 1 - exp(-∫ density), by `expm1`, which keeps the digits of thin fog.
-    pub fn opacity(&self, ray: &Ray, t: f64) -> f64 {
-        -libm::expm1(-self.thickness(ray, t))
+    /// which may be infinite: 1 - exp(-∫ density), which keeps the digits of thin fog.
+    #[inline(always)]
+    pub fn opacity<F: Real>(&self, ray: &LaneRay<F>, t: F) -> F {
+        opacity(self, ray, t)
     }
 
     /// The integral of the density along the way.
-    fn thickness(&self, ray: &Ray, t: f64) -> f64 {
+    #[inline(always)]
+    fn thickness<F: Real>(&self, ray: &LaneRay<F>, t: F) -> F {
+        let (zero, infinite) = (F::splat(0.0), F::splat(f64::INFINITY));
         // Asked for first, as no way through any fog, and any way through none, may be 0 · ∞.
-        if self.density == 0.0 || t == 0.0 {
-            return 0.0;
+        if self.density == 0.0 {
+            return zero;
         }
-        let Some(Falloff { base, height }) = self.falloff else { return self.density * t };
+        let density = F::splat(self.density);
+        let Some(Falloff { base, height }) = self.falloff else {
+            return F::select(t.eq(zero), zero, density * t);
+        };
+        let (base, height) = (F::splat(base), F::splat(height));
         let climb = ray.direction.y;
-        if t == f64::INFINITY && climb <= 0.0 {
-            return f64::INFINITY;
-        }
+        let for_ever = t.eq(infinite) & climb.le(zero);
         // The density at the lower end of the way: at the upper one it underflows where the way is long.
-        let lowest = ray.origin.y + (climb * t).min(0.0);
-        let low = self.density * libm::exp(-((lowest - base) / height));
-        if low == 0.0 || low == f64::INFINITY {
-            return low;
-        }
-        // ∫₀ᵗ exp(-rise·s) ds; level ways need the series that expm1 is, and where `rise` itself is about to
+        let descent = F::select(climb.lt(zero), climb * t, zero);
+        let low = density * exp(-((ray.origin.y + descent - base) / height));
+        // ∫₀ᵗ exp(-rise·s) ds; level ways need the series that exp_m1 is, and where `rise` itself is about to
         // underflow, its limit.
         let rise = climb.abs() / height;
         let climbed = rise * t;
-        let way = if climbed > f64::EPSILON { -libm::expm1(-climbed) / rise } else { t };
-        low * way
+        let way = F::select(F::splat(f64::EPSILON).lt(climbed), -exp_m1(-climbed) / rise, t);
+        // Neither no fog nor one without end depends on the way.
+        let is_extreme = low.eq(zero) | low.eq(infinite);
+        let thickness = F::select(is_extreme, low, low * way);
+        let thickness = F::select(for_ever, infinite, thickness);
+        F::select(t.eq(zero), zero, thickness)
     }
 }
 
@@ -104,8 +118,12 @@ mod tests {
         Fog { glow: Glow::default(), density, falloff }
     }
 
-    fn along(direction: DVec3) -> Ray {
-        Ray { origin: DVec3::ZERO, direction }
+    fn from(origin: DVec3, direction: DVec3) -> LaneRay<f64> {
+        LaneRay { origin: origin.into(), direction: direction.into() }
+    }
+
+    fn along(direction: DVec3) -> LaneRay<f64> {
+        from(DVec3::ZERO, direction)
     }
 
     #[test]
@@ -146,7 +164,7 @@ mod tests {
         let high = [1e-9, 0.5, 1.0, 36.0, 600.0, 700.0, 709.0, 710.0, 711.0, 745.0, 760.0, 1e4, 1e10, 1e100];
         for ground in [-2.0, 0.0, 3.0] {
             for above in high {
-                let ray = Ray { origin: DVec3::new(0.0, ground + above, 0.0), direction: DVec3::NEG_Y };
+                let ray = from(DVec3::new(0.0, ground + above, 0.0), DVec3::NEG_Y);
                 let way = ray.origin.y - ground;
                 // Of great heights, the difference is not quite the ground.
                 let expected = 0.5 * libm::exp(way - ray.origin.y) * -libm::expm1(-way);
@@ -155,8 +173,8 @@ mod tests {
             }
         }
         for above in [600.0, 711.0, 760.0, 1e6] {
-            let back = Ray { origin: DVec3::ZERO, direction: DVec3::Y };
-            let down = Ray { origin: DVec3::Y * above, direction: DVec3::NEG_Y };
+            let back = along(DVec3::Y);
+            let down = from(DVec3::Y * above, DVec3::NEG_Y);
             assert_eq!(fog.thickness(&down, above), fog.thickness(&back, above), "there and back");
         }
     }
@@ -164,8 +182,7 @@ mod tests {
     #[test]
     fn level_and_endless_ways_have_their_limits() {
         let fog = fog(0.5, Some(Falloff { base: 1.0, height: 2.0 }));
-        let thickness =
-            |y: f64, direction: DVec3, t: f64| fog.thickness(&Ray { origin: DVec3::Y * y, direction }, t);
+        let thickness = |y: f64, direction: DVec3, t: f64| fog.thickness(&from(DVec3::Y * y, direction), t);
         for y in [-50.0, 0.0, 1.0, 100.0] {
             let here = 0.5 * libm::exp(-(y - 1.0) / 2.0);
             for tilt in [0.0, 5e-324, -5e-324, 1e-300] {
@@ -191,7 +208,7 @@ mod tests {
             for (t, climb) in lengths.iter().flat_map(|t| climbs.map(|climb| (*t, climb))) {
                 for (height, density) in scales.iter().flat_map(|h| [1e-300, 1.0, 1e300].map(|d| (*h, d))) {
                     let fog = fog(density, Some(Falloff { base, height }));
-                    let ray = Ray { origin: DVec3::Y * y, direction: DVec3::new(0.0, climb, 0.0) };
+                    let ray = from(DVec3::Y * y, DVec3::new(0.0, climb, 0.0));
                     let (thickness, opacity) = (fog.thickness(&ray, t), fog.opacity(&ray, t));
                     let what = || format!("{t} along {climb} from {y} in {fog:?}");
                     assert!(thickness >= 0.0 && (0.0..=1.0).contains(&opacity), "{}", what());

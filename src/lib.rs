@@ -13,6 +13,7 @@
 // Nouns: what there is.
 pub mod digest;
 pub mod time;
+pub mod lanes;
 pub mod math;
 pub mod sampling;
 pub mod optics;
@@ -32,7 +33,6 @@ pub mod frame_set;
 pub mod stop;
 pub mod camera;
 pub mod camera_path;
-mod simd;
 pub mod tree;
 pub mod mesh;
 pub mod shape;

@@ -4,10 +4,12 @@ mod random;
 
 pub use random::Random;
 
+use crate::camera::Ray;
+use crate::lanes::{Level, Row, Vec3};
 use crate::material::MadeOf;
 use crate::math::{Angle, DAffine3, DVec3};
 use crate::scene::{Finish, Geometry};
-use crate::shape::Shape;
+use crate::shape::{LaneRay, Shape};
 
 impl Random {
     /// Evenly over the sphere.
@@ -74,6 +76,26 @@ fn cell_mean(cell: usize, density: impl Fn(DVec3) -> f64) -> f64 {
         density(DVec3::new(across.x, across.y, z))
     };
     (0..POINTS * POINTS).map(at).sum::<f64>() / (POINTS * POINTS) as f64
+}
+
+/// Eight rays in lanes.
+#[inline(always)]
+pub fn eight_rays<L: Level>(rays: &[Ray; 8]) -> LaneRay<L::F64> {
+    let (mut origins, mut directions) = ([DVec3::ZERO; 8], [DVec3::ZERO; 8]);
+    for lane in 0..8 {
+        (origins[lane], directions[lane]) = (rays[lane].origin, rays[lane].direction);
+    }
+    LaneRay { origin: eight_vectors::<L>(origins), direction: eight_vectors::<L>(directions) }
+}
+
+/// Eight vectors in lanes.
+#[inline(always)]
+pub fn eight_vectors<L: Level>(all: [DVec3; 8]) -> Vec3<L::F64> {
+    let (mut x, mut y, mut z) = ([0.0; 8], [0.0; 8], [0.0; 8]);
+    for lane in 0..8 {
+        (x[lane], y[lane], z[lane]) = (all[lane].x, all[lane].y, all[lane].z);
+    }
+    Vec3::new(L::F64::from_array(x), L::F64::from_array(y), L::F64::from_array(z))
 }
 
 /// Shapes of the first material where they stand.

@@ -1,179 +1,42 @@
-//! Eight rays at once: each meets what it would alone.
+//! Walks along eight rays at once: each meets what it would alone.
 
-use super::{Bvh, Hit};
-use crate::scene::Geometry;
-use crate::shape::{Crossings, Rays, lanes};
-use crate::simd::{Choice, Lanes, Octo, Work, dispatch};
-use crate::tree::{Branch, BundleLeaves, BundleSlabs, Probe, Slabs, Tree, Vicinities, Vicinity};
-
-/// What eight rays meet first.
-#[derive(Clone, Copy, Debug)]
-pub struct Hits {
-    pub at: Crossings,
-    /// Indices of the primitives.
-    pub primitives: [u32; 8],
-}
-
-impl Hits {
-    const NONE: Self = Self { at: Crossings::NONE, primitives: [u32::MAX; 8] };
-
-    /// Takes a primitive's crossings where they are nearer, or as near and the primitive is the earlier one.
-    #[inline(always)]
-    fn test<L: Lanes>(&mut self, near: &Near, rays: &Rays, index: u32, wanted: u32) {
-        let Self { at, primitives } = self;
-        let t = Octo::<L::Quad>::load(&at.t);
-        // A little behind the best, so that it is known what else is near it.
-        let limit = near.vicinities.ends(t).store();
-        let found = near.geometry.primitives[index as usize].hit_together::<L>(rays, wanted, &limit);
-        if found.met == 0 {
-            return;
-        }
-        let found_t = Octo::load(&found.t);
-        let mut better = found.met & found_t.below(t).bits();
-        for lane in lanes(found.met & !better) {
-            let tie = found.t[lane] == at.t[lane] && index < primitives[lane];
-            better |= u32::from(tie) << lane;
-        }
-        let crowded = found.crowded | t.below(near.vicinities.ends(found_t)).bits();
-        at.met |= better;
-        at.crowded = at.crowded & !better | found.met & !better | crowded & better;
-        at.t = found_t.pick(Choice::of(better), t).store();
-        for lane in lanes(better) {
-            (primitives[lane], at.parts[lane]) = (index, found.parts[lane]);
-        }
-    }
-
-    /// Takes what of all that stands in no tree is nearer.
-    #[inline(always)]
-    fn test_untreed<L: Lanes>(&mut self, bvh: &Bvh, near: &Near, rays: &Rays, wanted: u32) {
-        for &(index, _) in &bvh.planes {
-            self.test::<L>(near, rays, index, wanted);
-        }
-        for &index in &bvh.untreed {
-            self.test::<L>(near, rays, index, wanted);
-        }
-    }
-
-    /// One of the rays meets this first.
-    #[inline(always)]
-    pub fn set(&mut self, lane: usize, hit: Hit) {
-        self.at.set(lane, hit.at);
-        self.primitives[lane] = hit.primitive;
-    }
-
-    /// What one of the rays meets.
-    pub fn one(&self, lane: usize) -> Option<Hit> {
-        let met = self.at.met >> lane & 1 == 1;
-        met.then(|| Hit { at: self.at.one(lane), primitive: self.primitives[lane] })
-    }
-}
-
-/// What is searched, and how near to each other hits along each ray are looked at again.
-struct Near<'a> {
-    geometry: &'a Geometry,
-    vicinities: Vicinities,
-}
+use super::nearest::Nearest;
+use super::single::{Any, NearestOne};
+use super::{Bvh, Occlusion, Passing, lets_pass};
+use crate::lanes::{LaneKernel, Level, Mask, Real, Row, Select};
+use crate::scene::{Geometry, Primitive};
+use crate::shape::{PreparedRay, RayRows, Span, eight};
+use crate::tree::{Branch, BundleLeaves, BundleSlabs, BundleStack, Probe, Slabs, Tree};
 
 impl Bvh {
-    /// [`Bvh::closest_together`] on the widest lanes that there are.
-    pub fn closest_of(&self, geometry: &Geometry, rays: &Rays, wanted: u32) -> Hits {
-        dispatch(Closest { bvh: self, geometry, rays, wanted })
-    }
-
-    /// [`Bvh::occluded_together`] on the widest lanes that there are, each ray with a limit of its own.
-    pub fn occluded_of(&self, geometry: &Geometry, rays: &Rays, wanted: u32, t_max: &[f64; 8]) -> u32 {
-        dispatch(Occluded { bvh: self, geometry, rays, wanted, t_max })
-    }
-
-    /// [`Bvh::closest`] of those of eight rays whose bits are set.
+    /// Searches the tree along eight rays.
     #[inline(always)]
-    pub fn closest_together<L: Lanes>(&self, geometry: &Geometry, rays: &Rays, wanted: u32) -> Hits {
-        L::apart(Closest { bvh: self, geometry, rays, wanted })
-    }
-
-    /// [`Bvh::occluded`] of those of eight rays whose bits are set, a bit each.
-    #[inline(always)]
-    pub fn occluded_together<L: Lanes>(
+    pub(super) fn closest_together<L: Level>(
         &self,
         geometry: &Geometry,
-        rays: &Rays,
-        wanted: u32,
-        t_max: f64,
-    ) -> u32 {
-        L::apart(Occluded { bvh: self, geometry, rays, wanted, t_max: &[t_max; 8] })
+        nearest: &mut Nearest<L::F64>,
+        stack: &mut BundleStack,
+    ) {
+        if self.tree.is_small() {
+            L::call_with(Closest::<L, 0> { bvh: self, geometry, nearest, stack });
+        } else {
+            L::call_with(Closest::<L, 8> { bvh: self, geometry, nearest, stack });
+        }
     }
-}
 
-struct Closest<'a> {
-    bvh: &'a Bvh,
-    geometry: &'a Geometry,
-    rays: &'a Rays,
-    wanted: u32,
-}
-
-impl Work for Closest<'_> {
-    type Output = Hits;
-
+    /// Looks in the tree for what stands in the way of eight rays.
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Hits {
-        if self.bvh.tree.is_small() { self.search::<L, 0>() } else { self.search::<L, 8>() }
-    }
-}
-
-impl Closest<'_> {
-    /// Searches with room for so many rays that go on alone.
-    #[inline(always)]
-    fn search<L: Lanes, const ALONE: usize>(self) -> Hits {
-        let Self { bvh, geometry, rays, wanted } = self;
-        let (origin, direction) = rays.load::<L>();
-        let near = Near { geometry, vicinities: Vicinity::of_each(origin, direction, bvh.reach) };
-        if bvh.tree.is_empty() {
-            let mut hits = Hits::NONE;
-            hits.test_untreed::<L>(bvh, &near, rays, wanted);
-            return hits;
+    pub(super) fn occluded_together<L: Level>(
+        &self,
+        geometry: &Geometry,
+        shadow: &mut Shadow<L>,
+        stack: &mut BundleStack,
+    ) {
+        if self.tree.is_small() {
+            L::call_with(Occluded::<L, 0> { bvh: self, geometry, shadow, stack });
+        } else {
+            L::call_with(Occluded::<L, 8> { bvh: self, geometry, shadow, stack });
         }
-        let all = &near;
-        let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
-        let (hits, limit, alone) = (Hits::NONE, L::splat(0.0), [None; ALONE]);
-        let mut nearest = Nearest { bvh, all, rays, slabs: &slabs, limit, hits, alone };
-        nearest.hits.test_untreed::<L>(bvh, all, rays, wanted);
-        nearest.limit = nearest.limits();
-        if near != 0 {
-            bvh.tree.walk_together(&slabs, near, &mut nearest);
-        }
-        let mut hits = nearest.hits;
-        if afar != 0 {
-            self.one_by_one(afar, &mut hits);
-        }
-        hits
-    }
-
-    #[inline(never)]
-    fn one_by_one(&self, rays: u32, hits: &mut Hits) {
-        for lane in lanes(rays) {
-            if let Some(hit) = self.bvh.closest(self.geometry, &Probe::new(self.rays.one(lane))) {
-                hits.set(lane, hit);
-            }
-        }
-    }
-}
-
-/// The search for what is nearest.
-struct Nearest<'a, L: Lanes, const ALONE: usize> {
-    bvh: &'a Bvh,
-    all: &'a Near<'a>,
-    rays: &'a Rays,
-    slabs: &'a BundleSlabs<L>,
-    limit: L,
-    hits: Hits,
-    alone: [Option<Alone>; ALONE],
-}
-
-impl<L: Lanes, const ALONE: usize> Nearest<'_, L, ALONE> {
-    /// Beyond which nothing is of interest.
-    #[inline(always)]
-    fn limits(&self) -> L {
-        self.slabs.limit(self.all.vicinities.ends(Octo::load(&self.hits.at.t)))
     }
 }
 
@@ -184,166 +47,293 @@ struct Alone {
     slabs: Slabs,
 }
 
-impl Alone {
-    /// A ray that is near the tree.
+/// The rays of a bundle by themselves, each made when it is first asked for.
+struct Singles<const ALONE: usize> {
+    rays: RayRows,
+    each: [Option<Alone>; ALONE],
+}
+
+impl<const ALONE: usize> Singles<ALONE> {
     #[inline(always)]
-    fn new<L: Lanes>(tree: &Tree, rays: &Rays, ray: usize) -> Option<Self> {
-        let probe = Probe::new(rays.one(ray));
-        Some(Self { probe, slabs: Slabs::new::<L>(tree, &probe, (0.0, f64::INFINITY))? })
+    fn new<F: Real>(ray: &PreparedRay<F>) -> Self {
+        Self { rays: RayRows::of(&ray.ray), each: [None; ALONE] }
+    }
+
+    /// A ray that is near the tree; none where there is no room for it.
+    #[inline(always)]
+    fn get<L: Level>(&mut self, tree: &Tree, ray: usize) -> Option<&Alone> {
+        let alone = self.each.get_mut(ray)?;
+        if alone.is_none() {
+            let probe = Probe::new(self.rays.one(ray));
+            *alone = Slabs::new::<L>(tree, &probe, f64::INFINITY).map(|slabs| Alone { probe, slabs });
+        }
+        alone.as_ref()
     }
 }
 
-/// A ray of a bundle by itself, made when it is first asked for; none where there is no room for it.
-#[inline(always)]
-fn alone<'a, L: Lanes>(
-    all: &'a mut [Option<Alone>],
-    bvh: &Bvh,
-    rays: &Rays,
-    ray: usize,
-) -> Option<&'a Alone> {
-    let alone = all.get_mut(ray)?;
-    if alone.is_none() {
-        *alone = Alone::new::<L>(&bvh.tree, rays, ray);
-    }
-    alone.as_ref()
+/// The search for what is nearest, with room for so many rays that go on alone.
+struct Closest<'a, 'r, L: Level, const ALONE: usize> {
+    bvh: &'a Bvh,
+    geometry: &'a Geometry,
+    nearest: &'a mut Nearest<'r, L::F64>,
+    stack: &'a mut BundleStack,
 }
 
-impl<L: Lanes, const ALONE: usize> BundleLeaves<L> for Nearest<'_, L, ALONE> {
+impl<L: Level, const ALONE: usize> LaneKernel<L> for Closest<'_, '_, L, ALONE> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { bvh, geometry, nearest, stack } = self;
+        let ray = &nearest.ray.ray;
+        let wanted = L::F64::splat(0.0).le(nearest.limit).bits();
+        let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, ray.origin, ray.direction, wanted);
+        let singles = Singles::<ALONE>::new(nearest.ray);
+        let limit = slabs.limit(nearest.limit);
+        let mut walk = NearestWalk { bvh, geometry, slabs: &slabs, nearest, limit, singles };
+        if near != 0 {
+            bvh.tree.walk_together(&slabs, near, &mut walk, stack);
+        }
+        for lane in crate::lanes::lanes(afar) {
+            let probe = Probe::new(walk.singles.rays.one(lane));
+            walk.alone(lane, &probe, |one| bvh.tree.walk(&probe, one.limit(), one));
+        }
+    }
+}
+
+struct NearestWalk<'a, 'r, L: Level, const ALONE: usize> {
+    bvh: &'a Bvh,
+    geometry: &'a Geometry,
+    slabs: &'a BundleSlabs<L>,
+    nearest: &'a mut Nearest<'r, L::F64>,
+    limit: L::F32,
+    singles: Singles<ALONE>,
+}
+
+impl<L: Level, const ALONE: usize> NearestWalk<'_, '_, L, ALONE> {
+    /// Goes on with the search along one ray.
+    #[inline(always)]
+    fn alone(&mut self, ray: usize, probe: &Probe, walk: impl FnOnce(&mut NearestOne)) {
+        let [min, max] = self.nearest.bounds();
+        let within = Span { min: min[ray], max: max[ray] };
+        let mut rows = self.nearest.hits.store();
+        let mut one = NearestOne::new(self.bvh, self.geometry, probe, within, rows.lane(ray));
+        walk(&mut one);
+        let hit = one.found.hit;
+        let mut limits = eight(self.nearest.limit);
+        limits[ray] = one.limit();
+        rows.set_lane(ray, hit);
+        self.nearest.hits = rows.load();
+        self.nearest.limit = L::F64::load(&limits, 0);
+        self.limit = self.slabs.limit(self.nearest.limit);
+    }
+}
+
+impl<L: Level, const ALONE: usize> BundleLeaves<L> for NearestWalk<'_, '_, L, ALONE> {
     const ALONE: bool = ALONE > 0;
 
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
-        let Self { bvh, all, .. } = *self;
-        for &index in bvh.leaves.leaf(leaf) {
-            self.hits.test::<L>(all, self.rays, index, rays);
-        }
-        self.limit = self.limits();
+        let all = self.nearest.limit;
+        // Other rays have nothing in the leaf.
+        self.nearest.limit = L::F64::select(L::Mask::from_bits(rays), all, L::F64::splat(-1.0));
+        self.nearest.test(self.geometry, self.bvh.leaves.leaf(leaf));
+        self.nearest.limit = L::F64::select(L::Mask::from_bits(rays), self.nearest.limit, all);
+        self.limit = self.slabs.limit(self.nearest.limit);
     }
 
     #[inline(always)]
     fn part(&mut self, ray: usize, below: Branch) {
-        let Self { bvh, all, .. } = *self;
-        let Some(Alone { probe, slabs }) = alone::<L>(&mut self.alone, bvh, self.rays, ray) else { return };
-        let mut single = super::Nearest::new(bvh, all.geometry, probe, self.hits.one(ray));
-        bvh.tree.walk_below::<L>(below, slabs, slabs.limit(single.limit()), &mut single);
-        if let Some(hit) = single.hit {
-            self.hits.set(ray, hit);
-        }
-        self.limit = self.limits();
+        let tree = &self.bvh.tree;
+        let Some(&Alone { probe, slabs }) = self.singles.get::<L>(tree, ray) else { return };
+        self.alone(ray, &probe, |one| {
+            tree.walk_below::<L>(below, &slabs, slabs.limit(one.limit()), one);
+        });
     }
 
     #[inline(always)]
-    fn limit(&self) -> L {
+    fn limit(&self) -> L::F32 {
         self.limit
     }
 }
 
-struct Occluded<'a> {
-    bvh: &'a Bvh,
-    geometry: &'a Geometry,
-    rays: &'a Rays,
-    wanted: u32,
-    t_max: &'a [f64; 8],
+/// The search for anything in the way of eight shadow rays.
+pub struct Shadow<'a, L: Level> {
+    ray: &'a PreparedRay<L::F64>,
+    within: Span<L::F64>,
+    passing: Option<Passing<'a>>,
+    /// Rays that are still to be looked along.
+    open: L::Mask,
+    blocked: L::Mask,
+    dimmed: L::Mask,
 }
 
-impl Work for Occluded<'_> {
-    type Output = u32;
+impl<'a, L: Level> Shadow<'a, L> {
+    #[inline(always)]
+    pub fn new(
+        ray: &'a PreparedRay<L::F64>,
+        within: Span<L::F64>,
+        wanted: L::Mask,
+        passing: Option<Passing<'a>>,
+    ) -> Self {
+        let none = L::Mask::splat(false);
+        Self { ray, within, passing, open: wanted, blocked: none, dimmed: none }
+    }
 
     #[inline(always)]
-    fn run<L: Lanes>(self) -> u32 {
-        if self.bvh.tree.is_small() { self.search::<L, 0>() } else { self.search::<L, 8>() }
+    pub fn open(&self) -> L::Mask {
+        self.open
+    }
+
+    /// Tests primitives of these indices for some of the rays.
+    #[inline(always)]
+    pub fn test(&mut self, geometry: &Geometry, indices: &[u32], rays: L::Mask) {
+        L::call_with(Test { shadow: self, geometry, indices, rays });
+    }
+
+    #[inline(always)]
+    fn test_one(&mut self, rays: L::Mask, index: u32, primitive: &Primitive) {
+        let passes = lets_pass(self.passing, index);
+        let rays = if passes { rays & !self.dimmed } else { rays };
+        if !rays.any() {
+            return;
+        }
+        let max = L::F64::select(rays, self.within.max, L::F64::splat(-1.0));
+        let met = primitive.occludes(self.ray, Span { min: self.within.min, max });
+        if passes {
+            self.dimmed = self.dimmed | met;
+        } else {
+            self.blocked = self.blocked | met;
+            self.open = self.open & !met;
+        }
+    }
+
+    #[inline(always)]
+    pub fn occlusion(&self) -> Occlusion<L::Mask> {
+        Occlusion { blocked: self.blocked, dimmed: self.dimmed & !self.blocked }
+    }
+
+    #[inline(always)]
+    pub fn bounds(&self) -> [[f64; 8]; 2] {
+        [eight(self.within.min), eight(self.within.max)]
+    }
+
+    /// A bit for each ray that is blocked, and that is dimmed.
+    #[inline(always)]
+    pub fn bits(&self) -> [u32; 2] {
+        [self.blocked.bits(), self.dimmed.bits()]
     }
 }
 
-impl Occluded<'_> {
+struct Test<'a, 'r, L: Level> {
+    shadow: &'a mut Shadow<'r, L>,
+    geometry: &'a Geometry,
+    indices: &'a [u32],
+    rays: L::Mask,
+}
+
+impl<L: Level> LaneKernel<L> for Test<'_, '_, L> {
+    type Output = ();
+
     #[inline(always)]
-    fn search<L: Lanes, const ALONE: usize>(self) -> u32 {
-        let Self { bvh, geometry, rays, wanted, t_max } = self;
-        let mut hidden = 0;
-        for index in bvh.planes.iter().map(|(index, _)| index).chain(&bvh.untreed) {
-            hidden |= hidden_by::<L>(geometry, rays, *index, wanted & !hidden, t_max);
+    fn run(self) {
+        let Self { shadow, geometry, indices, rays } = self;
+        for &index in indices {
+            shadow.test_one(rays & shadow.open, index, &geometry.primitives[index as usize]);
         }
-        let wanted = wanted & !hidden;
-        if bvh.tree.is_empty() || wanted == 0 {
-            return hidden;
-        }
-        let (origin, direction) = rays.load::<L>();
-        let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, origin, direction, wanted);
-        let limit = L::splat(-1.0).pick(hidden, slabs.limit(Octo::load(t_max)));
-        let mut any = Any { bvh, geometry, rays, t_max, limit, hidden, alone: [None; ALONE] };
+    }
+}
+
+/// The search with room for so many rays that go on alone.
+struct Occluded<'a, 'r, L: Level, const ALONE: usize> {
+    bvh: &'a Bvh,
+    geometry: &'a Geometry,
+    shadow: &'a mut Shadow<'r, L>,
+    stack: &'a mut BundleStack,
+}
+
+impl<L: Level, const ALONE: usize> LaneKernel<L> for Occluded<'_, '_, L, ALONE> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { bvh, geometry, shadow, stack } = self;
+        let ray = &shadow.ray.ray;
+        let wanted = shadow.open.bits();
+        let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, ray.origin, ray.direction, wanted);
+        let singles = Singles::<ALONE>::new(shadow.ray);
+        let limit = slabs.limit(L::F64::select(shadow.open, shadow.within.max, L::F64::splat(-1.0)));
+        let mut walk = AnyWalk { bvh, geometry, shadow, limit, singles };
         if near != 0 {
-            bvh.tree.walk_together(&slabs, near, &mut any);
+            bvh.tree.walk_together(&slabs, near, &mut walk, stack);
         }
-        let hidden = any.hidden;
-        if afar == 0 { hidden } else { hidden | self.one_by_one(afar) }
-    }
-
-    #[inline(never)]
-    fn one_by_one(&self, rays: u32) -> u32 {
-        let hidden = |lane: usize| {
-            self.bvh.occluded(self.geometry, &Probe::new(self.rays.one(lane)), self.t_max[lane])
-        };
-        lanes(rays).filter(|&lane| hidden(lane)).map(|lane| 1 << lane).sum()
+        for lane in crate::lanes::lanes(afar) {
+            let probe = Probe::new(walk.singles.rays.one(lane));
+            walk.alone(lane, &probe, |any| bvh.tree.walk(&probe, any.within.max, any));
+        }
     }
 }
 
-/// Those of eight rays whose bits are set that a primitive stands in the way of.
-#[inline(always)]
-fn hidden_by<L: Lanes>(geometry: &Geometry, rays: &Rays, index: u32, wanted: u32, t_max: &[f64; 8]) -> u32 {
-    if wanted == 0 {
-        0
-    } else {
-        geometry.primitives[index as usize].blocks_together::<L>(rays, wanted, t_max)
-    }
-}
-
-struct Any<'a, L: Lanes, const ALONE: usize> {
+struct AnyWalk<'a, 'r, L: Level, const ALONE: usize> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
-    rays: &'a Rays,
-    t_max: &'a [f64; 8],
-    limit: L,
-    hidden: u32,
-    alone: [Option<Alone>; ALONE],
+    shadow: &'a mut Shadow<'r, L>,
+    limit: L::F32,
+    singles: Singles<ALONE>,
 }
 
-impl<L: Lanes, const ALONE: usize> Any<'_, L, ALONE> {
+impl<L: Level, const ALONE: usize> AnyWalk<'_, '_, L, ALONE> {
+    /// Goes on with the search along one ray.
     #[inline(always)]
-    fn test(&mut self, index: u32, wanted: u32) {
-        let wanted = wanted & !self.hidden;
-        self.hidden |= hidden_by::<L>(self.geometry, self.rays, index, wanted, self.t_max);
-        self.limit = L::splat(-1.0).pick(self.hidden, self.limit);
+    fn alone(&mut self, ray: usize, probe: &Probe, walk: impl FnOnce(&mut Any)) {
+        let Self { bvh, geometry, .. } = *self;
+        let [min, max] = self.shadow.bounds();
+        let within = Span { min: min[ray], max: max[ray] };
+        let dimmed = self.shadow.dimmed.bits() >> ray & 1 == 1;
+        let passing = self.shadow.passing;
+        let mut any = Any { bvh, geometry, probe, within, passing, blocked: false, dimmed };
+        walk(&mut any);
+        let bit = 1 << ray;
+        if any.dimmed {
+            self.shadow.dimmed = self.shadow.dimmed | L::Mask::from_bits(bit);
+        }
+        if any.blocked {
+            self.shadow.blocked = self.shadow.blocked | L::Mask::from_bits(bit);
+            self.close();
+        }
+    }
+
+    /// Ends the search of rays that are blocked.
+    #[inline(always)]
+    fn close(&mut self) {
+        self.shadow.open = self.shadow.open & !self.shadow.blocked;
+        self.limit = L::F32::select(self.shadow.blocked, L::F32::splat(-1.0), self.limit);
     }
 }
 
-impl<L: Lanes, const ALONE: usize> BundleLeaves<L> for Any<'_, L, ALONE> {
+impl<L: Level, const ALONE: usize> BundleLeaves<L> for AnyWalk<'_, '_, L, ALONE> {
     const ALONE: bool = ALONE > 0;
 
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
-        for &index in self.bvh.leaves.leaf(leaf) {
-            self.test(index, rays);
-        }
+        self.shadow.test(self.geometry, self.bvh.leaves.leaf(leaf), L::Mask::from_bits(rays));
+        self.close();
     }
 
     #[inline(always)]
     fn part(&mut self, ray: usize, below: Branch) {
-        let Self { bvh, geometry, .. } = *self;
-        if self.hidden >> ray & 1 == 1 {
+        if self.shadow.blocked.bits() >> ray & 1 == 1 {
             return;
         }
-        let Some(Alone { probe, slabs }) = alone::<L>(&mut self.alone, bvh, self.rays, ray) else { return };
-        let t_max = self.t_max[ray];
-        let mut single = super::Any { bvh, geometry, probe, t_max, found: false };
-        bvh.tree.walk_below::<L>(below, slabs, slabs.limit(t_max), &mut single);
-        if single.found {
-            self.hidden |= 1 << ray;
-            self.limit = L::splat(-1.0).pick(self.hidden, self.limit);
-        }
+        let tree = &self.bvh.tree;
+        let Some(&Alone { probe, slabs }) = self.singles.get::<L>(tree, ray) else { return };
+        self.alone(ray, &probe, |any| {
+            tree.walk_below::<L>(below, &slabs, slabs.limit(any.within.max), any);
+        });
     }
 
     #[inline(always)]
-    fn limit(&self) -> L {
+    fn limit(&self) -> L::F32 {
         self.limit
     }
 }

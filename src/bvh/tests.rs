@@ -1,11 +1,12 @@
 use super::*;
 use crate::camera::Ray;
+use crate::lanes::tests::on_all_levels;
+use crate::lanes::{Mask, Row, SimdKernel, dispatch};
 use crate::material::MadeOf;
 use crate::math::{DAffine3, DVec3};
 use crate::scene::Finish;
 use crate::shape::{Cone, Cuboid, Cylinder, Disk, Plane, Rectangle, Shape, Sphere, Torus, Triangle};
-use crate::simd::tests::portably;
-use crate::testing::{Random, geometry};
+use crate::testing::{Random, eight_rays, geometry};
 
 fn random_shape(random: &mut Random) -> Shape {
     let p = random.point(10.0);
@@ -82,11 +83,14 @@ fn the_tree_equals_brute_force() {
         for _ in 0..4000 {
             let probe = Probe::new(random_ray(&mut random));
             let expected = brute_force(&geometry, &probe);
-            assert_eq!(bvh.closest(&geometry, &probe), expected, "{probe:?}");
-            assert_eq!(portably(|| bvh.closest(&geometry, &probe)), expected, "{probe:?}");
+            for (level, hit) in on_all_levels(|| bvh.closest(&geometry, &probe)) {
+                assert_eq!(hit, expected, "{probe:?}, {level:?}");
+            }
             let t_max = random.unit() * 20.0;
             let blocked = expected.is_some_and(|hit| hit.at.t < t_max);
-            assert_eq!(bvh.occluded(&geometry, &probe, t_max), blocked, "{probe:?} {t_max}");
+            for (level, occluded) in on_all_levels(|| bvh.occluded(&geometry, &probe, t_max)) {
+                assert_eq!(occluded, blocked, "{probe:?} {t_max}, {level:?}");
+            }
         }
     }
 }
@@ -132,4 +136,129 @@ fn deep_trees_are_walked_to_the_end() {
         let probe = Probe::new(Ray { origin, direction: random.point(1.0) });
         assert_eq!(bvh.closest(&geometry, &probe), brute_force(&geometry, &probe));
     }
+}
+
+/// Eight rays, the bits of those that are looked along, and between which t.
+#[derive(Clone, Copy, Debug)]
+struct Eight {
+    rays: [Ray; 8],
+    wanted: u32,
+    min: [f64; 8],
+    max: [f64; 8],
+}
+
+impl Eight {
+    /// Neighbours from one place, or rays from anywhere to anywhere.
+    fn new(random: &mut Random) -> Self {
+        let first = random_ray(random);
+        let together = random.unit() < 0.6;
+        let rays = std::array::from_fn(|_| match together {
+            true => Ray { direction: first.direction + random.point(0.02), ..first },
+            false => random_ray(random),
+        });
+        let wanted = if random.unit() < 0.5 { 0xff } else { (256.0 * random.unit()) as u32 };
+        let min = [0; 8].map(|_| if random.unit() < 0.7 { 0.0 } else { 3.0 * random.unit() });
+        let max = [0; 8].map(|_| if random.unit() < 0.5 { f64::INFINITY } else { 20.0 * random.unit() });
+        Self { rays, wanted, min, max }
+    }
+
+    fn within<L: Level>(&self) -> Span<L::F64> {
+        Span { min: L::F64::from_array(self.min), max: L::F64::from_array(self.max) }
+    }
+
+    /// The rays that are looked along, with their numbers.
+    fn each(&self) -> impl Iterator<Item = (usize, Probe, Span<f64>)> {
+        lanes(self.wanted).map(|lane| {
+            let within = Span { min: self.min[lane], max: self.max[lane] };
+            (lane, Probe::new(self.rays[lane]), within)
+        })
+    }
+}
+
+struct Intersect<'a>(&'a Bvh, &'a Geometry, &'a Eight, Coherence);
+
+impl SimdKernel for Intersect<'_> {
+    type Output = [Option<Hit>; 8];
+
+    #[inline(always)]
+    fn run<L: Level>(self) -> Self::Output {
+        let Self(bvh, geometry, eight, coherence) = self;
+        let (ray, wanted) = (eight_rays::<L>(&eight.rays), L::Mask::from_bits(eight.wanted));
+        let stacks = &mut Stacks::default();
+        let hits = bvh.intersect::<L>(geometry, &ray, eight.within::<L>(), wanted, coherence, stacks).store();
+        std::array::from_fn(|lane| hits.lane(lane))
+    }
+}
+
+struct Occlude<'a>(&'a Bvh, &'a Geometry, &'a Eight, Coherence, Option<Passing<'a>>);
+
+impl SimdKernel for Occlude<'_> {
+    /// Bits of the rays that are blocked, and of those that are dimmed.
+    type Output = [u32; 2];
+
+    #[inline(always)]
+    fn run<L: Level>(self) -> [u32; 2] {
+        let Self(bvh, geometry, eight, coherence, passing) = self;
+        let (ray, wanted) = (eight_rays::<L>(&eight.rays), L::Mask::from_bits(eight.wanted));
+        let (within, stacks) = (eight.within::<L>(), &mut Stacks::default());
+        let found = bvh.occlusion::<L>(geometry, &ray, within, wanted, (coherence, passing), stacks);
+        [found.blocked.bits(), found.dimmed.bits()]
+    }
+}
+
+/// Worlds with and without a tree, for eight rays at a time.
+fn each_eight(mut test: impl FnMut(&Geometry, &Bvh, &Eight, &mut Random, Coherence)) {
+    let mut random = Random(5);
+    for count in [0, 1, 3, 11, 12, 300] {
+        let geometry = random_geometry(&mut random, count);
+        let bvh = Bvh::build(&geometry);
+        for _ in 0..1000 {
+            let eight = Eight::new(&mut random);
+            for coherence in [Coherence::Together, Coherence::Apart] {
+                test(&geometry, &bvh, &eight, &mut random, coherence);
+            }
+        }
+    }
+}
+
+#[test]
+fn eight_rays_meet_what_each_of_them_does() {
+    let mut met = 0;
+    each_eight(|geometry, bvh, eight, _, coherence| {
+        for (level, hits) in on_all_levels(|| dispatch(Intersect(bvh, geometry, eight, coherence))) {
+            for (lane, probe, within) in eight.each() {
+                let expected = bvh.closest_within(geometry, &probe, within);
+                assert_eq!(hits[lane], expected, "{level:?}, {coherence:?}, {lane} of {eight:?}");
+                met += u32::from(expected.is_some());
+            }
+        }
+    });
+    assert!(met > 10_000, "{met}");
+}
+
+#[test]
+fn eight_rays_are_blocked_where_each_of_them_is() {
+    let mut found = [0; 2];
+    each_eight(|geometry, bvh, eight, random, coherence| {
+        let flags: Vec<bool> = geometry.primitives.iter().map(|_| random.unit() < 0.3).collect();
+        let passing = (random.unit() < 0.7).then_some(Passing(&flags));
+        let stops = |index: usize| passing.is_none() || !flags[index];
+        let all = on_all_levels(|| dispatch(Occlude(bvh, geometry, eight, coherence, passing)));
+        for (lane, probe, within) in eight.each() {
+            let [mut blocked, mut dimmed] = [false; 2];
+            for (index, primitive) in geometry.primitives.iter().enumerate() {
+                let meets = primitive.occludes(&PreparedRay::<f64>::splat(&probe), within);
+                if stops(index) { blocked |= meets } else { dimmed |= meets }
+            }
+            let expected = [blocked, dimmed && !blocked];
+            for (level, bits) in &all {
+                let told = bits.map(|bits| bits >> lane & 1 == 1);
+                assert_eq!(told, expected, "{level:?}, {coherence:?}, {lane} of {eight:?}");
+            }
+            for (count, is) in found.iter_mut().zip(expected) {
+                *count += u32::from(is);
+            }
+        }
+    });
+    assert!(found.iter().all(|count| *count > 1000), "{found:?}");
 }

@@ -14,8 +14,8 @@ pub use tracks::{EnvironmentTracks, SkyTracks};
 use crate::color::Rgb;
 use crate::digest::content;
 use crate::film::LayerId;
-use crate::math::{DMat3, DVec2, DVec3};
-use crate::simd::{Lanes, Rows, Vector};
+use crate::lanes::{Color, Real, Row, Vec3, turned};
+use crate::math::DMat3;
 use bevy_ecs::component::Component;
 
 /// A sky around the world at one moment, without what keys weight: fading it touches its layer's weight alone.
@@ -41,22 +41,10 @@ impl Default for Environment {
 }
 
 impl Environment {
-    /// Radiance from a direction, given as a unit vector in the world.
-    pub fn radiance(&self, direction: DVec3) -> Rgb {
-        self.sky.radiance(self.from_world * direction) * self.strength
-    }
-
-    /// [`Environment::radiance`] from eight directions: its red, green and blue.
+    /// Radiance from directions, given as unit vectors in the world.
     #[inline(always)]
-    pub fn radiance_of_eight<L: Lanes>(&self, directions: &Rows) -> [[f32; 8]; 3] {
-        let d = Vector::<L::Quad>::load(directions);
-        let DMat3 { x_axis, y_axis, z_axis } = self.from_world;
-        let d = Vector::splat(x_axis) * d.x + Vector::splat(y_axis) * d.y + Vector::splat(z_axis) * d.z;
-        let mut radiance = self.sky.radiance_of_eight::<L>(d);
-        for row in &mut radiance {
-            *row = L::load(row).times(L::splat(self.strength)).store();
-        }
-        radiance
+    pub fn radiance<F: Real>(&self, direction: Vec3<F>) -> Color<F::F32> {
+        self.sky.radiance(turned(&self.from_world, direction)) * F::F32::splat(self.strength)
     }
 
     /// Whether it is certain that no light comes from anywhere.
@@ -64,15 +52,17 @@ impl Environment {
         self.strength == 0.0 || self.sky == Sky::Constant(Rgb::ZERO)
     }
 
-    /// A direction for two numbers in 0..1, likely where the sky is bright, and its density per steradian.
+    /// Directions for two numbers in 0..1, likely where the sky is bright, and their densities per steradian.
     /// `table` is that of this environment's sky.
-    pub fn sample(&self, table: &SkyTable, u: DVec2) -> (DVec3, f64) {
+    #[inline(always)]
+    pub fn sample<F: Real>(&self, table: &SkyTable, u: [F; 2]) -> (Vec3<F>, F) {
         let (direction, pdf) = table.sample(u);
-        (self.from_world.transpose() * direction, pdf)
+        (turned(&self.from_world.transpose(), direction), pdf)
     }
 
-    /// The density per steradian with which [`Environment::sample`] gives a direction.
-    pub fn pdf(&self, table: &SkyTable, direction: DVec3) -> f64 {
-        table.pdf(self.from_world * direction)
+    /// The density per steradian with which [`Environment::sample`] gives directions.
+    #[inline(always)]
+    pub fn pdf<F: Real>(&self, table: &SkyTable, direction: Vec3<F>) -> F {
+        table.pdf(turned(&self.from_world, direction))
     }
 }

@@ -4,8 +4,8 @@ use super::CubeMap;
 use super::equirect;
 use crate::color::Rgb;
 use crate::digest::content;
+use crate::lanes::{Color, Real, Row, Vec3};
 use crate::math::{DVec2, DVec3};
-use crate::simd::{Lanes, Octo, Vector};
 use crate::texture::{Filter, Image, Shared, Wrap};
 
 /// Radiance from every direction.
@@ -31,56 +31,51 @@ content!(enum Sky {
 });
 
 impl Sky {
-    /// Radiance from a direction, a unit vector.
-    pub fn radiance(&self, direction: DVec3) -> Rgb {
+    /// Radiance from directions, unit vectors.
+    #[inline(always)]
+    pub fn radiance<F: Real>(&self, direction: Vec3<F>) -> Color<F::F32> {
+        let (zero, one) = (F::splat(0.0), F::splat(1.0));
         match self {
-            Self::Constant(radiance) => *radiance,
+            Self::Constant(radiance) => Color::splat(*radiance),
             Self::Gradient { bottom, top, up } => {
-                let height = 0.5 * (direction.dot(*up) + 1.0);
-                bottom.lerp(*top, height.clamp(0.0, 1.0) as f32)
+                let height = F::splat(0.5) * (direction.dot(Vec3::splat(*up)) + one);
+                let share = height.max(zero).min(one).to_f32();
+                Color::splat(*bottom).lerp(Color::splat(*top), share)
             }
-            Self::CubeMap(map) => map.radiance(direction),
-            Self::Equirect(image) => seen(image, equirect::uv(direction)),
+            Self::CubeMap(_) | Self::Equirect(_) => {
+                let [r, g, b] = self.image_radiance(&direction.store(), F::LANES);
+                Color { r: F::F32::load(&r, 0), g: F::F32::load(&g, 0), b: F::F32::load(&b, 0) }
+            }
         }
     }
 
-    /// [`Sky::radiance`] from eight directions: its red, green and blue.
-    #[inline(always)]
-    pub(super) fn radiance_of_eight<L: Lanes>(&self, directions: Vector<L::Quad>) -> [[f32; 8]; 3] {
-        let mut radiance = [[0.0; 8]; 3];
-        match self {
-            Self::Constant(everywhere) => {
-                for (row, color) in radiance.iter_mut().zip(everywhere.to_array()) {
-                    *row = [color; 8];
-                }
-            }
-            Self::Gradient { bottom, top, up } => {
-                let (zero, one) = (Octo::splat(0.0), Octo::splat(1.0));
-                let height = Octo::splat(0.5) * (directions.dot(Vector::splat(*up)) + one);
-                let share = L::load(&height.larger(zero).smaller(one).narrow());
-                for (row, (bottom, top)) in
-                    radiance.iter_mut().zip(bottom.to_array().into_iter().zip(top.to_array()))
-                {
-                    let below = L::splat(bottom).times(L::splat(1.0).minus(share));
-                    *row = below.plus(L::splat(top).times(share)).store();
-                }
-            }
-            // Images are asked for light as well, but for black ones: few come here.
-            Self::CubeMap(_) | Self::Equirect(_) => {
-                let (directions, [r, g, b]) = (directions.store(), &mut radiance);
-                for (lane, ((r, g), b)) in r.iter_mut().zip(g).zip(b).enumerate() {
-                    (*r, *g, *b) = self.radiance(directions.one(lane)).into();
-                }
-            }
+    /// [`Sky::radiance`] of images in so many lanes, without lanes: a row for each of red, green and blue.
+    #[inline(never)]
+    fn image_radiance(&self, directions: &[DVec3; 8], lanes: usize) -> [[f32; 8]; 3] {
+        let mut color = [[0.0; 8]; 3];
+        let [r, g, b] = &mut color;
+        for lane in 0..lanes {
+            let direction = directions[lane];
+            let radiance = match self {
+                Self::CubeMap(map) => map.radiance(direction),
+                Self::Equirect(image) => seen(image, DVec2::from(equirect::uv::<f64>(direction.into()))),
+                Self::Constant(_) | Self::Gradient { .. } => Rgb::ZERO,
+            };
+            (r[lane], g[lane], b[lane]) = radiance.into();
         }
-        radiance
+        color
+    }
+
+    /// Radiance from one direction.
+    pub fn radiance_from(&self, direction: DVec3) -> Rgb {
+        self.radiance::<f64>(direction.into()).into()
     }
 
     /// Radiance from the direction at a place of [`equirect::direction`].
     pub(super) fn radiance_at(&self, uv: DVec2) -> Rgb {
         match self {
             Self::Equirect(image) => seen(image, uv),
-            _ => self.radiance(equirect::direction(uv)),
+            _ => self.radiance_from(equirect::direction(uv)),
         }
     }
 }
@@ -99,12 +94,12 @@ mod tests {
     fn gradients_go_evenly_with_height() {
         let (bottom, top) = (Rgb::ONE, Rgb::new(0.5, 0.7, 1.0));
         let sky = Sky::Gradient { bottom, top, up: DVec3::Y };
-        assert_eq!(sky.radiance(DVec3::NEG_Y), bottom);
-        assert_eq!(sky.radiance(DVec3::Y), top);
-        let middle = sky.radiance(DVec3::X);
+        assert_eq!(sky.radiance_from(DVec3::NEG_Y), bottom);
+        assert_eq!(sky.radiance_from(DVec3::Y), top);
+        let middle = sky.radiance_from(DVec3::X);
         assert!((middle - Rgb::new(0.75, 0.85, 1.0)).abs().max_element() < 1e-6);
         let tilted = Sky::Gradient { bottom, top, up: DVec3::Z };
-        assert_eq!(tilted.radiance(DVec3::Z), top);
+        assert_eq!(tilted.radiance_from(DVec3::Z), top);
     }
 
     /// An image of 8 × 4 texels whose red is the column and whose green is the row from the top.
@@ -116,7 +111,7 @@ mod tests {
     #[test]
     fn equirect_images_have_minus_z_in_the_middle_and_x_to_the_right() {
         let sky = numbered();
-        let seen = |x: f64, y: f64, z: f64| sky.radiance(DVec3::new(x, y, z).normalize());
+        let seen = |x: f64, y: f64, z: f64| sky.radiance_from(DVec3::new(x, y, z).normalize());
         assert_eq!(seen(0.0, 0.0, -1.0), Rgb::new(3.5, 1.5, 0.0));
         assert_eq!(seen(1.0, 0.0, 0.0), Rgb::new(5.5, 1.5, 0.0));
         assert_eq!(seen(-1.0, 0.0, 0.0), Rgb::new(1.5, 1.5, 0.0));
@@ -130,11 +125,11 @@ mod tests {
         let mut random = Random(2);
         for _ in 0..1000 {
             let y = 2.0 * random.unit() - 1.0;
-            let sides = [1e-9, -1e-9].map(|x| sky.radiance(DVec3::new(x, y, 1.0).normalize()));
+            let sides = [1e-9, -1e-9].map(|x| sky.radiance_from(DVec3::new(x, y, 1.0).normalize()));
             assert!((sides[0] - sides[1]).abs().max_element() < 1e-5);
             let tiny = random.point(1e-300) + DVec3::Y;
-            assert_eq!(sky.radiance(tiny).y, 0.0, "the top row alone");
-            assert!(sky.radiance(random.direction()).is_finite());
+            assert_eq!(sky.radiance_from(tiny).y, 0.0, "the top row alone");
+            assert!(sky.radiance_from(random.direction()).is_finite());
         }
     }
 }

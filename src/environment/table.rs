@@ -5,6 +5,7 @@ mod tests;
 
 use super::{Sky, equirect};
 use crate::color::Rgb;
+use crate::lanes::{Real, Vec3};
 use crate::math::{Angle, DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -67,21 +68,45 @@ impl SkyTable {
         Some(Self { rows, columns, heights, width })
     }
 
-    /// A direction in the sky for two numbers in 0..1, and its density per steradian.
-    pub fn sample(&self, u: DVec2) -> (DVec3, f64) {
-        let (row, up) = pick(&self.rows, u.y);
-        let (column, right) = pick(self.row(row), u.x);
-        let y = self.heights[row] + up * (self.heights[row + 1] - self.heights[row]);
-        let longitude = (column as f64 + right) / self.width as f64;
-        let direction = equirect::around(longitude, y, ((1.0 - y) * (1.0 + y)).max(0.0).sqrt());
+    /// Directions in the sky for two numbers in 0..1, and their densities per steradian.
+    #[inline(always)]
+    pub fn sample<F: Real>(&self, [u, v]: [F; 2]) -> (Vec3<F>, F) {
+        let (us, vs) = (u.to_array(), v.to_array());
+        let (mut height, mut longitude) = (us, us);
+        for lane in 0..F::LANES {
+            let place = self.place([us[lane], vs[lane]]);
+            (longitude[lane], height[lane]) = (place.x, place.y);
+        }
+        let (y, one) = (F::from_array(height), F::splat(1.0));
+        let level = ((one - y) * (one + y)).max(F::splat(0.0)).sqrt();
+        let direction = equirect::around(F::from_array(longitude), y, level);
         // Of the direction as it is rounded: both ways to ask give the same number.
         (direction, self.pdf(direction))
     }
 
-    /// The density per steradian of a direction, a unit vector in the sky.
-    pub fn pdf(&self, direction: DVec3) -> f64 {
-        let row = cell_of(&self.heights, direction.y);
-        let column = (equirect::longitude(direction) * self.width as f64) as usize;
+    /// The longitude in 0..=1 and the height of the direction for two numbers in 0..1.
+    fn place(&self, [u, v]: [f64; 2]) -> DVec2 {
+        let (row, up) = pick(&self.rows, v);
+        let (column, right) = pick(self.row(row), u);
+        let height = self.heights[row] + up * (self.heights[row + 1] - self.heights[row]);
+        DVec2::new((column as f64 + right) / self.width as f64, height)
+    }
+
+    /// The densities per steradian of directions, unit vectors in the sky.
+    #[inline(always)]
+    pub fn pdf<F: Real>(&self, direction: Vec3<F>) -> F {
+        let column = equirect::longitude(direction) * F::splat(self.width as f64);
+        let (columns, heights) = (column.to_array(), direction.y.to_array());
+        let mut pdf = columns;
+        for lane in 0..F::LANES {
+            pdf[lane] = self.cell_pdf(columns[lane] as usize, heights[lane]);
+        }
+        F::from_array(pdf)
+    }
+
+    /// The density per steradian of a column's cell at a height.
+    fn cell_pdf(&self, column: usize, height: f64) -> f64 {
+        let row = cell_of(&self.heights, height);
         let columns = self.row(row);
         let column = column.min(self.width - 1);
         let probability = (self.rows[row + 1] - self.rows[row]) * (columns[column + 1] - columns[column]);

@@ -1,6 +1,7 @@
 //! How light grows fainter with distance.
 
 use crate::digest::content;
+use crate::lanes::Real;
 
 /// The share min(1, 1 / (`constant` + `linear`·d + `quadratic`·d²)) of the light arrives at distance d. Each
 /// part is at least 0.
@@ -21,15 +22,16 @@ impl Default for Attenuation {
 }
 
 impl Attenuation {
-    pub fn share(&self, distance: f64) -> f64 {
-        let fades = self.linear > 0.0 || self.quadratic > 0.0;
-        let divisor = if fades {
-            self.constant + distance * (self.linear + distance * self.quadratic)
-        } else {
-            self.constant
-        };
+    #[inline(always)]
+    pub fn share<F: Real>(&self, distance: F) -> F {
+        let one = F::splat(1.0);
+        if self.linear == 0.0 && self.quadratic == 0.0 {
+            return F::splat(if self.constant <= 1.0 { 1.0 } else { 1.0 / self.constant });
+        }
+        let fading = distance * (F::splat(self.linear) + distance * F::splat(self.quadratic));
+        let divisor = F::splat(self.constant) + fading;
         // Also for a divisor of 0, at the light itself.
-        if divisor <= 1.0 { 1.0 } else { 1.0 / divisor }
+        F::select(divisor.le(one), one, one / divisor)
     }
 }
 

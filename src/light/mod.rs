@@ -9,6 +9,7 @@ pub use tracks::{LightKind, LightTracks};
 use crate::color::Rgb;
 use crate::digest::content;
 use crate::film::LayerId;
+use crate::lanes::Real;
 use crate::math::DVec3;
 use crate::shape::{Rectangle, Sphere};
 use bevy_ecs::component::Component;
@@ -72,14 +73,12 @@ content!(struct Cone { axis, full, none });
 impl Cone {
     /// The share of the light that goes in a direction of this cosine to the axis: smooth from the full light
     /// to none.
-    pub fn share(&self, cosine: f64) -> f64 {
-        if cosine >= self.full {
-            return 1.0;
-        }
-        if cosine <= self.none {
-            return 0.0;
-        }
-        let s = (cosine - self.none) / (self.full - self.none);
-        s * s * (3.0 - 2.0 * s)
+    #[inline(always)]
+    pub fn share<F: Real>(&self, cosine: F) -> F {
+        let (zero, one) = (F::splat(0.0), F::splat(1.0));
+        let s = (cosine - F::splat(self.none)) / F::splat(self.full - self.none);
+        let smooth = s * s * (F::splat(3.0) - F::splat(2.0) * s);
+        let edge = F::select(cosine.le(F::splat(self.none)), zero, smooth);
+        F::select(F::splat(self.full).le(cosine), one, edge)
     }
 }

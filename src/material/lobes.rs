@@ -4,7 +4,7 @@ use crate::color::Rgb;
 use crate::digest::content;
 
 /// Mirrors of less fuzz are sharp: their reflections are spread over less than a tenth of a degree.
-const SHARP: f32 = 0.0008;
+pub const SHARP: f32 = 0.0008;
 
 /// How much of each lobe there is: strength times tint. Black means that the lobe is absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

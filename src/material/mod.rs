@@ -5,7 +5,7 @@ mod lobes;
 mod tracks;
 
 pub use exponent::{Exponent, Highlight};
-pub use lobes::{Lobes, Slot};
+pub use lobes::{Lobes, SHARP, Slot};
 pub use tracks::{Level, Lobe, MaterialTracks};
 
 use crate::color::Rgb;

@@ -1,6 +1,7 @@
 //! Floating-point error bounds and the exact operations behind them.
 
 use super::DVec3;
+use crate::lanes::Real;
 
 /// Unit round-off of f64: half the distance from 1 to the next number.
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON * 0.5;
@@ -14,23 +15,26 @@ pub const fn gamma(n: u32) -> f64 {
 
 /// a·b - c·d to about one and a half units in the last place, without fused multiply-add: both products'
 /// rounding errors are recovered by Dekker's splitting and added back.
-pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
+#[inline(always)]
+pub fn difference_of_products<F: Real>(a: F, b: F, c: F, d: F) -> F {
     let (ab, cd) = (a * b, c * d);
     let difference = ab - cd;
     // Splitting overflows near the ends of the exponent range; there the plain difference has to do.
     let error = product_error(a, b, ab) - product_error(c, d, cd);
-    if error.is_finite() { difference + error } else { difference }
+    F::select(error.abs().lt(F::splat(f64::INFINITY)), difference + error, difference)
 }
 
 /// The exact rounding error of `product` = fl(a·b) (Dekker 1971, Veltkamp splitting).
-fn product_error(a: f64, b: f64, product: f64) -> f64 {
+#[inline(always)]
+fn product_error<F: Real>(a: F, b: F, product: F) -> F {
     let ((ah, al), (bh, bl)) = (split(a), split(b));
     ((ah * bh - product) + ah * bl + al * bh) + al * bl
 }
 
-fn split(a: f64) -> (f64, f64) {
+#[inline(always)]
+fn split<F: Real>(a: F) -> (F, F) {
     const FACTOR: f64 = 134_217_729.0; // 2^27 + 1
-    let scaled = FACTOR * a;
+    let scaled = F::splat(FACTOR) * a;
     let high = scaled - (scaled - a);
     (high, a - high)
 }
@@ -58,24 +62,6 @@ pub fn cross(a: DVec3, b: DVec3) -> DVec3 {
     )
 }
 
-/// Numbers nearer to zero than this soon lead to subnormal ones, with which processors compute a hundred times slower:
-/// 2^-900, far below any length that matters.
-pub const NEAR_ZERO: f64 = f64::from_bits((1023 - 900) << 52);
-
-/// The neighbour of `value` in the direction of `towards`; `value` itself when that is zero. Next to zero it is as far
-/// as [`NEAR_ZERO`].
-#[inline]
-pub fn next_away(value: f64, towards: f64) -> f64 {
-    let next = if towards > 0.0 {
-        value.next_up()
-    } else if towards < 0.0 {
-        value.next_down()
-    } else {
-        return value;
-    };
-    if next.abs() < NEAR_ZERO { NEAR_ZERO.copysign(towards) } else { next }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -101,14 +87,5 @@ mod tests {
     #[test]
     fn gamma_bounds_the_first_order_term() {
         assert!(gamma(3) > 3.0 * UNIT_ROUNDOFF && gamma(3) < 3.001 * UNIT_ROUNDOFF);
-    }
-
-    #[test]
-    fn next_away_moves_by_one_number() {
-        assert_eq!(next_away(1.0, 5.0), 1.0 + f64::EPSILON);
-        assert_eq!(next_away(1.0, -5.0), 1.0 - UNIT_ROUNDOFF);
-        assert_eq!(next_away(1.0, 0.0), 1.0);
-        assert_eq!((next_away(0.0, 2.0), next_away(1e-300, -2.0)), (NEAR_ZERO, -NEAR_ZERO));
-        assert_eq!(next_away(0.0, 0.0), 0.0);
     }
 }

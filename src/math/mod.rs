@@ -3,19 +3,20 @@
 mod angle;
 mod basis;
 mod bounds;
+mod elementary;
 mod error;
-mod real;
 mod root;
 mod rotation;
 mod turn;
 
+pub use crate::lanes::{NEAR_ZERO, next_away};
 pub use angle::Angle;
 pub use basis::{Basis, look_at, perpendicular};
 pub use bounds::Aabb;
-pub use error::{NEAR_ZERO, UNIT_ROUNDOFF, difference_of_products, dot_plus, gamma, next_away};
+pub use elementary::{atan2, exp, exp_m1};
+pub use error::{UNIT_ROUNDOFF, difference_of_products, dot_plus, gamma};
 pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
-pub use real::{Real, Vector3};
-pub use root::root_between;
+pub use root::{Function, root_between};
 pub use rotation::{axis_angle, euler_xyz, slerp};
 pub use turn::{cos_sin_of_quarters, cos_sin_of_turns};
 

@@ -1,6 +1,6 @@
 //! Cosines and sines of shares of a turn, for one number or for several at once: what directions are drawn with.
 
-use super::Real;
+use crate::lanes::{Real, out_of_line};
 
 /// 1 / n!, of even and of odd n from 2 on, with the signs of the series of the cosine and the sine.
 const COSINE: [f64; 8] = [
@@ -25,49 +25,50 @@ const SINE: [f64; 8] = [
 ];
 
 #[inline(always)]
-fn series<T: Real>(coefficients: &[f64; 8], square: T) -> T {
+fn series<F: Real>(coefficients: &[f64; 8], square: F) -> F {
     let [a, b, c, d, e, f, g, h] = *coefficients;
     // By Estrin's scheme: Horner's would be one long chain.
     let fourth = square * square;
     let eighth = fourth * fourth;
-    let low = (T::of(a) + T::of(b) * square) + (T::of(c) + T::of(d) * square) * fourth;
-    let high = (T::of(e) + T::of(f) * square) + (T::of(g) + T::of(h) * square) * fourth;
+    let low = (F::splat(a) + F::splat(b) * square) + (F::splat(c) + F::splat(d) * square) * fourth;
+    let high = (F::splat(e) + F::splat(f) * square) + (F::splat(g) + F::splat(h) * square) * fourth;
     low + high * eighth
 }
 
 /// The cosine and the sine of `r` quarter turns, for r in -1/2..=1/2, by Taylor's series up to the 16th and the 17th
 /// power, which leave out less than 2^-58: both are within 2 units of roundoff.
 #[inline(always)]
-pub fn cos_sin_of_quarters<T: Real>(r: T) -> (T, T) {
-    let angle = r * T::of(std::f64::consts::FRAC_PI_2);
+pub fn cos_sin_of_quarters<F: Real>(r: F) -> (F, F) {
+    let angle = r * F::splat(std::f64::consts::FRAC_PI_2);
     let square = angle * angle;
-    let cosine = T::of(1.0) + square * series(&COSINE, square);
+    let cosine = F::splat(1.0) + square * series(&COSINE, square);
     let sine = angle + angle * (square * series(&SINE, square));
     (cosine, sine)
 }
 
-/// The cosine and the sine of `u` turns, for u in 0..=1; exact at every quarter.
-#[inline(always)]
-pub fn cos_sin_of_turns<T: Real>(u: T) -> (T, T) {
-    let quarters = u * T::of(4.0);
-    let place = quarters + T::of(0.5);
-    let (zero, one) = (T::of(0.0), T::of(1.0));
-    // The nearest quarter, 4 again being 0. What is left is exact.
-    let nearest = place.at_least(1.0, one, zero)
-        + place.at_least(2.0, one, zero)
-        + place.at_least(3.0, one, zero)
-        + place.at_least(4.0, one, zero);
-    let (c, s) = cos_sin_of_quarters(quarters - nearest);
-    let (minus_c, minus_s) = (zero - c, zero - s);
-    (of_quarter(place, [c, minus_s, minus_c, s]), of_quarter(place, [s, c, minus_s, minus_c]))
+out_of_line! {
+    /// The cosine and the sine of `u` turns, for u in 0..=1; exact at every quarter.
+    pub fn cos_sin_of_turns<'k, F>(u: F) -> (F, F) {
+        let quarters = u * F::splat(4.0);
+        let place = quarters + F::splat(0.5);
+        let (zero, one) = (F::splat(0.0), F::splat(1.0));
+        // The nearest quarter, 4 again being 0. What is left is exact.
+        let nearest = F::select(one.le(place), one, zero)
+            + F::select(F::splat(2.0).le(place), one, zero)
+            + F::select(F::splat(3.0).le(place), one, zero)
+            + F::select(F::splat(4.0).le(place), one, zero);
+        let (c, s) = cos_sin_of_quarters(quarters - nearest);
+        (of_quarter(place, [c, -s, -c, s]), of_quarter(place, [s, c, -s, -c]))
+    }
 }
 
 /// The one of the quarter before 1, 2, 3 or 4.
-// No closure: it would be compiled for less than the lanes need.
 #[inline(always)]
-fn of_quarter<T: Real>(place: T, [a, b, c, d]: [T; 4]) -> T {
-    let late = place.at_least(4.0, a, d);
-    place.at_least(1.0, place.at_least(2.0, place.at_least(3.0, late, c), b), a)
+fn of_quarter<F: Real>(place: F, [a, b, c, d]: [F; 4]) -> F {
+    let late = F::select(F::splat(4.0).le(place), a, d);
+    let second = F::select(F::splat(3.0).le(place), late, c);
+    let first = F::select(F::splat(2.0).le(place), second, b);
+    F::select(F::splat(1.0).le(place), first, a)
 }
 
 #[cfg(test)]

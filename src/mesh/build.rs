@@ -3,8 +3,8 @@
 use super::corners::retain;
 use super::{Mesh, MeshError, Packet, Parts, Place};
 use crate::digest::{Content, Digest, Digester};
+use crate::lanes::prefetch;
 use crate::math::{Aabb, DVec3};
-use crate::simd::fetch;
 use crate::tree::{Contents, Tree, fetch_ahead};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -85,10 +85,10 @@ fn fetch_leaves(leaves: &Contents, now: u32, parts: &Parts) {
         return;
     }
     for &part in leaves.leaf(now + 2 * AHEAD) {
-        fetch(&parts.triangles, part as usize);
+        prefetch(&parts.triangles, part as usize);
     }
     for vertex in leaves.leaf(now + AHEAD).iter().flat_map(|&part| parts.triangles[part as usize]) {
-        fetch(&parts.positions, vertex as usize);
+        prefetch(&parts.positions, vertex as usize);
     }
 }
 

@@ -24,8 +24,8 @@ pub use packet::{Packet, Sheared, ShearedRays};
 
 use crate::color::Rgb;
 use crate::digest::{Digest, content};
+use crate::lanes::Level;
 use crate::math::{Aabb, DVec2, DVec3};
-use crate::simd::Lanes;
 use crate::tree::Tree;
 use glam::Vec3;
 use std::sync::OnceLock;
@@ -145,25 +145,25 @@ impl Mesh {
 
     /// Asks for a triangle that will be needed soon.
     #[inline(always)]
-    pub fn fetch<L: Lanes>(&self, part: u32) {
-        L::fetch(&self.parts.triangles, part as usize);
+    pub fn prefetch<L: Level>(&self, part: u32) {
+        L::prefetch(&self.parts.triangles, part as usize);
     }
 
     /// Asks for what there is at a triangle's corners, for normals of a kind.
     #[inline(always)]
-    pub fn fetch_corners<L: Lanes>(&self, part: u32, normals: Normals) {
+    pub fn prefetch_corners<L: Level>(&self, part: u32, normals: Normals) {
         for vertex in self.parts.triangles[part as usize] {
-            L::fetch(&self.parts.positions, vertex as usize);
+            L::prefetch(&self.parts.positions, vertex as usize);
         }
         match (normals, &self.parts.normals, self.smooth.get()) {
             (Normals::File, Some(normals), _) => {
                 for index in normals.indices(part, &self.parts.triangles) {
-                    L::fetch(normals.values(), index as usize);
+                    L::prefetch(normals.values(), index as usize);
                 }
             }
             (Normals::Smooth, _, Some(normals)) => {
                 for vertex in self.parts.triangles[part as usize] {
-                    L::fetch(normals, vertex as usize);
+                    L::prefetch(normals, vertex as usize);
                 }
             }
             _ => {}

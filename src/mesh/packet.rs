@@ -4,8 +4,8 @@
 //! that what it calls missed is missed by the f64 test, and what it calls hit is hit by that.
 
 use super::Parts;
+use crate::lanes::{Level, Real, Row, Single, Vec3};
 use crate::math::DVec3;
-use crate::simd::{Lanes, Octo, Vector};
 use crate::tree::{BundleSlabs, Probe, Slabs, Space};
 
 /// The triangles of a leaf, in the space of its tree, one row of numbers after the other.
@@ -117,140 +117,138 @@ impl Sheared {
     /// A corner of eight triangles, sheared, with its depth. Both coordinates are turned round, which leaves their
     /// products as they are.
     #[inline(always)]
-    fn place<L: Lanes>(&self, corner: &[[f32; 8]; 3]) -> (L, L, L) {
+    fn place<S: Single<Array = [f32; 8]>>(&self, corner: &[[f32; 8]; 3]) -> (S, S, S) {
         let [x, y, z] = self.axes;
-        let x = L::load(&corner[x]).minus(L::splat(self.origin[0]));
-        let y = L::load(&corner[y]).minus(L::splat(self.origin[1]));
-        let depth = L::load(&corner[z]).minus(L::splat(self.origin[2]));
-        let x = L::splat(self.shear[0]).times_minus(depth, x);
-        let y = L::splat(self.shear[1]).times_minus(depth, y);
-        (x, y, depth.times(L::splat(self.inverse)))
+        let x = S::from_array(corner[x]) - S::splat(self.origin[0]);
+        let y = S::from_array(corner[y]) - S::splat(self.origin[1]);
+        let depth = S::from_array(corner[z]) - S::splat(self.origin[2]);
+        let x = S::splat(self.shear[0]).mul_sub(depth, x);
+        let y = S::splat(self.shear[1]).mul_sub(depth, y);
+        (x, y, depth * S::splat(self.inverse))
     }
 
     /// Sifts a packet's triangles, as far as they may be met before `limit`.
     #[inline(always)]
-    pub fn sift<L: Lanes>(&self, packet: &Packet, limit: f32) -> Sieve<L> {
+    pub fn sift<S: Single<Array = [f32; 8]>>(&self, packet: &Packet, limit: f32) -> Sieve<S> {
         // No closures here: they would be compiled for less than the lanes need.
-        let (ax, ay, az) = self.place::<L>(&packet.corners[0]);
-        let (bx, by, bz) = self.place::<L>(&packet.corners[1]);
-        let (cx, cy, cz) = self.place::<L>(&packet.corners[2]);
+        let (ax, ay, az) = self.place::<S>(&packet.corners[0]);
+        let (bx, by, bz) = self.place::<S>(&packet.corners[1]);
+        let (cx, cy, cz) = self.place::<S>(&packet.corners[2]);
         let Edges { numbers: [u, v, w], off, low, high, missed } =
-            Edges::new([(ax, ay), (bx, by), (cx, cy)], L::splat(self.error));
-        let first = az.smaller(bz).smaller(cz);
-        let last = az.larger(bz).larger(cz);
-        let margin = L::splat(self.margin);
-        let near = first.minus(margin);
-        let (start, limit) = (L::splat(self.start), L::splat(limit));
-        let live = !missed & near.at_most(limit) & start.at_most(last.plus(margin));
-        let inside = live & (off.below(low) | high.below(L::splat(0.0).minus(off)));
+            Edges::new([(ax, ay), (bx, by), (cx, cy)], S::splat(self.error));
+        let (first, last) = (az.min(bz).min(cz), az.max(bz).max(cz));
+        let margin = S::splat(self.margin);
+        let near = first - margin;
+        let (start, limit) = (S::splat(self.start), S::splat(limit));
+        let live = !missed & near.le_bits(limit) & start.le_bits(last + margin);
+        let inside = live & (off.lt_bits(low) | high.lt_bits(-off));
         if inside == 0 {
             return Sieve { hit: 0, unsure: live, near, far: near };
         }
         // The depth at the hit, between the corners' by weights: v and w are off by `off`, and so, three times, is
         // what they are divided by; their sums with what rounds depths.
-        let sum = u.plus(v).plus(w);
-        let across = v.times(bz.minus(az)).plus(w.times(cz.minus(az)));
-        let t = az.plus(across.over(sum));
-        let spread = last.minus(first).times(off).times(L::splat(6.0));
-        let least = sum.absolute().minus(off.times(L::splat(3.0)));
-        let slack = spread.over(least).plus(margin.times(L::splat(3.0)));
-        let (near, far) = (t.minus(slack).larger(near), t.plus(slack));
-        Sieve { hit: inside & near.at_most(limit) & start.at_most(far), unsure: live & !inside, near, far }
+        let sum = u + v + w;
+        let t = az + (v * (bz - az) + w * (cz - az)) / sum;
+        let spread = (last - first) * off * S::splat(6.0);
+        let least = sum.abs() - off * S::splat(3.0);
+        let slack = spread / least + margin * S::splat(3.0);
+        let (near, far) = ((t - slack).max(near), t + slack);
+        let hit = inside & near.le_bits(limit) & start.le_bits(far);
+        Sieve { hit, unsure: live & !inside, near, far }
     }
 
     /// Which of the triangles that are hit for sure are so between both ends of the ray.
     #[inline(always)]
-    pub fn within<L: Lanes>(&self, sieve: &Sieve<L>, limit: f32) -> u32 {
-        let (start, limit) = (L::splat(self.after_start), L::splat(limit - limit.abs() * INWARDS));
-        sieve.hit & start.below(sieve.near) & sieve.far.below(limit)
+    pub fn within<S: Single>(&self, sieve: &Sieve<S>, limit: f32) -> u32 {
+        let (start, limit) = (S::splat(self.after_start), S::splat(limit - limit.abs() * INWARDS));
+        sieve.hit & start.lt_bits(sieve.near) & sieve.far.lt_bits(limit)
     }
 }
 
 /// On which sides of a triangle's edges a ray passes, in eight lanes: either the triangles or the rays differ.
-struct Edges<L> {
+struct Edges<S> {
     /// Of each edge, 0 on it.
-    numbers: [L; 3],
+    numbers: [S; 3],
     /// How far off they may be.
-    off: L,
-    low: L,
-    high: L,
+    off: S,
+    low: S,
+    high: S,
     /// A bit for each lane in which the ray passes for sure.
     missed: u32,
 }
 
-impl<L: Lanes> Edges<L> {
+impl<S: Single> Edges<S> {
     /// Of corners that are sheared, whose coordinates are off by `error`. An edge's number is off by 4·size·error for
     /// these and by 4u·size² for its roundings, and the coordinates are at most 1 / (4u) of the error.
     #[inline(always)]
-    fn new([(ax, ay), (bx, by), (cx, cy)]: [(L, L); 3], error: L) -> Self {
-        let u = cx.times_minus(by, cy.times(bx));
-        let v = ax.times_minus(cy, ay.times(cx));
-        let w = bx.times_minus(ay, by.times(ax));
-        let size = ax.absolute().larger(ay.absolute());
-        let size = size.larger(bx.absolute().larger(by.absolute()));
-        let size = size.larger(cx.absolute().larger(cy.absolute()));
-        let off = size.plus(error).times(error).times(L::splat(8.0));
-        let (low, high) = (u.smaller(v).smaller(w), u.larger(v).larger(w));
-        let missed = low.below(L::splat(0.0).minus(off)) & off.below(high);
+    fn new([(ax, ay), (bx, by), (cx, cy)]: [(S, S); 3], error: S) -> Self {
+        let u = cx.mul_sub(by, cy * bx);
+        let v = ax.mul_sub(cy, ay * cx);
+        let w = bx.mul_sub(ay, by * ax);
+        let size = ax.abs().max(ay.abs());
+        let size = size.max(bx.abs().max(by.abs()));
+        let size = size.max(cx.abs().max(cy.abs()));
+        let off = (size + error) * error * S::splat(8.0);
+        let (low, high) = (u.min(v).min(w), u.max(v).max(w));
+        let missed = low.lt_bits(-off) & off.lt_bits(high);
         Self { numbers: [u, v, w], off, low, high, missed }
     }
 }
 
 /// Eight rays that are all longest along the same axis, as [`Sheared`] has one: one triangle is tested with all of them.
-pub struct ShearedRays<L> {
+pub struct ShearedRays<L: Level> {
     axes: [usize; 3],
-    shear: [L; 2],
-    inverse: L,
-    origin: [L; 3],
-    error: L,
-    margin: L,
+    shear: [L::F32; 2],
+    inverse: L::F32,
+    origin: [L::F32; 3],
+    error: L::F32,
+    margin: L::F32,
 }
 
-impl<L: Lanes> ShearedRays<L> {
+impl<L: Level> ShearedRays<L> {
     /// None if those whose bits are set are not all longest along one axis.
     #[inline(always)]
-    pub fn new(slabs: &BundleSlabs<L>, direction: Vector<L::Quad>, wanted: u32) -> Option<Self> {
+    pub fn new(slabs: &BundleSlabs<L>, direction: Vec3<L::F64>, wanted: u32) -> Option<Self> {
         let z = direction.longest_axis(wanted)?;
         let [x, y] = [[1, 2], [2, 0], [0, 1]][z];
         let [dx, dy, dz] = [direction.along(x), direction.along(y), direction.along(z)];
-        let inverse = Octo::splat(1.0) / dz;
+        let inverse = L::F64::splat(1.0) / dz;
         let all = slabs.origin();
-        let reach = all[0].absolute().larger(all[1].absolute()).larger(all[2].absolute());
-        let reach = L::splat(1.0).plus(reach);
-        let rounding = reach.times(L::splat(8.0 * ROUNDOFF));
-        let error = rounding.plus(slabs.error().times(L::splat(2.0)));
+        let reach = all[0].abs().max(all[1].abs()).max(all[2].abs());
+        let rounding = (L::F32::splat(1.0) + reach) * L::F32::splat(8.0 * ROUNDOFF);
+        let error = rounding + slabs.error() * L::F32::splat(2.0);
         Some(Self {
             axes: [x, y, z],
-            shear: [L::load(&(dx * inverse).narrow()), L::load(&(dy * inverse).narrow())],
+            shear: [(dx * inverse).to_f32(), (dy * inverse).to_f32()],
             inverse: slabs.inverse_along(z),
             origin: [all[x], all[y], all[z]],
             error,
-            margin: error.times(L::splat(2.0)),
+            margin: error * L::F32::splat(2.0),
         })
     }
 
     #[inline(always)]
-    fn place(&self, corner: &[[f32; 8]; 3], lane: usize) -> (L, L, L) {
+    fn place(&self, corner: &[[f32; 8]; 3], lane: usize) -> (L::F32, L::F32, L::F32) {
         let [x, y, z] = self.axes;
-        let x = L::splat(corner[x][lane]).minus(self.origin[0]);
-        let y = L::splat(corner[y][lane]).minus(self.origin[1]);
-        let depth = L::splat(corner[z][lane]).minus(self.origin[2]);
-        let x = self.shear[0].times_minus(depth, x);
-        let y = self.shear[1].times_minus(depth, y);
-        (x, y, depth.times(self.inverse))
+        let x = L::F32::splat(corner[x][lane]) - self.origin[0];
+        let y = L::F32::splat(corner[y][lane]) - self.origin[1];
+        let depth = L::F32::splat(corner[z][lane]) - self.origin[2];
+        let x = self.shear[0].mul_sub(depth, x);
+        let y = self.shear[1].mul_sub(depth, y);
+        (x, y, depth * self.inverse)
     }
 
     /// The rays that may hit a packet's triangle from where they start, near its tree, up to their limits, a bit each: by
     /// the bounds of [`Sheared::sift`].
     #[inline(always)]
-    pub fn sift(&self, packet: &Packet, lane: usize, limit: L) -> u32 {
+    pub fn sift(&self, packet: &Packet, lane: usize, limit: L::F32) -> u32 {
         let lane = lane & 7;
         let (ax, ay, az) = self.place(&packet.corners[0], lane);
         let (bx, by, bz) = self.place(&packet.corners[1], lane);
         let (cx, cy, cz) = self.place(&packet.corners[2], lane);
         let Edges { missed, .. } = Edges::new([(ax, ay), (bx, by), (cx, cy)], self.error);
-        let near = az.smaller(bz).smaller(cz).minus(self.margin);
-        let far = az.larger(bz).larger(cz).plus(self.margin);
-        !missed & near.at_most(limit) & L::splat(0.0).at_most(far)
+        let near = az.min(bz).min(cz) - self.margin;
+        let far = az.max(bz).max(cz) + self.margin;
+        !missed & near.le_bits(limit) & L::F32::splat(0.0).le_bits(far)
     }
 }

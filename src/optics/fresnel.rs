@@ -1,6 +1,7 @@
 //! How much light a boundary between two media reflects.
 
 use crate::digest::content;
+use crate::lanes::Real;
 
 /// Which formula a transparent boundary follows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,36 +26,44 @@ content!(
 impl Fresnel {
     /// The reflected share where light meets the boundary at an angle whose cosine is `cosine` and goes on at
     /// one of cosine `refracted`; `eta` is the index of refraction behind the boundary over that before it.
-    pub fn reflectance(self, cosine: f64, refracted: f64, eta: f64) -> f64 {
-        match self {
-            // Light does not know of a boundary that changes nothing.
-            _ if eta == 1.0 => 0.0,
-            Self::Off => 0.0,
+    #[inline(always)]
+    pub fn reflectance<F: Real>(self, cosine: F, refracted: F, eta: F) -> F {
+        let (zero, one) = (F::splat(0.0), F::splat(1.0));
+        let share = match self {
+            Self::Off => zero,
             Self::Exact => dielectric(cosine, refracted, eta),
             // The larger of the two angles is the one outside the denser medium, for which the
             // approximation is made.
             Self::Schlick => schlick(normal_reflectance(eta), cosine.min(refracted)),
-        }
+        };
+        // Light does not know of a boundary that changes nothing.
+        F::select(eta.eq(one), zero, share)
     }
 }
 
 /// Fresnel's equations, averaged over both polarisations (Born and Wolf, *Principles of Optics*, 1.5.2), with
 /// both cosines and `eta` as in [`Fresnel::reflectance`].
-fn dielectric(cosine: f64, refracted: f64, eta: f64) -> f64 {
+#[inline(always)]
+fn dielectric<F: Real>(cosine: F, refracted: F, eta: F) -> F {
     let s = (cosine - eta * refracted) / (cosine + eta * refracted);
     let p = (eta * cosine - refracted) / (eta * cosine + refracted);
-    let reflectance = 0.5 * (s * s + p * p);
+    let reflectance = F::splat(0.5) * (s * s + p * p);
     // Both angles a right one: 0 / 0, where all is reflected.
-    if reflectance.is_nan() { 1.0 } else { reflectance }
+    F::select(reflectance.eq(reflectance), reflectance, F::splat(1.0))
 }
 
 /// Schlick's approximation from the reflectance at right incidence.
-pub fn schlick(normal: f64, cosine: f64) -> f64 {
-    normal + (1.0 - normal) * crate::math::power((1.0 - cosine).clamp(0.0, 1.0), 5)
+#[inline(always)]
+pub fn schlick<F: Real>(normal: F, cosine: F) -> F {
+    let one = F::splat(1.0);
+    let rest = (one - cosine).max(F::splat(0.0)).min(one);
+    let square = rest * rest;
+    normal + (one - normal) * (rest * (square * square))
 }
 
-fn normal_reflectance(eta: f64) -> f64 {
-    let ratio = (eta - 1.0) / (eta + 1.0);
+#[inline(always)]
+fn normal_reflectance<F: Real>(eta: F) -> F {
+    let ratio = (eta - F::splat(1.0)) / (eta + F::splat(1.0));
     ratio * ratio
 }
 

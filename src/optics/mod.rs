@@ -10,4 +10,4 @@ mod tests;
 pub use fresnel::{Fresnel, schlick};
 pub use fuzz::Fuzz;
 pub use microfacet::Microfacet;
-pub use refract::{reflect, refract};
+pub use refract::{Refraction, reflect, refract};

@@ -1,7 +1,8 @@
 //! Samplers of surfaces against their stated densities, and what surfaces may not do: give more than they get.
 
 use super::{Fuzz, Microfacet, reflect};
-use crate::math::{Angle, DVec2, DVec3};
+use crate::lanes::Vec3;
+use crate::math::{Angle, DVec3};
 use crate::testing::{Random, chi_square};
 
 fn at(degrees: f64) -> DVec3 {
@@ -14,11 +15,19 @@ fn fuzzy_mirrors_have_their_density() {
     let mut random = Random(11);
     for fuzz in [1.0, 0.6, 0.25] {
         let mirrored = DVec3::new(0.48, 0.6, 0.64);
-        let mut draw =
-            || Some(Fuzz(fuzz).sample(mirrored, DVec3::new(random.unit(), random.unit(), random.unit())));
-        let p = chi_square(400_000, &mut draw, |d| Fuzz(fuzz).density(mirrored, d));
+        let mut draw = || {
+            let u = [random.unit(), random.unit(), random.unit()];
+            Some(Fuzz(fuzz).sample(mirrored.into(), u).into())
+        };
+        let p = chi_square(400_000, &mut draw, |d| Fuzz(fuzz).pdf(mirrored.into(), d.into()));
         assert!(p >= 1e-4, "fuzz {fuzz}: {p}");
     }
+}
+
+/// Where a small mirror that the eye sees shows it.
+fn mirrored(microfacet: Microfacet<f64>, eye: DVec3, random: &mut Random) -> DVec3 {
+    let half = microfacet.sample(eye.into(), random.unit(), random.unit());
+    reflect(-Vec3::from(eye), half).into()
 }
 
 #[test]
@@ -26,11 +35,8 @@ fn small_mirrors_have_their_density() {
     let mut random = Random(12);
     for (alpha, degrees) in [(0.5, 0.0), (0.5, 60.0), (1.0, 80.0), (0.2, 30.0), (0.3, 85.0)] {
         let (microfacet, eye) = (Microfacet { alpha }, at(degrees));
-        let draw = || {
-            let half = microfacet.sample(eye, DVec2::new(random.unit(), random.unit()));
-            Some(reflect(-eye, half)).filter(|light| light.z > 0.0)
-        };
-        let density = |d: DVec3| if d.z > 0.0 { microfacet.density(eye, d) } else { 0.0 };
+        let draw = || Some(mirrored(microfacet, eye, &mut random)).filter(|light| light.z > 0.0);
+        let density = |d: DVec3| if d.z > 0.0 { microfacet.pdf(eye.into(), d.into()) } else { 0.0 };
         let p = chi_square(400_000, draw, density);
         assert!(p >= 1e-4, "alpha {alpha} at {degrees}: {p}");
     }
@@ -54,19 +60,19 @@ fn rough_surfaces_lose_but_never_gain() {
         for degrees in [0.0, 45.0, 80.0, 89.0] {
             let (microfacet, eye) = (Microfacet { alpha }, at(degrees));
             let share = |_| {
-                let half = microfacet.sample(eye, DVec2::new(random.unit(), random.unit()));
-                let light = reflect(-eye, half);
+                let light = mirrored(microfacet, eye, &mut random);
                 if light.z <= 0.0 {
                     return 0.0;
                 }
-                let share = microfacet.reflected(eye, light) / microfacet.density(eye, light);
+                let pdf = microfacet.pdf(eye.into(), light.into());
+                let share = microfacet.reflected(eye.into(), light.into()) / pdf;
                 assert!((0.0..=1.0 + 1e-9).contains(&share), "{share}");
                 share
             };
             let mean = (0..20_000).map(share).sum::<f64>() / 20_000.0;
             // What is drawn must add up to what is there: a sum over a grid, which sees no narrow peaks.
             if alpha >= 0.5 {
-                let sum = over_the_hemisphere(|light| microfacet.reflected(eye, light));
+                let sum = over_the_hemisphere(|light| microfacet.reflected(eye.into(), light.into()));
                 assert!((mean - sum).abs() < 0.015, "alpha {alpha} at {degrees}: {mean} against {sum}");
             }
             // In closed form: ∫ c / (c + 1) dc from 0 to 1, for light at right incidence on the roughest one.
@@ -88,7 +94,8 @@ fn small_mirrors_are_reciprocal() {
             DVec3::new(d.x, d.y, d.z.abs().max(1e-3)).normalize()
         };
         let (a, b) = (above(), above());
-        let (there, back) = (microfacet.reflected(a, b) / b.z, microfacet.reflected(b, a) / a.z);
+        let reflected = |eye: DVec3, light: DVec3| microfacet.reflected(eye.into(), light.into());
+        let (there, back) = (reflected(a, b) / b.z, reflected(b, a) / a.z);
         assert!((there / back - 1.0).abs() < 1e-9);
     }
 }
@@ -99,7 +106,8 @@ fn eyes_level_with_a_rough_surface_see_nothing() {
     for eye in [DVec3::X, DVec3::new(0.8, 0.0, -0.6), DVec3::new(1.0, 0.0, 1e-200)] {
         for alpha in [1e-4, 0.5, 1.0] {
             let microfacet = Microfacet { alpha };
-            assert_eq!((microfacet.reflected(eye, light), microfacet.density(eye, light)), (0.0, 0.0));
+            let (eye, light) = (eye.into(), light.into());
+            assert_eq!((microfacet.reflected(eye, light), microfacet.pdf(eye, light)), (0.0, 0.0));
         }
     }
 }

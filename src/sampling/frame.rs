@@ -1,79 +1,78 @@
 //! Orthonormal frames around a direction.
-//!
-//! No rule gives every direction a frame without a jump or a point around which the frames spin (the hairy ball). Where a
-//! pixel's samples see both sides of a jump, they do not complete each other any more. So a frame is not a function of its
-//! direction alone: it is carried from a frame that all samples of a pixel have in common along the way that leads to the
-//! direction, from step to step by the smallest rotation. That rotation is smooth but for opposite directions, and steps
-//! never lead there: a surface faces the ray that sees it, and a ray leaves on the side that it leads to.
 
-use crate::math::{DVec3, Real, Vector3};
+use crate::lanes::{Real, Select, Vec3};
+use crate::math::DVec3;
 
-/// A right-handed orthonormal frame: of one direction, or of several in lanes.
+/// A right-handed orthonormal frame whose z axis is a given direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame<V = DVec3> {
-    pub x: V,
-    pub y: V,
-    pub z: V,
+pub struct Frame<F> {
+    pub x: Vec3<F>,
+    pub y: Vec3<F>,
+    pub z: Vec3<F>,
 }
 
-impl Frame {
-    /// The frame around the unit vector `z` that the smallest rotation makes of the axes of space.
-    pub fn around(z: DVec3) -> Self {
-        Self::carried(DVec3::X, DVec3::Z, z)
-    }
-}
+/// The cosine beyond which a direction is too near to an axis to be told across from it without losing digits.
+const NEAR: f64 = 0.99;
 
-impl<V: Vector3> Frame<V> {
-    /// The frame around the unit vector `z` that the smallest rotation from `from` to `z` makes of one around `from` with
-    /// the x axis `tangent`. No two axes are off a right angle, and none off its length, by more than 4 u.
+impl<F: Real> Frame<F> {
+    /// The frame around the unit vector `z` that the smallest rotation makes of the coordinate axes.
     #[inline(always)]
-    pub fn carried(tangent: V, from: V, z: V) -> Self {
-        let cosine = from.dot(z);
-        let side = cosine.at_least(OPPOSITE, V::Real::of(1.0), V::Real::of(-1.0));
-        let x = carry(tangent, from, z * side, cosine * side);
-        // What rounding has left of it along `z`, and off its length, is taken away: to the first order, as it is small.
-        let x = of_unit_length(x - z * x.dot(z));
+    pub fn around(z: Vec3<F>) -> Self {
+        Self::identity().turned_to(z)
+    }
+
+    /// The frame of the coordinate axes.
+    #[inline(always)]
+    pub fn identity() -> Self {
+        Self { x: Vec3::splat(DVec3::X), y: Vec3::splat(DVec3::Y), z: Vec3::splat(DVec3::Z) }
+    }
+
+    /// The frame around the unit vector `z`, of which the x axis is as near as can be to the first of two orthogonal unit
+    /// vectors: it turns smoothly with `z`. Only near the first does the second take its place.
+    #[inline(always)]
+    pub fn along(z: Vec3<F>, [first, second]: [DVec3; 2]) -> Self {
+        let (first, second) = (Vec3::splat(first), Vec3::splat(second));
+        let near = F::splat(NEAR).lt(first.dot(z).abs());
+        let axis = Vec3::select(near, second, first);
+        Self::of_axes(axis - z * axis.dot(z), z)
+    }
+
+    /// This frame turned along the shortest way until its z axis is another one (a unit vector): it turns smoothly with
+    /// that, unless it is opposite to this z axis. So samples that are stratified around neighbouring normals stay so.
+    #[inline(always)]
+    pub fn turned_to(&self, z: Vec3<F>) -> Self {
+        let one = F::splat(1.0);
+        let apart = one + self.z.dot(z);
+        let share = self.x.dot(z) / apart;
+        let opposite = apart.lt(F::splat(f64::EPSILON));
+        let turned = self.x - (self.z + z) * share;
+        Self::of_axes(Vec3::select(opposite, self.x, turned), z)
+    }
+
+    /// The frame of a vector that is nearly across the unit vector `z`, and that.
+    #[inline(always)]
+    fn of_axes(x: Vec3<F>, z: Vec3<F>) -> Self {
+        let x = of_unit_length((x - z * x.dot(z)).normalize());
         Self { x, y: of_unit_length(z.cross(x)), z }
-    }
-
-    /// The x axis carried to a direction, on whichever side of the frame that is: what a ray in that direction takes along.
-    #[inline(always)]
-    pub fn tangent(&self, direction: V) -> V {
-        let cosine = self.z.dot(direction);
-        let side = V::Real::of(1.0).with_sign_of(cosine);
-        carry(self.x, self.z * side, direction, cosine * side)
     }
 
     /// A vector given along the frame's axes.
     #[inline(always)]
-    pub fn to_world(&self, along: [V::Real; 3]) -> V {
-        let [x, y, z] = along;
-        self.x * x + self.y * y + self.z * z
+    pub fn to_world(&self, v: Vec3<F>) -> Vec3<F> {
+        self.x * v.x + self.y * v.y + self.z * v.z
     }
 
     /// A vector's parts along the frame's axes.
     #[inline(always)]
-    pub fn to_local(&self, v: V) -> [V::Real; 3] {
-        [v.dot(self.x), v.dot(self.y), v.dot(self.z)]
+    pub fn to_local(&self, v: Vec3<F>) -> Vec3<F> {
+        Vec3::new(v.dot(self.x), v.dot(self.y), v.dot(self.z))
     }
 }
 
-/// Directions with a smaller cosine, closer than 2^-10 to each other's opposite, are taken for equal ones with their signs
-/// exchanged: of their sum, too many digits are those of their own lengths' rounding. Any distance between the square root
-/// of u and 1 would do.
-const OPPOSITE: f64 = -1.0 + 0.5 / (1u64 << 20) as f64;
-
 /// A vector whose length is 1 but for rounding, at that length.
 #[inline(always)]
-fn of_unit_length<V: Vector3>(v: V) -> V {
-    v * (V::Real::of(1.5) - V::Real::of(0.5) * v.dot(v))
-}
-
-/// The unit vector across `to` that the smallest rotation from `from` to `to` makes of `tangent`, a unit vector across
-/// `from`: for vectors across `from`, that rotation is the reflection about the bisector of both.
-#[inline(always)]
-fn carry<V: Vector3>(tangent: V, from: V, to: V, cosine: V::Real) -> V {
-    tangent - (from + to) * (tangent.dot(to) / (V::Real::of(1.0) + cosine))
+fn of_unit_length<F: Real>(v: Vec3<F>) -> Vec3<F> {
+    v * (F::splat(1.5) - F::splat(0.5) * v.dot(v))
 }
 
 #[cfg(test)]
@@ -82,8 +81,8 @@ mod tests {
     use crate::math::UNIT_ROUNDOFF;
     use crate::testing::Random;
 
-    fn assert_orthonormal(frame: Frame) {
-        let Frame { x, y, z } = frame;
+    fn assert_orthonormal(frame: &Frame<f64>) {
+        let [x, y, z] = [frame.x, frame.y, frame.z].map(DVec3::from);
         for v in [x, y, z] {
             assert!((v.length() - 1.0).abs() <= 4.0 * UNIT_ROUNDOFF, "{z}: length {}", v.length());
         }
@@ -91,6 +90,16 @@ mod tests {
             assert!(v.dot(w).abs() <= 4.0 * UNIT_ROUNDOFF, "{z}: {}", v.dot(w));
         }
         assert!((x.cross(y) - z).length() <= 8.0 * UNIT_ROUNDOFF, "right-handed around {z}");
+    }
+
+    const AXES: [DVec3; 2] = [DVec3::X, DVec3::Y];
+
+    /// All ways to a frame around a direction.
+    fn assert_all(z: DVec3, other: DVec3) {
+        assert_orthonormal(&Frame::around(z.into()));
+        let along = Frame::along(z.into(), AXES);
+        assert_orthonormal(&along);
+        assert_orthonormal(&along.turned_to(other.into()));
     }
 
     /// Directions from 10^-17 to 0.1 radians off another one.
@@ -107,48 +116,68 @@ mod tests {
     /// The basis of Frisvad (2012) cancels next to -z: in f32 it is off by 0.6.
     #[test]
     fn sa_06_orthonormal_everywhere() {
-        for z in [DVec3::NEG_Z, DVec3::Z].into_iter().chain(next_to(DVec3::NEG_Z)) {
-            assert_orthonormal(Frame::around(z));
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
+        for (z, other) in axes.into_iter().flat_map(|z| axes.map(|other| (z, other))) {
+            assert_all(z, other);
+        }
+        for z in axes.into_iter().flat_map(next_to) {
+            for other in [DVec3::Z, -z, DVec3::new(-z.x, -z.y, -z.z + 1e-7), z] {
+                assert_all(z, other.normalize());
+            }
         }
         let mut random = Random(3);
         for _ in 0..1_000_000 {
-            assert_orthonormal(Frame::around(random.point(1.0).normalize()));
+            assert_all(random.point(1.0).normalize(), random.point(1.0).normalize());
         }
     }
 
     /// From any frame to any direction, its opposite as well, and on along long ways, nothing is lost.
     #[test]
-    fn sa_06_carried_frames_stay_orthonormal() {
+    fn sa_06_turned_frames_stay_orthonormal() {
         let mut random = Random(4);
         for _ in 0..100 {
-            let from = Frame::around(random.direction().normalize());
-            for z in next_to(-from.z).chain([-from.z, from.z]) {
-                assert_orthonormal(Frame::carried(from.x, from.z, z));
+            let frame = Frame::around(random.direction().normalize().into());
+            let z = DVec3::from(frame.z);
+            for other in next_to(-z).chain([-z, z]) {
+                assert_orthonormal(&frame.turned_to(other.into()));
             }
         }
-        let (mut tangent, mut direction) = (DVec3::X, DVec3::Z);
+        let mut frame = Frame::along(DVec3::Z.into(), AXES);
         for _ in 0..100_000 {
-            let frame = Frame::carried(tangent, -direction, random.direction().normalize());
-            assert_orthonormal(frame);
-            direction = random.direction().normalize();
-            tangent = frame.tangent(direction);
-            assert!(tangent.dot(direction).abs() <= 8.0 * UNIT_ROUNDOFF);
+            frame = frame.turned_to(random.direction().normalize().into());
+            assert_orthonormal(&frame);
         }
     }
 
-    /// Frames around neighbours are neighbours, but for the opposite of where they are carried from.
+    /// Frames around neighbours are neighbours, but for the opposite of where they are turned from.
     #[test]
     fn frames_turn_no_more_than_their_directions() {
         let mut random = Random(5);
         let step = 1e-6;
         for _ in 0..100_000 {
-            let from = Frame::around(random.direction().normalize());
+            let from = Frame::around(random.direction().normalize().into());
             let z = random.direction().normalize();
             let near = (z + random.point(step)).normalize();
-            let [a, b] = [z, near].map(|z| Frame::carried(from.x, from.z, z));
+            let [a, b] = [z, near].map(|z| DVec3::from(from.turned_to(z.into()).x));
             // At an angle θ from the start, frames turn by tan(θ/2) of the way around it.
-            let turn = 1.0 + (from.z - z).length() / (from.z + z).length();
-            assert!((a.x - b.x).length() <= 2.0 * turn * (z - near).length(), "{from:?} {z}");
+            let start = DVec3::from(from.z);
+            let turn = 1.0 + (start - z).length() / (start + z).length();
+            assert!((a - b).length() <= 2.0 * turn * (z - near).length(), "{from:?} {z}");
+        }
+    }
+
+    /// A quarter of a degree turns a frame by about as much, wherever a surface that is seen may face.
+    #[test]
+    fn frames_turn_with_the_normals_that_are_seen() {
+        let mut random = Random(4);
+        for _ in 0..100_000 {
+            let to_eye = (random.point(0.6) + DVec3::Z * 2.0).normalize();
+            let frame = Frame::along(to_eye.into(), AXES);
+            let normal = random.direction();
+            let normal = if normal.dot(to_eye) < 0.0 { -normal } else { normal };
+            let beside = (normal + random.direction() * 0.004).normalize();
+            let [a, b] = [normal, beside].map(|normal| DVec3::from(frame.turned_to(normal.into()).x));
+            assert!((a - b).length() < 0.02, "{normal}: {a} and {b}");
         }
     }
 }

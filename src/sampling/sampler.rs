@@ -5,37 +5,33 @@
 //! samples: they are points of an Owen-scrambled Sobol sequence (Burley, *Practical Hash-based Owen
 //! Scrambling*, 2020), four dimensions at a time; different uses are scrambled independently.
 
+use super::hash::{hash, hash_lanes};
 use super::sobol;
 use crate::digest::content;
-use crate::math::DVec2;
+use crate::lanes::{LaneKernel, Level, Real, Row};
 
 /// What random numbers are used for. Different uses never share numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Use {
-    /// Two numbers for the place in the pixel, two for that on the lens.
-    Camera,
-    /// Which lobe is followed at the `n`-th surface, and in which direction.
-    Scatter(u32),
-    /// In which of its small mirrors the `n`-th surface is looked at.
-    Glossy(u32),
-    /// Whether a path goes on after the `n`-th surface.
-    Roulette(u32),
-    /// Towards light `light` from the `n`-th surface.
-    Light { surface: u32, light: u32 },
-    /// Which light of a layer is asked at the `n`-th surface.
-    Choice { surface: u32, layer: u32 },
-}
+pub mod dimension {
+    use super::hash_lanes;
+    use crate::lanes::Bits;
 
-impl Use {
-    fn number(self) -> u32 {
-        match self {
-            Self::Camera => 0,
-            Self::Scatter(n) => hash([2, n, 0]),
-            Self::Glossy(n) => hash([5, n, 0]),
-            Self::Roulette(n) => hash([6, n, 0]),
-            Self::Light { surface, light } => hash([3, surface, light]),
-            Self::Choice { surface, layer } => hash([4, surface, layer]),
-        }
+    /// Two numbers for the place in the pixel, two for that on the lens.
+    pub const CAMERA: u32 = 0;
+    /// Two for a direction from a surface, one for the lobe that it is drawn from, one more for the direction.
+    pub const SCATTER: u32 = 2;
+    /// Two for a place on a light.
+    pub const LIGHT: u32 = 3;
+    /// Which of many lights is sampled.
+    pub const CHOICE: u32 = 4;
+    /// Two for a small mirror of a surface.
+    pub const GLOSSY: u32 = 5;
+    /// Whether a path goes on.
+    pub const ROULETTE: u32 = 6;
+
+    /// The number of a use at a surface of this key, and there for one of several things alike.
+    #[inline(always)]
+    pub fn at_surface<U: Bits>(of: u32, key: U, which: u32) -> U {
+        hash_lanes([U::splat(of), key, U::splat(which)])
     }
 }
 
@@ -97,53 +93,62 @@ impl PixelSampler {
 }
 
 impl Sampler {
-    /// Four numbers in 0..1.
-    pub fn four(&self, of: Use) -> [f64; 4] {
-        let seed = hash([self.pixel, of.number(), 0]);
-        match self.points {
-            Points::Sobol => sobol::point(self.sample, seed).map(f64::from),
-            Points::Independent => independent(seed, self.sample),
-        }
+    /// The number of the pixel that its random numbers depend on.
+    pub fn pixel(&self) -> u32 {
+        self.pixel
     }
 
-    /// [`Sampler::four`] of eight samplers, a row for each of the four. To be inlined where lanes are at work.
+    /// The number of the sample, below 2^16.
+    pub fn sample(&self) -> u32 {
+        self.sample
+    }
+
+    /// The same in the one lane that there is.
+    pub fn lanes(&self) -> LaneSampler<f64> {
+        LaneSampler { pixel: self.pixel, sample: self.sample, points: self.points }
+    }
+}
+
+/// The random numbers of one sample in each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct LaneSampler<F: Real> {
+    pub pixel: F::U32,
+    pub sample: F::U32,
+    pub points: Points,
+}
+
+impl<F: Real> LaneSampler<F> {
+    /// The first N of the four numbers in 0..1 of a use. Of them, the first two are stratified best.
     #[inline(always)]
-    pub fn four_together(eight: &[Self; 8], of: Use) -> [[f64; 8]; 4] {
-        let number = of.number();
-        let (mut samples, mut seeds) = ([0; 8], [0; 8]);
-        for lane in 0..8 {
-            samples[lane] = eight[lane].sample;
-            seeds[lane] = hash([eight[lane].pixel, number, 0]);
-        }
-        if eight[0].points == Points::Independent {
-            let lanes: [[f64; 4]; 8] = std::array::from_fn(|lane| independent(seeds[lane], samples[lane]));
-            return std::array::from_fn(|row| std::array::from_fn(|lane| lanes[lane][row]));
-        }
-        sobol::points(&samples, &seeds).map(|row| row.map(f64::from))
-    }
-
-    /// Two numbers in 0..1.
-    pub fn two(&self, of: Use) -> DVec2 {
-        let [x, y, ..] = self.four(of);
-        DVec2::new(x, y)
+    pub fn numbers<const N: usize>(&self, of: F::U32) -> [F; N] {
+        F::Level::call_with(Numbers::<F, N> { sampler: self, of })
     }
 }
 
-/// Four numbers in 0..1 that have nothing to do with those of other samples.
-fn independent(seed: u32, sample: u32) -> [f64; 4] {
-    std::array::from_fn(|dimension| f64::from(hash([seed, sample, dimension as u32])) / 4_294_967_296.0)
+struct Numbers<'a, F: Real, const N: usize> {
+    sampler: &'a LaneSampler<F>,
+    of: F::U32,
 }
 
-/// A well-mixed number from three: a round of multiplications and shifts for each (the finalizer of
-/// MurmurHash3, Appleby 2011).
-#[inline(always)]
-pub fn hash(words: [u32; 3]) -> u32 {
-    words.iter().fold(0x9e37_79b9, |state, &word| {
-        let mut h = state.rotate_left(13).wrapping_mul(5).wrapping_add(0xe654_6b64) ^ word;
-        h = (h ^ (h >> 16)).wrapping_mul(0x85eb_ca6b);
-        h = (h ^ (h >> 13)).wrapping_mul(0xc2b2_ae35);
-        h ^ (h >> 16)
-    })
+impl<F: Real, const N: usize> LaneKernel<F::Level> for Numbers<'_, F, N> {
+    type Output = [F; N];
+
+    #[inline(always)]
+    fn run(self) -> [F; N] {
+        let LaneSampler { pixel, sample, points } = *self.sampler;
+        let seed = hash_lanes([pixel, self.of, F::U32::splat(0)]);
+        match points {
+            Points::Sobol => sobol::point::<F, N>(sample, seed),
+            Points::Independent => {
+                let mut numbers = [F::splat(0.0); N];
+                for (dimension, number) in (0..).zip(&mut numbers) {
+                    let bits = hash_lanes([seed, sample, F::U32::splat(dimension)]);
+                    *number = sobol::in_unit_interval(bits);
+                }
+                numbers
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -152,18 +157,19 @@ mod tests {
 
     #[test]
     fn numbers_are_below_one_and_never_shared() {
+        let at = |of, surface, which| dimension::at_surface(of, surface, which);
         let uses = [
-            Use::Camera,
-            Use::Scatter(0),
-            Use::Scatter(1),
-            Use::Light { surface: 0, light: 0 },
-            Use::Light { surface: 0, light: 1 },
-            Use::Light { surface: 1, light: 0 },
-            Use::Choice { surface: 0, layer: 1 },
+            dimension::CAMERA,
+            at(dimension::SCATTER, 0, 0),
+            at(dimension::SCATTER, 1, 0),
+            at(dimension::LIGHT, 0, 0),
+            at(dimension::LIGHT, 0, 1),
+            at(dimension::LIGHT, 1, 0),
+            at(dimension::CHOICE, 0, 1),
         ];
         let mut seen = std::collections::HashSet::new();
         for (pixel, of) in [(0, 0), (1, 0), (0, 1)].into_iter().flat_map(|p| uses.map(|of| (p, of))) {
-            let four = PixelSampler::new(pixel, 7).sample(0).four(of);
+            let four = PixelSampler::new(pixel, 7).sample(0).lanes().numbers::<4>(of);
             assert!(four.iter().all(|u| (0.0..1.0).contains(u)));
             assert!(seen.insert(four.map(f64::to_bits)), "{pixel:?} {of:?}");
         }
@@ -185,7 +191,8 @@ mod tests {
         for run in [0, 64, RUN, 3 * RUN + 128] {
             for pair in [0, 2] {
                 let cell = |sample| {
-                    let four = PixelSampler::new((3, 5), 1).sample(run + sample).four(Use::Scatter(2));
+                    let of = dimension::at_surface(dimension::SCATTER, 2, 0);
+                    let four = PixelSampler::new((3, 5), 1).sample(run + sample).lanes().numbers::<4>(of);
                     ((four[pair] * 8.0) as u32, (four[pair + 1] * 8.0) as u32)
                 };
                 let cells: std::collections::HashSet<_> = (0..64).map(cell).collect();

@@ -1,74 +1,82 @@
 //! Uniform numbers bent into directions and points, with their densities.
 
-use crate::math::{DVec2, DVec3, cos_sin_of_quarters, cos_sin_of_turns};
+use crate::lanes::{Real, Vec3};
+use crate::math::{cos_sin_of_quarters, cos_sin_of_turns};
 use std::f64::consts::PI;
 
-/// (cosine, sine) of `u` turns.
-fn turn(u: f64) -> DVec2 {
-    cos_sin_of_turns(u).into()
+/// The direction at `height` above the xy plane, in -1..=1, after `u` turns, for its distance from the z axis.
+#[inline(always)]
+fn around<F: Real>(height: F, across: F, u: F) -> Vec3<F> {
+    let (cosine, sine) = cos_sin_of_turns(u);
+    Vec3::new(cosine * across, sine * across, height)
 }
 
-/// The direction at `height` above the xy plane, in -1..=1, after `u` turns. Archimedes: heights are uniform
-/// over a sphere.
-pub fn at_height(height: f64, u: f64) -> DVec3 {
-    let across = turn(u) * ((1.0 - height) * (1.0 + height)).max(0.0).sqrt();
-    DVec3::new(across.x, across.y, height)
+/// The direction at `height` above the xy plane, in -1..=1, after `u` turns. Archimedes: heights are uniform over a
+/// sphere.
+#[inline(always)]
+pub fn at_height<F: Real>(height: F, u: F) -> Vec3<F> {
+    let one = F::splat(1.0);
+    around(height, ((one - height) * (one + height)).max(F::splat(0.0)).sqrt(), u)
 }
 
-/// A direction, uniform over the sphere: density 1 / 4π.
-pub fn uniform_sphere(u: DVec2) -> DVec3 {
-    at_height(1.0 - 2.0 * u.x, u.y)
+/// A direction for u and v in 0..1, uniform over the sphere: density 1 / 4π.
+#[inline(always)]
+pub fn uniform_sphere<F: Real>(u: F, v: F) -> Vec3<F> {
+    at_height(F::splat(1.0) - F::splat(2.0) * u, v)
 }
 
-/// A direction around +z with density cos θ / π.
-pub fn cosine_hemisphere(u: DVec2) -> DVec3 {
-    // Malley: a uniform point of the disk below.
-    let across = turn(u.y) * u.x.sqrt();
-    DVec3::new(across.x, across.y, (1.0 - u.x).max(0.0).sqrt())
+/// A direction around +z with density cos θ / π. Malley: a uniform point of the disk below.
+#[inline(always)]
+pub fn cosine_hemisphere<F: Real>(u: F, v: F) -> Vec3<F> {
+    around((F::splat(1.0) - u).max(F::splat(0.0)).sqrt(), u.sqrt(), v)
 }
 
-/// The density of [`cosine_hemisphere`] at an angle to +z of this cosine.
-pub fn cosine_hemisphere_density(cosine: f64) -> f64 {
-    cosine.max(0.0) / PI
+/// The density of [`cosine_hemisphere`] at an angle to +z of this cosine, per steradian.
+#[inline(always)]
+pub fn cosine_hemisphere_pdf<F: Real>(cosine: F) -> F {
+    cosine.max(F::splat(0.0)) / F::splat(PI)
 }
 
 /// A direction within the cone around +z of half angle θ, uniform over its solid angle. Given as 1 - cos θ,
 /// which keeps its digits for narrow cones.
-pub fn cone(one_minus_cosine: f64, u: DVec2) -> DVec3 {
-    let depth = one_minus_cosine * u.x;
-    let across = turn(u.y) * (depth * (2.0 - depth)).max(0.0).sqrt();
-    DVec3::new(across.x, across.y, 1.0 - depth)
+#[inline(always)]
+pub fn cone<F: Real>(one_minus_cosine: F, u: F, v: F) -> Vec3<F> {
+    let depth = one_minus_cosine * u;
+    let across = (depth * (F::splat(2.0) - depth)).max(F::splat(0.0)).sqrt();
+    around(F::splat(1.0) - depth, across, v)
 }
 
-/// The density of [`cone`].
-pub fn cone_density(one_minus_cosine: f64) -> f64 {
-    1.0 / (2.0 * PI * one_minus_cosine)
+/// The density of [`cone`], per steradian.
+#[inline(always)]
+pub fn cone_pdf<F: Real>(one_minus_cosine: F) -> F {
+    F::splat(1.0) / (F::splat(2.0 * PI) * one_minus_cosine)
 }
 
 /// A point of the unit disk, uniform over its area: density 1 / π. Shirley and Chiu's concentric map keeps
-/// neighbours together, and with them the stratification of `u`.
-pub fn disk(u: DVec2) -> DVec2 {
-    let square = u * 2.0 - DVec2::ONE;
-    if square == DVec2::ZERO {
-        return DVec2::ZERO;
-    }
-    if square.x.abs() > square.y.abs() {
-        DVec2::from(cos_sin_of_quarters(0.5 * (square.y / square.x))) * square.x
-    } else {
-        let (sine, cosine) = cos_sin_of_quarters(0.5 * (square.x / square.y));
-        DVec2::new(cosine, sine) * square.y
-    }
+/// neighbours together, and with them the stratification of u and v.
+#[inline(always)]
+pub fn disk<F: Real>(u: F, v: F) -> (F, F) {
+    let (zero, one, two) = (F::splat(0.0), F::splat(1.0), F::splat(2.0));
+    let (x, y) = (u * two - one, v * two - one);
+    let flat = y.abs().lt(x.abs());
+    let (long, short) = (F::select(flat, x, y), F::select(flat, y, x));
+    // The middle of the square, where there is no angle.
+    let angle = F::select(long.eq(zero), zero, F::splat(0.5) * (short / long));
+    let (cosine, sine) = cos_sin_of_quarters(angle);
+    let (along, across) = (cosine * long, sine * long);
+    (F::select(flat, along, across), F::select(flat, across, along))
 }
 
 /// A point of the unit ball, uniform over its volume.
-pub fn in_ball(u: DVec3) -> DVec3 {
-    uniform_sphere(DVec2::new(u.x, u.y)) * libm::cbrt(u.z)
+#[inline(always)]
+pub fn in_ball<F: Real>([u, v, w]: [F; 3]) -> Vec3<F> {
+    uniform_sphere(u, v) * w.map(libm::cbrt)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Angle;
+    use crate::math::{Angle, DVec2, DVec3};
     use crate::sampling::Frame;
     use crate::testing::{Random, chi_square};
 
@@ -80,21 +88,34 @@ mod tests {
         DVec2::new(random.unit(), random.unit())
     }
 
+    fn on_sphere(u: DVec2) -> DVec3 {
+        uniform_sphere(u.x, u.y).into()
+    }
+
+    fn on_hemisphere(u: DVec2) -> DVec3 {
+        cosine_hemisphere(u.x, u.y).into()
+    }
+
+    fn in_cone(one_minus_cosine: f64, u: DVec2) -> DVec3 {
+        cone(one_minus_cosine, u.x, u.y).into()
+    }
+
     /// A normalised point of a cube holds 2.2 times too many at its corners; a point in the ball added to the normal gives
     /// a mean cosine of 0.8.
     #[test]
     fn sa_01_direction_samplers() {
         let mut random = Random(5);
         for axis in [DVec3::Z, DVec3::ONE.normalize()] {
-            let frame = Frame::around(axis);
-            let p = chi_square(COUNT, || Some(uniform_sphere(square(&mut random))), |_| 0.25 / PI);
+            let frame = Frame::around(axis.into());
+            let turned = |d: DVec3| DVec3::from(frame.to_world(d.into()));
+            let p = chi_square(COUNT, || Some(on_sphere(square(&mut random))), |_| 0.25 / PI);
             assert!(p >= 1e-4, "sphere: {p}");
-            let drawn = || Some(frame.to_world(cosine_hemisphere(square(&mut random)).to_array()));
-            let p = chi_square(COUNT, drawn, |d| cosine_hemisphere_density(d.dot(axis)));
+            let drawn = || Some(turned(on_hemisphere(square(&mut random))));
+            let p = chi_square(COUNT, drawn, |d| cosine_hemisphere_pdf(d.dot(axis)));
             assert!(p >= 1e-4, "cosine around {axis}: {p}");
             let (mut first, mut second) = (0.0, 0.0);
             for _ in 0..MANY {
-                let cosine = frame.to_world(cosine_hemisphere(square(&mut random)).to_array()).dot(axis);
+                let cosine = turned(on_hemisphere(square(&mut random))).dot(axis);
                 first += cosine / f64::from(MANY);
                 second += cosine * cosine / f64::from(MANY);
             }
@@ -104,7 +125,7 @@ mod tests {
         // Caps of 5 degrees about the corner of a cube and the middle of its face.
         for axis in [DVec3::Z, DVec3::ONE.normalize()] {
             let limit = Angle(5.0).cos_sin().x;
-            let inside = (0..MANY).filter(|_| uniform_sphere(square(&mut random)).dot(axis) > limit).count();
+            let inside = (0..MANY).filter(|_| on_sphere(square(&mut random)).dot(axis) > limit).count();
             assert!((inside as f64 / 4e6 / 0.001_902_650_954_1 - 1.0).abs() <= 0.04, "{inside}");
         }
     }
@@ -113,12 +134,12 @@ mod tests {
     fn cones_are_even() {
         let mut random = Random(6);
         for narrow in [1.0, 0.3] {
-            let density = |d: DVec3| if d.z >= 1.0 - narrow { cone_density(narrow) } else { 0.0 };
-            let p = chi_square(COUNT, || Some(cone(narrow, square(&mut random))), density);
+            let density = |d: DVec3| if d.z >= 1.0 - narrow { cone_pdf(narrow) } else { 0.0 };
+            let p = chi_square(COUNT, || Some(in_cone(narrow, square(&mut random))), density);
             assert!(p >= 1e-4, "{narrow}: {p}");
         }
-        assert_eq!(cone(1e-20, DVec2::new(0.5, 0.25)).z, 1.0);
-        assert!(cone(1e-20, DVec2::new(0.5, 0.25)).length() <= 1.0 + f64::EPSILON);
+        assert_eq!(in_cone(1e-20, DVec2::new(0.5, 0.25)).z, 1.0);
+        assert!(in_cone(1e-20, DVec2::new(0.5, 0.25)).length() <= 1.0 + f64::EPSILON);
     }
 
     /// Normalised points of a disk all lie on its rim: E[r²] = 1.
@@ -127,7 +148,10 @@ mod tests {
         let mut random = Random(7);
         let (mut square_sum, mut x_sum, mut bins) = (0.0, 0.0, [0.0; 36]);
         for _ in 0..MANY {
-            let p = disk(square(&mut random));
+            let p = DVec2::from({
+                let u = square(&mut random);
+                disk(u.x, u.y)
+            });
             assert!(p.length() <= 1.0 + f64::EPSILON);
             square_sum += p.length_squared() / f64::from(MANY);
             x_sum += p.x.abs() / f64::from(MANY);

@@ -34,15 +34,6 @@ struct Shown {
     digest: Digest,
 }
 
-/// What tells the random numbers of one source of light from those of another, where a point on it is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Numbers {
-    /// The light's place in the file.
-    OfLights,
-    /// The number of its layer, and its place among the sources there.
-    OfLayers,
-}
-
 impl Digests {
     /// Notes that the geometry has changed.
     pub fn geometry(&mut self, geometry: &Geometry) {
@@ -116,13 +107,14 @@ impl Digests {
     }
 
     /// What is seen of a scene whose parts have been noted, with its weights: as [`Digests::transport`], but what shines
-    /// in layers of weight 0 has no part in it, nor have layers in which nothing shines.
-    pub fn radiance(&mut self, scene: &Scene, numbers: Numbers) -> Digest {
+    /// in layers of weight 0 has no part in it, nor have layers in which nothing shines. `samples_emitters` says whether
+    /// points of objects that shine and of skies are drawn.
+    pub fn radiance(&mut self, scene: &Scene, samples_emitters: bool) -> Digest {
         let weights = &scene.weights.0;
         let lit: Vec<bool> = weights.iter().map(|weight| *weight != Rgb::ZERO).collect();
         let shown = match self.shown.take().filter(|shown| shown.lit == lit) {
             Some(shown) => shown,
-            None => self.shown_with(lit, scene.shading, numbers),
+            None => self.shown_with(lit, scene.shading, samples_emitters),
         };
         let weights: Vec<Rgb> = shown.layers.iter().map(|layer| weights[layer.index()]).collect();
         let digest = Digest::of(&((self.geometry, shown.digest, scene.camera), weights));
@@ -130,18 +122,14 @@ impl Digests {
         digest
     }
 
-    fn shown_with(&self, lit: Vec<bool>, shading: &Shading, numbers: Numbers) -> Shown {
+    fn shown_with(&self, lit: Vec<bool>, shading: &Shading, samples_emitters: bool) -> Shown {
         let parts = Parts::of(&self.used, shading, |layer| lit[layer.index()]);
-        let layers = parts.layers();
+        let layers = parts.layers(samples_emitters);
         let place = |layer: LayerId| LayerId(layers.range(..layer).count() as u32);
-        let number = |index: u32, light: &Light| {
-            (numbers == Numbers::OfLights && light.source.is_sampled()).then_some(index)
-        };
         let mut digester = Digester::new();
-        parts.feed(&place, &number, &mut digester);
-        // The layers by their numbers, where random numbers depend on them.
-        let named =
-            |(layer, drawn): (&LayerId, &bool)| (*drawn && numbers == Numbers::OfLayers).then_some(layer.0);
+        // The random numbers of a light depend on its layer and on its place there.
+        parts.feed(&place, &|_, _| None, &mut digester);
+        let named = |(layer, drawn): (&LayerId, &bool)| drawn.then_some(layer.0);
         layers.iter().map(named).collect::<Vec<_>>().feed(&mut digester);
         let light = |index: &u32| parts.lights.binary_search_by_key(index, |(lit, _)| *lit).ok();
         self.luminous.iter().map(light).collect::<Vec<_>>().feed(&mut digester);
@@ -185,7 +173,7 @@ impl<'a> Parts<'a> {
 
     /// The layers in which anything shines, each with whether random numbers are drawn for it alone: for sources of which
     /// a point is drawn, and where there are several, of which one may be.
-    fn layers(&self) -> BTreeMap<LayerId, bool> {
+    fn layers(&self, samples_emitters: bool) -> BTreeMap<LayerId, bool> {
         let Self { materials, lights, environment, ambient, fog } = self;
         let mut layers = BTreeMap::new();
         for (_, light) in lights {
@@ -193,8 +181,9 @@ impl<'a> Parts<'a> {
             *layers.entry(light.layer).or_insert(false) |= light.source.is_sampled() || several;
         }
         let shining = materials.iter().filter(|material| material.lobes.emission != Rgb::ZERO);
-        let shining = shining.map(|material| (material.emission_layer, true));
-        let sky = environment.map(|sky| (sky.layer, !matches!(sky.sky, Sky::Constant(_))));
+        let shining = shining.map(|material| (material.emission_layer, samples_emitters));
+        let sky =
+            environment.map(|sky| (sky.layer, samples_emitters && !matches!(sky.sky, Sky::Constant(_))));
         let rest = [*ambient, fog.map(|fog| fog.glow).filter(|glow| glow.radiance != Rgb::ZERO)];
         let rest = rest.into_iter().flatten().map(|glow| (glow.layer, false));
         for (layer, drawn) in shining.chain(sky).chain(rest) {

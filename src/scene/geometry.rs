@@ -3,7 +3,7 @@
 use super::primitive::{Finish, Primitive, abs, inverse};
 use crate::bvh::Hit;
 use crate::digest::{Digest, content};
-use crate::math::{DAffine3, DVec3};
+use crate::math::{DAffine3, DVec2, DVec3};
 use crate::shape::{Shape, Surface};
 use crate::texture::{Footprint, Spot};
 
@@ -58,7 +58,7 @@ impl Geometry {
         let Origin { shape, to_object } = &self.origins[hit.primitive as usize];
         let point = to_object.transform_point3(surface.point);
         let error = abs(to_object).transform_vector3(surface.error);
-        let uv = |point: DVec3| shape.uv(point, hit.at.part);
+        let uv = |point: DVec3| DVec2::from(shape.uv::<f64>(point.into(), hit.at.part));
         let seen = seen.moved(&to_object.matrix3);
         let seen_uv = if printed { seen.printed(point, uv) } else { Footprint::default() };
         let (color, ends) = (shape.color(point, hit.at.part), shape.uv_ends(hit.at.part));

@@ -5,11 +5,15 @@
 mod content;
 pub mod extract;
 mod geometry;
+#[cfg(test)]
+mod lane_tests;
 mod primitive;
+mod surfaces;
 
-pub use content::{Digests, Numbers};
+pub use content::Digests;
 pub use geometry::Geometry;
 pub use primitive::{Finish, Placement, Primitive};
+pub use surfaces::SurfaceTable;
 
 use crate::camera::Camera;
 use crate::color::Rgb;

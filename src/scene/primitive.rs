@@ -2,11 +2,13 @@
 
 use crate::camera::Ray;
 use crate::digest::content;
+use crate::lanes::{Level, Real, Vec3, out_of_line, turned};
 use crate::material::MadeOf;
-use crate::math::{Aabb, DAffine3, DMat3, DVec2, DVec3, dot_plus, gamma};
+use crate::math::{Aabb, DAffine3, DMat3, DVec3, dot_plus, gamma};
 use crate::sampling::Frame;
-use crate::shape::{Crossing, Crossings, Rays, Shape, Surface, Surfaces};
-use crate::simd::Lanes;
+use crate::shape::{
+    Crossing, LaneHit, LaneRay, LaneSurface, PreparedRay, Shape, Span, Surface, TriangleLanes,
+};
 use crate::tree::{Probe, Stack};
 
 /// A shape in the world. Most shapes are moved there once ([`Shape::transformed`]); the others keep their own
@@ -61,6 +63,11 @@ impl Primitive {
         })
     }
 
+    /// Whether it is a light.
+    pub fn is_light(&self) -> bool {
+        matches!(self.finish, Finish::Light(_))
+    }
+
     /// Index of the material of a part of the shape; none for lights.
     #[inline]
     pub fn material(&self, part: u32) -> Option<u32> {
@@ -83,135 +90,121 @@ impl Primitive {
         Some(made_of.indices()).into_iter().flatten()
     }
 
-    /// The smallest t in 0 < t < `t_max` at which the ray meets the primitive. A ray moved into the shape's
-    /// space keeps its t, as its direction is not normalised.
-    #[inline]
-    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        self.hit_after(probe, 0.0, t_max)
-    }
-
-    /// [`Primitive::hit`] beyond another t, as [`Geometric::hit_after`](crate::shape::Geometric::hit_after) has it.
-    #[inline]
-    pub fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
-        match &self.placement {
-            None => self.shape.hit_after(probe, after, t_max),
-            Some(placement) => {
-                self.shape.hit_after(&Probe::new(placement.ray_to_object(&probe.ray)), after, t_max)
-            }
-        }
-    }
-
-    /// Adds all crossings in `after` < t < `t_max`.
-    pub fn crossings(&self, probe: &Probe, after: f64, t_max: f64, found: &mut Vec<Crossing>) {
-        match &self.placement {
-            None => self.shape.crossings(probe, after, t_max, found),
-            Some(placement) => {
-                self.shape.crossings(&Probe::new(placement.ray_to_object(&probe.ray)), after, t_max, found);
-            }
-        }
-    }
-
-    /// [`Primitive::hit`] on lanes that are at work already.
+    /// The smallest t within bounds at which each ray meets the primitive. Rays moved into the shape's
+    /// space keep their t, as their directions are not normalised.
     #[inline(always)]
-    pub fn hit_on<L: Lanes>(&self, probe: &Probe, t_max: f64, stack: &mut Stack) -> Option<Crossing> {
-        match (&self.shape, &self.placement) {
-            (Shape::Mesh(mesh), None) => mesh.hit_on::<L>(probe, t_max, stack),
-            (Shape::Mesh(mesh), Some(placement)) => {
-                mesh.hit_on::<L>(&Probe::new(placement.ray_to_object(&probe.ray)), t_max, stack)
-            }
-            _ => self.hit(probe, t_max),
-        }
-    }
-
-    /// [`Primitive::blocks`] likewise.
-    #[inline(always)]
-    pub fn blocks_on<L: Lanes>(&self, probe: &Probe, t_max: f64, stack: &mut Stack) -> bool {
-        match (&self.shape, &self.placement) {
-            (Shape::Mesh(mesh), None) => mesh.blocks_on::<L>(probe, t_max, stack),
-            (Shape::Mesh(mesh), Some(placement)) => {
-                mesh.blocks_on::<L>(&Probe::new(placement.ray_to_object(&probe.ray)), t_max, stack)
-            }
-            _ => self.blocks(probe, t_max),
-        }
-    }
-
-    /// [`Primitive::hit`] of those of eight rays whose bits are set.
-    #[inline(always)]
-    pub fn hit_together<L: Lanes>(&self, rays: &Rays, wanted: u32, limit: &[f64; 8]) -> Crossings {
+    pub fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
         match &self.placement {
-            None => self.shape.hit_together::<L>(rays, wanted, limit),
-            Some(placement) => self.shape.hit_together::<L>(&placement.rays_to_object(rays), wanted, limit),
+            None => self.shape.intersect(ray, within),
+            Some(placement) => intersect_placed(&self.shape, placement, ray, within),
         }
     }
 
-    /// [`Primitive::blocks`] of those of eight rays whose bits are set, a bit each.
+    /// Rays that meet the primitive within bounds.
     #[inline(always)]
-    pub fn blocks_together<L: Lanes>(&self, rays: &Rays, wanted: u32, t_max: &[f64; 8]) -> u32 {
+    pub fn occludes<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> F::Mask {
         match &self.placement {
-            None => self.shape.blocks_together::<L>(rays, wanted, t_max),
-            Some(placement) => {
-                self.shape.blocks_together::<L>(&placement.rays_to_object(rays), wanted, t_max)
-            }
+            None => self.shape.occludes(ray, within),
+            Some(placement) => occludes_placed(&self.shape, placement, ray, within),
         }
     }
 
-    /// [`Primitive::surface`] where those of eight rays meet the primitive whose bits are set.
+    /// [`Primitive::intersect`] of one ray.
     #[inline(always)]
-    pub fn surface_together<L: Lanes>(&self, rays: &Rays, at: &Crossings, wanted: u32) -> Surfaces {
-        if self.placement.is_none() {
-            return self.shape.surface_together::<L>(rays, at, wanted);
-        }
-        Surfaces::one_by_one(wanted, |lane| self.surface(&rays.one(lane), at.one(lane)))
-    }
-
-    /// Whether the ray meets the primitive in 0 < t < `t_max`.
-    #[inline]
-    pub fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
+    pub fn hit_one<L: Level>(
+        &self,
+        probe: &Probe,
+        within: Span<f64>,
+        stack: Option<&mut Stack>,
+    ) -> Option<Crossing> {
         match &self.placement {
-            None => self.shape.blocks(probe, t_max),
-            Some(placement) => self.shape.blocks(&Probe::new(placement.ray_to_object(&probe.ray)), t_max),
+            None => self.shape.hit_one::<L>(probe, within, stack),
+            Some(placement) => self.shape.hit_one::<L>(&placement.probe_to_object(probe), within, stack),
         }
     }
 
-    /// The surface where [`Primitive::hit`] found the ray to meet it.
-    pub fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
+    /// [`Primitive::occludes`] of one ray.
+    #[inline(always)]
+    pub fn blocks_one<L: Level>(&self, probe: &Probe, within: Span<f64>, stack: Option<&mut Stack>) -> bool {
         match &self.placement {
-            None => self.shape.surface(ray, at),
-            Some(placement) => placement.surface(&self.shape, ray, at),
+            None => self.shape.blocks_one::<L>(probe, within, stack),
+            Some(placement) => self.shape.blocks_one::<L>(&placement.probe_to_object(probe), within, stack),
         }
     }
 
-    /// The surface for a ray that passes it, a little off the edges of its triangle if it is one of a mesh: so far inside
+    /// Gives all crossings of one ray within bounds to `take`. A ray that passes a surface straight on is asked for its next
+    /// crossing, not moved: so each is found once, however near they are to each other.
+    pub fn each_crossing<L: Level>(
+        &self,
+        probe: &Probe,
+        mut within: Span<f64>,
+        take: &mut dyn FnMut(Crossing),
+    ) {
+        let own = self.placement.as_ref().map(|placement| placement.probe_to_object(probe));
+        let probe = own.as_ref().unwrap_or(probe);
+        if let Shape::Mesh(mesh) = &self.shape {
+            return mesh.each(probe, within, take);
+        }
+        while let Some(at) = self.shape.hit_one::<L>(probe, within, None) {
+            take(at);
+            within.min = at.t;
+        }
+    }
+
+    /// The surface where [`Primitive::intersect`] found rays to meet it.
+    #[inline(always)]
+    pub fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>) -> LaneSurface<F> {
+        let placement = self.placement.as_deref();
+        // No closures: they would be compiled without the level's instructions.
+        let (own, apart) = match placement {
+            Some(placement) => (placement.ray_to_object(ray), placement.apart),
+            None => (*ray, 0.0),
+        };
+        let local = self.shape.surface(&own, at, apart);
+        match placement {
+            Some(placement) => placement.moved(&local),
+            None => local,
+        }
+    }
+
+    /// The surface for rays that pass it, a little off the edges of its triangles if it is a mesh: so far inside
     /// that the ray starts beyond its neighbours as well, which it meets in the same place if it comes to an edge. Of a
     /// closed mesh it then enters one triangle, not two.
-    pub fn passed(&self, surface: Surface, part: u32) -> Surface {
+    #[inline(always)]
+    pub fn passed<F: Real>(&self, surface: LaneSurface<F>, part: F::U32) -> LaneSurface<F> {
         let Shape::Mesh(shape) = &self.shape else { return surface };
-        let corners = shape.mesh.corners(part);
-        match &self.placement {
-            None => surface.clear_of_edges(corners),
-            Some(placement) => {
-                surface.clear_of_edges(corners.map(|corner| placement.to_world.transform_point3(corner)))
+        let mut corners = shape.triangle(part).corners;
+        if let Some(placement) = &self.placement {
+            for corner in &mut corners {
+                *corner = transformed(&placement.to_world, *corner);
             }
         }
+        surface.clear_of_edges(&TriangleLanes { corners })
     }
 
-    /// A point of the surface that `from` may see, with its part and its density per solid angle there; none
-    /// if the shape has no area to choose from. See [`Geometric::sample_from`](crate::shape::Geometric::sample_from).
-    pub fn sample_from(&self, from: DVec3, frame: &Frame, u: DVec2) -> Option<(Surface, u32, f64)> {
-        let Some(placement) = &self.placement else { return self.shape.sample_from(from, frame, u) };
-        let (local, part) = self.shape.sample_area(u)?;
-        let surface = placement.moved(&local);
-        let density = self.density_from(from, &surface)?;
-        Some((surface, part, density))
+    /// Points of the surface that `from` may see, with their parts and their densities per steradian there; 0 where
+    /// nothing is seen. Only for shapes that have an [area](Primitive::has_area).
+    #[inline(always)]
+    pub fn sample_from<F: Real>(
+        &self,
+        from: Vec3<F>,
+        eye: &Frame<F>,
+        u: F,
+        v: F,
+    ) -> (LaneSurface<F>, F::U32, F) {
+        sample(self, from, eye, u, v)
     }
 
-    /// The density per solid angle with which [`Primitive::sample_from`] gives the point `at`.
-    pub fn density_from(&self, from: DVec3, at: &Surface) -> Option<f64> {
-        match &self.placement {
-            None => self.shape.density_from(from, at),
-            Some(placement) => {
-                at.density_from(from, 1.0 / (self.shape.area()? * placement.stretch(at.normal)))
+    /// The density per steradian with which [`Primitive::sample_from`] gives the points `at`.
+    #[inline(always)]
+    pub fn pdf_from<F: Real>(&self, from: Vec3<F>, at: &LaneSurface<F>) -> F {
+        match (&self.placement, self.shape.area()) {
+            (None, _) => self.shape.pdf_from(from, at),
+            (Some(placement), Some(area)) => {
+                let per_area = F::splat(1.0) / (F::splat(area) * placement.stretch(at.normal));
+                at.pdf_from(from, per_area)
             }
+            (Some(_), None) => F::splat(0.0),
         }
     }
 
@@ -224,6 +217,64 @@ impl Primitive {
     pub fn bounds(&self) -> Option<Aabb> {
         let bounds = self.shape.bounds()?;
         Some(self.placement.as_ref().map_or(bounds, |placement| bounds.transformed(&placement.to_world)))
+    }
+}
+
+out_of_line! {
+    fn intersect_placed<'k, F>(
+        shape: &'k Shape,
+        placement: &'k Placement,
+        ray: &'k PreparedRay<F>,
+        within: Span<F>,
+    ) -> LaneHit<F> {
+        shape.intersect(&PreparedRay::new(placement.ray_to_object(&ray.ray)), within)
+    }
+}
+
+out_of_line! {
+    fn occludes_placed<'k, F>(
+        shape: &'k Shape,
+        placement: &'k Placement,
+        ray: &'k PreparedRay<F>,
+        within: Span<F>,
+    ) -> F::Mask {
+        shape.occludes(&PreparedRay::new(placement.ray_to_object(&ray.ray)), within)
+    }
+}
+
+out_of_line! {
+    fn sample<'k, F>(
+        primitive: &'k Primitive,
+        from: Vec3<F>,
+        eye: &'k Frame<F>,
+        u: F,
+        v: F,
+    ) -> (LaneSurface<F>, F::U32, F) {
+        let Some(placement) = &primitive.placement else {
+            return primitive.shape.sample_from(from, eye, u, v);
+        };
+        let (local, part) = primitive.shape.sample_area(u, v);
+        let surface = placement.moved(&local);
+        let pdf = primitive.pdf_from(from, &surface);
+        (surface, part, pdf)
+    }
+}
+
+/// One ray in the world.
+impl Primitive {
+    /// Where a ray first meets the primitive before `t_max`.
+    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
+        self.intersect(&PreparedRay::<f64>::splat(probe), Span::up_to(t_max)).one()
+    }
+
+    /// Whether a ray meets the primitive before `t_max`.
+    pub fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
+        self.occludes(&PreparedRay::<f64>::splat(probe), Span::up_to(t_max))
+    }
+
+    /// The surface where a ray meets it.
+    pub fn surface_at(&self, ray: &Ray, at: Crossing) -> Surface {
+        self.surface(&LaneRay::from(ray), at.into()).into()
     }
 }
 
@@ -240,55 +291,67 @@ impl Placement {
     fn apart(&self, bounds: Aabb) -> f64 {
         let farthest = bounds.min.abs().max(bounds.max.abs());
         let (back, reach) = (self.back.abs(), self.to_world.matrix3.abs() * farthest);
-        let error = self.error(farthest, DVec3::splat(farthest.length() * gamma(64)), reach);
+        let own = DVec3::splat(farthest.length() * gamma(64));
+        let error = DVec3::from(self.error::<f64>(farthest.into(), own.into(), reach.into()));
         let in_world = reach + self.to_world.translation.abs();
         let moved = DVec3::splat(2.0 * error.length() + in_world.max_element() * gamma(2));
         (back * moved).length() + (back * reach * gamma(5)).length()
     }
 
-    fn ray_to_object(&self, ray: &Ray) -> Ray {
-        let origin = self.back * (ray.origin - self.to_world.translation);
-        Ray { origin, direction: self.back * ray.direction }
+    #[inline(always)]
+    fn ray_to_object<F: Real>(&self, ray: &LaneRay<F>) -> LaneRay<F> {
+        LaneRay {
+            origin: turned(&self.back, ray.origin - Vec3::splat(self.to_world.translation)),
+            direction: turned(&self.back, ray.direction),
+        }
     }
 
-    #[inline(never)]
-    fn rays_to_object(&self, rays: &Rays) -> Rays {
-        let each: [_; 8] = std::array::from_fn(|lane| self.ray_to_object(&rays.one(lane)));
-        Rays::gather(8, |lane| &each[lane])
+    #[inline(always)]
+    fn probe_to_object(&self, probe: &Probe) -> Probe {
+        let LaneRay { origin, direction } = self.ray_to_object(&LaneRay::from(&probe.ray));
+        Probe::new(Ray { origin: origin.into(), direction: direction.into() })
     }
 
-    /// The shape's own error moved to the world, plus the rounding of the move there and, as the next ray
-    /// from this point is moved back into the shape's space, of the way back.
-    fn surface(&self, shape: &Shape, ray: &Ray, at: Crossing) -> Surface {
-        self.moved(&shape.surface_apart(&self.ray_to_object(ray), at, self.apart))
-    }
-
-    /// By how much areas across the world's unit vector `normal` have grown: those across a moved normal
+    /// By how much areas across the world's unit vectors `normal` have grown: those across a moved normal
     /// change by the determinant times the length of M⁻ᵀ n, and the way back is the inverse.
-    fn stretch(&self, normal: DVec3) -> f64 {
-        let back = (self.to_world.matrix3.transpose() * normal).length();
-        self.to_world.matrix3.determinant().abs() / back
+    #[inline(always)]
+    fn stretch<F: Real>(&self, normal: Vec3<F>) -> F {
+        let back = turned(&self.to_world.matrix3.transpose(), normal).length();
+        F::splat(self.to_world.matrix3.determinant().abs()) / back
     }
 
     /// The error in the world of a point that is known to `error` in the shape's space; of the point, and of its way from
     /// the shape's origin in the world, the absolute values.
-    fn error(&self, local: DVec3, error: DVec3, way: DVec3) -> DVec3 {
-        let (forth, back) = (abs(&self.to_world), self.back.abs());
-        let there = forth.transform_point3(local) * gamma(5);
+    #[inline(always)]
+    fn error<F: Real>(&self, local: Vec3<F>, error: Vec3<F>, way: Vec3<F>) -> Vec3<F> {
+        let forth = abs(&self.to_world);
+        let there = transformed(&forth, local) * F::splat(gamma(5));
         // A difference, three products, and the matrix.
-        let and_back = forth.transform_vector3(back * way) * gamma(5);
-        forth.transform_vector3(error) + there + and_back
+        let and_back = turned(&forth.matrix3, turned(&self.back.abs(), way)) * F::splat(gamma(5));
+        turned(&forth.matrix3, error) + there + and_back
     }
 
-    fn moved(&self, local: &Surface) -> Surface {
-        let point = self.to_world.transform_point3(local.point);
-        let way = (point - self.to_world.translation).abs();
+    /// The shape's own error moved to the world, plus the rounding of the move there and, as the next ray
+    /// from this point is moved back into the shape's space, of the way back.
+    #[inline(always)]
+    fn moved<F: Real>(&self, local: &LaneSurface<F>) -> LaneSurface<F> {
+        let point = transformed(&self.to_world, local.point);
+        let way = (point - Vec3::splat(self.to_world.translation)).abs();
         let error = self.error(local.point.abs(), local.error, way);
-        let turned = |normal: DVec3| (self.back.transpose() * normal).normalize_or(normal);
+        let back = self.back.transpose();
+        let normal = turned(&back, local.normal).normalize_or(local.normal);
         // An uneven scale may turn the shading normal past the surface's horizon.
-        let lift = self.to_world.transform_vector3(local.lift);
-        Surface { lift, ..Surface::new(point, error, turned(local.normal)).shaded(turned(local.shading)) }
+        let shading = turned(&back, local.shading).normalize_or(local.shading);
+        let shading = shading.negate_where(shading.dot(normal).lt(F::splat(0.0)));
+        let lift = turned(&self.to_world.matrix3, local.lift);
+        LaneSurface { point, error, normal, shading, lift }
     }
+}
+
+/// A point moved by an affine map, in glam's order of operations.
+#[inline(always)]
+fn transformed<F: Real>(affine: &DAffine3, point: Vec3<F>) -> Vec3<F> {
+    turned(&affine.matrix3, point) + Vec3::splat(affine.translation)
 }
 
 /// The inverse of an affine map, refined once; none if it is singular or not finite.
@@ -369,7 +432,7 @@ mod tests {
         let primitive = Primitive::new(&UNIT, affine, Finish::Material(MadeOf::One(0))).expect("a primitive");
         let n = DVec3::new(1.0, 1.0, 0.0).normalize();
         let ray = Ray { origin: affine.transform_point3(n * 3.0), direction: -affine.transform_vector3(n) };
-        let surface = primitive.surface(&ray, Crossing::at(2.0));
+        let surface = primitive.surface_at(&ray, Crossing::at(2.0));
         assert!((surface.normal - DVec3::new(1.0, 2.0, 0.0).normalize()).length() < 1e-15);
     }
 }

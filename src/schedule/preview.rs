@@ -8,7 +8,7 @@ use crate::color::Rgb;
 use crate::digest::{Content, Digest, Digester};
 use crate::film::exposure;
 use crate::quality::{Integrator, Quality};
-use crate::scene::{Digests, Geometry, Numbers, Scene, Shading, Weights};
+use crate::scene::{Digests, Geometry, Scene, Shading, Weights};
 use crate::sequence::Sequence;
 use crate::time::{Clock, Timeline};
 use crate::trace::{Moment, is_random};
@@ -208,8 +208,7 @@ impl Preview {
         let scene = Scene { geometry: &geometry.0, shading: &shading.0, weights, camera };
         let integrator = self.settings.quality.integrator;
         let random = is_random(&scene, integrator);
-        let numbers = if integrator == Integrator::Whitted { Numbers::OfLights } else { Numbers::OfLayers };
-        let radiance = self.digests.radiance(&scene, numbers);
+        let radiance = self.digests.radiance(&scene, integrator.looks_for_lights());
         Ok(Sight { transport: self.digests.transport(&scene), radiance, random })
     }
 }

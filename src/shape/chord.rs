@@ -1,27 +1,53 @@
 //! Where lines cross a torus.
 
-use super::frame::across;
+use super::LaneRay;
 use super::torus::Torus;
-use crate::camera::Ray;
-use crate::math::{DVec3, UNIT_ROUNDOFF, root_between};
+use crate::lanes::{Mask, Real, Vec3};
+use crate::math::{Function, UNIT_ROUNDOFF, root_between};
 
-/// The part of a ray that may meet a torus, measured in lengths from the point closest to the centre: from
-/// there all numbers are of the torus' size, however far away the ray starts.
-pub struct Chord<'a> {
+/// The parts of rays that may meet a torus, measured in lengths from the points closest to the centre: from
+/// there all numbers are of the torus' size, however far away the rays start.
+pub struct Chord<'a, F: Real> {
     torus: &'a Torus,
-    /// Where on the ray the closest point is, and how long the ray's direction is.
-    t: f64,
-    speed: f64,
-    /// The closest point, and the unit direction.
-    middle: DVec3,
-    direction: DVec3,
-    from: f64,
-    to: f64,
+    /// Where on the rays the closest points are, and how long the rays' directions are.
+    t: F,
+    speed: F,
+    /// The closest points, and the unit directions.
+    middle: Vec3<F>,
+    direction: Vec3<F>,
+    from: F,
+    to: F,
+    /// Rays that do not pass by.
+    meets: F::Mask,
 }
 
-impl<'a> Chord<'a> {
-    /// None if the ray passes by.
-    pub fn new(torus: &'a Torus, ray: &Ray) -> Option<Self> {
+/// The distance from a torus along a line.
+struct Distance<'a, F: Real>(&'a Chord<'a, F>);
+
+impl<F: Real> Function<F> for Distance<'_, F> {
+    #[inline(always)]
+    fn at(&self, s: F) -> (F, F) {
+        self.0.torus.distance_along(self.0.at(s), self.0.direction)
+    }
+}
+
+/// s³ + p s + q, which is a quarter of the slope of the quartic.
+struct Slope<F> {
+    p: F,
+    q: F,
+}
+
+impl<F: Real> Function<F> for Slope<F> {
+    #[inline(always)]
+    fn at(&self, s: F) -> (F, F) {
+        ((s * s + self.p) * s + self.q, F::splat(3.0) * s * s + self.p)
+    }
+}
+
+impl<'a, F: Real> Chord<'a, F> {
+    #[inline(always)]
+    pub fn new(torus: &'a Torus, ray: &LaneRay<F>) -> Self {
+        let zero = F::splat(0.0);
         let d = ray.direction;
         let speed = d.length();
         let first = -ray.origin.dot(d) / d.length_squared();
@@ -29,81 +55,92 @@ impl<'a> Chord<'a> {
         // Again, for from far away the first point is off by the rounding of the way there.
         let second = -near.dot(d) / d.length_squared();
         let (middle, direction) = (near + d * second, d / speed);
-        let outer = torus.major + torus.minor;
+        let (outer, minor) = (F::splat(torus.major + torus.minor), F::splat(torus.minor));
         let distance = middle.length();
-        let half = ((outer - distance).max(0.0) * (outer + distance)).sqrt();
-        let (mut from, mut to) = (-half, half);
-        if direction.y != 0.0 {
-            let a = (-torus.minor - middle.y) / direction.y;
-            let b = (torus.minor - middle.y) / direction.y;
-            from = from.max(a.min(b));
-            to = to.min(a.max(b));
-        } else if middle.y.abs() > torus.minor {
-            return None;
-        }
-        (from < to).then_some(Self { torus, t: first + second, speed, middle, direction, from, to })
+        let half = ((outer - distance).max(zero) * (outer + distance)).sqrt();
+        let level = direction.y.eq(zero);
+        let (a, b) = ((-minor - middle.y) / direction.y, (minor - middle.y) / direction.y);
+        let from = F::select(level, -half, (-half).max(a.min(b)));
+        let to = F::select(level, half, half.min(a.max(b)));
+        let meets = from.lt(to) & !(level & minor.lt(middle.y.abs()));
+        Self { torus, t: first + second, speed, middle, direction, from, to, meets }
     }
 
-    /// The first t beyond `after`, which is not behind the ray's origin, at which it crosses the surface. On which side it
-    /// starts is told by the origin itself, not by its place on the chord; from there, each crossing leads to the other side.
-    pub fn first(&self, ray: &Ray, after: f64) -> Option<f64> {
+    /// The first t ahead of the rays' origins and beyond `min` at which they cross the surface, and rays that do. On which
+    /// side they start is told by the origins themselves, not by their places on the chord.
+    #[inline(always)]
+    pub fn first(&self, ray: &LaneRay<F>, min: F) -> (F, F::Mask) {
         let origin = -self.t * self.speed;
-        let mut inside = origin >= self.from && self.torus.distance(ray.origin) < 0.0;
-        let mut s = origin.max(self.from);
-        loop {
-            s = if s < self.to { self.crossing(s, inside)? } else { return None };
-            let t = self.t + s / self.speed;
-            if t > after {
-                return Some(t);
-            }
-            inside = !inside;
+        let inside = self.from.le(origin) & self.torus.distance(ray.origin).lt(F::splat(0.0));
+        let start = origin.max(self.from);
+        let open = self.meets & start.lt(self.to);
+        if !open.any() {
+            return (start, open);
         }
+        self.crossing(start, inside, open, min)
     }
 
-    fn at(&self, s: f64) -> DVec3 {
+    #[inline(always)]
+    fn at(&self, s: F) -> Vec3<F> {
         self.middle + self.direction * s
     }
 
-    /// The first place after `start` where the ray crosses the surface, if `inside` says on which side of it
-    /// the ray is there.
+    /// The first t beyond `min` at which rays cross the surface after `start`, if `inside` says on which side of it they
+    /// are there.
     ///
     /// From one extremum of the quartic to the next it crosses at most once, and it does if the next one is
     /// on the other side. The extrema need not be exact for that; the sides and the crossings are those of
     /// the true distance. Behind the last one the ray is outside: there is an even number of crossings.
-    fn crossing(&self, start: f64, inside: bool) -> Option<f64> {
-        let mut last = start;
-        let extrema = self.extrema(start);
-        for next in extrema.into_iter().flatten().chain([self.to]) {
-            let inside_next = next < self.to && self.torus.distance(self.at(next)) < 0.0;
-            if inside_next != inside {
-                let resolution = (self.torus.major + self.torus.minor) * UNIT_ROUNDOFF;
-                let distance = |s: f64| self.torus.distance_along(self.at(s), self.direction);
-                return Some(root_between((last, next), inside, resolution, distance));
+    #[inline(always)]
+    fn crossing(&self, start: F, mut inside: F::Mask, mut open: F::Mask, min: F) -> (F, F::Mask) {
+        let resolution = F::splat((self.torus.major + self.torus.minor) * UNIT_ROUNDOFF);
+        let (mut found, mut crosses, mut last) = (start, F::Mask::splat(false), start);
+        let extrema = self.extrema(start, open);
+        for (next, is_there) in extrema.into_iter().chain([(self.to, F::Mask::splat(true))]) {
+            let inside_next = next.lt(self.to) & self.torus.distance(self.at(next)).lt(F::splat(0.0));
+            let changes = open & is_there & ((inside_next & !inside) | (!inside_next & inside));
+            if changes.any() {
+                let s = root_between((last, next), inside, resolution, changes, &Distance(self));
+                let t = self.t + s / self.speed;
+                let beyond = changes & min.lt(t);
+                found = F::select(beyond, t, found);
+                crosses = crosses | beyond;
+                open = open & !beyond;
+                inside = (inside & !changes) | (inside_next & changes);
             }
-            last = next;
+            last = F::select(is_there, next, last);
         }
-        None
+        (found, crosses)
     }
 
-    /// Where the quartic has extrema between `start` and the end, in ascending order.
+    /// Where the quartic has extrema between `start` and the end, in ascending order, and the lanes that have each.
     ///
     /// From the point closest to the centre, p² is m² + s², so that (p² + R² - r²)² - 4 R² (p² - y²) has no
     /// cubic term, and a quarter of its derivative is s³ + P s + Q. That is monotonic between its own
     /// extrema at ±√(-P/3).
-    fn extrema(&self, start: f64) -> [Option<f64>; 3] {
+    #[inline(always)]
+    fn extrema(&self, start: F, open: F::Mask) -> [(F, F::Mask); 3] {
+        let zero = F::splat(0.0);
         let Torus { major, minor, .. } = *self.torus;
-        let square = major * major;
-        let p = self.middle.length_squared() + (major - minor) * (major + minor)
-            - 2.0 * square * across(self.direction).length_squared();
-        let q = 2.0 * square * self.middle.y * self.direction.y;
-        let slope = |s: f64| ((s * s + p) * s + q, 3.0 * s * s + p);
-        let turn = (-p / 3.0).max(0.0).sqrt();
-        let stations = [start, (-turn).clamp(start, self.to), turn.clamp(start, self.to), self.to];
-        let resolution = (major + minor) * UNIT_ROUNDOFF;
-        std::array::from_fn(|i| {
+        let square = F::splat(major * major);
+        let d = self.direction;
+        let p = self.middle.length_squared() + F::splat((major - minor) * (major + minor))
+            - F::splat(2.0) * square * (d.x * d.x + d.z * d.z);
+        let q = F::splat(2.0) * square * self.middle.y * d.y;
+        let slope = Slope { p, q };
+        let turn = (-p / F::splat(3.0)).max(zero).sqrt();
+        let (early, late) = ((-turn).max(start).min(self.to), turn.max(start).min(self.to));
+        let stations = [start, early, late, self.to];
+        let resolution = F::splat((major + minor) * UNIT_ROUNDOFF);
+        let mut extrema = [(start, F::Mask::splat(false)); 3];
+        for (i, extremum) in extrema.iter_mut().enumerate() {
             let (a, b) = (stations[i], stations[i + 1]);
-            let rising = slope(a).0 < 0.0;
-            (rising != (slope(b).0 < 0.0)).then(|| root_between((a, b), rising, resolution, slope))
-        })
+            let (rising, ends_below) = (slope.at(a).0.lt(zero), slope.at(b).0.lt(zero));
+            let turns = open & ((rising & !ends_below) | (!rising & ends_below));
+            if turns.any() {
+                *extremum = (root_between((a, b), rising, resolution, turns, &slope), turns);
+            }
+        }
+        extrema
     }
 }

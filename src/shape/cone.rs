@@ -1,23 +1,20 @@
 //! Cones and frustums.
 
-use super::{Crossing, Geometric, Parameters, Surface, frustum::Frustum};
-use crate::camera::Ray;
+use super::{Geometric, LaneHit, LaneRay, LaneSurface, Parameters, PreparedRay, Span, frustum::Frustum};
 use crate::digest::content;
-use crate::math::{Aabb, DAffine3, DVec2, DVec3};
-use crate::tree::Probe;
+use crate::lanes::{Real, Vec3};
+use crate::math::{Aabb, DAffine3, DVec3};
 
 /// What a [`Geometric`] that wraps a [`Frustum`] leaves to it: all but how it is read.
 macro_rules! as_its_frustum {
     () => {
-        fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
-            self.0.hit_after(probe, after, t_max)
+        #[inline(always)]
+        fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+            self.0.intersect(&ray.ray, within)
         }
 
-        fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-            self.0.surface(ray, at, 0.0)
-        }
-
-        fn surface_apart(&self, ray: &Ray, at: Crossing, apart: f64) -> Surface {
+        #[inline(always)]
+        fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, apart: f64) -> LaneSurface<F> {
             self.0.surface(ray, at, apart)
         }
 
@@ -32,7 +29,8 @@ macro_rules! as_its_frustum {
         /// On the side, u is the share of a turn, eastwards from the frame's -x and 0.5 at its +x, and v the
         /// share of the height above the first end. On a flat end, the square around it, whose middle is
         /// (0.5, 0.5) and which for an upright shape lies as on a disk that faces up or down.
-        fn uv(&self, point: DVec3, part: u32) -> DVec2 {
+        #[inline(always)]
+        fn uv<F: Real>(&self, point: Vec3<F>, part: F::U32) -> [F; 2] {
             self.0.uv(point, part)
         }
 
@@ -44,8 +42,9 @@ macro_rules! as_its_frustum {
             Some(self.0.area())
         }
 
-        fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
-            Some(self.0.sample_area(u))
+        #[inline(always)]
+        fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
+            self.0.sample_area(u, v)
         }
     };
 }

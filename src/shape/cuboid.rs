@@ -1,11 +1,9 @@
 //! Axis-aligned boxes.
 
-use super::surface::exit;
-use super::{Crossing, Geometric, Parameters, Surface};
-use crate::camera::Ray;
+use super::{Geometric, LaneHit, LaneRay, LaneSurface, Parameters, PreparedRay, Span, exit};
 use crate::digest::content;
-use crate::math::{Aabb, DAffine3, DVec2, DVec3, gamma, next_away};
-use crate::tree::Probe;
+use crate::lanes::{Mask, Real, Row, Vec3};
+use crate::math::{Aabb, DAffine3, DVec3, gamma, next_away};
 
 /// The surface of the axis-aligned box from `min` to `max`, each of whose sides is longer than 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,34 +33,45 @@ impl Geometric for Cuboid {
         Some(Self { min, max })
     }
 
-    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
-        let [enter, leave] = self.slabs(&probe.ray)?.map(|(t, _)| t);
-        let t = if enter > after { enter } else { exit(enter, leave) };
-        (enter <= leave && t > after && t < t_max).then_some(Crossing::at(t))
-    }
-
-    fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-        self.surface_apart(ray, at, 0.0)
+    /// Slabs: a line is inside the box from the last entry to the first exit. Every side of the box is a difference of
+    /// two coordinates, so its sign, and with it what lies ahead, is exact.
+    #[inline(always)]
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+        let Crossings { enter, leave, .. } = self.crossings(&ray.ray);
+        let t = F::select(within.min.lt(enter), enter, exit(enter, leave, within));
+        LaneHit::within(enter.le(leave), t, within)
     }
 
     /// The face is one that the ray enters by, or else leaves by: on an edge of the box that is never the face beyond
     /// the edge, which the ray may not see. The point is put onto its plane exactly, and stays off all edges, so that a
     /// ray that goes in there is between all faces, and leaves the box once.
-    fn surface_apart(&self, ray: &Ray, at: Crossing, apart: f64) -> Surface {
-        let entering = |&[(enter, _), _]: &[(f64, usize); 2]| enter == at.t;
-        let crossings = self.slabs(ray);
-        let (enters, axis) = match crossings {
-            Some(crossings) if entering(&crossings) => (true, crossings[0].1),
-            Some([_, (_, axis)]) => (false, axis),
-            None => (true, 0),
-        };
-        let above = (ray.direction[axis] > 0.0) != enters;
+    #[inline(always)]
+    fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, apart: f64) -> LaneSurface<F> {
+        let (zero, one) = (F::splat(0.0), F::splat(1.0));
+        let crossings = self.crossings(ray);
+        let enters = crossings.enter.eq(at.t);
+        let across = crossings.across(enters);
         let (min, max) = self.clear_of_edges(apart);
-        let mut point = ray.at(at.t).max(min).min(max);
-        point[axis] = if above { self.max[axis] } else { self.min[axis] };
-        let mut normal = DVec3::ZERO;
-        normal[axis] = if above { 1.0 } else { -1.0 };
-        Surface::new(point, point.abs() * gamma(1), normal)
+        let point = ray.at(at.t).max(Vec3::splat(min)).min(Vec3::splat(max));
+        // Outwards: against the ray where it enters.
+        let side = F::select(enters, -one, one);
+        let along = Vec3::new(
+            one.copysign(ray.direction.x) * side,
+            one.copysign(ray.direction.y) * side,
+            one.copysign(ray.direction.z) * side,
+        );
+        let (low, high) = (Vec3::<F>::splat(self.min), Vec3::<F>::splat(self.max));
+        let point = Vec3::new(
+            F::select(across[0], F::select(zero.lt(along.x), high.x, low.x), point.x),
+            F::select(across[1], F::select(zero.lt(along.y), high.y, low.y), point.y),
+            F::select(across[2], F::select(zero.lt(along.z), high.z, low.z), point.z),
+        );
+        let normal = Vec3::new(
+            F::select(across[0], along.x, zero),
+            F::select(across[1], along.y, zero),
+            F::select(across[2], along.z, zero),
+        );
+        LaneSurface::new(point, point.abs() * F::splat(gamma(1)), normal)
     }
 
     fn bounds(&self) -> Option<Aabb> {
@@ -79,16 +88,22 @@ impl Geometric for Cuboid {
 
     /// 0..=1 over each face, upright when seen from outside with +y up; the top and the bottom as seen with
     /// -z and +z up.
-    fn uv(&self, point: DVec3, _: u32) -> DVec2 {
-        let share = (point - self.min) / (self.max - self.min);
-        let off = (share - DVec3::splat(0.5)).abs();
-        if off.x >= off.y && off.x >= off.z {
-            DVec2::new(if share.x > 0.5 { 1.0 - share.z } else { share.z }, share.y)
-        } else if off.y >= off.z {
-            DVec2::new(share.x, if share.y > 0.5 { 1.0 - share.z } else { share.z })
-        } else {
-            DVec2::new(if share.z > 0.5 { share.x } else { 1.0 - share.x }, share.y)
-        }
+    #[inline(always)]
+    fn uv<F: Real>(&self, point: Vec3<F>, _: F::U32) -> [F; 2] {
+        let (half, one, side) = (F::splat(0.5), F::splat(1.0), self.max - self.min);
+        let from_min = point - Vec3::splat(self.min);
+        let (x, y, z) =
+            (from_min.x / F::splat(side.x), from_min.y / F::splat(side.y), from_min.z / F::splat(side.z));
+        let off = Vec3::new(x - half, y - half, z - half).abs();
+        let across_x = off.y.le(off.x) & off.z.le(off.x);
+        let across_y = !across_x & off.z.le(off.y);
+        let turned_z_by_x = F::select(half.lt(x), one - z, z);
+        let turned_z_by_y = F::select(half.lt(y), one - z, z);
+        let turned_x = F::select(half.lt(z), x, one - x);
+        [
+            F::select(across_x, turned_z_by_x, F::select(across_y, x, turned_x)),
+            F::select(across_y, turned_z_by_y, y),
+        ]
     }
 
     fn area(&self) -> Option<f64> {
@@ -96,50 +111,95 @@ impl Geometric for Cuboid {
     }
 
     /// A pair of faces by its area, then one of the two.
-    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
+    #[inline(always)]
+    fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
+        let (zero, one, two) = (F::splat(0.0), F::splat(1.0), F::splat(2.0));
         let faces = self.faces();
-        let mut rest = u.x * faces.element_sum();
-        let axis = if rest < faces.x {
-            0
-        } else if rest < faces.x + faces.y {
-            rest -= faces.x;
-            1
-        } else {
-            rest -= faces.x + faces.y;
-            2
-        };
-        let across = (2.0 * rest / faces[axis]).clamp(0.0, 2.0);
-        let mut share = DVec3::splat(u.y);
-        share[(axis + 1) % 3] = across.fract();
-        share[axis] = if across < 1.0 { 0.0 } else { 1.0 };
-        let mut normal = DVec3::ZERO;
-        normal[axis] = 2.0 * share[axis] - 1.0;
-        let point = (self.min + (self.max - self.min) * share).clamp(self.min, self.max);
-        Some((Surface::new(point, point.abs() * gamma(1), normal), 0))
+        let (x, y, z) = (F::splat(faces.x), F::splat(faces.y), F::splat(faces.z));
+        let rest = u * F::splat(faces.element_sum());
+        let across_x = rest.lt(x);
+        let across_y = !across_x & rest.lt(x + y);
+        let rest = F::select(across_x, rest, F::select(across_y, rest - x, rest - (x + y)));
+        let face = F::select(across_x, x, F::select(across_y, y, z));
+        let across = (two * rest / face).max(zero).min(two);
+        let upper = one.le(across);
+        let (fraction, end) = (across - across.floor(), F::select(upper, one, zero));
+        let share = Vec3::new(
+            F::select(across_x, end, F::select(across_y, v, fraction)),
+            F::select(across_x, fraction, F::select(across_y, end, v)),
+            F::select(across_x, v, F::select(across_y, fraction, end)),
+        );
+        let outwards = F::select(upper, one, -one);
+        let normal = Vec3::new(
+            F::select(across_x, outwards, zero),
+            F::select(across_y, outwards, zero),
+            F::select(across_x | across_y, zero, outwards),
+        );
+        let (min, max) = (Vec3::splat(self.min), Vec3::splat(self.max));
+        let point = (min + Vec3::splat(self.max - self.min).mul_each(share)).max(min).min(max);
+        (LaneSurface::new(point, point.abs() * F::splat(gamma(1)), normal), F::U32::splat(0))
+    }
+}
+
+/// Where lines enter and leave a box; the first after the second if they pass by.
+struct Crossings<F: Real> {
+    enter: F,
+    leave: F,
+    /// The axes across which they do.
+    enter_across: [F::Mask; 3],
+    leave_across: [F::Mask; 3],
+}
+
+impl<F: Real> Crossings<F> {
+    /// Takes the planes across an axis, of which the line is inside from `near` to `far`. Of axes at the same t the
+    /// first one counts.
+    #[inline(always)]
+    fn cut(&mut self, axis: usize, near: F, far: F) {
+        let later = self.enter.lt(near);
+        let sooner = far.lt(self.leave);
+        self.enter = F::select(later, near, self.enter);
+        self.leave = F::select(sooner, far, self.leave);
+        for before in 0..axis {
+            self.enter_across[before] = self.enter_across[before] & !later;
+            self.leave_across[before] = self.leave_across[before] & !sooner;
+        }
+        self.enter_across[axis] = later;
+        self.leave_across[axis] = sooner;
+    }
+
+    /// The axes of the entry in the lanes of a mask, of the exit elsewhere.
+    #[inline(always)]
+    fn across(&self, enters: F::Mask) -> [F::Mask; 3] {
+        let [a, b, c] = self.enter_across;
+        let [d, e, f] = self.leave_across;
+        [a & enters | d & !enters, b & enters | e & !enters, c & enters | f & !enters]
     }
 }
 
 impl Cuboid {
-    /// Where a line enters and leaves the box, with the axes across which it does; the first after the second if it
-    /// passes by. Slabs: it is inside from the last entry to the first exit. Every side of the box is a difference of
-    /// two coordinates, so its sign, and with it what lies ahead, is exact.
-    fn slabs(&self, ray: &Ray) -> Option<[(f64, usize); 2]> {
-        let (o, d) = (ray.origin, ray.direction);
-        let (mut enter, mut leave) = ((f64::NEG_INFINITY, 0), (f64::INFINITY, 0));
-        for axis in 0..3 {
-            if d[axis] == 0.0 {
-                if o[axis] < self.min[axis] || o[axis] > self.max[axis] {
-                    return None;
-                }
-                continue;
-            }
-            let a = (self.min[axis] - o[axis]) / d[axis];
-            let b = (self.max[axis] - o[axis]) / d[axis];
-            let (near, far) = if a < b { (a, b) } else { (b, a) };
-            enter = if near > enter.0 { (near, axis) } else { enter };
-            leave = if far < leave.0 { (far, axis) } else { leave };
-        }
-        Some([enter, leave])
+    #[inline(always)]
+    fn crossings<F: Real>(&self, ray: &LaneRay<F>) -> Crossings<F> {
+        let no = F::Mask::splat(false);
+        let (enter, leave) = (F::splat(f64::NEG_INFINITY), F::splat(f64::INFINITY));
+        let mut crossings = Crossings { enter, leave, enter_across: [no; 3], leave_across: [no; 3] };
+        let LaneRay { origin: o, direction: d } = ray;
+        let (x, y, z) = (self.slab(0, o.x, d.x), self.slab(1, o.y, d.y), self.slab(2, o.z, d.z));
+        crossings.cut(0, x.0, x.1);
+        crossings.cut(1, y.0, y.1);
+        crossings.cut(2, z.0, z.1);
+        crossings
+    }
+
+    /// From which t to which a line is between the planes across an axis; along them everywhere or nowhere.
+    #[inline(always)]
+    fn slab<F: Real>(&self, axis: usize, origin: F, direction: F) -> (F, F) {
+        let (low, high) = (F::splat(self.min[axis]), F::splat(self.max[axis]));
+        let (a, b) = ((low - origin) / direction, (high - origin) / direction);
+        let along = direction.eq(F::splat(0.0));
+        let between = low.le(origin) & origin.le(high);
+        let (never, always) = (F::splat(f64::INFINITY), F::splat(f64::NEG_INFINITY));
+        let (near, far) = (F::select(between, always, never), F::select(between, never, always));
+        (F::select(along, near, a.min(b)), F::select(along, far, a.max(b)))
     }
 
     /// Between which corners points are that far, and at least one number, off all edges; the middle twice if
@@ -161,6 +221,9 @@ impl Cuboid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::Ray;
+    use crate::shape::{Crossing, OneRay};
+    use crate::tree::Probe;
 
     const UNIT: Cuboid = Cuboid { min: DVec3::ZERO, max: DVec3::ONE };
 
@@ -191,7 +254,7 @@ mod tests {
     fn the_surface_is_on_the_face_that_is_crossed() {
         let surface = |origin, direction| {
             let t = hit(origin, direction).expect("a hit");
-            let surface = UNIT.surface(&Ray { origin, direction }, Crossing::at(t));
+            let surface = UNIT.surface_at(&Ray { origin, direction }, Crossing::at(t));
             (surface.point, surface.normal)
         };
         let top = surface(DVec3::new(0.2, 3.0, 0.7), DVec3::NEG_Y);

@@ -1,10 +1,12 @@
 //! Cylinders.
 
-use super::{Crossing, Geometric, Parameters, Surface, cone::as_its_frustum, frustum::Frustum};
-use crate::camera::Ray;
+use super::{
+    Geometric, LaneHit, LaneRay, LaneSurface, Parameters, PreparedRay, Span, cone::as_its_frustum,
+    frustum::Frustum,
+};
 use crate::digest::content;
-use crate::math::{Aabb, DAffine3, DVec2, DVec3};
-use crate::tree::Probe;
+use crate::lanes::{Real, Vec3};
+use crate::math::{Aabb, DAffine3, DVec3};
 
 /// All points at a distance from the line between two points; with both ends closed, or open.
 #[derive(Clone, Debug, PartialEq)]

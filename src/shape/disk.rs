@@ -1,10 +1,9 @@
 //! Flat disks.
 
-use super::{Crossing, Geometric, Parameters, Surface, flat};
-use crate::camera::Ray;
+use super::{Geometric, LaneHit, LaneRay, LaneSurface, Parameters, PreparedRay, Span, flat};
 use crate::digest::content;
-use crate::math::{Aabb, Angle, DAffine3, DVec2, DVec3, gamma};
-use crate::tree::Probe;
+use crate::lanes::{Real, Row, Vec3};
+use crate::math::{Aabb, DAffine3, DVec3, cos_sin_of_turns, gamma};
 
 /// The flat disk of `radius` (above 0) around `center`, across the unit vector `normal`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,14 +25,18 @@ impl Geometric for Disk {
         Some(Self { center: center?, normal: normal?, radius: radius? })
     }
 
-    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
-        let t = flat::crossing(self.center, self.normal, probe, after, t_max)?;
-        let from_center = probe.ray.at(t) - self.center;
-        (from_center.length_squared() <= self.radius * self.radius).then_some(Crossing::at(t))
+    #[inline(always)]
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+        let center = Vec3::splat(self.center);
+        let at = flat::crossing(center, Vec3::splat(self.normal), &ray.ray, within);
+        let from_center = ray.ray.at(at.t) - center;
+        let inside = from_center.length_squared().le(F::splat(self.radius * self.radius));
+        LaneHit::within(inside & at.is_hit(), at.t, within)
     }
 
-    fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-        flat::surface(self.center, self.normal, ray, at.t)
+    #[inline(always)]
+    fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, _: f64) -> LaneSurface<F> {
+        flat::placed(Vec3::splat(self.center), ray.at(at.t), Vec3::splat(self.normal))
     }
 
     /// A disk reaches r·sqrt(1 - n²) along each axis.
@@ -53,26 +56,34 @@ impl Geometric for Disk {
     }
 
     /// The square around the disk, as `flat::axes` lies in its plane: (0.5, 0.5) is the centre.
-    fn uv(&self, point: DVec3, _: u32) -> DVec2 {
+    #[inline(always)]
+    fn uv<F: Real>(&self, point: Vec3<F>, _: F::U32) -> [F; 2] {
         let (right, up) = flat::axes(self.normal);
-        let from_center = (point - self.center) / (2.0 * self.radius);
-        DVec2::new(from_center.dot(right), from_center.dot(up)) + DVec2::splat(0.5)
+        let from_center = (point - Vec3::splat(self.center)) / F::splat(2.0 * self.radius);
+        let half = F::splat(0.5);
+        [from_center.dot(Vec3::splat(right)) + half, from_center.dot(Vec3::splat(up)) + half]
     }
 
     fn area(&self) -> Option<f64> {
         Some(std::f64::consts::PI * self.radius * self.radius)
     }
 
-    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
+    #[inline(always)]
+    fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
         let (right, up) = flat::axes(self.normal);
-        let turn = Angle(360.0 * u.y).cos_sin() * (self.radius * u.x.sqrt());
-        Some((flat::placed(self.center, self.center + right * turn.x + up * turn.y, self.normal), 0))
+        let (cosine, sine) = cos_sin_of_turns(v);
+        let (center, length) = (Vec3::splat(self.center), F::splat(self.radius) * u.sqrt());
+        let point = center + Vec3::splat(right) * (cosine * length) + Vec3::splat(up) * (sine * length);
+        (flat::placed(center, point, Vec3::splat(self.normal)), F::U32::splat(0))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::Ray;
+    use crate::shape::OneRay;
+    use crate::tree::Probe;
 
     #[test]
     fn ends_at_its_rim() {

@@ -1,38 +1,32 @@
 //! What all flat shapes share: the plane they lie in.
 
-use super::Surface;
-use crate::camera::Ray;
-use crate::math::{DAffine3, DVec2, DVec3, gamma};
-use crate::tree::Probe;
+use super::{LaneHit, LaneRay, LaneSurface, Span};
+use crate::lanes::{Real, Vec3};
+use crate::math::{DAffine3, DVec3, gamma};
 
-/// Where the ray crosses the plane through `anchor` across `normal` (any length): the t in `after` < t < `t_max`.
+/// Where rays cross the plane through `anchor` across `normal` (any length), within bounds.
 /// A ray within the plane does not cross it.
-#[inline]
-pub fn crossing(anchor: DVec3, normal: DVec3, probe: &Probe, after: f64, t_max: f64) -> Option<f64> {
-    let along = normal.dot(probe.ray.direction);
-    let height = normal.dot(anchor - probe.ray.origin);
-    let t = height / along;
-    (along != 0.0 && t > after && t < t_max).then_some(t)
+#[inline(always)]
+pub fn crossing<F: Real>(anchor: Vec3<F>, normal: Vec3<F>, ray: &LaneRay<F>, within: Span<F>) -> LaneHit<F> {
+    let along = normal.dot(ray.direction);
+    let height = normal.dot(anchor - ray.origin);
+    LaneHit::within(!along.eq(F::splat(0.0)), height / along, within)
 }
 
-/// The surface where a ray crosses the plane through `anchor` across the unit vector `normal`.
+/// The points of the planes through `anchor` across the unit vector `normal` that are next to `near`.
 ///
-/// The ray's point is projected onto the plane along the normal. What remains is the rounding of the
+/// A ray's point is projected onto the plane along the normal. What remains is the rounding of the
 /// projection's height, a dot product over `anchor - point` (at most gamma(4) of its terms; twice, as
 /// [`crossing`] rounds it again with a normal of another length), that of the normal's own length, which
 /// leaves a part of the height that was projected away, and that of the point's coordinates.
-pub fn surface(anchor: DVec3, normal: DVec3, ray: &Ray, t: f64) -> Surface {
-    placed(anchor, ray.at(t), normal)
-}
-
-/// The point of the plane through `anchor` across the unit vector `normal` that is next to `near`.
-pub fn placed(anchor: DVec3, near: DVec3, normal: DVec3) -> Surface {
+#[inline(always)]
+pub fn placed<F: Real>(anchor: Vec3<F>, near: Vec3<F>, normal: Vec3<F>) -> LaneSurface<F> {
     let height = normal.dot(anchor - near);
     let point = near + normal * height;
-    let error = (anchor - point).abs() * gamma(11)
-        + point.abs() * gamma(3)
-        + normal.abs() * (height.abs() * gamma(8));
-    Surface::new(point, error, normal)
+    let error = (anchor - point).abs() * F::splat(gamma(11))
+        + point.abs() * F::splat(gamma(3))
+        + normal.abs() * (height.abs() * F::splat(gamma(8)));
+    LaneSurface::new(point, error, normal)
 }
 
 /// Two axes of the plane across the unit vector `normal`, to the right and upwards for who looks at the
@@ -44,9 +38,11 @@ pub fn axes(normal: DVec3) -> (DVec3, DVec3) {
 }
 
 /// The a and b of `offset` = a·`u` + b·`v`, for an offset in their plane.
-pub fn shares(offset: DVec3, u: DVec3, v: DVec3) -> DVec2 {
+#[inline(always)]
+pub fn shares<F: Real>(offset: Vec3<F>, u: Vec3<F>, v: Vec3<F>) -> [F; 2] {
     let n = u.cross(v);
-    DVec2::new(offset.cross(v).dot(n), u.cross(offset).dot(n)) / n.length_squared()
+    let square = n.length_squared();
+    [offset.cross(v).dot(n) / square, u.cross(offset).dot(n) / square]
 }
 
 /// Whether two edges enclose an area: not if one vanishes or they are parallel to within rounding.

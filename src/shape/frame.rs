@@ -1,9 +1,9 @@
 //! Shapes around an axis, in a space of their own where that is the y axis.
 
-use super::{Surface, flat};
-use crate::camera::Ray;
+use super::{LaneRay, LaneSurface, flat};
 use crate::digest::content;
-use crate::math::{DAffine3, DMat3, DVec2, DVec3, UNIT_ROUNDOFF, gamma, perpendicular};
+use crate::lanes::{Real, Vec3};
+use crate::math::{DAffine3, DMat3, DVec3, UNIT_ROUNDOFF, atan2, gamma, perpendicular};
 use std::f64::consts::TAU;
 
 /// A point and three perpendicular unit vectors: the axes of a shape, of which y is its own one. A mirrored
@@ -23,19 +23,28 @@ impl Frame {
         Self { origin, axes: DMat3::from_cols(unit(right), unit(axis), unit(-up)) }
     }
 
-    /// A ray in the frame; t stays the same.
-    #[inline]
-    pub fn local(&self, ray: &Ray) -> Ray {
-        Ray { origin: self.local_point(ray.origin), direction: self.along_axes(ray.direction) }
+    /// Rays in the frame; t stays the same.
+    #[inline(always)]
+    pub fn local<F: Real>(&self, ray: &LaneRay<F>) -> LaneRay<F> {
+        LaneRay { origin: self.local_point(ray.origin), direction: self.along_axes(ray.direction) }
     }
 
-    pub fn local_point(&self, point: DVec3) -> DVec3 {
-        self.along_axes(point - self.origin)
+    #[inline(always)]
+    pub fn local_point<F: Real>(&self, point: Vec3<F>) -> Vec3<F> {
+        self.along_axes(point - Vec3::splat(self.origin))
     }
 
-    #[inline]
-    fn along_axes(&self, v: DVec3) -> DVec3 {
-        DVec3::new(self.axes.x_axis.dot(v), self.axes.y_axis.dot(v), self.axes.z_axis.dot(v))
+    #[inline(always)]
+    fn along_axes<F: Real>(&self, v: Vec3<F>) -> Vec3<F> {
+        let DMat3 { x_axis, y_axis, z_axis } = self.axes;
+        Vec3::new(Vec3::splat(x_axis).dot(v), Vec3::splat(y_axis).dot(v), Vec3::splat(z_axis).dot(v))
+    }
+
+    /// A vector of the frame in space, in glam's order of operations.
+    #[inline(always)]
+    fn in_space<F: Real>(&self, v: Vec3<F>) -> Vec3<F> {
+        let DMat3 { x_axis, y_axis, z_axis } = self.axes;
+        Vec3::splat(x_axis) * v.x + Vec3::splat(y_axis) * v.y + Vec3::splat(z_axis) * v.z
     }
 
     /// The surface at a point of the frame, with a unit normal, where the shape is known to `error`.
@@ -44,11 +53,12 @@ impl Frame {
     /// it, back: a product with the axes each way (gamma(3), and the absolute values of an orthogonal matrix
     /// lengthen a vector by 5/3 at most), the difference from the origin (1 u), and the axes, which are
     /// perpendicular unit vectors to within 6 u. The sum with the origin rounds each coordinate.
-    pub fn surface(&self, point: DVec3, normal: DVec3, error: f64) -> Surface {
-        let placed = self.origin + self.axes * point;
-        let normal = self.axes * normal;
-        let error = error + rounding(point.length());
-        Surface::new(placed, normal.abs() * error + placed.abs() * gamma(1), normal)
+    #[inline(always)]
+    pub fn surface<F: Real>(&self, point: Vec3<F>, normal: Vec3<F>, error: f64) -> LaneSurface<F> {
+        let placed = Vec3::splat(self.origin) + self.in_space(point);
+        let normal = self.in_space(normal);
+        let error = F::splat(error) + point.length() * F::splat(ROUNDING);
+        LaneSurface::new(placed, normal.abs() * error + placed.abs() * F::splat(gamma(1)), normal)
     }
 
     /// How far from the seam between two smooth parts a point must stay, for a ray that [`Frame::surface`]
@@ -56,7 +66,7 @@ impl Frame {
     /// the ray's offset, which is at most that and a rounding of each coordinate, then the error of the test
     /// from there. `reach` is the shape's extent and `error` that of [`Frame::surface`].
     pub fn clearance(&self, reach: f64, error: f64) -> f64 {
-        4.0 * (error + rounding(reach)) + gamma(8) * (self.origin.length() + reach)
+        4.0 * (error + reach * ROUNDING) + gamma(8) * (self.origin.length() + reach)
     }
 
     /// The frame moved by `affine`, which scales evenly.
@@ -81,20 +91,29 @@ fn unit(v: DVec3) -> DVec3 {
     v / v.length()
 }
 
-fn rounding(length: f64) -> f64 {
-    length * gamma(18)
-}
+/// Of ways out of the frame and back, as a share of their length.
+const ROUNDING: f64 = gamma(18);
 
 /// The share of a turn around the y axis, eastwards: 0.25 at +z, 0.5 at +x, and the seam at -x; below 1.
-pub fn around(point: DVec3) -> f64 {
-    let share = 0.5 - libm::atan2(point.z, point.x) / TAU;
-    if share < 1.0 { share } else { 0.0 }
+#[inline(always)]
+pub fn around<F: Real>(point: Vec3<F>) -> F {
+    let share = F::splat(0.5) - atan2(point.z, point.x) / F::splat(TAU);
+    F::select(share.lt(F::splat(1.0)), share, F::splat(0.0))
 }
 
-/// The two coordinates across the y axis.
-#[inline]
-pub fn across(v: DVec3) -> DVec2 {
-    DVec2::new(v.x, v.z)
+/// The distance from the y axis.
+#[inline(always)]
+pub fn from_axis<F: Real>(v: Vec3<F>) -> F {
+    (v.x * v.x + v.z * v.z).sqrt()
+}
+
+/// The unit vector (x, z) away from the y axis; +x on it.
+#[inline(always)]
+pub fn away_from_axis<F: Real>(v: Vec3<F>) -> [F; 2] {
+    let (zero, one) = (F::splat(0.0), F::splat(1.0));
+    let per_length = one / from_axis(v);
+    let sound = zero.lt(per_length) & per_length.lt(F::splat(f64::INFINITY));
+    [F::select(sound, v.x * per_length, one), F::select(sound, v.z * per_length, zero)]
 }
 
 /// The factor by which `affine` scales in every direction; none if there is no such factor.

@@ -1,13 +1,11 @@
 //! What cylinders and cones have in common: a straight side around an axis, and two flat ends across it.
 
-use super::frame::{Frame, across, around, even_scale};
-use super::surface::exit;
-use super::taper::{BOTTOM, SIDE, TOP, Taper};
-use super::{Crossing, Surface};
-use crate::camera::Ray;
+use super::frame::{Frame, around, away_from_axis, even_scale, from_axis};
+use super::taper::{BOTTOM, Interval, SIDE, TOP, Taper};
+use super::{LaneHit, LaneRay, LaneSurface, Span, exit};
 use crate::digest::content;
-use crate::math::{Aabb, Angle, DAffine3, DVec2, DVec3, gamma};
-use crate::tree::Probe;
+use crate::lanes::{Bits, Mask, Real, Row, Select, Vec3, out_of_line};
+use crate::math::{Aabb, DAffine3, DVec3, cos_sin_of_turns, gamma};
 use std::f64::consts::PI;
 
 /// The surface around an axis whose radius changes evenly from the bottom to the top.
@@ -21,6 +19,62 @@ pub struct Frustum {
 }
 
 content!(struct Frustum { frame, taper, capped });
+
+out_of_line! {
+    fn intersect<'k, F>(frustum: &'k Frustum, ray: &'k LaneRay<F>, within: Span<F>) -> LaneHit<F> {
+        let Interval { enter, leave, enter_part, leave_part, meets } =
+            frustum.taper.crossings(&frustum.frame.local(ray));
+        let (side, all) = (F::U32::splat(SIDE), F::Mask::splat(frustum.capped));
+        let enters = within.min.lt(enter) & (all | enter_part.eq(side));
+        let seen = meets & (enters | all | leave_part.eq(side));
+        let hit = LaneHit::within(seen, F::select(enters, enter, exit(enter, leave, within)), within);
+        LaneHit { part: F::U32::select(enters, enter_part, leave_part), ..hit }
+    }
+}
+
+out_of_line! {
+    fn surface<'k, F>(frustum: &'k Frustum, ray: &'k LaneRay<F>, at: LaneHit<F>, apart: f64) -> LaneSurface<F> {
+        let ray = frustum.frame.local(ray);
+        let near = ray.at(at.t);
+        let clearance = frustum.clearance(apart);
+        let on_side = at.part.eq(F::U32::splat(SIDE));
+        let is_top = at.part.eq(F::U32::splat(TOP));
+        if !on_side.any() {
+            return frustum.end(near, is_top, clearance);
+        }
+        let side = frustum.side(near, frustum.turn(&ray, at.t, clearance), clearance);
+        if !(!on_side).any() {
+            return side;
+        }
+        LaneSurface::select(on_side, side, frustum.end(near, is_top, clearance))
+    }
+}
+
+out_of_line! {
+    fn sample_area<'k, F>(frustum: &'k Frustum, u: F, v: F) -> (LaneSurface<F>, F::U32) {
+        let zero = F::splat(0.0);
+        let [side, bottom, top] = frustum.areas();
+        let rest = u * F::splat(frustum.area());
+        // What rounding leaves over falls to the last part that there is.
+        let on_side = rest.lt(F::splat(side)) | F::Mask::splat(bottom + top == 0.0);
+        let rest = F::select(on_side, rest, rest - F::splat(side));
+        let on_bottom = !on_side & (rest.lt(F::splat(bottom)) | F::Mask::splat(top == 0.0));
+        let is_top = !on_side & !on_bottom;
+        let rest = F::select(is_top, rest - F::splat(bottom), rest);
+        let area = F::select(on_side, F::splat(side), F::select(is_top, F::splat(top), F::splat(bottom)));
+        let share = (rest / area).max(zero).min(F::splat(1.0));
+        let (cosine, sine) = cos_sin_of_turns(v);
+        let (radius, y) = frustum.side_sample(share);
+        let clearance = frustum.clearance(0.0);
+        let of_side = frustum.side(Vec3::new(radius, y, zero), [cosine, sine], clearance);
+        let widest =
+            F::select(is_top, F::splat(frustum.taper.end_radius(TOP)), F::splat(frustum.taper.end_radius(BOTTOM)));
+        let length = widest * share.sqrt();
+        let of_end = frustum.end(Vec3::new(cosine * length, zero, sine * length), is_top, clearance);
+        let end = F::U32::select(is_top, F::U32::splat(TOP), F::U32::splat(BOTTOM));
+        (LaneSurface::select(on_side, of_side, of_end), F::U32::select(on_side, F::U32::splat(SIDE), end))
+    }
+}
 
 impl Frustum {
     /// From `bottom` to `top`, each a centre and a radius; none if the axis between them has no length.
@@ -42,56 +96,58 @@ impl Frustum {
     }
 
     /// Of an open one, the crossings of its ends are not seen.
-    pub fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
-        let [enter, leave] = self.taper.crossings(&self.frame.local(&probe.ray))?;
-        let leave = Crossing { t: exit(enter.t, leave.t), ..leave };
-        let seen = |at: &Crossing| at.t > after && at.t < t_max && (self.capped || at.part == SIDE);
-        [enter, leave].into_iter().find(seen)
+    #[inline(always)]
+    pub fn intersect<F: Real>(&self, ray: &LaneRay<F>, within: Span<F>) -> LaneHit<F> {
+        intersect(self, ray, within)
     }
 
     /// Points stay clear of the seams between side and ends, and of a cone's tip, by as much as rounding may
     /// move the ray that starts there, and by `apart`: from within, it is within all parts, so it leaves the solid
     /// once.
-    pub fn surface(&self, ray: &Ray, at: Crossing, apart: f64) -> Surface {
-        let ray = self.frame.local(ray);
-        let near = ray.at(at.t);
-        let clearance = self.clearance(apart);
-        match at.part {
-            SIDE => self.side(near, self.turn(&ray, at.t, clearance), clearance),
-            part => self.end(near, part, clearance),
-        }
+    #[inline(always)]
+    pub fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, apart: f64) -> LaneSurface<F> {
+        surface(self, ray, at, apart)
     }
 
-    /// The direction away from the axis in which a ray meets the side. At a tip, the point may be closer to the
+    /// The direction away from the axis in which rays meet the side. At a tip, the point may be closer to the
     /// axis than points of the side may be, or than the rounding of the way there; then that the ray enters or
     /// leaves there tells the direction.
-    fn turn(&self, ray: &Ray, t: f64, clearance: f64) -> DVec2 {
-        let off = across(ray.at(t));
-        let way = ray.origin.length() + (ray.direction * t).length() + self.taper.reach();
+    #[inline(always)]
+    fn turn<F: Real>(&self, ray: &LaneRay<F>, t: F, clearance: f64) -> [F; 2] {
+        let off = ray.at(t);
+        let way = ray.origin.length() + (ray.direction * t).length() + F::splat(self.taper.reach());
         // The point, the shift of Taper::crossings and the sum with it, two roundings each, and the root.
-        if off.length() > (way * gamma(8)).max(clearance) {
-            return off.normalize();
+        let known = (way * F::splat(gamma(8))).max(F::splat(clearance)).lt(from_axis(off));
+        let away = away_from_axis(off);
+        if !(!known).any() {
+            return away;
         }
-        let enters = self.taper.crossings(ray).is_some_and(|[enter, _]| enter.t == t);
-        let along = across(ray.direction).normalize_or(DVec2::X);
-        if enters { -along } else { along }
+        let crossings = self.taper.crossings(ray);
+        let enters = crossings.meets & crossings.enter.eq(t);
+        let [x, z] = away_from_axis(ray.direction);
+        let (x, z) = (F::select(enters, -x, x), F::select(enters, -z, z));
+        [F::select(known, away[0], x), F::select(known, away[1], z)]
     }
 
     /// The surface of the side next to `near`, in the direction `turn` from the axis. The point's share of the way from the
     /// narrow end of the side to the wide one, which is 2, gives its coordinates in the plane of the axis: the radius to a
     /// few roundings of itself, however close to a tip it is.
-    fn side(&self, near: DVec3, turn: DVec2, clearance: f64) -> Surface {
+    #[inline(always)]
+    fn side<F: Real>(&self, near: Vec3<F>, [x, z]: [F; 2], clearance: f64) -> LaneSurface<F> {
         let Taper { half, mean, lean } = self.taper;
         let (grows, narrowest) = (lean.abs(), mean - lean.abs());
-        let up = if lean > 0.0 { -1.0 } else { 1.0 };
-        let along = (across(near).length() - narrowest) * grows + (half - up * near.y) * half;
+        let up = F::splat(if lean > 0.0 { -1.0 } else { 1.0 });
+        let (length, radius) = (F::splat(half), F::splat(narrowest));
+        let along = (from_axis(near) - radius) * F::splat(grows) + (length - up * near.y) * length;
         let (low, high) = self.clear_shares(clearance);
-        let share = (along / (grows * grows + half * half)).max(low).min(high).clamp(0.0, 2.0);
-        let radial = turn * (narrowest + grows * share);
+        let share = (along / F::splat(grows * grows + half * half)).max(F::splat(low)).min(F::splat(high));
+        let share = share.max(F::splat(0.0)).min(F::splat(2.0));
+        let radius = radius + F::splat(grows) * share;
         let normal = self.taper.normal();
+        let (across, along) = (F::splat(normal.x), F::splat(normal.y));
         self.frame.surface(
-            DVec3::new(radial.x, up * (half - half * share), radial.y),
-            DVec3::new(turn.x * normal.x, normal.y, turn.y * normal.x),
+            Vec3::new(x * radius, up * (length - length * share), z * radius),
+            Vec3::new(x * across, along, z * across),
             self.error(),
         )
     }
@@ -107,14 +163,26 @@ impl Frustum {
         (if lean == 0.0 { narrow } else { narrow.max(tip) }, 2.0 - clearance / half)
     }
 
-    fn end(&self, near: DVec3, part: u32, clearance: f64) -> Surface {
-        let sign = if part == TOP { 1.0 } else { -1.0 };
-        let is_wide = self.taper.lean * sign >= 0.0;
-        let clearance = if is_wide { clearance / self.taper.normal().x } else { clearance };
-        let radius = self.taper.end_radius(part);
-        let radial = across(near).clamp_length_max((radius - clearance).max(0.5 * radius));
-        let point = DVec3::new(radial.x, sign * self.taper.half, radial.y);
-        self.frame.surface(point, DVec3::Y * sign, self.error())
+    #[inline(always)]
+    fn end<F: Real>(&self, near: Vec3<F>, is_top: F::Mask, clearance: f64) -> LaneSurface<F> {
+        let (zero, one) = (F::splat(0.0), F::splat(1.0));
+        let [top, bottom] = self.clear_radii(clearance);
+        let longest = F::select(is_top, F::splat(top), F::splat(bottom));
+        let length = from_axis(near);
+        let shorter = F::select(longest.lt(length), longest / length, one);
+        let sign = F::select(is_top, one, -one);
+        let point = Vec3::new(near.x * shorter, sign * F::splat(self.taper.half), near.z * shorter);
+        self.frame.surface(point, Vec3::new(zero, sign, zero), self.error())
+    }
+
+    /// How far from the axis points of the top and of the bottom may be, to be clear of the side.
+    fn clear_radii(&self, clearance: f64) -> [f64; 2] {
+        [(TOP, 1.0), (BOTTOM, -1.0)].map(|(part, sign)| {
+            let is_wide = self.taper.lean * sign >= 0.0;
+            let clearance = if is_wide { clearance / self.taper.normal().x } else { clearance };
+            let radius = self.taper.end_radius(part);
+            (radius - clearance).max(0.5 * radius)
+        })
     }
 
     /// How far points stay from the axis at a tip, and from seams across the parts that meet there. Shapes flatter than
@@ -151,13 +219,17 @@ impl Frustum {
     }
 
     /// On the side, the share of a turn and of the height; on an end, the square around it.
-    pub fn uv(&self, point: DVec3, part: u32) -> DVec2 {
+    #[inline(always)]
+    pub fn uv<F: Real>(&self, point: Vec3<F>, part: F::U32) -> [F; 2] {
+        let half = F::splat(0.5);
         let p = self.frame.local_point(point);
-        if part == SIDE {
-            return DVec2::new(around(p), 0.5 + 0.5 * p.y / self.taper.half);
-        }
-        let up = if part == TOP { -p.z } else { p.z };
-        DVec2::splat(0.5) + DVec2::new(p.x, up) / (2.0 * self.taper.end_radius(part))
+        let on_side = part.eq(F::U32::splat(SIDE));
+        let is_top = part.eq(F::U32::splat(TOP));
+        let along = half + half * p.y / F::splat(self.taper.half);
+        let up = F::select(is_top, -p.z, p.z);
+        let width = |part: u32| 2.0 * self.taper.end_radius(part);
+        let width = F::select(is_top, F::splat(width(TOP)), F::splat(width(BOTTOM)));
+        [F::select(on_side, around(p), half + p.x / width), F::select(on_side, along, half + up / width)]
     }
 
     /// The side closes around the axis.
@@ -180,30 +252,20 @@ impl Frustum {
     }
 
     /// A part by its area, then a point of it.
-    pub fn sample_area(&self, u: DVec2) -> (Surface, u32) {
-        let mut rest = u.x * self.area();
-        let areas = self.areas();
-        let mut part = SIDE;
-        while part < TOP && rest >= areas[part as usize] && areas[part as usize + 1] > 0.0 {
-            rest -= areas[part as usize];
-            part += 1;
-        }
-        let share = (rest / areas[part as usize]).min(1.0);
-        let turn = Angle(360.0 * u.y).cos_sin();
-        if part == SIDE {
-            let (radius, y) = self.side_sample(share);
-            return (self.side(DVec3::new(radius, y, 0.0), turn, self.clearance(0.0)), part);
-        }
-        let radial = turn * (self.taper.end_radius(part) * share.sqrt());
-        (self.end(DVec3::new(radial.x, 0.0, radial.y), part, self.clearance(0.0)), part)
+    #[inline(always)]
+    pub fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
+        sample_area(self, u, v)
     }
 
     /// The radius and height above which lies a given share of the side's area. From the bottom it grows as
     /// the integral of the radius: a quadratic, solved without cancellation.
-    fn side_sample(&self, share: f64) -> (f64, f64) {
+    #[inline(always)]
+    fn side_sample<F: Real>(&self, share: F) -> (F, F) {
+        let one = F::splat(1.0);
         let Taper { half, mean, lean } = self.taper;
-        let (bottom, top) = (mean - lean, mean + lean);
-        let radius = (bottom * bottom * (1.0 - share) + top * top * share).sqrt();
-        (radius, half * (4.0 * mean * share / (bottom + radius) - 1.0))
+        let (bottom, top) = (F::splat(mean - lean), F::splat(mean + lean));
+        let radius = (bottom * bottom * (one - share) + top * top * share).sqrt();
+        let height = F::splat(half) * (F::splat(4.0 * mean) * share / (bottom + radius) - one);
+        (radius, height)
     }
 }

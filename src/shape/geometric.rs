@@ -1,14 +1,16 @@
 //! What every shape can be asked.
 
-use super::{Crossing, Parameters, Surface};
+use super::{Crossing, LaneHit, LaneRay, LaneSurface, Parameters, PreparedRay, Span, Surface};
 use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::digest::Content;
+use crate::lanes::{Real, Row, Vec3};
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::sampling::Frame;
 use crate::tree::Probe;
 
-/// A shape in its own space.
+/// A shape in its own space. Its formulas are generic over the number of lanes: a row of rays, points or random numbers
+/// and one shape.
 pub trait Geometric: Clone + PartialEq + Content {
     /// The word that files call the shape by.
     const NAME: &'static str;
@@ -16,39 +18,19 @@ pub trait Geometric: Clone + PartialEq + Content {
     /// Makes the shape of what a file says; none if a parameter is missing or wrong, which has been reported.
     fn read(parameters: &mut impl Parameters) -> Option<Self>;
 
-    /// The smallest t in `after` < t < `t_max` at which the ray meets the surface, from either side; `after` is not below 0.
-    /// The ray's direction has any length but zero. A ray that passes a surface straight on is asked for its next crossing,
-    /// not moved: so each is found once, however near they are to each other. A solid that is entered is left at a larger t.
-    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing>;
+    /// The smallest t within bounds at which each ray meets the surface, from either side.
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F>;
 
-    /// [`Geometric::hit_after`] from the ray's origin on.
-    #[inline]
-    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        self.hit_after(probe, 0.0, t_max)
+    /// Rays that meet the surface within bounds: those for which [`Geometric::intersect`] finds anything.
+    #[inline(always)]
+    fn occludes<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> F::Mask {
+        self.intersect(ray, within).is_hit()
     }
 
-    /// Adds all crossings in `after` < t < `t_max`.
-    fn crossings(&self, probe: &Probe, mut after: f64, t_max: f64, found: &mut Vec<Crossing>) {
-        while let Some(at) = self.hit_after(probe, after, t_max) {
-            found.push(at);
-            after = at.t;
-        }
-    }
-
-    /// Whether the ray meets the surface in 0 < t < `t_max`: whether [`Geometric::hit`] finds anything.
-    fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
-        self.hit(probe, t_max).is_some()
-    }
-
-    /// The surface where [`Geometric::hit`] found the ray to cross it.
-    fn surface(&self, ray: &Ray, at: Crossing) -> Surface;
-
-    /// [`Geometric::surface`] for a shape whose rays are moved to it: points of shapes with edges stay clear of
-    /// these by `apart` more than they would, as that is how far off the moves may bring the next ray's origin.
-    fn surface_apart(&self, ray: &Ray, at: Crossing, apart: f64) -> Surface {
-        let _ = apart;
-        self.surface(ray, at)
-    }
+    /// The surface where [`Geometric::intersect`] found rays to cross it. If rays are moved to the shape, points of shapes
+    /// with edges stay clear of these by `apart` more than they would, as that is how far off the moves may bring the
+    /// next ray's origin; otherwise `apart` is 0.
+    fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, apart: f64) -> LaneSurface<F>;
 
     /// A box around the shape; none if it is infinite.
     fn bounds(&self) -> Option<Aabb>;
@@ -57,8 +39,8 @@ pub trait Geometric: Clone + PartialEq + Content {
     /// keeps its normals outwards.
     fn transformed(&self, affine: &DAffine3) -> Option<Self>;
 
-    /// Texture coordinates of a point of the surface, in the shape's own space and to within rounding.
-    fn uv(&self, point: DVec3, part: u32) -> DVec2;
+    /// Texture coordinates u and v of points of the surface, in the shape's own space and to within rounding.
+    fn uv<F: Real>(&self, point: Vec3<F>, part: F::U32) -> [F; 2];
 
     /// Whether a part of the surface ends where u is 0 and 1, and where v is: else it closes there, or goes on for ever.
     fn uv_ends(&self, part: u32) -> [bool; 2] {
@@ -79,23 +61,61 @@ pub trait Geometric: Clone + PartialEq + Content {
         None
     }
 
-    /// A point of the surface with its part, uniform over the area for `u` uniform in the unit square.
-    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
-        let _ = u;
-        None
+    /// Points of the surface with their parts, uniform over the area for u and v uniform in the unit square.
+    #[inline(always)]
+    fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
+        let _ = (u, v);
+        (LaneSurface::new(Vec3::zero(), Vec3::zero(), Vec3::splat(DVec3::Y)), F::U32::splat(0))
     }
 
-    /// A point of the surface that `from` may see, with its part and its density per solid angle there. Shapes that choose
-    /// among directions do so in a frame that is carried from that of the surface at `from`.
-    fn sample_from(&self, from: DVec3, frame: &Frame, u: DVec2) -> Option<(Surface, u32, f64)> {
-        let _ = frame;
-        let (surface, part) = self.sample_area(u)?;
-        let density = self.density_from(from, &surface)?;
-        Some((surface, part, density))
+    /// Points of the surface that `from` may see, with their parts and their densities per steradian there; 0 where
+    /// nothing is seen. What is drawn around a direction is turned as `eye` is, a frame that turns smoothly from one point
+    /// to the next.
+    #[inline(always)]
+    fn sample_from<F: Real>(&self, from: Vec3<F>, eye: &Frame<F>, u: F, v: F) -> (LaneSurface<F>, F::U32, F) {
+        let _ = eye;
+        let (surface, part) = self.sample_area(u, v);
+        let pdf = self.pdf_from(from, &surface);
+        (surface, part, pdf)
     }
 
-    /// The density per solid angle with which [`Geometric::sample_from`] gives the point `at`.
-    fn density_from(&self, from: DVec3, at: &Surface) -> Option<f64> {
-        at.density_from(from, 1.0 / self.area()?)
+    /// The density per steradian with which [`Geometric::sample_from`] gives the points `at`; 0 for those that it never
+    /// gives.
+    #[inline(always)]
+    fn pdf_from<F: Real>(&self, from: Vec3<F>, at: &LaneSurface<F>) -> F {
+        match self.area() {
+            Some(area) => at.pdf_from(from, F::splat(1.0 / area)),
+            None => F::splat(0.0),
+        }
+    }
+}
+
+/// Shapes asked by one ray or point: the case of one lane.
+pub trait OneRay {
+    /// Where a ray first meets the surface before `t_max`.
+    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing>;
+    /// Whether a ray meets the surface before `t_max`.
+    fn blocks(&self, probe: &Probe, t_max: f64) -> bool;
+    /// The surface where a ray meets it.
+    fn surface_at(&self, ray: &Ray, at: Crossing) -> Surface;
+    /// [`Geometric::uv`].
+    fn uv_at(&self, point: DVec3, part: u32) -> DVec2;
+}
+
+impl<T: Geometric> OneRay for T {
+    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
+        self.intersect(&PreparedRay::<f64>::splat(probe), Span::up_to(t_max)).one()
+    }
+
+    fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
+        self.occludes(&PreparedRay::<f64>::splat(probe), Span::up_to(t_max))
+    }
+
+    fn surface_at(&self, ray: &Ray, at: Crossing) -> Surface {
+        self.surface(&LaneRay::from(ray), at.into(), 0.0).into()
+    }
+
+    fn uv_at(&self, point: DVec3, part: u32) -> DVec2 {
+        DVec2::from_array(self.uv::<f64>(point.into(), part))
     }
 }

@@ -5,7 +5,7 @@
 //! sphere is a sphere); those are moved once per change of geometry, see [`Geometric::transformed`], and the
 //! rest have their rays moved instead.
 
-mod bundle;
+mod lane;
 mod chord;
 mod cone;
 mod cuboid;
@@ -26,29 +26,33 @@ mod surface;
 mod taper;
 mod torus;
 mod triangle;
+mod vicinity;
 
-pub use bundle::{Crossings, Rays, Surfaces, lanes, on_spheres};
 pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use disk::Disk;
-pub use flat::spans_a_plane;
-pub use geometric::Geometric;
+pub use flat::{placed as flat_surface, spans_a_plane};
+pub use geometric::{Geometric, OneRay};
+use lane::exit;
+pub use lane::{LaneHit, LaneRay, LaneSurface, PreparedRay, RayRows, Span, eight};
 pub use mesh::Mesh;
 pub use parameters::Parameters;
 pub use plane::Plane;
 pub use rectangle::Rectangle;
-pub use sphere::Sphere;
+pub use sphere::{Sphere, SphereLanes};
 pub use surface::{Crossing, Surface};
 pub use torus::Torus;
-pub use triangle::Triangle;
+pub use triangle::{Triangle, TriangleLanes};
+pub use vicinity::Vicinity;
 
 use crate::camera::Ray;
 use crate::color::Rgb;
 use crate::digest::content;
+use crate::lanes::{Level, Mask, Real, Row, Vec3};
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::sampling::Frame;
-use crate::tree::Probe;
+use crate::tree::{Probe, Stack};
 use bevy_ecs::component::Component;
 
 /// Declares [`Shape`] with its one dispatch: the same call for every shape that there is something to see of.
@@ -103,40 +107,70 @@ macro_rules! shapes {
 // The list. A shape that is added here can be written in files, seen, placed and lit.
 shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid, Cylinder, Cone, Torus, Mesh);
 
+impl OneRay for Shape {
+    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
+        each_shape!(self, shape => OneRay::hit(shape, probe, t_max), Group => None)
+    }
+
+    fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
+        each_shape!(self, shape => OneRay::blocks(shape, probe, t_max), Group => false)
+    }
+
+    fn surface_at(&self, ray: &Ray, at: Crossing) -> Surface {
+        self.surface(&LaneRay::from(ray), at.into(), 0.0).into()
+    }
+
+    fn uv_at(&self, point: DVec3, part: u32) -> DVec2 {
+        DVec2::from_array(self.uv::<f64>(point.into(), part))
+    }
+}
+
 impl Shape {
-    /// See [`Geometric::hit`].
-    #[inline]
-    pub fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        self.hit_after(probe, 0.0, t_max)
+    /// See [`Geometric::intersect`].
+    #[inline(always)]
+    pub fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+        each_shape!(self, shape => shape.intersect(ray, within), Group => LaneHit::none())
     }
 
-    /// See [`Geometric::hit_after`].
-    #[inline]
-    pub fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
-        each_shape!(self, shape => shape.hit_after(probe, after, t_max), Group => None)
+    /// See [`Geometric::occludes`].
+    #[inline(always)]
+    pub fn occludes<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> F::Mask {
+        each_shape!(self, shape => shape.occludes(ray, within), Group => F::Mask::splat(false))
     }
 
-    /// See [`Geometric::crossings`].
-    pub fn crossings(&self, probe: &Probe, after: f64, t_max: f64, found: &mut Vec<Crossing>) {
-        each_shape!(self, shape => shape.crossings(probe, after, t_max, found), Group => ());
+    /// [`Shape::intersect`] of one ray.
+    #[inline(always)]
+    pub fn hit_one<L: Level>(
+        &self,
+        probe: &Probe,
+        within: Span<f64>,
+        stack: Option<&mut Stack>,
+    ) -> Option<Crossing> {
+        match self {
+            Self::Mesh(mesh) => match stack {
+                Some(stack) => mesh.nearest_on::<L>(probe, within, stack),
+                None => mesh.nearest_on::<L>(probe, within, &mut Stack::default()),
+            },
+            _ => self.intersect::<f64>(&PreparedRay::splat(probe), within).one(),
+        }
     }
 
-    /// See [`Geometric::blocks`].
-    #[inline]
-    pub fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
-        each_shape!(self, shape => shape.blocks(probe, t_max), Group => false)
+    /// [`Shape::occludes`] of one ray.
+    #[inline(always)]
+    pub fn blocks_one<L: Level>(&self, probe: &Probe, within: Span<f64>, stack: Option<&mut Stack>) -> bool {
+        match self {
+            Self::Mesh(mesh) => match stack {
+                Some(stack) => mesh.any_on::<L>(probe, within, stack),
+                None => mesh.any_on::<L>(probe, within, &mut Stack::default()),
+            },
+            _ => self.occludes::<f64>(&PreparedRay::splat(probe), within),
+        }
     }
 
     /// See [`Geometric::surface`].
-    pub fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-        each_shape!(self, shape => shape.surface(ray, at), Group => {
-            Surface::new(ray.at(at.t), DVec3::ZERO, DVec3::Y)
-        })
-    }
-
-    /// See [`Geometric::surface_apart`].
-    pub fn surface_apart(&self, ray: &Ray, at: Crossing, apart: f64) -> Surface {
-        each_shape!(self, shape => shape.surface_apart(ray, at, apart), Group => self.surface(ray, at))
+    #[inline(always)]
+    pub fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, apart: f64) -> LaneSurface<F> {
+        each_shape!(self, shape => shape.surface(ray, at, apart), Group => LaneSurface::nowhere())
     }
 
     /// See [`Geometric::bounds`]; none also if there is nothing to see.
@@ -145,8 +179,9 @@ impl Shape {
     }
 
     /// See [`Geometric::uv`].
-    pub fn uv(&self, point: DVec3, part: u32) -> DVec2 {
-        each_shape!(self, shape => shape.uv(point, part), Group => DVec2::ZERO)
+    #[inline(always)]
+    pub fn uv<F: Real>(&self, point: Vec3<F>, part: F::U32) -> [F; 2] {
+        each_shape!(self, shape => shape.uv(point, part), Group => [F::splat(0.0); 2])
     }
 
     /// See [`Geometric::uv_ends`].
@@ -166,17 +201,30 @@ impl Shape {
     }
 
     /// See [`Geometric::sample_area`].
-    pub fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
-        each_shape!(self, shape => shape.sample_area(u), Group => None)
+    #[inline(always)]
+    pub fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
+        each_shape!(self, shape => shape.sample_area(u, v), Group => {
+            (LaneSurface::nowhere(), F::U32::splat(0))
+        })
     }
 
     /// See [`Geometric::sample_from`].
-    pub fn sample_from(&self, from: DVec3, frame: &Frame, u: DVec2) -> Option<(Surface, u32, f64)> {
-        each_shape!(self, shape => shape.sample_from(from, frame, u), Group => None)
+    #[inline(always)]
+    pub fn sample_from<F: Real>(
+        &self,
+        from: Vec3<F>,
+        eye: &Frame<F>,
+        u: F,
+        v: F,
+    ) -> (LaneSurface<F>, F::U32, F) {
+        each_shape!(self, shape => shape.sample_from(from, eye, u, v), Group => {
+            (LaneSurface::nowhere(), F::U32::splat(0), F::splat(0.0))
+        })
     }
 
-    /// See [`Geometric::density_from`].
-    pub fn density_from(&self, from: DVec3, at: &Surface) -> Option<f64> {
-        each_shape!(self, shape => shape.density_from(from, at), Group => None)
+    /// See [`Geometric::pdf_from`].
+    #[inline(always)]
+    pub fn pdf_from<F: Real>(&self, from: Vec3<F>, at: &LaneSurface<F>) -> F {
+        each_shape!(self, shape => shape.pdf_from(from, at), Group => F::splat(0.0))
     }
 }

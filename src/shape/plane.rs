@@ -1,10 +1,9 @@
 //! Infinite planes.
 
-use super::{Crossing, Geometric, Parameters, Surface, flat};
-use crate::camera::Ray;
+use super::{Geometric, LaneHit, LaneRay, LaneSurface, Parameters, PreparedRay, Span, flat};
 use crate::digest::content;
-use crate::math::{Aabb, DAffine3, DVec2, DVec3};
-use crate::tree::Probe;
+use crate::lanes::{Real, Vec3};
+use crate::math::{Aabb, DAffine3, DVec3};
 
 /// The infinite plane through `point` across the unit vector `normal`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,12 +23,14 @@ impl Geometric for Plane {
         Some(Self { point: point?, normal: normal? })
     }
 
-    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
-        flat::crossing(self.point, self.normal, probe, after, t_max).map(Crossing::at)
+    #[inline(always)]
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+        flat::crossing(Vec3::splat(self.point), Vec3::splat(self.normal), &ray.ray, within)
     }
 
-    fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-        flat::surface(self.point, self.normal, ray, at.t)
+    #[inline(always)]
+    fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, _: f64) -> LaneSurface<F> {
+        flat::placed(Vec3::splat(self.point), ray.at(at.t), Vec3::splat(self.normal))
     }
 
     fn bounds(&self) -> Option<Aabb> {
@@ -42,9 +43,11 @@ impl Geometric for Plane {
     }
 
     /// Lengths along `flat::axes` from the plane's point.
-    fn uv(&self, point: DVec3, _: u32) -> DVec2 {
+    #[inline(always)]
+    fn uv<F: Real>(&self, point: Vec3<F>, _: F::U32) -> [F; 2] {
         let (right, up) = flat::axes(self.normal);
-        DVec2::new((point - self.point).dot(right), (point - self.point).dot(up))
+        let offset = point - Vec3::splat(self.point);
+        [offset.dot(Vec3::splat(right)), offset.dot(Vec3::splat(up))]
     }
 
     fn uv_ends(&self, _: u32) -> [bool; 2] {
@@ -55,6 +58,9 @@ impl Geometric for Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::Ray;
+    use crate::shape::OneRay;
+    use crate::tree::Probe;
 
     const GROUND: Plane = Plane { point: DVec3::ZERO, normal: DVec3::Y };
 

@@ -1,10 +1,10 @@
-//! Rectangles, and parallelograms, as two watertight triangles.
+//! Rectangles, and parallelograms, watertight at their edges.
 
-use super::{Crossing, Geometric, Parameters, Surface, flat, triangle::covers};
-use crate::camera::Ray;
+use super::triangle::covers;
+use super::{Geometric, LaneHit, LaneRay, LaneSurface, Parameters, PreparedRay, Span, flat};
 use crate::digest::content;
-use crate::math::{Aabb, DAffine3, DVec2, DVec3};
-use crate::tree::Probe;
+use crate::lanes::{Mask, Real, Row, Vec3};
+use crate::math::{Aabb, DAffine3, DVec3};
 
 /// The parallelogram `corner` + a·`u` + b·`v` for a and b in 0..=1; `u` and `v` are not parallel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,16 +31,24 @@ impl Geometric for Rectangle {
         Some(Self { corner, u, v })
     }
 
-    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
+    /// Inside all four edges, by the numbers of [`covers`](super::triangle::covers), so that rectangles and triangles
+    /// that share an edge have no gap between them.
+    #[inline(always)]
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
         let [a, b, c, d] = self.corners();
-        if !covers([a, b, c], probe) && !covers([a, c, d], probe) {
-            return None;
+        let (a, b, c, d) = (Vec3::splat(a), Vec3::splat(b), Vec3::splat(c), Vec3::splat(d));
+        let normal = Vec3::splat(self.u.cross(self.v));
+        let at = flat::crossing(a, normal, &ray.ray, within);
+        if !at.is_hit().any() {
+            return LaneHit::none();
         }
-        flat::crossing(self.corner, self.u.cross(self.v), probe, after, t_max).map(Crossing::at)
+        let inside = covers(&[ray.sheared(a), ray.sheared(b), ray.sheared(c), ray.sheared(d)]);
+        LaneHit::within(inside & at.is_hit(), at.t, within)
     }
 
-    fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-        flat::surface(self.corner, self.normal(), ray, at.t)
+    #[inline(always)]
+    fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, _: f64) -> LaneSurface<F> {
+        flat::placed(Vec3::splat(self.corner), ray.at(at.t), Vec3::splat(self.normal()))
     }
 
     fn bounds(&self) -> Option<Aabb> {
@@ -55,22 +63,25 @@ impl Geometric for Rectangle {
     }
 
     /// The shares of `u` and `v`: 0..=1.
-    fn uv(&self, point: DVec3, _: u32) -> DVec2 {
-        flat::shares(point - self.corner, self.u, self.v)
+    #[inline(always)]
+    fn uv<F: Real>(&self, point: Vec3<F>, _: F::U32) -> [F; 2] {
+        flat::shares(point - Vec3::splat(self.corner), Vec3::splat(self.u), Vec3::splat(self.v))
     }
 
     fn area(&self) -> Option<f64> {
         Some(self.u.cross(self.v).length())
     }
 
-    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
-        let point = self.corner + self.u * u.x + self.v * u.y;
-        Some((flat::placed(self.corner, point, self.normal()), 0))
+    #[inline(always)]
+    fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
+        let corner = Vec3::splat(self.corner);
+        let point = corner + Vec3::splat(self.u) * u + Vec3::splat(self.v) * v;
+        (flat::placed(corner, point, Vec3::splat(self.normal())), F::U32::splat(0))
     }
 }
 
 impl Rectangle {
-    fn normal(&self) -> DVec3 {
+    pub fn normal(&self) -> DVec3 {
         self.u.cross(self.v).normalize_or(DVec3::Y)
     }
 
@@ -83,6 +94,9 @@ impl Rectangle {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::Ray;
+    use crate::shape::OneRay;
+    use crate::tree::Probe;
 
     #[test]
     fn covers_its_corners_and_nothing_beyond() {

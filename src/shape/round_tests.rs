@@ -1,6 +1,6 @@
 //! Cylinders, cones and tori: the hard cases, and oracles that share nothing with the formulas under test.
 
-use super::{Cone, Crossing, Cylinder, Geometric, Surface, Torus};
+use super::{Cone, Crossing, Cylinder, Geometric, OneRay, Surface, Torus};
 use crate::accuracy::exact::{Exact, Vector};
 use crate::camera::Ray;
 use crate::math::{DAffine3, DMat3, DVec2, DVec3, UNIT_ROUNDOFF};
@@ -31,7 +31,7 @@ fn hit(shape: &impl Geometric, origin: DVec3, direction: DVec3) -> Option<f64> {
 fn met(shape: &impl Geometric, origin: DVec3, direction: DVec3) -> (f64, Surface) {
     let ray = Ray { origin, direction };
     let at = shape.hit(&Probe::new(ray), f64::INFINITY).expect("a hit");
-    (at.t, shape.surface(&ray, at))
+    (at.t, shape.surface_at(&ray, at))
 }
 
 /// Every t at which the ray meets the shape, found one behind the other: each hit bounds the next search from
@@ -61,7 +61,7 @@ fn int_07_rays_along_and_across_a_cylinder() {
     assert_eq!(hit(&unit, v(1.5, -10.0, 0.0), DVec3::Y), None);
     let (t, surface) = met(&unit, v(-5.0, 0.25, 0.0), DVec3::X);
     assert_eq!((t, surface.normal), (4.0, DVec3::NEG_X));
-    assert!(unit.uv(surface.point, 0).is_finite());
+    assert!(unit.uv_at(surface.point, 0).is_finite());
     near(hit(&unit, v(0.5, -0.9, 0.0), v(1e-20, 1.0, 0.0)).expect("a hit"), 1.9, 4.0);
     near(hit(&unit, v(0.5, -0.9, 0.0), v(1e-3, 1.0, 0.0)).expect("a hit"), 1.9, 4.0);
 }
@@ -121,15 +121,15 @@ fn parts_and_coordinates() {
     let uv = |origin: DVec3, direction: DVec3| {
         let ray = Ray { origin, direction };
         let at = cylinder.hit(&Probe::new(ray), f64::INFINITY).expect("a hit");
-        (at.part, cylinder.uv(cylinder.surface(&ray, at).point, at.part))
+        (at.part, cylinder.uv_at(cylinder.surface_at(&ray, at).point, at.part))
     };
     assert_eq!(uv(v(9.0, 0.5, 0.0), DVec3::NEG_X), (0, DVec2::new(0.5, 0.75)));
     assert_eq!(uv(v(0.0, -0.5, 9.0), DVec3::NEG_Z), (0, DVec2::new(0.25, 0.25)));
     assert_eq!(uv(v(1.0, 9.0, 1.0), DVec3::NEG_Y), (2, DVec2::new(0.75, 0.25)));
     assert_eq!(uv(v(1.0, -9.0, 1.0), DVec3::Y), (1, DVec2::new(0.75, 0.75)));
     let torus = Torus::new(DVec3::ZERO, DVec3::Y, 1.0, 0.25);
-    assert_eq!(torus.uv(v(1.25, 0.0, 0.0), 0), DVec2::new(0.5, 0.5));
-    assert_eq!(torus.uv(v(0.0, 0.25, 1.0), 0), DVec2::new(0.25, 0.75));
+    assert_eq!(torus.uv_at(v(1.25, 0.0, 0.0), 0), DVec2::new(0.5, 0.5));
+    assert_eq!(torus.uv_at(v(0.0, 0.25, 1.0), 0), DVec2::new(0.25, 0.75));
 }
 
 #[test]
@@ -322,7 +322,7 @@ fn flat_and_steep_cones_are_hit_where_they_are() {
                 aim + (random.direction() + v(0.0, height.signum(), 0.0)) * (3.0 + 10.0 * random.unit());
             let ray = Ray { origin, direction: (aim - origin).normalize() };
             let Some(at) = cone.hit(&Probe::new(ray), f64::INFINITY) else { continue };
-            let surface = cone.surface(&ray, at);
+            let surface = cone.surface_at(&ray, at);
             if surface.normal.dot(ray.direction) > -0.1 || surface.normal.y * height.signum() <= 0.0 {
                 continue;
             }
@@ -384,13 +384,13 @@ fn moved_alike(shape: &impl Geometric, affine: &DAffine3, ray: Ray) {
         assert_eq!(here.is_some(), hit.is_some(), "{ray:?}");
         return;
     };
-    let (a_surface, b_surface) = (shape.surface(&ray, a), moved.surface(&there, b));
+    let (a_surface, b_surface) = (shape.surface_at(&ray, a), moved.surface_at(&there, b));
     let cosine = a_surface.normal.dot(ray.direction.normalize()).abs();
     assert!((a.t - b.t).abs() <= 1e-13 / cosine && a.part == b.part, "{ray:?} {a:?} {b:?}");
     let normal = DMat3::from_cols(affine.x_axis, affine.y_axis, affine.z_axis) / 0.7 * a_surface.normal;
     assert!((normal - b_surface.normal).length() <= 1e-13 / cosine, "outwards, mirrored or not");
     let back = affine.inverse().transform_point3(b_surface.point);
-    assert!((shape.uv(back, a.part) - shape.uv(a_surface.point, a.part)).length() <= 1e-12 / cosine);
+    assert!((shape.uv_at(back, a.part) - shape.uv_at(a_surface.point, a.part)).length() <= 1e-12 / cosine);
     let bounds = moved.bounds().expect("finite");
     assert!(bounds.min.cmple(b_surface.point).all() && b_surface.point.cmple(bounds.max).all());
 }
@@ -410,7 +410,7 @@ fn tight(shape: &impl Geometric) {
     let mut random = Random(22);
     let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for _ in 0..40_000 {
-        let point = shape.sample_area(DVec2::new(random.unit(), random.unit())).expect("a sample").0.point;
+        let point: DVec3 = shape.sample_area(random.unit(), random.unit()).0.point.into();
         (min, max) = (min.min(point), max.max(point));
     }
     assert!(bounds.min.cmple(min).all() && max.cmple(bounds.max).all());
@@ -428,14 +428,14 @@ fn samples_are_even_over_the_area() {
     let mut outer = 0;
     let torus = Torus::new(DVec3::ZERO, DVec3::Z, 1.0, 0.5);
     for _ in 0..100_000 {
-        let u = DVec2::new(random.unit(), random.unit());
-        let (sample, _) = frustum.sample_area(u).expect("a sample");
+        let (u, v) = (random.unit(), random.unit());
+        let sample = Surface::from(frustum.sample_area(u, v).0);
         assert!(frustum_distance(sample.point, 1.0, 0.4).abs() <= 8.0 * UNIT_ROUNDOFF);
         let on_side = sample.normal.y.abs() < 0.9;
         side += u32::from(on_side);
         above += u32::from(on_side && sample.point.y > 0.0);
         top += u32::from(sample.normal.y > 0.9);
-        let (sample, _) = torus.sample_area(u).expect("a sample");
+        let sample = Surface::from(torus.sample_area(u, v).0);
         assert!(torus_distance(sample.point, 1.0, 0.5).abs() <= 16.0 * UNIT_ROUNDOFF);
         outer += u32::from(libm::hypot(sample.point.x, sample.point.y) > 1.0);
     }
@@ -462,7 +462,7 @@ fn surfaces_are_finite_everywhere() {
         for t in [3.0, 4.0, 5.0, 6.0] {
             let at = Crossing::of_part(t, part);
             let needle = Cone::new(DVec3::ZERO, v(0.0, 1e6, 0.0), 1e-12, 0.0, true).expect("a cone");
-            for surface in [cone(0.0, true).surface(&ray, at), needle.surface(&ray, at)] {
+            for surface in [cone(0.0, true).surface_at(&ray, at), needle.surface_at(&ray, at)] {
                 assert!(
                     surface.point.is_finite() && surface.error.is_finite() && surface.normal.is_normalized()
                 );
@@ -470,5 +470,5 @@ fn surfaces_are_finite_everywhere() {
         }
     }
     let torus = Torus::new(DVec3::ZERO, DVec3::Y, 1.0, 0.5);
-    assert!(torus.surface(&ray, Crossing::at(5.0)).point.is_finite());
+    assert!(torus.surface_at(&ray, Crossing::at(5.0)).point.is_finite());
 }

@@ -1,13 +1,11 @@
 //! Spheres.
 
 use super::frame::even_scale;
-use super::surface::exit;
-use super::{Crossing, Geometric, Parameters, Surface};
-use crate::camera::Ray;
+use super::{Geometric, LaneHit, LaneRay, LaneSurface, Parameters, PreparedRay, Span, exit};
 use crate::digest::content;
-use crate::math::{Aabb, Angle, DAffine3, DVec2, DVec3, gamma};
-use crate::sampling::{self, Frame};
-use crate::tree::Probe;
+use crate::lanes::{Mask, Real, Row, Select, Vec3};
+use crate::math::{Aabb, DAffine3, DVec3, atan2, gamma};
+use crate::sampling::{self, Frame, uniform_sphere};
 use std::f64::consts::{PI, TAU};
 
 /// Where maps of the sphere begin, in radians from -x towards -z: the mapping that planets have had in the
@@ -37,42 +35,14 @@ impl Geometric for Sphere {
     /// the sign of c = (f - r)(f + r) says on which side of the surface the ray starts, which settles how
     /// many roots lie ahead before any is computed. From that point the closest one is found again, so that of the
     /// roundings of the way there only the last one is left.
-    #[inline]
-    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
-        let d = probe.ray.direction;
-        let from_center = probe.ray.origin - self.center;
-        let distance = from_center.length();
-        let outside = distance - self.radius;
-        let (a, b) = (d.length_squared(), -from_center.dot(d));
-        if outside >= 0.0 && b <= 0.0 {
-            return None;
-        }
-        let inverse = 1.0 / a;
-        let first = b * inverse;
-        let near = from_center + d * first;
-        let nearest = near.length();
-        let square = (self.radius - nearest) * (self.radius + nearest);
-        if square < 0.0 {
-            return None;
-        }
-        let closest = first - near.dot(d) * inverse;
-        let half_chord = (square * inverse).sqrt();
-        let t = if outside >= 0.0 {
-            let c = outside * (distance + self.radius) * inverse;
-            let enter = self.entry(c, closest, half_chord, distance);
-            if enter > 0.0 && enter <= after { exit(enter, closest + half_chord) } else { enter }
-        } else if closest > 0.0 {
-            closest + half_chord
-        } else {
-            -outside * (distance + self.radius) * inverse / (half_chord - closest)
-        };
-        (t > after && t < t_max).then_some(Crossing::at(t))
+    #[inline(always)]
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+        SphereLanes::splat(self).intersect(ray, within)
     }
 
-    /// The direction from the centre is exact to a few roundings, and so is the point put at `radius` along
-    /// it; the test of a ray from there rounds the distance from the centre once more.
-    fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-        self.surface_along((ray.at(at.t) - self.center).normalize_or(DVec3::Y))
+    #[inline(always)]
+    fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, _: f64) -> LaneSurface<F> {
+        SphereLanes::splat(self).surface(ray, at.t)
     }
 
     fn bounds(&self) -> Option<Aabb> {
@@ -89,11 +59,14 @@ impl Geometric for Sphere {
 
     /// Longitude from west to east and latitude from -y (0) to +y (1). Both by atan2, whose error stays
     /// relative at the poles, where those of asin and acos do not. Maps begin `SEAM` off -x.
-    fn uv(&self, point: DVec3, _: u32) -> DVec2 {
-        let d = point - self.center;
-        let longitude = (SEAM - libm::atan2(d.z, d.x) + PI) / TAU;
+    #[inline(always)]
+    fn uv<F: Real>(&self, point: Vec3<F>, _: F::U32) -> [F; 2] {
+        let d = point - Vec3::splat(self.center);
+        let longitude = (F::splat(SEAM) - atan2(d.z, d.x) + F::splat(PI)) / F::splat(TAU);
         let wrapped = longitude - longitude.floor();
-        DVec2::new(if wrapped < 1.0 { wrapped } else { 0.0 }, libm::atan2(libm::hypot(d.x, d.z), -d.y) / PI)
+        let level = (d.x * d.x + d.z * d.z).sqrt();
+        let u = F::select(wrapped.lt(F::splat(1.0)), wrapped, F::splat(0.0));
+        [u, atan2(level, -d.y) / F::splat(PI)]
     }
 
     fn uv_ends(&self, _: u32) -> [bool; 2] {
@@ -104,78 +77,154 @@ impl Geometric for Sphere {
         Some(4.0 * PI * self.radius * self.radius)
     }
 
-    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
-        let height = 1.0 - 2.0 * u.x;
-        let turn = Angle(360.0 * u.y).cos_sin() * ((1.0 - height) * (1.0 + height)).max(0.0).sqrt();
-        Some((self.surface_along(DVec3::new(turn.x, turn.y, height)), 0))
+    #[inline(always)]
+    fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
+        (SphereLanes::splat(self).surface_along(uniform_sphere(u, v)), F::U32::splat(0))
     }
 
-    /// From outside, uniform over the cone that holds the sphere: every point drawn is seen (Pharr, Jakob,
-    /// Humphreys, *Physically Based Rendering*, 6.2.4). From inside, uniform over the area.
-    fn sample_from(&self, from: DVec3, frame: &Frame, u: DVec2) -> Option<(Surface, u32, f64)> {
-        let Some(cone) = self.cone_from(from) else {
-            let (surface, part) = self.sample_area(u)?;
-            return Some((surface, part, surface.density_from(from, 1.0 / self.area()?)?));
-        };
-        let to_center = self.center - from;
-        let distance = to_center.length();
-        let frame = Frame::carried(frame.x, frame.z, to_center / distance);
-        let direction = sampling::cone(cone, u);
-        // The angle at the centre of the point that the direction meets, by the law of sines: its sine is
-        // that of the angle at `from` times the near leg over the radius.
-        let across = DVec2::new(direction.x, direction.y).length();
-        let rest = (self.radius - distance * across).max(0.0) * (self.radius + distance * across);
-        let near = distance * direction.z - rest.sqrt();
-        let (sine, along) = (near * across / self.radius, (distance - near * direction.z) / self.radius);
-        let turn = DVec2::new(direction.x, direction.y).normalize_or_zero() * sine;
-        let normal = frame.to_world([turn.x, turn.y, -along]).normalize_or(-frame.z);
-        Some((self.surface_along(normal), 0, sampling::cone_density(cone)))
+    #[inline(always)]
+    fn sample_from<F: Real>(&self, from: Vec3<F>, eye: &Frame<F>, u: F, v: F) -> (LaneSurface<F>, F::U32, F) {
+        let (surface, pdf) = SphereLanes::splat(self).sample_from(from, eye, u, v);
+        (surface, F::U32::splat(0), pdf)
     }
 
-    /// Points of the far side, which the sphere itself hides, are never drawn from outside.
-    fn density_from(&self, from: DVec3, at: &Surface) -> Option<f64> {
-        match self.cone_from(from) {
-            Some(cone) => {
-                // The surface's own normal may have been turned to an eye inside.
-                let near = (at.point - self.center).dot(from - at.point) >= 0.0;
-                near.then(|| sampling::cone_density(cone))
-            }
-            None => at.density_from(from, 1.0 / self.area()?),
-        }
+    #[inline(always)]
+    fn pdf_from<F: Real>(&self, from: Vec3<F>, at: &LaneSurface<F>) -> F {
+        SphereLanes::splat(self).pdf_from(from, at)
     }
 }
 
-impl Sphere {
-    /// 1 - the cosine of half the angle under which the sphere is seen; none from inside, or from so near that
-    /// rounding decides on which side.
-    fn cone_from(&self, from: DVec3) -> Option<f64> {
-        let distance = (self.center - from).length();
-        let rounding = (from.length() + self.center.length() + self.radius) * gamma(16);
-        let sine = self.radius / distance;
-        let outside = distance - self.radius > rounding;
-        outside.then(|| sine * sine / (1.0 + ((1.0 - sine) * (1.0 + sine)).sqrt()))
+/// A sphere in each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct SphereLanes<F> {
+    pub center: Vec3<F>,
+    pub radius: F,
+}
+
+impl<F: Real> SphereLanes<F> {
+    /// The same in all lanes.
+    #[inline(always)]
+    pub fn splat(sphere: &Sphere) -> Self {
+        Self { center: Vec3::splat(sphere.center), radius: F::splat(sphere.radius) }
     }
 
-    /// The nearer root for an origin outside. Far away the difference of closest approach and half chord
-    /// has the smaller absolute error; close to the surface, the quotient keeps the relative one.
-    fn entry(&self, c: f64, closest: f64, half_chord: f64, distance: f64) -> f64 {
-        if distance > 2.0 * self.radius { closest - half_chord } else { c / (closest + half_chord) }
+    /// [`Geometric::intersect`].
+    #[inline(always)]
+    pub fn intersect(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+        let (zero, radius) = (F::splat(0.0), self.radius);
+        let PreparedRay { ray: LaneRay { origin, direction: d }, per_square, .. } = *ray;
+        let from_center = origin - self.center;
+        let b = -from_center.dot(d);
+        let first = b * per_square;
+        let near = from_center + d * first;
+        // Most rays pass by, so far that no root has to tell.
+        let square = near.length_squared();
+        if !square.le(radius * radius * F::splat(1.0 + 4.0 * f64::EPSILON)).any() {
+            return LaneHit::none();
+        }
+        let distance = from_center.length();
+        let outside = distance - radius;
+        let is_outside = zero.le(outside);
+        let nearest = square.sqrt();
+        let square = (radius - nearest) * (radius + nearest);
+        let is_hit = !((is_outside & b.le(zero)) | square.lt(zero));
+        if !is_hit.any() {
+            return LaneHit::none();
+        }
+        let closest = first - near.dot(d) * per_square;
+        let half_chord = (square * per_square).sqrt();
+        // The nearer root for an origin outside. Far away the difference of closest approach and half chord
+        // has the smaller absolute error; close to the surface, the quotient keeps the relative one.
+        let c = outside * (distance + radius) * per_square;
+        let afar = (F::splat(2.0) * radius).lt(distance);
+        let entry = F::select(afar, closest - half_chord, c / (closest + half_chord));
+        let beyond = exit(entry, closest + half_chord, within);
+        let leave = F::select(zero.lt(closest), beyond, -c / (half_chord - closest));
+        let enters = is_outside & within.min.lt(entry);
+        LaneHit::within(is_hit, F::select(enters, entry, leave), within)
+    }
+
+    /// The direction from the centre is exact to a few roundings, and so is the point put at `radius` along
+    /// it; the test of a ray from there rounds the distance from the centre once more.
+    #[inline(always)]
+    pub fn surface(&self, ray: &LaneRay<F>, t: F) -> LaneSurface<F> {
+        self.surface_along((ray.at(t) - self.center).normalize_or(Vec3::splat(DVec3::Y)))
     }
 
     /// The surface in the direction `normal` (a unit vector) from the centre. The point is exact to a few
     /// roundings; the test of a ray from there rounds the distance from the centre once more.
-    pub fn surface_along(&self, normal: DVec3) -> Surface {
+    #[inline(always)]
+    pub fn surface_along(&self, normal: Vec3<F>) -> LaneSurface<F> {
         let point = self.center + normal * self.radius;
-        let error =
-            point.abs() * gamma(2) + self.center.abs() * gamma(1) + DVec3::splat(self.radius * gamma(6));
-        Surface::new(point, error, normal)
+        let rounding = self.radius * F::splat(gamma(6));
+        let error = point.abs() * F::splat(gamma(2))
+            + self.center.abs() * F::splat(gamma(1))
+            + Vec3::new(rounding, rounding, rounding);
+        LaneSurface::new(point, error, normal)
+    }
+
+    /// From outside, uniform over the cone that holds the sphere: every point drawn is seen (Pharr, Jakob,
+    /// Humphreys, *Physically Based Rendering*, 6.2.4). From inside, uniform over the area.
+    #[inline(always)]
+    pub fn sample_from(&self, from: Vec3<F>, eye: &Frame<F>, u: F, v: F) -> (LaneSurface<F>, F) {
+        let zero = F::splat(0.0);
+        let (cone, is_outside) = self.cone_from(from);
+        let to_center = self.center - from;
+        let distance = to_center.length();
+        let frame = eye.turned_to(to_center / distance);
+        let direction = sampling::cone(cone, u, v);
+        // The angle at the centre of the point that the direction meets, by the law of sines: its sine is
+        // that of the angle at `from` times the near leg over the radius.
+        let across = (direction.x * direction.x + direction.y * direction.y).sqrt();
+        let rest = (self.radius - distance * across).max(zero) * (self.radius + distance * across);
+        let near = distance * direction.z - rest.sqrt();
+        let (sine, along) = (near * across / self.radius, (distance - near * direction.z) / self.radius);
+        let per_across = F::select(zero.lt(across), sine / across, zero);
+        let normal = Vec3::new(direction.x * per_across, direction.y * per_across, -along);
+        let normal = frame.to_world(normal).normalize_or(-frame.z);
+        let seen = (self.surface_along(normal), sampling::cone_pdf(cone));
+        if !(!is_outside).any() {
+            return seen;
+        }
+        let anywhere = self.surface_along(uniform_sphere(u, v));
+        let pdf = anywhere.pdf_from(from, self.per_area());
+        (LaneSurface::select(is_outside, seen.0, anywhere), F::select(is_outside, seen.1, pdf))
+    }
+
+    /// Points of the far side, which the sphere itself hides, are never drawn from outside.
+    #[inline(always)]
+    pub fn pdf_from(&self, from: Vec3<F>, at: &LaneSurface<F>) -> F {
+        let zero = F::splat(0.0);
+        let (cone, is_outside) = self.cone_from(from);
+        // The surface's own normal may have been turned to an eye inside.
+        let is_near = zero.le((at.point - self.center).dot(from - at.point));
+        let from_outside = F::select(is_near, sampling::cone_pdf(cone), zero);
+        F::select(is_outside, from_outside, at.pdf_from(from, self.per_area()))
+    }
+
+    #[inline(always)]
+    fn per_area(&self) -> F {
+        F::splat(1.0) / (F::splat(4.0 * PI) * self.radius * self.radius)
+    }
+
+    /// 1 - the cosine of half the angle under which the sphere is seen, and whether it is seen from outside: not from so
+    /// near that rounding decides on which side.
+    #[inline(always)]
+    fn cone_from(&self, from: Vec3<F>) -> (F, F::Mask) {
+        let one = F::splat(1.0);
+        let distance = (self.center - from).length();
+        let rounding = (from.length() + self.center.length() + self.radius) * F::splat(gamma(16));
+        let sine = self.radius / distance;
+        let cosine = ((one - sine) * (one + sine)).max(F::splat(0.0)).sqrt();
+        (sine * sine / (one + cosine), rounding.lt(distance - self.radius))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::UNIT_ROUNDOFF;
+    use crate::math::{DVec2, UNIT_ROUNDOFF};
+    use crate::shape::OneRay;
 
     const UNIT: Sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
 
@@ -188,9 +237,9 @@ mod tests {
             (DVec3::X, (0.5 + off, 0.5)),
             (DVec3::NEG_Z, (0.75 + off, 0.5)),
         ] {
-            assert!((UNIT.uv(point, 0) - DVec2::from(uv)).length() <= UNIT_ROUNDOFF, "{point}");
+            assert!((UNIT.uv_at(point, 0) - DVec2::from(uv)).length() <= UNIT_ROUNDOFF, "{point}");
         }
-        assert_eq!((UNIT.uv(DVec3::Y, 0).y, UNIT.uv(DVec3::NEG_Y, 0).y), (1.0, 0.0));
+        assert_eq!((UNIT.uv_at(DVec3::Y, 0).y, UNIT.uv_at(DVec3::NEG_Y, 0).y), (1.0, 0.0));
     }
 
     #[test]
@@ -201,9 +250,10 @@ mod tests {
                 let theta = libm::pow(10.0, f64::from(-exponent));
                 let surface = |azimuth: f64| {
                     let (s, c) = (libm::sin(theta), libm::cos(theta));
-                    sphere.surface_along(DVec3::new(s * libm::cos(azimuth), -c, s * libm::sin(azimuth)))
+                    let normal = DVec3::new(s * libm::cos(azimuth), -c, s * libm::sin(azimuth));
+                    SphereLanes::<f64>::splat(&sphere).surface_along(normal.into())
                 };
-                let [a, b] = [1e-7, -1e-7].map(|off| sphere.uv(surface(SEAM - PI + off).point, 0));
+                let [a, b] = [1e-7, -1e-7].map(|off| sphere.uv_at(surface(SEAM - PI + off).point.into(), 0));
                 // Of coordinates that the point has lost to its distance from the origin, nothing can be known.
                 let lost = 4.0 * UNIT_ROUNDOFF * (height + radius) / (radius * theta);
                 assert!((a.y * PI / theta - 1.0).abs() <= 8.0 * UNIT_ROUNDOFF + lost);

@@ -1,8 +1,8 @@
 //! The inside of cylinders and cones around the y axis.
 
-use super::{Crossing, frame::across};
-use crate::camera::Ray;
+use super::LaneRay;
 use crate::digest::content;
+use crate::lanes::{Mask, Real, Row, Select, Vec3};
 use crate::math::{DVec2, DVec3, difference_of_products};
 
 /// The parts of cylinders and cones.
@@ -21,13 +21,26 @@ pub struct Taper {
 
 content!(struct Taper { half, mean, lean });
 
+/// Where lines enter and leave a solid.
+#[derive(Clone, Copy)]
+pub struct Interval<F: Real> {
+    pub enter: F,
+    pub leave: F,
+    /// The parts that are crossed there.
+    pub enter_part: F::U32,
+    pub leave_part: F::U32,
+    /// Lines that meet the solid at all.
+    pub meets: F::Mask,
+}
+
 impl Taper {
     /// From the narrower end on: exactly `mean` for a cylinder, however far away `y` is, and to within a few
     /// roundings of itself for a cone, however close it is to the tip.
-    #[inline]
-    pub fn radius(&self, y: f64) -> f64 {
-        let from_narrow = self.half + y.copysign(y * self.lean);
-        (self.mean - self.lean.abs()) + from_narrow / self.half * self.lean.abs()
+    #[inline(always)]
+    pub fn radius<F: Real>(&self, y: F) -> F {
+        let from_narrow = F::splat(self.half) + y.copysign(y * F::splat(self.lean));
+        let growth = F::splat(self.lean.abs());
+        F::splat(self.mean - self.lean.abs()) + from_narrow / F::splat(self.half) * growth
     }
 
     pub fn end_radius(&self, part: u32) -> f64 {
@@ -44,7 +57,7 @@ impl Taper {
         DVec2::new(self.half, -self.lean) / libm::hypot(self.half, self.lean)
     }
 
-    /// Where the line of a ray enters and leaves the closed solid. That is convex, within its radius and
+    /// Where the lines of rays enter and leave the closed solid. That is convex, within its radius and
     /// between its ends, so the line is inside it from the last entry to the first exit: at the seam of side
     /// and end no line finds a gap, or one crossing only.
     ///
@@ -52,90 +65,109 @@ impl Taper {
     /// to the middle, or to the tip. The coefficients of their quadratic cancel for lines that run as the side
     /// does, the more so the farther away they are taken; and past a tip, the crossings come in their order
     /// only if the line is taken from there.
-    pub fn crossings(&self, ray: &Ray) -> Option<[Crossing; 2]> {
-        if ray.origin.length() <= self.reach() {
+    #[inline(always)]
+    pub fn crossings<F: Real>(&self, ray: &LaneRay<F>) -> Interval<F> {
+        let afar = F::splat(self.reach()).lt(ray.origin.length());
+        if !afar.any() {
             return self.crossings_near(ray);
         }
         let tip = if self.lean.abs() == self.mean { self.half.copysign(-self.lean) } else { 0.0 };
-        let from = ray.origin - DVec3::Y * tip;
+        let from = ray.origin - Vec3::splat(DVec3::Y * tip);
         let shift = -from.dot(ray.direction) / ray.direction.length_squared();
-        let near = Ray { origin: ray.at(shift), ..*ray };
-        let crossings = self.crossings_near(&near)?;
-        Some(crossings.map(|at| Crossing { t: at.t + shift, ..at }))
+        let shift = F::select(afar, shift, F::splat(0.0));
+        let near = LaneRay { origin: Vec3::select(afar, ray.at(shift), ray.origin), ..*ray };
+        let crossings = self.crossings_near(&near);
+        Interval { enter: crossings.enter + shift, leave: crossings.leave + shift, ..crossings }
     }
 
-    fn crossings_near(&self, ray: &Ray) -> Option<[Crossing; 2]> {
-        let (enter, leave) = self.ends(ray)?;
-        let (from, to) = self.within(ray)?;
-        let enter = if from > enter.t { Crossing::at(from) } else { enter };
-        let leave = if to < leave.t { Crossing::at(to) } else { leave };
-        (enter.t <= leave.t).then_some([enter, leave])
-    }
-
-    /// Where a ray enters and leaves the slab between the ends. Each side of an end is the sign of a
-    /// difference of two coordinates, so it is exact.
-    fn ends(&self, ray: &Ray) -> Option<(Crossing, Crossing)> {
-        let (y, dy, half) = (ray.origin.y, ray.direction.y, self.half);
-        if dy == 0.0 {
-            let between = y.abs() <= half;
-            return between.then_some((Crossing::at(f64::NEG_INFINITY), Crossing::at(f64::INFINITY)));
+    #[inline(always)]
+    fn crossings_near<F: Real>(&self, ray: &LaneRay<F>) -> Interval<F> {
+        let ends = self.ends(ray);
+        let (from, to, within) = self.within(ray);
+        let (later, sooner) = (ends.enter.lt(from), to.lt(ends.leave));
+        let side = F::U32::splat(SIDE);
+        let enter = F::select(later, from, ends.enter);
+        let leave = F::select(sooner, to, ends.leave);
+        Interval {
+            enter,
+            leave,
+            enter_part: F::U32::select(later, side, ends.enter_part),
+            leave_part: F::U32::select(sooner, side, ends.leave_part),
+            meets: ends.meets & within & enter.le(leave),
         }
-        let end = |end: f64, part: u32| {
-            // The tip of a cone belongs to its side.
-            let part = if self.radius(end) > 0.0 { part } else { SIDE };
-            Crossing::of_part((end - y) / dy, part)
-        };
-        let (bottom, top) = (end(-half, BOTTOM), end(half, TOP));
-        Some(if dy > 0.0 { (bottom, top) } else { (top, bottom) })
     }
 
-    /// From which t to which a line is within the radius where that is not below 0.
+    /// Where rays enter and leave the slab between the ends. Each side of an end is the sign of a
+    /// difference of two coordinates, so it is exact.
+    #[inline(always)]
+    fn ends<F: Real>(&self, ray: &LaneRay<F>) -> Interval<F> {
+        let (y, dy, half) = (ray.origin.y, ray.direction.y, F::splat(self.half));
+        let zero = F::splat(0.0);
+        let level = dy.eq(zero);
+        let between = y.abs().le(half);
+        let (bottom, top) = ((-half - y) / dy, (half - y) / dy);
+        let upwards = zero.lt(dy);
+        let (enter, leave) = (F::select(upwards, bottom, top), F::select(upwards, top, bottom));
+        // The tip of a cone belongs to its side.
+        let part = |part: u32| if self.end_radius(part) > 0.0 { part } else { SIDE };
+        let (low, high) = (F::U32::splat(part(BOTTOM)), F::U32::splat(part(TOP)));
+        Interval {
+            enter: F::select(level, F::splat(f64::NEG_INFINITY), enter),
+            leave: F::select(level, F::splat(f64::INFINITY), leave),
+            enter_part: F::U32::select(upwards, low, high),
+            leave_part: F::U32::select(upwards, high, low),
+            meets: !level | between,
+        }
+    }
+
+    /// From which t to which t lines are within the radius where that is not below 0; and which lines are.
     ///
     /// With o and d across the axis, and the radius r + g t along the line, the line is within where
     /// a t² + 2 b t + c <= 0 for a = d² - g², b = o·d - r g, c = o² - r². Both differences of squares are
     /// factored, and so is the discriminant where b² - a c would cancel: it is |g o - r d|² - (o × d)², by
     /// the identity of Lagrange for a scalar product of signature (+, +, -).
-    #[inline]
-    fn within(&self, ray: &Ray) -> Option<(f64, f64)> {
-        let (o, d) = (across(ray.origin), across(ray.direction));
+    #[inline(always)]
+    fn within<F: Real>(&self, ray: &LaneRay<F>) -> (F, F, F::Mask) {
+        let (zero, one) = (F::splat(0.0), F::splat(1.0));
+        let (ox, oz, dx, dz) = (ray.origin.x, ray.origin.z, ray.direction.x, ray.direction.z);
         let r = self.radius(ray.origin.y);
-        let g = ray.direction.y / self.half * self.lean;
-        let (distance, speed) = (o.length(), d.length());
+        let g = ray.direction.y / F::splat(self.half) * F::splat(self.lean);
+        let (distance, speed) = ((ox * ox + oz * oz).sqrt(), (dx * dx + dz * dz).sqrt());
         let a = (speed - g.abs()) * (speed + g.abs());
         let c = (distance - r.abs()) * (distance + r.abs());
-        let b = o.dot(d) - r * g;
+        let b = (ox * dx + oz * dz) - r * g;
         // Steeper than the side and inside: |o·d| < |r g|, also where rounding hides it.
-        let b = if a < 0.0 && c < 0.0 { -b.abs() * r.signum() * g.signum() } else { b };
-        let discriminant = if a * c > 0.0 {
-            let (w, k) = ((o * g - d * r).length(), difference_of_products(o.x, d.y, o.y, d.x).abs());
-            (w - k) * (w + k)
-        } else {
-            b * b - a * c
-        };
+        let inwards = -b.abs() * one.copysign(r) * one.copysign(g);
+        let b = F::select(a.lt(zero) & c.lt(zero), inwards, b);
+        let (wx, wz) = (ox * g - dx * r, oz * g - dz * r);
+        let w = (wx * wx + wz * wz).sqrt();
+        let k = difference_of_products(ox, dz, oz, dx).abs();
+        let discriminant = F::select(zero.lt(a * c), (w - k) * (w + k), b * b - a * c);
         // Flatter lines meet one nappe, if any: that of the radius at -b / a, in the middle between both roots.
-        if a > 0.0 && (discriminant < 0.0 || r * a < g * b) {
-            return None;
-        }
+        let passes = zero.lt(a) & (discriminant.lt(zero) | (r * a).lt(g * b));
         // Steeper lines always meet both nappes, or their tip.
-        let root = discriminant.max(0.0).sqrt();
-        interval((a, c), -(b + root.copysign(b)), g)
+        let root = discriminant.max(zero).sqrt();
+        let (from, to, meets) = interval((a, c), -(b + root.copysign(b)), g);
+        (from, to, meets & !passes)
     }
 }
 
 /// The t at which a t² + 2 b t + c <= 0, of which `q` is -(b ± √(b² - a c)) without cancellation; of two
 /// half-lines, the one along which the radius grows with `g`.
-fn interval((a, c): (f64, f64), q: f64, g: f64) -> Option<(f64, f64)> {
-    const ALL: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
-    let first = if q == 0.0 { 0.0 } else { c / q };
-    if a > 0.0 {
-        let second = q / a;
-        return Some((first.min(second), first.max(second)));
-    }
-    if a == 0.0 && (g == 0.0 || q == 0.0) {
-        // Along the axis of a cylinder, or along the side itself: as far from it everywhere as at the start.
-        return (c <= 0.0).then_some(ALL);
-    }
+#[inline(always)]
+fn interval<F: Real>((a, c): (F, F), q: F, g: F) -> (F, F, F::Mask) {
+    let (zero, infinite) = (F::splat(0.0), F::splat(f64::INFINITY));
+    let first = F::select(q.eq(zero), zero, c / q);
+    let flat = zero.lt(a);
+    let level = a.eq(zero);
     // Parallel to the side, it is met once.
-    let second = if a == 0.0 { first } else { q / a };
-    Some(if g > 0.0 { (first.max(second), ALL.1) } else { (ALL.0, first.min(second)) })
+    let second = F::select(level, first, q / a);
+    let (low, high) = (first.min(second), first.max(second));
+    let grows = zero.lt(g);
+    let from = F::select(flat, low, F::select(grows, high, -infinite));
+    let to = F::select(flat, high, F::select(grows, infinite, low));
+    // Along the axis of a cylinder, or along the side itself: as far from it everywhere as at the start.
+    let along = level & (g.eq(zero) | q.eq(zero));
+    let from = F::select(along, -infinite, from);
+    (from, F::select(along, infinite, to), !along | c.le(zero))
 }

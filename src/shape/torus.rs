@@ -1,12 +1,14 @@
 //! Tori.
 
-use super::frame::{Frame, across, around, even_scale};
-use super::{Crossing, Geometric, Parameters, Surface, chord::Chord};
-use crate::camera::Ray;
+use super::chord::Chord;
+use super::frame::{Frame, around, away_from_axis, even_scale, from_axis};
+use super::{Geometric, LaneHit, LaneRay, LaneSurface, Parameters, PreparedRay, Span};
 use crate::digest::content;
-use crate::math::{Aabb, DAffine3, DVec2, DVec3, UNIT_ROUNDOFF, gamma, root_between};
-use crate::tree::Probe;
-use std::f64::consts::{PI, TAU};
+use crate::lanes::{Mask, Real, Row, Vec3, out_of_line};
+use crate::math::{
+    Aabb, DAffine3, DVec3, Function, UNIT_ROUNDOFF, atan2, cos_sin_of_turns, gamma, root_between,
+};
+use std::f64::consts::TAU;
 
 /// All points at distance `minor` from a circle of radius `major`; 0 < `minor` < `major`.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +20,35 @@ pub struct Torus {
 }
 
 content!(struct Torus { frame, major, minor });
+
+out_of_line! {
+    fn intersect<'k, F>(torus: &'k Torus, ray: &'k PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+        let ray = torus.frame.local(&ray.ray);
+        let (t, crosses) = Chord::new(torus, &ray).first(&ray, within.min);
+        LaneHit::within(crosses, t, within)
+    }
+}
+
+out_of_line! {
+    fn surface<'k, F>(torus: &'k Torus, ray: &'k LaneRay<F>, at: LaneHit<F>) -> LaneSurface<F> {
+        let p = torus.frame.local(ray).at(at.t);
+        let [x, z] = away_from_axis(p);
+        let tube = Vec3::new(from_axis(p) - F::splat(torus.major), F::splat(0.0), p.y);
+        torus.surface_at([x, z], away_from_axis(tube))
+    }
+}
+
+out_of_line! {
+    fn sample_area<'k, F>(torus: &'k Torus, u: F, v: F) -> (LaneSurface<F>, F::U32) {
+        let area = TubeArea { share: v, slim: torus.minor / torus.major };
+        let (zero, one, all) = (F::splat(0.0), F::splat(1.0), F::Mask::splat(true));
+        let turns = root_between((zero, one), all, F::splat(0.5 * UNIT_ROUNDOFF), all, &area);
+        // The inner equator is half a turn from where the sine begins.
+        let (cosine, sine) = cos_sin_of_turns(turns);
+        let (x, z) = cos_sin_of_turns(u);
+        (torus.surface_at([x, z], [-cosine, -sine]), F::U32::splat(0))
+    }
+}
 
 impl Geometric for Torus {
     const NAME: &'static str = "Torus";
@@ -36,19 +67,16 @@ impl Geometric for Torus {
         Some(Self::new(center?, axis?, major, minor))
     }
 
-    /// See `Chord`. Only where the ray is within the torus' bounding sphere and between the planes that
+    /// See `Chord`. Only where a ray is within the torus' bounding sphere and between the planes that
     /// touch it above and below are there any roots.
-    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
-        let ray = self.frame.local(&probe.ray);
-        let t = Chord::new(self, &ray)?.first(&ray, after)?;
-        (t > after && t < t_max).then_some(Crossing::at(t))
+    #[inline(always)]
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+        intersect(self, ray, within)
     }
 
-    fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-        let p = self.frame.local(ray).at(at.t);
-        let turn = across(p).normalize_or(DVec2::X);
-        let tube = DVec2::new(across(p).length() - self.major, p.y).normalize_or(DVec2::X);
-        self.surface_at(turn, tube)
+    #[inline(always)]
+    fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, _: f64) -> LaneSurface<F> {
+        surface(self, ray, at)
     }
 
     /// Along each axis, the circle's own reach and the tube's.
@@ -68,10 +96,11 @@ impl Geometric for Torus {
 
     /// The share of a turn around the axis, eastwards from the frame's -x and 0.5 at its +x; and the one
     /// around the tube, from the inner equator by the bottom to the outer one at 0.5, and back by the top.
-    fn uv(&self, point: DVec3, _: u32) -> DVec2 {
+    #[inline(always)]
+    fn uv<F: Real>(&self, point: Vec3<F>, _: F::U32) -> [F; 2] {
         let p = self.frame.local_point(point);
-        let tube = libm::atan2(p.y, across(p).length() - self.major);
-        DVec2::new(around(p), 0.5 + tube / TAU)
+        let tube = atan2(p.y, from_axis(p) - F::splat(self.major));
+        [around(p), F::splat(0.5) + tube / F::splat(TAU)]
     }
 
     fn uv_ends(&self, _: u32) -> [bool; 2] {
@@ -83,13 +112,25 @@ impl Geometric for Torus {
     }
 
     /// Evenly around the axis. Around the tube the area grows with the distance from the axis, so its
-    /// integral φ + (minor/major)·sin φ is inverted.
-    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
-        let (share, slim) = (TAU * (u.y - 0.5), self.minor / self.major);
-        let area = |phi: f64| (phi + slim * libm::sin(phi) - share, 1.0 + slim * libm::cos(phi));
-        let phi = root_between((-PI, PI), true, PI * UNIT_ROUNDOFF, area);
-        let turn = |angle: f64| DVec2::new(libm::cos(angle), libm::sin(angle));
-        Some((self.surface_at(turn(TAU * u.x), turn(phi)), 0))
+    /// integral φ + (minor/major)·sin φ is inverted, in turns.
+    #[inline(always)]
+    fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
+        sample_area(self, u, v)
+    }
+}
+
+/// The area of the tube from the inner equator by the bottom on, less a share of it, over turns.
+struct TubeArea<F> {
+    share: F,
+    slim: f64,
+}
+
+impl<F: Real> Function<F> for TubeArea<F> {
+    #[inline(always)]
+    fn at(&self, turns: F) -> (F, F) {
+        let (cosine, sine) = cos_sin_of_turns(turns);
+        let slim = F::splat(self.slim);
+        (turns - slim * sine / F::splat(TAU) - self.share, F::splat(1.0) - slim * cosine)
     }
 }
 
@@ -101,25 +142,30 @@ impl Torus {
 
     /// The surface in the direction `turn` around the axis and `tube` around the tube, both unit vectors. The
     /// point is exact to a few roundings of the outer radius, and so is [`Torus::distance`] from there.
-    fn surface_at(&self, turn: DVec2, tube: DVec2) -> Surface {
-        let radius = self.major + self.minor * tube.x;
-        let point = DVec3::new(turn.x * radius, self.minor * tube.y, turn.y * radius);
-        let normal = DVec3::new(turn.x * tube.x, tube.y, turn.y * tube.x);
+    #[inline(always)]
+    fn surface_at<F: Real>(&self, [x, z]: [F; 2], [out, up]: [F; 2]) -> LaneSurface<F> {
+        let (major, minor) = (F::splat(self.major), F::splat(self.minor));
+        let radius = major + minor * out;
+        let point = Vec3::new(x * radius, minor * up, z * radius);
+        let normal = Vec3::new(x * out, up, z * out);
         self.frame.surface(point, normal, (self.major + self.minor) * gamma(8))
     }
 
-    /// The distance of a point of the frame from the surface, below 0 within the tube. Its error is a few
+    /// The distance of points of the frame from the surface, below 0 within the tube. Its error is a few
     /// roundings of the point's coordinates and of the radii.
-    pub(super) fn distance(&self, p: DVec3) -> f64 {
-        DVec2::new(across(p).length() - self.major, p.y).length() - self.minor
+    #[inline(always)]
+    pub(super) fn distance<F: Real>(&self, p: Vec3<F>) -> F {
+        let off = from_axis(p) - F::splat(self.major);
+        (off * off + p.y * p.y).sqrt() - F::splat(self.minor)
     }
 
     /// [`Torus::distance`], and its slope in the direction `d`.
-    pub(super) fn distance_along(&self, p: DVec3, d: DVec3) -> (f64, f64) {
-        let from_axis = across(p).length();
-        let tube = DVec2::new(from_axis - self.major, p.y);
-        let length = tube.length();
-        let outwards = across(p).dot(across(d)) / from_axis;
-        (length - self.minor, tube.dot(DVec2::new(outwards, d.y)) / length)
+    #[inline(always)]
+    pub(super) fn distance_along<F: Real>(&self, p: Vec3<F>, d: Vec3<F>) -> (F, F) {
+        let axis = from_axis(p);
+        let off = axis - F::splat(self.major);
+        let length = (off * off + p.y * p.y).sqrt();
+        let outwards = (p.x * d.x + p.z * d.z) / axis;
+        (length - F::splat(self.minor), (off * outwards + p.y * d.y) / length)
     }
 }

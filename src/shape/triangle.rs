@@ -1,10 +1,9 @@
 //! Flat triangles, watertight at the edges they share.
 
-use super::{Crossing, Geometric, Parameters, Surface, flat};
-use crate::camera::Ray;
+use super::{Geometric, LaneHit, LaneRay, LaneSurface, Parameters, PreparedRay, Span, flat};
 use crate::digest::content;
-use crate::math::{Aabb, DAffine3, DVec2, DVec3, larger, smaller};
-use crate::tree::Probe;
+use crate::lanes::{Mask, Real, Row, Vec3};
+use crate::math::{Aabb, DAffine3, DVec3};
 
 /// The flat triangle between three corners that are not in one line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,13 +27,15 @@ impl Geometric for Triangle {
         Some(Self { corners: [a, b, c] })
     }
 
-    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
-        let t = if covers(self.corners, probe) { depth(self.corners, probe)? } else { return None };
-        (t > after && t < t_max).then_some(Crossing::at(t))
+    #[inline(always)]
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+        TriangleLanes::splat(self.corners).intersect(ray, within)
     }
 
-    fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-        flat::surface(self.corners[0], unit_normal(self.corners), ray, at.t)
+    #[inline(always)]
+    fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, _: f64) -> LaneSurface<F> {
+        let [anchor, ..] = self.corners;
+        flat::placed(Vec3::splat(anchor), ray.at(at.t), Vec3::splat(unit_normal(self.corners)))
     }
 
     fn bounds(&self) -> Option<Aabb> {
@@ -48,95 +49,158 @@ impl Geometric for Triangle {
     }
 
     /// The weights of the second and the third corner.
-    fn uv(&self, point: DVec3, _: u32) -> DVec2 {
+    #[inline(always)]
+    fn uv<F: Real>(&self, point: Vec3<F>, _: F::U32) -> [F; 2] {
         let [a, b, c] = self.corners;
-        flat::shares(point - a, b - a, c - a)
+        flat::shares(point - Vec3::splat(a), Vec3::splat(b - a), Vec3::splat(c - a))
     }
 
     fn area(&self) -> Option<f64> {
-        Some(0.5 * perpendicular(self.corners).length())
+        let [a, b, c] = self.corners;
+        Some(0.5 * (b - a).cross(c - a).length())
     }
 
-    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
-        let [a, b, c] = self.corners;
-        let weights = uniform_weights(u);
-        let point = a + (b - a) * weights.x + (c - a) * weights.y;
-        Some((flat::placed(a, point, unit_normal(self.corners)), 0))
+    #[inline(always)]
+    fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
+        let (corners, weights) = (self.corners, uniform_weights(u, v));
+        let point = TriangleLanes::splat(corners).at(weights);
+        let surface = flat::placed(Vec3::splat(corners[0]), point, Vec3::splat(unit_normal(corners)));
+        (surface, F::U32::splat(0))
+    }
+}
+
+impl Triangle {
+    /// The unit normal on the side from which the corners run counter-clockwise.
+    pub fn normal(&self) -> DVec3 {
+        unit_normal(self.corners)
     }
 }
 
 /// Weights of the second and the third corner, uniform over a triangle's area (Osada et al. 2002).
-pub(super) fn uniform_weights(u: DVec2) -> DVec2 {
-    let root = u.x.sqrt();
-    DVec2::new(root * (1.0 - u.y), root * u.y)
+#[inline(always)]
+pub(super) fn uniform_weights<F: Real>(u: F, v: F) -> [F; 2] {
+    let root = u.sqrt();
+    [root * (F::splat(1.0) - v), root * v]
 }
 
-/// Perpendicular to a triangle, on the side from which its corners run counter-clockwise; twice its area long.
-#[inline]
-pub(super) fn perpendicular([a, b, c]: [DVec3; 3]) -> DVec3 {
-    (b - a).cross(c - a)
+/// The unit normal on the side from which the corners run counter-clockwise.
+pub(super) fn unit_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a).normalize_or(DVec3::Y)
 }
 
-/// The direction of [`perpendicular`].
-pub(super) fn unit_normal(corners: [DVec3; 3]) -> DVec3 {
-    perpendicular(corners).normalize_or(DVec3::Y)
+/// A triangle in each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct TriangleLanes<F> {
+    pub corners: [Vec3<F>; 3],
 }
 
-/// Whether the line of the ray passes through the triangle or its boundary.
+impl<F: Real> TriangleLanes<F> {
+    /// The same in all lanes.
+    #[inline(always)]
+    pub fn splat([a, b, c]: [DVec3; 3]) -> Self {
+        Self { corners: [Vec3::splat(a), Vec3::splat(b), Vec3::splat(c)] }
+    }
+
+    /// [`Geometric::intersect`].
+    #[inline(always)]
+    pub fn intersect(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+        let [a, b, c] = self.corners;
+        let sheared = [ray.sheared(a), ray.sheared(b), ray.sheared(c)];
+        let covered = covers(&sheared);
+        if !covered.any() {
+            return LaneHit::none();
+        }
+        self.crossing(ray, &sheared, covered, within)
+    }
+
+    /// Where the lines of rays cross the triangle's plane, in the lanes in which they pass through the triangle; the
+    /// corners are given as [`PreparedRay::sheared`] has them.
+    ///
+    /// Seen from its edge a plane is crossed anywhere within rounding: never before the nearest or beyond the farthest
+    /// corner.
+    #[inline(always)]
+    pub(super) fn crossing(
+        &self,
+        ray: &PreparedRay<F>,
+        [[.., a], [.., b], [.., c]]: &[[F; 3]; 3],
+        covered: F::Mask,
+        within: Span<F>,
+    ) -> LaneHit<F> {
+        let normal = self.perpendicular();
+        let along = normal.dot(ray.ray.direction);
+        let t = normal.dot(self.corners[0] - ray.ray.origin) / along;
+        let (first, last) = (a.min(*b).min(*c), a.max(*b).max(*c));
+        LaneHit::within(covered & !along.eq(F::splat(0.0)), t.max(first).min(last), within)
+    }
+
+    /// Perpendicular to the triangle, on the side from which its corners run counter-clockwise; twice its area long.
+    #[inline(always)]
+    pub fn perpendicular(&self) -> Vec3<F> {
+        let [a, b, c] = self.corners;
+        (b - a).cross(c - a)
+    }
+
+    /// The weights of the second and the third corner at a point of the triangle.
+    #[inline(always)]
+    pub fn weights(&self, point: Vec3<F>) -> [F; 2] {
+        let [a, b, c] = self.corners;
+        flat::shares(point - a, b - a, c - a)
+    }
+
+    /// The point at which the second and the third corner have these weights.
+    #[inline(always)]
+    pub fn at(&self, [x, y]: [F; 2]) -> Vec3<F> {
+        let [a, b, c] = self.corners;
+        a + (b - a) * x + (c - a) * y
+    }
+}
+
+/// Whether the line of a ray passes through a convex flat shape or its boundary, of whose corners in their order this is
+/// seen along the ray ([`PreparedRay::sheared`]).
 ///
 /// Woop, Benthin, Wald, *Watertight Ray/Triangle Intersection* (2013): the corners are sheared so that the
-/// ray runs along an axis, and each edge is tested in the plane across it. Two triangles that share an edge
+/// ray runs along an axis, and each edge is tested in the plane across it. Two shapes that share an edge
 /// compute the same number for it with opposite signs, and zero counts as inside, so no ray slips between.
 ///
-/// The products of an edge's number are rounded by the ray's distance from the triangle, which says nothing of triangles
+/// The products of an edge's number are rounded by the ray's distance from the shape, which says nothing of shapes
 /// that are smaller than that: of these, the box around the sheared corners must hold the ray as well. It does if the
-/// triangle does, so that still no ray slips between.
-#[inline]
-pub(super) fn covers(corners: [DVec3; 3], probe: &Probe) -> bool {
-    let [(ax, ay), (bx, by), (cx, cy)] =
-        [sheared(corners[0], probe), sheared(corners[1], probe), sheared(corners[2], probe)];
-    let u = cx * by - cy * bx;
-    let v = ax * cy - ay * cx;
-    let w = bx * ay - by * ax;
-    let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-    // A sum of zero is a triangle seen from its edge, or one without an area.
-    inside && u + v + w != 0.0 && spans_zero([ax, bx, cx]) && spans_zero([ay, by, cy])
-}
-
-/// Whether zero lies between the smallest and the largest of three numbers, or is one of them.
+/// shape does, so that still no ray slips between.
 #[inline(always)]
-fn spans_zero([a, b, c]: [f64; 3]) -> bool {
-    smaller(smaller(a, b), c) <= 0.0 && larger(larger(a, b), c) >= 0.0
-}
-
-/// A corner seen along the ray, which runs through 0.
-#[inline(always)]
-fn sheared(corner: DVec3, probe: &Probe) -> (f64, f64) {
-    let [x, y, z] = probe.axes;
-    let p = (corner - probe.ray.origin).to_array();
-    (p[x] - probe.shear[0] * p[z], p[y] - probe.shear[1] * p[z])
-}
-
-/// Where the line of the ray crosses the triangle's plane, given that it [`covers`] the triangle. Seen from its edge a
-/// plane is crossed anywhere within rounding: never before the nearest or beyond the farthest corner.
-#[inline]
-pub(super) fn depth(corners: [DVec3; 3], probe: &Probe) -> Option<f64> {
-    let Probe { ray, inverse, axes: [.., z], .. } = probe;
-    let normal = perpendicular(corners);
-    let along = normal.dot(ray.direction);
-    let t = normal.dot(corners[0] - ray.origin) / along;
-    let (origin, inverse) = (ray.origin[*z], inverse[*z]);
-    let [a, b, c] = [corners[0][*z], corners[1][*z], corners[2][*z]];
-    let [a, b, c] = [(a - origin) * inverse, (b - origin) * inverse, (c - origin) * inverse];
-    let (first, last) = (smaller(smaller(a, b), c), larger(larger(a, b), c));
-    (along != 0.0).then(|| smaller(larger(t, first), last))
+pub(super) fn covers<F: Real, const N: usize>(corners: &[[F; 3]; N]) -> F::Mask {
+    let zero = F::splat(0.0);
+    let [first_x, first_y, _] = corners[0];
+    let (mut left, mut right, mut low, mut high) = (first_x, first_x, first_y, first_y);
+    for [x, y, _] in corners {
+        (left, right) = (left.min(*x), right.max(*x));
+        (low, high) = (low.min(*y), high.max(*y));
+    }
+    let around = left.le(zero) & zero.le(right) & low.le(zero) & zero.le(high);
+    // Most rays pass by.
+    if !around.any() {
+        return around;
+    }
+    let [last_x, last_y, _] = corners[N - 1];
+    // An edge's number is the doubled area of its triangle with the ray.
+    let closing = last_x * first_y - last_y * first_x;
+    let (mut least, mut most, mut sum) = (closing, closing, closing);
+    for corner in 1..N {
+        let ([ax, ay, _], [bx, by, _]) = (corners[corner - 1], corners[corner]);
+        let edge = ax * by - ay * bx;
+        (least, most, sum) = (least.min(edge), most.max(edge), sum + edge);
+    }
+    let inside = zero.le(least) | most.le(zero);
+    // A sum of zero is a shape seen from its edge, or one without an area.
+    inside & around & !sum.eq(zero)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::Ray;
     use crate::math::UNIT_ROUNDOFF;
+    use crate::shape::OneRay;
     use crate::testing::Random;
+    use crate::tree::Probe;
 
     fn hit(corners: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
         let triangle = Triangle { corners };

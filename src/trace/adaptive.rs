@@ -11,7 +11,7 @@
 //! is compared. Means add up where roots of squares at most do, so a sum of layers with weights of 0 or more is as
 //! good as its parts.
 
-use super::pixel::{Drawn, Pixels};
+use super::pixels::{Pixels, SampleSet};
 use super::{Moment, TraceSettings};
 use crate::bvh::Bvh;
 use crate::color::Rgb;
@@ -248,11 +248,11 @@ impl Block {
 
     fn trace(&mut self, pixels: &Pixels, samples: &Range<u32>, seeds: &[u32; SETS]) -> Counts {
         let layers = self.open.len();
-        let mut tracing = pixels.start();
+        let mut counts = Counts::default();
         let places: Vec<_> = self.places().collect();
         let mut taken = vec![DVec3::ZERO; layers * places.len()];
         for (&seed, sums) in seeds.iter().zip(self.sums.chunks_exact_mut(taken.len())) {
-            pixels.add(&places, &Drawn { samples: samples.clone(), seed }, &mut taken, &mut tracing);
+            counts += pixels.add(&places, &SampleSet { samples: samples.clone(), seed }, &mut taken);
             for (index, (sum, taken)) in sums.iter_mut().zip(&mut taken).enumerate() {
                 let taken = std::mem::take(taken);
                 if self.open[index % layers] {
@@ -260,7 +260,7 @@ impl Block {
                 }
             }
         }
-        tracing.counts()
+        counts
     }
 
     /// Notes how many samples the sets of open layers have.

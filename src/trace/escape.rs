@@ -1,44 +1,42 @@
-//! Paths that meet nothing any more, eight at a time: what the sky sends to them.
-//!
-//! Every number is that of [`Tracer::add_sky`], lane by lane.
+//! The escape stage: paths that meet nothing see the sky.
 
-use super::path::Path;
-use super::tracer::{Tracer, Work};
-use crate::color::Rgb;
-use crate::environment::Environment;
-use crate::simd::{self, Lanes, Rows, dispatch};
+use super::path::mis_weight;
+use super::shade::Stage;
+use crate::lanes::{Bits, Color, Level, Lookup, Mask, Row, SimdKernel, Vec3};
 
-/// Adds the sky's light to paths, places of which among all are given, where it is only met and never asked for.
-pub fn add_sky(tracer: &Tracer, paths: &[Path], places: &[u32], work: &mut Work) {
-    let Some(environment) = tracer.environment else { return };
-    dispatch(Escape { environment, paths, places, work });
+/// Adds what the sky sends to the paths of a queue. A path that comes straight from the eye sees the picture's background,
+/// which may be held out.
+pub struct Escape<'a, 's> {
+    pub stage: &'s mut Stage<'a>,
+    pub queue: &'s [u32],
 }
 
-struct Escape<'a> {
-    environment: &'a Environment,
-    paths: &'a [Path],
-    places: &'a [u32],
-    work: &'a mut Work,
-}
-
-impl simd::Work for Escape<'_> {
+impl SimdKernel for Escape<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { environment, paths, places, work } = self;
-        for places in places.chunks(8) {
-            let mut directions = Rows::ZERO;
-            for (lane, place) in places.iter().enumerate() {
-                directions.set(lane, paths[*place as usize].ray.direction);
+    fn run<L: Level>(self) {
+        let Self { stage, queue } = self;
+        let context = stage.context;
+        if context.environment.is_none() && context.holdout.is_none() {
+            return;
+        }
+        for which in queue.chunks(8) {
+            let at = Lookup::new(which);
+            let mut there = L::Mask::from_bits(0xff >> (8 - which.len()));
+            let path = stage.paths.gather::<L::F64>(&at);
+            if let Some(holdout) = context.holdout {
+                let from_eye = there & path.left.eq(L::U32::splat(context.quality.surfaces()));
+                stage.sums.add::<L::F64>(holdout, path.throughput.shining(), from_eye, path.slot);
+                there = there & !from_eye;
             }
-            let [r, g, b] = environment.radiance_of_eight::<L>(&directions);
-            for (lane, place) in places.iter().enumerate() {
-                let path = &paths[*place as usize];
-                work.first = path.first;
-                let radiance = Rgb::new(r[lane], g[lane], b[lane]);
-                work.add(environment.layer, path.throughput.shining() * radiance);
+            let Some(environment) = context.environment.filter(|_| there.any()) else { continue };
+            let direction: Vec3<L::F64> = path.ray.direction;
+            let mut light: Color<L::F32> = path.throughput.shining() * environment.radiance(direction);
+            if context.lights.samples_sky() {
+                light = light * mis_weight(&path, context.lights.pdf_of_sky(direction));
             }
+            stage.sums.add::<L::F64>(environment.layer, light, there, path.slot);
         }
     }
 }

@@ -1,30 +1,42 @@
 //! Scene → Film: rays in parallel, sums in one fixed order.
 
+mod accumulate;
 mod adaptive;
+mod aov;
+mod bsdf;
+mod coincident;
+mod context;
+mod emitter;
 mod escape;
-mod guides;
-mod lights;
-mod luminaires;
-mod media;
-mod one_lobe;
-mod passing;
+mod generate;
+mod interaction;
+mod interface;
+mod intersect;
+mod light;
+mod materials;
+mod medium;
 mod path;
-mod pixel;
-mod place;
-mod scatter;
-mod shade;
-pub mod spawn;
+mod pixels;
+#[cfg(test)]
+mod random_scene;
 #[cfg(test)]
 mod round_tests;
+mod segment;
+mod shade;
+mod shadow;
+mod shadow_stream;
+pub mod spawn;
+mod stream;
+mod sums;
 #[cfg(test)]
 mod tests;
-mod throughput;
-mod together;
-mod tracer;
-mod wave;
+mod textures;
+mod transmit;
+mod wavefront;
 mod whitted;
-#[cfg(test)]
-mod worlds;
+
+pub use adaptive::{LEAST_SAMPLES, Rounds, SETS};
+pub use context::is_random;
 
 use crate::bvh::Bvh;
 use crate::color::Rgb;
@@ -34,9 +46,7 @@ use crate::filter::FilterSampler;
 use crate::math::DVec3;
 use crate::quality::Quality;
 use crate::scene::Scene;
-pub use adaptive::{LEAST_SAMPLES, Rounds, SETS};
-use pixel::Pixels;
-pub use pixel::is_random;
+use pixels::Pixels;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -65,9 +75,8 @@ impl Moment {
     pub const ONLY: Self = Self { index: 0, of: 1 };
 }
 
-/// Side of the square tiles that a thread finishes one after the other: rays of neighbours meet the same
-/// nodes and primitives.
-const TILE: u32 = 8;
+/// Side of the square tiles that a thread finishes at a time.
+const TILE: u32 = 16;
 
 /// Columns and rows of pixels whose rays are traced together.
 const BLOCK: (u32, u32) = (4, 2);
@@ -81,7 +90,7 @@ pub fn trace(scene: &Scene, bvh: &Bvh, settings: &TraceSettings, meter: &Meter) 
         return adaptive::trace(scene, bvh, settings, target, meter);
     }
     let store = |layer: &mut Rgb, sum: DVec3| *layer = sum.as_vec3();
-    let counts = in_bands(&pixels, film.data_mut(), meter, store);
+    let counts = in_tiles(&pixels, film.data_mut(), meter, store);
     (film, counts)
 }
 
@@ -96,30 +105,46 @@ pub fn trace_moment(
     meter: &Meter,
 ) -> Counts {
     let pixels = Pixels::new(scene, bvh, settings, moment);
-    in_bands(&pixels, sums, meter, |layer, sum| *layer += sum)
+    in_tiles(&pixels, sums, meter, |layer, sum| *layer += sum)
 }
 
 /// Traces all pixels into `data`, by `store`.
-fn in_bands<T: Send>(
+fn in_tiles<T: Send>(
     pixels: &Pixels,
     data: &mut [T],
     meter: &Meter,
     store: impl Fn(&mut T, DVec3) + Sync,
 ) -> Counts {
-    let (width, height) = pixels.settings.size;
-    let bands = height.div_ceil(TILE);
-    let done = AtomicU32::new(0);
-    let moment = pixels.moment;
-    let held = pixels.held();
-    let counts = data.par_chunks_mut((width * TILE) as usize * held.len()).enumerate().map(|(band, data)| {
+    let (width, height) = pixels.context.settings.size;
+    let tiles = height.div_ceil(TILE) * width.div_ceil(TILE);
+    let (done, moment, held) = (AtomicU32::new(0), pixels.moment, pixels.held());
+    let bands = data.par_chunks_mut((width * TILE) as usize * held.len()).enumerate();
+    let counts = bands.map(|(band, data)| {
         let top = band as u32 * TILE;
-        let window = Window { pixels, held: &held, rows: top..height.min(top + TILE) };
-        let counts = window.trace(data, &store);
-        meter.rays.fetch_add(counts.rays.total(), Relaxed);
-        let done = u64::from(done.fetch_add(1, Relaxed) + 1);
-        let share = (u64::from(moment.index) * u64::from(bands) + done) * 1000;
-        meter.thousandths.store((share / (u64::from(bands) * u64::from(moment.of))) as u32, Relaxed);
-        counts
+        let rows = top..height.min(top + TILE);
+        let lefts = (0..width.div_ceil(TILE)).into_par_iter().map(|column| column * TILE);
+        let traced = lefts.map(|left| {
+            let tile = Tile { columns: left..width.min(left + TILE), rows: rows.clone() };
+            let (places, mut sums) = (tile.pixels(), Vec::new());
+            sums.resize(places.len() * pixels.layers(), DVec3::ZERO);
+            let counts = pixels.trace(&places, &mut sums);
+            meter.rays.fetch_add(counts.rays.total(), Relaxed);
+            let done = u64::from(done.fetch_add(1, Relaxed) + 1);
+            let share = (u64::from(moment.index) * u64::from(tiles) + done) * 1000;
+            meter.thousandths.store((share / (u64::from(tiles) * u64::from(moment.of))) as u32, Relaxed);
+            (places, sums, counts)
+        });
+        let mut all = Counts::default();
+        for (places, sums, counts) in traced.collect::<Vec<_>>() {
+            for (&(x, y), sums) in places.iter().zip(sums.chunks_exact(pixels.layers())) {
+                let at = ((y - top) * width + x) as usize * held.len();
+                for (layer, &index) in data[at..].iter_mut().zip(&held) {
+                    store(layer, sums[index]);
+                }
+            }
+            all += counts;
+        }
+        all
     });
     counts.reduce(Counts::default, |mut a, b| {
         a += b;
@@ -127,47 +152,23 @@ fn in_bands<T: Send>(
     })
 }
 
-/// A band of the picture's rows.
-struct Window<'a> {
-    pixels: &'a Pixels<'a>,
-    /// Which of the layers that are traced the picture holds.
-    held: &'a [usize],
+/// A part of the picture.
+struct Tile {
+    columns: Range<u32>,
     rows: Range<u32>,
 }
 
-impl Window<'_> {
-    /// Traces the band's pixels, tile by tile. `data` is the picture's part for the band.
-    fn trace<T>(&self, data: &mut [T], store: impl Fn(&mut T, DVec3)) -> Counts {
-        let (width, layers) = (self.pixels.settings.size.0, self.pixels.layers());
-        let mut tracing = self.pixels.start();
-        let most = TILE as usize * self.rows.len();
-        let mut sums = vec![DVec3::ZERO; most * layers];
-        let mut tile = Vec::with_capacity(most);
-        for left in (0..width).step_by(TILE as usize) {
-            self.put_tile(left..width.min(left + TILE), &mut tile);
-            self.pixels.trace(&tile, &mut sums[..tile.len() * layers], &mut tracing);
-            for (&(x, y), sums) in tile.iter().zip(sums.chunks_exact_mut(layers)) {
-                let at = ((y - self.rows.start) * width + x) as usize * self.held.len();
-                for (layer, &index) in data[at..].iter_mut().zip(self.held) {
-                    store(layer, sums[index]);
-                }
-                sums.fill(DVec3::ZERO);
-            }
-        }
-        tracing.counts()
-    }
-
-    /// The pixels of some columns, block by block.
-    fn put_tile(&self, columns: Range<u32>, tile: &mut Vec<(u32, u32)>) {
-        tile.clear();
+impl Tile {
+    /// Its pixels, block by block.
+    fn pixels(&self) -> Vec<(u32, u32)> {
+        let mut pixels = Vec::with_capacity(self.columns.len() * self.rows.len());
         for top in self.rows.clone().step_by(BLOCK.1 as usize) {
-            for left in columns.clone().step_by(BLOCK.0 as usize) {
+            for left in self.columns.clone().step_by(BLOCK.0 as usize) {
                 for y in top..self.rows.end.min(top + BLOCK.1) {
-                    for x in left..columns.end.min(left + BLOCK.0) {
-                        tile.push((x, y));
-                    }
+                    pixels.extend((left..self.columns.end.min(left + BLOCK.0)).map(|x| (x, y)));
                 }
             }
         }
+        pixels
     }
 }

@@ -1,375 +1,295 @@
-//! Path tracing: one path per sample, light asked for at every surface (next-event estimation), weighed
-//! against light that is met by chance (multiple importance sampling, Veach 1997), with Russian roulette.
+//! The path integrator: one path per sample. At every surface light is sampled from every layer's sources, and the path
+//! goes on by one lobe (Kajiya, *The Rendering Equation*, 1986; multiple importance sampling by the balance heuristic,
+//! Veach 1997).
 //!
-//! Every surface that reflects light on its way asks all sources for light, and sends the path on. The ray behind the
-//! last of them, which the quality sets, only sees what gives off light, so that what is asked and what is met are weighed
-//! against each other there as everywhere else. Ambient light is reflected, so it counts at surfaces that reflect, and
-//! highlights show no more than what is asked. Mirrors, boundaries and what is transparent are followed as they
-//! are; shadow rays pass what is transparent and, if the settings say so, what refracts.
+//! A path reflects or refracts at most at as many surfaces as the quality sets. At the last one, diffuse light comes from
+//! sampled sources alone; a final ray, which only sees what emits light, is traced for lobes and sources that sampling
+//! does not serve.
 
-use super::escape;
-use super::lights::seen;
-use super::luminaires::Luminaires;
-use super::media::Media;
-use super::one_lobe::{Eight, Lobe, OneLobe};
-use super::place::Passed;
-use super::scatter::{Kind, Scatter, scatter, scatter_density};
-use super::spawn::{spawn, spawn_gathering, spawn_mirrored};
-use super::throughput::Throughput;
-use super::tracer::{Dice, Face, Met, Tracer, Work};
-use super::wave::{Lists, Shadow, WAVE};
-use crate::bvh::Hit;
-use crate::camera::{Beam, Ray};
-use crate::color::Rgb;
-use crate::counters::RayCounts;
-use crate::math::DVec3;
+use super::bsdf::{Bsdf, BsdfSample};
+use super::light::LightRequest;
+use super::materials::LobeSet;
+use super::shade::{ShadingContext, Stage};
+use super::shadow_stream::ShadowItem;
+use super::spawn::{Spawn, spawn, spawn_gathering, spawn_mirrored};
+use super::stream::{PathState, Throughput, flags};
+use crate::lanes::{Bits, Color, Level, Mask, Real, Row, Select, SimdKernel, Single, Vec3};
 use crate::quality::PathSettings;
-use crate::sampling::{Sampler, Use};
-use crate::shape::Shape;
+use crate::sampling::dimension;
+use crate::shape::LaneRay;
 
-/// The integrator over one frame's scene.
-pub struct Paths<'a> {
-    luminaires: Luminaires<'a>,
-    settings: PathSettings,
-    /// For surfaces of which eight are shaded at once.
-    one_lobe: Option<OneLobe>,
-    /// Whether what the sky sends to paths that meet nothing is found for eight at once.
-    skies: bool,
-    /// Whether there are any.
-    meshes: bool,
+/// Up to eight paths at surfaces whose materials have lobes of one set.
+pub struct Shade<'a, 's, 'w> {
+    pub stage: &'s mut Stage<'a>,
+    pub which: &'w [u32],
+    pub lobes: LobeSet,
+    pub settings: PathSettings,
 }
 
-/// Where a path is.
-pub struct Path {
-    pub ray: Ray,
-    /// Unit vector across the ray that it takes along for frames around normals (see [`Frame`](crate::sampling::Frame)).
-    pub tangent: DVec3,
-    pub beam: Beam,
-    pub throughput: Throughput,
-    pub media: Media,
-    /// How far the ray has come, if it has passed something straight on.
-    pub passed: Option<Passed>,
-    /// Surfaces that are left to reflect or bend light.
-    pub left: u32,
-    /// The last surface that has turned the path back, if it has scattered it: then light was asked for there.
-    asked: Option<DVec3>,
-    /// The density per solid angle with which the direction was drawn there; none where there was no choice.
-    density: Option<f64>,
-    /// Whether light that is met now has been counted by a shadow ray from there, through what refracts.
-    counted: bool,
-    pub dice: Dice,
-    /// Where the layers of its sample begin in what is worked with.
-    pub first: usize,
-}
+impl SimdKernel for Shade<'_, '_, '_> {
+    type Output = ();
 
-impl Path {
-    /// One that leads nowhere, until it begins.
-    pub fn new(ray: Ray, sampler: Sampler) -> Self {
-        Self {
-            ray,
-            tangent: DVec3::ZERO,
-            beam: Beam::default(),
-            throughput: Throughput::showing(Rgb::ONE),
-            media: Media::default(),
-            passed: None,
-            left: 0,
-            asked: None,
-            density: None,
-            counted: false,
-            dice: Dice { sampler, surface: 0 },
-            first: 0,
-        }
-    }
-
-    /// Begins at the eye, but for its beam. Written field by field: what is put together elsewhere and copied has to be
-    /// waited for.
     #[inline(always)]
-    pub fn begin(&mut self, tracer: &Tracer, along: Ray, sampler: Sampler, layers: usize) {
-        let Self {
-            ray,
-            tangent,
-            beam: _,
-            throughput,
-            media,
-            passed,
-            left,
-            asked,
-            density,
-            counted,
-            dice,
-            first,
-        } = self;
-        (*ray, *first) = (along, layers);
-        *tangent = tracer.scene.camera.tangent(&along);
-        throughput.begin();
-        (*media, *passed) = (Media::default(), None);
-        *left = tracer.quality.surfaces();
-        (*asked, *density, *counted) = (None, None, false);
-        *dice = Dice { sampler, surface: 0 };
-    }
-
-    /// Goes on from a point where it was scattered, with a density per solid angle of its direction.
-    pub fn scattered(&mut self, ray: Ray, tangent: DVec3, point: DVec3, density: f64) {
-        (self.ray, self.tangent, self.passed) = (ray, tangent, None);
-        (self.asked, self.density, self.counted) = (Some(point), Some(density), false);
-        self.left -= 1;
-    }
-
-    /// Goes on by a mirror, past which no shadow ray goes.
-    pub fn mirrored(&mut self, ray: Ray, tangent: DVec3) {
-        (self.ray, self.tangent, self.passed) = (ray, tangent, None);
-        (self.asked, self.density, self.counted) = (None, None, false);
-        self.left -= 1;
+    fn run<L: Level>(self) {
+        let Self { stage, which, lobes, settings } = self;
+        let at = ShadingContext::<L::F64>::gather(stage, which, lobes);
+        PathShade { at: &at, settings }.run(stage);
     }
 }
 
-impl<'a> Paths<'a> {
-    pub fn new(tracer: &Tracer<'a>, settings: PathSettings) -> Self {
-        let luminaires = Luminaires::new(tracer);
-        let one_lobe = OneLobe::new(tracer, luminaires.plain_lights());
-        let skies = !luminaires.sky_is_asked() && tracer.holdout.is_none();
-        let mut primitives = tracer.scene.geometry.primitives.iter();
-        let meshes = primitives.any(|primitive| matches!(primitive.shape, Shape::Mesh(_)));
-        Self { luminaires, settings, one_lobe, skies, meshes }
-    }
+struct PathShade<'a, F: Real> {
+    at: &'a ShadingContext<F>,
+    settings: PathSettings,
+}
 
-    /// Shades every path by itself.
-    #[cfg(test)]
-    pub fn one_by_one(&mut self) {
-        (self.one_lobe, self.skies) = (None, false);
-    }
+/// Lanes whose bits of a flag are set.
+#[inline(always)]
+pub fn has_flag<F: Real>(flags: F::U32, flag: u32) -> F::Mask {
+    !flags.and(F::U32::splat(flag)).eq(F::U32::splat(0))
+}
 
-    /// Follows paths from the eye to where they end, all of them from surface to surface. What is seen along them is added
-    /// to `work`.
-    pub fn follow(&self, tracer: &Tracer, paths: &mut [Path], work: &mut Work) {
-        work.nesting.clear();
-        let mut lists = std::mem::take(&mut work.lists);
-        let Lists { active, hits, queues, escaped } = &mut lists;
-        active.clear();
-        active.extend(0..paths.len() as u32);
-        let mut goes_on = [false; WAVE];
-        let mut from_eye = true;
-        while !active.is_empty() {
-            tracer.meet(paths, active, from_eye, hits);
-            if self.meshes {
-                tracer.fetch(hits);
-            }
-            for ((slot, &index), hit) in (0..).zip(&*active).zip(&*hits) {
-                let path = &mut paths[index as usize];
-                if let (Some(hit), Some(one_lobe)) = (hit, &self.one_lobe)
-                    && let Some(lobe) = one_lobe.at(tracer, path, hit)
-                {
-                    match path.left {
-                        // These give off no light.
-                        0 => goes_on[index as usize] = false,
-                        _ => queues[lobe as usize].push(slot),
-                    }
-                    continue;
-                }
-                work.first = path.first;
-                // Most paths end this way, and have not to go through all that others may meet.
-                if hit.is_none() && path.passed.is_none() && path.media.is_outside() && tracer.fog.is_none() {
-                    goes_on[index as usize] = false;
-                    match self.skies {
-                        true => escaped.push(index),
-                        false => self.escape(tracer, path, work),
-                    }
-                    continue;
-                }
-                goes_on[index as usize] = self.step(tracer, path, *hit, work);
-            }
-            escape::add_sky(tracer, paths, escaped, work);
-            escaped.clear();
-            if let Some(one_lobe) = &self.one_lobe {
-                for (lobe, queue) in Lobe::ALL.into_iter().zip(queues.iter_mut()) {
-                    for which in queue.chunks(8) {
-                        let eight = Eight { integrator: self, tracer, paths, active, hits, which };
-                        let on = one_lobe.follow(lobe, eight, work);
-                        for (lane, slot) in which.iter().enumerate() {
-                            goes_on[active[*slot as usize] as usize] = on >> lane & 1 == 1;
-                        }
-                    }
-                    queue.clear();
-                }
-            }
-            active.retain(|&index| {
-                paths[index as usize].dice.surface += 1;
-                goes_on[index as usize]
-            });
-            let mut shadows = std::mem::take(&mut work.shadows);
-            tracer.cast(&mut shadows, from_eye, work);
-            work.shadows = shadows;
-            from_eye = false;
+/// What light counts that a path meets, against the density with which it was sampled where the path was scattered last:
+/// the balance heuristic. All of it where it was not sampled.
+#[inline(always)]
+pub fn mis_weight<F: Real>(path: &PathState<F>, sampled: F) -> F::F32 {
+    let (zero, one) = (F::splat(0.0), F::splat(1.0));
+    let counted = has_flag::<F>(path.flags, flags::LIGHT_COUNTED);
+    let weight = F::select(zero.lt(path.pdf), path.pdf / (path.pdf + sampled), one);
+    F::select(zero.lt(sampled), F::select(counted, zero, weight), one).to_f32()
+}
+
+impl<F: Real> PathShade<'_, F> {
+    #[inline(always)]
+    fn run(&self, stage: &mut Stage) {
+        let ShadingContext { there, path, surface, lobes, interface, is_final, .. } = self.at;
+        let mut visible = *there;
+        if lobes.has(LobeSet::REFRACTION) && interface.is_hidden.any() {
+            self.at.pass_on(stage, *there & interface.is_hidden, path);
+            visible = visible & !interface.is_hidden;
         }
-        work.lists = lists;
-    }
-
-    /// Goes on to the next surface and from there; false at the path's end. `hit` is what lies ahead of a ray that has not
-    /// passed anything.
-    fn step(&self, tracer: &Tracer, path: &mut Path, hit: Option<Hit>, work: &mut Work) -> bool {
-        let along = (&path.ray, &path.beam, path.passed, path.left);
-        let (met, way) = tracer.advance(along, || hit, path.media, &path.throughput, work);
-        path.throughput.go(way);
-        match met {
-            Met::Nothing => {
-                self.escape(tracer, path, work);
-                false
+        let (bsdf, rows) = self.at.bsdf(stage);
+        self.at.add_ambient(stage, visible, &rows);
+        if lobes.has(LobeSet::EMISSION) {
+            let mut weight = F::F32::splat(1.0);
+            if stage.context.columns.mis {
+                let lights = &stage.context.lights;
+                let point = &surface.surface;
+                weight =
+                    mis_weight(path, lights.pdf_of_hit(path.scattered_at, surface.primitive, point, visible));
             }
-            Met::Light { index, outside, surface, hit } => {
-                let light = &tracer.scene.shading.lights[index as usize];
-                let density = |from| self.luminaires.density(tracer, from, &hit, &surface);
-                let weight = self.met_weight(path, density);
-                work.add(light.layer, path.throughput.shining() * seen(light, outside) * weight);
-                false
-            }
-            Met::Surface(face) => {
-                path.beam.width = face.width;
-                self.at_surface(tracer, path, &face, work)
+            self.at.add_emission(stage, visible, weight, &rows);
+        }
+        let open = visible & !*is_final;
+        let last = open & path.left.eq(F::U32::splat(1));
+        if lobes.has(LobeSet::REFLECTS_LIGHTS) && open.any() {
+            for index in 0..stage.context.lights.requests().len() {
+                let request = stage.context.lights.requests()[index];
+                self.sample_light(stage, &bsdf, (&request, index), open, last);
             }
         }
+        self.go_on(stage, &bsdf, visible, last);
     }
 
-    /// Adds what the sky sends to a path that has met nothing.
-    fn escape(&self, tracer: &Tracer, path: &Path, work: &mut Work) {
-        let weight = self.met_weight(path, |_| self.luminaires.sky_density(tracer, path.ray.direction));
-        tracer.add_sky(&path.ray, path.throughput.shining() * weight, path.left, work);
+    /// Whether light is sampled in full at a path's last surface. Lobes that are narrower than lights find them better by
+    /// their own directions, so both are weighed.
+    #[inline(always)]
+    fn samples_all_light(&self) -> bool {
+        !self.at.lobes.has(LobeSet::FUZZ | LobeSet::MICROFACET)
     }
 
-    /// What light that was met counts, against the density with which it was asked for: the balance heuristic.
-    /// None is asked for what can only be met.
-    fn met_weight(&self, path: &Path, asked: impl Fn(DVec3) -> Option<f64>) -> f32 {
-        if let Some(from) = path.asked.filter(|_| path.counted) {
-            return if asked(from).is_some() { 0.0 } else { 1.0 };
-        }
-        let Some((from, density)) = path.asked.zip(path.density) else { return 1.0 };
-        asked(from).map_or(1.0, |asked| (density / (density + asked)) as f32)
-    }
-
-    fn at_surface(&self, tracer: &Tracer, path: &mut Path, face: &Face, work: &mut Work) -> bool {
-        let dice = path.dice;
-        let boundary = face.boundary.as_ref();
-        if let Some(boundary) = boundary.filter(|boundary| boundary.hidden) {
-            (path.passed, path.media) = (Some(face.passed), boundary.passed);
-            return true;
-        }
-        let density = |from| self.luminaires.density(tracer, from, &face.hit, &face.surface);
-        if path.left > 0 {
-            tracer.add_ambient(face, path.throughput.seen(), work);
-        }
-        tracer.add_emission(face, path.throughput.shining() * self.met_weight(path, density), work);
-        if path.left > 0 {
-            self.ask_for_light(tracer, path, face, dice, work);
-        }
-        // Where nothing would be found by going on, only what is passed straight on leads further.
-        let turns = tracer.goes_on(path.left);
-        if !turns && face.lobes.transparency == Rgb::ZERO {
-            return false;
-        }
-        let seen = face.seen(&path.ray, path.tangent);
-        let u = dice.sampler.four(Use::Scatter(dice.surface));
-        let next = scatter(&seen, boundary, u);
-        let Some(next) = next.filter(|next| turns || next.kind == Kind::Unbent) else { return false };
-        let goes_on = self.go_on(path, face, &next) && self.survives(tracer, path);
-        if goes_on {
-            count(next.kind, &mut work.counts.rays);
-        }
-        goes_on
-    }
-
-    /// Light from every layer's sources, as far as it arrives.
-    fn ask_for_light(&self, tracer: &Tracer, path: &Path, face: &Face, dice: Dice, work: &mut Work) {
-        if !face.lobes.reflects_lights() {
+    /// Samples light, and appends the shadow rays along which it may come.
+    #[inline(always)]
+    fn sample_light(
+        &self,
+        stage: &mut Stage,
+        bsdf: &Bsdf<F>,
+        (request, light_index): (&LightRequest, usize),
+        open: F::Mask,
+        last: F::Mask,
+    ) {
+        let ShadingContext { path, surface, .. } = self.at;
+        let light = self.at.sample_light(stage, request, open);
+        if !light.is_lit.any() {
             return;
         }
-        let seen = face.seen(&path.ray, path.tangent);
-        let throughput = path.throughput.seen();
-        let mut turn = 0;
-        self.luminaires.ask(tracer, &seen, dice, |asked| {
-            let arrival = &asked.arrival;
-            work.counts.evaluations.light_samples += u64::from(arrival.density.is_some());
-            let reflected = seen.reflected(arrival.direction);
-            let weigh = |density| density / (density + scatter_density(&seen, arrival.direction));
-            let weight = arrival.density.map_or(1.0, weigh) as f32;
-            let scattered = reflected.scattered(tracer.clearness(arrival, seen.surface, work));
-            let share = scattered + reflected.highlight;
-            if share == Rgb::ZERO || arrival.radiance == Rgb::ZERO {
-                return;
-            }
-            turn += 1;
-            if !tracer.clear && !tracer.media {
-                let share = share - scattered * (1.0 - weight);
-                let radiance = throughput * share * arrival.radiance;
-                work.shadows.push(Shadow::new(arrival, seen.surface, (asked.layer, turn), radiance, work));
-                return;
-            }
-            let passing = tracer.passing(arrival, seen.surface, path.media, work);
-            if passing.whole != Rgb::ZERO {
-                // Only what comes unbent may also be met.
-                let share = share * passing.whole - scattered * passing.unbent * (1.0 - weight);
-                work.add(asked.layer, throughput * share * arrival.radiance);
-            }
-        });
+        let (zero, one) = (F::splat(0.0), F::splat(1.0));
+        let reflected = bsdf.reflected(light.direction);
+        let scattered = reflected.scattered(self.at.fog_transmittance(stage, &light));
+        // What directions of the surface's own may find as well counts less here.
+        let mut rest = F::F32::splat(0.0);
+        if request.is_sampled && stage.context.columns.mis {
+            let pdf = bsdf.pdf(&bsdf.chances(), light.direction);
+            let weight = F::select(zero.lt(light.pdf), light.pdf / (light.pdf + pdf), one);
+            let is_all = if self.samples_all_light() { last } else { F::Mask::splat(false) };
+            rest = F::select(is_all, zero, one - weight).to_f32();
+        }
+        let radiance = path.throughput.lit() * light.radiance;
+        let (whole, weighed) = (radiance * (scattered + reflected.highlight), radiance * scattered * rest);
+        let item = ShadowItem {
+            ray: light.shadow_ray(&surface.surface),
+            light: if stage.context.clear { whole } else { whole - weighed },
+            weighed,
+            medium: path.medium,
+            slot: path.slot,
+        };
+        stage.shadows[light_index].push(light.is_lit & whole.is_lit(), &item);
     }
 
-    fn go_on(&self, path: &mut Path, face: &Face, next: &Scatter) -> bool {
-        match next.kind {
-            Kind::Unbent => path.throughput.dim(next.shows),
-            Kind::Bent | Kind::Mirrored | Kind::Scattered => path.throughput.leave(next.gathers, next.shows),
+    /// Sends paths on by one lobe.
+    #[inline(always)]
+    fn go_on(&self, stage: &mut Stage, bsdf: &Bsdf<F>, visible: F::Mask, last: F::Mask) {
+        let ShadingContext { lobes, is_final, .. } = self.at;
+        let context = stage.context;
+        let lobes = *lobes;
+        let directed = lobes.has(LobeSet::MIRROR | LobeSet::MICROFACET | LobeSet::REFRACTION);
+        let final_rays = context.unsampled_light || (context.emits && directed);
+        let turns = visible & !*is_final;
+        let turns = if final_rays { turns } else { turns & !last };
+        let goes = if lobes.has(LobeSet::TRANSPARENT) { visible } else { turns };
+        if !goes.any() {
+            return;
         }
-        // At least as much as reaches the eye of anything else.
-        if path.throughput.shining() == Rgb::ZERO {
-            return false;
+        let sample = bsdf.sample(self.at.boundary(), self.scatter_numbers());
+        let mut goes = goes & sample.goes_on() & (turns | sample.is_transmitted);
+        if !context.unsampled_light && self.samples_all_light() {
+            goes = goes & !(last & sample.is_scattered);
         }
-        if let Some(media) = next.media {
-            path.media = media;
+        let mut state = self.next_state(stage, bsdf, &sample, last);
+        goes = goes & state.throughput.shining().is_lit();
+        goes = goes & self.survives(stage, &mut state);
+        self.count(stage, &sample, goes);
+        if lobes.has(LobeSet::TRANSPARENT) {
+            let passes = goes & sample.is_transmitted;
+            self.at.pass_on(stage, passes, &state);
+            goes = goes & !sample.is_transmitted;
         }
-        let ray = match next.kind {
-            // Straight on: what was drawn before still leads there, and no bounce is taken.
-            Kind::Unbent => {
-                path.passed = Some(face.passed);
-                return true;
-            }
-            Kind::Bent => {
-                path.counted |= self.settings.refractive_shadows && path.asked.is_some();
-                spawn(&face.surface, next.direction)
-            }
-            // No shadow ray goes by a mirror.
-            Kind::Mirrored => {
-                (path.asked, path.counted) = (None, false);
-                spawn_mirrored(&face.surface, next.direction)
-            }
-            Kind::Scattered => {
-                (path.asked, path.counted) = (Some(face.surface.point), false);
-                spawn_gathering(&face.surface, next.direction)
-            }
+        stage.next.push(goes, &state);
+    }
+
+    /// As many numbers in 0..1 as the lobes need; the others are 0.
+    #[inline(always)]
+    fn scatter_numbers(&self) -> [F; 4] {
+        let (zero, lobes) = (F::splat(0.0), self.at.lobes);
+        if lobes.has(LobeSet::FUZZ) {
+            self.at.numbers(dimension::SCATTER, 0)
+        } else if lobes.is_only(LobeSet::DIFFUSE) {
+            let [u, v] = self.at.numbers(dimension::SCATTER, 0);
+            [u, v, zero, zero]
+        } else if lobes.is_only(LobeSet::MIRROR) || lobes.is_only(LobeSet::TRANSPARENT) {
+            [zero; 4]
+        } else {
+            let [u, v, w] = self.at.numbers(dimension::SCATTER, 0);
+            [u, v, w, zero]
+        }
+    }
+
+    /// Paths after they have left the surface.
+    #[inline(always)]
+    fn next_state(
+        &self,
+        stage: &Stage,
+        bsdf: &Bsdf<F>,
+        sample: &BsdfSample<F>,
+        last: F::Mask,
+    ) -> PathState<F> {
+        let ShadingContext { path, surface, interface, .. } = self.at;
+        let (zero, columns) = (F::splat(0.0), stage.context.columns);
+        let at = &surface.surface;
+        let mut ray = Spawn::select(
+            sample.is_scattered,
+            spawn_gathering(at, sample.direction),
+            spawn(at, sample.direction),
+        );
+        if self.at.lobes.has(LobeSet::MIRROR | LobeSet::MICROFACET | LobeSet::REFRACTION) {
+            ray = Spawn::select(sample.is_mirrored, spawn_mirrored(at, sample.direction), ray);
+        }
+        let one_less = path.left.wrapping_add(F::U32::splat(u32::MAX));
+        let mut state = PathState {
+            ray: LaneRay { origin: ray.origin, direction: ray.direction },
+            throughput: leave(&path.throughput, sample, columns.fog),
+            cone: self.at.cone(),
+            left: F::U32::select(sample.is_transmitted, path.left, one_less),
+            after: zero,
+            pending: F::U32::splat(0),
+            ..*path
         };
-        path.tangent = face.seen(&path.ray, path.tangent).frame().tangent(ray.direction);
-        path.ray = ray;
-        path.passed = None;
-        path.density = next.density;
-        path.left -= 1;
-        true
+        if columns.media {
+            let passes = sample.is_refracted & bsdf.passes(sample.direction);
+            state.medium = F::U32::select(passes, interface.behind, path.medium);
+        }
+        if columns.mis {
+            // Straight on: what was drawn before still leads there.
+            state.scattered_at = Vec3::select(sample.is_scattered, at.point, path.scattered_at);
+            state.pdf = F::select(sample.is_transmitted, path.pdf, sample.pdf);
+        }
+        state.flags = self.next_flags(sample, last);
+        state
+    }
+
+    #[inline(always)]
+    fn next_flags(&self, sample: &BsdfSample<F>, last: F::Mask) -> F::U32 {
+        let before = self.at.path.flags;
+        let (none, sampled) = (F::U32::splat(0), F::U32::splat(flags::LIGHT_SAMPLED));
+        let counted = F::U32::splat(flags::LIGHT_SAMPLED | flags::LIGHT_COUNTED);
+        // No shadow ray goes by a mirror.
+        let mut after = F::U32::select(sample.is_scattered, sampled, none);
+        if self.settings.refractive_shadows {
+            let through = F::U32::select(has_flag::<F>(before, flags::LIGHT_SAMPLED), counted, none);
+            after = F::U32::select(sample.is_refracted, through, after);
+        }
+        if self.samples_all_light() {
+            after = F::U32::select(last & sample.is_scattered, counted, after);
+        }
+        F::U32::select(sample.is_transmitted, before, after)
     }
 
     /// Russian roulette: dim paths end at random, and those that go on make up for them.
-    pub fn survives(&self, tracer: &Tracer, path: &mut Path) -> bool {
-        let Some(after) = self.settings.roulette else { return true };
-        if tracer.quality.surfaces() - path.left <= after {
-            return true;
+    #[inline(always)]
+    fn survives(&self, stage: &Stage, state: &mut PathState<F>) -> F::Mask {
+        let (all, quality) = (F::Mask::splat(true), stage.context.quality);
+        let Some(after) = self.settings.roulette.filter(|after| *after < quality.surfaces()) else {
+            return all;
+        };
+        let dims = state.left.lt(F::U32::splat(quality.surfaces() - after));
+        if !dims.any() {
+            return all;
         }
-        let chance = path.throughput.shining().max_element().min(0.95);
-        if path.dice.sampler.two(Use::Roulette(path.dice.surface)).x >= f64::from(chance) {
-            return false;
+        let [u] = self.at.numbers(dimension::ROULETTE, 0);
+        let one = F::F32::splat(1.0);
+        let chance = state.throughput.shining().max_element().min(F::F32::splat(0.95));
+        let chance = F::F32::select(dims, chance, one);
+        state.throughput.diffuse = state.throughput.diffuse / chance;
+        state.throughput.specular = state.throughput.specular / chance;
+        u.lt(chance.to_f64())
+    }
+
+    #[inline(always)]
+    fn count(&self, stage: &mut Stage, sample: &BsdfSample<F>, goes: F::Mask) {
+        let (rays, lobes) = (&mut stage.counts.rays, self.at.lobes);
+        rays.scattered += u64::from((goes & sample.is_scattered).bits().count_ones());
+        if lobes.has(LobeSet::MIRROR | LobeSet::MICROFACET | LobeSet::REFRACTION) {
+            rays.mirror += u64::from((goes & sample.is_mirrored).bits().count_ones());
         }
-        path.throughput.make_up_for(chance);
-        true
+        if lobes.has(LobeSet::PASSES) {
+            let passed = sample.is_refracted | sample.is_transmitted;
+            rays.transmitted += u64::from((goes & passed).bits().count_ones());
+        }
     }
 }
 
-fn count(kind: Kind, rays: &mut RayCounts) {
-    match kind {
-        Kind::Unbent | Kind::Bent => rays.transmitted += 1,
-        Kind::Mirrored => rays.mirror += 1,
-        Kind::Scattered => rays.scattered += 1,
+/// What is left of the light beyond a surface, which gathers and shows shares of it.
+#[inline(always)]
+fn leave<F: Real>(before: &Throughput<F::F32>, sample: &BsdfSample<F>, fog: bool) -> Throughput<F::F32> {
+    let one = F::F32::splat(1.0);
+    if !fog {
+        let specular = before.specular * (sample.diffuse + sample.specular);
+        return Throughput { diffuse: Color::black(), specular, clear: one };
+    }
+    let lit = before.lit();
+    let passes = sample.is_transmitted;
+    Throughput {
+        diffuse: Color::select(passes, before.diffuse * sample.specular, lit * sample.diffuse),
+        specular: Color::select(passes, before.specular * sample.specular, lit * sample.specular),
+        clear: F::F32::select(passes, before.clear, one),
     }
 }

@@ -1,10 +1,10 @@
 //! Rays that walk through cylinders, cones and tori, from surface to surface: the number of crossings is even, at
 //! rims and tips too (INT-09 of the hard cases), and no point meets itself (SELF-01).
 
-use super::spawn::spawn;
+use super::spawn::spawn_ray;
 use crate::camera::Ray;
 use crate::material::MadeOf;
-use crate::math::{Angle, DAffine3, DMat3, DVec2, DVec3, UNIT_ROUNDOFF, axis_angle, euler_xyz};
+use crate::math::{Angle, DAffine3, DMat3, DVec3, UNIT_ROUNDOFF, axis_angle, euler_xyz};
 use crate::scene::{Finish, Primitive};
 use crate::shape::{Cone, Cylinder, Shape, Surface, Torus};
 use crate::testing::Random;
@@ -34,8 +34,8 @@ fn walk(primitive: &Primitive, ray: Ray) -> Vec<Surface> {
     let mut found: Vec<Surface> = Vec::new();
     let mut next = ray;
     while let Some(at) = primitive.hit(&Probe::new(next), f64::INFINITY) {
-        let surface = primitive.surface(&next, at);
-        next = spawn(&surface, ray.direction);
+        let surface = primitive.surface_at(&next, at);
+        next = spawn_ray(&surface, ray.direction);
         found.push(surface);
         if found.len() == 9 {
             break;
@@ -235,11 +235,10 @@ fn false_shadows(shape: &Shape, to_world: DAffine3, size: f64, free: f64) -> usi
     let mut random = Random(14);
     let mut wrong = 0;
     for _ in 0..RAYS / 30 {
-        let sample = primitive.shape.sample_area(DVec2::new(random.unit(), random.unit()));
-        let (surface, _) = sample.expect("a sample");
+        let surface = Surface::from(primitive.shape.sample_area(random.unit(), random.unit()).0);
         let direction = random.direction();
         let cosine = surface.normal.dot(direction);
-        let at = primitive.hit(&Probe::new(spawn(&surface, direction)), f64::INFINITY);
+        let at = primitive.hit(&Probe::new(spawn_ray(&surface, direction)), f64::INFINITY);
         // Inwards, the ray leaves the tube; outwards it is free for a while.
         let limit = if cosine < 0.0 { 0.0 } else { 1.9 * cosine * free * size };
         wrong += usize::from(cosine.abs() > 1e-3 && at.is_some_and(|at| at.t < limit));
@@ -266,9 +265,8 @@ fn self_01_rays_start_close_by() {
             let primitive = placed(shape.clone(), DAffine3::from_mat3_translation(turn, middle));
             let mut random = Random(15);
             for _ in 0..RAYS / 100 {
-                let sample = DVec2::new(random.unit(), random.unit());
-                let (surface, _) = primitive.shape.sample_area(sample).expect("a sample");
-                let moved = spawn(&surface, random.direction()).origin - surface.point;
+                let surface = Surface::from(primitive.shape.sample_area(random.unit(), random.unit()).0);
+                let moved = spawn_ray(&surface, random.direction()).origin - surface.point;
                 worst[i] = worst[i].max(moved.length() / (UNIT_ROUNDOFF * (middle.length() + radius * size)));
             }
         }

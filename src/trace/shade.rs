@@ -1,230 +1,269 @@
-//! Local reflection: how much of a light's radiance a surface sends to the eye.
+//! The shade stage: surfaces that paths have come to, eight of one set of lobes at a time.
 //!
-//! What a surface scatters is counted in shares: π times its bidirectional reflectance times the cosine of the
-//! light's angle, so that a facing light of radiance 1 on a surface of diffuse 1 gives radiance 1.
+//! In: a queue of paths at surfaces. Out: light for the sums, shadow rays, and the paths that go on.
 
+use super::accumulate::Accumulator;
+use super::bsdf::{Boundary, Bsdf, Shininess};
+use super::coincident::Events;
+use super::context::TraceContext;
+use super::generate::PixelSamples;
+use super::interaction::SurfaceInteraction;
+use super::interface::Interface;
+use super::intersect::Hits;
+use super::light::{LightRequest, LightSample, Receiver};
+use super::materials::{Column, LobeSet, LobeTable};
+use super::medium::MediaLists;
+use super::shadow_stream::ShadowStream;
+use super::stream::{PathState, PathStream};
+use super::{path, textures, whitted};
+use crate::camera::RayCone;
 use crate::color::Rgb;
-use crate::material::{Highlight, Lobes, Material};
-use crate::math::DVec3;
-use crate::optics::{Fuzz, Microfacet, reflect};
-use crate::sampling::{Frame, cosine_hemisphere_density};
-use crate::shape::Surface;
-use std::f64::consts::PI;
+use crate::counters::Counts;
+use crate::lanes::{Bits, Color, Level, Lookup, Mask, Real, Row, SimdKernel, lanes};
+use crate::quality::Integrator;
+use crate::sampling::{Frame, LaneSampler, dimension};
+use crate::shape::LaneRay;
 
-/// Rough surfaces smoother than this are mirrors: their highlight is narrower than a tenth of a degree.
-const SMOOTH: f32 = 0.01;
-
-/// A point of a surface as the eye sees it.
-#[derive(Clone, Copy, Debug)]
-pub struct Seen<'a> {
-    pub material: &'a Material,
-    /// The material's lobes at the point.
-    pub lobes: &'a Lobes,
-    /// Turned towards the eye.
-    pub surface: &'a Surface,
-    /// Unit vector.
-    pub to_eye: DVec3,
-    /// Unit vector across `to_eye`, from which the frame around the normal is made.
-    pub tangent: DVec3,
+/// What stages read, and what they append to.
+pub struct Stage<'a> {
+    pub context: &'a TraceContext<'a>,
+    pub paths: &'a PathStream,
+    pub hits: &'a Hits,
+    pub events: &'a Events,
+    pub next: &'a mut PathStream,
+    pub samples: &'a PixelSamples,
+    /// By the numbers of requests for light.
+    pub shadows: &'a mut [ShadowStream],
+    pub sums: &'a mut Accumulator,
+    pub counts: &'a mut Counts,
+    pub media: &'a mut MediaLists,
+    /// Room for the lobes of eight textured points.
+    pub rows: &'a mut LobeTable,
 }
 
-/// The shares of a light that a surface sends to the eye, by what they count in fog.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Reflected {
-    /// Gathered by the diffuse lobe.
-    pub diffuse: Rgb,
-    /// Shown by a fuzzy mirror or small ones.
-    pub shine: Rgb,
-    /// Of lights alone.
-    pub highlight: Rgb,
+/// Shades the surfaces of a queue.
+pub struct Shade<'a, 's> {
+    pub stage: &'s mut Stage<'a>,
+    pub queue: &'s [u32],
+    pub lobes: LobeSet,
 }
 
-impl Reflected {
-    /// What is scattered, where fog lets this share of light pass.
-    pub fn scattered(&self, clear: f32) -> Rgb {
-        self.diffuse + self.shine * clear
+impl SimdKernel for Shade<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Level>(self) {
+        let Self { stage, queue, lobes } = self;
+        for which in queue.chunks(8) {
+            match stage.context.quality.integrator {
+                Integrator::Path(settings) => L::call(path::Shade { stage, which, lobes, settings }),
+                Integrator::Whitted => L::call(whitted::Shade { stage, which, lobes }),
+            }
+        }
     }
 }
 
-impl Seen<'_> {
-    /// The normal to shade with: the smooth one, unless it faces away from the eye.
-    pub fn normal(&self) -> DVec3 {
-        let smooth = self.surface.shading;
-        if smooth.dot(self.to_eye) > 0.0 { smooth } else { self.surface.normal }
-    }
+/// Paths at surfaces, and what both integrators need to know of them.
+pub struct ShadingContext<F: Real> {
+    /// Lanes that have a path.
+    pub there: F::Mask,
+    pub path: PathState<F>,
+    pub surface: SurfaceInteraction<F>,
+    pub lobes: LobeSet,
+    pub interface: Interface<F>,
+    /// The frame around the direction to the eye.
+    pub eye: Frame<F>,
+    /// Lanes whose surface reflects and refracts no more light: it may only emit some, or let it pass straight on.
+    pub is_final: F::Mask,
+    /// The random numbers of the paths, where any are drawn.
+    sampler: LaneSampler<F>,
+}
 
-    /// The frame around that normal.
-    pub fn frame(&self) -> Frame {
-        Frame::carried(self.tangent, self.to_eye, self.normal())
-    }
-
-    /// The directions to the eye and another one in the frame.
-    pub fn local(&self, direction: DVec3) -> [DVec3; 2] {
-        let frame = self.frame();
-        [self.to_eye, direction].map(|v| frame.to_local(v).into())
-    }
-
-    /// The shares of the light from `to_light` (a unit vector) that the surface sends to the eye. Black when the
-    /// light is behind the surface: then there is no highlight either.
-    pub fn reflected(&self, to_light: DVec3) -> Reflected {
-        let normal = self.normal();
-        let cosine = normal.dot(to_light);
-        let mut reflected = Reflected::default();
-        let above = self.surface.normal.dot(to_light) > 0.0 || self.surface.smoothly_faces(to_light);
-        if cosine <= 0.0 || !above {
-            return reflected;
-        }
-        reflected.diffuse = self.lobes.diffuse * cosine as f32;
-        if let Some(fuzz) = self.fuzz() {
-            reflected.shine = self.lobes.mirror * (PI * fuzz.density(self.mirrored(), to_light)) as f32;
-        }
-        if self.lobes.microfacet > 0.0 {
-            let (below, shine) = self.rough(to_light);
-            reflected.diffuse += below * self.lobes.microfacet;
-            reflected.shine += shine * self.lobes.microfacet;
-        }
-        if self.lobes.specular != Rgb::ZERO {
-            reflected.highlight = self.lobes.specular * self.highlight(to_light) as f32;
-        }
-        reflected
-    }
-
-    /// The direction in which a mirror shows the eye what it does.
-    pub fn mirrored(&self) -> DVec3 {
-        reflect(-self.to_eye, self.normal())
-    }
-
-    /// How the mirror scatters; none if it is sharp.
-    pub fn fuzz(&self) -> Option<Fuzz> {
-        self.lobes.is_fuzzy().then(|| Fuzz(f64::from(self.lobes.fuzz)))
-    }
-
-    /// Whether a ray in this direction leaves the surface behind itself: a smooth normal may bend one that should
-    /// pass back to the side that it came from.
-    pub fn passes(&self, direction: DVec3) -> bool {
-        self.surface.normal.dot(direction) < 0.0
-    }
-
-    fn highlight(&self, to_light: DVec3) -> f64 {
-        let cosine = match self.material.highlight {
-            Highlight::Phong => self.mirrored().dot(to_light),
-            Highlight::BlinnPhong => self.normal().dot((to_light + self.to_eye).normalize_or_zero()),
+impl<F: Real> ShadingContext<F> {
+    #[inline(always)]
+    pub fn gather(stage: &mut Stage, which: &[u32], lobes: LobeSet) -> Self {
+        let at = Lookup::new(which);
+        let there = F::Mask::from_bits(0xff >> (8 - which.len()));
+        let path = stage.paths.gather::<F>(&at);
+        let context = stage.context;
+        let mut surface = SurfaceInteraction::gather(context, &path, (stage.hits, &at), there);
+        surface.prepare(context, lobes, stage.events, there);
+        let interface = match lobes.has(LobeSet::REFRACTION) {
+            true => Interface::meet(context, (stage.media, stage.events), &surface, path.medium, there),
+            false => Interface::none(path.medium),
         };
-        self.material.shininess.raise(cosine)
+        let to_eye = -path.ray.direction;
+        // Frames are for samples.
+        let eye = match context.is_random {
+            true => Frame::along(to_eye, context.picture_axes),
+            false => Frame { z: to_eye, ..Frame::identity() },
+        };
+        let is_final = path.left.eq(F::U32::splat(0));
+        let points = context.quality.points;
+        let sampler = match context.is_random {
+            true => stage.samples.sampler(path.slot, points),
+            false => LaneSampler { pixel: path.key, sample: path.key, points },
+        };
+        Self { there, path, surface, lobes, interface, eye, is_final, sampler }
     }
 
-    /// The distribution of the rough surface's small mirrors; none if it is smooth.
-    pub fn microfacet(&self) -> Option<Microfacet> {
-        let roughness = self.lobes.roughness;
-        (roughness >= SMOOTH).then(|| Microfacet { alpha: f64::from(roughness) * f64::from(roughness) })
+    /// The lobes of the points.
+    #[inline(always)]
+    pub fn bsdf<'b>(&'b self, stage: &mut Stage) -> (Bsdf<'b, F>, LobeRows) {
+        let context = stage.context;
+        if self.lobes.has(LobeSet::TEXTURED) {
+            let needed = self.there & !self.is_final;
+            let counts = &mut stage.counts.evaluations;
+            let direction = self.path.ray.direction;
+            textures::look_up(context, &self.surface, direction, (self.there, needed), (stage.rows, counts));
+        }
+        let rows = LobeRows::new::<F>(self.lobes, self.surface.material);
+        let shininess = self.shininess(context);
+        let ior = self.ior(context);
+        let seen = (&self.surface.surface, &self.eye, context.is_random);
+        let bsdf = Bsdf::gather(self.lobes, (rows.table(stage), &rows.at), shininess, ior, seen);
+        (bsdf, rows)
     }
 
-    /// The share that small mirrors turned half way reflect, from the cosine of the angle to them (glTF 2.0,
-    /// appendix B): Schlick's between the base colour of metals, or that of a boundary to the medium, and 1.
-    pub fn metallic_fresnel(&self, cosine: f64) -> Rgb {
-        let eta = self.material.medium.ior;
-        let boundary = ((eta - 1.0) / (eta + 1.0) * (eta - 1.0) / (eta + 1.0)) as f32;
-        let normal = Rgb::splat(boundary).lerp(self.lobes.base, self.lobes.metallic);
-        normal + (Rgb::ONE - normal) * crate::optics::schlick(0.0, cosine) as f32
+    #[inline(always)]
+    fn shininess(&self, context: &TraceContext) -> Shininess<F> {
+        if !self.lobes.has(LobeSet::PHONG | LobeSet::BLINN_PHONG) {
+            return Shininess::Whole(1);
+        }
+        let materials = self.surface.material.to_array();
+        Shininess::gather(|lane| context.material(materials[lane]).shininess)
     }
 
-    /// The metallic-roughness surface's shares from below its boundary and from its small mirrors, without its
-    /// strength.
-    fn rough(&self, to_light: DVec3) -> (Rgb, Rgb) {
-        let half = (self.to_eye + to_light).normalize_or(self.normal());
-        let fresnel = self.metallic_fresnel(self.to_eye.dot(half));
-        let cosine = self.normal().dot(to_light);
-        let below = self.rough_base() * (Rgb::ONE - fresnel) * cosine as f32;
-        let Some(microfacet) = self.microfacet() else { return (below, Rgb::ZERO) };
-        let [eye, light] = self.local(to_light);
-        let shine = microfacet.reflected(eye, light);
-        (below, fresnel * (PI * shine) as f32)
+    /// The indices of refraction of metallic-roughness surfaces.
+    #[inline(always)]
+    fn ior(&self, context: &TraceContext) -> F {
+        let mut iors = F::splat(1.0).to_array();
+        if self.lobes.has(LobeSet::MICROFACET) {
+            let materials = self.surface.material.to_array();
+            for lane in 0..F::LANES {
+                iors[lane] = context.material(materials[lane]).medium.ior;
+            }
+        }
+        F::from_array(iors)
     }
 
-    /// What the metallic-roughness surface scatters from below its boundary, without Fresnel's factor.
-    pub fn rough_base(&self) -> Rgb {
-        self.lobes.base * (1.0 - self.lobes.metallic)
+    /// The first N random numbers of a use at these surfaces.
+    #[inline(always)]
+    pub fn numbers<const N: usize>(&self, of: u32, which: u32) -> [F; N] {
+        self.sampler.numbers(dimension::at_surface(of, self.path.key, which))
     }
 
-    /// Density of cosine-weighted directions.
-    pub fn diffuse_density(&self, direction: DVec3) -> f64 {
-        cosine_hemisphere_density(self.normal().dot(direction))
+    /// The cones of rays that leave the surfaces, as if these were flat.
+    #[inline(always)]
+    pub fn cone(&self) -> RayCone<F> {
+        RayCone { width: self.surface.width, ..self.path.cone }
+    }
+
+    /// Sends paths in the lanes of a mask straight on through what they have come to: along the same ray, so that its cone
+    /// goes on from where the ray starts.
+    #[inline(always)]
+    pub fn pass_on(&self, stage: &mut Stage, mask: F::Mask, state: &PathState<F>) {
+        let (t, events) = (self.surface.at.t, self.surface.event.to_array());
+        let (mut after, mut pending) = (t.to_array(), F::U32::splat(0).to_array());
+        for lane in lanes(mask.bits()) {
+            if let Some(event) = stage.events.get(events[lane]) {
+                (after[lane], pending[lane]) = (event.after, event.next);
+            }
+        }
+        let (after, pending) = (F::from_array(after), F::U32::from_array(pending));
+        let (PathState { ray, cone, .. }, medium) = (self.path, self.interface.behind);
+        stage.next.push(mask, &PathState { ray, cone, after, pending, medium, ..*state });
+    }
+
+    /// Adds the ambient light that surfaces reflect.
+    #[inline(always)]
+    pub fn add_ambient(&self, stage: &mut Stage, visible: F::Mask, rows: &LobeRows) {
+        if let Some(ambient) = stage.context.ambient.filter(|_| self.lobes.has(LobeSet::AMBIENT)) {
+            let share: Color<F::F32> = rows.table(stage).color(Column::AMBIENT, &rows.at);
+            let light = self.path.throughput.lit() * share * Color::splat(ambient.radiance);
+            stage.sums.add::<F>(ambient.layer, light, visible & !self.is_final, self.path.slot);
+        }
+    }
+
+    /// Adds what surfaces emit, weighted.
+    #[inline(always)]
+    pub fn add_emission(&self, stage: &mut Stage, visible: F::Mask, weight: F::F32, rows: &LobeRows) {
+        let emission: Color<F::F32> = rows.table(stage).color(Column::EMISSION, &rows.at);
+        let light = self.path.throughput.shining() * emission * weight;
+        let mask = visible & light.is_lit();
+        let (slots, materials) = (self.path.slot.to_array(), self.surface.material.to_array());
+        let (r, g, b) = (light.r.to_array(), light.g.to_array(), light.b.to_array());
+        for lane in lanes(mask.bits()) {
+            let layer = stage.context.material(materials[lane]).emission_layer;
+            stage.sums.add_to(layer, Rgb::new(r[lane], g[lane], b[lane]), slots[lane]);
+        }
+    }
+
+    /// Samples light. Random numbers are drawn where there is a choice.
+    #[inline(always)]
+    pub fn sample_light(&self, stage: &mut Stage, request: &LightRequest, wanted: F::Mask) -> LightSample<F> {
+        let context = stage.context;
+        let (mut u, mut choice) = ([F::splat(0.0); 2], F::splat(0.0));
+        if request.is_sampled {
+            u = self.numbers(dimension::LIGHT, request.number);
+        }
+        if request.is_choice() {
+            [choice] = self.numbers(dimension::CHOICE, request.layer.0);
+        }
+        let point = self.surface.surface.point;
+        let at = Receiver { point, eye: &self.eye, rounding: context.rounding };
+        let mut light = context.lights.sample(request, &at, u, choice);
+        light.is_lit = light.is_lit & wanted;
+        if request.is_sampled {
+            stage.counts.evaluations.light_samples += u64::from(light.is_lit.bits().count_ones());
+        }
+        light
+    }
+
+    /// The share of light that fog lets pass on its way to the points.
+    #[inline(always)]
+    pub fn fog_transmittance(&self, stage: &mut Stage, light: &LightSample<F>) -> F::F32 {
+        let one = F::F32::splat(1.0);
+        let Some(fog) = &stage.context.fog else { return one };
+        stage.counts.evaluations.fog += u64::from(light.is_lit.bits().count_ones());
+        let point = self.surface.surface.point;
+        let segment = LaneRay { origin: point, direction: light.direction };
+        one - fog.opacity(&segment, light.distance(point)).to_f32()
+    }
+
+    /// The boundaries of the surfaces.
+    #[inline(always)]
+    pub fn boundary(&self) -> &Boundary<F> {
+        &self.interface.boundary
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::film::LayerId;
-    use crate::material::{Exponent, Medium};
-    use crate::optics::Fresnel;
+/// Where the lobes of points are looked up.
+pub struct LobeRows {
+    is_textured: bool,
+    at: Lookup,
+}
 
-    fn material(highlight: Highlight, shininess: f64) -> Material {
-        Material {
-            lobes: Lobes { specular: Rgb::ONE, ..Lobes::default() },
-            paints: Vec::new(),
-            emission_layer: LayerId::CONSTANT,
-            highlight,
-            shininess: Exponent::new(shininess),
-            fresnel: Fresnel::Off,
-            medium: Medium::EMPTY,
+impl LobeRows {
+    #[inline(always)]
+    pub fn new<F: Real>(lobes: LobeSet, materials: F::U32) -> Self {
+        let (lanes, mut indices) = (materials.to_array(), [0; 8]);
+        let count = F::LANES;
+        for lane in 0..8 {
+            indices[lane] = lanes[lane.min(count - 1)];
         }
+        let is_textured = lobes.has(LobeSet::TEXTURED);
+        Self { is_textured, at: if is_textured { Lookup::run(0, count) } else { Lookup::new(&indices) } }
     }
 
-    /// What a level surface of the material sends to the eye.
-    fn reflected(material: &Material, to_light: DVec3, to_eye: DVec3) -> Reflected {
-        let (point, normal) = (DVec3::ZERO, DVec3::Y);
-        let surface = Surface::new(point, DVec3::ZERO, normal);
-        let tangent = Frame::around(to_eye).x;
-        Seen { material, lobes: &material.lobes, surface: &surface, to_eye, tangent }.reflected(to_light)
+    /// Textured points have rows of their own, others those of their materials.
+    #[inline(always)]
+    pub fn table<'a>(&self, stage: &'a Stage) -> &'a LobeTable {
+        if self.is_textured { stage.rows } else { &stage.context.table }
     }
 
-    #[test]
-    fn sh_01_the_half_vector_lies_between_light_and_eye() {
-        // Eye and light mirror each other about the normal: the highlight's centre, wherever they are.
-        for shift in [DVec3::ZERO, DVec3::new(1024.0, -512.0, 256.0)] {
-            let point = DVec3::new(10.0, 0.0, 0.0) + shift;
-            let to_light = (DVec3::new(13.0, 4.0, 0.0) + shift - point).normalize();
-            let to_eye = (DVec3::new(7.0, 4.0, 0.0) + shift - point).normalize();
-            for model in [Highlight::Phong, Highlight::BlinnPhong] {
-                let Reflected { diffuse, shine, highlight } =
-                    reflected(&material(model, 32.0), to_light, to_eye);
-                assert_eq!((diffuse, shine), (Rgb::ZERO, Rgb::ZERO));
-                assert!((highlight - Rgb::ONE).abs().max_element() <= f32::EPSILON, "{highlight}");
-            }
-        }
-    }
-
-    /// Corners of the highlight: exponents and angles where a power alone would give light that is not there,
-    /// or no number.
-    #[test]
-    fn sh_02_no_highlight_without_light_on_the_surface() {
-        let eye = DVec3::new(-1.0, 0.0, 0.0);
-        let (grazing, below) = (DVec3::X, DVec3::new(0.8, -0.6, 0.0));
-        for model in [Highlight::Phong, Highlight::BlinnPhong] {
-            for shininess in [0.0, 1.0, 0.5, 1e6] {
-                for light in [grazing, below, DVec3::NEG_Y] {
-                    let found = reflected(&material(model, shininess), light, eye);
-                    assert_eq!(found, Reflected::default(), "{model:?} {shininess} {light}");
-                }
-            }
-        }
-        // The light is on the surface, but its mirror image is at a right angle to the eye, or beyond it.
-        let light = DVec3::new(0.6, 0.8, 0.0);
-        for eye in [DVec3::new(0.8, 0.6, 0.0), DVec3::new(0.96, 0.28, 0.0)] {
-            for shininess in [0.0, 0.5, 1.0, 1e6] {
-                let found = reflected(&material(Highlight::Phong, shininess), light, eye);
-                assert_eq!(found, Reflected::default(), "{shininess} {eye}");
-            }
-        }
-    }
-
-    #[test]
-    fn diffuse_follows_the_cosine() {
-        let lobes = Lobes { diffuse: Rgb::splat(0.5), ..Lobes::default() };
-        let matte = Material { lobes, ..material(Highlight::Phong, 1.0) };
-        let at_60 = DVec3::new(0.75f64.sqrt(), 0.5, 0.0);
-        let quarter = Reflected { diffuse: Rgb::splat(0.25), ..Reflected::default() };
-        assert_eq!(reflected(&matte, at_60, DVec3::Y), quarter);
+    #[inline(always)]
+    pub fn at(&self) -> &Lookup {
+        &self.at
     }
 }

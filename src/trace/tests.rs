@@ -1,7 +1,8 @@
 //! No lit point shadows itself, at any size and at any distance from the origin, and none is moved far off
 //! its surface (SELF-01 of the hard cases, and the same for every other shape).
 
-use super::spawn::{spawn, spawn_to};
+use super::light::{LightSample, ShadowRay};
+use super::spawn::spawn_ray;
 use crate::camera::Ray;
 use crate::material::MadeOf;
 use crate::math::{Angle, DAffine3, DMat3, DVec3, UNIT_ROUNDOFF, euler_xyz};
@@ -32,11 +33,19 @@ fn above(random: &mut Random, normal: DVec3) -> DVec3 {
 /// Where a ray meets `primitive`, as the integrator sees it: with the normal towards the eye.
 fn seen(primitive: &Primitive, ray: Ray) -> Option<Surface> {
     let t = primitive.hit(&Probe::new(ray), f64::INFINITY)?;
-    let mut surface = primitive.surface(&ray, t);
+    let mut surface = primitive.surface_at(&ray, t);
     if surface.normal.dot(ray.direction) > 0.0 {
         surface.normal = -surface.normal;
     }
     Some(surface)
+}
+
+/// The shadow ray to a light at a point, which it reaches at t = 1.
+fn spawn_to(surface: &Surface, target: DVec3) -> Ray {
+    let light = LightSample::<f64> { end: target.into(), ..LightSample::none() };
+    let ShadowRay { ray, t_max } = light.shadow_ray(&surface.into());
+    assert_eq!(t_max, 1.0);
+    Ray { origin: ray.origin.into(), direction: ray.direction.into() }
 }
 
 /// A primitive under test: its size, and how the points at -0.5 to 0.5 at which eyes aim get to it.
@@ -65,7 +74,7 @@ impl Target {
     /// away.
     fn false_shadows(&self) -> usize {
         let shadowed = |(surface, direction): &(Surface, DVec3)| {
-            let far = Probe::new(spawn(surface, *direction));
+            let far = Probe::new(spawn_ray(surface, *direction));
             let near = Probe::new(spawn_to(surface, surface.point + *direction * self.size));
             self.primitive.hit(&far, f64::INFINITY).is_some() || self.primitive.hit(&near, 1.0).is_some()
         };
@@ -107,7 +116,7 @@ fn self_01_rays_leave_spheres_from_close_by() {
     for (radius, center) in each_place() {
         let limit = 32.0 * UNIT_ROUNDOFF * (center.length() + radius);
         for (surface, direction) in sphere(radius, center).points(8) {
-            let origin = spawn(&surface, direction).origin;
+            let origin = spawn_ray(&surface, direction).origin;
             let moved = (origin - surface.point).length();
             // The oracle: how far the origin is from the sphere itself. Both coordinates are given numbers, so
             // only the difference and its length are rounded, which is relative to the radius.
@@ -134,7 +143,7 @@ fn self_01_spheres_lit_from_inside_end_at_their_far_side() {
             let cosine = surface.normal.dot(direction);
             let chord = 2.0 * radius * cosine;
             let longest = chord + 64.0 * UNIT_ROUNDOFF * (center.length() + radius) / cosine;
-            let t = sphere.hit(&Probe::new(spawn(&surface, direction)), f64::INFINITY);
+            let t = sphere.hit(&Probe::new(spawn_ray(&surface, direction)), f64::INFINITY);
             let far_side = t.is_some_and(|at| at.t >= 0.999 * chord && at.t <= longest);
             assert!(far_side, "radius {radius} at {center}: {t:?} instead of {chord}");
         }

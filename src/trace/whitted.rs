@@ -1,246 +1,249 @@
-//! Whitted's integrator: at every hit ambient light, every light as far as it arrives, and on to what mirrors
-//! show and what lies behind the transparent (Whitted 1980). Rays branch; nothing is left to chance but where
-//! a lens, an area light, a rough surface or motion has to be sampled.
+//! Whitted's integrator: at every surface ambient light, every light as far as it reaches the surface, and on to what
+//! mirrors show and what lies behind the transparent (Whitted, *An Improved Illumination Model for Shaded Display*,
+//! 1980). Paths branch; chance decides nothing but samples of a lens, an area light, a rough surface or motion.
 
-use super::lights::{arrival, seen};
-use super::media::Media;
-use super::place::Passed;
-use super::shade::Seen;
-use super::spawn::{spawn, spawn_gathering, spawn_mirrored};
-use super::throughput::Throughput;
-use super::tracer::{Dice, Face, Met, Tracer, Work};
-use crate::camera::{Beam, Ray};
-use crate::color::Rgb;
-use crate::math::{DVec2, DVec3};
-use crate::optics::reflect;
-use crate::sampling::Use;
+use super::bsdf::Bsdf;
+use super::light::LightRequest;
+use super::materials::LobeSet;
+use super::shade::{ShadingContext, Stage};
+use super::shadow_stream::ShadowItem;
+use super::spawn::{Spawn, spawn, spawn_mirrored, spawn_scattered};
+use super::stream::{PathState, Throughput, flags};
+use crate::lanes::{Bits, Color, Level, Mask, Real, Row, Select, SimdKernel, Single};
+use crate::sampling::{dimension, hash_lanes};
+use crate::shape::LaneRay;
 
-/// A ray that is still to be followed.
-#[derive(Clone, Copy, Debug)]
-pub struct Pending {
-    ray: Ray,
-    /// Unit vector across the ray that it takes along for frames around normals.
-    tangent: DVec3,
-    beam: Beam,
-    throughput: Rgb,
-    /// Surfaces that are left to reflect or bend light.
-    left: u32,
-    media: Media,
-    /// Whether area lights count where the ray meets them. Those that the surface it comes from has sampled
-    /// already do not.
-    sees_lights: bool,
-    /// How far the ray has come, if it has passed something straight on.
-    passed: Option<Passed>,
+/// Up to eight paths at surfaces whose materials have lobes of one set.
+pub struct Shade<'a, 's, 'w> {
+    pub stage: &'s mut Stage<'a>,
+    pub which: &'w [u32],
+    pub lobes: LobeSet,
 }
 
-/// Adds what is seen along a camera's ray to `work`.
-pub fn follow(tracer: &Tracer, (ray, beam): (Ray, Beam), mut dice: Dice, work: &mut Work) {
-    let (throughput, left) = (Rgb::ONE, tracer.quality.surfaces());
-    let (media, passed) = (Media::default(), None);
-    work.nesting.clear();
-    let tangent = tracer.scene.camera.tangent(&ray);
-    let mut next = Some(Pending { ray, tangent, beam, throughput, left, media, sees_lights: true, passed });
-    while let Some(pending) = next.take() {
-        step(tracer, pending, &mut dice, work);
-        next = work.pending.pop();
+impl SimdKernel for Shade<'_, '_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Level>(self) {
+        let Self { stage, which, lobes } = self;
+        let at = ShadingContext::<L::F64>::gather(stage, which, lobes);
+        WhittedShade { at: &at }.run(stage);
     }
 }
 
-/// Follows one ray to where it ends, and puts off those that start there.
-fn step(tracer: &Tracer, pending: Pending, dice: &mut Dice, work: &mut Work) {
-    let Pending { ray, ref beam, mut throughput, left, media, sees_lights, passed, .. } = pending;
-    let (first, showing) = (|| tracer.closest(&ray), Throughput::showing(throughput));
-    let (met, way) = tracer.advance((&ray, beam, passed, left), first, media, &showing, work);
-    throughput *= way.passed * way.clear;
-    let face = match met {
-        Met::Nothing => return tracer.add_sky(&ray, throughput, pending.left, work),
-        Met::Light { index, outside, .. } => {
-            let light = &tracer.scene.shading.lights[index as usize];
-            if sees_lights {
-                work.add(light.layer, throughput * seen(light, outside));
-            }
-            return;
+/// By which the random numbers of a surface's branches differ.
+mod branch {
+    pub const ROUGH: u32 = 1;
+    pub const MIRROR: u32 = 2;
+    pub const TRANSPARENT: u32 = 3;
+    pub const REFRACTED: u32 = 4;
+    pub const REFLECTED: u32 = 5;
+}
+
+/// A branch of a path.
+struct Branch<F: Real> {
+    /// By which its random numbers differ from those of others.
+    number: u32,
+    ray: Spawn<F>,
+    /// The share of light from there.
+    share: Color<F::F32>,
+    /// Lanes in which there is one.
+    mask: F::Mask,
+    /// Flags of the paths.
+    flags: F::U32,
+    /// What rays are inside of.
+    medium: F::U32,
+}
+
+struct WhittedShade<'a, F: Real> {
+    at: &'a ShadingContext<F>,
+}
+
+impl<F: Real> WhittedShade<'_, F> {
+    #[inline(always)]
+    fn run(&self, stage: &mut Stage) {
+        let ShadingContext { there, path, lobes, interface, is_final, .. } = self.at;
+        let mut visible = *there;
+        if lobes.has(LobeSet::REFRACTION) && interface.is_hidden.any() {
+            self.at.pass_on(stage, *there & interface.is_hidden, path);
+            visible = visible & !interface.is_hidden;
         }
-        Met::Surface(face) => face,
-    };
-    let surface = dice.surface;
-    dice.surface += 1;
-    let branch = Branch { tracer, pending: &pending, face: &face, throughput };
-    if branch.hidden(work) {
-        return;
-    }
-    if pending.left == 0 {
-        // Behind the last surface that reflects, only what gives off light is seen, through what lets it pass.
-        tracer.add_emission(&face, throughput, work);
-        return branch.transparent(work);
-    }
-    tracer.add_ambient(&face, throughput, work);
-    tracer.add_emission(&face, throughput, work);
-    branch.lights(Dice { surface, ..*dice }, work);
-    branch.rough(Dice { surface, ..*dice }, work);
-    branch.mirror(Dice { surface, ..*dice }, work);
-    branch.transparent(work);
-    branch.refracted(work);
-}
-
-/// A hit from which rays may go on.
-struct Branch<'a, 't> {
-    tracer: &'t Tracer<'a>,
-    pending: &'t Pending,
-    face: &'t Face<'a>,
-    throughput: Rgb,
-}
-
-impl Branch<'_, '_> {
-    fn seen(&self) -> Seen<'_> {
-        self.face.seen(&self.pending.ray, self.pending.tangent)
-    }
-
-    fn lights(&self, dice: Dice, work: &mut Work) {
-        if !self.face.lobes.reflects_lights() {
-            return;
+        let (bsdf, rows) = self.at.bsdf(stage);
+        self.at.add_ambient(stage, visible, &rows);
+        if lobes.has(LobeSet::EMISSION) {
+            self.at.add_emission(stage, visible, F::F32::splat(1.0), &rows);
         }
-        let seen = self.seen();
-        for (index, light) in &self.tracer.lights {
-            let u = match light.source.is_sampled() {
-                true => dice.sampler.two(Use::Light { surface: dice.surface, light: *index }),
-                false => DVec2::ZERO,
-            };
-            let Some(arrival) = arrival(light, &seen, u) else { continue };
-            work.counts.evaluations.light_samples += u64::from(arrival.density.is_some());
-            let reflected = seen.reflected(arrival.direction);
-            let clear = self.tracer.clearness(&arrival, seen.surface, work);
-            let share = reflected.scattered(clear) + reflected.highlight;
-            if share == Rgb::ZERO {
-                continue;
-            }
-            let passing = self.tracer.passing(&arrival, seen.surface, self.pending.media, work);
-            if passing.whole != Rgb::ZERO {
-                work.add(light.layer, self.throughput * share * passing.whole * arrival.radiance);
+        let open = visible & !*is_final;
+        if lobes.has(LobeSet::REFLECTS_LIGHTS) && open.any() {
+            for index in 0..stage.context.lights.requests().len() {
+                let request = stage.context.lights.requests()[index];
+                self.sample_light(stage, &bsdf, (&request, index), open);
             }
         }
-    }
-
-    /// Puts off a ray from this one of the surfaces that are left, if it matters.
-    fn bounce(&self, ray: Ray, share: Rgb, media: Media, sees_lights: bool, work: &mut Work) -> bool {
-        let throughput = self.throughput * share;
-        let left = self.pending.left;
-        if !self.tracer.goes_on(left)
-            || share == Rgb::ZERO
-            || throughput.max_element() < self.tracer.quality.threshold
-        {
-            return false;
+        // Behind the last surface only what emits light is seen.
+        let last = path.left.eq(F::U32::splat(1));
+        let turns = if stage.context.emits { open } else { open & !last };
+        if lobes.has(LobeSet::MICROFACET) && turns.any() {
+            self.rough(stage, &bsdf, turns);
         }
-        let left = left - 1;
-        let (tangent, beam) = (self.seen().frame().tangent(ray.direction), self.beam());
-        let passed = None;
-        work.pending.push(Pending { ray, tangent, beam, throughput, left, media, sees_lights, passed });
-        true
+        if lobes.has(LobeSet::MIRROR) && turns.any() {
+            self.mirror(stage, &bsdf, turns);
+        }
+        if lobes.has(LobeSet::TRANSPARENT) {
+            self.transparent(stage, &bsdf, visible);
+        }
+        if lobes.has(LobeSet::REFRACTION) && turns.any() {
+            self.refracted(stage, &bsdf, turns);
+        }
     }
 
-    fn mirror(&self, dice: Dice, work: &mut Work) {
-        let lobes = &self.face.lobes;
-        if lobes.mirror == Rgb::ZERO {
+    /// Samples a light, and appends the shadow rays along which it may come.
+    #[inline(always)]
+    fn sample_light(
+        &self,
+        stage: &mut Stage,
+        bsdf: &Bsdf<F>,
+        (request, light_index): (&LightRequest, usize),
+        open: F::Mask,
+    ) {
+        let ShadingContext { path, surface, .. } = self.at;
+        let light = self.at.sample_light(stage, request, open);
+        if !light.is_lit.any() {
             return;
         }
-        let seen = self.seen();
-        let mirrored = seen.mirrored();
-        let Some(fuzz) = seen.fuzz() else { return self.reflect(mirrored, lobes.mirror, work) };
-        let [_, u, v, w] = dice.sampler.four(Use::Scatter(dice.surface));
-        self.scatter(fuzz.sample(mirrored, DVec3::new(u, v, w)), lobes.mirror, work);
+        let reflected = bsdf.reflected(light.direction);
+        let scattered = reflected.scattered(self.at.fog_transmittance(stage, &light));
+        let whole = path.throughput.lit() * (scattered + reflected.highlight) * light.radiance;
+        let item = ShadowItem {
+            ray: light.shadow_ray(&surface.surface),
+            light: whole,
+            weighed: Color::black(),
+            medium: path.medium,
+            slot: path.slot,
+        };
+        stage.shadows[light_index].push(light.is_lit & whole.is_lit(), &item);
     }
 
     /// The metallic-roughness surface's reflection: in one of its small mirrors.
-    fn rough(&self, dice: Dice, work: &mut Work) {
-        let lobes = &self.face.lobes;
-        if lobes.microfacet == 0.0 {
+    #[inline(always)]
+    fn rough(&self, stage: &mut Stage, bsdf: &Bsdf<F>, turns: F::Mask) {
+        let [u, v] = self.at.numbers(dimension::GLOSSY, 0);
+        let reflection = bsdf.glossy_sample(u, v);
+        let sharp = reflection.is_smooth;
+        let mirrored = spawn_mirrored(bsdf.surface, bsdf.mirrored());
+        let scattered = spawn_scattered(bsdf.surface, reflection.direction);
+        let ray = Spawn::select(sharp, mirrored, scattered);
+        let mask = turns & (sharp | reflection.is_drawn);
+        self.reflect(stage, branch::ROUGH, ray, reflection.share, (mask, sharp));
+    }
+
+    #[inline(always)]
+    fn mirror(&self, stage: &mut Stage, bsdf: &Bsdf<F>, turns: F::Mask) {
+        let mut ray = spawn_mirrored(bsdf.surface, bsdf.mirrored());
+        let mut sharp = F::Mask::splat(true);
+        if self.at.lobes.has(LobeSet::FUZZ) {
+            let [u, v, w] = self.at.numbers(dimension::SCATTER, 0);
+            sharp = !bsdf.is_fuzzy();
+            ray = Spawn::select(sharp, ray, spawn_scattered(bsdf.surface, bsdf.fuzzy_sample([u, v, w])));
+        }
+        self.reflect(stage, branch::MIRROR, ray, bsdf.mirror, (turns, sharp));
+    }
+
+    /// Passing straight on takes no bounce.
+    #[inline(always)]
+    fn transparent(&self, stage: &mut Stage, bsdf: &Bsdf<F>, visible: F::Mask) {
+        let path = &self.at.path;
+        let specular = path.throughput.specular * bsdf.transparency;
+        let mask = visible & self.matters(stage, specular * path.throughput.clear);
+        if !mask.any() {
             return;
         }
-        let seen = self.seen();
-        let Some(microfacet) = seen.microfacet() else {
-            let fresnel = seen.metallic_fresnel(seen.normal().dot(seen.to_eye));
-            return self.reflect(seen.mirrored(), fresnel * lobes.microfacet, work);
+        stage.counts.rays.transmitted += u64::from(mask.bits().count_ones());
+        let throughput = Throughput { specular, ..path.throughput };
+        let state = PathState { throughput, key: self.key(stage, branch::TRANSPARENT), ..*path };
+        self.at.pass_on(stage, mask, &state);
+    }
+
+    #[inline(always)]
+    fn refracted(&self, stage: &mut Stage, bsdf: &Bsdf<F>, turns: F::Mask) {
+        let ShadingContext { path, lobes, interface, .. } = self.at;
+        let bent = interface.boundary.meet(lobes.fresnel(), path.ray.direction, bsdf.normal);
+        let reflected = bent.reflected.to_f32();
+        let passes = turns & !bent.is_total;
+        let medium = F::U32::select(bsdf.passes(bent.direction), interface.behind, path.medium);
+        let refracted = Branch {
+            number: branch::REFRACTED,
+            ray: spawn(bsdf.surface, bent.direction),
+            share: bsdf.refraction * (F::F32::splat(1.0) - reflected),
+            mask: passes,
+            // Shadow rays pass here too, so that what they have found must not count again.
+            flags: path.flags,
+            medium,
         };
-        let frame = seen.frame();
-        let eye = DVec3::from(frame.to_local(seen.to_eye));
-        let [_, _, u, v] = dice.sampler.four(Use::Glossy(dice.surface));
-        let half = microfacet.sample(eye, DVec2::new(u, v));
-        let light = reflect(-eye, half);
-        let density = microfacet.density(eye, light);
-        if light.z <= 0.0 || density == 0.0 {
-            return;
+        stage.counts.rays.transmitted += u64::from(self.push(stage, &refracted).bits().count_ones());
+        // A boundary reflects all colours alike, whatever colour it lets pass; but totally it reflects as it passes.
+        let alike = Color::grey(bsdf.refraction.max_element() * reflected);
+        let share = Color::select(bent.is_total, bsdf.refraction, alike);
+        let ray = spawn_mirrored(bsdf.surface, bsdf.mirrored());
+        self.reflect(stage, branch::REFLECTED, ray, share, (turns, F::Mask::splat(true)));
+    }
+
+    /// Appends reflections, sharp ones among them. Where a reflection is drawn, light has been sampled instead of being met.
+    #[inline(always)]
+    fn reflect(
+        &self,
+        stage: &mut Stage,
+        number: u32,
+        ray: Spawn<F>,
+        share: Color<F::F32>,
+        (mask, sharp): (F::Mask, F::Mask),
+    ) {
+        let (none, counted) = (F::U32::splat(0), F::U32::splat(flags::LIGHT_COUNTED));
+        let flags = F::U32::select(sharp, none, counted);
+        let mask = mask & ray.is_sound;
+        let branch = Branch { number, ray, share, mask, flags, medium: self.at.path.medium };
+        stage.counts.rays.mirror += u64::from(self.push(stage, &branch).bits().count_ones());
+    }
+
+    /// Appends a branch where it matters: there.
+    #[inline(always)]
+    fn push(&self, stage: &mut Stage, branch: &Branch<F>) -> F::Mask {
+        let path = &self.at.path;
+        let one = F::F32::splat(1.0);
+        let specular = path.throughput.lit() * branch.share;
+        let mask = branch.mask & self.matters(stage, specular);
+        if !mask.any() {
+            return mask;
         }
-        let share = (microfacet.reflected(eye, light) / density) as f32;
-        let fresnel = seen.metallic_fresnel(eye.dot(half));
-        self.scatter(frame.to_world(light.to_array()), fresnel * (share * lobes.microfacet), work);
-    }
-
-    /// Puts off the reflection of a sharp mirror.
-    fn reflect(&self, direction: DVec3, share: Rgb, work: &mut Work) {
-        self.reflected(spawn_mirrored(&self.face.surface, direction), share, true, work);
-    }
-
-    /// Puts off a reflection that was drawn, unless it leads below the surface.
-    fn scatter(&self, direction: DVec3, share: Rgb, work: &mut Work) {
-        let surface = &self.face.surface;
-        if direction.dot(surface.normal) > 0.0 || surface.smoothly_faces(direction) {
-            self.reflected(spawn_gathering(surface, direction), share, false, work);
-        }
-    }
-
-    fn reflected(&self, ray: Ray, share: Rgb, sees_lights: bool, work: &mut Work) {
-        if self.bounce(ray, share, self.pending.media, sees_lights, work) {
-            work.counts.rays.mirror += 1;
-        }
-    }
-
-    /// Straight on through what hides the surface, if anything does.
-    fn hidden(&self, work: &mut Work) -> bool {
-        let hidden = self.face.boundary.is_some_and(|boundary| boundary.hidden);
-        if hidden {
-            self.straight_on(self.throughput, work);
-        }
-        hidden
-    }
-
-    fn straight_on(&self, throughput: Rgb, work: &mut Work) {
-        let media = self.face.boundary.map_or(self.pending.media, |boundary| boundary.passed);
-        let (beam, passed) = (self.beam(), Some(self.face.passed));
-        work.pending.push(Pending { beam, throughput, media, passed, ..*self.pending });
-    }
-
-    /// What passes unbent is not reflected: as many surfaces are left.
-    fn transparent(&self, work: &mut Work) {
-        let throughput = self.throughput * self.face.lobes.transparency;
-        if throughput == Rgb::ZERO || throughput.max_element() < self.tracer.quality.threshold {
-            return;
-        }
-        work.counts.rays.transmitted += 1;
-        self.straight_on(throughput, work);
-    }
-
-    /// The beam where it meets the surface. It goes on as if all surfaces were flat.
-    fn beam(&self) -> Beam {
-        Beam { width: self.face.width, ..self.pending.beam }
-    }
-
-    fn refracted(&self, work: &mut Work) {
-        let share = self.face.lobes.refraction;
-        let Some(boundary) = self.face.boundary.filter(|_| share != Rgb::ZERO) else { return };
-        let seen = self.seen();
-        let direction = self.pending.ray.direction;
-        let Some(bent) = boundary.meet(self.face.material.fresnel, direction, seen.normal()) else {
-            return self.reflect(seen.mirrored(), share, work);
+        let state = PathState {
+            ray: LaneRay { origin: branch.ray.origin, direction: branch.ray.direction },
+            throughput: Throughput { diffuse: Color::black(), specular, clear: one },
+            cone: self.at.cone(),
+            left: path.left.wrapping_add(F::U32::splat(u32::MAX)),
+            flags: branch.flags,
+            medium: branch.medium,
+            key: self.key(stage, branch.number),
+            after: F::splat(0.0),
+            pending: F::U32::splat(0),
+            ..*path
         };
-        let reflected = bent.reflected as f32;
-        let ray = spawn(&self.face.surface, bent.direction);
-        let media = if seen.passes(bent.direction) { boundary.passed } else { self.pending.media };
-        // Shadow rays pass here too, so that what they have found must not count again.
-        let sees_lights = self.pending.sees_lights;
-        if self.bounce(ray, share * (1.0 - reflected), media, sees_lights, work) {
-            work.counts.rays.transmitted += 1;
+        stage.next.push(mask, &state);
+        mask
+    }
+
+    #[inline(always)]
+    fn key(&self, stage: &Stage, number: u32) -> F::U32 {
+        let key = self.at.path.key;
+        if !stage.context.columns.keys {
+            return key;
         }
-        // A boundary reflects all colours alike, whatever colour it lets pass.
-        self.reflect(seen.mirrored(), Rgb::splat(share.max_element() * reflected), work);
+        hash_lanes([key, F::U32::splat(number), F::U32::splat(0)])
+    }
+
+    /// Lanes in which so much throughput is worth a ray.
+    #[inline(always)]
+    fn matters(&self, stage: &Stage, throughput: Color<F::F32>) -> F::Mask {
+        let threshold = F::F32::splat(stage.context.quality.threshold);
+        throughput.is_lit() & threshold.le(throughput.max_element())
     }
 }

@@ -4,11 +4,11 @@ use super::slabs::{AFAR, ROUNDOFF, SLACK, SPREAD, STEEPEST, Wide};
 use super::space::ROUNDING;
 use super::walk::{Leaves, Stack, Walk};
 use super::{Child, Node, Slabs, Tree};
+use crate::lanes::{LaneKernel, Level, Mask, Real, Row, Select, Single, Vec3};
 use crate::math::{gamma, larger, smaller};
-use crate::simd::{Lanes, Octo, Quad, Vector};
 
 /// What a tree's leaves hold, while eight rays walk the tree.
-pub trait BundleLeaves<L> {
+pub trait BundleLeaves<L: Level> {
     /// Whether a ray may go on alone. Not having what it needs for that, a bundle is begun sooner.
     const ALONE: bool;
 
@@ -16,7 +16,7 @@ pub trait BundleLeaves<L> {
     fn visit(&mut self, leaf: u32, rays: u32);
 
     /// The limits beyond which nothing is of interest any more; below 0 for rays that have ended.
-    fn limit(&self) -> L;
+    fn limit(&self) -> L::F32;
 
     /// Goes on along one of the rays alone, by [`Tree::walk_below`].
     fn part(&mut self, ray: usize, below: Branch);
@@ -30,49 +30,45 @@ pub struct Branch(Child);
 const FEW: u32 = 1;
 
 /// Eight rays as a tree's filters see them, like [`Slabs`](super::Slabs).
-pub struct BundleSlabs<L: Lanes> {
+pub struct BundleSlabs<L: Level> {
     /// Along each axis 1 / direction and -origin / direction, for the planes of boxes that come first and last.
-    enter: [[L; 2]; 3],
-    leave: [[L; 2]; 3],
+    enter: [[L::F32; 2]; 3],
+    leave: [[L::F32; 2]; 3],
     /// Rays for which upper planes come first.
     backwards: [u32; 3],
-    unit: Octo<L::Quad>,
-    origin: [L; 3],
-    error: L,
+    unit: L::F64,
+    origin: [L::F32; 3],
+    error: L::F32,
     /// What holds all rays, where they go the same way along every axis.
-    hull: Option<Wide<L>>,
+    hull: Option<Wide<L::F32>>,
 }
 
 /// Rays along one axis: those of [`Slabs`](super::Slabs).
-struct Along<L: Lanes> {
-    enter: [L; 2],
-    leave: [L; 2],
+struct Along<L: Level> {
+    enter: [L::F32; 2],
+    leave: [L::F32; 2],
     /// Bits of rays that go backwards.
     backwards: u32,
-    steepness: Octo<L::Quad>,
+    steepness: L::F64,
 }
 
 /// In trees of no more nodes, to find what holds all rays takes longer than to do without, and so does what a ray by itself
 /// needs.
 const SMALL: usize = 8;
 
-impl<L: Lanes> BundleSlabs<L> {
+impl<L: Level> BundleSlabs<L> {
     /// The rays in the tree's space, and a bit for each that may be walked along together with the others, and for each
     /// that comes from so far that it has to begin elsewhere. The others pass by the whole tree.
     #[inline(always)]
-    pub fn new(
-        tree: &Tree,
-        from: Vector<L::Quad>,
-        direction: Vector<L::Quad>,
-        rays: u32,
-    ) -> (Self, u32, u32) {
+    pub fn new(tree: &Tree, from: Vec3<L::F64>, direction: Vec3<L::F64>, rays: u32) -> (Self, u32, u32) {
         let space = &tree.space;
-        let per = Octo::splat(space.per);
-        let origin = (from - Vector::splat(space.origin)) * per;
-        let near = origin.longest().at_most(Octo::splat(AFAR)).bits() & rays;
-        let scale = direction.longest().power_of_two();
-        let error = from.longest().larger(Octo::splat(space.farthest)) * Octo::splat(space.per * ROUNDING);
-        let error = error + Octo::splat(SLACK);
+        let per = L::F64::splat(space.per);
+        let origin = (from - Vec3::splat(space.origin)) * per;
+        let near = origin.abs().max_element().le(L::F64::splat(AFAR)).bits() & rays;
+        let scale = direction.abs().max_element().power_of_two();
+        let error =
+            from.abs().max_element().max(L::F64::splat(space.farthest)) * L::F64::splat(space.per * ROUNDING);
+        let error = error + L::F64::splat(SLACK);
         let x = Self::along(origin.x, direction.x, scale, error);
         let y = Self::along(origin.y, direction.y, scale, error);
         let z = Self::along(origin.z, direction.z, scale, error);
@@ -101,8 +97,8 @@ impl<L: Lanes> BundleSlabs<L> {
             leave: [x.leave, y.leave, z.leave],
             backwards,
             unit: scale * per,
-            origin: [L::load(&origin.x.narrow()), L::load(&origin.y.narrow()), L::load(&origin.z.narrow())],
-            error: L::load(&error.narrow()),
+            origin: [origin.x.to_f32(), origin.y.to_f32(), origin.z.to_f32()],
+            error: error.to_f32(),
             hull,
         };
         let afar = match rays & !near {
@@ -114,21 +110,16 @@ impl<L: Lanes> BundleSlabs<L> {
 
     /// Along one axis, with the bounds of [`Slabs::new`](super::Slabs::new).
     #[inline(always)]
-    fn along(
-        origin: Octo<L::Quad>,
-        direction: Octo<L::Quad>,
-        scale: Octo<L::Quad>,
-        error: Octo<L::Quad>,
-    ) -> Along<L> {
-        let inverse = Octo::splat(1.0) / direction * scale;
-        let steepness = inverse.absolute().smaller(Octo::splat(STEEPEST));
-        let inverse = steepness.signed_like(inverse);
+    fn along(origin: L::F64, direction: L::F64, scale: L::F64, error: L::F64) -> Along<L> {
+        let inverse = L::F64::splat(1.0) / direction * scale;
+        let steepness = inverse.abs().min(L::F64::splat(STEEPEST));
+        let inverse = steepness.copysign(inverse);
         let offset = -origin * inverse;
-        let off = offset.absolute() * Octo::splat(4.0 * ROUNDOFF) + error * steepness;
-        let spread = Octo::splat(SPREAD);
-        let enter = [L::load(&inverse.narrow()), L::load(&(offset - off).narrow())];
-        let leave = [L::load(&(inverse * spread).narrow()), L::load(&((offset + off) * spread).narrow())];
-        let backwards = inverse.signs();
+        let off = offset.abs() * L::F64::splat(4.0 * ROUNDOFF) + error * steepness;
+        let spread = L::F64::splat(SPREAD);
+        let enter = [inverse.to_f32(), (offset - off).to_f32()];
+        let leave = [(inverse * spread).to_f32(), ((offset + off) * spread).to_f32()];
+        let backwards = inverse.is_negative().bits();
         Along { enter, leave, backwards, steepness }
     }
 
@@ -138,13 +129,13 @@ impl<L: Lanes> BundleSlabs<L> {
     /// what is entered or left before the start is not told from what is so at the start.
     #[inline(always)]
     fn hull(
-        origin: Octo<L::Quad>,
-        steepness: Octo<L::Quad>,
-        error: Octo<L::Quad>,
+        origin: L::F64,
+        steepness: L::F64,
+        error: L::F64,
         forwards: bool,
         wanted: u32,
-    ) -> [[L; 2]; 2] {
-        let (origin, steepness, error) = (origin.store(), steepness.store(), error.store());
+    ) -> [[L::F32; 2]; 2] {
+        let (origin, steepness, error) = (origin.to_array(), steepness.to_array(), error.to_array());
         let sign = if forwards { 1.0 } else { -1.0 };
         let (mut least, mut most) = (f64::INFINITY, 0.0);
         let (mut first, mut last) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -162,56 +153,59 @@ impl<L: Lanes> BundleSlabs<L> {
         let (enter, leave) = (-first * least, -last * most);
         let (enter, leave) = (enter - pad(enter, least), leave + pad(leave, most));
         [
-            [L::splat((sign * least) as f32), L::splat(enter as f32)],
-            [L::splat((sign * most * SPREAD) as f32), L::splat((leave * SPREAD) as f32)],
+            [L::F32::splat((sign * least) as f32), L::F32::splat(enter as f32)],
+            [L::F32::splat((sign * most * SPREAD) as f32), L::F32::splat((leave * SPREAD) as f32)],
         ]
     }
 
     /// Where the rays start in the tree's space, in f32.
     #[inline(always)]
-    pub fn origin(&self) -> [L; 3] {
+    pub fn origin(&self) -> [L::F32; 3] {
         self.origin
     }
 
     /// How far off the rays' origins may be along each axis, before they are rounded to f32.
     #[inline(always)]
-    pub fn error(&self) -> L {
+    pub fn error(&self) -> L::F32 {
         self.error
     }
 
     /// 1 / direction along an axis.
     #[inline(always)]
-    pub fn inverse_along(&self, axis: usize) -> L {
+    pub fn inverse_along(&self, axis: usize) -> L::F32 {
         self.enter[axis % 3][0]
     }
 
     /// Limits of the rays' t in the filters' units, rounded up.
     #[inline(always)]
-    pub fn limit(&self, t: Octo<L::Quad>) -> L {
+    pub fn limit(&self, t: L::F64) -> L::F32 {
         let limit = t * self.unit;
-        L::load(&(limit + limit.absolute() * Octo::splat(4.0 * ROUNDOFF)).narrow())
+        (limit + limit.abs() * L::F64::splat(4.0 * ROUNDOFF)).to_f32()
     }
 
     /// The rays that may meet a node's child before their limits, and where they enter it.
     #[inline(always)]
-    fn test(&self, node: &Node, slot: usize, limit: L) -> (u32, L) {
+    fn test(&self, node: &Node, slot: usize, limit: L::F32) -> (u32, L::F32) {
         let (x, y, z) = (self.planes(node, 0, slot), self.planes(node, 1, slot), self.planes(node, 2, slot));
-        let enter = x.0.larger(L::splat(0.0)).larger(y.0.larger(z.0));
-        let leave = x.1.smaller(limit.times(L::splat(SPREAD as f32))).smaller(y.1.smaller(z.1));
-        (enter.at_most(leave), enter)
+        let enter = x.0.max(L::F32::splat(0.0)).max(y.0.max(z.0));
+        let leave = x.1.min(limit * L::F32::splat(SPREAD as f32)).min(y.1.min(z.1));
+        (enter.le_bits(leave), enter)
     }
 
     #[inline(always)]
-    fn planes(&self, node: &Node, axis: usize, slot: usize) -> (L, L) {
+    fn planes(&self, node: &Node, axis: usize, slot: usize) -> (L::F32, L::F32) {
         let [lower, upper] = &node.planes[axis];
-        let (lower, upper) = (L::splat(lower[slot]), L::splat(upper[slot]));
+        let (lower, upper) = (L::F32::splat(lower[slot]), L::F32::splat(upper[slot]));
         let backwards = self.backwards[axis];
         let (near, far) = match backwards {
             0 => (lower, upper),
-            _ => (upper.pick(backwards, lower), lower.pick(backwards, upper)),
+            _ => {
+                let backwards = L::Mask::from_bits(backwards);
+                (L::F32::select(backwards, upper, lower), L::F32::select(backwards, lower, upper))
+            }
         };
         let ([a, b], [c, d]) = (self.enter[axis], self.leave[axis]);
-        (near.times_plus(a, b), far.times_plus(c, d))
+        (near.mul_add(a, b), far.mul_add(c, d))
     }
 }
 
@@ -220,6 +214,15 @@ type Waiting = (f32, Child, u32);
 
 /// Children put off at once. Where a deeper tree needs more, what is below a node is walked by recursion.
 const STACK: usize = 64;
+
+/// Room for the children that a walk puts off. What is in it before and after means nothing.
+pub struct BundleStack([Waiting; STACK]);
+
+impl Default for BundleStack {
+    fn default() -> Self {
+        Self([(0.0, Child::NONE, 0); STACK])
+    }
+}
 
 impl Tree {
     /// Whether the tree is too small for a hull of the rays, and for rays that go on alone.
@@ -230,56 +233,50 @@ impl Tree {
 
     /// The rays that may meet the tree's box, as `Tree::crossed` has it for one.
     #[inline(always)]
-    fn crossed_together<Q: Quad>(&self, origin: Vector<Q>, direction: Vector<Q>, error: Octo<Q>) -> u32 {
+    fn crossed_together<F: Real>(&self, origin: Vec3<F>, direction: Vec3<F>, error: F) -> u32 {
         let (x, y, z) = (
             self.between(0, origin.x, direction.x, error),
             self.between(1, origin.y, direction.y, error),
             self.between(2, origin.z, direction.z, error),
         );
-        let enter = x.0.larger(y.0.larger(z.0.larger(Octo::splat(0.0))));
-        let leave = x.1.smaller(y.1.smaller(z.1.smaller(Octo::splat(f64::INFINITY))));
-        let spread = Octo::splat(1.0 + 4.0 * gamma(3));
-        enter.at_most(leave * spread).bits()
+        let enter = x.0.max(y.0.max(z.0.max(F::splat(0.0))));
+        let leave = x.1.min(y.1.min(z.1.min(F::splat(f64::INFINITY))));
+        enter.le(leave * F::splat(1.0 + 4.0 * gamma(3))).bits()
     }
 
     /// Where rays enter and leave the box along an axis. What is no number, for rays within a plane, bounds nothing.
     #[inline(always)]
-    fn between<Q: Quad>(
-        &self,
-        axis: usize,
-        origin: Octo<Q>,
-        direction: Octo<Q>,
-        error: Octo<Q>,
-    ) -> (Octo<Q>, Octo<Q>) {
-        let inverse = Octo::splat(1.0) / direction;
-        let low = (Octo::splat(self.bounds[0][axis]) - error - origin) * inverse;
-        let high = (Octo::splat(self.bounds[1][axis]) + error - origin) * inverse;
-        let backwards = inverse.below(Octo::splat(0.0));
-        (high.pick(backwards, low), low.pick(backwards, high))
+    fn between<F: Real>(&self, axis: usize, origin: F, direction: F, error: F) -> (F, F) {
+        let inverse = F::splat(1.0) / direction;
+        let low = (F::splat(self.bounds[0][axis]) - error - origin) * inverse;
+        let high = (F::splat(self.bounds[1][axis]) + error - origin) * inverse;
+        let backwards = inverse.lt(F::splat(0.0));
+        (F::select(backwards, high, low), F::select(backwards, low, high))
     }
 
     /// Visits every leaf that the rays may meet.
     #[inline(always)]
-    pub fn walk_together<L: Lanes>(
+    pub fn walk_together<L: Level>(
         &self,
         slabs: &BundleSlabs<L>,
         rays: u32,
         leaves: &mut impl BundleLeaves<L>,
+        stack: &mut BundleStack,
     ) {
         if self.root != Child::NONE {
-            self.walk_together_from(self.root, slabs, rays, leaves);
+            self.walk_together_from(self.root, slabs, rays, leaves, stack);
         }
     }
 
     #[inline(always)]
-    fn walk_together_from<L: Lanes, T: BundleLeaves<L>>(
+    fn walk_together_from<L: Level, T: BundleLeaves<L>>(
         &self,
         from: Child,
         slabs: &BundleSlabs<L>,
         mut rays: u32,
         leaves: &mut T,
+        BundleStack(stack): &mut BundleStack,
     ) {
-        let mut stack: [Waiting; STACK] = [(0.0, Child::NONE, 0); STACK];
         let (mut top, mut at) = (0, from);
         let few = if T::ALONE { FEW } else { 0 };
         loop {
@@ -309,10 +306,10 @@ impl Tree {
                         continue;
                     }
                     if top == STACK {
-                        self.walk_apart_together(child, slabs, met, leaves);
+                        L::call_with(Below { tree: self, from: child, slabs, rays: met, leaves });
                         continue;
                     }
-                    let waiting = (enter.store()[met.trailing_zeros() as usize & 7], child, met);
+                    let waiting = (enter.to_array()[met.trailing_zeros() as usize & 7], child, met);
                     let mut place = top;
                     while place > bottom && stack[place - 1].0 < waiting.0 {
                         stack[place] = stack[place - 1];
@@ -331,26 +328,32 @@ impl Tree {
     /// Walks what is below a node along a single ray, of which nothing beyond `limit` is of interest. Gives what is left of
     /// the limit, or none if a leaf has ended the walk.
     #[inline(always)]
-    pub fn walk_below<L: Lanes>(
+    pub fn walk_below<L: Level>(
         &self,
         below: Branch,
         slabs: &Slabs,
         limit: f32,
         leaves: &mut impl Leaves,
     ) -> Option<f32> {
-        L::apart(Walk { tree: self, slabs, leaves, limit, from: below.0, stack: &mut Stack::default() })
+        L::call(Walk { tree: self, slabs, leaves, limit, from: below.0, stack: &mut Stack::default() })
     }
+}
 
-    /// The same from another child on, out of line.
-    #[cold]
-    #[inline(never)]
-    fn walk_apart_together<L: Lanes>(
-        &self,
-        from: Child,
-        slabs: &BundleSlabs<L>,
-        rays: u32,
-        leaves: &mut impl BundleLeaves<L>,
-    ) {
-        self.walk_together_from(from, slabs, rays, leaves);
+/// A walk from another child on, out of line.
+struct Below<'a, L: Level, T> {
+    tree: &'a Tree,
+    from: Child,
+    slabs: &'a BundleSlabs<L>,
+    rays: u32,
+    leaves: &'a mut T,
+}
+
+impl<L: Level, T: BundleLeaves<L>> LaneKernel<L> for Below<'_, L, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { tree, from, slabs, rays, leaves } = self;
+        tree.walk_together_from(from, slabs, rays, leaves, &mut BundleStack::default());
     }
 }

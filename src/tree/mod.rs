@@ -12,9 +12,9 @@ mod space;
 mod walk;
 
 pub use build::fetch_ahead;
-pub use bundle::{Branch, BundleLeaves, BundleSlabs};
+pub use bundle::{Branch, BundleLeaves, BundleSlabs, BundleStack};
 pub use contents::Contents;
-pub use probe::{Probe, Vicinities, Vicinity};
+pub use probe::Probe;
 pub use slabs::Slabs;
 pub use space::Space;
 pub use walk::{Leaves, Stack};

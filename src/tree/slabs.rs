@@ -2,8 +2,8 @@
 
 use super::space::{power_of_two, reciprocal};
 use super::{Node, Probe, Tree};
+use crate::lanes::{Level, Mask, Real, Row, Single};
 use crate::math::{DVec3, gamma, larger};
-use crate::simd::{Lanes, Numbers, Quad};
 
 /// A ray as a tree's f32 filters see it: its direction scaled by a power of two, so that the longest component is of
 /// 1..2, and begun near the tree if it comes from afar.
@@ -48,11 +48,10 @@ struct Start {
 }
 
 impl Start {
-    /// Near the tree, if the ray comes from afar, and no sooner than after the first t; none if it passes by, or meets the
-    /// tree beyond `t_max`.
+    /// Near the tree, if the ray comes from afar; none if it passes by, or meets the tree beyond `t_max`.
     #[cold]
     #[inline(never)]
-    fn approach(tree: &Tree, probe: &Probe, (after, t_max): (f64, f64)) -> Option<Self> {
+    fn approach(tree: &Tree, probe: &Probe, t_max: f64) -> Option<Self> {
         let scale = power_of_two(probe.ray.direction.abs().max_element());
         let (origin, error) =
             (tree.space.point(probe.ray.origin), tree.space.error(longest(probe.ray.origin)));
@@ -61,9 +60,7 @@ impl Start {
         if enter > t_max * scale * tree.space.per * (1.0 + f64::EPSILON) {
             return None;
         }
-        // Behind the tree there is nothing more to meet.
-        let after = (after * scale * tree.space.per).min(enter + 4.0);
-        let begin = (enter - 0.5).max(after);
+        let begin = (enter - 0.5).max(0.0);
         let per_scale = reciprocal(scale);
         Some(Self {
             origin: origin + probe.ray.direction * per_scale * begin,
@@ -80,31 +77,29 @@ fn longest(v: DVec3) -> f64 {
 }
 
 impl Slabs {
-    /// The ray in the tree's space, beyond the first t; none if it comes from afar and passes by the whole tree, or meets it
-    /// beyond the second.
+    /// The ray in the tree's space; none if it comes from afar and passes by the whole tree, or meets it beyond `t_max`.
     #[inline(always)]
-    pub fn new<L: Lanes>(tree: &Tree, probe: &Probe, between: (f64, f64)) -> Option<Self> {
+    pub fn new<L: Level>(tree: &Tree, probe: &Probe, t_max: f64) -> Option<Self> {
         let scale = power_of_two(probe.longest);
         let origin = tree.space.point(probe.ray.origin);
-        let Start { origin, error, begin } = match longest(origin) <= AFAR && between.0 == 0.0 {
+        let Start { origin, error, begin } = match longest(origin) <= AFAR {
             true => Start { origin, error: tree.space.error(longest(probe.ray.origin)), begin: 0.0 },
-            false => Start::approach(tree, probe, between)?,
+            false => Start::approach(tree, probe, t_max)?,
         };
         // The distance to a plane p along an axis is p·i - o·i. Of it, rounding i to f32 takes u of |p·i|, which is at
         // most |t| + |o·i|; rounding o·i takes u of that; and the product and the difference take u of p·i and t, where
         // they are rounded apart. That is 3u of |o·i| and 3u of |t|.
-        let inverse = row::<L::Quad>(probe.inverse).times(L::Quad::splat(scale));
+        let inverse = row::<L::F64>(probe.inverse) * L::F64::splat(scale);
         // The second for what is not a number.
-        let steepness = inverse.absolute().smaller(L::Quad::splat(STEEPEST));
-        let inverse = steepness.signed_like(inverse);
-        let offset = row::<L::Quad>(-origin).times(inverse);
-        let off = offset.absolute().times(L::Quad::splat(4.0 * ROUNDOFF));
-        let off = off.plus(steepness.times(L::Quad::splat(error + SLACK)));
-        let spread = L::Quad::splat(SPREAD);
+        let steepness = inverse.abs().min(L::F64::splat(STEEPEST));
+        let inverse = steepness.copysign(inverse);
+        let offset = row::<L::F64>(-origin) * inverse;
+        let off = offset.abs() * L::F64::splat(4.0 * ROUNDOFF) + steepness * L::F64::splat(error + SLACK);
+        let spread = L::F64::splat(SPREAD);
         Some(Self {
-            enter: [inverse.narrow(), offset.minus(off).narrow()],
-            leave: [inverse.times(spread).narrow(), offset.plus(off).times(spread).narrow()],
-            octant: inverse.signs(),
+            enter: [along_axes::<L>(inverse), along_axes::<L>(offset - off)],
+            leave: [along_axes::<L>(inverse * spread), along_axes::<L>((offset + off) * spread)],
+            octant: inverse.is_negative().bits() & 7,
             origin,
             error,
             begin,
@@ -132,31 +127,38 @@ impl Slabs {
     }
 }
 
-/// A vector in a row, with a number behind it that harms nobody.
+/// A vector in the first lanes, with numbers behind it that harm nobody.
 #[inline(always)]
-fn row<Q: Quad>(v: DVec3) -> Q {
-    Q::load(&[v.x, v.y, v.z, 1.0])
+fn row<F: Real<Array = [f64; 8]>>(v: DVec3) -> F {
+    F::from_array([v.x, v.y, v.z, 1.0, 1.0, 1.0, 1.0, 1.0])
+}
+
+/// The first lanes.
+#[inline(always)]
+fn along_axes<L: Level>(row: L::F64) -> [f32; 4] {
+    let [x, y, z, ..] = row.to_f32().to_array();
+    [x, y, z, 1.0]
 }
 
 /// [`Slabs`] in lanes.
 #[derive(Clone, Copy)]
-pub(super) struct Wide<L> {
-    pub enter: [[L; 2]; 3],
-    pub leave: [[L; 2]; 3],
+pub(super) struct Wide<S> {
+    pub enter: [[S; 2]; 3],
+    pub leave: [[S; 2]; 3],
     /// Along each axis whether upper planes come first.
     pub near: [usize; 3],
 }
 
 // No closures here: they would be compiled for less than the lanes need.
-impl<L: Lanes> Wide<L> {
+impl<S: Single<Array = [f32; 8]>> Wide<S> {
     #[inline(always)]
     pub fn new(slabs: &Slabs) -> Self {
-        let nothing = [[L::splat(0.0); 2]; 3];
+        let nothing = [[S::splat(0.0); 2]; 3];
         let mut wide = Self { enter: nothing, leave: nothing, near: [0; 3] };
         for axis in 0..3 {
             for part in 0..2 {
-                wide.enter[axis][part] = L::splat(slabs.enter[part][axis]);
-                wide.leave[axis][part] = L::splat(slabs.leave[part][axis]);
+                wide.enter[axis][part] = S::splat(slabs.enter[part][axis]);
+                wide.leave[axis][part] = S::splat(slabs.leave[part][axis]);
             }
             wide.near[axis] = (slabs.octant >> axis & 1) as usize;
         }
@@ -167,23 +169,23 @@ impl<L: Lanes> Wide<L> {
     #[inline(always)]
     pub fn test(&self, node: &Node, limit: f32) -> (u32, [f32; 8]) {
         // In pairs, as the next node has to wait for the last of these.
-        let enter = self.enter(node, 0).larger(L::splat(0.0));
-        let enter = enter.larger(self.enter(node, 1).larger(self.enter(node, 2)));
-        let leave = self.leave(node, 0).smaller(L::splat(limit * SPREAD as f32));
-        let leave = leave.smaller(self.leave(node, 1).smaller(self.leave(node, 2)));
-        (enter.at_most(leave), enter.store())
+        let enter = self.enter(node, 0).max(S::splat(0.0));
+        let enter = enter.max(self.enter(node, 1).max(self.enter(node, 2)));
+        let leave = self.leave(node, 0).min(S::splat(limit * SPREAD as f32));
+        let leave = leave.min(self.leave(node, 1).min(self.leave(node, 2)));
+        (enter.le_bits(leave), enter.to_array())
     }
 
     #[inline(always)]
-    fn enter(&self, node: &Node, axis: usize) -> L {
+    fn enter(&self, node: &Node, axis: usize) -> S {
         let [inverse, offset] = self.enter[axis];
-        L::load(&node.planes[axis][self.near[axis] & 1]).times_plus(inverse, offset)
+        S::from_array(node.planes[axis][self.near[axis] & 1]).mul_add(inverse, offset)
     }
 
     #[inline(always)]
-    fn leave(&self, node: &Node, axis: usize) -> L {
+    fn leave(&self, node: &Node, axis: usize) -> S {
         let [inverse, offset] = self.leave[axis];
-        L::load(&node.planes[axis][!self.near[axis] & 1]).times_plus(inverse, offset)
+        S::from_array(node.planes[axis][!self.near[axis] & 1]).mul_add(inverse, offset)
     }
 }
 

@@ -2,41 +2,34 @@
 
 use super::slabs::Wide;
 use super::{Child, Node, Probe, Slabs, Tree};
-use crate::simd::{Lanes, Work, dispatch};
+use crate::lanes::{Level, SimdKernel, dispatch};
 
 /// What a tree's leaves hold, while a ray walks the tree.
 pub trait Leaves {
     /// Tests what is in a leaf and before `limit`; gives the limit beyond which nothing is of interest any more, or none to end the walk.
     /// Implementations are `#[inline(always)]`.
-    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, limit: f32) -> Option<f32>;
+    fn visit<L: Level>(&mut self, leaf: u32, slabs: &Slabs, limit: f32) -> Option<f32>;
 
     /// Asks for what is in a leaf that will be visited soon.
-    fn fetch<L: Lanes>(&self, leaf: u32);
+    fn prefetch<L: Level>(&self, leaf: u32);
 }
 
 impl Tree {
-    /// Visits every leaf that the ray may meet beyond the first t and before the second, of a node's children the nearest
-    /// first.
+    /// Visits every leaf that the ray may meet before `t_max`, of a node's children the nearest first.
     #[inline(always)]
-    pub fn walk(&self, probe: &Probe, between: (f64, f64), leaves: &mut impl Leaves) {
+    pub fn walk(&self, probe: &Probe, t_max: f64, leaves: &mut impl Leaves) {
         if self.root != Child::NONE {
-            dispatch(Begin { tree: self, probe, between, leaves });
+            dispatch(Begin { tree: self, probe, t_max, leaves });
         }
     }
 
     /// [`Tree::walk`] on lanes that are at work already.
     #[inline(always)]
-    pub fn walk_on<L: Lanes>(
-        &self,
-        probe: &Probe,
-        between: (f64, f64),
-        leaves: &mut impl Leaves,
-        stack: &mut Stack,
-    ) {
+    pub fn walk_on<L: Level>(&self, probe: &Probe, t_max: f64, leaves: &mut impl Leaves, stack: &mut Stack) {
         if self.root != Child::NONE
-            && let Some(slabs) = Slabs::new::<L>(self, probe, between)
+            && let Some(slabs) = Slabs::new::<L>(self, probe, t_max)
         {
-            let limit = slabs.limit(between.1);
+            let limit = slabs.limit(t_max);
             Walk { tree: self, slabs: &slabs, leaves, limit, from: self.root, stack }.run::<L>();
         }
     }
@@ -46,17 +39,17 @@ impl Tree {
 struct Begin<'a, V> {
     tree: &'a Tree,
     probe: &'a Probe,
-    between: (f64, f64),
+    t_max: f64,
     leaves: &'a mut V,
 }
 
-impl<V: Leaves> Work for Begin<'_, V> {
+impl<V: Leaves> SimdKernel for Begin<'_, V> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { tree, probe, between, leaves } = self;
-        tree.walk_on::<L>(probe, between, leaves, &mut Stack::default());
+    fn run<L: Level>(self) {
+        let Self { tree, probe, t_max, leaves } = self;
+        tree.walk_on::<L>(probe, t_max, leaves, &mut Stack::default());
     }
 }
 
@@ -70,14 +63,14 @@ pub(super) struct Walk<'a, V> {
     pub stack: &'a mut Stack,
 }
 
-impl<V: Leaves> Work for Walk<'_, V> {
+impl<V: Leaves> SimdKernel for Walk<'_, V> {
     /// The limit at the end of the walk; none if a leaf has ended it.
     type Output = Option<f32>;
 
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Option<f32> {
+    fn run<L: Level>(self) -> Option<f32> {
         let Self { tree, slabs, leaves, mut limit, from, stack: Stack(entries) } = self;
-        let wide = Wide::<L>::new(slabs);
+        let wide = Wide::<L::F32>::new(slabs);
         let (mut top, mut at) = (0, from);
         loop {
             if let Some(leaf) = at.as_leaf() {
@@ -102,8 +95,8 @@ impl<V: Leaves> Work for Walk<'_, V> {
                         others &= others - 1;
                         (nearest, other) = nearest.sorted(other);
                         match other.child().as_leaf() {
-                            Some(leaf) => leaves.fetch::<L>(leaf),
-                            None => L::fetch(&tree.nodes, other.child().0 as usize),
+                            Some(leaf) => leaves.prefetch::<L>(leaf),
+                            None => L::prefetch(&tree.nodes, other.child().0 as usize),
                         }
                         put(entries, bottom, top, other);
                         top += 1;

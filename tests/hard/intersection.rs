@@ -7,7 +7,7 @@ use crate::support::{Random, U, direction, disk_across, facing, few, geometry, h
 use kinora::camera::Ray;
 use kinora::math::{DAffine3, DVec3};
 use kinora::shape::{Plane, Shape, Sphere};
-use kinora::trace::spawn::spawn;
+use kinora::trace::spawn::spawn_ray;
 
 fn sphere(center: DVec3, radius: f64) -> kinora::scene::Primitive {
     placed(&Shape::Sphere(Sphere { center, radius }), DAffine3::IDENTITY)
@@ -93,7 +93,7 @@ fn int_05_rays_that_start_inside_a_sphere() {
         let (t, surface) = met(&unit, origin, d).expect("a ray from inside leaves");
         assert!(surface.normal.dot(d) > 0.0, "met from inside");
         assert!(facing(surface, d).normal.dot(d) < 0.0, "turned to the eye");
-        let beyond = spawn(&surface, d);
+        let beyond = spawn_ray(&surface, d);
         assert_eq!(hit(&unit, beyond.origin, d), None, "once");
         t
     };
@@ -129,7 +129,7 @@ fn int_06_tangents_and_starts_on_the_surface() {
     assert_eq!(beside(1.0 + libm::exp2(-23.0)), None);
     let (_, surface) = met(&unit, DVec3::X * 3.0, DVec3::NEG_X).expect("a hit");
     assert_eq!(surface.point, DVec3::X);
-    let from = |d: DVec3| hit(&unit, spawn(&surface, d).origin, d).map(|at| at.t);
+    let from = |d: DVec3| hit(&unit, spawn_ray(&surface, d).origin, d).map(|at| at.t);
     assert_eq!((from(DVec3::X), from(DVec3::Y)), (None, None));
     let back = from(DVec3::NEG_X).expect("the far side");
     assert!((back - 2.0).abs() <= 8.0 * U, "{} u", (back - 2.0) / U);
@@ -277,8 +277,8 @@ fn int_21_extreme_sizes_of_all_shapes() {
                     (t - expected).abs() <= 1e-13 / cosine,
                     "{shape:?} of {size:e}: {t} instead of {expected}"
                 );
-                let beyond = spawn(&surface, d);
-                let again = spawn(&plain, d);
+                let beyond = spawn_ray(&surface, d);
+                let again = spawn_ray(&plain, d);
                 let counted =
                     [hit(&extreme, beyond.origin, d * size).is_some(), hit(&unit, again.origin, d).is_some()];
                 assert_eq!(counted[0], counted[1], "{shape:?} of {size:e}");

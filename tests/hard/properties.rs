@@ -11,7 +11,7 @@ use kinora::scene::{Finish, Geometry, Primitive};
 use kinora::shape::{
     Cone, Crossing, Cuboid, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Surface, Torus, Triangle,
 };
-use kinora::trace::spawn::spawn;
+use kinora::trace::spawn::spawn_ray;
 use kinora::tree::Probe;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -163,7 +163,7 @@ fn aimed(place: &Place, aim: DVec3, from: DVec3) -> Ray {
 
 fn first(primitive: &Primitive, ray: &Ray) -> Option<(Crossing, Surface)> {
     let at = primitive.hit(&Probe::new(*ray), f64::INFINITY)?;
-    Some((at, primitive.surface(ray, at)))
+    Some((at, primitive.surface_at(ray, at)))
 }
 
 /// How far a point of the world is from the surface along the world's unit normal, in twice the precision: its distance
@@ -226,7 +226,7 @@ proptest! {
         let ray = aimed(&place, aim, from * (far + 4.0));
         let (mut next, mut count) = (ray, 0);
         while let Some((_, surface)) = first(&primitive, &next) {
-            next = spawn(&surface, ray.direction);
+            next = spawn_ray(&surface, ray.direction);
             count += 1;
             prop_assert!(count <= 4, "{:?}", known.shape);
         }
@@ -246,7 +246,7 @@ proptest! {
             for direction in [to, ray.direction, -ray.direction] {
                 // Within the plane to rounding there is no side.
                 if direction.dot(surface.normal).abs() > 1e-9 {
-                    let again = first(&primitive, &spawn(&surface, direction));
+                    let again = first(&primitive, &spawn_ray(&surface, direction));
                     prop_assert!(again.is_none(), "{:?} again at {:?}", known.shape, again);
                 }
             }
@@ -262,9 +262,9 @@ proptest! {
             let thin = surface.error.max_element() > 1e-4 * place.size;
             let inwards = if to.dot(surface.normal) > 0.0 { -to } else { to };
             if inwards.dot(surface.normal) < -1e-3 && !thin {
-                prop_assert!(first(&primitive, &spawn(&surface, inwards)).is_some(), "{:?} has no far side", known.shape);
+                prop_assert!(first(&primitive, &spawn_ray(&surface, inwards)).is_some(), "{:?} has no far side", known.shape);
                 if !matches!(known.shape, Shape::Torus(_)) {
-                    let outwards = first(&primitive, &spawn(&surface, -inwards));
+                    let outwards = first(&primitive, &spawn_ray(&surface, -inwards));
                     prop_assert!(outwards.is_none(), "{:?} shadows itself at {:?}", known.shape, outwards);
                 }
             }
@@ -317,7 +317,7 @@ proptest! {
             let found = here.1.closest(&here.0, &Probe::new(ray));
             prop_assert_eq!(there.1.closest(&there.0, &Probe::new(large)), found);
             if let Some(hit) = found {
-                let surface = |geometry: &Geometry, ray| geometry.primitives[hit.primitive as usize].surface(ray, hit.at);
+                let surface = |geometry: &Geometry, ray| geometry.primitives[hit.primitive as usize].surface_at(ray, hit.at);
                 let (a, b) = (surface(&here.0, &ray), surface(&there.0, &large));
                 prop_assert_eq!(a.normal, b.normal);
                 prop_assert_eq!(a.point * by, b.point);

@@ -1,10 +1,10 @@
-//! Chance and sums. SA-01, SA-02 and SA-06 stand in `src/sampling`, SA-08 in `src/trace/pixel.rs`; SA-03 and SA-10 see
+//! Chance and sums. SA-01, SA-02 and SA-06 stand in `src/sampling`, SA-08 in `src/trace/sums.rs`; SA-03 and SA-10 see
 //! the whole renderer in `tests/integration`.
 
 use crate::support::{few, shoot_all};
-use kinora::math::DVec3;
+use kinora::math::{DVec2, DVec3};
 use kinora::optics::Fuzz;
-use kinora::sampling::{PixelSampler, Use, cosine_hemisphere, disk, in_ball, uniform_sphere};
+use kinora::sampling::{PixelSampler, cosine_hemisphere, dimension, disk, in_ball, uniform_sphere};
 use rayon::prelude::*;
 
 /// 128 of all 2^32 numbers become 1 when they are divided by 2^32 in f32.
@@ -12,7 +12,8 @@ fn numbers_are_below_one(draws: u32) {
     (0..1000u32).into_par_iter().for_each(|pixel| {
         let numbers = PixelSampler::new((pixel, 7), 3);
         for sample in 0..draws / 4000 {
-            let four = numbers.sample(sample).four(Use::Scatter(sample % 3));
+            let of = dimension::at_surface(dimension::SCATTER, sample % 3, 0);
+            let four = numbers.sample(sample).lanes().numbers::<4>(of);
             assert!(four.iter().all(|u| (0.0..1.0).contains(u)), "{four:?}");
         }
     });
@@ -35,16 +36,16 @@ fn sa_05_directions_are_finite_and_of_unit_length() {
     let ends = [0.0, 5e-324, 1e-30, f64::EPSILON, 0.25, 0.5, 0.75, 1.0 - f64::EPSILON, 1.0f64.next_down()];
     let unit = |d: DVec3| d.is_finite() && (d.length() - 1.0).abs() <= 4.0 * f64::EPSILON;
     for (&u, &v) in ends.iter().flat_map(|u| ends.iter().map(move |v| (u, v))) {
-        let u2 = kinora::math::DVec2::new(u, v);
-        assert!(unit(uniform_sphere(u2)) && unit(cosine_hemisphere(u2)), "{u2}");
-        assert!(disk(u2).length() <= 1.0 + f64::EPSILON, "{u2}");
+        let on_sphere = DVec3::from(uniform_sphere(u, v));
+        assert!(unit(on_sphere) && unit(cosine_hemisphere(u, v).into()), "{u} {v}");
+        assert!(DVec2::from(disk(u, v)).length() <= 1.0 + f64::EPSILON, "{u} {v}");
         for w in ends {
-            let u = DVec3::new(u, v, w);
-            assert!(in_ball(u).length() <= 1.0 + f64::EPSILON, "{u}");
-            for mirrored in [DVec3::Z, DVec3::NEG_Z, DVec3::NEG_X, -uniform_sphere(u2)] {
+            let u = [u, v, w];
+            assert!(in_ball(u).length() <= 1.0 + f64::EPSILON, "{u:?}");
+            for mirrored in [DVec3::Z, DVec3::NEG_Z, DVec3::NEG_X, -on_sphere] {
                 for fuzz in [1.0, 0.5, 1e-3] {
-                    let d = Fuzz(fuzz).sample(mirrored, u);
-                    assert!(unit(d), "fuzz {fuzz} of {mirrored} by {u}: {d}");
+                    let d = Fuzz(fuzz).sample(mirrored.into(), u).into();
+                    assert!(unit(d), "fuzz {fuzz} of {mirrored} by {u:?}: {d}");
                 }
             }
         }

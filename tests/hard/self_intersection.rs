@@ -2,11 +2,11 @@
 
 use crate::exact::Exact;
 use crate::support::{Random, U, direction, facing, few, hit, met, placed, shoot_all};
-use kinora::math::{DAffine3, DVec2, DVec3};
+use kinora::math::{DAffine3, DVec3};
 use kinora::mesh::{self, Corners, Normals, generate};
 use kinora::optics::refract;
-use kinora::shape::{Mesh, Shape, Sphere, Surface};
-use kinora::trace::spawn::{spawn, spawn_gathering};
+use kinora::shape::{Geometric, Mesh, Shape, Sphere, Surface};
+use kinora::trace::spawn::{spawn_gathering, spawn_ray};
 use std::sync::Arc;
 
 /// A shell 4e-5 of its size above another one: any fixed offset that is longer skips the inner one.
@@ -56,8 +56,7 @@ fn falsely_shadowed(to_world: DAffine3, level: u32, points: u32) -> [f64; 2] {
     let mut random = Random(3);
     let (mut lit, mut wrong) = (0, [0, 0]);
     while lit < points {
-        use kinora::shape::Geometric;
-        let (drawn, _) = mesh.sample_area(DVec2::new(random.unit(), random.unit())).expect("a point");
+        let drawn: Surface = mesh.sample_area(random.unit(), random.unit()).0.into();
         // Seen from above, a little beside the normal.
         let to_eye = (drawn.normal + direction(&mut random) * 0.5).normalize();
         let (eye, way) =
@@ -68,8 +67,9 @@ fn falsely_shadowed(to_world: DAffine3, level: u32, points: u32) -> [f64; 2] {
             continue;
         }
         lit += 1;
-        for (wrong, ray) in wrong.iter_mut().zip([spawn(&surface, light), spawn_gathering(&surface, light)]) {
-            *wrong += u32::from(hit(&primitive, ray.origin, ray.direction).is_some());
+        let gathering = spawn_gathering::<f64>(&(&surface).into(), light.into()).origin;
+        for (wrong, origin) in wrong.iter_mut().zip([spawn_ray(&surface, light).origin, gathering.into()]) {
+            *wrong += u32::from(hit(&primitive, origin, light).is_some());
         }
     }
     wrong.map(|wrong| f64::from(wrong) / f64::from(lit))
@@ -134,9 +134,11 @@ fn through_glass(radius: f64, center: DVec3) -> (Vec<Surface>, DVec3) {
     let mut events = Vec::new();
     while let Some((_, surface)) = met(&ball, origin, d) {
         let entering = surface.normal.dot(d) < 0.0;
-        let (bent, _) =
-            refract(d, facing(surface, d).normal, if entering { 1.5 } else { 1.0 / 1.5 }).expect("passes");
-        (origin, d) = (spawn(&surface, bent).origin, bent);
+        let eta = if entering { 1.5 } else { 1.0 / 1.5 };
+        let bent = refract::<f64>(d.into(), facing(surface, d).normal.into(), eta);
+        assert!(!bent.is_total, "passes");
+        d = bent.direction.into();
+        origin = spawn_ray(&surface, d).origin;
         events.push(surface);
         assert!(events.len() < 9, "caught inside");
     }

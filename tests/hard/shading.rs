@@ -10,7 +10,7 @@ use kinora::camera::Ray;
 use kinora::material::{Exponent, MadeOf};
 use kinora::math::{Angle, DAffine3, DVec3};
 use kinora::scene::{Finish, Geometry};
-use kinora::shape::{Plane, Rectangle, Shape};
+use kinora::shape::{OneRay, Plane, Rectangle, Shape};
 use kinora::texture::{Footprint, Pattern};
 
 /// Corners of Phong's table, through the renderer: highlights only where N·L > 0 and R·V > 0. A power alone gives no
@@ -86,7 +86,7 @@ fn sh_17_planes_between_layers_show_one_of_them() {
                 let [p_world, eye] = [p, eye].map(|q| to_world.transform_point3(q));
                 let ray = Ray { origin: eye, direction: (p_world - eye).normalize() };
                 let at = hit(&geometry.primitives[0], ray.origin, ray.direction).expect("a hit");
-                let surface = geometry.primitives[0].surface(&ray, at);
+                let surface = geometry.primitives[0].surface_at(&ray, at);
                 let spot = geometry.spot(&Hit { at, primitive: 0 }, &surface, &Footprint::default(), false);
                 let share = Pattern::Checker.share(spot.point, spot.error, DVec3::ZERO);
                 let clear = |x: f64| (x - x.round()).abs() > 1e-4;
@@ -115,8 +115,8 @@ fn sh_13_coordinates_of_spheres_anywhere() {
         let origin = center + direction(&mut random) * (2.0 * radius) + DVec3::Y * (3.0 * pole * radius);
         let sphere = placed(&shape, DAffine3::IDENTITY);
         let Some(at) = hit(&sphere, origin, aim - origin) else { continue };
-        let surface = sphere.surface(&Ray { origin, direction: aim - origin }, at);
-        let uv = shape.uv(surface.point, 0);
+        let surface = sphere.surface_at(&Ray { origin, direction: aim - origin }, at);
+        let uv = shape.uv_at(surface.point, 0);
         assert!((0.0..1.0).contains(&uv.x) && (0.0..=1.0).contains(&uv.y), "{uv} of {shape:?}");
     }
 }

@@ -11,7 +11,7 @@ use kinora::camera::Ray;
 use kinora::material::MadeOf;
 use kinora::math::{Angle, DAffine3, DVec3, UNIT_ROUNDOFF};
 use kinora::scene::{Finish, Geometry, Primitive};
-use kinora::shape::{Crossing, Shape, Surface};
+use kinora::shape::{Crossing, LaneSurface, Shape, Surface};
 use kinora::tree::Probe;
 
 /// The unit round-off.
@@ -60,10 +60,11 @@ pub fn hit(primitive: &Primitive, origin: DVec3, direction: DVec3) -> Option<Cro
 /// Where a ray meets the primitive, with the surface as the primitive gives it.
 pub fn met(primitive: &Primitive, origin: DVec3, direction: DVec3) -> Option<(f64, Surface)> {
     let at = hit(primitive, origin, direction)?;
-    Some((at.t, primitive.surface(&Ray { origin, direction }, at)))
+    Some((at.t, primitive.surface_at(&Ray { origin, direction }, at)))
 }
 
 /// The surface with its normal against the direction, as integrators see it.
 pub fn facing(surface: Surface, direction: DVec3) -> Surface {
-    if surface.normal.dot(direction) > 0.0 { surface.flipped() } else { surface }
+    let below = surface.normal.dot(direction) > 0.0;
+    LaneSurface::from(&surface).flipped(below).into()
 }

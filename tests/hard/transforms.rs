@@ -145,7 +145,7 @@ fn far_uneven_rims(rays: u32) {
 fn crossings(primitive: &kinora::scene::Primitive, mut origin: DVec3, d: DVec3) -> u32 {
     let mut count = 0;
     while let Some((_, surface)) = met(primitive, origin, d) {
-        origin = kinora::trace::spawn::spawn(&surface, d).origin;
+        origin = kinora::trace::spawn::spawn_ray(&surface, d).origin;
         count += 1;
         if count == 9 {
             break;

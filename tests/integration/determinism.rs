@@ -1,7 +1,9 @@
-//! A frame's bytes depend on the sequence alone: not on threads, other frames, or the tree's layout.
+//! A frame's bytes depend on the sequence alone: not on threads, SIMD, other frames, or the tree's layout.
 
+use crate::command::contents;
 use crate::golden;
 use crate::support::{Shot, sequence, shoot, shoot_all};
+use assert_cmd::Command;
 use kinora::counters::Meter;
 use kinora::encode::{Existing, Output};
 use kinora::film::Film;
@@ -43,6 +45,24 @@ fn sa_10_films_are_the_same_for_any_number_of_threads_and_any_run() {
         let one = on(1);
         for threads in [1, 2, 3, 8] {
             same(&one, &on(threads), &format!("{} on {threads} threads", sequence.name));
+        }
+    }
+}
+
+/// The command writes the same bytes on every SIMD level; one that the processor lacks counts as not set.
+#[test]
+fn files_are_the_same_on_every_simd_level() {
+    for sequence in golden::sequences() {
+        let files = ["portable", "avx2", "avx512"].map(|level| {
+            let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+            let mut command = Command::cargo_bin("kinora").expect("the binary is built with its tests");
+            command.current_dir(folder.path()).env("KINORA_SIMD", level);
+            command.arg("render").arg(&sequence).args(["-o", "##.exr", "-o", "##.png"]).assert().success();
+            contents(folder.path())
+        });
+        assert!(files[0].len() >= 2, "{sequence:?}");
+        for (level, files_of) in ["avx2", "avx512"].iter().zip(&files[1..]) {
+            assert!(files_of == &files[0], "{sequence:?} on {level}");
         }
     }
 }

@@ -1,6 +1,6 @@
-//! Images on surfaces: where they end, and what shows through them.
+//! Images and patterns on surfaces: where they end, what shows through them, and how they look behind what is clear.
 
-use crate::support::{sequence_in, shoot_all_in};
+use crate::support::{sequence_in, shoot_all_in, shoot_film};
 use kinora::color::Rgb;
 use std::path::Path;
 use tempfile::TempDir;
@@ -211,4 +211,29 @@ fn alpha_without_a_meaning_is_told() {
     assert!(told[0].contains("`metallic`") && told[0].contains("`roughness`"), "{told:?}");
     let told = notes("(background: Equirect(file: \"clear.png\"))");
     assert!(told.len() == 1 && told[0].contains("`background`") && told[0].contains("alpha"), "{told:?}");
+}
+
+/// Rays pass clear panes without a bend, so a pattern behind them is as wide in a pixel as without.
+#[test]
+fn patterns_keep_their_contrast_behind_clear_panes() {
+    let seen = |integrator: &str, panes: &str| -> Vec<Rgb> {
+        let text = format!(
+            r#"(output: (size: (24, 16)), quality: (integrator: {integrator}, samples: 16), ambient: 0,
+            camera: (position: (0, 2, 12), target: (0, 0, 0)),
+            objects: {{ "floor": (shape: Plane(), material: (ambient: 0, diffuse: 0, emission: 1,
+                color: Checker(a: 1, b: 0, scale: 0.5))), {panes} }})"#
+        );
+        shoot_film(&text).radiance().collect()
+    };
+    let pane = |z: u32| {
+        format!(
+            "\"{z}\": (shape: Rectangle(corner: (-99, -99, {z}), u: (198, 0, 0), v: (0, 198, 0)),
+            material: (ambient: 0, diffuse: 0, transparency: 1)),"
+        )
+    };
+    for integrator in ["Whitted", "Path()"] {
+        let open = seen(integrator, "");
+        assert!(open.iter().any(|light| light.x > 0.1 && light.x < 0.9), "the pattern fades somewhere");
+        assert_eq!(seen(integrator, &format!("{}{}{}", pane(4), pane(7), pane(10))), open, "{integrator}");
+    }
 }

@@ -11,7 +11,7 @@ use kinora::math::{DAffine3, DVec3, UNIT_ROUNDOFF};
 use kinora::mesh::{self, Corners, LoadMeter, Normals, Parts, generate, obj, ply};
 use kinora::scene::{Finish, Geometry, Primitive};
 use kinora::sequence::load;
-use kinora::shape::{Mesh, Shape};
+use kinora::shape::{Mesh, OneRay, Shape};
 use kinora::tree::Probe;
 use std::fs::{self, File};
 use std::path::Path;
@@ -102,8 +102,8 @@ fn a_mesh_is_the_sum_of_its_triangles() {
         let (one, other) = (loose_bvh.closest(&loose, &probe), whole_bvh.closest(&whole, &probe));
         assert_eq!(one.map(|hit| (hit.at.t, hit.primitive)), other.map(|hit| (hit.at.t, hit.at.part)));
         let (Some(one), Some(other)) = (one, other) else { continue };
-        let loose_surface = loose.primitives[one.primitive as usize].surface(&ray, one.at);
-        assert_eq!(loose_surface, whole.primitives[0].surface(&ray, other.at));
+        let loose_surface = loose.primitives[one.primitive as usize].surface_at(&ray, one.at);
+        assert_eq!(loose_surface, whole.primitives[0].surface_at(&ray, other.at));
     }
 }
 
@@ -131,8 +131,8 @@ fn file_formats_do_not_show() {
         let ray = Ray { origin, direction: random.point(0.3) - origin };
         let told = shapes.each_ref().map(|shape| {
             let at = shape.hit(&Probe::new(ray), f64::INFINITY)?;
-            let surface = shape.surface(&ray, at);
-            Some((at, surface, shape.uv(surface.point, at.part), shape.color(surface.point, at.part)))
+            let surface = shape.surface_at(&ray, at);
+            Some((at, surface, shape.uv_at(surface.point, at.part), shape.color(surface.point, at.part)))
         });
         assert!(told[0] == told[1] && told[1] == told[2], "{told:?}");
         hits += u32::from(told[0].is_some());
@@ -167,7 +167,7 @@ fn xf_01_normals_of_placed_meshes_are_perpendicular() {
         let target = map.transform_point3(normal);
         let ray = Ray { origin: target * 3.0, direction: -target };
         let at = placed.hit(&Probe::new(ray), f64::INFINITY).expect("a hit");
-        let surface = placed.surface(&ray, at);
+        let surface = placed.surface_at(&ray, at);
         let expected = expected.normalize();
         assert!((surface.normal - expected).length() <= 16.0 * UNIT_ROUNDOFF, "{}", surface.normal);
         // Corners' normals are f32.
@@ -192,7 +192,7 @@ fn placed_shading_normals_stay_on_their_side() {
             let direction = map.transform_vector3(DVec3::Y) * side;
             let ray = Ray { origin: target - direction, direction };
             let at = placed.hit(&Probe::new(ray), f64::INFINITY).expect("a hit");
-            let surface = placed.surface(&ray, at);
+            let surface = placed.surface_at(&ray, at);
             assert!(surface.shading.dot(surface.normal) >= 0.0, "turn {turn}");
         }
     }

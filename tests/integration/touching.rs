@@ -103,7 +103,7 @@ fn nothing_is_trapped_between_shapes_that_share_a_face() {
         let films = both_orders(&glass, &water).map(|objects| {
             let text = format!(
                 r#"(output: (size: (32, 24)), {MATERIALS}, {objects}, ambient: 0, background: 1,
-                quality: (integrator: Path(roulette: Off), samples: 16, bounces: 200),
+                quality: (integrator: Path(roulette: Off), samples: 16, bounces: 1000),
                 camera: (position: (1.7, 1.9, 2.3), target: (0, -0.1, 0)))"#
             );
             shoot_film(&text)

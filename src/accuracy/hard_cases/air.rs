@@ -8,6 +8,7 @@ use crate::camera::Ray;
 use crate::fog::{Falloff, Fog};
 use crate::glow::Glow;
 use crate::math::DVec3;
+use crate::shape::LaneRay;
 
 /// A way of unit length, up to rounding, through fog that is thinner with height, from where it has its density.
 #[derive(Clone, Copy)]
@@ -49,7 +50,7 @@ impl<R: Machine> Way<R> {
 }
 
 fn ours(at: &Way<f64>) -> f64 {
-    at.fog.opacity(&at.ray, at.length)
+    at.fog.opacity(&LaneRay::from(&at.ray), at.length)
 }
 
 fn thin<R: Machine>(effort: Effort) -> Vec<Way<R>> {

@@ -7,7 +7,7 @@ use crate::accuracy::exact::Exact;
 use crate::color::Rgb;
 use crate::environment::CubeMap;
 use crate::math::{Angle, DVec2, DVec3};
-use crate::shape::{Geometric, Sphere};
+use crate::shape::{OneRay, Sphere};
 use crate::texture::Image;
 use std::f64::consts::PI;
 use std::rc::Rc;
@@ -41,7 +41,7 @@ fn arc_tangent(at: &AtPole<f32>) -> f32 {
 }
 
 pub fn ours(at: &AtPole<f64>) -> f64 {
-    at.sphere.uv(at.point.wide(), 0).y * PI
+    at.sphere.uv_at(at.point.wide(), 0).y * PI
 }
 
 fn at_pole<R: Machine>(effort: Effort) -> Vec<AtPole<R>> {

@@ -11,7 +11,7 @@ use crate::color::linear_to_srgb;
 use crate::encode::{EncodeError, Picture, Sheet, write_png};
 use crate::environment::CubeMap;
 use crate::math::{Angle, DVec3};
-use crate::shape::{Geometric, Triangle};
+use crate::shape::{OneRay, Triangle};
 use crate::time::{Rate, Timeline};
 use crate::tree::Probe;
 use std::path::{Path, PathBuf};
@@ -77,7 +77,7 @@ fn far_sphere() -> Picture {
     let ours = panel(SIDE, |x, y| {
         let at = Aimed::<f64>::new(DVec3::ZERO, 1.0, eye, aim(x, y) - eye);
         let hit = at.sphere.hit(&at.probe, f64::INFINITY);
-        hit.map_or(DVec3::ZERO, |found| shade(at.sphere.surface(&at.probe.ray, found).normal))
+        hit.map_or(DVec3::ZERO, |found| shade(at.sphere.surface_at(&at.probe.ray, found).normal))
     });
     beside([textbook, ours])
 }

@@ -4,7 +4,7 @@ use super::draw::Draw;
 use super::measure::{Case, Effort, Verdict, way};
 use super::real::{Machine, Real, V};
 use crate::accuracy::exact::Exact;
-use crate::math::{Angle, DVec2, DVec3};
+use crate::math::{Angle, DVec3};
 use crate::sampling::Frame;
 use crate::shape::{Geometric, Sphere};
 
@@ -42,8 +42,8 @@ fn frames(effort: Effort) -> Case {
         (0..effort.inputs).map(one).collect()
     }
     fn ours(n: &V<f64>) -> Axes<f64> {
-        let Frame { x, y, z } = Frame::around(n.wide());
-        [x, y, z].map(V::of)
+        let Frame { x, y, z } = Frame::around(n.wide().into());
+        [x, y, z].map(|axis| V::of(axis.into()))
     }
     fn judge<R: Machine>(_: &V<R>, axes: Axes<R>) -> Verdict {
         let [x, y, z] = axes.map(V::wide);
@@ -102,8 +102,9 @@ fn small_lights(effort: Effort) -> Case {
         stable_density(at, std::f32::consts::TAU)
     }
     fn ours(at: &Far<f64>) -> f64 {
-        let drawn = at.light.sample_from(DVec3::ZERO, &Frame::around(DVec3::Z), DVec2::splat(0.5));
-        drawn.map_or(f64::NAN, |(_, _, density)| density)
+        let eye = Frame::identity();
+        let (_, _, pdf) = at.light.sample_from(DVec3::ZERO.into(), &eye, 0.5, 0.5);
+        pdf
     }
     fn judge<R: Machine>(at: &Far<R>, found: R) -> Verdict {
         let exact = Far { radius: Exact::of(at.radius.wide()), distance: Exact::one(), light: at.light };

@@ -6,7 +6,7 @@ use super::real::{Machine, Real, V};
 use crate::accuracy::exact::Exact;
 use crate::camera::Ray;
 use crate::math::DVec3;
-use crate::shape::{Cone, Cuboid, Cylinder, Geometric, Shape};
+use crate::shape::{Cone, Cuboid, Cylinder, OneRay, Shape};
 use crate::tree::Probe;
 use std::rc::Rc;
 

@@ -9,8 +9,8 @@ use crate::accuracy::exact::Exact;
 use crate::camera::Ray;
 use crate::math::{Angle, DVec3};
 use crate::optics::refract;
-use crate::shape::{Crossing, Geometric, Rectangle, Sphere};
-use crate::trace::spawn::spawn;
+use crate::shape::{Crossing, OneRay, Rectangle, Sphere};
+use crate::trace::spawn::spawn_ray;
 use crate::tree::Probe;
 
 /// The least t of secondary rays that ray tracers are usually written with.
@@ -59,8 +59,8 @@ pub fn ours(at: &Lit<f64>) -> Option<Shadow> {
     let Sphere { .. } = at.aimed.sphere;
     let probe = &at.aimed.probe;
     let found = at.aimed.sphere.hit(probe, f64::INFINITY)?;
-    let surface = at.aimed.sphere.surface(&probe.ray, found);
-    let ray = spawn(&surface, at.light.wide());
+    let surface = at.aimed.sphere.surface_at(&probe.ray, found);
+    let ray = spawn_ray(&surface, at.light.wide());
     let blocked = at.aimed.sphere.blocks(&Probe::new(ray), f64::INFINITY);
     Some(Shadow { blocked, gap: (ray.origin - surface.point).length() })
 }
@@ -167,8 +167,8 @@ fn board_stable(at: &Board<f32>) -> Option<Shadow> {
 
 fn board_ours(at: &Board<f64>) -> Option<Shadow> {
     let found = at.ours.hit(&at.probe, f64::INFINITY)?;
-    let surface = at.ours.surface(&at.probe.ray, found);
-    let ray = spawn(&surface, at.light.wide() - surface.point);
+    let surface = at.ours.surface_at(&at.probe.ray, found);
+    let ray = spawn_ray(&surface, at.light.wide() - surface.point);
     let ray = Ray { direction: at.light.wide() - ray.origin, ..ray };
     let blocked = at.ours.blocks(&Probe::new(ray), 1.0);
     Some(Shadow { blocked, gap: (ray.origin - surface.point).length() })
@@ -228,10 +228,13 @@ fn glass_ours(at: &Aimed<f64>) -> Option<V<f64>> {
     for eta in [1.5, 1.0 / 1.5] {
         let probe = Probe::new(ray);
         let found: Crossing = at.sphere.hit(&probe, f64::INFINITY)?;
-        let surface = at.sphere.surface(&ray, found);
+        let surface = at.sphere.surface_at(&ray, found);
         let facing = if eta > 1.0 { surface.normal } else { -surface.normal };
-        let (direction, _) = refract(ray.direction, facing, eta)?;
-        ray = spawn(&surface, direction);
+        let bent = refract::<f64>(ray.direction.into(), facing.into(), eta);
+        if bent.is_total {
+            return None;
+        }
+        ray = spawn_ray(&surface, bent.direction.into());
     }
     Some(V::of(ray.direction))
 }

@@ -6,7 +6,7 @@ use super::real::{Machine, Real, V};
 use crate::accuracy::exact::Exact;
 use crate::camera::Ray;
 use crate::math::DVec3;
-use crate::shape::{Geometric, Sphere};
+use crate::shape::{OneRay, Sphere};
 use crate::tree::Probe;
 
 /// A ray and a sphere, in one precision and, of the same numbers, as the product has them.

@@ -42,8 +42,11 @@ fn from_sine<R: Real>(direction: V<R>) -> R {
 
 fn ours(at: &Inside<f64>) -> f64 {
     let direction = at.direction.wide();
-    let bent = refract(direction, DVec3::Y, 1.0 / 1.5);
-    bent.map_or(1.0, |(_, cosine)| Fresnel::Exact.reflectance(-direction.y, cosine, 1.0 / 1.5))
+    let bent = refract::<f64>(direction.into(), DVec3::Y.into(), 1.0 / 1.5);
+    match bent.is_total {
+        true => 1.0,
+        false => Fresnel::Exact.reflectance(-direction.y, bent.cosine, 1.0 / 1.5),
+    }
 }
 
 fn judge<R: Machine>(at: &Inside<R>, found: R) -> Verdict {
@@ -132,7 +135,7 @@ fn polished_judge<R: Machine>(at: &Polished<R>, found: R) -> Verdict {
 
 fn highlights(effort: Effort) -> Case {
     fn ours(at: &Polished<f64>) -> f64 {
-        Microfacet { alpha: at.alpha }.reflected(at.eye.wide(), at.light.wide())
+        Microfacet { alpha: at.alpha }.reflected(at.eye.wide().into(), at.light.wide().into())
     }
     Case {
         id: "GGX",

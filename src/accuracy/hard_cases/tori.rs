@@ -6,7 +6,7 @@ use super::real::{Machine, Real, V};
 use crate::accuracy::exact::Exact;
 use crate::camera::Ray;
 use crate::math::{Angle, DVec3};
-use crate::shape::{Geometric, Torus};
+use crate::shape::{OneRay, Torus};
 use crate::tree::Probe;
 use std::rc::Rc;
 

@@ -5,9 +5,9 @@ use super::measure::{Case, Effort, Verdict, way};
 use super::real::{Machine, Real, V};
 use crate::accuracy::exact::{Exact, Vector};
 use crate::camera::Ray;
-use crate::math::{DVec2, DVec3};
+use crate::math::DVec3;
 use crate::mesh::generate;
-use crate::shape::{Geometric, Triangle};
+use crate::shape::{Geometric, OneRay, Triangle};
 use crate::tree::Probe;
 
 /// The triangles of a closed mesh around one of its corners, and a ray from inside at that corner or at one of its
@@ -156,8 +156,8 @@ fn wide_normal(at: &Slender<f32>) -> V<f32> {
 }
 
 fn our_normal(at: &Slender<f64>) -> V<f64> {
-    let sample = at.ours.sample_area(DVec2::splat(0.5));
-    V::of(sample.map_or(DVec3::NAN, |(surface, _)| surface.normal))
+    let (surface, _) = at.ours.sample_area(0.5, 0.5);
+    V::of(surface.normal.into())
 }
 
 /// The angle to the true normal: of a cross product with it, which does not cancel.

@@ -1,41 +1,39 @@
-//! Eight rays and one mesh: they share the nodes of its tree and what has to be known of each triangle.
+//! The search for triangles along eight rays: they share the nodes of the tree and what has to be known of each triangle.
 
-use super::{Any, Mesh, Nearest};
+use super::Mesh;
+use super::search::{Any, Nearest};
+use crate::lanes::{Level, Mask, Real, Row, SimdKernel, lanes};
+use crate::math::smaller;
 use crate::mesh::ShearedRays;
-use crate::shape::bundle::Hit;
-use crate::shape::{Crossing, Crossings, Geometric, Rays, Triangle, lanes};
-use crate::simd::{Lanes, Octo, Work, dispatch};
-use crate::tree::{Branch, BundleLeaves, BundleSlabs, Probe, Slabs, Vicinities, Vicinity};
+use crate::shape::triangle::TriangleLanes;
+use crate::shape::{Crossing, PreparedRay, RayRows, Span, Vicinity};
+use crate::tree::{Branch, BundleLeaves, BundleSlabs, BundleStack, Probe, Slabs};
 
-impl Mesh {
-    /// [`Geometric::hit`] of those of eight rays whose bits are set, which should go the same way.
-    pub fn hit_of(&self, rays: &Rays, wanted: u32, t_max: &[f64; 8]) -> Crossings {
-        dispatch(Hit { shape: self, rays, wanted, limit: t_max })
-    }
-
-    /// [`Geometric::blocks`] likewise, a bit each.
-    pub fn blocks_of(&self, rays: &Rays, wanted: u32, t_max: &[f64; 8]) -> u32 {
-        dispatch(Blocked { mesh: self, rays, wanted, t_max })
-    }
-}
-
-/// Whether rays meet a mesh.
-pub struct Blocked<'a> {
+/// The search for the nearest triangles, or for `ANY`, along those of eight rays whose bits are set.
+pub(super) struct BundleSearch<'a, const ANY: bool> {
     pub mesh: &'a Mesh,
-    pub rays: &'a Rays,
+    pub rays: &'a RayRows,
     pub wanted: u32,
-    pub t_max: &'a [f64; 8],
+    /// Beyond which t, and before which.
+    pub span: &'a [[f64; 8]; 2],
 }
 
-impl Work for Hit<'_, Mesh> {
-    type Output = Crossings;
+impl<const ANY: bool> SimdKernel for BundleSearch<'_, ANY> {
+    type Output = MeshHits;
 
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Crossings {
-        let Self { shape, rays, wanted, limit } = self;
-        let (mut found, alone) = search::<L, false>(shape, rays, wanted, limit);
-        for ray in lanes(alone) {
-            if let Some(at) = shape.hit(&Probe::new(rays.one(ray)), limit[ray]) {
+    fn run<L: Level>(self) -> Self::Output {
+        let Self { mesh, rays, wanted, span } = self;
+        let mut found = MeshHits { t: [f64::INFINITY; 8], parts: [0; 8], crowded: 0 };
+        let alone = self.search::<L>(&mut found);
+        for ray in lanes(alone & wanted) {
+            let probe = Probe::new(rays.one(ray));
+            let within = Span { min: span[0][ray], max: span[1][ray] };
+            let hit = match ANY {
+                true => mesh.any(&probe, within).then_some(Crossing::at(0.0)),
+                false => mesh.nearest(&probe, within),
+            };
+            if let Some(at) = hit {
                 found.set(ray, at);
             }
         }
@@ -43,78 +41,91 @@ impl Work for Hit<'_, Mesh> {
     }
 }
 
-impl Work for Blocked<'_> {
-    /// A bit for each ray that does.
-    type Output = u32;
+/// What eight rays meet of a mesh.
+pub(super) struct MeshHits {
+    /// Infinite where there is no hit; of any triangle, just finite.
+    pub t: [f64; 8],
+    pub parts: [u32; 8],
+    /// A bit for each hit next to which there is another one.
+    pub crowded: u32,
+}
+
+impl MeshHits {
+    #[inline(always)]
+    fn set(&mut self, ray: usize, Crossing { t, part, crowded }: Crossing) {
+        (self.t[ray], self.parts[ray]) = (t, part);
+        self.crowded = self.crowded & !(1 << ray) | u32::from(crowded) << ray;
+    }
 
     #[inline(always)]
-    fn run<L: Lanes>(self) -> u32 {
-        let Self { mesh, rays, wanted, t_max } = self;
-        let (found, alone) = search::<L, true>(mesh, rays, wanted, t_max);
-        let mut blocked = found.met;
-        for ray in lanes(alone) {
-            blocked |= u32::from(mesh.blocks(&Probe::new(rays.one(ray)), t_max[ray])) << ray;
-        }
-        blocked
+    fn get(&self, ray: usize) -> Option<Crossing> {
+        let (t, part, crowded) = (self.t[ray], self.parts[ray], self.crowded >> ray & 1 == 1);
+        (t < f64::INFINITY).then_some(Crossing { t, part, crowded })
     }
 }
 
-/// Searches along those rays whose bits are set for what is nearest, or for `ANY` triangle; gives what is found, and those
-/// that have to be asked for alone: they come from afar, or are not longest along the same axis as the others.
-#[inline(always)]
-fn search<L: Lanes, const ANY: bool>(
-    mesh: &Mesh,
-    rays: &Rays,
-    wanted: u32,
-    t_max: &[f64; 8],
-) -> (Crossings, u32) {
-    let (origin, direction) = rays.load::<L>();
-    let tree = mesh.mesh.tree();
-    let (slabs, near, afar) = BundleSlabs::<L>::new(tree, origin, direction, wanted);
-    if near == 0 {
-        return (Crossings::NONE, afar);
+impl<const ANY: bool> BundleSearch<'_, ANY> {
+    /// Gives those rays that have to be asked for alone: they come from afar, or are not longest along the same axis as
+    /// the others.
+    #[inline(always)]
+    fn search<L: Level>(&self, found: &mut MeshHits) -> u32 {
+        let &Self { mesh, rays, wanted, span } = self;
+        let ray = rays.load::<L>();
+        let tree = mesh.mesh.tree();
+        let (slabs, near, afar) = BundleSlabs::<L>::new(tree, ray.origin, ray.direction, wanted);
+        if near == 0 {
+            return afar;
+        }
+        let Some(sheared) = ShearedRays::<L>::new(&slabs, ray.direction, near) else { return near | afar };
+        let limit = slabs.limit(L::F64::from_array(span[1]));
+        let (prepared, limits, alone) = (PreparedRay::new(ray), span[1], [None; 8]);
+        let vicinity = prepared.vicinity(tree.space().reach());
+        let mut bundle = Bundle::<L, ANY> {
+            mesh,
+            rays,
+            prepared: &prepared,
+            slabs: &slabs,
+            sheared,
+            vicinity,
+            span,
+            limits,
+            limit,
+            found,
+            alone,
+        };
+        tree.walk_together(&slabs, near, &mut bundle, &mut BundleStack::default());
+        afar
     }
-    let Some(sheared) = ShearedRays::new(&slabs, direction, near) else {
-        return (Crossings::NONE, near | afar);
-    };
-    let limit = slabs.limit(Octo::load(t_max));
-    let vicinities = Vicinity::of_each(origin, direction, mesh.reach());
-    let found = Crossings::NONE;
-    let (limits, alone) = (*t_max, [None; 8]);
-    let slabs = &slabs;
-    let mut bundle =
-        Bundle::<L, ANY> { mesh, rays, slabs, sheared, t_max, vicinities, limits, limit, found, alone };
-    tree.walk_together(slabs, near, &mut bundle);
-    (bundle.found, afar)
 }
 
 /// Eight searches at once.
-struct Bundle<'a, L: Lanes, const ANY: bool> {
+struct Bundle<'a, L: Level, const ANY: bool> {
     mesh: &'a Mesh,
-    rays: &'a Rays,
+    rays: &'a RayRows,
+    prepared: &'a PreparedRay<L::F64>,
     slabs: &'a BundleSlabs<L>,
     sheared: ShearedRays<L>,
-    t_max: &'a [f64; 8],
-    vicinities: Vicinities,
-    /// The t before which hits are of interest: a little beyond the best, so that equally near ones are found; below 0 once a
-    /// search is over.
+    vicinity: Vicinity<L::F64>,
+    span: &'a [[f64; 8]; 2],
+    /// The t before which hits are of interest: a little beyond the best, so that it is known what else is near it; below 0
+    /// once a search is over.
     limits: [f64; 8],
-    limit: L,
-    found: Crossings,
+    limit: L::F32,
+    found: &'a mut MeshHits,
     /// Rays that have gone on alone.
     alone: [Option<(Probe, Slabs)>; 8],
 }
 
-impl<L: Lanes, const ANY: bool> Bundle<'_, L, ANY> {
-    /// Notes what is hit along a ray.
+impl<L: Level, const ANY: bool> Bundle<'_, L, ANY> {
+    /// Notes what is hit along a ray; nothing before `end` is beyond interest then.
     #[inline(always)]
-    fn note(&mut self, ray: usize, at: Crossing) {
+    fn note(&mut self, ray: usize, at: Crossing, end: f64) {
         self.found.set(ray, at);
-        self.limits[ray] = if ANY { -1.0 } else { self.vicinities.end(ray, at.t) };
+        self.limits[ray] = if ANY { -1.0 } else { smaller(end, self.span[1][ray]) };
     }
 }
 
-impl<L: Lanes, const ANY: bool> BundleLeaves<L> for Bundle<'_, L, ANY> {
+impl<L: Level, const ANY: bool> BundleLeaves<L> for Bundle<'_, L, ANY> {
     const ALONE: bool = true;
 
     #[inline(always)]
@@ -125,20 +136,20 @@ impl<L: Lanes, const ANY: bool> BundleLeaves<L> for Bundle<'_, L, ANY> {
         for lane in 0..packet.count() {
             let mut candidates = self.sheared.sift(packet, lane, self.limit) & rays;
             if ANY {
-                candidates &= !self.found.met;
+                candidates &= L::F64::splat(0.0).le(L::F64::from_array(self.limits)).bits();
             }
             if candidates == 0 {
                 continue;
             }
-            let triangle = Triangle { corners: mesh.packed_corners(packet, lane) };
-            let test = Hit { shape: &triangle, rays: self.rays, wanted: candidates, limit: &self.limits };
-            let Some(crossings) = L::apart(test) else { continue };
-            let part = packet.part(lane);
-            for ray in lanes(crossings.met & candidates) {
-                let (t, best) = (crossings.t[ray], self.found.t[ray]);
+            let triangle = TriangleLanes::<L::F64>::splat(mesh.packed_corners(packet, lane));
+            let within = Span { min: L::F64::from_array(self.span[0]), max: L::F64::from_array(self.limits) };
+            let hits = triangle.intersect(self.prepared, within);
+            let (part, t, ends) =
+                (packet.part(lane), hits.t.to_array(), self.vicinity.end(hits.t).to_array());
+            for ray in lanes(hits.is_hit().bits() & candidates) {
+                let (t, best) = (t[ray], self.found.t[ray]);
                 if t < best || t == best && part < self.found.parts[ray] {
-                    let crowded = !ANY && best < self.vicinities.end(ray, t);
-                    self.note(ray, Crossing { t, part, crowded });
+                    self.note(ray, Crossing { t, part, crowded: best <= ends[ray] }, ends[ray]);
                     nearer = true;
                 } else {
                     self.found.crowded |= 1 << ray;
@@ -146,45 +157,47 @@ impl<L: Lanes, const ANY: bool> BundleLeaves<L> for Bundle<'_, L, ANY> {
             }
         }
         if nearer {
-            self.limit = self.slabs.limit(Octo::load(&self.limits));
+            self.limit = self.slabs.limit(L::F64::from_array(self.limits));
         }
     }
 
     #[inline(always)]
     fn part(&mut self, ray: usize, below: Branch) {
-        let (mesh, t_max) = (self.mesh, self.t_max[ray]);
-        let hit = (self.found.met >> ray & 1 == 1).then(|| self.found.one(ray));
+        let (mesh, hit) = (self.mesh, self.found.get(ray));
+        let within = Span { min: self.span[0][ray], max: self.span[1][ray] };
         if ANY && hit.is_some() {
             return;
         }
         let slot = &mut self.alone[ray];
         if slot.is_none() {
             let probe = Probe::new(self.rays.one(ray));
-            *slot = Slabs::new::<L>(mesh.mesh.tree(), &probe, (0.0, t_max)).map(|slabs| (probe, slabs));
+            *slot = Slabs::new::<L>(mesh.mesh.tree(), &probe, within.max).map(|slabs| (probe, slabs));
         }
-        let Some((probe, slabs)) = slot else { return };
-        let limit = slabs.limit(if hit.is_some() { self.limits[ray] } else { t_max });
+        let Some((probe, slabs)) = *slot else { return };
         let tree = mesh.mesh.tree();
         if ANY {
-            let mut search = Any { mesh, probe, sheared: None, t_max, found: false };
-            tree.walk_below::<L>(below, slabs, limit, &mut search);
+            let limit = slabs.limit(within.max);
+            let mut search = Any::new(mesh, &probe, within);
+            tree.walk_below::<L>(below, &slabs, limit, &mut search);
             if !search.found {
                 return;
             }
-            self.note(ray, Crossing::at(0.0));
+            self.note(ray, Crossing::at(0.0), 0.0);
         } else {
-            let mut search = Nearest { hit, ..Nearest::new(mesh, probe, t_max) };
-            tree.walk_below::<L>(below, slabs, limit, &mut search);
+            let mut search = Nearest::new(mesh, &probe, within);
+            search.hit = hit;
+            let limit = slabs.limit(search.limit());
+            tree.walk_below::<L>(below, &slabs, limit, &mut search);
             match search.hit {
-                Some(found) if search.hit != hit => self.note(ray, found),
+                Some(found) if search.hit != hit => self.note(ray, found, search.limit()),
                 _ => return,
             }
         }
-        self.limit = self.slabs.limit(Octo::load(&self.limits));
+        self.limit = self.slabs.limit(L::F64::from_array(self.limits));
     }
 
     #[inline(always)]
-    fn limit(&self) -> L {
+    fn limit(&self) -> L::F32 {
         self.limit
     }
 }

@@ -1,36 +1,57 @@
 //! Triangle meshes: many triangles with a tree of their own.
 
 mod bundle;
-mod surfaces;
+mod search;
+mod surface;
 #[cfg(test)]
 mod tests;
 
-pub use bundle::Blocked;
-
-use super::triangle::{covers, depth, uniform_weights, unit_normal};
-use super::{Crossing, Geometric, Parameters, Surface, flat};
-use crate::camera::Ray;
+use super::triangle::{TriangleLanes, uniform_weights};
+use super::{Geometric, LaneHit, LaneRay, LaneSurface, Parameters, PreparedRay, RayRows, Span, eight};
 use crate::color::Rgb;
 use crate::digest::{Content, Digester};
+use crate::lanes::{Level, Mask, Real, Row, Vec3, out_of_line};
 use crate::math::{Aabb, DAffine3, DVec2, DVec3};
-use crate::mesh::{self, Normals, Sheared};
-use crate::simd::{Lanes, Work};
-use crate::tree::{Leaves, Probe, Slabs, Stack, Vicinity};
-use glam::Vec3;
+use crate::mesh::{self, Normals};
+use crate::tree::Probe;
+use bundle::BundleSearch;
 use std::sync::Arc;
 
 /// A mesh, and how it is shaded. Meshes are large and never change, so they are shared, and compared by where
-/// they are. A crossing's part is the index of its triangle.
+/// they are. A hit's part is the index of its triangle.
 #[derive(Clone, Debug)]
 pub struct Mesh {
     pub mesh: Arc<mesh::Mesh>,
     pub normals: Normals,
 }
 
+out_of_line! {
+    fn sample_area<'k, F>(mesh: &'k Mesh, u: F, v: F) -> (LaneSurface<F>, F::U32) {
+        let sums = mesh.mesh.summed_areas();
+        let whole = sums.last().copied().unwrap_or_default();
+        let (mut rest, mut parts) = (u.to_array(), F::U32::splat(0).to_array());
+        for lane in 0..F::LANES {
+            let wanted = rest[lane] * whole;
+            let index = sums.partition_point(|&sum| sum <= wanted).min(sums.len() - 1);
+            let before = index.checked_sub(1).map_or(0.0, |before| sums[before]);
+            rest[lane] = ((wanted - before) / (sums[index] - before)).clamp(0.0, 1.0);
+            parts[lane] = index as u32;
+        }
+        let part = F::U32::from_array(parts);
+        (mesh.surface_with_weights(uniform_weights(F::from_array(rest), v), part), part)
+    }
+}
+
 impl PartialEq for Mesh {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.mesh, &other.mesh) && self.normals == other.normals
     }
+}
+
+/// That of the first lane.
+#[inline(always)]
+fn first([min, max]: &[[f64; 8]; 2]) -> Span<f64> {
+    Span { min: min[0], max: max[0] }
 }
 
 impl Mesh {
@@ -42,18 +63,11 @@ impl Mesh {
             Normals::Flat => false,
         }
     }
-}
 
-/// [`Geometric::hit`] and [`Geometric::blocks`] on lanes that are at work already.
-impl Mesh {
-    #[inline(always)]
-    pub fn hit_on<L: Lanes>(&self, probe: &Probe, t_max: f64, stack: &mut Stack) -> Option<Crossing> {
-        L::apart(Alone { search: Nearest::new(self, probe, t_max), stack })
-    }
-
-    #[inline(always)]
-    pub fn blocks_on<L: Lanes>(&self, probe: &Probe, t_max: f64, stack: &mut Stack) -> bool {
-        L::apart(Alone { search: Any::new(self, probe, t_max), stack })
+    /// The weights of a triangle's second and third corner at a point of it.
+    fn weights(&self, point: DVec3, part: u32) -> DVec2 {
+        let triangle = TriangleLanes::<f64>::splat(self.mesh.corners(part));
+        DVec2::from_array(triangle.weights(point.into()))
     }
 }
 
@@ -73,34 +87,37 @@ impl Geometric for Mesh {
     }
 
     /// Of equally near triangles the one with the lowest index.
-    fn hit_after(&self, probe: &Probe, after: f64, t_max: f64) -> Option<Crossing> {
-        let mut nearest = Nearest { after, ..Nearest::new(self, probe, t_max) };
-        self.mesh.tree().walk(probe, (after, t_max), &mut nearest);
-        nearest.hit
-    }
-
-    fn crossings(&self, probe: &Probe, after: f64, t_max: f64, found: &mut Vec<Crossing>) {
-        let mut all = All { mesh: self, probe, between: (after, t_max), found };
-        self.mesh.tree().walk(probe, (after, t_max), &mut all);
-    }
-
-    fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
-        let mut any = Any::new(self, probe, t_max);
-        self.mesh.tree().walk(probe, (0.0, t_max), &mut any);
-        any.found
-    }
-
-    fn surface(&self, ray: &Ray, at: Crossing) -> Surface {
-        let corners = self.mesh.corners(at.part);
-        let surface = flat::surface(corners[0], unit_normal(corners), ray, at.t);
-        let Some(normals) = self.mesh.corner_normals(at.part, self.normals) else { return surface };
-        let weights = weights(corners, surface.point);
-        let shaded = shaded(surface, normals, weights);
-        if shaded.shading == surface.normal {
-            surface
-        } else {
-            lifted(shaded, ray, corners, normals, weights)
+    #[inline(always)]
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+        let (rays, span) = (RayRows::of(&ray.ray), [eight(within.min), eight(within.max)]);
+        if F::LANES == 1 {
+            return LaneHit::splat(self.nearest(&Probe::new(rays.one(0)), first(&span)));
         }
+        let wanted = within.min.lt(within.max).bits();
+        let search = BundleSearch::<false> { mesh: self, rays: &rays, wanted, span: &span };
+        let found = F::Level::call(search);
+        LaneHit {
+            t: F::load(&found.t, 0),
+            part: F::U32::load(&found.parts, 0),
+            crowded: F::Mask::from_bits(found.crowded),
+        }
+    }
+
+    #[inline(always)]
+    fn occludes<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> F::Mask {
+        let (rays, span) = (RayRows::of(&ray.ray), [eight(within.min), eight(within.max)]);
+        if F::LANES == 1 {
+            return F::Mask::splat(self.any(&Probe::new(rays.one(0)), first(&span)));
+        }
+        let wanted = within.min.lt(within.max).bits();
+        let search = BundleSearch::<true> { mesh: self, rays: &rays, wanted, span: &span };
+        let found = F::Level::call(search);
+        F::load(&found.t, 0).lt(F::splat(f64::INFINITY))
+    }
+
+    #[inline(always)]
+    fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, _: f64) -> LaneSurface<F> {
+        surface::surface_at(self, ray, at)
     }
 
     fn bounds(&self) -> Option<Aabb> {
@@ -113,12 +130,20 @@ impl Geometric for Mesh {
     }
 
     /// What the corners' coordinates come to. Without them, the weights of the second and the third corner.
-    fn uv(&self, point: DVec3, part: u32) -> DVec2 {
-        let weights = self.weights(point, part);
-        match self.mesh.corner_uvs(part) {
-            Some([a, b, c]) => a + (b - a) * weights.x + (c - a) * weights.y,
-            None => weights,
+    #[inline(always)]
+    fn uv<F: Real>(&self, point: Vec3<F>, part: F::U32) -> [F; 2] {
+        let parts = part.to_array();
+        let (x, y, z) = (point.x.to_array(), point.y.to_array(), point.z.to_array());
+        let (mut u, mut v) = (x, x);
+        for lane in 0..F::LANES {
+            let weights = self.weights(DVec3::new(x[lane], y[lane], z[lane]), parts[lane]);
+            let uv = match self.mesh.corner_uvs(parts[lane]) {
+                Some([a, b, c]) => a + (b - a) * weights.x + (c - a) * weights.y,
+                None => weights,
+            };
+            (u[lane], v[lane]) = (uv.x, uv.y);
         }
+        [F::from_array(u), F::from_array(v)]
     }
 
     /// Coordinates of a file lie anywhere.
@@ -138,274 +163,8 @@ impl Geometric for Mesh {
     }
 
     /// A triangle by its area, then a point of it.
-    fn sample_area(&self, u: DVec2) -> Option<(Surface, u32)> {
-        let sums = self.mesh.summed_areas();
-        let wanted = u.x * sums.last()?;
-        let index = sums.partition_point(|&sum| sum <= wanted).min(sums.len() - 1);
-        let before = index.checked_sub(1).map_or(0.0, |before| sums[before]);
-        let rest = ((wanted - before) / (sums[index] - before)).clamp(0.0, 1.0);
-        let corners @ [a, b, c] = self.mesh.corners(index as u32);
-        let weights = uniform_weights(DVec2::new(rest, u.y));
-        let point = a + (b - a) * weights.x + (c - a) * weights.y;
-        let normal = unit_normal(corners);
-        let surface = flat::placed(a, point, normal);
-        let surface = match self.mesh.corner_normals(index as u32, self.normals) {
-            Some(normals) => shaded(surface, normals, self::weights(corners, point)),
-            None => surface,
-        };
-        Some((surface, index as u32))
-    }
-}
-
-/// An interpolated unit normal that is not longer than this has no direction: corners' normals are f32, each off by
-/// less than √3 · 2^-25, the rounding of three coordinates below 1, and so is any mean of them.
-const NO_DIRECTION: f64 = f32::EPSILON as f64;
-
-impl Mesh {
-    /// The largest of its coordinates.
-    fn reach(&self) -> f64 {
-        self.mesh.tree().space().reach()
-    }
-
-    /// The weights of a triangle's second and third corner at a point of it.
-    fn weights(&self, point: DVec3, part: u32) -> DVec2 {
-        weights(self.mesh.corners(part), point)
-    }
-}
-
-fn weights([a, b, c]: [DVec3; 3], point: DVec3) -> DVec2 {
-    flat::shares(point - a, b - a, c - a)
-}
-
-/// The surface with the way to the smooth one on the side that the ray comes from: the point is moved onto the
-/// planes across the corners' normals that lie above it, and these points are weighted as the corners are.
-fn lifted(
-    surface: Surface,
-    ray: &Ray,
-    [a, b, c]: [DVec3; 3],
-    [p, q, r]: [Vec3; 3],
-    DVec2 { x, y }: DVec2,
-) -> Surface {
-    let seen = if surface.normal.dot(ray.direction) > 0.0 { -surface.normal } else { surface.normal };
-    let weights = [1.0 - x - y, x, y];
-    let above = |corner: DVec3, normal: Vec3, weight: f64| {
-        let normal = normal.as_dvec3();
-        let normal = if normal.dot(seen) < 0.0 { -normal } else { normal };
-        normal * ((corner - surface.point).dot(normal).max(0.0) * weight.max(0.0))
-    };
-    let lift = above(a, p, weights[0]) + above(b, q, weights[1]) + above(c, r, weights[2]);
-    Surface { lift, ..surface }
-}
-
-/// The surface with the normal that the corners' normals come to.
-fn shaded(surface: Surface, normals: [Vec3; 3], weights: DVec2) -> Surface {
-    let [a, b, c] = normals.map(|normal| normal.as_dvec3());
-    let normal = a + (b - a) * weights.x + (c - a) * weights.y;
-    let length = normal.length();
-    if length <= NO_DIRECTION { surface } else { surface.shaded(normal / length) }
-}
-
-/// The search for the nearest triangle. What the filter is sure of is not tested again; only its t is computed.
-struct Nearest<'a> {
-    mesh: &'a Mesh,
-    probe: &'a Probe,
-    /// There from the first leaf on.
-    sheared: Option<Sheared>,
-    after: f64,
-    t_max: f64,
-    vicinity: Vicinity,
-    hit: Option<Crossing>,
-}
-
-impl<'a> Nearest<'a> {
     #[inline(always)]
-    fn new(mesh: &'a Mesh, probe: &'a Probe, t_max: f64) -> Self {
-        let vicinity = Vicinity::new(probe, mesh.reach());
-        Self { mesh, probe, sheared: None, after: 0.0, t_max, vicinity, hit: None }
-    }
-
-    /// Takes a triangle's crossing if it is nearer, or as near and the triangle the earlier one; gives the t up to which
-    /// more is of interest if that is a new one.
-    #[inline(always)]
-    fn consider(&mut self, t: f64, part: u32) -> Option<f64> {
-        let Some(best) = &mut self.hit else {
-            self.hit = Some(Crossing::of_part(t, part));
-            return Some(self.vicinity.end(t));
-        };
-        if t < best.t || t == best.t && part < best.part {
-            let end = self.vicinity.end(t);
-            *best = Crossing { t, part, crowded: best.t < end };
-            return Some(end);
-        }
-        best.crowded |= t < self.vicinity.end(best.t);
-        None
-    }
-}
-
-/// A search along a single ray.
-struct Alone<'a, S> {
-    search: S,
-    stack: &'a mut Stack,
-}
-
-impl Work for Alone<'_, Nearest<'_>> {
-    type Output = Option<Crossing>;
-
-    #[inline(always)]
-    fn run<L: Lanes>(mut self) -> Option<Crossing> {
-        let Nearest { mesh: Mesh { mesh, .. }, probe, after, t_max, .. } = self.search;
-        mesh.tree().walk_on::<L>(probe, (after, t_max), &mut self.search, self.stack);
-        self.search.hit
-    }
-}
-
-impl Work for Alone<'_, Any<'_>> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<L: Lanes>(mut self) -> bool {
-        let Any { mesh: Mesh { mesh, .. }, probe, t_max, .. } = self.search;
-        mesh.tree().walk_on::<L>(probe, (0.0, t_max), &mut self.search, self.stack);
-        self.search.found
-    }
-}
-
-impl Leaves for Nearest<'_> {
-    #[inline(always)]
-    fn fetch<L: Lanes>(&self, leaf: u32) {
-        L::fetch(self.mesh.mesh.packets(), leaf as usize);
-    }
-
-    #[inline(always)]
-    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, limit: f32) -> Option<f32> {
-        L::apart(Visit { search: self, leaf, slabs, limit })
-    }
-}
-
-impl Work for Visit<'_, Nearest<'_>> {
-    type Output = Option<f32>;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> Option<f32> {
-        let Self { search, leaf, slabs, mut limit } = self;
-        let Nearest { mesh: Mesh { mesh, .. }, probe, after, t_max, .. } = *search;
-        let packet = &mesh.packets()[leaf as usize];
-        let sheared = search.sheared.get_or_insert_with(|| Sheared::new(probe, slabs));
-        let sieve = sheared.sift::<L>(packet, limit);
-        let mut candidates = sieve.hit | sieve.unsure;
-        if candidates == 0 {
-            return Some(limit);
-        }
-        let near = sieve.near.store();
-        while candidates != 0 {
-            let lane = candidates.trailing_zeros() as usize & 7;
-            let sure = sieve.hit >> lane & 1 == 1;
-            candidates &= candidates - 1;
-            if sure && near[lane] > limit {
-                continue;
-            }
-            let corners = mesh.packed_corners(packet, lane);
-            if !sure && !covers(corners, probe) {
-                continue;
-            }
-            let Some(t) = depth(corners, probe).filter(|&t| t > after && t < t_max) else { continue };
-            if let Some(end) = search.consider(t, packet.part(lane)) {
-                limit = slabs.limit(end);
-            }
-        }
-        Some(limit)
-    }
-}
-
-/// All triangles beyond one t and before another.
-struct All<'a> {
-    mesh: &'a Mesh,
-    probe: &'a Probe,
-    between: (f64, f64),
-    found: &'a mut Vec<Crossing>,
-}
-
-impl Leaves for All<'_> {
-    #[inline(always)]
-    fn fetch<L: Lanes>(&self, _: u32) {}
-
-    #[inline(always)]
-    fn visit<L: Lanes>(&mut self, leaf: u32, _: &Slabs, limit: f32) -> Option<f32> {
-        let Self { mesh: Mesh { mesh, .. }, probe, between: (after, t_max), .. } = *self;
-        let packet = &mesh.packets()[leaf as usize];
-        for lane in 0..packet.count() {
-            let corners = mesh.packed_corners(packet, lane);
-            let t = if covers(corners, probe) { depth(corners, probe) } else { None };
-            let within = t.filter(|&t| t > after && t < t_max);
-            self.found.extend(within.map(|t| Crossing::of_part(t, packet.part(lane))));
-        }
-        Some(limit)
-    }
-}
-
-/// The visit of a leaf.
-struct Visit<'a, S> {
-    search: &'a mut S,
-    leaf: u32,
-    slabs: &'a Slabs,
-    limit: f32,
-}
-
-/// The search for any triangle.
-struct Any<'a> {
-    mesh: &'a Mesh,
-    probe: &'a Probe,
-    sheared: Option<Sheared>,
-    t_max: f64,
-    found: bool,
-}
-
-impl<'a> Any<'a> {
-    fn new(mesh: &'a Mesh, probe: &'a Probe, t_max: f64) -> Self {
-        Self { mesh, probe, sheared: None, t_max, found: false }
-    }
-}
-
-impl Leaves for Any<'_> {
-    #[inline(always)]
-    fn fetch<L: Lanes>(&self, leaf: u32) {
-        L::fetch(self.mesh.mesh.packets(), leaf as usize);
-    }
-
-    #[inline(always)]
-    fn visit<L: Lanes>(&mut self, leaf: u32, slabs: &Slabs, limit: f32) -> Option<f32> {
-        self.found = L::apart(Visit { search: self, leaf, slabs, limit });
-        (!self.found).then_some(limit)
-    }
-}
-
-impl Work for Visit<'_, Any<'_>> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> bool {
-        let Self { search, leaf, slabs, limit } = self;
-        let Any { mesh: Mesh { mesh, .. }, probe, t_max, .. } = *search;
-        let packet = &mesh.packets()[leaf as usize];
-        let sheared = search.sheared.get_or_insert_with(|| Sheared::new(probe, slabs));
-        let sieve = sheared.sift::<L>(packet, limit);
-        let mut candidates = sieve.hit | sieve.unsure;
-        if candidates == 0 {
-            return false;
-        }
-        if sheared.within(&sieve, limit) != 0 {
-            return true;
-        }
-        while candidates != 0 {
-            let lane = candidates.trailing_zeros() as usize;
-            candidates &= candidates - 1;
-            let corners = mesh.packed_corners(packet, lane);
-            let sure = sieve.hit >> lane & 1 == 1;
-            let t = if sure || covers(corners, probe) { depth(corners, probe) } else { None };
-            if t.is_some_and(|t| t > 0.0 && t < t_max) {
-                return true;
-            }
-        }
-        false
+    fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
+        sample_area(self, u, v)
     }
 }

@@ -1,11 +1,12 @@
 //! Meshes as shapes: what is hit, and what the surface is like there.
 
 use super::*;
+use crate::camera::Ray;
+use crate::lanes::tests::on_all_levels;
+use crate::lanes::{Level, SimdKernel, dispatch};
 use crate::mesh::{Corners, Parts, generate};
-use crate::shape::{Rays, Surfaces, Triangle};
-use crate::simd::tests::portably;
-use crate::simd::{Rows, dispatch};
-use crate::testing::Random;
+use crate::shape::{Crossing, OneRay, Surface, Triangle};
+use crate::testing::{Random, eight_rays};
 use glam::Vec3;
 
 fn shape(parts: Parts, normals: Normals) -> Mesh {
@@ -38,12 +39,11 @@ fn the_tree_finds_what_every_triangle_finds() {
         let each = (0..mesh.mesh.triangles().len() as u32)
             .filter_map(|part| Some(Crossing::of_part(crossed(&mesh, part, &probe)?, part)));
         let nearest = each.min_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
-        let hit = mesh.hit(&probe, f64::INFINITY);
-        assert_eq!(hit, nearest);
-        assert_eq!(portably(|| mesh.hit(&probe, f64::INFINITY)), nearest);
-        assert_eq!(portably(|| mesh.blocks(&probe, f64::INFINITY)), nearest.is_some());
-        assert_eq!(mesh.blocks(&probe, f64::INFINITY), hit.is_some());
-        if let Some(Crossing { t, .. }) = hit {
+        let found = || (mesh.hit(&probe, f64::INFINITY), mesh.blocks(&probe, f64::INFINITY));
+        for (level, found) in on_all_levels(found) {
+            assert_eq!(found, (nearest, nearest.is_some()), "{level:?}");
+        }
+        if let Some(Crossing { t, .. }) = nearest {
             hits += 1;
             assert_eq!(mesh.hit(&probe, t), None, "nothing lies before the nearest");
             assert!(!mesh.blocks(&probe, t) && mesh.blocks(&probe, t.next_up()));
@@ -61,12 +61,12 @@ fn sh_14_texture_coordinates_are_interpolated() {
     };
     let third = 1.0 / 3.0;
     let ulps = |a: DVec2, b: DVec2| (a - b).abs().max_element() / (0.5 * f64::EPSILON);
-    let uv = with([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]).uv(DVec3::new(third, third, 0.0), 0);
+    let uv = with([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]).uv_at(DVec3::new(third, third, 0.0), 0);
     assert!(ulps(uv, DVec2::splat(third)) <= 4.0, "{uv}");
-    let uv = with([(0.0, 0.0), (4.0, 0.0), (0.0, 4.0)]).uv(DVec3::new(0.5, 0.25, 0.0), 0);
+    let uv = with([(0.0, 0.0), (4.0, 0.0), (0.0, 4.0)]).uv_at(DVec3::new(0.5, 0.25, 0.0), 0);
     assert!(ulps(uv, DVec2::new(2.0, 1.0)) <= 4.0, "{uv}");
     let without = shape(triangle(), Normals::Flat);
-    assert_eq!(without.uv(DVec3::new(0.5, 0.25, 0.0), 0), DVec2::new(0.5, 0.25));
+    assert_eq!(without.uv_at(DVec3::new(0.5, 0.25, 0.0), 0), DVec2::new(0.5, 0.25));
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn int_15_the_geometric_normal_stands_in_for_one_without_a_direction() {
     for normals in [[n, -n, Vec3::X], [Vec3::ZERO; 3], [Vec3::NAN; 3], [Vec3::INFINITY; 3]] {
         let mesh = with_normals(normals);
         let at = mesh.hit(&Probe::new(down(0.5, 0.0)), f64::INFINITY).expect("a hit");
-        let surface = mesh.surface(&down(0.5, 0.0), at);
+        let surface = mesh.surface_at(&down(0.5, 0.0), at);
         assert_eq!((surface.normal, surface.shading), (DVec3::Z, DVec3::Z));
     }
 }
@@ -97,7 +97,7 @@ fn int_15_the_geometric_normal_stands_in_for_one_without_a_direction() {
 fn shading_normals_stay_on_the_geometric_side() {
     let lean = Vec3::new(0.6, 0.0, 0.8);
     for normals in [[lean; 3], [-lean; 3], [lean * 1e-30; 3], [lean * 1e30; 3]] {
-        let surface = with_normals(normals).surface(&down(0.2, 0.2), Crossing::at(1.0));
+        let surface = with_normals(normals).surface_at(&down(0.2, 0.2), Crossing::at(1.0));
         assert!((surface.shading - DVec3::new(0.6, 0.0, 0.8)).length() < 1e-7, "{normals:?}");
         assert_eq!(surface.normal, DVec3::Z);
     }
@@ -127,27 +127,33 @@ fn points_are_drawn_evenly() {
     let mut random = Random(5);
     let mut large = 0;
     for _ in 0..10_000 {
-        let (surface, part) = mesh.sample_area(DVec2::new(random.unit(), random.unit())).expect("a point");
+        let (surface, part) = mesh.sample_area(random.unit(), random.unit());
+        let surface = Surface::from(surface);
         assert_eq!((surface.normal, part), (DVec3::Z, u32::from(surface.point.z == 1.0)));
         large += u32::from(surface.point.z == 1.0);
         assert!(surface.point.x + surface.point.y <= 1.0 + 2.0 * surface.point.z + 1e-12);
     }
     assert!((8850..9150).contains(&large), "{large} of 10,000 instead of nine tenths");
     for u in [0.0, 1.0 - f64::EPSILON] {
-        assert!(mesh.sample_area(DVec2::splat(u)).expect("a point").0.point.is_finite());
+        assert!(DVec3::from(mesh.sample_area(u, u).0.point).is_finite());
     }
 }
 
 /// The surfaces where eight rays cross a mesh.
-struct Eight<'a>(&'a Mesh, &'a Rays, &'a [Crossing; 8]);
+struct Eight<'a>(&'a Mesh, &'a [Ray; 8], &'a [Crossing; 8]);
 
-impl Work for Eight<'_> {
-    type Output = Option<(Surfaces, Rows)>;
+impl SimdKernel for Eight<'_> {
+    type Output = [Surface; 8];
 
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Self::Output {
+    fn run<L: Level>(self) -> [Surface; 8] {
         let Self(mesh, rays, at) = self;
-        mesh.surfaces_of::<L>(rays, &at.map(|at| at.t), &at.map(|at| at.part))
+        let at = LaneHit::<L::F64> {
+            t: L::F64::from_array(at.map(|at| at.t)),
+            part: L::U32::from_array(at.map(|at| at.part)),
+            crowded: L::Mask::splat(false),
+        };
+        mesh.surface(&eight_rays::<L>(rays), at, 0.0).store()
     }
 }
 
@@ -167,17 +173,10 @@ fn eight_surfaces_are_those_of_each() {
         let at = rays.map(|ray| mesh.hit(&Probe::new(ray), f64::INFINITY));
         let Some(at) = at.into_iter().collect::<Option<Vec<_>>>() else { continue };
         let at = at.try_into().expect("eight");
-        let together = Rays::gather(8, |lane| &rays[lane]);
-        let eight = || Eight(&mesh, &together, &at);
-        for (surfaces, lift) in [dispatch(eight()), portably(|| dispatch(eight()))].into_iter().flatten() {
+        for (level, surfaces) in on_all_levels(|| dispatch(Eight(&mesh, &rays, &at))) {
             for lane in 0..8 {
-                let one = mesh.surface(&rays[lane], at[lane]);
-                let Surfaces { point, error, normal, shading } = &surfaces;
-                assert_eq!(
-                    [point, error, normal].map(|rows| rows.one(lane)),
-                    [one.point, one.error, one.normal]
-                );
-                assert_eq!((shading.one(lane), lift.one(lane)), (one.shading, one.lift));
+                let one = mesh.surface_at(&rays[lane], at[lane]);
+                assert_eq!(surfaces[lane], one, "{level:?}");
                 lifted += usize::from(one.lift != DVec3::ZERO);
             }
         }

@@ -1,8 +1,8 @@
 //! Boxes of triangles. A long triangle is cut, as its box would be large and mostly empty.
 
 use super::bounds::{Bounds, Boxed};
+use crate::lanes::prefetch;
 use crate::math::DVec3;
-use crate::simd::fetch;
 use crate::tree::Space;
 use glam::Vec4;
 use rayon::prelude::*;
@@ -65,7 +65,7 @@ const AHEAD: usize = 16;
 #[inline(always)]
 pub fn fetch_ahead(positions: &[DVec3], triangles: &[[u32; 3]], now: usize) {
     if let Some(soon) = triangles.get(now + AHEAD) {
-        soon.iter().for_each(|&vertex| fetch(positions, vertex as usize));
+        soon.iter().for_each(|&vertex| prefetch(positions, vertex as usize));
     }
 }
 

@@ -1,0 +1,25 @@
+//! Well-mixed numbers from others.
+
+use crate::lanes::Bits;
+
+/// A well-mixed number from three: a round of multiplications and shifts for each (the finalizer of
+/// MurmurHash3, Appleby 2011).
+#[inline(always)]
+pub fn hash(words: [u32; 3]) -> u32 {
+    hash_lanes(words)
+}
+
+/// [`hash`] of each lane.
+#[inline(always)]
+pub fn hash_lanes<U: Bits>([a, b, c]: [U; 3]) -> U {
+    mix(mix(mix(U::splat(0x9e37_79b9), a), b), c)
+}
+
+#[inline(always)]
+fn mix<U: Bits>(state: U, word: U) -> U {
+    let rotated = state.shl::<13>().or(state.shr::<19>());
+    let h = rotated.wrapping_mul(U::splat(5)).wrapping_add(U::splat(0xe654_6b64)).xor(word);
+    let h = h.xor(h.shr::<16>()).wrapping_mul(U::splat(0x85eb_ca6b));
+    let h = h.xor(h.shr::<13>()).wrapping_mul(U::splat(0xc2b2_ae35));
+    h.xor(h.shr::<16>())
+}

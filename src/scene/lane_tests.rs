@@ -1,0 +1,190 @@
+//! What eight rays are told of a primitive is what each of them is, to the last bit and on all levels.
+
+use super::{Finish, Primitive};
+use crate::camera::Ray;
+use crate::lanes::tests::on_all_levels;
+use crate::lanes::{Level, Mask, Real, Row, SimdKernel, Vec3, dispatch};
+use crate::material::MadeOf;
+use crate::math::{DAffine3, DVec3};
+use crate::mesh::{self, Normals, generate};
+use crate::sampling::Frame;
+use crate::shape::{
+    Cone, Crossing, Cuboid, Cylinder, Disk, Mesh, Plane, PreparedRay, Rectangle, Shape, Span, Sphere,
+    Surface, Torus, Triangle,
+};
+use crate::testing::{Random, eight_rays, eight_vectors};
+use crate::tree::Probe;
+use std::sync::Arc;
+
+/// Groups of eight questions per primitive.
+const ROUNDS: u32 = if cfg!(debug_assertions) { 100 } else { 4000 };
+
+/// What one ray is told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Met {
+    hit: Option<Crossing>,
+    is_blocked: bool,
+    /// Where the ray meets it, or else at t = 1: the surface, the same for rays that pass it, and u and v.
+    surface: Surface,
+    passed: Surface,
+    uv: [f64; 2],
+}
+
+/// What one point that light is sampled for is told: a point of the surface, its part, its density, and that which is told
+/// afterwards.
+type Drawn = (Surface, u32, f64, f64);
+
+/// In what eight rays and points differ.
+struct Questions {
+    rays: [Ray; 8],
+    span: [[f64; 8]; 2],
+    from: [DVec3; 8],
+    /// Unit vectors.
+    to_eye: [DVec3; 8],
+    u: [[f64; 8]; 2],
+}
+
+impl Questions {
+    fn new(random: &mut Random) -> Self {
+        let reach = if random.unit() < 0.3 { 0.3 } else { 4.0 };
+        let rays = std::array::from_fn(|_| {
+            let origin = random.point(reach);
+            let direction = match (6.0 * random.unit()) as u32 {
+                0 => DVec3::new(0.0, -1.0, -0.0),
+                // As long along two axes or three.
+                1 => DVec3::new(-1.0, 1.0, 0.5),
+                2 => DVec3::new(1.0, -1.0, 1.0),
+                _ => random.point(1.0) - origin,
+            };
+            Ray { origin, direction }
+        });
+        let min = [0; 8].map(|_| if random.unit() < 0.6 { 0.0 } else { 2.0 * random.unit() });
+        let max = [0; 8].map(|_| if random.unit() < 0.6 { f64::INFINITY } else { 4.0 * random.unit() });
+        Self {
+            rays,
+            span: [min, max],
+            from: [0; 8].map(|_| random.point(reach)),
+            to_eye: [0; 8].map(|_| random.direction().normalize()),
+            u: [0; 2].map(|_| [0; 8].map(|_| random.unit())),
+        }
+    }
+
+    /// The answers to one lane.
+    fn ask_one(&self, primitive: &Primitive, lane: usize) -> (Met, Drawn) {
+        let ray = PreparedRay::<f64>::splat(&Probe::new(self.rays[lane]));
+        let within = Span { min: self.span[0][lane], max: self.span[1][lane] };
+        let (from, to_eye) = (self.from[lane].into(), self.to_eye[lane].into());
+        let drawn = draw(primitive, [from, to_eye], self.u.map(|u| u[lane]));
+        (meet(primitive, &ray, within)[0], drawn[0])
+    }
+
+    fn ask_all(&self, primitive: &Primitive) -> Vec<(Met, Drawn)> {
+        let (met, drawn) = (dispatch(Meet(primitive, self)), dispatch(Draw(primitive, self)));
+        met.into_iter().zip(drawn).collect()
+    }
+}
+
+struct Meet<'a>(&'a Primitive, &'a Questions);
+
+impl SimdKernel for Meet<'_> {
+    type Output = Vec<Met>;
+
+    #[inline(always)]
+    fn run<L: Level>(self) -> Vec<Met> {
+        let Self(primitive, Questions { rays, span, .. }) = self;
+        let [min, max] = span.map(L::F64::from_array);
+        meet(primitive, &PreparedRay::new(eight_rays::<L>(rays)), Span { min, max })
+    }
+}
+
+struct Draw<'a>(&'a Primitive, &'a Questions);
+
+impl SimdKernel for Draw<'_> {
+    type Output = Vec<Drawn>;
+
+    #[inline(always)]
+    fn run<L: Level>(self) -> Vec<Drawn> {
+        let Self(primitive, Questions { from, to_eye, u, .. }) = self;
+        let points = [eight_vectors::<L>(*from), eight_vectors::<L>(*to_eye)];
+        draw(primitive, points, u.map(L::F64::from_array))
+    }
+}
+
+#[inline(always)]
+fn meet<F: Real>(primitive: &Primitive, ray: &PreparedRay<F>, within: Span<F>) -> Vec<Met> {
+    let mut at = primitive.intersect(ray, within);
+    let (is_hit, t, crowded) = (at.is_hit().bits(), at.t.to_array(), at.crowded.bits());
+    let blocked = primitive.occludes(ray, within).bits();
+    at.t = F::select(at.is_hit(), at.t, F::splat(1.0));
+    let (surface, parts) = (primitive.surface(&ray.ray, at), at.part.to_array());
+    let passed = primitive.passed(surface, at.part).store();
+    let uv = primitive.shape.uv(surface.point, at.part).map(F::to_array);
+    let surfaces = surface.store();
+    let met = |lane: usize| {
+        let is = |bits: u32| bits >> lane & 1 == 1;
+        Met {
+            hit: is(is_hit).then(|| Crossing { t: t[lane], part: parts[lane], crowded: is(crowded) }),
+            is_blocked: is(blocked),
+            surface: surfaces[lane],
+            passed: passed[lane],
+            uv: [uv[0][lane], uv[1][lane]],
+        }
+    };
+    (0..F::LANES).map(met).collect()
+}
+
+#[inline(always)]
+fn draw<F: Real>(primitive: &Primitive, [from, to_eye]: [Vec3<F>; 2], [u, v]: [F; 2]) -> Vec<Drawn> {
+    let eye = Frame::along(to_eye, [DVec3::X, DVec3::Y]);
+    let (surface, part, pdf) = primitive.sample_from(from, &eye, u, v);
+    let told = primitive.pdf_from(from, &surface).to_array();
+    let (surfaces, parts, pdf) = (surface.store(), part.to_array(), pdf.to_array());
+    (0..F::LANES).map(|lane| (surfaces[lane], parts[lane], pdf[lane], told[lane])).collect()
+}
+
+fn shapes() -> Vec<Shape> {
+    let mesh = Arc::new(mesh::Mesh::new(generate::displaced_sphere(2, 5)).expect("a mesh"));
+    let mesh = |normals| Shape::Mesh(Mesh { mesh: mesh.clone(), normals });
+    let (a, b, c) = (DVec3::new(-0.7, -0.6, 0.1), DVec3::new(0.8, -0.2, -0.3), DVec3::new(0.1, 0.9, 0.4));
+    let cylinder = |capped| Shape::Cylinder(Cylinder::new(a, b, 0.4, capped).expect("a cylinder"));
+    let cone = |top| Shape::Cone(Cone::new(a, c, 0.7, top, true).expect("a cone"));
+    vec![
+        Shape::Sphere(Sphere { center: a, radius: 0.8 }),
+        Shape::Plane(Plane { point: a, normal: c.normalize() }),
+        Shape::Rectangle(Rectangle { corner: a, u: b - a, v: c - a }),
+        Shape::Disk(Disk { center: b, normal: c.normalize(), radius: 1.1 }),
+        Shape::Triangle(Triangle { corners: [a, b, c] }),
+        Shape::Cuboid(Cuboid { min: a, max: DVec3::new(0.3, 0.7, 0.9) }),
+        cylinder(true),
+        cylinder(false),
+        cone(0.0),
+        cone(0.3),
+        Shape::Torus(Torus::new(b, c.normalize(), 1.0, 0.3)),
+        mesh(Normals::Smooth),
+        mesh(Normals::Flat),
+    ]
+}
+
+#[test]
+fn eight_rays_are_told_what_each_of_them_is() {
+    let mut random = Random(31);
+    let turn = DAffine3::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 1.0);
+    let uneven = turn * DAffine3::from_scale(DVec3::new(1.5, -0.7, 1.0)) * turn;
+    let places = [DAffine3::IDENTITY, uneven];
+    for (shape, place) in shapes().iter().flat_map(|shape| places.map(|place| (shape, place))) {
+        let finish = Finish::Material(MadeOf::One(0));
+        let primitive = Primitive::new(shape, place, finish).expect("a primitive");
+        let mut hits = 0;
+        for _ in 0..ROUNDS {
+            let questions = Questions::new(&mut random);
+            let expected: Vec<_> = (0..8).map(|lane| questions.ask_one(&primitive, lane)).collect();
+            for (level, answers) in on_all_levels(|| questions.ask_all(&primitive)) {
+                for lane in 0..8 {
+                    assert_eq!(answers[lane], expected[lane], "{level:?}, {:?}", questions.rays[lane]);
+                }
+            }
+            hits += expected.iter().filter(|(met, _)| met.hit.is_some()).count();
+        }
+        assert!(hits as u32 > ROUNDS / 4, "{hits} hits of {:?}", primitive.shape);
+    }
+}

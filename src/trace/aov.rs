@@ -1,0 +1,100 @@
+//! The AOV stage: depth, normal and albedo of what is seen first, for those who ask.
+
+use super::context::{Queue, TraceContext};
+use super::interaction::SurfaceInteraction;
+use super::materials::{Column, LobeSet, LobeTable};
+use super::path::has_flag;
+use super::shade::{LobeRows, Stage};
+use super::stream::{PathState, flags};
+use super::textures;
+use crate::counters::Evaluations;
+use crate::lanes::{Color, Level, Lookup, Mask, Real, Row, SimdKernel, Single, lanes};
+
+/// Records what the paths of a queue have met, if they come straight from the eye: in the layers from `first` on.
+pub struct Record<'a, 's> {
+    pub stage: &'s mut Stage<'a>,
+    pub queue: Queue,
+    pub first: usize,
+}
+
+impl SimdKernel for Record<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Level>(self) {
+        let Self { stage, queue, first } = self;
+        let context = stage.context;
+        let lobes = match queue {
+            Queue::Escaped => return,
+            Queue::Light => None,
+            Queue::Surface(class) => Some(context.classes[class as usize]),
+        };
+        for which in stage.hits.queue(queue).chunks(8) {
+            let at = Lookup::new(which);
+            let there = L::Mask::from_bits(0xff >> (8 - which.len()));
+            let path = stage.paths.gather::<L::F64>(&at);
+            let seen = there & has_flag::<L::F64>(path.flags, flags::FROM_EYE);
+            if !seen.any() {
+                continue;
+            }
+            let hit = SurfaceInteraction::gather(context, &path, (stage.hits, &at), seen);
+            let white = Color::grey(L::F32::splat(1.0));
+            let (albedo, there) = match lobes {
+                Some(lobes) => albedo(context, &path, &hit, (lobes, seen), stage.rows),
+                None => (white, seen),
+            };
+            let camera = context.scene.camera;
+            let slots = path.slot.to_array();
+            for lane in lanes(there.bits()) {
+                let layers = stage.sums.layers_from(first, slots[lane]);
+                // What lies behind something transparent is not seen first.
+                if layers[0][1] != 0.0 {
+                    continue;
+                }
+                let depth = (hit.surface.point.lane(lane) - camera.position).dot(camera.basis.forward);
+                layers[0] = [depth, 1.0, 0.0];
+                layers[1] = hit.surface.shading.lane(lane).to_array();
+                layers[2] = albedo.lane(lane).as_dvec3().to_array();
+            }
+        }
+    }
+}
+
+/// The share of light that surfaces send on, by whatever lobe, all of it where they shine; and the lanes whose surface is
+/// there, not cut out.
+#[inline(always)]
+fn albedo<F: Real>(
+    context: &TraceContext,
+    path: &PathState<F>,
+    hit: &SurfaceInteraction<F>,
+    (lobes, seen): (LobeSet, F::Mask),
+    room: &mut LobeTable,
+) -> (Color<F::F32>, F::Mask) {
+    let mut table = &context.table;
+    if lobes.has(LobeSet::TEXTURED) {
+        let unnoted = &mut Evaluations::default();
+        textures::look_up(context, hit, path.ray.direction, (seen, seen), (&mut *room, unnoted));
+        table = room;
+    }
+    let rows = LobeRows::new::<F>(lobes, hit.material);
+    let at = rows.at();
+    let strength: F::F32 = table.number(Column::MICROFACET, at);
+    let mut all: Color<F::F32> = table.color(Column::BASE, at) * strength;
+    for column in [Column::DIFFUSE, Column::MIRROR, Column::REFRACTION, Column::EMISSION] {
+        all = all + table.color(column, at);
+    }
+    let transparency: Color<F::F32> = table.color(Column::TRANSPARENCY, at);
+    let all = all + transparency;
+    let one = F::F32::splat(1.0);
+    let mut there = seen;
+    if lobes.has(LobeSet::TEXTURED) {
+        let clear = one.le(transparency.r) & one.le(transparency.g) & one.le(transparency.b);
+        let materials = hit.material.to_array();
+        for lane in lanes((seen & clear).bits()) {
+            if context.material(materials[lane]).is_cut_out() {
+                there = there & !F::Mask::from_bits(1 << lane);
+            }
+        }
+    }
+    (Color { r: all.r.min(one), g: all.g.min(one), b: all.b.min(one) }, there)
+}

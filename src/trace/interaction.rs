@@ -1,0 +1,92 @@
+//! The surfaces that eight paths have come to.
+
+use super::context::TraceContext;
+use super::intersect::Hits;
+use super::materials::LobeSet;
+use super::stream::PathState;
+use crate::lanes::{Lookup, Mask, Real, Row, Select, Vec3, lanes};
+use crate::shape::{LaneHit, LaneRay, LaneSurface};
+use crate::trace::coincident::{Events, NO_EVENT};
+
+/// A point of a surface that a path has come to, in each lane.
+#[derive(Clone, Copy)]
+pub struct SurfaceInteraction<F: Real> {
+    pub at: LaneHit<F>,
+    /// Turned to where the path came from.
+    pub surface: LaneSurface<F>,
+    /// Lanes that have come from the side that the surface's own normal is on.
+    pub outside: F::Mask,
+    pub primitive: F::U32,
+    pub material: F::U32,
+    /// How wide the path's cone is.
+    pub width: F,
+    /// What is met where surfaces coincide.
+    pub event: F::U32,
+}
+
+impl<F: Real> SurfaceInteraction<F> {
+    /// Of the paths in the lanes of a mask, which stand at `at` in their stream.
+    #[inline(always)]
+    pub fn gather(
+        context: &TraceContext,
+        path: &PathState<F>,
+        (hits, at): (&Hits, &Lookup),
+        wanted: F::Mask,
+    ) -> Self {
+        let hit = hits.at::<F>(at);
+        let primitive = F::U32::gather(&hits.primitive, at);
+        let material = F::U32::gather(&hits.material, at);
+        let width = path.cone.width_at(hit.t);
+        let surface = Self::new(context, &path.ray, (hit, primitive, material), width, wanted);
+        Self { event: F::U32::gather(&hits.event, at), ..surface }
+    }
+
+    /// Where rays in the lanes of a mask meet primitives of these materials, for cones of this width.
+    #[inline(always)]
+    pub fn new(
+        context: &TraceContext,
+        ray: &LaneRay<F>,
+        (at, primitive, material): (LaneHit<F>, F::U32, F::U32),
+        width: F,
+        wanted: F::Mask,
+    ) -> Self {
+        let geometry = context.scene.geometry;
+        let mut surface = context.surfaces.surfaces(geometry, ray, at, primitive, wanted);
+        if !context.quality.smooth_terminator {
+            surface.lift = Vec3::zero();
+        }
+        // Surfaces are two-sided: the normal faces the eye.
+        let outside = surface.normal.dot(ray.direction).le(F::splat(0.0));
+        let surface = surface.flipped(!outside);
+        Self { at, surface, outside, primitive, material, width, event: F::U32::splat(NO_EVENT) }
+    }
+
+    /// Makes the surfaces ones that rays pass, for materials of these lobes: clear of the edges of triangles, and with all
+    /// that coincides with them within their errors.
+    #[inline(always)]
+    pub fn prepare(&mut self, context: &TraceContext, lobes: LobeSet, events: &Events, wanted: F::Mask) {
+        if lobes.has(LobeSet::PASSES) {
+            let (indices, parts, mut rest) = (self.primitive.to_array(), self.at.part, wanted.bits());
+            while rest != 0 {
+                let index = indices[rest.trailing_zeros() as usize];
+                let same = crate::lanes::Bits::eq(self.primitive, F::U32::splat(index));
+                rest &= !same.bits();
+                let passed = context.scene.geometry.primitives[index as usize].passed(self.surface, parts);
+                self.surface = LaneSurface::select(same, passed, self.surface);
+            }
+        }
+        if events.is_empty() {
+            return;
+        }
+        let numbers = self.event.to_array();
+        for lane in lanes(wanted.bits()) {
+            if numbers[lane] != NO_EVENT
+                && let Some(event) = events.get(numbers[lane])
+            {
+                let here = F::Mask::from_bits(1 << lane);
+                let reach = F::select(here, F::splat(event.reach), F::splat(0.0));
+                self.surface.error = self.surface.error + self.surface.normal.abs() * reach;
+            }
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! What lies on the two sides of surfaces that refract.
+
+use super::bsdf::Boundary;
+use super::coincident::Events;
+use super::context::TraceContext;
+use super::interaction::SurfaceInteraction;
+use super::medium::{Enclosure, MediaLists, Passage};
+use crate::lanes::{Mask, Real, Row, lanes};
+
+/// The two sides of a surface in each lane.
+#[derive(Clone, Copy)]
+pub struct Interface<F: Real> {
+    pub boundary: Boundary<F>,
+    /// Lanes in which another medium of higher priority fills both sides: there is nothing to see.
+    pub is_hidden: F::Mask,
+    /// What rays are inside of once they have passed ([`MediaLists`]).
+    pub behind: F::U32,
+}
+
+impl<F: Real> Interface<F> {
+    /// Where nothing refracts.
+    #[inline(always)]
+    pub fn none(inside: F::U32) -> Self {
+        let boundary = Boundary { eta: F::splat(1.0) };
+        Self { boundary, is_hidden: F::Mask::splat(false), behind: inside }
+    }
+
+    /// Of refracting surfaces in the lanes of a mask, for rays inside of these media.
+    #[inline(always)]
+    pub fn meet(
+        context: &TraceContext,
+        (media, events): (&mut MediaLists, &Events),
+        surface: &SurfaceInteraction<F>,
+        inside: F::U32,
+        wanted: F::Mask,
+    ) -> Self {
+        let (inside, outside) = (inside.to_array(), surface.outside.bits());
+        let (primitives, materials) = (surface.primitive.to_array(), surface.material.to_array());
+        let (mut etas, mut behind, mut hidden) = (F::splat(1.0).to_array(), inside, 0);
+        let events_of = surface.event.to_array();
+        let (all, mut surfaces) = (&context.scene.shading.materials, None);
+        for lane in lanes(wanted.bits()) {
+            let transition = match events.get(events_of[lane]) {
+                Some(event) => media.pass_all(inside[lane], &event.passages, all),
+                None => {
+                    let of = Enclosure { primitive: primitives[lane], material: materials[lane] };
+                    if surfaces.is_none() {
+                        surfaces = Some(surface.surface.store());
+                    }
+                    let enters = outside >> lane & 1 == 1;
+                    let grazes = match &surfaces {
+                        Some(surfaces) => context.grazes_an_edge(of.primitive, &surfaces[lane], enters),
+                        None => false,
+                    };
+                    media.pass(inside[lane], Passage { of, enters, grazes }, all)
+                }
+            };
+            (etas[lane], behind[lane]) = (transition.eta, transition.behind);
+            hidden |= u32::from(transition.hidden) << lane;
+        }
+        Self {
+            boundary: Boundary { eta: F::from_array(etas) },
+            is_hidden: F::Mask::from_bits(hidden),
+            behind: F::U32::from_array(behind),
+        }
+    }
+}

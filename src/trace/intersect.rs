@@ -1,0 +1,179 @@
+//! What the paths of a wave meet.
+
+use super::coincident::{Events, NO_EVENT};
+use super::context::{Queue, TraceContext};
+use super::medium::MediaLists;
+use super::stream::PathStream;
+use crate::bvh::{Coherence, Hit, NOTHING, Stacks};
+use crate::camera::Ray;
+use crate::lanes::{Level, Lookup, Mask, Real, Row, SimdKernel, dispatch, lanes};
+use crate::math::DVec3;
+use crate::shape::{LaneHit, Span};
+
+/// What each path of a stream meets.
+#[derive(Default)]
+pub struct Hits {
+    pub t: Vec<f64>,
+    pub primitive: Vec<u32>,
+    pub part: Vec<u32>,
+    /// The index of the material or light.
+    pub material: Vec<u32>,
+    /// What is met where surfaces coincide.
+    pub event: Vec<u32>,
+    /// Paths next to whose hits there are others.
+    close: Vec<u32>,
+    /// Of each lane that is looked along.
+    escaped: Vec<u32>,
+    lights: Vec<u32>,
+    surfaces: Vec<Vec<u32>>,
+}
+
+impl Hits {
+    pub fn new(classes: usize) -> Self {
+        Self { surfaces: vec![Vec::new(); classes], ..Self::default() }
+    }
+
+    fn reset(&mut self, count: usize) {
+        let size = count.next_multiple_of(8);
+        self.t.resize(size, 0.0);
+        [&mut self.primitive, &mut self.part, &mut self.material].into_iter().for_each(|column| {
+            column.resize(size, 0);
+        });
+        self.event.clear();
+        self.event.resize(size, NO_EVENT);
+        self.close.clear();
+        self.escaped.clear();
+        self.lights.clear();
+        self.surfaces.iter_mut().for_each(Vec::clear);
+    }
+
+    /// Paths that have met nothing, that have met a light, and that have met surfaces whose materials have lobes of one
+    /// set.
+    pub fn queue(&self, queue: Queue) -> &[u32] {
+        match queue {
+            Queue::Escaped => &self.escaped,
+            Queue::Light => &self.lights,
+            Queue::Surface(class) => &self.surfaces[class as usize],
+        }
+    }
+
+    /// Finds what paths meet, and puts each into its queue.
+    pub fn find(
+        &mut self,
+        context: &TraceContext,
+        paths: &PathStream,
+        coherence: Coherence,
+        (events, media): (&mut Events, &MediaLists),
+    ) {
+        self.reset(paths.len());
+        dispatch(Intersect { context, paths, coherence, events, media, hits: self });
+        self.resolve(context, paths, (events, media));
+        for index in 0..paths.len() {
+            let primitive = self.primitive[index];
+            let number = index as u32;
+            if primitive == NOTHING {
+                self.escaped.push(number);
+                continue;
+            }
+            let (queue, material) = context.route(primitive, self.part[index]);
+            self.material[index] = material;
+            match queue {
+                Queue::Surface(class) => self.surfaces[class as usize].push(number),
+                _ => self.lights.push(number),
+            }
+        }
+    }
+
+    /// Looks again where hits are close to others.
+    #[inline(never)]
+    fn resolve(
+        &mut self,
+        context: &TraceContext,
+        paths: &PathStream,
+        (events, media): (&mut Events, &MediaLists),
+    ) {
+        let materials = &context.scene.shading.materials;
+        for index in std::mem::take(&mut self.close) {
+            let at = Lookup::run(index, 1);
+            let ray = paths.ray::<f64>(&at);
+            let ray = Ray { origin: DVec3::from(ray.origin), direction: DVec3::from(ray.direction) };
+            let index = index as usize;
+            let number = context.resolve(&ray, (self.t[index], f64::INFINITY), events);
+            if let Some(event) = events.get(number) {
+                self.meet(index, number, event.hit(media, paths.medium(index), materials));
+            }
+        }
+    }
+
+    /// Has a path meet an event.
+    fn meet(&mut self, index: usize, number: u32, Hit { at, primitive }: Hit) {
+        (self.t[index], self.part[index], self.primitive[index]) = (at.t, at.part, primitive);
+        self.event[index] = number;
+    }
+
+    /// Where paths meet primitives.
+    #[inline(always)]
+    pub fn at<F: Real>(&self, at: &Lookup) -> LaneHit<F> {
+        LaneHit {
+            t: F::gather(&self.t, at),
+            part: F::U32::gather(&self.part, at),
+            crowded: F::Mask::splat(false),
+        }
+    }
+}
+
+struct Intersect<'a> {
+    context: &'a TraceContext<'a>,
+    paths: &'a PathStream,
+    coherence: Coherence,
+    events: &'a Events,
+    media: &'a MediaLists,
+    hits: &'a mut Hits,
+}
+
+impl SimdKernel for Intersect<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Level>(self) {
+        let Self { context, paths, coherence, events, media, hits } = self;
+        let (bvh, geometry) = (context.bvh, context.scene.geometry);
+        let mut stacks = Stacks::default();
+        for first in (0..paths.len()).step_by(8) {
+            let count = (paths.len() - first).min(8);
+            let at = Lookup::run(first as u32, count);
+            let mut wanted = 0xff >> (8 - count);
+            if context.columns.media {
+                for lane in lanes(wanted) {
+                    let pending = paths.pending(first + lane);
+                    if let Some(event) = events.get(pending) {
+                        let materials = &context.scene.shading.materials;
+                        let hit = event.hit(media, paths.medium(first + lane), materials);
+                        hits.meet(first + lane, pending, hit);
+                        wanted &= !(1 << lane);
+                    }
+                }
+            }
+            let ray = paths.ray::<L::F64>(&at);
+            let within = Span { min: paths.after::<L::F64>(&at), max: L::F64::splat(f64::INFINITY) };
+            let mask = L::Mask::from_bits(wanted);
+            let found = bvh.intersect::<L>(geometry, &ray, within, mask, coherence, &mut stacks);
+            for lane in lanes(found.at.crowded.bits() & wanted) {
+                hits.close.push((first + lane) as u32);
+            }
+            if wanted == 0xff >> (8 - count) {
+                found.at.t.store(&mut hits.t, first);
+                found.at.part.store(&mut hits.part, first);
+                found.primitive.store(&mut hits.primitive, first);
+                continue;
+            }
+            let (t, part) = (found.at.t.to_array(), found.at.part.to_array());
+            let primitive = found.primitive.to_array();
+            for lane in lanes(wanted) {
+                hits.t[first + lane] = t[lane];
+                hits.part[first + lane] = part[lane];
+                hits.primitive[first + lane] = primitive[lane];
+            }
+        }
+    }
+}

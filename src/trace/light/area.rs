@@ -1,0 +1,35 @@
+//! Lights with an area.
+
+use super::{LightSample, Receiver};
+use crate::lanes::{Color, Mask, Real, Vec3};
+use crate::shape::{Geometric, Rectangle, Sphere};
+
+/// A sphere that shines outwards.
+#[inline(always)]
+pub fn sphere<F: Real>(
+    sphere: &Sphere,
+    at: &Receiver<F>,
+    [u, v]: [F; 2],
+    radiance: Color<F::F32>,
+) -> LightSample<F> {
+    let (surface, _, pdf) = sphere.sample_from(at.point, at.eye, u, v);
+    // No light comes to the inside.
+    let distance = (at.point - Vec3::splat(sphere.center)).length();
+    let pdf = F::select(F::splat(sphere.radius).le(distance), pdf, F::splat(0.0));
+    LightSample::from_surface(at, &surface, radiance, pdf)
+}
+
+/// A rectangle that shines to one side or both.
+#[inline(always)]
+pub fn rectangle<F: Real>(
+    rectangle: &Rectangle,
+    one_sided: bool,
+    at: &Receiver<F>,
+    [u, v]: [F; 2],
+    radiance: Color<F::F32>,
+) -> LightSample<F> {
+    let (surface, _, pdf) = rectangle.sample_from(at.point, at.eye, u, v);
+    let in_front = F::splat(0.0).lt(surface.normal.dot(at.point - surface.point));
+    let shines = in_front | F::Mask::splat(!one_sided);
+    LightSample::from_surface(at, &surface, radiance, F::select(shines, pdf, F::splat(0.0)))
+}

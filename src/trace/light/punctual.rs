@@ -1,0 +1,35 @@
+//! Lights that shine from one point.
+
+use super::LightSample;
+use crate::lanes::{Color, Real, Vec3};
+use crate::light::{Attenuation, Cone};
+use crate::math::DVec3;
+
+/// A light that shines evenly.
+#[inline(always)]
+pub fn point<F: Real>(
+    position: DVec3,
+    attenuation: &Attenuation,
+    at: Vec3<F>,
+    radiance: Color<F::F32>,
+) -> LightSample<F> {
+    let position = Vec3::splat(position);
+    let share = attenuation.share((position - at).length());
+    LightSample::from_point(at, position, radiance, share)
+}
+
+/// A light that shines into a cone.
+#[inline(always)]
+pub fn spot<F: Real>(
+    position: DVec3,
+    cone: &Cone,
+    attenuation: &Attenuation,
+    at: Vec3<F>,
+    radiance: Color<F::F32>,
+) -> LightSample<F> {
+    let position = Vec3::splat(position);
+    let way = position - at;
+    let cosine = -way.normalize_or(Vec3::zero()).dot(Vec3::splat(cone.axis));
+    let share = attenuation.share(way.length()) * cone.share(cosine);
+    LightSample::from_point(at, position, radiance, share)
+}

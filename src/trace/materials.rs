@@ -1,0 +1,166 @@
+//! The materials of a scene as tables, from which lanes gather what their surfaces are made of.
+
+use crate::color::Rgb;
+use crate::lanes::{Color, Lookup, Single};
+use crate::material::{Highlight, Lobes, Material};
+use crate::optics::Fresnel;
+
+/// Which lobes a material has, and what else decides how it is shaded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct LobeSet(u16);
+
+impl LobeSet {
+    pub const DIFFUSE: Self = Self(1);
+    pub const PHONG: Self = Self(1 << 1);
+    pub const BLINN_PHONG: Self = Self(1 << 2);
+    pub const MIRROR: Self = Self(1 << 3);
+    /// The mirror scatters. Where textures vary its fuzz, it may be sharp at some points.
+    pub const FUZZ: Self = Self(1 << 4);
+    pub const MICROFACET: Self = Self(1 << 5);
+    pub const TRANSPARENT: Self = Self(1 << 6);
+    pub const REFRACTION: Self = Self(1 << 7);
+    pub const EMISSION: Self = Self(1 << 8);
+    pub const AMBIENT: Self = Self(1 << 9);
+    pub const TEXTURED: Self = Self(1 << 10);
+    /// Which of Fresnel's formulas a boundary follows: neither means none.
+    const EXACT: Self = Self(1 << 11);
+    const SCHLICK: Self = Self(1 << 12);
+
+    /// What sends the light of sources to the eye.
+    pub const REFLECTS_LIGHTS: Self =
+        Self(Self::DIFFUSE.0 | Self::PHONG.0 | Self::BLINN_PHONG.0 | Self::FUZZ.0 | Self::MICROFACET.0);
+    /// Lobes of which directions are drawn.
+    pub const SAMPLED: Self = Self(Self::DIFFUSE.0 | Self::FUZZ.0 | Self::MICROFACET.0);
+    /// What lets light pass.
+    pub const PASSES: Self = Self(Self::TRANSPARENT.0 | Self::REFRACTION.0);
+
+    pub fn of(material: &Material) -> Self {
+        let Lobes { emission, ambient, diffuse, specular, mirror, .. } = &material.lobes;
+        let Lobes { refraction, microfacet, .. } = &material.lobes;
+        let highlight = match material.highlight {
+            Highlight::Phong => Self::PHONG,
+            Highlight::BlinnPhong => Self::BLINN_PHONG,
+        };
+        let fresnel = match material.fresnel {
+            Fresnel::Off => Self(0),
+            Fresnel::Exact => Self::EXACT,
+            Fresnel::Schlick => Self::SCHLICK,
+        };
+        let refracts = *refraction != Rgb::ZERO;
+        [
+            (*diffuse != Rgb::ZERO, Self::DIFFUSE),
+            (*specular != Rgb::ZERO, highlight),
+            (*mirror != Rgb::ZERO, Self::MIRROR),
+            (material.lobes.is_fuzzy() && *mirror != Rgb::ZERO, Self::FUZZ),
+            (*microfacet > 0.0, Self::MICROFACET),
+            (material.is_clear(), Self::TRANSPARENT),
+            (refracts, Self::REFRACTION),
+            (refracts, fresnel),
+            (*emission != Rgb::ZERO, Self::EMISSION),
+            (*ambient != Rgb::ZERO, Self::AMBIENT),
+            (!material.paints.is_empty(), Self::TEXTURED),
+        ]
+        .into_iter()
+        .filter(|(has, _)| *has)
+        .fold(Self(0), |all, (_, one)| Self(all.0 | one.0))
+    }
+
+    /// Whether it has any of these.
+    #[inline(always)]
+    pub fn has(self, any: Self) -> bool {
+        self.0 & any.0 != 0
+    }
+
+    /// Whether it has this one and no other that light may be scattered by.
+    #[inline(always)]
+    pub fn is_only(self, one: Self) -> bool {
+        let scatters = Self::DIFFUSE | Self::MIRROR | Self::FUZZ | Self::MICROFACET | Self::PASSES;
+        self.0 & scatters.0 == one.0
+    }
+
+    #[inline(always)]
+    pub fn fresnel(self) -> Fresnel {
+        if self.has(Self::EXACT) {
+            Fresnel::Exact
+        } else if self.has(Self::SCHLICK) {
+            Fresnel::Schlick
+        } else {
+            Fresnel::Off
+        }
+    }
+}
+
+impl std::ops::BitOr for LobeSet {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+/// A column of the table: an RGB or a number of every material.
+#[derive(Clone, Copy, Debug)]
+pub struct Column(usize);
+
+impl Column {
+    pub const EMISSION: Self = Self(0);
+    pub const AMBIENT: Self = Self(3);
+    pub const DIFFUSE: Self = Self(6);
+    pub const SPECULAR: Self = Self(9);
+    pub const MIRROR: Self = Self(12);
+    pub const TRANSPARENCY: Self = Self(15);
+    pub const REFRACTION: Self = Self(18);
+    pub const BASE: Self = Self(21);
+    pub const FUZZ: Self = Self(24);
+    pub const MICROFACET: Self = Self(25);
+    pub const METALLIC: Self = Self(26);
+    pub const ROUGHNESS: Self = Self(27);
+}
+
+const COLUMNS: usize = 28;
+
+/// The lobes of all materials, or of the points in the lanes where textures vary them.
+#[derive(Clone, Debug, Default)]
+pub struct LobeTable {
+    /// Column after column, as many numbers in each as there are rows.
+    values: Vec<f32>,
+    rows: usize,
+}
+
+impl LobeTable {
+    pub fn new<'a>(all: impl ExactSizeIterator<Item = &'a Lobes>) -> Self {
+        let rows = all.len();
+        let mut table = Self { values: vec![0.0; COLUMNS * rows], rows };
+        all.enumerate().for_each(|(row, lobes)| table.set(row, lobes));
+        table
+    }
+
+    /// Replaces a row.
+    pub fn set(&mut self, row: usize, lobes: &Lobes) {
+        let Lobes { emission, ambient, diffuse, specular, mirror, fuzz, transparency, .. } = *lobes;
+        let Lobes { refraction, microfacet, base, metallic, roughness, .. } = *lobes;
+        let colors = [emission, ambient, diffuse, specular, mirror, transparency, refraction, base];
+        let numbers = [fuzz, microfacet, metallic, roughness];
+        let values = colors.into_iter().flat_map(|color| color.to_array()).chain(numbers);
+        for (column, value) in values.enumerate() {
+            self.values[column * self.rows + row] = value;
+        }
+    }
+
+    #[inline(always)]
+    fn column(&self, column: usize) -> &[f32] {
+        &self.values[column * self.rows..][..self.rows]
+    }
+
+    #[inline(always)]
+    pub fn color<S: Single>(&self, column: Column, at: &Lookup) -> Color<S> {
+        let Column(first) = column;
+        Color::gather([self.column(first), self.column(first + 1), self.column(first + 2)], at)
+    }
+
+    #[inline(always)]
+    pub fn number<S: Single>(&self, column: Column, at: &Lookup) -> S {
+        S::gather(self.column(column.0), at)
+    }
+}

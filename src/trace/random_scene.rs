@@ -1,0 +1,278 @@
+//! Worlds at random, to trace in one way and in another.
+
+mod everything;
+mod tests;
+
+use crate::bvh::Bvh;
+use crate::camera::{Camera, Projection, ThinLens};
+use crate::color::Rgb;
+use crate::counters::Counts;
+use crate::environment::{Environment, Sky};
+use crate::film::{Extras, LayerId};
+use crate::filter::FilterSampler;
+use crate::glow::Glow;
+use crate::light::{Attenuation, Cone, Light, Source};
+use crate::material::{Exponent, Highlight, Lobes, MadeOf, Material, Medium, Slot};
+use crate::math::{Angle, DAffine3, DMat3, DVec3, axis_angle, look_at};
+use crate::mesh::{self, Normals, generate};
+use crate::optics::Fresnel;
+use crate::quality::{Integrator, PathSettings, Quality};
+use crate::scene::{Finish, Geometry, Scene, Shading, Weights};
+use crate::shape::{
+    Cone as ConeShape, Cuboid, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle,
+};
+use crate::testing::Random;
+use crate::texture::{Paint, Pattern, PatternPaint, PlacementTracks, Space};
+use crate::time::Time;
+use crate::trace::pixels::{Pixels, SampleSet};
+use crate::trace::{Moment, TraceSettings};
+use std::sync::Arc;
+
+const SIZE: (u32, u32) = (61, 37);
+
+fn color(random: &mut Random) -> Rgb {
+    Rgb::new(random.unit() as f32, random.unit() as f32, random.unit() as f32)
+}
+
+/// One of a few values.
+fn one_of<T: Copy>(random: &mut Random, values: &[T]) -> T {
+    values[(random.unit() * values.len() as f64) as usize]
+}
+
+fn layer(random: &mut Random) -> LayerId {
+    LayerId(one_of(random, &[0, 1, 2]))
+}
+
+/// A pattern in the colours of some lobes, in space or over u and v.
+fn paint(random: &mut Random) -> (Vec<Slot>, Paint) {
+    let patterns = [
+        Pattern::Checker,
+        Pattern::Stripes,
+        Pattern::Waves,
+        Pattern::Noise { octaves: 3, seed: 1 },
+        Pattern::Marble { octaves: 2, seed: 4, turbulence: 1.0 },
+    ];
+    let pattern = PatternPaint {
+        pattern: one_of(random, &patterns),
+        space: one_of(random, &[Space::Object, Space::Uv]),
+        placement: PlacementTracks::default().at(Time::from_integer(0)),
+        // Black takes a lobe away.
+        first: Paint::Color(one_of(random, &[Rgb::ZERO, Rgb::ONE])),
+        second: Paint::Color(color(random)),
+    };
+    let slots = [Slot::Ambient, Slot::Diffuse, Slot::Specular, Slot::Mirror];
+    (slots.into_iter().filter(|_| random.unit() < 0.6).collect(), Paint::Pattern(Box::new(pattern)))
+}
+
+fn material(random: &mut Random) -> Material {
+    let painted = random.unit() < 0.4;
+    let mut lobe = |chance: f64| if random.unit() < chance { color(random) } else { Rgb::ZERO };
+    let lobes = Lobes {
+        ambient: lobe(0.7),
+        diffuse: lobe(0.8),
+        specular: lobe(0.6),
+        mirror: lobe(0.6),
+        emission: if painted { Rgb::ZERO } else { lobe(0.2) },
+        ..Lobes::default()
+    };
+    Material {
+        lobes,
+        paints: if painted { vec![paint(random)] } else { Vec::new() },
+        emission_layer: layer(random),
+        highlight: one_of(random, &[Highlight::Phong, Highlight::BlinnPhong]),
+        shininess: Exponent::new(one_of(random, &[0.0, 1.0, 32.0, 200.0, 7.5])),
+        fresnel: Fresnel::Off,
+        medium: Medium::EMPTY,
+    }
+}
+
+fn shape(random: &mut Random, kind: usize) -> Shape {
+    let mut point = || random.point(3.0);
+    let (a, b, c) = (point(), point(), point());
+    let radius = 0.2 + random.unit();
+    match kind % 8 {
+        0 => Shape::Plane(Plane { point: a, normal: b.normalize_or(DVec3::Y) }),
+        1 => Shape::Triangle(Triangle { corners: [a, b, c] }),
+        2 => Shape::Cuboid(Cuboid { min: a.min(b), max: a.max(b) }),
+        3 => Shape::Disk(Disk { center: a, normal: b.normalize_or(DVec3::Y), radius }),
+        4 => Shape::Rectangle(Rectangle { corner: a, u: b, v: b.cross(c) }),
+        5 => Shape::Cylinder(Cylinder::new(a, b, radius, true).expect("a cylinder")),
+        6 => Shape::Cone(ConeShape::new(a, b, radius, 0.0, true).expect("a cone")),
+        _ => Shape::Sphere(Sphere { center: a, radius }),
+    }
+}
+
+fn light(random: &mut Random) -> Light {
+    let position = random.point(6.0);
+    let attenuation = Attenuation { constant: 1.0, linear: 0.1 * random.unit(), quadratic: 0.05 };
+    let cone = Cone { axis: -position.normalize_or(DVec3::Y), full: 0.9, none: 0.6 };
+    let source = match (random.unit() * 4.0) as u32 {
+        0 => Source::Point { position, attenuation: Attenuation::default() },
+        1 => Source::Point { position, attenuation },
+        2 => Source::Spot { position, cone, attenuation },
+        _ => Source::Directional { to_light: position.normalize_or(DVec3::Y) },
+    };
+    Light { source, radiance: color(random), layer: layer(random) }
+}
+
+/// A world at random, far from the world's origin for some seeds and seen from afar for others.
+pub struct World {
+    geometry: Geometry,
+    shading: Shading,
+    camera: Camera,
+    quality: Quality,
+    /// Around which everything lies.
+    middle: DVec3,
+    /// Layers of light.
+    layers: usize,
+    extras: Extras,
+}
+
+impl World {
+    /// For Whitted's integrator.
+    pub fn new(seed: u64) -> Self {
+        let random = &mut Random(seed);
+        let middle = one_of(random, &[DVec3::ZERO, DVec3::new(1e5, -3e4, 2e3)]);
+        let moved = DAffine3::from_translation(middle);
+        let materials: Vec<_> = (0..4).map(|_| material(random)).collect();
+        let mut geometry = Geometry::default();
+        for kind in 0..1 + (random.unit() * 24.0) as usize {
+            let finish = Finish::Material(MadeOf::One(one_of(random, &[0, 1, 2, 3])));
+            let turn = axis_angle(random.direction(), Angle(360.0 * random.unit()));
+            let uneven = DMat3::from_diagonal(DVec3::new(1.0, 0.5 + random.unit(), 1.0));
+            let placed = DAffine3::from_mat3(one_of(random, &[DMat3::IDENTITY, turn, turn * uneven]));
+            geometry.push(&shape(random, kind), moved * placed, finish);
+        }
+        let sky = Sky::Gradient { bottom: color(random), top: color(random), up: DVec3::Y };
+        let shading = Shading {
+            materials,
+            lights: (0..3).map(|_| shifted(light(random), middle)).collect(),
+            environment: Environment { sky, layer: layer(random), ..Environment::default() },
+            ambient: Glow { radiance: color(random), layer: layer(random) },
+            ..Shading::default()
+        };
+        let position = middle + random.direction() * one_of(random, &[2.0, 8.0, 300.0]);
+        let half_height = one_of(random, &[0.03, 0.5, 2.0]);
+        let projection = one_of(
+            random,
+            &[Projection::Perspective { half_height }, Projection::Orthographic { half_height: 4.0 }],
+        );
+        let basis = look_at(position, middle, DVec3::Y).expect("a frame");
+        let quality = Quality {
+            bounces: one_of(random, &[0, 1, 4]),
+            antialias: one_of(random, &[1, 2]),
+            threshold: one_of(random, &[0.0, 0.3]),
+            clamp: one_of(random, &[None, Some(0.5)]),
+            ..Quality::default()
+        };
+        Self {
+            geometry,
+            shading,
+            camera: Camera { position, basis, projection, lens: None },
+            quality,
+            middle,
+            layers: 3,
+            extras: Extras::default(),
+        }
+    }
+
+    /// For paths: with meshes, a lens, and materials that let light pass or scatter it, in some of them.
+    pub fn of_paths(seed: u64) -> Self {
+        let mut world = Self::new(seed);
+        let random = &mut Random(seed + 1000);
+        let chance = |random: &mut Random, share: f64| random.unit() < share;
+        // In some worlds a matt mesh is all there is, so that neighbours meet nothing else.
+        let alone = seed % 4 == 3;
+        for material in &mut world.shading.materials {
+            let Lobes { ambient, diffuse, mirror, .. } = material.lobes;
+            let matt = Lobes { ambient, diffuse, ..Lobes::default() };
+            let lobes = match random.unit() {
+                share if alone || share < 0.4 => matt,
+                share if share < 0.5 => Lobes { ambient, mirror, ..Lobes::default() },
+                share if share < 0.7 => Lobes { ambient, mirror, fuzz: 0.7, ..Lobes::default() },
+                _ => continue,
+            };
+            material.lobes = lobes;
+        }
+        let first = &mut world.shading.materials[0];
+        match seed % 4 {
+            0 => (first.lobes.refraction, first.medium.ior) = (color(random), 1.5),
+            1 => first.lobes.fuzz = 0.3,
+            2 => first.lobes.transparency = color(random),
+            _ => {}
+        }
+        if chance(random, 0.3) {
+            world.shading.lights.clear();
+        }
+        let environment = &mut world.shading.environment;
+        environment.from_world = DMat3::from_axis_angle(random.direction(), random.unit());
+        if chance(random, 0.3) {
+            environment.sky = Sky::Constant(color(random));
+        }
+        let middle = DAffine3::from_translation(world.middle);
+        if alone {
+            world.geometry = Geometry::default();
+            world.quality.smooth_terminator = seed % 8 == 7;
+        }
+        let all = [Normals::Smooth, Normals::Flat];
+        for normals in all.into_iter().take(if alone { 1 } else { 2 }) {
+            let mut parts = generate::displaced_sphere(3, seed);
+            let turn = axis_angle(random.direction(), Angle(360.0 * random.unit()));
+            let mut place =
+                middle * DAffine3::from_translation(random.point(2.0)) * DAffine3::from_mat3(turn);
+            // Some are where they are, without a space of their own.
+            if alone || chance(random, 0.5) {
+                let moved =
+                    parts.positions.iter().map(|position| place.transform_point3(*position)).collect();
+                (parts.positions, place) = (moved, DAffine3::IDENTITY);
+            }
+            let mesh = Arc::new(mesh::Mesh::new(parts).expect("a mesh"));
+            let finish = Finish::Material(MadeOf::One(one_of(random, &[0, 1, 2, 3])));
+            world.geometry.push(&Shape::Mesh(Mesh { mesh, normals }), place, finish);
+        }
+        if chance(random, 0.5) {
+            world.camera.lens = Some(ThinLens { radius: 0.1, focus: 4.0 });
+        }
+        let roulette = one_of(random, &[None, Some(1)]);
+        let path = PathSettings { roulette, refractive_shadows: chance(random, 0.5) };
+        world.quality.integrator = Integrator::Path(path);
+        world.quality.samples = one_of(random, &[1, 3]);
+        // Of many layers fewer paths are followed at once, of these no power of two.
+        world.layers = one_of(random, &[3, 3, 9, 20]);
+        world
+    }
+
+    /// The picture's layers, with what was counted, traced so many pixels at a time and so many samples of each.
+    pub fn trace(&self, pixels_at_once: usize, samples_at_once: u32) -> (Vec<DVec3>, Counts) {
+        let Self { geometry, shading, camera, quality, layers, extras, .. } = self;
+        let weights = Weights(vec![Rgb::ONE; *layers]);
+        let scene = Scene { geometry, shading, weights: &weights, camera };
+        let bvh = Bvh::build(geometry);
+        let filter = FilterSampler::new(quality.filter);
+        let settings = TraceSettings { size: SIZE, quality: *quality, filter, extras: *extras };
+        let pixels = Pixels::new(&scene, &bvh, &settings, Moment::ONLY);
+        let samples = if pixels.random { quality.samples } else { quality.antialias * quality.antialias };
+        let places: Vec<_> = (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))).collect();
+        let layers = pixels.layers();
+        let mut sums = vec![DVec3::ZERO; places.len() * layers];
+        let mut counts = Counts::default();
+        for (places, sums) in places.chunks(pixels_at_once).zip(sums.chunks_mut(pixels_at_once * layers)) {
+            for first in (0..samples).step_by(samples_at_once as usize) {
+                let samples = first..samples.min(first + samples_at_once);
+                counts += pixels.add(places, &SampleSet { samples, seed: quality.seed }, sums);
+            }
+        }
+        (sums, counts)
+    }
+}
+
+fn shifted(light: Light, by: DVec3) -> Light {
+    let source = match light.source {
+        Source::Point { position, attenuation } => Source::Point { position: position + by, attenuation },
+        Source::Spot { position, cone, attenuation } => {
+            Source::Spot { position: position + by, cone, attenuation }
+        }
+        other => other,
+    };
+    Light { source, ..light }
+}

@@ -1,0 +1,87 @@
+//! Worlds of all that light may meet.
+
+use super::{World, color, layer, one_of};
+use crate::color::Rgb;
+use crate::environment::{Sky, SkyTable};
+use crate::film::Extras;
+use crate::fog::{Falloff, Fog};
+use crate::glow::Glow;
+use crate::light::{Light, Source};
+use crate::material::{Lobes, Material, Medium};
+use crate::math::DAffine3;
+use crate::optics::Fresnel;
+use crate::quality::Integrator;
+use crate::scene::Finish;
+use crate::shape::{Rectangle, Shape, Sphere};
+use crate::testing::Random;
+use crate::texture::{Image, Shared};
+use std::sync::Arc;
+
+impl World {
+    /// With rough surfaces, glass that absorbs, lights that have an area, fog, skies of images, and all that films
+    /// record, in some of them; for either integrator.
+    pub fn of_everything(seed: u64) -> Self {
+        let mut world = Self::of_paths(seed);
+        let random = &mut Random(seed + 2000);
+        world.shading.materials.iter_mut().for_each(|material| vary(material, random));
+        world.add_lights(random);
+        if random.unit() < 0.5 {
+            let falloff = Falloff { base: world.middle.y, height: 3.0 };
+            world.shading.fog = Some(Fog {
+                glow: Glow { radiance: color(random), layer: layer(random) },
+                density: 0.1 * random.unit(),
+                falloff: one_of(random, &[None, Some(falloff)]),
+            });
+        }
+        if random.unit() < 0.4 {
+            let texels = (0..32).map(|_| color(random)).collect();
+            let sky = Sky::Equirect(Shared::new(Image::new(8, 4, texels).expect("an image")));
+            world.shading.sky_table = SkyTable::new(&sky).map(Arc::new);
+            world.shading.environment.sky = sky;
+        }
+        if random.unit() < 0.4 {
+            world.quality.integrator = Integrator::Whitted;
+            world.quality.bounces = world.quality.bounces.min(2);
+        }
+        world.extras = Extras { coverage: random.unit() < 0.3, guides: random.unit() < 0.3 };
+        world
+    }
+
+    /// Lights with an area, which are seen as well.
+    fn add_lights(&mut self, random: &mut Random) {
+        let at = self.middle + random.point(5.0);
+        let sphere = Sphere { center: self.middle + random.point(5.0), radius: 0.1 + random.unit() };
+        let rectangle = Rectangle { corner: at, u: random.point(1.0), v: random.point(1.0) };
+        let one_sided = random.unit() < 0.5;
+        let lights = [
+            (Source::Sphere(sphere), Shape::Sphere(sphere)),
+            (Source::Rectangle { rectangle, one_sided }, Shape::Rectangle(rectangle)),
+        ];
+        for (source, shape) in lights.into_iter().filter(|_| random.unit() < 0.6) {
+            let number = self.shading.lights.len() as u32;
+            let radiance = color(&mut Random(u64::from(number)));
+            self.shading.lights.push(Light { source, radiance, layer: self.shading.ambient.layer });
+            self.geometry.push(&shape, DAffine3::IDENTITY, Finish::Light(number));
+        }
+    }
+}
+
+/// Makes glass of some materials, and rough metal or plastic of others.
+fn vary(material: &mut Material, random: &mut Random) {
+    let absorption = if random.unit() < 0.5 { color(random) } else { Rgb::ZERO };
+    let medium = Medium { ior: 1.0 + random.unit(), absorption, priority: one_of(random, &[0, 1]) };
+    let rough = Lobes {
+        microfacet: 1.0,
+        base: color(random),
+        metallic: random.unit() as f32,
+        roughness: random.unit() as f32,
+        ..Lobes::default()
+    };
+    let glass = Lobes { refraction: color(random), mirror: color(random), ..Lobes::default() };
+    match random.unit() {
+        share if share < 0.3 => (material.lobes, material.medium) = (rough, medium),
+        share if share < 0.6 => (material.lobes, material.medium) = (glass, medium),
+        _ => return,
+    }
+    material.fresnel = one_of(random, &[Fresnel::Off, Fresnel::Exact, Fresnel::Schlick]);
+}
