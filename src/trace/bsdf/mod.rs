@@ -123,7 +123,11 @@ impl<'a, F: Real> Bsdf<'a, F> {
             surface,
             to_eye,
             normal,
-            frame: if is_sampled && lobes.has(LobeSet::SAMPLED) { eye.turned_to(normal) } else { *eye },
+            // Without samples, its other axes are of no use.
+            frame: match is_sampled && lobes.has(LobeSet::SAMPLED) {
+                true => eye.turned_to(normal),
+                false => Frame { z: normal, ..*eye },
+            },
             diffuse: rows.color(LobeSet::DIFFUSE, Column::DIFFUSE),
             specular: rows.color(highlights, Column::SPECULAR),
             shininess,
