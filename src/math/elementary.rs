@@ -26,6 +26,16 @@ const EXP: [f64; 12] = [
     1.0 / 6_227_020_800.0,
 ];
 
+/// The same coefficients in all lanes.
+#[inline(always)]
+fn splats<F: Real, const N: usize>(coefficients: [f64; N]) -> [F; N] {
+    let mut lanes = [F::splat(0.0); N];
+    for (lanes, coefficient) in lanes.iter_mut().zip(coefficients) {
+        *lanes = F::splat(coefficient);
+    }
+    lanes
+}
+
 /// exp(x) as 2^n · (1 + rest): the whole number n, and the rest.
 #[inline(always)]
 fn parts_of_exp<F: Real>(x: F) -> (F, F) {
@@ -33,7 +43,7 @@ fn parts_of_exp<F: Real>(x: F) -> (F, F) {
     // At most half of ln 2; the first difference is exact.
     let r = (x - n * F::splat(LN_2)) - n * F::splat(LN_2_REST);
     // Taylor's series of exp(r) - 1 up to the 13th power leaves out less than 2^-56 of it, by Estrin's scheme.
-    let [c2, c3, c4, c5, c6, c7, c8, c9, c10, c11, c12, c13] = EXP.map(F::splat);
+    let [c2, c3, c4, c5, c6, c7, c8, c9, c10, c11, c12, c13] = splats(EXP);
     let (r2, r4) = (r * r, r * r * (r * r));
     let low = (c2 + r * c3) + r2 * (c4 + r * c5);
     let middle = (c6 + r * c7) + r2 * (c8 + r * c9);
@@ -89,7 +99,7 @@ pub fn atan2<F: Real>(y: F, x: F) -> F {
     let along = F::select(diagonal, short + long, long);
     let ratio = F::select(long.eq(zero), zero, above / along);
     let z = ratio * ratio;
-    let [a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12] = ATAN.map(F::splat);
+    let [a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12] = splats(ATAN);
     let (z2, z4) = (z * z, z * z * (z * z));
     let z8 = z4 * z4;
     let low = (a1 + z * a2) + z2 * (a3 + z * a4);

@@ -1,13 +1,9 @@
 //! Eight lanes in registers of AVX-512.
 
-use super::super::NEAR_ZERO;
-use super::super::{Bits, LaneKernel, Level, Lookup, Mask, Real, Row, Select, SimdKernel, Single};
-use super::{methods, operators};
+use super::{level, methods, operators, row};
+use crate::lanes::{Bits, LaneKernel, Level, Lookup, Mask, NEAR_ZERO, Real, Row, Select, SimdKernel, Single};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
-
-#[derive(Clone, Copy)]
-pub struct Avx512;
 
 #[derive(Clone, Copy)]
 pub struct F64x8(__m512d);
@@ -21,48 +17,10 @@ pub struct U32x8(__m256i);
 #[derive(Clone, Copy)]
 pub struct Mask8(__mmask8);
 
-/// Runs a kernel on this level.
-#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-pub fn run<K: SimdKernel>(kernel: K) -> K::Output {
-    kernel.run::<Avx512>()
-}
-
-#[inline(never)]
-#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn run_apart<K: SimdKernel>(kernel: K) -> K::Output {
-    kernel.run::<Avx512>()
-}
-
-#[inline(never)]
-#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn run_lanes_apart<K: LaneKernel<Avx512>>(kernel: K) -> K::Output {
-    kernel.run()
-}
-
 // SAFETY of all that follows: there are lanes of this kind only where the processor has the features, see `super`.
 // Pointers that are read or written lead to as many numbers as the register holds: slices are checked to have them.
 
-impl Level for Avx512 {
-    type Mask = Mask8;
-    type F64 = F64x8;
-    type F32 = F32x8;
-    type U32 = U32x8;
-
-    #[inline(always)]
-    fn call<K: SimdKernel>(kernel: K) -> K::Output {
-        unsafe { run_apart(kernel) }
-    }
-
-    #[inline(always)]
-    fn call_with<K: LaneKernel<Self>>(kernel: K) -> K::Output {
-        unsafe { run_lanes_apart(kernel) }
-    }
-
-    #[inline(always)]
-    fn prefetch<T>(all: &[T], soon: usize) {
-        super::prefetch(all, soon);
-    }
-}
+level!(Avx512, "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi1,bmi2,lzcnt,popcnt");
 
 impl Mask for Mask8 {
     #[inline(always)]
@@ -108,107 +66,75 @@ impl Not for Mask8 {
     }
 }
 
-macro_rules! row {
-    ($name:ident, $scalar:ty, $zero:expr, $splat:expr, $load:expr, $store:expr, $blend:ident, $compress:ident) => {
+row!(F64x8, f64, 0.0);
+row!(F32x8, f32, 0.0);
+row!(U32x8, u32, 0);
+
+/// Reading and writing, and choices, by intrinsics.
+macro_rules! memory {
+    ($name:ident, $scalar:ty, $splat:expr, $load:ident, $store:ident, $blend:ident, $compress:ident) => {
+        impl $name {
+            #[inline(always)]
+            unsafe fn splat_register(value: $scalar) -> Self {
+                Self(unsafe { $splat(value) })
+            }
+
+            #[inline(always)]
+            unsafe fn read(from: *const $scalar) -> Self {
+                Self(unsafe { $load(from.cast()) })
+            }
+
+            #[inline(always)]
+            unsafe fn write(self, into: *mut $scalar) {
+                unsafe { $store(into.cast(), self.0) };
+            }
+
+            #[inline(always)]
+            unsafe fn compressed(self, mask: Mask8, into: *mut $scalar) {
+                unsafe { $store(into.cast(), $compress(mask.0, self.0)) };
+            }
+        }
+
         impl Select<Mask8> for $name {
             #[inline(always)]
             fn select(mask: Mask8, yes: Self, no: Self) -> Self {
                 Self(unsafe { $blend(mask.0, no.0, yes.0) })
             }
         }
-
-        impl Row for $name {
-            type Scalar = $scalar;
-            type Mask = Mask8;
-            type Array = [$scalar; 8];
-            const LANES: usize = 8;
-
-            #[inline(always)]
-            fn splat(value: $scalar) -> Self {
-                Self(unsafe { $splat(value) })
-            }
-
-            #[inline(always)]
-            fn from_array(lanes: [$scalar; 8]) -> Self {
-                Self(unsafe { $load(lanes.as_ptr()) })
-            }
-
-            #[inline(always)]
-            fn to_array(self) -> [$scalar; 8] {
-                let mut lanes = [$zero; 8];
-                unsafe { $store(lanes.as_mut_ptr(), self.0) };
-                lanes
-            }
-
-            #[inline(always)]
-            fn load(from: &[$scalar], at: usize) -> Self {
-                let from = &from[at..at + 8];
-                Self(unsafe { $load(from.as_ptr()) })
-            }
-
-            #[inline(always)]
-            fn store(self, into: &mut [$scalar], at: usize) {
-                let into = &mut into[at..at + 8];
-                unsafe { $store(into.as_mut_ptr(), self.0) };
-            }
-
-            #[inline(always)]
-            fn gather(from: &[$scalar], at: &Lookup) -> Self {
-                assert!((at.last as usize) < from.len());
-                if at.is_run {
-                    return Self(unsafe { $load(from.as_ptr().add(at.at[0] as usize)) });
-                }
-                if at.is_same {
-                    return Self::splat(from[at.at[0] as usize]);
-                }
-                let one = |lane: usize| unsafe { *from.get_unchecked(at.at[lane] as usize) };
-                Self::from_array([one(0), one(1), one(2), one(3), one(4), one(5), one(6), one(7)])
-            }
-
-            #[inline(always)]
-            fn compress(self, mask: Mask8, into: &mut [$scalar], at: usize) {
-                let into = &mut into[at..at + 8];
-                unsafe { $store(into.as_mut_ptr(), $compress(mask.0, self.0)) };
-            }
-        }
     };
 }
 
-row!(
+memory!(
     F64x8,
     f64,
-    0.0,
     _mm512_set1_pd,
     _mm512_loadu_pd,
     _mm512_storeu_pd,
     _mm512_mask_blend_pd,
     _mm512_maskz_compress_pd
 );
-row!(
+memory!(
     F32x8,
     f32,
-    0.0,
     _mm256_set1_ps,
     _mm256_loadu_ps,
     _mm256_storeu_ps,
     _mm256_mask_blend_ps,
     _mm256_maskz_compress_ps
 );
-row!(U32x8, u32, 0, splat_u32, load_u32, store_u32, _mm256_mask_blend_epi32, _mm256_maskz_compress_epi32);
+memory!(
+    U32x8,
+    u32,
+    splat_u32,
+    _mm256_loadu_si256,
+    _mm256_storeu_si256,
+    _mm256_mask_blend_epi32,
+    _mm256_maskz_compress_epi32
+);
 
 #[inline(always)]
 unsafe fn splat_u32(value: u32) -> __m256i {
     unsafe { _mm256_set1_epi32(value.cast_signed()) }
-}
-
-#[inline(always)]
-unsafe fn load_u32(from: *const u32) -> __m256i {
-    unsafe { _mm256_loadu_si256(from.cast()) }
-}
-
-#[inline(always)]
-unsafe fn store_u32(into: *mut u32, value: __m256i) {
-    unsafe { _mm256_storeu_si256(into.cast(), value) }
 }
 
 operators!(F64x8: Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd);
