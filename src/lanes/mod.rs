@@ -138,11 +138,6 @@ pub trait Real:
         other.lt(self)
     }
 
-    #[inline(always)]
-    fn ge(self, other: Self) -> Self::Mask {
-        other.le(self)
-    }
-
     /// A scalar function of every lane.
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {

@@ -85,7 +85,6 @@ fn everything<F: Real>(a: F, b: F) -> Results {
         a.le(b),
         a.eq(b),
         a.gt(b),
-        a.ge(b),
         a.is_negative(),
         below,
         s.le(t),

@@ -1,7 +1,6 @@
 //! Highlights: their shape and their exponent.
 
 use crate::digest::content;
-use crate::math::power;
 
 /// The shape of the highlight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,40 +43,6 @@ impl Exponent {
             Self::Whole(n as u32)
         } else {
             Self::Real(n)
-        }
-    }
-
-    /// `cosine`^n for a cosine in 0..=1. Zero to the power of zero is zero: there is no highlight at or
-    /// beyond a right angle, whatever the exponent.
-    pub fn raise(self, cosine: f64) -> f64 {
-        if cosine <= 0.0 {
-            return 0.0;
-        }
-        let cosine = cosine.min(1.0);
-        match self {
-            Self::Whole(n) => power(cosine, n),
-            Self::Real(n) => libm::pow(cosine, n),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sh_02_highlights_end_at_a_right_angle() {
-        assert_eq!(Exponent::new(0.0).raise(0.0), 0.0);
-        assert_eq!(Exponent::new(50.5).raise(-0.1), 0.0);
-        assert_eq!(Exponent::new(0.0).raise(0.5), 1.0);
-        assert_eq!(Exponent::new(1e6).raise(1.0 + f64::EPSILON), 1.0);
-    }
-
-    #[test]
-    fn whole_and_real_exponents_agree() {
-        for n in [1.0, 2.0, 32.0, 1000.0] {
-            let (whole, real) = (Exponent::new(n).raise(0.97), Exponent::Real(n).raise(0.97));
-            assert!((whole / real - 1.0).abs() < 1e-12, "{n}");
         }
     }
 }

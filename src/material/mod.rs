@@ -126,17 +126,4 @@ impl Material {
 
 impl Medium {
     pub const EMPTY: Self = Self { ior: 1.0, absorption: Rgb::ZERO, priority: i32::MIN };
-
-    /// The share of light that is left after a way of this length.
-    pub fn transmittance(&self, length: f64) -> Rgb {
-        if self.absorption == Rgb::ZERO {
-            return Rgb::ONE;
-        }
-        // A way without end through what absorbs nothing: 0 · ∞ would be no number.
-        let left = |absorption: f32| match absorption {
-            0.0 => 1.0,
-            absorption => libm::exp(-f64::from(absorption) * length) as f32,
-        };
-        Rgb::from_array(self.absorption.to_array().map(left))
-    }
 }

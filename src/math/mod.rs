@@ -20,6 +20,8 @@ pub use root::{Function, root_between};
 pub use rotation::{axis_angle, euler_xyz, slerp};
 pub use turn::{cos_sin_of_quarters, cos_sin_of_turns};
 
+use crate::lanes::Real;
+
 /// The larger number; the second if one of them is none. One instruction, unlike `f64::max`.
 #[inline(always)]
 pub fn larger(a: f64, b: f64) -> f64 {
@@ -33,13 +35,14 @@ pub fn smaller(a: f64, b: f64) -> f64 {
 }
 
 /// `base` to a whole power by repeated squaring, in one fixed order of multiplications.
-pub fn power(base: f64, exponent: u32) -> f64 {
-    let (mut result, mut square, mut rest) = (1.0, base, exponent);
+#[inline(always)]
+pub fn power<F: Real>(base: F, exponent: u32) -> F {
+    let (mut result, mut square, mut rest) = (F::splat(1.0), base, exponent);
     while rest > 0 {
         if rest & 1 == 1 {
-            result *= square;
+            result = result * square;
         }
-        square *= square;
+        square = square * square;
         rest >>= 1;
     }
     result

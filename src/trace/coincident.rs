@@ -33,7 +33,7 @@ pub struct Event {
 
 impl Event {
     /// Which surface is seen by a ray inside of a list of media.
-    pub fn hit(&self, media: &MediaLists, inside: u32, materials: &[Material]) -> Hit {
+    fn hit(&self, media: &MediaLists, inside: u32, materials: &[Material]) -> Hit {
         match self.hits[..] {
             [only] => only,
             _ => self.hits[media.seen(inside, &self.passages, materials)],
@@ -59,6 +59,17 @@ impl Events {
 
     pub fn get(&self, number: u32) -> Option<&Event> {
         self.0.get((number as usize).checked_sub(1)?)
+    }
+
+    /// What a ray inside of a list of media meets at the event of a number, if there is one.
+    #[inline]
+    pub fn hit(
+        &self,
+        number: u32,
+        (media, inside): (&MediaLists, u32),
+        materials: &[Material],
+    ) -> Option<Hit> {
+        Some(self.get(number)?.hit(media, inside, materials))
     }
 
     fn push(&mut self, event: Event) -> u32 {

@@ -99,8 +99,8 @@ impl Hits {
             let ray = Ray { origin: DVec3::from(ray.origin), direction: DVec3::from(ray.direction) };
             let index = index as usize;
             let number = context.resolve(&ray, (self.t[index], f64::INFINITY), events);
-            if let Some(event) = events.get(number) {
-                self.meet(index, number, event.hit(media, paths.medium(index), materials));
+            if let Some(hit) = events.hit(number, (media, paths.medium(index)), materials) {
+                self.meet(index, number, hit);
             }
         }
     }
@@ -138,7 +138,7 @@ impl SimdKernel for Intersect<'_> {
     fn run<L: Level>(self) {
         let Self { context, paths, coherence, events, media, hits } = self;
         let (bvh, geometry) = (context.bvh, context.scene.geometry);
-        let mut stacks = Stacks::default();
+        let (mut stacks, materials) = (Stacks::default(), &context.scene.shading.materials);
         for first in (0..paths.len()).step_by(8) {
             let count = (paths.len() - first).min(8);
             let at = Lookup::run(first as u32, count);
@@ -146,9 +146,8 @@ impl SimdKernel for Intersect<'_> {
             if context.columns.media {
                 for lane in lanes(wanted) {
                     let pending = paths.pending(first + lane);
-                    if let Some(event) = events.get(pending) {
-                        let materials = &context.scene.shading.materials;
-                        let hit = event.hit(media, paths.medium(first + lane), materials);
+                    let inside = (media, paths.medium(first + lane));
+                    if let Some(hit) = events.hit(pending, inside, materials) {
                         hits.meet(first + lane, pending, hit);
                         wanted &= !(1 << lane);
                     }

@@ -48,25 +48,28 @@ pub fn has_flag<F: Real>(flags: F::U32, flag: u32) -> F::Mask {
     !flags.and(F::U32::splat(flag)).eq(F::U32::splat(0))
 }
 
-/// What light counts that a path meets, against the density with which it was sampled where the path was scattered last:
-/// the balance heuristic. All of it where it was not sampled.
+/// The balance heuristic: the weight of a direction that one technique drew with a density, and that another one draws
+/// with the other density. All of it where there was no choice of direction.
+#[inline(always)]
+fn balance<F: Real>(pdf: F, other: F) -> F {
+    F::select(F::splat(0.0).lt(pdf), pdf / (pdf + other), F::splat(1.0))
+}
+
+/// The weight of light that a path meets, against the density with which it was sampled where the path was scattered
+/// last. All of it where it was not sampled.
 #[inline(always)]
 pub fn mis_weight<F: Real>(path: &PathState<F>, sampled: F) -> F::F32 {
     let (zero, one) = (F::splat(0.0), F::splat(1.0));
     let counted = has_flag::<F>(path.flags, flags::LIGHT_COUNTED);
-    let weight = F::select(zero.lt(path.pdf), path.pdf / (path.pdf + sampled), one);
-    F::select(zero.lt(sampled), F::select(counted, zero, weight), one).to_f32()
+    let weight = F::select(counted, zero, balance(path.pdf, sampled));
+    F::select(zero.lt(sampled), weight, one).to_f32()
 }
 
 impl<F: Real> PathShade<'_, F> {
     #[inline(always)]
     fn run(&self, stage: &mut Stage) {
-        let ShadingContext { there, path, surface, lobes, interface, is_final, .. } = self.at;
-        let mut visible = *there;
-        if lobes.has(LobeSet::REFRACTION) && interface.is_hidden.any() {
-            self.at.pass_on(stage, *there & interface.is_hidden, path);
-            visible = visible & !interface.is_hidden;
-        }
+        let ShadingContext { path, surface, lobes, is_final, .. } = self.at;
+        let visible = self.at.pass_hidden(stage);
         let (bsdf, rows) = self.at.bsdf(stage);
         self.at.add_ambient(stage, visible, &rows);
         if lobes.has(LobeSet::EMISSION) {
@@ -119,9 +122,8 @@ impl<F: Real> PathShade<'_, F> {
         let mut rest = F::F32::splat(0.0);
         if request.is_sampled && stage.context.columns.mis {
             let pdf = bsdf.pdf(&bsdf.chances(), light.direction);
-            let weight = F::select(zero.lt(light.pdf), light.pdf / (light.pdf + pdf), one);
             let is_all = if self.samples_all_light() { last } else { F::Mask::splat(false) };
-            rest = F::select(is_all, zero, one - weight).to_f32();
+            rest = F::select(is_all, zero, one - balance(light.pdf, pdf)).to_f32();
         }
         let radiance = path.throughput.lit() * light.radiance;
         let (whole, weighed) = (radiance * (scattered + reflected.highlight), radiance * scattered * rest);

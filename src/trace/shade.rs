@@ -175,6 +175,17 @@ impl<F: Real> ShadingContext<F> {
         stage.next.push(mask, &PathState { ray, cone, after, pending, medium, ..*state });
     }
 
+    /// Sends paths straight on through surfaces that another medium hides. The other lanes that have a path.
+    #[inline(always)]
+    pub fn pass_hidden(&self, stage: &mut Stage) -> F::Mask {
+        let hidden = self.interface.is_hidden;
+        if !self.lobes.has(LobeSet::REFRACTION) || !hidden.any() {
+            return self.there;
+        }
+        self.pass_on(stage, self.there & hidden, &self.path);
+        self.there & !hidden
+    }
+
     /// Adds the ambient light that surfaces reflect.
     #[inline(always)]
     pub fn add_ambient(&self, stage: &mut Stage, visible: F::Mask, rows: &LobeRows) {

@@ -150,9 +150,11 @@ impl<L: Level> Transmit<'_, '_, L> {
     /// Has a ray meet an event, if there is one.
     #[inline(always)]
     fn meet(&self, lane: usize, number: u32, next: &mut Next) -> bool {
-        let Some(event) = self.events.get(number) else { return false };
-        let inside = self.inside.to_array()[lane];
-        next.meet(lane, number, event.hit(self.media, inside, &self.context.scene.shading.materials));
+        let inside = (&*self.media, self.inside.to_array()[lane]);
+        let Some(hit) = self.events.hit(number, inside, &self.context.scene.shading.materials) else {
+            return false;
+        };
+        next.meet(lane, number, hit);
         true
     }
 

@@ -62,12 +62,8 @@ struct WhittedShade<'a, F: Real> {
 impl<F: Real> WhittedShade<'_, F> {
     #[inline(always)]
     fn run(&self, stage: &mut Stage) {
-        let ShadingContext { there, path, lobes, interface, is_final, .. } = self.at;
-        let mut visible = *there;
-        if lobes.has(LobeSet::REFRACTION) && interface.is_hidden.any() {
-            self.at.pass_on(stage, *there & interface.is_hidden, path);
-            visible = visible & !interface.is_hidden;
-        }
+        let ShadingContext { path, lobes, is_final, .. } = self.at;
+        let visible = self.at.pass_hidden(stage);
         let (bsdf, rows) = self.at.bsdf(stage);
         self.at.add_ambient(stage, visible, &rows);
         if lobes.has(LobeSet::EMISSION) {
