@@ -31,6 +31,7 @@ mod terminal;
 mod values;
 
 use crate::escape;
+use crate::lanes::forced_level;
 use clap::builder::Styles;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -109,6 +110,10 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             return if message.use_stderr() { ExitCode::from(failure::BAD_INPUT) } else { ExitCode::SUCCESS };
         }
     };
+    if let Err(error) = forced_level() {
+        terminal::error(&error.to_string());
+        return ExitCode::from(failure::BAD_INPUT);
+    }
     let done = match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Filmstrip(arguments) => filmstrip::run(&arguments),

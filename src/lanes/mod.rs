@@ -38,6 +38,7 @@ macro_rules! out_of_line {
 }
 pub(crate) use out_of_line;
 
+mod choice;
 mod color;
 mod next;
 mod portable;
@@ -48,13 +49,13 @@ mod vec3;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+pub use choice::{LEVEL_VARIABLE, LevelError, LevelName, forced_level, level};
 pub use color::Color;
 pub use next::{NEAR_ZERO, next_away};
 pub use portable::Portable;
 pub use vec3::{Vec3, turned};
 
 use std::ops::{Add, BitAnd, BitOr, Div, Index, IndexMut, Mul, Neg, Not, Sub};
-use std::sync::OnceLock;
 
 /// A choice of lanes.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
@@ -301,60 +302,6 @@ impl Iterator for LaneNumbers {
         self.0 &= self.0 - 1;
         Some(lane)
     }
-}
-
-/// The environment variable that forces a level: `portable`, `avx2` or `avx512`. What the processor lacks counts as not
-/// set. Outputs are the same on every level; this is to check that, and to measure.
-pub const LEVEL_VARIABLE: &str = "KINORA_SIMD";
-
-/// The levels that there are, the narrowest first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum LevelName {
-    Portable,
-    Avx2,
-    Avx512,
-}
-
-impl LevelName {
-    pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
-
-    /// The word that users know it by.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Portable => "portable",
-            Self::Avx2 => "avx2",
-            Self::Avx512 => "avx512",
-        }
-    }
-
-    /// Whether the processor has it.
-    pub fn is_available(self) -> bool {
-        match self {
-            Self::Portable => true,
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => x86::has_avx2(),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => x86::has_avx512(),
-            #[cfg(not(target_arch = "x86_64"))]
-            _ => false,
-        }
-    }
-}
-
-/// The level that kernels run on: what [`LEVEL_VARIABLE`] says, or the best that the processor has.
-#[inline]
-pub fn level() -> LevelName {
-    static LEVEL: OnceLock<LevelName> = OnceLock::new();
-    #[cfg(test)]
-    if let Some(level) = tests::FORCED.get() {
-        return level;
-    }
-    *LEVEL.get_or_init(|| {
-        let available = || LevelName::ALL.into_iter().filter(|level| level.is_available());
-        let wanted = std::env::var(LEVEL_VARIABLE).ok();
-        let forced = available().find(|level| wanted.as_deref() == Some(level.name()));
-        forced.or(available().next_back()).unwrap_or(LevelName::Portable)
-    })
 }
 
 /// Runs a kernel on [`level`].

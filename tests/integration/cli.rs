@@ -1,6 +1,7 @@
 //! The command line: help, bad usage, exit codes.
 
 use assert_cmd::Command;
+use kinora::lanes::LevelName;
 use std::path::PathBuf;
 
 /// What a run printed, and its exit code.
@@ -33,6 +34,32 @@ fn refused(arguments: &[&str], hints: &[&str]) {
 /// A file name in the tests' own folder for passing files.
 fn scratch(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
+
+/// A level that is misspelt, or that the processor lacks, is refused before anything is done; help is there all the same.
+#[test]
+fn unknown_simd_levels_are_refused() {
+    let with_level = |level: &str, arguments: &[&str]| {
+        let mut command = Command::cargo_bin("kinora").expect("the binary is built with its tests");
+        command.env("KINORA_SIMD", level).args(arguments).output().expect("the binary runs")
+    };
+    let check = ["check", "sequences/hello.ron"];
+    let valid: Vec<_> = LevelName::ALL.into_iter().filter(|level| level.is_available()).collect();
+    let names: Vec<_> = valid.iter().map(|level| level.name()).collect();
+    let lacking = LevelName::ALL.into_iter().filter(|level| !level.is_available()).map(LevelName::name);
+    for level in ["foo", "AVX2", "portable "].into_iter().chain(lacking) {
+        let output = with_level(level, &check);
+        assert_eq!(output.status.code(), Some(2), "{level}");
+        assert_eq!(output.stdout, b"", "{level}");
+        let message = String::from_utf8_lossy(&output.stderr);
+        let named = format!("error: environment variable KINORA_SIMD is {level:?}, but ");
+        assert!(message.starts_with(&named), "{message}");
+        assert!(message.ends_with(&format!("valid here: {}\n", names.join(", "))), "{message}");
+        assert!(with_level(level, &["--help"]).status.success(), "{level}");
+    }
+    for level in names.into_iter().chain([""]) {
+        assert!(with_level(level, &check).status.success(), "{level}");
+    }
 }
 
 #[test]
