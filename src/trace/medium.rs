@@ -57,7 +57,22 @@ impl Default for MediaLists {
     }
 }
 
+/// Lists and transitions that are kept from wave to wave, at most.
+const KEPT: usize = 1 << 14;
+
 impl MediaLists {
+    /// Forgets all lists once they are many. Their numbers mean nothing then.
+    pub fn trim(&mut self) {
+        if self.len() > KEPT {
+            *self = Self::default();
+        }
+    }
+
+    /// How many lists and transitions there are.
+    fn len(&self) -> usize {
+        self.lists.len() + self.single.len()
+    }
+
     /// The medium around a ray.
     #[inline]
     pub fn medium(&self, inside: u32) -> &Medium {
@@ -261,6 +276,26 @@ mod tests {
             };
             assert_eq!((eta, hidden), (expected, false), "{index}");
         }
+    }
+
+    #[test]
+    fn only_many_lists_are_forgotten() {
+        let glass = [glass(1.5, 0)];
+        let mut lists = MediaLists::default();
+        let inside = |lists: &mut MediaLists, primitive| {
+            lists.pass(OUTSIDE, passage(primitive, 0, true), &glass).behind
+        };
+        let first = inside(&mut lists, 0);
+        lists.trim();
+        assert_eq!((lists.medium(first).ior, lists.len()), (1.5, 3));
+        for primitive in 1..KEPT as u32 {
+            inside(&mut lists, primitive);
+        }
+        assert!(lists.len() > KEPT);
+        lists.trim();
+        assert_eq!(lists.len(), MediaLists::default().len());
+        let again = inside(&mut lists, 7);
+        assert_eq!(lists.medium(again).ior, 1.5);
     }
 
     /// However many there are, the medium of the one entered last is there, and each is left again, in any order.

@@ -79,7 +79,7 @@ pub struct PathState<F: Real> {
     pub medium: F::U32,
     /// The t of what the ray has just passed straight on, 0 otherwise: what it meets next lies beyond.
     pub after: F,
-    /// What coincides with that and has not been passed yet ([`super::coincident::Clusters`]).
+    /// What coincides with that and has not been passed yet ([`super::coincident::Events`]).
     pub pending: F::U32,
 }
 
@@ -218,26 +218,30 @@ impl PathStream {
         if self.columns.media { self.medium[index] } else { 0 }
     }
 
-    /// Splits the paths of later samples off, so that both parts have about as many. None if all are of one sample.
-    pub fn split(&mut self, into: &mut Self) -> bool {
-        let slots = &self.slot[..self.len];
-        let (Some(least), Some(most)) = (slots.iter().min(), slots.iter().max()) else { return false };
-        let middle = least + (most - least).div_ceil(2);
-        if least == most {
-            return false;
-        }
+    /// Splits the paths of later samples off; of a single sample, its later paths.
+    pub fn split(&mut self, into: &mut Self) {
         into.clear();
-        into.reserve(self.len);
         into.depth = self.depth;
-        let all = std::mem::take(self);
-        self.columns = all.columns;
-        self.depth = all.depth;
-        self.reserve(all.len);
+        let slots = &self.slot[..self.len];
+        let (Some(&least), Some(&most)) = (slots.iter().min(), slots.iter().max()) else { return };
+        if least == most {
+            return self.split_at(self.len / 2, into);
+        }
+        let middle = least + (most - least).div_ceil(2);
+        let all = std::mem::replace(self, Self { depth: self.depth, ..Self::new(self.columns) });
         for index in 0..all.len {
             let state = all.gather::<f64>(&Lookup::run(index as u32, 1));
             if state.slot < middle { self.push(true, &state) } else { into.push(true, &state) }
         }
-        true
+    }
+
+    /// Splits the paths from an index on off.
+    fn split_at(&mut self, index: usize, into: &mut Self) {
+        into.reserve(self.len - index);
+        for index in index..self.len {
+            into.push(true, &self.gather::<f64>(&Lookup::run(index as u32, 1)));
+        }
+        self.len = index;
     }
 
     /// Replaces what is left of the light along consecutive paths.

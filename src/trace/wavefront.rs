@@ -4,6 +4,9 @@
 //! goes on. What a sample gets is added in an order that depends on the sample alone: by surface along the path, by stage,
 //! by queue. So its sum has the same bytes whichever samples are followed with it.
 
+#[cfg(test)]
+mod tests;
+
 use super::accumulate::Accumulator;
 use super::aov::Record;
 use super::coincident::Events;
@@ -27,7 +30,8 @@ use crate::material::Lobes;
 /// Samples that are followed at once, at most: their paths fit into a core's cache.
 pub const WAVE: usize = 1024;
 
-/// Paths of one depth at most, unless they are of one sample: branching paths become many.
+/// Paths that go on together, at most. Branching paths become many: with so many at each depth, memory grows with the
+/// depth, not with the number of branches.
 const MOST: usize = 8 * WAVE;
 
 /// What a thread traces with: kept from wave to wave.
@@ -43,6 +47,11 @@ pub struct ScratchBuffer {
     places: Vec<u32>,
     pub sums: Accumulator,
     pub counts: Counts,
+    /// Paths that go on together, at most.
+    most: usize,
+    /// How many paths there were at once, at most.
+    #[cfg(test)]
+    peak: usize,
 }
 
 impl ScratchBuffer {
@@ -60,6 +69,9 @@ impl ScratchBuffer {
             places: Vec::with_capacity(WAVE),
             sums: Accumulator::new(context.layers),
             counts: Counts::default(),
+            most: MOST,
+            #[cfg(test)]
+            peak: 0,
         }
     }
 
@@ -77,20 +89,25 @@ impl ScratchBuffer {
     pub fn follow(&mut self, context: &TraceContext, samples: &PixelSamples, grid: Option<u32>) {
         self.sums.reset(samples.len());
         self.events.clear();
+        self.media.trim();
         let mut paths = self.stream(context);
         let counts = &mut self.counts;
         dispatch(Generate { context, samples, grid, paths: &mut paths, counts });
         let mut waiting = vec![paths];
         while let Some(mut paths) = waiting.pop() {
-            if paths.len() > MOST {
+            // A sample that has more paths than that is always alone here: how it is split depends on nothing else.
+            if paths.len() > self.most {
                 let mut later = self.stream(context);
-                if paths.split(&mut later) {
-                    waiting.extend([later, paths]);
-                    continue;
-                }
-                self.free.push(later);
+                paths.split(&mut later);
+                waiting.extend([later, paths]);
+                continue;
             }
             let next = self.step(context, samples, &mut paths);
+            #[cfg(test)]
+            {
+                let waiting: usize = waiting.iter().map(PathStream::len).sum();
+                self.peak = self.peak.max(waiting + paths.len() + next.len());
+            }
             self.free.push(paths);
             if next.is_empty() { self.free.push(next) } else { waiting.push(next) }
         }
