@@ -117,7 +117,7 @@ impl<F: Real> PathShade<'_, F> {
         }
         let (zero, one) = (F::splat(0.0), F::splat(1.0));
         let reflected = bsdf.reflected(light.direction);
-        let scattered = reflected.scattered(self.at.fog_transmittance(stage, &light));
+        let scattered = self.at.scattered(stage, &light, &reflected);
         // What directions of the surface's own may find as well counts less here.
         let mut rest = F::F32::splat(0.0);
         if request.is_sampled && stage.context.columns.mis {

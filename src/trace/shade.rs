@@ -3,7 +3,7 @@
 //! In: a queue of paths at surfaces. Out: light for the sums, shadow rays, and the paths that go on.
 
 use super::accumulate::Accumulator;
-use super::bsdf::{Boundary, Bsdf, Shininess};
+use super::bsdf::{Boundary, Bsdf, Reflected, Shininess};
 use super::coincident::Events;
 use super::context::TraceContext;
 use super::generate::PixelSamples;
@@ -231,15 +231,24 @@ impl<F: Real> ShadingContext<F> {
         light
     }
 
-    /// The share of light that fog lets pass on its way to the points.
+    /// The shares of light that the surfaces scatter, dimmed by the fog on its way to them: that which glossy lobes show.
     #[inline(always)]
-    pub fn fog_transmittance(&self, stage: &mut Stage, light: &LightSample<F>) -> F::F32 {
+    pub fn scattered(
+        &self,
+        stage: &mut Stage,
+        light: &LightSample<F>,
+        reflected: &Reflected<F::F32>,
+    ) -> Color<F::F32> {
         let one = F::F32::splat(1.0);
-        let Some(fog) = &stage.context.fog else { return one };
-        stage.counts.evaluations.fog += u64::from(light.is_lit.bits().count_ones());
+        let shown = light.is_lit & reflected.glossy.is_lit();
+        let fog = match &stage.context.fog {
+            Some(fog) if shown.any() => fog,
+            _ => return reflected.scattered(one),
+        };
+        stage.counts.evaluations.fog += u64::from(shown.bits().count_ones());
         let point = self.surface.surface.point;
         let segment = LaneRay { origin: point, direction: light.direction };
-        one - fog.opacity(&segment, light.distance(point)).to_f32()
+        reflected.scattered(one - fog.opacity(&segment, light.distance(point)).to_f32())
     }
 
     /// The boundaries of the surfaces.

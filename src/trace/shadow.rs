@@ -78,7 +78,8 @@ impl Cast<'_> {
             let (context, coherence) = (self.context, self.coherence);
             let Self { events, media, rows, counts, .. } = self;
             let (ray, wanted) = (&shadow, found.dimmed);
-            let walk = Transmit { context, ray, inside, wanted, coherence, events, media, rows, counts };
+            let walk =
+                Transmit { context, ray, inside, wanted, coherence, stacks, events, media, rows, counts };
             let left = L::call_with::<Transmit<L>>(walk);
             light = Color::select(found.dimmed, light * left.whole, light);
             weighed = Color::select(found.dimmed, weighed * left.transmitted, weighed);

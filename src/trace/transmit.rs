@@ -48,6 +48,7 @@ pub struct Transmit<'a, 's, L: Level> {
     /// Lanes that are asked for.
     pub wanted: L::Mask,
     pub coherence: Coherence,
+    pub stacks: &'s mut Stacks,
     pub events: &'s mut Events,
     pub media: &'s mut MediaLists,
     pub rows: &'s mut LobeTable,
@@ -124,8 +125,8 @@ impl<L: Level> Transmit<'_, '_, L> {
         }
         let within = Span { min: after, max: self.ray.t_max };
         let mask = L::Mask::from_bits(wanted);
-        let mut stacks = Stacks::default();
-        let found = bvh.intersect::<L>(geometry, &self.ray.ray, within, mask, self.coherence, &mut stacks);
+        let (ray, stacks) = (&self.ray.ray, &mut *self.stacks);
+        let found = bvh.intersect::<L>(geometry, ray, within, mask, self.coherence, stacks);
         let (t, part) = (found.at.t.to_array(), found.at.part.to_array());
         let primitive = found.primitive.to_array();
         for lane in lanes(wanted) {

@@ -108,7 +108,7 @@ impl<F: Real> WhittedShade<'_, F> {
             return;
         }
         let reflected = bsdf.reflected(light.direction);
-        let scattered = reflected.scattered(self.at.fog_transmittance(stage, &light));
+        let scattered = self.at.scattered(stage, &light, &reflected);
         let whole = path.throughput.lit() * (scattered + reflected.highlight) * light.radiance;
         let item = ShadowItem {
             ray: light.shadow_ray(&surface.surface),

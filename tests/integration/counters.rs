@@ -235,6 +235,9 @@ fn ga_01_ga_02_effects_that_are_not_called_for_take_no_work() {
         assert_eq!((none.mirror, none.transmitted), (0, 0));
         let with = |fields: &str, light: &str, material: &str| shot(integrator, fields, light, material).work;
         assert!(with("fog: (density: 0.1),", LAMP, "()").fog > 0);
+        // Light that diffuse lobes reflect comes through no fog: that of the ways of paths is all that counts.
+        let matte = with("fog: (density: 0.1),", LAMP, "(color: 0.5)");
+        assert_eq!(matte.fog, matte.camera + matte.scattered, "{integrator}");
         assert!(with("", LAMP, "(color: Checker())").paint > 0);
         assert!(with("", AREA, "()").light_samples > 0);
         assert!(with("camera: (aperture: 0.1),", LAMP, "()").lens_samples > 0);
