@@ -82,43 +82,32 @@ pub struct TraceContext<'a> {
 
 impl<'a> TraceContext<'a> {
     pub fn new(scene: &'a Scene<'a>, bvh: &'a Bvh, settings: &'a TraceSettings) -> Self {
-        let (shading, quality) = (scene.shading, &settings.quality);
-        let weighted = |layer: LayerId| scene.weights.0[layer.index()] != Rgb::ZERO;
+        let (shading, quality, extras) = (scene.shading, &settings.quality, settings.extras);
         let (path, refractive_shadows) = match quality.integrator {
             Integrator::Whitted => (false, true),
             Integrator::Path(path) => (true, path.refractive_shadows),
         };
         let environment = &shading.environment;
-        let is_lit = !environment.is_black() && weighted(environment.layer);
+        let is_lit = !environment.is_black() && is_weighted(scene, environment.layer);
         let environment = is_lit.then_some(environment);
         let lights = LightSampler::new(scene, environment, path);
-        let mut used = vec![false; shading.materials.len()];
-        let primitives = &scene.geometry.primitives;
-        primitives.iter().flat_map(Primitive::materials).for_each(|index| used[index as usize] = true);
-        let lobes: Vec<_> = shading.materials.iter().map(LobeSet::of).collect();
-        let any = |set: LobeSet| lobes.iter().zip(&used).any(|(lobes, used)| *used && lobes.has(set));
-        let media = any(LobeSet::REFRACTION);
+        let materials = UsedMaterials::new(scene);
         let passes =
             LobeSet::TRANSPARENT | if refractive_shadows { LobeSet::REFRACTION } else { LobeSet::default() };
-        let shines =
-            |material: &Material| material.lobes.emission != Rgb::ZERO && weighted(material.emission_layer);
-        let emits = shading.materials.iter().zip(&used).any(|(material, used)| *used && shines(material));
-        let unsampled = lights.leaves_out_emission();
         let lit_layers = scene.weights.0.len();
-        let extras = settings.extras;
+        let aovs = extras.guides_layer(lit_layers).map(LayerId::index);
         let is_random = is_random(scene, quality.integrator);
+        let glows = |glow: &Glow| glow.radiance != Rgb::ZERO && is_weighted(scene, glow.layer);
+        let glows_in_fog = shading.fog.is_some_and(|fog| glows(&fog.glow));
+        let unsampled_sky = environment.is_some() && !lights.samples_sky();
         let columns = Columns {
             fog: shading.fog.is_some(),
-            cones: any(LobeSet::TEXTURED),
+            cones: materials.any(LobeSet::TEXTURED),
             mis: path && lights.weighs(),
-            media: any(LobeSet::PASSES),
+            media: materials.any(LobeSet::PASSES),
             keys: !path && is_random,
-            flags: path
-                || extras.guides_layer(lit_layers).is_some()
-                || primitives.iter().any(Primitive::is_light),
+            flags: path || aovs.is_some() || scene.geometry.primitives.iter().any(Primitive::is_light),
         };
-        let glows = |glow: &Glow| glow.radiance != Rgb::ZERO && weighted(glow.layer);
-        let glows_in_fog = shading.fog.is_some_and(|fog| glows(&fog.glow));
         let mut context = Self {
             scene,
             bvh,
@@ -129,15 +118,15 @@ impl<'a> TraceContext<'a> {
             ambient: Some(shading.ambient).filter(glows),
             fog: shading.fog,
             holdout: extras.coverage_layer(lit_layers),
-            aovs: extras.guides_layer(lit_layers).map(LayerId::index),
+            aovs,
             lit_layers,
             layers: lit_layers + extras.layers(),
             refractive_shadows,
             passes,
             is_random,
             picture_axes: [scene.camera.basis.right, scene.camera.basis.up],
-            emits: environment.is_some() || emits || lights.weighs() || glows_in_fog,
-            unsampled_light: (environment.is_some() && !lights.samples_sky()) || unsampled || glows_in_fog,
+            emits: environment.is_some() || materials.emit(scene) || lights.weighs() || glows_in_fog,
+            unsampled_light: unsampled_sky || lights.leaves_out_emission() || glows_in_fog,
             rounding: bvh.reach() * gamma(32),
             columns,
             lights,
@@ -145,18 +134,15 @@ impl<'a> TraceContext<'a> {
             classes: Vec::new(),
             class_of: Vec::new(),
             routes: Vec::new(),
-            passing: primitives
-                .iter()
-                .map(|p| p.materials().any(|m| lobes[m as usize].has(passes)))
-                .collect(),
-            clear: any(passes),
-            media,
+            passing: Vec::new(),
+            clear: materials.any(passes),
+            media: materials.any(LobeSet::REFRACTION),
         };
-        context.classify(&lobes);
+        context.classify(&materials.lobes);
         context
     }
 
-    /// Numbers the sets of lobes that differ, and notes where hits of each primitive go.
+    /// Numbers the sets of lobes that differ, and notes of each primitive where its hits go and whether shadow rays pass it.
     fn classify(&mut self, lobes: &[LobeSet]) {
         self.classes = lobes.to_vec();
         self.classes.sort_unstable();
@@ -170,7 +156,11 @@ impl<'a> TraceContext<'a> {
             }
             Finish::Material(MadeOf::Slots { .. }) => Route::Parts,
         };
-        self.routes = self.scene.geometry.primitives.iter().map(route).collect();
+        let primitives = &self.scene.geometry.primitives;
+        self.routes = primitives.iter().map(route).collect();
+        let passes =
+            |primitive: &Primitive| primitive.materials().any(|m| lobes[m as usize].has(self.passes));
+        self.passing = primitives.iter().map(passes).collect();
     }
 
     /// Where a hit goes, with the index of its material or light.
@@ -198,6 +188,40 @@ impl<'a> TraceContext<'a> {
     pub fn passing(&self) -> Option<Passing<'_>> {
         self.clear.then_some(Passing(&self.passing))
     }
+}
+
+/// The lobes of a scene's materials, and which of them are seen somewhere.
+struct UsedMaterials {
+    lobes: Vec<LobeSet>,
+    used: Vec<bool>,
+}
+
+impl UsedMaterials {
+    fn new(scene: &Scene) -> Self {
+        let materials = &scene.shading.materials;
+        let mut used = vec![false; materials.len()];
+        let primitives = scene.geometry.primitives.iter();
+        primitives.flat_map(Primitive::materials).for_each(|index| used[index as usize] = true);
+        Self { lobes: materials.iter().map(LobeSet::of).collect(), used }
+    }
+
+    /// Whether any has lobes of a set.
+    fn any(&self, set: LobeSet) -> bool {
+        self.lobes.iter().zip(&self.used).any(|(lobes, used)| *used && lobes.has(set))
+    }
+
+    /// Whether any emits light.
+    fn emit(&self, scene: &Scene) -> bool {
+        let shines = |material: &Material| {
+            material.lobes.emission != Rgb::ZERO && is_weighted(scene, material.emission_layer)
+        };
+        scene.shading.materials.iter().zip(&self.used).any(|(material, used)| *used && shines(material))
+    }
+}
+
+/// Whether light of a layer shows.
+fn is_weighted(scene: &Scene, layer: LayerId) -> bool {
+    scene.weights.0[layer.index()] != Rgb::ZERO
 }
 
 /// Whether samples of one moment of the scene are drawn at random: along paths, and where a lens, a light with an area

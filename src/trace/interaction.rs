@@ -1,12 +1,12 @@
 //! The surfaces that eight paths have come to.
 
+use super::coincident::{Events, NO_EVENT};
 use super::context::TraceContext;
 use super::intersect::Hits;
 use super::materials::LobeSet;
 use super::stream::PathState;
-use crate::lanes::{Lookup, Mask, Real, Row, Select, Vec3, lanes};
+use crate::lanes::{Bits, Lookup, Mask, Real, Row, Select, Vec3, lanes};
 use crate::shape::{LaneHit, LaneRay, LaneSurface};
-use crate::trace::coincident::{Events, NO_EVENT};
 
 /// A point of a surface that a path has come to, in each lane.
 #[derive(Clone, Copy)]
@@ -69,7 +69,7 @@ impl<F: Real> SurfaceInteraction<F> {
             let (indices, parts, mut rest) = (self.primitive.to_array(), self.at.part, wanted.bits());
             while rest != 0 {
                 let index = indices[rest.trailing_zeros() as usize];
-                let same = crate::lanes::Bits::eq(self.primitive, F::U32::splat(index));
+                let same = self.primitive.eq(F::U32::splat(index));
                 rest &= !same.bits();
                 let passed = context.scene.geometry.primitives[index as usize].passed(self.surface, parts);
                 self.surface = LaneSurface::select(same, passed, self.surface);
