@@ -1,4 +1,4 @@
-//! Worlds at random, to trace in one way and in another.
+//! Random scenes, to trace in one way and in another.
 
 mod everything;
 mod tests;
@@ -86,6 +86,19 @@ fn material(random: &mut Random) -> Material {
     }
 }
 
+/// Makes smooth metal or plastic of a material, which needs no random samples.
+fn polish(material: &mut Material, random: &mut Random) {
+    material.lobes = Lobes {
+        microfacet: 1.0,
+        base: color(random),
+        metallic: one_of(random, &[0.0, 0.5, 1.0]),
+        ambient: material.lobes.ambient,
+        ..Lobes::default()
+    };
+    material.paints.clear();
+    material.medium.ior = 1.5;
+}
+
 fn shape(random: &mut Random, kind: usize) -> Shape {
     let mut point = || random.point(3.0);
     let (a, b, c) = (point(), point(), point());
@@ -115,8 +128,8 @@ fn light(random: &mut Random) -> Light {
     Light { source, radiance: color(random), layer: layer(random) }
 }
 
-/// A world at random, far from the world's origin for some seeds and seen from afar for others.
-pub struct World {
+/// A random scene, far from the origin for some seeds and seen from afar for others.
+pub struct RandomScene {
     geometry: Geometry,
     shading: Shading,
     camera: Camera,
@@ -128,13 +141,16 @@ pub struct World {
     extras: Extras,
 }
 
-impl World {
+impl RandomScene {
     /// For Whitted's integrator.
     pub fn new(seed: u64) -> Self {
         let random = &mut Random(seed);
         let middle = one_of(random, &[DVec3::ZERO, DVec3::new(1e5, -3e4, 2e3)]);
         let moved = DAffine3::from_translation(middle);
-        let materials: Vec<_> = (0..4).map(|_| material(random)).collect();
+        let mut materials: Vec<_> = (0..4).map(|_| material(random)).collect();
+        if seed.is_multiple_of(3) {
+            polish(&mut materials[(seed % 4) as usize], &mut Random(seed + 3000));
+        }
         let mut geometry = Geometry::default();
         for kind in 0..1 + (random.unit() * 24.0) as usize {
             let finish = Finish::Material(MadeOf::One(one_of(random, &[0, 1, 2, 3])));
@@ -178,12 +194,12 @@ impl World {
 
     /// For paths: with meshes, a lens, and materials that let light pass or scatter it, in some of them.
     pub fn of_paths(seed: u64) -> Self {
-        let mut world = Self::new(seed);
+        let mut scene = Self::new(seed);
         let random = &mut Random(seed + 1000);
         let chance = |random: &mut Random, share: f64| random.unit() < share;
-        // In some worlds a matt mesh is all there is, so that neighbours meet nothing else.
+        // In some scenes a matt mesh is all there is, so that neighbours meet nothing else.
         let alone = seed % 4 == 3;
-        for material in &mut world.shading.materials {
+        for material in &mut scene.shading.materials {
             let Lobes { ambient, diffuse, mirror, .. } = material.lobes;
             let matt = Lobes { ambient, diffuse, ..Lobes::default() };
             let lobes = match random.unit() {
@@ -194,7 +210,7 @@ impl World {
             };
             material.lobes = lobes;
         }
-        let first = &mut world.shading.materials[0];
+        let first = &mut scene.shading.materials[0];
         match seed % 4 {
             0 => (first.lobes.refraction, first.medium.ior) = (color(random), 1.5),
             1 => first.lobes.fuzz = 0.3,
@@ -202,17 +218,17 @@ impl World {
             _ => {}
         }
         if chance(random, 0.3) {
-            world.shading.lights.clear();
+            scene.shading.lights.clear();
         }
-        let environment = &mut world.shading.environment;
+        let environment = &mut scene.shading.environment;
         environment.from_world = DMat3::from_axis_angle(random.direction(), random.unit());
         if chance(random, 0.3) {
             environment.sky = Sky::Constant(color(random));
         }
-        let middle = DAffine3::from_translation(world.middle);
+        let middle = DAffine3::from_translation(scene.middle);
         if alone {
-            world.geometry = Geometry::default();
-            world.quality.smooth_terminator = seed % 8 == 7;
+            scene.geometry = Geometry::default();
+            scene.quality.smooth_terminator = seed % 8 == 7;
         }
         let all = [Normals::Smooth, Normals::Flat];
         for normals in all.into_iter().take(if alone { 1 } else { 2 }) {
@@ -228,18 +244,18 @@ impl World {
             }
             let mesh = Arc::new(mesh::Mesh::new(parts).expect("a mesh"));
             let finish = Finish::Material(MadeOf::One(one_of(random, &[0, 1, 2, 3])));
-            world.geometry.push(&Shape::Mesh(Mesh { mesh, normals }), place, finish);
+            scene.geometry.push(&Shape::Mesh(Mesh { mesh, normals }), place, finish);
         }
         if chance(random, 0.5) {
-            world.camera.lens = Some(ThinLens { radius: 0.1, focus: 4.0 });
+            scene.camera.lens = Some(ThinLens { radius: 0.1, focus: 4.0 });
         }
         let roulette = one_of(random, &[None, Some(1)]);
         let path = PathSettings { roulette, refractive_shadows: chance(random, 0.5) };
-        world.quality.integrator = Integrator::Path(path);
-        world.quality.samples = one_of(random, &[1, 3]);
+        scene.quality.integrator = Integrator::Path(path);
+        scene.quality.samples = one_of(random, &[1, 3]);
         // Of many layers fewer paths are followed at once, of these no power of two.
-        world.layers = one_of(random, &[3, 3, 9, 20]);
-        world
+        scene.layers = one_of(random, &[3, 3, 9, 20]);
+        scene
     }
 
     /// The picture's layers, with what was counted, traced so many pixels at a time and so many samples of each.

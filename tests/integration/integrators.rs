@@ -1,6 +1,6 @@
 //! What the two integrators make of every kind of light and surface, where its radiance is known.
 
-use crate::support::{Shot, shoot_all};
+use crate::support::{Shot, shoot_all, shoot_film};
 use kinora::color::Rgb;
 
 const PATH: &str = "Path()";
@@ -324,6 +324,30 @@ fn fog_lies_before_what_rough_mirrors_show() {
                     sends(integrator, 1024, &scene(light, material), expected, 2e-3);
                 }
             }
+        }
+    }
+}
+
+/// Polished surfaces need no random samples. Through a lens there are some, and the surface looks the same.
+#[test]
+fn polished_surfaces_look_alike_with_and_without_random_samples() {
+    for metallic in [0.0, 0.5, 1.0] {
+        let seen = |aperture: &str| {
+            let film = shoot_film(&format!(
+                r#"(timeline: (frames: 1), output: (size: (4, 3)), quality: (antialias: 1, samples: 1),
+                camera: (position: (0, 2, 3), target: (0, 0, 0), projection: Perspective(fov: 0.00001), {aperture}),
+                background: (0.1, 0.2, 0.4), lights: {{ "l": Directional(direction: (-1, -2, 0.5)) }}, objects: {{
+                    "floor": (shape: Plane(), material: MetallicRoughness(
+                        roughness: 0, metallic: {metallic}, color: (0.9, 0.6, 0.3))),
+                }})"#
+            ));
+            let pixels: Vec<_> = film.radiance().collect();
+            pixels
+        };
+        let (sharp, through_lens) = (seen(""), seen("aperture: 0.000001"));
+        assert_eq!(sharp.len(), 12);
+        for (a, b) in sharp.iter().zip(&through_lens) {
+            assert!((*a - *b).abs().max_element() <= 1e-6, "metallic {metallic}: {a} {b}");
         }
     }
 }

@@ -1,6 +1,6 @@
-//! Worlds of all that light may meet.
+//! Random scenes of all that light may meet.
 
-use super::{World, color, layer, one_of};
+use super::{RandomScene, color, layer, one_of};
 use crate::color::Rgb;
 use crate::environment::{Sky, SkyTable};
 use crate::film::Extras;
@@ -17,17 +17,17 @@ use crate::testing::Random;
 use crate::texture::{Image, Shared};
 use std::sync::Arc;
 
-impl World {
+impl RandomScene {
     /// With rough surfaces, glass that absorbs, lights that have an area, fog, skies of images, and all that films
     /// record, in some of them; for either integrator.
     pub fn of_everything(seed: u64) -> Self {
-        let mut world = Self::of_paths(seed);
+        let mut scene = Self::of_paths(seed);
         let random = &mut Random(seed + 2000);
-        world.shading.materials.iter_mut().for_each(|material| vary(material, random));
-        world.add_lights(random);
+        scene.shading.materials.iter_mut().for_each(|material| vary(material, random));
+        scene.add_lights(random);
         if random.unit() < 0.5 {
-            let falloff = Falloff { base: world.middle.y, height: 3.0 };
-            world.shading.fog = Some(Fog {
+            let falloff = Falloff { base: scene.middle.y, height: 3.0 };
+            scene.shading.fog = Some(Fog {
                 glow: Glow { radiance: color(random), layer: layer(random) },
                 density: 0.1 * random.unit(),
                 falloff: one_of(random, &[None, Some(falloff)]),
@@ -36,15 +36,15 @@ impl World {
         if random.unit() < 0.4 {
             let texels = (0..32).map(|_| color(random)).collect();
             let sky = Sky::Equirect(Shared::new(Image::new(8, 4, texels).expect("an image")));
-            world.shading.sky_table = SkyTable::new(&sky).map(Arc::new);
-            world.shading.environment.sky = sky;
+            scene.shading.sky_table = SkyTable::new(&sky).map(Arc::new);
+            scene.shading.environment.sky = sky;
         }
         if random.unit() < 0.4 {
-            world.quality.integrator = Integrator::Whitted;
-            world.quality.bounces = world.quality.bounces.min(2);
+            scene.quality.integrator = Integrator::Whitted;
+            scene.quality.bounces = scene.quality.bounces.min(2);
         }
-        world.extras = Extras { coverage: random.unit() < 0.3, guides: random.unit() < 0.3 };
-        world
+        scene.extras = Extras { coverage: random.unit() < 0.3, guides: random.unit() < 0.3 };
+        scene
     }
 
     /// Lights with an area, which are seen as well.
@@ -74,7 +74,7 @@ fn vary(material: &mut Material, random: &mut Random) {
         microfacet: 1.0,
         base: color(random),
         metallic: random.unit() as f32,
-        roughness: random.unit() as f32,
+        roughness: one_of(random, &[0.0, 0.1, 0.4, 1.0]),
         ..Lobes::default()
     };
     let glass = Lobes { refraction: color(random), mirror: color(random), ..Lobes::default() };

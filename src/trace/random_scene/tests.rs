@@ -1,6 +1,6 @@
-//! Pictures do not tell on what kind of lanes they were traced, nor how many rays were traced at once.
+//! Pictures depend neither on the kind of lanes they were traced with, nor on how many rays were traced at once.
 
-use super::{SIZE, World};
+use super::{RandomScene, SIZE};
 use crate::counters::Counts;
 use crate::lanes::tests::on_all_levels;
 
@@ -8,26 +8,26 @@ use crate::lanes::tests::on_all_levels;
 const ALL: (usize, u32) = ((SIZE.0 * SIZE.1) as usize, u32::MAX);
 
 /// The bytes of a picture, with what was counted.
-fn traced(world: &World, (pixels, samples): (usize, u32)) -> (Vec<[u64; 3]>, Counts) {
-    let (sums, counts) = world.trace(pixels, samples);
+fn traced(scene: &RandomScene, (pixels, samples): (usize, u32)) -> (Vec<[u64; 3]>, Counts) {
+    let (sums, counts) = scene.trace(pixels, samples);
     (sums.into_iter().map(|sum| sum.to_array().map(f64::to_bits)).collect(), counts)
 }
 
-/// What is counted of a world, after it was traced on all levels, every sample of a pixel by itself, and otherwise
+/// What is counted of a scene, after it was traced on all levels, every sample of a pixel by itself, and otherwise
 /// divided.
-fn traced_alike(world: &World, seed: u64) -> Counts {
-    let (alone, counts) = traced(world, (1, 1));
+fn traced_alike(scene: &RandomScene, seed: u64) -> Counts {
+    let (alone, counts) = traced(scene, (1, 1));
     let same = |(bytes, counts_of): (Vec<[u64; 3]>, Counts), how: &str| {
         assert_eq!(counts_of, counts, "seed {seed}, {how}");
         let differ = bytes.iter().zip(&alone).filter(|(a, b)| a != b).count();
         assert_eq!((differ, bytes.len()), (0, alone.len()), "seed {seed}, {how}");
     };
-    for (level, found) in on_all_levels(|| traced(world, ALL)) {
+    for (level, found) in on_all_levels(|| traced(scene, ALL)) {
         same(found, level.name());
     }
     if seed.is_multiple_of(8) {
         for at_once in [(13, u32::MAX), (256, 2), (ALL.0, 1)] {
-            same(traced(world, at_once), &format!("{at_once:?} at once"));
+            same(traced(scene, at_once), &format!("{at_once:?} at once"));
         }
     }
     counts
@@ -37,7 +37,7 @@ fn traced_alike(world: &World, seed: u64) -> Counts {
 fn whitted_pictures_are_the_same_on_all_levels_and_divided_anyhow() {
     let (mut shadow, mut mirror, mut painted) = (0, 0, 0);
     for seed in 0..150 {
-        let counts = traced_alike(&World::new(seed), seed);
+        let counts = traced_alike(&RandomScene::new(seed), seed);
         shadow += counts.rays.shadow;
         mirror += counts.rays.mirror;
         painted += counts.evaluations.paint;
@@ -50,7 +50,7 @@ fn whitted_pictures_are_the_same_on_all_levels_and_divided_anyhow() {
 fn pictures_of_paths_are_the_same_on_all_levels_and_divided_anyhow() {
     let mut total = [0; 4];
     for seed in 0..64 {
-        let rays = traced_alike(&World::of_paths(seed), seed).rays;
+        let rays = traced_alike(&RandomScene::of_paths(seed), seed).rays;
         for (total, rays) in
             total.iter_mut().zip([rays.shadow, rays.mirror, rays.scattered, rays.transmitted])
         {
@@ -64,7 +64,7 @@ fn pictures_of_paths_are_the_same_on_all_levels_and_divided_anyhow() {
 fn pictures_of_everything_are_the_same_on_all_levels_and_divided_anyhow() {
     let (mut fog, mut rays) = (0, 0);
     for seed in 0..64 {
-        let counts = traced_alike(&World::of_everything(seed), seed);
+        let counts = traced_alike(&RandomScene::of_everything(seed), seed);
         fog += counts.evaluations.fog;
         rays += counts.rays.transmitted;
     }
