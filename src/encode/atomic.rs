@@ -56,7 +56,7 @@ impl Seek for Target {
 }
 
 impl Aside {
-    /// Starts a file that will be `path`; folders above it are created. A pipe is waited for until somebody reads it.
+    /// Starts a file that will be `path`, and creates the folders above it. For a pipe, waits until somebody reads it.
     pub fn create(path: &Path) -> Result<Self, EncodeError> {
         Self::create_until(path, &Stop::default())
     }

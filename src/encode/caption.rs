@@ -168,7 +168,7 @@ impl Caption {
         Self { text, corner: Corner::default(), size: 0.045 }
     }
 
-    /// What to tell of a caption that is cut off in pictures of this height, which have no room for all its lines.
+    /// A warning, if pictures of this height have too little room for all lines of the caption.
     pub fn cut(&self, height: u32) -> Option<String> {
         let (size, lines) = (self.letters(height), u64::from(self.text.lines()));
         let room = (height as usize).saturating_sub(padding(size) / 2);

@@ -8,7 +8,7 @@ use std::fs::{File, OpenOptions};
 use std::io;
 use std::path::Path;
 
-/// Opens what is at `path`. A pipe is waited for until somebody reads it, or a stop is asked for.
+/// Opens what is at `path`. For a pipe, waits until somebody reads it or a stop is requested.
 pub fn open(path: &Path, channel: Channel, stop: &Stop) -> Result<File, EncodeError> {
     let opened = match channel {
         Channel::Pipe => attempt(Operation::Create, path, || wait(path, stop)),

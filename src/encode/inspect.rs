@@ -140,7 +140,7 @@ pub fn inspect(frames: &[(u32, PathBuf)], pool: &ThreadPool) -> Inspected {
     found
 }
 
-/// The size of a whole picture, and what it tells in words: nothing if it is none of ours.
+/// The size of a picture and its metadata; no metadata if Kinora did not write it. An error if the file is damaged.
 fn words_of(path: &Path) -> Result<((u32, u32), Vec<Told>), Flaw> {
     let mut bytes = files::read(path, u64::MAX - 1).map_err(|error| unreadable(&error))?;
     let damaged = |why: &str| Flaw::Damaged(why.to_owned());

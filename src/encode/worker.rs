@@ -120,7 +120,7 @@ impl Worker {
         }
     }
 
-    /// A film; where that is interrupted, it is told how many there were before.
+    /// Writes a film. If that is interrupted, the error says how many films were finished before.
     fn next_film(&mut self, index: usize, film: Film, claim: Option<&Arc<Claim>>) -> Result<(), EncodeError> {
         self.film(index, film, claim).map_err(|error| match error {
             EncodeError::Interrupted { signal, .. } => EncodeError::Interrupted { signal, done: self.done },

@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_1_PI;
 #[inline(always)]
 pub fn uv<F: Real>(direction: Vec3<F>) -> [F; 2] {
     let Vec3 { x, y, z } = direction;
-    // Shorter than what squares lose, a direction has no longitude to be told.
+    // Where the squares underflow, the direction points to a pole, and its longitude has no effect.
     let level = (x * x + z * z).sqrt();
     [longitude(direction), F::splat(0.5) + atan2(y, level) * F::splat(FRAC_1_PI)]
 }

@@ -11,7 +11,7 @@ pub struct Frame<F> {
     pub z: Vec3<F>,
 }
 
-/// The cosine beyond which a direction is too near to an axis to be told across from it without losing digits.
+/// The cosine beyond which a direction is so near to an axis that its part across the axis loses digits.
 const NEAR: f64 = 0.99;
 
 impl<F: Real> Frame<F> {

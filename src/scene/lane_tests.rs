@@ -1,4 +1,4 @@
-//! What eight rays are told of a primitive is what each of them is, to the last bit and on all levels.
+//! Eight rays together get the same of a primitive as each of them alone, to the last bit and on all levels.
 
 use super::{Finish, Primitive};
 use crate::camera::Ray;
@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// Groups of eight questions per primitive.
 const ROUNDS: u32 = if cfg!(debug_assertions) { 100 } else { 4000 };
 
-/// What one ray is told.
+/// What one ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Met {
     hit: Option<Crossing>,
@@ -30,8 +30,8 @@ struct Met {
     uv: [f64; 2],
 }
 
-/// What one point that light is sampled for is told: a point of the surface, its part, its density, and that which is told
-/// afterwards.
+/// A sample of light for one point: a point of the surface, its part, its density, and the density that the primitive gives
+/// for that point afterwards.
 type Drawn = (Surface, u32, f64, f64);
 
 /// In what eight rays and points differ.

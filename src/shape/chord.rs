@@ -66,8 +66,8 @@ impl<'a, F: Real> Chord<'a, F> {
         Self { torus, t: first + second, speed, middle, direction, from, to, meets }
     }
 
-    /// The first t ahead of the rays' origins and beyond `min` at which they cross the surface, and rays that do. On which
-    /// side they start is told by the origins themselves, not by their places on the chord.
+    /// The first t ahead of the rays' origins and beyond `min` at which they cross the surface, and rays that do. The
+    /// origins themselves decide on which side they start, not their places on the chord.
     #[inline(always)]
     pub fn first(&self, ray: &LaneRay<F>, min: F) -> (F, F::Mask) {
         let origin = -self.t * self.speed;

@@ -117,7 +117,9 @@ impl<F: Real> SphereLanes<F> {
         let b = -from_center.dot(d);
         let first = b * per_square;
         let near = from_center + d * first;
-        // Most rays pass by, so far that no root has to tell.
+        // Most rays pass far by, which needs no root. This rejects no hit: where the root below is at most the radius, its
+        // rounding leaves the square at most 2 u above the radius squared, and the two products here lose another 2 u (u is
+        // half of EPSILON); 4 EPSILON are twice their sum.
         let square = near.length_squared();
         if !square.le(radius * radius * F::splat(1.0 + 4.0 * f64::EPSILON)).any() {
             return LaneHit::none();

@@ -98,7 +98,8 @@ fn true_error(film: &Film, references: &References) -> f64 {
     square.max(0.0).sqrt()
 }
 
-/// Of many runs of a frame: the shares whose true error lies between what is told, and above it; and the mean true error.
+/// Of many runs of a frame: the share whose true error lies in the reported interval, the share whose true error lies above
+/// it, and the mean true error.
 fn told(sequence: &Sequence, frame: u32, runs: u32, samples: u32) -> (f64, f64, f64) {
     let references = references(sequence, frame, samples);
     let (mut inside, mut above, mut sum) = (0, 0, 0.0);
@@ -154,7 +155,7 @@ fn errors_are_met_and_told() {
 }
 
 #[test]
-#[ignore = "takes minutes: `cargo test --release --test integration shipped_scenes -- --ignored --nocapture`"]
+#[ignore = "takes minutes; cargo test --release --test integration shipped_scenes -- --ignored --nocapture"]
 fn errors_are_met_and_told_of_shipped_scenes() {
     // In frame 24 of the room the lens is open; frame 0 has no random samples, and so no error. Frame 44 is the limit that
     // docs/accuracy.md names: small bright spots that a block's samples may all miss.
