@@ -63,8 +63,8 @@ pub struct Guides {
     pub albedo: Rgb,
 }
 
-/// How good a film is that was sampled until it was good enough. Errors are shares of brightness: over each block of
-/// 8 x 8 pixels the root of the mean square against the mean, and over the blocks the root of the mean square of that.
+/// How good a film is that was sampled until it was good enough. Its error is the root of the mean square over pixels and
+/// colours, as a share of the frame's mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
     pub error: f64,
@@ -78,19 +78,20 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Of an estimate of the squared error, and of the estimate's variance.
+    /// Of an estimate of the squared error as it was with independent samples, of the variances of the estimate and of what the
+    /// squared error really is, and of the factor by which it is less than that at best: what is told lies half way.
     ///
-    /// The estimate is the mean of two sums of squares, of which what there really is is a third: if it is like the sum of
-    /// n squares of normal numbers, the estimate is like that of 2 n, whose relative variance is 1 / n. So their ratio
-    /// has Fisher's F distribution with n and 2 n degrees of freedom.
-    pub fn of_square(square: f64, variance: f64) -> Self {
+    /// Both are sums of squares. If each is like that of n squares of normal numbers, whose relative variance is 2 / n, their
+    /// ratio has Fisher's F distribution with the two numbers of degrees of freedom.
+    pub fn of_square(square: f64, (variance, truth): (f64, f64), gain: f64) -> Self {
         if square == 0.0 {
             return Self::default();
         }
-        let freedom = square * square / variance;
-        let at = |z: f64| (square * f_quantile(z, freedom, 2.0 * freedom)).sqrt();
+        let freedom = |variance: f64| 2.0 * square * square / variance;
+        let at = |z: f64| square * f_quantile(z, freedom(truth), freedom(variance));
         // 1.96 standard deviations of a normal distribution hold 95 of 100.
-        Self { error: square.sqrt(), low: at(-1.96), high: at(1.96), ..Self::default() }
+        let (low, high) = ((gain * at(-1.96)).sqrt(), at(1.96).sqrt());
+        Self { error: ((1.0 + gain) / 2.0 * square).sqrt(), low, high, ..Self::default() }
     }
 }
 
@@ -126,6 +127,8 @@ pub struct Film {
     pub extras: Extras,
     /// How good it is, if that was asked for.
     pub noise: Option<Noise>,
+    /// How good it is with each of the weights that it was sampled for.
+    pub noises: Arc<[(Vec<Rgb>, Noise)]>,
     /// The layers of light that were traced, ascending. The others are not held.
     pub held: Arc<[LayerId]>,
     /// Row by row from the top left pixel; each pixel holds its layers of light and those of the extras. Films of
@@ -148,7 +151,17 @@ impl Film {
         let held: Arc<[LayerId]> = lit(&weights).collect();
         let pixels = width as usize * height as usize;
         let data = Arc::new(vec![Rgb::ZERO; pixels * (held.len() + extras.layers())]);
-        Self { width, height, weights, exposure: 1.0, extras, noise: None, held, data }
+        Self {
+            width,
+            height,
+            weights,
+            exposure: 1.0,
+            extras,
+            noise: None,
+            noises: Arc::default(),
+            held,
+            data,
+        }
     }
 
     /// What the film holds, to be changed. Films that share it keep their own.
@@ -158,7 +171,8 @@ impl Film {
 
     /// The same light with other weights. Layers that are not held must be dark.
     pub fn weighted_by(&self, weights: &[Rgb]) -> Self {
-        Self { weights: weights.to_vec(), ..self.clone() }
+        let noise = self.noises.iter().find(|(own, _)| own == weights).map(|(_, noise)| *noise);
+        Self { weights: weights.to_vec(), noise, ..self.clone() }
     }
 
     /// Shows the film `stops` brighter: see [`exposure`].

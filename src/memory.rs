@@ -5,7 +5,7 @@ use crate::film::Extras;
 use crate::machine;
 use crate::math::DVec3;
 use crate::sequence::Sequence;
-use crate::trace::SETS;
+use crate::trace::bytes_of_pixel;
 
 /// Films alive at once: the one being traced, those that wait for the encoder, and the one it develops.
 const FILMS: u64 = 4;
@@ -19,10 +19,11 @@ pub fn needed(sequence: &Sequence, extras: Extras) -> u64 {
     let (width, height) = sequence.output.size;
     // What several moments add up to is kept besides.
     let sums = if sequence.blurs_motion() { size_of::<DVec3>() as u64 } else { 0 };
-    // Where an error is asked for, every set of a pixel's samples has its sum.
-    let sets = if sequence.quality.noise.is_some() { SETS as u64 * size_of::<DVec3>() as u64 } else { sums };
-    let layer = size_of::<Rgb>() as u64 * FILMS + sets;
-    let pixel = (sequence.layers() + extras.layers() as u64).saturating_mul(layer).saturating_add(BESIDES);
+    let layers = sequence.layers() + extras.layers() as u64;
+    let pixel = layers.saturating_mul(size_of::<Rgb>() as u64 * FILMS + sums).saturating_add(BESIDES);
+    // What is sampled until it is good keeps more.
+    let rounds = if sequence.quality.noise.is_some() { bytes_of_pixel(layers) } else { 0 };
+    let pixel = pixel.saturating_add(rounds);
     (u64::from(width) * u64::from(height)).saturating_mul(pixel)
 }
 

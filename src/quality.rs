@@ -38,7 +38,7 @@ pub struct Quality {
 /// How good a picture is to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseTarget {
-    /// Error of a block of 8 x 8 pixels as a share of its brightness, above 0: roots of mean squares, against the mean.
+    /// Root of the mean square of the frame's error as a share of its mean, above 0.
     pub error: f64,
     /// Samples of a pixel, at most.
     pub most: u32,

@@ -296,7 +296,7 @@ fn planned<S: FilmSink>(
         let mut done = 0;
         missing.frames.iter().take_while(|_| on()).try_for_each(|look| {
             done += 1;
-            frames.frame(look.frame)
+            frames.trace_alone(look)
         })?;
         return Ok((done, None));
     }

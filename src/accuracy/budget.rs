@@ -31,8 +31,8 @@ const PILOTS: u32 = 5;
 const MORE: u32 = 33;
 /// Share of the time that may be spent on finding out.
 const SHARE: f64 = 0.08;
-/// Samples of the first look: one of each set.
-const SETS: u32 = crate::trace::SETS as u32;
+/// Samples of the first look, and what others are a multiple of.
+const SETS: u32 = 4;
 
 /// A film's cost: seconds without any sample, and for each.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

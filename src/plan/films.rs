@@ -7,7 +7,7 @@
 
 use crate::color::Rgb;
 use crate::digest::Digest;
-use crate::film::{Extras, LayerId, lit};
+use crate::film::{Extras, LayerId};
 use crate::schedule::Look;
 use crate::sequence::Sequence;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -89,8 +89,7 @@ pub fn takes(looks: &[Look], room: &Room) -> (Vec<Take>, Vec<usize>) {
         }
     }
     for take in &mut takes {
-        let all: BTreeSet<LayerId> =
-            take.frames.iter().flat_map(|&index| lit(&looks[index].weights)).collect();
+        let all: BTreeSet<LayerId> = take.frames.iter().flat_map(|&index| looks[index].lit()).collect();
         take.lit = all.into_iter().collect();
     }
     (takes, of)
@@ -102,7 +101,8 @@ fn reach(looks: &[Look], frames: &[usize], place: usize, room: &Room) -> (usize,
     let mut layers: BTreeSet<LayerId> = BTreeSet::new();
     let mut until = place;
     for (index, &frame) in frames.iter().enumerate().skip(place) {
-        let more: Vec<LayerId> = lit(&looks[frame].weights).filter(|layer| !layers.contains(layer)).collect();
+        let more: Vec<LayerId> =
+            looks[frame].lit().into_iter().filter(|layer| !layers.contains(layer)).collect();
         if index > place && room.bytes(layers.len() + more.len()) > room.budget {
             break;
         }

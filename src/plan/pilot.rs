@@ -7,7 +7,7 @@
 use super::Plan;
 use crate::counters::Meter;
 use crate::encode::EncodeError;
-use crate::film::{Film, LayerId, lit};
+use crate::film::{Film, LayerId};
 use crate::schedule::{FilmSink, FrameLoop, Look};
 use crate::sequence::Sequence;
 use crate::trace::LEAST_SAMPLES;
@@ -83,7 +83,7 @@ pub fn pilot(sequence: &Sequence, plan: &Plan, effort: Effort) -> Expected {
         return Expected { camera_alone: expected.camera, rays_alone: expected.rays, ..expected };
     }
     let looks = &plan.survey.frames;
-    let alone: Vec<Exposure> = looks.iter().map(|look| (look, lit(&look.weights).collect())).collect();
+    let alone: Vec<Exposure> = looks.iter().map(|look| (look, look.lit())).collect();
     let trials = trials(sequence, &alone, effort).unwrap_or_default();
     let counted = counted_up(sequence, &alone, &trials);
     Expected {

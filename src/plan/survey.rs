@@ -1,10 +1,9 @@
 //! Every frame evaluated, and none traced.
 
 use crate::digest::Digest;
-use crate::schedule::{Look, Preview};
+use crate::schedule::{Look, looks};
 use crate::sequence::Sequence;
 use crate::stop::Stop;
-use rayon::prelude::*;
 use std::collections::{BTreeSet, HashSet};
 
 /// What the frames of a run evaluate to, in the order in which they were asked for.
@@ -32,9 +31,6 @@ pub fn with_shared(sequence: &Sequence, frames: &[u32], among: &[u32]) -> Vec<u3
     all.into_iter().collect()
 }
 
-/// Frames that are not worth a world of their own.
-const FEW: usize = 64;
-
 /// Evaluates frames, in parallel. What one evaluates to does not depend on the others.
 pub fn survey(sequence: &Sequence, frames: &[u32]) -> Survey {
     survey_until(sequence, frames, &Stop::default())
@@ -42,11 +38,5 @@ pub fn survey(sequence: &Sequence, frames: &[u32]) -> Survey {
 
 /// The same; where `stop` asks for it, the rest is left out.
 pub fn survey_until(sequence: &Sequence, frames: &[u32], stop: &Stop) -> Survey {
-    let part = frames.len().div_ceil(rayon::current_num_threads()).max(FEW);
-    let looked = frames.par_chunks(part).flat_map_iter(|frames| {
-        let mut preview = Preview::new(sequence);
-        let on = |_: &&u32| stop.signal().is_none();
-        frames.iter().take_while(on).map(move |&frame| preview.look(frame)).collect::<Vec<_>>()
-    });
-    Survey { frames: looked.collect() }
+    Survey { frames: looks(sequence, frames, stop) }
 }

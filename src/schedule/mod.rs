@@ -1,11 +1,13 @@
 //! The frame's systems and their order: the only file that names it.
 
+mod looks;
 mod preview;
 mod shutter;
 mod stages;
 #[cfg(test)]
 mod tests;
 
+pub use looks::looks;
 pub use preview::{Look, Preview};
 pub use stages::{FilmSink, Films, NoFrame, Stage, Tally};
 
@@ -18,6 +20,7 @@ use crate::film::{Extras, Film, LayerId};
 use crate::filter::FilterSampler;
 use crate::scene::{Geometry, Shading, Weights, extract};
 use crate::sequence::Sequence;
+use crate::stop::Stop;
 use crate::time::Timeline;
 use crate::trace::{Moment, TraceSettings};
 use crate::world::{Current, Glows, Now, sky_table, spawn};
@@ -42,6 +45,8 @@ pub struct FrameLoop<S> {
     shutter: Shutter,
     /// Tells which frames have something that moves while the shutter is open; none if it never is.
     preview: Option<Preview>,
+    /// Where other frames have a say in how one is sampled: where an error is asked for.
+    sampled: Option<Arc<Sequence>>,
     sink: PhantomData<S>,
 }
 
@@ -53,7 +58,7 @@ impl<S: FilmSink> FrameLoop<S> {
 
     /// The same for films that record `extras` besides light.
     pub fn with_extras(sequence: &Sequence, extras: Extras, sink: S, meter: Arc<Meter>) -> Self {
-        let mut world = looks(sequence);
+        let mut world = unseen(sequence);
         world.resource_mut::<Current<Shading>>().0.sky_table = sky_table(sequence);
         world.insert_resource(Current(Bvh::default()));
         world.insert_resource(Settings(TraceSettings {
@@ -69,11 +74,17 @@ impl<S: FilmSink> FrameLoop<S> {
         world.insert_resource(Watched(meter));
         let (timeline, shutter) = (sequence.timeline, Shutter::new(sequence));
         let preview = sequence.blurs_motion().then(|| Preview::new(sequence));
-        Self { world, schedule: schedule::<S>(), timeline, shutter, preview, sink: PhantomData }
+        let sampled = sequence.quality.noise.is_some().then(|| Arc::new(sequence.clone()));
+        Self { world, schedule: schedule::<S>(), timeline, shutter, preview, sampled, sink: PhantomData }
     }
 
     /// Makes one frame by itself and hands its film to the sink. After an error no further frame can be made.
     pub fn frame(&mut self, frame: u32) -> Result<(), NoFrame> {
+        if let Some(sequence) = self.sampled.clone()
+            && let [look] = &looks(&sequence, &[frame], &Stop::default())[..]
+        {
+            return self.trace_alone(look);
+        }
         let still = self.preview.as_mut().is_none_or(|preview| preview.look(frame).moments == 1);
         self.run(frame, still)
     }
@@ -81,15 +92,26 @@ impl<S: FilmSink> FrameLoop<S> {
     /// Makes a frame that has been looked at, traced with these layers of light, among them all that it shows. Its film is
     /// given back.
     pub fn trace(&mut self, look: &Look, lit: &[LayerId]) -> Result<Option<Film>, NoFrame> {
+        self.take(look, lit, true)?;
+        Ok(self.world.resource_mut::<Exposed>().kept.take())
+    }
+
+    /// Makes a frame that has been looked at by itself.
+    pub fn trace_alone(&mut self, look: &Look) -> Result<(), NoFrame> {
+        self.take(look, &look.lit(), false)
+    }
+
+    fn take(&mut self, look: &Look, lit: &[LayerId], keep: bool) -> Result<(), NoFrame> {
         let mut weights = vec![Rgb::ZERO; look.weights.len()];
         lit.iter().for_each(|layer| weights[layer.index()] = Rgb::ONE);
-        // Sampled until it is good enough, a film is for the frame's own weights.
-        let lit = self.world.resource::<Settings>().0.quality.noise.is_none().then_some(Weights(weights));
-        self.world.insert_resource(Wanted { lit, keep: true });
+        self.world.insert_resource(Wanted {
+            lit: Some(Weights(weights)),
+            shown: Arc::clone(&look.shown),
+            keep,
+        });
         let done = self.run(look.frame, look.moments == 1);
         self.world.insert_resource(Wanted::default());
-        done?;
-        Ok(self.world.resource_mut::<Exposed>().kept.take())
+        done
     }
 
     /// Makes a frame that has been looked at of the film of another frame of the same transport, which holds all layers
@@ -147,7 +169,7 @@ impl<S: FilmSink> FrameLoop<S> {
 }
 
 /// A world of the sequence with what the stages up to Extract read and write.
-fn looks(sequence: &Sequence) -> World {
+fn unseen(sequence: &Sequence) -> World {
     let mut world = spawn(sequence);
     let Glows { ambient, layers } = *world.resource::<Glows>();
     world.insert_resource(Current(Geometry::default()));

@@ -1,22 +1,24 @@
 //! Frames looked at without tracing: what each of them evaluates to.
 
 use super::stages::{Faults, Shown, Stopwatch};
-use super::{Shutter, looks, seen};
+use super::{Shutter, seen, unseen};
 use crate::camera::Camera;
 use crate::camera_path::NoCamera;
 use crate::color::Rgb;
 use crate::digest::{Content, Digest, Digester};
-use crate::film::exposure;
+use crate::film::{LayerId, exposure, lit};
 use crate::quality::{Integrator, Quality};
 use crate::scene::{Digests, Geometry, Scene, Shading, Weights};
 use crate::sequence::Sequence;
 use crate::time::{Clock, Timeline};
-use crate::trace::{Moment, is_random};
+use crate::trace::{Moment, Weightings, is_random};
 use crate::track::Animated;
 use crate::world::{Current, Now};
 use bevy_ecs::change_detection::{DetectChanges, Tick};
 use bevy_ecs::schedule::Schedule;
 use bevy_ecs::world::World;
+use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// A sequence's world without anything that traces.
 pub struct Preview {
@@ -32,7 +34,7 @@ pub struct Preview {
     changed: Option<(Tick, Tick)>,
 }
 
-/// What a frame evaluates to. It depends on the sequence and the frame alone, not on what was looked at before.
+/// What a frame evaluates to: see [`super::looks`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Look {
     pub frame: u32,
@@ -44,6 +46,8 @@ pub struct Look {
     pub radiance: Digest,
     /// What each layer is weighted with.
     pub weights: Vec<Rgb>,
+    /// The weights of all frames of the sequence that are made of the same film, where they decide how it is sampled.
+    pub shown: Weightings,
     /// Factor of the displayed picture.
     pub exposure: f32,
     /// Moments at which the frame is traced: one, unless something moves while the shutter is open.
@@ -65,11 +69,26 @@ impl Look {
 
     /// What all layers of the frame's film hold and are weighted with, dark ones too.
     pub fn film(&self) -> Digest {
-        Digest::of(&(self.transport, self.shown()))
+        Digest::of(&(self.transport, self.weighted()))
+    }
+
+    /// The layers of light that a film of the frame is traced with, ascending: those that show in it, or in any frame that has a
+    /// say in how it is sampled.
+    pub fn lit(&self) -> Vec<LayerId> {
+        let others = self.shown.iter().flat_map(|weights| lit(weights));
+        lit(&self.weights).chain(others).collect::<BTreeSet<_>>().into_iter().collect()
+    }
+
+    /// Has the frame be made of a film that is sampled for all of these weights.
+    pub(super) fn share(&mut self, shown: &Weightings) {
+        self.shown = Arc::clone(shown);
+        self.transport = Digest::of(&(self.transport, shown.to_vec()));
+        // Frames that look alike are not the same where their films are not.
+        self.radiance = Digest::of(&(self.radiance, self.transport));
     }
 
     /// The layers that show, with their weights.
-    fn shown(&self) -> Vec<(u32, Rgb)> {
+    fn weighted(&self) -> Vec<(u32, Rgb)> {
         let weighted = |(_, weight): &(u32, Rgb)| *weight != Rgb::ZERO;
         (0..).zip(self.weights.iter().copied()).filter(weighted).collect()
     }
@@ -95,7 +114,7 @@ struct Settings {
 
 impl Preview {
     pub fn new(sequence: &Sequence) -> Self {
-        let mut world = looks(sequence);
+        let mut world = unseen(sequence);
         world.insert_resource(Shown(Moment::ONLY));
         let settings = Settings {
             size: sequence.output.size,
@@ -114,8 +133,8 @@ impl Preview {
         }
     }
 
-    /// What a frame evaluates to.
-    pub fn look(&mut self, frame: u32) -> Look {
+    /// What a frame evaluates to, without a word of other frames that are made of the same film.
+    pub(super) fn look(&mut self, frame: u32) -> Look {
         let moments = self.shutter.moments(&self.timeline, frame);
         let mut found: Vec<Sight> = Vec::with_capacity(moments.len());
         let (mut fault, mut geometry, mut rebuilds) = (None, None, 0);
@@ -147,17 +166,13 @@ impl Preview {
             digester
         };
         let radiance = digester(&|one| one.radiance).finish();
-        let mut digester = digester(&|one| one.transport);
-        let weights = self.world.resource::<Current<Weights>>().0.0.clone();
-        // How good a film has become is told for its own weights: films of others are not made of it.
-        if random && self.settings.quality.noise.is_some() {
-            weights.feed(&mut digester);
-        }
+        let transport = digester(&|one| one.transport).finish();
         Look {
             frame,
-            transport: digester.finish(),
+            transport,
             radiance,
-            weights,
+            weights: self.world.resource::<Current<Weights>>().0.0.clone(),
+            shown: Weightings::default(),
             exposure: exposure(self.exposure.at(self.timeline.clock(frame).start)),
             moments: found.len() as u32,
             random,

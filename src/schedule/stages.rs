@@ -8,7 +8,7 @@ use crate::encode::EncodeError;
 use crate::film::{Film, lit};
 use crate::math::DVec3;
 use crate::scene::{Geometry, Scene, Shading, Weights};
-use crate::trace::{Moment, Rounds, TraceSettings, trace, trace_moment};
+use crate::trace::{Moment, Rounds, TraceSettings, Weightings, trace_moment, trace_shown};
 use crate::track::Animated;
 use crate::world::{Current, Now};
 use bevy_ecs::resource::Resource;
@@ -100,6 +100,8 @@ pub struct Shown(pub Moment);
 #[derive(Default, Resource)]
 pub struct Wanted {
     pub lit: Option<Weights>,
+    /// The weights that the film is shown with, where that decides how it is sampled.
+    pub shown: Weightings,
     pub keep: bool,
 }
 
@@ -204,17 +206,21 @@ pub fn trace_frame(
     let Some(camera) = &camera.0 else { return };
     let traced = wanted.lit.as_ref().unwrap_or(&weights.0);
     let scene = Scene { geometry: &geometry.0, shading: &shading.0, weights: traced, camera };
+    let shows = match wanted.shown.is_empty() {
+        true => [weights.0.0.clone()].into(),
+        false => Weightings::clone(&wanted.shown),
+    };
     let (film, counts) = match shown.0 {
         Moment::ONLY => {
-            let (film, counts) = trace(&scene, &bvh.0, &settings.0, &watched.0);
+            let (film, counts) = trace_shown(&scene, &bvh.0, &settings.0, &shows, &watched.0);
             (Some(film), counts)
         }
-        moment => exposed.add_moment(&scene, &bvh.0, &settings.0, moment, &watched.0),
+        moment => exposed.add_moment(&scene, &bvh.0, &settings.0, (moment, &shows), &watched.0),
     };
     tally.counts += counts;
-    let Some(mut film) = film else { return };
+    let Some(film) = film else { return };
     tally.traced += 1;
-    film.weights.clone_from(&weights.0.0);
+    let mut film = film.weighted_by(&weights.0.0);
     film.expose(exposure.0.at(now.0.start));
     exposed.kept = wanted.keep.then(|| film.clone());
     exposed.film = Some(film);
@@ -229,11 +235,12 @@ impl Exposed {
         scene: &Scene,
         bvh: &Bvh,
         settings: &TraceSettings,
-        moment: Moment,
+        (moment, shows): (Moment, &Weightings),
         meter: &Meter,
     ) -> (Option<Film>, Counts) {
         if let Some(target) = settings.quality.noise {
-            let mut rounds = self.rounds.take().unwrap_or_else(|| Rounds::new(scene, settings, target));
+            let rounds = self.rounds.take();
+            let mut rounds = rounds.unwrap_or_else(|| Rounds::new(scene, settings, target, shows));
             let counts = rounds.trace(scene, bvh, settings, moment, meter);
             if moment.index + 1 == moment.of && rounds.settle(meter) {
                 return (Some(rounds.film()), counts);

@@ -35,7 +35,7 @@ mod transmit;
 mod wavefront;
 mod whitted;
 
-pub use adaptive::{LEAST_SAMPLES, Rounds, SETS};
+pub use adaptive::{LEAST_SAMPLES, Rounds, Weightings, bytes_of_pixel};
 pub use context::is_random;
 
 use crate::bvh::Bvh;
@@ -83,11 +83,22 @@ const BLOCK: (u32, u32) = (4, 2);
 
 /// Traces one frame: the layers that are not dark. The film and the counts are the same for any number of threads.
 pub fn trace(scene: &Scene, bvh: &Bvh, settings: &TraceSettings, meter: &Meter) -> (Film, Counts) {
+    trace_shown(scene, bvh, settings, &[scene.weights.0.clone()].into(), meter)
+}
+
+/// The same of a film that is shown with any of these weights: where an error is asked for, it holds for each of them.
+pub fn trace_shown(
+    scene: &Scene,
+    bvh: &Bvh,
+    settings: &TraceSettings,
+    shown: &Weightings,
+    meter: &Meter,
+) -> (Film, Counts) {
     let (width, height) = settings.size;
     let mut film = Film::with_extras(width, height, scene.weights.0.clone(), settings.extras);
     let pixels = Pixels::new(scene, bvh, settings, Moment::ONLY);
     if let Some(target) = settings.quality.noise.filter(|_| pixels.random) {
-        return adaptive::trace(scene, bvh, settings, target, meter);
+        return adaptive::trace(scene, bvh, settings, (target, shown), meter);
     }
     let store = |layer: &mut Rgb, sum: DVec3| *layer = sum.as_vec3();
     let counts = in_tiles(&pixels, film.data_mut(), meter, store);
