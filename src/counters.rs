@@ -1,8 +1,9 @@
 //! Exact counts of work done, for summaries and tests.
 
+use crate::stop::Stop;
 use std::ops::AddAssign;
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering::Relaxed};
+use std::sync::{Mutex, OnceLock};
 use std::time::Instant;
 
 /// Declares a struct of counts that add up.
@@ -84,7 +85,8 @@ impl AddAssign for Counts {
     }
 }
 
-/// How far a run has come, for whoever watches from another thread. Nothing is decided by it.
+/// How far a run has come, for whoever watches from another thread, and whether it is to stop. Nothing else is decided
+/// by it.
 #[derive(Debug, Default)]
 pub struct Meter {
     /// Frames made.
@@ -96,6 +98,18 @@ pub struct Meter {
     pub rays: AtomicU64,
     /// Told when tracing begins.
     pub outset: OnceLock<Outset>,
+    /// Asks films in the making to end with the samples that they have; and whether one has.
+    pub stop: OnceLock<Stop>,
+    pub unfinished: AtomicBool,
+    /// Lines that whoever watches should show.
+    pub notices: Mutex<Vec<Line>>,
+}
+
+/// A line for people, and the same for programs: an object of JSON.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Line {
+    pub text: String,
+    pub json: String,
 }
 
 /// What a run has before it when tracing begins.
@@ -120,6 +134,23 @@ impl Meter {
     pub fn begin(&self, kept: usize, films: Vec<f64>) {
         // Whoever watches a second run with the same meter goes on from the first.
         let _ = self.outset.set(Outset { at: Instant::now(), kept: kept as u32, films });
+    }
+
+    /// Whether the run is to stop.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.get().is_some_and(|stop| stop.signal().is_some())
+    }
+
+    /// Has whoever watches show a line.
+    pub fn notice(&self, line: Line) {
+        if let Ok(mut notices) = self.notices.lock() {
+            notices.push(line);
+        }
+    }
+
+    /// Lines that nobody has shown yet.
+    pub fn take_notices(&self) -> Vec<Line> {
+        self.notices.lock().map(|mut notices| std::mem::take(&mut *notices)).unwrap_or_default()
     }
 
     /// Frames traced so far, with the part of the one in hand.

@@ -128,7 +128,9 @@ pub struct Film {
     /// How good it is, if that was asked for.
     pub noise: Option<Noise>,
     /// How good it is with each of the weights that it was sampled for.
-    pub noises: Arc<[(Vec<Rgb>, Noise)]>,
+    pub noises: Arc<[Noise]>,
+    /// Whether a run was stopped before it was so good.
+    pub unfinished: bool,
     /// The layers of light that were traced, ascending. The others are not held.
     pub held: Arc<[LayerId]>,
     /// Row by row from the top left pixel; each pixel holds its layers of light and those of the extras. Films of
@@ -159,6 +161,7 @@ impl Film {
             extras,
             noise: None,
             noises: Arc::default(),
+            unfinished: false,
             held,
             data,
         }
@@ -171,8 +174,12 @@ impl Film {
 
     /// The same light with other weights. Layers that are not held must be dark.
     pub fn weighted_by(&self, weights: &[Rgb]) -> Self {
-        let noise = self.noises.iter().find(|(own, _)| own == weights).map(|(_, noise)| *noise);
-        Self { weights: weights.to_vec(), noise, ..self.clone() }
+        Self { weights: weights.to_vec(), noise: None, ..self.clone() }
+    }
+
+    /// The same with those weights that it was sampled for at this place.
+    pub fn shown_as(&self, weighting: usize, weights: &[Rgb]) -> Self {
+        Self { noise: self.noises.get(weighting).copied(), ..self.weighted_by(weights) }
     }
 
     /// Shows the film `stops` brighter: see [`exposure`].

@@ -23,6 +23,7 @@ pub mod counters;
 pub mod humane;
 pub mod escape;
 pub mod machine;
+pub mod clock;
 pub mod process;
 pub mod files;
 pub mod filter;

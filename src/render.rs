@@ -1,6 +1,7 @@
 //! The library's front door: a sequence in, files out.
 
 use crate::camera_path::NoCamera;
+use crate::clock::Clock;
 use crate::counters::{Counts, Meter};
 use crate::encode::{About, EncodeError, Encoder, Existing, Job, Output, Report, Seen, Still, TimeLimit};
 use crate::film::{Extras, Film, Noise};
@@ -8,9 +9,10 @@ use crate::humane;
 use crate::machine;
 use crate::memory;
 use crate::plan::{
-    self, Effort, Expected, Plan, Room, Shared, Survey, Work, run_shared, survey, survey_until,
+    self, Effort, Expected, Outlook, Patience, Plan, Range, Room, RunForecast, Shared, Survey, Work,
+    look_ahead, run_shared, survey, survey_until,
 };
-use crate::quality::Quality;
+use crate::quality::{NoiseTarget, Quality};
 use crate::schedule::{FilmSink, FrameLoop, Look, NoFrame, Stage, Tally};
 use crate::sequence::Sequence;
 use crate::stop::Stop;
@@ -94,7 +96,7 @@ pub struct Summary {
 }
 
 /// What a plan says about a run before it begins.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
     pub reused: u32,
     pub camera_rays: u64,
@@ -103,7 +105,26 @@ pub struct Forecast {
     /// Of all kinds, if it was worth a trial.
     pub rays: Option<u64>,
     pub bvh_builds: u64,
+    /// Seconds of tracing, on the wall and of all processors together, and the error of the worst film, as a share of the
+    /// mean brightness, if it was worth a pilot.
+    pub wall: Option<Range>,
+    pub cpu: Option<Range>,
+    /// Seconds of all processors that the pilot itself took.
+    pub pilot: f64,
+    pub error: Option<Range>,
 }
+
+/// What a run says of itself before it traces its frames.
+#[derive(Clone, Copy, Debug)]
+pub enum Notice<'a> {
+    /// A pilot begins, as the run may take long.
+    Pilot { plan: &'a Plan },
+    /// The pilot is over.
+    Outlook { plan: &'a Plan, outlook: &'a Outlook },
+}
+
+/// Who hears of notices.
+pub type Listener<'a> = &'a (dyn Fn(Notice) + Sync);
 
 /// What may be too large for the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -212,15 +233,27 @@ pub fn render(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> Res
     render_until(sequence, request, meter, &Stop::default())
 }
 
-/// The same, but that it stops after the frame in hand when it is asked to. Stills that are written stay; animations
-/// are closed with the frames that there are, beside the place of the whole one.
+/// The same, but that it stops when it is asked to: after the frame in hand, or with the samples that this has if an error
+/// is to be reached. Stills that are written stay; animations are closed with the frames that there are, beside the place
+/// of the whole one, and so are frames that are not as good as they should be.
 pub fn render_until(
     sequence: &Sequence,
     request: &Request,
     meter: &Arc<Meter>,
     stop: &Stop,
 ) -> Result<Summary, RenderError> {
-    rendered(sequence, request, meter, stop).map_err(|error| match error {
+    render_told(sequence, request, meter, stop, &|_| ())
+}
+
+/// The same; `tell` hears how long the run is expected to take, if that is worth a pilot.
+pub fn render_told(
+    sequence: &Sequence,
+    request: &Request,
+    meter: &Arc<Meter>,
+    stop: &Stop,
+    tell: Listener,
+) -> Result<Summary, RenderError> {
+    rendered(sequence, request, meter, (stop, tell)).map_err(|error| match error {
         RenderError::Encode(EncodeError::Interrupted { signal, done }) => {
             let rest = request.frames.get(done..).unwrap_or_default().to_vec();
             let keeps = job(sequence, request, &Survey::default()).keeps();
@@ -234,9 +267,10 @@ fn rendered(
     sequence: &Sequence,
     request: &Request,
     meter: &Arc<Meter>,
-    stop: &Stop,
+    (stop, tell): (&Stop, Listener),
 ) -> Result<Summary, RenderError> {
     let start = Instant::now();
+    let _ = meter.stop.set(stop.clone());
     let extras = extras(sequence, &request.outputs);
     Large::Picture.check(memory::needed(sequence, extras))?;
     let pool = Arc::new(pool(request.threads)?);
@@ -255,7 +289,7 @@ fn rendered(
     let survey = survey.only(&missing);
     let (done, expected) = pool.install(|| match request.existing {
         Existing::Share => shared(sequence, request, &survey, &mut frames, (meter, stop)),
-        _ => planned(sequence, request, survey, &mut frames, (meter, stop)),
+        _ => planned(sequence, request, survey, &mut frames, (meter, stop, tell)),
     })?;
     let after = machine::processor_time();
     if let Some(signal) = stop.signal().filter(|_| done < missing.len()) {
@@ -269,17 +303,16 @@ fn rendered(
     let cpu = after.zip(before).zip(encoding).map(|((after, before), encoding)| after - before - encoding);
     let report = encoder.map_or_else(|| Ok(Report::default()), Encoder::finish)?;
     let mut summary = summary(&tally, report, request.frames.len() as u32, start.elapsed());
+    summary.cpu = cpu.map(|cpu| cpu - expected.map_or(0.0, |expected| expected.pilot));
     summary.expected = expected;
-    summary.cpu = cpu;
     summary.notes.splice(..0, sequence.notes());
     Ok(summary)
 }
 
-/// Samples of a run of which a small part is worth tracing first, to tell how many rays there will be.
-const WORTH_A_TRIAL: u64 = 1 << 24;
-
-/// That part: a 256th, in a few frames.
-const TRIAL: Effort = Effort { frames: 8, samples: WORTH_A_TRIAL / 256 / 16 };
+/// Samples of a run before which a pilot is worth its time, to tell how long it will take; and the least number of them
+/// where they are taken until an error is reached, which may be far more.
+const WORTH_A_PILOT: u64 = 1 << 23;
+const WORTH_WITH_ERROR: u64 = 1 << 17;
 
 /// Makes the frames that are missing by a plan, or each by itself. Gives the number of those that were begun.
 fn planned<S: FilmSink>(
@@ -287,7 +320,7 @@ fn planned<S: FilmSink>(
     request: &Request,
     missing: Survey,
     frames: &mut FrameLoop<S>,
-    (meter, stop): (&Meter, &Stop),
+    (meter, stop, tell): (&Meter, &Stop, Listener),
 ) -> Result<(usize, Option<Forecast>), NoFrame> {
     let on = || stop.signal().is_none();
     let kept = request.frames.len() - missing.frames.len();
@@ -295,25 +328,58 @@ fn planned<S: FilmSink>(
         meter.begin(kept, Vec::new());
         let mut done = 0;
         missing.frames.iter().take_while(|_| on()).try_for_each(|look| {
-            done += 1;
-            frames.trace_alone(look)
+            frames.trace_alone(look)?;
+            done += usize::from(!meter.unfinished.load(Relaxed));
+            Ok::<_, NoFrame>(())
         })?;
         return Ok((done, None));
     }
     let extras = extras(sequence, &request.outputs);
     let budget = request.reuse.budget(sequence, extras);
     let plan = Plan::of(missing, sequence, extras, budget);
-    let worth = Expected::of(sequence, &plan).camera >= WORTH_A_TRIAL;
-    let Work { expected, films } = plan::work(sequence, &plan, if worth { TRIAL } else { Effort::NONE });
-    let forecast = Forecast {
-        reused: plan.reused() as u32,
-        camera_rays: expected.camera,
-        exact: expected.exact,
-        rays: expected.rays,
-        bvh_builds: plan.builds(),
-    };
+    let known = Expected::of(sequence, &plan);
+    let worth = if known.exact { WORTH_A_PILOT } else { WORTH_WITH_ERROR };
+    let Work { films, .. } = plan::work(sequence, &plan, Effort::NONE);
+    let (mut films, mut forecast) = (films, Forecast::of(&plan, &known));
+    // Whoever has limited the time has had a pilot.
+    if known.camera >= worth && request.time_limit.is_none() {
+        tell(Notice::Pilot { plan: &plan });
+        let outlook = look_ahead(sequence, &plan, extras, Patience::RUN, Clock::Machine);
+        let run = outlook.forecast(&sequence.quality);
+        films = run.films.iter().map(|film| film.took.wall).collect();
+        forecast = Forecast { pilot: outlook.spent.cpu.unwrap_or_default(), ..forecast.with(&run) };
+        tell(Notice::Outlook { plan: &plan, outlook: &outlook });
+    }
     meter.begin(kept, films);
     Ok((plan::run(&plan, frames, on)?, Some(forecast)))
+}
+
+impl Forecast {
+    /// What is known without a pilot.
+    fn of(plan: &Plan, known: &Expected) -> Self {
+        Self {
+            reused: plan.reused() as u32,
+            camera_rays: known.camera,
+            exact: known.exact,
+            rays: None,
+            bvh_builds: plan.builds(),
+            wall: None,
+            cpu: None,
+            pilot: 0.0,
+            error: None,
+        }
+    }
+
+    fn with(self, run: &RunForecast) -> Self {
+        Self {
+            camera_rays: if self.exact { self.camera_rays } else { run.camera as u64 },
+            rays: Some(run.rays as u64),
+            wall: Some(run.wall),
+            cpu: run.cpu,
+            error: run.error,
+            ..self
+        }
+    }
 }
 
 /// Makes those of the missing frames that no other process makes. Gives how many were begun; or all, when all are there.
@@ -360,7 +426,7 @@ pub fn settled(sequence: &Sequence, request: &Request) -> Option<Quality> {
     let qualities = counts.into_iter().map(|(samples, antialias)| Quality {
         samples,
         antialias,
-        noise: None,
+        noise: sequence.quality.noise.map(|target| NoiseTarget { most: samples, ..target }),
         ..sequence.quality
     });
     qualities.into_iter().find(|&quality| {

@@ -5,8 +5,9 @@
 //!                                                            └─ report ▶ page, plots
 //! ```
 
+use crate::clock;
+
 mod budget;
-mod clock;
 pub mod exact;
 mod findings;
 pub mod hard_cases;
@@ -19,8 +20,8 @@ mod settled;
 mod statistics;
 mod studio;
 
+pub use crate::clock::{Clock, Took, timed};
 pub use budget::{Budget, budget};
-pub use clock::{Clock, Took, timed};
 pub use findings::{Advice, described, factor, percent, seconds};
 pub use layering::Layering;
 pub use measure::{Layer, Measured, Point, Request, measure};

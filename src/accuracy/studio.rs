@@ -5,10 +5,10 @@ use super::layering::Layering;
 use crate::color::Rgb;
 use crate::counters::Meter;
 use crate::encode::displayed;
-use crate::film::{Extras, Film, LayerId};
+use crate::film::Film;
 use crate::quality::{NoiseTarget, Quality};
 use crate::render::{RenderError, pool};
-use crate::schedule::{Films, FrameLoop, Look};
+use crate::schedule::{Films, FrameLoop};
 use crate::sequence::Sequence;
 use rayon::ThreadPool;
 use std::num::NonZeroUsize;
@@ -76,26 +76,6 @@ impl Studio {
         let rays = frames.tally().counts.rays.total();
         let films = frames.into_sink().map_or_else(Vec::new, |films| films.0);
         Ok(Shot { films, took, rays })
-    }
-
-    /// The film of a frame that has been looked at, with these layers of light.
-    pub fn take(
-        &self,
-        quality: &Quality,
-        extras: Extras,
-        look: &Look,
-        lit: &[LayerId],
-    ) -> Result<Shot, RenderError> {
-        let sequence = Sequence { quality: *quality, ..self.sequence.clone() };
-        let meter = Arc::new(Meter::default());
-        let mut frames = FrameLoop::with_extras(&sequence, extras, Films::default(), meter);
-        let (film, took) = timed(|| self.pool.install(|| frames.trace(look, lit)));
-        Ok(Shot { films: film?.into_iter().collect(), took, rays: frames.tally().counts.rays.total() })
-    }
-
-    /// Does something on the studio's threads.
-    pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        self.pool.install(work)
     }
 
     fn layered(&self, layering: Layering) -> Sequence {

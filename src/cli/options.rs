@@ -57,6 +57,10 @@ pub struct Options {
     )]
     pub noise: Option<f64>,
 
+    /// Samples of a pixel that --noise may take at most [default: as the sequence says, or 4096]
+    #[arg(long, value_name = "N", value_parser = values::samples, allow_hyphen_values = true)]
+    pub max_samples: Option<u32>,
+
     /// Another number gives other noise [default: as the sequence says]
     #[arg(long, value_name = "N", value_parser = values::seed, allow_hyphen_values = true)]
     pub seed: Option<u32>,
@@ -101,6 +105,7 @@ impl Options {
             antialias: self.antialias,
             samples: self.samples,
             noise: self.noise,
+            max_samples: self.max_samples,
             integrator: self.integrator,
             seed: self.seed,
             tonemap: self.tonemap,

@@ -22,6 +22,8 @@ pub struct Overrides {
     pub samples: Option<u32>,
     /// The error to be reached.
     pub noise: Option<f64>,
+    /// Samples of a pixel that this may take at most.
+    pub max_samples: Option<u32>,
     /// Keeps the settings of the file's integrator if it is of this kind.
     pub integrator: Option<Integrator>,
     pub seed: Option<u32>,
@@ -44,10 +46,13 @@ pub struct Overrides {
     pub draft: bool,
 }
 
+/// Why `--max-samples` is refused.
+const NO_NOISE: &str = "--max-samples limits --noise, and there is none; write --noise too, or --samples for a number of samples";
+
 /// The sequence as the command line wants it.
 ///
 /// # Errors
-/// A rate at which there would be too many frames.
+/// A rate at which there would be too many frames; a limit of samples where no error is to be reached.
 pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, String> {
     if wanted.draft {
         let (width, height) = sequence.output.size;
@@ -82,6 +87,11 @@ pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, S
     if let Some(error) = wanted.noise {
         let most = quality.noise.map_or(NoiseTarget::MOST, |own| own.most);
         quality.noise = Some(NoiseTarget { error, most });
+    }
+    match (&mut quality.noise, wanted.max_samples) {
+        (Some(target), Some(most)) => target.most = most,
+        (None, Some(_)) => return Err(NO_NOISE.to_owned()),
+        (_, None) => {}
     }
     replace(&mut quality.seed, wanted.seed);
     let own = quality.integrator;
@@ -125,6 +135,7 @@ mod tests {
             antialias: Some(4),
             samples: Some(100),
             noise: Some(0.05),
+            max_samples: Some(999),
             integrator: Some(Integrator::Path(PathSettings::default())),
             seed: Some(7),
             tonemap: Some(Tonemap::Filmic),
@@ -141,7 +152,9 @@ mod tests {
         assert_eq!(found.output.size, (320, 200));
         assert_eq!((found.quality.bounces, found.quality.antialias), (9, 4));
         assert_eq!((found.quality.samples, found.quality.seed), (100, 7));
-        assert_eq!(found.quality.noise, Some(NoiseTarget { error: 0.05, most: NoiseTarget::MOST }));
+        assert_eq!(found.quality.noise, Some(NoiseTarget { error: 0.05, most: 999 }));
+        let limit = Overrides { max_samples: Some(9), ..Overrides::default() };
+        assert_eq!(applied(sequence(), &limit), Err(NO_NOISE.to_owned()));
         assert_eq!(found.quality.integrator, Integrator::Path(PathSettings::default()));
         assert_eq!((found.output.tonemap, found.output.exposure), (Tonemap::Filmic, (-0.5).into()));
         let formats = found.output.formats;

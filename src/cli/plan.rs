@@ -5,16 +5,21 @@ use super::failure::Failure;
 use super::json::Object;
 use super::loading;
 use super::options::Options;
+use super::outlook as words;
+use super::plan_films::{each_film, with_forecast, with_forecasts};
 use super::render::frames_of;
 use super::scaling::{Farm, Share};
 use super::{check, load, overrides, terminal, values};
-use crate::accuracy::timed;
+use crate::clock::{Clock, timed};
 use crate::escape;
-use crate::film::LayerId;
+use crate::film::{Extras, LayerId};
 use crate::frame_set::FrameSet;
 use crate::humane::{self, count, counted};
 use crate::memory;
-use crate::plan::{Caller, Effect, Effort, Expected, Outline, Part, Plan, Span, outline, pilot};
+use crate::plan::{
+    Caller, Effect, Effort, Expected, FilmForecast, Outline, Outlook, Part, Patience, Plan, Reason,
+    RunForecast, Span, look_ahead, outline, pilot,
+};
 use crate::render::{self, Reuse, extras, pool};
 use crate::sequence::Sequence;
 use clap::Args;
@@ -53,6 +58,10 @@ pub struct Arguments {
     #[arg(long, value_name = "N", requires = "workers")]
     chunks: Option<NonZeroUsize>,
 
+    /// Trace nothing: counts alone, without times and errors
+    #[arg(long, conflicts_with = "workers")]
+    no_pilot: bool,
+
     /// One JSON object, for programs
     #[arg(long)]
     json: bool,
@@ -60,19 +69,24 @@ pub struct Arguments {
 
 const AFTER_HELP: &str = "\
 Examples:
-  kinora plan show.ron                    spans, effects, layers, rays and memory
+  kinora plan show.ron                    time, error, films, effects, layers, rays and memory
+  kinora plan show.ron --no-pilot         the same without time and error, at once
   kinora plan show.ron --memory 200MB     the same with less room for films
   kinora plan show.ron --workers 1,8,100  how long a farm takes, and what it wastes
   kinora plan show.ron --json             for programs
 
-Films, trees and memory are exact, and rays of the camera too where the samples are set. All rays
-together come of a trial: some frames are traced with a small part of their samples, which tells
-them to about 5 %. Where an error is asked for, small pictures are traced until they have it, and
-tell how many samples that takes to about a quarter.";
+Films, trees and memory are exact, and rays of the camera too where the samples are set. Time and
+error come of a pilot of a second or two: blocks of 8x8 pixels of up to six films, at full
+resolution. The time is that of tracing, with -t threads, without loading and writing; it is known
+to about 10 % for a number of samples and to about 20 % for an error to reach, or a range is told.
+Where few bright pixels make the error, it may be twice as long.";
 
 /// What a film is, for whoever reads the word for the first time.
 const FILM: &str = "a film is the light traced for a frame, in layers; frames in which lights only change their \
                     brightness share one";
+
+/// Where there are no times to tell.
+const NONE: &str = "no pilot was traced";
 
 /// What is told of a plan.
 struct Told<'a> {
@@ -80,6 +94,8 @@ struct Told<'a> {
     plan: Plan,
     outline: Outline,
     expected: Expected,
+    /// What a pilot has found, with what follows for the sequence's own quality.
+    outlook: Option<(Outlook, RunForecast)>,
     budget: u64,
     /// What workers make of it, if that is asked for.
     farm: Option<Farm>,
@@ -105,10 +121,41 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let told = pool(options.threads)?.install(|| {
         let plan = Plan::new(&sequence, &frames, extras, budget);
         let outline = outline(&sequence, &plan);
-        let expected = pilot(&sequence, &plan, Effort::PLAN);
-        Told { sequence: &sequence, plan, outline, expected, budget, farm, besides }
+        let (expected, outlook) = match arguments.no_pilot {
+            true => (Expected::of(&sequence, &plan), None),
+            false => looked_ahead(&sequence, &plan, extras),
+        };
+        Told { sequence: &sequence, plan, outline, expected, outlook, budget, farm, besides }
     });
     terminal::say(&if arguments.json { told.json() } else { told.text() })
+}
+
+/// What a pilot says of rays, times and errors.
+fn looked_ahead(
+    sequence: &Sequence,
+    plan: &Plan,
+    extras: Extras,
+) -> (Expected, Option<(Outlook, RunForecast)>) {
+    let outlook = look_ahead(sequence, plan, extras, Patience::PLAN, Clock::Machine);
+    let forecast = outlook.forecast(&sequence.quality);
+    let known = Expected::of(sequence, plan);
+    let expected = match known.exact {
+        true => pilot(sequence, plan, Effort::PLAN),
+        // Alone, every frame takes what its film takes.
+        false => {
+            let alone = |part: fn(&FilmForecast) -> f64| {
+                plan.of.iter().map(|&film| part(&forecast.films[film])).sum::<f64>() as u64
+            };
+            Expected {
+                camera: forecast.camera as u64,
+                camera_alone: alone(|film| film.camera),
+                rays: Some(forecast.rays as u64),
+                rays_alone: Some(alone(|film| film.rays)),
+                ..known
+            }
+        }
+    };
+    (expected, Some((outlook, forecast)))
 }
 
 impl Told<'_> {
@@ -125,11 +172,14 @@ impl Told<'_> {
                 )],
             ),
             ("films", vec![self.films(), FILM.to_owned()]),
+            ("why", vec![self.why()]),
         ];
+        groups.extend(self.expectations());
         groups.push(("spans", outline.spans.iter().map(|span| self.span(span)).collect()));
         groups.push(("layers", self.layers()));
-        let effect =
-            |(effect, caller): (&Effect, &Caller)| format!("{}: {}", effect.name(), self.caller(*caller));
+        let effect = |(effect, caller): (&Effect, &Caller)| {
+            format!("{}: {}{}", effect.name(), self.caller(*caller), self.price(*effect))
+        };
         groups.push(("effects", outline.effects.iter().map(effect).collect()));
         groups.push(("unused", vec![self.unused().collect::<Vec<_>>().join(", ")]));
         groups.push(("builds", vec![counted(plan.builds(), "tree")]));
@@ -163,6 +213,45 @@ impl Told<'_> {
         }
         text.truncate(text.trim_end().len());
         text
+    }
+
+    /// Why there are as many films as there are.
+    fn why(&self) -> String {
+        let told = |(reason, films): &(Reason, usize)| {
+            let films = count(*films as u64);
+            match reason {
+                Reason::First => format!("{films} to begin with"),
+                Reason::Change(changes) => format!("{films} where {}", self.changes(changes)),
+                Reason::Samples => format!("{films} where samples become random or stop being so"),
+                Reason::Memory => format!("{films} again, for want of --memory"),
+            }
+        };
+        self.outline.reasons.iter().map(told).collect::<Vec<_>>().join("; ")
+    }
+
+    /// How long all takes, how good it becomes, and the films one by one or in groups.
+    fn expectations(&self) -> Vec<(&'static str, Vec<String>)> {
+        let Some((outlook, forecast)) = &self.outlook else { return vec![("time", vec![NONE.to_owned()])] };
+        let mut time = format!("tracing takes {}", words::about(&forecast.wall));
+        if let Some(cpu) = &forecast.cpu {
+            time += &format!(", {} of processors", words::about(cpu));
+        }
+        let advice = words::advice(&self.sequence.quality, forecast, outlook);
+        let error = match &forecast.error {
+            Some(error) => format!("{} of the brightness, in the worst frame", words::share(error)),
+            None => "none, as nothing is random".to_owned(),
+        };
+        let each = each_film(&self.plan, &forecast.films);
+        vec![("time", [vec![time], advice].concat()), ("error", vec![error]), ("each", each)]
+    }
+
+    /// What films take together that call for an effect.
+    fn price(&self, effect: Effect) -> String {
+        let (Some((_, forecast)), Some(films)) = (&self.outlook, self.outline.calls.get(&effect)) else {
+            return String::new();
+        };
+        let wall: f64 = films.iter().map(|&film| forecast.films[film].took.wall).sum();
+        format!(" ({}, {})", counted(films.len() as u64, "film"), words::rough(wall))
     }
 
     /// How many films there are, and what does not fit.
@@ -294,11 +383,34 @@ impl Told<'_> {
                 .whole("films", span.traced as u64)
         };
         let names = self.sequence.about().layers;
-        let film = |take: &crate::plan::Take| {
-            Object::new()
+        let film = |(index, take): (usize, &crate::plan::Take)| {
+            let forecast = self.outlook.as_ref().map(|(_, forecast)| &forecast.films[index]);
+            let object = Object::new()
                 .whole("traced_for", frame(take.frames[0]))
                 .whole("frames", take.frames.len() as u64)
-                .texts("layers", take.lit.iter().map(|layer| names[layer.index()].clone()))
+                .texts("layers", take.lit.iter().map(|layer| names[layer.index()].clone()));
+            forecast.into_iter().fold(object, with_forecast)
+        };
+        let effect_films = |object: Object, (effect, films): (&Effect, &Vec<usize>)| {
+            let of = Object::new().whole("films", films.len() as u64);
+            let sum =
+                self.outlook.as_ref().map(|(_, forecast)| films.iter().map(|&film| forecast.films[film]));
+            object.object(effect.name(), sum.into_iter().fold(of, with_forecasts))
+        };
+        let reason = |(reason, films): &(Reason, usize)| {
+            let object = Object::new().whole("films", *films as u64);
+            match reason {
+                Reason::First => object.text("why", "first"),
+                Reason::Samples => object.text("why", "samples"),
+                Reason::Memory => object.text("why", "memory"),
+                Reason::Change(parts) => object.text("why", "change").texts(
+                    "changes",
+                    parts.iter().map(|part| {
+                        let (who, does) = self.part(*part);
+                        format!("{who} {does}")
+                    }),
+                ),
+            }
         };
         let effect = |object: Object, (effect, caller): (&Effect, &Caller)| {
             object.text(effect.name(), &self.caller(*caller))
@@ -312,15 +424,21 @@ impl Told<'_> {
             .whole("frames", plan.of.len() as u64)
             .whole("reused", plan.reused() as u64)
             .objects("spans", outline.spans.iter().map(span))
-            .objects("films", plan.takes.iter().map(film))
+            .objects("films", plan.takes.iter().enumerate().map(film))
+            .objects("why_films", outline.reasons.iter().map(reason))
             .texts("layers", names.iter().cloned())
             .object("effects", outline.effects.iter().fold(Object::new(), effect))
+            .object("effect_films", outline.calls.iter().fold(Object::new(), effect_films))
             .texts("unused_effects", self.unused().map(str::to_owned))
             .whole("bvh_builds", plan.builds())
             .object("rays_frame_by_frame", rays(expected.camera_alone, expected.rays_alone))
             .object("rays", rays(expected.camera, expected.rays))
             .whole("kept_bytes", plan.kept_bytes())
             .whole("budget_bytes", self.budget);
+        let object = self.outlook.iter().fold(object, |object, (outlook, forecast)| {
+            let advice = words::advice(&self.sequence.quality, forecast, outlook);
+            words::seconds(object, forecast).texts("advice", advice.into_iter())
+        });
         self.farm.iter().fold(object, |object, farm| object.object("farm", farm.json())).finish()
     }
 }

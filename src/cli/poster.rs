@@ -6,11 +6,13 @@ use super::look::Look;
 use super::options::Options;
 use super::overrides;
 use super::progress::{self, ProgressMode};
-use super::{load, loading, summary, terminal, values};
+use super::time_limit::{self, TimeLimit};
+use super::{load, loading, outlook, summary, terminal, values};
 use crate::counters::Meter;
 use crate::encode::{Existing, Output};
-use crate::render::{Request, Reuse, render};
+use crate::render::{Notice, Request, Reuse, render_told};
 use crate::sequence::Sequence;
+use crate::stop::Stop;
 use crate::time::Time;
 use clap::Args;
 use std::path::PathBuf;
@@ -40,12 +42,16 @@ pub struct Arguments {
 
     #[command(flatten)]
     options: Options,
+
+    #[command(flatten)]
+    limit: TimeLimit,
 }
 
 const AFTER_HELP: &str = "\
 Examples:
   kinora poster turn.ron                             the frame in the middle
   kinora poster turn.ron --at 1.5 -s 1920x1080 -o cover.jpg
+  kinora poster turn.ron --time-limit 1min           as good as it becomes in a minute
   kinora poster turn.ron --frame 0 --transparent --bits 16 -o cover.png";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -53,7 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let loading = loading::Reporter::new(options.progress, options.quiet);
     let sequence = load::sequence(&arguments.file, options.allow_outside, loading)?;
     let overrides = arguments.look.with(options.overrides());
-    let sequence = overrides::applied(sequence, &overrides).map_err(Failure::Bad)?;
+    let mut sequence = overrides::applied(sequence, &overrides).map_err(Failure::Bad)?;
     let frame = arguments.frame_of(&sequence)?;
     let outputs = match arguments.output.is_empty() {
         true => vec![named(&sequence, "poster")?],
@@ -70,13 +76,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         existing: Existing::Replace,
         frames: vec![frame],
         threads: options.threads,
-        reuse: Reuse::Off,
-        time_limit: None,
+        reuse: Reuse::Share,
+        time_limit: arguments.limit.time_limit,
     };
 
+    let chosen = time_limit::settle(&mut sequence, &request, options.quiet)?;
     let meter = Arc::new(Meter::default());
     let show = progress::Reporter::new(options.progress, options.quiet, 1);
-    let done = progress::watch(&meter, 1, show, || render(&sequence, &request, &meter))?;
+    let tell =
+        |notice: Notice| outlook::line(&sequence, notice).into_iter().for_each(|line| meter.notice(line));
+    let stop = Stop::default();
+    let mut done =
+        progress::watch(&meter, 1, show, || render_told(&sequence, &request, &meter, &stop, &tell))?;
+    done.notes.extend(chosen);
     if options.quiet {
         return Ok(());
     }

@@ -2,7 +2,7 @@
 
 use super::json::Object;
 use super::terminal;
-use crate::counters::{Meter, Work};
+use crate::counters::{Line, Meter, Work};
 use crate::humane;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -31,8 +31,19 @@ pub enum ProgressMode {
 pub enum Reporter {
     Silent,
     Bar(ProgressBar),
-    Lines { out: Box<dyn Write + Send>, format: fn(&Snapshot) -> String, at_once: bool, last: String },
+    Lines { out: Box<dyn Write + Send>, form: Form, last: String },
 }
+
+/// For whom lines are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    People,
+    Json,
+    OpenJd,
+}
+
+/// How soon notices are shown.
+const NOTICES: Duration = Duration::from_millis(100);
 
 /// One look at a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,9 +68,17 @@ pub fn watch<T>(meter: &Meter, frames: usize, mut show: Reporter, work: impl FnO
     thread::scope(|scope| {
         let watcher = move || {
             let look = || Snapshot::of(meter, frames, start.elapsed());
-            while over.recv_timeout(show.pause(start.elapsed())) == Err(RecvTimeoutError::Timeout) {
-                show.tell(&look());
+            let mut told = start;
+            while over.recv_timeout(show.pause(start.elapsed()).min(NOTICES))
+                == Err(RecvTimeoutError::Timeout)
+            {
+                show.notices(&meter.take_notices());
+                if told.elapsed() >= show.pause(start.elapsed()) {
+                    told = Instant::now();
+                    show.tell(&look());
+                }
             }
+            show.notices(&meter.take_notices());
             show.finish(&look());
         };
         // Without a thread to spare the work goes on, only unwatched.
@@ -75,20 +94,16 @@ impl Reporter {
         match mode {
             _ if quiet => Self::Silent,
             ProgressMode::Auto if terminal::interactive() => Self::bar(frames),
-            ProgressMode::Auto | ProgressMode::Plain => Self::Lines {
-                out: Box::new(stderr()),
-                format: Snapshot::line,
-                at_once: false,
-                last: String::new(),
-            },
-            ProgressMode::Json => Self::on_stdout(Snapshot::json),
-            ProgressMode::OpenJd => Self::on_stdout(Snapshot::openjd),
+            ProgressMode::Auto | ProgressMode::Plain => {
+                Self::Lines { out: Box::new(stderr()), form: Form::People, last: String::new() }
+            }
+            ProgressMode::Json => Self::on_stdout(Form::Json),
+            ProgressMode::OpenJd => Self::on_stdout(Form::OpenJd),
         }
     }
 
-    /// For programs, which want the last line however short the run is.
-    fn on_stdout(format: fn(&Snapshot) -> String) -> Self {
-        Self::Lines { out: Box::new(stdout()), format, at_once: true, last: String::new() }
+    fn on_stdout(form: Form) -> Self {
+        Self::Lines { out: Box::new(stdout()), form, last: String::new() }
     }
 
     fn bar(frames: usize) -> Self {
@@ -110,6 +125,25 @@ impl Reporter {
         }
     }
 
+    /// Shows lines that are no progress.
+    fn notices(&mut self, lines: &[Line]) {
+        for line in lines {
+            match self {
+                Self::Silent => {}
+                Self::Bar(bar) => bar.suspend(|| terminal::complain(&line.text)),
+                Self::Lines { out, form, .. } => {
+                    // A reader that went away does not stop a run.
+                    let _ = match form {
+                        Form::People => terminal::tell(out, &line.text),
+                        Form::Json => terminal::tell(out, &line.json),
+                        // Of these, only the run's status has a place.
+                        Form::OpenJd => Ok(()),
+                    };
+                }
+            }
+        }
+    }
+
     fn tell(&mut self, snapshot: &Snapshot) {
         match self {
             Self::Silent => {}
@@ -117,8 +151,8 @@ impl Reporter {
                 bar.set_position((snapshot.done * 1000.0) as u64);
                 bar.set_message(snapshot.line());
             }
-            Self::Lines { out, format, last, .. } => {
-                let line = format(snapshot);
+            Self::Lines { out, form, last } => {
+                let line = snapshot.told(*form);
                 if line != *last {
                     // A reader that went away does not stop a run.
                     let _ = terminal::tell(out, &line);
@@ -132,7 +166,10 @@ impl Reporter {
     fn finish(&mut self, snapshot: &Snapshot) {
         match self {
             Self::Bar(bar) => bar.finish_and_clear(),
-            Self::Lines { at_once, .. } if *at_once || snapshot.elapsed >= Duration::from_secs(1) => {
+            // Programs want the last line however short the run is.
+            Self::Lines { form, .. }
+                if *form != Form::People || snapshot.elapsed >= Duration::from_secs(1) =>
+            {
                 self.tell(snapshot);
             }
             _ => {}
@@ -160,6 +197,14 @@ impl Snapshot {
         (done > 0.0 && rest > 0.0)
             .then(|| Duration::try_from_secs_f64(self.working.as_secs_f64() * rest / done).ok())
             .flatten()
+    }
+
+    fn told(&self, form: Form) -> String {
+        match form {
+            Form::People => self.line(),
+            Form::Json => self.json(),
+            Form::OpenJd => self.openjd(),
+        }
     }
 
     /// `frame 12/72 · 3.10 Mray/s · 5 reused · 21 s left`.
@@ -265,12 +310,7 @@ mod tests {
     #[test]
     fn the_end_is_told() {
         let (meter, out) = (Meter::default(), Shared::default());
-        let show = Reporter::Lines {
-            out: Box::new(out.clone()),
-            format: Snapshot::json,
-            at_once: true,
-            last: String::new(),
-        };
+        let show = Reporter::Lines { out: Box::new(out.clone()), form: Form::Json, last: String::new() };
         let result = watch(&meter, 2, show, || {
             meter.frames.store(2, Relaxed);
             meter.rays.store(5, Relaxed);
@@ -288,12 +328,7 @@ mod tests {
     #[test]
     fn short_runs_need_no_lines() {
         let out = Shared::default();
-        let show = Reporter::Lines {
-            out: Box::new(out.clone()),
-            format: Snapshot::line,
-            at_once: false,
-            last: String::new(),
-        };
+        let show = Reporter::Lines { out: Box::new(out.clone()), form: Form::People, last: String::new() };
         watch(&Meter::default(), 1, show, || ());
         assert!(out.0.lock().expect("no panic in a test").is_empty());
     }

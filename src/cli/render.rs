@@ -6,8 +6,8 @@ use super::overrides;
 use super::progress::{self, ProgressMode};
 use super::settings::Settings;
 use super::signals::{self, Next};
-use super::{load, loading, summary, terminal, values};
-use crate::accuracy::{Budget, Clock, Settled, percent, seconds, settled};
+use super::time_limit::{self, TimeLimit};
+use super::{load, loading, outlook, summary, terminal, values};
 use crate::counters::Meter;
 use crate::encode::{Existing, Output, Streamed};
 use crate::escape;
@@ -16,12 +16,11 @@ use crate::files::{self, Root};
 use crate::frame_set::{FrameSet, Shard};
 use crate::humane::counted;
 use crate::plan::with_shared;
-use crate::render::{RenderError, Request, Summary, render_until};
+use crate::render::{Notice, RenderError, Request, Summary, render_told};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Duration;
 
 /// Render a sequence into pictures, GIFs and videos.
 #[derive(Args, Debug, PartialEq)]
@@ -98,15 +97,8 @@ pub struct Arguments {
     #[command(flatten)]
     settings: Settings,
 
-    /// How long tracing may take, such as 60s or 10min: as many samples as fit
-    ///
-    /// A pilot of a few frames finds out; all frames then have the same number of samples,
-    /// which is told. The same again on any machine: --samples with that number.
-    #[arg(
-        long, value_name = "TIME", value_parser = values::duration, allow_hyphen_values = true,
-        conflicts_with_all = ["samples", "noise", "draft"], verbatim_doc_comment
-    )]
-    time_limit: Option<Duration>,
+    #[command(flatten)]
+    limit: TimeLimit,
 }
 
 const AFTER_HELP: &str = "\
@@ -155,9 +147,9 @@ fn rendered(arguments: &Arguments) -> Result<(), Failure> {
         frames,
         threads: options.threads,
         reuse: arguments.settings.reuse(),
-        time_limit: arguments.time_limit,
+        time_limit: arguments.limit.time_limit,
     };
-    let chosen = arguments.settle(&mut sequence, &request)?;
+    let chosen = time_limit::settle(&mut sequence, &request, options.quiet)?;
     let mut done = arguments.watched(&sequence, &request)?;
     done.notes.extend(note);
     done.notes.extend(chosen);
@@ -219,24 +211,12 @@ impl Arguments {
                 "-o - and --progress {mode} both write to the standard output; leave one out"
             )));
         }
-        if self.time_limit.is_some() && self.shares() {
+        if self.limit.time_limit.is_some() && self.shares() {
             let message = "--time-limit picks the samples of all frames, and each process would pick others: find out how \
                            many there are without --shard and --claim, then give them to all processes by --samples";
             return Err(Failure::Bad(message.to_owned()));
         }
         Ok(())
-    }
-
-    /// Gives the sequence the samples that fit into the limit of time, if there is one, and says which.
-    fn settle(&self, sequence: &mut Sequence, request: &Request) -> Result<Option<String>, Failure> {
-        let Some(limit) = self.time_limit else { return Ok(None) };
-        let settled = settled(sequence, request, limit, Clock::Machine)?;
-        sequence.quality = settled.quality();
-        let note = limit_note(&settled);
-        if !self.settings.options.quiet {
-            terminal::complain(&note);
-        }
-        Ok(Some(note))
     }
 
     /// Renders while progress is told.
@@ -246,7 +226,10 @@ impl Arguments {
         let frames = request.frames.len();
         let show = progress::Reporter::new(options.progress, options.quiet, frames);
         let stop = signals::watched();
-        let done = progress::watch(&meter, frames, show, || render_until(sequence, request, &meter, &stop));
+        let tell =
+            |notice: Notice| outlook::line(sequence, notice).into_iter().for_each(|line| meter.notice(line));
+        let done =
+            progress::watch(&meter, frames, show, || render_told(sequence, request, &meter, &stop, &tell));
         done.map_err(|error| failure(error, &request.outputs, options.quiet))
     }
 
@@ -321,37 +304,6 @@ pub fn frames_of(wanted: Option<&FrameSet>, sequence: &Sequence) -> Result<Vec<u
     };
     let set = set.ok_or_else(|| Failure::Bad("the sequence has no frames".to_owned()))?;
     set.frames(count).map_err(|error| Failure::Bad(format!("{option}{error}")))
-}
-
-/// Says how many samples there are for the time.
-fn limit_note(settled: &Settled) -> String {
-    match settled {
-        Settled::Now(budget) => budget_note(budget),
-        Settled::Before(quality) => format!(
-            "an earlier run with this limit has settled on {} samples a pixel, and a grid of {1}x{1} where nothing is \
-             random: its frames are kept, and the others get as many; --overwrite settles anew",
-            quality.samples, quality.antialias
-        ),
-    }
-}
-
-/// Says what fits into the time, what to expect of it, and how to have the same again.
-fn budget_note(budget: &Budget) -> String {
-    let quality = budget.quality;
-    let (samples, flag) = match budget.error {
-        Some(_) => (format!("{} samples a pixel", quality.samples), format!("--samples {}", quality.samples)),
-        None => {
-            (format!("a grid of {0}x{0}", quality.antialias), format!("--antialias {}", quality.antialias))
-        }
-    };
-    let mut note = format!("into the time fit {samples}: tracing should take {}", seconds(budget.wall));
-    if let Some(cpu) = budget.cpu {
-        note += &format!(" ({} of processors)", seconds(cpu));
-    }
-    if let Some(error) = budget.error {
-        note += &format!(", and leave an error of {} of the brightness or less", percent(error));
-    }
-    note + &format!("; the same again: {flag}")
 }
 
 /// Says what a draft came out as, so that nobody takes it for the real thing.

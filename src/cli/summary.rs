@@ -1,6 +1,7 @@
 //! What a run did, for people and for programs.
 
 use super::json::Object;
+use super::outlook;
 use crate::accuracy::seconds;
 use crate::counters::Counts;
 use crate::escape;
@@ -16,7 +17,10 @@ fn expected(forecast: Option<&Forecast>) -> Object {
         .whole("camera_rays", forecast.camera_rays)
         .raw("exact", forecast.exact)
         .whole("bvh_builds", forecast.bvh_builds);
-    forecast.rays.into_iter().fold(object, |object, rays| object.whole("rays", rays))
+    let object = forecast.rays.into_iter().fold(object, |object, rays| object.whole("rays", rays));
+    let ranges = [("time_s", forecast.wall), ("cpu_s", forecast.cpu), ("error", forecast.error)];
+    let known = ranges.into_iter().filter_map(|(name, range)| Some((name, range?)));
+    known.fold(object, |object, (name, range)| object.object(name, outlook::range(&range)))
 }
 
 /// Aligned lines, a heading for each group in front.
@@ -111,7 +115,17 @@ fn planned(expected: &Forecast) -> String {
         None => format!("{} of the camera or more", humane::counted(expected.camera_rays, "ray")),
     };
     let builds = humane::counted(expected.bvh_builds, "build");
-    format!("{rays}, {builds}, {} frames from films of other frames", humane::count(expected.reused.into()))
+    let mut told = format!(
+        "{rays}, {builds}, {} frames from films of other frames",
+        humane::count(expected.reused.into())
+    );
+    if let Some(wall) = &expected.wall {
+        told += &format!(", tracing in {}", outlook::about(wall));
+    }
+    if let Some(cpu) = &expected.cpu {
+        told += &format!(", {} of processors", outlook::about(cpu));
+    }
+    told
 }
 
 fn time(summary: &Summary) -> String {
@@ -212,6 +226,7 @@ fn aligned(rows: &[(&str, String)]) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::counters::{Dropped, RayCounts};
+    use crate::plan::Range;
     use std::time::Duration;
 
     fn summary() -> Summary {
@@ -260,6 +275,10 @@ note    a draft";
             exact: true,
             rays: Some(66_400_000),
             bvh_builds: 1,
+            wall: Some(Range::new(10.0, 12.0, 14.0)),
+            cpu: None,
+            pilot: 0.0,
+            error: None,
         };
         let summary = Summary { reused: 70, expected: Some(expected), ..summary() };
         let told = text(&summary);
@@ -268,11 +287,10 @@ note    a draft";
             "{told}"
         );
         assert!(
-            told.contains("\nplanned about 66,400,000 rays, 1 build, 70 frames from films of other frames\n"),
+            told.contains("\nplanned about 66,400,000 rays, 1 build, 70 frames from films of other frames, tracing in about 12 s\n"),
             "{told}"
         );
-        let wanted =
-            r#""expected":{"reused":70,"camera_rays":66355200,"exact":true,"bvh_builds":1,"rays":66400000}"#;
+        let wanted = r#""expected":{"reused":70,"camera_rays":66355200,"exact":true,"bvh_builds":1,"rays":66400000,"time_s":{"low":1e1,"expected":1.2e1,"high":1.4e1}}"#;
         assert!(json(&summary).contains(wanted), "{}", json(&summary));
     }
 

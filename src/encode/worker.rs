@@ -2,17 +2,20 @@
 
 use super::about::Shown;
 use super::animations::Animations;
-use super::atomic::NewFolders;
+use super::atomic::{NewFolders, part_of};
 use super::claim::Claim;
 use super::commits::Commits;
 use super::develop::{ToneTable, develop_deep};
 use super::error::EncodeError;
 use super::job::Job;
 use super::output::{Output, Still, Streamed};
+use super::pattern::FramePattern;
 use super::picture::Picture;
 use super::record::{self, Text};
 use super::store::Store;
 use super::{Message, Report, exr, holding, jpeg, png, ppm};
+use crate::digest::Digest;
+use crate::escape;
 use crate::film::Film;
 use crate::humane::counted;
 use crate::machine::thread_time;
@@ -34,8 +37,9 @@ pub struct Worker {
     animations: Option<Animations>,
     commits: Commits,
     report: Report,
-    /// Films that were written.
+    /// Films that were written, and those of them that a stopped run has not finished.
     done: usize,
+    unfinished: usize,
     /// Ends waiting for who reads a pipe.
     stop: Stop,
     /// Nanoseconds on a processor so far.
@@ -76,6 +80,7 @@ impl Worker {
             commits,
             report,
             done: 0,
+            unfinished: 0,
             stop: stop.clone(),
             cpu,
             first_nan: None,
@@ -147,15 +152,23 @@ impl Worker {
         let matte = over.as_ref().unwrap_or(&picture);
         let developed = Developed { index, shown, film: &film, picture: &picture, matte };
         for output in &job.outputs {
-            if let Output::Stills(Still::Exr, pattern) = output {
-                self.exr(&pattern.path(frame), &developed, claim)?;
+            if film.unfinished && output.is_stream() {
+                continue;
+            }
+            let path = if film.unfinished { part_of(&output.path(frame)) } else { output.path(frame) };
+            if let Output::Stills(Still::Exr, _) = output {
+                self.exr(&path, &developed, claim)?;
             } else if let Some(bytes) = still(&job, output, &developed) {
-                self.put(&output.path(frame), output, bytes, claim)?;
+                self.put(&path, output, bytes, claim)?;
             }
         }
+        self.unfinished += usize::from(film.unfinished);
         match &mut self.animations {
-            Some(animations) => animations.push(&picture, matte),
-            None => Ok(()),
+            // Those that are made of PNGs have only whole ones.
+            Some(animations) if !(film.unfinished && job.source().is_some()) => {
+                animations.push(&picture, matte)
+            }
+            _ => Ok(()),
         }
     }
 
@@ -213,10 +226,8 @@ impl Worker {
     /// Writes a frame's EXR file aside, and counts what its floats cannot hold.
     fn exr(&mut self, path: &Path, frame: &Developed, claim: Option<&Arc<Claim>>) -> Result<(), EncodeError> {
         let job = Arc::clone(&self.job);
-        let words = exr::Words {
-            identity: job.identity(Still::Exr, frame.index),
-            texts: texts(&job, Still::Exr, frame),
-        };
+        let words =
+            exr::Words { identity: identity(&job, Still::Exr, frame), texts: texts(&job, Still::Exr, frame) };
         let (file, clipped) = exr::write(path, frame.film, job.formats.exr, &job.about.layers, &words)?;
         self.clipped += clipped;
         if clipped > 0 {
@@ -232,6 +243,7 @@ impl Worker {
         }
         self.note();
         self.report.files = self.job.outputs.iter().map(|output| output.name().to_owned()).collect();
+        self.report.notes.extend(self.job.outputs.iter().filter_map(left_parts));
         self.folders.keep();
         Ok(())
     }
@@ -240,13 +252,22 @@ impl Worker {
     fn stop(&mut self) -> Result<(), EncodeError> {
         self.commits.wait()?;
         let Some(animations) = self.animations.take() else { return Ok(()) };
-        if animations.is_empty() {
+        if animations.is_empty() && self.unfinished == 0 {
             // Nothing was written, and the folders go as they came.
             return Ok(());
         }
         let stills = self.job.outputs.iter().filter(|output| !output.is_animation());
-        self.report.files = stills.map(|output| output.name().to_owned()).collect();
-        self.report.files.extend(animations.stop(&self.pool)?);
+        let names: Vec<&Path> = stills.map(Output::name).collect();
+        if self.done > self.unfinished {
+            self.report.files.extend(names.iter().map(|name| name.to_path_buf()));
+        }
+        if self.unfinished > 0 {
+            let files = self.job.outputs.iter().filter(|output| matches!(output, Output::Stills(..)));
+            self.report.files.extend(files.map(|output| part_of(output.name())));
+        }
+        if !animations.is_empty() {
+            self.report.files.extend(animations.stop(&self.pool)?);
+        }
         self.folders.keep();
         Ok(())
     }
@@ -270,6 +291,20 @@ impl Worker {
     }
 }
 
+/// Tells of unfinished frames that an earlier run has left. They may be wanted, and stay.
+fn left_parts(output: &Output) -> Option<String> {
+    let parts = FramePattern::parse(part_of(output.pattern()?.name())).ok()?;
+    let there = if parts.has_place() { !parts.numbers().ok()?.is_empty() } else { parts.name().is_file() };
+    there.then(|| {
+        format!("{} holds unfinished frames of an earlier run, and may go", escape::path(parts.name()))
+    })
+}
+
+/// What a frame is known again by; nothing if it is not what it should become.
+fn identity(job: &Job, format: Still, frame: &Developed) -> Option<Digest> {
+    job.identity(format, frame.index).filter(|_| !frame.film.unfinished)
+}
+
 /// What a frame's own file tells in words.
 fn texts(job: &Job, format: Still, frame: &Developed) -> Vec<Text> {
     if !job.tells(format) {
@@ -289,7 +324,7 @@ fn still(job: &Job, output: &Output, frame: &Developed) -> Option<io::Result<Vec
 }
 
 fn png_bytes(job: &Job, frame: &Developed) -> io::Result<Vec<u8>> {
-    let (texts, identity) = (texts(job, Still::Png, frame), job.identity(Still::Png, frame.index));
+    let (texts, identity) = (texts(job, Still::Png, frame), identity(job, Still::Png, frame));
     if !job.formats.png.deep {
         return png::sealed(frame.picture, texts, identity);
     }

@@ -6,7 +6,7 @@ use super::effects::{Caller, Effect, called_for};
 use crate::digest::Digest;
 use crate::schedule::{Look, Preview};
 use crate::sequence::Sequence;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 /// Frames one after the other in which the same things change; which of the lights fade may differ.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,11 +26,62 @@ pub struct Outline {
     pub spans: Vec<Span>,
     /// The effects that any film calls for, each with the first entity that does.
     pub effects: BTreeMap<Effect, Caller>,
+    /// The films that call for each.
+    pub calls: BTreeMap<Effect, Vec<usize>>,
+    /// Why there are as many films as there are: how many for each reason, in the order in which these come up.
+    pub reasons: Vec<(Reason, usize)>,
+}
+
+/// Why a film is traced and not made of another.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Reason {
+    /// It is the first.
+    First,
+    /// Something has changed that is more than the strength of lights.
+    Change(Change),
+    /// Samples have become random, or stand on a grid again, as lights with an area are switched.
+    Samples,
+    /// There was one, but no memory to keep it or all of its layers.
+    Memory,
 }
 
 /// Tells what a plan of this sequence does.
 pub fn outline(sequence: &Sequence, plan: &Plan) -> Outline {
-    Outline { spans: spans(sequence, plan), effects: effects(sequence, plan) }
+    let calls = effects(sequence, plan);
+    let first = |(effect, callers): (&Effect, &Vec<(usize, Caller)>)| Some((*effect, callers.first()?.1));
+    let films = |(effect, callers): (&Effect, &Vec<(usize, Caller)>)| {
+        (*effect, callers.iter().map(|call| call.0).collect())
+    };
+    Outline {
+        spans: spans(sequence, plan),
+        effects: calls.iter().filter_map(first).collect(),
+        calls: calls.iter().map(films).collect(),
+        reasons: reasons(sequence, plan),
+    }
+}
+
+fn reasons(sequence: &Sequence, plan: &Plan) -> Vec<(Reason, usize)> {
+    let looks = &plan.survey.frames;
+    let mut known: HashSet<Digest> = HashSet::new();
+    let mut found: Vec<(Reason, usize)> = Vec::new();
+    for take in &plan.takes {
+        let (index, look) = (take.frames[0], &looks[take.frames[0]]);
+        let reason = match index.checked_sub(1) {
+            _ if !known.insert(look.transport) => Reason::Memory,
+            None => Reason::First,
+            Some(before) => {
+                let values = |look: &Look| values(sequence, &sequence.timeline.clock(look.frame));
+                let mut changes = between(&values(&looks[before]), &values(look));
+                changes.retain(|part| !part.is_weight());
+                if changes.is_empty() { Reason::Samples } else { Reason::Change(changes) }
+            }
+        };
+        match found.iter_mut().find(|(other, _)| *other == reason) {
+            Some((_, count)) => *count += 1,
+            None => found.push((reason, 1)),
+        }
+    }
+    found
 }
 
 fn spans(sequence: &Sequence, plan: &Plan) -> Vec<Span> {
@@ -80,14 +131,18 @@ fn seen(before: &Look, now: &Look, mut changes: Change) -> Change {
     changes
 }
 
-fn effects(sequence: &Sequence, plan: &Plan) -> BTreeMap<Effect, Caller> {
+/// The films that call for each effect, with who does.
+fn effects(sequence: &Sequence, plan: &Plan) -> BTreeMap<Effect, Vec<(usize, Caller)>> {
     let mut preview = Preview::new(sequence);
-    let mut effects = BTreeMap::new();
-    for take in &plan.takes {
+    let mut effects: BTreeMap<Effect, Vec<(usize, Caller)>> = BTreeMap::new();
+    for (film, take) in plan.takes.iter().enumerate() {
         let look = &plan.survey.frames[take.frames[0]];
         let found = preview.scene_of(look.frame, |scene| called_for(scene, look, &take.lit));
         for (effect, caller) in found.into_iter().flatten() {
-            effects.entry(effect).or_insert(caller);
+            let calls = effects.entry(effect).or_default();
+            if calls.last().is_none_or(|(last, _)| *last != film) {
+                calls.push((film, caller));
+            }
         }
     }
     effects

@@ -2,7 +2,8 @@
 //!
 //! What a frame's rays meet hardly depends on how many they are. So some of the frames are traced with a small part of
 //! their samples, and counted up. Rays of the camera need no trial where the number of samples is set: they are known
-//! exactly. Where an error is asked for, small pictures are traced until they have it.
+//! exactly, unless an error is to be reached: then there are at least so many. How many it takes is found by an
+//! [`outlook`](super::outlook).
 
 use super::Plan;
 use crate::counters::Meter;
@@ -19,7 +20,7 @@ pub struct Expected {
     /// Rays of the camera: frame by frame, and with the films of the plan.
     pub camera_alone: u64,
     pub camera: u64,
-    /// Whether those are exact. Where an error is asked for they are the least that there can be, or those of a trial.
+    /// Whether those are exact. If an error is to be reached they are the least that there can be.
     pub exact: bool,
     /// Rays of all kinds, where pilots were traced.
     pub rays_alone: Option<u64>,
@@ -69,11 +70,6 @@ impl Expected {
         let exact = sequence.quality.noise.is_none() || !looks.iter().any(|look| look.random);
         Self { camera_alone, camera, exact, rays_alone: None, rays: None }
     }
-
-    /// Rays of the camera: those that are known, or those of a trial where it takes one.
-    fn camera_of(&self, counted: Option<Counted>, known: u64) -> u64 {
-        counted.filter(|_| !self.exact).map_or(known, |counted| counted.camera)
-    }
 }
 
 /// What a plan of the sequence will trace, from pictures of some of its frames.
@@ -85,12 +81,7 @@ pub fn pilot(sequence: &Sequence, plan: &Plan, effort: Effort) -> Expected {
     let looks = &plan.survey.frames;
     let alone: Vec<Exposure> = looks.iter().map(|look| (look, look.lit())).collect();
     let trials = trials(sequence, &alone, effort).unwrap_or_default();
-    let counted = counted_up(sequence, &alone, &trials);
-    Expected {
-        camera_alone: expected.camera_of(counted, expected.camera_alone),
-        rays_alone: counted.map(|counted| counted.all),
-        ..expected
-    }
+    Expected { rays_alone: counted_up(sequence, &alone, &trials), ..expected }
 }
 
 /// What the films of a plan will take: their samples are known, and each of them is taken to send as many rays as those
@@ -100,7 +91,6 @@ pub fn work(sequence: &Sequence, plan: &Plan, effort: Effort) -> Work {
     let films: Vec<Exposure> =
         plan.takes.iter().map(|take| (&looks[take.frames[0]], take.lit.clone())).collect();
     let trials = trials(sequence, &films, effort).unwrap_or_default();
-    let counted = counted_up(sequence, &films, &trials);
     let known = Expected::of(sequence, plan);
     let rays = |(film, (look, _)): (usize, &Exposure)| {
         let nearest = trials.get(film * trials.len() / films.len());
@@ -109,11 +99,7 @@ pub fn work(sequence: &Sequence, plan: &Plan, effort: Effort) -> Work {
         samples(sequence, look) as f64 * each
     };
     Work {
-        expected: Expected {
-            camera: known.camera_of(counted, known.camera),
-            rays: counted.map(|counted| counted.all),
-            ..known
-        },
+        expected: Expected { rays: counted_up(sequence, &films, &trials), ..known },
         films: films.iter().enumerate().map(rays).collect(),
     }
 }
@@ -133,36 +119,23 @@ pub fn samples(sequence: &Sequence, look: &Look) -> u64 {
     if look.fault.is_some() { 0 } else { u64::from(width) * u64::from(height) * u64::from(each) }
 }
 
-/// Rays of the camera, and of all kinds.
-#[derive(Clone, Copy, Debug)]
-struct Counted {
-    camera: u64,
-    all: u64,
-}
-
 /// The rays of films, from those of some of them, spread evenly over their order. None without a trial.
-fn counted_up(sequence: &Sequence, films: &[Exposure], trials: &[Trial]) -> Option<Counted> {
+fn counted_up(sequence: &Sequence, films: &[Exposure], trials: &[Trial]) -> Option<u64> {
     let sum = |part: fn(&Trial) -> f64| trials.iter().map(part).sum::<f64>();
-    let (traced, camera, rays) =
-        (sum(|trial| trial.samples), sum(|trial| trial.camera), sum(|trial| trial.rays));
+    let (traced, rays) = (sum(|trial| trial.samples), sum(|trial| trial.rays));
     let all: f64 = films.iter().map(|(look, _)| samples(sequence, look) as f64).sum();
-    let whole = |part: f64| (all / traced * part).round() as u64;
-    (traced > 0.0).then(|| Counted { camera: whole(camera), all: whole(rays) })
+    (traced > 0.0).then(|| (all / traced * rays).round() as u64)
 }
 
 /// What a film took that was tried.
 struct Trial {
     samples: f64,
-    /// Rays of the camera, and of all kinds.
-    camera: f64,
     rays: f64,
 }
 
 /// Traces some of the films with a small part of their samples: each of them stands for as many that are its neighbours.
 fn trials(sequence: &Sequence, films: &[Exposure], effort: Effort) -> Option<Vec<Trial>> {
-    // Until an error is reached, a picture takes several times the samples.
-    let most = effort.frames.div_ceil(if sequence.quality.noise.is_some() { 4 } else { 1 });
-    let chosen = films.len().min(most);
+    let chosen = films.len().min(effort.frames);
     let trial = |index: usize| {
         let (look, lit) = &films[(2 * index + 1) * films.len() / (2 * chosen)];
         let small = shrunk(sequence, look, effort.samples);
@@ -170,7 +143,7 @@ fn trials(sequence: &Sequence, films: &[Exposure], effort: Effort) -> Option<Vec
         frames.trace(look, lit).ok()?;
         let counts = frames.tally().counts.rays;
         let samples = samples(&small, look) as f64;
-        Some(Trial { samples, camera: counts.camera as f64, rays: counts.total() as f64 })
+        Some(Trial { samples, rays: counts.total() as f64 })
     };
     (0..chosen).map(trial).collect()
 }
@@ -180,8 +153,11 @@ pub fn shrunk(sequence: &Sequence, look: &Look, samples: u64) -> Sequence {
     let mut small = sequence.clone();
     small.quality.antialias = 1;
     small.quality.samples = sequence.quality.samples.min(look.moments);
+    if small.quality.noise.take().is_some() {
+        small.quality.samples = LEAST_SAMPLES;
+    }
     let (width, height) = sequence.output.size;
-    let each = if small.quality.noise.is_some() { LEAST_SAMPLES } else { small.quality.samples.max(1) };
+    let each = small.quality.samples.max(1);
     let pixels = samples / u64::from(each);
     let share = (pixels as f64 / (f64::from(width) * f64::from(height))).sqrt().min(1.0);
     let side = |whole: u32| ((f64::from(whole) * share).round() as u32).clamp(1, whole);

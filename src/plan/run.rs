@@ -5,7 +5,8 @@ use crate::film::Film;
 use crate::schedule::{FilmSink, FrameLoop, NoFrame};
 use std::collections::HashMap;
 
-/// Makes the plan's frames one after the other, as long as `on` says so. Gives the number of those that were begun.
+/// Makes the plan's frames one after the other, as long as `on` says so. Gives the number of those that are made. If a film
+/// was stopped before it was good enough, those frames that come next and are made of it are pushed too, and do not count.
 pub fn run<S: FilmSink>(
     plan: &Plan,
     frames: &mut FrameLoop<S>,
@@ -29,6 +30,12 @@ pub fn run<S: FilmSink>(
             }
             None => {
                 let traced = frames.trace(look, &take.lit)?;
+                if let Some(film) = traced.as_ref().filter(|film| film.unfinished) {
+                    let next = plan.survey.frames.iter().zip(&plan.of).skip(index + 1);
+                    let alike = next.take_while(|(_, other)| **other == plan.of[index]);
+                    alike.into_iter().try_for_each(|(look, _)| frames.reuse(look, film))?;
+                    return Ok(index);
+                }
                 kept.extend(traced.filter(|_| again).map(|traced| (film, traced)));
             }
         }

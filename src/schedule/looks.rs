@@ -5,7 +5,6 @@ use crate::color::Rgb;
 use crate::digest::Digest;
 use crate::sequence::Sequence;
 use crate::stop::Stop;
-use crate::trace::Weightings;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -21,21 +20,31 @@ pub fn looks(sequence: &Sequence, frames: &[u32], stop: &Stop) -> Vec<Look> {
     let others: Vec<u32> = (0..sequence.timeline.frames).filter(|frame| !asked.contains(frame)).collect();
     let others = looks_alone(sequence, &others, stop);
     let all: BTreeMap<u32, &Look> = looks.iter().chain(&others).map(|look| (look.frame, look)).collect();
-    let mut films: HashMap<Digest, Vec<Vec<Rgb>>> = HashMap::new();
+    // Of each film, what its frames look like, each once.
+    let mut films: HashMap<Digest, Shown> = HashMap::new();
     for look in all.values().filter(|look| look.random) {
         let shown = films.entry(look.transport).or_default();
-        if !shown.contains(&look.weights) {
-            shown.push(look.weights.clone());
+        if !shown.radiances.contains(&look.radiance) {
+            shown.radiances.push(look.radiance);
+            shown.weightings.push(look.weights.clone());
         }
     }
-    let films: HashMap<Digest, Weightings> =
-        films.into_iter().map(|(film, all)| (film, all.into())).collect();
     for look in &mut looks {
-        if let Some(shown) = films.get(&look.transport) {
-            look.share(shown);
+        if let Some(Shown { radiances, weightings }) = films.get(&look.transport)
+            && let Some(own) = radiances.iter().position(|radiance| *radiance == look.radiance)
+            && radiances.len() > 1
+        {
+            look.share(Digest::of(radiances), weightings.as_slice().into(), own);
         }
     }
     looks
+}
+
+/// What the frames of a film look like: known by their radiance, as weights of what is dark do not count.
+#[derive(Default)]
+struct Shown {
+    radiances: Vec<Digest>,
+    weightings: Vec<Vec<Rgb>>,
 }
 
 /// Frames that are not worth a world of their own.

@@ -2,6 +2,7 @@
 
 mod looks;
 mod preview;
+mod prober;
 mod shutter;
 mod stages;
 #[cfg(test)]
@@ -9,6 +10,7 @@ mod tests;
 
 pub use looks::looks;
 pub use preview::{Look, Preview};
+pub use prober::{Probed, Prober};
 pub use stages::{FilmSink, Films, NoFrame, Stage, Tally};
 
 use crate::animate;
@@ -107,6 +109,7 @@ impl<S: FilmSink> FrameLoop<S> {
         self.world.insert_resource(Wanted {
             lit: Some(Weights(weights)),
             shown: Arc::clone(&look.shown),
+            own: look.own,
             keep,
         });
         let done = self.run(look.frame, look.moments == 1);
@@ -118,7 +121,7 @@ impl<S: FilmSink> FrameLoop<S> {
     /// that this one shows.
     pub fn reuse(&mut self, look: &Look, film: &Film) -> Result<(), NoFrame> {
         let start = Instant::now();
-        let film = Film { exposure: look.exposure, ..film.weighted_by(&look.weights) };
+        let film = Film { exposure: look.exposure, ..film.shown_as(look.own, &look.weights) };
         let pushed = self.world.resource_mut::<Sink<S>>().0.push(look.frame, film);
         let mut tally = self.world.resource_mut::<Tally>();
         tally.reused += 1;

@@ -18,7 +18,6 @@ use bevy_ecs::change_detection::{DetectChanges, Tick};
 use bevy_ecs::schedule::Schedule;
 use bevy_ecs::world::World;
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
 /// A sequence's world without anything that traces.
 pub struct Preview {
@@ -48,6 +47,8 @@ pub struct Look {
     pub weights: Vec<Rgb>,
     /// The weights of all frames of the sequence that are made of the same film, where they decide how it is sampled.
     pub shown: Weightings,
+    /// Which of them are the frame's own, or weight what is not dark alike.
+    pub own: usize,
     /// Factor of the displayed picture.
     pub exposure: f32,
     /// Moments at which the frame is traced: one, unless something moves while the shutter is open.
@@ -79,12 +80,12 @@ impl Look {
         lit(&self.weights).chain(others).collect::<BTreeSet<_>>().into_iter().collect()
     }
 
-    /// Has the frame be made of a film that is sampled for all of these weights.
-    pub(super) fn share(&mut self, shown: &Weightings) {
-        self.shown = Arc::clone(shown);
-        self.transport = Digest::of(&(self.transport, shown.to_vec()));
-        // Frames that look alike are not the same where their films are not.
-        self.radiance = Digest::of(&(self.radiance, self.transport));
+    /// Has the frame be made of a film that is sampled for all of these weights, of which it has one. Films that are sampled for
+    /// different frames are not the same.
+    pub(super) fn share(&mut self, frames: Digest, shown: Weightings, own: usize) {
+        (self.shown, self.own) = (shown, own);
+        self.transport = Digest::of(&(self.transport, frames));
+        self.radiance = Digest::of(&(self.radiance, frames));
     }
 
     /// The layers that show, with their weights.
@@ -173,6 +174,7 @@ impl Preview {
             radiance,
             weights: self.world.resource::<Current<Weights>>().0.0.clone(),
             shown: Weightings::default(),
+            own: 0,
             exposure: exposure(self.exposure.at(self.timeline.clock(frame).start)),
             moments: found.len() as u32,
             random,

@@ -102,6 +102,8 @@ pub struct Wanted {
     pub lit: Option<Weights>,
     /// The weights that the film is shown with, where that decides how it is sampled.
     pub shown: Weightings,
+    /// Which of them the frame has.
+    pub own: usize,
     pub keep: bool,
 }
 
@@ -220,8 +222,9 @@ pub fn trace_frame(
     tally.counts += counts;
     let Some(film) = film else { return };
     tally.traced += 1;
-    let mut film = film.weighted_by(&weights.0.0);
+    let mut film = film.shown_as(wanted.own, &weights.0.0);
     film.expose(exposure.0.at(now.0.start));
+    film.unfinished = watched.0.unfinished.load(Relaxed);
     exposed.kept = wanted.keep.then(|| film.clone());
     exposed.film = Some(film);
     watched.0.thousandths.store(0, Relaxed);

@@ -17,6 +17,7 @@ mod materials;
 mod medium;
 mod path;
 mod pixels;
+mod probe;
 #[cfg(test)]
 mod random_scene;
 #[cfg(test)]
@@ -37,6 +38,7 @@ mod whitted;
 
 pub use adaptive::{LEAST_SAMPLES, Rounds, Weightings, bytes_of_pixel};
 pub use context::is_random;
+pub use probe::{BlockError, Probe};
 
 use crate::bvh::Bvh;
 use crate::color::Rgb;

@@ -205,9 +205,13 @@ fn quiet_runs_still_tell_errors() {
 
 #[test]
 fn options_of_other_commands_are_told() {
-    let run = kinora(&["poster", "a.ron", "--time-limit", "5s"]);
+    let run = kinora(&["filmstrip", "a.ron", "--time-limit", "5s"]);
     assert_eq!(run.code, Some(2));
-    assert!(run.stderr.contains("--time-limit is an option of `kinora render`"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("--time-limit is an option of `kinora render` and `kinora poster`"),
+        "{}",
+        run.stderr
+    );
     assert!(!run.stderr.contains("-- --time-limit"), "{}", run.stderr);
     let help = kinora(&["poster", "--help"]).stdout;
     assert!(!help.contains("GIF"), "{help}");
@@ -253,8 +257,8 @@ fn plans_tell_spans_effects_layers_rays_and_memory() {
         "6-7: object \"ball\" moves (2 films)\n",
         "key: in 1 film\n",
         "never: dark, not traced\n",
-        "shadows: light \"key\"\n",
-        "mirror: objects.\"floor\".material\n",
+        "shadows: light \"key\" (1 film, ",
+        "mirror: objects.\"floor\".material (3 films, ",
         "unused  orthographic, lens, motion blur,",
         "builds  3 trees\n",
         " times fewer",

@@ -156,6 +156,48 @@ fn start_long(folder: &Path, frames: u32) -> Child {
     command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the binary runs")
 }
 
+/// A film that would take for ever ends with the samples that it has, and its frames stand beside their places.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_stopped_film_leaves_pictures_of_what_it_has() {
+    let folder = folder();
+    let light = r#""sun": Sphere(center: (3, 4, 5), radius: 1)"#;
+    let still = BALL
+        .replace(r#""sun": Point(position: (3, 4, 5))"#, light)
+        .replace(", translation: [(0, (-1, 0, 0)), (12, (1, 0, 0))]", "");
+    fs::write(folder.path().join("ball.ron"), still).expect("a disk");
+    let arguments =
+        ["render", "ball.ron", "--noise", "0.0001", "--max-samples", "16777216", "--frames", "0-3"];
+    let mut command = Command::new(cargo_bin("kinora"));
+    command
+        .current_dir(folder.path())
+        .args(arguments)
+        .args(["-o", "f_#.png", "-o", "f_#.exr", "-o", "a.apng"]);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the binary runs");
+    while !crate::command::watches(&child) {
+        thread::sleep(Duration::from_millis(2));
+    }
+    thread::sleep(Duration::from_millis(500));
+    assert!(child.try_wait().expect("a process").is_none(), "it has ended");
+    let _ = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    let done = child.wait_with_output().expect("it ends");
+    let told = String::from_utf8_lossy(&done.stderr);
+    assert_eq!(done.status.code(), Some(130), "{told}");
+    assert!(told.contains("stopped after 0 frames\nwrote   part_f_#.png\nwrote   part_f_#.exr\n"), "{told}");
+    let found = contents(folder.path());
+    let names: Vec<&str> = found.keys().map(String::as_str).filter(|name| !name.ends_with(".exr")).collect();
+    // An animation made of PNGs has whole ones only.
+    assert_eq!(names, ["ball.ron", "part_f_0.png", "part_f_1.png", "part_f_2.png", "part_f_3.png"], "{told}");
+    // They are not taken for what they should become.
+    let again =
+        run(folder.path(), &["render", "ball.ron", "--noise", "0.2", "--frames", "0-3", "-o", "f_#.png"]);
+    let summary = String::from_utf8_lossy(&again.stdout);
+    assert!(
+        !summary.contains("kept") && summary.contains("part_f_#.png holds unfinished frames"),
+        "{summary}"
+    );
+}
+
 #[cfg(unix)]
 #[test]
 fn a_folder_that_vanishes_ends_the_run_in_words() {

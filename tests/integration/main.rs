@@ -14,6 +14,7 @@ mod inputs;
 mod cli;
 mod render;
 mod reuse;
+mod outlook;
 mod outputs;
 mod assemble;
 mod places;

@@ -2,11 +2,12 @@
 //! by itself.
 
 use crate::support::{Random, sequence, shoot};
+use kinora::clock::Clock;
 use kinora::counters::Meter;
 use kinora::digest::Digest;
 use kinora::encode::{EncodeError, Existing, Output};
 use kinora::film::{Extras, Film};
-use kinora::plan::{self, Effort, Plan, survey};
+use kinora::plan::{self, Effort, Patience, Plan, look_ahead, survey};
 use kinora::quality::NoiseTarget;
 use kinora::render::{Request, Reuse, Summary, render};
 use kinora::schedule::{FilmSink, FrameLoop, Tally};
@@ -293,7 +294,7 @@ fn plans_come_true() {
     }
 }
 
-/// Where an error is asked for, how many samples that takes is found by a trial, and said to be no more than that.
+/// If an error is to be reached, a pilot finds how many samples that takes.
 #[test]
 fn plans_know_what_an_error_takes() {
     for (name, error) in [("field-orbit.ron", 0.05), ("field-moves.ron", 0.1)] {
@@ -301,13 +302,12 @@ fn plans_know_what_an_error_takes() {
         sequence.quality.noise = Some(NoiseTarget { error, most: 1024 });
         sequence.output.size = (160, 120);
         let (_, tally, plan) = planned(&sequence, &[0, 3], u64::MAX);
-        let expected = plan::pilot(&sequence, &plan, Effort::PLAN);
-        assert!(!expected.exact);
+        assert!(!plan::Expected::of(&sequence, &plan).exact);
+        let outlook = look_ahead(&sequence, &plan, Extras::default(), Patience::PLAN, Clock::Rays(1e-6));
+        let expected = outlook.forecast(&sequence.quality);
         let (camera, all) = (tally.counts.rays.camera, tally.counts.rays.total());
-        for (what, told, found) in
-            [("camera", expected.camera, camera), ("all", expected.rays.unwrap_or(0), all)]
-        {
-            let ratio = told as f64 / found as f64;
+        for (what, told, found) in [("camera", expected.camera, camera), ("all", expected.rays, all)] {
+            let ratio = told / found as f64;
             assert!((0.75..1.33).contains(&ratio), "{name}, {what}: {told} for {found}");
         }
     }

@@ -4,6 +4,7 @@ use crate::command::{contents, folder, kinora, run, stderr};
 use kinora::accuracy::{Clock, Settled, settled};
 use kinora::counters::Meter;
 use kinora::encode::{Existing, Output, frame_texts};
+use kinora::quality::NoiseTarget;
 use kinora::render::{Request, Reuse, render};
 use kinora::sequence::{Sequence, load};
 use std::fs;
@@ -108,6 +109,29 @@ fn only_frames_of_the_same_limit_and_picture_settle_samples() {
     assert!(matches!(chosen(&other, &all, LIMIT), Settled::Before(quality) if quality.samples == samples));
 }
 
+/// With an error to reach, the limit settles the most samples of a pixel, unless the error is reached before.
+#[test]
+fn the_error_or_the_time_ends_a_run() {
+    let folder = folder();
+    let with = |error: f64| {
+        let mut sequence = soft(folder.path(), SOFT);
+        sequence.quality.noise = Some(NoiseTarget { error, most: 1 << 20 });
+        sequence
+    };
+    let all = request(folder.path(), "png", &ALL);
+    let samples =
+        limited(&soft(folder.path(), SOFT), &Request { existing: Existing::Replace, ..all.clone() }, FAST).0;
+    let Settled::Now(hard) = settled(&with(1e-4), &all, LIMIT, FAST).expect("samples") else { panic!("now") };
+    let most = hard.quality.noise.expect("an error").most;
+    assert!(!hard.reached && most == samples, "{most} for {samples}");
+    let Settled::Now(easy) = settled(&with(0.2), &all, LIMIT, FAST).expect("samples") else { panic!("now") };
+    assert!(easy.reached && easy.wall < LIMIT.as_secs_f64() && easy.quality.noise == with(0.2).quality.noise);
+    // What was settled is kept, as it is without an error.
+    let anew = Request { existing: Existing::Replace, ..all.clone() };
+    assert_eq!(limited(&with(1e-4), &anew, FAST), (most, false, 0));
+    assert_eq!(limited(&with(1e-4), &all, SLOW), (most, true, 6));
+}
+
 /// Twice the time is twice the samples, less what frames cost without any; and rays alone tell.
 #[test]
 fn samples_fit_into_the_time() {
@@ -166,4 +190,22 @@ fn the_command_keeps_what_it_has_settled() {
     );
     let other = run(folder.path(), &["render", "soft.ron", "--time-limit", "2s", "-o", "f_#.png"]);
     assert!(stderr(&other).contains("into the time fit"), "{}", stderr(&other));
+}
+
+#[test]
+fn limits_and_errors_go_together_and_posters_have_them_too() {
+    let folder = folder();
+    soft(folder.path(), SOFT);
+    let both = ["render", "soft.ron", "--noise", "0.0001", "--time-limit", "1s", "-o", "f_#.png"];
+    let told = kinora(folder.path(), &both);
+    assert!(told.contains("samples a pixel at most") && told.contains("--max-samples"), "{told}");
+    let poster = ["poster", "soft.ron", "--time-limit", "1s", "-o", "p.png"];
+    let told = kinora(folder.path(), &poster);
+    assert!(told.contains("into the time fit"), "{told}");
+    let refused = run(folder.path(), &["render", "soft.ron", "--max-samples", "9", "-o", "f_#.png"]);
+    assert!(
+        stderr(&refused).contains("--max-samples limits --noise, and there is none"),
+        "{}",
+        stderr(&refused)
+    );
 }

@@ -129,6 +129,16 @@ impl Block {
         self.next = Some(next);
     }
 
+    /// Leaves the round, if there was one before; what it has taken of this one is gone.
+    pub fn give_up(&mut self) -> bool {
+        let before = self.drawn > 0;
+        if before {
+            self.all.copy_from_slice(&self.first);
+            self.next = None;
+        }
+        before
+    }
+
     /// Takes the round's samples that fall on the moment of `pixels`.
     pub fn trace(&mut self, pixels: &Pixels, seed: u32) -> Counts {
         let samples: Range<u32> = self.drawn..self.next.unwrap_or(self.drawn);

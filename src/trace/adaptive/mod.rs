@@ -54,7 +54,6 @@ pub struct Rounds {
     layers: Weights,
     /// Those of the layers that are traced, one after the other.
     weightings: Vec<Vec<Rgb>>,
-    shown: Weightings,
     extras: Extras,
     /// Row by row.
     blocks: Vec<Block>,
@@ -92,9 +91,9 @@ impl Rounds {
             let places = (SIDE.min(size.0 - left), SIDE.min(size.1 - top));
             Block::new((left, top), places, &held, layers.0.len() + settings.extras.layers(), first)
         };
-        let (seed, extras, shown) = (settings.quality.seed, settings.extras, Arc::clone(shown));
+        let (seed, extras) = (settings.quality.seed, settings.extras);
         let (blocks, estimate) = (corners.map(block).collect(), Estimate::default());
-        Self { size, seed, target, layers, weightings, shown, extras, blocks, estimate }
+        Self { size, seed, target, layers, weightings, extras, blocks, estimate }
     }
 
     /// Takes the samples of the round that fall on this moment, wherever they are wanted.
@@ -110,6 +109,10 @@ impl Rounds {
         let pixels = Pixels::sampled(&scene, bvh, settings, moment);
         let seed = self.seed;
         let counts = self.blocks.par_iter_mut().filter(|block| block.is_open()).map(|block| {
+            if meter.is_stopped() && block.give_up() {
+                meter.unfinished.store(true, Relaxed);
+                return Counts::default();
+            }
             let counts = block.trace(&pixels, seed);
             meter.rays.fetch_add(counts.rays.total(), Relaxed);
             counts
@@ -135,6 +138,10 @@ impl Rounds {
             // Only the first half of what is taken in any case.
             false => vec![true; self.blocks.len()],
         };
+        if meter.is_stopped() && wanted.contains(&true) {
+            meter.unfinished.store(true, Relaxed);
+            return true;
+        }
         let mut open = 0;
         for (block, wanted) in self.blocks.iter_mut().zip(wanted) {
             if wanted && block.drawn() < most {
@@ -162,10 +169,8 @@ impl Rounds {
                 }
             }
         }
-        let noises =
-            self.shown.iter().enumerate().map(|(index, weights)| (weights.clone(), self.noise(index)));
-        film.noises = noises.collect();
-        film.weighted_by(&self.layers.0)
+        film.noises = (0..self.weightings.len()).map(|weighting| self.noise(weighting)).collect();
+        film.shown_as(0, &self.layers.0)
     }
 
     /// What error is left where the film is shown with one of the weightings.

@@ -1,7 +1,7 @@
 //! How long something takes: on the wall, and in time of processors, which others on the machine disturb less.
 
 use crate::machine::processor_time;
-use std::ops::Sub;
+use std::ops::{Add, Mul, Sub};
 use std::time::Instant;
 
 /// By what tracing is timed.
@@ -36,6 +36,9 @@ impl Clock {
 }
 
 impl Took {
+    /// No time at all, on a machine that tells the time of processors.
+    pub const ZERO: Self = Self { wall: 0.0, cpu: Some(0.0) };
+
     /// What one thread alone is at work, however busy the machine is: the processors' time, unless several threads shared
     /// the work.
     pub fn alone(self) -> f64 {
@@ -45,6 +48,22 @@ impl Took {
     /// What so many threads are at work together.
     pub fn on(self, threads: usize) -> f64 {
         self.cpu.map_or(self.wall, |cpu| cpu / threads as f64)
+    }
+}
+
+impl Add for Took {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { wall: self.wall + other.wall, cpu: self.cpu.zip(other.cpu).map(|(a, b)| a + b) }
+    }
+}
+
+impl Mul<f64> for Took {
+    type Output = Self;
+
+    fn mul(self, factor: f64) -> Self {
+        Self { wall: factor * self.wall, cpu: self.cpu.map(|cpu| factor * cpu) }
     }
 }
 

@@ -1,0 +1,113 @@
+//! What is told of a run before it begins: how long it takes, how good it becomes, and why there are as many films.
+
+use crate::command::{contents, folder, kinora};
+use kinora::clock::Clock;
+use kinora::counters::Meter;
+use kinora::film::Extras;
+use kinora::plan::{Nowhere, Outlook, Patience, Plan, look_ahead, run};
+use kinora::quality::{NoiseTarget, Quality};
+use kinora::schedule::FrameLoop;
+use kinora::sequence::{Sequence, parse};
+use std::sync::Arc;
+
+/// A ball that moves through soft light by paths, in front of a lamp that fades.
+const SOFT: &str = r#"(
+    timeline: (frames: 6, fps: 24, keys: Frames),
+    output: (size: (96, 64)),
+    quality: (integrator: Path(), samples: 64, bounces: 2),
+    background: 0.1,
+    camera: (position: (0, 3, 7), target: (0, 0.5, 0)),
+    lights: { "panel": Rectangle(corner: (-3, 5, -2), u: (2, 0, 0), v: (0, 0, 2), intensity: [(0, 12), (5, 3)]) },
+    objects: { "floor": (shape: Plane()),
+        "ball": (shape: Sphere(radius: 1), translation: [(0, (-1, 1, 0)), (3, (1, 1, 0))]) },
+)"#;
+
+/// A machine on which rays alone take time.
+const RAY: f64 = 1e-6;
+
+fn soft() -> Sequence {
+    parse("soft.ron", SOFT).unwrap_or_else(|faults| panic!("{faults}"))
+}
+
+fn planned(sequence: &Sequence) -> (Plan, Outlook) {
+    let plan = Plan::new(sequence, &[0, 1, 2, 3, 4, 5], Extras::default(), u64::MAX);
+    let outlook = look_ahead(sequence, &plan, Extras::default(), Patience::PLAN, Clock::Rays(RAY));
+    (plan, outlook)
+}
+
+/// Seconds that the run takes on that machine.
+fn took(sequence: &Sequence, plan: &Plan) -> f64 {
+    let mut frames = FrameLoop::new(sequence, Nowhere, Arc::new(Meter::default()));
+    run(plan, &mut frames, || true).expect("films");
+    RAY * frames.tally().counts.rays.total() as f64
+}
+
+#[test]
+fn samples_take_as_long_as_is_told() {
+    let sequence = soft();
+    let (plan, outlook) = planned(&sequence);
+    let told = outlook.forecast(&sequence.quality);
+    let took = took(&sequence, &plan);
+    assert!((told.wall.mid / took - 1.0).abs() < 0.03, "{:?} for {took}", told.wall);
+    assert!(told.wall.low <= took && took <= told.wall.high);
+    let error = told.error.expect("paths are random");
+    assert!(error.low > 0.0 && error.high < 0.5, "{error:?}");
+    assert_eq!((told.films.len(), told.missed), (4, 0), "the lamp alone changes in the last frames");
+}
+
+#[test]
+fn errors_take_about_as_long_as_is_told() {
+    let mut sequence = soft();
+    sequence.quality.noise = Some(NoiseTarget { error: 0.02, most: 1 << 16 });
+    let (plan, outlook) = planned(&sequence);
+    let told = outlook.forecast(&sequence.quality).wall;
+    let took = took(&sequence, &plan);
+    assert!(told.mid / took < 1.5 && took / told.mid < 1.5, "{told:?} for {took}");
+}
+
+#[test]
+fn a_limit_that_comes_before_the_error_is_told_of() {
+    let mut sequence = soft();
+    let target = NoiseTarget { error: 0.001, most: 64 };
+    sequence.quality.noise = Some(target);
+    let (plan, outlook) = planned(&sequence);
+    let told = outlook.forecast(&sequence.quality);
+    assert_eq!(told.missed, plan.takes.len());
+    let most = outlook.samples_for(&sequence.quality, &target).expect("samples");
+    let enough = Quality { noise: Some(NoiseTarget { most, ..target }), ..sequence.quality };
+    assert_eq!(outlook.forecast(&enough).missed, 0);
+    let error = outlook.error_within(&sequence.quality, &target, f64::INFINITY).expect("an error");
+    let eased = Quality { noise: Some(NoiseTarget { error, ..target }), ..sequence.quality };
+    assert!(error > target.error && outlook.forecast(&eased).missed == 0);
+}
+
+#[test]
+fn plans_tell_times_errors_and_why_there_are_films() {
+    let folder = folder();
+    std::fs::write(folder.path().join("soft.ron"), SOFT).expect("the folder is writable");
+    let told = kinora(folder.path(), &["plan", "soft.ron"]);
+    for part in [
+        "why     1 to begin with; 3 where object \"ball\" moves\n",
+        "time    tracing takes ",
+        " of the brightness, in the worst frame\n",
+        "film of frame 3: ",
+        "area lights: light \"panel\" (4 films, ",
+    ] {
+        assert!(told.contains(part), "`{part}` in {told}");
+    }
+    let missed = kinora(folder.path(), &["plan", "soft.ron", "--noise", "0.0001", "--max-samples", "32"]);
+    assert!(missed.contains(" films, as pixels may have 32 samples at most"), "{missed}");
+    assert!(missed.contains("--max-samples ") && missed.contains("--noise "), "{missed}");
+    let json = kinora(folder.path(), &["plan", "soft.ron", "--json"]);
+    for part in [
+        r#""why_films":[{"films":1,"why":"first"},{"films":3,"why":"change","changes":["object \"ball\" moves"]}]"#,
+        r#""time_s":{"low":"#,
+        r#""error":{"low":"#,
+        r#""effect_films":{"perspective":{"films":4,"time_s":"#,
+    ] {
+        assert!(json.contains(part), "`{part}` in {json}");
+    }
+    let counts = kinora(folder.path(), &["plan", "soft.ron", "--no-pilot"]);
+    assert!(counts.contains("time    no pilot was traced\n") && !counts.contains("each "), "{counts}");
+    assert_eq!(contents(folder.path()).len(), 2, "a plan writes nothing");
+}
