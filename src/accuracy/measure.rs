@@ -3,15 +3,21 @@
 mod bench;
 mod sizing;
 mod tried;
+mod whole;
 
+pub use whole::Whole;
+
+use super::chains::{Chain, chains};
 use super::precision::{Precision, precision};
+use super::robustness::Robustness;
 use super::settings::{Axis, LeftOut, Setting};
-use super::statistics::{Estimate, Spread, slope};
+use super::statistics::{Bias, Concentration, Estimate, Spread, slope};
 use super::studio::Studio;
+use crate::quality::Integrator;
 use crate::render::{Large, RenderError};
 use crate::sequence::Sequence;
 use bench::Bench;
-use sizing::{RUNS, fit, memory_for, planned};
+use sizing::{fit, memory_for, planned};
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
 
@@ -25,7 +31,7 @@ pub struct Request {
     pub quick: bool,
     /// Of the pictures; what the time allows if absent.
     pub size: Option<(u32, u32)>,
-    /// Longest ladder of samples; what the time allows if absent.
+    /// The most samples that are tried, unless the file's own setting takes more.
     pub most_samples: Option<u32>,
     pub threads: Option<NonZeroUsize>,
 }
@@ -50,12 +56,21 @@ pub struct Point {
     pub psnr: Estimate,
     /// Mean FLIP of the displayed picture.
     pub flip: Estimate,
-    /// What no more samples take away, squared.
-    pub bias: f64,
+    /// What no more samples take away: against the reference or, along axes that are short, against the file's own setting
+    /// with as many samples of the same random numbers.
+    pub bias: Bias,
+    /// Along such axes, the largest change of a displayed value, in 0..=1.
+    pub largest_change: f64,
+    /// Of a pixel between runs, summed over its channels: the mean over pixels.
+    pub variance: f64,
+    /// How few pixels hold the squared error of a run.
+    pub concentration: Concentration,
+    /// Squared errors of pixels, the mean of all runs.
+    pub errors: Vec<f32>,
+    /// Share of the pixels that hit the limit of samples.
+    pub capped: f64,
     /// What the picture displays as; the first run.
     pub picture: Vec<[f32; 3]>,
-    /// The same of all runs together.
-    pub settled: Vec<[f32; 3]>,
     /// Of each run: squared error.
     pub runs: Vec<f64>,
     pub flips: Vec<f32>,
@@ -67,9 +82,14 @@ impl Point {
         self.psnr.map(|decibels| libm::exp10(-decibels / 20.0))
     }
 
+    /// Seconds of all processors for a frame or, where the system does not tell, on the wall.
+    pub fn time(&self) -> f64 {
+        self.cpu.map_or(self.wall.median, |cpu| cpu.median)
+    }
+
     /// 1 / (squared error x seconds): twice of it is the same picture in half the time.
     pub fn efficiency(&self) -> f64 {
-        1.0 / (self.squared.mean * self.wall.median)
+        1.0 / (self.squared.mean * self.time())
     }
 
     /// Root of the mean squared error.
@@ -86,6 +106,8 @@ pub struct Layer {
     pub share: f64,
     /// Its error as a share of its own brightness.
     pub error: f64,
+    /// Its share of the squared error in the worst hundredth of the pixels.
+    pub of_worst: f64,
 }
 
 /// All that was measured.
@@ -98,7 +120,8 @@ pub struct Measured {
     pub size: (u32, u32),
     pub threads: usize,
     pub random: bool,
-    pub runs: u32,
+    /// What the whole film costs by the file's own setting.
+    pub whole: Whole,
     /// The first is the file's own.
     pub points: Vec<Point>,
     pub left_out: Vec<LeftOut>,
@@ -113,13 +136,18 @@ pub struct Measured {
     /// With how which power of the samples the error changes, by axis.
     pub slopes: Vec<(Axis, Estimate)>,
     pub layers: Vec<Layer>,
+    /// Which paths make the noise of the worst pixels.
+    pub chains: Vec<Chain>,
+    /// What robustness costs on the scene's own rays; none of a frame without a camera.
+    pub robustness: Option<Robustness>,
     /// The same for all sequences.
     pub precision: Vec<Precision>,
     pub took: Duration,
 }
 
-/// Share of the time for a setting that is sampled until it is good.
-const NOISE_SHARE: f64 = 0.1;
+/// Pixels whose rays are held against arithmetic of twice the precision, at most.
+const QUICK_PIXELS: u32 = 8_000;
+const USUAL_PIXELS: u32 = 40_000;
 
 /// Measures. `progress` hears of every step what share of the work is done; it may answer that it is enough.
 pub fn measure(
@@ -128,29 +156,34 @@ pub fn measure(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Measured, RenderError> {
     let start = Instant::now();
-    let own = sequence.quality;
     let mut studio = Studio::new(sequence, &request.frames, request.threads)?;
-    let (mut settings, size) = planned(&mut studio, &own, sequence.output.size, request)?;
-    let each = fit(&mut studio, &settings, &own, size, request, start)?;
-    settings.hurry((NOISE_SHARE * request.time.as_secs_f64() / each / f64::from(RUNS)) as u32);
-    Large::Measurement.check(memory_for(
-        sequence.layers(),
-        settings.all.len() as u64,
-        studio.pixels() as u64,
-    ))?;
-    let mut bench = Bench::new(&studio, settings, &own, progress);
-    let references = bench.references()?;
-    bench.run(&references)?;
-    let layers = bench.layers(&references, sequence)?;
-    let Bench { mut settings, tries, runs, .. } = bench;
-    let tries = settings.without_unfinished(tries, |tried| tried.capped > 0.0);
-    let main = &references[0];
-    let points: Vec<Point> = settings
-        .all
-        .into_iter()
-        .zip(tries)
-        .map(|(setting, tried)| tried.point(setting, &references, &studio))
+    let (settings, size) = planned(&mut studio, sequence, request)?;
+    // Before anything is rendered in that size.
+    let pixels = u64::from(size.0) * u64::from(size.1) * studio.frames() as u64;
+    Large::Measurement.check(memory_for(sequence.layers(), settings.all.len() as u64, pixels))?;
+    fit(&mut studio, &settings, size, request, start)?;
+    let mut bench = Bench::new(&studio, settings, &sequence.quality, progress);
+    let reference = bench.reference()?;
+    bench.run(&reference, start + request.time)?;
+    let layers = bench.layers(&reference, sequence)?;
+    let Bench { mut settings, tries, .. } = bench;
+    let chains = match (settings.random, sequence.quality.integrator) {
+        (true, Integrator::Path(_)) => chains(&studio, sequence, &sequence.quality, tries[0].errors()),
+        _ => Vec::new(),
+    };
+    let pixels = if request.quick { QUICK_PIXELS } else { USUAL_PIXELS };
+    let size = sequence.output.size;
+    let robustness = studio.scene(|scene| studio.install(|| Robustness::of(scene, size, pixels)));
+    let points: Vec<Point> = tries
+        .iter()
+        .enumerate()
+        .map(|(index, tried)| {
+            let setting = settings.all[index].clone();
+            let twin = setting.axis.is_short().then(|| &tries[settings.twin(index)]);
+            tried.point(setting, twin, &reference, &studio)
+        })
         .collect();
+    let points = settings.without_unfinished(points, |point| point.capped);
     Ok(Measured {
         name: sequence.name.clone(),
         frames: request.frames.clone(),
@@ -158,15 +191,17 @@ pub fn measure(
         size: studio.size(),
         threads: studio.threads(),
         random: settings.random,
-        runs,
+        whole: Whole::of(sequence, &studio, &points[0])?,
         slopes: slopes(&points),
         points,
         left_out: settings.left_out,
-        reference: settings.reference,
-        reference_error: main.pair.noise().sqrt(),
-        brightness: main.pair.brightness(),
-        wanted: main.displayed.clone(),
+        reference: settings.reference * if settings.random { 2 } else { 1 },
+        reference_error: reference.pair.noise().sqrt(),
+        brightness: reference.pair.brightness(),
+        wanted: reference.displayed.clone(),
         layers,
+        chains,
+        robustness,
         precision: precision(),
         took: start.elapsed(),
     })

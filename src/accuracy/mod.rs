@@ -8,6 +8,8 @@
 use crate::clock;
 
 mod budget;
+mod chains;
+mod change;
 pub mod exact;
 mod findings;
 pub mod hard_cases;
@@ -15,6 +17,7 @@ mod layering;
 pub mod measure;
 mod precision;
 pub mod report;
+pub mod robustness;
 mod settings;
 mod settled;
 mod statistics;
@@ -22,10 +25,12 @@ mod studio;
 
 pub use crate::clock::{Clock, Took, timed};
 pub use budget::{Budget, budget};
+pub use chains::Chain;
+pub use change::{Change, Effect};
 pub use findings::{Advice, described, factor, percent, seconds};
 pub use layering::Layering;
-pub use measure::{Layer, Measured, Point, Request, measure};
-pub use precision::Precision;
+pub use measure::{Layer, Measured, Point, Request, Whole, measure};
+pub use precision::{Precision, of_cells, wrong_answers};
 pub use settings::{Axis, LeftOut, Setting, Settings};
 pub use settled::{Settled, settled};
-pub use statistics::{Estimate, Spread};
+pub use statistics::{Bias, Concentration, Estimate, Spread};

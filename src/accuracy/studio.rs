@@ -1,15 +1,19 @@
 //! Renders frames of a sequence by any quality, and keeps what comes of it.
 
+use super::change::Change;
 use super::clock::{Took, timed};
 use super::layering::Layering;
 use crate::color::Rgb;
 use crate::counters::Meter;
 use crate::encode::displayed;
-use crate::film::Film;
-use crate::quality::{NoiseTarget, Quality};
+use crate::film::{Extras, Film, LayerId};
+use crate::quality::{Integrator, Quality};
 use crate::render::{RenderError, pool};
-use crate::schedule::{Films, FrameLoop};
+use crate::scene::Scene;
+use crate::schedule::{Films, FrameLoop, Look, Preview, looks};
 use crate::sequence::Sequence;
+use crate::stop::Stop;
+use crate::time::Time;
 use rayon::ThreadPool;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -63,12 +67,12 @@ impl Studio {
     }
 
     pub fn shoot(&self, quality: &Quality) -> Result<Shot, RenderError> {
-        self.shoot_in(quality, Layering::Own)
+        self.shoot_changed(quality, Change::None)
     }
 
-    /// The same with light kept apart as it is in the first frame.
-    pub fn shoot_in(&self, quality: &Quality, layering: Layering) -> Result<Shot, RenderError> {
-        let sequence = Sequence { quality: *quality, ..self.layered(layering) };
+    /// The same of a sequence with a change, whose light is kept apart as it is in the first frame.
+    pub fn shoot_changed(&self, quality: &Quality, change: Change) -> Result<Shot, RenderError> {
+        let sequence = Sequence { quality: *quality, ..change.of(&self.sequence, self.time()) };
         let mut frames = FrameLoop::new(&sequence, Films::default(), Arc::new(Meter::default()));
         let all = || self.frames.iter().try_for_each(|&frame| frames.frame(frame));
         let (done, took) = timed(|| self.pool.install(all));
@@ -78,9 +82,36 @@ impl Studio {
         Ok(Shot { films, took, rays })
     }
 
-    fn layered(&self, layering: Layering) -> Sequence {
+    /// The film of a frame that has been looked at, with these layers of light.
+    pub fn take(
+        &self,
+        quality: &Quality,
+        extras: Extras,
+        look: &Look,
+        lit: &[LayerId],
+    ) -> Result<Shot, RenderError> {
+        let sequence = Sequence { quality: *quality, ..self.sequence.clone() };
+        let meter = Arc::new(Meter::default());
+        let mut frames = FrameLoop::with_extras(&sequence, extras, Films::default(), meter);
+        let (film, took) = timed(|| self.pool.install(|| frames.trace(look, lit)));
+        Ok(Shot { films: film?.into_iter().collect(), took, rays: frames.tally().counts.rays.total() })
+    }
+
+    /// Does something on the studio's threads.
+    pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        self.pool.install(work)
+    }
+
+    /// When the first frame begins.
+    pub fn time(&self) -> Time {
         let first = self.frames.first().copied().unwrap_or_default();
-        layering.of(&self.sequence, self.sequence.timeline.clock(first).start)
+        self.sequence.timeline.clock(first).start
+    }
+
+    /// Hands over the scene of the first frame; nothing if it has no camera.
+    pub fn scene<T>(&self, see: impl FnOnce(&Scene) -> T) -> Option<T> {
+        let first = self.frames.first().copied().unwrap_or_default();
+        Preview::new(&self.sequence).scene_of(first, see)
     }
 
     /// In how many layers light can be kept apart, if that is one frame of several lights: from the fewest on, each number
@@ -89,7 +120,7 @@ impl Studio {
         if self.frames.len() != 1 || self.sequence.lights.len() < 2 {
             return Vec::new();
         }
-        let count = |layering: Layering| (layering, self.layered(layering).layers());
+        let count = |layering: Layering| (layering, layering.of(&self.sequence, self.time()).layers());
         let own = count(Layering::Own);
         let others = [Layering::Together, Layering::Apart].map(count);
         let mut all: Vec<_> =
@@ -98,12 +129,11 @@ impl Studio {
         all
     }
 
-    /// Whether pixels have random samples in any of the frames.
-    pub fn is_random(&self) -> Result<bool, RenderError> {
-        let noise = Some(NoiseTarget { error: 1.0, most: 1 });
-        let shot = self.shoot(&Quality { noise, ..self.sequence.quality })?;
-        // Where nothing is random, no error is looked for.
-        Ok(shot.films.iter().any(|film| film.noise.is_some()))
+    /// Whether pixels have random samples in any of the frames, by an integrator.
+    pub fn is_random(&self, integrator: Integrator) -> bool {
+        let quality = Quality { integrator, ..self.sequence.quality };
+        let sequence = Sequence { quality, ..self.sequence.clone() };
+        looks(&sequence, &self.frames, &Stop::default()).iter().any(|look| look.random)
     }
 
     /// How the frames with this radiance display, each by its exposure.

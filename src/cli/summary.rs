@@ -182,8 +182,8 @@ fn error(summary: &Summary) -> Vec<String> {
     let capped = summary.noise.iter().map(|(_, noise)| noise.capped).sum::<f64>() / count;
     if capped > 0.0 {
         lines.push(format!(
-            "{:.2} % of the pixels took all samples that they may, and are worse",
-            100.0 * capped
+            "Target missed there: {} of pixels hit the limit of samples (most_samples)",
+            crate::accuracy::percent(capped)
         ));
     }
     lines

@@ -23,14 +23,13 @@ impl References {
         self.mean(x, |x, a, b| (x - a) * (x - b))
     }
 
-    /// The same of pictures that show the same with independent noise: the mean of (x - A)(y - B) has no noise of any
-    /// of the four, and is the square of what x and y are wrong by on average, their bias.
-    pub fn squared_bias(&self, x: &[Rgb], y: &[Rgb]) -> f64 {
-        let differences = x.iter().zip(&self.a).zip(y.iter().zip(&self.b));
-        let products = differences.map(|((x, a), (y, b))| {
-            ((x.as_dvec3() - a.as_dvec3()) * (y.as_dvec3() - b.as_dvec3())).element_sum()
-        });
-        products.sum::<f64>() / (3 * self.a.len()).max(1) as f64
+    /// The squared error of each pixel: the mean over its channels of (x - A)(x - B).
+    pub fn squared_errors(&self, x: &[Rgb]) -> Vec<f64> {
+        let product = |((x, a), b): ((&Rgb, &Rgb), &Rgb)| {
+            let x = x.as_dvec3();
+            (x - a.as_dvec3()).dot(x - b.as_dvec3()) / 3.0
+        };
+        x.iter().zip(&self.a).zip(&self.b).map(product).collect()
     }
 
     /// Mean over pixels and channels of (x - A)(x - B) / (R² + [`RELATIVE_FLOOR`]), where R is the mean of A and B:

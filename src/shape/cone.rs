@@ -62,6 +62,11 @@ impl Cone {
     pub fn new(base: DVec3, apex: DVec3, radius: f64, top_radius: f64, capped: bool) -> Option<Self> {
         Frustum::new((base, radius), (apex, top_radius), capped).map(Self)
     }
+
+    /// The middles of both ends with their radii, and whether they are closed.
+    pub fn ends(&self) -> ([(DVec3, f64); 2], bool) {
+        self.0.ends()
+    }
 }
 
 impl Geometric for Cone {

@@ -19,6 +19,11 @@ impl Cylinder {
     pub fn new(from: DVec3, to: DVec3, radius: f64, capped: bool) -> Option<Self> {
         Frustum::new((from, radius), (to, radius), capped).map(Self)
     }
+
+    /// The middles of both ends with their radii, and whether they are closed.
+    pub fn ends(&self) -> ([(DVec3, f64); 2], bool) {
+        self.0.ends()
+    }
 }
 
 impl Geometric for Cylinder {

@@ -95,6 +95,14 @@ impl Frustum {
         Some(Self { frame, taper, capped })
     }
 
+    /// The middles of both ends with their radii, and whether they are closed.
+    pub fn ends(&self) -> ([(DVec3, f64); 2], bool) {
+        let along = self.frame.axes.y_axis * self.taper.half;
+        let end = |at: DVec3, part| (at, self.taper.end_radius(part));
+        let (bottom, top) = (self.frame.origin - along, self.frame.origin + along);
+        ([end(bottom, BOTTOM), end(top, TOP)], self.capped)
+    }
+
     /// Of an open one, the crossings of its ends are not seen.
     #[inline(always)]
     pub fn intersect<F: Real>(&self, ray: &LaneRay<F>, within: Span<F>) -> LaneHit<F> {

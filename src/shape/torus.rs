@@ -140,6 +140,16 @@ impl Torus {
         Self { frame: Box::new(Frame::along(center, axis)), major, minor }
     }
 
+    /// Its centre and the unit vector along its axis.
+    pub fn center_and_axis(&self) -> (DVec3, DVec3) {
+        (self.frame.origin, self.frame.axes.y_axis)
+    }
+
+    /// Radii of its circle and of its tube.
+    pub fn radii(&self) -> (f64, f64) {
+        (self.major, self.minor)
+    }
+
     /// The surface in the direction `turn` around the axis and `tube` around the tube, both unit vectors. The
     /// point is exact to a few roundings of the outer radius, and so is [`Torus::distance`] from there.
     #[inline(always)]

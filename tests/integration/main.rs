@@ -39,6 +39,7 @@ mod integrators;
 mod radiance;
 mod transport;
 mod noise;
+mod accuracy;
 mod stratification;
 mod time_limits;
 mod watertight;

@@ -16,16 +16,16 @@ mod draw;
 mod maps;
 mod measure;
 pub mod pictures;
-mod real;
+pub(super) mod real;
 mod samples;
-mod solids;
-mod spawning;
-mod spheres;
+pub(super) mod solids;
+pub(super) mod spawning;
+pub(super) mod spheres;
 mod surfaces;
-mod tori;
-mod triangles;
+pub(super) mod tori;
+pub(super) mod triangles;
 
-pub use measure::{Answers, Case, Cell, Cells, Effort, WAYS, Way};
+pub use measure::{Answers, Case, Cell, Cells, Effort, Verdict, WAYS, Way, way};
 
 /// All cases, in the order of the table.
 pub fn cases(effort: Effort) -> Vec<Case> {

@@ -5,7 +5,7 @@ use super::maps::{self, AtPole};
 use super::real::{Machine, Real, V};
 use super::spawning::{self, Lit, Shadow};
 use super::spheres::{Aimed, quadratic};
-use super::triangles::moller_trumbore;
+use super::triangles::published;
 use crate::camera::Ray;
 use crate::color::linear_to_srgb;
 use crate::encode::{EncodeError, Picture, Sheet, write_png};
@@ -111,7 +111,7 @@ fn edges() -> Picture {
     };
     let textbook = panel(SIDE, |x, y| {
         let (origin, direction) = (V::<f32>::of(eye), V::<f32>::of((aim(x, y) - eye).normalize()));
-        shown(triangles.iter().position(|t| moller_trumbore(*t, origin, direction).is_some()))
+        shown(triangles.iter().position(|t| published(*t, origin, direction).is_some()))
     });
     let ours = panel(SIDE, |x, y| {
         let probe = Probe::new(Ray { origin: eye, direction: (aim(x, y) - eye).normalize() });

@@ -12,15 +12,17 @@ use std::rc::Rc;
 
 /// A closed solid around the y axis: its radius is `base` + `slope`·y from `low` to 1.
 #[derive(Clone, Copy)]
-struct Profile {
-    base: f64,
-    slope: f64,
-    low: f64,
+pub struct Profile {
+    pub base: f64,
+    pub slope: f64,
+    pub low: f64,
+    /// Whether it has ends.
+    pub closed: bool,
 }
 
-const CYLINDER: Profile = Profile { base: 1.0, slope: 0.0, low: -1.0 };
+const CYLINDER: Profile = Profile { base: 1.0, slope: 0.0, low: -1.0, closed: true };
 /// With its tip at y = 1.
-const CONE: Profile = Profile { base: 1.0, slope: -1.0, low: 0.0 };
+const CONE: Profile = Profile { base: 1.0, slope: -1.0, low: 0.0, closed: true };
 
 #[derive(Clone)]
 struct Aimed<R> {
@@ -31,8 +33,9 @@ struct Aimed<R> {
     probe: Probe,
 }
 
-/// The textbook: roots of the side's quadratic between the ends, and ends within their radius; the nearest of them.
-fn nearest<R: Real>(profile: &Profile, origin: V<R>, direction: V<R>) -> Option<R> {
+/// The textbook: roots of the side's quadratic between the ends, and ends within their radius; the nearest of them beyond
+/// `least`.
+pub fn nearest<R: Real>(profile: &Profile, origin: V<R>, direction: V<R>, least: R) -> Option<R> {
     let (base, slope, low) = (R::of(profile.base), R::of(profile.slope), R::of(profile.low));
     let V([x, y, z]) = origin;
     let V([dx, dy, dz]) = direction;
@@ -43,7 +46,7 @@ fn nearest<R: Real>(profile: &Profile, origin: V<R>, direction: V<R>) -> Option<
     let discriminant = b * b - a * c;
     let mut best = None;
     let mut take = |t: R| {
-        if t > R::zero() && best.is_none_or(|best| t < best) {
+        if t > least && best.is_none_or(|best| t < best) {
             best = Some(t);
         }
     };
@@ -56,7 +59,7 @@ fn nearest<R: Real>(profile: &Profile, origin: V<R>, direction: V<R>) -> Option<
             }
         }
     }
-    for end in [low, R::one()] {
+    for end in [low, R::one()].into_iter().filter(|_| profile.closed) {
         let t = (end - y) / dy;
         let (px, pz, radius) = (x + t * dx, z + t * dz, base + slope * end);
         if px * px + pz * pz <= radius * radius {
@@ -67,16 +70,20 @@ fn nearest<R: Real>(profile: &Profile, origin: V<R>, direction: V<R>) -> Option<
 }
 
 /// The same from the point of the line next to the middle.
-fn recentred(at: &Aimed<f32>) -> Option<f32> {
-    let shift = -at.origin.dot(at.direction) / at.direction.dot(at.direction);
-    let near = at.origin + at.direction * shift;
+pub fn recentred(profile: &Profile, origin: V<f32>, direction: V<f32>) -> Option<f32> {
+    let shift = -origin.dot(direction) / direction.dot(direction);
+    let near = origin + direction * shift;
     // From there on the whole line counts, so it is begun before the solid.
-    let back = 4.0 / at.direction.length();
-    nearest(&at.profile, near - at.direction * back, at.direction).map(|t| t + (shift - back))
+    let back = (4.0 * profile.base as f32).max(4.0) / direction.length();
+    nearest(profile, near - direction * back, direction, (back - shift).max(0.0)).map(|t| t + (shift - back))
+}
+
+fn stable(at: &Aimed<f32>) -> Option<f32> {
+    recentred(&at.profile, at.origin, at.direction)
 }
 
 fn textbook<R: Machine>(at: &Aimed<R>) -> Option<R> {
-    nearest(&at.profile, at.origin, at.direction)
+    nearest(&at.profile, at.origin, at.direction, R::zero())
 }
 
 fn ours(at: &Aimed<f64>) -> Option<f64> {
@@ -84,7 +91,7 @@ fn ours(at: &Aimed<f64>) -> Option<f64> {
 }
 
 fn judge<R: Machine>(at: &Aimed<R>, found: Option<R>) -> Verdict {
-    let exact = nearest::<Exact>(&at.profile, at.origin.to(), at.direction.to());
+    let exact = nearest::<Exact>(&at.profile, at.origin.to(), at.direction.to(), Exact::zero());
     match (found, exact) {
         (Some(t), Some(exact)) => {
             let off = (Exact::of(t.wide()) - exact).value().abs() * at.direction.wide().length();
@@ -126,7 +133,7 @@ fn solid(
         ways: [
             way(inputs::<f32>(profile, &shape, distance, effort), textbook, judge),
             way(inputs::<f64>(profile, &shape, distance, effort), textbook, judge),
-            way(inputs::<f32>(profile, &shape, distance, effort), recentred, judge),
+            way(inputs::<f32>(profile, &shape, distance, effort), stable, judge),
             way(inputs::<f64>(profile, &shape, distance, effort), ours, judge),
         ],
     })

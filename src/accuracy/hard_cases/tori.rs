@@ -22,23 +22,23 @@ struct Aimed<R> {
     probe: Probe,
 }
 
-/// Coefficients of t⁴ + a t³ + b t² + c t + d along a line, the torus around the y axis.
-fn quartic<R: Machine>(origin: V<R>, direction: V<R>) -> [R; 4] {
+/// Coefficients of t⁴ + a t³ + b t² + c t + d along a line, the torus of radii 1 and `minor` around the y axis.
+pub fn quartic<R: Real>(minor: f64, origin: V<R>, direction: V<R>) -> [R; 4] {
     let (two, four) = (R::of(2.0), R::of(4.0));
     let ring = R::of(MAJOR * MAJOR);
     let along = origin.dot(direction);
-    let k = origin.dot(origin) - ring - R::of(MINOR * MINOR);
+    let k = origin.dot(origin) - ring - R::of(minor * minor);
     let (y, dy) = (origin.0[1], direction.0[1]);
     [
         four * along,
         two * k + four * along * along + four * ring * dy * dy,
         four * k * along + R::of(8.0) * ring * y * dy,
-        k * k - four * ring * (R::of(MINOR * MINOR) - y * y),
+        k * k - four * ring * (R::of(minor * minor) - y * y),
     ]
 }
 
 /// Ferrari's roots of a quartic (Schwarze, *Graphics Gems*, 1990): the least one above a bound.
-fn ferrari<R: Machine>([a, b, c, d]: [R; 4], above: R) -> Option<R> {
+pub fn ferrari<R: Machine>([a, b, c, d]: [R; 4], above: R) -> Option<R> {
     let (half, quarter) = (R::of(0.5), R::of(0.25));
     let square = a * a;
     let p = b - R::of(0.375) * square;
@@ -86,21 +86,25 @@ fn resolvent<R: Machine>(a: R, b: R, c: R) -> R {
 }
 
 fn textbook<R: Machine>(at: &Aimed<R>) -> Option<R> {
-    ferrari(quartic(at.origin, at.direction), R::zero())
+    ferrari(quartic(MINOR, at.origin, at.direction), R::zero())
 }
 
 /// From the point of the line next to the centre, with two of Newton's steps.
-fn stable(at: &Aimed<f32>) -> Option<f32> {
-    let shift = -at.origin.dot(at.direction);
-    let near = at.origin + at.direction * shift;
-    let [a, b, c, d] = quartic(near, at.direction);
-    let mut t = ferrari([a, b, c, d], -2.0)?;
+pub fn polished(minor: f64, origin: V<f32>, direction: V<f32>) -> Option<f32> {
+    let shift = -origin.dot(direction);
+    let near = origin + direction * shift;
+    let [a, b, c, d] = quartic(minor, near, direction);
+    let mut t = ferrari([a, b, c, d], (-2.0f32).max(-shift))?;
     for _ in 0..2 {
         let value = (((t + a) * t + b) * t + c) * t + d;
         let slope = ((4.0 * t + 3.0 * a) * t + 2.0 * b) * t + c;
         t -= value / slope;
     }
     Some(t + shift)
+}
+
+fn stable(at: &Aimed<f32>) -> Option<f32> {
+    polished(MINOR, at.origin, at.direction)
 }
 
 fn ours(at: &Aimed<f64>) -> Option<f64> {

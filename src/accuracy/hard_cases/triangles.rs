@@ -21,12 +21,20 @@ struct Fan<R> {
     probe: Probe,
 }
 
-/// Möller and Trumbore (1997), with the least determinant that they give.
-pub fn moller_trumbore<R: Machine>([a, b, c]: [V<R>; 3], origin: V<R>, direction: V<R>) -> Option<R> {
+/// The least determinant that Möller and Trumbore give.
+pub const LEAST_DETERMINANT: f64 = 1e-6;
+
+/// Möller and Trumbore (1997), of determinants of at least `parallel`.
+pub fn moller_trumbore<R: Real>(
+    [a, b, c]: [V<R>; 3],
+    origin: V<R>,
+    direction: V<R>,
+    parallel: R,
+) -> Option<R> {
     let (u_edge, v_edge) = (b - a, c - a);
     let p = direction.cross(v_edge);
     let determinant = u_edge.dot(p);
-    if determinant.absolute() < R::of(1e-6) {
+    if determinant.absolute() < parallel || determinant == R::zero() {
         return None;
     }
     let inverse = R::one() / determinant;
@@ -44,7 +52,7 @@ pub fn moller_trumbore<R: Machine>([a, b, c]: [V<R>; 3], origin: V<R>, direction
 }
 
 /// Woop, Benthin and Wald (2013) in f32, with f64 where an edge's number is zero.
-fn woop([a, b, c]: [V<f32>; 3], origin: V<f32>, direction: V<f32>) -> Option<f32> {
+pub fn woop([a, b, c]: [V<f32>; 3], origin: V<f32>, direction: V<f32>) -> Option<f32> {
     let d = direction.0;
     let z = (0..3).max_by(|i, j| d[*i].abs().total_cmp(&d[*j].abs())).unwrap_or(2);
     let (x, y) = ((z + 1) % 3, (z + 2) % 3);
@@ -68,8 +76,12 @@ fn woop([a, b, c]: [V<f32>; 3], origin: V<f32>, direction: V<f32>) -> Option<f32
     (determinant != 0.0 && t > 0.0).then_some(t)
 }
 
+pub fn published<R: Machine>(corners: [V<R>; 3], origin: V<R>, direction: V<R>) -> Option<R> {
+    moller_trumbore(corners, origin, direction, R::of(LEAST_DETERMINANT))
+}
+
 fn textbook<R: Machine>(at: &Fan<R>) -> Option<R> {
-    let hits = at.triangles.iter().filter_map(|t| moller_trumbore(*t, at.origin, at.direction));
+    let hits = at.triangles.iter().filter_map(|t| published(*t, at.origin, at.direction));
     hits.reduce(R::smaller)
 }
 
@@ -227,8 +239,8 @@ fn depths(effort: Effort) -> Case {
         error: "largest error of t",
         wrong: "missed",
         ways: [
-            way(far::<f32>(effort), |at| moller_trumbore(at.corners, at.origin, at.direction), judge),
-            way(far::<f64>(effort), |at| moller_trumbore(at.corners, at.origin, at.direction), judge),
+            way(far::<f32>(effort), |at| published(at.corners, at.origin, at.direction), judge),
+            way(far::<f64>(effort), |at| published(at.corners, at.origin, at.direction), judge),
             way(far::<f32>(effort), |at| woop(at.corners, at.origin, at.direction), judge),
             way(far::<f64>(effort), |at| at.ours.hit(&at.probe, f64::INFINITY).map(|at| at.t), judge),
         ],

@@ -1,17 +1,18 @@
 //! Settings in turn, and the references that their pictures are compared with.
 
 use super::Layer;
-use super::sizing::{PARTS, RUNS, STILL_RUNS, work};
+use super::sizing::{PARTS, work};
 use super::tried::Tried;
-use crate::accuracy::layering::Layering;
-use crate::accuracy::settings::{Axis, Setting, Settings, samples_of};
+use crate::accuracy::change::Change;
+use crate::accuracy::settings::Settings;
 use crate::accuracy::studio::{Shot, Studio};
 use crate::math::DVec3;
 use crate::metrics::{Flip, PIXELS_PER_DEGREE, References};
 use crate::quality::Quality;
 use crate::render::RenderError;
-use crate::sampling::hash;
+use crate::sampling::{Points, hash};
 use crate::sequence::Sequence;
+use std::time::Instant;
 
 /// References with what comparing needs of them.
 pub struct Reference {
@@ -28,7 +29,6 @@ pub struct Bench<'a> {
     studio: &'a Studio,
     pub settings: Settings,
     own: Quality,
-    pub runs: u32,
     pub tries: Vec<Tried>,
     progress: &'a mut dyn FnMut(f64),
     done: f64,
@@ -43,29 +43,22 @@ impl<'a> Bench<'a> {
         progress: &'a mut dyn FnMut(f64),
     ) -> Self {
         let tries = settings.all.iter().map(|_| Tried::default()).collect();
-        let runs = if settings.random { RUNS } else { STILL_RUNS };
-        let whole = work(&settings, own);
-        Self { studio, settings, own: *own, runs, tries, progress, done: 0.0, whole }
+        let whole = work(&settings);
+        Self { studio, settings, own: *own, tries, progress, done: 0.0, whole }
     }
 
-    fn shoot(&mut self, quality: &Quality) -> Result<Shot, RenderError> {
-        self.shoot_in(quality, Layering::Own)
-    }
-
-    fn shoot_in(&mut self, quality: &Quality, layering: Layering) -> Result<Shot, RenderError> {
-        let shot = self.studio.shoot_in(quality, layering)?;
-        self.done += samples_of(quality, self.settings.random);
+    /// One picture of so many samples in a pixel.
+    fn shoot(&mut self, quality: &Quality, change: Change, samples: f64) -> Result<Shot, RenderError> {
+        let shot = self.studio.shoot_changed(quality, change)?;
+        self.done += samples;
         (self.progress)((self.done / self.whole).min(1.0));
         Ok(shot)
     }
 
-    /// Those for most axes, and those for bounces.
-    pub fn references(&mut self) -> Result<[Reference; 2], RenderError> {
-        let [main, deep] = self.settings.references(&self.own);
-        Ok([self.reference(&main, false)?, self.reference(&deep, true)?])
-    }
-
-    fn reference(&mut self, quality: &Quality, deep: bool) -> Result<Reference, RenderError> {
+    /// What the file's own setting would show without noise, twice.
+    pub fn reference(&mut self) -> Result<Reference, RenderError> {
+        let samples = self.settings.reference;
+        let quality = &Quality { samples, noise: None, points: Points::Sobol, ..self.own };
         let mut shots = Vec::new();
         for which in 0..2 {
             shots.push(match self.settings.random {
@@ -73,8 +66,8 @@ impl<'a> Bench<'a> {
                 // Two fine grids whose samples fall on different places.
                 false => {
                     let finest = libm::sqrt(f64::from(self.settings.reference)).ceil() as u32 + which;
-                    let antialias = if deep { quality.antialias } else { finest };
-                    self.shoot(&Quality { antialias, ..*quality })?
+                    let samples = f64::from(finest * finest);
+                    self.shoot(&Quality { antialias: finest, ..*quality }, Change::None, samples)?
                 }
             });
         }
@@ -84,7 +77,7 @@ impl<'a> Bench<'a> {
         let flips =
             displayed.chunks(each.max(1)).map(|frame| Flip::new(frame, width, PIXELS_PER_DEGREE)).collect();
         let count = shots[0].films.first().map_or(0, |film| film.weights.len());
-        let layers = if count > 1 && !deep { 0..count } else { 0..0 };
+        let layers = if count > 1 { 0..count } else { 0..0 };
         let layers =
             layers.map(|layer| References { a: shots[0].radiance_of(layer), b: shots[1].radiance_of(layer) });
         let layers = layers.collect();
@@ -98,7 +91,8 @@ impl<'a> Bench<'a> {
         for part in 0..PARTS {
             let seed = hash([self.own.seed, part, 2 + which]);
             let samples = quality.samples.div_ceil(PARTS);
-            let shot = self.shoot(&Quality { samples, seed, ..*quality })?;
+            let shot =
+                self.shoot(&Quality { samples, seed, ..*quality }, Change::None, f64::from(samples))?;
             sums.resize(shot.films.len(), Vec::new());
             for (sum, film) in sums.iter_mut().zip(&shot.films) {
                 sum.resize(film.data.len(), DVec3::ZERO);
@@ -108,7 +102,7 @@ impl<'a> Bench<'a> {
         }
         let mut shot = match last {
             Some(shot) => shot,
-            None => self.shoot(quality)?,
+            None => self.shoot(quality, Change::None, f64::from(quality.samples))?,
         };
         for (film, sum) in shot.films.iter_mut().zip(sums) {
             let mean = |sum: DVec3| (sum / f64::from(PARTS)).as_vec3();
@@ -118,41 +112,67 @@ impl<'a> Bench<'a> {
     }
 
     /// All settings in turn, again and again, so that whatever else the machine does falls on all of them.
-    pub fn run(&mut self, references: &[Reference; 2]) -> Result<(), RenderError> {
-        for run in 0..self.runs {
+    /// After so many runs of all of them, the rest is left out where the time is over.
+    pub fn run(&mut self, reference: &Reference, end: Instant) -> Result<(), RenderError> {
+        const LEAST: u32 = 4;
+        let runs = self.settings.all.iter().map(|setting| setting.runs).max().unwrap_or(0);
+        for run in 0..runs {
+            if run >= LEAST && Instant::now() > end {
+                break;
+            }
             let seed = hash([self.own.seed, run, 1]);
             for index in 0..self.settings.all.len() {
-                let Setting { axis, quality, layering, .. } = self.settings.all[index];
-                if self.settings.is_unfinished(index, self.tries[index].capped > 0.0) {
+                let setting = &self.settings.all[index];
+                let stopped = self.settings.is_unfinished(index, self.tries[index].capped > 0.0);
+                if run >= setting.runs || stopped {
                     continue;
                 }
-                let shot = self.shoot_in(&Quality { seed, ..quality }, layering)?;
-                let reference = &references[usize::from(axis == Axis::Bounces)];
-                let random = self.settings.random;
-                self.tries[index].add(&shot, &quality, random, reference, self.studio, run);
+                let setting = setting.clone();
+                let shot =
+                    self.shoot(&Quality { seed, ..setting.quality }, setting.change, setting.samples)?;
+                self.tries[index].add(&shot, &setting, reference, self.studio, run);
             }
         }
         Ok(())
     }
 
-    /// What the file's own setting makes of each layer.
-    pub fn layers(
-        &mut self,
-        references: &[Reference; 2],
-        sequence: &Sequence,
-    ) -> Result<Vec<Layer>, RenderError> {
-        let of = &references[0].layers;
+    /// What the file's own setting makes of each layer, over a few runs.
+    pub fn layers(&mut self, reference: &Reference, sequence: &Sequence) -> Result<Vec<Layer>, RenderError> {
+        let of = &reference.layers;
         if of.is_empty() {
             return Ok(Vec::new());
         }
-        let shot = self.studio.shoot(&Quality { seed: hash([self.own.seed, 0, 1]), ..self.own })?;
-        let whole = references[0].pair.brightness();
-        let names = sequence.about().layers;
-        let layer = |(index, (pair, name)): (usize, (&References, String))| {
+        let own = &self.tries[0];
+        let worst = worst_hundredth(own.errors());
+        let mut squares = vec![(0.0, 0.0); of.len()];
+        for run in 0..LAYER_RUNS {
+            let shot = self.studio.shoot(&Quality { seed: hash([self.own.seed, run, 1]), ..self.own })?;
+            for (layer, (pair, sums)) in of.iter().zip(&mut squares).enumerate() {
+                let errors = pair.squared_errors(&shot.radiance_of(layer));
+                sums.0 += errors.iter().sum::<f64>() / (errors.len().max(1) * LAYER_RUNS as usize) as f64;
+                sums.1 += worst.iter().map(|&pixel| errors[pixel].max(0.0)).sum::<f64>();
+            }
+        }
+        let whole = reference.pair.brightness();
+        let of_all: f64 = squares.iter().map(|(_, worst)| worst).sum();
+        let layers = of.iter().zip(squares).zip(sequence.about().layers);
+        let layer = |((pair, (square, in_worst)), name): ((&References, (f64, f64)), String)| {
             let brightness = pair.brightness();
-            let error = pair.squared_error(&shot.radiance_of(index)).max(0.0).sqrt();
-            (brightness > 0.0).then(|| Layer { name, share: brightness / whole, error: error / brightness })
+            let error = square.max(0.0).sqrt() / brightness;
+            let of_worst = if of_all > 0.0 { in_worst / of_all } else { 0.0 };
+            (brightness > 0.0).then(|| Layer { name, share: brightness / whole, error, of_worst })
         };
-        Ok(of.iter().zip(names).enumerate().filter_map(layer).collect())
+        Ok(layers.filter_map(layer).collect())
     }
+}
+
+/// Runs in which the layers of the worst pixels are compared.
+const LAYER_RUNS: u32 = 4;
+
+/// The worst hundredth of the pixels, the worst first.
+fn worst_hundredth(errors: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..errors.len()).collect();
+    order.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]));
+    order.truncate(errors.len().div_ceil(100));
+    order
 }

@@ -2,7 +2,6 @@
 
 use crate::accuracy::findings::{described, factor, percent, seconds};
 use crate::accuracy::measure::{Measured, Point};
-use crate::accuracy::settings::Axis;
 use crate::encode::{Picture, png_bytes};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -21,27 +20,33 @@ pub struct Crop {
     pub difference: Option<String>,
 }
 
-/// Of the file's own setting, of others that take about as long or are next to it, and of what it should be.
+/// Of the file's own setting, of the best at half, equal and double its cost, and of what it should be.
 pub fn crops(measured: &Measured) -> io::Result<Vec<Crop>> {
     let corner = worst(measured);
     let own = measured.own();
     let mut shown = vec![own];
-    let axes = [Axis::Samples, Axis::Independent, Axis::Noise, Axis::Antialias];
-    for axis in axes {
-        let others = measured.on(axis).into_iter().filter(|point| !std::ptr::eq(*point, own));
-        let far = |point: &&Point| libm::log(point.wall.median / own.wall.median).abs();
-        // A grid has few neighbours; others are near or would show nothing.
-        let near = others.min_by(|a, b| far(a).total_cmp(&far(b)));
-        shown.extend(near.filter(|point| axis == Axis::Antialias || far(point) < libm::log(2.5)));
+    for cost in [0.5, 1.0, 2.0] {
+        let far = |point: &&Point| libm::fabs(libm::log2(point.time() / own.time() / cost));
+        let others = measured.points.iter().filter(|point| {
+            !point.setting.axis.is_short() && !shown.iter().any(|shown| std::ptr::eq(*shown, *point))
+        });
+        // Grids have few steps; of others, what is near costs as much to the eye.
+        let reach = if measured.random { 0.4 } else { 1.5 };
+        let near = others.filter(|point| far(point) < reach);
+        shown.extend(near.min_by(|a, b| a.error().total_cmp(&b.error())));
     }
+    shown.sort_by(|a, b| a.time().total_cmp(&b.time()));
     let mut all = Vec::new();
     for point in shown {
         all.push(Crop {
-            title: described(point),
+            title: match std::ptr::eq(point, own) {
+                true => format!("{}, the file's own", described(point)),
+                false => described(point),
+            },
             told: format!(
-                "{} ({} times), error {}, FLIP {:.3}",
-                seconds(point.wall.median),
-                factor(point.wall.median / own.wall.median),
+                "{} times the cost ({} a frame at this size), error {}, FLIP {:.3}",
+                factor(point.time() / own.time()),
+                seconds(point.time()),
                 percent(measured.share(point.error())),
                 point.flip.mean
             ),
@@ -87,8 +92,26 @@ fn address(
     let places = (top..top + rows).flat_map(|y| (left..left + columns).map(move |x| y * width + x));
     let code = |value: f32| (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
     let rgb = places.flat_map(|place| pixel(place).map(code)).collect();
-    let bytes = png_bytes(&Picture::opaque(columns as u32, rows as u32, rgb))?;
-    Ok(format!("data:image/png;base64,{}", STANDARD.encode(bytes)))
+    data_address(&Picture::opaque(columns as u32, rows as u32, rgb))
+}
+
+/// The error of each pixel at the file's own setting, as a `data:` address.
+pub fn errors(measured: &Measured) -> io::Result<String> {
+    let (width, height) = (measured.size.0 as usize, measured.size.1 as usize);
+    let shade = |error: &f32| {
+        let share = measured.share(f64::from(error.max(0.0)).sqrt());
+        // From a hundredth of the mean brightness to ten times that.
+        heat(((libm::log10(share) + 2.0) / 3.0) as f32)
+    };
+    let code = |value: f32| (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+    let first = measured.own().errors.iter().take(width * height);
+    let rgb = first.flat_map(|error| shade(error).map(code)).collect();
+    data_address(&Picture::opaque(width as u32, height as u32, rgb))
+}
+
+/// A picture as a `data:` address.
+pub fn data_address(picture: &Picture) -> io::Result<String> {
+    Ok(format!("data:image/png;base64,{}", STANDARD.encode(png_bytes(picture)?)))
 }
 
 /// From black over purple and orange to white, as differences are usually shown (five colours of Matplotlib's magma).

@@ -72,16 +72,17 @@ fn bounces(measured: &Measured) -> Chart {
     let Chart { name, plot, .. } = Chart::new(
         measured,
         "bounces",
-        "What each bounce adds, against its time",
-        ("light left out, as a share of the mean brightness", ""),
+        "What bounces change, against their time",
+        ("difference, as a share of the mean brightness", ""),
         &[Axis::Bounces],
         |point| {
-            let bias = point.bias.max(0.0).sqrt() / measured.brightness;
-            Estimate { mean: bias, low: bias, high: bias }
+            let bias = point.bias.0.root().map(|bias| bias / measured.brightness);
+            // What cannot be told from none has no place.
+            if point.bias.is_certain() { bias } else { Estimate::default() }
         },
     );
-    let caption = "Each point is a number of bounces; its error is what shorter chains of reflections leave out, without \
-        noise. Points without any error left stand nowhere on a logarithmic axis.";
+    let caption = "Each point is a number of bounces, and by how much its picture differs from that with the file's own \
+        number, without noise. What cannot be told from no difference has no place on a logarithmic axis.";
     Chart { name, caption: caption.to_owned(), plot: Plot { behind: Vec::new(), ring: None, ..plot } }
 }
 
@@ -96,7 +97,7 @@ impl Chart {
     ) -> Self {
         let spot = |point: &Point| {
             let Estimate { mean, low, high } = error(point);
-            Spot { x: point.wall.median, y: mean, low, high, label: point.setting.value.clone() }
+            Spot { x: point.time(), y: mean, low, high, label: point.setting.value.clone() }
         };
         let shown = |spot: &Spot| spot.y > 0.0 && spot.y.is_finite();
         let curve = |&axis: &Axis| {
@@ -113,13 +114,13 @@ impl Chart {
             }
         };
         let front = measured.front(|point| error(point).mean);
-        let front = front.iter().map(|point| (point.wall.median, error(point).mean)).filter(|at| at.1 > 0.0);
+        let front = front.iter().map(|point| (point.time(), error(point).mean)).filter(|at| at.1 > 0.0);
         let own = measured.own();
-        let own = (own.wall.median, error(own).mean);
+        let own = (own.time(), error(own).mean);
         let label: fn(f64) -> String = if name == "flip" { |value| format!("{value:.3}") } else { percent };
         let plot = Plot {
             title: title.to_owned(),
-            x: Scale { name: "time for a frame", label: seconds },
+            x: Scale { name: "processor time for a frame of the measured size", label: seconds },
             y: Scale { name: y, label },
             curves: axes.iter().map(curve).filter(|curve| !curve.spots.is_empty()).collect(),
             behind: front.collect(),
@@ -141,7 +142,7 @@ fn color(axis: Axis) -> usize {
         Axis::Independent => 1,
         Axis::Noise => 2,
         Axis::Bounces => 3,
-        Axis::Roulette => 4,
-        Axis::Layers => 5,
+        Axis::Roulette | Axis::Integrator => 4,
+        Axis::Layers | Axis::Parts | Axis::Remedies => 5,
     }
 }

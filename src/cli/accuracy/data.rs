@@ -25,7 +25,15 @@ fn columns(point: &Point) -> Vec<Column> {
     all.extend(three(["relmse", "relmse_low", "relmse_high"], point.relative));
     all.extend(three(["psnr", "psnr_low", "psnr_high"], point.psnr));
     all.extend(three(["flip", "flip_low", "flip_high"], point.flip));
-    all.extend([("bias", point.bias.max(0.0).sqrt()), ("efficiency", point.efficiency())]);
+    let bias = point.bias.0.root();
+    all.extend([("bias", bias.mean), ("bias_low", bias.low), ("bias_high", bias.high)]);
+    all.extend([("noise", point.variance.sqrt()), ("efficiency", point.efficiency())]);
+    all.extend([
+        ("worst_hundredth", point.concentration.worst_hundredth),
+        ("nine_tenths", point.concentration.nine_tenths),
+        ("largest_change", point.largest_change),
+        ("capped", point.capped),
+    ]);
     all
 }
 
@@ -41,13 +49,22 @@ pub fn csv(measured: &Measured) -> String {
     text.push('\n');
     for point in &measured.points {
         let setting = &point.setting;
-        text += &format!("{},{},{}", setting.axis.name(), setting.value, setting.flags);
+        let value = quoted(&setting.value);
+        text += &format!("{},{value},{}", setting.axis.name(), setting.flags);
         for (_, value) in columns(point) {
             text += &if value.is_finite() { format!(",{value:e}") } else { ",".to_owned() };
         }
         text.push('\n');
     }
     text
+}
+
+/// A cell of a table: names may hold commas and quotes.
+fn quoted(text: &str) -> String {
+    match text.contains([',', '"', '\n']) {
+        true => format!("\"{}\"", text.replace('"', "\"\"")),
+        false => text.to_owned(),
+    }
 }
 
 /// Everything, as one object.
@@ -73,7 +90,10 @@ pub fn json(measured: &Measured, origin: &Origin) -> String {
     let layers = measured.layers.iter().fold(Object::new(), |object, layer| {
         object.object(
             &layer.name,
-            Object::new().exact("share", Some(layer.share)).exact("error", Some(layer.error)),
+            Object::new()
+                .exact("share", Some(layer.share))
+                .exact("error", Some(layer.error))
+                .exact("of_worst", Some(layer.of_worst)),
         )
     });
     let precision = measured.precision.iter().fold(Object::new(), |object, way| {
@@ -83,6 +103,9 @@ pub fn json(measured: &Measured, origin: &Origin) -> String {
             .exact("time", Some(way.time));
         object.object(way.way, of)
     });
+    let chains = measured.chains.iter();
+    let chains = chains
+        .map(|chain| Object::new().text("path", &chain.path).exact("share", Some(chain.share)).finish());
     let left_out =
         measured.left_out.iter().fold(Object::new(), |object, left| object.text(left.what, &left.why));
     about(measured)
@@ -93,10 +116,31 @@ pub fn json(measured: &Measured, origin: &Origin) -> String {
         .object("slopes", slopes)
         .object("layers", layers)
         .object("precision", precision)
+        .raw("chains", list(chains))
+        .raw("robustness", robustness(measured))
         .object("left_out", left_out)
         .raw("points", list(points))
         .finish()
         + "\n"
+}
+
+/// What robustness costs on the scene's own rays.
+fn robustness(measured: &Measured) -> String {
+    let Some(found) = &measured.robustness else { return "null".to_owned() };
+    let hits = found.hits.iter().map(|way| {
+        let object = Object::new().text("way", way.way).whole("rays", way.rays.into());
+        object.whole("wrong", way.wrong.into()).exact("median_ns", Some(way.nanoseconds)).finish()
+    });
+    let starts = found.starts.iter().map(|way| {
+        let object = Object::new().text("way", &way.way).whole("rays", way.rays.into());
+        let object = object.whole("false_shadows", way.false_shadows.into());
+        object.whole("lost_shadows", way.lost_shadows.into()).exact("median_ns", way.nanoseconds).finish()
+    });
+    Object::new()
+        .raw("hits", list(hits))
+        .raw("starts", list(starts))
+        .exact("wrong_pixels", Some(found.wrong_pixels()))
+        .finish()
 }
 
 /// What the terminal hears.
@@ -113,16 +157,22 @@ fn about(measured: &Measured) -> Object {
             .text("effect", &advice.effect)
             .finish()
     });
+    let whole = Object::new()
+        .whole("frames", measured.whole.frames.into())
+        .whole("traced", measured.whole.films as u64)
+        .exact("wall_s", Some(measured.whole.wall))
+        .exact("cpu_s", measured.whole.cpu);
     Object::new()
         .text("event", "accuracy")
         .text("name", &measured.name)
         .raw("frames", list(measured.frames.iter().map(u32::to_string)))
         .text("size", &size(measured.full_size))
         .text("measured_size", &size(measured.size))
-        .whole("runs", measured.runs.into())
+        .whole("runs", measured.own().runs.len() as u64)
         .whole("reference_samples", measured.reference.into())
         .exact("reference_error", Some(measured.reference_error))
         .exact("brightness", Some(measured.brightness))
+        .object("whole_film", whole)
         .real("took_s", Some(measured.took.as_secs_f64()))
         .texts("findings", measured.lines().into_iter())
         .raw("advice", list(advice))

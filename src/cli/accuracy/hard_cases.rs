@@ -1,6 +1,7 @@
 //! `kinora accuracy --hard-cases`: the table, a file for tools, and the pictures.
 
 use crate::accuracy::hard_cases::{Case, Cell, Cells, Effort, WAYS, cases, pictures};
+use crate::accuracy::{of_cells, wrong_answers};
 use crate::cli::failure::Failure;
 use crate::cli::json::Object;
 use crate::cli::terminal;
@@ -28,12 +29,16 @@ pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
     }
     let effort = if quick { Effort::QUICK } else { Effort::FULL };
     terminal::say(&heading())?;
-    let mut lines = String::new();
+    let (mut lines, mut all) = (String::new(), Vec::new());
     for case in cases(effort) {
         let cells = case.measured(effort);
+        all.push(cells);
         terminal::say(&text(&case, &cells))?;
         lines += &json(&case, &cells);
         lines.push('\n');
+    }
+    if let Some(wrong) = wrong_answers(&of_cells(&all)) {
+        terminal::say(&format!("\n{wrong} cases"))?;
     }
     match &options.json {
         Some(path) => {

@@ -38,7 +38,7 @@ pub struct Options {
 
     /// About how long it may take, such as 90s, 10min or 2h [default: 5min]
     ///
-    /// Pictures are measured in the largest size that it allows, with as many samples.
+    /// Pictures are measured in the largest size that it allows.
     #[arg(long, value_name = "TIME", value_parser = values::duration, conflicts_with = "quick")]
     time: Option<Duration>,
 
@@ -46,7 +46,7 @@ pub struct Options {
     #[arg(short, long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true)]
     size: Option<(u32, u32)>,
 
-    /// The most samples that are tried, up to 1024 [default: what the time allows]
+    /// The most samples of the curve [default: four times the file's own]
     #[arg(long, value_name = "N", value_parser = values::samples, allow_hyphen_values = true)]
     most_samples: Option<u32>,
 
@@ -68,7 +68,7 @@ pub struct Options {
 }
 
 /// What a first answer may take: with loading and writing, less than a minute.
-const QUICK: Duration = Duration::from_secs(40);
+const QUICK: Duration = Duration::from_secs(44);
 const USUAL: Duration = Duration::from_secs(5 * 60);
 
 pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
@@ -99,7 +99,7 @@ pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
         time: options.time.unwrap_or(if quick { QUICK } else { USUAL }),
         quick,
         size: options.size,
-        most_samples: options.most_samples.map(|most| most.min(1024)),
+        most_samples: options.most_samples,
         threads: options.threads,
     };
     let mut show = share::Reporter::new(options.progress, options.quiet);
@@ -116,7 +116,7 @@ pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
     if options.progress == ProgressMode::Json {
         return terminal::say(&data::summary(&measured, &report));
     }
-    terminal::say(&told(&measured, &origin, &report))
+    terminal::say(&told(&measured, &report))
 }
 
 /// Where the report comes from; the command and the file as a shell reads them.
@@ -125,16 +125,10 @@ fn origin(file: &Path, arguments: impl Iterator<Item = OsString>) -> Origin {
     Origin { command: words.join(" "), machine: machine(), file: quoted(file.as_os_str()) }
 }
 
-/// The answer in lines, and what to do with it.
-fn told(measured: &Measured, origin: &Origin, report: &Path) -> String {
+/// The answer in lines, and where the rest of it is.
+fn told(measured: &Measured, report: &Path) -> String {
     let mut lines = measured.lines();
-    for advice in measured.advice() {
-        lines.push(format!(
-            "{}: kinora render {} {} ({})",
-            advice.goal, origin.file, advice.flags, advice.effect
-        ));
-    }
-    lines.push(format!("the whole report: {}", escape::path(report)));
+    lines.push(format!("The whole report, with commands to paste: {}", escape::path(report)));
     lines.join("\n")
 }
 

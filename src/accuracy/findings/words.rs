@@ -1,0 +1,52 @@
+//! Settings and numbers in a few words.
+
+use crate::accuracy::measure::Point;
+use crate::accuracy::settings::Axis;
+use crate::humane;
+use std::time::Duration;
+
+/// A setting in a few words.
+pub fn described(point: &Point) -> String {
+    let value = &point.setting.value;
+    match point.setting.axis {
+        Axis::Samples if value == "1" => "1 sample a pixel".to_owned(),
+        Axis::Samples => format!("{value} samples a pixel"),
+        Axis::Independent => format!("{value} independent samples"),
+        Axis::Noise => format!("noise target {value}"),
+        Axis::Antialias => format!("a grid of {value}"),
+        Axis::Bounces => format!("bounces {value}"),
+        Axis::Roulette => format!("roulette {value}"),
+        Axis::Layers => format!("{value} layer{}", if value == "1" { "" } else { "s" }),
+        Axis::Integrator => format!("integrator {value}"),
+        Axis::Parts => format!("without {value}"),
+        Axis::Remedies => value.clone(),
+    }
+}
+
+/// A share with two digits that mean something.
+pub fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    match percent.abs() {
+        size if size >= 10.0 => format!("{percent:.0} %"),
+        size if size >= 1.0 => format!("{percent:.1} %"),
+        size if size >= 0.1 => format!("{percent:.2} %"),
+        0.0 => "0 %".to_owned(),
+        size if size >= 0.001 => format!("{percent:.3} %"),
+        _ => "under 0.001 %".to_owned(),
+    }
+}
+
+/// A factor with two digits that mean something.
+pub fn factor(factor: f64) -> String {
+    match factor {
+        large if large >= 9.95 => format!("{large:.0}"),
+        middle if middle >= 0.995 => format!("{middle:.1}"),
+        small if small >= 0.0995 => format!("{small:.2}"),
+        tiny => format!("{tiny:.3}"),
+    }
+}
+
+/// A time in its unit.
+pub fn seconds(seconds: f64) -> String {
+    humane::time(Duration::try_from_secs_f64(seconds).unwrap_or_default())
+}

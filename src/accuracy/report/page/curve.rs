@@ -1,0 +1,86 @@
+//! The settings along the curve of error against time: what they look like, and their prices.
+
+use super::html::{Html, escaped};
+use crate::accuracy::findings::{described, factor, percent, seconds};
+use crate::accuracy::measure::{Measured, Point};
+use crate::accuracy::report::crops::crops;
+use crate::accuracy::statistics::Estimate;
+use std::error::Error;
+
+pub fn pictures(html: &mut Html, measured: &Measured) -> Result<(), Box<dyn Error>> {
+    html.tag("h2", "What it looks like");
+    html.tag(
+        "p",
+        "Where the file's own setting is worst, enlarged: the best settings at half, equal and double its cost, and what \
+         the picture should be. Below each, what an eye sees of its error (FLIP): black is no difference, white a large one.",
+    );
+    html.raw("<div class=\"crops\">\n");
+    for crop in crops(measured)? {
+        html.raw(&format!("<figure><img src=\"{}\" alt=\"{}\">", crop.picture, escaped(&crop.title)));
+        if let Some(difference) = crop.difference {
+            html.raw(&format!("<img src=\"{difference}\" alt=\"difference\">"));
+        }
+        let (title, told) = (escaped(&crop.title), escaped(&crop.told));
+        html.raw(&format!("<figcaption><b>{title}</b><br>{told}</figcaption></figure>\n"));
+    }
+    html.raw("</div>\n");
+    Ok(())
+}
+
+pub fn prices(html: &mut Html, measured: &Measured) {
+    html.tag("h2", "Price list of samples");
+    html.tag(
+        "p",
+        "Times and errors as multiples of the file's own setting, which is the first row. Rows in bold lie on the Pareto \
+         front.",
+    );
+    let front = measured.front(Point::error);
+    let head = [
+        "setting",
+        "time",
+        "x",
+        "error",
+        "x",
+        "samples",
+        "relMSE",
+        "PSNR",
+        "FLIP",
+        "bias",
+        "efficiency",
+        "wall",
+        "rays",
+    ];
+    let curve = measured.points.iter().filter(|point| !point.setting.axis.is_short());
+    let rows = curve.map(|point| {
+        let best = front.iter().any(|other| std::ptr::eq(*other, point));
+        (best, row(measured, point))
+    });
+    html.table("prices", &head, rows);
+}
+
+fn row(measured: &Measured, point: &Point) -> Vec<String> {
+    let own = measured.own();
+    let share = |estimate: Estimate| estimate.root().map(|error| measured.share(error));
+    let error = share(point.squared);
+    let spread = (error.high - error.low) / 2.0;
+    let error = match spread > 0.0 {
+        true => format!("{} ± {}", percent(error.mean), percent(spread)),
+        false => percent(error.mean),
+    };
+    let psnr = point.psnr.mean;
+    vec![
+        described(point),
+        seconds(point.time()),
+        factor(point.time() / own.time()),
+        error,
+        if own.error() > 0.0 { factor(point.error() / own.error()) } else { "–".to_owned() },
+        format!("{:.0}", point.samples),
+        format!("{:.2e}", point.relative.mean),
+        if psnr.is_finite() { format!("{psnr:.1}") } else { "∞".to_owned() },
+        format!("{:.3}", point.flip.mean),
+        measured.told(point.bias),
+        factor(point.efficiency() / own.efficiency()),
+        seconds(point.wall.median),
+        crate::humane::count(point.rays.round() as u64),
+    ]
+}

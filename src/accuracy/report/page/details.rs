@@ -1,0 +1,111 @@
+//! How fast the error falls, layers of light, hard cases, and how everything was measured.
+
+use super::Origin;
+use super::html::Html;
+use crate::accuracy::findings::{factor, percent};
+use crate::accuracy::measure::Measured;
+use crate::accuracy::settings::Axis;
+
+pub fn convergence(html: &mut Html, measured: &Measured) {
+    if measured.slopes.is_empty() {
+        return;
+    }
+    html.tag("h2", "How fast the error falls");
+    html.tag(
+        "p",
+        "The error falls as a power of the number of samples. For independent samples the power is -0.5: four times the \
+         samples, half the error. Evenly spread ones do better where light is smooth.",
+    );
+    html.raw(
+        "<table><tr><th>samples</th><th>power</th><th>interval</th><th>half the error takes</th></tr>\n",
+    );
+    for (axis, slope) in &measured.slopes {
+        html.raw("<tr>");
+        html.tag("td", axis.name());
+        html.tag("td", &format!("{:.3}", slope.mean));
+        html.tag("td", &format!("{:.3} to {:.3}", slope.low, slope.high));
+        html.tag("td", &format!("{} times the samples", factor(libm::exp2(-1.0 / slope.mean))));
+        html.raw("</tr>\n");
+    }
+    html.raw("</table>\n");
+}
+
+pub fn layers(html: &mut Html, measured: &Measured) {
+    if measured.layers.len() < 2 {
+        return;
+    }
+    html.tag("h2", "Layers of light");
+    html.tag(
+        "p",
+        "Light that keys switch or fade is kept apart, each kind in a layer of its own. This is how bright and how \
+         noisy each is at the file's own setting.",
+    );
+    html.raw("<table><tr><th>layer</th><th>share of the brightness</th><th>its own error</th><th>share of the error in the worst 1 % of the pixels</th></tr>\n");
+    for layer in &measured.layers {
+        html.raw("<tr>");
+        html.tag("td", &layer.name);
+        html.tag("td", &percent(layer.share));
+        html.tag("td", &percent(layer.error));
+        html.tag("td", &percent(layer.of_worst));
+        html.raw("</tr>\n");
+    }
+    html.raw("</table>\n");
+}
+
+/// What the matrix of hard cases says, which is the same for all sequences.
+pub fn hard_cases(html: &mut Html, measured: &Measured) {
+    html.tag("h2", "Hard cases of numerics");
+    html.tag("p", &measured.hard_cases().unwrap_or_default());
+    html.tag(
+        "p",
+        "Where rays meet surfaces is computed with numbers of 64 bits (f64) and formulas that lose none of their digits. \
+         Most renderers have numbers of 32 bits (f32). These are the hard cases of Kinora's tests in four ways; an answer \
+         is wrong if it is of another kind, such as a ray that passes through a crack. The table is the same for all \
+         sequences; kinora accuracy --hard-cases lists the cases.",
+    );
+    let rows = measured.precision.iter().map(|way| {
+        let wrong = format!("{} of {}", way.failing, way.cases);
+        (false, vec![way.way.to_owned(), wrong, format!("{} times", factor(way.time))])
+    });
+    html.table("list", &["way", "cases with wrong answers", "time"], rows);
+}
+
+pub fn settings(html: &mut Html, measured: &Measured) {
+    html.tag("h2", "What was tried");
+    let tried =
+        Axis::ALL.into_iter().filter(|axis| measured.points.iter().any(|point| point.setting.axis == *axis));
+    html.list(tried.map(|axis| (axis.name().to_owned(), axis.meaning().to_owned())));
+    if !measured.left_out.is_empty() {
+        html.tag("p", "Left out:");
+        html.list(measured.left_out.iter().map(|left| (left.what.to_owned(), left.why.clone())));
+    }
+}
+
+pub fn how(html: &mut Html, measured: &Measured, origin: &Origin) {
+    let runs = match measured.random {
+        true => "4 to 16 renders of each setting with different random numbers, in turn",
+        false => "several renders of each setting, in turn, for the time; they are all the same",
+    };
+    let frames = measured.frames.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
+    let (width, height) = measured.size;
+    let (full_width, full_height) = measured.full_size;
+    html.list([
+        ("command".to_owned(), origin.command.clone()),
+        ("machine".to_owned(), format!("{}, {} threads", origin.machine, measured.threads)),
+        ("frames".to_owned(), frames),
+        (
+            "size".to_owned(),
+            format!("{width} x {height} pixels (the file: {full_width} x {full_height}). Errors hardly depend on it, times are in proportion"),
+        ),
+        ("renders".to_owned(), runs.to_owned()),
+        (
+            "reference".to_owned(),
+            format!(
+                "two renders with {} samples a pixel together; their own error is {}",
+                measured.reference,
+                percent(measured.share(measured.reference_error))
+            ),
+        ),
+        ("times".to_owned(), "of tracing a frame with all that leads to it, without loading and writing files".to_owned()),
+    ]);
+}

@@ -1,0 +1,183 @@
+//! The scene's own rays, and what may lie along them.
+
+use crate::bvh::Bvh;
+use crate::camera::{Camera, Ray};
+use crate::light::Source;
+use crate::math::{Aabb, DVec2, DVec3};
+use crate::sampling::{hash, uniform_sphere};
+use crate::scene::{Primitive, Scene};
+use crate::shape::{PreparedRay, Shape, Span, Surface};
+use crate::tree::Probe;
+use std::collections::HashMap;
+
+/// What a ray may meet: a primitive, and a triangle of it if it is a mesh.
+pub type Target = (u32, u32);
+
+/// A hit, and the surface there.
+pub struct Met {
+    pub target: Target,
+    /// Of the shape.
+    pub part: u32,
+    pub t: f64,
+    pub surface: Surface,
+}
+
+/// A scene with all that finding candidates takes.
+pub struct Scenery<'a> {
+    pub scene: &'a Scene<'a>,
+    pub bvh: Bvh,
+    /// Of each mesh, by the primitive that shows it: the triangles around each of its vertices.
+    around: HashMap<u32, Vec<Vec<u32>>>,
+}
+
+/// Triangles of a mesh that are met along one ray, at most.
+const MOST_CROSSINGS: usize = 8;
+
+impl<'a> Scenery<'a> {
+    pub fn new(scene: &'a Scene<'a>) -> Self {
+        let primitives = &scene.geometry.primitives;
+        let around = (0..).zip(primitives).filter_map(|(index, primitive)| match &primitive.shape {
+            Shape::Mesh(shape) => {
+                let mut around = vec![Vec::new(); shape.mesh.positions().len()];
+                for (part, corners) in (0..).zip(shape.mesh.triangles()) {
+                    corners.iter().for_each(|vertex| around[*vertex as usize].push(part));
+                }
+                Some((index, around))
+            }
+            _ => None,
+        });
+        Self { scene, bvh: Bvh::build(scene.geometry), around: around.collect() }
+    }
+
+    pub fn primitive(&self, index: u32) -> &Primitive {
+        &self.scene.geometry.primitives[index as usize]
+    }
+
+    /// The ray through the middle of a pixel.
+    pub fn camera_ray(&self, pixel: (u32, u32), size: (u32, u32)) -> Ray {
+        self.ray_within(pixel, size, DVec2::splat(0.5))
+    }
+
+    /// The ray through a place in a pixel, both from 0 to 1, without a lens.
+    pub fn ray_within(&self, (x, y): (u32, u32), (width, height): (u32, u32), place: DVec2) -> Ray {
+        let camera = Camera { lens: None, ..*self.scene.camera };
+        let at = |pixel: u32, place: f64, of: u32| 2.0 * (f64::from(pixel) + place) / f64::from(of) - 1.0;
+        let aspect = f64::from(width) / f64::from(height);
+        camera.ray(DVec2::new(at(x, place.x, width) * aspect, -at(y, place.y, height)), DVec2::ZERO)
+    }
+
+    /// Whether anything but lights lies on the way to a light, which is at t = 1.
+    pub fn blocked(&self, probe: &Probe) -> bool {
+        // Lights are met at their own surface, which rounding may put before or behind it.
+        let mut within = Span::up_to(1.0);
+        while let Some(hit) = self.bvh.closest_within(self.scene.geometry, probe, within) {
+            if !self.primitive(hit.primitive).is_light() {
+                return true;
+            }
+            within.min = hit.at.t;
+        }
+        false
+    }
+
+    /// What Kinora finds along a ray.
+    pub fn met(&self, ray: &Ray) -> Option<Met> {
+        let hit = self.bvh.closest(self.scene.geometry, &Probe::new(*ray))?;
+        let surface = self.primitive(hit.primitive).surface_at(ray, hit.at);
+        Some(Met { target: self.target(hit.primitive, hit.at.part), part: hit.at.part, t: hit.at.t, surface })
+    }
+
+    fn target(&self, primitive: u32, part: u32) -> Target {
+        (primitive, if self.around.contains_key(&primitive) { part } else { 0 })
+    }
+
+    /// All that a ray may meet in any precision: what it comes near, and of meshes the triangles around those that it meets.
+    /// What is a light does not count where `lights` is not set.
+    pub fn near(&self, ray: &Ray, lights: bool) -> Vec<Target> {
+        let mut found = Vec::new();
+        for (index, primitive) in (0..).zip(&self.scene.geometry.primitives) {
+            if (!lights && primitive.is_light())
+                || !primitive.bounds().is_none_or(|bounds| passes(&bounds, ray))
+            {
+                continue;
+            }
+            match self.around.get(&index) {
+                None => found.push((index, 0)),
+                Some(around) => self.fan(index, around, ray, &mut found),
+            }
+        }
+        found
+    }
+
+    fn fan(&self, index: u32, around: &[Vec<u32>], ray: &Ray, found: &mut Vec<Target>) {
+        let primitive = self.primitive(index);
+        let Shape::Mesh(shape) = &primitive.shape else { return };
+        let prepared = PreparedRay::<f64>::splat(&Probe::new(*ray));
+        let mut within = Span::up_to(f64::INFINITY);
+        for _ in 0..MOST_CROSSINGS {
+            let Some(at) = primitive.intersect(&prepared, within).one() else { break };
+            let corners = shape.mesh.triangles()[at.part as usize];
+            let near = corners.iter().flat_map(|vertex| &around[*vertex as usize]);
+            found.extend(near.map(|part| (index, *part)));
+            within.min = at.t;
+        }
+    }
+
+    /// The triangles around a target, or the target alone.
+    pub fn own(&self, (primitive, part): Target) -> Vec<Target> {
+        let Some(around) = self.around.get(&primitive) else { return vec![(primitive, part)] };
+        let Shape::Mesh(shape) = &self.primitive(primitive).shape else { return Vec::new() };
+        let corners = shape.mesh.triangles()[part as usize];
+        corners.iter().flat_map(|vertex| &around[*vertex as usize]).map(|part| (primitive, *part)).collect()
+    }
+
+    /// A place that a surface may be lit from, on the side that is seen: one of the lights or, if there is none, somewhere
+    /// around it.
+    pub fn light_for(&self, surface: &Surface, seen_from: DVec3, pixel: u32) -> Option<DVec3> {
+        let lights: Vec<&Source> = self.scene.lights().map(|(_, light)| &light.source).collect();
+        let facing = surface.normal.dot(seen_from - surface.point) >= 0.0;
+        let normal = if facing { surface.normal } else { -surface.normal };
+        let place = match lights.get(((u64::from(hash([pixel, 1, 5])) * lights.len() as u64) >> 32) as usize)
+        {
+            Some(Source::Point { position, .. } | Source::Spot { position, .. }) => *position,
+            Some(Source::Directional { to_light }) => surface.point + *to_light * self.far(),
+            Some(Source::Sphere(sphere)) => sphere.center,
+            Some(Source::Rectangle { rectangle, .. }) => rectangle.corner + (rectangle.u + rectangle.v) * 0.5,
+            None => surface.point + around(normal, pixel) * self.far(),
+        };
+        // What grazes says little.
+        let way = place - surface.point;
+        (normal.dot(way) > 1e-3 * way.length()).then_some(place)
+    }
+
+    /// Further away than anything in the scene.
+    pub fn far(&self) -> f64 {
+        4.0 * self.bvh.reach().max(1.0)
+    }
+
+    /// A direction in which a diffuse surface may send light on.
+    pub fn bounce(&self, surface: &Surface, seen_from: DVec3, pixel: u32) -> DVec3 {
+        let facing = surface.normal.dot(seen_from - surface.point) >= 0.0;
+        around(if facing { surface.normal } else { -surface.normal }, pixel)
+    }
+}
+
+/// A direction around a normal, with the density of its cosine.
+fn around(normal: DVec3, pixel: u32) -> DVec3 {
+    let unit = |which: u32| f64::from(hash([pixel, which, 6])) / 4_294_967_296.0;
+    let ball: DVec3 = uniform_sphere(unit(0), unit(1)).into();
+    (normal + ball * 0.999).normalize()
+}
+
+/// Whether a ray comes near a box: nearer than a hundredth of its size.
+fn passes(bounds: &Aabb, ray: &Ray) -> bool {
+    let margin = (bounds.max - bounds.min) * 0.01 + DVec3::splat(1e-3 * (bounds.max - bounds.min).length());
+    let (min, max) = (bounds.min - margin, bounds.max + margin);
+    let (a, b) = ((min - ray.origin) / ray.direction, (max - ray.origin) / ray.direction);
+    let (mut enter, mut leave) = (0.0f64, f64::INFINITY);
+    for (a, b) in a.to_array().into_iter().zip(b.to_array()) {
+        // No number where a ray runs along a face: both comparisons leave what is there.
+        enter = enter.max(a.min(b));
+        leave = leave.min(a.max(b));
+    }
+    enter <= leave
+}
