@@ -166,8 +166,18 @@ fn a_stopped_film_leaves_pictures_of_what_it_has() {
         .replace(r#""sun": Point(position: (3, 4, 5))"#, light)
         .replace(", translation: [(0, (-1, 0, 0)), (12, (1, 0, 0))]", "");
     fs::write(folder.path().join("ball.ron"), still).expect("a disk");
-    let arguments =
-        ["render", "ball.ron", "--noise", "0.0001", "--max-samples", "16777216", "--frames", "0-3"];
+    let arguments = [
+        "render",
+        "ball.ron",
+        "-s",
+        "320x180",
+        "--noise",
+        "0.0001",
+        "--max-samples",
+        "16777216",
+        "--frames",
+        "0-3",
+    ];
     let mut command = Command::new(cargo_bin("kinora"));
     command
         .current_dir(folder.path())
