@@ -5,8 +5,8 @@
 //! ```
 //!
 //! For each `NAME.mesh` in DIR, the rays of `NAME.primary.rays` and `NAME.bounce.rays` are traced for the nearest hit and
-//! those of `NAME.shadow.rays` for any, one by one and, where neighbours go the same way, in bundles of eight. Times are
-//! those of the thread's own clock, the median of a few passes after one to warm up. All rays of `NAME.edge.rays`, if there
+//! those of `NAME.shadow.rays` for any, one by one and, where neighbours go the same way, in bundles of eight, which are
+//! given as rows of numbers. Both are asked for as renders do, by code that is on its SIMD level already. Times are those of the thread's own clock, the median of a few passes after one to warm up. All rays of `NAME.edge.rays`, if there
 //! are any, should hit something: those that miss are counted, over all four ways to trace them. Meshes are built on all
 //! threads (`RAYON_NUM_THREADS` limits them); times are medians as well. Hits are written to `NAME.SET.ours.hits`. Numbers
 //! in the files are little-endian:
@@ -16,11 +16,11 @@
 //! - `.hits`: `KHIT`, u32 count, then a u32 triangle (0xffffffff for none) and its f32 t per ray
 
 use kinora::camera::Ray;
-use kinora::lanes::{Level, Mask as _, Row as _, SimdKernel, Vec3, dispatch};
+use kinora::lanes::{Level, Mask as _, Row as _, SimdKernel, Single as _, Vec3, dispatch};
 use kinora::math::DVec3;
 use kinora::mesh::{self, Normals, Parts};
-use kinora::shape::{Geometric as _, LaneRay, Mesh, OneRay as _, PreparedRay, Span};
-use kinora::tree::Probe;
+use kinora::shape::{Geometric as _, LaneRay, Mesh, PreparedRay, Span};
+use kinora::tree::{Probe, Stack};
 use rustix::time::{ClockId, clock_gettime};
 use std::error::Error;
 use std::fmt::Write as _;
@@ -76,12 +76,13 @@ fn main() -> Outcome<()> {
             let rays = path.with_extension(format!("{set}.rays"));
             let rays = read_rays(&rays)?;
             let any = set == "shadow";
-            let (rate, hits) = timed(&rays, |rays, hits| trace(&mesh, rays, any, hits));
+            let (rate, hits) = timed(rays.len(), |hits| trace(&mesh, &rays, any, hits));
             fs::write(path.with_extension(format!("{set}.ours.hits")), written(&hits))?;
             write!(stdout(), "  {set:8} {rate:7.3} Mray/s")?;
             write!(sets, "{}\"{set}\": {{\"single\": {rate}", if sets.is_empty() { "" } else { ", " })?;
             if set != "bounce" {
-                let (rate, together) = timed(&rays, |rays, hits| trace_bundles(&mesh, rays, any, hits));
+                let bundles = bundles(&rays);
+                let (rate, together) = timed(rays.len(), |hits| trace_bundles(&mesh, &bundles, any, hits));
                 if together != hits {
                     return Err(format!("{name}, {set}: rays in bundles hit something else").into());
                 }
@@ -129,38 +130,81 @@ impl Record {
 type Found = (u32, f32);
 
 fn trace(mesh: &Mesh, rays: &[Record], any: bool, hits: &mut [Found]) {
-    for (ray, hit) in rays.iter().zip(hits) {
-        let probe = Probe::new(ray.ray());
-        let t_max = f64::from(ray.t_max);
-        *hit = match any {
-            true if mesh.blocks(&probe, t_max) => (0, ray.t_max),
-            true => (NONE, ray.t_max),
-            false => mesh.hit(&probe, t_max).map_or((NONE, ray.t_max), |hit| (hit.part, hit.t as f32)),
-        };
+    dispatch(Singles { mesh, rays, any, hits });
+}
+
+/// Rays that are traced one by one.
+struct Singles<'a> {
+    mesh: &'a Mesh,
+    rays: &'a [Record],
+    any: bool,
+    hits: &'a mut [Found],
+}
+
+impl SimdKernel for Singles<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Level>(self) {
+        let Self { mesh, rays, any, hits } = self;
+        let mut stack = Stack::default();
+        for (ray, hit) in rays.iter().zip(hits) {
+            let (probe, within) = (Probe::new(ray.ray()), Span::up_to(f64::from(ray.t_max)));
+            *hit = (NONE, ray.t_max);
+            if any {
+                if mesh.any_on::<L>(&probe, within, &mut stack) {
+                    hit.0 = 0;
+                }
+            } else if let Some(found) = mesh.nearest_on::<L>(&probe, within, &mut stack) {
+                *hit = (found.part, found.t as f32);
+            }
+        }
     }
 }
 
 /// How many of rays that must hit something do not, one by one or in bundles, for the nearest hit or for any.
 fn lost(mesh: &Mesh, rays: &[Record]) -> usize {
-    let mut lost = 0;
+    let (mut lost, bundles) = (0, bundles(rays));
     for any in [false, true] {
-        for trace in [trace, trace_bundles] {
+        for together in [false, true] {
             let mut hits = vec![(NONE, 0.0); rays.len()];
-            trace(mesh, rays, any, &mut hits);
+            match together {
+                true => trace_bundles(mesh, &bundles, any, &mut hits),
+                false => trace(mesh, rays, any, &mut hits),
+            }
             lost += hits.iter().filter(|(part, _)| *part == NONE).count();
         }
     }
     lost
 }
 
-fn trace_bundles(mesh: &Mesh, rays: &[Record], any: bool, hits: &mut [Found]) {
-    dispatch(Bundles { mesh, rays, any, hits });
+fn trace_bundles(mesh: &Mesh, bundles: &[Rows], any: bool, hits: &mut [Found]) {
+    dispatch(Bundles { mesh, bundles, any, hits });
+}
+
+/// Origins, directions and ends of eight rays.
+type Rows = [[f32; 8]; 7];
+
+/// Rays in rows, as a renderer has them. Lanes without a ray repeat the last one, and look at no part of it.
+fn bundles(rays: &[Record]) -> Vec<Rows> {
+    let rows = |rays: &[Record]| {
+        let mut rows = [[0.0; 8]; 7];
+        for lane in 0..8 {
+            let Record { origin: [x, y, z], direction: [dx, dy, dz], t_max } = rays[lane.min(rays.len() - 1)];
+            let end = if lane < rays.len() { t_max } else { 0.0 };
+            for (row, number) in rows.iter_mut().zip([x, y, z, dx, dy, dz, end]) {
+                row[lane] = number;
+            }
+        }
+        rows
+    };
+    rays.chunks(8).map(rows).collect()
 }
 
 /// Rays that are traced eight at a time.
 struct Bundles<'a> {
     mesh: &'a Mesh,
-    rays: &'a [Record],
+    bundles: &'a [Rows],
     any: bool,
     hits: &'a mut [Found],
 }
@@ -170,57 +214,51 @@ impl SimdKernel for Bundles<'_> {
 
     #[inline(always)]
     fn run<L: Level>(self) {
-        for (rays, hits) in self.rays.chunks(8).zip(self.hits.chunks_mut(8)) {
-            let (ray, within) = bundle::<L>(rays);
+        for (rows, hits) in self.bundles.iter().zip(self.hits.chunks_mut(8)) {
+            let [x, y, z, dx, dy, dz, end] = rows;
+            let (origin, direction) = (vector::<L>(x, y, z), vector::<L>(dx, dy, dz));
+            let ray = PreparedRay::new(LaneRay { origin, direction });
+            let within = Span::up_to(numbers::<L>(end));
             if self.any {
                 let blocked = self.mesh.occludes(&ray, within).bits();
-                for (lane, (ray, hit)) in rays.iter().zip(hits).enumerate() {
-                    *hit = (if blocked >> lane & 1 == 1 { 0 } else { NONE }, ray.t_max);
+                for (lane, hit) in hits.iter_mut().enumerate() {
+                    *hit = (if blocked >> lane & 1 == 1 { 0 } else { NONE }, end[lane]);
                 }
             } else {
                 let found = self.mesh.intersect(&ray, within);
                 let (met, parts, t) = (found.is_hit().bits(), found.part.to_array(), found.t.to_array());
-                for (lane, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+                for (lane, hit) in hits.iter_mut().enumerate() {
                     let is_met = met >> lane & 1 == 1;
-                    *hit = if is_met { (parts[lane], t[lane] as f32) } else { (NONE, ray.t_max) };
+                    *hit = if is_met { (parts[lane], t[lane] as f32) } else { (NONE, end[lane]) };
                 }
             }
         }
     }
 }
 
-/// Up to eight rays in lanes. Lanes without a ray repeat the last one, and look at no part of it.
 #[inline(always)]
-fn bundle<L: Level>(rays: &[Record]) -> (PreparedRay<L::F64>, Span<L::F64>) {
-    let (mut rows, mut t_max) = ([[0.0; 8]; 6], [0.0; 8]);
-    for lane in 0..8 {
-        let Record { origin: [x, y, z], direction: [dx, dy, dz], t_max: end } =
-            rays[lane.min(rays.len() - 1)];
-        for (row, number) in rows.iter_mut().zip([x, y, z, dx, dy, dz]) {
-            row[lane] = f64::from(number);
-        }
-        if lane < rays.len() {
-            t_max[lane] = f64::from(end);
-        }
-    }
-    let [x, y, z, dx, dy, dz] = rows.map(L::F64::from_array);
-    let ray = LaneRay { origin: Vec3::new(x, y, z), direction: Vec3::new(dx, dy, dz) };
-    (PreparedRay::new(ray), Span::up_to(L::F64::from_array(t_max)))
+fn vector<L: Level>(x: &[f32; 8], y: &[f32; 8], z: &[f32; 8]) -> Vec3<L::F64> {
+    Vec3::new(numbers::<L>(x), numbers::<L>(y), numbers::<L>(z))
+}
+
+#[inline(always)]
+fn numbers<L: Level>(row: &[f32; 8]) -> L::F64 {
+    L::F32::from_array(*row).to_f64()
 }
 
 /// Millions of rays in a second, and the hits.
-fn timed(rays: &[Record], trace: impl Fn(&[Record], &mut [Found])) -> (f64, Vec<Found>) {
-    let mut hits = vec![(NONE, 0.0); rays.len()];
+fn timed(rays: usize, trace: impl Fn(&mut [Found])) -> (f64, Vec<Found>) {
+    let mut hits = vec![(NONE, 0.0); rays];
     let mut times = Vec::new();
     for _ in 0..=PASSES {
         let before = seconds();
-        trace(rays, &mut hits);
+        trace(&mut hits);
         times.push(seconds() - before);
     }
     // The first pass warms up.
     times.remove(0);
     times.sort_by(f64::total_cmp);
-    (rays.len() as f64 / times[PASSES / 2] * 1e-6, hits)
+    (rays as f64 / times[PASSES / 2] * 1e-6, hits)
 }
 
 /// A mesh, and what it took to build: milliseconds, and those of all processors.

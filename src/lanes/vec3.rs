@@ -114,30 +114,6 @@ impl<F: Real> Vec3<F> {
     }
 
     #[inline(always)]
-    pub fn along(self, axis: usize) -> F {
-        match axis {
-            0 => self.x,
-            1 => self.y,
-            _ => self.z,
-        }
-    }
-
-    /// The axis along which those lanes whose bits are set are longest, x before y before z of equal ones, if it is the
-    /// same for all.
-    #[inline(always)]
-    pub fn longest_axis(self, wanted: u32) -> Option<usize> {
-        let d = self.abs();
-        let x = (d.y.le(d.x) & d.z.le(d.x)).bits() & wanted;
-        let z = d.y.lt(d.z).bits() & wanted & !x;
-        match (x, z) {
-            (x, _) if x == wanted => Some(0),
-            (0, 0) => Some(1),
-            (0, z) if z == wanted => Some(2),
-            _ => None,
-        }
-    }
-
-    #[inline(always)]
     pub fn mul_each(self, other: Self) -> Self {
         Self { x: self.x * other.x, y: self.y * other.y, z: self.z * other.z }
     }

@@ -4,7 +4,7 @@
 //! that what it calls missed is missed by the f64 test, and what it calls hit is hit by that.
 
 use super::Parts;
-use crate::lanes::{Level, Real, Row, Single, Vec3};
+use crate::lanes::{Level, Real, Row, Single};
 use crate::math::DVec3;
 use crate::tree::{BundleSlabs, Probe, Slabs, Space};
 
@@ -206,25 +206,22 @@ pub struct ShearedRays<L: Level> {
 }
 
 impl<L: Level> ShearedRays<L> {
-    /// None if those whose bits are set are not all longest along one axis.
+    /// Of rays that are longest along the last of the axes, with their shears onto that.
     #[inline(always)]
-    pub fn new(slabs: &BundleSlabs<L>, direction: Vec3<L::F64>, wanted: u32) -> Option<Self> {
-        let z = direction.longest_axis(wanted)?;
-        let [x, y] = [[1, 2], [2, 0], [0, 1]][z];
-        let [dx, dy, dz] = [direction.along(x), direction.along(y), direction.along(z)];
-        let inverse = L::F64::splat(1.0) / dz;
+    pub fn new(slabs: &BundleSlabs<L>, axes: [usize; 3], shear: [L::F64; 2]) -> Self {
+        let [x, y, z] = axes;
         let all = slabs.origin();
         let reach = all[0].abs().max(all[1].abs()).max(all[2].abs());
         let rounding = (L::F32::splat(1.0) + reach) * L::F32::splat(8.0 * ROUNDOFF);
         let error = rounding + slabs.error() * L::F32::splat(2.0);
-        Some(Self {
-            axes: [x, y, z],
-            shear: [(dx * inverse).to_f32(), (dy * inverse).to_f32()],
+        Self {
+            axes,
+            shear: [shear[0].to_f32(), shear[1].to_f32()],
             inverse: slabs.inverse_along(z),
             origin: [all[x], all[y], all[z]],
             error,
             margin: error * L::F32::splat(2.0),
-        })
+        }
     }
 
     #[inline(always)]

@@ -27,6 +27,18 @@ pub trait Geometric: Clone + PartialEq + Content {
         self.intersect(ray, within).is_hit()
     }
 
+    /// [`Geometric::intersect`] of one ray.
+    #[inline(always)]
+    fn intersect_one(&self, probe: &Probe, within: Span<f64>) -> Option<Crossing> {
+        self.intersect(&PreparedRay::<f64>::splat(probe), within).one()
+    }
+
+    /// [`Geometric::occludes`] of one ray.
+    #[inline(always)]
+    fn occludes_one(&self, probe: &Probe, within: Span<f64>) -> bool {
+        self.occludes(&PreparedRay::<f64>::splat(probe), within)
+    }
+
     /// The surface where [`Geometric::intersect`] found rays to cross it. If rays are moved to the shape, points of shapes
     /// with edges stay clear of these by `apart` more than they would, as that is how far off the moves may bring the
     /// next ray's origin; otherwise `apart` is 0.
@@ -104,11 +116,11 @@ pub trait OneRay {
 
 impl<T: Geometric> OneRay for T {
     fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        self.intersect(&PreparedRay::<f64>::splat(probe), Span::up_to(t_max)).one()
+        self.intersect_one(probe, Span::up_to(t_max))
     }
 
     fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
-        self.occludes(&PreparedRay::<f64>::splat(probe), Span::up_to(t_max))
+        self.occludes_one(probe, Span::up_to(t_max))
     }
 
     fn surface_at(&self, ray: &Ray, at: Crossing) -> Surface {

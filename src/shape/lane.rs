@@ -32,20 +32,25 @@ impl From<&Ray> for LaneRay<f64> {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Axis {
-    X,
-    Y,
-    Z,
+/// The axes of [`PreparedRay`] of those lanes whose bits are set, if they are the same, given those of lanes that are
+/// longest along x, and along y.
+#[inline(always)]
+fn common_axes(along_x: u32, along_y: u32, wanted: u32) -> Option<[usize; 3]> {
+    match (along_x & wanted, along_y & wanted) {
+        (x, _) if x == wanted => Some([1, 2, 0]),
+        (_, y) if y == wanted => Some([2, 0, 1]),
+        (0, 0) => Some([0, 1, 2]),
+        _ => None,
+    }
 }
 
 /// Rays with what tests along them share, computed once.
 #[derive(Clone, Copy)]
 pub struct PreparedRay<F: Real> {
     pub ray: LaneRay<F>,
-    /// The axis along which the direction is longest, where that is the same in all lanes; of equal ones, x comes before y and
-    /// z, and y after z.
-    longest: Option<Axis>,
+    /// The axis along which the direction is longest, x before y before z of equal ones, behind the two others in cyclic
+    /// order, where that is the same in all lanes.
+    axes: Option<[usize; 3]>,
     /// Lanes in which it is along x, and along y.
     along_x: F::Mask,
     along_y: F::Mask,
@@ -66,17 +71,11 @@ impl<F: Real> PreparedRay<F> {
         let length = ray.direction.abs();
         let along_x = length.y.le(length.x) & length.z.le(length.x);
         let along_y = !along_x & length.z.le(length.y);
-        let all = (1 << F::LANES) - 1;
-        let longest = match (along_x.bits(), along_y.bits()) {
-            (x, _) if x == all => Some(Axis::X),
-            (_, y) if y == all => Some(Axis::Y),
-            (0, 0) => Some(Axis::Z),
-            _ => None,
-        };
+        let axes = common_axes(along_x.bits(), along_y.bits(), (1 << F::LANES) - 1);
         let (zero, one) = (F::splat(0.0), F::splat(1.0));
         let per_square = one / ray.direction.length_squared();
         let (per_longest, origin, shear) = (one, [zero; 3], [zero; 2]);
-        let mut prepared = Self { ray, longest, along_x, along_y, origin, per_longest, per_square, shear };
+        let mut prepared = Self { ray, axes, along_x, along_y, origin, per_longest, per_square, shear };
         let [x, y, z] = prepared.turned(ray.direction);
         prepared.per_longest = one / z;
         prepared.shear = [x * prepared.per_longest, y * prepared.per_longest];
@@ -91,7 +90,7 @@ impl<F: Real> PreparedRay<F> {
         let origin = probe.ray.origin;
         Self {
             ray: LaneRay::splat(&probe.ray),
-            longest: Some([Axis::X, Axis::Y, Axis::Z][longest]),
+            axes: Some(probe.axes),
             along_x: F::Mask::splat(longest == 0),
             along_y: F::Mask::splat(longest == 1),
             origin: [F::splat(origin[x]), F::splat(origin[y]), F::splat(origin[longest])],
@@ -99,6 +98,13 @@ impl<F: Real> PreparedRay<F> {
             per_square: F::splat(1.0 / probe.ray.direction.length_squared()),
             shear: [F::splat(probe.shear[0]), F::splat(probe.shear[1])],
         }
+    }
+
+    /// The axes of those lanes whose bits are set, if they are the same, the one along which the rays are longest last; and
+    /// the direction along the two others over that along the last.
+    #[inline(always)]
+    pub fn shear(&self, wanted: u32) -> Option<([usize; 3], [F; 2])> {
+        Some((common_axes(self.along_x.bits(), self.along_y.bits(), wanted)?, self.shear))
     }
 
     /// How near to each other hits have to be for their surfaces to be compared, of what lies between coordinates up to
@@ -111,10 +117,15 @@ impl<F: Real> PreparedRay<F> {
     /// Coordinates in an order in which that of the longest axis is the last.
     #[inline(always)]
     fn turned(&self, v: Vec3<F>) -> [F; 3] {
-        match self.longest {
-            Some(Axis::X) => [v.y, v.z, v.x],
-            Some(Axis::Y) => [v.z, v.x, v.y],
-            Some(Axis::Z) => [v.x, v.y, v.z],
+        match self.axes {
+            // By a table: of single rays, a branch could not be predicted.
+            Some([x, y, z]) if F::LANES == 1 => {
+                let all = [v.x, v.y, v.z];
+                [all[x], all[y], all[z]]
+            }
+            Some([.., 0]) => [v.y, v.z, v.x],
+            Some([.., 1]) => [v.z, v.x, v.y],
+            Some(_) => [v.x, v.y, v.z],
             None => [self.pick(v.y, v.z, v.x), self.pick(v.z, v.x, v.y), self.pick(v.x, v.y, v.z)],
         }
     }
@@ -201,6 +212,14 @@ impl<F: Real> LaneHit<F> {
         Self { t: F::select(hit, t, F::splat(f64::INFINITY)), ..Self::none() }
     }
 
+    /// The hit of one lane.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> Option<Crossing> {
+        let t = self.t.to_array()[lane];
+        let (part, crowded) = (self.part.to_array()[lane], self.crowded.bits() >> lane & 1 == 1);
+        (t < f64::INFINITY).then_some(Crossing { t, part, crowded })
+    }
+
     /// Lanes in which something is met.
     #[inline(always)]
     pub fn is_hit(&self) -> F::Mask {
@@ -208,11 +227,22 @@ impl<F: Real> LaneHit<F> {
     }
 }
 
+impl<F: Real> Select<F::Mask> for LaneHit<F> {
+    #[inline(always)]
+    fn select(mask: F::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            t: F::select(mask, yes.t, no.t),
+            part: F::U32::select(mask, yes.part, no.part),
+            crowded: yes.crowded & mask | no.crowded & !mask,
+        }
+    }
+}
+
 impl LaneHit<f64> {
     /// The only lane.
     #[inline(always)]
     pub fn one(self) -> Option<Crossing> {
-        self.is_hit().then_some(Crossing { t: self.t, part: self.part, crowded: self.crowded })
+        self.lane(0)
     }
 }
 

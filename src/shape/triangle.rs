@@ -104,13 +104,19 @@ impl<F: Real> TriangleLanes<F> {
     /// [`Geometric::intersect`].
     #[inline(always)]
     pub fn intersect(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
-        let [a, b, c] = self.corners;
-        let sheared = [ray.sheared(a), ray.sheared(b), ray.sheared(c)];
+        let sheared = self.sheared(ray);
         let covered = covers(&sheared);
         if !covered.any() {
             return LaneHit::none();
         }
         self.crossing(ray, &sheared, covered, within)
+    }
+
+    /// The corners, by [`PreparedRay::sheared`].
+    #[inline(always)]
+    pub(super) fn sheared(&self, ray: &PreparedRay<F>) -> [[F; 3]; 3] {
+        let [a, b, c] = self.corners;
+        [ray.sheared(a), ray.sheared(b), ray.sheared(c)]
     }
 
     /// Where the lines of rays cross the triangle's plane, in the lanes in which they pass through the triangle; the

@@ -209,7 +209,7 @@ impl<L: Level> BundleSlabs<L> {
     }
 }
 
-/// A child that is put off, with where the first of its rays enters it, and the rays.
+/// A child that is put off, with where the first of its rays enters it at the earliest, and the rays.
 type Waiting = (f32, Child, u32);
 
 /// Children put off at once. Where a deeper tree needs more, what is below a node is walked by recursion.
@@ -222,6 +222,21 @@ impl Default for BundleStack {
     fn default() -> Self {
         Self([(0.0, Child::NONE, 0); STACK])
     }
+}
+
+/// The largest of all lanes; infinite if one is not a number.
+#[inline(always)]
+fn largest<S: Single<Array = [f32; 8]>>(row: S) -> f32 {
+    let infinite = S::splat(f32::INFINITY);
+    let [a, b, c, d, e, f, g, h] = S::select(row.le(infinite), row, infinite).to_array();
+    let (a, b, c, d) = (Single::max(a, e), Single::max(b, f), Single::max(c, g), Single::max(d, h));
+    Single::max(Single::max(a, c), Single::max(b, d))
+}
+
+/// The least of the lanes whose bits are set.
+#[inline(always)]
+fn least_of<S: Single<Array = [f32; 8]>>(bits: u32, row: S) -> f32 {
+    -largest(S::select(S::Mask::from_bits(bits), -row, S::splat(f32::NEG_INFINITY)))
 }
 
 impl Tree {
@@ -279,19 +294,24 @@ impl Tree {
     ) {
         let (mut top, mut at) = (0, from);
         let few = if T::ALONE { FEW } else { 0 };
+        // The farthest of the rays' limits.
+        let mut farthest = largest(leaves.limit());
         loop {
             if let Some(leaf) = at.as_leaf() {
                 leaves.visit(leaf, rays);
+                farthest = largest(leaves.limit());
             } else if rays.count_ones() <= few {
                 while rays != 0 {
                     leaves.part(rays.trailing_zeros() as usize & 7, Branch(at));
                     rays &= rays - 1;
                 }
+                farthest = largest(leaves.limit());
             } else {
                 let (node, limit, bottom) = (&self.nodes[at.0 as usize], leaves.limit(), top);
-                let mut candidates = 0xff;
+                let (mut candidates, mut together) = (0xff, None);
                 if let Some(hull) = &slabs.hull {
-                    (candidates, _) = hull.test(node, f32::INFINITY);
+                    let (met, enter) = hull.test(node, farthest);
+                    (candidates, together) = (met, Some(enter));
                 }
                 while candidates != 0 {
                     let slot = candidates.trailing_zeros() as usize & 7;
@@ -307,9 +327,14 @@ impl Tree {
                     }
                     if top == STACK {
                         L::call_with(Below { tree: self, from: child, slabs, rays: met, leaves });
+                        farthest = largest(leaves.limit());
                         continue;
                     }
-                    let waiting = (enter.to_array()[met.trailing_zeros() as usize & 7], child, met);
+                    let enter = match together {
+                        Some(enter) => enter[slot],
+                        None => least_of(met, enter),
+                    };
+                    let waiting = (enter, child, met);
                     let mut place = top;
                     while place > bottom && stack[place - 1].0 < waiting.0 {
                         stack[place] = stack[place - 1];
@@ -319,9 +344,16 @@ impl Tree {
                     top += 1;
                 }
             }
-            let Some(next) = top.checked_sub(1) else { return };
-            top = next;
-            (_, at, rays) = stack[top];
+            // What is farther than all limits is passed over.
+            loop {
+                let Some(next) = top.checked_sub(1) else { return };
+                top = next;
+                let (enter, child, met) = stack[top];
+                if enter <= farthest {
+                    (at, rays) = (child, met);
+                    break;
+                }
+            }
         }
     }
 

@@ -7,7 +7,7 @@ mod surface;
 mod tests;
 
 use super::triangle::{TriangleLanes, uniform_weights};
-use super::{Geometric, LaneHit, LaneRay, LaneSurface, Parameters, PreparedRay, RayRows, Span, eight};
+use super::{Crossing, Geometric, LaneHit, LaneRay, LaneSurface, Parameters, PreparedRay, RayRows, Span, eight};
 use crate::color::Rgb;
 use crate::digest::{Content, Digester};
 use crate::lanes::{Level, Mask, Real, Row, Vec3, out_of_line};
@@ -91,7 +91,7 @@ impl Geometric for Mesh {
     fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
         let (rays, span) = (RayRows::of(&ray.ray), [eight(within.min), eight(within.max)]);
         if F::LANES == 1 {
-            return LaneHit::splat(self.nearest(&Probe::new(rays.one(0)), first(&span)));
+            return LaneHit::splat(self.intersect_one(&Probe::new(rays.one(0)), first(&span)));
         }
         let wanted = within.min.lt(within.max).bits();
         let search = BundleSearch::<false> { mesh: self, rays: &rays, wanted, span: &span };
@@ -107,12 +107,20 @@ impl Geometric for Mesh {
     fn occludes<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> F::Mask {
         let (rays, span) = (RayRows::of(&ray.ray), [eight(within.min), eight(within.max)]);
         if F::LANES == 1 {
-            return F::Mask::splat(self.any(&Probe::new(rays.one(0)), first(&span)));
+            return F::Mask::splat(self.occludes_one(&Probe::new(rays.one(0)), first(&span)));
         }
         let wanted = within.min.lt(within.max).bits();
         let search = BundleSearch::<true> { mesh: self, rays: &rays, wanted, span: &span };
         let found = F::Level::call(search);
         F::load(&found.t, 0).lt(F::splat(f64::INFINITY))
+    }
+
+    fn intersect_one(&self, probe: &Probe, within: Span<f64>) -> Option<Crossing> {
+        self.nearest(probe, within)
+    }
+
+    fn occludes_one(&self, probe: &Probe, within: Span<f64>) -> bool {
+        self.any(probe, within)
     }
 
     #[inline(always)]

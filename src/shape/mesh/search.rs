@@ -51,7 +51,6 @@ impl Mesh {
 pub(super) struct Nearest<'a> {
     mesh: &'a Mesh,
     probe: &'a Probe,
-    ray: PreparedRay<f64>,
     /// There from the first leaf on.
     sheared: Option<Sheared>,
     within: Span<f64>,
@@ -62,9 +61,8 @@ pub(super) struct Nearest<'a> {
 impl<'a> Nearest<'a> {
     #[inline(always)]
     pub fn new(mesh: &'a Mesh, probe: &'a Probe, within: Span<f64>) -> Self {
-        let ray = PreparedRay::splat(probe);
-        let vicinity = ray.vicinity(mesh.mesh.tree().space().reach());
-        Self { mesh, probe, ray, sheared: None, within, vicinity, hit: None }
+        let vicinity = PreparedRay::splat(probe).vicinity(mesh.mesh.tree().space().reach());
+        Self { mesh, probe, sheared: None, within, vicinity, hit: None }
     }
 
     /// Beyond which t nothing is of interest.
@@ -91,7 +89,6 @@ impl<'a> Nearest<'a> {
 pub(super) struct Any<'a> {
     mesh: &'a Mesh,
     probe: &'a Probe,
-    ray: PreparedRay<f64>,
     sheared: Option<Sheared>,
     within: Span<f64>,
     pub found: bool,
@@ -100,7 +97,7 @@ pub(super) struct Any<'a> {
 impl<'a> Any<'a> {
     #[inline(always)]
     pub fn new(mesh: &'a Mesh, probe: &'a Probe, within: Span<f64>) -> Self {
-        Self { mesh, probe, ray: PreparedRay::splat(probe), sheared: None, within, found: false }
+        Self { mesh, probe, sheared: None, within, found: false }
     }
 }
 
@@ -174,7 +171,7 @@ impl SimdKernel for Visit<'_, Nearest<'_>> {
         if candidates == 0 {
             return Some(limit);
         }
-        let near = sieve.near.to_array();
+        let (near, ray) = (sieve.near.to_array(), PreparedRay::<f64>::splat(probe));
         while candidates != 0 {
             let lane = candidates.trailing_zeros() as usize & 7;
             let sure = sieve.hit >> lane & 1 == 1;
@@ -183,11 +180,11 @@ impl SimdKernel for Visit<'_, Nearest<'_>> {
                 continue;
             }
             let triangle = TriangleLanes::splat(mesh.packed_corners(packet, lane));
-            let sheared = triangle.corners.map(|corner| search.ray.sheared(corner));
+            let sheared = triangle.sheared(&ray);
             if !sure && !covers(&sheared) {
                 continue;
             }
-            let Some(at) = triangle.crossing(&search.ray, &sheared, true, within).one() else { continue };
+            let Some(at) = triangle.crossing(&ray, &sheared, true, within).one() else { continue };
             search.consider(at.t, packet.part(lane));
             limit = slabs.limit(search.limit());
         }
@@ -226,13 +223,14 @@ impl SimdKernel for Visit<'_, Any<'_>> {
         if within.min == 0.0 && sheared.within(&sieve, limit) != 0 {
             return true;
         }
+        let ray = PreparedRay::<f64>::splat(probe);
         while candidates != 0 {
             let lane = candidates.trailing_zeros() as usize & 7;
             candidates &= candidates - 1;
             let triangle = TriangleLanes::splat(mesh.packed_corners(packet, lane));
-            let sheared = triangle.corners.map(|corner| search.ray.sheared(corner));
+            let sheared = triangle.sheared(&ray);
             let covered = sieve.hit >> lane & 1 == 1 || covers(&sheared);
-            if triangle.crossing(&search.ray, &sheared, covered, within).is_hit() {
+            if triangle.crossing(&ray, &sheared, covered, within).is_hit() {
                 return true;
             }
         }
