@@ -121,8 +121,8 @@ fn seconds_by(clock: ClockId) -> f64 {
 
 impl Record {
     fn ray(&self) -> Ray {
-        let [origin, direction] = [self.origin, self.direction].map(|v| DVec3::from_array(v.map(f64::from)));
-        Ray { origin, direction }
+        let vector = |[x, y, z]: [f32; 3]| DVec3::new(x.into(), y.into(), z.into());
+        Ray { origin: vector(self.origin), direction: vector(self.direction) }
     }
 }
 

@@ -142,7 +142,8 @@ impl Bvh {
         for lane in lanes(wanted.bits()) {
             let probe = Probe::new(rays.one(lane));
             let span = Span { min: within[0][lane], max: within[1][lane] };
-            let hit = self.closest_on::<L>(geometry, &probe, span, hits.lane(lane), &mut stacks.single);
+            let hit =
+                self.closest_on::<L::Narrow>(geometry, &probe, span, hits.lane(lane), &mut stacks.single);
             hits.set_lane(lane, hit);
         }
         hits.load()
@@ -179,7 +180,7 @@ impl Bvh {
             let probe = Probe::new(rays.one(lane));
             let span = Span { min: bounds[0][lane], max: bounds[1][lane] };
             let [blocked, dimmed] =
-                self.occluded_on::<L>(geometry, &probe, span, passing, &mut stacks.single);
+                self.occluded_on::<L::Narrow>(geometry, &probe, span, passing, &mut stacks.single);
             bits[0] |= u32::from(blocked) << lane;
             bits[1] |= u32::from(dimmed) << lane;
         }

@@ -2,7 +2,7 @@
 
 use super::nearest::Found;
 use super::{Bvh, Hit, Passing, lets_pass};
-use crate::lanes::{Level, SimdKernel, dispatch};
+use crate::lanes::{Level, SimdKernel, dispatch_narrow};
 use crate::scene::Geometry;
 use crate::shape::{PreparedRay, Span, Vicinity};
 use crate::tree::{Leaves, Probe, Slabs, Stack};
@@ -15,12 +15,12 @@ impl Bvh {
 
     /// Whether a ray meets anything before `t_max`.
     pub fn occluded(&self, geometry: &Geometry, probe: &Probe, t_max: f64) -> bool {
-        dispatch(Occluded { bvh: self, geometry, probe, within: Span::up_to(t_max) })
+        dispatch_narrow(Occluded { bvh: self, geometry, probe, within: Span::up_to(t_max) })
     }
 
     /// The nearest hit along a ray within bounds.
     pub fn closest_within(&self, geometry: &Geometry, probe: &Probe, within: Span<f64>) -> Option<Hit> {
-        dispatch(Closest { bvh: self, geometry, probe, within })
+        dispatch_narrow(Closest { bvh: self, geometry, probe, within })
     }
 
     /// What is nearer of all that stands beside the tree or in it than what has been found already.
@@ -57,7 +57,7 @@ impl Bvh {
 
     /// Gives every hit of every primitive along a ray within bounds to `take`, in no order.
     pub fn each_hit(&self, geometry: &Geometry, probe: &Probe, within: Span<f64>, take: &mut dyn FnMut(Hit)) {
-        dispatch(Each { bvh: self, geometry, probe, within, take });
+        dispatch_narrow(Each { bvh: self, geometry, probe, within, take });
     }
 }
 

@@ -211,6 +211,9 @@ pub trait Level: Copy + 'static {
     type F64: Real<Mask = Self::Mask, F32 = Self::F32, U32 = Self::U32, Level = Self, Array = [f64; 8]>;
     type F32: Single<Mask = Self::Mask, F64 = Self::F64, Array = [f32; 8]>;
     type U32: Bits<Mask = Self::Mask, F64 = Self::F64, Array = [u32; 8]>;
+    /// The level for work on one ray: eight boxes or triangles in f32 and a few f64, to which wider registers give nothing, while
+    /// masks in registers of their own take longer to look at.
+    type Narrow: Level;
 
     /// Runs a kernel as a function of its own, compiled for the level: what comes before and after keeps its registers.
     fn call<K: SimdKernel>(kernel: K) -> K::Output;
@@ -312,6 +315,16 @@ pub fn dispatch<K: SimdKernel>(kernel: K) -> K::Output {
         LevelName::Avx2 => x86::run_avx2(kernel),
         #[cfg(target_arch = "x86_64")]
         LevelName::Avx512 => x86::run_avx512(kernel),
+        _ => Portable::call(kernel),
+    }
+}
+
+/// Runs a kernel for one ray on the [narrow level](Level::Narrow) of [`level`].
+#[inline]
+pub fn dispatch_narrow<K: SimdKernel>(kernel: K) -> K::Output {
+    match level() {
+        #[cfg(target_arch = "x86_64")]
+        LevelName::Avx2 | LevelName::Avx512 => x86::run_avx2(kernel),
         _ => Portable::call(kernel),
     }
 }

@@ -26,6 +26,7 @@ impl Level for Portable {
     type F64 = F64x8;
     type F32 = F32x8;
     type U32 = U32x8;
+    type Narrow = Self;
 
     #[inline(never)]
     fn call<K: SimdKernel>(kernel: K) -> K::Output {

@@ -75,6 +75,20 @@ pub struct Sheared {
     after_start: f32,
 }
 
+/// How a ray passes eight triangles.
+pub struct Passed<S> {
+    edges: Edges<S>,
+    /// Of the corners, and how far those are apart.
+    depths: [S; 3],
+    extent: S,
+    /// No corner is nearer, or farther.
+    near: S,
+    far: S,
+    /// A bit for each triangle that may be met, and for each of them through which the ray's line passes for sure.
+    live: u32,
+    inside: u32,
+}
+
 /// What the filter says of eight triangles, a bit each.
 #[derive(Clone, Copy, Debug)]
 pub struct Sieve<L> {
@@ -98,15 +112,17 @@ impl Sheared {
     /// the shear is at most 1 and adds as much again, its own rounding, and those of the product and the difference.
     #[inline(always)]
     pub fn new(probe: &Probe, slabs: &Slabs) -> Self {
-        let [x, y, z] = probe.axes;
+        // No closures, and no indices into vectors, which are branches.
+        let ([x, y, z], [dx, dy]) = (probe.axes, probe.shear);
+        let origin = slabs.origin.to_array();
         let reach = 1.0 + slabs.origin.abs().max_element() as f32;
         let error = reach * (8.0 * ROUNDOFF) + 2.0 * slabs.error as f32;
         let start = slabs.start();
         Self {
             axes: probe.axes,
-            shear: probe.shear.map(|shear| shear as f32),
+            shear: [dx as f32, dy as f32],
             inverse: slabs.inverse_along(z),
-            origin: [x, y, z].map(|axis| slabs.origin[axis] as f32),
+            origin: [origin[x] as f32, origin[y] as f32, origin[z] as f32],
             error,
             margin: 2.0 * error,
             start,
@@ -127,41 +143,59 @@ impl Sheared {
         (x, y, depth * S::splat(self.inverse))
     }
 
-    /// Sifts a packet's triangles, as far as they may be met before `limit`.
+    /// Which of a packet's triangles the ray passes through, as far as they may be met before `limit`.
     #[inline(always)]
-    pub fn sift<S: Single<Array = [f32; 8]>>(&self, packet: &Packet, limit: f32) -> Sieve<S> {
+    pub fn pass<S: Single<Array = [f32; 8]>>(&self, packet: &Packet, limit: f32) -> Passed<S> {
         // No closures here: they would be compiled for less than the lanes need.
         let (ax, ay, az) = self.place::<S>(&packet.corners[0]);
         let (bx, by, bz) = self.place::<S>(&packet.corners[1]);
         let (cx, cy, cz) = self.place::<S>(&packet.corners[2]);
-        let Edges { numbers: [u, v, w], off, low, high, missed } =
-            Edges::new([(ax, ay), (bx, by), (cx, cy)], S::splat(self.error));
+        let edges = Edges::new([(ax, ay), (bx, by), (cx, cy)], S::splat(self.error));
         let (first, last) = (az.min(bz).min(cz), az.max(bz).max(cz));
         let margin = S::splat(self.margin);
-        let near = first - margin;
+        let (near, far) = (first - margin, last + margin);
         let (start, limit) = (S::splat(self.start), S::splat(limit));
-        let live = !missed & near.le_bits(limit) & start.le_bits(last + margin);
-        let inside = live & (off.lt_bits(low) | high.lt_bits(-off));
+        let live = !edges.missed & near.le_bits(limit) & start.le_bits(far);
+        let inside = live & (edges.off.lt_bits(edges.low) | edges.high.lt_bits(-edges.off));
+        Passed { edges, depths: [az, bz, cz], extent: last - first, near, far, live, inside }
+    }
+
+    /// Sifts the triangles by their depths.
+    #[inline(always)]
+    pub fn sift<S: Single>(&self, passed: &Passed<S>, limit: f32) -> Sieve<S> {
+        let &Passed { edges: Edges { numbers: [u, v, w], off, .. }, near, live, inside, .. } = passed;
         if inside == 0 {
             return Sieve { hit: 0, unsure: live, near, far: near };
         }
         // The depth at the hit, between the corners' by weights: v and w are off by `off`, and so, three times, is
         // what they are divided by; their sums with what rounds depths.
+        let [a, b, c] = passed.depths;
         let sum = u + v + w;
-        let t = az + (v * (bz - az) + w * (cz - az)) / sum;
-        let spread = (last - first) * off * S::splat(6.0);
+        let t = a + (v * (b - a) + w * (c - a)) / sum;
+        let spread = passed.extent * off * S::splat(6.0);
         let least = sum.abs() - off * S::splat(3.0);
-        let slack = spread / least + margin * S::splat(3.0);
+        let slack = spread / least + S::splat(self.margin) * S::splat(3.0);
         let (near, far) = ((t - slack).max(near), t + slack);
-        let hit = inside & near.le_bits(limit) & start.le_bits(far);
+        let hit = inside & near.le_bits(S::splat(limit)) & S::splat(self.start).le_bits(far);
         Sieve { hit, unsure: live & !inside, near, far }
     }
 
     /// Which of the triangles that are hit for sure are so between both ends of the ray.
     #[inline(always)]
     pub fn within<S: Single>(&self, sieve: &Sieve<S>, limit: f32) -> u32 {
+        sieve.hit & self.between(sieve.near, sieve.far, limit)
+    }
+
+    /// Triangles that are so already because all of them lies there.
+    #[inline(always)]
+    pub fn within_whole<S: Single>(&self, passed: &Passed<S>, limit: f32) -> u32 {
+        passed.inside & self.between(passed.near, passed.far, limit)
+    }
+
+    #[inline(always)]
+    fn between<S: Single>(&self, near: S, far: S, limit: f32) -> u32 {
         let (start, limit) = (S::splat(self.after_start), S::splat(limit - limit.abs() * INWARDS));
-        sieve.hit & start.lt_bits(sieve.near) & sieve.far.lt_bits(limit)
+        start.lt_bits(near) & far.lt_bits(limit)
     }
 }
 

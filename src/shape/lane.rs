@@ -19,6 +19,12 @@ impl<F: Real> LaneRay<F> {
         Self { origin: Vec3::splat(ray.origin), direction: Vec3::splat(ray.direction) }
     }
 
+    /// The ray of one lane.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> Ray {
+        Ray { origin: self.origin.lane(lane), direction: self.direction.lane(lane) }
+    }
+
     #[inline(always)]
     pub fn at(&self, t: F) -> Vec3<F> {
         self.origin + self.direction * t
@@ -87,14 +93,14 @@ impl<F: Real> PreparedRay<F> {
     #[inline(always)]
     pub fn splat(probe: &Probe) -> Self {
         let [x, y, longest] = probe.axes;
-        let origin = probe.ray.origin;
+        let origin = probe.ray.origin.to_array();
         Self {
             ray: LaneRay::splat(&probe.ray),
             axes: Some(probe.axes),
             along_x: F::Mask::splat(longest == 0),
             along_y: F::Mask::splat(longest == 1),
             origin: [F::splat(origin[x]), F::splat(origin[y]), F::splat(origin[longest])],
-            per_longest: F::splat(probe.inverse[longest]),
+            per_longest: F::splat(probe.inverse.to_array()[longest]),
             per_square: F::splat(1.0 / probe.ray.direction.length_squared()),
             shear: [F::splat(probe.shear[0]), F::splat(probe.shear[1])],
         }

@@ -367,7 +367,14 @@ impl Tree {
         limit: f32,
         leaves: &mut impl Leaves,
     ) -> Option<f32> {
-        L::call(Walk { tree: self, slabs, leaves, limit, from: below.0, stack: &mut Stack::default() })
+        L::Narrow::call(Walk {
+            tree: self,
+            slabs,
+            leaves,
+            limit,
+            from: below.0,
+            stack: &mut Stack::default(),
+        })
     }
 }
 

@@ -1,7 +1,8 @@
 //! A ray with what every test along it needs, computed once.
 
 use crate::camera::Ray;
-use crate::math::DVec3;
+use crate::math::{DVec3, larger};
+use std::hint::select_unpredictable;
 
 /// A ray prepared for box and triangle tests.
 #[derive(Clone, Copy, Debug)]
@@ -23,11 +24,12 @@ impl Probe {
         let d = ray.direction;
         let a = d.abs();
         // By tables and selections: branches could not be predicted.
-        let (of_yz, yz) = (1 + usize::from(a.z > a.y), if a.z > a.y { a.z } else { a.y });
-        let z = if a.x >= yz { 0 } else { of_yz };
+        let yz = larger(a.z, a.y);
+        let z = select_unpredictable(a.x >= yz, 0, 1 + usize::from(a.z > a.y));
         let [x, y] = [[1, 2], [2, 0], [0, 1]][z];
-        let longest = if a.x >= yz { a.x } else { yz };
         let inverse = DVec3::new(1.0 / d.x, 1.0 / d.y, 1.0 / d.z);
-        Self { ray, inverse, longest, axes: [x, y, z], shear: [d[x] * inverse[z], d[y] * inverse[z]] }
+        let (d, per_longest) = (d.to_array(), inverse.to_array()[z]);
+        let shear = [d[x] * per_longest, d[y] * per_longest];
+        Self { ray, inverse, longest: larger(a.x, yz), axes: [x, y, z], shear }
     }
 }

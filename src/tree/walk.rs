@@ -2,7 +2,7 @@
 
 use super::slabs::Wide;
 use super::{Child, Node, Probe, Slabs, Tree};
-use crate::lanes::{Level, SimdKernel, dispatch};
+use crate::lanes::{Level, SimdKernel, dispatch_narrow};
 
 /// What a tree's leaves hold, while a ray walks the tree.
 pub trait Leaves {
@@ -19,7 +19,7 @@ impl Tree {
     #[inline(always)]
     pub fn walk(&self, probe: &Probe, t_max: f64, leaves: &mut impl Leaves) {
         if self.root != Child::NONE {
-            dispatch(Begin { tree: self, probe, t_max, leaves });
+            dispatch_narrow(Begin { tree: self, probe, t_max, leaves });
         }
     }
 
@@ -175,5 +175,5 @@ fn put(entries: &mut [Entered; STACK], bottom: usize, top: usize, child: Entered
 #[cold]
 #[inline(never)]
 fn walk_apart<V: Leaves>(walk: Walk<'_, V>) -> Option<f32> {
-    dispatch(walk)
+    dispatch_narrow(walk)
 }

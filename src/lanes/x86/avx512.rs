@@ -20,7 +20,7 @@ pub struct Mask8(__mmask8);
 // SAFETY of all that follows: there are lanes of this kind only where the processor has the features, see `super`.
 // Pointers that are read or written lead to as many numbers as the register holds: slices are checked to have them.
 
-level!(Avx512, "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi1,bmi2,lzcnt,popcnt");
+level!(Avx512, super::avx2::Avx2, "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi1,bmi2,lzcnt,popcnt");
 
 impl Mask for Mask8 {
     #[inline(always)]

@@ -65,7 +65,7 @@ pub fn prefetch<T>(all: &[T], soon: usize) {
 
 /// A level: its type, and kernels compiled for its features.
 macro_rules! level {
-    ($name:ident, $features:literal) => {
+    ($name:ident, $narrow:ty, $features:literal) => {
         #[derive(Clone, Copy)]
         pub struct $name;
 
@@ -92,6 +92,7 @@ macro_rules! level {
             type F64 = F64x8;
             type F32 = F32x8;
             type U32 = U32x8;
+            type Narrow = $narrow;
 
             #[inline(always)]
             fn call<K: SimdKernel>(kernel: K) -> K::Output {

@@ -162,7 +162,7 @@ impl<L: Level, const ANY: bool> BundleLeaves<L> for Bundle<'_, L, ANY> {
         let slot = &mut self.alone[ray];
         if slot.is_none() {
             let probe = Probe::new(self.rays.one(ray));
-            *slot = Slabs::new::<L>(mesh.mesh.tree(), &probe, within.max).map(|slabs| (probe, slabs));
+            *slot = Slabs::new::<L::Narrow>(mesh.mesh.tree(), &probe, within.max).map(|slabs| (probe, slabs));
         }
         let Some((probe, slabs)) = slot else { return };
         let tree = mesh.mesh.tree();

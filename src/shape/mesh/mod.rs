@@ -7,7 +7,9 @@ mod surface;
 mod tests;
 
 use super::triangle::{TriangleLanes, uniform_weights};
-use super::{Crossing, Geometric, LaneHit, LaneRay, LaneSurface, Parameters, PreparedRay, RayRows, Span, eight};
+use super::{
+    Crossing, Geometric, LaneHit, LaneRay, LaneSurface, Parameters, PreparedRay, RayRows, Span, eight,
+};
 use crate::color::Rgb;
 use crate::digest::{Content, Digester};
 use crate::lanes::{Level, Mask, Real, Row, Vec3, out_of_line};

@@ -37,13 +37,13 @@ impl Mesh {
         within: Span<f64>,
         stack: &mut Stack,
     ) -> Option<Crossing> {
-        L::call(Walk { search: Nearest::new(self, probe, within), stack })
+        L::Narrow::call(Walk { search: Nearest::new(self, probe, within), stack })
     }
 
     /// [`Mesh::any`] on a level that is at work already.
     #[inline(always)]
     pub fn any_on<L: Level>(&self, probe: &Probe, within: Span<f64>, stack: &mut Stack) -> bool {
-        L::call(Walk { search: Any::new(self, probe, within), stack })
+        L::Narrow::call(Walk { search: Any::new(self, probe, within), stack })
     }
 }
 
@@ -166,7 +166,7 @@ impl SimdKernel for Visit<'_, Nearest<'_>> {
         let Nearest { mesh: Mesh { mesh, .. }, probe, within, .. } = *search;
         let packet = &mesh.packets()[leaf as usize];
         let sheared = search.sheared.get_or_insert_with(|| Sheared::new(probe, slabs));
-        let sieve = sheared.sift::<L::F32>(packet, limit);
+        let sieve = sheared.sift(&sheared.pass::<L::F32>(packet, limit), limit);
         let mut candidates = sieve.hit | sieve.unsure;
         if candidates == 0 {
             return Some(limit);
@@ -214,13 +214,18 @@ impl SimdKernel for Visit<'_, Any<'_>> {
         let Any { mesh: Mesh { mesh, .. }, probe, within, .. } = *search;
         let packet = &mesh.packets()[leaf as usize];
         let sheared = search.sheared.get_or_insert_with(|| Sheared::new(probe, slabs));
-        let sieve = sheared.sift::<L::F32>(packet, limit);
+        let passed = sheared.pass::<L::F32>(packet, limit);
+        // What is sure is so from the start on.
+        let from_start = within.min == 0.0;
+        if from_start && sheared.within_whole(&passed, limit) != 0 {
+            return true;
+        }
+        let sieve = sheared.sift(&passed, limit);
         let mut candidates = sieve.hit | sieve.unsure;
         if candidates == 0 {
             return false;
         }
-        // What is sure is so from the start on.
-        if within.min == 0.0 && sheared.within(&sieve, limit) != 0 {
+        if from_start && sheared.within(&sieve, limit) != 0 {
             return true;
         }
         let ray = PreparedRay::<f64>::splat(probe);

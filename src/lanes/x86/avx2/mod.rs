@@ -14,7 +14,7 @@ use std::ops::{BitAnd, BitOr, Not};
 // SAFETY of all that follows: there are lanes of this kind only where the processor has the features, see `super`.
 // Pointers that are read or written lead to as many numbers as the register holds: slices are checked to have them.
 
-level!(Avx2, "avx2,fma,bmi1,bmi2,lzcnt,popcnt");
+level!(Avx2, Avx2, "avx2,fma,bmi1,bmi2,lzcnt,popcnt");
 
 /// Lanes 0 to 3, and 4 to 7.
 #[derive(Clone, Copy)]
