@@ -5,7 +5,7 @@ use super::single::{Any, NearestOne};
 use super::{Bvh, Occlusion, Passing, lets_pass};
 use crate::lanes::{LaneKernel, Level, Mask, Real, Row, Select};
 use crate::scene::{Geometry, Primitive};
-use crate::shape::{PreparedRay, RayRows, Span, eight};
+use crate::shape::{PreparedRay, Span, eight};
 use crate::tree::{Branch, BundleLeaves, BundleSlabs, BundleStack, Probe, Slabs, Tree};
 
 impl Bvh {
@@ -48,24 +48,21 @@ struct Alone {
 }
 
 /// The rays of a bundle by themselves, each made when it is first asked for.
-struct Singles<const ALONE: usize> {
-    rays: RayRows,
-    each: [Option<Alone>; ALONE],
-}
+struct Singles<const ALONE: usize>([Option<Alone>; ALONE]);
 
 impl<const ALONE: usize> Singles<ALONE> {
     #[inline(always)]
-    fn new<F: Real>(ray: &PreparedRay<F>) -> Self {
-        Self { rays: RayRows::of(&ray.ray), each: [None; ALONE] }
+    fn new() -> Self {
+        Self([None; ALONE])
     }
 
     /// A ray that is near the tree; none where there is no room for it.
     #[inline(always)]
-    fn get<L: Level>(&mut self, tree: &Tree, ray: usize) -> Option<&Alone> {
-        let alone = self.each.get_mut(ray)?;
+    fn get<L: Level>(&mut self, tree: &Tree, rays: &PreparedRay<L::F64>, ray: usize) -> Option<&Alone> {
+        let alone = self.0.get_mut(ray)?;
         if alone.is_none() {
-            let probe = Probe::new(self.rays.one(ray));
-            *alone = Slabs::new::<L>(tree, &probe, f64::INFINITY).map(|slabs| Alone { probe, slabs });
+            let probe = Probe::new(rays.ray.lane(ray));
+            *alone = Slabs::new::<L::Narrow>(tree, &probe, f64::INFINITY).map(|slabs| Alone { probe, slabs });
         }
         alone.as_ref()
     }
@@ -88,14 +85,14 @@ impl<L: Level, const ALONE: usize> LaneKernel<L> for Closest<'_, '_, L, ALONE> {
         let ray = &nearest.ray.ray;
         let wanted = L::F64::splat(0.0).le(nearest.limit).bits();
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, ray.origin, ray.direction, wanted);
-        let singles = Singles::<ALONE>::new(nearest.ray);
+        let singles = Singles::<ALONE>::new();
         let limit = slabs.limit(nearest.limit);
         let mut walk = NearestWalk { bvh, geometry, slabs: &slabs, nearest, limit, singles };
         if near != 0 {
             bvh.tree.walk_together(&slabs, near, &mut walk, stack);
         }
         for lane in crate::lanes::lanes(afar) {
-            let probe = Probe::new(walk.singles.rays.one(lane));
+            let probe = Probe::new(walk.nearest.ray.ray.lane(lane));
             walk.alone(lane, &probe, |one| bvh.tree.walk(&probe, one.limit(), one));
         }
     }
@@ -145,7 +142,9 @@ impl<L: Level, const ALONE: usize> BundleLeaves<L> for NearestWalk<'_, '_, L, AL
     #[inline(always)]
     fn part(&mut self, ray: usize, below: Branch) {
         let tree = &self.bvh.tree;
-        let Some(&Alone { probe, slabs }) = self.singles.get::<L>(tree, ray) else { return };
+        let Some(&Alone { probe, slabs }) = self.singles.get::<L>(tree, self.nearest.ray, ray) else {
+            return;
+        };
         self.alone(ray, &probe, |one| {
             tree.walk_below::<L>(below, &slabs, slabs.limit(one.limit()), one);
         });
@@ -261,14 +260,14 @@ impl<L: Level, const ALONE: usize> LaneKernel<L> for Occluded<'_, '_, L, ALONE> 
         let ray = &shadow.ray.ray;
         let wanted = shadow.open.bits();
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, ray.origin, ray.direction, wanted);
-        let singles = Singles::<ALONE>::new(shadow.ray);
+        let singles = Singles::<ALONE>::new();
         let limit = slabs.limit(L::F64::select(shadow.open, shadow.within.max, L::F64::splat(-1.0)));
         let mut walk = AnyWalk { bvh, geometry, shadow, limit, singles };
         if near != 0 {
             bvh.tree.walk_together(&slabs, near, &mut walk, stack);
         }
         for lane in crate::lanes::lanes(afar) {
-            let probe = Probe::new(walk.singles.rays.one(lane));
+            let probe = Probe::new(walk.shadow.ray.ray.lane(lane));
             walk.alone(lane, &probe, |any| bvh.tree.walk(&probe, any.within.max, any));
         }
     }
@@ -326,7 +325,7 @@ impl<L: Level, const ALONE: usize> BundleLeaves<L> for AnyWalk<'_, '_, L, ALONE>
             return;
         }
         let tree = &self.bvh.tree;
-        let Some(&Alone { probe, slabs }) = self.singles.get::<L>(tree, ray) else { return };
+        let Some(&Alone { probe, slabs }) = self.singles.get::<L>(tree, self.shadow.ray, ray) else { return };
         self.alone(ray, &probe, |any| {
             tree.walk_below::<L>(below, &slabs, slabs.limit(any.within.max), any);
         });

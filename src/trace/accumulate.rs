@@ -2,31 +2,47 @@
 
 use crate::color::Rgb;
 use crate::film::LayerId;
-use crate::lanes::{Color, Level, Mask, Real, Row, SimdKernel, dispatch, lanes};
+use crate::lanes::{Bits, Color, Level, Mask, Real, Row, SimdKernel, Single, dispatch, lanes};
+use crate::math::DVec3;
 
-/// Sums of light, sample after sample and of each its layers.
+/// Sums of light, layer after layer and of each its channels: a number for every sample.
 #[derive(Default)]
 pub struct Accumulator {
     layers: usize,
-    sums: Vec<[f64; 3]>,
+    /// So many numbers each channel has: for all samples, and for lanes behind the last.
+    length: usize,
+    sums: Vec<f64>,
 }
 
 impl Accumulator {
     pub fn new(layers: usize) -> Self {
-        Self { layers, sums: Vec::new() }
+        Self { layers, ..Self::default() }
     }
 
     /// Begins with so many samples.
     pub fn reset(&mut self, samples: usize) {
+        self.length = samples + 8;
         self.sums.clear();
-        self.sums.resize(samples * self.layers, [0.0; 3]);
+        self.sums.resize(3 * self.layers * self.length, 0.0);
     }
 
     /// Adds light to a layer of the samples in the lanes of a mask.
     #[inline(always)]
     pub fn add<F: Real>(&mut self, layer: LayerId, light: Color<F::F32>, mask: F::Mask, slots: F::U32) {
-        let (r, g, b) = (light.r.to_array(), light.g.to_array(), light.b.to_array());
-        let slots = slots.to_array();
+        let mut consecutive = F::U32::splat(0).to_array();
+        for lane in 0..F::LANES {
+            consecutive[lane] = lane as u32;
+        }
+        let all = slots.to_array();
+        let consecutive = F::U32::splat(all[0]).wrapping_add(F::U32::from_array(consecutive));
+        if !(mask & !slots.eq(consecutive)).any() {
+            let at = self.place(layer.index(), all[0]);
+            self.add_row(at, F::select(mask, light.r.to_f64(), F::splat(0.0)));
+            self.add_row(at + self.length, F::select(mask, light.g.to_f64(), F::splat(0.0)));
+            self.add_row(at + 2 * self.length, F::select(mask, light.b.to_f64(), F::splat(0.0)));
+            return;
+        }
+        let (r, g, b, slots) = (light.r.to_array(), light.g.to_array(), light.b.to_array(), all);
         for lane in lanes(mask.bits()) {
             self.add_to(layer, Rgb::new(r[lane], g[lane], b[lane]), slots[lane]);
         }
@@ -35,25 +51,41 @@ impl Accumulator {
     /// Adds light to a layer of one sample.
     #[inline(always)]
     pub fn add_to(&mut self, layer: LayerId, light: Rgb, slot: u32) {
-        let sum = &mut self.sums[slot as usize * self.layers + layer.index()];
-        for (sum, light) in sum.iter_mut().zip(light.to_array()) {
-            *sum += f64::from(light);
+        let at = self.place(layer.index(), slot);
+        for (channel, light) in light.to_array().into_iter().enumerate() {
+            self.sums[at + channel * self.length] += f64::from(light);
         }
     }
 
-    /// A sample's layers from one on.
-    pub fn layers_from(&mut self, layer: usize, slot: u32) -> &mut [[f64; 3]] {
-        &mut self.sums[slot as usize * self.layers + layer..]
+    /// A sample's sum of a layer.
+    #[inline]
+    pub fn get(&self, layer: usize, slot: u32) -> DVec3 {
+        let at = self.place(layer, slot);
+        DVec3::new(self.sums[at], self.sums[at + self.length], self.sums[at + 2 * self.length])
     }
 
-    /// The layers of each sample.
-    pub fn samples(&self) -> impl Iterator<Item = &[[f64; 3]]> {
-        self.sums.chunks_exact(self.layers.max(1))
+    /// Replaces a sample's sum of a layer.
+    pub fn set(&mut self, layer: usize, slot: u32, sum: DVec3) {
+        let at = self.place(layer, slot);
+        for (channel, number) in sum.to_array().into_iter().enumerate() {
+            self.sums[at + channel * self.length] = number;
+        }
+    }
+
+    /// Where the first channel of a sample's layer is.
+    #[inline(always)]
+    fn place(&self, layer: usize, slot: u32) -> usize {
+        3 * layer * self.length + slot as usize
+    }
+
+    #[inline(always)]
+    fn add_row<F: Real>(&mut self, at: usize, light: F) {
+        (F::load(&self.sums, at) + light).store(&mut self.sums, at);
     }
 
     /// Whether all of the sums are finite and not below 0.
     pub fn is_light(&self) -> bool {
-        dispatch(IsLight(self.sums.as_flattened()))
+        dispatch(IsLight(&self.sums))
     }
 }
 

@@ -9,6 +9,7 @@ use super::stream::{PathState, flags};
 use super::textures;
 use crate::counters::Evaluations;
 use crate::lanes::{Color, Level, Lookup, Mask, Real, Row, SimdKernel, Single, lanes};
+use crate::math::DVec3;
 
 /// Records what the paths of a queue have met, if they come straight from the eye: in the layers from `first` on.
 pub struct Record<'a, 's> {
@@ -46,15 +47,19 @@ impl SimdKernel for Record<'_, '_> {
             let camera = context.scene.camera;
             let slots = path.slot.to_array();
             for lane in lanes(there.bits()) {
-                let layers = stage.sums.layers_from(first, slots[lane]);
                 // What lies behind something transparent is not seen first.
-                if layers[0][1] != 0.0 {
+                if stage.sums.get(first, slots[lane]).y != 0.0 {
                     continue;
                 }
                 let depth = (hit.surface.point.lane(lane) - camera.position).dot(camera.basis.forward);
-                layers[0] = [depth, 1.0, 0.0];
-                layers[1] = hit.surface.shading.lane(lane).to_array();
-                layers[2] = albedo.lane(lane).as_dvec3().to_array();
+                let seen = [
+                    DVec3::new(depth, 1.0, 0.0),
+                    hit.surface.shading.lane(lane),
+                    albedo.lane(lane).as_dvec3(),
+                ];
+                for (layer, sum) in (first..).zip(seen) {
+                    stage.sums.set(layer, slots[lane], sum);
+                }
             }
         }
     }

@@ -6,7 +6,7 @@ use super::sums::add;
 use super::wavefront::{ScratchBuffer, WAVE};
 use super::{Moment, TraceSettings};
 use crate::bvh::Bvh;
-use crate::counters::{Counts, Dropped};
+use crate::counters::Counts;
 use crate::film::{LayerId, lit};
 use crate::math::DVec3;
 use crate::sampling::PixelSampler;
@@ -96,12 +96,15 @@ impl<'a> Pixels<'a> {
         scratch.follow(&self.context, samples, grid);
         let (limit, lit, layers) = (self.context.quality.clamp, self.context.lit_layers, self.layers());
         let all_light = scratch.sums.is_light() && lit == layers && limit.is_none();
-        for (place, sample) in places.iter().zip(scratch.sums.samples()) {
+        for (slot, place) in (0..).zip(&*places) {
             let sums = &mut sums[*place as usize * layers..][..layers];
-            if all_light {
-                sums.iter_mut().zip(sample).for_each(|(sum, sample)| *sum += DVec3::from_array(*sample));
-            } else {
-                self.add_sample(sums, sample, &mut scratch.counts.dropped);
+            for (layer, sum) in sums.iter_mut().enumerate() {
+                let sample = scratch.sums.get(layer, slot);
+                if all_light || layer >= lit {
+                    *sum += sample;
+                } else {
+                    add(sum, sample, limit.map(f64::from), &mut scratch.counts.dropped);
+                }
             }
         }
         samples.clear();
@@ -150,18 +153,5 @@ impl<'a> Pixels<'a> {
             }
         }
         take(&group);
-    }
-
-    /// Adds a sample's layers to a pixel's sums, but for what is no light.
-    fn add_sample(&self, sums: &mut [DVec3], sample: &[[f64; 3]], dropped: &mut Dropped) {
-        let limit = self.context.quality.clamp.map(f64::from);
-        let (lights, extras) = sums.split_at_mut(self.context.lit_layers);
-        let (sampled_lights, sampled_extras) = sample.split_at(self.context.lit_layers);
-        for (sum, sample) in extras.iter_mut().zip(sampled_extras) {
-            *sum += DVec3::from_array(*sample);
-        }
-        for (sum, sample) in lights.iter_mut().zip(sampled_lights) {
-            add(sum, DVec3::from_array(*sample), limit, dropped);
-        }
     }
 }

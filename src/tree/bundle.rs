@@ -183,6 +183,12 @@ impl<L: Level> BundleSlabs<L> {
         (limit + limit.abs() * L::F64::splat(4.0 * ROUNDOFF)).to_f32()
     }
 
+    /// Beyond this no ray's limit lies, if the hull can tell what does; else to find the farthest takes longer than it saves.
+    #[inline(always)]
+    fn farthest(&self, limit: L::F32) -> f32 {
+        if self.hull.is_some() { largest(limit) } else { f32::INFINITY }
+    }
+
     /// The rays that may meet a node's child before their limits, and where they enter it.
     #[inline(always)]
     fn test(&self, node: &Node, slot: usize, limit: L::F32) -> (u32, L::F32) {
@@ -209,8 +215,8 @@ impl<L: Level> BundleSlabs<L> {
     }
 }
 
-/// A child that is put off, with where the first of its rays enters it at the earliest, and the rays.
-type Waiting = (f32, Child, u32);
+/// A child that is put off, with where the first of its rays enters it and where none enters it sooner, and the rays.
+type Waiting = (f32, f32, Child, u32);
 
 /// Children put off at once. Where a deeper tree needs more, what is below a node is walked by recursion.
 const STACK: usize = 64;
@@ -220,7 +226,7 @@ pub struct BundleStack([Waiting; STACK]);
 
 impl Default for BundleStack {
     fn default() -> Self {
-        Self([(0.0, Child::NONE, 0); STACK])
+        Self([(0.0, 0.0, Child::NONE, 0); STACK])
     }
 }
 
@@ -231,12 +237,6 @@ fn largest<S: Single<Array = [f32; 8]>>(row: S) -> f32 {
     let [a, b, c, d, e, f, g, h] = S::select(row.le(infinite), row, infinite).to_array();
     let (a, b, c, d) = (Single::max(a, e), Single::max(b, f), Single::max(c, g), Single::max(d, h));
     Single::max(Single::max(a, c), Single::max(b, d))
-}
-
-/// The least of the lanes whose bits are set.
-#[inline(always)]
-fn least_of<S: Single<Array = [f32; 8]>>(bits: u32, row: S) -> f32 {
-    -largest(S::select(S::Mask::from_bits(bits), -row, S::splat(f32::NEG_INFINITY)))
 }
 
 impl Tree {
@@ -294,24 +294,22 @@ impl Tree {
     ) {
         let (mut top, mut at) = (0, from);
         let few = if T::ALONE { FEW } else { 0 };
-        // The farthest of the rays' limits.
-        let mut farthest = largest(leaves.limit());
+        let mut farthest = slabs.farthest(leaves.limit());
         loop {
             if let Some(leaf) = at.as_leaf() {
                 leaves.visit(leaf, rays);
-                farthest = largest(leaves.limit());
+                farthest = slabs.farthest(leaves.limit());
             } else if rays.count_ones() <= few {
                 while rays != 0 {
                     leaves.part(rays.trailing_zeros() as usize & 7, Branch(at));
                     rays &= rays - 1;
                 }
-                farthest = largest(leaves.limit());
+                farthest = slabs.farthest(leaves.limit());
             } else {
                 let (node, limit, bottom) = (&self.nodes[at.0 as usize], leaves.limit(), top);
-                let (mut candidates, mut together) = (0xff, None);
+                let (mut candidates, mut least) = (0xff, [0.0; 8]);
                 if let Some(hull) = &slabs.hull {
-                    let (met, enter) = hull.test(node, farthest);
-                    (candidates, together) = (met, Some(enter));
+                    (candidates, least) = hull.test(node, farthest);
                 }
                 while candidates != 0 {
                     let slot = candidates.trailing_zeros() as usize & 7;
@@ -327,14 +325,10 @@ impl Tree {
                     }
                     if top == STACK {
                         L::call_with(Below { tree: self, from: child, slabs, rays: met, leaves });
-                        farthest = largest(leaves.limit());
                         continue;
                     }
-                    let enter = match together {
-                        Some(enter) => enter[slot],
-                        None => least_of(met, enter),
-                    };
-                    let waiting = (enter, child, met);
+                    let first = enter.to_array()[met.trailing_zeros() as usize & 7];
+                    let waiting = (first, least[slot], child, met);
                     let mut place = top;
                     while place > bottom && stack[place - 1].0 < waiting.0 {
                         stack[place] = stack[place - 1];
@@ -344,12 +338,12 @@ impl Tree {
                     top += 1;
                 }
             }
-            // What is farther than all limits is passed over.
+            // What the hull enters beyond all limits is passed over.
             loop {
                 let Some(next) = top.checked_sub(1) else { return };
                 top = next;
-                let (enter, child, met) = stack[top];
-                if enter <= farthest {
+                let (_, least, child, met) = stack[top];
+                if least <= farthest {
                     (at, rays) = (child, met);
                     break;
                 }

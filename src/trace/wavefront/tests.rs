@@ -61,7 +61,7 @@ fn followed(pixels: u32, most: usize) -> (Vec<[f64; 3]>, Counts, usize) {
     }
     samples.extend(&group);
     scratch.follow(&context, &samples, Some(1));
-    let sums = scratch.sums.samples().flatten().copied().collect();
+    let sums = (0..pixels).map(|slot| scratch.sums.get(0, slot).to_array()).collect();
     (sums, scratch.counts, scratch.peak)
 }
 
