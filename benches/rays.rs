@@ -15,12 +15,11 @@
 //! - `.rays`: `KRAY`, u32 count, then origin, tmin, direction, tmax per ray, eight f32
 //! - `.hits`: `KHIT`, u32 count, then a u32 triangle (0xffffffff for none) and its f32 t per ray
 
-use kinora::camera::Ray;
-use kinora::lanes::{Level, Mask as _, Row as _, SimdKernel, Single as _, Vec3, dispatch};
-use kinora::math::DVec3;
-use kinora::mesh::{self, Normals, Parts};
-use kinora::shape::{Geometric as _, LaneRay, Mesh, PreparedRay, Span};
-use kinora::tree::{Probe, Stack};
+use kinora::base::lanes::{Level, Mask as _, Row as _, SimdKernel, Single as _, Vec3, dispatch};
+use kinora::base::math::{DVec3, LaneRay, Ray};
+use kinora::geometry::bvh::{Probe, Stack};
+use kinora::geometry::mesh::{self, Normals, Parts};
+use kinora::geometry::shape::{Geometric as _, Mesh, PreparedRay, Span};
 use rustix::time::{ClockId, clock_gettime};
 use std::error::Error;
 use std::fmt::Write as _;

@@ -6,8 +6,8 @@
 //!
 //! The extension says the format, `.ply` or `.obj`; another seed gives other hills.
 
-use kinora::mesh::generate::displaced_sphere;
-use kinora::mesh::{obj, ply};
+use kinora::geometry::mesh::generate::displaced_sphere;
+use kinora::import::{obj, ply};
 use std::error::Error;
 use std::fs::File;
 use std::io::BufWriter;

@@ -5,9 +5,9 @@
 //! cargo run --release --example gallery      then: all of them; or with names, those
 //! ```
 
-use kinora::counters::Meter;
+use kinora::base::stats::Meter;
 use kinora::encode::{Existing, Output};
-use kinora::render::{Request, Reuse, render};
+use kinora::pipeline::render::{Request, Reuse, render};
 use kinora::sequence::load;
 use std::error::Error;
 use std::io::{Write, stdout};

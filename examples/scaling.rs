@@ -7,10 +7,10 @@
 //!
 //! A few frames are rendered to find out what things take on this machine; what is drawn are ratios of these times.
 
+use kinora::accuracy::plot::{Curve, Legend, Plot, Scale, Spot};
 use kinora::accuracy::timed;
+use kinora::base::units::count;
 use kinora::farm::{Forecast, Scaling};
-use kinora::humane::count;
-use kinora::plot::{Curve, Legend, Plot, Scale, Spot};
 use kinora::sequence::load;
 use std::error::Error;
 use std::io::{Write, stdout};

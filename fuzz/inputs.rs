@@ -3,19 +3,20 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "a panic is how a fault is found")]
 #![allow(dead_code, reason = "each fuzz target uses one of these")]
 
-use kinora::color::Rgb;
-use kinora::counters::Meter;
+use kinora::appearance::texture::{Encoding, Image};
+use kinora::base::cancel::Stop;
+use kinora::base::color::Rgb;
+use kinora::base::frame_set::FrameSet;
+use kinora::base::stats::Meter;
+use kinora::base::time::Rate;
 use kinora::encode::{
     About, Assembly, EncodeError, Encoder, Existing, Formats, Job, MATTE, Output, Picture, Seen, Tonemap,
 };
 use kinora::film::Film;
-use kinora::frame_set::FrameSet;
-use kinora::mesh::{self, Mesh};
-use kinora::schedule::{FilmSink, FrameLoop};
+use kinora::geometry::mesh::{self, Mesh};
+use kinora::import;
+use kinora::pipeline::schedule::{FilmSink, FrameLoop};
 use kinora::sequence::{Sequence, parse};
-use kinora::stop::Stop;
-use kinora::texture::{Encoding, Image};
-use kinora::time::Rate;
 use std::collections::HashSet;
 use std::fs::File;
 use std::io;
@@ -78,14 +79,14 @@ pub fn obj(bytes: &[u8]) {
         Some(end) => (&bytes[..end], &bytes[end + 1..]),
         None => (bytes, &b""[..]),
     };
-    let _ = mesh::mtl::read(library);
+    let _ = import::mtl::read(library);
     let open = |_: &str| -> io::Result<Vec<u8>> { Ok(library.to_vec()) };
-    built(mesh::obj::read(text, &open));
+    built(import::obj::read(text, &open));
 }
 
 /// A PLY file.
 pub fn ply(bytes: &[u8]) {
-    built(mesh::ply::read_sized(bytes, bytes.len() as u64));
+    built(import::ply::read_sized(bytes, bytes.len() as u64));
 }
 
 fn built(parts: Result<mesh::Parts, mesh::MeshError>) {

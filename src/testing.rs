@@ -4,12 +4,11 @@ mod random;
 
 pub use random::Random;
 
-use crate::camera::Ray;
-use crate::lanes::{Level, Row, Vec3};
-use crate::material::MadeOf;
-use crate::math::{Angle, DAffine3, DVec3};
+use crate::appearance::material::MadeOf;
+use crate::base::lanes::{Level, Row, Vec3};
+use crate::base::math::{Angle, DAffine3, DVec3, LaneRay, Ray};
+use crate::geometry::shape::Shape;
 use crate::scene::{Finish, Geometry};
-use crate::shape::{LaneRay, Shape};
 
 impl Random {
     /// Evenly over the sphere.

@@ -2,9 +2,9 @@
 //! in and out by waves. Numbers are rounded to six decimals, so that the file can be compared with those that other
 //! programs make by the same rules.
 
-use kinora::math::DVec3;
-use kinora::mesh::generate::icosphere;
-use kinora::mesh::{Corners, Parts};
+use kinora::base::math::DVec3;
+use kinora::geometry::mesh::generate::icosphere;
+use kinora::geometry::mesh::{Corners, Parts};
 use std::collections::BTreeMap;
 
 /// Small triangles along an edge of the icosahedron: 20 · 209² triangles in all.

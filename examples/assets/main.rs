@@ -16,7 +16,7 @@ mod sky;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
-use kinora::mesh::ply;
+use kinora::import::ply;
 use rayon::prelude::*;
 use std::error::Error;
 use std::fs::{self, File};

@@ -2,7 +2,7 @@
 
 use crate::Picture;
 use crate::paint::{codes, direction, noise, offset, on_globe, rgb, smooth};
-use kinora::math::DVec3;
+use kinora::base::math::DVec3;
 use std::f64::consts::TAU;
 
 const SIZE: (u32, u32) = (512, 256);

@@ -1,7 +1,7 @@
 //! What the pictures have in common: noise, mixing, and directions on a globe.
 
-use kinora::math::{DVec2, DVec3};
-use kinora::texture::Pattern;
+use kinora::appearance::texture::Pattern;
+use kinora::base::math::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
 /// Layered gradient noise, about -1..=1.

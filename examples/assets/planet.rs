@@ -2,7 +2,7 @@
 
 use crate::Picture;
 use crate::paint::{codes, direction, noise, offset, on_globe, rgb, smooth};
-use kinora::math::{DQuat, DVec3};
+use kinora::base::math::{DQuat, DVec3};
 
 const SIZE: (u32, u32) = (1024, 512);
 

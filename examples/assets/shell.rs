@@ -2,9 +2,9 @@
 //! across and cords along it. It begins at the tip and ends in a lip that turns inwards.
 
 use crate::paint::{noise, rgb, smooth};
-use kinora::color::{Rgb, srgb_to_linear};
-use kinora::math::DVec3;
-use kinora::mesh::Parts;
+use kinora::base::color::{Rgb, srgb_to_linear};
+use kinora::base::math::DVec3;
+use kinora::geometry::mesh::Parts;
 use std::f64::consts::TAU;
 
 const TURNS: f64 = 7.5;

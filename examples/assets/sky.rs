@@ -4,8 +4,8 @@
 
 use crate::Picture;
 use crate::paint::{codes, direction, noise, ridges, smooth};
-use kinora::color::linear_to_srgb;
-use kinora::math::DVec3;
+use kinora::base::color::linear_to_srgb;
+use kinora::base::math::DVec3;
 
 /// Pixels along an edge of a face.
 const EDGE: u32 = 512;

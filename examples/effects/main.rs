@@ -11,9 +11,9 @@ mod cases;
 mod page;
 
 use cases::{CASES, Case, IDLE};
-use kinora::counters::Meter;
+use kinora::base::stats::Meter;
 use kinora::encode::{Existing, Output};
-use kinora::render::{Request, Reuse, Summary, render};
+use kinora::pipeline::render::{Request, Reuse, Summary, render};
 use kinora::sequence::Sequence;
 use page::{Found, page};
 use rustix::time::{ClockId, Timespec, clock_gettime};

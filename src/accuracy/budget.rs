@@ -1,10 +1,10 @@
 //! How many samples fit into a time: a pilot tells what samples cost, and what error they leave.
 
 use super::clock::Clock;
-use crate::plan::{Outlook, Patience, Plan, look_ahead};
-use crate::quality::{NoiseTarget, Quality};
-use crate::render::{RenderError, Request, extras, pool};
+use crate::pipeline::plan::{Outlook, Patience, Plan, look_ahead};
+use crate::pipeline::render::{RenderError, Request, extras, pool};
 use crate::sequence::Sequence;
+use crate::sequence::quality::{NoiseTarget, Quality};
 use std::time::Duration;
 
 /// Samples that fit, and what to expect of them.

@@ -2,14 +2,14 @@
 //! each of them costs and adds is the difference to the sequence as it is.
 
 use super::layering::Layering;
-use crate::color::Rgb;
-use crate::environment::SkyTracks;
-use crate::light::{LightKind, LightTracks};
-use crate::material::{Level, Lobe, MaterialTracks};
+use crate::appearance::environment::SkyTracks;
+use crate::appearance::light::{LightKind, LightTracks};
+use crate::appearance::material::{Level, Lobe, MaterialTracks};
+use crate::appearance::texture::PaintTracks;
+use crate::base::color::Rgb;
+use crate::base::time::Time;
+use crate::geometry::shape::Shape;
 use crate::sequence::{Object, Sequence};
-use crate::shape::Shape;
-use crate::texture::PaintTracks;
-use crate::time::Time;
 use crate::track::Animated;
 
 /// How a sequence differs from the file's.

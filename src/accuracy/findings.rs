@@ -14,7 +14,7 @@ use super::measure::{Measured, Point};
 use super::precision::wrong_answers;
 use super::settings::Axis;
 use super::statistics::Bias;
-use crate::humane;
+use crate::base::units;
 
 /// Codes of a display with 8 bits.
 pub const CODES: f64 = 255.0;
@@ -83,11 +83,11 @@ impl Measured {
     fn heading(&self) -> String {
         let frames = match self.frames.as_slice() {
             [frame] => format!("frame {frame}"),
-            frames => humane::counted(frames.len() as u64, "frame"),
+            frames => units::counted(frames.len() as u64, "frame"),
         };
         let (width, height) = self.size;
-        let threads = humane::counted(self.threads as u64, "thread");
-        let took = humane::rough_time(self.took);
+        let threads = units::counted(self.threads as u64, "thread");
+        let took = units::rough_time(self.took);
         format!("{}, {frames}, measured at {width}x{height} on {threads} in {took}", self.name)
     }
 
@@ -121,14 +121,14 @@ impl Measured {
         let (width, height) = self.full_size;
         let films = match whole.films as u64 {
             films if films == u64::from(whole.frames) => "each traced by itself".to_owned(),
-            films => format!("made of {}", humane::counted(films, "traced picture")),
+            films => format!("made of {}", units::counted(films, "traced picture")),
         };
-        let threads = humane::counted(self.threads as u64, "thread");
+        let threads = units::counted(self.threads as u64, "thread");
         let cpu = whole.cpu.map_or_else(String::new, |cpu| format!("{} of processor time, ", seconds(cpu)));
         format!(
             "Cost of the whole film: about {cpu}{} on {threads}, for {} at {width}x{height}, {films}",
             seconds(whole.wall),
-            humane::counted(whole.frames.into(), "frame"),
+            units::counted(whole.frames.into(), "frame"),
         )
     }
 

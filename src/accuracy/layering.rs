@@ -1,8 +1,8 @@
 //! The same light in more or fewer layers, to see what keeping it apart costs.
 
-use crate::light::LightTracks;
+use crate::appearance::light::LightTracks;
+use crate::base::time::Time;
 use crate::sequence::Sequence;
-use crate::time::Time;
 use crate::track::{Animated, Ease, Key, Repeat, Track};
 
 /// How the light of lights is kept apart.

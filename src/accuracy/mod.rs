@@ -5,7 +5,10 @@
 //!                                                            └─ report ▶ page, plots
 //! ```
 
-use crate::clock;
+pub mod image_error;
+pub mod plot;
+
+use crate::base::clock;
 
 mod budget;
 mod chains;
@@ -23,7 +26,7 @@ mod settled;
 mod statistics;
 mod studio;
 
-pub use crate::clock::{Clock, Took, timed};
+pub use crate::base::clock::{Clock, Took, timed};
 pub use budget::{Budget, budget};
 pub use chains::Chain;
 pub use change::{Change, Effect};

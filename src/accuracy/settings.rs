@@ -12,7 +12,7 @@ pub use left_out::LeftOut;
 
 use super::change::Change;
 use super::layering::Layering;
-use crate::quality::{Integrator, PathSettings, Quality};
+use crate::sequence::quality::{Integrator, PathSettings, Quality};
 
 /// One point on an axis.
 #[derive(Clone, Debug, PartialEq)]

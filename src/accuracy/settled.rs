@@ -2,9 +2,9 @@
 
 use super::budget::{Budget, budget};
 use super::clock::Clock;
-use crate::quality::Quality;
-use crate::render::{self, RenderError, Request};
+use crate::pipeline::render::{self, RenderError, Request};
 use crate::sequence::Sequence;
+use crate::sequence::quality::Quality;
 use std::time::Duration;
 
 /// How many samples a run has, and who says so.

@@ -1,6 +1,6 @@
 //! What a few measurements tell of all.
 
-use crate::math::DVec3;
+use crate::base::math::DVec3;
 use crate::sampling::hash;
 
 /// A mean, and the interval that holds the true one in 95 of 100 cases.

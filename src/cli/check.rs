@@ -4,10 +4,10 @@ use super::failure::Failure;
 use super::loading::Reporter;
 use super::progress::ProgressMode;
 use super::{load, terminal};
+use crate::base::escape;
+use crate::base::units::counted;
 use crate::encode::Existing;
-use crate::escape;
-use crate::humane::counted;
-use crate::render::{self, Request, Reuse};
+use crate::pipeline::render::{self, Request, Reuse};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::path::PathBuf;
@@ -77,7 +77,7 @@ fn objects(sequence: &Sequence) -> String {
 }
 
 /// To three decimals at most, without needless zeros.
-fn decimal(number: crate::time::Time) -> String {
+fn decimal(number: crate::base::time::Time) -> String {
     let value = *number.numer() as f64 / *number.denom() as f64;
     let text = format!("{value:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -86,8 +86,8 @@ fn decimal(number: crate::time::Time) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::time::Rate;
     use crate::cli::fixture::sequence;
-    use crate::time::Rate;
 
     #[test]
     fn one_line_tells_it_all() {

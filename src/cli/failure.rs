@@ -2,7 +2,7 @@
 
 use super::terminal;
 use crate::encode::EncodeError;
-use crate::render::RenderError;
+use crate::pipeline::render::RenderError;
 
 /// The command or the sequence is at fault; nothing was written.
 pub const BAD_INPUT: u8 = 2;

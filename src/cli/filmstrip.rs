@@ -3,11 +3,11 @@
 use super::failure::Failure;
 use super::options::Options;
 use super::{load, loading, overrides, progress, render, summary, terminal, values};
+use crate::base::frame_set::FrameSet;
+use crate::base::stats::Meter;
 use crate::cli::progress::ProgressMode;
-use crate::counters::Meter;
 use crate::encode::{Output, Still, Template, check_within, sheet_columns};
-use crate::filmstrip::{Request, filmstrip, spread};
-use crate::frame_set::FrameSet;
+use crate::pipeline::filmstrip::{Request, filmstrip, spread};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::path::PathBuf;

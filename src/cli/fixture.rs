@@ -1,13 +1,13 @@
 //! A sequence for the tests of the command line.
 
-use crate::camera_path::{CameraPath, Focus, Lens};
-use crate::color::Rgb;
+use crate::appearance::light::{Attenuation, LightKind, LightTracks};
+use crate::base::color::Rgb;
+use crate::base::math::{Angle, DVec3};
+use crate::base::time::{Rate, Timeline};
+use crate::camera::path::{CameraPath, Focus, Lens};
 use crate::encode::{Formats, MATTE, Output, Tonemap};
-use crate::light::{Attenuation, LightKind, LightTracks};
-use crate::math::{Angle, DVec3};
-use crate::quality::Quality;
+use crate::sequence::quality::Quality;
 use crate::sequence::{Named, OutputSettings, Sequence};
-use crate::time::{Rate, Timeline};
 use crate::track::Animated::Constant;
 
 /// Three seconds of nothing, with a camera and a light.

@@ -1,6 +1,6 @@
 //! Just enough JSON to write one object per line for other programs.
 
-use crate::escape::json as quoted;
+use crate::base::escape::json as quoted;
 use std::fmt::{Display, Write};
 
 /// An object in the making; keys are plain words.

@@ -3,8 +3,8 @@
 use super::failure::Failure;
 use super::loading::{self, Reporter};
 use super::terminal;
-use crate::escape;
-use crate::files::Root;
+use crate::base::escape;
+use crate::base::files::Root;
 use crate::sequence::{Sequence, load_watched};
 use std::io::ErrorKind;
 use std::path::Path;

@@ -4,8 +4,8 @@
 use super::json::Object;
 use super::progress::ProgressMode;
 use super::terminal;
-use crate::escape;
-use crate::mesh::LoadMeter;
+use crate::base::escape;
+use crate::import::LoadMeter;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{Write, stderr, stdout};
 use std::sync::mpsc::{self, RecvTimeoutError};

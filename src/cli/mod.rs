@@ -33,8 +33,8 @@ mod terminal;
 mod time_limit;
 mod values;
 
-use crate::escape;
-use crate::lanes::forced_level;
+use crate::base::escape;
+use crate::base::lanes::forced_level;
 use clap::builder::Styles;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};

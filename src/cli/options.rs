@@ -3,9 +3,9 @@
 use super::overrides::Overrides;
 use super::progress::ProgressMode;
 use super::values;
+use crate::base::time::Rate;
 use crate::encode::Tonemap;
-use crate::quality::Integrator;
-use crate::time::Rate;
+use crate::sequence::quality::Integrator;
 use clap::Args;
 use std::num::NonZeroUsize;
 

@@ -2,12 +2,12 @@
 
 use super::json::Object;
 use crate::accuracy::percent;
-use crate::counters::Line;
-use crate::humane::counted;
-use crate::plan::{Outlook, Patience, Plan, Range, RunForecast};
-use crate::quality::{NoiseTarget, Quality};
-use crate::render::Notice;
+use crate::base::stats::Line;
+use crate::base::units::counted;
+use crate::pipeline::plan::{Outlook, Patience, Plan, Range, RunForecast};
+use crate::pipeline::render::Notice;
 use crate::sequence::Sequence;
+use crate::sequence::quality::{NoiseTarget, Quality};
 
 /// Seconds from which a run is long, so that it is told what would be shorter.
 const LONG: f64 = 600.0;

@@ -1,10 +1,10 @@
 //! Options that change a sequence before it is rendered.
 
+use crate::base::frame_set::MOST_FRAMES;
+use crate::base::time::Rate;
 use crate::encode::{Caption, Template, Tonemap};
-use crate::frame_set::MOST_FRAMES;
-use crate::quality::{Integrator, NoiseTarget};
 use crate::sequence::Sequence;
-use crate::time::Rate;
+use crate::sequence::quality::{Integrator, NoiseTarget};
 
 /// Longest chain of reflections in a draft.
 const DRAFT_BOUNCES: u32 = 1;
@@ -115,7 +115,7 @@ fn replace<T>(value: &mut T, wanted: Option<T>) {
 mod tests {
     use super::*;
     use crate::cli::fixture::sequence;
-    use crate::quality::PathSettings;
+    use crate::sequence::quality::PathSettings;
 
     fn rate(frames: i128, seconds: i128) -> Option<Rate> {
         Rate::new(frames, seconds)

@@ -10,17 +10,17 @@ use super::plan_films::{each_film, with_forecast, with_forecasts};
 use super::render::frames_of;
 use super::scaling::{Farm, Share};
 use super::{check, load, overrides, terminal, values};
-use crate::clock::{Clock, timed};
-use crate::escape;
+use crate::base::clock::{Clock, timed};
+use crate::base::escape;
+use crate::base::frame_set::FrameSet;
+use crate::base::units::{self, count, counted};
 use crate::film::{Extras, LayerId};
-use crate::frame_set::FrameSet;
-use crate::humane::{self, count, counted};
-use crate::memory;
-use crate::plan::{
+use crate::pipeline::memory;
+use crate::pipeline::plan::{
     Caller, Effect, Effort, Expected, FilmForecast, Outline, Outlook, Part, Patience, Plan, Reason,
     RunForecast, Span, look_ahead, outline, pilot,
 };
-use crate::render::{self, Reuse, extras, pool};
+use crate::pipeline::render::{self, Reuse, extras, pool};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::num::NonZeroUsize;
@@ -195,12 +195,12 @@ impl Told<'_> {
                 ),
             ],
         ));
-        let kept = humane::bytes(plan.kept_bytes());
+        let kept = units::bytes(plan.kept_bytes());
         groups.push((
             "memory",
             vec![
-                format!("{kept} for films that are kept, of {}", humane::bytes(self.budget)),
-                format!("{} for pictures on their way", humane::bytes(self.besides)),
+                format!("{kept} for films that are kept, of {}", units::bytes(self.budget)),
+                format!("{} for pictures on their way", units::bytes(self.besides)),
             ],
         ));
         groups.extend(self.farm.iter().map(|farm| ("farm", farm.lines())));
@@ -383,7 +383,7 @@ impl Told<'_> {
                 .whole("films", span.traced as u64)
         };
         let names = self.sequence.about().layers;
-        let film = |(index, take): (usize, &crate::plan::Take)| {
+        let film = |(index, take): (usize, &crate::pipeline::plan::Take)| {
             let forecast = self.outlook.as_ref().map(|(_, forecast)| &forecast.films[index]);
             let object = Object::new()
                 .whole("traced_for", frame(take.frames[0]))

@@ -2,7 +2,7 @@
 
 use super::json::Object;
 use super::outlook::{about, share};
-use crate::plan::{FilmForecast, Plan, Range};
+use crate::pipeline::plan::{FilmForecast, Plan, Range};
 
 /// A film's forecast for programs.
 pub fn with_forecast(object: Object, film: &FilmForecast) -> Object {

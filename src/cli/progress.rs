@@ -2,8 +2,8 @@
 
 use super::json::Object;
 use super::terminal;
-use crate::counters::{Line, Meter, Work};
-use crate::humane;
+use crate::base::stats::{Line, Meter, Work};
+use crate::base::units;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{Write, stderr, stdout};
@@ -209,7 +209,7 @@ impl Snapshot {
 
     /// `frame 12/72 · 3.10 Mray/s · 5 reused · 21 s left`.
     fn line(&self) -> String {
-        let rate = humane::ray_rate(self.rays, self.elapsed);
+        let rate = units::ray_rate(self.rays, self.elapsed);
         let mut line = format!("frame {}/{} · {rate}", self.done as u64, self.frames);
         if self.reused > 0 {
             line += &format!(" · {} reused", self.reused);
@@ -217,7 +217,7 @@ impl Snapshot {
         if self.done < self.frames as f64
             && let Some(left) = self.left()
         {
-            line += &format!(" · {} left", humane::rough_time(left));
+            line += &format!(" · {} left", units::rough_time(left));
         }
         line
     }

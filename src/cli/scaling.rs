@@ -3,8 +3,8 @@
 use super::failure::Failure;
 use super::json::Object;
 use crate::accuracy::Took;
+use crate::base::units::{self, counted};
 use crate::farm::{Forecast, Price, Scaling};
-use crate::humane::{self, counted};
 use crate::sequence::Sequence;
 use std::num::NonZeroUsize;
 use std::time::Duration;
@@ -42,18 +42,18 @@ impl Farm {
             format!(
                 "{}, {} to {} each, {} of it to start; in one process {}",
                 counted(tasks.len() as u64, "task"),
-                humane::time(shortest),
-                humane::time(longest),
-                humane::time(Duration::from_secs_f64(price.task)),
-                humane::time(*alone),
+                units::time(shortest),
+                units::time(longest),
+                units::time(Duration::from_secs_f64(price.task)),
+                units::time(*alone),
             ),
             format!("{:>7}  {:>12}  {:>8}  {:>10}", "workers", "makespan", "speed-up", "efficiency"),
         ];
         lines.extend(self.scalings.iter().map(|scaling| {
             format!(
                 "{:>7}  {:>12}  {:>8.2}  {:>8.1} %",
-                humane::count(scaling.workers.get() as u64),
-                humane::time(scaling.makespan),
+                units::count(scaling.workers.get() as u64),
+                units::time(scaling.makespan),
                 scaling.speedup,
                 100.0 * scaling.efficiency
             )

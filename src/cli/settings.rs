@@ -4,7 +4,7 @@ use super::look::Look;
 use super::options::Options;
 use super::overrides::Overrides;
 use super::values;
-use crate::render::Reuse;
+use crate::pipeline::render::Reuse;
 use clap::{ArgMatches, Args, Command, Error, FromArgMatches, parser::ValueSource};
 
 #[derive(Args, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use super::json::Object;
 use super::progress::ProgressMode;
 use super::terminal;
-use crate::humane;
+use crate::base::units;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::time::{Duration, Instant};
 
@@ -86,7 +86,7 @@ fn bar() -> ProgressBar {
 fn line(done: f64, elapsed: Duration) -> String {
     let percent = format!("{:.0} %", 100.0 * done);
     left(done, elapsed)
-        .map_or(percent.clone(), |left| format!("{percent} · {} left", humane::rough_time(left)))
+        .map_or(percent.clone(), |left| format!("{percent} · {} left", units::rough_time(left)))
 }
 
 /// Time left if the rest goes on as what is done.

@@ -1,9 +1,9 @@
 //! Ctrl-C and being told to end: the first time, a run stops after the frame in hand; the second time, at once.
 
 use super::shell::quoted;
-use crate::escape;
-use crate::frame_set;
-use crate::stop::Stop;
+use crate::base::cancel::Stop;
+use crate::base::escape;
+use crate::base::frame_set;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -49,7 +49,7 @@ pub fn told(
     arguments: impl Iterator<Item = OsString>,
     next: Next<'_>,
 ) -> String {
-    let mut lines = vec![format!("stopped after {}", crate::humane::counted(done as u64, "frame"))];
+    let mut lines = vec![format!("stopped after {}", crate::base::units::counted(done as u64, "frame"))];
     lines.extend(files.iter().map(|file| format!("wrote   {}", escape::path(file))));
     let command = command(arguments, next);
     lines.push(match next {

@@ -3,11 +3,11 @@
 use super::json::Object;
 use super::outlook;
 use crate::accuracy::seconds;
-use crate::counters::Counts;
-use crate::escape;
+use crate::base::escape;
+use crate::base::stats::Counts;
+use crate::base::units;
 use crate::film::Noise;
-use crate::humane;
-use crate::render::{Forecast, Summary};
+use crate::pipeline::render::{Forecast, Summary};
 
 /// What was expected; empty if there was no plan.
 fn expected(forecast: Option<&Forecast>) -> Object {
@@ -33,9 +33,9 @@ pub fn text(summary: &Summary) -> String {
     groups.push(("rays", rays(summary)));
     groups.push(("dropped", dropped(summary)));
     groups.push(("error", error(summary)));
-    groups.push(("BVH", vec![humane::counted(summary.bvh_builds, "build")]));
+    groups.push(("BVH", vec![units::counted(summary.bvh_builds, "build")]));
     groups.push(("planned", summary.expected.iter().map(planned).collect()));
-    let stages = summary.stages.iter().map(|&(name, time)| (name, humane::time(time))).collect::<Vec<_>>();
+    let stages = summary.stages.iter().map(|&(name, time)| (name, units::time(time))).collect::<Vec<_>>();
     groups.push(("stages", aligned(&stages)));
     groups.push(("note", summary.notes.clone()));
 
@@ -94,14 +94,14 @@ pub fn json(summary: &Summary) -> String {
 
 /// How many, and how many of them needed nothing, or less.
 fn frames(summary: &Summary) -> String {
-    let mut told = humane::count(summary.frames.into());
+    let mut told = units::count(summary.frames.into());
     if summary.kept > 0 {
-        told += &format!(", of which {} kept", humane::count(summary.kept.into()));
+        told += &format!(", of which {} kept", units::count(summary.kept.into()));
     }
     if summary.reused > 0 {
         told += &format!(
             ", {} of them from films (traced light) of other frames",
-            humane::count(summary.reused.into())
+            units::count(summary.reused.into())
         );
     }
     told
@@ -110,14 +110,14 @@ fn frames(summary: &Summary) -> String {
 /// What was expected, to be compared with what was done.
 fn planned(expected: &Forecast) -> String {
     let rays = match expected.rays {
-        Some(rays) => format!("about {} rays", humane::count(rays)),
-        None if expected.exact => format!("{} of the camera", humane::counted(expected.camera_rays, "ray")),
-        None => format!("{} of the camera or more", humane::counted(expected.camera_rays, "ray")),
+        Some(rays) => format!("about {} rays", units::count(rays)),
+        None if expected.exact => format!("{} of the camera", units::counted(expected.camera_rays, "ray")),
+        None => format!("{} of the camera or more", units::counted(expected.camera_rays, "ray")),
     };
-    let builds = humane::counted(expected.bvh_builds, "build");
+    let builds = units::counted(expected.bvh_builds, "build");
     let mut told = format!(
         "{rays}, {builds}, {} frames from films of other frames",
-        humane::count(expected.reused.into())
+        units::count(expected.reused.into())
     );
     if let Some(wall) = &expected.wall {
         told += &format!(", tracing in {}", outlook::about(wall));
@@ -129,10 +129,10 @@ fn planned(expected: &Forecast) -> String {
 }
 
 fn time(summary: &Summary) -> String {
-    let mut told = humane::time(summary.elapsed);
+    let mut told = units::time(summary.elapsed);
     let rendered = summary.frames.saturating_sub(summary.kept);
     if let Some(each) = summary.elapsed.checked_div(rendered).filter(|_| rendered > 1) {
-        told += &format!(", {} per frame", humane::time(each));
+        told += &format!(", {} per frame", units::time(each));
     }
     if let Some(cpu) = summary.cpu {
         told += &format!("; tracing took {} of processors", seconds(cpu));
@@ -143,12 +143,12 @@ fn time(summary: &Summary) -> String {
 /// The total with its rate, then each kind. Those that few scenes have are told where there are any.
 fn rays(summary: &Summary) -> Vec<String> {
     let rays = summary.counts.rays;
-    let mut rows = vec![("all", humane::count(rays.total())), ("camera", humane::count(rays.camera))];
-    rows.push(("mirror", humane::count(rays.mirror)));
+    let mut rows = vec![("all", units::count(rays.total())), ("camera", units::count(rays.camera))];
+    rows.push(("mirror", units::count(rays.mirror)));
     rows.extend(above_zero([("transmitted", rays.transmitted), ("scattered", rays.scattered)]));
-    rows.push(("shadow", humane::count(rays.shadow)));
+    rows.push(("shadow", units::count(rays.shadow)));
     let mut lines = aligned(&rows);
-    lines[0] += &format!("  {}", humane::ray_rate(rays.total(), summary.elapsed));
+    lines[0] += &format!("  {}", units::ray_rate(rays.total(), summary.elapsed));
     lines
 }
 
@@ -212,7 +212,7 @@ fn dropped(summary: &Summary) -> Vec<String> {
 fn above_zero<const N: usize>(
     counts: [(&'static str, u64); N],
 ) -> impl Iterator<Item = (&'static str, String)> {
-    counts.into_iter().filter(|(_, count)| *count > 0).map(|(name, count)| (name, humane::count(count)))
+    counts.into_iter().filter(|(_, count)| *count > 0).map(|(name, count)| (name, units::count(count)))
 }
 
 /// Names to the left, values to the right.
@@ -225,8 +225,8 @@ fn aligned(rows: &[(&str, String)]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::counters::{Dropped, RayCounts};
-    use crate::plan::Range;
+    use crate::base::stats::{Dropped, RayCounts};
+    use crate::pipeline::plan::Range;
     use std::time::Duration;
 
     fn summary() -> Summary {

@@ -2,8 +2,8 @@
 //! and format characters are escaped, whoever they come from.
 
 use super::failure::Failure;
+use crate::base::escape;
 use crate::encode::Output;
-use crate::escape;
 use std::env;
 use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
 

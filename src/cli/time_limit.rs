@@ -3,9 +3,9 @@
 use super::failure::Failure;
 use super::{terminal, values};
 use crate::accuracy::{Budget, Clock, Settled, percent, seconds, settled};
-use crate::quality::Quality;
-use crate::render::Request;
+use crate::pipeline::render::Request;
 use crate::sequence::Sequence;
+use crate::sequence::quality::Quality;
 use clap::Args;
 use std::time::Duration;
 

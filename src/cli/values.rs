@@ -1,13 +1,13 @@
 //! Values of options: parsed strictly, within the limits that hold in sequence files too, and with faults that
 //! say what would be right.
 
-use crate::color::{Rgb, hex_color};
+use crate::base::color::{Rgb, hex_color};
+use crate::base::time::{Rate, Time};
+use crate::base::units::parse_bytes;
 use crate::encode::{Output, Streamed, Template, Tonemap};
 use crate::film::MOST_STOPS;
-use crate::humane::parse_bytes;
-use crate::quality::{Integrator, MOST_SAMPLES, PathSettings};
 use crate::sequence::ERRORS;
-use crate::time::{Rate, Time};
+use crate::sequence::quality::{Integrator, MOST_SAMPLES, PathSettings};
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use std::num::NonZeroUsize;
 use std::time::Duration;

@@ -1,7 +1,7 @@
 //! What is known about a run's frames besides their pixels, for captions, metadata and the names of layers.
 
-use crate::humane::counted;
-use crate::time::{Rate, Time};
+use crate::base::time::{Rate, Time};
+use crate::base::units::counted;
 use std::fmt;
 use std::time::Duration;
 

@@ -3,7 +3,7 @@
 use super::about::Shown;
 use super::picture::{Code, Picture};
 use super::text::{Align, Line, lacking, line_height};
-use crate::humane::counted;
+use crate::base::units::counted;
 use std::fmt;
 
 /// What is written into pictures, and where.
@@ -237,8 +237,8 @@ fn lay<C: Code>(picture: &mut Picture<C>, at: usize, grey: f64, cover: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::time::Rate;
     use crate::encode::About;
-    use crate::time::Rate;
 
     fn about() -> About {
         About { name: "turn".into(), frames: 120, ..About::default() }

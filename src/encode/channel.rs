@@ -2,8 +2,8 @@
 
 use super::disk::{Operation, attempt};
 use super::error::EncodeError;
-use crate::files::Channel;
-use crate::stop::Stop;
+use crate::base::cancel::Stop;
+use crate::base::files::Channel;
 use std::fs::{File, OpenOptions};
 use std::io;
 use std::path::Path;

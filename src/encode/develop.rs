@@ -5,7 +5,7 @@ mod tests;
 
 use super::picture::{Code, Picture};
 use super::tonemap::{Tonemap, compressed};
-use crate::color::Rgb;
+use crate::base::color::Rgb;
 use crate::film::Film;
 
 /// Below this, every tone map gives code 0 (the sRGB code 1 starts at 1.5e-4). A power of two.

@@ -1,9 +1,9 @@
 //! What can go wrong between films and files, grouped by cause.
 
 use super::inspect::Flaw;
-use crate::escape;
-use crate::files::Channel;
-use crate::frame_set::{self, MOST_FRAMES};
+use crate::base::escape;
+use crate::base::files::Channel;
+use crate::base::frame_set::{self, MOST_FRAMES};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io;

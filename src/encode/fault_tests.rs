@@ -4,9 +4,9 @@
 use super::disk::Operation;
 use super::disk::faults::{end, plan};
 use super::*;
-use crate::color::Rgb;
-use crate::digest::Digest;
-use crate::time::Rate;
+use crate::base::color::Rgb;
+use crate::base::digest::Digest;
+use crate::base::time::Rate;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

@@ -8,7 +8,7 @@ use super::about::Shown;
 use super::job::Job;
 use super::output::Still;
 use super::record;
-use crate::digest::{Content, Digest, Digester};
+use crate::base::digest::{Content, Digest, Digester};
 
 /// What a frame looks like before it is developed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

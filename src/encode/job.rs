@@ -12,9 +12,9 @@ use super::place::folder_of;
 use super::settings::Formats;
 use super::tonemap::Tonemap;
 use super::{gif, jpeg};
-use crate::color::Rgb;
-use crate::files::{Channel, in_the_way, leaves};
-use crate::time::Rate;
+use crate::base::color::Rgb;
+use crate::base::files::{Channel, in_the_way, leaves};
+use crate::base::time::Rate;
 use std::path::Path;
 
 /// What becomes of files of an earlier run.

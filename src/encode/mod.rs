@@ -71,10 +71,10 @@ pub use sheet::{Sheet, columns as sheet_columns};
 pub use text::FONT_FILE;
 pub use tonemap::Tonemap;
 
-use crate::digest::Digest;
+use crate::base::cancel::Stop;
+use crate::base::digest::Digest;
+use crate::base::machine::thread_time;
 use crate::film::{Film, Noise};
-use crate::machine::thread_time;
-use crate::stop::Stop;
 use atomic::Aside;
 use claim::Claims;
 use keep::Kept;

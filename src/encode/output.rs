@@ -3,7 +3,7 @@
 use super::pattern::{FramePattern, PatternError};
 use super::place::same_folder;
 use super::settings::Formats;
-use crate::escape;
+use crate::base::escape;
 use std::ffi::{OsStr, OsString};
 use std::fmt;
 use std::path::{Path, PathBuf};

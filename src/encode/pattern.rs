@@ -1,7 +1,7 @@
 //! File names with a place for the frame number.
 
 use super::place::{folder_of, same_file};
-use crate::escape;
+use crate::base::escape;
 use std::ffi::{OsStr, OsString};
 use std::fmt;
 use std::io;

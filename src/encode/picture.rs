@@ -1,6 +1,6 @@
 //! Displayed pictures: what a film looks like, in codes of 8 or 16 bits.
 
-use crate::color::{Rgb, linear_to_srgb, srgb_to_linear};
+use crate::base::color::{Rgb, linear_to_srgb, srgb_to_linear};
 
 /// A number that stands for a displayed value.
 pub trait Code: Copy + Default + PartialEq + Send + Sync + 'static {

@@ -2,7 +2,7 @@
 
 use super::picture::{Code, Picture};
 use super::record::Text;
-use crate::digest::Digest;
+use crate::base::digest::Digest;
 use std::borrow::Cow;
 use std::io;
 
@@ -76,10 +76,10 @@ pub fn sealed<C: PngCode>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::time::Rate;
     use crate::encode::identity::Seen;
     use crate::encode::record::facts;
     use crate::encode::{About, Shown, write_png};
-    use crate::time::Rate;
     use ::png::Decoder;
     use image::DynamicImage;
     use std::path::Path;

@@ -99,8 +99,8 @@ pub fn of_lines(text: &str) -> Vec<Told> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::time::Rate;
     use crate::encode::About;
-    use crate::time::Rate;
     use std::time::Duration;
 
     fn told(texts: &[Text]) -> Vec<Told> {

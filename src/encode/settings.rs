@@ -1,6 +1,6 @@
 //! How each format is written.
 
-use crate::color::Rgb;
+use crate::base::color::Rgb;
 
 /// The settings of all formats; those that a run does not write do not count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! The encoder from films to files.
 
 use super::*;
-use crate::color::Rgb;
-use crate::time::Rate;
+use crate::base::color::Rgb;
+use crate::base::time::Rate;
 use std::fs;
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! The curves from linear radiance to displayed values.
 
-use crate::color::{Rgb, linear_to_srgb};
+use crate::base::color::{Rgb, linear_to_srgb};
 
 /// From linear radiance to displayed values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

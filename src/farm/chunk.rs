@@ -4,7 +4,7 @@
 //! So films are handed out, not frames; and a chunk is as many films as take about as long as any other chunk.
 
 use crate::film::Extras;
-use crate::plan::{Effort, Plan, work};
+use crate::pipeline::plan::{Effort, Plan, work};
 use crate::sequence::Sequence;
 use std::ops::Range;
 

@@ -3,8 +3,8 @@
 //! Frames of one job are made at different times on different machines. They fit together if each of them was made by
 //! the same version of the same files; so every task looks before it begins.
 
-use crate::digest::{Digest, Digester};
-use crate::escape;
+use crate::base::digest::{Digest, Digester};
+use crate::base::escape;
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Read};

@@ -5,7 +5,7 @@ use super::makespan::Scaling;
 use super::price::Price;
 use crate::accuracy::Took;
 use crate::encode::Output;
-use crate::render::{RenderError, extras, pool};
+use crate::pipeline::render::{RenderError, extras, pool};
 use crate::sequence::Sequence;
 use std::num::NonZeroUsize;
 use std::time::Duration;
@@ -25,7 +25,7 @@ impl Forecast {
     /// threads. A few frames are rendered to find out; `load` is what reading the sequence took.
     ///
     /// # Errors
-    /// Those of [`crate::render::render`].
+    /// Those of [`crate::pipeline::render::render`].
     pub fn of(
         sequence: &Sequence,
         frames: &[u32],

@@ -3,7 +3,7 @@
 
 use super::job::{Export, Job, JobFile, MARK, THREADS};
 use super::words;
-use crate::escape::quoted;
+use crate::base::escape::quoted;
 use std::path::Path;
 
 /// Workers that may be lost while they have the same task.

@@ -2,7 +2,7 @@
 
 use super::chunk::{Chunk, Class};
 use super::{hyperqueue, openjd, shell, slurm};
-use crate::frame_set;
+use crate::base::frame_set;
 use std::path::{Path, PathBuf};
 
 /// The engines that jobs are written for.

@@ -8,8 +8,8 @@
 use super::chunk::Class;
 use super::job::{Export, Job, JobFile, MARK, Names};
 use super::words::command;
-use crate::escape::quoted;
-use crate::frame_set;
+use crate::base::escape::quoted;
+use crate::base::frame_set;
 use std::cell::RefCell;
 
 /// Seconds that a frame in hand is given when a task is cancelled.

@@ -2,12 +2,12 @@
 
 use super::chunk::{Chunk, WRITE};
 use crate::accuracy::{Took, timed};
-use crate::counters::Meter;
+use crate::base::stats::Meter;
 use crate::encode::{EncodeError, Existing, Output};
-use crate::filmstrip::spread;
-use crate::plan::{Nowhere, Plan, shrunk};
-use crate::render::{RenderError, Request, Reuse, Summary, extras, pool, render};
-use crate::schedule::{FrameLoop, Stage};
+use crate::pipeline::filmstrip::spread;
+use crate::pipeline::plan::{Nowhere, Plan, shrunk};
+use crate::pipeline::render::{RenderError, Request, Reuse, Summary, extras, pool, render};
+use crate::pipeline::schedule::{FrameLoop, Stage};
 use crate::sequence::Sequence;
 use std::num::NonZeroUsize;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! How far the frames of a job have come, whoever makes them.
 
-use crate::digest::Digest;
+use crate::base::digest::Digest;
 use crate::encode::{Found, Holder};
 use std::time::{Duration, SystemTime};
 

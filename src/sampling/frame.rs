@@ -1,7 +1,7 @@
 //! Orthonormal frames around a direction.
 
-use crate::lanes::{Real, Select, Vec3};
-use crate::math::DVec3;
+use crate::base::lanes::{Real, Select, Vec3};
+use crate::base::math::DVec3;
 
 /// A right-handed orthonormal frame whose z axis is a given direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,7 +78,7 @@ fn of_unit_length<F: Real>(v: Vec3<F>) -> Vec3<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::UNIT_ROUNDOFF;
+    use crate::base::math::UNIT_ROUNDOFF;
     use crate::testing::Random;
 
     fn assert_orthonormal(frame: &Frame<f64>) {

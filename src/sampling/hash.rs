@@ -1,6 +1,6 @@
 //! Well-mixed numbers from others.
 
-use crate::lanes::Bits;
+use crate::base::lanes::Bits;
 
 /// A well-mixed number from three: a round of multiplications and shifts for each (the finalizer of
 /// MurmurHash3, Appleby 2011).

@@ -7,13 +7,13 @@
 
 use super::hash::{hash, hash_lanes};
 use super::sobol;
-use crate::digest::content;
-use crate::lanes::{LaneKernel, Level, Real, Row};
+use crate::base::digest::content;
+use crate::base::lanes::{LaneKernel, Level, Real, Row};
 
 /// What random numbers are used for. Different uses never share numbers.
 pub mod dimension {
     use super::hash_lanes;
-    use crate::lanes::Bits;
+    use crate::base::lanes::Bits;
 
     /// Two numbers for the place in the pixel, two for that on the lens.
     pub const CAMERA: u32 = 0;

@@ -1,7 +1,7 @@
 //! Four dimensions of Owen-scrambled Sobol points: those of `sobol_burley`, which goes through an index bit by bit, with
 //! a look into a table for each byte instead, and in lanes.
 
-use crate::lanes::{Bits, Real, Row};
+use crate::base::lanes::{Bits, Real, Row};
 use sobol_burley::parts::sobol_int4_rev;
 use std::sync::LazyLock;
 

@@ -1,7 +1,7 @@
 //! Uniform numbers bent into directions and points, with their densities.
 
-use crate::lanes::{Real, Vec3};
-use crate::math::{cos_sin_of_quarters, cos_sin_of_turns};
+use crate::base::lanes::{Real, Vec3};
+use crate::base::math::{cos_sin_of_quarters, cos_sin_of_turns};
 use std::f64::consts::PI;
 
 /// The direction at `height` above the xy plane, in -1..=1, after `u` turns, for its distance from the z axis.
@@ -76,7 +76,7 @@ pub fn in_ball<F: Real>([u, v, w]: [F; 3]) -> Vec3<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{Angle, DVec2, DVec3};
+    use crate::base::math::{Angle, DVec2, DVec3};
     use crate::sampling::Frame;
     use crate::testing::{Random, chi_square};
 

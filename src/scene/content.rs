@@ -1,14 +1,14 @@
 //! What tracing would make of a scene, as a digest: nothing that has no effect on it is part of it.
 
 use super::{Finish, Geometry, Primitive, Scene, Shading};
-use crate::color::Rgb;
-use crate::digest::{Content, Digest, Digester};
-use crate::environment::{Environment, Sky};
+use crate::appearance::environment::{Environment, Sky};
+use crate::appearance::fog::Fog;
+use crate::appearance::light::Light;
+use crate::appearance::light_groups::glow::Glow;
+use crate::appearance::material::{MadeOf, Material, Slot};
+use crate::base::color::Rgb;
+use crate::base::digest::{Content, Digest, Digester};
 use crate::film::LayerId;
-use crate::fog::Fog;
-use crate::glow::Glow;
-use crate::light::Light;
-use crate::material::{MadeOf, Material, Slot};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// The parts of a scene that take long to hash, each hashed when it has changed.

@@ -1,12 +1,12 @@
 //! World → Scene: packs what has changed, in the order of the file.
 
 use super::{Finish, Geometry, Shading, Weights};
-use crate::environment::Environment;
-use crate::fog::Fog;
-use crate::light::{Light, Source};
-use crate::material::{MadeOf, Material};
-use crate::math::{DAffine3, DVec3};
-use crate::shape::Shape;
+use crate::appearance::environment::Environment;
+use crate::appearance::fog::Fog;
+use crate::appearance::light::{Light, Source};
+use crate::appearance::material::{MadeOf, Material};
+use crate::base::math::{DAffine3, DVec3};
+use crate::geometry::shape::Shape;
 use crate::world::{AreaLight, Current, FileOrder, Transform, Visible, Weight};
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::component::Component;

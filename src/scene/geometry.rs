@@ -1,11 +1,11 @@
 //! All that can be seen, and where each of it came from.
 
 use super::primitive::{Finish, Primitive, abs, inverse};
-use crate::bvh::Hit;
-use crate::digest::{Digest, content};
-use crate::math::{DAffine3, DVec2, DVec3};
-use crate::shape::{Shape, Surface};
-use crate::texture::{Footprint, Spot};
+use crate::appearance::texture::{Footprint, Spot};
+use crate::base::digest::{Digest, content};
+use crate::base::math::{DAffine3, DVec2, DVec3};
+use crate::geometry::shape::{Shape, Surface};
+use crate::scene::top_level::Hit;
 
 /// All that can be seen, in the order of the file.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,19 +1,18 @@
 //! Eight rays together get the same of a primitive as each of them alone, to the last bit and on all levels.
 
 use super::{Finish, Primitive};
-use crate::camera::Ray;
-use crate::lanes::tests::on_all_levels;
-use crate::lanes::{Level, Mask, Real, Row, SimdKernel, Vec3, dispatch};
-use crate::material::MadeOf;
-use crate::math::{DAffine3, DVec3};
-use crate::mesh::{self, Normals, generate};
-use crate::sampling::Frame;
-use crate::shape::{
+use crate::appearance::material::MadeOf;
+use crate::base::lanes::tests::on_all_levels;
+use crate::base::lanes::{Level, Mask, Real, Row, SimdKernel, Vec3, dispatch};
+use crate::base::math::{DAffine3, DVec3, Ray};
+use crate::geometry::bvh::Probe;
+use crate::geometry::mesh::{self, Normals, generate};
+use crate::geometry::shape::{
     Cone, Crossing, Cuboid, Cylinder, Disk, Mesh, Plane, PreparedRay, Rectangle, Shape, Span, Sphere,
     Surface, Torus, Triangle,
 };
+use crate::sampling::Frame;
 use crate::testing::{Random, eight_rays, eight_vectors};
-use crate::tree::Probe;
 use std::sync::Arc;
 
 /// Groups of eight questions per primitive.

@@ -2,6 +2,7 @@
 //!
 //! Everything keeps the file's order, so that whatever breaks a tie by index breaks it the same way always.
 
+pub mod top_level;
 mod content;
 pub mod extract;
 mod geometry;
@@ -15,13 +16,13 @@ pub use geometry::Geometry;
 pub use primitive::{Finish, Placement, Primitive};
 pub use surfaces::SurfaceTable;
 
+use crate::appearance::environment::{Environment, SkyTable};
+use crate::appearance::fog::Fog;
+use crate::appearance::light::Light;
+use crate::appearance::light_groups::glow::Glow;
+use crate::appearance::material::Material;
+use crate::base::color::Rgb;
 use crate::camera::Camera;
-use crate::color::Rgb;
-use crate::environment::{Environment, SkyTable};
-use crate::fog::Fog;
-use crate::glow::Glow;
-use crate::light::Light;
-use crate::material::Material;
 use std::sync::Arc;
 
 /// What surfaces look like and what lights them.

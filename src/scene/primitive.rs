@@ -1,15 +1,14 @@
 //! One thing to hit: a shape, where it is, and what it is made of.
 
-use crate::camera::Ray;
-use crate::digest::content;
-use crate::lanes::{Level, Real, Vec3, out_of_line, turned};
-use crate::material::MadeOf;
-use crate::math::{Aabb, DAffine3, DMat3, DVec3, dot_plus, gamma};
-use crate::sampling::Frame;
-use crate::shape::{
-    Crossing, LaneHit, LaneRay, LaneSurface, PreparedRay, Shape, Span, Surface, TriangleLanes,
+use crate::appearance::material::MadeOf;
+use crate::base::digest::content;
+use crate::base::lanes::{Level, Real, Vec3, out_of_line, turned};
+use crate::base::math::{Aabb, DAffine3, DMat3, DVec3, LaneRay, Ray, dot_plus, gamma};
+use crate::geometry::bvh::{Probe, Stack};
+use crate::geometry::shape::{
+    Crossing, LaneHit, LaneSurface, PreparedRay, Shape, Span, Surface, TriangleLanes,
 };
-use crate::tree::{Probe, Stack};
+use crate::sampling::Frame;
 
 /// A shape in the world. Most shapes are moved there once ([`Shape::transformed`]); the others keep their own
 /// space and have rays moved into it.
@@ -387,8 +386,8 @@ pub(super) fn abs(affine: &DAffine3) -> DAffine3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::UNIT_ROUNDOFF;
-    use crate::shape::Sphere;
+    use crate::base::math::UNIT_ROUNDOFF;
+    use crate::geometry::shape::Sphere;
 
     const UNIT: Shape = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 });
 
@@ -404,7 +403,7 @@ mod tests {
         let t = hit(scale, ray);
         assert!((t - 7.122_501_086_012_368).abs() <= 8.0 * UNIT_ROUNDOFF * t, "{t}");
         let turn = DAffine3::from_mat3_translation(
-            crate::math::axis_angle(DVec3::Z, crate::math::Angle(30.0)),
+            crate::base::math::axis_angle(DVec3::Z, crate::base::math::Angle(30.0)),
             DVec3::new(100.0, 0.0, 0.0),
         );
         let moved = Ray {
@@ -417,7 +416,7 @@ mod tests {
 
     #[test]
     fn xf_04_badly_scaled_transforms_invert() {
-        let turn = crate::math::axis_angle(DVec3::new(0.6, 0.48, 0.64), crate::math::Angle(40.0));
+        let turn = crate::base::math::axis_angle(DVec3::new(0.6, 0.48, 0.64), crate::base::math::Angle(40.0));
         let m = DMat3::from_diagonal(DVec3::new(1e3, 1e-3, 1.0)) * turn;
         let back = inverse(&DAffine3::from_mat3(m)).expect("an inverse");
         let off = (m * back.matrix3 - DMat3::IDENTITY).abs();

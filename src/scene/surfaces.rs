@@ -1,9 +1,9 @@
 //! What surfaces are found from where rays meet primitives, as tables from which lanes gather.
 
 use super::{Geometry, Primitive};
-use crate::lanes::{Bits, Lookup, Mask, Real, Row, Select, Vec3, lanes, out_of_line};
-use crate::math::DVec3;
-use crate::shape::{LaneHit, LaneRay, LaneSurface, Shape, SphereLanes, flat_surface};
+use crate::base::lanes::{Bits, Lookup, Mask, Real, Row, Select, Vec3, lanes, out_of_line};
+use crate::base::math::{DVec3, LaneRay};
+use crate::geometry::shape::{LaneHit, LaneSurface, Shape, SphereLanes, flat_surface};
 
 /// How the surface of a primitive is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 
 use super::Sequence;
 use super::layers::Shining;
+use crate::appearance::light_groups::layers::Layers;
 use crate::encode::{ALBEDO, About, NORMAL};
-use crate::layers::Layers;
 use std::collections::HashSet;
 
 impl Sequence {

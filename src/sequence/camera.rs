@@ -8,8 +8,8 @@ use super::path::path;
 use super::suggest::shortened;
 use super::values::{angle, direction, field_of_view, is_number, not_negative, number, positive, vector};
 use super::words::{Variants, variant};
-use crate::camera_path::{CameraPath, Focus, Lens};
-use crate::math::{Angle, DVec3};
+use crate::base::math::{Angle, DVec3};
+use crate::camera::path::{CameraPath, Focus, Lens};
 
 const POSITION: DVec3 = DVec3::new(0.0, 1.0, 5.0);
 const FIELD_OF_VIEW: Angle = Angle(45.0);

@@ -5,7 +5,7 @@ use super::node::Node;
 use super::suggest::listed;
 use super::values::{between, each, not_negative, number, text, tuple};
 use super::words::{Variants, is_literal, unknown, variant};
-use crate::color::{Rgb, hex_color, srgb_to_linear};
+use crate::base::color::{Rgb, hex_color, srgb_to_linear};
 use crate::track::Animated;
 
 const WAYS: &str =

@@ -1,6 +1,6 @@
 //! Decimal numbers as exact fractions.
 
-use crate::time::Time;
+use crate::base::time::Time;
 
 /// Why a text is no exact number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,11 +9,11 @@ use super::node::Node;
 use super::paint::encoding;
 use super::transform::turn;
 use super::values::{not_negative, switch, text, unit_vector};
-use crate::color::Rgb;
-use crate::environment::{CubeMap, EnvironmentTracks, FACES, FacesError, SkyTracks};
-use crate::math::DVec3;
-use crate::texture::{Encoding, Image, Shared};
-use crate::transform::TransformTracks;
+use crate::appearance::environment::{CubeMap, EnvironmentTracks, FACES, FacesError, SkyTracks};
+use crate::appearance::texture::{Encoding, Image, Shared};
+use crate::base::color::Rgb;
+use crate::base::math::DVec3;
+use crate::geometry::transform::TransformTracks;
 
 /// A colour, or a sky.
 pub fn environment(node: Node<'_>) -> Option<EnvironmentTracks> {

@@ -1,6 +1,6 @@
 //! What is wrong with a file: where, what was expected, and what may have been meant.
 
-use crate::escape;
+use crate::base::escape;
 use annotate_snippets::renderer::DecorStyle;
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use std::fmt;

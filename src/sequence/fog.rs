@@ -5,8 +5,8 @@ use super::fields::Fields;
 use super::keys::keyed;
 use super::node::Node;
 use super::values::{not_negative, number, positive};
-use crate::color::Rgb;
-use crate::fog::{FalloffTracks, FogTracks};
+use crate::appearance::fog::{FalloffTracks, FogTracks};
+use crate::base::color::Rgb;
 
 /// The fog of a sequence.
 pub fn fog(node: Node<'_>) -> Option<FogTracks> {

@@ -4,11 +4,11 @@ use super::fields::Fields;
 use super::node::Node;
 use super::values::{list, switch, text, whole};
 use super::words::word;
+use crate::base::units::parse_bytes;
 use crate::encode::{
     ExrLayers, ExrSettings, Formats, GifSettings, JpegSettings, Mp4Settings, Plays, PngSettings, PpmSettings,
     Y4mSettings,
 };
-use crate::humane::parse_bytes;
 
 /// Reads the settings of all formats.
 pub fn formats(fields: &mut Fields<'_>) -> Option<Formats> {

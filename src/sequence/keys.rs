@@ -6,7 +6,7 @@ use super::fields::Fields;
 use super::node::{Content, Node};
 use super::values::{exact_number, switch};
 use super::words::word;
-use crate::time::{Rate, Time};
+use crate::base::time::{Rate, Time};
 use crate::track::{Animate, Animated, Ease, Key, Modes, Repeat, Track};
 
 /// What the times of keys mean.

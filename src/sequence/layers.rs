@@ -3,9 +3,9 @@
 use super::Sequence;
 use super::fault::Fault;
 use super::node::File;
+use crate::appearance::light_groups::glow::{Dimmer, Glow};
+use crate::appearance::light_groups::layers::Layers;
 use crate::film::LayerId;
-use crate::glow::{Dimmer, Glow};
-use crate::layers::Layers;
 use std::ops::Range;
 
 /// Different keys of light at most.

@@ -7,10 +7,10 @@ use super::keys::keyed;
 use super::node::Node;
 use super::values::{angle_between, direction, not_negative, positive, switch, vector};
 use super::words::variant;
-use crate::color::Rgb;
-use crate::light::{Attenuation, LightKind, LightTracks};
-use crate::math::{Angle, DVec3};
-use crate::shape::spans_a_plane;
+use crate::appearance::light::{Attenuation, LightKind, LightTracks};
+use crate::base::color::Rgb;
+use crate::base::math::{Angle, DVec3};
+use crate::geometry::shape::spans_a_plane;
 use crate::track::Animated;
 
 /// One light.

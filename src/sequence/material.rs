@@ -8,10 +8,10 @@ use super::paint::paint;
 use super::suggest::nearest;
 use super::values::{between, is_number, not_negative, one_of, positive, whole_number};
 use super::words::{is_literal, variant};
-use crate::color::Rgb;
-use crate::material::{Highlight, Level, Lobe, MaterialTracks};
-use crate::optics::Fresnel;
-use crate::texture::PaintTracks;
+use crate::appearance::material::{Highlight, Level, Lobe, MaterialTracks};
+use crate::appearance::optics::Fresnel;
+use crate::appearance::texture::PaintTracks;
+use crate::base::color::Rgb;
 use crate::track::Animated;
 
 /// The fields of a material that a file gives; the others come from the default material.

@@ -9,10 +9,11 @@ use super::suggest::shortened;
 use super::values::{each, list, number, text, tuple, vector, whole};
 use super::words::word;
 use super::{Named, Object, Sequence};
-use crate::files::{self, Root};
-use crate::math::{DVec2, DVec3};
-use crate::mesh::{self, Corners, LoadMeter, NO_FILE, Normals, Parts};
-use crate::shape::{Mesh, Shape};
+use crate::base::files::{self, Root};
+use crate::base::math::{DVec2, DVec3};
+use crate::geometry::mesh::{self, Corners, NO_FILE, Normals, Parts};
+use crate::geometry::shape::{Mesh, Shape};
+use crate::import::{self, LoadMeter};
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -46,11 +47,11 @@ impl Meshes {
 
     /// Reads a file, or remembers what came of it.
     fn mesh(&self, name: &str) -> Read {
-        mesh::known_format(Path::new(name)).map_err(|error| error.to_string())?;
+        import::known_format(Path::new(name)).map_err(|error| error.to_string())?;
         let path = self.root.admit(&self.folder.join(name)).map_err(|error| files::why(&error))?;
         let mut read = self.read.borrow_mut();
         let mesh = read.entry(path).or_insert_with_key(|path| {
-            mesh::load(path, &self.root, &self.meter).map(Arc::new).map_err(|error| error.to_string())
+            import::load(path, &self.root, &self.meter).map(Arc::new).map_err(|error| error.to_string())
         });
         mesh.clone()
     }

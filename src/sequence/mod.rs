@@ -28,7 +28,8 @@ mod object;
 mod output;
 mod paint;
 mod path;
-mod quality;
+pub mod quality;
+mod quality_fields;
 mod reach;
 mod shape;
 mod suggest;
@@ -44,20 +45,20 @@ mod words;
 pub use fault::Faults;
 pub use layers::LightLayers;
 pub use load::{LoadError, load, load_watched, parse};
-pub use quality::ERRORS;
+pub use quality_fields::ERRORS;
 
-use crate::camera_path::CameraPath;
-use crate::color::Rgb;
+use crate::appearance::environment::EnvironmentTracks;
+use crate::appearance::fog::FogTracks;
+use crate::appearance::light::LightTracks;
+use crate::appearance::material::{MadeOf, MaterialTracks};
+use crate::base::color::Rgb;
+use crate::base::time::Timeline;
+use crate::camera::path::CameraPath;
 use crate::encode::{Caption, Formats, Output, Tonemap};
-use crate::environment::EnvironmentTracks;
-use crate::fog::FogTracks;
-use crate::light::LightTracks;
-use crate::material::{MadeOf, MaterialTracks};
-use crate::quality::Quality;
-use crate::shape::Shape;
-use crate::time::Timeline;
+use crate::geometry::shape::Shape;
+use crate::geometry::transform::TransformTracks;
+use crate::sequence::quality::Quality;
 use crate::track::Animated;
-use crate::transform::TransformTracks;
 
 /// A whole animation. Everything named keeps the file's order, and refers to the others by index.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,13 +4,13 @@ use super::fault::Fault;
 use super::material::Given;
 use super::node::Node;
 use super::suggest::shortened;
-use crate::color::Rgb;
-use crate::material::Highlight;
-use crate::math::DVec2;
-use crate::mesh::mtl::Map;
-use crate::mesh::{Mesh, MtlMaterial};
-use crate::optics::Fresnel;
-use crate::texture::{Encoding, Filter, ImageTracks, PaintTracks, PlacementTracks, Wrap};
+use crate::appearance::material::Highlight;
+use crate::appearance::optics::Fresnel;
+use crate::appearance::texture::{Encoding, Filter, ImageTracks, PaintTracks, PlacementTracks, Wrap};
+use crate::base::color::Rgb;
+use crate::base::math::DVec2;
+use crate::geometry::mesh::Map;
+use crate::geometry::mesh::{Mesh, MtlMaterial};
 use std::ops::Range;
 use std::path::Path;
 use std::rc::Rc;
@@ -127,13 +127,13 @@ fn translated(material: &MtlMaterial, image: Option<ImageTracks>, bare: &Given) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::MaterialTracks;
-    use crate::math::DVec3;
-    use crate::mesh;
-    use crate::time::Time;
+    use crate::appearance::material::MaterialTracks;
+    use crate::base::math::DVec3;
+    use crate::base::time::Time;
+    use crate::import;
 
     fn tracks(text: &str) -> MaterialTracks {
-        let material = mesh::mtl::read(text.as_bytes()).expect("a material").remove(0);
+        let material = import::mtl::read(text.as_bytes()).expect("a material").remove(0);
         translated(&material, None, &Given::default()).over(&Given::default())
     }
 
@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn options_place_images() {
         let text = "newmtl a\nmap_Kd -s 2 -4 1 -o 0.5 0.25 0 a.png";
-        let material = mesh::mtl::read(text.as_bytes()).expect("a material").remove(0);
+        let material = import::mtl::read(text.as_bytes()).expect("a material").remove(0);
         let placed = placement(material.diffuse_map.as_ref().expect("an image")).at(Time::from_integer(0));
         let (at, _) = placed.local(DVec3::new(0.75, 0.5, 0.0), DVec3::ZERO);
         assert_eq!(at, DVec3::new(2.0 * 0.75 + 0.5, -4.0 * 0.5 + 0.25, 0.0));

@@ -9,7 +9,7 @@ use super::keys::KeyClock;
 use super::level::{Entries, Parts, Raw};
 use super::mesh::Meshes;
 use super::suggest::shortened;
-use crate::files::Root;
+use crate::base::files::Root;
 use ron::value::RawValue;
 use serde::de::{Deserialize, Deserializer, IgnoredAny};
 use std::cell::{Cell, RefCell};

@@ -5,8 +5,8 @@ mod images;
 mod meshes;
 
 use super::{Named, Object, Sequence};
-use crate::material::{MadeOf, MaterialTracks};
-use crate::shape::{self, Shape};
+use crate::appearance::material::{MadeOf, MaterialTracks};
+use crate::geometry::shape::{self, Shape};
 use std::collections::BTreeSet;
 
 impl Sequence {

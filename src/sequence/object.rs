@@ -13,9 +13,9 @@ use super::shape::shape;
 use super::suggest::shortened;
 use super::transform::transform;
 use super::values::switch;
-use crate::shape::{Mesh, Shape};
+use crate::geometry::shape::{Mesh, Shape};
+use crate::geometry::transform::TransformTracks;
 use crate::track::Animated;
-use crate::transform::TransformTracks;
 use std::ops::Range;
 
 /// An object whose material is not yet an index.

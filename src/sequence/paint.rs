@@ -9,11 +9,11 @@ use super::suggest::shortened;
 use super::transform::turn;
 use super::values::{each, not_negative, number, one_of, switch, unit_vector, vector, whole};
 use super::words::Variants;
-use crate::color::Rgb;
-use crate::math::DVec3;
-use crate::texture::{
+use crate::appearance::texture::{
     Channel, Encoding, Filter, ImageTracks, PaintTracks, Pattern, PatternTracks, PlacementTracks, Space, Wrap,
 };
+use crate::base::color::Rgb;
+use crate::base::math::DVec3;
 
 /// A colour over time, or whatever else a surface may be painted with.
 pub fn paint(node: Node<'_>) -> Option<PaintTracks> {
@@ -167,12 +167,12 @@ fn two_or_three(node: Node<'_>, z: f64) -> Option<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::Root;
-    use crate::math::DVec2;
+    use crate::appearance::texture::{Image, Paint, Spot};
+    use crate::base::files::Root;
+    use crate::base::math::DVec2;
+    use crate::base::time::Time;
     use crate::sequence::Faults;
     use crate::sequence::node::File;
-    use crate::texture::{Image, Paint, Spot};
-    use crate::time::Time;
     use std::path::Path;
 
     fn read(text: &str) -> Result<PaintTracks, String> {

@@ -7,8 +7,8 @@ use super::keys::keyed;
 use super::node::Node;
 use super::values::{angle, between, direction, field_of_view, list, number, positive, switch, vector};
 use super::words::{Variants, variant};
-use crate::camera_path::{Aim, Dolly, Keys, Orbit, SplinePath, Step, Zoom, ZoomBy};
-use crate::math::DVec3;
+use crate::base::math::DVec3;
+use crate::camera::path::{Aim, Dolly, Keys, Orbit, SplinePath, Step, Zoom, ZoomBy};
 use crate::track::{Animated, Ease, LogScale};
 
 /// Points of a spline, at most: its length is measured along each of its parts.

@@ -1,115 +1,128 @@
-//! `quality`: how much work goes into a picture.
+//! How much work goes into a picture.
 
-use super::fields::Fields;
-use super::node::Node;
-use super::values::{between, is_number, positive, switch, tuple, whole};
-use super::words::{Variants, variant, word};
-use crate::filter::{Filter, Kernel};
-use crate::quality::{Integrator, MOST_SAMPLES, NoiseTarget, PathSettings, Quality};
+use crate::base::digest::content;
+use crate::film::filter::Filter;
 use crate::sampling::Points;
-use std::ops::RangeInclusive;
 
-/// Widths of filters in pixels. Wider ones would blur, not reconstruct.
-const FILTER_WIDTHS: RangeInclusive<f64> = 0.01..=16.0;
+/// What every sequence settles about the work per pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quality {
+    pub integrator: Integrator,
+    /// How often light may go from one surface to another on its way from its source to the eye: light of 0 bounces
+    /// comes straight from its source to the surface that is seen.
+    pub bounces: u32,
+    /// How a pixel's samples are spread over it and its neighbours.
+    pub filter: Filter,
+    /// Samples per pixel along each axis of a regular grid, at least 1, where nothing is random.
+    pub antialias: u32,
+    /// Samples per pixel where a lens, an area light, motion blur, a rough surface or paths ask for random
+    /// ones; at least 1.
+    pub samples: u32,
+    /// Samples are taken until this is reached, where they are random: then `samples` does not count.
+    pub noise: Option<NoiseTarget>,
+    /// Where random numbers come from.
+    pub points: Points,
+    /// Rays that would add less than this share to the picture are not followed. Whitted's integrator asks; paths
+    /// end by roulette.
+    pub threshold: f32,
+    /// Upper limit of the radiance of one sample in each layer: none keeps every sample as it is.
+    pub clamp: Option<f32>,
+    /// Moments per frame at which motion is looked at while the shutter is open, at least 1.
+    pub shutter_steps: u32,
+    /// Whether light falls on smooth meshes as on the surfaces that they stand for, not as on their triangles.
+    pub smooth_terminator: bool,
+    /// Another seed gives other noise.
+    pub seed: u32,
+}
 
-/// Errors that can be asked for.
-pub const ERRORS: RangeInclusive<f64> = 1e-4..=1.0;
+/// How good a picture is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseTarget {
+    /// Root of the mean square of the frame's error as a share of its mean, above 0.
+    pub error: f64,
+    /// Samples of a pixel, at most.
+    pub most: u32,
+}
 
-/// Reads `quality`: fields, or `Error(0.01)` alone.
-pub fn quality(node: Node<'_>) -> Option<Quality> {
-    let default = Quality::default();
-    if node.word() == "Error" {
-        let error = error(node)?;
-        return Some(Quality { noise: Some(NoiseTarget { error, most: NoiseTarget::MOST }), ..default });
+content!(struct NoiseTarget { error, most });
+
+impl NoiseTarget {
+    /// Samples of a pixel at most, unless something else is said.
+    pub const MOST: u32 = 4096;
+}
+
+/// How light is followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Integrator {
+    /// Whitted's: at every surface the lights, and on along mirrors and through what is transparent.
+    Whitted,
+    /// Monte Carlo over paths of light.
+    Path(PathSettings),
+}
+
+content!(
+    enum Integrator {
+        Whitted,
+        Path(settings),
     }
-    let mut fields = Fields::of(node, "the quality")?;
-    let integrator = fields.or("integrator", integrator, default.integrator);
-    let bounces = fields.or("bounces", whole(0..=1000), default.bounces);
-    let antialias = fields.or("antialias", whole(1..=64), default.antialias);
-    let samples = fields.or("samples", whole(1..=MOST_SAMPLES), default.samples);
-    let noise = fields.optional("noise", between(ERRORS));
-    let most_samples = fields.or("most_samples", whole(1..=MOST_SAMPLES), NoiseTarget::MOST);
-    let points = fields.or("sampler", points, default.points);
-    let filter = fields.or("filter", filter, default.filter);
-    let threshold = fields.or("threshold", between(0.0..=1.0), f64::from(default.threshold));
-    let clamp = fields.optional("clamp", positive);
-    let shutter_steps = fields.or("shutter_steps", whole(1..=4096), default.shutter_steps);
-    let smooth_terminator = fields.or("smooth_terminator", switch, default.smooth_terminator);
-    let seed = fields.or("seed", whole(0..=u32::MAX), default.seed);
-    fields.finish();
-    let (noise, most) = (noise?, most_samples?);
-    let noise = noise.map(|error| NoiseTarget { error, most });
-    Some(Quality {
-        integrator: integrator?,
-        bounces: bounces?,
-        antialias: antialias?,
-        samples: samples?,
-        noise,
-        points: points?,
-        filter: filter?,
-        threshold: threshold? as f32,
-        clamp: clamp?.map(|clamp| clamp as f32),
-        shutter_steps: shutter_steps?,
-        smooth_terminator: smooth_terminator?,
-        seed: seed?,
-    })
+);
+
+/// More samples than these are asked for by mistake.
+pub const MOST_SAMPLES: u32 = 1 << 24;
+
+/// What only paths need to know.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathSettings {
+    /// Bounces after which dim paths may end at random; none lets every path run to its end.
+    pub roulette: Option<u32>,
+    /// Whether shadow rays pass what refracts, unbent. Light that refracted paths would find behind it is left
+    /// out then, so that nothing counts twice.
+    pub refractive_shadows: bool,
 }
 
-/// `Error(0.01)`.
-fn error(node: Node<'_>) -> Option<f64> {
-    let [error] = tuple(node, "Error(0.01)")?;
-    between(ERRORS)(error)
-}
+content!(struct PathSettings { roulette, refractive_shadows });
 
-fn points(node: Node<'_>) -> Option<Points> {
-    word(node, "sampler", &[("Sobol", Points::Sobol), ("Independent", Points::Independent)])
-}
-
-fn integrator(node: Node<'_>) -> Option<Integrator> {
-    let table: &Variants<'_, Integrator> = &[("Whitted", whitted), ("Path", path)];
-    variant(node, "integrator", table)
-}
-
-fn whitted(node: Node<'_>) -> Option<Integrator> {
-    Fields::of(node, "`Whitted`")?.finish();
-    Some(Integrator::Whitted)
-}
-
-fn path(node: Node<'_>) -> Option<Integrator> {
-    let default = PathSettings::default();
-    let mut fields = Fields::of(node, "`Path`")?;
-    let roulette = fields.or("roulette", roulette, default.roulette);
-    let refractive_shadows = fields.or("refractive_shadows", switch, default.refractive_shadows);
-    fields.finish();
-    Some(Integrator::Path(PathSettings { roulette: roulette?, refractive_shadows: refractive_shadows? }))
-}
-
-/// A number of bounces, or `Off`.
-fn roulette(node: Node<'_>) -> Option<Option<u32>> {
-    if node.bare_word() == Some("Off") {
-        return Some(None);
+impl Integrator {
+    /// Whether light is also found by what it shines on, so that it pays to know where it comes from.
+    pub fn looks_for_lights(&self) -> bool {
+        matches!(self, Self::Path(_))
     }
-    if !is_number(node) {
-        node.expected("a whole number of bounces from 0 to 1000, or `Off`");
-        return None;
+
+    /// Whether both are of the same kind, whatever their settings.
+    pub fn is_like(&self, other: &Self) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other)
     }
-    whole(0..=1000)(node).map(Some)
 }
 
-/// A reconstruction filter, alone or with its width.
-fn filter(node: Node<'_>) -> Option<Filter> {
-    let table: &Variants<'_, Filter> = &[
-        ("Box", |node| kernel(node, "`Box`", Kernel::Box)),
-        ("Tent", |node| kernel(node, "`Tent`", Kernel::Tent)),
-        ("Gaussian", |node| kernel(node, "`Gaussian`", Kernel::Gaussian)),
-        ("BlackmanHarris", |node| kernel(node, "`BlackmanHarris`", Kernel::BlackmanHarris)),
-    ];
-    variant(node, "filter", table)
+impl Quality {
+    /// How many surfaces may reflect or bend light between its source and the eye: one more than the bounces between
+    /// them. A ray that starts behind the last of them only sees what gives off light.
+    pub fn surfaces(&self) -> u32 {
+        self.bounces + 1
+    }
 }
 
-fn kernel(node: Node<'_>, what: &'static str, kernel: Kernel) -> Option<Filter> {
-    let mut fields = Fields::of(node, what)?;
-    let width = fields.or("width", between(FILTER_WIDTHS), Filter::from(kernel).width);
-    fields.finish();
-    Some(Filter { kernel, width: width? })
+impl Default for PathSettings {
+    fn default() -> Self {
+        Self { roulette: Some(3), refractive_shadows: false }
+    }
+}
+
+impl Default for Quality {
+    fn default() -> Self {
+        Self {
+            integrator: Integrator::Whitted,
+            bounces: 5,
+            filter: Filter::PIXEL,
+            antialias: 2,
+            samples: 64,
+            noise: None,
+            points: Points::Sobol,
+            threshold: 1e-3,
+            clamp: None,
+            shutter_steps: 32,
+            smooth_terminator: true,
+            seed: 0,
+        }
+    }
 }

@@ -5,10 +5,10 @@ use super::node::File;
 use super::suggest::shortened;
 use super::values::{LARGEST, SHORTEST};
 use super::{Named, Object};
-use crate::math::{DAffine3, DVec3};
-use crate::time::{Time, Timeline};
+use crate::base::math::{DAffine3, DVec3};
+use crate::base::time::{Time, Timeline};
+use crate::geometry::transform::TransformTracks;
 use crate::track::{Animate, Animated};
-use crate::transform::TransformTracks;
 use std::ops::Range;
 
 /// Where an object's transform stands in the file.

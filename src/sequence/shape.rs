@@ -6,8 +6,8 @@ use super::mesh::mesh;
 use super::node::Node;
 use super::values::{not_negative, positive, switch, unit_vector, vector};
 use super::words::known_word;
-use crate::math::DVec3;
-use crate::shape::{Geometric, Mesh, Parameters, Shape};
+use crate::base::math::DVec3;
+use crate::geometry::shape::{Geometric, Mesh, Parameters, Shape};
 use std::collections::HashMap;
 use std::ops::Range;
 

@@ -1,22 +1,22 @@
 //! One valid example per feature, and texts that must not bring the reader down.
 
 use super::*;
-use crate::camera_path::{Focus, Lens, Step, ZoomBy};
+use crate::appearance::environment::SkyTracks;
+use crate::appearance::light::{Attenuation, LightKind};
+use crate::appearance::material::{Highlight, Level, MadeOf, MaterialTracks};
+use crate::appearance::optics::Fresnel;
+use crate::appearance::texture::PaintTracks;
+use crate::base::math::{Angle, DQuat, DVec3};
+use crate::base::time::{Rate, Time};
+use crate::camera::path::{Focus, Lens, Step, ZoomBy};
 use crate::encode::GifSettings;
 use crate::encode::Output;
-use crate::environment::SkyTracks;
-use crate::filter::{Filter, Kernel};
-use crate::light::{Attenuation, LightKind};
-use crate::material::{Highlight, Level, MadeOf, MaterialTracks};
-use crate::math::{Angle, DQuat, DVec3};
-use crate::optics::Fresnel;
-use crate::quality::{Integrator, NoiseTarget, PathSettings};
+use crate::film::filter::{Filter, Kernel};
+use crate::geometry::shape::{Cuboid, Sphere};
+use crate::geometry::transform::Rotation;
 use crate::sampling::Points;
-use crate::shape::{Cuboid, Sphere};
-use crate::texture::PaintTracks;
-use crate::time::{Rate, Time};
+use crate::sequence::quality::{Integrator, NoiseTarget, PathSettings};
 use crate::track::{Ease, Repeat};
-use crate::transform::Rotation;
 use proptest::prelude::*;
 
 /// Everything the format knows, at least once.

@@ -7,7 +7,7 @@ use super::keys::KeyClock;
 use super::node::Node;
 use super::values::{each, exact_number, text, tuple, whole};
 use super::words::word;
-use crate::time::{Rate, Time, Timeline};
+use crate::base::time::{Rate, Time, Timeline};
 
 /// Frames in a sequence, at most.
 const MOST_FRAMES: u32 = 10_000_000;

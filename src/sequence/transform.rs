@@ -6,9 +6,9 @@ use super::keys::keyed;
 use super::node::{Content, Node};
 use super::values::{angle, direction, each, number, tuple, vector};
 use super::words::{Variants, variant};
-use crate::math::{Angle, DQuat, DVec3};
+use crate::base::math::{Angle, DQuat, DVec3};
+use crate::geometry::transform::{Rotation, TransformTracks};
 use crate::track::Animated;
-use crate::transform::{Rotation, TransformTracks};
 
 /// Reads the transform among the fields of an object.
 pub fn transform(fields: &mut Fields<'_>) -> Option<TransformTracks> {

@@ -4,8 +4,8 @@ use super::decimal::{NotExact, exact, is_decimal};
 use super::fault::Fault;
 use super::node::{Content, Node};
 use super::words::word;
-use crate::math::{Angle, DVec3};
-use crate::time::Time;
+use crate::base::math::{Angle, DVec3};
+use crate::base::time::Time;
 use std::ops::RangeInclusive;
 
 /// Numbers beyond this are refused: their squares and products must stay far from overflow.

@@ -1,9 +1,9 @@
 //! What the samples of a wave add to each layer.
 
-use crate::color::Rgb;
+use crate::base::color::Rgb;
+use crate::base::lanes::{Bits, Color, Level, Mask, Real, Row, SimdKernel, Single, dispatch, lanes};
+use crate::base::math::DVec3;
 use crate::film::LayerId;
-use crate::lanes::{Bits, Color, Level, Mask, Real, Row, SimdKernel, Single, dispatch, lanes};
-use crate::math::DVec3;
 
 /// Sums of light, layer after layer and of each its channels: a number for every sample.
 #[derive(Default)]

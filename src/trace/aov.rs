@@ -7,9 +7,9 @@ use super::path::has_flag;
 use super::shade::{LobeRows, Stage};
 use super::stream::{PathState, flags};
 use super::textures;
-use crate::counters::Evaluations;
-use crate::lanes::{Color, Level, Lookup, Mask, Real, Row, SimdKernel, Single, lanes};
-use crate::math::DVec3;
+use crate::base::lanes::{Color, Level, Lookup, Mask, Real, Row, SimdKernel, Single, lanes};
+use crate::base::math::DVec3;
+use crate::base::stats::Evaluations;
 
 /// Records what the paths of a queue have met, if they come straight from the eye: in the layers from `first` on.
 pub struct Record<'a, 's> {

@@ -9,12 +9,12 @@ mod members;
 use super::context::TraceContext;
 use super::medium::{MediaLists, Passage};
 use super::spawn::spawn_ray;
-use crate::bvh::Hit;
-use crate::camera::Ray;
-use crate::lanes::Portable;
-use crate::material::Material;
-use crate::shape::{Shape, Span, Surface};
-use crate::tree::Probe;
+use crate::appearance::material::Material;
+use crate::base::lanes::Portable;
+use crate::base::math::Ray;
+use crate::geometry::bvh::Probe;
+use crate::geometry::shape::{Shape, Span, Surface};
+use crate::scene::top_level::Hit;
 use members::{Class, Member};
 
 /// What a ray meets at a place where surfaces coincide: a surface, or a boundary that several form together.

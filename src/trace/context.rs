@@ -4,16 +4,16 @@ use super::TraceSettings;
 use super::light::LightSampler;
 use super::materials::{LobeSet, LobeTable};
 use super::stream::Columns;
-use crate::bvh::{Bvh, Passing};
-use crate::color::Rgb;
-use crate::environment::Environment;
+use crate::appearance::environment::Environment;
+use crate::appearance::fog::Fog;
+use crate::appearance::light_groups::glow::Glow;
+use crate::appearance::material::{MadeOf, Material};
+use crate::base::color::Rgb;
+use crate::base::math::{DVec3, gamma};
 use crate::film::LayerId;
-use crate::fog::Fog;
-use crate::glow::Glow;
-use crate::material::{MadeOf, Material};
-use crate::math::{DVec3, gamma};
-use crate::quality::{Integrator, Quality};
+use crate::scene::top_level::{Bvh, Passing};
 use crate::scene::{Finish, Primitive, Scene, SurfaceTable};
+use crate::sequence::quality::{Integrator, Quality};
 
 /// What a path that has met something goes on with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use super::light::seen_radiance;
 use super::path::{has_flag, mis_weight};
 use super::shade::Stage;
 use super::stream::flags;
-use crate::lanes::{Bits, Level, Lookup, Mask, Row, Select, SimdKernel};
+use crate::base::lanes::{Bits, Level, Lookup, Mask, Row, Select, SimdKernel};
 
 /// Adds the light of the lights that the paths of a queue have met.
 pub struct Emitter<'a, 's> {

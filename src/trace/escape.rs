@@ -2,7 +2,7 @@
 
 use super::path::mis_weight;
 use super::shade::Stage;
-use crate::lanes::{Bits, Color, Level, Lookup, Mask, Row, SimdKernel, Vec3};
+use crate::base::lanes::{Bits, Color, Level, Lookup, Mask, Row, SimdKernel, Vec3};
 
 /// Adds what the sky sends to the paths of a queue. A path that comes straight from the eye sees the picture's background,
 /// which may be held out.

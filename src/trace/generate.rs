@@ -3,9 +3,9 @@
 use super::context::TraceContext;
 use super::medium::OUTSIDE;
 use super::stream::{PathState, PathStream, Throughput, flags};
+use crate::base::lanes::{Bits, Level, Lookup, Mask, Real, Row, SimdKernel, Vec3};
+use crate::base::stats::Counts;
 use crate::camera::RayCone;
-use crate::counters::Counts;
-use crate::lanes::{Bits, Level, Lookup, Mask, Real, Row, SimdKernel, Vec3};
 use crate::sampling::{LaneSampler, Points, Sampler, dimension};
 
 /// Samples of pixels that are followed together: each has a slot, its place among them.

@@ -5,8 +5,9 @@ use super::context::TraceContext;
 use super::intersect::Hits;
 use super::materials::LobeSet;
 use super::stream::PathState;
-use crate::lanes::{Bits, Lookup, Mask, Real, Row, Select, Vec3, lanes};
-use crate::shape::{LaneHit, LaneRay, LaneSurface};
+use crate::base::lanes::{Bits, Lookup, Mask, Real, Row, Select, Vec3, lanes};
+use crate::base::math::LaneRay;
+use crate::geometry::shape::{LaneHit, LaneSurface};
 
 /// A point of a surface that a path has come to, in each lane.
 #[derive(Clone, Copy)]

@@ -5,7 +5,7 @@ use super::coincident::Events;
 use super::context::TraceContext;
 use super::interaction::SurfaceInteraction;
 use super::medium::{Enclosure, MediaLists, Passage};
-use crate::lanes::{Mask, Real, Row, lanes};
+use crate::base::lanes::{Mask, Real, Row, lanes};
 
 /// The two sides of a surface in each lane.
 #[derive(Clone, Copy)]

@@ -4,11 +4,10 @@ use super::coincident::{Events, NO_EVENT};
 use super::context::{Queue, TraceContext};
 use super::medium::MediaLists;
 use super::stream::PathStream;
-use crate::bvh::{Coherence, Hit, NOTHING, Stacks};
-use crate::camera::Ray;
-use crate::lanes::{Level, Lookup, Mask, Real, Row, SimdKernel, dispatch, lanes};
-use crate::math::DVec3;
-use crate::shape::{LaneHit, Span};
+use crate::base::lanes::{Level, Lookup, Mask, Real, Row, SimdKernel, dispatch, lanes};
+use crate::base::math::{DVec3, Ray};
+use crate::geometry::shape::{LaneHit, Span};
+use crate::scene::top_level::{Coherence, Hit, NOTHING, Stacks};
 
 /// What each path of a stream meets.
 #[derive(Default)]

@@ -1,9 +1,9 @@
 //! The materials of a scene as tables, from which lanes gather what their surfaces are made of.
 
-use crate::color::Rgb;
-use crate::lanes::{Color, Lookup, Single};
-use crate::material::{Highlight, Lobes, Material};
-use crate::optics::Fresnel;
+use crate::appearance::material::{Highlight, Lobes, Material};
+use crate::appearance::optics::Fresnel;
+use crate::base::color::Rgb;
+use crate::base::lanes::{Color, Lookup, Single};
 
 /// Which lobes a material has, and what else decides how it is shaded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -5,7 +5,7 @@
 //! entered last. There are as many as a scene nests. Paths refer to the lists of what they are inside of by a number:
 //! a scene has few different ones.
 
-use crate::material::{Material, Medium};
+use crate::appearance::material::{Material, Medium};
 use rustc_hash::FxHashMap;
 
 /// A primitive with its material.
@@ -169,10 +169,10 @@ fn prevailing(list: &[Enclosure], materials: &[Material]) -> Option<Enclosure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::Rgb;
+    use crate::appearance::material::{Exponent, Highlight, Lobes};
+    use crate::appearance::optics::Fresnel;
+    use crate::base::color::Rgb;
     use crate::film::LayerId;
-    use crate::material::{Exponent, Highlight, Lobes};
-    use crate::optics::Fresnel;
 
     fn glass(ior: f64, priority: i32) -> Material {
         Material {

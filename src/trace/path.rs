@@ -13,10 +13,10 @@ use super::shade::{ShadingContext, Stage};
 use super::shadow_stream::ShadowItem;
 use super::spawn::{Spawn, spawn, spawn_gathering, spawn_mirrored};
 use super::stream::{PathState, Throughput, flags};
-use crate::lanes::{Bits, Color, Level, Mask, Real, Row, Select, SimdKernel, Single, Vec3};
-use crate::quality::PathSettings;
+use crate::base::lanes::{Bits, Color, Level, Mask, Real, Row, Select, SimdKernel, Single, Vec3};
+use crate::base::math::LaneRay;
 use crate::sampling::dimension;
-use crate::shape::LaneRay;
+use crate::sequence::quality::PathSettings;
 
 /// Up to eight paths at surfaces whose materials have lobes of one set.
 pub struct Shade<'a, 's, 'w> {

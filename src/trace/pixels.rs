@@ -5,12 +5,12 @@ use super::generate::{PixelSamples, SampleGroup};
 use super::sums::add;
 use super::wavefront::{ScratchBuffer, WAVE};
 use super::{Moment, TraceSettings};
-use crate::bvh::Bvh;
-use crate::counters::Counts;
+use crate::base::math::DVec3;
+use crate::base::stats::Counts;
 use crate::film::{LayerId, lit};
-use crate::math::DVec3;
 use crate::sampling::PixelSampler;
 use crate::scene::Scene;
+use crate::scene::top_level::Bvh;
 use std::ops::Range;
 use std::sync::Mutex;
 

@@ -5,11 +5,11 @@
 
 use super::pixels::{Pixels, SampleSet};
 use super::{Moment, TraceSettings};
-use crate::bvh::Bvh;
-use crate::color::Rgb;
-use crate::counters::Counts;
-use crate::math::DVec3;
+use crate::base::color::Rgb;
+use crate::base::math::DVec3;
+use crate::base::stats::Counts;
 use crate::scene::Scene;
+use crate::scene::top_level::Bvh;
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::ops::Range;

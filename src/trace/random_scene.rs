@@ -3,27 +3,27 @@
 mod everything;
 mod tests;
 
-use crate::bvh::Bvh;
+use crate::appearance::environment::{Environment, Sky};
+use crate::appearance::light::{Attenuation, Cone, Light, Source};
+use crate::appearance::light_groups::glow::Glow;
+use crate::appearance::material::{Exponent, Highlight, Lobes, MadeOf, Material, Medium, Slot};
+use crate::appearance::optics::Fresnel;
+use crate::appearance::texture::{Paint, Pattern, PatternPaint, PlacementTracks, Space};
+use crate::base::color::Rgb;
+use crate::base::math::{Angle, DAffine3, DMat3, DVec3, axis_angle, look_at};
+use crate::base::stats::Counts;
+use crate::base::time::Time;
 use crate::camera::{Camera, Projection, ThinLens};
-use crate::color::Rgb;
-use crate::counters::Counts;
-use crate::environment::{Environment, Sky};
+use crate::film::filter::FilterSampler;
 use crate::film::{Extras, LayerId};
-use crate::filter::FilterSampler;
-use crate::glow::Glow;
-use crate::light::{Attenuation, Cone, Light, Source};
-use crate::material::{Exponent, Highlight, Lobes, MadeOf, Material, Medium, Slot};
-use crate::math::{Angle, DAffine3, DMat3, DVec3, axis_angle, look_at};
-use crate::mesh::{self, Normals, generate};
-use crate::optics::Fresnel;
-use crate::quality::{Integrator, PathSettings, Quality};
-use crate::scene::{Finish, Geometry, Scene, Shading, Weights};
-use crate::shape::{
+use crate::geometry::mesh::{self, Normals, generate};
+use crate::geometry::shape::{
     Cone as ConeShape, Cuboid, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle,
 };
+use crate::scene::top_level::Bvh;
+use crate::scene::{Finish, Geometry, Scene, Shading, Weights};
+use crate::sequence::quality::{Integrator, PathSettings, Quality};
 use crate::testing::Random;
-use crate::texture::{Paint, Pattern, PatternPaint, PlacementTracks, Space};
-use crate::time::Time;
 use crate::trace::pixels::{Pixels, SampleSet};
 use crate::trace::{Moment, TraceSettings};
 use std::sync::Arc;

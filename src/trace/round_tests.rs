@@ -2,13 +2,12 @@
 //! rims and tips too (INT-09 of the hard cases), and no point meets itself (SELF-01).
 
 use super::spawn::spawn_ray;
-use crate::camera::Ray;
-use crate::material::MadeOf;
-use crate::math::{Angle, DAffine3, DMat3, DVec3, UNIT_ROUNDOFF, axis_angle, euler_xyz};
+use crate::appearance::material::MadeOf;
+use crate::base::math::{Angle, DAffine3, DMat3, DVec3, Ray, UNIT_ROUNDOFF, axis_angle, euler_xyz};
+use crate::geometry::bvh::Probe;
+use crate::geometry::shape::{Cone, Cylinder, Shape, Surface, Torus};
 use crate::scene::{Finish, Primitive};
-use crate::shape::{Cone, Cylinder, Shape, Surface, Torus};
 use crate::testing::Random;
-use crate::tree::Probe;
 
 /// Rays per shape.
 const RAYS: u32 = if cfg!(debug_assertions) { 30_000 } else { 300_000 };

@@ -5,12 +5,11 @@ use super::context::{Queue, TraceContext};
 use super::intersect::Hits;
 use super::medium::{MediaLists, OUTSIDE};
 use super::stream::PathStream;
-use crate::bvh::NOTHING;
-use crate::color::Rgb;
-use crate::counters::Counts;
-use crate::lanes::{Color, Level, Lookup, Mask, Real, Row, Select, SimdKernel, out_of_line};
-use crate::math::exp;
-use crate::shape::LaneRay;
+use crate::base::color::Rgb;
+use crate::base::lanes::{Color, Level, Lookup, Mask, Real, Row, Select, SimdKernel, out_of_line};
+use crate::base::math::{LaneRay, exp};
+use crate::base::stats::Counts;
+use crate::scene::top_level::NOTHING;
 
 /// Dims the throughput of a wave's paths.
 pub struct Segments<'a> {

@@ -16,13 +16,13 @@ use super::medium::MediaLists;
 use super::shadow_stream::ShadowStream;
 use super::stream::{PathState, PathStream};
 use super::{path, textures, whitted};
+use crate::base::color::Rgb;
+use crate::base::lanes::{Bits, Color, Level, Lookup, Mask, Real, Row, SimdKernel, lanes};
+use crate::base::math::LaneRay;
+use crate::base::stats::Counts;
 use crate::camera::RayCone;
-use crate::color::Rgb;
-use crate::counters::Counts;
-use crate::lanes::{Bits, Color, Level, Lookup, Mask, Real, Row, SimdKernel, lanes};
-use crate::quality::Integrator;
 use crate::sampling::{Frame, LaneSampler, dimension};
-use crate::shape::LaneRay;
+use crate::sequence::quality::Integrator;
 
 /// What stages read, and what they append to.
 pub struct Stage<'a> {

@@ -10,11 +10,11 @@ use super::medium::MediaLists;
 use super::segment::transmittance;
 use super::shadow_stream::ShadowStream;
 use super::transmit::Transmit;
-use crate::bvh::{Coherence, Stacks};
-use crate::counters::Counts;
+use crate::base::lanes::{Color, Level, Lookup, Mask, Select, SimdKernel};
+use crate::base::stats::Counts;
 use crate::film::LayerId;
-use crate::lanes::{Color, Level, Lookup, Mask, Select, SimdKernel};
-use crate::shape::Span;
+use crate::geometry::shape::Span;
+use crate::scene::top_level::{Coherence, Stacks};
 
 /// Casts the shadow rays to one light, and adds what of its light arrives.
 pub struct Cast<'a> {

@@ -3,8 +3,8 @@
 
 use super::light::ShadowRay;
 use super::stream::{Reals, SLACK, Singles, Wholes, colors, compress, compress_colors, gather};
-use crate::lanes::{Bits, Color, Lookup, Mask, Real, Row, Single};
-use crate::shape::LaneRay;
+use crate::base::lanes::{Bits, Color, Lookup, Mask, Real, Row, Single};
+use crate::base::math::LaneRay;
 
 /// Light that reaches a surface unless something stands in its way.
 #[derive(Clone, Copy)]

@@ -1,10 +1,9 @@
 //! The one place where rays start on a surface.
 
-use crate::camera::Ray;
-use crate::lanes::{Mask, Real, Select, Vec3, out_of_line};
-use crate::math::DVec3;
-use crate::optics::reflect;
-use crate::shape::{LaneSurface, Surface};
+use crate::appearance::optics::reflect;
+use crate::base::lanes::{Mask, Real, Select, Vec3, out_of_line};
+use crate::base::math::{DVec3, Ray};
+use crate::geometry::shape::{LaneSurface, Surface};
 
 /// Rays that start on surfaces.
 #[derive(Clone, Copy)]

@@ -3,9 +3,9 @@
 //! A stage reads items eight at a time, wherever they stand in its input, and appends to its output. What a scene does
 //! not call for has no column: nothing is stored for it, and reading it gives what it would always be.
 
+use crate::base::lanes::{Color, Lookup, Mask, Real, Row, Single, Vec3};
+use crate::base::math::LaneRay;
 use crate::camera::RayCone;
-use crate::lanes::{Color, Lookup, Mask, Real, Row, Single, Vec3};
-use crate::shape::LaneRay;
 
 /// Which columns streams have besides those that all have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Samples are added to the sums of their pixels, but for what is no light.
 
-use crate::counters::Dropped;
-use crate::math::DVec3;
+use crate::base::math::DVec3;
+use crate::base::stats::Dropped;
 
 /// Adds a sample of a layer to a sum. What is no light is left out and counted: one such number would spoil the pixel.
 /// Among the samples that are averaged it counts as black.

@@ -3,13 +3,14 @@
 
 use super::light::{LightSample, ShadowRay};
 use super::spawn::spawn_ray;
-use crate::camera::Ray;
-use crate::material::MadeOf;
-use crate::math::{Angle, DAffine3, DMat3, DVec3, UNIT_ROUNDOFF, euler_xyz};
+use crate::appearance::material::MadeOf;
+use crate::base::math::{Angle, DAffine3, DMat3, DVec3, Ray, UNIT_ROUNDOFF, euler_xyz};
+use crate::geometry::bvh::Probe;
+use crate::geometry::shape::{
+    Cone, Cuboid, Cylinder, Disk, Plane, Rectangle, Shape, Sphere, Surface, Triangle,
+};
 use crate::scene::{Finish, Primitive};
-use crate::shape::{Cone, Cuboid, Cylinder, Disk, Plane, Rectangle, Shape, Sphere, Surface, Triangle};
 use crate::testing::Random;
-use crate::tree::Probe;
 
 /// Points per configuration.
 const POINTS: u32 = if cfg!(debug_assertions) { 3_000 } else { 100_000 };

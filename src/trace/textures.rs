@@ -3,15 +3,15 @@
 use super::context::TraceContext;
 use super::interaction::SurfaceInteraction;
 use super::materials::LobeTable;
-use crate::bvh::Hit;
-use crate::color::Rgb;
-use crate::counters::Evaluations;
-use crate::lanes::{Color, Mask, Real, Row, Vec3, lanes};
-use crate::material::Material;
-use crate::math::DVec3;
+use crate::appearance::material::Material;
+use crate::appearance::texture::Footprint;
+use crate::base::color::Rgb;
+use crate::base::lanes::{Color, Mask, Real, Row, Vec3, lanes};
+use crate::base::math::DVec3;
+use crate::base::stats::Evaluations;
+use crate::geometry::shape::{Crossing, LaneSurface, Surface};
 use crate::scene::Scene;
-use crate::shape::{Crossing, LaneSurface, Surface};
-use crate::texture::Footprint;
+use crate::scene::top_level::Hit;
 
 /// Puts the lobes of points into the rows of their lanes. Those that are wanted have all of their lobes looked up, others
 /// that are there only what they emit and let pass.

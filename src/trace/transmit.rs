@@ -14,11 +14,11 @@ use super::medium::MediaLists;
 use super::segment::transmittance;
 use super::shade::LobeRows;
 use super::textures;
-use crate::bvh::{Coherence, Hit, NOTHING, Stacks};
-use crate::camera::Ray;
-use crate::counters::Counts;
-use crate::lanes::{Bits, Color, LaneKernel, Level, Mask, Real, Row, Select, Single, Vec3, lanes};
-use crate::shape::{LaneHit, Span};
+use crate::base::lanes::{Bits, Color, LaneKernel, Level, Mask, Real, Row, Select, Single, Vec3, lanes};
+use crate::base::math::Ray;
+use crate::base::stats::Counts;
+use crate::geometry::shape::{LaneHit, Span};
+use crate::scene::top_level::{Coherence, Hit, NOTHING, Stacks};
 
 /// Surfaces that a shadow ray passes at most; what lies behind more is in shadow. It bounds the time that it takes.
 const PASSED: u32 = 4096;

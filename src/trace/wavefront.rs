@@ -22,10 +22,10 @@ use super::shade::{Shade, Stage};
 use super::shadow::Cast;
 use super::shadow_stream::ShadowStream;
 use super::stream::PathStream;
-use crate::bvh::Coherence;
-use crate::counters::Counts;
-use crate::lanes::dispatch;
-use crate::material::Lobes;
+use crate::appearance::material::Lobes;
+use crate::base::lanes::dispatch;
+use crate::base::stats::Counts;
+use crate::scene::top_level::Coherence;
 
 /// Samples that are followed at once, at most: their paths fit into a core's cache.
 pub const WAVE: usize = 1024;

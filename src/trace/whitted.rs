@@ -9,9 +9,9 @@ use super::shade::{ShadingContext, Stage};
 use super::shadow_stream::ShadowItem;
 use super::spawn::{Spawn, spawn, spawn_mirrored, spawn_scattered};
 use super::stream::{PathState, Throughput, flags};
-use crate::lanes::{Bits, Color, Level, Mask, Real, Row, Select, SimdKernel, Single};
+use crate::base::lanes::{Bits, Color, Level, Mask, Real, Row, Select, SimdKernel, Single};
+use crate::base::math::LaneRay;
 use crate::sampling::{dimension, hash_lanes};
-use crate::shape::LaneRay;
 
 /// Up to eight paths at surfaces whose materials have lobes of one set.
 pub struct Shade<'a, 's, 'w> {

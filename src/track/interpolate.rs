@@ -1,9 +1,9 @@
 //! What can be animated, and how each kind of value lies between two keys.
 
 use super::spline::catmull_rom;
-use crate::color::Rgb;
-use crate::math::{Angle, DQuat, DVec3, slerp};
-use crate::time::Fraction;
+use crate::base::color::Rgb;
+use crate::base::math::{Angle, DQuat, DVec3, slerp};
+use crate::base::time::Fraction;
 
 /// Which interpolations a kind of value has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

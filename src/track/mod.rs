@@ -7,7 +7,7 @@ mod spline;
 pub use ease::Ease;
 pub use interpolate::{Animate, LogScale, Modes};
 
-use crate::time::{Fraction, Time};
+use crate::base::time::{Fraction, Time};
 
 /// A constant, or keys.
 #[derive(Clone, Debug, PartialEq)]
@@ -150,7 +150,7 @@ impl<T> From<T> for Animated<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::DVec3;
+    use crate::base::math::DVec3;
     use crate::testing::Random;
 
     fn seconds(num: i128, den: i128) -> Time {

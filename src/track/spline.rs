@@ -1,6 +1,6 @@
 //! Centripetal Catmull-Rom splines.
 
-use crate::math::DVec3;
+use crate::base::math::DVec3;
 
 /// The point at `s` (0..=1) of the way from `p[1]` to `p[2]` on the centripetal Catmull-Rom curve through
 /// all four points, by the pyramid of Barry and Goldman (1988) over knots spaced by the square roots of the

@@ -1,9 +1,9 @@
-//! Components that only entities need; [`Shape`](crate::shape::Shape), [`Material`](crate::material::Material),
-//! [`Light`](crate::light::Light) and [`CameraPath`](crate::camera_path::CameraPath) are components themselves.
+//! Components that only entities need; [`Shape`](crate::geometry::shape::Shape), [`Material`](crate::appearance::material::Material),
+//! [`Light`](crate::appearance::light::Light) and [`CameraPath`](crate::camera::path::CameraPath) are components themselves.
 
-use crate::color::Rgb;
+use crate::base::color::Rgb;
+use crate::base::math::DAffine3;
 use crate::film::LayerId;
-use crate::math::DAffine3;
 use crate::track::Animated;
 use bevy_ecs::component::Component;
 

@@ -1,5 +1,6 @@
 //! Sequence → World: entities and resources, spawned once and only here.
 
+pub mod animate;
 mod components;
 mod resources;
 mod spawn;

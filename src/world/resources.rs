@@ -1,7 +1,7 @@
 //! What there is one of.
 
-use crate::glow::Glow;
-use crate::time::Clock;
+use crate::appearance::light_groups::glow::Glow;
+use crate::base::time::Clock;
 use crate::track::Animated;
 use bevy_ecs::entity::Entity;
 use bevy_ecs::resource::Resource;

@@ -4,12 +4,12 @@ use super::{
     ActiveCamera, AreaLight, FileOrder, Glows, Hierarchy, Now, Objects, Transform, Visible, VisibleTrack,
     Weight,
 };
-use crate::color::Rgb;
-use crate::environment::SkyTable;
+use crate::appearance::environment::SkyTable;
+use crate::appearance::light::{Light, Source};
+use crate::appearance::light_groups::glow::{Dimmer, Glow};
+use crate::base::color::Rgb;
+use crate::base::math::DAffine3;
 use crate::film::LayerId;
-use crate::glow::{Dimmer, Glow};
-use crate::light::{Light, Source};
-use crate::math::DAffine3;
 use crate::sequence::{LightLayers, Sequence};
 use crate::track::Animated;
 use bevy_ecs::entity::Entity;

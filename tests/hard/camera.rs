@@ -1,10 +1,10 @@
-//! Cameras and animation. CA-02, CA-03, CA-04, CA-07 and CA-08 stand beside their formulas: in `src/camera_path`,
-//! `src/math`, `src/time.rs` and `src/encode/gif`; the lens of CA-09 in `src/camera.rs`.
+//! Cameras and animation. CA-02, CA-03, CA-04, CA-07 and CA-08 stand beside their formulas: in `src/camera/path`,
+//! `src/base/math`, `src/base/time.rs` and `src/encode/gif`; the lens of CA-09 in `src/camera.rs`.
 
 use crate::exact::{Exact, Vector};
 use crate::support::{Random, U, direction, sequence, shoot, shoot_all};
+use kinora::base::math::{Angle, DMat3, DQuat, DVec2, DVec3, axis_angle, look_at, slerp};
 use kinora::camera::{Camera, Projection, ThinLens};
-use kinora::math::{Angle, DMat3, DQuat, DVec2, DVec3, axis_angle, look_at, slerp};
 
 /// Films of frames that a whole turn lies between are the same bit for bit, after a hundred turns too. cos(2πk/N)
 /// differs in 104 of 120 frames.
@@ -96,10 +96,10 @@ fn ca_04_slerp_between_all_rotations() {
 /// Keys of angles turn by all that lies between them: a quarter of 720 degrees is half a turn.
 #[test]
 fn ca_05_angles_turn_all_the_way() {
-    let s = kinora::time::Fraction { num: 1.0, den: 4.0 };
+    let s = kinora::base::time::Fraction { num: 1.0, den: 4.0 };
     let quarter = axis_angle(DVec3::Y, Angle(0.0).mix(Angle(720.0), s));
     assert_eq!(quarter * DVec3::X, DVec3::NEG_X);
-    let half = kinora::time::Fraction { num: 1.0, den: 2.0 };
+    let half = kinora::base::time::Fraction { num: 1.0, den: 2.0 };
     assert_eq!(axis_angle(DVec3::Y, Angle(0.0).mix(Angle(180.0), half)) * DVec3::X, DVec3::NEG_Z);
 }
 

@@ -1,4 +1,4 @@
-//! Colour. CO-01 and CO-02 stand in `src/encode/develop/tests.rs` and `src/color.rs`.
+//! Colour. CO-01 and CO-02 stand in `src/encode/develop/tests.rs` and `src/base/color.rs`.
 
 use crate::support::shoot_all;
 use kinora::encode::{ToneTable, Tonemap};

@@ -1,12 +1,11 @@
-//! Where rays meet shapes. INT-07 to INT-10, INT-18 and part of INT-21 stand in `src/shape/round_tests.rs` and
-//! `src/trace/round_tests.rs`, INT-13 in `src/shape/triangle.rs`, INT-15 with the meshes, INT-12 with them and in
+//! Where rays meet shapes. INT-07 to INT-10, INT-18 and part of INT-21 stand in `src/geometry/shape/round_tests.rs` and
+//! `src/trace/round_tests.rs`, INT-13 in `src/geometry/shape/triangle.rs`, INT-15 with the meshes, INT-12 with them and in
 //! `tests/integration`.
 
 use crate::exact::{Exact, Vector, sphere_chord};
 use crate::support::{Random, U, direction, disk_across, facing, few, geometry, hit, met, placed, shoot_all};
-use kinora::camera::Ray;
-use kinora::math::{DAffine3, DVec3};
-use kinora::shape::{Plane, Shape, Sphere};
+use kinora::base::math::{DAffine3, DVec3, Ray};
+use kinora::geometry::shape::{Plane, Shape, Sphere};
 use kinora::trace::spawn::spawn_ray;
 
 fn sphere(center: DVec3, radius: f64) -> kinora::scene::Primitive {
@@ -78,7 +77,7 @@ fn int_03_the_ground_under_the_eye() {
     near(hit(&ground, eye + d * 10.0, d).expect("the far side").t + 10.0, 10_193_600.699_999_78, 1e-9);
     let mut random = Random(3);
     for _ in 0..few(100_000) {
-        let turn = kinora::math::Angle(-5.0 - 80.0 * random.unit()).cos_sin();
+        let turn = kinora::base::math::Angle(-5.0 - 80.0 * random.unit()).cos_sin();
         let d = DVec3::new(turn.x, turn.y, 0.0);
         let chord = sphere_chord(DVec3::new(0.0, -radius, 0.0), radius, eye, d);
         near(first(d), chord.roots.expect("the ground")[0].value(), 1e-9);
@@ -143,7 +142,7 @@ fn int_17_points_of_the_horizon() {
     let mut random = Random(17);
     for distance in [1e2, 1e3, 1e4, 1e5, 1e6, 1e7] {
         for _ in 0..1000 {
-            let turn = kinora::math::Angle(360.0 * random.unit()).cos_sin() * distance;
+            let turn = kinora::base::math::Angle(360.0 * random.unit()).cos_sin() * distance;
             let d = (DVec3::new(turn.x, 0.0, turn.y) - eye).normalize();
             let (t, surface) = met(&ground, eye, d).expect("the ground");
             // The oracle: the same ray in twice the precision.
@@ -220,7 +219,7 @@ fn int_17_far_patterns_fade_to_their_mean() {
 /// Where coordinates are known no better than to a twentieth of a cell, cells are as uncertain.
 #[test]
 fn int_17_uncertain_cells_fade() {
-    use kinora::texture::Pattern;
+    use kinora::appearance::texture::Pattern;
     let share =
         |error: f64| Pattern::Checker.share(DVec3::new(0.5, 0.5, 0.5), DVec3::splat(error), DVec3::ZERO);
     assert_eq!([share(1e-12), share(0.05), share(0.1), share(1e9)], [0.0, 0.0, 0.5, 0.5]);
@@ -238,8 +237,8 @@ fn int_21_extreme_sizes_of_spheres() {
         near(hit(&sphere(center, radius), DVec3::ZERO, DVec3::Z).expect("a hit").t, expected, 1e-9);
         // The same through a tree.
         let geometry = geometry([Shape::Sphere(Sphere { center, radius })]);
-        let bvh = kinora::bvh::Bvh::build(&geometry);
-        let probe = kinora::tree::Probe::new(Ray { origin: DVec3::ZERO, direction: DVec3::Z });
+        let bvh = kinora::scene::top_level::Bvh::build(&geometry);
+        let probe = kinora::geometry::bvh::Probe::new(Ray { origin: DVec3::ZERO, direction: DVec3::Z });
         near(bvh.closest(&geometry, &probe).expect("a hit").at.t, expected, 1e-9);
     }
 }
@@ -247,7 +246,7 @@ fn int_21_extreme_sizes_of_spheres() {
 /// Every shape from a size of 10^-60 to 10^60, which parents may scale it to: the same t in units of the size.
 #[test]
 fn int_21_extreme_sizes_of_all_shapes() {
-    use kinora::shape::{Cone, Cuboid, Cylinder, Disk, Torus, Triangle};
+    use kinora::geometry::shape::{Cone, Cuboid, Cylinder, Disk, Torus, Triangle};
     let shapes = [
         Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 }),
         Shape::Cuboid(Cuboid { min: DVec3::splat(-0.8), max: DVec3::splat(0.7) }),

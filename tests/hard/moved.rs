@@ -2,8 +2,8 @@
 //! seeds are locked.
 
 use crate::support::shoot_all;
-use kinora::color::Rgb;
-use kinora::math::DVec3;
+use kinora::base::color::Rgb;
+use kinora::base::math::DVec3;
 
 /// All that there is, at a place and of a size: every shape, a mesh, mirrors, glass, patterns and lights.
 fn scene(integrator: &str, at: DVec3, size: f64, lens: bool) -> Vec<Rgb> {

@@ -2,7 +2,7 @@
 //! settings at the ends of their ranges. No sample may be other than light, by either integrator.
 
 use crate::support::shoot_counting;
-use kinora::counters::Dropped;
+use kinora::base::stats::Dropped;
 
 /// A scene of its own camera, lights and objects.
 #[track_caller]
@@ -13,7 +13,7 @@ fn is_all_light(name: &str, fields: &str) {
         );
         let (film, dropped) = shoot_counting(&text);
         assert_eq!(dropped, Dropped::default(), "{name} by {integrator}");
-        let fine = |pixel: kinora::color::Rgb| pixel.is_finite() && pixel.min_element() >= 0.0;
+        let fine = |pixel: kinora::base::color::Rgb| pixel.is_finite() && pixel.min_element() >= 0.0;
         assert!(film.radiance().all(fine), "{name} by {integrator}");
     }
 }

@@ -2,17 +2,16 @@
 
 use crate::exact::{Exact, Vector};
 use crate::support::{U, geometry, scan};
-use kinora::bvh::Bvh;
-use kinora::camera::Ray;
-use kinora::material::MadeOf;
-use kinora::math::{Angle, DAffine3, DMat3, DVec3, axis_angle};
-use kinora::mesh::{self, Normals, generate};
-use kinora::scene::{Finish, Geometry, Primitive};
-use kinora::shape::{
+use kinora::appearance::material::MadeOf;
+use kinora::base::math::{Angle, DAffine3, DMat3, DVec3, Ray, axis_angle};
+use kinora::geometry::bvh::Probe;
+use kinora::geometry::mesh::{self, Normals, generate};
+use kinora::geometry::shape::{
     Cone, Crossing, Cuboid, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Surface, Torus, Triangle,
 };
+use kinora::scene::top_level::Bvh;
+use kinora::scene::{Finish, Geometry, Primitive};
 use kinora::trace::spawn::spawn_ray;
-use kinora::tree::Probe;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::sync::Arc;

@@ -2,8 +2,8 @@
 //! the whole renderer in `tests/integration`.
 
 use crate::support::{few, shoot_all};
-use kinora::math::{DVec2, DVec3};
-use kinora::optics::Fuzz;
+use kinora::appearance::optics::Fuzz;
+use kinora::base::math::{DVec2, DVec3};
 use kinora::sampling::{PixelSampler, cosine_hemisphere, dimension, disk, in_ball, uniform_sphere};
 use rayon::prelude::*;
 

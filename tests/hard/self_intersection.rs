@@ -2,10 +2,11 @@
 
 use crate::exact::Exact;
 use crate::support::{Random, U, direction, facing, few, hit, met, placed, shoot_all};
-use kinora::math::{DAffine3, DVec3};
-use kinora::mesh::{self, Corners, Normals, generate};
-use kinora::optics::refract;
-use kinora::shape::{Geometric, Mesh, Shape, Sphere, Surface};
+use kinora::appearance::optics::refract;
+use kinora::base::math::{DAffine3, DVec3};
+use kinora::geometry::mesh::{self, Corners, Normals, generate};
+use kinora::geometry::shape::{Geometric, Mesh, Shape, Sphere, Surface};
+use kinora::import;
 use kinora::trace::spawn::{spawn_gathering, spawn_ray};
 use std::sync::Arc;
 
@@ -101,7 +102,7 @@ fn self_03_the_shadow_terminator_of_coarse_meshes() {
 fn self_03_with_the_option_and_without() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     let file = std::fs::File::create(folder.path().join("ball.ply")).expect("a file");
-    mesh::ply::write(file, &generate::icosphere(2)).expect("a disk");
+    import::ply::write(file, &generate::icosphere(2)).expect("a disk");
     let dark = |quality: &str| {
         let text = format!(
             "(output: (size: (96, 96)), quality: (antialias: 1, samples: 16, {quality}), ambient: 0,

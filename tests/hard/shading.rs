@@ -1,15 +1,14 @@
-//! Light on surfaces. Most cases stand beside their formulas: SH-02 in `src/trace/bsdf`, SH-05 in `src/optics`, SH-11 in
-//! `src/fog.rs`, SH-13 in `src/shape/sphere.rs`, SH-15 in `src/environment/cube_map`, SH-14 with the
+//! Light on surfaces. Most cases stand beside their formulas: SH-02 in `src/trace/bsdf`, SH-05 in `src/appearance/optics`, SH-11 in
+//! `src/appearance/fog.rs`, SH-13 in `src/geometry/shape/sphere.rs`, SH-15 in `src/appearance/environment/cube_map`, SH-14 with the
 //! meshes, SH-08 with SELF-05; SH-01, SH-03, SH-04, SH-07 and SH-18 see the whole renderer in `tests/integration`.
 
 use crate::support::{Random, direction, hit, placed, radiance_at_target};
-use kinora::bvh::Hit;
-use kinora::camera::Ray;
-use kinora::material::MadeOf;
-use kinora::math::{Angle, DAffine3, DVec3};
+use kinora::appearance::material::MadeOf;
+use kinora::appearance::texture::{Footprint, Pattern};
+use kinora::base::math::{Angle, DAffine3, DVec3, Ray};
+use kinora::geometry::shape::{OneRay, Plane, Rectangle, Shape};
+use kinora::scene::top_level::Hit;
 use kinora::scene::{Finish, Geometry};
-use kinora::shape::{OneRay, Plane, Rectangle, Shape};
-use kinora::texture::{Footprint, Pattern};
 
 /// Corners of Phong's table, through the renderer: highlights only where N·L > 0 and R·V > 0. A power alone gives no
 /// number for R·V < 0, and 0^0 = 1.
@@ -92,7 +91,7 @@ fn sh_13_coordinates_of_spheres_anywhere() {
     for _ in 0..20_000 {
         let radius = libm::exp2(40.0 * random.unit() - 20.0);
         let center = direction(&mut random) * (radius * libm::exp2(40.0 * random.unit() - 20.0));
-        let shape = Shape::Sphere(kinora::shape::Sphere { center, radius });
+        let shape = Shape::Sphere(kinora::geometry::shape::Sphere { center, radius });
         let pole = if random.unit() < 0.5 { 1.0 } else { -1.0 };
         let theta = libm::pow(10.0, -14.0 * random.unit());
         let turn = Angle(360.0 * random.unit()).cos_sin() * libm::sin(theta);

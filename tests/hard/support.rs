@@ -6,13 +6,12 @@ mod shared;
 
 pub use shared::{Random, geometry, radiance_at_target, sequence, shoot, shoot_all, shoot_counting};
 
-use kinora::bvh::{Bvh, Hit};
-use kinora::camera::Ray;
-use kinora::material::MadeOf;
-use kinora::math::{Angle, DAffine3, DVec3, UNIT_ROUNDOFF};
+use kinora::appearance::material::MadeOf;
+use kinora::base::math::{Angle, DAffine3, DVec3, Ray, UNIT_ROUNDOFF};
+use kinora::geometry::bvh::Probe;
+use kinora::geometry::shape::{Crossing, LaneSurface, Shape, Surface};
+use kinora::scene::top_level::{Bvh, Hit};
 use kinora::scene::{Finish, Geometry, Primitive};
-use kinora::shape::{Crossing, LaneSurface, Shape, Surface};
-use kinora::tree::Probe;
 
 /// The unit round-off.
 pub const U: f64 = UNIT_ROUNDOFF;

@@ -2,14 +2,13 @@
 //! `src/scene/primitive.rs`.
 
 use crate::support::{Random, U, direction, few, geometry, hit, met, placed, shoot_all};
-use kinora::bvh::Bvh;
-use kinora::camera::Ray;
-use kinora::material::MadeOf;
-use kinora::math::{Angle, DAffine3, DMat3, DVec3, axis_angle};
+use kinora::appearance::material::MadeOf;
+use kinora::base::math::{Angle, DAffine3, DMat3, DVec3, Ray, axis_angle};
+use kinora::geometry::bvh::Probe;
+use kinora::geometry::shape::{Cone, Cylinder, Plane, Shape, Sphere};
+use kinora::scene::top_level::Bvh;
 use kinora::scene::{Finish, Geometry};
 use kinora::sequence::parse;
-use kinora::shape::{Cone, Cylinder, Plane, Shape, Sphere};
-use kinora::tree::Probe;
 
 /// Normals go by the inverse transpose: M n is off by 37 and 79 degrees.
 #[test]
@@ -27,7 +26,7 @@ fn xf_01_normals_under_uneven_scales_and_shears() {
         (scale(2e-30, 1e-30, 1e-30), DVec3::new(s, s, 0.0), DVec3::new(1.0, 2.0, 0.0) / 5f64.sqrt()),
     ] {
         let (plane, map) = (Plane { point: DVec3::ZERO, normal }, DAffine3::from_mat3(map));
-        let moved = kinora::shape::Geometric::transformed(&plane, &map).expect("a plane").normal;
+        let moved = kinora::geometry::shape::Geometric::transformed(&plane, &map).expect("a plane").normal;
         assert!((moved - expected).abs().max_element() <= 4.0 * U, "{map}: {moved} instead of {expected}");
     }
 }
@@ -111,7 +110,7 @@ fn far_uneven_rims(rays: u32) {
     let cylinder = Shape::Cylinder(Cylinder::new(DVec3::NEG_Y, DVec3::Y, 1.0, true).expect("a cylinder"));
     let cone = Shape::Cone(Cone::new(DVec3::NEG_Y, DVec3::Y, 1.0, 0.0, true).expect("a cone"));
     let frustum = Shape::Cone(Cone::new(DVec3::NEG_Y, DVec3::Y, 1.0, 0.4, true).expect("a cone"));
-    let cuboid = Shape::Cuboid(kinora::shape::Cuboid { min: DVec3::splat(-1.0), max: DVec3::ONE });
+    let cuboid = Shape::Cuboid(kinora::geometry::shape::Cuboid { min: DVec3::splat(-1.0), max: DVec3::ONE });
     for (shape, top) in [(&cylinder, 1.0), (&cone, 0.0), (&frustum, 0.4), (&cuboid, 1.0)] {
         for away in [0.0, 1e3, 1e6, 1e9] {
             let mut odd = 0;
@@ -168,7 +167,8 @@ fn int_09_far_and_uneven_rims_are_crossed_evenly_in_full() {
 /// Boxes that rays meet exactly at an edge or a corner: lattice rays do, in pictures along the axes.
 #[test]
 fn int_09_boxes_are_crossed_evenly_at_edges() {
-    let cuboid = Shape::Cuboid(kinora::shape::Cuboid { min: DVec3::splat(-4.0), max: DVec3::splat(4.0) });
+    let cuboid =
+        Shape::Cuboid(kinora::geometry::shape::Cuboid { min: DVec3::splat(-4.0), max: DVec3::splat(4.0) });
     let primitive = &geometry([cuboid]).primitives[0];
     let mut random = Random(6);
     let mut lattice = |reach: f64| (random.point(reach + 0.5)).round();

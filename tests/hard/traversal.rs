@@ -2,14 +2,13 @@
 //! `tests/integration/radiance.rs`.
 
 use crate::support::{Random, direction, few, geometry, placed, scan};
-use kinora::bvh::Bvh;
-use kinora::camera::Ray;
-use kinora::material::MadeOf;
-use kinora::math::{DAffine3, DVec3};
-use kinora::mesh::{self, Normals, Parts, generate};
+use kinora::appearance::material::MadeOf;
+use kinora::base::math::{DAffine3, DVec3, Ray};
+use kinora::geometry::bvh::Probe;
+use kinora::geometry::mesh::{self, Normals, Parts, generate};
+use kinora::geometry::shape::{Cuboid, Cylinder, Mesh, Rectangle, Shape, Sphere, Triangle};
+use kinora::scene::top_level::Bvh;
 use kinora::scene::{Finish, Geometry};
-use kinora::shape::{Cuboid, Cylinder, Mesh, Rectangle, Shape, Sphere, Triangle};
-use kinora::tree::Probe;
 use rayon::prelude::*;
 use std::sync::Arc;
 

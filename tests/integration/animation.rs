@@ -1,7 +1,7 @@
 //! What changes over time changes in exactly its frames: lights, visibility, scales, parents.
 
 use crate::support::{Shot, shoot_all};
-use kinora::color::Rgb;
+use kinora::base::color::Rgb;
 
 fn picture(shot: &Shot) -> Vec<[u32; 3]> {
     shot.film.radiance().map(|c| c.to_array().map(f32::to_bits)).collect()

@@ -1,8 +1,8 @@
 //! `kinora assemble`: it gives the bytes that `render` would write, or refuses and names every frame that is not right.
 
 use crate::command::{BALL, contents, folder, kinora, refused};
-use kinora::assemble::{Request, assemble};
 use kinora::encode::Output;
+use kinora::pipeline::assemble::{Request, assemble};
 use std::fs;
 use std::path::Path;
 

@@ -2,7 +2,7 @@
 
 use crate::support::shoot_all_in;
 use image::{ImageBuffer, Rgb as Pixel};
-use kinora::color::Rgb;
+use kinora::base::color::Rgb;
 use std::path::Path;
 
 fn near(found: Rgb, expected: Rgb) {

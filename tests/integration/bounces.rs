@@ -2,7 +2,7 @@
 //! the surface that is seen.
 
 use crate::support::{shoot_all, shoot_all_in};
-use kinora::color::Rgb;
+use kinora::base::color::Rgb;
 use std::fs;
 use std::path::Path;
 

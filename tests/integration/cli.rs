@@ -1,7 +1,7 @@
 //! The command line: help, bad usage, exit codes.
 
 use assert_cmd::Command;
-use kinora::lanes::LevelName;
+use kinora::base::lanes::LevelName;
 use std::path::PathBuf;
 
 /// What a run printed, and its exit code.

@@ -2,7 +2,7 @@
 //! whichever the file names first.
 
 use crate::support::shoot_all;
-use kinora::color::Rgb;
+use kinora::base::color::Rgb;
 
 const BOTH: [&str; 2] = ["Whitted", "Path(roulette: Off)"];
 

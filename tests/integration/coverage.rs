@@ -1,7 +1,7 @@
 //! What films record besides light: what hides the background, and what is seen first.
 
 use crate::support::{sequence, shoot, shoot_extra};
-use kinora::color::Rgb;
+use kinora::base::color::Rgb;
 use kinora::film::{Extras, Film};
 use kinora::sequence::Sequence;
 

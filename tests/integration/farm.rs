@@ -115,7 +115,7 @@ fn what_makes_no_job_is_refused() {
 
 /// The frames of a set, counted out.
 pub fn counted(set: &str) -> Vec<u32> {
-    let set: kinora::frame_set::FrameSet = set.parse().expect("a set");
+    let set: kinora::base::frame_set::FrameSet = set.parse().expect("a set");
     set.frames(12).expect("frames")
 }
 

@@ -2,7 +2,7 @@
 
 use crate::command::kinora;
 use crate::farm::{HALF, counted, farm};
-use kinora::plan::with_shared;
+use kinora::pipeline::plan::with_shared;
 use kinora::sequence::{Sequence, load};
 use std::fs;
 use toml::{Table, Value};

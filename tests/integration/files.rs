@@ -1,9 +1,9 @@
 //! The files that a sequence is read from: what has no end does not stop the reader, and one file is read once.
 
 use assert_cmd::Command;
-use kinora::material::MaterialTracks;
+use kinora::appearance::material::MaterialTracks;
+use kinora::appearance::texture::PaintTracks;
 use kinora::sequence::{Sequence, load};
-use kinora::texture::PaintTracks;
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;

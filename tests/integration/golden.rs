@@ -2,9 +2,9 @@
 //! `tests/golden/NAME.png`, which shows its frames side by side. `KINORA_BLESS=1` writes them as they are now.
 
 use image::{Rgb, RgbImage, imageops};
-use kinora::counters::Meter;
+use kinora::base::stats::Meter;
 use kinora::encode::{Existing, Output};
-use kinora::render::{Request, Reuse, render};
+use kinora::pipeline::render::{Request, Reuse, render};
 use kinora::sequence::load;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! Images and patterns on surfaces: where they end, what shows through them, and how they look behind what is clear.
 
 use crate::support::{sequence_in, shoot_all_in, shoot_film};
-use kinora::color::Rgb;
+use kinora::base::color::Rgb;
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -114,7 +114,7 @@ fn what_an_image_leaves_clear_is_not_there() {
             seen_at(folder.path(), integrator, (x, 1.5), &rest)
         };
         let near = |found: Rgb, expected: [f64; 3]| {
-            let off = found.as_dvec3() - kinora::math::DVec3::from_array(expected);
+            let off = found.as_dvec3() - kinora::base::math::DVec3::from_array(expected);
             let within = if integrator == "Path" { 0.02 } else { 1e-6 };
             assert!(off.abs().max_element() <= within, "{integrator}: {found}, not {expected:?}");
         };

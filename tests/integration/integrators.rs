@@ -1,7 +1,7 @@
 //! What the two integrators make of every kind of light and surface, where its radiance is known.
 
 use crate::support::{Shot, shoot_all, shoot_film};
-use kinora::color::Rgb;
+use kinora::base::color::Rgb;
 
 const PATH: &str = "Path()";
 const BOTH: [&str; 2] = ["Whitted", PATH];

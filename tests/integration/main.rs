@@ -8,6 +8,7 @@
 mod command;
 mod support;
 
+mod rooms;
 mod bad_input;
 mod bounces;
 mod inputs;

@@ -1,8 +1,8 @@
 //! Meshes in the materials and colours that came with them.
 
 use crate::support::{radiance_at_target, shoot};
-use kinora::color::Rgb;
-use kinora::material::MadeOf;
+use kinora::appearance::material::MadeOf;
+use kinora::base::color::Rgb;
 use kinora::sequence::{Sequence, load};
 use std::fs;
 use std::path::Path;
@@ -59,7 +59,7 @@ fn triangles_have_the_materials_of_their_file() {
 }
 
 fn path_traced(mut sequence: Sequence) -> Sequence {
-    sequence.quality.integrator = kinora::quality::Integrator::Path(Default::default());
+    sequence.quality.integrator = kinora::sequence::quality::Integrator::Path(Default::default());
     sequence.quality.samples = 1;
     sequence
 }

@@ -1,18 +1,18 @@
 //! Meshes as scenes see them: closed under any placement, the same from every file format, shaded on the right side.
 
 use crate::support::{Random, geometry, sequence, shoot_all, shoot_extra};
-use kinora::bvh::Bvh;
-use kinora::camera::Ray;
-use kinora::color::Rgb;
-use kinora::files::Root;
+use kinora::appearance::material::MadeOf;
+use kinora::base::color::Rgb;
+use kinora::base::files::Root;
+use kinora::base::math::{DAffine3, DVec3, Ray, UNIT_ROUNDOFF};
 use kinora::film::Extras;
-use kinora::material::MadeOf;
-use kinora::math::{DAffine3, DVec3, UNIT_ROUNDOFF};
-use kinora::mesh::{self, Corners, LoadMeter, Normals, Parts, generate, obj, ply};
+use kinora::geometry::bvh::Probe;
+use kinora::geometry::mesh::{self, Corners, Normals, Parts, generate};
+use kinora::geometry::shape::{Mesh, OneRay, Shape};
+use kinora::import::{self, LoadMeter, obj, ply};
+use kinora::scene::top_level::Bvh;
 use kinora::scene::{Finish, Geometry, Primitive};
 use kinora::sequence::load;
-use kinora::shape::{Mesh, OneRay, Shape};
-use kinora::tree::Probe;
 use std::fs::{self, File};
 use std::path::Path;
 use std::sync::Arc;
@@ -89,7 +89,7 @@ fn int_12_no_ray_of_ten_million_leaks_out_of_a_closed_mesh() {
 fn a_mesh_is_the_sum_of_its_triangles() {
     let parts = generate::displaced_sphere(3, 4);
     let corners = |triangle: &[u32; 3]| triangle.map(|vertex| parts.positions[vertex as usize]);
-    let triangle = |corners| Shape::Triangle(kinora::shape::Triangle { corners });
+    let triangle = |corners| Shape::Triangle(kinora::geometry::shape::Triangle { corners });
     let loose = parts.triangles.iter().map(|t| triangle(corners(t)));
     let loose = geometry(loose);
     let whole = alone(shape(parts, Normals::Flat), DAffine3::IDENTITY);
@@ -119,7 +119,7 @@ fn file_formats_do_not_show() {
     obj::write(File::create(path("a.obj")).expect("a file"), &parts).expect("a disk");
     ply::write(File::create(path("a.ply")).expect("a file"), &parts).expect("a disk");
     let read = |name: &str| {
-        let mesh = mesh::load(&path(name), &Root::anywhere(), &LoadMeter::default())
+        let mesh = import::load(&path(name), &Root::anywhere(), &LoadMeter::default())
             .unwrap_or_else(|error| panic!("{error}"));
         Shape::Mesh(Mesh { mesh: Arc::new(mesh), normals: Normals::File })
     };
@@ -144,8 +144,11 @@ fn file_formats_do_not_show() {
 #[test]
 fn xf_01_normals_of_placed_meshes_are_perpendicular() {
     let s = 0.5_f64.sqrt();
-    let shear =
-        DAffine3::from_mat3(kinora::math::DMat3::from_cols(DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Z));
+    let shear = DAffine3::from_mat3(kinora::base::math::DMat3::from_cols(
+        DVec3::X,
+        DVec3::new(1.0, 1.0, 0.0),
+        DVec3::Z,
+    ));
     for (map, normal, expected) in [
         (DAffine3::from_scale(DVec3::new(2.0, 1.0, 1.0)), DVec3::new(s, s, 0.0), DVec3::new(1.0, 2.0, 0.0)),
         (DAffine3::from_scale(DVec3::new(1.0, 1.0, 0.1)), DVec3::new(0.0, s, s), DVec3::new(0.0, 0.1, 1.0)),

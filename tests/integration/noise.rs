@@ -3,14 +3,14 @@
 use crate::command::{folder, kinora};
 use crate::support::{sequence, shoot};
 use exr::meta::attribute::AttributeValue;
-use kinora::color::Rgb;
+use kinora::accuracy::image_error::References;
+use kinora::base::color::Rgb;
 use kinora::film::{Extras, Film, Noise};
-use kinora::metrics::References;
-use kinora::plan::Plan;
-use kinora::quality::NoiseTarget;
+use kinora::pipeline::plan::Plan;
+use kinora::pipeline::schedule::{Films, FrameLoop};
 use kinora::sampling::Points;
-use kinora::schedule::{Films, FrameLoop};
 use kinora::sequence::Sequence;
+use kinora::sequence::quality::NoiseTarget;
 use std::sync::Arc;
 
 /// Soft shadows, and nothing else that is random but the place in a pixel.
@@ -177,7 +177,7 @@ fn a_film_is_sampled_for_all_frames_that_it_is_shown_in() {
     let plan = Plan::new(&sequence, &[0, 1], Extras::default(), u64::MAX);
     assert_eq!((plan.takes.len(), plan.reused()), (1, 1));
     let mut frames = FrameLoop::new(&sequence, Films::default(), Arc::default());
-    kinora::plan::run(&plan, &mut frames, || true).expect("frames");
+    kinora::pipeline::plan::run(&plan, &mut frames, || true).expect("frames");
     let films = frames.into_sink().expect("the sink").0;
     let noises: Vec<Noise> = films.iter().map(|film| film.noise.expect("an error was asked for")).collect();
     assert!(noises.iter().all(|noise| noise.error <= 0.1), "{noises:?}");
@@ -203,7 +203,7 @@ fn what_a_film_is_sampled_for_is_part_of_its_identity() {
             \"a\": Sphere(center: (3, 5, 1), radius: 1, intensity: [(0, 9), (1, {last})]) }}, objects: {{ \"ball\": (shape: Sphere()) }})"
         )
     };
-    let look = |last: f64| kinora::plan::survey(&sequence(&text(last)), &[0]).frames.remove(0);
+    let look = |last: f64| kinora::pipeline::plan::survey(&sequence(&text(last)), &[0]).frames.remove(0);
     let (one, other) = (look(3.0), look(4.0));
     assert!(one.weights == other.weights && one.film() != other.film() && one.digest() != other.digest());
     assert_eq!(one, look(3.0));
@@ -247,7 +247,8 @@ fn motion_blur_is_sampled_until_it_is_good() {
     let shoot = |quality: &str| shoot(&sequence(&text(quality)), [1]).remove(0).film;
     let (good, long) = (shoot("noise: 0.05"), shoot("samples: 4096"));
     let (noise, best) = (good.noise.expect("an error was asked for"), long.radiance().collect::<Vec<_>>());
-    let error = kinora::metrics::mean_squared_error(&good.radiance().collect::<Vec<_>>(), &best).sqrt();
+    let error =
+        kinora::accuracy::image_error::mean_squared_error(&good.radiance().collect::<Vec<_>>(), &best).sqrt();
     assert!(noise.error < 0.05 && error < 0.03, "{noise:?} {error}");
 }
 

@@ -1,12 +1,12 @@
 //! What is told of a run before it begins: how long it takes, how good it becomes, and why there are as many films.
 
 use crate::command::{contents, folder, kinora};
-use kinora::clock::Clock;
-use kinora::counters::Meter;
+use kinora::base::clock::Clock;
+use kinora::base::stats::Meter;
 use kinora::film::Extras;
-use kinora::plan::{Nowhere, Outlook, Patience, Plan, look_ahead, run};
-use kinora::quality::{NoiseTarget, Quality};
-use kinora::schedule::FrameLoop;
+use kinora::pipeline::plan::{Nowhere, Outlook, Patience, Plan, look_ahead, run};
+use kinora::pipeline::schedule::FrameLoop;
+use kinora::sequence::quality::{NoiseTarget, Quality};
 use kinora::sequence::{Sequence, parse};
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! Radiance against closed forms, through the whole renderer, before tone mapping.
 
 use crate::support::{radiance_at_target, shoot_all};
-use kinora::color::Rgb;
+use kinora::base::color::Rgb;
 
 /// Asserts that `actual` is `expected` to 1e-6.
 #[track_caller]

@@ -2,16 +2,16 @@
 //! by itself.
 
 use crate::support::{Random, sequence, shoot};
-use kinora::clock::Clock;
-use kinora::counters::Meter;
-use kinora::digest::Digest;
+use kinora::base::clock::Clock;
+use kinora::base::digest::Digest;
+use kinora::base::stats::Meter;
 use kinora::encode::{EncodeError, Existing, Output};
 use kinora::film::{Extras, Film};
-use kinora::plan::{self, Effort, Patience, Plan, look_ahead, survey};
-use kinora::quality::NoiseTarget;
-use kinora::render::{Request, Reuse, Summary, render};
-use kinora::schedule::{FilmSink, FrameLoop, Tally};
+use kinora::pipeline::plan::{self, Effort, Patience, Plan, look_ahead, survey};
+use kinora::pipeline::render::{Request, Reuse, Summary, render};
+use kinora::pipeline::schedule::{FilmSink, FrameLoop, Tally};
 use kinora::sequence::Sequence;
+use kinora::sequence::quality::NoiseTarget;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs;

@@ -2,7 +2,7 @@
 //! others once.
 
 use crate::support::{shoot_all, shoot_film};
-use kinora::color::Rgb;
+use kinora::base::color::Rgb;
 
 const BOTH: [&str; 2] = ["Whitted", "Path(roulette: Off)"];
 

@@ -5,15 +5,15 @@ mod random;
 
 pub use random::Random;
 
-use kinora::color::Rgb;
-use kinora::counters::{Dropped, Meter};
+use kinora::appearance::material::MadeOf;
+use kinora::base::color::Rgb;
+use kinora::base::math::DAffine3;
+use kinora::base::stats::{Dropped, Meter};
 use kinora::film::{Extras, Film};
-use kinora::material::MadeOf;
-use kinora::math::DAffine3;
+use kinora::geometry::shape::Shape;
+use kinora::pipeline::schedule::{Films, FrameLoop, Tally};
 use kinora::scene::{Finish, Geometry};
-use kinora::schedule::{Films, FrameLoop, Tally};
 use kinora::sequence::{Sequence, parse};
-use kinora::shape::Shape;
 use std::path::Path;
 use std::sync::Arc;
 

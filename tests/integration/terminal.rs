@@ -1,7 +1,7 @@
 //! What reaches a terminal: whatever files and names hold, no control or format character does.
 
 use crate::command::{BALL, folder, run};
-use kinora::escape::must_escape;
+use kinora::base::escape::must_escape;
 use std::fs;
 use std::path::Path;
 

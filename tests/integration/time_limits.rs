@@ -2,10 +2,10 @@
 
 use crate::command::{contents, folder, kinora, run, stderr};
 use kinora::accuracy::{Clock, Settled, settled};
-use kinora::counters::Meter;
+use kinora::base::stats::Meter;
 use kinora::encode::{Existing, Output, frame_texts};
-use kinora::quality::NoiseTarget;
-use kinora::render::{Request, Reuse, render};
+use kinora::pipeline::render::{Request, Reuse, render};
+use kinora::sequence::quality::NoiseTarget;
 use kinora::sequence::{Sequence, load};
 use std::fs;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Media that touch and media in media: light passes them alike both ways, and whichever the file names first.
 
 use crate::support::{shoot_all, shoot_film};
-use kinora::color::Rgb;
+use kinora::base::color::Rgb;
 use kinora::film::Film;
 
 const BOTH: [&str; 2] = ["Whitted", "Path(roulette: Off)"];

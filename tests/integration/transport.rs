@@ -1,7 +1,7 @@
 //! Light transport against closed forms: white furnaces, form factors, shadows, boundaries and fog.
 
 use super::support::{radiance_at_target, shoot_all};
-use kinora::color::Rgb;
+use kinora::base::color::Rgb;
 
 /// The mean radiance of a picture of `side` x `side` pixels.
 fn mean(side: u32, rest: &str) -> f64 {
@@ -209,7 +209,8 @@ fn both_integrators_agree_where_light_comes_straight() {
         shoot_all(&text)[0].film.radiance().collect::<Vec<_>>()
     };
     // One sample in the middle of each pixel against one anywhere in it: means of many pixels agree.
-    let sum = |film: Vec<Rgb>| film.iter().map(|pixel| pixel.as_dvec3()).sum::<kinora::math::DVec3>() / 576.0;
+    let sum =
+        |film: Vec<Rgb>| film.iter().map(|pixel| pixel.as_dvec3()).sum::<kinora::base::math::DVec3>() / 576.0;
     let (whitted, path) = (sum(film("Whitted")), sum(film("Path")));
     assert!((whitted - path).abs().max_element() < 0.02 * whitted.max_element(), "{whitted} {path}");
     // A light of intensity 1 that faces a surface of diffuse 1.
@@ -311,7 +312,7 @@ fn glass_absorbs_along_the_way_through_it() {
     };
     for integrator in ["Whitted", "Path"] {
         let seen = through(integrator, "(0.5, 0, 2)").as_dvec3();
-        let expected = kinora::math::DVec3::new(libm::exp(-1.0), 1.0, libm::exp(-4.0));
+        let expected = kinora::base::math::DVec3::new(libm::exp(-1.0), 1.0, libm::exp(-4.0));
         assert!((seen - expected).abs().max_element() < 1e-6, "{seen}");
     }
 }

@@ -1,14 +1,13 @@
 //! Nothing slips through closed surfaces: rays at shared edges, vertices and corners (INT-12, INT-09).
 
 use crate::support::{Random, geometry};
-use kinora::bvh::Bvh;
-use kinora::camera::Ray;
-use kinora::material::MadeOf;
-use kinora::math::{DAffine3, DVec3};
-use kinora::mesh::generate;
+use kinora::appearance::material::MadeOf;
+use kinora::base::math::{DAffine3, DVec3, Ray};
+use kinora::geometry::bvh::Probe;
+use kinora::geometry::mesh::generate;
+use kinora::geometry::shape::{Cuboid, Shape, Triangle};
+use kinora::scene::top_level::Bvh;
 use kinora::scene::{Finish, Primitive};
-use kinora::shape::{Cuboid, Shape, Triangle};
-use kinora::tree::Probe;
 
 /// Rays per configuration.
 const RAYS: u32 = if cfg!(debug_assertions) { 5_000 } else { 100_000 };

@@ -8,10 +8,10 @@ mod walk;
 
 use super::robustness::Scenery;
 use super::studio::Studio;
-use crate::light::Light;
-use crate::math::DVec2;
-use crate::quality::Quality;
+use crate::appearance::light::Light;
+use crate::base::math::DVec2;
 use crate::sequence::Sequence;
+use crate::sequence::quality::Quality;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use walk::{Numbers, Walk};
@@ -123,7 +123,7 @@ fn studied(walk: &Walk, pixel: u32, size: (u32, u32)) -> Moments {
 }
 
 /// What a light gives off, whatever its colour.
-fn strength(light: &Light, weight: crate::color::Rgb) -> f64 {
+fn strength(light: &Light, weight: crate::base::color::Rgb) -> f64 {
     f64::from((light.radiance * weight).max_element())
 }
 

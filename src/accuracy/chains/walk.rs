@@ -2,17 +2,16 @@
 
 use super::{Thing, Way, strength};
 use crate::accuracy::robustness::{Met, Scenery};
-use crate::camera::Ray;
-use crate::color::Rgb;
-use crate::light::Source;
-use crate::material::Material;
-use crate::math::{DVec2, DVec3};
-use crate::optics::{Microfacet, reflect, refract};
+use crate::appearance::light::Source;
+use crate::appearance::material::Material;
+use crate::appearance::optics::{Microfacet, reflect, refract};
+use crate::base::color::Rgb;
+use crate::base::math::{DVec2, DVec3, Ray};
+use crate::geometry::bvh::Probe;
+use crate::geometry::shape::Geometric;
 use crate::sampling::{Frame, cosine_hemisphere, hash, uniform_sphere};
 use crate::scene::Finish;
-use crate::shape::Geometric;
 use crate::trace::spawn::spawn_ray;
-use crate::tree::Probe;
 use std::f64::consts::PI;
 
 /// Random numbers of a path.
@@ -250,7 +249,7 @@ pub struct Place {
 
 impl Scenery<'_> {
     /// Draws a place on a light.
-    fn place_on(&self, light: u32, from: &crate::shape::Surface, [u, v]: [f64; 2]) -> Place {
+    fn place_on(&self, light: u32, from: &crate::geometry::shape::Surface, [u, v]: [f64; 2]) -> Place {
         let at = from.point;
         let flat = |point: DVec3, normal: DVec3, area: f64, both: bool| {
             let way = at - point;

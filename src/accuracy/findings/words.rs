@@ -2,7 +2,7 @@
 
 use crate::accuracy::measure::Point;
 use crate::accuracy::settings::Axis;
-use crate::humane;
+use crate::base::units;
 use std::time::Duration;
 
 /// A setting in a few words.
@@ -48,5 +48,5 @@ pub fn factor(factor: f64) -> String {
 
 /// A time in its unit.
 pub fn seconds(seconds: f64) -> String {
-    humane::time(Duration::try_from_secs_f64(seconds).unwrap_or_default())
+    units::time(Duration::try_from_secs_f64(seconds).unwrap_or_default())
 }

@@ -4,11 +4,9 @@ use super::draw::Draw;
 use super::measure::{Case, Effort, Verdict, way};
 use super::real::{Machine, Real};
 use crate::accuracy::exact::Exact;
-use crate::camera::Ray;
-use crate::fog::{Falloff, Fog};
-use crate::glow::Glow;
-use crate::math::DVec3;
-use crate::shape::LaneRay;
+use crate::appearance::fog::{Falloff, Fog};
+use crate::appearance::light_groups::glow::Glow;
+use crate::base::math::{DVec3, LaneRay, Ray};
 
 /// A way of unit length, up to rounding, through fog that is thinner with height, from where it has its density.
 #[derive(Clone, Copy)]

@@ -3,9 +3,9 @@
 use super::draw::Draw;
 use super::measure::{Case, Effort, Verdict, way};
 use super::real::{Machine, V};
-use crate::camera_path::{Aim, CameraPath, Focus, Lens, Orbit, Step};
-use crate::math::{Angle, DQuat, DVec3, look_at, slerp};
-use crate::time::{Rate, Timeline};
+use crate::base::math::{Angle, DQuat, DVec3, look_at, slerp};
+use crate::base::time::{Rate, Timeline};
+use crate::camera::path::{Aim, CameraPath, Focus, Lens, Orbit, Step};
 use crate::track::Ease;
 use std::f64::consts::TAU;
 use std::rc::Rc;

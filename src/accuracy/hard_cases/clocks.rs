@@ -2,7 +2,7 @@
 
 use super::measure::{Case, Effort, Verdict, way};
 use super::real::Machine;
-use crate::time::{Rate, Timeline};
+use crate::base::time::{Rate, Timeline};
 
 /// A frame, and the rate of broadcasts: 30000/1001 frames a second, called 29.97.
 type Frame = (u32, Rate, Timeline);

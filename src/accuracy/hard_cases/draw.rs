@@ -1,6 +1,6 @@
 //! Random inputs, the same in every run.
 
-use crate::math::{Angle, DVec3};
+use crate::base::math::{Angle, DVec3};
 use crate::sampling::hash;
 
 /// Random numbers from a seed.

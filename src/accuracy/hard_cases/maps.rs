@@ -4,11 +4,11 @@ use super::draw::Draw;
 use super::measure::{Case, Effort, Verdict, way};
 use super::real::{Machine, Real, V};
 use crate::accuracy::exact::Exact;
-use crate::color::Rgb;
-use crate::environment::CubeMap;
-use crate::math::{Angle, DVec2, DVec3};
-use crate::shape::{OneRay, Sphere};
-use crate::texture::Image;
+use crate::appearance::environment::CubeMap;
+use crate::appearance::texture::Image;
+use crate::base::color::Rgb;
+use crate::base::math::{Angle, DVec2, DVec3};
+use crate::geometry::shape::{OneRay, Sphere};
 use std::f64::consts::PI;
 use std::rc::Rc;
 

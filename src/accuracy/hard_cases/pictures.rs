@@ -6,14 +6,13 @@ use super::real::{Machine, Real, V};
 use super::spawning::{self, Lit, Shadow};
 use super::spheres::{Aimed, quadratic};
 use super::triangles::published;
-use crate::camera::Ray;
-use crate::color::linear_to_srgb;
+use crate::appearance::environment::CubeMap;
+use crate::base::color::linear_to_srgb;
+use crate::base::math::{Angle, DVec3, Ray};
+use crate::base::time::{Rate, Timeline};
 use crate::encode::{EncodeError, Picture, Sheet, write_png};
-use crate::environment::CubeMap;
-use crate::math::{Angle, DVec3};
-use crate::shape::{OneRay, Triangle};
-use crate::time::{Rate, Timeline};
-use crate::tree::Probe;
+use crate::geometry::bvh::Probe;
+use crate::geometry::shape::{OneRay, Triangle};
 use std::path::{Path, PathBuf};
 
 /// Pixels along a side of a panel.

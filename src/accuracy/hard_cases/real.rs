@@ -1,7 +1,7 @@
 //! Numbers of any precision, so that a formula is written once and tried in f32, in f64 and in twice that.
 
 use crate::accuracy::exact::Exact;
-use crate::math::DVec3;
+use crate::base::math::DVec3;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number with the operations that every precision rounds correctly, or nearly so.

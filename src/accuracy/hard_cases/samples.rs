@@ -4,9 +4,9 @@ use super::draw::Draw;
 use super::measure::{Case, Effort, Verdict, way};
 use super::real::{Machine, Real, V};
 use crate::accuracy::exact::Exact;
-use crate::math::{Angle, DVec3};
+use crate::base::math::{Angle, DVec3};
+use crate::geometry::shape::{Geometric, Sphere};
 use crate::sampling::Frame;
-use crate::shape::{Geometric, Sphere};
 
 type Axes<R> = [V<R>; 3];
 

@@ -4,10 +4,9 @@ use super::draw::Draw;
 use super::measure::{Case, Effort, Verdict, way};
 use super::real::{Machine, Real, V};
 use crate::accuracy::exact::Exact;
-use crate::camera::Ray;
-use crate::math::DVec3;
-use crate::shape::{Cone, Cuboid, Cylinder, OneRay, Shape};
-use crate::tree::Probe;
+use crate::base::math::{DVec3, Ray};
+use crate::geometry::bvh::Probe;
+use crate::geometry::shape::{Cone, Cuboid, Cylinder, OneRay, Shape};
 use std::rc::Rc;
 
 /// A closed solid around the y axis: its radius is `base` + `slope`·y from `low` to 1.

@@ -6,12 +6,11 @@ use super::measure::{Case, Effort, Verdict, way};
 use super::real::{Machine, Real, V};
 use super::spheres::{Aimed, quadratic, recentred};
 use crate::accuracy::exact::Exact;
-use crate::camera::Ray;
-use crate::math::{Angle, DVec3};
-use crate::optics::refract;
-use crate::shape::{Crossing, OneRay, Rectangle, Sphere};
+use crate::appearance::optics::refract;
+use crate::base::math::{Angle, DVec3, Ray};
+use crate::geometry::bvh::Probe;
+use crate::geometry::shape::{Crossing, OneRay, Rectangle, Sphere};
 use crate::trace::spawn::spawn_ray;
-use crate::tree::Probe;
 
 /// The least t of secondary rays that ray tracers are usually written with.
 pub const LEAST: f64 = 1e-3;

@@ -4,10 +4,9 @@ use super::draw::Draw;
 use super::measure::{Case, Effort, Verdict, way};
 use super::real::{Machine, Real, V};
 use crate::accuracy::exact::Exact;
-use crate::camera::Ray;
-use crate::math::DVec3;
-use crate::shape::{OneRay, Sphere};
-use crate::tree::Probe;
+use crate::base::math::{DVec3, Ray};
+use crate::geometry::bvh::Probe;
+use crate::geometry::shape::{OneRay, Sphere};
 
 /// A ray and a sphere, in one precision and, of the same numbers, as the product has them.
 #[derive(Clone, Copy)]
@@ -171,7 +170,7 @@ pub fn cases(effort: Effort) -> Vec<Case> {
             center: DVec3::new(0.0, -6_371_000.0, 0.0),
             radius: 6_371_000.0,
             ray: |draw, _, _| {
-                let turn = crate::math::Angle(draw.between(-85.0, -5.0)).cos_sin();
+                let turn = crate::base::math::Angle(draw.between(-85.0, -5.0)).cos_sin();
                 let eye = DVec3::new(0.0, 2.0, 0.0);
                 (eye, eye + DVec3::new(turn.x, turn.y, 0.0))
             },

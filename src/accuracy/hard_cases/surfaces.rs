@@ -4,8 +4,8 @@ use super::draw::Draw;
 use super::measure::{Case, Effort, Verdict, way};
 use super::real::{Machine, Real, V};
 use crate::accuracy::exact::Exact;
-use crate::math::{Angle, DVec3};
-use crate::optics::{Fresnel, Microfacet, refract};
+use crate::appearance::optics::{Fresnel, Microfacet, refract};
+use crate::base::math::{Angle, DVec3};
 
 /// Light within glass, at a boundary to air across +y.
 #[derive(Clone, Copy)]

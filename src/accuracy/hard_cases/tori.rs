@@ -4,10 +4,9 @@ use super::draw::Draw;
 use super::measure::{Case, Effort, Verdict, way};
 use super::real::{Machine, Real, V};
 use crate::accuracy::exact::Exact;
-use crate::camera::Ray;
-use crate::math::{Angle, DVec3};
-use crate::shape::{OneRay, Torus};
-use crate::tree::Probe;
+use crate::base::math::{Angle, DVec3, Ray};
+use crate::geometry::bvh::Probe;
+use crate::geometry::shape::{OneRay, Torus};
 use std::rc::Rc;
 
 const MAJOR: f64 = 1.0;

@@ -4,11 +4,10 @@ use super::draw::Draw;
 use super::measure::{Case, Effort, Verdict, way};
 use super::real::{Machine, Real, V};
 use crate::accuracy::exact::{Exact, Vector};
-use crate::camera::Ray;
-use crate::math::DVec3;
-use crate::mesh::generate;
-use crate::shape::{Geometric, OneRay, Triangle};
-use crate::tree::Probe;
+use crate::base::math::{DVec3, Ray};
+use crate::geometry::bvh::Probe;
+use crate::geometry::mesh::generate;
+use crate::geometry::shape::{Geometric, OneRay, Triangle};
 
 /// The triangles of a closed mesh around one of its corners, and a ray from inside at that corner or at one of its
 /// edges.

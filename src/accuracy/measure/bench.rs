@@ -4,14 +4,14 @@ use super::Layer;
 use super::sizing::{PARTS, work};
 use super::tried::Tried;
 use crate::accuracy::change::Change;
+use crate::accuracy::image_error::{Flip, PIXELS_PER_DEGREE, References};
 use crate::accuracy::settings::Settings;
 use crate::accuracy::studio::{Shot, Studio};
-use crate::math::DVec3;
-use crate::metrics::{Flip, PIXELS_PER_DEGREE, References};
-use crate::quality::Quality;
-use crate::render::RenderError;
+use crate::base::math::DVec3;
+use crate::pipeline::render::RenderError;
 use crate::sampling::{Points, hash};
 use crate::sequence::Sequence;
+use crate::sequence::quality::Quality;
 use std::time::Instant;
 
 /// References with what comparing needs of them.

@@ -2,15 +2,15 @@
 
 use super::Request;
 use crate::accuracy::change::{Change, Effect};
+use crate::accuracy::image_error::mean_squared_error;
 use crate::accuracy::settings::{Known, Scope, Settings, samples_of};
 use crate::accuracy::studio::Studio;
-use crate::color::Rgb;
-use crate::math::DVec3;
-use crate::metrics::mean_squared_error;
-use crate::quality::{Integrator, PathSettings, Quality};
-use crate::render::RenderError;
+use crate::base::color::Rgb;
+use crate::base::math::DVec3;
+use crate::pipeline::render::RenderError;
 use crate::sampling::hash;
 use crate::sequence::Sequence;
+use crate::sequence::quality::{Integrator, PathSettings, Quality};
 use std::time::Instant;
 
 /// Share of the time that goes into rendering; the rest into comparing.

@@ -3,12 +3,12 @@
 use super::Point;
 use super::bench::Reference;
 use crate::accuracy::clock::Took;
+use crate::accuracy::image_error::{References, psnr};
 use crate::accuracy::settings::Setting;
 use crate::accuracy::statistics::{Bias, Concentration, Estimate, Spread};
 use crate::accuracy::studio::{Shot, Studio};
-use crate::color::Rgb;
-use crate::math::DVec3;
-use crate::metrics::{References, psnr};
+use crate::base::color::Rgb;
+use crate::base::math::DVec3;
 
 /// Runs whose pictures are compared by FLIP, which takes longer than some of them.
 const FLIP_RUNS: u32 = 4;

@@ -3,11 +3,11 @@
 use super::Point;
 use crate::accuracy::studio::Studio;
 use crate::film::Extras;
-use crate::filmstrip::spread;
-use crate::plan::Plan;
-use crate::quality::Quality;
-use crate::render::{RenderError, Reuse};
+use crate::pipeline::filmstrip::spread;
+use crate::pipeline::plan::Plan;
+use crate::pipeline::render::{RenderError, Reuse};
 use crate::sequence::Sequence;
+use crate::sequence::quality::Quality;
 
 /// All frames of a sequence in its own size.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,9 +2,9 @@
 
 use crate::accuracy::findings::{percent, seconds};
 use crate::accuracy::measure::{Measured, Point};
+use crate::accuracy::plot::{Curve, Legend, Plot, Scale, Spot};
 use crate::accuracy::settings::Axis;
 use crate::accuracy::statistics::Estimate;
-use crate::plot::{Curve, Legend, Plot, Scale, Spot};
 
 /// A plot of a measurement.
 #[derive(Clone, Debug)]

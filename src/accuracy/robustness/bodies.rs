@@ -6,9 +6,9 @@ use crate::accuracy::hard_cases::solids::{self, Profile};
 use crate::accuracy::hard_cases::spheres::{quadratic, recentred};
 use crate::accuracy::hard_cases::tori::{ferrari, polished, quartic};
 use crate::accuracy::hard_cases::triangles::{LEAST_DETERMINANT, moller_trumbore, woop};
-use crate::math::{DAffine3, DMat3, DVec3};
+use crate::base::math::{DAffine3, DMat3, DVec3};
+use crate::geometry::shape::Shape;
 use crate::scene::Primitive;
-use crate::shape::Shape;
 
 /// A precision in which every shape can be met by its textbook's formula.
 pub trait Textbook: Real {

@@ -5,10 +5,9 @@ use super::bodies::{Body, Textbook, sound};
 use super::rays::{Met, Scenery, Target};
 use crate::accuracy::exact::Exact;
 use crate::accuracy::hard_cases::real::{Machine, Real, V};
-use crate::camera::Ray;
-use crate::math::DVec3;
+use crate::base::math::{DVec3, Ray};
+use crate::geometry::bvh::Probe;
 use crate::trace::spawn::spawn_ray;
-use crate::tree::Probe;
 
 /// How rays to lights are started.
 pub const START_NAMES: [&str; 5] = [

@@ -105,7 +105,7 @@ fn count(judged: &[PixelVerdict], of: impl Fn(&judge::StartVerdict) -> bool) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::schedule::Preview;
+    use crate::pipeline::schedule::Preview;
     use crate::sequence::parse;
 
     fn measured(objects: &str, lights: &str) -> Robustness {

@@ -1,13 +1,13 @@
 //! The scene's own rays, and what may lie along them.
 
-use crate::bvh::Bvh;
-use crate::camera::{Camera, Ray};
-use crate::light::Source;
-use crate::math::{Aabb, DVec2, DVec3};
+use crate::appearance::light::Source;
+use crate::base::math::{Aabb, DVec2, DVec3, Ray};
+use crate::camera::Camera;
+use crate::geometry::bvh::Probe;
+use crate::geometry::shape::{PreparedRay, Shape, Span, Surface};
 use crate::sampling::{hash, uniform_sphere};
+use crate::scene::top_level::Bvh;
 use crate::scene::{Primitive, Scene};
-use crate::shape::{PreparedRay, Shape, Span, Surface};
-use crate::tree::Probe;
 use std::collections::HashMap;
 
 /// What a ray may meet: a primitive, and a triangle of it if it is a mesh.

@@ -5,12 +5,11 @@ use super::judge::START_NAMES;
 use super::rays::Scenery;
 use crate::accuracy::hard_cases::real::V;
 use crate::accuracy::hard_cases::{Verdict, Way, way};
-use crate::camera::Ray;
-use crate::math::DAffine3;
+use crate::base::math::{DAffine3, Ray};
+use crate::geometry::bvh::Probe;
+use crate::geometry::shape::{Shape, Surface, Triangle};
 use crate::scene::Primitive;
-use crate::shape::{Shape, Surface, Triangle};
 use crate::trace::spawn::spawn_ray;
-use crate::tree::Probe;
 
 /// Rays that are timed: so few that they stay in the processor's cache.
 const TIMED: u32 = 256;

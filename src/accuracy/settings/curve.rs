@@ -1,8 +1,8 @@
 //! The curve of error against time: every factor of two around the file's own setting.
 
 use super::{Axis, FINER, Scope, Settings};
-use crate::quality::{NoiseTarget, Quality};
 use crate::sampling::Points;
+use crate::sequence::quality::{NoiseTarget, Quality};
 
 /// Runs of each setting of the curve; of a first answer, only those below the file's own have so many.
 const RUNS: u32 = 16;

@@ -2,7 +2,7 @@
 
 use super::{Axis, Setting, Settings};
 use crate::accuracy::change::Change;
-use crate::quality::{Integrator, PathSettings, Quality};
+use crate::sequence::quality::{Integrator, PathSettings, Quality};
 
 impl Settings {
     /// Adds effects, lights and objects, each switched off, under their names.

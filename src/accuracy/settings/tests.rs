@@ -1,5 +1,5 @@
 use super::*;
-use crate::quality::NoiseTarget;
+use crate::sequence::quality::NoiseTarget;
 
 fn known(random: bool, samples: f64) -> Known {
     Known { random, other_random: !random, samples, error: 0.03, bright: 2.0 }

@@ -2,11 +2,11 @@
 
 use crate::accuracy::hard_cases::{Case, Cell, Cells, Effort, WAYS, cases, pictures};
 use crate::accuracy::{of_cells, wrong_answers};
+use crate::base::escape;
 use crate::cli::failure::Failure;
 use crate::cli::json::Object;
 use crate::cli::terminal;
 use crate::encode::write_file;
-use crate::escape;
 use clap::Args;
 use std::path::PathBuf;
 

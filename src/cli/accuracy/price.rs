@@ -3,16 +3,16 @@
 use super::data;
 use crate::accuracy::report::{Origin, charts, page};
 use crate::accuracy::{Measured, Request, measure};
+use crate::base::escape;
+use crate::base::files::in_the_way;
+use crate::base::frame_set::FrameSet;
+use crate::base::units;
 use crate::cli::failure::Failure;
 use crate::cli::progress::ProgressMode;
 use crate::cli::share;
 use crate::cli::shell::quoted;
 use crate::cli::{load, loading, render, terminal, values};
 use crate::encode::{EncodeError, png_bytes, write_file};
-use crate::escape;
-use crate::files::in_the_way;
-use crate::frame_set::FrameSet;
-use crate::humane;
 use clap::Args;
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
@@ -161,7 +161,7 @@ fn machine() -> String {
     let model = told.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
     let model = model.map_or_else(|| std::env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned());
     let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-    format!("{model}, {}, {}", humane::counted(processors as u64, "processor"), std::env::consts::OS)
+    format!("{model}, {}, {}", units::counted(processors as u64, "processor"), std::env::consts::OS)
 }
 
 #[cfg(all(test, unix))]

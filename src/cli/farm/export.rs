@@ -1,19 +1,19 @@
 //! `kinora farm export`: a sequence file and options of `render` in, a job for an engine out, beside the sequence.
 
 use super::stills::{Wanted, is_said, source};
+use crate::base::escape;
+use crate::base::files::{self, Root, way};
+use crate::base::frame_set::{self, FrameSet};
+use crate::base::units::{count, counted};
 use crate::cli::failure::Failure;
 use crate::cli::render::{fingerprint, frames_of};
 use crate::cli::settings::Spoken;
 use crate::cli::{load, loading, overrides, terminal, values};
 use crate::encode::{Existing, Output, write_file};
-use crate::escape;
 use crate::farm::{Assembly, Engine, Export, Films, Job, JobFile, MARK, classes};
-use crate::files::{self, Root, way};
-use crate::filmstrip::spread;
-use crate::frame_set::{self, FrameSet};
-use crate::humane::{count, counted};
-use crate::plan::Survey;
-use crate::render::{Request, Reuse, extras, job, pool};
+use crate::pipeline::filmstrip::spread;
+use crate::pipeline::plan::Survey;
+use crate::pipeline::render::{Request, Reuse, extras, job, pool};
 use crate::sequence::Sequence;
 use clap::{Args, ValueEnum};
 use std::fs;

@@ -1,18 +1,18 @@
 //! `kinora farm status`: which frames of a job are done, and who has the others in hand.
 
 use super::stills::Wanted;
+use crate::base::escape;
+use crate::base::frame_set::{self, FrameSet};
+use crate::base::units::{count, rough_time};
 use crate::cli::failure::Failure;
 use crate::cli::json::Object;
 use crate::cli::render::frames_of;
 use crate::cli::settings::Settings;
 use crate::cli::{load, loading, overrides, terminal, values};
 use crate::encode::{Existing, Found, Holder, Output, found, in_hand};
-use crate::escape;
 use crate::farm::{Frame, Status};
-use crate::frame_set::{self, FrameSet};
-use crate::humane::{count, rough_time};
-use crate::plan::{Plan, samples};
-use crate::render::{Request, Reuse, extras, job, pool};
+use crate::pipeline::plan::{Plan, samples};
+use crate::pipeline::render::{Request, Reuse, extras, job, pool};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::path::{Path, PathBuf};

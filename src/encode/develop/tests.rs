@@ -1,7 +1,7 @@
 //! Codes against the formula, and pictures of films with odd values.
 
 use super::*;
-use crate::color::srgb_to_linear;
+use crate::base::color::srgb_to_linear;
 use crate::film::Extras;
 
 /// Those with a curve of their own.

@@ -1,13 +1,13 @@
 //! What an EXR file says about itself: its identity, and a digest of the whole file, as the format has no sums of its
 //! own. Where the digest stands, zeros are digested in its place.
 
-use crate::digest::{Digest, Digester};
+use crate::base::digest::{Digest, Digester};
+use crate::base::files;
 use crate::encode::atomic::Aside;
 use crate::encode::disk::{Operation, attempt};
 use crate::encode::job::Job;
 use crate::encode::keep::Held;
 use crate::encode::record::{self, Told};
-use crate::files;
 use exr::meta::attribute::{AttributeValue, Text};
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};

@@ -3,11 +3,11 @@
 use super::Animation;
 use super::file::Finished;
 use super::timing::Shot;
-use crate::color::{linear_to_srgb, srgb_to_linear};
+use crate::base::color::{linear_to_srgb, srgb_to_linear};
+use crate::base::escape;
+use crate::base::units;
 use crate::encode::error::EncodeError;
 use crate::encode::picture::Picture;
-use crate::escape;
-use crate::humane;
 use std::sync::LazyLock;
 
 /// How a stored frame is read.
@@ -114,7 +114,7 @@ pub fn write(animation: &Animation, load: &Load) -> Result<Option<String>, Encod
         }
     }
     let path = escape::path(&animation.path);
-    let (size, before, limit) = (humane::bytes(best.size), humane::bytes(wanted), humane::bytes(most));
+    let (size, before, limit) = (units::bytes(best.size), units::bytes(wanted), units::bytes(most));
     let lost = plan.told(&asked, animation.size);
     let fits = best.size <= most;
     best.file.commit()?;

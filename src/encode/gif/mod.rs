@@ -21,7 +21,7 @@ use super::error::{EncodeError, JobError};
 use super::job::Job;
 use super::picture::Picture;
 use super::settings::GifSettings;
-use crate::escape;
+use crate::base::escape;
 use dither::Mixer;
 use file::{Finished, GifFile};
 use fit::{Load, Plan};

@@ -1,7 +1,7 @@
 //! One palette for a whole animation.
 
 use super::histogram::Weighted;
-use crate::color::{linear_to_srgb, srgb_to_linear};
+use crate::base::color::{linear_to_srgb, srgb_to_linear};
 use rayon::prelude::*;
 
 /// How often centres are moved, at most.

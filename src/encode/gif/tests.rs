@@ -1,8 +1,8 @@
 //! GIFs read back with the `gif` crate.
 
 use super::*;
+use crate::base::time::Rate;
 use crate::encode::{About, Formats, GifSettings, MATTE, Moving, Output, Tonemap};
-use crate::time::Rate;
 use ::gif::{ColorOutput, DecodeOptions, DisposalMethod, Repeat};
 use std::collections::HashMap;
 use std::fs;
@@ -207,7 +207,7 @@ fn many_colors_come_close_and_do_not_shimmer() {
 fn dithering_keeps_the_light_of_areas() {
     let pictures = [gradient(0)];
     let shown = make(&pictures, (24, 1), GifSettings { colors: 64, ..SETTINGS });
-    let linear = |code: u8| crate::color::srgb_to_linear(f64::from(code) / 255.0);
+    let linear = |code: u8| crate::base::color::srgb_to_linear(f64::from(code) / 255.0);
     for block in 0..24 {
         let (left, top) = (block % 6 * 16, block / 6 * 16);
         let places = || (0..256).map(|i| (top + i / 16) * 96 + left + i % 16);

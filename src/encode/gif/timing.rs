@@ -1,7 +1,7 @@
 //! Which frames a GIF shows, and for how many centiseconds.
 
+use crate::base::time::Rate;
 use crate::encode::movie::clock::ticks;
-use crate::time::Rate;
 use num_rational::Ratio;
 
 /// One shown frame: its index in the job's list, and how long it stays.

@@ -2,12 +2,12 @@
 
 use super::clock::fraction;
 use super::difference::{Rectangle, changed};
+use crate::base::time::Rate;
 use crate::encode::atomic::Aside;
 use crate::encode::error::EncodeError;
 use crate::encode::job::Job;
 use crate::encode::movie::Movie;
 use crate::encode::picture::Picture;
-use crate::time::Rate;
 use png::{BlendOp, DisposeOp, EncodingError, Writer};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};

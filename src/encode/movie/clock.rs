@@ -1,6 +1,6 @@
 //! When frames start, in the units of formats that cannot say it as a fraction.
 
-use crate::time::Rate;
+use crate::base::time::Rate;
 
 /// The start of the frame of index k, in units of which a second has `per_second`, rounded half up:
 /// floor((2·per_second·k·den + num) / (2·num)). Starts are rounded and not lengths, so that errors never add up.

@@ -1,8 +1,8 @@
 //! Frames → H.264 stream: encoder settings, and how frames are split into GOPs.
 
 use super::gops::{EncodeChunk, ParallelGops};
+use crate::base::machine::{free_memory, thread_time};
 use crate::encode::job::Job;
-use crate::machine::{free_memory, thread_time};
 use rayon::ThreadPool;
 use rusty_h264_common::{Profile, YuvFrame};
 use rusty_h264_encoder::{Encoder, EncoderConfig, Preset, set_me_fc};

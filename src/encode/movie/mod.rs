@@ -18,7 +18,7 @@ use super::error::EncodeError;
 use super::job::Job;
 use super::output::{Moving, Output, Streamed};
 use super::picture::Picture;
-use crate::stop::Stop;
+use crate::base::cancel::Stop;
 use rayon::ThreadPool;
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -3,12 +3,12 @@
 use super::h264::{told_colors, units};
 use super::h264_encoder::{H264Encoder, missing_instructions};
 use super::yuv::Planes;
+use crate::base::time::Rate;
 use crate::encode::atomic::Aside;
 use crate::encode::error::EncodeError;
 use crate::encode::job::Job;
 use crate::encode::movie::Movie;
 use crate::encode::picture::Picture;
-use crate::time::Rate;
 use rayon::ThreadPool;
 use rusty_h264_common::YuvFrame;
 use shiguredo_mp4::boxes::{Avc1Box, AvccBox, SampleEntry, UnknownBox, VisualSampleEntryFields as Visual};

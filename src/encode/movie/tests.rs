@@ -1,9 +1,9 @@
 //! Animations read back by the decoders of others.
 
 use super::*;
+use crate::base::cancel::Stop;
+use crate::base::time::Rate;
 use crate::encode::{About, Formats, MATTE, Plays, Tonemap};
-use crate::stop::Stop;
-use crate::time::Rate;
 use image::codecs::png::PngDecoder;
 use image::codecs::webp::WebPDecoder;
 use image::{AnimationDecoder, Frame, ImageDecoder};

@@ -1,12 +1,12 @@
 //! Raw video for any encoder: YUV4MPEG2, to a file or the standard output.
 
 use super::yuv::Planes;
+use crate::base::cancel::Stop;
 use crate::encode::atomic::Aside;
 use crate::encode::error::EncodeError;
 use crate::encode::job::Job;
 use crate::encode::movie::Movie;
 use crate::encode::picture::Picture;
-use crate::stop::Stop;
 use std::io::{self, BufWriter, Stdout, Write};
 use std::path::{Path, PathBuf};
 

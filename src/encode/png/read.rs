@@ -1,13 +1,13 @@
 //! PNG files back into pictures, and what they tell.
 
 use super::seal::{self, Seal};
-use crate::digest::Digest;
+use crate::base::digest::Digest;
+use crate::base::files;
 use crate::encode::disk::{Operation, attempt};
 use crate::encode::error::EncodeError;
 use crate::encode::job::Job;
 use crate::encode::keep::Held;
 use crate::encode::picture::Picture;
-use crate::files;
 use png::{BitDepth, ColorType, DecodeOptions, Decoder, Limits, Reader};
 use std::io::{self, BufReader, Cursor};
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! What a PNG frame says of itself: its identity, and a digest of all its bytes, so that a file whose pixels were
 //! exchanged is not taken for the frame. The text that holds both is digested with zeros in the digest's place.
 
-use crate::digest::{Digest, Digester};
+use crate::base::digest::{Digest, Digester};
 use png::text_metadata::{EncodableTextChunk, TEXtChunk};
 use std::io;
 use std::ops::Range;

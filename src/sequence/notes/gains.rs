@@ -1,13 +1,13 @@
 //! Materials that give off more light than they get.
 
-use crate::color::Rgb;
-use crate::humane::counted;
-use crate::material::MaterialTracks;
-use crate::quality::Integrator;
+use crate::appearance::material::MaterialTracks;
+use crate::appearance::texture::PaintTracks;
+use crate::base::color::Rgb;
+use crate::base::time::{Time, Timeline};
+use crate::base::units::counted;
 use crate::sequence::Sequence;
+use crate::sequence::quality::Integrator;
 use crate::sequence::suggest::shortened;
-use crate::texture::PaintTracks;
-use crate::time::{Time, Timeline};
 use crate::track::{Animate, Animated};
 
 impl Sequence {

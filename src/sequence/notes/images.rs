@@ -1,6 +1,6 @@
 //! Images whose alpha is ignored.
 
-use crate::material::Level;
+use crate::appearance::material::Level;
 use crate::sequence::suggest::{listed, shortened};
 use crate::sequence::{Named, Sequence};
 

@@ -1,11 +1,11 @@
 //! What meshes and their files have that is not shown.
 
-use crate::humane::counted;
-use crate::material::MadeOf;
-use crate::mesh::{Mesh, MtlMaterial};
+use crate::appearance::material::MadeOf;
+use crate::base::units::counted;
+use crate::geometry::mesh::{Mesh, MtlMaterial};
+use crate::geometry::shape::{self, Shape};
 use crate::sequence::suggest::{listed, shortened};
 use crate::sequence::{Named, Object, Sequence};
-use crate::shape::{self, Shape};
 use std::collections::HashSet;
 use std::sync::Arc;
 

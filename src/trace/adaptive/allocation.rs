@@ -12,7 +12,7 @@
 
 use super::block::Block;
 use super::estimate::Estimate;
-use crate::quality::NoiseTarget;
+use crate::sequence::quality::NoiseTarget;
 use std::f64::consts::SQRT_2;
 
 /// Which blocks, in rows of so many, are to have twice the samples: none if the frame is good enough.

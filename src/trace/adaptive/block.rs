@@ -5,9 +5,9 @@
 //! squared error of all was ab / (a + b)² (A - B)².
 
 use super::squares::Squares;
-use crate::color::Rgb;
-use crate::counters::Counts;
-use crate::math::DVec3;
+use crate::base::color::Rgb;
+use crate::base::math::DVec3;
+use crate::base::stats::Counts;
 use crate::trace::pixels::{Pixels, SampleSet};
 use std::ops::Range;
 

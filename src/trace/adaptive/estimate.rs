@@ -7,7 +7,7 @@
 //! slowly than it did, so the truth lies between the two.
 
 use super::block::Block;
-use crate::color::Rgb;
+use crate::base::color::Rgb;
 use crate::film::Noise;
 
 /// The least factor by which squared errors are taken to fall as samples double: 2^-1.5, as they do in the smoothest parts.

@@ -16,12 +16,12 @@ mod squares;
 
 use super::pixels::Pixels;
 use super::{Moment, TraceSettings};
-use crate::bvh::Bvh;
-use crate::color::Rgb;
-use crate::counters::{Counts, Meter};
+use crate::base::color::Rgb;
+use crate::base::stats::{Counts, Meter};
 use crate::film::{Extras, Film, Noise, lit};
-use crate::quality::NoiseTarget;
+use crate::scene::top_level::Bvh;
 use crate::scene::{Scene, Weights};
+use crate::sequence::quality::NoiseTarget;
 use block::Block;
 use estimate::Estimate;
 use rayon::prelude::*;

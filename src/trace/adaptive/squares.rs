@@ -3,8 +3,8 @@
 //! With layers d of weights w, the square of Σ w d is Σ w w' d d': so the sums of products of pairs of layers are enough to
 //! know the square for any weights.
 
-use crate::color::Rgb;
-use crate::math::DVec3;
+use crate::base::color::Rgb;
+use crate::base::math::DVec3;
 
 /// Sums of the products of every two layers, by colour.
 #[derive(Clone, Debug, Default)]

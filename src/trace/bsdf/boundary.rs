@@ -1,8 +1,8 @@
 //! Boundaries between two media.
 
 use super::Bsdf;
-use crate::lanes::{Color, Real, Select, Vec3};
-use crate::optics::{Fresnel, Refraction, refract};
+use crate::appearance::optics::{Fresnel, Refraction, refract};
+use crate::base::lanes::{Color, Real, Select, Vec3};
 use crate::trace::materials::LobeSet;
 
 /// The indices of refraction on the two sides of a surface that light meets.

@@ -1,7 +1,7 @@
 //! The diffuse lobe: Lambert's.
 
 use super::Bsdf;
-use crate::lanes::{Color, Real, Vec3};
+use crate::base::lanes::{Color, Real, Vec3};
 use crate::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
 
 impl<F: Real> Bsdf<'_, F> {

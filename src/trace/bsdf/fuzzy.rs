@@ -1,9 +1,9 @@
 //! Mirrors that scatter.
 
 use super::Bsdf;
-use crate::lanes::{Color, Real, Row, Single, Vec3};
-use crate::material::SHARP;
-use crate::optics::Fuzz;
+use crate::appearance::material::SHARP;
+use crate::appearance::optics::Fuzz;
+use crate::base::lanes::{Color, Real, Row, Single, Vec3};
 use std::f64::consts::PI;
 
 impl<F: Real> Bsdf<'_, F> {

@@ -1,9 +1,9 @@
 //! Highlights of lights: Phong's and Blinn's.
 
 use super::Bsdf;
-use crate::lanes::{Color, Mask, Real, Row, Vec3};
-use crate::material::Exponent;
-use crate::math::{DVec3, power};
+use crate::appearance::material::Exponent;
+use crate::base::lanes::{Color, Mask, Real, Row, Vec3};
+use crate::base::math::{DVec3, power};
 use crate::trace::materials::LobeSet;
 
 /// The exponents of highlights.

@@ -1,8 +1,8 @@
 //! The metallic-roughness surface (glTF 2.0, appendix B): a boundary of small mirrors over a diffuse base.
 
 use super::Bsdf;
-use crate::lanes::{Color, Lookup, Real, Row, Select, Single, Vec3, out_of_line};
-use crate::optics::{Microfacet, reflect, schlick};
+use crate::appearance::optics::{Microfacet, reflect, schlick};
+use crate::base::lanes::{Color, Lookup, Real, Row, Select, Single, Vec3, out_of_line};
 use crate::sampling::Frame;
 use crate::trace::materials::{Column, LobeTable};
 use std::f64::consts::PI;

@@ -17,10 +17,10 @@ pub use highlight::Shininess;
 pub use sample::BsdfSample;
 
 use super::materials::{Column, LobeSet, LobeTable};
-use crate::lanes::{Color, Lookup, Real, Row, Select, Single, Vec3, out_of_line};
-use crate::optics::reflect;
+use crate::appearance::optics::reflect;
+use crate::base::lanes::{Color, Lookup, Real, Row, Select, Single, Vec3, out_of_line};
+use crate::geometry::shape::LaneSurface;
 use crate::sampling::Frame;
-use crate::shape::LaneSurface;
 use metallic::Metallic;
 
 /// The lobes of a point of a surface in each lane.

@@ -1,7 +1,7 @@
 //! Where a path goes on from a surface: one lobe is drawn by its strength, then a direction in it.
 
 use super::{Boundary, Bsdf};
-use crate::lanes::{Color, Mask, Real, Row, Select, Single, Vec3};
+use crate::base::lanes::{Color, Mask, Real, Row, Select, Single, Vec3};
 use crate::trace::materials::LobeSet;
 use std::f64::consts::PI;
 

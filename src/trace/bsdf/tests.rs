@@ -1,11 +1,11 @@
 //! Lights on surfaces: where there is a highlight, and where there is none.
 
 use super::*;
-use crate::color::Rgb;
+use crate::appearance::material::{Exponent, Highlight, Lobes, Material, Medium};
+use crate::appearance::optics::Fresnel;
+use crate::base::color::Rgb;
+use crate::base::math::DVec3;
 use crate::film::LayerId;
-use crate::material::{Exponent, Highlight, Lobes, Material, Medium};
-use crate::math::DVec3;
-use crate::optics::Fresnel;
 
 fn material(highlight: Highlight, shininess: f64) -> Material {
     Material {

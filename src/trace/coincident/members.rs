@@ -1,13 +1,12 @@
 //! The surfaces that a ray crosses at a place, and which of them coincide.
 
-use crate::bvh::Hit;
-use crate::camera::Ray;
-use crate::math::{DVec3, smaller};
-use crate::shape::{Shape, Span, Surface};
+use crate::base::math::{DVec3, Ray, smaller};
+use crate::geometry::bvh::Probe;
+use crate::geometry::shape::{Shape, Span, Surface};
+use crate::scene::top_level::Hit;
 use crate::trace::context::TraceContext;
 use crate::trace::materials::LobeSet;
 use crate::trace::medium::{Enclosure, Passage};
-use crate::tree::Probe;
 
 /// The order of surfaces that coincide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

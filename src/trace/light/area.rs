@@ -1,8 +1,8 @@
 //! Lights with an area.
 
 use super::{LightSample, Receiver};
-use crate::lanes::{Color, Mask, Real, Vec3};
-use crate::shape::{Geometric, Rectangle, Sphere};
+use crate::base::lanes::{Color, Mask, Real, Vec3};
+use crate::geometry::shape::{Geometric, Rectangle, Sphere};
 
 /// A sphere that shines outwards.
 #[inline(always)]

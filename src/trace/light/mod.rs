@@ -11,12 +11,12 @@ mod sky;
 pub use sampler::{LightRequest, LightSampler};
 
 use super::spawn::{spawn, spawn_gathering};
-use crate::color::Rgb;
-use crate::lanes::{Color, Mask, Real, Select, Vec3};
-use crate::light::{Light, Source};
-use crate::math::DVec3;
+use crate::appearance::light::{Light, Source};
+use crate::base::color::Rgb;
+use crate::base::lanes::{Color, Mask, Real, Select, Vec3};
+use crate::base::math::{DVec3, LaneRay};
+use crate::geometry::shape::LaneSurface;
 use crate::sampling::Frame;
-use crate::shape::{LaneRay, LaneSurface};
 use std::f64::consts::PI;
 
 /// Points that light is sampled for.

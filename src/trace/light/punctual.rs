@@ -1,9 +1,9 @@
 //! Lights that shine from one point.
 
 use super::LightSample;
-use crate::lanes::{Color, Real, Vec3};
-use crate::light::{Attenuation, Cone};
-use crate::math::DVec3;
+use crate::appearance::light::{Attenuation, Cone};
+use crate::base::lanes::{Color, Real, Vec3};
+use crate::base::math::DVec3;
 
 /// A light that shines evenly.
 #[inline(always)]

@@ -2,14 +2,14 @@
 //! Grouped by layer, so that what one layer samples never depends on another.
 
 use super::{LightSample, Receiver, sample_light, sky};
-use crate::color::Rgb;
-use crate::environment::{Environment, SkyTable};
+use crate::appearance::environment::{Environment, SkyTable};
+use crate::appearance::light::{Light, Source};
+use crate::appearance::material::MadeOf;
+use crate::base::color::Rgb;
+use crate::base::lanes::{Bits, Mask, Real, Row, Select, Vec3, out_of_line};
 use crate::film::LayerId;
-use crate::lanes::{Bits, Mask, Real, Row, Select, Vec3, out_of_line};
-use crate::light::{Light, Source};
-use crate::material::MadeOf;
+use crate::geometry::shape::LaneSurface;
 use crate::scene::{Finish, Scene};
-use crate::shape::LaneSurface;
 use crate::trace::textures;
 use std::f64::consts::PI;
 

@@ -1,8 +1,8 @@
 //! Skies that are brighter in some directions.
 
 use super::LightSample;
-use crate::environment::{Environment, SkyTable};
-use crate::lanes::Real;
+use crate::appearance::environment::{Environment, SkyTable};
+use crate::base::lanes::Real;
 use std::f64::consts::PI;
 
 /// Light from a direction of the sky, likely where that is bright.

@@ -1,20 +1,20 @@
 //! Random scenes of all that light may meet.
 
 use super::{RandomScene, color, layer, one_of};
-use crate::color::Rgb;
-use crate::environment::{Sky, SkyTable};
+use crate::appearance::environment::{Sky, SkyTable};
+use crate::appearance::fog::{Falloff, Fog};
+use crate::appearance::light::{Light, Source};
+use crate::appearance::light_groups::glow::Glow;
+use crate::appearance::material::{Lobes, Material, Medium};
+use crate::appearance::optics::Fresnel;
+use crate::appearance::texture::{Image, Shared};
+use crate::base::color::Rgb;
+use crate::base::math::DAffine3;
 use crate::film::Extras;
-use crate::fog::{Falloff, Fog};
-use crate::glow::Glow;
-use crate::light::{Light, Source};
-use crate::material::{Lobes, Material, Medium};
-use crate::math::DAffine3;
-use crate::optics::Fresnel;
-use crate::quality::Integrator;
+use crate::geometry::shape::{Rectangle, Shape, Sphere};
 use crate::scene::Finish;
-use crate::shape::{Rectangle, Shape, Sphere};
+use crate::sequence::quality::Integrator;
 use crate::testing::Random;
-use crate::texture::{Image, Shared};
 use std::sync::Arc;
 
 impl RandomScene {

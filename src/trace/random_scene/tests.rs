@@ -1,8 +1,8 @@
 //! Pictures depend neither on the kind of lanes they were traced with, nor on how many rays were traced at once.
 
 use super::{RandomScene, SIZE};
-use crate::counters::Counts;
-use crate::lanes::tests::on_all_levels;
+use crate::base::lanes::tests::on_all_levels;
+use crate::base::stats::Counts;
 
 /// All pixels, and all their samples, at a time.
 const ALL: (usize, u32) = ((SIZE.0 * SIZE.1) as usize, u32::MAX);

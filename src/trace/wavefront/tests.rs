@@ -1,19 +1,19 @@
 //! How much is held of paths that branch.
 
 use super::*;
-use crate::bvh::Bvh;
+use crate::appearance::environment::{Environment, Sky};
+use crate::appearance::material::{Exponent, Highlight, MadeOf, Material, Medium};
+use crate::appearance::optics::Fresnel;
+use crate::base::color::Rgb;
+use crate::base::math::{DAffine3, DVec3, look_at};
 use crate::camera::{Camera, Projection};
-use crate::color::Rgb;
-use crate::environment::{Environment, Sky};
+use crate::film::filter::FilterSampler;
 use crate::film::{Extras, LayerId};
-use crate::filter::FilterSampler;
-use crate::material::{Exponent, Highlight, MadeOf, Material, Medium};
-use crate::math::{DAffine3, DVec3, look_at};
-use crate::optics::Fresnel;
-use crate::quality::Quality;
+use crate::geometry::shape::{Cuboid, Shape};
 use crate::sampling::PixelSampler;
+use crate::scene::top_level::Bvh;
 use crate::scene::{Finish, Geometry, Scene, Shading, Weights};
-use crate::shape::{Cuboid, Shape};
+use crate::sequence::quality::Quality;
 use crate::trace::TraceSettings;
 use crate::trace::generate::SampleGroup;
 

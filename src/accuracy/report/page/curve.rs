@@ -81,6 +81,6 @@ fn row(measured: &Measured, point: &Point) -> Vec<String> {
         measured.told(point.bias),
         factor(point.efficiency() / own.efficiency()),
         seconds(point.wall.median),
-        crate::humane::count(point.rays.round() as u64),
+        crate::base::units::count(point.rays.round() as u64),
     ]
 }

@@ -1,0 +1,135 @@
+//! Skies in directions of their own: one colour, two, or images.
+
+use super::CubeMap;
+use super::equirect;
+use crate::appearance::texture::{Filter, Image, Shared, Wrap};
+use crate::base::color::Rgb;
+use crate::base::digest::content;
+use crate::base::lanes::{Color, Real, Row, Vec3};
+use crate::base::math::{DVec2, DVec3};
+
+/// Radiance from every direction.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sky {
+    Constant(Rgb),
+    /// From `bottom`, straight down, to `top`, straight up along the unit vector `up`, evenly in height.
+    Gradient {
+        bottom: Rgb,
+        top: Rgb,
+        up: DVec3,
+    },
+    CubeMap(Shared<CubeMap>),
+    /// A picture of all directions: longitude to the right, latitude upwards, -z in the middle.
+    Equirect(Shared<Image>),
+}
+
+content!(enum Sky {
+    Constant(radiance),
+    Gradient { bottom, top, up },
+    CubeMap(map),
+    Equirect(image),
+});
+
+impl Sky {
+    /// Radiance from directions, unit vectors.
+    #[inline(always)]
+    pub fn radiance<F: Real>(&self, direction: Vec3<F>) -> Color<F::F32> {
+        let (zero, one) = (F::splat(0.0), F::splat(1.0));
+        match self {
+            Self::Constant(radiance) => Color::splat(*radiance),
+            Self::Gradient { bottom, top, up } => {
+                let height = F::splat(0.5) * (direction.dot(Vec3::splat(*up)) + one);
+                let share = height.max(zero).min(one).to_f32();
+                Color::splat(*bottom).lerp(Color::splat(*top), share)
+            }
+            Self::CubeMap(_) | Self::Equirect(_) => {
+                let [r, g, b] = self.image_radiance(&direction.store(), F::LANES);
+                Color { r: F::F32::load(&r, 0), g: F::F32::load(&g, 0), b: F::F32::load(&b, 0) }
+            }
+        }
+    }
+
+    /// [`Sky::radiance`] of images in so many lanes, without lanes: a row for each of red, green and blue.
+    #[inline(never)]
+    fn image_radiance(&self, directions: &[DVec3; 8], lanes: usize) -> [[f32; 8]; 3] {
+        let mut color = [[0.0; 8]; 3];
+        let [r, g, b] = &mut color;
+        for lane in 0..lanes {
+            let direction = directions[lane];
+            let radiance = match self {
+                Self::CubeMap(map) => map.radiance(direction),
+                Self::Equirect(image) => seen(image, DVec2::from(equirect::uv::<f64>(direction.into()))),
+                Self::Constant(_) | Self::Gradient { .. } => Rgb::ZERO,
+            };
+            (r[lane], g[lane], b[lane]) = radiance.into();
+        }
+        color
+    }
+
+    /// Radiance from one direction.
+    pub fn radiance_from(&self, direction: DVec3) -> Rgb {
+        self.radiance::<f64>(direction.into()).into()
+    }
+
+    /// Radiance from the direction at a place of [`equirect::direction`].
+    pub(super) fn radiance_at(&self, uv: DVec2) -> Rgb {
+        match self {
+            Self::Equirect(image) => seen(image, uv),
+            _ => self.radiance_from(equirect::direction(uv)),
+        }
+    }
+}
+
+/// East of the last column comes the first one; beyond the poles there is nothing.
+fn seen(image: &Image, uv: DVec2) -> Rgb {
+    image.sample(uv, [Wrap::Repeat.into(), Wrap::Clamp.into()], Filter::Bilinear)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::Random;
+
+    #[test]
+    fn gradients_go_evenly_with_height() {
+        let (bottom, top) = (Rgb::ONE, Rgb::new(0.5, 0.7, 1.0));
+        let sky = Sky::Gradient { bottom, top, up: DVec3::Y };
+        assert_eq!(sky.radiance_from(DVec3::NEG_Y), bottom);
+        assert_eq!(sky.radiance_from(DVec3::Y), top);
+        let middle = sky.radiance_from(DVec3::X);
+        assert!((middle - Rgb::new(0.75, 0.85, 1.0)).abs().max_element() < 1e-6);
+        let tilted = Sky::Gradient { bottom, top, up: DVec3::Z };
+        assert_eq!(tilted.radiance_from(DVec3::Z), top);
+    }
+
+    /// An image of 8 × 4 texels whose red is the column and whose green is the row from the top.
+    fn numbered() -> Sky {
+        let texels = (0..4u8).flat_map(|y| (0..8u8).map(move |x| Rgb::new(x.into(), y.into(), 0.0)));
+        Sky::Equirect(Shared::new(Image::new(8, 4, texels.collect()).expect("an image")))
+    }
+
+    #[test]
+    fn equirect_images_have_minus_z_in_the_middle_and_x_to_the_right() {
+        let sky = numbered();
+        let seen = |x: f64, y: f64, z: f64| sky.radiance_from(DVec3::new(x, y, z).normalize());
+        assert_eq!(seen(0.0, 0.0, -1.0), Rgb::new(3.5, 1.5, 0.0));
+        assert_eq!(seen(1.0, 0.0, 0.0), Rgb::new(5.5, 1.5, 0.0));
+        assert_eq!(seen(-1.0, 0.0, 0.0), Rgb::new(1.5, 1.5, 0.0));
+        assert_eq!(seen(0.0, 0.0, 1.0).x, 3.5, "the seam mixes the columns 0 and 7");
+        assert_eq!((seen(0.0, 1.0, 0.0).y, seen(0.0, -1.0, 0.0).y), (0.0, 3.0));
+    }
+
+    #[test]
+    fn equirect_images_have_no_seam_and_firm_poles() {
+        let sky = numbered();
+        let mut random = Random(2);
+        for _ in 0..1000 {
+            let y = 2.0 * random.unit() - 1.0;
+            let sides = [1e-9, -1e-9].map(|x| sky.radiance_from(DVec3::new(x, y, 1.0).normalize()));
+            assert!((sides[0] - sides[1]).abs().max_element() < 1e-5);
+            let tiny = random.point(1e-300) + DVec3::Y;
+            assert_eq!(sky.radiance_from(tiny).y, 0.0, "the top row alone");
+            assert!(sky.radiance_from(random.direction()).is_finite());
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! How light grows fainter with distance.
+
+use crate::base::digest::content;
+use crate::base::lanes::Real;
+
+/// The share min(1, 1 / (`constant` + `linear`·d + `quadratic`·d²)) of the light arrives at distance d. Each
+/// part is at least 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attenuation {
+    pub constant: f64,
+    pub linear: f64,
+    pub quadratic: f64,
+}
+
+content!(struct Attenuation { constant, linear, quadratic });
+
+/// As bright far away as near.
+impl Default for Attenuation {
+    fn default() -> Self {
+        Self { constant: 1.0, linear: 0.0, quadratic: 0.0 }
+    }
+}
+
+impl Attenuation {
+    #[inline(always)]
+    pub fn share<F: Real>(&self, distance: F) -> F {
+        let one = F::splat(1.0);
+        if self.linear == 0.0 && self.quadratic == 0.0 {
+            return F::splat(if self.constant <= 1.0 { 1.0 } else { 1.0 / self.constant });
+        }
+        let fading = distance * (F::splat(self.linear) + distance * F::splat(self.quadratic));
+        let divisor = F::splat(self.constant) + fading;
+        // Also for a divisor of 0, at the light itself.
+        F::select(divisor.le(one), one, one / divisor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn never_more_than_all() {
+        let square = Attenuation { constant: 0.0, linear: 0.0, quadratic: 1.0 };
+        assert_eq!([0.0, 0.5, 1.0, 2.0, 10.0].map(|d| square.share(d)), [1.0, 1.0, 1.0, 0.25, 0.01]);
+        assert_eq!(Attenuation::default().share(f64::INFINITY), 1.0);
+        assert_eq!(Attenuation { constant: 2.0, linear: 1.0, quadratic: 0.0 }.share(2.0), 0.25);
+    }
+}

@@ -1,0 +1,48 @@
+//! Highlights: their shape and their exponent.
+
+use crate::base::digest::content;
+
+/// The shape of the highlight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Highlight {
+    /// (R·L)^n with the mirrored line of sight R (Phong 1975).
+    #[default]
+    Phong,
+    /// (N·H)^n with the half vector H between light and eye (Blinn 1977).
+    BlinnPhong,
+}
+
+content!(
+    enum Highlight {
+        Phong,
+        BlinnPhong,
+    }
+);
+
+/// The exponent of a highlight, at least 0. Whole numbers are raised by multiplications.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Exponent {
+    Whole(u32),
+    Real(f64),
+}
+
+content!(
+    enum Exponent {
+        Whole(n),
+        Real(n),
+    }
+);
+
+impl Exponent {
+    /// The largest whole exponent that is raised by multiplications: up to here a power's relative error
+    /// stays below that of the angle's cosine.
+    const LARGEST_WHOLE: f64 = 1024.0;
+
+    pub fn new(n: f64) -> Self {
+        if n.fract() == 0.0 && (0.0..=Self::LARGEST_WHOLE).contains(&n) {
+            Self::Whole(n as u32)
+        } else {
+            Self::Real(n)
+        }
+    }
+}

@@ -1,0 +1,298 @@
+//! Images: texels in linear light, and what lies between them.
+
+use super::wrap::Axis;
+use crate::base::color::Rgb;
+use crate::base::digest::content;
+use crate::base::math::DVec2;
+
+/// A picture in linear light; at least one texel wide and high.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    width: u32,
+    height: u32,
+    /// Row by row from the top left, as files have them.
+    texels: Vec<Rgb>,
+    /// How much of each texel is there, in 0..=1; none if all of all is.
+    alpha: Option<Vec<f32>>,
+    /// Whether all texels are alike.
+    even: bool,
+}
+
+content!(struct Image { width, height, texels, alpha, even });
+
+/// What an image shows at a point: a colour, and how much of it is there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Texel {
+    pub color: Rgb,
+    /// In 0..=1.
+    pub alpha: f32,
+}
+
+impl Texel {
+    pub fn opaque(color: Rgb) -> Self {
+        Self { color, alpha: 1.0 }
+    }
+
+    /// A mixture in which `share` is the other one's: each counts with as much of its colour as is there (Porter and
+    /// Duff, *Compositing Digital Images*, 1984).
+    pub fn lerp(self, other: Self, share: f32) -> Self {
+        if self.alpha == 1.0 && other.alpha == 1.0 {
+            return Self::opaque(self.color.lerp(other.color, share));
+        }
+        let alpha = self.alpha * (1.0 - share) + other.alpha * share;
+        let there = (self.color * self.alpha).lerp(other.color * other.alpha, share);
+        // What is not there has any colour.
+        let color = if alpha > 0.0 { there / alpha } else { self.color.lerp(other.color, share) };
+        Self { color, alpha }
+    }
+}
+
+/// What is seen between the centres of texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filter {
+    /// A mixture of the four texels around.
+    #[default]
+    Bilinear,
+    /// The nearest texel.
+    Nearest,
+}
+
+content!(
+    enum Filter {
+        Bilinear,
+        Nearest,
+    }
+);
+
+impl Image {
+    /// An image of `width` × `height` texels, row by row from the top left; none if there are more or fewer of
+    /// them, or none at all.
+    pub fn new(width: u32, height: u32, texels: Vec<Rgb>) -> Option<Self> {
+        let right = !texels.is_empty() && u64::from(width) * u64::from(height) == texels.len() as u64;
+        let even = texels.iter().all(|texel| *texel == texels[0]);
+        right.then_some(Self { width, height, texels, alpha: None, even })
+    }
+
+    /// The image with how much of each texel is there, in 0..=1; none if there are more or fewer than texels.
+    pub fn with_alpha(mut self, alpha: Vec<f32>) -> Option<Self> {
+        if alpha.len() != self.texels.len() {
+            return None;
+        }
+        let opaque = alpha.iter().all(|alpha| *alpha == 1.0);
+        self.even &= alpha.iter().all(|other| *other == alpha[0]);
+        self.alpha = (!opaque).then_some(alpha);
+        Some(self)
+    }
+
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Whether any of it is not, or not wholly, there.
+    pub fn has_alpha(&self) -> bool {
+        self.alpha.is_some()
+    }
+
+    /// The colour of an image that is the same, and there, everywhere.
+    pub fn constant(&self) -> Option<Rgb> {
+        (self.even && self.alpha.is_none()).then(|| self.texels[0])
+    }
+
+    /// The colour of the texel in column `x` from the left and row `y` from the top; both inside the image.
+    pub fn texel(&self, x: u32, y: u32) -> Rgb {
+        self.texels[self.index(x, y)]
+    }
+
+    fn index(&self, x: u32, y: u32) -> usize {
+        y as usize * self.width as usize + x as usize
+    }
+
+    /// The colour at `uv`, whatever is there: u runs to the right and v upwards, both from 0 to 1 over the whole image,
+    /// so the centre of the texel in column i is at u = (i + 0.5) / width. Black where `uv` is not finite.
+    pub fn sample(&self, uv: DVec2, axes: [Axis; 2], filter: Filter) -> Rgb {
+        self.filtered(uv, axes, filter, |index| self.texels[index], Rgb::lerp).unwrap_or(Rgb::ZERO)
+    }
+
+    /// [`Image::sample`] of what is there, with how much that is.
+    pub fn sample_alpha(&self, uv: DVec2, axes: [Axis; 2], filter: Filter) -> Texel {
+        let Some(alpha) = &self.alpha else { return Texel::opaque(self.sample(uv, axes, filter)) };
+        let texel = |index: usize| Texel { color: self.texels[index], alpha: alpha[index] };
+        self.filtered(uv, axes, filter, texel, Texel::lerp).unwrap_or(Texel::opaque(Rgb::ZERO))
+    }
+
+    /// What `texel` says at `uv`, mixed as the filter says; nothing where `uv` is not finite.
+    fn filtered<T>(
+        &self,
+        uv: DVec2,
+        [across, up]: [Axis; 2],
+        filter: Filter,
+        texel: impl Fn(usize) -> T,
+        lerp: impl Fn(T, T, f32) -> T,
+    ) -> Option<T> {
+        if !uv.is_finite() {
+            return None;
+        }
+        let texel = |x: u32, from_bottom: u32| texel(self.index(x, self.height - 1 - from_bottom));
+        Some(match filter {
+            Filter::Nearest => texel(across.nearest(uv.x, self.width), up.nearest(uv.y, self.height)),
+            Filter::Bilinear => {
+                let (x, y) = (across.between(uv.x, self.width), up.between(uv.y, self.height));
+                let low = lerp(texel(x.low, y.low), texel(x.high, y.low), x.share);
+                let high = lerp(texel(x.low, y.high), texel(x.high, y.high), x.share);
+                lerp(low, high, y.share)
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::appearance::texture::Wrap;
+    use crate::testing::Random;
+
+    const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
+
+    /// Grey texels, row by row from the top.
+    fn grey(width: u32, texels: &[f32]) -> Image {
+        let texels: Vec<_> = texels.iter().map(|&value| Rgb::splat(value)).collect();
+        Image::new(width, texels.len() as u32 / width, texels).expect("an image")
+    }
+
+    fn at(image: &Image, u: f64, v: f64, wrap: Wrap) -> f32 {
+        image.sample(DVec2::new(u, v), [wrap.into(); 2], Filter::Bilinear).x
+    }
+
+    #[test]
+    fn texels_are_met_at_their_centres() {
+        let image = grey(4, &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+        for wrap in WRAPS {
+            for filter in [Filter::Bilinear, Filter::Nearest] {
+                for (x, y) in (0..4).flat_map(|x| [(x, 0), (x, 1)]) {
+                    let uv = DVec2::new((f64::from(x) + 0.5) / 4.0, 1.0 - (f64::from(y) + 0.5) / 2.0);
+                    assert_eq!(image.sample(uv, [wrap.into(); 2], filter), image.texel(x, y));
+                }
+            }
+        }
+        assert_eq!(at(&image, 0.125, 0.25, Wrap::Clamp), 4.0, "v runs upwards");
+    }
+
+    #[test]
+    fn bilinear_is_exact_for_planes() {
+        let (width, height) = (7, 5);
+        let plane = |u: f64, v: f64| 0.25 + 0.5 * u - 0.125 * v;
+        let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| {
+            let (u, v) = ((f64::from(x) + 0.5) / 7.0, 1.0 - (f64::from(y) + 0.5) / 5.0);
+            plane(u, v) as f32
+        });
+        let image = grey(width, &texels.collect::<Vec<_>>());
+        let mut random = Random(1);
+        for _ in 0..1000 {
+            let (u, v) = (0.1 + 0.8 * random.unit(), 0.1 + 0.8 * random.unit());
+            assert!((f64::from(at(&image, u, v, Wrap::Clamp)) - plane(u, v)).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn wraps_continue_beyond_the_edges() {
+        let image = grey(2, &[0.0, 1.0]);
+        for (wrap, expected) in [
+            (Wrap::Repeat, [0.5, 0.0, 1.0, 0.5, 0.0, 1.0]),
+            (Wrap::Mirror, [0.0, 0.0, 1.0, 1.0, 1.0, 0.0]),
+            (Wrap::Clamp, [0.0, 0.0, 1.0, 1.0, 1.0, 1.0]),
+        ] {
+            let got = [0.0, 0.25, 0.75, 1.0, 1.25, 1.75].map(|u| at(&image, u, 0.5, wrap));
+            assert_eq!(got, expected, "{wrap:?}");
+        }
+        assert_eq!(at(&image, -0.25, 0.5, Wrap::Repeat), 1.0);
+        assert_eq!(at(&image, -0.25, 0.5, Wrap::Mirror), 0.0);
+    }
+
+    #[test]
+    fn sh_13_the_seam_of_a_repeated_image_does_not_show() {
+        let image = grey(5, &[0.9, 0.2, 0.4, 0.1, 0.3]);
+        for whole in [-3.0, 0.0, 1.0, 100.0] {
+            let jump =
+                at(&image, whole - 1e-9, 0.5, Wrap::Repeat) - at(&image, whole + 1e-9, 0.5, Wrap::Repeat);
+            assert!(jump.abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn sh_13_no_coordinate_leaves_the_image() {
+        let ends = [
+            0.0,
+            -0.0,
+            1.0,
+            1.0 - f64::from(f32::EPSILON) / 2.0,
+            1.0f64.next_down(),
+            -1e-300,
+            5e-324,
+            1e18,
+            -1e300,
+        ];
+        let beyond = [f64::MAX, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, -1.0, 2.0f64.next_down()];
+        let image = grey(3, &[0.1, 0.5, 0.9, 0.4, 0.3, 0.2]);
+        let coordinates: Vec<_> = ends.into_iter().chain(beyond).collect();
+        for (&u, &v) in coordinates.iter().flat_map(|u| coordinates.iter().map(move |v| (u, v))) {
+            for (wrap, filter) in
+                WRAPS.into_iter().flat_map(|w| [(w, Filter::Bilinear), (w, Filter::Nearest)])
+            {
+                let color = image.sample(DVec2::new(u, v), [wrap.into(); 2], filter);
+                let finite = u.is_finite() && v.is_finite();
+                assert!(if finite { color.x >= 0.1 - 1e-6 && color.x <= 0.9 } else { color == Rgb::ZERO });
+            }
+        }
+    }
+
+    /// A row that is repeated three times, and ends there.
+    #[test]
+    fn repeated_images_end_at_whole_numbers() {
+        let image = grey(2, &[0.25, 0.75]);
+        let ends = [Axis::repeating(-1.0, 2.0), Wrap::Clamp.into()];
+        let at = |u: f64, filter| image.sample(DVec2::new(u, 0.5), ends, filter).x;
+        let smooth = [-1.5, -1.0, -0.9, 0.0, 1.0, 1.75, 1.9, 2.0, 2.5].map(|u| at(u, Filter::Bilinear));
+        assert_eq!(smooth, [0.25, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 0.75, 0.75]);
+        let firm = [-1.0, -1e-9, 0.0, 1.0, 2.0].map(|u| at(u, Filter::Nearest));
+        assert_eq!(firm, [0.25, 0.75, 0.25, 0.25, 0.75]);
+        let wrapped = image.sample(DVec2::new(2.0, 0.5), [Wrap::Repeat.into(); 2], Filter::Nearest).x;
+        assert_eq!(wrapped, 0.25, "without an end the next one begins");
+    }
+
+    #[test]
+    fn colours_that_are_not_there_are_not_mixed_in() {
+        let texels = vec![Rgb::X, Rgb::Y, Rgb::Z, Rgb::ONE];
+        let image = Image::new(4, 1, texels).and_then(|image| image.with_alpha(vec![1.0, 0.0, 0.5, 1.0]));
+        let image = image.expect("an image");
+        assert!(image.has_alpha() && image.constant().is_none());
+        let at = |u: f64| image.sample_alpha(DVec2::new(u, 0.5), [Wrap::Clamp.into(); 2], Filter::Bilinear);
+        assert_eq!(at(0.25), Texel { color: Rgb::X, alpha: 0.5 });
+        assert_eq!(at(0.375), Texel { color: Rgb::Y, alpha: 0.0 });
+        assert_eq!(at(0.5), Texel { color: Rgb::Z, alpha: 0.25 });
+        let Texel { color, alpha } = at(0.75);
+        assert_eq!(alpha, 0.75);
+        assert!((color - Rgb::new(2.0, 2.0, 3.0) / 3.0).abs().max_element() < 1e-6, "{color}");
+        assert_eq!(image.sample(DVec2::new(0.375, 0.5), [Wrap::Clamp.into(); 2], Filter::Nearest), Rgb::Y);
+    }
+
+    #[test]
+    fn images_of_one_colour_are_constant() {
+        let even = grey(3, &[0.5; 6]);
+        assert_eq!(even.constant(), Some(Rgb::splat(0.5)));
+        assert_eq!(grey(3, &[0.5, 0.5, 0.5, 0.5, 0.5, 0.6]).constant(), None);
+        let opaque = even.clone().with_alpha(vec![1.0; 6]).expect("an image");
+        assert!(opaque == even && !opaque.has_alpha());
+        assert_eq!(even.clone().with_alpha(vec![0.5; 6]).expect("an image").constant(), None);
+        assert_eq!(even.with_alpha(vec![0.5; 5]), None);
+    }
+
+    #[test]
+    fn sizes_must_fit() {
+        assert_eq!(Image::new(2, 1, vec![Rgb::ONE]), None);
+        assert_eq!(Image::new(0, 0, vec![]), None);
+    }
+}

@@ -1,0 +1,96 @@
+//! Paints at a moment and over time.
+
+use super::*;
+use crate::base::color::Rgb;
+use crate::base::math::{DVec2, DVec3};
+use crate::base::time::Time;
+use crate::track::{Animated, Ease, Key, Repeat, Track};
+
+fn spot(x: f64, y: f64, z: f64) -> Spot {
+    let (uv, point) = (DVec2::new(x, y), DVec3::new(x, y, z));
+    Spot { uv, point, error: DVec3::splat(1e-14), color: Rgb::ONE, ..Spot::default() }
+}
+
+fn start() -> Time {
+    Time::from_integer(0)
+}
+
+fn pattern(pattern: Pattern, first: PaintTracks, second: PaintTracks) -> PatternTracks {
+    PatternTracks { pattern, space: Space::Object, placement: PlacementTracks::default(), first, second }
+}
+
+fn image() -> ImageTracks {
+    let texels = vec![Rgb::X, Rgb::Y, Rgb::Z, Rgb::ONE];
+    ImageTracks {
+        image: Shared::new(Image::new(2, 2, texels).expect("an image")),
+        wrap: None,
+        filter: Filter::Nearest,
+        channel: None,
+        tint: Rgb::ONE.into(),
+        alpha: true,
+        placement: PlacementTracks::default(),
+    }
+}
+
+#[test]
+fn patterns_nest() {
+    let stripes = pattern(Pattern::Stripes, Rgb::X.into(), Rgb::Y.into());
+    let image = PaintTracks::Image(Box::new(image()));
+    let gradient = Pattern::Gradient { axis: DVec3::Z };
+    let paint = pattern(gradient, PaintTracks::Pattern(Box::new(stripes)), image);
+    let paint = PaintTracks::Pattern(Box::new(paint)).at(start());
+    assert_eq!(paint.at(&spot(0.75, 0.25, -1.0)).color, Rgb::X, "a stripe");
+    assert_eq!(paint.at(&spot(1.25, 0.25, -1.0)).color, Rgb::Y, "a stripe");
+    assert_eq!(paint.at(&spot(0.75, 0.25, 1.0)).color, Rgb::ONE, "the image");
+    assert_eq!(paint.at(&spot(0.25, 0.75, 0.25)).color, Rgb::X, "both are red here");
+    assert_eq!(paint.at(&spot(1.25, 0.25, 0.5)).color, Rgb::new(0.0, 0.5, 0.5), "half of each");
+    assert!(paint.constant().is_none());
+}
+
+#[test]
+fn offset_keys_slide_a_texture() {
+    let key = |time: i128, value| Key { time: Time::from_integer(time), value, ease: Ease::Linear };
+    let keys = vec![key(0, DVec3::ZERO), key(1, DVec3::X)];
+    let offset = Track::new(keys, Repeat::Hold, false).expect("a track");
+    let mut tracks = image();
+    tracks.placement.offset = Animated::Keyed(offset);
+    let seen = |num| tracks.at(Time::new(num, 2)).at(&spot(0.25, 0.25, 0.0)).color;
+    assert_eq!([0, 1, 2].map(seen), [Rgb::Z, Rgb::ONE, Rgb::Z], "the image moves to the right");
+}
+
+#[test]
+fn one_channel_is_grey() {
+    let mut tracks = image();
+    tracks.channel = Some(Channel::G);
+    let paint = PaintTracks::Image(Box::new(tracks)).at(start());
+    assert_eq!(paint.at(&spot(0.75, 0.75, 0.0)).color, Rgb::ONE);
+    assert_eq!(paint.at(&spot(0.25, 0.75, 0.0)).color, Rgb::ZERO);
+}
+
+#[test]
+fn equal_paints_share_their_image() {
+    let tracks = PaintTracks::Image(Box::new(image()));
+    assert_eq!(tracks.at(start()), tracks.clone().at(start()));
+    assert_ne!(tracks, PaintTracks::Image(Box::new(image())));
+}
+
+#[test]
+fn patterns_on_a_surface_have_firm_edges_too() {
+    let mut checker = pattern(Pattern::Checker, Rgb::X.into(), Rgb::Y.into());
+    checker.space = Space::Uv;
+    checker.placement.scale = DVec3::splat(0.1).into();
+    let checker = checker.at(start());
+    for k in 0..10u32 {
+        let v = f64::from(k) * 0.1;
+        let colors = [v - 1e-14, v, v + 1e-14].map(|v| checker.at(&spot(0.05, v, 0.0)).color);
+        assert_eq!(colors, [[Rgb::X, Rgb::Y][k as usize % 2]; 3]);
+    }
+}
+
+#[test]
+fn a_color_is_constant_and_vertex_colors_are_not() {
+    assert_eq!(PaintTracks::from(Rgb::X).at(start()).constant(), Some(Rgb::X));
+    let vertex = PaintTracks::VertexColor.at(start());
+    assert!(vertex.constant().is_none());
+    assert_eq!(vertex.at(&Spot { color: Rgb::Z, ..spot(0.0, 0.0, 0.0) }).color, Rgb::Z);
+}

@@ -1,0 +1,306 @@
+//! Digests: what a value holds in 128 bits, so that two moments of a scene can be compared and named.
+//!
+//! A digest is of contents alone. It is the same in every run, on every processor, whatever was looked at before, and
+//! wherever in memory the value lies.
+
+use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
+use std::fmt::{Display, Formatter};
+
+/// The first 128 bits of the BLAKE3 hash of what a value holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Digest(pub u128);
+
+impl Digest {
+    /// The digest of a value.
+    pub fn of(value: &(impl Content + ?Sized)) -> Self {
+        let mut digester = Digester::new();
+        value.feed(&mut digester);
+        digester.finish()
+    }
+}
+
+/// 32 hexadecimal digits.
+impl Display for Digest {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:032x}", self.0)
+    }
+}
+
+/// A value whose contents can be told.
+///
+/// Fixed sizes are told as they are; whatever has a length or variants tells these first, so that no two different
+/// values of a type tell the same. [`content`] implements it for structs and enums.
+pub trait Content {
+    fn feed(&self, into: &mut Digester);
+}
+
+/// A digest in the making.
+pub struct Digester {
+    hasher: blake3::Hasher,
+    /// What is still to be hashed: many short pieces take longer than a long one.
+    bytes: Vec<u8>,
+}
+
+/// Bytes that are hashed at once.
+const PIECE: usize = 1 << 16;
+
+impl Digester {
+    pub fn new() -> Self {
+        Self { hasher: blake3::Hasher::new(), bytes: Vec::new() }
+    }
+
+    /// Adds bytes, without their number.
+    pub fn bytes(&mut self, bytes: &[u8]) {
+        self.bytes.extend_from_slice(bytes);
+        if self.bytes.len() >= PIECE {
+            self.hasher.update(&self.bytes);
+            self.bytes.clear();
+        }
+    }
+
+    pub fn finish(mut self) -> Digest {
+        self.hasher.update(&self.bytes);
+        let mut digest = [0; 16];
+        self.hasher.finalize_xof().fill(&mut digest);
+        Digest(u128::from_be_bytes(digest))
+    }
+}
+
+impl Default for Digester {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Implements [`Content`] for a struct by its fields, or for an enum by its variants' names and their fields. None can
+/// be forgotten: one that is not named is an error.
+macro_rules! content {
+    (struct $name:ident { $($field:ident),* $(,)? }) => {
+        impl $crate::base::digest::Content for $name {
+            fn feed(&self, into: &mut $crate::base::digest::Digester) {
+                let Self { $($field),* } = self;
+                $($crate::base::digest::Content::feed($field, into);)*
+            }
+        }
+    };
+    (struct $name:ident ( $($field:ident),* $(,)? )) => {
+        impl $crate::base::digest::Content for $name {
+            fn feed(&self, into: &mut $crate::base::digest::Digester) {
+                let Self($($field),*) = self;
+                $($crate::base::digest::Content::feed($field, into);)*
+            }
+        }
+    };
+    (enum $name:ident { $($variant:ident $(( $($inner:ident),* ))? $({ $($field:ident),* })?),* $(,)? }) => {
+        impl $crate::base::digest::Content for $name {
+            fn feed(&self, into: &mut $crate::base::digest::Digester) {
+                match self {
+                    $(Self::$variant $(( $($inner),* ))? $({ $($field),* })? => {
+                        $crate::base::digest::Content::feed(stringify!($variant), into);
+                        $($($crate::base::digest::Content::feed($inner, into);)*)?
+                        $($($crate::base::digest::Content::feed($field, into);)*)?
+                    })*
+                }
+            }
+        }
+    };
+}
+
+pub(crate) use content;
+
+macro_rules! whole_numbers {
+    ($($number:ty),*) => {
+        $(impl Content for $number {
+            fn feed(&self, into: &mut Digester) {
+                into.bytes(&self.to_le_bytes());
+            }
+        })*
+    };
+}
+
+whole_numbers!(u8, u16, u32, u64, u128, i32);
+
+/// All bits, but that 0 and -0 are one number, as they are for whoever looks for changes, and so is whatever is none.
+macro_rules! real_numbers {
+    ($($number:ident),*) => {
+        $(impl Content for $number {
+            fn feed(&self, into: &mut Digester) {
+                let number = if self.is_nan() { $number::NAN } else { *self + 0.0 };
+                into.bytes(&number.to_bits().to_le_bytes());
+            }
+        })*
+    };
+}
+
+real_numbers!(f32, f64);
+
+impl Content for bool {
+    fn feed(&self, into: &mut Digester) {
+        u8::from(*self).feed(into);
+    }
+}
+
+impl Content for usize {
+    fn feed(&self, into: &mut Digester) {
+        (*self as u64).feed(into);
+    }
+}
+
+impl Content for str {
+    fn feed(&self, into: &mut Digester) {
+        self.len().feed(into);
+        into.bytes(self.as_bytes());
+    }
+}
+
+impl Content for Digest {
+    fn feed(&self, into: &mut Digester) {
+        self.0.feed(into);
+    }
+}
+
+impl<T: Content> Content for [T] {
+    fn feed(&self, into: &mut Digester) {
+        self.len().feed(into);
+        self.iter().for_each(|value| value.feed(into));
+    }
+}
+
+impl<T: Content> Content for Vec<T> {
+    fn feed(&self, into: &mut Digester) {
+        self.as_slice().feed(into);
+    }
+}
+
+impl<T: Content, const N: usize> Content for [T; N] {
+    fn feed(&self, into: &mut Digester) {
+        self.iter().for_each(|value| value.feed(into));
+    }
+}
+
+impl<T: Content> Content for Option<T> {
+    fn feed(&self, into: &mut Digester) {
+        self.is_some().feed(into);
+        if let Some(value) = self {
+            value.feed(into);
+        }
+    }
+}
+
+impl<T: Content + ?Sized> Content for Box<T> {
+    fn feed(&self, into: &mut Digester) {
+        (**self).feed(into);
+    }
+}
+
+impl<T: Content + ?Sized> Content for &T {
+    fn feed(&self, into: &mut Digester) {
+        (**self).feed(into);
+    }
+}
+
+impl<A: Content, B: Content> Content for (A, B) {
+    fn feed(&self, into: &mut Digester) {
+        self.0.feed(into);
+        self.1.feed(into);
+    }
+}
+
+impl<A: Content, B: Content, C: Content> Content for (A, B, C) {
+    fn feed(&self, into: &mut Digester) {
+        self.0.feed(into);
+        self.1.feed(into);
+        self.2.feed(into);
+    }
+}
+
+impl Content for DVec2 {
+    fn feed(&self, into: &mut Digester) {
+        self.to_array().feed(into);
+    }
+}
+
+impl Content for DVec3 {
+    fn feed(&self, into: &mut Digester) {
+        self.to_array().feed(into);
+    }
+}
+
+impl Content for Vec3 {
+    fn feed(&self, into: &mut Digester) {
+        self.to_array().feed(into);
+    }
+}
+
+impl Content for DMat3 {
+    fn feed(&self, into: &mut Digester) {
+        self.to_cols_array().feed(into);
+    }
+}
+
+impl Content for DAffine3 {
+    fn feed(&self, into: &mut Digester) {
+        self.to_cols_array().feed(into);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Lamp {
+        name: &'static str,
+        power: f64,
+    }
+
+    content!(struct Lamp { name, power });
+
+    enum Kind {
+        Off,
+        Fixed(u32),
+        Keyed { first: u32 },
+    }
+
+    content!(enum Kind { Off, Fixed(value), Keyed { first } });
+
+    /// The same on every machine and in every run: names of frames outlive the program.
+    #[test]
+    fn digests_are_known() {
+        assert_eq!(Digest::of(&[0u8; 0]).to_string(), "af1349b9f5f9a1a6a0404dea36dcc949");
+        let lamp = Lamp { name: "key", power: 0.1 };
+        assert_eq!(Digest::of(&lamp), Digest::of(&(3u64, (*b"key", 0.1f64.to_bits()))));
+    }
+
+    #[test]
+    fn what_differs_has_another_digest() {
+        let lists: [&[&str]; 4] = [&[], &["ab"], &["a", "b"], &["", "ab"]];
+        let kinds = [Kind::Off, Kind::Fixed(0), Kind::Fixed(1), Kind::Keyed { first: 0 }];
+        let numbers = [0.0, 1.0, -1.0, f64::from_bits(1), f64::INFINITY, f64::NAN];
+        let mut digests: Vec<Digest> = lists.map(Digest::of).to_vec();
+        digests.extend(kinds.iter().map(Digest::of));
+        digests.extend(numbers.iter().map(|number| Digest::of(&Some(*number))));
+        digests.push(Digest::of(&None::<f64>));
+        let count = digests.len();
+        digests.sort_unstable();
+        digests.dedup();
+        assert_eq!(digests.len(), count);
+    }
+
+    #[test]
+    fn equal_numbers_are_one() {
+        assert_eq!(Digest::of(&-0.0f64), Digest::of(&0.0f64));
+        assert_eq!(Digest::of(&-0.0f32), Digest::of(&0.0f32));
+        assert_eq!(Digest::of(&-f64::NAN), Digest::of(&f64::NAN));
+    }
+
+    #[test]
+    fn long_values_are_hashed_in_pieces() {
+        let long: Vec<u64> = (0..20_000).collect();
+        let bytes: Vec<u8> =
+            [20_000].iter().chain(&long).flat_map(|number: &u64| number.to_le_bytes()).collect();
+        assert_eq!(Digest::of(&long).0 >> 64, {
+            let hash = blake3::hash(&bytes);
+            u128::from(u64::from_be_bytes(*hash.as_bytes().first_chunk().expect("32 bytes")))
+        });
+    }
+}

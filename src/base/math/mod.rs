@@ -1,0 +1,64 @@
+//! Numbers: f64 geometry, exact angles, stable frames, and the error bounds that replace epsilons.
+
+mod angle;
+mod basis;
+mod bounds;
+mod elementary;
+mod error;
+mod ray;
+mod root;
+mod rotation;
+mod turn;
+
+pub use crate::base::lanes::{NEAR_ZERO, next_away};
+pub use angle::Angle;
+pub use basis::{Basis, look_at, perpendicular};
+pub use bounds::Aabb;
+pub use elementary::{atan2, exp, exp_m1};
+pub use error::{UNIT_ROUNDOFF, difference_of_products, dot_plus, gamma};
+pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
+pub use ray::{LaneRay, Ray};
+pub use root::{Function, root_between};
+pub use rotation::{axis_angle, euler_xyz, slerp};
+pub use turn::{cos_sin_of_quarters, cos_sin_of_turns};
+
+use crate::base::lanes::Real;
+
+/// The larger number; the second if one of them is none. One instruction, unlike `f64::max`.
+#[inline(always)]
+pub fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The smaller number; the second if one of them is none.
+#[inline(always)]
+pub fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// `base` to a whole power by repeated squaring, in one fixed order of multiplications.
+#[inline(always)]
+pub fn power<F: Real>(base: F, exponent: u32) -> F {
+    let (mut result, mut square, mut rest) = (F::splat(1.0), base, exponent);
+    while rest > 0 {
+        if rest & 1 == 1 {
+            result = result * square;
+        }
+        square = square * square;
+        rest >>= 1;
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::power;
+
+    #[test]
+    fn powers_of_two_are_exact() {
+        for exponent in 0..64 {
+            assert_eq!(power(2.0, exponent), (1u64 << exponent) as f64);
+        }
+        assert_eq!(power(0.0, 0), 1.0);
+    }
+}

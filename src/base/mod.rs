@@ -1,0 +1,18 @@
+//! What everything else stands on: numbers, lanes, colours, times, digests, files and the machine.
+//!
+//! In: nothing. Out: values and small services without a word of scenes. Uses no other room.
+
+pub mod digest;
+pub mod time;
+pub mod lanes;
+pub mod math;
+pub mod color;
+pub mod stats;
+pub mod units;
+pub mod escape;
+pub mod cancel;
+pub mod frame_set;
+pub mod machine;
+pub mod clock;
+pub mod process;
+pub mod files;

@@ -1,0 +1,136 @@
+//! The camera at one moment: a frame in space and a projection.
+
+pub mod path;
+
+use crate::base::digest::content;
+use crate::base::lanes::{Real, Vec3};
+use crate::base::math::{Basis, DVec2, DVec3, LaneRay, Ray};
+use crate::sampling::disk;
+
+/// How wide a ray's share of the picture is.
+#[derive(Clone, Copy, Debug)]
+pub struct RayCone<F> {
+    /// Where the ray starts.
+    pub width: F,
+    /// How much it grows per unit of length.
+    pub spread: F,
+}
+
+impl<F: Real> RayCone<F> {
+    /// The width after a way.
+    #[inline(always)]
+    pub fn width_at(&self, length: F) -> F {
+        self.width + self.spread * length
+    }
+}
+
+/// How the camera maps space to the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Half the picture's height at distance 1: the tangent of half the vertical field of view.
+    Perspective { half_height: f64 },
+    /// Half the picture's height in world units.
+    Orthographic { half_height: f64 },
+}
+
+content!(enum Projection { Perspective { half_height }, Orthographic { half_height } });
+
+/// A lens that is not a pinhole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThinLens {
+    /// Above 0.
+    pub radius: f64,
+    /// Distance along the line of sight at which points are sharp, above 0.
+    pub focus: f64,
+}
+
+content!(struct ThinLens { radius, focus });
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    pub position: DVec3,
+    pub basis: Basis,
+    pub projection: Projection,
+    /// None for a pinhole.
+    pub lens: Option<ThinLens>,
+}
+
+content!(struct Camera { position, basis, projection, lens });
+
+impl Camera {
+    /// The cones of pixels around rays; `pixel` is the height of one in the units of [`Camera::ray`]. Depth of field is
+    /// no part of them.
+    #[inline(always)]
+    pub fn cones<F: Real>(&self, ray: &LaneRay<F>, pixel: F) -> RayCone<F> {
+        let zero = F::splat(0.0);
+        match self.projection {
+            Projection::Perspective { half_height } => {
+                let along = ray.direction.dot(Vec3::splat(self.basis.forward));
+                RayCone { width: zero, spread: F::splat(half_height) * pixel * along }
+            }
+            Projection::Orthographic { half_height } => {
+                RayCone { width: F::splat(half_height) * pixel, spread: zero }
+            }
+        }
+    }
+
+    /// The ray through a point of the picture: `screen.y` runs from -1 at the bottom to 1 at the top,
+    /// `screen.x` likewise times the picture's width / height. `u`, two numbers in 0..1, picks the point of
+    /// the lens, evenly over its area.
+    pub fn ray(&self, screen: DVec2, u: DVec2) -> Ray {
+        let ray = self.rays::<f64>(screen.to_array(), u.to_array());
+        Ray { origin: ray.origin.into(), direction: ray.direction.into() }
+    }
+
+    /// [`Camera::ray`] in lanes.
+    #[inline(always)]
+    pub fn rays<F: Real>(&self, [x, y]: [F; 2], [u, v]: [F; 2]) -> LaneRay<F> {
+        let Basis { right, up, forward } = self.basis;
+        let (right, up, forward) = (Vec3::<F>::splat(right), Vec3::<F>::splat(up), Vec3::<F>::splat(forward));
+        let (Projection::Perspective { half_height } | Projection::Orthographic { half_height }) =
+            self.projection;
+        let half_height = F::splat(half_height);
+        let across = right * (x * half_height) + up * (y * half_height);
+        let position = Vec3::splat(self.position);
+        let parallel = matches!(self.projection, Projection::Orthographic { .. });
+        let (origin, toward) =
+            if parallel { (position + across, forward) } else { (position, forward + across) };
+        let Some(lens) = self.lens else {
+            return LaneRay { origin, direction: if parallel { toward } else { toward.normalize() } };
+        };
+        // `toward` reaches the plane in focus at t = focus: its part along the line of sight is 1.
+        let (radius, (across, along)) = (F::splat(lens.radius), disk(u, v));
+        let offset = right * (across * radius) + up * (along * radius);
+        let direction = (toward * F::splat(lens.focus) - offset).normalize();
+        LaneRay { origin: origin + offset, direction }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::math::{UNIT_ROUNDOFF, look_at};
+    use crate::testing::Random;
+
+    #[test]
+    fn ca_09_all_rays_of_a_pixel_meet_in_focus() {
+        let position = DVec3::new(3.0, 2.0, 9.0);
+        let basis = look_at(position, DVec3::ZERO, DVec3::Y).expect("a frame");
+        let mut random = Random(4);
+        for projection in
+            [Projection::Perspective { half_height: 0.4 }, Projection::Orthographic { half_height: 3.0 }]
+        {
+            let lens = Some(ThinLens { radius: 0.5, focus: 7.0 });
+            let camera = Camera { position, basis, projection, lens };
+            let pinhole = Camera { lens: None, ..camera };
+            let screen = DVec2::new(0.3, -0.8);
+            let sharp = pinhole.ray(screen, DVec2::ZERO);
+            let sharp = sharp.at(7.0 / sharp.direction.dot(basis.forward));
+            for _ in 0..1000 {
+                let ray = camera.ray(screen, DVec2::new(random.unit(), random.unit()));
+                let met = ray.at((sharp - ray.origin).dot(basis.forward) / ray.direction.dot(basis.forward));
+                assert!((met - sharp).length() <= 16.0 * UNIT_ROUNDOFF * 20.0);
+            }
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! Camera paths: from tracks to a camera at each moment.
+//!
+//! A path starts from the camera's own keyed pose and applies its steps in order, each to what the one
+//! before it left: an orbit, then a zoom, gives an orbit that zooms.
+
+mod dolly;
+mod keys;
+mod orbit;
+mod shutter;
+mod spline;
+mod zoom;
+
+pub use dolly::Dolly;
+pub use keys::Keys;
+pub use orbit::Orbit;
+pub use shutter::moments;
+pub use spline::SplinePath;
+pub use zoom::{Zoom, ZoomBy};
+
+use crate::base::math::{Angle, DVec3, look_at};
+use crate::base::time::Clock;
+use crate::camera::{Camera, Projection, ThinLens};
+use crate::track::Animated;
+use bevy_ecs::component::Component;
+
+/// Everything about one camera over time.
+#[derive(Clone, Component, Debug, PartialEq)]
+pub struct CameraPath {
+    pub position: Animated<DVec3>,
+    pub target: Animated<DVec3>,
+    pub up: Animated<DVec3>,
+    pub roll: Animated<Angle>,
+    pub lens: Lens,
+    /// Diameter of the lens in world units; 0 is a pinhole.
+    pub aperture: Animated<f64>,
+    pub focus: Focus,
+    /// How long the shutter is open, as a share of the time between two frames.
+    pub shutter: Animated<f64>,
+    pub path: Vec<Step>,
+}
+
+/// The projection over time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Lens {
+    /// Vertical field of view, above 0 and below 180 degrees.
+    Perspective { fov: Animated<Angle> },
+    /// Height of the picture in world units, above 0.
+    Orthographic { height: Animated<f64> },
+}
+
+/// What is sharp.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Focus {
+    /// What is as far away as the camera's target.
+    Target,
+    /// What is at this distance, along the line of sight.
+    Distance(Animated<f64>),
+    /// What is as far away as the middle of an object, given by its index.
+    Object(usize),
+}
+
+/// One part of a path.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Step {
+    Orbit(Orbit),
+    Zoom(Zoom),
+    Dolly(Dolly),
+    Keys(Keys),
+    Spline(SplinePath),
+}
+
+/// Where a step makes the camera look; what is absent stays as it was.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Aim {
+    pub target: Option<Animated<DVec3>>,
+    pub up: Option<Animated<DVec3>>,
+    pub roll: Option<Animated<Angle>>,
+}
+
+/// The camera while its path is applied.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    pub position: DVec3,
+    pub target: DVec3,
+    pub up: DVec3,
+    pub roll: Angle,
+    pub projection: Projection,
+}
+
+/// Why a moment has no camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoCamera {
+    /// Position and target coincide.
+    EyeOnTarget,
+    /// A field of view outside 0..180 degrees or a picture without height.
+    Lens,
+    /// A coordinate is not finite.
+    NotFinite,
+}
+
+impl std::fmt::Display for NoCamera {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::EyeOnTarget => "its position and its target are the same point",
+            Self::Lens => "its field of view is not between 0 and 180 degrees, or its height not above 0",
+            Self::NotFinite => "its position or its target is not finite",
+        })
+    }
+}
+
+impl Aim {
+    pub fn apply(&self, pose: Pose, clock: &Clock) -> Pose {
+        Pose {
+            target: self.target.as_ref().map_or(pose.target, |target| target.at(clock.time)),
+            up: self.up.as_ref().map_or(pose.up, |up| up.at(clock.time)),
+            roll: self.roll.as_ref().map_or(pose.roll, |roll| roll.at(clock.time)),
+            ..pose
+        }
+    }
+}
+
+impl Lens {
+    fn at(&self, clock: &Clock) -> Projection {
+        match self {
+            Self::Perspective { fov } => {
+                Projection::Perspective { half_height: fov.at(clock.time).half_tangent() }
+            }
+            Self::Orthographic { height } => {
+                Projection::Orthographic { half_height: height.at(clock.time) * 0.5 }
+            }
+        }
+    }
+}
+
+impl Step {
+    fn apply(&self, pose: Pose, clock: &Clock) -> Pose {
+        match self {
+            Self::Orbit(orbit) => orbit.apply(pose, clock),
+            Self::Zoom(zoom) => zoom.apply(pose, clock),
+            Self::Dolly(dolly) => dolly.apply(pose, clock),
+            Self::Keys(keys) => keys.apply(pose, clock),
+            Self::Spline(spline) => spline.apply(pose, clock),
+        }
+    }
+}
+
+impl CameraPath {
+    /// The pose after every step of the path.
+    pub fn pose(&self, clock: &Clock) -> Pose {
+        let start = Pose {
+            position: self.position.at(clock.time),
+            target: self.target.at(clock.time),
+            up: self.up.at(clock.time),
+            roll: self.roll.at(clock.time),
+            projection: self.lens.at(clock),
+        };
+        self.path.iter().fold(start, |pose, step| step.apply(pose, clock))
+    }
+
+    /// The object that is to be sharp.
+    pub fn focus_object(&self) -> Option<usize> {
+        if let Focus::Object(index) = self.focus { Some(index) } else { None }
+    }
+
+    /// The camera at a moment; `sharp` is the middle of [`CameraPath::focus_object`].
+    pub fn at(&self, clock: &Clock, sharp: Option<DVec3>) -> Result<Camera, NoCamera> {
+        let pose = self.pose(clock);
+        let half_height = match pose.projection {
+            Projection::Perspective { half_height } | Projection::Orthographic { half_height } => half_height,
+        };
+        if !(half_height > 0.0 && half_height.is_finite()) {
+            return Err(NoCamera::Lens);
+        }
+        if !(pose.position.is_finite() && pose.target.is_finite()) {
+            return Err(NoCamera::NotFinite);
+        }
+        let basis = look_at(pose.position, pose.target, pose.up).ok_or(NoCamera::EyeOnTarget)?;
+        // A roll of zero must not touch a bit.
+        let basis = if pose.roll == Angle(0.0) { basis } else { basis.rolled(pose.roll.cos_sin()) };
+        let lens = self.thin_lens(&pose, basis.forward, clock, sharp);
+        Ok(Camera { position: pose.position, basis, projection: pose.projection, lens })
+    }
+
+    /// The lens, unless it is a pinhole. What is not in front of the camera cannot be sharp; then the target
+    /// is.
+    fn thin_lens(
+        &self,
+        pose: &Pose,
+        forward: DVec3,
+        clock: &Clock,
+        sharp: Option<DVec3>,
+    ) -> Option<ThinLens> {
+        let radius = 0.5 * self.aperture.at(clock.time);
+        let focus = match &self.focus {
+            Focus::Target => None,
+            Focus::Distance(distance) => Some(distance.at(clock.time)),
+            Focus::Object(_) => sharp.map(|point| (point - pose.position).dot(forward)),
+        };
+        let to_target = (pose.target - pose.position).length();
+        let focus = focus.filter(|distance| *distance > 0.0).unwrap_or(to_target);
+        (radius > 0.0).then_some(ThinLens { radius, focus })
+    }
+}

@@ -1,0 +1,46 @@
+//! Zooms, even to the eye: equal factors in equal times.
+
+use super::{Aim, Pose};
+use crate::base::math::DVec3;
+use crate::base::time::Clock;
+use crate::camera::Projection;
+use crate::track::{Animated, LogScale};
+
+/// A change of magnification or distance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Zoom {
+    pub aim: Aim,
+    pub by: ZoomBy,
+}
+
+/// What the zoom changes. All values are above zero and mix by equal factors.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ZoomBy {
+    /// The tangent of half the vertical field of view. Turns the camera into a perspective one.
+    HalfTangent(Animated<LogScale>),
+    /// The picture is magnified by this, in either projection.
+    Factor(Animated<LogScale>),
+    /// The camera moves to this distance from its target along their line.
+    Distance(Animated<LogScale>),
+}
+
+impl Zoom {
+    pub fn apply(&self, pose: Pose, clock: &Clock) -> Pose {
+        let mut pose = self.aim.apply(pose, clock);
+        match &self.by {
+            ZoomBy::HalfTangent(tangent) => {
+                pose.projection = Projection::Perspective { half_height: tangent.at(clock.time).0 };
+            }
+            ZoomBy::Factor(factor) => match &mut pose.projection {
+                Projection::Perspective { half_height } | Projection::Orthographic { half_height } => {
+                    *half_height /= factor.at(clock.time).0;
+                }
+            },
+            ZoomBy::Distance(distance) => {
+                let away = (pose.position - pose.target).try_normalize().unwrap_or(DVec3::ZERO);
+                pose.position = pose.target + away * distance.at(clock.time).0;
+            }
+        }
+        pose
+    }
+}

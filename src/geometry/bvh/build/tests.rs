@@ -1,0 +1,103 @@
+use super::*;
+use crate::geometry::bvh::{Child, Node};
+use crate::testing::Random;
+
+fn cube(at: DVec3, side: f64) -> Aabb {
+    Aabb { min: at, max: at + DVec3::splat(side) }
+}
+
+/// Checks that each thing is in a leaf, and its box within all boxes above that, which are no larger than they must be.
+fn check(boxes: &[Aabb]) -> (Tree, Contents) {
+    let (tree, contents) = Tree::of_boxes(boxes);
+    let mut seen = vec![0; boxes.len()];
+    let everywhere = [[f32::NEG_INFINITY; 3], [f32::INFINITY; 3]];
+    let mut waiting = vec![(tree.root, everywhere)];
+    while let Some((child, [low, high])) = waiting.pop() {
+        let is_tight = |corners| [low, high] == everywhere || [low, high] == corners;
+        if let Some(leaf) = child.as_leaf() {
+            for &thing in contents.leaf(leaf) {
+                seen[thing as usize] += 1;
+                let [min, max] = Bounds::new(tree.space().outward(boxes[thing as usize])).corners();
+                assert!(is_tight([min, max]));
+            }
+            continue;
+        }
+        let node = &tree.nodes[child.0 as usize];
+        assert!(is_tight(node.corners()));
+        let Node { planes, children } = node;
+        for (slot, &child) in children.iter().enumerate().filter(|(_, child)| **child != Child::NONE) {
+            let side = |side: usize| [0, 1, 2].map(|axis: usize| planes[axis][side][slot]);
+            waiting.push((child, [side(0), side(1)]));
+        }
+    }
+    assert!(seen.into_iter().all(|count| count == 1));
+    (tree, contents)
+}
+
+fn depth(tree: &Tree, child: Child) -> u32 {
+    if child == Child::NONE || child.as_leaf().is_some() {
+        return 0;
+    }
+    let children = tree.nodes[child.0 as usize].children;
+    1 + children.into_iter().map(|child| depth(tree, child)).max().unwrap_or(0)
+}
+
+/// Boxes in a row, in a plane and in one place, points too, and boxes around each other: the tree must not be deep, nor
+/// take long.
+#[test]
+fn equal_boxes_make_balanced_trees() {
+    let row = |i: u32| cube(DVec3::X * f64::from(i), 0.5);
+    let points = |i: u32| cube(DVec3::X * f64::from(i), 0.0);
+    let plane = |i: u32| cube(DVec3::new(f64::from(i % 64), 0.0, f64::from(i / 64)), 0.5);
+    let stack = |_: u32| cube(DVec3::ONE, 0.5);
+    let point = |_: u32| cube(DVec3::ONE, 0.0);
+    let around = |i: u32| cube(DVec3::splat(-0.5 * f64::from(i)), f64::from(i));
+    let all: [&dyn Fn(u32) -> Aabb; 6] = [&row, &points, &plane, &stack, &point, &around];
+    for (boxes, count) in all.into_iter().flat_map(|boxes| [(boxes, 4096), (boxes, 100_000)]) {
+        let boxes: Vec<_> = (0..count).map(boxes).collect();
+        let (tree, _) = check(&boxes);
+        assert!(depth(&tree, tree.root) <= 12, "{}", depth(&tree, tree.root));
+    }
+}
+
+#[test]
+fn few_and_strange_boxes() {
+    assert!(Tree::of_boxes(&[]).1.is_empty());
+    let mut random = Random(3);
+    for count in 1..40 {
+        check(&(0..count).map(|_| cube(random.point(3.0), random.unit())).collect::<Vec<_>>());
+    }
+    // Every box a tenth of the one before, and as far away; down to nothing and up to what has a square.
+    for scale in [1e-300, 1e-30, 1.0, 1e100] {
+        let shrinking = |i: i32| cube(DVec3::X * scale * libm::exp10(-f64::from(i)), scale * 1e-3);
+        let boxes: Vec<_> = (0..300).map(shrinking).collect();
+        let (tree, _) = check(&boxes);
+        assert!(depth(&tree, tree.root) <= 90);
+    }
+}
+
+/// Whatever the number of threads.
+#[test]
+fn trees_are_the_same_on_all_threads() {
+    let mut random = Random(11);
+    let boxes: Vec<_> = (0..60_000).map(|_| cube(random.point(3.0), 0.1 * random.unit())).collect();
+    let corners: Vec<[DVec3; 3]> = (0..60_000)
+        .map(|i| {
+            let a = random.point(3.0);
+            [a, a + random.point(if i % 100 == 0 { 2.0 } else { 0.02 }), a + random.point(0.02)]
+        })
+        .collect();
+    let positions: Vec<DVec3> = corners.into_iter().flatten().collect();
+    let triangles: Vec<_> = (0..60_000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let bounds = Aabb::around(positions.iter().copied());
+    let build = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let both = || [Tree::of_boxes(&boxes), Tree::of_triangles(bounds, &positions, &triangles)];
+        pool.install(both).map(|(tree, contents)| {
+            let bits = |node: &Node| (node.planes.map(|p| p.map(|p| p.map(f32::to_bits))), node.children);
+            (tree.nodes.iter().map(bits).collect::<Vec<_>>(), contents)
+        })
+    };
+    let alone = build(1);
+    assert!(build(2) == alone && build(3) == alone);
+}

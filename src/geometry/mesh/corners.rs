@@ -1,0 +1,77 @@
+//! Values at the corners of triangles: normals, texture coordinates.
+
+use super::build::FEW;
+use crate::base::digest::{Content, Digester};
+use rayon::prelude::*;
+
+/// Values at the corners of triangles. Files index them like the positions or on their own, as a position on a
+/// seam has several.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Corners<T> {
+    values: Vec<T>,
+    /// Indices into the values for each triangle; without them the positions' indices hold. A corner whose
+    /// index leads nowhere has no value.
+    indices: Option<Vec<[u32; 3]>>,
+}
+
+impl<T: Content> Content for Corners<T> {
+    fn feed(&self, into: &mut Digester) {
+        let Self { values, indices } = self;
+        values.feed(into);
+        indices.feed(into);
+    }
+}
+
+/// The index of a corner without a value.
+pub const NOWHERE: u32 = u32::MAX;
+
+impl<T: Copy + Send> Corners<T> {
+    /// A value for each position.
+    pub fn per_vertex(values: Vec<T>) -> Self {
+        Self { values, indices: None }
+    }
+
+    /// Values with indices for each triangle; these are dropped if the triangles' own do as well.
+    pub fn indexed(values: Vec<T>, indices: Vec<[u32; 3]>, triangles: &[[u32; 3]]) -> Self {
+        let indices = (indices != triangles).then_some(indices);
+        Self { values, indices }
+    }
+
+    pub fn values(&self) -> &[T] {
+        &self.values
+    }
+
+    /// Whether the positions' indices hold for the values as well.
+    pub fn is_per_vertex(&self) -> bool {
+        self.indices.is_none()
+    }
+
+    /// The indices of a triangle's values.
+    pub fn indices(&self, part: u32, triangles: &[[u32; 3]]) -> [u32; 3] {
+        self.indices.as_deref().unwrap_or(triangles)[part as usize]
+    }
+
+    /// The values at a triangle's corners, if all of them have one.
+    pub fn at(&self, part: u32, triangles: &[[u32; 3]]) -> Option<[T; 3]> {
+        let [a, b, c] = self.indices(part, triangles).map(|index| self.values.get(index as usize).copied());
+        Some([a?, b?, c?])
+    }
+
+    /// Changes every value.
+    pub(super) fn change(&mut self, change: impl Fn(T) -> T + Sync) {
+        self.values.par_iter_mut().with_min_len(FEW).for_each(|value| *value = change(*value));
+    }
+
+    /// Drops the triangles that are not kept.
+    pub(crate) fn retain(&mut self, keep: &[bool]) {
+        if let Some(indices) = &mut self.indices {
+            retain(indices, keep);
+        }
+    }
+}
+
+/// Keeps the entries whose flag is set; those without a flag go.
+pub(crate) fn retain<T>(entries: &mut Vec<T>, keep: &[bool]) {
+    let mut keep = keep.iter();
+    entries.retain(|_| keep.next().is_some_and(|keep| *keep));
+}

@@ -1,0 +1,70 @@
+//! What can be wrong with a mesh, and where.
+
+pub use crate::base::files::NO_FILE;
+
+use crate::base::files;
+use std::fmt;
+use std::io;
+
+/// Why something gives no mesh.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MeshError {
+    /// The file that is wrong, if that is not the mesh's own.
+    pub file: Option<String>,
+    pub place: Option<Place>,
+    /// What is wrong, and what would be right.
+    pub why: String,
+}
+
+/// Where in a mesh something is. Lines are counted from 1, vertices and faces from 0 in the order of the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    Line(u64),
+    Vertex(u64),
+    Face(u64),
+}
+
+impl MeshError {
+    /// A fault of the whole.
+    pub fn new(why: impl Into<String>) -> Self {
+        Self { file: None, place: None, why: why.into() }
+    }
+
+    pub fn at(place: Place, why: impl Into<String>) -> Self {
+        Self { file: None, place: Some(place), why: why.into() }
+    }
+
+    /// The same fault in a named file.
+    pub fn in_file(self, name: &str) -> Self {
+        Self { file: Some(name.to_owned()), ..self }
+    }
+}
+
+impl From<io::Error> for MeshError {
+    fn from(error: io::Error) -> Self {
+        Self::new(files::why(&error))
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(number) => write!(f, "line {number}"),
+            Self::Vertex(number) => write!(f, "vertex {number}"),
+            Self::Face(number) => write!(f, "face {number}"),
+        }
+    }
+}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (&self.file, self.place) {
+            (Some(file), Some(place)) => write!(f, "{file}, {place}: {}", self.why),
+            (Some(file), None) => write!(f, "{file}: {}", self.why),
+            (None, Some(place)) => write!(f, "{place}: {}", self.why),
+            (None, None) => f.write_str(&self.why),
+        }
+    }
+}
+
+impl std::error::Error for MeshError {}

@@ -1,0 +1,41 @@
+//! Normals of the smooth surface that a mesh stands for.
+
+use crate::base::math::DVec3;
+use glam::Vec3;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+/// A unit normal for each position; zero where it has no direction. The triangles around a position count by
+/// the angle at which they meet there (Thürmer, Wüthrich 1998), so that the result does not depend on how a
+/// face is cut into triangles. Positions that are equal share their normal, whatever their indices.
+pub fn normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
+    let shared = first_equal(positions);
+    let mut sums = vec![DVec3::ZERO; positions.len()];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|vertex| positions[vertex as usize]);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        for (corner, vertex) in [(a, b, c), (b, c, a), (c, a, b)].into_iter().zip(triangle) {
+            sums[shared[*vertex as usize] as usize] += normal * angle(corner);
+        }
+    }
+    shared.iter().map(|&first| sums[first as usize].normalize_or_zero().as_vec3()).collect()
+}
+
+/// The angle at the first of three corners in radians, to a few roundings also where it is flat.
+fn angle((at, p, q): (DVec3, DVec3, DVec3)) -> f64 {
+    let (u, v) = (p - at, q - at);
+    libm::atan2(u.cross(v).length(), u.dot(v))
+}
+
+/// For each position the index of the first one that is equal to it.
+fn first_equal(positions: &[DVec3]) -> Vec<u32> {
+    let mut first: HashMap<[u64; 3], u32> = HashMap::with_capacity(positions.len());
+    let index_of = |(index, position): (u32, &DVec3)| {
+        // Adding zero makes one of the two zeros.
+        match first.entry((*position + DVec3::ZERO).to_array().map(f64::to_bits)) {
+            Entry::Occupied(known) => *known.get(),
+            Entry::Vacant(new) => *new.insert(index),
+        }
+    };
+    (0..).zip(positions).map(index_of).collect()
+}

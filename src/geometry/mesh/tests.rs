@@ -1,0 +1,96 @@
+//! Meshes as a whole: what is checked, what is left out, what smooth normals are.
+
+use super::*;
+use crate::testing::Random;
+
+fn square() -> Parts {
+    let positions = vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
+    Parts { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Parts::default() }
+}
+
+#[test]
+fn parts_must_fit_together() {
+    let fault = |change: &dyn Fn(&mut Parts)| {
+        let mut parts = square();
+        change(&mut parts);
+        Mesh::new(parts).expect_err("a fault").to_string()
+    };
+    assert_eq!(
+        fault(&|parts| parts.triangles[1] = [0, 1, 4]),
+        "face 1: there is no vertex 4; the mesh has 4"
+    );
+    assert_eq!(
+        fault(&|parts| parts.positions[2].z = f64::NAN),
+        "vertex 2: the vertex has z = NaN; coordinates are finite and at most 1e30"
+    );
+    assert_eq!(fault(&|parts| parts.triangles.clear()), "it has no triangles");
+    assert_eq!(fault(&|parts| parts.triangles = vec![[0, 0, 1]]), "none of its triangles has an area");
+    assert!(fault(&|parts| parts.colors = vec![Rgb::ONE]).contains("a colour for every vertex"));
+    assert!(fault(&|parts| parts.slots = vec![0]).contains("a slot for every triangle"));
+}
+
+#[test]
+fn what_is_left_out_takes_its_attributes_with_it() {
+    let mut parts = square();
+    parts.triangles.insert(0, [3, 3, 0]);
+    parts.slots = vec![7, 8, NO_MATERIAL];
+    let uvs = vec![DVec2::ZERO, DVec2::ONE];
+    parts.uvs = Some(Corners::indexed(uvs, vec![[0; 3], [1; 3], [0; 3]], &parts.triangles));
+    let mesh = Mesh::new(parts).expect("a mesh");
+    assert_eq!((mesh.skipped, mesh.triangles().len()), (1, 2));
+    assert_eq!((mesh.material_of(0), mesh.material_of(1), mesh.material_of(2)), (Some(8), None, None));
+    assert_eq!(mesh.corner_uvs(0), Some([DVec2::ONE; 3]));
+    assert_eq!(mesh.corner_uvs(1), Some([DVec2::ZERO; 3]));
+}
+
+/// However a cube's sides are cut, the normals of its corners point away from its middle.
+#[test]
+fn smooth_normals_do_not_depend_on_the_cut() {
+    let mut random = Random(8);
+    let corner =
+        |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) - DVec3::splat(0.5);
+    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    for _ in 0..20 {
+        let cut = |side: [u32; 4]| {
+            let first = (random.unit() * 4.0) as usize;
+            let at = |i: usize| side[(first + i) % 4];
+            [[at(0), at(1), at(2)], [at(0), at(2), at(3)]]
+        };
+        let triangles: Vec<_> = sides.into_iter().flat_map(cut).collect();
+        let positions = (0..8).map(corner).collect();
+        let mesh = Mesh::new(Parts { positions, triangles, ..Parts::default() }).expect("a cube");
+        for (position, normal) in mesh.positions().iter().zip(mesh.smooth_normals()) {
+            assert!((position.normalize() - normal.as_dvec3()).length() < 1e-7, "{position} {normal}");
+        }
+    }
+}
+
+/// Triangles that only share positions, not indices, are smooth across their edges all the same.
+#[test]
+fn equal_positions_share_their_normal() {
+    let sphere = generate::icosphere(2);
+    let positions: Vec<_> =
+        sphere.triangles.iter().flatten().map(|vertex| sphere.positions[*vertex as usize]).collect();
+    let triangles = (0..positions.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let mesh = Mesh::new(Parts { positions, triangles, ..Parts::default() }).expect("a sphere");
+    for (position, normal) in mesh.positions().iter().zip(mesh.smooth_normals()) {
+        assert!(position.dot(normal.as_dvec3()) > 0.99);
+    }
+}
+
+#[test]
+fn icospheres_are_closed_and_turned_outwards() {
+    for subdivisions in 0..3 {
+        let Parts { positions, triangles, .. } = generate::icosphere(subdivisions);
+        assert_eq!(triangles.len(), 20 << (2 * subdivisions));
+        assert_eq!(positions.len(), triangles.len() / 2 + 2, "Euler");
+        for triangle in triangles {
+            let [a, b, c] = triangle.map(|vertex| positions[vertex as usize]);
+            assert!((b - a).cross(c - a).dot(a + b + c) > 0.0);
+        }
+    }
+    let one = generate::displaced_sphere(3, 1);
+    assert_eq!(one, generate::displaced_sphere(3, 1));
+    assert_ne!(one, generate::displaced_sphere(3, 2));
+    assert!(one.positions.iter().all(|p| (0.6..1.4).contains(&p.length())));
+}

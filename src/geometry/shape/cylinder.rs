@@ -1,0 +1,45 @@
+//! Cylinders.
+
+use super::{
+    Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, Span, cone::as_its_frustum, frustum::Frustum,
+};
+use crate::base::digest::content;
+use crate::base::lanes::{Real, Vec3};
+use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay};
+
+/// All points at a distance from the line between two points; with both ends closed, or open.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cylinder(Frustum);
+
+content!(struct Cylinder(frustum));
+
+impl Cylinder {
+    /// `radius` is above 0; none if `from` is `to`.
+    pub fn new(from: DVec3, to: DVec3, radius: f64, capped: bool) -> Option<Self> {
+        Frustum::new((from, radius), (to, radius), capped).map(Self)
+    }
+
+    /// The middles of both ends with their radii, and whether they are closed.
+    pub fn ends(&self) -> ([(DVec3, f64); 2], bool) {
+        self.0.ends()
+    }
+}
+
+impl Geometric for Cylinder {
+    const NAME: &'static str = "Cylinder";
+
+    fn read(parameters: &mut impl Parameters) -> Option<Self> {
+        let from = parameters.vector("from", Some(DVec3::NEG_Y));
+        let to = parameters.vector("to", Some(DVec3::Y));
+        let radius = parameters.positive("radius", Some(1.0));
+        let capped = parameters.switch("capped", Some(true));
+        let cylinder = Self::new(from?, to?, radius?, capped?);
+        if cylinder.is_none() {
+            let label = "`from` and `to` are the same point".to_owned();
+            parameters.refuse("to", "this cylinder has no length".to_owned(), label);
+        }
+        cylinder
+    }
+
+    as_its_frustum!();
+}

@@ -1,0 +1,229 @@
+//! Shapes: where rays meet them, and the surface there with its error bound.
+//!
+//! One closed list, a file each: see [`Geometric`] for what a shape is asked. A shape lives in the space that
+//! its transform leads to the world from. Most shapes stay in their class under most transforms (a moved
+//! sphere is a sphere); those are moved once per change of geometry, see [`Geometric::transformed`], and the
+//! rest have their rays moved instead.
+
+mod lane;
+mod chord;
+mod cone;
+mod cuboid;
+mod cylinder;
+mod disk;
+mod flat;
+mod frame;
+mod frustum;
+mod geometric;
+mod mesh;
+mod parameters;
+mod plane;
+mod rectangle;
+#[cfg(test)]
+mod round_tests;
+mod sphere;
+mod surface;
+mod taper;
+mod torus;
+mod triangle;
+mod vicinity;
+
+pub use cone::Cone;
+pub use cuboid::Cuboid;
+pub use cylinder::Cylinder;
+pub use disk::Disk;
+pub use flat::{placed as flat_surface, spans_a_plane};
+pub use geometric::{Geometric, OneRay};
+use lane::exit;
+pub use lane::{LaneHit, LaneSurface, PreparedRay, RayRows, Span, eight};
+pub use mesh::Mesh;
+pub use parameters::Parameters;
+pub use plane::Plane;
+pub use rectangle::Rectangle;
+pub use sphere::{Sphere, SphereLanes};
+pub use surface::{Crossing, Surface};
+pub use torus::Torus;
+pub use triangle::{Triangle, TriangleLanes};
+pub use vicinity::Vicinity;
+
+use crate::base::color::Rgb;
+use crate::base::digest::content;
+use crate::base::lanes::{Level, Mask, Real, Row, Vec3};
+use crate::base::math::{Aabb, DAffine3, DVec2, DVec3, LaneRay, Ray};
+use crate::geometry::bvh::{Probe, Stack};
+use crate::sampling::Frame;
+use bevy_ecs::component::Component;
+
+/// Declares [`Shape`] with its one dispatch: the same call for every shape that there is something to see of.
+macro_rules! shapes {
+    ($($shape:ident),* $(,)?) => {
+        /// Every shape there is.
+        #[derive(Clone, Component, Debug, PartialEq)]
+        pub enum Shape {
+            $($shape($shape),)*
+            /// Nothing to see: a frame of reference for the objects that name it as their parent.
+            Group,
+        }
+
+        macro_rules! each_shape {
+            ($on:expr, $inner:ident => $call:expr, Group => $group:expr) => {
+                match $on {
+                    $(Shape::$shape($inner) => $call,)*
+                    Shape::Group => $group,
+                }
+            };
+        }
+
+        content!(enum Shape { $($shape(shape),)* Group });
+
+        impl Shape {
+            /// The words that files call shapes by.
+            pub const NAMES: &[&str] = &[$($shape::NAME,)* "Group"];
+
+            /// Makes the shape called `name` of its parameters; none if there is no such shape, or if the
+            /// parameters, which have then been refused, make none.
+            pub fn read(name: &str, parameters: &mut impl Parameters) -> Option<Self> {
+                $(if name == $shape::NAME {
+                    return $shape::read(parameters).map(Self::$shape);
+                })*
+                (name == "Group").then_some(Self::Group)
+            }
+
+            /// The shape that an affine map makes of this one; none if that is not in its class.
+            pub fn transformed(&self, affine: &DAffine3) -> Option<Self> {
+                if *affine == DAffine3::IDENTITY {
+                    return Some(self.clone());
+                }
+                match self {
+                    $(Self::$shape(shape) => shape.transformed(affine).map(Self::$shape),)*
+                    Self::Group => Some(Self::Group),
+                }
+            }
+        }
+    };
+}
+
+// The list. A shape that is added here can be written in files, seen, placed and lit.
+shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid, Cylinder, Cone, Torus, Mesh);
+
+impl OneRay for Shape {
+    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
+        each_shape!(self, shape => OneRay::hit(shape, probe, t_max), Group => None)
+    }
+
+    fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
+        each_shape!(self, shape => OneRay::blocks(shape, probe, t_max), Group => false)
+    }
+
+    fn surface_at(&self, ray: &Ray, at: Crossing) -> Surface {
+        self.surface(&LaneRay::from(ray), at.into(), 0.0).into()
+    }
+
+    fn uv_at(&self, point: DVec3, part: u32) -> DVec2 {
+        DVec2::from_array(self.uv::<f64>(point.into(), part))
+    }
+}
+
+impl Shape {
+    /// See [`Geometric::intersect`].
+    #[inline(always)]
+    pub fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+        each_shape!(self, shape => shape.intersect(ray, within), Group => LaneHit::none())
+    }
+
+    /// See [`Geometric::occludes`].
+    #[inline(always)]
+    pub fn occludes<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> F::Mask {
+        each_shape!(self, shape => shape.occludes(ray, within), Group => F::Mask::splat(false))
+    }
+
+    /// [`Shape::intersect`] of one ray.
+    #[inline(always)]
+    pub fn hit_one<L: Level>(
+        &self,
+        probe: &Probe,
+        within: Span<f64>,
+        stack: Option<&mut Stack>,
+    ) -> Option<Crossing> {
+        match self {
+            Self::Mesh(mesh) => match stack {
+                Some(stack) => mesh.nearest_on::<L>(probe, within, stack),
+                None => mesh.nearest_on::<L>(probe, within, &mut Stack::default()),
+            },
+            _ => self.intersect::<f64>(&PreparedRay::splat(probe), within).one(),
+        }
+    }
+
+    /// [`Shape::occludes`] of one ray.
+    #[inline(always)]
+    pub fn blocks_one<L: Level>(&self, probe: &Probe, within: Span<f64>, stack: Option<&mut Stack>) -> bool {
+        match self {
+            Self::Mesh(mesh) => match stack {
+                Some(stack) => mesh.any_on::<L>(probe, within, stack),
+                None => mesh.any_on::<L>(probe, within, &mut Stack::default()),
+            },
+            _ => self.occludes::<f64>(&PreparedRay::splat(probe), within),
+        }
+    }
+
+    /// See [`Geometric::surface`].
+    #[inline(always)]
+    pub fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, apart: f64) -> LaneSurface<F> {
+        each_shape!(self, shape => shape.surface(ray, at, apart), Group => LaneSurface::nowhere())
+    }
+
+    /// See [`Geometric::bounds`]; none also if there is nothing to see.
+    pub fn bounds(&self) -> Option<Aabb> {
+        each_shape!(self, shape => shape.bounds(), Group => None)
+    }
+
+    /// See [`Geometric::uv`].
+    #[inline(always)]
+    pub fn uv<F: Real>(&self, point: Vec3<F>, part: F::U32) -> [F; 2] {
+        each_shape!(self, shape => shape.uv(point, part), Group => [F::splat(0.0); 2])
+    }
+
+    /// See [`Geometric::uv_ends`].
+    pub fn uv_ends(&self, part: u32) -> [bool; 2] {
+        each_shape!(self, shape => shape.uv_ends(part), Group => [true; 2])
+    }
+
+    /// Colour of the vertices at a point of the surface, white where there is none; the arguments are those of
+    /// [`Geometric::uv`].
+    pub fn color(&self, point: DVec3, part: u32) -> Rgb {
+        each_shape!(self, shape => shape.color(point, part), Group => Rgb::ONE)
+    }
+
+    /// See [`Geometric::area`].
+    pub fn area(&self) -> Option<f64> {
+        each_shape!(self, shape => shape.area(), Group => None)
+    }
+
+    /// See [`Geometric::sample_area`].
+    #[inline(always)]
+    pub fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
+        each_shape!(self, shape => shape.sample_area(u, v), Group => {
+            (LaneSurface::nowhere(), F::U32::splat(0))
+        })
+    }
+
+    /// See [`Geometric::sample_from`].
+    #[inline(always)]
+    pub fn sample_from<F: Real>(
+        &self,
+        from: Vec3<F>,
+        eye: &Frame<F>,
+        u: F,
+        v: F,
+    ) -> (LaneSurface<F>, F::U32, F) {
+        each_shape!(self, shape => shape.sample_from(from, eye, u, v), Group => {
+            (LaneSurface::nowhere(), F::U32::splat(0), F::splat(0.0))
+        })
+    }
+
+    /// See [`Geometric::pdf_from`].
+    #[inline(always)]
+    pub fn pdf_from<F: Real>(&self, from: Vec3<F>, at: &LaneSurface<F>) -> F {
+        each_shape!(self, shape => shape.pdf_from(from, at), Group => F::splat(0.0))
+    }
+}

@@ -1,0 +1,115 @@
+//! Rectangles, and parallelograms, watertight at their edges.
+
+use super::triangle::covers;
+use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, Span, flat};
+use crate::base::digest::content;
+use crate::base::lanes::{Mask, Real, Row, Vec3};
+use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay};
+
+/// The parallelogram `corner` + a·`u` + b·`v` for a and b in 0..=1; `u` and `v` are not parallel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rectangle {
+    pub corner: DVec3,
+    pub u: DVec3,
+    pub v: DVec3,
+}
+
+content!(struct Rectangle { corner, u, v });
+
+impl Geometric for Rectangle {
+    const NAME: &'static str = "Rectangle";
+
+    fn read(parameters: &mut impl Parameters) -> Option<Self> {
+        let corner = parameters.vector("corner", None);
+        let (u, v) = (parameters.vector("u", None), parameters.vector("v", None));
+        let (corner, u, v) = (corner?, u?, v?);
+        if !flat::spans_a_plane(u, v) {
+            let label = "`u` and `v` are parallel, or one of them has no length";
+            parameters.refuse("v", "this rectangle has no area".to_owned(), label.to_owned());
+            return None;
+        }
+        Some(Self { corner, u, v })
+    }
+
+    /// Inside all four edges, by the numbers of [`covers`](super::triangle::covers), so that rectangles and triangles
+    /// that share an edge have no gap between them.
+    #[inline(always)]
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+        let [a, b, c, d] = self.corners();
+        let (a, b, c, d) = (Vec3::splat(a), Vec3::splat(b), Vec3::splat(c), Vec3::splat(d));
+        let normal = Vec3::splat(self.u.cross(self.v));
+        let at = flat::crossing(a, normal, &ray.ray, within);
+        if !at.is_hit().any() {
+            return LaneHit::none();
+        }
+        let inside = covers(&[ray.sheared(a), ray.sheared(b), ray.sheared(c), ray.sheared(d)]);
+        LaneHit::within(inside & at.is_hit(), at.t, within)
+    }
+
+    #[inline(always)]
+    fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, _: f64) -> LaneSurface<F> {
+        flat::placed(Vec3::splat(self.corner), ray.at(at.t), Vec3::splat(self.normal()))
+    }
+
+    fn bounds(&self) -> Option<Aabb> {
+        Some(Aabb::around(self.corners()))
+    }
+
+    fn transformed(&self, affine: &DAffine3) -> Option<Self> {
+        let vector = |v| affine.transform_vector3(v);
+        let (u, v) = (vector(self.u), vector(self.v));
+        let (u, v) = if affine.matrix3.determinant() < 0.0 { (v, u) } else { (u, v) };
+        Some(Self { corner: affine.transform_point3(self.corner), u, v })
+    }
+
+    /// The shares of `u` and `v`: 0..=1.
+    #[inline(always)]
+    fn uv<F: Real>(&self, point: Vec3<F>, _: F::U32) -> [F; 2] {
+        flat::shares(point - Vec3::splat(self.corner), Vec3::splat(self.u), Vec3::splat(self.v))
+    }
+
+    fn area(&self) -> Option<f64> {
+        Some(self.u.cross(self.v).length())
+    }
+
+    #[inline(always)]
+    fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
+        let corner = Vec3::splat(self.corner);
+        let point = corner + Vec3::splat(self.u) * u + Vec3::splat(self.v) * v;
+        (flat::placed(corner, point, Vec3::splat(self.normal())), F::U32::splat(0))
+    }
+}
+
+impl Rectangle {
+    pub fn normal(&self) -> DVec3 {
+        self.u.cross(self.v).normalize_or(DVec3::Y)
+    }
+
+    fn corners(&self) -> [DVec3; 4] {
+        let (b, d) = (self.corner + self.u, self.corner + self.v);
+        [self.corner, b, b + self.v, d]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::math::Ray;
+    use crate::geometry::bvh::Probe;
+    use crate::geometry::shape::OneRay;
+
+    #[test]
+    fn covers_its_corners_and_nothing_beyond() {
+        let rectangle = Rectangle { corner: DVec3::ZERO, u: DVec3::X * 3.0, v: DVec3::Z * 2.0 };
+        let below = |x: f64, z: f64| {
+            let ray = Ray { origin: DVec3::new(x, 1.0, z), direction: DVec3::NEG_Y };
+            rectangle.hit(&Probe::new(ray), f64::INFINITY).map(|crossing| crossing.t)
+        };
+        for (x, z) in [(0.0, 0.0), (3.0, 0.0), (3.0, 2.0), (0.0, 2.0), (1.5, 1.0)] {
+            assert_eq!(below(x, z), Some(1.0), "({x}, {z})");
+        }
+        for (x, z) in [(-1e-12, 1.0), (3.000_000_1, 1.0), (1.0, 2.000_000_1), (1.0, -1e-12)] {
+            assert_eq!(below(x, z), None, "({x}, {z})");
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! The inside of cylinders and cones around the y axis.
+
+use crate::base::digest::content;
+use crate::base::lanes::{Mask, Real, Row, Select, Vec3};
+use crate::base::math::{DVec2, DVec3, LaneRay, difference_of_products};
+
+/// The parts of cylinders and cones.
+pub const SIDE: u32 = 0;
+pub const BOTTOM: u32 = 1;
+pub const TOP: u32 = 2;
+
+/// A radius that changes evenly along the y axis: `mean` at 0, `mean` + `lean` at `half`. It is not below 0
+/// from -`half` to `half`; beyond that, on a cone, it may be: there the mirrored nappe begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Taper {
+    pub half: f64,
+    pub mean: f64,
+    pub lean: f64,
+}
+
+content!(struct Taper { half, mean, lean });
+
+/// Where lines enter and leave a solid.
+#[derive(Clone, Copy)]
+pub struct Interval<F: Real> {
+    pub enter: F,
+    pub leave: F,
+    /// The parts that are crossed there.
+    pub enter_part: F::U32,
+    pub leave_part: F::U32,
+    /// Lines that meet the solid at all.
+    pub meets: F::Mask,
+}
+
+impl Taper {
+    /// From the narrower end on: exactly `mean` for a cylinder, however far away `y` is, and to within a few
+    /// roundings of itself for a cone, however close it is to the tip.
+    #[inline(always)]
+    pub fn radius<F: Real>(&self, y: F) -> F {
+        let from_narrow = F::splat(self.half) + y.copysign(y * F::splat(self.lean));
+        let growth = F::splat(self.lean.abs());
+        F::splat(self.mean - self.lean.abs()) + from_narrow / F::splat(self.half) * growth
+    }
+
+    pub fn end_radius(&self, part: u32) -> f64 {
+        self.radius(if part == TOP { self.half } else { -self.half })
+    }
+
+    /// A bound of the distance of any point from the middle.
+    pub fn reach(&self) -> f64 {
+        self.half + self.mean + self.lean.abs()
+    }
+
+    /// The unit normal of the side in the plane of the axis: (away from the axis, along it).
+    pub fn normal(&self) -> DVec2 {
+        DVec2::new(self.half, -self.lean) / libm::hypot(self.half, self.lean)
+    }
+
+    /// Where the lines of rays enter and leave the closed solid. That is convex, within its radius and
+    /// between its ends, so the line is inside it from the last entry to the first exit: at the seam of side
+    /// and end no line finds a gap, or one crossing only.
+    ///
+    /// From far away, where no ray starts on or in the solid, the crossings are found from the point closest
+    /// to the middle, or to the tip. The coefficients of their quadratic cancel for lines that run as the side
+    /// does, the more so the farther away they are taken; and past a tip, the crossings come in their order
+    /// only if the line is taken from there.
+    #[inline(always)]
+    pub fn crossings<F: Real>(&self, ray: &LaneRay<F>) -> Interval<F> {
+        let afar = F::splat(self.reach()).lt(ray.origin.length());
+        if !afar.any() {
+            return self.crossings_near(ray);
+        }
+        let tip = if self.lean.abs() == self.mean { self.half.copysign(-self.lean) } else { 0.0 };
+        let from = ray.origin - Vec3::splat(DVec3::Y * tip);
+        let shift = -from.dot(ray.direction) / ray.direction.length_squared();
+        let shift = F::select(afar, shift, F::splat(0.0));
+        let near = LaneRay { origin: Vec3::select(afar, ray.at(shift), ray.origin), ..*ray };
+        let crossings = self.crossings_near(&near);
+        Interval { enter: crossings.enter + shift, leave: crossings.leave + shift, ..crossings }
+    }
+
+    #[inline(always)]
+    fn crossings_near<F: Real>(&self, ray: &LaneRay<F>) -> Interval<F> {
+        let ends = self.ends(ray);
+        let (from, to, within) = self.within(ray);
+        let (later, sooner) = (ends.enter.lt(from), to.lt(ends.leave));
+        let side = F::U32::splat(SIDE);
+        let enter = F::select(later, from, ends.enter);
+        let leave = F::select(sooner, to, ends.leave);
+        Interval {
+            enter,
+            leave,
+            enter_part: F::U32::select(later, side, ends.enter_part),
+            leave_part: F::U32::select(sooner, side, ends.leave_part),
+            meets: ends.meets & within & enter.le(leave),
+        }
+    }
+
+    /// Where rays enter and leave the slab between the ends. Each side of an end is the sign of a
+    /// difference of two coordinates, so it is exact.
+    #[inline(always)]
+    fn ends<F: Real>(&self, ray: &LaneRay<F>) -> Interval<F> {
+        let (y, dy, half) = (ray.origin.y, ray.direction.y, F::splat(self.half));
+        let zero = F::splat(0.0);
+        let level = dy.eq(zero);
+        let between = y.abs().le(half);
+        let (bottom, top) = ((-half - y) / dy, (half - y) / dy);
+        let upwards = zero.lt(dy);
+        let (enter, leave) = (F::select(upwards, bottom, top), F::select(upwards, top, bottom));
+        // The tip of a cone belongs to its side.
+        let part = |part: u32| if self.end_radius(part) > 0.0 { part } else { SIDE };
+        let (low, high) = (F::U32::splat(part(BOTTOM)), F::U32::splat(part(TOP)));
+        Interval {
+            enter: F::select(level, F::splat(f64::NEG_INFINITY), enter),
+            leave: F::select(level, F::splat(f64::INFINITY), leave),
+            enter_part: F::U32::select(upwards, low, high),
+            leave_part: F::U32::select(upwards, high, low),
+            meets: !level | between,
+        }
+    }
+
+    /// From which t to which t lines are within the radius where that is not below 0; and which lines are.
+    ///
+    /// With o and d across the axis, and the radius r + g t along the line, the line is within where
+    /// a t² + 2 b t + c <= 0 for a = d² - g², b = o·d - r g, c = o² - r². Both differences of squares are
+    /// factored, and so is the discriminant where b² - a c would cancel: it is |g o - r d|² - (o × d)², by
+    /// the identity of Lagrange for a scalar product of signature (+, +, -).
+    #[inline(always)]
+    fn within<F: Real>(&self, ray: &LaneRay<F>) -> (F, F, F::Mask) {
+        let (zero, one) = (F::splat(0.0), F::splat(1.0));
+        let (ox, oz, dx, dz) = (ray.origin.x, ray.origin.z, ray.direction.x, ray.direction.z);
+        let r = self.radius(ray.origin.y);
+        let g = ray.direction.y / F::splat(self.half) * F::splat(self.lean);
+        let (distance, speed) = ((ox * ox + oz * oz).sqrt(), (dx * dx + dz * dz).sqrt());
+        let a = (speed - g.abs()) * (speed + g.abs());
+        let c = (distance - r.abs()) * (distance + r.abs());
+        let b = (ox * dx + oz * dz) - r * g;
+        // Steeper than the side and inside: |o·d| < |r g|, also where rounding hides it.
+        let inwards = -b.abs() * one.copysign(r) * one.copysign(g);
+        let b = F::select(a.lt(zero) & c.lt(zero), inwards, b);
+        let (wx, wz) = (ox * g - dx * r, oz * g - dz * r);
+        let w = (wx * wx + wz * wz).sqrt();
+        let k = difference_of_products(ox, dz, oz, dx).abs();
+        let discriminant = F::select(zero.lt(a * c), (w - k) * (w + k), b * b - a * c);
+        // Flatter lines meet one nappe, if any: that of the radius at -b / a, in the middle between both roots.
+        let passes = zero.lt(a) & (discriminant.lt(zero) | (r * a).lt(g * b));
+        // Steeper lines always meet both nappes, or their tip.
+        let root = discriminant.max(zero).sqrt();
+        let (from, to, meets) = interval((a, c), -(b + root.copysign(b)), g);
+        (from, to, meets & !passes)
+    }
+}
+
+/// The t at which a t² + 2 b t + c <= 0, of which `q` is -(b ± √(b² - a c)) without cancellation; of two
+/// half-lines, the one along which the radius grows with `g`.
+#[inline(always)]
+fn interval<F: Real>((a, c): (F, F), q: F, g: F) -> (F, F, F::Mask) {
+    let (zero, infinite) = (F::splat(0.0), F::splat(f64::INFINITY));
+    let first = F::select(q.eq(zero), zero, c / q);
+    let flat = zero.lt(a);
+    let level = a.eq(zero);
+    // Parallel to the side, it is met once.
+    let second = F::select(level, first, q / a);
+    let (low, high) = (first.min(second), first.max(second));
+    let grows = zero.lt(g);
+    let from = F::select(flat, low, F::select(grows, high, -infinite));
+    let to = F::select(flat, high, F::select(grows, infinite, low));
+    // Along the axis of a cylinder, or along the side itself: as far from it everywhere as at the start.
+    let along = level & (g.eq(zero) | q.eq(zero));
+    let from = F::select(along, -infinite, from);
+    (from, F::select(along, infinite, to), !along | c.le(zero))
+}

@@ -1,0 +1,107 @@
+//! Text files line by line, as bytes: numbers need no UTF-8 and names make do with what is readable of them.
+
+use crate::geometry::mesh::{MeshError, Place};
+use std::io::{self, BufRead};
+use std::str::FromStr;
+
+/// The lines of a file, counted from 1.
+pub struct Lines<R> {
+    input: R,
+    line: Vec<u8>,
+    number: u64,
+    /// Whether a line that ends in a backslash goes on in the next one.
+    joins: bool,
+}
+
+impl<R: BufRead> Lines<R> {
+    pub fn new(input: R, joins: bool) -> Self {
+        Self { input, line: Vec::new(), number: 0, joins }
+    }
+
+    /// The next line, without blanks at its end, and its number.
+    pub fn next(&mut self) -> io::Result<Option<(u64, &[u8])>> {
+        self.line.clear();
+        let first = self.number + 1;
+        loop {
+            let read = self.input.read_until(b'\n', &mut self.line)?;
+            if read == 0 && self.line.is_empty() {
+                return Ok(None);
+            }
+            self.number += 1;
+            self.line.truncate(self.line.trim_ascii_end().len());
+            if read == 0 || !self.joins || self.line.last() != Some(&b'\\') {
+                return Ok(Some((first, &self.line)));
+            }
+            self.line.pop();
+            self.line.push(b' ');
+        }
+    }
+
+    /// What follows behind the lines read so far.
+    pub fn into_rest(self) -> R {
+        self.input
+    }
+}
+
+/// The words of a line up to a comment.
+pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    let words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+    words.take_while(|word| word[0] != b'#')
+}
+
+/// A word and the rest of a line, without the blanks between.
+pub fn split_word(line: &[u8]) -> (&[u8], &[u8]) {
+    let line = line.trim_ascii();
+    let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
+    (&line[..end], line[end..].trim_ascii_start())
+}
+
+/// A number in its usual notation, correctly rounded.
+pub fn parsed<T: FromStr>(word: &[u8]) -> Option<T> {
+    std::str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// A part of a file for a message: readable, and not too long.
+pub fn quoted(text: &[u8]) -> String {
+    const LONGEST: usize = 60;
+    let shown = String::from_utf8_lossy(&text[..text.len().min(LONGEST)]);
+    format!("`{shown}{}`", if text.len() > LONGEST { "..." } else { "" })
+}
+
+/// The fault of a line that is not as it should be: `what` would be right.
+pub fn unlike(number: u64, line: &[u8], what: &str) -> MeshError {
+    MeshError::at(Place::Line(number), format!("expected {what}, found {}", quoted(line)))
+}
+
+/// The first `N` numbers among the words of a line, as many as there are.
+pub fn numbers<'l, const N: usize>(words: impl Iterator<Item = &'l [u8]>) -> Option<([f64; N], usize)> {
+    let (mut values, mut count) = ([0.0; N], 0);
+    for word in words.take(N) {
+        values[count] = parsed(word)?;
+        count += 1;
+    }
+    Some((values, count))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_end_in_every_way() {
+        let mut lines = Lines::new(&b"a\r\nb \\\n c\n\nd"[..], true);
+        let mut seen = Vec::new();
+        while let Some((number, line)) = lines.next().expect("a line") {
+            seen.push((number, String::from_utf8_lossy(line).into_owned()));
+        }
+        let expected = [(1, "a"), (2, "b   c"), (4, ""), (5, "d")];
+        assert_eq!(seen, expected.map(|(number, line)| (number, line.to_owned())));
+    }
+
+    #[test]
+    fn a_backslash_at_the_end_of_the_file_ends() {
+        let mut lines = Lines::new(&b"a\\"[..], true);
+        assert_eq!(lines.next().expect("a line"), Some((1, &b"a"[..])));
+        assert_eq!(lines.next().expect("the end"), None);
+    }
+}

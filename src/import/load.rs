@@ -1,0 +1,143 @@
+//! Mesh files → [`Mesh`].
+
+use super::{LoadMeter, obj, ply};
+use crate::base::escape;
+use crate::base::files::{self, Root};
+use crate::base::machine;
+use crate::geometry::mesh::{Mesh, MeshError, Parts};
+use std::cell::RefCell;
+use std::collections::HashSet;
+use std::io::{self, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+/// Files larger than this are refused.
+const LARGEST_FILE: u64 = 8 << 30;
+
+/// The same of material libraries, which are text without geometry.
+const LARGEST_LIBRARY: u64 = 64 << 20;
+
+/// Bytes that a triangle takes at least, once more than the file has been read: in packets, in the tree, and as the
+/// tree is built.
+const TRIANGLE: u64 = 128;
+
+/// Bytes read at once.
+const BLOCK: usize = 1 << 18;
+
+/// Whether meshes are read from files with this extension.
+pub fn known_format(path: &Path) -> Result<(), MeshError> {
+    Format::of(path).map(|_| ())
+}
+
+/// Reads the mesh in an OBJ or PLY file, whichever its extension says. Its material libraries lie in `root`.
+pub fn load(path: &Path, root: &Root, meter: &LoadMeter) -> Result<Mesh, MeshError> {
+    let name = escape::path(path.file_name().unwrap_or(path.as_os_str()));
+    let parts = read(path, root, &name, meter)?;
+    machine::check_memory(parts.triangles.len() as u64 * TRIANGLE)?;
+    meter.start(format!("building the tree of {name}"), 0);
+    Mesh::new(parts)
+}
+
+fn read(path: &Path, root: &Root, name: &str, meter: &LoadMeter) -> Result<Parts, MeshError> {
+    let format = Format::of(path)?;
+    let (file, size) = files::open(path, LARGEST_FILE)?;
+    // What is read is not much smaller than the file, if it is not larger.
+    machine::check_memory(size)?;
+    meter.start(format!("loading {name}"), size);
+    let input = BufReader::with_capacity(BLOCK, Metered { input: file.take(size), meter });
+    match format {
+        Format::Ply => ply::read_sized(input, size),
+        Format::Obj => {
+            let folder = path.parent().unwrap_or(Path::new(""));
+            let libraries = Libraries { folder, root, read: RefCell::default() };
+            let mut parts = obj::read(input, &|library| libraries.read(library))?;
+            for map in parts.materials.iter_mut().filter_map(|material| material.diffuse_map.as_mut()) {
+                map.file = folder.join(&map.file).to_string_lossy().into_owned();
+            }
+            Ok(parts)
+        }
+    }
+}
+
+enum Format {
+    Obj,
+    Ply,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Self, MeshError> {
+        match path.extension().map(|extension| extension.to_ascii_lowercase()) {
+            Some(extension) if extension == "obj" => Ok(Self::Obj),
+            Some(extension) if extension == "ply" => Ok(Self::Ply),
+            _ => Err(MeshError::new("meshes are read from .obj and .ply files")),
+        }
+    }
+}
+
+/// The material libraries of a mesh, found from its folder on and read once each.
+struct Libraries<'a> {
+    folder: &'a Path,
+    root: &'a Root,
+    read: RefCell<HashSet<PathBuf>>,
+}
+
+impl Libraries<'_> {
+    /// The bytes of a library. Whatever its name, a second reading adds nothing.
+    fn read(&self, name: &str) -> io::Result<Vec<u8>> {
+        let path = self.root.admit(&self.folder.join(name))?;
+        if self.read.borrow().contains(&path) {
+            return Ok(Vec::new());
+        }
+        let bytes = files::read(&path, LARGEST_LIBRARY)?;
+        self.read.borrow_mut().insert(path);
+        Ok(bytes)
+    }
+}
+
+/// Counts the bytes that go through it.
+struct Metered<'a, R> {
+    input: R,
+    meter: &'a LoadMeter,
+}
+
+impl<R: Read> Read for Metered<'_, R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let read = self.input.read(buffer)?;
+        self.meter.advance(read as u64);
+        Ok(read)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::mesh::generate;
+    use std::fs;
+
+    #[test]
+    fn libraries_are_read_once_under_all_their_names() {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("a.mtl"), "newmtl a").expect("a disk");
+        let libraries =
+            Libraries { folder: folder.path(), root: &Root::anywhere(), read: RefCell::default() };
+        let again = ["a.mtl", "a.mtl", "./a.mtl"].map(|name| libraries.read(name).expect("a library").len());
+        assert_eq!(again, [8, 0, 0]);
+        assert_eq!(libraries.read("b.mtl").expect_err("no file").kind(), io::ErrorKind::NotFound);
+    }
+
+    #[test]
+    fn the_extension_names_the_format() {
+        let meter = LoadMeter::default();
+        let fault =
+            |name: &str| load(name.as_ref(), &Root::anywhere(), &meter).expect_err("a fault").to_string();
+        assert_eq!(fault("mesh.stl"), "meshes are read from .obj and .ply files");
+        assert_eq!(fault("no/such/file.obj"), "there is no such file");
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("SPHERE.PLY");
+        let parts = generate::icosphere(1);
+        ply::write(std::fs::File::create(&path).expect("a file"), &parts).expect("a disk");
+        let mesh = load(&path, &Root::anywhere(), &meter).expect("a mesh");
+        assert_eq!(mesh.triangles(), parts.triangles);
+        assert_eq!(meter.what(), "building the tree of SPHERE.PLY");
+        assert_eq!(meter.share(), None);
+    }
+}

@@ -1,0 +1,213 @@
+//! PLY files → parts of meshes.
+
+use super::header::{Element, Encoding, Header, Scalar};
+use super::records::{Blocks, Reader, Records};
+use super::scalars::{Scalars, Text};
+use super::vertices::{Vertices, incomplete, skip_list};
+use crate::base::units::count;
+use crate::geometry::mesh::{Corners, MeshError, Parts, Place};
+use crate::import::lines::Lines;
+use std::io::BufRead;
+use std::ops::Range;
+
+/// Reads a PLY file. Polygons are cut into triangles around their first corner; elements and properties that
+/// are not known are skipped.
+pub fn read(input: impl BufRead + Send) -> Result<Parts, MeshError> {
+    read_sized(input, u64::MAX)
+}
+
+/// [`read`], where the whole file is known to have no more than `size` bytes.
+pub fn read_sized(input: impl BufRead + Send, size: u64) -> Result<Parts, MeshError> {
+    let mut lines = Lines::new(input, false);
+    let header = Header::read(&mut lines)?;
+    report_too_many_vertices(&header)?;
+    let least = header.least_size();
+    if least > size.into() {
+        let least = count(u64::try_from(least).unwrap_or(u64::MAX));
+        let why = format!(
+            "the file is too short: it has {} bytes, and by its header at least {least}",
+            count(size)
+        );
+        return Err(MeshError::new(why));
+    }
+    match header.encoding {
+        Encoding::Ascii => elements(&header, &mut Text::new(lines)),
+        encoding => elements(&header, &mut Blocks::new(lines.into_rest(), encoding)),
+    }
+}
+
+/// The most vertices of a mesh.
+const MOST_VERTICES: u64 = u32::MAX as u64 - 1;
+
+fn report_too_many_vertices(header: &Header) -> Result<(), MeshError> {
+    let too_many = |element: &&Element| element.name == "vertex" && element.count > MOST_VERTICES;
+    match header.elements.iter().find(too_many) {
+        None => Ok(()),
+        Some(Element { count: vertices, .. }) => {
+            let (vertices, most) = (count(*vertices), count(MOST_VERTICES));
+            Err(MeshError::new(format!("it has {vertices} vertices; the most are {most}")))
+        }
+    }
+}
+
+fn elements(header: &Header, records: &mut impl Records) -> Result<Parts, MeshError> {
+    let counts = |name: &str| header.elements.iter().find(|e| e.name == name).map(|e| e.count);
+    let Some(vertex_count) = counts("vertex") else {
+        return Err(MeshError::new("it has no `element vertex`"));
+    };
+    if counts("face").is_none() {
+        return Err(MeshError::new("it has no `element face`; other faces, such as strips, are not read"));
+    }
+    let (mut vertices, mut triangles) = (Vertices::default(), Vec::new());
+    for element in header.elements.iter().filter(|element| element.count > 0) {
+        if element.properties.is_empty() {
+            return Err(MeshError::new(format!("its `element {}` has no properties", element.name)));
+        }
+        match element.name.as_str() {
+            "vertex" => vertices = Vertices::read(element, records)?,
+            "face" => triangles = faces(element, records, vertex_count, &vertices)?,
+            _ => records.read(element, &Skipper(element))?,
+        }
+    }
+    if let Some(error) = vertices.at_nowhere(None) {
+        return Err(error);
+    }
+    let Vertices { positions, normals, colors, uvs, .. } = vertices;
+    let normals = (!normals.is_empty()).then(|| Corners::per_vertex(normals));
+    let uvs = (!uvs.is_empty()).then(|| Corners::per_vertex(uvs));
+    Ok(Parts { positions, triangles, normals, uvs, colors, ..Parts::default() })
+}
+
+fn faces(
+    element: &Element,
+    records: &mut impl Records,
+    vertex_count: u64,
+    vertices: &Vertices,
+) -> Result<Vec<[u32; 3]>, MeshError> {
+    let named = |name: &str| name == "vertex_indices" || name == "vertex_index";
+    let corners = element.properties.iter().position(|p| p.list.is_some() && named(&p.name));
+    let corners = corners.ok_or_else(|| element.lacks("list `vertex_indices`"))?;
+    let alone = element.properties[corners].list.filter(|_| element.properties.len() == 1);
+    let reader = FaceReader { element, corners, alone, vertex_count, vertices };
+    records.read(element, &reader)
+}
+
+struct FaceReader<'a> {
+    element: &'a Element,
+    /// Which property is the list of corners.
+    corners: usize,
+    /// The type of its count, if there is no other property.
+    alone: Option<Scalar>,
+    vertex_count: u64,
+    vertices: &'a Vertices,
+}
+
+impl Reader for FaceReader<'_> {
+    type Output = Vec<[u32; 3]>;
+
+    fn read(
+        &self,
+        records: Range<u64>,
+        values: &mut impl Scalars,
+        triangles: &mut Self::Output,
+    ) -> Result<(), MeshError> {
+        let item = self.element.properties[self.corners].item;
+        for face in records {
+            let first = triangles.len();
+            match self.alone.and_then(|count| values.triangle(count, item, self.vertex_count)) {
+                Some(triangle) => triangles.push(triangle),
+                None => self
+                    .face(face, values, triangles)
+                    .map_err(|error| incomplete(error, self.element, face))?,
+            }
+            if let Some((nowhere, _)) = self.vertices.nowhere
+                && triangles[first..].iter().flatten().any(|&vertex| vertex == nowhere)
+            {
+                let fault = self.vertices.at_nowhere(Some(face));
+                return Err(fault.unwrap_or_else(|| MeshError::new("no such vertex")));
+            }
+        }
+        Ok(())
+    }
+
+    fn append(whole: &mut Self::Output, part: &mut Self::Output) {
+        whole.append(part);
+    }
+}
+
+impl FaceReader<'_> {
+    fn face(
+        &self,
+        face: u64,
+        values: &mut impl Scalars,
+        triangles: &mut Vec<[u32; 3]>,
+    ) -> Result<(), MeshError> {
+        values.begin()?;
+        for (index, property) in self.element.properties.iter().enumerate() {
+            match property.list {
+                Some(_) if index == self.corners => self.polygon(face, values, triangles)?,
+                Some(count) => skip_list(property, count, values)?,
+                None => values.next(property.item).map(|_| ())?,
+            }
+        }
+        values.end()
+    }
+
+    /// A list of corners, cut into triangles around the first.
+    fn polygon(
+        &self,
+        face: u64,
+        values: &mut impl Scalars,
+        triangles: &mut Vec<[u32; 3]>,
+    ) -> Result<(), MeshError> {
+        let property = &self.element.properties[self.corners];
+        let count = values.next(property.list.unwrap_or(property.item))?;
+        if count < 3.0 {
+            let why = format!("expected a face of 3 corners or more, found {count}");
+            return Err(MeshError::at(place(face, values), why));
+        }
+        let mut corner = || {
+            let index = values.next(property.item)?;
+            let vertex = index as u32;
+            if f64::from(vertex) == index && u64::from(vertex) < self.vertex_count {
+                return Ok(vertex);
+            }
+            let why = format!("there is no vertex {index}; the file has {}, from 0", self.vertex_count);
+            Err(MeshError::at(place(face, values), why))
+        };
+        let (first, mut last) = (corner()?, corner()?);
+        for _ in 2..count as u64 {
+            let next = corner()?;
+            triangles.push([first, last, next]);
+            last = next;
+        }
+        Ok(())
+    }
+}
+
+fn place(face: u64, values: &impl Scalars) -> Place {
+    values.line().map_or(Place::Face(face), Place::Line)
+}
+
+/// Reads over the records of an element.
+struct Skipper<'a>(&'a Element);
+
+impl Reader for Skipper<'_> {
+    type Output = ();
+
+    fn read(&self, mut records: Range<u64>, values: &mut impl Scalars, _: &mut ()) -> Result<(), MeshError> {
+        let mut record = || {
+            values.begin()?;
+            for property in &self.0.properties {
+                match property.list {
+                    Some(count) => skip_list(property, count, values)?,
+                    None => values.next(property.item).map(|_| ())?,
+                }
+            }
+            values.end()
+        };
+        records.try_for_each(|index| record().map_err(|error| incomplete(error, self.0, index)))
+    }
+
+    fn append(_: &mut (), _: &mut ()) {}
+}

@@ -1,0 +1,193 @@
+//! What frames evaluate to.
+
+use super::*;
+use crate::base::digest::Digest;
+use crate::sequence::{Sequence, load, parse};
+use std::path::Path;
+
+fn sequence(text: &str) -> Sequence {
+    parse("test.ron", text).unwrap_or_else(|faults| panic!("{faults}"))
+}
+
+/// A ball on a floor in frames of 4x3 pixels, with keys in frames. The fields may say the output themselves.
+fn ball(fields: &str, material: &str, object: &str) -> Sequence {
+    let output = if fields.contains("output:") { "" } else { "output: (size: (4, 3))," };
+    sequence(&format!(
+        r#"(timeline: (frames: 12, keys: Frames), {output} {fields}
+        materials: {{ "m": ({material}) }},
+        objects: {{
+            "floor": (shape: Plane()), "ball": (shape: Sphere(center: (0, 1, 0)), material: "m", {object}),
+        }})"#
+    ))
+}
+
+fn digests(sequence: &Sequence) -> Vec<Digest> {
+    let frames: Vec<u32> = (0..sequence.timeline.frames).collect();
+    survey(sequence, &frames).frames.iter().map(crate::pipeline::schedule::Look::digest).collect()
+}
+
+/// For every frame the first one that looks the same.
+fn first_like(sequence: &Sequence) -> Vec<usize> {
+    let digests = digests(sequence);
+    digests.iter().map(|digest| digests.iter().position(|other| other == digest).expect("itself")).collect()
+}
+
+const STILL: [usize; 12] = [0; 12];
+const ALL: [usize; 12] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11];
+const LAMP: &str = r#"lights: { "lamp": Point(position: (3, 4, 5)) },"#;
+
+#[test]
+fn what_moves_differs_and_what_returns_is_the_same() {
+    let there_and_back = [0, 1, 2, 3, 4, 3, 2, 1, 0, 1, 2, 3];
+    assert_eq!(first_like(&ball(LAMP, "", "")), STILL);
+    let moves = |repeat: &str| {
+        format!("translation: Track(keys: [(0, (0, 0, 0)), (4, (1, 0, 0))], repeat: {repeat})")
+    };
+    assert_eq!(first_like(&ball(LAMP, "", &moves("PingPong"))), there_and_back);
+    assert_eq!(first_like(&ball(LAMP, "", &moves("Loop"))), [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3]);
+    assert_eq!(first_like(&ball(LAMP, "", &moves("Hold"))), [0, 1, 2, 3, 4, 4, 4, 4, 4, 4, 4, 4]);
+    let turn = format!("camera: (path: Orbit(turns: 3)), {LAMP}");
+    assert_eq!(first_like(&ball(&turn, "", "")), [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3]);
+    for keys in [
+        "ambient: [(0, 0.1), (11, 0.2)],",
+        "background: [(0, 0.1), (11, 0.2)],",
+        "background: Gradient(top: [(0, 0.1), (11, 0.2)]),",
+        "fog: (density: [(0, 0.1), (11, 0.2)]),",
+        "output: (size: (4, 3), exposure: [(0, 0), (11, 1)]),",
+        "camera: (roll: [(0, 0), (11, 10)]),",
+        "camera: (aperture: [(0, 0.1), (11, 0.2)]),",
+        r#"lights: { "lamp": Point(position: [(0, (3, 4, 5)), (11, (3, 5, 5))]) },"#,
+        r#"lights: { "lamp": Point(position: (3, 4, 5), intensity: [(0, 0.1), (11, 0.2)]) },"#,
+    ] {
+        assert_eq!(first_like(&ball(keys, "", "")), ALL, "{keys}");
+    }
+    for keys in ["diffuse", "mirror", "emission", "transparency", "refraction: 1, ior"] {
+        let keys = format!("{keys}: [(0, 0.1), (11, 0.2)]");
+        assert_eq!(first_like(&ball(LAMP, &keys, "")), ALL, "{keys}");
+    }
+}
+
+#[test]
+fn lights_change_weights_alone() {
+    let keyed = ball(
+        r#"lights: { "lamp": Point(position: (3, 4, 5), on: [(0, true), (5, false), (9, true)]) },"#,
+        "",
+        "",
+    );
+    let survey = survey(&keyed, &(0..12).collect::<Vec<_>>());
+    assert!(survey.frames.iter().all(|look| look.transport == survey.frames[0].transport));
+    assert_eq!(first_like(&keyed), [0, 0, 0, 0, 0, 5, 5, 5, 5, 0, 0, 0]);
+}
+
+/// Random samples are another film than a regular grid, so a light with an area that is off is another transport.
+#[test]
+fn how_samples_are_drawn_is_part_of_the_transport() {
+    let keyed = |kind: &str| {
+        let lights = format!(r#"lights: {{ "lamp": {kind}, on: [(0, true), (6, false)]) }},"#);
+        let looks = survey(&ball(&lights, "", ""), &[0, 6]).frames;
+        (looks[0].random, looks[1].random, looks[0].transport == looks[1].transport)
+    };
+    assert_eq!(keyed("Sphere(center: (3, 4, 5), radius: 1"), (true, false, false));
+    assert_eq!(keyed("Point(position: (3, 4, 5)"), (false, false, true));
+}
+
+#[test]
+fn what_has_no_strength_is_not_there() {
+    let plain = digests(&ball(LAMP, "", ""));
+    for fields in [
+        "fog: (density: 0, color: 0.5),",
+        "camera: (aperture: 0, focus: 3),",
+        "camera: (shutter: 0),",
+        "quality: (shutter_steps: 7, samples: 9, seed: 3),",
+        "output: (size: (4, 3), exposure: 0),",
+    ] {
+        assert_eq!(digests(&ball(&format!("{fields} {LAMP}"), "", "")), plain, "{fields}");
+    }
+    // Nothing moves while it is open.
+    assert_eq!(digests(&ball(&format!("camera: (shutter: 0.5), {LAMP}"), "", "")), plain);
+    let off =
+        r#"lights: { "lamp": Point(position: (3, 4, 5)), "off": Point(position: (1, 4, 5), intensity: 0) },"#;
+    assert_eq!(digests(&ball(off, "", "")), plain);
+    for material in [
+        "mirror: 0, fuzz: 0.5",
+        "transparency: 0",
+        "emission: 0",
+        "specular: 0, shininess: [(0, 3), (11, 9)], highlight: BlinnPhong",
+        "refraction: 0, ior: [(0, 1.1), (11, 1.5)], absorption: 2, fresnel: Exact",
+    ] {
+        assert_eq!(digests(&ball(LAMP, material, "")), plain, "{material}");
+    }
+    let unused = format!(r#"{LAMP} materials: {{ "m": (), "unused": (mirror: [(0, 0), (11, 1)]) }},"#);
+    let ball = |fields: &str| {
+        sequence(&format!(
+            r#"(timeline: (frames: 12, keys: Frames), output: (size: (4, 3)), {fields} objects: {{
+            "floor": (shape: Plane()), "ball": (shape: Sphere(center: (0, 1, 0)), material: "m") }})"#
+        ))
+    };
+    assert_eq!(digests(&ball(&unused)), plain);
+}
+
+#[test]
+fn hidden_things_may_move() {
+    let object = "visible: false, translation: [(0, (0, 0, 0)), (11, (1, 0, 0))]";
+    assert_eq!(first_like(&ball(LAMP, "", object)), STILL);
+}
+
+#[test]
+fn a_shutter_that_sees_something_move_is_open() {
+    let moves = "translation: [(0, (0, 0, 0)), (4, (1, 0, 0))]";
+    let camera = "camera: (shutter: 0.5), quality: (shutter_steps: 6),";
+    let moments = |fields: &str| -> Vec<u32> {
+        survey(&ball(fields, "", moves), &[0, 3, 4, 5]).frames.iter().map(|look| look.moments).collect()
+    };
+    assert_eq!(moments(LAMP), [1, 1, 1, 1]);
+    assert_eq!(moments(&format!("{camera} {LAMP}")), [6, 6, 1, 1]);
+}
+
+/// Neither other frames, nor their order, nor threads, nor where meshes and images lie.
+#[test]
+fn digests_depend_on_the_frame_alone() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("sequences/room-effects.ron");
+    let (one, other) = (load(&path).expect("a sequence"), load(&path).expect("a sequence"));
+    let frames: Vec<u32> = (0..one.timeline.frames).collect();
+    let all = survey(&one, &frames);
+    let order: Vec<u32> = frames.iter().rev().copied().step_by(5).collect();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("a pool");
+    for look in pool.install(|| survey(&other, &order)).frames {
+        assert_eq!(look.digest(), all.frames[look.frame as usize].digest());
+    }
+}
+
+/// Names of frames outlive the program.
+#[test]
+fn digests_are_the_same_in_every_version_that_renders_the_same() {
+    assert_eq!(digests(&ball(LAMP, "", ""))[0].to_string(), "5c504143d32980c4e46c30fa92e771b5");
+}
+
+/// What happens between a frame's start and its first moment is seen.
+#[test]
+fn still_frames_show_their_moments_not_their_start() {
+    let camera = "camera: (shutter: 1), quality: (shutter_steps: 2),";
+    let hidden = "visible: [(0, true), (3.125, false), (4.0625, true)]";
+    let looks = survey(&ball(&format!("{camera} {LAMP}"), "", hidden), &[2, 3, 4]).frames;
+    assert!(looks.iter().all(|look| look.moments == 1), "{looks:?}");
+    assert_ne!(looks[1].transport, looks[0].transport);
+    assert_eq!(looks[2].transport, looks[0].transport);
+}
+
+#[test]
+fn a_stop_ends_the_look_at_frames() {
+    let stop = crate::base::cancel::Stop::default();
+    let sequence = ball(LAMP, "", "");
+    let frames: Vec<u32> = (0..12).collect();
+    assert_eq!(survey_until(&sequence, &frames, &stop), survey(&sequence, &frames));
+    stop.flag().store(2, std::sync::atomic::Ordering::Relaxed);
+    assert_eq!(survey_until(&sequence, &frames, &stop).frames, []);
+}
+
+#[test]
+fn a_part_of_a_survey_is_the_survey_of_a_part() {
+    let sequence = ball(LAMP, "", "translation: [(0, (0, 0, 0)), (11, (1, 0, 0))]");
+    let part = [9, 3, 4];
+    assert_eq!(survey(&sequence, &[9, 1, 3, 0, 4, 2]).only(&part), survey(&sequence, &part));
+}

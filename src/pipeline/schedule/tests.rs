@@ -1,0 +1,106 @@
+//! What a frame leaves in the world, and how errors end a run.
+
+use super::*;
+use crate::appearance::light::Source;
+use crate::base::time::Rate;
+use crate::encode::FilmsError;
+use crate::film::Film;
+use crate::geometry::shape::Shape;
+use crate::scene::Shading;
+use crate::sequence::parse;
+
+/// Keeps the frames' numbers, and refuses one of them.
+#[derive(Default)]
+struct Numbers {
+    taken: Vec<u32>,
+    refuse: Option<u32>,
+}
+
+impl FilmSink for Numbers {
+    fn push(&mut self, frame: u32, _film: Film) -> Result<(), crate::encode::EncodeError> {
+        if self.refuse == Some(frame) {
+            return Err(FilmsError::Missing { expected: 1, got: 0 }.into());
+        }
+        self.taken.push(frame);
+        Ok(())
+    }
+}
+
+fn sequence(text: &str) -> Sequence {
+    parse("test.ron", text).unwrap_or_else(|faults| panic!("{faults}"))
+}
+
+fn frame_loop(sequence: &Sequence, refuse: Option<u32>) -> FrameLoop<Numbers> {
+    FrameLoop::new(sequence, Numbers { refuse, ..Numbers::default() }, Arc::default())
+}
+
+/// Keyed and constant entries live in different archetypes, so queries do not give them in the file's order.
+#[test]
+fn what_is_packed_keeps_the_order_of_the_file() {
+    let text = r#"(
+        timeline: (frames: 3, keys: Frames), output: (size: (4, 3)),
+        lights: {
+            "a": Point(position: (1, 0, 0), on: [(0, true), (1, false)]), "b": Point(position: (2, 0, 0)),
+            "c": Point(position: (3, 0, 0), intensity: [(0, 1), (2, 0)]), "d": Point(position: (4, 0, 0)),
+        },
+        objects: {
+            "child": (shape: Sphere(radius: 1), parent: "parent"), "hidden": (shape: Sphere(radius: 2), visible: false),
+            "group": (shape: Group), "floor": (shape: Plane()),
+            "now and then": (shape: Sphere(radius: 4), visible: [(0, true), (1, false), (2, true)]),
+            "parent": (shape: Sphere(radius: 5)),
+        },
+    )"#;
+    let mut frames = frame_loop(&sequence(text), None);
+    for (frame, expected) in
+        [(0, vec![1.0, 0.0, 4.0, 5.0]), (1, vec![1.0, 0.0, 5.0]), (2, vec![1.0, 0.0, 4.0, 5.0])]
+    {
+        frames.frame(frame).expect("a frame");
+        let lights = &frames.world.resource::<Current<Shading>>().0.lights;
+        let x = |source: &Source| if let Source::Point { position, .. } = source { position.x } else { 0.0 };
+        assert_eq!(lights.iter().map(|light| x(&light.source)).collect::<Vec<_>>(), [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(lights.iter().map(|light| light.layer.0).collect::<Vec<_>>(), [1, 0, 2, 0]);
+        let primitives = &frames.world.resource::<Current<Geometry>>().0.primitives;
+        let radius = |shape: &Shape| if let Shape::Sphere(sphere) = shape { sphere.radius } else { 0.0 };
+        assert_eq!(
+            primitives.iter().map(|p| radius(&p.shape)).collect::<Vec<_>>(),
+            expected,
+            "frame {frame}"
+        );
+    }
+}
+
+#[test]
+fn a_frame_without_a_camera_says_so_and_makes_no_film() {
+    // The camera passes through its target between two frames, on one at twice the rate.
+    let text = r#"(timeline: (frames: 4, fps: 24, keys: Frames), output: (size: (4, 3)),
+        camera: (position: [(0, (0, 0, 1)), (1, (0, 0, -1))]))"#;
+    let mut sequence = sequence(text);
+    let twice = Rate::new(48, 1).expect("above zero");
+    sequence.timeline = sequence.timeline.resampled(twice).expect("a timeline");
+    let mut frames = frame_loop(&sequence, None);
+    frames.frame(0).expect("a frame");
+    assert!(matches!(frames.frame(1), Err(NoFrame::Camera { frame: 1, .. })));
+    assert_eq!(frames.tally().counts.rays.camera, 4 * 3 * 4, "the frame without a camera was traced");
+    assert_eq!(frames.into_sink().expect("the sink").taken, [0]);
+}
+
+#[test]
+fn an_error_of_the_sink_comes_back() {
+    let text = "(timeline: (frames: 4), output: (size: (4, 3)))";
+    let mut frames = frame_loop(&sequence(text), Some(2));
+    let results: Vec<bool> = (0..3).map(|frame| frames.frame(frame).is_ok()).collect();
+    assert_eq!(results, [true, true, false]);
+    assert_eq!(frames.into_sink().expect("the sink").taken, [0, 1]);
+}
+
+#[test]
+fn films_arrive_in_the_order_asked_for_and_time_is_booked() {
+    let text = r#"(timeline: (frames: 9), output: (size: (64, 48)), objects: { "b": (shape: Sphere()) })"#;
+    let mut frames = frame_loop(&sequence(text), None);
+    for frame in [5, 0, 8, 0] {
+        frames.frame(frame).expect("a frame");
+    }
+    let spent = frames.tally().stages;
+    assert!(spent[Stage::Trace as usize] > spent[Stage::Encode as usize], "{spent:?}");
+    assert_eq!(frames.into_sink().expect("the sink").taken, [5, 0, 8, 0]);
+}

@@ -1,0 +1,265 @@
+use super::*;
+use crate::appearance::material::MadeOf;
+use crate::base::lanes::tests::on_all_levels;
+use crate::base::lanes::{Mask, Row, SimdKernel, dispatch};
+use crate::base::math::{DAffine3, DVec3, Ray};
+use crate::geometry::shape::{
+    Cone, Cuboid, Cylinder, Disk, Plane, Rectangle, Shape, Sphere, Torus, Triangle,
+};
+use crate::scene::Finish;
+use crate::testing::{Random, eight_rays, geometry};
+
+fn random_shape(random: &mut Random) -> Shape {
+    let p = random.point(10.0);
+    match (random.unit() * 9.0) as u32 {
+        0 => Shape::Sphere(Sphere { center: p, radius: 0.1 + random.unit() }),
+        1 => Shape::Triangle(Triangle { corners: [p, p + random.point(1.0), p + random.point(1.0)] }),
+        2 => Shape::Rectangle(Rectangle { corner: p, u: random.point(1.0), v: random.point(1.0) }),
+        3 => Shape::Disk(Disk { center: p, normal: random.point(1.0).normalize(), radius: random.unit() }),
+        4 => Shape::Cuboid(Cuboid { min: p, max: p + DVec3::splat(0.5) }),
+        5 => {
+            let to = p + random.point(1.0);
+            Shape::Cylinder(Cylinder::new(p, to, 0.1 + random.unit(), random.unit() < 0.5).expect("a length"))
+        }
+        6 => {
+            let (apex, top) = (p + random.point(1.0), (random.unit() - 0.5).max(0.0));
+            Shape::Cone(Cone::new(p, apex, 0.1 + random.unit(), top, random.unit() < 0.5).expect("a height"))
+        }
+        7 => Shape::Torus(Torus::new(p, random.direction(), 1.0, 0.1 + 0.8 * random.unit())),
+        // A grid of flat axis-aligned tiles: boxes without thickness, and shared edges.
+        _ => {
+            let corner = p.floor();
+            Shape::Rectangle(Rectangle { corner, u: DVec3::X, v: DVec3::Z })
+        }
+    }
+}
+
+fn random_geometry(random: &mut Random, count: usize) -> Geometry {
+    let mut geometry = Geometry::default();
+    while geometry.primitives.len() < count {
+        let affine = match (random.unit() * 3.0) as u32 {
+            0 => DAffine3::IDENTITY,
+            1 => DAffine3::from_translation(random.point(2.0)),
+            _ => {
+                DAffine3::from_axis_angle(random.point(1.0).normalize(), random.unit())
+                    * DAffine3::from_scale(DVec3::new(1.0, 2.0, 0.5))
+            }
+        };
+        geometry.push(&random_shape(random), affine, Finish::Material(MadeOf::One(0)));
+    }
+    let floor = Shape::Plane(Plane { point: DVec3::NEG_Y * 12.0, normal: DVec3::Y });
+    geometry.push(&floor, DAffine3::IDENTITY, Finish::Material(MadeOf::One(0)));
+    geometry
+}
+
+fn brute_force(geometry: &Geometry, probe: &Probe) -> Option<Hit> {
+    let hits = (0..).zip(&geometry.primitives);
+    let hits = hits.filter_map(|(primitive, p)| Some(Hit { at: p.hit(probe, f64::INFINITY)?, primitive }));
+    let hits: Vec<_> = hits.collect();
+    let mut nearest = *hits.iter().reduce(|best, hit| if hit.at.t < best.at.t { hit } else { best })?;
+    let end = Bvh::build(geometry).vicinity(probe).end(nearest.at.t);
+    nearest.at.crowded |= hits.iter().filter(|hit| hit.at.t < end).count() > 1;
+    Some(nearest)
+}
+
+fn random_ray(random: &mut Random) -> Ray {
+    let origin = random.point(15.0);
+    let direction = match (random.unit() * 4.0) as u32 {
+        0 => DVec3::X,
+        1 => DVec3::new(-0.0, -1.0, 0.0),
+        2 => origin.floor() - origin,
+        _ => random.point(1.0),
+    };
+    // Through lattice points too: tiles' corners and edges.
+    let origin = if random.unit() < 0.3 { origin.floor() } else { origin };
+    Ray { origin, direction: if direction == DVec3::ZERO { DVec3::Z } else { direction } }
+}
+
+#[test]
+fn the_tree_equals_brute_force() {
+    let mut random = Random(1);
+    for count in [0, 1, 2, 3, 8, 300] {
+        let geometry = random_geometry(&mut random, count);
+        let bvh = Bvh::build(&geometry);
+        for _ in 0..4000 {
+            let probe = Probe::new(random_ray(&mut random));
+            let expected = brute_force(&geometry, &probe);
+            for (level, hit) in on_all_levels(|| bvh.closest(&geometry, &probe)) {
+                assert_eq!(hit, expected, "{probe:?}, {level:?}");
+            }
+            let t_max = random.unit() * 20.0;
+            let blocked = expected.is_some_and(|hit| hit.at.t < t_max);
+            for (level, occluded) in on_all_levels(|| bvh.occluded(&geometry, &probe, t_max)) {
+                assert_eq!(occluded, blocked, "{probe:?} {t_max}, {level:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_first_of_equals_wins() {
+    let sphere = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 });
+    let geometry = geometry(vec![sphere; 40]);
+    let bvh = Bvh::build(&geometry);
+    let mut random = Random(2);
+    for _ in 0..1000 {
+        let origin = random.point(1.0).normalize() * 5.0;
+        let probe = Probe::new(Ray { origin, direction: random.point(0.3) - origin });
+        assert_eq!(bvh.closest(&geometry, &probe).map(|hit| hit.primitive), Some(0));
+    }
+}
+
+#[test]
+fn flat_boxes_are_not_lost() {
+    let mut random = Random(3);
+    for _ in 0..20_000 {
+        let corner = random.point(5.0);
+        let (u, v) = (DVec3::X * random.unit(), DVec3::Z * random.unit());
+        let tile = Shape::Rectangle(Rectangle { corner, u, v });
+        let geometry = geometry([tile]);
+        let bvh = Bvh::build(&geometry);
+        let origin = random.point(100.0);
+        let aim = corner + u * random.unit() + v * if random.unit() < 0.5 { 0.0 } else { random.unit() };
+        let probe = Probe::new(Ray { origin, direction: aim - origin });
+        assert_eq!(bvh.closest(&geometry, &probe), brute_force(&geometry, &probe));
+    }
+}
+
+#[test]
+fn deep_trees_are_walked_to_the_end() {
+    // Each sphere holds all the ones before it: boxes that double in size make a chain of a tree.
+    let spheres = (0..220).map(|k| Sphere { center: DVec3::ZERO, radius: libm::exp2(f64::from(k - 110)) });
+    let geometry = geometry(spheres.map(Shape::Sphere));
+    let bvh = Bvh::build(&geometry);
+    let mut random = Random(4);
+    for _ in 0..300 {
+        let origin = random.point(1.0) * libm::exp2(200.0 * random.unit() - 100.0);
+        let probe = Probe::new(Ray { origin, direction: random.point(1.0) });
+        assert_eq!(bvh.closest(&geometry, &probe), brute_force(&geometry, &probe));
+    }
+}
+
+/// Eight rays, the bits of those that are looked along, and between which t.
+#[derive(Clone, Copy, Debug)]
+struct Eight {
+    rays: [Ray; 8],
+    wanted: u32,
+    min: [f64; 8],
+    max: [f64; 8],
+}
+
+impl Eight {
+    /// Neighbours from one place, or rays from anywhere to anywhere.
+    fn new(random: &mut Random) -> Self {
+        let first = random_ray(random);
+        let together = random.unit() < 0.6;
+        let rays = std::array::from_fn(|_| match together {
+            true => Ray { direction: first.direction + random.point(0.02), ..first },
+            false => random_ray(random),
+        });
+        let wanted = if random.unit() < 0.5 { 0xff } else { (256.0 * random.unit()) as u32 };
+        let min = [0; 8].map(|_| if random.unit() < 0.7 { 0.0 } else { 3.0 * random.unit() });
+        let max = [0; 8].map(|_| if random.unit() < 0.5 { f64::INFINITY } else { 20.0 * random.unit() });
+        Self { rays, wanted, min, max }
+    }
+
+    fn within<L: Level>(&self) -> Span<L::F64> {
+        Span { min: L::F64::from_array(self.min), max: L::F64::from_array(self.max) }
+    }
+
+    /// The rays that are looked along, with their numbers.
+    fn each(&self) -> impl Iterator<Item = (usize, Probe, Span<f64>)> {
+        lanes(self.wanted).map(|lane| {
+            let within = Span { min: self.min[lane], max: self.max[lane] };
+            (lane, Probe::new(self.rays[lane]), within)
+        })
+    }
+}
+
+struct Intersect<'a>(&'a Bvh, &'a Geometry, &'a Eight, Coherence);
+
+impl SimdKernel for Intersect<'_> {
+    type Output = [Option<Hit>; 8];
+
+    #[inline(always)]
+    fn run<L: Level>(self) -> Self::Output {
+        let Self(bvh, geometry, eight, coherence) = self;
+        let (ray, wanted) = (eight_rays::<L>(&eight.rays), L::Mask::from_bits(eight.wanted));
+        let stacks = &mut Stacks::default();
+        let hits = bvh.intersect::<L>(geometry, &ray, eight.within::<L>(), wanted, coherence, stacks).store();
+        std::array::from_fn(|lane| hits.lane(lane))
+    }
+}
+
+struct Occlude<'a>(&'a Bvh, &'a Geometry, &'a Eight, Coherence, Option<Passing<'a>>);
+
+impl SimdKernel for Occlude<'_> {
+    /// Bits of the rays that are blocked, and of those that are dimmed.
+    type Output = [u32; 2];
+
+    #[inline(always)]
+    fn run<L: Level>(self) -> [u32; 2] {
+        let Self(bvh, geometry, eight, coherence, passing) = self;
+        let (ray, wanted) = (eight_rays::<L>(&eight.rays), L::Mask::from_bits(eight.wanted));
+        let (within, stacks) = (eight.within::<L>(), &mut Stacks::default());
+        let found = bvh.occlusion::<L>(geometry, &ray, within, wanted, (coherence, passing), stacks);
+        [found.blocked.bits(), found.dimmed.bits()]
+    }
+}
+
+/// Worlds with and without a tree, for eight rays at a time.
+fn each_eight(mut test: impl FnMut(&Geometry, &Bvh, &Eight, &mut Random, Coherence)) {
+    let mut random = Random(5);
+    for count in [0, 1, 3, 11, 12, 300] {
+        let geometry = random_geometry(&mut random, count);
+        let bvh = Bvh::build(&geometry);
+        for _ in 0..1000 {
+            let eight = Eight::new(&mut random);
+            for coherence in [Coherence::Together, Coherence::Apart] {
+                test(&geometry, &bvh, &eight, &mut random, coherence);
+            }
+        }
+    }
+}
+
+#[test]
+fn eight_rays_meet_what_each_of_them_does() {
+    let mut met = 0;
+    each_eight(|geometry, bvh, eight, _, coherence| {
+        for (level, hits) in on_all_levels(|| dispatch(Intersect(bvh, geometry, eight, coherence))) {
+            for (lane, probe, within) in eight.each() {
+                let expected = bvh.closest_within(geometry, &probe, within);
+                assert_eq!(hits[lane], expected, "{level:?}, {coherence:?}, {lane} of {eight:?}");
+                met += u32::from(expected.is_some());
+            }
+        }
+    });
+    assert!(met > 10_000, "{met}");
+}
+
+#[test]
+fn eight_rays_are_blocked_where_each_of_them_is() {
+    let mut found = [0; 2];
+    each_eight(|geometry, bvh, eight, random, coherence| {
+        let flags: Vec<bool> = geometry.primitives.iter().map(|_| random.unit() < 0.3).collect();
+        let passing = (random.unit() < 0.7).then_some(Passing(&flags));
+        let stops = |index: usize| passing.is_none() || !flags[index];
+        let all = on_all_levels(|| dispatch(Occlude(bvh, geometry, eight, coherence, passing)));
+        for (lane, probe, within) in eight.each() {
+            let [mut blocked, mut dimmed] = [false; 2];
+            for (index, primitive) in geometry.primitives.iter().enumerate() {
+                let meets = primitive.occludes(&PreparedRay::<f64>::splat(&probe), within);
+                if stops(index) { blocked |= meets } else { dimmed |= meets }
+            }
+            let expected = [blocked, dimmed && !blocked];
+            for (level, bits) in &all {
+                let told = bits.map(|bits| bits >> lane & 1 == 1);
+                assert_eq!(told, expected, "{level:?}, {coherence:?}, {lane} of {eight:?}");
+            }
+            for (count, is) in found.iter_mut().zip(expected) {
+                *count += u32::from(is);
+            }
+        }
+    });
+    assert!(found.iter().all(|count| *count > 1000), "{found:?}");
+}

@@ -1,0 +1,113 @@
+//! World at t: systems that sample tracks and write only what differs.
+//!
+//! A value that stays equal is not written, so that what depends on it is not made again: see the change
+//! filters in [`crate::scene::extract`].
+
+use crate::appearance::environment::{Environment, EnvironmentTracks};
+use crate::appearance::fog::{Fog, FogTracks};
+use crate::appearance::light::{Light, LightTracks};
+use crate::appearance::light_groups::glow::Dimmer;
+use crate::appearance::material::{Material, MaterialTracks};
+use crate::base::math::{Aabb, DAffine3, DVec3};
+use crate::base::time::Time;
+use crate::camera::Camera;
+use crate::camera::path::{CameraPath, NoCamera};
+use crate::geometry::shape::Shape;
+use crate::geometry::transform::TransformTracks;
+use crate::world::{
+    ActiveCamera, Current, Hierarchy, Now, Objects, Transform, Visible, VisibleTrack, Weight,
+};
+use bevy_ecs::change_detection::DetectChangesMut;
+use bevy_ecs::system::{Query, Res, ResMut};
+
+/// Places every object, parents before children.
+pub fn transforms(
+    now: Res<Now>,
+    hierarchy: Res<Hierarchy>,
+    mut objects: Query<(&TransformTracks, &VisibleTrack, &mut Transform, &mut Visible)>,
+) {
+    for &(entity, parent) in &hierarchy.0 {
+        let parent = parent.and_then(|parent| objects.get(parent).ok());
+        let parent = parent.map(|(_, _, transform, visible)| (transform.0, visible.0));
+        let Ok((tracks, visible_track, mut transform, mut visible)) = objects.get_mut(entity) else {
+            continue;
+        };
+        let (affine, shown) = placed(tracks, visible_track, parent, now.0.time);
+        transform.set_if_neq(Transform(affine));
+        visible.set_if_neq(Visible(shown));
+    }
+}
+
+/// Where an object is in the world and whether it is shown, given the same of its parent.
+fn placed(
+    tracks: &TransformTracks,
+    visible: &VisibleTrack,
+    parent: Option<(DAffine3, bool)>,
+    time: Time,
+) -> (DAffine3, bool) {
+    let (affine, visible) = (tracks.at(time), visible.0.at(time));
+    match parent {
+        Some((outer, shown)) => (outer * affine, shown && visible),
+        None => (affine, visible),
+    }
+}
+
+pub fn materials(now: Res<Now>, mut materials: Query<(&MaterialTracks, &mut Material)>) {
+    for (tracks, mut material) in &mut materials {
+        let layer = material.emission_layer;
+        material.set_if_neq(tracks.at(now.0.time, layer));
+    }
+}
+
+pub fn lights(now: Res<Now>, mut lights: Query<(&LightTracks, &mut Light)>) {
+    for (tracks, mut light) in &mut lights {
+        let moved = Light { source: tracks.kind.at(now.0.time), ..*light };
+        light.set_if_neq(moved);
+    }
+}
+
+/// Turns the sky, and fills it with fog.
+pub fn air(
+    now: Res<Now>,
+    mut skies: Query<(&EnvironmentTracks, &mut Environment)>,
+    mut fogs: Query<(&FogTracks, &mut Fog)>,
+) {
+    for (tracks, mut environment) in &mut skies {
+        let layer = environment.layer;
+        environment.set_if_neq(tracks.at(now.0.time, layer));
+    }
+    for (tracks, mut fog) in &mut fogs {
+        let glow = fog.glow;
+        fog.set_if_neq(tracks.at(now.0.time, glow));
+    }
+}
+
+/// Switches and fades lights: from frame to frame, not while a shutter is open.
+pub fn weights(now: Res<Now>, mut dimmed: Query<(&Dimmer, &mut Weight)>) {
+    for (dimmer, mut weight) in &mut dimmed {
+        let value = Weight { value: dimmer.at(now.0.start), ..*weight };
+        weight.set_if_neq(value);
+    }
+}
+
+/// Moves the camera that is looked through. A moment without a camera is an error that ends the run.
+pub fn camera(
+    now: Res<Now>,
+    active: Res<ActiveCamera>,
+    paths: Query<&CameraPath>,
+    objects: Res<Objects>,
+    placed: Query<(&Shape, &Transform)>,
+    mut camera: ResMut<Current<Option<Camera>>>,
+) -> Result<(), NoCamera> {
+    let index = active.index.at(now.0.start).min(active.cameras.len() - 1);
+    let Ok(path) = paths.get(active.cameras[index]) else { return Ok(()) };
+    let sharp = path.focus_object().and_then(|index| placed.get(*objects.0.get(index)?).ok());
+    let sharp = sharp.map(|(shape, transform)| middle(shape, transform));
+    camera.set_if_neq(Current(Some(path.at(&now.0, sharp)?)));
+    Ok(())
+}
+
+/// The middle of an object: that of the box around its shape or, for what has none, its origin.
+fn middle(shape: &Shape, transform: &Transform) -> DVec3 {
+    transform.0.transform_point3(shape.bounds().map_or(DVec3::ZERO, Aabb::centre))
+}
