@@ -9,7 +9,6 @@ mod command;
 mod support;
 
 mod rooms;
-mod bad_input;
 mod bounces;
 mod inputs;
 mod cli;

