@@ -17,9 +17,9 @@
 
 use kinora::base::lanes::{Level, Mask as _, Row as _, SimdKernel, Single as _, Vec3, dispatch};
 use kinora::base::math::{DVec3, LaneRay, Ray};
-use kinora::geometry::bvh::{Probe, Stack};
-use kinora::geometry::mesh::{self, Normals, Parts};
-use kinora::geometry::shape::{Geometric as _, Mesh, PreparedRay, Span};
+use kinora::geometry::bvh::{Stack, TraversalRay};
+use kinora::geometry::mesh::{self, MeshData, Normals};
+use kinora::geometry::shape::{Geometric as _, Mesh, PreparedRay, RayInterval};
 use rustix::time::{ClockId, clock_gettime};
 use std::error::Error;
 use std::fmt::Write as _;
@@ -148,13 +148,13 @@ impl SimdKernel for Singles<'_> {
         let Self { mesh, rays, any, hits } = self;
         let mut stack = Stack::default();
         for (ray, hit) in rays.iter().zip(hits) {
-            let (probe, within) = (Probe::new(ray.ray()), Span::up_to(f64::from(ray.t_max)));
+            let (probe, within) = (TraversalRay::new(ray.ray()), RayInterval::up_to(f64::from(ray.t_max)));
             *hit = (NONE, ray.t_max);
             if any {
                 if mesh.any_on::<L>(&probe, within, &mut stack) {
                     hit.0 = 0;
                 }
-            } else if let Some(found) = mesh.nearest_on::<L>(&probe, within, &mut stack) {
+            } else if let Some(found) = mesh.closest_on::<L>(&probe, within, &mut stack) {
                 *hit = (found.part, found.t as f32);
             }
         }
@@ -217,7 +217,7 @@ impl SimdKernel for Bundles<'_> {
             let [x, y, z, dx, dy, dz, end] = rows;
             let (origin, direction) = (vector::<L>(x, y, z), vector::<L>(dx, dy, dz));
             let ray = PreparedRay::new(LaneRay { origin, direction });
-            let within = Span::up_to(numbers::<L>(end));
+            let within = RayInterval::up_to(numbers::<L>(end));
             if self.any {
                 let blocked = self.mesh.occludes(&ray, within).bits();
                 for (lane, hit) in hits.iter_mut().enumerate() {
@@ -267,13 +267,13 @@ fn load(path: &Path) -> Outcome<(Mesh, [f64; 2])> {
     let [vertices, triangles] = [words[0] as usize, words[1] as usize];
     let (positions, indices) = words[2..].split_at(3 * vertices);
     let float = |word: u32| f64::from(f32::from_bits(word));
-    let parts = Parts {
+    let parts = MeshData {
         positions: positions
             .chunks_exact(3)
             .map(|p| DVec3::new(float(p[0]), float(p[1]), float(p[2])))
             .collect(),
         triangles: indices[..3 * triangles].chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
-        ..Parts::default()
+        ..MeshData::default()
     };
     let mut times = Vec::new();
     for _ in 1..BUILDS {
@@ -289,9 +289,9 @@ fn load(path: &Path) -> Outcome<(Mesh, [f64; 2])> {
     Ok((Mesh { mesh: Arc::new(mesh), normals: Normals::Flat }, [median(0), median(1)]))
 }
 
-fn build(parts: Parts) -> Outcome<(mesh::Mesh, [f64; 2])> {
+fn build(parts: MeshData) -> Outcome<(mesh::TriangleMesh, [f64; 2])> {
     let (start, before) = (Instant::now(), seconds_by(ClockId::ProcessCPUTime));
-    let mesh = mesh::Mesh::new(parts).map_err(|error| error.to_string())?;
+    let mesh = mesh::TriangleMesh::new(parts).map_err(|error| error.to_string())?;
     let cpu = seconds_by(ClockId::ProcessCPUTime) - before;
     Ok((mesh, [1e3 * start.elapsed().as_secs_f64(), 1e3 * cpu]))
 }

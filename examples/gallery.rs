@@ -5,7 +5,7 @@
 //! cargo run --release --example gallery      then: all of them; or with names, those
 //! ```
 
-use kinora::base::stats::Meter;
+use kinora::base::stats::ProgressMeter;
 use kinora::encode::{Existing, Output};
 use kinora::pipeline::render::{Request, Reuse, render};
 use kinora::sequence::load;
@@ -63,7 +63,7 @@ fn picture(name: &str, frames: &[u32], samples: u32) -> Result<(), Box<dyn Error
             reuse: Reuse::Share,
             time_limit: None,
         };
-        let summary = render(&sequence, &request, &Arc::new(Meter::default()))?;
+        let summary = render(&sequence, &request, &Arc::new(ProgressMeter::default()))?;
         writeln!(stdout(), "{output}: {:.1} s", summary.elapsed.as_secs_f64())?;
     }
     Ok(())

@@ -3,17 +3,18 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "a panic is how a fault is found")]
 #![allow(dead_code, reason = "each fuzz target uses one of these")]
 
-use kinora::appearance::texture::{Encoding, Image};
+use kinora::appearance::texture::{ColorEncoding, Image};
 use kinora::base::cancel::Stop;
 use kinora::base::color::Rgb;
 use kinora::base::frame_set::FrameSet;
-use kinora::base::stats::Meter;
+use kinora::base::stats::ProgressMeter;
 use kinora::base::time::Rate;
 use kinora::encode::{
-    About, Assembly, EncodeError, Encoder, Existing, Formats, Job, MATTE, Output, Picture, Seen, Tonemap,
+    AnimationAssembler, EncodeError, EncodeJob, Encoder, Existing, Formats, FrameKey, MATTE, Output, Picture,
+    SequenceInfo, Tonemap,
 };
 use kinora::film::Film;
-use kinora::geometry::mesh::{self, Mesh};
+use kinora::geometry::mesh::{self, TriangleMesh};
 use kinora::import;
 use kinora::pipeline::schedule::{FilmSink, FrameLoop};
 use kinora::sequence::{Sequence, parse};
@@ -54,7 +55,7 @@ pub fn frame(bytes: &[u8]) {
     (quality.antialias, quality.samples, quality.shutter_steps) = (1, 1, 1);
     quality.bounces = quality.bounces.min(4);
     let last = sequence.timeline.frames - 1;
-    let mut frames = FrameLoop::new(&sequence, Nowhere, Meter::default().into());
+    let mut frames = FrameLoop::new(&sequence, Nowhere, ProgressMeter::default().into());
     // A frame may lack a camera; none may panic.
     let _ = frames.frame(0).and_then(|()| frames.frame(last));
 }
@@ -89,8 +90,8 @@ pub fn ply(bytes: &[u8]) {
     built(import::ply::read_sized(bytes, bytes.len() as u64));
 }
 
-fn built(parts: Result<mesh::Parts, mesh::MeshError>) {
-    match parts.and_then(Mesh::new) {
+fn built(parts: Result<mesh::MeshData, mesh::MeshError>) {
+    match parts.and_then(TriangleMesh::new) {
         Ok(mesh) => assert!(!mesh.smooth_normals().is_empty()),
         Err(error) => assert!(!error.to_string().is_empty()),
     }
@@ -98,7 +99,7 @@ fn built(parts: Result<mesh::Parts, mesh::MeshError>) {
 
 /// An image file of any format.
 pub fn picture(bytes: &[u8]) {
-    match Image::decode(bytes, Encoding::Srgb) {
+    match Image::decode(bytes, ColorEncoding::Srgb) {
         Ok(image) => assert!(image.width() > 0 && image.height() > 0),
         Err(error) => assert!(!error.to_string().is_empty()),
     }
@@ -111,10 +112,10 @@ pub fn kept(bytes: &[u8]) {
     let name = ["f_#.png", "f_#.exr"][usize::from(format % 2)];
     let output = Output::parse(folder.path().join(name)).expect("an output");
     let mut job = job(&output, (2, 1), 1);
-    job.seen = vec![Seen::default()];
+    job.frame_keys = vec![FrameKey::default()];
     std::fs::write(output.path(0), bytes).expect("a disk");
     let pool = Arc::new(rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread"));
-    let start = |job: Job| Encoder::start(job, Arc::clone(&pool), &Stop::default()).expect("a job");
+    let start = |job: EncodeJob| Encoder::start(job, Arc::clone(&pool), &Stop::default()).expect("a job");
     let mut encoder = start(job.clone());
     if encoder.missing() == [0] {
         encoder.push(0, Film::new(2, 1, vec![Rgb::ONE])).expect("a film");
@@ -139,9 +140,9 @@ pub fn gif(bytes: &[u8]) {
     formats.gif.colors = u16::from(colors).max(1) + 1;
     let rate = Rate::new(i128::from(rate % 60) + 1, 1).expect("a rate");
     let output = Output::parse(&path).expect("an output");
-    let job = Job { rate, formats, ..job(&output, (width, height), frames as u32) };
+    let job = EncodeJob { rate, formats, ..job(&output, (width, height), frames as u32) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
-    let mut assembly = Assembly::start(job, Arc::new(pool)).expect("a job");
+    let mut assembly = AnimationAssembler::start(job, Arc::new(pool)).expect("a job");
     for rgb in &pictures {
         assembly.push(&Picture::opaque(width, height, rgb.clone())).expect("a frame");
     }
@@ -161,13 +162,13 @@ pub fn gif(bytes: &[u8]) {
 }
 
 /// What writes so many frames into one output.
-fn job(output: &Output, size: (u32, u32), frames: u32) -> Job {
-    Job {
+fn job(output: &Output, size: (u32, u32), frames: u32) -> EncodeJob {
+    EncodeJob {
         outputs: vec![output.clone()],
         confined: false,
         existing: Existing::Keep,
         frames: (0..frames).collect(),
-        seen: Vec::new(),
+        frame_keys: Vec::new(),
         rate: Rate::default(),
         size,
         tonemap: Tonemap::default(),
@@ -175,7 +176,7 @@ fn job(output: &Output, size: (u32, u32), frames: u32) -> Job {
         matte: MATTE,
         caption: None,
         formats: Formats::default(),
-        about: About::default(),
+        info: SequenceInfo::default(),
     }
 }
 

@@ -7,15 +7,16 @@
 //!                       World(t)   Scene       Bvh        Film    files
 //! ```
 //!
-//! The modules below are rooms that stand in the order of that flow. A room may use those above it, never those below.
+//! In: the text of a sequence. Out: pictures and animations.
+//! The modules below are rooms in the order of that flow. A room may use the rooms above it, never those below.
 
-// Ground.
+// Foundations.
 pub mod base;
 pub mod sampling;
 pub mod film;
 pub mod track;
 
-// What a scene consists of.
+// The parts of a scene.
 pub mod camera;
 pub mod geometry;
 pub mod appearance;
@@ -25,12 +26,12 @@ pub mod import;
 pub mod encode;
 pub mod sequence;
 
-// Sequence → World → World at t → Scene → Film.
+// Sequence → World → World at time t → Scene → Film.
 pub mod world;
 pub mod scene;
 pub mod trace;
 
-// The only place that knows the systems' order, and what is built on it.
+// The order of the systems, and everything built on it.
 pub mod pipeline;
 pub mod accuracy;
 pub mod farm;

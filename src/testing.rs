@@ -1,17 +1,21 @@
-//! What tests share: random numbers of their own, the same in every run, and geometry.
+//! Shared test utilities: reproducible random numbers, statistics and geometry.
+//!
+//! In: seeds, samplers and shapes.
+//! Out: random numbers, probabilities and packed geometry.
+//! Uses `base`, `geometry`, `appearance` and `scene`.
 
 mod random;
 
 pub use random::Random;
 
-use crate::appearance::material::MadeOf;
+use crate::appearance::material::MaterialBinding;
 use crate::base::lanes::{Level, Row, Vec3};
 use crate::base::math::{Angle, DAffine3, DVec3, LaneRay, Ray};
 use crate::geometry::shape::Shape;
 use crate::scene::{Finish, Geometry};
 
 impl Random {
-    /// Evenly over the sphere.
+    /// A uniformly distributed direction.
     pub fn direction(&mut self) -> DVec3 {
         let z = 2.0 * self.unit() - 1.0;
         let turn = Angle(360.0 * self.unit()).cos_sin();
@@ -20,12 +24,12 @@ impl Random {
     }
 }
 
-/// Cells of the sphere along z and around it; all of the same area.
+/// Cells of the sphere in z and azimuth, all of the same area.
 const CELLS: (usize, usize) = (20, 40);
 
-/// The chance that a sampler of the stated density strays from it as far as `draw` did, or farther: a chi-square
-/// test over cells of equal area, few of which are merged until each expects at least 5 hits. `draw` gives a
-/// direction, or none where it has none; `density` is per solid angle.
+/// The p-value of a chi-square test: the probability that a sampler with this density deviates at least as much as
+/// `draw` does. Cells have equal areas, and neighbours are merged until each expects at least 5 hits. `draw` returns a
+/// direction or None; `density` is per solid angle.
 pub fn chi_square(
     count: u32,
     mut draw: impl FnMut() -> Option<DVec3>,
@@ -46,7 +50,7 @@ pub fn chi_square(
     let expected = |cell: usize| cell_mean(cell, &density) * area * f64::from(count);
     let expected: Vec<f64> = (0..rows * columns).map(expected).collect();
     let whole: f64 = expected.iter().sum();
-    // What is never drawn is missing from the density as well.
+    // Samples without a direction are missing from the density as well.
     assert!((whole - drawn).abs() <= 4.0 * whole.sqrt() + 0.002 * whole, "{drawn} drawn, {whole} expected");
     let (mut statistic, mut freedom, mut merged) = (0.0, -1.0, (0.0, 0.0));
     for (hits, expected) in hits.iter().zip(&expected) {
@@ -57,13 +61,13 @@ pub fn chi_square(
             merged = (0.0, 0.0);
         }
     }
-    // Wilson and Hilferty (1931): the cube root is nearly normal.
+    // Wilson and Hilferty (1931): the cube root is approximately normal.
     let spread = 2.0 / (9.0 * freedom);
     let normal = (libm::cbrt(statistic / freedom) - (1.0 - spread)) / libm::sqrt(spread);
     0.5 * libm::erfc(normal / std::f64::consts::SQRT_2)
 }
 
-/// The mean of a density over a cell, from a grid of points in it.
+/// The mean of a density over a cell, from a grid of points.
 fn cell_mean(cell: usize, density: impl Fn(DVec3) -> f64) -> f64 {
     const POINTS: usize = 24;
     let (rows, columns) = CELLS;
@@ -77,7 +81,7 @@ fn cell_mean(cell: usize, density: impl Fn(DVec3) -> f64) -> f64 {
     (0..POINTS * POINTS).map(at).sum::<f64>() / (POINTS * POINTS) as f64
 }
 
-/// Eight rays in lanes.
+/// Packs eight rays into lanes.
 #[inline(always)]
 pub fn eight_rays<L: Level>(rays: &[Ray; 8]) -> LaneRay<L::F64> {
     let (mut origins, mut directions) = ([DVec3::ZERO; 8], [DVec3::ZERO; 8]);
@@ -87,7 +91,7 @@ pub fn eight_rays<L: Level>(rays: &[Ray; 8]) -> LaneRay<L::F64> {
     LaneRay { origin: eight_vectors::<L>(origins), direction: eight_vectors::<L>(directions) }
 }
 
-/// Eight vectors in lanes.
+/// Packs eight vectors into lanes.
 #[inline(always)]
 pub fn eight_vectors<L: Level>(all: [DVec3; 8]) -> Vec3<L::F64> {
     let (mut x, mut y, mut z) = ([0.0; 8], [0.0; 8], [0.0; 8]);
@@ -97,11 +101,11 @@ pub fn eight_vectors<L: Level>(all: [DVec3; 8]) -> Vec3<L::F64> {
     Vec3::new(L::F64::from_array(x), L::F64::from_array(y), L::F64::from_array(z))
 }
 
-/// Shapes of the first material where they stand.
+/// Shapes with the first material, not transformed.
 pub fn geometry(shapes: impl IntoIterator<Item = Shape>) -> Geometry {
     let mut geometry = Geometry::default();
-    shapes
-        .into_iter()
-        .for_each(|shape| geometry.push(&shape, DAffine3::IDENTITY, Finish::Material(MadeOf::One(0))));
+    shapes.into_iter().for_each(|shape| {
+        geometry.push(&shape, DAffine3::IDENTITY, Finish::Material(MaterialBinding::One(0)))
+    });
     geometry
 }

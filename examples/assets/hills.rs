@@ -4,7 +4,7 @@
 
 use kinora::base::math::DVec3;
 use kinora::geometry::mesh::generate::icosphere;
-use kinora::geometry::mesh::{Corners, Parts};
+use kinora::geometry::mesh::{Corners, MeshData};
 use std::collections::BTreeMap;
 
 /// Small triangles along an edge of the icosahedron: 20 · 209² triangles in all.
@@ -14,11 +14,11 @@ const PIECES: u32 = 209;
 const WAVES: u32 = 6;
 
 /// About 873,000 triangles with normals.
-pub fn parts() -> Parts {
+pub fn parts() -> MeshData {
     hills(PIECES)
 }
 
-fn hills(pieces: u32) -> Parts {
+fn hills(pieces: u32) -> MeshData {
     let mut parts = cut(pieces);
     for position in &mut parts.positions {
         let point = position.normalize();
@@ -33,8 +33,8 @@ fn hills(pieces: u32) -> Parts {
 }
 
 /// The icosahedron with each face cut into `pieces`² triangles. Positions ascend by x, then y, then z.
-fn cut(pieces: u32) -> Parts {
-    let Parts { positions: corners, triangles: faces, .. } = icosphere(0);
+fn cut(pieces: u32) -> MeshData {
+    let MeshData { positions: corners, triangles: faces, .. } = icosphere(0);
     let mut points = Vec::new();
     for face in &faces {
         let [a, b, c] = face.map(|corner| corners[corner as usize]);
@@ -56,7 +56,7 @@ fn cut(pieces: u32) -> Parts {
     }
     let vertices: Vec<u32> = points.iter().map(|point| indices[&key(point)].0).collect();
 
-    let mut parts = Parts::default();
+    let mut parts = MeshData::default();
     parts.positions.extend(indices.values().map(|(_, point)| *point));
     for face in vertices.chunks_exact(vertices.len() / faces.len()) {
         // The rows of points become shorter by one each.
@@ -94,7 +94,7 @@ fn height(mut point: DVec3) -> f64 {
 }
 
 /// Triangles count by their area.
-fn normals(parts: &Parts) -> Vec<glam::Vec3> {
+fn normals(parts: &MeshData) -> Vec<glam::Vec3> {
     let mut sums = vec![DVec3::ZERO; parts.positions.len()];
     for triangle in &parts.triangles {
         let [a, b, c] = triangle.map(|vertex| parts.positions[vertex as usize]);

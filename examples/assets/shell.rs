@@ -4,7 +4,7 @@
 use crate::paint::{noise, rgb, smooth};
 use kinora::base::color::{Rgb, srgb_to_linear};
 use kinora::base::math::DVec3;
-use kinora::geometry::mesh::Parts;
+use kinora::geometry::mesh::MeshData;
 use std::f64::consts::TAU;
 
 const TURNS: f64 = 7.5;
@@ -23,8 +23,8 @@ const AROUND: u32 = 144;
 const INNER: u32 = 250;
 
 /// About 533,000 triangles, 3 high, with its lower end at y = 0.
-pub fn parts() -> Parts {
-    let mut parts = Parts::default();
+pub fn parts() -> MeshData {
+    let mut parts = MeshData::default();
     for row in 0..=ALONG {
         for column in 0..AROUND {
             let (point, color) = vertex(row, TAU * f64::from(column) / f64::from(AROUND));

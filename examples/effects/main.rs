@@ -11,7 +11,7 @@ mod cases;
 mod page;
 
 use cases::{CASES, Case, IDLE};
-use kinora::base::stats::Meter;
+use kinora::base::stats::ProgressMeter;
 use kinora::encode::{Existing, Output};
 use kinora::pipeline::render::{Request, Reuse, Summary, render};
 use kinora::sequence::Sequence;
@@ -96,7 +96,7 @@ fn shot(sequence: &Sequence, file: &str) -> Result<Summary, Box<dyn Error>> {
         reuse: Reuse::Off,
         time_limit: None,
     };
-    Ok(render(sequence, &request, &Arc::new(Meter::default()))?)
+    Ok(render(sequence, &request, &Arc::new(ProgressMeter::default()))?)
 }
 
 /// Instructions of a small picture, as valgrind counts them; none without it.

@@ -1,51 +1,52 @@
-//! How many samples fit into a time: a pilot tells what samples cost, and what error they leave.
+//! The number of samples that fit into a time limit. A pilot measures what samples cost and what error they leave.
 
-use super::clock::Clock;
-use crate::pipeline::plan::{Outlook, Patience, Plan, look_ahead};
+use crate::base::clock::TimeSource;
+use crate::pipeline::plan::{Outlook, PilotTime, Plan, run_pilot};
 use crate::pipeline::render::{RenderError, Request, extras, pool};
 use crate::sequence::Sequence;
 use crate::sequence::quality::{NoiseTarget, Quality};
 use std::time::Duration;
 
-/// Samples that fit, and what to expect of them.
+/// The samples that fit into a time limit, and the predicted time and error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Budget {
-    /// With as many samples as fit: random ones, or on a grid where nothing is random. If there is an error to reach, they
-    /// are the most that a pixel may have.
+    /// The file's quality with as many samples as fit: random samples or, if nothing is random, a grid. With a noise
+    /// target, this number is the limit per pixel.
     pub quality: Quality,
-    /// Seconds that tracing all films should take.
+    /// Predicted wall time of tracing all films, in seconds.
     pub wall: f64,
-    /// Of all processors together, where the system tells.
+    /// Predicted processor time of all threads, in seconds, if the system reports processor times.
     pub cpu: Option<f64>,
-    /// Expected of the worst frame, as a share of brightness; none where nothing is random.
+    /// Predicted error of the worst frame, as a share of its brightness; `None` if nothing is random.
     pub error: Option<f64>,
-    /// Seconds that the pilot took.
+    /// Wall time of the pilot, in seconds.
     pub spent: f64,
-    /// Whether it is the error that ends the run, and not the time.
+    /// Whether the noise target ends the run, rather than the time limit.
     pub reached: bool,
 }
 
-/// Share of the time that may be spent on finding out.
-const SHARE: f64 = 0.08;
+/// Share of the time limit that the pilot may take.
+const PILOT_SHARE: f64 = 0.08;
 
-/// The time of an error is known to about this share. What is longer than the limit without it ends at the limit.
-const DOUBT: f64 = 0.15;
+/// Relative uncertainty of the predicted time of a noise target. The target counts as reached in time only if the
+/// prediction fits into the limit with this margin.
+const TIME_UNCERTAINTY: f64 = 0.15;
 
-/// Finds how many samples fit into `limit` of tracing the frames of `request`, the pilot included. If the sequence has an
-/// error to reach, these are the most that a pixel may have, unless the error is reached before the limit.
+/// Finds how many samples fit if tracing the frames of `request` may take `limit`, the pilot included. If the
+/// sequence has a noise target that takes longer, this number becomes the limit per pixel.
 pub fn budget(
     sequence: &Sequence,
     request: &Request,
     limit: Duration,
-    clock: Clock,
+    clock: TimeSource,
 ) -> Result<Budget, RenderError> {
     let limit = limit.as_secs_f64();
     let extras = extras(sequence, &request.outputs);
     let room = request.reuse.budget(sequence, extras);
-    let patience = Patience { seconds: SHARE * limit, share: f64::INFINITY };
+    let patience = PilotTime { seconds: PILOT_SHARE * limit, share: f64::INFINITY };
     let outlook = pool(request.threads)?.install(|| {
         let plan = Plan::new(sequence, &request.frames, extras, room);
-        look_ahead(sequence, &plan, extras, patience, clock)
+        run_pilot(sequence, &plan, extras, patience, clock)
     });
     let spent = outlook.spent.wall;
     let (quality, reached) = settle(&outlook, &sequence.quality, limit - spent);
@@ -60,13 +61,13 @@ pub fn budget(
     })
 }
 
-/// The samples for so many seconds, and whether the error is reached before.
+/// The quality that fits into `seconds`, and whether the noise target is reached before.
 fn settle(outlook: &Outlook, own: &Quality, seconds: f64) -> (Quality, bool) {
     let fitting = outlook.fitting(own, seconds);
     let Some(target) = own.noise.filter(|_| outlook.is_random()) else { return (fitting, false) };
     let free = outlook.forecast(own);
-    let reached = free.missed == 0 && (1.0 + DOUBT) * free.wall.mid <= seconds;
+    let reached = free.missed == 0 && (1.0 + TIME_UNCERTAINTY) * free.wall.mid <= seconds;
     let most = if reached { target.most } else { fitting.samples.min(target.most) };
-    // Files tell `samples`.
+    // Frame files record `samples`.
     (Quality { samples: most, noise: Some(NoiseTarget { most, ..target }), ..*own }, reached)
 }

@@ -1,11 +1,11 @@
-//! Sequences with one thing changed: an effect, a light or an object switched off, or a remedy for fireflies. What
-//! each of them costs and adds is the difference to the sequence as it is.
+//! Sequences with one change: an effect, a light or an object switched off, or a remedy for fireflies. The difference
+//! to the original sequence shows what each of them costs and adds.
 
 use super::layering::Layering;
 use crate::appearance::environment::SkyTracks;
 use crate::appearance::light::{LightKind, LightTracks};
-use crate::appearance::material::{Level, Lobe, MaterialTracks};
-use crate::appearance::texture::PaintTracks;
+use crate::appearance::material::{LobeTracks, MaterialTracks, ScalarTextureTracks};
+use crate::appearance::texture::TextureTracks;
 use crate::base::color::Rgb;
 use crate::base::time::Time;
 use crate::geometry::shape::Shape;
@@ -14,23 +14,23 @@ use crate::track::Animated;
 
 /// How a sequence differs from the file's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Change {
+pub enum SceneChange {
     #[default]
     None,
-    /// Light is kept apart in another way, which shows in no picture.
+    /// Lights are assigned to film layers in another way, which does not change the picture.
     Layers(Layering),
-    Without(Effect),
+    Without(SceneEffect),
     /// By its index in the sequence.
     LightOff(usize),
-    /// By its index in the sequence; what moves with the object is hidden too.
+    /// By its index in the sequence; its children are hidden too.
     ObjectHidden(usize),
-    /// Area lights of twice the size that send out as much light.
+    /// Area lights of twice the size and the same power.
     LargerLights,
 }
 
-/// What a scene may have, and can be rendered without.
+/// A part of the scene description that a sequence can be rendered without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Effect {
+pub enum SceneEffect {
     Fog,
     Ambient,
     Background,
@@ -46,7 +46,7 @@ pub enum Effect {
     Textures,
 }
 
-impl Effect {
+impl SceneEffect {
     pub const ALL: [Self; 13] = [
         Self::Fog,
         Self::Ambient,
@@ -93,13 +93,13 @@ impl Effect {
     }
 
     fn remove_from(self, material: &mut MaterialTracks) {
-        let off = |lobe: &mut Lobe| lobe.strength = 0.0.into();
+        let off = |lobe: &mut LobeTracks| lobe.strength = 0.0.into();
         match self {
             Self::Emission => off(&mut material.emission),
             Self::Highlights => off(&mut material.specular),
             Self::Mirrors => off(&mut material.mirror),
             Self::Roughness => {
-                let sharp = || Level::Even(0.0.into());
+                let sharp = || ScalarTextureTracks::Constant(0.0.into());
                 (material.fuzz, material.roughness) = (sharp(), sharp());
             }
             Self::Transparency => off(&mut material.transparency),
@@ -111,26 +111,26 @@ impl Effect {
     }
 }
 
-/// Takes a material's paints for grey, and paint of other numbers for a half.
+/// Replaces textures by grey, and textures of scalars by 0.5.
 fn plain(material: &mut MaterialTracks) {
     const GREY: f32 = 0.5;
     let MaterialTracks { emission, ambient, diffuse, specular, mirror, transparency, refraction, .. } =
         material;
     let lobes = [emission, ambient, diffuse, specular, mirror, transparency, refraction];
     for paint in lobes.into_iter().map(|lobe| &mut lobe.tint).chain([&mut material.base]) {
-        if !matches!(paint, PaintTracks::Color(_)) {
-            *paint = PaintTracks::Color(Rgb::splat(GREY).into());
+        if !matches!(paint, TextureTracks::Color(_)) {
+            *paint = TextureTracks::Color(Rgb::splat(GREY).into());
         }
     }
     for level in [&mut material.fuzz, &mut material.metallic, &mut material.roughness] {
-        if matches!(level, Level::Painted(_)) {
-            *level = Level::Even(f64::from(GREY).into());
+        if matches!(level, ScalarTextureTracks::Textured(_)) {
+            *level = ScalarTextureTracks::Constant(f64::from(GREY).into());
         }
     }
 }
 
-impl Change {
-    /// The sequence with the change; layers as they are best kept at `time`.
+impl SceneChange {
+    /// The sequence with the change; layerings and enlarged lights take their values at `time`.
     pub fn of(self, sequence: &Sequence, time: Time) -> Sequence {
         if let Self::Layers(layering) = self {
             return layering.of(sequence, time);
@@ -148,7 +148,7 @@ impl Change {
         sequence
     }
 
-    /// What is switched off, for tables.
+    /// The name of what is switched off, for tables.
     pub fn name(self, sequence: &Sequence) -> String {
         match self {
             Self::None => "nothing".to_owned(),
@@ -160,24 +160,24 @@ impl Change {
         }
     }
 
-    /// The effects that a sequence has at a moment and can be rendered without.
+    /// The removal of each effect that the sequence has at a moment.
     pub fn effects(sequence: &Sequence, time: Time) -> Vec<Self> {
-        let has = |effect: &Effect| {
+        let has = |effect: &SceneEffect| {
             let mut without = sequence.clone();
             effect.remove(&mut without);
             without != *sequence && effect.shows(sequence, time)
         };
-        Effect::ALL.into_iter().filter(has).map(Self::Without).collect()
+        SceneEffect::ALL.into_iter().filter(has).map(Self::Without).collect()
     }
 
-    /// The lights that shine at a moment.
+    /// The removal of each light that is on at a moment.
     pub fn lights(sequence: &Sequence, time: Time) -> Vec<Self> {
         let shines = |light: &LightTracks| light.on.at(time) && light.intensity.at(time) > 0.0;
         let lights = sequence.lights.iter().enumerate().filter(|(_, light)| shines(&light.value));
         lights.map(|(index, _)| Self::LightOff(index)).collect()
     }
 
-    /// The objects that may be seen at a moment.
+    /// The removal of each object that is visible at a moment.
     pub fn objects(sequence: &Sequence, time: Time) -> Vec<Self> {
         let seen = |object: &Object| object.visible.at(time) && object.shape != Shape::Group;
         let objects = sequence.objects.iter().enumerate().filter(|(_, object)| seen(&object.value));
@@ -185,11 +185,11 @@ impl Change {
     }
 }
 
-impl Effect {
-    /// Whether it may change the picture at a moment; in doubt yes.
+impl SceneEffect {
+    /// Whether the effect may change the picture at a moment; true if unsure.
     fn shows(self, sequence: &Sequence, time: Time) -> bool {
         let any = |of: &dyn Fn(&MaterialTracks) -> f64| sequence.materials.iter().any(|m| of(&m.value) > 0.0);
-        let strength = |lobe: &Lobe| lobe.strength.at(time);
+        let strength = |lobe: &LobeTracks| lobe.strength.at(time);
         match self {
             Self::Fog => sequence.fog.as_ref().is_some_and(|fog| fog.density.at(time) > 0.0),
             Self::Ambient => any(&|material| strength(&material.ambient)),
@@ -205,7 +205,7 @@ impl Effect {
     }
 }
 
-/// Twice the size and a quarter of the radiance.
+/// Doubles the size of an area light and quarters its radiance.
 fn enlarge(light: &mut LightTracks, time: Time) {
     match &mut light.kind {
         LightKind::Sphere { radius, .. } => *radius = (2.0 * radius.at(time)).into(),
@@ -238,19 +238,22 @@ mod tests {
     #[test]
     fn only_what_a_scene_has_is_switched_off() {
         let (sequence, time) = (sequence(), Time::from_integer(0));
-        let effects = Change::effects(&sequence, time);
-        assert!(effects.contains(&Change::Without(Effect::Refraction)), "{effects:?}");
-        assert!(!effects.contains(&Change::Without(Effect::Fog)), "{effects:?}");
-        assert!(!effects.contains(&Change::Without(Effect::DepthOfField)), "{effects:?}");
-        assert_eq!(Change::lights(&sequence, time), [Change::LightOff(0), Change::LightOff(1)]);
-        assert_eq!(Change::objects(&sequence, time).len(), 2);
-        assert_eq!(Change::ObjectHidden(0).name(&sequence), "object \"ball\"");
+        let effects = SceneChange::effects(&sequence, time);
+        assert!(effects.contains(&SceneChange::Without(SceneEffect::Refraction)), "{effects:?}");
+        assert!(!effects.contains(&SceneChange::Without(SceneEffect::Fog)), "{effects:?}");
+        assert!(!effects.contains(&SceneChange::Without(SceneEffect::DepthOfField)), "{effects:?}");
+        assert_eq!(
+            SceneChange::lights(&sequence, time),
+            [SceneChange::LightOff(0), SceneChange::LightOff(1)]
+        );
+        assert_eq!(SceneChange::objects(&sequence, time).len(), 2);
+        assert_eq!(SceneChange::ObjectHidden(0).name(&sequence), "object \"ball\"");
     }
 
     #[test]
     fn larger_lights_send_out_as_much_light() {
         let time = Time::from_integer(0);
-        let larger = Change::LargerLights.of(&sequence(), time);
+        let larger = SceneChange::LargerLights.of(&sequence(), time);
         let LightKind::Sphere { radius, .. } = &larger.lights[1].value.kind else { panic!("a sphere") };
         assert_eq!((radius.at(time), larger.lights[1].value.intensity.at(time)), (1.0, 2.0));
         assert_eq!(larger.lights[0], sequence().lights[0]);

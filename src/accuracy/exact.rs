@@ -1,10 +1,10 @@
-//! Numbers of about 106 bits: an unevaluated sum of two f64 (Dekker, *A floating-point technique for extending the
-//! available precision*, 1971). The relative error of each operation is a few 2^-104.
+//! Double-double numbers of about 106 bits: the unevaluated sum of two f64 (Dekker, *A floating-point technique for
+//! extending the available precision*, 1971). The relative error of each operation is a few 2^-104.
 
 use crate::base::math::DVec3;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// `high` + `low`, of which `low` is at most half a unit in the last place of `high`.
+/// `high` + `low`, where `low` is at most half a unit in the last place of `high`.
 #[derive(Clone, Copy, Debug)]
 pub struct Exact {
     pub high: f64,
@@ -38,12 +38,12 @@ impl Exact {
         if self.high <= 0.0 {
             return Self::from(0.0);
         }
-        // A step of Newton's method doubles the digits.
+        // A step of Newton's method doubles the number of correct digits.
         let root = Self::from(self.high.sqrt());
         (root + self / root) * Self::from(0.5)
     }
 
-    /// To a whole power.
+    /// The number to an integer power.
     pub fn power(self, mut exponent: u32) -> Self {
         let (mut result, mut square) = (Self::from(1.0), self);
         while exponent > 0 {
@@ -122,7 +122,7 @@ impl Div for Exact {
     }
 }
 
-/// A vector of such numbers.
+/// A vector of double-double numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct Vector(pub [Exact; 3]);
 
@@ -172,14 +172,15 @@ impl Sub for Vector {
     }
 }
 
-/// Of a line and a sphere, from the point of the line next to the centre.
+/// The intersection of a line with a sphere.
 pub struct SphereChord {
-    /// Distance of that point from the centre.
+    /// Distance of the line from the centre.
     pub nearest: Exact,
-    /// Both roots, where there are any.
+    /// The line parameters of both intersections; `None` if the line misses the sphere.
     pub roots: Option<[Exact; 2]>,
 }
 
+/// Intersects a line with a sphere, measured from the line's point closest to the centre.
 pub fn sphere_chord(center: DVec3, radius: f64, origin: DVec3, direction: DVec3) -> SphereChord {
     let (from, d) = (Vector::from(origin) - Vector::from(center), Vector::from(direction));
     let square = d.dot(d);
@@ -208,7 +209,7 @@ mod tests {
         // (1 + e)(1 - e) = 1 - e² for e = 2^-52.
         let e = f64::EPSILON;
         assert_eq!((Exact::from(1.0 + e) * Exact::from(1.0 - e) - Exact::from(1.0)).value(), -e * e);
-        // 1.1^10 of the number that 1.1 is in f64, from exact integers.
+        // The tenth power of the f64 nearest to 1.1, computed with integers.
         let known = Exact { high: 2.593_742_460_100_002_4, low: 0.0 };
         assert!((Exact::from(1.1).power(10) - known).value().abs() < 1e-15);
     }

@@ -1,31 +1,31 @@
-//! The same light in more or fewer layers, to see what keeping it apart costs.
+//! The same light in more or fewer film layers, to measure what separate layers cost.
 
 use crate::appearance::light::LightTracks;
 use crate::base::time::Time;
 use crate::sequence::Sequence;
 use crate::track::{Animated, Ease, Key, Repeat, Track};
 
-/// How the light of lights is kept apart.
+/// Which lights share a film layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Layering {
-    /// As the sequence's keys have it.
+    /// As the keys of the sequence require.
     #[default]
-    Own,
-    /// Keys of lights hold what they are worth at the moment, so that all of them share a layer.
-    Together,
-    /// Every light by itself.
-    Apart,
+    AsKeyed,
+    /// All lights share one layer: their keys are replaced by their values at the moment.
+    Merged,
+    /// Each light has a layer of its own.
+    Separate,
 }
 
 impl Layering {
-    /// A sequence that looks the same at `time`, in these layers.
+    /// The sequence with this layering; it looks the same at `time`.
     pub fn of(self, sequence: &Sequence, time: Time) -> Sequence {
         let mut sequence = sequence.clone();
         let lights = sequence.lights.iter_mut().map(|light| &mut light.value);
         match self {
-            Self::Own => {}
-            Self::Together => lights.for_each(|light| hold(light, time)),
-            Self::Apart => lights.zip(1..).for_each(|(light, number)| set_apart(light, time, number)),
+            Self::AsKeyed => {}
+            Self::Merged => lights.for_each(|light| hold(light, time)),
+            Self::Separate => lights.zip(1..).for_each(|(light, number)| set_apart(light, time, number)),
         }
         sequence
     }
@@ -37,7 +37,7 @@ fn hold(light: &mut LightTracks, time: Time) {
     light.color = light.color.at(time).into();
 }
 
-/// Gives a light keys that no other one has, and that change nothing.
+/// Gives a light keys that no other light has and that do not change the picture.
 fn set_apart(light: &mut LightTracks, time: Time, number: i128) {
     let on = light.on.at(time);
     let key = |second| Key { time: Time::from_integer(second), value: on, ease: Ease::Step };
@@ -61,11 +61,11 @@ mod tests {
         let sequence = parse("test.ron", text).expect("a sequence");
         let time = Time::from_integer(1);
         let layers = |layering: Layering| layering.of(&sequence, time).layers();
-        assert_eq!([Layering::Together, Layering::Own, Layering::Apart].map(layers), [1, 3, 4]);
-        let apart = Layering::Apart.of(&sequence, time);
+        assert_eq!([Layering::Merged, Layering::AsKeyed, Layering::Separate].map(layers), [1, 3, 4]);
+        let apart = Layering::Separate.of(&sequence, time);
         for (light, own) in apart.lights.iter().zip(&sequence.lights) {
             assert_eq!(light.value.on.at(time), own.value.on.at(time));
         }
-        assert_eq!(Layering::Own.of(&sequence, time), sequence);
+        assert_eq!(Layering::AsKeyed.of(&sequence, time), sequence);
     }
 }

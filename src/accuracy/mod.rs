@@ -1,14 +1,11 @@
-//! How far results are off, and what each step of accuracy costs.
+//! In: a [`Sequence`](crate::sequence::Sequence), and the time that measuring may take.
+//! Out: errors and costs of settings ([`Measured`]) with advice, a report and plots; the matrix of hard cases.
+//! May use: `pipeline/` and the rooms before it.
 //!
 //! ```text
-//! Sequence ──settings──▶ what is tried ──measure──▶ Measured ─┬─ findings ▶ plain words and advice
-//!                                                            └─ report ▶ page, plots
+//! Sequence ──settings──▶ Experiment ──measure──▶ Measured ─┬─ findings ▶ plain words and advice
+//!                                                         └─ report ▶ page, plots
 //! ```
-
-pub mod image_error;
-pub mod plot;
-
-use crate::base::clock;
 
 mod budget;
 mod chains;
@@ -16,24 +13,28 @@ mod change;
 pub mod exact;
 mod findings;
 pub mod hard_cases;
+pub mod image_error;
 mod layering;
 pub mod measure;
+pub mod plot;
 mod precision;
+mod renderer;
 pub mod report;
 pub mod robustness;
 mod settings;
 mod settled;
 mod statistics;
-mod studio;
 
-pub use crate::base::clock::{Clock, Took, timed};
+use crate::base::clock;
+
+pub use crate::base::clock::{ElapsedTime, TimeSource, timed};
 pub use budget::{Budget, budget};
 pub use chains::Chain;
-pub use change::{Change, Effect};
-pub use findings::{Advice, described, factor, percent, seconds};
+pub use change::{SceneChange, SceneEffect};
+pub use findings::{Advice, describe, factor, percent, seconds};
 pub use layering::Layering;
-pub use measure::{Layer, Measured, Point, Request, Whole, measure};
-pub use precision::{Precision, of_cells, wrong_answers};
-pub use settings::{Axis, LeftOut, Setting, Settings};
+pub use measure::{Layer, Measured, MeasurementRequest, Point, SequenceCost, measure};
+pub use precision::{MethodSummary, method_summaries, wrong_answers};
+pub use settings::{Experiment, LeftOut, Setting, SettingAxis};
 pub use settled::{Settled, settled};
-pub use statistics::{Bias, Concentration, Estimate, Spread};
+pub use statistics::{Bias, Concentration, ConfidenceInterval, Quartiles};

@@ -1,18 +1,19 @@
-//! How many samples a run with a limit of time has: settled once, told by its frames, and kept by whoever goes on with it.
+//! The number of samples of a run with a time limit. A pilot settles it once, the frames record it, and later runs
+//! with the same limit reuse it.
 
 use super::budget::{Budget, budget};
-use super::clock::Clock;
+use super::clock::TimeSource;
 use crate::pipeline::render::{self, RenderError, Request};
 use crate::sequence::Sequence;
 use crate::sequence::quality::Quality;
 use std::time::Duration;
 
-/// How many samples a run has, and who says so.
+/// The quality that a run with a time limit renders with, by its origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Settled {
-    /// Frames that are there, of an earlier run with the same limit over as many frames.
+    /// Read from existing frames of an earlier run with the same limit and as many frames.
     Before(Quality),
-    /// A pilot.
+    /// Found by a pilot.
     Now(Budget),
 }
 
@@ -25,18 +26,18 @@ impl Settled {
     }
 }
 
-/// Settles how many samples the frames of `request` have that are to take `limit` together.
+/// Settles the number of samples with which all frames of `request` together take about `limit`.
 ///
-/// Frames that tell of an earlier choice hold to it, so that all have the same number and none is made twice, whatever the
-/// machine would choose now.
+/// If existing frames record an earlier choice, that choice is reused, even if this machine would choose another one:
+/// so all frames have the same number of samples, and none is rendered twice.
 pub fn settled(
     sequence: &Sequence,
     request: &Request,
     limit: Duration,
-    clock: Clock,
+    clock: TimeSource,
 ) -> Result<Settled, RenderError> {
     let request = Request { time_limit: Some(limit), ..request.clone() };
-    match render::settled(sequence, &request) {
+    match render::existing_quality(sequence, &request) {
         Some(quality) => Ok(Settled::Before(quality)),
         None => budget(sequence, &request, limit, clock).map(Settled::Now),
     }

@@ -1,18 +1,18 @@
-//! What a few measurements tell of all.
+//! Confidence intervals, biases and quartiles from a few measurements.
 
 use crate::base::math::DVec3;
 use crate::sampling::hash;
 
-/// A mean, and the interval that holds the true one in 95 of 100 cases.
+/// A mean, and its confidence interval at a level of 95 %.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Estimate {
+pub struct ConfidenceInterval {
     pub mean: f64,
     pub low: f64,
     pub high: f64,
 }
 
-impl Estimate {
-    /// Of independent measurements, by Student's t. One alone has no interval.
+impl ConfidenceInterval {
+    /// The interval of independent measurements, by Student's t. A single measurement has an interval of width 0.
     pub fn of(values: &[f64]) -> Self {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count.max(1.0);
@@ -24,8 +24,9 @@ impl Estimate {
         Self { mean, low: mean - reach, high: mean + reach }
     }
 
-    /// Of independent measurements of which a few may be far larger than the rest, so that Student's t would hold the truth
-    /// too rarely: by the bootstrap of Student's ratio (Efron and Tibshirani, *An Introduction to the Bootstrap*, 12.5).
+    /// The interval of independent measurements with heavy tails, by the bootstrap of Student's ratio (Efron and
+    /// Tibshirani, *An Introduction to the Bootstrap*, 12.5). If a few values are far larger than the rest, intervals
+    /// by Student's t contain the true mean too rarely.
     pub fn bootstrapped(values: &[f64]) -> Self {
         let own = Moments::of(values.iter().copied());
         let all = Self::of(values);
@@ -45,19 +46,19 @@ impl Estimate {
         Self { mean: own.mean, low: own.mean - at(0.975) * own.error, high: own.mean - at(0.025) * own.error }
     }
 
-    /// The same of something that rises or falls with what was measured.
+    /// The interval of a monotonic function of the measured value.
     pub fn map(self, of: impl Fn(f64) -> f64) -> Self {
         let (low, high) = (of(self.low), of(self.high));
         Self { mean: of(self.mean), low: low.min(high), high: low.max(high) }
     }
 
-    /// The root; of what is below 0, none.
+    /// The interval of the square root; negative values count as 0.
     pub fn root(self) -> Self {
         self.map(|value| value.max(0.0).sqrt())
     }
 }
 
-/// How often a bootstrap draws as many values as there are, with replacement.
+/// Number of bootstrap resamples.
 const RESAMPLES: u32 = 999;
 
 /// A mean and its standard error.
@@ -76,16 +77,17 @@ impl Moments {
     }
 }
 
-/// What stays however many samples there are, squared; its interval holds the true one in 95 of 100 cases.
+/// The squared bias: the squared error that does not decrease with more samples, with its 95 % confidence interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Bias(pub Estimate);
+pub struct Bias(pub ConfidenceInterval);
 
 impl Bias {
-    /// Of two independent measurements of each pixel's difference: the mean of their products is the square of the bias.
+    /// The squared bias from two independent measurements of each pixel's difference: it is the mean of their products.
     ///
-    /// With x = m + n and y = m + n' of noise of the variance s², the variance of x y is 2 m² s² + s⁴, and that is the mean of
-    /// (x - y)² ((x + y) / 2)² where the noise is normal. A firefly in one of both would spoil it with its fourth power,
-    /// though it adds no more than its product with what the other is: so much counts of one.
+    /// Let x = m + n and y = m + n' with noise of the variance s². The variance of x y is 2 m² s² + s⁴; for normal
+    /// noise it is the mean of (x - y)² ((x + y) / 2)². A firefly in only one of the two measurements would enter
+    /// that estimate with its fourth power, but it changes x y only by its product with the other value. So its
+    /// contribution is limited to that.
     pub fn of(x: &[DVec3], y: &[DVec3]) -> Self {
         let count = x.len().max(1) as f64;
         let squared = |v: DVec3| v.length_squared() / 3.0;
@@ -102,36 +104,37 @@ impl Bias {
             variance += off * if is_firefly { middle.min(least + usual / 2.0) } else { middle };
         }
         let (mean, reach) = (sum / count, NORMAL * variance.sqrt() / count);
-        Self(Estimate { mean, low: mean - reach, high: mean + reach })
+        Self(ConfidenceInterval { mean, low: mean - reach, high: mean + reach })
     }
 
-    /// Whether there is one for sure.
+    /// Whether the bias is significant: its interval does not contain 0.
     pub fn is_certain(self) -> bool {
         self.0.low > 0.0
     }
 
-    /// The root, if there is a bias for sure.
+    /// The bias (not squared), if it is significant.
     pub fn root(self) -> Option<f64> {
         self.is_certain().then(|| self.0.mean.sqrt())
     }
 
-    /// The root of the largest that it may be.
+    /// The upper bound of the bias (not squared).
     pub fn most(self) -> f64 {
         self.0.high.max(0.0).sqrt()
     }
 }
 
-/// How few pixels hold how much of a squared error.
+/// How a squared error is distributed over the pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Concentration {
     /// Share of the error in the worst hundredth of the pixels.
     pub worst_hundredth: f64,
-    /// Share of the pixels in which nine tenths of the error lie.
+    /// Share of the pixels that contain nine tenths of the error.
     pub nine_tenths: f64,
 }
 
 impl Concentration {
-    /// Of the squared errors of pixels. Those that the noise of references has made negative count as none.
+    /// The concentration of squared errors of pixels. Noise of the references can make values negative; they count as
+    /// 0.
     pub fn of(squares: &[f64]) -> Self {
         let mut sorted: Vec<f64> = squares.iter().map(|square| square.max(0.0)).collect();
         sorted.sort_by(|a, b| b.total_cmp(a));
@@ -149,15 +152,16 @@ impl Concentration {
         Self { nine_tenths: enough.count() as f64 / count as f64, worst_hundredth: worst / whole }
     }
 
-    /// Whether few pixels hold most of it: then errors of renders have no normal distribution.
+    /// Whether few pixels hold most of the error. Then the errors of renders are not normally distributed.
     pub fn is_heavy(self) -> bool {
         self.worst_hundredth > 0.5
     }
 }
 
+/// The quantile 0.975 of the normal distribution.
 const NORMAL: f64 = 1.959_963_985;
 
-/// How many times the squared difference of most pixels that of a firefly is, at least.
+/// The least squared difference of a firefly, as a multiple of that of most pixels.
 const FIREFLY: f64 = 30.0;
 
 /// The quantile 0.975 of Student's t: Cornish and Fisher's expansion around the normal distribution's (Abramowitz and
@@ -182,13 +186,13 @@ fn student(freedom: usize) -> f64 {
 
 /// Median and quartiles of times, which have no normal distribution.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Spread {
+pub struct Quartiles {
     pub median: f64,
     pub lower: f64,
     pub upper: f64,
 }
 
-impl Spread {
+impl Quartiles {
     pub fn of(values: &[f64]) -> Self {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -202,7 +206,7 @@ impl Spread {
     }
 }
 
-/// Least squares: how much y rises with x. None of fewer than two different x.
+/// The slope of y over x by least squares; `None` for fewer than two different x.
 pub fn slope(points: &[(f64, f64)]) -> Option<f64> {
     let count = points.len() as f64;
     let (x, y) =
@@ -229,7 +233,7 @@ mod tests {
         let mut random = Random(5);
         let holds = (0..4000).filter(|_| {
             let values: Vec<f64> = (0..16).map(|_| random.unit() + random.unit() + random.unit()).collect();
-            let estimate = Estimate::of(&values);
+            let estimate = ConfidenceInterval::of(&values);
             (estimate.low..=estimate.high).contains(&1.5)
         });
         let share = holds.count() as f64 / 4000.0;
@@ -248,9 +252,10 @@ mod tests {
         let (mut student, mut bootstrap) = (0, 0);
         for _ in 0..600 {
             let values: Vec<f64> = (0..16).map(|_| libm::exp(1.5 * normal(&mut random))).collect();
-            let holds = |estimate: Estimate| u32::from((estimate.low..=estimate.high).contains(&truth));
-            student += holds(Estimate::of(&values));
-            bootstrap += holds(Estimate::bootstrapped(&values));
+            let holds =
+                |estimate: ConfidenceInterval| u32::from((estimate.low..=estimate.high).contains(&truth));
+            student += holds(ConfidenceInterval::of(&values));
+            bootstrap += holds(ConfidenceInterval::bootstrapped(&values));
         }
         assert!(student < 510 && bootstrap > student + 25, "{student} {bootstrap} of 600");
     }
@@ -274,11 +279,11 @@ mod tests {
         });
         let share = holds.count() as f64 / 300.0;
         assert!((0.9..=0.99).contains(&share), "{share}");
-        // A firefly in one of both is noise, and hides nothing.
+        // A firefly in one of the two measurements is noise, and does not widen the interval much.
         let mut firefly = noisy(0.3, 1);
         firefly[500] = DVec3::splat(300.0);
         assert!(Bias::of(&firefly, &noisy(0.3, 1)).most() < 1.0);
-        // A large one in few pixels is one: only noise makes it uncertain, not that it is here and not there.
+        // A large bias in few pixels counts: only noise makes it uncertain, not its variation between pixels.
         let few = Bias::of(&noisy(10.0, 250), &noisy(10.0, 250));
         assert!((few.root().expect("a bias") / 0.4f64.sqrt() - 1.0).abs() < 0.1, "{few:?}");
         assert!(Bias::of(&noisy(0.0, 1), &noisy(0.0, 1)).most() > 0.0);
@@ -302,10 +307,10 @@ mod tests {
 
     #[test]
     fn quartiles_lie_between_values() {
-        let spread = Spread::of(&[5.0, 1.0, 2.0, 4.0, 3.0]);
+        let spread = Quartiles::of(&[5.0, 1.0, 2.0, 4.0, 3.0]);
         assert_eq!((spread.lower, spread.median, spread.upper), (2.0, 3.0, 4.0));
-        assert_eq!(Spread::of(&[1.0, 2.0]).median, 1.5);
-        assert_eq!(Spread::of(&[]), Spread::default());
+        assert_eq!(Quartiles::of(&[1.0, 2.0]).median, 1.5);
+        assert_eq!(Quartiles::of(&[]), Quartiles::default());
     }
 
     #[test]

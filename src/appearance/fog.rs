@@ -1,6 +1,6 @@
-//! Fog: light that is lost on the way to the eye, and the fog's own light in its place.
+//! Fog: it absorbs light along a segment and adds in-scattered light.
 
-use crate::appearance::light_groups::glow::{Dimmer, Glow};
+use crate::appearance::light_groups::{GroupRadiance, GroupWeight};
 use crate::base::color::Rgb;
 use crate::base::digest::content;
 use crate::base::lanes::{Real, out_of_line};
@@ -12,16 +12,16 @@ use bevy_ecs::component::Component;
 /// Fog at one moment.
 #[derive(Clone, Copy, Component, Debug, PartialEq)]
 pub struct Fog {
-    /// What a way without end through the fog looks like.
-    pub glow: Glow,
-    /// Lost share per unit of length for a short way; where there is a falloff, at its base.
+    /// The radiance of an infinite segment through the fog.
+    pub in_scattering: GroupRadiance,
+    /// Extinction per unit of length. With a falloff, this is the density at the falloff's base.
     pub density: f64,
     pub falloff: Option<Falloff>,
 }
 
-content!(struct Fog { glow, density, falloff });
+content!(struct Fog { in_scattering, density, falloff });
 
-/// Fog that grows thinner with height: its density is `density`·exp(-(y - `base`) / `height`).
+/// Exponential decrease of the density with height: `density`·exp(-(y - `base`) / `height`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Falloff {
     pub base: f64,
@@ -48,40 +48,40 @@ pub struct FalloffTracks {
 }
 
 impl FogTracks {
-    /// The fog at a moment; `glow` is its light, split off once.
-    pub fn at(&self, time: Time, glow: Glow) -> Fog {
+    /// The fog at a moment, with in-scattering that [`FogTracks::split`] has given.
+    pub fn at(&self, time: Time, in_scattering: GroupRadiance) -> Fog {
         let falloff = self.falloff.as_ref().map(|falloff| Falloff {
             base: falloff.base.at(time),
             height: falloff.height.at(time).max(f64::MIN_POSITIVE),
         });
-        Fog { glow, density: self.density.at(time).max(0.0), falloff }
+        Fog { in_scattering, density: self.density.at(time).max(0.0), falloff }
     }
 
-    /// The fog's light that is traced, and what weights it over time.
-    pub fn split(&self) -> (Rgb, Dimmer) {
-        Glow::split(&self.color)
+    /// Splits the fog's colour into the radiance that is traced and its keyed weight.
+    pub fn split(&self) -> (Rgb, GroupWeight) {
+        GroupRadiance::split(&self.color)
     }
 }
 
 out_of_line! {
     fn opacity<'k, F>(fog: &'k Fog, ray: &'k LaneRay<F>, t: F) -> F {
-        -exp_m1(-fog.thickness(ray, t))
+        -exp_m1(-fog.optical_depth(ray, t))
     }
 }
 
 impl Fog {
-    /// The share of light that is lost on the way along `ray` (whose direction is a unit vector) up to `t`,
-    /// which may be infinite: 1 - exp(-∫ density), which keeps the digits of thin fog.
+    /// The share of light that the fog absorbs along `ray` (whose direction is a unit vector) up to `t`, which may be
+    /// infinite: 1 - exp(-∫ density). expm1 keeps the digits of thin fog.
     #[inline(always)]
     pub fn opacity<F: Real>(&self, ray: &LaneRay<F>, t: F) -> F {
         opacity(self, ray, t)
     }
 
-    /// The integral of the density along the way.
+    /// The optical depth: the integral of the density up to `t`.
     #[inline(always)]
-    fn thickness<F: Real>(&self, ray: &LaneRay<F>, t: F) -> F {
+    fn optical_depth<F: Real>(&self, ray: &LaneRay<F>, t: F) -> F {
         let (zero, infinite) = (F::splat(0.0), F::splat(f64::INFINITY));
-        // Asked for first, as no way through any fog, and any way through none, may be 0 · ∞.
+        // Zero density comes first: a segment of length 0 and a density of 0 could each give 0 · ∞ below.
         if self.density == 0.0 {
             return zero;
         }
@@ -91,20 +91,20 @@ impl Fog {
         };
         let (base, height) = (F::splat(base), F::splat(height));
         let climb = ray.direction.y;
-        let for_ever = t.eq(infinite) & climb.le(zero);
-        // The density at the lower end of the way: at the upper one it underflows where the way is long.
+        let is_endless = t.eq(infinite) & climb.le(zero);
+        // The density at the lower end of the segment. At the upper end it underflows on long segments.
         let descent = F::select(climb.lt(zero), climb * t, zero);
         let low = density * exp(-((ray.origin.y + descent - base) / height));
-        // ∫₀ᵗ exp(-rise·s) ds; level ways need the series that exp_m1 is, and where `rise` itself is about to
-        // underflow, its limit.
+        // ∫₀ᵗ exp(-rise·s) ds. Nearly level segments need expm1. Where the exponent is below epsilon, the limit `t` is
+        // exact.
         let rise = climb.abs() / height;
         let climbed = rise * t;
-        let way = F::select(F::splat(f64::EPSILON).lt(climbed), -exp_m1(-climbed) / rise, t);
-        // Neither no fog nor one without end depends on the way.
+        let length = F::select(F::splat(f64::EPSILON).lt(climbed), -exp_m1(-climbed) / rise, t);
+        // If the density underflows or overflows, the length does not matter.
         let is_extreme = low.eq(zero) | low.eq(infinite);
-        let thickness = F::select(is_extreme, low, low * way);
-        let thickness = F::select(for_ever, infinite, thickness);
-        F::select(t.eq(zero), zero, thickness)
+        let optical_depth = F::select(is_extreme, low, low * length);
+        let optical_depth = F::select(is_endless, infinite, optical_depth);
+        F::select(t.eq(zero), zero, optical_depth)
     }
 }
 
@@ -114,7 +114,7 @@ mod tests {
     use crate::base::math::DVec3;
 
     fn fog(density: f64, falloff: Option<Falloff>) -> Fog {
-        Fog { glow: Glow::default(), density, falloff }
+        Fog { in_scattering: GroupRadiance::default(), density, falloff }
     }
 
     fn from(origin: DVec3, direction: DVec3) -> LaneRay<f64> {
@@ -145,9 +145,9 @@ mod tests {
             let sum: f64 = (0..steps)
                 .map(|k| 0.3 * libm::exp(-(y * (f64::from(k) + 0.5) * step - 1.0) / 2.0) * step)
                 .sum();
-            assert!((thin.thickness(&ray, 7.0) / sum - 1.0).abs() < 1e-8, "{y}");
+            assert!((thin.optical_depth(&ray, 7.0) / sum - 1.0).abs() < 1e-8, "{y}");
         }
-        // Upwards without end some light is left, downwards and level none.
+        // An infinite segment upwards keeps some light. Downwards and level, it keeps none.
         let up = thin.opacity(&along(DVec3::Y), f64::INFINITY);
         assert!((up + libm::expm1(-0.6 * libm::exp(0.5))).abs() < 1e-15);
         for direction in [DVec3::X, DVec3::NEG_Y, DVec3::new(0.8, -0.6, 0.0)] {
@@ -165,36 +165,37 @@ mod tests {
             for above in high {
                 let ray = from(DVec3::new(0.0, ground + above, 0.0), DVec3::NEG_Y);
                 let way = ray.origin.y - ground;
-                // Of great heights, the difference is not quite the ground.
+                // From great heights, the rounded length does not end exactly on the ground.
                 let expected = 0.5 * libm::exp(way - ray.origin.y) * -libm::expm1(-way);
-                let down = fog.thickness(&ray, way);
+                let down = fog.optical_depth(&ray, way);
                 assert!((down / expected - 1.0).abs() <= 1e-12, "{above} over {ground}: {down}");
             }
         }
         for above in [600.0, 711.0, 760.0, 1e6] {
             let back = along(DVec3::Y);
             let down = from(DVec3::Y * above, DVec3::NEG_Y);
-            assert_eq!(fog.thickness(&down, above), fog.thickness(&back, above), "there and back");
+            assert_eq!(fog.optical_depth(&down, above), fog.optical_depth(&back, above), "there and back");
         }
     }
 
     #[test]
     fn level_and_endless_ways_have_their_limits() {
         let fog = fog(0.5, Some(Falloff { base: 1.0, height: 2.0 }));
-        let thickness = |y: f64, direction: DVec3, t: f64| fog.thickness(&from(DVec3::Y * y, direction), t);
+        let optical_depth =
+            |y: f64, direction: DVec3, t: f64| fog.optical_depth(&from(DVec3::Y * y, direction), t);
         for y in [-50.0, 0.0, 1.0, 100.0] {
             let here = 0.5 * libm::exp(-(y - 1.0) / 2.0);
             for tilt in [0.0, 5e-324, -5e-324, 1e-300] {
-                assert_eq!(thickness(y, DVec3::new(1.0, tilt, 0.0), 7.0), here * 7.0, "level at {y}");
+                assert_eq!(optical_depth(y, DVec3::new(1.0, tilt, 0.0), 7.0), here * 7.0, "level at {y}");
             }
-            assert!((thickness(y, DVec3::Y, f64::INFINITY) / (here * 2.0) - 1.0).abs() < 1e-15);
+            assert!((optical_depth(y, DVec3::Y, f64::INFINITY) / (here * 2.0) - 1.0).abs() < 1e-15);
         }
         for y in [-1e300, 0.0, 760.0, 1e300] {
-            assert_eq!(thickness(y, DVec3::NEG_Y, f64::INFINITY), f64::INFINITY);
-            assert_eq!(thickness(y, DVec3::X, f64::INFINITY), f64::INFINITY);
-            assert_eq!(thickness(y, DVec3::NEG_Y, 0.0), 0.0);
+            assert_eq!(optical_depth(y, DVec3::NEG_Y, f64::INFINITY), f64::INFINITY);
+            assert_eq!(optical_depth(y, DVec3::X, f64::INFINITY), f64::INFINITY);
+            assert_eq!(optical_depth(y, DVec3::NEG_Y, 0.0), 0.0);
         }
-        assert_eq!(thickness(1e300, DVec3::Y, f64::INFINITY), 0.0);
+        assert_eq!(optical_depth(1e300, DVec3::Y, f64::INFINITY), 0.0);
     }
 
     #[test]
@@ -208,9 +209,9 @@ mod tests {
                 for (height, density) in scales.iter().flat_map(|h| [1e-300, 1.0, 1e300].map(|d| (*h, d))) {
                     let fog = fog(density, Some(Falloff { base, height }));
                     let ray = from(DVec3::Y * y, DVec3::new(0.0, climb, 0.0));
-                    let (thickness, opacity) = (fog.thickness(&ray, t), fog.opacity(&ray, t));
+                    let (optical_depth, opacity) = (fog.optical_depth(&ray, t), fog.opacity(&ray, t));
                     let what = || format!("{t} along {climb} from {y} in {fog:?}");
-                    assert!(thickness >= 0.0 && (0.0..=1.0).contains(&opacity), "{}", what());
+                    assert!(optical_depth >= 0.0 && (0.0..=1.0).contains(&opacity), "{}", what());
                 }
             }
         }

@@ -1,6 +1,6 @@
-//! How things look: optics, textures, materials, lights, the environment and fog.
-//!
-//! In: descriptions of the sequence and images. Out: values at a point and a time. Uses `geometry` and the rooms below.
+//! In: materials, textures, lights, skies and fog over time, and the bytes of image files.
+//! Out: their values at a moment, and formulas that give reflected and emitted light at a point.
+//! May use: `base`, `sampling`, `film`, `track`, `camera`, `geometry`.
 
 pub mod optics;
 pub mod texture;

@@ -1,57 +1,57 @@
-//! How long something takes: on the wall, and in time of processors, which others on the machine disturb less.
+//! Wall time and CPU time of work. Other processes on the machine disturb CPU time less.
 
-use crate::base::machine::processor_time;
+use crate::base::machine::cpu_time;
 use std::ops::{Add, Mul, Sub};
 use std::time::Instant;
 
-/// By what tracing is timed.
+/// How tracing is timed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Clock {
-    /// The machine's clocks.
+pub enum TimeSource {
+    /// By the clocks of the machine.
     #[default]
     Machine,
-    /// As if every ray took so many seconds, and nothing else any: the same on all machines.
+    /// By the rays alone: each takes this many seconds, and nothing else takes time. The same on all machines.
     Rays(f64),
 }
 
-/// Seconds that went by.
+/// A duration in seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Took {
+pub struct ElapsedTime {
     pub wall: f64,
-    /// Of all threads together; none where the system does not tell.
+    /// CPU time of all threads; none if the system does not report it.
     pub cpu: Option<f64>,
 }
 
-impl Clock {
-    /// What this clock says of work that took so long and so many rays.
-    pub fn told(self, took: Took, rays: u64) -> Took {
+impl TimeSource {
+    /// The time of work that took `took` by the clocks of the machine and traced `rays` rays.
+    pub fn elapsed(self, took: ElapsedTime, rays: u64) -> ElapsedTime {
         match self {
             Self::Machine => took,
             Self::Rays(each) => {
                 let seconds = each * rays as f64;
-                Took { wall: seconds, cpu: Some(seconds) }
+                ElapsedTime { wall: seconds, cpu: Some(seconds) }
             }
         }
     }
 }
 
-impl Took {
-    /// No time at all, on a machine that tells the time of processors.
+impl ElapsedTime {
+    /// No time, on a machine that reports CPU time.
     pub const ZERO: Self = Self { wall: 0.0, cpu: Some(0.0) };
 
-    /// What one thread alone is at work, however busy the machine is: the processors' time, unless several threads shared
-    /// the work.
-    pub fn alone(self) -> f64 {
+    /// The time of the work on one thread of an idle machine: the CPU time, but no more than the wall time if several
+    /// threads shared the work.
+    pub fn on_one_thread(self) -> f64 {
         self.cpu.map_or(self.wall, |cpu| cpu.min(self.wall))
     }
 
-    /// What so many threads are at work together.
-    pub fn on(self, threads: usize) -> f64 {
+    /// The time of the work if `threads` threads share it evenly.
+    pub fn on_threads(self, threads: usize) -> f64 {
         self.cpu.map_or(self.wall, |cpu| cpu / threads as f64)
     }
 }
 
-impl Add for Took {
+impl Add for ElapsedTime {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
@@ -59,7 +59,7 @@ impl Add for Took {
     }
 }
 
-impl Mul<f64> for Took {
+impl Mul<f64> for ElapsedTime {
     type Output = Self;
 
     fn mul(self, factor: f64) -> Self {
@@ -67,21 +67,21 @@ impl Mul<f64> for Took {
     }
 }
 
-impl Sub for Took {
+impl Sub for ElapsedTime {
     type Output = Self;
 
-    /// What is left without a part of it.
+    /// The time without a part of it, at least 0.
     fn sub(self, part: Self) -> Self {
         let cpu = self.cpu.zip(part.cpu).map(|(all, part)| (all - part).max(0.0));
         Self { wall: (self.wall - part.wall).max(0.0), cpu }
     }
 }
 
-/// Does something and tells how long it took.
-pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Took) {
-    let (start, before) = (Instant::now(), processor_time());
+/// Runs `work` and measures its time.
+pub fn timed<T>(work: impl FnOnce() -> T) -> (T, ElapsedTime) {
+    let (start, before) = (Instant::now(), cpu_time());
     let done = work();
     let wall = start.elapsed().as_secs_f64();
-    let cpu = processor_time().zip(before).map(|(after, before)| after - before);
-    (done, Took { wall, cpu })
+    let cpu = cpu_time().zip(before).map(|(after, before)| after - before);
+    (done, ElapsedTime { wall, cpu })
 }

@@ -13,7 +13,7 @@ pub fn linear_to_srgb(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055 }
 }
 
-/// `#rrggbb` or `#rgb`, as linear light.
+/// Parses `#rrggbb` or `#rgb`, sRGB codes, to linear light.
 pub fn hex_color(text: &str) -> Option<Rgb> {
     let digits = text.strip_prefix('#')?.chars().map(|digit| digit.to_digit(16));
     let codes = match *digits.collect::<Option<Vec<u32>>>()? {

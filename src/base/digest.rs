@@ -1,12 +1,12 @@
-//! Digests: what a value holds in 128 bits, so that two moments of a scene can be compared and named.
+//! Digests: 128-bit hashes of values, by which two moments of a scene are compared and named.
 //!
-//! A digest is of contents alone. It is the same in every run, on every processor, whatever was looked at before, and
-//! wherever in memory the value lies.
+//! A digest depends only on the contents of a value. It is the same in every run and on every processor. It does not
+//! depend on memory addresses nor on values hashed before.
 
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::fmt::{Display, Formatter};
 
-/// The first 128 bits of the BLAKE3 hash of what a value holds.
+/// The first 128 bits of the BLAKE3 hash of a value's contents.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Digest(pub u128);
 
@@ -26,33 +26,33 @@ impl Display for Digest {
     }
 }
 
-/// A value whose contents can be told.
+/// A value whose contents can be hashed.
 ///
-/// Fixed sizes are told as they are; whatever has a length or variants tells these first, so that no two different
-/// values of a type tell the same. [`content`] implements it for structs and enums.
+/// Values of fixed size feed their bytes. Values with a length or with variants feed the length or the variant first,
+/// so that different values of a type feed different bytes. [`content`] implements it for structs and enums.
 pub trait Content {
     fn feed(&self, into: &mut Digester);
 }
 
-/// A digest in the making.
+/// Computes a digest.
 pub struct Digester {
     hasher: blake3::Hasher,
-    /// What is still to be hashed: many short pieces take longer than a long one.
+    /// Bytes not hashed yet. Hashing many short pieces takes longer than one long piece.
     bytes: Vec<u8>,
 }
 
-/// Bytes that are hashed at once.
-const PIECE: usize = 1 << 16;
+/// The size of `bytes`, in bytes, from which they are hashed.
+const BUFFER_SIZE: usize = 1 << 16;
 
 impl Digester {
     pub fn new() -> Self {
         Self { hasher: blake3::Hasher::new(), bytes: Vec::new() }
     }
 
-    /// Adds bytes, without their number.
+    /// Adds bytes, but not their number.
     pub fn bytes(&mut self, bytes: &[u8]) {
         self.bytes.extend_from_slice(bytes);
-        if self.bytes.len() >= PIECE {
+        if self.bytes.len() >= BUFFER_SIZE {
             self.hasher.update(&self.bytes);
             self.bytes.clear();
         }
@@ -72,8 +72,8 @@ impl Default for Digester {
     }
 }
 
-/// Implements [`Content`] for a struct by its fields, or for an enum by its variants' names and their fields. None can
-/// be forgotten: one that is not named is an error.
+/// Implements [`Content`] for a struct by its fields, or for an enum by the names of its variants and their fields.
+/// It does not compile if a field or a variant is missing.
 macro_rules! content {
     (struct $name:ident { $($field:ident),* $(,)? }) => {
         impl $crate::base::digest::Content for $name {
@@ -120,7 +120,7 @@ macro_rules! whole_numbers {
 
 whole_numbers!(u8, u16, u32, u64, u128, i32);
 
-/// All bits, but that 0 and -0 are one number, as they are for whoever looks for changes, and so is whatever is none.
+/// Feeds all bits. 0 and -0 feed the same bits, because they are equal in a search for changes; so do all NaNs.
 macro_rules! real_numbers {
     ($($number:ident),*) => {
         $(impl Content for $number {
@@ -263,7 +263,7 @@ mod tests {
 
     content!(enum Kind { Off, Fixed(value), Keyed { first } });
 
-    /// The same on every machine and in every run: names of frames outlive the program.
+    /// Names of frames outlive the program, so digests stay the same on every machine and in every run.
     #[test]
     fn digests_are_known() {
         assert_eq!(Digest::of(&[0u8; 0]).to_string(), "af1349b9f5f9a1a6a0404dea36dcc949");

@@ -1,12 +1,13 @@
-//! Text from outside, made safe to show: names of files, names in sequences, pieces of their source. Control characters
-//! could steer a terminal, and format characters change how the text around them is shown.
+//! Escapes text from outside so that it is safe to display: names of files, names in sequences and parts of their
+//! source. Control characters could control a terminal, and format characters change the display of the text around
+//! them.
 
 use std::borrow::Cow;
 use std::ffi::OsStr;
 use std::fmt::Write;
 
-/// The format characters (general category Cf of Unicode 17): bidirectional controls, zero-width and tag characters, and
-/// signs that stand for none. Ascending.
+/// The ranges of format characters (general category Cf of Unicode 17), in ascending order: bidirectional controls,
+/// zero-width and tag characters, and others that are not displayed themselves.
 const FORMAT: [(char, char); 21] = [
     ('\u{ad}', '\u{ad}'),
     ('\u{600}', '\u{605}'),
@@ -31,7 +32,7 @@ const FORMAT: [(char, char); 21] = [
     ('\u{e0020}', '\u{e007f}'),
 ];
 
-/// Whether a character must not reach a terminal as it is: a control character (C0, DEL and C1), a separator of lines or
+/// Whether a character must be escaped for a terminal: a control character (C0, DEL and C1), a separator of lines or
 /// paragraphs, or a format character.
 pub fn must_escape(c: char) -> bool {
     let format = || {
@@ -41,12 +42,12 @@ pub fn must_escape(c: char) -> bool {
     c.is_control() || matches!(c, '\u{2028}' | '\u{2029}') || (c >= '\u{ad}' && format())
 }
 
-/// Text for one line of a message: every such character as `\u{9b}`, line breaks too.
+/// Text for one line of a message. Every such character, also a line break, is written like `\u{9b}`.
 pub fn line(text: &str) -> Cow<'_, str> {
     escaped(text, must_escape)
 }
 
-/// Text of several lines: as [`line`], but with its line breaks.
+/// Text of several lines: like [`line`], but line breaks stay.
 pub fn lines(text: &str) -> Cow<'_, str> {
     escaped(text, |c| c != '\n' && must_escape(c))
 }
@@ -65,21 +66,21 @@ fn escaped(text: &str, must: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(escaped)
 }
 
-/// A file's name for a message, in one line; bytes that are no text as `\xff`.
+/// A path for one line of a message. Bytes that are not valid UTF-8 are written like `\xff`.
 pub fn path(path: impl AsRef<OsStr>) -> String {
-    let mut told = String::new();
+    let mut escaped = String::new();
     for chunk in path.as_ref().as_encoded_bytes().utf8_chunks() {
-        told += &line(chunk.valid());
+        escaped += &line(chunk.valid());
         for byte in chunk.invalid() {
             // Writing to a string cannot fail.
-            let _ = write!(told, r"\x{byte:02x}");
+            let _ = write!(escaped, r"\x{byte:02x}");
         }
     }
-    told
+    escaped
 }
 
-/// A string in double quotes as TOML and YAML read it, with everything escaped that may not stand in one, or could steer
-/// a terminal on which the file is shown.
+/// A double-quoted string for TOML and YAML. Characters that are not allowed there, or that could control a terminal,
+/// are escaped.
 pub fn quoted(text: &str) -> String {
     in_quotes(text, |quoted, c| {
         // Writing to a string cannot fail.
@@ -87,7 +88,7 @@ pub fn quoted(text: &str) -> String {
     })
 }
 
-/// The same as JSON reads it, which has numbers of 16 bits alone.
+/// A double-quoted string for JSON, whose escapes have 16 bits.
 pub fn json(text: &str) -> String {
     in_quotes(text, |quoted, c| {
         for unit in c.encode_utf16(&mut [0; 2]) {
@@ -96,8 +97,8 @@ pub fn json(text: &str) -> String {
     })
 }
 
-/// `far` writes the number of a character that four digits do not hold.
-fn in_quotes(text: &str, far: impl Fn(&mut String, char)) -> String {
+/// `write_long` writes the escape of a character above U+FFFF.
+fn in_quotes(text: &str, write_long: impl Fn(&mut String, char)) -> String {
     let mut quoted = String::with_capacity(text.len() + 2);
     quoted.push('"');
     for c in text.chars() {
@@ -106,7 +107,7 @@ fn in_quotes(text: &str, far: impl Fn(&mut String, char)) -> String {
             '\\' => quoted.push_str("\\\\"),
             '\n' => quoted.push_str("\\n"),
             '\t' => quoted.push_str("\\t"),
-            c if c > '\u{ffff}' && must_escape(c) => far(&mut quoted, c),
+            c if c > '\u{ffff}' && must_escape(c) => write_long(&mut quoted, c),
             c if must_escape(c) => {
                 let _ = write!(quoted, "\\u{:04x}", u32::from(c));
             }
@@ -133,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn what_steers_a_terminal_is_shown_as_a_number() {
+    fn control_characters_are_shown_as_numbers() {
         assert_eq!(
             line("a\x1b[31m\u{9b}2J\n\u{202e}\u{2069}\r"),
             r"a\u{1b}[31m\u{9b}2J\u{a}\u{202e}\u{2069}\u{d}"
@@ -146,7 +147,7 @@ mod tests {
     #[test]
     fn all_of_their_kinds_are_escaped_and_no_others() {
         let found: Vec<char> = ('\0'..=char::MAX).filter(|c| must_escape(*c)).collect();
-        // C0 and DEL, C1, separators, and as many as Unicode has of category Cf.
+        // C0 and DEL, C1, separators, and the 170 characters of category Cf.
         assert_eq!(found.len(), 33 + 32 + 2 + 170);
         // The standard library does not print any of them either.
         assert!(found.iter().all(|c| c.escape_debug().len() > 1));
@@ -155,7 +156,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn names_that_are_no_text_show_their_bytes() {
+    fn names_that_are_not_utf8_show_their_bytes() {
         use std::os::unix::ffi::OsStrExt;
         assert_eq!(path(OsStr::from_bytes(b"a\xff/\xc2\x9b\xe2\x82")), r"a\xff/\u{9b}\xe2\x82");
     }

@@ -1,7 +1,7 @@
-//! Which frames of a sequence to render: `0-47`, `0..48`, `7,9,20`, `1-40:2` and the like.
+//! Sets of frames to render, such as `0-47`, `0..48`, `7,9,20` or `1-40:2`.
 //!
-//! A set is parsed without knowing the sequence and keeps its ranges as ranges, so no text can make it
-//! large; [`FrameSet::frames`] counts it out against a sequence's length.
+//! A set is parsed without the sequence. It stores ranges, so no text makes it large. [`FrameSet::frames`] expands it
+//! for the length of a sequence.
 
 mod error;
 mod shard;
@@ -14,14 +14,14 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::str::FromStr;
 
-/// The most frames one run may hold; at 24 a second, nearly five days.
-pub const MOST_FRAMES: usize = 10_000_000;
+/// The maximum number of frames of one run: nearly five days at 24 frames per second.
+pub const MAX_FRAMES: usize = 10_000_000;
 
-/// A set of frame numbers, none of them checked against a sequence yet.
+/// A set of frame numbers, not checked against a sequence yet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FrameSet(Vec<Steps>);
 
-/// `first`, `first + step`, … `last`, which is always met exactly.
+/// `first`, `first + step`, …, `last`. The difference of `last` and `first` is a multiple of `step`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Steps {
     first: u32,
@@ -30,28 +30,28 @@ struct Steps {
 }
 
 impl FrameSet {
-    /// Every frame of a sequence of `count` frames; none if there are none.
+    /// Every frame of a sequence of `count` frames; none if `count` is 0.
     pub fn whole(count: u32) -> Option<Self> {
         let last = count.checked_sub(1)?;
         Some(Self(vec![Steps { first: 0, last, step: 1 }]))
     }
 
-    /// The frames in rising order, each once, of a sequence of `count` frames.
+    /// The frames of a sequence of `count` frames, in rising order and without duplicates.
     ///
     /// # Errors
-    /// A frame that the sequence does not have, or more than [`MOST_FRAMES`] frames.
+    /// If the sequence lacks one of the frames, or the set has more than [`MAX_FRAMES`] frames.
     pub fn frames(&self, count: u32) -> Result<Vec<u32>, FrameSetError> {
         let last = self.0.iter().map(|steps| steps.last).max().ok_or(FrameSetError::Empty)?;
         if last >= count {
             return Err(FrameSetError::Beyond { frame: last, count });
         }
-        // A merge of the ranges, so that memory grows with the result alone however much they overlap.
+        // Merge the ranges, so that memory grows with the result only, however much they overlap.
         let mut heads: BinaryHeap<_> = self.0.iter().map(|&s| Reverse((s.first, s.last, s.step))).collect();
         let mut frames = Vec::new();
         while let Some(Reverse((frame, last, step))) = heads.pop() {
             if frames.last() != Some(&frame) {
-                if frames.len() == MOST_FRAMES {
-                    return Err(FrameSetError::TooMany);
+                if frames.len() == MAX_FRAMES {
+                    return Err(FrameSetError::TooMany { max: MAX_FRAMES });
                 }
                 frames.push(frame);
             }
@@ -71,21 +71,21 @@ impl FromStr for FrameSet {
             return Err(FrameSetError::Empty);
         }
         let mut ranges = text.split(',').map(|part| steps(part.trim())).collect::<Result<Vec<_>, _>>()?;
-        // Ranges written twice would be counted out twice.
+        // Duplicate ranges would be expanded twice.
         ranges.sort_unstable_by_key(|s| (s.first, s.last, s.step));
         ranges.dedup();
         Ok(Self(ranges))
     }
 }
 
-/// Rising frames as a text that reads as these: ranges, with steps where they have some.
+/// Frames in rising order as the text of a set: ranges, with a step if it is not 1.
 pub fn text(frames: &[u32]) -> String {
     let mut parts = Vec::new();
     let mut rest = frames;
     while let [first, after @ ..] = rest {
         let step = after.first().map_or(1, |second| second - first);
         let count = 1 + rest.windows(2).take_while(|pair| pair[1] - pair[0] == step).count();
-        // Two that are apart are no range.
+        // Two frames with a gap are listed, not written as a range.
         let count = if count == 2 && step > 1 { 1 } else { count };
         let last = rest[count - 1];
         parts.push(match (count, step) {
@@ -98,7 +98,7 @@ pub fn text(frames: &[u32]) -> String {
     parts.join(",")
 }
 
-/// One part between commas: a frame, or a range that may have a step.
+/// One part between commas: a frame, or a range with an optional step.
 fn steps(part: &str) -> Result<Steps, FrameSetError> {
     let (range, step) = match part.split_once([':', 'x']) {
         Some((range, step)) => (range, Some(step)),
@@ -128,7 +128,7 @@ fn steps(part: &str) -> Result<Steps, FrameSetError> {
     Ok(Steps { first, last: last - (last - first) % step, step })
 }
 
-/// Splits `3-7` at its dash. A dash at the front is a sign, not a range.
+/// Splits `3-7` at its dash. A leading dash is a sign.
 fn split_dash(range: &str) -> Option<(&str, &str)> {
     range.split_once('-').filter(|(first, _)| !first.trim().is_empty())
 }
@@ -138,7 +138,7 @@ fn number(digits: &str, part: &str) -> Result<u32, FrameSetError> {
     if digits.strip_prefix('-').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit())) {
         return Err(FrameSetError::Negative(part.to_owned()));
     }
-    // Parsing takes a plus sign, which no frame number has.
+    // `parse` would accept a plus sign.
     if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
         return Err(FrameSetError::Malformed(part.to_owned()));
     }

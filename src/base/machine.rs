@@ -1,4 +1,4 @@
-//! What the machine has.
+//! Memory and processor time of the machine.
 
 use crate::base::units;
 #[cfg(unix)]
@@ -8,25 +8,28 @@ use std::path::Path;
 
 mod cgroup;
 
-/// Bytes that a machine that does not tell is taken to have free.
+/// Free memory in bytes that is assumed if the system does not report it.
 const UNKNOWN: u64 = 4 << 30;
 
-/// Bytes of memory that can be had without swapping, and that the process may have, as Linux tells; elsewhere a
-/// cautious guess.
+/// Bytes of memory that this process can and may take without swapping, as Linux reports them. On other systems it is
+/// a cautious guess.
 pub fn free_memory() -> u64 {
     free_in(|file| std::fs::read_to_string(file).ok())
 }
 
-/// The same of a machine of which `told` gives what a file of the kernel says, if it is there.
-fn free_in(told: impl Fn(&Path) -> Option<String>) -> u64 {
-    let said = |file: &str| told(Path::new(file)).unwrap_or_default();
-    let free = kibibytes_in(&said("/proc/meminfo"), "MemAvailable:").unwrap_or(UNKNOWN);
-    let taken = kibibytes_in(&said("/proc/self/status"), "VmSize:").unwrap_or(0);
-    let allowed = address_space_in(&said("/proc/self/limits")).map(|allowed| allowed.saturating_sub(taken));
-    [allowed, cgroup::free_memory(told)].into_iter().flatten().fold(free, u64::min)
+/// [`free_memory`]; `read` returns the text of a file of the kernel, if it exists.
+fn free_in(read: impl Fn(&Path) -> Option<String>) -> u64 {
+    let text = |file: &str| read(Path::new(file)).unwrap_or_default();
+    let free = kibibytes_in(&text("/proc/meminfo"), "MemAvailable:").unwrap_or(UNKNOWN);
+    let taken = kibibytes_in(&text("/proc/self/status"), "VmSize:").unwrap_or(0);
+    let allowed = address_space_in(&text("/proc/self/limits")).map(|allowed| allowed.saturating_sub(taken));
+    [allowed, cgroup::free_memory(read)].into_iter().flatten().fold(free, u64::min)
 }
 
-/// Refuses what would take more memory than there is, before it is taken.
+/// Checks that `needed` bytes of memory are free.
+///
+/// # Errors
+/// If less memory is free.
 pub fn check_memory(needed: u64) -> io::Result<()> {
     let free = free_memory();
     if needed <= free {
@@ -35,19 +38,19 @@ pub fn check_memory(needed: u64) -> io::Result<()> {
     let (needed, free) = (units::bytes(needed), units::bytes(free));
     Err(io::Error::new(
         io::ErrorKind::OutOfMemory,
-        format!("it would take {needed} of memory, and there are {free}"),
+        format!("it needs {needed} of memory, but only {free} are free"),
     ))
 }
 
-/// Seconds that this process has spent on processors, where the system tells.
+/// CPU time of this process in seconds; none if the system does not report it.
 #[cfg(unix)]
-pub fn processor_time() -> Option<f64> {
+pub fn cpu_time() -> Option<f64> {
     Some(seconds(ClockId::ProcessCPUTime))
 }
 
-/// Seconds that this thread has spent on a processor.
+/// CPU time of this thread in seconds; none if the system does not report it.
 #[cfg(unix)]
-pub fn thread_time() -> Option<f64> {
+pub fn thread_cpu_time() -> Option<f64> {
     Some(seconds(ClockId::ThreadCPUTime))
 }
 
@@ -58,24 +61,24 @@ fn seconds(clock: ClockId) -> f64 {
 }
 
 #[cfg(not(unix))]
-pub fn processor_time() -> Option<f64> {
+pub fn cpu_time() -> Option<f64> {
     None
 }
 
 #[cfg(not(unix))]
-pub fn thread_time() -> Option<f64> {
+pub fn thread_cpu_time() -> Option<f64> {
     None
 }
 
-/// Bytes of addresses that a process may take, as `ulimit -v` sets them; none if there is no limit.
+/// The limit of the address space in bytes, as `ulimit -v` sets it; none if it is unlimited.
 fn address_space_in(limits: &str) -> Option<u64> {
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// What a file of the kernel says behind `key`, in bytes.
-fn kibibytes_in(told: &str, key: &str) -> Option<u64> {
-    let line = told.lines().find_map(|line| line.strip_prefix(key))?;
+/// The value after `key` in the text of a kernel file, converted from kibibytes to bytes.
+fn kibibytes_in(text: &str, key: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
     let kibibytes: u64 = line.split_whitespace().next()?.parse().ok()?;
     kibibytes.checked_mul(1024)
 }
@@ -85,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn reads_what_linux_tells() {
+    fn files_of_linux_are_read() {
         let text = "MemTotal:       24000000 kB\nMemAvailable:   1000 kB\n";
         assert_eq!(kibibytes_in(text, "MemAvailable:"), Some(1_024_000));
         assert_eq!(kibibytes_in("nothing", "MemAvailable:"), None);
@@ -119,9 +122,9 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_told() {
+    fn too_large_needs_are_refused() {
         assert!(check_memory(1).is_ok());
-        let told = check_memory(u64::MAX).expect_err("more than any machine has").to_string();
-        assert!(told.starts_with("it would take ") && told.contains(" of memory, and there are "), "{told}");
+        let message = check_memory(u64::MAX).expect_err("more than any machine has").to_string();
+        assert!(message.starts_with("it needs ") && message.contains(" of memory, but only "), "{message}");
     }
 }

@@ -1,6 +1,8 @@
-//! What everything else stands on: numbers, lanes, colours, times, digests, files and the machine.
+//! The foundation of all rooms: numbers, lanes, colours, times, digests, files and the machine.
 //!
-//! In: nothing. Out: values and small services without a word of scenes. Uses no other room.
+//! In: nothing.
+//! Out: values and small services that know nothing of scenes.
+//! May use: no other room.
 
 pub mod digest;
 pub mod time;

@@ -1,17 +1,18 @@
-//! This process as others can tell it from all that were or will be: on which machine, since when, under which number.
+//! Identities of processes: machine, process number and start time. They stay unique when numbers are reused.
 
 use std::fmt;
 use std::fs;
 use std::str::FromStr;
 
-/// A process. Told as one line: `HOST MACHINE PID START`.
+/// A process. Its text form is one line: `HOST MACHINE PID START`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Process {
     pub host: String,
-    /// What numbers processes there: the boot of a machine, and the space of its numbers. Empty if it does not tell.
+    /// The boot id of the machine and the PID namespace, in which `id` is unique; `?` if the system does not report
+    /// them.
     machine: String,
     pub id: u32,
-    /// When it began, in ticks since the machine's boot; 0 if it does not tell.
+    /// Start time in clock ticks since boot; 0 if the system does not report it.
     start: u64,
 }
 
@@ -24,24 +25,25 @@ impl Process {
         let machine = machine.map(|(boot, space)| format!("{boot},{}", space.to_string_lossy()));
         let id = std::process::id();
         Self {
-            // It stands in a line of words.
+            // The text form separates its words by spaces.
             host: word(&host.unwrap_or_default()),
             machine: word(&machine.unwrap_or_default()),
             id,
-            start: running(id).unwrap_or_default(),
+            start: start_time(id).unwrap_or_default(),
         }
     }
 
-    /// Whether it has ended for certain. Of processes elsewhere nothing is certain, nor where the system does not tell.
+    /// Whether it has certainly ended. False for processes on other machines, and if the system does not report
+    /// processes.
     pub fn has_ended(&self) -> bool {
         let this = Self::this();
         let here = self.host == this.host && self.machine == this.machine && !is_unknown(&self.machine);
-        // A number is given again, but not with the same beginning.
-        here && this.start > 0 && running(self.id) != Some(self.start)
+        // A process number is reused, but not with the same start time.
+        here && this.start > 0 && start_time(self.id) != Some(self.start)
     }
 }
 
-/// What stands for an empty word.
+/// Replaces an empty word.
 const UNKNOWN: &str = "?";
 
 fn is_unknown(word: &str) -> bool {
@@ -53,11 +55,11 @@ fn word(text: &str) -> String {
     if word.is_empty() { UNKNOWN.to_owned() } else { word }
 }
 
-/// When a process of this machine began, in ticks since its boot, if it is there and has not ended: whoever started one
-/// may not have asked yet how it ended, and until then its number stays.
-fn running(id: u32) -> Option<u64> {
+/// The start time of a running process of this machine, in clock ticks since boot; none if it does not exist or has
+/// ended. A process that has ended keeps its number as a zombie until its parent waits for it.
+fn start_time(id: u32) -> Option<u64> {
     let stat = fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
-    // The name of the program comes second, in brackets, and may hold anything.
+    // The second field is the name of the program in parentheses. It may contain any character.
     let mut fields = stat.rsplit_once(')')?.1.split_whitespace();
     let state = fields.next()?;
     let start = fields.nth(18)?.parse().ok()?;
@@ -86,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn processes_are_told_and_read() {
+    fn processes_are_written_and_read() {
         let this = Process::this();
         assert_eq!(this.to_string().parse(), Ok(this.clone()));
         for text in ["", "a b 1", "a b x 1", "a b 1 2 3"] {
@@ -99,11 +101,11 @@ mod tests {
     fn those_that_have_ended_are_known_here_alone() {
         let this = Process::this();
         assert!(this.start > 0 && !this.has_ended());
-        // Another process that had this number before, and one that nobody has asked after yet.
+        // An earlier process with this number, and a zombie.
         assert!(Process { start: this.start - 1, ..this.clone() }.has_ended());
         let mut child = std::process::Command::new("true").spawn().expect("a program");
         let id = child.id();
-        while running(id).is_some() {
+        while start_time(id).is_some() {
             std::thread::yield_now();
         }
         assert!(Process { id, start: 1, ..this.clone() }.has_ended());

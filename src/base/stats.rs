@@ -1,4 +1,4 @@
-//! Exact counts of work done, for summaries and tests.
+//! Exact counts of the work done, and the progress of a run.
 
 use crate::base::cancel::Stop;
 use std::ops::AddAssign;
@@ -35,32 +35,32 @@ counts! {
         camera,
         /// Reflected by mirrors and boundaries, sharp or rough.
         mirror,
-        /// Passed on through what is transparent, bent or not.
+        /// Transmitted by transparent surfaces, refracted or not.
         transmitted,
         /// Scattered along paths.
         scattered,
-        /// Towards lights. One that passes a transparent surface counts again.
+        /// Towards lights. A shadow ray counts again after each transparent surface that it passes.
         shadow,
     }
 }
 
 counts! {
-    /// What effects ask for besides rays; exactly none where nothing calls for them.
+    /// Work of effects besides rays. Each count is exactly 0 if the scene does not use its effect.
     Evaluations {
-        /// Ways through fog.
+        /// Path segments through fog.
         fog,
-        /// Points of surfaces that paint was looked up for.
+        /// Texture evaluations at points of surfaces.
         paint,
-        /// Directions that were drawn towards lights with an area, things that shine and skies.
+        /// Directions sampled towards area lights, emissive objects and skies.
         light_samples,
-        /// Points that were drawn on a lens.
+        /// Points sampled on the lens.
         lens_samples,
     }
 }
 
 counts! {
-    /// Samples that were left out of the picture because they are no light, by cause. A sample counts once in
-    /// each of its layers.
+    /// Samples that were dropped because their value is not valid light, by cause. A sample counts once in each of
+    /// its layers.
     Dropped {
         /// Not a number.
         undefined,
@@ -69,7 +69,7 @@ counts! {
     }
 }
 
-/// All that tracing counts.
+/// Everything that tracing counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     pub rays: RayCounts,
@@ -85,95 +85,95 @@ impl AddAssign for Counts {
     }
 }
 
-/// How far a run has come, for whoever watches from another thread, and whether it is to stop. Nothing else is decided
-/// by it.
+/// The progress of a run, shared with a thread that displays it, and a request to stop. It affects nothing else of
+/// the run.
 #[derive(Debug, Default)]
-pub struct Meter {
-    /// Frames made.
+pub struct ProgressMeter {
+    /// Finished frames.
     pub frames: AtomicU32,
-    /// Those of them that were made of the film of another.
+    /// Finished frames that reused the film of another frame.
     pub reused: AtomicU32,
-    /// Share of the frame in hand, in thousandths.
+    /// Finished share of the current frame, in thousandths.
     pub thousandths: AtomicU32,
     pub rays: AtomicU64,
-    /// Told when tracing begins.
-    pub outset: OnceLock<Outset>,
-    /// Asks films in the making to end with the samples that they have; and whether one has.
+    /// Set when tracing begins.
+    pub start: OnceLock<RunStart>,
+    /// Once it has a signal, films that are being traced end with the samples that they have.
     pub stop: OnceLock<Stop>,
+    /// Whether a film ended early because of `stop`.
     pub unfinished: AtomicBool,
-    /// Lines that whoever watches should show.
-    pub notices: Mutex<Vec<Line>>,
+    /// Lines to display.
+    pub notices: Mutex<Vec<StatusLine>>,
 }
 
-/// A line for people, and the same for programs: an object of JSON.
+/// A line for people, and the same content for programs as a JSON object.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Line {
+pub struct StatusLine {
     pub text: String,
     pub json: String,
 }
 
-/// What a run has before it when tracing begins.
+/// The work of a run when tracing begins.
 #[derive(Clone, Debug)]
-pub struct Outset {
+pub struct RunStart {
     pub at: Instant,
-    /// Frames that were there before.
+    /// Frames that existed before the run.
     pub kept: u32,
-    /// Rays that each film is expected to take, in the order in which they are traced; none where there is no plan.
+    /// Expected number of rays of each film, in the order of tracing; empty if the run has no plan.
     pub films: Vec<f64>,
 }
 
-/// How much is done of what takes time, and how much is left: in rays, or in frames where nobody knows about rays.
+/// Work done and work left: in rays, or in frames if the numbers of rays are unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Work {
+pub struct Progress {
     pub done: f64,
     pub rest: f64,
 }
 
-impl Meter {
-    /// Tells that tracing begins.
+impl ProgressMeter {
+    /// Notes that tracing begins.
     pub fn begin(&self, kept: usize, films: Vec<f64>) {
-        // Whoever watches a second run with the same meter goes on from the first.
-        let _ = self.outset.set(Outset { at: Instant::now(), kept: kept as u32, films });
+        // A second run with the same meter continues the first one.
+        let _ = self.start.set(RunStart { at: Instant::now(), kept: kept as u32, films });
     }
 
-    /// Whether the run is to stop.
+    /// Whether the run should stop.
     pub fn is_stopped(&self) -> bool {
         self.stop.get().is_some_and(|stop| stop.signal().is_some())
     }
 
-    /// Has whoever watches show a line.
-    pub fn notice(&self, line: Line) {
+    /// Adds a line to display.
+    pub fn notice(&self, line: StatusLine) {
         if let Ok(mut notices) = self.notices.lock() {
             notices.push(line);
         }
     }
 
-    /// Lines that nobody has shown yet.
-    pub fn take_notices(&self) -> Vec<Line> {
+    /// Takes the lines that have not been displayed yet.
+    pub fn take_notices(&self) -> Vec<StatusLine> {
         self.notices.lock().map(|mut notices| std::mem::take(&mut *notices)).unwrap_or_default()
     }
 
-    /// Frames traced so far, with the part of the one in hand.
+    /// Finished frames, plus the finished share of the current frame.
     pub fn frames_done(&self) -> f64 {
         f64::from(self.frames.load(Relaxed)) + f64::from(self.thousandths.load(Relaxed)) / 1000.0
     }
 
-    /// What is done of a run of so many frames. Those that were there, or are made of the film of another, take next to
-    /// nothing.
-    pub fn work(&self, frames: usize) -> Work {
-        let outset = self.outset.get();
-        let kept = outset.map_or(0.0, |outset| f64::from(outset.kept));
-        // The meter's parts are not read at once, and may be a frame apart.
+    /// The progress of a run of `frames` frames. Frames that existed before, or that reuse a film, count as no work.
+    pub fn work(&self, frames: usize) -> Progress {
+        let start = self.start.get();
+        let kept = start.map_or(0.0, |start| f64::from(start.kept));
+        // The counters are read one after the other, so they may differ by a frame.
         let made = (self.frames_done() - kept).max(0.0);
-        match outset.map(|outset| &outset.films[..]) {
-            Some(films @ [_, ..]) => Work::of(films, made - f64::from(self.reused.load(Relaxed))),
-            _ => Work { done: made, rest: (frames as f64 - kept - made).max(0.0) },
+        match start.map(|start| &start.films[..]) {
+            Some(films @ [_, ..]) => Progress::of(films, made - f64::from(self.reused.load(Relaxed))),
+            _ => Progress { done: made, rest: (frames as f64 - kept - made).max(0.0) },
         }
     }
 }
 
-impl Work {
-    /// Of films that take so many rays, of which so many are traced.
+impl Progress {
+    /// `films` holds the expected rays of each film; `traced` is the number of films that are done.
     fn of(films: &[f64], traced: f64) -> Self {
         let share = |film: usize| (traced - film as f64).clamp(0.0, 1.0);
         let sum = |part: &dyn Fn(usize) -> f64| {
@@ -187,23 +187,23 @@ impl Work {
 mod tests {
     use super::*;
 
-    /// A meter that shows frames done, those of them that were reused, and the part of the one in hand.
-    fn meter(frames: u32, reused: u32, thousandths: u32) -> Meter {
-        Meter {
+    /// A meter with finished frames, reused frames, and thousandths of the current frame.
+    fn meter(frames: u32, reused: u32, thousandths: u32) -> ProgressMeter {
+        ProgressMeter {
             frames: frames.into(),
             reused: reused.into(),
             thousandths: thousandths.into(),
-            ..Meter::default()
+            ..ProgressMeter::default()
         }
     }
 
     #[test]
     fn without_a_plan_frames_are_counted() {
-        assert_eq!(meter(0, 0, 0).work(8), Work { done: 0.0, rest: 8.0 });
-        assert_eq!(meter(5, 0, 500).work(8), Work { done: 5.5, rest: 2.5 });
+        assert_eq!(meter(0, 0, 0).work(8), Progress { done: 0.0, rest: 8.0 });
+        assert_eq!(meter(5, 0, 500).work(8), Progress { done: 5.5, rest: 2.5 });
         let resumed = meter(5, 0, 500);
         resumed.begin(4, Vec::new());
-        assert_eq!(resumed.work(8), Work { done: 1.5, rest: 2.5 });
+        assert_eq!(resumed.work(8), Progress { done: 1.5, rest: 2.5 });
     }
 
     #[test]
@@ -214,13 +214,13 @@ mod tests {
             meter.begin(4, films.clone());
             meter.work(frames)
         };
-        assert_eq!(work(4, 0, 0), Work { done: 0.0, rest: 1000.0 });
-        assert_eq!(work(4, 0, 500), Work { done: 300.0, rest: 700.0 });
-        assert_eq!(work(8, 3, 0), Work { done: 600.0, rest: 400.0 });
-        assert_eq!(work(9, 3, 250), Work { done: 775.0, rest: 225.0 });
-        // Only frames of films that are traced are left.
-        assert_eq!(work(10, 3, 0), Work { done: 1000.0, rest: 0.0 });
-        // Read between two stores of whoever counts.
-        assert_eq!(work(6, 3, 0), Work { done: 0.0, rest: 1000.0 });
+        assert_eq!(work(4, 0, 0), Progress { done: 0.0, rest: 1000.0 });
+        assert_eq!(work(4, 0, 500), Progress { done: 300.0, rest: 700.0 });
+        assert_eq!(work(8, 3, 0), Progress { done: 600.0, rest: 400.0 });
+        assert_eq!(work(9, 3, 250), Progress { done: 775.0, rest: 225.0 });
+        // Only frames with films to trace are left.
+        assert_eq!(work(10, 3, 0), Progress { done: 1000.0, rest: 0.0 });
+        // The meter is read between two stores.
+        assert_eq!(work(6, 3, 0), Progress { done: 0.0, rest: 1000.0 });
     }
 }

@@ -1,8 +1,8 @@
 //! Time as exact rational seconds.
 //!
-//! Frame times, key times and turns are fractions of integers, so a key on a frame's time is *on* it,
-//! a loop of 100 turns closes, and no rate drifts. They become floating point once, at the very end,
-//! as the fraction of a segment (see [`Fraction`]).
+//! Frame times, key times and turns are fractions of integers. So a key at a frame's time is exactly there, a loop of
+//! 100 turns closes, and rates do not drift. They become floating point only once, at the end, as the fraction of a
+//! segment (see [`Fraction`]).
 
 use num_rational::Ratio;
 
@@ -63,7 +63,7 @@ impl Timeline {
         Self { rate, duration: rate.time_of(frames), frames }
     }
 
-    /// Every frame that starts before `duration` (above zero); none if they are more than a `u32` counts.
+    /// Every frame that starts before `duration`, which is above zero; none if a `u32` cannot count them.
     pub fn of_duration(duration: Time, rate: Rate) -> Option<Self> {
         let frames = (duration * rate.per_second()).ceil().to_integer();
         Some(Self { rate, duration, frames: u32::try_from(frames).ok()? })
@@ -80,32 +80,32 @@ impl Timeline {
         Clock { frame, start, time: start, duration: self.duration }
     }
 
-    /// The frame that shows at `time` (not before zero).
+    /// The frame that is displayed at `time`, which is not negative.
     pub fn frame_at(&self, time: Time) -> u32 {
         let frame = (time * self.rate.per_second()).floor().to_integer();
         frame.clamp(0, i128::from(u32::MAX)) as u32
     }
 }
 
-/// One moment of a sequence: all that animation may depend on.
+/// One moment of a sequence. Animation depends on nothing else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clock {
     pub frame: u32,
     /// When the frame starts.
     pub start: Time,
-    /// The moment itself: later than the start while a shutter is open.
+    /// The moment itself. It is later than the start if the shutter stays open.
     pub time: Time,
     /// Length of the whole sequence, for motions given in turns per duration.
     pub duration: Time,
 }
 
 impl Clock {
-    /// The moment this much later within the same frame.
+    /// The moment that is `by` seconds later within the same frame.
     pub fn later(&self, by: Time) -> Self {
         Self { time: self.time + by, ..*self }
     }
 
-    /// How far the sequence has run: 0 at its start, 1 at its (exclusive) end.
+    /// The elapsed share of the sequence: 0 at its start, 1 at its exclusive end.
     pub fn progress(&self) -> Fraction {
         Fraction::new(self.time, self.duration)
     }
@@ -113,8 +113,8 @@ impl Clock {
 
 /// A quotient that is not rounded yet: `num / den` with `den` above zero.
 ///
-/// Interpolation by `(a·den + (b - a)·num) / den` is exact before its one division when the numbers are
-/// integers, which is what closes a keyed turn bit for bit.
+/// If the numbers are integers, interpolation by `(a·den + (b - a)·num) / den` is exact before its only division. So
+/// a keyed turn closes bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fraction {
     pub num: f64,
@@ -122,13 +122,13 @@ pub struct Fraction {
 }
 
 impl Fraction {
-    /// `part / whole`, reduced to lowest terms first, so that equal quotients give equal numbers.
+    /// `part / whole` in lowest terms, so that equal quotients give equal numbers.
     pub fn new(part: Time, whole: Time) -> Self {
         let quotient = part / whole;
         Self { num: *quotient.numer() as f64, den: *quotient.denom() as f64 }
     }
 
-    /// An already rounded number.
+    /// A number that is already rounded.
     pub fn real(value: f64) -> Self {
         Self { num: value, den: 1.0 }
     }

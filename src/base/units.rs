@@ -1,8 +1,8 @@
-//! Numbers as people read them: counts, rates, times and sizes with their units.
+//! Readable numbers: counts, rates, times and sizes with their units.
 
 use std::time::Duration;
 
-/// `12,345,678`.
+/// A count with separators: `12,345,678`.
 pub fn count(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::with_capacity(digits.len() + digits.len() / 3);
@@ -27,12 +27,12 @@ pub fn ray_rate(rays: u64, time: Duration) -> String {
     scaled(rate, &["ray/s", "kray/s", "Mray/s", "Gray/s"])
 }
 
-/// `12.3 GB`.
+/// A size in bytes: `12.3 GB`.
 pub fn bytes(bytes: u64) -> String {
     scaled(bytes as f64, &["bytes", "kB", "MB", "GB", "TB", "PB", "EB"])
 }
 
-/// A number of bytes from text such as `5 MB`, `800kB` or `2 MiB`: at least 1000.
+/// Parses a size such as `5 MB`, `800kB` or `2 MiB`, from 1000 bytes to 10^15 bytes.
 pub fn parse_bytes(text: &str) -> Option<u64> {
     let text = text.trim();
     let end = text.find(|c: char| !c.is_ascii_digit() && c != '.')?;
@@ -53,14 +53,14 @@ pub fn parse_bytes(text: &str) -> Option<u64> {
 /// A measured time, to three digits or whole seconds: `850 µs`, `12.3 ms`, `4.56 s`, `2 min 05 s`.
 pub fn time(time: Duration) -> String {
     let seconds = time.as_secs_f64();
-    // What would round to a minute is written as one.
+    // Times that round to a minute are written as minutes.
     if seconds >= 59.95 {
         return long_time(time);
     }
     scaled(seconds * 1e6, &["µs", "ms", "s"])
 }
 
-/// A time that nobody knows exactly, such as what is left: whole seconds, `under 1 s` at the least.
+/// An estimated time, such as the time left, in whole seconds: `under 1 s`, `21 s`, `2 min 05 s`.
 pub fn rough_time(time: Duration) -> String {
     match time.as_secs_f64().round() as u64 {
         0 => "under 1 s".to_owned(),
@@ -79,10 +79,10 @@ fn long_time(time: Duration) -> String {
     format!("{} h {:02} min", count(minutes / 60), minutes % 60)
 }
 
-/// Three digits of a value in the largest unit that leaves at least 1; units are a factor of 1000 apart.
+/// A value with three digits, in the largest unit in which it is at least 1. Units differ by factors of 1000.
 fn scaled(mut value: f64, units: &[&str]) -> String {
     let mut unit = 0;
-    // 999.5 would be written as 1000.
+    // 999.5 would round to 1000.
     while value >= 999.5 && unit + 1 < units.len() {
         value /= 1000.0;
         unit += 1;

@@ -1,4 +1,8 @@
-//! The camera at one moment: a frame in space and a projection.
+//! Cameras at one moment (a frame in space and a projection), and their paths over time.
+//!
+//! In: keyed poses, path steps and times.
+//! Out: cameras, their rays, and the moments of a frame.
+//! May use: `base`, `sampling`, `track`.
 
 pub mod path;
 
@@ -7,24 +11,24 @@ use crate::base::lanes::{Real, Vec3};
 use crate::base::math::{Basis, DVec2, DVec3, LaneRay, Ray};
 use crate::sampling::disk;
 
-/// How wide a ray's share of the picture is.
+/// The footprint of a pixel along a ray: a cone.
 #[derive(Clone, Copy, Debug)]
 pub struct RayCone<F> {
-    /// Where the ray starts.
+    /// The width at the origin of the ray.
     pub width: F,
-    /// How much it grows per unit of length.
+    /// The growth of the width per unit of length.
     pub spread: F,
 }
 
 impl<F: Real> RayCone<F> {
-    /// The width after a way.
+    /// The width at a distance along the ray.
     #[inline(always)]
     pub fn width_at(&self, length: F) -> F {
         self.width + self.spread * length
     }
 }
 
-/// How the camera maps space to the picture.
+/// The mapping from space to the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
     /// Half the picture's height at distance 1: the tangent of half the vertical field of view.
@@ -35,12 +39,12 @@ pub enum Projection {
 
 content!(enum Projection { Perspective { half_height }, Orthographic { half_height } });
 
-/// A lens that is not a pinhole.
+/// A thin lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinLens {
-    /// Above 0.
+    /// In world units, above 0.
     pub radius: f64,
-    /// Distance along the line of sight at which points are sharp, above 0.
+    /// Distance along the line of sight to the plane in focus, above 0.
     pub focus: f64,
 }
 
@@ -58,8 +62,8 @@ pub struct Camera {
 content!(struct Camera { position, basis, projection, lens });
 
 impl Camera {
-    /// The cones of pixels around rays; `pixel` is the height of one in the units of [`Camera::ray`]. Depth of field is
-    /// no part of them.
+    /// The cones of pixels around rays. `pixel` is the height of a pixel in the units of [`Camera::ray`]. The cones
+    /// ignore depth of field.
     #[inline(always)]
     pub fn cones<F: Real>(&self, ray: &LaneRay<F>, pixel: F) -> RayCone<F> {
         let zero = F::splat(0.0);
@@ -74,9 +78,9 @@ impl Camera {
         }
     }
 
-    /// The ray through a point of the picture: `screen.y` runs from -1 at the bottom to 1 at the top,
-    /// `screen.x` likewise times the picture's width / height. `u`, two numbers in 0..1, picks the point of
-    /// the lens, evenly over its area.
+    /// The ray through a point of the picture. `screen.y` is -1 at the bottom and 1 at the top; `screen.x` has the
+    /// same scale, so it goes up to ±width / height. `u`, two numbers in 0..1, selects the point of the lens,
+    /// uniformly over its area.
     pub fn ray(&self, screen: DVec2, u: DVec2) -> Ray {
         let ray = self.rays::<f64>(screen.to_array(), u.to_array());
         Ray { origin: ray.origin.into(), direction: ray.direction.into() }
@@ -98,7 +102,7 @@ impl Camera {
         let Some(lens) = self.lens else {
             return LaneRay { origin, direction: if parallel { toward } else { toward.normalize() } };
         };
-        // `toward` reaches the plane in focus at t = focus: its part along the line of sight is 1.
+        // `toward` reaches the plane in focus at t = focus, because its component along the line of sight is 1.
         let (radius, (across, along)) = (F::splat(lens.radius), disk(u, v));
         let offset = right * (across * radius) + up * (along * radius);
         let direction = (toward * F::splat(lens.focus) - offset).normalize();

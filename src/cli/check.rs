@@ -1,7 +1,7 @@
-//! `kinora check`: everything that `render` would find wrong with a file, without rendering.
+//! `kinora check`: finds every mistake that `render` would find, without rendering.
 
 use super::failure::Failure;
-use super::loading::Reporter;
+use super::loading::LoadingReporter;
 use super::progress::ProgressMode;
 use super::{load, terminal};
 use crate::base::escape;
@@ -12,31 +12,31 @@ use crate::sequence::Sequence;
 use clap::Args;
 use std::path::PathBuf;
 
-/// Find every mistake in a sequence file; nothing is rendered or written.
+/// Find every mistake in a sequence file; render and write nothing.
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = "\
 Example:
   kinora check sequences/hello.ron
-prints one line about the sequence, or all mistakes with their places (exit code 2).")]
+prints one line about the sequence, or every mistake with its line (exit code 2).")]
 pub struct Arguments {
-    /// The sequence file (.ron).
+    /// The sequence file (.ron)
     file: PathBuf,
 
-    /// Images and meshes may lie outside of the nearest folder that holds `assets/`
+    /// Allow images and meshes outside of the sequence's root folder, as in `render`
     #[arg(long)]
     allow_outside: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let loading = Reporter::new(ProgressMode::Auto, false);
+    let loading = LoadingReporter::new(ProgressMode::Auto, false);
     let sequence = load::sequence(&arguments.file, arguments.allow_outside, loading)?;
     render::check(&sequence, &request(&sequence))?;
-    terminal::say(&line(&sequence))?;
-    let note = |note: &String| terminal::say(&format!("note: {}", escape::line(note)));
+    terminal::print_line(&line(&sequence))?;
+    let note = |note: &String| terminal::print_line(&format!("note: {}", escape::line(note)));
     sequence.notes().iter().try_for_each(note)
 }
 
-/// What `render` would do by itself.
+/// The request of `kinora render` without options.
 pub(super) fn request(sequence: &Sequence) -> Request {
     Request {
         outputs: sequence.output.files.clone(),
@@ -49,7 +49,7 @@ pub(super) fn request(sequence: &Sequence) -> Request {
     }
 }
 
-/// What a sequence is, in one line.
+/// An overview of the sequence in one line.
 fn line(sequence: &Sequence) -> String {
     let timeline = &sequence.timeline;
     let (width, height) = sequence.output.size;
@@ -67,7 +67,7 @@ fn line(sequence: &Sequence) -> String {
     format!("{}: {}", escape::line(&sequence.name), facts.join(" · "))
 }
 
-/// How many objects, and how many triangles in their meshes.
+/// The number of objects, and of the triangles in their meshes.
 fn objects(sequence: &Sequence) -> String {
     let objects = counted(sequence.objects.len() as u64, "object");
     match sequence.meshes().iter().map(|(_, mesh)| mesh.triangles().len() as u64).sum() {
@@ -76,7 +76,7 @@ fn objects(sequence: &Sequence) -> String {
     }
 }
 
-/// To three decimals at most, without needless zeros.
+/// A number with at most three decimals, without trailing zeros.
 fn decimal(number: crate::base::time::Time) -> String {
     let value = *number.numer() as f64 / *number.denom() as f64;
     let text = format!("{value:.3}");
@@ -90,7 +90,7 @@ mod tests {
     use crate::cli::fixture::sequence;
 
     #[test]
-    fn one_line_tells_it_all() {
+    fn the_overview_is_one_line() {
         assert_eq!(
             line(&sequence()),
             "nothing: 72 frames · 3 s at 24 fps · 641x361 · 0 objects · 1 light · 0 materials · 1 camera · \
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn rates_are_told_in_decimals() {
+    fn rates_are_decimal() {
         let rate = Rate::new(30000, 1001).map(|rate| decimal(rate.per_second()));
         assert_eq!(rate.as_deref(), Some("29.97"));
     }

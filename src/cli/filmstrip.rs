@@ -1,52 +1,54 @@
-//! `kinora filmstrip`: a sequence file in, one picture of several frames out.
+//! `kinora filmstrip`: renders several frames into one picture.
 
 use super::failure::Failure;
-use super::options::Options;
-use super::{load, loading, overrides, progress, render, summary, terminal, values};
+use super::frame_selection::selected_frames;
+use super::loading::LoadingReporter;
+use super::options::RenderOptions;
+use super::progress::{self, ProgressMode, ProgressReporter};
+use super::{load, overrides, summary, terminal, values};
 use crate::base::frame_set::FrameSet;
-use crate::base::stats::Meter;
-use crate::cli::progress::ProgressMode;
-use crate::encode::{Output, Still, Template, check_within, sheet_columns};
-use crate::pipeline::filmstrip::{Request, filmstrip, spread};
+use crate::base::stats::ProgressMeter;
+use crate::encode::{Output, StillFormat, Template, check_within, sheet_columns};
+use crate::pipeline::filmstrip::{FilmstripRequest, filmstrip, spread};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Pixels across a sheet, about, if its frames are not given a size.
-const WIDTH: u32 = 1920;
-/// More frames than these are no figure.
-const MOST: u32 = 400;
+/// The approximate width of the picture in pixels, unless the user sets the size of the frames.
+const DEFAULT_WIDTH: u32 = 1920;
+/// The largest number of frames.
+const MAX_FRAMES: u32 = 400;
 
-/// Render several frames of a sequence into one picture, with their numbers and times.
+/// Render several frames of a sequence into one picture, with captions.
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// The sequence file (.ron).
+    /// The sequence file (.ron)
     file: PathBuf,
 
     /// The picture to write: .png, .jpg or .ppm [default: output/NAME_filmstrip.png]
     #[arg(short, long, value_name = "FILE", value_parser = values::output())]
     output: Option<Output>,
 
-    /// How many frames, from the first to the last
-    #[arg(short = 'n', long, value_name = "N", default_value = "9", value_parser = clap::value_parser!(u32).range(1..=MOST as i64))]
+    /// Number of frames, spread evenly over the sequence
+    #[arg(short = 'n', long, value_name = "N", default_value = "9", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES as i64))]
     count: u32,
 
-    /// These frames instead, counted from 0: 0-47:8, 0,10,20
+    /// These frames instead, counted from 0: 0-47:8 or 0,10,20
     #[arg(long, value_name = "SET", allow_hyphen_values = true, conflicts_with = "count")]
     frames: Option<FrameSet>,
 
-    /// Frames in a row [default: as many as make a picture that fits a page]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST as i64))]
+    /// Frames in a row [default: as many as fit a page]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES as i64))]
     columns: Option<u32>,
 
-    /// What stands below each frame; {frame}, {frames}, {time} and {name} stand for their values
+    /// Text below each frame; {frame}, {frames}, {time} and {name} are replaced by their values
     #[arg(long, value_name = "TEXT", default_value = "frame {frame} · {time} s", value_parser = values::caption)]
     caption: Template,
 
     #[command(flatten)]
-    options: Options,
+    options: RenderOptions,
 }
 
 const AFTER_HELP: &str = "\
@@ -59,16 +61,16 @@ Examples:
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = &arguments.options;
-    let loading = loading::Reporter::new(options.progress, options.quiet);
+    let loading = LoadingReporter::new(options.progress, options.quiet);
     let sequence = load::sequence(&arguments.file, options.allow_outside, loading)?;
-    let mut sequence = overrides::applied(sequence, &options.overrides()).map_err(Failure::Bad)?;
+    let mut sequence = overrides::apply(sequence, &options.overrides()).map_err(Failure::Bad)?;
     let frames = match &arguments.frames {
-        Some(set) => render::frames_of(Some(set), &sequence)?,
+        Some(set) => selected_frames(Some(set), &sequence)?,
         None => spread(sequence.timeline.frames, arguments.count),
     };
-    if frames.len() > MOST as usize {
+    if frames.len() > MAX_FRAMES as usize {
         return Err(Failure::Bad(format!(
-            "--frames names {} frames; a filmstrip has at most {MOST}",
+            "--frames names {} frames; a filmstrip has at most {MAX_FRAMES}",
             frames.len()
         )));
     }
@@ -77,40 +79,40 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if options.size.is_none() {
         sequence.output.size = fitting(sequence.output.size, columns.min(count));
     }
-    let output = arguments.output.clone().map_or_else(|| named(&sequence, "filmstrip"), Ok)?;
+    let output = arguments.output.clone().map_or_else(|| default_output(&sequence, "filmstrip"), Ok)?;
     if arguments.output.is_none() {
         check_within(output.name()).map_err(|error| Failure::Bad(error.to_string()))?;
     }
-    if !matches!(output, Output::Stills(Still::Png | Still::Jpeg | Still::Ppm, _)) {
+    if !matches!(output, Output::Stills(StillFormat::Png | StillFormat::Jpeg | StillFormat::Ppm, _)) {
         return Err(Failure::Bad(format!(
             "a filmstrip is one picture; write .png, .jpg or .ppm, not {output}"
         )));
     }
     let threads = options.threads;
-    let request = Request { frames, output, columns, text: arguments.caption.clone(), threads };
+    let request = FilmstripRequest { frames, output, columns, text: arguments.caption.clone(), threads };
 
-    let meter = Arc::new(Meter::default());
-    let show = progress::Reporter::new(options.progress, options.quiet, request.frames.len());
-    let done =
-        progress::watch(&meter, request.frames.len(), show, || filmstrip(&sequence, &request, &meter))?;
+    let meter = Arc::new(ProgressMeter::default());
+    let count = request.frames.len();
+    let reporter = ProgressReporter::new(options.progress, options.quiet, count);
+    let done = progress::watch(&meter, count, reporter, || filmstrip(&sequence, &request, &meter))?;
     if options.quiet {
         return Ok(());
     }
     let json = options.progress == ProgressMode::Json;
-    terminal::say(&if json { summary::json(&done) } else { summary::text(&done) })
+    terminal::print_line(&if json { summary::json(&done) } else { summary::text(&done) })
 }
 
-/// The size of frames of which so many are about [`WIDTH`] wide, and never larger than they are.
+/// The size of frames that fill [`DEFAULT_WIDTH`] with this many columns. Never larger than their own size.
 fn fitting((width, height): (u32, u32), columns: u32) -> (u32, u32) {
-    let wanted = (WIDTH / columns.max(1)).clamp(1, width);
+    let wanted = (DEFAULT_WIDTH / columns.max(1)).clamp(1, width);
     let scaled = u64::from(height) * u64::from(wanted) / u64::from(width);
     (wanted, (scaled as u32).max(1))
 }
 
-/// The usual file of something that is made of a sequence.
-pub fn named(sequence: &Sequence, what: &str) -> Result<Output, Failure> {
+/// The default file name of a picture of a sequence: `output/NAME_KIND.png`.
+pub fn default_output(sequence: &Sequence, kind: &str) -> Result<Output, Failure> {
     let name = sequence.name.replace(['#', '%'], "_");
-    Output::parse(format!("output/{name}_{what}.png")).map_err(|error| Failure::Bad(error.to_string()))
+    Output::parse(format!("output/{name}_{kind}.png")).map_err(|error| Failure::Bad(error.to_string()))
 }
 
 #[cfg(test)]
@@ -118,7 +120,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_are_made_small_enough_for_their_row() {
+    fn frames_fit_their_row() {
         assert_eq!(fitting((800, 800), 3), (640, 640));
         assert_eq!(fitting((400, 250), 3), (400, 250));
         assert_eq!(fitting((4000, 1), 4), (480, 1));

@@ -10,7 +10,7 @@ use crate::sequence::quality::Quality;
 use crate::sequence::{Named, OutputSettings, Sequence};
 use crate::track::Animated::Constant;
 
-/// Three seconds of nothing, with a camera and a light.
+/// Three seconds of an empty scene with a camera and a light.
 pub fn sequence() -> Sequence {
     let camera = CameraPath {
         position: Constant(DVec3::Z),
@@ -51,10 +51,11 @@ pub fn sequence() -> Sequence {
         lights: vec![Named { name: "light".into(), value: light }],
         materials: Vec::new(),
         objects: Vec::new(),
+        warnings: Vec::new(),
     }
 }
 
-/// An output by its name.
+/// The output of this name.
 pub fn output(name: &str) -> Output {
     Output::parse(name).expect("a name of a known format")
 }

@@ -1,87 +1,65 @@
-//! Just enough JSON to write one object per line for other programs.
+//! JSON for other programs, in one line.
 
-use crate::base::escape::json as quoted;
-use std::fmt::{Display, Write};
+use crate::base::escape;
+use serde::Serialize;
+use serde_json::ser::{Formatter, Serializer};
+use serde_json::{Map, Value};
+use std::io;
 
-/// An object in the making; keys are plain words.
-pub struct Object(String);
+/// Writes a value in one line. Its strings are safe to show on a terminal.
+pub fn line(value: impl Into<Value>) -> String {
+    let mut bytes = Vec::new();
+    // Writing into memory cannot fail, and all keys are strings.
+    let _ = value.into().serialize(&mut Serializer::with_formatter(&mut bytes, TerminalSafe));
+    String::from_utf8_lossy(&bytes).into_owned()
+}
 
-impl Object {
-    pub fn new() -> Self {
-        Self(String::new())
-    }
+/// A number rounded to the thousandth, for times in seconds; null if it is not finite.
+pub fn rounded(value: f64) -> Value {
+    format!("{value:.3}").parse::<f64>().map_or(Value::Null, Value::from)
+}
 
-    pub fn text(self, key: &str, value: &str) -> Self {
-        self.raw(key, quoted(value))
-    }
-
-    pub fn whole(self, key: &str, value: u64) -> Self {
-        self.raw(key, value)
-    }
-
-    /// To the thousandth; null if absent or not finite, for which JSON has no number.
-    pub fn real(self, key: &str, value: Option<f64>) -> Self {
-        match value.filter(|value| value.is_finite()) {
-            Some(value) => self.raw(key, format_args!("{value:.3}")),
-            None => self.raw(key, "null"),
-        }
-    }
-
-    /// With all digits; null if absent or not finite.
-    pub fn exact(self, key: &str, value: Option<f64>) -> Self {
-        match value.filter(|value| value.is_finite()) {
-            Some(value) => self.raw(key, format_args!("{value:e}")),
-            None => self.raw(key, "null"),
-        }
-    }
-
-    pub fn texts(self, key: &str, values: impl Iterator<Item = String>) -> Self {
-        self.raw(key, list(values.map(|value| quoted(&value))))
-    }
-
-    pub fn objects(self, key: &str, values: impl Iterator<Item = Self>) -> Self {
-        let values = values.map(Self::finish).collect::<Vec<_>>();
-        self.raw(key, format_args!("[{}]", values.join(",")))
-    }
-
-    pub fn object(self, key: &str, value: Self) -> Self {
-        self.raw(key, value.finish())
-    }
-
-    pub fn finish(self) -> String {
-        format!("{{{}}}", self.0)
-    }
-
-    /// What is JSON already.
-    pub fn raw(mut self, key: &str, value: impl Display) -> Self {
-        let comma = if self.0.is_empty() { "" } else { "," };
-        // Writing to a string cannot fail.
-        let _ = write!(self.0, "{comma}{}:{value}", quoted(key));
-        self
+/// The object that `json!` has made.
+pub fn object(value: Value) -> Map<String, Value> {
+    match value {
+        Value::Object(map) => map,
+        _ => Map::new(),
     }
 }
 
-/// A list of what is JSON already.
-pub fn list(values: impl Iterator<Item = String>) -> String {
-    format!("[{}]", values.collect::<Vec<_>>().join(","))
+/// Escapes control and format characters, which JSON allows in strings but which could steer a terminal.
+struct TerminalSafe;
+
+impl Formatter for TerminalSafe {
+    fn write_string_fragment<W: ?Sized + io::Write>(&mut self, out: &mut W, text: &str) -> io::Result<()> {
+        // Fragments hold no quotes of their own.
+        out.write_all(escape::json(text).trim_matches('"').as_bytes())
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
 
     #[test]
-    fn objects_nest() {
-        let inner = Object::new().real("t", Some(0.12345)).real("n", Some(f64::NAN)).real("x", None);
-        let text = Object::new()
-            .text("a", "b")
-            .whole("c", u64::MAX)
-            .texts("d", ["e".to_owned(), "\"".to_owned()].into_iter())
-            .object("f", inner)
-            .object("g", Object::new())
-            .objects("h", [Object::new().whole("i", 1), Object::new()].into_iter())
-            .finish();
-        let wanted = r#"{"a":"b","c":18446744073709551615,"d":["e","\""],"f":{"t":0.123,"n":null,"x":null},"g":{},"h":[{"i":1},{}]}"#;
-        assert_eq!(text, wanted);
+    fn objects_keep_the_order_of_their_keys() {
+        let value = json!({
+            "z": "b",
+            "c": u64::MAX,
+            "d": ["e", "\""],
+            "a": { "t": rounded(0.12345), "n": rounded(f64::NAN), "x": f64::NAN, "y": None::<f64> },
+            "g": {},
+        });
+        let wanted = r#"{"z":"b","c":18446744073709551615,"d":["e","\""],"a":{"t":0.123,"n":null,"x":null,"y":null},"g":{}}"#;
+        assert_eq!(line(value), wanted);
+    }
+
+    #[test]
+    fn strings_do_not_steer_terminals() {
+        assert_eq!(
+            line("\"a\\\n\u{1b}[2J\u{9b}\u{202e}\u{e0041}\""),
+            r#""\"a\\\n\u001b[2J\u009b\u202e\udb40\udc41\"""#
+        );
     }
 }

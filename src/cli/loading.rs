@@ -1,48 +1,49 @@
-//! Progress of loading, told by a thread that watches the meter. Most sequences are there at once, and nothing is
-//! told of them.
+//! Progress of loading, shown by a thread that watches the meter. Most sequences load at once and show nothing.
 
-use super::json::Object;
+use super::json;
 use super::progress::ProgressMode;
 use super::terminal;
 use crate::base::escape;
-use crate::import::LoadMeter;
+use crate::import::LoadProgress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::json;
 use std::io::{Write, stderr, stdout};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
 
-/// Loading that takes no longer than this is not told of.
-const PATIENCE: Duration = Duration::from_millis(700);
+/// Loading shows no progress before this time.
+const SILENT_TIME: Duration = Duration::from_millis(700);
 
 /// Where and how progress is shown.
-pub enum Reporter {
+pub enum LoadingReporter {
     Silent,
     Bar(Option<ProgressBar>),
-    Lines { out: Box<dyn Write + Send>, format: fn(&Snapshot) -> String, last: String },
+    Lines { out: Box<dyn Write + Send>, format: fn(&LoadSnapshot) -> String, last: String },
 }
 
-/// One look at a meter.
-pub struct Snapshot {
+/// The state of loading at one moment.
+pub struct LoadSnapshot {
+    /// The current step, such as `loading bunny.ply`.
     what: String,
-    /// Bytes done and bytes there are.
-    share: Option<(u64, u64)>,
+    /// Bytes read, and the size of the file.
+    bytes: Option<(u64, u64)>,
 }
 
-/// Does the work while another thread shows how far it has come.
-pub fn watch<T>(meter: &LoadMeter, mut show: Reporter, work: impl FnOnce() -> T) -> T {
-    // Dropped when the work is over, also by a panic, which ends the watch.
+/// Does the work while another thread shows its progress.
+pub fn watch<T>(meter: &LoadProgress, mut reporter: LoadingReporter, work: impl FnOnce() -> T) -> T {
+    // The watch ends when `working` is dropped, also by a panic.
     let (working, over) = mpsc::channel::<()>();
     thread::scope(|scope| {
         let watcher = move || {
-            let mut pause = PATIENCE;
+            let mut pause = SILENT_TIME;
             while over.recv_timeout(pause) == Err(RecvTimeoutError::Timeout) {
-                show.tell(&Snapshot { what: meter.what(), share: meter.share() });
-                pause = show.pause();
+                reporter.update(&LoadSnapshot { what: meter.what(), bytes: meter.share() });
+                pause = reporter.pause();
             }
-            show.finish();
+            reporter.finish();
         };
-        // Without a thread to spare the work goes on, only unwatched.
+        // If no thread can be started, the work continues without progress.
         let _ = thread::Builder::new().spawn_scoped(scope, watcher);
         let result = work();
         drop(working);
@@ -50,19 +51,19 @@ pub fn watch<T>(meter: &LoadMeter, mut show: Reporter, work: impl FnOnce() -> T)
     })
 }
 
-impl Reporter {
+impl LoadingReporter {
     pub fn new(mode: ProgressMode, quiet: bool) -> Self {
         match mode {
             _ if quiet => Self::Silent,
             ProgressMode::Auto if terminal::interactive() => Self::Bar(None),
             ProgressMode::Auto | ProgressMode::Plain => {
-                Self::Lines { out: Box::new(stderr()), format: Snapshot::line, last: String::new() }
+                Self::Lines { out: Box::new(stderr()), format: LoadSnapshot::line, last: String::new() }
             }
             ProgressMode::Json => {
-                Self::Lines { out: Box::new(stdout()), format: Snapshot::json, last: String::new() }
+                Self::Lines { out: Box::new(stdout()), format: LoadSnapshot::json, last: String::new() }
             }
             ProgressMode::OpenJd => {
-                Self::Lines { out: Box::new(stdout()), format: Snapshot::openjd, last: String::new() }
+                Self::Lines { out: Box::new(stdout()), format: LoadSnapshot::openjd, last: String::new() }
             }
         }
     }
@@ -75,12 +76,12 @@ impl Reporter {
         }
     }
 
-    fn tell(&mut self, snapshot: &Snapshot) {
+    fn update(&mut self, snapshot: &LoadSnapshot) {
         match self {
             Self::Silent => {}
             Self::Bar(bar) => {
                 let bar = bar.get_or_insert_with(new_bar);
-                let (done, total) = snapshot.share.unwrap_or((1, 1));
+                let (done, total) = snapshot.bytes.unwrap_or((1, 1));
                 bar.set_length(total);
                 bar.set_position(done);
                 bar.set_message(escape::line(&snapshot.line()).into_owned());
@@ -88,8 +89,8 @@ impl Reporter {
             Self::Lines { out, format, last } => {
                 let line = format(snapshot);
                 if line != *last {
-                    // A reader that went away does not stop the work.
-                    let _ = terminal::tell(out, &line);
+                    // If the reader went away, the work continues.
+                    let _ = terminal::write_line(out, &line);
                     *last = line;
                 }
             }
@@ -105,19 +106,19 @@ impl Reporter {
 
 fn new_bar() -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(1), ProgressDrawTarget::stderr_with_hz(10));
-    // The template is a constant; if it were faulty, the default style would still tell the position.
+    // The template is a constant. If it were invalid, the default style would still show the position.
     if let Ok(style) = ProgressStyle::with_template("[{bar:30}] {msg}") {
         bar.set_style(style.progress_chars("=> "));
     }
     bar
 }
 
-impl Snapshot {
+impl LoadSnapshot {
     /// `loading bunny.ply 43 %`
     fn line(&self) -> String {
-        // Before the first mesh there is only the sequence file itself.
+        // Before the first mesh, the sequence file itself is read.
         let what = if self.what.is_empty() { "loading" } else { &self.what };
-        match self.share {
+        match self.bytes {
             Some((done, total)) => format!("{what} {} %", u128::from(done) * 100 / u128::from(total)),
             None => what.to_owned(),
         }
@@ -128,11 +129,12 @@ impl Snapshot {
     }
 
     fn json(&self) -> String {
-        let object = Object::new().text("event", "loading").text("what", &self.what);
-        match self.share {
-            Some((done, total)) => object.whole("bytes", done).whole("of", total).finish(),
-            None => object.finish(),
-        }
+        json::line(match self.bytes {
+            Some((done, total)) => {
+                json!({ "event": "loading", "what": self.what, "bytes": done, "of": total })
+            }
+            None => json!({ "event": "loading", "what": self.what }),
+        })
     }
 }
 
@@ -156,8 +158,8 @@ mod tests {
     }
 
     #[test]
-    fn lines_tell_what_and_how_far() {
-        let snapshot = |share| Snapshot { what: "loading bunny.ply".to_owned(), share };
+    fn lines_show_the_file_and_the_share() {
+        let snapshot = |bytes| LoadSnapshot { what: "loading bunny.ply".to_owned(), bytes };
         assert_eq!(snapshot(Some((437, 1000))).line(), "loading bunny.ply 43 %");
         assert_eq!(snapshot(Some((u64::MAX, u64::MAX))).line(), "loading bunny.ply 100 %");
         assert_eq!(snapshot(None).line(), "loading bunny.ply");
@@ -167,22 +169,25 @@ mod tests {
     }
 
     #[test]
-    fn only_what_takes_long_is_told() {
-        let told = |time: Duration| {
+    fn only_slow_loading_is_shown() {
+        let shown = |time: Duration| {
             let (send, sent) = mpsc::channel();
-            let show =
-                Reporter::Lines { out: Box::new(Sent(send)), format: Snapshot::line, last: String::new() };
-            let meter = LoadMeter::default();
+            let reporter = LoadingReporter::Lines {
+                out: Box::new(Sent(send)),
+                format: LoadSnapshot::line,
+                last: String::new(),
+            };
+            let meter = LoadProgress::default();
             let work = || {
                 meter.start("loading a.ply".to_owned(), 10);
                 meter.advance(5);
                 thread::sleep(time);
                 "done"
             };
-            assert_eq!(watch(&meter, show, work), "done");
+            assert_eq!(watch(&meter, reporter, work), "done");
             sent.iter().collect::<String>()
         };
-        assert_eq!(told(Duration::ZERO), "");
-        assert_eq!(told(PATIENCE + Duration::from_millis(300)), "loading a.ply 50 %\n");
+        assert_eq!(shown(Duration::ZERO), "");
+        assert_eq!(shown(SILENT_TIME + Duration::from_millis(300)), "loading a.ply 50 %\n");
     }
 }

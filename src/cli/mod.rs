@@ -1,31 +1,32 @@
-//! The command line: one dispatch, one file per command.
+//! The command line: one file or folder per command.
 //!
-//! Arguments in; files, a summary on stdout, progress and errors on stderr, and an exit code out.
+//! In: the arguments of the process. Out: files, a summary on stdout, progress and errors on stderr, an exit code.
+//! Uses all other rooms.
 
 mod accuracy;
 mod assemble;
 mod check;
 mod failure;
 mod farm;
+mod farm_forecast;
 mod filmstrip;
 #[cfg(test)]
 mod fixture;
+mod forecast_text;
+mod frame_selection;
+mod image_options;
 mod json;
 mod load;
 mod loading;
-mod look;
 mod options;
-mod outlook;
 mod outputs;
 mod overrides;
 mod plan;
-mod plan_films;
 mod poster;
 mod progress;
+mod renamed_options;
 mod render;
-mod scaling;
 mod settings;
-mod share;
 mod shell;
 mod signals;
 mod summary;
@@ -37,11 +38,12 @@ use crate::base::escape;
 use crate::base::lanes::forced_level;
 use clap::builder::Styles;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
+use failure::Failure;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Renders keyframed animations from one text file into pictures, GIFs and videos, ray traced.
+/// Ray traces keyframed animations from a text file into pictures, GIFs and videos.
 #[derive(Parser)]
 #[command(version, arg_required_else_help = true, after_help = AFTER_HELP)]
 struct Arguments {
@@ -64,60 +66,46 @@ enum Command {
 const AFTER_HELP: &str = "\
 Examples:
   kinora render sequences/hello.ron                  render a sequence into the files that it names
-  kinora render sequences/hello.ron --draft          a quick look, at half the size
+  kinora render sequences/hello.ron --draft          a fast preview at half the size
   kinora render sequences/hello.ron -o out/turn.gif  choose the file to write
   kinora render sequences/hello.ron -o out/turn.mp4  a video for browsers and slides
-  kinora filmstrip sequences/hello.ron               some frames in one picture, for a page
+  kinora filmstrip sequences/hello.ron               several frames in one picture
   kinora poster sequences/hello.ron                  one frame
-  kinora check sequences/hello.ron                   find every mistake, render nothing
-  kinora plan sequences/light-show.ron               what a render would trace, and what it would not
-  kinora accuracy sequences/room.ron --quick         what accuracy costs in time
-  kinora farm export slurm sequences/hello.ron       the same on many machines
+  kinora check sequences/hello.ron                   report every mistake, render nothing
+  kinora plan sequences/light-show.ron               predict the time, the error and the rays
+  kinora accuracy sequences/room.ron --quick         measure what accuracy costs in time
+  kinora farm export slurm sequences/hello.ron       write a job for many machines
 
-`kinora render --help` lists the options. Exit codes: 0 done, 2 a mistake in the command or the sequence,
-3 frames or files could not be made, or nobody reads the standard output of `-o -`.";
+`kinora render --help` lists the options. Exit codes: 0 success; 2 a mistake in the command or the
+sequence; 3 a frame or file could not be made, or the reader of `-o -` went away.";
 
-/// Runs the command that the process was started with.
+/// Runs the command of this process.
 pub fn main() -> ExitCode {
     signals::survive_size_limits();
     run(std::env::args_os())
 }
 
-/// Runs a command; `arguments` start with the program's name.
+/// Runs a command. The first argument is the program's name.
 fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let arguments: Vec<OsString> = arguments.into_iter().collect();
-    // What could steer a terminal is told without colours, so that all that is left of its kind can be escaped.
-    let plain = arguments.iter().any(|argument| escape::path(argument).as_str() != argument);
-    let mut command = Arguments::command();
-    if plain {
-        command = command.styles(Styles::plain());
-    }
-    let parsed = command.try_get_matches_from_mut(arguments);
-    let parsed = parsed.and_then(|matches| Arguments::from_arg_matches(&matches));
-    let arguments = match parsed.map_err(|message| message.format(&mut command)) {
+    let arguments = match parse(arguments.into_iter().collect()) {
         Ok(arguments) => arguments,
-        Err(mut message) => {
-            let owners = owners_of_option(&mut message);
-            if plain && message.use_stderr() {
-                terminal::complain(message.render().ansi().to_string().trim_end());
-            } else {
-                // Also the way of --help and --version, with code 0. Nobody is left to tell if printing fails.
-                let _ = message.print();
-            }
-            if let Some(file) = forgotten_command(&message) {
-                terminal::complain(&format!("\nTo render this file: kinora render {file}"));
-            }
-            if let Some(owners) = owners {
-                terminal::complain(&format!("\n{owners}"));
-            }
-            return if message.use_stderr() { ExitCode::from(failure::BAD_INPUT) } else { ExitCode::SUCCESS };
-        }
+        Err(code) => return code,
     };
     if let Err(error) = forced_level() {
         terminal::error(&error.to_string());
         return ExitCode::from(failure::BAD_INPUT);
     }
-    let done = match arguments.command {
+    match execute(arguments.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            terminal::failure(&failure);
+            ExitCode::from(failure.code())
+        }
+    }
+}
+
+fn execute(command: Command) -> Result<(), Failure> {
+    match command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Filmstrip(arguments) => filmstrip::run(&arguments),
         Command::Poster(arguments) => poster::run(&arguments),
@@ -126,26 +114,66 @@ fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Accuracy(arguments) => accuracy::run(&arguments),
         Command::Farm(arguments) => farm::run(&arguments),
-    };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            failure.print();
-            ExitCode::from(failure.code())
-        }
     }
 }
 
-/// The sequence file that stands where the command should.
-fn forgotten_command(message: &clap::Error) -> Option<&str> {
+/// Parses the arguments.
+///
+/// # Errors
+/// The exit code, after it has printed an error, the help or the version.
+fn parse(arguments: Vec<OsString>) -> Result<Arguments, ExitCode> {
+    let (arguments, notes) = renamed_options::to_current(arguments);
+    // If an argument could steer a terminal, the message has no colours. Then all other control characters can be
+    // escaped.
+    let plain = arguments.iter().any(|argument| escape::path(argument).as_str() != argument);
+    let mut command = Arguments::command();
+    if plain {
+        command = command.styles(Styles::plain());
+    }
+    let matches = command.try_get_matches_from_mut(arguments);
+    if !matches.as_ref().is_ok_and(is_quiet) {
+        notes.iter().for_each(|note| terminal::eprint_line(note));
+    }
+    let parsed = matches.and_then(|matches| Arguments::from_arg_matches(&matches));
+    parsed.map_err(|message| explain(message.format(&mut command), plain))
+}
+
+/// Whether the command has `--quiet`.
+fn is_quiet(matches: &ArgMatches) -> bool {
+    match matches.subcommand() {
+        Some((_, matches)) => is_quiet(matches),
+        None => matches.try_get_one("quiet").ok().flatten().is_some_and(|quiet: &bool| *quiet),
+    }
+}
+
+/// Prints a message of clap with hints. Returns the exit code.
+fn explain(mut message: clap::Error, plain: bool) -> ExitCode {
+    let owners = owners_of_option(&mut message);
+    if plain && message.use_stderr() {
+        terminal::eprint_line(message.render().ansi().to_string().trim_end());
+    } else {
+        // This also prints --help and --version, with code 0. If printing fails, nobody reads the output.
+        let _ = message.print();
+    }
+    if let Some(file) = missing_command(&message) {
+        terminal::eprint_line(&format!("\nTo render this file: kinora render {file}"));
+    }
+    if let Some(owners) = owners {
+        terminal::eprint_line(&format!("\n{owners}"));
+    }
+    if message.use_stderr() { ExitCode::from(failure::BAD_INPUT) } else { ExitCode::SUCCESS }
+}
+
+/// The sequence file that takes the place of the command.
+fn missing_command(message: &clap::Error) -> Option<&str> {
     match message.get(ContextKind::InvalidSubcommand) {
         Some(ContextValue::String(word)) if word.ends_with(".ron") => Some(word),
         _ => None,
     }
 }
 
-/// Where an option is refused: says which commands have it, if any. The tip to pass it as a value goes, since no file is
-/// called like an option.
+/// For an unknown option: a hint that names the commands that have it. Also removes the tip to pass it as a value,
+/// because no file has the name of an option.
 fn owners_of_option(message: &mut clap::Error) -> Option<String> {
     let option = match message.get(ContextKind::InvalidArg) {
         Some(ContextValue::String(option)) if message.kind() == ErrorKind::UnknownArgument => option.clone(),
@@ -183,7 +211,7 @@ mod tests {
         ];
         let parsed = orders.map(|order| match Arguments::try_parse_from(order).map(|a| a.command) {
             Ok(Command::Render(arguments)) => arguments,
-            _ => panic!("{order:?} is no render command"),
+            _ => panic!("{order:?} is not a render command"),
         });
         assert_eq!(parsed[0], parsed[1]);
         assert_eq!(parsed[0], parsed[2]);

@@ -1,25 +1,25 @@
-//! Where a run writes when the command line does not say it all: never over the sequence's finished film.
+//! The files of a run. A draft or a part of the frames never replaces a finished animation.
 
 use crate::encode::Output;
 
-/// What decides about the outputs of a run.
+/// Everything that determines the files of a run.
 #[derive(Clone, Copy, Debug)]
-pub struct Run<'a> {
-    /// The sequence's own files.
+pub struct OutputChoice<'a> {
+    /// The files that the sequence names.
     pub own: &'a [Output],
-    /// Those of the command line; they go before all else.
+    /// The files of the command line. If there are any, they replace the others.
     pub wanted: &'a [Output],
     pub draft: bool,
-    /// Whether some frames of the sequence are left out.
+    /// Whether the run omits some frames of the sequence.
     pub partial: bool,
 }
 
-impl Run<'_> {
-    /// The outputs, and what to tell about them.
+impl OutputChoice<'_> {
+    /// The files, and a note for the user.
     ///
-    /// A draft's files are marked as such. A part of the frames writes its stills where they belong, but no
-    /// animation in the place of the whole one.
-    pub fn outputs(self) -> (Vec<Output>, Option<String>) {
+    /// The names of a draft's files start with `draft_`. A part of the frames is written to the usual stills. If there
+    /// are only animations, their names start with `part_`.
+    pub fn resolve(self) -> (Vec<Output>, Option<String>) {
         if !self.wanted.is_empty() {
             return (self.wanted.to_vec(), None);
         }
@@ -33,11 +33,13 @@ impl Run<'_> {
             let part = |output: &Output| named(output).prefixed("part_");
             return (self.own.iter().map(part).collect(), None);
         }
-        let left_out = self.own.iter().find(|output| output.is_animation());
+        let skipped = self.own.iter().find(|output| output.is_animation());
         let note = |output| {
-            format!("{output} holds all frames and is left as it is; name an animation of these with -o")
+            format!(
+                "{output} holds all frames and is left as it is; for an animation of these frames, add -o"
+            )
         };
-        (stills, left_out.map(note))
+        (stills, skipped.map(note))
     }
 }
 
@@ -49,14 +51,14 @@ mod tests {
     fn names(own: &[&str], wanted: &[&str], draft: bool, partial: bool) -> Vec<String> {
         let parsed = |names: &[&str]| names.iter().map(|name| output(name)).collect::<Vec<_>>();
         let (own, wanted) = (parsed(own), parsed(wanted));
-        let run = Run { own: &own, wanted: &wanted, draft, partial };
-        run.outputs().0.iter().map(ToString::to_string).collect()
+        let choice = OutputChoice { own: &own, wanted: &wanted, draft, partial };
+        choice.resolve().0.iter().map(ToString::to_string).collect()
     }
 
     const OWN: [&str; 2] = ["o/t/f_##.png", "o/t.gif"];
 
     #[test]
-    fn the_whole_goes_where_the_sequence_says() {
+    fn all_frames_go_into_the_files_of_the_sequence() {
         assert_eq!(names(&OWN, &[], false, false), OWN);
         assert_eq!(names(&OWN, &["x.gif"], true, true), ["x.gif"]);
     }
@@ -67,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn a_part_leaves_the_film_alone() {
+    fn a_part_leaves_the_animation_alone() {
         assert_eq!(names(&OWN, &[], false, true), ["o/t/f_##.png"]);
         assert_eq!(names(&["t.gif"], &[], false, true), ["part_t.gif"]);
         assert_eq!(names(&["t.gif"], &[], true, true), ["part_draft_t.gif"]);

@@ -1,59 +1,60 @@
-//! Options that change a sequence before it is rendered.
+//! Changes that the command line makes to a sequence before it is rendered.
 
-use crate::base::frame_set::MOST_FRAMES;
+use crate::base::frame_set::MAX_FRAMES;
 use crate::base::time::Rate;
 use crate::encode::{Caption, Template, Tonemap};
 use crate::sequence::Sequence;
 use crate::sequence::quality::{Integrator, NoiseTarget};
 
-/// Longest chain of reflections in a draft.
+/// The largest number of bounces in a draft.
 const DRAFT_BOUNCES: u32 = 1;
-/// Random samples of a draft's pixels, at most.
+/// The largest number of random samples per pixel in a draft.
 const DRAFT_SAMPLES: u32 = 16;
 
-/// What the command line says about a sequence; whatever is absent stays as the file has it.
+/// Settings of the command line. An absent one leaves the file's setting.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
     pub size: Option<(u32, u32)>,
     pub rate: Option<Rate>,
     pub bounces: Option<u32>,
     pub antialias: Option<u32>,
-    /// In place of an error that the file may ask for.
+    /// Also removes a target error of the file.
     pub samples: Option<u32>,
-    /// The error to be reached.
+    /// The target error.
     pub noise: Option<f64>,
-    /// Samples of a pixel that this may take at most.
+    /// The largest number of samples per pixel for the target error.
     pub max_samples: Option<u32>,
-    /// Keeps the settings of the file's integrator if it is of this kind.
+    /// If the file's integrator is of the same kind, it keeps its settings.
     pub integrator: Option<Integrator>,
     pub seed: Option<u32>,
     pub tonemap: Option<Tonemap>,
-    /// Stops, in place of the keys that the file may have.
+    /// In stops. Replaces the keys of the file.
     pub exposure: Option<f64>,
-    /// Leaves the background out.
+    /// Makes the background transparent.
     pub transparent: bool,
-    /// Burnt into every picture.
+    /// Written into every picture.
     pub caption: Option<Template>,
-    /// Bytes that a GIF may have at most.
+    /// The largest size of a GIF, in bytes.
     pub max_size: Option<u64>,
-    /// 1..=100, of JPEGs and videos.
+    /// Of JPEGs and videos, 1 to 100.
     pub encode_quality: Option<u8>,
     /// Whether PNGs have 16 bits.
     pub deep: Option<bool>,
-    /// PNGs and EXR files without text.
+    /// Writes PNGs and EXR files without metadata.
     pub no_metadata: bool,
-    /// Coarser values for whatever is not given.
+    /// Lowers the settings that no other option gives.
     pub draft: bool,
 }
 
-/// Why `--max-samples` is refused.
-const NO_NOISE: &str = "--max-samples limits --noise, and there is none; write --noise too, or --samples for a number of samples";
+/// The error for `--max-samples` without a target error.
+const NO_NOISE: &str =
+    "--max-samples needs a target error; add --noise, or write --samples for a fixed number of samples";
 
-/// The sequence as the command line wants it.
+/// Applies the settings of the command line.
 ///
 /// # Errors
-/// A rate at which there would be too many frames; a limit of samples where no error is to be reached.
-pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, String> {
+/// If the rate gives too many frames, or `--max-samples` has no target error.
+pub fn apply(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, String> {
     if wanted.draft {
         let (width, height) = sequence.output.size;
         sequence.output.size = (width.div_ceil(2), height.div_ceil(2));
@@ -65,7 +66,7 @@ pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, S
     let Sequence { output, quality, .. } = &mut sequence;
     output.transparent |= wanted.transparent;
     if let Some(text) = &wanted.caption {
-        // The file's corner and size, if it has a caption of its own.
+        // If the file has a caption, its corner and size stay.
         let own = output.caption.take().unwrap_or_else(|| Caption::new(text.clone()));
         output.caption = Some(Caption { text: text.clone(), ..own });
     }
@@ -95,12 +96,11 @@ pub fn applied(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, S
     }
     replace(&mut quality.seed, wanted.seed);
     let own = quality.integrator;
-    replace(&mut quality.integrator, wanted.integrator.filter(|other| !own.is_like(other)));
+    replace(&mut quality.integrator, wanted.integrator.filter(|other| !own.same_kind(other)));
     if let Some(rate) = wanted.rate {
-        let resampled = sequence.timeline.resampled(rate).filter(|t| t.frames as usize <= MOST_FRAMES);
-        sequence.timeline = resampled.ok_or_else(|| {
-            format!("--fps {rate} makes more than {MOST_FRAMES} frames of this sequence; write a lower rate")
-        })?;
+        let resampled = sequence.timeline.resampled(rate).filter(|t| t.frames as usize <= MAX_FRAMES);
+        sequence.timeline = resampled
+            .ok_or_else(|| format!("--fps {rate} gives more than {MAX_FRAMES} frames; write a lower rate"))?;
     }
     Ok(sequence)
 }
@@ -122,8 +122,8 @@ mod tests {
     }
 
     #[test]
-    fn nothing_wanted_changes_nothing() {
-        assert_eq!(applied(sequence(), &Overrides::default()), Ok(sequence()));
+    fn no_options_change_nothing() {
+        assert_eq!(apply(sequence(), &Overrides::default()), Ok(sequence()));
     }
 
     #[test]
@@ -148,13 +148,13 @@ mod tests {
             no_metadata: true,
             draft: false,
         };
-        let found = applied(sequence(), &wanted).expect("a countable rate");
+        let found = apply(sequence(), &wanted).expect("a countable rate");
         assert_eq!(found.output.size, (320, 200));
         assert_eq!((found.quality.bounces, found.quality.antialias), (9, 4));
         assert_eq!((found.quality.samples, found.quality.seed), (100, 7));
         assert_eq!(found.quality.noise, Some(NoiseTarget { error: 0.05, most: 999 }));
         let limit = Overrides { max_samples: Some(9), ..Overrides::default() };
-        assert_eq!(applied(sequence(), &limit), Err(NO_NOISE.to_owned()));
+        assert_eq!(apply(sequence(), &limit), Err(NO_NOISE.to_owned()));
         assert_eq!(found.quality.integrator, Integrator::Path(PathSettings::default()));
         assert_eq!((found.output.tonemap, found.output.exposure), (Tonemap::Filmic, (-0.5).into()));
         let formats = found.output.formats;
@@ -168,13 +168,13 @@ mod tests {
     }
 
     #[test]
-    fn a_draft_is_coarser_where_nothing_is_said() {
+    fn a_draft_lowers_settings_that_no_option_gives() {
         let draft = Overrides { draft: true, ..Overrides::default() };
-        let found = applied(sequence(), &draft).expect("a draft");
+        let found = apply(sequence(), &draft).expect("a draft");
         assert_eq!(found.output.size, (321, 181), "odd sizes round up, so none becomes zero");
         assert_eq!((found.quality.bounces, found.quality.antialias, found.quality.samples), (1, 1, 16));
 
-        let found = applied(sequence(), &Overrides { size: Some((64, 48)), bounces: Some(3), ..draft });
+        let found = apply(sequence(), &Overrides { size: Some((64, 48)), bounces: Some(3), ..draft });
         let found = found.expect("a draft");
         assert_eq!(found.output.size, (64, 48));
         assert_eq!((found.quality.bounces, found.quality.antialias), (3, 1));
@@ -184,7 +184,7 @@ mod tests {
     fn a_draft_adds_no_work() {
         let mut plain = sequence();
         (plain.quality.bounces, plain.quality.samples) = (0, 4);
-        let found = applied(plain, &Overrides { draft: true, ..Overrides::default() }).expect("a draft");
+        let found = apply(plain, &Overrides { draft: true, ..Overrides::default() }).expect("a draft");
         assert_eq!((found.quality.bounces, found.quality.samples), (0, 4));
     }
 
@@ -195,7 +195,7 @@ mod tests {
         sequence.quality.integrator = own;
         let with = |integrator| {
             let wanted = Overrides { integrator: Some(integrator), ..Overrides::default() };
-            applied(sequence.clone(), &wanted).expect("a sequence").quality.integrator
+            apply(sequence.clone(), &wanted).expect("a sequence").quality.integrator
         };
         assert_eq!(with(Integrator::Path(PathSettings::default())), own);
         assert_eq!(with(Integrator::Whitted), Integrator::Whitted);
@@ -205,8 +205,8 @@ mod tests {
     fn rates_that_make_too_many_frames_are_refused() {
         for fps in [3_333_334, i128::from(u32::MAX)] {
             let wanted = Overrides { rate: rate(fps, 1), ..Overrides::default() };
-            let message = applied(sequence(), &wanted).err();
-            assert!(message.is_some_and(|message| message.contains(&format!("--fps {fps} makes"))));
+            let message = apply(sequence(), &wanted).err();
+            assert!(message.is_some_and(|message| message.contains(&format!("--fps {fps} gives"))));
         }
     }
 }

@@ -1,18 +1,18 @@
-//! `kinora poster`: a sequence file in, one frame out.
+//! `kinora poster`: renders one frame.
 
 use super::failure::Failure;
-use super::filmstrip::named;
-use super::look::Look;
-use super::options::Options;
-use super::overrides;
-use super::progress::{self, ProgressMode};
-use super::time_limit::{self, TimeLimit};
-use super::{load, loading, outlook, summary, terminal, values};
+use super::filmstrip::default_output;
+use super::image_options::ImageOptions;
+use super::loading::LoadingReporter;
+use super::options::RenderOptions;
+use super::progress::{self, ProgressMode, ProgressReporter};
+use super::time_limit::{self, TimeLimitOption};
+use super::{forecast_text, load, overrides, summary, terminal, values};
 use crate::base::cancel::Stop;
-use crate::base::stats::Meter;
+use crate::base::stats::ProgressMeter;
 use crate::base::time::Time;
 use crate::encode::{Existing, Output};
-use crate::pipeline::render::{Notice, Request, Reuse, render_told};
+use crate::pipeline::render::{Notice, Request, Reuse, render_with_notices};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::path::PathBuf;
@@ -22,47 +22,47 @@ use std::sync::Arc;
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// The sequence file (.ron).
+    /// The sequence file (.ron)
     file: PathBuf,
 
     /// The picture to write: .png, .jpg, .ppm or .exr [default: output/NAME_poster.png]
     #[arg(short, long, value_name = "FILE", value_parser = values::output())]
     output: Vec<Output>,
 
-    /// The frame, counted from 0 [default: that in the middle]
+    /// The frame, counted from 0 [default: the middle one]
     #[arg(long, value_name = "N", conflicts_with = "at")]
     frame: Option<u32>,
 
-    /// The frame that shows at this time, in seconds
+    /// The frame at this time, in seconds
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, allow_hyphen_values = true)]
     at: Option<Time>,
 
     #[command(flatten)]
-    look: Look,
+    image: ImageOptions,
 
     #[command(flatten)]
-    options: Options,
+    options: RenderOptions,
 
     #[command(flatten)]
-    limit: TimeLimit,
+    limit: TimeLimitOption,
 }
 
 const AFTER_HELP: &str = "\
 Examples:
-  kinora poster turn.ron                             the frame in the middle
+  kinora poster turn.ron                             the middle frame
   kinora poster turn.ron --at 1.5 -s 1920x1080 -o cover.jpg
-  kinora poster turn.ron --time-limit 1min           as good as it becomes in a minute
+  kinora poster turn.ron --time-limit 1min           as many samples as fit into a minute
   kinora poster turn.ron --frame 0 --transparent --bits 16 -o cover.png";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = &arguments.options;
-    let loading = loading::Reporter::new(options.progress, options.quiet);
+    let loading = LoadingReporter::new(options.progress, options.quiet);
     let sequence = load::sequence(&arguments.file, options.allow_outside, loading)?;
-    let overrides = arguments.look.with(options.overrides());
-    let mut sequence = overrides::applied(sequence, &overrides).map_err(Failure::Bad)?;
+    let overrides = arguments.image.with(options.overrides());
+    let mut sequence = overrides::apply(sequence, &overrides).map_err(Failure::Bad)?;
     let frame = arguments.frame_of(&sequence)?;
     let outputs = match arguments.output.is_empty() {
-        true => vec![named(&sequence, "poster")?],
+        true => vec![default_output(&sequence, "poster")?],
         false => arguments.output.clone(),
     };
     if let Some(output) = outputs.iter().find(|output| output.is_animation()) {
@@ -80,20 +80,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         time_limit: arguments.limit.time_limit,
     };
 
-    let chosen = time_limit::settle(&mut sequence, &request, options.quiet)?;
-    let meter = Arc::new(Meter::default());
-    let show = progress::Reporter::new(options.progress, options.quiet, 1);
-    let tell =
-        |notice: Notice| outlook::line(&sequence, notice).into_iter().for_each(|line| meter.notice(line));
+    let limit_note = time_limit::apply(&mut sequence, &request, options.quiet)?;
+    let meter = Arc::new(ProgressMeter::default());
+    let reporter = ProgressReporter::new(options.progress, options.quiet, 1);
+    let notify = |notice: Notice| {
+        forecast_text::notice_line(&sequence, notice).into_iter().for_each(|line| meter.notice(line))
+    };
     let stop = Stop::default();
-    let mut done =
-        progress::watch(&meter, 1, show, || render_told(&sequence, &request, &meter, &stop, &tell))?;
-    done.notes.extend(chosen);
+    let mut done = progress::watch(&meter, 1, reporter, || {
+        render_with_notices(&sequence, &request, &meter, &stop, &notify)
+    })?;
+    done.notes.extend(limit_note);
     if options.quiet {
         return Ok(());
     }
     let json = options.progress == ProgressMode::Json;
-    terminal::say(&if json { summary::json(&done) } else { summary::text(&done) })
+    terminal::print_line(&if json { summary::json(&done) } else { summary::text(&done) })
 }
 
 impl Arguments {

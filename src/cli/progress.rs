@@ -1,87 +1,94 @@
-//! Progress of a run, told by a thread that watches the meter while others render.
+//! Progress of a render, shown by a thread that watches the meter while others render.
 
-use super::json::Object;
+use super::json::{self, rounded};
 use super::terminal;
-use crate::base::stats::{Line, Meter, Work};
+use crate::base::stats::{Progress, ProgressMeter, StatusLine};
 use crate::base::units;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::json;
 use std::io::{Write, stderr, stdout};
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How progress is told.
+/// How to report progress.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum ProgressMode {
     /// A bar on a terminal, plain lines otherwise
     #[default]
     Auto,
-    /// Lines on stderr, once a second or less
+    /// Lines on stderr, at most one a second
     Plain,
     /// One JSON object per line on stdout, the summary last
     Json,
-    /// Lines on stdout that runners of Open Job Description read
+    /// Lines on stdout for runners of Open Job Description
     #[value(name = "openjd")]
     OpenJd,
 }
 
 /// Where and how progress is shown.
-pub enum Reporter {
+pub enum ProgressReporter {
     Silent,
     Bar(ProgressBar),
-    Lines { out: Box<dyn Write + Send>, form: Form, last: String },
+    Lines { out: Box<dyn Write + Send>, format: LineFormat, last: String },
 }
 
-/// For whom lines are.
+/// The reader of the lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
+pub enum LineFormat {
     People,
     Json,
     OpenJd,
 }
 
-/// How soon notices are shown.
-const NOTICES: Duration = Duration::from_millis(100);
+/// The longest delay of a notice.
+const NOTICE_DELAY: Duration = Duration::from_millis(100);
 
-/// One look at a run.
+/// The state of a run at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Snapshot {
-    /// Frames done, with the part of the one in hand.
+pub struct RunSnapshot {
+    /// Finished frames, plus the finished part of the current one.
     done: f64,
     frames: usize,
-    /// Those that were made of the film of another.
+    /// Frames that reuse the film of another.
     reused: u32,
     rays: u64,
     elapsed: Duration,
-    /// What is done of what takes time, and since when.
-    work: Work,
+    /// The finished and the remaining work, in rays.
+    work: Progress,
+    /// The time since that work began.
     working: Duration,
 }
 
-/// Does the work while another thread shows how far it has come.
-pub fn watch<T>(meter: &Meter, frames: usize, mut show: Reporter, work: impl FnOnce() -> T) -> T {
+/// Does the work while another thread shows its progress.
+pub fn watch<T>(
+    meter: &ProgressMeter,
+    frames: usize,
+    mut reporter: ProgressReporter,
+    work: impl FnOnce() -> T,
+) -> T {
     let start = Instant::now();
-    // Dropped when the work is over, also by a panic, which ends the watch.
+    // The watch ends when `working` is dropped, also by a panic.
     let (working, over) = mpsc::channel::<()>();
     thread::scope(|scope| {
         let watcher = move || {
-            let look = || Snapshot::of(meter, frames, start.elapsed());
-            let mut told = start;
-            while over.recv_timeout(show.pause(start.elapsed()).min(NOTICES))
+            let snapshot = || RunSnapshot::of(meter, frames, start.elapsed());
+            let mut shown = start;
+            while over.recv_timeout(reporter.pause(start.elapsed()).min(NOTICE_DELAY))
                 == Err(RecvTimeoutError::Timeout)
             {
-                show.notices(&meter.take_notices());
-                if told.elapsed() >= show.pause(start.elapsed()) {
-                    told = Instant::now();
-                    show.tell(&look());
+                reporter.notices(&meter.take_notices());
+                if shown.elapsed() >= reporter.pause(start.elapsed()) {
+                    shown = Instant::now();
+                    reporter.update(&snapshot());
                 }
             }
-            show.notices(&meter.take_notices());
-            show.finish(&look());
+            reporter.notices(&meter.take_notices());
+            reporter.finish(&snapshot());
         };
-        // Without a thread to spare the work goes on, only unwatched.
+        // If no thread can be started, the work continues without progress.
         let _ = thread::Builder::new().spawn_scoped(scope, watcher);
         let result = work();
         drop(working);
@@ -89,34 +96,34 @@ pub fn watch<T>(meter: &Meter, frames: usize, mut show: Reporter, work: impl FnO
     })
 }
 
-impl Reporter {
+impl ProgressReporter {
     pub fn new(mode: ProgressMode, quiet: bool, frames: usize) -> Self {
         match mode {
             _ if quiet => Self::Silent,
             ProgressMode::Auto if terminal::interactive() => Self::bar(frames),
             ProgressMode::Auto | ProgressMode::Plain => {
-                Self::Lines { out: Box::new(stderr()), form: Form::People, last: String::new() }
+                Self::Lines { out: Box::new(stderr()), format: LineFormat::People, last: String::new() }
             }
-            ProgressMode::Json => Self::on_stdout(Form::Json),
-            ProgressMode::OpenJd => Self::on_stdout(Form::OpenJd),
+            ProgressMode::Json => Self::on_stdout(LineFormat::Json),
+            ProgressMode::OpenJd => Self::on_stdout(LineFormat::OpenJd),
         }
     }
 
-    fn on_stdout(form: Form) -> Self {
-        Self::Lines { out: Box::new(stdout()), form, last: String::new() }
+    fn on_stdout(format: LineFormat) -> Self {
+        Self::Lines { out: Box::new(stdout()), format, last: String::new() }
     }
 
     fn bar(frames: usize) -> Self {
         let bar =
             ProgressBar::with_draw_target(Some(frames as u64 * 1000), ProgressDrawTarget::stderr_with_hz(10));
-        // The template is a constant; if it were faulty, the default style would still tell the position.
+        // The template is a constant. If it were invalid, the default style would still show the position.
         if let Ok(style) = ProgressStyle::with_template("[{bar:30}] {msg}") {
             bar.set_style(style.progress_chars("=> "));
         }
         Self::Bar(bar)
     }
 
-    /// How long to wait before telling again. Logs of long runs would be all progress at one line a second.
+    /// The time between updates. It grows with the run, so that progress does not fill the logs of long runs.
     fn pause(&self, elapsed: Duration) -> Duration {
         match self {
             Self::Silent => Duration::from_secs(3600),
@@ -125,72 +132,72 @@ impl Reporter {
         }
     }
 
-    /// Shows lines that are no progress.
-    fn notices(&mut self, lines: &[Line]) {
+    /// Shows lines that are not progress.
+    fn notices(&mut self, lines: &[StatusLine]) {
         for line in lines {
             match self {
                 Self::Silent => {}
-                Self::Bar(bar) => bar.suspend(|| terminal::complain(&line.text)),
-                Self::Lines { out, form, .. } => {
-                    // A reader that went away does not stop a run.
-                    let _ = match form {
-                        Form::People => terminal::tell(out, &line.text),
-                        Form::Json => terminal::tell(out, &line.json),
-                        // Of these, only the run's status has a place.
-                        Form::OpenJd => Ok(()),
+                Self::Bar(bar) => bar.suspend(|| terminal::eprint_line(&line.text)),
+                Self::Lines { out, format, .. } => {
+                    // If the reader went away, the run continues.
+                    let _ = match format {
+                        LineFormat::People => terminal::write_line(out, &line.text),
+                        LineFormat::Json => terminal::write_line(out, &line.json),
+                        // The format has no place for notices.
+                        LineFormat::OpenJd => Ok(()),
                     };
                 }
             }
         }
     }
 
-    fn tell(&mut self, snapshot: &Snapshot) {
+    fn update(&mut self, snapshot: &RunSnapshot) {
         match self {
             Self::Silent => {}
             Self::Bar(bar) => {
                 bar.set_position((snapshot.done * 1000.0) as u64);
                 bar.set_message(snapshot.line());
             }
-            Self::Lines { out, form, last } => {
-                let line = snapshot.told(*form);
+            Self::Lines { out, format, last } => {
+                let line = snapshot.text(*format);
                 if line != *last {
-                    // A reader that went away does not stop a run.
-                    let _ = terminal::tell(out, &line);
+                    // If the reader went away, the run continues.
+                    let _ = terminal::write_line(out, &line);
                     *last = line;
                 }
             }
         }
     }
 
-    /// The last word: lines end with the final state, unless a run is so short that none was needed.
-    fn finish(&mut self, snapshot: &Snapshot) {
+    /// Shows the final state. People see no line for a run of less than a second.
+    fn finish(&mut self, snapshot: &RunSnapshot) {
         match self {
             Self::Bar(bar) => bar.finish_and_clear(),
-            // Programs want the last line however short the run is.
-            Self::Lines { form, .. }
-                if *form != Form::People || snapshot.elapsed >= Duration::from_secs(1) =>
+            // Programs get the last line of every run.
+            Self::Lines { format, .. }
+                if *format != LineFormat::People || snapshot.elapsed >= Duration::from_secs(1) =>
             {
-                self.tell(snapshot);
+                self.update(snapshot);
             }
             _ => {}
         }
     }
 }
 
-impl Snapshot {
-    fn of(meter: &Meter, frames: usize, elapsed: Duration) -> Self {
-        // Both parts of the meter are not read at once, and may be a frame apart.
+impl RunSnapshot {
+    fn of(meter: &ProgressMeter, frames: usize, elapsed: Duration) -> Self {
+        // The two counts of the meter are read one after the other, so the sum may be too large by a frame.
         let done = meter.frames_done().min(frames as f64);
         let reused = meter.reused.load(Relaxed);
-        let working = meter.outset.get().map_or(elapsed, |outset| outset.at.elapsed());
+        let working = meter.start.get().map_or(elapsed, |outset| outset.at.elapsed());
         let rays = meter.rays.load(Relaxed);
         Self { done, frames, reused, rays, elapsed, work: meter.work(frames), working }
     }
 
-    /// Time left if the rest of the work goes on as what is done. None before anything is, nor for frames that take no
-    /// work, of which all that is known is that they take little.
+    /// The time left at the rate so far. None before any work is done, and while all remaining frames reuse films,
+    /// because their time is unknown and short.
     fn left(&self) -> Option<Duration> {
-        let Work { done, rest } = self.work;
+        let Progress { done, rest } = self.work;
         if self.frames > 0 && self.done >= self.frames as f64 {
             return Some(Duration::ZERO);
         }
@@ -199,11 +206,11 @@ impl Snapshot {
             .flatten()
     }
 
-    fn told(&self, form: Form) -> String {
-        match form {
-            Form::People => self.line(),
-            Form::Json => self.json(),
-            Form::OpenJd => self.openjd(),
+    fn text(&self, format: LineFormat) -> String {
+        match format {
+            LineFormat::People => self.line(),
+            LineFormat::Json => self.json(),
+            LineFormat::OpenJd => self.openjd(),
         }
     }
 
@@ -222,22 +229,22 @@ impl Snapshot {
         line
     }
 
-    /// What a runner of Open Job Description shows of a task: how much of it is done, in per cent, and a line.
+    /// The progress of a task in per cent, and a status line, for a runner of Open Job Description.
     fn openjd(&self) -> String {
         let share = if self.frames == 0 { 1.0 } else { self.done / self.frames as f64 };
         format!("openjd_progress: {:.1}\nopenjd_status: {}", 100.0 * share, self.line())
     }
 
     fn json(&self) -> String {
-        Object::new()
-            .text("event", "progress")
-            .whole("frame", self.done as u64)
-            .whole("frames", self.frames as u64)
-            .whole("reused", self.reused.into())
-            .whole("rays", self.rays)
-            .real("elapsed_s", Some(self.elapsed.as_secs_f64()))
-            .real("left_s", self.left().map(|left| left.as_secs_f64()))
-            .finish()
+        json::line(json!({
+            "event": "progress",
+            "frame": self.done as u64,
+            "frames": self.frames,
+            "reused": self.reused,
+            "rays": self.rays,
+            "elapsed_s": rounded(self.elapsed.as_secs_f64()),
+            "left_s": self.left().map(|left| rounded(left.as_secs_f64())),
+        }))
     }
 }
 
@@ -260,58 +267,65 @@ mod tests {
         }
     }
 
-    fn snapshot(done: f64, seconds: u64) -> Snapshot {
+    fn snapshot(done: f64, seconds: u64) -> RunSnapshot {
         let elapsed = Duration::from_secs(seconds);
-        let work = Work { done, rest: 72.0 - done };
-        Snapshot { done, frames: 72, reused: 0, rays: 31_000_000, elapsed, work, working: elapsed }
+        let work = Progress { done, rest: 72.0 - done };
+        RunSnapshot { done, frames: 72, reused: 0, rays: 31_000_000, elapsed, work, working: elapsed }
     }
 
-    /// Forty frames of an earlier run, and of the films of the others the one that takes most.
+    /// Forty frames are from an earlier run. Of the other films, the most expensive one is done.
     #[test]
-    fn what_is_left_is_weighed_by_its_work() {
-        let some = Snapshot {
-            work: Work { done: 900.0, rest: 100.0 },
+    fn the_time_left_depends_on_the_remaining_work() {
+        let some = RunSnapshot {
+            work: Progress { done: 900.0, rest: 100.0 },
             working: Duration::from_secs(9),
             ..snapshot(41.0, 10)
         };
         assert_eq!(some.left(), Some(Duration::from_secs(1)));
-        let mixed = Snapshot { work: Work { done: 1000.0, rest: 0.0 }, ..some };
+        let mixed = RunSnapshot { work: Progress { done: 1000.0, rest: 0.0 }, ..some };
         assert_eq!(mixed.left(), None);
         assert_eq!(mixed.line(), "frame 41/72 · 3.10 Mray/s");
-        assert_eq!(Snapshot { done: 72.0, ..mixed }.left(), Some(Duration::ZERO));
-        assert_eq!(Snapshot { work: Work { done: 0.0, rest: 1000.0 }, ..some }.left(), None);
+        assert_eq!(RunSnapshot { done: 72.0, ..mixed }.left(), Some(Duration::ZERO));
+        assert_eq!(RunSnapshot { work: Progress { done: 0.0, rest: 1000.0 }, ..some }.left(), None);
     }
 
     #[test]
-    fn a_look_at_a_run_takes_what_the_meter_tells() {
-        let meter = Meter { frames: 8.into(), reused: 3.into(), ..Meter::default() };
+    fn snapshots_read_the_meter() {
+        let meter = ProgressMeter { frames: 8.into(), reused: 3.into(), ..ProgressMeter::default() };
         meter.begin(4, vec![600.0, 400.0]);
-        let look = Snapshot::of(&meter, 12, Duration::from_secs(3600));
-        assert_eq!((look.done, look.reused, look.work), (8.0, 3, Work { done: 600.0, rest: 400.0 }));
-        assert!(look.working < look.elapsed, "what came before tracing does not count");
+        let snapshot = RunSnapshot::of(&meter, 12, Duration::from_secs(3600));
+        assert_eq!(
+            (snapshot.done, snapshot.reused, snapshot.work),
+            (8.0, 3, Progress { done: 600.0, rest: 400.0 })
+        );
+        assert!(snapshot.working < snapshot.elapsed, "the time before tracing does not count");
     }
 
     #[test]
-    fn lines_tell_frames_rate_and_time_left() {
+    fn lines_show_frames_rate_and_time_left() {
         assert_eq!(snapshot(24.7, 10).line(), "frame 24/72 · 3.10 Mray/s · 19 s left");
         assert_eq!(snapshot(0.0, 10).line(), "frame 0/72 · 3.10 Mray/s");
         assert_eq!(snapshot(72.0, 10).line(), "frame 72/72 · 3.10 Mray/s");
-        let some = Snapshot { reused: 5, ..snapshot(24.0, 10) };
+        let some = RunSnapshot { reused: 5, ..snapshot(24.0, 10) };
         assert_eq!(some.line(), "frame 24/72 · 3.10 Mray/s · 5 reused · 20 s left");
-        let json = r#"{"event":"progress","frame":24,"frames":72,"reused":0,"rays":31000000,"elapsed_s":10.000,"left_s":20.000}"#;
+        let json = r#"{"event":"progress","frame":24,"frames":72,"reused":0,"rays":31000000,"elapsed_s":10.0,"left_s":20.0}"#;
         assert_eq!(snapshot(24.0, 10).json(), json);
         assert_eq!(
             snapshot(24.7, 10).openjd(),
             "openjd_progress: 34.3\nopenjd_status: frame 24/72 · 3.10 Mray/s · 19 s left"
         );
-        assert!(snapshot(0.0, 0).json().ends_with(r#""elapsed_s":0.000,"left_s":null}"#));
+        assert!(snapshot(0.0, 0).json().ends_with(r#""elapsed_s":0.0,"left_s":null}"#));
     }
 
     #[test]
-    fn the_end_is_told() {
-        let (meter, out) = (Meter::default(), Shared::default());
-        let show = Reporter::Lines { out: Box::new(out.clone()), form: Form::Json, last: String::new() };
-        let result = watch(&meter, 2, show, || {
+    fn the_end_is_shown() {
+        let (meter, out) = (ProgressMeter::default(), Shared::default());
+        let reporter = ProgressReporter::Lines {
+            out: Box::new(out.clone()),
+            format: LineFormat::Json,
+            last: String::new(),
+        };
+        let result = watch(&meter, 2, reporter, || {
             meter.frames.store(2, Relaxed);
             meter.rays.store(5, Relaxed);
             "done"
@@ -326,10 +340,14 @@ mod tests {
     }
 
     #[test]
-    fn short_runs_need_no_lines() {
+    fn short_runs_print_no_lines() {
         let out = Shared::default();
-        let show = Reporter::Lines { out: Box::new(out.clone()), form: Form::People, last: String::new() };
-        watch(&Meter::default(), 1, show, || ());
+        let reporter = ProgressReporter::Lines {
+            out: Box::new(out.clone()),
+            format: LineFormat::People,
+            last: String::new(),
+        };
+        watch(&ProgressMeter::default(), 1, reporter, || ());
         assert!(out.0.lock().expect("no panic in a test").is_empty());
     }
 }

@@ -1,7 +1,7 @@
-//! Options of `render` about how it renders, which travel with a job to where it is done.
+//! Options of `render` that describe how it renders. Jobs of a farm record them for their tasks.
 
-use super::look::Look;
-use super::options::Options;
+use super::image_options::ImageOptions;
+use super::options::RenderOptions;
 use super::overrides::Overrides;
 use super::values;
 use crate::pipeline::render::Reuse;
@@ -10,71 +10,71 @@ use clap::{ArgMatches, Args, Command, Error, FromArgMatches, parser::ValueSource
 #[derive(Args, Debug, PartialEq)]
 pub struct Settings {
     #[command(flatten)]
-    pub options: Options,
+    pub options: RenderOptions,
 
     #[command(flatten)]
-    look: Look,
+    image: ImageOptions,
 
-    /// Quality of JPEGs and of MP4 video, 1 to 100 [default: as the sequence says]
+    /// Quality of JPEGs and of MP4 video, 1 to 100 [default: as in the sequence]
     #[arg(long, value_name = "N", value_parser = values::encode_quality, allow_hyphen_values = true)]
     quality: Option<u8>,
 
-    /// How large a GIF may become, such as 5MB
+    /// Maximum size of a GIF, such as 5MB
     ///
-    /// It loses colours, then pixels, then frames until it fits; a note says which.
+    /// The GIF loses colours, then pixels, then frames until it fits. A note names what it lost.
     #[arg(long, value_name = "SIZE", value_parser = values::file_size, allow_hyphen_values = true)]
     max_size: Option<u64>,
 
-    /// Memory for films that later frames are made of, such as 2GB [default: a share]
+    /// Memory for films that later frames reuse, such as 2GB [default: a quarter of free memory]
     ///
-    /// What is traced once serves all frames in which the same is seen, or only lights are
-    /// switched and faded. `kinora plan` says how much memory that takes.
+    /// A film is the light traced for a frame. Frames that show the same scene, or in which only
+    /// lights change their brightness, share one. `kinora plan` prints the memory that they take.
     #[arg(long, value_name = "SIZE", value_parser = values::file_size, verbatim_doc_comment)]
-    memory: Option<u64>,
+    film_cache: Option<u64>,
 
-    /// Trace every frame by itself; the files are the same, to the byte
-    #[arg(long, conflicts_with = "memory")]
+    /// Trace every frame on its own; the files have the same bytes
+    #[arg(long, conflicts_with = "film_cache")]
     no_reuse: bool,
 
-    /// PNGs and EXR files without text about the frame
+    /// Write PNG and EXR files without metadata about the frame
     #[arg(long)]
     pub no_metadata: bool,
 }
 
 impl Settings {
-    /// What they change in a sequence.
+    /// The settings of the sequence that they replace.
     pub fn overrides(&self) -> Overrides {
         Overrides {
             max_size: self.max_size,
             encode_quality: self.quality,
             no_metadata: self.no_metadata,
-            ..self.look.with(self.options.overrides())
+            ..self.image.with(self.options.overrides())
         }
     }
 
-    /// What `--no-reuse` and `--memory` say.
+    /// The meaning of `--no-reuse` and `--film-cache`.
     pub fn reuse(&self) -> Reuse {
-        if self.no_reuse { Reuse::Off } else { self.memory.map_or(Reuse::Share, Reuse::Within) }
+        if self.no_reuse { Reuse::Off } else { self.film_cache.map_or(Reuse::Share, Reuse::Within) }
     }
 }
 
-/// Settings together with the words that say them.
+/// Settings, and the arguments that gave them.
 #[derive(Debug, PartialEq)]
-pub struct Spoken {
+pub struct RecordedSettings {
     pub settings: Settings,
-    /// Each option that was given as one word, `--name` or `--name=value`, in the order of the options.
-    pub words: Vec<String>,
+    /// One word for each given option: `--name` or `--name=value`. In the order of the options' definitions.
+    pub arguments: Vec<String>,
 }
 
-/// Those that are about the process that is told them, not about what it makes.
-const OWN: [&str; 3] = ["quiet", "progress", "threads"];
+/// Options that affect only this process.
+const PROCESS_ONLY: [&str; 3] = ["quiet", "progress", "threads"];
 
-fn words(matches: &ArgMatches) -> Vec<String> {
+fn recorded(matches: &ArgMatches) -> Vec<String> {
     let command = Settings::augment_args(Command::new(""));
     let mut words = Vec::new();
     for option in command.get_arguments() {
         let id = option.get_id().as_str();
-        let given = matches.value_source(id) == Some(ValueSource::CommandLine) && !OWN.contains(&id);
+        let given = matches.value_source(id) == Some(ValueSource::CommandLine) && !PROCESS_ONLY.contains(&id);
         let Some(name) = option.get_long().filter(|_| given) else { continue };
         if option.get_action().takes_values() {
             let values = matches.get_raw(id).into_iter().flatten();
@@ -86,7 +86,7 @@ fn words(matches: &ArgMatches) -> Vec<String> {
     words
 }
 
-impl Args for Spoken {
+impl Args for RecordedSettings {
     fn augment_args(command: Command) -> Command {
         Settings::augment_args(command)
     }
@@ -96,9 +96,9 @@ impl Args for Spoken {
     }
 }
 
-impl FromArgMatches for Spoken {
+impl FromArgMatches for RecordedSettings {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
-        Ok(Self { settings: Settings::from_arg_matches(matches)?, words: words(matches) })
+        Ok(Self { settings: Settings::from_arg_matches(matches)?, arguments: recorded(matches) })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
@@ -113,20 +113,20 @@ mod tests {
     use clap::Parser;
 
     #[derive(Parser)]
-    struct Heard {
+    struct TestCommand {
         #[command(flatten)]
-        spoken: Spoken,
+        recorded: RecordedSettings,
     }
 
-    fn heard(words: &[&str]) -> Spoken {
+    fn parsed(words: &[&str]) -> RecordedSettings {
         let words = ["x"].iter().chain(words);
-        Heard::try_parse_from(words).expect("options").spoken
+        TestCommand::try_parse_from(words).expect("options").recorded
     }
 
-    /// Whatever is said can be said again with the words that are kept of it.
+    /// The recorded arguments give the same settings when they are parsed again.
     #[test]
-    fn what_is_said_can_be_said_again() {
-        let said = heard(&[
+    fn recorded_arguments_give_the_same_settings() {
+        let first = parsed(&[
             "-s",
             "4x3",
             "-r30",
@@ -142,10 +142,10 @@ mod tests {
             "16",
             "--progress",
             "json",
-            "--memory=2GB",
+            "--film-cache=2GB",
             "--transparent",
         ]);
-        let words: Vec<&str> = said.words.iter().map(String::as_str).collect();
+        let words: Vec<&str> = first.arguments.iter().map(String::as_str).collect();
         let expected = [
             "--size=4x3",
             "--fps=30",
@@ -154,12 +154,12 @@ mod tests {
             "--transparent",
             "--caption=a {frame}",
             "--bits=16",
-            "--memory=2GB",
+            "--film-cache=2GB",
         ];
         assert_eq!(words, expected);
-        let again = heard(&words);
-        assert_eq!(again.words, said.words);
-        assert_eq!(again.settings.overrides(), said.settings.overrides());
-        assert!(heard(&[]).words.is_empty());
+        let again = parsed(&words);
+        assert_eq!(again.arguments, first.arguments);
+        assert_eq!(again.settings.overrides(), first.settings.overrides());
+        assert!(parsed(&[]).arguments.is_empty());
     }
 }

@@ -1,23 +1,23 @@
-//! Commands as shells read them, for whoever copies them.
+//! Commands for people to paste into a shell.
 
-use crate::farm;
+use crate::farm::shell_quote;
 use std::ffi::OsStr;
 
-/// A word as it stands in a command, in quotes if it needs some.
-pub fn quoted(word: &OsStr) -> String {
-    word.to_str().map_or_else(|| escaped(word), farm::quoted)
+/// A word of a command, in quotes if a shell would not read it as itself.
+pub fn quote(word: &OsStr) -> String {
+    word.to_str().map_or_else(|| quote_bytes(word), |word| shell_quote(word).into_owned())
 }
 
-/// A word that is no text, with its bytes by their numbers, as bash and zsh read them.
-fn escaped(word: &OsStr) -> String {
-    let mut told = String::from("$'");
+/// A word that is not UTF-8. Other bytes stand as numbers, which bash and zsh read.
+fn quote_bytes(word: &OsStr) -> String {
+    let mut quoted = String::from("$'");
     for chunk in word.as_encoded_bytes().utf8_chunks() {
-        told += &chunk.valid().replace('\\', r"\\").replace('\'', r"\'");
+        quoted += &chunk.valid().replace('\\', r"\\").replace('\'', r"\'");
         for byte in chunk.invalid() {
-            told += &format!(r"\x{byte:02x}");
+            quoted += &format!(r"\x{byte:02x}");
         }
     }
-    told + "'"
+    quoted + "'"
 }
 
 #[cfg(test)]
@@ -26,21 +26,17 @@ mod tests {
 
     #[test]
     fn words_are_quoted_where_shells_would_break_them() {
-        for (word, told) in [
-            ("sequences/a_1.ron", "sequences/a_1.ron"),
-            ("my file.ron", "'my file.ron'"),
-            ("f_##.png", "'f_##.png'"),
-            ("it's", r"'it'\''s'"),
-            ("", "''"),
-        ] {
-            assert_eq!(quoted(OsStr::new(word)), told);
+        for (word, quoted) in
+            [("sequences/a_1.ron", "sequences/a_1.ron"), ("my file.ron", "'my file.ron'"), ("", "''")]
+        {
+            assert_eq!(quote(OsStr::new(word)), quoted);
         }
     }
 
     #[cfg(unix)]
     #[test]
-    fn words_that_are_no_text_keep_their_bytes() {
+    fn words_that_are_not_utf8_keep_their_bytes() {
         use std::os::unix::ffi::OsStrExt;
-        assert_eq!(quoted(OsStr::from_bytes(b"a'\xff\\b.ron")), r"$'a\'\xff\\b.ron'");
+        assert_eq!(quote(OsStr::from_bytes(b"a'\xff\\b.ron")), r"$'a\'\xff\\b.ron'");
     }
 }

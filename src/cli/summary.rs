@@ -1,29 +1,34 @@
-//! What a run did, for people and for programs.
+//! The summary of a run, for people and for programs.
 
-use super::json::Object;
-use super::outlook;
+use super::forecast_text;
+use super::json::{line, object, rounded};
 use crate::accuracy::seconds;
 use crate::base::escape;
 use crate::base::stats::Counts;
 use crate::base::units;
 use crate::film::Noise;
 use crate::pipeline::render::{Forecast, Summary};
+use serde_json::{Map, Value, json};
 
-/// What was expected; empty if there was no plan.
-fn expected(forecast: Option<&Forecast>) -> Object {
-    let Some(forecast) = forecast else { return Object::new() };
-    let object = Object::new()
-        .whole("reused", forecast.reused.into())
-        .whole("camera_rays", forecast.camera_rays)
-        .raw("exact", forecast.exact)
-        .whole("bvh_builds", forecast.bvh_builds);
-    let object = forecast.rays.into_iter().fold(object, |object, rays| object.whole("rays", rays));
+/// The forecast of the run. Empty if there was no plan.
+fn expected(forecast: Option<&Forecast>) -> Map<String, Value> {
+    let Some(forecast) = forecast else { return Map::new() };
+    let mut expected = object(json!({
+        "reused": forecast.reused,
+        "camera_rays": forecast.camera_rays,
+        "exact": forecast.exact,
+        "bvh_builds": forecast.bvh_builds,
+    }));
+    expected.extend(forecast.rays.map(|rays| ("rays".to_owned(), rays.into())));
     let ranges = [("time_s", forecast.wall), ("cpu_s", forecast.cpu), ("error", forecast.error)];
-    let known = ranges.into_iter().filter_map(|(name, range)| Some((name, range?)));
-    known.fold(object, |object, (name, range)| object.object(name, outlook::range(&range)))
+    let known = ranges
+        .into_iter()
+        .filter_map(|(name, range)| Some((name.to_owned(), forecast_text::range_json(&range?))));
+    expected.extend(known);
+    expected
 }
 
-/// Aligned lines, a heading for each group in front.
+/// Aligned lines in groups, each with a heading in front.
 pub fn text(summary: &Summary) -> String {
     let mut groups = Vec::new();
     let files = summary.files.iter().map(escape::path);
@@ -50,97 +55,94 @@ pub fn text(summary: &Summary) -> String {
     text
 }
 
-/// One JSON object.
+/// One line of JSON.
 pub fn json(summary: &Summary) -> String {
     let Counts { rays, evaluations, dropped } = summary.counts;
-    let stages = summary
-        .stages
-        .iter()
-        .fold(Object::new(), |object, (name, time)| object.real(name, Some(time.as_secs_f64())));
-    let counts = Object::new()
-        .whole("camera", rays.camera)
-        .whole("mirror", rays.mirror)
-        .whole("transmitted", rays.transmitted)
-        .whole("scattered", rays.scattered)
-        .whole("shadow", rays.shadow)
-        .whole("total", rays.total());
-    let evaluations = Object::new()
-        .whole("fog", evaluations.fog)
-        .whole("paint", evaluations.paint)
-        .whole("light_samples", evaluations.light_samples)
-        .whole("lens_samples", evaluations.lens_samples);
-    let dropped = Object::new()
-        .whole("undefined", dropped.undefined)
-        .whole("infinite", dropped.infinite)
-        .whole("negative", dropped.negative);
-    Object::new()
-        .text("event", "summary")
-        .texts("files", summary.files.iter().map(|file| file.to_string_lossy().into_owned()))
-        .whole("frames", summary.frames.into())
-        .whole("kept", summary.kept.into())
-        .whole("reused", summary.reused.into())
-        .real("elapsed_s", Some(summary.elapsed.as_secs_f64()))
-        .real("tracing_cpu_s", summary.cpu)
-        .object("rays", counts)
-        .object("evaluations", evaluations)
-        .object("dropped_samples", dropped)
-        .object("noise", noise(&summary.noise))
-        .whole("bvh_builds", summary.bvh_builds)
-        .object("expected", expected(summary.expected.as_ref()))
-        .object("stages_s", stages)
-        .texts("notes", summary.notes.iter().cloned())
-        .finish()
+    let stages = summary.stages.iter().map(|(name, time)| ((*name).to_owned(), rounded(time.as_secs_f64())));
+    line(json!({
+        "event": "summary",
+        "files": summary.files.iter().map(|file| file.to_string_lossy()).collect::<Vec<_>>(),
+        "frames": summary.frames,
+        "kept": summary.kept,
+        "reused": summary.reused,
+        "elapsed_s": rounded(summary.elapsed.as_secs_f64()),
+        "tracing_cpu_s": summary.cpu.map(rounded),
+        "rays": {
+            "camera": rays.camera,
+            "mirror": rays.mirror,
+            "transmitted": rays.transmitted,
+            "scattered": rays.scattered,
+            "shadow": rays.shadow,
+            "total": rays.total(),
+        },
+        "evaluations": {
+            "fog": evaluations.fog,
+            "paint": evaluations.paint,
+            "light_samples": evaluations.light_samples,
+            "lens_samples": evaluations.lens_samples,
+        },
+        "dropped_samples": {
+            "undefined": dropped.undefined,
+            "infinite": dropped.infinite,
+            "negative": dropped.negative,
+        },
+        "noise": noise(&summary.noise),
+        "bvh_builds": summary.bvh_builds,
+        "expected": expected(summary.expected.as_ref()),
+        "stages_s": stages.collect::<Map<_, _>>(),
+        "notes": summary.notes,
+    }))
 }
 
-/// How many, and how many of them needed nothing, or less.
+/// The number of frames, and how many of them were kept or reuse films.
 fn frames(summary: &Summary) -> String {
-    let mut told = units::count(summary.frames.into());
+    let mut text = units::count(summary.frames.into());
     if summary.kept > 0 {
-        told += &format!(", of which {} kept", units::count(summary.kept.into()));
+        text += &format!(", {} of them kept", units::count(summary.kept.into()));
     }
     if summary.reused > 0 {
-        told += &format!(
+        text += &format!(
             ", {} of them from films (traced light) of other frames",
             units::count(summary.reused.into())
         );
     }
-    told
+    text
 }
 
-/// What was expected, to be compared with what was done.
+/// The forecast, to compare it with the result.
 fn planned(expected: &Forecast) -> String {
     let rays = match expected.rays {
         Some(rays) => format!("about {} rays", units::count(rays)),
-        None if expected.exact => format!("{} of the camera", units::counted(expected.camera_rays, "ray")),
-        None => format!("{} of the camera or more", units::counted(expected.camera_rays, "ray")),
+        None if expected.exact => format!("{} from the camera", units::counted(expected.camera_rays, "ray")),
+        None => format!("{} or more from the camera", units::counted(expected.camera_rays, "ray")),
     };
     let builds = units::counted(expected.bvh_builds, "build");
-    let mut told = format!(
+    let mut text = format!(
         "{rays}, {builds}, {} frames from films of other frames",
         units::count(expected.reused.into())
     );
     if let Some(wall) = &expected.wall {
-        told += &format!(", tracing in {}", outlook::about(wall));
+        text += &format!(", tracing in {}", forecast_text::time_range(wall));
     }
     if let Some(cpu) = &expected.cpu {
-        told += &format!(", {} of processors", outlook::about(cpu));
+        text += &format!(", {} of processor time", forecast_text::time_range(cpu));
     }
-    told
+    text
 }
 
 fn time(summary: &Summary) -> String {
-    let mut told = units::time(summary.elapsed);
+    let mut text = units::time(summary.elapsed);
     let rendered = summary.frames.saturating_sub(summary.kept);
     if let Some(each) = summary.elapsed.checked_div(rendered).filter(|_| rendered > 1) {
-        told += &format!(", {} per frame", units::time(each));
+        text += &format!(", {} per frame", units::time(each));
     }
     if let Some(cpu) = summary.cpu {
-        told += &format!("; tracing took {} of processors", seconds(cpu));
+        text += &format!("; tracing took {} of processor time", seconds(cpu));
     }
-    told
+    text
 }
 
-/// The total with its rate, then each kind. Those that few scenes have are told where there are any.
+/// All rays with their rate, then each kind. Rare kinds are listed only if there are any.
 fn rays(summary: &Summary) -> Vec<String> {
     let rays = summary.counts.rays;
     let mut rows = vec![("all", units::count(rays.total())), ("camera", units::count(rays.camera))];
@@ -152,23 +154,23 @@ fn rays(summary: &Summary) -> Vec<String> {
     lines
 }
 
-/// Frames of which each has a line of its own; of more, files and the summary in JSON tell.
-const FEW_FRAMES: usize = 12;
+/// At most this many frames have a line each. For more frames, read the files or the JSON summary.
+const MAX_LISTED_FRAMES: usize = 12;
 
-/// What error is left where one was asked for: that of the worst frame, and its range.
+/// The remaining error if there was a target: of the worst frame, with its range.
 fn error(summary: &Summary) -> Vec<String> {
     let worst = summary.noise.iter().max_by(|a, b| a.1.error.total_cmp(&b.1.error));
     let Some((frame, worst)) = worst else { return Vec::new() };
     let percent = |error: f64| format!("{:.2}", 100.0 * error);
     let (error, low, high) = (percent(worst.error), percent(worst.low), percent(worst.high));
-    let range = format!("{error} % of the brightness left ({low} to {high}, 95 of 100 times)");
+    let range = format!("{error} % of the brightness ({low} to {high} with 95 % confidence)");
     let count = summary.noise.len() as f64;
     let samples = summary.noise.iter().map(|(_, noise)| noise.samples).sum::<f64>() / count;
     let mut lines = match summary.noise.len() {
         1 => vec![range],
         _ => vec![format!("at most {range}, in frame {frame}")],
     };
-    if (2..=FEW_FRAMES).contains(&summary.noise.len()) {
+    if (2..=MAX_LISTED_FRAMES).contains(&summary.noise.len()) {
         let row = |(frame, noise): &(u32, Noise)| {
             let errors = [noise.error, noise.low, noise.high].map(percent);
             format!(
@@ -178,30 +180,27 @@ fn error(summary: &Summary) -> Vec<String> {
         };
         lines.extend(summary.noise.iter().map(row));
     }
-    lines.push(format!("{samples:.0} samples in a pixel on average"));
+    lines.push(format!("{samples:.0} samples a pixel on average"));
     let capped = summary.noise.iter().map(|(_, noise)| noise.capped).sum::<f64>() / count;
     if capped > 0.0 {
         lines.push(format!(
-            "Target missed there: {} of pixels hit the limit of samples (most_samples)",
+            "target missed: {} of the pixels reached the limit of samples (max_samples)",
             crate::accuracy::percent(capped)
         ));
     }
     lines
 }
 
-fn noise(frames: &[(u32, Noise)]) -> Object {
-    frames.iter().fold(Object::new(), |object, (frame, noise)| {
-        let of = Object::new()
-            .exact("error", Some(noise.error))
-            .exact("low", Some(noise.low))
-            .exact("high", Some(noise.high))
-            .exact("samples", Some(noise.samples))
-            .exact("capped", Some(noise.capped));
-        object.object(&frame.to_string(), of)
-    })
+fn noise(frames: &[(u32, Noise)]) -> Map<String, Value> {
+    let of = |(frame, noise): &(u32, Noise)| {
+        let Noise { error, low, high, samples, capped } = noise;
+        let value = json!({ "error": error, "low": low, "high": high, "samples": samples, "capped": capped });
+        (frame.to_string(), value)
+    };
+    frames.iter().map(of).collect()
 }
 
-/// Samples that were left out, by cause; nothing where there are none, as there should be.
+/// Samples that were dropped, by cause. There should be none.
 fn dropped(summary: &Summary) -> Vec<String> {
     let dropped = summary.counts.dropped;
     let causes =
@@ -215,7 +214,7 @@ fn above_zero<const N: usize>(
     counts.into_iter().filter(|(_, count)| *count > 0).map(|(name, count)| (name, units::count(count)))
 }
 
-/// Names to the left, values to the right.
+/// Names aligned to the left, values to the right.
 fn aligned(rows: &[(&str, String)]) -> Vec<String> {
     let names = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
     let values = rows.iter().map(|(_, value)| value.chars().count()).max().unwrap_or(0);
@@ -250,12 +249,12 @@ mod tests {
     }
 
     #[test]
-    fn people_read_aligned_lines() {
+    fn the_text_has_aligned_lines() {
         let wanted = "\
 wrote   out/orbit_####.png
         out/\"orbit\".gif
 frames  72
-time    10.4 s, 145 ms per frame; tracing took 19.8 s of processors
+time    10.4 s, 145 ms per frame; tracing took 19.8 s of processor time
 rays    all     66,375,690  6.36 Mray/s
         camera  66,355,200
         mirror      20,481
@@ -268,7 +267,7 @@ note    a draft";
     }
 
     #[test]
-    fn what_was_planned_stands_beside_what_was_done() {
+    fn the_forecast_is_listed_beside_the_result() {
         let expected = Forecast {
             reused: 70,
             camera_rays: 66_355_200,
@@ -281,21 +280,21 @@ note    a draft";
             error: None,
         };
         let summary = Summary { reused: 70, expected: Some(expected), ..summary() };
-        let told = text(&summary);
+        let found = text(&summary);
         assert!(
-            told.contains("\nframes  72, 70 of them from films (traced light) of other frames\n"),
-            "{told}"
+            found.contains("\nframes  72, 70 of them from films (traced light) of other frames\n"),
+            "{found}"
         );
         assert!(
-            told.contains("\nplanned about 66,400,000 rays, 1 build, 70 frames from films of other frames, tracing in about 12 s\n"),
-            "{told}"
+            found.contains("\nplanned about 66,400,000 rays, 1 build, 70 frames from films of other frames, tracing in about 12 s\n"),
+            "{found}"
         );
-        let wanted = r#""expected":{"reused":70,"camera_rays":66355200,"exact":true,"bvh_builds":1,"rays":66400000,"time_s":{"low":1e1,"expected":1.2e1,"high":1.4e1}}"#;
+        let wanted = r#""expected":{"reused":70,"camera_rays":66355200,"exact":true,"bvh_builds":1,"rays":66400000,"time_s":{"low":10.0,"expected":12.0,"high":14.0}}"#;
         assert!(json(&summary).contains(wanted), "{}", json(&summary));
     }
 
     #[test]
-    fn rare_rays_and_dropped_samples_are_told_where_there_are_any() {
+    fn rare_rays_and_dropped_samples_are_listed_if_there_are_any() {
         let mut summary = summary();
         summary.counts.rays.scattered = 1_000;
         summary.counts.dropped = Dropped { undefined: 2, infinite: 0, negative: 11 };
@@ -312,9 +311,9 @@ dropped undefined   2
     }
 
     #[test]
-    fn kept_frames_are_told_and_take_no_time() {
+    fn kept_frames_are_listed_and_take_no_time() {
         let text = text(&Summary { kept: 62, ..summary() });
-        assert!(text.contains("frames  72, of which 62 kept\ntime    10.4 s, 1.04 s per frame; tracing took 19.8 s of processors\n"), "{text}");
+        assert!(text.contains("frames  72, 62 of them kept\ntime    10.4 s, 1.04 s per frame; tracing took 19.8 s of processor time\n"), "{text}");
         assert!(super::text(&Summary { kept: 72, ..summary() }).contains("time    10.4 s; "));
     }
 
@@ -326,13 +325,13 @@ dropped undefined   2
     }
 
     #[test]
-    fn programs_read_one_line() {
+    fn the_json_is_one_line() {
         let wanted = concat!(
             r#"{"event":"summary","files":["out/orbit_####.png","out/\"orbit\".gif"],"frames":72,"kept":0,"reused":0,"#,
-            r#""elapsed_s":10.440,"tracing_cpu_s":19.840,"rays":{"camera":66355200,"mirror":20481,"transmitted":0,"scattered":0,"shadow":9,"#,
+            r#""elapsed_s":10.44,"tracing_cpu_s":19.84,"rays":{"camera":66355200,"mirror":20481,"transmitted":0,"scattered":0,"shadow":9,"#,
             r#""total":66375690},"evaluations":{"fog":0,"paint":0,"light_samples":0,"lens_samples":0},"#,
             r#""dropped_samples":{"undefined":0,"infinite":0,"negative":0},"noise":{},"#,
-            r#""bvh_builds":1,"expected":{},"stages_s":{"animate":0.001,"trace":9.870},"notes":["a draft"]}"#,
+            r#""bvh_builds":1,"expected":{},"stages_s":{"animate":0.001,"trace":9.87},"notes":["a draft"]}"#,
         );
         assert_eq!(json(&summary()), wanted);
     }

@@ -1,5 +1,4 @@
-//! What is on the other end of stdout and stderr. All text goes through here, and none of it steers a terminal: control
-//! and format characters are escaped, whoever they come from.
+//! All text on stdout and stderr. Control and format characters are escaped, so that no text can steer a terminal.
 
 use super::failure::Failure;
 use crate::base::escape;
@@ -12,14 +11,14 @@ pub fn interactive() -> bool {
     stderr().is_terminal() && env::var_os("TERM").is_none_or(|term| term != "dumb")
 }
 
-/// Whether messages may be coloured: on such a terminal, unless `NO_COLOR` is set to anything.
+/// Whether messages may have colours: on such a terminal, unless `NO_COLOR` is set and not empty.
 pub fn color() -> bool {
     interactive() && env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
-/// Prints a line of results. A reader that went away (`kinora … | head`) does not make a run fail.
-pub fn say(line: &str) -> Result<(), Failure> {
-    match tell(&mut stdout(), line) {
+/// Prints a line of results. If the reader went away (`kinora … | head`), that is no error.
+pub fn print_line(line: &str) -> Result<(), Failure> {
+    match write_line(&mut stdout(), line) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::Incomplete(format!("cannot write to the standard output: {error}")))
         }
@@ -27,21 +26,21 @@ pub fn say(line: &str) -> Result<(), Failure> {
     }
 }
 
-/// Refuses to write frames to a standard output that is closed, as it would be refused by one whose reader goes away.
+/// Fails if frames would go to a closed standard output. Without this check, they would be lost in silence.
 pub fn check_stream(outputs: &[Output]) -> Result<(), Failure> {
     if !outputs.iter().any(Output::is_stream) || !stdout_may_be_closed() {
         return Ok(());
     }
     let message = "cannot write to the standard output: it is closed, or it is the null device opened for reading and \
-                   writing, which looks the same; give it a reader, such as `-o - | ffmpeg -i - ...`, or discard the \
-                   frames with `> /dev/null`, which opens that device for writing only";
+                   writing, which looks the same; connect it to a program, such as `-o - | ffmpeg -i - ...`, or \
+                   discard the frames with `> /dev/null`, which opens that device for writing only";
     Err(Failure::Incomplete(message.to_owned()))
 }
 
-/// Whether the process may have been started without a standard output. Rust's runtime then opens the null device in its
-/// place, for reading and writing, before any code of ours runs. Shells open it for writing alone (`> /dev/null`). Some
-/// programs open it for both, such as Python for `subprocess.DEVNULL`: nothing distinguishes that from a closed output, and
-/// to lose a run's frames in silence is worse than to ask for another output.
+/// Whether the process may have been started without a standard output. Rust's runtime then opens the null device in
+/// its place, for reading and writing, before any code of ours runs. Shells open it for writing alone (`> /dev/null`).
+/// Some programs open it for both, such as Python for `subprocess.DEVNULL`, which looks the same as a closed output. An
+/// error for these is better than a run that loses its frames in silence.
 #[cfg(unix)]
 fn stdout_may_be_closed() -> bool {
     use rustix::fs::{OFlags, fcntl_getfl};
@@ -60,9 +59,9 @@ fn stdout_may_be_closed() -> bool {
     false
 }
 
-/// Prints a line of errors, or of results where the standard output is taken by them.
-pub fn complain(line: &str) {
-    let _ = tell(&mut stderr(), line);
+/// Prints a line on stderr: an error, or results if frames go to stdout.
+pub fn eprint_line(line: &str) {
+    let _ = write_line(&mut stderr(), line);
 }
 
 /// Prints an error.
@@ -71,13 +70,21 @@ pub fn error(message: &str) {
     let _ = writeln!(stderr(), "{label}: {}", escape::lines(message));
 }
 
-/// Prints the faults of a file, which are laid out with colours and escaped already.
-pub fn faults(text: &str) {
-    let _ = writeln!(stderr(), "{}", text.trim_end());
+/// Prints why a command failed.
+pub fn failure(failure: &Failure) {
+    match failure {
+        Failure::Bad(message) | Failure::Incomplete(message) => error(message),
+        Failure::Stopped { message, .. } if message.is_empty() => {}
+        Failure::Stopped { message, .. } => eprint_line(message),
+        // These have their colours, and are escaped already.
+        Failure::Faults(text) => {
+            let _ = writeln!(stderr(), "{}", text.trim_end());
+        }
+    }
 }
 
-/// Writes a line to whoever reads it.
-pub fn tell(out: &mut dyn Write, line: &str) -> std::io::Result<()> {
+/// Writes a line, escaped.
+pub fn write_line(out: &mut dyn Write, line: &str) -> std::io::Result<()> {
     writeln!(out, "{}", escape::lines(line))?;
     out.flush()
 }

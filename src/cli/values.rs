@@ -1,37 +1,41 @@
-//! Values of options: parsed strictly, within the limits that hold in sequence files too, and with faults that
-//! say what would be right.
+//! Parsers of option values. They are strict, have the limits of sequence files, and their errors say what would be
+//! right.
 
 use crate::base::color::{Rgb, hex_color};
 use crate::base::time::{Rate, Time};
 use crate::base::units::parse_bytes;
-use crate::encode::{Output, Streamed, Template, Tonemap};
-use crate::film::MOST_STOPS;
+use crate::encode::{Output, StreamFormat, Template, Tonemap};
+use crate::film::MAX_STOPS;
 use crate::sequence::ERRORS;
-use crate::sequence::quality::{Integrator, MOST_SAMPLES, PathSettings};
+use crate::sequence::quality::{Integrator, MAX_SAMPLES, PathSettings};
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use std::num::NonZeroUsize;
 use std::time::Duration;
 
-/// Pixels along a side, at most.
-const LONGEST_SIDE: u32 = 65_536;
-/// Frames per second, at most.
-const FASTEST: i128 = 1_000_000;
-/// Reflections one after the other, at most.
-const MOST_BOUNCES: u32 = 1000;
-/// Samples along an axis of a pixel, at most.
-const FINEST: u32 = 64;
+/// The largest width or height, in pixels.
+const MAX_SIDE: u32 = 65_536;
+/// The highest rate, in frames per second.
+const MAX_RATE: i128 = 1_000_000;
+/// The largest number of bounces.
+const MAX_BOUNCES: u32 = 1000;
+/// The largest number of samples along each axis of a pixel.
+const MAX_ANTIALIAS: u32 = 64;
+/// The largest number of threads. More than any machine has processors only cost time.
+const MAX_THREADS: u32 = 1024;
+/// The largest number of workers. No farm has more for one sequence.
+const MAX_WORKERS: u32 = 10_000;
 
-/// A file to write, whose name need not be text.
+/// A file to write. Its name need not be UTF-8.
 pub fn output() -> impl TypedValueParser<Value = Output> {
     OsStringValueParser::new().try_map(Output::parse)
 }
 
 /// `1280x720`, in pixels.
 pub fn size(text: &str) -> Result<(u32, u32), String> {
-    let side = |digits| within(digits, 1, LONGEST_SIDE);
-    text.split_once(['x', 'X']).and_then(|(width, height)| Some((side(width)?, side(height)?))).ok_or_else(
-        || format!("write width and height in pixels, each 1 to {LONGEST_SIDE}, such as 1280x720"),
-    )
+    let side = |digits| within(digits, 1, MAX_SIDE);
+    text.split_once(['x', 'X'])
+        .and_then(|(width, height)| Some((side(width)?, side(height)?)))
+        .ok_or_else(|| format!("write width and height in pixels, each 1 to {MAX_SIDE}, such as 1280x720"))
 }
 
 /// `24`, `29.97` (exactly 2997/100) or `30000/1001` frames per second.
@@ -42,56 +46,53 @@ pub fn rate(text: &str) -> Result<Rate, String> {
     };
     fraction
         .and_then(|(frames, seconds)| Rate::new(frames.into(), seconds.into()))
-        .filter(|rate| rate.per_second() <= FASTEST.into())
+        .filter(|rate| rate.per_second() <= MAX_RATE.into())
         .ok_or_else(|| {
-            format!("write frames per second, such as 24, 29.97 or 30000/1001, above 0 and at most {FASTEST}")
+            format!(
+                "write frames per second, such as 24, 29.97 or 30000/1001, above 0 and at most {MAX_RATE}"
+            )
         })
 }
 
-/// At least 1.
+/// A number of threads, at least 1.
 pub fn threads(text: &str) -> Result<NonZeroUsize, String> {
-    let count = within(text, 1, MOST_THREADS).and_then(|count| NonZeroUsize::new(count as usize));
-    count.ok_or_else(|| format!("write a number of threads, 1 to {MOST_THREADS}"))
+    let count = within(text, 1, MAX_THREADS).and_then(|count| NonZeroUsize::new(count as usize));
+    count.ok_or_else(|| format!("write a number of threads, 1 to {MAX_THREADS}"))
 }
 
-/// More threads than any machine has processors only cost time.
-const MOST_THREADS: u32 = 1024;
-
-/// At least 1.
+/// A number of workers, at least 1.
 pub fn workers(text: &str) -> Result<NonZeroUsize, String> {
-    let count = within(text, 1, MOST_WORKERS).and_then(|count| NonZeroUsize::new(count as usize));
-    count.ok_or_else(|| format!("write numbers of workers, 1 to {MOST_WORKERS}, such as 1,2,50"))
+    let count = within(text, 1, MAX_WORKERS).and_then(|count| NonZeroUsize::new(count as usize));
+    count.ok_or_else(|| format!("write numbers of workers, 1 to {MAX_WORKERS}, such as 1,2,50"))
 }
 
-/// More than any farm has for one sequence.
-const MOST_WORKERS: u32 = 10_000;
-
-/// Reflections one after the other, or none.
+/// A number of bounces, possibly 0.
 pub fn bounces(text: &str) -> Result<u32, String> {
-    within(text, 0, MOST_BOUNCES)
-        .ok_or_else(|| format!("write a whole number of reflections, 0 to {MOST_BOUNCES}, such as 8"))
+    within(text, 0, MAX_BOUNCES)
+        .ok_or_else(|| format!("write a whole number of bounces, 0 to {MAX_BOUNCES}, such as 8"))
 }
 
 /// Samples along each axis of a pixel.
 pub fn antialias(text: &str) -> Result<u32, String> {
-    within(text, 1, FINEST)
-        .ok_or_else(|| format!("write a whole number from 1 (off) to {FINEST}, such as 3 for 3×3 samples"))
+    within(text, 1, MAX_ANTIALIAS).ok_or_else(|| {
+        format!("write a whole number from 1 (off) to {MAX_ANTIALIAS}, such as 3 for 3×3 samples")
+    })
 }
 
-/// Random samples of each pixel.
+/// Samples per pixel where something is random.
 pub fn samples(text: &str) -> Result<u32, String> {
-    within(text, 1, MOST_SAMPLES)
-        .ok_or_else(|| format!("write a whole number of samples, 1 to {MOST_SAMPLES}, such as 256"))
+    within(text, 1, MAX_SAMPLES)
+        .ok_or_else(|| format!("write a whole number of samples, 1 to {MAX_SAMPLES}, such as 256"))
 }
 
-/// An error as a share of brightness.
+/// An error, relative to the brightness.
 pub fn noise(text: &str) -> Result<f64, String> {
     let error = text.parse().ok().filter(|error| ERRORS.contains(error));
     let (least, most) = (ERRORS.start(), ERRORS.end());
     error.ok_or_else(|| format!("write an error from {least} to {most}, such as 0.01 for 1 %"))
 }
 
-/// The name of an integrator, in either case.
+/// The name of an integrator, in upper or lower case.
 pub fn integrator(text: &str) -> Result<Integrator, String> {
     match text.to_ascii_lowercase().as_str() {
         "whitted" => Ok(Integrator::Whitted),
@@ -100,48 +101,48 @@ pub fn integrator(text: &str) -> Result<Integrator, String> {
     }
 }
 
-/// Any whole number that a seed holds.
+/// A seed: any whole number of 32 bits.
 pub fn seed(text: &str) -> Result<u32, String> {
     let plain = (1..=10).contains(&text.len()) && text.bytes().all(|b| b.is_ascii_digit());
     let seed = plain.then(|| text.parse().ok()).flatten();
     seed.ok_or_else(|| format!("write a whole number, 0 to {}", u32::MAX))
 }
 
-/// A colour as the web writes it.
-pub fn matte(text: &str) -> Result<Rgb, String> {
+/// A colour in the notation of CSS.
+pub fn background_color(text: &str) -> Result<Rgb, String> {
     hex_color(text).ok_or_else(|| "write a colour such as \"#ff8800\" or \"#f80\"".to_owned())
 }
 
-/// The name of a tone map, in either case.
+/// The name of a tone map, in upper or lower case.
 pub fn tonemap(text: &str) -> Result<Tonemap, String> {
     let found = Tonemap::NAMED.into_iter().find(|(name, _)| name.eq_ignore_ascii_case(text));
     found.map(|(_, tonemap)| tonemap).ok_or_else(|| "write srgb, none, reinhard or filmic".to_owned())
 }
 
-/// What is written to the standard output.
-pub fn streamed(text: &str) -> Result<Streamed, String> {
-    let found = Streamed::NAMED.into_iter().find(|(name, _)| name.eq_ignore_ascii_case(text));
+/// A format for the standard output.
+pub fn streamed(text: &str) -> Result<StreamFormat, String> {
+    let found = StreamFormat::NAMED.into_iter().find(|(name, _)| name.eq_ignore_ascii_case(text));
     found.map(|(_, streamed)| streamed).ok_or_else(|| "write y4m, ppm, ppm-ascii or png".to_owned())
 }
 
-/// Stops, up or down.
+/// An exposure in stops.
 pub fn exposure(text: &str) -> Result<f64, String> {
-    let stops = text.parse().ok().filter(|stops| (-MOST_STOPS..=MOST_STOPS).contains(stops));
-    stops.ok_or_else(|| format!("write a number of stops from -{MOST_STOPS} to {MOST_STOPS}, such as -1.5"))
+    let stops = text.parse().ok().filter(|stops| (-MAX_STOPS..=MAX_STOPS).contains(stops));
+    stops.ok_or_else(|| format!("write a number of stops from -{MAX_STOPS} to {MAX_STOPS}, such as -1.5"))
 }
 
-/// Text with places such as `{frame}`.
+/// Text with placeholders such as `{frame}`.
 pub fn caption(text: &str) -> Result<Template, String> {
     Template::parse(text).map_err(|error| error.to_string())
 }
 
-/// A time of 0 or more.
+/// A time in seconds, 0 or more.
 pub fn seconds(text: &str) -> Result<Time, String> {
     let time = decimal(text).map(|(part, whole)| Time::new(part.into(), whole.into()));
     time.ok_or_else(|| "write seconds such as 1.5, 0 or more".to_owned())
 }
 
-/// `90s`, `10min` or `2h`: how long something may take, at least a second.
+/// A duration such as `90s`, `10min` or `2h`, at least 1 s.
 pub fn duration(text: &str) -> Result<Duration, String> {
     let digits = text.find(|c: char| c != '.' && !c.is_ascii_digit()).unwrap_or(text.len());
     let (number, unit) = text.split_at(digits);
@@ -157,18 +158,18 @@ pub fn duration(text: &str) -> Result<Duration, String> {
     duration.ok_or_else(|| "write a time such as 90s, 10min or 2h, at least 1s".to_owned())
 }
 
-/// `5MB`.
+/// A size in bytes, such as `5MB`.
 pub fn file_size(text: &str) -> Result<u64, String> {
     parse_bytes(text).ok_or_else(|| "write a size such as 5MB, 800kB or 2MiB, at least 1kB".to_owned())
 }
 
-/// Of pictures with loss.
+/// The quality of formats with loss.
 pub fn encode_quality(text: &str) -> Result<u8, String> {
     let quality = within(text, 1, 100).map(|quality| quality as u8);
     quality.ok_or_else(|| "write a whole number from 1 (small) to 100 (good)".to_owned())
 }
 
-/// Whether a PNG has 16 bits a channel.
+/// Bits per channel of a PNG. True means 16.
 pub fn bits(text: &str) -> Result<bool, String> {
     match text {
         "8" => Ok(false),
@@ -185,14 +186,14 @@ fn within(text: &str, least: u32, most: u32) -> Option<u32> {
 fn decimal(text: &str) -> Option<(u64, u64)> {
     let (units, tail) = text.split_once('.').unwrap_or((text, ""));
     if tail.is_empty() {
-        // No digits after a point is no number, and no point is a whole one.
+        // A point needs digits behind it. Without a point, the number is whole.
         return if text.ends_with('.') { None } else { Some((whole(units)?, 1)) };
     }
     let denominator = 10_u64.pow(u32::try_from(tail.len()).ok().filter(|&digits| digits <= 9)?);
     Some((whole(units)? * denominator + whole(tail)?, denominator))
 }
 
-/// One to nine digits and nothing else. Nine, so that exact times stay far from the limits of their integers.
+/// One to nine digits and nothing else. With nine digits, exact times stay far from the limits of their integers.
 fn whole(digits: &str) -> Option<u64> {
     let plain = (1..=9).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_digit());
     plain.then(|| digits.parse().ok()).flatten()
@@ -253,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_are_shares() {
+    fn errors_are_relative() {
         assert_eq!((noise("0.01"), noise("1")), (Ok(0.01), Ok(1.0)));
         for bad in ["", "0", "1%", "-0.1", "2", "nan", "1e-9"] {
             assert!(noise(bad).is_err(), "`{bad}`");
@@ -263,7 +264,7 @@ mod tests {
     #[test]
     fn tone_maps_are_known_by_name() {
         assert_eq!((tonemap("none"), tonemap("Filmic")), (Ok(Tonemap::None), Ok(Tonemap::Filmic)));
-        let message = tonemap("aces").expect_err("no such tone map");
+        let message = tonemap("aces").expect_err("an unknown tone map");
         assert!(Tonemap::NAMED.iter().all(|(name, _)| message.contains(&name.to_lowercase())), "{message}");
     }
 
@@ -284,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn settings_of_files() {
+    fn settings_of_formats() {
         assert_eq!((file_size("5MB"), file_size("1.5 MiB")), (Ok(5_000_000), Ok(1_572_864)));
         for bad in ["", "5", "MB", "-5MB", "5 TB of it", "0.5kB", "1.2.3MB"] {
             assert!(file_size(bad).is_err(), "`{bad}`");

@@ -1,11 +1,11 @@
-//! All animations of a run, fed with the same pictures.
+//! All animations of a run. They take the same pictures.
 
 use super::atomic::part_of;
 use super::error::EncodeError;
 use super::gif::Animation;
-use super::job::Job;
-use super::movie::{self, Movie};
-use super::output::{Moving, Output};
+use super::job::EncodeJob;
+use super::movie::{self, MovieWriter};
+use super::output::{AnimationFormat, Output};
 use super::picture::Picture;
 use super::store::Store;
 use crate::base::cancel::Stop;
@@ -14,22 +14,22 @@ use rayon::ThreadPool;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// The animations in the making.
+/// The animations that are being written.
 pub struct Animations {
     /// Each with whether its pictures may have alpha.
-    movies: Vec<(Box<dyn Movie>, bool)>,
+    movies: Vec<(Box<dyn MovieWriter>, bool)>,
     gifs: Vec<Animation>,
-    /// Where frames wait until the GIFs' palettes are known; there if there are GIFs.
+    /// Frames on disk until the palettes of the GIFs are known. None if there are no GIFs.
     store: Option<Store>,
-    /// Pictures so far.
+    /// Number of pictures so far.
     done: usize,
 }
 
 impl Animations {
-    /// Those of a job, which use the threads of `pool`. `own` is a store that the run fills anyhow, if there is one.
-    /// `stop` ends waiting for who reads a pipe.
+    /// Starts the animations of a job, which use the threads of `pool`. `own` is a store that the run's own stills
+    /// fill. A request of `stop` ends the wait for a pipe's reader.
     pub fn start(
-        job: &Job,
+        job: &EncodeJob,
         own: Option<Store>,
         pool: &Arc<ThreadPool>,
         stop: &Stop,
@@ -39,7 +39,7 @@ impl Animations {
             movies.extend(movie::start(output, job, pool, stop)?.map(|movie| (movie, output.takes_alpha())));
         }
         let gifs = job.outputs.iter().filter_map(|output| match output {
-            Output::Movie(Moving::Gif, path) => Some(path),
+            Output::Movie(AnimationFormat::Gif, path) => Some(path),
             _ => None,
         });
         let store = match (gifs.clone().next(), own) {
@@ -51,7 +51,7 @@ impl Animations {
         Ok(Self { movies, gifs, store, done: 0 })
     }
 
-    /// Adds the next picture, in front of `matte` for formats without alpha.
+    /// Adds the next picture. Formats without alpha take `matte`, the same picture on a background.
     pub fn push(&mut self, picture: &Picture, matte: &Picture) -> Result<(), EncodeError> {
         for (movie, alpha) in &mut self.movies {
             movie.push(if *alpha { picture } else { matte })?;
@@ -62,23 +62,24 @@ impl Animations {
         if shown.peek().is_none() {
             return Ok(());
         }
-        let cut = picture.alpha.as_ref().map(|alpha| Picture { alpha: Some(halved(alpha)), ..matte.clone() });
+        let cut =
+            picture.alpha.as_ref().map(|alpha| Picture { alpha: Some(one_bit(alpha)), ..matte.clone() });
         let picture = cut.as_ref().unwrap_or(matte);
         shown.for_each(|animation| animation.count(picture));
         self.store.as_ref().map_or(Ok(()), |store| store.put(index, picture))
     }
 
-    /// Seconds of processor time that the pool has spent on animations so far.
+    /// Processor time of the pool for animations so far, in seconds.
     pub fn cpu(&self) -> f64 {
         self.movies.iter().map(|(movie, _)| movie.cpu()).sum()
     }
 
-    /// Whether no picture has come.
+    /// Whether there was no picture yet.
     pub fn is_empty(&self) -> bool {
         self.done == 0
     }
 
-    /// Closes all animations as they are, each beside its place, and names the files.
+    /// Closes all animations with the pictures so far, as `part_NAME`. Returns the paths.
     pub fn stop(self, pool: &ThreadPool) -> Result<Vec<PathBuf>, EncodeError> {
         let mut files = Vec::new();
         for (movie, _) in self.movies {
@@ -86,7 +87,7 @@ impl Animations {
         }
         if let Some(store) = self.store {
             for animation in self.gifs {
-                let animation = animation.cut(self.done);
+                let animation = animation.truncated(self.done);
                 files.push(animation.path().to_path_buf());
                 pool.install(|| animation.write(|index| store.get(index)))?;
             }
@@ -94,8 +95,8 @@ impl Animations {
         Ok(files)
     }
 
-    /// Writes what is left and puts all files in their places. Returns what users should know.
-    pub fn finish(self, job: &Job, pool: &ThreadPool) -> Result<Vec<String>, EncodeError> {
+    /// Finishes all animations and renames their files into place. Returns notes for the user.
+    pub fn finish(self, job: &EncodeJob, pool: &ThreadPool) -> Result<Vec<String>, EncodeError> {
         let mut notes = Vec::new();
         for (movie, _) in self.movies {
             movie.finish()?;
@@ -111,18 +112,21 @@ impl Animations {
     }
 }
 
-/// Alpha for GIFs, whose pixels are there or not: there if half of them is covered.
-fn halved(alpha: &[u8]) -> Vec<u8> {
+/// Alpha of GIFs, which have one bit: a pixel is opaque if at least half of it is covered.
+fn one_bit(alpha: &[u8]) -> Vec<u8> {
     alpha.iter().map(|&alpha| if alpha < 128 { 0 } else { 255 }).collect()
 }
 
-/// Tells of a part that an earlier run has left beside a whole animation. It may be wanted, and stays.
-fn left_part(output: &Output, job: &Job) -> Option<String> {
+/// A note about the partial animation of an earlier run. It stays, because the user may want it.
+fn left_part(output: &Output, job: &EncodeJob) -> Option<String> {
     let Output::Movie(_, path) = output else { return None };
     let part = part_of(path);
     let own = job.outputs.iter().any(|other| matches!(other, Output::Movie(_, path) if *path == part));
     let there = !own && part.is_file();
     there.then(|| {
-        format!("{} holds a part of this animation, of an earlier run, and may go", escape::path(part))
+        format!(
+            "{} holds a part of this animation from an earlier run and can be deleted",
+            escape::path(part)
+        )
     })
 }

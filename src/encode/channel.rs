@@ -1,17 +1,17 @@
-//! Pipes and devices, opened to be written into.
+//! Opening pipes and devices for writing.
 
 use super::disk::{Operation, attempt};
 use super::error::EncodeError;
 use crate::base::cancel::Stop;
-use crate::base::files::Channel;
+use crate::base::files::SpecialFile;
 use std::fs::{File, OpenOptions};
 use std::io;
 use std::path::Path;
 
-/// Opens what is at `path`. For a pipe, waits until somebody reads it or a stop is requested.
-pub fn open(path: &Path, channel: Channel, stop: &Stop) -> Result<File, EncodeError> {
+/// Opens the pipe or device at `path`. For a pipe, waits for a reader or for a stop request.
+pub fn open(path: &Path, channel: SpecialFile, stop: &Stop) -> Result<File, EncodeError> {
     let opened = match channel {
-        Channel::Pipe => attempt(Operation::Create, path, || wait(path, stop)),
+        SpecialFile::Pipe => attempt(Operation::Create, path, || wait(path, stop)),
         _ => attempt(Operation::Create, path, || plainly(path)).map(Ok),
     };
     opened
@@ -23,24 +23,24 @@ fn plainly(path: &Path) -> io::Result<File> {
     OpenOptions::new().write(true).open(path)
 }
 
-/// The open pipe, or the signal that came first.
+/// The open pipe, or the signal that ended the wait.
 #[cfg(unix)]
 fn wait(path: &Path, stop: &Stop) -> io::Result<Result<File, usize>> {
     use rustix::fs::{Mode, OFlags, fcntl_getfl, fcntl_setfl, open};
     use rustix::io::Errno;
 
-    /// How often it is looked for a reader.
+    /// Interval of the checks for a reader.
     const PAUSE: std::time::Duration = std::time::Duration::from_millis(10);
-    // A blocking open would go on after a signal.
+    // A blocking open would continue after a signal.
     let flags = OFlags::WRONLY | OFlags::NONBLOCK | OFlags::CLOEXEC;
     loop {
         match open(path, flags, Mode::empty()) {
             Ok(pipe) => {
-                // What is written waits for the reader again.
+                // Writes may block again.
                 fcntl_setfl(&pipe, fcntl_getfl(&pipe)? - OFlags::NONBLOCK)?;
                 return Ok(Ok(pipe.into()));
             }
-            // Nobody reads it yet.
+            // The pipe has no reader yet.
             Err(Errno::NXIO) => {}
             Err(error) => return Err(error.into()),
         }

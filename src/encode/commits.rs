@@ -1,55 +1,55 @@
-//! Files on their way into their places, while the next frames are made: until the disk has stored a file, the encoder
-//! would only wait, and small frames would take longer to store than to make.
+//! Commits files in background threads. Without them, the encoder would wait for the disk after every file, and small
+//! frames take longer to sync than to encode.
 
-use super::atomic::Aside;
-use super::claim::Claim;
+use super::atomic::AtomicFile;
 use super::error::EncodeError;
+use super::lease::Lease;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 
-/// Files that are stored at the same time. Disks store a few together in hardly more time than one.
-const TOGETHER: usize = 4;
+/// Files that are committed at the same time. Disks sync a few files in hardly more time than one.
+const MAX_IN_FLIGHT: usize = 4;
 
-/// The oldest first. Dropped, it waits for all of them.
+/// The commits in flight, the oldest first. Dropping it waits for all of them.
 #[derive(Debug, Default)]
 pub struct Commits {
-    under_way: VecDeque<JoinHandle<Result<(), EncodeError>>>,
+    in_flight: VecDeque<JoinHandle<Result<(), EncodeError>>>,
 }
 
 impl Commits {
-    /// Lets a file come into its place, until when its claim holds. Returns the error of an earlier one, if there is one.
-    pub fn push(&mut self, file: Aside, claim: Option<Arc<Claim>>) -> Result<(), EncodeError> {
-        if self.under_way.len() >= TOGETHER {
+    /// Commits a file and then releases its lease. Returns the error of an earlier commit, if one failed.
+    pub fn push(&mut self, file: AtomicFile, lease: Option<Arc<Lease>>) -> Result<(), EncodeError> {
+        if self.in_flight.len() >= MAX_IN_FLIGHT {
             self.wait_for_first()?;
         }
         let thread = thread::Builder::new().name("store".into()).spawn(move || {
             let done = file.commit();
-            drop(claim);
+            drop(lease);
             done
         });
-        self.under_way.push_back(thread.map_err(|error| EncodeError::Stopped(Some(error)))?);
+        self.in_flight.push_back(thread.map_err(|error| EncodeError::Stopped(Some(error)))?);
         Ok(())
     }
 
-    /// Waits until all are in their places.
+    /// Waits for all commits.
     pub fn wait(&mut self) -> Result<(), EncodeError> {
-        while !self.under_way.is_empty() {
+        while !self.in_flight.is_empty() {
             self.wait_for_first()?;
         }
         Ok(())
     }
 
     fn wait_for_first(&mut self) -> Result<(), EncodeError> {
-        let Some(thread) = self.under_way.pop_front() else { return Ok(()) };
+        let Some(thread) = self.in_flight.pop_front() else { return Ok(()) };
         thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     }
 }
 
 impl Drop for Commits {
     fn drop(&mut self) {
-        for thread in self.under_way.drain(..) {
-            // One that failed has left its place as it was, and an earlier error is being told.
+        for thread in self.in_flight.drain(..) {
+            // A failed commit leaves the old file, and the caller already handles an earlier error.
             let _ = thread.join();
         }
     }

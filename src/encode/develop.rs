@@ -1,4 +1,4 @@
-//! Film → picture: linear radiance to displayed values.
+//! Film → picture: linear radiance to display values.
 
 #[cfg(test)]
 mod tests;
@@ -18,15 +18,15 @@ const STEP_BITS: u32 = 16;
 /// Steps of the 16 octaves from `LOWEST` to `HIGHEST`. A power of two: an index cut to it is never out of range.
 const STEPS: usize = 16 * 128;
 
-/// Displayed codes of linear values, by lookup: exactly `floor(255 · displayed(x) + 1/2)`.
+/// A lookup table from linear values to display codes: exactly `floor(255 · displayed(x) + 1/2)`.
 ///
-/// The codes' thresholds are the smallest f32 that reach each code, found by bisection over the exact
-/// curve, `Tonemap::displayed`. A value's exponent and leading mantissa bits select a step that at most one
-/// threshold crosses. A step is the code at its start, shifted by `STEP_BITS`, plus what the remaining bits
-/// lack at the threshold to carry over into the code: so a code costs one load and an addition in place of
-/// a power. 800x800 pixels take 2.8 ms on one core, 1.1 of them in [`Film::radiance`].
+/// The threshold of a code is the smallest f32 that maps to it. Thresholds are found by bisection on the exact curve,
+/// `Tonemap::displayed`. The exponent and the leading mantissa bits of a value select a step, and a step contains at
+/// most one threshold. A step stores the code at its start, shifted by `STEP_BITS`, plus an offset. The offset is
+/// chosen so that adding the remaining bits carries into the code at the threshold. So a code costs one load and one
+/// addition instead of a power. 800x800 pixels take 2.8 ms on one core, of which [`Film::radiance`] takes 1.1 ms.
 pub struct ToneTable {
-    /// Whether colours are compressed before their channels are looked up.
+    /// Whether colours are compressed before the lookup of their channels.
     compresses: bool,
     steps: Box<[u32; STEPS]>,
 }
@@ -50,7 +50,7 @@ impl ToneTable {
         Self { compresses: tonemap.compresses(), steps }
     }
 
-    /// The code of a linear value. NaN gives 0; what is out of range is clamped.
+    /// The code of a linear value. NaN gives 0; values out of range are clamped.
     pub fn code(&self, linear: f32) -> u8 {
         self.at(offset(linear))
     }
@@ -61,12 +61,12 @@ impl ToneTable {
         ((self.steps[(offset >> STEP_BITS) as usize % STEPS] + rest) >> STEP_BITS) as u8
     }
 
-    /// The film as it displays, and how many of its pixels are not numbers (they are shown as 0).
+    /// Develops a film. Also returns the number of its NaN pixels, which are shown as 0.
     pub fn develop(&self, film: &Film) -> (Picture, u64) {
         let mut rgb = vec![0; film.width as usize * film.height as usize * 3];
         let (mut nan_pixels, mut first) = (0, 0);
         let mut radiance = film.radiance();
-        // Pass by pass over a few pixels: the simple loops run on several values at once.
+        // Several passes over small blocks of pixels, because the compiler vectorizes such simple loops.
         let mut buffer = [[0.0; 3]; 256];
         let mut indices = [0; 3 * 256];
         for out in rgb.chunks_mut(3 * buffer.len()) {
@@ -74,9 +74,9 @@ impl ToneTable {
             for (slot, pixel) in buffer.iter_mut().zip(radiance.by_ref().take(count)) {
                 *slot = (pixel * film.exposure).to_array();
             }
-            if film.extras.coverage {
+            if film.aovs.coverage {
                 for (slot, pixel) in buffer[..count].iter_mut().zip(first..) {
-                    *slot = uncovered(Rgb::from_array(*slot), film.alpha_at(pixel)).to_array();
+                    *slot = unpremultiplied(Rgb::from_array(*slot), film.alpha_at(pixel)).to_array();
                 }
             }
             first += count;
@@ -97,12 +97,12 @@ impl ToneTable {
     }
 }
 
-/// The film as it displays, in codes of 16 bits, by the curves themselves: 640x360 pixels take about 50 ms.
+/// Develops a film to 16 bits per channel with the exact curves. 640x360 pixels take about 50 ms.
 pub fn develop_deep(tonemap: Tonemap, film: &Film) -> Picture<u16> {
     let pixel = |(index, radiance): (usize, Rgb)| {
         let mut light = radiance * film.exposure;
-        if film.extras.coverage {
-            light = uncovered(light, film.alpha_at(index));
+        if film.aovs.coverage {
+            light = unpremultiplied(light, film.alpha_at(index));
         }
         displayed(tonemap, light).map(u16::of)
     };
@@ -110,7 +110,7 @@ pub fn develop_deep(tonemap: Tonemap, film: &Film) -> Picture<u16> {
     Picture { width: film.width, height: film.height, rgb, alpha: alpha(film) }
 }
 
-/// What a linear colour displays as, by the curves themselves: from 0 to 1.
+/// The display value of a linear colour, 0..=1, by the exact curves.
 pub fn displayed(tonemap: Tonemap, light: Rgb) -> [f64; 3] {
     let light = light.to_array();
     let light = if tonemap.compresses() { compressed(light) } else { light };
@@ -118,18 +118,18 @@ pub fn displayed(tonemap: Tonemap, light: Rgb) -> [f64; 3] {
     light.map(|linear| if linear > 0.0 { tonemap.displayed(linear.into()) } else { 0.0 })
 }
 
-/// The colour of what covers a share `alpha` of a pixel.
-fn uncovered(light: Rgb, alpha: f32) -> Rgb {
+/// Divides a premultiplied colour by its alpha.
+fn unpremultiplied(light: Rgb, alpha: f32) -> Rgb {
     if alpha > 0.0 { light / alpha } else { Rgb::ZERO }
 }
 
-/// How much of each pixel is covered, if the film tells.
+/// The coverage of each pixel, if the film has it.
 fn alpha<C: Code>(film: &Film) -> Option<Vec<C>> {
     let pixels = film.width as usize * film.height as usize;
-    film.extras.coverage.then(|| (0..pixels).map(|i| C::of(film.alpha_at(i).into())).collect())
+    film.aovs.coverage.then(|| (0..pixels).map(|i| C::of(film.alpha_at(i).into())).collect())
 }
 
-/// How many f32 lie between `LOWEST` and a value, which is clamped to `LOWEST..=HIGHEST`. NaN gives 0.
+/// The number of f32 between `LOWEST` and a value, which is clamped to `LOWEST..=HIGHEST`. NaN gives 0.
 fn offset(linear: f32) -> u32 {
     // Written so that NaN fails the first comparison.
     let x = if linear > LOWEST { linear } else { LOWEST };
@@ -137,13 +137,13 @@ fn offset(linear: f32) -> u32 {
     x.to_bits() - LOWEST.to_bits()
 }
 
-/// The code by the formula.
+/// The code of a linear value by the exact formula.
 fn exact_code(tonemap: Tonemap, linear: f32) -> u32 {
     (tonemap.displayed(linear.into()) * 255.0 + 0.5) as u32
 }
 
-/// The smallest f32 in 0..=HIGHEST whose code is at least `code`: bisection over the bits, which are in the
-/// order of the values.
+/// The smallest f32 in 0..=HIGHEST whose code is at least `code`. It is found by bisection over the bits, whose order
+/// is that of the values.
 fn threshold(tonemap: Tonemap, code: u32) -> f32 {
     let (mut below, mut reached) = (0, HIGHEST.to_bits());
     while reached - below > 1 {

@@ -1,22 +1,22 @@
-//! What is done to files, one operation at a time, so that tests can let any of them fail.
+//! File operations, one at a time, so that tests can make any of them fail.
 
 use std::io;
 use std::path::Path;
 
-/// What may fail.
+/// A kind of file operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operation {
     CreateFolder,
     Create,
     Write,
     Seek,
-    /// Until the bytes are stored.
+    /// Waiting until the bytes are on disk.
     Sync,
     Rename,
     Read,
 }
 
-/// Does something to a file or folder. In tests, what they ask for fails instead.
+/// Runs an operation on a file or folder. In tests, planned faults make it fail instead.
 pub fn attempt<T>(operation: Operation, path: &Path, act: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     #[cfg(test)]
     faults::check(operation, path)?;
@@ -27,34 +27,34 @@ pub fn attempt<T>(operation: Operation, path: &Path, act: impl FnOnce() -> io::R
 
 #[cfg(test)]
 pub mod faults {
-    //! Faults that tests ask for, each in a folder of its own, as tests run beside each other.
+    //! Planned faults. Each plan is for one folder, because tests run in parallel.
 
     use super::Operation;
     use std::io;
     use std::path::{Path, PathBuf};
     use std::sync::{Mutex, MutexGuard};
 
-    /// From which operation on a folder has faults.
-    struct Plan {
+    /// Which operations in a folder fail.
+    struct FaultPlan {
         folder: PathBuf,
         first: usize,
-        /// Whether everything after the first fails as well, but for reading.
+        /// Whether all later operations fail too, except reads.
         lasts: bool,
         seen: Vec<Operation>,
     }
 
-    static PLANS: Mutex<Vec<Plan>> = Mutex::new(Vec::new());
+    static PLANS: Mutex<Vec<FaultPlan>> = Mutex::new(Vec::new());
 
-    fn plans() -> MutexGuard<'static, Vec<Plan>> {
+    fn plans() -> MutexGuard<'static, Vec<FaultPlan>> {
         PLANS.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 
-    /// Lets the operation of this place in a folder fail, counted from now on.
+    /// Makes the operation of this index in a folder fail, counted from now on.
     pub fn plan(folder: &Path, first: usize, lasts: bool) {
-        plans().push(Plan { folder: folder.to_owned(), first, lasts, seen: Vec::new() });
+        plans().push(FaultPlan { folder: folder.to_owned(), first, lasts, seen: Vec::new() });
     }
 
-    /// Ends the faults of a folder; returns the operations that there were.
+    /// Ends the faults of a folder and returns the operations so far.
     pub fn end(folder: &Path) -> Vec<Operation> {
         let mut plans = plans();
         let place = plans.iter().position(|plan| plan.folder == folder);

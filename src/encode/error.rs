@@ -1,9 +1,9 @@
-//! What can go wrong between films and files, grouped by cause.
+//! Errors of encoding, grouped by cause.
 
-use super::inspect::Flaw;
+use super::flaw::Flaw;
 use crate::base::escape;
-use crate::base::files::Channel;
-use crate::base::frame_set::{self, MOST_FRAMES};
+use crate::base::files::SpecialFile;
+use crate::base::frame_set::{self, MAX_FRAMES};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io;
@@ -11,63 +11,63 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug)]
 pub enum EncodeError {
-    /// The job contradicts itself or a format; nothing was written.
+    /// The job is invalid. Nothing was written.
     Job(JobError),
     /// A file or folder could not be written.
     Write { path: PathBuf, reason: io::Error },
     /// A stored frame could not be read back.
     Read { path: PathBuf, reason: io::Error },
-    /// A picture that is to be part of an animation cannot be read.
+    /// A picture for an animation cannot be read.
     Unreadable { path: PathBuf, reason: io::Error },
-    /// A signal of this number came while a pipe was waited for that nobody reads, after the films of so many frames.
+    /// A signal ended the wait for a pipe's reader. `done` is the number of finished films.
     Interrupted { signal: usize, done: usize },
-    /// What was pushed is not what the job announced.
+    /// The films differ from those that the job announced.
     Films(FilmsError),
-    /// The encoder has failed before and has told why, or its thread could not live.
+    /// The encoder has already returned an error, or its thread could not start.
     Stopped(Option<io::Error>),
 }
 
 /// What is wrong with a job.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum JobError {
-    /// `frames` frames would all go to one file.
-    NoPlace { output: String, frames: usize, suggestion: String },
+    /// `frames` frames would all be written to one file.
+    NoPlaceholder { output: String, frames: usize, suggestion: String },
     /// Two outputs write the same file.
     Duplicate { path: PathBuf },
-    /// A folder stands where a file should go.
+    /// The path of a file is a folder.
     IsFolder { path: PathBuf },
-    /// A file stands where the path has a folder.
+    /// A folder of the path is a file.
     IsFile { path: PathBuf, file: PathBuf },
-    /// A link leads out of the working directory, in which a sequence has to stay.
+    /// A link leads out of the working directory, which a sequence's outputs must not leave.
     Leaves { path: PathBuf, to: PathBuf },
-    /// A format does not go into a pipe or a device, or nothing does.
-    Channel { path: PathBuf, channel: Channel },
-    /// Frames that something is to be made of, and what is wrong with each; with what to do about it.
+    /// The format cannot be written to a pipe or a device, or the path is a socket.
+    Channel { path: PathBuf, channel: SpecialFile },
+    /// Input frames have flaws; with advice for the user.
     Frames { names: String, flaws: Vec<(u32, Flaw)>, advice: &'static str },
-    /// From the first frame to the last there are more than any run has.
+    /// The range from the first to the last frame is larger than any run.
     Apart { names: String, first: u32, last: u32 },
-    /// What is made of frames would be one of them; with its path among them, or the pattern of their names.
+    /// The output would replace one of its own input frames; `frames` is the pattern of their names.
     OwnFrame { path: PathBuf, frames: PathBuf },
-    /// No file can be made in a folder of the system.
+    /// The file system takes no new files in this folder, for example in `/proc`.
     NoFiles { folder: PathBuf, why: String },
-    /// A file is there, and none is to be replaced.
+    /// The file exists, and the job must not replace files.
     Exists { path: PathBuf },
-    /// Processes cannot share the making of what does not say what it shows.
+    /// Processes cannot share an output whose files hold no identity.
     NotShared { output: String },
     /// No frames, or no pixels.
     Empty,
-    /// A format that holds no single picture.
+    /// The format cannot hold a single picture.
     NoPicture { output: String },
-    /// A picture of more pixels than a format takes; `limit` says how many those are.
+    /// The format cannot hold a picture of this size; `limit` describes its limit.
     TooLarge { path: PathBuf, size: (u32, u32), limit: &'static str },
-    /// An animation that runs for months.
+    /// The animation would play for more than 100 days.
     TooLong { path: PathBuf },
 }
 
-/// How films differ from what the job announced.
+/// How films differ from those that the job announced.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FilmsError {
-    /// Another frame was to come; none if all had come.
+    /// Another frame was expected; None if no more frames were expected.
     Order {
         expected: Option<u32>,
         got: u32,
@@ -77,7 +77,7 @@ pub enum FilmsError {
         expected: (u32, u32),
         got: (u32, u32),
     },
-    /// `finish` before the last frame.
+    /// `finish` was called before the last frame.
     Missing {
         expected: usize,
         got: usize,
@@ -89,7 +89,7 @@ impl EncodeError {
         Self::Write { path: path.as_ref().to_path_buf(), reason: reason.into() }
     }
 
-    /// In a folder that is there, but takes no files.
+    /// An error for an existing folder that takes no new files.
     pub(super) fn no_files(folder: &Path, reason: &io::Error) -> Self {
         Self::Job(JobError::NoFiles { folder: folder.to_path_buf(), why: plain(reason) })
     }
@@ -126,39 +126,37 @@ impl fmt::Display for EncodeError {
             Self::Unreadable { path, reason } => {
                 write!(f, "cannot read the frame {}: {reason}", escape::path(path))
             }
-            Self::Interrupted { .. } => f.write_str("stopped while a pipe was waited for that nobody reads"),
+            Self::Interrupted { .. } => f.write_str("stopped while waiting for a reader of a pipe"),
             Self::Stopped(None) => f.write_str("the encoder has stopped after an earlier error"),
             Self::Stopped(Some(reason)) => write!(f, "cannot run the encoder's thread: {reason}"),
         }
     }
 }
 
-/// The reason without the name of the temporary file that it was met at, which `tempfile` adds.
+/// The reason without the path of the temporary file, which `tempfile` adds.
 fn plain(reason: &io::Error) -> String {
     let text = reason.to_string();
     text.split_once(" at path ").map_or(text.clone(), |(why, _)| why.to_owned())
 }
 
-/// What helps where a folder takes no files, as the end of a message.
-const NO_FILES: &str = "; no file can be made there, so name another place with -o";
+/// Advice for folders that take no new files, as the end of a message.
+const NO_FILES: &str = "; no file can be created there; name another folder with -o";
 
-/// What usually helps, as the end of a message.
+/// Advice for an I/O error, as the end of a message.
 fn remedy(reason: &io::Error) -> &'static str {
     match reason.kind() {
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
-            "; name a place you may write to with -o"
+            "; name a writable folder with -o"
         }
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-            "; free some space or name another place with -o"
+            "; free some space or name another folder with -o"
         }
         io::ErrorKind::NotFound => NO_FILES,
         io::ErrorKind::FileTooLarge => {
-            "; a file may not become so large: raise the limit (ulimit -f), or render less at a time"
+            "; the file exceeds the size limit: raise the limit (ulimit -f), or render fewer frames at a time"
         }
-        io::ErrorKind::BrokenPipe => "; whoever was to read it has gone away",
-        io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
-            "; a file stands where the path has a folder"
-        }
+        io::ErrorKind::BrokenPipe => "; the reader of the pipe has ended",
+        io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => "; a folder of the path is a file",
         _ => "",
     }
 }
@@ -166,7 +164,7 @@ fn remedy(reason: &io::Error) -> &'static str {
 impl fmt::Display for JobError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoPlace { output, frames, suggestion } => write!(
+            Self::NoPlaceholder { output, frames, suggestion } => write!(
                 f,
                 "output \"{output}\" has no place for the numbers of {frames} frames; write \"{suggestion}\""
             ),
@@ -175,7 +173,7 @@ impl fmt::Display for JobError {
             }
             Self::NotShared { output } => write!(
                 f,
-                "{output} does not say what it shows, so processes that share the work could not tell what is done; write \
+                "{output} cannot hold metadata that identifies its frames, so processes cannot share the work; write \
                  PNGs with metadata, or EXR"
             ),
             Self::IsFolder { path } => {
@@ -195,13 +193,13 @@ impl fmt::Display for JobError {
                 escape::path(path),
                 escape::path(to)
             ),
-            Self::Channel { path, channel: channel @ Channel::Socket } => {
+            Self::Channel { path, channel: channel @ SpecialFile::Socket } => {
                 write!(f, "cannot write {}: it is {}; name a file", escape::path(path), channel.name())
             }
             Self::Channel { path, channel } => write!(
                 f,
-                "cannot write {}: it is {}, into which only .png, .jpg, .ppm and .y4m go, which are written from their \
-                 beginning to their end; name a file",
+                "cannot write {}: it is {}, which takes only formats that are written sequentially: .png, .jpg, .ppm \
+                 and .y4m; name a file",
                 escape::path(path),
                 channel.name()
             ),
@@ -212,12 +210,12 @@ impl fmt::Display for JobError {
             }
             Self::Apart { names, first, last } => write!(
                 f,
-                "{names}: frames {first} to {last} are more than {MOST_FRAMES}, the most of one run; name those that are \
-                 meant with --frames"
+                "{names}: frames {first} to {last} are more than {MAX_FRAMES}, the maximum of one run; select frames \
+                 with --frames"
             ),
             Self::OwnFrame { path, frames } => write!(
                 f,
-                "cannot write {}: it would be one of the frames {} that it is made of; name another file",
+                "cannot write {}: it would replace one of its input frames {}; name another file",
                 escape::path(path),
                 escape::path(frames)
             ),
@@ -226,13 +224,15 @@ impl fmt::Display for JobError {
             }
             Self::Exists { path } => write!(
                 f,
-                "{} is there already; name another file, or leave out --fail-if-exists to keep what is right and \
-                 replace what is not",
+                "{} exists already; name another file, or leave out --fail-if-exists to keep current frames and \
+                 replace all others",
                 escape::path(path)
             ),
-            Self::Empty => f.write_str("there is nothing to write: no frames, or a size of zero"),
+            Self::Empty => {
+                f.write_str("there is nothing to write: the job has no frames, or their size is zero")
+            }
             Self::NoPicture { output } => {
-                write!(f, "output \"{output}\" holds no picture; write .png, .jpg or .ppm")
+                write!(f, "output \"{output}\" cannot hold a single picture; write .png, .jpg or .ppm")
             }
             Self::TooLarge { path, size: (width, height), limit } => write!(
                 f,
@@ -250,7 +250,7 @@ impl fmt::Display for JobError {
     }
 }
 
-/// What is wrong, each with the frames of which it is, as `--frames` takes them.
+/// Groups frames by their flaw. Frames are written as `--frames` takes them.
 fn by_flaw(flaws: &[(u32, Flaw)]) -> impl Iterator<Item = (&Flaw, String)> {
     let mut by_flaw: BTreeMap<&Flaw, Vec<u32>> = BTreeMap::new();
     for (frame, flaw) in flaws {
@@ -263,15 +263,15 @@ impl fmt::Display for FilmsError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Order { expected: Some(expected), got } => {
-                write!(f, "frame {got} came where frame {expected} was to come")
+                write!(f, "received frame {got} instead of frame {expected}")
             }
-            Self::Order { expected: None, got } => write!(f, "frame {got} came after the last one"),
+            Self::Order { expected: None, got } => write!(f, "received frame {got} after the last frame"),
             Self::Size { frame, expected, got } => write!(
                 f,
                 "frame {frame} has {}x{} pixels instead of {}x{}",
                 got.0, got.1, expected.0, expected.1
             ),
-            Self::Missing { expected, got } => write!(f, "only {got} of {expected} frames came"),
+            Self::Missing { expected, got } => write!(f, "received only {got} of {expected} frames"),
         }
     }
 }

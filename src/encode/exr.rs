@@ -1,12 +1,12 @@
-//! Films as OpenEXR: linear radiance, without loss in f32, and without exposure or tone map.
+//! Films as OpenEXR: linear radiance, lossless as f32, without exposure or tone map.
 
-use super::atomic::Aside;
+use super::atomic::AtomicFile;
 use super::error::EncodeError;
-use super::record;
+use super::metadata::{self, to_lines};
 use super::settings::{ExrLayers, ExrSettings};
 use crate::base::color::Rgb;
 use crate::base::digest::Digest;
-use crate::film::{Film, Guides};
+use crate::film::{DenoisingFeatures, Film};
 use exr::error::{Error, UnitResult};
 use exr::image::write::channels::WritableChannels;
 use exr::meta::attribute::{AttributeValue, Chromaticities, LineOrder, Text};
@@ -21,17 +21,17 @@ use std::path::Path;
 mod half;
 mod seal;
 
-use half::Halves;
-pub use seal::{holds, texts};
+use half::HalfConverter;
+pub use seal::{state, texts};
 
-/// 16 rows at a time, compressed as ZIP does; in order, as the frame's bytes may not depend on threads.
+/// ZIP compression of blocks of 16 rows. Blocks are in order, because the file's bytes must not depend on threads.
 const ENCODING: Encoding = Encoding {
     compression: Compression::ZIP16,
     blocks: Blocks::ScanLines,
     line_order: LineOrder::Increasing,
 };
 
-/// The primaries and the white of sRGB (Rec. 709, D65) as CIE xy.
+/// The primaries and the white point of sRGB (Rec. 709, D65) as CIE xy.
 const SRGB: Chromaticities = Chromaticities {
     red: Vec2(0.64, 0.33),
     green: Vec2(0.3, 0.6),
@@ -39,59 +39,65 @@ const SRGB: Chromaticities = Chromaticities {
     white: Vec2(0.3127, 0.3290),
 };
 
-/// Depth of what is not there, as other renderers write it.
-const NOTHING: f32 = 1e10;
+/// The depth of pixels that hit nothing, as other renderers write it.
+const NO_DEPTH: f32 = 1e10;
 
-/// The layers of normals and of albedo.
+/// The name of the layer of normals.
 pub const NORMAL: &str = "N";
+/// The name of the layer of albedo.
 pub const ALBEDO: &str = "albedo";
 
-/// What a file says of itself besides its pixels.
+/// The metadata of a file.
 #[derive(Clone, Debug, Default)]
-pub struct Words {
+pub struct ExrMetadata {
     pub identity: Option<Digest>,
-    pub texts: Vec<record::Text>,
+    pub entries: Vec<metadata::TextEntry>,
 }
 
-/// Writes the film's radiance aside, for the place `path`. `names` are those of the film's layers of
-/// light. Tells how many numbers were too large for the file's floats.
+/// Writes the film's radiance to the file `path`, which is not committed yet. `names` are the names of the film's light
+/// groups. Also returns the number of values that were too large for half floats.
 pub fn write(
     path: &Path,
     film: &Film,
     settings: ExrSettings,
     names: &[String],
-    words: &Words,
-) -> Result<(Aside, u64), EncodeError> {
-    let mut aside = Aside::create(path)?;
-    let counted = Halves::default();
-    let halves = settings.half.then_some(&counted);
+    metadata: &ExrMetadata,
+) -> Result<(AtomicFile, u64), EncodeError> {
+    let mut file = AtomicFile::create(path)?;
+    let converter = HalfConverter::default();
+    let halves = settings.half.then_some(&converter);
     let written = match settings.layers.any() {
-        true => all(film, settings.layers, halves, names, words, &mut aside),
-        false => plain(film, halves, words, &mut aside),
+        true => write_layers(film, settings.layers, halves, names, metadata, &mut file),
+        false => write_radiance(film, halves, metadata, &mut file),
     };
     written.map_err(|error| EncodeError::write(path, cause(error)))?;
-    if words.identity.is_some() {
-        seal::close(&mut aside).map_err(|error| EncodeError::write(path, error))?;
+    if metadata.identity.is_some() {
+        seal::close(&mut file).map_err(|error| EncodeError::write(path, error))?;
     }
-    Ok((aside, counted.clipped()))
+    Ok((file, converter.clipped()))
 }
 
-/// Writes the channels R, G and B, and A if the background is left out. The radiance is summed as it is written, so
-/// that no second copy of the picture is held.
-fn plain(film: &Film, halves: Option<&Halves>, words: &Words, file: &mut Aside) -> UnitResult {
+/// Writes the channels R, G and B, and A if the film has coverage. Radiance is summed over the light groups as it is
+/// written, so that memory holds no second copy of the picture.
+fn write_radiance(
+    film: &Film,
+    halves: Option<&HalfConverter>,
+    metadata: &ExrMetadata,
+    file: &mut AtomicFile,
+) -> UnitResult {
     let width = film.width as usize;
     let at = |Vec2(x, y): Vec2<usize>| y * width + x;
     let color = |place| film.radiance_at(at(place));
     let alpha = |place| film.alpha_at(at(place));
-    match (film.extras.coverage, halves) {
+    match (film.aovs.coverage, halves) {
         (false, None) => {
             let channels = SpecificChannels::rgb::<f32, f32, f32>(|place| color(place).into());
-            image(film, channels, words).write().non_parallel().to_buffered(file)
+            image(film, channels, metadata).write().non_parallel().to_buffered(file)
         }
         (false, Some(halves)) => {
             let short = |place| color(place).to_array().map(|value| halves.half(value)).into();
             let channels = SpecificChannels::rgb::<f16, f16, f16>(short);
-            image(film, channels, words).write().non_parallel().to_buffered(file)
+            image(film, channels, metadata).write().non_parallel().to_buffered(file)
         }
         (true, None) => {
             let pixel = |place| {
@@ -99,7 +105,7 @@ fn plain(film: &Film, halves: Option<&Halves>, words: &Words, file: &mut Aside) 
                 (x, y, z, alpha(place))
             };
             let channels = SpecificChannels::rgba::<f32, f32, f32, f32>(pixel);
-            image(film, channels, words).write().non_parallel().to_buffered(file)
+            image(film, channels, metadata).write().non_parallel().to_buffered(file)
         }
         (true, Some(halves)) => {
             let pixel = |place| {
@@ -108,63 +114,67 @@ fn plain(film: &Film, halves: Option<&Halves>, words: &Words, file: &mut Aside) 
                 (r, g, b, a)
             };
             let channels = SpecificChannels::rgba::<f16, f16, f16, f16>(pixel);
-            image(film, channels, words).write().non_parallel().to_buffered(file)
+            image(film, channels, metadata).write().non_parallel().to_buffered(file)
         }
     }
 }
 
-/// Writes the picture and whatever layers are asked for, each channel `LAYER.R` and so on.
-fn all(
+/// Writes the picture and the requested layers, whose channels are named `LAYER.R` and so on.
+fn write_layers(
     film: &Film,
     layers: ExrLayers,
-    halves: Option<&Halves>,
+    halves: Option<&HalfConverter>,
     names: &[String],
-    words: &Words,
-    file: &mut Aside,
+    metadata: &ExrMetadata,
+    file: &mut AtomicFile,
 ) -> UnitResult {
     let pixels = film.width as usize * film.height as usize;
-    let sheet = Sheet { film, pixels, halves };
-    let mut list = sheet.colors("", |pixel| film.radiance_at(pixel));
-    if film.extras.coverage {
-        list.push(sheet.channel("A".to_owned(), halves, |pixel| film.alpha_at(pixel)));
+    let builder = ChannelBuilder { film, pixels, halves };
+    let mut list = builder.colors("", |pixel| film.radiance_at(pixel));
+    if film.aovs.coverage {
+        list.push(builder.channel("A".to_owned(), halves, |pixel| film.alpha_at(pixel)));
     }
     if layers.lights {
         for (layer, name) in names.iter().enumerate().take(film.weights.len()) {
-            list.extend(sheet.colors(&format!("{name}."), |pixel| film.radiance_of(pixel, layer)));
+            list.extend(builder.colors(&format!("{name}."), |pixel| film.radiance_of(pixel, layer)));
         }
     }
-    list.extend(sheet.guides(layers));
+    list.extend(builder.guides(layers));
     let channels = AnyChannels::sort(list.into());
-    image(film, channels, words).write().non_parallel().to_buffered(file)
+    image(film, channels, metadata).write().non_parallel().to_buffered(file)
 }
 
-/// A file of these channels.
-fn image<'c, C: WritableChannels<'c> + 'c>(film: &Film, channels: C, words: &Words) -> Image<Layer<C>> {
+/// An image of these channels with the file's attributes.
+fn image<'c, C: WritableChannels<'c> + 'c>(
+    film: &Film,
+    channels: C,
+    metadata: &ExrMetadata,
+) -> Image<Layer<C>> {
     let size = Vec2(film.width as usize, film.height as usize);
     let mut image = Image::from_encoded_channels(size, ENCODING, channels);
     image.attributes.chromaticities = Some(SRGB);
-    // One alone in each of the two maps: the order of several would differ from run to run.
-    let seal = words.identity.map(|identity| (Text::from(seal::SEAL), seal::open(identity)));
+    // Each of the two hash maps holds one attribute, because the order of several would differ between runs.
+    let seal = metadata.identity.map(|identity| (Text::from(seal::IDENTITY), seal::open(identity)));
     image.attributes.other.extend(seal);
-    let told = Text::new_or_none(record::lines(&words.texts)).filter(|_| !words.texts.is_empty());
-    let told = told.map(|told| (Text::from(seal::WORDS), AttributeValue::Text(told)));
-    image.layer_data.attributes.other.extend(told);
+    let text = Text::new_or_none(to_lines(&metadata.entries)).filter(|_| !metadata.entries.is_empty());
+    let text = text.map(|text| (Text::from(seal::METADATA), AttributeValue::Text(text)));
+    image.layer_data.attributes.other.extend(text);
     image
 }
 
-/// Channels of a film's size.
-struct Sheet<'a> {
+/// Makes channels from a film.
+struct ChannelBuilder<'a> {
     film: &'a Film,
     pixels: usize,
-    /// What rounds colours to 16-bit floats, if anything does. Depth and normals are never rounded.
-    halves: Option<&'a Halves>,
+    /// Converts colours to 16-bit floats, if set. Depth and normals are never converted.
+    halves: Option<&'a HalfConverter>,
 }
 
-impl Sheet<'_> {
+impl ChannelBuilder<'_> {
     fn channel(
         &self,
         name: String,
-        halves: Option<&Halves>,
+        halves: Option<&HalfConverter>,
         value: impl Fn(usize) -> f32,
     ) -> AnyChannel<FlatSamples> {
         let values = (0..self.pixels).map(value);
@@ -175,7 +185,7 @@ impl Sheet<'_> {
         AnyChannel::new(Text::from(name.as_str()), samples)
     }
 
-    /// R, G and B with a prefix.
+    /// The channels R, G and B of a colour, with a prefix.
     fn colors(&self, prefix: &str, color: impl Fn(usize) -> Rgb) -> Vec<AnyChannel<FlatSamples>> {
         let channel =
             |(axis, letter)| self.channel(format!("{prefix}{letter}"), self.halves, |p| color(p)[axis]);
@@ -183,25 +193,25 @@ impl Sheet<'_> {
     }
 
     fn guides(&self, layers: ExrLayers) -> Vec<AnyChannel<FlatSamples>> {
-        let none = Guides { depth: None, normal: Rgb::ZERO, albedo: Rgb::ZERO };
-        let seen = |pixel| self.film.guides_at(pixel).unwrap_or(none);
+        let none = DenoisingFeatures { depth: None, normal: Rgb::ZERO, albedo: Rgb::ZERO };
+        let at = |pixel| self.film.features_at(pixel).unwrap_or(none);
         let mut list = Vec::new();
         if layers.depth {
-            list.push(self.channel("Z".to_owned(), None, |pixel| seen(pixel).depth.unwrap_or(NOTHING)));
+            list.push(self.channel("Z".to_owned(), None, |pixel| at(pixel).depth.unwrap_or(NO_DEPTH)));
         }
         if layers.normal {
             let axis =
-                |(axis, letter)| self.channel(format!("{NORMAL}.{letter}"), None, |p| seen(p).normal[axis]);
+                |(axis, letter)| self.channel(format!("{NORMAL}.{letter}"), None, |p| at(p).normal[axis]);
             list.extend(["X", "Y", "Z"].into_iter().enumerate().map(axis));
         }
         if layers.albedo {
-            list.extend(self.colors(&format!("{ALBEDO}."), |pixel| seen(pixel).albedo));
+            list.extend(self.colors(&format!("{ALBEDO}."), |pixel| at(pixel).albedo));
         }
         list
     }
 }
 
-/// The disk's own error where there is one: it knows what helps.
+/// The I/O error inside, if there is one, because its kind selects the advice in the message.
 fn cause(error: Error) -> io::Error {
     match error {
         Error::Io(error) => error,
@@ -212,11 +222,11 @@ fn cause(error: Error) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Extras;
+    use crate::film::AovSet;
     use exr::prelude::read_first_rgba_layer_from_file;
     use std::fs;
 
-    /// Two layers of all kinds of values, with a height that is no multiple of the rows of a block.
+    /// Two layers with values of all kinds. The height is not a multiple of the rows of a block.
     fn film() -> Film {
         let mut film = Film::new(5, 37, vec![Rgb::ONE, Rgb::new(0.5, 2.0, 1e-3)]);
         for (i, value) in film.data_mut().iter_mut().enumerate() {
@@ -232,8 +242,8 @@ mod tests {
         let path = dir.path().join("a.exr");
         let mut film = film();
         film.expose(3.0);
-        write(&path, &film, ExrSettings::default(), &[], &Words::default())
-            .and_then(|(aside, _)| aside.commit())
+        write(&path, &film, ExrSettings::default(), &[], &ExrMetadata::default())
+            .and_then(|(file, _)| file.commit())
             .expect("written");
         let image = read_first_rgba_layer_from_file(
             path,
@@ -259,18 +269,24 @@ mod tests {
     fn layers_of_light_add_up_to_the_picture_and_guides_stand_beside_it() {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("a.exr");
-        let extras = Extras { coverage: true, guides: true };
-        let mut film = Film::with_extras(3, 2, vec![Rgb::ONE, Rgb::new(0.5, 2.0, 0.0)], extras);
+        let extras = AovSet { coverage: true, features: true };
+        let mut film = Film::with_aovs(3, 2, vec![Rgb::ONE, Rgb::new(0.5, 2.0, 0.0)], extras);
         for (i, value) in film.data_mut().iter_mut().enumerate() {
             *value = Rgb::new(i as f32, 0.5, 0.25) / 32.0;
         }
-        // What is seen first: nothing at the first pixel.
+        // The first pixel hits nothing.
         film.data_mut()[3..6].fill(Rgb::ZERO);
         let layers = ExrLayers { lights: true, depth: true, normal: true, albedo: true };
         let names = ["constant".to_owned(), "key".to_owned()];
-        write(&path, &film, ExrSettings { layers, ..ExrSettings::default() }, &names, &Words::default())
-            .and_then(|(aside, _)| aside.commit())
-            .expect("written");
+        write(
+            &path,
+            &film,
+            ExrSettings { layers, ..ExrSettings::default() },
+            &names,
+            &ExrMetadata::default(),
+        )
+        .and_then(|(file, _)| file.commit())
+        .expect("written");
         let found = channels(&path);
         let order: Vec<_> = found.iter().map(|(name, _)| name.as_str()).collect();
         let expected = [
@@ -303,8 +319,8 @@ mod tests {
             }
             assert_eq!(value("A", pixel), film.alpha_at(pixel));
         }
-        assert_eq!((value("Z", 0), value("N.X", 0)), (NOTHING, 0.0));
-        assert_eq!(Some(value("Z", 1)), film.guides_at(1).and_then(|seen| seen.depth));
+        assert_eq!((value("Z", 0), value("N.X", 0)), (NO_DEPTH, 0.0));
+        assert_eq!(Some(value("Z", 1)), film.features_at(1).and_then(|features| features.depth));
     }
 
     #[test]
@@ -312,14 +328,15 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("a.exr");
         for (coverage, lights) in [(false, false), (true, false), (false, true)] {
-            let extras = Extras { coverage, guides: false };
-            let mut film = Film::with_extras(2, 1, vec![Rgb::ONE], extras);
+            let extras = AovSet { coverage, features: false };
+            let mut film = Film::with_aovs(2, 1, vec![Rgb::ONE], extras);
             film.data_mut()[0] = Rgb::new(65_519.0, 65_520.0, f32::INFINITY);
             let layers = ExrLayers { lights, ..ExrLayers::default() };
             let settings = ExrSettings { half: true, layers, ..ExrSettings::default() };
             let names = ["constant".to_owned()];
-            let (aside, clipped) = write(&path, &film, settings, &names, &Words::default()).expect("written");
-            aside.commit().expect("written");
+            let (file, clipped) =
+                write(&path, &film, settings, &names, &ExrMetadata::default()).expect("written");
+            file.commit().expect("written");
             assert_eq!(clipped, if lights { 4 } else { 2 });
             for (name, values) in channels(&path) {
                 let expected = if name == "A" { film.alpha_at(0) } else { 65_504.0 };
@@ -333,12 +350,18 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("a.exr");
         for coverage in [false, true] {
-            let extras = Extras { coverage, guides: false };
-            let mut film = Film::with_extras(2, 1, vec![Rgb::ONE], extras);
+            let extras = AovSet { coverage, features: false };
+            let mut film = Film::with_aovs(2, 1, vec![Rgb::ONE], extras);
             film.data_mut()[0] = Rgb::new(0.1, 1.0, 1000.3);
-            write(&path, &film, ExrSettings { half: true, ..ExrSettings::default() }, &[], &Words::default())
-                .and_then(|(aside, _)| aside.commit())
-                .expect("written");
+            write(
+                &path,
+                &film,
+                ExrSettings { half: true, ..ExrSettings::default() },
+                &[],
+                &ExrMetadata::default(),
+            )
+            .and_then(|(file, _)| file.commit())
+            .expect("written");
             let found = channels(&path);
             assert_eq!(found.len(), if coverage { 4 } else { 3 });
             let color: Vec<f32> = found.iter().rev().take(3).map(|(_, values)| values[0]).collect();
@@ -352,8 +375,8 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         let bytes = ["a.exr", "b.exr"].map(|name| {
             let path = dir.path().join(name);
-            write(&path, &film(), ExrSettings::default(), &[], &Words::default())
-                .and_then(|(aside, _)| aside.commit())
+            write(&path, &film(), ExrSettings::default(), &[], &ExrMetadata::default())
+                .and_then(|(file, _)| file.commit())
                 .expect("written");
             fs::read(path).expect("read")
         });

@@ -1,20 +1,23 @@
-//! Every operation on files fails once, and from then on: nothing appears by halves, nothing stays behind, and the next
-//! run makes what one without faults makes.
+//! Every file operation fails, once or permanently. No partial file appears, no temporary file stays, and the next run
+//! makes the same files as a run without faults.
 
 use super::disk::Operation;
 use super::disk::faults::{end, plan};
 use super::*;
+use crate::base::cancel::Stop;
 use crate::base::color::Rgb;
 use crate::base::digest::Digest;
 use crate::base::time::Rate;
+use crate::film::Film;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 
 const SIZE: (u32, u32) = (6, 4);
 const FRAMES: [u32; 2] = [3, 4];
 
-/// Writes all formats but those that are like others, into two folders.
+/// Writes one output of each kind, into two folders.
 fn run(folder: &Path) -> Result<Report, EncodeError> {
     let outputs = ["new/f_#.png", "new/f_#.exr", "new/f_#.jpg", "a.gif", "a.mp4", "a.apng"];
     let mut encoder = started(folder, &outputs, Existing::Keep)?;
@@ -24,12 +27,12 @@ fn run(folder: &Path) -> Result<Report, EncodeError> {
     encoder.finish()
 }
 
-/// Writes frames that others may make, too: each is a film of its own.
+/// Writes frames of a shared job. Each frame is a film of its own.
 fn shared(folder: &Path) -> Result<Report, EncodeError> {
     let mut encoder = started(folder, &["new/f_#.png", "new/f_#.exr"], Existing::Share)?;
     for frame in encoder.missing() {
-        match encoder.ask(Digest(frame.into()), &[frame])? {
-            Asked::Mine(frames) => {
+        match encoder.lease_frames(Digest(frame.into()), &[frame])? {
+            FrameLease::Acquired(frames) => {
                 frames.into_iter().try_for_each(|frame| encoder.push(frame, film(frame)))?
             }
             other => panic!("{other:?}"),
@@ -39,8 +42,8 @@ fn shared(folder: &Path) -> Result<Report, EncodeError> {
 }
 
 fn film(frame: u32) -> Film {
-    let extras = crate::film::Extras { coverage: true, guides: false };
-    let mut film = Film::with_extras(SIZE.0, SIZE.1, vec![Rgb::ONE], extras);
+    let extras = crate::film::AovSet { coverage: true, features: false };
+    let mut film = Film::with_aovs(SIZE.0, SIZE.1, vec![Rgb::ONE], extras);
     for (place, value) in film.data_mut().iter_mut().enumerate() {
         *value = Rgb::splat(frame as f32 * 0.01 + place as f32 * 0.02);
     }
@@ -50,28 +53,29 @@ fn film(frame: u32) -> Film {
 fn started(folder: &Path, outputs: &[&str], existing: Existing) -> Result<Encoder, EncodeError> {
     let outputs = outputs.iter().copied();
     let outputs = outputs.map(|name| Output::parse(folder.join(name)).expect(name));
-    let seen = |frame: &u32| Seen { radiance: Digest(u128::from(*frame)), exposure: 1.0, ..Seen::default() };
-    let job = Job {
+    let key =
+        |frame: &u32| FrameKey { radiance: Digest(u128::from(*frame)), exposure: 1.0, ..FrameKey::default() };
+    let job = EncodeJob {
         outputs: outputs.collect(),
         confined: false,
         existing,
         frames: FRAMES.to_vec(),
-        seen: FRAMES.iter().map(seen).collect(),
+        frame_keys: FRAMES.iter().map(key).collect(),
         rate: Rate::new(24, 1).expect("a rate"),
         size: SIZE,
         tonemap: Tonemap::default(),
-        // The GIF's frames wait in a spool.
+        // The GIF's frames are stored in a spool.
         transparent: true,
         matte: MATTE,
         caption: None,
         formats: Formats::default(),
-        about: About::default(),
+        info: SequenceInfo::default(),
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
     Encoder::start(job, Arc::new(pool), &Stop::default())
 }
 
-/// All files in a folder and below, by their names.
+/// All files in a folder and its subfolders, by their names.
 fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).expect("a folder").flatten() {
@@ -88,7 +92,7 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 #[test]
-fn whatever_fails_no_file_is_partial_and_the_next_run_goes_on() {
+fn whatever_fails_no_file_is_partial_and_the_next_run_succeeds() {
     let operations = failing(run, 10);
     for kind in
         [Operation::CreateFolder, Operation::Create, Operation::Write, Operation::Sync, Operation::Rename]
@@ -98,11 +102,11 @@ fn whatever_fails_no_file_is_partial_and_the_next_run_goes_on() {
 }
 
 #[test]
-fn whatever_fails_no_claim_stays() {
+fn whatever_fails_no_lease_stays() {
     failing(shared, 5);
 }
 
-/// Lets every operation of a run that makes so many files and folders fail.
+/// Makes every operation of a run fail in turn. The run makes `files` files and folders.
 fn failing(run: fn(&Path) -> Result<Report, EncodeError>, files: usize) -> Vec<Operation> {
     let reference = tempfile::tempdir().expect("a folder");
     plan(reference.path(), usize::MAX, false);
@@ -116,12 +120,12 @@ fn failing(run: fn(&Path) -> Result<Report, EncodeError>, files: usize) -> Vec<O
             let what = format!("{operation:?}, operation {first}, lasting: {lasts}");
             plan(dir.path(), first, lasts);
             let done = run(dir.path());
-            // Files are stored beside each other, so that their operations come in one order or another.
+            // Files are committed in parallel, so the order of their operations varies.
             let failed = end(dir.path()).get(first).copied();
-            // A file that cannot be looked at is made again; all else ends the run, with a word of the place.
+            // A file that cannot be read is made again. Any other fault ends the run with an error that names the path.
             if failed.is_some_and(|operation| operation != Operation::Read || lasts) {
-                let told = done.expect_err(&what).to_string();
-                assert!(told.contains(&*dir.path().to_string_lossy()), "{what}: {told}");
+                let message = done.expect_err(&what).to_string();
+                assert!(message.contains(&*dir.path().to_string_lossy()), "{what}: {message}");
             }
             for (name, bytes) in contents(dir.path()) {
                 assert!(
@@ -136,9 +140,9 @@ fn failing(run: fn(&Path) -> Result<Report, EncodeError>, files: usize) -> Vec<O
     operations
 }
 
-/// The second run reads what is there, to keep it and to make animations of it.
+/// The second run reads existing frames, to keep them and to make animations from them.
 #[test]
-fn whatever_fails_as_a_run_goes_on_frames_stay() {
+fn whatever_fails_in_a_second_run_frames_stay() {
     let dir = tempfile::tempdir().expect("a folder");
     run(dir.path()).expect("no faults");
     let whole = contents(dir.path());

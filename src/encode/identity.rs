@@ -1,76 +1,63 @@
-//! What a frame's file is made of, as one number that is written into it: a file that holds the number that it would be
-//! given now, and is whole, needs not be made again.
+//! The identity of a frame's file: a digest that is written into the file. If a complete file holds the identity that
+//! this run would write, it need not be made again.
 //!
-//! The number is a digest of what the frame looks like, of all settings that change the file's bytes, and of Kinora's
-//! version. It never lies beside the file, where it could stay behind or get lost.
+//! The digest covers the frame's key, all settings that change the file's bytes, and Kinora's version. It is stored in
+//! the file itself, because a separate file could be lost or become outdated.
 
-use super::about::Shown;
-use super::job::Job;
-use super::output::Still;
-use super::record;
+use super::info::FrameInfo;
+use super::job::EncodeJob;
+use super::metadata;
+use super::output::StillFormat;
 use crate::base::digest::{Content, Digest, Digester};
 
-/// What a frame looks like before it is developed.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Seen {
-    /// Of its radiance.
-    pub radiance: Digest,
-    /// Of what all layers of its film hold, dark ones too.
-    pub film: Digest,
-    /// Factor of the displayed picture.
-    pub exposure: f32,
-    /// Whether its samples were drawn at random, so that it has a seed.
-    pub random: bool,
-}
-
-/// A version that gives other bytes gives other numbers.
+/// Part of every identity, so that another version of Kinora makes other identities.
 const PROGRAM: &str = concat!("Kinora ", env!("CARGO_PKG_VERSION"));
 
-impl Job {
-    /// The identity of a frame's file, by the frame's place in the job's list. Formats that have no room for it, and
-    /// PNGs without metadata, have none; neither have frames of which nobody has told what they look like.
-    pub(super) fn identity(&self, format: Still, index: usize) -> Option<Digest> {
-        if !format.is_said(&self.formats) {
+impl EncodeJob {
+    /// The identity of a frame's file, by the frame's index in the job's list. None if the format cannot hold it, for
+    /// PNGs without metadata, and for frames whose key is unknown.
+    pub(super) fn identity(&self, format: StillFormat, index: usize) -> Option<Digest> {
+        if !format.has_identity(&self.formats) {
             return None;
         }
-        let (seen, &frame) = (self.seen.get(index)?, self.frames.get(index)?);
-        let shown = Shown { about: &self.about, frame, rate: self.rate };
+        let (key, &frame) = (self.frame_keys.get(index)?, self.frames.get(index)?);
+        let info = FrameInfo { sequence: &self.info, frame, rate: self.rate };
         let mut digester = Digester::new();
         PROGRAM.feed(&mut digester);
         match format {
-            Still::Exr => {
+            StillFormat::Exr => {
                 "EXR".feed(&mut digester);
-                // Layers of light are written whether they are lit or not, under their names.
+                // All layers are written under their names, dark ones included.
                 let lights = self.formats.exr.layers.lights;
-                let names = if lights { &self.about.layers[..] } else { &[] };
-                (if lights { seen.film } else { seen.radiance }).feed(&mut digester);
-                // Settings are told as text, so that a new one cannot be forgotten.
+                let names = if lights { &self.info.layers[..] } else { &[] };
+                (if lights { key.film } else { key.radiance }).feed(&mut digester);
+                // The derived debug text contains every field, so that a new setting cannot be forgotten.
                 format!("{:?}", (self.formats.exr, names)).as_str().feed(&mut digester);
             }
             _ => {
                 "PNG".feed(&mut digester);
-                seen.radiance.feed(&mut digester);
-                seen.exposure.feed(&mut digester);
-                let caption = self.caption.as_ref().map(|c| (c.text.told(&shown), c.corner, c.size));
+                key.radiance.feed(&mut digester);
+                key.exposure.feed(&mut digester);
+                let caption = self.caption.as_ref().map(|c| (c.text.expand(&info), c.corner, c.size));
                 let look = (self.tonemap, caption, self.formats.png, self.transparent);
                 format!("{look:?}").as_str().feed(&mut digester);
             }
         }
-        if self.tells(format) {
-            let mut texts = record::facts(&shown, Some(seen));
-            // Another name of the sequence's file is no reason to make all frames again, nor are frames that come after.
-            texts.retain(|(keyword, _)| ![record::TITLE, record::FRAMES].contains(keyword));
-            format!("{texts:?}").as_str().feed(&mut digester);
+        if self.writes_metadata(format) {
+            let mut entries = metadata::frame_entries(&info, Some(key));
+            // A renamed or longer sequence is no reason to make all frames again.
+            entries.retain(|(keyword, _)| ![metadata::TITLE, metadata::FRAMES].contains(keyword));
+            format!("{entries:?}").as_str().feed(&mut digester);
         }
         Some(digester.finish())
     }
 
-    /// Whether files of this format tell in words what they show.
-    pub(super) fn tells(&self, format: Still) -> bool {
+    /// Whether files of this format hold metadata as text.
+    pub(super) fn writes_metadata(&self, format: StillFormat) -> bool {
         match format {
-            Still::Png => self.formats.png.metadata,
-            Still::Exr => self.formats.exr.metadata,
-            Still::Jpeg | Still::Ppm => false,
+            StillFormat::Png => self.formats.png.metadata,
+            StillFormat::Exr => self.formats.exr.metadata,
+            StillFormat::Jpeg | StillFormat::Ppm => false,
         }
     }
 }

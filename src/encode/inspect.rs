@@ -1,72 +1,42 @@
-//! Frames on disk, looked at before anything is made of them: which are missing or damaged, and which are not those that
-//! they should be, as far as that can be known.
+//! Checks of frames on disk before an animation is made from them: which frames are missing, damaged, outdated, or
+//! inconsistent with the others.
 
-use super::assembly::decode_picture;
-use super::job::Job;
-use super::output::Still;
+use super::assembler::decode_picture;
+use super::flaw::Flaw;
+use super::job::EncodeJob;
+use super::metadata::{self, StoredTextEntry};
+use super::output::StillFormat;
 use super::pattern::FramePattern;
 use super::png::{self, Seal};
-use super::record::{self, Told};
 use crate::base::files;
 use crate::base::time::Rate;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::fmt;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// What is wrong with a frame.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Flaw {
-    Missing,
-    /// It is no whole picture, or not as it was written; with the reason.
-    Damaged(String),
-    /// It would be made otherwise now.
-    Stale,
-    /// It holds no digest of its pixels, as earlier versions wrote it.
-    Unsealed,
-    /// It does not say what it shows, although its job's frames do.
-    Silent,
-    /// It differs from most of the others, or from what is to be made, in something that frames of one run share.
-    Odd(String),
-}
-
-impl fmt::Display for Flaw {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Missing => f.write_str("missing"),
-            Self::Damaged(why) => write!(f, "damaged: {why}"),
-            Self::Stale => f.write_str("stale: would be made otherwise now"),
-            Self::Unsealed => {
-                f.write_str("without a digest of their pixels, as earlier versions of Kinora wrote them")
-            }
-            Self::Silent => f.write_str("without a word on what they show, as --no-metadata writes them"),
-            Self::Odd(what) => f.write_str(what),
-        }
-    }
-}
-
-/// Frames that were looked at together.
+/// The result of inspecting frames together.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Inspected {
-    /// What is wrong with some of them, in their order.
+pub struct Inspection {
+    /// The frames with a flaw, in ascending order.
     pub flaws: Vec<(u32, Flaw)>,
-    /// The name that they tell of their sequence, its rate, and how many frames it has.
+    /// The name of the sequence, from the frames' metadata.
     pub name: Option<String>,
     pub rate: Option<Rate>,
+    /// The number of frames of the whole sequence.
     pub frames: Option<u32>,
-    /// Those that tell nothing.
-    pub silent: Vec<u32>,
+    /// The frames without metadata.
+    pub without_metadata: Vec<u32>,
 }
 
-/// Not as it was written.
+/// The reason for a file with a broken seal.
 const CHANGED: &str = "its bytes are not those that were written";
-/// Of a PNG that nobody has sealed.
-const BROKEN: &str = "it is no whole PNG";
+/// The reason for a broken PNG without a seal.
+const BROKEN: &str = "it is not a complete PNG";
 
-/// What is wrong with the PNGs that are called like this, if they are to be the frames of a job, in the job's order.
-pub fn inspect_job(job: &Job, pattern: &FramePattern, pool: &ThreadPool) -> Vec<(u32, Flaw)> {
+/// Finds the flaws of the PNG files of a pattern, which should be the frames of a job. They are in the job's order.
+pub fn inspect_job(job: &EncodeJob, pattern: &FramePattern, pool: &ThreadPool) -> Vec<(u32, Flaw)> {
     let flaw = |(index, &frame): (usize, &u32)| {
         let path = pattern.path(frame);
         flaw_in_job(job, index, &path).map(|flaw| (frame, flaw))
@@ -74,28 +44,28 @@ pub fn inspect_job(job: &Job, pattern: &FramePattern, pool: &ThreadPool) -> Vec<
     pool.install(|| job.frames.par_iter().enumerate().filter_map(flaw).collect())
 }
 
-fn flaw_in_job(job: &Job, index: usize, path: &Path) -> Option<Flaw> {
-    let mut bytes = match png::bytes_of(path, job.size) {
+fn flaw_in_job(job: &EncodeJob, index: usize, path: &Path) -> Option<Flaw> {
+    let mut bytes = match png::read_bytes(path, job.size) {
         Ok(bytes) => bytes,
         Err(error) => return Some(unreadable(&error)),
     };
-    let expected = job.identity(Still::Png, index).map(|identity| identity.to_string());
-    match (png::look(&mut bytes), expected) {
+    let expected = job.identity(StillFormat::Png, index).map(|identity| identity.to_string());
+    match (png::verify(&mut bytes), expected) {
         (Seal::Broken, _) => Some(Flaw::Damaged(CHANGED.to_owned())),
-        (Seal::Whole(name), Some(expected)) => (name != expected).then_some(Flaw::Stale),
-        (Seal::Whole(_), None) => of_another_size(&bytes, job.size),
-        (_, _) if !png::check(&bytes) => Some(Flaw::Damaged(BROKEN.to_owned())),
-        (Seal::Open(name), Some(expected)) if name == expected => Some(Flaw::Unsealed),
-        (Seal::Open(_), Some(_)) => Some(Flaw::Stale),
-        (Seal::None, Some(_)) => Some(Flaw::Silent),
-        (Seal::Open(_) | Seal::None, None) => of_another_size(&bytes, job.size),
+        (Seal::Intact(name), Some(expected)) => (name != expected).then_some(Flaw::Stale),
+        (Seal::Intact(_), None) => wrong_size(&bytes, job.size),
+        (_, _) if !png::is_whole(&bytes) => Some(Flaw::Damaged(BROKEN.to_owned())),
+        (Seal::NoDigest(name), Some(expected)) if name == expected => Some(Flaw::NoDigest),
+        (Seal::NoDigest(_), Some(_)) => Some(Flaw::Stale),
+        (Seal::Missing, Some(_)) => Some(Flaw::NoMetadata),
+        (Seal::NoDigest(_) | Seal::Missing, None) => wrong_size(&bytes, job.size),
     }
 }
 
-/// What does not say what it shows may be a picture of anything; its size is known.
-fn of_another_size(bytes: &[u8], size: (u32, u32)) -> Option<Flaw> {
+/// The flaw of a picture of another size. The size is all that can be checked without an identity.
+fn wrong_size(bytes: &[u8], size: (u32, u32)) -> Option<Flaw> {
     let found = png::size_in(bytes).filter(|found| *found != size)?;
-    Some(Flaw::Odd(format!("{} pixels, not {}", pixels(found), pixels(size))))
+    Some(Flaw::Inconsistent(format!("{} pixels, not {}", pixels(found), pixels(size))))
 }
 
 fn pixels((width, height): (u32, u32)) -> String {
@@ -105,43 +75,43 @@ fn pixels((width, height): (u32, u32)) -> String {
 fn unreadable(error: &io::Error) -> Flaw {
     match error.kind() {
         ErrorKind::NotFound => Flaw::Missing,
-        _ => Flaw::Damaged(files::why(error)),
+        _ => Flaw::Damaged(files::describe(error)),
     }
 }
 
-/// Looks at frames of which nothing is known but that they are to be shown one after the other.
-pub fn inspect(frames: &[(u32, PathBuf)], pool: &ThreadPool) -> Inspected {
-    let look = |(frame, path): &(u32, PathBuf)| (*frame, words_of(path));
-    let looked: Vec<_> = pool.install(|| frames.par_iter().map(look).collect());
-    let mut found = Inspected::default();
-    let (mut told, mut sizes) = (Vec::new(), BTreeMap::<String, Vec<u32>>::new());
-    for (frame, seen) in looked {
-        let (size, words) = match seen {
-            Ok(seen) => seen,
+/// Inspects frames that are to be shown one after the other, without knowing their sequence.
+pub fn inspect(frames: &[(u32, PathBuf)], pool: &ThreadPool) -> Inspection {
+    let read = |(frame, path): &(u32, PathBuf)| (*frame, read_metadata(path));
+    let read: Vec<_> = pool.install(|| frames.par_iter().map(read).collect());
+    let mut found = Inspection::default();
+    let (mut described, mut sizes) = (Vec::new(), BTreeMap::<String, Vec<u32>>::new());
+    for (frame, result) in read {
+        let (size, entries) = match result {
+            Ok(read) => read,
             Err(flaw) => {
                 found.flaws.push((frame, flaw));
                 continue;
             }
         };
         sizes.entry(pixels(size)).or_default().push(frame);
-        if words.is_empty() {
-            found.silent.push(frame);
+        if entries.is_empty() {
+            found.without_metadata.push(frame);
         } else {
-            told.push((frame, words));
+            described.push((frame, entries));
         }
     }
-    let odd = odd(&told, sizes);
-    found.flaws.extend(odd);
+    found.flaws.extend(inconsistent(&described, sizes));
     found.flaws.sort();
-    let number = |words: &Vec<Told>| record::find(words, record::FRAMES)?.parse().ok();
-    found.frames = told.iter().filter_map(|(_, words)| number(words)).max();
-    found.name = told.first().and_then(|(_, words)| record::find(words, record::TITLE)).map(str::to_owned);
-    found.rate = told.iter().find_map(|(_, words)| rate(words));
+    let count = |entries: &Vec<StoredTextEntry>| metadata::find(entries, metadata::FRAMES)?.parse().ok();
+    found.frames = described.iter().filter_map(|(_, entries)| count(entries)).max();
+    let name = described.first().and_then(|(_, entries)| metadata::find(entries, metadata::TITLE));
+    found.name = name.map(str::to_owned);
+    found.rate = described.iter().find_map(|(_, entries)| rate(entries));
     found
 }
 
-/// The size of a picture and its metadata; no metadata if Kinora did not write it. An error if the file is damaged.
-fn words_of(path: &Path) -> Result<((u32, u32), Vec<Told>), Flaw> {
+/// The size and the metadata of a picture; no metadata if Kinora did not write it. A damaged file is an error.
+fn read_metadata(path: &Path) -> Result<((u32, u32), Vec<StoredTextEntry>), Flaw> {
     let mut bytes = files::read(path, u64::MAX - 1).map_err(|error| unreadable(&error))?;
     let damaged = |why: &str| Flaw::Damaged(why.to_owned());
     if !png::is_png(&bytes) {
@@ -150,73 +120,78 @@ fn words_of(path: &Path) -> Result<((u32, u32), Vec<Told>), Flaw> {
             Err(error) => Err(damaged(&error.to_string())),
         };
     }
-    match png::look(&mut bytes) {
+    match png::verify(&mut bytes) {
         Seal::Broken => return Err(damaged(CHANGED)),
-        Seal::Open(_) | Seal::None if !png::check(&bytes) => return Err(damaged(BROKEN)),
-        Seal::Whole(_) | Seal::Open(_) | Seal::None => {}
+        Seal::NoDigest(_) | Seal::Missing if !png::is_whole(&bytes) => return Err(damaged(BROKEN)),
+        Seal::Intact(_) | Seal::NoDigest(_) | Seal::Missing => {}
     }
-    let words = png::texts_in(&bytes);
-    let ours = record::find(&words, record::FRAME).is_some();
+    let entries = png::texts_in(&bytes);
+    let ours = metadata::find(&entries, metadata::FRAME).is_some();
     let size = png::size_in(&bytes).ok_or_else(|| damaged(BROKEN))?;
-    Ok((size, if ours { words } else { Vec::new() }))
+    Ok((size, if ours { entries } else { Vec::new() }))
 }
 
-/// What frames of one run share if they tell it, and how it is called.
+/// Keywords whose values frames of one run share, and their names in messages.
 const SHARED: [(&str, &str); 7] = [
     ("Software", "version"),
-    (record::TITLE, "sequence"),
+    (metadata::TITLE, "sequence"),
     ("kinora:seed", "seed"),
     ("kinora:samples", "number of samples"),
     ("kinora:noise", "error"),
     ("kinora:antialias", "antialias"),
-    (record::TIME_LIMIT, "limit of time"),
+    (metadata::TIME_LIMIT, "time limit"),
 ];
 
-/// Frames that are not what their names say, and those that differ from most; `sizes` are those of all.
-fn odd(told: &[(u32, Vec<Told>)], sizes: BTreeMap<String, Vec<u32>>) -> BTreeMap<u32, Flaw> {
-    let mut odd = BTreeMap::new();
-    for (frame, words) in told {
-        if let Some(shown) = record::find(words, record::FRAME).filter(|shown| *shown != frame.to_string()) {
-            odd.insert(*frame, Flaw::Odd(format!("frame {shown} under another number")));
+/// Frames whose file name has the wrong number, and frames that differ from most others. `sizes` groups all frames by
+/// their size.
+fn inconsistent(
+    described: &[(u32, Vec<StoredTextEntry>)],
+    sizes: BTreeMap<String, Vec<u32>>,
+) -> BTreeMap<u32, Flaw> {
+    let mut flaws = BTreeMap::new();
+    for (frame, entries) in described {
+        let number = metadata::find(entries, metadata::FRAME).filter(|number| *number != frame.to_string());
+        if let Some(number) = number {
+            flaws.insert(*frame, Flaw::Inconsistent(format!("frame {number} under another number")));
         }
     }
-    let rates = |words: &Vec<Told>| rate(words).map(|rate| rate.to_string());
+    let rates = |entries: &Vec<StoredTextEntry>| rate(entries).map(|rate| rate.to_string());
     let shared = SHARED.iter().map(|(keyword, what)| {
-        let value = |words: &Vec<Told>| record::find(words, keyword).map(str::to_owned);
-        (*what, values(told, value))
+        let value = |entries: &Vec<StoredTextEntry>| metadata::find(entries, keyword).map(str::to_owned);
+        (*what, values(described, value))
     });
-    for (what, values) in shared.chain([("rate", values(told, rates)), ("size", sizes)]) {
-        // What most frames have; of two that as many have, that of the first frame.
+    for (what, values) in shared.chain([("rate", values(described, rates)), ("size", sizes)]) {
+        // The value of most frames. Of equally frequent values, the value of the first frame.
         let most = values.iter().max_by_key(|(_, frames)| (frames.len(), std::cmp::Reverse(frames[0])));
         let Some((usual, _)) = most else { continue };
         for (value, frames) in values.iter().filter(|(value, _)| *value != usual) {
             for frame in frames {
-                let what = || Flaw::Odd(format!("another {what} than most: {value}, not {usual}"));
-                odd.entry(*frame).or_insert_with(what);
+                let what = || Flaw::Inconsistent(format!("another {what} than most: {value}, not {usual}"));
+                flaws.entry(*frame).or_insert_with(what);
             }
         }
     }
-    odd
+    flaws
 }
 
-/// Which frames tell which value, in their order.
+/// Groups frames by a value of their metadata.
 fn values(
-    told: &[(u32, Vec<Told>)],
-    value: impl Fn(&Vec<Told>) -> Option<String>,
+    described: &[(u32, Vec<StoredTextEntry>)],
+    value: impl Fn(&Vec<StoredTextEntry>) -> Option<String>,
 ) -> BTreeMap<String, Vec<u32>> {
     let mut values: BTreeMap<String, Vec<u32>> = BTreeMap::new();
-    for (frame, words) in told {
-        if let Some(value) = value(words) {
+    for (frame, entries) in described {
+        if let Some(value) = value(entries) {
             values.entry(value).or_default().push(*frame);
         }
     }
     values
 }
 
-/// The rate at which a frame is shown where it says that it is; the first one is so at any.
-fn rate(words: &[Told]) -> Option<Rate> {
-    let number: i128 = record::find(words, record::FRAME)?.parse().ok()?;
-    let time = record::find(words, record::TIME)?;
+/// The frame rate that follows from a frame's number and time. None for frame 0, whose time is 0 at any rate.
+fn rate(entries: &[StoredTextEntry]) -> Option<Rate> {
+    let number: i128 = metadata::find(entries, metadata::FRAME)?.parse().ok()?;
+    let time = metadata::find(entries, metadata::TIME)?;
     let (part, whole) = time.split_once('/').unwrap_or((time, "1"));
     Rate::new(number.checked_mul(whole.parse().ok()?)?, part.parse().ok()?)
 }

@@ -1,4 +1,4 @@
-//! What a run writes, as the user says it: `-o out/frame_####.png`, `-o out.gif`.
+//! The outputs of a run as the user writes them: `-o out/frame_####.png`, `-o out.gif`.
 
 use super::pattern::{FramePattern, PatternError};
 use super::place::same_folder;
@@ -8,61 +8,61 @@ use std::ffi::{OsStr, OsString};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// One thing to write.
+/// One output of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Output {
     /// One file per frame.
-    Stills(Still, FramePattern),
+    Stills(StillFormat, FramePattern),
     /// One file of all frames.
-    Movie(Moving, PathBuf),
+    Movie(AnimationFormat, PathBuf),
     /// All frames on the standard output.
-    Stream(Streamed),
+    Stream(StreamFormat),
 }
 
-/// What frames are on the standard output.
+/// Formats of the standard output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Streamed {
+pub enum StreamFormat {
     /// Raw video.
     Y4m,
-    /// Files one after the other, as netpbm's programs take them.
+    /// Concatenated PPM files, as netpbm's programs read them.
     Ppm,
-    /// The same in ASCII, P3.
+    /// Concatenated ASCII PPM files, P3.
     AsciiPpm,
     Png,
 }
 
-impl Streamed {
-    /// The names that the command line knows.
+impl StreamFormat {
+    /// The formats with their names on the command line.
     pub const NAMED: [(&str, Self); 4] =
         [("y4m", Self::Y4m), ("ppm", Self::Ppm), ("ppm-ascii", Self::AsciiPpm), ("png", Self::Png)];
 }
 
 /// Formats of single frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Still {
+pub enum StillFormat {
     Png,
     Jpeg,
     /// Binary, P6.
     Ppm,
-    /// OpenEXR, which holds radiance.
+    /// OpenEXR with linear radiance.
     Exr,
 }
 
-/// Formats that show frames one after the other.
+/// Formats of animations and videos.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Moving {
+pub enum AnimationFormat {
     Gif,
     Apng,
     Webp,
-    /// Raw frames, for other programs.
+    /// Raw video for other encoders.
     Y4m,
     /// H.264 in an MP4 container.
     Mp4,
 }
 
-impl Still {
-    /// Whether files of this format say what they show, so that a next run can tell whether they are right.
-    pub fn is_said(self, formats: &Formats) -> bool {
+impl StillFormat {
+    /// Whether files of this format hold an identity, so that a later run can check whether they are current.
+    pub fn has_identity(self, formats: &Formats) -> bool {
         match self {
             Self::Png => formats.png.metadata,
             Self::Exr => true,
@@ -72,35 +72,35 @@ impl Still {
 }
 
 /// The extensions of stills.
-const STILLS: [(&str, Still); 5] = [
-    ("png", Still::Png),
-    ("jpg", Still::Jpeg),
-    ("jpeg", Still::Jpeg),
-    ("ppm", Still::Ppm),
-    ("exr", Still::Exr),
+const STILLS: [(&str, StillFormat); 5] = [
+    ("png", StillFormat::Png),
+    ("jpg", StillFormat::Jpeg),
+    ("jpeg", StillFormat::Jpeg),
+    ("ppm", StillFormat::Ppm),
+    ("exr", StillFormat::Exr),
 ];
 
 /// The extensions of animations.
-const MOVING: [(&str, Moving); 5] = [
-    ("gif", Moving::Gif),
-    ("apng", Moving::Apng),
-    ("webp", Moving::Webp),
-    ("mp4", Moving::Mp4),
-    ("y4m", Moving::Y4m),
+const MOVING: [(&str, AnimationFormat); 5] = [
+    ("gif", AnimationFormat::Gif),
+    ("apng", AnimationFormat::Apng),
+    ("webp", AnimationFormat::Webp),
+    ("mp4", AnimationFormat::Mp4),
+    ("y4m", AnimationFormat::Y4m),
 ];
 
-/// Extensions of videos that only other programs can write.
-const FOREIGN: [&str; 6] = ["mov", "mkv", "webm", "avi", "m4v", "ogv"];
+/// Extensions of video formats that Kinora does not write.
+const UNSUPPORTED_VIDEOS: [&str; 6] = ["mov", "mkv", "webm", "avi", "m4v", "ogv"];
 
-/// What stands for the standard output.
+/// The name of the standard output.
 const STREAM: &str = "-";
 
 impl Output {
-    /// Reads an output; its format follows the extension, in either case.
+    /// Parses an output. The extension decides the format, in upper or lower case.
     pub fn parse(text: impl AsRef<Path>) -> Result<Self, OutputError> {
         let text = text.as_ref();
         if text.as_os_str() == STREAM {
-            return Ok(Self::Stream(Streamed::Y4m));
+            return Ok(Self::Stream(StreamFormat::Y4m));
         }
         let fault = |cause| OutputError { text: text.to_owned(), cause };
         let Some(extension) =
@@ -116,50 +116,54 @@ impl Output {
         }
         if let Some(format) = named(&MOVING, &extension) {
             return match pattern {
-                Ok(pattern) if !pattern.has_place() => Ok(Self::Movie(format, PathBuf::from(text))),
+                Ok(pattern) if !pattern.has_placeholder() => Ok(Self::Movie(format, PathBuf::from(text))),
                 Err(error @ PatternError::NoFileName) => Err(fault(Cause::Pattern(error))),
-                _ => Err(fault(Cause::PlaceInMovie)),
+                _ => Err(fault(Cause::PlaceholderInMovie)),
             };
         }
-        let foreign = FOREIGN.contains(&extension.as_str());
-        Err(fault(if foreign { Cause::ForeignVideo } else { Cause::UnknownExtension }))
+        let video = UNSUPPORTED_VIDEOS.contains(&extension.as_str());
+        Err(fault(if video { Cause::UnsupportedVideo } else { Cause::UnknownExtension }))
     }
 
-    /// Whether a run of `frames` frames would write all of them to one and the same file.
-    pub fn needs_place(&self, frames: usize) -> bool {
-        frames > 1 && self.pattern().is_some_and(|pattern| !pattern.has_place())
+    /// Whether a run of `frames` frames would write all of them to the same file.
+    pub fn needs_placeholder(&self, frames: usize) -> bool {
+        frames > 1 && self.pattern().is_some_and(|pattern| !pattern.has_placeholder())
     }
 
-    /// The names of the frames' own files, unless one file holds all.
+    /// The pattern of the frames' files. None if one file holds all frames.
     pub fn pattern(&self) -> Option<&FramePattern> {
         if let Self::Stills(_, pattern) = self { Some(pattern) } else { None }
     }
 
-    /// Whether it goes to the standard output.
+    /// Whether it is the standard output.
     pub fn is_stream(&self) -> bool {
         matches!(self, Self::Stream(_))
     }
 
-    /// Whether all frames go into one file that shows them one after the other.
+    /// Whether all frames are written to one file or stream.
     pub fn is_animation(&self) -> bool {
         !matches!(self, Self::Stills(..))
     }
 
-    /// Whether its files are written from their beginning to their end, as pipes and devices take them.
+    /// Whether its files are written sequentially, so that they can be pipes and devices.
     pub fn is_sequential(&self) -> bool {
         match self {
-            Self::Stills(Still::Png | Still::Jpeg | Still::Ppm, _) => true,
-            Self::Movie(Moving::Y4m, _) | Self::Stream(_) => true,
-            Self::Stills(Still::Exr, _) | Self::Movie(..) => false,
+            Self::Stills(StillFormat::Png | StillFormat::Jpeg | StillFormat::Ppm, _) => true,
+            Self::Movie(AnimationFormat::Y4m, _) | Self::Stream(_) => true,
+            Self::Stills(StillFormat::Exr, _) | Self::Movie(..) => false,
         }
     }
 
-    /// Whether its pictures may have alpha.
+    /// Whether its format supports alpha.
     pub fn takes_alpha(&self) -> bool {
-        matches!(self, Self::Stills(Still::Png | Still::Exr, _) | Self::Movie(Moving::Apng | Moving::Webp, _))
+        matches!(
+            self,
+            Self::Stills(StillFormat::Png | StillFormat::Exr, _)
+                | Self::Movie(AnimationFormat::Apng | AnimationFormat::Webp, _)
+        )
     }
 
-    /// What the user wrote.
+    /// The name as the user wrote it.
     pub fn name(&self) -> &Path {
         match self {
             Self::Stills(_, pattern) => pattern.name(),
@@ -168,7 +172,7 @@ impl Output {
         }
     }
 
-    /// The same output with `prefix` in front of the file's name.
+    /// The same output with `prefix` before the file name.
     pub fn prefixed(&self, prefix: &str) -> Self {
         match self {
             Self::Stream(_) => self.clone(),
@@ -176,13 +180,13 @@ impl Output {
         }
     }
 
-    /// The first file that both outputs would write for one of these frames.
+    /// The first file that both outputs would write for these frames.
     pub fn shared_with(&self, other: &Self, frames: &[u32]) -> Option<PathBuf> {
         if self.extension() != other.extension() || !same_folder(&self.path(0), &other.path(0)) {
             return None;
         }
         let shared = |frame: u32| self.path(frame).file_name() == other.path(frame).file_name();
-        let numbered = |output: &Self| output.pattern().is_some_and(FramePattern::has_place);
+        let numbered = |output: &Self| output.pattern().is_some_and(FramePattern::has_placeholder);
         let frames = if numbered(self) || numbered(other) { frames } else { frames.get(..1)? };
         frames.iter().find(|&&frame| shared(frame)).map(|&frame| self.path(frame))
     }
@@ -191,24 +195,24 @@ impl Output {
         self.path(0).extension().map(OsStr::to_owned)
     }
 
-    /// Its files that are there, of these frames in rising order.
-    pub fn present(&self, frames: &[u32]) -> Vec<PathBuf> {
+    /// The existing files of these frames, which must be in ascending order.
+    pub fn existing_files(&self, frames: &[u32]) -> Vec<PathBuf> {
         match self {
             Self::Stream(_) => Vec::new(),
-            Self::Stills(_, pattern) if pattern.has_place() => {
-                // A folder that cannot be listed is found to be wrong when it is written to.
+            Self::Stills(_, pattern) if pattern.has_placeholder() => {
+                // If the folder cannot be listed, writing to it will report the error.
                 let there = pattern.numbers().unwrap_or_default().into_iter();
                 there.filter(|n| frames.binary_search(n).is_ok()).map(|n| pattern.path(n)).collect()
             }
             Self::Stills(..) | Self::Movie(..) => {
                 let path = self.path(0);
-                // Links that lead nowhere are there, too.
+                // Broken links count as existing.
                 if path.symlink_metadata().is_ok() { vec![path] } else { Vec::new() }
             }
         }
     }
 
-    /// The file that `frame` goes to.
+    /// The file of `frame`.
     pub fn path(&self, frame: u32) -> PathBuf {
         match self {
             Self::Stills(_, pattern) => pattern.path(frame),
@@ -218,7 +222,7 @@ impl Output {
     }
 }
 
-/// The same path with `prefix` in front of the file's name.
+/// The same path with `prefix` before the file name.
 pub fn prefixed(path: &Path, prefix: &str) -> PathBuf {
     let mut name = OsString::from(prefix);
     name.push(path.file_name().unwrap_or_default());
@@ -235,7 +239,7 @@ impl fmt::Display for Output {
     }
 }
 
-/// Why a text names no output. Displays as one line that says what would be right.
+/// Why a text is not an output. The message is one line and says what would be right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutputError {
     text: PathBuf,
@@ -246,8 +250,8 @@ pub struct OutputError {
 enum Cause {
     NoExtension,
     UnknownExtension,
-    ForeignVideo,
-    PlaceInMovie,
+    UnsupportedVideo,
+    PlaceholderInMovie,
     Pattern(PatternError),
 }
 
@@ -258,26 +262,26 @@ impl fmt::Display for OutputError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "output \"{}\" ", escape::path(&self.text))?;
         match self.cause {
-            Cause::NoExtension => write!(f, "has no extension to tell its format; {KNOWN}"),
+            Cause::NoExtension => write!(f, "has no extension, which selects the format; {KNOWN}"),
             Cause::UnknownExtension => write!(f, "has an unknown extension; {KNOWN}"),
-            Cause::ForeignVideo => f.write_str(
-                "is a video that other programs write; write .mp4, or .y4m (- on the command line for the standard \
-                 output), which they all read",
+            Cause::UnsupportedVideo => f.write_str(
+                "is a video format that Kinora does not write; write .mp4, or .y4m (- on the command line for the \
+                 standard output), which other programs can convert",
             ),
-            Cause::PlaceInMovie => f.write_str(
-                "has a place for frame numbers, but one such file holds all frames; leave the place out",
+            Cause::PlaceholderInMovie => f.write_str(
+                "has a place for frame numbers, but one file of this format holds all frames; leave the place out",
             ),
             Cause::Pattern(PatternError::NoFileName) => f.write_str("has no file name"),
-            Cause::Pattern(PatternError::TwoPlaces) => {
+            Cause::Pattern(PatternError::TwoPlaceholders) => {
                 f.write_str("has two places for the frame number; keep one run of # or one %04d")
             }
             Cause::Pattern(PatternError::PadsWithSpaces) => {
                 f.write_str("would pad frame numbers with spaces; write %04d, with a zero")
             }
             Cause::Pattern(PatternError::TooWide) => {
-                f.write_str("asks for more digits than frame numbers have; \"####\" is usual")
+                f.write_str("has more digits than frame numbers can have; \"####\" is usual")
             }
-            Cause::Pattern(PatternError::NotText) => f.write_str("is no Unicode text; name it otherwise"),
+            Cause::Pattern(PatternError::NotText) => f.write_str("is not valid Unicode; choose another name"),
         }
     }
 }
@@ -289,12 +293,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn formats_follow_the_extension() {
+    fn the_extension_selects_the_format() {
         for (text, format) in [
-            ("a/b_####.png", Still::Png),
-            ("A.JPEG", Still::Jpeg),
-            ("a_####.ppm", Still::Ppm),
-            ("a.exr", Still::Exr),
+            ("a/b_####.png", StillFormat::Png),
+            ("A.JPEG", StillFormat::Jpeg),
+            ("a_####.ppm", StillFormat::Ppm),
+            ("a.exr", StillFormat::Exr),
         ] {
             assert!(matches!(Output::parse(text), Ok(Output::Stills(found, _)) if found == format), "{text}");
         }
@@ -302,19 +306,19 @@ mod tests {
             let text = format!("a/b.{name}");
             assert_eq!(Output::parse(&text), Ok(Output::Movie(format, text.into())));
         }
-        assert_eq!(Output::parse("-"), Ok(Output::Stream(Streamed::Y4m)));
+        assert_eq!(Output::parse("-"), Ok(Output::Stream(StreamFormat::Y4m)));
     }
 
     #[test]
-    fn shows_what_the_user_wrote() {
+    fn displays_as_the_user_wrote_it() {
         for text in ["./a//b_%04d.png", "b.GIF", "b.png", "-"] {
             assert_eq!(Output::parse(text).expect(text).to_string(), text);
         }
     }
 
     #[test]
-    fn only_stills_of_several_frames_need_a_place() {
-        let needs = |text, frames| Output::parse(text).expect(text).needs_place(frames);
+    fn only_stills_of_several_frames_need_a_placeholder() {
+        let needs = |text, frames| Output::parse(text).expect(text).needs_placeholder(frames);
         assert!(needs("a.png", 2) && needs("a.exr", 2));
         assert!(!needs("a.png", 1));
         assert!(!needs("a_#.png", 2));

@@ -1,4 +1,4 @@
-//! File names with a place for the frame number.
+//! File names with a placeholder for the frame number.
 
 use super::place::{folder_of, same_file};
 use crate::base::escape;
@@ -8,93 +8,93 @@ use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// The widest place that is taken for one; no sequence has more digits in its frame numbers.
+/// The widest placeholder. No frame number has more digits.
 const MAX_DIGITS: usize = 20;
 
-/// A path whose file name holds at most one place for the frame number: a run of `#` (as many digits as
-/// it is long) or `%d` and `%04d` as printf has them. Folders are taken as they are.
+/// A path whose file name holds at most one placeholder for the frame number: a run of `#`, one per digit, or `%d` or
+/// `%04d` as in printf. Folder names have no placeholders.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FramePattern {
-    /// What the user wrote.
+    /// The path as the user wrote it.
     text: PathBuf,
     folder: PathBuf,
     before: OsString,
-    place: Option<Place>,
+    placeholder: Option<Placeholder>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Place {
-    /// Smallest number of digits; longer numbers just grow.
+struct Placeholder {
+    /// Minimum number of digits; larger numbers have more.
     digits: usize,
     after: OsString,
 }
 
-/// Why a text is no pattern.
+/// Why a text is not a pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PatternError {
     NoFileName,
-    TwoPlaces,
-    /// `%4d` would pad with spaces, which no one wants in a file name.
+    TwoPlaceholders,
+    /// `%4d` would pad with spaces, which are inconvenient in file names.
     PadsWithSpaces,
     TooWide,
-    /// Where names are no bytes, only those that are text can be taken apart.
+    /// On systems whose file names are not bytes, only valid Unicode can be split.
     NotText,
 }
 
 impl FramePattern {
-    /// Reads a pattern; the path is relative to the working directory as given.
+    /// Parses a pattern. A relative path is relative to the working directory.
     pub fn parse(text: impl AsRef<Path>) -> Result<Self, PatternError> {
         let text = text.as_ref();
         let name = text.file_name().ok_or(PatternError::NoFileName)?;
         let folder = text.parent().map(Path::to_path_buf).unwrap_or_default();
         let bytes = name.as_encoded_bytes();
-        let (before, place) = match find_place(bytes)? {
+        let (before, placeholder) = match find_placeholder(bytes)? {
             None => (name.to_owned(), None),
             Some(found) => {
-                if find_place(&bytes[found.end..])?.is_some() {
-                    return Err(PatternError::TwoPlaces);
+                if find_placeholder(&bytes[found.end..])?.is_some() {
+                    return Err(PatternError::TwoPlaceholders);
                 }
                 let after = part(name, found.end..bytes.len())?;
-                (part(name, 0..found.start)?, Some(Place { digits: found.digits, after }))
+                (part(name, 0..found.start)?, Some(Placeholder { digits: found.digits, after }))
             }
         };
-        Ok(Self { text: text.to_owned(), folder, before, place })
+        Ok(Self { text: text.to_owned(), folder, before, placeholder })
     }
 
-    /// What the user wrote.
+    /// The path as the user wrote it.
     pub fn name(&self) -> &Path {
         &self.text
     }
 
-    /// Whether different frames get different names.
-    pub fn has_place(&self) -> bool {
-        self.place.is_some()
+    /// Whether different frames have different names.
+    pub fn has_placeholder(&self) -> bool {
+        self.placeholder.is_some()
     }
 
     /// The file of `frame`.
     pub fn path(&self, frame: u32) -> PathBuf {
         let mut name = self.before.clone();
-        if let Some(Place { digits, after }) = &self.place {
+        if let Some(Placeholder { digits, after }) = &self.placeholder {
             name.push(format!("{frame:0digits$}"));
             name.push(after);
         }
         self.folder.join(name)
     }
 
-    /// The numbers of the frames whose files are there, in rising order.
+    /// The numbers of the frames whose files exist, in ascending order.
     pub fn numbers(&self) -> io::Result<Vec<u32>> {
         let mut numbers = Vec::new();
         for entry in folder_of(&self.folder.join("any")).read_dir()? {
             let name = entry?.file_name();
             let number = self.number(&name);
-            // Other names may read as the same number; a frame's own is the one that it would be given.
+            // Names with other padding parse to the same number, so only the frame's exact name counts.
             numbers.extend(number.filter(|&n| self.path(n).file_name() == Some(&name)));
         }
         numbers.sort_unstable();
         Ok(numbers)
     }
 
-    /// Whether a path is that of some frame.
+    /// Whether a path is the file of a frame.
     pub fn matches(&self, path: &Path) -> bool {
         let number = path.file_name().and_then(|name| self.number(name));
         number.is_some_and(|number| same_file(&self.path(number), path))
@@ -102,14 +102,14 @@ impl FramePattern {
 
     /// The number in a name of this pattern.
     fn number(&self, name: &OsStr) -> Option<u32> {
-        let place = self.place.as_ref()?;
+        let placeholder = self.placeholder.as_ref()?;
         let rest = name.as_encoded_bytes().strip_prefix(self.before.as_encoded_bytes())?;
-        let digits = rest.strip_suffix(place.after.as_encoded_bytes())?;
-        // A sign would be read as a part of the number.
+        let digits = rest.strip_suffix(placeholder.after.as_encoded_bytes())?;
+        // `parse` would accept a sign.
         digits.iter().all(u8::is_ascii_digit).then(|| str::from_utf8(digits).ok()?.parse().ok())?
     }
 
-    /// The same name with a place before the extension, to suggest.
+    /// The same name with a placeholder before the extension, for messages.
     pub fn suggestion(&self) -> String {
         let mut name = self.text.file_stem().unwrap_or_default().to_owned();
         name.push("_####.");
@@ -124,14 +124,14 @@ impl fmt::Display for FramePattern {
     }
 }
 
-/// Bytes `start..end` of a name, and the digits they ask for.
-struct Found {
+/// A placeholder at the bytes `start..end` of a name, and its number of digits.
+struct PlaceholderMatch {
     start: usize,
     end: usize,
     digits: usize,
 }
 
-/// A part of a name that begins and ends beside letters of ASCII.
+/// A part of a name. Its ends must be next to ASCII characters.
 #[cfg(unix)]
 fn part(name: &OsStr, range: Range<usize>) -> Result<OsString, PatternError> {
     use std::os::unix::ffi::OsStrExt;
@@ -143,13 +143,13 @@ fn part(name: &OsStr, range: Range<usize>) -> Result<OsString, PatternError> {
     name.to_str().and_then(|name| name.get(range)).map(Into::into).ok_or(PatternError::NotText)
 }
 
-fn find_place(name: &[u8]) -> Result<Option<Found>, PatternError> {
+fn find_placeholder(name: &[u8]) -> Result<Option<PlaceholderMatch>, PatternError> {
     for (start, letter) in name.iter().enumerate() {
         let rest = &name[start + 1..];
         let found = match letter {
             b'#' => {
                 let digits = 1 + rest.iter().take_while(|&&b| b == b'#').count();
-                Found { start, end: start + digits, digits }
+                PlaceholderMatch { start, end: start + digits, digits }
             }
             b'%' => {
                 let number = rest.iter().take_while(|b| b.is_ascii_digit()).count();
@@ -161,7 +161,7 @@ fn find_place(name: &[u8]) -> Result<Option<Found>, PatternError> {
                 }
                 let digits = str::from_utf8(&rest[..number]).ok().and_then(|digits| digits.parse().ok());
                 let digits = if number == 0 { 1 } else { digits.unwrap_or(usize::MAX) };
-                Found { start, end: start + number + 2, digits }
+                PlaceholderMatch { start, end: start + number + 2, digits }
             }
             _ => continue,
         };
@@ -188,22 +188,22 @@ mod tests {
     }
 
     #[test]
-    fn wide_numbers_grow() {
+    fn large_numbers_have_more_digits() {
         assert_eq!(path("##.png", 12_345), "12345.png");
         assert_eq!(path("%02d.png", u32::MAX), "4294967295.png");
     }
 
     #[test]
-    fn only_the_file_name_has_a_place() {
+    fn only_the_file_name_has_a_placeholder() {
         assert_eq!(path("c#/%d/f_##.png", 3), "c#/%d/f_03.png");
-        assert!(!FramePattern::parse("c#/100%.png").expect("a still's name").has_place());
+        assert!(!FramePattern::parse("c#/100%.png").expect("a still's name").has_placeholder());
     }
 
     #[test]
     fn refusals() {
         let error = |text| FramePattern::parse(text).expect_err(text);
-        assert_eq!(error("a_##_##.png"), PatternError::TwoPlaces);
-        assert_eq!(error("a_%d_##.png"), PatternError::TwoPlaces);
+        assert_eq!(error("a_##_##.png"), PatternError::TwoPlaceholders);
+        assert_eq!(error("a_%d_##.png"), PatternError::TwoPlaceholders);
         assert_eq!(error("a_%4d.png"), PatternError::PadsWithSpaces);
         assert_eq!(error("a_%099999999999999999999d.png"), PatternError::TooWide);
         assert_eq!(error(".."), PatternError::NoFileName);
@@ -224,7 +224,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn names_need_not_be_text() {
+    fn names_need_not_be_unicode() {
         use std::os::unix::ffi::OsStrExt;
         let name = |bytes: &'static [u8]| Path::new(OsStr::from_bytes(bytes));
         let pattern = FramePattern::parse(name(b"o\xff/a\xff_##\xfe.png")).expect("a pattern");
@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn paths_of_frames_are_told_from_others() {
+    fn paths_of_frames_are_recognized() {
         let pattern = FramePattern::parse("a/f_##.png").expect("a pattern");
         for (path, own) in [
             ("a/f_05.png", true),

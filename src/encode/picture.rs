@@ -1,16 +1,16 @@
-//! Displayed pictures: what a film looks like, in codes of 8 or 16 bits.
+//! Developed pictures with display codes of 8 or 16 bits per channel.
 
 use crate::base::color::{Rgb, linear_to_srgb, srgb_to_linear};
 
-/// A number that stands for a displayed value.
+/// An integer that encodes a display value.
 pub trait Code: Copy + Default + PartialEq + Send + Sync + 'static {
-    /// The brightest.
+    /// The largest code.
     const WHITE: f64;
 
-    /// The code nearest to a displayed value in 0..=1.
+    /// The code nearest to a display value in 0..=1.
     fn of(displayed: f64) -> Self;
 
-    /// The displayed value in 0..=1.
+    /// The display value in 0..=1.
     fn displayed(self) -> f64;
 }
 
@@ -38,14 +38,14 @@ impl Code for u16 {
     }
 }
 
-/// A displayed picture, row by row from the top left pixel.
+/// A developed picture, in rows from the top left pixel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture<C = u8> {
     pub width: u32,
     pub height: u32,
-    /// Three codes per pixel. Where the picture has alpha, they are the colour of what is there, not multiplied by it.
+    /// Three codes per pixel. They are not premultiplied by alpha.
     pub rgb: Vec<C>,
-    /// One code per pixel, if the background is left out: how much of the pixel is covered.
+    /// One code per pixel: its coverage. None if the picture has a background.
     pub alpha: Option<Vec<C>>,
 }
 
@@ -55,21 +55,21 @@ impl<C: Code> Picture<C> {
         Self { width, height, rgb, alpha: None }
     }
 
-    /// The picture of one colour.
+    /// A picture of a single colour.
     pub fn filled(width: u32, height: u32, color: [C; 3]) -> Self {
         let pixels = width as usize * height as usize;
         Self::opaque(width, height, color.iter().copied().cycle().take(3 * pixels).collect())
     }
 
-    /// Three or four codes for each pixel, one after the other.
+    /// The codes as RGB or RGBA, interleaved.
     pub fn interleaved(&self) -> Vec<C> {
         let Some(alpha) = &self.alpha else { return self.rgb.clone() };
         let pixels = self.rgb.as_chunks::<3>().0.iter().zip(alpha);
         pixels.flat_map(|(&[r, g, b], &a)| [r, g, b, a]).collect()
     }
 
-    /// The picture in front of a linear colour, without alpha. Light is mixed, not codes, as it would have been if
-    /// the background had that colour.
+    /// The picture over a linear background colour, without alpha. Linear light is blended, not codes, so the result is
+    /// the same as if the scene had this background.
     pub fn over(&self, matte: Rgb) -> Self {
         let Some(alpha) = &self.alpha else { return self.clone() };
         let matte = matte.to_array().map(|part| f64::from(part).clamp(0.0, 1.0));
@@ -91,7 +91,7 @@ impl<C: Code> Picture<C> {
         Self::opaque(self.width, self.height, pixels.flat_map(mix).collect())
     }
 
-    /// Copies another picture into this one, as far as it fits, with its top left corner at (`left`, `top`).
+    /// Copies another picture into this one, with its top left corner at (`left`, `top`). Pixels outside are cut off.
     pub fn place(&mut self, other: &Self, left: u32, top: u32) {
         let (width, theirs) = (self.width as usize, other.width as usize);
         let (left, top) = (left as usize, top as usize);
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn in_front_of_a_colour_light_is_mixed() {
+    fn linear_light_is_blended_over_a_background() {
         let rgb: Vec<u8> = vec![255, 255, 255, 10, 20, 30, 200, 0, 0];
         let picture = Picture { width: 3, height: 1, rgb, alpha: Some(vec![128, 255, 0]) };
         let over = picture.over(Rgb::new(0.0, 1.0, 0.0));

@@ -1,8 +1,8 @@
-//! Where files lie, whatever their paths are written like.
+//! Comparing paths that may be written in different ways.
 
 use std::path::{Component, Path, PathBuf, absolute};
 
-/// The folder that holds `path`; the working directory if it names none.
+/// The folder of `path`. It is the working directory if the path has no folder.
 pub fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -10,18 +10,18 @@ pub fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Whether both paths lead to one file. A link in the place of a file is a file of its own, as outputs replace it.
+/// Whether both paths name the same file. A link counts as a file of its own, because outputs replace links.
 pub fn same_file(one: &Path, other: &Path) -> bool {
     one.file_name() == other.file_name() && same_folder(one, other)
 }
 
-/// Whether two files lie in one folder.
+/// Whether two files are in the same folder.
 pub fn same_folder(one: &Path, other: &Path) -> bool {
     let (one, other) = (folder_of(one), folder_of(other));
     one == other || resolved(one) == resolved(other)
 }
 
-/// A folder without links, `.` and `..`. Folders that are not there yet are no links.
+/// The folder's path without links, `.` and `..`. Folders that do not exist yet are assumed not to be links.
 fn resolved(folder: &Path) -> PathBuf {
     let folder = absolute(folder).unwrap_or_else(|_| folder.to_owned());
     let known = folder.ancestors().find_map(|known| Some((known.canonicalize().ok()?, known)));
@@ -41,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_is_one_however_its_path_is_written() {
+    fn paths_of_the_same_file_are_equal() {
         let dir = tempfile::tempdir().expect("a folder");
         let at = |path: &str| dir.path().join(path);
         std::fs::create_dir(at("a")).expect("a disk");

@@ -1,13 +1,13 @@
-//! Pictures as PPM, 8 bits a channel: binary (P6), or in ASCII (P3).
+//! Pictures as PPM with 8 bits per channel: binary (P6) or ASCII (P3).
 
 use super::picture::Picture;
 use image::codecs::pnm::{PnmEncoder, PnmSubtype, SampleEncoding};
 use image::{ExtendedColorType, ImageEncoder};
 use std::io;
 
-/// The picture as the bytes of a PPM file.
+/// Encodes a picture as a PPM file.
 pub fn encode(picture: &Picture, ascii: bool) -> io::Result<Vec<u8>> {
-    // A number of up to three digits, and what parts it from the next.
+    // In ASCII, a number has up to three digits and a separator.
     let each = if ascii { 4 } else { 1 };
     let mut bytes = Vec::with_capacity(picture.rgb.len() * each + 32);
     let samples = if ascii { SampleEncoding::Ascii } else { SampleEncoding::Binary };
@@ -16,7 +16,7 @@ pub fn encode(picture: &Picture, ascii: bool) -> io::Result<Vec<u8>> {
         .write_image(&picture.rgb, picture.width, picture.height, ExtendedColorType::Rgb8)
         .map_err(io::Error::other)?;
     if ascii {
-        // Another picture may follow.
+        // Another picture may follow on the standard output.
         bytes.push(b'\n');
     }
     Ok(bytes)
@@ -35,7 +35,7 @@ mod tests {
         assert_eq!(words, ["P3", "2", "1", "255", "255", "0", "10", "1", "2", "3"]);
     }
 
-    /// Netpbm asks for lines of at most 70 characters.
+    /// The PPM format limits lines to 70 characters.
     #[test]
     fn lines_of_ascii_are_short() {
         let picture = Picture::opaque(40, 3, (0..360u16).map(|k| (k % 256) as u8).collect());

@@ -1,8 +1,8 @@
-//! How each format is written.
+//! Settings of the output formats.
 
 use crate::base::color::Rgb;
 
-/// The settings of all formats; those that a run does not write do not count.
+/// The settings of all formats. Settings of formats that a run does not write have no effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Formats {
     pub png: PngSettings,
@@ -10,18 +10,18 @@ pub struct Formats {
     pub ppm: PpmSettings,
     pub exr: ExrSettings,
     pub gif: GifSettings,
-    pub apng: Plays,
-    pub webp: Plays,
+    pub apng: LoopCount,
+    pub webp: LoopCount,
     pub y4m: Y4mSettings,
     pub mp4: Mp4Settings,
 }
 
-/// How PNG files are written.
+/// Settings of PNG files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PngSettings {
-    /// 16 bits a channel, or 8.
+    /// 16 bits per channel instead of 8.
     pub deep: bool,
-    /// Whether the file tells in text what it shows.
+    /// Whether the file holds metadata as text.
     pub metadata: bool,
 }
 
@@ -31,7 +31,7 @@ impl Default for PngSettings {
     }
 }
 
-/// How JPEG files are written.
+/// Settings of JPEG files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct JpegSettings {
     /// 1..=100.
@@ -44,21 +44,21 @@ impl Default for JpegSettings {
     }
 }
 
-/// How PPM files are written.
+/// Settings of PPM files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PpmSettings {
-    /// Numbers as text (P3), instead of bytes (P6).
+    /// Numbers as text (P3) instead of bytes (P6).
     pub ascii: bool,
 }
 
-/// How EXR files are written.
+/// Settings of EXR files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ExrSettings {
-    /// Colours as 16-bit floats instead of 32.
+    /// Colours as 16-bit floats instead of 32-bit floats.
     pub half: bool,
-    /// What the files hold besides the picture.
+    /// Layers besides the picture.
     pub layers: ExrLayers,
-    /// Whether the file tells in words what it shows.
+    /// Whether the file holds metadata as text.
     pub metadata: bool,
 }
 
@@ -71,7 +71,7 @@ impl Default for ExrSettings {
 /// Layers of an EXR file besides the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ExrLayers {
-    /// The light of all that is keyed alike.
+    /// One layer per light group.
     pub lights: bool,
     pub depth: bool,
     pub normal: bool,
@@ -79,47 +79,47 @@ pub struct ExrLayers {
 }
 
 impl ExrLayers {
-    /// Whether tracing has to record more than light for them.
+    /// Whether the film has to record denoising features for them.
     pub fn call_for_guides(self) -> bool {
         self.depth || self.normal || self.albedo
     }
 
-    /// Whether there are any.
+    /// Whether any layer is requested.
     pub fn any(self) -> bool {
         self.lights || self.call_for_guides()
     }
 }
 
-/// How GIFs are made.
+/// Settings of GIFs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GifSettings {
-    /// How often the animation plays; for ever if absent.
-    pub plays: Option<u16>,
+    /// How often the animation plays; None means forever.
+    pub loop_count: Option<u16>,
     /// Size of the palette, 2..=256.
     pub colors: u16,
     pub dither: bool,
-    /// Bytes that the file may have at most: it loses colours, pixels or frames until it has no more.
+    /// Maximum size of the file in bytes. Colours, pixels or frames are dropped until the file is small enough.
     pub max_size: Option<u64>,
 }
 
 impl Default for GifSettings {
     fn default() -> Self {
-        Self { plays: None, colors: 256, dither: true, max_size: None }
+        Self { loop_count: None, colors: 256, dither: true, max_size: None }
     }
 }
 
-/// How often an animation plays; for ever if absent.
+/// How often an animation plays; None means forever.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Plays(pub Option<u16>);
+pub struct LoopCount(pub Option<u16>);
 
-/// How raw video is written.
+/// Settings of raw video.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Y4mSettings {
-    /// Whether colour is kept at every pixel, instead of for squares of four.
+    /// Whether chroma is stored at every pixel (4:4:4) instead of every 2x2 pixels (4:2:0).
     pub full_chroma: bool,
 }
 
-/// How MP4 files are written.
+/// Settings of MP4 files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mp4Settings {
     /// 1..=100.
@@ -132,5 +132,5 @@ impl Default for Mp4Settings {
     }
 }
 
-/// What pictures without alpha show where the background is left out, as linear light: a page's white.
+/// The default background of formats without alpha, as linear light: white.
 pub const MATTE: Rgb = Rgb::ONE;

@@ -1,31 +1,32 @@
-//! A filmstrip: one picture of several frames in a grid, each with a text below.
+//! Filmstrips: several frames in a grid, each with a text below, as one picture.
 
 use super::picture::Picture;
-use super::text::{Align, Line};
+use super::text::{Align, TextMask};
 
-/// What is behind the frames: paper.
+/// The code of the background.
 const PAPER: u8 = 255;
-/// How dark the text is.
+/// The code of the text.
 const INK: u8 = 40;
-/// The line around each frame, without which a bright one would have no edge.
+/// The code of the border around each frame. Without it, bright frames would have no visible edge.
 const LINE: u8 = 170;
-/// A sheet's usual width divided by its height.
+/// The preferred width of a sheet divided by its height.
 const ASPECT: f64 = 1.5;
 
-/// A grid of equal cells in the making.
+/// A grid of equal cells that is being filled.
 pub struct Sheet {
     columns: u32,
     cell: (u32, u32),
-    /// Between cells, and around all.
+    /// Space between cells and around the grid, in pixels.
     gap: u32,
-    /// Height of the letters, and of the space below a frame that is for them.
+    /// Height of the letters in pixels.
     letters: f32,
+    /// Height of the space for text below a frame, in pixels.
     below: u32,
     picture: Picture,
 }
 
-/// How a sheet is laid out, in pixels; as in [`Sheet`].
-struct Measures {
+/// The layout of a sheet in pixels; the fields are those of [`Sheet`].
+struct SheetLayout {
     columns: u32,
     gap: u32,
     letters: f32,
@@ -33,14 +34,14 @@ struct Measures {
     size: (u32, u32),
 }
 
-impl Measures {
+impl SheetLayout {
     fn of(count: u32, columns: u32, cell: (u32, u32), lines: u32) -> Self {
         let columns = columns.clamp(1, count.max(1));
         let gap = (cell.0 / 24).clamp(4, 24);
         let letters = (cell.0 as f32 * 0.05).clamp(11.0, 28.0);
         let below = (letters * (0.4 + lines as f32)).round() as u32;
         let rows = count.max(1).div_ceil(columns);
-        // What is too large for whole numbers is for memory, too.
+        // A size that saturates u32 is too large for memory too.
         let side = |places: u32, one: u32| places.saturating_mul(one.saturating_add(gap)).saturating_add(gap);
         Self {
             columns,
@@ -53,35 +54,35 @@ impl Measures {
 }
 
 impl Sheet {
-    /// A sheet of `count` frames of this size, each with so many lines of text.
+    /// A sheet of `count` frames of the size `cell`, each with `lines` lines of text.
     pub fn new(count: u32, columns: u32, cell: (u32, u32), lines: u32) -> Self {
-        let Measures { columns, gap, letters, below, size } = Measures::of(count, columns, cell, lines);
+        let SheetLayout { columns, gap, letters, below, size } = SheetLayout::of(count, columns, cell, lines);
         let picture = Picture::filled(size.0, size.1, [PAPER; 3]);
         Self { columns, cell, gap, letters, below, picture }
     }
 
-    /// Width and height of such a sheet in pixels.
+    /// Width and height of a sheet in pixels.
     pub fn size(count: u32, columns: u32, cell: (u32, u32), lines: u32) -> (u32, u32) {
-        Measures::of(count, columns, cell, lines).size
+        SheetLayout::of(count, columns, cell, lines).size
     }
 
-    /// Puts a frame of the sheet's size into its place.
+    /// Draws a frame of the cell's size and its text.
     pub fn put(&mut self, index: u32, frame: &Picture, text: &str) {
         let left = self.gap + index % self.columns * (self.cell.0 + self.gap);
         let top = self.gap + index / self.columns * (self.cell.1 + self.below + self.gap);
         let edge = Picture::filled(self.cell.0 + 2, self.cell.1 + 2, [LINE; 3]);
         self.picture.place(&edge, left - 1, top - 1);
         self.picture.place(frame, left, top);
-        let line = Line::block(text, self.letters, Align::Center);
-        let across = (self.cell.0 as usize).saturating_sub(line.width) / 2;
-        let down = (self.below as usize).saturating_sub(line.height);
-        // More lines than there is room for come of a name with line breaks.
-        for (y, row) in line.cover.chunks_exact(line.width.max(1)).enumerate().take(self.below as usize) {
+        let mask = TextMask::block(text, self.letters, Align::Center);
+        let across = (self.cell.0 as usize).saturating_sub(mask.width) / 2;
+        let down = (self.below as usize).saturating_sub(mask.height);
+        // A name with line breaks may give more lines than expected; the rest is cut off.
+        for (y, row) in mask.coverage.chunks_exact(mask.width.max(1)).enumerate().take(self.below as usize) {
             let y = (top + self.cell.1) as usize + down + y;
-            // A text that is too long ends with its cell.
-            for (x, cover) in row.iter().enumerate().take(self.cell.0 as usize) {
+            // A text that is too long is cut off at the cell's edge.
+            for (x, coverage) in row.iter().enumerate().take(self.cell.0 as usize) {
                 let at = 3 * (y * self.picture.width as usize + left as usize + across + x);
-                let code = f32::from(PAPER) + (f32::from(INK) - f32::from(PAPER)) * cover;
+                let code = f32::from(PAPER) + (f32::from(INK) - f32::from(PAPER)) * coverage;
                 self.picture.rgb[at..at + 3].fill((code + 0.5) as u8);
             }
         }
@@ -92,7 +93,7 @@ impl Sheet {
     }
 }
 
-/// How many columns of frames of this size give a sheet of about the usual shape with few empty places.
+/// The number of columns for which the sheet has about the preferred shape and few empty cells.
 pub fn columns(count: u32, cell: (u32, u32)) -> u32 {
     let cost = |columns: u32| {
         let rows = count.div_ceil(columns);
@@ -108,7 +109,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_and_texts_have_their_places() {
+    fn frames_and_texts_are_in_their_cells() {
         let mut sheet = Sheet::new(5, 3, (96, 48), 1);
         for index in 0..5 {
             sheet.put(index, &Picture::filled(96, 48, [10 * index as u8, 99, 0]), "frame 3");
@@ -120,13 +121,13 @@ mod tests {
         assert_eq!((pixel(4, 4), pixel(99, 51)), (&frame[..], &frame[..]));
         assert_eq!((pixel(3, 4), pixel(2, 4)), (&[LINE; 3][..], &[255; 3][..]));
         assert_eq!(pixel(104, 4 + 48 + 15 + 4), [40, 99, 0]);
-        // The last place is empty, and there is ink below a frame.
+        // The last cell is empty, and there is text below a frame.
         assert_eq!(pixel(204, 4 + 48 + 15 + 4), [255; 3]);
         assert!((52..67).any(|y| (4..100).any(|x| pixel(x, y)[0] < 100)));
     }
 
     #[test]
-    fn every_line_has_its_room() {
+    fn every_line_has_space() {
         let height = |lines, text: &str| {
             let mut sheet = Sheet::new(1, 1, (96, 48), lines);
             sheet.put(0, &Picture::filled(96, 48, [0; 3]), text);
@@ -138,7 +139,7 @@ mod tests {
         assert_eq!(Sheet::size(1, 1, (96, 48), 3).1, height(3, "x").0);
         let (one, two) = (height(1, "x"), height(2, "x\nx"));
         assert_eq!((two.0 - one.0, two.1), (11, 2 * one.1));
-        // Nothing is drawn outside of the sheet.
+        // Extra lines are not drawn outside the sheet.
         height(1, "x\nx\nx\nx\nx\nx\nx");
     }
 

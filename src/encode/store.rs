@@ -1,32 +1,32 @@
-//! Where a GIF's frames wait for the second pass.
+//! Lossless frames on disk between the two passes of a GIF.
 
-use super::atomic::spool;
 use super::disk::{Operation, attempt};
 use super::error::EncodeError;
 use super::pattern::FramePattern;
 use super::picture::Picture;
 use super::png;
+use super::temporary::spool;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// Lossless frames on disk, by their index in the job's list.
+/// Frames on disk, by their index in the job's list.
 pub enum Store {
     /// The run's own PNG files.
     Own { pattern: FramePattern, frames: Vec<u32> },
-    /// A hidden folder that vanishes with this value.
+    /// A hidden folder, which is removed when this value is dropped.
     Spool { folder: TempDir, _lock: File },
 }
 
 impl Store {
-    /// A spool beside the file `path` that is to be made of it. The system's own temporary folder is no
-    /// place for it: it often lives in memory.
+    /// Creates a spool folder beside the file `path` of the animation. The system's temporary folder is not used,
+    /// because it is often in memory.
     pub fn spool_for(path: &Path) -> Result<Self, EncodeError> {
         let (folder, lock) = spool(path)?;
         Ok(Self::Spool { folder, _lock: lock })
     }
 
-    /// Stores a frame, unless the run's own files do that.
+    /// Stores a frame. Does nothing if the run's own files are the store.
     pub fn put(&self, index: usize, picture: &Picture) -> Result<(), EncodeError> {
         match self {
             Self::Own { .. } => Ok(()),

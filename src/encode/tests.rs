@@ -1,23 +1,26 @@
 //! The encoder from films to files.
 
 use super::*;
+use crate::base::cancel::Stop;
 use crate::base::color::Rgb;
 use crate::base::time::Rate;
+use crate::film::Film;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 const SIZE: (u32, u32) = (6, 4);
 
-fn start(job: Job) -> Result<Encoder, EncodeError> {
+fn start(job: EncodeJob) -> Result<Encoder, EncodeError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
     Encoder::start(job, std::sync::Arc::new(pool), &Stop::default())
 }
 
-fn job(outputs: &[String], frames: &[u32]) -> Job {
-    Job {
+fn job(outputs: &[String], frames: &[u32]) -> EncodeJob {
+    EncodeJob {
         confined: false,
         existing: Existing::default(),
-        seen: Vec::new(),
+        frame_keys: Vec::new(),
         outputs: outputs.iter().map(|text| Output::parse(text).expect(text)).collect(),
         frames: frames.to_vec(),
         rate: Rate::new(24, 1).expect("a rate"),
@@ -27,11 +30,11 @@ fn job(outputs: &[String], frames: &[u32]) -> Job {
         matte: MATTE,
         caption: None,
         formats: Formats::default(),
-        about: About { name: "a".into(), frames: 256, ..About::default() },
+        info: SequenceInfo { name: "a".into(), frames: 256, ..SequenceInfo::default() },
     }
 }
 
-/// A film in which frame k is gray of code k.
+/// A film whose frame k is grey with code k.
 fn film(frame: u32) -> Film {
     let mut film = Film::new(SIZE.0, SIZE.1, vec![Rgb::ONE]);
     film.data_mut().fill(Rgb::splat(frame as f32 / 255.0));
@@ -50,7 +53,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-fn encode(job: Job) -> Result<Report, EncodeError> {
+fn encode(job: EncodeJob) -> Result<Report, EncodeError> {
     let mut encoder = start(job.clone())?;
     for &frame in &job.frames {
         encoder.push(frame, film(frame))?;
@@ -100,7 +103,7 @@ fn a_gif_alone_is_the_same_and_leaves_no_spool() {
 }
 
 #[test]
-fn exr_files_stand_beside_the_others_and_are_no_store_of_a_gif() {
+fn exr_files_do_not_change_other_outputs_and_do_not_store_gif_frames() {
     let dir = tempfile::tempdir().expect("a folder");
     let [all, some] = ["all", "some"].map(|folder| within(&dir, folder));
     let within = |folder: &str, names: &[&str]| names.iter().map(|name| format!("{folder}/{name}")).collect();
@@ -117,18 +120,18 @@ fn exr_files_stand_beside_the_others_and_are_no_store_of_a_gif() {
 }
 
 #[test]
-fn a_single_frame_needs_no_place() {
+fn a_single_frame_needs_no_placeholder() {
     let dir = tempfile::tempdir().expect("a folder");
     encode(job(&[within(&dir, "still.png")], &[77])).expect("written");
     assert_eq!(names(dir.path()), ["still.png"]);
 }
 
 #[test]
-fn jobs_that_cannot_be_done_leave_nothing() {
+fn invalid_jobs_leave_nothing() {
     let dir = tempfile::tempdir().expect("a folder");
     fs::create_dir(dir.path().join("folder.gif")).expect("a folder");
     fs::write(dir.path().join("file"), "").expect("a file");
-    let bad = |outputs: &[&str], change: fn(&mut Job)| {
+    let bad = |outputs: &[&str], change: fn(&mut EncodeJob)| {
         let outputs: Vec<_> = outputs.iter().map(|name| within(&dir, name)).collect();
         let mut job = job(&outputs, &[0, 1]);
         change(&mut job);
@@ -136,7 +139,7 @@ fn jobs_that_cannot_be_done_leave_nothing() {
         assert_eq!(names(dir.path()), ["file", "folder.gif"], "{message}");
         message
     };
-    let keep: fn(&mut Job) = |_| {};
+    let keep: fn(&mut EncodeJob) = |_| {};
     assert!(bad(&["new/f.png"], keep).contains("new/f_####.png"));
     assert!(bad(&["new/f.exr"], keep).contains("new/f_####.exr"));
     assert!(bad(&["new/f_#.png", "new/f_%d.png"], keep).contains("two outputs would write"));
@@ -146,7 +149,7 @@ fn jobs_that_cannot_be_done_leave_nothing() {
     assert!(bad(&["new/a.gif", "file/in/f_#.png"], keep).contains("file is a file; name a folder there"));
     assert!(bad(&["new/a.gif"], |job| job.size.1 = 65_536).contains("a GIF ends at 65535x65535"));
     assert!(bad(&["new/a.gif"], |job| job.frames.clear()).contains("nothing to write"));
-    let slow = |job: &mut Job| job.rate = Rate::new(1, 10_000_000).expect("a rate");
+    let slow = |job: &mut EncodeJob| job.rate = Rate::new(1, 10_000_000).expect("a rate");
     assert!(bad(&["new/a.gif"], slow).contains("100 days"));
 }
 
@@ -181,7 +184,7 @@ fn an_error_in_the_middle_comes_early_and_leaves_no_temporary() {
     assert!(error.to_string().contains("f_3.png"), "{error}");
     assert!(matches!(encoder.push(99, film(99)), Err(EncodeError::Films(_) | EncodeError::Stopped(None))));
     assert!(matches!(encoder.finish(), Err(EncodeError::Stopped(None))));
-    // Frames after it may be there: several are stored together.
+    // Later frames may exist, because several files are committed at the same time.
     let names = names(dir.path());
     assert_eq!(names[..4], ["f_0.png", "f_1.png", "f_2.png", "f_3.png"]);
     assert!(names.iter().all(|name| name.starts_with("f_")), "{names:?}");
@@ -217,18 +220,18 @@ fn films_must_be_those_announced() {
     let dir = tempfile::tempdir().expect("a folder");
     let mut encoder = start(job(&[within(&dir, "f_#.png")], &[5, 6])).expect("started");
     let order = encoder.push(6, film(6)).expect_err("not its turn").to_string();
-    assert_eq!(order, "frame 6 came where frame 5 was to come");
+    assert_eq!(order, "received frame 6 instead of frame 5");
     let size = encoder.push(5, Film::new(1, 1, vec![Rgb::ONE])).expect_err("too small").to_string();
     assert_eq!(size, "frame 5 has 1x1 pixels instead of 6x4");
     encoder.push(5, film(5)).expect("taken");
-    assert_eq!(encoder.finish().expect_err("too early").to_string(), "only 1 of 2 frames came");
+    assert_eq!(encoder.finish().expect_err("too early").to_string(), "received only 1 of 2 frames");
 }
 
 #[test]
-fn notes_tell_of_dropped_frames_and_of_pixels_that_are_not_numbers() {
+fn notes_report_dropped_frames_and_nan_pixels() {
     let dir = tempfile::tempdir().expect("a folder");
     let frames: Vec<u32> = (0..60).collect();
-    let job = Job { rate: Rate::new(60, 1).expect("a rate"), ..job(&[within(&dir, "a.gif")], &frames) };
+    let job = EncodeJob { rate: Rate::new(60, 1).expect("a rate"), ..job(&[within(&dir, "a.gif")], &frames) };
     let mut encoder = start(job).expect("started");
     for frame in 0..60 {
         let mut film = film(frame);

@@ -1,22 +1,22 @@
-//! The curves from linear radiance to displayed values.
+//! Tone mapping curves.
 
 use crate::base::color::{Rgb, linear_to_srgb};
 
-/// From linear radiance to displayed values.
+/// A curve from linear radiance to display values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tonemap {
-    /// Clip at 1 and encode with the sRGB transfer.
+    /// Clip at 1 and encode with the sRGB transfer function.
     #[default]
     Srgb,
     /// Clip at 1 and display linear values as they are.
     None,
-    /// Scale every pixel so that its luminance L becomes L / (1 + L), then as [`Tonemap::Srgb`]. No white is
-    /// too bright and hues hold, but for saturated colours, which still clip (Reinhard, Stark, Shirley,
-    /// Ferwerda, *Photographic Tone Reproduction for Digital Images*, 2002, equation 3).
+    /// Scale every pixel so that its luminance L becomes L / (1 + L), then encode like [`Tonemap::Srgb`]. White never
+    /// clips and hues are preserved, except that saturated colours still clip (Reinhard, Stark, Shirley, Ferwerda,
+    /// *Photographic Tone Reproduction for Digital Images*, 2002, equation 3).
     Reinhard,
-    /// The S-shaped curve of film on each channel, then as [`Tonemap::Srgb`]: deeper shadows, highlights
-    /// that roll off and pale. The fit of Narkowicz, *ACES Filmic Tone Mapping Curve*, 2015; radiance 1 shows
-    /// as 0.80, 7.25 as white.
+    /// An S-shaped film curve on each channel, then encode like [`Tonemap::Srgb`]. Shadows become deeper, and
+    /// highlights roll off and desaturate. The fit is from Narkowicz, *ACES Filmic Tone Mapping Curve*, 2015. It maps
+    /// radiance 1 to 0.80 and radiance 7.25 to white.
     Filmic,
 }
 
@@ -24,17 +24,16 @@ pub enum Tonemap {
 const LUMINANCE: Rgb = Rgb::new(0.2126, 0.7152, 0.0722);
 
 impl Tonemap {
-    /// All of them with the names that users write.
+    /// All curves with the names that users write.
     pub const NAMED: [(&'static str, Self); 4] =
         [("Srgb", Self::Srgb), ("None", Self::None), ("Reinhard", Self::Reinhard), ("Filmic", Self::Filmic)];
 
-    /// Whether colours pass through [`compressed`] before each channel is [`Tonemap::displayed`].
+    /// Whether colours pass through [`compressed`] before [`Tonemap::displayed`] maps each channel.
     pub(super) fn compresses(self) -> bool {
         self == Self::Reinhard
     }
 
-    /// The displayed value of one linear channel of 0 or more; 1 is the brightest there is. Never falls as
-    /// `linear` rises.
+    /// The display value of one linear channel of 0 or more, at most 1. It never decreases as `linear` increases.
     pub(super) fn displayed(self, linear: f64) -> f64 {
         let displayed = match self {
             Self::Srgb | Self::Reinhard => linear_to_srgb(linear),
@@ -45,13 +44,13 @@ impl Tonemap {
     }
 }
 
-/// Displayed linear light of scene radiance (Narkowicz 2015).
+/// The linear display value of scene radiance (Narkowicz 2015).
 fn filmic(x: f64) -> f64 {
     x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)
 }
 
-/// The colour scaled so that its luminance L becomes L / (1 + L). What is negative or no number counts as 0,
-/// as it displays; infinity is the largest f32.
+/// Scales a colour so that its luminance L becomes L / (1 + L). Negative components and NaN count as 0, because they
+/// display as 0. Infinity counts as the largest f32.
 pub(super) fn compressed(color: [f32; 3]) -> [f32; 3] {
     let color = Rgb::from_array(color.map(|c| if c > 0.0 { c.min(f32::MAX) } else { 0.0 }));
     (color / (1.0 + color.dot(LUMINANCE))).to_array()
@@ -72,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_colour_is_compressed_to_one() {
+    fn invalid_colours_are_compressed_to_valid_ones() {
         assert_eq!(compressed([f32::NAN, -1.0, 0.0]), [0.0; 3]);
         assert!(compressed([f32::INFINITY, 1.0, 0.0])[0] > 1.0);
         assert!(compressed([f32::INFINITY; 3])[0] > 0.999);

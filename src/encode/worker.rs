@@ -1,23 +1,25 @@
-//! The encoding thread's work: one film after the other, then the animations.
+//! The encoding thread: writes one film after the other, then the animations.
 
-use super::about::Shown;
 use super::animations::Animations;
-use super::atomic::{NewFolders, part_of};
-use super::claim::Claim;
+use super::atomic::{AtomicFile, part_of};
 use super::commits::Commits;
-use super::develop::{ToneTable, develop_deep};
+use super::develop::ToneTable;
 use super::error::EncodeError;
-use super::job::Job;
-use super::output::{Output, Still, Streamed};
+use super::frame_bytes::{DevelopedFrame, identity, metadata, still, without_alpha};
+use super::info::FrameInfo;
+use super::job::EncodeJob;
+use super::lease::Lease;
+use super::message::Message;
+use super::metadata::find_noise;
+use super::new_folders::NewFolders;
+use super::output::{Output, StillFormat, StreamFormat};
 use super::pattern::FramePattern;
-use super::picture::Picture;
-use super::record::{self, Text};
+use super::report::Report;
 use super::store::Store;
-use super::{Message, Report, exr, holding, jpeg, png, ppm};
+use super::{exr, png};
 use crate::base::cancel::Stop;
-use crate::base::digest::Digest;
 use crate::base::escape;
-use crate::base::machine::thread_time;
+use crate::base::machine::thread_cpu_time;
 use crate::base::units::counted;
 use crate::film::Film;
 use rayon::ThreadPool;
@@ -30,43 +32,32 @@ use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
 pub struct Worker {
-    job: Arc<Job>,
+    job: Arc<EncodeJob>,
     pool: Arc<ThreadPool>,
     table: ToneTable,
-    /// None once they are finished.
+    /// None after they are finished.
     animations: Option<Animations>,
     commits: Commits,
     report: Report,
-    /// Films that were written, and those of them that a stopped run has not finished.
+    /// Number of films written, and how many of them are unfinished because the run was stopped.
     done: usize,
     unfinished: usize,
-    /// Ends waiting for who reads a pipe.
+    /// Ends the wait for a pipe's reader.
     stop: Stop,
-    /// Nanoseconds on a processor so far.
+    /// Nanoseconds of processor time so far.
     cpu: Arc<AtomicU64>,
-    /// The first frame with pixels that are not numbers.
+    /// The first frame with a NaN pixel.
     first_nan: Option<u32>,
-    /// Numbers that were too large for the floats of EXR files, and the first frame with any.
+    /// Number of values that exceeded the half floats of EXR files, and the first frame with such a value.
     clipped: u64,
     first_clipped: Option<u32>,
-    /// Last, so that what lies in the folders has vanished when they are looked at.
+    /// The last field, so that it is dropped after the temporary files in the folders are removed.
     folders: NewFolders,
 }
 
-/// A frame as it is written.
-struct Developed<'a> {
-    /// Its place in the job's list.
-    index: usize,
-    shown: Shown<'a>,
-    film: &'a Film,
-    picture: &'a Picture,
-    /// The picture without alpha.
-    matte: &'a Picture,
-}
-
 impl Worker {
-    /// Checks the job and prepares all places. Nothing stays behind if this fails.
-    pub fn new(job: Arc<Job>, pool: Arc<ThreadPool>, stop: &Stop) -> Result<Self, EncodeError> {
+    /// Checks the job and prepares its folders. If this fails, new folders are removed.
+    pub fn new(job: Arc<EncodeJob>, pool: Arc<ThreadPool>, stop: &Stop) -> Result<Self, EncodeError> {
         job.check()?;
         let folders = job.prepare_folders()?;
         let animations = Some(Animations::start(&job, own_store(&job), &pool, stop)?);
@@ -90,24 +81,24 @@ impl Worker {
         })
     }
 
-    /// Where the time is told that it has worked.
+    /// The counter of its processor time in nanoseconds.
     pub fn cpu(&self) -> Arc<AtomicU64> {
         Arc::clone(&self.cpu)
     }
 
-    /// Adds notes to what the user should know.
-    pub fn tell(&mut self, notes: Vec<String>) {
+    /// Adds notes to the report.
+    pub fn add_notes(&mut self, notes: Vec<String>) {
         self.report.notes.extend(notes);
     }
 
-    /// Works until all is written. If the other side leaves without a word, nothing more is.
+    /// Runs until everything is written. If the encoder is dropped, the thread stops with an error.
     pub fn run(mut self, messages: Receiver<Message>) -> Result<Report, EncodeError> {
         loop {
             let message = messages.recv();
             let start = Instant::now();
             match message {
-                Ok(Message::Film(place, film, claim)) => self.next_film(place, film, claim.as_ref())?,
-                Ok(Message::Kept(place)) => self.kept(place)?,
+                Ok(Message::Film(index, film, lease)) => self.next_film(index, film, lease.as_ref())?,
+                Ok(Message::Kept(index)) => self.kept(index)?,
                 Ok(Message::Finish) => {
                     self.finish()?;
                     self.report.busy += start.elapsed();
@@ -121,13 +112,13 @@ impl Worker {
             }
             self.report.busy += start.elapsed();
             let others = self.animations.as_ref().map_or(0.0, Animations::cpu);
-            self.cpu.store(((thread_time().unwrap_or(0.0) + others) * 1e9) as u64, Relaxed);
+            self.cpu.store(((thread_cpu_time().unwrap_or(0.0) + others) * 1e9) as u64, Relaxed);
         }
     }
 
-    /// Writes a film. If that is interrupted, the error says how many films were finished before.
-    fn next_film(&mut self, index: usize, film: Film, claim: Option<&Arc<Claim>>) -> Result<(), EncodeError> {
-        self.film(index, film, claim).map_err(|error| match error {
+    /// Writes a film. If this is interrupted, the error gives the number of films that were finished before.
+    fn next_film(&mut self, index: usize, film: Film, lease: Option<&Arc<Lease>>) -> Result<(), EncodeError> {
+        self.film(index, film, lease).map_err(|error| match error {
             EncodeError::Interrupted { signal, .. } => EncodeError::Interrupted { signal, done: self.done },
             error => error,
         })?;
@@ -135,10 +126,10 @@ impl Worker {
         Ok(())
     }
 
-    fn film(&mut self, index: usize, film: Film, claim: Option<&Arc<Claim>>) -> Result<(), EncodeError> {
+    fn film(&mut self, index: usize, film: Film, lease: Option<&Arc<Lease>>) -> Result<(), EncodeError> {
         let job = Arc::clone(&self.job);
         let frame = job.frames[index];
-        let shown = Shown { about: &job.about, frame, rate: job.rate };
+        let info = FrameInfo { sequence: &job.info, frame, rate: job.rate };
         self.report.noise.extend(film.noise.map(|noise| (frame, noise)));
         let (mut picture, nan_pixels) = self.table.develop(&film);
         self.report.nan_pixels += nan_pixels;
@@ -146,25 +137,25 @@ impl Worker {
             self.first_nan.get_or_insert(frame);
         }
         if let Some(caption) = &job.caption {
-            caption.draw(&mut picture, &shown);
+            caption.draw(&mut picture, &info);
         }
         let over = picture.alpha.is_some().then(|| picture.over(job.matte));
         let matte = over.as_ref().unwrap_or(&picture);
-        let developed = Developed { index, shown, film: &film, picture: &picture, matte };
+        let developed = DevelopedFrame { index, info, film: &film, picture: &picture, matte };
         for output in &job.outputs {
             if film.unfinished && output.is_stream() {
                 continue;
             }
             let path = if film.unfinished { part_of(&output.path(frame)) } else { output.path(frame) };
-            if let Output::Stills(Still::Exr, _) = output {
-                self.exr(&path, &developed, claim)?;
+            if let Output::Stills(StillFormat::Exr, _) = output {
+                self.exr(&path, &developed, lease)?;
             } else if let Some(bytes) = still(&job, output, &developed) {
-                self.put(&path, output, bytes, claim)?;
+                self.put(&path, output, bytes, lease)?;
             }
         }
         self.unfinished += usize::from(film.unfinished);
         match &mut self.animations {
-            // Those that are made of PNGs have only whole ones.
+            // Animations that can be made from PNGs later contain only finished frames.
             Some(animations) if !(film.unfinished && job.source().is_some()) => {
                 animations.push(&picture, matte)
             }
@@ -172,29 +163,30 @@ impl Worker {
         }
     }
 
-    /// Makes of a frame that is there what is not.
+    /// Makes the missing files of a kept frame from its PNG.
     fn kept(&mut self, index: usize) -> Result<(), EncodeError> {
         let job = Arc::clone(&self.job);
         let frame = job.frames[index];
         self.report.kept += 1;
-        if job.about.noise.is_some() {
-            self.report.noise.extend(
-                job.told(frame).find_map(|told| record::told_error(&told)).map(|noise| (frame, noise)),
-            );
+        if job.info.noise.is_some() {
+            let noise = job.stored_metadata(frame).find_map(|entries| find_noise(&entries));
+            self.report.noise.extend(noise.map(|noise| (frame, noise)));
         }
-        let silent = |output: &&Output| !job.is_said(output);
-        let (Some(pattern), Some(_)) = (job.source(), job.outputs.iter().find(silent)) else { return Ok(()) };
+        let unidentified = |output: &&Output| !job.has_identity(output);
+        let (Some(pattern), Some(_)) = (job.source(), job.outputs.iter().find(unidentified)) else {
+            return Ok(());
+        };
         let path = pattern.path(frame);
         let picture = png::read(&path)?;
         if (picture.width, picture.height) != job.size {
-            let reason = io::Error::new(io::ErrorKind::InvalidData, "it has another size by now");
+            let reason = io::Error::new(io::ErrorKind::InvalidData, "its size has changed");
             return Err(EncodeError::read(path, reason));
         }
         let matte = picture.over(job.matte);
-        for output in job.outputs.iter().filter(silent) {
+        for output in job.outputs.iter().filter(unidentified) {
             let bytes = match output {
-                // As it is there.
-                Output::Stream(Streamed::Png) => Some(fs::read(pattern.path(frame))),
+                // The stored file, unchanged.
+                Output::Stream(StreamFormat::Png) => Some(fs::read(pattern.path(frame))),
                 _ => without_alpha(&job, output, &matte),
             };
             if let Some(bytes) = bytes {
@@ -207,33 +199,40 @@ impl Worker {
         }
     }
 
-    /// Puts a frame's bytes where the output says: aside, or on the standard output.
+    /// Writes a frame's bytes to its file or to the standard output.
     fn put(
         &mut self,
         path: &Path,
         output: &Output,
         bytes: io::Result<Vec<u8>>,
-        claim: Option<&Arc<Claim>>,
+        lease: Option<&Arc<Lease>>,
     ) -> Result<(), EncodeError> {
         if !output.is_stream() {
-            return self.commits.push(holding(path, bytes, &self.stop)?, claim.cloned());
+            return self.commits.push(AtomicFile::with_encoded(path, bytes, &self.stop)?, lease.cloned());
         }
         let mut stdout = io::stdout().lock();
         let put = bytes.and_then(|bytes| stdout.write_all(&bytes)).and_then(|()| stdout.flush());
         put.map_err(|error| EncodeError::write("the standard output", error))
     }
 
-    /// Writes a frame's EXR file aside, and counts what its floats cannot hold.
-    fn exr(&mut self, path: &Path, frame: &Developed, claim: Option<&Arc<Claim>>) -> Result<(), EncodeError> {
+    /// Writes a frame's EXR file and counts the values that its floats cannot hold.
+    fn exr(
+        &mut self,
+        path: &Path,
+        frame: &DevelopedFrame,
+        lease: Option<&Arc<Lease>>,
+    ) -> Result<(), EncodeError> {
         let job = Arc::clone(&self.job);
-        let words =
-            exr::Words { identity: identity(&job, Still::Exr, frame), texts: texts(&job, Still::Exr, frame) };
-        let (file, clipped) = exr::write(path, frame.film, job.formats.exr, &job.about.layers, &words)?;
+        let metadata = exr::ExrMetadata {
+            identity: identity(&job, StillFormat::Exr, frame),
+            entries: metadata(&job, StillFormat::Exr, frame),
+        };
+        let (file, clipped) = exr::write(path, frame.film, job.formats.exr, &job.info.layers, &metadata)?;
         self.clipped += clipped;
         if clipped > 0 {
-            self.first_clipped.get_or_insert(frame.shown.frame);
+            self.first_clipped.get_or_insert(frame.info.frame);
         }
-        self.commits.push(file, claim.cloned())
+        self.commits.push(file, lease.cloned())
     }
 
     fn finish(&mut self) -> Result<(), EncodeError> {
@@ -241,19 +240,19 @@ impl Worker {
         if let Some(animations) = self.animations.take() {
             self.report.notes.extend(animations.finish(&self.job, &self.pool)?);
         }
-        self.note();
+        self.note_bad_values();
         self.report.files = self.job.outputs.iter().map(|output| output.name().to_owned()).collect();
         self.report.notes.extend(self.job.outputs.iter().filter_map(left_parts));
         self.folders.keep();
         Ok(())
     }
 
-    /// Closes what there is.
+    /// Closes the animations with the frames so far.
     fn stop(&mut self) -> Result<(), EncodeError> {
         self.commits.wait()?;
         let Some(animations) = self.animations.take() else { return Ok(()) };
         if animations.is_empty() && self.unfinished == 0 {
-            // Nothing was written, and the folders go as they came.
+            // Nothing was written, so new folders are removed.
             return Ok(());
         }
         let stills = self.job.outputs.iter().filter(|output| !output.is_animation());
@@ -272,87 +271,42 @@ impl Worker {
         Ok(())
     }
 
-    fn note(&mut self) {
+    /// Notes NaN pixels and clipped values.
+    fn note_bad_values(&mut self) {
         if let Some(first) = self.first_nan {
             let pixels = self.report.nan_pixels;
-            let kept = self.job.outputs.iter().any(|output| matches!(output, Output::Stills(Still::Exr, _)));
+            let kept =
+                self.job.outputs.iter().any(|output| matches!(output, Output::Stills(StillFormat::Exr, _)));
             let kept = if kept { "; EXR files keep them" } else { "" };
             self.report.notes.push(format!(
-                "{pixels} pixels were not numbers and are shown as 0, the first in frame {first}{kept}"
+                "{pixels} pixels are NaN and are shown as 0, the first in frame {first}{kept}"
             ));
         }
         if let Some(first) = self.first_clipped {
             let numbers = counted(self.clipped, "number");
             self.report.notes.push(format!(
-                "{numbers} above 65504, the most that EXR files of `precision: Half` hold, are written as that, the first \
+                "{numbers} above 65504, the maximum of `precision: Half`, are written as 65504 to EXR files, the first \
                  in frame {first}; `precision: Float` keeps them"
             ));
         }
     }
 }
 
-/// Tells of unfinished frames that an earlier run has left. They may be wanted, and stay.
+/// A note about unfinished frames of an earlier run. They stay, because the user may want them.
 fn left_parts(output: &Output) -> Option<String> {
     let parts = FramePattern::parse(part_of(output.pattern()?.name())).ok()?;
-    let there = if parts.has_place() { !parts.numbers().ok()?.is_empty() } else { parts.name().is_file() };
+    let there =
+        if parts.has_placeholder() { !parts.numbers().ok()?.is_empty() } else { parts.name().is_file() };
     there.then(|| {
-        format!("{} holds unfinished frames of an earlier run, and may go", escape::path(parts.name()))
+        format!("{} holds unfinished frames of an earlier run and can be deleted", escape::path(parts.name()))
     })
 }
 
-/// What a frame is known again by; nothing if it is not what it should become.
-fn identity(job: &Job, format: Still, frame: &Developed) -> Option<Digest> {
-    job.identity(format, frame.index).filter(|_| !frame.film.unfinished)
-}
-
-/// What a frame's own file tells in words.
-fn texts(job: &Job, format: Still, frame: &Developed) -> Vec<Text> {
-    if !job.tells(format) {
-        return Vec::new();
-    }
-    let mut texts = record::facts(&frame.shown, job.seen.get(frame.index));
-    texts.extend(frame.film.noise.as_ref().map(record::error));
-    texts
-}
-
-/// The bytes of a frame's own file; none of EXR, which is not made as a whole, and of what holds several frames.
-fn still(job: &Job, output: &Output, frame: &Developed) -> Option<io::Result<Vec<u8>>> {
-    match output {
-        Output::Stills(Still::Png, _) | Output::Stream(Streamed::Png) => Some(png_bytes(job, frame)),
-        _ => without_alpha(job, output, frame.matte),
-    }
-}
-
-fn png_bytes(job: &Job, frame: &Developed) -> io::Result<Vec<u8>> {
-    let (texts, identity) = (texts(job, Still::Png, frame), identity(job, Still::Png, frame));
-    if !job.formats.png.deep {
-        return png::sealed(frame.picture, texts, identity);
-    }
-    let mut deep = develop_deep(job.tonemap, frame.film);
-    if let Some(caption) = &job.caption {
-        caption.draw(&mut deep, &frame.shown);
-    }
-    png::sealed(&deep, texts, identity)
-}
-
-/// The bytes of a picture in a format without alpha that holds one.
-fn without_alpha(job: &Job, output: &Output, matte: &Picture) -> Option<io::Result<Vec<u8>>> {
-    let ascii = job.formats.ppm.ascii;
-    match output {
-        Output::Stills(Still::Jpeg, _) => Some(jpeg::encode(matte, job.formats.jpeg.quality)),
-        Output::Stills(Still::Ppm, _) | Output::Stream(Streamed::Ppm) => Some(ppm::encode(matte, ascii)),
-        Output::Stream(Streamed::AsciiPpm) => Some(ppm::encode(matte, true)),
-        Output::Stills(Still::Png | Still::Exr, _)
-        | Output::Stream(Streamed::Png | Streamed::Y4m)
-        | Output::Movie(..) => None,
-    }
-}
-
-/// The run's own files, if they hold what GIFs show: pictures of 8 bits without alpha or loss.
-fn own_store(job: &Job) -> Option<Store> {
+/// The run's own PNG files as the store of GIF frames. They can serve if they have 8 bits per channel and no alpha.
+fn own_store(job: &EncodeJob) -> Option<Store> {
     let plain = !job.formats.png.deep && !job.transparent;
     job.outputs.iter().filter(|_| plain).find_map(|output| match output {
-        Output::Stills(Still::Png, pattern) => {
+        Output::Stills(StillFormat::Png, pattern) => {
             Some(Store::Own { pattern: pattern.clone(), frames: job.frames.clone() })
         }
         _ => None,

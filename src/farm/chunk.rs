@@ -1,55 +1,57 @@
-//! Frames into chunks of about the same work, none of which traces what another does.
+//! Divides frames into chunks of similar cost. No film is traced in two chunks.
 //!
-//! Frames that are made of one film stay together, as one of them has to trace it and the others cost next to nothing.
-//! So films are handed out, not frames; and a chunk is as many films as take about as long as any other chunk.
+//! Frames that share a film stay together: the first of them traces it, and the others cost almost nothing. So chunks
+//! consist of films, not of frames.
 
-use crate::film::Extras;
-use crate::pipeline::plan::{Effort, Plan, work};
+use crate::film::AovSet;
+use crate::pipeline::plan::{PilotBudget, Plan, cost_estimate};
 use crate::sequence::Sequence;
 use std::ops::Range;
 
-/// Films that take about as long as each other, in chunks of as many each.
+/// Films of similar cost, in chunks of equally many films.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Class {
-    /// Films of a chunk; the last ones may have one less.
-    pub films: usize,
+pub struct CostClass {
+    /// Films in each chunk. The last chunks may have one less.
+    pub films_per_chunk: usize,
     pub chunks: Vec<Chunk>,
 }
 
-/// What one task renders.
+/// The frames that one task renders.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chunk {
     /// The first frame of each of its films, ascending.
-    pub leads: Vec<u32>,
-    /// All frames that are made of its films, ascending.
+    pub first_frames: Vec<u32>,
+    /// All frames of its films, ascending.
     pub frames: Vec<u32>,
-    /// Rays that it is expected to trace, with what writing its pictures costs as so many rays.
+    /// The expected cost in rays. Writing pictures counts as [`RAYS_PER_WRITTEN_PIXEL`].
     pub work: f64,
 }
 
-/// The films of a sequence, with the frames of each and its work.
+/// The frames and the work of each film of a sequence.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Films(Vec<(Vec<u32>, f64)>);
+pub struct FilmCosts(Vec<(Vec<u32>, f64)>);
 
-/// Rays that take as long as a pixel of a frame which is developed, compressed and written.
-pub(super) const WRITE: f64 = 0.125;
+/// The time to develop, compress and write one pixel of a frame, in rays.
+pub(super) const RAYS_PER_WRITTEN_PIXEL: f64 = 0.125;
 
-/// Work that is worth a task of its own: about a second of one processor, some ten times what it takes to start one.
-const WORTH: f64 = (1 << 22) as f64;
+/// The least work of a task, in rays: about a second of one processor, ten times the start of a task.
+const MIN_WORK: f64 = (1 << 22) as f64;
 
-/// Tasks at most, unless more are asked for: what Slurm lets an array have if nobody has changed it.
-const MOST: usize = 1000;
+/// The largest number of tasks unless the user sets another: the default limit of Slurm for an array.
+const MAX_TASKS: usize = 1000;
 
-impl Films {
-    /// The films of these frames if there is room for all of them, however many machines share the work.
-    pub fn of(sequence: &Sequence, frames: &[u32], extras: Extras) -> Self {
+impl FilmCosts {
+    /// The films of these frames, if memory holds all films. The number of machines makes no difference.
+    pub fn of(sequence: &Sequence, frames: &[u32], extras: AovSet) -> Self {
         let plan = Plan::new(sequence, frames, extras, u64::MAX);
-        let write = plan.room.pixels as f64 * WRITE;
-        let films = plan.takes.iter().zip(work(sequence, &plan, Effort::PLAN).films).map(|(take, rays)| {
-            let frames: Vec<u32> = take.frames.iter().map(|&index| frames[index]).collect();
-            let work = rays + write * frames.len() as f64;
-            (frames, work)
-        });
+        let write = plan.cache.pixels as f64 * RAYS_PER_WRITTEN_PIXEL;
+        let films = plan.films.iter().zip(cost_estimate(sequence, &plan, PilotBudget::PLAN).films).map(
+            |(take, rays)| {
+                let frames: Vec<u32> = take.frames.iter().map(|&index| frames[index]).collect();
+                let work = rays + write * frames.len() as f64;
+                (frames, work)
+            },
+        );
         Self(films.collect())
     }
 
@@ -58,17 +60,17 @@ impl Films {
     }
 }
 
-/// Films in about `wanted` chunks, or as many as are worth a task.
-pub fn classes(films: &Films, wanted: Option<usize>) -> Vec<Class> {
-    let worth = (films.total() / WORTH).ceil() as usize;
-    let wanted = wanted.unwrap_or(worth.min(MOST)).max(1);
+/// Divides films into about `wanted` chunks; by default into chunks of at least [`MIN_WORK`].
+pub fn cost_classes(films: &FilmCosts, wanted: Option<usize>) -> Vec<CostClass> {
+    let affordable = (films.total() / MIN_WORK).ceil() as usize;
+    let wanted = wanted.unwrap_or(affordable.min(MAX_TASKS)).max(1);
     let target = films.total() / wanted as f64;
-    alike(films).iter().map(|class| divided(films, class, target)).collect()
+    grouped_by_cost(films).iter().map(|class| divided(films, class, target)).collect()
 }
 
-/// The films by their work, those that take longest first; in one class none takes twice as long as another. In each
-/// class they are in the order of their first frames.
-fn alike(films: &Films) -> Vec<Vec<usize>> {
+/// Groups films by their work, most expensive first. No film of a group costs twice as much as another. Each group is
+/// in the order of the first frames.
+fn grouped_by_cost(films: &FilmCosts) -> Vec<Vec<usize>> {
     let work = |index: usize| films.0[index].1;
     let mut order: Vec<usize> = (0..films.0.len()).collect();
     order.sort_by(|&a, &b| work(b).total_cmp(&work(a)));
@@ -83,28 +85,28 @@ fn alike(films: &Films) -> Vec<Vec<usize>> {
     classes
 }
 
-/// A class in chunks of about this work.
-fn divided(films: &Films, class: &[usize], target: f64) -> Class {
+/// Divides a group of films into chunks of about this work.
+fn divided(films: &FilmCosts, class: &[usize], target: f64) -> CostClass {
     let total: f64 = class.iter().map(|&index| films.0[index].1).sum();
     let count = ((total / target).round() as usize).clamp(1, class.len());
-    // As engines divide a list that they are told how many of to take.
-    let films_each = class.len().div_ceil(count);
-    let chunks = even(class.len(), class.len().div_ceil(films_each)).map(|range| {
-        let mut chunk = Chunk { leads: Vec::new(), frames: Vec::new(), work: 0.0 };
+    // Engines divide a list in the same way, given the number of films in a chunk.
+    let films_per_chunk = class.len().div_ceil(count);
+    let chunks = even_ranges(class.len(), class.len().div_ceil(films_per_chunk)).map(|range| {
+        let mut chunk = Chunk { first_frames: Vec::new(), frames: Vec::new(), work: 0.0 };
         for (frames, work) in class[range].iter().map(|&index| &films.0[index]) {
-            chunk.leads.extend(frames.first());
+            chunk.first_frames.extend(frames.first());
             chunk.frames.extend(frames);
             chunk.work += work;
         }
         chunk.frames.sort_unstable();
         chunk
     });
-    Class { films: films_each, chunks: chunks.collect() }
+    CostClass { films_per_chunk, chunks: chunks.collect() }
 }
 
-/// So many things in parts that differ by one at most.
-fn even(things: usize, parts: usize) -> impl Iterator<Item = Range<usize>> {
-    (0..parts).map(move |part| part * things / parts..(part + 1) * things / parts)
+/// Divides `0..count` into ranges whose lengths differ by at most 1.
+fn even_ranges(count: usize, parts: usize) -> impl Iterator<Item = Range<usize>> {
+    (0..parts).map(move |part| part * count / parts..(part + 1) * count / parts)
 }
 
 #[cfg(test)]
@@ -112,11 +114,13 @@ mod tests {
     use super::*;
     use crate::sequence::parse;
 
-    /// The frames of chunks of films with so much work.
+    /// The films per chunk and the frames of the chunks of each class, for films with these frames and this work.
     fn chunks(films: &[(&[u32], f64)], wanted: usize) -> Vec<(usize, Vec<Vec<u32>>)> {
-        let films = Films(films.iter().map(|(frames, work)| (frames.to_vec(), *work)).collect());
-        let told = |class: Class| (class.films, class.chunks.into_iter().map(|chunk| chunk.frames).collect());
-        classes(&films, Some(wanted)).into_iter().map(told).collect()
+        let films = FilmCosts(films.iter().map(|(frames, work)| (frames.to_vec(), *work)).collect());
+        let frames = |class: CostClass| {
+            (class.films_per_chunk, class.chunks.into_iter().map(|chunk| chunk.frames).collect())
+        };
+        cost_classes(&films, Some(wanted)).into_iter().map(frames).collect()
     }
 
     #[test]
@@ -128,23 +132,23 @@ mod tests {
     }
 
     #[test]
-    fn films_that_take_longest_come_first_and_fewer_at_a_time() {
+    fn expensive_films_come_first_in_smaller_chunks() {
         let films: [(&[u32], f64); 6] =
             [(&[0], 10.0), (&[1], 9.0), (&[2], 80.0), (&[3], 11.0), (&[4], 70.0), (&[5], 10.0)];
         let expected = [(1, vec![vec![2], vec![4]]), (4, vec![vec![0, 1, 3, 5]])];
         assert_eq!(chunks(&films, 3), expected);
     }
 
-    /// Every frame once, whatever is asked for; and no chunk that takes more than twice its share without need.
+    /// Every frame is in one chunk for any number of chunks, and no chunk has far more work than its share.
     #[test]
     fn every_frame_is_in_one_chunk() {
         for (count, wanted) in [(1u32, 1usize), (7, 3), (96, 10), (97, 1000), (5, 2)] {
             let films: Vec<(Vec<u32>, f64)> =
                 (0..count).map(|frame| (vec![frame], f64::from(1 + frame * 7919 % 13))).collect();
             let most = films.iter().map(|(_, work)| *work).fold(0.0, f64::max);
-            let films = Films(films);
+            let films = FilmCosts(films);
             let share = films.total() / wanted as f64;
-            let classes = classes(&films, Some(wanted));
+            let classes = cost_classes(&films, Some(wanted));
             let mut frames: Vec<u32> = Vec::new();
             for chunk in classes.iter().flat_map(|class| &class.chunks) {
                 assert!(chunk.work <= most.max(3.0 * share), "{chunk:?}, {share}");
@@ -156,11 +160,11 @@ mod tests {
     }
 
     #[test]
-    fn a_light_show_is_one_film_and_a_loop_has_as_many_as_a_round() {
+    fn a_light_show_is_one_film_and_a_loop_has_the_films_of_one_round() {
         let films = |text: &str| {
             let sequence = parse("a.ron", text).expect("a sequence");
             let frames: Vec<u32> = (0..sequence.timeline.frames).collect();
-            Films::of(&sequence, &frames, Extras::default()).0
+            FilmCosts::of(&sequence, &frames, AovSet::default()).0
         };
         let show = films(
             r#"(timeline: (frames: 8, keys: Frames), output: (size: (8, 6)),
@@ -175,6 +179,6 @@ mod tests {
         );
         let frames: Vec<_> = turn.iter().map(|(frames, _)| frames.clone()).collect();
         assert_eq!(frames, [[0, 4], [1, 5], [2, 6], [3, 7]]);
-        assert!(turn.iter().all(|(_, work)| *work >= 48.0 + 2.0 * 48.0 * WRITE));
+        assert!(turn.iter().all(|(_, work)| *work >= 48.0 + 2.0 * 48.0 * RAYS_PER_WRITTEN_PIXEL));
     }
 }

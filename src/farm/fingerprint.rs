@@ -1,7 +1,7 @@
-//! What a job was exported with: the version, and the contents of the sequence's file and of all files that it reads.
+//! The version of Kinora and the contents of all input files of a job.
 //!
-//! Frames of one job are made at different times on different machines. They fit together if each of them was made by
-//! the same version of the same files; so every task looks before it begins.
+//! The frames of a job are rendered at different times on different machines. They fit together only if the same
+//! version renders them from the same files. So every task compares fingerprints before it starts.
 
 use crate::base::digest::{Digest, Digester};
 use crate::base::escape;
@@ -10,27 +10,28 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// Told as `0.1.0:6f1b0c9e24aa:…`: the version, then twelve digits of each file's digest, the sequence's own first.
+/// Written as `0.1.0:6f1b0c9e24aa:…`: the version, then twelve digits of each file's digest. The sequence's file is
+/// first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fingerprint {
     version: String,
     files: Vec<(PathBuf, String)>,
 }
 
-/// This one.
+/// The version of this program.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Digits of a file's digest: changes are found, unless 2⁴⁸ files are tried to hide one.
+/// Digits of a file's digest: 48 bits, so that a changed file goes unnoticed with a probability of 2⁻⁴⁸.
 const DIGITS: usize = 12;
 
-/// Bytes that are read at once.
+/// Bytes of one read.
 const BLOCK: usize = 1 << 20;
 
 impl Fingerprint {
-    /// Of a sequence's file and the files that it reads, in an order that is the same on every machine.
+    /// Reads a sequence's file and the files that it names. Their order must be the same on every machine.
     ///
     /// # Errors
-    /// The file that cannot be read.
+    /// The path of the file that cannot be read, and why.
     pub fn of(sequence: &Path, assets: &[PathBuf]) -> Result<Self, (PathBuf, io::Error)> {
         let files = std::iter::once(sequence).chain(assets.iter().map(PathBuf::as_path));
         let digests = files.map(|path| match digest(path) {
@@ -40,37 +41,38 @@ impl Fingerprint {
         Ok(Self { version: VERSION.to_owned(), files: digests.collect::<Result<_, _>>()? })
     }
 
-    /// Whether these are the version and the files that a job was exported with.
+    /// Compares this version and these files with those of a job.
     ///
     /// # Errors
-    /// What is another, and what to do.
+    /// A message that names the difference and says what to do.
     pub fn check(&self, expected: &str) -> Result<(), String> {
-        const ANEW: &str = "export the job anew";
+        const EXPORT_AGAIN: &str = "export the job again";
         let (version, files) = expected.split_once(':').unwrap_or((expected, ""));
         let files: Vec<&str> = files.split(':').collect();
-        let told = |file: &&str| file.len() == DIGITS && file.bytes().all(|byte| byte.is_ascii_hexdigit());
-        if version.is_empty() || !files.iter().all(told) {
+        let valid = |file: &&str| file.len() == DIGITS && file.bytes().all(|byte| byte.is_ascii_hexdigit());
+        if version.is_empty() || !files.iter().all(valid) {
             return Err(format!(
-                "--expect: {expected:?} is no fingerprint; `kinora farm export` writes them"
+                "--expect: {expected:?} is not a fingerprint; use one that `kinora farm export` has written"
             ));
         }
         if version != self.version {
             return Err(format!(
-                "the job was exported by Kinora {version}, and this is {}: their frames may differ; run it with \
-                 {version}, or {ANEW}",
+                "the job was exported by Kinora {version}, but this is Kinora {}, which may render other frames; run \
+                 it with {version}, or {EXPORT_AGAIN}",
                 self.version
             ));
         }
-        let changed =
-            |path: &Path| format!("{} has changed since the job was exported; {ANEW}", escape::path(path));
+        let changed = |path: &Path| {
+            format!("{} has changed since the job was exported; {EXPORT_AGAIN}", escape::path(path))
+        };
         let mut pairs = self.files.iter().zip(&files);
         match pairs.find(|((_, found), expected)| found != *expected) {
             Some(((path, _), _)) if self.files.len() == files.len() => Err(changed(path)),
-            // A file more or less moves all after it, unless it is the sequence's own that is another.
+            // With another number of files, only the sequence's own digest is at a known place.
             Some(((path, _), _)) if path == &self.files[0].0 => Err(changed(path)),
             None if self.files.len() == files.len() => Ok(()),
             _ => Err(format!(
-                "the sequence reads {} files now, and read {} when the job was exported; {ANEW}",
+                "the sequence reads {} files now, but read {} when the job was exported; {EXPORT_AGAIN}",
                 self.files.len() - 1,
                 files.len() - 1
             )),
@@ -102,7 +104,7 @@ mod tests {
     use std::fs;
 
     #[test]
-    fn what_is_another_is_told() {
+    fn differences_are_reported() {
         let dir = tempfile::tempdir().expect("a folder");
         let at = |name: &str| dir.path().join(name);
         for name in ["a.ron", "x.ply", "y.png"] {
@@ -116,13 +118,13 @@ mod tests {
         assert_eq!(before.len(), VERSION.len() + 3 * (1 + DIGITS));
         assert_eq!(now(&["x.ply", "y.png"]).check(&before), Ok(()));
         let refused = |found: Fingerprint, expected: &str, part: &str| {
-            let told = found.check(expected).expect_err("another");
-            assert!(told.contains(part), "{told}");
+            let message = found.check(expected).expect_err("a difference");
+            assert!(message.contains(part), "{message}");
         };
         refused(now(&["x.ply", "y.png"]), &before.replacen('0', "9", 1), "exported by Kinora 9");
-        refused(now(&["x.ply"]), &before, "reads 1 files now, and read 2 when");
+        refused(now(&["x.ply"]), &before, "reads 1 files now, but read 2 when");
         for text in ["", "0.1.0", "0.1.0:", "0.1.0:abc", "::", "0.1.0:00000000000g"] {
-            refused(now(&[]), text, "is no fingerprint");
+            refused(now(&[]), text, "is not a fingerprint");
         }
         fs::write(at("y.png"), "other").expect("a disk");
         refused(now(&["x.ply", "y.png"]), &before, "y.png has changed");

@@ -1,28 +1,28 @@
-//! How long a job takes, told before any of it is started.
+//! The predicted duration of a job.
 
-use super::chunk::{Films, classes};
+use super::chunk::{FilmCosts, cost_classes};
 use super::makespan::Scaling;
-use super::price::Price;
-use crate::accuracy::Took;
+use super::unit_costs::UnitCosts;
+use crate::accuracy::ElapsedTime;
 use crate::encode::Output;
 use crate::pipeline::render::{RenderError, extras, pool};
 use crate::sequence::Sequence;
 use std::num::NonZeroUsize;
 use std::time::Duration;
 
-/// A job at a machine's prices.
+/// The predicted durations of a job's tasks on this machine.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Forecast {
-    pub price: Price,
-    /// What its tasks take.
+pub struct JobForecast {
+    pub costs: UnitCosts,
+    /// The duration of each task.
     pub tasks: Vec<Duration>,
-    /// What one process takes that renders everything.
+    /// The duration of one process that renders everything.
     pub alone: Duration,
 }
 
-impl Forecast {
-    /// Of the job that an export would write, in about so many chunks or as many as are worth one, for workers of so many
-    /// threads. A few frames are rendered to find out; `load` is what reading the sequence took.
+impl JobForecast {
+    /// Predicts the job that an export with about `chunks` tasks would write, for workers of `threads` threads. Renders
+    /// a few frames to measure their cost. `load` is the time that reading the sequence took.
     ///
     /// # Errors
     /// Those of [`crate::pipeline::render::render`].
@@ -31,27 +31,30 @@ impl Forecast {
         frames: &[u32],
         chunks: Option<NonZeroUsize>,
         threads: Option<NonZeroUsize>,
-        load: Took,
+        load: ElapsedTime,
     ) -> Result<Self, RenderError> {
         let mut stills = sequence.output.files.clone();
         stills.retain(|file| !file.is_animation());
         if stills.is_empty() {
             stills.extend(Output::parse("frame_####.png"));
         }
-        let films = pool(threads)?.install(|| Films::of(sequence, frames, extras(sequence, &stills)));
-        let price = Price::measure(sequence, frames, &stills, threads, load)?;
+        let films = pool(threads)?.install(|| FilmCosts::of(sequence, frames, extras(sequence, &stills)));
+        let costs = UnitCosts::measure(sequence, frames, &stills, threads, load)?;
         let (width, height) = sequence.output.size;
         let pixels = u64::from(width) * u64::from(height);
-        let chunks = classes(&films, chunks.map(NonZeroUsize::get));
-        let tasks: Vec<Duration> =
-            chunks.iter().flat_map(|class| &class.chunks).map(|chunk| price.of(chunk, pixels)).collect();
-        // Started once instead of for every task.
-        let starts = Duration::from_secs_f64(price.task) * tasks.len().saturating_sub(1) as u32;
+        let chunks = cost_classes(&films, chunks.map(NonZeroUsize::get));
+        let tasks: Vec<Duration> = chunks
+            .iter()
+            .flat_map(|class| &class.chunks)
+            .map(|chunk| costs.task_time(chunk, pixels))
+            .collect();
+        // One process starts once, not once per task.
+        let starts = Duration::from_secs_f64(costs.task) * tasks.len().saturating_sub(1) as u32;
         let alone = tasks.iter().sum::<Duration>().saturating_sub(starts);
-        Ok(Self { price, tasks, alone })
+        Ok(Self { costs, tasks, alone })
     }
 
-    /// What so many workers make of it.
+    /// The job on this many workers.
     pub fn scaling(&self, workers: NonZeroUsize) -> Scaling {
         Scaling::of(&self.tasks, self.alone, workers)
     }

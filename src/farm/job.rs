@@ -1,66 +1,62 @@
-//! A job: what every engine is told, each in its own words.
+//! A job: everything that an engine writes down in its own format.
 
-use super::chunk::{Chunk, Class};
-use super::{hyperqueue, openjd, shell, slurm};
+use super::chunk::{Chunk, CostClass};
 use crate::base::frame_set;
 use std::path::{Path, PathBuf};
 
-/// The engines that jobs are written for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Engine {
-    /// Open Job Description, 2023-09.
-    OpenJd,
-    Slurm,
-    HyperQueue,
-    /// Any POSIX shell, with `xargs`.
-    Shell,
+/// A program that hands out the tasks of a job.
+pub trait Engine {
+    /// Writes the job in the format of this engine.
+    fn export(&self, job: &Job) -> Export;
 }
 
-/// Stands in every file of a job, so that no other file is taken for one and replaced.
+/// Every file of a job contains this text. An export replaces only files that contain it.
 pub const MARK: &str = "Written by kinora farm export";
 
-/// The option for the number of threads, as settings have it, if they have it.
+/// The start of the option for the number of threads, as it appears in [`Job::settings`].
 pub const THREADS: &str = "--threads=";
 
-/// A sequence as a job. Its paths are relative to `base`, the folder in which the commands run.
+/// A sequence as a job. Its commands run in `base`, and its paths are relative to that folder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
-    /// The sequence's name, which the job's files are called by.
+    /// The sequence's name. The names of the job's files start with it.
     pub name: String,
-    /// Where the job's files go: the sequence's folder, from where the export runs. Empty if it is that folder.
+    /// The folder of the job's files, which is the sequence's folder, as seen by the export. Empty if it is the current
+    /// folder.
     pub folder: PathBuf,
-    /// From the job's folder to the folder in which its commands run, such as `..`. Empty if they are one.
+    /// The path from the job's folder to the folder in which its commands run, such as `..`. Empty if they are the
+    /// same.
     pub base: PathBuf,
-    /// The sequence's file, from `base`.
+    /// The sequence's file, relative to `base`.
     pub sequence: PathBuf,
-    /// The folder that holds all files which the sequence reads, from `base`; none if it may read any.
+    /// The folder that holds all files that the sequence reads, relative to `base`. None if it may read any file.
     pub root: Option<PathBuf>,
-    /// Version and contents of all that is read, as `--expect` takes them.
+    /// Version and contents of everything that is read, for `--expect`.
     pub fingerprint: String,
-    /// Options of `render` that travel with the job, each a word.
+    /// Options of `render` that travel with the job, one word each.
     pub settings: Vec<String>,
-    /// The frames of the job, as `--frames` takes them.
+    /// The frames of the job, for `--frames`.
     pub frames: String,
-    /// Patterns of the frames' own files. At least one.
+    /// File name patterns of the frames. At least one.
     pub stills: Vec<String>,
-    /// Whether these say what they show, so that tasks can tell what others have done and are doing.
+    /// Whether the stills record what they show. Then tasks can skip frames that are done or claimed by others.
     pub claims: bool,
-    /// What follows once all frames are there.
-    pub assemblies: Vec<Assembly>,
-    /// Chunks of frames, those first whose films take longest.
-    pub classes: Vec<Class>,
-    /// Tasks that run at the same time, at most.
+    /// Commands that run after all frames are there.
+    pub assemblies: Vec<AssembleStep>,
+    /// Chunks of frames, most expensive films first.
+    pub classes: Vec<CostClass>,
+    /// The largest number of tasks that run at the same time.
     pub throttle: Option<u32>,
     /// Threads of a task.
     pub threads: Option<u32>,
 }
 
-/// Files that are made of frames which are there, by one `kinora assemble`.
+/// One `kinora assemble`: makes files from finished frames.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Assembly {
-    /// The pattern of the frames.
+pub struct AssembleStep {
+    /// The file name pattern of the frames.
     pub source: String,
-    /// Which of them, as `--frames` takes them.
+    /// The frames to use, for `--frames`.
     pub frames: String,
     pub settings: Vec<String>,
     pub outputs: Vec<String>,
@@ -75,72 +71,63 @@ pub struct JobFile {
     pub executable: bool,
 }
 
-/// A job in the words of an engine.
+/// A job in the format of an engine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Export {
     pub files: Vec<JobFile>,
-    /// The command that submits it, from where the export runs.
+    /// The command that submits the job from the current folder.
     pub submit: String,
 }
 
 impl Job {
-    /// The job in an engine's words.
-    pub fn export(&self, engine: Engine) -> Export {
-        match engine {
-            Engine::OpenJd => openjd::export(self),
-            Engine::Slurm => slurm::export(self),
-            Engine::HyperQueue => hyperqueue::export(self),
-            Engine::Shell => shell::export(self),
-        }
-    }
-
-    /// All chunks, in the order in which they should be begun.
+    /// All chunks, in the order in which they should start.
     pub fn chunks(&self) -> impl Iterator<Item = &Chunk> {
         self.classes.iter().flat_map(|class| &class.chunks)
     }
 
-    /// The command that renders these frames, to be run in `base`.
+    /// The command that renders these frames. It runs in `base`.
     pub fn render(&self, frames: &str) -> Vec<String> {
-        self.render_in(&Plain, frames)
+        self.render_with(&Verbatim, frames)
     }
 
-    /// The commands that follow when all frames are there, to be run in `base`.
+    /// The commands that run after all frames are there. They run in `base`.
     pub fn assemble(&self) -> impl Iterator<Item = Vec<String>> {
-        self.assemble_in(&Plain)
+        self.assemble_with(&Verbatim)
     }
 
-    /// The same with names as an engine has them.
-    pub(super) fn render_in(&self, names: &impl Names, frames: &str) -> Vec<String> {
-        let mut words = vec!["kinora".to_owned(), "render".to_owned(), names.sequence(self)];
+    /// [`Job::render`] with the names that an engine uses.
+    pub(super) fn render_with(&self, naming: &impl Naming, frames: &str) -> Vec<String> {
+        let mut words = vec!["kinora".to_owned(), "render".to_owned(), naming.sequence(self)];
         words.extend(["--frames".to_owned(), frames.to_owned()]);
-        words.extend(self.stills.iter().flat_map(|still| ["-o".to_owned(), names.file(still)]));
+        words.extend(self.stills.iter().flat_map(|still| ["-o".to_owned(), naming.file(still)]));
         words.extend(self.claims.then(|| "--claim".to_owned()));
         words.extend(["--expect".to_owned(), self.fingerprint.clone()]);
-        words.extend(self.settings.iter().map(|word| names.word(word)));
+        words.extend(self.settings.iter().map(|word| naming.word(word)));
         words
     }
 
-    pub(super) fn assemble_in(&self, names: &impl Names) -> impl Iterator<Item = Vec<String>> {
-        self.assemblies.iter().map(|assembly| {
-            let Assembly { source, frames, settings, outputs } = assembly;
-            let mut words = vec!["kinora".to_owned(), "assemble".to_owned(), names.file(source)];
-            words.extend(["--of".to_owned(), names.sequence(self), "--frames".to_owned(), frames.clone()]);
-            words.extend(settings.iter().map(|word| names.word(word)));
-            words.extend(outputs.iter().flat_map(|output| ["-o".to_owned(), names.file(output)]));
+    /// [`Job::assemble`] with the names that an engine uses.
+    pub(super) fn assemble_with(&self, naming: &impl Naming) -> impl Iterator<Item = Vec<String>> {
+        self.assemblies.iter().map(|step| {
+            let AssembleStep { source, frames, settings, outputs } = step;
+            let mut words = vec!["kinora".to_owned(), "assemble".to_owned(), naming.file(source)];
+            words.extend(["--of".to_owned(), naming.sequence(self), "--frames".to_owned(), frames.clone()]);
+            words.extend(settings.iter().map(|word| naming.word(word)));
+            words.extend(outputs.iter().flat_map(|output| ["-o".to_owned(), naming.file(output)]));
             words
         })
     }
 
-    /// A file of the job, from where the export runs.
-    pub fn beside(&self, name: &str) -> String {
-        path(&self.folder.join(name))
+    /// The path of one of the job's files from the current folder.
+    pub fn path_of(&self, name: &str) -> String {
+        text(&self.folder.join(name))
     }
 }
 
-/// What an engine calls files, and words that it would take for something else.
-pub(super) trait Names {
+/// How an engine writes file names, and words that it would otherwise interpret.
+pub(super) trait Naming {
     fn sequence(&self, job: &Job) -> String {
-        path(&job.sequence)
+        text(&job.sequence)
     }
 
     fn file(&self, name: &str) -> String {
@@ -152,18 +139,18 @@ pub(super) trait Names {
     }
 }
 
-/// As they are.
-struct Plain;
+/// Writes all names and words unchanged.
+struct Verbatim;
 
-impl Names for Plain {}
+impl Naming for Verbatim {}
 
 impl Chunk {
-    /// Its frames, as `--frames` takes them.
-    pub fn set(&self) -> String {
+    /// Its frames, for `--frames`.
+    pub fn frame_set(&self) -> String {
         frame_set::text(&self.frames)
     }
 }
 
-fn path(path: &Path) -> String {
+fn text(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }

@@ -1,39 +1,40 @@
 //! Jobs for engines that read Open Job Description, version 2023-09, with the extension `TASK_CHUNKING`
 //! (<https://github.com/OpenJobDescription/openjd-specifications>, RFC 0001).
 //!
-//! An engine forms chunks by itself, as many tasks at a time as it is told, and may choose another number while it learns
-//! how long they take. So its tasks are films, each by its first frame: every chunk of them is as good as any other. The
-//! other frames of a film come along by `--with-shared`.
+//! The engine forms the chunks, and may change their size while it learns how long tasks take. So a task is a film,
+//! named by its first frame, and any chunk of films is valid. `--include-shared` adds the other frames of each film.
 
-use super::chunk::Class;
-use super::job::{Export, Job, JobFile, MARK, Names};
-use super::words::command;
+use super::chunk::CostClass;
+use super::job::{Engine, Export, Job, JobFile, MARK, Naming};
+use super::shell_words::shell_command;
 use crate::base::escape::quoted;
 use crate::base::frame_set;
 use std::cell::RefCell;
 
-/// Seconds that a frame in hand is given when a task is cancelled.
-const PATIENCE: u32 = 120;
+/// Seconds that a cancelled task has to finish its current frame.
+const GRACE_SECONDS: u32 = 120;
 
-/// Letters of a job's name, at most.
-const LONGEST: usize = 128;
+/// The longest name that a job may have, in characters.
+const MAX_NAME: usize = 128;
 
-pub fn export(job: &Job) -> Export {
-    let name = format!("{}.openjd.yaml", job.name);
-    let mut submit: Vec<String> = ["openjd", "run", &job.beside(&name)].map(str::to_owned).to_vec();
-    if !job.base.as_os_str().is_empty() {
-        submit.extend(["-p".to_owned(), "Folder=.".to_owned()]);
+/// Open Job Description, 2023-09.
+pub struct OpenJd;
+
+impl Engine for OpenJd {
+    fn export(&self, job: &Job) -> Export {
+        let name = format!("{}.openjd.yaml", job.name);
+        let mut submit: Vec<String> = ["openjd", "run", &job.path_of(&name)].map(str::to_owned).to_vec();
+        if !job.base.as_os_str().is_empty() {
+            submit.extend(["-p".to_owned(), "Folder=.".to_owned()]);
+        }
+        let assets = assets_elsewhere(job).map(|root| format!("Assets={root}"));
+        submit.extend(assets.into_iter().flat_map(|word| ["-p".to_owned(), word]));
+        let files = vec![JobFile { name, text: text(job), executable: false }];
+        Export { files, submit: shell_command(&submit) }
     }
-    submit.extend(
-        assets_elsewhere(job)
-            .map(|root| format!("Assets={root}"))
-            .into_iter()
-            .flat_map(|word| ["-p".to_owned(), word]),
-    );
-    Export { files: vec![JobFile { name, text: text(job), executable: false }], submit: command(&submit) }
 }
 
-/// The folder of what the sequence reads, from where the export runs, if that is not the job's own.
+/// The folder of the files that the sequence reads, if it is not the job's own. Relative to `base`.
 fn assets_elsewhere(job: &Job) -> Option<String> {
     let root = job.root.as_ref()?;
     let own = job.sequence.parent().is_some_and(|folder| folder == root);
@@ -42,14 +43,15 @@ fn assets_elsewhere(job: &Job) -> Option<String> {
     })
 }
 
-/// Names as parameters, and as format strings read them.
+/// Writes names as parameters of the job.
 #[derive(Default)]
 struct Parameters {
-    /// Words with braces, which format strings would take for theirs: they are defaults of parameters, which are none.
+    /// Words with double braces. Format strings would interpret them, so they become the defaults of parameters, which
+    /// are not format strings.
     words: RefCell<Vec<String>>,
 }
 
-impl Names for Parameters {
+impl Naming for Parameters {
     fn sequence(&self, _: &Job) -> String {
         "{{Param.Sequence}}".to_owned()
     }
@@ -73,57 +75,57 @@ impl Names for Parameters {
 }
 
 fn text(job: &Job) -> String {
-    let names = Parameters::default();
+    let naming = Parameters::default();
     let classes = job.classes.len();
-    let step = |(place, class): (usize, &Class)| {
+    let step = |(place, class): (usize, &CostClass)| {
         let name = if classes == 1 { "Frames".to_owned() } else { format!("Frames {}", place + 1) };
-        (frames(job, &names, &name, class), name)
+        (frames_step(job, &naming, &name, class), name)
     };
     let (mut steps, steps_before): (Vec<String>, Vec<String>) =
         job.classes.iter().enumerate().map(step).unzip();
-    for (place, words) in job.assemble_in(&names).enumerate() {
+    for (place, words) in job.assemble_with(&naming).enumerate() {
         let name =
             if job.assemblies.len() == 1 { "Files".to_owned() } else { format!("Files {}", place + 1) };
-        steps.push(files(job, &name, &steps_before, &words));
+        steps.push(files_step(job, &name, &steps_before, &words));
     }
     let file = job.sequence.file_name().unwrap_or_default().to_string_lossy();
     let mut text = format!(
-        "# {MARK}. File names begin at Folder, which is this file's unless it is said:\n\
+        "# {MARK}. File names are relative to the parameter Folder, by default the folder of this file:\n\
          #     {}\n\
          specificationVersion: jobtemplate-2023-09\n\
          extensions: [TASK_CHUNKING]\n\
          name: {}\n\
          description: {}\n\
          parameterDefinitions:\n",
-        export_line(job),
+        submit_line(job),
         quoted(&name(job)),
         quoted(&format!("Frames {} of {file}, rendered by Kinora.", job.frames)),
     );
-    text += &path("Folder", "DIRECTORY", "INOUT", ".", "Where the names of files begin.");
-    text += &path("Sequence", "FILE", "IN", &file, "What is rendered.");
+    text += &path("Folder", "DIRECTORY", "INOUT", ".", "The folder that file names are relative to.");
+    text += &path("Sequence", "FILE", "IN", &file, "The sequence to render.");
     if job.root.is_some() {
-        text +=
-            &path("Assets", "DIRECTORY", "IN", ".", "Holds all files that the sequence reads, and itself.");
+        text += &path("Assets", "DIRECTORY", "IN", ".", "Holds the sequence and all files that it reads.");
     }
-    for (place, word) in (1..).zip(names.words.borrow().iter()) {
+    for (place, word) in (1..).zip(naming.words.borrow().iter()) {
         text += &format!("  - name: Word{place}\n    type: STRING\n    default: {}\n", quoted(word));
     }
     text + "steps:\n" + &steps.concat()
 }
 
-/// The command that submits the job, from the folder in which the export ran.
-fn export_line(job: &Job) -> String {
+/// The command that submits the job from the folder in which its commands run.
+fn submit_line(job: &Job) -> String {
     let mut words = vec!["openjd".to_owned(), "run".to_owned()];
     let file = job.sequence.with_file_name(format!("{}.openjd.yaml", job.name));
     words.extend([file.to_string_lossy().into_owned(), "-p".to_owned(), "Folder=.".to_owned()]);
-    command(&words)
+    shell_command(&words)
 }
 
 fn name(job: &Job) -> String {
-    // An engine would take braces for its own.
-    job.name.replace("{{", "{ {").chars().filter(|letter| !letter.is_control()).take(LONGEST).collect()
+    // Engines interpret double braces.
+    job.name.replace("{{", "{ {").chars().filter(|letter| !letter.is_control()).take(MAX_NAME).collect()
 }
 
+/// The definition of a parameter that holds a path.
 fn path(name: &str, kind: &str, flow: &str, default: &str, what: &str) -> String {
     format!(
         "  - name: {name}\n    type: PATH\n    objectType: {kind}\n    dataFlow: {flow}\n    default: {}\n    \
@@ -133,26 +135,27 @@ fn path(name: &str, kind: &str, flow: &str, default: &str, what: &str) -> String
     )
 }
 
-/// A step that renders a class of films.
-fn frames(job: &Job, names: &Parameters, name: &str, class: &Class) -> String {
-    let mut words = job.render_in(names, "{{Task.Param.Frame}}");
-    let mut leads: Vec<u32> = class.chunks.iter().flat_map(|chunk| &chunk.leads).copied().collect();
-    leads.sort_unstable();
-    if class.chunks.iter().any(|chunk| chunk.frames.len() > chunk.leads.len()) {
-        words.extend(["--with-shared".to_owned(), job.frames.clone()]);
+/// A step that renders the films of a class.
+fn frames_step(job: &Job, naming: &Parameters, name: &str, class: &CostClass) -> String {
+    let mut words = job.render_with(naming, "{{Task.Param.Frame}}");
+    let mut first_frames: Vec<u32> =
+        class.chunks.iter().flat_map(|chunk| &chunk.first_frames).copied().collect();
+    first_frames.sort_unstable();
+    if class.chunks.iter().any(|chunk| chunk.frames.len() > chunk.first_frames.len()) {
+        words.extend(["--include-shared".to_owned(), job.frames.clone()]);
     }
     words.extend(["--progress".to_owned(), "openjd".to_owned()]);
     let space = format!(
         "    parameterSpace:\n      taskParameterDefinitions:\n        - name: Frame\n          type: CHUNK[INT]\n          \
          range: {}\n          chunks:\n            defaultTaskCount: {}\n            rangeConstraint: NONCONTIGUOUS\n",
-        quoted(&frame_set::text(&leads)),
-        class.films
+        quoted(&frame_set::text(&first_frames)),
+        class.films_per_chunk
     );
     step(job, name, &space, words)
 }
 
-/// A step that assembles what others have rendered.
-fn files(job: &Job, name: &str, after: &[String], words: &[String]) -> String {
+/// A step that assembles the frames of the steps `after`.
+fn files_step(job: &Job, name: &str, after: &[String], words: &[String]) -> String {
     let after: String = after.iter().map(|name| format!("      - dependsOn: {}\n", quoted(name))).collect();
     step(job, name, &format!("    dependencies:\n{after}"), words.to_vec())
 }
@@ -167,7 +170,7 @@ fn step(job: &Job, name: &str, what: &str, mut words: Vec<String>) -> String {
     format!(
         "  - name: {}\n{what}{threads}    script:\n      actions:\n        onRun:\n          command: {}\n          \
          args:\n{arguments}          cancelation:\n            mode: NOTIFY_THEN_TERMINATE\n            \
-         notifyPeriodInSeconds: {PATIENCE}\n",
+         notifyPeriodInSeconds: {GRACE_SECONDS}\n",
         quoted(name),
         words[0]
     )

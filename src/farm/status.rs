@@ -1,40 +1,40 @@
-//! How far the frames of a job have come, whoever makes them.
+//! The progress of a job, whichever processes render its frames.
 
 use crate::base::digest::Digest;
-use crate::encode::{Found, Holder};
+use crate::encode::{FrameStatus, LeaseHolder};
 use std::time::{Duration, SystemTime};
 
-/// A frame of a job.
+/// The state of one frame of a job.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
+pub struct JobFrame {
     pub number: u32,
-    /// The film that it is made of.
+    /// The digest of its film.
     pub film: Digest,
-    /// Rays of the camera that it takes, as its share of the film's.
+    /// Its share of the camera rays of its film.
     pub work: f64,
-    pub found: Found,
+    pub status: FrameStatus,
 }
 
-/// How far a job has come.
+/// The progress of a job, by frame number.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Status {
+pub struct JobStatus {
     pub done: Vec<u32>,
-    /// There, but not as they would be made now.
+    /// The file exists, but a render would write another one now.
     pub stale: Vec<u32>,
     pub missing: Vec<u32>,
-    /// Frames that are not done, by who has them in hand.
-    pub in_work: Vec<(Holder, Vec<u32>)>,
-    /// What the rest will take if it goes on as from the first frame that is done to the last.
+    /// Frames that a process has claimed and not finished, by process.
+    pub in_work: Vec<(LeaseHolder, Vec<u32>)>,
+    /// The time for the remaining frames, at the rate between the first and the last finished frame.
     pub left: Option<Duration>,
 }
 
-impl Status {
-    /// Of frames, and of who has films in hand.
-    pub fn of(frames: &[Frame], holder: impl Fn(Digest) -> Option<Holder>) -> Self {
+impl JobStatus {
+    /// Sums up the frames. `holder` finds the process that has claimed a film.
+    pub fn of(frames: &[JobFrame], holder: impl Fn(Digest) -> Option<LeaseHolder>) -> Self {
         let mut status = Self::default();
         let mut films: Vec<(Digest, Option<usize>)> = Vec::new();
         for frame in frames {
-            if let Found::Done(_) = frame.found {
+            if let FrameStatus::Done(_) = frame.status {
                 status.done.push(frame.number);
                 continue;
             }
@@ -47,9 +47,9 @@ impl Status {
                 films.push((frame.film, place));
                 place
             });
-            match (place, frame.found) {
+            match (place, frame.status) {
                 (Some(place), _) => status.in_work[place].1.push(frame.number),
-                (None, Found::Stale) => status.stale.push(frame.number),
+                (None, FrameStatus::Stale) => status.stale.push(frame.number),
                 (None, _) => status.missing.push(frame.number),
             }
         }
@@ -58,13 +58,13 @@ impl Status {
     }
 }
 
-/// How long the rest will take. When the first frame was begun is not known, so that it is not counted.
-fn left(frames: &[Frame]) -> Option<Duration> {
+/// Estimates the time that is left. The start of the first frame is unknown, so that frame does not count.
+fn left(frames: &[JobFrame]) -> Option<Duration> {
     let mut done: Vec<(SystemTime, f64)> = Vec::new();
     let mut rest = 0.0;
     for frame in frames {
-        match frame.found {
-            Found::Done(made) => done.push((made, frame.work)),
+        match frame.status {
+            FrameStatus::Done(made) => done.push((made, frame.work)),
             _ => rest += frame.work,
         }
     }
@@ -79,38 +79,38 @@ fn left(frames: &[Frame]) -> Option<Duration> {
 mod tests {
     use super::*;
 
-    fn frame(number: u32, film: u128, found: Found) -> Frame {
-        Frame { number, film: Digest(film), work: 10.0, found }
+    fn frame(number: u32, film: u128, status: FrameStatus) -> JobFrame {
+        JobFrame { number, film: Digest(film), work: 10.0, status }
     }
 
-    fn at(seconds: u64) -> Found {
-        Found::Done(SystemTime::UNIX_EPOCH + Duration::from_secs(seconds))
+    fn at(seconds: u64) -> FrameStatus {
+        FrameStatus::Done(SystemTime::UNIX_EPOCH + Duration::from_secs(seconds))
     }
 
     #[test]
     fn frames_are_counted_once() {
         let frames = [
             frame(0, 1, at(100)),
-            frame(1, 1, Found::Missing),
-            frame(2, 2, Found::Missing),
-            frame(3, 2, Found::Stale),
-            frame(4, 3, Found::Stale),
+            frame(1, 1, FrameStatus::Missing),
+            frame(2, 2, FrameStatus::Missing),
+            frame(3, 2, FrameStatus::Stale),
+            frame(4, 3, FrameStatus::Stale),
             frame(5, 4, at(140)),
             frame(6, 5, at(160)),
         ];
-        let someone = Holder::unknown(Duration::from_secs(3));
-        let status = Status::of(&frames, |film| (film == Digest(2)).then(|| someone.clone()));
+        let someone = LeaseHolder::unknown(Duration::from_secs(3));
+        let status = JobStatus::of(&frames, |film| (film == Digest(2)).then(|| someone.clone()));
         assert_eq!((status.done, status.stale, status.missing), (vec![0, 5, 6], vec![4], vec![1]));
         assert_eq!(status.in_work, [(someone, vec![2, 3])]);
-        // Two frames in a minute, four to come.
+        // Two frames took a minute, and four are left.
         assert_eq!(status.left, Some(Duration::from_secs(120)));
     }
 
     #[test]
-    fn of_one_frame_no_time_is_told() {
+    fn one_finished_frame_gives_no_estimate() {
         assert_eq!(left(&[]), None);
-        assert_eq!(left(&[frame(0, 1, at(5)), frame(1, 2, Found::Missing)]), None);
-        assert_eq!(left(&[frame(0, 1, at(5)), frame(1, 2, at(5)), frame(2, 3, Found::Missing)]), None);
+        assert_eq!(left(&[frame(0, 1, at(5)), frame(1, 2, FrameStatus::Missing)]), None);
+        assert_eq!(left(&[frame(0, 1, at(5)), frame(1, 2, at(5)), frame(2, 3, FrameStatus::Missing)]), None);
         assert_eq!(left(&[frame(0, 1, at(5)), frame(1, 2, at(6))]), Some(Duration::ZERO));
     }
 }

@@ -1,14 +1,15 @@
-//! Reconstruction filters: how light around a pixel's centre counts towards it.
+//! Reconstruction filters: how light around the centre of a pixel contributes to it.
 //!
-//! They are sampled, not splatted: a sample is placed with the filter's own density around the centre of its
-//! pixel and feeds that pixel alone, with weight 1 (Ernst, Stamminger, Greiner, *Filter Importance Sampling*,
-//! 2006). All are products of the same filter along x and y, so each axis is sampled by itself.
+//! Filters are importance-sampled, not splatted. A sample is placed around the centre of its pixel with the density
+//! of the filter, and contributes to this pixel only, with weight 1 (Ernst, Stamminger, Greiner, *Filter Importance
+//! Sampling*, 2006). All filters are separable, with the same filter along x and y, so each axis is sampled
+//! separately.
 
 use crate::base::digest::content;
 use crate::base::lanes::Real;
 use std::f64::consts::PI;
 
-/// A filter along one axis of the picture: symmetric, nowhere negative, and 0 beyond half its width.
+/// A filter along one axis of the picture. It is symmetric, not negative, and 0 beyond half its width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filter {
     pub kernel: Kernel,
@@ -21,13 +22,13 @@ content!(struct Filter { kernel, width });
 /// The shape of a filter, over t from -1 to 1 on its support.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kernel {
-    /// Even.
+    /// Constant.
     Box,
     /// 1 - |t|.
     Tent,
-    /// A normal distribution cut off at three standard deviations and lowered to 0 there.
+    /// A normal distribution that is truncated at three standard deviations and shifted down to 0 there.
     Gaussian,
-    /// The window of Harris, *On the Use of Windows for Harmonic Analysis*, 1978, with four terms, -92 dB.
+    /// The window of Harris, *On the Use of Windows for Harmonic Analysis*, 1978, with four terms and -92 dB.
     BlackmanHarris,
 }
 
@@ -41,11 +42,11 @@ content!(
 );
 
 impl Filter {
-    /// The mean over the pixel's own square.
+    /// The mean over the square of the pixel.
     pub const PIXEL: Self = Self { kernel: Kernel::Box, width: 1.0 };
 }
 
-/// With its usual width.
+/// Uses the usual width of the kernel.
 impl From<Kernel> for Filter {
     fn from(kernel: Kernel) -> Self {
         let width = match kernel {
@@ -57,20 +58,20 @@ impl From<Kernel> for Filter {
     }
 }
 
-/// Half the square of the standard deviations in half the Gaussian's width.
+/// Half the square of 3, the standard deviations in half the width of the Gaussian.
 const GAUSSIAN: f64 = 4.5;
 
-/// Weights of the Blackman-Harris window's cosines.
+/// The weights of the cosines of the Blackman-Harris window.
 const HARRIS: [f64; 4] = [0.35875, 0.48829, 0.14128, 0.01168];
 
 impl Kernel {
-    /// The integral of the kernel, up to a factor, from t to 1, for t in 0..=1.
+    /// The integral of the kernel from t to 1, up to a factor, for t in 0..=1.
     fn tail(self, t: f64) -> f64 {
         match self {
             Self::Box => 1.0 - t,
             Self::Tent => 0.5 * (1.0 - t) * (1.0 - t),
             Self::Gaussian => {
-                // Of exp(-4.5 t²) less its value at the edge.
+                // The integral of exp(-4.5 t²) minus its value at the edge.
                 let root = GAUSSIAN.sqrt();
                 let bell = libm::erf(root) - libm::erf(root * t);
                 0.5 * PI.sqrt() / root * bell - libm::exp(-GAUSSIAN) * (1.0 - t)
@@ -83,7 +84,8 @@ impl Kernel {
         }
     }
 
-    /// Where the tail is `share` of that at 0, for shares between 0 and 1: by bisection, to the last bit.
+    /// The t at which the tail is `share` of the tail at 0, for shares between 0 and 1. Bisection finds it to the
+    /// last bit.
     fn quantile(self, share: f64) -> f64 {
         let wanted = share * self.tail(0.0);
         let (mut low, mut high) = (0.0, 1.0);
@@ -97,16 +99,16 @@ impl Kernel {
     }
 }
 
-/// Steps of a sampler's table.
+/// The number of steps of the table of a sampler.
 const STEPS: usize = 256;
 
-/// A filter made ready to be sampled. Making it takes about a millisecond, a sample a few nanoseconds.
+/// A filter that is prepared for sampling. The preparation takes about a millisecond, a sample a few nanoseconds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilterSampler {
     /// In pixels.
     width: f64,
-    /// Of kernels that are not even: the t beyond which lies the share v² of one side, for v from 0 to 1 in
-    /// even steps. A kernel that falls to 0 at its edge is nearly straight in v, a tent exactly.
+    /// For kernels that are not constant: the t beyond which one side has the share v² of its integral, for v from 0
+    /// to 1 in even steps. For kernels that fall to 0 at their edge, t is nearly linear in v; for a tent exactly.
     side: Option<Box<[f64; STEPS + 1]>>,
 }
 
@@ -121,14 +123,14 @@ impl FilterSampler {
         Self { width: filter.width, side }
     }
 
-    /// Where along one axis samples lie, in pixels from the pixel's centre. Numbers `u` that are even in 0..=1
-    /// give samples with the filter's density; ascending ones give ascending places, and 1/2 the centre.
+    /// The offset of a sample along one axis, in pixels from the centre of the pixel. Uniform `u` in 0..=1 give the
+    /// density of the filter. The offset increases with `u`, and is 0 for 1/2.
     #[inline(always)]
     pub fn offset<F: Real>(&self, u: F) -> F {
         let (half, one) = (F::splat(0.5), F::splat(1.0));
         let Some(side) = &self.side else { return (u - half) * F::splat(self.width) };
         let left = u.lt(half);
-        // Exact, so that the sides mirror each other.
+        // This is exact, so the sides mirror each other.
         let beyond = F::select(left, u, one - u);
         let v = (F::splat(2.0) * beyond).sqrt() * F::splat(STEPS as f64);
         let step = v.floor().min(F::splat((STEPS - 1) as f64));
@@ -151,7 +153,7 @@ mod tests {
     const ALL: [Kernel; 4] = [Kernel::Box, Kernel::Tent, Kernel::Gaussian, Kernel::BlackmanHarris];
     const COUNT: usize = 100_000;
 
-    /// Offsets of numbers in the middles of even steps.
+    /// The offsets of the midpoints of even steps.
     fn offsets(filter: Filter) -> Vec<f64> {
         let sampler = FilterSampler::new(filter);
         (0..COUNT).map(|i| sampler.offset((i as f64 + 0.5) / COUNT as f64)).collect()
@@ -170,7 +172,7 @@ mod tests {
         }
     }
 
-    /// Shares of the kernel below each of `n` + 1 even places from -1 to 1, by Simpson's rule.
+    /// The shares of the kernel below `n` + 1 evenly spaced points from -1 to 1, by Simpson's rule.
     fn cumulated(kernel: Kernel, n: usize) -> Vec<f64> {
         let h = 2.0 / n as f64;
         let mut sums = vec![0.0];
@@ -223,7 +225,7 @@ mod tests {
 
     #[test]
     fn means_are_zero_and_spreads_known() {
-        // Variances over t: of a box 1/3, of a tent 1/6; the others by integration of their definition.
+        // Variances over t: 1/3 for a box, 1/6 for a tent, the others by integration of their definition.
         for (kernel, variance) in ALL.into_iter().zip([1.0 / 3.0, 1.0 / 6.0, 0.101_98, 0.076_74]) {
             let offsets = offsets(Filter { kernel, width: 2.0 });
             let mean = offsets.iter().sum::<f64>() / COUNT as f64;

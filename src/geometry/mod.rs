@@ -1,7 +1,8 @@
-//! Where things are: shapes and meshes, the trees of boxes over them, and their placement over time.
+//! Geometry: shapes and meshes, bounding volume hierarchies over them, and transforms over time.
 //!
-//! In: numbers of the sequence, vertices of meshes. Out: hits of rays and the surfaces there. Uses `base`, `sampling`,
-//! `track`.
+//! In: parameters of shapes and vertices of meshes. Out: ray hits, surfaces, and points sampled on surfaces.
+//!
+//! Uses `base`, `sampling`, `track`.
 
 pub mod bvh;
 pub mod mesh;

@@ -1,4 +1,4 @@
-//! Placement of objects in space, over time.
+//! Transforms of objects over time.
 
 use crate::base::math::{Angle, DAffine3, DMat3, DQuat, DVec3, axis_angle, euler_xyz};
 use crate::base::time::Time;
@@ -12,16 +12,16 @@ pub struct TransformTracks {
     pub translation: Animated<DVec3>,
     pub rotation: Rotation,
     pub scale: Animated<DVec3>,
-    /// The point that rotation and scale leave where it is.
+    /// The fixed point of rotation and scale.
     pub pivot: DVec3,
 }
 
 /// A rotation over time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rotation {
-    /// Unit quaternions; between keys along the shorter arc.
+    /// Unit quaternions, interpolated along the shorter arc.
     Quaternion(Animated<DQuat>),
-    /// About an axis (not zero; any length) by any number of turns.
+    /// About an axis of any nonzero length, by any angle, also more than a turn.
     AxisAngle { axis: Animated<DVec3>, angle: Animated<Angle> },
     /// About the fixed axes x, then y, then z.
     Euler { x: Animated<Angle>, y: Animated<Angle>, z: Animated<Angle> },
@@ -43,7 +43,7 @@ impl Rotation {
         match self {
             Self::Quaternion(quaternion) => DMat3::from_quat(quaternion.at(time)),
             Self::AxisAngle { axis, angle } => {
-                // Keyed axes may pass through zero on their way to an opposite one.
+                // A keyed axis may pass through zero on its way to the opposite direction.
                 axis_angle(axis.at(time).try_normalize().unwrap_or(DVec3::Y), angle.at(time))
             }
             Self::Euler { x, y, z } => euler_xyz(x.at(time), y.at(time), z.at(time)),
@@ -52,7 +52,7 @@ impl Rotation {
 }
 
 impl TransformTracks {
-    /// Whether anything about it changes over time.
+    /// Whether any part has keys.
     pub fn is_keyed(&self) -> bool {
         let turns = match &self.rotation {
             Rotation::Quaternion(quaternion) => quaternion.is_keyed(),
@@ -62,12 +62,13 @@ impl TransformTracks {
         turns || self.translation.is_keyed() || self.scale.is_keyed()
     }
 
-    /// Parent from object. A scale of 0 along any axis gives a singular transform, which hides the object.
+    /// The map from the object to its parent. A scale of 0 along any axis gives a singular map, which hides the
+    /// object.
     pub fn at(&self, time: Time) -> DAffine3 {
         let (scale, rotation) = (self.scale.at(time), self.rotation.at(time));
         let translation = self.translation.at(time);
         let matrix = rotation * DMat3::from_diagonal(scale);
-        // The identity maps the pivot to itself exactly, so plain translations stay plain.
+        // The identity maps the pivot to itself exactly, so pure translations stay exact.
         DAffine3::from_mat3_translation(matrix, translation + (self.pivot - matrix * self.pivot))
     }
 }

@@ -1,6 +1,6 @@
-//! Text files line by line, as bytes: numbers need no UTF-8 and names make do with what is readable of them.
+//! Text files line by line, as bytes. Numbers are ASCII, and names are decoded lossily, so files need not be UTF-8.
 
-use crate::geometry::mesh::{MeshError, Place};
+use crate::geometry::mesh::{MeshError, MeshLocation};
 use std::io::{self, BufRead};
 use std::str::FromStr;
 
@@ -9,7 +9,7 @@ pub struct Lines<R> {
     input: R,
     line: Vec<u8>,
     number: u64,
-    /// Whether a line that ends in a backslash goes on in the next one.
+    /// Whether a line that ends with a backslash continues on the next line.
     joins: bool,
 }
 
@@ -18,7 +18,7 @@ impl<R: BufRead> Lines<R> {
         Self { input, line: Vec::new(), number: 0, joins }
     }
 
-    /// The next line, without blanks at its end, and its number.
+    /// The number of the next line, and the line without trailing blanks.
     pub fn next(&mut self) -> io::Result<Option<(u64, &[u8])>> {
         self.line.clear();
         let first = self.number + 1;
@@ -37,43 +37,43 @@ impl<R: BufRead> Lines<R> {
         }
     }
 
-    /// What follows behind the lines read so far.
+    /// The input after the lines read so far.
     pub fn into_rest(self) -> R {
         self.input
     }
 }
 
-/// The words of a line up to a comment.
+/// The words of a line before a comment.
 pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     let words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
     words.take_while(|word| word[0] != b'#')
 }
 
-/// A word and the rest of a line, without the blanks between.
+/// The first word and the rest of a line, without the blanks between.
 pub fn split_word(line: &[u8]) -> (&[u8], &[u8]) {
     let line = line.trim_ascii();
     let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
     (&line[..end], line[end..].trim_ascii_start())
 }
 
-/// A number in its usual notation, correctly rounded.
+/// Parses a number, correctly rounded.
 pub fn parsed<T: FromStr>(word: &[u8]) -> Option<T> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// A part of a file for a message: readable, and not too long.
+/// Quotes a part of a file for a message, shortened if it is long.
 pub fn quoted(text: &[u8]) -> String {
     const LONGEST: usize = 60;
     let shown = String::from_utf8_lossy(&text[..text.len().min(LONGEST)]);
     format!("`{shown}{}`", if text.len() > LONGEST { "..." } else { "" })
 }
 
-/// The fault of a line that is not as it should be: `what` would be right.
-pub fn unlike(number: u64, line: &[u8], what: &str) -> MeshError {
-    MeshError::at(Place::Line(number), format!("expected {what}, found {}", quoted(line)))
+/// The error of an invalid line. `what` describes what would be right.
+pub fn unexpected(number: u64, line: &[u8], what: &str) -> MeshError {
+    MeshError::at(MeshLocation::Line(number), format!("expected {what}, found {}", quoted(line)))
 }
 
-/// The first `N` numbers among the words of a line, as many as there are.
+/// Up to `N` numbers from the words of a line, and their count; none if a word is not a number.
 pub fn numbers<'l, const N: usize>(words: impl Iterator<Item = &'l [u8]>) -> Option<([f64; N], usize)> {
     let (mut values, mut count) = ([0.0; N], 0);
     for word in words.take(N) {

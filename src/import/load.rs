@@ -1,49 +1,49 @@
-//! Mesh files → [`Mesh`].
+//! Mesh files → [`TriangleMesh`].
 
-use super::{LoadMeter, obj, ply};
+use super::{LoadProgress, obj, ply};
 use crate::base::escape;
 use crate::base::files::{self, Root};
 use crate::base::machine;
-use crate::geometry::mesh::{Mesh, MeshError, Parts};
+use crate::geometry::mesh::{MeshData, MeshError, TriangleMesh};
 use std::cell::RefCell;
 use std::collections::HashSet;
 use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-/// Files larger than this are refused.
-const LARGEST_FILE: u64 = 8 << 30;
+/// The maximum size of a mesh file in bytes.
+const MAX_FILE_SIZE: u64 = 8 << 30;
 
-/// The same of material libraries, which are text without geometry.
-const LARGEST_LIBRARY: u64 = 64 << 20;
+/// The maximum size of a material library in bytes. Libraries are text without geometry.
+const MAX_LIBRARY_SIZE: u64 = 64 << 20;
 
-/// Bytes that a triangle takes at least, once more than the file has been read: in packets, in the tree, and as the
-/// tree is built.
-const TRIANGLE: u64 = 128;
+/// The minimum memory per triangle in bytes after the file is read: for packets, for the tree and for building the
+/// tree.
+const TRIANGLE_SIZE: u64 = 128;
 
-/// Bytes read at once.
-const BLOCK: usize = 1 << 18;
+/// The size of the read buffer in bytes.
+const BUFFER_SIZE: usize = 1 << 18;
 
-/// Whether meshes are read from files with this extension.
+/// Checks that meshes can be read from files with this extension.
 pub fn known_format(path: &Path) -> Result<(), MeshError> {
     Format::of(path).map(|_| ())
 }
 
-/// Reads the mesh in an OBJ or PLY file, whichever its extension says. Its material libraries lie in `root`.
-pub fn load(path: &Path, root: &Root, meter: &LoadMeter) -> Result<Mesh, MeshError> {
+/// Reads the mesh in an OBJ or PLY file, by its extension. Its material libraries must be in `root`.
+pub fn load(path: &Path, root: &Root, meter: &LoadProgress) -> Result<TriangleMesh, MeshError> {
     let name = escape::path(path.file_name().unwrap_or(path.as_os_str()));
     let parts = read(path, root, &name, meter)?;
-    machine::check_memory(parts.triangles.len() as u64 * TRIANGLE)?;
+    machine::check_memory(parts.triangles.len() as u64 * TRIANGLE_SIZE)?;
     meter.start(format!("building the tree of {name}"), 0);
-    Mesh::new(parts)
+    TriangleMesh::new(parts)
 }
 
-fn read(path: &Path, root: &Root, name: &str, meter: &LoadMeter) -> Result<Parts, MeshError> {
+fn read(path: &Path, root: &Root, name: &str, meter: &LoadProgress) -> Result<MeshData, MeshError> {
     let format = Format::of(path)?;
-    let (file, size) = files::open(path, LARGEST_FILE)?;
-    // What is read is not much smaller than the file, if it is not larger.
+    let (file, size) = files::open(path, MAX_FILE_SIZE)?;
+    // The mesh in memory takes about as much as the file, or more.
     machine::check_memory(size)?;
     meter.start(format!("loading {name}"), size);
-    let input = BufReader::with_capacity(BLOCK, Metered { input: file.take(size), meter });
+    let input = BufReader::with_capacity(BUFFER_SIZE, MeteredRead { input: file.take(size), meter });
     match format {
         Format::Ply => ply::read_sized(input, size),
         Format::Obj => {
@@ -73,7 +73,7 @@ impl Format {
     }
 }
 
-/// The material libraries of a mesh, found from its folder on and read once each.
+/// The material libraries of a mesh, relative to its folder. Each is read once.
 struct Libraries<'a> {
     folder: &'a Path,
     root: &'a Root,
@@ -81,25 +81,25 @@ struct Libraries<'a> {
 }
 
 impl Libraries<'_> {
-    /// The bytes of a library. Whatever its name, a second reading adds nothing.
+    /// The bytes of a library; empty if it was read before, under any name.
     fn read(&self, name: &str) -> io::Result<Vec<u8>> {
         let path = self.root.admit(&self.folder.join(name))?;
         if self.read.borrow().contains(&path) {
             return Ok(Vec::new());
         }
-        let bytes = files::read(&path, LARGEST_LIBRARY)?;
+        let bytes = files::read(&path, MAX_LIBRARY_SIZE)?;
         self.read.borrow_mut().insert(path);
         Ok(bytes)
     }
 }
 
-/// Counts the bytes that go through it.
-struct Metered<'a, R> {
+/// Counts the bytes that are read through it.
+struct MeteredRead<'a, R> {
     input: R,
-    meter: &'a LoadMeter,
+    meter: &'a LoadProgress,
 }
 
-impl<R: Read> Read for Metered<'_, R> {
+impl<R: Read> Read for MeteredRead<'_, R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let read = self.input.read(buffer)?;
         self.meter.advance(read as u64);
@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn the_extension_names_the_format() {
-        let meter = LoadMeter::default();
+        let meter = LoadProgress::default();
         let fault =
             |name: &str| load(name.as_ref(), &Root::anywhere(), &meter).expect_err("a fault").to_string();
         assert_eq!(fault("mesh.stl"), "meshes are read from .obj and .ply files");

@@ -1,23 +1,23 @@
 //! MTL files: the materials of OBJ files, as they are written.
 
-use super::lines::{Lines, numbers, parsed, split_word, unlike, words};
+use super::lines::{Lines, numbers, parsed, split_word, unexpected, words};
 use crate::base::color::Rgb;
 use crate::base::math::DVec2;
 use crate::geometry::mesh::{Map, MeshError, MtlMaterial};
 use std::io::BufRead;
 
-/// Values that other programs read; here they are told.
+/// Values that other programs read but this reader does not. It reports them.
 const LEFT_OUT: [&str; 24] = [
     "Tf", "map_Ka", "map_Ks", "map_Ke", "map_Ns", "map_d", "map_Tr", "map_Bump", "bump", "disp", "map_disp",
     "decal", "refl", "map_refl", "norm", "Pr", "Pm", "Ps", "Pc", "Pcr", "aniso", "map_Pr", "map_Pm",
     "map_Ps",
 ];
 
-/// Options of `map_Kd` that change what is seen.
+/// Options of `map_Kd` that would change the picture but are not read.
 const OPTIONS_LEFT_OUT: [(&[u8], &str); 4] =
     [(b"-mm", "map_Kd -mm"), (b"-t", "map_Kd -t"), (b"-cc", "map_Kd -cc"), (b"-imfchan", "map_Kd -imfchan")];
 
-/// Reads the materials of an MTL file. Lines that are not known are skipped.
+/// Reads the materials of an MTL file. Unknown lines are skipped.
 pub fn read(input: impl BufRead) -> Result<Vec<MtlMaterial>, MeshError> {
     let mut lines = Lines::new(input, true);
     let mut materials: Vec<MtlMaterial> = Vec::new();
@@ -25,17 +25,17 @@ pub fn read(input: impl BufRead) -> Result<Vec<MtlMaterial>, MeshError> {
         let (word, rest) = split_word(line);
         if word == b"newmtl" {
             if rest.is_empty() {
-                return Err(unlike(number, line, "a name behind `newmtl`"));
+                return Err(unexpected(number, line, "a name after `newmtl`"));
             }
             let name = String::from_utf8_lossy(rest).into_owned();
             materials.push(MtlMaterial { name, ..MtlMaterial::default() });
         } else if let Some(material) = materials.last_mut() {
-            material.line(word, rest).map_err(|what| unlike(number, line, what))?;
+            material.line(word, rest).map_err(|what| unexpected(number, line, what))?;
         } else if is_known(word) {
-            return Err(unlike(number, line, "`newmtl` and a name before the first value"));
+            return Err(unexpected(number, line, "`newmtl` and a name before the first value"));
         }
     }
-    materials.iter_mut().for_each(MtlMaterial::settle);
+    materials.iter_mut().for_each(MtlMaterial::finish);
     Ok(materials)
 }
 
@@ -44,7 +44,7 @@ fn is_known(word: &[u8]) -> bool {
 }
 
 impl MtlMaterial {
-    /// Reads one line; fails with what would have been right.
+    /// Reads one line. The error says what would be right.
     fn line(&mut self, word: &[u8], rest: &[u8]) -> Result<(), &'static str> {
         match word {
             b"Ka" => self.ambient = Some(color(rest)?),
@@ -56,16 +56,16 @@ impl MtlMaterial {
                 self.shininess = Some(shininess.ok_or("a number of 0 or more")?);
             }
             b"Ni" => self.ior = Some(Some(number(rest)?).filter(|ior| *ior > 0.0).ok_or("a number above 0")?),
-            // `d -halo 0.5` fades towards the rim; the number is all that is kept of it.
+            // `d -halo 0.5` fades towards the rim. Only the number is read.
             b"d" => self.opacity = Some(share(rest.strip_prefix(b"-halo").unwrap_or(rest))?),
             b"Tr" => self.opacity = Some(1.0 - share(rest)?),
             b"illum" => {
                 let model = words(rest).next().and_then(parsed);
-                self.model = Some(model.ok_or("a whole number behind `illum`")?);
+                self.model = Some(model.ok_or("a whole number after `illum`")?);
             }
             b"map_Kd" => self.diffuse_map = Some(self.map(rest)?),
             b"map_d" => self.opacity_map = Some(path(rest)),
-            // A filter of white takes nothing away.
+            // A white filter has no effect.
             b"Tf" if color(rest) == Ok(Rgb::ONE) => {}
             _ => {
                 let known = LEFT_OUT.into_iter().find(|name| name.as_bytes().eq_ignore_ascii_case(word));
@@ -75,8 +75,9 @@ impl MtlMaterial {
         Ok(())
     }
 
-    /// The alpha of an image is read with its colours, as exporters mean it that name it for both.
-    fn settle(&mut self) {
+    /// Drops `map_d` if it names the image of `map_Kd`: exporters then mean its alpha, which is read with its
+    /// colours. Otherwise reports `map_d` as left out.
+    fn finish(&mut self) {
         let Some(line) = self.opacity_map.take() else { return };
         let options = self.diffuse_map.as_ref().and_then(|map| line.strip_suffix(&map.file));
         if !options.is_some_and(are_options) {
@@ -84,9 +85,9 @@ impl MtlMaterial {
         }
     }
 
-    /// The ambient reflectance that the file means: exporters that know no ambient light write white, or the diffuse
-    /// reflectance once more. Black is meant.
-    pub fn meant_ambient(&self) -> Option<Rgb> {
+    /// The ambient reflectance that the file intends; none if it intends nothing. Exporters without ambient light
+    /// write white, or repeat the diffuse reflectance. Black is intended.
+    pub fn effective_ambient(&self) -> Option<Rgb> {
         let said = |color: &Rgb| *color != Rgb::ONE && Some(*color) != self.diffuse;
         self.ambient.filter(|color| *color == Rgb::ZERO || said(color))
     }
@@ -97,66 +98,67 @@ impl MtlMaterial {
         }
     }
 
-    /// An image with the options before its name, which may contain blanks.
+    /// Reads an image: its options, and then its name, which may contain blanks.
     fn map(&mut self, mut rest: &[u8]) -> Result<Map, &'static str> {
         let mut map = Map { file: String::new(), scale: DVec2::ONE, offset: DVec2::ZERO, clamps: false };
         loop {
-            let (option, behind) = split_word(rest);
+            let (option, after) = split_word(rest);
             let most = match option {
                 b"-o" | b"-s" | b"-t" => 3,
                 b"-mm" => 2,
                 [b'-', letter, ..] if letter.is_ascii_alphabetic() => 1,
                 _ => break,
             };
-            let (values, behind) = option_values(behind, most);
+            let (values, after) = option_values(after, most);
             match option {
-                b"-o" => map.offset = pair(&values, 0.0).ok_or("finite numbers behind `-o`")?,
+                b"-o" => map.offset = pair(&values, 0.0).ok_or("finite numbers after `-o`")?,
                 b"-s" => {
                     let scale =
                         pair(&values, 1.0).filter(|scale| scale.abs().min_element() >= SMALLEST_SCALE);
-                    map.scale = scale.ok_or("finite numbers other than 0 behind `-s`")?;
+                    map.scale = scale.ok_or("finite numbers other than 0 after `-s`")?;
                 }
                 b"-clamp" => map.clamps = values == [b"on"],
                 _ => {
                     let known = OPTIONS_LEFT_OUT.iter().find(|(name, _)| *name == option);
-                    known.into_iter().for_each(|(_, told)| self.leave_out(told));
+                    known.into_iter().for_each(|(_, name)| self.leave_out(name));
                 }
             }
-            rest = behind;
+            rest = after;
         }
         map.file = path(rest);
-        if map.file.is_empty() { Err("the name of an image behind `map_Kd`") } else { Ok(map) }
+        if map.file.is_empty() { Err("the name of an image after `map_Kd`") } else { Ok(map) }
     }
 }
 
-/// A name with `/` between folders.
+/// The path of a file, with `/` between folders.
 fn path(rest: &[u8]) -> String {
     String::from_utf8_lossy(rest).replace('\\', "/")
 }
 
-/// Whether this can stand before the whole name of an image: options with their values, or nothing.
+/// Whether the text before the name of an image can be options with their values, or is empty.
 fn are_options(before: &str) -> bool {
     before.is_empty() || before.starts_with('-') && before.ends_with([' ', '\t'])
 }
 
-/// Smaller factors are refused, for their reciprocals must stay far from overflow.
+/// The smallest scale. The reciprocals of smaller ones could overflow.
 const SMALLEST_SCALE: f64 = 1e-30;
 
-/// At most `most` values of an option, and what follows. The first is always one; further ones are numbers.
+/// Up to `most` values of an option, and the rest of the line. The first word is always a value; further values are
+/// numbers.
 fn option_values(mut rest: &[u8], most: usize) -> (Vec<&[u8]>, &[u8]) {
     let mut values = Vec::new();
     while values.len() < most {
-        let (value, behind) = split_word(rest);
+        let (value, after) = split_word(rest);
         if value.is_empty() || (!values.is_empty() && parsed::<f64>(value).is_none()) {
             break;
         }
         values.push(value);
-        rest = behind;
+        rest = after;
     }
     (values, rest)
 }
 
-/// The first two of an option's numbers; one is enough, and then the second is `otherwise`.
+/// The first two numbers of an option. If there is only one, the second is `otherwise`.
 fn pair(values: &[&[u8]], otherwise: f64) -> Option<DVec2> {
     let (numbers, count) = numbers::<2>(values.iter().copied())?;
     let pair = match count {
@@ -172,12 +174,12 @@ fn number(rest: &[u8]) -> Result<f32, &'static str> {
     value.ok_or("a finite number")
 }
 
-/// A number from 0 to 1.
+/// Reads a number from 0 to 1.
 fn share(rest: &[u8]) -> Result<f32, &'static str> {
     Some(number(rest)?).filter(|value| (0.0..=1.0).contains(value)).ok_or("a number from 0 to 1")
 }
 
-/// Three numbers, or one for grey.
+/// Reads three numbers, or one for grey.
 fn color(rest: &[u8]) -> Result<Rgb, &'static str> {
     let color = match numbers::<3>(words(rest)) {
         Some((rgb, 3)) => Some(Rgb::from_array(rgb.map(|part| part as f32))),
@@ -210,41 +212,42 @@ mod tests {
     }
 
     #[test]
-    fn options_of_images_are_read_or_told() {
+    fn options_of_images_are_read_or_reported() {
         let map = |options: &str| {
             let text = format!("newmtl a\nmap_Kd {options} a.png");
             let material = read(text.as_bytes()).expect("a material").remove(0);
             (material.diffuse_map.expect("an image"), material.left_out)
         };
-        let (placed, told) = map("-s 2 -3 1 -blendu on -o 0.5 -clamp off");
+        let (placed, left_out) = map("-s 2 -3 1 -blendu on -o 0.5 -clamp off");
         assert_eq!((placed.scale, placed.offset), (DVec2::new(2.0, -3.0), DVec2::new(0.5, 0.0)));
-        assert_eq!((placed.file.as_str(), placed.clamps, told), ("a.png", false, vec![]));
+        assert_eq!((placed.file.as_str(), placed.clamps, left_out), ("a.png", false, vec![]));
         assert_eq!(map("-s 2").0.scale, DVec2::new(2.0, 1.0));
         assert_eq!(map("-mm 0.1 0.9 -t 1 -mm 0 1").1, ["map_Kd -mm", "map_Kd -t"]);
     }
 
     #[test]
     fn the_alpha_of_an_image_is_read_with_its_colours() {
-        let told = |text: &str| read(text.as_bytes()).expect("a material").remove(0).left_out;
-        assert_eq!(told("newmtl a\nmap_Kd -s 2 tex\\leaf 1.png\nmap_d tex/leaf 1.png"), [""; 0]);
-        assert_eq!(told("newmtl a\nmap_d -imfchan m leaf.png\nmap_Kd leaf.png"), [""; 0]);
-        assert_eq!(told("newmtl a\nmap_Kd leaf.png\nmap_d mask.png"), ["map_d"]);
-        assert_eq!(told("newmtl a\nmap_d mask.png"), ["map_d"]);
-        // The end of another name is not the name.
-        assert_eq!(told("newmtl a\nmap_Kd leaf.png\nmap_d other_leaf.png"), ["map_d"]);
-        assert_eq!(told("newmtl a\nmap_Kd leaf.png\nmap_d other leaf.png"), ["map_d"]);
-        assert_eq!(told("newmtl a\nmap_Kd leaf.png\nmap_d -imfchan m tex\\leaf.png"), ["map_d"]);
-        assert_eq!(told("newmtl a\nmap_Kd leaf.png\nmap_d -imfchan m\tleaf.png"), [""; 0]);
+        let left_out = |text: &str| read(text.as_bytes()).expect("a material").remove(0).left_out;
+        assert_eq!(left_out("newmtl a\nmap_Kd -s 2 tex\\leaf 1.png\nmap_d tex/leaf 1.png"), [""; 0]);
+        assert_eq!(left_out("newmtl a\nmap_d -imfchan m leaf.png\nmap_Kd leaf.png"), [""; 0]);
+        assert_eq!(left_out("newmtl a\nmap_Kd leaf.png\nmap_d mask.png"), ["map_d"]);
+        assert_eq!(left_out("newmtl a\nmap_d mask.png"), ["map_d"]);
+        // The end of another name does not match.
+        assert_eq!(left_out("newmtl a\nmap_Kd leaf.png\nmap_d other_leaf.png"), ["map_d"]);
+        assert_eq!(left_out("newmtl a\nmap_Kd leaf.png\nmap_d other leaf.png"), ["map_d"]);
+        assert_eq!(left_out("newmtl a\nmap_Kd leaf.png\nmap_d -imfchan m tex\\leaf.png"), ["map_d"]);
+        assert_eq!(left_out("newmtl a\nmap_Kd leaf.png\nmap_d -imfchan m\tleaf.png"), [""; 0]);
     }
 
     #[test]
-    fn ambient_light_is_what_the_file_means_by_it() {
-        let meant = |text: &str| read(text.as_bytes()).expect("a material").remove(0).meant_ambient();
+    fn ambient_reflectance_is_what_the_file_intends() {
+        let ambient_of =
+            |text: &str| read(text.as_bytes()).expect("a material").remove(0).effective_ambient();
         for nothing in ["Ka 1 1 1", "Ka 1", "Ka 1 1 1\nKd 0.5", "Ka 0.8 0.2 0\nKd 0.8 0.2 0", ""] {
-            assert_eq!(meant(&format!("newmtl a\n{nothing}")), None, "{nothing}");
+            assert_eq!(ambient_of(&format!("newmtl a\n{nothing}")), None, "{nothing}");
         }
         for (text, ambient) in [("Ka 0 0 0\nKd 0 0 0", 0.0), ("Ka 0.2\nKd 0.8", 0.2), ("Ka 0.5", 0.5)] {
-            assert_eq!(meant(&format!("newmtl a\n{text}")), Some(Rgb::splat(ambient)), "{text}");
+            assert_eq!(ambient_of(&format!("newmtl a\n{text}")), Some(Rgb::splat(ambient)), "{text}");
         }
     }
 
@@ -253,8 +256,8 @@ mod tests {
         let text = "newmtl a\nmap_bump -bm 1 b.png\nTf 1 1 1\nmap_Ks s.png\nmap_Bump c.png\nsharpness 60\n\
                     newmtl b\nTf 1 0 0";
         let materials = read(text.as_bytes()).expect("materials");
-        let told = materials.iter().map(|material| &material.left_out[..]).collect::<Vec<_>>();
-        assert_eq!(told, [&["map_Bump", "map_Ks"][..], &["Tf"]]);
+        let left_out = materials.iter().map(|material| &material.left_out[..]).collect::<Vec<_>>();
+        assert_eq!(left_out, [&["map_Bump", "map_Ks"][..], &["Tf"]]);
     }
 
     #[test]
@@ -270,22 +273,22 @@ mod tests {
             ),
             ("newmtl a\n\nNs nan", "line 3: expected a finite number, found `Ns nan`"),
             ("Kd 1 1 1", "line 1: expected `newmtl` and a name before the first value, found `Kd 1 1 1`"),
-            ("newmtl", "line 1: expected a name behind `newmtl`, found `newmtl`"),
+            ("newmtl", "line 1: expected a name after `newmtl`, found `newmtl`"),
             ("newmtl a\nd 3", "line 2: expected a number from 0 to 1, found `d 3`"),
             ("newmtl a\nTr -1", "line 2: expected a number from 0 to 1, found `Tr -1`"),
             ("newmtl a\nNs -4", "line 2: expected a number of 0 or more, found `Ns -4`"),
             ("newmtl a\nNi 0", "line 2: expected a number above 0, found `Ni 0`"),
             (
                 "newmtl a\nmap_Kd -s 0 1 a.png",
-                "line 2: expected finite numbers other than 0 behind `-s`, found `map_Kd -s 0 1 a.png`",
+                "line 2: expected finite numbers other than 0 after `-s`, found `map_Kd -s 0 1 a.png`",
             ),
             (
                 "newmtl a\nmap_Kd -o left a.png",
-                "line 2: expected finite numbers behind `-o`, found `map_Kd -o left a.png`",
+                "line 2: expected finite numbers after `-o`, found `map_Kd -o left a.png`",
             ),
             (
                 "newmtl a\nmap_Kd -s 1",
-                "line 2: expected the name of an image behind `map_Kd`, found `map_Kd -s 1`",
+                "line 2: expected the name of an image after `map_Kd`, found `map_Kd -s 1`",
             ),
         ] {
             assert_eq!(read(text.as_bytes()).expect_err("a fault").to_string(), expected);

@@ -1,158 +1,164 @@
-//! Animations and filmstrips of frames that are rendered already.
+//! Makes animations and filmstrips from frames that are already on disk.
 
 use crate::base::color::Rgb;
-use crate::base::frame_set::{self, MOST_FRAMES};
+use crate::base::frame_set::{self, MAX_FRAMES};
 use crate::base::time::Rate;
 use crate::encode::{
-    About, Assembly, EncodeError, Existing, Flaw, Formats, FramePattern, Job, JobError, MATTE, Output,
-    Report, Sheet, Shown, Template, Tonemap, check_size, inspect, inspect_job, prepare_picture, read_picture,
-    same_file, sheet_columns, write_picture,
+    AnimationAssembler, EncodeError, EncodeJob, Existing, Flaw, Formats, FrameInfo, FramePattern, JobError,
+    MATTE, Output, Report, SequenceInfo, Sheet, Template, Tonemap, check_size, inspect, inspect_job,
+    prepare_picture, read_picture, same_file, sheet_columns, write_picture,
 };
 use crate::pipeline::memory;
-use crate::pipeline::plan::survey;
-use crate::pipeline::render::{self, Large, RenderError, pool};
+use crate::pipeline::plan::evaluate;
+use crate::pipeline::render::{self, MemoryUse, RenderError, pool};
 use crate::sequence::Sequence;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Frames on disk, and what is made of them.
+/// Frames on disk, and the files to make from them.
 #[derive(Clone, Debug)]
-pub struct Request {
+pub struct AssembleRequest {
     /// The frames' numbers and files, in order; at least one.
     pub frames: Vec<(u32, PathBuf)>,
     /// The sequence's name.
     pub name: String,
-    /// Animations, and stills, which become filmstrips of all these frames.
+    /// Animations, and stills; each still becomes a filmstrip of all frames.
     pub outputs: Vec<Output>,
     pub rate: Rate,
     pub formats: Formats,
-    /// What stands behind transparent frames in formats without alpha.
+    /// Colour behind transparent frames in formats without alpha.
     pub matte: Rgb,
-    /// What stands below the frames of a filmstrip, and how many of them are in a row.
+    /// Text below each frame of a filmstrip, and the number of frames in a row.
     pub text: Template,
     pub columns: Option<u32>,
     pub threads: Option<NonZeroUsize>,
 }
 
-/// Which frames are wanted of those that are called like this.
+/// Frames to select from the files that a pattern names.
 #[derive(Clone, Copy, Debug)]
-pub struct Wanted<'a> {
+pub struct FrameSelection<'a> {
     pub pattern: &'a FramePattern,
-    /// Their numbers, in order. If absent, those of the whole sequence, as far as that is known.
+    /// Frame numbers, ascending. If absent, all frames of the sequence, if their number is known.
     pub numbers: Option<&'a [u32]>,
-    /// Whether those may be left out that are missing.
+    /// Whether missing frames may be left out.
     pub gaps: bool,
 }
 
-/// Frames that are there and right, as far as that can be known.
+/// Frames that exist and pass all checks.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Chosen {
+pub struct SelectedFrames {
     pub frames: Vec<(u32, PathBuf)>,
-    /// The name that they tell of their sequence, and its rate.
+    /// The sequence's name and rate, from the frames' metadata.
     pub name: Option<String>,
     pub rate: Option<Rate>,
-    /// What the user should know.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
-/// What helps where frames do not fit.
-const WITHOUT_SEQUENCE: &str = "choose frames with --frames, leave out those that are missing with --allow-gaps, or check \
+/// Advice when frames do not fit together.
+const WITHOUT_SEQUENCE: &str = "choose frames with --frames, leave out missing frames with --allow-gaps, or check \
                                 all against their sequence with --of SEQUENCE";
 
-/// What helps where a sequence says what frames should be.
+/// Advice when the sequence says what the frames should be.
 const WITH_SEQUENCE: &str = "render them, give the settings that they were rendered with, or leave out what is missing \
                              with --allow-gaps";
 
-/// The frames that are wanted of a job, each compared with what the sequence evaluates to.
+/// Selects frames of a job. Compares each with what the sequence evaluates to.
 ///
 /// # Errors
-/// All frames that are missing, damaged, or would be made otherwise now.
-pub fn choose_of(
+/// Lists all frames that are missing, damaged, or would be rendered differently now.
+pub fn select_frames_of(
     sequence: &Sequence,
     request: &render::Request,
-    wanted: Wanted,
-) -> Result<Chosen, RenderError> {
+    selection: FrameSelection,
+) -> Result<SelectedFrames, RenderError> {
     let pool = pool(request.threads)?;
-    let survey = pool.install(|| survey(sequence, &request.frames));
-    let job = render::job(sequence, request, &survey);
-    let flaws = inspect_job(&job, wanted.pattern, &pool);
-    let mut chosen = chosen(wanted, &request.frames, flaws, WITH_SEQUENCE)?;
-    chosen.notes.extend(job.beyond());
-    if !job.keeps() {
-        let note = "frames without metadata do not say what they show: they are whole, and nobody knows whether they \
-                    are those of the sequence";
-        chosen.notes.push(note.to_owned());
+    let states = pool.install(|| evaluate(sequence, &request.frames));
+    let job = render::job(sequence, request, &states);
+    let flaws = inspect_job(&job, selection.pattern, &pool);
+    let mut selected = selected(selection, &request.frames, flaws, WITH_SEQUENCE)?;
+    selected.notes.extend(job.extra_frame_notes());
+    if !job.can_keep_frames() {
+        let note = "frames without metadata do not say what they show; they are complete, but may show another \
+                    sequence";
+        selected.notes.push(note.to_owned());
     }
-    (chosen.name, chosen.rate) = (Some(sequence.name.clone()), Some(sequence.timeline.rate));
-    Ok(chosen)
+    (selected.name, selected.rate) = (Some(sequence.name.clone()), Some(sequence.timeline.rate));
+    Ok(selected)
 }
 
-/// The frames that are wanted of those that are `there`, of which nothing is known but what they tell.
+/// Selects frames without their sequence, by their metadata alone. `there` lists the numbers of the files that exist.
 ///
 /// # Errors
-/// All frames that are missing or damaged, and those that differ from most in what frames of one run share.
-pub fn choose(wanted: Wanted, there: &[u32], threads: Option<NonZeroUsize>) -> Result<Chosen, RenderError> {
+/// Lists all frames that are missing or damaged, and those whose metadata differs from that of most frames where one
+/// run has one value.
+pub fn select_frames(
+    selection: FrameSelection,
+    there: &[u32],
+    threads: Option<NonZeroUsize>,
+) -> Result<SelectedFrames, RenderError> {
     let named = |numbers: &[u32]| -> Vec<(u32, PathBuf)> {
-        numbers.iter().map(|&number| (number, wanted.pattern.path(number))).collect()
+        numbers.iter().map(|&number| (number, selection.pattern.path(number))).collect()
     };
-    let found = inspect(&named(wanted.numbers.unwrap_or(there)), &pool(threads)?);
-    let numbers = match wanted.numbers {
+    let found = inspect(&named(selection.numbers.unwrap_or(there)), &pool(threads)?);
+    let numbers = match selection.numbers {
         Some(numbers) => numbers.to_vec(),
-        None => whole(wanted.pattern, there, found.frames)?,
+        None => whole(selection.pattern, there, found.frames)?,
     };
     let mut flaws = found.flaws;
     let absent = numbers.iter().filter(|number| there.binary_search(number).is_err());
     flaws.extend(absent.map(|&number| (number, Flaw::Missing)));
     flaws.sort();
     flaws.dedup();
-    let mut chosen = chosen(wanted, &numbers, flaws, WITHOUT_SEQUENCE)?;
-    (chosen.name, chosen.rate) = (found.name, found.rate);
-    if !found.silent.is_empty() && found.silent.len() < chosen.frames.len() {
-        let silent = frame_set::text(&found.silent);
-        chosen.notes.push(format!("frames {silent} do not say what they show, and the others do"));
+    let mut selected = selected(selection, &numbers, flaws, WITHOUT_SEQUENCE)?;
+    (selected.name, selected.rate) = (found.name, found.rate);
+    if !found.without_metadata.is_empty() && found.without_metadata.len() < selected.frames.len() {
+        let silent = frame_set::text(&found.without_metadata);
+        selected.notes.push(format!("frames {silent} do not say what they show, and the others do"));
     }
-    Ok(chosen)
+    Ok(selected)
 }
 
-/// All frames that should be there: as many as the metadata gives, or else those from the first to the last.
+/// The numbers of all frames that should exist: the metadata gives the count; without it, the range from the first to
+/// the last frame.
 fn whole(pattern: &FramePattern, there: &[u32], count: Option<u32>) -> Result<Vec<u32>, EncodeError> {
     let (Some(first), Some(last)) = (there.first(), there.last()) else { return Ok(Vec::new()) };
     let (first, last) = count.map_or((*first, *last), |count| (0, count.saturating_sub(1).max(*last)));
-    if (last - first) as usize >= MOST_FRAMES {
+    if (last - first) as usize >= MAX_FRAMES {
         return Err(JobError::Apart { names: pattern.to_string(), first, last }.into());
     }
     Ok((first..=last).collect())
 }
 
-fn chosen(
-    wanted: Wanted,
+fn selected(
+    selection: FrameSelection,
     numbers: &[u32],
     flaws: Vec<(u32, Flaw)>,
     advice: &'static str,
-) -> Result<Chosen, RenderError> {
+) -> Result<SelectedFrames, RenderError> {
     let missing: Vec<u32> =
         flaws.iter().filter(|(_, flaw)| *flaw == Flaw::Missing).map(|(number, _)| *number).collect();
     let only_gaps = missing.len() == flaws.len() && missing.len() < numbers.len();
-    let right = flaws.is_empty() || wanted.gaps && only_gaps;
+    let right = flaws.is_empty() || selection.gaps && only_gaps;
     if !right {
-        let names = wanted.pattern.to_string();
+        let names = selection.pattern.to_string();
         return Err(EncodeError::from(JobError::Frames { names, flaws, advice }).into());
     }
     let there = numbers.iter().filter(|number| missing.binary_search(number).is_err());
     let note = |missing| format!("frames {} are missing and left out", frame_set::text(missing));
-    Ok(Chosen {
-        frames: there.map(|&number| (number, wanted.pattern.path(number))).collect(),
+    Ok(SelectedFrames {
+        frames: there.map(|&number| (number, selection.pattern.path(number))).collect(),
         notes: (!missing.is_empty()).then(|| note(&missing)).into_iter().collect(),
-        ..Chosen::default()
+        ..SelectedFrames::default()
     })
 }
 
-/// Refuses to replace frames by what is made of them. `frame` gives the frame that lies at a path, or the
-/// pattern of the frames that it is one of.
+/// Refuses an output that would replace an input frame. `frame` returns the frame at a path, or the pattern of the
+/// frames if the path is one of them.
 ///
 /// # Errors
-/// The first output that would be a frame.
+/// The first output that is an input frame.
 pub fn check_outputs<'f>(
     outputs: &[Output],
     frame: impl Fn(&Path) -> Option<&'f Path>,
@@ -165,12 +171,12 @@ pub fn check_outputs<'f>(
     Ok(())
 }
 
-/// Makes the animations and filmstrips.
+/// Writes the animations and filmstrips.
 ///
 /// # Errors
-/// Outputs that would replace a frame, before anything is written; frames that cannot be read or differ in size; and
+/// Outputs that would replace a frame, before anything is written. Frames that cannot be read or differ in size, and
 /// files that cannot be written.
-pub fn assemble(request: &Request) -> Result<Report, RenderError> {
+pub fn assemble(request: &AssembleRequest) -> Result<Report, RenderError> {
     let frames = || request.frames.iter().map(|(_, frame)| frame.as_path());
     check_outputs(&request.outputs, |path| frames().find(|frame| same_file(frame, path)))?;
     let (animations, strips): (Vec<_>, Vec<_>) =
@@ -180,13 +186,17 @@ pub fn assemble(request: &Request) -> Result<Report, RenderError> {
     };
     let first = read_picture(path)?;
     let last = request.frames.iter().map(|(number, _)| *number).max().unwrap_or(0);
-    let about = About { name: request.name.clone(), frames: last.saturating_add(1), ..About::default() };
+    let about = SequenceInfo {
+        name: request.name.clone(),
+        frames: last.saturating_add(1),
+        ..SequenceInfo::default()
+    };
     let size = (first.width, first.height);
-    let job = Job {
+    let job = EncodeJob {
         outputs: animations,
         confined: false,
         existing: Existing::Replace,
-        seen: Vec::new(),
+        frame_keys: Vec::new(),
         frames: request.frames.iter().map(|(number, _)| *number).collect(),
         rate: request.rate,
         size,
@@ -195,30 +205,30 @@ pub fn assemble(request: &Request) -> Result<Report, RenderError> {
         matte: request.matte,
         caption: None,
         formats: request.formats,
-        about: about.clone(),
+        info: about.clone(),
     };
     let count = request.frames.len() as u32;
     let columns = request.columns.unwrap_or_else(|| sheet_columns(count, size));
     if !strips.is_empty() {
         let sheet = Sheet::size(count, columns, size, request.text.lines());
-        Large::Filmstrip.check(memory::for_sheet(sheet))?;
+        MemoryUse::Filmstrip.check(memory::for_sheet(sheet))?;
         strips.iter().try_for_each(|strip| check_size(strip, 0, sheet)).map_err(EncodeError::from)?;
     }
     let _folders = strips.iter().map(prepare_picture).collect::<Result<Vec<_>, _>>()?;
     let mut sheet = (!strips.is_empty()).then(|| Sheet::new(count, columns, size, request.text.lines()));
-    let mut assembly = Assembly::start(job, Arc::new(pool(request.threads)?))?;
+    let mut assembly = AnimationAssembler::start(job, Arc::new(pool(request.threads)?))?;
     for (index, (number, path)) in (0..).zip(&request.frames) {
         let picture = read_picture(path)?;
         assembly.push(&picture)?;
         if let Some(sheet) = &mut sheet {
-            let shown = Shown { about: &about, frame: *number, rate: request.rate };
-            sheet.put(index, &picture.over(request.matte), &request.text.told(&shown));
+            let shown = FrameInfo { sequence: &about, frame: *number, rate: request.rate };
+            sheet.put(index, &picture.over(request.matte), &request.text.expand(&shown));
         }
     }
     let mut report = assembly.finish()?;
     if let Some(sheet) = sheet {
         let picture = sheet.finish();
-        report.notes.extend(request.text.note(&about.name));
+        report.notes.extend(request.text.missing_glyphs_note(&about.name));
         for strip in &strips {
             write_picture(strip, &picture, request.formats)?;
             report.files.push(strip.name().to_owned());
@@ -227,7 +237,7 @@ pub fn assemble(request: &Request) -> Result<Report, RenderError> {
     Ok(report)
 }
 
-impl Default for Request {
+impl Default for AssembleRequest {
     fn default() -> Self {
         Self {
             frames: Vec::new(),

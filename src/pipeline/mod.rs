@@ -1,6 +1,8 @@
-//! From a sequence to files: the frame loop, the plan of what is traced, and the front door.
+//! From a sequence to files: the frame loop, the plan, and the library's entry points.
 //!
-//! In: a `Sequence` and a request. Out: frames, handed to `encode`. Uses all rooms above.
+//! In: a `Sequence` and a request.
+//! Out: frames, passed to `encode`.
+//! Uses all rooms above.
 
 pub mod schedule;
 pub mod plan;

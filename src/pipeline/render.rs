@@ -1,19 +1,22 @@
-//! The library's front door: a sequence in, files out.
+//! The library's main entry point: renders a sequence into files.
 
 use crate::base::cancel::Stop;
-use crate::base::clock::Clock;
+use crate::base::clock::TimeSource;
 use crate::base::machine;
-use crate::base::stats::{Counts, Meter};
+use crate::base::stats::{Counts, ProgressMeter};
 use crate::base::units;
 use crate::camera::path::NoCamera;
-use crate::encode::{About, EncodeError, Encoder, Existing, Job, Output, Report, Seen, Still, TimeLimit};
-use crate::film::{Extras, Film, Noise};
+use crate::encode::{
+    EncodeError, EncodeJob, Encoder, Existing, FrameKey, Output, Report, SequenceInfo, StillFormat,
+    TimeBudget,
+};
+use crate::film::{AovSet, Film, Noise};
 use crate::pipeline::memory;
 use crate::pipeline::plan::{
-    self, Effort, Expected, Outlook, Patience, Plan, Range, Room, RunForecast, Shared, Survey, Work,
-    look_ahead, run_shared, survey, survey_until,
+    self, CostEstimate, FilmCache, FrameStates, Outlook, PilotBudget, PilotTime, Plan, Range, RayEstimate,
+    RunForecast, SharedRun, evaluate, evaluate_until, run_pilot, run_shared,
 };
-use crate::pipeline::schedule::{FilmSink, FrameLoop, Look, NoFrame, Stage, Tally};
+use crate::pipeline::schedule::{FilmSink, FrameError, FrameLoop, FrameStage, FrameState, Stats};
 use crate::sequence::Sequence;
 use crate::sequence::quality::{NoiseTarget, Quality};
 use rayon::ThreadPool;
@@ -25,43 +28,43 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 
-/// What to render of a sequence, and where to.
+/// Frames to render, and the files to write.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// Frame numbers in the order in which they are rendered and shown.
+    /// Frame numbers in the order of rendering and playback.
     pub frames: Vec<u32>,
     pub outputs: Vec<Output>,
-    /// Whether these stay within the working directory, wherever links lead: those do that a sequence names, which may
-    /// come from others.
+    /// Whether outputs must stay within the working directory after links are followed. This holds for outputs that a
+    /// sequence names, because sequences may come from others.
     pub confined: bool,
     pub existing: Existing,
-    /// Threads that trace; as many as the machine has if absent.
+    /// Number of tracing threads. If absent, one for each processor of the machine.
     pub threads: Option<NonZeroUsize>,
     pub reuse: Reuse,
-    /// What settled how many samples the sequence has, if that was a limit of time: files tell it.
+    /// The time limit that determined the number of samples, if any. It is written into metadata.
     pub time_limit: Option<Duration>,
 }
 
 impl Request {
-    fn limit(&self) -> Option<TimeLimit> {
-        self.time_limit.map(|time| TimeLimit { time, frames: self.frames.len() as u32 })
+    fn limit(&self) -> Option<TimeBudget> {
+        self.time_limit.map(|time| TimeBudget { time, frames: self.frames.len() as u32 })
     }
 }
 
-/// How many bytes films may have that are kept, so that nothing is traced twice. It never shows in a picture.
+/// Memory limit of the film cache. It never changes a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reuse {
-    /// Every frame is traced by itself.
+    /// Each frame is traced separately.
     Off,
-    /// A share of what the machine has left.
+    /// A share of the free memory.
     #[default]
     Share,
     Within(u64),
 }
 
 impl Reuse {
-    /// The bytes of it for films of this sequence.
-    pub fn budget(self, sequence: &Sequence, extras: Extras) -> u64 {
+    /// The limit in bytes for films of this sequence.
+    pub fn budget(self, sequence: &Sequence, extras: AovSet) -> u64 {
         match self {
             Self::Off => 0,
             Self::Share => memory::for_films(sequence, extras),
@@ -70,73 +73,73 @@ impl Reuse {
     }
 }
 
-/// What a run did.
+/// Results of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
     pub frames: u32,
-    /// Those of them that were there, whole and right, and were left as they are.
+    /// Frames that existed, were valid, and were kept.
     pub kept: u32,
-    /// Those of them that were made of the film of another.
+    /// Frames that reused the film of another frame.
     pub reused: u32,
     pub counts: Counts,
     pub bvh_builds: u64,
-    /// What was expected, if there was a plan.
+    /// The forecast, if there was a plan.
     pub expected: Option<Forecast>,
-    /// Frames that were sampled until they were good enough, and how good they are.
+    /// Error of each frame that was sampled towards a target error.
     pub noise: Vec<(u32, Noise)>,
-    /// Seconds that tracing took of all processors together, where the system tells.
+    /// Processor time of tracing in seconds, over all threads. None if the system does not measure it.
     pub cpu: Option<f64>,
-    /// Wall time spent in each stage, in the order of the flow. Encoding runs beside the others.
+    /// Wall time of each stage, in order. Encoding runs in parallel with the others.
     pub stages: Vec<(&'static str, Duration)>,
     pub elapsed: Duration,
-    /// What was written: a pattern or a file per output.
+    /// Written files: a pattern or a file for each output.
     pub files: Vec<PathBuf>,
-    /// What a user should know about the result.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
-/// What a plan says about a run before it begins.
+/// Forecast of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
     pub reused: u32,
     pub camera_rays: u64,
-    /// Whether that is known exactly: not where samples are taken until an error is reached.
+    /// Whether `camera_rays` is exact. It is not if frames are sampled towards a target error.
     pub exact: bool,
-    /// Of all kinds, if it was worth a trial.
+    /// Rays of all kinds, if a pilot was traced.
     pub rays: Option<u64>,
     pub bvh_builds: u64,
-    /// Seconds of tracing, on the wall and of all processors together, and the error of the worst film, as a share of the
-    /// mean brightness, if it was worth a pilot.
+    /// Wall time and processor time of tracing in seconds, and the error of the worst film as a share of the mean
+    /// brightness. None without a pilot.
     pub wall: Option<Range>,
     pub cpu: Option<Range>,
-    /// Seconds of all processors that the pilot itself took.
+    /// Processor time of the pilot in seconds.
     pub pilot: f64,
     pub error: Option<Range>,
 }
 
-/// What a run says of itself before it traces its frames.
+/// Events before the first frame of a run.
 #[derive(Clone, Copy, Debug)]
 pub enum Notice<'a> {
-    /// A pilot begins, as the run may take long.
+    /// A pilot begins, because the run may take long.
     Pilot { plan: &'a Plan },
-    /// The pilot is over.
+    /// The pilot has finished.
     Outlook { plan: &'a Plan, outlook: &'a Outlook },
 }
 
-/// Who hears of notices.
+/// A callback for notices.
 pub type Listener<'a> = &'a (dyn Fn(Notice) + Sync);
 
-/// What may be too large for the memory.
+/// Data that may not fit into memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Large {
+pub enum MemoryUse {
     Picture,
     Filmstrip,
-    /// Pictures of several settings, which are compared.
+    /// Pictures of several settings that are compared.
     Measurement,
 }
 
-impl Large {
-    /// Refuses what takes so many bytes and does not fit into memory.
+impl MemoryUse {
+    /// Returns an error if `needed` bytes exceed the free memory.
     pub(crate) fn check(self, needed: u64) -> Result<(), RenderError> {
         let available = machine::free_memory();
         if needed > available {
@@ -150,20 +153,20 @@ impl Large {
 #[derive(Debug)]
 pub enum RenderError {
     Encode(EncodeError),
-    /// It would not fit: bytes needed and bytes there are.
+    /// Bytes needed and bytes available.
     TooLarge {
-        what: Large,
+        what: MemoryUse,
         needed: u64,
         available: u64,
     },
-    /// A signal came when so many frames were done; these files were written.
+    /// A signal arrived after `done` frames; `files` were written.
     Stopped {
         signal: usize,
         done: usize,
         files: Vec<PathBuf>,
-        /// Frames that are still to come.
+        /// Frames that were not rendered.
         rest: Vec<u32>,
-        /// Whether a next run keeps the frames that are there.
+        /// Whether the next run keeps the existing frames.
         keeps: bool,
     },
     /// The thread pool could not be started.
@@ -181,11 +184,11 @@ impl From<EncodeError> for RenderError {
     }
 }
 
-impl From<NoFrame> for RenderError {
-    fn from(error: NoFrame) -> Self {
+impl From<FrameError> for RenderError {
+    fn from(error: FrameError) -> Self {
         match error {
-            NoFrame::Camera { frame, why } => Self::Camera { frame, why },
-            NoFrame::Encode(error) => Self::Encode(error),
+            FrameError::Camera { frame, why } => Self::Camera { frame, why },
+            FrameError::Encode(error) => Self::Encode(error),
         }
     }
 }
@@ -202,14 +205,14 @@ impl Display for RenderError {
             Self::Encode(error) => error.fmt(f),
             Self::TooLarge { what, needed, available } => {
                 let (what, mend) = match what {
-                    Large::Picture => (
+                    MemoryUse::Picture => (
                         "the picture needs",
                         "make it smaller with --size, such as 1280x720, or with --draft",
                     ),
-                    Large::Filmstrip => {
+                    MemoryUse::Filmstrip => {
                         ("the filmstrip needs", "show fewer frames, or make them smaller, such as 320x200")
                     }
-                    Large::Measurement => (
+                    MemoryUse::Measurement => (
                         "to compare pictures of this size needs",
                         "measure smaller ones with --size, such as 320x200, or fewer frames",
                     ),
@@ -228,135 +231,139 @@ impl Display for RenderError {
 
 impl Error for RenderError {}
 
-/// Renders the requested frames. `meter` may be watched from another thread meanwhile.
-pub fn render(sequence: &Sequence, request: &Request, meter: &Arc<Meter>) -> Result<Summary, RenderError> {
+/// Renders the requested frames. Another thread may watch `meter` meanwhile.
+pub fn render(
+    sequence: &Sequence,
+    request: &Request,
+    meter: &Arc<ProgressMeter>,
+) -> Result<Summary, RenderError> {
     render_until(sequence, request, meter, &Stop::default())
 }
 
-/// The same, but that it stops when it is asked to: after the frame in hand, or with the samples that this has if an error
-/// is to be reached. Stills that are written stay; animations are closed with the frames that there are, beside the place
-/// of the whole one, and so are frames that are not as good as they should be.
+/// [`render`], which stops when `stop` is set: after the current frame, or with the current samples if a target error
+/// is set. Written stills remain. Unfinished animations, and frames that miss their target error, are closed under a
+/// name beside the final one.
 pub fn render_until(
     sequence: &Sequence,
     request: &Request,
-    meter: &Arc<Meter>,
+    meter: &Arc<ProgressMeter>,
     stop: &Stop,
 ) -> Result<Summary, RenderError> {
-    render_told(sequence, request, meter, stop, &|_| ())
+    render_with_notices(sequence, request, meter, stop, &|_| ())
 }
 
-/// The same; `tell` hears how long the run is expected to take, if that is worth a pilot.
-pub fn render_told(
+/// [`render_until`], which also calls `notify` with a forecast if the run is long enough for a pilot.
+pub fn render_with_notices(
     sequence: &Sequence,
     request: &Request,
-    meter: &Arc<Meter>,
+    meter: &Arc<ProgressMeter>,
     stop: &Stop,
-    tell: Listener,
+    notify: Listener,
 ) -> Result<Summary, RenderError> {
-    rendered(sequence, request, meter, (stop, tell)).map_err(|error| match error {
+    render_frames(sequence, request, meter, (stop, notify)).map_err(|error| match error {
         RenderError::Encode(EncodeError::Interrupted { signal, done }) => {
             let rest = request.frames.get(done..).unwrap_or_default().to_vec();
-            let keeps = job(sequence, request, &Survey::default()).keeps();
+            let keeps = job(sequence, request, &FrameStates::default()).can_keep_frames();
             RenderError::Stopped { signal, done, files: Vec::new(), rest, keeps }
         }
         error => error,
     })
 }
 
-fn rendered(
+fn render_frames(
     sequence: &Sequence,
     request: &Request,
-    meter: &Arc<Meter>,
-    (stop, tell): (&Stop, Listener),
+    meter: &Arc<ProgressMeter>,
+    (stop, notify): (&Stop, Listener),
 ) -> Result<Summary, RenderError> {
     let start = Instant::now();
     let _ = meter.stop.set(stop.clone());
     let extras = extras(sequence, &request.outputs);
-    Large::Picture.check(memory::needed(sequence, extras))?;
+    MemoryUse::Picture.check(memory::needed(sequence, extras))?;
     let pool = Arc::new(pool(request.threads)?);
-    let survey = pool.install(|| survey_until(sequence, &request.frames, stop));
-    let job = job(sequence, request, &survey);
-    let keeps = job.keeps();
-    if let Some(signal) = stop.signal().filter(|_| survey.frames.len() < request.frames.len()) {
+    let states = pool.install(|| evaluate_until(sequence, &request.frames, stop));
+    let job = job(sequence, request, &states);
+    let keeps = job.can_keep_frames();
+    if let Some(signal) = stop.signal().filter(|_| states.frames.len() < request.frames.len()) {
         let rest = request.frames.clone();
         return Err(RenderError::Stopped { signal, done: 0, files: Vec::new(), rest, keeps });
     }
     let encoder = Encoder::start(job, Arc::clone(&pool), stop)?;
     let missing = encoder.missing();
     meter.frames.fetch_add((request.frames.len() - missing.len()) as u32, Relaxed);
-    let mut frames = FrameLoop::with_extras(sequence, extras, encoder, Arc::clone(meter));
-    let before = machine::processor_time();
-    let survey = survey.only(&missing);
+    let mut frames = FrameLoop::with_aovs(sequence, extras, encoder, Arc::clone(meter));
+    let before = machine::cpu_time();
+    let states = states.only(&missing);
     let (done, expected) = pool.install(|| match request.existing {
-        Existing::Share => shared(sequence, request, &survey, &mut frames, (meter, stop)),
-        _ => planned(sequence, request, survey, &mut frames, (meter, stop, tell)),
+        Existing::Share => render_shared(sequence, request, &states, &mut frames, (meter, stop)),
+        _ => render_planned(sequence, request, states, &mut frames, (meter, stop, notify)),
     })?;
-    let after = machine::processor_time();
+    let after = machine::cpu_time();
     if let Some(signal) = stop.signal().filter(|_| done < missing.len()) {
         let report = frames.into_sink().map_or_else(|| Ok(Report::default()), Encoder::stop)?;
         let rest = missing[done..].to_vec();
         return Err(RenderError::Stopped { signal, done, files: report.files, rest, keeps });
     }
-    let tally = frames.tally().clone();
+    let stats = frames.stats().clone();
     let encoder = frames.into_sink();
     let encoding = encoder.as_ref().and_then(Encoder::cpu);
     let cpu = after.zip(before).zip(encoding).map(|((after, before), encoding)| after - before - encoding);
     let report = encoder.map_or_else(|| Ok(Report::default()), Encoder::finish)?;
-    let mut summary = summary(&tally, report, request.frames.len() as u32, start.elapsed());
+    let mut summary = summary(&stats, report, request.frames.len() as u32, start.elapsed());
     summary.cpu = cpu.map(|cpu| cpu - expected.map_or(0.0, |expected| expected.pilot));
     summary.expected = expected;
     summary.notes.splice(..0, sequence.notes());
     Ok(summary)
 }
 
-/// Samples of a run before which a pilot is worth its time, to tell how long it will take; and the least number of them
-/// where they are taken until an error is reached, which may be far more.
+/// Minimum camera samples of a run for which a pilot pays off. The second limit is for runs with a target error, whose
+/// lower bound may be far below the real number.
 const WORTH_A_PILOT: u64 = 1 << 23;
 const WORTH_WITH_ERROR: u64 = 1 << 17;
 
-/// Makes the frames that are missing by a plan, or each by itself. Gives the number of those that were begun.
-fn planned<S: FilmSink>(
+/// Renders the missing frames by a plan, or separately. Returns the number of frames that it began.
+fn render_planned<S: FilmSink>(
     sequence: &Sequence,
     request: &Request,
-    missing: Survey,
+    missing: FrameStates,
     frames: &mut FrameLoop<S>,
-    (meter, stop, tell): (&Meter, &Stop, Listener),
-) -> Result<(usize, Option<Forecast>), NoFrame> {
+    (meter, stop, notify): (&ProgressMeter, &Stop, Listener),
+) -> Result<(usize, Option<Forecast>), FrameError> {
     let on = || stop.signal().is_none();
     let kept = request.frames.len() - missing.frames.len();
     if request.reuse == Reuse::Off {
         meter.begin(kept, Vec::new());
         let mut done = 0;
-        missing.frames.iter().take_while(|_| on()).try_for_each(|look| {
-            frames.trace_alone(look)?;
+        missing.frames.iter().take_while(|_| on()).try_for_each(|state| {
+            frames.trace_alone(state)?;
             done += usize::from(!meter.unfinished.load(Relaxed));
-            Ok::<_, NoFrame>(())
+            Ok::<_, FrameError>(())
         })?;
         return Ok((done, None));
     }
     let extras = extras(sequence, &request.outputs);
     let budget = request.reuse.budget(sequence, extras);
-    let plan = Plan::of(missing, sequence, extras, budget);
-    let known = Expected::of(sequence, &plan);
+    let plan = Plan::from_states(missing, sequence, extras, budget);
+    let known = RayEstimate::of(sequence, &plan);
     let worth = if known.exact { WORTH_A_PILOT } else { WORTH_WITH_ERROR };
-    let Work { films, .. } = plan::work(sequence, &plan, Effort::NONE);
+    let CostEstimate { films, .. } = plan::cost_estimate(sequence, &plan, PilotBudget::NONE);
     let (mut films, mut forecast) = (films, Forecast::of(&plan, &known));
-    // Whoever has limited the time has had a pilot.
+    // A time limit already implies a pilot.
     if known.camera >= worth && request.time_limit.is_none() {
-        tell(Notice::Pilot { plan: &plan });
-        let outlook = look_ahead(sequence, &plan, extras, Patience::RUN, Clock::Machine);
+        notify(Notice::Pilot { plan: &plan });
+        let outlook = run_pilot(sequence, &plan, extras, PilotTime::RUN, TimeSource::Machine);
         let run = outlook.forecast(&sequence.quality);
         films = run.films.iter().map(|film| film.took.wall).collect();
         forecast = Forecast { pilot: outlook.spent.cpu.unwrap_or_default(), ..forecast.with(&run) };
-        tell(Notice::Outlook { plan: &plan, outlook: &outlook });
+        notify(Notice::Outlook { plan: &plan, outlook: &outlook });
     }
     meter.begin(kept, films);
     Ok((plan::run(&plan, frames, on)?, Some(forecast)))
 }
 
 impl Forecast {
-    /// What is known without a pilot.
-    fn of(plan: &Plan, known: &Expected) -> Self {
+    /// The forecast without a pilot.
+    fn of(plan: &Plan, known: &RayEstimate) -> Self {
         Self {
             reused: plan.reused() as u32,
             camera_rays: known.camera,
@@ -382,47 +389,48 @@ impl Forecast {
     }
 }
 
-/// Makes those of the missing frames that no other process makes. Gives how many were begun; or all, when all are there.
-fn shared(
+/// Renders the missing frames that no other process renders. Returns the number of frames that it began, or of all
+/// frames if all exist now.
+fn render_shared(
     sequence: &Sequence,
     request: &Request,
-    survey: &Survey,
+    states: &FrameStates,
     frames: &mut FrameLoop<Encoder>,
-    (meter, stop): (&Meter, &Stop),
-) -> Result<(usize, Option<Forecast>), NoFrame> {
+    (meter, stop): (&ProgressMeter, &Stop),
+) -> Result<(usize, Option<Forecast>), FrameError> {
     let extras = extras(sequence, &request.outputs);
-    let room = Room::of(sequence, extras, request.reuse.budget(sequence, extras));
-    meter.begin(request.frames.len() - survey.frames.len(), Vec::new());
+    let cache = FilmCache::of(sequence, extras, request.reuse.budget(sequence, extras));
+    meter.begin(request.frames.len() - states.frames.len(), Vec::new());
     let there = |others: usize| {
         meter.frames.fetch_add(others as u32, Relaxed);
     };
     let on = || stop.signal().is_none();
-    let Shared { done, complete } = run_shared(survey, room, frames, on, there)?;
-    Ok((if complete { survey.frames.len() } else { done }, None))
+    let SharedRun { done, complete } = run_shared(states, cache, frames, on, there)?;
+    Ok((if complete { states.frames.len() } else { done }, None))
 }
 
-/// Finds what a render would refuse before its first frame: a picture that does not fit into memory, or outputs that
-/// cannot be written. Nothing is touched.
+/// Checks for everything that would stop a render before its first frame: pictures too large for memory, and outputs
+/// that cannot be written. Changes nothing on disk.
 pub fn check(sequence: &Sequence, request: &Request) -> Result<(), RenderError> {
     let extras = extras(sequence, &request.outputs);
-    Large::Picture.check(memory::needed(sequence, extras))?;
-    Ok(job(sequence, request, &Survey::default()).check().map_err(EncodeError::from)?)
+    MemoryUse::Picture.check(memory::needed(sequence, extras))?;
+    Ok(job(sequence, request, &FrameStates::default()).check().map_err(EncodeError::from)?)
 }
 
-/// The threads that trace.
+/// The pool of tracing threads.
 pub(crate) fn pool(threads: Option<NonZeroUsize>) -> Result<ThreadPool, RenderError> {
     let threads = threads.map_or(0, NonZeroUsize::get);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     pool.map_err(|error| RenderError::Threads(error.to_string()))
 }
 
-/// The quality of frames that an earlier run with the same limit of time has made, if any of them are there, whole and as
-/// they would be made now with these samples.
-pub fn settled(sequence: &Sequence, request: &Request) -> Option<Quality> {
+/// The quality of frames that an earlier run with the same time limit rendered. None if no valid frame exists that
+/// this quality would render identically.
+pub fn existing_quality(sequence: &Sequence, request: &Request) -> Option<Quality> {
     if request.existing != Existing::Keep {
         return None;
     }
-    let counts = job(sequence, request, &Survey::default()).settled();
+    let counts = job(sequence, request, &FrameStates::default()).earlier_sample_counts();
     let qualities = counts.into_iter().map(|(samples, antialias)| Quality {
         samples,
         antialias,
@@ -431,25 +439,25 @@ pub fn settled(sequence: &Sequence, request: &Request) -> Option<Quality> {
     });
     qualities.into_iter().find(|&quality| {
         let sequence = Sequence { quality, ..sequence.clone() };
-        job(&sequence, request, &survey(&sequence, &request.frames)).keeps_any()
+        job(&sequence, request, &evaluate(&sequence, &request.frames)).can_keep_any()
     })
 }
 
-pub(crate) fn job(sequence: &Sequence, request: &Request, survey: &Survey) -> Job {
+pub(crate) fn job(sequence: &Sequence, request: &Request, states: &FrameStates) -> EncodeJob {
     let output = &sequence.output;
-    // By what they look like, those are found that are there.
-    let seen = |look: &Look| Seen {
-        radiance: look.radiance,
-        film: look.film(),
-        exposure: look.exposure,
-        random: look.random,
+    // Frame states identify existing frames.
+    let frame_key = |state: &FrameState| FrameKey {
+        radiance: state.radiance,
+        film: state.film(),
+        exposure: state.exposure,
+        random: state.random,
     };
-    Job {
+    EncodeJob {
         outputs: request.outputs.clone(),
         confined: request.confined,
         existing: request.existing,
         frames: request.frames.clone(),
-        seen: survey.frames.iter().map(seen).collect(),
+        frame_keys: states.frames.iter().map(frame_key).collect(),
         rate: sequence.timeline.rate,
         size: output.size,
         tonemap: output.tonemap,
@@ -457,31 +465,31 @@ pub(crate) fn job(sequence: &Sequence, request: &Request, survey: &Survey) -> Jo
         matte: output.matte,
         caption: output.caption.clone(),
         formats: output.formats,
-        about: About { time_limit: request.limit(), ..sequence.about() },
+        info: SequenceInfo { time_limit: request.limit(), ..sequence.about() },
     }
 }
 
-/// What films have to record for these outputs.
-pub(crate) fn extras(sequence: &Sequence, outputs: &[Output]) -> Extras {
-    let exr = outputs.iter().any(|output| matches!(output, Output::Stills(Still::Exr, _)));
+/// The layers besides light that these outputs need.
+pub(crate) fn extras(sequence: &Sequence, outputs: &[Output]) -> AovSet {
+    let exr = outputs.iter().any(|output| matches!(output, Output::Stills(StillFormat::Exr, _)));
     let guides = exr && sequence.output.formats.exr.layers.call_for_guides();
-    Extras { coverage: sequence.output.transparent, guides }
+    AovSet { coverage: sequence.output.transparent, features: guides }
 }
 
-/// What a run of so many frames did.
-pub(crate) fn summary(tally: &Tally, report: Report, frames: u32, elapsed: Duration) -> Summary {
-    // The frame loop only waits for the encoder; its own time is what encoding took.
-    let time = |stage| if stage == Stage::Encode { report.busy } else { tally.stages[stage as usize] };
+/// Summarises a run.
+pub(crate) fn summary(stats: &Stats, report: Report, frames: u32, elapsed: Duration) -> Summary {
+    // The frame loop only waits for the encoder, so the encoder's own time counts.
+    let time = |stage| if stage == FrameStage::Encode { report.busy } else { stats.stages[stage as usize] };
     Summary {
         frames,
         kept: report.kept,
-        reused: tally.reused,
+        reused: stats.reused,
         expected: None,
-        counts: tally.counts,
-        bvh_builds: tally.bvh_builds,
+        counts: stats.counts,
+        bvh_builds: stats.bvh_builds,
         noise: report.noise,
         cpu: None,
-        stages: Stage::ALL.map(|stage| (stage.name(), time(stage))).to_vec(),
+        stages: FrameStage::ALL.map(|stage| (stage.name(), time(stage))).to_vec(),
         elapsed,
         files: report.files,
         notes: report.notes,
@@ -495,16 +503,16 @@ mod tests {
     #[test]
     fn a_picture_that_is_too_large_says_how_to_shrink_it() {
         for (what, parts) in [
-            (Large::Picture, ["the picture", "--size", "--draft"]),
-            (Large::Filmstrip, ["the filmstrip", "fewer frames", "320x200"]),
-            (Large::Measurement, ["to compare", "--size", "fewer frames"]),
+            (MemoryUse::Picture, ["the picture", "--size", "--draft"]),
+            (MemoryUse::Filmstrip, ["the filmstrip", "fewer frames", "320x200"]),
+            (MemoryUse::Measurement, ["to compare", "--size", "fewer frames"]),
         ] {
             let text = RenderError::TooLarge { what, needed: 48_000_000_000, available: 8_100_000_000 };
             let text = text.to_string();
             assert!(text.contains("48.0 GB") && text.contains("8.10 GB"), "{text}");
             assert!(parts.iter().all(|part| text.contains(part)), "{text}");
         }
-        assert!(matches!(Large::Picture.check(u64::MAX), Err(RenderError::TooLarge { .. })));
-        assert!(Large::Picture.check(1).is_ok());
+        assert!(matches!(MemoryUse::Picture.check(u64::MAX), Err(RenderError::TooLarge { .. })));
+        assert!(MemoryUse::Picture.check(1).is_ok());
     }
 }

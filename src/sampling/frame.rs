@@ -1,24 +1,24 @@
-//! Orthonormal frames around a direction.
+//! Orthonormal frames around directions.
 
 use crate::base::lanes::{Real, Select, Vec3};
 use crate::base::math::DVec3;
 
 /// A right-handed orthonormal frame whose z axis is a given direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame<F> {
+pub struct LocalFrame<F> {
     pub x: Vec3<F>,
     pub y: Vec3<F>,
     pub z: Vec3<F>,
 }
 
-/// The cosine beyond which a direction is so near to an axis that its part across the axis loses digits.
+/// The cosine above which a direction is too close to an axis: its component perpendicular to the axis loses digits.
 const NEAR: f64 = 0.99;
 
-impl<F: Real> Frame<F> {
-    /// The frame around the unit vector `z` that the smallest rotation makes of the coordinate axes.
+impl<F: Real> LocalFrame<F> {
+    /// The frame around the unit vector `z` that results from the smallest rotation of the coordinate axes.
     #[inline(always)]
-    pub fn around(z: Vec3<F>) -> Self {
-        Self::identity().turned_to(z)
+    pub fn from_z(z: Vec3<F>) -> Self {
+        Self::identity().rotated_to(z)
     }
 
     /// The frame of the coordinate axes.
@@ -27,20 +27,20 @@ impl<F: Real> Frame<F> {
         Self { x: Vec3::splat(DVec3::X), y: Vec3::splat(DVec3::Y), z: Vec3::splat(DVec3::Z) }
     }
 
-    /// The frame around the unit vector `z`, of which the x axis is as near as can be to the first of two orthogonal unit
-    /// vectors: it turns smoothly with `z`. Only near the first does the second take its place.
+    /// The frame around the unit vector `z` whose x axis is as close as possible to `first`, one of two orthogonal
+    /// unit vectors. It turns smoothly with `z`. If `z` is close to `first`, `second` replaces `first`.
     #[inline(always)]
-    pub fn along(z: Vec3<F>, [first, second]: [DVec3; 2]) -> Self {
+    pub fn from_z_near_x(z: Vec3<F>, [first, second]: [DVec3; 2]) -> Self {
         let (first, second) = (Vec3::splat(first), Vec3::splat(second));
         let near = F::splat(NEAR).lt(first.dot(z).abs());
         let axis = Vec3::select(near, second, first);
         Self::of_axes(axis - z * axis.dot(z), z)
     }
 
-    /// This frame turned along the shortest way until its z axis is another one (a unit vector): it turns smoothly with
-    /// that, unless it is opposite to this z axis. So samples that are stratified around neighbouring normals stay so.
+    /// This frame after the smallest rotation that moves its z axis to the unit vector `z`. The result turns smoothly
+    /// with `z`, unless `z` is opposite to the old z axis. So samples around neighbouring normals stay stratified.
     #[inline(always)]
-    pub fn turned_to(&self, z: Vec3<F>) -> Self {
+    pub fn rotated_to(&self, z: Vec3<F>) -> Self {
         let one = F::splat(1.0);
         let apart = one + self.z.dot(z);
         let share = self.x.dot(z) / apart;
@@ -49,27 +49,27 @@ impl<F: Real> Frame<F> {
         Self::of_axes(Vec3::select(opposite, self.x, turned), z)
     }
 
-    /// The frame of a vector that is nearly across the unit vector `z`, and that.
+    /// The frame of the unit vector `z` and a vector `x` that is nearly perpendicular to it.
     #[inline(always)]
     fn of_axes(x: Vec3<F>, z: Vec3<F>) -> Self {
         let x = of_unit_length((x - z * x.dot(z)).normalize());
         Self { x, y: of_unit_length(z.cross(x)), z }
     }
 
-    /// A vector given along the frame's axes.
+    /// Converts a vector from frame coordinates.
     #[inline(always)]
     pub fn to_world(&self, v: Vec3<F>) -> Vec3<F> {
         self.x * v.x + self.y * v.y + self.z * v.z
     }
 
-    /// A vector's parts along the frame's axes.
+    /// Converts a vector to frame coordinates.
     #[inline(always)]
     pub fn to_local(&self, v: Vec3<F>) -> Vec3<F> {
         Vec3::new(v.dot(self.x), v.dot(self.y), v.dot(self.z))
     }
 }
 
-/// A vector whose length is 1 but for rounding, at that length.
+/// A vector whose length is nearly 1, at length 1: one Newton step for the reciprocal length.
 #[inline(always)]
 fn of_unit_length<F: Real>(v: Vec3<F>) -> Vec3<F> {
     v * (F::splat(1.5) - F::splat(0.5) * v.dot(v))
@@ -81,7 +81,7 @@ mod tests {
     use crate::base::math::UNIT_ROUNDOFF;
     use crate::testing::Random;
 
-    fn assert_orthonormal(frame: &Frame<f64>) {
+    fn assert_orthonormal(frame: &LocalFrame<f64>) {
         let [x, y, z] = [frame.x, frame.y, frame.z].map(DVec3::from);
         for v in [x, y, z] {
             assert!((v.length() - 1.0).abs() <= 4.0 * UNIT_ROUNDOFF, "{z}: length {}", v.length());
@@ -94,15 +94,15 @@ mod tests {
 
     const AXES: [DVec3; 2] = [DVec3::X, DVec3::Y];
 
-    /// All ways to a frame around a direction.
+    /// Checks every constructor of a frame around a direction.
     fn assert_all(z: DVec3, other: DVec3) {
-        assert_orthonormal(&Frame::around(z.into()));
-        let along = Frame::along(z.into(), AXES);
+        assert_orthonormal(&LocalFrame::from_z(z.into()));
+        let along = LocalFrame::from_z_near_x(z.into(), AXES);
         assert_orthonormal(&along);
-        assert_orthonormal(&along.turned_to(other.into()));
+        assert_orthonormal(&along.rotated_to(other.into()));
     }
 
-    /// Directions from 10^-17 to 0.1 radians off another one.
+    /// Directions at 10^-17 to 0.1 radians from another one.
     fn next_to(direction: DVec3) -> impl Iterator<Item = DVec3> {
         let (u, v) = direction.any_orthonormal_pair();
         (0..=1600).flat_map(move |k| {
@@ -113,7 +113,7 @@ mod tests {
         })
     }
 
-    /// The basis of Frisvad (2012) cancels next to -z: in f32 it is off by 0.6.
+    /// The basis of Frisvad (2012) suffers from cancellation next to -z: its error in f32 is 0.6.
     #[test]
     fn sa_06_orthonormal_everywhere() {
         let axes = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
@@ -131,52 +131,53 @@ mod tests {
         }
     }
 
-    /// From any frame to any direction, its opposite as well, and on along long ways, nothing is lost.
+    /// Rotation from any frame to any direction, also to the opposite one, and many rotations in a row, lose no
+    /// accuracy.
     #[test]
     fn sa_06_turned_frames_stay_orthonormal() {
         let mut random = Random(4);
         for _ in 0..100 {
-            let frame = Frame::around(random.direction().normalize().into());
+            let frame = LocalFrame::from_z(random.direction().normalize().into());
             let z = DVec3::from(frame.z);
             for other in next_to(-z).chain([-z, z]) {
-                assert_orthonormal(&frame.turned_to(other.into()));
+                assert_orthonormal(&frame.rotated_to(other.into()));
             }
         }
-        let mut frame = Frame::along(DVec3::Z.into(), AXES);
+        let mut frame = LocalFrame::from_z_near_x(DVec3::Z.into(), AXES);
         for _ in 0..100_000 {
-            frame = frame.turned_to(random.direction().normalize().into());
+            frame = frame.rotated_to(random.direction().normalize().into());
             assert_orthonormal(&frame);
         }
     }
 
-    /// Frames around neighbours are neighbours, but for the opposite of where they are turned from.
+    /// Frames around close directions are close, except near the opposite of the start.
     #[test]
     fn frames_turn_no_more_than_their_directions() {
         let mut random = Random(5);
         let step = 1e-6;
         for _ in 0..100_000 {
-            let from = Frame::around(random.direction().normalize().into());
+            let from = LocalFrame::from_z(random.direction().normalize().into());
             let z = random.direction().normalize();
             let near = (z + random.point(step)).normalize();
-            let [a, b] = [z, near].map(|z| DVec3::from(from.turned_to(z.into()).x));
-            // At an angle θ from the start, frames turn by tan(θ/2) of the way around it.
+            let [a, b] = [z, near].map(|z| DVec3::from(from.rotated_to(z.into()).x));
+            // At an angle θ from the start, frames turn by tan(θ/2) times the distance around it.
             let start = DVec3::from(from.z);
             let turn = 1.0 + (start - z).length() / (start + z).length();
             assert!((a - b).length() <= 2.0 * turn * (z - near).length(), "{from:?} {z}");
         }
     }
 
-    /// A quarter of a degree turns a frame by about as much, wherever a surface that is seen may face.
+    /// If the normal of a visible surface turns by a quarter of a degree, its frame turns by about as much.
     #[test]
-    fn frames_turn_with_the_normals_that_are_seen() {
+    fn frames_turn_with_visible_normals() {
         let mut random = Random(4);
         for _ in 0..100_000 {
             let to_eye = (random.point(0.6) + DVec3::Z * 2.0).normalize();
-            let frame = Frame::along(to_eye.into(), AXES);
+            let frame = LocalFrame::from_z_near_x(to_eye.into(), AXES);
             let normal = random.direction();
             let normal = if normal.dot(to_eye) < 0.0 { -normal } else { normal };
             let beside = (normal + random.direction() * 0.004).normalize();
-            let [a, b] = [normal, beside].map(|normal| DVec3::from(frame.turned_to(normal.into()).x));
+            let [a, b] = [normal, beside].map(|normal| DVec3::from(frame.rotated_to(normal.into()).x));
             assert!((a - b).length() < 0.02, "{normal}: {a} and {b}");
         }
     }

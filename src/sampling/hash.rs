@@ -1,9 +1,8 @@
-//! Well-mixed numbers from others.
+//! Hashing of integers.
 
 use crate::base::lanes::Bits;
 
-/// A well-mixed number from three: a round of multiplications and shifts for each (the finalizer of
-/// MurmurHash3, Appleby 2011).
+/// Hashes three numbers: a round of multiplications and shifts for each (the finalizer of MurmurHash3, Appleby 2011).
 #[inline(always)]
 pub fn hash(words: [u32; 3]) -> u32 {
     hash_lanes(words)

@@ -1,4 +1,8 @@
-//! Random numbers, and what they are bent into: directions, points of a disk.
+//! Random numbers, and their warping to directions and to points of a disk.
+//!
+//! In: pixels, samples and seeds.
+//! Out: stratified random numbers, and directions and points with their densities.
+//! May use: `base`.
 
 mod frame;
 mod hash;
@@ -6,9 +10,10 @@ mod sampler;
 mod sobol;
 mod warp;
 
-pub use frame::Frame;
+pub use frame::LocalFrame;
 pub use hash::{hash, hash_lanes};
-pub use sampler::{LaneSampler, PixelSampler, Points, Sampler, dimension};
+pub use sampler::{LaneSampler, PixelSampler, Sampler, SamplerKind, dimension};
 pub use warp::{
-    at_height, cone, cone_pdf, cosine_hemisphere, cosine_hemisphere_pdf, disk, in_ball, uniform_sphere,
+    cone, cone_pdf, cosine_hemisphere, cosine_hemisphere_pdf, direction_at_height, disk, uniform_ball,
+    uniform_sphere,
 };

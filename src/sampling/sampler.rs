@@ -1,52 +1,52 @@
-//! Where random numbers come from.
+//! Samplers: the source of random numbers.
 //!
-//! Every number is a function of the pixel, the sample, what it is used for and the sequence's seed, so that
-//! threads, tiles and the order of work do not show. Numbers of one use are stratified over a pixel's
-//! samples: they are points of an Owen-scrambled Sobol sequence (Burley, *Practical Hash-based Owen
-//! Scrambling*, 2020), four dimensions at a time; different uses are scrambled independently.
+//! Every number is a function of the pixel, the sample, the dimension (its use) and the seed of the sequence. So
+//! results do not depend on threads, tiles or the order of work. The numbers of a dimension are stratified over the
+//! samples of a pixel: they are points of an Owen-scrambled Sobol sequence (Burley, *Practical Hash-based Owen
+//! Scrambling*, 2020), four coordinates at a time. Different dimensions are scrambled independently.
 
 use super::hash::{hash, hash_lanes};
 use super::sobol;
 use crate::base::digest::content;
 use crate::base::lanes::{LaneKernel, Level, Real, Row};
 
-/// What random numbers are used for. Different uses never share numbers.
+/// The uses of random numbers. Different uses never share numbers.
 pub mod dimension {
     use super::hash_lanes;
     use crate::base::lanes::Bits;
 
-    /// Two numbers for the place in the pixel, two for that on the lens.
+    /// Two numbers for the position in the pixel, two for the position on the lens.
     pub const CAMERA: u32 = 0;
-    /// Two for a direction from a surface, one for the lobe that it is drawn from, one more for the direction.
+    /// Two numbers for a scattered direction, one for the choice of its lobe, one more for the direction.
     pub const SCATTER: u32 = 2;
-    /// Two for a place on a light.
+    /// Two numbers for a point on a light.
     pub const LIGHT: u32 = 3;
-    /// Which of many lights is sampled.
+    /// The choice of one among many lights.
     pub const CHOICE: u32 = 4;
-    /// Two for a small mirror of a surface.
+    /// Two numbers for a microfacet of a surface.
     pub const GLOSSY: u32 = 5;
-    /// Whether a path goes on.
+    /// Russian roulette.
     pub const ROULETTE: u32 = 6;
 
-    /// The number of a use at a surface of this key, and there for one of several things alike.
+    /// The dimension of the use `of` at the surface with this key, for the item `which` of several alike.
     #[inline(always)]
     pub fn at_surface<U: Bits>(of: u32, key: U, which: u32) -> U {
         hash_lanes([U::splat(of), key, U::splat(which)])
     }
 }
 
-/// How the numbers of a pixel's samples lie among each other.
+/// How the numbers of the samples of a pixel are distributed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Points {
-    /// Stratified, points of a scrambled Sobol sequence.
+pub enum SamplerKind {
+    /// Stratified: points of an Owen-scrambled Sobol sequence.
     #[default]
     Sobol,
-    /// Each by itself, as dice fall. Noisier, and good to compare with.
+    /// Independent random numbers. They are noisier, and serve as a reference.
     Independent,
 }
 
 content!(
-    enum Points {
+    enum SamplerKind {
         Sobol,
         Independent,
     }
@@ -54,38 +54,38 @@ content!(
 
 /// The random numbers of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PixelSampler(u32, Points);
+pub struct PixelSampler(u32, SamplerKind);
 
 /// The random numbers of one sample of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampler {
     pixel: u32,
     sample: u32,
-    points: Points,
+    kind: SamplerKind,
 }
 
-/// Longest stratified run of samples; longer ones are made of several.
-const RUN: u32 = 1 << 16;
+/// The number of samples of one stratified run. More samples take several runs.
+const RUN_LENGTH: u32 = 1 << 16;
 
 impl PixelSampler {
-    /// The numbers of the pixel at (`x`, `y`).
+    /// The random numbers of the pixel at (`x`, `y`).
     pub fn new((x, y): (u32, u32), seed: u32) -> Self {
-        Self(hash([seed, x, y]), Points::Sobol)
+        Self(hash([seed, x, y]), SamplerKind::Sobol)
     }
 
-    /// The same, but that they lie so among each other.
-    pub fn with(self, points: Points) -> Self {
-        Self(self.0, points)
+    /// The sampler with another distribution of numbers.
+    pub fn with_kind(self, kind: SamplerKind) -> Self {
+        Self(self.0, kind)
     }
 
-    /// The numbers of one of the pixel's samples.
+    /// The random numbers of one sample of the pixel.
     pub fn sample(self, sample: u32) -> Sampler {
-        let pixel = if sample < RUN { self.0 } else { hash([self.0, sample / RUN, 0]) };
-        Sampler { pixel, sample: sample % RUN, points: self.1 }
+        let pixel = if sample < RUN_LENGTH { self.0 } else { hash([self.0, sample / RUN_LENGTH, 0]) };
+        Sampler { pixel, sample: sample % RUN_LENGTH, kind: self.1 }
     }
 
-    /// Which of `count` equal parts of a time a sample looks at: the radical inverse of its number, shifted at
-    /// random, so that samples spread over the time however few they are (van der Corput).
+    /// The one of `count` equal parts of a time interval that a sample sees: the radical inverse of its number (van
+    /// der Corput) with a random shift. So even few samples are spread over the interval.
     pub fn part_of_time(self, sample: u32, count: u32) -> u32 {
         let fraction = sample.reverse_bits() ^ self.0.wrapping_mul(0x9e37_79b9);
         ((u64::from(fraction) * u64::from(count)) >> 32) as u32
@@ -93,19 +93,19 @@ impl PixelSampler {
 }
 
 impl Sampler {
-    /// The number of the pixel that its random numbers depend on.
+    /// The hash of the pixel, on which its random numbers depend.
     pub fn pixel(&self) -> u32 {
         self.pixel
     }
 
-    /// The number of the sample, below 2^16.
+    /// The index of the sample in its run, below 2^16.
     pub fn sample(&self) -> u32 {
         self.sample
     }
 
-    /// The same in the one lane that there is.
+    /// The sampler of one lane.
     pub fn lanes(&self) -> LaneSampler<f64> {
-        LaneSampler { pixel: self.pixel, sample: self.sample, points: self.points }
+        LaneSampler { pixel: self.pixel, sample: self.sample, kind: self.kind }
     }
 }
 
@@ -114,11 +114,11 @@ impl Sampler {
 pub struct LaneSampler<F: Real> {
     pub pixel: F::U32,
     pub sample: F::U32,
-    pub points: Points,
+    pub kind: SamplerKind,
 }
 
 impl<F: Real> LaneSampler<F> {
-    /// The first N of the four numbers in 0..1 of a use. Of them, the first two are stratified best.
+    /// The first N of the four numbers in 0..1 of the dimension `of`. The first two are stratified best.
     #[inline(always)]
     pub fn numbers<const N: usize>(&self, of: F::U32) -> [F; N] {
         F::Level::call_with(Numbers::<F, N> { sampler: self, of })
@@ -135,11 +135,11 @@ impl<F: Real, const N: usize> LaneKernel<F::Level> for Numbers<'_, F, N> {
 
     #[inline(always)]
     fn run(self) -> [F; N] {
-        let LaneSampler { pixel, sample, points } = *self.sampler;
+        let LaneSampler { pixel, sample, kind } = *self.sampler;
         let seed = hash_lanes([pixel, self.of, F::U32::splat(0)]);
-        match points {
-            Points::Sobol => sobol::point::<F, N>(sample, seed),
-            Points::Independent => {
+        match kind {
+            SamplerKind::Sobol => sobol::point::<F, N>(sample, seed),
+            SamplerKind::Independent => {
                 let mut numbers = [F::splat(0.0); N];
                 for (dimension, number) in (0..).zip(&mut numbers) {
                     let bits = hash_lanes([seed, sample, F::U32::splat(dimension)]);
@@ -187,8 +187,8 @@ mod tests {
 
     #[test]
     fn a_pixels_samples_are_stratified() {
-        // 64 samples fall into 64 different cells of an 8 x 8 grid, in both pairs of dimensions.
-        for run in [0, 64, RUN, 3 * RUN + 128] {
+        // 64 samples are in 64 different cells of an 8 x 8 grid, for both pairs of coordinates.
+        for run in [0, 64, RUN_LENGTH, 3 * RUN_LENGTH + 128] {
             for pair in [0, 2] {
                 let cell = |sample| {
                     let of = dimension::at_surface(dimension::SCATTER, 2, 0);
@@ -196,7 +196,7 @@ mod tests {
                     ((four[pair] * 8.0) as u32, (four[pair + 1] * 8.0) as u32)
                 };
                 let cells: std::collections::HashSet<_> = (0..64).map(cell).collect();
-                assert_eq!(cells.len(), 64, "samples from {run}, dimensions from {pair}");
+                assert_eq!(cells.len(), 64, "samples from {run}, coordinates from {pair}");
             }
         }
     }

@@ -1,17 +1,17 @@
-//! Four dimensions of Owen-scrambled Sobol points: those of `sobol_burley`, which goes through an index bit by bit, with
-//! a look into a table for each byte instead, and in lanes.
+//! Four dimensions of Owen-scrambled Sobol points, in lanes. The points are those of the crate `sobol_burley`. That
+//! crate processes an index bit by bit; this module looks up one table entry per byte.
 
 use crate::base::lanes::{Bits, Real, Row};
 use sobol_burley::parts::sobol_int4_rev;
 use std::sync::LazyLock;
 
-/// Points of indices, whose bits are reversed, with all bits but those of their highest or next byte clear. A point is
-/// linear over its index' bits.
+/// The points of bit-reversed indices in which only the highest byte, or only the next byte, is not zero. Points are
+/// linear over the bits of the index, so the points of the bytes combine by exclusive or.
 static POINTS: LazyLock<[[[u32; 4]; 256]; 2]> = LazyLock::new(|| {
     [24, 16].map(|shift| std::array::from_fn(|byte| sobol_int4_rev((byte as u32) << shift, 0).into()))
 });
 
-/// By which the crate scrambles indices, and dimensions.
+/// The constants by which the crate scrambles indices and dimensions.
 const INDEX: u32 = 0x79c6_8e4a;
 const DIMENSIONS: [u32; 4] = [0x912f_69ba, 0x174f_18ab, 0x691e_72ca, 0xb40c_c1b8];
 const SPREAD: u32 = 0x9c8f_2d3b;
@@ -38,14 +38,14 @@ pub fn point<F: Real, const N: usize>(sample: F::U32, seed: F::U32) -> [F; N] {
     point
 }
 
-/// A number in 0..1 of 32 bits.
+/// Converts 32 bits to a number in 0..1.
 #[inline(always)]
 pub fn in_unit_interval<F: Real>(bits: F::U32) -> F {
     bits.to_f64() * F::splat(1.0 / 4_294_967_296.0)
 }
 
-/// A number, its bits reversed, as Owen's scrambling by a well-mixed seed has it (`sobol_burley`'s
-/// `owen_scramble_rev`, after Laine and Karras 2011).
+/// Owen scrambling of a bit-reversed number by a well-mixed seed (`owen_scramble_rev` of `sobol_burley`, after Laine
+/// and Karras 2011).
 #[inline(always)]
 fn owen_scrambled<U: Bits>(reversed: U, scramble: U) -> U {
     let n = reversed.xor(reversed.wrapping_mul(U::splat(0x3d20_adea)));
@@ -55,7 +55,7 @@ fn owen_scrambled<U: Bits>(reversed: U, scramble: U) -> U {
     n.xor(n.wrapping_mul(U::splat(0x53a2_2864)))
 }
 
-/// A well-mixed number (the `lowbias32` of Wellons 2018, of a number that is 0 for none that is used).
+/// Hashes a number: `lowbias32` of Wellons 2018, after an exclusive or that keeps 0 from mapping to 0.
 #[inline(always)]
 fn mixed<U: Bits>(n: U) -> U {
     let n = n.xor(U::splat(0xe6fe_3beb));
@@ -75,7 +75,7 @@ mod tests {
                 let expected = sobol_burley::sample_4d(sample, 0, seed).map(f64::from);
                 let found: [f64; 4] = point::<f64, 4>(sample, seed);
                 for (found, expected) in found.into_iter().zip(expected) {
-                    // The crate leaves out the last nine bits.
+                    // The crate drops the last nine bits.
                     assert!((expected..expected + 1.0 / 8_388_608.0).contains(&found), "{sample} {seed}");
                 }
             }

@@ -1,20 +1,20 @@
-//! Uniform numbers bent into directions and points, with their densities.
+//! Warping of uniform numbers to directions and points, with the densities.
 
 use crate::base::lanes::{Real, Vec3};
 use crate::base::math::{cos_sin_of_quarters, cos_sin_of_turns};
 use std::f64::consts::PI;
 
-/// The direction at `height` above the xy plane, in -1..=1, after `u` turns, for its distance from the z axis.
+/// The direction at `height` above the xy plane and `across` from the z axis, at an azimuth of `u` turns.
 #[inline(always)]
 fn around<F: Real>(height: F, across: F, u: F) -> Vec3<F> {
     let (cosine, sine) = cos_sin_of_turns(u);
     Vec3::new(cosine * across, sine * across, height)
 }
 
-/// The direction at `height` above the xy plane, in -1..=1, after `u` turns. Archimedes: heights are uniform over a
-/// sphere.
+/// The direction at `height` above the xy plane, in -1..=1, at an azimuth of `u` turns. Heights are uniform over a
+/// sphere (Archimedes).
 #[inline(always)]
-pub fn at_height<F: Real>(height: F, u: F) -> Vec3<F> {
+pub fn direction_at_height<F: Real>(height: F, u: F) -> Vec3<F> {
     let one = F::splat(1.0);
     around(height, ((one - height) * (one + height)).max(F::splat(0.0)).sqrt(), u)
 }
@@ -22,23 +22,23 @@ pub fn at_height<F: Real>(height: F, u: F) -> Vec3<F> {
 /// A direction for u and v in 0..1, uniform over the sphere: density 1 / 4π.
 #[inline(always)]
 pub fn uniform_sphere<F: Real>(u: F, v: F) -> Vec3<F> {
-    at_height(F::splat(1.0) - F::splat(2.0) * u, v)
+    direction_at_height(F::splat(1.0) - F::splat(2.0) * u, v)
 }
 
-/// A direction around +z with density cos θ / π. Malley: a uniform point of the disk below.
+/// A direction around +z with density cos θ / π, above a uniform point of the unit disk (Malley).
 #[inline(always)]
 pub fn cosine_hemisphere<F: Real>(u: F, v: F) -> Vec3<F> {
     around((F::splat(1.0) - u).max(F::splat(0.0)).sqrt(), u.sqrt(), v)
 }
 
-/// The density of [`cosine_hemisphere`] at an angle to +z of this cosine, per steradian.
+/// The density of [`cosine_hemisphere`] per steradian, for the cosine of the angle to +z.
 #[inline(always)]
 pub fn cosine_hemisphere_pdf<F: Real>(cosine: F) -> F {
     cosine.max(F::splat(0.0)) / F::splat(PI)
 }
 
-/// A direction within the cone around +z of half angle θ, uniform over its solid angle. Given as 1 - cos θ,
-/// which keeps its digits for narrow cones.
+/// A direction in the cone around +z with half angle θ, uniform over its solid angle. The argument is 1 - cos θ,
+/// which stays accurate for narrow cones.
 #[inline(always)]
 pub fn cone<F: Real>(one_minus_cosine: F, u: F, v: F) -> Vec3<F> {
     let depth = one_minus_cosine * u;
@@ -52,15 +52,15 @@ pub fn cone_pdf<F: Real>(one_minus_cosine: F) -> F {
     F::splat(1.0) / (F::splat(2.0 * PI) * one_minus_cosine)
 }
 
-/// A point of the unit disk, uniform over its area: density 1 / π. Shirley and Chiu's concentric map keeps
-/// neighbours together, and with them the stratification of u and v.
+/// A point of the unit disk, uniform over its area: density 1 / π. The concentric map of Shirley and Chiu keeps
+/// neighbours together, so it preserves the stratification of u and v.
 #[inline(always)]
 pub fn disk<F: Real>(u: F, v: F) -> (F, F) {
     let (zero, one, two) = (F::splat(0.0), F::splat(1.0), F::splat(2.0));
     let (x, y) = (u * two - one, v * two - one);
     let flat = y.abs().lt(x.abs());
     let (long, short) = (F::select(flat, x, y), F::select(flat, y, x));
-    // The middle of the square, where there is no angle.
+    // The centre of the square has no angle.
     let angle = F::select(long.eq(zero), zero, F::splat(0.5) * (short / long));
     let (cosine, sine) = cos_sin_of_quarters(angle);
     let (along, across) = (cosine * long, sine * long);
@@ -69,7 +69,7 @@ pub fn disk<F: Real>(u: F, v: F) -> (F, F) {
 
 /// A point of the unit ball, uniform over its volume.
 #[inline(always)]
-pub fn in_ball<F: Real>([u, v, w]: [F; 3]) -> Vec3<F> {
+pub fn uniform_ball<F: Real>([u, v, w]: [F; 3]) -> Vec3<F> {
     uniform_sphere(u, v) * w.map(libm::cbrt)
 }
 
@@ -77,11 +77,11 @@ pub fn in_ball<F: Real>([u, v, w]: [F; 3]) -> Vec3<F> {
 mod tests {
     use super::*;
     use crate::base::math::{Angle, DVec2, DVec3};
-    use crate::sampling::Frame;
+    use crate::sampling::LocalFrame;
     use crate::testing::{Random, chi_square};
 
     const COUNT: u32 = 400_000;
-    /// Of the cases SA-01 and SA-02.
+    /// The samples of the cases SA-01 and SA-02.
     const MANY: u32 = 4_000_000;
 
     fn square(random: &mut Random) -> DVec2 {
@@ -100,13 +100,13 @@ mod tests {
         cone(one_minus_cosine, u.x, u.y).into()
     }
 
-    /// A normalised point of a cube holds 2.2 times too many at its corners; a point in the ball added to the normal gives
+    /// Normalized points of a cube have 2.2 times the density at its corners. The normal plus a point in the ball has
     /// a mean cosine of 0.8.
     #[test]
     fn sa_01_direction_samplers() {
         let mut random = Random(5);
         for axis in [DVec3::Z, DVec3::ONE.normalize()] {
-            let frame = Frame::around(axis.into());
+            let frame = LocalFrame::from_z(axis.into());
             let turned = |d: DVec3| DVec3::from(frame.to_world(d.into()));
             let p = chi_square(COUNT, || Some(on_sphere(square(&mut random))), |_| 0.25 / PI);
             assert!(p >= 1e-4, "sphere: {p}");
@@ -122,7 +122,7 @@ mod tests {
             // 4 standard errors of 4 million: the variances are 1/18 and 1/12.
             assert!((first - 2.0 / 3.0).abs() <= 5e-4 && (second - 0.5).abs() <= 6e-4, "{first} {second}");
         }
-        // Caps of 5 degrees about the corner of a cube and the middle of its face.
+        // Caps of 5 degrees around the corner of a cube and the centre of its face.
         for axis in [DVec3::Z, DVec3::ONE.normalize()] {
             let limit = Angle(5.0).cos_sin().x;
             let inside = (0..MANY).filter(|_| on_sphere(square(&mut random)).dot(axis) > limit).count();
@@ -142,7 +142,7 @@ mod tests {
         assert!(in_cone(1e-20, DVec2::new(0.5, 0.25)).length() <= 1.0 + f64::EPSILON);
     }
 
-    /// Normalised points of a disk all lie on its rim: E[r²] = 1.
+    /// Normalized points of a disk are all on its rim: E[r²] = 1.
     #[test]
     fn sa_02_lens_samples() {
         let mut random = Random(7);
@@ -161,7 +161,7 @@ mod tests {
         assert!((square_sum - 0.5).abs() <= 1e-3 && (x_sum - 4.0 / (3.0 * PI)).abs() <= 1e-3);
         let expected = f64::from(MANY) / 36.0;
         let statistic: f64 = bins.iter().map(|hits| (hits - expected) * (hits - expected) / expected).sum();
-        // 35 degrees of freedom: beyond 76.4 lie one in ten thousand.
+        // With 35 degrees of freedom, one in ten thousand exceeds 76.4.
         assert!(statistic < 76.4, "{statistic}");
     }
 }

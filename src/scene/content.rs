@@ -1,41 +1,42 @@
-//! What tracing would make of a scene, as a digest: nothing that has no effect on it is part of it.
+//! Digests of a scene. Whatever has no effect on the image is left out.
 
 use super::{Finish, Geometry, Primitive, Scene, Shading};
 use crate::appearance::environment::{Environment, Sky};
 use crate::appearance::fog::Fog;
 use crate::appearance::light::Light;
-use crate::appearance::light_groups::glow::Glow;
-use crate::appearance::material::{MadeOf, Material, Slot};
+use crate::appearance::light_groups::GroupRadiance;
+use crate::appearance::material::{Material, MaterialBinding, TextureSlot};
 use crate::base::color::Rgb;
 use crate::base::digest::{Content, Digest, Digester};
 use crate::film::LayerId;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-/// The parts of a scene that take long to hash, each hashed when it has changed.
+/// Digests of the parts of a scene that take long to hash. Each is computed again only when its part has changed.
 #[derive(Clone, Debug, Default)]
 pub struct Digests {
     geometry: Digest,
-    /// The materials that are seen somewhere, in the order in which primitives show them.
+    /// The visible materials, in the order in which primitives show them.
     used: Vec<u32>,
     /// The lights that are primitives, in the order of these.
     luminous: Vec<u32>,
-    /// Materials that are painted, and the shapes' own spaces where they are seen: only paint asks for these.
+    /// The textured materials, and a digest of the shapes' own spaces where these are visible. Only textures read the
+    /// own spaces.
     origins: Option<(Vec<u32>, Digest)>,
     shading: Digest,
     shown: Option<Shown>,
 }
 
-/// The shading as it is with some layers of light.
+/// The shading with only some layers lit.
 #[derive(Clone, Debug)]
 struct Shown {
     lit: Vec<bool>,
-    /// The layers that hold anything.
+    /// The layers that contain light.
     layers: Vec<LayerId>,
     digest: Digest,
 }
 
 impl Digests {
-    /// Notes that the geometry has changed.
+    /// Updates the digest after a change of the geometry.
     pub fn geometry(&mut self, geometry: &Geometry) {
         (self.origins, self.shown) = (None, None);
         let light = |primitive: &Primitive| match primitive.finish {
@@ -46,8 +47,8 @@ impl Digests {
         self.geometry = self.of_primitives(&geometry.primitives);
     }
 
-    /// Of primitives, whose materials are counted in the order in which they are seen: where they stand in the file does not
-    /// matter, nor do others. Which light a primitive is belongs to the shading.
+    /// Digest of primitives. Materials are numbered in the order in which primitives show them, so their order in the
+    /// file and unused materials have no effect. The identity of a light belongs to the shading.
     fn of_primitives(&mut self, primitives: &[Primitive]) -> Digest {
         let mut places: HashMap<u32, u32> = HashMap::new();
         let used = &mut self.used;
@@ -60,20 +61,21 @@ impl Digests {
         };
         let mut digester = Digester::new();
         for primitive in primitives {
-            (&primitive.shape, &primitive.placement).feed(&mut digester);
-            // Points of shapes with materials for each part are not drawn to look for light.
-            let by_part = matches!(primitive.finish, Finish::Material(MadeOf::Slots { .. }));
+            (&primitive.shape, &primitive.transform).feed(&mut digester);
+            // Shapes with a material per part are not sampled as lights.
+            let by_part = matches!(primitive.finish, Finish::Material(MaterialBinding::Slots { .. }));
             by_part.feed(&mut digester);
             primitive.materials().map(&mut place).collect::<Vec<u32>>().feed(&mut digester);
         }
         digester.finish()
     }
 
-    /// Notes that the shading or the geometry has changed; of both, the geometry is noted first.
+    /// Updates the digest after a change of the shading or the geometry. If both changed, call [`Digests::geometry`]
+    /// first.
     pub fn shading(&mut self, geometry: &Geometry, shading: &Shading) {
         self.shown = None;
         self.note_origins(geometry, shading);
-        let parts = Parts::of(&self.used, shading, |_| true);
+        let parts = EffectiveShading::of(&self.used, shading, |_| true);
         let mut digester = Digester::new();
         parts.feed(&|layer| layer, &|index, _| Some(index), &mut digester);
         self.luminous.feed(&mut digester);
@@ -82,7 +84,7 @@ impl Digests {
     }
 
     fn note_origins(&mut self, geometry: &Geometry, shading: &Shading) {
-        let is_painted = |index: &u32| !shading.materials[*index as usize].paints.is_empty();
+        let is_painted = |index: &u32| !shading.materials[*index as usize].textures.is_empty();
         let painted: Vec<u32> = self.used.iter().copied().filter(is_painted).collect();
         if self.origins.as_ref().is_none_or(|(known, _)| *known != painted) {
             let is_painted: HashSet<u32> = painted.iter().copied().collect();
@@ -96,19 +98,19 @@ impl Digests {
         (!painted.is_empty()).then_some(origins).feed(digester);
     }
 
-    /// Of what a tree is built over.
+    /// The digest of the primitives, over which the tree is built.
     pub fn primitives(&self) -> Digest {
         self.geometry
     }
 
-    /// All that light meets on its way through a scene whose parts have been noted, but for weights.
+    /// The digest of everything that affects light transport, without weights. All parts must be up to date.
     pub fn transport(&self, scene: &Scene) -> Digest {
         Digest::of(&(self.geometry, self.shading, scene.camera))
     }
 
-    /// What is seen of a scene whose parts have been noted, with its weights: as [`Digests::transport`], but what shines
-    /// in layers of weight 0 has no part in it, nor have layers in which nothing shines. `samples_emitters` says whether
-    /// points of objects that shine and of skies are drawn.
+    /// The digest of the image: [`Digests::transport`] with weights, but without emitters in layers of weight 0 and
+    /// without layers that contain no light. `samples_emitters` states whether points of emitters and of skies are
+    /// sampled. All parts must be up to date.
     pub fn radiance(&mut self, scene: &Scene, samples_emitters: bool) -> Digest {
         let weights = &scene.weights.0;
         let lit: Vec<bool> = weights.iter().map(|weight| *weight != Rgb::ZERO).collect();
@@ -123,11 +125,11 @@ impl Digests {
     }
 
     fn shown_with(&self, lit: Vec<bool>, shading: &Shading, samples_emitters: bool) -> Shown {
-        let parts = Parts::of(&self.used, shading, |layer| lit[layer.index()]);
+        let parts = EffectiveShading::of(&self.used, shading, |layer| lit[layer.index()]);
         let layers = parts.layers(samples_emitters);
         let place = |layer: LayerId| LayerId(layers.range(..layer).count() as u32);
         let mut digester = Digester::new();
-        // The random numbers of a light depend on its layer and on its place there.
+        // The random numbers of a light depend on its layer and on its position there.
         parts.feed(&place, &|_, _| None, &mut digester);
         let named = |(layer, drawn): (&LayerId, &bool)| drawn.then_some(layer.0);
         layers.iter().map(named).collect::<Vec<_>>().feed(&mut digester);
@@ -138,41 +140,44 @@ impl Digests {
     }
 }
 
-/// What shines and what reflects it, without what has no effect.
-struct Parts<'a> {
+/// Emitters and the materials that reflect their light, without those that have no effect.
+struct EffectiveShading<'a> {
     materials: Vec<Material>,
-    /// With their places in the file.
+    /// With their indices in the file.
     lights: Vec<(u32, Light)>,
     environment: Option<&'a Environment>,
-    ambient: Option<Glow>,
+    ambient: Option<GroupRadiance>,
     fog: Option<Fog>,
 }
 
-impl<'a> Parts<'a> {
-    /// Those of a scene that shows these materials, where some layers are `lit`.
+impl<'a> EffectiveShading<'a> {
+    /// The parts with an effect, if only these materials are visible and only `lit` layers count.
     fn of(used: &[u32], shading: &'a Shading, lit: impl Fn(LayerId) -> bool) -> Self {
         let Shading { materials, lights, environment, sky_table: _, ambient, fog } = shading;
         let material = |&index: &u32| without_dark(&materials[index as usize], &lit);
         let materials: Vec<Material> = used.iter().map(material).collect();
         let reflects = materials.iter().any(|material| material.lobes.reflects_lights());
         let gathers = materials.iter().any(|material| material.lobes.ambient != Rgb::ZERO);
-        // Lights with an area are seen as they are, too.
+        // Lights with an area are visible themselves.
         let shines = |(_, light): &(u32, &Light)| {
             light.radiance != Rgb::ZERO && lit(light.layer) && (reflects || light.source.is_sampled())
         };
-        let glows = |glow: &Glow| glow.radiance != Rgb::ZERO && lit(glow.layer);
+        let glows = |glow: &GroupRadiance| glow.radiance != Rgb::ZERO && lit(glow.layer);
         Self {
             materials,
             lights: (0..).zip(lights).filter(shines).map(|(index, light)| (index, *light)).collect(),
             environment: (!environment.is_black() && lit(environment.layer)).then_some(environment),
             ambient: Some(*ambient).filter(|ambient| gathers && glows(ambient)),
-            // Fog dims what is behind it, also where it is dark.
-            fog: fog.map(|fog| Fog { glow: Some(fog.glow).filter(glows).unwrap_or_default(), ..fog }),
+            // Fog without light still attenuates what is behind it.
+            fog: fog.map(|fog| Fog {
+                in_scattering: Some(fog.in_scattering).filter(glows).unwrap_or_default(),
+                ..fog
+            }),
         }
     }
 
-    /// The layers in which anything shines, each with whether random numbers are drawn for it alone: for sources of which
-    /// a point is drawn, and where there are several, of which one may be.
+    /// The layers that contain light. The flag is set if random numbers are drawn for the layer: for light sources
+    /// that are sampled by points, and for a choice among several.
     fn layers(&self, samples_emitters: bool) -> BTreeMap<LayerId, bool> {
         let Self { materials, lights, environment, ambient, fog } = self;
         let mut layers = BTreeMap::new();
@@ -184,7 +189,7 @@ impl<'a> Parts<'a> {
         let shining = shining.map(|material| (material.emission_layer, samples_emitters));
         let sky =
             environment.map(|sky| (sky.layer, samples_emitters && !matches!(sky.sky, Sky::Constant(_))));
-        let rest = [*ambient, fog.map(|fog| fog.glow).filter(|glow| glow.radiance != Rgb::ZERO)];
+        let rest = [*ambient, fog.map(|fog| fog.in_scattering).filter(|glow| glow.radiance != Rgb::ZERO)];
         let rest = rest.into_iter().flatten().map(|glow| (glow.layer, false));
         for (layer, drawn) in shining.chain(sky).chain(rest) {
             *layers.entry(layer).or_insert(false) |= drawn;
@@ -192,7 +197,7 @@ impl<'a> Parts<'a> {
         layers
     }
 
-    /// Tells all of them, with `layer` for their layers and `number` for the lights' places.
+    /// Feeds all parts to the digester. `layer` maps their layers, `number` the indices of lights.
     fn feed(
         &self,
         layer: &dyn Fn(LayerId) -> LayerId,
@@ -215,20 +220,21 @@ impl<'a> Parts<'a> {
             ..environment.clone()
         };
         environment.map(placed).feed(into);
-        let glow = |glow: Glow| Glow { layer: layer(glow.layer), ..glow };
+        let glow = |glow: GroupRadiance| GroupRadiance { layer: layer(glow.layer), ..glow };
         ambient.map(glow).feed(into);
-        let dark = |fog: &Fog| fog.glow.radiance == Rgb::ZERO;
-        fog.map(|fog| if dark(&fog) { fog } else { Fog { glow: glow(fog.glow), ..fog } }).feed(into);
+        let dark = |fog: &Fog| fog.in_scattering.radiance == Rgb::ZERO;
+        fog.map(|fog| if dark(&fog) { fog } else { Fog { in_scattering: glow(fog.in_scattering), ..fog } })
+            .feed(into);
     }
 }
 
-/// A material without emission that is in the dark.
+/// A material, without emission if its emission's layer is not lit.
 fn without_dark(material: &Material, lit: impl Fn(LayerId) -> bool) -> Material {
     let mut material = material.clone();
     if !lit(material.emission_layer) {
         material.lobes.emission = Rgb::ZERO;
-        material.paints.retain_mut(|(slots, _)| {
-            slots.retain(|slot| *slot != Slot::Emission);
+        material.textures.retain_mut(|(slots, _)| {
+            slots.retain(|slot| *slot != TextureSlot::Emission);
             !slots.is_empty()
         });
     }

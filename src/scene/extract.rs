@@ -4,7 +4,7 @@ use super::{Finish, Geometry, Shading, Weights};
 use crate::appearance::environment::Environment;
 use crate::appearance::fog::Fog;
 use crate::appearance::light::{Light, Source};
-use crate::appearance::material::{MadeOf, Material};
+use crate::appearance::material::{Material, MaterialBinding};
 use crate::base::math::{DAffine3, DVec3};
 use crate::geometry::shape::Shape;
 use crate::world::{AreaLight, Current, FileOrder, Transform, Visible, Weight};
@@ -13,7 +13,7 @@ use bevy_ecs::component::Component;
 use bevy_ecs::query::{Changed, Or, With};
 use bevy_ecs::system::{Query, ResMut};
 
-/// Whether anything that can be hit has moved, appeared or vanished.
+/// Whether any visible geometry has moved, appeared or vanished.
 pub fn geometry_changed(objects: Query<(), ObjectChange>, lights: Query<(), LightChange>) -> bool {
     !objects.is_empty() || !lights.is_empty()
 }
@@ -21,7 +21,7 @@ pub fn geometry_changed(objects: Query<(), ObjectChange>, lights: Query<(), Ligh
 type ObjectChange = (With<Shape>, Or<(Changed<Transform>, Changed<Visible>)>);
 type LightChange = (With<AreaLight>, Changed<Light>);
 
-/// Whether a material, a light's place, the sky or the fog has changed. Weights are not of this kind.
+/// Whether a material, a light's position, the sky or the fog has changed. Weights do not count.
 pub fn shading_changed(changed: Query<(), ShadingChange>) -> bool {
     !changed.is_empty()
 }
@@ -34,7 +34,7 @@ pub fn weights_changed(changed: Query<(), Changed<Weight>>) -> bool {
 }
 
 pub fn geometry(
-    objects: Query<(&FileOrder, &Shape, &Transform, &Visible, &MadeOf)>,
+    objects: Query<(&FileOrder, &Shape, &Transform, &Visible, &MaterialBinding)>,
     lights: Query<(&FileOrder, &Light), With<AreaLight>>,
     mut geometry: ResMut<Current<Geometry>>,
 ) {
@@ -52,11 +52,11 @@ pub fn geometry(
             packed.push(&shape, DAffine3::IDENTITY, Finish::Light(order.0));
         }
     }
-    // What moves unseen, or turns within its own shape, changes nothing that a tree is built over.
+    // Unchanged if only invisible objects move, or if a shape is mapped onto itself: then the tree is kept.
     geometry.set_if_neq(Current(packed));
 }
 
-/// The shape of a light that can be seen. One that keys have flattened for a moment cannot.
+/// The shape of a visible light; none if keys flatten it at this moment.
 fn shape_of(light: &Light) -> Option<Shape> {
     match light.source {
         Source::Sphere(sphere) => Some(Shape::Sphere(sphere)),
@@ -77,7 +77,7 @@ pub fn shading(
     shading.0.materials = in_file_order(materials);
     shading.0.lights = in_file_order(lights);
     shading.0.environment = skies.iter().next().cloned().unwrap_or_default();
-    // Of no density is no fog.
+    // A density of 0 means no fog.
     shading.0.fog = fogs.iter().next().copied().filter(|fog| fog.density > 0.0);
 }
 

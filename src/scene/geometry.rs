@@ -1,21 +1,21 @@
-//! All that can be seen, and where each of it came from.
+//! The visible geometry, and the transform of each shape to its own space.
 
+use super::hit::Hit;
 use super::primitive::{Finish, Primitive, abs, inverse};
-use crate::appearance::texture::{Footprint, Spot};
+use crate::appearance::texture::{Footprint, TextureEvalContext};
 use crate::base::digest::{Digest, content};
 use crate::base::math::{DAffine3, DVec2, DVec3};
 use crate::geometry::shape::{Shape, Surface};
-use crate::scene::top_level::Hit;
 
-/// All that can be seen, in the order of the file.
+/// All visible primitives, in the order of the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Geometry {
     pub primitives: Vec<Primitive>,
-    /// Of each primitive: the shape in its own space. Only paint asks for it.
+    /// For each primitive, the shape in its own space. Only textures read it.
     origins: Vec<Origin>,
 }
 
-/// A shape before it was moved.
+/// A shape in its own space.
 #[derive(Clone, Debug, PartialEq)]
 struct Origin {
     shape: Shape,
@@ -25,7 +25,7 @@ struct Origin {
 content!(struct Origin { shape, to_object });
 
 impl Geometry {
-    /// Adds a shape placed by `to_world`, unless that flattens it.
+    /// Adds a shape transformed by `to_world`, unless that flattens it.
     pub fn push(&mut self, shape: &Shape, to_world: DAffine3, finish: Finish) {
         let (Some(primitive), Some(to_object)) =
             (Primitive::new(shape, to_world, finish), inverse(&to_world))
@@ -36,7 +36,7 @@ impl Geometry {
         self.origins.push(Origin { shape: shape.clone(), to_object });
     }
 
-    /// The materials that are seen somewhere, ascending.
+    /// The visible materials, ascending.
     pub fn materials(&self) -> Vec<u32> {
         let mut used: Vec<u32> = self.primitives.iter().flat_map(Primitive::materials).collect();
         used.sort_unstable();
@@ -44,7 +44,7 @@ impl Geometry {
         used
     }
 
-    /// What paint can tell of the shapes before they were moved, where they show a material that is `painted`.
+    /// The digest of the shapes in their own spaces, for primitives with a material that is `painted`.
     pub fn origins(&self, painted: impl Fn(u32) -> bool) -> Digest {
         let shows = |primitive: &Primitive| primitive.materials().any(&painted);
         let origins = self.primitives.iter().zip(&self.origins);
@@ -52,16 +52,23 @@ impl Geometry {
         Digest::of(&origins.collect::<Vec<_>>())
     }
 
-    /// What paint may ask of the point where a primitive was hit. `printed` says whether it asks how much is seen in u
-    /// and v.
-    pub fn spot(&self, hit: &Hit, surface: &Surface, seen: &Footprint, printed: bool) -> Spot {
+    /// The evaluation context of textures at a hit. `printed` states whether textures need the footprint in u and v.
+    pub fn spot(&self, hit: &Hit, surface: &Surface, seen: &Footprint, printed: bool) -> TextureEvalContext {
         let Origin { shape, to_object } = &self.origins[hit.primitive as usize];
         let point = to_object.transform_point3(surface.point);
         let error = abs(to_object).transform_vector3(surface.error);
         let uv = |point: DVec3| DVec2::from(shape.uv::<f64>(point.into(), hit.at.part));
         let seen = seen.moved(&to_object.matrix3);
-        let seen_uv = if printed { seen.printed(point, uv) } else { Footprint::default() };
+        let seen_uv = if printed { seen.to_uv(point, uv) } else { Footprint::default() };
         let (color, ends) = (shape.color(point, hit.at.part), shape.uv_ends(hit.at.part));
-        Spot { uv: uv(point), ends, point, error, color, seen, seen_uv }
+        TextureEvalContext {
+            uv: uv(point),
+            ends,
+            point,
+            error,
+            color,
+            footprint: seen,
+            footprint_uv: seen_uv,
+        }
     }
 }

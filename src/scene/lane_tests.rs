@@ -1,40 +1,39 @@
-//! Eight rays together get the same of a primitive as each of them alone, to the last bit and on all levels.
+//! Eight rays in lanes get the same results from a primitive as single rays, to the last bit and on all levels.
 
 use super::{Finish, Primitive};
-use crate::appearance::material::MadeOf;
+use crate::appearance::material::MaterialBinding;
 use crate::base::lanes::tests::on_all_levels;
 use crate::base::lanes::{Level, Mask, Real, Row, SimdKernel, Vec3, dispatch};
 use crate::base::math::{DAffine3, DVec3, Ray};
-use crate::geometry::bvh::Probe;
+use crate::geometry::bvh::TraversalRay;
 use crate::geometry::mesh::{self, Normals, generate};
 use crate::geometry::shape::{
-    Cone, Crossing, Cuboid, Cylinder, Disk, Mesh, Plane, PreparedRay, Rectangle, Shape, Span, Sphere,
+    Cone, Cuboid, Cylinder, Disk, Mesh, Plane, PreparedRay, RayInterval, Rectangle, Shape, ShapeHit, Sphere,
     Surface, Torus, Triangle,
 };
-use crate::sampling::Frame;
+use crate::sampling::LocalFrame;
 use crate::testing::{Random, eight_rays, eight_vectors};
 use std::sync::Arc;
 
-/// Groups of eight questions per primitive.
+/// Groups of eight queries per primitive.
 const ROUNDS: u32 = if cfg!(debug_assertions) { 100 } else { 4000 };
 
-/// What one ray meets.
+/// The results of one ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Met {
-    hit: Option<Crossing>,
+struct RayResult {
+    hit: Option<ShapeHit>,
     is_blocked: bool,
-    /// Where the ray meets it, or else at t = 1: the surface, the same for rays that pass it, and u and v.
+    /// At the hit, or else at t = 1: the surface, the surface for transmitted rays, and u and v.
     surface: Surface,
     passed: Surface,
     uv: [f64; 2],
 }
 
-/// A sample of light for one point: a point of the surface, its part, its density, and the density that the primitive gives
-/// for that point afterwards.
-type Drawn = (Surface, u32, f64, f64);
+/// A sample of a light: the point, its part, its density, and the density that `pdf_from` returns for the point.
+type LightSampleResult = (Surface, u32, f64, f64);
 
-/// In what eight rays and points differ.
-struct Questions {
+/// The arguments that differ between eight lanes.
+struct Queries {
     rays: [Ray; 8],
     span: [[f64; 8]; 2],
     from: [DVec3; 8],
@@ -43,14 +42,14 @@ struct Questions {
     u: [[f64; 8]; 2],
 }
 
-impl Questions {
+impl Queries {
     fn new(random: &mut Random) -> Self {
         let reach = if random.unit() < 0.3 { 0.3 } else { 4.0 };
         let rays = std::array::from_fn(|_| {
             let origin = random.point(reach);
             let direction = match (6.0 * random.unit()) as u32 {
                 0 => DVec3::new(0.0, -1.0, -0.0),
-                // As long along two axes or three.
+                // Equally long along two axes or three.
                 1 => DVec3::new(-1.0, 1.0, 0.5),
                 2 => DVec3::new(1.0, -1.0, 1.0),
                 _ => random.point(1.0) - origin,
@@ -68,51 +67,51 @@ impl Questions {
         }
     }
 
-    /// The answers to one lane.
-    fn ask_one(&self, primitive: &Primitive, lane: usize) -> (Met, Drawn) {
-        let ray = PreparedRay::<f64>::splat(&Probe::new(self.rays[lane]));
-        let within = Span { min: self.span[0][lane], max: self.span[1][lane] };
+    /// The results of one lane.
+    fn query_one(&self, primitive: &Primitive, lane: usize) -> (RayResult, LightSampleResult) {
+        let ray = PreparedRay::<f64>::splat(&TraversalRay::new(self.rays[lane]));
+        let within = RayInterval { min: self.span[0][lane], max: self.span[1][lane] };
         let (from, to_eye) = (self.from[lane].into(), self.to_eye[lane].into());
         let drawn = draw(primitive, [from, to_eye], self.u.map(|u| u[lane]));
         (meet(primitive, &ray, within)[0], drawn[0])
     }
 
-    fn ask_all(&self, primitive: &Primitive) -> Vec<(Met, Drawn)> {
+    fn query_all(&self, primitive: &Primitive) -> Vec<(RayResult, LightSampleResult)> {
         let (met, drawn) = (dispatch(Meet(primitive, self)), dispatch(Draw(primitive, self)));
         met.into_iter().zip(drawn).collect()
     }
 }
 
-struct Meet<'a>(&'a Primitive, &'a Questions);
+struct Meet<'a>(&'a Primitive, &'a Queries);
 
 impl SimdKernel for Meet<'_> {
-    type Output = Vec<Met>;
+    type Output = Vec<RayResult>;
 
     #[inline(always)]
-    fn run<L: Level>(self) -> Vec<Met> {
-        let Self(primitive, Questions { rays, span, .. }) = self;
+    fn run<L: Level>(self) -> Vec<RayResult> {
+        let Self(primitive, Queries { rays, span, .. }) = self;
         let [min, max] = span.map(L::F64::from_array);
-        meet(primitive, &PreparedRay::new(eight_rays::<L>(rays)), Span { min, max })
+        meet(primitive, &PreparedRay::new(eight_rays::<L>(rays)), RayInterval { min, max })
     }
 }
 
-struct Draw<'a>(&'a Primitive, &'a Questions);
+struct Draw<'a>(&'a Primitive, &'a Queries);
 
 impl SimdKernel for Draw<'_> {
-    type Output = Vec<Drawn>;
+    type Output = Vec<LightSampleResult>;
 
     #[inline(always)]
-    fn run<L: Level>(self) -> Vec<Drawn> {
-        let Self(primitive, Questions { from, to_eye, u, .. }) = self;
+    fn run<L: Level>(self) -> Vec<LightSampleResult> {
+        let Self(primitive, Queries { from, to_eye, u, .. }) = self;
         let points = [eight_vectors::<L>(*from), eight_vectors::<L>(*to_eye)];
         draw(primitive, points, u.map(L::F64::from_array))
     }
 }
 
 #[inline(always)]
-fn meet<F: Real>(primitive: &Primitive, ray: &PreparedRay<F>, within: Span<F>) -> Vec<Met> {
+fn meet<F: Real>(primitive: &Primitive, ray: &PreparedRay<F>, within: RayInterval<F>) -> Vec<RayResult> {
     let mut at = primitive.intersect(ray, within);
-    let (is_hit, t, crowded) = (at.is_hit().bits(), at.t.to_array(), at.crowded.bits());
+    let (is_hit, t, coincident) = (at.is_hit().bits(), at.t.to_array(), at.coincident.bits());
     let blocked = primitive.occludes(ray, within).bits();
     at.t = F::select(at.is_hit(), at.t, F::splat(1.0));
     let (surface, parts) = (primitive.surface(&ray.ray, at), at.part.to_array());
@@ -121,8 +120,8 @@ fn meet<F: Real>(primitive: &Primitive, ray: &PreparedRay<F>, within: Span<F>) -
     let surfaces = surface.store();
     let met = |lane: usize| {
         let is = |bits: u32| bits >> lane & 1 == 1;
-        Met {
-            hit: is(is_hit).then(|| Crossing { t: t[lane], part: parts[lane], crowded: is(crowded) }),
+        RayResult {
+            hit: is(is_hit).then(|| ShapeHit { t: t[lane], part: parts[lane], coincident: is(coincident) }),
             is_blocked: is(blocked),
             surface: surfaces[lane],
             passed: passed[lane],
@@ -133,16 +132,20 @@ fn meet<F: Real>(primitive: &Primitive, ray: &PreparedRay<F>, within: Span<F>) -
 }
 
 #[inline(always)]
-fn draw<F: Real>(primitive: &Primitive, [from, to_eye]: [Vec3<F>; 2], [u, v]: [F; 2]) -> Vec<Drawn> {
-    let eye = Frame::along(to_eye, [DVec3::X, DVec3::Y]);
+fn draw<F: Real>(
+    primitive: &Primitive,
+    [from, to_eye]: [Vec3<F>; 2],
+    [u, v]: [F; 2],
+) -> Vec<LightSampleResult> {
+    let eye = LocalFrame::from_z_near_x(to_eye, [DVec3::X, DVec3::Y]);
     let (surface, part, pdf) = primitive.sample_from(from, &eye, u, v);
-    let told = primitive.pdf_from(from, &surface).to_array();
+    let density = primitive.pdf_from(from, &surface).to_array();
     let (surfaces, parts, pdf) = (surface.store(), part.to_array(), pdf.to_array());
-    (0..F::LANES).map(|lane| (surfaces[lane], parts[lane], pdf[lane], told[lane])).collect()
+    (0..F::LANES).map(|lane| (surfaces[lane], parts[lane], pdf[lane], density[lane])).collect()
 }
 
 fn shapes() -> Vec<Shape> {
-    let mesh = Arc::new(mesh::Mesh::new(generate::displaced_sphere(2, 5)).expect("a mesh"));
+    let mesh = Arc::new(mesh::TriangleMesh::new(generate::displaced_sphere(2, 5)).expect("a mesh"));
     let mesh = |normals| Shape::Mesh(Mesh { mesh: mesh.clone(), normals });
     let (a, b, c) = (DVec3::new(-0.7, -0.6, 0.1), DVec3::new(0.8, -0.2, -0.3), DVec3::new(0.1, 0.9, 0.4));
     let cylinder = |capped| Shape::Cylinder(Cylinder::new(a, b, 0.4, capped).expect("a cylinder"));
@@ -165,21 +168,21 @@ fn shapes() -> Vec<Shape> {
 }
 
 #[test]
-fn eight_rays_are_told_what_each_of_them_is() {
+fn eight_rays_agree_with_single_rays() {
     let mut random = Random(31);
     let turn = DAffine3::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 1.0);
     let uneven = turn * DAffine3::from_scale(DVec3::new(1.5, -0.7, 1.0)) * turn;
     let places = [DAffine3::IDENTITY, uneven];
     for (shape, place) in shapes().iter().flat_map(|shape| places.map(|place| (shape, place))) {
-        let finish = Finish::Material(MadeOf::One(0));
+        let finish = Finish::Material(MaterialBinding::One(0));
         let primitive = Primitive::new(shape, place, finish).expect("a primitive");
         let mut hits = 0;
         for _ in 0..ROUNDS {
-            let questions = Questions::new(&mut random);
-            let expected: Vec<_> = (0..8).map(|lane| questions.ask_one(&primitive, lane)).collect();
-            for (level, answers) in on_all_levels(|| questions.ask_all(&primitive)) {
+            let queries = Queries::new(&mut random);
+            let expected: Vec<_> = (0..8).map(|lane| queries.query_one(&primitive, lane)).collect();
+            for (level, answers) in on_all_levels(|| queries.query_all(&primitive)) {
                 for lane in 0..8 {
-                    assert_eq!(answers[lane], expected[lane], "{level:?}, {:?}", questions.rays[lane]);
+                    assert_eq!(answers[lane], expected[lane], "{level:?}, {:?}", queries.rays[lane]);
                 }
             }
             hits += expected.iter().filter(|(met, _)| met.hit.is_some()).count();

@@ -1,11 +1,16 @@
-//! The scene at one moment: packed, resolved, without names, defaults or entities.
+//! The scene at one moment: packed and resolved, without names, defaults or entities.
 //!
-//! Everything keeps the file's order, so that whatever breaks a tie by index breaks it the same way always.
+//! In: the entities of the world, which `extract` packs. Out: geometry, shading, weights and the tree over the
+//! primitives, for `trace`.
+//!
+//! Uses `base`, `film`, `camera`, `geometry`, `appearance`; in `extract` also `world`. Everything keeps the order of
+//! the file, so ties by index are always decided the same way.
 
 pub mod top_level;
 mod content;
 pub mod extract;
 mod geometry;
+mod hit;
 #[cfg(test)]
 mod lane_tests;
 mod primitive;
@@ -13,37 +18,38 @@ mod surfaces;
 
 pub use content::Digests;
 pub use geometry::Geometry;
-pub use primitive::{Finish, Placement, Primitive};
+pub use hit::Hit;
+pub use primitive::{Finish, InstanceTransform, Primitive};
 pub use surfaces::SurfaceTable;
 
-use crate::appearance::environment::{Environment, SkyTable};
+use crate::appearance::environment::{Environment, EnvironmentDistribution};
 use crate::appearance::fog::Fog;
 use crate::appearance::light::Light;
-use crate::appearance::light_groups::glow::Glow;
+use crate::appearance::light_groups::GroupRadiance;
 use crate::appearance::material::Material;
 use crate::base::color::Rgb;
 use crate::camera::Camera;
 use std::sync::Arc;
 
-/// What surfaces look like and what lights them.
+/// Materials and light sources.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shading {
     pub materials: Vec<Material>,
     pub lights: Vec<Light>,
-    /// What rays see that hit nothing.
+    /// The radiance of rays that hit nothing.
     pub environment: Environment,
-    /// Where the environment is bright, if that differs from place to place.
-    pub sky_table: Option<Arc<SkyTable>>,
-    /// Light from everywhere.
-    pub ambient: Glow,
+    /// The distribution of the environment's brightness, if it is not constant.
+    pub sky_table: Option<Arc<EnvironmentDistribution>>,
+    /// Constant light from all directions.
+    pub ambient: GroupRadiance,
     pub fog: Option<Fog>,
 }
 
-/// What each layer of the film is weighted with.
+/// The weight of each layer of the film.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Weights(pub Vec<Rgb>);
 
-/// Everything that tracing a frame reads.
+/// All inputs of the tracer for one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
     pub geometry: &'a Geometry,
@@ -53,7 +59,7 @@ pub struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    /// The lights that shine with a weight above 0, each with its index.
+    /// The lights with a weight above 0, each with its index.
     pub fn lights(&self) -> impl Iterator<Item = (u32, &'a Light)> {
         let shines = |(_, light): &(u32, &Light)| {
             light.radiance != Rgb::ZERO && self.weights.0[light.layer.index()] != Rgb::ZERO

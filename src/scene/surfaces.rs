@@ -1,22 +1,22 @@
-//! What surfaces are found from where rays meet primitives, as tables from which lanes gather.
+//! Tables from which lanes gather the surfaces of primitives.
 
 use super::{Geometry, Primitive};
 use crate::base::lanes::{Bits, Lookup, Mask, Real, Row, Select, Vec3, lanes, out_of_line};
 use crate::base::math::{DVec3, LaneRay};
 use crate::geometry::shape::{LaneHit, LaneSurface, Shape, SphereLanes, flat_surface};
 
-/// How the surface of a primitive is found.
+/// The table that holds the surface of a primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// A plane through a point across a normal, and which one of them.
+    /// A plane through a point with a normal, by its index.
     Flat(u32),
     Sphere(u32),
-    /// By the primitive itself.
+    /// The primitive computes its surface itself.
     Other,
 }
 
-/// The surfaces of primitives: flat ones and spheres as tables, so that lanes that meet different ones are looked up at
-/// once; others one primitive after the other.
+/// Tables of the surfaces of primitives. Flat surfaces and spheres are gathered for all lanes at once. Other surfaces
+/// are computed one primitive after the other.
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceTable {
     kinds: Vec<Kind>,
@@ -38,7 +38,7 @@ impl SurfaceTable {
     }
 
     fn add(&mut self, primitive: &Primitive) -> Kind {
-        let flat = match (&primitive.shape, &primitive.placement) {
+        let flat = match (&primitive.shape, &primitive.transform) {
             (Shape::Sphere(sphere), None) => {
                 push(&mut self.centers, sphere.center);
                 self.radii.push(sphere.radius);
@@ -55,7 +55,7 @@ impl SurfaceTable {
         Kind::Flat(self.normals[0].len() as u32 - 1)
     }
 
-    /// The surfaces where rays meet primitives, in the lanes of a mask.
+    /// The surfaces at hits of rays with primitives, in the lanes of a mask.
     #[inline(always)]
     pub fn surfaces<F: Real>(
         &self,

@@ -1,15 +1,15 @@
-//! What a sequence tells about itself in the files that come of it.
+//! Metadata of a sequence for the files that it renders.
 
 use super::Sequence;
-use super::layers::Shining;
-use crate::appearance::light_groups::layers::Layers;
-use crate::encode::{ALBEDO, About, NORMAL};
+use super::layers::EmitterId;
+use crate::appearance::light_groups::LightGroups;
+use crate::encode::{ALBEDO, NORMAL, SequenceInfo};
 use std::collections::HashSet;
 
 impl Sequence {
-    /// Its name, length and settings, and the names of its layers of light.
-    pub fn about(&self) -> About {
-        About {
+    /// Name, length, settings and layer names of the sequence.
+    pub fn about(&self) -> SequenceInfo {
+        SequenceInfo {
             name: self.name.clone(),
             frames: self.timeline.frames,
             seed: self.quality.seed,
@@ -21,12 +21,12 @@ impl Sequence {
         }
     }
 
-    /// What the film's layers of light are called: that without keys `constant`, the others after whatever shines
-    /// in them. Different layers have different names, of letters, digits and signs that no program minds.
+    /// Names of the film's light layers. The layer without keys is `constant`; others are named after their emitters.
+    /// Names are unique and contain only letters, digits and signs that all programs accept.
     fn layer_names(&self) -> Vec<String> {
-        let mut layers = Layers::new();
+        let mut layers = LightGroups::new();
         let mut members: Vec<Vec<&str>> = vec![Vec::new()];
-        for (what, dimmer) in self.dimmers() {
+        for (what, dimmer) in self.keyed_weights() {
             let index = layers.of(&dimmer).index();
             members.resize(layers.count().max(members.len()), Vec::new());
             members[index].push(self.name_of(what));
@@ -41,24 +41,24 @@ impl Sequence {
         names
     }
 
-    fn name_of(&self, what: Shining) -> &str {
+    fn name_of(&self, what: EmitterId) -> &str {
         match what {
-            Shining::Background => "background",
-            Shining::Ambient => "ambient",
-            Shining::Light(index) => &self.lights[index].name,
-            Shining::Material(index) => &self.materials[index].name,
-            Shining::Fog => "fog",
+            EmitterId::Background => "background",
+            EmitterId::Ambient => "ambient",
+            EmitterId::Light(index) => &self.lights[index].name,
+            EmitterId::Material(index) => &self.materials[index].name,
+            EmitterId::Fog => "fog",
         }
     }
 }
 
-/// The layer of light without keys.
+/// Name of the layer for light without keys.
 const CONSTANT: &str = "constant";
 
-/// Names that no keyed layer may have, as files have other channels under them, whether these are asked for or not.
+/// Names that keyed layers must not have, because files may have other channels under them.
 const TAKEN: [&str; 3] = [CONSTANT, NORMAL, ALBEDO];
 
-/// The name, or if it is taken already, with as many numbers behind it as make it another.
+/// Appends `index` until the name is unique.
 fn unlike(mut name: String, index: usize, taken: &HashSet<String>) -> String {
     while taken.contains(&name) {
         name += &format!("_{index}");
@@ -66,7 +66,7 @@ fn unlike(mut name: String, index: usize, taken: &HashSet<String>) -> String {
     name
 }
 
-/// A name without dots, which separate layers from channels, and without anything unusual. Long ones are cut.
+/// Replaces unusual characters, and dots, which separate layers from channels. Cuts long names.
 fn plain(name: &str) -> String {
     let letter = |c: char| if c.is_alphanumeric() || "+-_".contains(c) { c } else { '_' };
     name.chars().map(letter).take(60).collect()
@@ -77,7 +77,7 @@ mod tests {
     use crate::sequence::parse;
 
     #[test]
-    fn layers_are_called_after_what_shines_in_them() {
+    fn layers_are_named_after_their_emitters() {
         let text = r#"(
             background: [(0, 0), (1, 1)],
             lights: {
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn no_layer_is_called_like_another_channel() {
+    fn layer_names_differ_from_other_channels() {
         let named = |lights: &[&str]| {
             let light = |(index, name): (usize, &&str)| {
                 format!("{name:?}: Point(position: (1, 2, 3), intensity: [(0, 1), ({}, 0)]),", index + 1)
@@ -105,7 +105,7 @@ mod tests {
             sequence.about().layers
         };
         assert_eq!(named(&["albedo", "N", "Z"]), ["constant", "albedo_1", "N_2", "Z"]);
-        // A name with a number may be there already.
+        // The name with a number may exist already.
         assert_eq!(named(&["x y", "x_y_3", "x.y"]), ["constant", "x_y", "x_y_3", "x_y_3_3"]);
         assert_eq!(named(&["a_2", "a 2", "a_2_2"]), ["constant", "a_2", "a_2_2", "a_2_2_3"]);
     }

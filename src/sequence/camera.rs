@@ -1,4 +1,4 @@
-//! `camera` and `cameras`: where the picture is taken from.
+//! Decodes `camera` and `cameras`.
 
 use super::fields::Fields;
 use super::keys::keyed;
@@ -14,7 +14,7 @@ use crate::camera::path::{CameraPath, Focus, Lens};
 const POSITION: DVec3 = DVec3::new(0.0, 1.0, 5.0);
 const FIELD_OF_VIEW: Angle = Angle(45.0);
 
-/// The camera of a file that has none.
+/// The camera of a file without a camera.
 pub fn default_camera() -> CameraPath {
     CameraPath {
         position: POSITION.into(),
@@ -29,7 +29,7 @@ pub fn default_camera() -> CameraPath {
     }
 }
 
-/// One camera. It may focus on one of `objects`; none if they could not be read.
+/// Decodes a camera, which may focus on one of `objects`. `objects` is None if they could not be read.
 pub fn camera(node: Node<'_>, objects: Option<&Names<'_>>) -> Option<CameraPath> {
     let mut fields = Fields::of(node, "a camera")?;
     let position = fields.or("position", keyed(vector), POSITION);
@@ -55,12 +55,12 @@ pub fn camera(node: Node<'_>, objects: Option<&Names<'_>>) -> Option<CameraPath>
     })
 }
 
-/// A distance, or an object's name.
+/// A distance, or the name of an object.
 fn focus(node: Node<'_>, objects: Option<&Names<'_>>) -> Option<Focus> {
     if node.is_text() {
         return match objects {
             Some(objects) => objects.index(node).map(Focus::Object),
-            // What is wrong with the objects has been reported.
+            // The faults of the objects are already reported.
             None => Some(Focus::Target),
         };
     }
@@ -71,7 +71,7 @@ fn focus(node: Node<'_>, objects: Option<&Names<'_>>) -> Option<Focus> {
     let name = node.bare_word().filter(|word| objects.is_some_and(|objects| objects.has(word)));
     node.fault(match name {
         Some(name) => fault.help(format!("write \"{}\"", shortened(name))),
-        None => fault.help("without `focus`, what is as far away as the target is sharp"),
+        None => fault.help("without `focus`, the camera focuses at the distance of its target"),
     });
     None
 }

@@ -1,4 +1,4 @@
-//! What only the whole file shows: whether every moment of every frame has a camera.
+//! Checks across the whole file: every moment of every frame needs a valid camera.
 
 use super::Named;
 use super::fault::Fault;
@@ -11,28 +11,27 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 use std::ops::Range;
 
-/// Moments that are looked at, at most: some seconds of one processor.
-const MOST_MOMENTS: u64 = 1 << 24;
+/// Maximum number of checked moments: a few seconds of one processor.
+const MAX_MOMENTS: u64 = 1 << 24;
 
-/// Frames that are looked at in parallel before it is known which cameras need no more looks.
+/// Frames checked in parallel before finished cameras are skipped.
 const BLOCK: u32 = 1 << 13;
 
-/// The cameras of a file as they are checked.
-pub struct Cameras<'a> {
+/// The cameras to check.
+pub struct CheckedCameras<'a> {
     pub list: &'a [Named<CameraPath>],
     pub active: &'a Animated<usize>,
-    /// Where each stands in the file.
+    /// Place of each camera in the file.
     pub places: &'a [Range<usize>],
 }
 
-/// Reports each camera that shows nothing at a frame at which it is looked through, with the first such frame.
-/// While a shutter is open, `steps` moments of a frame are looked at; `place` is where the file says how many frames
-/// there are.
+/// Reports each camera that has no valid view at a frame that uses it, with the first such frame. Checks `steps`
+/// moments per frame while a shutter is open. `place` is where the file gives the number of frames.
 pub fn report_blind_cameras(
     file: &File<'_>,
     timeline: &Timeline,
     steps: u32,
-    cameras: &Cameras<'_>,
+    cameras: &CheckedCameras<'_>,
     place: Range<usize>,
 ) {
     if let Some(fault) = too_many_moments(timeline, steps, cameras, place) {
@@ -44,8 +43,8 @@ pub fn report_blind_cameras(
     let mut done = vec![false; cameras.list.len()];
     for first in (0..timeline.frames).step_by(BLOCK as usize) {
         let block = first..timeline.frames.min(first.saturating_add(BLOCK));
-        let look = |frame| look(frame, timeline, steps, cameras, &done);
-        let found: Vec<Finding> = block.into_par_iter().filter_map(look).collect();
+        let check_frame = |frame| check_frame(frame, timeline, steps, cameras, &done);
+        let found: Vec<Finding> = block.into_par_iter().filter_map(check_frame).collect();
         for Finding { frame, camera, blind } in found {
             if std::mem::replace(&mut done[camera], true) {
                 continue;
@@ -64,25 +63,25 @@ pub fn report_blind_cameras(
     }
 }
 
-/// What is known of a camera after a look at a frame.
+/// Result of a check of one frame.
 struct Finding {
     frame: u32,
     camera: usize,
-    /// When it shows nothing, and why; else nothing more has to be looked at.
+    /// The moment without a valid view, and the reason. None if the camera needs no more checks.
     blind: Option<(Time, NoCamera)>,
 }
 
-/// Looks at a frame through its camera, unless that is done. Tells what needs no further look.
-fn look(
+/// Checks a frame's camera unless it is done. Returns a finding if the camera needs no more checks.
+fn check_frame(
     frame: u32,
     timeline: &Timeline,
     steps: u32,
-    cameras: &Cameras<'_>,
+    cameras: &CheckedCameras<'_>,
     done: &[bool],
 ) -> Option<Finding> {
     let index = cameras.active.at(timeline.clock(frame).start);
     let camera = &cameras.list.get(index).filter(|_| !done[index])?.value;
-    // One moment of what stands still is like every other.
+    // All moments of a static camera are equal.
     let still = stands_still(camera);
     let clocks =
         if still { vec![timeline.clock(frame)] } else { moments(&camera.shutter, steps, timeline, frame) };
@@ -91,24 +90,24 @@ fn look(
     (still || blind.is_some()).then_some(Finding { frame, camera: index, blind })
 }
 
-/// Refuses what nobody would wait for: very many frames, each of very many moments.
+/// Refuses timelines that would take too long to check.
 fn too_many_moments(
     timeline: &Timeline,
     steps: u32,
-    cameras: &Cameras<'_>,
+    cameras: &CheckedCameras<'_>,
     place: Range<usize>,
 ) -> Option<Fault> {
     let opens = |camera: &Named<CameraPath>| {
         !stands_still(&camera.value) && camera.value.shutter.values().any(|open| *open > 0.0)
     };
     let moments = u64::from(timeline.frames) * u64::from(steps);
-    if moments <= MOST_MOMENTS || !cameras.list.iter().any(opens) {
+    if moments <= MAX_MOMENTS || !cameras.list.iter().any(opens) {
         return None;
     }
     let frames = timeline.frames;
     let title = format!("{frames} frames with {steps} moments each, while shutters are open, are too many");
-    let fault = Fault::new(place, title, format!("together there may be {MOST_MOMENTS} moments"));
-    Some(match MOST_MOMENTS / u64::from(frames) {
+    let fault = Fault::new(place, title, format!("the limit is {MAX_MOMENTS} moments in total"));
+    Some(match MAX_MOMENTS / u64::from(frames) {
         0 | 1 => fault.help("write fewer frames, or a `shutter` of 0"),
         most => fault.help(format!("write `shutter_steps: {most}` or less in `quality`, or fewer frames")),
     })
@@ -117,7 +116,7 @@ fn too_many_moments(
 fn fault(name: &str, why: NoCamera, when: &str, place: Range<usize>) -> Fault {
     let (title, label, help) = match why {
         NoCamera::EyeOnTarget => (
-            "stands on its own target",
+            "is at its own target",
             "position and target are equal",
             "move `position` or `target`, so that they differ at every frame",
         ),
@@ -126,13 +125,13 @@ fn fault(name: &str, why: NoCamera, when: &str, place: Range<usize>) -> Fault {
             "its field of view leaves 0 to 180 degrees, or its picture has no height",
             "easings such as Back and Elastic go beyond their keys",
         ),
-        NoCamera::NotFinite => ("is infinitely far away", "has no place", "check the sizes along its path"),
+        NoCamera::NotFinite => ("is at infinity", "has no place", "check the sizes along its path"),
     };
     let title = format!("camera `{}` {title} {when}", shortened(name));
     Fault::new(place, title, format!("{label} {when}")).help(help)
 }
 
-/// Whether one frame of the camera is like every other.
+/// Whether all frames of the camera are equal.
 fn stands_still(camera: &CameraPath) -> bool {
     let CameraPath { position, target, up, roll, lens, path, .. } = camera;
     let lens = match lens {

@@ -1,4 +1,4 @@
-//! Colours, in every way a file may write them.
+//! Decodes colours in all notations.
 
 use super::keys::keyed;
 use super::node::Node;
@@ -11,7 +11,7 @@ use crate::track::Animated;
 const WAYS: &str =
     "colours are (r, g, b), one number for grey, \"#rrggbb\", Srgb(r, g, b) or Linear8(r, g, b)";
 
-/// A colour over time, or a value that starts with one of the table's words.
+/// Decodes a colour over time, or a value that starts with one of the table's words.
 pub fn color_or<'s, T: From<Animated<Rgb>>>(
     node: Node<'s>,
     what: &str,
@@ -29,7 +29,7 @@ pub fn color_or<'s, T: From<Animated<Rgb>>>(
     None
 }
 
-/// A linear colour without negative parts.
+/// A linear colour without negative components.
 pub fn color(node: Node<'_>) -> Option<Rgb> {
     match node.word() {
         "Srgb" => codes(node, "Srgb(r, g, b) with three numbers from 0 to 255", srgb_to_linear),
@@ -49,7 +49,7 @@ pub fn color(node: Node<'_>) -> Option<Rgb> {
     }
 }
 
-/// Three codes of 0..=255, brought to 0..=1 and decoded.
+/// Three codes of 0..=255, scaled to 0..=1 and decoded.
 fn codes(node: Node<'_>, what: &str, decode: impl Fn(f64) -> f64) -> Option<Rgb> {
     let parts = each(tuple(node, what)?, between(0.0..=255.0))?;
     Some(Rgb::from_array(parts.map(|code| decode(code / 255.0) as f32)))

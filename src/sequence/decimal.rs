@@ -2,20 +2,20 @@
 
 use crate::base::time::Time;
 
-/// Why a text is no exact number.
+/// Why a text is not an exact number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotExact {
-    /// It is no decimal number at all.
+    /// It is not a decimal number.
     NotDecimal,
     /// It has more decimal places than allowed.
     TooFine,
     TooLarge,
 }
 
-/// More digits than any limit lets through; they fit an `i128`.
-const MOST_DIGITS: usize = 30;
+/// More digits than any limit allows. Numbers of this length fit into an `i128`.
+const MAX_DIGITS: usize = 30;
 
-/// `2.5` as 5/2; `2.5e-3` likewise. At most `places` decimal places count, trailing zeros aside.
+/// `2.5` becomes 5/2, as does `25e-1`. At most `places` decimal places are allowed, not counting trailing zeros.
 pub fn exact(text: &str, places: u32) -> Result<Time, NotExact> {
     let (negative, digits, exponent) = parts(text).ok_or(NotExact::NotDecimal)?;
     let significant = digits.trim_start_matches('0');
@@ -28,7 +28,7 @@ pub fn exact(text: &str, places: u32) -> Result<Time, NotExact> {
     if exponent < -i64::from(places) {
         return Err(NotExact::TooFine);
     }
-    if exponent > MOST_DIGITS as i64 || trimmed.len() + exponent.max(0) as usize > MOST_DIGITS {
+    if exponent > MAX_DIGITS as i64 || trimmed.len() + exponent.max(0) as usize > MAX_DIGITS {
         return Err(NotExact::TooLarge);
     }
     let whole: i128 = trimmed.parse().map_err(|_| NotExact::TooLarge)?;
@@ -37,7 +37,7 @@ pub fn exact(text: &str, places: u32) -> Result<Time, NotExact> {
     Ok(if exponent < 0 { Time::new(whole, power) } else { Time::from_integer(whole * power) })
 }
 
-/// The sign, all digits, and the power of ten that they count.
+/// Sign, digits, and the power of ten that scales them.
 fn parts(text: &str) -> Option<(bool, String, i64)> {
     let text = text.replace('_', "");
     let (negative, rest) = match text.strip_prefix('-') {
@@ -54,7 +54,7 @@ fn parts(text: &str) -> Option<(bool, String, i64)> {
     good.then(|| (negative, digits, exponent.saturating_sub(part.len() as i64)))
 }
 
-/// An exponent; one beyond all limits stays beyond them.
+/// Parses an exponent. Exponents beyond all limits are clamped, and stay beyond them.
 fn power_of_ten(text: &str) -> Option<i64> {
     let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
     if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {

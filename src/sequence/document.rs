@@ -1,4 +1,4 @@
-//! The whole file: its sections, and the names between them.
+//! Decodes the whole file: its sections, and the names that connect them.
 
 use super::camera::{camera, default_camera};
 use super::check::{self, report_blind_cameras};
@@ -8,20 +8,21 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::fog::fog;
 use super::keys::keyed;
-use super::layers::{Places, report_too_many_layers};
+use super::layers::{EmitterPlaces, report_too_many_layers};
 use super::light::light;
-use super::material::{Given, material};
+use super::material::material;
+use super::material_description::MaterialDescription;
 use super::names::{Entry, Names, entries};
 use super::node::Node;
-use super::object::{Draft, Parent, Surface, object, report_circles};
+use super::object::{MaterialSource, ObjectDraft, Parent, object, report_circles};
 use super::output::{default_output, output};
 use super::quality_fields::quality;
-use super::reach::{TransformPlace, report_out_of_range};
 use super::syntax::EXAMPLE;
 use super::timeline::{still, timeline};
+use super::transform_limits::{TransformPlace, report_out_of_range};
 use super::{Named, Object, Sequence};
 use crate::appearance::light::LightTracks;
-use crate::appearance::material::{MadeOf, MaterialTracks};
+use crate::appearance::material::{MaterialBinding, MaterialTracks};
 use crate::base::color::Rgb;
 use crate::camera::path::CameraPath;
 use crate::sequence::quality::Quality;
@@ -30,20 +31,20 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// Reads a sequence called `name`. None if anything is wrong, all of which is then reported.
+/// Decodes a sequence called `name`. Returns None after any fault, and reports all faults.
 pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     if !root.word().is_empty() {
         let title = format!("expected ( ... ) around the whole file, without `{}` in front", root.word());
         root.fault(Fault::new(root.head(), title, "remove this word"));
     }
-    // As a file of JSON begins.
+    // JSON files begin like this.
     if root.text().starts_with('{') {
         let fault = root.mismatch("the fields of the sequence, written (name: value, ...)");
         root.fault(fault.help(EXAMPLE));
         return None;
     }
     let mut fields = Fields::of(root, "the sequence")?;
-    // First, for it says what the times of keys mean.
+    // First, because it sets the unit of key times.
     let length = fields.place("timeline");
     let timeline = fields.or("timeline", timeline, still());
     let frames = timeline.map_or(1, |timeline| timeline.frames);
@@ -53,16 +54,16 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     let ambient = fields.or("ambient", keyed(color), Rgb::ONE);
     let fog = fields.optional("fog", fog);
     let (fog_place, objects) = (fields.place("fog"), fields.place("objects"));
-    let mut places = Places { lights: Vec::new(), materials: Vec::new(), objects, fog: fog_place };
+    let mut places = EmitterPlaces { lights: Vec::new(), materials: Vec::new(), objects, fog: fog_place };
     let lights = fields.or("lights", |node| lights(node, &mut places.lights), Vec::new());
     let mut transforms = Vec::new();
     let scene = scene(&mut fields, &mut places.materials, &mut transforms);
-    // After the objects, which cameras may focus on.
+    // After the objects, because cameras may focus on them.
     let cameras = cameras(&mut fields, scene.as_ref().map(|(_, objects)| objects.as_slice()));
     fields.finish();
     if let (Some(timeline), Some(Cameras { list, active, places })) = (&timeline, &cameras) {
         let steps = quality.unwrap_or_default().shutter_steps;
-        let cameras = check::Cameras { list, active, places };
+        let cameras = check::CheckedCameras { list, active, places };
         report_blind_cameras(root.file, timeline, steps, &cameras, length);
     }
     if let (Some(timeline), Some((_, objects))) = (&timeline, &scene) {
@@ -82,12 +83,13 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
         lights: lights?,
         materials,
         objects,
+        warnings: Vec::new(),
     };
     report_too_many_layers(root.file, &sequence, &places);
     Some(sequence)
 }
 
-/// The lights, and where each stands in the file.
+/// Decodes the lights, and notes their places in the file.
 fn lights(node: Node<'_>, places: &mut Vec<Range<usize>>) -> Option<Vec<Named<LightTracks>>> {
     let entries = entries(node, "light")?;
     *places = places_of(&entries);
@@ -102,12 +104,12 @@ fn named<T>(entry: &Entry<'_>, value: Option<T>) -> Option<Named<T>> {
     Some(Named { name: entry.name.clone(), value: value? })
 }
 
-/// All values if none is wrong. Takes a list, not an iterator, so that all have been read by then.
+/// All values, or None if any is missing. Takes a list instead of an iterator, so that all values have been decoded.
 fn decoded<T>(values: Vec<Option<T>>) -> Option<Vec<T>> {
     values.into_iter().collect()
 }
 
-/// The cameras, and where each stands in the file.
+/// The cameras, and their places in the file.
 struct Cameras {
     list: Vec<Named<CameraPath>>,
     active: Animated<usize>,
@@ -146,20 +148,20 @@ fn cameras(fields: &mut Fields<'_>, objects: Option<&[Named<Object>]>) -> Option
     Some(Cameras { list, active: active?, places })
 }
 
-/// The camera of a file that names none.
+/// Names the camera of a file that gives no names.
 fn unnamed(camera: CameraPath) -> Named<CameraPath> {
     Named { name: "camera".to_owned(), value: camera }
 }
 
-type Scene = (Vec<Named<MaterialTracks>>, Vec<Named<Object>>);
+type MaterialsAndObjects = (Vec<Named<MaterialTracks>>, Vec<Named<Object>>);
 
-/// Materials and objects, and where the materials with a name and the objects' transforms stand in the file.
+/// Decodes materials and objects. Notes the places of named materials and of the objects' transforms.
 fn scene(
     fields: &mut Fields<'_>,
     places: &mut Vec<Range<usize>>,
     transforms: &mut Vec<TransformPlace>,
-) -> Option<Scene> {
-    let default = fields.or("default_material", material, Given::default());
+) -> Option<MaterialsAndObjects> {
+    let default = fields.or("default_material", material, MaterialDescription::default());
     let mut material_entries = Vec::new();
     let materials = fields.optional("materials", |node| {
         material_entries = entries(node, "material")?;
@@ -174,7 +176,7 @@ fn scene(
     Some(assembled(&default, &materials, objects))
 }
 
-type Placed = (Named<Draft>, Option<Parent>);
+type Placed = (Named<ObjectDraft>, Option<Parent>);
 
 fn objects(node: Node<'_>, materials: &Names<'_>) -> Option<Vec<Placed>> {
     let entries = entries(node, "object")?;
@@ -186,10 +188,14 @@ fn objects(node: Node<'_>, materials: &Names<'_>) -> Option<Vec<Placed>> {
     Some(drafts.into_iter().zip(parents).collect())
 }
 
-/// Gives every object the index of its material: inline ones, and the default where it is used, are
-/// appended to the named ones. Objects of one mesh share the materials that came with it.
-fn assembled(default: &Given, named: &[Named<Given>], drafts: Vec<Placed>) -> Scene {
-    let over = |given: &Given| given.over(default);
+/// Gives every object the index of its material. Appends inline materials, and the default material if it is used, to
+/// the named ones. Objects of one mesh share the materials of the mesh.
+fn assembled(
+    default: &MaterialDescription,
+    named: &[Named<MaterialDescription>],
+    drafts: Vec<Placed>,
+) -> MaterialsAndObjects {
+    let over = |given: &MaterialDescription| given.over(default);
     let mut materials: Vec<_> =
         named.iter().map(|m| Named { name: m.name.clone(), value: over(&m.value) }).collect();
     let mut default_index = None;
@@ -200,23 +206,24 @@ fn assembled(default: &Given, named: &[Named<Given>], drafts: Vec<Placed>) -> Sc
     };
     let mut objects = Vec::with_capacity(drafts.len());
     for (Named { name, value: draft }, parent) in drafts {
-        let Draft { shape, material, transform, visible, .. } = draft;
+        let ObjectDraft { shape, material, transform, visible, .. } = draft;
         let made_of = match material {
-            Surface::Named(index) => MadeOf::One(index as u32),
-            Surface::Inline(given) => MadeOf::One(append(format!("objects.{name:?}.material"), over(&given))),
-            // The file keeps all lists, so that none has the address of another.
-            Surface::Own(given) => *own_by_list.entry(Rc::as_ptr(&given)).or_insert_with(|| {
+            MaterialSource::Named(index) => MaterialBinding::One(index as u32),
+            MaterialSource::Inline(given) => {
+                MaterialBinding::One(append(format!("objects.{name:?}.material"), over(&given)))
+            }
+            // The file keeps all lists, so addresses are unique.
+            MaterialSource::Mesh(given) => *own_by_list.entry(Rc::as_ptr(&given)).or_insert_with(|| {
                 let count = given.len() as u32 - 1;
                 let added = given.iter().map(|(slot, given)| {
                     append(format!("objects.{name:?}.shape.materials.{slot:?}"), over(given))
                 });
-                // In a row: nothing else is added meanwhile.
-                added.min().map_or(MadeOf::One(0), |first| MadeOf::Slots { first, count })
+                // Consecutive indices: nothing else is appended meanwhile.
+                added.min().map_or(MaterialBinding::One(0), |first| MaterialBinding::Slots { first, count })
             }),
-            Surface::Default => MadeOf::One(
-                *default_index
-                    .get_or_insert_with(|| append("default_material".to_owned(), over(&Given::default()))),
-            ),
+            MaterialSource::Default => MaterialBinding::One(*default_index.get_or_insert_with(|| {
+                append("default_material".to_owned(), over(&MaterialDescription::default()))
+            })),
         };
         let parent = parent.map(|parent| parent.index);
         objects.push(Named { name, value: Object { shape, made_of, transform, visible, parent } });

@@ -1,4 +1,4 @@
-//! Easings by their names, and Bézier curves by their control points.
+//! Decodes easings and Bézier curves.
 
 use super::node::Node;
 use super::values::{each, number, tuple};
@@ -28,7 +28,7 @@ pub fn ease(node: Node<'_>) -> Option<Ease> {
     ease
 }
 
-/// An easing along a path, which is one motion without keys to step or bend between.
+/// An easing along a path. A path is a single motion, so `Step` and `CatmullRom` are refused.
 pub fn path_ease(node: Node<'_>) -> Option<Ease> {
     let ease = ease(node)?;
     if matches!(ease, Ease::Step | Ease::CatmullRom) {

@@ -1,16 +1,16 @@
-//! `background`: what rays that hit nothing see.
+//! Decodes `background`: the environment that rays see if they hit nothing.
 
-use super::assets::{image, named_image};
 use super::colors::{color, color_or};
 use super::fault::Fault;
 use super::fields::Fields;
+use super::image::{image, named_image};
 use super::keys::keyed;
 use super::node::Node;
 use super::paint::encoding;
 use super::transform::turn;
 use super::values::{not_negative, switch, text, unit_vector};
 use crate::appearance::environment::{CubeMap, EnvironmentTracks, FACES, FacesError, SkyTracks};
-use crate::appearance::texture::{Encoding, Image, Shared};
+use crate::appearance::texture::{ColorEncoding, Image, SharedAsset};
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
 use crate::geometry::transform::TransformTracks;
@@ -31,7 +31,7 @@ fn gradient(node: Node<'_>) -> Option<EnvironmentTracks> {
 
 fn equirect(node: Node<'_>) -> Option<EnvironmentTracks> {
     let mut fields = Fields::of_or_only(node, "`Equirect`", "file")?;
-    let encoding = fields.or("encoding", encoding, Encoding::Srgb);
+    let encoding = fields.or("encoding", encoding, ColorEncoding::Srgb);
     let file = fields.required("file", |node| {
         let image = image(encoding.unwrap_or_default())(node)?;
         let (width, height) = (image.width(), image.height());
@@ -48,14 +48,14 @@ fn equirect(node: Node<'_>) -> Option<EnvironmentTracks> {
 fn cube_map(node: Node<'_>) -> Option<EnvironmentTracks> {
     let mut fields = Fields::of_or_only(node, "`CubeMap`", "files")?;
     let mirrored = fields.or("mirrored", switch, false);
-    let encoding = fields.or("encoding", encoding, Encoding::Srgb);
+    let encoding = fields.or("encoding", encoding, ColorEncoding::Srgb);
     let faces = faces(&mut fields, encoding.unwrap_or_default());
     let sky = faces.and_then(|faces| joined(&fields, &faces));
     let sky = finished(fields, encoding.and(sky));
     Some(EnvironmentTracks { mirrored: mirrored?, ..sky? })
 }
 
-/// The sky with the fields that all skies have.
+/// Completes a sky with the fields that all skies have.
 fn finished(mut fields: Fields<'_>, sky: Option<SkyTracks>) -> Option<EnvironmentTracks> {
     let intensity = fields.or("intensity", keyed(not_negative), 1.0);
     let rotation = fields.or("rotation", turn(DVec3::Y), TransformTracks::default().rotation);
@@ -63,8 +63,8 @@ fn finished(mut fields: Fields<'_>, sky: Option<SkyTracks>) -> Option<Environmen
     Some(EnvironmentTracks { sky: sky?, intensity: intensity?, rotation: rotation?, mirrored: false })
 }
 
-/// Six files, or a name for all of them.
-fn faces(fields: &mut Fields<'_>, encoding: Encoding) -> Option<[Shared<Image>; 6]> {
+/// Six files, or one name for all of them.
+fn faces(fields: &mut Fields<'_>, encoding: ColorEncoding) -> Option<[SharedAsset<Image>; 6]> {
     if !fields.has("files") {
         let [px, nx, py, ny, pz, nz] = FACES.map(|face| fields.required(face, image(encoding)));
         return Some([px?, nx?, py?, ny?, pz?, nz?]);
@@ -74,15 +74,15 @@ fn faces(fields: &mut Fields<'_>, encoding: Encoding) -> Option<[Shared<Image>; 
     let title = "a cube map has either `files` or the six faces one by one";
     let fault = Fault::new(fields.place(face), title, "one too many");
     fields.node().fault(fault.also(fields.place("files"), "the other one is here"));
-    // Known all the same.
+    // These fields exist, so they must not be reported as unknown.
     for name in ["files"].into_iter().chain(FACES) {
         fields.optional(name, Some);
     }
     None
 }
 
-/// The images whose names have `px`, `nx` and so on in the place of `*`.
-fn all_faces(node: Node<'_>, encoding: Encoding) -> Option<[Shared<Image>; 6]> {
+/// The images whose names have `px`, `nx` and so on in place of `*`.
+fn all_faces(node: Node<'_>, encoding: ColorEncoding) -> Option<[SharedAsset<Image>; 6]> {
     let name = text(node)?;
     if name.matches('*').count() != 1 {
         node.expected("a name with one `*`, which stands for px, nx, py, ny, pz and nz");
@@ -92,12 +92,12 @@ fn all_faces(node: Node<'_>, encoding: Encoding) -> Option<[Shared<Image>; 6]> {
     Some([px?, nx?, py?, ny?, pz?, nz?])
 }
 
-fn joined(fields: &Fields<'_>, faces: &[Shared<Image>; 6]) -> Option<SkyTracks> {
+fn joined(fields: &Fields<'_>, faces: &[SharedAsset<Image>; 6]) -> Option<SkyTracks> {
     let size = |face: usize| {
         format!("`{}` has {} × {} pixels", FACES[face], faces[face].width(), faces[face].height())
     };
     let (face, label) = match CubeMap::new(faces.each_ref().map(|face| &**face)) {
-        Ok(map) => return Some(SkyTracks::CubeMap(Shared::new(map))),
+        Ok(map) => return Some(SkyTracks::CubeMap(SharedAsset::new(map))),
         Err(FacesError::NotSquare(face)) => (face, size(face)),
         Err(FacesError::Differs(face)) => (face, format!("{}, {}", size(face), size(0))),
     };

@@ -1,4 +1,4 @@
-//! What is wrong with a file: where, what was expected, and what may have been meant.
+//! Faults of a file: the place, the expected value, and suggestions.
 
 use crate::base::escape;
 use annotate_snippets::renderer::DecorStyle;
@@ -6,23 +6,23 @@ use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet}
 use std::fmt;
 use std::ops::Range;
 
-/// One thing that is wrong, at one place of the file.
+/// A fault at one place of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// Bytes of the source that are at fault.
+    /// Bytes of the source that the fault is about.
     pub span: Range<usize>,
     title: Title,
     label: String,
-    /// Another place that belongs to it.
+    /// A related place.
     also: Option<(Range<usize>, String)>,
     help: Vec<String>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Title {
-    /// A sentence of its own.
+    /// A complete sentence.
     Text(String),
-    /// "`field`: expected `what`"; the field is filled in by whoever reads it.
+    /// "`field`: expected `what`". The decoder of the field fills in its name.
     Expected { what: String, field: Option<String> },
 }
 
@@ -31,13 +31,13 @@ impl Fault {
         Self { span, title: Title::Text(title.into()), label: label.into(), also: None, help: Vec::new() }
     }
 
-    /// A value that is not what its field takes.
+    /// A value that its field does not accept.
     pub fn expected(span: Range<usize>, what: impl Into<String>, found: impl Into<String>) -> Self {
         let title = Title::Expected { what: what.into(), field: None };
         Self { span, title, label: found.into(), also: None, help: Vec::new() }
     }
 
-    /// Puts another remark at the place.
+    /// Replaces the label at the place.
     pub fn label(mut self, label: impl Into<String>) -> Self {
         self.label = label.into();
         self
@@ -53,7 +53,7 @@ impl Fault {
         self
     }
 
-    /// Names the field that the value was meant for, unless a field further inside already did.
+    /// Sets the field's name, unless an inner field has set it already.
     pub fn name_field(&mut self, name: &str) {
         if let Title::Expected { field: field @ None, .. } = &mut self.title {
             *field = Some(name.to_owned());
@@ -69,7 +69,7 @@ impl Fault {
     }
 }
 
-/// All that is wrong with a file, in the order of the file.
+/// All faults of a file, in the order of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Faults {
     name: String,
@@ -77,13 +77,13 @@ pub struct Faults {
     faults: Vec<Fault>,
 }
 
-/// Faults beyond these are counted but not shown: nobody reads on.
+/// Maximum number of displayed faults. The others are counted.
 const SHOWN: usize = 100;
 
-/// Lines longer than this are not quoted.
+/// Maximum length of a quoted line in bytes.
 const LONGEST_LINE: usize = 10_000;
 
-/// Two places farther apart than this many bytes are not quoted together.
+/// Maximum distance in bytes of two places that are quoted together.
 const FARTHEST: usize = 100_000;
 
 impl Faults {
@@ -92,13 +92,13 @@ impl Faults {
         Self { name: name.to_owned(), source: source.to_owned(), faults }
     }
 
-    /// How many faults there are; at least one.
+    /// Number of faults; at least one.
     #[expect(clippy::len_without_is_empty, reason = "never empty")]
     pub fn len(&self) -> usize {
         self.faults.len()
     }
 
-    /// The faults as text for a terminal, with ANSI colours or without.
+    /// The faults as text for a terminal, with or without ANSI colours.
     pub fn render(&self, color: bool) -> String {
         let renderer = if color { Renderer::styled() } else { Renderer::plain() };
         let renderer = renderer.decor_style(DecorStyle::Ascii);
@@ -133,7 +133,7 @@ impl Faults {
         group
     }
 
-    /// The lines of a fault, and of the other place when that lies close by or further on.
+    /// The quoted lines of a fault, and of the related place if it is near.
     fn snippet<'a>(
         &'a self,
         fault: &'a Fault,
@@ -165,7 +165,7 @@ impl Faults {
         snippet
     }
 
-    /// A span cut off at the end of its first line: what goes on over many lines is seen by its start.
+    /// Cuts a span at the end of its first line.
     fn first_line_of(&self, span: &Range<usize>) -> Range<usize> {
         let end = line_around(&self.source, span.start).end.min(span.end);
         let text = &self.source[span.start..end];
@@ -183,12 +183,12 @@ impl fmt::Display for Faults {
 
 impl std::error::Error for Faults {}
 
-/// Text from the file must not steer the terminal, nor break a message's line.
+/// Escapes text from the file, so that it cannot control the terminal or break a line.
 fn clean(text: &str) -> String {
     escape::line(&text.replace(['\n', '\r', '\t'], " ")).into_owned()
 }
 
-/// The source up to the byte `end`, as it is shown: its lines, with tabs and nothing else that steers a terminal.
+/// The displayed source up to byte `end`. Keeps line breaks and tabs, and escapes other control characters.
 fn shown(source: &str, end: usize) -> String {
     let mut shown = String::with_capacity(end);
     for (at, c) in source.char_indices().take_while(|(at, _)| *at < end) {
@@ -208,7 +208,7 @@ fn line_around(source: &str, at: usize) -> Range<usize> {
     start..end
 }
 
-/// Counts lines forwards only, as faults come in order.
+/// Counts lines in one direction, because faults are sorted.
 struct LineCounter<'a> {
     source: &'a str,
     counted: usize,
@@ -220,7 +220,7 @@ impl<'a> LineCounter<'a> {
         Self { source, counted: 0, number: 1 }
     }
 
-    /// The number, from 1, and the bytes of the line around `at`.
+    /// The line number from 1, and the bytes of the line around `at`.
     fn line_of(&mut self, at: usize) -> (usize, Range<usize>) {
         self.number += self.source[self.counted..at].matches('\n').count();
         self.counted = at;

@@ -1,19 +1,21 @@
-//! Named fields: what is known, what is missing, what was meant.
+//! Named fields, and messages about unknown and missing ones.
 
 use super::fault::Fault;
-use super::node::{Content, Node};
+use super::node::{Node, NodeContent};
 use super::suggest::{listed, shortened};
 use super::words::{is_literal, suggestion};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// The fields of one value. Ask for every field, then [`Fields::finish`] reports those that nobody asked for.
+/// The fields of one value. Read each known field; then [`Fields::finish`] reports the rest.
 pub struct Fields<'s> {
     node: Node<'s>,
-    /// What has these fields, for messages: "a material", "`Sphere`".
+    /// The owner of the fields for messages: "a material", "`Sphere`".
     what: Cow<'static, str>,
     entries: Vec<(&'s str, Option<Node<'s>>)>,
     known: Vec<&'static str>,
+    /// Former names of known fields. They are accepted, but not listed in messages.
+    former: Vec<&'static str>,
     named_in_faults: bool,
 }
 
@@ -22,48 +24,56 @@ impl<'s> Fields<'s> {
     pub fn of(node: Node<'s>, what: impl Into<Cow<'static, str>>) -> Option<Self> {
         let what = what.into();
         let fields = match node.content()? {
-            Content::Fields(fields) => fields,
-            Content::Tuple(items) if items.is_empty() => Vec::new(),
-            Content::Plain if node.bare_word().is_some_and(|word| !is_literal(word)) => Vec::new(),
+            NodeContent::Fields(fields) => fields,
+            NodeContent::Tuple(items) if items.is_empty() => Vec::new(),
+            NodeContent::Plain if node.bare_word().is_some_and(|word| !is_literal(word)) => Vec::new(),
             content => {
                 let fault = node.mismatch(format!("the fields of {what}, written (name: value, ...)"));
-                let nameless = matches!(content, Content::Tuple(_)) && !node.word().is_empty();
+                let nameless = matches!(content, NodeContent::Tuple(_)) && !node.word().is_empty();
                 node.fault(if nameless { fault.label("found values without names") } else { fault });
                 return None;
             }
         };
         report_duplicates(node, fields.iter().map(|(name, _)| (*name, *name)), "field");
         let entries = fields.into_iter().map(|(name, value)| (name, Some(value))).collect();
-        Some(Self { node, what, entries, known: Vec::new(), named_in_faults: true })
+        Some(Self { node, what, entries, known: Vec::new(), former: Vec::new(), named_in_faults: true })
     }
 
-    /// [`Fields::of`], where one value alone in the parentheses is the field `only`, which then has no place.
+    /// [`Fields::of`] for values that may also be a single value in parentheses. That value is the field `only`, whose
+    /// name has no place.
     pub fn of_or_only(
         node: Node<'s>,
         what: impl Into<Cow<'static, str>>,
         only: &'static str,
     ) -> Option<Self> {
-        if let Content::Tuple(items) = node.content()?
+        if let NodeContent::Tuple(items) = node.content()?
             && let [item] = items[..]
         {
             let entries = vec![(only, Some(item))];
-            return Some(Self { node, what: what.into(), entries, known: Vec::new(), named_in_faults: true });
+            return Some(Self {
+                node,
+                what: what.into(),
+                entries,
+                known: Vec::new(),
+                former: Vec::new(),
+                named_in_faults: true,
+            });
         }
         Self::of(node, what)
     }
 
-    /// Faults in these fields name the field around them instead.
+    /// Faults in these fields name the enclosing field instead.
     pub fn unnamed(mut self) -> Self {
         self.named_in_faults = false;
         self
     }
 
-    /// Whether the field is there.
+    /// Whether the field exists.
     pub fn has(&self, name: &str) -> bool {
         self.entries.iter().any(|(found, _)| *found == name)
     }
 
-    /// The place of a field's name, or of the whole if it is absent.
+    /// The place of a field's name, or of the whole value if the field is absent.
     pub fn place(&self, name: &str) -> std::ops::Range<usize> {
         let found = self.entries.iter().find(|(found, _)| *found == name);
         found.map_or_else(|| self.node.head(), |(name, _)| self.node.file.span_of(name))
@@ -73,7 +83,7 @@ impl<'s> Fields<'s> {
         self.node
     }
 
-    /// Lets a field be there without being read: it belongs to something that has been refused already.
+    /// Accepts a field without reading it, because its owner has a fault already.
     pub fn ignore(&mut self, name: &'static str) {
         self.known.push(name);
     }
@@ -83,7 +93,7 @@ impl<'s> Fields<'s> {
         self.entries.iter_mut().find(|(found, _)| *found == name).and_then(|(_, value)| value.take())
     }
 
-    /// The field, decoded: `Some(None)` if it is absent, `None` if it is wrong (and reported).
+    /// Decodes a field. Returns `Some(None)` if it is absent, and `None` if it is wrong and reported.
     pub fn optional<T>(
         &mut self,
         name: &'static str,
@@ -98,7 +108,35 @@ impl<'s> Fields<'s> {
         value.map(Some)
     }
 
-    /// The field, or its default.
+    /// [`Fields::optional`] for a field that had the name `former`. A file may still use that name; the reader then
+    /// warns. Both names together are a fault.
+    pub fn renamed<T>(
+        &mut self,
+        name: &'static str,
+        former: &'static str,
+        decode: impl FnOnce(Node<'s>) -> Option<T>,
+    ) -> Option<Option<T>> {
+        self.former.push(former);
+        if !self.has(former) {
+            return self.optional(name, decode);
+        }
+        self.known.push(name);
+        if self.has(name) {
+            let title = format!("`{former}` is the former name of `{name}`");
+            let fault = Fault::new(self.place(former), title, "remove this");
+            self.node.fault(fault.also(self.place(name), "the same field is given here"));
+            return None;
+        }
+        let (place, what) = (self.place(former), &self.what);
+        let warning =
+            format!("{what}: the field `{former}` is now called `{name}`; the old name still works");
+        self.node.file.warn(place.start, warning);
+        let value = self.optional(former, decode);
+        self.known.retain(|known| *known != former);
+        value
+    }
+
+    /// Decodes a field, with a default.
     pub fn or<T>(
         &mut self,
         name: &'static str,
@@ -108,7 +146,7 @@ impl<'s> Fields<'s> {
         self.optional(name, decode).map(|value| value.unwrap_or_else(|| default.into()))
     }
 
-    /// The field, which must be there.
+    /// Decodes a field that must exist.
     pub fn required<T>(
         &mut self,
         name: &'static str,
@@ -122,9 +160,11 @@ impl<'s> Fields<'s> {
         value
     }
 
-    /// Reports every field that is not known.
+    /// Reports every unknown field.
     pub fn finish(self) {
-        for (name, _) in self.entries.iter().filter(|(name, _)| !self.known.contains(name)) {
+        for (name, _) in
+            self.entries.iter().filter(|(name, _)| !self.known.contains(name) && !self.former.contains(name))
+        {
             let title = format!("{} has no field `{}`", self.what, shortened(name));
             let span = self.node.file.span_of(name);
             let known = || self.known.iter().copied();
@@ -139,7 +179,7 @@ impl<'s> Fields<'s> {
     }
 }
 
-/// Names that come twice: (name, its text in the source).
+/// Reports names that occur twice. Takes each name with its text in the source.
 fn report_duplicates<'s>(node: Node<'s>, names: impl Iterator<Item = (&'s str, &'s str)>, what: &str) {
     let mut first: HashMap<&str, &str> = HashMap::new();
     for (name, text) in names {

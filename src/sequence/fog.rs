@@ -1,4 +1,4 @@
-//! `fog`: what swallows light on its way.
+//! Decodes `fog`.
 
 use super::colors::color;
 use super::fields::Fields;

@@ -1,4 +1,4 @@
-//! How each format is written: the parts of `output` that are named after formats.
+//! Decodes the settings of output formats.
 
 use super::fields::Fields;
 use super::node::Node;
@@ -6,11 +6,11 @@ use super::values::{list, switch, text, whole};
 use super::words::word;
 use crate::base::units::parse_bytes;
 use crate::encode::{
-    ExrLayers, ExrSettings, Formats, GifSettings, JpegSettings, Mp4Settings, Plays, PngSettings, PpmSettings,
-    Y4mSettings,
+    ExrLayers, ExrSettings, Formats, GifSettings, JpegSettings, LoopCount, Mp4Settings, PngSettings,
+    PpmSettings, Y4mSettings,
 };
 
-/// Reads the settings of all formats.
+/// Decodes the settings of all formats.
 pub fn formats(fields: &mut Fields<'_>) -> Option<Formats> {
     let default = Formats::default();
     let png = fields.or("png", png, default.png);
@@ -18,8 +18,8 @@ pub fn formats(fields: &mut Fields<'_>) -> Option<Formats> {
     let ppm = fields.or("ppm", ppm, default.ppm);
     let exr = fields.or("exr", exr, default.exr);
     let gif = fields.or("gif", gif, default.gif);
-    let apng = fields.or("apng", |node| plays(node, "`apng`"), default.apng);
-    let webp = fields.or("webp", |node| plays(node, "`webp`"), default.webp);
+    let apng = fields.or("apng", |node| loop_count(node, "`apng`"), default.apng);
+    let webp = fields.or("webp", |node| loop_count(node, "`webp`"), default.webp);
     let y4m = fields.or("y4m", y4m, default.y4m);
     let mp4 = fields.or("mp4", mp4, default.mp4);
     Some(Formats {
@@ -43,7 +43,7 @@ fn png(node: Node<'_>) -> Option<PngSettings> {
     Some(PngSettings { deep: deep?, metadata: metadata? })
 }
 
-/// 8 or 16, and whether it is 16.
+/// Decodes 8 or 16. Returns true for 16.
 fn bits(node: Node<'_>) -> Option<bool> {
     match node.text() {
         "8" => Some(false),
@@ -119,13 +119,13 @@ fn exr_layers(node: Node<'_>) -> Option<ExrLayers> {
 fn gif(node: Node<'_>) -> Option<GifSettings> {
     let default = GifSettings::default();
     let mut fields = Fields::of(node, "`gif`")?;
-    let plays = fields.optional("plays", whole(1..=u16::MAX.into()));
+    let plays = fields.renamed("loop_count", "plays", whole(1..=u16::MAX.into()));
     let colors = fields.or("colors", whole(2..=256), u32::from(default.colors));
     let dither = fields.or("dither", switch, default.dither);
     let max_size = fields.optional("max_size", size);
     fields.finish();
     let (plays, colors) = (plays?.map(|plays| plays as u16), colors? as u16);
-    Some(GifSettings { plays, colors, dither: dither?, max_size: max_size? })
+    Some(GifSettings { loop_count: plays, colors, dither: dither?, max_size: max_size? })
 }
 
 /// `"5 MB"`.
@@ -137,11 +137,11 @@ fn size(node: Node<'_>) -> Option<u64> {
     size
 }
 
-fn plays(node: Node<'_>, what: &'static str) -> Option<Plays> {
+fn loop_count(node: Node<'_>, what: &'static str) -> Option<LoopCount> {
     let mut fields = Fields::of(node, what)?;
-    let plays = fields.optional("plays", whole(1..=u16::MAX.into()));
+    let plays = fields.renamed("loop_count", "plays", whole(1..=u16::MAX.into()));
     fields.finish();
-    Some(Plays(plays?.map(|plays| plays as u16)))
+    Some(LoopCount(plays?.map(|plays| plays as u16)))
 }
 
 fn y4m(node: Node<'_>) -> Option<Y4mSettings> {

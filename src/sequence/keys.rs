@@ -1,29 +1,21 @@
-//! Values that may change: a constant, a list of keys, or a `Track` of keys with its settings.
+//! Decodes animated values: a constant, a list of keys, or a `Track` of keys with settings.
 
 use super::easing::ease;
 use super::fault::Fault;
 use super::fields::Fields;
-use super::node::{Content, Node};
+use super::key_clock::KeyClock;
+use super::node::{Node, NodeContent};
 use super::values::{exact_number, switch};
 use super::words::word;
-use crate::base::time::{Rate, Time};
+use crate::base::time::Time;
 use crate::track::{Animate, Animated, Ease, Key, Modes, Repeat, Track};
 
-/// What the times of keys mean.
-#[derive(Clone, Copy, Debug, Default)]
-pub enum KeyClock {
-    #[default]
-    Seconds,
-    /// Frame numbers at this rate.
-    Frames(Rate),
-}
-
-/// Times beyond this many seconds or frames are refused, and so are finer ones than this many decimal
-/// places: then differences and quotients of times stay within an `i128`.
+/// Limits of key times: the absolute value in seconds or frames, and the number of decimal places. Within them,
+/// differences and quotients of times fit into an `i128`.
 const LARGEST_TIME: i128 = 1_000_000_000;
 const TIME_PLACES: u32 = 9;
 
-/// A decoder for a value that takes keys, from one for its constant.
+/// Turns a decoder for a constant into one for an animated value.
 pub fn keyed<'s, T: Animate>(
     value: impl Fn(Node<'s>) -> Option<T>,
 ) -> impl Fn(Node<'s>) -> Option<Animated<T>> {
@@ -39,7 +31,7 @@ fn animated<'s, T: Animate>(node: Node<'s>, value: &impl Fn(Node<'s>) -> Option<
         return value(node).map(Animated::Constant);
     }
     let mut fields = Fields::of(node, "`Track`")?.unnamed();
-    // Keys without an easing of their own take this one, so it is read first.
+    // First, because keys without an easing use this one.
     let ease = fields.or("ease", key_ease::<T>, default_ease::<T>());
     let mut list = None;
     let keys = fields.required("keys", |node| {
@@ -54,15 +46,15 @@ fn animated<'s, T: Animate>(node: Node<'s>, value: &impl Fn(Node<'s>) -> Option<
     track(list?, keys, repeat?, closed?)
 }
 
-/// What could be read of one key, with the places.
+/// The parts of a key that could be decoded, with their places.
 struct ReadKey<'s, T> {
     time: Option<(Time, Node<'s>)>,
     value: Option<(T, Node<'s>)>,
     ease: Option<Ease>,
 }
 
-/// Keys in order, and where the last one's value stands.
-struct Keys<'s, T> {
+/// Keys in order, and the place of the last value.
+struct KeyList<'s, T> {
     keys: Vec<Key<T>>,
     last_value: Node<'s>,
 }
@@ -71,9 +63,9 @@ fn read_keys<'s, T: Animate>(
     node: Node<'s>,
     value: &impl Fn(Node<'s>) -> Option<T>,
     ease: Ease,
-) -> Option<Keys<'s, T>> {
+) -> Option<KeyList<'s, T>> {
     let items = match node.content()? {
-        Content::List(items) if node.word().is_empty() => items,
+        NodeContent::List(items) if node.word().is_empty() => items,
         _ => {
             node.expected("a list of keys [(time, value), ...]");
             return None;
@@ -84,7 +76,7 @@ fn read_keys<'s, T: Animate>(
         return None;
     }
     if items.iter().all(|item| !item.opens_with('(')) {
-        let help = "[ ] holds keys; a constant value stands alone, or in ( ) if it has several parts";
+        let help = "[ ] holds keys; write a constant alone, or in ( ) if it has several parts";
         node.fault(node.mismatch("keys [(time, value), ...]").help(help));
         return None;
     }
@@ -100,10 +92,10 @@ fn read_keys<'s, T: Animate>(
         last_value = at;
         all.push(Key { time, value, ease });
     }
-    sorted.then_some(Keys { keys: all, last_value })
+    sorted.then_some(KeyList { keys: all, last_value })
 }
 
-/// One key: `(t, v)`, `(t, v, Ease)` or `(t: .., v: .., ease: ..)`. None if it is nothing of the kind.
+/// Decodes `(t, v)`, `(t, v, Ease)` or `(t: .., v: .., ease: ..)`. None if the value has another form.
 fn read_key<'s, T: Animate>(
     node: Node<'s>,
     value: &impl Fn(Node<'s>) -> Option<T>,
@@ -111,15 +103,15 @@ fn read_key<'s, T: Animate>(
 ) -> Option<ReadKey<'s, T>> {
     let timed = |node: Node<'s>| key_time(node).map(|time| (time, node));
     let valued = |node: Node<'s>| value(node).map(|value| (value, node));
-    let content = if node.word().is_empty() { node.content()? } else { Content::Plain };
-    if let Content::Fields(_) = content {
+    let content = if node.word().is_empty() { node.content()? } else { NodeContent::Plain };
+    if let NodeContent::Fields(_) = content {
         let mut fields = Fields::of(node, "a key")?.unnamed();
         let (time, value) = (fields.required("t", timed), fields.required("v", valued));
         let ease = fields.or("ease", key_ease::<T>, default);
         fields.finish();
         return Some(ReadKey { time, value, ease });
     }
-    if let Content::Tuple(items) = content {
+    if let NodeContent::Tuple(items) = content {
         match items[..] {
             [t, v] => return Some(ReadKey { time: timed(t), value: valued(v), ease: Some(default) }),
             [t, v, ease] => {
@@ -132,7 +124,7 @@ fn read_key<'s, T: Animate>(
     None
 }
 
-/// Whether each time is after the one before; reports those that are not.
+/// Whether the times ascend. Reports each time that does not.
 fn report_unsorted<'s>(times: impl Iterator<Item = (Time, Node<'s>)>) -> bool {
     let (mut sorted, mut before): (bool, Option<(Time, Node<'s>)>) = (true, None);
     for (time, node) in times {
@@ -172,11 +164,11 @@ fn default_ease<T: Animate>() -> Ease {
     if T::MODES == Modes::Step { Ease::Step } else { Ease::Linear }
 }
 
-/// An easing that this kind of value can follow.
+/// Decodes an easing that this type of value supports.
 fn key_ease<T: Animate>(node: Node<'_>) -> Option<Ease> {
     let ease = ease(node)?;
     if T::MODES == Modes::Step && ease != Ease::Step {
-        let help = "values that are on or off, or names, jump at their keys; leave the easing out";
+        let help = "booleans and names change only at their keys; omit the easing";
         node.fault(node.mismatch("`Step` or no easing").help(help));
         return None;
     }
@@ -188,13 +180,18 @@ fn key_ease<T: Animate>(node: Node<'_>) -> Option<Ease> {
     Some(ease)
 }
 
-fn track<T: Animate>(node: Node<'_>, keys: Keys<'_, T>, repeat: Repeat, closed: bool) -> Option<Animated<T>> {
-    let Keys { keys, last_value } = keys;
+fn track<T: Animate>(
+    node: Node<'_>,
+    keys: KeyList<'_, T>,
+    repeat: Repeat,
+    closed: bool,
+) -> Option<Animated<T>> {
+    let KeyList { keys, last_value } = keys;
     if closed && keys.first().map(|key| &key.value) != keys.last().map(|key| &key.value) {
         let title = "the last key of a closed track must repeat the first one's value";
         node.fault(Fault::new(last_value.span(), title, "differs from the first value"));
         return None;
     }
-    // Empty and unsorted lists have been reported with their places.
+    // Empty and unsorted lists are reported above.
     Track::new(keys, repeat, closed).ok().map(Animated::Keyed)
 }

@@ -1,4 +1,4 @@
-//! `lights`: what shines.
+//! Decodes `lights`.
 
 use super::colors::color;
 use super::fault::Fault;
@@ -13,7 +13,7 @@ use crate::base::math::{Angle, DVec3};
 use crate::geometry::shape::spans_a_plane;
 use crate::track::Animated;
 
-/// One light.
+/// Decodes a light.
 pub fn light(node: Node<'_>) -> Option<LightTracks> {
     variant(
         node,
@@ -28,7 +28,7 @@ pub fn light(node: Node<'_>) -> Option<LightTracks> {
     )
 }
 
-/// What all lights have, and what `kind` reads besides.
+/// Decodes the fields of all lights, and those of this `kind`.
 fn lit<'s>(
     node: Node<'s>,
     what: &'static str,
@@ -101,7 +101,7 @@ fn rectangle(fields: &mut Fields<'_>) -> Option<LightKind> {
     Some(LightKind::Rectangle { corner: corner?, u, v, one_sided: one_sided? })
 }
 
-/// How light fades with distance.
+/// Attenuation with distance.
 fn attenuation(node: Node<'_>) -> Option<Attenuation> {
     let mut fields = Fields::of(node, "an attenuation")?;
     let [constant, linear, quadratic] = [("constant", 1.0), ("linear", 0.0), ("quadratic", 0.0)]

@@ -1,30 +1,30 @@
-//! Text → [`Sequence`].
+//! Loads a [`Sequence`] from text.
 
 use super::document;
 use super::fault::{Fault, Faults};
 use super::node;
 use super::{Sequence, syntax};
 use crate::base::files::{self, Root};
-use crate::import::LoadMeter;
+use crate::import::LoadProgress;
 use std::fmt;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Files larger than this are refused.
+/// Maximum size of a sequence file in bytes.
 const LARGEST_FILE: u64 = 64 << 20;
 
-/// Why a file gives no sequence.
+/// Why a sequence could not be loaded.
 #[derive(Debug)]
 pub enum LoadError {
-    /// The file cannot be read, or is no text.
+    /// The file cannot be read or is not text.
     Unreadable { path: PathBuf, reason: String },
-    /// The file can be read, but says something wrong.
+    /// The file contains faults.
     Faults(Box<Faults>),
 }
 
 impl LoadError {
-    /// The error as text for a terminal, with ANSI colours or without.
+    /// The error as text for a terminal, with or without ANSI colours.
     pub fn render(&self, color: bool) -> String {
         match self {
             Self::Faults(faults) => faults.render(color),
@@ -44,22 +44,22 @@ impl fmt::Display for LoadError {
 
 impl std::error::Error for LoadError {}
 
-/// Reads the sequence in a file. The files that it names lie in its root, see [`Root::of`].
+/// Loads the sequence in a file. The files that it names must be within its root, see [`Root::of`].
 pub fn load(path: &Path) -> Result<Sequence, LoadError> {
     load_watched(path, Root::of(folder_of(path)), &Arc::default())
 }
 
-/// [`load`], with a meter that may be watched from another thread meanwhile, and files from `root`.
-pub fn load_watched(path: &Path, root: Root, meter: &Arc<LoadMeter>) -> Result<Sequence, LoadError> {
+/// [`load`] with a meter for another thread to watch, and with files from `root`.
+pub fn load_watched(path: &Path, root: Root, meter: &Arc<LoadProgress>) -> Result<Sequence, LoadError> {
     let text = read(path).map_err(|reason| LoadError::Unreadable { path: path.to_owned(), reason })?;
-    let source = Source { name: &path.to_string_lossy(), folder: folder_of(path), root, text: &text };
+    let source = SourceText { name: &path.to_string_lossy(), folder: folder_of(path), root, text: &text };
     source.parse(meter).map_err(|faults| LoadError::Faults(Box::new(faults)))
 }
 
 fn read(path: &Path) -> Result<String, String> {
-    // A pipe will do: whoever asks for it as the sequence also writes to it.
+    // A pipe works too: the user who passes it also writes to it.
     let bytes = File::open(path).and_then(|file| files::read_at_most(file, LARGEST_FILE));
-    let bytes = bytes.map_err(|error| files::why(&error))?;
+    let bytes = bytes.map_err(|error| files::describe(&error))?;
     String::from_utf8(bytes).map_err(|error| {
         let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = good.iter().filter(|byte| **byte == b'\n').count() + 1;
@@ -67,29 +67,28 @@ fn read(path: &Path) -> Result<String, String> {
     })
 }
 
-/// Reads a sequence from text. `name` is the path that messages call the file by: what it names is looked for
-/// from its directory on, within that directory's root, and without directory and extension it becomes the sequence's
-/// name.
+/// Parses a sequence from text. `name` is its path in messages. The files that it names are relative to the directory
+/// of `name` and must be within the root of that directory. The file stem becomes the sequence's name.
 pub fn parse(name: &str, text: &str) -> Result<Sequence, Faults> {
     let folder = folder_of(Path::new(name));
-    Source { name, folder, root: Root::of(folder), text }.parse(&Arc::default())
+    SourceText { name, folder, root: Root::of(folder), text }.parse(&Arc::default())
 }
 
-/// Where a file's own paths begin.
+/// The folder to which a file's own paths are relative.
 fn folder_of(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new(""))
 }
 
-/// A text with its name and the folder in which its own paths begin.
-struct Source<'s> {
+/// A text with its name, and the folder to which its own paths are relative.
+struct SourceText<'s> {
     name: &'s str,
     folder: &'s Path,
     root: Root,
     text: &'s str,
 }
 
-impl Source<'_> {
-    fn parse(self, meter: &Arc<LoadMeter>) -> Result<Sequence, Faults> {
+impl SourceText<'_> {
+    fn parse(self, meter: &Arc<LoadProgress>) -> Result<Sequence, Faults> {
         let Self { name, folder, root, text } = self;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let faults = syntax::faults(text);
@@ -101,12 +100,13 @@ impl Source<'_> {
         let mut file = node::File::new(text, folder, root);
         file.meshes.meter = Arc::clone(meter);
         let sequence = document::sequence(file.root(), &stem);
+        let warnings = file.warnings(name);
         let mut faults = file.into_faults();
         match sequence {
-            Some(sequence) if faults.is_empty() => Ok(sequence),
+            Some(sequence) if faults.is_empty() => Ok(Sequence { warnings, ..sequence }),
             _ => {
                 if faults.is_empty() {
-                    // Every decoder that gives nothing says why; should one forget to, the file is still refused.
+                    // Every decoder that fails reports a fault. If one does not, the file is still refused.
                     faults.push(Fault::new(0..0, "this file cannot be read", "for an unknown reason"));
                 }
                 Err(Faults::new(name, text, faults))

@@ -1,73 +1,21 @@
-//! `Mesh`: from a file, or written out.
+//! Decodes `Mesh`: from a file, or inline.
 
 use super::colors::color;
 use super::fault::Fault;
 use super::fields::Fields;
-use super::mtl::Own;
-use super::node::{Content, Node};
+use super::node::{Node, NodeContent};
 use super::suggest::shortened;
 use super::values::{each, list, number, text, tuple, vector, whole};
 use super::words::word;
 use super::{Named, Object, Sequence};
-use crate::base::files::{self, Root};
 use crate::base::math::{DVec2, DVec3};
-use crate::geometry::mesh::{self, Corners, NO_FILE, Normals, Parts};
+use crate::geometry::mesh::{self, Corners, MeshData, NO_FILE, Normals};
 use crate::geometry::shape::{Mesh, Shape};
-use crate::import::{self, LoadMeter};
-use std::cell::RefCell;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
-use std::rc::Rc;
 use std::sync::Arc;
 
-/// The mesh files that a sequence names, found from its own folder on and read once each.
-pub struct Meshes {
-    folder: PathBuf,
-    root: Root,
-    pub meter: Arc<LoadMeter>,
-    read: RefCell<HashMap<PathBuf, Read>>,
-    /// The materials of meshes, by the mesh's address; the mesh is kept so that no other can have that.
-    own: RefCell<HashMap<*const mesh::Mesh, (Arc<mesh::Mesh>, Own)>>,
-}
-
-/// What came of a file: a mesh, or why there is none.
-type Read = Result<Arc<mesh::Mesh>, String>;
-
-impl Meshes {
-    pub fn new(folder: &Path, root: Root) -> Self {
-        Self {
-            folder: folder.to_owned(),
-            root,
-            meter: Arc::default(),
-            read: RefCell::default(),
-            own: RefCell::default(),
-        }
-    }
-
-    /// Reads a file, or remembers what came of it.
-    fn mesh(&self, name: &str) -> Read {
-        import::known_format(Path::new(name)).map_err(|error| error.to_string())?;
-        let path = self.root.admit(&self.folder.join(name)).map_err(|error| files::why(&error))?;
-        let mut read = self.read.borrow_mut();
-        let mesh = read.entry(path).or_insert_with_key(|path| {
-            import::load(path, &self.root, &self.meter).map(Arc::new).map_err(|error| error.to_string())
-        });
-        mesh.clone()
-    }
-
-    /// The materials of a mesh, made once. Where none can be made, every object says why.
-    pub fn own(&self, mesh: &Arc<mesh::Mesh>, make: impl FnOnce() -> Option<Own>) -> Option<Own> {
-        if let Some((_, own)) = self.own.borrow().get(&Arc::as_ptr(mesh)) {
-            return Some(Rc::clone(own));
-        }
-        let own = make()?;
-        self.own.borrow_mut().insert(Arc::as_ptr(mesh), (Arc::clone(mesh), Rc::clone(&own)));
-        Some(own)
-    }
-}
-
-/// The mesh that these fields make.
+/// Decodes a mesh from these fields.
 pub fn mesh(fields: &mut Fields<'_>) -> Option<Mesh> {
     if !fields.has("file") {
         return inline(fields);
@@ -92,11 +40,11 @@ pub fn mesh(fields: &mut Fields<'_>) -> Option<Mesh> {
     Some(placed(mesh, normals))
 }
 
-/// The place of the file's name in a mesh that is read from one, or else of the whole.
+/// The place of the file's name, or of the whole value if the mesh is inline.
 pub fn file_place(node: Node<'_>) -> Range<usize> {
     let file = match node.content() {
-        Some(Content::Tuple(items)) => items.first().copied(),
-        Some(Content::Fields(fields)) => {
+        Some(NodeContent::Tuple(items)) => items.first().copied(),
+        Some(NodeContent::Fields(fields)) => {
             fields.into_iter().find(|(name, _)| *name == "file").map(|(_, value)| value)
         }
         _ => None,
@@ -107,25 +55,25 @@ pub fn file_place(node: Node<'_>) -> Range<usize> {
 const KINDS: &[(&str, Normals)] =
     &[("File", Normals::File), ("Smooth", Normals::Smooth), ("Flat", Normals::Flat)];
 
-/// The fields of a mesh that is written out, but for its normals.
+/// The fields of an inline mesh, except its normals.
 const INLINE: [&str; 4] = ["vertices", "triangles", "uvs", "colors"];
 
-/// Computes smooth normals here, where progress can still be told, and not in the first frame.
-fn placed(mesh: Arc<mesh::Mesh>, normals: Normals) -> Mesh {
+/// Computes smooth normals while loading, where progress is displayed, instead of in the first frame.
+fn placed(mesh: Arc<mesh::TriangleMesh>, normals: Normals) -> Mesh {
     if normals == Normals::Smooth {
         mesh.smooth_normals();
     }
     Mesh { mesh, normals }
 }
 
-/// The mesh in a file that is named in quotes.
-fn file(node: Node<'_>) -> Option<Arc<mesh::Mesh>> {
+/// The mesh in the file with the quoted name.
+fn file(node: Node<'_>) -> Option<Arc<mesh::TriangleMesh>> {
     let name = text(node)?;
     match node.file.meshes.mesh(&name) {
         Ok(mesh) => Some(mesh),
         Err(why) => {
             let title = format!("cannot read the mesh {:?}", shortened(&name));
-            let help = "paths of meshes begin at the folder of the sequence file";
+            let help = "paths of meshes are relative to the folder of the sequence file";
             let missing = why == NO_FILE;
             let fault = Fault::new(node.span(), title, why);
             node.fault(if missing { fault.help(help) } else { fault });
@@ -134,8 +82,8 @@ fn file(node: Node<'_>) -> Option<Arc<mesh::Mesh>> {
     }
 }
 
-/// Normals that are written out, or of a kind.
-enum Given {
+/// A list of normals, or a kind of normals.
+enum NormalsField {
     Listed(Vec<DVec3>),
     Kind(Normals),
 }
@@ -152,23 +100,23 @@ fn inline(fields: &mut Fields<'_>) -> Option<Mesh> {
     let vertices = fields.required("vertices", |node| list(node, "points", vector));
     let count = vertices.as_ref().map(Vec::len);
     let triangles = fields.required("triangles", |node| triangles(node, count));
-    let normals = fields.or("normals", |node| normals(node, count), Given::Kind(Normals::Flat));
+    let normals = fields.or("normals", |node| normals(node, count), NormalsField::Kind(Normals::Flat));
     let uvs = fields.optional("uvs", |node| per_vertex(node, "texture coordinates", count, uv));
     let colors = fields.optional("colors", |node| per_vertex(node, "colours", count, color));
     let (kind, listed) = match normals? {
-        Given::Kind(kind) => (kind, None),
-        Given::Listed(listed) => (Normals::File, Some(listed)),
+        NormalsField::Kind(kind) => (kind, None),
+        NormalsField::Listed(listed) => (Normals::File, Some(listed)),
     };
     let as_f32 = |normals: Vec<DVec3>| normals.into_iter().map(|n| n.normalize_or_zero().as_vec3()).collect();
-    let parts = Parts {
+    let parts = MeshData {
         positions: vertices?,
         triangles: triangles?,
         normals: listed.map(|normals| Corners::per_vertex(as_f32(normals))),
         uvs: uvs?.map(Corners::per_vertex),
         colors: colors?.unwrap_or_default(),
-        ..Parts::default()
+        ..MeshData::default()
     };
-    match mesh::Mesh::new(parts) {
+    match mesh::TriangleMesh::new(parts) {
         Ok(mesh) => Some(placed(Arc::new(mesh), kind)),
         Err(error) => {
             let fault = Fault::new(fields.node().head(), "this mesh cannot be seen", error.to_string());
@@ -184,23 +132,23 @@ fn triangles(node: Node<'_>, count: Option<usize>) -> Option<Vec<[u32; 3]>> {
         node.fault(Fault::new(node.span(), "a triangle has three vertices", there));
         return None;
     }
-    // Without vertices there has been a fault, and any index will do.
+    // If the vertices are missing, a fault is already reported, so any index is accepted.
     let last = count.map_or(u32::MAX - 1, |count| count as u32 - 1);
     list(node, "triangles", |node| each(tuple(node, "three vertices (a, b, c)")?, whole(0..=last)))
 }
 
-fn normals(node: Node<'_>, count: Option<usize>) -> Option<Given> {
+fn normals(node: Node<'_>, count: Option<usize>) -> Option<NormalsField> {
     if node.opens_with('[') {
-        return per_vertex(node, "normals", count, vector).map(Given::Listed);
+        return per_vertex(node, "normals", count, vector).map(NormalsField::Listed);
     }
-    word(node, "kind of normals", &KINDS[1..]).map(Given::Kind)
+    word(node, "kind of normals", &KINDS[1..]).map(NormalsField::Kind)
 }
 
 fn uv(node: Node<'_>) -> Option<DVec2> {
     each(tuple(node, "two numbers (u, v)")?, number).map(DVec2::from_array)
 }
 
-/// A list with an entry for each vertex.
+/// A list with one entry for each vertex.
 fn per_vertex<'s, T>(
     node: Node<'s>,
     what: &str,
@@ -217,9 +165,9 @@ fn per_vertex<'s, T>(
 }
 
 impl Sequence {
-    /// Its different meshes, each with the first object of that shape.
-    pub fn meshes(&self) -> Vec<(&str, &mesh::Mesh)> {
-        let mut meshes: Vec<(&str, &mesh::Mesh)> = Vec::new();
+    /// The different meshes, each with the first object that uses it.
+    pub fn meshes(&self) -> Vec<(&str, &mesh::TriangleMesh)> {
+        let mut meshes: Vec<(&str, &mesh::TriangleMesh)> = Vec::new();
         let mut seen = HashSet::new();
         for Named { name, value: Object { shape, .. } } in &self.objects {
             if let Shape::Mesh(Mesh { mesh, .. }) = shape

@@ -1,7 +1,10 @@
-//! The sequence: what a file says, resolved and checked. No names to look up, no defaults left.
+//! The sequence: a file's contents, resolved and checked.
+//!
+//! In: a RON file, and the images and meshes that it names.
+//! Out: a [`Sequence`] without names to look up or defaults to fill in, or all faults with their places.
+//! Uses the parts of a scene, `import`, and the output settings of `encode`.
 
 mod about;
-mod assets;
 mod camera;
 mod check;
 mod colors;
@@ -13,13 +16,18 @@ mod fault;
 mod fields;
 mod fog;
 mod formats;
+mod image;
+mod image_files;
+mod key_clock;
 mod keys;
 mod layers;
-mod level;
+mod raw_value;
 mod light;
 mod load;
 mod material;
+mod material_description;
 mod mesh;
+mod mesh_files;
 mod mtl;
 mod names;
 mod node;
@@ -30,7 +38,7 @@ mod paint;
 mod path;
 pub mod quality;
 mod quality_fields;
-mod reach;
+mod transform_limits;
 mod shape;
 mod suggest;
 mod symbols;
@@ -50,7 +58,7 @@ pub use quality_fields::ERRORS;
 use crate::appearance::environment::EnvironmentTracks;
 use crate::appearance::fog::FogTracks;
 use crate::appearance::light::LightTracks;
-use crate::appearance::material::{MadeOf, MaterialTracks};
+use crate::appearance::material::{MaterialBinding, MaterialTracks};
 use crate::base::color::Rgb;
 use crate::base::time::Timeline;
 use crate::camera::path::CameraPath;
@@ -60,7 +68,7 @@ use crate::geometry::transform::TransformTracks;
 use crate::sequence::quality::Quality;
 use crate::track::Animated;
 
-/// A whole animation. Everything named keeps the file's order, and refers to the others by index.
+/// A whole animation. Named entries keep the file's order and refer to each other by index.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sequence {
     /// The file's name without its extension.
@@ -68,28 +76,30 @@ pub struct Sequence {
     pub timeline: Timeline,
     pub output: OutputSettings,
     pub quality: Quality,
-    /// What rays see that hit nothing.
+    /// The environment that rays see if they hit nothing.
     pub background: EnvironmentTracks,
     pub fog: Option<FogTracks>,
-    /// Light from everywhere; a material reflects its `ambient` share of it.
+    /// Light from all directions. A material reflects its `ambient` share.
     pub ambient: Animated<Rgb>,
     /// At least one.
     pub cameras: Vec<Named<CameraPath>>,
-    /// Index of the camera that is looked through.
+    /// Index of the active camera.
     pub active_camera: Animated<usize>,
     pub lights: Vec<Named<LightTracks>>,
     pub materials: Vec<Named<MaterialTracks>>,
     pub objects: Vec<Named<Object>>,
+    /// Warnings about outdated notation in the file, as `file:line: warning`.
+    pub warnings: Vec<String>,
 }
 
 impl Sequence {
-    /// Whether the shutter of any camera stays open.
+    /// Whether any camera's shutter is ever open.
     pub fn blurs_motion(&self) -> bool {
         self.cameras.iter().any(|camera| camera.value.shutter != Animated::Constant(0.0))
     }
 }
 
-/// A value with the name that the file gives it.
+/// A value with its name in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Named<T> {
     pub name: String,
@@ -99,30 +109,29 @@ pub struct Named<T> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
     pub shape: Shape,
-    /// Of the sequence's materials.
-    pub made_of: MadeOf,
+    /// Binding to the sequence's materials.
+    pub made_of: MaterialBinding,
     pub transform: TransformTracks,
     pub visible: Animated<bool>,
-    /// Index of the object that this one moves (and hides) with. Never leads in a circle.
+    /// Index of the object whose transform and visibility this one inherits. Parents never form a cycle.
     pub parent: Option<usize>,
 }
 
-/// What is rendered into which files.
+/// The size, files and formats of the output.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutputSettings {
     /// Width and height in pixels, at least 1.
     pub size: (u32, u32),
-    /// Where the frames go, relative to the working directory. At least one, all different.
+    /// Output files relative to the working directory; at least one, all different.
     pub files: Vec<Output>,
     pub tonemap: Tonemap,
-    /// Stops by which the displayed picture is brighter than the radiance, within
-    /// ±[`MOST_STOPS`](crate::film::MOST_STOPS) at every key.
+    /// Exposure of the displayed picture in stops, within ±[`MAX_STOPS`](crate::film::MAX_STOPS) at every key.
     pub exposure: Animated<f64>,
-    /// Whether the background is left out where the camera sees it, so that pictures have alpha.
+    /// Whether the background is transparent where the camera sees it.
     pub transparent: bool,
-    /// What stands in its place in formats without alpha.
+    /// Background colour in formats without alpha.
     pub matte: Rgb,
-    /// What is written into every picture.
+    /// Text that is written into every picture.
     pub caption: Option<Caption>,
     pub formats: Formats,
 }

@@ -1,33 +1,31 @@
-//! The materials that come with a mesh, in terms of Kinora's own.
+//! Translates the materials of a mesh's file into Kinora's.
 
 use super::fault::Fault;
-use super::material::Given;
+use super::material_description::{MaterialDescription, MeshMaterials};
 use super::node::Node;
 use super::suggest::shortened;
 use crate::appearance::material::Highlight;
 use crate::appearance::optics::Fresnel;
-use crate::appearance::texture::{Encoding, Filter, ImageTracks, PaintTracks, PlacementTracks, Wrap};
+use crate::appearance::texture::{
+    ColorEncoding, ImageTextureTracks, TextureFilter, TextureMappingTracks, TextureTracks, Wrap,
+};
 use crate::base::color::Rgb;
 use crate::base::math::DVec2;
 use crate::geometry::mesh::Map;
-use crate::geometry::mesh::{Mesh, MtlMaterial};
+use crate::geometry::mesh::{MtlMaterial, TriangleMesh};
 use std::ops::Range;
 use std::path::Path;
-use std::rc::Rc;
 
-/// The materials of a mesh with their names: of every slot, and of what has none.
-pub type Own = Rc<[(String, Given)]>;
-
-/// What a mesh is made of if its object does not say: the materials of its file, with their names, or the colours
-/// of its vertices. Nothing if a library or an image cannot be read, which is reported at `place`.
-pub fn own_materials(node: Node<'_>, place: &Range<usize>, mesh: &Mesh) -> Option<Own> {
+/// The materials of a mesh whose object names none: those of its file with their names, or its vertex colours. Returns
+/// None if a library or an image cannot be read, and reports that at `place`.
+pub fn mesh_materials(node: Node<'_>, place: &Range<usize>, mesh: &TriangleMesh) -> Option<MeshMaterials> {
     if let Some(why) = mesh.materials().iter().find_map(|material| material.missing.as_ref()) {
         let fault = Fault::new(place.clone(), "cannot read the materials of the mesh", why);
-        node.fault(fault.help("an object with a `material` needs none of them"));
+        node.fault(fault.help("an object with a `material` does not need them"));
         return None;
     }
-    let color = mesh.has_colors().then_some(PaintTracks::VertexColor);
-    let bare = Given { color, ..Given::default() };
+    let color = mesh.has_colors().then_some(TextureTracks::VertexColor);
+    let bare = MaterialDescription { color, ..MaterialDescription::default() };
     let slots = mesh.materials().iter().map(|material| {
         let image = match &material.diffuse_map {
             Some(map) => Some(diffuse_map(node, place, &material.name, map)?),
@@ -35,58 +33,66 @@ pub fn own_materials(node: Node<'_>, place: &Range<usize>, mesh: &Mesh) -> Optio
         };
         Some((material.name.clone(), translated(material, image, &bare)))
     });
-    // All of them are read, so that all missing images are told.
+    // Reads all of them, so that every missing image is reported.
     let slots: Vec<_> = slots.collect();
     let mut given = slots.into_iter().collect::<Option<Vec<_>>>()?;
     given.push((String::new(), bare));
     Some(given.into())
 }
 
-fn diffuse_map(node: Node<'_>, place: &Range<usize>, material: &str, map: &Map) -> Option<ImageTracks> {
-    let image = match node.file.assets.image(&map.file, Encoding::Srgb) {
+fn diffuse_map(
+    node: Node<'_>,
+    place: &Range<usize>,
+    material: &str,
+    map: &Map,
+) -> Option<ImageTextureTracks> {
+    let image = match node.file.images.image(&map.file, ColorEncoding::Srgb) {
         Ok(image) => image,
         Err(why) => {
             let name = Path::new(&map.file).file_name().unwrap_or_default().to_string_lossy();
             let title = format!("cannot read the image {:?} of the mesh", shortened(&name));
-            let help =
-                format!("material {:?} has it, by a path from the mesh's folder on", shortened(material));
+            let help = format!("material {:?} names it, relative to the mesh's folder", shortened(material));
             node.fault(Fault::new(place.clone(), title, why.to_string()).help(help));
             return None;
         }
     };
-    Some(ImageTracks {
+    Some(ImageTextureTracks {
         image,
         wrap: map.clamps.then_some(Wrap::Clamp),
-        filter: Filter::default(),
+        filter: TextureFilter::default(),
         channel: None,
         tint: Rgb::ONE.into(),
         alpha: true,
-        placement: placement(map),
+        mapping: placement(map),
     })
 }
 
-/// In MTL files, a larger scale shows more of the image, and the offset leads from the surface to the image.
-fn placement(Map { scale, offset, .. }: &Map) -> PlacementTracks {
+/// In MTL files, a larger scale shows more of the image, and the offset points from the surface to the image.
+fn placement(Map { scale, offset, .. }: &Map) -> TextureMappingTracks {
     if (*scale, *offset) == (DVec2::ONE, DVec2::ZERO) {
-        return PlacementTracks::default();
+        return TextureMappingTracks::default();
     }
-    PlacementTracks {
+    TextureMappingTracks {
         offset: (-*offset / *scale).extend(0.0).into(),
         scale: scale.recip().extend(1.0).into(),
-        ..PlacementTracks::default()
+        ..TextureMappingTracks::default()
     }
 }
 
-/// Follows the models of the format's description (Wavefront, *Advanced Visualizer*, appendix B2): highlights are
-/// Blinn's; models from 3 on also mirror, and 6 and 7 refract, 7 with Fresnel's equations.
-fn translated(material: &MtlMaterial, image: Option<ImageTracks>, bare: &Given) -> Given {
+/// Follows the illumination models of the format's description (Wavefront, *Advanced Visualizer*, appendix B2).
+/// Highlights are Blinn's. Models from 3 on also mirror; 6 and 7 refract, 7 with Fresnel's equations.
+fn translated(
+    material: &MtlMaterial,
+    image: Option<ImageTextureTracks>,
+    bare: &MaterialDescription,
+) -> MaterialDescription {
     let model = material.model.unwrap_or(2);
     let opacity = f64::from(material.opacity.unwrap_or(1.0));
     let refracts = matches!(model, 6 | 7);
     let tinted = |color: Option<Rgb>| match (&image, color) {
         (Some(image), color) => {
             let tint = color.unwrap_or(Rgb::ONE).max(Rgb::ZERO).into();
-            Some(PaintTracks::Image(Box::new(ImageTracks { tint, ..image.clone() })))
+            Some(TextureTracks::Image(Box::new(ImageTextureTracks { tint, ..image.clone() })))
         }
         (None, color) => color.map(|color| color.max(Rgb::ZERO).into()),
     };
@@ -95,15 +101,15 @@ fn translated(material: &MtlMaterial, image: Option<ImageTracks>, bare: &Given) 
     if given.color.is_some() || opacity < 1.0 {
         given.diffuse.strength = Some(opacity.into());
     }
-    if let Some(ambient) = material.meant_ambient() {
+    if let Some(ambient) = material.effective_ambient() {
         (given.ambient.strength, given.ambient.tint) = (Some(opacity.into()), tinted(Some(ambient)));
     } else if opacity < 1.0 {
-        // What is left open is that of the default material, of what is there.
+        // If the file gives no ambient colour, the default material's share applies to the opaque part.
         given.ambient.tint = tinted(material.diffuse.map(|color| color * opacity as f32));
     }
     if let Some(specular) = material.specular {
         let lobe = |there: bool| if there { 1.0 } else { 0.0 };
-        let tint = Some(PaintTracks::from(specular.max(Rgb::ZERO)));
+        let tint = Some(TextureTracks::from(specular.max(Rgb::ZERO)));
         (given.specular.strength, given.specular.tint) = (Some(lobe(model >= 2).into()), tint.clone());
         (given.mirror.strength, given.mirror.tint) = (Some(lobe(model >= 3).into()), tint);
         given.highlight = Some(Highlight::BlinnPhong);
@@ -134,7 +140,7 @@ mod tests {
 
     fn tracks(text: &str) -> MaterialTracks {
         let material = import::mtl::read(text.as_bytes()).expect("a material").remove(0);
-        translated(&material, None, &Given::default()).over(&Given::default())
+        translated(&material, None, &MaterialDescription::default()).over(&MaterialDescription::default())
     }
 
     #[test]
@@ -163,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn ambient_light_that_is_left_open_is_the_defaults_share_of_what_is_there() {
+    fn absent_ambient_light_is_the_default_share_of_the_opaque_part() {
         let m = tracks("newmtl a\nKa 1 1 1\nKd 0.8 0.4 0");
         assert_eq!((&m.ambient.strength, &m.ambient.tint), (&0.1.into(), &Rgb::new(0.8, 0.4, 0.0).into()));
         let m = tracks("newmtl a\nKa 1 1 1\nKd 0.8 0.4 0\nd 0.5");
@@ -180,8 +186,8 @@ mod tests {
     }
 
     #[test]
-    fn what_the_file_leaves_open_is_the_default() {
+    fn absent_values_are_the_default() {
         let m = tracks("newmtl nothing");
-        assert_eq!(m, Given::default().over(&Given::default()));
+        assert_eq!(m, MaterialDescription::default().over(&MaterialDescription::default()));
     }
 }

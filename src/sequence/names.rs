@@ -1,7 +1,7 @@
-//! Maps from names to values: lights, cameras, materials, objects.
+//! Decodes maps from names to values: lights, cameras, materials, objects.
 
 use super::fault::Fault;
-use super::node::{Content, Node};
+use super::node::{Node, NodeContent};
 use super::suggest::shortened;
 use super::values::text;
 use super::words::report_unknown;
@@ -14,9 +14,9 @@ pub struct Entry<'s> {
     pub value: Node<'s>,
 }
 
-/// Reads `{ "name": value, ... }`; `what` is what the map holds ("light").
+/// Decodes `{ "name": value, ... }`. `what` names the entries in messages, such as "light".
 pub fn entries<'s>(node: Node<'s>, what: &str) -> Option<Vec<Entry<'s>>> {
-    let Some(Content::Map(map)) = (match node.word() {
+    let Some(NodeContent::Map(map)) = (match node.word() {
         "" => Some(node.content()?),
         _ => None,
     }) else {
@@ -27,7 +27,7 @@ pub fn entries<'s>(node: Node<'s>, what: &str) -> Option<Vec<Entry<'s>>> {
     for (key, value) in map {
         match entry_name(key, what) {
             Some(name) => all.push(Entry { name, key, value }),
-            // The value may be wrong as well: it is read under a name that nothing can refer to.
+            // The value may have faults too, so it is decoded under an empty name, which nothing can refer to.
             None => all.push(Entry { name: String::new(), key, value }),
         }
     }
@@ -56,7 +56,7 @@ fn entry_name(key: Node<'_>, what: &str) -> Option<String> {
     Some(name)
 }
 
-/// Names that can be referred to, each with its index.
+/// Names of entries, each with its index.
 pub struct Names<'n> {
     what: &'static str,
     in_order: Vec<&'n str>,
@@ -67,24 +67,24 @@ impl<'n> Names<'n> {
     pub fn new(what: &'static str, entries: &'n [Entry<'_>]) -> Self {
         let in_order: Vec<&str> = entries.iter().map(|entry| entry.name.as_str()).collect();
         let indices = in_order.iter().enumerate().map(|(index, name)| (*name, index)).collect();
-        // An entry whose own name is wrong is read under an empty one.
+        // Entries with an invalid name have an empty one.
         let in_order = in_order.into_iter().filter(|name| !name.is_empty()).collect();
         Self { what, in_order, indices }
     }
 
-    /// Names of what has been read, in its order.
+    /// Names in the order of the entries.
     pub fn of(what: &'static str, names: impl Iterator<Item = &'n str>) -> Self {
         let in_order: Vec<&str> = names.collect();
         let indices = in_order.iter().enumerate().map(|(index, name)| (*name, index)).collect();
         Self { what, in_order, indices }
     }
 
-    /// Whether something goes by the name.
+    /// Whether an entry has this name.
     pub fn has(&self, name: &str) -> bool {
         !name.is_empty() && self.indices.contains_key(name)
     }
 
-    /// The index of the name in quotes at `node`.
+    /// The index of the quoted name at `node`.
     pub fn index(&self, node: Node<'_>) -> Option<usize> {
         let name = text(node)?;
         let index = self.indices.get(name.as_str()).copied().filter(|_| !name.is_empty());

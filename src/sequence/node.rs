@@ -1,13 +1,13 @@
-//! Values of the file as text with a place, taken apart one level at a time.
+//! Values of the file as text with a place, decoded level by level.
 //!
-//! ron reads everything; what is nested stays raw text, borrowed from the source, so that every value keeps
-//! its place and one that is wrong does not stop the others from being read.
+//! ron parses everything. Nested values stay raw text that is borrowed from the source. So every value keeps its
+//! place, and a wrong value does not stop the others from being decoded.
 
-use super::assets::Assets;
 use super::fault::Fault;
-use super::keys::KeyClock;
-use super::level::{Entries, Parts, Raw};
-use super::mesh::Meshes;
+use super::image_files::ImageFiles;
+use super::key_clock::KeyClock;
+use super::mesh_files::MeshFiles;
+use super::raw_value::{ContentVisitor, MapVisitor, RawContent};
 use super::suggest::shortened;
 use crate::base::files::Root;
 use ron::value::RawValue;
@@ -16,25 +16,34 @@ use std::cell::{Cell, RefCell};
 use std::ops::Range;
 use std::path::Path;
 
-/// The file that is read, what is wrong with it so far, and what its key times and paths mean.
+/// The file being read: its faults so far, the unit of its key times, and the files that it names.
 pub struct File<'s> {
     source: &'s str,
     faults: RefCell<Vec<Fault>>,
+    /// Warnings, each with its byte in the source.
+    warnings: RefCell<Vec<(usize, String)>>,
     pub clock: Cell<KeyClock>,
     /// Images named in the file.
-    pub assets: Assets,
+    pub images: ImageFiles,
     /// Meshes named in the file.
-    pub meshes: Meshes,
+    pub meshes: MeshFiles,
 }
 
 impl<'s> File<'s> {
-    /// `folder` is where the file's own paths begin, and `root` where they lead.
+    /// The file's own paths are relative to `folder` and must be within `root`.
     pub fn new(source: &'s str, folder: &Path, root: Root) -> Self {
-        let (assets, meshes) = (Assets::new(folder, root.clone()), Meshes::new(folder, root));
-        Self { source, faults: RefCell::default(), clock: Cell::default(), assets, meshes }
+        let (images, meshes) = (ImageFiles::new(folder, root.clone()), MeshFiles::new(folder, root));
+        Self {
+            source,
+            faults: RefCell::default(),
+            warnings: RefCell::default(),
+            clock: Cell::default(),
+            images,
+            meshes,
+        }
     }
 
-    /// The whole file as one value; its syntax has been checked.
+    /// The whole file as one value. Its syntax has been checked.
     pub fn root<'f>(&'f self) -> Node<'f> {
         Node::new(self, self.source)
     }
@@ -43,11 +52,24 @@ impl<'s> File<'s> {
         self.faults.borrow_mut().push(fault);
     }
 
+    /// Warns about outdated notation at a byte of the source.
+    pub fn warn(&self, at: usize, warning: String) {
+        self.warnings.borrow_mut().push((at, warning));
+    }
+
+    /// All warnings as `name:line: warning`, in the order of the file.
+    pub fn warnings(&self, name: &str) -> Vec<String> {
+        let mut warnings = self.warnings.borrow().clone();
+        warnings.sort_by_key(|(at, _)| *at);
+        let line = |at: usize| self.source[..at].matches('\n').count() + 1;
+        warnings.iter().map(|(at, warning)| format!("{name}:{}: {warning}", line(*at))).collect()
+    }
+
     pub fn fault_count(&self) -> usize {
         self.faults.borrow().len()
     }
 
-    /// Says of the faults from `first` on which field they are about.
+    /// Sets the field's name in all faults from index `first` on.
     pub fn name_faults(&self, first: usize, field: &str) {
         self.faults.borrow_mut().iter_mut().skip(first).for_each(|fault| fault.name_field(field));
     }
@@ -63,7 +85,7 @@ impl<'s> File<'s> {
     }
 }
 
-/// A value: its text without the blanks around it, split into a leading word and the rest.
+/// A value: its text without surrounding blanks, split into a leading word and the rest.
 #[derive(Clone, Copy)]
 pub struct Node<'s> {
     pub file: &'s File<'s>,
@@ -72,8 +94,8 @@ pub struct Node<'s> {
     body: &'s str,
 }
 
-/// What a value consists of, one level deep.
-pub enum Content<'s> {
+/// The content of a value, one level deep.
+pub enum NodeContent<'s> {
     /// `(a: 1, b: 2)`
     Fields(Vec<(&'s str, Node<'s>)>),
     /// `(1, 2)`
@@ -82,7 +104,7 @@ pub enum Content<'s> {
     List(Vec<Node<'s>>),
     /// `{ "a": 1, "b": 2 }`
     Map(Vec<(Node<'s>, Node<'s>)>),
-    /// A number, a text or a word alone.
+    /// A number, a text or a single word.
     Plain,
 }
 
@@ -113,12 +135,12 @@ impl<'s> Node<'s> {
         start..start + len
     }
 
-    /// `Sphere` of `Sphere(radius: 2)`; empty if there is none.
+    /// `Sphere` in `Sphere(radius: 2)`. Empty if the value has no word.
     pub fn word(&self) -> &'s str {
         self.word
     }
 
-    /// The word if the value is nothing else.
+    /// The word if the value consists of it alone.
     pub fn bare_word(&self) -> Option<&'s str> {
         (self.body.is_empty() && !self.word.is_empty()).then_some(self.word)
     }
@@ -131,11 +153,11 @@ impl<'s> Node<'s> {
         self.word.is_empty() && (self.text.starts_with('"') || self.text.starts_with('r'))
     }
 
-    /// Takes the value apart.
-    pub fn content(&self) -> Option<Content<'s>> {
+    /// Decodes one level of the value.
+    pub fn content(&self) -> Option<NodeContent<'s>> {
         match self.read() {
             Ok(content) => Some(content),
-            // The file's syntax is known to be good; if ron still refuses a part, say so rather than fail.
+            // The syntax is already checked. If ron still fails, report it.
             Err(error) => {
                 self.fault(Fault::new(self.span(), "this cannot be read", error.to_string()));
                 None
@@ -143,25 +165,25 @@ impl<'s> Node<'s> {
         }
     }
 
-    fn read(&self) -> Result<Content<'s>, ron::Error> {
+    fn read(&self) -> Result<NodeContent<'s>, ron::Error> {
         let node = |raw: &'s RawValue| Node::new(self.file, raw.get_ron());
         let mut reader = ron::Deserializer::from_str(self.body)?;
         Ok(match self.body.chars().next() {
-            Some('(') => match reader.deserialize_any(Parts)? {
-                Raw::Fields(fields) => {
-                    Content::Fields(fields.into_iter().map(|(name, raw)| (name, node(raw))).collect())
+            Some('(') => match reader.deserialize_any(ContentVisitor)? {
+                RawContent::Fields(fields) => {
+                    NodeContent::Fields(fields.into_iter().map(|(name, raw)| (name, node(raw))).collect())
                 }
-                Raw::Items(items) => Content::Tuple(items.into_iter().map(node).collect()),
+                RawContent::Items(items) => NodeContent::Tuple(items.into_iter().map(node).collect()),
             },
-            Some('[') => match reader.deserialize_seq(Parts)? {
-                Raw::Items(items) => Content::List(items.into_iter().map(node).collect()),
-                Raw::Fields(_) => Content::Plain,
+            Some('[') => match reader.deserialize_seq(ContentVisitor)? {
+                RawContent::Items(items) => NodeContent::List(items.into_iter().map(node).collect()),
+                RawContent::Fields(_) => NodeContent::Plain,
             },
             Some('{') => {
-                let entries = reader.deserialize_map(Entries)?;
-                Content::Map(entries.into_iter().map(|(key, value)| (node(key), node(value))).collect())
+                let entries = reader.deserialize_map(MapVisitor)?;
+                NodeContent::Map(entries.into_iter().map(|(key, value)| (node(key), node(value))).collect())
             }
-            _ => Content::Plain,
+            _ => NodeContent::Plain,
         })
     }
 
@@ -169,17 +191,17 @@ impl<'s> Node<'s> {
         self.file.push(fault);
     }
 
-    /// Reports that something else was expected here.
+    /// Reports that another value was expected here.
     pub fn expected(&self, what: impl Into<String>) {
         self.fault(self.mismatch(what));
     }
 
-    /// The fault of [`Node::expected`], for adding help.
+    /// The fault of [`Node::expected`], to which help can be added.
     pub fn mismatch(&self, what: impl Into<String>) -> Fault {
         Fault::expected(self.span(), what, format!("found {}", self.describe()))
     }
 
-    /// What the value is, in words.
+    /// A description of the value for messages.
     pub fn describe(&self) -> String {
         let first = self.text.chars().next().unwrap_or(' ');
         match (self.bare_word(), first) {
@@ -190,9 +212,9 @@ impl<'s> Node<'s> {
             (None, '[') => "a list".to_owned(),
             (None, '{') => "a map".to_owned(),
             (None, '(') => match self.read() {
-                Ok(Content::Tuple(items)) if items.len() == 1 => "one value in parentheses".to_owned(),
-                Ok(Content::Tuple(items)) if items.is_empty() => "empty parentheses".to_owned(),
-                Ok(Content::Tuple(items)) => format!("{} values in parentheses", items.len()),
+                Ok(NodeContent::Tuple(items)) if items.len() == 1 => "one value in parentheses".to_owned(),
+                Ok(NodeContent::Tuple(items)) if items.is_empty() => "empty parentheses".to_owned(),
+                Ok(NodeContent::Tuple(items)) => format!("{} values in parentheses", items.len()),
                 _ => "named fields".to_owned(),
             },
             _ => format!("`{}`", shortened(self.text)),
@@ -200,12 +222,12 @@ impl<'s> Node<'s> {
     }
 }
 
-/// The value in `raw` without blanks and comments around it.
+/// The value in `raw` without surrounding blanks and comments.
 fn without_blanks(raw: &str) -> &str {
     if is_plain(raw) {
         return raw.trim();
     }
-    // A new reader stands on the first character that is no blank, and after a value right behind it.
+    // A new reader starts at the first character that is not blank, and ends right behind a value.
     let Ok(mut reader) = ron::Deserializer::from_str(raw) else { return raw };
     let start = reader.remainder();
     match IgnoredAny::deserialize(&mut reader) {
@@ -214,20 +236,19 @@ fn without_blanks(raw: &str) -> &str {
     }
 }
 
-/// Whether all that may stand around a value are blanks on which ron and Rust agree: those of ASCII, no comment, and no
-/// attribute of the file.
+/// Whether the text contains no comment, no attribute and only ASCII blanks. On those, ron and Rust agree.
 fn is_plain(text: &str) -> bool {
     text.bytes().all(|byte| byte.is_ascii() && byte != b'/' && byte != b'#')
 }
 
-/// A leading word, and what follows it behind any blanks.
+/// A leading word, and the text behind it and any blanks.
 fn split_word(text: &str) -> (&str, &str) {
     let letter = |c: char| c == '_' || c.is_alphanumeric();
     if !text.starts_with(|c: char| letter(c) && !c.is_ascii_digit()) {
         return ("", text);
     }
     let (word, rest) = text.split_at(text.find(|c| !letter(c)).unwrap_or(text.len()));
-    // r"..", r#".."#, b".." and b'.' are no words.
+    // r"..", r#".."#, b".." and b'.' are not words.
     if rest.starts_with(['"', '\'', '#']) {
         return ("", text);
     }

@@ -1,31 +1,32 @@
-//! What a user should know about a sequence before it is rendered.
+//! Notes for the user about a sequence, before it is rendered.
 
-mod gains;
+mod energy_gain;
 mod images;
 mod meshes;
 
 use super::{Named, Object, Sequence};
-use crate::appearance::material::{MadeOf, MaterialTracks};
+use crate::appearance::material::{MaterialBinding, MaterialTracks};
 use crate::geometry::shape::{self, Shape};
 use std::collections::BTreeSet;
 
 impl Sequence {
-    /// What is no mistake, but may not be what was meant.
+    /// Things that are valid but may not be intended.
     pub fn notes(&self) -> Vec<String> {
-        let mut notes = self.skipped_triangles();
+        let mut notes = self.warnings.clone();
+        notes.extend(self.skipped_triangles());
         notes.extend(self.left_out());
         notes.extend(self.white_ambient());
         notes.extend(self.ignored_alpha());
         notes.extend(self.missing_libraries());
-        notes.extend(self.gains());
+        notes.extend(self.energy_gains());
         if let Some(caption) = &self.output.caption {
-            notes.extend(caption.text.note(&self.name));
-            notes.extend(caption.cut(self.output.size.1));
+            notes.extend(caption.text.missing_glyphs_note(&self.name));
+            notes.extend(caption.overflow_warning(self.output.size.1));
         }
         notes
     }
 
-    /// The materials that are seen somewhere, in their order.
+    /// The materials of visible shapes, in their order.
     fn used_materials(&self) -> impl Iterator<Item = &Named<MaterialTracks>> {
         let seen = self.objects.iter().filter(|object| object.value.shape != Shape::Group);
         let used: BTreeSet<u32> = seen.flat_map(|object| used(&object.value)).collect();
@@ -38,7 +39,7 @@ fn used(object: &Object) -> impl Iterator<Item = u32> {
     let indices = object.made_of.indices();
     let mesh = if let Shape::Mesh(shape::Mesh { mesh, .. }) = &object.shape { Some(mesh) } else { None };
     let rest = match (object.made_of, mesh) {
-        (MadeOf::Slots { first, count }, Some(mesh)) => {
+        (MaterialBinding::Slots { first, count }, Some(mesh)) => {
             let all = (0..mesh.triangles().len() as u32).all(|part| mesh.material_of(part).is_some());
             all.then_some(first + count)
         }

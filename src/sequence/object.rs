@@ -1,40 +1,41 @@
-//! `objects`: shapes with a material, a place and a parent.
+//! Decodes `objects`: shapes with a material, a transform and a parent.
 
 use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
-use super::material::{Given, is_material, material, resembles_a_kind};
+use super::material::{is_material, material, resembles_a_kind};
+use super::material_description::{MaterialDescription, MeshMaterials};
 use super::mesh::file_place;
-use super::mtl::{Own, own_materials};
+use super::mtl::mesh_materials;
 use super::names::{Entry, Names};
 use super::node::Node;
-use super::reach::TransformPlace;
 use super::shape::shape;
 use super::suggest::shortened;
 use super::transform::transform;
+use super::transform_limits::TransformPlace;
 use super::values::switch;
 use crate::geometry::shape::{Mesh, Shape};
 use crate::geometry::transform::TransformTracks;
 use crate::track::Animated;
 use std::ops::Range;
 
-/// An object whose material is not yet an index.
-pub struct Draft {
+/// An object whose material has no index yet.
+pub struct ObjectDraft {
     pub shape: Shape,
-    pub material: Surface,
+    pub material: MaterialSource,
     pub transform: TransformTracks,
     pub visible: Animated<bool>,
     pub place: TransformPlace,
 }
 
-/// Where an object's material comes from.
-pub enum Surface {
+/// The source of an object's material.
+pub enum MaterialSource {
     Default,
     /// Index into the named materials.
     Named(usize),
-    Inline(Box<Given>),
-    /// Those that came with the mesh.
-    Own(Own),
+    Inline(Box<MaterialDescription>),
+    /// The materials of the mesh's file.
+    Mesh(MeshMaterials),
 }
 
 /// The parent that an object names.
@@ -44,8 +45,12 @@ pub struct Parent {
     pub place: Range<usize>,
 }
 
-/// One object, and the parent it names. The parent is known even if something else is wrong.
-pub fn object(node: Node<'_>, materials: &Names<'_>, objects: &Names<'_>) -> (Option<Draft>, Option<Parent>) {
+/// Decodes an object and its parent. The parent is returned even if the object has faults.
+pub fn object(
+    node: Node<'_>,
+    materials: &Names<'_>,
+    objects: &Names<'_>,
+) -> (Option<ObjectDraft>, Option<Parent>) {
     let Some(mut fields) = Fields::of(node, "an object") else { return (None, None) };
     let mut place = fields.place("shape");
     let shape = fields.required("shape", |node| {
@@ -55,9 +60,9 @@ pub fn object(node: Node<'_>, materials: &Names<'_>, objects: &Names<'_>) -> (Op
         }
         Some(shape)
     });
-    let material = fields.or("material", |node| surface(node, materials), Surface::Default);
+    let material = fields.or("material", |node| material_source(node, materials), MaterialSource::Default);
     let material = match (&shape, material) {
-        (Some(Shape::Mesh(mesh)), Some(Surface::Default)) => own(node, place, mesh),
+        (Some(Shape::Mesh(mesh)), Some(MaterialSource::Default)) => mesh_source(node, place, mesh),
         (_, material) => material,
     };
     let place_of = |name| fields.place(name);
@@ -69,29 +74,35 @@ pub fn object(node: Node<'_>, materials: &Names<'_>, objects: &Names<'_>) -> (Op
     fields.finish();
     let draft = || {
         let (Some(_), shape) = (&parent, shape?) else { return None };
-        Some(Draft { shape, material: material?, transform: transform?, visible: visible?, place: placed })
+        Some(ObjectDraft {
+            shape,
+            material: material?,
+            transform: transform?,
+            visible: visible?,
+            place: placed,
+        })
     };
     (draft(), parent.flatten())
 }
 
-/// What a mesh without a material is made of.
-fn own(node: Node<'_>, place: Range<usize>, shape: &Mesh) -> Option<Surface> {
+/// The source of the material of a mesh whose object names none.
+fn mesh_source(node: Node<'_>, place: Range<usize>, shape: &Mesh) -> Option<MaterialSource> {
     let mesh = &shape.mesh;
     let any = !mesh.materials().is_empty() || mesh.has_colors();
     if any {
-        node.file.meshes.own(mesh, || own_materials(node, &place, mesh)).map(Surface::Own)
+        node.file.meshes.materials_of(mesh, || mesh_materials(node, &place, mesh)).map(MaterialSource::Mesh)
     } else {
-        Some(Surface::Default)
+        Some(MaterialSource::Default)
     }
 }
 
-fn surface(node: Node<'_>, materials: &Names<'_>) -> Option<Surface> {
+fn material_source(node: Node<'_>, materials: &Names<'_>) -> Option<MaterialSource> {
     if node.is_text() {
-        return materials.index(node).map(Surface::Named);
+        return materials.index(node).map(MaterialSource::Named);
     }
     let misspelt = |word: &str| !materials.has(word) && resembles_a_kind(word);
     if is_material(node) || node.bare_word().is_some_and(misspelt) {
-        return material(node).map(|given| Surface::Inline(Box::new(given)));
+        return material(node).map(|given| MaterialSource::Inline(Box::new(given)));
     }
     let fault = node.mismatch("a material's name in quotes, its fields in ( ), or a kind such as Metal( )");
     node.fault(match node.bare_word() {
@@ -101,9 +112,9 @@ fn surface(node: Node<'_>, materials: &Names<'_>) -> Option<Surface> {
     None
 }
 
-/// Reports parents that lead in a circle, each circle once.
+/// Reports each cycle of parents once.
 pub fn report_circles(node: Node<'_>, names: &[Entry<'_>], parents: &[Option<Parent>]) {
-    // 0: not visited; otherwise the number of the walk that came by first.
+    // 0: not visited. Otherwise, the number of the first walk that visited the object.
     let mut walks = vec![0usize; parents.len()];
     for start in 0..parents.len() {
         let mut at = start;
@@ -119,7 +130,7 @@ pub fn report_circles(node: Node<'_>, names: &[Entry<'_>], parents: &[Option<Par
 }
 
 fn report_circle(node: Node<'_>, names: &[Entry<'_>], parents: &[Option<Parent>], on: usize) {
-    // The circle is told from its first object in the file.
+    // The message starts at the cycle's first object in the file.
     let round = |from: usize| {
         std::iter::successors(Some(from), |&at| parents[at].as_ref().map(|parent| parent.index))
             .take(parents.len())
@@ -132,8 +143,8 @@ fn report_circle(node: Node<'_>, names: &[Entry<'_>], parents: &[Option<Parent>]
     let way: Vec<String> = round(first).take(8).map(|at| format!("`{}`", names[at].name)).collect();
     let way = match round(first).count() {
         1 => "an object cannot be its own parent".to_owned(),
-        2..=8 => format!("the way up is {} and `{}` again", way.join(", "), names[first].name),
-        more => format!("the way up is {} and {} more", way.join(", "), more - 8),
+        2..=8 => format!("the chain of parents is {} and `{}` again", way.join(", "), names[first].name),
+        more => format!("the chain of parents is {} and {} more", way.join(", "), more - 8),
     };
-    node.fault(Fault::new(parent.place.clone(), "parents lead in a circle", way));
+    node.fault(Fault::new(parent.place.clone(), "parents form a cycle", way));
 }

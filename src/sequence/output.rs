@@ -1,4 +1,4 @@
-//! `output`: how large, how it is shown, and into which files.
+//! Decodes `output`: size, display and files.
 
 use super::OutputSettings;
 use super::colors::color;
@@ -9,23 +9,23 @@ use super::keys::keyed;
 use super::node::Node;
 use super::values::{between, each, list, one_of, switch, text, tuple, whole};
 use crate::encode::{Caption, Corner, Formats, MATTE, Output, Template, Tonemap};
-use crate::film::MOST_STOPS;
+use crate::film::MAX_STOPS;
 use std::cell::RefCell;
 use std::collections::HashSet;
 use std::path::{Component, PathBuf};
 
 const LONGEST_SIDE: u32 = 65_536;
 
-/// Reads the output of a sequence called `name` with `frames` frames.
+/// Decodes the output of a sequence called `name` with `frames` frames.
 pub fn output(node: Node<'_>, name: &str, frames: u32) -> Option<OutputSettings> {
     let mut fields = Fields::of(node, "the output")?;
     let defaults = default_output(name, frames);
     let size = fields.or("size", size, defaults.size);
     let files = fields.or("files", |node| files(node, frames), defaults.files);
     let tonemap = fields.or("tonemap", one_of("tone map", &Tonemap::NAMED), defaults.tonemap);
-    let exposure = fields.or("exposure", keyed(between(-MOST_STOPS..=MOST_STOPS)), defaults.exposure);
+    let exposure = fields.or("exposure", keyed(between(-MAX_STOPS..=MAX_STOPS)), defaults.exposure);
     let transparent = fields.or("transparent", switch, defaults.transparent);
-    let matte = fields.or("matte", color, defaults.matte);
+    let matte = fields.renamed("background_color", "matte", color);
     let caption = fields.optional("caption", caption);
     let formats = formats(&mut fields);
     fields.finish();
@@ -35,15 +35,15 @@ pub fn output(node: Node<'_>, name: &str, frames: u32) -> Option<OutputSettings>
         tonemap: tonemap?,
         exposure: exposure?,
         transparent: transparent?,
-        matte: matte?,
+        matte: matte?.unwrap_or(defaults.matte),
         caption: caption?,
         formats: formats?,
     })
 }
 
-/// What a file without `output` gives.
+/// The output of a file without `output`.
 pub fn default_output(name: &str, frames: u32) -> OutputSettings {
-    // These characters would be a place for the frame number.
+    // These characters would stand for the frame number.
     let name = name.replace(['#', '%'], "_");
     let names = match frames {
         1 => vec![format!("output/{name}.png")],
@@ -112,7 +112,7 @@ fn files(node: Node<'_>, frames: u32) -> Option<Vec<Output>> {
     Some(files)
 }
 
-/// What a sequence may write: inside the working directory, in a known format, each frame to its own file.
+/// Decodes an output file. It must be within the working directory, have a known format, and a name for each frame.
 fn file(node: Node<'_>, frames: u32) -> Option<Output> {
     let path = text(node)?;
     if let Err((what, help)) = check_place(&path) {
@@ -131,7 +131,7 @@ fn file(node: Node<'_>, frames: u32) -> Option<Output> {
             return None;
         }
     };
-    if output.needs_place(frames as usize) {
+    if output.needs_placeholder(frames as usize) {
         let what = "a file name with a place for the frame number";
         node.fault(
             node.mismatch(what).help("write `####` where the number goes, as in \"output/frame_####.png\""),
@@ -141,7 +141,7 @@ fn file(node: Node<'_>, frames: u32) -> Option<Output> {
     Some(output)
 }
 
-/// A sequence from someone else must not reach out of the folder that it is rendered in.
+/// A sequence from someone else must not write outside the working directory.
 fn check_place(path: &str) -> Result<(), (&'static str, &'static str)> {
     let parts: Vec<_> = path.split(['/', '\\']).collect();
     let drive = parts[0].contains(':');

@@ -1,28 +1,29 @@
-//! Paint: a colour, an image, or a pattern of two paints.
+//! Decodes paint: a colour, an image, or a pattern of two paints.
 
-use super::assets::image;
 use super::colors::{color, color_or};
 use super::fields::Fields;
+use super::image::image;
 use super::keys::keyed;
-use super::node::{Content, Node};
+use super::node::{Node, NodeContent};
 use super::suggest::shortened;
 use super::transform::turn;
 use super::values::{each, not_negative, number, one_of, switch, unit_vector, vector, whole};
 use super::words::Variants;
 use crate::appearance::texture::{
-    Channel, Encoding, Filter, ImageTracks, PaintTracks, Pattern, PatternTracks, PlacementTracks, Space, Wrap,
+    ColorChannel, ColorEncoding, ImageTextureTracks, Pattern, PatternTextureTracks, TextureFilter,
+    TextureMappingTracks, TextureSpace, TextureTracks, Wrap,
 };
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
 
-/// A colour over time, or whatever else a surface may be painted with.
-pub fn paint(node: Node<'_>) -> Option<PaintTracks> {
+/// Decodes a colour over time, or any other paint.
+pub fn paint(node: Node<'_>) -> Option<TextureTracks> {
     if node.is_text() && node.text().contains('.') {
         let fault = node.mismatch("a colour, or another paint");
         node.fault(fault.help(format!("an image is written Image({})", shortened(node.text()))));
         return None;
     }
-    let table: &Variants<'_, PaintTracks> = &[
+    let table: &Variants<'_, TextureTracks> = &[
         ("Image", image_paint),
         ("VertexColor", vertex_color),
         ("Checker", |node| pattern(node, "`Checker`", |_| Some(Pattern::Checker))),
@@ -37,61 +38,61 @@ pub fn paint(node: Node<'_>) -> Option<PaintTracks> {
     color_or(node, "paint", table)
 }
 
-/// What the numbers in an image mean.
-pub fn encoding(node: Node<'_>) -> Option<Encoding> {
-    one_of("encoding", &[("Srgb", Encoding::Srgb), ("Linear", Encoding::Linear)])(node)
+/// Decodes the encoding of an image.
+pub fn encoding(node: Node<'_>) -> Option<ColorEncoding> {
+    one_of("encoding", &[("Srgb", ColorEncoding::Srgb), ("Linear", ColorEncoding::Linear)])(node)
 }
 
-fn vertex_color(node: Node<'_>) -> Option<PaintTracks> {
+fn vertex_color(node: Node<'_>) -> Option<TextureTracks> {
     Fields::of(node, "`VertexColor`")?.finish();
-    Some(PaintTracks::VertexColor)
+    Some(TextureTracks::VertexColor)
 }
 
 /// `Image("file.png")`, or with more fields.
-fn image_paint(node: Node<'_>) -> Option<PaintTracks> {
+fn image_paint(node: Node<'_>) -> Option<TextureTracks> {
     let mut fields = Fields::of_or_only(node, "`Image`", "file")?;
     let wraps = &[("Repeat", Wrap::Repeat), ("Mirror", Wrap::Mirror), ("Clamp", Wrap::Clamp)];
-    let filters = &[("Bilinear", Filter::Bilinear), ("Nearest", Filter::Nearest)];
-    let channels = &[("R", Channel::R), ("G", Channel::G), ("B", Channel::B)];
-    let encoding = fields.or("encoding", encoding, Encoding::Srgb);
+    let filters = &[("Bilinear", TextureFilter::Bilinear), ("Nearest", TextureFilter::Nearest)];
+    let channels = &[("R", ColorChannel::R), ("G", ColorChannel::G), ("B", ColorChannel::B)];
+    let encoding = fields.or("encoding", encoding, ColorEncoding::Srgb);
     let image = fields.required("file", image(encoding.unwrap_or_default()));
     let wrap = fields.optional("wrap", one_of("wrap", wraps));
-    let filter = fields.or("filter", one_of("filter", filters), Filter::Bilinear);
+    let filter = fields.or("filter", one_of("filter", filters), TextureFilter::Bilinear);
     let channel = fields.optional("channel", one_of("channel", channels));
     let tint = fields.or("tint", keyed(color), Rgb::ONE);
     let alpha = fields.or("alpha", switch, true);
     let placement = placement(&mut fields);
     fields.finish();
     encoding?;
-    Some(PaintTracks::Image(Box::new(ImageTracks {
+    Some(TextureTracks::Image(Box::new(ImageTextureTracks {
         image: image?,
         wrap: wrap?,
         filter: filter?,
         channel: channel?,
         tint: tint?,
         alpha: alpha?,
-        placement: placement?,
+        mapping: placement?,
     })))
 }
 
-/// A pattern of the paints `a` and `b`; `kind` reads the fields that are its own.
+/// A pattern of the paints `a` and `b`. `kind` decodes the pattern's own fields.
 fn pattern<'s>(
     node: Node<'s>,
     what: &'static str,
     kind: impl FnOnce(&mut Fields<'s>) -> Option<Pattern>,
-) -> Option<PaintTracks> {
+) -> Option<TextureTracks> {
     let mut fields = Fields::of(node, what)?;
     let first = fields.or("a", paint, Rgb::ZERO);
     let second = fields.or("b", paint, Rgb::ONE);
-    let spaces = &[("Object", Space::Object), ("Uv", Space::Uv)];
-    let space = fields.or("space", one_of("space", spaces), Space::Object);
+    let spaces = &[("Object", TextureSpace::Object), ("Uv", TextureSpace::Uv)];
+    let space = fields.or("space", one_of("space", spaces), TextureSpace::Object);
     let placement = placement(&mut fields);
     let pattern = kind(&mut fields);
     fields.finish();
-    Some(PaintTracks::Pattern(Box::new(PatternTracks {
+    Some(TextureTracks::Pattern(Box::new(PatternTextureTracks {
         pattern: pattern?,
         space: space?,
-        placement: placement?,
+        mapping: placement?,
         first: first?,
         second: second?,
     })))
@@ -112,31 +113,31 @@ fn marble(fields: &mut Fields<'_>) -> Option<Pattern> {
     Some(Pattern::Marble { octaves: octaves?, seed: seed?, turbulence: turbulence? })
 }
 
-/// Finer octaves than these are too small to see.
-const MOST_OCTAVES: u32 = 16;
+/// Finer octaves would not be visible.
+const MAX_OCTAVES: u32 = 16;
 
 fn octaves(fields: &mut Fields<'_>) -> Option<u32> {
-    fields.or("octaves", whole(1..=MOST_OCTAVES), 4u32)
+    fields.or("octaves", whole(1..=MAX_OCTAVES), 4u32)
 }
 
 fn seed(fields: &mut Fields<'_>) -> Option<u32> {
     fields.or("seed", whole(0..=u32::MAX), 0u32)
 }
 
-/// Where a pattern or an image lies.
-fn placement(fields: &mut Fields<'_>) -> Option<PlacementTracks> {
-    let default = PlacementTracks::default();
+/// Decodes the placement of a pattern or an image.
+fn placement(fields: &mut Fields<'_>) -> Option<TextureMappingTracks> {
+    let default = TextureMappingTracks::default();
     let offset = fields.or("offset", keyed(offset), default.offset);
     let rotation = fields.or("rotation", turn(DVec3::Z), default.rotation);
     let scale = fields.or("scale", keyed(scale), default.scale);
-    Some(PlacementTracks { offset: offset?, rotation: rotation?, scale: scale? })
+    Some(TextureMappingTracks { offset: offset?, rotation: rotation?, scale: scale? })
 }
 
 fn offset(node: Node<'_>) -> Option<DVec3> {
     two_or_three(node, 0.0)
 }
 
-/// A factor, or one per axis.
+/// One factor, or one for each axis.
 fn scale(node: Node<'_>) -> Option<DVec3> {
     let factors =
         if node.opens_with('(') { two_or_three(node, 1.0)? } else { number(node).map(DVec3::splat)? };
@@ -147,16 +148,16 @@ fn scale(node: Node<'_>) -> Option<DVec3> {
     None
 }
 
-/// Smaller factors are refused, for their reciprocals must stay far from overflow.
+/// The minimum absolute value of a factor, so that reciprocals do not overflow.
 const SMALLEST: f64 = 1e-30;
 
-/// `(x, y)` or `(x, y, z)`; `z` is what the shorter form leaves out.
+/// `(x, y)` or `(x, y, z)`. The shorter form gets the given `z`.
 fn two_or_three(node: Node<'_>, z: f64) -> Option<DVec3> {
     match node.content()? {
-        Content::Tuple(items) if node.word().is_empty() && items.len() == 2 => {
+        NodeContent::Tuple(items) if node.word().is_empty() && items.len() == 2 => {
             each([items[0], items[1]], number).map(|[x, y]| DVec3::new(x, y, z))
         }
-        Content::Tuple(items) if items.len() == 3 => vector(node),
+        NodeContent::Tuple(items) if items.len() == 3 => vector(node),
         _ => {
             node.expected("two or three numbers (x, y) or (x, y, z)");
             None
@@ -167,7 +168,7 @@ fn two_or_three(node: Node<'_>, z: f64) -> Option<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::appearance::texture::{Image, Paint, Spot};
+    use crate::appearance::texture::{Image, Texture, TextureEvalContext};
     use crate::base::files::Root;
     use crate::base::math::DVec2;
     use crate::base::time::Time;
@@ -175,20 +176,27 @@ mod tests {
     use crate::sequence::node::File;
     use std::path::Path;
 
-    fn read(text: &str) -> Result<PaintTracks, String> {
+    fn read(text: &str) -> Result<TextureTracks, String> {
         let file = File::new(text, Path::new("tests/bad/images"), Root::of(Path::new("")));
         let paint = paint(file.root());
         let faults = file.into_faults();
         paint.filter(|_| faults.is_empty()).ok_or_else(|| Faults::new("test.ron", text, faults).to_string())
     }
 
-    fn at_start(text: &str) -> Paint {
+    fn at_start(text: &str) -> Texture {
         read(text).unwrap_or_else(|faults| panic!("{faults}")).at(Time::from_integer(0))
     }
 
     fn color(text: &str, x: f64, y: f64) -> Rgb {
         let point = DVec3::new(x, y, 0.0);
-        at_start(text).at(&Spot { uv: DVec2::new(x, y), point, color: Rgb::X, ..Spot::default() }).color
+        at_start(text)
+            .at(&TextureEvalContext {
+                uv: DVec2::new(x, y),
+                point,
+                color: Rgb::X,
+                ..TextureEvalContext::default()
+            })
+            .color
     }
 
     #[test]
@@ -226,20 +234,20 @@ mod tests {
     fn images_are_read_once_per_encoding() {
         let tracks =
             read("Checker(a: Image(\"2x2.png\"), b: Image(file: \"2x2.png\", channel: G, wrap: Clamp))");
-        let Ok(PaintTracks::Pattern(pattern)) = tracks else { panic!("a pattern: {tracks:?}") };
-        let (PaintTracks::Image(one), PaintTracks::Image(other)) = (pattern.first, pattern.second) else {
+        let Ok(TextureTracks::Pattern(pattern)) = tracks else { panic!("a pattern: {tracks:?}") };
+        let (TextureTracks::Image(one), TextureTracks::Image(other)) = (pattern.first, pattern.second) else {
             panic!("two images")
         };
         assert_eq!(one.image, other.image);
-        assert_eq!((one.wrap, other.wrap, other.channel), (None, Some(Wrap::Clamp), Some(Channel::G)));
+        assert_eq!((one.wrap, other.wrap, other.channel), (None, Some(Wrap::Clamp), Some(ColorChannel::G)));
         let linear = read("Image(file: \"2x2.png\", encoding: Linear, filter: Nearest, scale: 0.5)");
-        let Ok(PaintTracks::Image(linear)) = linear else { panic!("an image: {linear:?}") };
+        let Ok(TextureTracks::Image(linear)) = linear else { panic!("an image: {linear:?}") };
         assert_ne!(one.image, linear.image);
         let bottom_right = Image::texel(&linear.image, 1, 1);
         assert_eq!(bottom_right, Rgb::splat(60.0 / 255.0));
         assert_eq!(
-            Paint::Image(linear.at(Time::from_integer(0)))
-                .at(&Spot { uv: DVec2::new(0.4, 0.6), ..Spot::default() })
+            Texture::Image(linear.at(Time::from_integer(0)))
+                .at(&TextureEvalContext { uv: DVec2::new(0.4, 0.6), ..TextureEvalContext::default() })
                 .color,
             bottom_right,
             "twice as small, so it is seen twice"
@@ -247,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told() {
+    fn faults_are_reported() {
         for (text, message) in [
             ("Chekcer(a: 1)", "there is no paint `Chekcer`"),
             ("Chekcer(a: 1)", "did you mean `Checker`?"),
@@ -266,8 +274,8 @@ mod tests {
             ("Noise(octaves: 17)", "`octaves`: expected a whole number from 1 to 16"),
             ("[(0, Image(\"2x2.png\"))]", "expected a colour"),
         ] {
-            let told = read(text).expect_err(text);
-            assert!(told.contains(message), "{told}");
+            let faults = read(text).expect_err(text);
+            assert!(faults.contains(message), "{faults}");
         }
     }
 }

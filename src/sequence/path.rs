@@ -1,4 +1,4 @@
-//! `path`: the steps of a camera's way, and the list of them.
+//! Decodes `path`: the steps of a camera path.
 
 use super::easing::path_ease;
 use super::fault::Fault;
@@ -11,10 +11,10 @@ use crate::base::math::DVec3;
 use crate::camera::path::{Aim, Dolly, Keys, Orbit, SplinePath, Step, Zoom, ZoomBy};
 use crate::track::{Animated, Ease, LogScale};
 
-/// Points of a spline, at most: its length is measured along each of its parts.
-const MOST_POINTS: usize = 10_000;
+/// Maximum number of points of a spline, because the length of each segment is measured.
+const MAX_POINTS: usize = 10_000;
 
-/// A list of steps, or a single one.
+/// A list of steps, or a single step.
 pub fn path(node: Node<'_>) -> Option<Vec<Step>> {
     if node.opens_with('[') { list(node, "steps", step) } else { step(node).map(|step| vec![step]) }
 }
@@ -25,7 +25,7 @@ fn step(node: Node<'_>) -> Option<Step> {
     variant(node, "path step", table)
 }
 
-/// What every step may say about where the camera looks.
+/// The fields about the viewing direction, which every step has.
 fn aim(fields: &mut Fields<'_>) -> Option<Aim> {
     let target = fields.optional("target", keyed(vector));
     let up = fields.optional("up", keyed(direction));
@@ -39,7 +39,7 @@ fn orbit(node: Node<'_>) -> Option<Step> {
     let axis = fields.or("axis", direction, DVec3::Y);
     let radius = fields.optional("radius", keyed(positive));
     let elevation = fields.optional("elevation", keyed(angle));
-    // Whoever says where the camera stands does not ask for a turn.
+    // An azimuth replaces the default turn.
     let turns = if fields.has("azimuth") { 0.0 } else { 1.0 };
     let azimuth = fields.optional("azimuth", keyed(angle));
     let turns = fields.or("turns", between(-1e6..=1e6), turns);
@@ -64,7 +64,7 @@ fn zoom(node: Node<'_>) -> Option<Step> {
         [_] => {}
         [] => {
             let title = "`Zoom` needs one of `fov`, `factor` and `distance`";
-            node.fault(Fault::new(node.head(), title, "says nothing about what to zoom"));
+            node.fault(Fault::new(node.head(), title, "does not say what to zoom"));
         }
         [first, .., last] => {
             let title = "`Zoom` takes only one of `fov`, `factor` and `distance`";
@@ -117,8 +117,8 @@ fn spline(node: Node<'_>) -> Option<Step> {
     let ease = fields.or("ease", path_ease, Ease::Linear);
     fields.finish();
     let points = points?;
-    if points.len() > MOST_POINTS {
-        let label = format!("has {} points, but {MOST_POINTS} are the most", points.len());
+    if points.len() > MAX_POINTS {
+        let label = format!("has {} points, but {MAX_POINTS} are the most", points.len());
         place.fault(Fault::new(place.head(), "this spline has too many points", label));
         return None;
     }

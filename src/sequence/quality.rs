@@ -1,62 +1,63 @@
-//! How much work goes into a picture.
+//! Quality settings: the work per pixel.
 
 use crate::base::digest::content;
 use crate::film::filter::Filter;
-use crate::sampling::Points;
+use crate::sampling::SamplerKind;
 
-/// What every sequence settles about the work per pixel.
+/// The quality settings of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
     pub integrator: Integrator,
-    /// How often light may go from one surface to another on its way from its source to the eye: light of 0 bounces
-    /// comes straight from its source to the surface that is seen.
+    /// Maximum number of reflections between surfaces on a path from a light to the eye. With 0 bounces, light travels
+    /// straight from its source to the visible surface.
     pub bounces: u32,
-    /// How a pixel's samples are spread over it and its neighbours.
+    /// Reconstruction filter.
     pub filter: Filter,
-    /// Samples per pixel along each axis of a regular grid, at least 1, where nothing is random.
+    /// Samples per pixel along each axis of a regular grid, at least 1. Applies if nothing is random.
     pub antialias: u32,
-    /// Samples per pixel where a lens, an area light, motion blur, a rough surface or paths ask for random
-    /// ones; at least 1.
+    /// Samples per pixel, at least 1, if a lens, an area light, motion blur, a rough surface or path tracing needs
+    /// random samples.
     pub samples: u32,
-    /// Samples are taken until this is reached, where they are random: then `samples` does not count.
+    /// Target error for random samples. Replaces `samples`.
     pub noise: Option<NoiseTarget>,
-    /// Where random numbers come from.
-    pub points: Points,
-    /// Rays that would add less than this share to the picture are not followed. Whitted's integrator asks; paths
-    /// end by roulette.
+    /// The sampler of random numbers.
+    pub points: SamplerKind,
+    /// Whitted integrator only: rays with a min contribution to the picture are not traced. Paths end by Russian
+    /// roulette instead.
     pub threshold: f32,
-    /// Upper limit of the radiance of one sample in each layer: none keeps every sample as it is.
+    /// Upper limit of a sample's radiance in each layer. None keeps all samples unchanged.
     pub clamp: Option<f32>,
-    /// Moments per frame at which motion is looked at while the shutter is open, at least 1.
+    /// Moments per frame at which motion is sampled while the shutter is open, at least 1.
     pub shutter_steps: u32,
-    /// Whether light falls on smooth meshes as on the surfaces that they stand for, not as on their triangles.
+    /// Whether smooth meshes are lit up to the terminator of the surface that they approximate, instead of that of
+    /// their triangles.
     pub smooth_terminator: bool,
-    /// Another seed gives other noise.
+    /// The seed of random numbers.
     pub seed: u32,
 }
 
-/// How good a picture is to be.
+/// A target error for adaptive sampling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseTarget {
-    /// Root of the mean square of the frame's error as a share of its mean, above 0.
+    /// Root mean square error of the frame as a share of its mean, above 0.
     pub error: f64,
-    /// Samples of a pixel, at most.
+    /// Maximum samples per pixel.
     pub most: u32,
 }
 
 content!(struct NoiseTarget { error, most });
 
 impl NoiseTarget {
-    /// Samples of a pixel at most, unless something else is said.
+    /// Default of the maximum samples per pixel.
     pub const MOST: u32 = 4096;
 }
 
-/// How light is followed.
+/// The light transport algorithm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Integrator {
-    /// Whitted's: at every surface the lights, and on along mirrors and through what is transparent.
+    /// Whitted's ray tracing: direct light at every surface, plus mirror reflection and transmission.
     Whitted,
-    /// Monte Carlo over paths of light.
+    /// Monte Carlo path tracing.
     Path(PathSettings),
 }
 
@@ -67,36 +68,36 @@ content!(
     }
 );
 
-/// More samples than these are asked for by mistake.
-pub const MOST_SAMPLES: u32 = 1 << 24;
+/// Maximum number of samples; more would be a mistake.
+pub const MAX_SAMPLES: u32 = 1 << 24;
 
-/// What only paths need to know.
+/// Settings of the path tracer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathSettings {
-    /// Bounces after which dim paths may end at random; none lets every path run to its end.
+    /// Bounces after which dim paths may end at random. None disables Russian roulette.
     pub roulette: Option<u32>,
-    /// Whether shadow rays pass what refracts, unbent. Light that refracted paths would find behind it is left
-    /// out then, so that nothing counts twice.
+    /// Whether shadow rays pass refracting surfaces without bending. Refracted paths then ignore the light behind
+    /// these surfaces, so that it does not count twice.
     pub refractive_shadows: bool,
 }
 
 content!(struct PathSettings { roulette, refractive_shadows });
 
 impl Integrator {
-    /// Whether light is also found by what it shines on, so that it pays to know where it comes from.
-    pub fn looks_for_lights(&self) -> bool {
+    /// Whether the integrator samples lights (next-event estimation).
+    pub fn samples_lights(&self) -> bool {
         matches!(self, Self::Path(_))
     }
 
-    /// Whether both are of the same kind, whatever their settings.
-    pub fn is_like(&self, other: &Self) -> bool {
+    /// Whether both are of the same kind, regardless of settings.
+    pub fn same_kind(&self, other: &Self) -> bool {
         std::mem::discriminant(self) == std::mem::discriminant(other)
     }
 }
 
 impl Quality {
-    /// How many surfaces may reflect or bend light between its source and the eye: one more than the bounces between
-    /// them. A ray that starts behind the last of them only sees what gives off light.
+    /// Maximum number of surfaces on a path between a light and the eye: one more than the bounces between them. A ray
+    /// that leaves the last one only sees emitters.
     pub fn surfaces(&self) -> u32 {
         self.bounces + 1
     }
@@ -117,7 +118,7 @@ impl Default for Quality {
             antialias: 2,
             samples: 64,
             noise: None,
-            points: Points::Sobol,
+            points: SamplerKind::Sobol,
             threshold: 1e-3,
             clamp: None,
             shutter_steps: 32,

@@ -1,21 +1,21 @@
-//! `quality`: how much work goes into a picture.
+//! Decodes `quality`.
 
 use super::fields::Fields;
 use super::node::Node;
 use super::values::{between, is_number, positive, switch, tuple, whole};
 use super::words::{Variants, variant, word};
 use crate::film::filter::{Filter, Kernel};
-use crate::sampling::Points;
-use crate::sequence::quality::{Integrator, MOST_SAMPLES, NoiseTarget, PathSettings, Quality};
+use crate::sampling::SamplerKind;
+use crate::sequence::quality::{Integrator, MAX_SAMPLES, NoiseTarget, PathSettings, Quality};
 use std::ops::RangeInclusive;
 
-/// Widths of filters in pixels. Wider ones would blur, not reconstruct.
+/// Filter widths in pixels. Wider filters would blur instead of reconstruct.
 const FILTER_WIDTHS: RangeInclusive<f64> = 0.01..=16.0;
 
-/// Errors that can be asked for.
+/// Range of target errors.
 pub const ERRORS: RangeInclusive<f64> = 1e-4..=1.0;
 
-/// Reads `quality`: fields, or `Error(0.01)` alone.
+/// Decodes `quality`: fields, or `Error(0.01)` alone.
 pub fn quality(node: Node<'_>) -> Option<Quality> {
     let default = Quality::default();
     if node.word() == "Error" {
@@ -26,9 +26,9 @@ pub fn quality(node: Node<'_>) -> Option<Quality> {
     let integrator = fields.or("integrator", integrator, default.integrator);
     let bounces = fields.or("bounces", whole(0..=1000), default.bounces);
     let antialias = fields.or("antialias", whole(1..=64), default.antialias);
-    let samples = fields.or("samples", whole(1..=MOST_SAMPLES), default.samples);
+    let samples = fields.or("samples", whole(1..=MAX_SAMPLES), default.samples);
     let noise = fields.optional("noise", between(ERRORS));
-    let most_samples = fields.or("most_samples", whole(1..=MOST_SAMPLES), NoiseTarget::MOST);
+    let max_samples = fields.renamed("max_samples", "most_samples", whole(1..=MAX_SAMPLES));
     let points = fields.or("sampler", points, default.points);
     let filter = fields.or("filter", filter, default.filter);
     let threshold = fields.or("threshold", between(0.0..=1.0), f64::from(default.threshold));
@@ -37,7 +37,7 @@ pub fn quality(node: Node<'_>) -> Option<Quality> {
     let smooth_terminator = fields.or("smooth_terminator", switch, default.smooth_terminator);
     let seed = fields.or("seed", whole(0..=u32::MAX), default.seed);
     fields.finish();
-    let (noise, most) = (noise?, most_samples?);
+    let (noise, most) = (noise?, max_samples?.unwrap_or(NoiseTarget::MOST));
     let noise = noise.map(|error| NoiseTarget { error, most });
     Some(Quality {
         integrator: integrator?,
@@ -61,8 +61,8 @@ fn error(node: Node<'_>) -> Option<f64> {
     between(ERRORS)(error)
 }
 
-fn points(node: Node<'_>) -> Option<Points> {
-    word(node, "sampler", &[("Sobol", Points::Sobol), ("Independent", Points::Independent)])
+fn points(node: Node<'_>) -> Option<SamplerKind> {
+    word(node, "sampler", &[("Sobol", SamplerKind::Sobol), ("Independent", SamplerKind::Independent)])
 }
 
 fn integrator(node: Node<'_>) -> Option<Integrator> {

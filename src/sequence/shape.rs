@@ -1,4 +1,4 @@
-//! `shape`: a word, and the shape's own reading of the fields behind it.
+//! Decodes `shape`: a word, and the fields that the shape reads itself.
 
 use super::fault::Fault;
 use super::fields::Fields;
@@ -17,19 +17,19 @@ pub fn shape(node: Node<'_>) -> Option<Shape> {
     let what = format!("`{name}`");
     let fields =
         if name == Mesh::NAME { Fields::of_or_only(node, what, "file") } else { Fields::of(node, what) };
-    let mut read = Reading { fields: fields?, places: HashMap::new() };
+    let mut read = ShapeFields { fields: fields?, places: HashMap::new() };
     let shape = Shape::read(name, &mut read);
     read.fields.finish();
     shape
 }
 
-/// A shape's fields, and where the values of those stand that have been read.
-struct Reading<'s> {
+/// A shape's fields, and the places of the values read so far.
+struct ShapeFields<'s> {
     fields: Fields<'s>,
     places: HashMap<&'static str, Range<usize>>,
 }
 
-impl<'s> Reading<'s> {
+impl<'s> ShapeFields<'s> {
     fn value<T>(
         &mut self,
         name: &'static str,
@@ -48,7 +48,7 @@ impl<'s> Reading<'s> {
     }
 }
 
-impl Parameters for Reading<'_> {
+impl Parameters for ShapeFields<'_> {
     fn vector(&mut self, name: &'static str, default: Option<DVec3>) -> Option<DVec3> {
         self.value(name, default, vector)
     }

@@ -1,14 +1,14 @@
-//! "Did you mean": the nearest of the names that would have been right.
+//! "Did you mean": finds the nearest known name.
 
-/// Names compared for one suggestion, at most.
+/// Maximum number of names that are compared for one suggestion.
 const COMPARED: usize = 2000;
 
-/// The candidate that `wrong` most likely stands for; none if all are far from it.
+/// The candidate that `wrong` most likely means. None if all are too different.
 pub fn nearest<'n>(wrong: &str, candidates: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
     if wrong.len() > 100 {
         return None;
     }
-    // Any two names of one letter are near each other; that tells nothing.
+    // Any two names of one letter are near each other, so a suggestion would be meaningless.
     if wrong.chars().count() < 2 {
         return None;
     }
@@ -24,7 +24,7 @@ pub fn nearest<'n>(wrong: &str, candidates: impl IntoIterator<Item = &'n str>) -
         .map(|(.., name)| name)
 }
 
-/// Edits between two names, where one that only has more in front or behind counts as near.
+/// Edit distance of two names. A name that only has more letters in front or behind counts as near.
 fn distance(a: &str, b: &str) -> usize {
     let (short, long) = if a.len() < b.len() { (a, b) } else { (b, a) };
     if short.len() >= 3 && (long.starts_with(short) || long.ends_with(short)) {
@@ -33,7 +33,7 @@ fn distance(a: &str, b: &str) -> usize {
     strsim::damerau_levenshtein(a, b)
 }
 
-/// "`a`, `b` and `c`"; cut short when there are many.
+/// "`a`, `b` and `c`". Long lists are cut.
 pub fn listed<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
     joined(names, "and")
 }
@@ -56,7 +56,7 @@ fn joined<'n>(names: impl IntoIterator<Item = &'n str>, word: &str) -> String {
     }
 }
 
-/// At most 40 characters of a text, for a message.
+/// At most 40 characters of a text, for messages.
 pub fn shortened(text: &str) -> String {
     match text.char_indices().nth(40) {
         Some((end, _)) => format!("{}...", &text[..end]),

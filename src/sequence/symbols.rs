@@ -1,12 +1,12 @@
-//! The notation's symbols, as far as messages about broken notation need them: ron itself reads the file.
+//! A minimal tokenizer for messages about broken syntax. ron itself parses the file.
 
 use std::ops::Range;
 
-/// The first characters of all words, numbers, texts and brackets, without blanks and comments.
+/// Iterates over the first characters of all words, numbers, texts and brackets. Skips blanks and comments.
 pub struct Symbols<'s> {
     text: &'s str,
     at: usize,
-    /// A text or comment that has no end: its start and its kind.
+    /// The start and the kind of an unclosed text or comment.
     pub unclosed: Option<(usize, &'static str)>,
 }
 
@@ -15,7 +15,7 @@ impl<'s> Symbols<'s> {
         Self { text, at: 0, unclosed: None }
     }
 
-    /// Moves behind the next `end`, or to the end of the file if there is none.
+    /// Moves behind the next `end`, or to the end of the file if there is no `end`.
     fn skip_past(&mut self, start: usize, end: &str, kind: &'static str) {
         match self.text[self.at..].find(end) {
             Some(found) => self.at += found + end.len(),
@@ -97,7 +97,7 @@ impl Iterator for Symbols<'_> {
                     self.skip_word(start);
                     return Some((start, c));
                 }
-                // A bracket as a character stands for itself; a lone quote does not swallow what follows.
+                // A quoted bracket is a character. A lone quote does not hide the text behind it.
                 '\'' if rest.chars().nth(2) == Some('\'') => {
                     self.at += rest.char_indices().nth(3).map_or(rest.len(), |(at, _)| at);
                     return Some((start, c));

@@ -1,4 +1,4 @@
-//! Faults of the notation itself, in words: ron finds them, brackets and quotes are looked at once more.
+//! Explains syntax errors. ron finds them; this module checks brackets and quotes again for better messages.
 
 use super::fault::Fault;
 use super::symbols::{Symbols, token};
@@ -6,10 +6,10 @@ use ron::error::{Error, Position};
 use serde::de::{Deserialize, IgnoredAny};
 use std::ops::Range;
 
-/// Entries of one list, map or struct, at most.
-const MOST_ENTRIES: usize = 1_000_000;
+/// Maximum number of entries of one list, map or struct.
+const MAX_ENTRIES: usize = 1_000_000;
 
-/// What keeps the text from being RON that is worth reading. Empty if nothing does.
+/// The syntax errors of a text. Empty if it is valid RON.
 pub fn faults(text: &str) -> Vec<Fault> {
     if let Some((at, '#')) = Symbols::new(text).next() {
         if let Some(fault) = other_notation(text, true) {
@@ -23,8 +23,8 @@ pub fn faults(text: &str) -> Vec<Fault> {
         let help = "the shortest sequence is `()`; see sequences/README.md for what goes inside";
         return vec![Fault::new(0..0, "the file is empty", "expected ( ... )").help(help)];
     }
-    // Before ron looks at them, which takes its time.
-    if let Some(fault) = overfull(text, MOST_ENTRIES) {
+    // Before ron parses them, which is slow.
+    if let Some(fault) = overfull(text, MAX_ENTRIES) {
         return vec![fault];
     }
     let Err((error, position)) = check(text) else { return Vec::new() };
@@ -36,7 +36,7 @@ pub fn faults(text: &str) -> Vec<Fault> {
     }
     let notation = translated(text, &error, offset(text, position));
     let (bracket, opened) = unbalanced(text).unzip();
-    // What goes wrong inside a bracket that is not closed follows from that.
+    // Errors inside an unclosed bracket are caused by that bracket.
     let notation = notation.filter(|fault| opened.is_none_or(|opened| fault.span.start < opened));
     if bracket.is_none() && notation.is_none() {
         let end = text.trim_end().len();
@@ -45,16 +45,16 @@ pub fn faults(text: &str) -> Vec<Fault> {
     [notation, bracket].into_iter().flatten().collect()
 }
 
-/// Text in another notation altogether, such as YAML, TOML or a program: RON begins with a bracket, and ends with it.
-/// `trailing` if something follows its first value.
+/// Detects other notations, such as YAML, TOML or source code. RON begins and ends with a bracket. `trailing` is true
+/// if text follows the first value.
 fn other_notation(text: &str, trailing: bool) -> Option<Fault> {
-    // What many notations have for comments.
+    // Comments in many notations.
     let is_comment = |line: &&str| line.trim().is_empty() || line.trim_start().starts_with('#');
     let skipped: usize = text.split_inclusive('\n').take_while(is_comment).map(str::len).sum();
     let mut symbols = Symbols::new(&text[skipped..]);
     let (start, first) = symbols.next()?;
     let start = skipped + start;
-    // `Sequence(...)` is meant well, if there is nothing else.
+    // `Sequence(...)` is accepted here if nothing follows; a better message comes later.
     let opens = first.is_alphabetic() && symbols.next().is_some_and(|(_, next)| next == '(');
     if matches!(first, '(' | '{') || opens && !trailing {
         return None;
@@ -63,24 +63,24 @@ fn other_notation(text: &str, trailing: bool) -> Option<Fault> {
     Some(fault.help(EXAMPLE))
 }
 
-/// What a sequence looks like.
+/// An example of a sequence, for messages.
 pub const EXAMPLE: &str = "a sequence looks like (timeline: (frames: 48), objects: { \"ball\": (shape: Sphere()) }); \
                            sequences/README.md explains it";
 
-/// Brackets in brackets that are counted: many more than ron takes.
+/// Maximum depth of brackets whose entries are counted; far more than ron accepts.
 const DEEPEST: usize = 1000;
 
-/// A bracket that is open, as its entries are counted.
-struct Open {
+/// An open bracket, and the number of its entries.
+struct OpenBracket {
     start: usize,
     entries: usize,
     /// Whether the next symbol begins an entry.
     begins: bool,
 }
 
-/// The first bracket with more than `most` entries in it.
+/// The first bracket with more than `most` entries.
 fn overfull(text: &str, most: usize) -> Option<Fault> {
-    let mut open: Vec<Open> = Vec::new();
+    let mut open: Vec<OpenBracket> = Vec::new();
     for (at, c) in Symbols::new(text) {
         if matches!(c, ')' | ']' | '}') {
             open.pop();
@@ -95,7 +95,7 @@ fn overfull(text: &str, most: usize) -> Option<Fault> {
             }
         }
         if matches!(c, '(' | '[' | '{') {
-            open.push(Open { start: at, entries: 0, begins: true });
+            open.push(OpenBracket { start: at, entries: 0, begins: true });
         }
         if open.len() > DEEPEST {
             return None;
@@ -104,7 +104,7 @@ fn overfull(text: &str, most: usize) -> Option<Fault> {
     None
 }
 
-/// Reads through the text without keeping anything.
+/// Parses the text without keeping anything.
 fn check(text: &str) -> Result<(), (Error, Position)> {
     let mut reader = ron::Deserializer::from_str(text).map_err(|error| (error.code, error.span.end))?;
     let result = IgnoredAny::deserialize(&mut reader).and_then(|_| reader.end());
@@ -114,7 +114,7 @@ fn check(text: &str) -> Result<(), (Error, Position)> {
     })
 }
 
-/// The byte of a position, which counts lines and characters from 1.
+/// The byte at a position. Positions count lines and characters from 1.
 fn offset(text: &str, position: Position) -> usize {
     let line = match position.line {
         0 | 1 => 0,
@@ -124,7 +124,7 @@ fn offset(text: &str, position: Position) -> usize {
     text[line..].char_indices().nth(column).map_or(text.len(), |(at, _)| line + at)
 }
 
-/// A text or comment without an end.
+/// Finds a text or comment without an end.
 fn unclosed(text: &str) -> Option<Fault> {
     let mut symbols = Symbols::new(text);
     symbols.by_ref().for_each(drop);
@@ -133,7 +133,7 @@ fn unclosed(text: &str) -> Option<Fault> {
     Some(Fault::new(span, format!("this {kind} has no end"), format!("needs a closing `{end}`")))
 }
 
-/// The first bracket that has no partner or a wrong one, and where the unclosed one opens.
+/// The first bracket without a matching partner, and the place where the unclosed bracket opens.
 fn unbalanced(text: &str) -> Option<(Fault, usize)> {
     let mut open: Vec<(usize, char)> = Vec::new();
     for (at, c) in Symbols::new(text) {
@@ -165,7 +165,7 @@ fn unbalanced(text: &str) -> Option<(Fault, usize)> {
     Some((fault, start))
 }
 
-/// ron's error in words, at the place it is about. None if a missing bracket says it better.
+/// Explains ron's error at its place. None if a missing bracket explains it better.
 fn translated(text: &str, error: &Error, at: usize) -> Option<Fault> {
     let here = token(text, at);
     let found = text[here.clone()].to_owned();
@@ -174,10 +174,10 @@ fn translated(text: &str, error: &Error, at: usize) -> Option<Fault> {
         Error::Eof => None,
         Error::ExceededRecursionLimit => fault(
             "this is nested too deeply",
-            "brackets may stand about 60 deep, those of nested patterns too",
+            "nest brackets about 60 deep at most, including nested patterns",
         ),
         Error::TrailingCharacters => {
-            fault("the file goes on after its closing bracket", "nothing may follow")
+            fault("there is text after the closing bracket of the file", "nothing may follow")
         }
         Error::ExpectedIdentifier | Error::InvalidIdentifier(_) | Error::SuggestRawIdentifier(_) => {
             fault("expected a field's name", "fields are written `name: value`")
@@ -217,7 +217,7 @@ fn translated(text: &str, error: &Error, at: usize) -> Option<Fault> {
     }
 }
 
-/// Two values side by side: the comma belongs behind the first.
+/// Two adjacent values: the comma is missing behind the first.
 fn missing_comma(text: &str, here: Range<usize>, found: &str) -> Fault {
     if found == "%" {
         return percent(text, here);
@@ -232,7 +232,7 @@ fn missing_comma(text: &str, here: Range<usize>, found: &str) -> Fault {
     fault.also(here, "before this")
 }
 
-/// A share in per cent, which is written as a number.
+/// A percentage, which must be written as a number.
 fn percent(text: &str, here: Range<usize>) -> Fault {
     let is_part = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '+' | '-');
     let number = text[..here.start].trim_end();
@@ -242,17 +242,17 @@ fn percent(text: &str, here: Range<usize>) -> Fault {
     Fault::new(start..here.end, "shares are written as plain numbers, without `%`", label)
 }
 
-/// What to write instead of a number of per cent, if it is one that anybody would write. One that is whole may be meant
-/// for something that is no share.
+/// The number to write instead of a percentage, if it is short enough. A whole percentage may also be meant as a plain
+/// number.
 fn plain_number(percent: &str) -> Option<String> {
-    /// Digits of numbers that people write.
-    const MOST_DIGITS: usize = 12;
+    /// Maximum number of digits in a suggestion.
+    const MAX_DIGITS: usize = 12;
     let percent: f64 = percent.replace('_', "").parse().ok().filter(|number: &f64| number.is_finite())?;
-    // Read as a decimal, of which no division changes a digit.
+    // Parsed as a decimal, because a division could change digits.
     let share: f64 = format!("{percent}e-2").parse().ok()?;
     let (share, whole) = (share.to_string(), percent.to_string());
     match percent.fract() == 0.0 {
-        _ if share.len() > MOST_DIGITS => None,
+        _ if share.len() > MAX_DIGITS => None,
         true => Some(format!("write {share}, or {whole} where no share is meant")),
         false => Some(format!("write {share}")),
     }
@@ -300,8 +300,8 @@ mod tests {
                 let faults = faults(&text);
                 let [fault] = &faults[..] else { panic!("{text}: {faults:?}") };
                 assert_eq!(&text[fault.span.clone()], format!("{number}{blank}%"));
-                let told = format!("{fault:?}");
-                assert!(told.contains(&format!("label: {label:?}")), "{told}");
+                let debug = format!("{fault:?}");
+                assert!(debug.contains(&format!("label: {label:?}")), "{debug}");
             }
         }
     }

@@ -1,11 +1,11 @@
-//! One valid example per feature, and texts that must not bring the reader down.
+//! A valid example of each feature, and texts that must not crash the parser.
 
 use super::*;
 use crate::appearance::environment::SkyTracks;
 use crate::appearance::light::{Attenuation, LightKind};
-use crate::appearance::material::{Highlight, Level, MadeOf, MaterialTracks};
+use crate::appearance::material::{Highlight, MaterialBinding, MaterialTracks, ScalarTextureTracks};
 use crate::appearance::optics::Fresnel;
-use crate::appearance::texture::PaintTracks;
+use crate::appearance::texture::TextureTracks;
 use crate::base::math::{Angle, DQuat, DVec3};
 use crate::base::time::{Rate, Time};
 use crate::camera::path::{Focus, Lens, Step, ZoomBy};
@@ -14,21 +14,21 @@ use crate::encode::Output;
 use crate::film::filter::{Filter, Kernel};
 use crate::geometry::shape::{Cuboid, Sphere};
 use crate::geometry::transform::Rotation;
-use crate::sampling::Points;
+use crate::sampling::SamplerKind;
 use crate::sequence::quality::{Integrator, NoiseTarget, PathSettings};
 use crate::track::{Ease, Repeat};
 use proptest::prelude::*;
 
-/// Everything the format knows, at least once.
+/// Every feature of the format, at least once.
 const EVERYTHING: &str = r##"
 // A comment before, /* and one inside */
 (
     timeline: (frames: 48, fps: "24", keys: Frames,),
     output: (size: (64, 36), files: ["out/f_####.png", "out/a.gif"], tonemap: None,
              exposure: [(0, -2), (48, 1.5, Smooth)],
-             gif: (plays: 3, colors: 16, dither: false)),
+             gif: (loop_count: 3, colors: 16, dither: false)),
     quality: (integrator: Path(roulette: Off, refractive_shadows: true), bounces: 2, antialias: 1, samples: 16,
-              noise: 0.02, most_samples: 512, sampler: Independent,
+              noise: 0.02, max_samples: 512, sampler: Independent,
               filter: BlackmanHarris(width: 2.5), threshold: 0.01, clamp: 10, shutter_steps: 8,
               smooth_terminator: false, seed: 4294967295),
     background: [(0, "#102030"), (24, Srgb(0, 0, 255), Smooth), (48, 0)],
@@ -118,7 +118,7 @@ fn the_shortest_file_has_every_default() {
 fn everything_is_read() {
     let sequence = read(EVERYTHING);
     assert_eq!(sequence.timeline.frames, 48);
-    let gif = GifSettings { plays: Some(3), colors: 16, dither: false, max_size: None };
+    let gif = GifSettings { loop_count: Some(3), colors: 16, dither: false, max_size: None };
     assert_eq!(sequence.output.formats.gif, gif);
     assert_eq!(sequence.output.tonemap, Tonemap::None);
     let path = PathSettings { roulette: None, refractive_shadows: true };
@@ -129,7 +129,7 @@ fn everything_is_read() {
         antialias: 1,
         samples: 16,
         noise: Some(NoiseTarget { error: 0.02, most: 512 }),
-        points: Points::Independent,
+        points: SamplerKind::Independent,
         threshold: 0.01,
         clamp: Some(10.0),
         shutter_steps: 8,
@@ -150,13 +150,56 @@ fn everything_is_read() {
         ["default_material", "objects.\"glass\".material", "objects.\"floor\".material"]
     );
     let ball = &sequence.objects[1].value;
-    assert_eq!((ball.parent, ball.made_of), (Some(0), MadeOf::One(0)));
+    assert_eq!((ball.parent, ball.made_of), (Some(0), MaterialBinding::One(0)));
     assert!(ball.visible.at(seconds(11, 24)) && !ball.visible.at(seconds(12, 24)));
     assert_eq!(ball.transform.scale.at(seconds(10, 24)), DVec3::new(2.0, 1.0, 1.0));
     let SkyTracks::Constant(Animated::Keyed(background)) = &sequence.background.sky else { panic!("keys") };
     assert_eq!(background.keys()[1].time, seconds(1, 1));
     assert_eq!(background.keys()[1].ease, Ease::Smooth);
     assert_eq!(background.keys()[0].ease, Ease::Linear);
+}
+
+/// Files with former names of fields are read as before, and a note gives the file, the line and the new name.
+#[test]
+fn former_names_of_fields_are_read_with_a_warning() {
+    let fields = |background: &str, loops: &str, samples: &str| {
+        format!(
+            "(\n output: ({background}: \"#f00\",\n  gif: ({loops}: 3),\n  apng: ({loops}: 4), webp: ({loops}: 5)),
+              quality: (noise: 0.1, {samples}: 7),\n)"
+        )
+    };
+    let (old, new) =
+        (fields("matte", "plays", "most_samples"), fields("background_color", "loop_count", "max_samples"));
+    let (old, new) = (read(&old), read(&new));
+    assert_eq!((&old.output, old.quality), (&new.output, new.quality));
+    assert_eq!((old.output.matte, old.output.formats.gif.loop_count), (Rgb::X, Some(3)));
+    assert_eq!(old.quality.noise, Some(NoiseTarget { error: 0.1, most: 7 }));
+    assert_eq!(new.notes(), [""; 0]);
+    let warning = |line: u32, what: &str, former: &str, name: &str| {
+        format!(
+            "dir/test.ron:{line}: {what}: the field `{former}` is now called `{name}`; the old name still works"
+        )
+    };
+    let expected = [
+        warning(2, "the output", "matte", "background_color"),
+        warning(3, "`gif`", "plays", "loop_count"),
+        warning(4, "`apng`", "plays", "loop_count"),
+        warning(4, "`webp`", "plays", "loop_count"),
+        warning(5, "the quality", "most_samples", "max_samples"),
+    ];
+    assert_eq!(old.notes(), expected);
+}
+
+#[test]
+fn a_field_and_its_former_name_together_are_a_fault() {
+    let faults = |text: &str| parse("dir/test.ron", text).expect_err("a fault").to_string();
+    let both = faults("(output: (gif: (plays: 3, loop_count: 3)))");
+    assert!(both.contains("`plays` is the former name of `loop_count`"), "{both}");
+    assert_eq!(both.matches("error:").count(), 1, "{both}");
+    let wrong = faults("(quality: (most_samples: 0))");
+    assert!(wrong.contains("`most_samples`: expected a whole number from 1 to"), "{wrong}");
+    let listed = faults("(quality: (most: 1))");
+    assert!(listed.contains("`max_samples`") && !listed.contains("most_samples"), "{listed}");
 }
 
 #[test]
@@ -227,7 +270,7 @@ fn materials_fall_back_to_the_default_material() {
     assert_eq!(material.specular.tint, Rgb::ONE.into());
     assert_eq!(material.mirror.tint, Rgb::splat(0.5).into());
     assert_eq!(material.diffuse.tint, material.ambient.tint);
-    assert!(matches!(material.diffuse.tint, PaintTracks::Color(Animated::Keyed(_))));
+    assert!(matches!(material.diffuse.tint, TextureTracks::Color(Animated::Keyed(_))));
     assert_eq!(material.highlight, Highlight::BlinnPhong);
     assert_eq!(material.shininess, 32.0.into());
 }
@@ -235,7 +278,7 @@ fn materials_fall_back_to_the_default_material() {
 #[test]
 fn kinds_of_materials_have_no_other_lobes() {
     let material = |text: &str| {
-        // What a default material gives is not theirs.
+        // Lobes of the default material must not apply.
         let text = format!(
             "(default_material: (specular: 0.5, mirror: 0.5, emission: 1, fuzz: 0.3), materials: {{ \"m\": {text} }})"
         );
@@ -249,14 +292,17 @@ fn kinds_of_materials_have_no_other_lobes() {
     let matte = material("Lambertian()");
     assert_eq!((lobes(&matte), matte.diffuse.tint), (only(2), Rgb::splat(0.5).into()));
     let metal = material("Metal(color: 0.9)");
-    assert_eq!((lobes(&metal), &metal.fuzz), (only(4), &Level::Even(0.0.into())));
+    assert_eq!((lobes(&metal), &metal.fuzz), (only(4), &ScalarTextureTracks::Constant(0.0.into())));
     assert_eq!(metal.mirror.tint, Rgb::splat(0.9).into());
     let glass = material("Dielectric(priority: 2)");
     assert_eq!((lobes(&glass), glass.fresnel), (only(6), Fresnel::Exact));
     assert_eq!((glass.ior, glass.priority), (1.5.into(), 2));
     let rough = material("MetallicRoughness(emission: 3)");
     assert_eq!((rough.microfacet, rough.emission.strength), (1.0.into(), 3.0.into()));
-    assert_eq!((rough.metallic, rough.roughness), (Level::Even(1.0.into()), Level::Even(1.0.into())));
+    assert_eq!(
+        (rough.metallic, rough.roughness),
+        (ScalarTextureTracks::Constant(1.0.into()), ScalarTextureTracks::Constant(1.0.into()))
+    );
     assert_eq!(rough.ambient.strength, 0.0.into());
     let plain = material("(refraction: 1)");
     assert_eq!((plain.fresnel, plain.microfacet), (Fresnel::Off, 0.0.into()));
@@ -444,13 +490,13 @@ proptest! {
     }
 }
 
-/// Whether nothing is wrong with a text, but that its images are not there.
+/// Checks that a text has no faults except missing images.
 fn check_example(text: &str) {
     let faults = parse("example.ron", text).err().map(|faults| faults.to_string()).unwrap_or_default();
     assert_eq!(faults.matches("error:").count(), faults.matches("cannot read the image").count(), "{faults}");
 }
 
-/// The examples of the format's description work as they stand.
+/// All examples of the format's description are valid.
 #[test]
 fn examples_of_the_description_are_valid() {
     let description = include_str!("../../sequences/README.md");
@@ -459,7 +505,7 @@ fn examples_of_the_description_are_valid() {
     assert!(blocks.len() >= 8, "{} examples", blocks.len());
     for block in blocks {
         if block.starts_with("intensity") {
-            // One field written in several ways.
+            // One field in several notations.
             let ways = block.replace("intensity:", "}, \"x\": {intensity:");
             let lights = ways.split("}, \"x\": {").skip(1);
             for light in lights {

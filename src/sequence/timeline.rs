@@ -1,32 +1,32 @@
-//! `timeline`: how many frames, how fast, and what the times of keys mean.
+//! Decodes `timeline`: number of frames, rate, and the unit of key times.
 
 use super::decimal::exact;
 use super::fault::Fault;
 use super::fields::Fields;
-use super::keys::KeyClock;
+use super::key_clock::KeyClock;
 use super::node::Node;
 use super::values::{each, exact_number, text, tuple, whole};
 use super::words::word;
 use crate::base::time::{Rate, Time, Timeline};
 
-/// Frames in a sequence, at most.
-const MOST_FRAMES: u32 = 10_000_000;
+/// Maximum number of frames of a sequence.
+const MAX_FRAMES: u32 = 10_000_000;
 
-/// Parts of a rate written as a fraction, at most.
+/// Maximum numerator and denominator of a rate.
 const LARGEST_PART: u32 = 1_000_000;
 
 #[derive(Clone, Copy)]
-enum Unit {
+enum KeyUnit {
     Seconds,
     Frames,
 }
 
-/// The timeline of a file that has none: one frame.
+/// The timeline of a file without one: one frame.
 pub fn still() -> Timeline {
     Timeline::of_frames(1, Rate::default())
 }
 
-/// Reads the timeline and sets what key times mean from here on.
+/// Decodes the timeline, and sets the unit of all following key times.
 pub fn timeline(node: Node<'_>) -> Option<Timeline> {
     let mut fields = Fields::of(node, "the timeline")?;
     let rate = fields.or("fps", rate, Rate::default());
@@ -36,21 +36,21 @@ pub fn timeline(node: Node<'_>) -> Option<Timeline> {
         let fault = Fault::new(here, "a timeline has either `frames` or `duration`", "one too many");
         node.fault(fault.also(there, "the length is already given here"));
     }
-    let frames = fields.or("frames", whole(1..=MOST_FRAMES), 1u32);
+    let frames = fields.or("frames", whole(1..=MAX_FRAMES), 1u32);
     let duration = fields.optional("duration", |node| {
         let duration = duration(node)?;
         let (false, Some(rate)) = (has_frames, rate) else { return None };
-        let timeline = Timeline::of_duration(duration, rate).filter(|t| t.frames <= MOST_FRAMES);
+        let timeline = Timeline::of_duration(duration, rate).filter(|t| t.frames <= MAX_FRAMES);
         if timeline.is_none() {
-            let frames = format!("makes more than {MOST_FRAMES} frames at {rate} per second");
+            let frames = format!("makes more than {MAX_FRAMES} frames at {rate} per second");
             node.fault(Fault::new(node.span(), "the sequence is too long", frames));
         }
         timeline
     });
-    let units = [("Seconds", Unit::Seconds), ("Frames", Unit::Frames)];
-    let unit = fields.or("keys", |node| word(node, "unit of key times", &units), Unit::Seconds);
+    let units = [("Seconds", KeyUnit::Seconds), ("Frames", KeyUnit::Frames)];
+    let unit = fields.or("keys", |node| word(node, "unit of key times", &units), KeyUnit::Seconds);
     fields.finish();
-    if let Some(Unit::Frames) = unit {
+    if let Some(KeyUnit::Frames) = unit {
         node.file.clock.set(KeyClock::Frames(rate.unwrap_or_default()));
     }
     let (rate, frames) = (rate?, frames?);

@@ -1,16 +1,16 @@
-//! `translation`, `rotation`, `scale` and `pivot` of an object.
+//! Decodes `translation`, `rotation`, `scale` and `pivot` of an object.
 
 use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
-use super::node::{Content, Node};
+use super::node::{Node, NodeContent};
 use super::values::{angle, direction, each, number, tuple, vector};
 use super::words::{Variants, variant};
 use crate::base::math::{Angle, DQuat, DVec3};
 use crate::geometry::transform::{Rotation, TransformTracks};
 use crate::track::Animated;
 
-/// Reads the transform among the fields of an object.
+/// Decodes the transform among the fields of an object.
 pub fn transform(fields: &mut Fields<'_>) -> Option<TransformTracks> {
     let translation = fields.or("translation", keyed(vector), DVec3::ZERO);
     let rotation = fields.or("rotation", rotation, TransformTracks::default().rotation);
@@ -19,7 +19,8 @@ pub fn transform(fields: &mut Fields<'_>) -> Option<TransformTracks> {
     Some(TransformTracks { translation: translation?, rotation: rotation?, scale: scale?, pivot: pivot? })
 }
 
-/// A factor, or one per axis. A constant 0 would hide the object for good; keyed, it hides it for a while.
+/// One factor, or one for each axis. A constant 0 is refused, because the object would never be visible. Keys may pass
+/// through 0.
 fn scale(node: Node<'_>) -> Option<Animated<DVec3>> {
     let scale = keyed(factors)(node)?;
     if let Animated::Constant(factors) = scale
@@ -54,7 +55,7 @@ fn rotation(node: Node<'_>) -> Option<Rotation> {
     variant(node, "rotation", table)
 }
 
-/// A rotation, or an angle about `axis`.
+/// A rotation, or an angle around `axis`.
 pub fn turn<'s>(axis: DVec3) -> impl Fn(Node<'s>) -> Option<Rotation> {
     move |node| match node.word() {
         "" | "Track" => keyed(angle)(node).map(|angle| Rotation::AxisAngle { axis: axis.into(), angle }),
@@ -77,10 +78,10 @@ fn euler(node: Node<'_>) -> Option<Rotation> {
     Some(Rotation::Euler { x: x?, y: y?, z: z? })
 }
 
-/// `Quaternion((x, y, z, w))`, or keys of such tuples in its parentheses.
+/// `Quaternion((x, y, z, w))`, or keys of such tuples.
 fn quaternion(node: Node<'_>) -> Option<Rotation> {
     match node.content()? {
-        Content::Tuple(items) if items.len() == 1 => {
+        NodeContent::Tuple(items) if items.len() == 1 => {
             keyed(unit_quaternion)(items[0]).map(Rotation::Quaternion)
         }
         _ => {
@@ -95,9 +96,9 @@ fn unit_quaternion(node: Node<'_>) -> Option<DQuat> {
     let largest = parts.iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
     if largest == 0.0 {
         let fault = node.mismatch("a quaternion (x, y, z, w)").label("is zero, which is no rotation");
-        node.fault(fault.help("(0, 0, 0, 1) turns nothing"));
+        node.fault(fault.help("(0, 0, 0, 1) is no turn"));
         return None;
     }
-    // Scaled first, so that neither tiny nor huge ones under- or overflow.
+    // Scaled first, so that the length neither underflows nor overflows.
     Some(DQuat::from_array(parts.map(|part| part / largest)).normalize())
 }

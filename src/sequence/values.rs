@@ -1,33 +1,33 @@
-//! Plain values: numbers, vectors, angles, switches, text. Each decoder reports what is wrong and gives none.
+//! Decodes plain values: numbers, vectors, angles, booleans, text. Each decoder reports faults and then returns None.
 
 use super::decimal::{NotExact, exact, is_decimal};
 use super::fault::Fault;
-use super::node::{Content, Node};
+use super::node::{Node, NodeContent};
 use super::words::word;
 use crate::base::math::{Angle, DVec3};
 use crate::base::time::Time;
 use std::ops::RangeInclusive;
 
-/// Numbers beyond this are refused: their squares and products must stay far from overflow.
+/// Maximum absolute value of a number, so that squares and products do not overflow.
 pub const LARGEST: f64 = 1e30;
 
-/// Lengths below this are refused, for their squares must stay far from underflow.
+/// Minimum length, so that squares do not underflow.
 pub const SHORTEST: f64 = 1e-30;
 
-/// Whether a value is written like a number.
+/// Whether a value looks like a number.
 pub fn is_number(node: Node<'_>) -> bool {
     let unsigned = node.text().trim_start_matches(['+', '-', '.']);
     let starts = |text: &str| unsigned.starts_with(text);
     unsigned.starts_with(|c: char| c.is_ascii_digit()) || starts("inf") || starts("NaN")
 }
 
-/// What is written as a plain number, however large.
+/// A plain decimal number of any size.
 fn decimal(node: Node<'_>) -> Option<f64> {
     let text = node.text();
     is_decimal(text).then(|| text.replace('_', "").parse().ok()).flatten()
 }
 
-/// Any finite number.
+/// A finite number.
 pub fn number(node: Node<'_>) -> Option<f64> {
     let text = node.text();
     if let Some(value) = decimal(node) {
@@ -52,7 +52,7 @@ pub fn number(node: Node<'_>) -> Option<f64> {
     None
 }
 
-/// A number that passes `good`; `what` says which ones do.
+/// A number that satisfies `good`. `what` describes it for messages.
 fn number_where(node: Node<'_>, what: &str, good: impl Fn(f64) -> bool) -> Option<f64> {
     let value = number(node)?;
     if good(value) {
@@ -62,7 +62,7 @@ fn number_where(node: Node<'_>, what: &str, good: impl Fn(f64) -> bool) -> Optio
     None
 }
 
-/// The same within bounds, which are narrower than those of all numbers.
+/// [`number_where`] for bounds that are narrower than those of all numbers.
 fn bounded(node: Node<'_>, what: &str, good: impl Fn(f64) -> bool) -> Option<f64> {
     if decimal(node).is_some_and(|value| value.abs() > LARGEST) {
         node.expected(what);
@@ -104,7 +104,7 @@ pub fn whole(range: RangeInclusive<u32>) -> impl Fn(Node<'_>) -> Option<u32> {
     }
 }
 
-/// A whole number of either sign.
+/// A whole number with a sign.
 pub fn whole_number(range: RangeInclusive<i32>) -> impl Fn(Node<'_>) -> Option<i32> {
     move |node| {
         let what = format!("a whole number from {} to {}", range.start(), range.end());
@@ -118,7 +118,7 @@ pub fn whole_number(range: RangeInclusive<i32>) -> impl Fn(Node<'_>) -> Option<i
 pub fn exact_number(node: Node<'_>, places: u32) -> Option<Time> {
     match exact(node.text(), places) {
         Ok(value) => Some(value),
-        // The message is that of any other number.
+        // The message is the same as for any other number.
         Err(NotExact::NotDecimal) => {
             number(node);
             None
@@ -135,11 +135,11 @@ pub fn exact_number(node: Node<'_>, places: u32) -> Option<Time> {
     }
 }
 
-/// Exactly `N` values in parentheses; `what` describes them with their names.
+/// Exactly `N` values in parentheses. `what` describes them for messages.
 pub fn tuple<'s, const N: usize>(node: Node<'s>, what: &str) -> Option<[Node<'s>; N]> {
     let items = match node.content()? {
-        Content::Tuple(items) => items,
-        Content::List(_) => {
+        NodeContent::Tuple(items) => items,
+        NodeContent::List(_) => {
             node.fault(node.mismatch(what).help("a value goes in parentheses ( ), a list [ ] holds keys"));
             return None;
         }
@@ -155,7 +155,7 @@ pub fn tuple<'s, const N: usize>(node: Node<'s>, what: &str) -> Option<[Node<'s>
     items
 }
 
-/// `N` values of which each is decoded, so that each fault is reported.
+/// Decodes all `N` values, so that every fault is reported.
 pub fn each<'s, T, const N: usize>(
     nodes: [Node<'s>; N],
     decode: impl Fn(Node<'s>) -> Option<T>,
@@ -173,7 +173,7 @@ pub fn vector(node: Node<'_>) -> Option<DVec3> {
     each(tuple(node, "three numbers (x, y, z)")?, number).map(DVec3::from_array)
 }
 
-/// A vector that has a direction.
+/// A vector of nonzero length.
 pub fn direction(node: Node<'_>) -> Option<DVec3> {
     let value = vector(node)?;
     if value.length() >= SHORTEST {
@@ -188,12 +188,12 @@ pub fn unit_vector(node: Node<'_>) -> Option<DVec3> {
     direction(node).map(|v| (v / v.abs().max_element()).normalize())
 }
 
-/// Degrees.
+/// An angle in degrees.
 pub fn angle(node: Node<'_>) -> Option<Angle> {
     number_where(node, "an angle between -1e9 and 1e9 degrees", |value| value.abs() <= 1e9).map(Angle)
 }
 
-/// An angle of which only a part of the circle makes sense.
+/// An angle within bounds in degrees.
 pub fn angle_between(least: f64, most: f64) -> impl Fn(Node<'_>) -> Option<Angle> {
     move |node| {
         let what = format!("an angle from {least} to {most} degrees");
@@ -201,7 +201,7 @@ pub fn angle_between(least: f64, most: f64) -> impl Fn(Node<'_>) -> Option<Angle
     }
 }
 
-/// A vertical field of view.
+/// A vertical field of view in degrees.
 pub fn field_of_view(node: Node<'_>) -> Option<Angle> {
     let what = "an angle from 0.000001 to below 180 degrees";
     number_where(node, what, |value| (1e-6..180.0).contains(&value)).map(Angle)
@@ -239,21 +239,21 @@ pub fn text(node: Node<'_>) -> Option<String> {
     }
 }
 
-/// A list of values that are decoded one by one; none if any of them is wrong.
+/// Decodes each value of a list. None if any value has a fault.
 pub fn list<'s, T>(node: Node<'s>, what: &str, decode: impl Fn(Node<'s>) -> Option<T>) -> Option<Vec<T>> {
     let items = match node.content()? {
-        Content::List(items) if node.word().is_empty() => items,
+        NodeContent::List(items) if node.word().is_empty() => items,
         _ => {
             node.expected(format!("a list of {what} [ ... ]"));
             return None;
         }
     };
-    // Not stopping at the first fault is the point of collecting before checking.
+    // Collecting before checking reports the faults of all values.
     let values: Vec<Option<T>> = items.into_iter().map(decode).collect();
     values.into_iter().collect()
 }
 
-/// A word that stands for one of a few values.
+/// A word from a table.
 pub fn one_of<'s, T: Copy>(
     what: &'static str,
     table: &'static [(&'static str, T)],

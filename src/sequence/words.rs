@@ -1,13 +1,13 @@
-//! Words that stand for values or start them, and names that nothing goes by.
+//! Decodes words that stand for values or begin them, and reports unknown names.
 
 use super::fault::Fault;
 use super::node::Node;
 use super::suggest::{either, listed, nearest, shortened};
 
-/// Words and the decoders of the values that start with them.
+/// Words, each with the decoder of the values that start with it.
 pub type Variants<'s, T> = [(&'static str, fn(Node<'s>) -> Option<T>)];
 
-/// Decodes a value that starts with a word by the decoder of that word.
+/// Decodes a value by its leading word.
 pub fn variant<'s, T>(node: Node<'s>, what: &str, table: &Variants<'s, T>) -> Option<T> {
     let known = table.iter().map(|(name, _)| *name);
     if node.word().is_empty() || is_literal(node.word()) {
@@ -21,7 +21,7 @@ pub fn variant<'s, T>(node: Node<'s>, what: &str, table: &Variants<'s, T>) -> Op
     decode(node)
 }
 
-/// The word that a value starts with, if it is one of `known`.
+/// The leading word of a value, if it is one of `known`.
 pub fn known_word(node: Node<'_>, what: &str, known: &'static [&'static str]) -> Option<&'static str> {
     if node.word().is_empty() || is_literal(node.word()) {
         report_no_word(node, known.iter().copied());
@@ -34,7 +34,7 @@ pub fn known_word(node: Node<'_>, what: &str, known: &'static [&'static str]) ->
     found
 }
 
-/// Reports a value where one of a few words was expected.
+/// Reports a value without a word where one of `known` was expected.
 fn report_no_word<'n>(node: Node<'_>, known: impl Iterator<Item = &'n str> + Clone) {
     let fault = node.mismatch(either(known.clone()));
     let quoted = node.is_text() && known.into_iter().any(|name| node.text().trim_matches('"') == name);
@@ -55,14 +55,14 @@ pub fn word<T: Copy>(node: Node<'_>, what: &str, table: &[(&'static str, T)]) ->
     found
 }
 
-/// Which name may have been meant.
+/// A suggestion of the intended name.
 pub fn suggestion<'n>(node: Node<'_>, wrong: &str, candidates: impl IntoIterator<Item = &'n str>) -> String {
-    // A file with this many faults needs something else than suggestions, which take their time.
+    // In files with this many faults, suggestions would take too long.
     let meant = if node.file.fault_count() < 1000 { nearest(wrong, candidates) } else { None };
     meant.map_or_else(|| "unknown".to_owned(), |name| format!("did you mean `{}`?", shortened(name)))
 }
 
-/// The fault of an unknown name at `node`, with the nearest of the known ones.
+/// The fault of an unknown name at `node`, with a suggestion.
 pub fn unknown<'n>(
     node: Node<'_>,
     what: &str,
@@ -74,7 +74,7 @@ pub fn unknown<'n>(
     Fault::new(span, title, suggestion(node, wrong, known))
 }
 
-/// Reports an unknown name together with all that are known.
+/// Reports an unknown name, and lists all known names.
 pub fn report_unknown<'n, C>(node: Node<'_>, what: &str, wrong: &str, known: C)
 where
     C: IntoIterator<Item = &'n str> + Clone,
@@ -85,7 +85,7 @@ where
     node.fault(unknown(node, what, wrong, known).help(help));
 }
 
-/// Words of the notation itself.
+/// Words of RON itself.
 pub fn is_literal(word: &str) -> bool {
     matches!(word, "true" | "false" | "inf" | "NaN" | "None")
 }

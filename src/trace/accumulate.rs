@@ -1,15 +1,15 @@
-//! What the samples of a wave add to each layer.
+//! Sums of light per layer and sample of a wave.
 
 use crate::base::color::Rgb;
 use crate::base::lanes::{Bits, Color, Level, Mask, Real, Row, SimdKernel, Single, dispatch, lanes};
 use crate::base::math::DVec3;
 use crate::film::LayerId;
 
-/// Sums of light, layer after layer and of each its channels: a number for every sample.
+/// Sums of light: for each layer and each of its channels, one number per sample.
 #[derive(Default)]
 pub struct Accumulator {
     layers: usize,
-    /// So many numbers each channel has: for all samples, and for lanes behind the last.
+    /// Numbers per channel: the samples, and padding for the lanes behind the last one.
     length: usize,
     sums: Vec<f64>,
 }
@@ -19,14 +19,14 @@ impl Accumulator {
         Self { layers, ..Self::default() }
     }
 
-    /// Begins with so many samples.
+    /// Clears the sums for this number of samples.
     pub fn reset(&mut self, samples: usize) {
         self.length = samples + 8;
         self.sums.clear();
         self.sums.resize(3 * self.layers * self.length, 0.0);
     }
 
-    /// Adds light to a layer of the samples in the lanes of a mask.
+    /// Adds light to a layer of the samples `slots`, in the lanes of a mask.
     #[inline(always)]
     pub fn add<F: Real>(&mut self, layer: LayerId, light: Color<F::F32>, mask: F::Mask, slots: F::U32) {
         let mut consecutive = F::U32::splat(0).to_array();
@@ -57,14 +57,14 @@ impl Accumulator {
         }
     }
 
-    /// A sample's sum of a layer.
+    /// The sum of a layer of a sample.
     #[inline]
     pub fn get(&self, layer: usize, slot: u32) -> DVec3 {
         let at = self.place(layer, slot);
         DVec3::new(self.sums[at], self.sums[at + self.length], self.sums[at + 2 * self.length])
     }
 
-    /// Replaces a sample's sum of a layer.
+    /// Replaces the sum of a layer of a sample.
     pub fn set(&mut self, layer: usize, slot: u32, sum: DVec3) {
         let at = self.place(layer, slot);
         for (channel, number) in sum.to_array().into_iter().enumerate() {
@@ -72,7 +72,7 @@ impl Accumulator {
         }
     }
 
-    /// Where the first channel of a sample's layer is.
+    /// The index of the first channel of a layer of a sample.
     #[inline(always)]
     fn place(&self, layer: usize, slot: u32) -> usize {
         3 * layer * self.length + slot as usize
@@ -83,16 +83,16 @@ impl Accumulator {
         (F::load(&self.sums, at) + light).store(&mut self.sums, at);
     }
 
-    /// Whether all of the sums are finite and not below 0.
-    pub fn is_light(&self) -> bool {
-        dispatch(IsLight(&self.sums))
+    /// Whether all sums are finite and not negative.
+    pub fn is_valid(&self) -> bool {
+        dispatch(AllValid(&self.sums))
     }
 }
 
-/// Whether all of these numbers are finite and not below 0.
-struct IsLight<'a>(&'a [f64]);
+/// Tests that all numbers are finite and not negative.
+struct AllValid<'a>(&'a [f64]);
 
-impl SimdKernel for IsLight<'_> {
+impl SimdKernel for AllValid<'_> {
     type Output = bool;
 
     #[inline(always)]

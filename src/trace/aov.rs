@@ -1,54 +1,54 @@
-//! The AOV stage: depth, normal and albedo of what is seen first, for those who ask.
+//! The AOV stage: depth, normal and albedo of the first visible surface.
 
 use super::context::{Queue, TraceContext};
 use super::interaction::SurfaceInteraction;
 use super::materials::{Column, LobeSet, LobeTable};
 use super::path::has_flag;
-use super::shade::{LobeRows, Stage};
+use super::shade::{LobeRows, WaveState};
 use super::stream::{PathState, flags};
 use super::textures;
 use crate::base::lanes::{Color, Level, Lookup, Mask, Real, Row, SimdKernel, Single, lanes};
 use crate::base::math::DVec3;
 use crate::base::stats::Evaluations;
 
-/// Records what the paths of a queue have met, if they come straight from the eye: in the layers from `first` on.
-pub struct Record<'a, 's> {
-    pub stage: &'s mut Stage<'a>,
+/// Records the hits of a queue's paths that come straight from the camera, in the layers from `first` on.
+pub struct RecordAovs<'a, 's> {
+    pub wave: &'s mut WaveState<'a>,
     pub queue: Queue,
     pub first: usize,
 }
 
-impl SimdKernel for Record<'_, '_> {
+impl SimdKernel for RecordAovs<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Level>(self) {
-        let Self { stage, queue, first } = self;
-        let context = stage.context;
+        let Self { wave, queue, first } = self;
+        let context = wave.context;
         let lobes = match queue {
             Queue::Escaped => return,
             Queue::Light => None,
             Queue::Surface(class) => Some(context.classes[class as usize]),
         };
-        for which in stage.hits.queue(queue).chunks(8) {
-            let at = Lookup::new(which);
-            let there = L::Mask::from_bits(0xff >> (8 - which.len()));
-            let path = stage.paths.gather::<L::F64>(&at);
-            let seen = there & has_flag::<L::F64>(path.flags, flags::FROM_EYE);
+        for items in wave.hits.queue(queue).chunks(8) {
+            let at = Lookup::new(items);
+            let active = L::Mask::from_bits(0xff >> (8 - items.len()));
+            let path = wave.paths.gather::<L::F64>(&at);
+            let seen = active & has_flag::<L::F64>(path.flags, flags::FROM_EYE);
             if !seen.any() {
                 continue;
             }
-            let hit = SurfaceInteraction::gather(context, &path, (stage.hits, &at), seen);
+            let hit = SurfaceInteraction::gather(context, &path, (wave.hits, &at), seen);
             let white = Color::grey(L::F32::splat(1.0));
-            let (albedo, there) = match lobes {
-                Some(lobes) => albedo(context, &path, &hit, (lobes, seen), stage.rows),
+            let (albedo, active) = match lobes {
+                Some(lobes) => albedo(context, &path, &hit, (lobes, seen), wave.rows),
                 None => (white, seen),
             };
             let camera = context.scene.camera;
             let slots = path.slot.to_array();
-            for lane in lanes(there.bits()) {
-                // What lies behind something transparent is not seen first.
-                if stage.sums.get(first, slots[lane]).y != 0.0 {
+            for lane in lanes(active.bits()) {
+                // A surface behind a transparent one is not the first visible surface.
+                if wave.sums.get(first, slots[lane]).y != 0.0 {
                     continue;
                 }
                 let depth = (hit.surface.point.lane(lane) - camera.position).dot(camera.basis.forward);
@@ -58,15 +58,15 @@ impl SimdKernel for Record<'_, '_> {
                     albedo.lane(lane).as_dvec3(),
                 ];
                 for (layer, sum) in (first..).zip(seen) {
-                    stage.sums.set(layer, slots[lane], sum);
+                    wave.sums.set(layer, slots[lane], sum);
                 }
             }
         }
     }
 }
 
-/// The share of light that surfaces send on, by whatever lobe, all of it where they shine; and the lanes whose surface is
-/// there, not cut out.
+/// The albedo of surfaces: the sum of all lobes. Emitters have the albedo 1. Also gives the lanes whose surface is not
+/// cut out.
 #[inline(always)]
 fn albedo<F: Real>(
     context: &TraceContext,
@@ -91,15 +91,15 @@ fn albedo<F: Real>(
     let transparency: Color<F::F32> = table.color(Column::TRANSPARENCY, at);
     let all = all + transparency;
     let one = F::F32::splat(1.0);
-    let mut there = seen;
+    let mut active = seen;
     if lobes.has(LobeSet::TEXTURED) {
         let clear = one.le(transparency.r) & one.le(transparency.g) & one.le(transparency.b);
         let materials = hit.material.to_array();
         for lane in lanes((seen & clear).bits()) {
             if context.material(materials[lane]).is_cut_out() {
-                there = there & !F::Mask::from_bits(1 << lane);
+                active = active & !F::Mask::from_bits(1 << lane);
             }
         }
     }
-    (Color { r: all.r.min(one), g: all.g.min(one), b: all.b.min(one) }, there)
+    (Color { r: all.r.min(one), g: all.g.min(one), b: all.b.min(one) }, active)
 }

@@ -1,40 +1,40 @@
-//! A scene at one moment with all that is constant resolved, ready to be traced.
+//! A scene at one moment, prepared for tracing: everything that is constant is resolved.
 
-use super::TraceSettings;
 use super::light::LightSampler;
 use super::materials::{LobeSet, LobeTable};
+use super::settings::TraceSettings;
 use super::stream::Columns;
 use crate::appearance::environment::Environment;
 use crate::appearance::fog::Fog;
-use crate::appearance::light_groups::glow::Glow;
-use crate::appearance::material::{MadeOf, Material};
+use crate::appearance::light_groups::GroupRadiance;
+use crate::appearance::material::{Material, MaterialBinding};
 use crate::base::color::Rgb;
 use crate::base::math::{DVec3, gamma};
 use crate::film::LayerId;
-use crate::scene::top_level::{Bvh, Passing};
+use crate::scene::top_level::{Bvh, TransmissiveFlags};
 use crate::scene::{Finish, Primitive, Scene, SurfaceTable};
 use crate::sequence::quality::{Integrator, Quality};
 
-/// What a path that has met something goes on with.
+/// The queue of a path after the intersect stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Queue {
-    /// It has met nothing.
+    /// Paths that hit nothing.
     Escaped,
-    /// It has met a light.
+    /// Paths that hit a light.
     Light,
-    /// A surface whose material has the lobes of this number.
+    /// Paths that hit a surface. The number is that of the set of lobes.
     Surface(u32),
 }
 
-/// The queue of a primitive's hits.
+/// The queue of the hits on a primitive.
 #[derive(Clone, Copy, Debug)]
 enum Route {
     One(Queue, u32),
-    /// By the part that is met.
+    /// The part of the mesh decides.
     Parts,
 }
 
-/// One moment's scene, ready to be traced.
+/// A scene at one moment, prepared for tracing.
 pub struct TraceContext<'a> {
     pub scene: &'a Scene<'a>,
     pub bvh: &'a Bvh,
@@ -43,40 +43,40 @@ pub struct TraceContext<'a> {
     pub surfaces: SurfaceTable,
     pub lights: LightSampler<'a>,
     pub environment: Option<&'a Environment>,
-    pub ambient: Option<Glow>,
+    pub ambient: Option<GroupRadiance>,
     pub fog: Option<Fog>,
-    /// Where the shares of eye rays that meet nothing go, in place of what the sky would add.
+    /// The layer that records the share of camera rays that hit nothing, instead of light from the sky.
     pub holdout: Option<LayerId>,
-    /// The first layer of AOVs, if there are any.
+    /// The first layer of AOVs, if films record any.
     pub aovs: Option<usize>,
-    /// How many layers hold light, and how many there are.
+    /// The number of layers of light, and the number of all layers.
     pub lit_layers: usize,
     pub layers: usize,
-    /// Whether shadow rays pass what refracts.
+    /// Whether shadow rays pass refracting surfaces.
     pub refractive_shadows: bool,
-    /// Lobes by which shadow rays pass surfaces.
+    /// The lobes that let shadow rays pass.
     pub passes: LobeSet,
-    /// Whether samples are drawn at random.
+    /// Whether samples are random.
     pub is_random: bool,
-    /// The axes of the picture, to the right and up: frames around directions to the eye are turned by them.
+    /// The axes of the image, to the right and up. Frames around directions to the eye are aligned with them.
     pub picture_axes: [DVec3; 2],
-    /// Whether some light cannot be sampled: paths find it by chance alone.
+    /// Whether the scene has light that cannot be sampled, so that paths find it only by chance.
     pub unsampled_light: bool,
-    /// Whether paths that reflect and refract no more can meet light: emitters, the sky or the glow of fog.
+    /// Whether paths at their last bounce can still find light: emitters, the sky, or in-scattering of fog.
     pub emits: bool,
-    /// What rounding may do to a point of any surface, at most, as a length.
+    /// The largest rounding error of a point of any surface, as a length.
     pub rounding: f64,
     pub columns: Columns,
-    /// The lobes of materials, and those that differ from each other with their numbers.
+    /// The lobes of all materials, and the different sets of lobes in numbered order.
     pub table: LobeTable,
     pub classes: Vec<LobeSet>,
     class_of: Vec<u32>,
     routes: Vec<Route>,
-    /// Of every primitive, whether shadow rays pass it.
+    /// For each primitive, whether shadow rays pass it.
     passing: Vec<bool>,
-    /// Whether there are any.
-    pub clear: bool,
-    /// Whether any material refracts, so that rays must know what they are inside of.
+    /// Whether shadow rays pass any primitive.
+    pub has_transparency: bool,
+    /// Whether any material refracts, so that paths record the media around them.
     pub media: bool,
 }
 
@@ -95,15 +95,15 @@ impl<'a> TraceContext<'a> {
         let passes =
             LobeSet::TRANSPARENT | if refractive_shadows { LobeSet::REFRACTION } else { LobeSet::default() };
         let lit_layers = scene.weights.0.len();
-        let aovs = extras.guides_layer(lit_layers).map(LayerId::index);
+        let aovs = extras.features_layer(lit_layers).map(LayerId::index);
         let is_random = is_random(scene, quality.integrator);
-        let glows = |glow: &Glow| glow.radiance != Rgb::ZERO && is_weighted(scene, glow.layer);
-        let glows_in_fog = shading.fog.is_some_and(|fog| glows(&fog.glow));
+        let glows = |glow: &GroupRadiance| glow.radiance != Rgb::ZERO && is_weighted(scene, glow.layer);
+        let glows_in_fog = shading.fog.is_some_and(|fog| glows(&fog.in_scattering));
         let unsampled_sky = environment.is_some() && !lights.samples_sky();
         let columns = Columns {
             fog: shading.fog.is_some(),
             cones: materials.any(LobeSet::TEXTURED),
-            mis: path && lights.weighs(),
+            mis: path && lights.needs_mis(),
             media: materials.any(LobeSet::PASSES),
             keys: !path && is_random,
             flags: path || aovs.is_some() || scene.geometry.primitives.iter().any(Primitive::is_light),
@@ -125,8 +125,8 @@ impl<'a> TraceContext<'a> {
             passes,
             is_random,
             picture_axes: [scene.camera.basis.right, scene.camera.basis.up],
-            emits: environment.is_some() || materials.emit(scene) || lights.weighs() || glows_in_fog,
-            unsampled_light: unsampled_sky || lights.leaves_out_emission() || glows_in_fog,
+            emits: environment.is_some() || materials.emit(scene) || lights.needs_mis() || glows_in_fog,
+            unsampled_light: unsampled_sky || lights.has_unsampled_emission() || glows_in_fog,
             rounding: bvh.reach() * gamma(32),
             columns,
             lights,
@@ -135,14 +135,15 @@ impl<'a> TraceContext<'a> {
             class_of: Vec::new(),
             routes: Vec::new(),
             passing: Vec::new(),
-            clear: materials.any(passes),
+            has_transparency: materials.any(passes),
             media: materials.any(LobeSet::REFRACTION),
         };
         context.classify(&materials.lobes);
         context
     }
 
-    /// Numbers the sets of lobes that differ, and notes of each primitive where its hits go and whether shadow rays pass it.
+    /// Numbers the different sets of lobes. Records for each primitive the queue of its hits, and whether shadow rays
+    /// pass it.
     fn classify(&mut self, lobes: &[LobeSet]) {
         self.classes = lobes.to_vec();
         self.classes.sort_unstable();
@@ -151,10 +152,10 @@ impl<'a> TraceContext<'a> {
         self.class_of = lobes.iter().map(class).collect();
         let route = |primitive: &Primitive| match primitive.finish {
             Finish::Light(index) => Route::One(Queue::Light, index),
-            Finish::Material(MadeOf::One(material)) => {
+            Finish::Material(MaterialBinding::One(material)) => {
                 Route::One(Queue::Surface(self.class_of[material as usize]), material)
             }
-            Finish::Material(MadeOf::Slots { .. }) => Route::Parts,
+            Finish::Material(MaterialBinding::Slots { .. }) => Route::Parts,
         };
         let primitives = &self.scene.geometry.primitives;
         self.routes = primitives.iter().map(route).collect();
@@ -163,7 +164,7 @@ impl<'a> TraceContext<'a> {
         self.passing = primitives.iter().map(passes).collect();
     }
 
-    /// Where a hit goes, with the index of its material or light.
+    /// The queue of a hit, and the index of its material or light.
     #[inline]
     pub fn route(&self, primitive: u32, part: u32) -> (Queue, u32) {
         match self.routes[primitive as usize] {
@@ -184,13 +185,13 @@ impl<'a> TraceContext<'a> {
         &self.scene.shading.materials[index as usize]
     }
 
-    /// Which primitives shadow rays pass, if any.
-    pub fn passing(&self) -> Option<Passing<'_>> {
-        self.clear.then_some(Passing(&self.passing))
+    /// The primitives that shadow rays pass, if there are any.
+    pub fn passing(&self) -> Option<TransmissiveFlags<'_>> {
+        self.has_transparency.then_some(TransmissiveFlags(&self.passing))
     }
 }
 
-/// The lobes of a scene's materials, and which of them are seen somewhere.
+/// The lobes of a scene's materials, and whether each material is used.
 struct UsedMaterials {
     lobes: Vec<LobeSet>,
     used: Vec<bool>,
@@ -205,12 +206,12 @@ impl UsedMaterials {
         Self { lobes: materials.iter().map(LobeSet::of).collect(), used }
     }
 
-    /// Whether any has lobes of a set.
+    /// Whether a used material has any of these lobes.
     fn any(&self, set: LobeSet) -> bool {
         self.lobes.iter().zip(&self.used).any(|(lobes, used)| *used && lobes.has(set))
     }
 
-    /// Whether any emits light.
+    /// Whether a used material emits light.
     fn emit(&self, scene: &Scene) -> bool {
         let shines = |material: &Material| {
             material.lobes.emission != Rgb::ZERO && is_weighted(scene, material.emission_layer)
@@ -219,18 +220,17 @@ impl UsedMaterials {
     }
 }
 
-/// Whether light of a layer shows.
+/// Whether the weight of a layer is not black.
 fn is_weighted(scene: &Scene, layer: LayerId) -> bool {
     scene.weights.0[layer.index()] != Rgb::ZERO
 }
 
-/// Whether samples of one moment of the scene are drawn at random: along paths, and where a lens, a light with an area
-/// or a rough surface has to be sampled.
+/// Whether samples of a moment are random: along paths, and for a lens, a light with an area or a rough surface.
 pub fn is_random(scene: &Scene, integrator: Integrator) -> bool {
     let rough = || {
         let mut materials = scene.geometry.primitives.iter().flat_map(Primitive::materials);
         materials.any(|index| scene.shading.materials[index as usize].is_rough())
     };
     let area = || scene.lights().any(|(_, light)| light.source.is_sampled());
-    integrator.looks_for_lights() || scene.camera.lens.is_some() || area() || rough()
+    integrator.samples_lights() || scene.camera.lens.is_some() || area() || rough()
 }

@@ -1,42 +1,42 @@
-//! The escape stage: paths that meet nothing see the sky.
+//! The escape stage: adds the light of the sky to paths that hit nothing.
 
 use super::path::mis_weight;
-use super::shade::Stage;
+use super::shade::WaveState;
 use crate::base::lanes::{Bits, Color, Level, Lookup, Mask, Row, SimdKernel, Vec3};
 
-/// Adds what the sky sends to the paths of a queue. A path that comes straight from the eye sees the picture's background,
+/// Adds the light of the sky to the paths of a queue. A path straight from the camera sees the background instead,
 /// which may be held out.
-pub struct Escape<'a, 's> {
-    pub stage: &'s mut Stage<'a>,
+pub struct HandleEscaped<'a, 's> {
+    pub wave: &'s mut WaveState<'a>,
     pub queue: &'s [u32],
 }
 
-impl SimdKernel for Escape<'_, '_> {
+impl SimdKernel for HandleEscaped<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Level>(self) {
-        let Self { stage, queue } = self;
-        let context = stage.context;
+        let Self { wave, queue } = self;
+        let context = wave.context;
         if context.environment.is_none() && context.holdout.is_none() {
             return;
         }
-        for which in queue.chunks(8) {
-            let at = Lookup::new(which);
-            let mut there = L::Mask::from_bits(0xff >> (8 - which.len()));
-            let path = stage.paths.gather::<L::F64>(&at);
+        for items in queue.chunks(8) {
+            let at = Lookup::new(items);
+            let mut active = L::Mask::from_bits(0xff >> (8 - items.len()));
+            let path = wave.paths.gather::<L::F64>(&at);
             if let Some(holdout) = context.holdout {
-                let from_eye = there & path.left.eq(L::U32::splat(context.quality.surfaces()));
-                stage.sums.add::<L::F64>(holdout, path.throughput.shining(), from_eye, path.slot);
-                there = there & !from_eye;
+                let from_eye = active & path.bounces_left.eq(L::U32::splat(context.quality.surfaces()));
+                wave.sums.add::<L::F64>(holdout, path.throughput.at_emitter(), from_eye, path.slot);
+                active = active & !from_eye;
             }
-            let Some(environment) = context.environment.filter(|_| there.any()) else { continue };
+            let Some(environment) = context.environment.filter(|_| active.any()) else { continue };
             let direction: Vec3<L::F64> = path.ray.direction;
-            let mut light: Color<L::F32> = path.throughput.shining() * environment.radiance(direction);
+            let mut light: Color<L::F32> = path.throughput.at_emitter() * environment.radiance(direction);
             if context.lights.samples_sky() {
                 light = light * mis_weight(&path, context.lights.pdf_of_sky(direction));
             }
-            stage.sums.add::<L::F64>(environment.layer, light, there, path.slot);
+            wave.sums.add::<L::F64>(environment.layer, light, active, path.slot);
         }
     }
 }

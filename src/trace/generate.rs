@@ -1,4 +1,4 @@
-//! The generate stage: rays from the eye.
+//! The generate stage: camera rays.
 
 use super::context::TraceContext;
 use super::medium::OUTSIDE;
@@ -6,23 +6,23 @@ use super::stream::{PathState, PathStream, Throughput, flags};
 use crate::base::lanes::{Bits, Level, Lookup, Mask, Real, Row, SimdKernel, Vec3};
 use crate::base::stats::Counts;
 use crate::camera::RayCone;
-use crate::sampling::{LaneSampler, Points, Sampler, dimension};
+use crate::sampling::{LaneSampler, Sampler, SamplerKind, dimension};
 
-/// Samples of pixels that are followed together: each has a slot, its place among them.
+/// The samples of a wave. Each has a slot, its index in these columns.
 #[derive(Default)]
 pub struct PixelSamples {
     len: usize,
     x: Vec<u32>,
     y: Vec<u32>,
-    /// The samples' numbers, as grids count them.
+    /// The numbers of the samples within their pixels, as grids count them.
     number: Vec<u32>,
-    /// By which random numbers are drawn: those of the pixels, and those of the samples.
+    /// Keys of the random numbers: those of the pixels, and those of the samples.
     pixel: Vec<u32>,
     sample: Vec<u32>,
 }
 
 impl PixelSamples {
-    /// With room for so many.
+    /// Without samples, with room for `size` of them.
     pub fn with_capacity(size: usize) -> Self {
         let column = || vec![0; size.next_multiple_of(8)];
         Self { len: 0, x: column(), y: column(), number: column(), pixel: column(), sample: column() }
@@ -36,7 +36,7 @@ impl PixelSamples {
         self.len = 0;
     }
 
-    /// Adds a group, for which there is room.
+    /// Adds a group. There must be room for it.
     #[inline]
     pub fn extend(&mut self, group: &SampleGroup) {
         let slots = self.len..self.len + group.count;
@@ -47,15 +47,19 @@ impl PixelSamples {
         self.len += group.count;
     }
 
-    /// The random numbers of the samples in slots.
+    /// The samplers of the samples in these slots.
     #[inline(always)]
-    pub fn sampler<F: Real>(&self, slots: F::U32, points: Points) -> LaneSampler<F> {
+    pub fn sampler<F: Real>(&self, slots: F::U32, points: SamplerKind) -> LaneSampler<F> {
         let (slots, mut at) = (slots.to_array(), [0; 8]);
         for lane in 0..F::LANES {
             at[lane] = slots[lane];
         }
         let at = Lookup::new(&at[..F::LANES]);
-        LaneSampler { pixel: Row::gather(&self.pixel, &at), sample: Row::gather(&self.sample, &at), points }
+        LaneSampler {
+            pixel: Row::gather(&self.pixel, &at),
+            sample: Row::gather(&self.sample, &at),
+            kind: points,
+        }
     }
 }
 
@@ -63,14 +67,14 @@ impl PixelSamples {
 #[derive(Default)]
 pub struct SampleGroup {
     count: usize,
-    /// x and y, numbers, and the pixels' and the samples' random numbers.
+    /// x and y, numbers, and the keys of pixels and samples.
     columns: [[u32; 8]; 5],
-    /// The places of the samples' pixels.
+    /// The indices of the samples' pixels.
     places: [u32; 8],
 }
 
 impl SampleGroup {
-    /// Adds a sample of the pixel at a place. Whether the group is full then.
+    /// Adds a sample of the pixel of an index. Returns whether the group is full.
     #[inline(always)]
     pub fn push(&mut self, place: u32, (x, y): (u32, u32), number: u32, sampler: Sampler) -> bool {
         let at = self.count & 7;
@@ -92,17 +96,17 @@ impl SampleGroup {
     }
 }
 
-/// Starts paths along the camera's rays through samples: the path of each takes the slot of its place among them.
-pub struct Generate<'a> {
+/// Starts a path along the camera ray of each sample, in the slot of that sample.
+pub struct GenerateRays<'a> {
     pub context: &'a TraceContext<'a>,
     pub samples: &'a PixelSamples,
-    /// Samples along each axis of a regular grid; none if they are placed at random.
+    /// Samples along each axis of a regular grid; `None` if samples are random.
     pub grid: Option<u32>,
     pub paths: &'a mut PathStream,
     pub counts: &'a mut Counts,
 }
 
-impl SimdKernel for Generate<'_> {
+impl SimdKernel for GenerateRays<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -116,19 +120,19 @@ impl SimdKernel for Generate<'_> {
         paths.set_depth(0);
         for first in (0..samples.len()).step_by(8) {
             let count = (samples.len() - first).min(8);
-            let group = Group::<L::F64>::new(samples, first, count);
+            let group = LaneSamples::<L::F64>::new(samples, first, count);
             let place = match grid {
                 Some(across) => group.on_grid(across),
                 None => group.at_random(context, lens),
             };
-            let there = L::Mask::from_bits(0xff >> (8 - count));
-            paths.push(there, &group.begin(context, place));
+            let active = L::Mask::from_bits(0xff >> (8 - count));
+            paths.push(active, &group.begin(context, place));
         }
     }
 }
 
-/// Up to eight samples.
-struct Group<F: Real> {
+/// Up to eight samples in lanes.
+struct LaneSamples<F: Real> {
     left: F,
     top: F,
     number: F,
@@ -137,7 +141,7 @@ struct Group<F: Real> {
     slot: F::U32,
 }
 
-impl<F: Real> Group<F> {
+impl<F: Real> LaneSamples<F> {
     #[inline(always)]
     fn new(samples: &PixelSamples, first: usize, count: usize) -> Self {
         let at = Lookup::run(first as u32, count);
@@ -157,7 +161,7 @@ impl<F: Real> Group<F> {
         }
     }
 
-    /// Where in the unit square samples of a regular grid lie before the filter spreads them. There is no lens.
+    /// The positions of grid samples in the unit square, before the filter spreads them. Grids have no lens.
     #[inline(always)]
     fn on_grid(&self, across: u32) -> [F; 4] {
         let (n, half, zero) = (F::splat(f64::from(across)), F::splat(0.5), F::splat(0.0));
@@ -166,11 +170,11 @@ impl<F: Real> Group<F> {
         [(column + half) / n, (row + half) / n, zero, zero]
     }
 
-    /// The same of samples at random, and where on the lens.
+    /// The positions of random samples in the unit square and on the lens.
     #[inline(always)]
     fn at_random(&self, context: &TraceContext, lens: bool) -> [F; 4] {
         let points = context.quality.points;
-        let sampler = LaneSampler::<F> { pixel: self.pixel, sample: self.sample, points };
+        let sampler = LaneSampler::<F> { pixel: self.pixel, sample: self.sample, kind: points };
         let camera = F::U32::splat(dimension::CAMERA);
         if lens {
             return sampler.numbers::<4>(camera);
@@ -179,7 +183,7 @@ impl<F: Real> Group<F> {
         [x, y, F::splat(0.0), F::splat(0.0)]
     }
 
-    /// Paths through places of the pixels.
+    /// The paths through positions of the pixels.
     #[inline(always)]
     fn begin(&self, context: &TraceContext, [x, y, u, v]: [F; 4]) -> PathState<F> {
         let (filter, camera) = (&context.settings.filter, context.scene.camera);
@@ -188,7 +192,7 @@ impl<F: Real> Group<F> {
         let (half, two, zero) = (F::splat(0.5), F::splat(2.0), F::splat(0.0));
         let across = self.left + (filter.offset(x) + half);
         let down = self.top + (filter.offset(y) + half);
-        // Square pixels: both axes in units of half the picture's height, from its centre.
+        // Pixels are square. Both axes are in units of half the image height, from the centre.
         let screen = [(two * across - width) / height, (height - two * down) / height];
         let ray = camera.rays::<F>(screen, [u, v]);
         let cone = match context.columns.cones {
@@ -205,10 +209,10 @@ impl<F: Real> Group<F> {
             pdf: zero,
             key: none,
             slot: self.slot,
-            left: F::U32::splat(context.quality.surfaces()),
+            bounces_left: F::U32::splat(context.quality.surfaces()),
             flags: F::U32::splat(aov),
             medium: F::U32::splat(OUTSIDE),
-            after: zero,
+            t_start: zero,
             pending: none,
         }
     }

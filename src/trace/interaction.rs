@@ -1,37 +1,37 @@
-//! The surfaces that eight paths have come to.
+//! The surfaces that paths hit, in lanes.
 
 use super::coincident::{Events, NO_EVENT};
 use super::context::TraceContext;
-use super::intersect::Hits;
+use super::intersect::HitStream;
 use super::materials::LobeSet;
 use super::stream::PathState;
 use crate::base::lanes::{Bits, Lookup, Mask, Real, Row, Select, Vec3, lanes};
 use crate::base::math::LaneRay;
 use crate::geometry::shape::{LaneHit, LaneSurface};
 
-/// A point of a surface that a path has come to, in each lane.
+/// The point where a path hits a surface, in each lane.
 #[derive(Clone, Copy)]
 pub struct SurfaceInteraction<F: Real> {
     pub at: LaneHit<F>,
-    /// Turned to where the path came from.
+    /// The surface, turned towards the origin of the path.
     pub surface: LaneSurface<F>,
-    /// Lanes that have come from the side that the surface's own normal is on.
+    /// Lanes that come from the side of the surface's own normal.
     pub outside: F::Mask,
     pub primitive: F::U32,
     pub material: F::U32,
-    /// How wide the path's cone is.
+    /// The width of the path's ray cone.
     pub width: F,
-    /// What is met where surfaces coincide.
+    /// The event, if surfaces coincide.
     pub event: F::U32,
 }
 
 impl<F: Real> SurfaceInteraction<F> {
-    /// Of the paths in the lanes of a mask, which stand at `at` in their stream.
+    /// The hits of paths in the lanes of a mask. `at` are their indices in the stream.
     #[inline(always)]
     pub fn gather(
         context: &TraceContext,
         path: &PathState<F>,
-        (hits, at): (&Hits, &Lookup),
+        (hits, at): (&HitStream, &Lookup),
         wanted: F::Mask,
     ) -> Self {
         let hit = hits.at::<F>(at);
@@ -42,7 +42,7 @@ impl<F: Real> SurfaceInteraction<F> {
         Self { event: F::U32::gather(&hits.event, at), ..surface }
     }
 
-    /// Where rays in the lanes of a mask meet primitives of these materials, for cones of this width.
+    /// The points where rays in the lanes of a mask hit primitives of these materials, for cones of this width.
     #[inline(always)]
     pub fn new(
         context: &TraceContext,
@@ -62,8 +62,8 @@ impl<F: Real> SurfaceInteraction<F> {
         Self { at, surface, outside, primitive, material, width, event: F::U32::splat(NO_EVENT) }
     }
 
-    /// Makes the surfaces ones that rays pass, for materials of these lobes: clear of the edges of triangles, and with all
-    /// that coincides with them within their errors.
+    /// Prepares the surfaces for rays that pass them, for materials with these lobes: moves hits off the edges of
+    /// triangles, and widens error bounds by surfaces that coincide.
     #[inline(always)]
     pub fn prepare(&mut self, context: &TraceContext, lobes: LobeSet, events: &Events, wanted: F::Mask) {
         if lobes.has(LobeSet::PASSES) {

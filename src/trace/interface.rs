@@ -1,4 +1,4 @@
-//! What lies on the two sides of surfaces that refract.
+//! The media on the two sides of refracting surfaces.
 
 use super::bsdf::Boundary;
 use super::coincident::Events;
@@ -11,23 +11,23 @@ use crate::base::lanes::{Mask, Real, Row, lanes};
 #[derive(Clone, Copy)]
 pub struct Interface<F: Real> {
     pub boundary: Boundary<F>,
-    /// Lanes in which another medium of higher priority fills both sides: there is nothing to see.
+    /// Lanes in which a medium of higher priority fills both sides, so that the surface is invisible.
     pub is_hidden: F::Mask,
-    /// What rays are inside of once they have passed ([`MediaLists`]).
+    /// The media around rays after they pass ([`MediaLists`]).
     pub behind: F::U32,
 }
 
 impl<F: Real> Interface<F> {
-    /// Where nothing refracts.
+    /// For surfaces without refraction.
     #[inline(always)]
     pub fn none(inside: F::U32) -> Self {
         let boundary = Boundary { eta: F::splat(1.0) };
         Self { boundary, is_hidden: F::Mask::splat(false), behind: inside }
     }
 
-    /// Of refracting surfaces in the lanes of a mask, for rays inside of these media.
+    /// The interfaces of refracting surfaces in the lanes of a mask, for rays inside these media.
     #[inline(always)]
-    pub fn meet(
+    pub fn gather(
         context: &TraceContext,
         (media, events): (&mut MediaLists, &Events),
         surface: &SurfaceInteraction<F>,

@@ -1,4 +1,4 @@
-//! What the paths of a wave meet.
+//! The intersect stage: finds the hits of a wave's paths and sorts the paths into queues.
 
 use super::coincident::{Events, NO_EVENT};
 use super::context::{Queue, TraceContext};
@@ -6,28 +6,27 @@ use super::medium::MediaLists;
 use super::stream::PathStream;
 use crate::base::lanes::{Level, Lookup, Mask, Real, Row, SimdKernel, dispatch, lanes};
 use crate::base::math::{DVec3, Ray};
-use crate::geometry::shape::{LaneHit, Span};
+use crate::geometry::shape::{LaneHit, RayInterval};
 use crate::scene::top_level::{Coherence, Hit, NOTHING, Stacks};
 
-/// What each path of a stream meets.
+/// The hit of each path of a stream, and the queues.
 #[derive(Default)]
-pub struct Hits {
+pub struct HitStream {
     pub t: Vec<f64>,
     pub primitive: Vec<u32>,
     pub part: Vec<u32>,
     /// The index of the material or light.
     pub material: Vec<u32>,
-    /// What is met where surfaces coincide.
+    /// The event, if surfaces coincide.
     pub event: Vec<u32>,
-    /// Paths next to whose hits there are others.
+    /// Paths with other hits close to theirs.
     close: Vec<u32>,
-    /// Of each lane that is looked along.
     escaped: Vec<u32>,
     lights: Vec<u32>,
     surfaces: Vec<Vec<u32>>,
 }
 
-impl Hits {
+impl HitStream {
     pub fn new(classes: usize) -> Self {
         Self { surfaces: vec![Vec::new(); classes], ..Self::default() }
     }
@@ -46,8 +45,7 @@ impl Hits {
         self.surfaces.iter_mut().for_each(Vec::clear);
     }
 
-    /// Paths that have met nothing, that have met a light, and that have met surfaces whose materials have lobes of one
-    /// set.
+    /// The paths of a queue.
     pub fn queue(&self, queue: Queue) -> &[u32] {
         match queue {
             Queue::Escaped => &self.escaped,
@@ -56,7 +54,7 @@ impl Hits {
         }
     }
 
-    /// Finds what paths meet, and puts each into its queue.
+    /// Finds the hits of paths, and puts each path into its queue.
     pub fn find(
         &mut self,
         context: &TraceContext,
@@ -83,7 +81,7 @@ impl Hits {
         }
     }
 
-    /// Looks again where hits are close to others.
+    /// Resolves hits that are close to others.
     #[inline(never)]
     fn resolve(
         &mut self,
@@ -104,19 +102,19 @@ impl Hits {
         }
     }
 
-    /// Has a path meet an event.
+    /// Replaces the hit of a path by that of an event.
     fn meet(&mut self, index: usize, number: u32, Hit { at, primitive }: Hit) {
         (self.t[index], self.part[index], self.primitive[index]) = (at.t, at.part, primitive);
         self.event[index] = number;
     }
 
-    /// Where paths meet primitives.
+    /// The hits of the paths of these indices.
     #[inline(always)]
     pub fn at<F: Real>(&self, at: &Lookup) -> LaneHit<F> {
         LaneHit {
             t: F::gather(&self.t, at),
             part: F::U32::gather(&self.part, at),
-            crowded: F::Mask::splat(false),
+            coincident: F::Mask::splat(false),
         }
     }
 }
@@ -127,7 +125,7 @@ struct Intersect<'a> {
     coherence: Coherence,
     events: &'a Events,
     media: &'a MediaLists,
-    hits: &'a mut Hits,
+    hits: &'a mut HitStream,
 }
 
 impl SimdKernel for Intersect<'_> {
@@ -153,10 +151,10 @@ impl SimdKernel for Intersect<'_> {
                 }
             }
             let ray = paths.ray::<L::F64>(&at);
-            let within = Span { min: paths.after::<L::F64>(&at), max: L::F64::splat(f64::INFINITY) };
+            let within = RayInterval { min: paths.t_start::<L::F64>(&at), max: L::F64::splat(f64::INFINITY) };
             let mask = L::Mask::from_bits(wanted);
             let found = bvh.intersect::<L>(geometry, &ray, within, mask, coherence, &mut stacks);
-            for lane in lanes(found.at.crowded.bits() & wanted) {
+            for lane in lanes(found.at.coincident.bits() & wanted) {
                 hits.close.push((first + lane) as u32);
             }
             if wanted == 0xff >> (8 - count) {

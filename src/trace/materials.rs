@@ -1,11 +1,11 @@
-//! The materials of a scene as tables, from which lanes gather what their surfaces are made of.
+//! The materials of a scene as tables, from which lanes gather the lobes of their surfaces.
 
 use crate::appearance::material::{Highlight, Lobes, Material};
 use crate::appearance::optics::Fresnel;
 use crate::base::color::Rgb;
 use crate::base::lanes::{Color, Lookup, Single};
 
-/// Which lobes a material has, and what else decides how it is shaded.
+/// The lobes of a material, and whatever else decides its shading.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct LobeSet(u16);
 
@@ -14,7 +14,7 @@ impl LobeSet {
     pub const PHONG: Self = Self(1 << 1);
     pub const BLINN_PHONG: Self = Self(1 << 2);
     pub const MIRROR: Self = Self(1 << 3);
-    /// The mirror scatters. Where textures vary its fuzz, it may be sharp at some points.
+    /// The mirror is fuzzy. If textures vary its fuzz, it may be sharp at some points.
     pub const FUZZ: Self = Self(1 << 4);
     pub const MICROFACET: Self = Self(1 << 5);
     pub const TRANSPARENT: Self = Self(1 << 6);
@@ -22,16 +22,16 @@ impl LobeSet {
     pub const EMISSION: Self = Self(1 << 8);
     pub const AMBIENT: Self = Self(1 << 9);
     pub const TEXTURED: Self = Self(1 << 10);
-    /// Which of Fresnel's formulas a boundary follows: neither means none.
+    /// Fresnel's formula of a boundary; neither bit means none.
     const EXACT: Self = Self(1 << 11);
     const SCHLICK: Self = Self(1 << 12);
 
-    /// What sends the light of sources to the eye.
+    /// Lobes that reflect light from light sources.
     pub const REFLECTS_LIGHTS: Self =
         Self(Self::DIFFUSE.0 | Self::PHONG.0 | Self::BLINN_PHONG.0 | Self::FUZZ.0 | Self::MICROFACET.0);
-    /// Lobes of which directions are drawn.
+    /// Lobes that are sampled with a density.
     pub const SAMPLED: Self = Self(Self::DIFFUSE.0 | Self::FUZZ.0 | Self::MICROFACET.0);
-    /// What lets light pass.
+    /// Lobes that transmit light.
     pub const PASSES: Self = Self(Self::TRANSPARENT.0 | Self::REFRACTION.0);
 
     pub fn of(material: &Material) -> Self {
@@ -53,12 +53,12 @@ impl LobeSet {
             (*mirror != Rgb::ZERO, Self::MIRROR),
             (material.lobes.is_fuzzy() && *mirror != Rgb::ZERO, Self::FUZZ),
             (*microfacet > 0.0, Self::MICROFACET),
-            (material.is_clear(), Self::TRANSPARENT),
+            (material.is_transparent(), Self::TRANSPARENT),
             (refracts, Self::REFRACTION),
             (refracts, fresnel),
             (*emission != Rgb::ZERO, Self::EMISSION),
             (*ambient != Rgb::ZERO, Self::AMBIENT),
-            (!material.paints.is_empty(), Self::TEXTURED),
+            (!material.textures.is_empty(), Self::TEXTURED),
         ]
         .into_iter()
         .filter(|(has, _)| *has)
@@ -71,7 +71,7 @@ impl LobeSet {
         self.0 & any.0 != 0
     }
 
-    /// Whether it has this one and no other that light may be scattered by.
+    /// Whether this is its only lobe that continues paths.
     #[inline(always)]
     pub fn is_only(self, one: Self) -> bool {
         let scatters = Self::DIFFUSE | Self::MIRROR | Self::FUZZ | Self::MICROFACET | Self::PASSES;
@@ -99,7 +99,7 @@ impl std::ops::BitOr for LobeSet {
     }
 }
 
-/// A column of the table: an RGB or a number of every material.
+/// A column of the table: a colour or a number for every material.
 #[derive(Clone, Copy, Debug)]
 pub struct Column(usize);
 
@@ -120,10 +120,10 @@ impl Column {
 
 const COLUMNS: usize = 28;
 
-/// The lobes of all materials, or of the points in the lanes where textures vary them.
+/// The lobes of all materials, or those of the points in lanes if textures vary them.
 #[derive(Clone, Debug, Default)]
 pub struct LobeTable {
-    /// Column after column, as many numbers in each as there are rows.
+    /// Column after column, with one number per row.
     values: Vec<f32>,
     rows: usize,
 }

@@ -1,9 +1,8 @@
-//! What rays are inside of.
+//! The media around rays.
 //!
 //! Overlapping refractive surfaces follow their priorities (Schmidt and Budge, *Simple Nested Dielectrics in Ray Traced
-//! Images*, 2002): where several overlap, the medium of the highest priority is there; of equal ones that of the surface
-//! entered last. There are as many as a scene nests. Paths refer to the lists of what they are inside of by a number:
-//! a scene has few different ones.
+//! Images*, 2002): the medium of the highest priority counts, and of equal ones that of the surface entered last. The
+//! depth of nesting is not limited. A path stores the number of its list of media, as a scene has few different lists.
 
 use crate::appearance::material::{Material, Medium};
 use rustc_hash::FxHashMap;
@@ -15,38 +14,38 @@ pub struct Enclosure {
     pub material: u32,
 }
 
-/// The number of the list of what rays are inside of that are inside of nothing.
+/// The number of the empty list, for rays outside of all media.
 pub const OUTSIDE: u32 = 0;
 
-/// A surface that a ray enters, or else leaves.
+/// The passage of a ray through a surface, which it enters or leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Passage {
     pub of: Enclosure,
     pub enters: bool,
-    /// Whether the ray touches an edge, and is on the same side of the surface before and behind.
+    /// Whether the ray touches an edge, so that it is on the same side of the surface before and behind.
     pub grazes: bool,
 }
 
-/// What lies on the two sides of a place that a ray passes.
+/// The media on the two sides of a place that a ray passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transition {
-    /// Index of refraction behind over that before.
+    /// The index of refraction behind over that in front.
     pub eta: f64,
-    /// Whether another medium of higher priority fills both sides: then there is nothing to see.
+    /// Whether a medium of higher priority fills both sides, so that the place is invisible.
     pub hidden: bool,
-    /// What the ray is inside of once it has passed.
+    /// The number of the list of media around the ray after the place.
     pub behind: u32,
 }
 
-/// All lists of what rays have been inside of so far.
+/// All lists of media around rays so far.
 #[derive(Debug)]
 pub struct MediaLists {
-    /// The refractive surfaces that a ray is inside of, in the order in which it entered.
+    /// The refractive surfaces around a ray, in the order of entry.
     lists: Vec<Vec<Enclosure>>,
     numbers: FxHashMap<Vec<Enclosure>, u32>,
-    /// The medium that is there.
+    /// The medium that counts in each list.
     media: Vec<Medium>,
-    /// What happens at single surfaces.
+    /// Known transitions at single surfaces.
     single: FxHashMap<(u32, Passage), Transition>,
 }
 
@@ -57,18 +56,18 @@ impl Default for MediaLists {
     }
 }
 
-/// Lists and transitions that are kept from wave to wave, at most.
-const KEPT: usize = 1 << 14;
+/// The most lists and transitions that are kept from wave to wave.
+const MAX_KEPT: usize = 1 << 14;
 
 impl MediaLists {
-    /// Forgets all lists once they are many. Their numbers mean nothing then.
+    /// Discards all lists if there are too many. All numbers become invalid.
     pub fn trim(&mut self) {
-        if self.len() > KEPT {
+        if self.len() > MAX_KEPT {
             *self = Self::default();
         }
     }
 
-    /// How many lists and transitions there are.
+    /// The number of lists and transitions.
     fn len(&self) -> usize {
         self.lists.len() + self.single.len()
     }
@@ -79,7 +78,7 @@ impl MediaLists {
         &self.media[inside as usize]
     }
 
-    /// What happens where a ray passes a surface.
+    /// The transition of a ray that passes a surface.
     pub fn pass(&mut self, inside: u32, passage: Passage, materials: &[Material]) -> Transition {
         if let Some(transition) = self.single.get(&(inside, passage)) {
             return *transition;
@@ -89,8 +88,8 @@ impl MediaLists {
         transition
     }
 
-    /// What happens where a ray passes surfaces that coincide: it enters all that it enters before it leaves any, so that
-    /// between two media that touch there is no film of what is around both.
+    /// The transition of a ray that passes coincident surfaces. It enters all that it enters before it leaves any, so
+    /// there is no film of the surrounding medium between two media that touch.
     pub fn pass_all(&mut self, inside: u32, passages: &[Passage], materials: &[Material]) -> Transition {
         let [before, behind] = self.sides(inside, passages);
         let [from, to] = [&before, &behind].map(|list| prevailing(list, materials));
@@ -99,9 +98,9 @@ impl MediaLists {
         Transition { eta, hidden, behind: self.number(behind, materials) }
     }
 
-    /// Which of some surfaces that form one boundary is seen, of those that the medium on one side ends at: that of the
-    /// higher priority, so that it is the same from both sides; of equal ones the first.
-    pub fn seen(&self, inside: u32, passages: &[Passage], materials: &[Material]) -> usize {
+    /// The visible surface of a boundary of several surfaces. It is one at which the medium on one side ends: that of
+    /// the higher priority, so that it is the same from both sides, and of equal ones the first.
+    pub fn visible(&self, inside: u32, passages: &[Passage], materials: &[Material]) -> usize {
         let [before, behind] = self.sides(inside, passages).map(|list| prevailing(&list, materials));
         let ends = |passage: &Passage| {
             let side = if passage.enters { behind } else { before };
@@ -114,9 +113,9 @@ impl MediaLists {
         best.map_or(0, |(index, _)| index)
     }
 
-    /// What a ray is inside of before and behind surfaces that coincide.
+    /// The lists of media in front of and behind coincident surfaces.
     fn sides(&self, inside: u32, passages: &[Passage]) -> [Vec<Enclosure>; 2] {
-        // In and out at once, as at an edge, is past.
+        // A ray that enters and leaves at once, as at an edge, passes by.
         let passes_by = |passage: &Passage| {
             let back = |other: &Passage| {
                 other.of.primitive == passage.of.primitive && other.enters != passage.enters
@@ -126,7 +125,7 @@ impl MediaLists {
         let crossed = || passages.iter().filter(|passage| !passes_by(passage));
         let mut before = self.lists[inside as usize].clone();
         for left in crossed().filter(|passage| !passage.enters) {
-            // A ray that started inside never entered.
+            // A ray that started inside has never entered.
             if position(&before, left.of).is_none() {
                 before.push(left.of);
             }
@@ -154,14 +153,14 @@ impl MediaLists {
     }
 }
 
-/// The entry that a surface ends: its own last one. A mesh of several materials may have been entered by another
-/// of them; then that one's medium is what the ray leaves.
+/// The entry that a surface ends: its own last entry. A ray may have entered a mesh of several materials through
+/// another material. Then the entry of that material ends.
 fn position(list: &[Enclosure], of: Enclosure) -> Option<usize> {
     let own = list.iter().rposition(|entry| *entry == of);
     own.or_else(|| list.iter().rposition(|entry| entry.primitive == of.primitive))
 }
 
-/// The enclosure whose medium is there: of equal priorities the last (as `max_by_key` gives it).
+/// The enclosure whose medium counts. Of equal priorities it is the last one, as `max_by_key` returns it.
 fn prevailing(list: &[Enclosure], materials: &[Material]) -> Option<Enclosure> {
     list.iter().copied().max_by_key(|entry| materials[entry.material as usize].medium.priority)
 }
@@ -177,7 +176,7 @@ mod tests {
     fn glass(ior: f64, priority: i32) -> Material {
         Material {
             lobes: Lobes { refraction: Rgb::ONE, ..Lobes::default() },
-            paints: Vec::new(),
+            textures: Vec::new(),
             emission_layer: LayerId::CONSTANT,
             highlight: Highlight::Phong,
             shininess: Exponent::new(1.0),
@@ -190,7 +189,7 @@ mod tests {
         Passage { of: Enclosure { primitive, material }, enters, grazes: false }
     }
 
-    /// The relative indices of refraction that a ray meets along places with what is hidden there.
+    /// The relative indices of refraction along places, and whether each place is hidden.
     fn along(materials: &[Material], places: &[&[Passage]]) -> Vec<(f64, bool)> {
         let (mut lists, mut inside) = (MediaLists::default(), OUTSIDE);
         let found = places.iter().map(|place| {
@@ -206,14 +205,14 @@ mod tests {
         found
     }
 
-    /// Along surfaces, each a primitive of the material of its number.
+    /// Along surfaces. Each number is both the primitive and its material.
     fn way(materials: &[Material], events: &[(u32, bool)]) -> Vec<(f64, bool)> {
         let passages: Vec<_> =
             events.iter().map(|&(index, enters)| [passage(index, index, enters)]).collect();
         along(materials, &passages.iter().map(|place| &place[..]).collect::<Vec<_>>())
     }
 
-    /// The same along surfaces of one mesh.
+    /// The same along the surfaces of one mesh.
     fn way_through_mesh(materials: &[Material], events: &[(u32, bool)]) -> Vec<(f64, bool)> {
         let passages: Vec<_> = events.iter().map(|&(index, enters)| [passage(7, index, enters)]).collect();
         along(materials, &passages.iter().map(|place| &place[..]).collect::<Vec<_>>())
@@ -223,9 +222,9 @@ mod tests {
     fn meshes_of_several_materials_are_left_by_any_of_them() {
         let glass = [glass(1.5, 0), glass(1.5, 0), glass(1.33, 0)];
         assert_eq!(way_through_mesh(&glass, &[(0, true), (1, false)]), [(1.5, false), (1.0 / 1.5, false)]);
-        // What the ray is inside of is what it has entered.
+        // The ray is inside the medium that it has entered.
         assert_eq!(way_through_mesh(&glass, &[(0, true), (2, false)]), [(1.5, false), (1.0 / 1.5, false)]);
-        // A glass with its liquid, which reaches into the wall, in one file: each is left by itself.
+        // A glass and its liquid, which reaches into the wall, in one file: the ray leaves each of them separately.
         let found = way_through_mesh(&glass, &[(0, true), (2, true), (0, false), (2, false)]);
         assert_eq!(found, [(1.5, false), (1.33 / 1.5, false), (1.0, true), (1.0 / 1.33, false)]);
     }
@@ -250,7 +249,7 @@ mod tests {
         assert_eq!(way(&[glass(1.5, 0)], &[(0, false)]), [(1.0 / 1.5, false)]);
     }
 
-    /// Between two bodies that share a face there is no air, whichever comes first.
+    /// Between two bodies that share a face there is no air, in either order.
     #[test]
     fn coincident_boundaries_are_one() {
         let materials = [glass(1.5, 0), glass(1.33, 0)];
@@ -288,17 +287,17 @@ mod tests {
         let first = inside(&mut lists, 0);
         lists.trim();
         assert_eq!((lists.medium(first).ior, lists.len()), (1.5, 3));
-        for primitive in 1..KEPT as u32 {
+        for primitive in 1..MAX_KEPT as u32 {
             inside(&mut lists, primitive);
         }
-        assert!(lists.len() > KEPT);
+        assert!(lists.len() > MAX_KEPT);
         lists.trim();
         assert_eq!(lists.len(), MediaLists::default().len());
         let again = inside(&mut lists, 7);
         assert_eq!(lists.medium(again).ior, 1.5);
     }
 
-    /// However many there are, the medium of the one entered last is there, and each is left again, in any order.
+    /// The medium of the last entry prevails at any depth of nesting, and surfaces may be left in any order.
     #[test]
     fn any_number_of_media_is_nested() {
         let materials: Vec<_> = (1..=200).map(|k| glass(1.0 + 0.01 * f64::from(k), 0)).collect();
@@ -318,7 +317,7 @@ mod tests {
         }
     }
 
-    /// What happens at passages in one place for a ray that is inside of this; and which of the surfaces is seen.
+    /// The transition at passages in one place, for a ray inside these media, and the visible surface.
     fn at_once(
         materials: &[Material],
         entered: &[u32],
@@ -330,11 +329,11 @@ mod tests {
         }
         let passages: Vec<_> =
             passages.iter().map(|&(index, enters)| passage(index, index, enters)).collect();
-        let seen = passages[lists.seen(inside, &passages, materials)].of.primitive;
+        let seen = passages[lists.visible(inside, &passages, materials)].of.primitive;
         (lists.pass_all(inside, &passages, materials), lists, seen)
     }
 
-    /// Where two media touch there is one boundary, the same both ways and whichever is named first.
+    /// Where two media touch there is one boundary, the same in both directions and for either order.
     #[test]
     fn surfaces_in_one_place_are_one_boundary() {
         for priorities in [[0, 0], [1, 0], [0, 1]] {
@@ -346,11 +345,11 @@ mod tests {
                 assert_eq!((down.eta, down.hidden), (1.33 / 1.5, false));
                 assert_eq!((up.eta, up.hidden), (1.5 / 1.33, false));
                 assert_eq!((below.medium(down.behind).ior, above.medium(up.behind).ior), (1.33, 1.5));
-                // Of different priorities the same surface is seen.
+                // With different priorities, the same surface is visible from both sides.
                 assert_eq!(seen_down, seen_up);
             }
         }
-        // In and out at once, as at an edge: nothing.
+        // A ray that enters and leaves at once, as at an edge, changes nothing.
         let (edge, ..) = at_once(&[glass(1.5, 0)], &[], &[(0, true), (0, false)]);
         assert_eq!(edge, Transition { eta: 1.0, hidden: true, behind: OUTSIDE });
         let grazed = Passage { grazes: true, ..passage(0, 0, true) };

@@ -1,4 +1,8 @@
-//! Scene → Film: rays in parallel, sums in one fixed order.
+//! Scene → Film: traces pixels in parallel and sums their samples in a fixed order.
+//!
+//! In: a packed scene at a moment, its tree, settings.
+//! Out: films of linear radiance per pixel and layer, counts, and error estimates.
+//! May use: `scene`, `sequence::quality`, and the rooms above `sequence`.
 
 mod accumulate;
 mod adaptive;
@@ -17,13 +21,15 @@ mod materials;
 mod medium;
 mod path;
 mod pixels;
-mod probe;
+mod pilot;
 #[cfg(test)]
 mod random_scene;
 #[cfg(test)]
 mod round_tests;
 mod segment;
+mod settings;
 mod shade;
+mod shade_queue;
 mod shadow;
 mod shadow_stream;
 pub mod spawn;
@@ -32,73 +38,48 @@ mod sums;
 #[cfg(test)]
 mod tests;
 mod textures;
-mod transmit;
+mod transmittance;
 mod wavefront;
 mod whitted;
 
-pub use adaptive::{LEAST_SAMPLES, Rounds, Weightings, bytes_of_pixel};
+pub use adaptive::{AdaptiveFrame, MIN_SAMPLES, Weightings, bytes_of_pixel};
 pub use context::is_random;
-pub use probe::{BlockError, Probe};
+pub use pilot::{BlockError, PilotBlocks};
+pub use settings::{Moment, TraceSettings};
 
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
-use crate::base::stats::{Counts, Meter};
-use crate::film::filter::FilterSampler;
-use crate::film::{Extras, Film};
+use crate::base::stats::{Counts, ProgressMeter};
+use crate::film::Film;
 use crate::scene::Scene;
 use crate::scene::top_level::Bvh;
-use crate::sequence::quality::Quality;
-use pixels::Pixels;
+use pixels::PixelTracer;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-/// What tracing needs to know besides the scene.
-#[derive(Clone, Debug)]
-pub struct TraceSettings {
-    /// Width and height in pixels.
-    pub size: (u32, u32),
-    pub quality: Quality,
-    /// Of the quality's filter.
-    pub filter: FilterSampler,
-    /// What films record besides light.
-    pub extras: Extras,
-}
-
-/// One of the moments at which motion is looked at while the shutter is open.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Moment {
-    pub index: u32,
-    /// 1 where nothing moves.
-    pub of: u32,
-}
-
-impl Moment {
-    pub const ONLY: Self = Self { index: 0, of: 1 };
-}
-
-/// Side of the square tiles that a thread finishes at a time.
+/// The side of the square tiles, in pixels. A thread films one tile at a time.
 const TILE: u32 = 16;
 
-/// Columns and rows of pixels whose rays are traced together.
+/// Columns and rows of the pixel blocks whose rays are traced together.
 const BLOCK: (u32, u32) = (4, 2);
 
-/// Traces one frame: the layers that are not dark. The film and the counts are the same for any number of threads.
-pub fn trace(scene: &Scene, bvh: &Bvh, settings: &TraceSettings, meter: &Meter) -> (Film, Counts) {
+/// Traces one frame, in all layers that are not dark. The film and the counts are the same for any number of threads.
+pub fn trace(scene: &Scene, bvh: &Bvh, settings: &TraceSettings, meter: &ProgressMeter) -> (Film, Counts) {
     trace_shown(scene, bvh, settings, &[scene.weights.0.clone()].into(), meter)
 }
 
-/// The same of a film that is shown with any of these weights: where an error is asked for, it holds for each of them.
+/// Traces a film that is displayed with each of the weightings `shown`. A noise target holds for each of them.
 pub fn trace_shown(
     scene: &Scene,
     bvh: &Bvh,
     settings: &TraceSettings,
     shown: &Weightings,
-    meter: &Meter,
+    meter: &ProgressMeter,
 ) -> (Film, Counts) {
     let (width, height) = settings.size;
-    let mut film = Film::with_extras(width, height, scene.weights.0.clone(), settings.extras);
-    let pixels = Pixels::new(scene, bvh, settings, Moment::ONLY);
+    let mut film = Film::with_aovs(width, height, scene.weights.0.clone(), settings.extras);
+    let pixels = PixelTracer::new(scene, bvh, settings, Moment::ONLY);
     if let Some(target) = settings.quality.noise.filter(|_| pixels.random) {
         return adaptive::trace(scene, bvh, settings, (target, shown), meter);
     }
@@ -107,25 +88,25 @@ pub fn trace_shown(
     (film, counts)
 }
 
-/// Adds what is seen at one moment of several to the sums that become a film: those samples of each pixel that
-/// fall on the moment. `sums` holds the layers of every pixel that a [`Film`] does.
+/// Adds the samples of one moment of the shutter to `sums`, which become a film once all moments are added. `sums` has
+/// the layers of every pixel that a [`Film`] has.
 pub fn trace_moment(
     scene: &Scene,
     bvh: &Bvh,
     settings: &TraceSettings,
     moment: Moment,
     sums: &mut [DVec3],
-    meter: &Meter,
+    meter: &ProgressMeter,
 ) -> Counts {
-    let pixels = Pixels::new(scene, bvh, settings, moment);
+    let pixels = PixelTracer::new(scene, bvh, settings, moment);
     in_tiles(&pixels, sums, meter, |layer, sum| *layer += sum)
 }
 
-/// Traces all pixels into `data`, by `store`.
+/// Traces all pixels. `store` writes each sum into `data`.
 fn in_tiles<T: Send>(
-    pixels: &Pixels,
+    pixels: &PixelTracer,
     data: &mut [T],
-    meter: &Meter,
+    meter: &ProgressMeter,
     store: impl Fn(&mut T, DVec3) + Sync,
 ) -> Counts {
     let (width, height) = pixels.context.settings.size;
@@ -165,7 +146,7 @@ fn in_tiles<T: Send>(
     })
 }
 
-/// A part of the picture.
+/// A rectangle of pixels.
 struct Tile {
     columns: Range<u32>,
     rows: Range<u32>,

@@ -1,62 +1,61 @@
-//! The path integrator: one path per sample. At every surface light is sampled from every layer's sources, and the path
-//! goes on by one lobe (Kajiya, *The Rendering Equation*, 1986; multiple importance sampling by the balance heuristic,
-//! Veach 1997).
+//! The path integrator: one path per sample. At every surface it samples light from the sources of every layer, then
+//! continues the path by one lobe (Kajiya, *The Rendering Equation*, 1986; multiple importance sampling by the balance
+//! heuristic, Veach 1997).
 //!
-//! A path reflects or refracts at most at as many surfaces as the quality sets. At the last one, diffuse light comes from
-//! sampled sources alone; a final ray, which only sees what emits light, is traced for lobes and sources that sampling
-//! does not serve.
+//! The quality sets the most bounces of a path. At the last surface, diffuse light comes from sampled sources alone. A
+//! final ray, which finds only emitted light, is traced for lobes and sources that sampling does not cover.
 
 use super::bsdf::{Bsdf, BsdfSample};
 use super::light::LightRequest;
 use super::materials::LobeSet;
-use super::shade::{ShadingContext, Stage};
+use super::shade::{ShadingContext, WaveState};
 use super::shadow_stream::ShadowItem;
-use super::spawn::{Spawn, spawn, spawn_gathering, spawn_mirrored};
+use super::spawn::{Spawn, spawn, spawn_lifted, spawn_reflected};
 use super::stream::{PathState, Throughput, flags};
 use crate::base::lanes::{Bits, Color, Level, Mask, Real, Row, Select, SimdKernel, Single, Vec3};
 use crate::base::math::LaneRay;
 use crate::sampling::dimension;
 use crate::sequence::quality::PathSettings;
 
-/// Up to eight paths at surfaces whose materials have lobes of one set.
-pub struct Shade<'a, 's, 'w> {
-    pub stage: &'s mut Stage<'a>,
-    pub which: &'w [u32],
+/// Up to eight paths at surfaces whose materials share one set of lobes.
+pub struct ShadePaths<'a, 's, 'w> {
+    pub wave: &'s mut WaveState<'a>,
+    pub items: &'w [u32],
     pub lobes: LobeSet,
     pub settings: PathSettings,
 }
 
-impl SimdKernel for Shade<'_, '_, '_> {
+impl SimdKernel for ShadePaths<'_, '_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Level>(self) {
-        let Self { stage, which, lobes, settings } = self;
-        let at = ShadingContext::<L::F64>::gather(stage, which, lobes);
-        PathShade { at: &at, settings }.run(stage);
+        let Self { wave, items, lobes, settings } = self;
+        let at = ShadingContext::<L::F64>::gather(wave, items, lobes);
+        PathShader { at: &at, settings }.run(wave);
     }
 }
 
-struct PathShade<'a, F: Real> {
+struct PathShader<'a, F: Real> {
     at: &'a ShadingContext<F>,
     settings: PathSettings,
 }
 
-/// Lanes whose bits of a flag are set.
+/// Lanes whose flags contain this flag.
 #[inline(always)]
 pub fn has_flag<F: Real>(flags: F::U32, flag: u32) -> F::Mask {
     !flags.and(F::U32::splat(flag)).eq(F::U32::splat(0))
 }
 
-/// The balance heuristic: the weight of a direction that one technique drew with a density, and that another one draws
-/// with the other density. All of it where there was no choice of direction.
+/// The balance heuristic: the weight of a direction that one technique sampled with the density `pdf`, if another
+/// technique samples it with the density `other`. It is 1 for a delta distribution, where `pdf` is 0.
 #[inline(always)]
 fn balance<F: Real>(pdf: F, other: F) -> F {
     F::select(F::splat(0.0).lt(pdf), pdf / (pdf + other), F::splat(1.0))
 }
 
-/// The weight of light that a path meets, against the density with which it was sampled where the path was scattered
-/// last. All of it where it was not sampled.
+/// The weight of light that a path hits. `sampled` is the density of sampling that light from the last surface that
+/// scattered the path. The weight is 1 if the light was not sampled.
 #[inline(always)]
 pub fn mis_weight<F: Real>(path: &PathState<F>, sampled: F) -> F::F32 {
     let (zero, one) = (F::splat(0.0), F::splat(1.0));
@@ -65,110 +64,111 @@ pub fn mis_weight<F: Real>(path: &PathState<F>, sampled: F) -> F::F32 {
     F::select(zero.lt(sampled), weight, one).to_f32()
 }
 
-impl<F: Real> PathShade<'_, F> {
+impl<F: Real> PathShader<'_, F> {
     #[inline(always)]
-    fn run(&self, stage: &mut Stage) {
+    fn run(&self, wave: &mut WaveState) {
         let ShadingContext { path, surface, lobes, is_final, .. } = self.at;
-        let visible = self.at.pass_hidden(stage);
-        let (bsdf, rows) = self.at.bsdf(stage);
-        self.at.add_ambient(stage, visible, &rows);
+        let visible = self.at.pass_hidden(wave);
+        let (bsdf, rows) = self.at.bsdf(wave);
+        self.at.add_ambient(wave, visible, &rows);
         if lobes.has(LobeSet::EMISSION) {
             let mut weight = F::F32::splat(1.0);
-            if stage.context.columns.mis {
-                let lights = &stage.context.lights;
+            if wave.context.columns.mis {
+                let lights = &wave.context.lights;
                 let point = &surface.surface;
                 weight =
                     mis_weight(path, lights.pdf_of_hit(path.scattered_at, surface.primitive, point, visible));
             }
-            self.at.add_emission(stage, visible, weight, &rows);
+            self.at.add_emission(wave, visible, weight, &rows);
         }
         let open = visible & !*is_final;
-        let last = open & path.left.eq(F::U32::splat(1));
+        let last = open & path.bounces_left.eq(F::U32::splat(1));
         if lobes.has(LobeSet::REFLECTS_LIGHTS) && open.any() {
-            for index in 0..stage.context.lights.requests().len() {
-                let request = stage.context.lights.requests()[index];
-                self.sample_light(stage, &bsdf, (&request, index), open, last);
+            for index in 0..wave.context.lights.requests().len() {
+                let request = wave.context.lights.requests()[index];
+                self.sample_light(wave, &bsdf, (&request, index), open, last);
             }
         }
-        self.go_on(stage, &bsdf, visible, last);
+        self.continue_paths(wave, &bsdf, visible, last);
     }
 
-    /// Whether light is sampled in full at a path's last surface. Lobes that are narrower than lights find them better by
-    /// their own directions, so both are weighed.
+    /// Whether light samples cover all light at a path's last surface. Lobes that are narrower than lights find light
+    /// better by their own directions, so both techniques are combined.
     #[inline(always)]
     fn samples_all_light(&self) -> bool {
         !self.at.lobes.has(LobeSet::FUZZ | LobeSet::MICROFACET)
     }
 
-    /// Samples light, and appends the shadow rays along which it may come.
+    /// Samples light and appends shadow rays towards it.
     #[inline(always)]
     fn sample_light(
         &self,
-        stage: &mut Stage,
+        wave: &mut WaveState,
         bsdf: &Bsdf<F>,
         (request, light_index): (&LightRequest, usize),
         open: F::Mask,
         last: F::Mask,
     ) {
         let ShadingContext { path, surface, .. } = self.at;
-        let light = self.at.sample_light(stage, request, open);
+        let light = self.at.sample_light(wave, request, open);
         if !light.is_lit.any() {
             return;
         }
         let (zero, one) = (F::splat(0.0), F::splat(1.0));
         let reflected = bsdf.reflected(light.direction);
-        let scattered = self.at.scattered(stage, &light, &reflected);
-        // What directions of the surface's own may find as well counts less here.
+        let scattered = self.at.scattered(wave, &light, &reflected);
+        // BSDF samples may find the same light, so light samples count less here.
         let mut rest = F::F32::splat(0.0);
-        if request.is_sampled && stage.context.columns.mis {
-            let pdf = bsdf.pdf(&bsdf.chances(), light.direction);
+        if request.is_sampled && wave.context.columns.mis {
+            let pdf = bsdf.pdf(&bsdf.probabilities(), light.direction);
             let is_all = if self.samples_all_light() { last } else { F::Mask::splat(false) };
             rest = F::select(is_all, zero, one - balance(light.pdf, pdf)).to_f32();
         }
-        let radiance = path.throughput.lit() * light.radiance;
-        let (whole, weighed) = (radiance * (scattered + reflected.highlight), radiance * scattered * rest);
+        let radiance = path.throughput.at_surface() * light.radiance;
+        let (whole, mis_complement) =
+            (radiance * (scattered + reflected.highlight), radiance * scattered * rest);
         let item = ShadowItem {
             ray: light.shadow_ray(&surface.surface),
-            light: if stage.context.clear { whole } else { whole - weighed },
-            weighed,
+            light: if wave.context.has_transparency { whole } else { whole - mis_complement },
+            mis_complement,
             medium: path.medium,
             slot: path.slot,
         };
-        stage.shadows[light_index].push(light.is_lit & whole.is_lit(), &item);
+        wave.shadows[light_index].push(light.is_lit & whole.is_lit(), &item);
     }
 
-    /// Sends paths on by one lobe.
+    /// Continues paths by one lobe.
     #[inline(always)]
-    fn go_on(&self, stage: &mut Stage, bsdf: &Bsdf<F>, visible: F::Mask, last: F::Mask) {
+    fn continue_paths(&self, wave: &mut WaveState, bsdf: &Bsdf<F>, visible: F::Mask, last: F::Mask) {
         let ShadingContext { lobes, is_final, .. } = self.at;
-        let context = stage.context;
+        let context = wave.context;
         let lobes = *lobes;
         let directed = lobes.has(LobeSet::MIRROR | LobeSet::MICROFACET | LobeSet::REFRACTION);
         let final_rays = context.unsampled_light || (context.emits && directed);
-        let turns = visible & !*is_final;
-        let turns = if final_rays { turns } else { turns & !last };
-        let goes = if lobes.has(LobeSet::TRANSPARENT) { visible } else { turns };
-        if !goes.any() {
+        let bounces = visible & !*is_final;
+        let bounces = if final_rays { bounces } else { bounces & !last };
+        let continues = if lobes.has(LobeSet::TRANSPARENT) { visible } else { bounces };
+        if !continues.any() {
             return;
         }
         let sample = bsdf.sample(self.at.boundary(), self.scatter_numbers());
-        let mut goes = goes & sample.goes_on() & (turns | sample.is_transmitted);
+        let mut continues = continues & sample.continues() & (bounces | sample.is_transmitted);
         if !context.unsampled_light && self.samples_all_light() {
-            goes = goes & !(last & sample.is_scattered);
+            continues = continues & !(last & sample.is_scattered);
         }
-        let mut state = self.next_state(stage, bsdf, &sample, last);
-        goes = goes & state.throughput.shining().is_lit();
-        goes = goes & self.survives(stage, &mut state);
-        self.count(stage, &sample, goes);
+        let mut state = self.next_state(wave, bsdf, &sample, last);
+        continues = continues & state.throughput.at_emitter().is_lit();
+        continues = continues & self.survives(wave, &mut state);
+        self.count(wave, &sample, continues);
         if lobes.has(LobeSet::TRANSPARENT) {
-            let passes = goes & sample.is_transmitted;
-            self.at.pass_on(stage, passes, &state);
-            goes = goes & !sample.is_transmitted;
+            let passes = continues & sample.is_transmitted;
+            self.at.pass_on(wave, passes, &state);
+            continues = continues & !sample.is_transmitted;
         }
-        stage.next.push(goes, &state);
+        wave.next.push(continues, &state);
     }
 
-    /// As many numbers in 0..1 as the lobes need; the others are 0.
+    /// Samples as many numbers in 0..1 as the lobes need. The others are 0.
     #[inline(always)]
     fn scatter_numbers(&self) -> [F; 4] {
         let (zero, lobes) = (F::splat(0.0), self.at.lobes);
@@ -185,33 +185,33 @@ impl<F: Real> PathShade<'_, F> {
         }
     }
 
-    /// Paths after they have left the surface.
+    /// The state of paths that leave the surface.
     #[inline(always)]
     fn next_state(
         &self,
-        stage: &Stage,
+        wave: &WaveState,
         bsdf: &Bsdf<F>,
         sample: &BsdfSample<F>,
         last: F::Mask,
     ) -> PathState<F> {
         let ShadingContext { path, surface, interface, .. } = self.at;
-        let (zero, columns) = (F::splat(0.0), stage.context.columns);
+        let (zero, columns) = (F::splat(0.0), wave.context.columns);
         let at = &surface.surface;
         let mut ray = Spawn::select(
             sample.is_scattered,
-            spawn_gathering(at, sample.direction),
+            spawn_lifted(at, sample.direction),
             spawn(at, sample.direction),
         );
         if self.at.lobes.has(LobeSet::MIRROR | LobeSet::MICROFACET | LobeSet::REFRACTION) {
-            ray = Spawn::select(sample.is_mirrored, spawn_mirrored(at, sample.direction), ray);
+            ray = Spawn::select(sample.is_mirrored, spawn_reflected(at, sample.direction), ray);
         }
-        let one_less = path.left.wrapping_add(F::U32::splat(u32::MAX));
+        let one_less = path.bounces_left.wrapping_add(F::U32::splat(u32::MAX));
         let mut state = PathState {
             ray: LaneRay { origin: ray.origin, direction: ray.direction },
-            throughput: leave(&path.throughput, sample, columns.fog),
+            throughput: next_throughput(&path.throughput, sample, columns.fog),
             cone: self.at.cone(),
-            left: F::U32::select(sample.is_transmitted, path.left, one_less),
-            after: zero,
+            bounces_left: F::U32::select(sample.is_transmitted, path.bounces_left, one_less),
+            t_start: zero,
             pending: F::U32::splat(0),
             ..*path
         };
@@ -220,7 +220,7 @@ impl<F: Real> PathShade<'_, F> {
             state.medium = F::U32::select(passes, interface.behind, path.medium);
         }
         if columns.mis {
-            // Straight on: what was drawn before still leads there.
+            // A path that continues straight on keeps the density of its direction.
             state.scattered_at = Vec3::select(sample.is_scattered, at.point, path.scattered_at);
             state.pdf = F::select(sample.is_transmitted, path.pdf, sample.pdf);
         }
@@ -233,7 +233,7 @@ impl<F: Real> PathShade<'_, F> {
         let before = self.at.path.flags;
         let (none, sampled) = (F::U32::splat(0), F::U32::splat(flags::LIGHT_SAMPLED));
         let counted = F::U32::splat(flags::LIGHT_SAMPLED | flags::LIGHT_COUNTED);
-        // No shadow ray goes by a mirror.
+        // Light samples do not cover reflections in a mirror.
         let mut after = F::U32::select(sample.is_scattered, sampled, none);
         if self.settings.refractive_shadows {
             let through = F::U32::select(has_flag::<F>(before, flags::LIGHT_SAMPLED), counted, none);
@@ -245,20 +245,20 @@ impl<F: Real> PathShade<'_, F> {
         F::U32::select(sample.is_transmitted, before, after)
     }
 
-    /// Russian roulette: dim paths end at random, and those that go on make up for them.
+    /// Russian roulette: dim paths end at random, and the others are weighted up for them.
     #[inline(always)]
-    fn survives(&self, stage: &Stage, state: &mut PathState<F>) -> F::Mask {
-        let (all, quality) = (F::Mask::splat(true), stage.context.quality);
+    fn survives(&self, wave: &WaveState, state: &mut PathState<F>) -> F::Mask {
+        let (all, quality) = (F::Mask::splat(true), wave.context.quality);
         let Some(after) = self.settings.roulette.filter(|after| *after < quality.surfaces()) else {
             return all;
         };
-        let dims = state.left.lt(F::U32::splat(quality.surfaces() - after));
+        let dims = state.bounces_left.lt(F::U32::splat(quality.surfaces() - after));
         if !dims.any() {
             return all;
         }
         let [u] = self.at.numbers(dimension::ROULETTE, 0);
         let one = F::F32::splat(1.0);
-        let chance = state.throughput.shining().max_element().min(F::F32::splat(0.95));
+        let chance = state.throughput.at_emitter().max_element().min(F::F32::splat(0.95));
         let chance = F::F32::select(dims, chance, one);
         state.throughput.diffuse = state.throughput.diffuse / chance;
         state.throughput.specular = state.throughput.specular / chance;
@@ -266,32 +266,36 @@ impl<F: Real> PathShade<'_, F> {
     }
 
     #[inline(always)]
-    fn count(&self, stage: &mut Stage, sample: &BsdfSample<F>, goes: F::Mask) {
-        let (rays, lobes) = (&mut stage.counts.rays, self.at.lobes);
-        rays.scattered += u64::from((goes & sample.is_scattered).bits().count_ones());
+    fn count(&self, wave: &mut WaveState, sample: &BsdfSample<F>, continues: F::Mask) {
+        let (rays, lobes) = (&mut wave.counts.rays, self.at.lobes);
+        rays.scattered += u64::from((continues & sample.is_scattered).bits().count_ones());
         if lobes.has(LobeSet::MIRROR | LobeSet::MICROFACET | LobeSet::REFRACTION) {
-            rays.mirror += u64::from((goes & sample.is_mirrored).bits().count_ones());
+            rays.mirror += u64::from((continues & sample.is_mirrored).bits().count_ones());
         }
         if lobes.has(LobeSet::PASSES) {
             let passed = sample.is_refracted | sample.is_transmitted;
-            rays.transmitted += u64::from((goes & passed).bits().count_ones());
+            rays.transmitted += u64::from((continues & passed).bits().count_ones());
         }
     }
 }
 
-/// What is left of the light beyond a surface, which gathers and shows shares of it.
+/// The throughput behind a surface, by diffuse and specular lobes.
 #[inline(always)]
-fn leave<F: Real>(before: &Throughput<F::F32>, sample: &BsdfSample<F>, fog: bool) -> Throughput<F::F32> {
+fn next_throughput<F: Real>(
+    before: &Throughput<F::F32>,
+    sample: &BsdfSample<F>,
+    fog: bool,
+) -> Throughput<F::F32> {
     let one = F::F32::splat(1.0);
     if !fog {
         let specular = before.specular * (sample.diffuse + sample.specular);
-        return Throughput { diffuse: Color::black(), specular, clear: one };
+        return Throughput { diffuse: Color::black(), specular, fog_transmittance: one };
     }
-    let lit = before.lit();
+    let lit = before.at_surface();
     let passes = sample.is_transmitted;
     Throughput {
         diffuse: Color::select(passes, before.diffuse * sample.specular, lit * sample.diffuse),
         specular: Color::select(passes, before.specular * sample.specular, lit * sample.specular),
-        clear: F::F32::select(passes, before.clear, one),
+        fog_transmittance: F::F32::select(passes, before.fog_transmittance, one),
     }
 }

@@ -1,10 +1,10 @@
-//! Pixels: their samples, and the means of these.
+//! Pixels: their samples and means.
 
 use super::context::TraceContext;
 use super::generate::{PixelSamples, SampleGroup};
-use super::sums::add;
+use super::settings::{Moment, TraceSettings};
+use super::sums::add_sample;
 use super::wavefront::{ScratchBuffer, WAVE};
-use super::{Moment, TraceSettings};
 use crate::base::math::DVec3;
 use crate::base::stats::Counts;
 use crate::film::{LayerId, lit};
@@ -14,48 +14,48 @@ use crate::scene::top_level::Bvh;
 use std::ops::Range;
 use std::sync::Mutex;
 
-/// A frame's scene with all that its pixels have in common.
-pub struct Pixels<'a> {
+/// Traces pixels of one frame at one moment.
+pub struct PixelTracer<'a> {
     pub context: TraceContext<'a>,
     pub moment: Moment,
-    /// Whether samples are drawn at random; else they stand on a regular grid.
+    /// Whether samples are random. Otherwise they form a regular grid.
     pub random: bool,
-    /// What threads trace with, while none does.
+    /// Scratch buffers that no thread is using.
     scratch: Mutex<Vec<ScratchBuffer>>,
 }
 
-/// Some of a pixel's samples. Another seed gives independent ones.
+/// A range of a pixel's samples. Different seeds give independent samples.
 #[derive(Clone, Debug)]
 pub struct SampleSet {
     pub samples: Range<u32>,
     pub seed: u32,
 }
 
-impl<'a> Pixels<'a> {
+impl<'a> PixelTracer<'a> {
     pub fn new(scene: &'a Scene<'a>, bvh: &'a Bvh, settings: &'a TraceSettings, moment: Moment) -> Self {
         let context = TraceContext::new(scene, bvh, settings);
         let random = moment.of > 1 || context.is_random;
         Self { context, moment, random, scratch: Mutex::default() }
     }
 
-    /// The same with samples drawn at random, whatever the scene calls for.
+    /// The same with random samples, whatever the scene needs.
     pub fn sampled(scene: &'a Scene<'a>, bvh: &'a Bvh, settings: &'a TraceSettings, moment: Moment) -> Self {
         Self { random: true, ..Self::new(scene, bvh, settings, moment) }
     }
 
-    /// How many layers are traced, dark ones among them.
+    /// The number of traced layers, including dark ones.
     pub fn layers(&self) -> usize {
         self.context.layers
     }
 
-    /// Those of them that a film holds.
+    /// The layers that a film holds.
     pub fn held(&self) -> Vec<usize> {
         let lit = lit(&self.context.scene.weights.0).map(LayerId::index);
         lit.chain(self.context.lit_layers..self.context.layers).collect()
     }
 
-    /// Adds pixels' layers, one pixel after the other, to `sums`: the means of their samples or, of several moments, this
-    /// moment's part of them. Neighbours should follow each other.
+    /// Adds the layers of pixels to `sums`, pixel by pixel: the means of their samples or, with several moments, the
+    /// part of this moment. Neighbours should be next to each other.
     pub fn trace(&self, pixels: &[(u32, u32)], sums: &mut [DVec3]) -> Counts {
         let set = SampleSet { samples: 0..self.count(), seed: self.context.quality.seed };
         let counts = self.add(pixels, &set, sums);
@@ -64,7 +64,7 @@ impl<'a> Pixels<'a> {
         counts
     }
 
-    /// Adds some of the pixels' samples to `sums` or, of several moments, those that fall on this one.
+    /// Adds a range of the pixels' samples to `sums` or, with several moments, those that belong to this one.
     pub fn add(&self, pixels: &[(u32, u32)], set: &SampleSet, sums: &mut [DVec3]) -> Counts {
         let mut scratch = self.take_scratch();
         let (mut samples, mut places) = scratch.take_samples();
@@ -84,7 +84,7 @@ impl<'a> Pixels<'a> {
         counts
     }
 
-    /// Follows samples of the pixels at these places, and adds what they get to the sums of these.
+    /// Traces the samples of the pixels at these places, and adds the results to the sums of the pixels.
     #[inline(never)]
     fn follow(
         &self,
@@ -95,7 +95,7 @@ impl<'a> Pixels<'a> {
         let grid = (!self.random).then_some(self.context.quality.antialias);
         scratch.follow(&self.context, samples, grid);
         let (limit, lit, layers) = (self.context.quality.clamp, self.context.lit_layers, self.layers());
-        let all_light = scratch.sums.is_light() && lit == layers && limit.is_none();
+        let all_light = scratch.sums.is_valid() && lit == layers && limit.is_none();
         for (slot, place) in (0..).zip(&*places) {
             let sums = &mut sums[*place as usize * layers..][..layers];
             for (layer, sum) in sums.iter_mut().enumerate() {
@@ -103,7 +103,7 @@ impl<'a> Pixels<'a> {
                 if all_light || layer >= lit {
                     *sum += sample;
                 } else {
-                    add(sum, sample, limit.map(f64::from), &mut scratch.counts.dropped);
+                    add_sample(sum, sample, limit.map(f64::from), &mut scratch.counts.dropped);
                 }
             }
         }
@@ -122,14 +122,14 @@ impl<'a> Pixels<'a> {
         }
     }
 
-    /// How many samples a pixel has.
+    /// The number of samples of a pixel.
     fn count(&self) -> u32 {
         let quality = self.context.quality;
         if self.random { quality.samples } else { quality.antialias * quality.antialias }
     }
 
-    /// Gives all samples at this moment to `take`, eight at a time, such that these see about the same: samples of one pixel,
-    /// or one sample each of eight neighbours.
+    /// Passes all samples at this moment to `take`, eight at a time. Samples of a group are close to each other:
+    /// samples of one pixel, or one sample each of eight neighbours.
     #[inline]
     fn each_group(&self, pixels: &[(u32, u32)], set: &SampleSet, mut take: impl FnMut(&SampleGroup)) {
         let Moment { index, of } = self.moment;

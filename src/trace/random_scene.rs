@@ -1,21 +1,23 @@
-//! Random scenes, to trace in one way and in another.
+//! Random scenes, to compare one way of tracing with another.
 
 mod everything;
 mod tests;
 
 use crate::appearance::environment::{Environment, Sky};
-use crate::appearance::light::{Attenuation, Cone, Light, Source};
-use crate::appearance::light_groups::glow::Glow;
-use crate::appearance::material::{Exponent, Highlight, Lobes, MadeOf, Material, Medium, Slot};
+use crate::appearance::light::{Attenuation, Light, Source, SpotCone};
+use crate::appearance::light_groups::GroupRadiance;
+use crate::appearance::material::{
+    Exponent, Highlight, Lobes, Material, MaterialBinding, Medium, TextureSlot,
+};
 use crate::appearance::optics::Fresnel;
-use crate::appearance::texture::{Paint, Pattern, PatternPaint, PlacementTracks, Space};
+use crate::appearance::texture::{Pattern, PatternTexture, Texture, TextureMappingTracks, TextureSpace};
 use crate::base::color::Rgb;
 use crate::base::math::{Angle, DAffine3, DMat3, DVec3, axis_angle, look_at};
 use crate::base::stats::Counts;
 use crate::base::time::Time;
 use crate::camera::{Camera, Projection, ThinLens};
 use crate::film::filter::FilterSampler;
-use crate::film::{Extras, LayerId};
+use crate::film::{AovSet, LayerId};
 use crate::geometry::mesh::{self, Normals, generate};
 use crate::geometry::shape::{
     Cone as ConeShape, Cuboid, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle,
@@ -24,7 +26,7 @@ use crate::scene::top_level::Bvh;
 use crate::scene::{Finish, Geometry, Scene, Shading, Weights};
 use crate::sequence::quality::{Integrator, PathSettings, Quality};
 use crate::testing::Random;
-use crate::trace::pixels::{Pixels, SampleSet};
+use crate::trace::pixels::{PixelTracer, SampleSet};
 use crate::trace::{Moment, TraceSettings};
 use std::sync::Arc;
 
@@ -43,8 +45,8 @@ fn layer(random: &mut Random) -> LayerId {
     LayerId(one_of(random, &[0, 1, 2]))
 }
 
-/// A pattern in the colours of some lobes, in space or over u and v.
-fn paint(random: &mut Random) -> (Vec<Slot>, Paint) {
+/// A pattern in the colours of some lobes, in object space or over u and v.
+fn texture(random: &mut Random) -> (Vec<TextureSlot>, Texture) {
     let patterns = [
         Pattern::Checker,
         Pattern::Stripes,
@@ -52,32 +54,32 @@ fn paint(random: &mut Random) -> (Vec<Slot>, Paint) {
         Pattern::Noise { octaves: 3, seed: 1 },
         Pattern::Marble { octaves: 2, seed: 4, turbulence: 1.0 },
     ];
-    let pattern = PatternPaint {
+    let pattern = PatternTexture {
         pattern: one_of(random, &patterns),
-        space: one_of(random, &[Space::Object, Space::Uv]),
-        placement: PlacementTracks::default().at(Time::from_integer(0)),
-        // Black takes a lobe away.
-        first: Paint::Color(one_of(random, &[Rgb::ZERO, Rgb::ONE])),
-        second: Paint::Color(color(random)),
+        space: one_of(random, &[TextureSpace::Object, TextureSpace::Uv]),
+        mapping: TextureMappingTracks::default().at(Time::from_integer(0)),
+        // Black removes a lobe.
+        first: Texture::Color(one_of(random, &[Rgb::ZERO, Rgb::ONE])),
+        second: Texture::Color(color(random)),
     };
-    let slots = [Slot::Ambient, Slot::Diffuse, Slot::Specular, Slot::Mirror];
-    (slots.into_iter().filter(|_| random.unit() < 0.6).collect(), Paint::Pattern(Box::new(pattern)))
+    let slots = [TextureSlot::Ambient, TextureSlot::Diffuse, TextureSlot::Specular, TextureSlot::Mirror];
+    (slots.into_iter().filter(|_| random.unit() < 0.6).collect(), Texture::Pattern(Box::new(pattern)))
 }
 
 fn material(random: &mut Random) -> Material {
-    let painted = random.unit() < 0.4;
+    let textured = random.unit() < 0.4;
     let mut lobe = |chance: f64| if random.unit() < chance { color(random) } else { Rgb::ZERO };
     let lobes = Lobes {
         ambient: lobe(0.7),
         diffuse: lobe(0.8),
         specular: lobe(0.6),
         mirror: lobe(0.6),
-        emission: if painted { Rgb::ZERO } else { lobe(0.2) },
+        emission: if textured { Rgb::ZERO } else { lobe(0.2) },
         ..Lobes::default()
     };
     Material {
         lobes,
-        paints: if painted { vec![paint(random)] } else { Vec::new() },
+        textures: if textured { vec![texture(random)] } else { Vec::new() },
         emission_layer: layer(random),
         highlight: one_of(random, &[Highlight::Phong, Highlight::BlinnPhong]),
         shininess: Exponent::new(one_of(random, &[0.0, 1.0, 32.0, 200.0, 7.5])),
@@ -86,7 +88,7 @@ fn material(random: &mut Random) -> Material {
     }
 }
 
-/// Makes smooth metal or plastic of a material, which needs no random samples.
+/// Turns a material into smooth metal or plastic, which needs no random samples.
 fn polish(material: &mut Material, random: &mut Random) {
     material.lobes = Lobes {
         microfacet: 1.0,
@@ -95,7 +97,7 @@ fn polish(material: &mut Material, random: &mut Random) {
         ambient: material.lobes.ambient,
         ..Lobes::default()
     };
-    material.paints.clear();
+    material.textures.clear();
     material.medium.ior = 1.5;
 }
 
@@ -118,7 +120,8 @@ fn shape(random: &mut Random, kind: usize) -> Shape {
 fn light(random: &mut Random) -> Light {
     let position = random.point(6.0);
     let attenuation = Attenuation { constant: 1.0, linear: 0.1 * random.unit(), quadratic: 0.05 };
-    let cone = Cone { axis: -position.normalize_or(DVec3::Y), full: 0.9, none: 0.6 };
+    let cone =
+        SpotCone { axis: -position.normalize_or(DVec3::Y), cos_falloff_start: 0.9, cos_falloff_end: 0.6 };
     let source = match (random.unit() * 4.0) as u32 {
         0 => Source::Point { position, attenuation: Attenuation::default() },
         1 => Source::Point { position, attenuation },
@@ -128,21 +131,21 @@ fn light(random: &mut Random) -> Light {
     Light { source, radiance: color(random), layer: layer(random) }
 }
 
-/// A random scene, far from the origin for some seeds and seen from afar for others.
+/// A random scene. Some are far from the origin, others are seen from afar.
 pub struct RandomScene {
     geometry: Geometry,
     shading: Shading,
     camera: Camera,
     quality: Quality,
-    /// Around which everything lies.
+    /// The centre of all objects.
     middle: DVec3,
-    /// Layers of light.
+    /// The number of layers of light.
     layers: usize,
-    extras: Extras,
+    extras: AovSet,
 }
 
 impl RandomScene {
-    /// For Whitted's integrator.
+    /// A scene for Whitted's integrator.
     pub fn new(seed: u64) -> Self {
         let random = &mut Random(seed);
         let middle = one_of(random, &[DVec3::ZERO, DVec3::new(1e5, -3e4, 2e3)]);
@@ -153,7 +156,7 @@ impl RandomScene {
         }
         let mut geometry = Geometry::default();
         for kind in 0..1 + (random.unit() * 24.0) as usize {
-            let finish = Finish::Material(MadeOf::One(one_of(random, &[0, 1, 2, 3])));
+            let finish = Finish::Material(MaterialBinding::One(one_of(random, &[0, 1, 2, 3])));
             let turn = axis_angle(random.direction(), Angle(360.0 * random.unit()));
             let uneven = DMat3::from_diagonal(DVec3::new(1.0, 0.5 + random.unit(), 1.0));
             let placed = DAffine3::from_mat3(one_of(random, &[DMat3::IDENTITY, turn, turn * uneven]));
@@ -164,7 +167,7 @@ impl RandomScene {
             materials,
             lights: (0..3).map(|_| shifted(light(random), middle)).collect(),
             environment: Environment { sky, layer: layer(random), ..Environment::default() },
-            ambient: Glow { radiance: color(random), layer: layer(random) },
+            ambient: GroupRadiance { radiance: color(random), layer: layer(random) },
             ..Shading::default()
         };
         let position = middle + random.direction() * one_of(random, &[2.0, 8.0, 300.0]);
@@ -188,16 +191,16 @@ impl RandomScene {
             quality,
             middle,
             layers: 3,
-            extras: Extras::default(),
+            extras: AovSet::default(),
         }
     }
 
-    /// For paths: with meshes, a lens, and materials that let light pass or scatter it, in some of them.
+    /// A scene for paths. Some scenes have meshes, a lens, and materials that transmit or scatter light.
     pub fn of_paths(seed: u64) -> Self {
         let mut scene = Self::new(seed);
         let random = &mut Random(seed + 1000);
         let chance = |random: &mut Random, share: f64| random.unit() < share;
-        // In some scenes a matt mesh is all there is, so that neighbours meet nothing else.
+        // In some scenes a matt mesh is the only object, so that neighbouring rays hit nothing else.
         let alone = seed % 4 == 3;
         for material in &mut scene.shading.materials {
             let Lobes { ambient, diffuse, mirror, .. } = material.lobes;
@@ -236,14 +239,14 @@ impl RandomScene {
             let turn = axis_angle(random.direction(), Angle(360.0 * random.unit()));
             let mut place =
                 middle * DAffine3::from_translation(random.point(2.0)) * DAffine3::from_mat3(turn);
-            // Some are where they are, without a space of their own.
+            // Some meshes have no transform of their own.
             if alone || chance(random, 0.5) {
                 let moved =
                     parts.positions.iter().map(|position| place.transform_point3(*position)).collect();
                 (parts.positions, place) = (moved, DAffine3::IDENTITY);
             }
-            let mesh = Arc::new(mesh::Mesh::new(parts).expect("a mesh"));
-            let finish = Finish::Material(MadeOf::One(one_of(random, &[0, 1, 2, 3])));
+            let mesh = Arc::new(mesh::TriangleMesh::new(parts).expect("a mesh"));
+            let finish = Finish::Material(MaterialBinding::One(one_of(random, &[0, 1, 2, 3])));
             scene.geometry.push(&Shape::Mesh(Mesh { mesh, normals }), place, finish);
         }
         if chance(random, 0.5) {
@@ -253,12 +256,12 @@ impl RandomScene {
         let path = PathSettings { roulette, refractive_shadows: chance(random, 0.5) };
         scene.quality.integrator = Integrator::Path(path);
         scene.quality.samples = one_of(random, &[1, 3]);
-        // Of many layers fewer paths are followed at once, of these no power of two.
+        // None of these numbers of layers is a power of two.
         scene.layers = one_of(random, &[3, 3, 9, 20]);
         scene
     }
 
-    /// The picture's layers, with what was counted, traced so many pixels at a time and so many samples of each.
+    /// The layers of the image and the counts, traced with this many pixels, and samples of each, at a time.
     pub fn trace(&self, pixels_at_once: usize, samples_at_once: u32) -> (Vec<DVec3>, Counts) {
         let Self { geometry, shading, camera, quality, layers, extras, .. } = self;
         let weights = Weights(vec![Rgb::ONE; *layers]);
@@ -266,7 +269,7 @@ impl RandomScene {
         let bvh = Bvh::build(geometry);
         let filter = FilterSampler::new(quality.filter);
         let settings = TraceSettings { size: SIZE, quality: *quality, filter, extras: *extras };
-        let pixels = Pixels::new(&scene, &bvh, &settings, Moment::ONLY);
+        let pixels = PixelTracer::new(&scene, &bvh, &settings, Moment::ONLY);
         let samples = if pixels.random { quality.samples } else { quality.antialias * quality.antialias };
         let places: Vec<_> = (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))).collect();
         let layers = pixels.layers();

@@ -1,10 +1,10 @@
-//! Rays that walk through cylinders, cones and tori, from surface to surface: the number of crossings is even, at
-//! rims and tips too (INT-09 of the hard cases), and no point meets itself (SELF-01).
+//! Rays that walk through cylinders, cones and tori, from surface to surface. The number of crossings is even, also at
+//! rims and tips (INT-09 of the hard cases), and no ray hits its own starting point (SELF-01).
 
 use super::spawn::spawn_ray;
-use crate::appearance::material::MadeOf;
+use crate::appearance::material::MaterialBinding;
 use crate::base::math::{Angle, DAffine3, DMat3, DVec3, Ray, UNIT_ROUNDOFF, axis_angle, euler_xyz};
-use crate::geometry::bvh::Probe;
+use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::{Cone, Cylinder, Shape, Surface, Torus};
 use crate::scene::{Finish, Primitive};
 use crate::testing::Random;
@@ -25,14 +25,14 @@ fn torus(minor: f64) -> Shape {
 }
 
 fn placed(shape: Shape, to_world: DAffine3) -> Primitive {
-    Primitive::new(&shape, to_world, Finish::Material(MadeOf::One(0))).expect("a primitive")
+    Primitive::new(&shape, to_world, Finish::Material(MaterialBinding::One(0))).expect("a primitive")
 }
 
-/// The surfaces that a ray meets, each found by the ray that the one before sends on; at most nine.
+/// The surfaces that a ray hits, at most nine. Each ray starts on the surface before.
 fn walk(primitive: &Primitive, ray: Ray) -> Vec<Surface> {
     let mut found: Vec<Surface> = Vec::new();
     let mut next = ray;
-    while let Some(at) = primitive.hit(&Probe::new(next), f64::INFINITY) {
+    while let Some(at) = primitive.hit(&TraversalRay::new(next), f64::INFINITY) {
         let surface = primitive.surface_at(&next, at);
         next = spawn_ray(&surface, ray.direction);
         found.push(surface);
@@ -43,15 +43,15 @@ fn walk(primitive: &Primitive, ray: Ray) -> Vec<Surface> {
     found
 }
 
-/// A point of the unit circle across the y axis.
+/// A point of the unit circle around the y axis.
 fn circle(random: &mut Random) -> DVec3 {
     let turn = Angle(360.0 * random.unit()).cos_sin();
     DVec3::new(turn.x, 0.0, turn.y)
 }
 
-/// Walks along rays from three distances, half of them at the shape's rims (or its tip), which have these heights and
-/// radii, half at points between them inside; `to_world` moves both the shape and the rays. Gives the number of rays
-/// with neither none nor two crossings.
+/// Walks along rays from three distances. Half of them aim at the shape's rims or tip, which have these heights and
+/// radii, and half at points inside. `to_world` moves both the shape and the rays. Returns the number of rays without
+/// exactly none or two crossings.
 fn walks(shape: Shape, rims: [(f64, f64); 2], to_world: DAffine3, rays: u32) -> u32 {
     let primitive = placed(shape, to_world);
     let size = rims[0].1.max(rims[1].1).max(1.0);
@@ -107,7 +107,7 @@ fn int_09_crossings_of_a_million_rays() {
     crossings_are_even(1_000_000);
 }
 
-/// Rays at a rim that enter by more than the rounding of where they start are not missed.
+/// Rays at a rim hit the shape if they enter by more than the rounding of their origin.
 #[test]
 fn int_09_rays_at_rims_that_enter_hit() {
     let mut random = Random(10);
@@ -121,11 +121,11 @@ fn int_09_rays_at_rims_that_enter_hit() {
             let distance = [3.0, 100.0, 1e4][(3.0 * random.unit()) as usize];
             let out = circle(&mut random);
             let point = out + DVec3::Y * rim;
-            // Aimed below the rim by more than the rounding, in the plane of the axis.
+            // The ray aims below the rim by more than the rounding, in the plane of the axis.
             let depth = 16.0 * UNIT_ROUNDOFF * distance * (1.0 + 3.0 * random.unit());
             let aim = point + (out * -inwards.x.abs() + DVec3::Y * inwards.y) * depth;
             let origin = random.direction() * distance;
-            let probe = Probe::new(Ray { origin, direction: aim - origin });
+            let probe = TraversalRay::new(Ray { origin, direction: aim - origin });
             assert!(primitive.hit(&probe, f64::INFINITY).is_some(), "{probe:?}");
         }
     }
@@ -178,7 +178,7 @@ fn int_09_crossings_of_unevenly_scaled_shapes_are_even() {
     assert_eq!(odd, 0);
 }
 
-/// From inside a convex shape every ray leaves once; from within the tube of a torus once or three times.
+/// From inside a convex shape, every ray leaves once. From inside the tube of a torus, it leaves once or three times.
 #[test]
 fn int_05_rays_that_start_inside_leave() {
     let mut random = Random(13);
@@ -190,7 +190,7 @@ fn int_05_rays_that_start_inside_leave() {
                 _ => circle(&mut random) * (0.6 * random.unit()) + DVec3::Y * (0.01 + 0.9 * random.unit()),
             };
             let ray = Ray { origin: origin * 0.3, direction: random.direction() };
-            // Only the cone's own inside: its radius at height y is 1 - 0.6 y.
+            // Only points inside the cone: its radius at height y is 1 - 0.6 y.
             if matches!(shape, Shape::Cone(_)) && origin.with_y(0.0).length() >= 0.999 - 0.6 * origin.y {
                 continue;
             }
@@ -208,15 +208,15 @@ fn each_place() -> impl Iterator<Item = (f64, DVec3)> {
         .flat_map(move |size| [0.0, 10.0, 1e3, 1e4, 1e6].map(|at| (size, away * at)))
 }
 
-/// A torus shadows itself truly where it is hollow, but not within the ball that touches it from outside and, by the
-/// radius of its hole, reaches its axis: not before 2·cos·(R - r).
+/// A torus shadows itself where it is hollow, but not within the ball that touches it from outside and reaches its
+/// axis. So there is no shadow before 2·cos·(R - r).
 #[test]
 fn self_01_lit_tori_do_not_shadow_themselves() {
     for minor in [0.8, 0.25, 0.02] {
         for (size, middle) in each_place() {
             let turn = euler_xyz(Angle(30.0), Angle(40.0), Angle(0.0)) * size;
             let to_world = DAffine3::from_mat3_translation(turn, middle);
-            // A tube whose radius is near the resolution of its place cannot be told from a line.
+            // If the radius of the tube is near the resolution of its position, the tube is a line in floating point.
             if minor * size < 1e4 * UNIT_ROUNDOFF * middle.length() {
                 continue;
             }
@@ -237,8 +237,8 @@ fn false_shadows(shape: &Shape, to_world: DAffine3, size: f64, free: f64) -> usi
         let surface = Surface::from(primitive.shape.sample_area(random.unit(), random.unit()).0);
         let direction = random.direction();
         let cosine = surface.normal.dot(direction);
-        let at = primitive.hit(&Probe::new(spawn_ray(&surface, direction)), f64::INFINITY);
-        // Inwards, the ray leaves the tube; outwards it is free for a while.
+        let at = primitive.hit(&TraversalRay::new(spawn_ray(&surface, direction)), f64::INFINITY);
+        // Inwards, the ray leaves the tube. Outwards, nothing is near.
         let limit = if cosine < 0.0 { 0.0 } else { 1.9 * cosine * free * size };
         wrong += usize::from(cosine.abs() > 1e-3 && at.is_some_and(|at| at.t < limit));
         wrong += usize::from(cosine < -1e-3 && at.is_none());
@@ -246,7 +246,8 @@ fn false_shadows(shape: &Shape, to_world: DAffine3, size: f64, free: f64) -> usi
     wrong
 }
 
-/// How far rays start off their surfaces, in units of u·(|c| + r), r being the radius of a sphere around the shape.
+/// Distances of ray origins from their surfaces, in units of u·(|c| + r), where r is the radius of a sphere around the
+/// shape.
 #[test]
 fn self_01_rays_start_close_by() {
     let mut worst = [0.0f64; 4];

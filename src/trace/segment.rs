@@ -1,8 +1,8 @@
-//! What the ways of paths to what they meet leave of the light: absorption in media, and fog.
+//! The segment stage: absorption of media and fog along the segments of paths.
 
 use super::accumulate::Accumulator;
 use super::context::{Queue, TraceContext};
-use super::intersect::Hits;
+use super::intersect::HitStream;
 use super::medium::{MediaLists, OUTSIDE};
 use super::stream::PathStream;
 use crate::base::color::Rgb;
@@ -11,17 +11,17 @@ use crate::base::math::{LaneRay, exp};
 use crate::base::stats::Counts;
 use crate::scene::top_level::NOTHING;
 
-/// Dims the throughput of a wave's paths.
-pub struct Segments<'a> {
+/// Attenuates the throughput of a wave's paths, and adds in-scattered light of fog.
+pub struct AttenuateSegments<'a> {
     pub context: &'a TraceContext<'a>,
     pub paths: &'a mut PathStream,
-    pub hits: &'a Hits,
+    pub hits: &'a HitStream,
     pub media: &'a MediaLists,
     pub sums: &'a mut Accumulator,
     pub counts: &'a mut Counts,
 }
 
-impl SimdKernel for Segments<'_> {
+impl SimdKernel for AttenuateSegments<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -30,11 +30,11 @@ impl SimdKernel for Segments<'_> {
         for first in (0..paths.len()).step_by(8) {
             let count = (paths.len() - first).min(8);
             let at = Lookup::run(first as u32, count);
-            let there = L::Mask::from_bits(0xff >> (8 - count));
+            let active = L::Mask::from_bits(0xff >> (8 - count));
             let mut path = paths.gather::<L::F64>(&at);
-            // What is met as one of several surfaces in a place has no way to it.
-            let t = L::F64::gather(&hits.t, &at).max(path.after);
-            let length = t - path.after;
+            // The next of several surfaces in one place has a segment of length 0.
+            let t = L::F64::gather(&hits.t, &at).max(path.t_start);
+            let length = t - path.t_start;
             let passed = transmittance::<L::F64>(media, path.medium, length);
             if let Some(passed) = &passed {
                 path.throughput.diffuse = path.throughput.diffuse * *passed;
@@ -42,16 +42,17 @@ impl SimdKernel for Segments<'_> {
             }
             if let Some(fog) = &context.fog {
                 counts.evaluations.fog += count as u64;
-                let way = LaneRay { origin: path.ray.at(path.after), direction: path.ray.direction };
-                let opacity = fog.opacity(&way, length).to_f32();
+                let segment = LaneRay { origin: path.ray.at(path.t_start), direction: path.ray.direction };
+                let opacity = fog.opacity(&segment, length).to_f32();
                 let surface = surfaces::<L>(context, hits, first, count);
-                let glow = Color::splat(fog.glow.radiance) * opacity;
-                let seen = path.throughput.specular * path.throughput.clear;
-                // What a surface gathers comes through no fog: a way to what shines by itself glows for the other
-                // part alone.
-                let seen = Color::select(surface, path.throughput.lit(), seen);
-                sums.add::<L::F64>(fog.glow.layer, seen * glow, there, path.slot);
-                path.throughput.clear = path.throughput.clear * (L::F32::splat(1.0) - opacity);
+                let in_scattered = Color::splat(fog.in_scattering.radiance) * opacity;
+                let seen = path.throughput.specular * path.throughput.fog_transmittance;
+                // Diffuse lighting ignores fog. On segments that end at an emitter or the sky, in-scattering is added
+                // to the specular throughput only.
+                let seen = Color::select(surface, path.throughput.at_surface(), seen);
+                sums.add::<L::F64>(fog.in_scattering.layer, seen * in_scattered, active, path.slot);
+                path.throughput.fog_transmittance =
+                    path.throughput.fog_transmittance * (L::F32::splat(1.0) - opacity);
             }
             if passed.is_some() || context.fog.is_some() {
                 paths.set_throughput(first, &path.throughput);
@@ -60,9 +61,9 @@ impl SimdKernel for Segments<'_> {
     }
 }
 
-/// Lanes in which a path has met a surface, not a light or nothing.
+/// Lanes whose path hits a surface, not a light or nothing.
 #[inline(always)]
-fn surfaces<L: Level>(context: &TraceContext, hits: &Hits, first: usize, count: usize) -> L::Mask {
+fn surfaces<L: Level>(context: &TraceContext, hits: &HitStream, first: usize, count: usize) -> L::Mask {
     let mut bits = 0;
     for lane in 0..count {
         let (primitive, part) = (hits.primitive[first + lane], hits.part[first + lane]);
@@ -73,7 +74,7 @@ fn surfaces<L: Level>(context: &TraceContext, hits: &Hits, first: usize, count: 
 }
 
 out_of_line! {
-    /// The shares of light that media leave on segments of these lengths; none if all of it is left everywhere.
+    /// The transmittance of the media along segments of these lengths. `None` if no medium absorbs.
     pub fn transmittance<'k, F>(media: &'k MediaLists, inside: F::U32, length: F) -> Option<Color<F::F32>> {
         let (inside, none) = (inside.to_array(), F::splat(0.0).to_array());
         let (mut absorption, mut absorbs) = ([none; 3], false);
@@ -98,10 +99,10 @@ out_of_line! {
     }
 }
 
-/// The share that is left after a way.
+/// The transmittance of one channel.
 #[inline(always)]
 fn left<F: Real>(absorption: F, length: F) -> F::F32 {
-    // A way without end through what absorbs nothing: 0 · ∞ would be no number.
+    // An infinite segment without absorption would give 0 · ∞.
     let zero = F::splat(0.0);
     F::select(absorption.eq(zero), F::splat(1.0), exp(-(absorption * length))).to_f32()
 }

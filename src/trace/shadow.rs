@@ -1,6 +1,6 @@
-//! The shadow stage: how much of the sampled light arrives.
+//! The shadow stage: traces shadow rays and adds the unoccluded light.
 //!
-//! In: shadow rays to one light, in the order in which surfaces sampled it. Out: light for the sums.
+//! In: shadow rays to one light, in the order of the surfaces that sampled it. Out: light for the sums.
 
 use super::accumulate::Accumulator;
 use super::coincident::Events;
@@ -9,18 +9,18 @@ use super::materials::LobeTable;
 use super::medium::MediaLists;
 use super::segment::transmittance;
 use super::shadow_stream::ShadowStream;
-use super::transmit::Transmit;
+use super::transmittance::TraceTransmittance;
 use crate::base::lanes::{Color, Level, Lookup, Mask, Select, SimdKernel};
 use crate::base::stats::Counts;
 use crate::film::LayerId;
-use crate::geometry::shape::Span;
+use crate::geometry::shape::RayInterval;
 use crate::scene::top_level::{Coherence, Stacks};
 
-/// Casts the shadow rays to one light, and adds what of its light arrives.
-pub struct Cast<'a> {
+/// Traces the shadow rays to one light, and adds the light that arrives.
+pub struct TraceShadowRays<'a> {
     pub context: &'a TraceContext<'a>,
     pub shadows: &'a ShadowStream,
-    /// Of the light.
+    /// The layer of the light.
     pub layer: LayerId,
     pub coherence: Coherence,
     pub events: &'a mut Events,
@@ -30,7 +30,7 @@ pub struct Cast<'a> {
     pub counts: &'a mut Counts,
 }
 
-impl SimdKernel for Cast<'_> {
+impl SimdKernel for TraceShadowRays<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -42,34 +42,34 @@ impl SimdKernel for Cast<'_> {
     }
 }
 
-impl Cast<'_> {
-    /// Casts the rays from `first` on, eight at most.
+impl TraceShadowRays<'_> {
+    /// Traces the rays from `first` on, at most eight.
     #[inline(always)]
     fn cast<L: Level>(&mut self, first: usize, stacks: &mut Stacks) {
         let Self { context, shadows, .. } = *self;
         let count = (shadows.len() - first).min(8);
         let at = Lookup::run(first as u32, count);
-        let there = L::Mask::from_bits(0xff >> (8 - count));
+        let active = L::Mask::from_bits(0xff >> (8 - count));
         let shadow = shadows.ray::<L::F64>(&at);
-        // Rays at the light itself lead nowhere: nothing can stand in their way.
-        let leads = there & shadow.ray.direction.is_not_zero();
+        // Rays that start at the light have no direction, and nothing can block them.
+        let leads = active & shadow.ray.direction.is_not_zero();
         self.counts.rays.shadow += u64::from(leads.bits().count_ones());
-        let (within, passing) = (Span::up_to(shadow.t_max), context.passing());
+        let (within, passing) = (RayInterval::up_to(shadow.t_max), context.passing());
         let (bvh, geometry) = (context.bvh, context.scene.geometry);
         let found =
             bvh.occlusion::<L>(geometry, &shadow.ray, within, leads, (self.coherence, passing), stacks);
         let mut light: Color<L::F32> = shadows.light(&at);
-        let mut weighed: Color<L::F32> = Color::black();
-        if context.clear {
-            weighed = shadows.weighed(&at);
+        let mut mis_complement: Color<L::F32> = Color::black();
+        if context.has_transparency {
+            mis_complement = shadows.mis_complement(&at);
         }
-        let open = there & !found.blocked & !found.dimmed;
+        let open = active & !found.blocked & !found.dimmed;
         if context.media {
             let inside = shadows.media::<L::U32>(&at);
             let length = shadow.ray.direction.length() * shadow.t_max;
             if let Some(left) = transmittance::<L::F64>(self.media, inside, length) {
                 light = Color::select(open, light * left, light);
-                weighed = Color::select(open, weighed * left, weighed);
+                mis_complement = Color::select(open, mis_complement * left, mis_complement);
             }
         }
         let mut arrives = open;
@@ -78,13 +78,23 @@ impl Cast<'_> {
             let (context, coherence) = (self.context, self.coherence);
             let Self { events, media, rows, counts, .. } = self;
             let (ray, wanted) = (&shadow, found.dimmed);
-            let walk =
-                Transmit { context, ray, inside, wanted, coherence, stacks, events, media, rows, counts };
-            let left = L::call_with::<Transmit<L>>(walk);
-            light = Color::select(found.dimmed, light * left.whole, light);
-            weighed = Color::select(found.dimmed, weighed * left.transmitted, weighed);
+            let walk = TraceTransmittance {
+                context,
+                ray,
+                inside,
+                wanted,
+                coherence,
+                stacks,
+                events,
+                media,
+                rows,
+                counts,
+            };
+            let left = L::call_with::<TraceTransmittance<L>>(walk);
+            light = Color::select(found.dimmed, light * left.all, light);
+            mis_complement = Color::select(found.dimmed, mis_complement * left.unrefracted, mis_complement);
             arrives = arrives | found.dimmed;
         }
-        self.sums.add::<L::F64>(self.layer, light - weighed, arrives, shadows.slots(&at));
+        self.sums.add::<L::F64>(self.layer, light - mis_complement, arrives, shadows.slots(&at));
     }
 }

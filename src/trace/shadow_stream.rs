@@ -1,43 +1,43 @@
-//! Streams of shadow rays in structure-of-arrays form, one for each light that surfaces are asked about: its rays go the same
-//! way.
+//! Streams of shadow rays in structure-of-arrays form, one stream per light request, so that its rays are coherent.
 
 use super::light::ShadowRay;
 use super::stream::{Reals, SLACK, Singles, Wholes, colors, compress, compress_colors, gather};
 use crate::base::lanes::{Bits, Color, Lookup, Mask, Real, Row, Single};
 use crate::base::math::LaneRay;
 
-/// Light that reaches a surface unless something stands in its way.
+/// Light that reaches a surface unless something blocks it.
 #[derive(Clone, Copy)]
 pub struct ShadowItem<F: Real> {
     pub ray: ShadowRay<F>,
-    /// What the sample gains where nothing dims the light.
+    /// The light that the sample gains without occlusion.
     pub light: Color<F::F32>,
-    /// What of that is weighed against its being met by chance, and so counts less where light may also come transmitted.
-    pub weighed: Color<F::F32>,
+    /// The part of that light that BSDF samples account for by their weight. It is subtracted, except where light is
+    /// refracted on its way, which BSDF samples do not find.
+    pub mis_complement: Color<F::F32>,
     pub medium: F::U32,
     pub slot: F::U32,
 }
 
-/// Shadow rays of a wave to the light of one request.
+/// The shadow rays of a wave to the light of one request.
 #[derive(Default)]
 pub struct ShadowStream {
-    /// Whether something lets light pass, and whether anything refracts.
-    clear: bool,
+    /// Whether surfaces may transmit light, and whether any material refracts.
+    transmits: bool,
     media: bool,
     len: usize,
     origin: [Reals; 3],
     direction: [Reals; 3],
     t_max: Reals,
     light: [Singles; 3],
-    weighed: [Singles; 3],
+    mis_complement: [Singles; 3],
     medium: Wholes,
     slot: Wholes,
 }
 
 impl ShadowStream {
-    /// `clear` says whether something lets light pass, `media` whether anything refracts.
-    pub fn new(clear: bool, media: bool) -> Self {
-        Self { clear, media, ..Self::default() }
+    /// `transmits` says whether surfaces may transmit light, `media` whether any material refracts.
+    pub fn new(transmits: bool, media: bool) -> Self {
+        Self { transmits, media, ..Self::default() }
     }
 
     pub fn is_empty(&self) -> bool {
@@ -48,19 +48,19 @@ impl ShadowStream {
         self.len = 0;
     }
 
-    /// Makes room for so many more.
+    /// Makes room for `more` rays.
     pub fn reserve(&mut self, more: usize) {
         let size = (self.len + more + SLACK).next_power_of_two();
         if self.slot.len() >= self.len + more + SLACK {
             return;
         }
-        let Self { clear, media, origin, direction, t_max, light, weighed, .. } = self;
+        let Self { transmits, media, origin, direction, t_max, light, mis_complement, .. } = self;
         let Self { medium, slot, .. } = self;
         origin.iter_mut().chain(direction).chain([t_max]).for_each(|column| column.resize(size, 0.0));
         light.iter_mut().for_each(|column| column.resize(size, 0.0));
         slot.resize(size, 0);
-        if *clear {
-            weighed.iter_mut().for_each(|column| column.resize(size, 0.0));
+        if *transmits {
+            mis_complement.iter_mut().for_each(|column| column.resize(size, 0.0));
         }
         if *media {
             medium.resize(size, 0);
@@ -77,8 +77,8 @@ impl ShadowStream {
         item.ray.t_max.compress(mask, &mut self.t_max, at);
         compress_colors(&mut self.light, item.light, mask, at);
         item.slot.compress(mask, &mut self.slot, at);
-        if self.clear {
-            compress_colors(&mut self.weighed, item.weighed, mask, at);
+        if self.transmits {
+            compress_colors(&mut self.mis_complement, item.mis_complement, mask, at);
         }
         if self.media {
             item.medium.compress(mask, &mut self.medium, at);
@@ -101,10 +101,10 @@ impl ShadowStream {
         colors(&self.light, at)
     }
 
-    /// Only where something lets light pass.
+    /// Black unless surfaces may transmit light.
     #[inline(always)]
-    pub fn weighed<S: Single>(&self, at: &Lookup) -> Color<S> {
-        colors(&self.weighed, at)
+    pub fn mis_complement<S: Single>(&self, at: &Lookup) -> Color<S> {
+        colors(&self.mis_complement, at)
     }
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! The one place where rays start on a surface.
+//! Spawning of rays: the only place where rays start on surfaces.
 
 use crate::appearance::optics::reflect;
 use crate::base::lanes::{Mask, Real, Select, Vec3, out_of_line};
@@ -10,8 +10,8 @@ use crate::geometry::shape::{LaneSurface, Surface};
 pub struct Spawn<F: Real> {
     pub origin: Vec3<F>,
     pub direction: Vec3<F>,
-    /// Lanes in which there is one: light that would be reflected below its surface is lost.
-    pub is_sound: F::Mask,
+    /// Lanes with a valid ray. Light that a surface would reflect below itself is lost.
+    pub is_valid: F::Mask,
 }
 
 impl<F: Real> Select<F::Mask> for Spawn<F> {
@@ -20,19 +20,19 @@ impl<F: Real> Select<F::Mask> for Spawn<F> {
         Self {
             origin: Vec3::select(mask, yes.origin, no.origin),
             direction: Vec3::select(mask, yes.direction, no.direction),
-            is_sound: (mask & yes.is_sound) | (!mask & no.is_sound),
+            is_valid: (mask & yes.is_valid) | (!mask & no.is_valid),
         }
     }
 }
 
 out_of_line! {
-    /// Where a ray starts that leaves a surface in a direction and cannot meet it again there: the point is moved along the
-    /// normal, to the side that the direction leads to, past everything that rounding may have done to it, and each
-    /// coordinate is rounded away from it (Pharr, Jakob, Humphreys, *Physically Based Rendering*, section 6.8.6).
+    /// Spawns a ray that leaves a surface in a direction and cannot hit it again at its origin. The point moves along
+    /// the normal, to the side of the direction, past the error bound of the point. Then each coordinate is rounded
+    /// away from the point (Pharr, Jakob, Humphreys, *Physically Based Rendering*, section 6.8.6).
     pub fn spawn<'k, F>(surface: &'k LaneSurface<F>, direction: Vec3<F>) -> Spawn<F> {
         let below = direction.dot(surface.normal).lt(F::splat(0.0));
-        let origin = beyond(surface, surface.point, surface.normal.negate_where(below));
-        Spawn { origin, direction, is_sound: F::Mask::splat(true) }
+        let origin = offset_ray_origin(surface, surface.point, surface.normal.negate_where(below));
+        Spawn { origin, direction, is_valid: F::Mask::splat(true) }
     }
 }
 
@@ -43,33 +43,33 @@ pub fn spawn_ray(surface: &Surface, direction: DVec3) -> Ray {
 }
 
 out_of_line! {
-    /// A ray along which light is gathered: one that leaves the smooth surface which a mesh stands for starts from there
-    /// (Hanika, *Hacking the Shadow Terminator*, in *Ray Tracing Gems II*, 2021), on the side that is seen, so that triangles
-    /// do not shadow what is shaded as if they were curved.
-    pub fn spawn_gathering<'k, F>(surface: &'k LaneSurface<F>, direction: Vec3<F>) -> Spawn<F> {
+    /// Spawns a ray towards light. If it leaves the smooth surface that a mesh approximates, it starts from that
+    /// surface, on the visible side (Hanika, *Hacking the Shadow Terminator*, in *Ray Tracing Gems II*, 2021). So
+    /// triangles do not cast shadows on neighbours that are shaded as curved.
+    pub fn spawn_lifted<'k, F>(surface: &'k LaneSurface<F>, direction: Vec3<F>) -> Spawn<F> {
         let start = spawn(surface, direction);
         let smooth = surface.smoothly_faces(direction);
         if !smooth.any() {
             return start;
         }
-        let lifted = beyond(surface, surface.point + surface.lift, surface.normal);
+        let lifted = offset_ray_origin(surface, surface.point + surface.lift, surface.normal);
         Spawn { origin: Vec3::select(smooth, lifted, start.origin), ..start }
     }
 }
 
-/// [`spawn_gathering`] in a direction that was drawn around a smooth normal: none below the surface.
+/// [`spawn_lifted`] in a direction that was sampled around a smooth normal. Directions below the surface are invalid.
 #[inline(always)]
 pub fn spawn_scattered<F: Real>(surface: &LaneSurface<F>, direction: Vec3<F>) -> Spawn<F> {
     let above = F::splat(0.0).lt(surface.normal.dot(direction)) | surface.smoothly_faces(direction);
-    Spawn { is_sound: above, ..spawn_gathering(surface, direction) }
+    Spawn { is_valid: above, ..spawn_lifted(surface, direction) }
 }
 
 out_of_line! {
-    /// The ray by which a mirror sends light on in a direction that its smooth normal gives. Where that leads below the flat
-    /// surface but away from the smooth one which this stands for, it starts from there. Else, as where the smooth surface is
-    /// hollow, it comes up again from the flat one, by which it is reflected once more: light that was dropped would leave
-    /// black specks.
-    pub fn spawn_mirrored<'k, F>(surface: &'k LaneSurface<F>, direction: Vec3<F>) -> Spawn<F> {
+    /// Spawns the reflection of a mirror, in a direction that follows from a smooth normal. The direction may point
+    /// below the flat surface. If it points away from the smooth surface, the ray starts from that. Otherwise, as where
+    /// the smooth surface is hollow, the flat surface reflects it once more. Dropping such rays would leave black
+    /// specks.
+    pub fn spawn_reflected<'k, F>(surface: &'k LaneSurface<F>, direction: Vec3<F>) -> Spawn<F> {
         let below = surface.normal.dot(direction).le(F::splat(0.0));
         if !below.any() {
             return spawn(surface, direction);
@@ -77,14 +77,14 @@ out_of_line! {
         let smooth = below & surface.smoothly_faces(direction);
         let up = reflect(direction, surface.normal);
         let start = spawn(surface, Vec3::select(below & !smooth, up, direction));
-        let lifted = beyond(surface, surface.point + surface.lift, surface.normal);
+        let lifted = offset_ray_origin(surface, surface.point + surface.lift, surface.normal);
         Spawn { origin: Vec3::select(smooth, lifted, start.origin), ..start }
     }
 }
 
-/// A point of a surface, or above it, moved to a side of it.
+/// A point on or above a surface, moved to one side past its error bound.
 #[inline(always)]
-fn beyond<F: Real>(surface: &LaneSurface<F>, point: Vec3<F>, side: Vec3<F>) -> Vec3<F> {
+fn offset_ray_origin<F: Real>(surface: &LaneSurface<F>, point: Vec3<F>, side: Vec3<F>) -> Vec3<F> {
     let reach = surface.normal.abs().dot(surface.error);
     let moved = point + side * reach;
     Vec3::new(moved.x.next_away(side.x), moved.y.next_away(side.y), moved.z.next_away(side.z))

@@ -1,60 +1,60 @@
 //! Streams of work items in structure-of-arrays form: the paths of a wave.
 //!
-//! A stage reads items eight at a time, wherever they stand in its input, and appends to its output. What a scene does
-//! not call for has no column: nothing is stored for it, and reading it gives what it would always be.
+//! A stage reads eight items at a time, from any indices of its input, and appends to its output. A stream has no
+//! column for what the scene does not need. Reading such a column gives its constant value.
 
 use crate::base::lanes::{Color, Lookup, Mask, Real, Row, Single, Vec3};
 use crate::base::math::LaneRay;
 use crate::camera::RayCone;
 
-/// Which columns streams have besides those that all have.
+/// The optional columns of streams.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Columns {
-    /// The part of the throughput that diffuse lobes gather, apart: with fog.
+    /// A separate diffuse throughput: with fog.
     pub fog: bool,
-    /// Ray cones: where textures are filtered.
+    /// Ray cones: if textures are filtered.
     pub cones: bool,
-    /// Where and with which density directions were drawn: where what is met may have been asked for light.
+    /// The origin and density of sampled directions: if a path may hit light that was also sampled.
     pub mis: bool,
-    /// Media and coincident surfaces: where something lets light pass.
+    /// Media and coincident surfaces: if surfaces may transmit light.
     pub media: bool,
-    /// Numbers of the random numbers of each path's own: where paths branch.
+    /// Keys of random numbers for each path: if paths branch.
     pub keys: bool,
-    /// Flags of paths: where some light may count twice, or AOVs are recorded.
+    /// Flags of paths: if some light may count twice, or films record AOVs.
     pub flags: bool,
 }
 
-/// How much of the light that a path meets reaches its eye. Fog dims what a surface shows by reflection or
-/// refraction, but not what it gathers: the light of lamps, glowing objects and the sky comes to its diffuse lobe as
-/// if there were none. So which lobe the path has left its last surface by decides what the fog since then counts.
+/// The throughput of a path, split by the effect of fog. Fog dims specular light: reflections and refractions. It does
+/// not dim diffuse lighting: light of lamps, glowing objects and the sky reaches diffuse lobes as if there were no fog.
+/// So the lobe by which the path left its last surface decides how the fog after that surface counts.
 #[derive(Clone, Copy)]
 pub struct Throughput<S> {
-    /// Of what diffuse lobes of the last surface that scattered gather. Without fog, black.
+    /// For light at the diffuse lobes of the last surface that scattered. Black without fog.
     pub diffuse: Color<S>,
-    /// Of what others show; without fog, of all.
+    /// For light at the other lobes. Without fog, for all light.
     pub specular: Color<S>,
-    /// The share of light that the fog since that surface lets pass.
-    pub clear: S,
+    /// The transmittance of the fog since that surface.
+    pub fog_transmittance: S,
 }
 
 impl<S: Single> Throughput<S> {
-    /// Of rays from the eye.
+    /// For camera rays.
     #[inline(always)]
     pub fn full() -> Self {
         let one = S::splat(1.0);
-        Self { diffuse: Color::black(), specular: Color::grey(one), clear: one }
+        Self { diffuse: Color::black(), specular: Color::grey(one), fog_transmittance: one }
     }
 
-    /// Of what surfaces send to the eye because something shines on them: fog dims it all.
+    /// The throughput for light that a surface reflects. Fog dims all of it.
     #[inline(always)]
-    pub fn lit(&self) -> Color<S> {
-        (self.diffuse + self.specular) * self.clear
+    pub fn at_surface(&self) -> Color<S> {
+        (self.diffuse + self.specular) * self.fog_transmittance
     }
 
-    /// Of what shines by itself.
+    /// The throughput for emitted light.
     #[inline(always)]
-    pub fn shining(&self) -> Color<S> {
-        self.diffuse + self.specular * self.clear
+    pub fn at_emitter(&self) -> Color<S> {
+        self.diffuse + self.specular * self.fog_transmittance
     }
 }
 
@@ -64,36 +64,36 @@ pub struct PathState<F: Real> {
     pub ray: LaneRay<F>,
     pub throughput: Throughput<F::F32>,
     pub cone: RayCone<F>,
-    /// The last surface that has scattered the path, where light was asked for.
+    /// The last surface that scattered the path, at which light was sampled.
     pub scattered_at: Vec3<F>,
-    /// Density per steradian with which the direction was drawn there; 0 where there was no choice, or nothing was asked.
+    /// The density per steradian of the direction there. It is 0 for a delta distribution, or if no light was sampled.
     pub pdf: F,
-    /// By which the random numbers of a branch differ from those of others.
+    /// The key of the path's random numbers, which separates branches.
     pub key: F::U32,
-    /// The place of the sample among those of the wave.
+    /// The index of the sample in the wave.
     pub slot: F::U32,
-    /// Bounces that are left.
-    pub left: F::U32,
+    /// Remaining bounces.
+    pub bounces_left: F::U32,
     pub flags: F::U32,
-    /// What the path is inside of ([`super::medium::MediaLists`]).
+    /// The media around the path ([`super::medium::MediaLists`]).
     pub medium: F::U32,
-    /// The t of what the ray has just passed straight on, 0 otherwise: what it meets next lies beyond.
-    pub after: F,
-    /// What coincides with that and has not been passed yet ([`super::coincident::Events`]).
+    /// The t of the surface that the ray has just passed straight on, otherwise 0. The next hit is beyond it.
+    pub t_start: F,
+    /// The event of coincident surfaces that the ray has yet to pass ([`super::coincident::Events`]).
     pub pending: F::U32,
 }
 
 /// Flags of paths.
 pub mod flags {
-    /// Light has been sampled at the last surface that has scattered the path.
+    /// Light was sampled at the last surface that scattered the path.
     pub const LIGHT_SAMPLED: u32 = 1;
-    /// There, sampled light has been counted in full: it does not count where it is met.
+    /// Light samples there counted in full, so the path ignores light that it hits.
     pub const LIGHT_COUNTED: u32 = 1 << 1;
     /// The path has not been reflected or refracted yet.
     pub const FROM_EYE: u32 = 1 << 2;
 }
 
-/// Numbers behind the last one that stages may write.
+/// Padding behind the last number, which stages may overwrite.
 pub(super) const SLACK: usize = 8;
 
 /// A column of numbers.
@@ -101,7 +101,7 @@ pub(super) type Reals = Vec<f64>;
 pub(super) type Singles = Vec<f32>;
 pub(super) type Wholes = Vec<u32>;
 
-/// Paths of a wave.
+/// The paths of a wave.
 #[derive(Default)]
 pub struct PathStream {
     columns: Columns,
@@ -110,19 +110,19 @@ pub struct PathStream {
     direction: [Reals; 3],
     diffuse: [Singles; 3],
     specular: [Singles; 3],
-    clear: Singles,
+    fog_transmittance: Singles,
     width: Reals,
     spread: Reals,
     scattered_at: [Reals; 3],
     pdf: Reals,
     key: Wholes,
     slot: Wholes,
-    left: Wholes,
+    bounces_left: Wholes,
     flags: Wholes,
     medium: Wholes,
-    after: Reals,
+    t_start: Reals,
     pending: Wholes,
-    /// By which the random numbers of a wave's surfaces differ, where they are the same for all paths.
+    /// The key of random numbers at the next surfaces, if it is the same for all paths.
     depth: u32,
 }
 
@@ -143,19 +143,19 @@ impl PathStream {
         self.len = 0;
     }
 
-    /// Makes room for so many more.
+    /// Makes room for `more` paths.
     pub fn reserve(&mut self, more: usize) {
         let size = self.len + more + SLACK;
         if self.slot.len() >= size {
             return;
         }
         let size = size.max(2 * self.slot.len());
-        let Self { columns, origin, direction, diffuse, specular, clear, .. } = self;
+        let Self { columns, origin, direction, diffuse, specular, fog_transmittance, .. } = self;
         let all = origin.iter_mut().chain(direction);
         all.for_each(|column| column.resize(size, 0.0));
         specular.iter_mut().for_each(|column| column.resize(size, 0.0));
         if columns.fog {
-            diffuse.iter_mut().chain([clear]).for_each(|column| column.resize(size, 0.0));
+            diffuse.iter_mut().chain([fog_transmittance]).for_each(|column| column.resize(size, 0.0));
         }
         let Self { columns, width, spread, scattered_at, pdf, .. } = self;
         if columns.cones {
@@ -164,21 +164,21 @@ impl PathStream {
         if columns.mis {
             scattered_at.iter_mut().chain([pdf]).for_each(|column| column.resize(size, 0.0));
         }
-        let Self { columns, key, slot, left, flags, medium, after, pending, .. } = self;
-        [slot, left].into_iter().for_each(|column| column.resize(size, 0));
+        let Self { columns, key, slot, bounces_left, flags, medium, t_start, pending, .. } = self;
+        [slot, bounces_left].into_iter().for_each(|column| column.resize(size, 0));
         if columns.flags {
             flags.resize(size, 0);
         }
         if columns.media {
             [medium, pending].into_iter().for_each(|column| column.resize(size, 0));
-            after.resize(size, 0.0);
+            t_start.resize(size, 0.0);
         }
         if columns.keys {
             key.resize(size, 0);
         }
     }
 
-    /// By which the random numbers of these paths' next surfaces differ from those of others.
+    /// Sets the key of random numbers at the paths' next surfaces.
     pub fn set_depth(&mut self, depth: u32) {
         self.depth = depth;
     }
@@ -187,7 +187,7 @@ impl PathStream {
         self.depth
     }
 
-    /// The rays of items.
+    /// The rays of paths.
     #[inline(always)]
     pub fn ray<F: Real>(&self, at: &Lookup) -> LaneRay<F> {
         LaneRay { origin: gather(&self.origin, at), direction: gather(&self.direction, at) }
@@ -199,26 +199,31 @@ impl PathStream {
         if !self.columns.fog {
             return Throughput { specular, ..Throughput::full() };
         }
-        Throughput { diffuse: colors(&self.diffuse, at), specular, clear: Row::gather(&self.clear, at) }
+        Throughput {
+            diffuse: colors(&self.diffuse, at),
+            specular,
+            fog_transmittance: Row::gather(&self.fog_transmittance, at),
+        }
     }
 
-    /// From where on rays are looked along.
+    /// The t from which rays are traced.
     #[inline(always)]
-    pub fn after<F: Real>(&self, at: &Lookup) -> F {
-        if self.columns.media { F::gather(&self.after, at) } else { F::splat(0.0) }
+    pub fn t_start<F: Real>(&self, at: &Lookup) -> F {
+        if self.columns.media { F::gather(&self.t_start, at) } else { F::splat(0.0) }
     }
 
-    /// What coincides with what a ray has just passed, and is to be met next.
+    /// The event of coincident surfaces that a path has yet to pass.
     pub fn pending(&self, index: usize) -> u32 {
         if self.columns.media { self.pending[index] } else { 0 }
     }
 
-    /// What a path is inside of.
+    /// The media around a path.
     pub fn medium(&self, index: usize) -> u32 {
         if self.columns.media { self.medium[index] } else { 0 }
     }
 
-    /// Splits the paths of later samples off; of a single sample, its later paths.
+    /// Moves the paths of later samples to another stream. If there is only one sample, moves the later half of its
+    /// paths.
     pub fn split(&mut self, into: &mut Self) {
         into.clear();
         into.depth = self.depth;
@@ -235,7 +240,7 @@ impl PathStream {
         }
     }
 
-    /// Splits the paths from an index on off.
+    /// Moves the paths from an index on.
     fn split_at(&mut self, index: usize, into: &mut Self) {
         into.reserve(self.len - index);
         for index in index..self.len {
@@ -244,14 +249,14 @@ impl PathStream {
         self.len = index;
     }
 
-    /// Replaces what is left of the light along consecutive paths.
+    /// Replaces the throughput of consecutive paths.
     #[inline(always)]
     pub fn set_throughput<S: Single>(&mut self, at: usize, throughput: &Throughput<S>) {
-        let Throughput { diffuse, specular, clear } = *throughput;
+        let Throughput { diffuse, specular, fog_transmittance } = *throughput;
         store_colors(&mut self.specular, specular, at);
         if self.columns.fog {
             store_colors(&mut self.diffuse, diffuse, at);
-            clear.store(&mut self.clear, at);
+            fog_transmittance.store(&mut self.fog_transmittance, at);
         }
     }
 
@@ -271,10 +276,10 @@ impl PathStream {
             pdf: if mis { F::gather(&self.pdf, at) } else { zero },
             key: if keys { Row::gather(&self.key, at) } else { F::U32::splat(self.depth) },
             slot: Row::gather(&self.slot, at),
-            left: Row::gather(&self.left, at),
+            bounces_left: Row::gather(&self.bounces_left, at),
             flags: if flags { Row::gather(&self.flags, at) } else { nothing },
             medium: if media { Row::gather(&self.medium, at) } else { nothing },
-            after: if media { F::gather(&self.after, at) } else { zero },
+            t_start: if media { F::gather(&self.t_start, at) } else { zero },
             pending: if media { Row::gather(&self.pending, at) } else { nothing },
         }
     }
@@ -286,11 +291,11 @@ impl PathStream {
         let at = self.len;
         compress(&mut self.origin, state.ray.origin, mask, at);
         compress(&mut self.direction, state.ray.direction, mask, at);
-        let Throughput { diffuse, specular, clear } = state.throughput;
+        let Throughput { diffuse, specular, fog_transmittance } = state.throughput;
         compress_colors(&mut self.specular, specular, mask, at);
         if self.columns.fog {
             compress_colors(&mut self.diffuse, diffuse, mask, at);
-            clear.compress(mask, &mut self.clear, at);
+            fog_transmittance.compress(mask, &mut self.fog_transmittance, at);
         }
         if self.columns.cones {
             state.cone.width.compress(mask, &mut self.width, at);
@@ -301,7 +306,7 @@ impl PathStream {
             state.pdf.compress(mask, &mut self.pdf, at);
         }
         state.slot.compress(mask, &mut self.slot, at);
-        state.left.compress(mask, &mut self.left, at);
+        state.bounces_left.compress(mask, &mut self.bounces_left, at);
         if self.columns.flags {
             state.flags.compress(mask, &mut self.flags, at);
         }
@@ -310,7 +315,7 @@ impl PathStream {
         }
         if self.columns.media {
             state.medium.compress(mask, &mut self.medium, at);
-            state.after.compress(mask, &mut self.after, at);
+            state.t_start.compress(mask, &mut self.t_start, at);
             state.pending.compress(mask, &mut self.pending, at);
         }
         self.len += mask.bits().count_ones() as usize;

@@ -1,19 +1,19 @@
-//! Samples are added to the sums of their pixels, but for what is no light.
+//! Adds samples to the sums of their pixels, without invalid ones.
 
 use crate::base::math::DVec3;
 use crate::base::stats::Dropped;
 
-/// Adds a sample of a layer to a sum. What is no light is left out and counted: one such number would spoil the pixel.
-/// Among the samples that are averaged it counts as black.
-pub fn add(sum: &mut DVec3, sample: DVec3, limit: Option<f64>, dropped: &mut Dropped) {
+/// Adds a sample of a layer to a sum. An invalid sample is counted and left out, because it would spoil the pixel. In
+/// the mean it counts as black.
+pub fn add_sample(sum: &mut DVec3, sample: DVec3, limit: Option<f64>, dropped: &mut Dropped) {
     if sample.is_finite() && sample.min_element() >= 0.0 {
         *sum += limit.map_or(sample, |limit| sample.min(DVec3::splat(limit)));
     } else {
-        count(sample, dropped);
+        count_dropped(sample, dropped);
     }
 }
 
-fn count(sample: DVec3, dropped: &mut Dropped) {
+fn count_dropped(sample: DVec3, dropped: &mut Dropped) {
     if sample.is_nan() {
         dropped.undefined += 1;
     } else if !sample.is_finite() {
@@ -28,8 +28,8 @@ mod tests {
     use super::*;
     use crate::testing::Random;
 
-    /// Samples that are no light, one in a thousand of each kind: counted by their cause, and no pixel is spoilt. Tested
-    /// after averaging, one NaN takes the whole pixel with it.
+    /// Invalid samples, one in a thousand of each kind, are counted by their cause and do not spoil the pixel. If
+    /// validity were tested after averaging, one NaN would spoil the whole pixel.
     #[test]
     fn sa_08_what_is_no_light_is_dropped_and_counted() {
         const SAMPLES: u32 = 1_000_000;
@@ -45,7 +45,7 @@ mod tests {
                     // In any of the channels.
                     sample[k as usize % 3] = bad[kind];
                 }
-                add(&mut sum, sample, limit, &mut dropped);
+                add_sample(&mut sum, sample, limit, &mut dropped);
             }
             let [undefined, infinite, negative, bright] = injected;
             assert!(injected.iter().all(|count| *count > 800));
@@ -61,7 +61,7 @@ mod tests {
             DVec3::new(0.0, f64::NEG_INFINITY, 0.0),
             DVec3::new(0.0, -0.0, -1e-300),
         ] {
-            add(&mut DVec3::ZERO.clone(), sample, None, &mut dropped);
+            add_sample(&mut DVec3::ZERO.clone(), sample, None, &mut dropped);
         }
         assert_eq!(dropped, Dropped { undefined: 1, infinite: 1, negative: 1 });
     }

@@ -1,11 +1,11 @@
-//! No lit point shadows itself, at any size and at any distance from the origin, and none is moved far off
-//! its surface (SELF-01 of the hard cases, and the same for every other shape).
+//! No lit point shadows itself, at any size and at any distance from the origin, and no ray starts far from its surface
+//! (SELF-01 of the hard cases, and the same for every other shape).
 
 use super::light::{LightSample, ShadowRay};
 use super::spawn::spawn_ray;
-use crate::appearance::material::MadeOf;
+use crate::appearance::material::MaterialBinding;
 use crate::base::math::{Angle, DAffine3, DMat3, DVec3, Ray, UNIT_ROUNDOFF, euler_xyz};
-use crate::geometry::bvh::Probe;
+use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::{
     Cone, Cuboid, Cylinder, Disk, Plane, Rectangle, Shape, Sphere, Surface, Triangle,
 };
@@ -14,14 +14,14 @@ use crate::testing::Random;
 
 /// Points per configuration.
 const POINTS: u32 = if cfg!(debug_assertions) { 3_000 } else { 100_000 };
-/// Lights are above the horizon by at least this cosine.
+/// The least cosine of lights above the horizon.
 const GRAZING: f64 = 0.001;
 const SIZES: [f64; 4] = [1e-3, 1.0, 1e3, 1e6];
 const OFFSETS: [f64; 5] = [0.0, 10.0, 1e3, 1e4, 1e6];
 /// A unit vector.
 const AWAY: DVec3 = DVec3::new(0.6, 0.64, 0.48);
 
-/// Evenly over the directions that are above the horizon of `normal`.
+/// A uniform direction above the horizon of `normal`.
 fn above(random: &mut Random, normal: DVec3) -> DVec3 {
     loop {
         let direction = random.direction();
@@ -31,9 +31,9 @@ fn above(random: &mut Random, normal: DVec3) -> DVec3 {
     }
 }
 
-/// Where a ray meets `primitive`, as the integrator sees it: with the normal towards the eye.
+/// The hit of a ray on `primitive` as the integrator sees it: the normal faces the eye.
 fn seen(primitive: &Primitive, ray: Ray) -> Option<Surface> {
-    let t = primitive.hit(&Probe::new(ray), f64::INFINITY)?;
+    let t = primitive.hit(&TraversalRay::new(ray), f64::INFINITY)?;
     let mut surface = primitive.surface_at(&ray, t);
     if surface.normal.dot(ray.direction) > 0.0 {
         surface.normal = -surface.normal;
@@ -49,7 +49,7 @@ fn spawn_to(surface: &Surface, target: DVec3) -> Ray {
     Ray { origin: ray.origin.into(), direction: ray.direction.into() }
 }
 
-/// A primitive under test: its size, and how the points at -0.5 to 0.5 at which eyes aim get to it.
+/// A primitive under test, its size, and the map of target points, whose coordinates are in -0.5..0.5.
 struct Target {
     primitive: Primitive,
     size: f64,
@@ -57,7 +57,8 @@ struct Target {
 }
 
 impl Target {
-    /// Points of the primitive, each seen from a random eye at three times its size, and a light's direction.
+    /// Visible points of the primitive, each seen from a random eye at three times its size, with a direction to a
+    /// light.
     fn points(&self, seed: u64) -> impl Iterator<Item = (Surface, DVec3)> + '_ {
         let mut random = Random(seed);
         let mut point = move || {
@@ -71,12 +72,12 @@ impl Target {
         std::iter::from_fn(move || Some(point())).flatten().take(POINTS as usize)
     }
 
-    /// How many points of a convex or flat primitive it shadows itself, from lights infinitely far and `size`
-    /// away.
+    /// The number of points at which a convex or flat primitive shadows itself, from lights at infinity and at the
+    /// distance `size`.
     fn false_shadows(&self) -> usize {
         let shadowed = |(surface, direction): &(Surface, DVec3)| {
-            let far = Probe::new(spawn_ray(surface, *direction));
-            let near = Probe::new(spawn_to(surface, surface.point + *direction * self.size));
+            let far = TraversalRay::new(spawn_ray(surface, *direction));
+            let near = TraversalRay::new(spawn_to(surface, surface.point + *direction * self.size));
             self.primitive.hit(&far, f64::INFINITY).is_some() || self.primitive.hit(&near, 1.0).is_some()
         };
         self.points(7).filter(shadowed).count()
@@ -84,10 +85,10 @@ impl Target {
 }
 
 fn primitive(shape: Shape, to_world: DAffine3) -> Primitive {
-    Primitive::new(&shape, to_world, Finish::Material(MadeOf::One(0))).expect("a primitive")
+    Primitive::new(&shape, to_world, Finish::Material(MaterialBinding::One(0))).expect("a primitive")
 }
 
-/// Turned by 30 and 40 degrees and moved, for shapes that are placed by a transform.
+/// Turned by 30 and 40 degrees and moved, for shapes with a transform.
 fn tilted(size: DVec3, middle: DVec3) -> DAffine3 {
     let turn = euler_xyz(Angle(30.0), Angle(40.0), Angle(0.0));
     DAffine3::from_mat3_translation(turn * DMat3::from_diagonal(size), middle)
@@ -98,7 +99,7 @@ fn each_place() -> impl Iterator<Item = (f64, DVec3)> {
     SIZES.into_iter().flat_map(|size| OFFSETS.map(|offset| (size, AWAY * offset)))
 }
 
-/// A sphere, aimed at inside a square that is 1.8 radii wide.
+/// A sphere. Rays aim at points inside a square that is 1.8 radii wide.
 fn sphere(radius: f64, center: DVec3) -> Target {
     let shape = Shape::Sphere(Sphere { center, radius });
     let aim = DAffine3::from_mat3_translation(DMat3::from_diagonal(DVec3::splat(1.8 * radius)), center);
@@ -119,8 +120,8 @@ fn self_01_rays_leave_spheres_from_close_by() {
         for (surface, direction) in sphere(radius, center).points(8) {
             let origin = spawn_ray(&surface, direction).origin;
             let moved = (origin - surface.point).length();
-            // The oracle: how far the origin is from the sphere itself. Both coordinates are given numbers, so
-            // only the difference and its length are rounded, which is relative to the radius.
+            // Reference: the distance of the origin from the sphere itself. Both coordinates are given exactly, so only
+            // the difference and its length are rounded, relative to the radius.
             let off = (origin - center).length() - radius;
             let rounding = 4.0 * UNIT_ROUNDOFF * radius;
             let close = moved <= limit && off <= limit + rounding;
@@ -130,7 +131,7 @@ fn self_01_rays_leave_spheres_from_close_by() {
     }
 }
 
-/// From inside, the far side is one chord away: 2 r cos. An origin moved inwards lengthens it.
+/// From inside, the far side is one chord away: 2 r cos. An origin that is moved inwards lengthens it.
 #[test]
 fn self_01_spheres_lit_from_inside_end_at_their_far_side() {
     for (radius, center) in each_place() {
@@ -144,7 +145,7 @@ fn self_01_spheres_lit_from_inside_end_at_their_far_side() {
             let cosine = surface.normal.dot(direction);
             let chord = 2.0 * radius * cosine;
             let longest = chord + 64.0 * UNIT_ROUNDOFF * (center.length() + radius) / cosine;
-            let t = sphere.hit(&Probe::new(spawn_ray(&surface, direction)), f64::INFINITY);
+            let t = sphere.hit(&TraversalRay::new(spawn_ray(&surface, direction)), f64::INFINITY);
             let far_side = t.is_some_and(|at| at.t >= 0.999 * chord && at.t <= longest);
             assert!(far_side, "radius {radius} at {center}: {t:?} instead of {chord}");
         }
@@ -157,7 +158,7 @@ fn self_01_lit_ellipsoids_do_not_shadow_themselves() {
     for (size, middle) in each_place() {
         let aim = tilted(DVec3::new(3.0, 1.0, 0.5) * size, middle);
         let ellipsoid = Target { primitive: primitive(unit.clone(), aim), size: 3.0 * size, aim };
-        assert!(ellipsoid.primitive.placement.is_some(), "an ellipsoid is no sphere");
+        assert!(ellipsoid.primitive.transform.is_some(), "an ellipsoid is no sphere");
         assert_eq!(ellipsoid.false_shadows(), 0, "size {size} at {middle}");
     }
 }
@@ -226,8 +227,8 @@ fn self_01_lit_cones_do_not_shadow_themselves() {
     }
 }
 
-/// Flat shapes through the origin along the axes, whose coordinates are exact zeros there: nothing but the normal,
-/// which may not be a unit vector to the last bit, says how far rounding has moved a point off them.
+/// Flat shapes through the origin along the axes, whose coordinates there are exact zeros. Only the normal, which may
+/// not be a unit vector to the last bit, shows how far rounding has moved a point off them.
 #[test]
 fn self_01_floors_at_height_zero_do_not_shadow_themselves() {
     let mut wrong = Vec::new();

@@ -1,25 +1,28 @@
-//! The wavefront: all paths of a wave go from one surface to the next together, stage by stage.
+//! The wavefront integrator: all paths of a wave advance from surface to surface together, stage by stage.
 //!
-//! generate → intersect → segments → escape, emitters, shade by queue → shadow rays → sums, again and again until no path
-//! goes on. What a sample gets is added in an order that depends on the sample alone: by surface along the path, by stage,
-//! by queue. So its sum has the same bytes whichever samples are followed with it.
+//! generate → intersect → segments → escape, emitters, shade by queue → shadow rays → sums
+//!
+//! The stages repeat until no path continues. The order in which light is added to a sample depends on the sample
+//! alone: by surface along the path, by stage, by queue. So its sum has the same bytes whichever samples share its
+//! wave.
 
 #[cfg(test)]
 mod tests;
 
 use super::accumulate::Accumulator;
-use super::aov::Record;
+use super::aov::RecordAovs;
 use super::coincident::Events;
 use super::context::{Queue, TraceContext};
-use super::emitter::Emitter;
-use super::escape::Escape;
-use super::generate::{Generate, PixelSamples};
-use super::intersect::Hits;
+use super::emitter::HandleEmitters;
+use super::escape::HandleEscaped;
+use super::generate::{GenerateRays, PixelSamples};
+use super::intersect::HitStream;
 use super::materials::LobeTable;
 use super::medium::MediaLists;
-use super::segment::Segments;
-use super::shade::{Shade, Stage};
-use super::shadow::Cast;
+use super::segment::AttenuateSegments;
+use super::shade::WaveState;
+use super::shade_queue::ShadeQueue;
+use super::shadow::TraceShadowRays;
 use super::shadow_stream::ShadowStream;
 use super::stream::PathStream;
 use crate::appearance::material::Lobes;
@@ -27,18 +30,18 @@ use crate::base::lanes::dispatch;
 use crate::base::stats::Counts;
 use crate::scene::top_level::Coherence;
 
-/// Samples that are followed at once, at most: their paths fit into a core's cache.
+/// The most samples of a wave. Their paths fit into a core's cache.
 pub const WAVE: usize = 1024;
 
-/// Paths that go on together, at most. Branching paths become many: with so many at each depth, memory grows with the
-/// depth, not with the number of branches.
-const MOST: usize = 8 * WAVE;
+/// The most paths that advance together. Branching paths become many. With this limit, memory grows with the depth of
+/// paths, not with the number of branches.
+const MAX_PATHS: usize = 8 * WAVE;
 
-/// What a thread traces with: kept from wave to wave.
+/// The buffers of a thread, kept from wave to wave.
 pub struct ScratchBuffer {
     /// Streams that are not in use.
     free: Vec<PathStream>,
-    hits: Hits,
+    hits: HitStream,
     events: Events,
     media: MediaLists,
     shadows: Vec<ShadowStream>,
@@ -47,9 +50,9 @@ pub struct ScratchBuffer {
     places: Vec<u32>,
     pub sums: Accumulator,
     pub counts: Counts,
-    /// Paths that go on together, at most.
-    most: usize,
-    /// How many paths there were at once, at most.
+    /// The most paths that advance together.
+    max_paths: usize,
+    /// The most paths at one time.
     #[cfg(test)]
     peak: usize,
 }
@@ -60,43 +63,43 @@ impl ScratchBuffer {
         let requests = context.lights.requests().iter();
         Self {
             free: Vec::new(),
-            hits: Hits::new(context.classes.len()),
+            hits: HitStream::new(context.classes.len()),
             events: Events::default(),
             media: MediaLists::default(),
-            shadows: requests.map(|_| ShadowStream::new(context.clear, context.media)).collect(),
+            shadows: requests.map(|_| ShadowStream::new(context.has_transparency, context.media)).collect(),
             rows: LobeTable::new(rows.iter()),
             samples: PixelSamples::with_capacity(WAVE),
             places: Vec::with_capacity(WAVE),
             sums: Accumulator::new(context.layers),
             counts: Counts::default(),
-            most: MOST,
+            max_paths: MAX_PATHS,
             #[cfg(test)]
             peak: 0,
         }
     }
 
-    /// Room for the samples of a wave, and for their pixels' places: empty.
+    /// Empty buffers for the samples of a wave and the places of their pixels.
     pub fn take_samples(&mut self) -> (PixelSamples, Vec<u32>) {
         (std::mem::take(&mut self.samples), std::mem::take(&mut self.places))
     }
 
-    /// Keeps that room for later.
+    /// Returns these buffers.
     pub fn give_back(&mut self, samples: PixelSamples, places: Vec<u32>) {
         (self.samples, self.places) = (samples, places);
     }
 
-    /// Follows the paths of samples, [`WAVE`] at most, to their ends. What they gather is in the sums then, sample by sample.
+    /// Traces the paths of samples, at most [`WAVE`], to their ends. Then the sums hold the light of each sample.
     pub fn follow(&mut self, context: &TraceContext, samples: &PixelSamples, grid: Option<u32>) {
         self.sums.reset(samples.len());
         self.events.clear();
         self.media.trim();
         let mut paths = self.stream(context);
         let counts = &mut self.counts;
-        dispatch(Generate { context, samples, grid, paths: &mut paths, counts });
+        dispatch(GenerateRays { context, samples, grid, paths: &mut paths, counts });
         let mut waiting = vec![paths];
         while let Some(mut paths) = waiting.pop() {
-            // A sample that has more paths than that is always alone here: how it is split depends on nothing else.
-            if paths.len() > self.most {
+            // A sample with more paths than the limit is always alone here. So its split depends on nothing else.
+            if paths.len() > self.max_paths {
                 let mut later = self.stream(context);
                 paths.split(&mut later);
                 waiting.extend([later, paths]);
@@ -117,20 +120,20 @@ impl ScratchBuffer {
         self.free.pop().unwrap_or_else(|| PathStream::new(context.columns))
     }
 
-    /// Takes paths to what they meet next, for those that go on from there.
+    /// Advances paths to their next hits. Returns the paths that continue.
     fn step(&mut self, context: &TraceContext, samples: &PixelSamples, paths: &mut PathStream) -> PathStream {
-        let coherence = if paths.depth() == 0 { Coherence::Together } else { Coherence::Apart };
+        let coherence = if paths.depth() == 0 { Coherence::Coherent } else { Coherence::Incoherent };
         let mut next = self.stream(context);
         next.clear();
         next.set_depth(paths.depth() + 1);
         let Self { hits, events, media, shadows, rows, sums, counts, .. } = self;
         hits.find(context, paths, coherence, (events, media));
         if context.fog.is_some() || context.media {
-            dispatch(Segments { context, paths, hits, media, sums, counts });
+            dispatch(AttenuateSegments { context, paths, hits, media, sums, counts });
         }
         shadows.iter_mut().for_each(ShadowStream::clear);
         let next_paths = &mut next;
-        let mut stage = Stage {
+        let mut wave = WaveState {
             context,
             samples,
             paths,
@@ -143,19 +146,29 @@ impl ScratchBuffer {
             media,
             rows,
         };
-        stage.shade();
+        wave.shade();
         for (request, shadows) in context.lights.requests().iter().zip(&*shadows) {
             if !shadows.is_empty() {
                 let layer = request.layer;
-                dispatch(Cast { context, shadows, layer, coherence, events, media, rows, sums, counts });
+                dispatch(TraceShadowRays {
+                    context,
+                    shadows,
+                    layer,
+                    coherence,
+                    events,
+                    media,
+                    rows,
+                    sums,
+                    counts,
+                });
             }
         }
         next
     }
 }
 
-impl Stage<'_> {
-    /// Works off all queues.
+impl WaveState<'_> {
+    /// Processes all queues.
     fn shade(&mut self) {
         let surfaces = (0..self.context.classes.len() as u32).map(Queue::Surface);
         for queue in [Queue::Escaped, Queue::Light].into_iter().chain(surfaces) {
@@ -164,14 +177,14 @@ impl Stage<'_> {
                 continue;
             }
             if let Some(first) = self.context.aovs {
-                dispatch(Record { stage: self, queue, first });
+                dispatch(RecordAovs { wave: self, queue, first });
             }
             match queue {
-                Queue::Escaped => dispatch(Escape { stage: self, queue: paths }),
-                Queue::Light => dispatch(Emitter { stage: self, queue: paths }),
+                Queue::Escaped => dispatch(HandleEscaped { wave: self, queue: paths }),
+                Queue::Light => dispatch(HandleEmitters { wave: self, queue: paths }),
                 Queue::Surface(class) => {
                     let lobes = self.context.classes[class as usize];
-                    dispatch(Shade { stage: self, queue: paths, lobes });
+                    dispatch(ShadeQueue { wave: self, queue: paths, lobes });
                 }
             }
         }

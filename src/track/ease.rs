@@ -1,27 +1,27 @@
-//! Easings: how the way from one key to the next is shared out over its time.
+//! Easings: the progress from one key to the next over time.
 
 use std::f64::consts::PI;
 
-/// How a value goes from one key to the next. The curves are those of easings.net and of CSS.
+/// How a value changes from one key to the next. The curves are those of easings.net and of CSS.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Ease {
     /// Holds until the next key, then jumps.
     Step,
     #[default]
     Linear,
-    /// 3s² - 2s³: leaves and arrives at rest.
+    /// 3s² - 2s³: zero speed at both ends.
     Smooth,
-    /// 6s⁵ - 15s⁴ + 10s³: at rest in speed and acceleration.
+    /// 6s⁵ - 15s⁴ + 10s³: zero speed and acceleration at both ends.
     Smoother,
-    /// A cubic from (0, 0) to (1, 1) with the control points (x1, y1), (x2, y2); both x lie in 0..=1.
+    /// A cubic Bézier curve from (0, 0) to (1, 1) with the control points (x1, y1) and (x2, y2). Both x are in 0..=1.
     Bezier([f64; 4]),
-    /// On a centripetal Catmull-Rom curve through the neighbouring keys.
+    /// A centripetal Catmull-Rom curve through the neighbouring keys.
     CatmullRom,
-    /// One of the named curves, at its start, its end or both.
+    /// A named curve that eases at the start, at the end or at both.
     Named(Curve, End),
 }
 
-/// Which end of the way a [`Curve`] bends.
+/// The ends at which a [`Curve`] eases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
     In,
@@ -29,7 +29,7 @@ pub enum End {
     InOut,
 }
 
-/// The shape of a named easing, as it bends its start.
+/// The shape of a named easing, defined at its start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Curve {
     Sine,
@@ -57,7 +57,7 @@ const CURVES: [(&str, Curve); 10] = [
     ("Bounce", Curve::Bounce),
 ];
 
-/// The easings that have a plain name, without those made of a [`Curve`] and an [`End`].
+/// The easings with a name of their own, not composed of an [`End`] and a [`Curve`].
 const PLAIN: [(&str, Ease); 9] = [
     ("Step", Ease::Step),
     ("Linear", Ease::Linear),
@@ -72,13 +72,13 @@ const PLAIN: [(&str, Ease); 9] = [
 ];
 
 impl Ease {
-    /// The easing of a name such as `Smooth`, `EaseOut` or `InOutQuad`.
+    /// The easing with a name such as `Smooth`, `EaseOut` or `InOutQuad`.
     pub fn named(name: &str) -> Option<Self> {
         let plain = PLAIN.iter().find(|(plain, _)| *plain == name).map(|(_, ease)| *ease);
         plain.or_else(|| Self::combinations().find(|(full, _)| full == name).map(|(_, ease)| ease))
     }
 
-    /// Every name that [`Ease::named`] knows.
+    /// All names that [`Ease::named`] accepts.
     pub fn names() -> impl Iterator<Item = String> {
         let plain = PLAIN.iter().map(|(name, _)| (*name).to_owned());
         plain.chain(Self::combinations().map(|(name, _)| name))
@@ -91,8 +91,8 @@ impl Ease {
         })
     }
 
-    /// The eased fraction for the plain fraction `s` in 0..=1; 0 → 0 and 1 → 1.
-    /// `Step` and `CatmullRom` are no function of `s` alone and leave it as it is.
+    /// The eased fraction for the linear fraction `s` in 0..=1; 0 → 0 and 1 → 1. `Step` and `CatmullRom` are not
+    /// functions of `s` alone, so they return `s`.
     pub fn apply(self, s: f64) -> f64 {
         match self {
             Self::Step | Self::Linear | Self::CatmullRom => s,
@@ -126,19 +126,19 @@ impl Curve {
     }
 }
 
-/// The first half bends in, the second is its mirror image.
+/// The first half eases in, and the second half is its mirror image.
 fn both_ends(s: f64, start: impl Fn(f64) -> f64) -> f64 {
     if s < 0.5 { start(2.0 * s) * 0.5 } else { 1.0 - start(2.0 - 2.0 * s) * 0.5 }
 }
 
-/// Makes `Back` overshoot by a tenth of the way.
+/// The parameter with which `Back` overshoots by a tenth of the change.
 const BACK: f64 = 1.701_58;
 
 fn back(s: f64, overshoot: f64) -> f64 {
     s * s * ((overshoot + 1.0) * s - overshoot)
 }
 
-/// A decaying swing of period `period` / 10.
+/// A decaying oscillation with the period `period` / 10.
 fn elastic(s: f64, period: f64) -> f64 {
     if s <= 0.0 || s >= 1.0 {
         return s;
@@ -147,7 +147,7 @@ fn elastic(s: f64, period: f64) -> f64 {
     -libm::exp2(10.0 * s - 10.0) * libm::sin(phase)
 }
 
-/// Four parabolas of a ball that comes to rest.
+/// Four parabolas, like a bouncing ball that comes to rest.
 fn bounce(s: f64) -> f64 {
     const N: f64 = 7.5625;
     const D: f64 = 2.75;
@@ -161,8 +161,8 @@ fn bounce(s: f64) -> f64 {
     N * t * t + floor
 }
 
-/// The height of the cubic at the place where its run is `s`. The run is monotone for control points in
-/// 0..=1, so bisection always ends on it.
+/// The y of the cubic where its x is `s`. For control points with x in 0..=1, x is monotone, so bisection finds the
+/// point.
 fn bezier([x1, y1, x2, y2]: [f64; 4], s: f64) -> f64 {
     let cubic = |a: f64, b: f64, t: f64| {
         let u = 1.0 - t;

@@ -1,35 +1,34 @@
-//! What can be animated, and how each kind of value lies between two keys.
+//! Types that can be animated, and their interpolation between keys.
 
 use super::spline::catmull_rom;
 use crate::base::color::Rgb;
 use crate::base::math::{Angle, DQuat, DVec3, slerp};
 use crate::base::time::Fraction;
 
-/// Which interpolations a kind of value has.
+/// The interpolations that a type supports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Modes {
-    /// Steps only: booleans, names.
+    /// Steps only: booleans and names.
     Step,
-    /// Every easing between two keys, but no spline through several.
+    /// Every easing between two keys, but not splines through several.
     Ease,
     All,
 }
 
-/// A value that keys can lead through.
+/// A type that keys can animate.
 pub trait Animate: Clone + PartialEq {
     const MODES: Modes;
 
-    /// The value at fraction `s` of the way from `a` (0) to `b` (1). Easings that overshoot ask for
-    /// fractions outside 0..=1.
+    /// The value at the fraction `s` from `a` (0) to `b` (1). For easings that overshoot, `s` is outside 0..=1.
     fn mix(a: &Self, b: &Self, s: Fraction) -> Self;
 
-    /// The value at `s` of the way from `points[1]` to `points[2]` on a spline through all four.
+    /// The value at the fraction `s` from `points[1]` to `points[2]`, on a spline through all four points.
     fn spline(points: [&Self; 4], s: f64) -> Self {
         Self::mix(points[1], points[2], Fraction::real(s))
     }
 }
 
-/// Values that only step: the earlier key's holds until the next.
+/// Values that only step: the value of a key holds until the next key.
 macro_rules! steps {
     ($($type:ty),*) => {$(
         impl Animate for $type {
@@ -100,7 +99,7 @@ impl Animate for DQuat {
     }
 }
 
-/// A value above zero that changes by equal factors in equal times, as a zoom has to look even.
+/// A value above zero that changes by equal factors in equal times, so that zooms look even.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogScale(pub f64);
 

@@ -1,4 +1,8 @@
-//! Values that may change over time: a constant, or keys with easings between them.
+//! Values over time: a constant, or keys with easings between them.
+//!
+//! In: keys, easings and times.
+//! Out: the value at a time.
+//! May use: `base`.
 
 mod ease;
 mod interpolate;
@@ -9,14 +13,14 @@ pub use interpolate::{Animate, LogScale, Modes};
 
 use crate::base::time::{Fraction, Time};
 
-/// A constant, or keys.
+/// A constant or keyed value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Animated<T> {
     Constant(T),
     Keyed(Track<T>),
 }
 
-/// One key: from `time` on the value is `value`, and `ease` leads to the next key.
+/// One key: at `time` the value is `value`, and `ease` interpolates to the next key.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key<T> {
     pub time: Time,
@@ -30,9 +34,9 @@ pub enum Repeat {
     /// The first value before the first key, the last one after the last.
     #[default]
     Hold,
-    /// The keys over and over; the last key's time is the first's again.
+    /// The keys repeat; the time of the last key is the time of the first one in the next round.
     Loop,
-    /// The keys forwards and backwards in turn.
+    /// The keys repeat, alternately forwards and backwards.
     PingPong,
 }
 
@@ -41,11 +45,11 @@ pub enum Repeat {
 pub struct Track<T> {
     keys: Vec<Key<T>>,
     repeat: Repeat,
-    /// Whether splines run through the ends as through one point (the last key repeats the first).
+    /// Whether splines treat the first and the last key, which have the same value, as one point.
     closed: bool,
 }
 
-/// Why keys do not make a track; the numbers are indices of keys.
+/// Why keys are not a track. The numbers are indices of keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TrackError {
     Empty,
@@ -68,7 +72,7 @@ impl<T: Animate> Track<T> {
         &self.keys
     }
 
-    /// The value at `time`. A key on the time holds from it on.
+    /// The value at `time`. A key takes effect exactly at its time.
     pub fn at(&self, time: Time) -> T {
         let time = self.folded(time);
         let next = self.keys.partition_point(|key| key.time <= time);
@@ -76,8 +80,8 @@ impl<T: Animate> Track<T> {
         let (a, Some(b)) = (&self.keys[from], self.keys.get(next)) else {
             return self.keys[from].value.clone();
         };
-        // Curves meet their ends to rounding only. A key is exactly what it says, so that a last key which repeats the first
-        // is the same state.
+        // Curves meet their ends only up to rounding. Return the exact value at a key, so that a last key that
+        // repeats the first gives the same state.
         if time == a.time {
             return a.value.clone();
         }
@@ -90,7 +94,7 @@ impl<T: Animate> Track<T> {
         }
     }
 
-    /// `time` brought into the keys' own span as `repeat` says. Exact, as times are rational.
+    /// Maps `time` into the time span of the keys according to `repeat`. Exact, because times are rational.
     fn folded(&self, time: Time) -> Time {
         let (first, last) = (self.keys[0].time, self.keys[self.keys.len() - 1].time);
         let span = last - first;
@@ -103,8 +107,8 @@ impl<T: Animate> Track<T> {
         if backwards { last - rest } else { first + rest }
     }
 
-    /// The four values around the segment that starts at key `from`. At an open end the missing neighbour
-    /// is the end itself; a closed track goes round, past the last key that repeats the first.
+    /// The four values around the segment that starts at key `from`. At an open end, the end itself replaces the
+    /// missing neighbour. A closed track wraps around and skips the last key, which repeats the first.
     fn neighbours(&self, from: usize) -> [&T; 4] {
         let last = self.keys.len() - 1;
         let before = match from {
@@ -198,7 +202,7 @@ mod tests {
                 assert!((spline.at(seconds(t, 1)) - point).length() < 1e-12);
             }
         }
-        // Closed: the direction that leaves the first point is the one that arrives at the last.
+        // A closed curve leaves the first point in the direction in which it arrives at the last.
         let spline = track(&keys, Repeat::Hold, true);
         let step = seconds(1, 1 << 20);
         let leaving = (spline.at(step) - points[0]).normalize();

@@ -2,12 +2,12 @@
 
 use crate::base::math::DVec3;
 
-/// The point at `s` (0..=1) of the way from `p[1]` to `p[2]` on the centripetal Catmull-Rom curve through
-/// all four points, by the pyramid of Barry and Goldman (1988) over knots spaced by the square roots of the
-/// points' distances; those have neither cusps nor loops within a segment (Yuksel, Schaefer, Keyser 2011).
+/// The point at the fraction `s` (0..=1) from `p[1]` to `p[2]` on the centripetal Catmull-Rom curve through all four
+/// points, by the pyramid of Barry and Goldman (1988). The knots are spaced by the square roots of the distances of
+/// the points. Such curves have neither cusps nor loops within a segment (Yuksel, Schaefer, Keyser 2011).
 ///
-/// Equal neighbours have no direction between them: a doubled end point makes the curve's end straight, and
-/// a segment between equal points stays on them.
+/// Equal neighbours define no direction: a doubled end point makes the end of the curve straight, and a segment
+/// between equal points stays at that point.
 pub fn catmull_rom(p: [DVec3; 4], s: f64) -> DVec3 {
     let gap = |a: DVec3, b: DVec3| (b - a).length().sqrt();
     let middle = gap(p[1], p[2]);
@@ -15,7 +15,7 @@ pub fn catmull_rom(p: [DVec3; 4], s: f64) -> DVec3 {
         return p[1];
     }
     let or_middle = |g: f64| if g == 0.0 { middle } else { g };
-    // A missing neighbour is the mirror image of the segment's other end.
+    // Replace a missing neighbour by the mirror image of the other end of the segment.
     let first = if p[0] == p[1] { p[1] * 2.0 - p[2] } else { p[0] };
     let last = if p[3] == p[2] { p[2] * 2.0 - p[1] } else { p[3] };
     let t1 = or_middle(gap(p[0], p[1]));

@@ -1,12 +1,12 @@
-//! World at t: systems that sample tracks and write only what differs.
+//! Systems that sample tracks at the current time.
 //!
-//! A value that stays equal is not written, so that what depends on it is not made again: see the change
+//! A component is written only if its value differs, so that nothing that depends on it is rebuilt: see the change
 //! filters in [`crate::scene::extract`].
 
 use crate::appearance::environment::{Environment, EnvironmentTracks};
 use crate::appearance::fog::{Fog, FogTracks};
 use crate::appearance::light::{Light, LightTracks};
-use crate::appearance::light_groups::glow::Dimmer;
+use crate::appearance::light_groups::GroupWeight;
 use crate::appearance::material::{Material, MaterialTracks};
 use crate::base::math::{Aabb, DAffine3, DVec3};
 use crate::base::time::Time;
@@ -20,7 +20,7 @@ use crate::world::{
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::system::{Query, Res, ResMut};
 
-/// Places every object, parents before children.
+/// Computes the world transform and visibility of every object, parents before children.
 pub fn transforms(
     now: Res<Now>,
     hierarchy: Res<Hierarchy>,
@@ -38,7 +38,7 @@ pub fn transforms(
     }
 }
 
-/// Where an object is in the world and whether it is shown, given the same of its parent.
+/// World transform and visibility of an object, from those of its parent.
 fn placed(
     tracks: &TransformTracks,
     visible: &VisibleTrack,
@@ -66,8 +66,8 @@ pub fn lights(now: Res<Now>, mut lights: Query<(&LightTracks, &mut Light)>) {
     }
 }
 
-/// Turns the sky, and fills it with fog.
-pub fn air(
+/// Updates the environment and the fog.
+pub fn sky_and_fog(
     now: Res<Now>,
     mut skies: Query<(&EnvironmentTracks, &mut Environment)>,
     mut fogs: Query<(&FogTracks, &mut Fog)>,
@@ -77,20 +77,20 @@ pub fn air(
         environment.set_if_neq(tracks.at(now.0.time, layer));
     }
     for (tracks, mut fog) in &mut fogs {
-        let glow = fog.glow;
+        let glow = fog.in_scattering;
         fog.set_if_neq(tracks.at(now.0.time, glow));
     }
 }
 
-/// Switches and fades lights: from frame to frame, not while a shutter is open.
-pub fn weights(now: Res<Now>, mut dimmed: Query<(&Dimmer, &mut Weight)>) {
+/// Updates the weights of lights. They change from frame to frame, not while a shutter is open.
+pub fn weights(now: Res<Now>, mut dimmed: Query<(&GroupWeight, &mut Weight)>) {
     for (dimmer, mut weight) in &mut dimmed {
         let value = Weight { value: dimmer.at(now.0.start), ..*weight };
         weight.set_if_neq(value);
     }
 }
 
-/// Moves the camera that is looked through. A moment without a camera is an error that ends the run.
+/// Updates the active camera. A moment without a valid camera is an error that ends the run.
 pub fn camera(
     now: Res<Now>,
     active: Res<ActiveCamera>,
@@ -102,12 +102,12 @@ pub fn camera(
     let index = active.index.at(now.0.start).min(active.cameras.len() - 1);
     let Ok(path) = paths.get(active.cameras[index]) else { return Ok(()) };
     let sharp = path.focus_object().and_then(|index| placed.get(*objects.0.get(index)?).ok());
-    let sharp = sharp.map(|(shape, transform)| middle(shape, transform));
+    let sharp = sharp.map(|(shape, transform)| centre(shape, transform));
     camera.set_if_neq(Current(Some(path.at(&now.0, sharp)?)));
     Ok(())
 }
 
-/// The middle of an object: that of the box around its shape or, for what has none, its origin.
-fn middle(shape: &Shape, transform: &Transform) -> DVec3 {
+/// The centre of an object's bounding box or, for shapes without bounds, its origin.
+fn centre(shape: &Shape, transform: &Transform) -> DVec3 {
     transform.0.transform_point3(shape.bounds().map_or(DVec3::ZERO, Aabb::centre))
 }

@@ -7,11 +7,11 @@ use crate::film::LayerId;
 use crate::track::Animated;
 use bevy_ecs::component::Component;
 
-/// Where an object is: world from object. Singular while a scale of 0 hides it.
+/// World-from-object transform. Singular while a scale of 0 hides the object.
 #[derive(Clone, Copy, Component, Debug, PartialEq)]
 pub struct Transform(pub DAffine3);
 
-/// Whether an object, and every parent of it, is shown.
+/// Whether an object and all its parents are visible.
 #[derive(Clone, Copy, Component, Debug, PartialEq, Eq)]
 pub struct Visible(pub bool);
 
@@ -19,16 +19,15 @@ pub struct Visible(pub bool);
 #[derive(Clone, Component, Debug)]
 pub struct VisibleTrack(pub Animated<bool>);
 
-/// Position among the file's entries of the same kind. Queries come in no order; extraction sorts by this.
+/// Index among the file's entries of the same kind. Extraction sorts by it, because queries have no order.
 #[derive(Clone, Copy, Component, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FileOrder(pub u32);
 
-/// Marks lights that can be seen themselves: they are part of the geometry.
+/// Marks lights with a visible shape, which are part of the geometry.
 #[derive(Clone, Copy, Component, Debug)]
 pub struct AreaLight;
 
-/// What an entity's layer of the film is weighted with. Lights are switched by this value: no component
-/// comes or goes.
+/// The weight of an entity's film layer. Switching a light changes this value; components are never added or removed.
 #[derive(Clone, Copy, Component, Debug, PartialEq)]
 pub struct Weight {
     pub layer: LayerId,

@@ -1,4 +1,8 @@
-//! Sequence → World: entities and resources, spawned once and only here.
+//! The ECS world of a sequence: entities, resources, and the systems that animate them.
+//!
+//! In: a `Sequence` and a clock.
+//! Out: components and resources with their values at that time.
+//! Uses `sequence` only to spawn, and the parts of a scene.
 
 pub mod animate;
 mod components;
@@ -6,5 +10,5 @@ mod resources;
 mod spawn;
 
 pub use components::{AreaLight, FileOrder, Transform, Visible, VisibleTrack, Weight};
-pub use resources::{ActiveCamera, Current, Glows, Hierarchy, Now, Objects};
+pub use resources::{ActiveCamera, Current, Hierarchy, LightSetup, Now, Objects};
 pub use spawn::{sky_table, spawn};

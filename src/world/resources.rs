@@ -1,21 +1,21 @@
-//! What there is one of.
+//! Resources of the world.
 
-use crate::appearance::light_groups::glow::Glow;
+use crate::appearance::light_groups::GroupRadiance;
 use crate::base::time::Clock;
 use crate::track::Animated;
 use bevy_ecs::entity::Entity;
 use bevy_ecs::resource::Resource;
 
-/// The moment that the world shows.
+/// The current moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Resource)]
 pub struct Now(pub Clock);
 
-/// The latest value of something that frames are made of: the packed geometry, the tree over it, the camera.
-/// Marked as changed only when it is.
+/// The current value of something that frames are made from: the packed geometry, its tree, the camera. Marked as
+/// changed only if the value changes.
 #[derive(Clone, Debug, PartialEq, Resource)]
 pub struct Current<T: Send + Sync + 'static>(pub T);
 
-/// The objects whose placement may change, parents before children, each with its parent.
+/// Objects with their parents, parents before children.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Hierarchy(pub Vec<(Entity, Option<Entity>)>);
 
@@ -23,16 +23,16 @@ pub struct Hierarchy(pub Vec<(Entity, Option<Entity>)>);
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Objects(pub Vec<Entity>);
 
-/// The cameras in the file's order, and which of them is looked through.
+/// The cameras in the file's order, and the index of the active one over time.
 #[derive(Clone, Debug, Resource)]
 pub struct ActiveCamera {
     pub cameras: Vec<Entity>,
     pub index: Animated<usize>,
 }
 
-/// The ambient light, and how many layers of the film all light takes.
+/// The ambient light, and the number of light layers of the film.
 #[derive(Clone, Copy, Debug, Resource)]
-pub struct Glows {
-    pub ambient: Glow,
+pub struct LightSetup {
+    pub ambient: GroupRadiance,
     pub layers: usize,
 }

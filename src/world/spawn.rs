@@ -1,12 +1,12 @@
-//! From a sequence to entities, each with its values at the sequence's first moment.
+//! Spawns the entities of a sequence, with their values at its first moment.
 
 use super::{
-    ActiveCamera, AreaLight, FileOrder, Glows, Hierarchy, Now, Objects, Transform, Visible, VisibleTrack,
-    Weight,
+    ActiveCamera, AreaLight, FileOrder, Hierarchy, LightSetup, Now, Objects, Transform, Visible,
+    VisibleTrack, Weight,
 };
-use crate::appearance::environment::SkyTable;
+use crate::appearance::environment::EnvironmentDistribution;
 use crate::appearance::light::{Light, Source};
-use crate::appearance::light_groups::glow::{Dimmer, Glow};
+use crate::appearance::light_groups::{GroupRadiance, GroupWeight};
 use crate::base::color::Rgb;
 use crate::base::math::DAffine3;
 use crate::film::LayerId;
@@ -16,7 +16,7 @@ use bevy_ecs::entity::Entity;
 use bevy_ecs::world::{EntityWorldMut, World};
 use std::sync::Arc;
 
-/// A world of the sequence. Everything counts as changed until the first frame has been made.
+/// A world of the sequence. All components count as changed until the first frame has been rendered.
 pub fn spawn(sequence: &Sequence) -> World {
     let mut world = World::new();
     let layers = sequence.light_layers();
@@ -28,35 +28,35 @@ pub fn spawn(sequence: &Sequence) -> World {
     spawn_fog(&mut world, &layers, sequence);
     spawn_cameras(&mut world, sequence);
     spawn_objects(&mut world, sequence);
-    world.insert_resource(Glows { ambient, layers: layers.count });
+    world.insert_resource(LightSetup { ambient, layers: layers.count });
     world
 }
 
-/// Where the sky is bright, if paths may ask for its light. No key changes that.
-pub fn sky_table(sequence: &Sequence) -> Option<Arc<SkyTable>> {
-    if !sequence.quality.integrator.looks_for_lights() {
+/// The environment distribution, if paths sample the environment. Keys do not change it.
+pub fn sky_table(sequence: &Sequence) -> Option<Arc<EnvironmentDistribution>> {
+    if !sequence.quality.integrator.samples_lights() {
         return None;
     }
     let environment = sequence.background.at(sequence.timeline.clock(0).time, LayerId::CONSTANT);
-    SkyTable::new(&environment.sky).map(Arc::new)
+    EnvironmentDistribution::new(&environment.sky).map(Arc::new)
 }
 
-/// Gives what is keyed its weight. What never changes needs none.
-fn weigh(entity: &mut EntityWorldMut<'_>, dimmer: Dimmer, layer: LayerId) {
-    if !dimmer.is_constant() {
-        entity.insert((dimmer, Weight { layer, value: Rgb::ONE }));
+/// Gives an entity a weight if its light is keyed. Constant light needs none.
+fn weigh(entity: &mut EntityWorldMut<'_>, group_weight: GroupWeight, layer: LayerId) {
+    if !group_weight.is_constant() {
+        entity.insert((group_weight, Weight { layer, value: Rgb::ONE }));
     }
 }
 
-fn spawn_ambient(world: &mut World, layers: &LightLayers, color: &Animated<Rgb>) -> Glow {
-    let (radiance, dimmer) = Glow::split(color);
+fn spawn_ambient(world: &mut World, layers: &LightLayers, color: &Animated<Rgb>) -> GroupRadiance {
+    let (radiance, dimmer) = GroupRadiance::split(color);
     let layer = layers.ambient;
     weigh(&mut world.spawn_empty(), dimmer, layer);
-    Glow { radiance, layer }
+    GroupRadiance { radiance, layer }
 }
 
 fn spawn_environment(world: &mut World, layers: &LightLayers, sequence: &Sequence) {
-    let (tracks, dimmer) = (&sequence.background, sequence.background.dimmer());
+    let (tracks, dimmer) = (&sequence.background, sequence.background.group_weight());
     let layer = layers.background;
     let environment = tracks.at(sequence.timeline.clock(0).time, layer);
     weigh(&mut world.spawn((environment, tracks.clone())), dimmer, layer);
@@ -66,14 +66,14 @@ fn spawn_fog(world: &mut World, layers: &LightLayers, sequence: &Sequence) {
     let Some(tracks) = &sequence.fog else { return };
     let (radiance, dimmer) = tracks.split();
     let layer = layers.fog;
-    let fog = tracks.at(sequence.timeline.clock(0).time, Glow { radiance, layer });
+    let fog = tracks.at(sequence.timeline.clock(0).time, GroupRadiance { radiance, layer });
     weigh(&mut world.spawn((fog, tracks.clone())), dimmer, layer);
 }
 
 fn spawn_lights(world: &mut World, layers: &LightLayers, sequence: &Sequence) {
     let start = sequence.timeline.clock(0).time;
     for ((order, light), &layer) in (0..).zip(&sequence.lights).zip(&layers.lights) {
-        let (tracks, dimmer) = (&light.value, light.value.dimmer());
+        let (tracks, dimmer) = (&light.value, light.value.group_weight());
         let source = tracks.kind.at(start);
         let light = Light { source, radiance: tracks.constant_radiance(), layer };
         let mut entity = world.spawn((FileOrder(order), light, tracks.clone()));
@@ -114,7 +114,7 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
     world.insert_resource(Hierarchy(hierarchy));
 }
 
-/// Indices of all objects, each after its parent.
+/// Indices of all objects, parents before children.
 fn parents_first(sequence: &Sequence) -> Vec<usize> {
     let parent = |i: usize| sequence.objects[i].value.parent;
     let depth = |i: usize| std::iter::successors(parent(i), |&p| parent(p)).count();

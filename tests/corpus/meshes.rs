@@ -8,7 +8,7 @@ mod hills;
 #[allow(unused_imports, reason = "the tests of shell.rs run with the example")]
 mod shell;
 
-use kinora::geometry::mesh::Parts;
+use kinora::geometry::mesh::MeshData;
 use kinora::import::ply;
 use std::fs;
 use std::io::{self, BufWriter, Write};
@@ -29,7 +29,7 @@ pub fn make() {
 }
 
 /// Writes a mesh beside its place first: other tests may look for it at the same time.
-fn write(path: &Path, parts: fn() -> Parts) -> io::Result<()> {
+fn write(path: &Path, parts: fn() -> MeshData) -> io::Result<()> {
     if path.exists() {
         return Ok(());
     }

@@ -1,7 +1,7 @@
 //! Frames of a sequence, rendered to PNGs as users do.
 
 use image::RgbImage;
-use kinora::base::stats::Meter;
+use kinora::base::stats::ProgressMeter;
 use kinora::encode::{Existing, Output};
 use kinora::pipeline::render::{Request, Reuse, Summary, render};
 use kinora::sequence::Sequence;
@@ -22,8 +22,8 @@ pub fn pictures(sequence: &Sequence, frames: &[u32]) -> (Vec<RgbImage>, Summary)
         reuse: Reuse::Share,
         time_limit: None,
     };
-    let summary =
-        render(sequence, &request, &Arc::new(Meter::default())).unwrap_or_else(|error| panic!("{error}"));
+    let summary = render(sequence, &request, &Arc::new(ProgressMeter::default()))
+        .unwrap_or_else(|error| panic!("{error}"));
     (frames.iter().map(|&frame| read(&output.path(frame))).collect(), summary)
 }
 

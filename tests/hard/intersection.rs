@@ -238,7 +238,8 @@ fn int_21_extreme_sizes_of_spheres() {
         // The same through a tree.
         let geometry = geometry([Shape::Sphere(Sphere { center, radius })]);
         let bvh = kinora::scene::top_level::Bvh::build(&geometry);
-        let probe = kinora::geometry::bvh::Probe::new(Ray { origin: DVec3::ZERO, direction: DVec3::Z });
+        let probe =
+            kinora::geometry::bvh::TraversalRay::new(Ray { origin: DVec3::ZERO, direction: DVec3::Z });
         near(bvh.closest(&geometry, &probe).expect("a hit").at.t, expected, 1e-9);
     }
 }

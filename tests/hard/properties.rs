@@ -2,12 +2,12 @@
 
 use crate::exact::{Exact, Vector};
 use crate::support::{U, geometry, scan};
-use kinora::appearance::material::MadeOf;
+use kinora::appearance::material::MaterialBinding;
 use kinora::base::math::{Angle, DAffine3, DMat3, DVec3, Ray, axis_angle};
-use kinora::geometry::bvh::Probe;
+use kinora::geometry::bvh::TraversalRay;
 use kinora::geometry::mesh::{self, Normals, generate};
 use kinora::geometry::shape::{
-    Cone, Crossing, Cuboid, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Surface, Torus, Triangle,
+    Cone, Cuboid, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, ShapeHit, Sphere, Surface, Torus, Triangle,
 };
 use kinora::scene::top_level::Bvh;
 use kinora::scene::{Finish, Geometry, Primitive};
@@ -105,13 +105,14 @@ fn outermost<const N: usize>(sides: [Exact; N]) -> Exact {
 /// Flat shapes in the plane y = 0.
 fn sheets() -> Vec<Known> {
     let level = |_: &Shape, p: Vector| p.0[1];
-    let parts = mesh::Parts {
+    let parts = mesh::MeshData {
         positions: vec![DVec3::new(-1.0, 0.0, -1.0), DVec3::new(1.0, 0.0, -1.0), DVec3::new(0.25, 0.0, 1.0)],
         triangles: vec![[0, 1, 2]],
-        ..mesh::Parts::default()
+        ..mesh::MeshData::default()
     };
     let corners = [parts.positions[0], parts.positions[1], parts.positions[2]];
-    let mesh = Mesh { mesh: Arc::new(mesh::Mesh::new(parts).expect("a mesh")), normals: Normals::Flat };
+    let mesh =
+        Mesh { mesh: Arc::new(mesh::TriangleMesh::new(parts).expect("a mesh")), normals: Normals::Flat };
     let (u, v) = (DVec3::X * 2.0, DVec3::new(0.25, 0.0, 2.0));
     [
         Shape::Plane(Plane { point: DVec3::new(0.3, 0.0, 0.1), normal: DVec3::Y }),
@@ -151,7 +152,7 @@ fn place() -> impl Strategy<Value = Place> {
 }
 
 fn primitive(shape: &Shape, place: &Place) -> Primitive {
-    Primitive::new(shape, place.to_world, Finish::Material(MadeOf::One(0))).expect("a primitive")
+    Primitive::new(shape, place.to_world, Finish::Material(MaterialBinding::One(0))).expect("a primitive")
 }
 
 /// A ray of the world at a point of the shape's space, from a distance in that space.
@@ -160,8 +161,8 @@ fn aimed(place: &Place, aim: DVec3, from: DVec3) -> Ray {
     Ray { origin, direction: (aim - origin).normalize_or(DVec3::Y) }
 }
 
-fn first(primitive: &Primitive, ray: &Ray) -> Option<(Crossing, Surface)> {
-    let at = primitive.hit(&Probe::new(*ray), f64::INFINITY)?;
+fn first(primitive: &Primitive, ray: &Ray) -> Option<(ShapeHit, Surface)> {
+    let at = primitive.hit(&TraversalRay::new(*ray), f64::INFINITY)?;
     Some((at, primitive.surface_at(ray, at)))
 }
 
@@ -195,7 +196,7 @@ proptest! {
             let axes = [place.to_world.x_axis, place.to_world.y_axis, place.to_world.z_axis];
             let longest = axes.map(DVec3::length).into_iter().fold(0.0, f64::max);
             let slender = longest / axes.map(DVec3::length).into_iter().fold(f64::INFINITY, f64::min);
-            let moved = if primitive.placement.is_none() {
+            let moved = if primitive.transform.is_none() {
                 (place.to_world.translation.length() + longest * slender) * 40.0 * U
             } else {
                 0.0
@@ -209,7 +210,7 @@ proptest! {
             let beside = (ray.at(at.t) - surface.point).length();
             prop_assert!(beside <= (way * 64.0 * U + bound) / cosine, "{beside:e} beside, cosine {cosine}: {:?}", known.shape);
             // Of placed shapes to 4 u of the way, from the shape's origin to the ray's and on to the hit.
-            if primitive.placement.is_some() {
+            if primitive.transform.is_some() {
                 let way = (ray.origin - place.to_world.translation).length() + at.t;
                 let met = Vector::from(ray.origin) + Vector::from(ray.direction).scaled(Exact::from(at.t));
                 let off = off_surface(&known, &place, met, surface.normal).abs();
@@ -284,12 +285,12 @@ proptest! {
     fn trees_equal_scans(things in scenery(), seen in prop::collection::vec((any::<prop::sample::Index>(), inside(), unit(), log_uniform()), 40)) {
         let mut geometry = Geometry::default();
         for (known, place) in &things {
-            geometry.push(&known.shape, place.to_world, Finish::Material(MadeOf::One(0)));
+            geometry.push(&known.shape, place.to_world, Finish::Material(MaterialBinding::One(0)));
         }
         let bvh = Bvh::build(&geometry);
         for (index, aim, from, far) in seen {
             let ray = aimed(&index.get(&things).1, aim, from * far);
-            let probe = Probe::new(ray);
+            let probe = TraversalRay::new(ray);
             let nearest = scan(&geometry, &bvh, &probe);
             prop_assert_eq!(bvh.closest(&geometry, &probe), nearest);
             prop_assert_eq!(bvh.occluded(&geometry, &probe, f64::INFINITY), nearest.is_some());
@@ -305,7 +306,7 @@ proptest! {
             let mut geometry = Geometry::default();
             for (known, place) in &things {
                 let map = if moved { scaled(place.to_world) } else { place.to_world };
-                geometry.push(&known.shape, map, Finish::Material(MadeOf::One(0)));
+                geometry.push(&known.shape, map, Finish::Material(MaterialBinding::One(0)));
             }
             let bvh = Bvh::build(&geometry);
             (geometry, bvh)
@@ -313,8 +314,8 @@ proptest! {
         for (index, aim, from, far) in seen {
             let ray = aimed(&index.get(&things).1, aim, from * far);
             let large = Ray { origin: ray.origin * by, direction: ray.direction * by };
-            let found = here.1.closest(&here.0, &Probe::new(ray));
-            prop_assert_eq!(there.1.closest(&there.0, &Probe::new(large)), found);
+            let found = here.1.closest(&here.0, &TraversalRay::new(ray));
+            prop_assert_eq!(there.1.closest(&there.0, &TraversalRay::new(large)), found);
             if let Some(hit) = found {
                 let surface = |geometry: &Geometry, ray| geometry.primitives[hit.primitive as usize].surface_at(ray, hit.at);
                 let (a, b) = (surface(&here.0, &ray), surface(&there.0, &large));
@@ -335,7 +336,7 @@ fn small_meshes_far_away_are_closed() {
         parts.positions.iter_mut().for_each(|p| *p = center + *p * scale);
         let triangles: Vec<_> =
             parts.triangles.iter().map(|t| t.map(|v| parts.positions[v as usize])).collect();
-        let Ok(mesh) = mesh::Mesh::new(parts) else {
+        let Ok(mesh) = mesh::TriangleMesh::new(parts) else {
             assert!(scale < 1e-18, "areas below the smallest f32 are refused");
             continue;
         };
@@ -346,7 +347,7 @@ fn small_meshes_far_away_are_closed() {
             let [a, b, _] = triangles[(random.unit() * triangles.len() as f64) as usize];
             let aim = if k % 2 == 0 { a } else { a + (b - a) * random.unit() };
             let origin = center + random.point(0.2) * scale;
-            let probe = Probe::new(Ray { origin, direction: aim - origin });
+            let probe = TraversalRay::new(Ray { origin, direction: aim - origin });
             assert!(bvh.closest(&geometry, &probe).is_some(), "{scale} {away} {probe:?}");
         }
     }

@@ -4,7 +4,7 @@
 use crate::support::{few, shoot_all};
 use kinora::appearance::optics::Fuzz;
 use kinora::base::math::{DVec2, DVec3};
-use kinora::sampling::{PixelSampler, cosine_hemisphere, dimension, disk, in_ball, uniform_sphere};
+use kinora::sampling::{PixelSampler, cosine_hemisphere, dimension, disk, uniform_ball, uniform_sphere};
 use rayon::prelude::*;
 
 /// 128 of all 2^32 numbers become 1 when they are divided by 2^32 in f32.
@@ -41,7 +41,7 @@ fn sa_05_directions_are_finite_and_of_unit_length() {
         assert!(DVec2::from(disk(u, v)).length() <= 1.0 + f64::EPSILON, "{u} {v}");
         for w in ends {
             let u = [u, v, w];
-            assert!(in_ball(u).length() <= 1.0 + f64::EPSILON, "{u:?}");
+            assert!(uniform_ball(u).length() <= 1.0 + f64::EPSILON, "{u:?}");
             for mirrored in [DVec3::Z, DVec3::NEG_Z, DVec3::NEG_X, -on_sphere] {
                 for fuzz in [1.0, 0.5, 1e-3] {
                     let d = Fuzz(fuzz).sample(mirrored.into(), u).into();

@@ -7,7 +7,7 @@ use kinora::base::math::{DAffine3, DVec3};
 use kinora::geometry::mesh::{self, Corners, Normals, generate};
 use kinora::geometry::shape::{Geometric, Mesh, Shape, Sphere, Surface};
 use kinora::import;
-use kinora::trace::spawn::{spawn_gathering, spawn_ray};
+use kinora::trace::spawn::{spawn_lifted, spawn_ray};
 use std::sync::Arc;
 
 /// A shell 4e-5 of its size above another one: any fixed offset that is longer skips the inner one.
@@ -45,7 +45,7 @@ fn self_02_nested_shells() {
 fn smooth(level: u32) -> Mesh {
     let mut parts = generate::icosphere(level);
     parts.normals = Some(Corners::per_vertex(parts.positions.iter().map(|p| p.as_vec3()).collect()));
-    Mesh { mesh: Arc::new(mesh::Mesh::new(parts).expect("a mesh")), normals: Normals::File }
+    Mesh { mesh: Arc::new(mesh::TriangleMesh::new(parts).expect("a mesh")), normals: Normals::File }
 }
 
 /// Shares of points, lit as on the smooth sphere, that their own triangles shadow: where light is looked for from the
@@ -68,7 +68,7 @@ fn falsely_shadowed(to_world: DAffine3, level: u32, points: u32) -> [f64; 2] {
             continue;
         }
         lit += 1;
-        let gathering = spawn_gathering::<f64>(&(&surface).into(), light.into()).origin;
+        let gathering = spawn_lifted::<f64>(&(&surface).into(), light.into()).origin;
         for (wrong, origin) in wrong.iter_mut().zip([spawn_ray(&surface, light).origin, gathering.into()]) {
             *wrong += u32::from(hit(&primitive, origin, light).is_some());
         }

@@ -3,7 +3,7 @@
 //! meshes, SH-08 with SELF-05; SH-01, SH-03, SH-04, SH-07 and SH-18 see the whole renderer in `tests/integration`.
 
 use crate::support::{Random, direction, hit, placed, radiance_at_target};
-use kinora::appearance::material::MadeOf;
+use kinora::appearance::material::MaterialBinding;
 use kinora::appearance::texture::{Footprint, Pattern};
 use kinora::base::math::{Angle, DAffine3, DVec3, Ray};
 use kinora::geometry::shape::{OneRay, Plane, Rectangle, Shape};
@@ -62,7 +62,7 @@ fn sh_17_planes_between_layers_show_one_of_them() {
             (&rectangle, DAffine3::from_scale(DVec3::new(3.0, -0.1, 7.0)) * tilt),
         ] {
             let mut geometry = Geometry::default();
-            geometry.push(shape, to_world, Finish::Material(MadeOf::One(0)));
+            geometry.push(shape, to_world, Finish::Material(MaterialBinding::One(0)));
             let mut speckles = 0;
             for _ in 0..2000 {
                 let p = random.point(25.0).with_y(height);

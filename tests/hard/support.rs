@@ -6,10 +6,10 @@ mod shared;
 
 pub use shared::{Random, geometry, radiance_at_target, sequence, shoot, shoot_all, shoot_counting};
 
-use kinora::appearance::material::MadeOf;
+use kinora::appearance::material::MaterialBinding;
 use kinora::base::math::{Angle, DAffine3, DVec3, Ray, UNIT_ROUNDOFF};
-use kinora::geometry::bvh::Probe;
-use kinora::geometry::shape::{Crossing, LaneSurface, Shape, Surface};
+use kinora::geometry::bvh::TraversalRay;
+use kinora::geometry::shape::{LaneSurface, Shape, ShapeHit, Surface};
 use kinora::scene::top_level::{Bvh, Hit};
 use kinora::scene::{Finish, Geometry, Primitive};
 
@@ -37,23 +37,23 @@ pub fn disk_across(random: &mut Random, axis: DVec3, inner: f64, outer: f64) -> 
 }
 
 pub fn placed(shape: &Shape, to_world: DAffine3) -> Primitive {
-    Primitive::new(shape, to_world, Finish::Material(MadeOf::One(0))).expect("a primitive")
+    Primitive::new(shape, to_world, Finish::Material(MaterialBinding::One(0))).expect("a primitive")
 }
 
 /// The closest hit, found primitive by primitive, of equally near ones that of the lowest index, and whether another one is
 /// near it.
-pub fn scan(geometry: &Geometry, bvh: &Bvh, probe: &Probe) -> Option<Hit> {
+pub fn scan(geometry: &Geometry, bvh: &Bvh, probe: &TraversalRay) -> Option<Hit> {
     let hits = (0..).zip(&geometry.primitives);
     let hits = hits.filter_map(|(primitive, p)| Some(Hit { at: p.hit(probe, f64::INFINITY)?, primitive }));
     let hits: Vec<_> = hits.collect();
     let mut nearest = *hits.iter().reduce(|best, hit| if hit.at.t < best.at.t { hit } else { best })?;
-    let end = bvh.vicinity(probe).end(nearest.at.t);
-    nearest.at.crowded |= hits.iter().filter(|hit| hit.at.t < end).count() > 1;
+    let end = bvh.coincidence_range(probe).end(nearest.at.t);
+    nearest.at.coincident |= hits.iter().filter(|hit| hit.at.t < end).count() > 1;
     Some(nearest)
 }
 
-pub fn hit(primitive: &Primitive, origin: DVec3, direction: DVec3) -> Option<Crossing> {
-    primitive.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY)
+pub fn hit(primitive: &Primitive, origin: DVec3, direction: DVec3) -> Option<ShapeHit> {
+    primitive.hit(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY)
 }
 
 /// Where a ray meets the primitive, with the surface as the primitive gives it.

@@ -2,9 +2,9 @@
 //! `src/scene/primitive.rs`.
 
 use crate::support::{Random, U, direction, few, geometry, hit, met, placed, shoot_all};
-use kinora::appearance::material::MadeOf;
+use kinora::appearance::material::MaterialBinding;
 use kinora::base::math::{Angle, DAffine3, DMat3, DVec3, Ray, axis_angle};
-use kinora::geometry::bvh::Probe;
+use kinora::geometry::bvh::TraversalRay;
 use kinora::geometry::shape::{Cone, Cylinder, Plane, Shape, Sphere};
 use kinora::scene::top_level::Bvh;
 use kinora::scene::{Finish, Geometry};
@@ -44,13 +44,13 @@ fn xf_02_ellipsoids_stand_in_their_order() {
         let radius = 0.25;
         let center = DVec3::new(10.0 - t + off - radius, 0.2, 0.1);
         let mut geometry = Geometry::default();
-        geometry.push(&unit, ellipsoid, Finish::Material(MadeOf::One(0)));
+        geometry.push(&unit, ellipsoid, Finish::Material(MaterialBinding::One(0)));
         geometry.push(
             &Shape::Sphere(Sphere { center, radius }),
             DAffine3::IDENTITY,
-            Finish::Material(MadeOf::One(0)),
+            Finish::Material(MaterialBinding::One(0)),
         );
-        let probe = Probe::new(Ray { origin: DVec3::new(10.0, 0.2, 0.1), direction: DVec3::NEG_X });
+        let probe = TraversalRay::new(Ray { origin: DVec3::new(10.0, 0.2, 0.1), direction: DVec3::NEG_X });
         let hit = Bvh::build(&geometry).closest(&geometry, &probe).expect("a hit");
         assert_eq!(hit.primitive, first, "{off:e}");
     }

@@ -2,10 +2,10 @@
 //! `tests/integration/radiance.rs`.
 
 use crate::support::{Random, direction, few, geometry, placed, scan};
-use kinora::appearance::material::MadeOf;
+use kinora::appearance::material::MaterialBinding;
 use kinora::base::math::{DAffine3, DVec3, Ray};
-use kinora::geometry::bvh::Probe;
-use kinora::geometry::mesh::{self, Normals, Parts, generate};
+use kinora::geometry::bvh::TraversalRay;
+use kinora::geometry::mesh::{self, MeshData, Normals, generate};
 use kinora::geometry::shape::{Cuboid, Cylinder, Mesh, Rectangle, Shape, Sphere, Triangle};
 use kinora::scene::top_level::Bvh;
 use kinora::scene::{Finish, Geometry};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 fn bvh_01_rays_in_the_faces_of_a_box() {
     let cuboid = Shape::Cuboid(Cuboid { min: DVec3::ZERO, max: DVec3::ONE });
     let mesh = Shape::Mesh(Mesh {
-        mesh: Arc::new(mesh::Mesh::new(cube()).expect("a mesh")),
+        mesh: Arc::new(mesh::TriangleMesh::new(cube()).expect("a mesh")),
         normals: Normals::Flat,
     });
     for (shape, axis) in
@@ -35,7 +35,7 @@ fn bvh_01_rays_in_the_faces_of_a_box() {
                 };
                 for along in [1.0, -1.0] {
                     let origin = turn(0.5 - 1.5 * along, x, y);
-                    let probe = Probe::new(Ray { origin, direction: turn(along, dx, dy) });
+                    let probe = TraversalRay::new(Ray { origin, direction: turn(along, dx, dy) });
                     let hit = bvh.closest(&geometry, &probe);
                     assert_eq!(hit.map(|hit| hit.at.t), Some(1.0), "{probe:?}");
                     assert!(bvh.occluded(&geometry, &probe, 2.0), "{probe:?}");
@@ -46,12 +46,12 @@ fn bvh_01_rays_in_the_faces_of_a_box() {
 }
 
 /// The unit cube as twelve triangles.
-fn cube() -> Parts {
+fn cube() -> MeshData {
     let positions =
         (0..8u32).map(|i| DVec3::from_array([0, 1, 2].map(|axis| f64::from(i >> axis & 1)))).collect();
     let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let triangles = quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Parts { positions, triangles, ..Parts::default() }
+    MeshData { positions, triangles, ..MeshData::default() }
 }
 
 /// Flat leaves, met at their edges from afar: slabs whose far side is not widened by their rounding lose 3 %.
@@ -73,7 +73,7 @@ fn flat_leaves(count: u32) {
             let on_edge = random.unit() < 0.5;
             let aim =
                 corner + u * if on_edge { random.unit().round() } else { random.unit() } + v * random.unit();
-            let probe = Probe::new(Ray { origin, direction: aim - origin });
+            let probe = TraversalRay::new(Ray { origin, direction: aim - origin });
             let Some(at) = geometry.primitives[index as usize].hit(&probe, f64::INFINITY) else { continue };
             let found = bvh.closest(&geometry, &probe).expect("its leaf is entered");
             assert!(found.primitive == index || found.at.t <= at.t, "{probe:?}: {found:?} before {at:?}");
@@ -94,7 +94,7 @@ fn bvh_02_flat_leaves_are_not_lost_in_full() {
 }
 
 /// Rays for a scene in the cube from -1 to 1, half of them along an axis or through one of its vertices.
-fn rays(seed: u64, count: u32, vertices: &[DVec3]) -> Vec<Probe> {
+fn rays(seed: u64, count: u32, vertices: &[DVec3]) -> Vec<TraversalRay> {
     let mut random = Random(seed);
     let ray = |k: u32| {
         let origin = random.point(2.0);
@@ -108,13 +108,13 @@ fn rays(seed: u64, count: u32, vertices: &[DVec3]) -> Vec<Probe> {
             1 => (origin, vertex - origin),
             _ => (origin, random.point(1.0) - origin),
         };
-        Probe::new(Ray { origin, direction })
+        TraversalRay::new(Ray { origin, direction })
     };
     (0..count).map(ray).filter(|probe| probe.ray.direction != DVec3::ZERO).collect()
 }
 
 /// A mesh alone in its own tree against its triangles one by one.
-fn mesh_equals_scan(parts: Parts, seed: u64, count: u32) {
+fn mesh_equals_scan(parts: MeshData, seed: u64, count: u32) {
     let triangles: Vec<_> = parts
         .triangles
         .iter()
@@ -122,7 +122,8 @@ fn mesh_equals_scan(parts: Parts, seed: u64, count: u32) {
         .collect();
     let each = geometry(triangles.into_iter().map(Shape::Triangle));
     let probes = rays(seed, count, &parts.positions);
-    let mesh = Mesh { mesh: Arc::new(mesh::Mesh::new(parts).expect("a mesh")), normals: Normals::Flat };
+    let mesh =
+        Mesh { mesh: Arc::new(mesh::TriangleMesh::new(parts).expect("a mesh")), normals: Normals::Flat };
     let whole = geometry([Shape::Mesh(mesh)]);
     let (bvh, loose) = (Bvh::build(&whole), Bvh::build(&each));
     let met = probes.par_iter().filter(|probe| {
@@ -138,7 +139,7 @@ fn mesh_equals_scan(parts: Parts, seed: u64, count: u32) {
 fn trees_equal_scans(count: u32) {
     // A tree is built anew when things move: as they stand, and after a step of an animation.
     for step in [0.0, 1.0] {
-        let moved = |mut parts: Parts| {
+        let moved = |mut parts: MeshData| {
             let turn = DAffine3::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 0.1 * step);
             parts
                 .positions
@@ -163,7 +164,7 @@ fn trees_equal_scans(count: u32) {
                 )
             };
             let turn = DAffine3::from_axis_angle(direction(&mut random), 0.1 * step);
-            geometry.push(&shape, turn, Finish::Material(MadeOf::One(0)));
+            geometry.push(&shape, turn, Finish::Material(MaterialBinding::One(0)));
             middles.push(p);
         }
         let bvh = Bvh::build(&geometry);
@@ -174,22 +175,22 @@ fn trees_equal_scans(count: u32) {
 }
 
 /// Small triangles all over a cube.
-fn soup(count: u32) -> Parts {
+fn soup(count: u32) -> MeshData {
     let mut random = Random(8);
     let corners = (0..count).flat_map(|_| {
         let p = random.point(1.0);
         [p, p + random.point(0.1), p + random.point(0.1)]
     });
     let positions: Vec<_> = corners.collect();
-    Parts {
+    MeshData {
         positions,
         triangles: (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),
-        ..Parts::default()
+        ..MeshData::default()
     }
 }
 
 /// Squares side by side in a plane across y.
-fn grid(side: u32) -> Parts {
+fn grid(side: u32) -> MeshData {
     let at = |i: u32| f64::from(i) / f64::from(side) * 2.0 - 1.0;
     let row = side + 1;
     let positions = (0..row * row).map(|k| DVec3::new(at(k % row), 0.0, at(k / row))).collect();
@@ -197,7 +198,7 @@ fn grid(side: u32) -> Parts {
         let a = k / side * row + k % side;
         [[a, a + 1, a + row], [a + 1, a + row + 1, a + row]]
     });
-    Parts { positions, triangles: triangles.collect(), ..Parts::default() }
+    MeshData { positions, triangles: triangles.collect(), ..MeshData::default() }
 }
 
 #[test]
@@ -216,7 +217,8 @@ fn bvh_03_trees_equal_linear_scans_in_full() {
 fn bvh_07_any_hit_is_the_nearest_hit_before_its_end() {
     let mut random = Random(9);
     let spheres = (0..60).map(|_| Shape::Sphere(Sphere { center: random.point(1.0), radius: 0.1 }));
-    let mesh = Mesh { mesh: Arc::new(mesh::Mesh::new(soup(500)).expect("a mesh")), normals: Normals::Flat };
+    let mesh =
+        Mesh { mesh: Arc::new(mesh::TriangleMesh::new(soup(500)).expect("a mesh")), normals: Normals::Flat };
     let geometry = geometry(spheres.collect::<Vec<_>>().into_iter().chain([Shape::Mesh(mesh)]));
     let bvh = Bvh::build(&geometry);
     for probe in rays(6, few(1_000_000), &[DVec3::ZERO, DVec3::ONE]) {
@@ -229,5 +231,5 @@ fn bvh_07_any_hit_is_the_nearest_hit_before_its_end() {
     }
     // An occluder 10^5 away, for light from infinitely far.
     let far = placed(&Shape::Sphere(Sphere { center: DVec3::Y * 1e5, radius: 1.0 }), DAffine3::IDENTITY);
-    assert!(far.blocks(&Probe::new(Ray { origin: DVec3::ZERO, direction: DVec3::Y }), f64::INFINITY));
+    assert!(far.blocks(&TraversalRay::new(Ray { origin: DVec3::ZERO, direction: DVec3::Y }), f64::INFINITY));
 }

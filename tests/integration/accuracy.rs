@@ -1,7 +1,7 @@
 //! The price of accuracy: what is measured of a sequence, and what the report says of it.
 
 use kinora::accuracy::report::{Origin, page};
-use kinora::accuracy::{Axis, Change, Measured, Request, measure};
+use kinora::accuracy::{Measured, MeasurementRequest, SceneChange, SettingAxis, measure};
 use kinora::sequence::parse;
 use std::time::Duration;
 
@@ -38,7 +38,7 @@ fn still() -> String {
 
 fn measured(text: &str) -> Measured {
     let sequence = parse("glass.ron", text).expect("a sequence");
-    let request = Request {
+    let request = MeasurementRequest {
         frames: vec![5],
         time: Duration::from_secs(3),
         quick: true,
@@ -62,19 +62,19 @@ fn a_report_answers_what_half_the_time_and_half_the_error_take() {
     assert!(lines.len() <= 12, "{lines:#?}");
     for begun in [
         "Error of this setting (8 samples",
-        "Cost of the whole film: about",
+        "Cost of the whole sequence: about",
         "Half the time: --",
         "Half the error: --",
     ] {
         assert!(lines.iter().any(|line| line.starts_with(begun)), "{begun}: {lines:#?}");
     }
-    assert!(measured.whole.films == 1 && measured.whole.frames == 10, "{:?}", measured.whole);
-    assert!(measured.own().error() > 0.0 && measured.whole.wall > 0.0);
+    assert!(measured.total.films == 1 && measured.total.frames == 10, "{:?}", measured.total);
+    assert!(measured.own().error() > 0.0 && measured.total.wall > 0.0);
     // The curve has a point at every factor of two, and the reference enough samples to judge all of them.
-    let mut samples: Vec<f64> = measured.on(Axis::Samples).iter().map(|point| point.samples).collect();
+    let mut samples: Vec<f64> = measured.on(SettingAxis::Samples).iter().map(|point| point.samples).collect();
     samples.sort_by(f64::total_cmp);
     assert_eq!(samples, [1.0, 2.0, 4.0, 8.0, 16.0]);
-    let curve = measured.points.iter().filter(|point| !point.setting.axis.is_short());
+    let curve = measured.points.iter().filter(|point| !point.setting.axis.has_baseline());
     let most = curve.map(|point| point.samples).fold(0.0, f64::max);
     assert!(f64::from(measured.reference) >= 16.0 * most, "{} {most}", measured.reference);
 }
@@ -82,14 +82,15 @@ fn a_report_answers_what_half_the_time_and_half_the_error_take() {
 #[test]
 fn a_report_has_the_price_list_of_its_scene() {
     let measured = measured(GLASS);
-    let off: Vec<Change> = measured.parts().iter().map(|point| point.setting.change).collect();
-    let wanted = [Change::LightOff(0), Change::LightOff(1), Change::ObjectHidden(2)];
+    let off: Vec<SceneChange> = measured.parts().iter().map(|point| point.setting.change).collect();
+    let wanted = [SceneChange::LightOff(0), SceneChange::LightOff(1), SceneChange::ObjectHidden(2)];
     assert!(wanted.iter().all(|change| off.contains(change)), "{off:?}");
-    let floor = measured.parts().into_iter().find(|point| point.setting.change == Change::ObjectHidden(0));
+    let floor =
+        measured.parts().into_iter().find(|point| point.setting.change == SceneChange::ObjectHidden(0));
     assert!(floor.expect("the floor").bias.is_certain());
     // Roulette changes noise, but not what is shown: nothing is told that is not there.
-    let own = measured.on(Axis::Bounces).into_iter().find(|point| point.setting.quality.bounces == 4);
-    assert_eq!(measured.told(own.expect("the file's own").bias), "none");
+    let own = measured.on(SettingAxis::Bounces).into_iter().find(|point| point.setting.quality.bounces == 4);
+    assert_eq!(measured.bias_text(own.expect("the file's own").bias), "none");
     let robustness = measured.robustness.as_ref().expect("a camera");
     assert!(robustness.hits.last().is_some_and(|ours| ours.wrong == 0 && ours.rays > 1000), "{robustness:?}");
     assert!(

@@ -2,7 +2,7 @@
 
 use crate::command::{BALL, contents, folder, kinora, refused};
 use kinora::encode::Output;
-use kinora::pipeline::assemble::{Request, assemble};
+use kinora::pipeline::assemble::{AssembleRequest, assemble};
 use std::fs;
 use std::path::Path;
 
@@ -116,15 +116,15 @@ fn damaged_frames_are_named() {
         );
         assert!(told.contains("\n  frames 8: damaged: it is a folder\n"), "{told}");
     }
-    assert!(alone.contains("\n  frames 6-7: damaged: it is no picture"), "{alone}");
-    assert!(of.contains("\n  frames 6-7: damaged: it is no whole PNG\n"), "{of}");
+    assert!(alone.contains("\n  frames 6-7: damaged: it is not a picture"), "{alone}");
+    assert!(of.contains("\n  frames 6-7: damaged: it is not a complete PNG\n"), "{of}");
     // Gaps are no damage.
     let told = refused(folder.path(), &["assemble", "f_##.png", "--allow-gaps", "-o", "a.gif"]);
     assert!(told.contains("frames 1,3-5: damaged"), "{told}");
     // Render makes of it what there was.
     fs::remove_dir(at("f_08.png")).expect("a folder");
     let told = kinora(folder.path(), &["render", "ball.ron", "-o", "f_##.png"]);
-    assert!(told.contains("12, of which 5 kept"), "{told}");
+    assert!(told.contains("12, 5 of them kept"), "{told}");
 }
 
 #[test]
@@ -141,14 +141,14 @@ fn stale_frames_are_named() {
     kinora(path, &["render", "white.ron", "-o", "w_##.png"]);
     painted("green.ron", "[(0, 1, Step), (6, (0, 1, 0))]");
     let told = refused(path, &["assemble", "w_##.png", "--of", "green.ron", "-o", "a.gif"]);
-    assert!(told.contains("\n  frames 6-11: stale: would be made otherwise now\n"), "{told}");
+    assert!(told.contains("\n  frames 6-11: stale: the sequence, its settings or"), "{told}");
     let told = refused(path, &["assemble", "f_##.png", "--of", "ball.ron", "-s", "64x36", "-o", "a.gif"]);
     assert!(told.contains("\n  frames 0-11: stale"), "{told}");
     // Frames without metadata say nothing, of which one that should have some is told.
     kinora(path, &["render", "ball.ron", "--no-metadata", "-o", "n_##.png"]);
     fs::copy(path.join("n_04.png"), path.join("f_04.png")).expect("a disk");
     let told = refused(path, &["assemble", "f_##.png", "--of", "ball.ron", "-o", "a.gif"]);
-    assert!(told.contains("\n  frames 4: without a word on what they show"), "{told}");
+    assert!(told.contains("\n  frames 4: without metadata, as --no-metadata"), "{told}");
     let told = kinora(path, &["assemble", "n_##.png", "--of", "ball.ron", "--no-metadata", "-o", "a.gif"]);
     assert!(told.contains("note    frames without metadata do not say what they show"), "{told}");
     // Others cannot say it.
@@ -203,7 +203,7 @@ fn frames_that_do_not_go_together_are_named() {
     );
     let told = kinora(path, &["render", "ball.ron", "-o", "f_##.png"]);
     assert!(
-        told.contains("12, of which 11 kept") && told.contains("note    1 frame of a version before"),
+        told.contains("12, 11 of them kept") && told.contains("note    1 frame of an earlier version"),
         "{told}"
     );
 }
@@ -244,7 +244,7 @@ fn a_limit_of_time_is_one_of_the_settings() {
     kinora(folder.path(), &[&assemble[..], &["--time-limit", "1s"]].concat());
     assert!(contents(&folder.path().join("one")) == contents(&folder.path().join("all")));
     let told = refused(folder.path(), &[&assemble[..], &["--time-limit", "2s"]].concat());
-    assert!(told.contains("no frame tells that it was rendered with this --time-limit"), "{told}");
+    assert!(told.contains("no frame was rendered with this --time-limit"), "{told}");
 }
 
 #[test]
@@ -304,9 +304,9 @@ fn frames_beyond_the_end_are_told() {
     let path = folder.path();
     fs::write(path.join("ball.ron"), BALL.replace("frames: 12", "frames: 9")).expect("a disk");
     let told = kinora(path, &["render", "ball.ron", "-o", "f_##.png"]);
-    assert!(told.contains("frames  9, of which 9 kept"), "{told}");
+    assert!(told.contains("frames  9, 9 of them kept"), "{told}");
     let note =
-        "note    f_##.png: frames 9-11 are there, and the sequence has 9 frames; they are left as they are\n";
+        "note    f_##.png: frames 9-11 exist, but the sequence has 9 frames; they are left as they are\n";
     assert!(told.contains(note), "{told}");
     assert_eq!(contents(path).len(), 13);
     let told = kinora(path, &["assemble", "f_##.png", "--of", "ball.ron", "-o", "a.gif"]);
@@ -314,7 +314,7 @@ fn frames_beyond_the_end_are_told() {
     // Longer again: they are still right, and none is missing.
     fs::write(path.join("ball.ron"), BALL).expect("a disk");
     let told = kinora(path, &["render", "ball.ron", "-o", "f_##.png"]);
-    assert!(told.contains("frames  12, of which 12 kept") && !told.contains("they are left"), "{told}");
+    assert!(told.contains("frames  12, 12 of them kept") && !told.contains("they are left"), "{told}");
 }
 
 #[test]
@@ -326,7 +326,7 @@ fn no_frame_is_replaced_by_what_is_made_of_it() {
         for output in ["f_05.png", "./f_40.png", "f_##.png"] {
             let told =
                 refused(path, &[&["assemble", "f_##.png"], of, &["-o", "a.gif", "-o", output]].concat());
-            assert!(told.contains("it would be one of the frames f_##.png"), "{told}");
+            assert!(told.contains("it would replace one of its input frames f_##.png"), "{told}");
             assert!(told.contains(output.trim_end_matches("##.png")), "{told}");
         }
     }
@@ -344,7 +344,7 @@ fn the_library_replaces_no_frame_either() {
     let assembled = |output: &Path| {
         let outputs = ["a.gif".as_ref(), output].map(|name| path.join(name));
         let outputs = outputs.map(|output| Output::parse(output).expect("an output")).to_vec();
-        assemble(&Request { frames: frames.clone(), outputs, ..Request::default() })
+        assemble(&AssembleRequest { frames: frames.clone(), outputs, ..AssembleRequest::default() })
     };
     let mut names = vec!["f_05.png", "./f_05.png", "none/../f_05.png", "../{own}/f_05.png", "f_##.png"];
     #[cfg(unix)]
@@ -357,7 +357,7 @@ fn the_library_replaces_no_frame_either() {
         let name = name.replace("{own}", &own);
         let told = assembled(name.as_ref()).expect_err(&name).to_string();
         assert!(
-            told.contains("it would be one of the frames ") && told.contains("name another file"),
+            told.contains("it would replace one of its input frames ") && told.contains("name another file"),
             "{told}"
         );
         assert!(contents(path) == before, "{name}: something was written");

@@ -165,9 +165,9 @@ fn bad_values_say_what_would_be_right() {
 #[test]
 fn bad_frame_sets_say_what_would_be_right() {
     for (set, hint) in [
-        ("", "no frames named"),
+        ("", "no frames given"),
         ("x", "write for example 7, 0-47, 0..48 or 1-40:2"),
-        ("1,,2", "is no frame or range"),
+        ("1,,2", "is neither a frame nor a range"),
         ("-5", "frames count from 0"),
         ("-5-3", "frames count from 0"),
         ("9-3", "write 3-9"),
@@ -215,6 +215,32 @@ fn options_of_other_commands_are_told() {
     assert!(!run.stderr.contains("-- --time-limit"), "{}", run.stderr);
     let help = kinora(&["poster", "--help"]).stdout;
     assert!(!help.contains("GIF"), "{help}");
+}
+
+/// The old name of an option works as before, and stderr says what the option is called now.
+#[test]
+fn renamed_options_still_work_with_a_note() {
+    let file = scratch("renamed.ron");
+    let text = r#"(timeline: (frames: 2, keys: Frames), output: (size: (8, 6)),
+        lights: { "sun": Point(position: (3, 4, 5)) }, objects: { "ball": (shape: Sphere()) })"#;
+    std::fs::write(&file, text).expect("the folder is writable");
+    let file = file.to_string_lossy();
+    let plan = |option: &str| kinora(&["plan", &file, "--no-pilot", "--json", option, "1MB"]);
+    let (old, current) = (plan("--memory"), plan("--film-cache"));
+    assert_eq!((old.code, &old.stdout), (Some(0), &current.stdout), "{}", old.stderr);
+    assert_eq!(old.stderr, "note: --memory is now called --film-cache\n");
+    assert_eq!(current.stderr, "");
+    // Notes are not errors.
+    let quiet = kinora(&["plan", &file, "--no-pilot", "-q", "--memory", "1MB"]);
+    assert_eq!((quiet.code, quiet.stderr.as_str()), (Some(0), ""));
+    let run = kinora(&["render", &file, "--with-shared", "7", "--shard", "1/2"]);
+    assert_eq!(run.code, Some(2));
+    assert!(
+        run.stderr.starts_with("note: --with-shared is now called --include-shared\nerror: "),
+        "{}",
+        run.stderr
+    );
+    assert!(!kinora(&["render", "--help"]).stdout.contains("--memory"));
 }
 
 /// A switch is no fade.
@@ -271,12 +297,12 @@ fn plans_tell_spans_effects_layers_rays_and_memory() {
     std::fs::write(&other, both).expect("the folder is writable");
     let told = kinora(&["plan", &other.to_string_lossy()]).stdout;
     assert!(told.contains("6-7: object \"ring\" and object \"ball\" move (2 films)\n"), "{told}");
-    let json = kinora(&["plan", &file, "--json", "--frames", "0-5", "--memory", "1MB"]);
+    let json = kinora(&["plan", &file, "--json", "--frames", "0-5", "--film-cache", "1MB"]);
     assert_eq!(json.code, Some(0));
     let wanted =
         r#"{"event":"plan","frames":6,"reused":5,"spans":[{"first":0,"last":3,"changes":[],"films":1},"#;
     assert!(json.stdout.starts_with(wanted), "{}", json.stdout);
     assert!(json.stdout.contains(r#""budget_bytes":1000000"#), "{}", json.stdout);
-    refused(&["plan", &file, "--memory", "much"], &["5MB"]);
-    refused(&["render", &file, "--memory", "5MB", "--no-reuse"], &["cannot be used with"]);
+    refused(&["plan", &file, "--film-cache", "much"], &["5MB"]);
+    refused(&["render", &file, "--film-cache", "5MB", "--no-reuse"], &["cannot be used with"]);
 }

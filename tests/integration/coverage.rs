@@ -2,11 +2,11 @@
 
 use crate::support::{sequence, shoot, shoot_extra};
 use kinora::base::color::Rgb;
-use kinora::film::{Extras, Film};
+use kinora::film::{AovSet, Film};
 use kinora::sequence::Sequence;
 
 fn shoot_covered(sequence: &Sequence) -> Film {
-    shoot_extra(sequence, Extras { coverage: true, guides: false })
+    shoot_extra(sequence, AovSet { coverage: true, features: false })
 }
 
 /// The film of a frame with its coverage, as PNGs show it.
@@ -67,10 +67,10 @@ fn guides_tell_what_is_seen_first_and_leave_the_light_alone() {
         objects: { "a": (shape: Box(min: (0.5, -9, -1), max: (9, 9, 2)), material: (color: 1, diffuse: 0.5, mirror: 0.1)) })"#,
     );
     let plain = &shoot(&sequence, [0])[0].film;
-    let film = shoot_extra(&sequence, Extras { coverage: false, guides: true });
+    let film = shoot_extra(&sequence, AovSet { coverage: false, features: true });
     assert_eq!(plain.radiance().collect::<Vec<_>>(), film.radiance().collect::<Vec<_>>());
     let (nothing, board) =
-        (film.guides_at(9 * 4).expect("guides"), film.guides_at(9 * 4 + 7).expect("guides"));
+        (film.features_at(9 * 4).expect("guides"), film.features_at(9 * 4 + 7).expect("guides"));
     assert_eq!((nothing.depth, nothing.normal, nothing.albedo), (None, Rgb::ZERO, Rgb::ZERO));
     assert_eq!((board.depth, board.normal), (Some(3.0), Rgb::Z));
     assert!((board.albedo - 0.6).abs().max_element() < 1e-6, "{board:?}");

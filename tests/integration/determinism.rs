@@ -5,7 +5,7 @@ use crate::golden;
 use crate::support::{Shot, sequence, shoot, shoot_all};
 use assert_cmd::Command;
 use kinora::base::lanes::LevelName;
-use kinora::base::stats::Meter;
+use kinora::base::stats::ProgressMeter;
 use kinora::encode::{Existing, Output};
 use kinora::film::Film;
 use kinora::pipeline::render::{Request, Reuse, render};
@@ -107,7 +107,7 @@ fn files(sequence: &Sequence, frames: Vec<u32>, threads: usize) -> BTreeMap<Stri
         reuse: Reuse::Share,
         time_limit: None,
     };
-    render(sequence, &request, &Arc::new(Meter::default())).unwrap_or_else(|error| panic!("{error}"));
+    render(sequence, &request, &Arc::new(ProgressMeter::default())).unwrap_or_else(|error| panic!("{error}"));
     let entries = fs::read_dir(folder.path()).expect("the folder is readable").flatten();
     let entries = entries.map(|entry| {
         (entry.file_name().to_string_lossy().into_owned(), fs::read(entry.path()).expect("a file"))

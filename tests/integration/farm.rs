@@ -146,7 +146,7 @@ fn a_plan_for_workers_says_that_it_is_an_estimate() {
         ["workers", "makespan", "speed-up", "efficiency"]
     );
     assert!(lines[2].starts_with("1 ") && lines[3].starts_with("2 "), "{told}");
-    assert!(lines[4].starts_with("an estimate, "), "{told}");
+    assert!(lines[4].starts_with("an estimate from "), "{told}");
 }
 
 /// A name for the binary that scripts find.
@@ -220,7 +220,7 @@ fn tasks_expect_what_the_job_was_exported_with() {
     assert!(render(expected, "plain").status.success());
     fs::remove_file(folder.path().join("f_03.png")).expect("it was there");
     let another = format!("9{expected}");
-    for (expected, part) in [(another.as_str(), "exported by Kinora 9"), ("abc", "is no fingerprint")] {
+    for (expected, part) in [(another.as_str(), "exported by Kinora 9"), ("abc", "is not a fingerprint")] {
         let done = render(expected, "plain");
         assert_eq!(done.status.code(), Some(2));
         assert!(stderr(&done).contains(part), "{}", stderr(&done));
@@ -238,7 +238,7 @@ fn films_come_along() {
     let folder = farm();
     let made = |frames: &str, among: &str| {
         let out = format!("{frames}/f_##.png");
-        let rest = ["--frames", frames, "--with-shared", among, "-o", &out];
+        let rest = ["--frames", frames, "--include-shared", among, "-o", &out];
         kinora(folder.path(), &[&["render", "half.ron"], &rest[..]].concat());
         contents(&folder.path().join(frames))
             .into_keys()
@@ -369,7 +369,7 @@ fn claims_from_elsewhere_are_respected() {
         let told = status();
         assert!(begun.elapsed() < Duration::from_secs(60), "{told}");
         if told.contains(" 0 stale, 0 missing") {
-            assert!(told.contains("by process 7 on elsewhere, heard of "), "{told}");
+            assert!(told.contains("by process 7 on elsewhere, last sign of life "), "{told}");
             break;
         }
     }
@@ -385,8 +385,8 @@ fn claims_from_elsewhere_are_respected() {
 fn only_what_says_what_it_shows_is_shared() {
     let folder = farm();
     for (rest, part) in [
-        (&["-o", "f_##.jpg"][..], "f_##.jpg does not say what it shows"),
-        (&["-o", "f_##.png", "--no-metadata"], "f_##.png does not say what it shows"),
+        (&["-o", "f_##.jpg"][..], "f_##.jpg cannot hold metadata that identifies its frames"),
+        (&["-o", "f_##.png", "--no-metadata"], "f_##.png cannot hold metadata that identifies its frames"),
         (&["-o", "a.gif"], "every process would write all of a.gif"),
         (&["-o", "f_##.png", "--overwrite"], "--overwrite"),
         (&["-o", "f_##.png", "--time-limit", "9s"], "--time-limit picks the samples"),
@@ -415,7 +415,7 @@ fn status_tells_what_there_is() {
     assert_eq!(
         status(&[]),
         "frames  12: 0 done, 0 in work, 0 stale, 12 missing\nmissing 0-11\n\
-         note    there is no file out/half/frame_####.png; if the job's are called otherwise, say how with -o\n"
+         note    there is no file out/half/frame_####.png; if the job writes other names, give them with -o\n"
     );
     let frames = |set: &str, rest: &[&str]| {
         let arguments =
@@ -437,5 +437,5 @@ fn status_tells_what_there_is() {
     let told = status(&["--frames", "2-3", "--exposure", "1"]);
     assert!(told.starts_with("frames  2: 1 done, 0 in work, 1 stale, 0 missing\nstale   2\n"), "{told}");
     let told = refused(path, &["farm", "status", "out", "half.ron", "-o", "f_##.jpg"]);
-    assert!(told.contains("does not say what it shows"), "{told}");
+    assert!(told.contains("cannot hold metadata that identifies its frames"), "{told}");
 }

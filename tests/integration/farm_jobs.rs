@@ -151,7 +151,7 @@ fn jobs_for_open_job_description_are_yaml_and_make_every_frame_once() {
             assert_eq!((text(&frame["name"]), text(&frame["type"])), ("Frame", "CHUNK[INT]"));
             assert!(frame["chunks"]["defaultTaskCount"].as_integer().is_some_and(|count| count > 0));
             // An engine may take any of them together, so each is looked at by itself.
-            let among = after(&words, "--with-shared").map(counted).unwrap_or_default();
+            let among = after(&words, "--include-shared").map(counted).unwrap_or_default();
             let leads = counted(text(&frame["range"]));
             films.extend(leads.iter().map(|&lead| with_shared(&sequence, &[lead], &among)));
             assert!(step.get("dependencies").is_none());

@@ -2,7 +2,7 @@
 
 use assert_cmd::Command;
 use kinora::appearance::material::MaterialTracks;
-use kinora::appearance::texture::PaintTracks;
+use kinora::appearance::texture::TextureTracks;
 use kinora::sequence::{Sequence, load};
 use std::fs;
 use std::path::Path;
@@ -31,10 +31,10 @@ fn pipes_and_devices_are_refused_and_not_waited_for() {
     fs::write(at("a.obj"), "mtllib pipe.mtl\nv 0 0 0\n").expect("a disk");
     fs::write(at("b.obj"), "mtllib zero.mtl\nv 0 0 0\n").expect("a disk");
     fs::write(at("c.obj"), "mtllib .\nv 0 0 0\n").expect("a disk");
-    let why = "it is no plain file, but a device or a pipe";
+    let why = "it is a device or a pipe, not a regular file";
     for (file, expected) in [
         ("a.obj", format!("line 1: `pipe.mtl` cannot be read: {why}")),
-        ("b.obj", "line 1: `zero.mtl` cannot be read: it lies outside of ".to_owned()),
+        ("b.obj", "line 1: `zero.mtl` cannot be read: it is outside of ".to_owned()),
         ("c.obj", "line 1: `.` cannot be read: it is a folder".to_owned()),
         ("pipe.ply", why.to_owned()),
     ] {
@@ -79,7 +79,7 @@ fn an_image_of_many_names_is_read_once() {
     );
     let sequence = sequence.unwrap_or_else(|error| panic!("{error}"));
     let image = |material: &MaterialTracks| match &material.base {
-        PaintTracks::Image(tracks) => tracks.image.clone(),
+        TextureTracks::Image(tracks) => tracks.image.clone(),
         other => panic!("{other:?}"),
     };
     let [a, b, c] = [0, 1, 2].map(|index| image(&sequence.materials[index].value));

@@ -257,7 +257,7 @@ fn a_signal_is_heard_while_frames_are_looked_at() {
     let done = child.wait_with_output().expect("it ends");
     let told = String::from_utf8_lossy(&done.stderr);
     assert_eq!(done.status.code(), Some(130), "{told}");
-    assert!(told.contains("stopped after 0 frames") && told.contains("to go on: kinora render"), "{told}");
+    assert!(told.contains("stopped after 0 frames") && told.contains("to continue: kinora render"), "{told}");
     assert!(!folder.path().join("gone").exists());
 }
 

@@ -159,7 +159,7 @@ fn assemble_does_not_wait_for_pipes() {
     for of in [&[][..], &["--of", "ball.ron"]] {
         let told = refused(folder.path(), &[&["assemble", "f_##.png", "-o", "f.gif"], of].concat());
         assert!(
-            told.contains("\n  frames 0: damaged: it is no plain file, but a device or a pipe\n"),
+            told.contains("\n  frames 0: damaged: it is a device or a pipe, not a regular file\n"),
             "{told}"
         );
     }

@@ -1,7 +1,7 @@
 //! Meshes in the materials and colours that came with them.
 
 use crate::support::{radiance_at_target, shoot};
-use kinora::appearance::material::MadeOf;
+use kinora::appearance::material::MaterialBinding;
 use kinora::base::color::Rgb;
 use kinora::sequence::{Sequence, load};
 use std::fs;
@@ -91,8 +91,8 @@ fn ambient_colours_of_exporters_say_nothing() {
     };
     let kd = "Kd 0.5 0.25 1";
     let share = |strength: f32| Rgb::new(0.5, 0.25, 1.0) * strength;
-    let left_out = "the mesh of `a`: `Ka` is ignored where it is white or equals `Kd`, as exporters write it unasked; \
-                    the `ambient` of `default_material` counts instead";
+    let left_out = "the mesh of `a`: `Ka` is ignored where it is white or equals `Kd`, as exporters write it by default; \
+                    the `ambient` of `default_material` is used instead";
     assert_eq!(seen(kd, ""), (share(0.1), vec![]));
     for ka in ["Ka 1.000000 1.000000 1.000000", "Ka 1", "Ka 0.5 0.25 1"] {
         for library in [format!("{ka}\n{kd}"), format!("{kd}\n{ka}")] {
@@ -233,9 +233,9 @@ fn objects_of_one_mesh_share_its_materials() {
     let sequence =
         sequence(folder.path(), &format!("{again}{other}")).unwrap_or_else(|error| panic!("{error}"));
     let of = |index: usize| sequence.objects[index].value.made_of;
-    assert_eq!(of(0), MadeOf::Slots { first: 0, count: 3 });
+    assert_eq!(of(0), MaterialBinding::Slots { first: 0, count: 3 });
     assert_eq!(of(1), of(0), "of the same file");
-    assert_eq!(of(2), MadeOf::Slots { first: 4, count: 3 });
+    assert_eq!(of(2), MaterialBinding::Slots { first: 4, count: 3 });
     assert_eq!(sequence.materials.len(), 8);
 }
 

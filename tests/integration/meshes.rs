@@ -1,15 +1,15 @@
 //! Meshes as scenes see them: closed under any placement, the same from every file format, shaded on the right side.
 
 use crate::support::{Random, geometry, sequence, shoot_all, shoot_extra};
-use kinora::appearance::material::MadeOf;
+use kinora::appearance::material::MaterialBinding;
 use kinora::base::color::Rgb;
 use kinora::base::files::Root;
 use kinora::base::math::{DAffine3, DVec3, Ray, UNIT_ROUNDOFF};
-use kinora::film::Extras;
-use kinora::geometry::bvh::Probe;
-use kinora::geometry::mesh::{self, Corners, Normals, Parts, generate};
+use kinora::film::AovSet;
+use kinora::geometry::bvh::TraversalRay;
+use kinora::geometry::mesh::{self, Corners, MeshData, Normals, generate};
 use kinora::geometry::shape::{Mesh, OneRay, Shape};
-use kinora::import::{self, LoadMeter, obj, ply};
+use kinora::import::{self, LoadProgress, obj, ply};
 use kinora::scene::top_level::Bvh;
 use kinora::scene::{Finish, Geometry, Primitive};
 use kinora::sequence::load;
@@ -20,14 +20,14 @@ use std::sync::Arc;
 /// Rays per configuration.
 const RAYS: u32 = if cfg!(debug_assertions) { 10_000 } else { 200_000 };
 
-fn shape(parts: Parts, normals: Normals) -> Shape {
-    let mesh = mesh::Mesh::new(parts).unwrap_or_else(|error| panic!("{error}"));
+fn shape(parts: MeshData, normals: Normals) -> Shape {
+    let mesh = mesh::TriangleMesh::new(parts).unwrap_or_else(|error| panic!("{error}"));
     Shape::Mesh(Mesh { mesh: Arc::new(mesh), normals })
 }
 
 fn alone(shape: Shape, to_world: DAffine3) -> Geometry {
     let mut geometry = Geometry::default();
-    geometry.push(&shape, to_world, Finish::Material(MadeOf::One(0)));
+    geometry.push(&shape, to_world, Finish::Material(MaterialBinding::One(0)));
     geometry
 }
 
@@ -49,7 +49,7 @@ fn leaks(baked: impl Fn(DVec3) -> DVec3, to_world: DAffine3, rays: u32) -> u32 {
         let [a, b] = [a, b].map(|vertex| in_world(positions[vertex as usize]));
         let aim = if ray % 2 == 0 { a } else { a + (b - a) * random.unit() };
         let direction = if ray % 4 < 2 { aim - origin } else { (aim - origin).normalize() };
-        let probe = Probe::new(Ray { origin, direction });
+        let probe = TraversalRay::new(Ray { origin, direction });
         leaks += u32::from(bvh.closest(&geometry, &probe).is_none());
         leaks += u32::from(!bvh.occluded(&geometry, &probe, f64::INFINITY));
     }
@@ -98,7 +98,7 @@ fn a_mesh_is_the_sum_of_its_triangles() {
     for _ in 0..RAYS {
         let origin = random.point(3.0);
         let ray = Ray { origin, direction: random.point(1.2) - origin };
-        let probe = Probe::new(ray);
+        let probe = TraversalRay::new(ray);
         let (one, other) = (loose_bvh.closest(&loose, &probe), whole_bvh.closest(&whole, &probe));
         assert_eq!(one.map(|hit| (hit.at.t, hit.primitive)), other.map(|hit| (hit.at.t, hit.at.part)));
         let (Some(one), Some(other)) = (one, other) else { continue };
@@ -119,7 +119,7 @@ fn file_formats_do_not_show() {
     obj::write(File::create(path("a.obj")).expect("a file"), &parts).expect("a disk");
     ply::write(File::create(path("a.ply")).expect("a file"), &parts).expect("a disk");
     let read = |name: &str| {
-        let mesh = import::load(&path(name), &Root::anywhere(), &LoadMeter::default())
+        let mesh = import::load(&path(name), &Root::anywhere(), &LoadProgress::default())
             .unwrap_or_else(|error| panic!("{error}"));
         Shape::Mesh(Mesh { mesh: Arc::new(mesh), normals: Normals::File })
     };
@@ -130,7 +130,7 @@ fn file_formats_do_not_show() {
         let origin = random.point(2.0);
         let ray = Ray { origin, direction: random.point(0.3) - origin };
         let told = shapes.each_ref().map(|shape| {
-            let at = shape.hit(&Probe::new(ray), f64::INFINITY)?;
+            let at = shape.hit(&TraversalRay::new(ray), f64::INFINITY)?;
             let surface = shape.surface_at(&ray, at);
             Some((at, surface, shape.uv_at(surface.point, at.part), shape.color(surface.point, at.part)))
         });
@@ -164,12 +164,13 @@ fn xf_01_normals_of_placed_meshes_are_perpendicular() {
             positions.swap(0, 1);
         }
         let normals = Some(Corners::per_vertex(vec![normal.as_vec3(); 3]));
-        let parts = Parts { positions, triangles: vec![[0, 1, 2]], normals, ..Parts::default() };
-        let placed = Primitive::new(&shape(parts, Normals::File), map, Finish::Material(MadeOf::One(0)))
-            .expect("a primitive");
+        let parts = MeshData { positions, triangles: vec![[0, 1, 2]], normals, ..MeshData::default() };
+        let placed =
+            Primitive::new(&shape(parts, Normals::File), map, Finish::Material(MaterialBinding::One(0)))
+                .expect("a primitive");
         let target = map.transform_point3(normal);
         let ray = Ray { origin: target * 3.0, direction: -target };
-        let at = placed.hit(&Probe::new(ray), f64::INFINITY).expect("a hit");
+        let at = placed.hit(&TraversalRay::new(ray), f64::INFINITY).expect("a hit");
         let surface = placed.surface_at(&ray, at);
         let expected = expected.normalize();
         assert!((surface.normal - expected).length() <= 16.0 * UNIT_ROUNDOFF, "{}", surface.normal);
@@ -184,17 +185,18 @@ fn placed_shading_normals_stay_on_their_side() {
     let positions = vec![DVec3::ZERO, DVec3::X, DVec3::NEG_Z];
     let steep = DVec3::new(1.0, 0.1, 0.0).normalize();
     let normals = Some(Corners::per_vertex(vec![steep.as_vec3(); 3]));
-    let parts = Parts { positions, triangles: vec![[0, 1, 2]], normals, ..Parts::default() };
+    let parts = MeshData { positions, triangles: vec![[0, 1, 2]], normals, ..MeshData::default() };
     let shape = shape(parts, Normals::File);
     for turn in 0..36 {
         let map = DAffine3::from_scale(DVec3::new(5.0, 0.2, 1.0))
             * DAffine3::from_axis_angle(DVec3::Z, f64::from(turn).to_radians() * 10.0);
-        let placed = Primitive::new(&shape, map, Finish::Material(MadeOf::One(0))).expect("a primitive");
+        let placed =
+            Primitive::new(&shape, map, Finish::Material(MaterialBinding::One(0))).expect("a primitive");
         let target = map.transform_point3(DVec3::new(0.25, 0.0, -0.25));
         for side in [1.0, -1.0] {
             let direction = map.transform_vector3(DVec3::Y) * side;
             let ray = Ray { origin: target - direction, direction };
-            let at = placed.hit(&Probe::new(ray), f64::INFINITY).expect("a hit");
+            let at = placed.hit(&TraversalRay::new(ray), f64::INFINITY).expect("a hit");
             let surface = placed.surface_at(&ray, at);
             assert!(surface.shading.dot(surface.normal) >= 0.0, "turn {turn}");
         }
@@ -346,12 +348,12 @@ fn smooth_mirrors_show_what_their_normals_say() {
         mirror_ball()
     );
     let sequence = sequence(&text);
-    let film = shoot_extra(&sequence, Extras { coverage: false, guides: true });
+    let film = shoot_extra(&sequence, AovSet { coverage: false, features: true });
     let toward = -DVec3::new(0.3, 0.2, 4.0).normalize();
     let up = DVec3::new(0.3, 1.0, -0.2).normalize();
     let mut off = Vec::new();
     for pixel in 0..96 * 96 {
-        let Some(seen) = film.guides_at(pixel).filter(|seen| seen.depth.is_some()) else { continue };
+        let Some(seen) = film.features_at(pixel).filter(|seen| seen.depth.is_some()) else { continue };
         let normal = seen.normal.as_dvec3();
         // One that faces away is not used.
         if normal.dot(toward) >= 0.0 {

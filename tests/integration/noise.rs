@@ -3,12 +3,12 @@
 use crate::command::{folder, kinora};
 use crate::support::{sequence, shoot};
 use exr::meta::attribute::AttributeValue;
-use kinora::accuracy::image_error::References;
+use kinora::accuracy::image_error::ReferencePair;
 use kinora::base::color::Rgb;
-use kinora::film::{Extras, Film, Noise};
+use kinora::film::{AovSet, Film, Noise};
 use kinora::pipeline::plan::Plan;
-use kinora::pipeline::schedule::{Films, FrameLoop};
-use kinora::sampling::Points;
+use kinora::pipeline::schedule::{FilmCollector, FrameLoop};
+use kinora::sampling::SamplerKind;
 use kinora::sequence::Sequence;
 use kinora::sequence::quality::NoiseTarget;
 use std::sync::Arc;
@@ -35,16 +35,16 @@ fn radiance(sequence: &Sequence, frame: u32, seed: u32) -> Vec<Rgb> {
 }
 
 /// Two long renders, with seeds that nothing else has.
-fn references(sequence: &Sequence, frame: u32, samples: u32) -> References {
+fn references(sequence: &Sequence, frame: u32, samples: u32) -> ReferencePair {
     let mut sequence = sequence.clone();
     (sequence.quality.samples, sequence.quality.noise) = (samples, None);
-    sequence.quality.points = Points::Sobol;
+    sequence.quality.points = SamplerKind::Sobol;
     let [a, b] = [1_000_001, 1_000_002].map(|seed| radiance(&sequence, frame, seed));
-    References { a, b }
+    ReferencePair { a, b }
 }
 
 /// The exponent with which the error falls as samples are added, by least squares over the logarithms.
-fn slope(points: Points) -> f64 {
+fn slope(points: SamplerKind) -> f64 {
     let mut sequence = soft_shadow("samples: 1");
     let references = references(&sequence, 0, 4096);
     sequence.quality.points = points;
@@ -63,18 +63,18 @@ fn slope(points: Points) -> f64 {
 /// Four times the samples halve the error of independent ones.
 #[test]
 fn independent_samples_converge_as_their_square_root() {
-    let slope = slope(Points::Independent);
+    let slope = slope(SamplerKind::Independent);
     assert!((slope + 0.5).abs() < 0.03, "{slope}");
 }
 
 #[test]
 fn stratified_samples_converge_faster() {
-    let slope = slope(Points::Sobol);
+    let slope = slope(SamplerKind::Sobol);
     assert!(slope < -0.6, "{slope}");
 }
 
 /// How far a picture really is from the reference, measured as [`Noise`] measures.
-fn true_error(film: &Film, references: &References) -> f64 {
+fn true_error(film: &Film, references: &ReferencePair) -> f64 {
     let radiance: Vec<Rgb> = film.radiance().collect();
     let best = references.best();
     let sum: f64 = best.iter().map(|light| light.as_dvec3().element_sum()).sum();
@@ -174,9 +174,9 @@ fn switched() -> Sequence {
 #[test]
 fn a_film_is_sampled_for_all_frames_that_it_is_shown_in() {
     let sequence = switched();
-    let plan = Plan::new(&sequence, &[0, 1], Extras::default(), u64::MAX);
-    assert_eq!((plan.takes.len(), plan.reused()), (1, 1));
-    let mut frames = FrameLoop::new(&sequence, Films::default(), Arc::default());
+    let plan = Plan::new(&sequence, &[0, 1], AovSet::default(), u64::MAX);
+    assert_eq!((plan.films.len(), plan.reused()), (1, 1));
+    let mut frames = FrameLoop::new(&sequence, FilmCollector::default(), Arc::default());
     kinora::pipeline::plan::run(&plan, &mut frames, || true).expect("frames");
     let films = frames.into_sink().expect("the sink").0;
     let noises: Vec<Noise> = films.iter().map(|film| film.noise.expect("an error was asked for")).collect();
@@ -203,7 +203,7 @@ fn what_a_film_is_sampled_for_is_part_of_its_identity() {
             \"a\": Sphere(center: (3, 5, 1), radius: 1, intensity: [(0, 9), (1, {last})]) }}, objects: {{ \"ball\": (shape: Sphere()) }})"
         )
     };
-    let look = |last: f64| kinora::pipeline::plan::survey(&sequence(&text(last)), &[0]).frames.remove(0);
+    let look = |last: f64| kinora::pipeline::plan::evaluate(&sequence(&text(last)), &[0]).frames.remove(0);
     let (one, other) = (look(3.0), look(4.0));
     assert!(one.weights == other.weights && one.film() != other.film() && one.digest() != other.digest());
     assert_eq!(one, look(3.0));
@@ -229,7 +229,7 @@ fn samples_go_where_the_error_is() {
     let noise = noise.expect("an error was asked for");
     assert_eq!(camera as f64, (noise.samples * 384.0).round());
     assert!(noise.samples > 16.0 && noise.samples < 512.0 && noise.capped == 0.0, "{noise:?}");
-    let (camera, noise) = rays("noise: 0.0001, most_samples: 48");
+    let (camera, noise) = rays("noise: 0.0001, max_samples: 48");
     assert_eq!(camera, 48 * 384);
     assert!(noise.is_some_and(|noise: Noise| (noise.capped - 1.0).abs() < 1e-9 && noise.error > 0.0001));
 }
@@ -299,7 +299,7 @@ fn frames_tell_their_error() {
             _ => false,
         });
         assert!(tells, "{attributes:?}");
-        assert!(summarised(&told).contains(&format!("\"{frame}\":{{\"error\":{error:e}")), "{told}");
+        assert!(summarised(&told).contains(&format!("\"{frame}\":{{\"error\":{error}")), "{told}");
     }
     let again = render(&both);
     assert!(again.contains("\"kept\":3") && summarised(&again) == summarised(&told), "{again}");

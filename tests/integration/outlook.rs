@@ -1,10 +1,10 @@
 //! What is told of a run before it begins: how long it takes, how good it becomes, and why there are as many films.
 
 use crate::command::{contents, folder, kinora};
-use kinora::base::clock::Clock;
-use kinora::base::stats::Meter;
-use kinora::film::Extras;
-use kinora::pipeline::plan::{Nowhere, Outlook, Patience, Plan, look_ahead, run};
+use kinora::base::clock::TimeSource;
+use kinora::base::stats::ProgressMeter;
+use kinora::film::AovSet;
+use kinora::pipeline::plan::{NullSink, Outlook, PilotTime, Plan, run, run_pilot};
 use kinora::pipeline::schedule::FrameLoop;
 use kinora::sequence::quality::{NoiseTarget, Quality};
 use kinora::sequence::{Sequence, parse};
@@ -30,16 +30,16 @@ fn soft() -> Sequence {
 }
 
 fn planned(sequence: &Sequence) -> (Plan, Outlook) {
-    let plan = Plan::new(sequence, &[0, 1, 2, 3, 4, 5], Extras::default(), u64::MAX);
-    let outlook = look_ahead(sequence, &plan, Extras::default(), Patience::PLAN, Clock::Rays(RAY));
+    let plan = Plan::new(sequence, &[0, 1, 2, 3, 4, 5], AovSet::default(), u64::MAX);
+    let outlook = run_pilot(sequence, &plan, AovSet::default(), PilotTime::PLAN, TimeSource::Rays(RAY));
     (plan, outlook)
 }
 
 /// Seconds that the run takes on that machine.
 fn took(sequence: &Sequence, plan: &Plan) -> f64 {
-    let mut frames = FrameLoop::new(sequence, Nowhere, Arc::new(Meter::default()));
+    let mut frames = FrameLoop::new(sequence, NullSink, Arc::new(ProgressMeter::default()));
     run(plan, &mut frames, || true).expect("films");
-    RAY * frames.tally().counts.rays.total() as f64
+    RAY * frames.stats().counts.rays.total() as f64
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn a_limit_that_comes_before_the_error_is_told_of() {
     sequence.quality.noise = Some(target);
     let (plan, outlook) = planned(&sequence);
     let told = outlook.forecast(&sequence.quality);
-    assert_eq!(told.missed, plan.takes.len());
+    assert_eq!(told.missed, plan.films.len());
     let most = outlook.samples_for(&sequence.quality, &target).expect("samples");
     let enough = Quality { noise: Some(NoiseTarget { most, ..target }), ..sequence.quality };
     assert_eq!(outlook.forecast(&enough).missed, 0);
@@ -96,7 +96,7 @@ fn plans_tell_times_errors_and_why_there_are_films() {
         assert!(told.contains(part), "`{part}` in {told}");
     }
     let missed = kinora(folder.path(), &["plan", "soft.ron", "--noise", "0.0001", "--max-samples", "32"]);
-    assert!(missed.contains(" films, as pixels may have 32 samples at most"), "{missed}");
+    assert!(missed.contains(" because pixels may have 32 samples at most"), "{missed}");
     assert!(missed.contains("--max-samples ") && missed.contains("--noise "), "{missed}");
     let json = kinora(folder.path(), &["plan", "soft.ron", "--json"]);
     for part in [

@@ -2,14 +2,14 @@
 //! by itself.
 
 use crate::support::{Random, sequence, shoot};
-use kinora::base::clock::Clock;
+use kinora::base::clock::TimeSource;
 use kinora::base::digest::Digest;
-use kinora::base::stats::Meter;
+use kinora::base::stats::ProgressMeter;
 use kinora::encode::{EncodeError, Existing, Output};
-use kinora::film::{Extras, Film};
-use kinora::pipeline::plan::{self, Effort, Patience, Plan, look_ahead, survey};
+use kinora::film::{AovSet, Film};
+use kinora::pipeline::plan::{self, PilotBudget, PilotTime, Plan, evaluate, run_pilot};
 use kinora::pipeline::render::{Request, Reuse, Summary, render};
-use kinora::pipeline::schedule::{FilmSink, FrameLoop, Tally};
+use kinora::pipeline::schedule::{FilmSink, FrameLoop, Stats};
 use kinora::sequence::Sequence;
 use kinora::sequence::quality::NoiseTarget;
 use std::collections::{BTreeMap, BTreeSet};
@@ -31,23 +31,23 @@ impl FilmSink for Shown {
 }
 
 fn frame_loop(sequence: &Sequence) -> FrameLoop<Shown> {
-    FrameLoop::new(sequence, Shown::default(), Arc::new(Meter::default()))
+    FrameLoop::new(sequence, Shown::default(), Arc::new(ProgressMeter::default()))
 }
 
 /// Frames by a plan with room for so many bytes of films.
-fn planned(sequence: &Sequence, frames: &[u32], budget: u64) -> (Shown, Tally, Plan) {
-    let plan = Plan::new(sequence, frames, Extras::default(), budget);
+fn planned(sequence: &Sequence, frames: &[u32], budget: u64) -> (Shown, Stats, Plan) {
+    let plan = Plan::new(sequence, frames, AovSet::default(), budget);
     let mut frames = frame_loop(sequence);
     plan::run(&plan, &mut frames, || true).unwrap_or_else(|fault| panic!("{fault:?}"));
-    let tally = frames.tally().clone();
+    let tally = frames.stats().clone();
     (frames.into_sink().expect("the sink"), tally, plan)
 }
 
 /// Frames one by one.
-fn alone(sequence: &Sequence, frames: &[u32]) -> (Shown, Tally) {
+fn alone(sequence: &Sequence, frames: &[u32]) -> (Shown, Stats) {
     let mut all = frame_loop(sequence);
     frames.iter().for_each(|&frame| all.frame(frame).unwrap_or_else(|fault| panic!("{fault:?}")));
-    let tally = all.tally().clone();
+    let tally = all.stats().clone();
     (all.into_sink().expect("the sink"), tally)
 }
 
@@ -255,7 +255,7 @@ fn light_choreography_takes_a_25th_of_the_rays() {
         let (wanted, tally_alone) = alone(&sequence, &frames);
         let (shown, tally, plan) = planned(&sequence, &frames, u64::MAX);
         same(&shown, &wanted, integrator);
-        assert_eq!((plan.takes.len(), tally.traced, tally.reused), (1, 1, 47));
+        assert_eq!((plan.films.len(), tally.traced, tally.reused), (1, 1, 47));
         let ratio = tally_alone.counts.rays.total() as f64 / tally.counts.rays.total() as f64;
         assert!(ratio >= 25.0, "{integrator}: {ratio} times fewer rays");
     }
@@ -268,19 +268,19 @@ fn plans_come_true() {
         let sequence = shipped(name);
         let frames: Vec<u32> = (0..sequence.timeline.frames).collect();
         let (shown, tally, plan) = planned(&sequence, &frames, u64::MAX);
-        assert_eq!((plan.takes.len(), tally.traced), (films, films as u32), "{name}");
+        assert_eq!((plan.films.len(), tally.traced), (films, films as u32), "{name}");
         assert_eq!(tally.bvh_builds, plan.builds(), "{name}");
-        let expected = plan::pilot(&sequence, &plan, Effort::PLAN);
+        let expected = plan::estimate_rays(&sequence, &plan, PilotBudget::PLAN);
         let found = tally.counts.rays;
         assert_eq!(expected.camera, found.camera, "{name}");
         let rays = expected.rays.expect("a trial") as f64 / found.total() as f64;
         assert!((rays - 1.0).abs() < 0.05, "{name}: {rays}");
-        let work = plan::work(&sequence, &plan, Effort::PLAN);
+        let work = plan::cost_estimate(&sequence, &plan, PilotBudget::PLAN);
         assert_eq!((work.expected.camera, work.expected.rays), (expected.camera, expected.rays), "{name}");
         let share = work.films.iter().sum::<f64>() / found.total() as f64;
         assert!(work.films.len() == films && (share - 1.0).abs() < 0.05, "{name}: {share}");
         // Without a trial, films are weighed by the rays of the camera.
-        let untried = plan::work(&sequence, &plan, Effort::NONE);
+        let untried = plan::cost_estimate(&sequence, &plan, PilotBudget::NONE);
         assert_eq!(
             (untried.expected.rays, untried.films.iter().sum()),
             (None, found.camera as f64),
@@ -302,8 +302,8 @@ fn plans_know_what_an_error_takes() {
         sequence.quality.noise = Some(NoiseTarget { error, most: 1024 });
         sequence.output.size = (160, 120);
         let (_, tally, plan) = planned(&sequence, &[0, 3], u64::MAX);
-        assert!(!plan::Expected::of(&sequence, &plan).exact);
-        let outlook = look_ahead(&sequence, &plan, Extras::default(), Patience::PLAN, Clock::Rays(1e-6));
+        assert!(!plan::RayEstimate::of(&sequence, &plan).exact);
+        let outlook = run_pilot(&sequence, &plan, AovSet::default(), PilotTime::PLAN, TimeSource::Rays(1e-6));
         let expected = outlook.forecast(&sequence.quality);
         let (camera, all) = (tally.counts.rays.camera, tally.counts.rays.total());
         for (what, told, found) in [("camera", expected.camera, camera), ("all", expected.rays, all)] {
@@ -314,7 +314,7 @@ fn plans_know_what_an_error_takes() {
     let mut sequence = shipped("glazed-orbit.ron");
     sequence.quality.noise = Some(NoiseTarget { error: 0.05, most: 1024 });
     let plan = planned(&sequence, &[0], u64::MAX).2;
-    assert!(plan::Expected::of(&sequence, &plan).exact, "nothing is random");
+    assert!(plan::RayEstimate::of(&sequence, &plan).exact, "nothing is random");
 }
 
 /// Lights that are off in every frame that shares a film are not traced; trees and packing are as for one frame.
@@ -354,8 +354,8 @@ fn the_ends_of_a_closed_curve_share_a_film() {
                 translation: Track(keys: [(0, ({a}), CatmullRom), (3, ({b}), CatmullRom), (5, ({c}), CatmullRom), (9, ({a}))],
                               closed: {closed})) }})"#
             ));
-            let plan = Plan::new(&sequence, &[0, 9], Extras::default(), u64::MAX);
-            assert_eq!(plan.of[0], plan.of[1], "({a}), ({b}), ({c}), closed: {closed}");
+            let plan = Plan::new(&sequence, &[0, 9], AovSet::default(), u64::MAX);
+            assert_eq!(plan.film_of[0], plan.film_of[1], "({a}), ({b}), ({c}), closed: {closed}");
         }
     }
 }
@@ -416,7 +416,7 @@ const ADDED: [(&str, &str); 11] = [
 fn known(text: &str) -> Vec<(Digest, Vec<[u32; 3]>)> {
     let sequence = sequence(text);
     let frames: Vec<u32> = (0..sequence.timeline.frames).collect();
-    let looks = survey(&sequence, &frames).frames;
+    let looks = evaluate(&sequence, &frames).frames;
     let films = shoot(&sequence, frames).into_iter().map(|shot| shot.film);
     let pixels = |film: Film| film.radiance().map(|color| color.to_array().map(f32::to_bits)).collect();
     looks.into_iter().map(|look| look.radiance).zip(films.map(pixels)).collect()
@@ -434,7 +434,7 @@ fn frames_are_known_by_what_they_show() {
     let glowing =
         with(&keyed, "radius: 1)", "radius: 1), material: (emission: [(0, 1), (12, 2)], color: 0.5)");
     let path = |text: &str| with(text, "quality: (", "quality: (integrator: Path, ");
-    let noise = with(&path(&keyed), "samples: 2", "noise: 0.3, most_samples: 16");
+    let noise = with(&path(&keyed), "samples: 2", "noise: 0.3, max_samples: 16");
     let turning = with(
         SCENE,
         "translation",
@@ -480,8 +480,8 @@ fn what_turns_without_paint_stands_still() {
         let text = SCENE
             .replace("translation: [(0, (-1, 0, 0)), (12, (1, 0, 0))]", ball)
             .replace("color: 0.7", "color: Checker()");
-        let looks = survey(&sequence(&text), &(0..12).collect::<Vec<u32>>()).frames;
-        looks.into_iter().map(|look| look.transport).collect::<BTreeSet<_>>().len()
+        let looks = evaluate(&sequence(&text), &(0..12).collect::<Vec<u32>>()).frames;
+        looks.into_iter().map(|look| look.scene_hash).collect::<BTreeSet<_>>().len()
     };
     let turning = "rotation: AxisAngle(axis: (0, 1, 0), angle: [(0, 0), (12, 90)])";
     assert_eq!(films(turning), 1);

@@ -25,7 +25,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The rooms that a file names, with their lines; comments and tests aside.
+/// The rooms that a file names, with their lines. Comments and tests do not count.
 fn named(text: &str) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     let mut lines = (1..).zip(text.lines()).peekable();
@@ -58,10 +58,8 @@ fn no_room_uses_one_below_it() {
                 let other = rooms.iter().position(|room| *room == name);
                 if other.is_some_and(|other| other > place) {
                     let path = path.strip_prefix(&source).unwrap_or(&path);
-                    against.push(format!(
-                        "{}:{line} uses `{name}`, which stands below `{room}`",
-                        path.display()
-                    ));
+                    let path = path.to_string_lossy();
+                    against.push(format!("{path}:{line} uses `{name}`, which stands below `{room}`"));
                 }
             }
         }

@@ -56,7 +56,7 @@ fn nothing_is_replaced_where_nothing_may_be() {
     let before = contents(folder.path());
     for outputs in [&["-o", "f_##.png"][..], &["-o", "new/f_##.png", "-o", "a.gif"]] {
         let told = refusing(outputs);
-        assert!(told.contains(" is there already") && told.contains("--fail-if-exists"), "{told}");
+        assert!(told.contains(" exists already") && told.contains("--fail-if-exists"), "{told}");
     }
     assert!(contents(folder.path()) == before && !folder.path().join("new").exists());
     // Frames of other numbers are none of those that would be written.
@@ -222,18 +222,15 @@ fn settings_that_frames_do_not_call_for_change_none() {
 fn frames_that_say_nothing_are_made_anew_and_the_run_says_so() {
     let folder = folder();
     for (outputs, reason) in [
-        (&["-o", "j_##.jpg"][..], "j_##.jpg has no room to say what it shows"),
-        (&["-o", "p_##.ppm"], "p_##.ppm has no room"),
-        (&["-o", "n_##.png", "--no-metadata"], "PNGs without metadata do not say what they show"),
-        (
-            &["-o", "d_##.png", "--bits", "16", "-o", "d.gif"],
-            "other outputs are made of frames as PNGs of 8 bits",
-        ),
+        (&["-o", "j_##.jpg"][..], "j_##.jpg cannot hold metadata that identifies its frame"),
+        (&["-o", "p_##.ppm"], "p_##.ppm cannot hold metadata"),
+        (&["-o", "n_##.png", "--no-metadata"], "PNGs without metadata do not identify their frames"),
+        (&["-o", "d_##.png", "--bits", "16", "-o", "d.gif"], "other outputs are made from PNGs of 8 bits"),
     ] {
         let render = || kinora(folder.path(), &[&["render", "ball.ron"], outputs].concat());
         assert!(!render().contains("could be kept"), "{outputs:?}");
         let told = render();
-        assert!(told.contains(&format!("note    no frame that was there could be kept: {reason}")), "{told}");
+        assert!(told.contains(&format!("note    no existing frame could be kept: {reason}")), "{told}");
         assert_eq!(told_kept(&told), (12, 0));
     }
     // Deep frames alone are kept, and so are transparent ones that a video is made of.

@@ -5,13 +5,13 @@ mod random;
 
 pub use random::Random;
 
-use kinora::appearance::material::MadeOf;
+use kinora::appearance::material::MaterialBinding;
 use kinora::base::color::Rgb;
 use kinora::base::math::DAffine3;
-use kinora::base::stats::{Dropped, Meter};
-use kinora::film::{Extras, Film};
+use kinora::base::stats::{Dropped, ProgressMeter};
+use kinora::film::{AovSet, Film};
 use kinora::geometry::shape::Shape;
-use kinora::pipeline::schedule::{Films, FrameLoop, Tally};
+use kinora::pipeline::schedule::{FilmCollector, FrameLoop, Stats};
 use kinora::scene::{Finish, Geometry};
 use kinora::sequence::{Sequence, parse};
 use std::path::Path;
@@ -51,7 +51,7 @@ pub struct Work {
 }
 
 impl Work {
-    fn between(before: &Tally, after: &Tally) -> Self {
+    fn between(before: &Stats, after: &Stats) -> Self {
         let (old, new) = (before.counts.evaluations, after.counts.evaluations);
         Self {
             camera: after.counts.rays.camera - before.counts.rays.camera,
@@ -80,12 +80,13 @@ impl Shot {
 
 /// Renders frames in the order given, in one loop.
 pub fn shoot(sequence: &Sequence, frames: impl IntoIterator<Item = u32>) -> Vec<Shot> {
-    let mut frame_loop = FrameLoop::new(sequence, Films::default(), Arc::new(Meter::default()));
-    let mut before = frame_loop.tally().clone();
+    let mut frame_loop =
+        FrameLoop::new(sequence, FilmCollector::default(), Arc::new(ProgressMeter::default()));
+    let mut before = frame_loop.stats().clone();
     let mut works = Vec::new();
     for frame in frames {
         frame_loop.frame(frame).unwrap_or_else(|fault| panic!("frame {frame}: {fault:?}"));
-        let after = frame_loop.tally().clone();
+        let after = frame_loop.stats().clone();
         works.push(Work::between(&before, &after));
         before = after;
     }
@@ -98,17 +99,18 @@ pub fn shoot(sequence: &Sequence, frames: impl IntoIterator<Item = u32>) -> Vec<
 #[allow(dead_code, reason = "for the hard cases")]
 pub fn shoot_counting(text: &str) -> (Film, Dropped) {
     let sequence = sequence(text);
-    let mut frame_loop = FrameLoop::new(&sequence, Films::default(), Arc::new(Meter::default()));
+    let mut frame_loop =
+        FrameLoop::new(&sequence, FilmCollector::default(), Arc::new(ProgressMeter::default()));
     frame_loop.frame(0).unwrap_or_else(|fault| panic!("{fault:?}"));
-    let dropped = frame_loop.tally().counts.dropped;
+    let dropped = frame_loop.stats().counts.dropped;
     let film = frame_loop.into_sink().and_then(|mut films| films.0.pop()).expect("a film");
     (film, dropped)
 }
 
 /// The first frame with what is recorded besides light.
-pub fn shoot_extra(sequence: &Sequence, extras: Extras) -> Film {
-    let meter = Arc::new(Meter::default());
-    let mut frame_loop = FrameLoop::with_extras(sequence, extras, Films::default(), meter);
+pub fn shoot_extra(sequence: &Sequence, extras: AovSet) -> Film {
+    let meter = Arc::new(ProgressMeter::default());
+    let mut frame_loop = FrameLoop::with_aovs(sequence, extras, FilmCollector::default(), meter);
     frame_loop.frame(0).unwrap_or_else(|fault| panic!("{fault:?}"));
     frame_loop.into_sink().and_then(|mut films| films.0.pop()).expect("a film")
 }
@@ -139,8 +141,8 @@ pub fn radiance_at_target(rest: &str) -> Rgb {
 /// Shapes of the first material where they stand.
 pub fn geometry(shapes: impl IntoIterator<Item = Shape>) -> Geometry {
     let mut geometry = Geometry::default();
-    shapes
-        .into_iter()
-        .for_each(|shape| geometry.push(&shape, DAffine3::IDENTITY, Finish::Material(MadeOf::One(0))));
+    shapes.into_iter().for_each(|shape| {
+        geometry.push(&shape, DAffine3::IDENTITY, Finish::Material(MaterialBinding::One(0)))
+    });
     geometry
 }

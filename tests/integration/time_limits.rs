@@ -1,8 +1,8 @@
 //! Limits of time: how many samples a run has is settled once, and kept by whoever goes on with it.
 
 use crate::command::{contents, folder, kinora, run, stderr};
-use kinora::accuracy::{Clock, Settled, settled};
-use kinora::base::stats::Meter;
+use kinora::accuracy::{Settled, TimeSource, settled};
+use kinora::base::stats::ProgressMeter;
 use kinora::encode::{Existing, Output, frame_texts};
 use kinora::pipeline::render::{Request, Reuse, render};
 use kinora::sequence::quality::NoiseTarget;
@@ -26,8 +26,8 @@ const SOFT: &str = r#"(
 const LIMIT: Duration = Duration::from_secs(3);
 
 /// Machines by what a ray takes them, in seconds.
-const FAST: Clock = Clock::Rays(1e-5);
-const SLOW: Clock = Clock::Rays(3e-5);
+const FAST: TimeSource = TimeSource::Rays(1e-5);
+const SLOW: TimeSource = TimeSource::Rays(3e-5);
 
 fn soft(folder: &Path, text: &str) -> Sequence {
     let path = folder.join("soft.ron");
@@ -50,11 +50,11 @@ fn request(folder: &Path, extension: &str, frames: &[u32]) -> Request {
 
 /// Renders with as many samples as fit; gives their number, whether frames that are there have told it, and how many of
 /// these were kept.
-fn limited(sequence: &Sequence, request: &Request, clock: Clock) -> (u32, bool, u32) {
+fn limited(sequence: &Sequence, request: &Request, clock: TimeSource) -> (u32, bool, u32) {
     let chosen = settled(sequence, request, LIMIT, clock).expect("samples");
     let quality = chosen.quality();
     let sequence = Sequence { quality, ..sequence.clone() };
-    let summary = render(&sequence, request, &Arc::new(Meter::default())).expect("frames");
+    let summary = render(&sequence, request, &Arc::new(ProgressMeter::default())).expect("frames");
     (quality.samples, matches!(chosen, Settled::Before(_)), summary.kept)
 }
 
@@ -142,9 +142,13 @@ fn samples_fit_into_the_time() {
         let Settled::Now(budget) = settled(&sequence, &anew, limit, clock).expect("samples") else {
             panic!("nothing is there")
         };
-        let Clock::Rays(each) = clock else { panic!("rays tell the time") };
+        let TimeSource::Rays(each) = clock else { panic!("rays tell the time") };
         let sequence = Sequence { quality: budget.quality, ..sequence.clone() };
-        let rays = render(&sequence, &anew, &Arc::new(Meter::default())).expect("frames").counts.rays.total();
+        let rays = render(&sequence, &anew, &Arc::new(ProgressMeter::default()))
+            .expect("frames")
+            .counts
+            .rays
+            .total();
         let took = each * rays as f64;
         let told = budget.cpu.expect("rays tell it");
         assert!((told / took - 1.0).abs() < 0.02, "{told} was told, {took} it was");
@@ -173,14 +177,14 @@ fn the_command_keeps_what_it_has_settled() {
     soft(folder.path(), SOFT);
     let arguments = ["render", "soft.ron", "--time-limit", "1s", "-o", "f_#.png"];
     let first = kinora(folder.path(), &arguments);
-    assert!(first.contains("into the time fit"), "{first}");
+    assert!(first.contains("the time limit allows"), "{first}");
     let before = contents(folder.path());
     for frame in [2, 3] {
         fs::remove_file(folder.path().join(format!("f_{frame}.png"))).expect("a frame");
     }
     let again = kinora(folder.path(), &arguments);
-    assert!(again.contains("an earlier run with this limit has settled on"), "{again}");
-    assert!(again.contains("of which 4 kept"), "{again}");
+    assert!(again.contains("an earlier run with this time limit used"), "{again}");
+    assert!(again.contains("4 of them kept"), "{again}");
     assert!(contents(folder.path()) == before);
     let texts = frame_texts(&folder.path().join("f_2.png"));
     let told = |keyword: &str| texts.iter().find(|(k, _)| k == keyword).map(|(_, text)| text.as_str());
@@ -189,7 +193,7 @@ fn the_command_keeps_what_it_has_settled() {
         "{texts:?}"
     );
     let other = run(folder.path(), &["render", "soft.ron", "--time-limit", "2s", "-o", "f_#.png"]);
-    assert!(stderr(&other).contains("into the time fit"), "{}", stderr(&other));
+    assert!(stderr(&other).contains("the time limit allows"), "{}", stderr(&other));
 }
 
 #[test]
@@ -201,11 +205,7 @@ fn limits_and_errors_go_together_and_posters_have_them_too() {
     assert!(told.contains("samples a pixel at most") && told.contains("--max-samples"), "{told}");
     let poster = ["poster", "soft.ron", "--time-limit", "1s", "-o", "p.png"];
     let told = kinora(folder.path(), &poster);
-    assert!(told.contains("into the time fit"), "{told}");
+    assert!(told.contains("the time limit allows"), "{told}");
     let refused = run(folder.path(), &["render", "soft.ron", "--max-samples", "9", "-o", "f_#.png"]);
-    assert!(
-        stderr(&refused).contains("--max-samples limits --noise, and there is none"),
-        "{}",
-        stderr(&refused)
-    );
+    assert!(stderr(&refused).contains("--max-samples needs a target error"), "{}", stderr(&refused));
 }

@@ -1,9 +1,9 @@
 //! Nothing slips through closed surfaces: rays at shared edges, vertices and corners (INT-12, INT-09).
 
 use crate::support::{Random, geometry};
-use kinora::appearance::material::MadeOf;
+use kinora::appearance::material::MaterialBinding;
 use kinora::base::math::{DAffine3, DVec3, Ray};
-use kinora::geometry::bvh::Probe;
+use kinora::geometry::bvh::TraversalRay;
 use kinora::geometry::mesh::generate;
 use kinora::geometry::shape::{Cuboid, Shape, Triangle};
 use kinora::scene::top_level::Bvh;
@@ -36,7 +36,7 @@ fn int_12_no_ray_leaks_between_triangles() {
             let [a, b, _] = mesh[(random.unit() * mesh.len() as f64) as usize];
             let aim = if ray % 2 == 0 { a } else { a + (b - a) * random.unit() };
             let direction = if ray % 4 < 2 { aim - origin } else { (aim - origin).normalize() };
-            let probe = Probe::new(Ray { origin, direction });
+            let probe = TraversalRay::new(Ray { origin, direction });
             leaks += u32::from(bvh.closest(&geometry, &probe).is_none());
             leaks += u32::from(!bvh.occluded(&geometry, &probe, f64::INFINITY));
         }
@@ -104,7 +104,7 @@ fn boxes_are_met_exactly_where_they_are() {
             if direction == [0; 3] || on_surface {
                 continue;
             }
-            let probe = Probe::new(Ray { origin: float(origin), direction: float(direction) });
+            let probe = TraversalRay::new(Ray { origin: float(origin), direction: float(direction) });
             let t = bvh.closest(&geometry, &probe).map(|hit| hit.at.t);
             let zero = Exact(0, 1);
             let expected = crossings(HALF, origin, direction).and_then(|(enter, leave)| {
@@ -128,15 +128,16 @@ fn turned_boxes_are_entered_and_left_once() {
     let affine = DAffine3::from_translation(DVec3::new(5.0, -3.0, 2.0))
         * turn
         * DAffine3::from_scale(DVec3::new(2.0, 1.0, 0.5));
-    let placed = Primitive::new(&cuboid, affine, Finish::Material(MadeOf::One(0))).expect("a box");
-    assert!(placed.placement.is_some(), "it is turned");
+    let placed = Primitive::new(&cuboid, affine, Finish::Material(MaterialBinding::One(0))).expect("a box");
+    assert!(placed.transform.is_some(), "it is turned");
     for distance in [6.0, 100.0, 1e4] {
         for _ in 0..RAYS / 3 {
             let inside = affine.transform_point3(random.point(0.999));
             let direction = random.point(1.0).normalize();
             let origin = inside - direction * distance;
-            let hit =
-                |origin| placed.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY).map(|at| at.t);
+            let hit = |origin| {
+                placed.hit(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY).map(|at| at.t)
+            };
             let enter = hit(origin).expect("it enters");
             let leave = hit(inside).expect("it leaves");
             assert!(enter < distance && leave < 6.0);

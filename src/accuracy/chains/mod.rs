@@ -1,101 +1,69 @@
-//! Which paths make the noise of the worst pixels: a small path recorder of its own, which tells what each path met.
+//! Finds the light paths that cause the noise of the worst pixels.
 //!
-//! It follows paths as the path integrator does, with simpler samplers and one colour, and records the chain of materials
-//! that each met on its way from the camera to a light. The variance that each chain brings to the worst pixels says which of
-//! them make fireflies. Only shares are told, never radiance.
+//! A small path tracer with simplified sampling and one colour channel records the chain of materials along each path
+//! from the camera to a light. The chains that contribute most of the variance of the worst pixels cause the
+//! fireflies. Only shares of the variance are reported, never radiance.
 
-mod walk;
+mod recorder;
+mod vertex;
 
-use super::robustness::Scenery;
-use super::studio::Studio;
-use crate::appearance::light::Light;
+use super::renderer::Renderer;
+use super::robustness::SceneRays;
 use crate::base::math::DVec2;
 use crate::sequence::Sequence;
 use crate::sequence::quality::Quality;
 use rayon::prelude::*;
+use recorder::{PathRecorder, PathSampler};
 use std::collections::BTreeMap;
-use walk::{Numbers, Walk};
+use vertex::PathVertex;
 
-/// A chain of what paths met, from the camera on, and its share of the noise in the worst pixels.
+/// The materials and the light along a path from the camera, and the path's share of the variance in the worst pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
-    /// Such as `wall → glass (refracted) → ceiling lamp`.
+    /// The names along the path, such as `wall → glass (refracted) → ceiling lamp`.
     pub path: String,
     pub share: f64,
-    /// Whether the light is seen directly: then it is no rare path, but an edge.
+    /// Whether the light is directly visible. Then the noise comes from an edge, not from a rare path.
     pub direct: bool,
 }
 
-/// Pixels that are looked at, at most.
+/// The largest number of pixels that are examined.
 const PIXELS: usize = 48;
-/// Paths from each.
+/// Paths per pixel.
 const PATHS: u32 = 2048;
-/// Chains that are told, at most.
-const TOLD: usize = 5;
+/// The largest number of reported chains.
+const MAX_CHAINS: usize = 5;
 
-/// A thing on the way, as a number: cheaper to collect than names.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Thing {
-    /// A material by its index, and what it did with the path.
-    Surface(u32, Way),
-    /// A light by its index.
-    Light(u32),
-    Background,
-    /// A surface that shines.
-    Emission(u32),
-}
+/// By chain, the sum and the sum of squares of its contributions to the paths of a pixel.
+type Moments = BTreeMap<Vec<PathVertex>, (f64, f64)>;
 
-/// What a surface did with a path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Way {
-    Scattered,
-    Mirrored,
-    Glossy,
-    Refracted,
-    Passed,
-}
-
-impl Way {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Scattered => "",
-            Self::Mirrored => " (mirrored)",
-            Self::Glossy => " (glossy)",
-            Self::Refracted => " (refracted)",
-            Self::Passed => " (passed)",
-        }
-    }
-}
-
-/// First and second moments of what a chain adds to a path of a pixel.
-type Moments = BTreeMap<Vec<Thing>, (f64, f64)>;
-
-/// The chains that bring most of the variance into the worst pixels of the first frame; `errors` are those of all.
-pub fn chains(studio: &Studio, sequence: &Sequence, quality: &Quality, errors: &[f64]) -> Vec<Chain> {
-    let size = studio.size();
-    let found = studio.scene(|scene| {
-        let scenery = Scenery::new(scene);
-        let walk = Walk::new(&scenery, quality.bounces);
+/// The chains that contribute most of the variance of the worst pixels of the first frame. `errors` are the squared
+/// errors of all pixels.
+pub fn chains(renderer: &Renderer, sequence: &Sequence, quality: &Quality, errors: &[f64]) -> Vec<Chain> {
+    let size = renderer.size();
+    let found = renderer.scene(|scene| {
+        let rays = SceneRays::new(scene);
+        let recorder = PathRecorder::new(&rays, quality.bounces);
         let pixels = worst(&errors[..errors.len().min((size.0 * size.1) as usize)]);
-        let of = |&pixel: &u32| studied(&walk, pixel, size);
-        studio.install(|| pixels.par_iter().map(of).collect::<Vec<Moments>>())
+        let of = |&pixel: &u32| record_pixel(&recorder, pixel, size);
+        renderer.install(|| pixels.par_iter().map(of).collect::<Vec<Moments>>())
     });
-    // What has one name counts as one.
+    // Chains with the same names count as one.
     let mut variances: BTreeMap<(String, bool), f64> = BTreeMap::new();
     let paths = f64::from(PATHS);
     for (chain, (sum, squares)) in found.into_iter().flatten().flatten() {
         let mean = sum / paths;
-        *variances.entry((named(sequence, &chain), chain.len() == 1)).or_default() +=
+        *variances.entry((chain_name(sequence, &chain), chain.len() == 1)).or_default() +=
             (squares / paths - mean * mean).max(0.0);
     }
     let whole: f64 = variances.values().sum();
     let mut all: Vec<((String, bool), f64)> = variances.into_iter().collect();
     all.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let told = all.into_iter().filter(|(_, variance)| *variance > 0.0).take(TOLD);
-    told.map(|((path, direct), variance)| Chain { path, share: variance / whole, direct }).collect()
+    let reported = all.into_iter().filter(|(_, variance)| *variance > 0.0).take(MAX_CHAINS);
+    reported.map(|((path, direct), variance)| Chain { path, share: variance / whole, direct }).collect()
 }
 
-/// The worst pixels, the worst first.
+/// The pixels with the largest errors, in descending order.
 fn worst(errors: &[f64]) -> Vec<u32> {
     let mut order: Vec<u32> = (0..errors.len() as u32).collect();
     order.sort_by(|&a, &b| errors[b as usize].total_cmp(&errors[a as usize]));
@@ -104,13 +72,13 @@ fn worst(errors: &[f64]) -> Vec<u32> {
     order
 }
 
-fn studied(walk: &Walk, pixel: u32, size: (u32, u32)) -> Moments {
+fn record_pixel(recorder: &PathRecorder, pixel: u32, size: (u32, u32)) -> Moments {
     let mut moments = Moments::new();
     for path in 0..PATHS {
-        let mut numbers = Numbers::new(pixel, path);
-        let jitter = DVec2::new(numbers.next(), numbers.next());
-        let mut added: BTreeMap<Vec<Thing>, f64> = BTreeMap::new();
-        walk.follow((pixel % size.0, pixel / size.0), size, jitter, &mut numbers, &mut |chain, light| {
+        let mut sampler = PathSampler::new(pixel, path);
+        let jitter = DVec2::new(sampler.next(), sampler.next());
+        let mut added: BTreeMap<Vec<PathVertex>, f64> = BTreeMap::new();
+        recorder.follow((pixel % size.0, pixel / size.0), size, jitter, &mut sampler, &mut |chain, light| {
             *added.entry(chain.to_vec()).or_default() += light;
         });
         for (chain, light) in added {
@@ -122,28 +90,23 @@ fn studied(walk: &Walk, pixel: u32, size: (u32, u32)) -> Moments {
     moments
 }
 
-/// What a light gives off, whatever its colour.
-fn strength(light: &Light, weight: crate::base::color::Rgb) -> f64 {
-    f64::from((light.radiance * weight).max_element())
-}
-
-/// A chain in words; what is met twice in a row is told once.
-fn named(sequence: &Sequence, chain: &[Thing]) -> String {
+/// The names of a chain; equal neighbours are merged.
+fn chain_name(sequence: &Sequence, chain: &[PathVertex]) -> String {
     let material = |index: u32| {
         let name = sequence.materials.get(index as usize).map_or("?", |material| material.name.as_str());
-        // One that is written in its object is named by its place there.
+        // An inline material has the name of its object.
         let inline = name.strip_prefix("objects.\"").and_then(|name| name.strip_suffix("\".material"));
         inline.unwrap_or(name).to_owned()
     };
     let mut names: Vec<String> = chain
         .iter()
-        .map(|thing| match thing {
-            Thing::Surface(index, way) => material(*index) + way.name(),
-            Thing::Light(index) => {
+        .map(|vertex| match vertex {
+            PathVertex::Surface(index, way) => material(*index) + way.name(),
+            PathVertex::Light(index) => {
                 sequence.lights.get(*index as usize).map_or("?".to_owned(), |light| light.name.clone())
             }
-            Thing::Background => "background".to_owned(),
-            Thing::Emission(index) => material(*index) + " (shining)",
+            PathVertex::Background => "background".to_owned(),
+            PathVertex::Emission(index) => material(*index) + " (emission)",
         })
         .collect();
     names.dedup();
@@ -174,17 +137,17 @@ mod tests {
             },
         )"#;
         let sequence = parse("test.ron", text).expect("a sequence");
-        let studio = Studio::new(&sequence, &[0], None).expect("a studio");
+        let renderer = Renderer::new(&sequence, &[0], None).expect("a renderer");
         // On the floor, left and right of the ball's foot.
         let mut errors = vec![0.0; 48 * 27];
         [(19, 18), (20, 19), (28, 19), (30, 18)].iter().for_each(|(x, y)| errors[y * 48 + x] = 1.0);
-        let found = chains(&studio, &sequence, &sequence.quality, &errors);
+        let found = chains(&renderer, &sequence, &sequence.quality, &errors);
         let by_glass =
             |chain: &Chain| chain.path.contains("glass (refracted)") && chain.path.ends_with("lamp");
         assert!(found.iter().any(by_glass), "{found:?}");
         assert!(found.windows(2).all(|pair| pair[0].share >= pair[1].share), "{found:?}");
         let names: std::collections::BTreeSet<_> = found.iter().map(|chain| &chain.path).collect();
         assert_eq!(names.len(), found.len(), "{found:?}");
-        assert_eq!(found, chains(&studio, &sequence, &sequence.quality, &errors), "the same every time");
+        assert_eq!(found, chains(&renderer, &sequence, &sequence.quality, &errors), "the same every time");
     }
 }

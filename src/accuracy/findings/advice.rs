@@ -1,16 +1,16 @@
-//! Settings for usual wishes, each with what speaks for it.
+//! Recommended settings for common goals, each with its effect.
 
-use super::{described, factor, percent};
+use super::text::{describe, factor, percent};
 use crate::accuracy::measure::{Measured, Point};
-use crate::accuracy::settings::Axis;
+use crate::accuracy::settings::SettingAxis;
 
-/// A setting for someone who wants something.
+/// A recommended setting for a goal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Advice {
     pub goal: String,
-    /// To paste behind `kinora render FILE`; empty if there is no such setting.
+    /// Options to paste after `kinora render FILE`; empty if no setting fits.
     pub flags: String,
-    /// What it does to the error and the time, in words.
+    /// The effect on error and time, in words.
     pub effect: String,
 }
 
@@ -19,18 +19,18 @@ impl Advice {
         Self { goal: goal.to_owned(), flags, effect }
     }
 
-    /// In one line.
+    /// The advice in one line.
     pub fn line(&self) -> String {
         let flags = if self.flags.is_empty() { String::new() } else { format!("{}: ", self.flags) };
         format!("{}: {flags}{}", self.goal, self.effect)
     }
 }
 
-/// From which to which share of the time something takes half of it.
+/// The shares of the time that count as half.
 const HALF: std::ops::RangeInclusive<f64> = 0.35..=0.65;
 
 impl Measured {
-    /// Half the time and half the error first, then what else is worth knowing.
+    /// All advice: half the time and half the error first.
     pub fn advice(&self) -> Vec<Advice> {
         let mut all = vec![self.half_the_time(), self.half_the_error()];
         all.extend(self.as_good());
@@ -42,10 +42,11 @@ impl Measured {
         point.time() / self.own().time()
     }
 
-    /// Settings that someone can ask for and that are compared with the reference.
+    /// Settings that have options of their own and are compared with the reference.
     fn choices(&self) -> impl Iterator<Item = &Point> {
         let own = self.own();
-        let choice = |axis| matches!(axis, Axis::Samples | Axis::Noise | Axis::Antialias);
+        let choice =
+            |axis| matches!(axis, SettingAxis::Samples | SettingAxis::Noise | SettingAxis::Antialias);
         self.points.iter().filter(move |point| choice(point.setting.axis) && !std::ptr::eq(*point, own))
     }
 
@@ -78,13 +79,13 @@ impl Measured {
             String::new(),
             match below {
                 Some(point) => format!(
-                    "no setting takes about half; the next, {}, takes {} of the time and has {} times the error",
+                    "no setting takes about half; the next one, {}, takes {} of the time and has {} times the error",
                     point.setting.flags,
                     percent(self.time_share(point)),
                     factor(point.error() / self.own().error())
                 ),
                 None => {
-                    format!("{} is the cheapest there is; a smaller --size saves more", described(self.own()))
+                    format!("{} is the cheapest setting; a smaller --size saves more", describe(self.own()))
                 }
             },
         )
@@ -96,7 +97,7 @@ impl Measured {
         if own.error() <= 0.0 {
             return Advice::new(GOAL, String::new(), "there is no error left to halve".to_owned());
         }
-        // Grids have few steps: one that leaves far less is what there is.
+        // Grids have few steps, so one that leaves far less error is accepted too.
         let half = if self.random { 0.4..=0.56 } else { 0.2..=0.56 };
         let near = self.choices().filter(|point| half.contains(&(point.error() / own.error())));
         if let Some(point) = near.min_by(|a, b| a.time().total_cmp(&b.time())) {
@@ -108,7 +109,7 @@ impl Measured {
             return Advice::new(GOAL, point.setting.flags.clone(), effect);
         }
         let Some(curve) = self.curve() else {
-            return Advice::new(GOAL, String::new(), "no setting that was tried reaches it".to_owned());
+            return Advice::new(GOAL, String::new(), "no measured setting reaches it".to_owned());
         };
         let (samples, time) = curve.to_error(0.5);
         let quality = &own.setting.quality;
@@ -128,7 +129,8 @@ impl Measured {
 
     fn as_good(&self) -> Option<Advice> {
         let own = self.own();
-        let cheapest = self.front(Point::error).into_iter().find(|point| point.error() <= own.error())?;
+        let cheapest =
+            self.pareto_front(Point::error).into_iter().find(|point| point.error() <= own.error())?;
         let saved = 1.0 - self.time_share(cheapest);
         (saved > 0.1 && !cheapest.setting.flags.is_empty()).then(|| {
             let effect = format!("saves {} of the time (measured)", percent(saved));
@@ -140,9 +142,11 @@ impl Measured {
         let (least, own) = self.enough_bounces()?;
         let saved = 1.0 - least.time() / own.time();
         (saved > 0.02).then(|| {
-            let effect =
-                format!("saves {} of the time, changes nothing above 1/255 (measured)", percent(saved));
-            Advice::new("No reflections that nobody sees", least.setting.flags.clone(), effect)
+            let effect = format!(
+                "saves {} of the time, changes no pixel by more than 1/255 (measured)",
+                percent(saved)
+            );
+            Advice::new("No invisible bounces", least.setting.flags.clone(), effect)
         })
     }
 }

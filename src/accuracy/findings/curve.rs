@@ -1,26 +1,26 @@
-//! What the curve of error against time says.
+//! Conclusions from the curve of error against time.
 
-use super::{factor, percent};
+use super::text::{factor, percent};
 use crate::accuracy::measure::{Measured, Point};
-use crate::accuracy::settings::Axis;
+use crate::accuracy::settings::SettingAxis;
 use crate::accuracy::statistics::slope;
 
-/// A power law through points of samples, times and errors.
+/// Power laws of the error and of the time over the number of samples.
 #[derive(Clone, Copy, Debug)]
-pub struct Curve {
-    /// By which power of the samples the error changes, and the time.
+pub struct PowerLaw {
+    /// Exponents of the number of samples.
     error: f64,
     time: f64,
 }
 
-impl Curve {
-    /// Factors of samples and of time that multiply the error by `factor`.
+impl PowerLaw {
+    /// The factors of samples and of time at which the error is multiplied by `factor`.
     pub fn to_error(self, factor: f64) -> (f64, f64) {
         let samples = libm::pow(factor, 1.0 / self.error);
         (samples, libm::pow(samples, self.time))
     }
 
-    /// Factors of samples and of the error that multiply the time by `factor`.
+    /// The factors of samples and of the error at which the time is multiplied by `factor`.
     pub fn to_time(self, factor: f64) -> (f64, f64) {
         let samples = libm::pow(factor, 1.0 / self.time);
         (samples, libm::pow(samples, self.error))
@@ -28,10 +28,11 @@ impl Curve {
 }
 
 impl Measured {
-    /// Points that no other one beats in both time and error. Those that are short by intent are not compared.
-    pub fn front(&self, error: impl Fn(&Point) -> f64) -> Vec<&Point> {
-        let compared =
-            |point: &&Point| matches!(point.setting.axis, Axis::Samples | Axis::Noise | Axis::Antialias);
+    /// The points on the Pareto front of time and error. Points with a baseline do not count.
+    pub fn pareto_front(&self, error: impl Fn(&Point) -> f64) -> Vec<&Point> {
+        let compared = |point: &&Point| {
+            matches!(point.setting.axis, SettingAxis::Samples | SettingAxis::Noise | SettingAxis::Antialias)
+        };
         let mut all: Vec<&Point> = self.points.iter().filter(compared).collect();
         all.sort_by(|a, b| a.time().total_cmp(&b.time()));
         let mut least = f64::INFINITY;
@@ -43,11 +44,11 @@ impl Measured {
         all
     }
 
-    /// The curve of fixed samples around the file's own setting.
-    pub fn curve(&self) -> Option<Curve> {
-        let axis = if self.random { Axis::Samples } else { Axis::Antialias };
+    /// The power law of fixed numbers of samples around the file's own setting.
+    pub fn curve(&self) -> Option<PowerLaw> {
+        let axis = if self.random { SettingAxis::Samples } else { SettingAxis::Antialias };
         let own = self.own().time();
-        // What costs far less is mostly what every frame costs.
+        // The time of far cheaper points is mostly the fixed cost of a frame.
         let near = |point: &&&Point| point.error() > 0.0 && point.time() > 0.1 * own;
         let on = self.on(axis);
         let near: Vec<_> = on.iter().filter(near).collect();
@@ -55,55 +56,56 @@ impl Measured {
             let line = near.iter().map(|point| (libm::log(point.samples), libm::log(value(point))));
             slope(&line.collect::<Vec<_>>())
         };
-        let curve = Curve { error: of(Point::error)?, time: of(Point::time)? };
+        let curve = PowerLaw { error: of(Point::error)?, time: of(Point::time)? };
         (curve.error < 0.0 && curve.time > 0.0).then_some(curve)
     }
 
-    /// By which factor time grows if the error is to be halved.
+    /// The factor of time that halves the error.
     pub fn price_of_half(&self) -> Option<f64> {
         self.curve().map(|curve| curve.to_error(0.5).1)
     }
 
-    /// How many times fewer samples Sobol points need than independent random numbers, for the same error.
+    /// A sentence about how many times fewer samples Sobol points need than independent random numbers, for the same
+    /// error.
     pub fn sobol(&self) -> Option<String> {
-        let own = self.points.iter().filter(|point| point.setting.axis == Axis::Samples);
+        let own = self.points.iter().filter(|point| point.setting.axis == SettingAxis::Samples);
         let pairs = own.filter_map(|point| {
-            let twin = self
-                .points
-                .iter()
-                .find(|other| other.setting.axis == Axis::Independent && other.samples == point.samples)?;
-            Some((point, twin.squared.mean / point.squared.mean))
+            let baseline = self.points.iter().find(|other| {
+                other.setting.axis == SettingAxis::Independent && other.samples == point.samples
+            })?;
+            Some((point, baseline.squared.mean / point.squared.mean))
         });
         let (point, gain) = pairs.max_by(|a, b| a.0.samples.total_cmp(&b.0.samples))?;
-        // Independent samples divide the squared error by their number.
+        // The squared error of independent samples is inversely proportional to their number.
         Some(match gain {
             gain if gain > 1.1 => format!(
-                "Sobol sampling needs {} times fewer samples than independent random numbers, as measured with {}",
+                "Sobol sampling needs {} times fewer samples than independent random numbers, as measured with {} \
+                 samples",
                 factor(gain),
                 point.setting.value
             ),
             _ => format!(
-                "Sobol sampling gains nothing here: {} samples are as good if they are independent",
+                "Sobol sampling gains nothing here: {} independent samples have the same error",
                 point.setting.value
             ),
         })
     }
 
-    /// Noise targets against fixed numbers of samples, at the same error.
+    /// A sentence that compares noise targets with fixed numbers of samples at the same error.
     pub fn adaptive(&self) -> Option<String> {
-        let uniform = self.on(Axis::Samples);
+        let uniform = self.on(SettingAxis::Samples);
         let usable =
             uniform.iter().filter(|point| point.error() > 0.0 && point.time() > 0.1 * self.own().time());
         let logs: Vec<_> = usable.map(|point| (libm::log(point.error()), libm::log(point.time()))).collect();
         let steepness = slope(&logs)?;
         let count = logs.len() as f64;
         let mean = logs.iter().fold((0.0, 0.0), |sum, at| (sum.0 + at.0 / count, sum.1 + at.1 / count));
-        let noisy = self.on(Axis::Noise);
+        let noisy = self.on(SettingAxis::Noise);
         let compared = noisy.iter().filter(|point| point.error() > 0.0).map(|point| {
             let same = libm::exp(mean.1 + steepness * (libm::log(point.error()) - mean.0));
             (point, point.time() / same)
         });
-        // The one next to the file's own setting says most of it.
+        // The noise target closest to the error of the file's own setting is the most relevant.
         let far = |point: &Point| libm::fabs(libm::log(point.error() / self.own().error()));
         let (point, ratio) = compared.min_by(|a, b| far(a.0).total_cmp(&far(b.0)))?;
         let flags = format!("--noise {}", point.setting.quality.noise?.error);

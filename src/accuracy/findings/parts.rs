@@ -1,37 +1,42 @@
-//! What parts of the scene cost and add, and what bounces do.
+//! The cost of parts of the scene, and the effect of bounces.
 
-use super::{CODES, factor, percent};
+use super::base::CODES;
+use super::text::{factor, percent};
 use crate::accuracy::measure::{Measured, Point};
-use crate::accuracy::settings::Axis;
+use crate::accuracy::settings::SettingAxis;
 
 impl Measured {
-    /// The share of the time that goes into a part of the scene, by what is saved without it.
+    /// The share of the time that switching off a part of the scene saves.
     pub fn saves(&self, point: &Point) -> f64 {
-        1.0 - point.time() / self.twin(point).time()
+        1.0 - point.time() / self.baseline(point).time()
     }
 
-    /// The parts of the scene, each switched off, the dearest first.
+    /// The points of switched-off parts of the scene, in ascending order of time: the most expensive part first.
     pub fn parts(&self) -> Vec<&Point> {
-        self.on(Axis::Parts)
+        self.on(SettingAxis::Parts)
     }
 
-    /// The dearest parts of the scene.
+    /// A sentence about the most expensive parts of the scene.
     pub(super) fn dearest(&self) -> Option<String> {
         let parts = self.parts();
         let dear = parts.iter().filter(|point| self.saves(point) > 0.03).take(3);
         let named: Vec<String> =
             dear.map(|point| format!("{} {}", point.setting.value, percent(self.saves(point)))).collect();
-        (!named.is_empty())
-            .then(|| format!("Dearest in this scene, by the time saved without: {}", named.join(", ")))
+        (!named.is_empty()).then(|| {
+            format!(
+                "Most expensive parts of this scene, by the time saved without them: {}",
+                named.join(", ")
+            )
+        })
     }
 
     fn bounces(&self) -> Vec<&Point> {
-        let mut on = self.on(Axis::Bounces);
+        let mut on = self.on(SettingAxis::Bounces);
         on.sort_by_key(|point| point.setting.quality.bounces);
         on
     }
 
-    /// The fewest bounces that display the same as the file's own number, with that, if they are fewer.
+    /// The points of the fewest bounces that display the same picture, and of the file's own number, if that is larger.
     pub(super) fn enough_bounces(&self) -> Option<(&Point, &Point)> {
         let on = self.bounces();
         let own = self.own().setting.quality.bounces;
@@ -40,7 +45,7 @@ impl Measured {
         (enough.setting.quality.bounces < own.setting.quality.bounces).then_some((*enough, *own))
     }
 
-    /// Whether there are enough bounces, or too many.
+    /// A sentence about whether the file's number of bounces is too small, too large, or right.
     pub(super) fn depth(&self) -> Option<String> {
         let on = self.bounces();
         let own_bounces = self.own().setting.quality.bounces;
@@ -48,19 +53,19 @@ impl Measured {
         let deepest = on.last()?;
         if CODES * deepest.largest_change > 1.0 {
             return Some(format!(
-                "Bounces: {} in place of {own_bounces} change the light by {} of the mean, and take {} times the time",
+                "Bounces: {} instead of {own_bounces} change the light by {} of the mean, and take {} times the time",
                 deepest.setting.value,
-                self.amount(deepest.bias),
+                self.bias_phrase(deepest.bias),
                 factor(deepest.time() / own.time())
             ));
         }
         Some(match self.enough_bounces() {
             Some((least, own)) => format!(
-                "Bounces: {} in place of {own_bounces} change nothing above 1/255 and save {} of the time",
+                "Bounces: {} instead of {own_bounces} change no pixel by more than 1/255 and save {} of the time",
                 least.setting.value,
                 percent((1.0 - least.time() / own.time()).max(0.0))
             ),
-            None => format!("Bounces: {own_bounces} are the fewest that leave nothing out above 1/255"),
+            None => format!("Bounces: {own_bounces} is the smallest number that omits no light above 1/255"),
         })
     }
 }

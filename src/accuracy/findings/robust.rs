@@ -1,10 +1,10 @@
-//! What robustness costs and spares on the scene's own rays.
+//! The cost and the benefit of robust intersections on the scene's own rays.
 
-use super::{factor, percent};
+use super::text::{factor, percent};
 use crate::accuracy::measure::Measured;
 
 impl Measured {
-    /// What textbooks in f32 make wrong of this scene, and what Kinora's way costs.
+    /// A sentence about the pixels that textbook formulas in f32 get wrong, and the cost of Kinora's formulas.
     pub(super) fn robust(&self) -> Option<String> {
         let found = self.robustness.as_ref()?;
         let (cheap, ours) = (found.hits.first()?, found.hits.last()?);
@@ -14,8 +14,8 @@ impl Measured {
             share => format!("{} of the pixels", percent(share)),
         };
         Some(format!(
-            "Robustness here: textbook formulas in f32 with fixed offsets make {wrong} wrong, Kinora {} of {} rays; a hit \
-             takes {:.0} ns in place of {:.0} ns ({} times)",
+            "Robustness here: textbook formulas in f32 with fixed offsets get {wrong} wrong, Kinora {} of {} rays; a \
+             hit takes {:.0} ns instead of {:.0} ns ({} times)",
             ours.wrong + kinora.false_shadows + kinora.lost_shadows,
             ours.rays + kinora.rays,
             ours.nanoseconds,

@@ -1,8 +1,8 @@
 //! Textures at the poles of spheres, and skies at the edges of cube maps.
 
-use super::draw::Draw;
-use super::measure::{Case, Effort, Verdict, way};
-use super::real::{Machine, Real, V};
+use super::input_rng::InputRng;
+use super::measure::{Case, Verdict, Workload, method};
+use super::number::{Float, Number, Vector3};
 use crate::accuracy::exact::Exact;
 use crate::appearance::environment::CubeMap;
 use crate::appearance::texture::Image;
@@ -14,51 +14,51 @@ use std::rc::Rc;
 
 /// A point of a sphere close to its pole -y.
 #[derive(Clone, Copy)]
-pub struct AtPole<R> {
-    pub center: V<R>,
+pub struct PolePoint<R> {
+    pub center: Vector3<R>,
     pub radius: R,
-    pub point: V<R>,
+    pub point: Vector3<R>,
     pub sphere: Sphere,
 }
 
-impl<R: Machine> AtPole<R> {
+impl<R: Float> PolePoint<R> {
     pub fn new(center: DVec3, radius: f64, point: DVec3) -> Self {
-        let (center, radius, point) = (V::<R>::of(center), R::of(radius), V::<R>::of(point));
+        let (center, radius, point) = (Vector3::<R>::of(center), R::of(radius), Vector3::<R>::of(point));
         let sphere = Sphere { center: center.wide(), radius: radius.wide() };
         Self { center, radius, point, sphere }
     }
 }
 
-/// The angle from -y by the arc cosine of the height.
-pub fn arc_cosine<R: Machine>(at: &AtPole<R>) -> R {
+/// The angle from -y, by the arc cosine of the height.
+pub fn arc_cosine<R: Float>(at: &PolePoint<R>) -> R {
     let height = (at.point.0[1] - at.center.0[1]) / at.radius;
-    (-height).arc_cosine()
+    (-height).acos()
 }
 
-fn arc_tangent(at: &AtPole<f32>) -> f32 {
-    let V([x, y, z]) = at.point - at.center;
-    f32::arc_tangent((x * x + z * z).root(), -y)
+fn arc_tangent(at: &PolePoint<f32>) -> f32 {
+    let Vector3([x, y, z]) = at.point - at.center;
+    libm::atan2f((x * x + z * z).sqrt(), -y)
 }
 
-pub fn ours(at: &AtPole<f64>) -> f64 {
+pub fn ours(at: &PolePoint<f64>) -> f64 {
     at.sphere.uv_at(at.point.wide(), 0).y * PI
 }
 
-fn at_pole<R: Machine>(effort: Effort) -> Vec<AtPole<R>> {
-    let mut draw = Draw::new(13);
+fn at_pole<R: Float>(workload: Workload) -> Vec<PolePoint<R>> {
+    let mut rng = InputRng::new(13);
     let one = |_| {
-        let (angle, turn) = (draw.scale(1e-6, 1e-2), Angle(360.0 * draw.unit()).cos_sin());
+        let (angle, turn) = (rng.log_uniform(1e-6, 1e-2), Angle(360.0 * rng.unit()).cos_sin());
         let across = turn * libm::sin(angle);
         let up = DVec3::new(across.x, -libm::cos(angle), across.y);
         let (center, radius) = (DVec3::new(0.0, 3.0, 0.0), 0.7);
-        AtPole::new(center, radius, center + up * radius)
+        PolePoint::new(center, radius, center + up * radius)
     };
-    (0..effort.inputs).map(one).collect()
+    (0..workload.inputs).map(one).collect()
 }
 
-/// The angle of the point that there is: its tangent is the distance from the axis over the height, and small.
-fn pole_judge<R: Machine>(at: &AtPole<R>, found: R) -> Verdict {
-    let V([x, y, z]) = at.point.to::<Exact>() - at.center.to();
+/// Compares with the true angle, from the series of its small tangent: the distance from the axis over the height.
+fn pole_judge<R: Float>(at: &PolePoint<R>, found: R) -> Verdict {
+    let Vector3([x, y, z]) = at.point.to::<Exact>() - at.center.to();
     let tangent = (x * x + z * z).sqrt() / -y;
     // atan(x) = x - x³/3 + x⁵/5 - …
     let square = tangent * tangent;
@@ -71,17 +71,17 @@ fn pole_judge<R: Machine>(at: &AtPole<R>, found: R) -> Verdict {
     Verdict::off(((Exact::of(found.wide()) - angle) / angle).value().abs())
 }
 
-fn pole(effort: Effort) -> Case {
+fn pole(workload: Workload) -> Case {
     Case {
         id: "SH-13",
         what: "latitude 10^-6 to 10^-2 radians from the pole of a sphere",
         error: "largest relative error",
         wrong: "no number",
-        ways: [
-            way(at_pole::<f32>(effort), arc_cosine, pole_judge),
-            way(at_pole::<f64>(effort), arc_cosine, pole_judge),
-            way(at_pole::<f32>(effort), arc_tangent, pole_judge),
-            way(at_pole::<f64>(effort), ours, pole_judge),
+        methods: [
+            method(at_pole::<f32>(workload), arc_cosine, pole_judge),
+            method(at_pole::<f64>(workload), arc_cosine, pole_judge),
+            method(at_pole::<f32>(workload), arc_tangent, pole_judge),
+            method(at_pole::<f64>(workload), ours, pole_judge),
         ],
     }
 }
@@ -89,12 +89,12 @@ fn pole(effort: Effort) -> Case {
 /// Texels along an edge of a face.
 const SIZE: u32 = 64;
 
-/// The light that the cube maps hold: 0.5 + 0.5 d·a.
+/// The radiance of the cube maps: 0.5 + 0.5 d·a.
 fn light(direction: DVec3) -> f64 {
     0.5 + 0.5 * direction.normalize().dot(DVec3::new(0.2, 0.3, 0.93).normalize())
 }
 
-/// The direction to a place of a face: s to the right and t down, in -1..=1.
+/// The direction to a point of a face: s to the right and t down, in -1..=1.
 fn on_face(face: usize, s: f64, t: f64) -> DVec3 {
     let [right, up] = [s, -t];
     match face {
@@ -107,7 +107,7 @@ fn on_face(face: usize, s: f64, t: f64) -> DVec3 {
     }
 }
 
-/// Six faces that hold what a function says of directions, at the middles of their texels.
+/// Six faces with a function of the direction, evaluated at the centres of the texels.
 pub fn faces(size: u32, of: impl Fn(DVec3) -> f64) -> Option<[Image; 6]> {
     let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(size) * 2.0 - 1.0;
     let texels = |face: usize| {
@@ -118,11 +118,11 @@ pub fn faces(size: u32, of: impl Fn(DVec3) -> f64) -> Option<[Image; 6]> {
     Some([a?, b?, c?, d?, e?, f?])
 }
 
-/// The textbook: the face of the longest coordinate, filtered up to its own edge.
-pub fn clamped<R: Machine>(faces: &[Image; 6], direction: V<R>) -> R {
+/// The textbook lookup: the face of the longest coordinate, bilinearly filtered and clamped to its edges.
+pub fn clamped<R: Float>(faces: &[Image; 6], direction: Vector3<R>) -> R {
     let size = faces[0].width();
-    let V([x, y, z]) = direction;
-    let [ax, ay, az] = [x, y, z].map(Real::absolute);
+    let Vector3([x, y, z]) = direction;
+    let [ax, ay, az] = [x, y, z].map(R::abs);
     let (face, right, down, long) = if ax >= ay && ax >= az {
         if x > R::zero() { (0, -z, -y, ax) } else { (1, z, -y, ax) }
     } else if ay >= az {
@@ -134,9 +134,9 @@ pub fn clamped<R: Machine>(faces: &[Image; 6], direction: V<R>) -> R {
     };
     let place = |along: R| {
         let at = (R::of(0.5) * along / long + R::of(0.5)) * R::of(size.into()) - R::of(0.5);
-        let at = at.larger(R::zero()).smaller(R::of((size - 1).into()));
-        let low = at.whole_part();
-        ((low.wide() as u32).min(size - 2), at - low.smaller(R::of((size - 2).into())))
+        let at = at.max(R::zero()).min(R::of((size - 1).into()));
+        let low = at.floor();
+        ((low.wide() as u32).min(size - 2), at - low.min(R::of((size - 2).into())))
     };
     let ((column, s), (row, t)) = (place(right), place(down));
     let texel = |x: u32, y: u32| R::of(faces[face].texel(column + x, row + y).x.into());
@@ -144,43 +144,41 @@ pub fn clamped<R: Machine>(faces: &[Image; 6], direction: V<R>) -> R {
     mix(mix(texel(0, 0), texel(1, 0), s), mix(texel(0, 1), texel(1, 1), s), t)
 }
 
-/// Two directions close to each other, on both sides of an edge of the cube.
+/// Two nearby directions on both sides of an edge of the cube.
 #[derive(Clone)]
-struct AtEdge<R> {
-    sides: [V<R>; 2],
+struct EdgeDirections<R> {
+    sides: [Vector3<R>; 2],
     maps: Rc<([Image; 6], CubeMap)>,
 }
 
-fn at_edge<R: Machine>(maps: &Rc<([Image; 6], CubeMap)>, effort: Effort) -> Vec<AtEdge<R>> {
-    let mut draw = Draw::new(15);
+fn at_edge<R: Float>(maps: &Rc<([Image; 6], CubeMap)>, workload: Workload) -> Vec<EdgeDirections<R>> {
+    let mut rng = InputRng::new(15);
     let one = |k: u32| {
-        let (axis, along) = (k as usize % 3, draw.between(-0.99, 0.99));
-        let signs = DVec2::new(
-            if draw.unit() < 0.5 { -1.0 } else { 1.0 },
-            if draw.unit() < 0.5 { -1.0 } else { 1.0 },
-        );
+        let (axis, along) = (k as usize % 3, rng.uniform(-0.99, 0.99));
+        let signs =
+            DVec2::new(if rng.unit() < 0.5 { -1.0 } else { 1.0 }, if rng.unit() < 0.5 { -1.0 } else { 1.0 });
         let sides = [1e-6, -1e-6].map(|off| {
             let mut d = DVec3::ZERO;
             (d[axis], d[(axis + 1) % 3], d[(axis + 2) % 3]) =
                 (along, signs.x * (1.0 + off), signs.y * (1.0 - off));
-            V::of(d.normalize())
+            Vector3::of(d.normalize())
         });
-        AtEdge { sides, maps: Rc::clone(maps) }
+        EdgeDirections { sides, maps: Rc::clone(maps) }
     };
-    (0..effort.inputs).map(one).collect()
+    (0..workload.inputs).map(one).collect()
 }
 
-fn seam(effort: Effort) -> Option<Case> {
-    fn jump<R: Real>(sides: [R; 2]) -> f64 {
+fn seam(workload: Workload) -> Option<Case> {
+    fn jump<R: Number>(sides: [R; 2]) -> f64 {
         (sides[0].wide() - sides[1].wide()).abs()
     }
     let images = faces(SIZE, light)?;
     let map = CubeMap::new(images.each_ref()).ok()?;
     let maps = Rc::new((images, map));
-    fn textbook<R: Machine>(at: &AtEdge<R>) -> [R; 2] {
+    fn textbook<R: Float>(at: &EdgeDirections<R>) -> [R; 2] {
         at.sides.map(|side| clamped(&at.maps.0, side))
     }
-    fn ours(at: &AtEdge<f64>) -> [f64; 2] {
+    fn ours(at: &EdgeDirections<f64>) -> [f64; 2] {
         at.sides.map(|side| at.maps.1.radiance(side.wide()).x.into())
     }
     Some(Case {
@@ -188,15 +186,15 @@ fn seam(effort: Effort) -> Option<Case> {
         what: "sky of six faces of 64 x 64 texels, 10^-6 radians on both sides of edges",
         error: "largest jump over an edge (1/255 = 0.0039 is seen)",
         wrong: "",
-        ways: [
-            way(at_edge::<f32>(&maps, effort), textbook, |_, sides| Verdict::off(jump(sides))),
-            way(at_edge::<f64>(&maps, effort), textbook, |_, sides| Verdict::off(jump(sides))),
+        methods: [
+            method(at_edge::<f32>(&maps, workload), textbook, |_, sides| Verdict::off(jump(sides))),
+            method(at_edge::<f64>(&maps, workload), textbook, |_, sides| Verdict::off(jump(sides))),
             None,
-            way(at_edge::<f64>(&maps, effort), ours, |_, sides| Verdict::off(jump(sides))),
+            method(at_edge::<f64>(&maps, workload), ours, |_, sides| Verdict::off(jump(sides))),
         ],
     })
 }
 
-pub fn cases(effort: Effort) -> Vec<Case> {
-    [pole(effort)].into_iter().chain(seam(effort)).collect()
+pub fn cases(workload: Workload) -> Vec<Case> {
+    [pole(workload)].into_iter().chain(seam(workload)).collect()
 }

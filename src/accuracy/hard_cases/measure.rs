@@ -1,31 +1,31 @@
-//! How a case is measured: what every way of computing it answers, and how long that takes.
+//! Measures cases: the answers of every method, and the time of a call.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-/// The four ways, in the order of a case's cells.
-pub const WAYS: [&str; 4] = ["textbook f32", "textbook f64", "stable f32", "ours, f64"];
+/// The names of the four methods, in the order of a case's cells.
+pub const METHODS: [&str; 4] = ["textbook f32", "textbook f64", "stable f32", "ours, f64"];
 
-/// How much work goes into the measurements.
+/// The amount of work of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Effort {
-    /// Inputs of every case.
+pub struct Workload {
+    /// Number of inputs of each case.
     pub inputs: u32,
-    /// Rounds in which each way is timed once.
+    /// Rounds in which each method is timed once.
     pub rounds: u32,
 }
 
-impl Effort {
+impl Workload {
     pub const FULL: Self = Self { inputs: 20_000, rounds: 25 };
     pub const QUICK: Self = Self { inputs: 2_000, rounds: 5 };
 }
 
-/// What an answer is worth.
+/// The error of an answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Verdict {
-    /// How far it is off; none where there is nothing to compare.
+    /// The error; `None` if there is nothing to compare.
     pub off: Option<f64>,
-    /// Whether it is wrong in kind: a hit that is missed, no number.
+    /// Whether the answer is wrong in kind, such as a missed hit or a NaN.
     pub wrong: bool,
 }
 
@@ -33,7 +33,7 @@ impl Verdict {
     pub const RIGHT: Self = Self { off: None, wrong: false };
     pub const WRONG: Self = Self { off: None, wrong: true };
 
-    /// An answer that is off by this much; wrong if that is no number.
+    /// An answer with this error; wrong if the error is infinite or NaN.
     pub fn off(off: f64) -> Self {
         if off.is_finite() { Self { off: Some(off), wrong: false } } else { Self::WRONG }
     }
@@ -43,59 +43,59 @@ impl Verdict {
     }
 }
 
-/// A computation that is done in four ways.
+/// A computation by four methods.
 pub struct Case {
     /// The id in the catalogue of hard cases.
     pub id: &'static str,
     pub what: &'static str,
-    /// What the errors are, with their unit; empty where only wrong answers are counted.
+    /// What the errors measure, with their unit; empty if only wrong answers are counted.
     pub error: &'static str,
-    /// Which answers are wrong; empty where none can be.
+    /// Which answers count as wrong; empty if none can be.
     pub wrong: &'static str,
-    /// As in [`WAYS`]; none where a way does not apply.
-    pub ways: [Option<Box<dyn Way>>; 4],
+    /// In the order of [`METHODS`]; `None` if a method does not apply.
+    pub methods: [Option<Box<dyn Method>>; 4],
 }
 
-/// One way of computing a case.
-pub trait Way {
+/// One method of computing a case, with its inputs.
+pub trait Method {
     fn answers(&self) -> Answers;
 
     /// The time of one call, as the mean over many inputs.
     fn time(&self) -> f64;
 }
 
-/// What a way's answers are worth together.
+/// The errors of all answers of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answers {
-    /// The largest error of those that can be compared.
+    /// The largest error of all answers that can be compared.
     pub worst: Option<f64>,
-    /// The share of wrong ones.
+    /// The share of wrong answers.
     pub wrong: f64,
 }
 
-/// A way's answers and its price.
+/// The errors and the time of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
     pub answers: Answers,
-    /// Median nanoseconds of one call.
+    /// Median time of one call, in nanoseconds.
     pub nanoseconds: f64,
 }
 
-/// A case's cells, as in [`WAYS`].
+/// The cells of a case, in the order of [`METHODS`].
 pub type Cells = [Option<Cell>; 4];
 
-struct Tried<I, O, C: Fn(&I) -> O, J: Fn(&I, O) -> Verdict> {
+struct TestedFunction<I, O, C: Fn(&I) -> O, J: Fn(&I, O) -> Verdict> {
     inputs: Vec<I>,
     call: C,
     judge: J,
 }
 
-/// Inputs that are timed: so few that they stay in the processor's cache.
+/// The largest number of timed inputs: few enough to stay in the processor's cache.
 const TIMED: usize = 512;
-/// Shorter times than this say little about a clock's ticks.
+/// The least duration of a timing, so that the resolution of the clock does not matter.
 const LONG_ENOUGH: Duration = Duration::from_micros(100);
 
-impl<I, O, C: Fn(&I) -> O, J: Fn(&I, O) -> Verdict> Way for Tried<I, O, C, J> {
+impl<I, O, C: Fn(&I) -> O, J: Fn(&I, O) -> Verdict> Method for TestedFunction<I, O, C, J> {
     fn answers(&self) -> Answers {
         let verdicts = self.inputs.iter().map(|input| (self.judge)(input, (self.call)(input)));
         let (mut worst, mut wrong) = (None, 0);
@@ -122,22 +122,24 @@ impl<I, O, C: Fn(&I) -> O, J: Fn(&I, O) -> Verdict> Way for Tried<I, O, C, J> {
     }
 }
 
-/// A way: its inputs, in its own precision; the function; and the judge, who knows the true answer.
-pub fn way<I: 'static, O: 'static>(
+/// Creates a method from its inputs, in its own precision; the function; and the judge, which compares an answer with
+/// the true one.
+pub fn method<I: 'static, O: 'static>(
     inputs: Vec<I>,
     call: impl Fn(&I) -> O + 'static,
     judge: impl Fn(&I, O) -> Verdict + 'static,
-) -> Option<Box<dyn Way>> {
-    Some(Box::new(Tried { inputs, call, judge }))
+) -> Option<Box<dyn Method>> {
+    Some(Box::new(TestedFunction { inputs, call, judge }))
 }
 
 impl Case {
-    /// The cells of the case. The ways are timed in turn, so that what slows the machine for a while slows all.
-    pub fn measured(&self, effort: Effort) -> Cells {
-        let answers = self.ways.each_ref().map(|way| way.as_ref().map(|way| way.answers()));
+    /// Measures the cells of the case. The methods are timed in turn, so that other load on the machine affects all
+    /// of them.
+    pub fn measured(&self, workload: Workload) -> Cells {
+        let answers = self.methods.each_ref().map(|way| way.as_ref().map(|way| way.answers()));
         let mut times: [Vec<f64>; 4] = Default::default();
-        for _ in 0..effort.rounds {
-            for (times, way) in times.iter_mut().zip(&self.ways) {
+        for _ in 0..workload.rounds {
+            for (times, way) in times.iter_mut().zip(&self.methods) {
                 times.extend(way.as_ref().map(|way| way.time()));
             }
         }
@@ -161,7 +163,7 @@ mod tests {
     #[test]
     fn the_worst_error_and_the_share_of_wrong_answers() {
         let judge = |input: &f64, answer: f64| Verdict::off(answer - input);
-        let way = way(vec![1.0, 4.0, -1.0, 0.0], |x: &f64| x.sqrt() + x, judge).expect("a way");
+        let way = method(vec![1.0, 4.0, -1.0, 0.0], |x: &f64| x.sqrt() + x, judge).expect("a method");
         assert_eq!(way.answers(), Answers { worst: Some(2.0), wrong: 0.25 });
         assert!(way.time() > 0.0);
         assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);

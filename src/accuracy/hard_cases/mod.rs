@@ -1,22 +1,21 @@
-//! The hard-case matrix: the same computation in four ways, each with its error and its price.
+//! The matrix of hard cases: the same computation by four methods, each with its error and its time.
 //!
-//! - **textbook f32, textbook f64**: short and honest versions of what textbooks and usual ray tracers do, with their
-//!   epsilon where they have one;
-//! - **stable f32**: the stable formula in the precision of graphics cards;
-//! - **ours, f64**: the product's own functions.
+//! - **textbook f32, textbook f64**: the formulas of textbooks and of most ray tracers, with their usual epsilons;
+//! - **stable f32**: a numerically stable formula in the precision of graphics cards;
+//! - **ours, f64**: Kinora's own functions.
 //!
-//! Inputs are rounded to the precision of the way first. What is true of these comes from arithmetic of twice the
-//! precision of f64 ([`crate::accuracy::exact`]) or from closed forms, never from what is tried. Errors are the same in
-//! every run; times are not.
+//! Inputs are first rounded to the precision of the method. The true answers for the rounded inputs come from
+//! double-double arithmetic ([`crate::accuracy::exact`]) or from closed forms, never from the code under test. Errors
+//! are the same in every run; times are not.
 
-mod air;
 mod cameras;
 mod clocks;
-mod draw;
+mod fog;
+mod input_rng;
 mod maps;
 mod measure;
+pub(super) mod number;
 pub mod pictures;
-pub(super) mod real;
 mod samples;
 pub(super) mod solids;
 pub(super) mod spawning;
@@ -25,22 +24,22 @@ mod surfaces;
 pub(super) mod tori;
 pub(super) mod triangles;
 
-pub use measure::{Answers, Case, Cell, Cells, Effort, Verdict, WAYS, Way, way};
+pub use measure::{Answers, Case, Cell, Cells, METHODS, Method, Verdict, Workload, method};
 
 /// All cases, in the order of the table.
-pub fn cases(effort: Effort) -> Vec<Case> {
+pub fn cases(workload: Workload) -> Vec<Case> {
     [
-        spheres::cases(effort),
-        solids::cases(effort),
-        tori::cases(effort),
-        triangles::cases(effort),
-        spawning::cases(effort),
-        surfaces::cases(effort),
-        air::cases(effort),
-        maps::cases(effort),
-        cameras::cases(effort),
-        clocks::cases(effort),
-        samples::cases(effort),
+        spheres::cases(workload),
+        solids::cases(workload),
+        tori::cases(workload),
+        triangles::cases(workload),
+        spawning::cases(workload),
+        surfaces::cases(workload),
+        fog::cases(workload),
+        maps::cases(workload),
+        cameras::cases(workload),
+        clocks::cases(workload),
+        samples::cases(workload),
     ]
     .into_iter()
     .flatten()
@@ -51,12 +50,14 @@ pub fn cases(effort: Effort) -> Vec<Case> {
 mod tests {
     use super::*;
 
-    /// What the table is there to show: ours is never worse than a textbook in f32 by kind, and wrong nowhere.
+    /// Kinora's answers are never wrong, and their errors are never larger than those of the textbook in f32 unless
+    /// that is wrong.
     #[test]
     fn ours_is_right_in_every_case_and_the_textbooks_are_not() {
         let (mut failing, mut cases_seen) = (0, 0);
-        for case in cases(Effort::QUICK) {
-            let [textbook, .., ours] = case.ways.each_ref().map(|way| way.as_ref().map(|way| way.answers()));
+        for case in cases(Workload::QUICK) {
+            let [textbook, .., ours] =
+                case.methods.each_ref().map(|way| way.as_ref().map(|way| way.answers()));
             let (textbook, ours) = (textbook.expect("a textbook"), ours.expect("ours"));
             assert_eq!(ours.wrong, 0.0, "{}: {}", case.id, case.what);
             assert!(

@@ -1,11 +1,11 @@
-//! Tori: roots of quartics.
+//! Tori: roots of quartic equations.
 
-use super::draw::Draw;
-use super::measure::{Case, Effort, Verdict, way};
-use super::real::{Machine, Real, V};
+use super::input_rng::InputRng;
+use super::measure::{Case, Verdict, Workload, method};
+use super::number::{Float, Number, Vector3};
 use crate::accuracy::exact::Exact;
 use crate::base::math::{Angle, DVec3, Ray};
-use crate::geometry::bvh::Probe;
+use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::{OneRay, Torus};
 use std::rc::Rc;
 
@@ -13,16 +13,16 @@ const MAJOR: f64 = 1.0;
 const MINOR: f64 = 0.25;
 
 #[derive(Clone)]
-struct Aimed<R> {
-    origin: V<R>,
-    /// Of unit length, to rounding.
-    direction: V<R>,
+struct TorusRay<R> {
+    origin: Vector3<R>,
+    /// Of unit length, up to rounding.
+    direction: Vector3<R>,
     torus: Rc<Torus>,
-    probe: Probe,
+    probe: TraversalRay,
 }
 
-/// Coefficients of t⁴ + a t³ + b t² + c t + d along a line, the torus of radii 1 and `minor` around the y axis.
-pub fn quartic<R: Real>(minor: f64, origin: V<R>, direction: V<R>) -> [R; 4] {
+/// Coefficients of t⁴ + a t³ + b t² + c t + d along a line, for the torus of radii 1 and `minor` around the y axis.
+pub fn quartic<R: Number>(minor: f64, origin: Vector3<R>, direction: Vector3<R>) -> [R; 4] {
     let (two, four) = (R::of(2.0), R::of(4.0));
     let ring = R::of(MAJOR * MAJOR);
     let along = origin.dot(direction);
@@ -36,8 +36,8 @@ pub fn quartic<R: Real>(minor: f64, origin: V<R>, direction: V<R>) -> [R; 4] {
     ]
 }
 
-/// Ferrari's roots of a quartic (Schwarze, *Graphics Gems*, 1990): the least one above a bound.
-pub fn ferrari<R: Machine>([a, b, c, d]: [R; 4], above: R) -> Option<R> {
+/// The smallest root of a quartic above a bound, by Ferrari's method (Schwarze, *Graphics Gems*, 1990).
+pub fn ferrari<R: Float>([a, b, c, d]: [R; 4], above: R) -> Option<R> {
     let (half, quarter) = (R::of(0.5), R::of(0.25));
     let square = a * a;
     let p = b - R::of(0.375) * square;
@@ -48,7 +48,7 @@ pub fn ferrari<R: Machine>([a, b, c, d]: [R; 4], above: R) -> Option<R> {
     if u < R::zero() || v < R::zero() {
         return None;
     }
-    let (u, v) = (u.root(), v.root());
+    let (u, v) = (u.sqrt(), v.sqrt());
     let v = if q < R::zero() { -v } else { v };
     let mut best = None;
     for (linear, constant) in [(v, z - u), (-v, z + u)] {
@@ -56,7 +56,7 @@ pub fn ferrari<R: Machine>([a, b, c, d]: [R; 4], above: R) -> Option<R> {
         if square < R::zero() {
             continue;
         }
-        let root = square.root();
+        let root = square.sqrt();
         for x in [-half * linear - root, -half * linear + root] {
             let x = x - quarter * a;
             if x > above && best.is_none_or(|best| x < best) {
@@ -67,29 +67,29 @@ pub fn ferrari<R: Machine>([a, b, c, d]: [R; 4], above: R) -> Option<R> {
     best
 }
 
-/// A real root of z³ + a z² + b z + c (Cardano).
-fn resolvent<R: Machine>(a: R, b: R, c: R) -> R {
+/// A real root of z³ + a z² + b z + c, by Cardano's method.
+fn resolvent<R: Float>(a: R, b: R, c: R) -> R {
     let third = R::of(1.0 / 3.0);
     let p = third * (b - third * a * a);
     let q = R::of(0.5) * (R::of(2.0 / 27.0) * a * a * a - third * a * b + c);
     let discriminant = q * q + p * p * p;
     let root = if discriminant < R::zero() {
-        let length = (-p).root();
-        let turn = (-q / (length * length * length)).larger(-R::one()).smaller(R::one());
-        R::of(2.0) * length * (third * turn.arc_cosine()).cosine()
+        let length = (-p).sqrt();
+        let turn = (-q / (length * length * length)).max(-R::one()).min(R::one());
+        R::of(2.0) * length * (third * turn.acos()).cos()
     } else {
-        let root = discriminant.root();
-        (root - q).cube_root() - (root + q).cube_root()
+        let root = discriminant.sqrt();
+        (root - q).cbrt() - (root + q).cbrt()
     };
     root - third * a
 }
 
-fn textbook<R: Machine>(at: &Aimed<R>) -> Option<R> {
+fn textbook<R: Float>(at: &TorusRay<R>) -> Option<R> {
     ferrari(quartic(MINOR, at.origin, at.direction), R::zero())
 }
 
-/// From the point of the line next to the centre, with two of Newton's steps.
-pub fn polished(minor: f64, origin: V<f32>, direction: V<f32>) -> Option<f32> {
+/// Ferrari's root from the line's point next to the centre, with two steps of Newton's method.
+pub fn polished(minor: f64, origin: Vector3<f32>, direction: Vector3<f32>) -> Option<f32> {
     let shift = -origin.dot(direction);
     let near = origin + direction * shift;
     let [a, b, c, d] = quartic(minor, near, direction);
@@ -102,58 +102,58 @@ pub fn polished(minor: f64, origin: V<f32>, direction: V<f32>) -> Option<f32> {
     Some(t + shift)
 }
 
-fn stable(at: &Aimed<f32>) -> Option<f32> {
+fn stable(at: &TorusRay<f32>) -> Option<f32> {
     polished(MINOR, at.origin, at.direction)
 }
 
-fn ours(at: &Aimed<f64>) -> Option<f64> {
+fn ours(at: &TorusRay<f64>) -> Option<f64> {
     at.torus.hit(&at.probe, f64::INFINITY).map(|at| at.t)
 }
 
-/// How far the answer lies from the tube.
-fn judge<R: Machine>(at: &Aimed<R>, found: Option<R>) -> Verdict {
+/// The distance of the hit from the surface.
+fn judge<R: Float>(at: &TorusRay<R>, found: Option<R>) -> Verdict {
     let Some(t) = found else { return Verdict::WRONG };
-    let V([x, y, z]) = at.origin.to::<Exact>() + at.direction.to::<Exact>() * Exact::of(t.wide());
+    let Vector3([x, y, z]) = at.origin.to::<Exact>() + at.direction.to::<Exact>() * Exact::of(t.wide());
     let out = (x * x + z * z).sqrt() - Exact::of(MAJOR);
     let off = ((out * out + y * y).sqrt() - Exact::of(MINOR)).value().abs();
     let verdict = Verdict::off(off);
     Verdict { wrong: verdict.wrong || off > 0.1 * MINOR, ..verdict }
 }
 
-fn inputs<R: Machine>(distance: f64, effort: Effort) -> Vec<Aimed<R>> {
-    let mut draw = Draw::new(18);
+fn inputs<R: Float>(distance: f64, workload: Workload) -> Vec<TorusRay<R>> {
+    let mut rng = InputRng::new(18);
     let torus = Rc::new(Torus::new(DVec3::ZERO, DVec3::Y, MAJOR, MINOR));
     let one = |_| {
-        let turn = Angle(360.0 * draw.unit()).cos_sin();
+        let turn = Angle(360.0 * rng.unit()).cos_sin();
         let circle = DVec3::new(turn.x, 0.0, turn.y);
-        let aim = circle * MAJOR + draw.direction() * draw.between(0.0, 0.23);
-        let from = draw.direction() * distance;
-        let (origin, direction) = (V::<R>::of(from), V::<R>::of((aim - from).normalize()));
-        let probe = Probe::new(Ray { origin: origin.wide(), direction: direction.wide() });
-        Aimed { origin, direction, torus: Rc::clone(&torus), probe }
+        let aim = circle * MAJOR + rng.direction() * rng.uniform(0.0, 0.23);
+        let from = rng.direction() * distance;
+        let (origin, direction) = (Vector3::<R>::of(from), Vector3::<R>::of((aim - from).normalize()));
+        let probe = TraversalRay::new(Ray { origin: origin.wide(), direction: direction.wide() });
+        TorusRay { origin, direction, torus: Rc::clone(&torus), probe }
     };
-    // Ferrari's and ours are slow, and so is their judge.
-    (0..effort.inputs / 4).map(one).collect()
+    // Fewer inputs, because these methods and their judge are slow.
+    (0..workload.inputs / 4).map(one).collect()
 }
 
-fn case(what: &'static str, distance: f64, effort: Effort) -> Case {
+fn case(what: &'static str, distance: f64, workload: Workload) -> Case {
     Case {
         id: "INT-18",
         what,
         error: "largest distance of the hit from the surface",
         wrong: "missed, or off by a tenth of the tube",
-        ways: [
-            way(inputs::<f32>(distance, effort), textbook, judge),
-            way(inputs::<f64>(distance, effort), textbook, judge),
-            way(inputs::<f32>(distance, effort), stable, judge),
-            way(inputs::<f64>(distance, effort), ours, judge),
+        methods: [
+            method(inputs::<f32>(distance, workload), textbook, judge),
+            method(inputs::<f64>(distance, workload), textbook, judge),
+            method(inputs::<f32>(distance, workload), stable, judge),
+            method(inputs::<f64>(distance, workload), ours, judge),
         ],
     }
 }
 
-pub fn cases(effort: Effort) -> Vec<Case> {
+pub fn cases(workload: Workload) -> Vec<Case> {
     vec![
-        case("torus of radii 1 and 0.25, seen from 5 away", 5.0, effort),
-        case("the same, seen from 1000 away", 1e3, effort),
+        case("torus of radii 1 and 0.25, seen from 5 away", 5.0, workload),
+        case("the same, seen from 1000 away", 1e3, workload),
     ]
 }

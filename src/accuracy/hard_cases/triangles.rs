@@ -1,39 +1,38 @@
-//! Triangles: edges and corners that rays may slip through, depths, and the normals of slender ones.
+//! Triangles: leaks at edges and corners, depths, and the normals of slender triangles.
 
-use super::draw::Draw;
-use super::measure::{Case, Effort, Verdict, way};
-use super::real::{Machine, Real, V};
+use super::input_rng::InputRng;
+use super::measure::{Case, Verdict, Workload, method};
+use super::number::{Float, Number, Vector3};
 use crate::accuracy::exact::{Exact, Vector};
 use crate::base::math::{DVec3, Ray};
-use crate::geometry::bvh::Probe;
+use crate::geometry::bvh::TraversalRay;
 use crate::geometry::mesh::generate;
 use crate::geometry::shape::{Geometric, OneRay, Triangle};
 
-/// The triangles of a closed mesh around one of its corners, and a ray from inside at that corner or at one of its
-/// edges.
+/// The triangles of a closed mesh around a vertex, and a ray from inside towards that vertex or one of its edges.
 #[derive(Clone)]
 struct Fan<R> {
-    triangles: Vec<[V<R>; 3]>,
-    origin: V<R>,
-    direction: V<R>,
+    triangles: Vec<[Vector3<R>; 3]>,
+    origin: Vector3<R>,
+    direction: Vector3<R>,
     ours: Vec<Triangle>,
-    probe: Probe,
+    probe: TraversalRay,
 }
 
-/// The least determinant that Möller and Trumbore give.
+/// The least determinant in Möller and Trumbore's paper.
 pub const LEAST_DETERMINANT: f64 = 1e-6;
 
-/// Möller and Trumbore (1997), of determinants of at least `parallel`.
-pub fn moller_trumbore<R: Real>(
-    [a, b, c]: [V<R>; 3],
-    origin: V<R>,
-    direction: V<R>,
+/// The test of Möller and Trumbore (1997); triangles with a determinant below `parallel` are missed.
+pub fn moller_trumbore<R: Number>(
+    [a, b, c]: [Vector3<R>; 3],
+    origin: Vector3<R>,
+    direction: Vector3<R>,
     parallel: R,
 ) -> Option<R> {
     let (u_edge, v_edge) = (b - a, c - a);
     let p = direction.cross(v_edge);
     let determinant = u_edge.dot(p);
-    if determinant.absolute() < parallel || determinant == R::zero() {
+    if determinant.abs() < parallel || determinant == R::zero() {
         return None;
     }
     let inverse = R::one() / determinant;
@@ -50,8 +49,8 @@ pub fn moller_trumbore<R: Real>(
     Some(v_edge.dot(q) * inverse).filter(|t| *t > R::zero())
 }
 
-/// Woop, Benthin and Wald (2013) in f32, with f64 where an edge's number is zero.
-pub fn woop([a, b, c]: [V<f32>; 3], origin: V<f32>, direction: V<f32>) -> Option<f32> {
+/// The watertight test of Woop, Benthin and Wald (2013) in f32, with f64 if an edge function is zero.
+pub fn woop([a, b, c]: [Vector3<f32>; 3], origin: Vector3<f32>, direction: Vector3<f32>) -> Option<f32> {
     let d = direction.0;
     let z = (0..3).max_by(|i, j| d[*i].abs().total_cmp(&d[*j].abs())).unwrap_or(2);
     let (x, y) = ((z + 1) % 3, (z + 2) % 3);
@@ -75,13 +74,14 @@ pub fn woop([a, b, c]: [V<f32>; 3], origin: V<f32>, direction: V<f32>) -> Option
     (determinant != 0.0 && t > 0.0).then_some(t)
 }
 
-pub fn published<R: Machine>(corners: [V<R>; 3], origin: V<R>, direction: V<R>) -> Option<R> {
+/// The test of Möller and Trumbore with the paper's least determinant.
+pub fn published<R: Float>(corners: [Vector3<R>; 3], origin: Vector3<R>, direction: Vector3<R>) -> Option<R> {
     moller_trumbore(corners, origin, direction, R::of(LEAST_DETERMINANT))
 }
 
-fn textbook<R: Machine>(at: &Fan<R>) -> Option<R> {
+fn textbook<R: Float>(at: &Fan<R>) -> Option<R> {
     let hits = at.triangles.iter().filter_map(|t| published(*t, at.origin, at.direction));
-    hits.reduce(R::smaller)
+    hits.reduce(R::min)
 }
 
 fn stable(at: &Fan<f32>) -> Option<f32> {
@@ -93,34 +93,34 @@ fn ours(at: &Fan<f64>) -> Option<f64> {
     hits.map(|at| at.t).reduce(f64::min)
 }
 
-fn fans<R: Machine>(offset: f64, effort: Effort) -> Vec<Fan<R>> {
+fn fans<R: Float>(offset: f64, workload: Workload) -> Vec<Fan<R>> {
     let parts = generate::icosphere(3);
     let center = DVec3::new(1.0, 0.7, -0.3) * offset;
-    // In the precision of the kernel, where neighbours still share their corners.
-    let corner = |v: u32| V::<R>::of(center + parts.positions[v as usize]);
+    // Rounded to the precision of the method, so that neighbours still share their corners.
+    let corner = |v: u32| Vector3::<R>::of(center + parts.positions[v as usize]);
     let mut around = vec![Vec::new(); parts.positions.len()];
     for triangle in &parts.triangles {
         triangle.iter().for_each(|v| around[*v as usize].push(*triangle));
     }
-    let mut draw = Draw::new(12);
+    let mut rng = InputRng::new(12);
     let one = |k: u32| {
-        let vertex = (draw.unit() * around.len() as f64) as u32;
+        let vertex = (rng.unit() * around.len() as f64) as u32;
         let near = &around[vertex as usize];
         let [a, b] = [vertex, near[0].into_iter().find(|v| *v != vertex).unwrap_or(vertex)].map(corner);
-        let share = if k.is_multiple_of(2) { 0.0 } else { draw.unit() };
+        let share = if k.is_multiple_of(2) { 0.0 } else { rng.unit() };
         let aim = a.wide() + (b.wide() - a.wide()) * share;
-        let origin = V::<R>::of(center + draw.direction() * draw.between(0.0, 0.3));
-        let direction = V::<R>::of((aim - origin.wide()).normalize());
+        let origin = Vector3::<R>::of(center + rng.direction() * rng.uniform(0.0, 0.3));
+        let direction = Vector3::<R>::of((aim - origin.wide()).normalize());
         let triangles: Vec<_> = near.iter().map(|t| t.map(corner)).collect();
-        let ours = triangles.iter().map(|t| Triangle { corners: t.map(V::wide) }).collect();
-        let probe = Probe::new(Ray { origin: origin.wide(), direction: direction.wide() });
+        let ours = triangles.iter().map(|t| Triangle { corners: t.map(Vector3::wide) }).collect();
+        let probe = TraversalRay::new(Ray { origin: origin.wide(), direction: direction.wide() });
         Fan { triangles, origin, direction, ours, probe }
     };
-    (0..effort.inputs).map(one).collect()
+    (0..workload.inputs).map(one).collect()
 }
 
-fn leaks(what: &'static str, offset: f64, effort: Effort) -> Case {
-    fn judge<R: Machine>(_: &Fan<R>, found: Option<R>) -> Verdict {
+fn leaks(what: &'static str, offset: f64, workload: Workload) -> Case {
+    fn judge<R: Float>(_: &Fan<R>, found: Option<R>) -> Verdict {
         Verdict::wrong_if(found.is_none())
     }
     Case {
@@ -128,106 +128,106 @@ fn leaks(what: &'static str, offset: f64, effort: Effort) -> Case {
         what,
         error: "",
         wrong: "rays that leave the closed mesh",
-        ways: [
-            way(fans::<f32>(offset, effort), textbook, judge),
-            way(fans::<f64>(offset, effort), textbook, judge),
-            way(fans::<f32>(offset, effort), stable, judge),
-            way(fans::<f64>(offset, effort), ours, judge),
+        methods: [
+            method(fans::<f32>(offset, workload), textbook, judge),
+            method(fans::<f64>(offset, workload), textbook, judge),
+            method(fans::<f32>(offset, workload), stable, judge),
+            method(fans::<f64>(offset, workload), ours, judge),
         ],
     }
 }
 
-/// A triangle of which one edge is far shorter than the others.
+/// A triangle with one edge far shorter than the others.
 #[derive(Clone, Copy)]
 struct Slender<R> {
-    corners: [V<R>; 3],
+    corners: [Vector3<R>; 3],
     ours: Triangle,
 }
 
-fn slender<R: Machine>(effort: Effort) -> Vec<Slender<R>> {
-    let mut draw = Draw::new(15);
+fn slender<R: Float>(workload: Workload) -> Vec<Slender<R>> {
+    let mut rng = InputRng::new(15);
     let one = |_| {
-        let (along, a) = (draw.direction(), draw.direction() * 10.0);
-        let narrow = draw.ring(along, 1.0, 1.0) * draw.scale(1e-5, 1e-1);
-        let corners = [a, a + along, a + along * draw.unit() + narrow].map(V::<R>::of);
-        Slender { corners, ours: Triangle { corners: corners.map(V::wide) } }
+        let (along, a) = (rng.direction(), rng.direction() * 10.0);
+        let narrow = rng.ring(along, 1.0, 1.0) * rng.log_uniform(1e-5, 1e-1);
+        let corners = [a, a + along, a + along * rng.unit() + narrow].map(Vector3::<R>::of);
+        Slender { corners, ours: Triangle { corners: corners.map(Vector3::wide) } }
     };
-    (0..effort.inputs).map(one).collect()
+    (0..workload.inputs).map(one).collect()
 }
 
-fn normal<R: Machine>(at: &Slender<R>) -> V<R> {
+fn normal<R: Float>(at: &Slender<R>) -> Vector3<R> {
     let [a, b, c] = at.corners;
     (b - a).cross(c - a).unit()
 }
 
-/// Edges and their products in twice the digits.
-fn wide_normal(at: &Slender<f32>) -> V<f32> {
-    let [a, b, c] = at.corners.map(V::to::<f64>);
+/// The normal in f64.
+fn wide_normal(at: &Slender<f32>) -> Vector3<f32> {
+    let [a, b, c] = at.corners.map(Vector3::to::<f64>);
     (b - a).cross(c - a).unit().to()
 }
 
-fn our_normal(at: &Slender<f64>) -> V<f64> {
+fn our_normal(at: &Slender<f64>) -> Vector3<f64> {
     let (surface, _) = at.ours.sample_area(0.5, 0.5);
-    V::of(surface.normal.into())
+    Vector3::of(surface.normal.into())
 }
 
-/// The angle to the true normal: of a cross product with it, which does not cancel.
-fn normal_judge<R: Machine>(at: &Slender<R>, found: V<R>) -> Verdict {
+/// The angle to the true normal, from the cross product of both, which does not cancel.
+fn normal_judge<R: Float>(at: &Slender<R>, found: Vector3<R>) -> Verdict {
     let [a, b, c] = at.corners.map(|corner| Vector::from(corner.wide()));
     let exact = (b - a).cross(c - a);
     let found = Vector::from(found.wide());
     Verdict::off((found.cross(exact).length() / (exact.length() * found.length())).value())
 }
 
-fn normals(effort: Effort) -> Case {
+fn normals(workload: Workload) -> Case {
     Case {
         id: "INT-15",
         what: "normal of triangles 10 to 10^5 times as long as wide, 10 from the origin",
         error: "largest angle to the true one, in radians",
         wrong: "",
-        ways: [
-            way(slender::<f32>(effort), normal, normal_judge),
-            way(slender::<f64>(effort), normal, normal_judge),
-            way(slender::<f32>(effort), wide_normal, normal_judge),
-            way(slender::<f64>(effort), our_normal, normal_judge),
+        methods: [
+            method(slender::<f32>(workload), normal, normal_judge),
+            method(slender::<f64>(workload), normal, normal_judge),
+            method(slender::<f32>(workload), wide_normal, normal_judge),
+            method(slender::<f64>(workload), our_normal, normal_judge),
         ],
     }
 }
 
-/// A ray at a triangle, from afar.
+/// A ray from afar that hits a triangle.
 #[derive(Clone, Copy)]
-struct Far<R> {
-    corners: [V<R>; 3],
-    origin: V<R>,
-    direction: V<R>,
+struct DistantTriangle<R> {
+    corners: [Vector3<R>; 3],
+    origin: Vector3<R>,
+    direction: Vector3<R>,
     ours: Triangle,
-    probe: Probe,
+    probe: TraversalRay,
 }
 
-fn far<R: Machine>(effort: Effort) -> Vec<Far<R>> {
-    let mut draw = Draw::new(13);
+fn far<R: Float>(workload: Workload) -> Vec<DistantTriangle<R>> {
+    let mut rng = InputRng::new(13);
     let one = |_| {
-        let (u, v) = draw.direction().any_orthonormal_pair();
-        let corners = [DVec3::ZERO, u, v].map(V::<R>::of);
-        let [a, b, c] = corners.map(V::wide);
-        let aim = a + (b - a) * 0.3 + (c - a) * draw.between(0.1, 0.6);
-        let from = draw.direction() * 1e4;
-        let (origin, direction) = (V::<R>::of(from), V::<R>::of((aim - from).normalize()));
-        let probe = Probe::new(Ray { origin: origin.wide(), direction: direction.wide() });
-        Far { corners, origin, direction, ours: Triangle { corners: [a, b, c] }, probe }
+        let (u, v) = rng.direction().any_orthonormal_pair();
+        let corners = [DVec3::ZERO, u, v].map(Vector3::<R>::of);
+        let [a, b, c] = corners.map(Vector3::wide);
+        let aim = a + (b - a) * 0.3 + (c - a) * rng.uniform(0.1, 0.6);
+        let from = rng.direction() * 1e4;
+        let (origin, direction) = (Vector3::<R>::of(from), Vector3::<R>::of((aim - from).normalize()));
+        let probe = TraversalRay::new(Ray { origin: origin.wide(), direction: direction.wide() });
+        DistantTriangle { corners, origin, direction, ours: Triangle { corners: [a, b, c] }, probe }
     };
-    // Seen from their edge, triangles may be missed from so far.
-    let facing = |at: &Far<R>| {
+    // Edge-on triangles may be missed from this distance.
+    let facing = |at: &DistantTriangle<R>| {
         let [a, b, c] = at.ours.corners;
         (b - a).cross(c - a).dot(at.direction.wide()).abs() > 0.1
     };
-    (0..effort.inputs).map(one).filter(facing).collect()
+    (0..workload.inputs).map(one).filter(facing).collect()
 }
 
-fn depths(effort: Effort) -> Case {
-    fn judge<R: Machine>(at: &Far<R>, found: Option<R>) -> Verdict {
+fn depths(workload: Workload) -> Case {
+    fn judge<R: Float>(at: &DistantTriangle<R>, found: Option<R>) -> Verdict {
         let Some(t) = found else { return Verdict::WRONG };
-        let [a, b, c] = at.corners.map(V::to::<Exact>);
+        let [a, b, c] = at.corners.map(Vector3::to::<Exact>);
         let normal = (b - a).cross(c - a);
         let exact = normal.dot(a - at.origin.to()) / normal.dot(at.direction.to());
         Verdict::off((Exact::of(t.wide()) - exact).value().abs())
@@ -237,20 +237,20 @@ fn depths(effort: Effort) -> Case {
         what: "triangle of size 1, seen from 10^4 away",
         error: "largest error of t",
         wrong: "missed",
-        ways: [
-            way(far::<f32>(effort), |at| published(at.corners, at.origin, at.direction), judge),
-            way(far::<f64>(effort), |at| published(at.corners, at.origin, at.direction), judge),
-            way(far::<f32>(effort), |at| woop(at.corners, at.origin, at.direction), judge),
-            way(far::<f64>(effort), |at| at.ours.hit(&at.probe, f64::INFINITY).map(|at| at.t), judge),
+        methods: [
+            method(far::<f32>(workload), |at| published(at.corners, at.origin, at.direction), judge),
+            method(far::<f64>(workload), |at| published(at.corners, at.origin, at.direction), judge),
+            method(far::<f32>(workload), |at| woop(at.corners, at.origin, at.direction), judge),
+            method(far::<f64>(workload), |at| at.ours.hit(&at.probe, f64::INFINITY).map(|at| at.t), judge),
         ],
     }
 }
 
-pub fn cases(effort: Effort) -> Vec<Case> {
+pub fn cases(workload: Workload) -> Vec<Case> {
     vec![
-        leaks("rays at edges and corners of a closed mesh of 1280 triangles", 0.0, effort),
-        leaks("the same mesh of radius 1, 10^4 from the origin", 1e4, effort),
-        depths(effort),
-        normals(effort),
+        leaks("rays at edges and corners of a closed mesh of 1280 triangles", 0.0, workload),
+        leaks("the same mesh of radius 1, 10^4 from the origin", 1e4, workload),
+        depths(workload),
+        normals(workload),
     ]
 }

@@ -1,15 +1,15 @@
-//! Pictures of one channel, and filters that are products of one along each axis.
+//! Pictures of one channel, and separable filters.
 
 /// One channel, row by row.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plane {
+pub struct GrayImage {
     pub width: usize,
     pub values: Vec<f64>,
 }
 
-impl Plane {
-    /// Filters rows by `across` and columns by `down`; both have an odd number of weights. Beyond its edges a picture
-    /// goes on as it ends.
+impl GrayImage {
+    /// Filters rows by `across` and columns by `down`, which have odd numbers of weights. Edge pixels are repeated
+    /// beyond the edges.
     pub fn filtered(&self, across: &[f64], down: &[f64]) -> Self {
         let (width, height) = (self.width, self.values.len() / self.width.max(1));
         let rows = self.values.chunks_exact(width.max(1));
@@ -19,13 +19,14 @@ impl Plane {
         Self { width, values: (0..rows.len()).map(at).collect() }
     }
 
+    /// A picture of `of` applied to the values of both pictures.
     pub fn combined(&self, other: &Self, of: impl Fn(f64, f64) -> f64) -> Self {
         let values = self.values.iter().zip(&other.values).map(|(a, b)| of(*a, *b)).collect();
         Self { width: self.width, values }
     }
 }
 
-/// The weighted sum around the value number `at` of `count` that are `step` apart.
+/// The weighted sum around the value with the index `at` in a row of `count` values that are `step` apart.
 fn around(values: &[f64], at: usize, step: usize, count: usize, weights: &[f64]) -> f64 {
     let radius = weights.len() / 2;
     let value =

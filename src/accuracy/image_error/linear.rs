@@ -2,22 +2,22 @@
 
 use crate::base::color::Rgb;
 
-/// Added to the squared reference in [`References::relative_squared_error`], so that black does not count without end:
-/// the usual 0.01 (Rousselle, Knaus, Zwicker, *Adaptive Sampling and Reconstruction using Greedy Error Minimization*,
-/// 2011).
+/// Added to the squared reference in [`ReferencePair::relative_squared_error`], to limit the weight of black pixels.
+/// 0.01 is the usual value (Rousselle, Knaus, Zwicker, *Adaptive Sampling and Reconstruction using Greedy Error
+/// Minimization*, 2011).
 pub const RELATIVE_FLOOR: f64 = 0.01;
 
-/// Two pictures of what a third one should be, made from independent samples.
+/// Two references A and B from independent samples.
 ///
-/// The mean of (x - A)(x - B) is the squared error of x without that of the references: their noise is independent of
-/// each other and of x's, so all products with it are zero in the mean. Of few pixels it may be negative.
+/// The mean of (x - A)(x - B) is the squared error of x without the noise of the references: the noise of A, B and x is
+/// independent, so its products have a mean of zero. Over few pixels the result may be negative.
 #[derive(Clone, Debug, PartialEq)]
-pub struct References {
+pub struct ReferencePair {
     pub a: Vec<Rgb>,
     pub b: Vec<Rgb>,
 }
 
-impl References {
+impl ReferencePair {
     /// Mean over pixels and channels of (x - A)(x - B).
     pub fn squared_error(&self, x: &[Rgb]) -> f64 {
         self.mean(x, |x, a, b| (x - a) * (x - b))
@@ -41,17 +41,17 @@ impl References {
         })
     }
 
-    /// The mean of both, as the best picture there is.
+    /// The mean of both references, which is the best estimate.
     pub fn best(&self) -> Vec<Rgb> {
         self.a.iter().zip(&self.b).map(|(a, b)| ((a.as_dvec3() + b.as_dvec3()) * 0.5).as_vec3()).collect()
     }
 
-    /// The squared error of [`References::best`]: a quarter of the squared difference.
+    /// The squared error of [`ReferencePair::best`]: a quarter of the squared difference.
     pub fn noise(&self) -> f64 {
         mean_squared_error(&self.a, &self.b) / 4.0
     }
 
-    /// Mean over pixels and channels of the reference.
+    /// Mean of both references over pixels and channels.
     pub fn brightness(&self) -> f64 {
         self.mean(&self.a, |_, a, b| 0.5 * (a + b))
     }
@@ -74,8 +74,8 @@ pub fn mean_squared_error(x: &[Rgb], y: &[Rgb]) -> f64 {
     squares.sum::<f64>() / (3 * x.len()).max(1) as f64
 }
 
-/// Peak signal-to-noise ratio in decibels of displayed values in 0..=1 with this mean squared error; infinite where
-/// there is none.
+/// Peak signal-to-noise ratio in decibels for displayed values in 0..=1 with this mean squared error; infinite if the
+/// error is 0.
 pub fn psnr(mean_squared_error: f64) -> f64 {
     -10.0 * libm::log10(mean_squared_error)
 }

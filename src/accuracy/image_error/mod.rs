@@ -1,7 +1,7 @@
-//! How far a picture is from what it should be, as numbers.
+//! Error metrics of pictures.
 //!
-//! Linear radiance is compared by squares, against two references whose noise is independent; displayed pictures by
-//! [`psnr`] and by FLIP, which stands for what an eye sees.
+//! Linear radiance is compared with two references of independent noise, by squared errors. Displayed pictures are
+//! compared by [`psnr`] and by FLIP, which predicts the visible difference.
 
 mod flip;
 mod kernel;
@@ -10,4 +10,4 @@ mod linear;
 mod tests;
 
 pub use flip::{Flip, PIXELS_PER_DEGREE};
-pub use linear::{RELATIVE_FLOOR, References, mean_squared_error, psnr};
+pub use linear::{RELATIVE_FLOOR, ReferencePair, mean_squared_error, psnr};

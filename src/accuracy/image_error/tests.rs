@@ -1,10 +1,10 @@
-//! Metrics on pairs whose values are known.
+//! Metrics of picture pairs with known values.
 
 use super::*;
 use crate::base::color::Rgb;
 use crate::testing::Random;
 
-/// Displayed colours by their place.
+/// A picture of displayed colours, by a function of column and row.
 fn picture(width: usize, height: usize, of: impl Fn(usize, usize) -> [f64; 3]) -> Vec<[f32; 3]> {
     let pixels = (0..width * height).map(|i| of(i % width, i / width));
     pixels.map(|color| color.map(|value| value as f32)).collect()
@@ -15,8 +15,8 @@ fn flip_of(a: [f64; 3], b: [f64; 3]) -> f64 {
     Flip::new(&a, 8, PIXELS_PER_DEGREE).mean(&b)
 }
 
-/// Values by the authors' own program (`flip_evaluator` 1.7) on the same pictures. It computes in f32, which its small
-/// exponents turn into differences of up to 5e-5.
+/// Values of the authors' own program (`flip_evaluator` 1.7) for the same pictures. It computes in f32, so with the
+/// small exponents its values differ by up to 5e-5.
 #[test]
 fn flip_is_that_of_its_authors() {
     let cases = [
@@ -50,7 +50,7 @@ fn flip_is_that_of_its_authors() {
     }
 }
 
-/// As above: a dot, and an edge moved by a pixel, of which the features see more than the colours.
+/// As above: a dot, and an edge moved by a pixel; both differ more in their features than in their colours.
 #[test]
 fn flip_sees_dots_and_edges_as_its_authors_do() {
     let black = picture(33, 33, |_, _| [0.0; 3]);
@@ -68,7 +68,7 @@ fn flip_sees_dots_and_edges_as_its_authors_do() {
 fn squared_errors_have_their_closed_forms() {
     let (a, b) = (vec![Rgb::new(1.0, 0.5, 0.0); 6], vec![Rgb::new(1.0, 0.5, 0.25); 6]);
     let x = vec![Rgb::new(1.5, 0.5, 0.5); 6];
-    let references = References { a: a.clone(), b };
+    let references = ReferencePair { a: a.clone(), b };
     // (0.5² + 0 + 0.5 · 0.25) / 3.
     assert!((references.squared_error(&x) - 0.125).abs() < 1e-15);
     let relative = (0.25 / 1.01 + 0.125 / (0.015_625 + 0.01)) / 3.0;
@@ -79,14 +79,15 @@ fn squared_errors_have_their_closed_forms() {
     assert_eq!((psnr(0.01), psnr(1.0), psnr(0.0)), (20.0, 0.0, f64::INFINITY));
 }
 
-/// With noise on everything, what is left is that of the picture alone; against one reference it would be twice that.
+/// If all pictures are noisy, only the noise of the compared picture counts; against one reference it would be twice
+/// that.
 #[test]
 fn the_noise_of_references_does_not_count() {
     let mut random = Random(3);
     let mut noisy = |bias: f64| -> Vec<Rgb> {
         (0..40_000).map(|_| Rgb::splat((0.5 + bias + 0.2 * (random.unit() - 0.5)) as f32)).collect()
     };
-    let references = References { a: noisy(0.0), b: noisy(0.0) };
+    let references = ReferencePair { a: noisy(0.0), b: noisy(0.0) };
     let x = noisy(0.05);
     let variance = 0.2 * 0.2 / 12.0;
     let error = references.squared_error(&x);

@@ -1,4 +1,4 @@
-//! Plots: curves of points on logarithmic axes, as SVG and as pixels.
+//! Plots of series of points on logarithmic axes, as SVG and as pixels.
 
 mod scale;
 
@@ -14,14 +14,14 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::LazyLock;
 
-/// Pixels of a plot.
+/// The size of a plot, in pixels.
 const SIZE: (u32, u32) = (860, 500);
-/// The font that plots are laid out in. Browsers take their own.
+/// The font that plots are laid out with. Browsers use their own.
 const FONT: &str = "sans-serif";
 const INK: RGBColor = RGBColor(40, 44, 52);
 const GRID: RGBColor = RGBColor(228, 230, 234);
 const BEHIND: RGBColor = RGBColor(150, 154, 162);
-/// Told apart by most people who see colours differently (Okabe and Ito 2008).
+/// Colours that most people with colour blindness can distinguish (Okabe and Ito 2008).
 const COLORS: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -31,43 +31,43 @@ const COLORS: [RGBColor; 6] = [
     RGBColor(230, 159, 0),
 ];
 
-/// Whether the font is there. Without it plots could not be laid out.
+/// Whether the font could be registered. Plots cannot be laid out without it.
 static REGISTERED: LazyLock<bool> =
     LazyLock::new(|| register_font(FONT, FontStyle::Normal, FONT_FILE).is_ok());
 
-/// What is drawn. Values are above zero.
+/// A plot. All values are above zero.
 #[derive(Clone, Debug)]
 pub struct Plot {
     pub title: String,
     pub x: Scale,
     pub y: Scale,
-    pub curves: Vec<Curve>,
-    /// A wide grey line behind the curves.
+    pub series: Vec<Series>,
+    /// A wide grey line behind the series.
     pub behind: Vec<(f64, f64)>,
-    /// A ring around a point, and what it stands for.
+    /// A ring around a point, and its label in the legend.
     pub ring: Option<((f64, f64), &'static str)>,
     pub legend: Legend,
 }
 
-/// What stands at an axis, and how its values are written.
+/// The label of an axis, and the format of its values.
 #[derive(Clone, Copy, Debug)]
 pub struct Scale {
     pub name: &'static str,
     pub label: fn(f64) -> String,
 }
 
-/// Points that a line joins.
+/// Points that are joined by a line.
 #[derive(Clone, Debug)]
-pub struct Curve {
+pub struct Series {
     pub name: String,
-    /// Which of the colours it has; they begin again after the last.
+    /// The index of its colour, modulo the number of colours.
     pub color: usize,
-    pub spots: Vec<Spot>,
+    pub points: Vec<DataPoint>,
 }
 
-/// A point, how far from it the true value may be, and what is written at it.
+/// A point with an error bar from `low` to `high`, and its label.
 #[derive(Clone, Debug)]
-pub struct Spot {
+pub struct DataPoint {
     pub x: f64,
     pub y: f64,
     pub low: f64,
@@ -75,7 +75,7 @@ pub struct Spot {
     pub label: String,
 }
 
-/// The corner that tells which curve is which.
+/// The corner with the legend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Legend {
     UpperLeft,
@@ -85,29 +85,29 @@ pub enum Legend {
 
 /// Why a plot could not be drawn.
 #[derive(Debug)]
-pub struct NoPlot(String);
+pub struct PlotError(String);
 
-impl fmt::Display for NoPlot {
+impl fmt::Display for PlotError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "cannot draw a plot: {}", self.0)
     }
 }
 
-impl Error for NoPlot {}
+impl Error for PlotError {}
 
 impl Plot {
-    /// The plot as SVG, to stand in a page or a file.
-    pub fn svg(&self) -> Result<String, NoPlot> {
+    /// The plot as SVG, for a page or a file.
+    pub fn svg(&self) -> Result<String, PlotError> {
         let mut text = String::new();
         let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
         self.draw(&area)?;
         drop(area);
-        // Fill the width that there is.
+        // A name for screen readers.
         Ok(text.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{}\" ", self.title), 1))
     }
 
-    /// The plot in pixels.
-    pub fn image(&self) -> Result<Picture, NoPlot> {
+    /// The plot as a raster picture.
+    pub fn image(&self) -> Result<Picture, PlotError> {
         let mut rgb = vec![0; (SIZE.0 * SIZE.1 * 3) as usize];
         let area = BitMapBackend::with_buffer(&mut rgb, SIZE).into_drawing_area();
         self.draw(&area)?;
@@ -115,25 +115,25 @@ impl Plot {
         Ok(Picture::opaque(SIZE.0, SIZE.1, rgb))
     }
 
-    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), NoPlot>
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError>
     where
         B::ErrorType: 'static,
     {
         if !*REGISTERED {
-            return Err(NoPlot("its font cannot be read".to_owned()));
+            return Err(PlotError("the font cannot be read".to_owned()));
         }
-        self.drawn(area).map_err(|error| NoPlot(error.to_string()))
+        self.drawn(area).map_err(|error| PlotError(error.to_string()))
     }
 
     fn drawn<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), Box<dyn Error>>
     where
         B::ErrorType: 'static,
     {
-        let spots = || self.curves.iter().flat_map(|curve| &curve.spots);
-        let (xs, ys) = (range(spots().map(|spot| spot.x)), range(spots().map(|spot| spot.y)));
+        let points = || self.series.iter().flat_map(|curve| &curve.points);
+        let (xs, ys) = (range(points().map(|point| point.x)), range(points().map(|point| point.y)));
         let (x_ticks, y_ticks) = (ticks(&xs), ticks(&ys));
         area.fill(&WHITE)?;
-        let mut plane = ChartBuilder::on(area)
+        let mut chart = ChartBuilder::on(area)
             .caption(&self.title, text(20))
             .margin(14)
             .x_label_area_size(46)
@@ -142,7 +142,7 @@ impl Plot {
                 xs.log_scale().with_key_points(x_ticks.clone()),
                 ys.clone().log_scale().with_key_points(y_ticks.clone()),
             )?;
-        plane
+        chart
             .configure_mesh()
             .bold_line_style(GRID)
             .light_line_style(TRANSPARENT)
@@ -156,21 +156,21 @@ impl Plot {
             .label_style(text(14))
             .axis_desc_style(text(15))
             .draw()?;
-        plane.draw_series(LineSeries::new(self.behind.iter().copied(), BEHIND.stroke_width(6)))?;
-        self.curves.iter().try_for_each(|curve| curve.draw(&mut plane, &ys))?;
-        self.draw_ring(&mut plane)?;
-        self.legend.draw(&mut plane)?;
+        chart.draw_series(LineSeries::new(self.behind.iter().copied(), BEHIND.stroke_width(6)))?;
+        self.series.iter().try_for_each(|curve| curve.draw(&mut chart, &ys))?;
+        self.draw_ring(&mut chart)?;
+        self.legend.draw(&mut chart)?;
         area.present()?;
         Ok(())
     }
 
-    /// The ring, with its line in the legend.
-    fn draw_ring<'a, B: DrawingBackend + 'a, X: Along, Y: Along>(
+    /// Draws the ring, with its entry in the legend.
+    fn draw_ring<'a, B: DrawingBackend + 'a, X: RealAxis, Y: RealAxis>(
         &self,
-        plane: &mut Plane<'a, B, X, Y>,
-    ) -> Result<(), Fault<B>> {
+        chart: &mut PlotArea<'a, B, X, Y>,
+    ) -> Result<(), DrawError<B>> {
         let Some((at, name)) = self.ring else { return Ok(()) };
-        plane
+        chart
             .draw_series([Circle::new(at, 9, INK.stroke_width(2))])?
             .label(name)
             .legend(|(x, y)| Circle::new((x + 11, y), 6, INK.stroke_width(2)));
@@ -178,57 +178,57 @@ impl Plot {
     }
 }
 
-/// What curves are drawn on, its axes, and what may go wrong.
-type Plane<'a, B, X, Y> = ChartContext<'a, B, Cartesian2d<X, Y>>;
-type Fault<B> = DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>;
+/// The drawing context of a plot, and its errors.
+type PlotArea<'a, B, X, Y> = ChartContext<'a, B, Cartesian2d<X, Y>>;
+type DrawError<B> = DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>;
 
 /// An axis of real numbers.
-trait Along: Ranged<ValueType = f64> {}
+trait RealAxis: Ranged<ValueType = f64> {}
 
-impl<T: Ranged<ValueType = f64>> Along for T {}
+impl<T: Ranged<ValueType = f64>> RealAxis for T {}
 
-impl Curve {
-    /// Its line, the bars of its errors and its points with their labels; bars end where the axis does.
-    fn draw<'a, B: DrawingBackend + 'a, X: Along, Y: Along>(
+impl Series {
+    /// Draws the line, the error bars, which are clipped to the axis, and the points with their labels.
+    fn draw<'a, B: DrawingBackend + 'a, X: RealAxis, Y: RealAxis>(
         &self,
-        plane: &mut Plane<'a, B, X, Y>,
+        chart: &mut PlotArea<'a, B, X, Y>,
         ys: &Range<f64>,
-    ) -> Result<(), Fault<B>> {
+    ) -> Result<(), DrawError<B>> {
         let color = COLORS[self.color % COLORS.len()];
-        let line = LineSeries::new(self.spots.iter().map(|spot| (spot.x, spot.y)), color.stroke_width(2));
-        plane
+        let line = LineSeries::new(self.points.iter().map(|point| (point.x, point.y)), color.stroke_width(2));
+        chart
             .draw_series(line)?
             .label(&self.name)
             .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 22, y)], color.stroke_width(3)));
         let reach = |y: f64| y.clamp(ys.start, ys.end);
-        let bars = self.spots.iter().filter(|spot| spot.low < spot.high).map(|spot| {
-            let ends = vec![(spot.x, reach(spot.low)), (spot.x, reach(spot.high))];
+        let bars = self.points.iter().filter(|point| point.low < point.high).map(|point| {
+            let ends = vec![(point.x, reach(point.low)), (point.x, reach(point.high))];
             PathElement::new(ends, color.stroke_width(1))
         });
-        plane.draw_series(bars)?;
-        let point = |spot: &Spot| Circle::new((spot.x, spot.y), 4, color.filled());
-        plane.draw_series(self.spots.iter().map(point))?;
+        chart.draw_series(bars)?;
+        let point = |point: &DataPoint| Circle::new((point.x, point.y), 4, color.filled());
+        chart.draw_series(self.points.iter().map(point))?;
         let style = (FONT, 13).into_font().color(&color);
-        plane.draw_series(self.spots.iter().map(|spot| {
-            EmptyElement::at((spot.x, spot.y)) + Text::new(spot.label.clone(), (9, -17), style.clone())
+        chart.draw_series(self.points.iter().map(|point| {
+            EmptyElement::at((point.x, point.y)) + Text::new(point.label.clone(), (9, -17), style.clone())
         }))?;
         Ok(())
     }
 }
 
 impl Legend {
-    fn draw<'a, B: DrawingBackend + 'a, X: Along, Y: Along>(
+    fn draw<'a, B: DrawingBackend + 'a, X: RealAxis, Y: RealAxis>(
         self,
-        plane: &mut Plane<'a, B, X, Y>,
-    ) -> Result<(), Fault<B>> {
+        chart: &mut PlotArea<'a, B, X, Y>,
+    ) -> Result<(), DrawError<B>> {
         let position = match self {
             Self::UpperLeft => SeriesLabelPosition::UpperLeft,
             Self::UpperRight => SeriesLabelPosition::UpperRight,
         };
-        plane
+        chart
             .configure_series_labels()
             .position(position)
-            // Browsers lay text out a little wider.
+            // Fonts of browsers may be a little wider.
             .margin(18)
             .background_style(WHITE.mix(0.85))
             .border_style(GRID)
@@ -237,7 +237,7 @@ impl Legend {
     }
 }
 
-/// Text of so many pixels.
+/// Text of a size in pixels.
 fn text(size: i32) -> TextStyle<'static> {
     (FONT, size).into_font().color(&INK)
 }
@@ -247,18 +247,19 @@ mod tests {
     use super::*;
 
     fn plot() -> Plot {
-        let spot = |x: f64, y: f64| Spot { x, y, low: y / 2.0, high: y * 2.0, label: format!("at {x}") };
-        let curve = |name: &str, color| Curve {
+        let point =
+            |x: f64, y: f64| DataPoint { x, y, low: y / 2.0, high: y * 2.0, label: format!("at {x}") };
+        let curve = |name: &str, color| Series {
             name: name.to_owned(),
             color,
-            spots: vec![spot(1.0, 1.0), spot(100.0, 20.0)],
+            points: vec![point(1.0, 1.0), point(100.0, 20.0)],
         };
         let scale = |name| Scale { name, label: |value| format!("{value:.0} units") };
         Plot {
             title: "How it grows".to_owned(),
             x: scale("workers"),
             y: scale("speed-up"),
-            curves: vec![curve("first", 0), curve("second", COLORS.len() + 1)],
+            series: vec![curve("first", 0), curve("second", COLORS.len() + 1)],
             behind: vec![(1.0, 1.0), (20.0, 20.0)],
             ring: Some(((1.0, 1.0), "the own one")),
             legend: Legend::UpperLeft,

@@ -1,8 +1,8 @@
-//! Logarithmic axes that people can read.
+//! Ranges and ticks of logarithmic axes.
 
 use std::ops::Range;
 
-/// From a little below the least to a little above the greatest value, half a decade at least.
+/// A range from slightly below the smallest to slightly above the largest value, of at least half a decade.
 pub fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let positive = values.filter(|value| *value > 0.0 && value.is_finite());
     let (low, high) =
@@ -14,7 +14,7 @@ pub fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     low / widened / 1.25..high * widened * 1.25
 }
 
-/// Values to write at an axis: powers of ten with what lies between as 2 and 5, where there is room.
+/// The labelled values of an axis: powers of ten, with 2 and 5 times these if the range is at most four decades.
 pub fn ticks(range: &Range<f64>) -> Vec<f64> {
     let decades = libm::log10(range.end / range.start);
     let steps: &[f64] = if decades > 4.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };

@@ -1,26 +1,26 @@
-//! Parts of pictures that took equally long, large enough to see their pixels, with what an eye sees in them.
+//! Enlarged crops of pictures at similar cost, with maps of their visible error.
 
-use crate::accuracy::findings::{described, factor, percent, seconds};
+use crate::accuracy::findings::{describe, factor, percent, seconds};
 use crate::accuracy::measure::{Measured, Point};
 use crate::encode::{Picture, png_bytes};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::io;
 
-/// Columns and rows of a part.
+/// Columns and rows of a crop, in pixels.
 const PART: (usize, usize) = (72, 54);
 
-/// A part of a picture and of its difference.
+/// A crop of a picture and of its error map.
 pub struct Crop {
     pub title: String,
-    pub told: String,
-    /// As `data:` addresses.
+    pub caption: String,
+    /// As a `data:` URL.
     pub picture: String,
-    /// None of what the picture should be.
+    /// `None` for the reference.
     pub difference: Option<String>,
 }
 
-/// Of the file's own setting, of the best at half, equal and double its cost, and of what it should be.
+/// Crops of the file's own setting, of the best settings at half, equal and double its cost, and of the reference.
 pub fn crops(measured: &Measured) -> io::Result<Vec<Crop>> {
     let corner = worst(measured);
     let own = measured.own();
@@ -28,9 +28,9 @@ pub fn crops(measured: &Measured) -> io::Result<Vec<Crop>> {
     for cost in [0.5, 1.0, 2.0] {
         let far = |point: &&Point| libm::fabs(libm::log2(point.time() / own.time() / cost));
         let others = measured.points.iter().filter(|point| {
-            !point.setting.axis.is_short() && !shown.iter().any(|shown| std::ptr::eq(*shown, *point))
+            !point.setting.axis.has_baseline() && !shown.iter().any(|shown| std::ptr::eq(*shown, *point))
         });
-        // Grids have few steps; of others, what is near costs as much to the eye.
+        // A larger range for grids, because they have few steps.
         let reach = if measured.random { 0.4 } else { 1.5 };
         let near = others.filter(|point| far(point) < reach);
         shown.extend(near.min_by(|a, b| a.error().total_cmp(&b.error())));
@@ -40,10 +40,10 @@ pub fn crops(measured: &Measured) -> io::Result<Vec<Crop>> {
     for point in shown {
         all.push(Crop {
             title: match std::ptr::eq(point, own) {
-                true => format!("{}, the file's own", described(point)),
-                false => described(point),
+                true => format!("{}, the file's own", describe(point)),
+                false => describe(point),
             },
-            told: format!(
+            caption: format!(
                 "{} times the cost ({} a frame at this size), error {}, FLIP {:.3}",
                 factor(point.time() / own.time()),
                 seconds(point.time()),
@@ -55,20 +55,20 @@ pub fn crops(measured: &Measured) -> io::Result<Vec<Crop>> {
         });
     }
     all.push(Crop {
-        title: "what it should be".to_owned(),
-        told: format!("{} samples", measured.reference),
+        title: "reference".to_owned(),
+        caption: format!("{} samples", measured.reference),
         picture: address(measured, corner, |i| measured.wanted[i])?,
         difference: None,
     });
     Ok(all)
 }
 
-/// Columns and rows of a part, no larger than the picture.
+/// Columns and rows of a crop, limited to the picture.
 fn part(measured: &Measured) -> (usize, usize) {
     (PART.0.min(measured.size.0 as usize), PART.1.min(measured.size.1 as usize))
 }
 
-/// The top left corner of where the file's own setting looks worst, in the first frame.
+/// The top left corner of the crop where the file's own setting looks worst, in the first frame.
 fn worst(measured: &Measured) -> (usize, usize) {
     let (width, height) = (measured.size.0 as usize, measured.size.1 as usize);
     let (columns, rows) = part(measured);
@@ -95,7 +95,7 @@ fn address(
     data_address(&Picture::opaque(columns as u32, rows as u32, rgb))
 }
 
-/// The error of each pixel at the file's own setting, as a `data:` address.
+/// The error of each pixel at the file's own setting, as a `data:` URL.
 pub fn errors(measured: &Measured) -> io::Result<String> {
     let (width, height) = (measured.size.0 as usize, measured.size.1 as usize);
     let shade = |error: &f32| {
@@ -109,12 +109,12 @@ pub fn errors(measured: &Measured) -> io::Result<String> {
     data_address(&Picture::opaque(width as u32, height as u32, rgb))
 }
 
-/// A picture as a `data:` address.
+/// A picture as a `data:` URL.
 pub fn data_address(picture: &Picture) -> io::Result<String> {
     Ok(format!("data:image/png;base64,{}", STANDARD.encode(png_bytes(picture)?)))
 }
 
-/// From black over purple and orange to white, as differences are usually shown (five colours of Matplotlib's magma).
+/// A colour map from black through purple and orange to white: five colours of Matplotlib's magma.
 fn heat(value: f32) -> [f32; 3] {
     const STOPS: [[f32; 3]; 5] = [
         [0.0, 0.0, 0.016],

@@ -1,4 +1,4 @@
-//! Measurements as a page to read, and as plots.
+//! Measurements as an HTML page, and as plots.
 
 mod crops;
 mod page;

@@ -1,29 +1,22 @@
-//! The report: one HTML file that holds all it shows, the answer first.
+//! The report: one self-contained HTML file that begins with the summary.
 
 mod curve;
 mod details;
 mod html;
+mod origin;
 mod robust;
 mod scene;
-mod words;
+mod glossary;
+
+pub use origin::Origin;
 
 use super::plots::charts;
 use crate::accuracy::measure::Measured;
+use glossary::GLOSSARY;
 use html::{Html, escaped};
 use std::error::Error;
-use words::WORDS;
 
-/// Where the measurements come from.
-#[derive(Clone, Debug)]
-pub struct Origin {
-    /// As it was typed.
-    pub command: String,
-    pub machine: String,
-    /// The sequence file, for commands to paste.
-    pub file: String,
-}
-
-/// The whole page.
+/// The HTML of the report.
 pub fn page(measured: &Measured, origin: &Origin) -> Result<String, Box<dyn Error>> {
     let mut html = Html::default();
     html.head(&format!("What accuracy costs: {}", measured.name));
@@ -45,8 +38,8 @@ pub fn page(measured: &Measured, origin: &Origin) -> Result<String, Box<dyn Erro
     details::layers(&mut html, measured);
     details::hard_cases(&mut html, measured);
     details::settings(&mut html, measured);
-    html.tag("h2", "What the words mean");
-    html.list(WORDS.iter().map(|(word, meaning)| (word.to_string(), meaning.to_string())));
+    html.tag("h2", "Glossary");
+    html.list(GLOSSARY.iter().map(|(word, meaning)| (word.to_string(), meaning.to_string())));
     html.tag("h2", "How it was measured");
     details::how(&mut html, measured, origin);
     html.raw("</main></body></html>\n");
@@ -61,10 +54,10 @@ fn answer(html: &mut Html, measured: &Measured) {
     html.raw("</section>\n");
 }
 
-/// Commands to paste.
+/// The advice, with commands to paste.
 fn advice(html: &mut Html, measured: &Measured, origin: &Origin) {
-    html.tag("h2", "What to do with it");
-    html.raw("<table><tr><th>you want</th><th>render with</th><th>what it does</th></tr>\n");
+    html.tag("h2", "Recommended settings");
+    html.raw("<table><tr><th>goal</th><th>command</th><th>effect</th></tr>\n");
     for advice in measured.advice() {
         html.raw("<tr>");
         html.tag("td", &advice.goal);

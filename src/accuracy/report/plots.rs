@@ -1,33 +1,33 @@
-//! Error against time: a curve per setting.
+//! Plots of error against time, with a curve per axis.
 
 use crate::accuracy::findings::{percent, seconds};
 use crate::accuracy::measure::{Measured, Point};
-use crate::accuracy::plot::{Curve, Legend, Plot, Scale, Spot};
-use crate::accuracy::settings::Axis;
-use crate::accuracy::statistics::Estimate;
+use crate::accuracy::plot::{DataPoint, Legend, Plot, Scale, Series};
+use crate::accuracy::settings::SettingAxis;
+use crate::accuracy::statistics::ConfidenceInterval;
 
 /// A plot of a measurement.
 #[derive(Clone, Debug)]
 pub struct Chart {
-    /// For the names of files.
+    /// The name for files.
     pub name: &'static str,
     /// What a reader should look for.
     pub caption: String,
     pub plot: Plot,
 }
 
-/// All plots of a measurement: those that have something to show.
+/// All plots of a measurement that have a curve of at least two points.
 pub fn charts(measured: &Measured) -> Vec<Chart> {
     let mut all = Vec::from(errors(measured));
     all.push(bounces(measured));
-    all.retain(|chart| chart.plot.curves.iter().any(|curve| curve.spots.len() > 1));
+    all.retain(|chart| chart.plot.series.iter().any(|curve| curve.points.len() > 1));
     all
 }
 
-/// The errors of all that takes samples, as three ways to measure them see them.
+/// The errors of settings that are compared with the reference, by three metrics.
 fn errors(measured: &Measured) -> [Chart; 3] {
     let brightness = measured.brightness;
-    let axes = [Axis::Samples, Axis::Independent, Axis::Noise, Axis::Antialias];
+    let axes = [SettingAxis::Samples, SettingAxis::Independent, SettingAxis::Noise, SettingAxis::Antialias];
     [
         Chart::new(
             measured,
@@ -35,7 +35,7 @@ fn errors(measured: &Measured) -> [Chart; 3] {
             "Error of the light against time",
             (
                 "RMSE, as a share of the mean brightness",
-                "How far the light of a pixel is from what it should be, typically; 5 % would be a twentieth of the picture's \
+                "The typical difference of a pixel's light from the true value; 5 % is a twentieth of the picture's \
                  mean brightness.",
             ),
             &axes,
@@ -47,7 +47,7 @@ fn errors(measured: &Measured) -> [Chart; 3] {
             "Error relative to each pixel against time",
             (
                 "root of relMSE",
-                "The same as a share of each pixel's own brightness, so that dark parts count as much as bright ones.",
+                "The same relative to each pixel's own brightness, so that dark parts count as much as bright ones.",
             ),
             &axes,
             |point| point.relative.root(),
@@ -55,10 +55,10 @@ fn errors(measured: &Measured) -> [Chart; 3] {
         Chart::new(
             measured,
             "flip",
-            "What an eye sees against time",
+            "Visible error against time",
             (
                 "FLIP",
-                "How different the displayed picture looks to someone who flips between it and what it should be: 0 is no \
+                "How different the displayed picture looks to a person who flips between it and the reference: 0 is no \
                  difference.",
             ),
             &axes,
@@ -67,22 +67,22 @@ fn errors(measured: &Measured) -> [Chart; 3] {
     ]
 }
 
-/// What is left out with fewer bounces.
+/// The light that fewer bounces omit.
 fn bounces(measured: &Measured) -> Chart {
     let Chart { name, plot, .. } = Chart::new(
         measured,
         "bounces",
-        "What bounces change, against their time",
+        "Effect of bounces against time",
         ("difference, as a share of the mean brightness", ""),
-        &[Axis::Bounces],
+        &[SettingAxis::Bounces],
         |point| {
             let bias = point.bias.0.root().map(|bias| bias / measured.brightness);
-            // What cannot be told from none has no place.
-            if point.bias.is_certain() { bias } else { Estimate::default() }
+            // Differences that are not significant are not plotted.
+            if point.bias.is_certain() { bias } else { ConfidenceInterval::default() }
         },
     );
-    let caption = "Each point is a number of bounces, and by how much its picture differs from that with the file's own \
-        number, without noise. What cannot be told from no difference has no place on a logarithmic axis.";
+    let caption = "Each point is a number of bounces, and the difference of its picture from that with the file's own \
+        number, without noise. Differences that are not significant are not plotted.";
     Chart { name, caption: caption.to_owned(), plot: Plot { behind: Vec::new(), ring: None, ..plot } }
 }
 
@@ -92,28 +92,28 @@ impl Chart {
         name: &'static str,
         title: &str,
         (y, meaning): (&'static str, &str),
-        axes: &[Axis],
-        error: impl Fn(&Point) -> Estimate,
+        axes: &[SettingAxis],
+        error: impl Fn(&Point) -> ConfidenceInterval,
     ) -> Self {
         let spot = |point: &Point| {
-            let Estimate { mean, low, high } = error(point);
-            Spot { x: point.time(), y: mean, low, high, label: point.setting.value.clone() }
+            let ConfidenceInterval { mean, low, high } = error(point);
+            DataPoint { x: point.time(), y: mean, low, high, label: point.setting.value.clone() }
         };
-        let shown = |spot: &Spot| spot.y > 0.0 && spot.y.is_finite();
-        let curve = |&axis: &Axis| {
+        let shown = |spot: &DataPoint| spot.y > 0.0 && spot.y.is_finite();
+        let curve = |&axis: &SettingAxis| {
             let mut on = measured.on(axis);
             match axis {
-                Axis::Noise => {}
-                Axis::Bounces => on.sort_by_key(|point| point.setting.quality.bounces),
+                SettingAxis::Noise => {}
+                SettingAxis::Bounces => on.sort_by_key(|point| point.setting.quality.bounces),
                 _ => on.sort_by(|a, b| a.samples.total_cmp(&b.samples)),
             }
-            Curve {
+            Series {
                 name: axis.name().to_owned(),
                 color: color(axis),
-                spots: on.into_iter().map(spot).filter(shown).collect(),
+                points: on.into_iter().map(spot).filter(shown).collect(),
             }
         };
-        let front = measured.front(|point| error(point).mean);
+        let front = measured.pareto_front(|point| error(point).mean);
         let front = front.iter().map(|point| (point.time(), error(point).mean)).filter(|at| at.1 > 0.0);
         let own = measured.own();
         let own = (own.time(), error(own).mean);
@@ -122,27 +122,27 @@ impl Chart {
             title: title.to_owned(),
             x: Scale { name: "processor time for a frame of the measured size", label: seconds },
             y: Scale { name: y, label },
-            curves: axes.iter().map(curve).filter(|curve| !curve.spots.is_empty()).collect(),
+            series: axes.iter().map(curve).filter(|curve| !curve.points.is_empty()).collect(),
             behind: front.collect(),
             ring: (own.1 > 0.0).then_some((own, "the file's own")),
             legend: Legend::UpperRight,
         };
         let caption = format!(
-            "{meaning} Further left is faster, further down is better: what no other point beats in both lies on the \
-            grey line. The ring is the file's own setting; numbers at points are settings."
+            "{meaning} Further left is faster, further down is better. The grey line is the Pareto front: no other \
+            point is better in both. The ring is the file's own setting; numbers at points are settings."
         );
         Self { name, caption, plot }
     }
 }
 
-/// Those that are never in one plot may have the same.
-fn color(axis: Axis) -> usize {
+/// The colour index of an axis. Axes that never share a plot may share a colour.
+fn color(axis: SettingAxis) -> usize {
     match axis {
-        Axis::Samples | Axis::Antialias => 0,
-        Axis::Independent => 1,
-        Axis::Noise => 2,
-        Axis::Bounces => 3,
-        Axis::Roulette | Axis::Integrator => 4,
-        Axis::Layers | Axis::Parts | Axis::Remedies => 5,
+        SettingAxis::Samples | SettingAxis::Antialias => 0,
+        SettingAxis::Independent => 1,
+        SettingAxis::Noise => 2,
+        SettingAxis::Bounces => 3,
+        SettingAxis::Roulette | SettingAxis::Integrator => 4,
+        SettingAxis::Layers | SettingAxis::Parts | SettingAxis::Remedies => 5,
     }
 }

@@ -1,104 +1,95 @@
-//! What robustness costs in a scene: its own rays in the ways of the hard cases, each judged by arithmetic of twice the
-//! precision of f64.
+//! What robust intersections cost and gain in a scene: its own rays by the methods of the hard cases, compared with
+//! double-double arithmetic.
 //!
-//! A ray from the camera goes through the middle of each pixel, one goes on from each hit, and one to a light. Shapes are met
-//! by formulas of textbooks in f32 and f64, by stable ones in f32, and by Kinora's. Rays to lights start from the point as
-//! it is and ignore what is nearer than a fixed offset, or where Kinora's bounds of errors say.
+//! For each pixel, a camera ray passes through its centre; a bounce ray and a shadow ray leave the hit. They are
+//! intersected by textbook formulas in f32 and f64, by stable formulas in f32, and by Kinora's. Shadow rays either
+//! start at the computed point and ignore hits closer than a fixed offset, or start beyond Kinora's error bounds.
 
-mod bodies;
 mod judge;
 mod rays;
+mod textbook;
 mod times;
 
-pub use judge::Blemish;
-pub use rays::{Met, Scenery};
+pub use judge::PixelError;
+pub use rays::{SceneRays, SurfaceHit};
 
-use super::hard_cases::WAYS;
+use super::hard_cases::METHODS;
 use crate::scene::Scene;
 use judge::{PixelVerdict, judge};
 use rayon::prelude::*;
 
-/// The offsets that rays to lights are usually started with, in the scene's units.
-pub const OFFSETS: [f64; 2] = [1e-3, 1e-5];
-
-/// How the rays of a scene fare by one way of meeting shapes.
+/// The hits of one method on the rays of a scene.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Hits {
-    pub way: &'static str,
-    /// Rays, and those of them that meet something else than they should, or a thousandth of the way off.
+pub struct HitErrors {
+    pub method: &'static str,
     pub rays: u32,
+    /// Rays with a missed or invented hit, or a relative error of t above a thousandth.
     pub wrong: u32,
-    /// Of one test of one shape.
+    /// Time of one test of one shape.
     pub nanoseconds: f64,
 }
 
-/// How rays to lights fare by one way of starting them.
+/// The shadow rays of one method of choosing their origin.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Starts {
-    pub way: String,
+pub struct ShadowRayErrors {
+    pub method: String,
     pub rays: u32,
-    /// Lit places that their own or a neighbouring surface shadows by rounding.
+    /// Lit points that their own or a neighbouring surface shadows because of rounding.
     pub false_shadows: u32,
-    /// Shadows of what is near that are lost.
+    /// Lost shadows of nearby surfaces.
     pub lost_shadows: u32,
-    /// Of starting one ray; none of those that need nothing but the point.
+    /// Time to compute one origin; `None` for methods that use the point as it is.
     pub nanoseconds: Option<f64>,
 }
 
-/// What was found.
+/// The results of all methods.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Robustness {
-    pub hits: Vec<Hits>,
-    pub starts: Vec<Starts>,
-    /// Of the picture.
+    pub hits: Vec<HitErrors>,
+    pub starts: Vec<ShadowRayErrors>,
+    /// The size of the grid of camera rays.
     pub size: (u32, u32),
-    /// Of each pixel: how bright the surface is shown, and what the cheap way makes wrong there.
-    pub pixels: Vec<(f32, Option<Blemish>)>,
+    /// For each pixel, a brightness for display, and the error of the cheap method.
+    pub pixels: Vec<(f32, Option<PixelError>)>,
 }
 
 impl Robustness {
-    /// Sends the rays of as many pixels as there is time for: some thousand.
+    /// Traces the rays of up to `most` pixels, fewer if the scene has many primitives.
     pub fn of(scene: &Scene, (width, height): (u32, u32), most: u32) -> Self {
-        let scenery = Scenery::new(scene);
-        // Each ray is held against all primitives.
+        let rays = SceneRays::new(scene);
+        // Each ray is tested against all primitives.
         let room = f64::from(most).min(4e6 / (scene.geometry.primitives.len() as f64 + 20.0)).max(500.0);
         let share = (room / (f64::from(width) * f64::from(height))).sqrt().min(1.0);
         let side = |side: u32| ((f64::from(side) * share).round() as u32).max(1);
         let size = (side(width), side(height));
         let pixels: Vec<u32> = (0..size.0 * size.1).collect();
-        let judged: Vec<PixelVerdict> =
-            pixels.par_iter().map(|&pixel| judge(&scenery, pixel, size)).collect();
-        let (tests, begins) = times::times(&scenery, size);
-        let hits = WAYS.iter().enumerate().map(|(index, way)| Hits {
-            way,
+        let judged: Vec<PixelVerdict> = pixels.par_iter().map(|&pixel| judge(&rays, pixel, size)).collect();
+        let (tests, begins) = times::times(&rays, size);
+        let hits = METHODS.iter().enumerate().map(|(index, method)| HitErrors {
+            method,
             rays: judged.iter().map(|pixel| pixel.rays).sum(),
             wrong: judged.iter().map(|pixel| pixel.wrong_hits[index]).sum(),
             nanoseconds: tests[index],
         });
-        let starts = judge::START_NAMES.iter().enumerate().map(|(index, way)| Starts {
-            way: (*way).to_owned(),
+        let starts = judge::ORIGIN_METHODS.iter().enumerate().map(|(index, method)| ShadowRayErrors {
+            method: (*method).to_owned(),
             rays: judged.iter().filter(|pixel| pixel.starts.is_some()).count() as u32,
             false_shadows: count(&judged, |starts| starts.false_shadow[index]),
             lost_shadows: count(&judged, |starts| starts.lost_shadow[index]),
             nanoseconds: begins[index],
         });
         let (hits, starts) = (hits.collect(), starts.collect());
-        Self {
-            hits,
-            starts,
-            size,
-            pixels: judged.iter().map(|pixel| (pixel.shade, pixel.blemish())).collect(),
-        }
+        Self { hits, starts, size, pixels: judged.iter().map(|pixel| (pixel.shade, pixel.error())).collect() }
     }
 
-    /// The share of the pixels that the cheap way makes wrong.
+    /// The share of pixels that the cheap method gets wrong.
     pub fn wrong_pixels(&self) -> f64 {
-        let wrong = self.pixels.iter().filter(|(_, blemish)| blemish.is_some()).count();
+        let wrong = self.pixels.iter().filter(|(_, error)| error.is_some()).count();
         wrong as f64 / self.pixels.len().max(1) as f64
     }
 }
 
-fn count(judged: &[PixelVerdict], of: impl Fn(&judge::StartVerdict) -> bool) -> u32 {
+fn count(judged: &[PixelVerdict], of: impl Fn(&judge::ShadowVerdict) -> bool) -> u32 {
     judged.iter().filter(|pixel| pixel.starts.as_ref().is_some_and(&of)).count() as u32
 }
 
@@ -128,7 +119,7 @@ mod tests {
         let found = measured(objects, r#""sun": Point(position: (3, 6, 4))"#);
         let [textbook, .., ours] = found.hits.as_slice() else { panic!("{found:?}") };
         assert!(textbook.rays > 2000 && ours.wrong == 0, "{:?}", found.hits);
-        let kinora = found.starts.last().expect("a way");
+        let kinora = found.starts.last().expect("a method");
         assert_eq!((kinora.false_shadows, kinora.lost_shadows), (0, 0), "{:?}", found.starts);
         assert!(kinora.rays > 500 && kinora.nanoseconds.is_some());
     }

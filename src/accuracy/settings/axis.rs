@@ -1,31 +1,31 @@
-//! Along what settings differ.
+//! The axes along which settings differ.
 
 /// Which setting differs from the file's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Axis {
-    /// Random samples in a pixel, stratified.
+pub enum SettingAxis {
+    /// Number of random samples per pixel, stratified.
     Samples,
-    /// The same of independent ones, to see what stratifying gains.
+    /// Number of independent samples per pixel, to show what stratification gains.
     Independent,
-    /// Sampling until an error is reached.
+    /// Adaptive sampling until a noise target is reached.
     Noise,
-    /// Samples on a regular grid, where nothing is random.
+    /// Samples on a regular grid, if nothing is random.
     Antialias,
-    /// Longest chain of reflections.
+    /// The largest number of bounces.
     Bounces,
-    /// When dim paths may end.
+    /// The number of bounces after which Russian roulette starts.
     Roulette,
-    /// In how many layers light is kept apart.
+    /// The number of film layers.
     Layers,
-    /// How light is followed.
+    /// The integrator.
     Integrator,
     /// Effects, lights and objects, each switched off.
     Parts,
-    /// What may remove fireflies.
+    /// Remedies for fireflies.
     Remedies,
 }
 
-impl Axis {
+impl SettingAxis {
     pub const ALL: [Self; 10] = [
         Self::Samples,
         Self::Independent,
@@ -39,7 +39,7 @@ impl Axis {
         Self::Remedies,
     ];
 
-    /// In plots and tables.
+    /// The name for plots and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Samples => "samples",
@@ -55,48 +55,49 @@ impl Axis {
         }
     }
 
-    /// For people who have not met it.
+    /// An explanation for readers of the report.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Samples => {
-                "How many random rays look through each pixel. Kinora spreads them evenly (Sobol points), so that more \
-                 of them help more than chance would."
+                "The number of random camera rays per pixel. Kinora distributes them evenly (Sobol points), so that \
+                 the error falls faster than with independent random numbers."
             }
             Self::Independent => {
-                "The same number of rays with independent random numbers. Only here to show what Sobol points gain."
+                "The same number of rays with independent random numbers. Measured only to show what Sobol points gain."
             }
             Self::Noise => {
-                "--noise: the renderer adds samples until the error of the frame is below the target, most of them where \
-                 the picture is noisy."
+                "--noise: the renderer adds samples until the error of the frame is below the target. It adds most of \
+                 them where the picture is noisy."
             }
             Self::Antialias => {
-                "Rays on a regular grid in each pixel, n x n of them, that smooth jagged edges. Nothing is random."
+                "A regular grid of n x n rays in each pixel, which smooths jagged edges. Nothing is random."
             }
             Self::Bounces => {
-                "How often light may go from one surface to the next. Fewer bounces leave light out: that error is a \
-                 bias, which more samples do not take away."
+                "The largest number of surfaces that scatter light on its way. Fewer bounces omit light: that error \
+                 is a bias, which more samples do not reduce."
             }
             Self::Roulette => {
-                "After this many bounces, dim rays end at random and others make up for them: less time, more noise."
+                "After this number of bounces, dim paths end at random, and the remaining paths count for more: less \
+                 time, more noise."
             }
             Self::Layers => {
-                "Light whose keys differ is kept apart from all other light, in a layer of its own, so that frames in \
-                 which only lights change need no rays. Every layer samples its lights by itself."
+                "Lights with different keys have film layers of their own, so that frames in which only lights change \
+                 need no rays. Each layer samples its lights separately."
             }
             Self::Integrator => {
-                "Whitted ray tracing follows mirrors and glass only; path tracing follows light from every surface to \
-                 every other."
+                "Whitted ray tracing follows only mirrors and glass; path tracing follows light between all surfaces."
             }
-            Self::Parts => "Each effect, light and object of the scene, switched off in turn.",
+            Self::Parts => "Each effect, light and object of the scene, switched off one at a time.",
             Self::Remedies => {
-                "Settings that make single bright pixels (fireflies) rarer. Most of them change the picture: that is \
-                 their bias."
+                "Settings that reduce single bright pixels (fireflies). Most of them change the picture: that change \
+                 is their bias."
             }
         }
     }
 
-    /// Whether its settings are compared with the file's own over the same few random numbers, not with the reference.
-    pub fn is_short(self) -> bool {
+    /// Whether settings of this axis are compared with a baseline: the file's own setting with as few samples of the
+    /// same random numbers. The others are compared with the reference.
+    pub fn has_baseline(self) -> bool {
         !matches!(self, Self::Samples | Self::Independent | Self::Noise | Self::Antialias)
     }
 }

@@ -1,14 +1,15 @@
-//! The curve of error against time: every factor of two around the file's own setting.
+//! The settings of the curve of error against time: every factor of two around the file's own setting.
 
-use super::{Axis, FINER, Scope, Settings};
-use crate::sampling::Points;
+use super::axis::SettingAxis;
+use super::experiment::{Experiment, FINER, Scope};
+use crate::sampling::SamplerKind;
 use crate::sequence::quality::{NoiseTarget, Quality};
 
-/// Runs of each setting of the curve; of a first answer, only those below the file's own have so many.
+/// Runs of each setting of the curve. With `--quick`, only settings below the file's own have this number.
 const RUNS: u32 = 16;
 
 impl Scope {
-    /// Steps of a factor of two below and above the file's own setting.
+    /// The numbers of steps of a factor of two below and above the file's own setting.
     fn steps(self) -> (u32, u32) {
         if self.quick { (3, 1) } else { (5, 2) }
     }
@@ -18,7 +19,7 @@ impl Scope {
     }
 }
 
-impl Settings {
+impl Experiment {
     pub(super) fn samples(&mut self, own: &Quality) {
         let plain = |samples, points| Quality { samples, points, noise: None, ..*own };
         let flags = |samples| format!("--samples {samples}");
@@ -27,39 +28,39 @@ impl Settings {
         match own.noise {
             Some(target) => {
                 let flags = format!("--noise {}", target.error);
-                self.push(Axis::Noise, *own, percent(target.error), flags, runs);
+                self.push(SettingAxis::Noise, *own, percent(target.error), flags, runs);
             }
-            None => self.push(Axis::Samples, *own, own.samples.to_string(), flags(own.samples), runs),
+            None => self.push(SettingAxis::Samples, *own, own.samples.to_string(), flags(own.samples), runs),
         }
         let ladder = self.ladder();
         let center = self.center();
         for &samples in ladder.iter().filter(|&&samples| own.noise.is_some() || samples != own.samples) {
             let runs = self.scope.runs(samples >= center);
             let quality = plain(samples, own.points);
-            self.push(Axis::Samples, quality, samples.to_string(), flags(samples), runs);
+            self.push(SettingAxis::Samples, quality, samples.to_string(), flags(samples), runs);
         }
         let most = if self.scope.quick { center.div_ceil(4) } else { center };
         for &samples in ladder.iter().filter(|&&samples| samples <= most) {
-            let quality = plain(samples, Points::Independent);
+            let quality = plain(samples, SamplerKind::Independent);
             let runs = self.scope.runs(samples >= center);
-            self.push(Axis::Independent, quality, samples.to_string(), String::new(), runs);
+            self.push(SettingAxis::Independent, quality, samples.to_string(), String::new(), runs);
         }
         let top = self.top();
-        // Of a long measurement, each of both references is so fine by itself.
+        // In a long measurement, each of both references has that number of samples.
         let halves = if self.scope.quick { 2 } else { 1 };
         self.reference = FINER.saturating_mul(top).div_ceil(halves);
         self.leave_out(
             "anti-aliasing grid",
-            "pixels have random samples in this frame, which smooth edges as well",
+            "pixels of this frame have random samples, which smooth edges as well",
         );
     }
 
-    /// Samples of the file's own setting, about.
+    /// The rounded number of samples of the file's own setting.
     pub(super) fn center(&self) -> u32 {
-        (self.known.samples.round() as u32).max(1)
+        (self.facts.samples.round() as u32).max(1)
     }
 
-    /// Every factor of two around the file's own setting.
+    /// Numbers of samples at every factor of two around the file's own setting.
     fn ladder(&self) -> Vec<u32> {
         let (below, above) = self.scope.steps();
         let center = self.center();
@@ -72,15 +73,15 @@ impl Settings {
         all
     }
 
-    /// The most samples that anything takes which is compared with the references.
+    /// The largest number of samples of all settings that are compared with the references.
     fn top(&self) -> u32 {
-        let curve = self.all.iter().filter(|setting| !setting.axis.is_short());
+        let curve = self.all.iter().filter(|setting| !setting.axis.has_baseline());
         curve.map(|setting| setting.samples.ceil() as u32).fold(1, u32::max)
     }
 
     /// Noise targets around the error of the file's own setting.
     pub(super) fn targets(&mut self, own: &Quality) {
-        let error = own.noise.map_or(self.known.error, |target| target.error);
+        let error = own.noise.map_or(self.facts.error, |target| target.error);
         if error <= 0.0 {
             return;
         }
@@ -92,7 +93,7 @@ impl Settings {
             }
             let quality = Quality { noise: Some(NoiseTarget { error, most }), ..*own };
             let runs = self.scope.runs(true);
-            self.push(Axis::Noise, quality, percent(error), format!("--noise {error}"), runs);
+            self.push(SettingAxis::Noise, quality, percent(error), format!("--noise {error}"), runs);
         }
     }
 
@@ -106,23 +107,23 @@ impl Settings {
         others.dedup();
         for n in [own.antialias].into_iter().chain(others) {
             let (quality, value, flags) = grid(n);
-            self.push(Axis::Antialias, quality, value, flags, RUNS);
+            self.push(SettingAxis::Antialias, quality, value, flags, RUNS);
         }
         self.reference = FINER * finest * finest;
         for what in ["samples", "noise target"] {
-            self.leave_out(what, "nothing is random in this frame, so pixels are sampled on a regular grid");
+            self.leave_out(what, "nothing in this frame is random, so pixels are sampled on a regular grid");
         }
     }
 }
 
-/// To one digit that means something: 1, 1.5, 2, 3, 5 or 7 times a power of ten.
+/// Rounds to 1, 1.5, 2, 3, 5 or 7 times a power of ten.
 fn rounded(value: f64) -> f64 {
     let digits = [10.0, 15.0, 20.0, 30.0, 50.0, 70.0, 100.0];
     let exponent = libm::floor(libm::log10(value));
     let scale = libm::pow(10.0, 1.0 - exponent);
     let far = |digit: &f64| libm::fabs(libm::log(value * scale / digit));
     let digit = digits.into_iter().min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(10.0);
-    // Divided, as 0.05 is not 50 times the number nearest to 0.001.
+    // A division, because 0.05 is not 50 times the f64 nearest to 0.001.
     digit / scale
 }
 

@@ -1,28 +1,29 @@
-//! What a scene is made of, switched off piece by piece, and what may remove its fireflies.
+//! Settings that switch off one part of the scene, and remedies for fireflies.
 
-use super::{Axis, Setting, Settings};
-use crate::accuracy::change::Change;
+use super::axis::SettingAxis;
+use super::experiment::{Experiment, Setting};
+use crate::accuracy::change::SceneChange;
 use crate::sequence::quality::{Integrator, PathSettings, Quality};
 
-impl Settings {
-    /// Adds effects, lights and objects, each switched off, under their names.
-    pub fn parts(&mut self, own: &Quality, parts: Vec<(Change, String)>) {
+impl Experiment {
+    /// Adds a setting for each effect, light or object that is switched off, with its name.
+    pub fn parts(&mut self, own: &Quality, parts: Vec<(SceneChange, String)>) {
         for (change, name) in parts {
-            self.push(Axis::Parts, self.short(own), name, String::new(), self.short_runs());
+            self.push(SettingAxis::Parts, self.few_samples(own), name, String::new(), self.paired_runs());
             self.change_last(change);
         }
     }
 
-    /// Adds what may remove fireflies; `refracts` and `area` tell whether the scene has refraction and area lights.
+    /// Adds remedies for fireflies; `refracts` and `area` are set if the scene has refraction and area lights.
     pub fn remedies(&mut self, own: &Quality, refracts: bool, area: bool) {
         let Integrator::Path(path) = own.integrator else { return };
         if !self.random {
             return;
         }
-        let samples = (self.known.samples.ceil() as u32).min(16);
+        let samples = (self.facts.samples.ceil() as u32).min(16);
         let short = Quality { samples, noise: None, ..*own };
         self.remedy(short, "as it is".to_owned());
-        let clamps = [16.0, 4.0].map(|times| rounded(times * self.known.bright) as f32);
+        let clamps = [16.0, 4.0].map(|times| rounded(times * self.facts.bright) as f32);
         for clamp in clamps.into_iter().filter(|clamp| own.clamp.is_none_or(|own| *clamp < own)) {
             self.remedy(Quality { clamp: Some(clamp), ..short }, format!("clamp: {clamp}"));
         }
@@ -31,24 +32,24 @@ impl Settings {
             self.remedy(Quality { integrator, ..short }, "refractive_shadows: true".to_owned());
         }
         if area {
-            self.remedy(short, "area lights of twice the size, as much light".to_owned());
-            self.change_last(Change::LargerLights);
+            self.remedy(short, "area lights of twice the size, the same power".to_owned());
+            self.change_last(SceneChange::LargerLights);
         }
     }
 
     fn remedy(&mut self, quality: Quality, value: String) {
         let runs = if self.scope.quick { 8 } else { 16 };
-        self.push(Axis::Remedies, quality, value, String::new(), runs);
+        self.push(SettingAxis::Remedies, quality, value, String::new(), runs);
     }
 
-    fn change_last(&mut self, change: Change) {
+    fn change_last(&mut self, change: SceneChange) {
         if let Some(Setting { change: last, .. }) = self.all.last_mut() {
             *last = change;
         }
     }
 }
 
-/// A number of one digit: 1, 2 or 5 times a power of ten.
+/// Rounds to 1, 2 or 5 times a power of ten.
 fn rounded(value: f64) -> f64 {
     if !(value > 0.0 && value.is_finite()) {
         return 1.0;

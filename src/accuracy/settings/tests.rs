@@ -1,8 +1,9 @@
 use super::*;
-use crate::sequence::quality::NoiseTarget;
+use crate::accuracy::change::SceneChange;
+use crate::sequence::quality::{Integrator, NoiseTarget, PathSettings, Quality};
 
-fn known(random: bool, samples: f64) -> Known {
-    Known { random, other_random: !random, samples, error: 0.03, bright: 2.0 }
+fn facts(random: bool, samples: f64) -> SceneFacts {
+    SceneFacts { random, other_random: !random, samples, error: 0.03, bright: 2.0 }
 }
 
 fn scopes() -> [Scope; 2] {
@@ -18,9 +19,9 @@ fn the_own_setting_comes_first_and_once() {
     for (own, random) in [(Quality::default(), false), (Quality::default(), true), (path(64), true)] {
         for scope in scopes() {
             let samples = samples_of(&own, random, 64.0);
-            let settings = Settings::new(&own, known(random, samples), scope);
+            let settings = Experiment::new(&own, facts(random, samples), scope);
             assert_eq!(settings.all[0].quality, own);
-            let curve = settings.all.iter().filter(|setting| !setting.axis.is_short());
+            let curve = settings.all.iter().filter(|setting| !setting.axis.has_baseline());
             assert_eq!(curve.filter(|setting| setting.quality == own).count(), 1);
         }
     }
@@ -32,8 +33,8 @@ fn references_have_sixteen_times_the_samples_of_what_they_judge() {
     let cases = [(path(64), 64.0), (path(512), 512.0), (path(1), 1.0), (noise(0.05), 300.0)];
     for (own, samples) in cases {
         for scope in scopes() {
-            let settings = Settings::new(&own, known(true, samples), scope);
-            let curve = settings.all.iter().skip(1).filter(|setting| !setting.axis.is_short());
+            let settings = Experiment::new(&own, facts(true, samples), scope);
+            let curve = settings.all.iter().skip(1).filter(|setting| !setting.axis.has_baseline());
             let most = curve
                 .map(|setting| setting.samples.max(f64::from(setting.quality.noise.map_or(0, |n| n.most))));
             let most = most.fold(samples, f64::max);
@@ -46,8 +47,8 @@ fn references_have_sixteen_times_the_samples_of_what_they_judge() {
 fn the_curve_has_every_factor_of_two_around_the_own_setting() {
     for own in [1, 3, 64, 100, 512] {
         for scope in scopes() {
-            let settings = Settings::new(&path(own), known(true, own.into()), scope);
-            let on = settings.all.iter().filter(|setting| setting.axis == Axis::Samples);
+            let settings = Experiment::new(&path(own), facts(true, own.into()), scope);
+            let on = settings.all.iter().filter(|setting| setting.axis == SettingAxis::Samples);
             let mut samples: Vec<f64> = on.map(|setting| setting.samples).collect();
             samples.sort_by(f64::total_cmp);
             assert!(samples.contains(&f64::from(2 * own)), "double of {own}: {samples:?}");
@@ -60,16 +61,19 @@ fn the_curve_has_every_factor_of_two_around_the_own_setting() {
 #[test]
 fn what_is_short_is_compared_with_the_own_setting_of_as_many_samples() {
     let own = path(512);
-    let mut settings = Settings::new(&own, known(true, 512.0), Scope { quick: true, most: None });
-    settings.parts(&own, vec![(Change::LightOff(0), "a light".to_owned())]);
+    let mut settings = Experiment::new(&own, facts(true, 512.0), Scope { quick: true, most: None });
+    settings.parts(&own, vec![(SceneChange::LightOff(0), "a light".to_owned())]);
     settings.remedies(&own, true, true);
-    let short = |setting: &Setting| setting.axis.is_short() && setting.axis != Axis::Integrator;
+    let short = |setting: &Setting| setting.axis.has_baseline() && setting.axis != SettingAxis::Integrator;
     for (index, setting) in settings.all.iter().enumerate().filter(|(_, setting)| short(setting)) {
-        let twin = &settings.all[settings.twin(index)];
-        assert_eq!((twin.samples, twin.runs, twin.change), (setting.samples, setting.runs, Change::None));
-        assert_eq!(twin.quality.bounces, own.bounces);
+        let baseline = &settings.all[settings.baseline(index)];
+        assert_eq!(
+            (baseline.samples, baseline.runs, baseline.change),
+            (setting.samples, setting.runs, SceneChange::None)
+        );
+        assert_eq!(baseline.quality.bounces, own.bounces);
     }
-    let remedies = settings.all.iter().filter(|setting| setting.axis == Axis::Remedies);
+    let remedies = settings.all.iter().filter(|setting| setting.axis == SettingAxis::Remedies);
     let names: Vec<_> = remedies.map(|setting| setting.value.as_str()).collect();
     assert_eq!(names[1..4], ["clamp: 50", "clamp: 10", "refractive_shadows: true"]);
 }
@@ -78,7 +82,7 @@ fn what_is_short_is_compared_with_the_own_setting_of_as_many_samples() {
 fn what_is_not_there_is_left_out_with_a_reason() {
     let left_out = |random| {
         let settings =
-            Settings::new(&Quality::default(), known(random, 64.0), Scope { quick: false, most: None });
+            Experiment::new(&Quality::default(), facts(random, 64.0), Scope { quick: false, most: None });
         settings.left_out.iter().map(|left| left.what).collect::<Vec<_>>()
     };
     assert!(left_out(false).contains(&"samples") && !left_out(false).contains(&"anti-aliasing grid"));

@@ -1,17 +1,17 @@
-//! Cube maps: six pictures around, without seams between them.
+//! Cube maps: six square images around the viewer, without seams.
 
 #[cfg(test)]
 mod tests;
 
-use crate::appearance::texture::{Filter, Image, Wrap};
+use crate::appearance::texture::{Image, TextureFilter, Wrap};
 use crate::base::color::Rgb;
 use crate::base::digest::content;
 use crate::base::math::{DVec2, DVec3};
 
-/// The names of the faces in their order: towards +x, -x, +y, -y, +z and -z.
+/// The names of the faces, in order: towards +x, -x, +y, -y, +z and -z.
 pub const FACES: [&str; 6] = ["px", "nx", "py", "ny", "pz", "nz"];
 
-/// Where each face's picture runs to the right and where it runs down, as OpenGL's and Direct3D's cube maps:
+/// The axes of each face, as in the cube maps of OpenGL and Direct3D:
 ///
 /// | face | right | up |
 /// |---|---|---|
@@ -22,7 +22,7 @@ pub const FACES: [&str; 6] = ["px", "nx", "py", "ny", "pz", "nz"];
 /// | pz | +x | +y |
 /// | nz | -x | +y |
 ///
-/// That is the view from inside in left-handed axes; in right-handed ones the pictures are seen mirrored.
+/// This is the view from inside in left-handed axes. In right-handed axes the images appear mirrored.
 const AXES: [Axes; 6] = [
     Axes { forward: DVec3::X, right: DVec3::NEG_Z, down: DVec3::NEG_Y },
     Axes { forward: DVec3::NEG_X, right: DVec3::Z, down: DVec3::NEG_Y },
@@ -38,39 +38,39 @@ struct Axes {
     down: DVec3,
 }
 
-/// Six square pictures of one size. Between the texels of two faces lie values on their common edge, and one
-/// on the corner of three, which every face has as its own border: what is filtered on one side of an edge
-/// ends where the other side begins.
+/// Six square images of one size. Between the texels of two faces, the map stores values on their common edge, and one
+/// at each corner of three faces. Each face has these values as its border. So filtering gives the same value on both
+/// sides of an edge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CubeMap {
     /// Texels along an edge.
     size: u32,
-    /// Face by face, row by row from the top left, (size + 2)² values each: texels at their centres, and
-    /// around them the border on the very edge, half a texel away.
+    /// Face by face, row by row from the top left, (size + 2)² values each: texels at their centres, and around them
+    /// the border on the edge itself, half a texel away.
     values: Vec<Rgb>,
-    /// Whether any of the pictures has alpha, which a sky does not show.
+    /// Whether any of the images has alpha, which a sky ignores.
     pub has_alpha: bool,
 }
 
 content!(struct CubeMap { size, values, has_alpha });
 
-/// Why six images make no cube map; the number is the face's index in [`FACES`].
+/// Why six images do not form a cube map. The number is the index of the face in [`FACES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FacesError {
     NotSquare(usize),
-    /// Another size than the first face.
+    /// Its size differs from that of the first face.
     Differs(usize),
 }
 
-/// A place on a face, in -1..=1 from the left and from the top.
-struct Place {
+/// A point of a face. `s` runs from -1 at the left to 1, `t` from -1 at the top to 1.
+struct FacePoint {
     face: usize,
     s: f64,
     t: f64,
 }
 
 impl CubeMap {
-    /// A cube map of images in the order of [`FACES`].
+    /// Builds a cube map from images in the order of [`FACES`].
     pub fn new(faces: [&Image; 6]) -> Result<Self, FacesError> {
         let size = faces[0].width();
         for (index, face) in faces.iter().enumerate() {
@@ -94,21 +94,22 @@ impl CubeMap {
         self.size
     }
 
-    /// Radiance from a direction of any length; black from none.
+    /// Radiance from a direction of any length. It is black if the direction is zero or not finite.
     pub fn radiance(&self, direction: DVec3) -> Rgb {
-        let Some(Place { face, s, t }) = place(direction) else { return Rgb::ZERO };
-        let [(column, right), (row, down)] = [s, t].map(|along| self.between(along));
+        let Some(FacePoint { face, s, t }) = face_point(direction) else { return Rgb::ZERO };
+        let [(column, right), (row, down)] = [s, t].map(|along| self.texel_before(along));
         let across = self.size as usize + 2;
         let first = (face * across + row) * across + column;
         let row = |at: usize| self.values[at].lerp(self.values[at + 1], right);
         row(first).lerp(row(first + across), down)
     }
 
-    /// The value before a place in -1..=1 along a row or column, and how far it is to the next one.
-    fn between(&self, along: f64) -> (usize, f32) {
+    /// The index of the value at or before a point in -1..=1 of a row or column, and the fraction of the way to the
+    /// next value.
+    fn texel_before(&self, along: f64) -> (usize, f32) {
         let at = (0.5 * along + 0.5) * f64::from(self.size) + 0.5;
         let before = at.floor();
-        // The border is half a texel away from the first and the last one.
+        // The border is half a texel from the first and from the last texel.
         let share = match (before as usize, at - before) {
             (0, share) => 2.0 * share - 1.0,
             (last, share) if last == self.size as usize => 2.0 * share,
@@ -118,8 +119,8 @@ impl CubeMap {
     }
 }
 
-/// The face that a direction meets, and where; none for directions without one.
-fn place(direction: DVec3) -> Option<Place> {
+/// The face and its point in a direction. It is `None` if the direction is zero or not finite.
+fn face_point(direction: DVec3) -> Option<FacePoint> {
     let size = direction.abs();
     let axis = if size.x >= size.y && size.x >= size.z {
         0
@@ -130,15 +131,15 @@ fn place(direction: DVec3) -> Option<Place> {
     };
     let face = 2 * axis + usize::from(direction[axis] < 0.0);
     let on_cube = direction / size[axis];
-    // No part is longer than the longest, and its quotient is not rounded beyond 1.
+    // No component exceeds the largest one, and the rounded quotient does not exceed 1.
     on_cube.is_finite().then(|| {
         let axes = &AXES[face];
-        Place { face, s: on_cube.dot(axes.right), t: on_cube.dot(axes.down) }
+        FacePoint { face, s: on_cube.dot(axes.right), t: on_cube.dot(axes.down) }
     })
 }
 
-/// The value at index 0..=size + 1 along each axis of a face: a texel, or on the border the mean of the two or
-/// three faces that meet there, each at the centres of its outermost texels.
+/// The value at index 0..=size + 1 along each axis of a face. Inside it is a texel. On the border it is the mean of the
+/// two or three faces that meet there, each sampled at the centres of its outermost texels.
 fn value(faces: &[&Image; 6], face: usize, at: [u32; 2]) -> Rgb {
     let last = faces[face].width() + 1;
     let side = at.map(|i| if i == 0 { -1.0 } else { f64::from(u8::from(i == last)) });
@@ -155,13 +156,13 @@ fn value(faces: &[&Image; 6], face: usize, at: [u32; 2]) -> Rgb {
     let beside = (side[0] != 0.0).then(|| forward * rim + right * side[0] + down * t);
     let below = (side[1] != 0.0).then(|| forward * rim + right * s + down * side[1]);
     let touching: Vec<_> = [here, beside, below].into_iter().flatten().collect();
-    touching.iter().map(|direction| seen(faces, *direction)).sum::<Rgb>() / touching.len() as f32
+    touching.iter().map(|direction| lookup(faces, *direction)).sum::<Rgb>() / touching.len() as f32
 }
 
-/// What the face in a direction shows, without regard to the others.
-fn seen(faces: &[&Image; 6], direction: DVec3) -> Rgb {
-    place(direction).map_or(Rgb::ZERO, |Place { face, s, t }| {
+/// The colour in a direction, filtered within one face.
+fn lookup(faces: &[&Image; 6], direction: DVec3) -> Rgb {
+    face_point(direction).map_or(Rgb::ZERO, |FacePoint { face, s, t }| {
         let uv = DVec2::new(0.5 + 0.5 * s, 0.5 - 0.5 * t);
-        faces[face].sample(uv, [Wrap::Clamp.into(); 2], Filter::Bilinear)
+        faces[face].sample(uv, [Wrap::Clamp.into(); 2], TextureFilter::Bilinear)
     })
 }

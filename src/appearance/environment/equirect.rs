@@ -1,15 +1,15 @@
-//! Directions on a rectangle: longitude across, latitude up.
+//! Equirectangular mapping: longitude across, latitude up.
 
 use crate::base::lanes::{Real, Vec3};
 use crate::base::math::{Angle, DVec2, DVec3, atan2, cos_sin_of_turns};
 use std::f64::consts::FRAC_1_PI;
 
-/// Where directions are, both from 0 to 1: -z is in the middle, +x a quarter to the right of it, +y at the top.
-/// Arc tangents keep their digits near the poles, where arc sines lose half of them.
+/// Maps directions to u and v, both from 0 to 1: -z is in the middle, +x a quarter to its right, +y at the top. Arc
+/// tangents keep their digits near the poles, where arc sines lose half of them.
 #[inline(always)]
 pub fn uv<F: Real>(direction: Vec3<F>) -> [F; 2] {
     let Vec3 { x, y, z } = direction;
-    // Where the squares underflow, the direction points to a pole, and its longitude has no effect.
+    // If the squares underflow, the direction points to a pole, where the longitude has no effect.
     let level = (x * x + z * z).sqrt();
     [longitude(direction), F::splat(0.5) + atan2(y, level) * F::splat(FRAC_1_PI)]
 }
@@ -26,10 +26,10 @@ pub fn direction(uv: DVec2) -> DVec3 {
     around::<f64>(uv.x, latitude.y, latitude.x).into()
 }
 
-/// Directions at longitudes in 0..=1 with these heights along +y, at these distances from that axis.
+/// Directions at longitudes in 0..=1, with these heights along +y and these distances from that axis.
 #[inline(always)]
 pub fn around<F: Real>(longitude: F, height: F, level: F) -> Vec3<F> {
-    // Half a turn on, so that no turn is below 0.
+    // The half turn keeps every angle at or above 0.
     let (cosine, sine) = cos_sin_of_turns(longitude);
     Vec3::new(-(level * sine), height, level * cosine)
 }

@@ -1,8 +1,8 @@
-//! Skies in directions of their own: one colour, two, or images.
+//! Skies in their own coordinates: one colour, a gradient, or images.
 
 use super::CubeMap;
 use super::equirect;
-use crate::appearance::texture::{Filter, Image, Shared, Wrap};
+use crate::appearance::texture::{Image, SharedAsset, TextureFilter, Wrap};
 use crate::base::color::Rgb;
 use crate::base::digest::content;
 use crate::base::lanes::{Color, Real, Row, Vec3};
@@ -12,15 +12,15 @@ use crate::base::math::{DVec2, DVec3};
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sky {
     Constant(Rgb),
-    /// From `bottom`, straight down, to `top`, straight up along the unit vector `up`, evenly in height.
+    /// Linear in the height along the unit vector `up`, from `bottom` straight down to `top` straight up.
     Gradient {
         bottom: Rgb,
         top: Rgb,
         up: DVec3,
     },
-    CubeMap(Shared<CubeMap>),
-    /// A picture of all directions: longitude to the right, latitude upwards, -z in the middle.
-    Equirect(Shared<Image>),
+    CubeMap(SharedAsset<CubeMap>),
+    /// An equirectangular image: longitude to the right, latitude upwards, -z in the middle.
+    Equirect(SharedAsset<Image>),
 }
 
 content!(enum Sky {
@@ -31,7 +31,7 @@ content!(enum Sky {
 });
 
 impl Sky {
-    /// Radiance from directions, unit vectors.
+    /// Radiance from directions, which are unit vectors.
     #[inline(always)]
     pub fn radiance<F: Real>(&self, direction: Vec3<F>) -> Color<F::F32> {
         let (zero, one) = (F::splat(0.0), F::splat(1.0));
@@ -49,7 +49,7 @@ impl Sky {
         }
     }
 
-    /// [`Sky::radiance`] of images in so many lanes, without lanes: a row for each of red, green and blue.
+    /// [`Sky::radiance`] of images, lane by lane. The result has a row for each of red, green and blue.
     #[inline(never)]
     fn image_radiance(&self, directions: &[DVec3; 8], lanes: usize) -> [[f32; 8]; 3] {
         let mut color = [[0.0; 8]; 3];
@@ -58,7 +58,7 @@ impl Sky {
             let direction = directions[lane];
             let radiance = match self {
                 Self::CubeMap(map) => map.radiance(direction),
-                Self::Equirect(image) => seen(image, DVec2::from(equirect::uv::<f64>(direction.into()))),
+                Self::Equirect(image) => lookup(image, DVec2::from(equirect::uv::<f64>(direction.into()))),
                 Self::Constant(_) | Self::Gradient { .. } => Rgb::ZERO,
             };
             (r[lane], g[lane], b[lane]) = radiance.into();
@@ -71,18 +71,18 @@ impl Sky {
         self.radiance::<f64>(direction.into()).into()
     }
 
-    /// Radiance from the direction at a place of [`equirect::direction`].
+    /// Radiance from [`equirect::direction`] of `uv`.
     pub(super) fn radiance_at(&self, uv: DVec2) -> Rgb {
         match self {
-            Self::Equirect(image) => seen(image, uv),
+            Self::Equirect(image) => lookup(image, uv),
             _ => self.radiance_from(equirect::direction(uv)),
         }
     }
 }
 
-/// East of the last column comes the first one; beyond the poles there is nothing.
-fn seen(image: &Image, uv: DVec2) -> Rgb {
-    image.sample(uv, [Wrap::Repeat.into(), Wrap::Clamp.into()], Filter::Bilinear)
+/// Filters an image of all directions. Columns repeat, so the first one follows the last one. Rows end at the poles.
+fn lookup(image: &Image, uv: DVec2) -> Rgb {
+    image.sample(uv, [Wrap::Repeat.into(), Wrap::Clamp.into()], TextureFilter::Bilinear)
 }
 
 #[cfg(test)]
@@ -102,21 +102,21 @@ mod tests {
         assert_eq!(tilted.radiance_from(DVec3::Z), top);
     }
 
-    /// An image of 8 × 4 texels whose red is the column and whose green is the row from the top.
+    /// An image of 8 × 4 texels. Red is the column, green is the row from the top.
     fn numbered() -> Sky {
         let texels = (0..4u8).flat_map(|y| (0..8u8).map(move |x| Rgb::new(x.into(), y.into(), 0.0)));
-        Sky::Equirect(Shared::new(Image::new(8, 4, texels.collect()).expect("an image")))
+        Sky::Equirect(SharedAsset::new(Image::new(8, 4, texels.collect()).expect("an image")))
     }
 
     #[test]
     fn equirect_images_have_minus_z_in_the_middle_and_x_to_the_right() {
         let sky = numbered();
-        let seen = |x: f64, y: f64, z: f64| sky.radiance_from(DVec3::new(x, y, z).normalize());
-        assert_eq!(seen(0.0, 0.0, -1.0), Rgb::new(3.5, 1.5, 0.0));
-        assert_eq!(seen(1.0, 0.0, 0.0), Rgb::new(5.5, 1.5, 0.0));
-        assert_eq!(seen(-1.0, 0.0, 0.0), Rgb::new(1.5, 1.5, 0.0));
-        assert_eq!(seen(0.0, 0.0, 1.0).x, 3.5, "the seam mixes the columns 0 and 7");
-        assert_eq!((seen(0.0, 1.0, 0.0).y, seen(0.0, -1.0, 0.0).y), (0.0, 3.0));
+        let radiance = |x: f64, y: f64, z: f64| sky.radiance_from(DVec3::new(x, y, z).normalize());
+        assert_eq!(radiance(0.0, 0.0, -1.0), Rgb::new(3.5, 1.5, 0.0));
+        assert_eq!(radiance(1.0, 0.0, 0.0), Rgb::new(5.5, 1.5, 0.0));
+        assert_eq!(radiance(-1.0, 0.0, 0.0), Rgb::new(1.5, 1.5, 0.0));
+        assert_eq!(radiance(0.0, 0.0, 1.0).x, 3.5, "the seam mixes the columns 0 and 7");
+        assert_eq!((radiance(0.0, 1.0, 0.0).y, radiance(0.0, -1.0, 0.0).y), (0.0, 3.0));
     }
 
     #[test]

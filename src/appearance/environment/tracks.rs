@@ -1,8 +1,8 @@
 //! Environments over time.
 
 use super::{CubeMap, Environment, Sky};
-use crate::appearance::light_groups::glow::Dimmer;
-use crate::appearance::texture::{Image, Shared};
+use crate::appearance::light_groups::GroupWeight;
+use crate::appearance::texture::{Image, SharedAsset};
 use crate::base::color::Rgb;
 use crate::base::math::{DMat3, DQuat, DVec3};
 use crate::base::time::Time;
@@ -17,9 +17,9 @@ pub struct EnvironmentTracks {
     pub sky: SkyTracks,
     /// Factor of its radiance, at least 0.
     pub intensity: Animated<f64>,
-    /// How the sky is turned, as an object would be.
+    /// The rotation of the sky, with the conventions of objects.
     pub rotation: Rotation,
-    /// Whether the sky is mirrored first, from front to back.
+    /// Whether the sky is first mirrored from front to back.
     pub mirrored: bool,
 }
 
@@ -33,8 +33,8 @@ pub enum SkyTracks {
         top: Animated<Rgb>,
         up: DVec3,
     },
-    CubeMap(Shared<CubeMap>),
-    Equirect(Shared<Image>),
+    CubeMap(SharedAsset<CubeMap>),
+    Equirect(SharedAsset<Image>),
 }
 
 impl From<SkyTracks> for EnvironmentTracks {
@@ -58,7 +58,7 @@ impl From<Rgb> for EnvironmentTracks {
 }
 
 impl EnvironmentTracks {
-    /// Whether any of its images has alpha, which a sky does not show.
+    /// Whether any of its images has alpha, which a sky ignores.
     pub fn has_alpha(&self) -> bool {
         match &self.sky {
             SkyTracks::Equirect(image) => image.has_alpha(),
@@ -67,17 +67,17 @@ impl EnvironmentTracks {
         }
     }
 
-    /// What weights this environment over time: its keyed intensity, and the keyed colour of a constant sky.
-    /// Keys of anything else change the environment itself.
-    pub fn dimmer(&self) -> Dimmer {
+    /// The keyed weight of this environment: its keyed intensity, and the keyed colour of a constant sky. Other keys
+    /// change the environment itself.
+    pub fn group_weight(&self) -> GroupWeight {
         let keyed_color = |color: &Animated<Rgb>| color.is_keyed().then(|| color.clone());
         let color = if let SkyTracks::Constant(color) = &self.sky { keyed_color(color) } else { None };
         let intensity = self.intensity.is_keyed().then(|| self.intensity.clone());
-        Dimmer { on: None, intensity, color }
+        GroupWeight { on: None, intensity, color }
     }
 
-    /// The environment at a moment, without what its [`EnvironmentTracks::dimmer`] weights; `layer` is the
-    /// dimmer's.
+    /// The environment at a moment, without its keyed weight. `layer` is the layer of
+    /// [`EnvironmentTracks::group_weight`].
     pub fn at(&self, time: Time, layer: LayerId) -> Environment {
         let strength =
             if let Animated::Constant(intensity) = self.intensity { intensity as f32 } else { 1.0 };
@@ -126,10 +126,10 @@ mod tests {
     fn constant_skies_are_weighted_by_their_keys() {
         let tracks =
             EnvironmentTracks { intensity: 2.0.into(), ..EnvironmentTracks::from(keyed(Rgb::ZERO, Rgb::X)) };
-        assert_eq!(tracks.dimmer().at(Time::from_integer(1)), Rgb::X * 0.5);
+        assert_eq!(tracks.group_weight().at(Time::from_integer(1)), Rgb::X * 0.5);
         assert_eq!(at(&tracks, 0), at(&tracks, 1), "the environment itself does not change");
         assert_eq!(radiance(&at(&tracks, 1), DVec3::Y), Rgb::splat(2.0));
-        assert!(EnvironmentTracks::from(Rgb::X).dimmer().is_constant());
+        assert!(EnvironmentTracks::from(Rgb::X).group_weight().is_constant());
     }
 
     #[test]
@@ -138,12 +138,12 @@ mod tests {
         let tracks = EnvironmentTracks {
             intensity: keyed(0.0, 2.0),
             rotation: Rotation::AxisAngle { axis: DVec3::Y.into(), angle: keyed(Angle(0.0), Angle(180.0)) },
-            ..SkyTracks::Equirect(Shared::new(image)).into()
+            ..SkyTracks::Equirect(SharedAsset::new(image)).into()
         };
-        assert_eq!(tracks.dimmer().at(Time::from_integer(1)), Rgb::ONE);
+        assert_eq!(tracks.group_weight().at(Time::from_integer(1)), Rgb::ONE);
         let ahead = |degrees: f64| DVec3::new(Angle(degrees).cos_sin().y, 0.0, -Angle(degrees).cos_sin().x);
         assert_eq!(radiance(&at(&tracks, 0), ahead(45.0)), Rgb::Z);
-        // Turned by 90 degrees to the left, what was to the right is ahead.
+        // After a turn of 90 degrees to the left, the right part is ahead.
         assert_eq!(radiance(&at(&tracks, 1), ahead(-45.0)), Rgb::Z);
         assert_eq!(at(&tracks, 1).layer, LayerId(3));
     }
@@ -152,7 +152,7 @@ mod tests {
     fn keyed_gradients_change_without_a_weight() {
         let (bottom, top) = (keyed(Rgb::ZERO, Rgb::ONE), Rgb::ONE.into());
         let tracks = EnvironmentTracks::from(SkyTracks::Gradient { bottom, top, up: DVec3::Y });
-        assert!(tracks.dimmer().is_constant());
+        assert!(tracks.group_weight().is_constant());
         assert_eq!(radiance(&at(&tracks, 1), DVec3::NEG_Y), Rgb::splat(0.5));
     }
 }

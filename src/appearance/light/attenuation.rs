@@ -1,10 +1,10 @@
-//! How light grows fainter with distance.
+//! Attenuation of light with distance.
 
 use crate::base::digest::content;
 use crate::base::lanes::Real;
 
-/// The share min(1, 1 / (`constant` + `linear`·d + `quadratic`·d²)) of the light arrives at distance d. Each
-/// part is at least 0.
+/// The share min(1, 1 / (`constant` + `linear`·d + `quadratic`·d²)) arrives at distance d. Each coefficient is at least
+/// 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attenuation {
     pub constant: f64,
@@ -14,7 +14,7 @@ pub struct Attenuation {
 
 content!(struct Attenuation { constant, linear, quadratic });
 
-/// As bright far away as near.
+/// No attenuation.
 impl Default for Attenuation {
     fn default() -> Self {
         Self { constant: 1.0, linear: 0.0, quadratic: 0.0 }
@@ -30,7 +30,7 @@ impl Attenuation {
         }
         let fading = distance * (F::splat(self.linear) + distance * F::splat(self.quadratic));
         let divisor = F::splat(self.constant) + fading;
-        // Also for a divisor of 0, at the light itself.
+        // This also covers a divisor of 0, at the light itself.
         F::select(divisor.le(one), one, one / divisor)
     }
 }

@@ -1,4 +1,4 @@
-//! Lights: what shines, from where, and what dims it over time.
+//! Lights: their shape, position and radiance.
 
 mod attenuation;
 mod tracks;
@@ -14,32 +14,31 @@ use crate::film::LayerId;
 use crate::geometry::shape::{Rectangle, Sphere};
 use bevy_ecs::component::Component;
 
-/// A light at one moment, without what keys weight: switching and fading it touch its layer's weight alone.
+/// A light at one moment, without its keyed weight. Switching and fading a light change only the weight of its layer.
 #[derive(Clone, Copy, Component, Debug, PartialEq)]
 pub struct Light {
     pub source: Source,
-    /// The product of everything about colour and intensity that never changes. A point, spot or directional
-    /// light of radiance 1 facing a surface of diffuse 1 gives radiance 1; an area light is seen as bright
-    /// as this from wherever it is seen.
+    /// The product of the constant factors of colour and intensity. A point, spot or directional light of radiance 1
+    /// gives radiance 1 on a facing surface of diffuse 1. An area light has this radiance, seen from any distance.
     pub radiance: Rgb,
-    /// Where its light is collected: shared by lights whose weights are keyed alike.
+    /// The film layer of its light. Lights with equal keyed weights share a layer.
     pub layer: LayerId,
 }
 
 content!(struct Light { source, radiance, layer });
 
-/// Where light comes from.
+/// The shape and position of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Source {
-    /// Evenly from one point.
+    /// Light from one point, the same in all directions.
     Point { position: DVec3, attenuation: Attenuation },
-    /// From one point into a cone.
-    Spot { position: DVec3, cone: Cone, attenuation: Attenuation },
-    /// From infinitely far away, from this direction (a unit vector).
+    /// Light from one point into a cone.
+    Spot { position: DVec3, cone: SpotCone, attenuation: Attenuation },
+    /// Light from infinitely far away. `to_light` is a unit vector.
     Directional { to_light: DVec3 },
-    /// From every point of a sphere, outwards.
+    /// Every point of a sphere emits outwards.
     Sphere(Sphere),
-    /// From every point of a rectangle: to both sides, or only to that of `u` × `v`.
+    /// Every point of a rectangle emits, to both sides or only to the side of `u` × `v`.
     Rectangle { rectangle: Rectangle, one_sided: bool },
 }
 
@@ -52,7 +51,7 @@ content!(enum Source {
 });
 
 impl Source {
-    /// Whether light comes from more than one direction, so that one has to be drawn.
+    /// Whether light arrives from more than one direction, so that sampling it takes random numbers.
     pub fn is_sampled(&self) -> bool {
         matches!(self, Self::Sphere(_) | Self::Rectangle { .. })
     }
@@ -60,25 +59,25 @@ impl Source {
 
 /// The cone of a spot light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cone {
-    /// Unit vector from the light along the middle of its cone.
+pub struct SpotCone {
+    /// Unit vector along the axis of the cone, away from the light.
     pub axis: DVec3,
-    /// Cosines of the angles from the axis up to which the light is full, and from which there is none.
-    pub full: f64,
-    pub none: f64,
+    /// Cosines of two angles to the axis: full light up to the first, none from the second on.
+    pub cos_falloff_start: f64,
+    pub cos_falloff_end: f64,
 }
 
-content!(struct Cone { axis, full, none });
+content!(struct SpotCone { axis, cos_falloff_start, cos_falloff_end });
 
-impl Cone {
-    /// The share of the light that goes in a direction of this cosine to the axis: smooth from the full light
-    /// to none.
+impl SpotCone {
+    /// The share of the light in a direction of this cosine to the axis, by smoothstep between the two angles.
     #[inline(always)]
     pub fn share<F: Real>(&self, cosine: F) -> F {
         let (zero, one) = (F::splat(0.0), F::splat(1.0));
-        let s = (cosine - F::splat(self.none)) / F::splat(self.full - self.none);
+        let s = (cosine - F::splat(self.cos_falloff_end))
+            / F::splat(self.cos_falloff_start - self.cos_falloff_end);
         let smooth = s * s * (F::splat(3.0) - F::splat(2.0) * s);
-        let edge = F::select(cosine.le(F::splat(self.none)), zero, smooth);
-        F::select(F::splat(self.full).le(cosine), one, edge)
+        let edge = F::select(cosine.le(F::splat(self.cos_falloff_end)), zero, smooth);
+        F::select(F::splat(self.cos_falloff_start).le(cosine), one, edge)
     }
 }

@@ -1,7 +1,7 @@
 //! Lights over time.
 
-use super::{Attenuation, Cone, Source};
-use crate::appearance::light_groups::glow::Dimmer;
+use super::{Attenuation, Source, SpotCone};
+use crate::appearance::light_groups::GroupWeight;
 use crate::base::color::Rgb;
 use crate::base::math::{Angle, DVec3};
 use crate::base::time::Time;
@@ -14,7 +14,7 @@ use bevy_ecs::component::Component;
 pub struct LightTracks {
     pub kind: LightKind,
     pub color: Animated<Rgb>,
-    /// At least 0. See [`Light::radiance`](super::Light::radiance) for what it is measured in.
+    /// At least 0. For its unit, see [`Light::radiance`](super::Light::radiance).
     pub intensity: Animated<f64>,
     pub on: Animated<bool>,
 }
@@ -29,13 +29,13 @@ pub enum LightKind {
     Spot {
         position: Animated<DVec3>,
         target: Animated<DVec3>,
-        /// Full angles of the cones outside which there is no light, and inside which there is all.
+        /// Full angles of the outer cone, which ends the light, and of the inner cone, which has full light.
         angle: Animated<Angle>,
         inner_angle: Option<Animated<Angle>>,
         attenuation: Attenuation,
     },
     Directional {
-        /// The way the light goes; any length.
+        /// The direction in which the light travels, of any length.
         direction: Animated<DVec3>,
     },
     Sphere {
@@ -50,8 +50,8 @@ pub enum LightKind {
     },
 }
 
-/// No light is smaller than this, whatever an easing makes of its size.
-const SMALLEST: f64 = 1e-30;
+/// Least radius of a sphere light. An easing may overshoot to a radius of 0 or less.
+const MIN_RADIUS: f64 = 1e-30;
 
 impl LightKind {
     pub fn at(&self, time: Time) -> Source {
@@ -61,18 +61,18 @@ impl LightKind {
             }
             Self::Spot { position, target, angle, inner_angle, attenuation } => {
                 let position = position.at(time);
-                let none = half_cosine(angle.at(time));
-                let full = inner_angle.as_ref().map_or(none, |inner| half_cosine(inner.at(time)));
-                // A target on the light itself leaves it shining downwards.
+                let cos_falloff_end = half_cosine(angle.at(time));
+                let start = inner_angle.as_ref().map_or(cos_falloff_end, |inner| half_cosine(inner.at(time)));
+                // If the target is at the light's position, the light points downwards.
                 let axis = (target.at(time) - position).normalize_or(DVec3::NEG_Y);
-                let cone = Cone { axis, full: full.max(none), none };
+                let cone = SpotCone { axis, cos_falloff_start: start.max(cos_falloff_end), cos_falloff_end };
                 Source::Spot { position, cone, attenuation: *attenuation }
             }
             Self::Directional { direction } => {
                 Source::Directional { to_light: -direction.at(time).normalize_or(DVec3::NEG_Y) }
             }
             Self::Sphere { center, radius } => {
-                Source::Sphere(Sphere { center: center.at(time), radius: radius.at(time).max(SMALLEST) })
+                Source::Sphere(Sphere { center: center.at(time), radius: radius.at(time).max(MIN_RADIUS) })
             }
             Self::Rectangle { corner, u, v, one_sided } => {
                 let rectangle = Rectangle { corner: corner.at(time), u: u.at(time), v: v.at(time) };
@@ -82,19 +82,19 @@ impl LightKind {
     }
 }
 
-/// Cosine of half an angle of 0..=360 degrees.
+/// Cosine of half an angle in 0..=360 degrees.
 fn half_cosine(angle: Angle) -> f64 {
     Angle(angle.0.clamp(0.0, 360.0) * 0.5).cos_sin().x
 }
 
 impl LightTracks {
-    /// What weights this light over time; lights with equal dimmers share a layer.
-    pub fn dimmer(&self) -> Dimmer {
-        Dimmer::split(&self.on, &self.intensity, &self.color).1
+    /// The keyed weight of this light. Lights with equal weights share a layer.
+    pub fn group_weight(&self) -> GroupWeight {
+        GroupWeight::split(&self.on, &self.intensity, &self.color).1
     }
 
-    /// The product of the parts that are constant.
+    /// The product of the constant factors.
     pub fn constant_radiance(&self) -> Rgb {
-        Dimmer::split(&self.on, &self.intensity, &self.color).0
+        GroupWeight::split(&self.on, &self.intensity, &self.color).0
     }
 }

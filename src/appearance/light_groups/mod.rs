@@ -1,4 +1,7 @@
-//! Light groups: lights that are keyed alike share a layer of the film, which is weighted afterwards.
+//! Light groups: lights with the same keys share one layer of the film, and each frame weights the layers.
 
-pub mod glow;
-pub mod layers;
+mod groups;
+mod weight;
+
+pub use groups::LightGroups;
+pub use weight::{GroupRadiance, GroupWeight};

@@ -2,13 +2,13 @@
 
 use crate::base::digest::content;
 
-/// The shape of the highlight.
+/// The formula of the highlight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Highlight {
-    /// (R·L)^n with the mirrored line of sight R (Phong 1975).
+    /// (R·L)^n, with the mirrored line of sight R (Phong 1975).
     #[default]
     Phong,
-    /// (N·H)^n with the half vector H between light and eye (Blinn 1977).
+    /// (N·H)^n, with the half vector H between light and eye (Blinn 1977).
     BlinnPhong,
 }
 
@@ -19,7 +19,7 @@ content!(
     }
 );
 
-/// The exponent of a highlight, at least 0. Whole numbers are raised by multiplications.
+/// The exponent of a highlight, at least 0. Powers of whole exponents use multiplications.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exponent {
     Whole(u32),
@@ -34,8 +34,8 @@ content!(
 );
 
 impl Exponent {
-    /// The largest whole exponent that is raised by multiplications: up to here a power's relative error
-    /// stays below that of the angle's cosine.
+    /// The largest whole exponent that uses multiplications. Up to here, the relative error of a power stays below that
+    /// of the cosine.
     const LARGEST_WHOLE: f64 = 1024.0;
 
     pub fn new(n: f64) -> Self {

@@ -3,13 +3,13 @@
 use crate::base::color::Rgb;
 use crate::base::digest::content;
 
-/// Mirrors of less fuzz are sharp: their reflections are spread over less than a tenth of a degree.
-pub const SHARP: f32 = 0.0008;
+/// Mirrors with less fuzz count as sharp. Their reflections spread over less than a tenth of a degree.
+pub const MIN_FUZZ: f32 = 0.0008;
 
-/// How much of each lobe there is: strength times tint. Black means that the lobe is absent.
+/// The strength of each lobe times its tint. A black lobe is absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lobes {
-    /// Radiance that the surface gives off by itself, as if its layer's weight were 1.
+    /// Emitted radiance, for a layer weight of 1.
     pub emission: Rgb,
     /// Reflected share of the scene's ambient light.
     pub ambient: Rgb,
@@ -17,15 +17,15 @@ pub struct Lobes {
     pub diffuse: Rgb,
     /// Radiance at the centre of the highlight of a light of intensity 1.
     pub specular: Rgb,
-    /// Reflected share of what a mirror shows.
+    /// Reflectance of the mirror.
     pub mirror: Rgb,
-    /// How far the mirror scatters, 0..=1.
+    /// Spread of the mirror's reflections, 0..=1.
     pub fuzz: f32,
-    /// Share that passes unbent.
+    /// Share that is transmitted straight on.
     pub transparency: Rgb,
-    /// Share that passes bent.
+    /// Share that is refracted.
     pub refraction: Rgb,
-    /// Share of the metallic-roughness surface (the model of glTF 2.0), and its parameters, 0..=1.
+    /// Strength of the metallic-roughness surface (the model of glTF 2.0), and its parameters, 0..=1.
     pub microfacet: f32,
     pub base: Rgb,
     pub metallic: f32,
@@ -47,9 +47,9 @@ content!(struct Lobes {
     roughness,
 });
 
-/// A lobe, or a parameter of one, that paint may vary over a surface.
+/// A lobe, or a parameter of one, that textures may vary over a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Slot {
+pub enum TextureSlot {
     Emission,
     Ambient,
     Diffuse,
@@ -61,12 +61,12 @@ pub enum Slot {
     Base,
     Metallic,
     Roughness,
-    /// How much of the surface is there: the alpha of its paint.
+    /// Coverage of the surface: the alpha of its base colour.
     Coverage,
 }
 
 content!(
-    enum Slot {
+    enum TextureSlot {
         Emission,
         Ambient,
         Diffuse,
@@ -83,28 +83,28 @@ content!(
 );
 
 impl Lobes {
-    /// Multiplies a slot by a colour; a slot that is one number by the colour's mean.
-    pub fn tint(&mut self, slot: Slot, color: Rgb) {
+    /// Multiplies a slot by a colour. Scalar slots use the mean of the colour's channels.
+    pub fn tint(&mut self, slot: TextureSlot, color: Rgb) {
         let grey = color.element_sum() / 3.0;
         match slot {
-            Slot::Emission => self.emission *= color,
-            Slot::Ambient => self.ambient *= color,
-            Slot::Diffuse => self.diffuse *= color,
-            Slot::Specular => self.specular *= color,
-            Slot::Mirror => self.mirror *= color,
-            Slot::Fuzz => self.fuzz = (self.fuzz * grey).min(1.0),
-            Slot::Transparency => self.transparency *= color,
-            Slot::Refraction => self.refraction *= color,
-            Slot::Base => self.base *= color,
-            Slot::Metallic => self.metallic = (self.metallic * grey).min(1.0),
-            Slot::Roughness => self.roughness = (self.roughness * grey).min(1.0),
-            // A share of them all: `covering`.
-            Slot::Coverage => {}
+            TextureSlot::Emission => self.emission *= color,
+            TextureSlot::Ambient => self.ambient *= color,
+            TextureSlot::Diffuse => self.diffuse *= color,
+            TextureSlot::Specular => self.specular *= color,
+            TextureSlot::Mirror => self.mirror *= color,
+            TextureSlot::Fuzz => self.fuzz = (self.fuzz * grey).min(1.0),
+            TextureSlot::Transparency => self.transparency *= color,
+            TextureSlot::Refraction => self.refraction *= color,
+            TextureSlot::Base => self.base *= color,
+            TextureSlot::Metallic => self.metallic = (self.metallic * grey).min(1.0),
+            TextureSlot::Roughness => self.roughness = (self.roughness * grey).min(1.0),
+            // Coverage scales all lobes: see [`Lobes::with_coverage`].
+            TextureSlot::Coverage => {}
         }
     }
 
-    /// The lobes of a surface of which only this share is there: past the rest, light goes straight on.
-    pub fn covering(self, share: f32) -> Self {
+    /// The lobes of a surface that covers only this share. The rest lets light pass straight on.
+    pub fn with_coverage(self, share: f32) -> Self {
         Self {
             emission: self.emission * share,
             ambient: self.ambient * share,
@@ -118,12 +118,12 @@ impl Lobes {
         }
     }
 
-    /// Whether the mirror scatters as far as can be seen.
+    /// Whether the mirror scatters visibly.
     pub fn is_fuzzy(&self) -> bool {
-        self.fuzz >= SHARP
+        self.fuzz >= MIN_FUZZ
     }
 
-    /// Whether a light can be seen by its reflection in the lobes that scatter.
+    /// Whether a scattering lobe reflects light from light sources.
     pub fn reflects_lights(&self) -> bool {
         self.diffuse != Rgb::ZERO || self.specular != Rgb::ZERO || self.microfacet > 0.0 || self.is_fuzzy()
     }

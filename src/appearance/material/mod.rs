@@ -1,29 +1,29 @@
-//! Materials: how much of each lobe a surface has.
+//! Materials: the strengths of their lobes, and the media that they enclose.
 
 mod exponent;
 mod lobes;
 mod tracks;
 
 pub use exponent::{Exponent, Highlight};
-pub use lobes::{Lobes, SHARP, Slot};
-pub use tracks::{Level, Lobe, MaterialTracks};
+pub use lobes::{Lobes, MIN_FUZZ, TextureSlot};
+pub use tracks::{LobeTracks, MaterialTracks, ScalarTextureTracks};
 
 use crate::appearance::optics::Fresnel;
-use crate::appearance::texture::{Paint, Spot, Texel};
+use crate::appearance::texture::{Texel, Texture, TextureEvalContext};
 use crate::base::color::Rgb;
 use crate::base::digest::content;
 use crate::film::LayerId;
 use bevy_ecs::component::Component;
 use std::ops::RangeInclusive;
 
-/// What a surface does with light at one moment.
+/// A material at one moment.
 #[derive(Clone, Component, Debug, PartialEq)]
 pub struct Material {
-    /// The lobes where nothing is painted.
+    /// The lobes before textures multiply them.
     pub lobes: Lobes,
-    /// What varies over the surface: each paint multiplies the lobes of its slots.
-    pub paints: Vec<(Vec<Slot>, Paint)>,
-    /// Where emission is collected.
+    /// Textures, each with the slots that it multiplies.
+    pub textures: Vec<(Vec<TextureSlot>, Texture)>,
+    /// The film layer of its emission.
     pub emission_layer: LayerId,
     pub highlight: Highlight,
     pub shininess: Exponent,
@@ -31,22 +31,22 @@ pub struct Material {
     pub medium: Medium,
 }
 
-content!(struct Material { lobes, paints, emission_layer, highlight, shininess, fresnel, medium });
+content!(struct Material { lobes, textures, emission_layer, highlight, shininess, fresnel, medium });
 
-/// What an object is made of: indices into the scene's materials.
+/// The materials of an object, as indices into the scene's materials.
 #[derive(Clone, Copy, Component, Debug, PartialEq, Eq)]
-pub enum MadeOf {
-    /// The same all over.
+pub enum MaterialBinding {
+    /// One material for the whole object.
     One(u32),
-    /// The materials that came with its mesh, in the order of their slots from index `first` on. Behind them
-    /// stands the one of triangles without a slot.
+    /// The materials of a mesh file, in the order of their slots, from index `first` on. The material behind the last
+    /// slot is for triangles without a slot.
     Slots { first: u32, count: u32 },
 }
 
-content!(enum MadeOf { One(index), Slots { first, count } });
+content!(enum MaterialBinding { One(index), Slots { first, count } });
 
-impl MadeOf {
-    /// All materials in use.
+impl MaterialBinding {
+    /// All indices in use.
     pub fn indices(self) -> RangeInclusive<u32> {
         match self {
             Self::One(index) => index..=index,
@@ -55,14 +55,14 @@ impl MadeOf {
     }
 }
 
-/// What is inside of a surface that refracts.
+/// The medium inside a refracting surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Medium {
     /// Index of refraction, above 0.
     pub ior: f64,
-    /// Absorbed per unit of length: exp(-absorption · d) of the light is left after a way of d.
+    /// Absorption per unit of length. After a distance d, exp(-absorption · d) of the light is left.
     pub absorption: Rgb,
-    /// Where media overlap, the one of the highest priority is there.
+    /// Where media overlap, the one of the highest priority counts.
     pub priority: i32,
 }
 
@@ -70,13 +70,13 @@ content!(struct Medium { ior, absorption, priority });
 
 impl Material {
     /// The lobes at a point of the surface.
-    pub fn painted(&self, spot: &Spot) -> Lobes {
+    pub fn lobes_at(&self, context: &TextureEvalContext) -> Lobes {
         let mut lobes = self.lobes;
         let mut coverage = 1.0;
-        for (slots, paint) in &self.paints {
-            let Texel { color, alpha } = paint.at(spot);
-            // What is not there of the surface's own colour is not there of the surface; of a lobe's, of that lobe.
-            let color = match slots.contains(&Slot::Coverage) {
+        for (slots, texture) in &self.textures {
+            let Texel { color, alpha } = texture.at(context);
+            // Alpha of the base colour removes the surface there. Alpha of another texture removes only its lobe.
+            let color = match slots.contains(&TextureSlot::Coverage) {
                 true => {
                     coverage = alpha;
                     color
@@ -85,38 +85,38 @@ impl Material {
             };
             slots.iter().for_each(|slot| lobes.tint(*slot, color));
         }
-        if coverage == 1.0 { lobes } else { lobes.covering(coverage) }
+        if coverage == 1.0 { lobes } else { lobes.with_coverage(coverage) }
     }
 
-    /// Whether light passes the surface straight on anywhere.
-    pub fn is_clear(&self) -> bool {
+    /// Whether light passes straight through some part of the surface.
+    pub fn is_transparent(&self) -> bool {
         self.lobes.transparency != Rgb::ZERO || self.is_cut_out()
     }
 
-    /// Whether parts of the surface are not there.
+    /// Whether a texture's alpha removes parts of the surface.
     pub fn is_cut_out(&self) -> bool {
-        self.paints.iter().any(|(slots, _)| slots.contains(&Slot::Coverage))
+        self.textures.iter().any(|(slots, _)| slots.contains(&TextureSlot::Coverage))
     }
 
-    /// Whether paint says anything that matters where so many surfaces are left that may reflect or bend light: with none
-    /// left, what the surface gives off and lets pass.
-    pub fn is_painted(&self, left: u32) -> bool {
-        let passed = [Slot::Emission, Slot::Transparency, Slot::Coverage];
-        let matters = |slots: &[Slot]| left > 0 || slots.iter().any(|slot| passed.contains(slot));
-        self.paints.iter().any(|(slots, _)| matters(slots))
+    /// Whether textures matter for a path that may be reflected or refracted `left` more times. If `left` is 0, only
+    /// emission and straight transmission matter.
+    pub fn is_textured(&self, left: u32) -> bool {
+        let passed = [TextureSlot::Emission, TextureSlot::Transparency, TextureSlot::Coverage];
+        let matters = |slots: &[TextureSlot]| left > 0 || slots.iter().any(|slot| passed.contains(slot));
+        self.textures.iter().any(|(slots, _)| matters(slots))
     }
 
-    /// Whether any paint has a pattern that lies on the surface, by u and v.
-    pub fn is_printed(&self) -> bool {
-        self.paints.iter().any(|(_, paint)| paint.is_printed())
+    /// Whether any texture has a pattern over u and v.
+    pub fn is_uv_mapped(&self) -> bool {
+        self.textures.iter().any(|(_, texture)| texture.is_uv_mapped())
     }
 
-    /// Whether light enters what the surface encloses.
+    /// Whether light refracts into the body.
     pub fn refracts(&self) -> bool {
         self.lobes.refraction != Rgb::ZERO
     }
 
-    /// Whether its reflections are scattered, and so have to be sampled.
+    /// Whether its reflections are scattered, so that they take random samples.
     pub fn is_rough(&self) -> bool {
         let lobes = &self.lobes;
         let fuzzy = lobes.fuzz > 0.0 && lobes.mirror != Rgb::ZERO;

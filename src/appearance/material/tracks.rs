@@ -1,45 +1,45 @@
 //! Materials over time.
 
-use super::{Exponent, Highlight, Lobes, Material, Medium, Slot};
-use crate::appearance::light_groups::glow::Dimmer;
+use super::{Exponent, Highlight, Lobes, Material, Medium, TextureSlot};
+use crate::appearance::light_groups::GroupWeight;
 use crate::appearance::optics::Fresnel;
-use crate::appearance::texture::{Paint, PaintTracks};
+use crate::appearance::texture::{Texture, TextureTracks};
 use crate::base::color::Rgb;
 use crate::base::time::Time;
 use crate::film::LayerId;
 use crate::track::Animated;
 use bevy_ecs::component::Component;
 
-/// A lobe over time: a strength (at least 0) times a tint.
+/// A lobe over time: a strength of at least 0, times a tint.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lobe {
+pub struct LobeTracks {
     pub strength: Animated<f64>,
-    pub tint: PaintTracks,
+    pub tint: TextureTracks,
 }
 
-/// A number of 0..=1 over time, which paint may vary over the surface.
+/// A number in 0..=1 over time, which a texture may vary over the surface.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Level {
-    Even(Animated<f64>),
-    Painted(PaintTracks),
+pub enum ScalarTextureTracks {
+    Constant(Animated<f64>),
+    Textured(TextureTracks),
 }
 
 /// A material over time.
 #[derive(Clone, Component, Debug, PartialEq)]
 pub struct MaterialTracks {
-    pub emission: Lobe,
-    pub ambient: Lobe,
-    pub diffuse: Lobe,
-    pub specular: Lobe,
-    pub mirror: Lobe,
-    pub fuzz: Level,
-    pub transparency: Lobe,
-    pub refraction: Lobe,
+    pub emission: LobeTracks,
+    pub ambient: LobeTracks,
+    pub diffuse: LobeTracks,
+    pub specular: LobeTracks,
+    pub mirror: LobeTracks,
+    pub fuzz: ScalarTextureTracks,
+    pub transparency: LobeTracks,
+    pub refraction: LobeTracks,
     pub microfacet: Animated<f64>,
-    /// The surface's own colour. Its alpha says how much of the surface is there.
-    pub base: PaintTracks,
-    pub metallic: Level,
-    pub roughness: Level,
+    /// The base colour. Its alpha is the coverage of the surface.
+    pub base: TextureTracks,
+    pub metallic: ScalarTextureTracks,
+    pub roughness: ScalarTextureTracks,
     pub highlight: Highlight,
     pub shininess: Animated<f64>,
     pub fresnel: Fresnel,
@@ -48,38 +48,39 @@ pub struct MaterialTracks {
     pub priority: i32,
 }
 
-/// An index of refraction is never less, whatever an easing makes of it.
-const LEAST_IOR: f64 = 1e-3;
+/// The least index of refraction. An easing may overshoot below it.
+const MIN_IOR: f64 = 1e-3;
 
 impl MaterialTracks {
-    /// The material at a moment; its emission is collected in `emission_layer`.
+    /// The material at a moment. Its emission goes to the layer `emission_layer`.
     pub fn at(&self, time: Time, emission_layer: LayerId) -> Material {
-        let mut paints = Paints(Vec::new());
-        let mut lobe = |slot, lobe: &Lobe| paints.over(slot, &lobe.tint, time) * level(&lobe.strength, time);
+        let mut textures = TextureCollector(Vec::new());
+        let mut lobe =
+            |slot, lobe: &LobeTracks| textures.over(slot, &lobe.tint, time) * level(&lobe.strength, time);
         let mut lobes = Lobes {
-            ambient: lobe(Slot::Ambient, &self.ambient),
-            diffuse: lobe(Slot::Diffuse, &self.diffuse),
-            specular: lobe(Slot::Specular, &self.specular),
-            mirror: lobe(Slot::Mirror, &self.mirror),
-            transparency: lobe(Slot::Transparency, &self.transparency),
-            refraction: lobe(Slot::Refraction, &self.refraction),
+            ambient: lobe(TextureSlot::Ambient, &self.ambient),
+            diffuse: lobe(TextureSlot::Diffuse, &self.diffuse),
+            specular: lobe(TextureSlot::Specular, &self.specular),
+            mirror: lobe(TextureSlot::Mirror, &self.mirror),
+            transparency: lobe(TextureSlot::Transparency, &self.transparency),
+            refraction: lobe(TextureSlot::Refraction, &self.refraction),
             ..Lobes::default()
         };
         lobes.emission = match &self.emission.tint {
-            PaintTracks::Color(_) => self.emission_split().0,
-            paint => paints.over(Slot::Emission, paint, time) * self.emission_split().0,
+            TextureTracks::Color(_) => self.emission_split().0,
+            texture => textures.over(TextureSlot::Emission, texture, time) * self.emission_split().0,
         };
         lobes.microfacet = level(&self.microfacet, time);
-        lobes.base = paints.over(Slot::Base, &self.base, time);
-        paints.coverage(&self.base, time);
-        lobes.fuzz = paints.level(Slot::Fuzz, &self.fuzz, time);
-        lobes.metallic = paints.level(Slot::Metallic, &self.metallic, time);
-        lobes.roughness = paints.level(Slot::Roughness, &self.roughness, time);
-        paints.0.retain_mut(|(slots, _)| {
+        lobes.base = textures.over(TextureSlot::Base, &self.base, time);
+        textures.coverage(&self.base, time);
+        lobes.fuzz = textures.level(TextureSlot::Fuzz, &self.fuzz, time);
+        lobes.metallic = textures.level(TextureSlot::Metallic, &self.metallic, time);
+        lobes.roughness = textures.level(TextureSlot::Roughness, &self.roughness, time);
+        textures.0.retain_mut(|(slots, _)| {
             slots.retain(|slot| !is_absent(*slot, &lobes));
             !slots.is_empty()
         });
-        // What a lobe without strength is like makes no difference, and so is not told.
+        // Parameters of absent lobes get default values, so that they do not change the digest.
         let (shines, refracts) = (lobes.specular != Rgb::ZERO, lobes.refraction != Rgb::ZERO);
         lobes.fuzz = if lobes.mirror == Rgb::ZERO { 0.0 } else { lobes.fuzz };
         if lobes.microfacet == 0.0 {
@@ -87,7 +88,7 @@ impl MaterialTracks {
         }
         Material {
             lobes,
-            paints: paints.0,
+            textures: textures.0,
             emission_layer,
             highlight: if shines { self.highlight } else { Highlight::default() },
             shininess: Exponent::new(if shines { self.shininess.at(time).max(0.0) } else { 0.0 }),
@@ -96,77 +97,80 @@ impl MaterialTracks {
         }
     }
 
-    /// What is behind the surface: all of it matters to what is refracted, the index alone to small mirrors.
+    /// The medium inside the surface. Refraction needs all of it, the metallic-roughness lobe only the index of
+    /// refraction.
     fn medium(&self, refracts: bool, mirrors: bool, time: Time) -> Medium {
-        let ior = if refracts || mirrors { self.ior.at(time).max(LEAST_IOR) } else { Medium::EMPTY.ior };
+        let ior = if refracts || mirrors { self.ior.at(time).max(MIN_IOR) } else { Medium::EMPTY.ior };
         if !refracts {
             return Medium { ior, ..Medium::EMPTY };
         }
         Medium { ior, absorption: self.absorption.at(time).max(Rgb::ZERO), priority: self.priority }
     }
 
-    /// The emission that is traced, but for paint, and what weights it over time.
-    pub fn emission_split(&self) -> (Rgb, Dimmer) {
+    /// The constant factor of emission without its texture, and the keyed weight.
+    pub fn emission_split(&self) -> (Rgb, GroupWeight) {
         let white = Animated::Constant(Rgb::ONE);
-        let tint = if let PaintTracks::Color(color) = &self.emission.tint { color } else { &white };
-        Dimmer::split(&Animated::Constant(true), &self.emission.strength, tint)
+        let tint = if let TextureTracks::Color(color) = &self.emission.tint { color } else { &white };
+        GroupWeight::split(&Animated::Constant(true), &self.emission.strength, tint)
     }
 }
 
-/// A strength; an easing that overshoots must not turn it negative.
+/// A strength of at least 0. An easing may overshoot below 0.
 fn level(strength: &Animated<f64>, time: Time) -> f32 {
     strength.at(time).max(0.0) as f32
 }
 
-/// Whether a slot is zero whatever paint says: then its paint is not called for.
-fn is_absent(slot: Slot, lobes: &Lobes) -> bool {
+/// Whether a slot is zero whatever its texture. Such a texture is not evaluated.
+fn is_absent(slot: TextureSlot, lobes: &Lobes) -> bool {
     match slot {
-        Slot::Emission => lobes.emission == Rgb::ZERO,
-        Slot::Ambient => lobes.ambient == Rgb::ZERO,
-        Slot::Diffuse => lobes.diffuse == Rgb::ZERO,
-        Slot::Specular => lobes.specular == Rgb::ZERO,
-        Slot::Mirror => lobes.mirror == Rgb::ZERO,
-        Slot::Fuzz => lobes.fuzz == 0.0 || lobes.mirror == Rgb::ZERO,
-        Slot::Transparency => lobes.transparency == Rgb::ZERO,
-        Slot::Refraction => lobes.refraction == Rgb::ZERO,
-        Slot::Base | Slot::Metallic | Slot::Roughness => lobes.microfacet == 0.0,
-        Slot::Coverage => false,
+        TextureSlot::Emission => lobes.emission == Rgb::ZERO,
+        TextureSlot::Ambient => lobes.ambient == Rgb::ZERO,
+        TextureSlot::Diffuse => lobes.diffuse == Rgb::ZERO,
+        TextureSlot::Specular => lobes.specular == Rgb::ZERO,
+        TextureSlot::Mirror => lobes.mirror == Rgb::ZERO,
+        TextureSlot::Fuzz => lobes.fuzz == 0.0 || lobes.mirror == Rgb::ZERO,
+        TextureSlot::Transparency => lobes.transparency == Rgb::ZERO,
+        TextureSlot::Refraction => lobes.refraction == Rgb::ZERO,
+        TextureSlot::Base | TextureSlot::Metallic | TextureSlot::Roughness => lobes.microfacet == 0.0,
+        TextureSlot::Coverage => false,
     }
 }
 
-/// The paints met so far, each with its slots.
-struct Paints(Vec<(Vec<Slot>, Paint)>);
+/// The textures so far, each with its slots.
+struct TextureCollector(Vec<(Vec<TextureSlot>, Texture)>);
 
-impl Paints {
-    /// The constant factor of a slot; what varies is noted.
-    fn over(&mut self, slot: Slot, tint: &PaintTracks, time: Time) -> Rgb {
+impl TextureCollector {
+    /// The constant factor of a slot. Records its texture if it varies over the surface.
+    fn over(&mut self, slot: TextureSlot, tint: &TextureTracks, time: Time) -> Rgb {
         self.note(slot, tint.at(time))
     }
 
-    fn note(&mut self, slot: Slot, paint: Paint) -> Rgb {
-        if let Some(color) = paint.constant() {
+    fn note(&mut self, slot: TextureSlot, texture: Texture) -> Rgb {
+        if let Some(color) = texture.constant() {
             return color;
         }
-        match self.0.iter_mut().find(|(_, known)| *known == paint) {
+        match self.0.iter_mut().find(|(_, known)| *known == texture) {
             Some((slots, _)) => slots.push(slot),
-            None => self.0.push((vec![slot], paint)),
+            None => self.0.push((vec![slot], texture)),
         }
         Rgb::ONE
     }
 
-    /// Notes how much of the surface is there, if that is not all of it.
-    fn coverage(&mut self, base: &PaintTracks, time: Time) {
-        let paint = base.at(time);
-        if paint.has_alpha() {
-            self.note(Slot::Coverage, paint);
+    /// Records the coverage of the surface if its base colour has alpha.
+    fn coverage(&mut self, base: &TextureTracks, time: Time) {
+        let texture = base.at(time);
+        if texture.has_alpha() {
+            self.note(TextureSlot::Coverage, texture);
         }
     }
 
-    fn level(&mut self, slot: Slot, tracks: &Level, time: Time) -> f32 {
+    fn level(&mut self, slot: TextureSlot, tracks: &ScalarTextureTracks, time: Time) -> f32 {
         match tracks {
-            Level::Even(value) => level(value, time).min(1.0),
-            // Numbers have no alpha.
-            Level::Painted(paint) => (self.note(slot, paint.at(time).opaque()).element_sum() / 3.0).min(1.0),
+            ScalarTextureTracks::Constant(value) => level(value, time).min(1.0),
+            // Scalars ignore alpha.
+            ScalarTextureTracks::Textured(texture) => {
+                (self.note(slot, texture.at(time).opaque()).element_sum() / 3.0).min(1.0)
+            }
         }
     }
 }

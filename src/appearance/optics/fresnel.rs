@@ -1,12 +1,12 @@
-//! How much light a boundary between two media reflects.
+//! The share of light that a boundary between two media reflects.
 
 use crate::base::digest::content;
 use crate::base::lanes::Real;
 
-/// Which formula a transparent boundary follows.
+/// The reflectance formula of a refracting boundary.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Fresnel {
-    /// Nothing is reflected but what cannot pass: the share that is refracted is a constant.
+    /// The boundary reflects only at total internal reflection. The material's refracted share is a constant.
     #[default]
     Off,
     /// Fresnel's equations for unpolarised light.
@@ -24,35 +24,35 @@ content!(
 );
 
 impl Fresnel {
-    /// The reflected share where light meets the boundary at an angle whose cosine is `cosine` and goes on at
-    /// one of cosine `refracted`; `eta` is the index of refraction behind the boundary over that before it.
+    /// The reflected share of light that arrives at an angle of cosine `cosine` and is refracted to an angle of cosine
+    /// `refracted`. `eta` is the index of refraction behind the boundary over that in front of it.
     #[inline(always)]
     pub fn reflectance<F: Real>(self, cosine: F, refracted: F, eta: F) -> F {
         let (zero, one) = (F::splat(0.0), F::splat(1.0));
         let share = match self {
             Self::Off => zero,
             Self::Exact => dielectric(cosine, refracted, eta),
-            // The larger of the two angles is the one outside the denser medium, for which the
-            // approximation is made.
+            // The approximation holds for the angle outside the denser medium, which is the larger angle and has the
+            // smaller cosine.
             Self::Schlick => schlick(normal_reflectance(eta), cosine.min(refracted)),
         };
-        // Light does not know of a boundary that changes nothing.
+        // A boundary between equal indices reflects nothing, whatever the formula.
         F::select(eta.eq(one), zero, share)
     }
 }
 
-/// Fresnel's equations, averaged over both polarisations (Born and Wolf, *Principles of Optics*, 1.5.2), with
-/// both cosines and `eta` as in [`Fresnel::reflectance`].
+/// Fresnel's equations, averaged over both polarisations (Born and Wolf, *Principles of Optics*, 1.5.2). The arguments
+/// are those of [`Fresnel::reflectance`].
 #[inline(always)]
 fn dielectric<F: Real>(cosine: F, refracted: F, eta: F) -> F {
     let s = (cosine - eta * refracted) / (cosine + eta * refracted);
     let p = (eta * cosine - refracted) / (eta * cosine + refracted);
     let reflectance = F::splat(0.5) * (s * s + p * p);
-    // Both angles a right one: 0 / 0, where all is reflected.
+    // If both cosines are 0, the quotient is 0 / 0. Then all light is reflected.
     F::select(reflectance.eq(reflectance), reflectance, F::splat(1.0))
 }
 
-/// Schlick's approximation from the reflectance at right incidence.
+/// Schlick's approximation, from the reflectance at normal incidence.
 #[inline(always)]
 pub fn schlick<F: Real>(normal: F, cosine: F) -> F {
     let one = F::splat(1.0);

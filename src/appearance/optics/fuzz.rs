@@ -1,25 +1,24 @@
 //! Fuzzy mirrors.
 
 use crate::base::lanes::{Real, Vec3};
-use crate::sampling::in_ball;
+use crate::sampling::uniform_ball;
 use std::f64::consts::PI;
 
-/// A mirror whose reflections are scattered: the mirrored direction (of length 1) plus a point of a ball of
-/// radius `fuzz`, uniform over its volume (Shirley, *Ray Tracing in One Weekend*). Directions below the
-/// surface are lost.
+/// A mirror that scatters its reflections (Shirley, *Ray Tracing in One Weekend*). It adds a point of a ball of radius
+/// `fuzz`, uniform over the volume, to the mirrored direction (a unit vector). Directions below the surface are lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fuzz<F>(pub F);
 
 impl<F: Real> Fuzz<F> {
-    /// A direction around `mirrored` for three numbers in 0..1.
+    /// Samples a direction around `mirrored` from three numbers in 0..1.
     #[inline(always)]
     pub fn sample(self, mirrored: Vec3<F>, u: [F; 3]) -> Vec3<F> {
-        (mirrored + in_ball(u) * self.0).normalize_or(mirrored)
+        (mirrored + uniform_ball(u) * self.0).normalize_or(mirrored)
     }
 
-    /// The density of [`Fuzz::sample`] per steradian around `direction`: the part of the ball that is seen
-    /// in that direction from where the mirrored direction starts. Along the chord from t₀ to t₁ it is
-    /// ∫ t² dt / (4/3 π fuzz³) = (t₁³ - t₀³) / (4 π fuzz³).
+    /// The density of [`Fuzz::sample`] per steradian in `direction`. It integrates the uniform density over the chord
+    /// of the ball along `direction`, seen from the start of the mirrored direction. From t₀ to t₁ along the chord it
+    /// is ∫ t² dt / (4/3 π fuzz³) = (t₁³ - t₀³) / (4 π fuzz³).
     #[inline(always)]
     pub fn pdf(self, mirrored: Vec3<F>, direction: Vec3<F>) -> F {
         let zero = F::splat(0.0);
@@ -29,7 +28,7 @@ impl<F: Real> Fuzz<F> {
         let half = square.max(zero).sqrt();
         let cube = self.0 * self.0 * self.0;
         let (near, far) = ((along - half).max(zero), (along + half).max(zero));
-        // The difference of cubes without its cancellation.
+        // The difference of cubes, in a form without cancellation.
         let apart = half * (F::splat(3.0) * along * along + square) / (F::splat(2.0 * PI) * cube);
         let from_start = far * far * far / (F::splat(4.0 * PI) * cube);
         let pdf = F::select(zero.lt(near), apart, from_start);

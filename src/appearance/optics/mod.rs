@@ -1,4 +1,4 @@
-//! What happens to light at a surface, as formulas over unit vectors and cosines.
+//! Reflection and refraction at surfaces, as formulas over unit vectors and cosines.
 
 mod fresnel;
 mod fuzz;

@@ -1,37 +1,36 @@
-//! Directions after a surface.
+//! Directions of reflected and refracted rays.
 
 use crate::base::lanes::{Real, Select, Vec3};
 
-/// `direction` as a mirror across `normal` sends it on.
+/// Reflects `direction` at a mirror with the normal `normal`.
 #[inline(always)]
 pub fn reflect<F: Real>(direction: Vec3<F>, normal: Vec3<F>) -> Vec3<F> {
     direction - normal * (F::splat(2.0) * normal.dot(direction))
 }
 
-/// What becomes of light that passes a boundary.
+/// A refracted direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Refraction<F: Real> {
     /// Unit vector behind the boundary.
     pub direction: Vec3<F>,
-    /// The cosine of its angle there.
+    /// The cosine of the refracted angle.
     pub cosine: F,
-    /// Where none passes: all is reflected inside.
+    /// Lanes with total internal reflection.
     pub is_total: F::Mask,
 }
 
-/// `direction` (a unit vector) behind a boundary across the unit vector `normal`, which faces it (Snell's law). `eta` is
-/// the index of refraction behind the boundary over that before it.
+/// Refracts `direction` (a unit vector) at a boundary by Snell's law. The unit normal faces the incoming light. `eta`
+/// is the index of refraction behind the boundary over that in front of it.
 #[inline(always)]
 pub fn refract<F: Real>(direction: Vec3<F>, normal: Vec3<F>, eta: F) -> Refraction<F> {
     let (zero, one) = (F::splat(0.0), F::splat(1.0));
     let cosine = -direction.dot(normal);
-    // The part of the direction within the boundary: its length is the sine, without the cancellation of
-    // 1 - cos².
+    // The tangential part of the refracted direction. Its length is the sine, without the cancellation of 1 - cos².
     let along = (direction + normal * cosine) / eta;
     let sine = along.length();
     let refracted = ((one - sine) * (one + sine)).max(zero).sqrt();
     let bent = (along - normal * refracted).normalize();
-    // A boundary that changes nothing leaves even the last bit.
+    // If the indices are equal, the direction keeps every bit.
     let same = eta.eq(one);
     Refraction {
         direction: Vec3::select(same, direction, bent),
@@ -58,7 +57,7 @@ mod tests {
             let (inside, cosine) = refracted(into, DVec3::Y, 1.5).expect("light enters");
             assert!((inside.x * 1.5 - into.x).abs() < 1e-15 && (inside.y + cosine).abs() < 1e-15);
             let (out, _) = refracted(inside, DVec3::Y, 1.0 / 1.5).expect("light leaves");
-            // The cosine of a grazing ray is the root of a difference: half of the digits are lost.
+            // The cosine of a grazing ray is the root of a difference, which loses half of the digits.
             assert!((out - into).length() < if degrees > 80.0 { 1e-11 } else { 1e-15 }, "{degrees}");
         }
         let steep = DVec3::new(0.8, 0.6, 0.0);

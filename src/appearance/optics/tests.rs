@@ -1,4 +1,4 @@
-//! Samplers of surfaces against their stated densities, and what surfaces may not do: give more than they get.
+//! Samplers match their densities, and surfaces reflect no more light than they receive.
 
 use super::{Fuzz, Microfacet, reflect};
 use crate::base::lanes::Vec3;
@@ -24,7 +24,7 @@ fn fuzzy_mirrors_have_their_density() {
     }
 }
 
-/// Where a small mirror that the eye sees shows it.
+/// The reflection of the eye at a sampled microfacet.
 fn mirrored(microfacet: Microfacet<f64>, eye: DVec3, random: &mut Random) -> DVec3 {
     let half = microfacet.sample(eye.into(), random.unit(), random.unit());
     reflect(-Vec3::from(eye), half).into()
@@ -42,7 +42,7 @@ fn small_mirrors_have_their_density() {
     }
 }
 
-/// The integral over all directions above the surface, by points evenly in height and longitude.
+/// The integral over the hemisphere above the surface, by a uniform grid in height and longitude.
 fn over_the_hemisphere(f: impl Fn(DVec3) -> f64) -> f64 {
     const SIDE: u32 = 300;
     let share = |i: u32| (f64::from(i) + 0.5) / f64::from(SIDE);
@@ -70,12 +70,12 @@ fn rough_surfaces_lose_but_never_gain() {
                 share
             };
             let mean = (0..20_000).map(share).sum::<f64>() / 20_000.0;
-            // What is drawn must add up to what is there: a sum over a grid, which sees no narrow peaks.
+            // The sampled mean must agree with a sum over a grid, which misses narrow peaks.
             if alpha >= 0.5 {
                 let sum = over_the_hemisphere(|light| microfacet.reflected(eye.into(), light.into()));
                 assert!((mean - sum).abs() < 0.015, "alpha {alpha} at {degrees}: {mean} against {sum}");
             }
-            // In closed form: ∫ c / (c + 1) dc from 0 to 1, for light at right incidence on the roughest one.
+            // In closed form, for normal incidence and alpha 1: ∫ c / (c + 1) dc from 0 to 1.
             if (alpha, degrees) == (1.0, 0.0) {
                 let expected = 1.0 - std::f64::consts::LN_2;
                 assert!((mean - expected).abs() < 0.01, "{mean} against {expected}");

@@ -7,51 +7,51 @@ use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
 
-/// What the numbers in a file of whole numbers mean. Files of floating-point numbers are always linear.
+/// The meaning of integers in an image file. Files of floating-point numbers are always linear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Encoding {
-    /// Colours for a screen.
+pub enum ColorEncoding {
+    /// Colours in sRGB encoding.
     #[default]
     Srgb,
-    /// Amounts: light, roughness, masks.
+    /// Linear values, such as light, roughness or masks.
     Linear,
 }
 
-/// Bytes of a file at most.
-const LARGEST_FILE: u64 = 1 << 30;
+/// The largest file in bytes.
+const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// Texels along an axis at most.
-const LARGEST_SIDE: u32 = 16_384;
+/// The most texels along a side.
+const MAX_SIDE: u32 = 16_384;
 
-/// Texels at most: 1.5 GiB of them.
-const MOST_TEXELS: u64 = 1 << 27;
+/// The most texels: 1.5 GiB.
+const MAX_TEXELS: u64 = 1 << 27;
 
 impl Image {
-    /// Reads a PNG, JPEG, BMP or Radiance HDR file, whichever its first bytes say. A photograph is turned upright as its
-    /// EXIF orientation says.
-    pub fn load(path: &Path, encoding: Encoding) -> Result<Self, ImageError> {
-        Self::decode(&files::read(path, LARGEST_FILE)?, encoding)
+    /// Reads a PNG, JPEG, BMP or Radiance HDR file. The first bytes decide the format. A photograph is turned upright
+    /// by its EXIF orientation.
+    pub fn load(path: &Path, encoding: ColorEncoding) -> Result<Self, ImageError> {
+        Self::decode(&files::read(path, MAX_FILE_BYTES)?, encoding)
     }
 
     /// [`Image::load`] from the bytes of a file.
-    pub fn decode(bytes: &[u8], encoding: Encoding) -> Result<Self, ImageError> {
-        if files::is_cut(bytes) {
-            return Err(ImageError::Cut);
+    pub fn decode(bytes: &[u8], encoding: ColorEncoding) -> Result<Self, ImageError> {
+        if files::is_truncated(bytes) {
+            return Err(ImageError::Truncated);
         }
         let mut limits = Limits::default();
-        limits.max_alloc = Some(MOST_TEXELS * size_of::<[f32; 4]>() as u64);
+        limits.max_alloc = Some(MAX_TEXELS * size_of::<[f32; 4]>() as u64);
         let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
         reader.limits(limits);
         let mut decoder = reader.into_decoder()?;
         let (width, height) = decoder.dimensions();
-        let too_large = |most: String| Err(ImageError::TooLarge { size: (width, height), most });
-        if width.max(height) > LARGEST_SIDE {
-            return too_large(format!("at most {LARGEST_SIDE} are read along a side"));
+        let too_large = |limit: String| Err(ImageError::TooLarge { size: (width, height), limit });
+        if width.max(height) > MAX_SIDE {
+            return too_large(format!("the limit is {MAX_SIDE} along a side"));
         }
-        if u64::from(width) * u64::from(height) > MOST_TEXELS {
-            return too_large(format!("at most {MOST_TEXELS} are read"));
+        if u64::from(width) * u64::from(height) > MAX_TEXELS {
+            return too_large(format!("the limit is {MAX_TEXELS} in total"));
         }
-        // What is decoded, a copy with its channels, and the texels.
+        // The decoded data, a copy with its channels, and the texels.
         let pixels = u64::from(width) * u64::from(height);
         let texel = size_of::<Rgb>() + if decoder.color_type().has_alpha() { size_of::<f32>() } else { 0 };
         machine::check_memory(2 * decoder.total_bytes() + pixels * texel as u64)?;
@@ -69,8 +69,8 @@ impl Image {
     }
 }
 
-/// Row by row in linear light, whatever the file holds: grey or colours, 8 or 16 bits, or f32.
-fn texels(picture: DynamicImage, encoding: Encoding) -> Vec<Rgb> {
+/// Texels row by row in linear light, from grey or colours of 8 bits, 16 bits or f32.
+fn texels(picture: DynamicImage, encoding: ColorEncoding) -> Vec<Rgb> {
     let color = picture.color();
     match color.bytes_per_pixel() / color.channel_count() {
         1 => {
@@ -85,7 +85,7 @@ fn texels(picture: DynamicImage, encoding: Encoding) -> Vec<Rgb> {
     }
 }
 
-/// How much of each pixel is there, row by row: no light, whatever the encoding of colours.
+/// The alpha of each pixel, row by row. Alpha is linear whatever the encoding of colours.
 fn alpha(picture: &DynamicImage) -> Vec<f32> {
     let share = |code: u32, last: u32| (f64::from(code) / f64::from(last)) as f32;
     match picture {
@@ -106,15 +106,15 @@ fn alpha(picture: &DynamicImage) -> Vec<f32> {
 }
 
 /// The linear value of every code up to `last`.
-fn table(last: u32, encoding: Encoding) -> Vec<f32> {
+fn table(last: u32, encoding: ColorEncoding) -> Vec<f32> {
     let linear = |code: u32| match (f64::from(code) / f64::from(last), encoding) {
-        (shown, Encoding::Srgb) => srgb_to_linear(shown) as f32,
-        (amount, Encoding::Linear) => amount as f32,
+        (shown, ColorEncoding::Srgb) => srgb_to_linear(shown) as f32,
+        (amount, ColorEncoding::Linear) => amount as f32,
     };
     (0..=last).map(linear).collect()
 }
 
-/// Light is finite and not negative, even if a file says so.
+/// Replaces invalid light: negative and non-finite numbers become 0.
 fn radiance(value: f32) -> f32 {
     if value.is_finite() { value.max(0.0) } else { 0.0 }
 }
@@ -122,7 +122,7 @@ fn radiance(value: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::appearance::texture::{Filter, Wrap};
+    use crate::appearance::texture::{TextureFilter, Wrap};
     use crate::base::math::DVec2;
     use image::{ImageBuffer, ImageFormat, Luma, LumaA, Rgb as Pixel, Rgba};
 
@@ -132,7 +132,7 @@ mod tests {
         bytes.into_inner()
     }
 
-    fn decoded(bytes: &[u8], encoding: Encoding) -> Image {
+    fn decoded(bytes: &[u8], encoding: ColorEncoding) -> Image {
         Image::decode(bytes, encoding).unwrap_or_else(|error| panic!("{error}"))
     }
 
@@ -141,11 +141,11 @@ mod tests {
         let picture = ImageBuffer::from_fn(2, 2, |x, y| Pixel([(128 * x) as u8, (255 * y) as u8, 188]));
         for format in [ImageFormat::Png, ImageFormat::Bmp] {
             let bytes = encoded(picture.clone(), format);
-            let shown = decoded(&bytes, Encoding::Srgb);
+            let shown = decoded(&bytes, ColorEncoding::Srgb);
             let expected = [128.0, 255.0, 188.0].map(|code| srgb_to_linear(code / 255.0) as f32);
             assert_eq!(shown.texel(1, 1), Rgb::from(expected));
             assert_eq!(shown.texel(1, 0).y, 0.0, "the first row is the top one");
-            let linear = decoded(&bytes, Encoding::Linear);
+            let linear = decoded(&bytes, ColorEncoding::Linear);
             assert_eq!(linear.texel(0, 1), Rgb::new(0.0, 1.0, 188.0 / 255.0));
         }
     }
@@ -153,16 +153,19 @@ mod tests {
     #[test]
     fn grey_deep_and_transparent_files_are_read() {
         let grey = ImageBuffer::from_pixel(1, 1, Luma([51u8]));
-        assert_eq!(decoded(&encoded(grey, ImageFormat::Png), Encoding::Linear).texel(0, 0), Rgb::splat(0.2));
+        assert_eq!(
+            decoded(&encoded(grey, ImageFormat::Png), ColorEncoding::Linear).texel(0, 0),
+            Rgb::splat(0.2)
+        );
         let deep = ImageBuffer::from_pixel(1, 1, Pixel([0u16, 65535, 13107]));
         let deep = encoded(deep, ImageFormat::Png);
-        assert_eq!(decoded(&deep, Encoding::Linear).texel(0, 0), Rgb::new(0.0, 1.0, 0.2));
+        assert_eq!(decoded(&deep, ColorEncoding::Linear).texel(0, 0), Rgb::new(0.0, 1.0, 0.2));
     }
 
     #[test]
     fn alpha_is_linear_whatever_the_encoding() {
         let nearest = |image: &Image| {
-            image.sample_alpha(DVec2::splat(0.5), [Wrap::Clamp.into(); 2], Filter::Nearest).alpha
+            image.sample_alpha(DVec2::splat(0.5), [Wrap::Clamp.into(); 2], TextureFilter::Nearest).alpha
         };
         let red = |alpha| ImageBuffer::from_pixel(2, 1, Rgba([255u8, 0, 0, alpha]));
         let pictures: [DynamicImage; 3] = [
@@ -171,20 +174,20 @@ mod tests {
             ImageBuffer::from_pixel(2, 1, Rgba([0u16, 65535, 0, 13107])).into(),
         ];
         for picture in pictures {
-            for encoding in [Encoding::Srgb, Encoding::Linear] {
+            for encoding in [ColorEncoding::Srgb, ColorEncoding::Linear] {
                 let image = decoded(&encoded(picture.clone(), ImageFormat::Png), encoding);
                 assert!(image.has_alpha() && nearest(&image) == 0.2, "{image:?}");
             }
         }
-        assert_eq!(decoded(&encoded(red(0), ImageFormat::Png), Encoding::Srgb).texel(0, 0), Rgb::X);
-        assert!(!decoded(&encoded(red(255), ImageFormat::Png), Encoding::Srgb).has_alpha());
+        assert_eq!(decoded(&encoded(red(0), ImageFormat::Png), ColorEncoding::Srgb).texel(0, 0), Rgb::X);
+        assert!(!decoded(&encoded(red(255), ImageFormat::Png), ColorEncoding::Srgb).has_alpha());
     }
 
     #[test]
     fn floating_point_files_are_linear() {
         let picture = ImageBuffer::from_pixel(3, 2, Pixel([8.0f32, 0.5, 0.25]));
         let bytes = encoded(picture, ImageFormat::Hdr);
-        for encoding in [Encoding::Srgb, Encoding::Linear] {
+        for encoding in [ColorEncoding::Srgb, ColorEncoding::Linear] {
             assert_eq!(decoded(&bytes, encoding).texel(2, 1), Rgb::new(8.0, 0.5, 0.25));
         }
     }
@@ -192,27 +195,28 @@ mod tests {
     #[test]
     fn photographs_are_read() {
         let grey = ImageBuffer::from_pixel(16, 16, Pixel([128u8; 3]));
-        let texel = decoded(&encoded(grey, ImageFormat::Jpeg), Encoding::Linear).texel(8, 8);
+        let texel = decoded(&encoded(grey, ImageFormat::Jpeg), ColorEncoding::Linear).texel(8, 8);
         assert!((texel - Rgb::splat(128.0 / 255.0)).abs().max_element() < 0.01);
     }
 
     #[test]
-    fn what_is_no_image_is_refused_in_words() {
-        let refused = |bytes: &[u8]| Image::decode(bytes, Encoding::Srgb).expect_err("no image").to_string();
+    fn files_that_are_not_images_are_refused() {
+        let refused =
+            |bytes: &[u8]| Image::decode(bytes, ColorEncoding::Srgb).expect_err("no image").to_string();
         for bytes in [&b""[..], b"some text", b"GIF89a and so on", b"\x00\x01\x02"] {
-            assert_eq!(refused(bytes), "it is no PNG, JPEG, BMP or HDR image");
+            assert_eq!(refused(bytes), "it is not a PNG, JPEG, BMP or HDR image");
         }
         let picture = ImageBuffer::from_fn(64, 64, |x, y| Pixel([(x * y) as u8, x as u8, y as u8]));
         for format in [ImageFormat::Png, ImageFormat::Bmp, ImageFormat::Jpeg] {
             let bytes = encoded(picture.clone(), format);
-            // A PNG whose end marker alone is cut still has its whole picture.
+            // A PNG that lacks only its end marker still has its whole picture.
             let end = bytes.len() - if format == ImageFormat::Png { 20 } else { 1 };
             for cut in [end, bytes.len() / 2, 20] {
-                let told = refused(&bytes[..cut]);
-                assert_eq!(told, "it is damaged: it ends before its picture does", "{format:?} {cut}");
+                let message = refused(&bytes[..cut]);
+                assert_eq!(message, "it is damaged: the file is truncated", "{format:?} {cut}");
             }
         }
-        // Its frame header becomes a comment.
+        // The frame header becomes a comment.
         let mut jpeg = encoded(picture, ImageFormat::Jpeg);
         let header = jpeg.windows(2).position(|marker| marker == [0xff, 0xc0]).expect("a frame header");
         jpeg[header + 1] = 0xfe;
@@ -234,30 +238,30 @@ mod tests {
                     bytes[at] = (random.unit() * 256.0) as u8;
                 }
                 bytes.truncate((random.unit() * 2.0 * bytes.len() as f64) as usize);
-                let _ = Image::decode(&bytes, Encoding::Srgb);
+                let _ = Image::decode(&bytes, ColorEncoding::Srgb);
             }
         }
     }
 
     #[test]
     fn absurd_sizes_are_refused() {
-        // A BMP's header alone: width and height are at 18 and 22.
+        // Only the header of a BMP. Width and height are at offsets 18 and 22.
         let mut bytes = encoded(ImageBuffer::from_pixel(1, 1, Pixel([0u8; 3])), ImageFormat::Bmp);
         for (width, height, why) in [
-            (60_000u32, 4u32, "it has 60000x4 pixels; at most 16384 are read along a side"),
-            (4, 16_385, "it has 4x16385 pixels; at most 16384 are read along a side"),
-            (16_384, 16_384, "it has 16384x16384 pixels; at most 134217728 are read"),
+            (60_000u32, 4u32, "it has 60000x4 pixels; the limit is 16384 along a side"),
+            (4, 16_385, "it has 4x16385 pixels; the limit is 16384 along a side"),
+            (16_384, 16_384, "it has 16384x16384 pixels; the limit is 134217728 in total"),
         ] {
             bytes[18..22].copy_from_slice(&width.to_le_bytes());
             bytes[22..26].copy_from_slice(&height.to_le_bytes());
-            let error = Image::decode(&bytes, Encoding::Srgb).expect_err("too large");
+            let error = Image::decode(&bytes, ColorEncoding::Srgb).expect_err("too large");
             assert_eq!(error.to_string(), why);
         }
     }
 
     #[test]
-    fn missing_files_are_told_in_the_same_words_everywhere() {
-        let error = Image::load(Path::new("no/such/file.png"), Encoding::Srgb).expect_err("no file");
+    fn missing_files_have_the_usual_message() {
+        let error = Image::load(Path::new("no/such/file.png"), ColorEncoding::Srgb).expect_err("no file");
         assert_eq!(error.to_string(), "there is no such file");
     }
 }

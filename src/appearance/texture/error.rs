@@ -1,4 +1,4 @@
-//! What can be wrong with an image file.
+//! Errors of image files.
 
 use crate::base::files;
 use image::ImageFormat;
@@ -6,24 +6,24 @@ use image::error::{ImageFormatHint, UnsupportedErrorKind};
 use std::fmt;
 use std::io;
 
-/// Why a file gives no image.
+/// Why a file cannot be read as an image.
 #[derive(Debug)]
 pub enum ImageError {
-    /// Its file, which may be no plain one or too large.
+    /// The file cannot be read: it is missing, too large, or not a regular file.
     Unreadable(io::Error),
-    /// The picture in it, in pixels, and how many of them are read.
-    TooLarge { size: (u32, u32), most: String },
-    /// More than the decoder may take of memory.
-    TakesTooMuch,
-    /// Not in a format that is read here.
+    /// The size in pixels exceeds the limit, which is a text.
+    TooLarge { size: (u32, u32), limit: String },
+    /// Decoding takes more memory than allowed.
+    OutOfMemory,
+    /// The format is unknown.
     UnknownFormat,
-    /// In a kind of a known format that is not read.
-    UnknownKind(&'static str),
-    /// Ends too early.
-    Cut,
-    /// Begins like an image of a format, but is none.
-    Broken(&'static str),
-    /// No pixels.
+    /// The format is known, but not this variant of it.
+    UnsupportedVariant(&'static str),
+    /// The file is truncated.
+    Truncated,
+    /// The file begins like an image of a format, but its data is corrupt.
+    Corrupt(&'static str),
+    /// The image has no pixels.
     Empty,
 }
 
@@ -43,19 +43,19 @@ impl From<image::ImageError> for ImageError {
     fn from(error: image::ImageError) -> Self {
         use image::ImageError as Error;
         match error {
-            Error::Limits(_) => Self::TakesTooMuch,
+            Error::Limits(_) => Self::OutOfMemory,
             Error::Unsupported(error) => match error.kind() {
                 UnsupportedErrorKind::Format(_) => Self::UnknownFormat,
-                _ => Self::UnknownKind(name(&error.format_hint())),
+                _ => Self::UnsupportedVariant(name(&error.format_hint())),
             },
-            Error::IoError(_) => Self::Cut,
-            Error::Decoding(error) => Self::Broken(name(&error.format_hint())),
-            Error::Encoding(_) | Error::Parameter(_) => Self::Broken("image"),
+            Error::IoError(_) => Self::Truncated,
+            Error::Decoding(error) => Self::Corrupt(name(&error.format_hint())),
+            Error::Encoding(_) | Error::Parameter(_) => Self::Corrupt("image"),
         }
     }
 }
 
-/// A format as people call it.
+/// The common name of a format.
 fn name(hint: &ImageFormatHint) -> &'static str {
     match hint {
         ImageFormatHint::Exact(ImageFormat::Png) => "PNG",
@@ -69,17 +69,17 @@ fn name(hint: &ImageFormatHint) -> &'static str {
 impl fmt::Display for ImageError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unreadable(error) => f.write_str(&files::why(error)),
-            Self::TooLarge { size: (width, height), most } => {
-                write!(f, "it has {width}x{height} pixels; {most}")
+            Self::Unreadable(error) => f.write_str(&files::describe(error)),
+            Self::TooLarge { size: (width, height), limit } => {
+                write!(f, "it has {width}x{height} pixels; {limit}")
             }
-            Self::TakesTooMuch => f.write_str("it takes too much memory to decode"),
-            Self::UnknownFormat => f.write_str("it is no PNG, JPEG, BMP or HDR image"),
-            Self::UnknownKind(format) => {
-                write!(f, "it is a kind of {format} that is not read; save it as a plain PNG")
+            Self::OutOfMemory => f.write_str("it takes too much memory to decode"),
+            Self::UnknownFormat => f.write_str("it is not a PNG, JPEG, BMP or HDR image"),
+            Self::UnsupportedVariant(format) => {
+                write!(f, "this kind of {format} file is not supported; save it as a plain PNG")
             }
-            Self::Cut => f.write_str("it is damaged: it ends before its picture does"),
-            Self::Broken(format) => write!(f, "it is damaged: its {format} data cannot be decoded"),
+            Self::Truncated => f.write_str("it is damaged: the file is truncated"),
+            Self::Corrupt(format) => write!(f, "it is damaged: its {format} data cannot be decoded"),
             Self::Empty => f.write_str("it is damaged: it has no pixels"),
         }
     }

@@ -1,22 +1,22 @@
-//! How much of a surface a ray sees, and what is left of cells that are too small to be told apart.
+//! The footprint of a ray on a surface, and the contrast that is left of cells below its size.
 
 use crate::base::math::{DMat3, DVec2, DVec3};
 
-/// The ellipse that a beam of light covers on a surface: two diameters that span it.
+/// The ellipse that a ray cone covers on a surface, by two diameters that span it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Footprint(pub [DVec3; 2]);
 
-/// Longer diameters tell no more.
+/// The longest diameter. A longer one would change nothing.
 const LONGEST: f64 = 1e60;
 
 impl Footprint {
-    /// Of a round beam of this width along a unit vector, on a surface with this unit normal.
+    /// The footprint of a round beam of this width along a unit vector, on a surface with this unit normal.
     pub fn new(width: f64, direction: DVec3, normal: DVec3) -> Self {
         if width == 0.0 {
             return Self::default();
         }
         let across = normal.cross(direction).normalize_or(normal.any_orthonormal_vector());
-        // Seen from its edge, a surface is seen as far as it goes.
+        // At grazing angles the footprint grows without bound.
         let long = (width / normal.dot(direction).abs()).min(LONGEST);
         Self([across * width, normal.cross(across) * long])
     }
@@ -25,9 +25,9 @@ impl Footprint {
         Self(self.0.map(|diameter| *by * diameter))
     }
 
-    /// What it is of the coordinates that `uv` gives of points near one of them. Each diameter is tried to both sides:
-    /// where coordinates begin anew, they do on one of them.
-    pub fn printed(&self, at: DVec3, uv: impl Fn(DVec3) -> DVec2) -> Self {
+    /// The footprint in the coordinates `uv` of points near `at`. Differences are taken on both sides of the point, and
+    /// the smaller one counts: a seam of the coordinates affects only one side.
+    pub fn to_uv(&self, at: DVec3, uv: impl Fn(DVec3) -> DVec2) -> Self {
         let here = uv(at);
         Self(self.0.map(|diameter| {
             let (forth, back) = (uv(at + diameter * 0.5) - here, here - uv(at - diameter * 0.5));
@@ -35,15 +35,15 @@ impl Footprint {
         }))
     }
 
-    /// How far it reaches along each axis, from side to side.
+    /// The extent along each axis, from side to side.
     pub fn extent(&self) -> DVec3 {
         let [a, b] = self.0;
         (a * a + b * b).map(f64::sqrt)
     }
 }
 
-/// What is left of the contrast of cells of width 1 in turn where a pixel covers `width` of them: all of it up to half
-/// a cell; nothing from a whole one on, as then they are too many to be shown one by one (Nyquist). NaN leaves nothing.
+/// The contrast that is left of alternating cells of width 1 if a pixel covers `width` of them. It is 1 up to half a
+/// cell and 0 from one cell on, where the pixels no longer resolve the cells (Nyquist). NaN gives 0.
 pub fn contrast(width: f64) -> f64 {
     if width <= 0.5 { 1.0 } else { (2.0 - 2.0 * width).max(0.0) }
 }
@@ -53,7 +53,7 @@ mod tests {
     use super::*;
     use crate::testing::Random;
 
-    /// The oracle: points all around the beam, each followed to the surface.
+    /// Reference: points all around the beam, each projected to the surface.
     #[test]
     fn footprints_reach_as_far_as_their_beams() {
         let mut random = Random(31);
@@ -76,12 +76,12 @@ mod tests {
         let around = |p: DVec3| DVec2::new(p.x.rem_euclid(1.0), 2.0 * p.y);
         let footprint = Footprint([DVec3::X * 0.125, DVec3::Y * 0.25]);
         for x in [0.0, 0.0625, 0.5, 0.96875] {
-            assert_eq!(footprint.printed(DVec3::X * x, around).extent(), DVec3::new(0.125, 0.5, 0.0));
+            assert_eq!(footprint.to_uv(DVec3::X * x, around).extent(), DVec3::new(0.125, 0.5, 0.0));
         }
     }
 
     #[test]
-    fn contrast_ends_where_cells_cannot_be_told_apart() {
+    fn contrast_ends_at_cells_of_one_pixel() {
         let left = [0.0, 0.5, 0.75, 1.0, 9.0, f64::INFINITY, f64::NAN].map(contrast);
         assert_eq!(left, [1.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0]);
     }

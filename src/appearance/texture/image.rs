@@ -1,26 +1,26 @@
-//! Images: texels in linear light, and what lies between them.
+//! Images: texels in linear light, and filtering between them.
 
-use super::wrap::Axis;
+use super::wrap::AxisWrap;
 use crate::base::color::Rgb;
 use crate::base::digest::content;
 use crate::base::math::DVec2;
 
-/// A picture in linear light; at least one texel wide and high.
+/// An image in linear light, at least one texel wide and high.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     width: u32,
     height: u32,
-    /// Row by row from the top left, as files have them.
+    /// Row by row from the top left, as in files.
     texels: Vec<Rgb>,
-    /// How much of each texel is there, in 0..=1; none if all of all is.
+    /// Alpha of each texel, in 0..=1. `None` if all texels are opaque.
     alpha: Option<Vec<f32>>,
-    /// Whether all texels are alike.
-    even: bool,
+    /// Whether all texels are equal.
+    is_uniform: bool,
 }
 
-content!(struct Image { width, height, texels, alpha, even });
+content!(struct Image { width, height, texels, alpha, is_uniform });
 
-/// What an image shows at a point: a colour, and how much of it is there.
+/// The value of an image at a point: a colour with alpha, which is not premultiplied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Texel {
     pub color: Rgb,
@@ -33,7 +33,7 @@ impl Texel {
         Self { color, alpha: 1.0 }
     }
 
-    /// A mixture in which `share` is the other one's: each counts with as much of its colour as is there (Porter and
+    /// Interpolates two texels. `share` is the part of the other one. Colours are weighted by their alpha (Porter and
     /// Duff, *Compositing Digital Images*, 1984).
     pub fn lerp(self, other: Self, share: f32) -> Self {
         if self.alpha == 1.0 && other.alpha == 1.0 {
@@ -41,16 +41,16 @@ impl Texel {
         }
         let alpha = self.alpha * (1.0 - share) + other.alpha * share;
         let there = (self.color * self.alpha).lerp(other.color * other.alpha, share);
-        // What is not there has any colour.
+        // If alpha is 0, the colour is arbitrary.
         let color = if alpha > 0.0 { there / alpha } else { self.color.lerp(other.color, share) };
         Self { color, alpha }
     }
 }
 
-/// What is seen between the centres of texels.
+/// Reconstruction between the centres of texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Filter {
-    /// A mixture of the four texels around.
+pub enum TextureFilter {
+    /// Bilinear interpolation of the four nearest texels.
     #[default]
     Bilinear,
     /// The nearest texel.
@@ -58,28 +58,28 @@ pub enum Filter {
 }
 
 content!(
-    enum Filter {
+    enum TextureFilter {
         Bilinear,
         Nearest,
     }
 );
 
 impl Image {
-    /// An image of `width` × `height` texels, row by row from the top left; none if there are more or fewer of
-    /// them, or none at all.
+    /// An image of `width` × `height` texels, row by row from the top left. `None` if the number of texels differs or
+    /// is 0.
     pub fn new(width: u32, height: u32, texels: Vec<Rgb>) -> Option<Self> {
         let right = !texels.is_empty() && u64::from(width) * u64::from(height) == texels.len() as u64;
-        let even = texels.iter().all(|texel| *texel == texels[0]);
-        right.then_some(Self { width, height, texels, alpha: None, even })
+        let is_uniform = texels.iter().all(|texel| *texel == texels[0]);
+        right.then_some(Self { width, height, texels, alpha: None, is_uniform })
     }
 
-    /// The image with how much of each texel is there, in 0..=1; none if there are more or fewer than texels.
+    /// Adds alpha in 0..=1 for each texel. `None` if the number of values differs from that of the texels.
     pub fn with_alpha(mut self, alpha: Vec<f32>) -> Option<Self> {
         if alpha.len() != self.texels.len() {
             return None;
         }
         let opaque = alpha.iter().all(|alpha| *alpha == 1.0);
-        self.even &= alpha.iter().all(|other| *other == alpha[0]);
+        self.is_uniform &= alpha.iter().all(|other| *other == alpha[0]);
         self.alpha = (!opaque).then_some(alpha);
         Some(self)
     }
@@ -92,17 +92,17 @@ impl Image {
         self.height
     }
 
-    /// Whether any of it is not, or not wholly, there.
+    /// Whether any texel has alpha below 1.
     pub fn has_alpha(&self) -> bool {
         self.alpha.is_some()
     }
 
-    /// The colour of an image that is the same, and there, everywhere.
+    /// The colour of an opaque image that is the same everywhere.
     pub fn constant(&self) -> Option<Rgb> {
-        (self.even && self.alpha.is_none()).then(|| self.texels[0])
+        (self.is_uniform && self.alpha.is_none()).then(|| self.texels[0])
     }
 
-    /// The colour of the texel in column `x` from the left and row `y` from the top; both inside the image.
+    /// The colour of the texel in column `x` from the left and row `y` from the top. Both must be inside the image.
     pub fn texel(&self, x: u32, y: u32) -> Rgb {
         self.texels[self.index(x, y)]
     }
@@ -111,25 +111,25 @@ impl Image {
         y as usize * self.width as usize + x as usize
     }
 
-    /// The colour at `uv`, whatever is there: u runs to the right and v upwards, both from 0 to 1 over the whole image,
-    /// so the centre of the texel in column i is at u = (i + 0.5) / width. Black where `uv` is not finite.
-    pub fn sample(&self, uv: DVec2, axes: [Axis; 2], filter: Filter) -> Rgb {
+    /// The colour at `uv`, ignoring alpha. u runs to the right and v upwards, both from 0 to 1 over the whole image. So
+    /// the centre of the texel in column i is at u = (i + 0.5) / width. The colour is black if `uv` is not finite.
+    pub fn sample(&self, uv: DVec2, axes: [AxisWrap; 2], filter: TextureFilter) -> Rgb {
         self.filtered(uv, axes, filter, |index| self.texels[index], Rgb::lerp).unwrap_or(Rgb::ZERO)
     }
 
-    /// [`Image::sample`] of what is there, with how much that is.
-    pub fn sample_alpha(&self, uv: DVec2, axes: [Axis; 2], filter: Filter) -> Texel {
+    /// [`Image::sample`] with alpha.
+    pub fn sample_alpha(&self, uv: DVec2, axes: [AxisWrap; 2], filter: TextureFilter) -> Texel {
         let Some(alpha) = &self.alpha else { return Texel::opaque(self.sample(uv, axes, filter)) };
         let texel = |index: usize| Texel { color: self.texels[index], alpha: alpha[index] };
         self.filtered(uv, axes, filter, texel, Texel::lerp).unwrap_or(Texel::opaque(Rgb::ZERO))
     }
 
-    /// What `texel` says at `uv`, mixed as the filter says; nothing where `uv` is not finite.
+    /// Filters the values of `texel` at `uv`. `None` if `uv` is not finite.
     fn filtered<T>(
         &self,
         uv: DVec2,
-        [across, up]: [Axis; 2],
-        filter: Filter,
+        [across, up]: [AxisWrap; 2],
+        filter: TextureFilter,
         texel: impl Fn(usize) -> T,
         lerp: impl Fn(T, T, f32) -> T,
     ) -> Option<T> {
@@ -138,12 +138,12 @@ impl Image {
         }
         let texel = |x: u32, from_bottom: u32| texel(self.index(x, self.height - 1 - from_bottom));
         Some(match filter {
-            Filter::Nearest => texel(across.nearest(uv.x, self.width), up.nearest(uv.y, self.height)),
-            Filter::Bilinear => {
-                let (x, y) = (across.between(uv.x, self.width), up.between(uv.y, self.height));
-                let low = lerp(texel(x.low, y.low), texel(x.high, y.low), x.share);
-                let high = lerp(texel(x.low, y.high), texel(x.high, y.high), x.share);
-                lerp(low, high, y.share)
+            TextureFilter::Nearest => texel(across.nearest(uv.x, self.width), up.nearest(uv.y, self.height)),
+            TextureFilter::Bilinear => {
+                let (x, y) = (across.texels_around(uv.x, self.width), up.texels_around(uv.y, self.height));
+                let low = lerp(texel(x.low, y.low), texel(x.high, y.low), x.fraction);
+                let high = lerp(texel(x.low, y.high), texel(x.high, y.high), x.fraction);
+                lerp(low, high, y.fraction)
             }
         })
     }
@@ -164,14 +164,14 @@ mod tests {
     }
 
     fn at(image: &Image, u: f64, v: f64, wrap: Wrap) -> f32 {
-        image.sample(DVec2::new(u, v), [wrap.into(); 2], Filter::Bilinear).x
+        image.sample(DVec2::new(u, v), [wrap.into(); 2], TextureFilter::Bilinear).x
     }
 
     #[test]
     fn texels_are_met_at_their_centres() {
         let image = grey(4, &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
         for wrap in WRAPS {
-            for filter in [Filter::Bilinear, Filter::Nearest] {
+            for filter in [TextureFilter::Bilinear, TextureFilter::Nearest] {
                 for (x, y) in (0..4).flat_map(|x| [(x, 0), (x, 1)]) {
                     let uv = DVec2::new((f64::from(x) + 0.5) / 4.0, 1.0 - (f64::from(y) + 0.5) / 2.0);
                     assert_eq!(image.sample(uv, [wrap.into(); 2], filter), image.texel(x, y));
@@ -240,7 +240,7 @@ mod tests {
         let coordinates: Vec<_> = ends.into_iter().chain(beyond).collect();
         for (&u, &v) in coordinates.iter().flat_map(|u| coordinates.iter().map(move |v| (u, v))) {
             for (wrap, filter) in
-                WRAPS.into_iter().flat_map(|w| [(w, Filter::Bilinear), (w, Filter::Nearest)])
+                WRAPS.into_iter().flat_map(|w| [(w, TextureFilter::Bilinear), (w, TextureFilter::Nearest)])
             {
                 let color = image.sample(DVec2::new(u, v), [wrap.into(); 2], filter);
                 let finite = u.is_finite() && v.is_finite();
@@ -249,17 +249,18 @@ mod tests {
         }
     }
 
-    /// A row that is repeated three times, and ends there.
+    /// A row that repeats three times and ends there.
     #[test]
     fn repeated_images_end_at_whole_numbers() {
         let image = grey(2, &[0.25, 0.75]);
-        let ends = [Axis::repeating(-1.0, 2.0), Wrap::Clamp.into()];
+        let ends = [AxisWrap::repeating(-1.0, 2.0), Wrap::Clamp.into()];
         let at = |u: f64, filter| image.sample(DVec2::new(u, 0.5), ends, filter).x;
-        let smooth = [-1.5, -1.0, -0.9, 0.0, 1.0, 1.75, 1.9, 2.0, 2.5].map(|u| at(u, Filter::Bilinear));
+        let smooth =
+            [-1.5, -1.0, -0.9, 0.0, 1.0, 1.75, 1.9, 2.0, 2.5].map(|u| at(u, TextureFilter::Bilinear));
         assert_eq!(smooth, [0.25, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 0.75, 0.75]);
-        let firm = [-1.0, -1e-9, 0.0, 1.0, 2.0].map(|u| at(u, Filter::Nearest));
+        let firm = [-1.0, -1e-9, 0.0, 1.0, 2.0].map(|u| at(u, TextureFilter::Nearest));
         assert_eq!(firm, [0.25, 0.75, 0.25, 0.25, 0.75]);
-        let wrapped = image.sample(DVec2::new(2.0, 0.5), [Wrap::Repeat.into(); 2], Filter::Nearest).x;
+        let wrapped = image.sample(DVec2::new(2.0, 0.5), [Wrap::Repeat.into(); 2], TextureFilter::Nearest).x;
         assert_eq!(wrapped, 0.25, "without an end the next one begins");
     }
 
@@ -269,14 +270,18 @@ mod tests {
         let image = Image::new(4, 1, texels).and_then(|image| image.with_alpha(vec![1.0, 0.0, 0.5, 1.0]));
         let image = image.expect("an image");
         assert!(image.has_alpha() && image.constant().is_none());
-        let at = |u: f64| image.sample_alpha(DVec2::new(u, 0.5), [Wrap::Clamp.into(); 2], Filter::Bilinear);
+        let at =
+            |u: f64| image.sample_alpha(DVec2::new(u, 0.5), [Wrap::Clamp.into(); 2], TextureFilter::Bilinear);
         assert_eq!(at(0.25), Texel { color: Rgb::X, alpha: 0.5 });
         assert_eq!(at(0.375), Texel { color: Rgb::Y, alpha: 0.0 });
         assert_eq!(at(0.5), Texel { color: Rgb::Z, alpha: 0.25 });
         let Texel { color, alpha } = at(0.75);
         assert_eq!(alpha, 0.75);
         assert!((color - Rgb::new(2.0, 2.0, 3.0) / 3.0).abs().max_element() < 1e-6, "{color}");
-        assert_eq!(image.sample(DVec2::new(0.375, 0.5), [Wrap::Clamp.into(); 2], Filter::Nearest), Rgb::Y);
+        assert_eq!(
+            image.sample(DVec2::new(0.375, 0.5), [Wrap::Clamp.into(); 2], TextureFilter::Nearest),
+            Rgb::Y
+        );
     }
 
     #[test]

@@ -1,10 +1,10 @@
-//! Gradient noise: smooth random numbers in space, the same at the same point always.
+//! Gradient noise: a smooth pseudorandom function of space.
 
 use super::footprint::contrast;
 use crate::base::math::DVec3;
 
-/// Gradient noise (Perlin, *Improving Noise*, 2002) with another hash: about -1..=1, and 0 at every point of
-/// whole coordinates.
+/// Gradient noise (Perlin, *Improving Noise*, 2002) with another hash. Its values are in about -1..=1. They are 0 where
+/// all coordinates are whole numbers.
 pub fn noise(point: DVec3, seed: u32) -> f64 {
     let corner = point.floor();
     let inside = point - corner;
@@ -19,13 +19,13 @@ pub fn noise(point: DVec3, seed: u32) -> f64 {
     sum
 }
 
-/// Noise of `octaves` sizes, each half as large and half as strong as the one before; as large as one alone.
-/// Clouds that are too small where a pixel covers `width` units are left out.
-pub fn layered(point: DVec3, octaves: u32, seed: u32, width: f64) -> f64 {
+/// The normalised sum of `octaves` octaves of noise, each with half the size and half the strength of the one before.
+/// Octaves that are too small for a pixel of `width` units fade out.
+pub fn fractal_noise(point: DVec3, octaves: u32, seed: u32, width: f64) -> f64 {
     sum(point, octaves, seed, width, |noise| noise)
 }
 
-/// [`layered`] noise without its sign, which has sharp valleys (Perlin's turbulence); in 0..=1.
+/// [`fractal_noise`] of absolute values, which has sharp valleys (Perlin's turbulence); in 0..=1.
 pub fn turbulence(point: DVec3, octaves: u32, seed: u32, width: f64) -> f64 {
     sum(point, octaves, seed, width, f64::abs)
 }
@@ -33,7 +33,7 @@ pub fn turbulence(point: DVec3, octaves: u32, seed: u32, width: f64) -> f64 {
 fn sum(mut point: DVec3, octaves: u32, seed: u32, mut width: f64, of: impl Fn(f64) -> f64) -> f64 {
     let (mut sum, mut strength, mut whole) = (0.0, 1.0, 0.0);
     for octave in 0..octaves {
-        // Each octave has gradients of its own, or they would all agree about the origin.
+        // Each octave has its own gradients. Otherwise all would agree near the origin.
         let left = strength * contrast(width);
         if left > 0.0 {
             sum += left * of(noise(point, seed.wrapping_add(octave)));
@@ -46,14 +46,14 @@ fn sum(mut point: DVec3, octaves: u32, seed: u32, mut width: f64, of: impl Fn(f6
     sum / whole
 }
 
-/// The scalar product of `v` with one of the twelve directions to the middles of a cube's edges.
+/// The dot product of `v` with one of the twelve directions to the midpoints of a cube's edges.
 fn along_gradient(hash: u64, v: DVec3) -> f64 {
     let (a, b) = [(v.x, v.y), (v.y, v.z), (v.z, v.x)][(hash >> 2) as usize % 3];
     let sign = |bit: u64| if hash & bit == 0 { 1.0 } else { -1.0 };
     a * sign(1) + b * sign(2)
 }
 
-/// Thorough mixing of a point of whole coordinates, one after the other (the finalizer of splitmix64).
+/// Hashes a point of whole coordinates, one coordinate after the other (the finalizer of splitmix64).
 fn hash(corner: DVec3, seed: u32) -> u64 {
     corner.to_array().into_iter().fold(u64::from(seed), |hash, coordinate| {
         let mut z = hash.wrapping_add(0x9e37_79b9_7f4a_7c15) ^ coordinate as i64 as u64;
@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn far_away_is_no_trouble() {
         for far in [1e15, 1e18, -1e30, 1e300] {
-            assert!(layered(DVec3::new(far, -far, 0.5), 8, 1, 0.0).is_finite());
+            assert!(fractal_noise(DVec3::new(far, -far, 0.5), 8, 1, 0.0).is_finite());
         }
     }
 }

@@ -1,28 +1,28 @@
-//! Patterns that are computed: how much of their second paint is at a point.
+//! Procedural patterns: the share of their second texture at a point.
 
 use super::footprint::contrast;
-use super::noise::{layered, turbulence};
+use super::noise::{fractal_noise, turbulence};
 use crate::base::digest::content;
 use crate::base::math::{Angle, DVec3, gamma};
 
-/// A pattern of two paints, in units of its own. Where only x and y are named, it is the same for every z.
+/// A pattern of two textures, in units of its own. A pattern that names only x and y does not depend on z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pattern {
-    /// Unit cubes in turn.
+    /// Alternating unit cubes.
     Checker,
     /// Bands of width 1 along x.
     Stripes,
-    /// Stripes bent by a cosine: the bands of x + cos y.
+    /// Stripes shifted by a cosine: the bands of x + cos y.
     Waves,
     /// Round dots, two in every square of side 2π: where |cos x + sin y| is 1 or more.
     Dots,
     /// Islands and lakes: the bands of cos x + sin y.
     Islands,
-    /// From the first paint at 0 to the second one at 1 along a unit vector.
+    /// From the first texture at 0 to the second one at 1 along a unit vector.
     Gradient { axis: DVec3 },
-    /// Clouds of about unit size, with finer ones of half the strength each.
+    /// Clouds of about unit size. Each further octave has half the size and half the strength.
     Noise { octaves: u32, seed: u32 },
-    /// Veins across x, one per unit, that `turbulence` moves by so many units at most.
+    /// Veins across x, one per unit. `turbulence` is their largest displacement in units.
     Marble { octaves: u32, seed: u32, turbulence: f64 },
 }
 
@@ -38,16 +38,16 @@ content!(enum Pattern {
 });
 
 impl Pattern {
-    /// How much of the second paint is at `point`, in 0..=1, where each coordinate is known within `error` and what
-    /// is seen reaches as far as `seen` along each axis. What is too small to be seen fades to the mean.
+    /// The share of the second texture at `point`, in 0..=1. Each coordinate is known within `error`. `seen` is the
+    /// extent of the pixel's footprint along each axis. Details below that size fade to their mean.
     pub fn share(&self, point: DVec3, error: DVec3, seen: DVec3) -> f64 {
         if !point.is_finite() {
             return 0.0;
         }
-        // Of the cosines, sines and sums below.
+        // Rounding of the cosines, sines and sums below.
         let rounding = gamma(4) * (point.x.abs() + 2.0);
         let slope = error.x + error.y + rounding;
-        // Where coordinates themselves are so uncertain that a twentieth of a cell is, cells are as if they were small.
+        // Where coordinates are uncertain by a twentieth of a cell, cells fade as if they were small.
         let width = seen.max(error * UNCERTAIN);
         match *self {
             Self::Checker => {
@@ -67,23 +67,22 @@ impl Pattern {
             Self::Islands => faded(is_odd(cell(height(point), slope)), 0.5, contrast(width.x + width.y)),
             Self::Gradient { axis } => point.dot(axis).clamp(0.0, 1.0),
             Self::Noise { octaves, seed } => {
-                (0.5 + 0.5 * layered(point, octaves, seed, width.max_element())).clamp(0.0, 1.0)
+                (0.5 + 0.5 * fractal_noise(point, octaves, seed, width.max_element())).clamp(0.0, 1.0)
             }
             Self::Marble { octaves, seed, turbulence: strength } => {
                 let vein = point.x + strength * turbulence(point, octaves, seed, width.max_element());
-                // A vein and what is between two of them are two cells.
+                // A vein and the gap to the next one are two cells.
                 0.5 + 0.5 * contrast(2.0 * width.x) * Angle(360.0 * vein).cos_sin().y
             }
         }
     }
 }
 
-/// A coordinate known to a twentieth of a cell counts as half a cell wide: from there on contrast is lost.
+/// An uncertainty of a twentieth of a cell counts as a footprint of half a cell, from where contrast fades.
 const UNCERTAIN: f64 = 10.0;
 
-/// The whole number below a coordinate that is known within `bound`. A coordinate that may be a whole number
-/// counts as one: a plane at a cell's boundary lies in one cell with all its points, wherever rounding puts
-/// them.
+/// The whole number below a coordinate that is known within `bound`. A coordinate that may be a whole number counts as
+/// one. So all points of a plane on the boundary of two cells lie in the same cell, whatever their rounding.
 fn cell(coordinate: f64, bound: f64) -> f64 {
     (coordinate + bound).floor()
 }
@@ -92,17 +91,17 @@ fn is_odd(cell: f64) -> bool {
     cell.rem_euclid(2.0) == 1.0
 }
 
-/// The hills and valleys that dots and islands are cut from.
+/// The height field of dots and islands.
 fn height(point: DVec3) -> f64 {
     libm::cos(point.x) + libm::sin(point.y)
 }
 
-/// The share of the plane where |cos x + sin y| is 1 or more. At each x with cos x ≥ 0 the sum is 1 or more for the share
-/// acos(1 - cos x) / π of all y, and -1 or less as often half a turn on: 2/π² times the integral of acos(1 - cos x) from 0
-/// to π/2.
+/// The share of the plane where |cos x + sin y| is 1 or more. At each x with cos x ≥ 0, the sum is 1 or more for the
+/// share acos(1 - cos x) / π of all y. It is -1 or less as often, half a turn on. So the share is 2/π² times the
+/// integral of acos(1 - cos x) from 0 to π/2.
 const DOTTED: f64 = 0.369_563_058_864_799_4;
 
-/// The share of the second paint in one of two kinds of cells, with this contrast to the mean of all of them.
+/// The share of the second texture in a cell of one of two kinds, faded by `contrast` to the mean over all cells.
 fn faded(second: bool, mean: f64, contrast: f64) -> f64 {
     let lost = 1.0 - contrast;
     if second { 1.0 - (1.0 - mean) * lost } else { mean * lost }
@@ -136,13 +135,13 @@ mod tests {
             assert_eq!(exact(Pattern::Waves, p.x, p.y, p.z), even(p.x + libm::cos(p.y)));
             let height = libm::cos(p.x) + libm::sin(p.y);
             assert_eq!(exact(Pattern::Islands, p.x, p.y, p.z), even(height));
-            // Cut off towards zero, as integers in C are, even numbers are those of less than 1.
+            // With truncation towards zero, as for C integers, the values in -1..1 count as even.
             assert_eq!(exact(Pattern::Dots, p.x, p.y, p.z), (height.trunc() % 2.0).abs());
         }
         assert_eq!(exact(Pattern::Waves, 0.0, 0.0, 0.0), 1.0);
         assert_eq!(exact(Pattern::Dots, 0.0, 0.0, 0.0), 1.0);
         assert_eq!(exact(Pattern::Islands, 0.0, 0.0, 0.0), 1.0);
-        // Here cos x + sin y is 1, but for rounding.
+        // Here cos x + sin y is 1, up to rounding.
         let third = std::f64::consts::FRAC_PI_3;
         for k in [-5.0, -1.0, 1.0, 5.0, 7.0] {
             assert_eq!(exact(Pattern::Dots, k * third, third / 2.0, 0.0), 1.0);
@@ -150,13 +149,13 @@ mod tests {
         }
     }
 
-    /// What is too far to be seen has the mean of what is near.
+    /// From far away, a pattern has the mean of its near values.
     #[test]
     fn patterns_fade_to_their_means() {
         for pattern in [Pattern::Checker, Pattern::Stripes, Pattern::Waves, Pattern::Dots, Pattern::Islands] {
             // Odd, so that no point lies on the straight coasts of islands.
             let side = 1001;
-            // Whole periods: two cells, or turns of both functions.
+            // Whole periods: two cells, or a full turn of both functions.
             let step = if matches!(pattern, Pattern::Dots | Pattern::Islands) {
                 std::f64::consts::TAU / f64::from(side)
             } else {
@@ -170,7 +169,7 @@ mod tests {
         }
     }
 
-    /// Dots are round blobs apart from each other: along the line through their middles there are gaps as wide as they.
+    /// Dots are round and separate. On the line through their centres, the gaps are as wide as the dots.
     #[test]
     fn dots_stand_alone() {
         let dot = |x: f64, y: f64| exact(Pattern::Dots, x, y, 0.0) == 1.0;
@@ -179,7 +178,7 @@ mod tests {
         assert!(!dot(quarter, 0.0) && !dot(2.0 * quarter, quarter) && !dot(0.0, -quarter), "on slopes");
     }
 
-    /// A checker of unit cubes on a plane between two layers of them shows the squares of x and z alone.
+    /// A checker of unit cubes, on a plane between two layers of cubes, shows only the squares of x and z.
     #[test]
     fn sh_17_a_plane_on_a_boundary_shows_one_layer_of_cells() {
         let mut random = Random(17);

@@ -1,74 +1,78 @@
-//! Paint over time.
+//! Textures over time.
 
-use super::paint::{Channel, ImagePaint, Paint, PatternPaint};
-use super::{Filter, Image, Pattern, PlacementTracks, Shared, Space, Wrap};
+use super::evaluate::{ColorChannel, ImageTexture, PatternTexture, Texture};
+use super::{Image, Pattern, SharedAsset, TextureFilter, TextureMappingTracks, TextureSpace, Wrap};
 use crate::base::color::Rgb;
 use crate::base::time::Time;
 use crate::track::Animated;
 
-/// A paint over time.
+/// A texture over time.
 #[derive(Clone, Debug, PartialEq)]
-pub enum PaintTracks {
+pub enum TextureTracks {
     Color(Animated<Rgb>),
     VertexColor,
-    Image(Box<ImageTracks>),
-    Pattern(Box<PatternTracks>),
+    Image(Box<ImageTextureTracks>),
+    Pattern(Box<PatternTextureTracks>),
 }
 
-/// An [`ImagePaint`] over time.
+/// An [`ImageTexture`] over time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ImageTracks {
-    pub image: Shared<Image>,
+pub struct ImageTextureTracks {
+    pub image: SharedAsset<Image>,
     pub wrap: Option<Wrap>,
-    pub filter: Filter,
-    pub channel: Option<Channel>,
+    pub filter: TextureFilter,
+    pub channel: Option<ColorChannel>,
     pub tint: Animated<Rgb>,
     pub alpha: bool,
-    pub placement: PlacementTracks,
+    pub mapping: TextureMappingTracks,
 }
 
-/// A [`PatternPaint`] over time.
+/// A [`PatternTexture`] over time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PatternTracks {
+pub struct PatternTextureTracks {
     pub pattern: Pattern,
-    pub space: Space,
-    pub placement: PlacementTracks,
-    pub first: PaintTracks,
-    pub second: PaintTracks,
+    pub space: TextureSpace,
+    pub mapping: TextureMappingTracks,
+    pub first: TextureTracks,
+    pub second: TextureTracks,
 }
 
-impl From<Animated<Rgb>> for PaintTracks {
+impl From<Animated<Rgb>> for TextureTracks {
     fn from(color: Animated<Rgb>) -> Self {
         Self::Color(color)
     }
 }
 
-impl From<Rgb> for PaintTracks {
+impl From<Rgb> for TextureTracks {
     fn from(color: Rgb) -> Self {
         Self::Color(color.into())
     }
 }
 
-impl PaintTracks {
-    /// The paint at a moment, without what makes no difference: a pattern of two equal paints is that paint, an image of
-    /// one colour is that colour.
-    pub fn at(&self, time: Time) -> Paint {
+impl TextureTracks {
+    /// The texture at a moment, simplified: a pattern of two equal textures becomes that texture, an image of one
+    /// colour becomes that colour.
+    pub fn at(&self, time: Time) -> Texture {
         match self {
-            // An easing that overshoots must not turn reflectance negative.
-            Self::Color(color) => Paint::Color(color.at(time).max(Rgb::ZERO)),
-            Self::VertexColor => Paint::VertexColor,
+            // An easing may overshoot below 0. Reflectance must not be negative.
+            Self::Color(color) => Texture::Color(color.at(time).max(Rgb::ZERO)),
+            Self::VertexColor => Texture::VertexColor,
             Self::Image(tracks) => {
-                let paint = tracks.at(time);
-                paint.constant().map_or_else(|| Paint::Image(paint), Paint::Color)
+                let texture = tracks.at(time);
+                texture.constant().map_or_else(|| Texture::Image(texture), Texture::Color)
             }
             Self::Pattern(tracks) => {
-                let paint = tracks.at(time);
-                if paint.first == paint.second { paint.first } else { Paint::Pattern(Box::new(paint)) }
+                let texture = tracks.at(time);
+                if texture.first == texture.second {
+                    texture.first
+                } else {
+                    Texture::Pattern(Box::new(texture))
+                }
             }
         }
     }
 
-    /// Whether any of it is, at any time, not or not wholly there.
+    /// Whether any part may have alpha below 1 at any time.
     pub fn has_alpha(&self) -> bool {
         match self {
             Self::Color(_) | Self::VertexColor => false,
@@ -78,21 +82,21 @@ impl PaintTracks {
     }
 }
 
-impl ImageTracks {
-    pub fn at(&self, time: Time) -> ImagePaint {
-        let placement = self.placement.at(time);
-        // An easing that overshoots must not turn reflectance negative.
+impl ImageTextureTracks {
+    pub fn at(&self, time: Time) -> ImageTexture {
+        let mapping = self.mapping.at(time);
+        // An easing may overshoot below 0. Reflectance must not be negative.
         let tint = self.tint.at(time).max(Rgb::ZERO);
         let &Self { wrap, filter, channel, alpha, .. } = self;
-        let reach = [0, 1].map(|axis| placement.reach(axis));
-        ImagePaint { image: self.image.clone(), wrap, filter, channel, tint, alpha, placement, reach }
+        let surface_wrap = [0, 1].map(|axis| mapping.surface_wrap(axis));
+        ImageTexture { image: self.image.clone(), wrap, filter, channel, tint, alpha, mapping, surface_wrap }
     }
 }
 
-impl PatternTracks {
-    pub fn at(&self, time: Time) -> PatternPaint {
-        let placement = self.placement.at(time);
+impl PatternTextureTracks {
+    pub fn at(&self, time: Time) -> PatternTexture {
+        let mapping = self.mapping.at(time);
         let (first, second) = (self.first.at(time), self.second.at(time));
-        PatternPaint { pattern: self.pattern, space: self.space, placement, first, second }
+        PatternTexture { pattern: self.pattern, space: self.space, mapping, first, second }
     }
 }

@@ -1,26 +1,26 @@
-//! What can be wrong with a set of frames, and what would be right.
+//! Errors of frame sets. Each message says what would be right.
 
 use std::error::Error;
 use std::fmt::{Display, Formatter, Result};
 
-/// Why a text is no set of frames, or not one of this sequence. Parts are as the user wrote them.
+/// Why a text is not a set of frames, or not one of this sequence. Parts are quoted as the user wrote them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FrameSetError {
-    /// Nothing was named at all.
+    /// The text is empty.
     Empty,
-    /// Neither a number nor a range.
+    /// The part is neither a number nor a range.
     Malformed(String),
-    /// Frames count from zero.
+    /// A number is negative.
     Negative(String),
-    /// More than any sequence can have.
+    /// A number exceeds the frames that any sequence can have.
     TooLarge(String),
-    /// The end lies before the beginning.
+    /// The end is before the start.
     Backwards {
         part: String,
         first: u32,
         end: u32,
     },
-    /// A range whose exclusive end is its beginning.
+    /// The exclusive end of a range equals its start.
     NoFrames {
         part: String,
         frame: u32,
@@ -34,23 +34,31 @@ pub enum FrameSetError {
         count: u32,
     },
     /// More frames than one run may hold.
-    TooMany,
+    TooMany {
+        max: usize,
+    },
 }
 
 impl Display for FrameSetError {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
-            Self::Empty => write!(f, "no frames named; write for example 0-47, 0..48 or 7,9,20"),
+            Self::Empty => write!(f, "no frames given; write for example 0-47, 0..48 or 7,9,20"),
             Self::Malformed(part) => {
-                write!(f, "`{part}` is no frame or range; write for example 7, 0-47, 0..48 or 1-40:2")
+                write!(
+                    f,
+                    "`{part}` is neither a frame nor a range; write for example 7, 0-47, 0..48 or 1-40:2"
+                )
             }
             Self::Negative(part) => write!(f, "`{part}` has a negative number; frames count from 0"),
             Self::TooLarge(number) => write!(f, "{number} is too large; frames count up to {}", u32::MAX),
             Self::Backwards { part, first, end } => {
-                write!(f, "`{part}` runs backwards; write {end}-{first} (frames always come in rising order)")
+                write!(f, "`{part}` runs backwards; write {end}-{first} (frames are always in rising order)")
             }
             Self::NoFrames { part, frame } => {
-                write!(f, "`{part}` holds no frame, for its end is exclusive; write {frame} for that frame")
+                write!(
+                    f,
+                    "`{part}` contains no frame, because its end is exclusive; write {frame} for that frame"
+                )
             }
             Self::ZeroStep(part) => write!(f, "`{part}` has a step of 0; the smallest step is 1"),
             Self::StepWithoutRange(part) => {
@@ -64,9 +72,8 @@ impl Display for FrameSetError {
                 let last = count - 1;
                 write!(f, "there is no frame {frame}; the sequence has {count} frames, 0-{last}")
             }
-            Self::TooMany => {
-                let most = super::MOST_FRAMES;
-                write!(f, "more than {most} frames in one run; name fewer with --frames, such as 0-47")
+            Self::TooMany { max } => {
+                write!(f, "more than {max} frames in one run; select fewer with --frames, such as 0-47")
             }
         }
     }

@@ -1,13 +1,13 @@
-//! A part of a run, for one of several processes: `2/4` is the second of four.
+//! Shards: parts of a run for several processes. `2/4` is the second of four.
 
 use std::fmt;
 use std::num::NonZeroU32;
 use std::str::FromStr;
 
-/// Shards of one run at most.
-const MOST: u32 = 1_000_000;
+/// The maximum number of shards of a run.
+const MAX: u32 = 1_000_000;
 
-/// The part `number` of `count`, counted from 1.
+/// Shard `number` of `count`, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     number: NonZeroU32,
@@ -15,8 +15,8 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Its frames: every frame belongs to one shard, and shards differ by a frame at most. Frames of a shard follow
-    /// each other, so that what neighbours share is computed once.
+    /// The frames of this shard. Every frame belongs to exactly one shard, and the sizes of shards differ by at most
+    /// one frame. The frames of a shard are consecutive, so that work shared by neighbours is done once.
     pub fn of(self, frames: &[u32]) -> &[u32] {
         let end =
             |number: u32| (frames.len() as u64 * u64::from(number) / u64::from(self.count.get())) as usize;
@@ -34,9 +34,9 @@ impl FromStr for Shard {
         };
         let parts = text.split_once('/').and_then(|(number, count)| Some((whole(number)?, whole(count)?)));
         match parts {
-            Some((number, count)) if number <= count && count.get() <= MOST => Ok(Self { number, count }),
+            Some((number, count)) if number <= count && count.get() <= MAX => Ok(Self { number, count }),
             _ => Err(format!(
-                "write which part of how many, counted from 1, such as 2/4: the second of four; at most {MOST}"
+                "write NUMBER/COUNT, such as 2/4 for the second of four; both count from 1, and COUNT is at most {MAX}"
             )),
         }
     }
@@ -70,8 +70,8 @@ mod tests {
         for text in
             ["", "2", "0/4", "5/4", "1/0", "-1/4", "+1/4", "1/+4", "1/2/3", "a/b", "1/1000001", "1 / 4"]
         {
-            let told = text.parse::<Shard>().expect_err(text);
-            assert!(told.contains("such as 2/4"), "{told}");
+            let message = text.parse::<Shard>().expect_err(text);
+            assert!(message.contains("such as 2/4"), "{message}");
         }
         assert_eq!("2/4".parse::<Shard>().expect("a shard").to_string(), "2/4");
     }

@@ -31,7 +31,7 @@ fn ranges_lists_and_steps() {
 }
 
 #[test]
-fn faults_are_told_apart() {
+fn faults_are_distinguished() {
     assert_eq!(fault(""), FrameSetError::Empty);
     assert_eq!(fault("  "), FrameSetError::Empty);
     for malformed in
@@ -67,7 +67,7 @@ fn frames_beyond_the_end_name_those_there_are() {
 #[test]
 fn nothing_grows_with_what_is_written_but_with_what_there_is() {
     assert!(matches!(set("0-4294967295").frames(72), Err(FrameSetError::Beyond { .. })));
-    assert_eq!(set("0-4294967294").frames(u32::MAX), Err(FrameSetError::TooMany));
+    assert_eq!(set("0-4294967294").frames(u32::MAX), Err(FrameSetError::TooMany { max: MAX_FRAMES }));
     assert_eq!(set("0-4294967294:4294967294").frames(u32::MAX), Ok(vec![0, u32::MAX - 1]));
     assert_eq!(set(&vec!["0-99"; 10_000].join(",")), set("0-99"));
 }
@@ -104,8 +104,8 @@ proptest! {
 }
 
 #[test]
-fn sets_are_told_shortly() {
-    for (frames, told) in [
+fn sets_have_short_texts() {
+    for (frames, expected) in [
         (&[][..], ""),
         (&[3], "3"),
         (&[0, 1, 2, 10, 12, 14, 20], "0-2,10-14:2,20"),
@@ -113,8 +113,8 @@ fn sets_are_told_shortly() {
         (&[0, 2, 3], "0,2-3"),
         (&[0, 48], "0,48"),
     ] {
-        assert_eq!(text(frames), told);
-        let parsed: Option<FrameSet> = told.parse().ok();
+        assert_eq!(text(frames), expected);
+        let parsed: Option<FrameSet> = expected.parse().ok();
         assert_eq!(parsed.map_or(Ok(Vec::new()), |set| set.frames(50)), Ok(frames.to_vec()));
     }
 }

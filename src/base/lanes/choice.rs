@@ -1,15 +1,15 @@
-//! Which level kernels run on.
+//! The choice of the level on which kernels run.
 
 use std::env;
 use std::ffi::OsStr;
 use std::fmt;
 use std::sync::OnceLock;
 
-/// The environment variable that forces a level: `portable`, `avx2` or `avx512`. An empty one counts as not set. Outputs
-/// are the same on every level; this is to check that, and to measure.
+/// The environment variable that forces a level: `portable`, `avx2` or `avx512`. An empty value counts as unset.
+/// Outputs are the same on every level; the variable serves to check that, and to measure.
 pub const LEVEL_VARIABLE: &str = "KINORA_SIMD";
 
-/// The levels that there are, the narrowest first.
+/// All levels, the narrowest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LevelName {
     Portable,
@@ -20,7 +20,7 @@ pub enum LevelName {
 impl LevelName {
     pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
 
-    /// The word that users know it by.
+    /// The name that users write.
     pub fn name(self) -> &'static str {
         match self {
             Self::Portable => "portable",
@@ -47,7 +47,7 @@ impl LevelName {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LevelError {
     value: String,
-    /// Whether it is the name of a level.
+    /// Whether `value` is the name of a level.
     is_known: bool,
     available: Vec<&'static str>,
 }
@@ -78,7 +78,7 @@ fn available() -> Vec<LevelName> {
     LevelName::ALL.into_iter().filter(|level| level.is_available()).collect()
 }
 
-/// The level of a name, if it is among those.
+/// The level with a name, if it is available.
 fn named(name: &OsStr, available: &[LevelName]) -> Result<LevelName, LevelError> {
     let found = available.iter().find(|level| name == level.name());
     found.copied().ok_or_else(|| LevelError {
@@ -88,8 +88,8 @@ fn named(name: &OsStr, available: &[LevelName]) -> Result<LevelName, LevelError>
     })
 }
 
-/// The level that kernels run on: what [`LEVEL_VARIABLE`] forces, or the best that the processor has. Programs should ask
-/// [`forced_level`] first, which says what is wrong with the variable; here it counts as not set then.
+/// The level on which kernels run: the level that [`LEVEL_VARIABLE`] forces, or the best level of the processor.
+/// Invalid values of the variable count as unset here, so programs should call [`forced_level`] first to report them.
 #[inline]
 pub fn level() -> LevelName {
     static LEVEL: OnceLock<LevelName> = OnceLock::new();

@@ -4,7 +4,7 @@ use super::{Lookup, Mask, Row, Select, Single};
 use glam::Vec3 as Rgb;
 use std::ops::{Add, Div, Mul, Sub};
 
-/// A linear colour of each lane.
+/// One linear colour per lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Color<S> {
     pub r: S,
@@ -32,7 +32,7 @@ impl<S: Single> Color<S> {
         Self { r: S::splat(color.x), g: S::splat(color.y), b: S::splat(color.z) }
     }
 
-    /// The same in all channels.
+    /// The same value in all channels.
     #[inline(always)]
     pub fn grey(value: S) -> Self {
         Self { r: value, g: value, b: value }
@@ -49,7 +49,7 @@ impl<S: Single> Color<S> {
         Self { r: S::gather(from[0], at), g: S::gather(from[1], at), b: S::gather(from[2], at) }
     }
 
-    /// The colour of one lane. Takes a store of all lanes: for many lanes, store once.
+    /// The colour of one lane. It stores all lanes, so store once if many lanes are needed.
     #[inline(always)]
     pub fn lane(self, lane: usize) -> Rgb {
         Rgb::new(self.r.to_array()[lane], self.g.to_array()[lane], self.b.to_array()[lane])
@@ -65,13 +65,13 @@ impl<S: Single> Color<S> {
         Self { r: self.r.max(other.r), g: self.g.max(other.g), b: self.b.max(other.b) }
     }
 
-    /// Lanes that are not black. No channel may be below 0.
+    /// The lanes that are not black. No channel may be negative.
     #[inline(always)]
     pub fn is_lit(self) -> S::Mask {
         S::splat(0.0).lt(self.max_element())
     }
 
-    /// From this colour at 0 to another at 1, as glam's `lerp` rounds it.
+    /// From this colour at 0 to `other` at 1, rounded like glam's `lerp`.
     #[inline(always)]
     pub fn lerp(self, other: Self, share: S) -> Self {
         self * (S::splat(1.0) - share) + other * share

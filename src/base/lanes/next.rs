@@ -1,11 +1,11 @@
-//! Neighbours of numbers.
+//! Neighbours of floats.
 
-/// Numbers nearer to zero than this soon lead to subnormal ones, with which processors compute a hundred times slower:
-/// 2^-900, far below any length that matters.
+/// 2^-900, far below any length that matters. Computations with smaller numbers soon become subnormal, and processors
+/// are about a hundred times slower on those.
 pub const NEAR_ZERO: f64 = f64::from_bits((1023 - 900) << 52);
 
-/// The neighbour of `value` in the direction of `towards`; `value` itself when that is zero. Next to zero it is as far
-/// as [`NEAR_ZERO`].
+/// The next float from `value` in the direction of the sign of `towards`; `value` itself if `towards` is zero. Next
+/// to zero it is ±[`NEAR_ZERO`].
 #[inline]
 pub fn next_away(value: f64, towards: f64) -> f64 {
     let next = if towards > 0.0 {

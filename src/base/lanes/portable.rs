@@ -1,10 +1,10 @@
-//! Eight lanes as arrays, which compilers turn into whatever the processor has.
+//! Eight lanes as arrays, which the compiler vectorizes for the target.
 
 use super::next_away;
 use super::{Bits, LaneKernel, Level, Lookup, Mask, Real, Row, Select, SimdKernel, Single};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// The level of every processor.
+/// The level that every processor has.
 #[derive(Clone, Copy)]
 pub struct Portable;
 
@@ -17,7 +17,7 @@ pub struct F32x8([f32; 8]);
 #[derive(Clone, Copy)]
 pub struct U32x8([u32; 8]);
 
-/// All bits of a chosen lane are set, so that choices need no branches.
+/// All bits of a lane in the set are 1, so that selections need no branches.
 #[derive(Clone, Copy)]
 pub struct Mask8([u64; 8]);
 

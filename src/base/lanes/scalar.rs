@@ -1,4 +1,4 @@
-//! One lane: the numbers themselves.
+//! One lane: the scalar types themselves.
 
 use super::next_away;
 use super::{Bits, Lookup, Mask, Portable, Real, Row, Select, Single};

@@ -1,4 +1,4 @@
-//! All levels compute the same as one lane.
+//! All levels give the results of one lane.
 
 use super::*;
 use crate::base::math::NEAR_ZERO;
@@ -6,11 +6,11 @@ use crate::testing::Random;
 use std::cell::Cell;
 
 thread_local! {
-    /// The level that kernels of this thread run on, if it is not the best one.
+    /// The level on which kernels of this thread run; none for the best level.
     pub static FORCED: Cell<Option<LevelName>> = const { Cell::new(None) };
 }
 
-/// What a computation on this thread gives on each level that the processor has.
+/// The results of a computation on this thread, on each level of the processor.
 pub fn on_all_levels<T>(mut compute: impl FnMut() -> T) -> Vec<(LevelName, T)> {
     let before = FORCED.get();
     let levels = LevelName::ALL.into_iter().filter(|level| level.is_available());
@@ -23,10 +23,10 @@ pub fn on_all_levels<T>(mut compute: impl FnMut() -> T) -> Vec<(LevelName, T)> {
     results
 }
 
-/// Rows of numbers, and of bits of masks.
+/// Results as f64, f32, u32 and bits of masks.
 type Results = (Vec<f64>, Vec<f32>, Vec<u32>, Vec<bool>);
 
-/// All that one lane or more can do, lane by lane.
+/// The results of all operations, lane by lane.
 fn everything<F: Real>(a: F, b: F) -> Results {
     let (less, below) = (a.lt(b), b.to_f32().lt(a.to_f32()));
     let reals = [
@@ -119,7 +119,7 @@ impl SimdKernel for Everything {
     }
 }
 
-/// The bits of numbers; of what is not a number, none are promised.
+/// The bits of numbers. The bits of NaN are not specified.
 fn bits(values: &[f64]) -> Vec<Option<u64>> {
     values.iter().map(|value| (!value.is_nan()).then(|| value.to_bits())).collect()
 }
@@ -161,7 +161,7 @@ fn all_levels_compute_what_one_lane_does() {
             expected.1.extend(singles);
             expected.2.extend(whole);
             expected.3.extend(masks);
-            // What comes of bits is not the same in every lane.
+            // The mask from bits differs between lanes.
             let from_bits = expected.3.len() - 2;
             expected.3[from_bits] = 0b1010_0101 >> lane & 1 == 1;
         }

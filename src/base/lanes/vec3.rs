@@ -1,10 +1,10 @@
-//! Vectors whose coordinates are in lanes.
+//! Vectors in lanes.
 
 use super::{Lookup, Mask, Real, Row, Select};
 use glam::{DMat3, DVec3};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A vector of each lane. Operations are those of glam's `DVec3`, in the same order, so that they round alike.
+/// One vector per lane. The operations have the same order as those of glam's `DVec3`, so they round alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vec3<F> {
     pub x: F,
@@ -44,13 +44,13 @@ impl<F: Real> Vec3<F> {
         Self::splat(DVec3::ZERO)
     }
 
-    /// The vector of one lane. Takes a store of all lanes: for many lanes, store once.
+    /// The vector of one lane. It stores all lanes, so store once if many lanes are needed.
     #[inline(always)]
     pub fn lane(self, lane: usize) -> DVec3 {
         DVec3::new(self.x.to_array()[lane], self.y.to_array()[lane], self.z.to_array()[lane])
     }
 
-    /// The vectors of eight lanes; those that there are not repeat the last one.
+    /// The vectors of eight lanes. Missing lanes repeat the last one.
     #[inline(always)]
     pub fn store(self) -> [DVec3; 8] {
         let (x, y, z) = (self.x.to_array(), self.y.to_array(), self.z.to_array());
@@ -118,13 +118,13 @@ impl<F: Real> Vec3<F> {
         Self { x: self.x * other.x, y: self.y * other.y, z: self.z * other.z }
     }
 
-    /// At length 1. What has no direction becomes no number.
+    /// The vector at length 1. A zero vector becomes NaN.
     #[inline(always)]
     pub fn normalize(self) -> Self {
         self * (F::splat(1.0) / self.length())
     }
 
-    /// At length 1, or `other` where there is no direction.
+    /// The vector at length 1, or `other` in lanes whose vector has no direction.
     #[inline(always)]
     pub fn normalize_or(self, other: Self) -> Self {
         let per_length = F::splat(1.0) / self.length();
@@ -132,28 +132,28 @@ impl<F: Real> Vec3<F> {
         Self::select(sound, self * per_length, other)
     }
 
-    /// Lanes in which all coordinates are equal.
+    /// The lanes in which all coordinates are equal.
     #[inline(always)]
     pub fn eq(self, other: Self) -> F::Mask {
         self.x.eq(other.x) & self.y.eq(other.y) & self.z.eq(other.z)
     }
 
-    /// Lanes in which a coordinate is not zero.
+    /// The lanes in which a coordinate is not zero.
     #[inline(always)]
     pub fn is_not_zero(self) -> F::Mask {
         !self.eq(Self::zero())
     }
 
-    /// These vectors turned round in the lanes of a mask.
+    /// The vectors, negated in the lanes of a mask.
     #[inline(always)]
     pub fn negate_where(self, mask: F::Mask) -> Self {
         Self::select(mask, -self, self)
     }
 }
 
-/// Vectors times a matrix, in glam's order of operations.
+/// Multiplies a matrix and vectors, in glam's order of operations.
 #[inline(always)]
-pub fn turned<F: Real>(matrix: &DMat3, v: Vec3<F>) -> Vec3<F> {
+pub fn transform_vector<F: Real>(matrix: &DMat3, v: Vec3<F>) -> Vec3<F> {
     Vec3::splat(matrix.x_axis) * v.x + Vec3::splat(matrix.y_axis) * v.y + Vec3::splat(matrix.z_axis) * v.z
 }
 

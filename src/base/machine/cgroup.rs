@@ -1,18 +1,18 @@
-//! Memory that control groups leave to this process, of both versions: cgroups(7), and "Memory" in the kernel's
-//! `cgroup-v2.rst` and `cgroup-v1/memory.rst`.
+//! Memory that the control groups of this process allow, in both versions of cgroups. Sources: cgroups(7), and
+//! "Memory" in the kernel's `cgroup-v2.rst` and `cgroup-v1/memory.rst`.
 
 use std::path::{Path, PathBuf};
 
-/// What a version of control groups calls things.
+/// The file names and keys of a version of cgroups.
 struct Version {
     file_system: &'static str,
-    /// Who keeps the accounts; the second version has one hierarchy for all.
+    /// The controller of memory. Empty in version 2, which has one hierarchy for all controllers.
     controller: &'static str,
-    /// Files with the most that a group may have.
+    /// Files with the limits of a group.
     limits: &'static [&'static str],
-    /// The file with what a group has, together with those in it.
+    /// The file with the memory usage of a group and its subgroups.
     used: &'static str,
-    /// What `memory.stat` calls that part of it which the kernel takes back before it refuses more.
+    /// Keys in `memory.stat` of memory that the kernel reclaims before it refuses an allocation.
     reclaimable: &'static [&'static str],
 }
 
@@ -33,37 +33,39 @@ const VERSIONS: [Version; 2] = [
     },
 ];
 
-/// Bytes that this process may still take in its group and in every group around that; none where nothing limits it.
-/// `told` gives what a file says, if it is there.
-pub fn free_memory(told: impl Fn(&Path) -> Option<String>) -> Option<u64> {
-    let groups = told(Path::new("/proc/self/cgroup"))?;
-    let mounts = told(Path::new("/proc/self/mountinfo"))?;
+/// Bytes that this process may still take in its group and in all parent groups; none if no group has a limit. `read`
+/// returns the text of a file, if it exists.
+pub fn free_memory(read: impl Fn(&Path) -> Option<String>) -> Option<u64> {
+    let groups = read(Path::new("/proc/self/cgroup"))?;
+    let mounts = read(Path::new("/proc/self/mountinfo"))?;
     let left = |version: &Version| {
-        version.folders(&groups, &mounts).iter().filter_map(|folder| version.left(folder, &told)).min()
+        version.folders(&groups, &mounts).iter().filter_map(|folder| version.left(folder, &read)).min()
     };
     VERSIONS.iter().filter_map(left).min()
 }
 
 impl Version {
-    /// Folders of the group that the process is in, and of those around it as far as they can be seen.
+    /// Folders of the process's group and of its visible parent groups.
     fn folders(&self, groups: &str, mounts: &str) -> Vec<PathBuf> {
         let Some(group) = groups.lines().find_map(|line| self.group(line)) else { return Vec::new() };
         let folders = |(root, mount): (&str, &str)| {
-            // In a container, a group may be told from a root that is not mounted: all that is seen is its own.
+            // In a container, the path of a group may start at a root that is not mounted. Then only the own group is
+            // visible.
             let inside = Path::new(group).strip_prefix(root).unwrap_or(Path::new(""));
             inside.ancestors().map(|inside| Path::new(mount).join(inside)).collect::<Vec<_>>()
         };
         mounts.lines().filter_map(|line| self.mount(line)).flat_map(folders).collect()
     }
 
-    /// The group, of a line such as `4:cpu,memory:/a/b`.
+    /// The group in a line such as `4:cpu,memory:/a/b`.
     fn group<'a>(&self, line: &'a str) -> Option<&'a str> {
         let mut fields = line.splitn(3, ':').skip(1);
         let mine = fields.next()?.split(',').any(|controller| controller == self.controller);
         fields.next().filter(|_| mine)
     }
 
-    /// Which group is mounted where, of a line such as `29 24 0:26 / /sys/fs/cgroup rw shared:4 - cgroup2 cgroup2 rw`.
+    /// The root group and the mount point in a line such as
+    /// `29 24 0:26 / /sys/fs/cgroup rw shared:4 - cgroup2 cgroup2 rw`.
     fn mount<'a>(&self, line: &'a str) -> Option<(&'a str, &'a str)> {
         let (place, kind) = line.split_once(" - ")?;
         let mut kind = kind.split_whitespace();
@@ -74,11 +76,11 @@ impl Version {
         place.next().zip(place.next()).filter(|_| mine)
     }
 
-    /// Bytes that the group of a folder has left; none if it has no limit.
-    fn left(&self, folder: &Path, told: impl Fn(&Path) -> Option<String>) -> Option<u64> {
-        let number = |file: &str| told(&folder.join(file))?.trim().parse::<u64>().ok();
+    /// Bytes left to the group of a folder; none if it has no limit.
+    fn left(&self, folder: &Path, read: impl Fn(&Path) -> Option<String>) -> Option<u64> {
+        let number = |file: &str| read(&folder.join(file))?.trim().parse::<u64>().ok();
         let limit = self.limits.iter().copied().filter_map(number).min()?;
-        let stat = told(&folder.join("memory.stat")).unwrap_or_default();
+        let stat = read(&folder.join("memory.stat")).unwrap_or_default();
         let reclaimable =
             self.reclaimable.iter().filter_map(|key| counter(&stat, key)).fold(0, u64::saturating_add);
         let used = number(self.used).unwrap_or(0);
@@ -86,7 +88,7 @@ impl Version {
     }
 }
 
-/// A number in a file with a name and a number in each line.
+/// A value of a file whose lines are a key and a number.
 fn counter(stat: &str, key: &str) -> Option<u64> {
     let value = stat.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(' '))?;
     value.trim().parse().ok()
@@ -96,7 +98,7 @@ fn counter(stat: &str, key: &str) -> Option<u64> {
 mod tests {
     use super::*;
 
-    /// What is left where these are all files that there are.
+    /// Memory left if `files` are the only files.
     fn left(files: &[(&str, &str)]) -> Option<u64> {
         free_memory(|path| {
             let file = files.iter().find(|(name, _)| Path::new(name) == path);
@@ -124,9 +126,9 @@ mod tests {
             (format!("{job}/memory.max"), format!("{job}/memory.current"), format!("{job}/memory.stat"));
         assert_eq!(second(&[(&max, "8000\n")]), Some(8000));
         assert_eq!(second(&[(&max, "8000\n"), (&current, "3000\n")]), Some(5000));
-        let told =
+        let text =
             "anon 1200\nfile 1700\ninactive_file 1000\nactive_file 500\nslab_reclaimable 100\nslab 300\n";
-        assert_eq!(second(&[(&max, "8000\n"), (&current, "3000\n"), (&stat, told)]), Some(6600));
+        assert_eq!(second(&[(&max, "8000\n"), (&current, "3000\n"), (&stat, text)]), Some(6600));
         assert_eq!(second(&[(&max, "8000\n"), (&current, "9000\n")]), Some(0));
         let high = format!("{job}/memory.high");
         assert_eq!(second(&[(&max, "8000\n"), (&high, "7000\n"), (&current, "3000\n")]), Some(4000));
@@ -159,7 +161,7 @@ mod tests {
                 "/sys/fs/cgroup/memory/a/b/memory.stat",
                 "active_file 1\ntotal_active_file 300\ntotal_inactive_file 400",
             ),
-            // Not limited, as that version says it.
+            // This is how version 1 says "unlimited".
             ("/sys/fs/cgroup/memory/memory.limit_in_bytes", "9223372036854771712"),
             ("/sys/fs/cgroup/cpu/a/b/memory.limit_in_bytes", "1"),
         ];

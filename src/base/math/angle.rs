@@ -1,9 +1,9 @@
-//! Angles in degrees, whose sines and cosines are exact where they can be.
+//! Angles in degrees, with exact sines and cosines at quarter turns.
 
 use super::DVec2;
 use crate::base::time::Fraction;
 
-/// An angle in degrees, as files give it. Degrees make whole turns whole numbers.
+/// An angle in degrees, the unit of files. In degrees, whole turns are integers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Angle(pub f64);
 
@@ -22,23 +22,23 @@ impl Angle {
         Self(radians * (180.0 / std::f64::consts::PI))
     }
 
-    /// `turns` whole turns times a fraction, reduced to one turn before the one rounding.
+    /// `turns` times a fraction, as an angle. It is reduced to one turn before its only rounding.
     pub fn turns(turns: f64, of: Fraction) -> Self {
         Self(360.0 * ((turns * of.num) % of.den / of.den))
     }
 
-    /// Between two angles: (a·den + (b - a)·num) / den. For whole degrees and turns, angles that differ by
-    /// whole turns come out equal bit for bit once [`Angle::wrapped`], as the remainder by 360·den is
-    /// taken before the one division.
+    /// Interpolates between two angles: (a·den + (b - a)·num) / den. For whole degrees and turns, results that differ
+    /// by whole turns are equal bit for bit after [`Angle::wrapped`], because the remainder by 360·den precedes the
+    /// only division.
     pub fn mix(self, other: Self, s: Fraction) -> Self {
         let scaled = self.0 * s.den + (other.0 - self.0) * s.num;
         Self((scaled % (360.0 * s.den)) / s.den)
     }
 
-    /// (cosine, sine); exact at every quarter turn, and the same bits one turn on.
+    /// (cosine, sine). Exact at every quarter turn. Angles that differ by whole turns give the same bits.
     pub fn cos_sin(self) -> DVec2 {
         let degrees = self.wrapped().0;
-        // Reduce to -45..=45 degrees around the nearest quarter turn: the subtraction is exact there.
+        // Reduce to -45..=45 degrees around the nearest quarter turn. The subtraction is exact.
         let quarter = (degrees / 90.0 + 0.5).floor();
         let rest = Self(degrees - 90.0 * quarter).radians();
         let (c, s) = (libm::cos(rest), libm::sin(rest));
@@ -50,7 +50,7 @@ impl Angle {
         }
     }
 
-    /// Tangent of half the angle: the half height of a picture at distance 1 for a field of view.
+    /// The tangent of half the angle: for a field of view, half the height of the picture at distance 1.
     pub fn half_tangent(self) -> f64 {
         libm::tan(self.radians() * 0.5)
     }
@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn ca_01_keyed_turns_close_bit_for_bit() {
-        // 3 turns over 7·3 frames: a thirds-and-sevenths grid that no binary fraction holds.
+        // 3 turns over 7·3 frames: no binary fraction represents thirds and sevenths.
         let at = |k: u32| {
             let s = Fraction { num: f64::from(k), den: 21.0 };
             Angle(10.0).mix(Angle(10.0 + 3.0 * 360.0), s).cos_sin()

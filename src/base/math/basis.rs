@@ -26,13 +26,13 @@ impl Basis {
 /// The frame that looks from `eye` to `target` with `up` in its upper half; none if eye and target are equal
 /// or not finite.
 ///
-/// `up` is honoured however close it comes to the line of sight. Exactly on it, or zero, it says nothing:
-/// then `right` is +x made perpendicular, or +y when the line of sight is the x axis.
+/// `up` counts even if it is nearly parallel to the line of sight. If it is exactly parallel, or zero, `right` is +x
+/// made perpendicular, or +y when the line of sight is the x axis.
 pub fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Option<Basis> {
     let forward = unit(target - eye)?;
     let right = unit(up).and_then(|up| {
         let right = cross(forward, up);
-        // Below the rounding of two unit vectors there is no direction left in the product.
+        // A product below the rounding errors of two unit vectors has no reliable direction.
         (right.length() > 4.0 * UNIT_ROUNDOFF).then(|| perpendicular(right.normalize(), forward))
     });
     let right = right.unwrap_or_else(|| {
@@ -42,14 +42,14 @@ pub fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Option<Basis> {
     Some(Basis { right, up: cross(right, forward).normalize(), forward })
 }
 
-/// `v` made perpendicular to the unit vector `axis`. The second pass removes what the first one's
-/// cancellation left behind (Parlett, "twice is enough").
+/// `v` made perpendicular to the unit vector `axis`. The second pass removes the error that cancellation leaves in
+/// the first one (Parlett, "twice is enough").
 pub fn perpendicular(v: DVec3, axis: DVec3) -> DVec3 {
     let once = (v - axis * v.dot(axis)).normalize();
     (once - axis * once.dot(axis)).normalize()
 }
 
-/// A unit vector; scaled first, so that neither tiny nor huge vectors under- or overflow.
+/// A unit vector. `v` is scaled first, so that tiny vectors do not underflow and huge ones do not overflow.
 fn unit(v: DVec3) -> Option<DVec3> {
     let largest = v.abs().max_element();
     (largest > 0.0 && largest.is_finite()).then(|| (v / largest).normalize())

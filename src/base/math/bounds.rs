@@ -2,7 +2,7 @@
 
 use super::{DAffine3, DVec3};
 
-/// An axis-aligned box in f64; empty when `min` exceeds `max`.
+/// An axis-aligned bounding box in f64. It is empty if `min` exceeds `max` on any axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
     pub min: DVec3,
@@ -27,7 +27,7 @@ impl Aabb {
         })
     }
 
-    /// A box around this box moved by `affine`, widened by the rounding of that move.
+    /// The bounds of this box transformed by `affine`, padded by the rounding error of the transform.
     pub fn transformed(self, affine: &DAffine3) -> Self {
         let abs = affine.matrix3.abs();
         let moved = Self::around(self.corners().map(|c| affine.transform_point3(c)));
@@ -43,7 +43,7 @@ impl Aabb {
         self.min * 0.5 + self.max * 0.5
     }
 
-    /// The area of the box's sides.
+    /// The surface area.
     pub fn area(self) -> f64 {
         let side = self.max - self.min;
         2.0 * (side.x * side.y + side.y * side.z + side.z * side.x)

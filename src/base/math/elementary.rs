@@ -1,16 +1,16 @@
-//! Exponentials and arc tangents in lanes, of basic operations alone, so that they are the same on every processor.
+//! Exponentials and arc tangents in lanes. They use basic operations only, so every processor gives the same bits.
 
 use crate::base::lanes::Real;
 use std::f64::consts::FRAC_PI_4;
 
-/// What π / 4 has beyond [`FRAC_PI_4`].
+/// π / 4 - [`FRAC_PI_4`].
 const FRAC_PI_4_REST: f64 = 3.061_616_997_868_383e-17;
 
-/// ln 2 with its last 21 bits clear, so that products with exponents are exact; and the rest of it.
+/// ln 2 with its last 21 bits clear, so that products with exponents are exact; and the remainder.
 const LN_2: f64 = 0.693_147_180_369_123_8;
 const LN_2_REST: f64 = 1.908_214_929_270_587_7e-10;
 
-/// 1 / n! from n = 2 on.
+/// 1 / n! for n = 2, 3, ….
 const EXP: [f64; 12] = [
     1.0 / 2.0,
     1.0 / 6.0,
@@ -36,13 +36,13 @@ fn splats<F: Real, const N: usize>(coefficients: [f64; N]) -> [F; N] {
     lanes
 }
 
-/// exp(x) as 2^n · (1 + rest): the whole number n, and the rest.
+/// exp(x) as 2^n · (1 + rest): the integer n, and the rest.
 #[inline(always)]
 fn parts_of_exp<F: Real>(x: F) -> (F, F) {
     let n = (x * F::splat(std::f64::consts::LOG2_E) + F::splat(0.5)).floor();
-    // At most half of ln 2; the first difference is exact.
+    // |r| is at most half of ln 2. The first difference is exact.
     let r = (x - n * F::splat(LN_2)) - n * F::splat(LN_2_REST);
-    // Taylor's series of exp(r) - 1 up to the 13th power leaves out less than 2^-56 of it, by Estrin's scheme.
+    // Taylor series of exp(r) - 1 up to the 13th power, by Estrin's scheme. Its relative error is below 2^-56.
     let [c2, c3, c4, c5, c6, c7, c8, c9, c10, c11, c12, c13] = splats(EXP);
     let (r2, r4) = (r * r, r * r * (r * r));
     let low = (c2 + r * c3) + r2 * (c4 + r * c5);
@@ -51,12 +51,12 @@ fn parts_of_exp<F: Real>(x: F) -> (F, F) {
     (n, r + r2 * (low + r4 * (middle + r4 * high)))
 }
 
-/// exp(x), within 2 units of roundoff where that is a normal number.
+/// exp(x), within 2 units of roundoff if the result is a normal number.
 #[inline(always)]
 pub fn exp<F: Real>(x: F) -> F {
-    // What lies beyond is 0, or infinite.
+    // Beyond these limits the result is 0 or infinite.
     let (n, rest) = parts_of_exp(x.max(F::splat(-746.0)).min(F::splat(710.0)));
-    // In two steps, as 2^n itself may be too large or too small.
+    // Scale in two steps, because 2^n itself may overflow or underflow.
     let half = (n * F::splat(0.5)).floor();
     (half.exp2_whole() + half.exp2_whole() * rest) * (n - half).exp2_whole()
 }
@@ -69,8 +69,8 @@ pub fn exp_m1<F: Real>(x: F) -> F {
     (power - F::splat(1.0)) + power * rest
 }
 
-/// atan(x) / x - 1 in powers of x² from the first on, for x up to tan(π / 8): Chebyshev's interpolation of degree 12,
-/// off by less than 3e-18.
+/// Coefficients of x², x⁴, … of atan(x) / x - 1, for x up to tan(π / 8): Chebyshev interpolation of degree 12. The
+/// error is below 3e-18.
 const ATAN: [f64; 12] = [
     -0.333_333_333_333_333_26,
     0.199_999_999_999_970_15,
@@ -86,14 +86,14 @@ const ATAN: [f64; 12] = [
     0.015_113_765_096_600_925,
 ];
 
-/// The angle of (x, y) in -π..=π, within 3 units of roundoff; 0 for the origin, as for points on +x.
+/// The angle of (x, y) in -π..=π, within 3 units of roundoff. The origin has the angle of points on +x, 0.
 #[inline(always)]
 pub fn atan2<F: Real>(y: F, x: F) -> F {
     let zero = F::splat(0.0);
     let (width, height) = (x.abs(), y.abs());
     let steep = width.lt(height);
     let (long, short) = (F::select(steep, height, width), F::select(steep, width, height));
-    // Beyond tan(π / 8), from the diagonal: its difference of near numbers is exact.
+    // Above tan(π / 8), the angle from the diagonal: the difference of two close numbers is exact.
     let diagonal = (long * F::splat(0.414_213_562_373_095_03)).lt(short);
     let above = F::select(diagonal, short - long, short);
     let along = F::select(diagonal, short + long, long);
@@ -113,7 +113,7 @@ pub fn atan2<F: Real>(y: F, x: F) -> F {
     angle.copysign(y)
 }
 
-/// So many quarters of π and an angle, added from the last digits on.
+/// `count` · π / 4 + `angle`. The small terms are added first.
 #[inline(always)]
 fn quarters_and<F: Real>(count: f64, angle: F) -> F {
     F::splat(count * FRAC_PI_4) + (angle + F::splat(count * FRAC_PI_4_REST))
@@ -127,7 +127,7 @@ mod tests {
     use crate::base::math::UNIT_ROUNDOFF;
     use crate::testing::Random;
 
-    /// Within so many units of roundoff of what the library gives, which is within 1 itself.
+    /// Within `units` units of roundoff of the result of libm, whose own error is within 1.
     fn assert_near(found: f64, expected: f64, units: f64, of: &str) {
         let off = (found - expected).abs();
         assert!(off <= units * UNIT_ROUNDOFF * expected.abs(), "{of}: {found:e} for {expected:e}");

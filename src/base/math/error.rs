@@ -3,7 +3,7 @@
 use super::DVec3;
 use crate::base::lanes::Real;
 
-/// Unit round-off of f64: half the distance from 1 to the next number.
+/// Unit roundoff of f64: half the distance from 1 to the next float.
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON * 0.5;
 
 /// The relative error of `n` rounded operations is at most `gamma(n)` = n·u / (1 - n·u)
@@ -13,13 +13,13 @@ pub const fn gamma(n: u32) -> f64 {
     nu / (1.0 - nu)
 }
 
-/// a·b - c·d to about one and a half units in the last place, without fused multiply-add: both products'
-/// rounding errors are recovered by Dekker's splitting and added back.
+/// a·b - c·d within about 1.5 units in the last place, without fused multiply-add: Dekker's splitting recovers the
+/// rounding errors of both products, which are added back.
 #[inline(always)]
 pub fn difference_of_products<F: Real>(a: F, b: F, c: F, d: F) -> F {
     let (ab, cd) = (a * b, c * d);
     let difference = ab - cd;
-    // Splitting overflows near the ends of the exponent range; there the plain difference has to do.
+    // If splitting overflows, near the ends of the exponent range, the result is the plain difference.
     let error = product_error(a, b, ab) - product_error(c, d, cd);
     F::select(error.abs().lt(F::splat(f64::INFINITY)), difference + error, difference)
 }
@@ -39,8 +39,8 @@ fn split<F: Real>(a: F) -> (F, F) {
     (high, a - high)
 }
 
-/// a·b + c as if computed with twice the digits and then rounded (Ogita, Rump and Oishi, *Accurate Sum and Dot Product*,
-/// 2005). Beyond the range of Dekker's splitting it is the plain sum.
+/// a·b + c as if computed in twice the precision and then rounded (Ogita, Rump and Oishi, *Accurate Sum and Dot
+/// Product*, 2005). Outside the range of Dekker's splitting it is the plain sum.
 pub fn dot_plus(a: DVec3, b: DVec3, c: f64) -> f64 {
     let (mut sum, mut lost) = (c, 0.0);
     for (a, b) in a.to_array().into_iter().zip(b.to_array()) {
@@ -53,7 +53,7 @@ pub fn dot_plus(a: DVec3, b: DVec3, c: f64) -> f64 {
     if lost.is_finite() { sum + lost } else { sum }
 }
 
-/// The cross product with each component a [`difference_of_products`].
+/// The cross product; each component is a [`difference_of_products`].
 pub fn cross(a: DVec3, b: DVec3) -> DVec3 {
     DVec3::new(
         difference_of_products(a.y, b.z, a.z, b.y),
@@ -68,7 +68,7 @@ mod tests {
 
     #[test]
     fn cancelling_products_keep_their_digits() {
-        // (1 + e)(1 - e) - 1 = -e², lost entirely by the plain formula.
+        // (1 + e)(1 - e) - 1 = -e². The plain formula loses all of it.
         let e = f64::EPSILON;
         assert_eq!((1.0 + e) * (1.0 - e) - 1.0 * 1.0, 0.0);
         assert_eq!(difference_of_products(1.0 + e, 1.0 - e, 1.0, 1.0), -e * e);

@@ -1,4 +1,4 @@
-//! Numbers: f64 geometry, exact angles, stable frames, and the error bounds that replace epsilons.
+//! f64 geometry, exact angles, stable frames, and the error bounds that replace epsilons.
 
 mod angle;
 mod basis;
@@ -24,19 +24,19 @@ pub use turn::{cos_sin_of_quarters, cos_sin_of_turns};
 
 use crate::base::lanes::Real;
 
-/// The larger number; the second if one of them is none. One instruction, unlike `f64::max`.
+/// The larger number; `b` if either is NaN. This is one instruction, unlike `f64::max`.
 #[inline(always)]
-pub fn larger(a: f64, b: f64) -> f64 {
+pub fn max(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// The smaller number; the second if one of them is none.
+/// The smaller number; `b` if either is NaN.
 #[inline(always)]
-pub fn smaller(a: f64, b: f64) -> f64 {
+pub fn min(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// `base` to a whole power by repeated squaring, in one fixed order of multiplications.
+/// `base` to the power of an integer, by repeated squaring. The order of the multiplications is fixed.
 #[inline(always)]
 pub fn power<F: Real>(base: F, exponent: u32) -> F {
     let (mut result, mut square, mut rest) = (F::splat(1.0), base, exponent);

@@ -1,9 +1,9 @@
-//! Rays: one, and one in each lane.
+//! Single rays, and rays in lanes.
 
 use crate::base::lanes::{Real, Vec3};
 use crate::base::math::DVec3;
 
-/// A ray: `origin` + t·`direction`, with a unit direction when it comes from a camera.
+/// A ray: `origin` + t·`direction`. Directions of camera rays have unit length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     pub origin: DVec3,
@@ -16,7 +16,7 @@ impl Ray {
     }
 }
 
-/// A ray in each lane: `origin` + t·`direction`, with a direction of any length but zero.
+/// One ray per lane: `origin` + t·`direction`. The direction has any length except zero.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneRay<F> {
     pub origin: Vec3<F>,

@@ -1,22 +1,23 @@
-//! Roots of functions of one variable, between bounds.
+//! Roots of functions of one variable within a bracket.
 
 use crate::base::lanes::{Mask, Real};
 
-/// No search takes more steps: every second one halves the bracket at least, and the exponents of f64 span
-/// about 2100 halvings only for brackets that no shape has.
+/// The maximum number of steps. At least every second step halves the bracket. Only brackets that span all exponents
+/// of f64, which shapes do not have, would need more: about 2100 halvings.
 const STEPS: u32 = 200;
 
-/// A function of one variable, of each lane its own.
+/// A differentiable function of one variable; each lane has its own.
 pub trait Function<F> {
-    /// The value at x, and the slope.
+    /// The value and the derivative at x.
     fn at(&self, x: F) -> (F, F);
 }
 
-/// Where functions cross zero between `low` and `high`, where their signs differ, in the lanes of a mask; `rising` are those
-/// that are below zero at `low`. A lane ends when its step is not longer than `resolution`.
+/// The roots of functions between `low` and `high`, in the lanes of the mask `open`. The signs of a function at `low`
+/// and `high` differ; `rising` marks the lanes whose function is below zero at `low`. A lane ends when its step is at
+/// most `resolution`.
 ///
-/// Newton's method within a bracket: a step that leaves the bracket, or that is not half as long as the one
-/// before, is replaced by a bisection (Press et al., *Numerical Recipes*, 3rd ed., section 9.4).
+/// Newton's method within a bracket: bisection replaces a step that leaves the bracket, or that is not shorter than
+/// half of the step before (Press et al., *Numerical Recipes*, 3rd ed., section 9.4).
 #[inline(always)]
 pub fn root_between<F: Real>(
     (mut low, mut high): (F, F),
@@ -36,7 +37,7 @@ pub fn root_between<F: Real>(
         low = F::select(is_low, x, low);
         high = F::select(is_low, high, x);
         let newton = x - value / slope;
-        // Comparisons fail for the NaN of a vanishing slope.
+        // If the slope is 0, `newton` is NaN or infinite and these comparisons are false.
         let good = low.le(newton) & newton.le(high) & (newton - x).abs().lt(half * last);
         let next = F::select(good, newton, low * half + high * half);
         last = (next - x).abs();
@@ -54,7 +55,7 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// A function given by a closure.
+    /// A function from a closure.
     struct Given<G>(G);
 
     impl<G: Fn(f64) -> (f64, f64)> Function<f64> for Given<G> {
@@ -71,7 +72,7 @@ mod tests {
     fn finds_simple_and_flat_roots() {
         let cosine = root((0.0, 3.0), false, 0.0, |x| (libm::cos(x), -libm::sin(x)));
         assert!((cosine - PI / 2.0).abs() <= 2.0 * f64::EPSILON);
-        // A triple root: Newton's steps shrink by a third each, so it is found by halving.
+        // A triple root: Newton's method converges too slowly there, so bisection finds it.
         let flat = root((-1.0, 2.5), true, 1e-15, |x| ((x - 0.3) * (x - 0.3) * (x - 0.3), 0.0));
         assert!((flat - 0.3).abs() <= 2e-15, "{flat}");
     }

@@ -17,8 +17,8 @@ pub fn euler_xyz(x: Angle, y: Angle, z: Angle) -> DMat3 {
 
 /// Spherical interpolation along the shorter arc; `s` = 0 gives `a`, 1 gives ±`b`.
 ///
-/// The angle comes from atan2 of the chord lengths |b - a| and |b + a| (Kahan), which keeps full relative
-/// accuracy for nearly equal rotations, where the arc cosine of the dot product has none.
+/// The angle is atan2 of the chord lengths |b - a| and |b + a| (Kahan). This keeps full relative accuracy for nearly
+/// equal rotations, unlike the arc cosine of the dot product.
 pub fn slerp(a: DQuat, b: DQuat, s: f64) -> DQuat {
     let b = if a.dot(b) < 0.0 { -b } else { b };
     let half_angle = libm::atan2((b - a).length(), (b + a).length());

@@ -1,8 +1,8 @@
-//! Cosines and sines of shares of a turn, for one number or for several at once: what directions are drawn with.
+//! Cosine and sine of fractions of a turn, in lanes, for sampling directions.
 
 use crate::base::lanes::{Real, out_of_line};
 
-/// 1 / n!, of even and of odd n from 2 on, with the signs of the series of the cosine and the sine.
+/// ±1 / n! for even and for odd n ≥ 2: the Taylor coefficients of the cosine and the sine.
 const COSINE: [f64; 8] = [
     -1.0 / 2.0,
     1.0 / 24.0,
@@ -27,7 +27,7 @@ const SINE: [f64; 8] = [
 #[inline(always)]
 fn series<F: Real>(coefficients: &[f64; 8], square: F) -> F {
     let [a, b, c, d, e, f, g, h] = *coefficients;
-    // By Estrin's scheme: Horner's would be one long chain.
+    // Estrin's scheme, because Horner's is one long dependency chain.
     let fourth = square * square;
     let eighth = fourth * fourth;
     let low = (F::splat(a) + F::splat(b) * square) + (F::splat(c) + F::splat(d) * square) * fourth;
@@ -35,8 +35,8 @@ fn series<F: Real>(coefficients: &[f64; 8], square: F) -> F {
     low + high * eighth
 }
 
-/// The cosine and the sine of `r` quarter turns, for r in -1/2..=1/2, by Taylor's series up to the 16th and the 17th
-/// power, which leave out less than 2^-58: both are within 2 units of roundoff.
+/// The cosine and the sine of `r` quarter turns, for r in -1/2..=1/2. The Taylor series go up to the 16th and the
+/// 17th power; the remainders are below 2^-58. Both results are within 2 units of roundoff.
 #[inline(always)]
 pub fn cos_sin_of_quarters<F: Real>(r: F) -> (F, F) {
     let angle = r * F::splat(std::f64::consts::FRAC_PI_2);
@@ -52,7 +52,7 @@ out_of_line! {
         let quarters = u * F::splat(4.0);
         let place = quarters + F::splat(0.5);
         let (zero, one) = (F::splat(0.0), F::splat(1.0));
-        // The nearest quarter, 4 again being 0. What is left is exact.
+        // The nearest quarter. The difference from it is exact.
         let nearest = F::select(one.le(place), one, zero)
             + F::select(F::splat(2.0).le(place), one, zero)
             + F::select(F::splat(3.0).le(place), one, zero)
@@ -62,7 +62,7 @@ out_of_line! {
     }
 }
 
-/// The one of the quarter before 1, 2, 3 or 4.
+/// The value for the quarter in which `place` is: a below 1, b below 2, c below 3, d below 4, then a again.
 #[inline(always)]
 fn of_quarter<F: Real>(place: F, [a, b, c, d]: [F; 4]) -> F {
     let late = F::select(F::splat(4.0).le(place), a, d);
@@ -82,7 +82,7 @@ mod tests {
         for i in 0..=count {
             let u = f64::from(i) / f64::from(count);
             let (c, s) = cos_sin_of_turns(u);
-            // The remainder is exact, so that the library's own argument is rounded as little as ours.
+            // The remainder is exact, so the argument for libm is rounded as little as ours.
             let quarter = (4.0 * u + 0.5).floor();
             let rest = (4.0 * u - quarter) * std::f64::consts::FRAC_PI_2;
             let (cosine, sine) = (libm::cos(rest), libm::sin(rest));

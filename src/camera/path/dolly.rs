@@ -1,15 +1,15 @@
-//! Moves along the camera's own axes.
+//! Moves along the axes of the camera.
 
-use super::Pose;
+use super::pose::{Aim, Pose};
 use crate::base::math::look_at;
 use crate::base::time::Clock;
 use crate::track::Animated;
 
-/// The camera moves in its own frame, and its target with it, so that it keeps its direction.
-/// Distances are in world units.
+/// The camera and its target move along the axes of the camera, so its direction stays the same. Distances are in
+/// world units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dolly {
-    pub aim: super::Aim,
+    pub aim: Aim,
     pub forward: Animated<f64>,
     pub right: Animated<f64>,
     pub upward: Animated<f64>,
@@ -18,7 +18,7 @@ pub struct Dolly {
 impl Dolly {
     pub fn apply(&self, pose: Pose, clock: &Clock) -> Pose {
         let pose = self.aim.apply(pose, clock);
-        // Without a direction there is nothing to move along; the camera itself reports that.
+        // Without a direction there are no axes. The camera reports this error later.
         let Some(basis) = look_at(pose.position, pose.target, pose.up) else { return pose };
         let by = basis.forward * self.forward.at(clock.time)
             + basis.right * self.right.at(clock.time)

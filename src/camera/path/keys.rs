@@ -1,11 +1,11 @@
 //! Free keyframes.
 
-use super::{Aim, Pose};
+use super::pose::{Aim, Pose};
 use crate::base::math::DVec3;
 use crate::base::time::Clock;
 use crate::track::Animated;
 
-/// The camera goes where its keys say; what is absent stays as it was.
+/// Keys set the position and the aim of the camera. Absent values stay unchanged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Keys {
     pub aim: Aim,

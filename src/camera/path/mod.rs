@@ -1,11 +1,12 @@
 //! Camera paths: from tracks to a camera at each moment.
 //!
-//! A path starts from the camera's own keyed pose and applies its steps in order, each to what the one
-//! before it left: an orbit, then a zoom, gives an orbit that zooms.
+//! A path starts from the keyed pose of the camera and applies its steps in order, each to the pose from the step
+//! before. An orbit and then a zoom give an orbit that zooms.
 
 mod dolly;
 mod keys;
 mod orbit;
+mod pose;
 mod shutter;
 mod spline;
 mod zoom;
@@ -13,6 +14,7 @@ mod zoom;
 pub use dolly::Dolly;
 pub use keys::Keys;
 pub use orbit::Orbit;
+pub use pose::{Aim, Pose};
 pub use shutter::moments;
 pub use spline::SplinePath;
 pub use zoom::{Zoom, ZoomBy};
@@ -48,18 +50,18 @@ pub enum Lens {
     Orthographic { height: Animated<f64> },
 }
 
-/// What is sharp.
+/// The distance that is in focus.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Focus {
-    /// What is as far away as the camera's target.
+    /// The distance of the camera's target.
     Target,
-    /// What is at this distance, along the line of sight.
+    /// This distance along the line of sight.
     Distance(Animated<f64>),
-    /// What is as far away as the middle of an object, given by its index.
+    /// The distance of the centre of the object with this index.
     Object(usize),
 }
 
-/// One part of a path.
+/// One step of a path.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
     Orbit(Orbit),
@@ -67,24 +69,6 @@ pub enum Step {
     Dolly(Dolly),
     Keys(Keys),
     Spline(SplinePath),
-}
-
-/// Where a step makes the camera look; what is absent stays as it was.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Aim {
-    pub target: Option<Animated<DVec3>>,
-    pub up: Option<Animated<DVec3>>,
-    pub roll: Option<Animated<Angle>>,
-}
-
-/// The camera while its path is applied.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
-    pub position: DVec3,
-    pub target: DVec3,
-    pub up: DVec3,
-    pub roll: Angle,
-    pub projection: Projection,
 }
 
 /// Why a moment has no camera.
@@ -102,20 +86,9 @@ impl std::fmt::Display for NoCamera {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::EyeOnTarget => "its position and its target are the same point",
-            Self::Lens => "its field of view is not between 0 and 180 degrees, or its height not above 0",
+            Self::Lens => "its field of view is not between 0 and 180 degrees, or its height is not above 0",
             Self::NotFinite => "its position or its target is not finite",
         })
-    }
-}
-
-impl Aim {
-    pub fn apply(&self, pose: Pose, clock: &Clock) -> Pose {
-        Pose {
-            target: self.target.as_ref().map_or(pose.target, |target| target.at(clock.time)),
-            up: self.up.as_ref().map_or(pose.up, |up| up.at(clock.time)),
-            roll: self.roll.as_ref().map_or(pose.roll, |roll| roll.at(clock.time)),
-            ..pose
-        }
     }
 }
 
@@ -157,12 +130,12 @@ impl CameraPath {
         self.path.iter().fold(start, |pose, step| step.apply(pose, clock))
     }
 
-    /// The object that is to be sharp.
+    /// The index of the object in focus, if the camera focuses on one.
     pub fn focus_object(&self) -> Option<usize> {
         if let Focus::Object(index) = self.focus { Some(index) } else { None }
     }
 
-    /// The camera at a moment; `sharp` is the middle of [`CameraPath::focus_object`].
+    /// The camera at a moment. `sharp` is the centre of [`CameraPath::focus_object`].
     pub fn at(&self, clock: &Clock, sharp: Option<DVec3>) -> Result<Camera, NoCamera> {
         let pose = self.pose(clock);
         let half_height = match pose.projection {
@@ -175,14 +148,13 @@ impl CameraPath {
             return Err(NoCamera::NotFinite);
         }
         let basis = look_at(pose.position, pose.target, pose.up).ok_or(NoCamera::EyeOnTarget)?;
-        // A roll of zero must not touch a bit.
+        // A roll of zero must not change any bit.
         let basis = if pose.roll == Angle(0.0) { basis } else { basis.rolled(pose.roll.cos_sin()) };
         let lens = self.thin_lens(&pose, basis.forward, clock, sharp);
         Ok(Camera { position: pose.position, basis, projection: pose.projection, lens })
     }
 
-    /// The lens, unless it is a pinhole. What is not in front of the camera cannot be sharp; then the target
-    /// is.
+    /// The lens, unless it is a pinhole. If the focus is not in front of the camera, the target is in focus.
     fn thin_lens(
         &self,
         pose: &Pose,

@@ -1,26 +1,26 @@
 //! Circles around a target.
 
-use super::{Aim, Pose};
+use super::pose::{Aim, Pose};
 use crate::base::math::{Angle, DVec2, DVec3};
 use crate::base::time::Clock;
 use crate::track::{Animated, Ease};
 
-/// A turn around the target. What is absent is taken from the pose that the orbit starts from: without any
-/// field it carries the camera once around its target at its own distance and height.
+/// A turn around the target. Absent values come from the pose before the orbit. Without any field, the camera turns
+/// once around its target at its own distance and height.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Orbit {
     pub aim: Aim,
-    /// The axis of the orbit; elevation is measured from the plane across it. Not zero.
+    /// The axis of the orbit, not zero. Elevation is measured from the plane perpendicular to it.
     pub axis: DVec3,
     /// Distance from the target.
     pub radius: Option<Animated<f64>>,
-    /// Angle above the plane of the orbit; beyond 90 degrees the camera passes the pole, head down.
+    /// Angle above the plane of the orbit. Beyond 90 degrees the camera has passed the pole and is upside down.
     pub elevation: Option<Animated<Angle>>,
     /// Angle about the axis, from +z towards +x for an axis of +y.
     pub azimuth: Option<Animated<Angle>>,
     /// Whole or partial turns over the sequence's duration, on top of the azimuth.
     pub turns: f64,
-    /// How the turns are shared out over the duration.
+    /// The progress of the turns over the duration.
     pub ease: Ease,
 }
 
@@ -33,7 +33,8 @@ impl Orbit {
         let turned = self.turned(offset, clock);
         let up = match (&self.aim.up, &self.elevation) {
             (Some(_), _) => pose.up,
-            // Seen along the meridian, up is where the elevation grows: no flip at the pole.
+            // Up is the direction along the meridian in which the elevation grows, so the camera does not flip at the
+            // pole.
             (None, Some(elevation)) => frame.to_world(
                 self.turned(meridian(elevation.at(clock.time), self.direction(start, clock)).1, clock),
             ),
@@ -42,9 +43,9 @@ impl Orbit {
         Pose { position: pose.target + frame.to_world(turned), up, ..pose }
     }
 
-    /// The offset from the target before the turns, in the orbit's own frame.
+    /// The offset from the target before the turns, in the frame of the orbit.
     fn placed(&self, start: DVec3, clock: &Clock) -> DVec3 {
-        // An easing that overshoots must not carry the camera through its target to the other side.
+        // An easing that overshoots must not move the camera through its target to the other side.
         let radius = self.radius.as_ref().map(|radius| radius.at(clock.time).max(0.0));
         if let Some(elevation) = &self.elevation {
             let (out, _) = meridian(elevation.at(clock.time), self.direction(start, clock));
@@ -71,7 +72,7 @@ impl Orbit {
         DVec2::new(start.x, start.z).try_normalize().unwrap_or(DVec2::Y)
     }
 
-    /// `v` turned about the axis by the turns so far. Equal phases give equal bits.
+    /// Rotates `v` about the axis by the turns up to now. Equal phases give equal bits.
     fn turned(&self, v: DVec3, clock: &Clock) -> DVec3 {
         if self.turns == 0.0 {
             return v;
@@ -85,14 +86,14 @@ impl Orbit {
     }
 }
 
-/// The outward direction at an elevation over the plane's direction `(x, z)`, and its derivative: up.
+/// The outward direction at an elevation above the direction `(x, z)` in the plane, and its derivative, which is up.
 fn meridian(elevation: Angle, direction: DVec2) -> (DVec3, DVec3) {
     let e = elevation.cos_sin();
     let at = |across: f64, along: f64| DVec3::new(direction.x * across, along, direction.y * across);
     (at(e.x, e.y), at(-e.y, e.x))
 }
 
-/// The orbit's own axes: y along its axis, z as close to the world's z as that allows.
+/// The frame of the orbit: y along its axis, z as close as possible to the z axis of the world.
 struct OrbitFrame {
     x: DVec3,
     y: DVec3,

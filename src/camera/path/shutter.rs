@@ -1,13 +1,13 @@
-//! When a camera looks: the moments of a frame.
+//! The moments of a frame while the shutter is open.
 
 use crate::base::time::{Clock, Time, Timeline};
 use crate::track::Animated;
 
-/// Shares of a frame are counted in millionths, so that times stay exact.
+/// Shares of a frame are multiples of a millionth, so that times stay exact.
 const MILLION: i128 = 1_000_000;
 
-/// The moments of a frame: its start alone if the shutter does not stay open, else the middles of `steps` equal
-/// parts of the time that it does. `open` is the share of the time between two frames.
+/// The moments of a frame. If the shutter does not stay open, only the start of the frame; otherwise the midpoints of
+/// `steps` equal parts of the time that it is open. `open` is a share of the time between two frames.
 pub fn moments(open: &Animated<f64>, steps: u32, timeline: &Timeline, frame: u32) -> Vec<Clock> {
     let clock = timeline.clock(frame);
     let open = (open.at(clock.start).clamp(0.0, 1.0) * MILLION as f64).round() as i128;

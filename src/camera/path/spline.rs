@@ -1,15 +1,15 @@
-//! A flight along a smooth curve at even speed.
+//! A flight along a smooth curve at constant speed.
 
-use super::{Aim, Pose};
+use super::pose::{Aim, Pose};
 use crate::base::math::{DVec3, gamma};
 use crate::base::time::Clock;
 use crate::track::{Animate, Ease};
 
-/// The camera follows a centripetal Catmull-Rom curve through points, at even speed along its length.
+/// The camera follows a centripetal Catmull-Rom curve through points, at constant speed along its length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SplinePath {
     pub aim: Aim,
-    /// How the way is shared out over the sequence's duration.
+    /// The progress along the curve over the duration of the sequence.
     pub ease: Ease,
     /// Look along the curve instead of at the target.
     pub look_ahead: bool,
@@ -17,7 +17,7 @@ pub struct SplinePath {
 }
 
 impl SplinePath {
-    /// A path through `points`, of which at least two differ; none otherwise.
+    /// A path through `points`; none unless at least two of them differ.
     pub fn new(points: Vec<DVec3>, closed: bool, aim: Aim, ease: Ease, look_ahead: bool) -> Option<Self> {
         Some(Self { aim, ease, look_ahead, curve: Curve::new(points, closed)? })
     }
@@ -26,7 +26,7 @@ impl SplinePath {
         let pose = self.aim.apply(pose, clock);
         let along = self.ease.apply(clock.progress().value());
         let mut position = self.curve.at(along);
-        // Closer to the target than the curve's own rounding there is no direction to look in.
+        // Closer to the target than the rounding error of the curve, the direction to the target is undefined.
         if (position - pose.target).length() <= self.curve.rounding() {
             position = pose.target;
         }
@@ -35,16 +35,16 @@ impl SplinePath {
     }
 }
 
-/// A curve by arc length.
+/// A curve parametrized by arc length.
 #[derive(Clone, Debug, PartialEq)]
 struct Curve {
     points: Vec<DVec3>,
     closed: bool,
-    /// Length of the curve up to each of the evenly spaced stops of all segments.
+    /// The length of the curve up to each stop. The stops divide each segment evenly.
     lengths: Vec<f64>,
 }
 
-/// Stops per segment: between two of them the curve is taken to advance evenly.
+/// Stops per segment. Between two stops, the speed along the curve is assumed to be constant.
 const STOPS: usize = 256;
 
 impl Curve {
@@ -68,7 +68,7 @@ impl Curve {
         Some(curve)
     }
 
-    /// How far rounding may move a point of the curve: five levels of mixing, of three roundings each.
+    /// A bound of the rounding error of a point: five levels of interpolation with three roundings each.
     fn rounding(&self) -> f64 {
         let reach = self.points.iter().map(|point| point.length()).fold(0.0, f64::max);
         gamma(15) * reach
@@ -78,7 +78,7 @@ impl Curve {
         if self.closed { self.points.len() } else { self.points.len() - 1 }
     }
 
-    /// The point at `s` of a segment.
+    /// The point at the fraction `s` of a segment.
     fn point(&self, segment: usize, s: f64) -> DVec3 {
         let n = self.points.len();
         let index = |i: usize| match self.closed {
@@ -93,8 +93,8 @@ impl Curve {
         self.point(segment, stop / STOPS as f64 - segment as f64)
     }
 
-    /// The point at a share of the length; an easing that overshoots stays at the ends of an open curve
-    /// and goes on around a closed one.
+    /// The point at a share of the length. If an easing overshoots, the point stays at the end of an open curve, and
+    /// continues around a closed one.
     fn at(&self, along: f64) -> DVec3 {
         let along = if self.closed { along - along.floor() } else { along.clamp(0.0, 1.0) };
         let wanted = along * self.lengths[self.lengths.len() - 1];
@@ -104,7 +104,7 @@ impl Curve {
         self.at_stop((next - 1) as f64 + rest)
     }
 
-    /// The unit direction of travel at a share of the length.
+    /// The unit tangent at a share of the length.
     fn direction(&self, along: f64) -> DVec3 {
         let reach = 0.5 / (self.segments() * STOPS) as f64;
         let (from, to) = match self.closed {

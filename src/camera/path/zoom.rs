@@ -1,6 +1,6 @@
-//! Zooms, even to the eye: equal factors in equal times.
+//! Zooms by equal factors in equal times, which look even.
 
-use super::{Aim, Pose};
+use super::pose::{Aim, Pose};
 use crate::base::math::DVec3;
 use crate::base::time::Clock;
 use crate::camera::Projection;
@@ -13,14 +13,14 @@ pub struct Zoom {
     pub by: ZoomBy,
 }
 
-/// What the zoom changes. All values are above zero and mix by equal factors.
+/// What the zoom changes. All values are above zero and are interpolated by equal factors.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ZoomBy {
-    /// The tangent of half the vertical field of view. Turns the camera into a perspective one.
+    /// The tangent of half the vertical field of view. The camera becomes a perspective camera.
     HalfTangent(Animated<LogScale>),
-    /// The picture is magnified by this, in either projection.
+    /// The magnification of the picture, in either projection.
     Factor(Animated<LogScale>),
-    /// The camera moves to this distance from its target along their line.
+    /// The distance from the target. The camera moves along the line to its target.
     Distance(Animated<LogScale>),
 }
 

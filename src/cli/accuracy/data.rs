@@ -1,11 +1,12 @@
-//! Measurements as tables for other programs.
+//! Measurements as CSV and JSON for other programs.
 
 use crate::accuracy::report::Origin;
-use crate::accuracy::{Estimate, Measured, Point};
-use crate::cli::json::{Object, list};
+use crate::accuracy::{ConfidenceInterval, Measured, Point};
+use crate::cli::json::{line, object, rounded};
+use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// A number of a point, under its name.
+/// The name and the value of a number of a point.
 type Column = (&'static str, f64);
 
 /// All numbers of a point.
@@ -37,12 +38,12 @@ fn columns(point: &Point) -> Vec<Column> {
     all
 }
 
-fn three(names: [&'static str; 3], estimate: Estimate) -> [Column; 3] {
+fn three(names: [&'static str; 3], estimate: ConfidenceInterval) -> [Column; 3] {
     let values = [estimate.mean, estimate.low, estimate.high];
     std::array::from_fn(|i| (names[i], values[i]))
 }
 
-/// A row for each point; what is unknown or infinite is left empty.
+/// A row for each point. Unknown and infinite values leave their cells empty.
 pub fn csv(measured: &Measured) -> String {
     let mut text = String::from("axis,value,flags");
     columns(measured.own()).iter().for_each(|(name, _)| text += &format!(",{name}"));
@@ -59,7 +60,7 @@ pub fn csv(measured: &Measured) -> String {
     text
 }
 
-/// A cell of a table: names may hold commas and quotes.
+/// A cell, in quotes if its text holds a comma, a quote or a line break.
 fn quoted(text: &str) -> String {
     match text.contains([',', '"', '\n']) {
         true => format!("\"{}\"", text.replace('"', "\"\"")),
@@ -67,113 +68,102 @@ fn quoted(text: &str) -> String {
     }
 }
 
-/// Everything, as one object.
+/// All measurements as one object.
 pub fn json(measured: &Measured, origin: &Origin) -> String {
     let points = measured.points.iter().map(|point| {
         let setting = &point.setting;
-        let object = Object::new()
-            .text("axis", setting.axis.name())
-            .text("value", &setting.value)
-            .text("flags", &setting.flags);
-        columns(point)
-            .into_iter()
-            .fold(object, |object, (name, value)| object.exact(name, Some(value)))
-            .finish()
+        let mut object = object(json!({
+            "axis": setting.axis.name(),
+            "value": setting.value,
+            "flags": setting.flags,
+        }));
+        object.extend(columns(point).into_iter().map(|(name, value)| (name.to_owned(), value.into())));
+        object
     });
-    let slopes = measured.slopes.iter().fold(Object::new(), |object, (axis, slope)| {
-        let of = Object::new()
-            .exact("power", Some(slope.mean))
-            .exact("low", Some(slope.low))
-            .exact("high", Some(slope.high));
-        object.object(axis.name(), of)
+    let slopes = measured.slopes.iter().map(|(axis, slope)| {
+        let value = json!({ "power": slope.mean, "low": slope.low, "high": slope.high });
+        (axis.name().to_owned(), value)
     });
-    let layers = measured.layers.iter().fold(Object::new(), |object, layer| {
-        object.object(
-            &layer.name,
-            Object::new()
-                .exact("share", Some(layer.share))
-                .exact("error", Some(layer.error))
-                .exact("of_worst", Some(layer.of_worst)),
-        )
+    let layers = measured.layers.iter().map(|layer| {
+        let value = json!({ "share": layer.share, "error": layer.error, "of_worst": layer.of_worst });
+        (layer.name.clone(), value)
     });
-    let precision = measured.precision.iter().fold(Object::new(), |object, way| {
-        let of = Object::new()
-            .whole("cases", way.cases.into())
-            .whole("failing", way.failing.into())
-            .exact("time", Some(way.time));
-        object.object(way.way, of)
+    let precision = measured.precision.iter().map(|way| {
+        let value = json!({ "cases": way.cases, "failing": way.failing, "time": way.time });
+        (way.method.to_owned(), value)
     });
-    let chains = measured.chains.iter();
-    let chains = chains
-        .map(|chain| Object::new().text("path", &chain.path).exact("share", Some(chain.share)).finish());
-    let left_out =
-        measured.left_out.iter().fold(Object::new(), |object, left| object.text(left.what, &left.why));
-    about(measured)
-        .text("command", &origin.command)
-        .text("machine", &origin.machine)
-        .whole("threads", measured.threads as u64)
-        .exact("price_of_half_the_error", measured.price_of_half())
-        .object("slopes", slopes)
-        .object("layers", layers)
-        .object("precision", precision)
-        .raw("chains", list(chains))
-        .raw("robustness", robustness(measured))
-        .object("left_out", left_out)
-        .raw("points", list(points))
-        .finish()
-        + "\n"
+    let chains = measured.chains.iter().map(|chain| json!({ "path": chain.path, "share": chain.share }));
+    let left_out = measured.left_out.iter().map(|left| (left.what.to_owned(), left.why.as_str().into()));
+    let mut all = overview(measured);
+    all.extend(object(json!({
+        "command": origin.command,
+        "machine": origin.machine,
+        "threads": measured.threads,
+        "price_of_half_the_error": measured.price_of_half(),
+        "slopes": slopes.collect::<Map<_, _>>(),
+        "layers": layers.collect::<Map<_, _>>(),
+        "precision": precision.collect::<Map<_, _>>(),
+        "chains": chains.collect::<Vec<_>>(),
+        "robustness": robustness(measured),
+        "left_out": left_out.collect::<Map<_, _>>(),
+        "points": points.collect::<Vec<_>>(),
+    })));
+    line(all) + "\n"
 }
 
-/// What robustness costs on the scene's own rays.
-fn robustness(measured: &Measured) -> String {
-    let Some(found) = &measured.robustness else { return "null".to_owned() };
-    let hits = found.hits.iter().map(|way| {
-        let object = Object::new().text("way", way.way).whole("rays", way.rays.into());
-        object.whole("wrong", way.wrong.into()).exact("median_ns", Some(way.nanoseconds)).finish()
-    });
+/// The cost of robustness on the scene's own rays.
+fn robustness(measured: &Measured) -> Option<Value> {
+    let found = measured.robustness.as_ref()?;
+    let hits = found.hits.iter().map(
+        |way| json!({ "way": way.method, "rays": way.rays, "wrong": way.wrong, "median_ns": way.nanoseconds }),
+    );
     let starts = found.starts.iter().map(|way| {
-        let object = Object::new().text("way", &way.way).whole("rays", way.rays.into());
-        let object = object.whole("false_shadows", way.false_shadows.into());
-        object.whole("lost_shadows", way.lost_shadows.into()).exact("median_ns", way.nanoseconds).finish()
+        json!({
+            "way": way.method,
+            "rays": way.rays,
+            "false_shadows": way.false_shadows,
+            "lost_shadows": way.lost_shadows,
+            "median_ns": way.nanoseconds,
+        })
     });
-    Object::new()
-        .raw("hits", list(hits))
-        .raw("starts", list(starts))
-        .exact("wrong_pixels", Some(found.wrong_pixels()))
-        .finish()
+    Some(json!({
+        "hits": hits.collect::<Vec<_>>(),
+        "starts": starts.collect::<Vec<_>>(),
+        "wrong_pixels": found.wrong_pixels(),
+    }))
 }
 
-/// What the terminal hears.
+/// The line for the terminal.
 pub fn summary(measured: &Measured, report: &Path) -> String {
-    about(measured).text("report", &report.to_string_lossy()).finish()
+    let mut summary = overview(measured);
+    summary.insert("report".to_owned(), report.to_string_lossy().into());
+    line(summary)
 }
 
-fn about(measured: &Measured) -> Object {
+fn overview(measured: &Measured) -> Map<String, Value> {
     let size = |(width, height): (u32, u32)| format!("{width}x{height}");
-    let advice = measured.advice().into_iter().map(|advice| {
-        Object::new()
-            .text("goal", &advice.goal)
-            .text("flags", &advice.flags)
-            .text("effect", &advice.effect)
-            .finish()
-    });
-    let whole = Object::new()
-        .whole("frames", measured.whole.frames.into())
-        .whole("traced", measured.whole.films as u64)
-        .exact("wall_s", Some(measured.whole.wall))
-        .exact("cpu_s", measured.whole.cpu);
-    Object::new()
-        .text("event", "accuracy")
-        .text("name", &measured.name)
-        .raw("frames", list(measured.frames.iter().map(u32::to_string)))
-        .text("size", &size(measured.full_size))
-        .text("measured_size", &size(measured.size))
-        .whole("runs", measured.own().runs.len() as u64)
-        .whole("reference_samples", measured.reference.into())
-        .exact("reference_error", Some(measured.reference_error))
-        .exact("brightness", Some(measured.brightness))
-        .object("whole_film", whole)
-        .real("took_s", Some(measured.took.as_secs_f64()))
-        .texts("findings", measured.lines().into_iter())
-        .raw("advice", list(advice))
+    let advice = measured
+        .advice()
+        .into_iter()
+        .map(|advice| json!({ "goal": advice.goal, "flags": advice.flags, "effect": advice.effect }));
+    object(json!({
+        "event": "accuracy",
+        "name": measured.name,
+        "frames": measured.frames,
+        "size": size(measured.full_size),
+        "measured_size": size(measured.size),
+        "runs": measured.own().runs.len(),
+        "reference_samples": measured.reference,
+        "reference_error": measured.reference_error,
+        "brightness": measured.brightness,
+        "whole_film": {
+            "frames": measured.total.frames,
+            "traced": measured.total.films,
+            "wall_s": measured.total.wall,
+            "cpu_s": measured.total.cpu,
+        },
+        "took_s": rounded(measured.took.as_secs_f64()),
+        "findings": measured.lines(),
+        "advice": advice.collect::<Vec<_>>(),
+    }))
 }

@@ -1,44 +1,45 @@
-//! `kinora accuracy --hard-cases`: the table, a file for tools, and the pictures.
+//! `kinora accuracy --hard-cases`: a table, a file for tools, and pictures.
 
-use crate::accuracy::hard_cases::{Case, Cell, Cells, Effort, WAYS, cases, pictures};
-use crate::accuracy::{of_cells, wrong_answers};
+use crate::accuracy::hard_cases::{Case, Cell, Cells, METHODS, Workload, cases, pictures};
+use crate::accuracy::{method_summaries, wrong_answers};
 use crate::base::escape;
 use crate::cli::failure::Failure;
-use crate::cli::json::Object;
+use crate::cli::json::line;
 use crate::cli::terminal;
 use crate::encode::write_file;
 use clap::Args;
+use serde_json::{Map, Value};
 use std::path::PathBuf;
 
 #[derive(Args, Debug, PartialEq)]
-pub struct Options {
-    /// Write the table into this file as well, one line of JSON a case
+pub struct HardCaseOptions {
+    /// Also write the table into this file, one line of JSON per case
     #[arg(long, value_name = "FILE", requires = "hard_cases")]
     json: Option<PathBuf>,
 
-    /// Make pictures of the telling cases in this folder, instead of the table
+    /// Instead of the table, write pictures of some cases into this folder
     #[arg(long, value_name = "DIR", requires = "hard_cases", conflicts_with_all = ["quick", "json"])]
     pictures: Option<PathBuf>,
 }
 
-pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
+pub fn run(options: &HardCaseOptions, quick: bool) -> Result<(), Failure> {
     if let Some(folder) = &options.pictures {
         let written = pictures::write(folder).map_err(|error| Failure::Incomplete(error.to_string()))?;
         let files: Vec<_> = written.iter().map(|file| format!("wrote {}", escape::path(file))).collect();
-        return terminal::say(&files.join("\n"));
+        return terminal::print_line(&files.join("\n"));
     }
-    let effort = if quick { Effort::QUICK } else { Effort::FULL };
-    terminal::say(&heading())?;
+    let workload = if quick { Workload::QUICK } else { Workload::FULL };
+    terminal::print_line(&heading())?;
     let (mut lines, mut all) = (String::new(), Vec::new());
-    for case in cases(effort) {
-        let cells = case.measured(effort);
+    for case in cases(workload) {
+        let cells = case.measured(workload);
         all.push(cells);
-        terminal::say(&text(&case, &cells))?;
+        terminal::print_line(&text(&case, &cells))?;
         lines += &json(&case, &cells);
         lines.push('\n');
     }
-    if let Some(wrong) = wrong_answers(&of_cells(&all)) {
-        terminal::say(&format!("\n{wrong} cases"))?;
+    if let Some(wrong) = wrong_answers(&method_summaries(&all)) {
+        terminal::print_line(&format!("\n{wrong} cases"))?;
     }
     match &options.json {
         Some(path) => {
@@ -48,15 +49,15 @@ pub fn run(options: &Options, quick: bool) -> Result<(), Failure> {
     }
 }
 
-/// Characters of a column.
+/// Width of a column in characters.
 const WIDTH: usize = 31;
 
 fn heading() -> String {
-    let explained = "\
-Every case is computed in four ways. Below each: the largest error, of all answers that can be compared; the share of
-wrong ones, where there are any; and the time of a call, in ns. u is 6.0e-8 in f32 and 1.1e-16 in f64.
+    let explanation = "\
+Each case is computed in four ways. Each cell shows the largest error of the comparable answers, the share of wrong
+answers if there are any, and the time of a call in ns. u is 6.0e-8 in f32 and 1.1e-16 in f64.
 ";
-    format!("{explained}\n{}", row(WAYS.map(str::to_owned)))
+    format!("{explanation}\n{}", row(METHODS.map(str::to_owned)))
 }
 
 fn row(cells: [String; 4]) -> String {
@@ -88,7 +89,7 @@ fn shown(case: &Case, cell: &Cell) -> String {
     [worst, wrong, time].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ")
 }
 
-/// Two digits, and the exponent of what is small.
+/// Two digits, with an exponent for small and large numbers.
 fn number(value: f64) -> String {
     match value {
         0.0 => "0".to_owned(),
@@ -97,7 +98,7 @@ fn number(value: f64) -> String {
     }
 }
 
-/// Two digits, but never 0 of what is more.
+/// Two digits, or three decimals below 0.1.
 fn percent(value: f64) -> String {
     match value {
         value if value >= 10.0 => format!("{value:.0}"),
@@ -107,22 +108,23 @@ fn percent(value: f64) -> String {
 }
 
 fn json(case: &Case, cells: &Cells) -> String {
-    let object = Object::new()
-        .text("id", case.id)
-        .text("case", case.what)
-        .text("error", case.error)
-        .text("wrong", case.wrong);
-    let measured = WAYS.iter().zip(cells).fold(Object::new(), |object, (way, cell)| match cell {
-        Some(cell) => object.object(
-            way,
-            Object::new()
-                .exact("worst_error", cell.answers.worst)
-                .exact("wrong_share", Some(cell.answers.wrong))
-                .exact("median_ns", Some(cell.nanoseconds)),
-        ),
-        None => object.exact(way, None),
-    });
-    object.object("ways", measured).finish()
+    let measured = |cell: &Cell| {
+        serde_json::json!({
+            "worst_error": cell.answers.worst,
+            "wrong_share": cell.answers.wrong,
+            "median_ns": cell.nanoseconds,
+        })
+    };
+    let ways = METHODS.iter().zip(cells);
+    let ways: Map<String, Value> =
+        ways.map(|(way, cell)| ((*way).to_owned(), cell.as_ref().map(measured).into())).collect();
+    line(serde_json::json!({
+        "id": case.id,
+        "case": case.what,
+        "error": case.error,
+        "wrong": case.wrong,
+        "ways": ways,
+    }))
 }
 
 #[cfg(test)]
@@ -136,14 +138,14 @@ mod tests {
             what: "an example",
             error: "largest error of t",
             wrong: "missed",
-            ways: [None, None, None, None],
+            methods: [None, None, None, None],
         };
         let cell = |worst, wrong| Some(Cell { answers: Answers { worst, wrong }, nanoseconds: 12.34 });
         (case, [cell(Some(0.5), 0.123), cell(Some(1e-9), 0.0), None, cell(None, 0.0)])
     }
 
     #[test]
-    fn people_read_aligned_cells() {
+    fn the_text_has_aligned_cells() {
         let (case, cells) = example();
         let wanted = "
 XX-01  an example
@@ -153,13 +155,13 @@ XX-01  an example
     }
 
     #[test]
-    fn programs_read_all_digits() {
+    fn the_json_has_all_digits() {
         let (case, cells) = example();
         let wanted = concat!(
             r#"{"id":"XX-01","case":"an example","error":"largest error of t","wrong":"missed","ways":{"#,
-            r#""textbook f32":{"worst_error":5e-1,"wrong_share":1.23e-1,"median_ns":1.234e1},"#,
-            r#""textbook f64":{"worst_error":1e-9,"wrong_share":0e0,"median_ns":1.234e1},"stable f32":null,"#,
-            r#""ours, f64":{"worst_error":null,"wrong_share":0e0,"median_ns":1.234e1}}}"#,
+            r#""textbook f32":{"worst_error":0.5,"wrong_share":0.123,"median_ns":12.34},"#,
+            r#""textbook f64":{"worst_error":1e-9,"wrong_share":0.0,"median_ns":12.34},"stable f32":null,"#,
+            r#""ours, f64":{"worst_error":null,"wrong_share":0.0,"median_ns":12.34}}}"#,
         );
         assert_eq!(json(&case, &cells), wanted);
     }

@@ -1,18 +1,22 @@
-//! `kinora farm export`: a sequence file and options of `render` in, a job for an engine out, beside the sequence.
+//! `kinora farm export`: writes a render as a job for an engine, beside the sequence file.
 
-use super::stills::{Wanted, is_said, source};
+use super::job_outputs::{JobOutputs, assembly_source, has_identity};
 use crate::base::escape;
-use crate::base::files::{self, Root, way};
+use crate::base::files::{self, Root, relative_path as path_between};
 use crate::base::frame_set::{self, FrameSet};
 use crate::base::units::{count, counted};
 use crate::cli::failure::Failure;
-use crate::cli::render::{fingerprint, frames_of};
-use crate::cli::settings::Spoken;
-use crate::cli::{load, loading, overrides, terminal, values};
+use crate::cli::frame_selection::selected_frames;
+use crate::cli::loading::LoadingReporter;
+use crate::cli::settings::RecordedSettings;
+use crate::cli::{load, overrides, terminal, values};
 use crate::encode::{Existing, Output, write_file};
-use crate::farm::{Assembly, Engine, Export, Films, Job, JobFile, MARK, classes};
+use crate::farm::{
+    AssembleStep, Engine, Export, FilmCosts, HyperQueue, Job, JobFile, MARK, OpenJd, Shell, Slurm,
+    cost_classes, shell_command,
+};
 use crate::pipeline::filmstrip::spread;
-use crate::pipeline::plan::Survey;
+use crate::pipeline::plan::FrameStates;
 use crate::pipeline::render::{Request, Reuse, extras, job, pool};
 use crate::sequence::Sequence;
 use clap::{Args, ValueEnum};
@@ -21,57 +25,57 @@ use std::io::{ErrorKind, Read};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-/// Write a render as a job for an engine, and tell how to submit it.
+/// Write a render as a job for an engine, and print the command that submits it.
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// Who hands out the work
+    /// The engine that hands out the work
     #[arg(value_name = "ENGINE")]
-    engine: Name,
+    engine: EngineName,
 
-    /// The sequence file (.ron); the job is written beside it
+    /// The sequence file (.ron); the job is written into its folder
     file: PathBuf,
 
-    /// File to write, as `render` has it; may be given several times
+    /// File to write, as for `render`; repeat for several files
     ///
-    /// Tasks write stills. Where there are none, PNGs are added for animations to be made of:
-    /// in a folder beside each that is called as it is.
+    /// Tasks write stills; animations are made from PNGs afterwards. If no PNGs are requested,
+    /// they are added, in a folder with the name of the animation: out/turn/ for out/turn.mp4.
     #[arg(short, long, value_name = "FILE", value_parser = values::output(), verbatim_doc_comment)]
     output: Vec<Output>,
 
-    /// A filmstrip of some of the frames besides
+    /// Also make a filmstrip of nine of the frames
     #[arg(long, value_name = "FILE", value_parser = values::output())]
     filmstrip: Option<Output>,
 
-    /// Frames to render, as `render` has them [default: all]
+    /// Frames to render, written as for `render` [default: all]
     #[arg(long, value_name = "SET", allow_hyphen_values = true)]
     frames: Option<FrameSet>,
 
-    /// About how many tasks there are [default: as many as are worth one, at most 1000]
+    /// Approximate number of tasks [default: by their work, at most 1000]
     ///
-    /// Tasks take about equally long. Frames that are made of one film are in one task, as only
-    /// one of them has to be traced; so there may be fewer.
+    /// Tasks take similar times. Frames that share a film are in one task, because it is traced
+    /// only once; so there may be fewer tasks.
     #[arg(long, value_name = "N", verbatim_doc_comment)]
     chunks: Option<NonZeroUsize>,
 
-    /// Tasks that run at the same time, at most [default: as the engine likes]
+    /// Maximum number of tasks at the same time [default: the engine decides]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     throttle: Option<u32>,
 
     #[command(flatten)]
-    spoken: Spoken,
+    recorded: RecordedSettings,
 }
 
-/// Engines as the command line calls them.
+/// Names of engines on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Name {
-    /// Open Job Description 2023-09, which AWS Deadline Cloud and others read
+enum EngineName {
+    /// Open Job Description 2023-09, for AWS Deadline Cloud and others
     Openjd,
-    /// An array of sbatch
+    /// Slurm: a job array for sbatch
     Slurm,
-    /// A job file of hq
+    /// HyperQueue: a job file for hq
     Hyperqueue,
-    /// A script for one machine, or for several that share a folder
+    /// A script for one machine, or for several machines that share a folder
     Shell,
 }
 
@@ -79,26 +83,26 @@ const AFTER_HELP: &str = "\
 Examples:
   kinora farm export slurm turn.ron -t 8 --throttle 50     an array of tasks with 8 processors each
   kinora farm export openjd turn.ron -o out/turn.mp4       frames in out/turn, and a video of them
-  kinora farm export shell turn.ron --filmstrip strip.png  a filmstrip besides
+  kinora farm export shell turn.ron --filmstrip strip.png  also a filmstrip
 
-Settings travel with the job. It refuses to run with another version of Kinora, or if the sequence
-or what it reads has changed. docs/farm.md tells more.";
+The job records all options. Its tasks refuse to run with another version of Kinora, or after the
+sequence file or a file that it reads has changed. See docs/farm.md.";
 
-/// Frames of a filmstrip.
-const STRIP: u32 = 9;
+/// Number of frames of a filmstrip.
+const STRIP_FRAMES: u32 = 9;
 
-/// Bytes at the beginning of a file in which the mark stands.
-const HEAD: u64 = 512;
+/// The first bytes of a job's file, which hold the mark.
+const HEAD_BYTES: u64 = 512;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let settings = &arguments.spoken.settings;
+    let settings = &arguments.recorded.settings;
     let options = &settings.options;
-    let loading = loading::Reporter::new(options.progress, options.quiet);
-    let (sequence, root) = load::with_files(&arguments.file, options.allow_outside, loading)?;
-    let sequence = overrides::applied(sequence, &settings.overrides()).map_err(Failure::Bad)?;
-    let frames = frames_of(arguments.frames.as_ref(), &sequence)?;
+    let reporter = LoadingReporter::new(options.progress, options.quiet);
+    let (sequence, root) = load::with_files(&arguments.file, options.allow_outside, reporter)?;
+    let sequence = overrides::apply(sequence, &settings.overrides()).map_err(Failure::Bad)?;
+    let frames = selected_frames(arguments.frames.as_ref(), &sequence)?;
     let job = arguments.job(&sequence, &root, &frames)?;
-    let export = job.export(arguments.engine());
+    let export = arguments.engine().export(&job);
     let folder = arguments.folder();
     for file in &export.files {
         check_place(&folder.join(&file.name))?;
@@ -109,16 +113,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if options.quiet {
         return Ok(());
     }
-    terminal::say(&told(&job, &export, frames.len()))
+    terminal::print_line(&summary(&job, &export, frames.len()))
 }
 
 impl Arguments {
-    fn engine(&self) -> Engine {
+    fn engine(&self) -> &'static dyn Engine {
         match self.engine {
-            Name::Openjd => Engine::OpenJd,
-            Name::Slurm => Engine::Slurm,
-            Name::Hyperqueue => Engine::HyperQueue,
-            Name::Shell => Engine::Shell,
+            EngineName::Openjd => &OpenJd,
+            EngineName::Slurm => &Slurm,
+            EngineName::Hyperqueue => &HyperQueue,
+            EngineName::Shell => &Shell,
         }
     }
 
@@ -127,33 +131,32 @@ impl Arguments {
     }
 
     fn job(&self, sequence: &Sequence, root: &Root, frames: &[u32]) -> Result<Job, Failure> {
-        let options = &self.spoken.settings.options;
-        let wanted =
-            Wanted { outputs: &self.output, filmstrip: self.filmstrip.as_ref(), draft: options.draft };
-        let (stills, animations) = wanted.of(sequence, frames)?;
+        let options = &self.recorded.settings.options;
+        let filmstrip = self.filmstrip.as_ref();
+        let outputs = JobOutputs { outputs: &self.output, filmstrip, draft: options.draft };
+        let (stills, animations) = outputs.resolve(sequence, frames)?;
         self.check(sequence, frames, [&stills[..], &animations].concat())?;
         let here = Path::new("");
-        let base = found(self.folder(), way(self.folder(), here))?;
-        let down = found(self.folder(), way(here, self.folder()))?;
+        let base = existing(self.folder(), path_between(self.folder(), here))?;
+        let down = existing(self.folder(), path_between(here, self.folder()))?;
         let file = down.join(self.file.file_name().unwrap_or_default());
-        let read = root;
-        let root = root.folder().map(|root| found(root, way(here, root))).transpose()?;
-        let fingerprint = fingerprint(&self.file, read)?.to_string();
-        let films = || Films::of(sequence, frames, extras(sequence, &stills));
+        let fingerprint = load::fingerprint(&self.file, root)?.to_string();
+        let root = root.folder().map(|root| existing(root, path_between(here, root))).transpose()?;
+        let films = || FilmCosts::of(sequence, frames, extras(sequence, &stills));
         let films = pool(options.threads)?.install(films);
         Ok(Job {
             name: sequence.name.clone(),
-            claims: stills.iter().all(|still| is_said(still, sequence)),
+            claims: stills.iter().all(|still| has_identity(still, sequence)),
             folder: self.folder().to_owned(),
             base,
             sequence: file.clone(),
             root,
             fingerprint,
-            settings: self.spoken.words.clone(),
+            settings: self.recorded.arguments.clone(),
             frames: frame_set::text(frames),
             stills: names(&stills)?,
             assemblies: self.assemblies((&stills, &animations), frames)?,
-            classes: classes(&films, self.chunks.map(NonZeroUsize::get)),
+            classes: cost_classes(&films, self.chunks.map(NonZeroUsize::get)),
             throttle: self.throttle,
             threads: options.threads.map(|threads| threads.get() as u32),
         })
@@ -161,7 +164,7 @@ impl Arguments {
 }
 
 impl Arguments {
-    /// Finds what would let every task fail: outputs that cannot be written.
+    /// Fails if an output cannot be written, because then every task would fail.
     fn check(&self, sequence: &Sequence, frames: &[u32], outputs: Vec<Output>) -> Result<(), Failure> {
         let check = |frames: &[u32], outputs: Vec<Output>| {
             let request = Request {
@@ -173,7 +176,7 @@ impl Arguments {
                 reuse: Reuse::Off,
                 time_limit: None,
             };
-            job(sequence, &request, &Survey::default())
+            job(sequence, &request, &FrameStates::default())
                 .check()
                 .map_err(|error| Failure::Bad(error.to_string()))
         };
@@ -182,35 +185,37 @@ impl Arguments {
         self.filmstrip.iter().try_for_each(|strip| check(&frames[..1], vec![strip.clone()]))
     }
 
-    /// What `kinora assemble` is told, for the animations and for the filmstrip.
+    /// The arguments of `kinora assemble` for the animations and for the filmstrip.
     fn assemblies(
         &self,
         (stills, animations): (&[Output], &[Output]),
         frames: &[u32],
-    ) -> Result<Vec<Assembly>, Failure> {
-        let Some(source) = source(stills) else { return Ok(Vec::new()) };
+    ) -> Result<Vec<AssembleStep>, Failure> {
+        let Some(source) = assembly_source(stills) else { return Ok(Vec::new()) };
         let source = name(source)?;
-        let assembly = |set: &[u32], outputs: &[Output]| {
-            Ok(Assembly {
+        let step = |set: &[u32], outputs: &[Output]| {
+            Ok(AssembleStep {
                 source: source.clone(),
                 frames: frame_set::text(set),
-                settings: self.spoken.words.iter().filter_map(|word| for_assembly(word)).collect(),
+                settings: self.recorded.arguments.iter().filter_map(|word| for_assembly(word)).collect(),
                 outputs: names(outputs)?,
             })
         };
-        let moving = (!animations.is_empty()).then(|| assembly(frames, animations));
-        let some: Vec<u32> =
-            spread(frames.len() as u32, STRIP).into_iter().map(|index| frames[index as usize]).collect();
-        let strip = self.filmstrip.as_ref().map(|strip| assembly(&some, std::slice::from_ref(strip)));
+        let moving = (!animations.is_empty()).then(|| step(frames, animations));
+        let some: Vec<u32> = spread(frames.len() as u32, STRIP_FRAMES)
+            .into_iter()
+            .map(|index| frames[index as usize])
+            .collect();
+        let strip = self.filmstrip.as_ref().map(|strip| step(&some, std::slice::from_ref(strip)));
         moving.into_iter().chain(strip).collect()
     }
 }
 
-/// An output's name, which jobs hold as text.
+/// The name of an output. Jobs are text, so it must be UTF-8.
 fn name(output: &Output) -> Result<String, Failure> {
     let name = output.name().to_str().map(str::to_owned);
     name.ok_or_else(|| {
-        Failure::Bad(format!("jobs are text files, and {output} is no UTF-8; name it otherwise"))
+        Failure::Bad(format!("jobs are text files, but {output} is not UTF-8; give it another name"))
     })
 }
 
@@ -218,25 +223,25 @@ fn names(outputs: &[Output]) -> Result<Vec<String>, Failure> {
     outputs.iter().map(name).collect()
 }
 
-/// A setting of `render` as `assemble` takes it, which compares frames with what they would be with the same settings.
+/// An option of `render` as an option of `assemble`, which needs the settings of the frames to verify them.
 fn for_assembly(word: &str) -> Option<String> {
     match word.split_once('=').unwrap_or((word, "")) {
-        // How they are made does not show.
-        ("--memory" | "--no-reuse", _) => None,
-        // What stands below the frames of a filmstrip is called so.
+        // These do not change the frames.
+        ("--film-cache" | "--no-reuse", _) => None,
+        // In `assemble`, `--caption` is the text below the frames of a filmstrip.
         ("--caption", text) => Some(format!("--frame-caption={text}")),
         _ => Some(word.to_owned()),
     }
 }
 
-/// No file may be replaced but a job's.
+/// Fails if the file exists and is not part of a job.
 fn check_place(path: &Path) -> Result<(), Failure> {
     let mut head = Vec::new();
-    match fs::File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head)) {
+    match fs::File::open(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head)) {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
         Ok(_) if String::from_utf8_lossy(&head).contains(MARK) => Ok(()),
         _ => Err(Failure::Bad(format!(
-            "{} is there already, and is no job of `kinora farm export`; move it away, or name the sequence otherwise",
+            "{} is there already, and `kinora farm export` has not written it; move it away, or rename the sequence",
             escape::path(path)
         ))),
     }
@@ -249,7 +254,7 @@ fn write(path: &Path, file: &JobFile) -> Result<(), Failure> {
     if file.executable {
         use std::os::unix::fs::PermissionsExt;
         let mode = fs::metadata(path).map(|found| found.permissions().mode());
-        // Whoever may read it may run it.
+        // Everyone who may read the file may run it.
         let made = mode.and_then(|mode| {
             fs::set_permissions(path, fs::Permissions::from_mode(mode | (mode & 0o444) >> 2))
         });
@@ -258,25 +263,25 @@ fn write(path: &Path, file: &JobFile) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A way between folders that are there.
-fn found(folder: &Path, way: std::io::Result<PathBuf>) -> Result<PathBuf, Failure> {
-    way.map_err(|error| {
-        Failure::Bad(format!("cannot find the way to {}: {}", escape::path(folder), files::why(&error)))
+/// A path between folders, or the error if one of them does not exist.
+fn existing(folder: &Path, path: std::io::Result<PathBuf>) -> Result<PathBuf, Failure> {
+    path.map_err(|error| {
+        Failure::Bad(format!("cannot find the folder {}: {}", escape::path(folder), files::describe(&error)))
     })
 }
 
-fn told(job: &Job, export: &Export, frames: usize) -> String {
+fn summary(job: &Job, export: &Export, frames: usize) -> String {
     let tasks = job.chunks().count() as u64;
-    let films: u64 = job.chunks().map(|chunk| chunk.leads.len() as u64).sum();
+    let films: u64 = job.chunks().map(|chunk| chunk.first_frames.len() as u64).sum();
     let mut lines: Vec<String> =
-        export.files.iter().map(|file| format!("wrote   {}", job.beside(&file.name))).collect();
+        export.files.iter().map(|file| format!("wrote   {}", job.path_of(&file.name))).collect();
     lines.push(format!(
-        "frames  {}, made of {}, in {}",
+        "frames  {}, made from {}, in {}",
         count(frames as u64),
         counted(films, "film"),
         counted(tasks, "task")
     ));
-    lines.extend(job.assemble().map(|words| format!("then    {}", crate::farm::command(&words))));
+    lines.extend(job.assemble().map(|words| format!("then    {}", shell_command(&words))));
     lines.push(format!("submit  {}", export.submit));
     lines.join("\n")
 }

@@ -1,13 +1,13 @@
-//! `kinora farm`: renders as jobs for other programs that hand out work.
+//! `kinora farm`: renders as jobs for engines that hand out work.
 
 mod export;
+mod job_outputs;
 mod status;
-mod stills;
 
 use super::failure::Failure;
 use clap::{Args, Subcommand};
 
-/// Write jobs for engines that hand out work to many machines.
+/// Write jobs for render farms, and show their progress.
 #[derive(Args, Debug, PartialEq)]
 pub struct Arguments {
     #[command(subcommand)]

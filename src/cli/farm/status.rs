@@ -1,33 +1,35 @@
-//! `kinora farm status`: which frames of a job are done, and who has the others in hand.
+//! `kinora farm status`: which frames of a job are done, and which processes have claimed others.
 
-use super::stills::Wanted;
+use super::job_outputs::JobOutputs;
 use crate::base::escape;
 use crate::base::frame_set::{self, FrameSet};
 use crate::base::units::{count, rough_time};
 use crate::cli::failure::Failure;
-use crate::cli::json::Object;
-use crate::cli::render::frames_of;
+use crate::cli::frame_selection::selected_frames;
+use crate::cli::json::{line, object, rounded};
+use crate::cli::loading::LoadingReporter;
 use crate::cli::settings::Settings;
-use crate::cli::{load, loading, overrides, terminal, values};
-use crate::encode::{Existing, Found, Holder, Output, found, in_hand};
-use crate::farm::{Frame, Status};
-use crate::pipeline::plan::{Plan, samples};
+use crate::cli::{load, overrides, terminal, values};
+use crate::encode::{Existing, FrameStatus, LeaseHolder, Output, frame_statuses, lease_holder};
+use crate::farm::{JobFrame, JobStatus};
+use crate::pipeline::plan::{Plan, camera_rays};
 use crate::pipeline::render::{Request, Reuse, extras, job, pool};
 use crate::sequence::Sequence;
 use clap::Args;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Tell which frames are done, stale, missing or in work, and how long the rest will take.
+/// List the frames that are done, stale, missing or in work, and estimate the time left.
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// The folder that the frames go into
+    /// The folder of the frames
     folder: PathBuf,
 
     /// The sequence file (.ron)
     file: PathBuf,
 
-    /// The frames' files as the job has them: their names count [default: as the sequence says]
+    /// File names of the frames as in the job, without their folder [default: as in the file]
     #[arg(short, long, value_name = "FILE", value_parser = values::output())]
     output: Vec<Output>,
 
@@ -35,7 +37,7 @@ pub struct Arguments {
     #[arg(long, value_name = "SET", allow_hyphen_values = true)]
     frames: Option<FrameSet>,
 
-    /// One JSON object, for programs
+    /// Print one JSON object, for programs
     #[arg(long)]
     json: bool,
 
@@ -45,12 +47,11 @@ pub struct Arguments {
 
 const AFTER_HELP: &str = "\
 Examples:
-  kinora farm status out/turn turn.ron               what there is of turn.ron in out/turn
-  kinora farm status out turn.ron -s 640x360         of a job with another size: settings count
+  kinora farm status out/turn turn.ron               the frames of turn.ron in out/turn
+  kinora farm status out turn.ron -s 640x360         give the same settings as for the job
   kinora farm status out turn.ron --json             for programs
 
-Stale frames are there, but would be made otherwise now: by another version, of another sequence
-file, or with other settings.";
+A stale frame exists, but another version, sequence file or setting has rendered it.";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = &arguments.settings;
@@ -61,29 +62,34 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             escape::path(&arguments.folder)
         )));
     }
-    let loading = loading::Reporter::new(options.progress, options.quiet);
-    let sequence = load::sequence(&arguments.file, options.allow_outside, loading)?;
-    let sequence = overrides::applied(sequence, &settings.overrides()).map_err(Failure::Bad)?;
-    let numbers = frames_of(arguments.frames.as_ref(), &sequence)?;
+    let reporter = LoadingReporter::new(options.progress, options.quiet);
+    let sequence = load::sequence(&arguments.file, options.allow_outside, reporter)?;
+    let sequence = overrides::apply(sequence, &settings.overrides()).map_err(Failure::Bad)?;
+    let numbers = selected_frames(arguments.frames.as_ref(), &sequence)?;
     let stills = arguments.stills(&sequence, &numbers)?;
     let names = stills.first().map(ToString::to_string).unwrap_or_default();
     let status = arguments.status(&sequence, numbers, stills)?;
-    terminal::say(&if arguments.json { json(&status) } else { text(&status, &names) })
+    terminal::print_line(&if arguments.json { json(&status) } else { text(&status, &names) })
 }
 
 impl Arguments {
-    /// The frames' files in the folder.
+    /// The frames' files, in the folder of the command line.
     fn stills(&self, sequence: &Sequence, numbers: &[u32]) -> Result<Vec<Output>, Failure> {
         let draft = self.settings.options.draft;
-        let wanted = Wanted { outputs: &self.output, filmstrip: None, draft };
-        let (stills, _) = wanted.of(sequence, numbers)?;
+        let outputs = JobOutputs { outputs: &self.output, filmstrip: None, draft };
+        let (stills, _) = outputs.resolve(sequence, numbers)?;
         self.check_folder(&stills)?;
         stills.iter().map(|still| self.placed(still)).collect()
     }
 
-    fn status(&self, sequence: &Sequence, numbers: Vec<u32>, stills: Vec<Output>) -> Result<Status, Failure> {
+    fn status(
+        &self,
+        sequence: &Sequence,
+        numbers: Vec<u32>,
+        stills: Vec<Output>,
+    ) -> Result<JobStatus, Failure> {
         let options = &self.settings.options;
-        let Some(first) = stills.first().cloned() else { return Ok(Status::default()) };
+        let Some(first) = stills.first().cloned() else { return Ok(JobStatus::default()) };
         let pool = pool(options.threads)?;
         let films = extras(sequence, &stills);
         let request = Request {
@@ -97,21 +103,21 @@ impl Arguments {
         };
         let (plan, job) = pool.install(|| {
             let plan = Plan::new(sequence, &request.frames, films, u64::MAX);
-            let job = job(sequence, &request, &plan.survey);
+            let job = job(sequence, &request, &plan.states);
             (plan, job)
         });
-        let found = found(&job, &pool).map_err(|error| Failure::Bad(error.to_string()))?;
-        let frame = |(place, found): (usize, Found)| {
-            let look = &plan.survey.frames[place];
-            let shares = plan.takes[plan.of[place]].frames.len() as f64;
-            let work = samples(sequence, look) as f64 / shares;
-            Frame { number: look.frame, film: look.transport, work, found }
+        let statuses = frame_statuses(&job, &pool).map_err(|error| Failure::Bad(error.to_string()))?;
+        let frame = |(place, status): (usize, FrameStatus)| {
+            let state = &plan.states.frames[place];
+            let shares = plan.films[plan.film_of[place]].frames.len() as f64;
+            let work = camera_rays(sequence, state) as f64 / shares;
+            JobFrame { number: state.frame, film: state.scene_hash, work, status }
         };
-        let frames: Vec<Frame> = found.into_iter().enumerate().map(frame).collect();
-        Ok(Status::of(&frames, |film| in_hand(&first, film)))
+        let frames: Vec<JobFrame> = statuses.into_iter().enumerate().map(frame).collect();
+        Ok(JobStatus::of(&frames, |film| lease_holder(&first, film)))
     }
 
-    /// The folder must be there; where it is not, says where the frames go.
+    /// Fails if the folder does not exist. The error says where the frames go.
     fn check_folder(&self, stills: &[Output]) -> Result<(), Failure> {
         if self.folder.is_dir() {
             return Ok(());
@@ -129,16 +135,16 @@ impl Arguments {
         }))
     }
 
-    /// The files of this name in the folder.
+    /// Files of the same name in the folder.
     fn placed(&self, still: &Output) -> Result<Output, Failure> {
         let name = still.name().file_name().unwrap_or_default();
         Output::parse(self.folder.join(name)).map_err(|error| Failure::Bad(error.to_string()))
     }
 }
 
-/// What there is of files that are called like this.
-fn text(status: &Status, names: &str) -> String {
-    let Status { done, stale, missing, in_work, left } = status;
+/// The status in lines. `names` is the pattern of the frames' file names.
+fn text(status: &JobStatus, names: &str) -> String {
+    let JobStatus { done, stale, missing, in_work, left } = status;
     let working: usize = in_work.iter().map(|(_, frames)| frames.len()).sum();
     let all = done.len() + stale.len() + missing.len() + working;
     let mut lines = vec![format!(
@@ -160,42 +166,43 @@ fn text(status: &Status, names: &str) -> String {
     }
     if missing.len() == all {
         lines.push(format!(
-            "note    there is no file {names}; if the job's are called otherwise, say how with -o"
+            "note    there is no file {names}; if the job writes other names, give them with -o"
         ));
     }
     if let Some(left) = left.filter(|_| done.len() < all) {
-        lines.push(format!("left    {}, if it goes on as so far", rough_time(left)));
+        lines.push(format!("left    about {} at the rate so far", rough_time(left)));
     }
     lines.join("\n")
 }
 
-/// `by process 4711 on build-7, heard of 3 s ago`.
-fn who(holder: &Holder) -> String {
-    let silent = rough_time(holder.silent);
+/// `by process 4711 on build-7, last sign of life 3 s ago`.
+fn who(holder: &LeaseHolder) -> String {
+    let silent = rough_time(holder.idle);
     match &holder.process {
-        Some(process) => format!("by process {} on {}, heard of {silent} ago", process.id, process.host),
-        None => format!("by somebody, heard of {silent} ago"),
+        Some(process) => {
+            format!("by process {} on {}, last sign of life {silent} ago", process.id, process.host)
+        }
+        None => format!("by an unknown process, last sign of life {silent} ago"),
     }
 }
 
-fn json(status: &Status) -> String {
-    let Status { done, stale, missing, in_work, left } = status;
-    let list = |frames: &[u32]| {
-        Object::new().whole("count", frames.len() as u64).text("frames", &frame_set::text(frames))
-    };
+fn json(status: &JobStatus) -> String {
+    let JobStatus { done, stale, missing, in_work, left } = status;
+    let list = |frames: &[u32]| json!({ "count": frames.len(), "frames": frame_set::text(frames) });
     let working = in_work.iter().map(|(holder, frames)| {
-        let object = list(frames).real("silent_s", Some(holder.silent.as_secs_f64()));
-        match &holder.process {
-            Some(process) => object.text("host", &process.host).whole("process", process.id.into()),
-            None => object,
+        let mut entry = object(list(frames));
+        entry.insert("silent_s".to_owned(), rounded(holder.idle.as_secs_f64()));
+        if let Some(process) = &holder.process {
+            entry.extend(object(json!({ "host": process.host, "process": process.id })));
         }
+        entry
     });
-    Object::new()
-        .text("event", "status")
-        .object("done", list(done))
-        .objects("in_work", working)
-        .object("stale", list(stale))
-        .object("missing", list(missing))
-        .real("left_s", left.map(|left| left.as_secs_f64()))
-        .finish()
+    line(json!({
+        "event": "status",
+        "done": list(done),
+        "in_work": working.collect::<Vec<_>>(),
+        "stale": list(stale),
+        "missing": list(missing),
+        "left_s": left.map(|left| rounded(left.as_secs_f64())),
+    }))
 }

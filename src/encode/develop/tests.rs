@@ -1,10 +1,10 @@
-//! Codes against the formula, and pictures of films with odd values.
+//! Codes compared with the formula, and films with extreme values.
 
 use super::*;
 use crate::base::color::srgb_to_linear;
-use crate::film::Extras;
+use crate::film::AovSet;
 
-/// Those with a curve of their own.
+/// The tone maps with different curves.
 const CURVES: [Tonemap; 3] = [Tonemap::Srgb, Tonemap::None, Tonemap::Filmic];
 
 #[test]
@@ -82,7 +82,7 @@ fn co_02_halves_round_up_and_one_is_white() {
 }
 
 #[test]
-fn the_exposure_comes_first() {
+fn exposure_is_applied_before_the_tone_map() {
     let mut film = Film::new(1, 1, vec![Rgb::splat(0.5)]);
     film.data_mut()[0] = Rgb::new(0.25, 0.5, 1.0);
     film.expose(2.0);
@@ -120,11 +120,11 @@ fn sixteen_bits_hold_the_same_picture_more_finely() {
     }
 }
 
-/// An edge that covers a quarter of a pixel has the colour of what is there, and a quarter of alpha.
+/// A pixel with a quarter of coverage has the full colour and an alpha of a quarter.
 #[test]
-fn alpha_is_not_multiplied_into_the_colour() {
-    let extras = Extras { coverage: true, guides: false };
-    let mut film = Film::with_extras(3, 1, vec![Rgb::ONE], extras);
+fn colours_are_not_premultiplied() {
+    let extras = AovSet { coverage: true, features: false };
+    let mut film = Film::with_aovs(3, 1, vec![Rgb::ONE], extras);
     let color = Rgb::new(0.18, 0.5, 1.0);
     film.data =
         std::sync::Arc::new(vec![color, Rgb::ZERO, color * 0.25, Rgb::splat(0.75), Rgb::ZERO, Rgb::ONE]);

@@ -1,17 +1,17 @@
-//! Floats of 16 bits, as far as they reach.
+//! Conversion to 16-bit floats.
 
 use exr::prelude::f16;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-/// What is too large for 16-bit floats becomes the largest of them, for infinity would spoil whatever is made of the
-/// picture; and is counted.
+/// Converts values to 16-bit floats. Values that are too large are clamped and counted, because an infinity would spoil
+/// every later filter of the picture.
 #[derive(Default)]
-pub struct Halves {
+pub struct HalfConverter {
     clipped: AtomicU64,
 }
 
-impl Halves {
-    /// The nearest; 65,504 for all beyond it. What is no number stays none.
+impl HalfConverter {
+    /// The nearest 16-bit float, clamped to ±65,504. NaN stays NaN.
     pub fn half(&self, value: f32) -> f16 {
         let half = f16::from_f32(value);
         if !half.is_infinite() {
@@ -21,7 +21,7 @@ impl Halves {
         if value > 0.0 { f16::MAX } else { f16::MIN }
     }
 
-    /// How many were too large.
+    /// The number of values that were clamped.
     pub fn clipped(&self) -> u64 {
         self.clipped.load(Relaxed)
     }

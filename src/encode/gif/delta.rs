@@ -1,13 +1,13 @@
-//! One frame of a GIF: what it changes, compressed.
+//! Frames of a GIF: the changes from the frame before, compressed.
 
-use crate::encode::movie::difference::{Rectangle, changed};
+use crate::encode::movie::difference::{PixelRect, changed};
 use gif::{DisposalMethod, Frame};
 use std::borrow::Cow;
 
-/// The frame that turns `old` into `new`, LZW-coded and without its delay; none if they are equal. Both are
-/// palette indices of pictures `size` pixels wide and high. Without `old`, the frame is the whole picture.
+/// The LZW-compressed frame that turns `old` into `new`, without its delay. None if they are equal. Both are palette
+/// indices of pictures of `size` pixels. Without `old`, the frame is the whole picture.
 ///
-/// Unchanged pixels inside the changed rectangle become `transparent`, where that makes the frame smaller.
+/// Unchanged pixels inside the changed rectangle become `transparent` if that makes the frame smaller.
 pub fn delta(
     old: Option<&[u8]>,
     new: &[u8],
@@ -16,7 +16,7 @@ pub fn delta(
 ) -> Option<Frame<'static>> {
     let stride = usize::from(size.0);
     let Some(old) = old else {
-        let whole = Rectangle { left: 0, top: 0, width: stride, height: usize::from(size.1) };
+        let whole = PixelRect { left: 0, top: 0, width: stride, height: usize::from(size.1) };
         return Some(coded(whole, new.to_vec(), None));
     };
     let rectangle = changed(old, new, stride)?;
@@ -28,26 +28,27 @@ pub fn delta(
     Some(if punched.buffer.len() < opaque.buffer.len() { punched } else { opaque })
 }
 
-/// A picture with clear pixels after `old`, from which nothing shows through: what is not clear of it, cut out, to vanish
-/// before the next frame. None if they are equal.
-pub fn alone(old: Option<&[u8]>, new: &[u8], size: (u16, u16), clear: u8) -> Option<Frame<'static>> {
+/// The frame of a picture with transparent pixels. It contains the rectangle of its opaque pixels and is cleared before
+/// the next frame, so that nothing of `old` shows through. None if the pictures are equal.
+pub fn replacement(old: Option<&[u8]>, new: &[u8], size: (u16, u16), clear: u8) -> Option<Frame<'static>> {
     if old == Some(new) {
         return None;
     }
     let stride = usize::from(size.0);
-    let seen = changed(&vec![clear; new.len()], new, stride);
-    let seen = seen.unwrap_or(Rectangle { left: 0, top: 0, width: 1, height: 1 });
-    let indices = seen.rows(new, stride).flatten().copied().collect();
-    Some(Frame { dispose: DisposalMethod::Background, ..coded(seen, indices, Some(clear)) })
+    let opaque = changed(&vec![clear; new.len()], new, stride);
+    let opaque = opaque.unwrap_or(PixelRect { left: 0, top: 0, width: 1, height: 1 });
+    let indices = opaque.rows(new, stride).flatten().copied().collect();
+    Some(Frame { dispose: DisposalMethod::Background, ..coded(opaque, indices, Some(clear)) })
 }
 
-/// A frame that changes nothing: the picture's first pixel once more, for the rest of a long hold.
+/// A frame that repeats the picture's first pixel and changes nothing. It extends a delay that is too long for one
+/// frame.
 pub fn filler(first_pixel: u8) -> Frame<'static> {
-    coded(Rectangle { left: 0, top: 0, width: 1, height: 1 }, vec![first_pixel], None)
+    coded(PixelRect { left: 0, top: 0, width: 1, height: 1 }, vec![first_pixel], None)
 }
 
-fn coded(rectangle: Rectangle, indices: Vec<u8>, transparent: Option<u8>) -> Frame<'static> {
-    // A rectangle lies within a picture whose sides fit.
+fn coded(rectangle: PixelRect, indices: Vec<u8>, transparent: Option<u8>) -> Frame<'static> {
+    // The rectangle is inside a picture whose sides fit into u16.
     let short = |length: usize| length as u16;
     let mut frame = Frame {
         left: short(rectangle.left),

@@ -1,28 +1,29 @@
-//! From a colour to the palette's colours that mix to it.
+//! Dithering: the palette colours whose mix looks like a colour.
 
-use super::palette::{LMS_ROOT_TO_OKLAB, Palette, RGB_TO_LMS, linear_of_code, multiply, oklab};
+use super::oklab::{LMS_ROOT_TO_OKLAB, RGB_TO_LMS, linear_of_code, multiply, oklab};
+use super::palette::Palette;
 
-/// Parts in a mix. A threshold picks one of them.
+/// Colours in a mix. The threshold of a pixel selects one of them.
 pub const PARTS: usize = 16;
-/// How many palette colours around the nearest one may take part.
+/// Palette colours around the nearest one that a mix may contain.
 const NEIGHBORS: usize = 24;
-/// How much a part's own distance from the colour counts against it, next to the error of the mix. Between
-/// two colours it costs little tone: what is up to 1/16 of the way to the next one stays flat. It keeps
-/// colours that lie outside the palette's reach from being made up of far ones, which shows as coloured dots.
-const AVERSION: f32 = 1.0;
-/// Cone responses below this are taken as this where the slope of the cube root is needed.
-const DARKEST: f32 = 1e-3;
+/// Weight of a part's own distance from the colour, relative to the error of the mix. It costs little accuracy: a
+/// colour up to 1/16 of the way to the next palette colour stays flat. Without it, colours outside the palette's gamut
+/// would be mixed from distant colours, which shows as coloured dots.
+const DISTANCE_WEIGHT: f32 = 1.0;
+/// Minimum cone response for the slope of the cube root, which is infinite at 0.
+const MIN_RESPONSE: f32 = 1e-3;
 
-/// Finds palette colours: the nearest one, or a mix in linear light that looks like the colour asked for.
+/// Maps colours to the nearest palette colour, or to a mix in linear light that looks like the colour.
 pub struct Mixer {
     palette: Palette,
     dither: bool,
-    /// Per palette colour.
+    /// Palette colours in Oklab, one list per axis.
     oklab: [Vec<f32>; 3],
     lms: Vec<[f32; 3]>,
-    /// Per palette colour: the colours nearest to it, itself first.
+    /// For each palette colour, the nearest palette colours. The first is itself.
     neighbors: Vec<Vec<u8>>,
-    /// Linear light per code.
+    /// The linear value of each code.
     linear: Vec<f32>,
 }
 
@@ -49,7 +50,7 @@ impl Mixer {
         &self.palette
     }
 
-    /// The palette indices that make up `color`, from dark to light. Depends on nothing else.
+    /// The palette indices of the mix for `color`, from dark to light. They depend on the colour alone.
     pub fn mix(&self, color: [u8; 3]) -> [u8; PARTS] {
         if self.palette.is_exact() {
             return [self.palette.colors().binary_search(&color).unwrap_or(0) as u8; PARTS];
@@ -64,12 +65,11 @@ impl Mixer {
         self.mix_around(nearest, multiply(&RGB_TO_LMS, linear))
     }
 
-    /// Adds one part after the other, each such that the sum of the deviations comes closest to zero. Light
-    /// adds linearly, so deviations are differences of cone responses; what they look like is told by the
-    /// derivative of Oklab at the colour.
+    /// Adds parts greedily, so that the sum of their deviations stays closest to zero. Light adds linearly, so
+    /// deviations are differences of cone responses. The derivative of Oklab at the colour gives their perceived size.
     fn mix_around(&self, nearest: usize, target: [f32; 3]) -> [u8; PARTS] {
         let slope = target.map(|response| {
-            let root = libm::cbrtf(response.max(DARKEST));
+            let root = libm::cbrtf(response.max(MIN_RESPONSE));
             1.0 / (3.0 * root * root)
         });
         let candidates = &self.neighbors[nearest];
@@ -83,8 +83,9 @@ impl Mixer {
         let mut sum = [0.0; 3];
         let mut parts = [0; PARTS];
         for part in &mut parts {
-            let cost =
-                |d: &[f32; 3]| square([sum[0] + d[0], sum[1] + d[1], sum[2] + d[2]]) + AVERSION * square(*d);
+            let cost = |d: &[f32; 3]| {
+                square([sum[0] + d[0], sum[1] + d[1], sum[2] + d[2]]) + DISTANCE_WEIGHT * square(*d)
+            };
             let best = first_least(deviations.iter().map(cost));
             sum = [0, 1, 2].map(|i| sum[i] + deviations[best][i]);
             *part = candidates[best];
@@ -130,17 +131,17 @@ fn first_least(values: impl Iterator<Item = f32>) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::super::histogram::Weighted;
+    use super::super::palette::WeightedColor;
     use super::*;
 
     fn grays(codes: &[u8]) -> Palette {
         let weighted: Vec<_> =
-            codes.iter().map(|&c| Weighted { color: [f32::from(c); 3], count: 1000 }).collect();
+            codes.iter().map(|&c| WeightedColor { color: [f32::from(c); 3], count: 1000 }).collect();
         Palette::clustered(&weighted, codes.len())
     }
 
     #[test]
-    fn mixes_have_the_colors_light() {
+    fn mixes_preserve_linear_light() {
         let mixer = Mixer::new(grays(&[0, 80, 160, 255]), true);
         for code in 0..=255u8 {
             let parts = mixer.mix([code; 3]);
@@ -164,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn without_dither_the_nearest() {
+    fn without_dither_the_nearest_color_is_used() {
         let mixer = Mixer::new(grays(&[0, 80, 160, 255]), false);
         for code in 0..=255u8 {
             let parts = mixer.mix([code; 3]);

@@ -1,29 +1,29 @@
-//! The GIF file: header, loop count, frames with their delays.
+//! Writing a GIF file: header, loop count, and frames with their delays.
 
 use super::delta::filler;
 use super::timing::pieces;
-use crate::encode::atomic::Aside;
+use crate::encode::atomic::AtomicFile;
 use crate::encode::error::EncodeError;
 use gif::{DisposalMethod, Encoder, EncodingError, Frame, Repeat};
 use std::io::{self, Seek};
 use std::path::{Path, PathBuf};
 
-/// A GIF in the making. It appears when it is finished, and not at all if it is dropped before.
+/// A GIF file that is being written. It appears when it is committed, and not at all if it is dropped before.
 pub struct GifFile {
     path: PathBuf,
-    encoder: Encoder<Aside>,
+    encoder: Encoder<AtomicFile>,
     /// The last frame, whose delay may still grow.
-    held: Option<Held>,
+    pending: Option<PendingFrame>,
 }
 
-/// A file that only has to be put in its place. Dropped instead, it vanishes.
-pub struct Finished {
-    pub file: Aside,
-    /// Bytes.
+/// A complete file that is not committed yet. If it is dropped, it is removed.
+pub struct FinishedGif {
+    pub file: AtomicFile,
+    /// Size in bytes.
     pub size: u64,
 }
 
-struct Held {
+struct PendingFrame {
     frame: Frame<'static>,
     /// Centiseconds.
     delay: u64,
@@ -32,59 +32,59 @@ struct Held {
 }
 
 impl GifFile {
-    /// Starts a file; `palette` is RGB after RGB, `plays` as often as the animation is to play (none: for ever).
+    /// Starts a file. `palette` holds RGB triples, and `loop_count` is None for an animation that plays forever.
     pub fn create(
         path: &Path,
         size: (u16, u16),
         palette: &[u8],
-        plays: Option<u16>,
+        loop_count: Option<u16>,
     ) -> Result<Self, EncodeError> {
         let fault = |e| EncodeError::write(path, into_io(e));
-        let mut encoder = Encoder::new(Aside::create(path)?, size.0, size.1, palette).map_err(fault)?;
-        // The extension counts what comes after the first play; without it there is just that one.
-        match plays {
+        let mut encoder = Encoder::new(AtomicFile::create(path)?, size.0, size.1, palette).map_err(fault)?;
+        // The extension gives the number of repetitions. Without it, the animation plays once.
+        match loop_count {
             None => encoder.set_repeat(Repeat::Infinite).map_err(fault)?,
             Some(0 | 1) => {}
-            Some(plays) => encoder.set_repeat(Repeat::Finite(plays - 1)).map_err(fault)?,
+            Some(count) => encoder.set_repeat(Repeat::Finite(count - 1)).map_err(fault)?,
         }
-        Ok(Self { path: path.to_path_buf(), encoder, held: None })
+        Ok(Self { path: path.to_path_buf(), encoder, pending: None })
     }
 
-    /// Adds `delay` centiseconds of a picture that starts with the index `first_pixel`. `frame` is its
-    /// difference from the last one; none if there is no difference, so that the last one just stays longer.
+    /// Adds a picture that is shown for `delay` centiseconds and whose first palette index is `first_pixel`. `frame` is
+    /// its difference from the last picture. If it is None, the last picture is shown longer.
     pub fn push(
         &mut self,
         frame: Option<Frame<'static>>,
         delay: u64,
         first_pixel: u8,
     ) -> Result<(), EncodeError> {
-        match (frame, &mut self.held) {
-            (None, Some(held)) => held.delay += delay,
+        match (frame, &mut self.pending) {
+            (None, Some(pending)) => pending.delay += delay,
             (None, None) => {}
             (Some(frame), _) => {
-                self.write_held()?;
-                self.held = Some(Held { frame, delay, first_pixel });
+                self.write_pending()?;
+                self.pending = Some(PendingFrame { frame, delay, first_pixel });
             }
         }
         Ok(())
     }
 
-    /// Writes the last frame and the end.
-    pub fn finish(mut self) -> Result<Finished, EncodeError> {
-        self.write_held()?;
+    /// Writes the last frame and the trailer.
+    pub fn finish(mut self) -> Result<FinishedGif, EncodeError> {
+        self.write_pending()?;
         let Self { path, encoder, .. } = self;
         let mut file = encoder.into_inner().map_err(|e| EncodeError::write(&path, into_io(e)))?;
         let size = file.stream_position().map_err(|e| EncodeError::write(&path, e))?;
-        Ok(Finished { file, size })
+        Ok(FinishedGif { file, size })
     }
 
-    fn write_held(&mut self) -> Result<(), EncodeError> {
-        let Some(Held { mut frame, delay, first_pixel }) = self.held.take() else { return Ok(()) };
+    fn write_pending(&mut self) -> Result<(), EncodeError> {
+        let Some(PendingFrame { mut frame, delay, first_pixel }) = self.pending.take() else { return Ok(()) };
         for piece in pieces(delay) {
             frame.delay = piece;
             let written = self.encoder.write_lzw_pre_encoded_frame(&frame);
             written.map_err(|e| EncodeError::write(&self.path, into_io(e)))?;
-            // What vanishes at its end comes again.
+            // A frame that is cleared after its delay has to be repeated as a whole.
             if frame.dispose == DisposalMethod::Keep {
                 frame = filler(first_pixel);
             }

@@ -1,29 +1,27 @@
-//! A GIF that may not be larger than so many bytes: it loses colours, then pixels, then frames, until it is not.
+//! Fits a GIF into a maximum size: it drops colours, then pixels, then frames, until the file is small enough.
 
-use super::Animation;
-use super::file::Finished;
-use super::timing::Shot;
+use super::file::FinishedGif;
+use super::timing::TimedFrame;
 use crate::base::color::{linear_to_srgb, srgb_to_linear};
 use crate::base::escape;
 use crate::base::units;
 use crate::encode::error::EncodeError;
 use crate::encode::picture::Picture;
+use crate::encode::settings::GifSettings;
+use std::path::Path;
 use std::sync::LazyLock;
 
-/// How a stored frame is read.
-pub type Load<'a> = dyn Fn(usize) -> Result<Picture, EncodeError> + Sync + 'a;
-
-/// What a file keeps.
+/// The colours, pixels and frames that a file keeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plan {
+pub struct GifQuality {
     pub colors: u16,
-    /// Of width and height, at most 1.
+    /// Factor of width and height, at most 1.
     pub scale: f64,
-    /// One of so many frames is shown.
-    pub every: usize,
+    /// Every how many frames one is shown.
+    pub frame_step: usize,
 }
 
-/// What files become, one after the other, until they are small enough: colours, scale, and one of how many frames.
+/// The qualities to try in order: colours, scale and frame step.
 const LADDER: [(u16, f64, usize); 17] = [
     (192, 1.0, 1),
     (128, 1.0, 1),
@@ -44,11 +42,11 @@ const LADDER: [(u16, f64, usize); 17] = [
     (16, 0.12, 8),
 ];
 
-impl Plan {
-    /// How large a file becomes, up to a factor. Measured on shipped sequences: half the colours save about a sixth.
-    fn cost(&self) -> f64 {
+impl GifQuality {
+    /// The relative size of a file. Measured on shipped sequences: half the colours save about a sixth.
+    fn relative_size(&self) -> f64 {
         let colors = 0.25 + 0.094 * libm::log2(f64::from(self.colors));
-        colors * self.scale * self.scale / self.every as f64
+        colors * self.scale * self.scale / self.frame_step as f64
     }
 
     pub fn size(&self, (width, height): (u16, u16)) -> (u16, u16) {
@@ -56,14 +54,16 @@ impl Plan {
         (scaled(width), scaled(height))
     }
 
-    /// The shots that stay, each as long as those it stands for.
-    pub fn thinned(&self, shots: &[Shot]) -> Vec<Shot> {
-        let one =
-            |shots: &[Shot]| Shot { index: shots[0].index, delay: shots.iter().map(|shot| shot.delay).sum() };
-        shots.chunks(self.every).map(one).collect()
+    /// The frames that are kept. Each is shown for the time of the frames that it replaces.
+    pub fn thinned(&self, frames: &[TimedFrame]) -> Vec<TimedFrame> {
+        let merged = |frames: &[TimedFrame]| TimedFrame {
+            index: frames[0].index,
+            delay: frames.iter().map(|frame| frame.delay).sum(),
+        };
+        frames.chunks(self.frame_step).map(merged).collect()
     }
 
-    /// A picture in the plan's size: light averaged over the squares that pixels cover.
+    /// Scales a picture with a box filter in linear light.
     pub fn scaled(&self, picture: Picture) -> Picture {
         if self.scale >= 1.0 {
             return picture;
@@ -73,62 +73,70 @@ impl Plan {
         shrunk(&picture, u32::from(width), u32::from(height))
     }
 
-    /// What has been lost, in words.
-    fn told(&self, asked: &Self, size: (u16, u16)) -> String {
+    /// Describes the loss compared to the requested quality.
+    fn loss(&self, requested: &Self, size: (u16, u16)) -> String {
         let mut parts = Vec::new();
-        if self.colors < asked.colors {
-            parts.push(format!("{} colours instead of {}", self.colors, asked.colors));
+        if self.colors < requested.colors {
+            parts.push(format!("{} colours instead of {}", self.colors, requested.colors));
         }
         if self.scale < 1.0 {
             let (width, height) = self.size(size);
             parts.push(format!("{width}x{height} pixels instead of {}x{}", size.0, size.1));
         }
-        if self.every > 1 {
-            parts.push(format!("one of {} frames", self.every));
+        if self.frame_step > 1 {
+            parts.push(format!("one of {} frames", self.frame_step));
         }
         parts.join(", ")
     }
 }
 
-/// Writes the animation as it was asked for, or with as little lost as keeps it below its limit. Returns what to tell.
-pub fn write(animation: &Animation, load: &Load) -> Result<Option<String>, EncodeError> {
-    let asked = Plan { colors: animation.settings.colors, scale: 1.0, every: 1 };
-    let whole = animation.attempt(&asked, load)?;
-    let Some(most) = animation.settings.max_size.filter(|&most| whole.size > most) else {
-        whole.file.commit()?;
+/// Writes the GIF `path` of `size` pixels with the requested settings, or with as little loss as its maximum size
+/// allows. `encode` makes a file of a given quality. Returns a note about the loss, if there is any.
+pub fn write(
+    path: &Path,
+    size: (u16, u16),
+    settings: &GifSettings,
+    encode: impl Fn(&GifQuality) -> Result<FinishedGif, EncodeError>,
+) -> Result<Option<String>, EncodeError> {
+    let requested = GifQuality { colors: settings.colors, scale: 1.0, frame_step: 1 };
+    let full = encode(&requested)?;
+    let Some(limit) = settings.max_size.filter(|&limit| full.size > limit) else {
+        full.file.commit()?;
         return Ok(None);
     };
-    let (wanted, mut best, mut plan) = (whole.size, whole, asked);
-    let mut factor = best.size as f64 / asked.cost();
-    for (colors, scale, every) in LADDER {
-        let next = Plan { colors: colors.min(asked.colors), scale, every };
-        // What would surely be too large is not tried.
-        if next.cost() >= plan.cost() || next.cost() * factor > 1.1 * most as f64 {
+    let (full_size, mut best, mut quality) = (full.size, full, requested);
+    let mut factor = best.size as f64 / requested.relative_size();
+    for (colors, scale, frame_step) in LADDER {
+        let next = GifQuality { colors: colors.min(requested.colors), scale, frame_step };
+        // Skip qualities whose estimated size is too large.
+        if next.relative_size() >= quality.relative_size()
+            || next.relative_size() * factor > 1.1 * limit as f64
+        {
             continue;
         }
-        let found: Finished = animation.attempt(&next, load)?;
-        factor = found.size as f64 / next.cost();
-        (best, plan) = (found, next);
-        if best.size <= most {
+        let file = encode(&next)?;
+        factor = file.size as f64 / next.relative_size();
+        (best, quality) = (file, next);
+        if best.size <= limit {
             break;
         }
     }
-    let path = escape::path(&animation.path);
-    let (size, before, limit) = (units::bytes(best.size), units::bytes(wanted), units::bytes(most));
-    let lost = plan.told(&asked, animation.size);
-    let fits = best.size <= most;
+    let path = escape::path(path);
+    let loss = quality.loss(&requested, size);
+    let fits = best.size <= limit;
+    let (size, full_size, limit) = (units::bytes(best.size), units::bytes(full_size), units::bytes(limit));
     best.file.commit()?;
     Ok(Some(match fits {
-        true => format!("{path} would have {before}; to stay within {limit} it has {lost}: {size}"),
-        false => format!("{path} cannot be made as small as {limit}: with {lost} it has {size}"),
+        true => format!("{path} would have {full_size}; to stay within {limit} it has {loss}: {size}"),
+        false => format!("{path} cannot be made as small as {limit}: with {loss} it has {size}"),
     }))
 }
 
-/// Linear light of every code.
-static LIGHT: LazyLock<Vec<f32>> =
+/// The linear value of every code.
+static LINEAR: LazyLock<Vec<f32>> =
     LazyLock::new(|| (0..=255u8).map(|code| srgb_to_linear(f64::from(code) / 255.0) as f32).collect());
 
-/// The picture in fewer pixels.
+/// Scales a picture down with a box filter. Alpha becomes one bit per pixel.
 fn shrunk(picture: &Picture, width: u32, height: u32) -> Picture {
     let columns = shares(picture.width, width);
     let rows = shares(picture.height, height);
@@ -141,7 +149,7 @@ fn shrunk(picture: &Picture, width: u32, height: u32) -> Picture {
             for &(y, down) in row {
                 for &(x, across) in column {
                     let pixel = pixels[y * stride + x];
-                    sum = std::array::from_fn(|i| sum[i] + down * across * LIGHT[usize::from(pixel[i])]);
+                    sum = std::array::from_fn(|i| sum[i] + down * across * LINEAR[usize::from(pixel[i])]);
                 }
             }
             rgb.extend(sum.map(|light| (linear_to_srgb(f64::from(light).min(1.0)) * 255.0 + 0.5) as u8));
@@ -160,7 +168,7 @@ fn shrunk(picture: &Picture, width: u32, height: u32) -> Picture {
     Picture { alpha: picture.alpha.as_ref().map(half), ..Picture::opaque(width, height, rgb) }
 }
 
-/// Which of `from` pixels each of `to` covers, and with which share.
+/// For each of `to` pixels, the indices of the `from` pixels that it covers, and their weights.
 fn shares(from: u32, to: u32) -> Vec<Vec<(usize, f32)>> {
     let step = f64::from(from) / f64::from(to);
     let one = |i: u32| {
@@ -180,13 +188,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pictures_keep_their_light() {
+    fn scaling_preserves_linear_light() {
         let code = |i: u32| [(i * 7 % 256) as u8, (i % 256) as u8, 100];
         let picture = Picture::opaque(30, 20, (0..600).flat_map(code).collect());
         let small = shrunk(&picture, 20, 13);
         assert_eq!((small.width, small.height, small.rgb.len()), (20, 13, 780));
         let mean = |picture: &Picture, channel: usize| {
-            let light = picture.rgb.iter().skip(channel).step_by(3).map(|code| LIGHT[usize::from(*code)]);
+            let light = picture.rgb.iter().skip(channel).step_by(3).map(|code| LINEAR[usize::from(*code)]);
             light.sum::<f32>() / (picture.width * picture.height) as f32
         };
         assert!((0..3).all(|channel| (mean(&picture, channel) - mean(&small, channel)).abs() < 0.003));
@@ -194,16 +202,16 @@ mod tests {
     }
 
     #[test]
-    fn plans_become_cheaper_and_say_what_they_lose() {
-        let plans = LADDER.map(|(colors, scale, every)| Plan { colors, scale, every });
-        let asked = Plan { colors: 256, scale: 1.0, every: 1 };
-        assert!(plans[0].cost() < asked.cost() && plans[16].cost() < 0.01);
-        let told = plans[8].told(&asked, (480, 270));
-        assert_eq!(told, "96 colours instead of 256, 322x181 pixels instead of 480x270, one of 2 frames");
-        let shots: Vec<Shot> = (0..5).map(|index| Shot { index, delay: 4 }).collect();
-        let left = Plan { every: 2, ..asked }.thinned(&shots);
+    fn qualities_become_smaller_and_describe_their_loss() {
+        let steps = LADDER.map(|(colors, scale, frame_step)| GifQuality { colors, scale, frame_step });
+        let requested = GifQuality { colors: 256, scale: 1.0, frame_step: 1 };
+        assert!(steps[0].relative_size() < requested.relative_size() && steps[16].relative_size() < 0.01);
+        let loss = steps[8].loss(&requested, (480, 270));
+        assert_eq!(loss, "96 colours instead of 256, 322x181 pixels instead of 480x270, one of 2 frames");
+        let frames: Vec<TimedFrame> = (0..5).map(|index| TimedFrame { index, delay: 4 }).collect();
+        let left = GifQuality { frame_step: 2, ..requested }.thinned(&frames);
         assert_eq!(
-            left.iter().map(|shot| (shot.index, shot.delay)).collect::<Vec<_>>(),
+            left.iter().map(|frame| (frame.index, frame.delay)).collect::<Vec<_>>(),
             [(0, 8), (2, 8), (4, 4)]
         );
     }

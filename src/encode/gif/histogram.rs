@@ -1,53 +1,46 @@
-//! The colours of a whole animation in bounded memory.
+//! A histogram of the colours of a whole animation, in bounded memory.
 
-use super::palette::Palette;
+use super::palette::{Palette, WeightedColor};
 use crate::encode::picture::Picture;
 
-/// Colours that are told apart, at most.
-const MOST: usize = 1 << 16;
-/// Places of the table, as a power of two: at most half of them are taken.
+/// Maximum number of bins.
+const MAX_BINS: usize = 1 << 16;
+/// Slots of the hash table, as a power of two. At most half of them are used.
 const TABLE_BITS: u32 = 17;
 
-/// Counts colours as frames pass: each by itself while there are not too many, and else the finest groups of
-/// neighbouring ones that are few enough. What comes out does not depend on the order of the frames.
+/// Counts the colours of frames. Each colour has its own bin until there are too many; then neighbouring colours share
+/// bins that are as small as possible. The result does not depend on the order of the frames.
 pub struct Histogram {
-    /// The distinct colours as they are, until there are more than `exact_limit`.
+    /// The number of distinct colours up to which [`Histogram::distinct`] is known.
     exact_limit: usize,
-    /// Bits of every channel that do not count.
+    /// Low bits of every channel that are ignored.
     coarse: u32,
-    table: Vec<Group>,
+    table: Vec<Bin>,
     taken: usize,
 }
 
-/// How many pixels fell in, and the sum of their colours.
+/// The number of pixels and the sum of their colours.
 #[derive(Clone, Copy, Default)]
-struct Group {
+struct Bin {
     key: u32,
     count: u64,
     sum: [u64; 3],
 }
 
-/// A colour that stands for `count` pixels, in 0..=255 per channel with fractions.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weighted {
-    pub color: [f32; 3],
-    pub count: u64,
-}
-
 impl Histogram {
-    /// `exact_limit` is the number of colours up to which they are kept as they are.
+    /// `exact_limit` is the number of colours up to which the palette is exact.
     pub fn new(exact_limit: usize) -> Self {
-        Self { exact_limit, coarse: 0, table: vec![Group::default(); 1 << TABLE_BITS], taken: 0 }
+        Self { exact_limit, coarse: 0, table: vec![Bin::default(); 1 << TABLE_BITS], taken: 0 }
     }
 
     /// Counts a frame's pixels.
     pub fn add(&mut self, picture: &Picture) {
         let pixels = picture.rgb.as_chunks::<3>().0;
-        // Neighbours are often equal, and then one step counts them all.
+        // Neighbouring pixels are often equal, so a run of them is counted at once.
         for run in pixels.chunk_by(|a, b| a == b) {
             let count = run.len() as u64;
-            self.put(Group { key: self.key(run[0]), count, sum: run[0].map(|code| u64::from(code) * count) });
-            if self.taken > MOST {
+            self.put(Bin { key: self.key(run[0]), count, sum: run[0].map(|code| u64::from(code) * count) });
+            if self.taken > MAX_BINS {
                 self.coarsen();
             }
         }
@@ -57,27 +50,27 @@ impl Histogram {
         color.iter().fold(0, |key, code| key << 8 | u32::from(code >> self.coarse))
     }
 
-    fn put(&mut self, group: Group) {
-        let mut place = (group.key.wrapping_mul(0x9E37_79B1) >> (32 - TABLE_BITS)) as usize;
-        while self.table[place].count > 0 && self.table[place].key != group.key {
+    fn put(&mut self, bin: Bin) {
+        let mut place = (bin.key.wrapping_mul(0x9E37_79B1) >> (32 - TABLE_BITS)) as usize;
+        while self.table[place].count > 0 && self.table[place].key != bin.key {
             place = (place + 1) % self.table.len();
         }
         let found = &mut self.table[place];
         self.taken += usize::from(found.count == 0);
-        found.key = group.key;
-        found.count += group.count;
-        found.sum = [0, 1, 2].map(|i| found.sum[i] + group.sum[i]);
+        found.key = bin.key;
+        found.count += bin.count;
+        found.sum = [0, 1, 2].map(|i| found.sum[i] + bin.sum[i]);
     }
 
-    /// Makes groups of eight out of what was told apart.
+    /// Merges every eight bins into one.
     fn coarsen(&mut self) {
-        let groups = std::mem::replace(&mut self.table, vec![Group::default(); 1 << TABLE_BITS]);
+        let bins = std::mem::replace(&mut self.table, vec![Bin::default(); 1 << TABLE_BITS]);
         self.coarse += 1;
         self.taken = 0;
-        for group in groups.into_iter().filter(|group| group.count > 0) {
-            // Bits do not cross from one channel to the next.
-            let key = (group.key >> 1) & 0x7f_7f7f;
-            self.put(Group { key, ..group });
+        for bin in bins.into_iter().filter(|bin| bin.count > 0) {
+            // The mask keeps bits from crossing into the next channel.
+            let key = (bin.key >> 1) & 0x7f_7f7f;
+            self.put(Bin { key, ..bin });
         }
     }
 
@@ -97,12 +90,12 @@ impl Histogram {
         (self.coarse == 0 && self.taken <= self.exact_limit).then_some(self.taken)
     }
 
-    /// The groups by their mean colours, in the order of their keys.
-    fn weighted(&self) -> Vec<Weighted> {
-        let mut groups: Vec<&Group> = self.table.iter().filter(|group| group.count > 0).collect();
-        groups.sort_unstable_by_key(|group| group.key);
-        let mean = |group: &&Group| group.sum.map(|sum| (sum as f64 / group.count as f64) as f32);
-        groups.iter().map(|group| Weighted { color: mean(group), count: group.count }).collect()
+    /// The mean colours of the bins, in the order of their keys.
+    fn weighted(&self) -> Vec<WeightedColor> {
+        let mut bins: Vec<&Bin> = self.table.iter().filter(|bin| bin.count > 0).collect();
+        bins.sort_unstable_by_key(|bin| bin.key);
+        let mean = |bin: &&Bin| bin.sum.map(|sum| (sum as f64 / bin.count as f64) as f32);
+        bins.iter().map(|bin| WeightedColor { color: mean(bin), count: bin.count }).collect()
     }
 }
 
@@ -118,14 +111,14 @@ mod tests {
     fn colours_are_counted_one_by_one() {
         let mut histogram = Histogram::new(1);
         histogram.add(&picture(&[[4, 8, 255], [6, 9, 252], [4, 8, 255], [4, 8, 255]]));
-        let expected =
-            [([4.0, 8.0, 255.0], 3), ([6.0, 9.0, 252.0], 1)].map(|(color, count)| Weighted { color, count });
+        let expected = [([4.0, 8.0, 255.0], 3), ([6.0, 9.0, 252.0], 1)]
+            .map(|(color, count)| WeightedColor { color, count });
         assert_eq!(histogram.weighted(), expected);
         assert_eq!(histogram.distinct(), None);
     }
 
     #[test]
-    fn too_many_colours_are_grouped_whatever_their_order() {
+    fn too_many_colours_share_bins_in_any_order() {
         let color = |i: u32| [i as u8, (i >> 8) as u8, (i >> 16) as u8 * 40];
         let mut colors: Vec<[u8; 3]> = (0..3 << 16).map(color).collect();
         let counted = |colors: &[[u8; 3]]| {
@@ -134,11 +127,11 @@ mod tests {
             assert_eq!(histogram.coarse, 1);
             histogram.weighted()
         };
-        let groups = counted(&colors);
-        assert!(groups.len() <= MOST && groups.iter().map(|group| group.count).sum::<u64>() == 3 << 16);
-        assert_eq!(groups[0], Weighted { color: [0.5, 0.5, 0.0], count: 4 });
+        let bins = counted(&colors);
+        assert!(bins.len() <= MAX_BINS && bins.iter().map(|bin| bin.count).sum::<u64>() == 3 << 16);
+        assert_eq!(bins[0], WeightedColor { color: [0.5, 0.5, 0.0], count: 4 });
         colors.reverse();
-        assert!(groups == counted(&colors));
+        assert!(bins == counted(&colors));
     }
 
     #[test]

@@ -4,32 +4,32 @@ use super::dither::{Mixer, PARTS};
 use super::threshold;
 use crate::encode::picture::Picture;
 
-/// Mixes that are remembered, as a power of two: 2^15 take 0.6 MB, which stays in a processor's cache.
+/// Entries of the cache of mixes, as a power of two. 2^15 entries take 0.6 MB, which fits into the processor's cache.
 const CACHE_BITS: u32 = 15;
-/// No colour has this key.
+/// The key of an empty entry. No colour has it.
 const NO_KEY: u32 = u32::MAX;
 
-/// Maps pictures one after the other, and remembers mixes. What it remembers does not show: the index of a
-/// pixel depends on its colour and place alone, so what stands still in the film stands still in the GIF.
+/// Maps pictures to palette indices and caches mixes. The index of a pixel depends on its colour and position only, so
+/// static parts of the animation do not flicker.
 pub struct Mapper<'a> {
     mixer: &'a Mixer,
-    /// Which part of a mix each pixel of the screen shows, `threshold::SIDE`² of them.
-    screen: Vec<u8>,
+    /// For each cell of the threshold matrix, `threshold::SIDE`² of them, the part of the mix that it selects.
+    parts: Vec<u8>,
     cache: Cache,
 }
 
-/// Mixes by their colours; what meets in a slot pushes the other out.
+/// A direct-mapped cache of mixes by their colours.
 struct Cache(Vec<(u32, [u8; PARTS])>);
 
 impl<'a> Mapper<'a> {
     pub fn new(mixer: &'a Mixer) -> Self {
         let ranks_of_a_part = threshold::SIDE * threshold::SIDE / PARTS;
         let part = |&rank: &u16| (usize::from(rank) / ranks_of_a_part) as u8;
-        let screen = threshold::RANKS.iter().map(part).collect();
-        Self { mixer, screen, cache: Cache(vec![(NO_KEY, [0; PARTS]); 1 << CACHE_BITS]) }
+        let parts = threshold::RANKS.iter().map(part).collect();
+        Self { mixer, parts, cache: Cache(vec![(NO_KEY, [0; PARTS]); 1 << CACHE_BITS]) }
     }
 
-    /// One palette index per pixel; `clear`, if there is one, for those that alpha leaves out.
+    /// One palette index per pixel. Transparent pixels get the index `clear`, if there is one.
     pub fn map(&mut self, picture: &Picture, clear: Option<u8>) -> Vec<u8> {
         let mut indices = self.opaque(picture);
         if let (Some(clear), Some(alpha)) = (clear, &picture.alpha) {
@@ -45,9 +45,9 @@ impl<'a> Mapper<'a> {
         let mut indices = Vec::with_capacity(pixels.len());
         for (y, row) in pixels.chunks(width).enumerate() {
             let place = y % threshold::SIDE * threshold::SIDE;
-            let screen = &self.screen[place..place + threshold::SIDE];
+            let parts = &self.parts[place..place + threshold::SIDE];
             for (x, &color) in row.iter().enumerate() {
-                let part = screen[x % threshold::SIDE];
+                let part = parts[x % threshold::SIDE];
                 indices.push(self.cache.mix(self.mixer, color)[usize::from(part) % PARTS]);
             }
         }

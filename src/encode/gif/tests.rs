@@ -2,12 +2,12 @@
 
 use super::*;
 use crate::base::time::Rate;
-use crate::encode::{About, Formats, GifSettings, MATTE, Moving, Output, Tonemap};
+use crate::encode::{AnimationFormat, Formats, GifSettings, MATTE, Output, SequenceInfo, Tonemap};
 use ::gif::{ColorOutput, DecodeOptions, DisposalMethod, Repeat};
 use std::collections::HashMap;
 use std::fs;
 
-const SETTINGS: GifSettings = GifSettings { plays: None, colors: 256, dither: true, max_size: None };
+const SETTINGS: GifSettings = GifSettings { loop_count: None, colors: 256, dither: true, max_size: None };
 
 /// A GIF as a viewer shows it.
 struct Shown {
@@ -48,7 +48,7 @@ fn show(path: &Path) -> Shown {
     shown
 }
 
-/// A GIF with clear pixels as a viewer shows it: none where nothing is.
+/// A GIF with transparent pixels as a viewer shows it: None where a pixel is transparent.
 fn show_clear(path: &Path) -> Vec<(Vec<Option<[u8; 3]>>, u64)> {
     let mut options = DecodeOptions::new();
     options.set_color_output(ColorOutput::RGBA);
@@ -56,7 +56,7 @@ fn show_clear(path: &Path) -> Vec<(Vec<Option<[u8; 3]>>, u64)> {
     let (width, height) = (usize::from(decoder.width()), usize::from(decoder.height()));
     let mut shown = Vec::new();
     while let Some(frame) = decoder.read_next_frame().expect("a frame") {
-        // Every frame vanishes before the next, so it starts from nothing.
+        // Every frame is cleared before the next, so each starts with a transparent canvas.
         assert_eq!(frame.dispose, DisposalMethod::Background);
         let mut canvas = vec![None; width * height];
         for (i, &[r, g, b, a]) in frame.buffer.as_chunks::<4>().0.iter().enumerate() {
@@ -69,23 +69,23 @@ fn show_clear(path: &Path) -> Vec<(Vec<Option<[u8; 3]>>, u64)> {
     shown
 }
 
-/// A block of 3x2 pixels that moves over nothing, stays, and goes.
+/// A block of 3x2 pixels that moves over a transparent background, stays, and disappears.
 #[test]
-fn clear_pixels_show_what_is_behind_the_gif() {
+fn transparent_pixels_stay_transparent() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("a.gif");
     let picture = |place: Option<usize>| {
-        let seen = |i: usize| {
+        let opaque = |i: usize| {
             place.is_some_and(|left| (left..left + 3).contains(&(i % 16)) && (2..4).contains(&(i / 16)))
         };
-        let rgb = (0..160).flat_map(|i| if seen(i) { [200, i as u8, 0] } else { [255; 3] }).collect();
-        let alpha = (0..160).map(|i| if seen(i) { 255 } else { 0 }).collect();
+        let rgb = (0..160).flat_map(|i| if opaque(i) { [200, i as u8, 0] } else { [255; 3] }).collect();
+        let alpha = (0..160).map(|i| if opaque(i) { 255 } else { 0 }).collect();
         Picture { alpha: Some(alpha), ..Picture::opaque(16, 10, rgb) }
     };
     let pictures = [Some(1), Some(9), Some(9), None, Some(0)].map(picture);
     for colors in [256, 4] {
         let gif = GifSettings { colors, dither: false, ..SETTINGS };
-        let job = Job { transparent: true, ..job(&path, &pictures, (10, 1), gif) };
+        let job = EncodeJob { transparent: true, ..job(&path, &pictures, (10, 1), gif) };
         let mut animation = Animation::new(&path, &job).expect("a GIF");
         pictures.iter().for_each(|picture| animation.count(picture));
         animation.write(|index| Ok(pictures[index].clone())).expect("written");
@@ -99,9 +99,9 @@ fn clear_pixels_show_what_is_behind_the_gif() {
             }
         }
     }
-    // Longer than one frame may stay.
+    // A delay that is too long for one frame.
     let gif = GifSettings { colors: 256, ..SETTINGS };
-    let job = Job { transparent: true, ..job(&path, &pictures[..1], (1, 1000), gif) };
+    let job = EncodeJob { transparent: true, ..job(&path, &pictures[..1], (1, 1000), gif) };
     let mut animation = Animation::new(&path, &job).expect("a GIF");
     animation.count(&pictures[0]);
     animation.write(|_| Ok(pictures[0].clone())).expect("written");
@@ -110,12 +110,12 @@ fn clear_pixels_show_what_is_behind_the_gif() {
     assert!(shown.len() > 1 && shown.iter().all(|(canvas, _)| *canvas == shown[0].0));
 }
 
-fn job(path: &Path, pictures: &[Picture], rate: (i128, i128), gif: GifSettings) -> Job {
-    Job {
+fn job(path: &Path, pictures: &[Picture], rate: (i128, i128), gif: GifSettings) -> EncodeJob {
+    EncodeJob {
         confined: false,
         existing: crate::encode::Existing::default(),
-        seen: Vec::new(),
-        outputs: vec![Output::Movie(Moving::Gif, path.to_path_buf())],
+        frame_keys: Vec::new(),
+        outputs: vec![Output::Movie(AnimationFormat::Gif, path.to_path_buf())],
         frames: (0..pictures.len() as u32).collect(),
         rate: Rate::new(rate.0, rate.1).expect("a rate"),
         size: (pictures[0].width, pictures[0].height),
@@ -124,11 +124,11 @@ fn job(path: &Path, pictures: &[Picture], rate: (i128, i128), gif: GifSettings) 
         matte: MATTE,
         caption: None,
         formats: Formats { gif, ..Formats::default() },
-        about: About::default(),
+        info: SequenceInfo::default(),
     }
 }
 
-fn write(path: &Path, job: &Job, pictures: &[Picture]) -> Option<String> {
+fn write(path: &Path, job: &EncodeJob, pictures: &[Picture]) -> Option<String> {
     let mut animation = Animation::new(path, job).expect("a fitting job");
     for (index, picture) in pictures.iter().enumerate() {
         if animation.shows(index) {
@@ -204,7 +204,7 @@ fn many_colors_come_close_and_do_not_shimmer() {
 }
 
 #[test]
-fn dithering_keeps_the_light_of_areas() {
+fn dithering_preserves_the_light_of_areas() {
     let pictures = [gradient(0)];
     let shown = make(&pictures, (24, 1), GifSettings { colors: 64, ..SETTINGS });
     let linear = |code: u8| crate::base::color::srgb_to_linear(f64::from(code) / 255.0);
@@ -222,7 +222,7 @@ fn dithering_keeps_the_light_of_areas() {
 #[test]
 fn loop_counts() {
     let pictures: Vec<_> = (0..2).map(moving).collect();
-    let repeat = |plays| make(&pictures, (24, 1), GifSettings { plays, ..SETTINGS }).repeat;
+    let repeat = |loop_count| make(&pictures, (24, 1), GifSettings { loop_count, ..SETTINGS }).repeat;
     assert_eq!(repeat(None), Repeat::Infinite);
     assert_eq!(repeat(Some(1)), Repeat::Finite(0));
     assert_eq!(repeat(Some(2)), Repeat::Finite(1));
@@ -266,7 +266,7 @@ fn the_smallest_pictures() {
 }
 
 #[test]
-fn a_limit_is_kept_and_what_is_lost_is_told() {
+fn the_maximum_size_is_kept_and_the_loss_is_noted() {
     let pictures: Vec<_> = (0..12).map(gradient).collect();
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("a.gif");

@@ -1,32 +1,32 @@
-//! A blue-noise threshold matrix: ordered dithering without the crosshatch of a Bayer matrix.
+//! A blue-noise threshold matrix for ordered dithering, without the crosshatch pattern of a Bayer matrix.
 
 use std::sync::LazyLock;
 
 /// The matrix repeats after this many pixels along both axes.
 pub const SIDE: usize = 64;
 const AREA: usize = SIDE * SIDE;
-/// Spread of the Gaussian that measures crowding, in pixels (the value that Ulichney recommends).
+/// Standard deviation of the Gaussian that measures crowding, in pixels. Ulichney recommends this value.
 const SIGMA: f64 = 1.5;
 /// Beyond this distance the Gaussian is below 1e-6 of its peak.
 const REACH: isize = 8;
 
-/// What [`ranks`] gives, made once per process.
+/// The result of [`ranks`], computed once per process.
 pub static RANKS: LazyLock<Vec<u16>> = LazyLock::new(ranks);
 
-/// The pixels of a `SIDE`² square ranked 0..SIDE² such that those below any rank are spread evenly, by the
-/// void-and-cluster method (R. Ulichney, "The void-and-cluster method for dither array generation", 1993).
+/// Ranks the pixels of a `SIDE`² square from 0 to SIDE² - 1, so that the pixels below any rank are spread evenly. Uses
+/// the void-and-cluster method (R. Ulichney, "The void-and-cluster method for dither array generation", 1993).
 fn ranks() -> Vec<u16> {
     let mut ranks = vec![0; AREA];
     let prototype = relaxed(scattered());
     let ones = prototype.set.iter().filter(|&&set| set).count();
-    // Downwards from the prototype: the most crowded pixel leaves first.
+    // Ranks below the prototype: the most crowded pixel is removed first.
     let mut field = prototype.clone();
     for rank in (0..ones).rev() {
         let pixel = field.tightest_cluster();
         field.toggle(pixel);
         ranks[pixel] = rank as u16;
     }
-    // Upwards: the loneliest place is filled first.
+    // Ranks above the prototype: the largest void is filled first.
     let mut field = prototype;
     for rank in ones..AREA {
         let pixel = field.largest_void();
@@ -36,8 +36,8 @@ fn ranks() -> Vec<u16> {
     ranks
 }
 
-/// Which pixels are set, and how crowded each pixel's surroundings are, on a torus. Integers, so that
-/// setting and clearing leave no rounding behind.
+/// The pixels that are set, and the crowding around each pixel, on a torus. Integers make setting and clearing a pixel
+/// exact inverses.
 #[derive(Clone)]
 struct Field {
     set: Vec<bool>,
@@ -79,7 +79,7 @@ impl Field {
     }
 }
 
-/// A tenth of the pixels, strewn by the multiplicative hash of their number.
+/// Sets a tenth of the pixels, chosen by a multiplicative hash of their index.
 fn scattered() -> Field {
     let mut field = Field::new();
     for pixel in 0..AREA {
@@ -92,9 +92,9 @@ fn scattered() -> Field {
     field
 }
 
-/// Moves the most crowded pixel to the loneliest place until that changes nothing.
+/// Moves the most crowded pixel into the largest void until nothing changes.
 fn relaxed(mut field: Field) -> Field {
-    // Converges long before; the limit only guards against a cycle of equals.
+    // This converges long before the limit, which only guards against a cycle of equal values.
     for _ in 0..AREA {
         let cluster = field.tightest_cluster();
         field.toggle(cluster);

@@ -1,50 +1,49 @@
-//! Which frames a GIF shows, and for how many centiseconds.
+//! The frames that a GIF shows, and their delays in centiseconds.
 
 use crate::base::time::Rate;
 use crate::encode::movie::clock::ticks;
 use num_rational::Ratio;
 
-/// One shown frame: its index in the job's list, and how long it stays.
+/// A frame that is shown, by its index in the job's list, and its delay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shot {
+pub struct TimedFrame {
     pub index: usize,
-    /// Centiseconds, at least 2: viewers play delays of 1 as 10.
+    /// Centiseconds, at least 2, because viewers play a delay of 1 as 10.
     pub delay: u64,
 }
 
-/// The fastest rate whose delays all viewers honour, in frames per second.
-pub const FASTEST: i128 = 50;
+/// The fastest rate whose delays all viewers support, in frames per second.
+pub const MAX_RATE: i128 = 50;
 
-/// The longest animation that is made: 100 days. Longer ones are mistakes that would fill the disk.
-const LONGEST_CS: i128 = 100 * 86_400 * 100;
+/// The longest animation: 100 days. Longer animations are mistakes and would fill the disk.
+const MAX_CENTISECONDS: i128 = 100 * 86_400 * 100;
 
-/// The shots of `frames` frames at `rate`; none if they would run for more than 100 days.
+/// The frames that are shown of `frames` frames at `rate`. None if the animation would play for more than 100 days.
 ///
-/// The frame of index k starts at c_k = k / rate rounded (half up) to centiseconds, so that rounding never
-/// adds up: the sum of all delays is within half a centisecond of the true time at every frame. Above 50 frames per
-/// second, what shows is what would show at that moment of the fast animation, over the same whole time.
-pub fn shots(frames: usize, rate: Rate) -> Option<Vec<Shot>> {
+/// The frame of index k starts at c_k = k / rate, rounded half up to centiseconds. So rounding errors do not
+/// accumulate: at every frame, the sum of the delays is within half a centisecond of the true time. Above 50 frames per
+/// second, the animation is resampled at 50 frames per second over the same duration.
+pub fn timed_frames(frames: usize, rate: Rate) -> Option<Vec<TimedFrame>> {
     let start_of = |index: usize| ticks(index, rate, 100);
     let total = start_of(frames);
-    if total > LONGEST_CS {
+    if total > MAX_CENTISECONDS {
         return None;
     }
-    if rate.per_second() <= Ratio::from_integer(FASTEST) {
-        let shot = |index| Shot { index, delay: (start_of(index + 1) - start_of(index)) as u64 };
-        return Some((0..frames).map(shot).collect());
+    if rate.per_second() <= Ratio::from_integer(MAX_RATE) {
+        let frame = |index| TimedFrame { index, delay: (start_of(index + 1) - start_of(index)) as u64 };
+        return Some((0..frames).map(frame).collect());
     }
-    // Shots of 2 cs; an odd centisecond left goes to the last one.
+    // Each delay is 2 cs. The last frame also gets a remaining odd centisecond.
     let count = (total / 2).max(1);
-    let shot = |j: i128| {
-        let index = (Ratio::new(j, FASTEST) * rate.per_second()).floor().to_integer();
+    let frame = |j: i128| {
+        let index = (Ratio::new(j, MAX_RATE) * rate.per_second()).floor().to_integer();
         let delay = if j + 1 == count { (total - 2 * j).max(2) } else { 2 };
-        Shot { index: (index as usize).min(frames - 1), delay: delay as u64 }
+        TimedFrame { index: (index as usize).min(frames - 1), delay: delay as u64 }
     };
-    Some((0..count).map(shot).collect())
+    Some((0..count).map(frame).collect())
 }
 
-/// The delays, each as a GIF can hold it, that add up to `total`. None of them is so short that viewers
-/// lengthen it.
+/// Splits a delay into delays that fit into a GIF. None of them is so short that viewers would lengthen it.
 pub fn pieces(total: u64) -> impl Iterator<Item = u16> {
     let count = total.div_ceil(u64::from(u16::MAX)).max(1);
     (0..count).map(move |i| ((i + 1) * total / count - i * total / count) as u16)
@@ -56,7 +55,7 @@ mod tests {
 
     fn delays(frames: usize, num: i128, den: i128) -> Vec<u64> {
         let rate = Rate::new(num, den).expect("a rate");
-        shots(frames, rate).expect("short").iter().map(|shot| shot.delay).collect()
+        timed_frames(frames, rate).expect("short").iter().map(|frame| frame.delay).collect()
     }
 
     /// |sum of the delays up to k - 100 (k + 1) / fps| <= 1/2, exactly.
@@ -76,7 +75,7 @@ mod tests {
         assert_eq!(twenty_four[..9], [4, 4, 5, 4, 4, 4, 4, 4, 5]);
         let sixty = delays(600, 60, 1);
         assert_eq!(sixty, [2; 500]);
-        for (delays, fps) in [(thirty, 30), (twenty_four, 24), (sixty, FASTEST)] {
+        for (delays, fps) in [(thirty, 30), (twenty_four, 24), (sixty, MAX_RATE)] {
             assert_eq!(delays.iter().sum::<u64>(), 1000);
             assert_true_to_time(&delays, fps, 1);
         }
@@ -93,8 +92,8 @@ mod tests {
 
     #[test]
     fn ca_08_fast_rates_are_resampled_over_the_same_time() {
-        let shots = shots(60, Rate::new(60, 1).expect("a rate")).expect("short");
-        let indices: Vec<_> = shots.iter().map(|shot| shot.index).collect();
+        let shown = timed_frames(60, Rate::new(60, 1).expect("a rate")).expect("short");
+        let indices: Vec<_> = shown.iter().map(|frame| frame.index).collect();
         assert_eq!(indices[..7], [0, 1, 2, 3, 4, 6, 7]);
         for (frames, num, den) in [(601, 60, 1), (7, 240, 1), (1001, 60_000, 1001), (3, 51, 1)] {
             let delays = delays(frames, num, den);
@@ -113,6 +112,6 @@ mod tests {
             assert_eq!(pieces.iter().map(|&piece| u64::from(piece)).sum::<u64>(), total);
             assert!(total < 2 || pieces.iter().all(|&piece| piece >= 2));
         }
-        assert_eq!(shots(1, Rate::new(1, i128::from(u32::MAX)).expect("a rate")), None);
+        assert_eq!(timed_frames(1, Rate::new(1, i128::from(u32::MAX)).expect("a rate")), None);
     }
 }

@@ -1,31 +1,31 @@
-//! When frames start, in the units of formats that cannot say it as a fraction.
+//! The start times of frames, in the units of formats that cannot store exact fractions.
 
 use crate::base::time::Rate;
 
-/// The start of the frame of index k, in units of which a second has `per_second`, rounded half up:
-/// floor((2·per_second·k·den + num) / (2·num)). Starts are rounded and not lengths, so that errors never add up.
+/// The start of the frame of index k, in units of 1/`per_second` s, rounded half up: floor((2·per_second·k·den + num) /
+/// (2·num)). Starts are rounded instead of durations, so that errors do not accumulate.
 pub fn ticks(index: usize, rate: Rate, per_second: i128) -> i128 {
     let (num, den) = (rate.per_second().numer().to_owned(), rate.per_second().denom().to_owned());
     (2 * per_second * index as i128 * den + num) / (2 * num)
 }
 
-/// How many units the frame of index k stays.
-pub fn length(index: usize, rate: Rate, per_second: i128) -> i128 {
+/// The duration of the frame of index k, in units of 1/`per_second` s.
+pub fn duration(index: usize, rate: Rate, per_second: i128) -> i128 {
     ticks(index + 1, rate, per_second) - ticks(index, rate, per_second)
 }
 
-/// How long the frame of index k stays, in seconds as a fraction of two 16-bit numbers: exactly, for all rates
-/// whose own fraction has such numbers. Others are rounded to 1/10 000 s without errors that add up.
+/// The duration of the frame of index k in seconds, as a fraction of two 16-bit numbers. It is exact if the rate's own
+/// fraction fits into 16 bits. Otherwise it is rounded to 1/10 000 s, and errors do not accumulate.
 pub fn fraction(index: usize, rate: Rate) -> (u16, u16) {
     let rate_parts = (*rate.per_second().denom(), *rate.per_second().numer());
     if let (Ok(seconds), Ok(frames)) = (u16::try_from(rate_parts.0), u16::try_from(rate_parts.1)) {
         return (seconds, frames);
     }
     const FINE: u16 = 10_000;
-    match u16::try_from(length(index, rate, FINE.into())) {
-        Ok(length) => (length, FINE),
-        // Longer than six seconds: whole seconds are near enough, as far as they go.
-        Err(_) => (u16::try_from(length(index, rate, 1)).unwrap_or(u16::MAX), 1),
+    match u16::try_from(duration(index, rate, FINE.into())) {
+        Ok(duration) => (duration, FINE),
+        // Durations of more than six seconds are rounded to whole seconds and clamped.
+        Err(_) => (u16::try_from(duration(index, rate, 1)).unwrap_or(u16::MAX), 1),
     }
 }
 
@@ -55,8 +55,8 @@ mod tests {
 
     #[test]
     fn milliseconds_add_up() {
-        let lengths: Vec<i128> = (0..6).map(|k| length(k, rate(24, 1), 1000)).collect();
-        assert_eq!(lengths, [42, 41, 42, 42, 41, 42]);
+        let durations: Vec<i128> = (0..6).map(|k| duration(k, rate(24, 1), 1000)).collect();
+        assert_eq!(durations, [42, 41, 42, 42, 41, 42]);
         assert_eq!(ticks(24, rate(24, 1), 1000), 1000);
     }
 }

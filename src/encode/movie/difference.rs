@@ -1,25 +1,25 @@
-//! What changes from one frame to the next.
+//! The pixels that change from one frame to the next.
 
-/// A rectangle of pixels, never empty.
+/// A rectangle of pixels. It is never empty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rectangle {
+pub struct PixelRect {
     pub left: usize,
     pub top: usize,
     pub width: usize,
     pub height: usize,
 }
 
-impl Rectangle {
-    /// This part of a picture that is `stride` pixels wide.
+impl PixelRect {
+    /// The rows of this rectangle in a picture that is `stride` pixels wide.
     pub fn rows<'a, T>(&self, picture: &'a [T], stride: usize) -> impl Iterator<Item = &'a [T]> + use<'a, T> {
         let Self { left, top, width, height } = *self;
         picture.chunks_exact(stride).skip(top).take(height).map(move |row| &row[left..left + width])
     }
 }
 
-/// The smallest rectangle that holds every difference of two pictures of the same size, both `stride`
-/// pixels wide; none if they are equal.
-pub fn changed<T: PartialEq>(old: &[T], new: &[T], stride: usize) -> Option<Rectangle> {
+/// The smallest rectangle that contains every difference of two pictures of the same size, both `stride` pixels wide.
+/// None if they are equal.
+pub fn changed<T: PartialEq>(old: &[T], new: &[T], stride: usize) -> Option<PixelRect> {
     let rows = || old.chunks_exact(stride).zip(new.chunks_exact(stride));
     let top = rows().position(|(old, new)| old != new)?;
     let bottom = rows().rposition(|(old, new)| old != new)?;
@@ -29,7 +29,7 @@ pub fn changed<T: PartialEq>(old: &[T], new: &[T], stride: usize) -> Option<Rect
         left = (0..left).find(differs).unwrap_or(left);
         right = (right..stride).rev().find(differs).unwrap_or(right);
     }
-    Some(Rectangle { left, top, width: right + 1 - left, height: bottom + 1 - top })
+    Some(PixelRect { left, top, width: right + 1 - left, height: bottom + 1 - top })
 }
 
 #[cfg(test)]
@@ -50,7 +50,7 @@ mod tests {
                 new[a] = 1;
                 new[b] = 2;
                 let (ax, ay, bx, by) = (a % side, a / side, b % side, b / side);
-                let expected = Rectangle {
+                let expected = PixelRect {
                     left: ax.min(bx),
                     top: ay.min(by),
                     width: ax.abs_diff(bx) + 1,
@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn rows_cut_the_rectangle_out() {
         let picture: Vec<u8> = (0..12).collect();
-        let rectangle = Rectangle { left: 1, top: 1, width: 2, height: 2 };
+        let rectangle = PixelRect { left: 1, top: 1, width: 2, height: 2 };
         let rows: Vec<_> = rectangle.rows(&picture, 4).collect();
         assert_eq!(rows, [[5, 6], [9, 10]]);
     }

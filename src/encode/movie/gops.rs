@@ -1,7 +1,7 @@
 //! Encodes groups of pictures (GOPs) in parallel on the threads of a pool.
 //!
-//! Chunks of frames go in; their streams come out in the order of the frames. A GOP refers to no frame of another, so
-//! the streams do not depend on the number of threads.
+//! Chunks of frames go in, and their streams come out in the order of the frames. No GOP refers to frames of another
+//! one, so the streams do not depend on the number of threads.
 
 use rayon::ThreadPool;
 use std::collections::VecDeque;
@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// Encodes the next frames of a GOP.
 pub type EncodeChunk<T> = Box<dyn FnMut(Vec<T>) -> io::Result<Vec<u8>> + Send>;
 
-/// The GOPs whose streams are not taken yet.
+/// The GOPs that are being encoded.
 pub struct ParallelGops<T> {
     pool: Arc<ThreadPool>,
     /// Chunks that may be in flight before [`ParallelGops::next`] waits for the first of them.
@@ -46,7 +46,7 @@ impl<T: Send + 'static> ParallelGops<T> {
         Self { pool, limit, streams: VecDeque::new(), open: None }
     }
 
-    /// Starts a GOP, which takes the chunks that follow.
+    /// Starts a GOP, which takes the following chunks.
     pub fn start(&mut self, encode: EncodeChunk<T>) {
         let queue = Mutex::new(Queue { chunks: VecDeque::new(), scheduled: false });
         self.open = Some(Arc::new(Gop { encode: Mutex::new(encode), queue }));
@@ -75,7 +75,7 @@ impl<T: Send + 'static> ParallelGops<T> {
         if stream.is_some() || wait {
             self.streams.pop_front();
         }
-        // A chunk without a stream has panicked.
+        // The sender was dropped without a stream, so encoding the chunk has panicked.
         stream.or_else(|| wait.then(|| Err(io::Error::other("the video encoder failed"))))
     }
 }

@@ -1,8 +1,8 @@
-//! Frames → H.264 stream: encoder settings, and how frames are split into GOPs.
+//! Frames → H.264 stream: the encoder's settings and the split into GOPs.
 
 use super::gops::{EncodeChunk, ParallelGops};
-use crate::base::machine::{free_memory, thread_time};
-use crate::encode::job::Job;
+use crate::base::machine::{free_memory, thread_cpu_time};
+use crate::encode::job::EncodeJob;
 use rayon::ThreadPool;
 use rusty_h264_common::{Profile, YuvFrame};
 use rusty_h264_encoder::{Encoder, EncoderConfig, Preset, set_me_fc};
@@ -11,39 +11,29 @@ use std::mem::take;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-/// Seconds of a GOP at most. Players can start from its first frame.
+/// Maximum duration of a GOP in seconds. Players can seek to its first frame.
 const GOP_SECONDS: i128 = 1;
-/// Frames of a GOP at most, whatever the rate.
+/// Maximum number of frames of a GOP at any rate.
 const MAX_GOP: i128 = 250;
-/// Frames that the encoder looks at before it settles the quality of their blocks, and how many bytes they have at most.
+/// Frames of lookahead for the quality of macroblocks, and the maximum bytes of these frames.
 const LOOKAHEAD: usize = 40;
 const LOOKAHEAD_BYTES: usize = 1 << 26;
-/// Bytes of frames in flight at most, and the part of the free memory that they may take, as a divisor. Neither changes
-/// what is encoded.
+/// Maximum bytes of frames in flight, and the share of the free memory that they may take, as a divisor. Neither
+/// affects the stream.
 const IN_FLIGHT_BYTES: u64 = 1 << 29;
 const MEMORY_SHARE: u64 = 8;
-
-/// What this processor lacks for the encoder's SIMD, which has no other path on x86-64.
-pub fn missing_instructions() -> Option<&'static str> {
-    #[cfg(target_arch = "x86_64")]
-    if !(is_x86_feature_detected!("ssse3") && is_x86_feature_detected!("sse4.1")) {
-        return Some(
-            "the H.264 encoder needs a processor with SSE4.1 (of 2008 or later); write .y4m or stills",
-        );
-    }
-    None
-}
 
 /// Encodes frames on all threads of a pool. Streams do not depend on the number of threads.
 pub struct H264Encoder {
     config: EncoderConfig,
     gops: ParallelGops<YuvFrame>,
-    /// Lengths of the GOPs that are still to come.
+    /// Lengths of the remaining GOPs, in frames.
     lengths: Box<dyn Iterator<Item = usize> + Send>,
     /// Frames that the current GOP still takes.
     left: usize,
-    /// The chunk in the making, and how long it becomes.
+    /// The chunk that is being collected.
     chunk: Vec<YuvFrame>,
+    /// Frames of a full chunk.
     chunk_length: usize,
     /// Nanoseconds of processor time that the pool has spent on encoding.
     cpu: Arc<AtomicU64>,
@@ -51,18 +41,18 @@ pub struct H264Encoder {
 
 impl H264Encoder {
     /// `size` is that of the frames: width and height, both even.
-    pub fn new(size: (usize, usize), job: &Job, pool: Arc<ThreadPool>) -> io::Result<Self> {
-        // Only without this batching of the motion search do SIMD and scalar code choose the same vectors.
+    pub fn new(size: (usize, usize), job: &EncodeJob, pool: Arc<ThreadPool>) -> io::Result<Self> {
+        // With this batching of the motion search, SIMD and scalar code would choose different vectors.
         set_me_fc(false);
         let config = config(size, job);
-        // Settings that the encoder refuses are an error now, not at the first frame.
+        // Report invalid settings now instead of at the first frame.
         Encoder::new(config.clone()).map_err(other)?;
         let frame_bytes = size.0 * size.1 * 3 / 2;
         let longest = config.gop_size as usize;
         let chunk_length = config.lookahead as usize;
         let wanted = (pool.current_num_threads() + 1) * longest;
         let room = IN_FLIGHT_BYTES.min(free_memory() / MEMORY_SHARE) as usize / frame_bytes;
-        // One chunk at least is encoded while the next is collected.
+        // At least one chunk is encoded while the next is collected.
         let limit = (wanted.min(room) / chunk_length).max(2);
         let lengths = Box::new(gop_lengths(job.frames.len(), longest));
         let (left, chunk, cpu) = Default::default();
@@ -83,13 +73,13 @@ impl H264Encoder {
         Ok(())
     }
 
-    /// Takes what is encoded, in the order of the frames: Annex B units of whole frames. Waits if too many frames are in
-    /// flight.
+    /// The next encoded stream in the order of the frames: Annex B units of whole frames. None if it is not encoded
+    /// yet. Waits for it if too many frames are in flight.
     pub fn next(&mut self) -> Option<io::Result<Vec<u8>>> {
         self.gops.next(false)
     }
 
-    /// The same at the end, when no frame follows: waits for each stream. None after the last.
+    /// Like [`H264Encoder::next`] after the last frame: waits for each stream. None after the last stream.
     pub fn rest(&mut self) -> Option<io::Result<Vec<u8>>> {
         if !self.chunk.is_empty() {
             self.gops.push(take(&mut self.chunk));
@@ -102,32 +92,32 @@ impl H264Encoder {
         self.cpu.load(Relaxed) as f64 * 1e-9
     }
 
-    /// A GOP: an encoder of its own, which begins with a frame that needs no other.
+    /// Starts a GOP with an encoder of its own, whose first frame is a keyframe.
     fn gop(&self) -> io::Result<EncodeChunk<YuvFrame>> {
         let mut encoder = Encoder::new(self.config.clone()).map_err(other)?;
         let cpu = Arc::clone(&self.cpu);
         Ok(Box::new(move |frames| {
-            let before = thread_time().unwrap_or(0.0);
+            let before = thread_cpu_time().unwrap_or(0.0);
             let mut stream = Vec::new();
             for frame in &frames {
                 stream.extend(encoder.try_encode(frame).map_err(other)?);
             }
             stream.extend(encoder.try_flush().map_err(other)?);
-            cpu.fetch_add(((thread_time().unwrap_or(0.0) - before) * 1e9) as u64, Relaxed);
+            cpu.fetch_add(((thread_cpu_time().unwrap_or(0.0) - before) * 1e9) as u64, Relaxed);
             Ok(stream)
         }))
     }
 }
 
-/// Splits frames into as few GOPs as `longest` allows, whose lengths differ by one at most: a short one at the end would
-/// cost a whole picture and keep one thread busy while others wait.
+/// Splits frames into as few GOPs as `longest` allows. Their lengths differ by one at most, because a short GOP at the
+/// end would cost a keyframe and leave other threads idle.
 fn gop_lengths(frames: usize, longest: usize) -> impl Iterator<Item = usize> {
     let gops = frames.div_ceil(longest);
     (0..gops).map(move |gop| frames / gops + usize::from(gop < frames % gops))
 }
 
-/// The settings were chosen by measurement; docs/outputs.md has the figures.
-fn config((width, height): (usize, usize), job: &Job) -> EncoderConfig {
+/// The encoder's settings. They were chosen by measurement; docs/outputs.md has the figures.
+fn config((width, height): (usize, usize), job: &EncodeJob) -> EncoderConfig {
     let rate = job.rate.per_second();
     let mut config = EncoderConfig::new(width, height);
     config.profile = Profile::Main;
@@ -135,7 +125,7 @@ fn config((width, height): (usize, usize), job: &Job) -> EncoderConfig {
     config.qp = quantizer(job.formats.mp4.quality);
     config.framerate = (*rate.numer() as f64 / *rate.denom() as f64) as f32;
     config.gop_size = (rate * GOP_SECONDS).round().to_integer().clamp(1, MAX_GOP) as u32;
-    // GOPs are given: none is split where the picture changes.
+    // Scene cuts do not split GOPs.
     config.scenecut = 0;
     config.num_ref_frames = 2;
     config.me_wide = Some(false);
@@ -143,12 +133,12 @@ fn config((width, height): (usize, usize), job: &Job) -> EncoderConfig {
     config
 }
 
-/// The quantiser's step for a quality of 1..=100: 75 gives 20, about what is called visually lossless.
+/// The quantization parameter (QP) for a quality of 1..=100. Quality 75 gives QP 20, which is about visually lossless.
 fn quantizer(quality: u8) -> u8 {
     (100 - quality.clamp(1, 100)).saturating_mul(4).div_ceil(5).min(51)
 }
 
-/// The encoder's errors as those of writing.
+/// Converts the encoder's errors to I/O errors.
 fn other(error: rusty_h264_encoder::EncodeError) -> io::Error {
     io::Error::other(error.to_string())
 }
@@ -163,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn gops_are_about_as_long_as_each_other() {
+    fn gops_have_about_the_same_length() {
         let lengths = |frames, longest| gop_lengths(frames, longest).collect::<Vec<_>>();
         assert_eq!(lengths(60, 24), [20, 20, 20]);
         assert_eq!(lengths(49, 24), [17, 16, 16]);

@@ -1,16 +1,17 @@
-//! Animations read back by the decoders of others.
+//! Animations read back by independent decoders.
 
 use super::*;
 use crate::base::cancel::Stop;
 use crate::base::time::Rate;
-use crate::encode::{About, Formats, MATTE, Plays, Tonemap};
+use crate::encode::picture::Picture;
+use crate::encode::{Formats, LoopCount, MATTE, SequenceInfo, Tonemap};
 use image::codecs::png::PngDecoder;
 use image::codecs::webp::WebPDecoder;
 use image::{AnimationDecoder, Frame, ImageDecoder};
 use std::fs;
 use std::io::Cursor;
 
-/// A grey ground with a square that moves; the third frame is the second once more.
+/// A square that moves over a grey background. The third frame repeats the second.
 fn frames(size: (u32, u32), alpha: bool) -> Vec<Picture> {
     let frame = |k: u32| {
         let pixel = |i: u32| {
@@ -26,11 +27,11 @@ fn frames(size: (u32, u32), alpha: bool) -> Vec<Picture> {
     [0, 1, 1, 2].map(frame).to_vec()
 }
 
-fn job(path: &str, size: (u32, u32), rate: (i128, i128), formats: Formats) -> Job {
-    Job {
+fn job(path: &str, size: (u32, u32), rate: (i128, i128), formats: Formats) -> EncodeJob {
+    EncodeJob {
         confined: false,
         existing: crate::encode::Existing::default(),
-        seen: Vec::new(),
+        frame_keys: Vec::new(),
         outputs: vec![Output::parse(path).expect(path)],
         frames: (0..4).collect(),
         rate: Rate::new(rate.0, rate.1).expect("a rate"),
@@ -40,7 +41,7 @@ fn job(path: &str, size: (u32, u32), rate: (i128, i128), formats: Formats) -> Jo
         matte: MATTE,
         caption: None,
         formats,
-        about: About::default(),
+        info: SequenceInfo::default(),
     }
 }
 
@@ -53,7 +54,7 @@ fn make(name: &str, pictures: &[Picture], rate: (i128, i128), formats: Formats) 
     make_on(2, name, pictures, rate, formats)
 }
 
-/// The same on so many threads.
+/// Like [`make`], on a number of threads.
 fn make_on(
     threads: usize,
     name: &str,
@@ -73,7 +74,7 @@ fn make_on(
     fs::read(path).expect("a file")
 }
 
-/// Whether decoded frames are these pictures, and how long each stays, as a fraction of milliseconds.
+/// Asserts that decoded frames equal these pictures, and returns their delays as fractions of milliseconds.
 fn same(found: Vec<Frame>, pictures: &[&Picture]) -> Vec<(u32, u32)> {
     assert_eq!(found.len(), pictures.len());
     for (found, picture) in found.iter().zip(pictures) {
@@ -89,7 +90,7 @@ fn same(found: Vec<Frame>, pictures: &[&Picture]) -> Vec<(u32, u32)> {
 fn apng_holds_every_frame_exactly() {
     for alpha in [false, true] {
         let pictures = frames((31, 17), alpha);
-        let formats = Formats { apng: Plays(Some(3)), ..Formats::default() };
+        let formats = Formats { apng: LoopCount(Some(3)), ..Formats::default() };
         let bytes = make("a.apng", &pictures, (30_000, 1001), formats);
         let reader = png::Decoder::new(Cursor::new(&bytes)).read_info().expect("a PNG");
         let control = reader.info().animation_control.expect("an animation");
@@ -118,7 +119,7 @@ fn webp_holds_every_frame_exactly_and_equal_ones_once() {
 }
 
 #[test]
-fn webp_frames_that_stay_for_hours_are_several() {
+fn webp_frames_with_delays_of_hours_are_split() {
     let pictures = frames((4, 4), false);
     let bytes = make("a.webp", &[pictures[0].clone(), pictures[0].clone()], (1, 10_000), Formats::default());
     let found = WebPDecoder::new(Cursor::new(&bytes)).expect("a WebP").into_frames().collect_frames();
@@ -137,7 +138,7 @@ fn y4m_is_a_header_and_planes() {
     }
 }
 
-/// The frames of an MP4 by another demuxer and decoder than those that made it.
+/// The frames of an MP4 by a demuxer and a decoder that did not make it.
 fn decoded(bytes: &[u8]) -> Vec<rusty_h264_common::YuvFrame> {
     let mut cursor = Cursor::new(bytes);
     let file = re_mp4::Mp4::read(&mut cursor, bytes.len() as u64).expect("an MP4");
@@ -145,7 +146,7 @@ fn decoded(bytes: &[u8]) -> Vec<rusty_h264_common::YuvFrame> {
     assert_eq!(track.timescale, 30_000);
     assert!(track.samples.iter().all(|sample| sample.duration == 1001));
     let config = track.raw_codec_config(&file).expect("parameters");
-    // One set of each, behind the version, profile and level, each with a length of two bytes.
+    // One SPS and one PPS after the version, profile and level, each with a length of two bytes.
     let mut stream = Vec::new();
     let mut rest = &config[6..];
     for _ in 0..2 {
@@ -218,16 +219,16 @@ fn mp4s_are_the_same_on_any_number_of_threads() {
     }
 }
 
-/// The encoder has code of its own for some processors. Its bytes must be these on all.
+/// The encoder has special code for some processors. Its bytes must be the same on all.
 #[test]
 fn mp4s_are_the_same_on_every_processor() {
     let bytes = make("a.mp4", &long(), (30_000, 1001), Formats::default());
     assert_eq!(blake3::hash(&bytes).to_hex()[..16], *"1d06b6d40a691bad");
 }
 
-/// Players can start from a frame in every second, and no group of frames is much shorter than the others.
+/// Players can seek to a frame in every second, and all groups of pictures have about the same length.
 #[test]
-fn mp4s_can_be_entered_every_second() {
+fn mp4s_have_a_keyframe_every_second() {
     let bytes = make("a.mp4", &long(), (30, 1), Formats::default());
     let file = re_mp4::Mp4::read(Cursor::new(&bytes), bytes.len() as u64).expect("an MP4");
     let samples = &file.tracks().values().next().expect("a track").samples;
@@ -235,7 +236,7 @@ fn mp4s_can_be_entered_every_second() {
     assert_eq!(keys, [0, 24, 47]);
 }
 
-/// What is there when a run is stopped plays, under a name that tells it from the whole.
+/// A stopped animation plays the frames so far, under the name of a partial file.
 #[test]
 fn stopped_animations_play_what_they_have() {
     let pictures = frames((31, 17), false);

@@ -1,87 +1,79 @@
-//! Animated WebP without loss: `image-webp` codes the frames, and this is the container around them
-//! (RFC 9649, 2.7).
+//! Animated lossless WebP: `image-webp` compresses the frames, and this file writes the container (RFC 9649, 2.7).
 
-use super::clock::length;
-use super::difference::{Rectangle, changed};
+use super::clock::duration;
+use super::difference::{PixelRect, changed};
+use super::writer::MovieWriter;
 use crate::base::time::Rate;
-use crate::encode::atomic::Aside;
+use crate::encode::atomic::AtomicFile;
 use crate::encode::error::EncodeError;
-use crate::encode::job::Job;
-use crate::encode::movie::Movie;
+use crate::encode::job::EncodeJob;
 use crate::encode::picture::Picture;
 use image_webp::{ColorType, EncodingError, WebPEncoder};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// Pixels along a side, at most.
-const LONGEST: u32 = 16_384;
-/// Milliseconds that one frame can stay: 24 bits.
-const LONGEST_STAY: u64 = (1 << 24) - 1;
-/// Where the size of the file and the flags of its features stand, once all frames are known.
-const SIZE_AT: u64 = 4;
-const FLAGS_AT: u64 = 20;
-/// Features: an animation, and pixels with alpha.
+/// The longest duration of a frame in milliseconds: 24 bits.
+const MAX_DURATION: u64 = (1 << 24) - 1;
+/// Offsets of the file's size and of the feature flags, which are written after the last frame.
+const SIZE_OFFSET: u64 = 4;
+const FLAGS_OFFSET: u64 = 20;
+/// Feature flags: animation and alpha.
 const ANIMATION: u8 = 1 << 1;
 const ALPHA: u8 = 1 << 4;
-/// A frame that replaces what it covers instead of being laid over it.
-const REPLACES: u8 = 1 << 1;
+/// The frame flag for replacing pixels instead of blending over them.
+const NO_BLEND: u8 = 1 << 1;
 
-/// What keeps pictures of this size from being WebPs.
-pub fn limit((width, height): (u32, u32)) -> Option<&'static str> {
-    (width.max(height) > LONGEST).then_some("a WebP ends at 16384x16384")
-}
-
-/// A WebP in the making.
+/// A WebP that is being written.
 pub struct Webp {
     path: PathBuf,
     rate: Rate,
-    file: Aside,
+    file: AtomicFile,
     size: (u32, u32),
-    /// The frame before, as red, green, blue and alpha.
+    /// The previous frame as RGBA.
     last: Vec<[u8; 4]>,
-    /// The last frame that shows something new, which may stay longer.
-    held: Option<Held>,
+    /// The last changed frame, whose duration may still grow.
+    pending: Option<PendingFrame>,
     /// Whether any frame has alpha.
     alpha: bool,
     pushed: usize,
     written: u64,
 }
 
-struct Held {
-    place: Rectangle,
+struct PendingFrame {
+    rect: PixelRect,
     flags: u8,
-    /// The chunk that codes its pixels.
+    /// The chunk of its compressed pixels.
     image: Vec<u8>,
     /// Milliseconds.
-    stay: u64,
+    duration: u64,
 }
 
 impl Webp {
-    pub fn create(path: &Path, job: &Job) -> Result<Self, EncodeError> {
+    pub fn create(path: &Path, job: &EncodeJob) -> Result<Self, EncodeError> {
         let mut webp = Self {
             path: path.to_path_buf(),
             rate: job.rate,
-            file: Aside::create(path)?,
+            file: AtomicFile::create(path)?,
             size: job.size,
             last: Vec::new(),
-            held: None,
+            pending: None,
             alpha: false,
             pushed: 0,
             written: 0,
         };
-        webp.head(job.formats.webp.0.unwrap_or(0)).map_err(|e| EncodeError::write(path, e))?;
+        webp.write_head(job.formats.webp.0.unwrap_or(0)).map_err(|e| EncodeError::write(path, e))?;
         Ok(webp)
     }
 
-    /// All that stands before the frames. The size and the flags are not known yet.
-    fn head(&mut self, plays: u16) -> io::Result<()> {
+    /// Writes the header. The size and the flags are not known yet.
+    fn write_head(&mut self, loop_count: u16) -> io::Result<()> {
         let mut head = b"RIFF\0\0\0\0WEBP".to_vec();
         let mut features = vec![0; 4];
-        features.extend(three(self.size.0 - 1));
-        features.extend(three(self.size.1 - 1));
+        features.extend(u24(self.size.0 - 1));
+        features.extend(u24(self.size.1 - 1));
         head.extend(chunk(b"VP8X", &features));
         let mut animation = vec![0; 4];
-        animation.extend(plays.to_le_bytes());
+        animation.extend(loop_count.to_le_bytes());
         head.extend(chunk(b"ANIM", &animation));
         self.put(&head)
     }
@@ -97,76 +89,77 @@ impl Webp {
             true => picture.interleaved().as_chunks::<4>().0.to_vec(),
             false => picture.rgb.as_chunks::<3>().0.iter().map(|&[r, g, b]| [r, g, b, 255]).collect(),
         };
-        let stay = length(self.pushed, self.rate, 1000) as u64;
+        let duration = duration(self.pushed, self.rate, 1000) as u64;
         self.pushed += 1;
-        match (self.place(&pixels), &mut self.held) {
-            (None, Some(held)) => held.stay += stay,
-            (place, _) => {
-                let place = place.unwrap_or(self.whole());
-                let (image, flags) = self.coded(&pixels, place, alpha)?;
-                self.write_held()?;
-                self.held = Some(Held { place, flags, image, stay });
+        match (self.changed_rect(&pixels), &mut self.pending) {
+            (None, Some(pending)) => pending.duration += duration,
+            (rect, _) => {
+                let rect = rect.unwrap_or(self.full_rect());
+                let (image, flags) = self.compressed(&pixels, rect, alpha)?;
+                self.write_pending()?;
+                self.pending = Some(PendingFrame { rect, flags, image, duration });
             }
         }
         self.last = pixels;
         Ok(())
     }
 
-    fn whole(&self) -> Rectangle {
-        Rectangle { left: 0, top: 0, width: self.size.0 as usize, height: self.size.1 as usize }
+    fn full_rect(&self) -> PixelRect {
+        PixelRect { left: 0, top: 0, width: self.size.0 as usize, height: self.size.1 as usize }
     }
 
-    /// Where something is new, if anything is; corners lie at even pixels.
-    fn place(&self, pixels: &[[u8; 4]]) -> Option<Rectangle> {
+    /// The rectangle that has changed since the previous frame, with its corner at even pixels. None if nothing
+    /// changed.
+    fn changed_rect(&self, pixels: &[[u8; 4]]) -> Option<PixelRect> {
         if self.last.is_empty() {
-            return Some(self.whole());
+            return Some(self.full_rect());
         }
-        let Rectangle { left, top, width, height } = changed(&self.last, pixels, self.size.0 as usize)?;
+        let PixelRect { left, top, width, height } = changed(&self.last, pixels, self.size.0 as usize)?;
         let (x, y) = (left / 2 * 2, top / 2 * 2);
-        Some(Rectangle { left: x, top: y, width: width + left - x, height: height + top - y })
+        Some(PixelRect { left: x, top: y, width: width + left - x, height: height + top - y })
     }
 
-    /// A part of a frame, coded in the way that takes less space, and its flags: as it is, or, where nothing is
-    /// transparent, with all that stays as it was left out.
-    fn coded(
+    /// Compresses a rectangle of a frame, and returns its flags. An opaque frame is compressed in two ways, as it is
+    /// and with unchanged pixels transparent, and the smaller result is used.
+    fn compressed(
         &mut self,
         pixels: &[[u8; 4]],
-        place: Rectangle,
+        rect: PixelRect,
         alpha: bool,
     ) -> Result<(Vec<u8>, u8), EncodingError> {
         let stride = self.size.0 as usize;
-        let part: Vec<[u8; 4]> = place.rows(pixels, stride).flatten().copied().collect();
+        let part: Vec<[u8; 4]> = rect.rows(pixels, stride).flatten().copied().collect();
         if alpha {
             self.alpha = true;
-            return Ok((image(&part, place, true)?, REPLACES));
+            return Ok((image(&part, rect, true)?, NO_BLEND));
         }
-        let plain = image(&part, place, false)?;
+        let plain = image(&part, rect, false)?;
         if self.last.is_empty() {
-            return Ok((plain, REPLACES));
+            return Ok((plain, NO_BLEND));
         }
-        let before = place.rows(&self.last, stride).flatten();
+        let before = rect.rows(&self.last, stride).flatten();
         let new: Vec<[u8; 4]> =
             part.iter().zip(before).map(|(n, o)| if n == o { [0; 4] } else { *n }).collect();
-        let sparse = image(&new, place, true)?;
+        let sparse = image(&new, rect, true)?;
         if sparse.len() >= plain.len() {
-            return Ok((plain, REPLACES));
+            return Ok((plain, NO_BLEND));
         }
         self.alpha = true;
         Ok((sparse, 0))
     }
 
-    fn write_held(&mut self) -> io::Result<()> {
-        let Some(Held { place, flags, image, stay }) = self.held.take() else { return Ok(()) };
-        // Long stays are several equal frames.
-        let pieces = stay.div_ceil(LONGEST_STAY).max(1);
+    fn write_pending(&mut self) -> io::Result<()> {
+        let Some(PendingFrame { rect, flags, image, duration }) = self.pending.take() else { return Ok(()) };
+        // Long durations are split into several equal frames.
+        let pieces = duration.div_ceil(MAX_DURATION).max(1);
         for piece in 0..pieces {
-            let share = ((piece + 1) * stay / pieces - piece * stay / pieces) as u32;
-            let number = |length: usize| three(length as u32);
+            let share = ((piece + 1) * duration / pieces - piece * duration / pieces) as u32;
+            let number = |length: usize| u24(length as u32);
             let mut frame = Vec::with_capacity(image.len() + 16);
             frame.extend(
-                [place.left / 2, place.top / 2, place.width - 1, place.height - 1].map(number).as_flattened(),
+                [rect.left / 2, rect.top / 2, rect.width - 1, rect.height - 1].map(number).as_flattened(),
             );
-            frame.extend(three(share));
+            frame.extend(u24(share));
             frame.push(flags);
             frame.extend(&image);
             self.put(&chunk(b"ANMF", &frame))?;
@@ -175,17 +168,17 @@ impl Webp {
     }
 
     fn end(&mut self) -> io::Result<()> {
-        self.write_held()?;
+        self.write_pending()?;
         let size = u32::try_from(self.written - 8);
         let size = size.map_err(|_| io::Error::other("a WebP ends at 4 GB"))?;
-        self.file.seek(SeekFrom::Start(SIZE_AT))?;
+        self.file.seek(SeekFrom::Start(SIZE_OFFSET))?;
         self.file.write_all(&size.to_le_bytes())?;
-        self.file.seek(SeekFrom::Start(FLAGS_AT))?;
+        self.file.seek(SeekFrom::Start(FLAGS_OFFSET))?;
         self.file.write_all(&[ANIMATION | if self.alpha { ALPHA } else { 0 }])
     }
 }
 
-impl Movie for Webp {
+impl MovieWriter for Webp {
     fn push(&mut self, picture: &Picture) -> Result<(), EncodeError> {
         self.add(picture).map_err(|e| EncodeError::write(&self.path, into_io(e)))
     }
@@ -200,10 +193,10 @@ impl Movie for Webp {
     }
 }
 
-/// The chunk with the pixels of a part of a picture.
-fn image(pixels: &[[u8; 4]], place: Rectangle, alpha: bool) -> Result<Vec<u8>, EncodingError> {
+/// The chunk of the compressed pixels of a rectangle.
+fn image(pixels: &[[u8; 4]], rect: PixelRect, alpha: bool) -> Result<Vec<u8>, EncodingError> {
     let mut file = Vec::new();
-    let (width, height) = (place.width as u32, place.height as u32);
+    let (width, height) = (rect.width as u32, rect.height as u32);
     let encoder = WebPEncoder::new(&mut file);
     if alpha {
         encoder.encode(pixels.as_flattened(), width, height, ColorType::Rgba8)?;
@@ -211,11 +204,11 @@ fn image(pixels: &[[u8; 4]], place: Rectangle, alpha: bool) -> Result<Vec<u8>, E
         let rgb: Vec<u8> = pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
         encoder.encode(&rgb, width, height, ColorType::Rgb8)?;
     }
-    // A file of one picture is a header of 12 bytes and that chunk.
+    // The file of a single picture is a header of 12 bytes and this chunk.
     Ok(file.split_off(12))
 }
 
-/// A chunk: its name, its size, what it holds, and a byte that makes it even.
+/// A chunk: its name, size and payload, padded to an even length.
 fn chunk(name: &[u8; 4], payload: &[u8]) -> Vec<u8> {
     let mut chunk = name.to_vec();
     chunk.extend((payload.len() as u32).to_le_bytes());
@@ -224,8 +217,8 @@ fn chunk(name: &[u8; 4], payload: &[u8]) -> Vec<u8> {
     chunk
 }
 
-/// A number of 24 bits.
-fn three(number: u32) -> [u8; 3] {
+/// A 24-bit integer, little-endian.
+fn u24(number: u32) -> [u8; 3] {
     let [a, b, c, _] = number.to_le_bytes();
     [a, b, c]
 }

@@ -1,35 +1,34 @@
-//! Pictures as video has them: brightness and two differences of colour, by the matrix of Rec. 709, in the limited
-//! range (black is 16 and white 235).
+//! Conversion to Y'CbCr by the matrix of Rec. 709, in the limited range (black is 16 and white is 235).
 
 use crate::encode::picture::Picture;
 
-/// Three planes of codes.
+/// Three planes of codes: luma and two chroma planes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Planes {
     pub width: usize,
     pub height: usize,
-    /// Size of the planes of colour.
+    /// Width and height of the chroma planes.
     pub chroma: (usize, usize),
     pub y: Vec<u8>,
     pub u: Vec<u8>,
     pub v: Vec<u8>,
 }
 
-/// Shares of red, green and blue in brightness (Rec. 709).
-const SHARES: [f32; 3] = [0.2126, 0.7152, 0.0722];
+/// Weights of red, green and blue in luma (Rec. 709).
+const LUMA_WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 impl Planes {
-    /// Colour at every pixel.
+    /// Chroma at every pixel (4:4:4).
     pub fn full(picture: &Picture) -> Self {
         let pixels = picture.rgb.as_chunks::<3>().0;
         let (width, height) = (picture.width as usize, picture.height as usize);
-        let differences = pixels.iter().map(|pixel| differences(pixel.map(f32::from)));
-        let (u, v) = differences.map(|[u, v]| (u, v)).unzip();
-        let y = pixels.iter().map(|pixel| brightness(pixel.map(f32::from))).collect();
+        let chroma = pixels.iter().map(|pixel| chroma_codes(pixel.map(f32::from)));
+        let (u, v) = chroma.map(|[u, v]| (u, v)).unzip();
+        let y = pixels.iter().map(|pixel| luma_code(pixel.map(f32::from))).collect();
         Self { width, height, chroma: (width, height), y, u, v }
     }
 
-    /// Colour for squares of four pixels, as the mean of them; at odd edges of those that are there.
+    /// Chroma as the mean of 2x2 pixels (4:2:0). At odd edges, the last row or column is repeated.
     pub fn halved(picture: &Picture) -> Self {
         let pixels = picture.rgb.as_chunks::<3>().0;
         let (width, height) = (picture.width as usize, picture.height as usize);
@@ -44,35 +43,35 @@ impl Planes {
                 for pixel in rows.iter().flat_map(|y| columns.iter().map(move |x| y * width + x)) {
                     sum = std::array::from_fn(|i| sum[i] + f32::from(pixels[pixel][i]));
                 }
-                let [blue, red] = differences(sum.map(|part| part / 4.0));
+                let [blue, red] = chroma_codes(sum.map(|part| part / 4.0));
                 u.push(blue);
                 v.push(red);
             }
         }
-        let y = pixels.iter().map(|pixel| brightness(pixel.map(f32::from))).collect();
+        let y = pixels.iter().map(|pixel| luma_code(pixel.map(f32::from))).collect();
         Self { width, height, chroma, y, u, v }
     }
 
-    /// The planes in their order.
+    /// The planes in the order Y, Cb, Cr.
     pub fn all(&self) -> [&[u8]; 3] {
         [&self.y, &self.u, &self.v]
     }
 }
 
-/// Brightness of codes in 0..=255.
+/// The luma of codes in 0..=255.
 fn luma([r, g, b]: [f32; 3]) -> f32 {
-    SHARES[0] * r + SHARES[1] * g + SHARES[2] * b
+    LUMA_WEIGHTS[0] * r + LUMA_WEIGHTS[1] * g + LUMA_WEIGHTS[2] * b
 }
 
-fn brightness(rgb: [f32; 3]) -> u8 {
+fn luma_code(rgb: [f32; 3]) -> u8 {
     (16.5 + 219.0 / 255.0 * luma(rgb)) as u8
 }
 
-/// The differences of blue and red to the brightness, scaled to 16..=240 around 128.
-fn differences(rgb: [f32; 3]) -> [u8; 2] {
+/// The chroma codes: the differences of blue and red from luma, scaled to 16..=240 around 128.
+fn chroma_codes(rgb: [f32; 3]) -> [u8; 2] {
     let luma = luma(rgb);
-    let scaled = |difference: f32, share: f32| (128.5 + 112.0 / 255.0 * difference / (1.0 - share)) as u8;
-    [scaled(rgb[2] - luma, SHARES[2]), scaled(rgb[0] - luma, SHARES[0])]
+    let scaled = |difference: f32, weight: f32| (128.5 + 112.0 / 255.0 * difference / (1.0 - weight)) as u8;
+    [scaled(rgb[2] - luma, LUMA_WEIGHTS[2]), scaled(rgb[0] - luma, LUMA_WEIGHTS[0])]
 }
 
 #[cfg(test)]
@@ -94,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn odd_edges_have_colour_too() {
+    fn odd_edges_have_chroma() {
         let picture = Picture::opaque(3, 1, [[255, 0, 0], [255, 0, 0], [0, 0, 255]].concat());
         let planes = Planes::halved(&picture);
         assert_eq!((planes.chroma, &planes.u, &planes.v), ((2, 1), &vec![102, 240], &vec![240, 118]));

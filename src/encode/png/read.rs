@@ -1,24 +1,23 @@
-//! PNG files back into pictures, and what they tell.
+//! Reading PNG files: pictures, metadata, and whether a file can be kept.
 
 use super::seal::{self, Seal};
 use crate::base::digest::Digest;
 use crate::base::files;
 use crate::encode::disk::{Operation, attempt};
 use crate::encode::error::EncodeError;
-use crate::encode::job::Job;
-use crate::encode::keep::Held;
+use crate::encode::file_state::FileState;
 use crate::encode::picture::Picture;
 use png::{BitDepth, ColorType, DecodeOptions, Decoder, Limits, Reader};
 use std::io::{self, BufReader, Cursor};
 use std::path::Path;
 
-/// How every PNG ends: an empty chunk, with its sum.
+/// The last bytes of every PNG: an empty IEND chunk with its checksum.
 const END: &[u8] = b"\0\0\0\0IEND\xae\x42\x60\x82";
 
-/// Bytes of texts and other chunks beside the picture, at most.
-const BESIDES: u64 = 1 << 20;
+/// Bytes of text and other chunks besides the picture, at most.
+const MAX_OVERHEAD: u64 = 1 << 20;
 
-/// Reads back a picture of 8 bits that [`encode`](super::encode) has made.
+/// Reads a picture of 8 bits per channel that [`encode`](super::encode) has written.
 pub fn read(path: &Path) -> Result<Picture, EncodeError> {
     decode(path).map_err(|e| EncodeError::read(path, e))
 }
@@ -29,7 +28,10 @@ fn decode(path: &Path) -> io::Result<Picture> {
     let info = reader.info();
     let alpha = info.color_type == ColorType::Rgba;
     if !(alpha || info.color_type == ColorType::Rgb) || info.bit_depth != BitDepth::Eight {
-        return Err(io::Error::new(io::ErrorKind::InvalidData, "it is no picture of 8 bits any more"));
+        return Err(io::Error::new(
+            io::ErrorKind::InvalidData,
+            "it is not the picture of 8 bits that was written",
+        ));
     }
     let (width, height) = (info.width, info.height);
     let mut codes = vec![0; reader.output_buffer_size().ok_or(io::ErrorKind::InvalidData)?];
@@ -42,66 +44,66 @@ fn decode(path: &Path) -> io::Result<Picture> {
     Ok(Picture { width, height, rgb, alpha: Some(pixels.iter().map(|pixel| pixel[3]).collect()) })
 }
 
-/// The texts of a PNG file, by their keywords; none of what is no PNG.
+/// The text chunks of a PNG file as keywords and values. Empty if it is not a PNG.
 pub fn texts(path: &Path) -> Vec<(String, String)> {
-    files::open(path, u64::MAX).map_or_else(|_| Vec::new(), |(file, _)| told_in(BufReader::new(file)))
+    files::open(path, u64::MAX).map_or_else(|_| Vec::new(), |(file, _)| read_texts(BufReader::new(file)))
 }
 
-/// The same of its bytes.
+/// Like [`texts`], from the file's bytes.
 pub fn texts_in(bytes: &[u8]) -> Vec<(String, String)> {
-    told_in(Cursor::new(bytes))
+    read_texts(Cursor::new(bytes))
 }
 
-fn told_in(input: impl io::BufRead + io::Seek) -> Vec<(String, String)> {
-    Decoder::new(input).read_info().map_or_else(|_| Vec::new(), |reader| told(&reader))
+fn read_texts(input: impl io::BufRead + io::Seek) -> Vec<(String, String)> {
+    Decoder::new(input).read_info().map_or_else(|_| Vec::new(), |reader| info_texts(&reader))
 }
 
-/// Width and height of a PNG, by its bytes.
+/// The width and height of a PNG file in pixels.
 pub fn size_in(bytes: &[u8]) -> Option<(u32, u32)> {
     let reader = Decoder::new(Cursor::new(bytes)).read_info().ok()?;
     Some((reader.info().width, reader.info().height))
 }
 
-/// Whether a file begins as PNGs do.
+/// Whether a file begins with the PNG signature.
 pub fn is_png(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\x89PNG\r\n\x1a\n")
 }
 
-fn told<R: io::BufRead + io::Seek>(reader: &Reader<R>) -> Vec<(String, String)> {
+fn info_texts<R: io::BufRead + io::Seek>(reader: &Reader<R>) -> Vec<(String, String)> {
     let info = reader.info();
     let latin = info.uncompressed_latin1_text.iter().map(|text| (text.keyword.clone(), text.text.clone()));
     let others = info.utf8_text.iter().filter_map(|text| Some((text.keyword.clone(), text.get_text().ok()?)));
     latin.chain(others).collect()
 }
 
-/// What there is of the frame with this identity in a file.
-pub fn holds(path: &Path, identity: Digest, job: &Job) -> Held {
-    let Ok(mut bytes) = bytes_of(path, job.size) else { return Held::Stale };
+/// The state of a file that should hold the frame with this identity.
+pub fn state(path: &Path, identity: Digest, size: (u32, u32)) -> FileState {
+    let Ok(mut bytes) = read_bytes(path, size) else { return FileState::Stale };
     let is = |name: &str| name == identity.to_string();
-    match seal::look(&mut bytes) {
-        Seal::Whole(name) if is(&name) => Held::Right,
-        Seal::Open(name) if is(&name) => Held::Unsealed,
-        _ => Held::Stale,
+    match seal::verify(&mut bytes) {
+        Seal::Intact(name) if is(&name) => FileState::Current,
+        Seal::NoDigest(name) if is(&name) => FileState::NoDigest,
+        _ => FileState::Stale,
     }
 }
 
-/// The bytes of a file that may be a frame of this size.
-pub fn bytes_of(path: &Path, (width, height): (u32, u32)) -> io::Result<Vec<u8>> {
+/// Reads a file that should be a frame of this size. Fails if the file is too large for that.
+pub fn read_bytes(path: &Path, (width, height): (u32, u32)) -> io::Result<Vec<u8>> {
     let pixels = u64::from(width) * u64::from(height);
-    // A little more than the picture without compression.
-    let most = pixels * 8 + pixels / 8 + BESIDES;
+    // An upper bound: slightly more than the picture without compression.
+    let most = pixels * 8 + pixels / 8 + MAX_OVERHEAD;
     attempt(Operation::Read, path, || files::read(path, most))
 }
 
-/// Whether a file that is not sealed is a whole PNG: all sums of its chunks and of the picture are right, and nothing
-/// comes after its end.
-pub fn check(bytes: &[u8]) -> bool {
+/// Whether a file without a seal is a complete PNG: the checksums of its chunks and of the picture are right, and
+/// nothing follows the end.
+pub fn is_whole(bytes: &[u8]) -> bool {
     let mut options = DecodeOptions::default();
     options.set_ignore_checksums(false);
     options.set_skip_ancillary_crc_failures(false);
     let mut decoder = Decoder::new_with_options(Cursor::new(bytes), options);
-    // Texts are held before the size is known to be right.
-    decoder.set_limits(Limits { bytes: BESIDES as usize });
+    // The decoder stores text chunks before it checks their size.
+    decoder.set_limits(Limits { bytes: MAX_OVERHEAD as usize });
     let Ok(mut reader) = decoder.read_info() else { return false };
     let Some(size) = reader.output_buffer_size() else { return false };
     let decoded = reader.next_frame(&mut vec![0; size]).and_then(|_| reader.finish());

@@ -1,5 +1,5 @@
-//! What a PNG frame says of itself: its identity, and a digest of all its bytes, so that a file whose pixels were
-//! exchanged is not taken for the frame. The text that holds both is digested with zeros in the digest's place.
+//! The seal of a PNG frame: a text chunk with its identity and a digest of all its bytes. The digest detects files
+//! whose pixels were replaced. It is computed with zeros in the place of the digest itself.
 
 use crate::base::digest::{Digest, Digester};
 use png::text_metadata::{EncodableTextChunk, TEXtChunk};
@@ -9,26 +9,26 @@ use std::ops::Range;
 /// The keyword of a frame's identity.
 const IDENTITY: &str = "kinora:identity";
 
-/// Digits of a digest.
+/// Hexadecimal digits of a digest.
 const DIGITS: usize = 32;
 
-/// Bytes before the first chunk.
+/// Bytes of the PNG signature, before the first chunk.
 const SIGNATURE: usize = 8;
 
-/// What a file says of itself, and whether that is so.
+/// The seal found in a file, after verification.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Seal {
-    /// It is no PNG, or does not say what it shows.
-    None,
-    /// It has an identity without a digest, as older versions wrote it.
-    Open(String),
-    /// It is not as it was written.
+    /// The file is not a PNG or has no seal.
+    Missing,
+    /// The file has an identity without a digest, because an older version wrote it.
+    NoDigest(String),
+    /// The file's bytes have changed since it was written.
     Broken,
-    /// Not a byte has changed since it was written.
-    Whole(String),
+    /// The file has this identity, and no byte has changed since it was written.
+    Intact(String),
 }
 
-/// The text for a file that is still to be written.
+/// The text entry for a file that is not written yet, with zeros in place of the digest.
 pub fn text(identity: Digest) -> (&'static str, String) {
     (IDENTITY, sealed(&identity.to_string(), Digest(0)))
 }
@@ -37,10 +37,10 @@ fn sealed(identity: &str, digest: Digest) -> String {
     format!("{identity} {digest}")
 }
 
-/// Puts the digest of a file's bytes into its place.
+/// Computes the digest of a complete file and writes it into the seal's chunk.
 pub fn close(bytes: &mut [u8]) -> io::Result<()> {
     let missing = || io::Error::from(io::ErrorKind::InvalidData);
-    let place = place_in(bytes).ok_or_else(missing)?;
+    let place = chunk_range(bytes).ok_or_else(missing)?;
     let text = text_in(&bytes[place.clone()]).ok_or_else(missing)?;
     let identity = text.split(' ').next().unwrap_or_default().to_owned();
     let chunk = chunk(&sealed(&identity, digest(bytes)))?;
@@ -48,19 +48,19 @@ pub fn close(bytes: &mut [u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// What the bytes of a file say of themselves. Those of a sealed one are spent by it.
-pub fn look(bytes: &mut [u8]) -> Seal {
-    let Some(place) = place_in(bytes) else { return Seal::None };
+/// Verifies the seal of a file. This overwrites the digest in `bytes` with zeros.
+pub fn verify(bytes: &mut [u8]) -> Seal {
+    let Some(place) = chunk_range(bytes) else { return Seal::Missing };
     let Some(text) = text_in(&bytes[place.clone()]).map(str::to_owned) else { return Seal::Broken };
-    let Some((identity, told)) = text.split_once(' ') else {
-        return if text.len() == DIGITS { Seal::Open(text) } else { Seal::Broken };
+    let Some((identity, stored)) = text.split_once(' ') else {
+        return if text.len() == DIGITS { Seal::NoDigest(text) } else { Seal::Broken };
     };
     let open = chunk(&sealed(identity, Digest(0))).ok().filter(|open| open.len() == place.len());
-    // The sum of the chunk is that of its text, too.
+    // Comparing whole chunks also checks the chunk's checksum.
     let right = chunk(&text).is_ok_and(|chunk| chunk == bytes[place.clone()]);
     let Some(open) = open.filter(|_| right) else { return Seal::Broken };
     bytes[place].copy_from_slice(&open);
-    if digest(bytes).to_string() == told { Seal::Whole(identity.to_owned()) } else { Seal::Broken }
+    if digest(bytes).to_string() == stored { Seal::Intact(identity.to_owned()) } else { Seal::Broken }
 }
 
 fn digest(bytes: &[u8]) -> Digest {
@@ -69,18 +69,18 @@ fn digest(bytes: &[u8]) -> Digest {
     digester.finish()
 }
 
-/// The whole chunk that holds this text.
+/// The complete tEXt chunk with this text.
 fn chunk(text: &str) -> io::Result<Vec<u8>> {
     let mut chunk = Vec::new();
     TEXtChunk::new(IDENTITY, text).encode(&mut chunk)?;
     Ok(chunk)
 }
 
-/// Where the chunk with the identity stands: before the picture.
-fn place_in(bytes: &[u8]) -> Option<Range<usize>> {
+/// The position of the seal's chunk, which comes before the picture.
+fn chunk_range(bytes: &[u8]) -> Option<Range<usize>> {
     let mut start = SIGNATURE;
     loop {
-        // Its length, its kind, its data, and their sum.
+        // A chunk is its length, type, data and checksum.
         let (length, rest) = bytes.get(start..)?.split_first_chunk()?;
         let end = start.checked_add(u32::from_be_bytes(*length) as usize)?.checked_add(12)?;
         match rest.first_chunk()? {
@@ -95,7 +95,7 @@ fn place_in(bytes: &[u8]) -> Option<Range<usize>> {
     }
 }
 
-/// The text in such a chunk.
+/// The text in the seal's chunk.
 fn text_in(chunk: &[u8]) -> Option<&str> {
     let text = chunk.get(8 + IDENTITY.len() + 1..chunk.len() - 4)?;
     str::from_utf8(text).ok()
@@ -109,8 +109,8 @@ mod tests {
 
     const NAME: Digest = Digest(7);
 
-    fn look(mut bytes: Vec<u8>) -> Seal {
-        super::look(&mut bytes)
+    fn verified(mut bytes: Vec<u8>) -> Seal {
+        super::verify(&mut bytes)
     }
 
     fn frame(code: u8) -> Vec<u8> {
@@ -123,37 +123,40 @@ mod tests {
     #[test]
     fn every_bit_is_sealed() {
         let bytes = frame(7);
-        assert_eq!(look(bytes.clone()), Seal::Whole(NAME.to_string()));
+        assert_eq!(verified(bytes.clone()), Seal::Intact(NAME.to_string()));
         image::load_from_memory(&bytes).expect("a PNG, with the right sums");
         for at in 0..bytes.len() {
             for bit in 0..8 {
                 let mut damaged = bytes.clone();
                 damaged[at] ^= 1 << bit;
-                assert!(!matches!(look(damaged), Seal::Whole(name) if name == NAME.to_string()), "byte {at}");
+                assert!(
+                    !matches!(verified(damaged), Seal::Intact(name) if name == NAME.to_string()),
+                    "byte {at}"
+                );
             }
         }
-        assert!((0..bytes.len()).all(|end| !matches!(look(bytes[..end].to_vec()), Seal::Whole(_))));
-        assert_eq!(look([&bytes[..], b"more"].concat()), Seal::Broken);
+        assert!((0..bytes.len()).all(|end| !matches!(verified(bytes[..end].to_vec()), Seal::Intact(_))));
+        assert_eq!(verified([&bytes[..], b"more"].concat()), Seal::Broken);
     }
 
     #[test]
-    fn exchanged_pixels_are_seen() {
+    fn replaced_pixels_are_detected() {
         let (one, other) = (frame(7), frame(8));
-        let place = place_in(&one).expect("a chunk");
-        assert_eq!(place, place_in(&other).expect("a chunk"));
+        let place = chunk_range(&one).expect("a chunk");
+        assert_eq!(place, chunk_range(&other).expect("a chunk"));
         let exchanged = [&one[..place.end], &other[place.end..]].concat();
         image::load_from_memory(&exchanged).expect("a PNG, with the right sums");
-        assert_eq!(look(exchanged), Seal::Broken);
+        assert_eq!(verified(exchanged), Seal::Broken);
     }
 
     #[test]
-    fn files_without_a_digest_are_told_apart() {
+    fn files_without_a_digest_are_recognized() {
         let picture = Picture::opaque(1, 1, vec![0u8; 3]);
-        let with = |text: &str| look(encode(&picture, &[(IDENTITY, text.to_owned())]).expect("bytes"));
-        assert_eq!(with(&NAME.to_string()), Seal::Open(NAME.to_string()));
+        let with = |text: &str| verified(encode(&picture, &[(IDENTITY, text.to_owned())]).expect("bytes"));
+        assert_eq!(with(&NAME.to_string()), Seal::NoDigest(NAME.to_string()));
         assert_eq!(with("a"), Seal::Broken);
         assert_eq!(with(&format!("{NAME} 0")), Seal::Broken);
-        assert_eq!(look(encode(&picture, &[]).expect("bytes")), Seal::None);
-        assert_eq!((look(Vec::new()), look(vec![0xff; 40])), (Seal::None, Seal::None));
+        assert_eq!(verified(encode(&picture, &[]).expect("bytes")), Seal::Missing);
+        assert_eq!((verified(Vec::new()), verified(vec![0xff; 40])), (Seal::Missing, Seal::Missing));
     }
 }

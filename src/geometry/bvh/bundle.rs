@@ -1,73 +1,74 @@
-//! Walking a tree along eight rays at once, which pays where they go the same way.
+//! Traversal along a bundle of eight rays, which pays if they go the same way.
 
-use super::slabs::{AFAR, ROUNDOFF, SLACK, SPREAD, STEEPEST, Wide};
-use super::space::ROUNDING;
-use super::walk::{Leaves, Stack, Walk};
-use super::{Child, Node, Slabs, Tree};
+use super::Slabs;
+use super::slabs::{AFAR, ROUNDOFF, SLACK, SPREAD, STEEPEST, WideSlabs};
+use super::traversal::{LeafVisitor, Stack, Traversal};
+use super::tree::{Child, Node, Tree};
+use super::tree_space::ROUNDING;
 use crate::base::lanes::{LaneKernel, Level, Mask, Real, Row, Select, Single, Vec3};
-use crate::base::math::{gamma, larger, smaller};
+use crate::base::math::{gamma, max, min};
 
-/// What a tree's leaves hold, while eight rays walk the tree.
-pub trait BundleLeaves<L: Level> {
-    /// Whether a ray may go on alone. Not having what it needs for that, a bundle is begun sooner.
+/// Visits the leaves of a tree that a bundle of rays may hit.
+pub trait BundleVisitor<L: Level> {
+    /// Whether single rays may leave the bundle. If not, their data need not be stored, and a bundle starts sooner.
     const ALONE: bool;
 
-    /// Tests what is in a leaf for the rays whose bits are set. Implementations are `#[inline(always)]`.
+    /// Tests the primitives of a leaf for the rays whose bits are set. Implementations are `#[inline(always)]`.
     fn visit(&mut self, leaf: u32, rays: u32);
 
-    /// The limits beyond which nothing is of interest any more; below 0 for rays that have ended.
+    /// The search limit of each ray, in the filter's units; below 0 for rays that have ended.
     fn limit(&self) -> L::F32;
 
-    /// Goes on along one of the rays alone, by [`Tree::walk_below`].
-    fn part(&mut self, ray: usize, below: Branch);
+    /// Continues the search of one ray on its own with [`Tree::walk_below`].
+    fn continue_alone(&mut self, ray: usize, below: NodeRef);
 }
 
-/// What is below a node of a tree.
+/// A reference to a node of a tree, for [`Tree::walk_below`].
 #[derive(Clone, Copy, Debug)]
-pub struct Branch(Child);
+pub struct NodeRef(Child);
 
-/// So many rays go on alone.
+/// Up to this number of rays, each continues on its own.
 const FEW: u32 = 1;
 
-/// Eight rays as a tree's filters see them, like [`Slabs`](super::Slabs).
+/// Eight rays in the form that the tree's box filters use, like [`Slabs`](super::Slabs).
 pub struct BundleSlabs<L: Level> {
-    /// Along each axis 1 / direction and -origin / direction, for the planes of boxes that come first and last.
+    /// Along each axis 1 / direction and -origin / direction, for the near and for the far planes of boxes.
     enter: [[L::F32; 2]; 3],
     leave: [[L::F32; 2]; 3],
-    /// Rays for which upper planes come first.
+    /// Along each axis, the bits of rays that enter boxes by their upper planes.
     backwards: [u32; 3],
     unit: L::F64,
     origin: [L::F32; 3],
     error: L::F32,
-    /// What holds all rays, where they go the same way along every axis.
-    hull: Option<Wide<L::F32>>,
+    /// The hull of all rays, if they go the same way along every axis.
+    hull: Option<WideSlabs<L::F32>>,
 }
 
-/// Rays along one axis: those of [`Slabs`](super::Slabs).
+/// The rays along one axis, as in [`Slabs`](super::Slabs).
 struct Along<L: Level> {
     enter: [L::F32; 2],
     leave: [L::F32; 2],
-    /// Bits of rays that go backwards.
+    /// Bits of the rays with a negative direction.
     backwards: u32,
     steepness: L::F64,
 }
 
-/// In trees of no more nodes, to find what holds all rays takes longer than to do without, and so does what a ray by itself
-/// needs.
+/// In trees of at most this many nodes, computing a hull takes longer than it saves, and so does preparing single
+/// rays.
 const SMALL: usize = 8;
 
 impl<L: Level> BundleSlabs<L> {
-    /// The rays in the tree's space, and a bit for each that may be walked along together with the others, and for each
-    /// that comes from so far that it has to begin elsewhere. The others pass by the whole tree.
+    /// Moves the rays into the tree's space. Also returns two bit sets: the rays that may be traversed as a bundle,
+    /// and those whose origins are too far away and must start nearer. The remaining rays miss the whole tree.
     #[inline(always)]
     pub fn new(tree: &Tree, from: Vec3<L::F64>, direction: Vec3<L::F64>, rays: u32) -> (Self, u32, u32) {
         let space = &tree.space;
-        let per = L::F64::splat(space.per);
-        let origin = (from - Vec3::splat(space.origin)) * per;
+        let per_world = L::F64::splat(space.scale);
+        let origin = (from - Vec3::splat(space.origin)) * per_world;
         let near = origin.abs().max_element().le(L::F64::splat(AFAR)).bits() & rays;
         let scale = direction.abs().max_element().power_of_two();
-        let error =
-            from.abs().max_element().max(L::F64::splat(space.farthest)) * L::F64::splat(space.per * ROUNDING);
+        let error = from.abs().max_element().max(L::F64::splat(space.farthest))
+            * L::F64::splat(space.scale * ROUNDING);
         let error = error + L::F64::splat(SLACK);
         let x = Self::along(origin.x, direction.x, scale, error);
         let y = Self::along(origin.y, direction.y, scale, error);
@@ -82,7 +83,7 @@ impl<L: Level> BundleSlabs<L> {
             let x = Self::hull(origin.x, x.steepness, error, backwards[0] == 0, near);
             let y = Self::hull(origin.y, y.steepness, error, backwards[1] == 0, near);
             let z = Self::hull(origin.z, z.steepness, error, backwards[2] == 0, near);
-            hull = Some(Wide {
+            hull = Some(WideSlabs {
                 enter: [x[0], y[0], z[0]],
                 leave: [x[1], y[1], z[1]],
                 near: [
@@ -96,19 +97,19 @@ impl<L: Level> BundleSlabs<L> {
             enter: [x.enter, y.enter, z.enter],
             leave: [x.leave, y.leave, z.leave],
             backwards,
-            unit: scale * per,
+            unit: scale * per_world,
             origin: [origin.x.to_f32(), origin.y.to_f32(), origin.z.to_f32()],
             error: error.to_f32(),
             hull,
         };
         let afar = match rays & !near {
             0 => 0,
-            afar => afar & tree.crossed_together(origin, direction, error),
+            afar => afar & tree.crossed_by_bundle(origin, direction, error),
         };
         (slabs, near, afar)
     }
 
-    /// Along one axis, with the bounds of [`Slabs::new`](super::Slabs::new).
+    /// One axis, with the error bounds of [`Slabs::new`](super::Slabs::new).
     #[inline(always)]
     fn along(origin: L::F64, direction: L::F64, scale: L::F64, error: L::F64) -> Along<L> {
         let inverse = L::F64::splat(1.0) / direction * scale;
@@ -123,10 +124,10 @@ impl<L: Level> BundleSlabs<L> {
         Along { enter, leave, backwards, steepness }
     }
 
-    /// What holds the rays whose bits are set, along an axis along which all of them go backwards, or none: a box that
-    /// lies ahead of the foremost origin is entered no earlier than by the least steep ray from there, and left no later
-    /// than by the steepest from the hindmost origin. Both are rays like others, with the same bounds of their rounding;
-    /// what is entered or left before the start is not told from what is so at the start.
+    /// The hull along one axis of the rays whose bits are set, which all have the same sign there. A box ahead of the
+    /// foremost origin is entered no earlier than by the least steep ray from that origin. It is left no later than by
+    /// the steepest ray from the hindmost origin. Both are ordinary rays with the same rounding bounds. Boxes behind
+    /// the start count as boxes at the start.
     #[inline(always)]
     fn hull(
         origin: L::F64,
@@ -142,11 +143,11 @@ impl<L: Level> BundleSlabs<L> {
         let mut farthest_off = 0.0;
         for lane in 0..8 {
             if wanted >> lane & 1 == 1 {
-                least = smaller(steepness[lane], least);
-                most = larger(steepness[lane], most);
-                first = larger(sign * origin[lane], first);
-                last = smaller(sign * origin[lane], last);
-                farthest_off = larger(error[lane], farthest_off);
+                least = min(steepness[lane], least);
+                most = max(steepness[lane], most);
+                first = max(sign * origin[lane], first);
+                last = min(sign * origin[lane], last);
+                farthest_off = max(error[lane], farthest_off);
             }
         }
         let pad = |offset: f64, steepness: f64| offset.abs() * (4.0 * ROUNDOFF) + farthest_off * steepness;
@@ -158,13 +159,13 @@ impl<L: Level> BundleSlabs<L> {
         ]
     }
 
-    /// Where the rays start in the tree's space, in f32.
+    /// The origins in the tree's space, in f32.
     #[inline(always)]
     pub fn origin(&self) -> [L::F32; 3] {
         self.origin
     }
 
-    /// How far off the rays' origins may be along each axis, before they are rounded to f32.
+    /// Error of the origins along each axis, before they are rounded to f32.
     #[inline(always)]
     pub fn error(&self) -> L::F32 {
         self.error
@@ -176,20 +177,21 @@ impl<L: Level> BundleSlabs<L> {
         self.enter[axis % 3][0]
     }
 
-    /// Limits of the rays' t in the filters' units, rounded up.
+    /// Limits t in the filter's units, rounded up.
     #[inline(always)]
     pub fn limit(&self, t: L::F64) -> L::F32 {
         let limit = t * self.unit;
         (limit + limit.abs() * L::F64::splat(4.0 * ROUNDOFF)).to_f32()
     }
 
-    /// Beyond this no ray's limit lies, if the hull can tell what does; else to find the farthest takes longer than it saves.
+    /// The largest limit of all rays if there is a hull to compare it with. Otherwise infinite, because finding the
+    /// largest takes longer than it saves.
     #[inline(always)]
     fn farthest(&self, limit: L::F32) -> f32 {
         if self.hull.is_some() { largest(limit) } else { f32::INFINITY }
     }
 
-    /// The rays that may meet a node's child before their limits, and where they enter it.
+    /// The rays that may hit a node's child before their limits, and where they enter it.
     #[inline(always)]
     fn test(&self, node: &Node, slot: usize, limit: L::F32) -> (u32, L::F32) {
         let (x, y, z) = (self.planes(node, 0, slot), self.planes(node, 1, slot), self.planes(node, 2, slot));
@@ -215,13 +217,14 @@ impl<L: Level> BundleSlabs<L> {
     }
 }
 
-/// A child that is put off, with where the first of its rays enters it and where none enters it sooner, and the rays.
+/// A postponed child: where its first ray enters it, a lower bound of that for all rays, the child, and the bits of
+/// its rays.
 type Waiting = (f32, f32, Child, u32);
 
-/// Children put off at once. Where a deeper tree needs more, what is below a node is walked by recursion.
+/// Capacity of the stack. Where a deeper tree needs more, the subtree is traversed by recursion.
 const STACK: usize = 64;
 
-/// Room for the children that a walk puts off. What is in it before and after means nothing.
+/// Memory for the postponed children of a walk. Its content before and after a walk has no meaning.
 pub struct BundleStack([Waiting; STACK]);
 
 impl Default for BundleStack {
@@ -230,7 +233,7 @@ impl Default for BundleStack {
     }
 }
 
-/// The largest of all lanes; infinite if one is not a number.
+/// The largest of all lanes; infinite if one is NaN.
 #[inline(always)]
 fn largest<S: Single<Array = [f32; 8]>>(row: S) -> f32 {
     let infinite = S::splat(f32::INFINITY);
@@ -240,15 +243,15 @@ fn largest<S: Single<Array = [f32; 8]>>(row: S) -> f32 {
 }
 
 impl Tree {
-    /// Whether the tree is too small for a hull of the rays, and for rays that go on alone.
+    /// Whether the tree is too small for a hull of the rays and for single rays.
     #[inline(always)]
     pub fn is_small(&self) -> bool {
         self.nodes.len() <= SMALL
     }
 
-    /// The rays that may meet the tree's box, as `Tree::crossed` has it for one.
+    /// The rays that may hit the bounds of the tree: `Tree::crossed` for eight rays.
     #[inline(always)]
-    fn crossed_together<F: Real>(&self, origin: Vec3<F>, direction: Vec3<F>, error: F) -> u32 {
+    fn crossed_by_bundle<F: Real>(&self, origin: Vec3<F>, direction: Vec3<F>, error: F) -> u32 {
         let (x, y, z) = (
             self.between(0, origin.x, direction.x, error),
             self.between(1, origin.y, direction.y, error),
@@ -259,7 +262,8 @@ impl Tree {
         enter.le(leave * F::splat(1.0 + 4.0 * gamma(3))).bits()
     }
 
-    /// Where rays enter and leave the box along an axis. What is no number, for rays within a plane, bounds nothing.
+    /// Where rays enter and leave the bounds along an axis. NaN, from rays within a plane, does not limit the
+    /// interval.
     #[inline(always)]
     fn between<F: Real>(&self, axis: usize, origin: F, direction: F, error: F) -> (F, F) {
         let inverse = F::splat(1.0) / direction;
@@ -269,22 +273,22 @@ impl Tree {
         (F::select(backwards, high, low), F::select(backwards, low, high))
     }
 
-    /// Visits every leaf that the rays may meet.
+    /// Visits every leaf that the rays may hit.
     #[inline(always)]
-    pub fn walk_together<L: Level>(
+    pub fn walk_bundle<L: Level>(
         &self,
         slabs: &BundleSlabs<L>,
         rays: u32,
-        leaves: &mut impl BundleLeaves<L>,
+        leaves: &mut impl BundleVisitor<L>,
         stack: &mut BundleStack,
     ) {
         if self.root != Child::NONE {
-            self.walk_together_from(self.root, slabs, rays, leaves, stack);
+            self.walk_bundle_from(self.root, slabs, rays, leaves, stack);
         }
     }
 
     #[inline(always)]
-    fn walk_together_from<L: Level, T: BundleLeaves<L>>(
+    fn walk_bundle_from<L: Level, T: BundleVisitor<L>>(
         &self,
         from: Child,
         slabs: &BundleSlabs<L>,
@@ -301,7 +305,7 @@ impl Tree {
                 farthest = slabs.farthest(leaves.limit());
             } else if rays.count_ones() <= few {
                 while rays != 0 {
-                    leaves.part(rays.trailing_zeros() as usize & 7, Branch(at));
+                    leaves.continue_alone(rays.trailing_zeros() as usize & 7, NodeRef(at));
                     rays &= rays - 1;
                 }
                 farthest = slabs.farthest(leaves.limit());
@@ -338,7 +342,7 @@ impl Tree {
                     top += 1;
                 }
             }
-            // What the hull enters beyond all limits is passed over.
+            // Skips children that the hull enters beyond all limits.
             loop {
                 let Some(next) = top.checked_sub(1) else { return };
                 top = next;
@@ -351,17 +355,17 @@ impl Tree {
         }
     }
 
-    /// Walks what is below a node along a single ray, of which nothing beyond `limit` is of interest. Gives what is left of
-    /// the limit, or none if a leaf has ended the walk.
+    /// Traverses the subtree below a node along a single ray up to `limit`. Returns the remaining limit, or none if a
+    /// leaf ended the walk.
     #[inline(always)]
     pub fn walk_below<L: Level>(
         &self,
-        below: Branch,
+        below: NodeRef,
         slabs: &Slabs,
         limit: f32,
-        leaves: &mut impl Leaves,
+        leaves: &mut impl LeafVisitor,
     ) -> Option<f32> {
-        L::Narrow::call(Walk {
+        L::Narrow::call(Traversal {
             tree: self,
             slabs,
             leaves,
@@ -381,12 +385,12 @@ struct Below<'a, L: Level, T> {
     leaves: &'a mut T,
 }
 
-impl<L: Level, T: BundleLeaves<L>> LaneKernel<L> for Below<'_, L, T> {
+impl<L: Level, T: BundleVisitor<L>> LaneKernel<L> for Below<'_, L, T> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         let Self { tree, from, slabs, rays, leaves } = self;
-        tree.walk_together_from(from, slabs, rays, leaves, &mut BundleStack::default());
+        tree.walk_bundle_from(from, slabs, rays, leaves, &mut BundleStack::default());
     }
 }

@@ -1,46 +1,48 @@
-//! A ray in a tree's space, and the test of eight boxes at a time.
+//! A ray in a tree's space, and the slab test of eight boxes at a time.
 
-use super::space::{power_of_two, reciprocal};
-use super::{Node, Probe, Tree};
+use super::TraversalRay;
+use super::tree::{Node, Tree};
+use super::tree_space::{power_of_two, reciprocal};
 use crate::base::lanes::{Level, Mask, Real, Row, Single};
-use crate::base::math::{DVec3, gamma, larger};
+use crate::base::math::{DVec3, gamma, max};
 
-/// A ray as a tree's f32 filters see it: its direction scaled by a power of two, so that the longest component is of
-/// 1..2, and begun near the tree if it comes from afar.
+/// A ray in the form that the tree's f32 filters use. Its direction is scaled by a power of two, so that the longest
+/// component is in 1..2. If its origin is far away, the ray starts near the tree instead.
 #[derive(Clone, Copy, Debug)]
 pub struct Slabs {
-    /// Along each axis, for the planes of boxes that come first and for those that come last: 1 / direction and
-    /// -origin / direction, with all that rounding may do taken off for the first and added for the others.
+    /// For the near and for the far planes of boxes: 1 / direction and -origin / direction along each axis. The
+    /// rounding error is subtracted from the near values and added to the far ones.
     enter: [[f32; 4]; 2],
     leave: [[f32; 4]; 2],
-    /// A bit for each axis along which upper planes come first.
+    /// A bit for each axis along which the ray enters boxes by their upper planes.
     octant: u32,
     pub origin: DVec3,
-    /// How far off `origin` may be along each axis, in f64.
+    /// Error of `origin` along each axis, in f64.
     pub error: f64,
-    /// The ray's t at `origin`, and lengths of t here for one there.
+    /// The ray's t at `origin`, and the factor from the ray's t to the filter's units.
     begin: f64,
     unit: f64,
 }
 
-/// Farther from the tree than this, rays begin near it instead. Ways through a tree's space are then shorter than 32.
+/// Rays whose origin is farther from the tree than this start near the tree instead. Segments in the tree's space are
+/// then shorter than 32.
 pub(super) const AFAR: f64 = 4.0;
 
-/// What is steeper than this along an axis is taken for as steep as this: within the tree's space it stays as close to a
-/// plane as [`SLACK`] says.
+/// Steeper inverse directions are clamped to this. Such a ray stays within [`SLACK`] of a plane inside the tree's
+/// space.
 pub(super) const STEEPEST: f64 = (1u64 << 40) as f64;
 
-/// Added to the error of the origin, which it hardly changes: four times as far as rays that are steeper than
-/// [`STEEPEST`] may go along an axis, so that they enter before 0 and leave after 32 whatever they are within.
+/// Added to the error of the origin, which hardly changes it. It is four times as far as a ray steeper than
+/// [`STEEPEST`] moves along an axis. So such a ray enters any box around it before 0 and leaves it after 32.
 pub(super) const SLACK: f64 = 128.0 / STEEPEST;
 
 /// Half the distance from 1 to the next f32.
 pub(super) const ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
 
-/// Relative error of where a ray enters and leaves boxes, on both sides of a comparison.
+/// Relative error of entry and exit distances, for both sides of a comparison.
 pub(super) const SPREAD: f64 = 1.0 + 16.0 * ROUNDOFF;
 
-/// Where a ray begins in a tree's space.
+/// Where a ray starts in a tree's space.
 struct Start {
     origin: DVec3,
     error: f64,
@@ -48,22 +50,22 @@ struct Start {
 }
 
 impl Start {
-    /// Near the tree, if the ray comes from afar; none if it passes by, or meets the tree beyond `t_max`.
+    /// A start near the tree for a ray whose origin is far away. None if the ray misses the tree or hits it beyond
+    /// `t_max`.
     #[cold]
     #[inline(never)]
-    fn approach(tree: &Tree, probe: &Probe, t_max: f64) -> Option<Self> {
-        let scale = power_of_two(probe.ray.direction.abs().max_element());
-        let (origin, error) =
-            (tree.space.point(probe.ray.origin), tree.space.error(longest(probe.ray.origin)));
-        let enter = tree.crossed(origin, probe.inverse * scale, error)?;
-        // Comparisons are false for what is not a number: then the tree is walked.
-        if enter > t_max * scale * tree.space.per * (1.0 + f64::EPSILON) {
+    fn approach(tree: &Tree, ray: &TraversalRay, t_max: f64) -> Option<Self> {
+        let scale = power_of_two(ray.ray.direction.abs().max_element());
+        let (origin, error) = (tree.space.point(ray.ray.origin), tree.space.error(longest(ray.ray.origin)));
+        let enter = tree.crossed(origin, ray.inverse * scale, error)?;
+        // Comparisons with NaN are false: then the tree is traversed.
+        if enter > t_max * scale * tree.space.scale * (1.0 + f64::EPSILON) {
             return None;
         }
         let begin = (enter - 0.5).max(0.0);
         let per_scale = reciprocal(scale);
         Some(Self {
-            origin: origin + probe.ray.direction * per_scale * begin,
+            origin: origin + ray.ray.direction * per_scale * begin,
             error: error + (origin.abs().max_element() + 2.0 * begin) * (4.0 * f64::EPSILON),
             begin: begin * per_scale * tree.space.size,
         })
@@ -73,24 +75,24 @@ impl Start {
 #[inline(always)]
 fn longest(v: DVec3) -> f64 {
     let v = v.abs();
-    larger(larger(v.x, v.y), v.z)
+    max(max(v.x, v.y), v.z)
 }
 
 impl Slabs {
-    /// The ray in the tree's space; none if it comes from afar and passes by the whole tree, or meets it beyond `t_max`.
+    /// The ray in the tree's space. None if its origin is far away and it misses the tree, or hits it beyond `t_max`.
     #[inline(always)]
-    pub fn new<L: Level>(tree: &Tree, probe: &Probe, t_max: f64) -> Option<Self> {
-        let scale = power_of_two(probe.longest);
-        let origin = tree.space.point(probe.ray.origin);
+    pub fn new<L: Level>(tree: &Tree, ray: &TraversalRay, t_max: f64) -> Option<Self> {
+        let scale = power_of_two(ray.longest);
+        let origin = tree.space.point(ray.ray.origin);
         let Start { origin, error, begin } = match longest(origin) <= AFAR {
-            true => Start { origin, error: tree.space.error(longest(probe.ray.origin)), begin: 0.0 },
-            false => Start::approach(tree, probe, t_max)?,
+            true => Start { origin, error: tree.space.error(longest(ray.ray.origin)), begin: 0.0 },
+            false => Start::approach(tree, ray, t_max)?,
         };
-        // The distance to a plane p along an axis is p·i - o·i. Of it, rounding i to f32 takes u of |p·i|, which is at
-        // most |t| + |o·i|; rounding o·i takes u of that; and the product and the difference take u of p·i and t, where
-        // they are rounded apart. That is 3u of |o·i| and 3u of |t|.
-        let inverse = row::<L::F64>(probe.inverse) * L::F64::splat(scale);
-        // The second for what is not a number.
+        // The distance to a plane p along an axis is p·i - o·i. Rounding i to f32 costs u of |p·i|, which is at most
+        // |t| + |o·i|. Rounding o·i costs u of that. The product and the difference cost u of p·i and of t if they are
+        // rounded separately. The sum is 3u of |o·i| and 3u of |t|.
+        let inverse = row::<L::F64>(ray.inverse) * L::F64::splat(scale);
+        // `min` returns its second argument if the first is NaN.
         let steepness = inverse.abs().min(L::F64::splat(STEEPEST));
         let inverse = steepness.copysign(inverse);
         let offset = row::<L::F64>(-origin) * inverse;
@@ -103,54 +105,54 @@ impl Slabs {
             origin,
             error,
             begin,
-            unit: scale * tree.space.per,
+            unit: scale * tree.space.scale,
         })
     }
 
-    /// 1 / direction along the axis where that is longest.
+    /// 1 / direction along the axis where the direction is longest.
     #[inline]
     pub fn inverse_along(&self, longest: usize) -> f32 {
         self.enter[0][longest]
     }
 
-    /// A limit of the ray's t in the filters' units, rounded up: nothing that is met before `t` lies beyond it.
+    /// A limit t in the filter's units, rounded up: no hit before `t` is beyond it.
     #[inline]
     pub fn limit(&self, t: f64) -> f32 {
         let limit = (t - self.begin) * self.unit;
         (limit + limit.abs() * (4.0 * ROUNDOFF)) as f32
     }
 
-    /// The ray's t = 0 in the filters' units, rounded down.
+    /// The ray's t = 0 in the filter's units, rounded down.
     #[inline]
     pub fn start(&self) -> f32 {
         -(self.begin * self.unit * (1.0 + 4.0 * ROUNDOFF)) as f32
     }
 }
 
-/// A vector in the first lanes, with numbers behind it that harm nobody.
+/// A vector in the first lanes, with harmless numbers in the others.
 #[inline(always)]
 fn row<F: Real<Array = [f64; 8]>>(v: DVec3) -> F {
     F::from_array([v.x, v.y, v.z, 1.0, 1.0, 1.0, 1.0, 1.0])
 }
 
-/// The first lanes.
+/// The first three lanes.
 #[inline(always)]
 fn along_axes<L: Level>(row: L::F64) -> [f32; 4] {
     let [x, y, z, ..] = row.to_f32().to_array();
     [x, y, z, 1.0]
 }
 
-/// [`Slabs`] in lanes.
+/// [`Slabs`] splat to lanes.
 #[derive(Clone, Copy)]
-pub(super) struct Wide<S> {
+pub(super) struct WideSlabs<S> {
     pub enter: [[S; 2]; 3],
     pub leave: [[S; 2]; 3],
-    /// Along each axis whether upper planes come first.
+    /// Along each axis, the index of the near plane: 1 if the ray enters boxes by their upper planes.
     pub near: [usize; 3],
 }
 
-// No closures here: they would be compiled for less than the lanes need.
-impl<S: Single<Array = [f32; 8]>> Wide<S> {
+// No closures here: they would be compiled without the level's instructions.
+impl<S: Single<Array = [f32; 8]>> WideSlabs<S> {
     #[inline(always)]
     pub fn new(slabs: &Slabs) -> Self {
         let nothing = [[S::splat(0.0); 2]; 3];
@@ -165,10 +167,10 @@ impl<S: Single<Array = [f32; 8]>> Wide<S> {
         wide
     }
 
-    /// Which of a node's boxes the ray may meet before `limit`, a bit each, and where it enters them at the earliest.
+    /// The boxes of a node that the ray may hit before `limit`, a bit each, and a lower bound of where it enters them.
     #[inline(always)]
     pub fn test(&self, node: &Node, limit: f32) -> (u32, [f32; 8]) {
-        // In pairs, as the next node has to wait for the last of these.
+        // In pairs, because the next node waits for the last of these operations.
         let enter = self.enter(node, 0).max(S::splat(0.0));
         let enter = enter.max(self.enter(node, 1).max(self.enter(node, 2)));
         let leave = self.leave(node, 0).min(S::splat(limit * SPREAD as f32));
@@ -190,7 +192,7 @@ impl<S: Single<Array = [f32; 8]>> Wide<S> {
 }
 
 impl Tree {
-    /// Where a ray enters the tree's box in its space; none if it passes by. In f64, with the rounding of
+    /// Where a ray enters the bounds of the tree in its space; none if it misses them. In f64, with the rounding of
     /// the distances (gamma(3), Ize 2013) and of the origin.
     #[inline(always)]
     fn crossed(&self, origin: DVec3, inverse: DVec3, error: f64) -> Option<f64> {
@@ -199,7 +201,7 @@ impl Tree {
             let a = (self.bounds[0][axis] - error - origin[axis]) * inverse[axis];
             let b = (self.bounds[1][axis] + error - origin[axis]) * inverse[axis];
             let (near, far) = if inverse[axis].is_sign_positive() { (a, b) } else { (b, a) };
-            // A ray within a plane gives 0·∞: the comparisons keep the value before it.
+            // A ray within a plane gives 0·∞ = NaN: the comparisons keep the previous value.
             if near > enter {
                 enter = near;
             }

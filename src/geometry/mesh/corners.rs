@@ -1,16 +1,18 @@
 //! Values at the corners of triangles: normals, texture coordinates.
 
-use super::build::FEW;
 use crate::base::digest::{Content, Digester};
 use rayon::prelude::*;
 
-/// Values at the corners of triangles. Files index them like the positions or on their own, as a position on a
-/// seam has several.
+/// Up to this number of entries, one thread does the work.
+pub(crate) const FEW: usize = 4096;
+
+/// Values at the corners of triangles. Files index them by position or separately, because a position on a seam has
+/// several.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Corners<T> {
     values: Vec<T>,
-    /// Indices into the values for each triangle; without them the positions' indices hold. A corner whose
-    /// index leads nowhere has no value.
+    /// Indices into the values for each triangle; none if the positions' indices apply. A corner whose index is out of
+    /// range has no value.
     indices: Option<Vec<[u32; 3]>>,
 }
 
@@ -26,12 +28,12 @@ impl<T: Content> Content for Corners<T> {
 pub const NOWHERE: u32 = u32::MAX;
 
 impl<T: Copy + Send> Corners<T> {
-    /// A value for each position.
+    /// One value per position.
     pub fn per_vertex(values: Vec<T>) -> Self {
         Self { values, indices: None }
     }
 
-    /// Values with indices for each triangle; these are dropped if the triangles' own do as well.
+    /// Values with indices for each triangle. Indices equal to the triangles' own are dropped.
     pub fn indexed(values: Vec<T>, indices: Vec<[u32; 3]>, triangles: &[[u32; 3]]) -> Self {
         let indices = (indices != triangles).then_some(indices);
         Self { values, indices }
@@ -41,7 +43,7 @@ impl<T: Copy + Send> Corners<T> {
         &self.values
     }
 
-    /// Whether the positions' indices hold for the values as well.
+    /// Whether the positions' indices apply to the values.
     pub fn is_per_vertex(&self) -> bool {
         self.indices.is_none()
     }
@@ -57,12 +59,12 @@ impl<T: Copy + Send> Corners<T> {
         Some([a?, b?, c?])
     }
 
-    /// Changes every value.
+    /// Replaces every value.
     pub(super) fn change(&mut self, change: impl Fn(T) -> T + Sync) {
         self.values.par_iter_mut().with_min_len(FEW).for_each(|value| *value = change(*value));
     }
 
-    /// Drops the triangles that are not kept.
+    /// Removes the triangles that `keep` does not flag.
     pub(crate) fn retain(&mut self, keep: &[bool]) {
         if let Some(indices) = &mut self.indices {
             retain(indices, keep);
@@ -70,7 +72,7 @@ impl<T: Copy + Send> Corners<T> {
     }
 }
 
-/// Keeps the entries whose flag is set; those without a flag go.
+/// Keeps the entries whose flag is set. Entries without a flag are removed.
 pub(crate) fn retain<T>(entries: &mut Vec<T>, keep: &[bool]) {
     let mut keep = keep.iter();
     entries.retain(|_| keep.next().is_some_and(|keep| *keep));

@@ -1,4 +1,4 @@
-//! What can be wrong with a mesh, and where.
+//! Errors of meshes and their locations.
 
 pub use crate::base::files::NO_FILE;
 
@@ -6,35 +6,35 @@ use crate::base::files;
 use std::fmt;
 use std::io;
 
-/// Why something gives no mesh.
+/// Why a mesh is invalid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshError {
-    /// The file that is wrong, if that is not the mesh's own.
+    /// The file with the error, if it is not the mesh's own.
     pub file: Option<String>,
-    pub place: Option<Place>,
+    pub place: Option<MeshLocation>,
     /// What is wrong, and what would be right.
     pub why: String,
 }
 
-/// Where in a mesh something is. Lines are counted from 1, vertices and faces from 0 in the order of the file.
+/// A location in a mesh file. Lines count from 1; vertices and faces count from 0 in the order of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum MeshLocation {
     Line(u64),
     Vertex(u64),
     Face(u64),
 }
 
 impl MeshError {
-    /// A fault of the whole.
+    /// An error of the whole mesh.
     pub fn new(why: impl Into<String>) -> Self {
         Self { file: None, place: None, why: why.into() }
     }
 
-    pub fn at(place: Place, why: impl Into<String>) -> Self {
+    pub fn at(place: MeshLocation, why: impl Into<String>) -> Self {
         Self { file: None, place: Some(place), why: why.into() }
     }
 
-    /// The same fault in a named file.
+    /// The same error in a named file.
     pub fn in_file(self, name: &str) -> Self {
         Self { file: Some(name.to_owned()), ..self }
     }
@@ -42,11 +42,11 @@ impl MeshError {
 
 impl From<io::Error> for MeshError {
     fn from(error: io::Error) -> Self {
-        Self::new(files::why(&error))
+        Self::new(files::describe(&error))
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for MeshLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line(number) => write!(f, "line {number}"),

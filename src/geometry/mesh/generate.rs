@@ -1,14 +1,14 @@
-//! Meshes by rule, as large as wanted: for tests, and to try what a scene can bear.
+//! Generated meshes of any size, for tests and scaling measurements.
 
-use super::Parts;
+use super::data::MeshData;
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
 use std::collections::HashMap;
 
 /// The unit icosphere: 20·4^n triangles for n subdivisions (at most 12). Neighbours share their vertices.
-pub fn icosphere(subdivisions: u32) -> Parts {
+pub fn icosphere(subdivisions: u32) -> MeshData {
     let golden = (1.0 + 5.0_f64.sqrt()) / 2.0;
-    // Three golden rectangles across each other.
+    // Three perpendicular golden rectangles.
     let corners = [(-1.0, golden), (1.0, golden), (-1.0, -golden), (1.0, -golden)];
     let rectangle = |turn: usize| {
         corners.map(|(a, b)| {
@@ -22,7 +22,7 @@ pub fn icosphere(subdivisions: u32) -> Parts {
     for _ in 0..subdivisions.min(12) {
         triangles = subdivided(&triangles, &mut positions);
     }
-    Parts { positions, triangles, ..Parts::default() }
+    MeshData { positions, triangles, ..MeshData::default() }
 }
 
 /// The faces of an icosahedron, counter-clockwise from outside.
@@ -49,7 +49,7 @@ const FACES: [[u32; 3]; 20] = [
     [9, 8, 1],
 ];
 
-/// Every triangle in four, with new vertices on the unit sphere above the middles of the edges.
+/// Splits every triangle into four. New vertices lie on the unit sphere above the middles of the edges.
 fn subdivided(triangles: &[[u32; 3]], positions: &mut Vec<DVec3>) -> Vec<[u32; 3]> {
     let mut middles = HashMap::with_capacity(triangles.len() * 3 / 2);
     let mut middle = |p: u32, q: u32| {
@@ -65,22 +65,22 @@ fn subdivided(triangles: &[[u32; 3]], positions: &mut Vec<DVec3>) -> Vec<[u32; 3
     triangles.iter().flat_map(split).collect()
 }
 
-/// Waves on top of each other, each shorter and lower than the one before.
+/// Number of superposed waves. Each is shorter and lower than the previous one.
 const WAVES: u32 = 24;
 
 /// An icosphere with hills of about a tenth of its radius, coloured by height: sand below, snow above.
 /// Positions are f32 numbers, so that files of either format hold them exactly.
-pub fn displaced_sphere(subdivisions: u32, seed: u64) -> Parts {
-    let mut parts = icosphere(subdivisions);
+pub fn displaced_sphere(subdivisions: u32, seed: u64) -> MeshData {
+    let mut data = icosphere(subdivisions);
     let waves = waves(seed);
-    parts.colors.reserve(parts.positions.len());
-    for position in &mut parts.positions {
+    data.colors.reserve(data.positions.len());
+    for position in &mut data.positions {
         let height: f64 = waves.iter().map(|wave| wave.height(*position)).sum();
         *position = (*position * (1.0 + height)).as_vec3().as_dvec3();
         let share = (0.5 + 3.0 * height).clamp(0.0, 1.0) as f32;
-        parts.colors.push(Rgb::new(0.55, 0.35, 0.16).lerp(Rgb::new(0.9, 0.92, 0.95), share));
+        data.colors.push(Rgb::new(0.55, 0.35, 0.16).lerp(Rgb::new(0.9, 0.92, 0.95), share));
     }
-    parts
+    data
 }
 
 struct Wave {

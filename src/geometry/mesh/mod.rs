@@ -2,6 +2,7 @@
 
 pub(crate) mod build;
 pub(crate) mod corners;
+mod data;
 mod error;
 pub mod generate;
 mod mtl;
@@ -11,9 +12,10 @@ mod smooth;
 mod tests;
 
 pub use corners::Corners;
-pub use error::{MeshError, NO_FILE, Place};
+pub use data::{MeshData, NO_MATERIAL};
+pub use error::{MeshError, MeshLocation, NO_FILE};
 pub use mtl::{Map, MtlMaterial};
-pub use packet::{Packet, Sheared, ShearedRays};
+pub use packet::{Packet, ShearedRay, ShearedRays};
 
 use crate::base::color::Rgb;
 use crate::base::digest::{Digest, content};
@@ -23,52 +25,31 @@ use crate::geometry::bvh::Tree;
 use glam::Vec3;
 use std::sync::OnceLock;
 
-/// What a mesh is made of. Triangles are counter-clockwise when seen from outside.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Parts {
-    /// In f64 whatever a file holds: decimals of OBJ files have no f32, and next to the tree the positions
-    /// are the smaller part of a mesh.
-    pub positions: Vec<DVec3>,
-    /// Indices into the positions.
-    pub triangles: Vec<[u32; 3]>,
-    /// Of any length; what is not finite or has no length stands for no normal.
-    pub normals: Option<Corners<Vec3>>,
-    pub uvs: Option<Corners<DVec2>>,
-    /// Linear, one per position; empty if there are none.
-    pub colors: Vec<Rgb>,
-    /// An index into the materials per triangle, or [`NO_MATERIAL`]; empty if there are none.
-    pub slots: Vec<u16>,
-    pub materials: Vec<MtlMaterial>,
-}
-
-/// The slot of a triangle without a material.
-pub const NO_MATERIAL: u16 = u16::MAX;
-
 /// A checked mesh with its tree. Every triangle has an area.
 #[derive(Debug)]
-pub struct Mesh {
-    parts: Parts,
+pub struct TriangleMesh {
+    data: MeshData,
     tree: Tree,
     /// The triangles of each of the tree's leaves.
     packets: Vec<Packet>,
-    /// Whether the packets hold all positions as they are.
+    /// Whether the packets hold all positions exactly.
     exact: bool,
     bounds: Aabb,
-    /// How many triangles without an area have been left out.
+    /// Number of triangles that were removed because they have no area.
     pub skipped: usize,
     smooth: OnceLock<Vec<Vec3>>,
     areas: OnceLock<Vec<f64>>,
     digest: Digest,
 }
 
-/// Which normals a mesh is shaded with.
+/// The normals that a mesh is shaded with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Normals {
-    /// Those that came with it.
+    /// The normals of the file.
     File,
-    /// Those of a smooth surface through its vertices.
+    /// The normals of a smooth surface through the vertices.
     Smooth,
-    /// Those of its triangles.
+    /// The normals of the triangles.
     Flat,
 }
 
@@ -80,31 +61,31 @@ content!(
     }
 );
 
-impl Mesh {
+impl TriangleMesh {
     pub fn positions(&self) -> &[DVec3] {
-        &self.parts.positions
+        &self.data.positions
     }
 
     pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.parts.triangles
+        &self.data.triangles
     }
 
-    /// The materials that came with the mesh, in the order of their slots.
+    /// The materials of the mesh's file, in the order of their slots.
     pub fn materials(&self) -> &[MtlMaterial] {
-        &self.parts.materials
+        &self.data.materials
     }
 
-    /// The index of a triangle's material in [`Mesh::materials`].
+    /// The index of a triangle's material in [`TriangleMesh::materials`].
     pub fn material_of(&self, part: u32) -> Option<u16> {
-        self.parts.slots.get(part as usize).copied().filter(|&slot| slot != NO_MATERIAL)
+        self.data.slots.get(part as usize).copied().filter(|&slot| slot != NO_MATERIAL)
     }
 
     pub fn has_normals(&self) -> bool {
-        self.parts.normals.is_some()
+        self.data.normals.is_some()
     }
 
     pub fn has_colors(&self) -> bool {
-        !self.parts.colors.is_empty()
+        !self.data.colors.is_empty()
     }
 
     pub fn tree(&self) -> &Tree {
@@ -133,29 +114,29 @@ impl Mesh {
     /// The corners of a triangle of the mesh.
     #[inline]
     pub fn corners(&self, part: u32) -> [DVec3; 3] {
-        self.parts.triangles[part as usize].map(|vertex| self.parts.positions[vertex as usize])
+        self.data.triangles[part as usize].map(|vertex| self.data.positions[vertex as usize])
     }
 
-    /// Asks for a triangle that will be needed soon.
+    /// Prefetches a triangle that will be needed soon.
     #[inline(always)]
     pub fn prefetch<L: Level>(&self, part: u32) {
-        L::prefetch(&self.parts.triangles, part as usize);
+        L::prefetch(&self.data.triangles, part as usize);
     }
 
-    /// Asks for what there is at a triangle's corners, for normals of a kind.
+    /// Prefetches the positions and the normals at a triangle's corners.
     #[inline(always)]
     pub fn prefetch_corners<L: Level>(&self, part: u32, normals: Normals) {
-        for vertex in self.parts.triangles[part as usize] {
-            L::prefetch(&self.parts.positions, vertex as usize);
+        for vertex in self.data.triangles[part as usize] {
+            L::prefetch(&self.data.positions, vertex as usize);
         }
-        match (normals, &self.parts.normals, self.smooth.get()) {
+        match (normals, &self.data.normals, self.smooth.get()) {
             (Normals::File, Some(normals), _) => {
-                for index in normals.indices(part, &self.parts.triangles) {
+                for index in normals.indices(part, &self.data.triangles) {
                     L::prefetch(normals.values(), index as usize);
                 }
             }
             (Normals::Smooth, _, Some(normals)) => {
-                for vertex in self.parts.triangles[part as usize] {
+                for vertex in self.data.triangles[part as usize] {
                     L::prefetch(normals, vertex as usize);
                 }
             }
@@ -163,47 +144,47 @@ impl Mesh {
         }
     }
 
-    /// Texture coordinates at a triangle's corners, if all of them have some.
+    /// Texture coordinates at a triangle's corners, if all corners have them.
     pub fn corner_uvs(&self, part: u32) -> Option<[DVec2; 3]> {
-        self.parts.uvs.as_ref()?.at(part, &self.parts.triangles)
+        self.data.uvs.as_ref()?.at(part, &self.data.triangles)
     }
 
-    /// The vertices' colours at a triangle's corners.
+    /// The vertex colours at a triangle's corners.
     pub fn corner_colors(&self, part: u32) -> Option<[Rgb; 3]> {
-        let [a, b, c] = self.parts.triangles[part as usize].map(|v| self.parts.colors.get(v as usize));
+        let [a, b, c] = self.data.triangles[part as usize].map(|v| self.data.colors.get(v as usize));
         Some([*a?, *b?, *c?])
     }
 
-    /// Unit normals at a triangle's corners, zero where there is none; nothing for flat triangles.
+    /// Unit normals at a triangle's corners, or zero where a corner has none. None for flat shading.
     pub fn corner_normals(&self, part: u32, normals: Normals) -> Option<[Vec3; 3]> {
         match normals {
-            Normals::File => self.parts.normals.as_ref()?.at(part, &self.parts.triangles),
+            Normals::File => self.data.normals.as_ref()?.at(part, &self.data.triangles),
             Normals::Smooth => {
                 let smooth = self.smooth_normals();
-                Some(self.parts.triangles[part as usize].map(|vertex| smooth[vertex as usize]))
+                Some(self.data.triangles[part as usize].map(|vertex| smooth[vertex as usize]))
             }
             Normals::Flat => None,
         }
     }
 
-    /// Normals of a smooth surface through the vertices, one each; computed when first asked for.
+    /// One normal per vertex of the smooth surface through the vertices. Computed at the first call.
     pub fn smooth_normals(&self) -> &[Vec3] {
-        self.smooth.get_or_init(|| smooth::normals(&self.parts.positions, &self.parts.triangles))
+        self.smooth.get_or_init(|| smooth::normals(&self.data.positions, &self.data.triangles))
     }
 
-    /// What the mesh holds, but for the materials that came with it.
+    /// The digest of everything except the materials of the file.
     pub fn digest(&self) -> Digest {
         self.digest
     }
 
-    /// The area of all triangles up to and including each; computed when first asked for.
+    /// For each triangle, the summed area up to and including it. Computed at the first call.
     pub fn summed_areas(&self) -> &[f64] {
         self.areas.get_or_init(|| {
             let area = |part: u32| {
                 let [a, b, c] = self.corners(part);
                 0.5 * (b - a).cross(c - a).length()
             };
-            let parts = 0..self.parts.triangles.len() as u32;
+            let parts = 0..self.data.triangles.len() as u32;
             parts
                 .scan(0.0, |sum, part| {
                     *sum += area(part);

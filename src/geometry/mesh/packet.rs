@@ -1,38 +1,38 @@
-//! Eight triangles at a time: the f32 filter before the f64 test of triangles.
+//! Triangle tests, eight at a time: a conservative f32 filter before the f64 test.
 //!
-//! A filter only says what is sure. Its error bound holds for whatever rounding does to corners, rays and products, so
-//! that what it calls missed is missed by the f64 test, and what it calls hit is hit by that.
+//! The filter only reports certain results. Its error bound covers the rounding of corners, rays and products. What it
+//! calls a miss is a miss of the f64 test, and what it calls a hit is a hit.
 
-use super::Parts;
+use super::data::MeshData;
 use crate::base::lanes::{Level, Real, Row, Single};
 use crate::base::math::DVec3;
-use crate::geometry::bvh::{BundleSlabs, Probe, Slabs, Space};
+use crate::geometry::bvh::{BundleSlabs, Slabs, TraversalRay, TreeSpace};
 
-/// The triangles of a leaf, in the space of its tree, one row of numbers after the other.
+/// The triangles of a leaf, in the space of its tree, as structure of arrays.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct Packet {
-    /// Of each corner, along each axis.
+    /// For each corner, the coordinates along each axis.
     corners: [[[f32; 8]; 3]; 3],
     parts: [u32; 8],
 }
 
 impl Packet {
-    pub fn new(space: &Space, leaf: &[u32], parts: &Parts) -> Self {
-        // What is no number is not met.
+    pub fn new(space: &TreeSpace, leaf: &[u32], data: &MeshData) -> Self {
+        // No ray hits unused lanes, which hold NaN.
         let mut packet = Self { corners: [[[f32::NAN; 8]; 3]; 3], parts: [u32::MAX; 8] };
         for (lane, &part) in leaf.iter().enumerate().take(8) {
             packet.parts[lane] = part;
-            for (rows, corner) in packet.corners.iter_mut().zip(parts.triangles[part as usize]) {
-                let rounded = space.point(parts.positions[corner as usize]).as_vec3();
+            for (rows, corner) in packet.corners.iter_mut().zip(data.triangles[part as usize]) {
+                let rounded = space.point(data.positions[corner as usize]).as_vec3();
                 rows.iter_mut().zip(rounded.to_array()).for_each(|(row, value)| row[lane] = value);
             }
         }
         packet
     }
 
-    /// The corners of a lane's triangle in f64, from what is here and in units of `size`. Only for meshes whose positions
-    /// are the same in f32 in their tree's space: the others' must be looked up.
+    /// The f64 corners of a lane's triangle: the f32 corners times `size`. Only for meshes whose positions f32 holds
+    /// exactly in their tree's space. Otherwise the corners must be looked up.
     #[inline(always)]
     pub fn exact(&self, lane: usize, size: f64) -> [DVec3; 3] {
         let [a, b, c] = &self.corners;
@@ -48,7 +48,7 @@ impl Packet {
         self.parts[lane & 7]
     }
 
-    /// How many triangles there are, in the first lanes.
+    /// The number of triangles. They fill the first lanes.
     #[inline(always)]
     pub fn count(&self) -> usize {
         let mut count = 0;
@@ -59,15 +59,15 @@ impl Packet {
     }
 }
 
-/// A ray as the filter sees it: sheared onto the axis along which it is longest, as Woop, Benthin and Wald (2013) do.
+/// A ray for the filter, sheared onto the axis along which it is longest (Woop, Benthin, Wald 2013).
 #[derive(Clone, Copy, Debug)]
-pub struct Sheared {
+pub struct ShearedRay {
     axes: [usize; 3],
     shear: [f32; 2],
-    /// 1 / direction along the last axis: depths are t.
+    /// 1 / direction along the last axis, which turns depths into t.
     inverse: f32,
     origin: [f32; 3],
-    /// How far off sheared coordinates may be, and depths with what rounds them.
+    /// Error bound of sheared coordinates; `margin` bounds the error of depths, with their rounding.
     error: f32,
     margin: f32,
     /// The ray's t = 0 as a depth, rounded down, and rounded up by more than that.
@@ -75,28 +75,28 @@ pub struct Sheared {
     after_start: f32,
 }
 
-/// How a ray passes eight triangles.
-pub struct Passed<S> {
-    edges: Edges<S>,
-    /// Of the corners, and how far those are apart.
+/// The edge tests of one ray and eight triangles.
+pub struct EdgeTest<S> {
+    edges: EdgeFunctions<S>,
+    /// The depths of the corners, and the difference between the largest and the smallest.
     depths: [S; 3],
     extent: S,
-    /// No corner is nearer, or farther.
+    /// Bounds of the corners' depths.
     near: S,
     far: S,
-    /// A bit for each triangle that may be met, and for each of them through which the ray's line passes for sure.
+    /// One bit per triangle: those that may be hit, and those whose inside the ray's line passes for certain.
     live: u32,
     inside: u32,
 }
 
-/// What the filter says of eight triangles, a bit each.
+/// The filter's result for eight triangles, one bit each.
 #[derive(Clone, Copy, Debug)]
-pub struct Sieve<L> {
-    /// Hit by the ray's line for sure.
+pub struct Classification<L> {
+    /// The ray's line hits them for certain.
     pub hit: u32,
     /// To be tested in f64.
     pub unsure: u32,
-    /// No hit of those that are sure is nearer, or farther.
+    /// Bounds of the depths of the certain hits.
     pub near: L,
     far: L,
 }
@@ -104,22 +104,22 @@ pub struct Sieve<L> {
 /// Half the distance from 1 to the next f32.
 const ROUNDOFF: f32 = f32::EPSILON / 2.0;
 
-/// By more than this share both ends of a ray are not rounded outwards.
+/// Relative amount by which both ends of a ray are moved inwards, so that rounding does not cross them.
 const INWARDS: f32 = 16.0 * ROUNDOFF;
 
-impl Sheared {
-    /// Coordinates of corners are off by 1 u, those of the origin by `reach` u, and their difference by the sum of both;
-    /// the shear is at most 1 and adds as much again, its own rounding, and those of the product and the difference.
+impl ShearedRay {
+    /// Error bounds: corners are off by 1 u, the origin by `reach` u, and their difference by the sum. The shear is at
+    /// most 1. It adds the same error again, its own rounding, and that of the product and the difference.
     #[inline(always)]
-    pub fn new(probe: &Probe, slabs: &Slabs) -> Self {
-        // No closures, and no indices into vectors, which are branches.
-        let ([x, y, z], [dx, dy]) = (probe.axes, probe.shear);
+    pub fn new(ray: &TraversalRay, slabs: &Slabs) -> Self {
+        // No closures, and no indexed vectors, which compile to branches.
+        let ([x, y, z], [dx, dy]) = (ray.axes, ray.shear);
         let origin = slabs.origin.to_array();
         let reach = 1.0 + slabs.origin.abs().max_element() as f32;
         let error = reach * (8.0 * ROUNDOFF) + 2.0 * slabs.error as f32;
         let start = slabs.start();
         Self {
-            axes: probe.axes,
+            axes: ray.axes,
             shear: [dx as f32, dy as f32],
             inverse: slabs.inverse_along(z),
             origin: [origin[x] as f32, origin[y] as f32, origin[z] as f32],
@@ -130,8 +130,7 @@ impl Sheared {
         }
     }
 
-    /// A corner of eight triangles, sheared, with its depth. Both coordinates are turned round, which leaves their
-    /// products as they are.
+    /// A corner of eight triangles, sheared, with its depth. Both coordinates are negated, which keeps their products.
     #[inline(always)]
     fn place<S: Single<Array = [f32; 8]>>(&self, corner: &[[f32; 8]; 3]) -> (S, S, S) {
         let [x, y, z] = self.axes;
@@ -143,53 +142,54 @@ impl Sheared {
         (x, y, depth * S::splat(self.inverse))
     }
 
-    /// Which of a packet's triangles the ray passes through, as far as they may be met before `limit`.
+    /// Tests the edges of a packet's triangles that may be hit before `limit`.
     #[inline(always)]
-    pub fn pass<S: Single<Array = [f32; 8]>>(&self, packet: &Packet, limit: f32) -> Passed<S> {
-        // No closures here: they would be compiled for less than the lanes need.
+    pub fn test_edges<S: Single<Array = [f32; 8]>>(&self, packet: &Packet, limit: f32) -> EdgeTest<S> {
+        // No closures here: they would be compiled without the level's instructions.
         let (ax, ay, az) = self.place::<S>(&packet.corners[0]);
         let (bx, by, bz) = self.place::<S>(&packet.corners[1]);
         let (cx, cy, cz) = self.place::<S>(&packet.corners[2]);
-        let edges = Edges::new([(ax, ay), (bx, by), (cx, cy)], S::splat(self.error));
+        let edges = EdgeFunctions::new([(ax, ay), (bx, by), (cx, cy)], S::splat(self.error));
         let (first, last) = (az.min(bz).min(cz), az.max(bz).max(cz));
         let margin = S::splat(self.margin);
         let (near, far) = (first - margin, last + margin);
         let (start, limit) = (S::splat(self.start), S::splat(limit));
         let live = !edges.missed & near.le_bits(limit) & start.le_bits(far);
         let inside = live & (edges.off.lt_bits(edges.low) | edges.high.lt_bits(-edges.off));
-        Passed { edges, depths: [az, bz, cz], extent: last - first, near, far, live, inside }
+        EdgeTest { edges, depths: [az, bz, cz], extent: last - first, near, far, live, inside }
     }
 
-    /// Sifts the triangles by their depths.
+    /// Classifies the triangles by their depths.
     #[inline(always)]
-    pub fn sift<S: Single>(&self, passed: &Passed<S>, limit: f32) -> Sieve<S> {
-        let &Passed { edges: Edges { numbers: [u, v, w], off, .. }, near, live, inside, .. } = passed;
+    pub fn classify<S: Single>(&self, edge_test: &EdgeTest<S>, limit: f32) -> Classification<S> {
+        let &EdgeTest { edges: EdgeFunctions { values: [u, v, w], off, .. }, near, live, inside, .. } =
+            edge_test;
         if inside == 0 {
-            return Sieve { hit: 0, unsure: live, near, far: near };
+            return Classification { hit: 0, unsure: live, near, far: near };
         }
-        // The depth at the hit, between the corners' by weights: v and w are off by `off`, and so, three times, is
-        // what they are divided by; their sums with what rounds depths.
-        let [a, b, c] = passed.depths;
+        // The depth of the hit is a weighted mean of the corners' depths. v and w are off by `off`, their divisor by
+        // three times that, and the products by the rounding of depths.
+        let [a, b, c] = edge_test.depths;
         let sum = u + v + w;
         let t = a + (v * (b - a) + w * (c - a)) / sum;
-        let spread = passed.extent * off * S::splat(6.0);
+        let spread = edge_test.extent * off * S::splat(6.0);
         let least = sum.abs() - off * S::splat(3.0);
         let slack = spread / least + S::splat(self.margin) * S::splat(3.0);
         let (near, far) = ((t - slack).max(near), t + slack);
         let hit = inside & near.le_bits(S::splat(limit)) & S::splat(self.start).le_bits(far);
-        Sieve { hit, unsure: live & !inside, near, far }
+        Classification { hit, unsure: live & !inside, near, far }
     }
 
-    /// Which of the triangles that are hit for sure are so between both ends of the ray.
+    /// The certain hits that lie between both ends of the ray for certain.
     #[inline(always)]
-    pub fn within<S: Single>(&self, sieve: &Sieve<S>, limit: f32) -> u32 {
-        sieve.hit & self.between(sieve.near, sieve.far, limit)
+    pub fn within<S: Single>(&self, classes: &Classification<S>, limit: f32) -> u32 {
+        classes.hit & self.between(classes.near, classes.far, limit)
     }
 
-    /// Triangles that are so already because all of them lies there.
+    /// Triangles that the ray hits for certain, because all of the triangle lies between both ends of the ray.
     #[inline(always)]
-    pub fn within_whole<S: Single>(&self, passed: &Passed<S>, limit: f32) -> u32 {
-        passed.inside & self.between(passed.near, passed.far, limit)
+    pub fn within_whole<S: Single>(&self, edge_test: &EdgeTest<S>, limit: f32) -> u32 {
+        edge_test.inside & self.between(edge_test.near, edge_test.far, limit)
     }
 
     #[inline(always)]
@@ -199,21 +199,22 @@ impl Sheared {
     }
 }
 
-/// On which sides of a triangle's edges a ray passes, in eight lanes: either the triangles or the rays differ.
-struct Edges<S> {
-    /// Of each edge, 0 on it.
-    numbers: [S; 3],
-    /// How far off they may be.
+/// The edge functions of triangles for a ray, in eight lanes: either the triangles or the rays differ.
+struct EdgeFunctions<S> {
+    /// The value for each edge; 0 if the ray passes through the edge.
+    values: [S; 3],
+    /// Error bound of the values.
     off: S,
     low: S,
     high: S,
-    /// A bit for each lane in which the ray passes for sure.
+    /// A bit for each lane in which the ray misses for certain.
     missed: u32,
 }
 
-impl<S: Single> Edges<S> {
-    /// Of corners that are sheared, whose coordinates are off by `error`. An edge's number is off by 4·size·error for
-    /// these and by 4u·size² for its roundings, and the coordinates are at most 1 / (4u) of the error.
+impl<S: Single> EdgeFunctions<S> {
+    /// The edge functions of sheared corners, whose coordinates are off by `error`. An edge function is off by
+    /// 4·size·error because of the corners and by 4u·size² because of its own rounding. The coordinates are at most 1
+    /// / (4u) times the error.
     #[inline(always)]
     fn new([(ax, ay), (bx, by), (cx, cy)]: [(S, S); 3], error: S) -> Self {
         let u = cx.mul_sub(by, cy * bx);
@@ -225,11 +226,11 @@ impl<S: Single> Edges<S> {
         let off = (size + error) * error * S::splat(8.0);
         let (low, high) = (u.min(v).min(w), u.max(v).max(w));
         let missed = low.lt_bits(-off) & off.lt_bits(high);
-        Self { numbers: [u, v, w], off, low, high, missed }
+        Self { values: [u, v, w], off, low, high, missed }
     }
 }
 
-/// Eight rays that are all longest along the same axis, as [`Sheared`] has one: one triangle is tested with all of them.
+/// Eight rays that are all longest along the same axis, like [`ShearedRay`], to be tested with one triangle.
 pub struct ShearedRays<L: Level> {
     axes: [usize; 3],
     shear: [L::F32; 2],
@@ -240,7 +241,7 @@ pub struct ShearedRays<L: Level> {
 }
 
 impl<L: Level> ShearedRays<L> {
-    /// Of rays that are longest along the last of the axes, with their shears onto that.
+    /// The rays must be longest along the last of the axes, onto which `shear` shears them.
     #[inline(always)]
     pub fn new(slabs: &BundleSlabs<L>, axes: [usize; 3], shear: [L::F64; 2]) -> Self {
         let [x, y, z] = axes;
@@ -269,15 +270,15 @@ impl<L: Level> ShearedRays<L> {
         (x, y, depth * self.inverse)
     }
 
-    /// The rays that may hit a packet's triangle from where they start, near its tree, up to their limits, a bit each: by
-    /// the bounds of [`Sheared::sift`].
+    /// The rays that may hit one triangle of a packet up to their limits, a bit each. The rays start near the tree.
+    /// The error bounds are those of [`ShearedRay::classify`].
     #[inline(always)]
-    pub fn sift(&self, packet: &Packet, lane: usize, limit: L::F32) -> u32 {
+    pub fn classify(&self, packet: &Packet, lane: usize, limit: L::F32) -> u32 {
         let lane = lane & 7;
         let (ax, ay, az) = self.place(&packet.corners[0], lane);
         let (bx, by, bz) = self.place(&packet.corners[1], lane);
         let (cx, cy, cz) = self.place(&packet.corners[2], lane);
-        let Edges { missed, .. } = Edges::new([(ax, ay), (bx, by), (cx, cy)], self.error);
+        let EdgeFunctions { missed, .. } = EdgeFunctions::new([(ax, ay), (bx, by), (cx, cy)], self.error);
         let near = az.min(bz).min(cz) - self.margin;
         let far = az.max(bz).max(cz) + self.margin;
         !missed & near.le_bits(limit) & L::F32::splat(0.0).le_bits(far)

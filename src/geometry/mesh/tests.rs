@@ -1,19 +1,19 @@
-//! Meshes as a whole: what is checked, what is left out, what smooth normals are.
+//! Checks of meshes, removal of triangles, and smooth normals.
 
 use super::*;
 use crate::testing::Random;
 
-fn square() -> Parts {
+fn square() -> MeshData {
     let positions = vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
-    Parts { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Parts::default() }
+    MeshData { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..MeshData::default() }
 }
 
 #[test]
 fn parts_must_fit_together() {
-    let fault = |change: &dyn Fn(&mut Parts)| {
+    let fault = |change: &dyn Fn(&mut MeshData)| {
         let mut parts = square();
         change(&mut parts);
-        Mesh::new(parts).expect_err("a fault").to_string()
+        TriangleMesh::new(parts).expect_err("a fault").to_string()
     };
     assert_eq!(
         fault(&|parts| parts.triangles[1] = [0, 1, 4]),
@@ -36,14 +36,14 @@ fn what_is_left_out_takes_its_attributes_with_it() {
     parts.slots = vec![7, 8, NO_MATERIAL];
     let uvs = vec![DVec2::ZERO, DVec2::ONE];
     parts.uvs = Some(Corners::indexed(uvs, vec![[0; 3], [1; 3], [0; 3]], &parts.triangles));
-    let mesh = Mesh::new(parts).expect("a mesh");
+    let mesh = TriangleMesh::new(parts).expect("a mesh");
     assert_eq!((mesh.skipped, mesh.triangles().len()), (1, 2));
     assert_eq!((mesh.material_of(0), mesh.material_of(1), mesh.material_of(2)), (Some(8), None, None));
     assert_eq!(mesh.corner_uvs(0), Some([DVec2::ONE; 3]));
     assert_eq!(mesh.corner_uvs(1), Some([DVec2::ZERO; 3]));
 }
 
-/// However a cube's sides are cut, the normals of its corners point away from its middle.
+/// Whatever the triangulation of a cube's faces, the normals of its corners point away from its centre.
 #[test]
 fn smooth_normals_do_not_depend_on_the_cut() {
     let mut random = Random(8);
@@ -58,21 +58,22 @@ fn smooth_normals_do_not_depend_on_the_cut() {
         };
         let triangles: Vec<_> = sides.into_iter().flat_map(cut).collect();
         let positions = (0..8).map(corner).collect();
-        let mesh = Mesh::new(Parts { positions, triangles, ..Parts::default() }).expect("a cube");
+        let mesh =
+            TriangleMesh::new(MeshData { positions, triangles, ..MeshData::default() }).expect("a cube");
         for (position, normal) in mesh.positions().iter().zip(mesh.smooth_normals()) {
             assert!((position.normalize() - normal.as_dvec3()).length() < 1e-7, "{position} {normal}");
         }
     }
 }
 
-/// Triangles that only share positions, not indices, are smooth across their edges all the same.
+/// Triangles that share positions but no indices are smooth across their edges too.
 #[test]
 fn equal_positions_share_their_normal() {
     let sphere = generate::icosphere(2);
     let positions: Vec<_> =
         sphere.triangles.iter().flatten().map(|vertex| sphere.positions[*vertex as usize]).collect();
     let triangles = (0..positions.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    let mesh = Mesh::new(Parts { positions, triangles, ..Parts::default() }).expect("a sphere");
+    let mesh = TriangleMesh::new(MeshData { positions, triangles, ..MeshData::default() }).expect("a sphere");
     for (position, normal) in mesh.positions().iter().zip(mesh.smooth_normals()) {
         assert!(position.dot(normal.as_dvec3()) > 0.99);
     }
@@ -81,7 +82,7 @@ fn equal_positions_share_their_normal() {
 #[test]
 fn icospheres_are_closed_and_turned_outwards() {
     for subdivisions in 0..3 {
-        let Parts { positions, triangles, .. } = generate::icosphere(subdivisions);
+        let MeshData { positions, triangles, .. } = generate::icosphere(subdivisions);
         assert_eq!(triangles.len(), 20 << (2 * subdivisions));
         assert_eq!(positions.len(), triangles.len() / 2 + 2, "Euler");
         for triangle in triangles {

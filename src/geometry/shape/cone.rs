@@ -1,21 +1,21 @@
 //! Cones and frustums.
 
-use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, Span, frustum::Frustum};
+use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, frustum::Frustum};
 use crate::base::digest::content;
 use crate::base::lanes::{Real, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay};
 
-/// What a [`Geometric`] that wraps a [`Frustum`] leaves to it: all but how it is read.
-macro_rules! as_its_frustum {
+/// Implements [`Geometric`], except `NAME` and `read`, for a wrapper of [`Frustum`].
+macro_rules! forward_to_frustum {
     () => {
         #[inline(always)]
-        fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+        fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
             self.0.intersect(&ray.ray, within)
         }
 
         #[inline(always)]
-        fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, apart: f64) -> LaneSurface<F> {
-            self.0.surface(ray, at, apart)
+        fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, origin_error: f64) -> LaneSurface<F> {
+            self.0.surface(ray, at, origin_error)
         }
 
         fn bounds(&self) -> Option<Aabb> {
@@ -26,9 +26,9 @@ macro_rules! as_its_frustum {
             self.0.transformed(affine).map(Self)
         }
 
-        /// On the side, u is the share of a turn, eastwards from the frame's -x and 0.5 at its +x, and v the
-        /// share of the height above the first end. On a flat end, the square around it, whose middle is
-        /// (0.5, 0.5) and which for an upright shape lies as on a disk that faces up or down.
+        /// On the side, u is the fraction of a turn, eastwards from the frame's -x, with 0.5 at its +x. v is the
+        /// fraction of the height above the first end. A flat end is mapped by its bounding square, with (0.5, 0.5) at
+        /// the centre. On an upright shape it is oriented like a disk that faces up or down.
         #[inline(always)]
         fn uv<F: Real>(&self, point: Vec3<F>, part: F::U32) -> [F; 2] {
             self.0.uv(point, part)
@@ -49,21 +49,22 @@ macro_rules! as_its_frustum {
     };
 }
 
-pub(super) use as_its_frustum;
+pub(super) use forward_to_frustum;
 
-/// The cone over a circle, up to its tip or to another circle; closed where it is flat, or open.
+/// A cone up to its tip, or a frustum up to a second circle. Its flat ends are closed or open.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cone(Frustum);
 
 content!(struct Cone(frustum));
 
 impl Cone {
-    /// `radius` around `base` is above 0, `top_radius` around `apex` not below; none if `base` is `apex`.
+    /// `radius` around `base` must be above 0, and `top_radius` around `apex` at least 0. None if `base` equals
+    /// `apex`.
     pub fn new(base: DVec3, apex: DVec3, radius: f64, top_radius: f64, capped: bool) -> Option<Self> {
         Frustum::new((base, radius), (apex, top_radius), capped).map(Self)
     }
 
-    /// The middles of both ends with their radii, and whether they are closed.
+    /// The centres and radii of both ends, and whether they are closed.
     pub fn ends(&self) -> ([(DVec3, f64); 2], bool) {
         self.0.ends()
     }
@@ -86,5 +87,5 @@ impl Geometric for Cone {
         cone
     }
 
-    as_its_frustum!();
+    forward_to_frustum!();
 }

@@ -1,11 +1,11 @@
 //! Axis-aligned boxes.
 
-use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, Span, exit};
+use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, exit};
 use crate::base::digest::content;
 use crate::base::lanes::{Mask, Real, Row, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, gamma, next_away};
 
-/// The surface of the axis-aligned box from `min` to `max`, each of whose sides is longer than 0.
+/// The surface of the axis-aligned box from `min` to `max`. Each side is longer than 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     pub min: DVec3,
@@ -33,25 +33,25 @@ impl Geometric for Cuboid {
         Some(Self { min, max })
     }
 
-    /// Slabs: a line is inside the box from the last entry to the first exit. Every side of the box is a difference of
-    /// two coordinates, so its sign, and with it what lies ahead, is exact.
+    /// Slab test: a line is inside the box from the last entry to the first exit. The distance to each plane is a
+    /// difference of two coordinates, so its sign is exact, and so is which planes are ahead.
     #[inline(always)]
-    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
         let Crossings { enter, leave, .. } = self.crossings(&ray.ray);
         let t = F::select(within.min.lt(enter), enter, exit(enter, leave, within));
         LaneHit::within(enter.le(leave), t, within)
     }
 
-    /// The face is one that the ray enters by, or else leaves by: on an edge of the box that is never the face beyond
-    /// the edge, which the ray may not see. The point is put onto its plane exactly, and stays off all edges, so that a
-    /// ray that goes in there is between all faces, and leaves the box once.
+    /// The face that the ray enters by, or else leaves by. On an edge this is never the face around the edge, which
+    /// the ray may not see. The point lies exactly in the plane of the face and off all edges. So a ray that continues
+    /// inside is between all faces and leaves the box once.
     #[inline(always)]
-    fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, apart: f64) -> LaneSurface<F> {
+    fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, origin_error: f64) -> LaneSurface<F> {
         let (zero, one) = (F::splat(0.0), F::splat(1.0));
         let crossings = self.crossings(ray);
         let enters = crossings.enter.eq(at.t);
         let across = crossings.across(enters);
-        let (min, max) = self.clear_of_edges(apart);
+        let (min, max) = self.clear_of_edges(origin_error);
         let point = ray.at(at.t).max(Vec3::splat(min)).min(Vec3::splat(max));
         // Outwards: against the ray where it enters.
         let side = F::select(enters, -one, one);
@@ -78,7 +78,7 @@ impl Geometric for Cuboid {
         Some(Aabb { min: self.min, max: self.max })
     }
 
-    /// A box stays one when moved and scaled along its axes.
+    /// A box stays a box under translation and scaling along its axes.
     fn transformed(&self, affine: &DAffine3) -> Option<Self> {
         let m = affine.matrix3;
         let scale = DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z);
@@ -86,8 +86,8 @@ impl Geometric for Cuboid {
         (m == glam::DMat3::from_diagonal(scale)).then(|| Self { min: a.min(b), max: a.max(b) })
     }
 
-    /// 0..=1 over each face, upright when seen from outside with +y up; the top and the bottom as seen with
-    /// -z and +z up.
+    /// 0..=1 over each face, upright when seen from outside with +y up. The top and the bottom are seen with -z and +z
+    /// up.
     #[inline(always)]
     fn uv<F: Real>(&self, point: Vec3<F>, _: F::U32) -> [F; 2] {
         let (half, one, side) = (F::splat(0.5), F::splat(1.0), self.max - self.min);
@@ -110,7 +110,7 @@ impl Geometric for Cuboid {
         Some(2.0 * self.faces().element_sum())
     }
 
-    /// A pair of faces by its area, then one of the two.
+    /// Selects a pair of faces by area, then one of the two.
     #[inline(always)]
     fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
         let (zero, one, two) = (F::splat(0.0), F::splat(1.0), F::splat(2.0));
@@ -141,18 +141,18 @@ impl Geometric for Cuboid {
     }
 }
 
-/// Where lines enter and leave a box; the first after the second if they pass by.
+/// Where lines enter and leave a box. If a line misses, `enter` is after `leave`.
 struct Crossings<F: Real> {
     enter: F,
     leave: F,
-    /// The axes across which they do.
+    /// The axes of the planes at entry and at exit.
     enter_across: [F::Mask; 3],
     leave_across: [F::Mask; 3],
 }
 
 impl<F: Real> Crossings<F> {
-    /// Takes the planes across an axis, of which the line is inside from `near` to `far`. Of axes at the same t the
-    /// first one counts.
+    /// Intersects with the slab of an axis, in which the line is inside from `near` to `far`. If several axes have the
+    /// same t, the first one counts.
     #[inline(always)]
     fn cut(&mut self, axis: usize, near: F, far: F) {
         let later = self.enter.lt(near);
@@ -167,7 +167,7 @@ impl<F: Real> Crossings<F> {
         self.leave_across[axis] = sooner;
     }
 
-    /// The axes of the entry in the lanes of a mask, of the exit elsewhere.
+    /// The axes of the entry in the lanes of a mask, and of the exit elsewhere.
     #[inline(always)]
     fn across(&self, enters: F::Mask) -> [F::Mask; 3] {
         let [a, b, c] = self.enter_across;
@@ -190,7 +190,7 @@ impl Cuboid {
         crossings
     }
 
-    /// From which t to which a line is between the planes across an axis; along them everywhere or nowhere.
+    /// The t at which a line enters and leaves the slab of an axis. A parallel line is inside everywhere or nowhere.
     #[inline(always)]
     fn slab<F: Real>(&self, axis: usize, origin: F, direction: F) -> (F, F) {
         let (low, high) = (F::splat(self.min[axis]), F::splat(self.max[axis]));
@@ -202,16 +202,16 @@ impl Cuboid {
         (F::select(along, near, a.min(b)), F::select(along, far, a.max(b)))
     }
 
-    /// Between which corners points are that far, and at least one number, off all edges; the middle twice if
-    /// there are none.
-    fn clear_of_edges(&self, apart: f64) -> (DVec3, DVec3) {
-        let min = (self.min + apart).map(|v| next_away(v, 1.0));
-        let max = (self.max - apart).map(|v| next_away(v, -1.0));
+    /// The corners of the region that is off all edges by at least `origin_error` and one float. If that region is
+    /// empty, the centre twice.
+    fn clear_of_edges(&self, origin_error: f64) -> (DVec3, DVec3) {
+        let min = (self.min + origin_error).map(|v| next_away(v, 1.0));
+        let max = (self.max - origin_error).map(|v| next_away(v, -1.0));
         let middle = self.min * 0.5 + self.max * 0.5;
         (min.min(middle), max.max(middle))
     }
 
-    /// The areas of one face across each axis.
+    /// The area of one face across each axis.
     fn faces(&self) -> DVec3 {
         let side = self.max - self.min;
         DVec3::new(side.y * side.z, side.z * side.x, side.x * side.y)
@@ -222,13 +222,13 @@ impl Cuboid {
 mod tests {
     use super::*;
     use crate::base::math::Ray;
-    use crate::geometry::bvh::Probe;
-    use crate::geometry::shape::{Crossing, OneRay};
+    use crate::geometry::bvh::TraversalRay;
+    use crate::geometry::shape::{OneRay, ShapeHit};
 
     const UNIT: Cuboid = Cuboid { min: DVec3::ZERO, max: DVec3::ONE };
 
     fn hit(origin: DVec3, direction: DVec3) -> Option<f64> {
-        UNIT.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY).map(|crossing| crossing.t)
+        UNIT.hit(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY).map(|hit| hit.t)
     }
 
     #[test]
@@ -254,12 +254,12 @@ mod tests {
     fn the_surface_is_on_the_face_that_is_crossed() {
         let surface = |origin, direction| {
             let t = hit(origin, direction).expect("a hit");
-            let surface = UNIT.surface_at(&Ray { origin, direction }, Crossing::at(t));
+            let surface = UNIT.surface_at(&Ray { origin, direction }, ShapeHit::at(t));
             (surface.point, surface.normal)
         };
         let top = surface(DVec3::new(0.2, 3.0, 0.7), DVec3::NEG_Y);
         assert_eq!(top, (DVec3::new(0.2, 1.0, 0.7), DVec3::Y));
-        // Along an edge of the top: its sides are not seen.
+        // Along an edge of the top: the ray does not see the sides.
         assert_eq!(surface(DVec3::new(1.0, 3.0, 0.7), DVec3::NEG_Y).1, DVec3::Y);
         let inside = surface(DVec3::new(0.1, 0.4, 0.7), DVec3::new(-1.0, 0.5, 0.25));
         assert_eq!((inside.0.x, inside.1), (0.0, DVec3::NEG_X));

@@ -1,25 +1,26 @@
 //! Cylinders.
 
 use super::{
-    Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, Span, cone::as_its_frustum, frustum::Frustum,
+    Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, cone::forward_to_frustum,
+    frustum::Frustum,
 };
 use crate::base::digest::content;
 use crate::base::lanes::{Real, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay};
 
-/// All points at a distance from the line between two points; with both ends closed, or open.
+/// All points at a distance from a segment, with both ends closed or open.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cylinder(Frustum);
 
 content!(struct Cylinder(frustum));
 
 impl Cylinder {
-    /// `radius` is above 0; none if `from` is `to`.
+    /// `radius` must be above 0. None if `from` equals `to`.
     pub fn new(from: DVec3, to: DVec3, radius: f64, capped: bool) -> Option<Self> {
         Frustum::new((from, radius), (to, radius), capped).map(Self)
     }
 
-    /// The middles of both ends with their radii, and whether they are closed.
+    /// The centres and radii of both ends, and whether they are closed.
     pub fn ends(&self) -> ([(DVec3, f64); 2], bool) {
         self.0.ends()
     }
@@ -41,5 +42,5 @@ impl Geometric for Cylinder {
         cylinder
     }
 
-    as_its_frustum!();
+    forward_to_frustum!();
 }

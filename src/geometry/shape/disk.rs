@@ -1,11 +1,11 @@
 //! Flat disks.
 
-use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, Span, flat};
+use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, flat};
 use crate::base::digest::content;
 use crate::base::lanes::{Real, Row, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, cos_sin_of_turns, gamma};
 
-/// The flat disk of `radius` (above 0) around `center`, across the unit vector `normal`.
+/// The flat disk of `radius` (above 0) around `center`, perpendicular to the unit vector `normal`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disk {
     pub center: DVec3,
@@ -26,7 +26,7 @@ impl Geometric for Disk {
     }
 
     #[inline(always)]
-    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
         let center = Vec3::splat(self.center);
         let at = flat::crossing(center, Vec3::splat(self.normal), &ray.ray, within);
         let from_center = ray.ray.at(at.t) - center;
@@ -39,23 +39,23 @@ impl Geometric for Disk {
         flat::placed(Vec3::splat(self.center), ray.at(at.t), Vec3::splat(self.normal))
     }
 
-    /// A disk reaches r·sqrt(1 - n²) along each axis.
+    /// The extent along each axis is r·sqrt(1 - n²).
     fn bounds(&self) -> Option<Aabb> {
         let n = self.normal;
         let sines = (DVec3::ONE - n * n).max(DVec3::ZERO).map(f64::sqrt);
-        // 1 - n² cancels near 1: its rounding is an absolute one, so the square root's is that of √u.
+        // 1 - n² cancels near 1: its rounding is absolute, so the square root is off by up to √u.
         let reach = (sines + DVec3::splat(gamma(8).sqrt())) * self.radius;
         let rounding = (self.center.abs() + reach) * gamma(4);
         Some(Aabb { min: self.center - reach, max: self.center + reach }.padded(rounding))
     }
 
-    /// A disk is only moved here, not turned or scaled.
+    /// Only translation is supported. Other maps move the rays.
     fn transformed(&self, affine: &DAffine3) -> Option<Self> {
         let moved = affine.matrix3 == glam::DMat3::IDENTITY;
         moved.then(|| Self { center: self.center + affine.translation, ..*self })
     }
 
-    /// The square around the disk, as `flat::axes` lies in its plane: (0.5, 0.5) is the centre.
+    /// Coordinates in the square around the disk, along `flat::axes`: (0.5, 0.5) is the centre.
     #[inline(always)]
     fn uv<F: Real>(&self, point: Vec3<F>, _: F::U32) -> [F; 2] {
         let (right, up) = flat::axes(self.normal);
@@ -82,7 +82,7 @@ impl Geometric for Disk {
 mod tests {
     use super::*;
     use crate::base::math::Ray;
-    use crate::geometry::bvh::Probe;
+    use crate::geometry::bvh::TraversalRay;
     use crate::geometry::shape::OneRay;
 
     #[test]
@@ -90,7 +90,7 @@ mod tests {
         let disk = Disk { center: DVec3::Y, normal: DVec3::Y, radius: 2.0 };
         let down = |x: f64| {
             let ray = Ray { origin: DVec3::new(x, 5.0, 0.0), direction: DVec3::NEG_Y };
-            disk.hit(&Probe::new(ray), f64::INFINITY).map(|crossing| crossing.t)
+            disk.hit(&TraversalRay::new(ray), f64::INFINITY).map(|hit| hit.t)
         };
         assert_eq!([0.0, 2.0, -2.0].map(down), [Some(4.0); 3]);
         assert_eq!(down(2.0_f64.next_up()), None);

@@ -1,24 +1,29 @@
-//! What all flat shapes share: the plane they lie in.
+//! The plane of flat shapes.
 
-use super::{LaneHit, LaneSurface, Span};
+use super::{LaneHit, LaneSurface, RayInterval};
 use crate::base::lanes::{Real, Vec3};
 use crate::base::math::{DAffine3, DVec3, LaneRay, gamma};
 
-/// Where rays cross the plane through `anchor` across `normal` (any length), within bounds.
-/// A ray within the plane does not cross it.
+/// Where rays cross the plane through `anchor` perpendicular to `normal` (any length), within bounds. A ray within the
+/// plane does not cross it.
 #[inline(always)]
-pub fn crossing<F: Real>(anchor: Vec3<F>, normal: Vec3<F>, ray: &LaneRay<F>, within: Span<F>) -> LaneHit<F> {
+pub fn crossing<F: Real>(
+    anchor: Vec3<F>,
+    normal: Vec3<F>,
+    ray: &LaneRay<F>,
+    within: RayInterval<F>,
+) -> LaneHit<F> {
     let along = normal.dot(ray.direction);
     let height = normal.dot(anchor - ray.origin);
     LaneHit::within(!along.eq(F::splat(0.0)), height / along, within)
 }
 
-/// The points of the planes through `anchor` across the unit vector `normal` that are next to `near`.
+/// Projects `near` onto the plane through `anchor` perpendicular to the unit vector `normal`.
 ///
-/// A ray's point is projected onto the plane along the normal. What remains is the rounding of the
-/// projection's height, a dot product over `anchor - point` (at most gamma(4) of its terms; twice, as
-/// [`crossing`] rounds it again with a normal of another length), that of the normal's own length, which
-/// leaves a part of the height that was projected away, and that of the point's coordinates.
+/// The error bound has three terms. The first is the rounding of the projected height, a dot product over `anchor -
+/// point`: at most gamma(4) of its terms, twice, as [`crossing`] rounds it again with a normal of another length. The
+/// second is the rounding of the normal's own length, which leaves a fraction of the height. The third is the rounding
+/// of the point's coordinates.
 #[inline(always)]
 pub fn placed<F: Real>(anchor: Vec3<F>, near: Vec3<F>, normal: Vec3<F>) -> LaneSurface<F> {
     let height = normal.dot(anchor - near);
@@ -29,15 +34,15 @@ pub fn placed<F: Real>(anchor: Vec3<F>, near: Vec3<F>, normal: Vec3<F>) -> LaneS
     LaneSurface::new(point, error, normal)
 }
 
-/// Two axes of the plane across the unit vector `normal`, to the right and upwards for who looks at the
-/// plane against its normal with +y up; on planes across the y axis, with -z (from above) or +z up.
+/// Two axes of the plane perpendicular to the unit vector `normal`: right and up, for a viewer who faces the plane
+/// with +y up. On planes across the y axis, up is -z (seen from above) or +z.
 pub fn axes(normal: DVec3) -> (DVec3, DVec3) {
     let away = if normal.y.abs() > 0.9 { DVec3::new(0.0, 0.0, -normal.y.signum()) } else { DVec3::Y };
     let right = away.cross(normal).normalize_or(DVec3::X);
     (right, normal.cross(right))
 }
 
-/// The a and b of `offset` = a·`u` + b·`v`, for an offset in their plane.
+/// Solves `offset` = a·`u` + b·`v` for a and b. The offset lies in the plane of `u` and `v`.
 #[inline(always)]
 pub fn shares<F: Real>(offset: Vec3<F>, u: Vec3<F>, v: Vec3<F>) -> [F; 2] {
     let n = u.cross(v);
@@ -45,14 +50,14 @@ pub fn shares<F: Real>(offset: Vec3<F>, u: Vec3<F>, v: Vec3<F>) -> [F; 2] {
     [offset.cross(v).dot(n) / square, u.cross(offset).dot(n) / square]
 }
 
-/// Whether two edges enclose an area: not if one vanishes or they are parallel to within rounding.
+/// Whether two edges enclose an area. They do not if one is zero or if they are parallel to within rounding.
 pub fn spans_a_plane(u: DVec3, v: DVec3) -> bool {
     let (Some(u), Some(v)) = (u.try_normalize(), v.try_normalize()) else { return false };
     u.cross(v).length() > 4.0 * f64::EPSILON
 }
 
-/// The unit normal of a surface moved by `affine`: the inverse transpose, by cofactors, so that no inverse
-/// is needed and nothing overflows near a singular one. It stays on its side of what is mirrored.
+/// The unit normal of a surface moved by `affine`: the inverse transpose, computed from cofactors. So no inverse is
+/// needed, and nothing overflows near a singular map. A mirrored surface keeps its outer side.
 pub fn moved_normal(affine: &DAffine3, normal: DVec3) -> DVec3 {
     let m = affine.matrix3;
     let cofactors = [m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis)];

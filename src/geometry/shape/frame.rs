@@ -1,4 +1,4 @@
-//! Shapes around an axis, in a space of their own where that is the y axis.
+//! The local frame of shapes around an axis, which is its y axis.
 
 use super::{LaneSurface, flat};
 use crate::base::digest::content;
@@ -6,24 +6,24 @@ use crate::base::lanes::{Real, Vec3};
 use crate::base::math::{DAffine3, DMat3, DVec3, LaneRay, UNIT_ROUNDOFF, atan2, gamma, perpendicular};
 use std::f64::consts::TAU;
 
-/// A point and three perpendicular unit vectors: the axes of a shape, of which y is its own one. A mirrored
-/// shape has a left-handed frame.
+/// A point and three perpendicular unit vectors; y is the axis of the shape. The frame of a mirrored shape is
+/// left-handed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
+pub struct ShapeFrame {
     pub origin: DVec3,
     pub axes: DMat3,
 }
 
-content!(struct Frame { origin, axes });
+content!(struct ShapeFrame { origin, axes });
 
-impl Frame {
-    /// The frame at `origin` whose y axis is the unit vector `axis`; upright, its axes are those of space.
+impl ShapeFrame {
+    /// The frame at `origin` whose y axis is the unit vector `axis`. If `axis` is +y, the axes are those of the world.
     pub fn along(origin: DVec3, axis: DVec3) -> Self {
         let (right, up) = flat::axes(axis);
         Self { origin, axes: DMat3::from_cols(unit(right), unit(axis), unit(-up)) }
     }
 
-    /// Rays in the frame; t stays the same.
+    /// Rays in the frame. t stays the same.
     #[inline(always)]
     pub fn local<F: Real>(&self, ray: &LaneRay<F>) -> LaneRay<F> {
         LaneRay { origin: self.local_point(ray.origin), direction: self.along_axes(ray.direction) }
@@ -40,19 +40,19 @@ impl Frame {
         Vec3::new(Vec3::splat(x_axis).dot(v), Vec3::splat(y_axis).dot(v), Vec3::splat(z_axis).dot(v))
     }
 
-    /// A vector of the frame in space, in glam's order of operations.
+    /// A vector of the frame in world space, in glam's order of operations.
     #[inline(always)]
     fn in_space<F: Real>(&self, v: Vec3<F>) -> Vec3<F> {
         let DMat3 { x_axis, y_axis, z_axis } = self.axes;
         Vec3::splat(x_axis) * v.x + Vec3::splat(y_axis) * v.y + Vec3::splat(z_axis) * v.z
     }
 
-    /// The surface at a point of the frame, with a unit normal, where the shape is known to `error`.
+    /// The surface at a point of the frame, with a unit normal. `error` is the shape's own error.
     ///
-    /// What is added to that along the normal is the way out of the frame and, as the next ray is moved into
-    /// it, back: a product with the axes each way (gamma(3), and the absolute values of an orthogonal matrix
-    /// lengthen a vector by 5/3 at most), the difference from the origin (1 u), and the axes, which are
-    /// perpendicular unit vectors to within 6 u. The sum with the origin rounds each coordinate.
+    /// The map out of the frame and back, as the next ray is moved into it, adds an error along the normal. A product
+    /// with the axes each way costs gamma(3); the absolute values of an orthogonal matrix lengthen a vector by at most
+    /// 5/3. The difference from the origin costs 1 u, and the axes are perpendicular unit vectors to within 6 u.
+    /// Adding the origin rounds each coordinate.
     #[inline(always)]
     pub fn surface<F: Real>(&self, point: Vec3<F>, normal: Vec3<F>, error: f64) -> LaneSurface<F> {
         let placed = Vec3::splat(self.origin) + self.in_space(point);
@@ -61,15 +61,15 @@ impl Frame {
         LaneSurface::new(placed, normal.abs() * error + placed.abs() * F::splat(gamma(1)), normal)
     }
 
-    /// How far from the seam between two smooth parts a point must stay, for a ray that [`Frame::surface`]
-    /// is the start of, on either side, to be on the right side of both parts: the point's own error, then
-    /// the ray's offset, which is at most that and a rounding of each coordinate, then the error of the test
-    /// from there. `reach` is the shape's extent and `error` that of [`Frame::surface`].
+    /// The distance that points keep from the seam between two smooth parts. A ray that starts at such a point of
+    /// [`ShapeFrame::surface`], on either side, is then on the right side of both parts. It covers the point's error,
+    /// the ray's offset (at most that error and a rounding of each coordinate), and the error of the next test.
+    /// `reach` is the shape's extent and `error` that of [`ShapeFrame::surface`].
     pub fn clearance(&self, reach: f64, error: f64) -> f64 {
         4.0 * (error + reach * ROUNDING) + gamma(8) * (self.origin.length() + reach)
     }
 
-    /// The frame moved by `affine`, which scales evenly.
+    /// The frame moved by `affine`, which must scale uniformly.
     pub fn moved(&self, affine: &DAffine3) -> Self {
         let m = affine.matrix3 * self.axes;
         let y = unit(m.y_axis);
@@ -78,23 +78,23 @@ impl Frame {
         Self { origin: affine.transform_point3(self.origin), axes: DMat3::from_cols(x, y, unit(z)) }
     }
 
-    /// How far circles of radius 1 around the axis reach along each axis of space: sqrt(1 - a²), from the
-    /// frame's other two axes, which does not cancel.
+    /// The extent of circles of radius 1 around the axis, along each world axis: sqrt(1 - a²). It is computed from the
+    /// other two axes of the frame, which does not cancel.
     pub fn circle_reach(&self) -> DVec3 {
         let (x, z) = (self.axes.x_axis, self.axes.z_axis);
         (x * x + z * z).map(f64::sqrt)
     }
 }
 
-/// Divided by its length: one rounding less than glam's product with the inverse length.
+/// The vector divided by its length: one rounding less than glam's product with the inverse length.
 fn unit(v: DVec3) -> DVec3 {
     v / v.length()
 }
 
-/// Of ways out of the frame and back, as a share of their length.
+/// Relative rounding of the map out of the frame and back.
 const ROUNDING: f64 = gamma(18);
 
-/// The share of a turn around the y axis, eastwards: 0.25 at +z, 0.5 at +x, and the seam at -x; below 1.
+/// The fraction of a turn around the y axis, eastwards, below 1: 0.25 at +z, 0.5 at +x, and the seam at -x.
 #[inline(always)]
 pub fn around<F: Real>(point: Vec3<F>) -> F {
     let share = F::splat(0.5) - atan2(point.z, point.x) / F::splat(TAU);
@@ -107,7 +107,7 @@ pub fn from_axis<F: Real>(v: Vec3<F>) -> F {
     (v.x * v.x + v.z * v.z).sqrt()
 }
 
-/// The unit vector (x, z) away from the y axis; +x on it.
+/// The unit vector (x, z) away from the y axis. On the axis it is +x.
 #[inline(always)]
 pub fn away_from_axis<F: Real>(v: Vec3<F>) -> [F; 2] {
     let (zero, one) = (F::splat(0.0), F::splat(1.0));
@@ -116,12 +116,12 @@ pub fn away_from_axis<F: Real>(v: Vec3<F>) -> [F; 2] {
     [F::select(sound, v.x * per_length, one), F::select(sound, v.z * per_length, zero)]
 }
 
-/// The factor by which `affine` scales in every direction; none if there is no such factor.
+/// The uniform scale factor of `affine`; none if the scale is not uniform.
 pub fn even_scale(affine: &DAffine3) -> Option<f64> {
     let m = affine.matrix3;
     let gram = m.transpose() * m;
     let square = gram.x_axis.x;
-    // Off by more than the rounding of the product: not even.
+    // A difference above the rounding of the product: not uniform.
     let off = (gram - DMat3::from_diagonal(DVec3::splat(square))).abs();
     let largest = off.x_axis.max(off.y_axis).max(off.z_axis).max_element();
     (largest <= square * 64.0 * UNIT_ROUNDOFF).then(|| square.sqrt())
@@ -133,14 +133,14 @@ mod tests {
     use crate::testing::Random;
 
     /// How far the axes are from perpendicular unit vectors.
-    fn defect(frame: &Frame) -> f64 {
+    fn defect(frame: &ShapeFrame) -> f64 {
         let off = (frame.axes.transpose() * frame.axes - DMat3::IDENTITY).abs();
         off.x_axis.max(off.y_axis).max(off.z_axis).max_element()
     }
 
     #[test]
     fn upright_frames_are_those_of_space() {
-        assert_eq!(Frame::along(DVec3::ONE, DVec3::Y).axes, DMat3::IDENTITY);
+        assert_eq!(ShapeFrame::along(DVec3::ONE, DVec3::Y).axes, DMat3::IDENTITY);
     }
 
     #[test]
@@ -148,7 +148,7 @@ mod tests {
         let mut random = Random(1);
         let mut worst = 0.0f64;
         for _ in 0..20_000 {
-            let frame = Frame::along(DVec3::ZERO, random.direction());
+            let frame = ShapeFrame::along(DVec3::ZERO, random.direction());
             let turn = DAffine3::from_axis_angle(random.direction(), 7.0 * random.unit());
             let even = turn * DAffine3::from_scale(DVec3::new(-3.3, 3.3, 3.3));
             for frame in [frame, frame.moved(&turn), frame.moved(&even)] {

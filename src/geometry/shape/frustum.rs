@@ -1,18 +1,18 @@
-//! What cylinders and cones have in common: a straight side around an axis, and two flat ends across it.
+//! Frustums, which cylinders and cones share: a straight side around an axis and two flat ends across it.
 
-use super::frame::{Frame, around, away_from_axis, even_scale, from_axis};
+use super::frame::{ShapeFrame, around, away_from_axis, even_scale, from_axis};
 use super::taper::{BOTTOM, Interval, SIDE, TOP, Taper};
-use super::{LaneHit, LaneSurface, Span, exit};
+use super::{LaneHit, LaneSurface, RayInterval, exit};
 use crate::base::digest::content;
 use crate::base::lanes::{Bits, Mask, Real, Row, Select, Vec3, out_of_line};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, cos_sin_of_turns, gamma};
 use std::f64::consts::PI;
 
-/// The surface around an axis whose radius changes evenly from the bottom to the top.
+/// A surface around an axis. Its radius changes linearly from the bottom to the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frustum {
-    /// At the middle of the axis. Boxed, so that a list of shapes is no larger for it.
-    frame: Box<Frame>,
+    /// At the middle of the axis. Boxed, to keep lists of shapes small.
+    frame: Box<ShapeFrame>,
     taper: Taper,
     /// Whether the ends are closed.
     capped: bool,
@@ -21,7 +21,7 @@ pub struct Frustum {
 content!(struct Frustum { frame, taper, capped });
 
 out_of_line! {
-    fn intersect<'k, F>(frustum: &'k Frustum, ray: &'k LaneRay<F>, within: Span<F>) -> LaneHit<F> {
+    fn intersect<'k, F>(frustum: &'k Frustum, ray: &'k LaneRay<F>, within: RayInterval<F>) -> LaneHit<F> {
         let Interval { enter, leave, enter_part, leave_part, meets } =
             frustum.taper.crossings(&frustum.frame.local(ray));
         let (side, all) = (F::U32::splat(SIDE), F::Mask::splat(frustum.capped));
@@ -33,10 +33,10 @@ out_of_line! {
 }
 
 out_of_line! {
-    fn surface<'k, F>(frustum: &'k Frustum, ray: &'k LaneRay<F>, at: LaneHit<F>, apart: f64) -> LaneSurface<F> {
+    fn surface<'k, F>(frustum: &'k Frustum, ray: &'k LaneRay<F>, at: LaneHit<F>, origin_error: f64) -> LaneSurface<F> {
         let ray = frustum.frame.local(ray);
         let near = ray.at(at.t);
-        let clearance = frustum.clearance(apart);
+        let clearance = frustum.clearance(origin_error);
         let on_side = at.part.eq(F::U32::splat(SIDE));
         let is_top = at.part.eq(F::U32::splat(TOP));
         if !on_side.any() {
@@ -55,7 +55,7 @@ out_of_line! {
         let zero = F::splat(0.0);
         let [side, bottom, top] = frustum.areas();
         let rest = u * F::splat(frustum.area());
-        // What rounding leaves over falls to the last part that there is.
+        // What rounding leaves over goes to the last part that exists.
         let on_side = rest.lt(F::splat(side)) | F::Mask::splat(bottom + top == 0.0);
         let rest = F::select(on_side, rest, rest - F::splat(side));
         let on_bottom = !on_side & (rest.lt(F::splat(bottom)) | F::Mask::splat(top == 0.0));
@@ -77,7 +77,7 @@ out_of_line! {
 }
 
 impl Frustum {
-    /// From `bottom` to `top`, each a centre and a radius; none if the axis between them has no length.
+    /// Each end is a centre and a radius. None if both centres are equal.
     pub fn new(bottom: (DVec3, f64), top: (DVec3, f64), capped: bool) -> Option<Self> {
         let span = top.0 - bottom.0;
         // Scaled first, so that the length does not underflow.
@@ -91,11 +91,11 @@ impl Frustum {
             mean: 0.5 * bottom.1 + 0.5 * top.1,
             lean: 0.5 * top.1 - 0.5 * bottom.1,
         };
-        let frame = Box::new(Frame::along(bottom.0 * 0.5 + top.0 * 0.5, axis));
+        let frame = Box::new(ShapeFrame::along(bottom.0 * 0.5 + top.0 * 0.5, axis));
         Some(Self { frame, taper, capped })
     }
 
-    /// The middles of both ends with their radii, and whether they are closed.
+    /// The centres and radii of both ends, and whether they are closed.
     pub fn ends(&self) -> ([(DVec3, f64); 2], bool) {
         let along = self.frame.axes.y_axis * self.taper.half;
         let end = |at: DVec3, part| (at, self.taper.end_radius(part));
@@ -103,23 +103,23 @@ impl Frustum {
         ([end(bottom, BOTTOM), end(top, TOP)], self.capped)
     }
 
-    /// Of an open one, the crossings of its ends are not seen.
+    /// An open frustum has no hits at its ends.
     #[inline(always)]
-    pub fn intersect<F: Real>(&self, ray: &LaneRay<F>, within: Span<F>) -> LaneHit<F> {
+    pub fn intersect<F: Real>(&self, ray: &LaneRay<F>, within: RayInterval<F>) -> LaneHit<F> {
         intersect(self, ray, within)
     }
 
-    /// Points stay clear of the seams between side and ends, and of a cone's tip, by as much as rounding may
-    /// move the ray that starts there, and by `apart`: from within, it is within all parts, so it leaves the solid
+    /// Points keep clear of the seams between side and ends, and of a cone's tip. The distance is the rounding of the
+    /// ray that starts there plus `origin_error`. So a ray from the inside is inside all parts and leaves the solid
     /// once.
     #[inline(always)]
-    pub fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, apart: f64) -> LaneSurface<F> {
-        surface(self, ray, at, apart)
+    pub fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, origin_error: f64) -> LaneSurface<F> {
+        surface(self, ray, at, origin_error)
     }
 
-    /// The direction away from the axis in which rays meet the side. At a tip, the point may be closer to the
-    /// axis than points of the side may be, or than the rounding of the way there; then that the ray enters or
-    /// leaves there tells the direction.
+    /// The direction from the axis to the point where rays hit the side. Near a tip, the point may be closer to the
+    /// axis than the rounding of its position. Then the direction of the ray decides, by whether the ray enters or
+    /// leaves.
     #[inline(always)]
     fn turn<F: Real>(&self, ray: &LaneRay<F>, t: F, clearance: f64) -> [F; 2] {
         let off = ray.at(t);
@@ -137,9 +137,9 @@ impl Frustum {
         [F::select(known, away[0], x), F::select(known, away[1], z)]
     }
 
-    /// The surface of the side next to `near`, in the direction `turn` from the axis. The point's share of the way from the
-    /// narrow end of the side to the wide one, which is 2, gives its coordinates in the plane of the axis: the radius to a
-    /// few roundings of itself, however close to a tip it is.
+    /// The surface of the side next to `near`, in the direction `turn` from the axis. The point's position along the
+    /// side runs from 0 at the narrow end to 2 at the wide one. It gives the coordinates in the plane of the axis. So
+    /// the radius is exact to a few of its own roundings, however close the tip is.
     #[inline(always)]
     fn side<F: Real>(&self, near: Vec3<F>, [x, z]: [F; 2], clearance: f64) -> LaneSurface<F> {
         let Taper { half, mean, lean } = self.taper;
@@ -160,10 +160,10 @@ impl Frustum {
         )
     }
 
-    /// Between which shares of the way from the narrow end to the wide one points of the side are clear of the ends, and of
-    /// a tip's other side. At the wide end, the side and the end enclose a sharp angle, whose sine is that of the side to
-    /// the axis: clear across the end is farther along the side. At the narrow end, and at a tip that is less steep, the
-    /// angle is a wide one, and what moves a ray off one part moves it off the other as well.
+    /// The positions along the side, from 0 to 2, that are clear of the ends and of the other side of a tip. At the
+    /// wide end, side and end form a sharp angle; its sine is that between the side and the axis. Clearance across the
+    /// end is therefore a longer distance along the side. At the narrow end, and at a blunt tip, the angle is obtuse:
+    /// an offset from one part also leaves the other.
     fn clear_shares(&self, clearance: f64) -> (f64, f64) {
         let Taper { half, mean, lean } = self.taper;
         let narrow = clearance / libm::hypot(half, lean);
@@ -183,7 +183,7 @@ impl Frustum {
         self.frame.surface(point, Vec3::new(zero, sign, zero), self.error())
     }
 
-    /// How far from the axis points of the top and of the bottom may be, to be clear of the side.
+    /// The largest distances from the axis at which points of the top and of the bottom are clear of the side.
     fn clear_radii(&self, clearance: f64) -> [f64; 2] {
         [(TOP, 1.0), (BOTTOM, -1.0)].map(|(part, sign)| {
             let is_wide = self.taper.lean * sign >= 0.0;
@@ -193,21 +193,21 @@ impl Frustum {
         })
     }
 
-    /// How far points stay from the axis at a tip, and from seams across the parts that meet there. Shapes flatter than
-    /// their rounding have no such points; theirs stay near where they are.
-    fn clearance(&self, apart: f64) -> f64 {
+    /// How far points keep from the axis at a tip, and from seams. A shape thinner than its rounding has no clear
+    /// points; its points stay near their position.
+    fn clearance(&self, origin_error: f64) -> f64 {
         let Taper { half, mean, lean } = self.taper;
-        let clearance = self.frame.clearance(self.taper.reach(), self.error()) + apart;
+        let clearance = self.frame.clearance(self.taper.reach(), self.error()) + origin_error;
         clearance.min(0.5 * (mean + lean.abs())).min(half)
     }
 
-    /// The rounding of the point within the frame and of the test of a ray from there: its distance from the
-    /// axis, the radius at its height, and the discriminant.
+    /// The rounding of the point in the frame and of the next ray's test: the distance from the axis, the radius at
+    /// that height, and the discriminant.
     fn error(&self) -> f64 {
         (self.taper.mean + self.taper.lean.abs()) * gamma(10) + self.taper.half * gamma(2)
     }
 
-    /// Both ends' circles.
+    /// The bounds of both end circles.
     pub fn bounds(&self) -> Aabb {
         let circle = self.frame.circle_reach();
         let end = |part: u32, sign: f64| {
@@ -218,7 +218,7 @@ impl Frustum {
         end(BOTTOM, -1.0).union(end(TOP, 1.0)).padded(rounding)
     }
 
-    /// Stays what it is under rotation, mirroring and even scaling.
+    /// A frustum stays one under rotation, mirroring and uniform scaling.
     pub fn transformed(&self, affine: &DAffine3) -> Option<Self> {
         let scale = even_scale(affine)?;
         let Taper { half, mean, lean } = self.taper;
@@ -226,7 +226,7 @@ impl Frustum {
         Some(Self { frame: Box::new(self.frame.moved(affine)), taper, capped: self.capped })
     }
 
-    /// On the side, the share of a turn and of the height; on an end, the square around it.
+    /// On the side, the fractions of a turn and of the height. On an end, coordinates in its bounding square.
     #[inline(always)]
     pub fn uv<F: Real>(&self, point: Vec3<F>, part: F::U32) -> [F; 2] {
         let half = F::splat(0.5);
@@ -259,14 +259,14 @@ impl Frustum {
         self.areas().iter().sum()
     }
 
-    /// A part by its area, then a point of it.
+    /// Selects a part by area, then a point of it.
     #[inline(always)]
     pub fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
         sample_area(self, u, v)
     }
 
-    /// The radius and height above which lies a given share of the side's area. From the bottom it grows as
-    /// the integral of the radius: a quadratic, solved without cancellation.
+    /// The radius and height at a given fraction of the side's area. From the bottom, the area grows as the integral
+    /// of the radius: a quadratic, solved without cancellation.
     #[inline(always)]
     fn side_sample<F: Real>(&self, share: F) -> (F, F) {
         let one = F::splat(1.0);

@@ -1,97 +1,103 @@
-//! What every shape can be asked.
+//! The interface of shapes.
 
-use super::{Crossing, LaneHit, LaneSurface, Parameters, PreparedRay, Span, Surface};
+use super::{LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, ShapeHit, Surface};
 use crate::base::color::Rgb;
 use crate::base::digest::Content;
 use crate::base::lanes::{Real, Row, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec2, DVec3, LaneRay, Ray};
-use crate::geometry::bvh::Probe;
-use crate::sampling::Frame;
+use crate::geometry::bvh::TraversalRay;
+use crate::sampling::LocalFrame;
 
-/// A shape in its own space. Its formulas are generic over the number of lanes: a row of rays, points or random numbers
-/// and one shape.
+/// A shape in its own space. Its formulas are generic over the number of lanes: rays, points or random numbers in
+/// lanes, and one shape.
 pub trait Geometric: Clone + PartialEq + Content {
-    /// The word that files call the shape by.
+    /// The name of the shape in files.
     const NAME: &'static str;
 
-    /// Makes the shape of what a file says; none if a parameter is missing or wrong, which has been reported.
+    /// Reads the shape from its parameters. None if a parameter is missing or wrong, which has been reported.
     fn read(parameters: &mut impl Parameters) -> Option<Self>;
 
-    /// The smallest t within bounds at which each ray meets the surface, from either side.
-    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F>;
+    /// The smallest t within bounds at which each ray hits the surface, from either side.
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F>;
 
-    /// Rays that meet the surface within bounds: those for which [`Geometric::intersect`] finds anything.
+    /// The rays that hit the surface within bounds: those for which [`Geometric::intersect`] finds a hit.
     #[inline(always)]
-    fn occludes<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> F::Mask {
+    fn occludes<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> F::Mask {
         self.intersect(ray, within).is_hit()
     }
 
     /// [`Geometric::intersect`] of one ray.
     #[inline(always)]
-    fn intersect_one(&self, probe: &Probe, within: Span<f64>) -> Option<Crossing> {
-        self.intersect(&PreparedRay::<f64>::splat(probe), within).one()
+    fn intersect_one(&self, ray: &TraversalRay, within: RayInterval<f64>) -> Option<ShapeHit> {
+        self.intersect(&PreparedRay::<f64>::splat(ray), within).one()
     }
 
     /// [`Geometric::occludes`] of one ray.
     #[inline(always)]
-    fn occludes_one(&self, probe: &Probe, within: Span<f64>) -> bool {
-        self.occludes(&PreparedRay::<f64>::splat(probe), within)
+    fn occludes_one(&self, ray: &TraversalRay, within: RayInterval<f64>) -> bool {
+        self.occludes(&PreparedRay::<f64>::splat(ray), within)
     }
 
-    /// The surface where [`Geometric::intersect`] found rays to cross it. If rays are moved to the shape, points of shapes
-    /// with edges stay clear of these by `apart` more than they would, as that is how far off the moves may bring the
-    /// next ray's origin; otherwise `apart` is 0.
-    fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, apart: f64) -> LaneSurface<F>;
+    /// The surface at the hits of [`Geometric::intersect`]. If rays are moved into the shape's space, the move may
+    /// shift the next ray's origin by up to `origin_error`. Points of shapes with edges keep that much more clear of
+    /// the edges. Otherwise `origin_error` is 0.
+    fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, origin_error: f64) -> LaneSurface<F>;
 
-    /// A box around the shape; none if it is infinite.
+    /// The bounds of the shape; none if it is infinite.
     fn bounds(&self) -> Option<Aabb>;
 
-    /// The shape that an affine map makes of this one; none if that is not in its class. A mirrored shape
-    /// keeps its normals outwards.
+    /// The shape transformed by an affine map. None if the result is not a shape of this class. A mirrored shape keeps
+    /// its normals outwards.
     fn transformed(&self, affine: &DAffine3) -> Option<Self>;
 
-    /// Texture coordinates u and v of points of the surface, in the shape's own space and to within rounding.
+    /// Texture coordinates u and v of points of the surface. The points are in the shape's own space, to within
+    /// rounding.
     fn uv<F: Real>(&self, point: Vec3<F>, part: F::U32) -> [F; 2];
 
-    /// Whether a part of the surface ends where u is 0 and 1, and where v is: else it closes there, or goes on for ever.
+    /// Whether a part of the surface ends at u = 0 and 1, and at v = 0 and 1. If not, it closes there or is infinite.
     fn uv_ends(&self, part: u32) -> [bool; 2] {
         let _ = part;
         [true; 2]
     }
 
-    /// Colour of the vertices at a point of the surface; white where they have none. The arguments are those
-    /// of [`Geometric::uv`].
+    /// The vertex colour at a point of the surface; white if there is none. Arguments as in [`Geometric::uv`].
     fn color(&self, point: DVec3, part: u32) -> Rgb {
         let _ = (point, part);
         Rgb::ONE
     }
 
-    /// The area of the surface; none if it is infinite or not known in closed form. Shapes that know theirs
-    /// also answer [`Geometric::sample_area`], and so can be found as lights.
+    /// The area of the surface. None if it is infinite or has no closed form. Shapes with an area implement
+    /// [`Geometric::sample_area`], so they can be sampled as lights.
     fn area(&self) -> Option<f64> {
         None
     }
 
-    /// Points of the surface with their parts, uniform over the area for u and v uniform in the unit square.
+    /// Samples points and their parts, uniformly over the area, from u and v uniform in the unit square.
     #[inline(always)]
     fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
         let _ = (u, v);
         (LaneSurface::new(Vec3::zero(), Vec3::zero(), Vec3::splat(DVec3::Y)), F::U32::splat(0))
     }
 
-    /// Points of the surface that `from` may see, with their parts and their densities per steradian there; 0 where
-    /// nothing is seen. What is drawn around a direction is turned as `eye` is, a frame that turns smoothly from one point
-    /// to the next.
+    /// Samples points that `from` may see. Returns the points, their parts and their densities per steradian at
+    /// `from`; 0 if no point is visible. Directions are sampled in the frame `eye`, which varies smoothly from point
+    /// to point.
     #[inline(always)]
-    fn sample_from<F: Real>(&self, from: Vec3<F>, eye: &Frame<F>, u: F, v: F) -> (LaneSurface<F>, F::U32, F) {
+    fn sample_from<F: Real>(
+        &self,
+        from: Vec3<F>,
+        eye: &LocalFrame<F>,
+        u: F,
+        v: F,
+    ) -> (LaneSurface<F>, F::U32, F) {
         let _ = eye;
         let (surface, part) = self.sample_area(u, v);
         let pdf = self.pdf_from(from, &surface);
         (surface, part, pdf)
     }
 
-    /// The density per steradian with which [`Geometric::sample_from`] gives the points `at`; 0 for those that it never
-    /// gives.
+    /// The density per steradian with which [`Geometric::sample_from`] samples the points `at`; 0 for points that it
+    /// never samples.
     #[inline(always)]
     fn pdf_from<F: Real>(&self, from: Vec3<F>, at: &LaneSurface<F>) -> F {
         match self.area() {
@@ -101,28 +107,28 @@ pub trait Geometric: Clone + PartialEq + Content {
     }
 }
 
-/// Shapes asked by one ray or point: the case of one lane.
+/// Queries of shapes with a single ray or point.
 pub trait OneRay {
-    /// Where a ray first meets the surface before `t_max`.
-    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing>;
-    /// Whether a ray meets the surface before `t_max`.
-    fn blocks(&self, probe: &Probe, t_max: f64) -> bool;
-    /// The surface where a ray meets it.
-    fn surface_at(&self, ray: &Ray, at: Crossing) -> Surface;
+    /// The first hit of a ray before `t_max`.
+    fn hit(&self, ray: &TraversalRay, t_max: f64) -> Option<ShapeHit>;
+    /// Whether a ray hits the surface before `t_max`.
+    fn blocks(&self, ray: &TraversalRay, t_max: f64) -> bool;
+    /// The surface at a hit of a ray.
+    fn surface_at(&self, ray: &Ray, at: ShapeHit) -> Surface;
     /// [`Geometric::uv`].
     fn uv_at(&self, point: DVec3, part: u32) -> DVec2;
 }
 
 impl<T: Geometric> OneRay for T {
-    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        self.intersect_one(probe, Span::up_to(t_max))
+    fn hit(&self, ray: &TraversalRay, t_max: f64) -> Option<ShapeHit> {
+        self.intersect_one(ray, RayInterval::up_to(t_max))
     }
 
-    fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
-        self.occludes_one(probe, Span::up_to(t_max))
+    fn blocks(&self, ray: &TraversalRay, t_max: f64) -> bool {
+        self.occludes_one(ray, RayInterval::up_to(t_max))
     }
 
-    fn surface_at(&self, ray: &Ray, at: Crossing) -> Surface {
+    fn surface_at(&self, ray: &Ray, at: ShapeHit) -> Surface {
         self.surface(&LaneRay::from(ray), at.into(), 0.0).into()
     }
 

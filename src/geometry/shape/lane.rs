@@ -1,12 +1,12 @@
-//! Rays, hits and surfaces in lanes: what every formula of a shape takes and gives.
+//! Rays, hits and surfaces in lanes: the arguments and results of shapes.
 
-use super::{Crossing, Surface, TriangleLanes, Vicinity};
+use super::{CoincidenceRange, ShapeHit, Surface};
 use crate::base::lanes::{Level, Mask, Real, Row, Select, Vec3};
 use crate::base::math::{DVec3, LaneRay, Ray};
-use crate::geometry::bvh::Probe;
+use crate::geometry::bvh::TraversalRay;
 
-/// The axes of [`PreparedRay`] of those lanes whose bits are set, if they are the same, given those of lanes that are
-/// longest along x, and along y.
+/// The axes of [`PreparedRay`] for the lanes whose bits are set; none if these lanes differ. `along_x` and `along_y`
+/// are the lanes whose direction is longest along x and along y.
 #[inline(always)]
 fn common_axes(along_x: u32, along_y: u32, wanted: u32) -> Option<[usize; 3]> {
     match (along_x & wanted, along_y & wanted) {
@@ -17,24 +17,23 @@ fn common_axes(along_x: u32, along_y: u32, wanted: u32) -> Option<[usize; 3]> {
     }
 }
 
-/// Rays with what tests along them share, computed once.
+/// Rays prepared for intersection tests.
 #[derive(Clone, Copy)]
 pub struct PreparedRay<F: Real> {
     pub ray: LaneRay<F>,
-    /// The axis along which the direction is longest, x before y before z of equal ones, behind the two others in cyclic
-    /// order, where that is the same in all lanes.
+    /// The other two axes in cyclic order, then the axis along which the direction is longest; among equals, x before
+    /// y before z. None if the lanes differ.
     axes: Option<[usize; 3]>,
-    /// Lanes in which it is along x, and along y.
+    /// The lanes whose direction is longest along x, and along y.
     along_x: F::Mask,
     along_y: F::Mask,
     /// The origin in the order of [`PreparedRay::turned`].
     origin: [F; 3],
-    /// 1 / direction along its longest axis.
+    /// 1 / the direction's component along its longest axis.
     pub per_longest: F,
     /// 1 / the square of the direction's length.
     pub per_square: F,
-    /// Direction along the two other axes, in cyclic order, over that along the longest: it shears the ray onto that
-    /// axis.
+    /// Direction along the two other axes over direction along the longest: shears the ray onto that axis.
     shear: [F; 2],
 }
 
@@ -58,40 +57,39 @@ impl<F: Real> PreparedRay<F> {
 
     /// The same ray in all lanes.
     #[inline(always)]
-    pub fn splat(probe: &Probe) -> Self {
-        let [x, y, longest] = probe.axes;
-        let origin = probe.ray.origin.to_array();
+    pub fn splat(ray: &TraversalRay) -> Self {
+        let [x, y, longest] = ray.axes;
+        let origin = ray.ray.origin.to_array();
         Self {
-            ray: LaneRay::splat(&probe.ray),
-            axes: Some(probe.axes),
+            ray: LaneRay::splat(&ray.ray),
+            axes: Some(ray.axes),
             along_x: F::Mask::splat(longest == 0),
             along_y: F::Mask::splat(longest == 1),
             origin: [F::splat(origin[x]), F::splat(origin[y]), F::splat(origin[longest])],
-            per_longest: F::splat(probe.inverse.to_array()[longest]),
-            per_square: F::splat(1.0 / probe.ray.direction.length_squared()),
-            shear: [F::splat(probe.shear[0]), F::splat(probe.shear[1])],
+            per_longest: F::splat(ray.inverse.to_array()[longest]),
+            per_square: F::splat(1.0 / ray.ray.direction.length_squared()),
+            shear: [F::splat(ray.shear[0]), F::splat(ray.shear[1])],
         }
     }
 
-    /// The axes of those lanes whose bits are set, if they are the same, the one along which the rays are longest last; and
-    /// the direction along the two others over that along the last.
+    /// The axes of the lanes whose bits are set, the longest last, and the shear onto the last axis. None if these
+    /// lanes differ.
     #[inline(always)]
     pub fn shear(&self, wanted: u32) -> Option<([usize; 3], [F; 2])> {
         Some((common_axes(self.along_x.bits(), self.along_y.bits(), wanted)?, self.shear))
     }
 
-    /// How near to each other hits have to be for their surfaces to be compared, of what lies between coordinates up to
-    /// `reach`.
+    /// The range within which hits may coincide, in a scene whose coordinates are up to `reach`.
     #[inline(always)]
-    pub fn vicinity(&self, reach: f64) -> Vicinity<F> {
-        Vicinity::new(self.ray.origin, self.per_longest, reach)
+    pub fn coincidence_range(&self, reach: f64) -> CoincidenceRange<F> {
+        CoincidenceRange::new(self.ray.origin, self.per_longest, reach)
     }
 
-    /// Coordinates in an order in which that of the longest axis is the last.
+    /// The coordinates, permuted so that the longest axis is last.
     #[inline(always)]
     fn turned(&self, v: Vec3<F>) -> [F; 3] {
         match self.axes {
-            // By a table: of single rays, a branch could not be predicted.
+            // By a table: for single rays, the processor could not predict a branch.
             Some([x, y, z]) if F::LANES == 1 => {
                 let all = [v.x, v.y, v.z];
                 [all[x], all[y], all[z]]
@@ -99,17 +97,22 @@ impl<F: Real> PreparedRay<F> {
             Some([.., 0]) => [v.y, v.z, v.x],
             Some([.., 1]) => [v.z, v.x, v.y],
             Some(_) => [v.x, v.y, v.z],
-            None => [self.pick(v.y, v.z, v.x), self.pick(v.z, v.x, v.y), self.pick(v.x, v.y, v.z)],
+            None => [
+                self.select_by_axis(v.y, v.z, v.x),
+                self.select_by_axis(v.z, v.x, v.y),
+                self.select_by_axis(v.x, v.y, v.z),
+            ],
         }
     }
 
-    /// The number for the longest axis.
+    /// The value for the longest axis.
     #[inline(always)]
-    fn pick(&self, x: F, y: F, z: F) -> F {
+    fn select_by_axis(&self, x: F, y: F, z: F) -> F {
         F::select(self.along_x, x, F::select(self.along_y, y, z))
     }
 
-    /// A point seen along the ray, which runs through 0; and its depth, as a t of the ray.
+    /// A point relative to the ray, sheared so that the ray runs along an axis through 0; and its depth as t of the
+    /// ray.
     #[inline(always)]
     pub fn sheared(&self, point: Vec3<F>) -> [F; 3] {
         let ([x, y, z], [from_x, from_y, from_z]) = (self.turned(point), self.origin);
@@ -118,25 +121,26 @@ impl<F: Real> PreparedRay<F> {
     }
 }
 
-/// The part of rays that is looked at: `min` < t < `max`.
+/// The interval of t in which hits count: `min` < t < `max`.
 #[derive(Clone, Copy, Debug)]
-pub struct Span<F> {
+pub struct RayInterval<F> {
     /// At least 0.
     pub min: F,
     pub max: F,
 }
 
-impl<F: Real> Span<F> {
-    /// From the start on.
+impl<F: Real> RayInterval<F> {
+    /// From the ray's origin on.
     #[inline(always)]
     pub fn up_to(max: F) -> Self {
         Self { min: F::splat(0.0), max }
     }
 }
 
-/// Where rays leave a convex solid: if they enter it ahead, then behind that, also where they only touch the solid.
+/// Where rays leave a convex solid. If a ray enters ahead of its origin, the exit is beyond the entry, even if the ray
+/// only touches the solid.
 #[inline(always)]
-pub fn exit<F: Real>(enter: F, leave: F, within: Span<F>) -> F {
+pub fn exit<F: Real>(enter: F, leave: F, within: RayInterval<F>) -> F {
     let zero = F::splat(0.0);
     if !zero.lt(within.min).any() {
         return leave;
@@ -144,30 +148,30 @@ pub fn exit<F: Real>(enter: F, leave: F, within: Span<F>) -> F {
     F::select(zero.lt(enter), leave.max(enter.next_away(F::splat(1.0))), leave)
 }
 
-/// Where rays meet a shape.
+/// Hits of rays with a shape.
 #[derive(Clone, Copy)]
 pub struct LaneHit<F: Real> {
-    /// Infinite where a ray misses.
+    /// Infinite if a ray misses.
     pub t: F,
-    /// Which part of the shape is met, in the shape's own numbering: a triangle of a mesh, a cap.
+    /// The part of the shape, in the shape's own numbering: a triangle of a mesh, a cap.
     pub part: F::U32,
-    /// Lanes in which something else is met so near that it is not certain which comes first.
-    pub crowded: F::Mask,
+    /// Lanes in which another hit is so near that the order is uncertain.
+    pub coincident: F::Mask,
 }
 
-impl From<Crossing> for LaneHit<f64> {
-    fn from(Crossing { t, part, crowded }: Crossing) -> Self {
-        Self { t, part, crowded }
+impl From<ShapeHit> for LaneHit<f64> {
+    fn from(ShapeHit { t, part, coincident }: ShapeHit) -> Self {
+        Self { t, part, coincident }
     }
 }
 
 impl<F: Real> LaneHit<F> {
     /// The same in all lanes.
     #[inline(always)]
-    pub fn splat(at: Option<Crossing>) -> Self {
+    pub fn splat(at: Option<ShapeHit>) -> Self {
         match at {
-            Some(Crossing { t, part, crowded }) => {
-                Self { t: F::splat(t), part: F::U32::splat(part), crowded: F::Mask::splat(crowded) }
+            Some(ShapeHit { t, part, coincident }) => {
+                Self { t: F::splat(t), part: F::U32::splat(part), coincident: F::Mask::splat(coincident) }
             }
             None => Self::none(),
         }
@@ -175,25 +179,25 @@ impl<F: Real> LaneHit<F> {
 
     #[inline(always)]
     pub fn none() -> Self {
-        Self { t: F::splat(f64::INFINITY), part: F::U32::splat(0), crowded: F::Mask::splat(false) }
+        Self { t: F::splat(f64::INFINITY), part: F::U32::splat(0), coincident: F::Mask::splat(false) }
     }
 
-    /// Hits at t in the lanes of a mask, as far as they are within bounds.
+    /// Hits at t in the lanes of a mask, if they are within bounds.
     #[inline(always)]
-    pub fn within(mask: F::Mask, t: F, within: Span<F>) -> Self {
+    pub fn within(mask: F::Mask, t: F, within: RayInterval<F>) -> Self {
         let hit = mask & within.min.lt(t) & t.lt(within.max);
         Self { t: F::select(hit, t, F::splat(f64::INFINITY)), ..Self::none() }
     }
 
     /// The hit of one lane.
     #[inline(always)]
-    pub fn lane(&self, lane: usize) -> Option<Crossing> {
+    pub fn lane(&self, lane: usize) -> Option<ShapeHit> {
         let t = self.t.to_array()[lane];
-        let (part, crowded) = (self.part.to_array()[lane], self.crowded.bits() >> lane & 1 == 1);
-        (t < f64::INFINITY).then_some(Crossing { t, part, crowded })
+        let (part, coincident) = (self.part.to_array()[lane], self.coincident.bits() >> lane & 1 == 1);
+        (t < f64::INFINITY).then_some(ShapeHit { t, part, coincident })
     }
 
-    /// Lanes in which something is met.
+    /// The lanes with a hit.
     #[inline(always)]
     pub fn is_hit(&self) -> F::Mask {
         self.t.lt(F::splat(f64::INFINITY))
@@ -206,7 +210,7 @@ impl<F: Real> Select<F::Mask> for LaneHit<F> {
         Self {
             t: F::select(mask, yes.t, no.t),
             part: F::U32::select(mask, yes.part, no.part),
-            crowded: yes.crowded & mask | no.crowded & !mask,
+            coincident: yes.coincident & mask | no.coincident & !mask,
         }
     }
 }
@@ -214,7 +218,7 @@ impl<F: Real> Select<F::Mask> for LaneHit<F> {
 impl LaneHit<f64> {
     /// The only lane.
     #[inline(always)]
-    pub fn one(self) -> Option<Crossing> {
+    pub fn one(self) -> Option<ShapeHit> {
         self.lane(0)
     }
 }
@@ -235,13 +239,13 @@ impl<F: Real> LaneSurface<F> {
         Self { point, error, normal, shading: normal, lift: Vec3::zero() }
     }
 
-    /// A point where there is nothing.
+    /// A placeholder for lanes without a surface.
     #[inline(always)]
     pub fn nowhere() -> Self {
         Self::new(Vec3::zero(), Vec3::zero(), Vec3::splat(DVec3::Y))
     }
 
-    /// The surfaces of eight lanes; those that there are not repeat the last one.
+    /// The surfaces of eight lanes. Lanes that do not exist repeat the last one.
     #[inline(always)]
     pub fn store(&self) -> [Surface; 8] {
         let (points, errors, normals) = (self.point.store(), self.error.store(), self.normal.store());
@@ -255,40 +259,21 @@ impl<F: Real> LaneSurface<F> {
         })
     }
 
-    /// Both normals turned to the other side in the lanes of a mask.
+    /// Flips both normals in the lanes of a mask.
     #[inline(always)]
     pub fn flipped(self, mask: F::Mask) -> Self {
         Self { normal: self.normal.negate_where(mask), shading: self.shading.negate_where(mask), ..self }
     }
 
-    /// Lanes in which light from this direction, which may lie below the surface's own horizon, falls on the smooth
-    /// surface that it stands for.
+    /// Lanes in which light from `direction` reaches the smooth surface that a mesh approximates. The direction may be
+    /// below the horizon of the flat triangle.
     #[inline(always)]
     pub fn smoothly_faces(&self, direction: Vec3<F>) -> F::Mask {
         self.lift.is_not_zero() & F::splat(0.0).lt(direction.dot(self.shading))
     }
 
-    /// The surface with its points as far from the edges of the flat triangles that they lie in as rounding may move rays
-    /// that start there: by their errors, their way off the surface and the error of the test from there, with a
-    /// neighbour at any angle but a sharp one. In triangles too small for that, the middle.
-    #[inline(always)]
-    pub fn clear_of_edges(self, triangle: &TriangleLanes<F>) -> Self {
-        let [a, b, c] = triangle.corners;
-        let [x, y] = triangle.weights(self.point);
-        let (zero, one) = (F::splat(0.0), F::splat(1.0));
-        let clear = F::splat(8.0) * self.error.length() / triangle.perpendicular().length();
-        // A weight is the distance from the opposite edge over the height above it, which is the doubled area over the
-        // edge.
-        let lack = (clear * (c - b).length() - (one - x - y))
-            .max(clear * (a - c).length() - x)
-            .max(clear * (b - a).length() - y);
-        let lack = lack.max(zero).min(F::splat(1.0 / 3.0));
-        let to_middle = (a - self.point) + (b - self.point) + (c - self.point);
-        Self { point: self.point + to_middle * lack, ..self }
-    }
-
-    /// A density per area at the point as one per solid angle, as seen `from` elsewhere; 0 where the surface is seen
-    /// from its edge.
+    /// Converts a density per area at the point to one per steradian, as seen `from` elsewhere. 0 if the surface is
+    /// seen edge-on.
     #[inline(always)]
     pub fn pdf_from(&self, from: Vec3<F>, per_area: F) -> F {
         let zero = F::splat(0.0);
@@ -337,16 +322,16 @@ impl From<&Surface> for LaneSurface<f64> {
     }
 }
 
-/// Eight rays in memory.
+/// Eight rays in memory, as structure of arrays.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub struct RayRows {
+pub struct StoredRays {
     origin: [[f64; 8]; 3],
     direction: [[f64; 8]; 3],
 }
 
-impl RayRows {
-    /// Of as many rays as there are lanes, eight at most.
+impl StoredRays {
+    /// Stores the rays of all lanes, at most eight.
     #[inline(always)]
     pub fn of<F: Real>(ray: &LaneRay<F>) -> Self {
         Self { origin: rows(ray.origin), direction: rows(ray.direction) }
@@ -369,15 +354,15 @@ impl RayRows {
     }
 }
 
-/// The coordinates of vectors, a row each.
+/// The coordinates of vectors, one array each.
 #[inline(always)]
 fn rows<F: Real>(v: Vec3<F>) -> [[f64; 8]; 3] {
-    [eight(v.x), eight(v.y), eight(v.z)]
+    [store_lanes(v.x), store_lanes(v.y), store_lanes(v.z)]
 }
 
-/// The numbers of all lanes; 0 in places that have none.
+/// The values of all lanes, padded with 0.
 #[inline(always)]
-pub fn eight<F: Real>(row: F) -> [f64; 8] {
+pub fn store_lanes<F: Real>(row: F) -> [f64; 8] {
     let (lanes, mut all) = (row.to_array(), [0.0; 8]);
     for (lane, value) in all.iter_mut().enumerate().take(F::LANES) {
         *value = lanes[lane];

@@ -1,12 +1,11 @@
-//! Shapes: where rays meet them, and the surface there with its error bound.
+//! Shapes: ray hits, and surfaces with their error bounds.
 //!
-//! One closed list, a file each: see [`Geometric`] for what a shape is asked. A shape lives in the space that
-//! its transform leads to the world from. Most shapes stay in their class under most transforms (a moved
-//! sphere is a sphere); those are moved once per change of geometry, see [`Geometric::transformed`], and the
-//! rest have their rays moved instead.
+//! A closed list with one file per shape; [`Geometric`] is their interface. The transform of an object leads from the
+//! shape's space to the world. Most shapes stay in their class under most transforms: a moved sphere is a sphere.
+//! Those are moved once per change of geometry by [`Geometric::transformed`]. For the others, rays are moved instead.
 
 mod lane;
-mod chord;
+mod torus_interval;
 mod cone;
 mod cuboid;
 mod cylinder;
@@ -26,8 +25,9 @@ mod surface;
 mod taper;
 mod torus;
 mod triangle;
-mod vicinity;
+mod coincidence_range;
 
+pub use coincidence_range::CoincidenceRange;
 pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
@@ -35,33 +35,32 @@ pub use disk::Disk;
 pub use flat::{placed as flat_surface, spans_a_plane};
 pub use geometric::{Geometric, OneRay};
 use lane::exit;
-pub use lane::{LaneHit, LaneSurface, PreparedRay, RayRows, Span, eight};
+pub use lane::{LaneHit, LaneSurface, PreparedRay, RayInterval, StoredRays, store_lanes};
 pub use mesh::Mesh;
 pub use parameters::Parameters;
 pub use plane::Plane;
 pub use rectangle::Rectangle;
 pub use sphere::{Sphere, SphereLanes};
-pub use surface::{Crossing, Surface};
+pub use surface::{ShapeHit, Surface};
 pub use torus::Torus;
 pub use triangle::{Triangle, TriangleLanes};
-pub use vicinity::Vicinity;
 
 use crate::base::color::Rgb;
 use crate::base::digest::content;
 use crate::base::lanes::{Level, Mask, Real, Row, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec2, DVec3, LaneRay, Ray};
-use crate::geometry::bvh::{Probe, Stack};
-use crate::sampling::Frame;
+use crate::geometry::bvh::{Stack, TraversalRay};
+use crate::sampling::LocalFrame;
 use bevy_ecs::component::Component;
 
-/// Declares [`Shape`] with its one dispatch: the same call for every shape that there is something to see of.
+/// Declares [`Shape`] with the dispatch to all visible shapes.
 macro_rules! shapes {
     ($($shape:ident),* $(,)?) => {
-        /// Every shape there is.
+        /// Any shape.
         #[derive(Clone, Component, Debug, PartialEq)]
         pub enum Shape {
             $($shape($shape),)*
-            /// Nothing to see: a frame of reference for the objects that name it as their parent.
+            /// Invisible: a frame of reference for the objects that name it as their parent.
             Group,
         }
 
@@ -77,11 +76,11 @@ macro_rules! shapes {
         content!(enum Shape { $($shape(shape),)* Group });
 
         impl Shape {
-            /// The words that files call shapes by.
+            /// The names of shapes in files.
             pub const NAMES: &[&str] = &[$($shape::NAME,)* "Group"];
 
-            /// Makes the shape called `name` of its parameters; none if there is no such shape, or if the
-            /// parameters, which have then been refused, make none.
+            /// Reads the shape called `name`. None if there is no such shape, or if its parameters are wrong, which
+            /// has been reported.
             pub fn read(name: &str, parameters: &mut impl Parameters) -> Option<Self> {
                 $(if name == $shape::NAME {
                     return $shape::read(parameters).map(Self::$shape);
@@ -89,7 +88,7 @@ macro_rules! shapes {
                 (name == "Group").then_some(Self::Group)
             }
 
-            /// The shape that an affine map makes of this one; none if that is not in its class.
+            /// The shape transformed by an affine map; none if the result is not in its class.
             pub fn transformed(&self, affine: &DAffine3) -> Option<Self> {
                 if *affine == DAffine3::IDENTITY {
                     return Some(self.clone());
@@ -103,19 +102,19 @@ macro_rules! shapes {
     };
 }
 
-// The list. A shape that is added here can be written in files, seen, placed and lit.
+// The list. Adding a shape here makes it readable, visible, transformable and usable as a light.
 shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid, Cylinder, Cone, Torus, Mesh);
 
 impl OneRay for Shape {
-    fn hit(&self, probe: &Probe, t_max: f64) -> Option<Crossing> {
-        each_shape!(self, shape => OneRay::hit(shape, probe, t_max), Group => None)
+    fn hit(&self, ray: &TraversalRay, t_max: f64) -> Option<ShapeHit> {
+        each_shape!(self, shape => OneRay::hit(shape, ray, t_max), Group => None)
     }
 
-    fn blocks(&self, probe: &Probe, t_max: f64) -> bool {
-        each_shape!(self, shape => OneRay::blocks(shape, probe, t_max), Group => false)
+    fn blocks(&self, ray: &TraversalRay, t_max: f64) -> bool {
+        each_shape!(self, shape => OneRay::blocks(shape, ray, t_max), Group => false)
     }
 
-    fn surface_at(&self, ray: &Ray, at: Crossing) -> Surface {
+    fn surface_at(&self, ray: &Ray, at: ShapeHit) -> Surface {
         self.surface(&LaneRay::from(ray), at.into(), 0.0).into()
     }
 
@@ -127,13 +126,13 @@ impl OneRay for Shape {
 impl Shape {
     /// See [`Geometric::intersect`].
     #[inline(always)]
-    pub fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+    pub fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
         each_shape!(self, shape => shape.intersect(ray, within), Group => LaneHit::none())
     }
 
     /// See [`Geometric::occludes`].
     #[inline(always)]
-    pub fn occludes<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> F::Mask {
+    pub fn occludes<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> F::Mask {
         each_shape!(self, shape => shape.occludes(ray, within), Group => F::Mask::splat(false))
     }
 
@@ -141,38 +140,43 @@ impl Shape {
     #[inline(always)]
     pub fn hit_one<L: Level>(
         &self,
-        probe: &Probe,
-        within: Span<f64>,
+        ray: &TraversalRay,
+        within: RayInterval<f64>,
         stack: Option<&mut Stack>,
-    ) -> Option<Crossing> {
+    ) -> Option<ShapeHit> {
         match self {
             Self::Mesh(mesh) => match stack {
-                Some(stack) => mesh.nearest_on::<L>(probe, within, stack),
-                None => mesh.nearest_on::<L>(probe, within, &mut Stack::default()),
+                Some(stack) => mesh.closest_on::<L>(ray, within, stack),
+                None => mesh.closest_on::<L>(ray, within, &mut Stack::default()),
             },
-            _ => self.intersect::<f64>(&PreparedRay::splat(probe), within).one(),
+            _ => self.intersect::<f64>(&PreparedRay::splat(ray), within).one(),
         }
     }
 
     /// [`Shape::occludes`] of one ray.
     #[inline(always)]
-    pub fn blocks_one<L: Level>(&self, probe: &Probe, within: Span<f64>, stack: Option<&mut Stack>) -> bool {
+    pub fn blocks_one<L: Level>(
+        &self,
+        ray: &TraversalRay,
+        within: RayInterval<f64>,
+        stack: Option<&mut Stack>,
+    ) -> bool {
         match self {
             Self::Mesh(mesh) => match stack {
-                Some(stack) => mesh.any_on::<L>(probe, within, stack),
-                None => mesh.any_on::<L>(probe, within, &mut Stack::default()),
+                Some(stack) => mesh.any_on::<L>(ray, within, stack),
+                None => mesh.any_on::<L>(ray, within, &mut Stack::default()),
             },
-            _ => self.occludes::<f64>(&PreparedRay::splat(probe), within),
+            _ => self.occludes::<f64>(&PreparedRay::splat(ray), within),
         }
     }
 
     /// See [`Geometric::surface`].
     #[inline(always)]
-    pub fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, apart: f64) -> LaneSurface<F> {
-        each_shape!(self, shape => shape.surface(ray, at, apart), Group => LaneSurface::nowhere())
+    pub fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, origin_error: f64) -> LaneSurface<F> {
+        each_shape!(self, shape => shape.surface(ray, at, origin_error), Group => LaneSurface::nowhere())
     }
 
-    /// See [`Geometric::bounds`]; none also if there is nothing to see.
+    /// See [`Geometric::bounds`]; none for groups too.
     pub fn bounds(&self) -> Option<Aabb> {
         each_shape!(self, shape => shape.bounds(), Group => None)
     }
@@ -188,8 +192,7 @@ impl Shape {
         each_shape!(self, shape => shape.uv_ends(part), Group => [true; 2])
     }
 
-    /// Colour of the vertices at a point of the surface, white where there is none; the arguments are those of
-    /// [`Geometric::uv`].
+    /// The vertex colour at a point of the surface; white if there is none. Arguments as in [`Geometric::uv`].
     pub fn color(&self, point: DVec3, part: u32) -> Rgb {
         each_shape!(self, shape => shape.color(point, part), Group => Rgb::ONE)
     }
@@ -212,7 +215,7 @@ impl Shape {
     pub fn sample_from<F: Real>(
         &self,
         from: Vec3<F>,
-        eye: &Frame<F>,
+        eye: &LocalFrame<F>,
         u: F,
         v: F,
     ) -> (LaneSurface<F>, F::U32, F) {

@@ -1,11 +1,11 @@
 //! Infinite planes.
 
-use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, Span, flat};
+use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, flat};
 use crate::base::digest::content;
 use crate::base::lanes::{Real, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay};
 
-/// The infinite plane through `point` across the unit vector `normal`.
+/// The infinite plane through `point`, perpendicular to the unit vector `normal`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     pub point: DVec3,
@@ -24,7 +24,7 @@ impl Geometric for Plane {
     }
 
     #[inline(always)]
-    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
         flat::crossing(Vec3::splat(self.point), Vec3::splat(self.normal), &ray.ray, within)
     }
 
@@ -42,7 +42,7 @@ impl Geometric for Plane {
         Some(Self { point: affine.transform_point3(self.point), normal })
     }
 
-    /// Lengths along `flat::axes` from the plane's point.
+    /// Distances from the plane's point along `flat::axes`.
     #[inline(always)]
     fn uv<F: Real>(&self, point: Vec3<F>, _: F::U32) -> [F; 2] {
         let (right, up) = flat::axes(self.normal);
@@ -59,13 +59,13 @@ impl Geometric for Plane {
 mod tests {
     use super::*;
     use crate::base::math::Ray;
-    use crate::geometry::bvh::Probe;
+    use crate::geometry::bvh::TraversalRay;
     use crate::geometry::shape::OneRay;
 
     const GROUND: Plane = Plane { point: DVec3::ZERO, normal: DVec3::Y };
 
     fn hit(origin: DVec3, direction: DVec3) -> Option<f64> {
-        GROUND.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY).map(|crossing| crossing.t)
+        GROUND.hit(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY).map(|hit| hit.t)
     }
 
     #[test]

@@ -1,12 +1,12 @@
-//! Rectangles, and parallelograms, watertight at their edges.
+//! Rectangles and parallelograms, watertight at their edges.
 
 use super::triangle::covers;
-use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, Span, flat};
+use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, flat};
 use crate::base::digest::content;
 use crate::base::lanes::{Mask, Real, Row, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay};
 
-/// The parallelogram `corner` + a·`u` + b·`v` for a and b in 0..=1; `u` and `v` are not parallel.
+/// The parallelogram `corner` + a·`u` + b·`v` for a and b in 0..=1. `u` and `v` are not parallel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {
     pub corner: DVec3,
@@ -31,10 +31,10 @@ impl Geometric for Rectangle {
         Some(Self { corner, u, v })
     }
 
-    /// Inside all four edges, by the numbers of [`covers`](super::triangle::covers), so that rectangles and triangles
-    /// that share an edge have no gap between them.
+    /// Tests all four edges with the edge functions of [`covers`](super::triangle::covers). So rectangles and
+    /// triangles that share an edge have no gap between them.
     #[inline(always)]
-    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
         let [a, b, c, d] = self.corners();
         let (a, b, c, d) = (Vec3::splat(a), Vec3::splat(b), Vec3::splat(c), Vec3::splat(d));
         let normal = Vec3::splat(self.u.cross(self.v));
@@ -62,7 +62,7 @@ impl Geometric for Rectangle {
         Some(Self { corner: affine.transform_point3(self.corner), u, v })
     }
 
-    /// The shares of `u` and `v`: 0..=1.
+    /// The coordinates along `u` and `v`: 0..=1.
     #[inline(always)]
     fn uv<F: Real>(&self, point: Vec3<F>, _: F::U32) -> [F; 2] {
         flat::shares(point - Vec3::splat(self.corner), Vec3::splat(self.u), Vec3::splat(self.v))
@@ -95,7 +95,7 @@ impl Rectangle {
 mod tests {
     use super::*;
     use crate::base::math::Ray;
-    use crate::geometry::bvh::Probe;
+    use crate::geometry::bvh::TraversalRay;
     use crate::geometry::shape::OneRay;
 
     #[test]
@@ -103,7 +103,7 @@ mod tests {
         let rectangle = Rectangle { corner: DVec3::ZERO, u: DVec3::X * 3.0, v: DVec3::Z * 2.0 };
         let below = |x: f64, z: f64| {
             let ray = Ray { origin: DVec3::new(x, 1.0, z), direction: DVec3::NEG_Y };
-            rectangle.hit(&Probe::new(ray), f64::INFINITY).map(|crossing| crossing.t)
+            rectangle.hit(&TraversalRay::new(ray), f64::INFINITY).map(|hit| hit.t)
         };
         for (x, z) in [(0.0, 0.0), (3.0, 0.0), (3.0, 2.0), (0.0, 2.0), (1.5, 1.0)] {
             assert_eq!(below(x, z), Some(1.0), "({x}, {z})");

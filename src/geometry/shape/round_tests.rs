@@ -1,9 +1,9 @@
-//! Cylinders, cones and tori: the hard cases, and oracles that share nothing with the formulas under test.
+//! Cylinders, cones and tori: hard cases, and reference solutions that do not use the formulas under test.
 
-use super::{Cone, Crossing, Cylinder, Geometric, OneRay, Surface, Torus};
+use super::{Cone, Cylinder, Geometric, OneRay, ShapeHit, Surface, Torus};
 use crate::accuracy::exact::{Exact, Vector};
 use crate::base::math::{DAffine3, DMat3, DVec2, DVec3, Ray, UNIT_ROUNDOFF};
-use crate::geometry::bvh::Probe;
+use crate::geometry::bvh::TraversalRay;
 use crate::testing::Random;
 
 /// Rays per sweep.
@@ -24,17 +24,16 @@ fn cone(top_radius: f64, capped: bool) -> Cone {
 }
 
 fn hit(shape: &impl Geometric, origin: DVec3, direction: DVec3) -> Option<f64> {
-    shape.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY).map(|crossing| crossing.t)
+    shape.hit(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY).map(|hit| hit.t)
 }
 
 fn met(shape: &impl Geometric, origin: DVec3, direction: DVec3) -> (f64, Surface) {
     let ray = Ray { origin, direction };
-    let at = shape.hit(&Probe::new(ray), f64::INFINITY).expect("a hit");
+    let at = shape.hit(&TraversalRay::new(ray), f64::INFINITY).expect("a hit");
     (at.t, shape.surface_at(&ray, at))
 }
 
-/// Every t at which the ray meets the shape, found one behind the other: each hit bounds the next search from
-/// below by a new origin a little further on.
+/// All t at which the ray hits the shape. Each next search starts at a new origin slightly beyond the last hit.
 fn all(shape: &impl Geometric, ray: Ray, step: f64) -> Vec<f64> {
     let mut found = Vec::new();
     let mut from = 0.0;
@@ -119,7 +118,7 @@ fn parts_and_coordinates() {
     let cylinder = cylinder(2.0, 1.0, true);
     let uv = |origin: DVec3, direction: DVec3| {
         let ray = Ray { origin, direction };
-        let at = cylinder.hit(&Probe::new(ray), f64::INFINITY).expect("a hit");
+        let at = cylinder.hit(&TraversalRay::new(ray), f64::INFINITY).expect("a hit");
         (at.part, cylinder.uv_at(cylinder.surface_at(&ray, at).point, at.part))
     };
     assert_eq!(uv(v(9.0, 0.5, 0.0), DVec3::NEG_X), (0, DVec2::new(0.5, 0.75)));
@@ -150,8 +149,8 @@ fn torus_distance(p: DVec3, major: f64, minor: f64) -> f64 {
     libm::hypot(libm::hypot(p.x, p.y) - major, p.z) - minor
 }
 
-/// Where the ray first comes as close as `resolution` to a torus around the z axis, before `end`. Steps as long as
-/// the distance cannot pass through the surface (Hart 1996, sphere tracing).
+/// Where the ray first comes within `resolution` of a torus around the z axis, before `end`. Steps as long as the
+/// distance cannot pass through the surface (sphere tracing, Hart 1996).
 fn traced(ray: Ray, (major, minor): (f64, f64), resolution: f64, (start, end): (f64, f64)) -> Option<f64> {
     let mut t = start;
     while t < end {
@@ -178,7 +177,7 @@ fn int_18_tori_from_far_away() {
             let direction = (aim - origin).normalize();
             let ray = Ray { origin, direction };
             let t = hit(&torus, origin, direction).expect("no ray is missed");
-            // From a closer origin, so that the oracle's own rounding is that of the torus' size.
+            // From a closer origin, so that the reference's own rounding is relative to the size of the torus.
             let shift = distance - 3.0;
             let closer = Ray { origin: ray.at(shift), direction };
             let expected =
@@ -189,7 +188,7 @@ fn int_18_tori_from_far_away() {
     assert!(worst <= 1e-8, "{worst:e}");
 }
 
-/// Random lines, thick and thin tubes, starts outside, in the hole and within the tube, against sphere tracing.
+/// Random lines, thick and thin tubes, origins outside, in the hole and inside the tube, against sphere tracing.
 #[test]
 fn tori_equal_sphere_tracing() {
     let mut random = Random(19);
@@ -207,7 +206,7 @@ fn tori_equal_sphere_tracing() {
                 assert_eq!(found, None, "{minor} {ray:?}");
                 continue;
             };
-            // Where the ray grazes, the distance is within 1e-12 over a length of about 1e-6.
+            // At grazing angles, the distance is within 1e-12 over a length of about 1e-6.
             let cosine = slope(ray, expected, minor);
             if cosine > 1e-3 {
                 let off = (found.expect("a hit") - expected).abs();
@@ -219,7 +218,7 @@ fn tori_equal_sphere_tracing() {
     assert!(hits > RAYS / 20);
 }
 
-/// How fast the ray approaches or leaves the torus around the z axis at t.
+/// The rate at which the ray approaches or leaves the torus around the z axis at t.
 fn slope(ray: Ray, t: f64, minor: f64) -> f64 {
     let p = ray.at(t);
     let ring = p.with_z(0.0).normalize();
@@ -242,7 +241,7 @@ fn int_21_extreme_sizes() {
     }
 }
 
-/// How far a point is from the surface of a cone or cylinder around the y axis from -1 to 1.
+/// The distance of a point from the surface of a cone or cylinder around the y axis from -1 to 1.
 fn frustum_distance(p: DVec3, bottom: f64, top: f64) -> f64 {
     let from_axis = libm::hypot(p.x, p.z);
     let lean = 0.5 * (top - bottom);
@@ -251,8 +250,8 @@ fn frustum_distance(p: DVec3, bottom: f64, top: f64) -> f64 {
     side.max(p.y.abs() - 1.0)
 }
 
-/// Random lines against bisection: along a line through a convex solid the distance falls to one minimum, found by
-/// golden section, and on either side of it crosses zero once.
+/// Random lines against bisection. Along a line through a convex solid, the distance has one minimum, found by golden
+/// section. It crosses zero once on either side.
 #[test]
 fn cones_and_cylinders_equal_bisection() {
     let mut random = Random(20);
@@ -270,7 +269,7 @@ fn cones_and_cylinders_equal_bisection() {
                 assert!(found.is_none_or(|t| f(t).abs() < 1e-14), "{bottom} {top} {ray:?} {found:?}");
                 continue;
             };
-            // Grazing rays aside, where the depth is below the resolution of the search.
+            // Except grazing rays, whose depth is below the resolution of the search.
             let Some(found) = found else { panic!("{bottom} {top} {ray:?}: missed at {t}") };
             let off = f(found).abs();
             assert!(off <= 16.0 * UNIT_ROUNDOFF * 6.0, "{bottom} {top} {ray:?}: {off:e}");
@@ -279,7 +278,7 @@ fn cones_and_cylinders_equal_bisection() {
     }
 }
 
-/// The first t in 0..9 at which `f`, which has one minimum, crosses zero; none if it passes by closer than 1e-9.
+/// The first t in 0..9 at which `f`, which has one minimum, crosses zero. None if the minimum is above -1e-9.
 fn first_crossing(f: impl Fn(f64) -> f64) -> Option<f64> {
     let (mut low, mut high) = (0.0, 9.0);
     for _ in 0..80 {
@@ -297,8 +296,8 @@ fn first_crossing(f: impl Fn(f64) -> f64) -> Option<f64> {
     Some(0.5 * (inside + outside))
 }
 
-/// Cones of any slope are hit where they are, and the point of the surface is there: at its tip as well, where the sides
-/// of a flat one hardly differ, and all over. True is the quadratic around the tip in twice the precision.
+/// Hits and surface points of cones of any slope are accurate everywhere, also at the tip of a flat cone, where its
+/// sides hardly differ. The reference is the quadratic around the tip in twice the precision.
 #[test]
 fn flat_and_steep_cones_are_hit_where_they_are() {
     let mut random = Random(21);
@@ -310,7 +309,7 @@ fn flat_and_steep_cones_are_hit_where_they_are() {
         let size = radius + height.abs();
         let (mut worst_t, mut worst_point) = (0.0f64, 0.0f64);
         for _ in 0..RAYS / 4 {
-            // Next to the tip, as near as the cone is wider than its rounding there, and up to the rim; from above.
+            // From just beside the tip, where the cone is wider than its rounding, to the rim; seen from above.
             let least = 1024.0 * UNIT_ROUNDOFF * size / radius;
             let share =
                 if random.unit() < 0.5 { least * libm::exp(20.0 * random.unit()) } else { random.unit() };
@@ -320,7 +319,7 @@ fn flat_and_steep_cones_are_hit_where_they_are() {
             let origin =
                 aim + (random.direction() + v(0.0, height.signum(), 0.0)) * (3.0 + 10.0 * random.unit());
             let ray = Ray { origin, direction: (aim - origin).normalize() };
-            let Some(at) = cone.hit(&Probe::new(ray), f64::INFINITY) else { continue };
+            let Some(at) = cone.hit(&TraversalRay::new(ray), f64::INFINITY) else { continue };
             let surface = cone.surface_at(&ray, at);
             if surface.normal.dot(ray.direction) > -0.1 || surface.normal.y * height.signum() <= 0.0 {
                 continue;
@@ -338,7 +337,7 @@ fn flat_and_steep_cones_are_hit_where_they_are() {
     }
 }
 
-/// Where a ray first meets the cone below a tip whose radius grows by `slope` with the distance below.
+/// Where a ray first hits the cone below a tip. The radius grows by `slope` per unit of distance below.
 fn tip_quadratic(ray: Ray, tip: DVec3, slope: f64) -> f64 {
     let (o, d) = (Vector::from(ray.origin) - Vector::from(tip), Vector::from(ray.direction));
     let k = Exact::from(slope) * Exact::from(slope);
@@ -352,7 +351,7 @@ fn tip_quadratic(ray: Ray, tip: DVec3, slope: f64) -> f64 {
     roots.into_iter().filter(below).fold(f64::INFINITY, f64::min)
 }
 
-/// Turned, mirrored and evenly scaled shapes stay in their class and are hit where their rays are.
+/// Turned, mirrored and uniformly scaled shapes stay in their class, and transformed rays hit them at the same points.
 #[test]
 fn moved_shapes_are_hit_where_they_are() {
     let mut random = Random(21);
@@ -377,8 +376,8 @@ fn moved_alike(shape: &impl Geometric, affine: &DAffine3, ray: Ray) {
         origin: affine.transform_point3(ray.origin),
         direction: affine.transform_vector3(ray.direction),
     };
-    let here = shape.hit(&Probe::new(ray), f64::INFINITY);
-    let hit = moved.hit(&Probe::new(there), f64::INFINITY);
+    let here = shape.hit(&TraversalRay::new(ray), f64::INFINITY);
+    let hit = moved.hit(&TraversalRay::new(there), f64::INFINITY);
     let (Some(a), Some(b)) = (here, hit) else {
         assert_eq!(here.is_some(), hit.is_some(), "{ray:?}");
         return;
@@ -394,7 +393,7 @@ fn moved_alike(shape: &impl Geometric, affine: &DAffine3, ray: Ray) {
     assert!(bounds.min.cmple(b_surface.point).all() && b_surface.point.cmple(bounds.max).all());
 }
 
-/// Each side of the box is touched to within a share of the steps between samples.
+/// Samples come close to each side of the bounds.
 #[test]
 fn bounds_are_tight() {
     let axis = v(0.2, 0.9, -0.4).normalize();
@@ -417,8 +416,8 @@ fn tight(shape: &impl Geometric) {
     assert!(slack < 0.05, "{slack}");
 }
 
-/// Samples lie on the surface, and as densely as areas: the flux of random lines through a convex shape is in
-/// proportion to area, and the share of samples above a height is known.
+/// Samples lie on the surface, and their density is uniform: the fractions of samples on each part and above a height
+/// are known.
 #[test]
 fn samples_are_even_over_the_area() {
     let mut random = Random(23);
@@ -453,13 +452,13 @@ fn samples_are_even_over_the_area() {
     close(outer, 0.5 + 0.5 / pi);
 }
 
-/// A surface is asked for at a crossing only, but whatever it is asked, it answers with numbers.
+/// Surfaces are only requested at hits, but they are finite for any argument.
 #[test]
 fn surfaces_are_finite_everywhere() {
     let ray = Ray { origin: v(0.0, 5.0, 0.0), direction: DVec3::NEG_Y };
     for part in 0..3 {
         for t in [3.0, 4.0, 5.0, 6.0] {
-            let at = Crossing::of_part(t, part);
+            let at = ShapeHit::of_part(t, part);
             let needle = Cone::new(DVec3::ZERO, v(0.0, 1e6, 0.0), 1e-12, 0.0, true).expect("a cone");
             for surface in [cone(0.0, true).surface_at(&ray, at), needle.surface_at(&ray, at)] {
                 assert!(
@@ -469,5 +468,5 @@ fn surfaces_are_finite_everywhere() {
         }
     }
     let torus = Torus::new(DVec3::ZERO, DVec3::Y, 1.0, 0.5);
-    assert!(torus.surface_at(&ray, Crossing::at(5.0)).point.is_finite());
+    assert!(torus.surface_at(&ray, ShapeHit::at(5.0)).point.is_finite());
 }

@@ -1,15 +1,15 @@
 //! Spheres.
 
 use super::frame::even_scale;
-use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, Span, exit};
+use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, exit};
 use crate::base::digest::content;
 use crate::base::lanes::{Mask, Real, Row, Select, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, atan2, gamma};
-use crate::sampling::{self, Frame, uniform_sphere};
+use crate::sampling::{self, LocalFrame, uniform_sphere};
 use std::f64::consts::{PI, TAU};
 
-/// Where maps of the sphere begin, in radians from -x towards -z: the mapping that planets have had in the
-/// programs whose scenes Kinora took over, so that their pictures keep their places.
+/// Where texture maps of the sphere begin, in radians from -x towards -z. This keeps the images of scenes from earlier
+/// programs in place.
 const SEAM: f64 = 0.5;
 
 /// All points at distance `radius` (above 0) from `center`.
@@ -30,13 +30,12 @@ impl Geometric for Sphere {
         Some(Self { center: center?, radius: radius? })
     }
 
-    /// The quadratic without its cancellations. The discriminant is taken from the ray's point closest to
-    /// the centre, r² - l² = (r - l)(r + l) (Haines et al., *Ray Tracing Gems*, chapter 7, factored), and
-    /// the sign of c = (f - r)(f + r) says on which side of the surface the ray starts, which settles how
-    /// many roots lie ahead before any is computed. From that point the closest one is found again, so that of the
-    /// roundings of the way there only the last one is left.
+    /// The quadratic without cancellation. The discriminant r² - l² = (r - l)(r + l) is computed from the ray's point
+    /// closest to the centre (Haines et al., *Ray Tracing Gems*, chapter 7, factored). The sign of c = (f - r)(f + r)
+    /// gives the side on which the ray starts, and so the number of roots ahead. From the closest point, the closest
+    /// point is computed again, so that only the last rounding of the distance remains.
     #[inline(always)]
-    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
         SphereLanes::splat(self).intersect(ray, within)
     }
 
@@ -51,14 +50,14 @@ impl Geometric for Sphere {
         Some(Aabb { min: self.center - reach, max: self.center + reach }.padded(rounding))
     }
 
-    /// A sphere stays one under rotation, mirroring and even scaling.
+    /// A sphere stays one under rotation, mirroring and uniform scaling.
     fn transformed(&self, affine: &DAffine3) -> Option<Self> {
         let scale = even_scale(affine)?;
         Some(Self { center: affine.transform_point3(self.center), radius: self.radius * scale })
     }
 
-    /// Longitude from west to east and latitude from -y (0) to +y (1). Both by atan2, whose error stays
-    /// relative at the poles, where those of asin and acos do not. Maps begin `SEAM` off -x.
+    /// Longitude from west to east and latitude from -y (0) to +y (1). Both use atan2, whose error stays relative at
+    /// the poles, unlike asin and acos. Maps begin at `SEAM` from -x.
     #[inline(always)]
     fn uv<F: Real>(&self, point: Vec3<F>, _: F::U32) -> [F; 2] {
         let d = point - Vec3::splat(self.center);
@@ -83,7 +82,13 @@ impl Geometric for Sphere {
     }
 
     #[inline(always)]
-    fn sample_from<F: Real>(&self, from: Vec3<F>, eye: &Frame<F>, u: F, v: F) -> (LaneSurface<F>, F::U32, F) {
+    fn sample_from<F: Real>(
+        &self,
+        from: Vec3<F>,
+        eye: &LocalFrame<F>,
+        u: F,
+        v: F,
+    ) -> (LaneSurface<F>, F::U32, F) {
         let (surface, pdf) = SphereLanes::splat(self).sample_from(from, eye, u, v);
         (surface, F::U32::splat(0), pdf)
     }
@@ -110,16 +115,16 @@ impl<F: Real> SphereLanes<F> {
 
     /// [`Geometric::intersect`].
     #[inline(always)]
-    pub fn intersect(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+    pub fn intersect(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
         let (zero, radius) = (F::splat(0.0), self.radius);
         let PreparedRay { ray: LaneRay { origin, direction: d }, per_square, .. } = *ray;
         let from_center = origin - self.center;
         let b = -from_center.dot(d);
         let first = b * per_square;
         let near = from_center + d * first;
-        // Most rays pass far by, which needs no root. This rejects no hit: where the root below is at most the radius, its
-        // rounding leaves the square at most 2 u above the radius squared, and the two products here lose another 2 u (u is
-        // half of EPSILON); 4 EPSILON are twice their sum.
+        // Most rays miss by far, which needs no root. This rejects no hit. If the root below is at most the radius,
+        // its rounding leaves the square at most 2 u above the radius squared. The two products here lose another 2 u
+        // (u is half of EPSILON); 4 EPSILON are twice their sum.
         let square = near.length_squared();
         if !square.le(radius * radius * F::splat(1.0 + 4.0 * f64::EPSILON)).any() {
             return LaneHit::none();
@@ -135,8 +140,8 @@ impl<F: Real> SphereLanes<F> {
         }
         let closest = first - near.dot(d) * per_square;
         let half_chord = (square * per_square).sqrt();
-        // The nearer root for an origin outside. Far away the difference of closest approach and half chord
-        // has the smaller absolute error; close to the surface, the quotient keeps the relative one.
+        // The nearer root for an origin outside. Far away, closest approach minus half chord has the smaller absolute
+        // error. Near the surface, the quotient has the smaller relative error.
         let c = outside * (distance + radius) * per_square;
         let afar = (F::splat(2.0) * radius).lt(distance);
         let entry = F::select(afar, closest - half_chord, c / (closest + half_chord));
@@ -146,15 +151,15 @@ impl<F: Real> SphereLanes<F> {
         LaneHit::within(is_hit, F::select(enters, entry, leave), within)
     }
 
-    /// The direction from the centre is exact to a few roundings, and so is the point put at `radius` along
-    /// it; the test of a ray from there rounds the distance from the centre once more.
+    /// The direction from the centre is exact to a few roundings, and so is the point at `radius` along it. The test
+    /// of a ray from there rounds the distance from the centre once more.
     #[inline(always)]
     pub fn surface(&self, ray: &LaneRay<F>, t: F) -> LaneSurface<F> {
         self.surface_along((ray.at(t) - self.center).normalize_or(Vec3::splat(DVec3::Y)))
     }
 
-    /// The surface in the direction `normal` (a unit vector) from the centre. The point is exact to a few
-    /// roundings; the test of a ray from there rounds the distance from the centre once more.
+    /// The surface in the direction `normal` (a unit vector) from the centre. The point is exact to a few roundings.
+    /// The test of a ray from there rounds the distance from the centre once more.
     #[inline(always)]
     pub fn surface_along(&self, normal: Vec3<F>) -> LaneSurface<F> {
         let point = self.center + normal * self.radius;
@@ -165,18 +170,18 @@ impl<F: Real> SphereLanes<F> {
         LaneSurface::new(point, error, normal)
     }
 
-    /// From outside, uniform over the cone that holds the sphere: every point drawn is seen (Pharr, Jakob,
-    /// Humphreys, *Physically Based Rendering*, 6.2.4). From inside, uniform over the area.
+    /// From outside, uniform over the cone of directions to the sphere, so every sampled point is visible (Pharr,
+    /// Jakob, Humphreys, *Physically Based Rendering*, 6.2.4). From inside, uniform over the area.
     #[inline(always)]
-    pub fn sample_from(&self, from: Vec3<F>, eye: &Frame<F>, u: F, v: F) -> (LaneSurface<F>, F) {
+    pub fn sample_from(&self, from: Vec3<F>, eye: &LocalFrame<F>, u: F, v: F) -> (LaneSurface<F>, F) {
         let zero = F::splat(0.0);
         let (cone, is_outside) = self.cone_from(from);
         let to_center = self.center - from;
         let distance = to_center.length();
-        let frame = eye.turned_to(to_center / distance);
+        let frame = eye.rotated_to(to_center / distance);
         let direction = sampling::cone(cone, u, v);
-        // The angle at the centre of the point that the direction meets, by the law of sines: its sine is
-        // that of the angle at `from` times the near leg over the radius.
+        // The angle at the centre, by the law of sines: its sine is that of the angle at `from` times the near leg
+        // over the radius.
         let across = (direction.x * direction.x + direction.y * direction.y).sqrt();
         let rest = (self.radius - distance * across).max(zero) * (self.radius + distance * across);
         let near = distance * direction.z - rest.sqrt();
@@ -193,12 +198,12 @@ impl<F: Real> SphereLanes<F> {
         (LaneSurface::select(is_outside, seen.0, anywhere), F::select(is_outside, seen.1, pdf))
     }
 
-    /// Points of the far side, which the sphere itself hides, are never drawn from outside.
+    /// From outside, points of the far side have density 0, because the sphere itself hides them.
     #[inline(always)]
     pub fn pdf_from(&self, from: Vec3<F>, at: &LaneSurface<F>) -> F {
         let zero = F::splat(0.0);
         let (cone, is_outside) = self.cone_from(from);
-        // The surface's own normal may have been turned to an eye inside.
+        // Not by the surface's normal, which may have been flipped towards an eye inside.
         let is_near = zero.le((at.point - self.center).dot(from - at.point));
         let from_outside = F::select(is_near, sampling::cone_pdf(cone), zero);
         F::select(is_outside, from_outside, at.pdf_from(from, self.per_area()))
@@ -209,8 +214,8 @@ impl<F: Real> SphereLanes<F> {
         F::splat(1.0) / (F::splat(4.0 * PI) * self.radius * self.radius)
     }
 
-    /// 1 - the cosine of half the angle under which the sphere is seen, and whether it is seen from outside: not from so
-    /// near that rounding decides on which side.
+    /// 1 - cosine of half the angle that the sphere subtends, and whether `from` is certainly outside, despite
+    /// rounding.
     #[inline(always)]
     fn cone_from(&self, from: Vec3<F>) -> (F, F::Mask) {
         let one = F::splat(1.0);
@@ -256,7 +261,7 @@ mod tests {
                     SphereLanes::<f64>::splat(&sphere).surface_along(normal.into())
                 };
                 let [a, b] = [1e-7, -1e-7].map(|off| sphere.uv_at(surface(SEAM - PI + off).point.into(), 0));
-                // Of coordinates that the point has lost to its distance from the origin, nothing can be known.
+                // Coordinates that rounding of the point has lost, far from the origin, have no accuracy.
                 let lost = 4.0 * UNIT_ROUNDOFF * (height + radius) / (radius * theta);
                 assert!((a.y * PI / theta - 1.0).abs() <= 8.0 * UNIT_ROUNDOFF + lost);
                 let jump = (b.x - a.x).abs();

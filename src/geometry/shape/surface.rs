@@ -1,44 +1,43 @@
-//! Where a ray meets a shape, and what the surface is like there.
+//! Hits of rays with shapes, and surfaces.
 
 use crate::base::math::DVec3;
 
-/// Where a ray meets a shape.
+/// A hit of a ray with a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crossing {
+pub struct ShapeHit {
     pub t: f64,
-    /// Which part of the shape is met, in the shape's own numbering: a triangle of a mesh, a cap.
+    /// The part of the shape, in the shape's own numbering: a triangle of a mesh, a cap.
     pub part: u32,
-    /// Whether something else is met so near that it is not certain which comes first (see
-    /// [`Vicinity`](super::Vicinity)).
-    pub crowded: bool,
+    /// Whether another hit is so near that the order is uncertain (see [`CoincidenceRange`](super::CoincidenceRange)).
+    pub coincident: bool,
 }
 
-impl Crossing {
-    /// A crossing of a shape that has one part.
+impl ShapeHit {
+    /// A hit of a shape with a single part.
     pub fn at(t: f64) -> Self {
         Self::of_part(t, 0)
     }
 
     pub fn of_part(t: f64, part: u32) -> Self {
-        Self { t, part, crowded: false }
+        Self { t, part, coincident: false }
     }
 }
 
 /// A point on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// The point, put back onto the surface after the rounding of the way there.
+    /// The point, projected onto the surface after the rounding of `ray.at(t)`.
     pub point: DVec3,
-    /// How far each coordinate may be from the true surface, including the rounding of the shape's own test
-    /// of a ray that starts at the point.
+    /// Distance of each coordinate from the true surface, at most. It includes the rounding of the shape's test of a
+    /// ray that starts at the point.
     pub error: DVec3,
-    /// Unit geometric normal; outwards where the shape encloses a volume.
+    /// Unit geometric normal; outwards if the shape encloses a volume.
     pub normal: DVec3,
-    /// Unit normal to shade with, on the geometric normal's side: that of the smooth surface which a mesh
-    /// stands for. Elsewhere the geometric one.
+    /// Unit shading normal, on the geometric normal's side: that of the smooth surface which a mesh approximates. For
+    /// other shapes, the geometric normal.
     pub shading: DVec3,
-    /// From the point to the smooth surface that a mesh stands for, where that lies above it; zero elsewhere. From
-    /// there light is looked for, which the flat triangles would hide.
+    /// The offset from the point to the smooth surface that a mesh approximates, if that is above the point; otherwise
+    /// zero. Shadow rays start from there, because the flat triangles would block the light.
     pub lift: DVec3,
 }
 

@@ -1,4 +1,4 @@
-//! The inside of cylinders and cones around the y axis.
+//! The interior of cylinders and cones around the y axis.
 
 use crate::base::digest::content;
 use crate::base::lanes::{Mask, Real, Row, Select, Vec3};
@@ -9,8 +9,8 @@ pub const SIDE: u32 = 0;
 pub const BOTTOM: u32 = 1;
 pub const TOP: u32 = 2;
 
-/// A radius that changes evenly along the y axis: `mean` at 0, `mean` + `lean` at `half`. It is not below 0
-/// from -`half` to `half`; beyond that, on a cone, it may be: there the mirrored nappe begins.
+/// A radius that changes linearly along the y axis: `mean` at 0, `mean` + `lean` at `half`. It is at least 0 from
+/// -`half` to `half`. Beyond, on a cone, it may be negative: that is the mirrored nappe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Taper {
     pub half: f64,
@@ -25,16 +25,16 @@ content!(struct Taper { half, mean, lean });
 pub struct Interval<F: Real> {
     pub enter: F,
     pub leave: F,
-    /// The parts that are crossed there.
+    /// The parts at entry and exit.
     pub enter_part: F::U32,
     pub leave_part: F::U32,
-    /// Lines that meet the solid at all.
+    /// Lines that hit the solid.
     pub meets: F::Mask,
 }
 
 impl Taper {
-    /// From the narrower end on: exactly `mean` for a cylinder, however far away `y` is, and to within a few
-    /// roundings of itself for a cone, however close it is to the tip.
+    /// The radius at `y`, computed from the narrower end. For a cylinder it is exactly `mean` at any distance. For a
+    /// cone it is exact to a few of its own roundings, however close the tip is.
     #[inline(always)]
     pub fn radius<F: Real>(&self, y: F) -> F {
         let from_narrow = F::splat(self.half) + y.copysign(y * F::splat(self.lean));
@@ -46,7 +46,7 @@ impl Taper {
         self.radius(if part == TOP { self.half } else { -self.half })
     }
 
-    /// A bound of the distance of any point from the middle.
+    /// A bound of the distance of any point from the centre.
     pub fn reach(&self) -> f64 {
         self.half + self.mean + self.lean.abs()
     }
@@ -56,14 +56,13 @@ impl Taper {
         DVec2::new(self.half, -self.lean) / libm::hypot(self.half, self.lean)
     }
 
-    /// Where the lines of rays enter and leave the closed solid. That is convex, within its radius and
-    /// between its ends, so the line is inside it from the last entry to the first exit: at the seam of side
-    /// and end no line finds a gap, or one crossing only.
+    /// Where lines enter and leave the closed solid. It is convex, within its radius and between its ends. So a line
+    /// is inside from the last entry to the first exit. At the seam of side and end, a line finds no gap and never
+    /// just one crossing.
     ///
-    /// From far away, where no ray starts on or in the solid, the crossings are found from the point closest
-    /// to the middle, or to the tip. The coefficients of their quadratic cancel for lines that run as the side
-    /// does, the more so the farther away they are taken; and past a tip, the crossings come in their order
-    /// only if the line is taken from there.
+    /// From far away, no ray starts on or in the solid. Then the crossings are computed from the point closest to the
+    /// centre, or to the tip. For lines nearly parallel to the side, the quadratic's coefficients cancel, and more so
+    /// from farther away. Past a tip, the crossings are in order only if they are computed from there.
     #[inline(always)]
     pub fn crossings<F: Real>(&self, ray: &LaneRay<F>) -> Interval<F> {
         let afar = F::splat(self.reach()).lt(ray.origin.length());
@@ -96,8 +95,8 @@ impl Taper {
         }
     }
 
-    /// Where rays enter and leave the slab between the ends. Each side of an end is the sign of a
-    /// difference of two coordinates, so it is exact.
+    /// Where rays enter and leave the slab between the ends. The side of an end is the sign of a difference of two
+    /// coordinates, so it is exact.
     #[inline(always)]
     fn ends<F: Real>(&self, ray: &LaneRay<F>) -> Interval<F> {
         let (y, dy, half) = (ray.origin.y, ray.direction.y, F::splat(self.half));
@@ -119,12 +118,12 @@ impl Taper {
         }
     }
 
-    /// From which t to which t lines are within the radius where that is not below 0; and which lines are.
+    /// The interval of t in which lines are within a radius of at least 0, and the lines that have one.
     ///
-    /// With o and d across the axis, and the radius r + g t along the line, the line is within where
-    /// a t² + 2 b t + c <= 0 for a = d² - g², b = o·d - r g, c = o² - r². Both differences of squares are
-    /// factored, and so is the discriminant where b² - a c would cancel: it is |g o - r d|² - (o × d)², by
-    /// the identity of Lagrange for a scalar product of signature (+, +, -).
+    /// With o and d across the axis, and the radius r + g t along the line, the line is within where a t² + 2 b t + c
+    /// <= 0 for a = d² - g², b = o·d - r g, c = o² - r². Both differences of squares are factored. Where b² - a c
+    /// would cancel, so is the discriminant: it is |g o - r d|² - (o × d)², by the identity of Lagrange for a scalar
+    /// product of signature (+, +, -).
     #[inline(always)]
     fn within<F: Real>(&self, ray: &LaneRay<F>) -> (F, F, F::Mask) {
         let (zero, one) = (F::splat(0.0), F::splat(1.0));
@@ -135,37 +134,37 @@ impl Taper {
         let a = (speed - g.abs()) * (speed + g.abs());
         let c = (distance - r.abs()) * (distance + r.abs());
         let b = (ox * dx + oz * dz) - r * g;
-        // Steeper than the side and inside: |o·d| < |r g|, also where rounding hides it.
+        // Steeper than the side and inside: |o·d| < |r g|, even if rounding hides it.
         let inwards = -b.abs() * one.copysign(r) * one.copysign(g);
         let b = F::select(a.lt(zero) & c.lt(zero), inwards, b);
         let (wx, wz) = (ox * g - dx * r, oz * g - dz * r);
         let w = (wx * wx + wz * wz).sqrt();
         let k = difference_of_products(ox, dz, oz, dx).abs();
         let discriminant = F::select(zero.lt(a * c), (w - k) * (w + k), b * b - a * c);
-        // Flatter lines meet one nappe, if any: that of the radius at -b / a, in the middle between both roots.
+        // Flatter lines hit at most one nappe: that of the radius at -b / a, midway between both roots.
         let passes = zero.lt(a) & (discriminant.lt(zero) | (r * a).lt(g * b));
-        // Steeper lines always meet both nappes, or their tip.
+        // Steeper lines always hit both nappes, or the tip.
         let root = discriminant.max(zero).sqrt();
         let (from, to, meets) = interval((a, c), -(b + root.copysign(b)), g);
         (from, to, meets & !passes)
     }
 }
 
-/// The t at which a t² + 2 b t + c <= 0, of which `q` is -(b ± √(b² - a c)) without cancellation; of two
-/// half-lines, the one along which the radius grows with `g`.
+/// The t at which a t² + 2 b t + c <= 0, where `q` is -(b ± √(b² - a c)) without cancellation. Of two half-lines, the
+/// one along which the radius grows with `g`.
 #[inline(always)]
 fn interval<F: Real>((a, c): (F, F), q: F, g: F) -> (F, F, F::Mask) {
     let (zero, infinite) = (F::splat(0.0), F::splat(f64::INFINITY));
     let first = F::select(q.eq(zero), zero, c / q);
     let flat = zero.lt(a);
     let level = a.eq(zero);
-    // Parallel to the side, it is met once.
+    // Parallel to the side: one crossing.
     let second = F::select(level, first, q / a);
     let (low, high) = (first.min(second), first.max(second));
     let grows = zero.lt(g);
     let from = F::select(flat, low, F::select(grows, high, -infinite));
     let to = F::select(flat, high, F::select(grows, infinite, low));
-    // Along the axis of a cylinder, or along the side itself: as far from it everywhere as at the start.
+    // Along the axis of a cylinder, or along the side itself: the distance from the side is constant.
     let along = level & (g.eq(zero) | q.eq(zero));
     let from = F::select(along, -infinite, from);
     (from, F::select(along, infinite, to), !along | c.le(zero))

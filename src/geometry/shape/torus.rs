@@ -1,8 +1,8 @@
 //! Tori.
 
-use super::chord::Chord;
-use super::frame::{Frame, around, away_from_axis, even_scale, from_axis};
-use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, Span};
+use super::frame::{ShapeFrame, around, away_from_axis, even_scale, from_axis};
+use super::torus_interval::{TorusInterval, TorusRadii};
+use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval};
 use crate::base::digest::content;
 use crate::base::lanes::{Mask, Real, Row, Vec3, out_of_line};
 use crate::base::math::{
@@ -13,18 +13,17 @@ use std::f64::consts::TAU;
 /// All points at distance `minor` from a circle of radius `major`; 0 < `minor` < `major`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Torus {
-    /// At the centre, y along the axis. Boxed, so that a list of shapes is no larger for it.
-    frame: Box<Frame>,
-    pub(super) major: f64,
-    pub(super) minor: f64,
+    /// At the centre, y along the axis. Boxed, to keep lists of shapes small.
+    frame: Box<ShapeFrame>,
+    radii: TorusRadii,
 }
 
-content!(struct Torus { frame, major, minor });
+content!(struct Torus { frame, radii });
 
 out_of_line! {
-    fn intersect<'k, F>(torus: &'k Torus, ray: &'k PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+    fn intersect<'k, F>(torus: &'k Torus, ray: &'k PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
         let ray = torus.frame.local(&ray.ray);
-        let (t, crosses) = Chord::new(torus, &ray).first(&ray, within.min);
+        let (t, crosses) = TorusInterval::new(torus.radii, &ray).first(&ray, within.min);
         LaneHit::within(crosses, t, within)
     }
 }
@@ -33,14 +32,14 @@ out_of_line! {
     fn surface<'k, F>(torus: &'k Torus, ray: &'k LaneRay<F>, at: LaneHit<F>) -> LaneSurface<F> {
         let p = torus.frame.local(ray).at(at.t);
         let [x, z] = away_from_axis(p);
-        let tube = Vec3::new(from_axis(p) - F::splat(torus.major), F::splat(0.0), p.y);
+        let tube = Vec3::new(from_axis(p) - F::splat(torus.radii.major), F::splat(0.0), p.y);
         torus.surface_at([x, z], away_from_axis(tube))
     }
 }
 
 out_of_line! {
     fn sample_area<'k, F>(torus: &'k Torus, u: F, v: F) -> (LaneSurface<F>, F::U32) {
-        let area = TubeArea { share: v, slim: torus.minor / torus.major };
+        let area = TubeArea { share: v, slim: torus.radii.minor / torus.radii.major };
         let (zero, one, all) = (F::splat(0.0), F::splat(1.0), F::Mask::splat(true));
         let turns = root_between((zero, one), all, F::splat(0.5 * UNIT_ROUNDOFF), all, &area);
         // The inner equator is half a turn from where the sine begins.
@@ -67,10 +66,10 @@ impl Geometric for Torus {
         Some(Self::new(center?, axis?, major, minor))
     }
 
-    /// See `Chord`. Only where a ray is within the torus' bounding sphere and between the planes that
-    /// touch it above and below are there any roots.
+    /// See `TorusInterval`. Rays have roots only inside the bounding sphere of the torus and between the planes that
+    /// touch it above and below.
     #[inline(always)]
-    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
         intersect(self, ray, within)
     }
 
@@ -79,27 +78,28 @@ impl Geometric for Torus {
         surface(self, ray, at)
     }
 
-    /// Along each axis, the circle's own reach and the tube's.
+    /// The sum of the circle's and the tube's extents along each axis.
     fn bounds(&self) -> Option<Aabb> {
-        let reach = self.frame.circle_reach() * self.major + DVec3::splat(self.minor);
+        let reach = self.frame.circle_reach() * self.radii.major + DVec3::splat(self.radii.minor);
         let rounding = self.frame.origin.abs() * gamma(2) + reach * gamma(8);
         let center = self.frame.origin;
         Some(Aabb { min: center, max: center }.padded(reach + rounding))
     }
 
-    /// A torus stays one under rotation, mirroring and even scaling.
+    /// A torus stays one under rotation, mirroring and uniform scaling.
     fn transformed(&self, affine: &DAffine3) -> Option<Self> {
         let scale = even_scale(affine)?;
         let frame = Box::new(self.frame.moved(affine));
-        Some(Self { frame, major: self.major * scale, minor: self.minor * scale })
+        let radii = TorusRadii { major: self.radii.major * scale, minor: self.radii.minor * scale };
+        Some(Self { frame, radii })
     }
 
-    /// The share of a turn around the axis, eastwards from the frame's -x and 0.5 at its +x; and the one
-    /// around the tube, from the inner equator by the bottom to the outer one at 0.5, and back by the top.
+    /// The fraction of a turn around the axis, eastwards from the frame's -x, with 0.5 at its +x. The fraction of a
+    /// turn around the tube, from the inner equator past the bottom to the outer one at 0.5, and back past the top.
     #[inline(always)]
     fn uv<F: Real>(&self, point: Vec3<F>, _: F::U32) -> [F; 2] {
         let p = self.frame.local_point(point);
-        let tube = atan2(p.y, from_axis(p) - F::splat(self.major));
+        let tube = atan2(p.y, from_axis(p) - F::splat(self.radii.major));
         [around(p), F::splat(0.5) + tube / F::splat(TAU)]
     }
 
@@ -108,18 +108,18 @@ impl Geometric for Torus {
     }
 
     fn area(&self) -> Option<f64> {
-        Some(TAU * self.major * TAU * self.minor)
+        Some(TAU * self.radii.major * TAU * self.radii.minor)
     }
 
-    /// Evenly around the axis. Around the tube the area grows with the distance from the axis, so its
-    /// integral φ + (minor/major)·sin φ is inverted, in turns.
+    /// Uniform around the axis. Around the tube, the area grows with the distance from the axis. So its integral φ +
+    /// (minor/major)·sin φ is inverted, in turns.
     #[inline(always)]
     fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
         sample_area(self, u, v)
     }
 }
 
-/// The area of the tube from the inner equator by the bottom on, less a share of it, over turns.
+/// The area of the tube from the inner equator past the bottom, minus the given share, as a function of turns.
 struct TubeArea<F> {
     share: F,
     slim: f64,
@@ -135,47 +135,29 @@ impl<F: Real> Function<F> for TubeArea<F> {
 }
 
 impl Torus {
-    /// The torus around `center` whose circle lies across the unit vector `axis`; 0 < `minor` < `major`.
+    /// The torus around `center`. Its circle is perpendicular to the unit vector `axis`; 0 < `minor` < `major`.
     pub fn new(center: DVec3, axis: DVec3, major: f64, minor: f64) -> Self {
-        Self { frame: Box::new(Frame::along(center, axis)), major, minor }
+        Self { frame: Box::new(ShapeFrame::along(center, axis)), radii: TorusRadii { major, minor } }
     }
 
-    /// Its centre and the unit vector along its axis.
+    /// The centre and the unit vector along the axis.
     pub fn center_and_axis(&self) -> (DVec3, DVec3) {
         (self.frame.origin, self.frame.axes.y_axis)
     }
 
-    /// Radii of its circle and of its tube.
+    /// The radii of the circle and of the tube.
     pub fn radii(&self) -> (f64, f64) {
-        (self.major, self.minor)
+        (self.radii.major, self.radii.minor)
     }
 
-    /// The surface in the direction `turn` around the axis and `tube` around the tube, both unit vectors. The
-    /// point is exact to a few roundings of the outer radius, and so is [`Torus::distance`] from there.
+    /// The surface in the direction `turn` around the axis and `tube` around the tube, both unit vectors. The point is
+    /// exact to a few roundings of the outer radius, and so is [`TorusRadii::distance`] there.
     #[inline(always)]
     fn surface_at<F: Real>(&self, [x, z]: [F; 2], [out, up]: [F; 2]) -> LaneSurface<F> {
-        let (major, minor) = (F::splat(self.major), F::splat(self.minor));
+        let (major, minor) = (F::splat(self.radii.major), F::splat(self.radii.minor));
         let radius = major + minor * out;
         let point = Vec3::new(x * radius, minor * up, z * radius);
         let normal = Vec3::new(x * out, up, z * out);
-        self.frame.surface(point, normal, (self.major + self.minor) * gamma(8))
-    }
-
-    /// The distance of points of the frame from the surface, below 0 within the tube. Its error is a few
-    /// roundings of the point's coordinates and of the radii.
-    #[inline(always)]
-    pub(super) fn distance<F: Real>(&self, p: Vec3<F>) -> F {
-        let off = from_axis(p) - F::splat(self.major);
-        (off * off + p.y * p.y).sqrt() - F::splat(self.minor)
-    }
-
-    /// [`Torus::distance`], and its slope in the direction `d`.
-    #[inline(always)]
-    pub(super) fn distance_along<F: Real>(&self, p: Vec3<F>, d: Vec3<F>) -> (F, F) {
-        let axis = from_axis(p);
-        let off = axis - F::splat(self.major);
-        let length = (off * off + p.y * p.y).sqrt();
-        let outwards = (p.x * d.x + p.z * d.z) / axis;
-        (length - F::splat(self.minor), (off * outwards + p.y * d.y) / length)
+        self.frame.surface(point, normal, (self.radii.major + self.radii.minor) * gamma(8))
     }
 }

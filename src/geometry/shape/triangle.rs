@@ -1,11 +1,11 @@
-//! Flat triangles, watertight at the edges they share.
+//! Flat triangles, watertight at shared edges.
 
-use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, Span, flat};
+use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, flat};
 use crate::base::digest::content;
 use crate::base::lanes::{Mask, Real, Row, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay};
 
-/// The flat triangle between three corners that are not in one line.
+/// The flat triangle between three corners that are not collinear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {
     pub corners: [DVec3; 3],
@@ -28,7 +28,7 @@ impl Geometric for Triangle {
     }
 
     #[inline(always)]
-    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
         TriangleLanes::splat(self.corners).intersect(ray, within)
     }
 
@@ -70,7 +70,7 @@ impl Geometric for Triangle {
 }
 
 impl Triangle {
-    /// The unit normal on the side from which the corners run counter-clockwise.
+    /// The unit normal on the side from which the corners are counter-clockwise.
     pub fn normal(&self) -> DVec3 {
         unit_normal(self.corners)
     }
@@ -83,7 +83,7 @@ pub(super) fn uniform_weights<F: Real>(u: F, v: F) -> [F; 2] {
     [root * (F::splat(1.0) - v), root * v]
 }
 
-/// The unit normal on the side from which the corners run counter-clockwise.
+/// The unit normal on the side from which the corners are counter-clockwise.
 pub(super) fn unit_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a).normalize_or(DVec3::Y)
 }
@@ -103,7 +103,7 @@ impl<F: Real> TriangleLanes<F> {
 
     /// [`Geometric::intersect`].
     #[inline(always)]
-    pub fn intersect(&self, ray: &PreparedRay<F>, within: Span<F>) -> LaneHit<F> {
+    pub fn intersect(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
         let sheared = self.sheared(ray);
         let covered = covers(&sheared);
         if !covered.any() {
@@ -119,10 +119,10 @@ impl<F: Real> TriangleLanes<F> {
         [ray.sheared(a), ray.sheared(b), ray.sheared(c)]
     }
 
-    /// Where the lines of rays cross the triangle's plane, in the lanes in which they pass through the triangle; the
-    /// corners are given as [`PreparedRay::sheared`] has them.
+    /// Where lines cross the triangle's plane, in the lanes in which they pass through the triangle. The corners come
+    /// from [`PreparedRay::sheared`].
     ///
-    /// Seen from its edge a plane is crossed anywhere within rounding: never before the nearest or beyond the farthest
+    /// A plane seen edge-on is crossed anywhere within rounding. So t is clamped between the nearest and the farthest
     /// corner.
     #[inline(always)]
     pub(super) fn crossing(
@@ -130,7 +130,7 @@ impl<F: Real> TriangleLanes<F> {
         ray: &PreparedRay<F>,
         [[.., a], [.., b], [.., c]]: &[[F; 3]; 3],
         covered: F::Mask,
-        within: Span<F>,
+        within: RayInterval<F>,
     ) -> LaneHit<F> {
         let normal = self.perpendicular();
         let along = normal.dot(ray.ray.direction);
@@ -139,7 +139,8 @@ impl<F: Real> TriangleLanes<F> {
         LaneHit::within(covered & !along.eq(F::splat(0.0)), t.max(first).min(last), within)
     }
 
-    /// Perpendicular to the triangle, on the side from which its corners run counter-clockwise; twice its area long.
+    /// Perpendicular to the triangle, on the side from which its corners are counter-clockwise. Its length is twice
+    /// the area.
     #[inline(always)]
     pub fn perpendicular(&self) -> Vec3<F> {
         let [a, b, c] = self.corners;
@@ -153,7 +154,26 @@ impl<F: Real> TriangleLanes<F> {
         flat::shares(point - a, b - a, c - a)
     }
 
-    /// The point at which the second and the third corner have these weights.
+    /// Moves points of flat triangles away from the edges, as far as rounding may move rays that start there. The
+    /// distance covers the points' errors, the ray's offset and the error of the next test, with a neighbour at any
+    /// angle that is not sharp. In triangles too small for that, the points move to the centre.
+    #[inline(always)]
+    pub fn clear_of_edges(&self, surface: LaneSurface<F>) -> LaneSurface<F> {
+        let [a, b, c] = self.corners;
+        let [x, y] = self.weights(surface.point);
+        let (zero, one) = (F::splat(0.0), F::splat(1.0));
+        let clear = F::splat(8.0) * surface.error.length() / self.perpendicular().length();
+        // A weight is the distance from the opposite edge over the height above it, and the height is the doubled area
+        // over the edge.
+        let lack = (clear * (c - b).length() - (one - x - y))
+            .max(clear * (a - c).length() - x)
+            .max(clear * (b - a).length() - y);
+        let lack = lack.max(zero).min(F::splat(1.0 / 3.0));
+        let to_middle = (a - surface.point) + (b - surface.point) + (c - surface.point);
+        LaneSurface { point: surface.point + to_middle * lack, ..surface }
+    }
+
+    /// The point at the given weights of the second and the third corner.
     #[inline(always)]
     pub fn at(&self, [x, y]: [F; 2]) -> Vec3<F> {
         let [a, b, c] = self.corners;
@@ -161,16 +181,16 @@ impl<F: Real> TriangleLanes<F> {
     }
 }
 
-/// Whether the line of a ray passes through a convex flat shape or its boundary, of whose corners in their order this is
-/// seen along the ray ([`PreparedRay::sheared`]).
+/// Whether the line of a ray passes through a convex flat shape or its boundary. The corners, in order, come from
+/// [`PreparedRay::sheared`].
 ///
-/// Woop, Benthin, Wald, *Watertight Ray/Triangle Intersection* (2013): the corners are sheared so that the
-/// ray runs along an axis, and each edge is tested in the plane across it. Two shapes that share an edge
-/// compute the same number for it with opposite signs, and zero counts as inside, so no ray slips between.
+/// Woop, Benthin, Wald, *Watertight Ray/Triangle Intersection* (2013): the corners are sheared so that the ray runs
+/// along an axis, and each edge is tested in the plane across it. Two shapes that share an edge compute the same value
+/// for it with opposite signs. Zero counts as inside, so no ray slips between.
 ///
-/// The products of an edge's number are rounded by the ray's distance from the shape, which says nothing of shapes
-/// that are smaller than that: of these, the box around the sheared corners must hold the ray as well. It does if the
-/// shape does, so that still no ray slips between.
+/// The products of an edge function are rounded relative to the ray's distance from the shape. That is meaningless for
+/// shapes smaller than this rounding. So the box around the sheared corners must contain the ray too. It does if the
+/// shape does, so still no ray slips between.
 #[inline(always)]
 pub(super) fn covers<F: Real, const N: usize>(corners: &[[F; 3]; N]) -> F::Mask {
     let zero = F::splat(0.0);
@@ -181,12 +201,12 @@ pub(super) fn covers<F: Real, const N: usize>(corners: &[[F; 3]; N]) -> F::Mask 
         (low, high) = (low.min(*y), high.max(*y));
     }
     let around = left.le(zero) & zero.le(right) & low.le(zero) & zero.le(high);
-    // Most rays pass by.
+    // Most rays miss.
     if !around.any() {
         return around;
     }
     let [last_x, last_y, _] = corners[N - 1];
-    // An edge's number is the doubled area of its triangle with the ray.
+    // An edge function is the doubled area of the edge's triangle with the ray.
     let closing = last_x * first_y - last_y * first_x;
     let (mut least, mut most, mut sum) = (closing, closing, closing);
     for corner in 1..N {
@@ -195,7 +215,7 @@ pub(super) fn covers<F: Real, const N: usize>(corners: &[[F; 3]; N]) -> F::Mask 
         (least, most, sum) = (least.min(edge), most.max(edge), sum + edge);
     }
     let inside = zero.le(least) | most.le(zero);
-    // A sum of zero is a shape seen from its edge, or one without an area.
+    // The sum is zero if the shape is seen edge-on or has no area.
     inside & around & !sum.eq(zero)
 }
 
@@ -203,17 +223,17 @@ pub(super) fn covers<F: Real, const N: usize>(corners: &[[F; 3]; N]) -> F::Mask 
 mod tests {
     use super::*;
     use crate::base::math::{Ray, UNIT_ROUNDOFF};
-    use crate::geometry::bvh::Probe;
+    use crate::geometry::bvh::TraversalRay;
     use crate::geometry::shape::OneRay;
     use crate::testing::Random;
 
     fn hit(corners: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
         let triangle = Triangle { corners };
-        triangle.hit(&Probe::new(Ray { origin, direction }), f64::INFINITY).map(|crossing| crossing.t)
+        triangle.hit(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY).map(|hit| hit.t)
     }
 
-    /// Tests of edges that are not the same number for both triangles leak along them: Möller and Trumbore's loses 11 %
-    /// of f64 rays.
+    /// Edge tests that compute different numbers for both triangles leak along the edge: Möller and Trumbore's loses
+    /// 11 % of f64 rays.
     #[test]
     fn int_13_the_diagonal_of_a_quad_does_not_leak() {
         let p = |x: f64, y: f64| DVec3::new(x, y, 0.0);
@@ -231,7 +251,7 @@ mod tests {
         }
     }
 
-    /// Triangles of the size of their distance's rounding: the signs of their edges' numbers are anything.
+    /// Triangles as small as the rounding of their distance: the signs of their edge functions are arbitrary.
     #[test]
     fn specks_are_not_hit_by_rays_that_pass_them() {
         let mut random = Random(15);

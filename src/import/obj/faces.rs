@@ -1,10 +1,10 @@
-//! The faces of an OBJ file: polygons of indices, cut into triangles.
+//! The faces of an OBJ file: polygons of indices, split into triangles.
 
 use crate::geometry::mesh::corners::NOWHERE;
-use crate::geometry::mesh::{MeshError, Place};
+use crate::geometry::mesh::{MeshError, MeshLocation};
 use crate::import::lines::{parsed, quoted, words};
 
-/// A corner's indices: position, texture coordinates, normal.
+/// The indices of a corner: position, texture coordinates, normal.
 type Corner = [u32; 3];
 
 const WHAT: [&str; 3] = ["vertex", "texture coordinate (vt)", "normal (vn)"];
@@ -13,19 +13,19 @@ const WHAT: [&str; 3] = ["vertex", "texture coordinate (vt)", "normal (vn)"];
 #[derive(Default)]
 pub struct Faces {
     pub triangles: Vec<[u32; 3]>,
-    /// Empty until a face names texture coordinates; then as long as the triangles.
+    /// Indices of texture coordinates; empty until a face has some, then as many as triangles.
     pub uvs: Vec<[u32; 3]>,
-    /// The same for normals.
+    /// Indices of normals, likewise.
     pub normals: Vec<[u32; 3]>,
     /// Faces read so far.
     pub count: u64,
-    /// The highest index into each list, with its line: entries may stand behind the faces that use them.
+    /// The highest index into each list and its line. Entries may follow the faces that use them.
     highest: [(u32, u64); 3],
 }
 
 impl Faces {
-    /// Reads a face, `a/b/c` for each corner, and gives the number of its triangles. `counts` are the entries
-    /// that the lists have so far, from which negative indices count backwards.
+    /// Reads a face, `a/b/c` for each corner, and returns the number of its triangles. `counts` are the current
+    /// lengths of the lists, from which negative indices count backwards.
     pub fn read(
         &mut self,
         number: u64,
@@ -33,9 +33,10 @@ impl Faces {
         rest: &[u8],
         counts: [usize; 3],
     ) -> Result<usize, MeshError> {
-        let at = |why: String| MeshError::at(Place::Line(number), why);
+        let at = |why: String| MeshError::at(MeshLocation::Line(number), why);
         let mut corners = words(rest).map(|word| {
-            let corner = corner(word, counts).map_err(|why| at(format!("{why} in {}", quoted(line))))?;
+            let corner =
+                parse_corner(word, counts).map_err(|why| at(format!("{why} in {}", quoted(line))))?;
             self.note(corner, number);
             Ok::<_, MeshError>(corner)
         });
@@ -76,43 +77,43 @@ impl Faces {
         self.triangles.push(triangle);
     }
 
-    /// Whether all indices lead to entries, of which there are `counts`.
+    /// Checks all indices against the lengths of the lists.
     pub fn check(&self, counts: [usize; 3]) -> Result<(), MeshError> {
         let lists = self.highest.iter().zip(counts).zip(WHAT);
         for ((&(index, line), count), what) in lists {
-            // Line 0 is none: no face named this list.
+            // Line 0 means that no face uses this list.
             if line > 0 && index as usize >= count {
                 let why = format!("there is no {what} {}; the file has {count}", u64::from(index) + 1);
-                return Err(MeshError::at(Place::Line(line), why));
+                return Err(MeshError::at(MeshLocation::Line(line), why));
             }
         }
         Ok(())
     }
 }
 
-/// `a`, `a/b`, `a//c` or `a/b/c`, counted from 1.
-fn corner(word: &[u8], counts: [usize; 3]) -> Result<Corner, String> {
+/// Reads `a`, `a/b`, `a//c` or `a/b/c`, which count from 1.
+fn parse_corner(word: &[u8], counts: [usize; 3]) -> Result<Corner, String> {
     let mut corner = [NOWHERE; 3];
     for (list, index) in word.split(|byte| *byte == b'/').enumerate() {
         match corner.get_mut(list) {
             Some(_) if index.is_empty() && list > 0 => {}
-            Some(place) => *place = resolved(index, counts[list], WHAT[list])?,
-            None => return Err(format!("{} is no corner; write v, v/vt, v//vn or v/vt/vn", quoted(word))),
+            Some(place) => *place = resolve(index, counts[list], WHAT[list])?,
+            None => return Err(format!("{} is not a corner; write v, v/vt, v//vn or v/vt/vn", quoted(word))),
         }
     }
     Ok(corner)
 }
 
-/// An index counted from 1, or backwards from the last entry so far, which is -1.
-fn resolved(word: &[u8], count: usize, what: &str) -> Result<u32, String> {
+/// Resolves an index that counts from 1, or backwards from the last entry so far, which is -1.
+fn resolve(word: &[u8], count: usize, what: &str) -> Result<u32, String> {
     let index = match parsed::<i64>(word) {
-        Some(0) => return Err(format!("0 is no {what}; indices count from 1")),
+        Some(0) => return Err(format!("0 is not a {what}; indices count from 1")),
         Some(index @ 1..) => index - 1,
         Some(index) => count as i64 + index,
         None => return Err(format!("expected the number of a {what}, found {}", quoted(word))),
     };
     if index < 0 {
-        return Err(format!("there is no {what} {} yet; there are {count} above", quoted(word)));
+        return Err(format!("there is no {what} {} yet; the lines above define {count}", quoted(word)));
     }
     let index = u32::try_from(index).ok().filter(|index| *index != NOWHERE);
     index.ok_or_else(|| format!("there is no {what} {}", quoted(word)))

@@ -1,4 +1,4 @@
-//! OBJ files, good and broken.
+//! Valid and invalid OBJ files.
 
 use super::*;
 use crate::geometry::mesh::NO_MATERIAL;
@@ -13,7 +13,7 @@ fn open(name: &str) -> io::Result<Vec<u8>> {
     }
 }
 
-fn good(text: &str) -> Parts {
+fn good(text: &str) -> MeshData {
     read(text.as_bytes(), &open).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -24,7 +24,7 @@ fn fault(text: &str) -> String {
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 #[test]
-fn polygons_are_cut_into_fans() {
+fn polygons_are_split_into_fans() {
     let parts = good(&format!("{SQUARE}f 1 2 3 4\nf 1 2 3"));
     assert_eq!(parts.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);
     assert_eq!(parts.positions[2], DVec3::new(1.0, 1.0, 0.0));
@@ -34,7 +34,7 @@ fn polygons_are_cut_into_fans() {
 }
 
 #[test]
-fn files_of_all_manners_are_read() {
+fn files_of_all_styles_are_read() {
     let text = "# a comment\r\no thing\r\ng one two\r\ns off\r\nv 0.1 1e-3 -2 # first\r\n\tv 1 0 0 1.0\r\n\
                 v 0 \\\r\n 1 0\r\n\r\nl 1 2\r\np 1\r\nvp 0.5\r\nf  -3\t-2 -1";
     let parts = good(text);
@@ -66,7 +66,7 @@ fn equal_indices_are_kept_once() {
 }
 
 #[test]
-fn entries_may_stand_behind_the_faces() {
+fn entries_may_follow_the_faces() {
     assert_eq!(good("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0").triangles, [[0, 1, 2]]);
 }
 
@@ -95,7 +95,7 @@ fn of_materials_with_one_name_the_first_counts() {
     let open = |name: &str| match name {
         "twice.mtl" => Ok(b"newmtl a\nKd 1 0 0\nnewmtl a\nKd 0 1 0\n".to_vec()),
         "later.mtl" => Ok(b"newmtl a\nKd 0 0 1\n".to_vec()),
-        // As a disk says of several names that are taken for one.
+        // The error of a disk for several names that are taken for one.
         _ => Err(io::ErrorKind::InvalidFilename.into()),
     };
     let text = format!("mtllib twice.mtl later.mtl\n{SQUARE}usemtl a\nf 1 2 3");
@@ -104,7 +104,7 @@ fn of_materials_with_one_name_the_first_counts() {
 }
 
 #[test]
-fn missing_libraries_are_told_by_the_materials() {
+fn materials_name_missing_libraries() {
     for (library, uses, expected) in [
         ("\nmtllib none.mtl", "", ""),
         ("\nmtllib none.mtl", "usemtl any", "any"),
@@ -125,23 +125,26 @@ fn missing_libraries_are_told_by_the_materials() {
 #[test]
 fn faults_name_the_line() {
     for (text, expected) in [
-        ("v 0 0", "line 1: expected three numbers behind `v`, found `v 0 0`"),
-        ("v 0 0 zero", "line 1: expected three numbers behind `v`, found `v 0 0 zero`"),
+        ("v 0 0", "line 1: expected three numbers after `v`, found `v 0 0`"),
+        ("v 0 0 zero", "line 1: expected three numbers after `v`, found `v 0 0 zero`"),
         (
             "v 0 0 0 -1 0 0",
-            "line 1: expected colours of 0 or more behind the coordinates, found `v 0 0 0 -1 0 0`",
+            "line 1: expected colours of 0 or more after the coordinates, found `v 0 0 0 -1 0 0`",
         ),
-        ("vt nan 0", "line 1: expected two finite numbers behind `vt`, found `vt nan 0`"),
-        ("vn 0 1", "line 1: expected three numbers behind `vn`, found `vn 0 1`"),
+        ("vt nan 0", "line 1: expected two finite numbers after `vt`, found `vt nan 0`"),
+        ("vn 0 1", "line 1: expected three numbers after `vn`, found `vn 0 1`"),
         ("\nf 1 2", "line 2: expected a face of 3 corners or more, found `f 1 2`"),
         ("f", "line 1: expected a face of 3 corners or more, found `f`"),
         ("f 1 2 x", "line 1: expected the number of a vertex, found `x` in `f 1 2 x`"),
-        ("f 0 1 2", "line 1: 0 is no vertex; indices count from 1 in `f 0 1 2`"),
+        ("f 0 1 2", "line 1: 0 is not a vertex; indices count from 1 in `f 0 1 2`"),
         (
             "f 1/2/3/4 2 3",
-            "line 1: `1/2/3/4` is no corner; write v, v/vt, v//vn or v/vt/vn in `f 1/2/3/4 2 3`",
+            "line 1: `1/2/3/4` is not a corner; write v, v/vt, v//vn or v/vt/vn in `f 1/2/3/4 2 3`",
         ),
-        ("v 0 0 0\nf -1 -2 -1", "line 2: there is no vertex `-2` yet; there are 1 above in `f -1 -2 -1`"),
+        (
+            "v 0 0 0\nf -1 -2 -1",
+            "line 2: there is no vertex `-2` yet; the lines above define 1 in `f -1 -2 -1`",
+        ),
         ("v 0 0 0\nf 1 1 1\nf 1 2 9", "line 3: there is no vertex 9; the file has 1"),
         ("v 0 0 0\nf 1/1 1/1 1/1", "line 2: there is no texture coordinate (vt) 1; the file has 0"),
         ("v 0 0 0\nf 1//2 1//2 1//2", "line 2: there is no normal (vn) 2; the file has 0"),
@@ -150,8 +153,8 @@ fn faults_name_the_line() {
             "mtllib broken.mtl",
             "broken.mtl, line 2: expected three finite numbers, red, green and blue, found `Kd red`",
         ),
-        ("mtllib a.mtl\nusemtl green", "line 2: no material library has `green`"),
-        ("usemtl", "line 1: expected a name behind `usemtl`, found `usemtl`"),
+        ("mtllib a.mtl\nusemtl green", "line 2: no material library defines `green`"),
+        ("usemtl", "line 1: expected a name after `usemtl`, found `usemtl`"),
     ] {
         assert_eq!(fault(text), expected);
     }
@@ -159,7 +162,7 @@ fn faults_name_the_line() {
 
 /// INT-15 (d).
 #[test]
-fn int_15_vertices_that_are_nowhere_are_refused_with_their_face() {
+fn int_15_vertices_with_invalid_coordinates_are_refused_with_their_face() {
     let why = "coordinates are finite and at most 1e30";
     assert_eq!(
         fault("v 0 0 0\nv 1 nan 0\nv 0 1 0\nv 0 1 0\nf 1 3 4\nf 1 2 3\n"),
@@ -170,7 +173,7 @@ fn int_15_vertices_that_are_nowhere_are_refused_with_their_face() {
 }
 
 #[test]
-fn what_is_no_obj_file_gives_no_triangles_and_no_panic() {
+fn damaged_files_do_not_panic() {
     let mut random = crate::testing::Random(11);
     let text =
         format!("{SQUARE}vt 0 0\nvn 0 0 1\nmtllib a.mtl\nusemtl red\nf 1/1/1 2/1/1 3/1/1\nf -1 -2 -3\n");
@@ -181,7 +184,7 @@ fn what_is_no_obj_file_gives_no_triangles_and_no_panic() {
             bytes[at] = (random.unit() * 256.0) as u8;
         }
         if let Ok(parts) = read(&bytes[..], &open) {
-            let _ = crate::geometry::mesh::Mesh::new(parts);
+            let _ = crate::geometry::mesh::TriangleMesh::new(parts);
         }
     }
     assert_eq!(good("").triangles.len(), 0);

@@ -1,34 +1,36 @@
-//! Which material is on which triangle of an OBJ file.
+//! The materials of an OBJ file, and the material of each triangle.
 
-use super::Open;
 use crate::base::files;
-use crate::geometry::mesh::{MeshError, MtlMaterial, NO_MATERIAL, Place};
-use crate::import::lines::{quoted, unlike};
+use crate::geometry::mesh::{MeshError, MeshLocation, MtlMaterial, NO_MATERIAL};
+use crate::import::lines::{quoted, unexpected};
 use crate::import::mtl;
 use std::collections::HashMap;
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind};
 
-/// Materials by name and their slots.
+/// Returns the bytes of a material library, given its name in the OBJ file.
+pub type OpenLibrary<'a> = dyn Fn(&str) -> io::Result<Vec<u8>> + 'a;
+
+/// The materials in use, and their slots.
 #[derive(Default)]
-pub struct Usage {
-    /// The materials of the libraries read so far, by name; none if no library is named.
+pub struct MaterialUsage {
+    /// The materials of the libraries read so far, by name; none before the first library.
     known: Option<HashMap<String, MtlMaterial>>,
-    /// The fault of the first library that is not there. It is one only for those who want the materials.
+    /// The error of the first missing library. It matters only to callers that need the materials.
     missing: Option<MeshError>,
-    /// The names in use in the order of their slots, with the lines that name them first.
+    /// The names in use, in the order of their slots, with the lines of their first use.
     used: Vec<(String, u64)>,
     slots: HashMap<String, u16>,
     current: Option<u16>,
-    /// A slot per triangle; empty until a material is in use.
+    /// The slot of each triangle; empty until a material is in use.
     triangles: Vec<u16>,
     count: usize,
 }
 
-impl Usage {
-    /// `usemtl name`
-    pub fn choose(&mut self, number: u64, line: &[u8], rest: &[u8]) -> Result<(), MeshError> {
+impl MaterialUsage {
+    /// Reads `usemtl name`.
+    pub fn use_material(&mut self, number: u64, line: &[u8], rest: &[u8]) -> Result<(), MeshError> {
         if rest.is_empty() {
-            return Err(unlike(number, line, "a name behind `usemtl`"));
+            return Err(unexpected(number, line, "a name after `usemtl`"));
         }
         let name = String::from_utf8_lossy(rest).into_owned();
         if let Some(&slot) = self.slots.get(&name) {
@@ -38,7 +40,7 @@ impl Usage {
         let slot = self.used.len() as u16;
         if self.used.len() >= usize::from(NO_MATERIAL) {
             let why = format!("more than {NO_MATERIAL} materials are in use");
-            return Err(MeshError::at(Place::Line(number), why));
+            return Err(MeshError::at(MeshLocation::Line(number), why));
         }
         self.slots.insert(name.clone(), slot);
         self.used.push((name, number));
@@ -46,8 +48,8 @@ impl Usage {
         Ok(())
     }
 
-    /// The next `count` triangles have the current material.
-    pub fn mark(&mut self, count: usize) {
+    /// Assigns the current material to the next `count` triangles.
+    pub fn assign(&mut self, count: usize) {
         let slot = self.current.unwrap_or(NO_MATERIAL);
         if slot != NO_MATERIAL || !self.triangles.is_empty() {
             self.triangles.resize(self.count, NO_MATERIAL);
@@ -56,16 +58,16 @@ impl Usage {
         self.count += count;
     }
 
-    /// `mtllib file`, or several files. Names may contain blanks, so the whole line is tried first.
-    pub fn library(
+    /// Reads `mtllib file`, or several files. Names may contain blanks, so the whole line is tried as one name first.
+    pub fn read_libraries(
         &mut self,
         number: u64,
         line: &[u8],
         rest: &[u8],
-        open: &Open<'_>,
+        open: &OpenLibrary<'_>,
     ) -> Result<(), MeshError> {
         if rest.is_empty() {
-            return Err(unlike(number, line, "the name of a file behind `mtllib`"));
+            return Err(unexpected(number, line, "the name of a file after `mtllib`"));
         }
         let whole = String::from_utf8_lossy(rest).replace('\\', "/");
         if self.open(&whole, number, open)? {
@@ -75,35 +77,35 @@ impl Usage {
         for name in &names {
             if names.len() == 1 || !self.open(name, number, open)? {
                 let why = format!("there is no file {} for the materials", quoted(name.as_bytes()));
-                self.missing.get_or_insert_with(|| MeshError::at(Place::Line(number), why));
+                self.missing.get_or_insert_with(|| MeshError::at(MeshLocation::Line(number), why));
             }
         }
         Ok(())
     }
 
-    /// Reads a library; false if there is no such file.
-    fn open(&mut self, name: &str, number: u64, open: &Open<'_>) -> Result<bool, MeshError> {
+    /// Reads a library; false if the file does not exist.
+    fn open(&mut self, name: &str, number: u64, open: &OpenLibrary<'_>) -> Result<bool, MeshError> {
         let bytes = match open(name) {
             Ok(bytes) => bytes,
-            // Several names in a row may be too long for one.
+            // Several names may be too long for one name.
             Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::InvalidFilename) => {
                 return Ok(false);
             }
             Err(error) => {
-                let why = format!("{} cannot be read: {}", quoted(name.as_bytes()), files::why(&error));
-                return Err(MeshError::at(Place::Line(number), why));
+                let why = format!("{} cannot be read: {}", quoted(name.as_bytes()), files::describe(&error));
+                return Err(MeshError::at(MeshLocation::Line(number), why));
             }
         };
         let materials = mtl::read(&bytes[..]).map_err(|error| error.in_file(name))?;
         let known = self.known.get_or_insert_default();
         for material in materials {
-            // Of materials with one name, the first counts.
+            // The first of several materials with the same name counts.
             known.entry(material.name.clone()).or_insert(material);
         }
         Ok(true)
     }
 
-    /// A slot per triangle, and the materials in the slots. Without a library, materials have only names.
+    /// The slot of each triangle, and the materials of the slots. Without a library, materials have only names.
     pub fn resolved(self) -> Result<(Vec<u16>, Vec<MtlMaterial>), MeshError> {
         let Self { known, mut used, triangles, missing, .. } = self;
         let any = known.is_some() && missing.is_none();
@@ -111,12 +113,12 @@ impl Usage {
         if missing.is_some() && used.is_empty() {
             used.push((String::new(), 0));
         }
-        // Every name is in use once.
+        // Every name has one slot.
         let material = |(name, line): (String, u64)| match known.remove(&name) {
             Some(material) => Ok(MtlMaterial { missing: missing.clone(), ..material }),
             None if any => {
-                let why = format!("no material library has {}", quoted(name.as_bytes()));
-                Err(MeshError::at(Place::Line(line), why))
+                let why = format!("no material library defines {}", quoted(name.as_bytes()));
+                Err(MeshError::at(MeshLocation::Line(line), why))
             }
             None => Ok(MtlMaterial { name, missing: missing.clone(), ..MtlMaterial::default() }),
         };

@@ -1,4 +1,4 @@
-//! PLY files (Turk 1994): vertices and faces with any properties, as text or binary in both byte orders.
+//! PLY files (Turk 1994): vertices and faces with any properties, as text, or binary in both byte orders.
 
 mod header;
 mod read;

@@ -1,56 +1,56 @@
-//! PLY files → parts of meshes.
+//! Reads PLY files to parts of meshes.
 
-use super::header::{Element, Encoding, Header, Scalar};
-use super::records::{Blocks, Reader, Records};
-use super::scalars::{Scalars, Text};
-use super::vertices::{Vertices, incomplete, skip_list};
+use super::header::{Element, Header, PlyFormat, ScalarType};
+use super::records::{BlockReader, RecordReader, RecordSource};
+use super::scalars::{AsciiScalars, Scalars, skip_list};
+use super::vertices::Vertices;
 use crate::base::units::count;
-use crate::geometry::mesh::{Corners, MeshError, Parts, Place};
+use crate::geometry::mesh::{Corners, MeshData, MeshError, MeshLocation};
 use crate::import::lines::Lines;
 use std::io::BufRead;
 use std::ops::Range;
 
-/// Reads a PLY file. Polygons are cut into triangles around their first corner; elements and properties that
-/// are not known are skipped.
-pub fn read(input: impl BufRead + Send) -> Result<Parts, MeshError> {
+/// Reads a PLY file. Polygons are split into fans of triangles around their first corner. Unknown elements and
+/// properties are skipped.
+pub fn read(input: impl BufRead + Send) -> Result<MeshData, MeshError> {
     read_sized(input, u64::MAX)
 }
 
-/// [`read`], where the whole file is known to have no more than `size` bytes.
-pub fn read_sized(input: impl BufRead + Send, size: u64) -> Result<Parts, MeshError> {
+/// [`read`] for a file of at most `size` bytes.
+pub fn read_sized(input: impl BufRead + Send, size: u64) -> Result<MeshData, MeshError> {
     let mut lines = Lines::new(input, false);
     let header = Header::read(&mut lines)?;
-    report_too_many_vertices(&header)?;
+    check_vertex_count(&header)?;
     let least = header.least_size();
     if least > size.into() {
         let least = count(u64::try_from(least).unwrap_or(u64::MAX));
         let why = format!(
-            "the file is too short: it has {} bytes, and by its header at least {least}",
+            "the file is too short: it has {} bytes, but its header requires at least {least}",
             count(size)
         );
         return Err(MeshError::new(why));
     }
-    match header.encoding {
-        Encoding::Ascii => elements(&header, &mut Text::new(lines)),
-        encoding => elements(&header, &mut Blocks::new(lines.into_rest(), encoding)),
+    match header.format {
+        PlyFormat::Ascii => elements(&header, &mut AsciiScalars::new(lines)),
+        format => elements(&header, &mut BlockReader::new(lines.into_rest(), format)),
     }
 }
 
-/// The most vertices of a mesh.
-const MOST_VERTICES: u64 = u32::MAX as u64 - 1;
+/// The maximum number of vertices of a mesh.
+const MAX_VERTICES: u64 = u32::MAX as u64 - 1;
 
-fn report_too_many_vertices(header: &Header) -> Result<(), MeshError> {
-    let too_many = |element: &&Element| element.name == "vertex" && element.count > MOST_VERTICES;
+fn check_vertex_count(header: &Header) -> Result<(), MeshError> {
+    let too_many = |element: &&Element| element.name == "vertex" && element.count > MAX_VERTICES;
     match header.elements.iter().find(too_many) {
         None => Ok(()),
         Some(Element { count: vertices, .. }) => {
-            let (vertices, most) = (count(*vertices), count(MOST_VERTICES));
-            Err(MeshError::new(format!("it has {vertices} vertices; the most are {most}")))
+            let (vertices, most) = (count(*vertices), count(MAX_VERTICES));
+            Err(MeshError::new(format!("it has {vertices} vertices; the maximum is {most}")))
         }
     }
 }
 
-fn elements(header: &Header, records: &mut impl Records) -> Result<Parts, MeshError> {
+fn elements(header: &Header, records: &mut impl RecordSource) -> Result<MeshData, MeshError> {
     let counts = |name: &str| header.elements.iter().find(|e| e.name == name).map(|e| e.count);
     let Some(vertex_count) = counts("vertex") else {
         return Err(MeshError::new("it has no `element vertex`"));
@@ -69,40 +69,40 @@ fn elements(header: &Header, records: &mut impl Records) -> Result<Parts, MeshEr
             _ => records.read(element, &Skipper(element))?,
         }
     }
-    if let Some(error) = vertices.at_nowhere(None) {
+    if let Some(error) = vertices.invalid_vertex_error(None) {
         return Err(error);
     }
     let Vertices { positions, normals, colors, uvs, .. } = vertices;
     let normals = (!normals.is_empty()).then(|| Corners::per_vertex(normals));
     let uvs = (!uvs.is_empty()).then(|| Corners::per_vertex(uvs));
-    Ok(Parts { positions, triangles, normals, uvs, colors, ..Parts::default() })
+    Ok(MeshData { positions, triangles, normals, uvs, colors, ..MeshData::default() })
 }
 
 fn faces(
     element: &Element,
-    records: &mut impl Records,
+    records: &mut impl RecordSource,
     vertex_count: u64,
     vertices: &Vertices,
 ) -> Result<Vec<[u32; 3]>, MeshError> {
     let named = |name: &str| name == "vertex_indices" || name == "vertex_index";
     let corners = element.properties.iter().position(|p| p.list.is_some() && named(&p.name));
-    let corners = corners.ok_or_else(|| element.lacks("list `vertex_indices`"))?;
-    let alone = element.properties[corners].list.filter(|_| element.properties.len() == 1);
-    let reader = FaceReader { element, corners, alone, vertex_count, vertices };
+    let corners = corners.ok_or_else(|| element.lacks("the list `vertex_indices`"))?;
+    let only_list = element.properties[corners].list.filter(|_| element.properties.len() == 1);
+    let reader = FaceReader { element, corners, only_list, vertex_count, vertices };
     records.read(element, &reader)
 }
 
 struct FaceReader<'a> {
     element: &'a Element,
-    /// Which property is the list of corners.
+    /// The index of the property that lists the corners.
     corners: usize,
-    /// The type of its count, if there is no other property.
-    alone: Option<Scalar>,
+    /// The type of its count, if it is the only property.
+    only_list: Option<ScalarType>,
     vertex_count: u64,
     vertices: &'a Vertices,
 }
 
-impl Reader for FaceReader<'_> {
+impl RecordReader for FaceReader<'_> {
     type Output = Vec<[u32; 3]>;
 
     fn read(
@@ -114,17 +114,17 @@ impl Reader for FaceReader<'_> {
         let item = self.element.properties[self.corners].item;
         for face in records {
             let first = triangles.len();
-            match self.alone.and_then(|count| values.triangle(count, item, self.vertex_count)) {
+            match self.only_list.and_then(|count| values.triangle(count, item, self.vertex_count)) {
                 Some(triangle) => triangles.push(triangle),
-                None => self
-                    .face(face, values, triangles)
-                    .map_err(|error| incomplete(error, self.element, face))?,
+                None => {
+                    self.face(face, values, triangles).map_err(|error| self.element.in_record(error, face))?
+                }
             }
-            if let Some((nowhere, _)) = self.vertices.nowhere
-                && triangles[first..].iter().flatten().any(|&vertex| vertex == nowhere)
+            if let Some((invalid, _)) = self.vertices.invalid
+                && triangles[first..].iter().flatten().any(|&vertex| vertex == invalid)
             {
-                let fault = self.vertices.at_nowhere(Some(face));
-                return Err(fault.unwrap_or_else(|| MeshError::new("no such vertex")));
+                let fault = self.vertices.invalid_vertex_error(Some(face));
+                return Err(fault.unwrap_or_else(|| MeshError::new("its vertex does not exist")));
             }
         }
         Ok(())
@@ -153,7 +153,7 @@ impl FaceReader<'_> {
         values.end()
     }
 
-    /// A list of corners, cut into triangles around the first.
+    /// Reads a list of corners and splits the polygon into triangles around the first.
     fn polygon(
         &self,
         face: u64,
@@ -172,7 +172,8 @@ impl FaceReader<'_> {
             if f64::from(vertex) == index && u64::from(vertex) < self.vertex_count {
                 return Ok(vertex);
             }
-            let why = format!("there is no vertex {index}; the file has {}, from 0", self.vertex_count);
+            let why =
+                format!("there is no vertex {index}; the file has {}, numbered from 0", self.vertex_count);
             Err(MeshError::at(place(face, values), why))
         };
         let (first, mut last) = (corner()?, corner()?);
@@ -185,14 +186,14 @@ impl FaceReader<'_> {
     }
 }
 
-fn place(face: u64, values: &impl Scalars) -> Place {
-    values.line().map_or(Place::Face(face), Place::Line)
+fn place(face: u64, values: &impl Scalars) -> MeshLocation {
+    values.line().map_or(MeshLocation::Face(face), MeshLocation::Line)
 }
 
-/// Reads over the records of an element.
+/// Skips the records of an element.
 struct Skipper<'a>(&'a Element);
 
-impl Reader for Skipper<'_> {
+impl RecordReader for Skipper<'_> {
     type Output = ();
 
     fn read(&self, mut records: Range<u64>, values: &mut impl Scalars, _: &mut ()) -> Result<(), MeshError> {
@@ -206,7 +207,7 @@ impl Reader for Skipper<'_> {
             }
             values.end()
         };
-        records.try_for_each(|index| record().map_err(|error| incomplete(error, self.0, index)))
+        records.try_for_each(|index| record().map_err(|error| self.0.in_record(error, index)))
     }
 
     fn append(_: &mut (), _: &mut ()) {}

@@ -1,19 +1,18 @@
-//! The records of an element, read in parts.
+//! The records of an element, which are read in blocks and parts.
 
-use super::header::{Element, Encoding, Scalar};
-use super::scalars::{Binary, Scalars, Text};
-use super::vertices::incomplete;
+use super::header::{Element, PlyFormat, ScalarType};
+use super::scalars::{AsciiScalars, BinaryScalars, Scalars};
 use crate::geometry::mesh::MeshError;
 use rayon::prelude::*;
 use std::io::{self, BufRead, ErrorKind, Read};
 use std::ops::Range;
 
-/// What is made of records.
-pub trait Reader: Sync {
-    /// What they give.
+/// Converts records to output.
+pub trait RecordReader: Sync {
+    /// The output of a range of records.
     type Output: Default + Send;
 
-    /// Reads the records with these numbers and adds what they give.
+    /// Reads the records with these numbers and appends their output to `into`.
     fn read(
         &self,
         records: Range<u64>,
@@ -21,67 +20,67 @@ pub trait Reader: Sync {
         into: &mut Self::Output,
     ) -> Result<(), MeshError>;
 
-    /// Moves what a part of the records gave behind what those before did.
+    /// Moves the output of a part to the end of the output of all records before it.
     fn append(whole: &mut Self::Output, part: &mut Self::Output);
 }
 
-/// Where records come from.
-pub trait Records {
+/// A source of records.
+pub trait RecordSource {
     /// Reads all records of an element.
-    fn read<T: Reader>(&mut self, element: &Element, reader: &T) -> Result<T::Output, MeshError>;
+    fn read<T: RecordReader>(&mut self, element: &Element, reader: &T) -> Result<T::Output, MeshError>;
 }
 
-impl<R: BufRead> Records for Text<R> {
-    fn read<T: Reader>(&mut self, element: &Element, reader: &T) -> Result<T::Output, MeshError> {
+impl<R: BufRead> RecordSource for AsciiScalars<R> {
+    fn read<T: RecordReader>(&mut self, element: &Element, reader: &T) -> Result<T::Output, MeshError> {
         let mut output = T::Output::default();
         reader.read(0..element.count, self, &mut output)?;
         Ok(output)
     }
 }
 
-/// Bytes of a block.
-const BLOCK: usize = 1 << 20;
+/// The size of a block in bytes.
+const BLOCK_SIZE: usize = 1 << 20;
 
-/// Bytes of records that one thread reads at a time.
-const TOGETHER: usize = 1 << 15;
+/// The size of a part in bytes. One thread reads one part at a time.
+const PART_SIZE: usize = 1 << 15;
 
 /// Binary records, in blocks whose parts are read in parallel.
-pub struct Blocks<R> {
+pub struct BlockReader<R> {
     input: R,
-    encoding: Encoding,
-    /// Whether nothing follows.
+    format: PlyFormat,
+    /// Whether the input has ended.
     ended: bool,
-    /// What was had from the input, and behind its records is still to be read.
+    /// The last block. The bytes after its records are not read yet.
     last: Block,
 }
 
 #[derive(Default)]
 struct Block {
     buffer: Vec<u8>,
-    /// Bytes in the buffer.
+    /// The number of valid bytes in the buffer.
     filled: usize,
-    /// Bytes of its records.
+    /// The number of bytes of its whole records.
     used: usize,
-    /// Which records there are, in parts, and where.
+    /// The parts: their records and their bytes.
     parts: Vec<(Range<u64>, Range<usize>)>,
 }
 
-impl<R: Read> Blocks<R> {
-    pub fn new(input: R, encoding: Encoding) -> Self {
-        Self { input, encoding, ended: false, last: Block::default() }
+impl<R: Read> BlockReader<R> {
+    pub fn new(input: R, format: PlyFormat) -> Self {
+        Self { input, format, ended: false, last: Block::default() }
     }
 
-    /// The block behind another one, with the next of these records.
-    fn follow(
+    /// Fills `block` with the input after the block `before`, and takes its records from `records`.
+    fn read_block(
         &mut self,
         before: &Block,
         block: &mut Block,
-        size: &Size,
+        size: &RecordSize,
         records: &mut Range<u64>,
     ) -> Result<(), MeshError> {
         let rest = &before.buffer[before.used..before.filled];
         block.parts.clear();
-        block.buffer.resize(BLOCK.max(rest.len()), 0);
+        block.buffer.resize(BLOCK_SIZE.max(rest.len()), 0);
         block.buffer[..rest.len()].copy_from_slice(rest);
         (block.filled, block.used) = (rest.len(), 0);
         while block.parts.is_empty() && !records.is_empty() {
@@ -89,9 +88,9 @@ impl<R: Read> Blocks<R> {
                 block.buffer.resize(2 * block.filled, 0);
             }
             self.fill(block)?;
-            block.cut(size, self.encoding, records);
+            block.split(size, self.format, records);
             if block.parts.is_empty() && self.ended {
-                // A record that breaks off is read like the others: it may be wrong before it ends.
+                // Read a truncated record like the others: it may have an error before its end.
                 block.parts.push((std::mem::take(records), 0..block.filled));
             }
         }
@@ -112,14 +111,14 @@ impl<R: Read> Blocks<R> {
 }
 
 impl Block {
-    /// Finds the whole records.
-    fn cut(&mut self, size: &Size, encoding: Encoding, records: &mut Range<u64>) {
+    /// Splits the whole records into parts.
+    fn split(&mut self, size: &RecordSize, format: PlyFormat, records: &mut Range<u64>) {
         let bytes = &self.buffer[..self.filled];
         loop {
             let (first, begin) = (records.start, self.used);
             while !records.is_empty()
-                && self.used - begin < TOGETHER
-                && let Some(end) = size.end(bytes, self.used, encoding)
+                && self.used - begin < PART_SIZE
+                && let Some(end) = size.end(bytes, self.used, format)
             {
                 self.used = end;
                 records.start += 1;
@@ -131,16 +130,16 @@ impl Block {
         }
     }
 
-    /// Reads all parts, in parallel. Of several faults it is the first one.
-    fn read<T: Reader>(
+    /// Reads all parts in parallel. If several have errors, returns the first one.
+    fn read<T: RecordReader>(
         &self,
         reader: &T,
-        encoding: Encoding,
+        format: PlyFormat,
         outputs: &mut Vec<T::Output>,
     ) -> Result<(), MeshError> {
         outputs.resize_with(self.parts.len(), T::Output::default);
         let read = |((records, bytes), output): (&(Range<u64>, Range<usize>), &mut T::Output)| {
-            let mut values = Binary { bytes: &self.buffer[bytes.clone()], encoding };
+            let mut values = BinaryScalars { bytes: &self.buffer[bytes.clone()], format };
             reader.read(records.clone(), &mut values, output)
         };
         let done: Vec<_> = self.parts.par_iter().zip(outputs).map(read).collect();
@@ -148,74 +147,76 @@ impl Block {
     }
 }
 
-impl<R: Read + Send> Records for Blocks<R> {
-    fn read<T: Reader>(&mut self, element: &Element, reader: &T) -> Result<T::Output, MeshError> {
-        let (size, encoding, mut records) = (Size::of(element), self.encoding, 0..element.count);
-        let (mut now, mut soon) = (std::mem::take(&mut self.last), Block::default());
+impl<R: Read + Send> RecordSource for BlockReader<R> {
+    fn read<T: RecordReader>(&mut self, element: &Element, reader: &T) -> Result<T::Output, MeshError> {
+        let (size, format, mut records) = (RecordSize::of(element), self.format, 0..element.count);
+        let (mut current, mut next_block) = (std::mem::take(&mut self.last), Block::default());
         let mut whole = T::Output::default();
-        // Both are used again and again, with the memory that they have.
+        // Both are reused to keep their memory.
         let (mut outputs, mut done) = (Vec::new(), Vec::new());
-        now.parts.clear();
+        current.parts.clear();
         loop {
-            // While a block is read, what the one before gave is put in its place, and the next one is made ready.
+            // While a block is read, append the output of the block before it and fill the next block.
             let (read, follows) = rayon::join(
-                || now.read(reader, encoding, &mut outputs),
+                || current.read(reader, format, &mut outputs),
                 || {
                     done.iter_mut().for_each(|part| T::append(&mut whole, part));
                     let next = records.start;
-                    let follows = self.follow(&now, &mut soon, &size, &mut records);
-                    follows.map_err(|error| incomplete(error, element, next))
+                    let follows = self.read_block(&current, &mut next_block, &size, &mut records);
+                    follows.map_err(|error| element.in_record(error, next))
                 },
             );
             read?;
             follows?;
-            (now, soon) = (soon, now);
+            (current, next_block) = (next_block, current);
             (outputs, done) = (done, outputs);
-            if now.parts.is_empty() && done.is_empty() {
-                self.last = now;
+            if current.parts.is_empty() && done.is_empty() {
+                self.last = current;
                 return Ok(whole);
             }
         }
     }
 }
 
-/// How long binary records are, by the counts of their lists alone.
-struct Size {
-    lists: Vec<List>,
-    /// Bytes behind the last list.
+/// Computes the length of binary records from the counts of their lists.
+struct RecordSize {
+    lists: Vec<ListSize>,
+    /// The number of bytes after the last list.
     after: usize,
 }
 
-struct List {
-    /// Bytes between the list before, or the record's beginning, and the count.
+struct ListSize {
+    /// The number of bytes before the count, from the list before or from the start of the record.
     before: usize,
-    count: Scalar,
-    /// Bytes of an item.
+    count: ScalarType,
+    /// The size of an item in bytes.
     item: usize,
 }
 
-impl Size {
+impl RecordSize {
     fn of(element: &Element) -> Self {
         let mut size = Self { lists: Vec::new(), after: 0 };
         for property in &element.properties {
             let item = property.item.size();
             match property.list {
-                Some(count) => size.lists.push(List { before: std::mem::take(&mut size.after), count, item }),
+                Some(count) => {
+                    size.lists.push(ListSize { before: std::mem::take(&mut size.after), count, item })
+                }
                 None => size.after += item,
             }
         }
         size
     }
 
-    /// Where the record ends that begins at a place, if it is all there.
+    /// The end of the record that starts at `at`; none if it is incomplete.
     #[inline]
-    fn end(&self, bytes: &[u8], mut at: usize, encoding: Encoding) -> Option<usize> {
-        for List { before, count, item } in &self.lists {
+    fn end(&self, bytes: &[u8], mut at: usize, format: PlyFormat) -> Option<usize> {
+        for ListSize { before, count, item } in &self.lists {
             at += before;
             let items = match count {
-                // What most files have, by the shortest way: all that follows waits for it.
-                Scalar::U8 => usize::from(*bytes.get(at)?),
-                _ => Binary { bytes: bytes.get(at..)?, encoding }.next(*count).ok()? as usize,
+                // The type of most files has a fast path, because everything else waits for this count.
+                ScalarType::U8 => usize::from(*bytes.get(at)?),
+                _ => BinaryScalars { bytes: bytes.get(at..)?, format }.next(*count).ok()? as usize,
             };
             at = items.checked_mul(*item)?.checked_add(at + count.size())?;
         }

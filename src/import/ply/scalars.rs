@@ -1,53 +1,54 @@
-//! The numbers of a PLY file, one after another, however they are written.
+//! The numbers of PLY records, in all formats.
 
-use super::header::{Encoding, Scalar};
-use crate::geometry::mesh::{MeshError, Place};
+use super::header::{PlyFormat, Property, ScalarType};
+use crate::geometry::mesh::{MeshError, MeshLocation};
 use crate::import::lines::{Lines, parsed, quoted};
 use std::io::BufRead;
 
-/// Numbers in records. Every type of number fits into f64.
+/// Reads the numbers of records. f64 represents every type of number exactly.
 pub trait Scalars {
-    /// Goes to the next record.
+    /// Starts the next record.
     fn begin(&mut self) -> Result<(), MeshError>;
 
     /// The next number of the record.
-    fn next(&mut self, scalar: Scalar) -> Result<f64, MeshError>;
+    fn next(&mut self, scalar: ScalarType) -> Result<f64, MeshError>;
 
-    /// A whole record, instead of all from `begin` to `end`, that is a list of three whole numbers below a limit; none if
-    /// it is another one, or of types or in an order of bytes that few files have. Then nothing has been read.
-    fn triangle(&mut self, _count: Scalar, _item: Scalar, _below: u64) -> Option<[u32; 3]> {
+    /// Reads a whole record, in place of the calls from `begin` to `end`, if it is a list of three integers below a
+    /// limit. Otherwise, and for types or byte orders that few files have, it reads nothing and returns none.
+    fn triangle(&mut self, _count: ScalarType, _item: ScalarType, _below: u64) -> Option<[u32; 3]> {
         None
     }
 
-    /// A whole record of floats, instead of all from `begin` to `end`; false if it cannot be read at once. Then nothing has
-    /// been read.
+    /// Reads a whole record of floats, in place of the calls from `begin` to `end`. If it cannot read them at once,
+    /// it reads nothing and returns false.
     fn floats(&mut self, _into: &mut [f32]) -> bool {
         false
     }
 
-    /// The record is over.
+    /// Ends the record.
     fn end(&mut self) -> Result<(), MeshError>;
 
-    /// The line that a record stands in, if it does.
+    /// The number of the record's line; none for binary records.
     fn line(&self) -> Option<u64>;
 }
 
 /// Records as lines of text.
-pub struct Text<R> {
+pub struct AsciiScalars<R> {
     lines: Lines<R>,
-    /// The record, and how far it has been read.
+    /// The current record.
     line: Vec<u8>,
+    /// The number of bytes of the record that are read.
     at: usize,
     number: u64,
 }
 
-impl<R: BufRead> Text<R> {
+impl<R: BufRead> AsciiScalars<R> {
     pub fn new(lines: Lines<R>) -> Self {
         Self { lines, line: Vec::new(), at: 0, number: 0 }
     }
 
     fn fault(&self, why: String) -> MeshError {
-        MeshError::at(Place::Line(self.number), why)
+        MeshError::at(MeshLocation::Line(self.number), why)
     }
 
     fn word(&mut self) -> Option<&[u8]> {
@@ -59,7 +60,7 @@ impl<R: BufRead> Text<R> {
     }
 }
 
-impl<R: BufRead> Scalars for Text<R> {
+impl<R: BufRead> Scalars for AsciiScalars<R> {
     fn begin(&mut self) -> Result<(), MeshError> {
         loop {
             let Some((number, line)) = self.lines.next()? else {
@@ -74,20 +75,23 @@ impl<R: BufRead> Scalars for Text<R> {
         }
     }
 
-    /// Floats are rounded to f32 as they would be in a binary file.
-    fn next(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
+    /// Rounds floats to f32, as in a binary file.
+    fn next(&mut self, scalar: ScalarType) -> Result<f64, MeshError> {
         let Some(word) = self.word() else {
             return Err(self.fault(format!("the line ends too early: {}", quoted(&self.line))));
         };
         let value = match scalar {
-            Scalar::F32 => parsed::<f32>(word).map(f64::from),
-            Scalar::F64 => parsed(word),
-            // Some programs write whole numbers as `3.0`.
+            ScalarType::F32 => parsed::<f32>(word).map(f64::from),
+            ScalarType::F64 => parsed(word),
+            // Some programs write integers as `3.0`.
             _ => parsed(word).filter(|value: &f64| value.fract() == 0.0),
         };
         let Some(value) = value else {
-            let what =
-                if matches!(scalar, Scalar::F32 | Scalar::F64) { "a number" } else { "a whole number" };
+            let what = if matches!(scalar, ScalarType::F32 | ScalarType::F64) {
+                "a number"
+            } else {
+                "a whole number"
+            };
             let why = format!("expected {what}, found {}", quoted(word));
             return Err(self.fault(why));
         };
@@ -112,13 +116,13 @@ fn ends() -> MeshError {
 }
 
 /// Records as bytes.
-pub struct Binary<'b> {
+pub struct BinaryScalars<'b> {
     pub bytes: &'b [u8],
-    pub encoding: Encoding,
+    pub format: PlyFormat,
 }
 
-impl Binary<'_> {
-    /// The next `N` bytes, the lowest first.
+impl BinaryScalars<'_> {
+    /// The next `N` bytes, in little-endian order.
     #[inline(always)]
     fn bytes<const N: usize>(&mut self) -> Result<[u8; N], MeshError> {
         let Some((bytes, rest)) = self.bytes.split_first_chunk() else {
@@ -126,36 +130,36 @@ impl Binary<'_> {
         };
         self.bytes = rest;
         let mut bytes = *bytes;
-        if self.encoding == Encoding::BigEndian {
+        if self.format == PlyFormat::BigEndian {
             bytes.reverse();
         }
         Ok(bytes)
     }
 }
 
-impl Scalars for Binary<'_> {
+impl Scalars for BinaryScalars<'_> {
     fn begin(&mut self) -> Result<(), MeshError> {
         Ok(())
     }
 
     #[inline(always)]
-    fn next(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
+    fn next(&mut self, scalar: ScalarType) -> Result<f64, MeshError> {
         Ok(match scalar {
-            Scalar::I8 => i8::from_le_bytes(self.bytes()?).into(),
-            Scalar::U8 => u8::from_le_bytes(self.bytes()?).into(),
-            Scalar::I16 => i16::from_le_bytes(self.bytes()?).into(),
-            Scalar::U16 => u16::from_le_bytes(self.bytes()?).into(),
-            Scalar::I32 => i32::from_le_bytes(self.bytes()?).into(),
-            Scalar::U32 => u32::from_le_bytes(self.bytes()?).into(),
-            Scalar::F32 => f32::from_le_bytes(self.bytes()?).into(),
-            Scalar::F64 => f64::from_le_bytes(self.bytes()?),
+            ScalarType::I8 => i8::from_le_bytes(self.bytes()?).into(),
+            ScalarType::U8 => u8::from_le_bytes(self.bytes()?).into(),
+            ScalarType::I16 => i16::from_le_bytes(self.bytes()?).into(),
+            ScalarType::U16 => u16::from_le_bytes(self.bytes()?).into(),
+            ScalarType::I32 => i32::from_le_bytes(self.bytes()?).into(),
+            ScalarType::U32 => u32::from_le_bytes(self.bytes()?).into(),
+            ScalarType::F32 => f32::from_le_bytes(self.bytes()?).into(),
+            ScalarType::F64 => f64::from_le_bytes(self.bytes()?),
         })
     }
 
     #[inline(always)]
     fn floats(&mut self, into: &mut [f32]) -> bool {
         let Some((bytes, rest)) = self.bytes.split_at_checked(4 * into.len()) else { return false };
-        if self.encoding != Encoding::LittleEndian {
+        if self.format != PlyFormat::LittleEndian {
             return false;
         }
         for (float, bytes) in into.iter_mut().zip(bytes.as_chunks().0) {
@@ -166,14 +170,15 @@ impl Scalars for Binary<'_> {
     }
 
     #[inline(always)]
-    fn triangle(&mut self, count: Scalar, item: Scalar, below: u64) -> Option<[u32; 3]> {
-        let whole = matches!((count, item), (Scalar::U8 | Scalar::I8, Scalar::U32 | Scalar::I32));
-        if !whole || self.encoding != Encoding::LittleEndian {
+    fn triangle(&mut self, count: ScalarType, item: ScalarType, below: u64) -> Option<[u32; 3]> {
+        let whole =
+            matches!((count, item), (ScalarType::U8 | ScalarType::I8, ScalarType::U32 | ScalarType::I32));
+        if !whole || self.format != PlyFormat::LittleEndian {
             return None;
         }
         let ([3, indices @ ..], rest) = self.bytes.split_first_chunk::<13>()? else { return None };
-        // What is negative reads as what no signed number is.
-        let below = if item == Scalar::I32 { below.min(1 << 31) } else { below };
+        // A negative i32 reads as a u32 of at least 2^31.
+        let below = if item == ScalarType::I32 { below.min(1 << 31) } else { below };
         let mut triangle = [0; 3];
         for (vertex, bytes) in triangle.iter_mut().zip(indices.as_chunks::<4>().0) {
             *vertex = u32::from_le_bytes(*bytes);
@@ -192,4 +197,10 @@ impl Scalars for Binary<'_> {
     fn line(&self) -> Option<u64> {
         None
     }
+}
+
+/// Skips a list.
+pub fn skip_list(property: &Property, count: ScalarType, values: &mut impl Scalars) -> Result<(), MeshError> {
+    let count = values.next(count)?;
+    (0..count as u64).try_for_each(|_| values.next(property.item).map(|_| ()))
 }

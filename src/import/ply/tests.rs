@@ -1,16 +1,16 @@
-//! PLY files, good and broken.
+//! Valid and invalid PLY files.
 
 use super::header::Header;
 use super::*;
 use crate::base::color::{Rgb, srgb_to_linear};
 use crate::base::math::{DVec2, DVec3};
-use crate::geometry::mesh::{Corners, Mesh, MeshError, Parts, generate};
+use crate::geometry::mesh::{Corners, MeshData, MeshError, TriangleMesh, generate};
 use crate::import::lines::Lines;
 use crate::import::obj;
 use crate::testing::Random;
 use glam::Vec3;
 
-fn good(bytes: &[u8]) -> Parts {
+fn good(bytes: &[u8]) -> MeshData {
     read(bytes).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -18,7 +18,7 @@ fn fault(bytes: &[u8]) -> String {
     read(bytes).expect_err("a fault").to_string()
 }
 
-/// A header with everything that is read, and something in between that is not.
+/// A header with all properties that are read, and some in between that are not.
 fn header(format: &str) -> String {
     format!(
         "ply\nformat {format} 1.0\ncomment made by hand\nobj_info 1\nelement vertex 4\nproperty float x\n\
@@ -65,7 +65,7 @@ fn binary_file(big: bool) -> Vec<u8> {
 }
 
 #[test]
-fn all_encodings_say_the_same() {
+fn all_formats_give_the_same_mesh() {
     let parts = good(text_file().as_bytes());
     assert_eq!(parts.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);
     let float = |v: f64| f64::from(v as f32);
@@ -96,8 +96,8 @@ const CORNERS: &str = "0 0 0\n1 0 0\n0 1 0";
 #[test]
 fn faults_name_their_place() {
     for (text, expected) in [
-        (small(CORNERS, "3 0 1 3"), "line 13: there is no vertex 3; the file has 3, from 0"),
-        (small(CORNERS, "3 0 1 -1"), "line 13: there is no vertex -1; the file has 3, from 0"),
+        (small(CORNERS, "3 0 1 3"), "line 13: there is no vertex 3; the file has 3, numbered from 0"),
+        (small(CORNERS, "3 0 1 -1"), "line 13: there is no vertex -1; the file has 3, numbered from 0"),
         (small(CORNERS, "2 0 1"), "line 13: expected a face of 3 corners or more, found 2"),
         (small(CORNERS, "3 0 1"), "line 13: the line ends too early: `3 0 1`"),
         (small(CORNERS, "3 0 1 2 5"), "line 13: the line should end before `5`"),
@@ -109,9 +109,9 @@ fn faults_name_their_place() {
             "line 11: the vertex has y = NaN, and face 0 uses it; coordinates are finite and at most 1e30",
         ),
         (small(CORNERS, "3 0 1 2").replace("face 1", "face 2"), "the file ends in face 1 of 2"),
-        ("OFF\n".to_owned(), "it is no PLY file: those begin with a line `ply`"),
-        (String::new(), "it is no PLY file: those begin with a line `ply`"),
-        ("ply\nformat ascii 1.0\n".to_owned(), "the header has no end: a line `end_header`"),
+        ("OFF\n".to_owned(), "it is not a PLY file: its first line is not `ply`"),
+        (String::new(), "it is not a PLY file: its first line is not `ply`"),
+        ("ply\nformat ascii 1.0\n".to_owned(), "the header has no line `end_header`"),
         (
             "ply\nformat base64 1.0\n".to_owned(),
             "line 2: expected `format ascii`, `format binary_little_endian` or \
@@ -132,15 +132,15 @@ fn faults_name_their_place() {
         ("ply\nformat ascii 1.0\nend_header\n".to_owned(), "it has no `element vertex`"),
         (
             small(CORNERS, "3 0 1 2").replace("vertex 3", "vertex 999999999999"),
-            "it has 999,999,999,999 vertices; the most are 4,294,967,294",
+            "it has 999,999,999,999 vertices; the maximum is 4,294,967,294",
         ),
         (
             small(CORNERS, "3 0 1 2").replace("float y", "float w"),
-            "its vertex has no x, y and z, but `x`, `w`, `z`",
+            "its vertex lacks x, y and z; it has `x`, `w`, `z`",
         ),
         (
             small(CORNERS, "3 0 1 2").replace("_index", "s"),
-            "its face has no list `vertex_indices`, but `vertexs`",
+            "its face lacks the list `vertex_indices`; it has `vertexs`",
         ),
         (
             small(CORNERS, "3 0 1 2").replace("face", "tristrips"),
@@ -159,16 +159,16 @@ fn binary_files_name_elements() {
     assert_eq!(fault(&bytes[..header("binary_little_endian").len() + 3]), "the file ends in vertex 0 of 4");
     let mut wrong = bytes;
     wrong[len - 4..].copy_from_slice(&4_i32.to_le_bytes());
-    assert_eq!(fault(&wrong), "face 1: there is no vertex 4; the file has 4, from 0");
-    let mut nowhere = binary_file(false);
+    assert_eq!(fault(&wrong), "face 1: there is no vertex 4; the file has 4, numbered from 0");
+    let mut invalid = binary_file(false);
     let first = header("binary_little_endian").len();
-    nowhere[first..first + 4].copy_from_slice(&f32::INFINITY.to_le_bytes());
+    invalid[first..first + 4].copy_from_slice(&f32::INFINITY.to_le_bytes());
     let why = "the vertex has x = inf, and face 0 uses it; coordinates are finite and at most 1e30";
-    assert_eq!(fault(&nowhere), format!("vertex 0: {why}"));
+    assert_eq!(fault(&invalid), format!("vertex 0: {why}"));
 }
 
 #[test]
-fn files_that_are_too_short_for_their_header_are_not_begun() {
+fn files_that_are_too_short_for_their_header_are_refused() {
     for format in ["ascii", "binary_little_endian"] {
         let text = small(CORNERS, "3 0 1 2").replace("ascii", format).replace("face 1", "face 4000000000");
         let least = if format == "ascii" { "8,000,000,017" } else { "4,000,000,036" };
@@ -176,7 +176,7 @@ fn files_that_are_too_short_for_their_header_are_not_begun() {
         let has = text.len();
         assert_eq!(
             fault,
-            format!("the file is too short: it has {has} bytes, and by its header at least {least}")
+            format!("the file is too short: it has {has} bytes, but its header requires at least {least}")
         );
     }
     for file in [text_file().trim_end().as_bytes(), &binary_file(false)] {
@@ -200,8 +200,8 @@ fn absurd_counts_end_with_the_file() {
     assert_eq!(fault(&[text.as_bytes(), &[0; 36]].concat()), "its `element empty` has no properties");
 }
 
-/// As many records as fill several blocks of a file, some with lists of their own, and one larger than a block: vertices as
-/// bytes and as text, and the corners of the faces.
+/// Records that fill several blocks of a file. Some have lists, and one is larger than a block. Returns the vertices
+/// as bytes and as text, and the corners of the faces.
 fn many_records() -> (Vec<u8>, String, Vec<Vec<u32>>) {
     const VERTICES: u32 = 60_000;
     let (mut bytes, mut text) = (Vec::new(), String::new());
@@ -250,11 +250,12 @@ fn blocks_do_not_show() {
     let whole = binary(&faces);
     assert_eq!(good(&whole), good(text.as_bytes()));
 
-    // Of several faults the first one is told, wherever the others are and also if the file breaks off behind it.
+    // The first of several errors is reported, wherever the others are, and also if the file is truncated after it.
     let mut wrong = faces;
     for face in [89_999, 40_000, 30_000] {
         wrong[face][1] = 60_000 + face as u32;
-        let why = format!("face {face}: there is no vertex {}; the file has 60000, from 0", 60_000 + face);
+        let why =
+            format!("face {face}: there is no vertex {}; the file has 60000, numbered from 0", 60_000 + face);
         assert_eq!(fault(&binary(&wrong)), why);
     }
     let last = binary(&wrong[..30_001]);
@@ -263,14 +264,14 @@ fn blocks_do_not_show() {
     assert_eq!(fault(&whole[..whole.len() - 1_000_000]), "the file ends in face 70000 of 90000");
     let begin = many_header("binary_little_endian").len();
     assert_eq!(fault(&whole[..begin + vertices.len() - 1]), "the file ends in vertex 59999 of 60000");
-    let mut nowhere = whole;
+    let mut invalid = whole;
     let at = begin + vertices.len() - 4;
-    nowhere[at..at + 4].copy_from_slice(&f32::NAN.to_le_bytes());
-    assert!(fault(&nowhere).starts_with("vertex 59999: the vertex has z = NaN, and face "));
+    invalid[at..at + 4].copy_from_slice(&f32::NAN.to_le_bytes());
+    assert!(fault(&invalid).starts_with("vertex 59999: the vertex has z = NaN, and face "));
 }
 
-/// Vertices of floats and faces of one list, which are read at once where the lowest byte comes first, and one by one
-/// where it is the last.
+/// Vertices of floats, and faces of one list. Little-endian records are read at once, big-endian ones number by
+/// number.
 fn plain_file(big: bool, [count, item]: [&str; 2], faces: &[Vec<i64>]) -> Vec<u8> {
     let (endian, vertices) = (if big { "big" } else { "little" }, 5);
     let mut bytes = format!(
@@ -293,7 +294,7 @@ fn plain_file(big: bool, [count, item]: [&str; 2], faces: &[Vec<i64>]) -> Vec<u8
 }
 
 #[test]
-fn what_is_read_at_once_is_read_as_one_by_one() {
+fn records_read_at_once_equal_those_read_by_number() {
     let right = vec![vec![0, 1, 2], vec![4, 3, 2, 1], vec![2, 3, 4]];
     let parts = good(&plain_file(false, ["uchar", "uint"], &right));
     assert_eq!(parts.triangles, [[0, 1, 2], [4, 3, 2], [4, 2, 1], [2, 3, 4]]);
@@ -307,8 +308,12 @@ fn what_is_read_at_once_is_read_as_one_by_one() {
             let [little, big] = [false, true].map(|big| plain_file(big, types, &faces));
             for cut in 0..45 {
                 let [little, big] = [&little, &big].map(|bytes| read(&bytes[..bytes.len() - cut]));
-                let told = |read: Result<Parts, MeshError>| read.map_err(|error| error.to_string());
-                assert_eq!(told(little), told(big), "{types:?}, {wrong} in face {face}, {cut} bytes less");
+                let message = |read: Result<MeshData, MeshError>| read.map_err(|error| error.to_string());
+                assert_eq!(
+                    message(little),
+                    message(big),
+                    "{types:?}, {wrong} in face {face}, {cut} bytes less"
+                );
             }
         }
     }
@@ -326,13 +331,13 @@ fn damaged_files_do_not_panic() {
             }
             bytes.truncate((random.unit() * 2.0 * bytes.len() as f64) as usize);
             if let Ok(parts) = read(&bytes[..]) {
-                let _ = Mesh::new(parts);
+                let _ = TriangleMesh::new(parts);
             }
         }
     }
 }
 
-/// Whatever a file's format, the numbers come back as they were.
+/// Reading a file returns the numbers that were written, in both formats.
 #[test]
 fn meshes_survive_both_formats() {
     let mut exact = generate::displaced_sphere(2, 1);
@@ -351,7 +356,7 @@ fn meshes_survive_both_formats() {
 }
 
 #[test]
-fn what_ply_has_no_place_for_is_not_written() {
+fn values_per_corner_are_not_written() {
     let mut parts = generate::icosphere(0);
     let indices = vec![[0; 3]; parts.triangles.len()];
     parts.normals = Some(Corners::indexed(vec![Vec3::Y], indices, &parts.triangles));

@@ -1,17 +1,17 @@
 //! The vertices of a PLY file.
 
-use super::header::{Element, Property, Scalar};
-use super::records::{Reader, Records};
-use super::scalars::Scalars;
+use super::header::{Element, Property, ScalarType};
+use super::records::{RecordReader, RecordSource};
+use super::scalars::{Scalars, skip_list};
 use crate::base::color::{Rgb, srgb_to_linear};
 use crate::base::math::{DVec2, DVec3};
 use crate::geometry::mesh::build::{is_placed, not_placed};
-use crate::geometry::mesh::{MeshError, Place};
+use crate::geometry::mesh::{MeshError, MeshLocation};
 use glam::Vec3;
 use std::ops::Range;
 
-/// Names of what is read of a vertex, and its place in a record. Programs do not agree on those of texture
-/// coordinates.
+/// The names of the properties that are read, and their places in a [`VertexRecord`]. Programs use different names
+/// for texture coordinates.
 const NAMES: [(&str, usize); 17] = [
     ("x", 0),
     ("y", 1),
@@ -32,37 +32,37 @@ const NAMES: [(&str, usize); 17] = [
     ("texture_t", 10),
 ];
 
-/// Values of one vertex by their places.
-type Record = [f64; MOST];
+/// The values of one vertex by their places.
+type VertexRecord = [f64; MAX_VALUES];
 
-/// How many of them there are at most.
-const MOST: usize = 11;
+/// The maximum number of values.
+const MAX_VALUES: usize = 11;
 
-/// Everything about the vertices. Lists are empty if the file has no such properties.
+/// All data of the vertices. A list is empty if the file lacks its properties.
 #[derive(Default)]
 pub struct Vertices {
     pub positions: Vec<DVec3>,
     pub normals: Vec<Vec3>,
     pub colors: Vec<Rgb>,
     pub uvs: Vec<DVec2>,
-    /// The first vertex that is nowhere, with its line.
-    pub nowhere: Option<(u32, Option<u64>)>,
+    /// The first vertex with invalid coordinates, and its line.
+    pub invalid: Option<(u32, Option<u64>)>,
 }
 
-/// What a file has of a vertex, and how its colours are to be read.
-struct Layout<'a> {
+/// The properties of a vertex in a file, and the type of its colours.
+struct VertexLayout<'a> {
     element: &'a Element,
-    /// The place of each property, if it is read.
+    /// The place of each property; none for those that are not read.
     places: Vec<Option<usize>>,
-    has: [bool; MOST],
-    /// The places of the properties, if all are floats and read, and no more than there are places.
+    has: [bool; MAX_VALUES],
+    /// The places of the properties, if all of them are floats, are read, and fit into a record.
     floats: Option<Vec<usize>>,
-    color: Scalar,
-    /// The linear value of every code of a byte.
+    color: ScalarType,
+    /// The linear value of each 8-bit sRGB code.
     codes: Vec<f32>,
 }
 
-impl Reader for Layout<'_> {
+impl RecordReader for VertexLayout<'_> {
     type Output = Vertices;
 
     fn read(
@@ -72,19 +72,19 @@ impl Reader for Layout<'_> {
         vertices: &mut Vertices,
     ) -> Result<(), MeshError> {
         for index in records {
-            let record = self.record(values).map_err(|error| incomplete(error, self.element, index))?;
+            let record = self.record(values).map_err(|error| self.element.in_record(error, index))?;
             let line = values.line();
-            let place = || line.map_or(Place::Vertex(index), Place::Line);
+            let place = || line.map_or(MeshLocation::Vertex(index), MeshLocation::Line);
             vertices.add(self, &record, line).map_err(|why| MeshError::at(place(), why))?;
         }
         Ok(())
     }
 
     fn append(whole: &mut Vertices, part: &mut Vertices) {
-        let Vertices { positions, normals, colors, uvs, nowhere } = part;
+        let Vertices { positions, normals, colors, uvs, invalid } = part;
         let before = whole.positions.len() as u32;
-        let nowhere = nowhere.take().map(|(vertex, line)| (vertex + before, line));
-        whole.nowhere = whole.nowhere.or(nowhere);
+        let invalid = invalid.take().map(|(vertex, line)| (vertex + before, line));
+        whole.invalid = whole.invalid.or(invalid);
         whole.positions.append(positions);
         whole.normals.append(normals);
         whole.colors.append(colors);
@@ -93,14 +93,14 @@ impl Reader for Layout<'_> {
 }
 
 impl Vertices {
-    pub fn read(element: &Element, records: &mut impl Records) -> Result<Self, MeshError> {
-        records.read(element, &Layout::of(element)?)
+    pub fn read(element: &Element, records: &mut impl RecordSource) -> Result<Self, MeshError> {
+        records.read(element, &VertexLayout::of(element)?)
     }
 
-    fn add(&mut self, layout: &Layout<'_>, r: &Record, line: Option<u64>) -> Result<(), String> {
+    fn add(&mut self, layout: &VertexLayout<'_>, r: &VertexRecord, line: Option<u64>) -> Result<(), String> {
         let position = DVec3::new(r[0], r[1], r[2]);
-        if self.nowhere.is_none() && !is_placed(position) {
-            self.nowhere = Some((self.positions.len() as u32, line));
+        if self.invalid.is_none() && !is_placed(position) {
+            self.invalid = Some((self.positions.len() as u32, line));
         }
         self.positions.push(position);
         if layout.all(3..6) {
@@ -119,18 +119,18 @@ impl Vertices {
         Ok(())
     }
 
-    /// The fault of the vertex that is nowhere, with a face that uses it.
-    pub fn at_nowhere(&self, face: Option<u64>) -> Option<MeshError> {
-        let (vertex, line) = self.nowhere?;
-        let place = line.map_or(Place::Vertex(vertex.into()), Place::Line);
+    /// The error of the invalid vertex. It names `face`, which uses the vertex.
+    pub fn invalid_vertex_error(&self, face: Option<u64>) -> Option<MeshError> {
+        let (vertex, line) = self.invalid?;
+        let place = line.map_or(MeshLocation::Vertex(vertex.into()), MeshLocation::Line);
         Some(not_placed(place, *self.positions.get(vertex as usize)?, face))
     }
 }
 
-impl<'a> Layout<'a> {
+impl<'a> VertexLayout<'a> {
     fn of(element: &'a Element) -> Result<Self, MeshError> {
         let places = element.properties.iter().map(place).collect();
-        let (has, color, codes) = ([false; MOST], Scalar::F32, Vec::new());
+        let (has, color, codes) = ([false; MAX_VALUES], ScalarType::F32, Vec::new());
         let mut layout = Self { element, places, has, floats: None, color, codes };
         for (property, place) in element.properties.iter().zip(&layout.places) {
             let Some(place) = *place else { continue };
@@ -142,18 +142,18 @@ impl<'a> Layout<'a> {
         if !layout.all(0..3) {
             return Err(element.lacks("x, y and z"));
         }
-        let floats = element.properties.iter().all(|property| property.item == Scalar::F32);
+        let floats = element.properties.iter().all(|property| property.item == ScalarType::F32);
         let each: Option<Vec<_>> = layout.places.iter().copied().collect();
-        layout.floats = each.filter(|each| floats && each.len() <= MOST);
+        layout.floats = each.filter(|each| floats && each.len() <= MAX_VALUES);
         layout.codes = (0..256).map(|code| srgb_to_linear(f64::from(code) / 255.0) as f32).collect();
         Ok(layout)
     }
 
     #[inline]
-    fn record(&self, values: &mut impl Scalars) -> Result<Record, MeshError> {
-        let mut record = [0.0; MOST];
+    fn record(&self, values: &mut impl Scalars) -> Result<VertexRecord, MeshError> {
+        let mut record = [0.0; MAX_VALUES];
         if let Some(places) = &self.floats {
-            let mut floats = [0.0; MOST];
+            let mut floats = [0.0; MAX_VALUES];
             let floats = &mut floats[..places.len()];
             if values.floats(floats) {
                 places.iter().zip(floats).for_each(|(place, float)| record[*place] = f64::from(*float));
@@ -179,11 +179,11 @@ impl<'a> Layout<'a> {
         places.all(|place| self.has[place])
     }
 
-    /// Whole numbers are sRGB codes, others are linear.
+    /// Unsigned integers are sRGB codes; other numbers are linear.
     fn color(&self, rgb: [f64; 3]) -> Result<Rgb, String> {
         let part = |value: f64| match self.color {
-            Scalar::U8 => self.codes[value.clamp(0.0, 255.0) as usize],
-            Scalar::U16 => srgb_to_linear(value / 65_535.0) as f32,
+            ScalarType::U8 => self.codes[value.clamp(0.0, 255.0) as usize],
+            ScalarType::U16 => srgb_to_linear(value / 65_535.0) as f32,
             _ => value as f32,
         };
         let color = Rgb::from_array(rgb.map(part));
@@ -196,18 +196,4 @@ impl<'a> Layout<'a> {
 fn place(property: &Property) -> Option<usize> {
     let place = NAMES.iter().find(|(name, _)| *name == property.name).map(|(_, place)| *place);
     place.filter(|_| property.list.is_none())
-}
-
-/// Reads over a list.
-pub fn skip_list(property: &Property, count: Scalar, values: &mut impl Scalars) -> Result<(), MeshError> {
-    let count = values.next(count)?;
-    (0..count as u64).try_for_each(|_| values.next(property.item).map(|_| ()))
-}
-
-/// Says of a fault without a place which record it is in.
-pub fn incomplete(error: MeshError, element: &Element, index: u64) -> MeshError {
-    match error.place {
-        Some(_) => error,
-        None => MeshError::new(format!("{} in {} {index} of {}", error.why, element.name, element.count)),
-    }
 }

@@ -1,12 +1,15 @@
-//! Parts of meshes → binary PLY files.
+//! Writes parts of meshes to binary PLY files.
 
-use crate::geometry::mesh::{Corners, Parts};
+use crate::geometry::mesh::{Corners, MeshData};
 use std::io::{self, Error, Write};
 
-/// Writes a mesh as a PLY file, binary with the lowest byte first. Positions and texture coordinates take f32
-/// if that holds all of them exactly, f64 otherwise, so every number comes back as it was. The format has no
-/// place for materials, nor for values at corners that have their own indices; those are refused.
-pub fn write(mut out: impl Write, parts: &Parts) -> io::Result<()> {
+/// Writes a mesh as a little-endian binary PLY file. Positions and texture coordinates are f32 if that is exact for
+/// all of them, otherwise f64. So reading the file returns the same numbers. The format stores no materials, and they
+/// are lost.
+///
+/// # Errors
+/// If normals or texture coordinates are not per vertex, which the format cannot store; if writing fails.
+pub fn write(mut out: impl Write, parts: &MeshData) -> io::Result<()> {
     let positions = Wide(parts.positions.iter().any(|p| p.as_vec3().as_dvec3() != *p));
     let (normals, uvs) = (parts.normals.as_ref(), parts.uvs.as_ref());
     let wide_uvs = Wide(uvs.iter().any(|uvs| uvs.values().iter().any(|uv| uv.as_vec2().as_dvec2() != *uv)));
@@ -14,7 +17,7 @@ pub fn write(mut out: impl Write, parts: &Parts) -> io::Result<()> {
     let fits = |len: Option<usize>| len.is_none_or(|len| len == count);
     let shared = normals.is_none_or(Corners::is_per_vertex) && uvs.is_none_or(Corners::is_per_vertex);
     if !shared || !fits(normals.map(|n| n.values().len())) || !fits(uvs.map(|uvs| uvs.values().len())) {
-        return Err(Error::other("PLY files have normals and texture coordinates by vertex only"));
+        return Err(Error::other("PLY files store normals and texture coordinates per vertex only"));
     }
     write!(out, "ply\nformat binary_little_endian 1.0\nelement vertex {count}\n")?;
     let mut properties = |names: &[&str], wide: Wide| {
@@ -45,7 +48,7 @@ pub fn write(mut out: impl Write, parts: &Parts) -> io::Result<()> {
     out.flush()
 }
 
-/// Whether numbers are written as f64 rather than f32.
+/// Whether numbers are written as f64 or as f32.
 #[derive(Clone, Copy)]
 struct Wide(bool);
 

@@ -1,28 +1,28 @@
-//! What changes from frame to frame, and whose keys or path make it.
+//! Finds which keys or camera paths change from frame to frame.
 
-use crate::appearance::light_groups::glow::Glow;
+use crate::appearance::light_groups::GroupRadiance;
 use crate::base::digest::{Content, Digest};
 use crate::base::time::Clock;
 use crate::camera::Camera;
 use crate::film::LayerId;
 use crate::sequence::Sequence;
 
-/// Something that has keys or a path.
+/// A part of the sequence that has keys or a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Part {
-    /// By its index in the sequence, as all of these.
+pub enum AnimatedPart {
+    /// Index in the sequence, as in all variants.
     Camera(usize),
-    /// Which camera is looked through.
+    /// The choice of the active camera.
     Cut,
     Object(usize),
     Material(usize),
-    /// Where a light is.
+    /// The place of a light.
     Light(usize),
-    /// Whether a light is on.
+    /// The switch of a light.
     Switch(usize),
-    /// How bright a light is, and in which colour.
+    /// The intensity and colour of a light.
     Brightness(usize),
-    /// How bright a material shines.
+    /// The intensity of a material's emission.
     Emission(usize),
     Background,
     BackgroundBrightness,
@@ -32,11 +32,11 @@ pub enum Part {
     Exposure,
 }
 
-/// What has changed since another frame.
-pub type Change = Vec<Part>;
+/// The parts that differ between two frames.
+pub type Changes = Vec<AnimatedPart>;
 
-impl Part {
-    /// Whether it weights light that is traced already, or what is shown.
+impl AnimatedPart {
+    /// Whether this part only weights light that is already traced, or only scales the displayed picture.
     pub fn is_weight(self) -> bool {
         match self {
             Self::Switch(_) | Self::Brightness(_) | Self::Emission(_) | Self::BackgroundBrightness => true,
@@ -46,7 +46,7 @@ impl Part {
         }
     }
 
-    /// The light that is switched, if this is a switch.
+    /// The light's index if this is a switch.
     fn switched(self) -> Option<usize> {
         match self {
             Self::Switch(index) => Some(index),
@@ -55,51 +55,51 @@ impl Part {
     }
 }
 
-/// What every part's keys evaluate to at a moment. An object's are its own, not those of what moves it.
-pub fn values(sequence: &Sequence, clock: &Clock) -> Vec<(Part, Digest)> {
+/// The value of every part at a moment. An object's value leaves out the motion of its parents.
+pub fn values(sequence: &Sequence, clock: &Clock) -> Vec<(AnimatedPart, Digest)> {
     let time = clock.time;
     let mut values = Vec::new();
     let mut note = |part, value: &dyn Content| values.push((part, Digest::of(value)));
     let active = sequence.active_camera.at(clock.start);
-    note(Part::Cut, &active);
+    note(AnimatedPart::Cut, &active);
     if let Some(camera) = sequence.cameras.get(active) {
         let camera: Option<Camera> = camera.value.at(clock, None).ok();
-        note(Part::Camera(active), &camera);
+        note(AnimatedPart::Camera(active), &camera);
     }
     for (index, object) in sequence.objects.iter().enumerate() {
-        note(Part::Object(index), &(object.value.transform.at(time), object.value.visible.at(time)));
+        note(AnimatedPart::Object(index), &(object.value.transform.at(time), object.value.visible.at(time)));
     }
     for (index, light) in sequence.lights.iter().enumerate() {
-        note(Part::Light(index), &light.value.kind.at(time));
-        let dimmer = light.value.dimmer();
-        note(Part::Switch(index), &dimmer.on.as_ref().is_none_or(|on| on.at(clock.start)));
-        note(Part::Brightness(index), &dimmer.at(clock.start));
+        note(AnimatedPart::Light(index), &light.value.kind.at(time));
+        let group_weight = light.value.group_weight();
+        note(AnimatedPart::Switch(index), &group_weight.on.as_ref().is_none_or(|on| on.at(clock.start)));
+        note(AnimatedPart::Brightness(index), &group_weight.at(clock.start));
     }
     for (index, material) in sequence.materials.iter().enumerate() {
-        note(Part::Material(index), &material.value.at(time, LayerId::CONSTANT));
-        note(Part::Emission(index), &material.value.emission_split().1.at(clock.start));
+        note(AnimatedPart::Material(index), &material.value.at(time, LayerId::CONSTANT));
+        note(AnimatedPart::Emission(index), &material.value.emission_split().1.at(clock.start));
     }
-    note(Part::Background, &sequence.background.at(time, LayerId::CONSTANT));
-    note(Part::BackgroundBrightness, &sequence.background.dimmer().at(clock.start));
-    note(Part::Ambient, &sequence.ambient.at(clock.start));
+    note(AnimatedPart::Background, &sequence.background.at(time, LayerId::CONSTANT));
+    note(AnimatedPart::BackgroundBrightness, &sequence.background.group_weight().at(clock.start));
+    note(AnimatedPart::Ambient, &sequence.ambient.at(clock.start));
     if let Some(fog) = &sequence.fog {
-        note(Part::Fog, &fog.at(time, Glow::default()));
-        note(Part::FogColor, &fog.split().1.at(clock.start));
+        note(AnimatedPart::Fog, &fog.at(time, GroupRadiance::default()));
+        note(AnimatedPart::FogColor, &fog.split().1.at(clock.start));
     }
-    note(Part::Exposure, &sequence.output.exposure.at(clock.start));
+    note(AnimatedPart::Exposure, &sequence.output.exposure.at(clock.start));
     values
 }
 
-/// The parts whose values differ. Both list the same parts in the same order, but for the camera that is looked through.
-pub fn between(before: &[(Part, Digest)], now: &[(Part, Digest)]) -> Change {
+/// The parts whose values differ. Both lists hold the same parts in the same order, except for the active camera.
+pub fn between(before: &[(AnimatedPart, Digest)], now: &[(AnimatedPart, Digest)]) -> Changes {
     let differs = |index: usize| before.get(index) != now.get(index);
-    // A camera that was not looked through before has not moved: the cut has led to it.
+    // After a cut, the new camera does not count as moved.
     let cut = before.first() != now.first();
-    let moved = |part: &Part| !(cut && matches!(part, Part::Camera(_)));
-    let mut changes: Change =
+    let moved = |part: &AnimatedPart| !(cut && matches!(part, AnimatedPart::Camera(_)));
+    let mut changes: Changes =
         (0..now.len()).filter(|index| differs(*index)).map(|index| now[index].0).filter(moved).collect();
-    // A light that is switched is brighter or darker only for that.
+    // A switched light does not count as faded too.
     let switched: Vec<usize> = changes.iter().filter_map(|part| part.switched()).collect();
-    changes.retain(|part| !matches!(part, Part::Brightness(index) if switched.contains(index)));
+    changes.retain(|part| !matches!(part, AnimatedPart::Brightness(index) if switched.contains(index)));
     changes
 }

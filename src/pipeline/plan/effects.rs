@@ -1,25 +1,25 @@
-//! What a film calls for.
+//! Finds the effects that a film needs.
 
 use crate::appearance::light::{Attenuation, Source};
 use crate::appearance::material::{Lobes, Material};
-use crate::appearance::texture::Paint;
+use crate::appearance::texture::Texture;
 use crate::base::color::Rgb;
 use crate::camera::Projection;
 use crate::film::LayerId;
 use crate::geometry::shape::Shape;
-use crate::pipeline::schedule::Look;
+use crate::pipeline::schedule::FrameState;
 use crate::scene::{Primitive, Scene};
 
-/// Names effects in the order in which they are told.
+/// Names the effects in the order in which they are listed.
 macro_rules! effects {
     ($($effect:ident $name:literal,)*) => {
-        /// What a scene may call for. What it does not call for takes no work.
+        /// An effect of a scene. An effect that the scene does not need costs nothing.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-        pub enum Effect {
+        pub enum SceneEffect {
             $($effect,)*
         }
 
-        impl Effect {
+        impl SceneEffect {
             pub const ALL: &[Self] = &[$(Self::$effect,)*];
 
             pub fn name(self) -> &'static str {
@@ -57,28 +57,28 @@ effects! {
     ShadingNormals "shading normals",
 }
 
-/// Who calls for an effect.
+/// The part of the scene that needs an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Caller {
+pub enum EffectSource {
     Camera,
     Integrator,
     Background,
     Ambient,
     Fog,
-    /// By its index in the sequence, as a material.
+    /// Index in the sequence, as for materials.
     Light(u32),
     Material(u32),
 }
 
-/// The effects of a film of these layers, each with who calls for it.
-pub fn called_for(scene: &Scene, look: &Look, lit: &[LayerId]) -> Vec<(Effect, Caller)> {
+/// The effects of a film with these layers, each with the part of the scene that needs it.
+pub fn scene_effects(scene: &Scene, state: &FrameState, lit: &[LayerId]) -> Vec<(SceneEffect, EffectSource)> {
     let mut found = Vec::new();
-    camera(scene, look, &mut found);
+    camera(scene, state, &mut found);
     light(scene, lit, &mut found);
     for index in scene.geometry.materials() {
         let material = &scene.shading.materials[index as usize];
-        found.extend(of_material(material).map(|effect| (effect, Caller::Material(index))));
-        found.extend(painted(material).map(|effect| (effect, Caller::Material(index))));
+        found.extend(of_material(material).map(|effect| (effect, EffectSource::Material(index))));
+        found.extend(of_textures(material).map(|effect| (effect, EffectSource::Material(index))));
     }
     let smooth = |primitive: &&Primitive| match &primitive.shape {
         Shape::Mesh(shape) => shape.is_smooth(),
@@ -86,42 +86,47 @@ pub fn called_for(scene: &Scene, look: &Look, lit: &[LayerId]) -> Vec<(Effect, C
     };
     if let Some(primitive) = scene.geometry.primitives.iter().find(smooth) {
         found.extend(
-            primitive.materials().next().map(|index| (Effect::ShadingNormals, Caller::Material(index))),
+            primitive
+                .materials()
+                .next()
+                .map(|index| (SceneEffect::ShadingNormals, EffectSource::Material(index))),
         );
     }
     found
 }
 
-fn camera(scene: &Scene, look: &Look, found: &mut Vec<(Effect, Caller)>) {
+fn camera(scene: &Scene, state: &FrameState, found: &mut Vec<(SceneEffect, EffectSource)>) {
     let projection = match scene.camera.projection {
-        Projection::Perspective { .. } => Effect::Perspective,
-        Projection::Orthographic { .. } => Effect::Orthographic,
+        Projection::Perspective { .. } => SceneEffect::Perspective,
+        Projection::Orthographic { .. } => SceneEffect::Orthographic,
     };
-    found.push((projection, Caller::Camera));
+    found.push((projection, EffectSource::Camera));
     if scene.camera.lens.is_some() {
-        found.push((Effect::Lens, Caller::Camera));
+        found.push((SceneEffect::Lens, EffectSource::Camera));
     }
-    if look.moments > 1 {
-        found.push((Effect::MotionBlur, Caller::Camera));
+    if state.moments > 1 {
+        found.push((SceneEffect::MotionBlur, EffectSource::Camera));
     }
-    if look.random {
-        found.push((Effect::RandomSamples, random(scene, look)));
+    if state.random {
+        found.push((SceneEffect::RandomSamples, random(scene, state)));
     }
 }
 
-/// Who asks for random samples first.
-fn random(scene: &Scene, look: &Look) -> Caller {
-    if look.moments > 1 || scene.camera.lens.is_some() {
-        return Caller::Camera;
+/// The first part of the scene that needs random samples.
+fn random(scene: &Scene, state: &FrameState) -> EffectSource {
+    if state.moments > 1 || scene.camera.lens.is_some() {
+        return EffectSource::Camera;
     }
     let rough = |index: &u32| scene.shading.materials[*index as usize].is_rough();
-    let area =
-        scene.lights().find(|(_, light)| light.source.is_sampled()).map(|(index, _)| Caller::Light(index));
-    let rough = || scene.geometry.materials().into_iter().find(rough).map(Caller::Material);
-    area.or_else(rough).unwrap_or(Caller::Integrator)
+    let area = scene
+        .lights()
+        .find(|(_, light)| light.source.is_sampled())
+        .map(|(index, _)| EffectSource::Light(index));
+    let rough = || scene.geometry.materials().into_iter().find(rough).map(EffectSource::Material);
+    area.or_else(rough).unwrap_or(EffectSource::Integrator)
 }
 
-fn light(scene: &Scene, lit: &[LayerId], found: &mut Vec<(Effect, Caller)>) {
+fn light(scene: &Scene, lit: &[LayerId], found: &mut Vec<(SceneEffect, EffectSource)>) {
     let shading = scene.shading;
     let on = |layer: LayerId| lit.contains(&layer);
     let used = || scene.geometry.materials().into_iter().map(|index| &shading.materials[index as usize]);
@@ -131,63 +136,63 @@ fn light(scene: &Scene, lit: &[LayerId], found: &mut Vec<(Effect, Caller)>) {
             continue;
         }
         if lit_by_lights {
-            found.push((Effect::Shadows, Caller::Light(index)));
+            found.push((SceneEffect::Shadows, EffectSource::Light(index)));
         }
         let attenuation = match light.source {
             Source::Point { attenuation, .. } | Source::Spot { attenuation, .. } => attenuation,
             _ => Attenuation::default(),
         };
         if attenuation != Attenuation::default() {
-            found.push((Effect::Attenuation, Caller::Light(index)));
+            found.push((SceneEffect::Attenuation, EffectSource::Light(index)));
         }
         if light.source.is_sampled() {
-            found.push((Effect::AreaLights, Caller::Light(index)));
+            found.push((SceneEffect::AreaLights, EffectSource::Light(index)));
         }
     }
     if !shading.environment.is_black() && on(shading.environment.layer) {
-        found.push((Effect::Environment, Caller::Background));
+        found.push((SceneEffect::Environment, EffectSource::Background));
     }
     let gathers = || used().any(|material| material.lobes.ambient != Rgb::ZERO);
     if shading.ambient.radiance != Rgb::ZERO && on(shading.ambient.layer) && gathers() {
-        found.push((Effect::Ambient, Caller::Ambient));
+        found.push((SceneEffect::Ambient, EffectSource::Ambient));
     }
     if shading.fog.is_some() {
-        found.push((Effect::Fog, Caller::Fog));
+        found.push((SceneEffect::Fog, EffectSource::Fog));
     }
 }
 
 /// The effects of a material's lobes.
-fn of_material(material: &Material) -> impl Iterator<Item = Effect> {
+fn of_material(material: &Material) -> impl Iterator<Item = SceneEffect> {
     let Lobes { emission, specular, mirror, refraction, microfacet, .. } = material.lobes;
     let refracts = refraction != Rgb::ZERO;
     let all = [
-        (Effect::Emission, emission != Rgb::ZERO),
-        (Effect::Highlights, specular != Rgb::ZERO),
-        (Effect::Mirror, mirror != Rgb::ZERO),
-        (Effect::Glossy, material.is_rough() || microfacet > 0.0),
-        (Effect::Transparency, material.is_clear()),
-        (Effect::Refraction, refracts),
-        (Effect::Absorption, refracts && material.medium.absorption != Rgb::ZERO),
-        (Effect::ClearShadows, refracts || material.is_clear()),
+        (SceneEffect::Emission, emission != Rgb::ZERO),
+        (SceneEffect::Highlights, specular != Rgb::ZERO),
+        (SceneEffect::Mirror, mirror != Rgb::ZERO),
+        (SceneEffect::Glossy, material.is_rough() || microfacet > 0.0),
+        (SceneEffect::Transparency, material.is_transparent()),
+        (SceneEffect::Refraction, refracts),
+        (SceneEffect::Absorption, refracts && material.medium.absorption != Rgb::ZERO),
+        (SceneEffect::ClearShadows, refracts || material.is_transparent()),
     ];
     all.into_iter().filter(|(_, on)| *on).map(|(effect, _)| effect)
 }
 
-/// The effects of a material's paints.
-fn painted(material: &Material) -> impl Iterator<Item = Effect> {
-    fn note(paint: &Paint, found: &mut Vec<Effect>) {
+/// The effects of a material's textures.
+fn of_textures(material: &Material) -> impl Iterator<Item = SceneEffect> {
+    fn note(paint: &Texture, found: &mut Vec<SceneEffect>) {
         match paint {
-            Paint::Color(_) => {}
-            Paint::VertexColor => found.push(Effect::VertexColors),
-            Paint::Image(_) => found.push(Effect::Textures),
-            Paint::Pattern(paint) => {
-                found.push(Effect::Patterns);
+            Texture::Color(_) => {}
+            Texture::VertexColor => found.push(SceneEffect::VertexColors),
+            Texture::Image(_) => found.push(SceneEffect::Textures),
+            Texture::Pattern(paint) => {
+                found.push(SceneEffect::Patterns);
                 note(&paint.first, found);
                 note(&paint.second, found);
             }
         }
     }
     let mut found = Vec::new();
-    material.paints.iter().for_each(|(_, paint)| note(paint, &mut found));
+    material.textures.iter().for_each(|(_, paint)| note(paint, &mut found));
     found.into_iter()
 }

@@ -1,55 +1,56 @@
-//! A plan told by spans of frames: what changes in each, and which effects it calls for.
+//! Summarises a plan by spans of frames: what changes in each, and which effects it needs.
 
-use super::Plan;
-use super::changes::{Change, Part, between, values};
-use super::effects::{Caller, Effect, called_for};
+use super::changes::{AnimatedPart, Changes, between, values};
+use super::effects::{EffectSource, SceneEffect, scene_effects};
+use super::render_plan::Plan;
 use crate::base::digest::Digest;
-use crate::pipeline::schedule::{Look, Preview};
+use crate::pipeline::schedule::{FrameState, Preview};
 use crate::sequence::Sequence;
 use std::collections::{BTreeMap, HashSet};
 
-/// Frames one after the other in which the same things change; which of the lights fade may differ.
+/// Consecutive frames in which the same parts change. Which lights fade may differ within a span.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Span {
-    /// Where the first and the last of them are among the frames that were asked for.
+pub struct FrameSpan {
+    /// Indices of the first and the last frame among the requested frames.
     pub first: usize,
     pub last: usize,
-    /// What changes from each to the next.
-    pub changes: Change,
-    /// Films that are traced for them.
+    /// Parts that change from each frame to the next.
+    pub changes: Changes,
+    /// Number of films traced for the span.
     pub traced: usize,
 }
 
-/// A plan as people read it.
+/// A summary of a plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
-    pub spans: Vec<Span>,
-    /// The effects that any film calls for, each with the first entity that does.
-    pub effects: BTreeMap<Effect, Caller>,
-    /// The films that call for each.
-    pub calls: BTreeMap<Effect, Vec<usize>>,
-    /// Why there are as many films as there are: how many for each reason, in the order in which these come up.
+    pub spans: Vec<FrameSpan>,
+    /// The effects of all films, each with the first part of the scene that needs it.
+    pub effects: BTreeMap<SceneEffect, EffectSource>,
+    /// The films that need each effect.
+    pub calls: BTreeMap<SceneEffect, Vec<usize>>,
+    /// Why films are traced: the number of films for each reason, in order of appearance.
     pub reasons: Vec<(Reason, usize)>,
 }
 
-/// Why a film is traced and not made of another.
+/// Why a film is traced instead of reused.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reason {
-    /// It is the first.
+    /// It is the first film.
     First,
-    /// Something has changed that is more than the strength of lights.
-    Change(Change),
-    /// Samples have become random, or stand on a grid again, as lights with an area are switched.
+    /// A change that is more than the strength of lights.
+    Change(Changes),
+    /// Samples became random or returned to a grid, because area lights were switched.
     Samples,
-    /// There was one, but no memory to keep it or all of its layers.
+    /// An equal film existed, but memory was too small for it or for all its layers.
     Memory,
 }
 
-/// Tells what a plan of this sequence does.
+/// Summarises the plan of a sequence.
 pub fn outline(sequence: &Sequence, plan: &Plan) -> Outline {
     let calls = effects(sequence, plan);
-    let first = |(effect, callers): (&Effect, &Vec<(usize, Caller)>)| Some((*effect, callers.first()?.1));
-    let films = |(effect, callers): (&Effect, &Vec<(usize, Caller)>)| {
+    let first =
+        |(effect, callers): (&SceneEffect, &Vec<(usize, EffectSource)>)| Some((*effect, callers.first()?.1));
+    let films = |(effect, callers): (&SceneEffect, &Vec<(usize, EffectSource)>)| {
         (*effect, callers.iter().map(|call| call.0).collect())
     };
     Outline {
@@ -61,17 +62,17 @@ pub fn outline(sequence: &Sequence, plan: &Plan) -> Outline {
 }
 
 fn reasons(sequence: &Sequence, plan: &Plan) -> Vec<(Reason, usize)> {
-    let looks = &plan.survey.frames;
+    let states = &plan.states.frames;
     let mut known: HashSet<Digest> = HashSet::new();
     let mut found: Vec<(Reason, usize)> = Vec::new();
-    for take in &plan.takes {
-        let (index, look) = (take.frames[0], &looks[take.frames[0]]);
+    for shared in &plan.films {
+        let (index, state) = (shared.frames[0], &states[shared.frames[0]]);
         let reason = match index.checked_sub(1) {
-            _ if !known.insert(look.transport) => Reason::Memory,
+            _ if !known.insert(state.scene_hash) => Reason::Memory,
             None => Reason::First,
             Some(before) => {
-                let values = |look: &Look| values(sequence, &sequence.timeline.clock(look.frame));
-                let mut changes = between(&values(&looks[before]), &values(look));
+                let values = |state: &FrameState| values(sequence, &sequence.timeline.clock(state.frame));
+                let mut changes = between(&values(&states[before]), &values(state));
                 changes.retain(|part| !part.is_weight());
                 if changes.is_empty() { Reason::Samples } else { Reason::Change(changes) }
             }
@@ -84,19 +85,19 @@ fn reasons(sequence: &Sequence, plan: &Plan) -> Vec<(Reason, usize)> {
     found
 }
 
-fn spans(sequence: &Sequence, plan: &Plan) -> Vec<Span> {
-    let looks = &plan.survey.frames;
-    let valued = |look: &Look| values(sequence, &sequence.timeline.clock(look.frame));
-    let mut spans: Vec<Span> = Vec::new();
-    let mut before: Option<(&Look, Vec<(Part, Digest)>)> = None;
-    for (index, look) in looks.iter().enumerate() {
-        let now = valued(look);
-        let traced = usize::from(plan.takes[plan.of[index]].frames.first() == Some(&index));
+fn spans(sequence: &Sequence, plan: &Plan) -> Vec<FrameSpan> {
+    let states = &plan.states.frames;
+    let valued = |state: &FrameState| values(sequence, &sequence.timeline.clock(state.frame));
+    let mut spans: Vec<FrameSpan> = Vec::new();
+    let mut before: Option<(&FrameState, Vec<(AnimatedPart, Digest)>)> = None;
+    for (index, state) in states.iter().enumerate() {
+        let now = valued(state);
+        let traced = usize::from(plan.films[plan.film_of[index]].frames.first() == Some(&index));
         if let Some((last, last_values)) = &before {
-            let changes = seen(last, look, between(last_values, &now));
+            let changes = seen(last, state, between(last_values, &now));
             match spans.last_mut() {
                 Some(span) if span.first == span.last && span.first == 0 => {
-                    *span = Span { last: index, traced: span.traced + traced, changes, ..*span };
+                    *span = FrameSpan { last: index, traced: span.traced + traced, changes, ..*span };
                 }
                 Some(span) if alike(&span.changes, &changes) => {
                     (span.last, span.traced) = (index, span.traced + traced);
@@ -104,40 +105,40 @@ fn spans(sequence: &Sequence, plan: &Plan) -> Vec<Span> {
                     span.changes.sort_unstable();
                     span.changes.dedup();
                 }
-                _ => spans.push(Span { first: index, last: index, changes, traced }),
+                _ => spans.push(FrameSpan { first: index, last: index, changes, traced }),
             }
         } else {
-            spans.push(Span { first: index, last: index, changes: Vec::new(), traced });
+            spans.push(FrameSpan { first: index, last: index, changes: Vec::new(), traced });
         }
-        before = Some((look, now));
+        before = Some((state, now));
     }
     spans
 }
 
-/// Whether the same things change, where all that only weights light counts as one.
-fn alike(one: &Change, other: &Change) -> bool {
-    let shape = |change: &Change| {
-        let moves: Change = change.iter().copied().filter(|part| !part.is_weight()).collect();
+/// Whether the same parts change. All changes of light weights count as one.
+fn alike(one: &Changes, other: &Changes) -> bool {
+    let shape = |change: &Changes| {
+        let moves: Changes = change.iter().copied().filter(|part| !part.is_weight()).collect();
         (change.len() > moves.len(), moves)
     };
     shape(one) == shape(other)
 }
 
-/// Of what has changed, that which makes a difference.
-fn seen(before: &Look, now: &Look, mut changes: Change) -> Change {
-    let moved = before.transport != now.transport;
+/// Keeps the changes that have a visible effect.
+fn seen(before: &FrameState, now: &FrameState, mut changes: Changes) -> Changes {
+    let moved = before.scene_hash != now.scene_hash;
     let weighted = before.weights != now.weights || before.exposure != now.exposure;
     changes.retain(|part| if part.is_weight() { weighted } else { moved });
     changes
 }
 
-/// The films that call for each effect, with who does.
-fn effects(sequence: &Sequence, plan: &Plan) -> BTreeMap<Effect, Vec<(usize, Caller)>> {
+/// The films that need each effect, with the part of the scene that needs it.
+fn effects(sequence: &Sequence, plan: &Plan) -> BTreeMap<SceneEffect, Vec<(usize, EffectSource)>> {
     let mut preview = Preview::new(sequence);
-    let mut effects: BTreeMap<Effect, Vec<(usize, Caller)>> = BTreeMap::new();
-    for (film, take) in plan.takes.iter().enumerate() {
-        let look = &plan.survey.frames[take.frames[0]];
-        let found = preview.scene_of(look.frame, |scene| called_for(scene, look, &take.lit));
+    let mut effects: BTreeMap<SceneEffect, Vec<(usize, EffectSource)>> = BTreeMap::new();
+    for (film, shared) in plan.films.iter().enumerate() {
+        let state = &plan.states.frames[shared.frames[0]];
+        let found = preview.scene_of(state.frame, |scene| scene_effects(scene, state, &shared.lit));
         for (effect, caller) in found.into_iter().flatten() {
             let calls = effects.entry(effect).or_default();
             if calls.last().is_none_or(|(last, _)| *last != film) {

@@ -1,4 +1,4 @@
-//! What frames evaluate to.
+//! Tests of frame states and their digests.
 
 use super::*;
 use crate::base::digest::Digest;
@@ -9,7 +9,7 @@ fn sequence(text: &str) -> Sequence {
     parse("test.ron", text).unwrap_or_else(|faults| panic!("{faults}"))
 }
 
-/// A ball on a floor in frames of 4x3 pixels, with keys in frames. The fields may say the output themselves.
+/// A ball on a floor in frames of 4x3 pixels, with keys in frames. `fields` may replace the output.
 fn ball(fields: &str, material: &str, object: &str) -> Sequence {
     let output = if fields.contains("output:") { "" } else { "output: (size: (4, 3))," };
     sequence(&format!(
@@ -23,10 +23,10 @@ fn ball(fields: &str, material: &str, object: &str) -> Sequence {
 
 fn digests(sequence: &Sequence) -> Vec<Digest> {
     let frames: Vec<u32> = (0..sequence.timeline.frames).collect();
-    survey(sequence, &frames).frames.iter().map(crate::pipeline::schedule::Look::digest).collect()
+    evaluate(sequence, &frames).frames.iter().map(crate::pipeline::schedule::FrameState::digest).collect()
 }
 
-/// For every frame the first one that looks the same.
+/// For every frame, the first frame with the same digest.
 fn first_like(sequence: &Sequence) -> Vec<usize> {
     let digests = digests(sequence);
     digests.iter().map(|digest| digests.iter().position(|other| other == digest).expect("itself")).collect()
@@ -37,7 +37,7 @@ const ALL: [usize; 12] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11];
 const LAMP: &str = r#"lights: { "lamp": Point(position: (3, 4, 5)) },"#;
 
 #[test]
-fn what_moves_differs_and_what_returns_is_the_same() {
+fn moving_frames_differ_and_returning_frames_are_equal() {
     let there_and_back = [0, 1, 2, 3, 4, 3, 2, 1, 0, 1, 2, 3];
     assert_eq!(first_like(&ball(LAMP, "", "")), STILL);
     let moves = |repeat: &str| {
@@ -74,25 +74,26 @@ fn lights_change_weights_alone() {
         "",
         "",
     );
-    let survey = survey(&keyed, &(0..12).collect::<Vec<_>>());
-    assert!(survey.frames.iter().all(|look| look.transport == survey.frames[0].transport));
+    let states = evaluate(&keyed, &(0..12).collect::<Vec<_>>());
+    assert!(states.frames.iter().all(|state| state.scene_hash == states.frames[0].scene_hash));
     assert_eq!(first_like(&keyed), [0, 0, 0, 0, 0, 5, 5, 5, 5, 0, 0, 0]);
 }
 
-/// Random samples are another film than a regular grid, so a light with an area that is off is another transport.
+/// A film of random samples differs from a film of a regular grid. So switching off an area light changes the scene
+/// hash.
 #[test]
-fn how_samples_are_drawn_is_part_of_the_transport() {
+fn the_kind_of_samples_is_part_of_the_scene_hash() {
     let keyed = |kind: &str| {
         let lights = format!(r#"lights: {{ "lamp": {kind}, on: [(0, true), (6, false)]) }},"#);
-        let looks = survey(&ball(&lights, "", ""), &[0, 6]).frames;
-        (looks[0].random, looks[1].random, looks[0].transport == looks[1].transport)
+        let states = evaluate(&ball(&lights, "", ""), &[0, 6]).frames;
+        (states[0].random, states[1].random, states[0].scene_hash == states[1].scene_hash)
     };
     assert_eq!(keyed("Sphere(center: (3, 4, 5), radius: 1"), (true, false, false));
     assert_eq!(keyed("Point(position: (3, 4, 5)"), (false, false, true));
 }
 
 #[test]
-fn what_has_no_strength_is_not_there() {
+fn effects_without_strength_are_ignored() {
     let plain = digests(&ball(LAMP, "", ""));
     for fields in [
         "fog: (density: 0, color: 0.5),",
@@ -103,7 +104,7 @@ fn what_has_no_strength_is_not_there() {
     ] {
         assert_eq!(digests(&ball(&format!("{fields} {LAMP}"), "", "")), plain, "{fields}");
     }
-    // Nothing moves while it is open.
+    // Nothing moves while the shutter is open.
     assert_eq!(digests(&ball(&format!("camera: (shutter: 0.5), {LAMP}"), "", "")), plain);
     let off =
         r#"lights: { "lamp": Point(position: (3, 4, 5)), "off": Point(position: (1, 4, 5), intensity: 0) },"#;
@@ -138,56 +139,56 @@ fn a_shutter_that_sees_something_move_is_open() {
     let moves = "translation: [(0, (0, 0, 0)), (4, (1, 0, 0))]";
     let camera = "camera: (shutter: 0.5), quality: (shutter_steps: 6),";
     let moments = |fields: &str| -> Vec<u32> {
-        survey(&ball(fields, "", moves), &[0, 3, 4, 5]).frames.iter().map(|look| look.moments).collect()
+        evaluate(&ball(fields, "", moves), &[0, 3, 4, 5]).frames.iter().map(|state| state.moments).collect()
     };
     assert_eq!(moments(LAMP), [1, 1, 1, 1]);
     assert_eq!(moments(&format!("{camera} {LAMP}")), [6, 6, 1, 1]);
 }
 
-/// Neither other frames, nor their order, nor threads, nor where meshes and images lie.
+/// Digests do not depend on other frames, their order, threads, or addresses of meshes and images.
 #[test]
 fn digests_depend_on_the_frame_alone() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("sequences/room-effects.ron");
     let (one, other) = (load(&path).expect("a sequence"), load(&path).expect("a sequence"));
     let frames: Vec<u32> = (0..one.timeline.frames).collect();
-    let all = survey(&one, &frames);
+    let all = evaluate(&one, &frames);
     let order: Vec<u32> = frames.iter().rev().copied().step_by(5).collect();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("a pool");
-    for look in pool.install(|| survey(&other, &order)).frames {
-        assert_eq!(look.digest(), all.frames[look.frame as usize].digest());
+    for state in pool.install(|| evaluate(&other, &order)).frames {
+        assert_eq!(state.digest(), all.frames[state.frame as usize].digest());
     }
 }
 
-/// Names of frames outlive the program.
+/// Digests must be stable across versions that render the same.
 #[test]
 fn digests_are_the_same_in_every_version_that_renders_the_same() {
     assert_eq!(digests(&ball(LAMP, "", ""))[0].to_string(), "5c504143d32980c4e46c30fa92e771b5");
 }
 
-/// What happens between a frame's start and its first moment is seen.
+/// Changes between a frame's start and its first moment are noticed.
 #[test]
 fn still_frames_show_their_moments_not_their_start() {
     let camera = "camera: (shutter: 1), quality: (shutter_steps: 2),";
     let hidden = "visible: [(0, true), (3.125, false), (4.0625, true)]";
-    let looks = survey(&ball(&format!("{camera} {LAMP}"), "", hidden), &[2, 3, 4]).frames;
-    assert!(looks.iter().all(|look| look.moments == 1), "{looks:?}");
-    assert_ne!(looks[1].transport, looks[0].transport);
-    assert_eq!(looks[2].transport, looks[0].transport);
+    let states = evaluate(&ball(&format!("{camera} {LAMP}"), "", hidden), &[2, 3, 4]).frames;
+    assert!(states.iter().all(|state| state.moments == 1), "{states:?}");
+    assert_ne!(states[1].scene_hash, states[0].scene_hash);
+    assert_eq!(states[2].scene_hash, states[0].scene_hash);
 }
 
 #[test]
-fn a_stop_ends_the_look_at_frames() {
+fn a_stop_ends_the_evaluation() {
     let stop = crate::base::cancel::Stop::default();
     let sequence = ball(LAMP, "", "");
     let frames: Vec<u32> = (0..12).collect();
-    assert_eq!(survey_until(&sequence, &frames, &stop), survey(&sequence, &frames));
+    assert_eq!(evaluate_until(&sequence, &frames, &stop), evaluate(&sequence, &frames));
     stop.flag().store(2, std::sync::atomic::Ordering::Relaxed);
-    assert_eq!(survey_until(&sequence, &frames, &stop).frames, []);
+    assert_eq!(evaluate_until(&sequence, &frames, &stop).frames, []);
 }
 
 #[test]
-fn a_part_of_a_survey_is_the_survey_of_a_part() {
+fn a_part_of_the_states_is_the_states_of_the_part() {
     let sequence = ball(LAMP, "", "translation: [(0, (0, 0, 0)), (11, (1, 0, 0))]");
     let part = [9, 3, 4];
-    assert_eq!(survey(&sequence, &[9, 1, 3, 0, 4, 2]).only(&part), survey(&sequence, &part));
+    assert_eq!(evaluate(&sequence, &[9, 1, 3, 0, 4, 2]).only(&part), evaluate(&sequence, &part));
 }

@@ -1,130 +1,57 @@
-//! Frames looked at without tracing: what each of them evaluates to.
+//! Evaluates frames without tracing.
 
-use super::stages::{Faults, Shown, Stopwatch};
-use super::{Shutter, seen, unseen};
-use crate::base::color::Rgb;
+use super::film_settings::FilmSettings;
+use super::frame_state::FrameState;
+use super::shutter::Shutter;
+use super::stages::{CurrentMoment, FirstError, Stopwatch};
+use super::systems::{new_world, update_schedule};
 use crate::base::digest::{Content, Digest, Digester};
 use crate::base::time::{Clock, Timeline};
 use crate::camera::Camera;
 use crate::camera::path::NoCamera;
-use crate::film::{LayerId, exposure, lit};
+use crate::film::exposure;
 use crate::scene::{Digests, Geometry, Scene, Shading, Weights};
 use crate::sequence::Sequence;
-use crate::sequence::quality::{Integrator, Quality};
 use crate::trace::{Moment, Weightings, is_random};
 use crate::track::Animated;
 use crate::world::{Current, Now};
 use bevy_ecs::change_detection::{DetectChanges, Tick};
 use bevy_ecs::schedule::Schedule;
 use bevy_ecs::world::World;
-use std::collections::BTreeSet;
 
-/// A sequence's world without anything that traces.
+/// A sequence's world without the systems that trace.
 pub struct Preview {
     world: World,
     schedule: Schedule,
     timeline: Timeline,
     shutter: Shutter,
     exposure: Animated<f64>,
-    /// What is the same in all frames.
-    settings: Settings,
+    /// Settings that are equal in all frames.
+    settings: FilmSettings,
     digests: Digests,
-    /// When geometry and shading had changed last.
+    /// Change ticks of geometry and shading at the last evaluation.
     changed: Option<(Tick, Tick)>,
 }
 
-/// What a frame evaluates to: see [`super::looks`].
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Look {
-    pub frame: u32,
-    /// All that decides which light each layer holds, at every moment at which the frame is traced: geometry, materials,
-    /// where lights are, sky, fog, cameras, and the settings of quality that are called for. What has no strength has no
-    /// part in it.
-    pub transport: Digest,
-    /// What of light the frame shows: equal digests, equal radiance. What shines in layers of weight 0 has no part in it.
-    pub radiance: Digest,
-    /// What each layer is weighted with.
-    pub weights: Vec<Rgb>,
-    /// The weights of all frames of the sequence that are made of the same film, where they decide how it is sampled.
-    pub shown: Weightings,
-    /// Which of them are the frame's own, or weight what is not dark alike.
-    pub own: usize,
-    /// Factor of the displayed picture.
-    pub exposure: f32,
-    /// Moments at which the frame is traced: one, unless something moves while the shutter is open.
-    pub moments: u32,
-    /// Whether samples are drawn at random.
-    pub random: bool,
-    /// The geometry at the first and the last moment, and how often it changes in between.
-    pub geometry: (Digest, Digest),
-    pub rebuilds: u32,
-    /// Why the frame cannot be traced.
-    pub fault: Option<NoCamera>,
-}
-
-impl Look {
-    /// What the frame looks like: equal digests, equal radiance and exposure.
-    pub fn digest(&self) -> Digest {
-        Digest::of(&(self.radiance, self.exposure))
-    }
-
-    /// What all layers of the frame's film hold and are weighted with, dark ones too.
-    pub fn film(&self) -> Digest {
-        Digest::of(&(self.transport, self.weighted()))
-    }
-
-    /// The layers of light that a film of the frame is traced with, ascending: those that show in it, or in any frame that has a
-    /// say in how it is sampled.
-    pub fn lit(&self) -> Vec<LayerId> {
-        let others = self.shown.iter().flat_map(|weights| lit(weights));
-        lit(&self.weights).chain(others).collect::<BTreeSet<_>>().into_iter().collect()
-    }
-
-    /// Has the frame be made of a film that is sampled for all of these weights, of which it has one. Films that are sampled for
-    /// different frames are not the same.
-    pub(super) fn share(&mut self, frames: Digest, shown: Weightings, own: usize) {
-        (self.shown, self.own) = (shown, own);
-        self.transport = Digest::of(&(self.transport, frames));
-        self.radiance = Digest::of(&(self.radiance, frames));
-    }
-
-    /// The layers that show, with their weights.
-    fn weighted(&self) -> Vec<(u32, Rgb)> {
-        let weighted = |(_, weight): &(u32, Rgb)| *weight != Rgb::ZERO;
-        (0..).zip(self.weights.iter().copied()).filter(weighted).collect()
-    }
-}
-
-/// A look at one moment.
+/// The state of the scene at one moment.
 #[derive(PartialEq)]
-struct Sight {
-    /// What light meets.
-    transport: Digest,
-    /// What is seen with the weights of the frame.
+struct MomentState {
+    /// Digest of everything that light meets.
+    scene_hash: Digest,
+    /// Digest of the visible light, with the weights of the frame.
     radiance: Digest,
-    /// Whether the moment alone calls for random samples.
+    /// Whether the moment alone needs random samples.
     random: bool,
-}
-
-/// The settings that change films.
-struct Settings {
-    size: (u32, u32),
-    coverage: bool,
-    quality: Quality,
 }
 
 impl Preview {
     pub fn new(sequence: &Sequence) -> Self {
-        let mut world = unseen(sequence);
-        world.insert_resource(Shown(Moment::ONLY));
-        let settings = Settings {
-            size: sequence.output.size,
-            coverage: sequence.output.transparent,
-            quality: sequence.quality,
-        };
+        let mut world = new_world(sequence);
+        world.insert_resource(CurrentMoment(Moment::ONLY));
+        let settings = FilmSettings::of(sequence);
         Self {
             world,
-            schedule: seen(),
+            schedule: update_schedule(),
             timeline: sequence.timeline,
             shutter: Shutter::new(sequence),
             exposure: sequence.output.exposure.clone(),
@@ -134,10 +61,10 @@ impl Preview {
         }
     }
 
-    /// What a frame evaluates to, without a word of other frames that are made of the same film.
-    pub(super) fn look(&mut self, frame: u32) -> Look {
+    /// Evaluates a frame without regard to other frames of the same film.
+    pub(super) fn state(&mut self, frame: u32) -> FrameState {
         let moments = self.shutter.moments(&self.timeline, frame);
-        let mut found: Vec<Sight> = Vec::with_capacity(moments.len());
+        let mut found: Vec<MomentState> = Vec::with_capacity(moments.len());
         let (mut fault, mut geometry, mut rebuilds) = (None, None, 0);
         for &(clock, _) in &moments {
             match self.moment(clock) {
@@ -154,12 +81,12 @@ impl Preview {
                 }
             }
         }
-        // What stands still while the shutter is open is one moment.
+        // If nothing moves while the shutter is open, one moment is enough.
         if fault.is_none() && found.windows(2).all(|pair| pair[0] == pair[1]) {
             found.truncate(1);
         }
         let random = found.len() > 1 || found.first().is_some_and(|one| one.random);
-        let digester = |of: &dyn Fn(&Sight) -> Digest| {
+        let digester = |of: &dyn Fn(&MomentState) -> Digest| {
             let mut digester = Digester::new();
             self.settings.feed(random, &mut digester);
             found.iter().map(|one| (of(one), one.random)).collect::<Vec<_>>().feed(&mut digester);
@@ -167,13 +94,13 @@ impl Preview {
             digester
         };
         let radiance = digester(&|one| one.radiance).finish();
-        let transport = digester(&|one| one.transport).finish();
-        Look {
+        let scene_hash = digester(&|one| one.scene_hash).finish();
+        FrameState {
             frame,
-            transport,
+            scene_hash,
             radiance,
             weights: self.world.resource::<Current<Weights>>().0.0.clone(),
-            shown: Weightings::default(),
+            weightings: Weightings::default(),
             own: 0,
             exposure: exposure(self.exposure.at(self.timeline.clock(frame).start)),
             moments: found.len() as u32,
@@ -184,7 +111,7 @@ impl Preview {
         }
     }
 
-    /// Hands the scene at a frame's first moment over; nothing if it has no camera then.
+    /// Calls `see` with the scene at a frame's first moment. None if the scene has no camera then.
     pub fn scene_of<T>(&mut self, frame: u32, see: impl FnOnce(&Scene) -> T) -> Option<T> {
         let (clock, _) = *self.shutter.moments(&self.timeline, frame).first()?;
         self.moment(clock).ok()?;
@@ -197,12 +124,12 @@ impl Preview {
         self.world.get_resource()
     }
 
-    fn moment(&mut self, clock: Clock) -> Result<Sight, NoCamera> {
+    fn moment(&mut self, clock: Clock) -> Result<MomentState, NoCamera> {
         self.world.insert_resource(Now(clock));
         self.world.resource_mut::<Stopwatch>().start();
         self.schedule.run(&mut self.world);
         self.world.clear_trackers();
-        if let Some(why) = self.world.resource_mut::<Faults>().no_camera() {
+        if let Some(why) = self.world.resource_mut::<FirstError>().no_camera() {
             return Err(why);
         }
         let world = &self.world;
@@ -223,34 +150,9 @@ impl Preview {
         let Some(camera) = camera else { return Err(NoCamera::NotFinite) };
         let weights = &world.resource::<Current<Weights>>().0;
         let scene = Scene { geometry: &geometry.0, shading: &shading.0, weights, camera };
-        let integrator = self.settings.quality.integrator;
+        let integrator = self.settings.integrator();
         let random = is_random(&scene, integrator);
-        let radiance = self.digests.radiance(&scene, integrator.looks_for_lights());
-        Ok(Sight { transport: self.digests.transport(&scene), radiance, random })
-    }
-}
-
-impl Settings {
-    /// Those that a film with or without random samples asks for.
-    fn feed(&self, random: bool, into: &mut Digester) {
-        let Self { size: (width, height), coverage, quality } = self;
-        let Quality { integrator, bounces, filter, antialias, samples, .. } = quality;
-        let Quality { threshold, clamp, smooth_terminator, seed, noise, points, shutter_steps: _, .. } =
-            quality;
-        (*width, *height, *coverage).feed(into);
-        (integrator, *bounces, filter).feed(into);
-        (*clamp, *smooth_terminator, random).feed(into);
-        if *integrator == Integrator::Whitted {
-            threshold.feed(into);
-        }
-        if random {
-            (*seed, points).feed(into);
-            match noise {
-                Some(target) => target.feed(into),
-                None => samples.feed(into),
-            }
-        } else {
-            antialias.feed(into);
-        }
+        let radiance = self.digests.radiance(&scene, integrator.samples_lights());
+        Ok(MomentState { scene_hash: self.digests.transport(&scene), radiance, random })
     }
 }

@@ -1,4 +1,4 @@
-//! Motion blur: a frame as several moments while the shutter is open.
+//! Motion blur: several moments of a frame while the shutter is open.
 
 use crate::base::time::{Clock, Timeline};
 use crate::camera::path::moments;
@@ -6,10 +6,10 @@ use crate::sequence::Sequence;
 use crate::trace::Moment;
 use crate::track::Animated;
 
-/// When each camera's shutter is open, and which camera is looked through.
+/// The shutters of all cameras, and the active camera over time.
 pub struct Shutter {
     active: Animated<usize>,
-    /// Of each camera, as a share of the time between two frames.
+    /// The open time of each camera, as a share of the time between two frames.
     open: Vec<Animated<f64>>,
     steps: u32,
 }

@@ -1,14 +1,14 @@
-//! The systems that are not animation or extraction, and the resources that only they need.
+//! Systems besides animation and extraction, and the resources that only they need.
 
 use crate::base::math::DVec3;
-use crate::base::stats::{Counts, Meter};
+use crate::base::stats::{Counts, ProgressMeter};
 use crate::camera::Camera;
 use crate::camera::path::NoCamera;
 use crate::encode::EncodeError;
 use crate::film::{Film, lit};
 use crate::scene::top_level::Bvh;
 use crate::scene::{Geometry, Scene, Shading, Weights};
-use crate::trace::{Moment, Rounds, TraceSettings, Weightings, trace_moment, trace_shown};
+use crate::trace::{AdaptiveFrame, Moment, TraceSettings, Weightings, trace_moment, trace_shown};
 use crate::track::Animated;
 use crate::world::{Current, Now};
 use bevy_ecs::resource::Resource;
@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 
 /// The stages of a frame, in their order.
 #[derive(Clone, Copy, Debug, Hash, PartialEq, Eq, SystemSet)]
-pub enum Stage {
+pub enum FrameStage {
     Animate,
     Extract,
     Accelerate,
@@ -28,7 +28,7 @@ pub enum Stage {
     Encode,
 }
 
-impl Stage {
+impl FrameStage {
     pub const ALL: [Self; 5] = [Self::Animate, Self::Extract, Self::Accelerate, Self::Trace, Self::Encode];
 
     pub fn name(self) -> &'static str {
@@ -42,100 +42,100 @@ impl Stage {
     }
 }
 
-/// Where films go.
+/// A receiver of finished films.
 pub trait FilmSink: Send + Sync + 'static {
     fn push(&mut self, frame: u32, film: Film) -> Result<(), EncodeError>;
 }
 
-/// Keeps films instead of writing them.
+/// A sink that keeps films in memory.
 #[derive(Debug, Default)]
-pub struct Films(pub Vec<Film>);
+pub struct FilmCollector(pub Vec<Film>);
 
-impl FilmSink for Films {
+impl FilmSink for FilmCollector {
     fn push(&mut self, _frame: u32, film: Film) -> Result<(), EncodeError> {
         self.0.push(film);
         Ok(())
     }
 }
 
-/// Why a frame was not made.
+/// Why a frame could not be rendered.
 #[derive(Debug)]
-pub enum NoFrame {
+pub enum FrameError {
     Camera { frame: u32, why: NoCamera },
     Encode(EncodeError),
 }
 
-/// Work done, exactly, and the wall time that each [`Stage`] took, in their order.
+/// Exact counts of work, and the wall time of each [`FrameStage`] in order.
 #[derive(Clone, Debug, Default, Resource)]
-pub struct Tally {
+pub struct Stats {
     pub counts: Counts,
     pub bvh_builds: u64,
-    /// How often each kind of data was packed anew.
+    /// Number of times each kind of data was packed.
     pub geometry_packs: u64,
     pub shading_packs: u64,
-    /// Frames that were traced, and those that were made of the film of another.
+    /// Frames that were traced, and frames that reused the film of another frame.
     pub traced: u32,
     pub reused: u32,
     pub stages: [Duration; 5],
 }
 
 #[derive(Resource)]
-pub struct Settings(pub TraceSettings);
+pub struct RenderSettings(pub TraceSettings);
 
-/// How much brighter the film is shown than traced, in stops.
+/// Exposure of the displayed picture over time, in stops.
 #[derive(Resource)]
-pub struct Exposure(pub Animated<f64>);
+pub struct ExposureTrack(pub Animated<f64>);
 
 #[derive(Resource)]
 pub struct Sink<S: FilmSink>(pub S);
 
 #[derive(Resource)]
-pub struct Watched(pub Arc<Meter>);
+pub struct RunProgress(pub Arc<ProgressMeter>);
 
-/// The moment of the frame in hand.
+/// The current moment of the frame.
 #[derive(Resource)]
-pub struct Shown(pub Moment);
+pub struct CurrentMoment(pub Moment);
 
-/// Which layers of light the frame in hand is traced with, if not with those that it shows; and whether its film is kept.
+/// How to trace the current frame: the layers, if they differ from those that it shows, and whether to keep its film.
 #[derive(Default, Resource)]
-pub struct Wanted {
+pub struct TraceRequest {
     pub lit: Option<Weights>,
-    /// The weights that the film is shown with, where that decides how it is sampled.
-    pub shown: Weightings,
-    /// Which of them the frame has.
+    /// The weights of all frames of the film, if they decide how it is sampled.
+    pub weightings: Weightings,
+    /// Index of this frame's weights.
     pub own: usize,
     pub keep: bool,
 }
 
-/// The film between Trace and Encode, what several moments add up to before they are a film, and the film that is kept.
+/// The film between Trace and Encode, the sums over moments, and the film to keep.
 #[derive(Default, Resource)]
-pub struct Exposed {
+pub struct FilmInProgress {
     film: Option<Film>,
     sums: Vec<DVec3>,
     pub kept: Option<Film>,
-    /// Samples of a frame of several moments that is not good enough yet.
-    rounds: Option<Rounds>,
+    /// Samples of a frame of several moments that has not reached its target error yet.
+    rounds: Option<AdaptiveFrame>,
 }
 
-impl Exposed {
-    /// Whether the frame's moments are to be looked at again.
-    pub fn goes_on(&self) -> bool {
+impl FilmInProgress {
+    /// Whether the sampler needs another round over the frame's moments.
+    pub fn needs_another_round(&self) -> bool {
         self.rounds.is_some()
     }
 }
 
-/// The first error of a frame. A failing system does not stop a chain: the systems after it look here.
+/// The first error of a frame. A failing system does not stop a chain, so later systems check this resource.
 #[derive(Default, Resource)]
-pub struct Faults(Option<NoFrame>);
+pub struct FirstError(Option<FrameError>);
 
-impl Faults {
-    pub fn take(&mut self) -> Result<(), NoFrame> {
+impl FirstError {
+    pub fn take(&mut self) -> Result<(), FrameError> {
         self.0.take().map_or(Ok(()), Err)
     }
 
-    /// Why there is no camera, if that was the error.
+    /// Takes the error if it is a missing camera.
     pub fn no_camera(&mut self) -> Option<NoCamera> {
-        if let Some(NoFrame::Camera { why, .. }) = self.0.take() { Some(why) } else { None }
+        if let Some(FrameError::Camera { why, .. }) = self.0.take() { Some(why) } else { None }
     }
 }
 
@@ -147,48 +147,52 @@ impl Stopwatch {
         self.0 = Some(Instant::now());
     }
 
-    /// Time since the last start, and starts again.
+    /// Returns the time since the last start, and restarts.
     fn lap(&mut self) -> Duration {
         let now = Instant::now();
         self.0.replace(now).map_or(Duration::ZERO, |start| now - start)
     }
 }
 
-/// A system that books the time since the last one on `stage`.
-pub fn lap(stage: Stage) -> impl FnMut(ResMut<Stopwatch>, ResMut<Tally>) {
-    move |mut watch, mut tally| tally.stages[stage as usize] += watch.lap()
+/// A system that adds the time since the last lap to `stage`.
+pub fn lap(stage: FrameStage) -> impl FnMut(ResMut<Stopwatch>, ResMut<Stats>) {
+    move |mut watch, mut stats| stats.stages[stage as usize] += watch.lap()
 }
 
-pub fn no_fault(faults: Res<Faults>) -> bool {
+pub fn no_fault(faults: Res<FirstError>) -> bool {
     faults.0.is_none()
 }
 
-pub fn keep_camera_fault(In(camera): In<Result<(), NoCamera>>, now: Res<Now>, mut faults: ResMut<Faults>) {
+pub fn keep_camera_fault(
+    In(camera): In<Result<(), NoCamera>>,
+    now: Res<Now>,
+    mut faults: ResMut<FirstError>,
+) {
     if let Err(why) = camera {
-        faults.0.get_or_insert(NoFrame::Camera { frame: now.0.frame, why });
+        faults.0.get_or_insert(FrameError::Camera { frame: now.0.frame, why });
     }
 }
 
-pub fn keep_fault(In(encoded): In<Result<(), EncodeError>>, mut faults: ResMut<Faults>) {
+pub fn keep_fault(In(encoded): In<Result<(), EncodeError>>, mut faults: ResMut<FirstError>) {
     if let Err(error) = encoded {
-        faults.0.get_or_insert(NoFrame::Encode(error));
+        faults.0.get_or_insert(FrameError::Encode(error));
     }
 }
 
-pub fn count_geometry(mut tally: ResMut<Tally>) {
-    tally.geometry_packs += 1;
+pub fn count_geometry(mut stats: ResMut<Stats>) {
+    stats.geometry_packs += 1;
 }
 
-pub fn count_shading(mut tally: ResMut<Tally>) {
-    tally.shading_packs += 1;
+pub fn count_shading(mut stats: ResMut<Stats>) {
+    stats.shading_packs += 1;
 }
 
-pub fn accelerate(geometry: Res<Current<Geometry>>, mut bvh: ResMut<Current<Bvh>>, mut tally: ResMut<Tally>) {
+pub fn accelerate(geometry: Res<Current<Geometry>>, mut bvh: ResMut<Current<Bvh>>, mut stats: ResMut<Stats>) {
     bvh.0 = Bvh::build(&geometry.0);
-    tally.bvh_builds += 1;
+    stats.bvh_builds += 1;
 }
 
-/// What tracing reads.
+/// The data that tracing reads.
 type Traced<'w> = (
     Res<'w, Current<Geometry>>,
     Res<'w, Current<Bvh>>,
@@ -200,17 +204,22 @@ type Traced<'w> = (
 pub fn trace_frame(
     now: Res<Now>,
     (geometry, bvh, shading, weights, camera): Traced,
-    (settings, exposure, shown, wanted): (Res<Settings>, Res<Exposure>, Res<Shown>, Res<Wanted>),
-    watched: Res<Watched>,
-    mut exposed: ResMut<Exposed>,
-    mut tally: ResMut<Tally>,
+    (settings, exposure, shown, wanted): (
+        Res<RenderSettings>,
+        Res<ExposureTrack>,
+        Res<CurrentMoment>,
+        Res<TraceRequest>,
+    ),
+    watched: Res<RunProgress>,
+    mut exposed: ResMut<FilmInProgress>,
+    mut stats: ResMut<Stats>,
 ) {
     let Some(camera) = &camera.0 else { return };
     let traced = wanted.lit.as_ref().unwrap_or(&weights.0);
     let scene = Scene { geometry: &geometry.0, shading: &shading.0, weights: traced, camera };
-    let shows = match wanted.shown.is_empty() {
+    let shows = match wanted.weightings.is_empty() {
         true => [weights.0.0.clone()].into(),
-        false => Weightings::clone(&wanted.shown),
+        false => Weightings::clone(&wanted.weightings),
     };
     let (film, counts) = match shown.0 {
         Moment::ONLY => {
@@ -219,9 +228,9 @@ pub fn trace_frame(
         }
         moment => exposed.add_moment(&scene, &bvh.0, &settings.0, (moment, &shows), &watched.0),
     };
-    tally.counts += counts;
+    stats.counts += counts;
     let Some(film) = film else { return };
-    tally.traced += 1;
+    stats.traced += 1;
     let mut film = film.shown_as(wanted.own, &weights.0.0);
     film.expose(exposure.0.at(now.0.start));
     film.unfinished = watched.0.unfinished.load(Relaxed);
@@ -231,19 +240,19 @@ pub fn trace_frame(
     watched.0.frames.fetch_add(1, Relaxed);
 }
 
-impl Exposed {
-    /// Adds a moment; the last one makes the film.
+impl FilmInProgress {
+    /// Adds a moment. The last moment completes the film.
     fn add_moment(
         &mut self,
         scene: &Scene,
         bvh: &Bvh,
         settings: &TraceSettings,
         (moment, shows): (Moment, &Weightings),
-        meter: &Meter,
+        meter: &ProgressMeter,
     ) -> (Option<Film>, Counts) {
         if let Some(target) = settings.quality.noise {
             let rounds = self.rounds.take();
-            let mut rounds = rounds.unwrap_or_else(|| Rounds::new(scene, settings, target, shows));
+            let mut rounds = rounds.unwrap_or_else(|| AdaptiveFrame::new(scene, settings, target, shows));
             let counts = rounds.trace(scene, bvh, settings, moment, meter);
             if moment.index + 1 == moment.of && rounds.settle(meter) {
                 return (Some(rounds.film()), counts);
@@ -261,7 +270,7 @@ impl Exposed {
         let counts = trace_moment(scene, bvh, settings, moment, &mut self.sums, meter);
         let last = moment.index + 1 == moment.of;
         let film = last.then(|| {
-            let mut film = Film::with_extras(width, height, scene.weights.0.clone(), settings.extras);
+            let mut film = Film::with_aovs(width, height, scene.weights.0.clone(), settings.extras);
             film.data_mut().iter_mut().zip(&self.sums).for_each(|(layer, sum)| *layer = sum.as_vec3());
             film
         });
@@ -271,7 +280,7 @@ impl Exposed {
 
 pub fn encode<S: FilmSink>(
     now: Res<Now>,
-    mut exposed: ResMut<Exposed>,
+    mut exposed: ResMut<FilmInProgress>,
     mut sink: ResMut<Sink<S>>,
 ) -> Result<(), EncodeError> {
     exposed.film.take().map_or(Ok(()), |film| sink.0.push(now.0.frame, film))

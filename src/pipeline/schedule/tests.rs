@@ -1,16 +1,18 @@
-//! What a frame leaves in the world, and how errors end a run.
+//! Tests of the world after a frame, and of errors that end a run.
 
-use super::*;
+use super::{FilmSink, FrameError, FrameLoop, FrameStage};
 use crate::appearance::light::Source;
 use crate::base::time::Rate;
 use crate::encode::FilmsError;
 use crate::film::Film;
 use crate::geometry::shape::Shape;
-use crate::scene::Shading;
-use crate::sequence::parse;
+use crate::scene::{Geometry, Shading};
+use crate::sequence::{Sequence, parse};
+use crate::world::Current;
+use std::sync::Arc;
 use std::time::Duration;
 
-/// Keeps the frames' numbers, and refuses one of them.
+/// A sink that records frame numbers and rejects one of them.
 #[derive(Default)]
 struct Numbers {
     taken: Vec<u32>,
@@ -35,9 +37,9 @@ fn frame_loop(sequence: &Sequence, refuse: Option<u32>) -> FrameLoop<Numbers> {
     FrameLoop::new(sequence, Numbers { refuse, ..Numbers::default() }, Arc::default())
 }
 
-/// Keyed and constant entries live in different archetypes, so queries do not give them in the file's order.
+/// Keyed and constant entries are in different archetypes, so queries return them in another order than the file.
 #[test]
-fn what_is_packed_keeps_the_order_of_the_file() {
+fn packed_data_keeps_the_order_of_the_file() {
     let text = r#"(
         timeline: (frames: 3, keys: Frames), output: (size: (4, 3)),
         lights: {
@@ -72,7 +74,7 @@ fn what_is_packed_keeps_the_order_of_the_file() {
 
 #[test]
 fn a_frame_without_a_camera_says_so_and_makes_no_film() {
-    // The camera passes through its target between two frames, on one at twice the rate.
+    // The camera passes through its target between two frames, which is a frame at twice the rate.
     let text = r#"(timeline: (frames: 4, fps: 24, keys: Frames), output: (size: (4, 3)),
         camera: (position: [(0, (0, 0, 1)), (1, (0, 0, -1))]))"#;
     let mut sequence = sequence(text);
@@ -80,8 +82,8 @@ fn a_frame_without_a_camera_says_so_and_makes_no_film() {
     sequence.timeline = sequence.timeline.resampled(twice).expect("a timeline");
     let mut frames = frame_loop(&sequence, None);
     frames.frame(0).expect("a frame");
-    assert!(matches!(frames.frame(1), Err(NoFrame::Camera { frame: 1, .. })));
-    assert_eq!(frames.tally().counts.rays.camera, 4 * 3 * 4, "the frame without a camera was traced");
+    assert!(matches!(frames.frame(1), Err(FrameError::Camera { frame: 1, .. })));
+    assert_eq!(frames.stats().counts.rays.camera, 4 * 3 * 4, "the frame without a camera was traced");
     assert_eq!(frames.into_sink().expect("the sink").taken, [0]);
 }
 
@@ -101,7 +103,7 @@ fn films_arrive_in_the_order_asked_for_and_time_is_booked() {
     for frame in [5, 0, 8, 0] {
         frames.frame(frame).expect("a frame");
     }
-    let spent = frames.tally().stages;
-    assert!(spent[Stage::Trace as usize] > Duration::ZERO, "{spent:?}");
+    let spent = frames.stats().stages;
+    assert!(spent[FrameStage::Trace as usize] > Duration::ZERO, "{spent:?}");
     assert_eq!(frames.into_sink().expect("the sink").taken, [5, 0, 8, 0]);
 }

@@ -1,20 +1,21 @@
-//! Walks along eight rays at once: each meets what it would alone.
+//! Searches along bundles of eight rays. Each ray gets the hits that it would get on its own.
 
-use super::nearest::Nearest;
-use super::single::{Any, NearestOne};
-use super::{Bvh, Occlusion, Passing, lets_pass};
+use super::bvh::Bvh;
+use super::closest::LaneClosestHit;
+use super::occlusion::{Occlusion, TransmissiveFlags, is_transmissive};
+use super::single::{AnyHit, ClosestHit};
 use crate::base::lanes::{LaneKernel, Level, Mask, Real, Row, Select};
-use crate::geometry::bvh::{Branch, BundleLeaves, BundleSlabs, BundleStack, Probe, Slabs, Tree};
-use crate::geometry::shape::{PreparedRay, Span, eight};
+use crate::geometry::bvh::{BundleSlabs, BundleStack, BundleVisitor, NodeRef, Slabs, TraversalRay, Tree};
+use crate::geometry::shape::{PreparedRay, RayInterval, store_lanes};
 use crate::scene::{Geometry, Primitive};
 
 impl Bvh {
-    /// Searches the tree along eight rays.
+    /// Searches the tree for the closest hits of eight rays.
     #[inline(always)]
-    pub(super) fn closest_together<L: Level>(
+    pub(super) fn closest_in_bundle<L: Level>(
         &self,
         geometry: &Geometry,
-        nearest: &mut Nearest<L::F64>,
+        nearest: &mut LaneClosestHit<L::F64>,
         stack: &mut BundleStack,
     ) {
         if self.tree.is_small() {
@@ -24,12 +25,12 @@ impl Bvh {
         }
     }
 
-    /// Looks in the tree for what stands in the way of eight rays.
+    /// Searches the tree for primitives that block eight rays.
     #[inline(always)]
-    pub(super) fn occluded_together<L: Level>(
+    pub(super) fn occluded_in_bundle<L: Level>(
         &self,
         geometry: &Geometry,
-        shadow: &mut Shadow<L>,
+        shadow: &mut LaneAnyHit<L>,
         stack: &mut BundleStack,
     ) {
         if self.tree.is_small() {
@@ -40,15 +41,15 @@ impl Bvh {
     }
 }
 
-/// A ray of a bundle by itself.
+/// A single ray of a bundle.
 #[derive(Clone, Copy)]
-struct Alone {
-    probe: Probe,
+struct SingleRay {
+    single: TraversalRay,
     slabs: Slabs,
 }
 
-/// The rays of a bundle by themselves, each made when it is first asked for.
-struct Singles<const ALONE: usize>([Option<Alone>; ALONE]);
+/// The single rays of a bundle, each prepared at its first use.
+struct Singles<const ALONE: usize>([Option<SingleRay>; ALONE]);
 
 impl<const ALONE: usize> Singles<ALONE> {
     #[inline(always)]
@@ -56,23 +57,24 @@ impl<const ALONE: usize> Singles<ALONE> {
         Self([None; ALONE])
     }
 
-    /// A ray that is near the tree; none where there is no room for it.
+    /// A single ray. None if it misses the tree or if there is no room for it.
     #[inline(always)]
-    fn get<L: Level>(&mut self, tree: &Tree, rays: &PreparedRay<L::F64>, ray: usize) -> Option<&Alone> {
+    fn get<L: Level>(&mut self, tree: &Tree, rays: &PreparedRay<L::F64>, ray: usize) -> Option<&SingleRay> {
         let alone = self.0.get_mut(ray)?;
         if alone.is_none() {
-            let probe = Probe::new(rays.ray.lane(ray));
-            *alone = Slabs::new::<L::Narrow>(tree, &probe, f64::INFINITY).map(|slabs| Alone { probe, slabs });
+            let single = TraversalRay::new(rays.ray.lane(ray));
+            *alone = Slabs::new::<L::Narrow>(tree, &single, f64::INFINITY)
+                .map(|slabs| SingleRay { single, slabs });
         }
         alone.as_ref()
     }
 }
 
-/// The search for what is nearest, with room for so many rays that go on alone.
+/// The search for the closest hits, with room for `ALONE` rays that leave the bundle.
 struct Closest<'a, 'r, L: Level, const ALONE: usize> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
-    nearest: &'a mut Nearest<'r, L::F64>,
+    nearest: &'a mut LaneClosestHit<'r, L::F64>,
     stack: &'a mut BundleStack,
 }
 
@@ -87,37 +89,37 @@ impl<L: Level, const ALONE: usize> LaneKernel<L> for Closest<'_, '_, L, ALONE> {
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, ray.origin, ray.direction, wanted);
         let singles = Singles::<ALONE>::new();
         let limit = slabs.limit(nearest.limit);
-        let mut walk = NearestWalk { bvh, geometry, slabs: &slabs, nearest, limit, singles };
+        let mut walk = ClosestHitWalk { bvh, geometry, slabs: &slabs, nearest, limit, singles };
         if near != 0 {
-            bvh.tree.walk_together(&slabs, near, &mut walk, stack);
+            bvh.tree.walk_bundle(&slabs, near, &mut walk, stack);
         }
         for lane in crate::base::lanes::lanes(afar) {
-            let probe = Probe::new(walk.nearest.ray.ray.lane(lane));
-            walk.alone(lane, &probe, |one| bvh.tree.walk(&probe, one.limit(), one));
+            let single = TraversalRay::new(walk.nearest.ray.ray.lane(lane));
+            walk.alone(lane, &single, |one| bvh.tree.walk(&single, one.limit(), one));
         }
     }
 }
 
-struct NearestWalk<'a, 'r, L: Level, const ALONE: usize> {
+struct ClosestHitWalk<'a, 'r, L: Level, const ALONE: usize> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
     slabs: &'a BundleSlabs<L>,
-    nearest: &'a mut Nearest<'r, L::F64>,
+    nearest: &'a mut LaneClosestHit<'r, L::F64>,
     limit: L::F32,
     singles: Singles<ALONE>,
 }
 
-impl<L: Level, const ALONE: usize> NearestWalk<'_, '_, L, ALONE> {
-    /// Goes on with the search along one ray.
+impl<L: Level, const ALONE: usize> ClosestHitWalk<'_, '_, L, ALONE> {
+    /// Continues the search along one ray.
     #[inline(always)]
-    fn alone(&mut self, ray: usize, probe: &Probe, walk: impl FnOnce(&mut NearestOne)) {
+    fn alone(&mut self, ray: usize, single: &TraversalRay, walk: impl FnOnce(&mut ClosestHit)) {
         let [min, max] = self.nearest.bounds();
-        let within = Span { min: min[ray], max: max[ray] };
+        let within = RayInterval { min: min[ray], max: max[ray] };
         let mut rows = self.nearest.hits.store();
-        let mut one = NearestOne::new(self.bvh, self.geometry, probe, within, rows.lane(ray));
+        let mut one = ClosestHit::new(self.bvh, self.geometry, single, within, rows.lane(ray));
         walk(&mut one);
         let hit = one.found.hit;
-        let mut limits = eight(self.nearest.limit);
+        let mut limits = store_lanes(self.nearest.limit);
         limits[ray] = one.limit();
         rows.set_lane(ray, hit);
         self.nearest.hits = rows.load();
@@ -126,13 +128,13 @@ impl<L: Level, const ALONE: usize> NearestWalk<'_, '_, L, ALONE> {
     }
 }
 
-impl<L: Level, const ALONE: usize> BundleLeaves<L> for NearestWalk<'_, '_, L, ALONE> {
+impl<L: Level, const ALONE: usize> BundleVisitor<L> for ClosestHitWalk<'_, '_, L, ALONE> {
     const ALONE: bool = ALONE > 0;
 
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
         let all = self.nearest.limit;
-        // Other rays have nothing in the leaf.
+        // The other rays do not enter the leaf.
         self.nearest.limit = L::F64::select(L::Mask::from_bits(rays), all, L::F64::splat(-1.0));
         self.nearest.test(self.geometry, self.bvh.leaves.leaf(leaf));
         self.nearest.limit = L::F64::select(L::Mask::from_bits(rays), self.nearest.limit, all);
@@ -140,12 +142,12 @@ impl<L: Level, const ALONE: usize> BundleLeaves<L> for NearestWalk<'_, '_, L, AL
     }
 
     #[inline(always)]
-    fn part(&mut self, ray: usize, below: Branch) {
+    fn continue_alone(&mut self, ray: usize, below: NodeRef) {
         let tree = &self.bvh.tree;
-        let Some(&Alone { probe, slabs }) = self.singles.get::<L>(tree, self.nearest.ray, ray) else {
+        let Some(&SingleRay { single, slabs }) = self.singles.get::<L>(tree, self.nearest.ray, ray) else {
             return;
         };
-        self.alone(ray, &probe, |one| {
+        self.alone(ray, &single, |one| {
             tree.walk_below::<L>(below, &slabs, slabs.limit(one.limit()), one);
         });
     }
@@ -156,27 +158,27 @@ impl<L: Level, const ALONE: usize> BundleLeaves<L> for NearestWalk<'_, '_, L, AL
     }
 }
 
-/// The search for anything in the way of eight shadow rays.
-pub struct Shadow<'a, L: Level> {
+/// The search for anything that blocks eight shadow rays.
+pub struct LaneAnyHit<'a, L: Level> {
     ray: &'a PreparedRay<L::F64>,
-    within: Span<L::F64>,
-    passing: Option<Passing<'a>>,
-    /// Rays that are still to be looked along.
+    within: RayInterval<L::F64>,
+    transmissive: Option<TransmissiveFlags<'a>>,
+    /// Rays whose search has not ended.
     open: L::Mask,
     blocked: L::Mask,
     dimmed: L::Mask,
 }
 
-impl<'a, L: Level> Shadow<'a, L> {
+impl<'a, L: Level> LaneAnyHit<'a, L> {
     #[inline(always)]
     pub fn new(
         ray: &'a PreparedRay<L::F64>,
-        within: Span<L::F64>,
+        within: RayInterval<L::F64>,
         wanted: L::Mask,
-        passing: Option<Passing<'a>>,
+        transmissive: Option<TransmissiveFlags<'a>>,
     ) -> Self {
         let none = L::Mask::splat(false);
-        Self { ray, within, passing, open: wanted, blocked: none, dimmed: none }
+        Self { ray, within, transmissive, open: wanted, blocked: none, dimmed: none }
     }
 
     #[inline(always)]
@@ -184,7 +186,7 @@ impl<'a, L: Level> Shadow<'a, L> {
         self.open
     }
 
-    /// Tests primitives of these indices for some of the rays.
+    /// Tests the primitives of these indices for some of the rays.
     #[inline(always)]
     pub fn test(&mut self, geometry: &Geometry, indices: &[u32], rays: L::Mask) {
         L::call_with(Test { shadow: self, geometry, indices, rays });
@@ -192,13 +194,13 @@ impl<'a, L: Level> Shadow<'a, L> {
 
     #[inline(always)]
     fn test_one(&mut self, rays: L::Mask, index: u32, primitive: &Primitive) {
-        let passes = lets_pass(self.passing, index);
+        let passes = is_transmissive(self.transmissive, index);
         let rays = if passes { rays & !self.dimmed } else { rays };
         if !rays.any() {
             return;
         }
         let max = L::F64::select(rays, self.within.max, L::F64::splat(-1.0));
-        let met = primitive.occludes(self.ray, Span { min: self.within.min, max });
+        let met = primitive.occludes(self.ray, RayInterval { min: self.within.min, max });
         if passes {
             self.dimmed = self.dimmed | met;
         } else {
@@ -214,10 +216,10 @@ impl<'a, L: Level> Shadow<'a, L> {
 
     #[inline(always)]
     pub fn bounds(&self) -> [[f64; 8]; 2] {
-        [eight(self.within.min), eight(self.within.max)]
+        [store_lanes(self.within.min), store_lanes(self.within.max)]
     }
 
-    /// A bit for each ray that is blocked, and that is dimmed.
+    /// A bit for each ray that is blocked, and for each that is dimmed.
     #[inline(always)]
     pub fn bits(&self) -> [u32; 2] {
         [self.blocked.bits(), self.dimmed.bits()]
@@ -225,7 +227,7 @@ impl<'a, L: Level> Shadow<'a, L> {
 }
 
 struct Test<'a, 'r, L: Level> {
-    shadow: &'a mut Shadow<'r, L>,
+    shadow: &'a mut LaneAnyHit<'r, L>,
     geometry: &'a Geometry,
     indices: &'a [u32],
     rays: L::Mask,
@@ -243,11 +245,11 @@ impl<L: Level> LaneKernel<L> for Test<'_, '_, L> {
     }
 }
 
-/// The search with room for so many rays that go on alone.
+/// The search for occlusion, with room for `ALONE` rays that leave the bundle.
 struct Occluded<'a, 'r, L: Level, const ALONE: usize> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
-    shadow: &'a mut Shadow<'r, L>,
+    shadow: &'a mut LaneAnyHit<'r, L>,
     stack: &'a mut BundleStack,
 }
 
@@ -262,35 +264,35 @@ impl<L: Level, const ALONE: usize> LaneKernel<L> for Occluded<'_, '_, L, ALONE> 
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, ray.origin, ray.direction, wanted);
         let singles = Singles::<ALONE>::new();
         let limit = slabs.limit(L::F64::select(shadow.open, shadow.within.max, L::F64::splat(-1.0)));
-        let mut walk = AnyWalk { bvh, geometry, shadow, limit, singles };
+        let mut walk = AnyHitWalk { bvh, geometry, shadow, limit, singles };
         if near != 0 {
-            bvh.tree.walk_together(&slabs, near, &mut walk, stack);
+            bvh.tree.walk_bundle(&slabs, near, &mut walk, stack);
         }
         for lane in crate::base::lanes::lanes(afar) {
-            let probe = Probe::new(walk.shadow.ray.ray.lane(lane));
-            walk.alone(lane, &probe, |any| bvh.tree.walk(&probe, any.within.max, any));
+            let single = TraversalRay::new(walk.shadow.ray.ray.lane(lane));
+            walk.alone(lane, &single, |any| bvh.tree.walk(&single, any.within.max, any));
         }
     }
 }
 
-struct AnyWalk<'a, 'r, L: Level, const ALONE: usize> {
+struct AnyHitWalk<'a, 'r, L: Level, const ALONE: usize> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
-    shadow: &'a mut Shadow<'r, L>,
+    shadow: &'a mut LaneAnyHit<'r, L>,
     limit: L::F32,
     singles: Singles<ALONE>,
 }
 
-impl<L: Level, const ALONE: usize> AnyWalk<'_, '_, L, ALONE> {
-    /// Goes on with the search along one ray.
+impl<L: Level, const ALONE: usize> AnyHitWalk<'_, '_, L, ALONE> {
+    /// Continues the search along one ray.
     #[inline(always)]
-    fn alone(&mut self, ray: usize, probe: &Probe, walk: impl FnOnce(&mut Any)) {
+    fn alone(&mut self, ray: usize, single: &TraversalRay, walk: impl FnOnce(&mut AnyHit)) {
         let Self { bvh, geometry, .. } = *self;
         let [min, max] = self.shadow.bounds();
-        let within = Span { min: min[ray], max: max[ray] };
+        let within = RayInterval { min: min[ray], max: max[ray] };
         let dimmed = self.shadow.dimmed.bits() >> ray & 1 == 1;
-        let passing = self.shadow.passing;
-        let mut any = Any { bvh, geometry, probe, within, passing, blocked: false, dimmed };
+        let transmissive = self.shadow.transmissive;
+        let mut any = AnyHit { bvh, geometry, ray: single, within, transmissive, blocked: false, dimmed };
         walk(&mut any);
         let bit = 1 << ray;
         if any.dimmed {
@@ -302,7 +304,7 @@ impl<L: Level, const ALONE: usize> AnyWalk<'_, '_, L, ALONE> {
         }
     }
 
-    /// Ends the search of rays that are blocked.
+    /// Ends the search of blocked rays.
     #[inline(always)]
     fn close(&mut self) {
         self.shadow.open = self.shadow.open & !self.shadow.blocked;
@@ -310,7 +312,7 @@ impl<L: Level, const ALONE: usize> AnyWalk<'_, '_, L, ALONE> {
     }
 }
 
-impl<L: Level, const ALONE: usize> BundleLeaves<L> for AnyWalk<'_, '_, L, ALONE> {
+impl<L: Level, const ALONE: usize> BundleVisitor<L> for AnyHitWalk<'_, '_, L, ALONE> {
     const ALONE: bool = ALONE > 0;
 
     #[inline(always)]
@@ -320,13 +322,15 @@ impl<L: Level, const ALONE: usize> BundleLeaves<L> for AnyWalk<'_, '_, L, ALONE>
     }
 
     #[inline(always)]
-    fn part(&mut self, ray: usize, below: Branch) {
+    fn continue_alone(&mut self, ray: usize, below: NodeRef) {
         if self.shadow.blocked.bits() >> ray & 1 == 1 {
             return;
         }
         let tree = &self.bvh.tree;
-        let Some(&Alone { probe, slabs }) = self.singles.get::<L>(tree, self.shadow.ray, ray) else { return };
-        self.alone(ray, &probe, |any| {
+        let Some(&SingleRay { single, slabs }) = self.singles.get::<L>(tree, self.shadow.ray, ray) else {
+            return;
+        };
+        self.alone(ray, &single, |any| {
             tree.walk_below::<L>(below, &slabs, slabs.limit(any.within.max), any);
         });
     }

@@ -1,71 +1,84 @@
-//! Walks along single rays.
+//! Searches along single rays.
 
-use super::nearest::Found;
-use super::{Bvh, Hit, Passing, lets_pass};
+use super::bvh::Bvh;
+use super::closest::BestHit;
+use super::occlusion::{TransmissiveFlags, is_transmissive};
 use crate::base::lanes::{Level, SimdKernel, dispatch_narrow};
-use crate::geometry::bvh::{Leaves, Probe, Slabs, Stack};
-use crate::geometry::shape::{PreparedRay, Span, Vicinity};
-use crate::scene::Geometry;
+use crate::geometry::bvh::{LeafVisitor, Slabs, Stack, TraversalRay};
+use crate::geometry::shape::{CoincidenceRange, PreparedRay, RayInterval};
+use crate::scene::{Geometry, Hit};
 
 impl Bvh {
-    /// The nearest hit along a ray; of equally near ones that of the first primitive in the file.
-    pub fn closest(&self, geometry: &Geometry, probe: &Probe) -> Option<Hit> {
-        self.closest_within(geometry, probe, Span::up_to(f64::INFINITY))
+    /// The closest hit along a ray. Among equally near ones, the first primitive in the file wins.
+    pub fn closest(&self, geometry: &Geometry, ray: &TraversalRay) -> Option<Hit> {
+        self.closest_within(geometry, ray, RayInterval::up_to(f64::INFINITY))
     }
 
-    /// Whether a ray meets anything before `t_max`.
-    pub fn occluded(&self, geometry: &Geometry, probe: &Probe, t_max: f64) -> bool {
-        dispatch_narrow(Occluded { bvh: self, geometry, probe, within: Span::up_to(t_max) })
+    /// Whether a ray hits anything before `t_max`.
+    pub fn occluded(&self, geometry: &Geometry, ray: &TraversalRay, t_max: f64) -> bool {
+        dispatch_narrow(Occluded { bvh: self, geometry, ray, within: RayInterval::up_to(t_max) })
     }
 
-    /// The nearest hit along a ray within bounds.
-    pub fn closest_within(&self, geometry: &Geometry, probe: &Probe, within: Span<f64>) -> Option<Hit> {
-        dispatch_narrow(Closest { bvh: self, geometry, probe, within })
+    /// The closest hit along a ray within bounds.
+    pub fn closest_within(
+        &self,
+        geometry: &Geometry,
+        ray: &TraversalRay,
+        within: RayInterval<f64>,
+    ) -> Option<Hit> {
+        dispatch_narrow(Closest { bvh: self, geometry, ray, within })
     }
 
-    /// What is nearer of all that stands beside the tree or in it than what has been found already.
+    /// The closest hit among `found`, the meshes outside the tree, and the tree.
     #[inline(always)]
     pub(super) fn closest_on<L: Level>(
         &self,
         geometry: &Geometry,
-        probe: &Probe,
-        within: Span<f64>,
+        ray: &TraversalRay,
+        within: RayInterval<f64>,
         found: Option<Hit>,
         stack: &mut Stack,
     ) -> Option<Hit> {
-        L::call(ClosestOn { bvh: self, geometry, probe, within, found, stack })
+        L::call(ClosestOn { bvh: self, geometry, ray, within, found, stack })
     }
 
-    /// Whether a ray is blocked by all that stands beside the tree or in it, and whether it meets what lets light pass.
+    /// Whether a mesh outside the tree or a primitive in the tree blocks a ray, and whether a transmissive one dims
+    /// it.
     #[inline(always)]
     pub(super) fn occluded_on<L: Level>(
         &self,
         geometry: &Geometry,
-        probe: &Probe,
-        within: Span<f64>,
-        passing: Option<Passing>,
+        ray: &TraversalRay,
+        within: RayInterval<f64>,
+        transmissive: Option<TransmissiveFlags>,
         stack: &mut Stack,
     ) -> [bool; 2] {
-        L::call(OccludedOn { bvh: self, geometry, probe, within, passing, stack })
+        L::call(OccludedOn { bvh: self, geometry, ray, within, transmissive, stack })
     }
 
-    /// How near to each other hits along a ray have to be for their surfaces to be compared.
+    /// The range of t within which hits along a ray may coincide.
     #[inline(always)]
-    pub fn vicinity(&self, probe: &Probe) -> Vicinity<f64> {
-        PreparedRay::<f64>::splat(probe).vicinity(self.reach)
+    pub fn coincidence_range(&self, ray: &TraversalRay) -> CoincidenceRange<f64> {
+        PreparedRay::<f64>::splat(ray).coincidence_range(self.reach)
     }
 
-    /// Gives every hit of every primitive along a ray within bounds to `take`, in no order.
-    pub fn each_hit(&self, geometry: &Geometry, probe: &Probe, within: Span<f64>, take: &mut dyn FnMut(Hit)) {
-        dispatch_narrow(Each { bvh: self, geometry, probe, within, take });
+    /// Passes every hit of every primitive along a ray within bounds to `take`, in no particular order.
+    pub fn each_hit(
+        &self,
+        geometry: &Geometry,
+        ray: &TraversalRay,
+        within: RayInterval<f64>,
+        take: &mut dyn FnMut(Hit),
+    ) {
+        dispatch_narrow(Each { bvh: self, geometry, ray, within, take });
     }
 }
 
 struct ClosestOn<'a> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
-    probe: &'a Probe,
-    within: Span<f64>,
+    ray: &'a TraversalRay,
+    within: RayInterval<f64>,
     found: Option<Hit>,
     stack: &'a mut Stack,
 }
@@ -75,10 +88,10 @@ impl SimdKernel for ClosestOn<'_> {
 
     #[inline(always)]
     fn run<L: Level>(self) -> Option<Hit> {
-        let Self { bvh, geometry, probe, within, found, stack } = self;
-        let mut nearest = NearestOne::new(bvh, geometry, probe, within, found);
+        let Self { bvh, geometry, ray, within, found, stack } = self;
+        let mut nearest = ClosestHit::new(bvh, geometry, ray, within, found);
         nearest.test::<L>(&bvh.meshes, Some(stack));
-        bvh.tree.walk_on::<L>(probe, nearest.limit(), &mut nearest, stack);
+        bvh.tree.walk_on::<L>(ray, nearest.limit(), &mut nearest, stack);
         nearest.found.hit
     }
 }
@@ -86,9 +99,9 @@ impl SimdKernel for ClosestOn<'_> {
 struct OccludedOn<'a> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
-    probe: &'a Probe,
-    within: Span<f64>,
-    passing: Option<Passing<'a>>,
+    ray: &'a TraversalRay,
+    within: RayInterval<f64>,
+    transmissive: Option<TransmissiveFlags<'a>>,
     stack: &'a mut Stack,
 }
 
@@ -97,11 +110,11 @@ impl SimdKernel for OccludedOn<'_> {
 
     #[inline(always)]
     fn run<L: Level>(self) -> [bool; 2] {
-        let Self { bvh, geometry, probe, within, passing, stack } = self;
-        let mut any = Any { bvh, geometry, probe, within, passing, blocked: false, dimmed: false };
+        let Self { bvh, geometry, ray, within, transmissive, stack } = self;
+        let mut any = AnyHit { bvh, geometry, ray, within, transmissive, blocked: false, dimmed: false };
         any.test::<L>(&bvh.meshes, Some(stack));
         if !any.blocked {
-            bvh.tree.walk_on::<L>(probe, within.max, &mut any, stack);
+            bvh.tree.walk_on::<L>(ray, within.max, &mut any, stack);
         }
         [any.blocked, any.dimmed]
     }
@@ -110,8 +123,8 @@ impl SimdKernel for OccludedOn<'_> {
 struct Closest<'a> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
-    probe: &'a Probe,
-    within: Span<f64>,
+    ray: &'a TraversalRay,
+    within: RayInterval<f64>,
 }
 
 impl SimdKernel for Closest<'_> {
@@ -119,19 +132,19 @@ impl SimdKernel for Closest<'_> {
 
     #[inline(always)]
     fn run<L: Level>(self) -> Option<Hit> {
-        let Self { bvh, geometry, probe, within } = self;
+        let Self { bvh, geometry, ray, within } = self;
         let mut stack = Stack::default();
-        let mut direct = NearestOne::new(bvh, geometry, probe, within, None);
+        let mut direct = ClosestHit::new(bvh, geometry, ray, within, None);
         direct.test::<L>(&bvh.direct, Some(&mut stack));
-        bvh.closest_on::<L>(geometry, probe, within, direct.found.hit, &mut stack)
+        bvh.closest_on::<L>(geometry, ray, within, direct.found.hit, &mut stack)
     }
 }
 
 struct Occluded<'a> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
-    probe: &'a Probe,
-    within: Span<f64>,
+    ray: &'a TraversalRay,
+    within: RayInterval<f64>,
 }
 
 impl SimdKernel for Occluded<'_> {
@@ -139,38 +152,44 @@ impl SimdKernel for Occluded<'_> {
 
     #[inline(always)]
     fn run<L: Level>(self) -> bool {
-        let Self { bvh, geometry, probe, within } = self;
+        let Self { bvh, geometry, ray, within } = self;
         let mut stack = Stack::default();
         let direct = bvh.direct.iter().map(|index| &geometry.primitives[*index as usize]);
         for primitive in direct {
-            if primitive.blocks_one::<L>(probe, within, Some(&mut stack)) {
+            if primitive.blocks_one::<L>(ray, within, Some(&mut stack)) {
                 return true;
             }
         }
-        let [blocked, _] = bvh.occluded_on::<L>(geometry, probe, within, None, &mut stack);
+        let [blocked, _] = bvh.occluded_on::<L>(geometry, ray, within, None, &mut stack);
         blocked
     }
 }
 
-/// The search for the nearest hit along a ray.
-pub(super) struct NearestOne<'a> {
+/// The search for the closest hit along a ray.
+pub(super) struct ClosestHit<'a> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
-    probe: &'a Probe,
-    within: Span<f64>,
-    pub found: Found,
+    ray: &'a TraversalRay,
+    within: RayInterval<f64>,
+    pub found: BestHit,
 }
 
-impl<'a> NearestOne<'a> {
+impl<'a> ClosestHit<'a> {
     #[inline(always)]
     pub fn new(
         bvh: &'a Bvh,
         geometry: &'a Geometry,
-        probe: &'a Probe,
-        within: Span<f64>,
+        ray: &'a TraversalRay,
+        within: RayInterval<f64>,
         hit: Option<Hit>,
     ) -> Self {
-        Self { bvh, geometry, probe, within, found: Found { hit, vicinity: bvh.vicinity(probe) } }
+        Self {
+            bvh,
+            geometry,
+            ray,
+            within,
+            found: BestHit { hit, coincidence_range: bvh.coincidence_range(ray) },
+        }
     }
 
     #[inline(always)]
@@ -178,14 +197,14 @@ impl<'a> NearestOne<'a> {
         self.found.limit(self.within.max)
     }
 
-    /// Tests primitives of these indices.
+    /// Tests the primitives of these indices.
     #[inline(always)]
     fn test<L: Level>(&mut self, indices: &[u32], stack: Option<&mut Stack>) {
         L::call(Test { leaves: self, indices, stack });
     }
 }
 
-impl Leaves for NearestOne<'_> {
+impl LeafVisitor for ClosestHit<'_> {
     #[inline(always)]
     fn prefetch<L: Level>(&self, _: u32) {}
 
@@ -196,61 +215,61 @@ impl Leaves for NearestOne<'_> {
     }
 }
 
-/// Anything on a ray within bounds.
-pub(super) struct Any<'a> {
+/// The search for anything that blocks or dims a ray within bounds.
+pub(super) struct AnyHit<'a> {
     pub bvh: &'a Bvh,
     pub geometry: &'a Geometry,
-    pub probe: &'a Probe,
-    pub within: Span<f64>,
-    pub passing: Option<Passing<'a>>,
+    pub ray: &'a TraversalRay,
+    pub within: RayInterval<f64>,
+    pub transmissive: Option<TransmissiveFlags<'a>>,
     pub blocked: bool,
     pub dimmed: bool,
 }
 
-impl Any<'_> {
-    /// Tests primitives of these indices, until one blocks the ray.
+impl AnyHit<'_> {
+    /// Tests the primitives of these indices until one blocks the ray.
     #[inline(always)]
     fn test<L: Level>(&mut self, indices: &[u32], stack: Option<&mut Stack>) {
         L::call(Test { leaves: self, indices, stack });
     }
 }
 
-/// Tests of primitives along a ray. Without a stack, meshes make their own: few leaves hold any.
+/// Tests of primitives along a ray. Without a stack, meshes create their own, as few leaves hold meshes.
 struct Test<'a, V> {
     leaves: &'a mut V,
     indices: &'a [u32],
     stack: Option<&'a mut Stack>,
 }
 
-impl SimdKernel for Test<'_, NearestOne<'_>> {
+impl SimdKernel for Test<'_, ClosestHit<'_>> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Level>(self) {
         let Self { leaves: nearest, indices, mut stack } = self;
         for &index in indices {
-            let within = Span { min: nearest.within.min, max: nearest.limit() };
+            let within = RayInterval { min: nearest.within.min, max: nearest.limit() };
             let primitive = &nearest.geometry.primitives[index as usize];
-            if let Some(at) = primitive.hit_one::<L>(nearest.probe, within, stack.as_deref_mut()) {
+            if let Some(at) = primitive.hit_one::<L>(nearest.ray, within, stack.as_deref_mut()) {
                 nearest.found.consider(at, index);
             }
         }
     }
 }
 
-impl SimdKernel for Test<'_, Any<'_>> {
+impl SimdKernel for Test<'_, AnyHit<'_>> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Level>(self) {
         let Self { leaves: any, indices, mut stack } = self;
         for &index in indices {
-            let passes = lets_pass(any.passing, index);
+            let passes = is_transmissive(any.transmissive, index);
             if passes && any.dimmed {
                 continue;
             }
             let primitive = &any.geometry.primitives[index as usize];
-            if primitive.blocks_one::<L>(any.probe, any.within, stack.as_deref_mut()) {
+            if primitive.blocks_one::<L>(any.ray, any.within, stack.as_deref_mut()) {
                 match passes {
                     true => any.dimmed = true,
                     false => return any.blocked = true,
@@ -260,7 +279,7 @@ impl SimdKernel for Test<'_, Any<'_>> {
     }
 }
 
-impl Leaves for Any<'_> {
+impl LeafVisitor for AnyHit<'_> {
     #[inline(always)]
     fn prefetch<L: Level>(&self, _: u32) {}
 
@@ -274,22 +293,22 @@ impl Leaves for Any<'_> {
 struct Each<'a> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
-    probe: &'a Probe,
-    within: Span<f64>,
+    ray: &'a TraversalRay,
+    within: RayInterval<f64>,
     take: &'a mut dyn FnMut(Hit),
 }
 
 impl Each<'_> {
     #[inline(never)]
     fn test<L: Level>(&mut self, index: u32) {
-        let Self { geometry, probe, within, take, .. } = self;
-        geometry.primitives[index as usize].each_crossing::<L>(probe, *within, &mut |at| {
+        let Self { geometry, ray, within, take, .. } = self;
+        geometry.primitives[index as usize].each_crossing::<L>(ray, *within, &mut |at| {
             take(Hit { at, primitive: index });
         });
     }
 }
 
-impl Leaves for Each<'_> {
+impl LeafVisitor for Each<'_> {
     #[inline(always)]
     fn prefetch<L: Level>(&self, _: u32) {}
 
@@ -307,10 +326,10 @@ impl SimdKernel for Each<'_> {
 
     #[inline(always)]
     fn run<L: Level>(mut self) {
-        let (bvh, probe, within) = (self.bvh, self.probe, self.within);
+        let (bvh, ray, within) = (self.bvh, self.ray, self.within);
         for &index in bvh.direct.iter().chain(&bvh.meshes) {
             self.test::<L>(index);
         }
-        bvh.tree.walk_on::<L>(probe, within.max, &mut self, &mut Stack::default());
+        bvh.tree.walk_on::<L>(ray, within.max, &mut self, &mut Stack::default());
     }
 }

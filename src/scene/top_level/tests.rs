@@ -1,12 +1,13 @@
 use super::*;
-use crate::appearance::material::MadeOf;
+use crate::appearance::material::MaterialBinding;
 use crate::base::lanes::tests::on_all_levels;
-use crate::base::lanes::{Mask, Row, SimdKernel, dispatch};
+use crate::base::lanes::{Level, Mask, Row, SimdKernel, dispatch, lanes};
 use crate::base::math::{DAffine3, DVec3, Ray};
+use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::{
-    Cone, Cuboid, Cylinder, Disk, Plane, Rectangle, Shape, Sphere, Torus, Triangle,
+    Cone, Cuboid, Cylinder, Disk, Plane, PreparedRay, RayInterval, Rectangle, Shape, Sphere, Torus, Triangle,
 };
-use crate::scene::Finish;
+use crate::scene::{Finish, Geometry};
 use crate::testing::{Random, eight_rays, geometry};
 
 fn random_shape(random: &mut Random) -> Shape {
@@ -45,20 +46,20 @@ fn random_geometry(random: &mut Random, count: usize) -> Geometry {
                     * DAffine3::from_scale(DVec3::new(1.0, 2.0, 0.5))
             }
         };
-        geometry.push(&random_shape(random), affine, Finish::Material(MadeOf::One(0)));
+        geometry.push(&random_shape(random), affine, Finish::Material(MaterialBinding::One(0)));
     }
     let floor = Shape::Plane(Plane { point: DVec3::NEG_Y * 12.0, normal: DVec3::Y });
-    geometry.push(&floor, DAffine3::IDENTITY, Finish::Material(MadeOf::One(0)));
+    geometry.push(&floor, DAffine3::IDENTITY, Finish::Material(MaterialBinding::One(0)));
     geometry
 }
 
-fn brute_force(geometry: &Geometry, probe: &Probe) -> Option<Hit> {
+fn brute_force(geometry: &Geometry, ray: &TraversalRay) -> Option<Hit> {
     let hits = (0..).zip(&geometry.primitives);
-    let hits = hits.filter_map(|(primitive, p)| Some(Hit { at: p.hit(probe, f64::INFINITY)?, primitive }));
+    let hits = hits.filter_map(|(primitive, p)| Some(Hit { at: p.hit(ray, f64::INFINITY)?, primitive }));
     let hits: Vec<_> = hits.collect();
     let mut nearest = *hits.iter().reduce(|best, hit| if hit.at.t < best.at.t { hit } else { best })?;
-    let end = Bvh::build(geometry).vicinity(probe).end(nearest.at.t);
-    nearest.at.crowded |= hits.iter().filter(|hit| hit.at.t < end).count() > 1;
+    let end = Bvh::build(geometry).coincidence_range(ray).end(nearest.at.t);
+    nearest.at.coincident |= hits.iter().filter(|hit| hit.at.t < end).count() > 1;
     Some(nearest)
 }
 
@@ -70,7 +71,7 @@ fn random_ray(random: &mut Random) -> Ray {
         2 => origin.floor() - origin,
         _ => random.point(1.0),
     };
-    // Through lattice points too: tiles' corners and edges.
+    // Through lattice points too: corners and edges of tiles.
     let origin = if random.unit() < 0.3 { origin.floor() } else { origin };
     Ray { origin, direction: if direction == DVec3::ZERO { DVec3::Z } else { direction } }
 }
@@ -82,15 +83,15 @@ fn the_tree_equals_brute_force() {
         let geometry = random_geometry(&mut random, count);
         let bvh = Bvh::build(&geometry);
         for _ in 0..4000 {
-            let probe = Probe::new(random_ray(&mut random));
-            let expected = brute_force(&geometry, &probe);
-            for (level, hit) in on_all_levels(|| bvh.closest(&geometry, &probe)) {
-                assert_eq!(hit, expected, "{probe:?}, {level:?}");
+            let ray = TraversalRay::new(random_ray(&mut random));
+            let expected = brute_force(&geometry, &ray);
+            for (level, hit) in on_all_levels(|| bvh.closest(&geometry, &ray)) {
+                assert_eq!(hit, expected, "{ray:?}, {level:?}");
             }
             let t_max = random.unit() * 20.0;
             let blocked = expected.is_some_and(|hit| hit.at.t < t_max);
-            for (level, occluded) in on_all_levels(|| bvh.occluded(&geometry, &probe, t_max)) {
-                assert_eq!(occluded, blocked, "{probe:?} {t_max}, {level:?}");
+            for (level, occluded) in on_all_levels(|| bvh.occluded(&geometry, &ray, t_max)) {
+                assert_eq!(occluded, blocked, "{ray:?} {t_max}, {level:?}");
             }
         }
     }
@@ -104,8 +105,8 @@ fn the_first_of_equals_wins() {
     let mut random = Random(2);
     for _ in 0..1000 {
         let origin = random.point(1.0).normalize() * 5.0;
-        let probe = Probe::new(Ray { origin, direction: random.point(0.3) - origin });
-        assert_eq!(bvh.closest(&geometry, &probe).map(|hit| hit.primitive), Some(0));
+        let ray = TraversalRay::new(Ray { origin, direction: random.point(0.3) - origin });
+        assert_eq!(bvh.closest(&geometry, &ray).map(|hit| hit.primitive), Some(0));
     }
 }
 
@@ -120,26 +121,26 @@ fn flat_boxes_are_not_lost() {
         let bvh = Bvh::build(&geometry);
         let origin = random.point(100.0);
         let aim = corner + u * random.unit() + v * if random.unit() < 0.5 { 0.0 } else { random.unit() };
-        let probe = Probe::new(Ray { origin, direction: aim - origin });
-        assert_eq!(bvh.closest(&geometry, &probe), brute_force(&geometry, &probe));
+        let ray = TraversalRay::new(Ray { origin, direction: aim - origin });
+        assert_eq!(bvh.closest(&geometry, &ray), brute_force(&geometry, &ray));
     }
 }
 
 #[test]
 fn deep_trees_are_walked_to_the_end() {
-    // Each sphere holds all the ones before it: boxes that double in size make a chain of a tree.
+    // Each sphere contains all previous ones: boxes that double in size degrade the tree to a chain.
     let spheres = (0..220).map(|k| Sphere { center: DVec3::ZERO, radius: libm::exp2(f64::from(k - 110)) });
     let geometry = geometry(spheres.map(Shape::Sphere));
     let bvh = Bvh::build(&geometry);
     let mut random = Random(4);
     for _ in 0..300 {
         let origin = random.point(1.0) * libm::exp2(200.0 * random.unit() - 100.0);
-        let probe = Probe::new(Ray { origin, direction: random.point(1.0) });
-        assert_eq!(bvh.closest(&geometry, &probe), brute_force(&geometry, &probe));
+        let ray = TraversalRay::new(Ray { origin, direction: random.point(1.0) });
+        assert_eq!(bvh.closest(&geometry, &ray), brute_force(&geometry, &ray));
     }
 }
 
-/// Eight rays, the bits of those that are looked along, and between which t.
+/// Eight rays, the bits of those to be searched, and their intervals of t.
 #[derive(Clone, Copy, Debug)]
 struct Eight {
     rays: [Ray; 8],
@@ -149,7 +150,7 @@ struct Eight {
 }
 
 impl Eight {
-    /// Neighbours from one place, or rays from anywhere to anywhere.
+    /// Neighbours from one place, or random rays.
     fn new(random: &mut Random) -> Self {
         let first = random_ray(random);
         let together = random.unit() < 0.6;
@@ -163,15 +164,15 @@ impl Eight {
         Self { rays, wanted, min, max }
     }
 
-    fn within<L: Level>(&self) -> Span<L::F64> {
-        Span { min: L::F64::from_array(self.min), max: L::F64::from_array(self.max) }
+    fn within<L: Level>(&self) -> RayInterval<L::F64> {
+        RayInterval { min: L::F64::from_array(self.min), max: L::F64::from_array(self.max) }
     }
 
-    /// The rays that are looked along, with their numbers.
-    fn each(&self) -> impl Iterator<Item = (usize, Probe, Span<f64>)> {
+    /// The rays to be searched, with their lanes.
+    fn each(&self) -> impl Iterator<Item = (usize, TraversalRay, RayInterval<f64>)> {
         lanes(self.wanted).map(|lane| {
-            let within = Span { min: self.min[lane], max: self.max[lane] };
-            (lane, Probe::new(self.rays[lane]), within)
+            let within = RayInterval { min: self.min[lane], max: self.max[lane] };
+            (lane, TraversalRay::new(self.rays[lane]), within)
         })
     }
 }
@@ -191,23 +192,23 @@ impl SimdKernel for Intersect<'_> {
     }
 }
 
-struct Occlude<'a>(&'a Bvh, &'a Geometry, &'a Eight, Coherence, Option<Passing<'a>>);
+struct Occlude<'a>(&'a Bvh, &'a Geometry, &'a Eight, Coherence, Option<TransmissiveFlags<'a>>);
 
 impl SimdKernel for Occlude<'_> {
-    /// Bits of the rays that are blocked, and of those that are dimmed.
+    /// The bits of blocked rays, and of dimmed ones.
     type Output = [u32; 2];
 
     #[inline(always)]
     fn run<L: Level>(self) -> [u32; 2] {
-        let Self(bvh, geometry, eight, coherence, passing) = self;
+        let Self(bvh, geometry, eight, coherence, transmissive) = self;
         let (ray, wanted) = (eight_rays::<L>(&eight.rays), L::Mask::from_bits(eight.wanted));
         let (within, stacks) = (eight.within::<L>(), &mut Stacks::default());
-        let found = bvh.occlusion::<L>(geometry, &ray, within, wanted, (coherence, passing), stacks);
+        let found = bvh.occlusion::<L>(geometry, &ray, within, wanted, (coherence, transmissive), stacks);
         [found.blocked.bits(), found.dimmed.bits()]
     }
 }
 
-/// Worlds with and without a tree, for eight rays at a time.
+/// Runs a test for geometries with and without a tree, with eight rays at a time.
 fn each_eight(mut test: impl FnMut(&Geometry, &Bvh, &Eight, &mut Random, Coherence)) {
     let mut random = Random(5);
     for count in [0, 1, 3, 11, 12, 300] {
@@ -215,7 +216,7 @@ fn each_eight(mut test: impl FnMut(&Geometry, &Bvh, &Eight, &mut Random, Coheren
         let bvh = Bvh::build(&geometry);
         for _ in 0..1000 {
             let eight = Eight::new(&mut random);
-            for coherence in [Coherence::Together, Coherence::Apart] {
+            for coherence in [Coherence::Coherent, Coherence::Incoherent] {
                 test(&geometry, &bvh, &eight, &mut random, coherence);
             }
         }
@@ -227,8 +228,8 @@ fn eight_rays_meet_what_each_of_them_does() {
     let mut met = 0;
     each_eight(|geometry, bvh, eight, _, coherence| {
         for (level, hits) in on_all_levels(|| dispatch(Intersect(bvh, geometry, eight, coherence))) {
-            for (lane, probe, within) in eight.each() {
-                let expected = bvh.closest_within(geometry, &probe, within);
+            for (lane, ray, within) in eight.each() {
+                let expected = bvh.closest_within(geometry, &ray, within);
                 assert_eq!(hits[lane], expected, "{level:?}, {coherence:?}, {lane} of {eight:?}");
                 met += u32::from(expected.is_some());
             }
@@ -242,19 +243,19 @@ fn eight_rays_are_blocked_where_each_of_them_is() {
     let mut found = [0; 2];
     each_eight(|geometry, bvh, eight, random, coherence| {
         let flags: Vec<bool> = geometry.primitives.iter().map(|_| random.unit() < 0.3).collect();
-        let passing = (random.unit() < 0.7).then_some(Passing(&flags));
-        let stops = |index: usize| passing.is_none() || !flags[index];
-        let all = on_all_levels(|| dispatch(Occlude(bvh, geometry, eight, coherence, passing)));
-        for (lane, probe, within) in eight.each() {
+        let transmissive = (random.unit() < 0.7).then_some(TransmissiveFlags(&flags));
+        let stops = |index: usize| transmissive.is_none() || !flags[index];
+        let all = on_all_levels(|| dispatch(Occlude(bvh, geometry, eight, coherence, transmissive)));
+        for (lane, ray, within) in eight.each() {
             let [mut blocked, mut dimmed] = [false; 2];
             for (index, primitive) in geometry.primitives.iter().enumerate() {
-                let meets = primitive.occludes(&PreparedRay::<f64>::splat(&probe), within);
+                let meets = primitive.occludes(&PreparedRay::<f64>::splat(&ray), within);
                 if stops(index) { blocked |= meets } else { dimmed |= meets }
             }
             let expected = [blocked, dimmed && !blocked];
             for (level, bits) in &all {
-                let told = bits.map(|bits| bits >> lane & 1 == 1);
-                assert_eq!(told, expected, "{level:?}, {coherence:?}, {lane} of {eight:?}");
+                let actual = bits.map(|bits| bits >> lane & 1 == 1);
+                assert_eq!(actual, expected, "{level:?}, {coherence:?}, {lane} of {eight:?}");
             }
             for (count, is) in found.iter_mut().zip(expected) {
                 *count += u32::from(is);

@@ -1,11 +1,11 @@
-//! Images whose alpha is ignored.
+//! Notes about images whose alpha is ignored.
 
-use crate::appearance::material::Level;
+use crate::appearance::material::ScalarTextureTracks;
 use crate::sequence::suggest::{listed, shortened};
 use crate::sequence::{Named, Sequence};
 
 impl Sequence {
-    /// Images whose alpha is ignored, or shows what may not be meant.
+    /// Images whose alpha is ignored, or has an effect that may not be intended.
     pub(super) fn ignored_alpha(&self) -> Vec<String> {
         let mut notes = Vec::new();
         if self.background.has_alpha() {
@@ -14,7 +14,7 @@ impl Sequence {
         for Named { name, value } in self.used_materials() {
             let levels =
                 [("fuzz", &value.fuzz), ("metallic", &value.metallic), ("roughness", &value.roughness)];
-            let painted = |level: &Level| matches!(level, Level::Painted(paint) if paint.has_alpha());
+            let painted = |level: &ScalarTextureTracks| matches!(level, ScalarTextureTracks::Textured(paint) if paint.has_alpha());
             let fields: Vec<_> =
                 levels.iter().filter(|(_, level)| painted(level)).map(|(name, _)| *name).collect();
             let name = shortened(name);
@@ -26,8 +26,8 @@ impl Sequence {
             }
             if value.base.has_alpha() && value.refraction.strength.values().any(|share| *share > 0.0) {
                 notes.push(format!(
-                    "material `{name}`: where the image of `color` is clear, light enters the refracting body unbent, as \
-                     through no real hole; put the image on another object"
+                    "material `{name}`: where the image of `color` is clear, light enters the refracting body without \
+                     bending, unlike through a real hole; put the image on another object"
                 ));
             }
         }

@@ -1,8 +1,8 @@
-//! What meshes and their files have that is not shown.
+//! Notes about contents of mesh files that are not rendered.
 
-use crate::appearance::material::MadeOf;
+use crate::appearance::material::MaterialBinding;
 use crate::base::units::counted;
-use crate::geometry::mesh::{Mesh, MtlMaterial};
+use crate::geometry::mesh::{MtlMaterial, TriangleMesh};
 use crate::geometry::shape::{self, Shape};
 use crate::sequence::suggest::{listed, shortened};
 use crate::sequence::{Named, Object, Sequence};
@@ -12,19 +12,20 @@ use std::sync::Arc;
 impl Sequence {
     pub(super) fn skipped_triangles(&self) -> Vec<String> {
         let skipped = self.meshes().into_iter().filter(|(_, mesh)| mesh.skipped > 0);
-        let note = |(name, mesh): (&str, &Mesh)| {
+        let note = |(name, mesh): (&str, &TriangleMesh)| {
             let triangles = counted(mesh.skipped as u64, "triangle");
             format!("the mesh of `{}`: {triangles} without an area left out", shortened(name))
         };
         skipped.map(note).collect()
     }
 
-    /// Meshes whose own materials are seen, each once, with the first object that shows them.
-    fn meshes_with_materials(&self) -> Vec<(&str, &Mesh)> {
+    /// Meshes whose own materials are visible, each once, with the first object that shows them.
+    fn meshes_with_materials(&self) -> Vec<(&str, &TriangleMesh)> {
         let mut seen = HashSet::new();
         let mut meshes = Vec::new();
         for Named { name, value: Object { shape, made_of, .. } } in &self.objects {
-            let (Shape::Mesh(shape::Mesh { mesh, .. }), MadeOf::Slots { .. }) = (shape, made_of) else {
+            let (Shape::Mesh(shape::Mesh { mesh, .. }), MaterialBinding::Slots { .. }) = (shape, made_of)
+            else {
                 continue;
             };
             if seen.insert(Arc::as_ptr(mesh)) {
@@ -34,7 +35,7 @@ impl Sequence {
         meshes
     }
 
-    /// What the materials of meshes say that is not read, where objects are made of them.
+    /// Properties of mesh materials that Kinora ignores, if objects use these materials.
     pub(super) fn left_out(&self) -> Vec<String> {
         let mut notes = Vec::new();
         for (name, mesh) in self.meshes_with_materials() {
@@ -52,23 +53,23 @@ impl Sequence {
         notes
     }
 
-    /// Meshes with ambient reflectances that exporters write without meaning them, where objects are made of them.
+    /// Meshes with ambient reflectances that exporters write by default, if objects use these materials.
     pub(super) fn white_ambient(&self) -> Vec<String> {
         let left_out =
-            |material: &MtlMaterial| material.ambient.is_some() && material.meant_ambient().is_none();
+            |material: &MtlMaterial| material.ambient.is_some() && material.effective_ambient().is_none();
         let meshes = self.meshes_with_materials().into_iter();
         let meshes = meshes.filter(|(_, mesh)| mesh.materials().iter().any(left_out));
-        let note = |(name, _): (&str, &Mesh)| {
+        let note = |(name, _): (&str, &TriangleMesh)| {
             format!(
-                "the mesh of `{}`: `Ka` is ignored where it is white or equals `Kd`, as exporters write it unasked; the \
-                 `ambient` of `default_material` counts instead",
+                "the mesh of `{}`: `Ka` is ignored where it is white or equals `Kd`, as exporters write it by \
+                 default; the `ambient` of `default_material` is used instead",
                 shortened(name)
             )
         };
         meshes.map(note).collect()
     }
 
-    /// Material libraries that are not there, where nothing is made of them. Elsewhere they are mistakes.
+    /// Missing material libraries that no object needs. Otherwise, they are faults.
     pub(super) fn missing_libraries(&self) -> Vec<String> {
         let mut notes = Vec::new();
         for (name, mesh) in self.meshes() {

@@ -1,34 +1,39 @@
-//! Where samples go: to where they lower the error of the frame most per ray.
+//! Allocation of samples: to where they reduce the error of the frame most per ray.
 //!
-//! A block of n samples per pixel with the variance v per sample adds v / n, in units of what it is compared with, to the
-//! squared error of the frame, and costs c n rays. The least work for a given sum has n in proportion to √(v / c)
+//! A block with n samples per pixel and variance v per sample adds v / n to the squared error of the frame, in relative
+//! units, and costs c n rays. For a given sum of squared errors, the work is least if n is proportional to √(v / c)
 //! (Neyman, *On the Two Different Aspects of the Representative Method*, 1934, with costs).
 //!
-//! Where the frames that a film is shown in differ, half of what a block counts with is its part in the worst of them, and
-//! half its part in all: so that none of them takes many times the samples that it needed by itself.
+//! If a film serves several frames, half of a block's variance comes from the worst frame, and half from the mean of
+//! all frames. So no frame takes many times the samples that it needs alone.
 //!
-//! Blocks know too little by themselves: half of what a block counts with is the mean of its neighbourhood, so that light
-//! which few of its samples could have met is looked for where it was met nearby.
+//! Half of a block's variance is the mean of its neighbourhood. So a block whose few samples have missed a light is
+//! refined if its neighbours have met that light.
 
 use super::block::Block;
-use super::estimate::Estimate;
+use super::estimate::ErrorEstimate;
 use crate::sequence::quality::NoiseTarget;
 use std::f64::consts::SQRT_2;
 
-/// Which blocks, in rows of so many, are to have twice the samples: none if the frame is good enough.
-pub fn wanted(blocks: &[Block], estimate: &Estimate, target: &NoiseTarget, columns: usize) -> Vec<bool> {
+/// Which of the blocks, in rows of `columns`, get twice the samples. None if the frame has reached its target.
+pub fn blocks_to_refine(
+    blocks: &[Block],
+    estimate: &ErrorEstimate,
+    target: &NoiseTarget,
+    columns: usize,
+) -> Vec<bool> {
     let goal = target.error * target.error;
     let open = |block: &Block| block.drawn() < target.most;
     if estimate.worst().1 <= goal || !blocks.iter().any(open) {
         return vec![false; blocks.len()];
     }
-    let shares = Shares::new(blocks, estimate, columns);
-    let mut scale = estimate.gain() * shares.square / goal;
+    let allocation = Allocation::new(blocks, estimate, columns);
+    let mut scale = estimate.gain() * allocation.square / goal;
     loop {
         let enough = |share: f64, block: &Block| scale * share < SQRT_2 * f64::from(block.drawn());
-        let wanted = shares.samples.iter().zip(blocks);
+        let wanted = allocation.samples.iter().zip(blocks);
         let wanted: Vec<bool> = wanted.map(|(&share, block)| open(block) && !enough(share, block)).collect();
-        // Where none is far enough from what it should have, the next ones are.
+        // If no block is far enough below its allocation, the scale grows until some are.
         if wanted.contains(&true) {
             return wanted;
         }
@@ -39,16 +44,16 @@ pub fn wanted(blocks: &[Block], estimate: &Estimate, target: &NoiseTarget, colum
     }
 }
 
-/// How samples are shared out.
-struct Shares {
-    /// For each block.
+/// The number of samples of each block, up to a common factor.
+struct Allocation {
+    /// One number per block.
     samples: Vec<f64>,
-    /// The squared error of the worst frame with these numbers of samples, were they independent.
+    /// The squared error of the worst frame with these numbers of samples, if samples were independent.
     square: f64,
 }
 
-impl Shares {
-    fn new(blocks: &[Block], estimate: &Estimate, columns: usize) -> Self {
+impl Allocation {
+    fn new(blocks: &[Block], estimate: &ErrorEstimate, columns: usize) -> Self {
         let costs: Vec<f64> = blocks.iter().map(Block::cost).collect();
         let worst = variances(blocks, estimate, estimate.worst().0, columns);
         let mut mixed = vec![0.0; blocks.len()];
@@ -71,17 +76,17 @@ impl Shares {
     }
 }
 
-/// The variance per sample of each block with a weighting, half by its neighbourhood.
-fn variances(blocks: &[Block], estimate: &Estimate, weighting: usize, columns: usize) -> Vec<f64> {
+/// The variance per sample of each block with a weighting: half its own, half that of its neighbourhood.
+fn variances(blocks: &[Block], estimate: &ErrorEstimate, weighting: usize, columns: usize) -> Vec<f64> {
     let pixels: f64 = blocks.iter().map(|block| f64::from(block.pixels())).sum();
     let own = |block: &Block| estimate.part(weighting, block, pixels) * f64::from(block.drawn());
     let own: Vec<f64> = blocks.iter().map(own).collect();
-    let around = around(&own, columns);
+    let around = neighbourhood_means(&own, columns);
     own.iter().zip(&around).map(|(own, around)| (own + around) / 2.0).collect()
 }
 
-/// The mean of each number and its up to eight neighbours.
-fn around(all: &[f64], columns: usize) -> Vec<f64> {
+/// The mean of each number and its neighbours, at most eight.
+fn neighbourhood_means(all: &[f64], columns: usize) -> Vec<f64> {
     let rows = all.len() / columns.max(1);
     let near = |at: usize, end: usize| at.saturating_sub(1)..(at + 2).min(end);
     let mean = |index: usize| {
@@ -104,6 +109,6 @@ mod tests {
 
     #[test]
     fn neighbours_are_those_that_there_are() {
-        assert_eq!(around(&[4.0, 0.0, 2.0, 8.0, 0.0, 4.0], 3), [3.0, 3.0, 1.5, 3.0, 3.0, 1.5]);
+        assert_eq!(neighbourhood_means(&[4.0, 0.0, 2.0, 8.0, 0.0, 4.0], 3), [3.0, 3.0, 1.5, 3.0, 3.0, 1.5]);
     }
 }

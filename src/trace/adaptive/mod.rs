@@ -1,74 +1,74 @@
-//! Sampling until an error is reached: blocks of pixels, in rounds of more and more samples.
+//! Adaptive sampling: blocks of pixels get more samples, round by round, until a target error is reached.
 //!
-//! The samples of a pixel are a prefix of one scrambled sequence, the longer the more its block needs: a power of two of
-//! them. So where all blocks have as many, the picture is that of a fixed number of samples. How far the picture of a
-//! block's first half of samples is from that of its second half says how good it is ([`block`]). What that means for the
-//! frame is estimated over all blocks ([`estimate`]), and more samples go to where they lower the error of the frame most
-//! per ray ([`allocation`]).
+//! The samples of a pixel are a prefix of one scrambled sequence. Its length is a power of two, chosen per block. If
+//! all blocks have the same length, the image equals one with a fixed number of samples. The difference between the
+//! halves of a block's samples estimates the block's error ([`block`]). The errors of all blocks give the error of the
+//! frame ([`estimate`]). New samples go where they reduce the error of the frame most per ray ([`allocation`]).
 //!
-//! The error of a frame is the root of the mean square over its pixels and colours, as a share of the frame's mean. A film
-//! that several frames are made of is sampled until the worst of them is good enough.
+//! The error of a frame is its root mean square error over pixels and colours, relative to the mean of the frame. If a
+//! film serves several frames, it is sampled until the worst of them reaches the target.
 
 mod allocation;
 mod block;
 mod estimate;
-mod squares;
+pub mod halves;
+mod layer_products;
 
-use super::pixels::Pixels;
-use super::{Moment, TraceSettings};
+use super::pixels::PixelTracer;
+use super::settings::{Moment, TraceSettings};
 use crate::base::color::Rgb;
-use crate::base::stats::{Counts, Meter};
-use crate::film::{Extras, Film, Noise, lit};
+use crate::base::stats::{Counts, ProgressMeter};
+use crate::film::{AovSet, Film, Noise, lit};
 use crate::scene::top_level::Bvh;
 use crate::scene::{Scene, Weights};
 use crate::sequence::quality::NoiseTarget;
 use block::Block;
-use estimate::Estimate;
+use estimate::ErrorEstimate;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
-/// Side of a block. Blocks lie on a fixed lattice, so that no size of tiles shows.
+/// The side of a block in pixels. Blocks form a fixed lattice, so the result does not depend on the size of tiles.
 const SIDE: u32 = 8;
 
-/// Samples of a pixel that are taken in any case, unless fewer are allowed.
-pub const LEAST_SAMPLES: u32 = 16;
+/// The least number of samples of a pixel, unless the limit is lower.
+pub const MIN_SAMPLES: u32 = 16;
 
-/// Bytes that a pixel of so many layers takes while it is sampled: sums of all samples and of the first half, and its share of
-/// what its block knows.
+/// The bytes per pixel with this number of layers: the sums of all samples and of the first half, and the pixel's share
+/// of its block's error estimate.
 pub fn bytes_of_pixel(layers: u64) -> u64 {
     let pairs = layers * (layers + 1) / 2;
     (2 * layers + 2 * pairs / u64::from(SIDE * SIDE)) * size_of::<glam::DVec3>() as u64
 }
 
-/// The weights with which a film is shown, one for each layer: those of every frame of the sequence that is made of it, each
-/// once. They decide how many samples the film has.
+/// The weightings of a film, with one weight per layer: one weighting for each different frame of the sequence that
+/// uses the film. They decide the number of samples.
 pub type Weightings = Arc<[Vec<Rgb>]>;
 
 /// A frame that is sampled in rounds.
-pub struct Rounds {
+pub struct AdaptiveFrame {
     size: (u32, u32),
     seed: u32,
     target: NoiseTarget,
-    /// Which layers are traced.
+    /// The weights that decide which layers are traced.
     layers: Weights,
-    /// Those of the layers that are traced, one after the other.
+    /// The weightings, for the traced layers only.
     weightings: Vec<Vec<Rgb>>,
-    extras: Extras,
+    extras: AovSet,
     /// Row by row.
     blocks: Vec<Block>,
-    estimate: Estimate,
+    estimate: ErrorEstimate,
 }
 
-/// Traces a frame in which nothing moves while it is exposed.
+/// Traces a frame without motion.
 pub fn trace(
     scene: &Scene,
     bvh: &Bvh,
     settings: &TraceSettings,
     (target, shown): (NoiseTarget, &Weightings),
-    meter: &Meter,
+    meter: &ProgressMeter,
 ) -> (Film, Counts) {
-    let mut rounds = Rounds::new(scene, settings, target, shown);
+    let mut rounds = AdaptiveFrame::new(scene, settings, target, shown);
     let mut counts = Counts::default();
     loop {
         counts += rounds.trace(scene, bvh, settings, Moment::ONLY, meter);
@@ -78,38 +78,39 @@ pub fn trace(
     }
 }
 
-impl Rounds {
-    /// Of a scene whose weights say which layers are traced, and of the weights with which the film is shown.
+impl AdaptiveFrame {
+    /// A frame without samples. The weights of the scene decide which layers are traced; `shown` are the weightings of
+    /// the film.
     pub fn new(scene: &Scene, settings: &TraceSettings, target: NoiseTarget, shown: &Weightings) -> Self {
         let (size, layers) = (settings.size, scene.weights.clone());
         let held: Vec<usize> = lit(&layers.0).map(|layer| layer.index()).collect();
         let weightings = shown.iter().map(|all| held.iter().map(|&layer| all[layer]).collect()).collect();
         let corners = (0..size.1).step_by(SIDE as usize);
         let corners = corners.flat_map(|top| (0..size.0).step_by(SIDE as usize).map(move |left| (left, top)));
-        let first = LEAST_SAMPLES.min(target.most).div_ceil(2);
+        let first = MIN_SAMPLES.min(target.most).div_ceil(2);
         let block = |(left, top): (u32, u32)| {
             let places = (SIDE.min(size.0 - left), SIDE.min(size.1 - top));
             Block::new((left, top), places, &held, layers.0.len() + settings.extras.layers(), first)
         };
         let (seed, extras) = (settings.quality.seed, settings.extras);
-        let (blocks, estimate) = (corners.map(block).collect(), Estimate::default());
+        let (blocks, estimate) = (corners.map(block).collect(), ErrorEstimate::default());
         Self { size, seed, target, layers, weightings, extras, blocks, estimate }
     }
 
-    /// Takes the samples of the round that fall on this moment, wherever they are wanted.
+    /// Traces the samples of this round that belong to this moment, in all open blocks.
     pub fn trace(
         &mut self,
         scene: &Scene,
         bvh: &Bvh,
         settings: &TraceSettings,
         moment: Moment,
-        meter: &Meter,
+        meter: &ProgressMeter,
     ) -> Counts {
         let scene = Scene { weights: &self.layers, ..*scene };
-        let pixels = Pixels::sampled(&scene, bvh, settings, moment);
+        let pixels = PixelTracer::sampled(&scene, bvh, settings, moment);
         let seed = self.seed;
         let counts = self.blocks.par_iter_mut().filter(|block| block.is_open()).map(|block| {
-            if meter.is_stopped() && block.give_up() {
+            if meter.is_stopped() && block.discard_round() {
                 meter.unfinished.store(true, Relaxed);
                 return Counts::default();
             }
@@ -123,19 +124,19 @@ impl Rounds {
         })
     }
 
-    /// Ends a round, and settles which blocks get more samples. True if none does.
-    pub fn settle(&mut self, meter: &Meter) -> bool {
+    /// Ends a round and chooses the blocks that get more samples. Returns true if there are none.
+    pub fn settle(&mut self, meter: &ProgressMeter) -> bool {
         self.blocks.par_iter_mut().filter(|block| block.is_open()).for_each(Block::end_round);
-        self.estimate = Estimate::new(&mut self.blocks, &self.weightings);
+        self.estimate = ErrorEstimate::new(&mut self.blocks, &self.weightings);
         let most = self.target.most;
         let wanted = match self.blocks.iter().any(Block::has_halves) {
-            true => allocation::wanted(
+            true => allocation::blocks_to_refine(
                 &self.blocks,
                 &self.estimate,
                 &self.target,
                 self.size.0.div_ceil(SIDE) as usize,
             ),
-            // Only the first half of what is taken in any case.
+            // So far each block has only the first half of its least number of samples.
             false => vec![true; self.blocks.len()],
         };
         if meter.is_stopped() && wanted.contains(&true) {
@@ -145,7 +146,7 @@ impl Rounds {
         let mut open = 0;
         for (block, wanted) in self.blocks.iter_mut().zip(wanted) {
             if wanted && block.drawn() < most {
-                block.open((2 * block.drawn()).min(most));
+                block.start_round((2 * block.drawn()).min(most));
                 open += 1;
             }
         }
@@ -154,9 +155,9 @@ impl Rounds {
         open == 0
     }
 
-    /// What all samples show.
+    /// The film of all samples, with its error estimates.
     pub fn film(self) -> Film {
-        let mut film = Film::with_extras(self.size.0, self.size.1, self.layers.0.clone(), self.extras);
+        let mut film = Film::with_aovs(self.size.0, self.size.1, self.layers.0.clone(), self.extras);
         let layers = film.layers();
         let extras = self.layers.0.len()..self.layers.0.len() + self.extras.layers();
         let held: Vec<usize> = film.held.iter().map(|layer| layer.index()).chain(extras).collect();
@@ -173,7 +174,7 @@ impl Rounds {
         film.shown_as(0, &self.layers.0)
     }
 
-    /// What error is left where the film is shown with one of the weightings.
+    /// The remaining error of the film with one of the weightings.
     fn noise(&self, weighting: usize) -> Noise {
         let pixels = f64::from(self.size.0) * f64::from(self.size.1);
         let share = |block: &Block| f64::from(block.pixels()) / pixels;

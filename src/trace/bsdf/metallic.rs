@@ -1,24 +1,23 @@
-//! The metallic-roughness surface (glTF 2.0, appendix B): a boundary of small mirrors over a diffuse base.
+//! The metallic-roughness surface (glTF 2.0, appendix B): a boundary of microfacets over a diffuse base.
 
-use super::Bsdf;
-use crate::appearance::optics::{Microfacet, reflect, schlick};
-use crate::base::lanes::{Color, Lookup, Real, Row, Select, Single, Vec3, out_of_line};
-use crate::sampling::Frame;
+use crate::appearance::optics::{Microfacet, schlick};
+use crate::base::lanes::{Color, Lookup, Real, Row, Single, Vec3, out_of_line};
+use crate::sampling::LocalFrame;
 use crate::trace::materials::{Column, LobeTable};
 use std::f64::consts::PI;
 
-/// Rough surfaces smoother than this are mirrors: their highlight is narrower than a tenth of a degree.
+/// Surfaces with a lower roughness are sharp mirrors. Their highlight is narrower than a tenth of a degree.
 const SMOOTH: f32 = 0.01;
 
 /// The parameters of the surface in each lane.
 #[derive(Clone, Copy)]
 pub struct Metallic<F: Real> {
-    /// How much of the surface there is.
+    /// The strength of the lobe.
     pub strength: F::F32,
     base: Color<F::F32>,
     metallic: F::F32,
     roughness: F::F32,
-    /// The share that a boundary to the medium reflects at right incidence.
+    /// The reflectance of a boundary to the medium at normal incidence.
     boundary: F::F32,
 }
 
@@ -29,7 +28,7 @@ impl<F: Real> Metallic<F> {
         Self { strength: zero, base: Color::black(), metallic: zero, roughness: zero, boundary: zero }
     }
 
-    /// Of rows of a table, and indices of refraction.
+    /// Gathers the parameters from rows of a table, with indices of refraction.
     #[inline(always)]
     pub fn gather(table: &LobeTable, at: &Lookup, ior: F) -> Self {
         let ratio = (ior - F::splat(1.0)) / (ior + F::splat(1.0));
@@ -42,21 +41,21 @@ impl<F: Real> Metallic<F> {
         }
     }
 
-    /// Lanes in which the small mirrors make one sharp one.
+    /// Lanes whose surface is a sharp mirror.
     #[inline(always)]
     pub fn is_smooth(&self) -> F::Mask {
         self.roughness.lt(F::F32::splat(SMOOTH))
     }
 
-    /// The distribution of small mirrors; where the surface is smooth, of rough ones, for nobody to use.
+    /// The distribution of microfacets. In smooth lanes it has the least roughness, and its results are not used.
     #[inline(always)]
-    fn microfacet(&self) -> Microfacet<F> {
+    pub fn microfacet(&self) -> Microfacet<F> {
         let roughness = self.roughness.max(F::F32::splat(SMOOTH)).to_f64();
         Microfacet { alpha: roughness * roughness }
     }
 
-    /// The share that small mirrors turned half way reflect, from the cosine of the angle to them: Schlick's between the
-    /// base colour of metals, or that of a boundary to the medium, and 1.
+    /// The reflectance of microfacets, from the cosine of the angle to them. It is Schlick's approximation between the
+    /// reflectance at normal incidence (the base colour of metals, else that of a boundary to the medium) and 1.
     #[inline(always)]
     pub fn fresnel(&self, cosine: F) -> Color<F::F32> {
         let normal = Color::grey(self.boundary).lerp(self.base, self.metallic);
@@ -64,26 +63,27 @@ impl<F: Real> Metallic<F> {
         normal + (Color::grey(one) - normal) * schlick(F::splat(0.0), cosine).to_f32()
     }
 
-    /// What the surface scatters from below its boundary, without Fresnel's factor.
+    /// The diffuse albedo below the boundary, without Fresnel's factor.
     #[inline(always)]
     pub fn below(&self) -> Color<F::F32> {
         self.base * (F::F32::splat(1.0) - self.metallic)
     }
 
-    /// The shares of light from below the boundary and from the small mirrors, where it is lit.
+    /// The shares of light from the diffuse base and from the microfacets, for directions that light the surface.
     #[inline(always)]
     pub fn share(
         &self,
         to_eye: Vec3<F>,
-        frame: &Frame<F>,
+        frame: &LocalFrame<F>,
         to_light: Vec3<F>,
     ) -> (Color<F::F32>, Color<F::F32>) {
         share(self, to_eye, frame, to_light)
     }
 
-    /// The density per steradian of [`Bsdf::glossy_sample`]; 0 where the surface is smooth.
+    /// The density per steradian of [`Bsdf::glossy_sample`](super::Bsdf::glossy_sample). It is 0 if the surface is
+    /// smooth.
     #[inline(always)]
-    pub fn pdf(&self, to_eye: Vec3<F>, frame: &Frame<F>, direction: Vec3<F>) -> F {
+    pub fn pdf(&self, to_eye: Vec3<F>, frame: &LocalFrame<F>, direction: Vec3<F>) -> F {
         pdf(self, to_eye, frame, direction)
     }
 }
@@ -92,7 +92,7 @@ out_of_line! {
     fn share<'k, F>(
         metallic: &'k Metallic<F>,
         to_eye: Vec3<F>,
-        frame: &'k Frame<F>,
+        frame: &'k LocalFrame<F>,
         to_light: Vec3<F>,
     ) -> (Color<F::F32>, Color<F::F32>) {
         let normal = frame.z;
@@ -107,32 +107,10 @@ out_of_line! {
 }
 
 out_of_line! {
-    fn sample<'k, F>(
-        metallic: &'k Metallic<F>,
-        to_eye: Vec3<F>,
-        frame: &'k Frame<F>,
-        u: F,
-        v: F,
-    ) -> GlossySample<F> {
-        let (eye, microfacet) = (frame.to_local(to_eye), metallic.microfacet());
-        let half = microfacet.sample(eye, u, v);
-        let light = reflect(-eye, half);
-        let pdf = microfacet.pdf(eye, light);
-        let is_drawn = F::splat(0.0).lt(light.z) & F::splat(0.0).lt(pdf);
-        let share = microfacet.reflected(eye, light) / pdf;
-        let share = metallic.fresnel(eye.dot(half)) * (share.to_f32() * metallic.strength);
-        let is_smooth = metallic.is_smooth();
-        let smooth = metallic.fresnel(frame.z.dot(to_eye)) * metallic.strength;
-        let share = Color::select(is_smooth, smooth, share);
-        GlossySample { direction: frame.to_world(light), share, is_drawn, is_smooth }
-    }
-}
-
-out_of_line! {
     fn pdf<'k, F>(
         metallic: &'k Metallic<F>,
         to_eye: Vec3<F>,
-        frame: &'k Frame<F>,
+        frame: &'k LocalFrame<F>,
         direction: Vec3<F>,
     ) -> F {
         let zero = F::splat(0.0);
@@ -140,25 +118,4 @@ out_of_line! {
         let pdf = metallic.microfacet().pdf(eye, light);
         F::select(zero.lt(light.z) & !metallic.is_smooth(), pdf, zero)
     }
-}
-
-impl<F: Real> Bsdf<'_, F> {
-    /// The reflection in one of the surface's small mirrors for two numbers in 0..1, or in the one that it is where it is
-    /// smooth.
-    #[inline(always)]
-    pub fn glossy_sample(&self, u: F, v: F) -> GlossySample<F> {
-        sample(&self.metallic, self.to_eye, &self.frame, u, v)
-    }
-}
-
-/// A reflection in a small mirror.
-#[derive(Clone, Copy)]
-pub struct GlossySample<F: Real> {
-    pub direction: Vec3<F>,
-    /// The share of the light from there that is reflected, over its density.
-    pub share: Color<F::F32>,
-    /// Where there is one.
-    pub is_drawn: F::Mask,
-    /// Lanes whose surface is one sharp mirror: then the direction is not this one.
-    pub is_smooth: F::Mask,
 }

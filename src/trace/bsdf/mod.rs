@@ -1,41 +1,43 @@
-//! How a surface scatters light: the sum of its lobes, a file each.
+//! The BSDF of a surface: the sum of its lobes, one file per lobe.
 //!
-//! What a surface scatters is counted in shares: π times its bidirectional reflectance times the cosine of the
-//! light's angle, so that a facing light of radiance 1 on a surface of diffuse 1 gives radiance 1.
+//! Values are shares: π times the bidirectional reflectance times the cosine of the light's angle. So a facing light of
+//! radiance 1 on a surface of diffuse 1 gives radiance 1.
 
 mod boundary;
 mod diffuse;
 mod fuzzy;
+mod glossy;
 mod highlight;
 mod metallic;
 mod sample;
+mod shininess;
 #[cfg(test)]
 mod tests;
 
 pub use boundary::Boundary;
-pub use highlight::Shininess;
 pub use sample::BsdfSample;
+pub use shininess::Shininess;
 
 use super::materials::{Column, LobeSet, LobeTable};
 use crate::appearance::optics::reflect;
 use crate::base::lanes::{Color, Lookup, Real, Row, Select, Single, Vec3, out_of_line};
 use crate::geometry::shape::LaneSurface;
-use crate::sampling::Frame;
+use crate::sampling::LocalFrame;
 use metallic::Metallic;
 
-/// The lobes of a point of a surface in each lane.
+/// The lobes at a point of a surface, in each lane.
 #[derive(Clone, Copy)]
 pub struct Bsdf<'a, F: Real> {
     /// The lobes that any lane may have.
     pub lobes: LobeSet,
-    /// Turned towards the eye.
+    /// The surface, turned towards the eye.
     pub surface: &'a LaneSurface<F>,
-    /// Unit vectors.
+    /// Unit vector towards the eye.
     pub to_eye: Vec3<F>,
-    /// To shade with: the smooth one, unless it faces away from the eye.
+    /// The shading normal: the smooth normal, unless it faces away from the eye.
     pub normal: Vec3<F>,
-    /// Around that normal, turned as the eye's is.
-    frame: Frame<F>,
+    /// The frame around the shading normal, with the axes of the eye's frame.
+    frame: LocalFrame<F>,
     pub diffuse: Color<F::F32>,
     specular: Color<F::F32>,
     shininess: Shininess<F>,
@@ -46,7 +48,7 @@ pub struct Bsdf<'a, F: Real> {
     metallic: Metallic<F>,
 }
 
-/// Rows of a table, for materials that have these lobes.
+/// Rows of a lobe table, for materials with these lobes.
 struct Rows<'a> {
     lobes: LobeSet,
     table: &'a LobeTable,
@@ -54,21 +56,21 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// The colours of a lobe; black if no material has it.
+    /// The colours of a lobe. Black if none of the materials has it.
     #[inline(always)]
     fn color<S: Single>(&self, lobe: LobeSet, column: Column) -> Color<S> {
         if self.lobes.has(lobe) { self.table.color(column, self.at) } else { Color::black() }
     }
 }
 
-/// The shares of light that a surface sends to the eye, by what they count in fog.
+/// The shares of light that a surface reflects to the eye, by their behaviour in fog.
 #[derive(Clone, Copy, Debug)]
 pub struct Reflected<S> {
-    /// Gathered by the diffuse lobe and from below the boundary of a metallic-roughness surface.
+    /// Reflected by the diffuse lobe, and by the base below the boundary of a metallic-roughness surface.
     pub diffuse: Color<S>,
-    /// Shown by a fuzzy mirror or small ones.
+    /// Reflected by a fuzzy mirror or by microfacets.
     pub glossy: Color<S>,
-    /// Of lights alone.
+    /// The highlight, which only light sources have.
     pub highlight: Color<S>,
 }
 
@@ -100,14 +102,15 @@ out_of_line! {
 }
 
 impl<'a, F: Real> Bsdf<'a, F> {
-    /// Of rows of a table. The frame is around the direction to the eye; others are made of it only for samples.
+    /// Gathers the lobes from rows of a table. `eye` is the frame around the direction to the eye. Frames around
+    /// normals are built only if samples need them.
     #[inline(always)]
     pub fn gather(
         lobes: LobeSet,
         (table, at): (&LobeTable, &Lookup),
         shininess: Shininess<F>,
         ior: F,
-        (surface, eye, is_sampled): (&'a LaneSurface<F>, &Frame<F>, bool),
+        (surface, eye, is_sampled): (&'a LaneSurface<F>, &LocalFrame<F>, bool),
     ) -> Self {
         let to_eye = eye.z;
         let faces = F::splat(0.0).lt(surface.shading.dot(to_eye));
@@ -123,10 +126,10 @@ impl<'a, F: Real> Bsdf<'a, F> {
             surface,
             to_eye,
             normal,
-            // Without samples, its other axes are of no use.
+            // Without samples, the other axes are not used.
             frame: match is_sampled && lobes.has(LobeSet::SAMPLED) {
-                true => eye.turned_to(normal),
-                false => Frame { z: normal, ..*eye },
+                true => eye.rotated_to(normal),
+                false => LocalFrame { z: normal, ..*eye },
             },
             diffuse: rows.color(LobeSet::DIFFUSE, Column::DIFFUSE),
             specular: rows.color(highlights, Column::SPECULAR),
@@ -139,13 +142,13 @@ impl<'a, F: Real> Bsdf<'a, F> {
         }
     }
 
-    /// The direction in which a mirror shows the eye what it does.
+    /// The direction of the ideal reflection of the eye.
     #[inline(always)]
     pub fn mirrored(&self) -> Vec3<F> {
         reflect(-self.to_eye, self.normal)
     }
 
-    /// Lanes in which light from a direction falls on what is seen.
+    /// Lanes in which light from a direction reaches the visible side.
     #[inline(always)]
     pub fn is_lit_from(&self, direction: Vec3<F>) -> F::Mask {
         let zero = F::splat(0.0);
@@ -153,15 +156,15 @@ impl<'a, F: Real> Bsdf<'a, F> {
         zero.lt(self.normal.dot(direction)) & above
     }
 
-    /// The shares of the light from a direction (a unit vector) that the surface sends to the eye. Black where the
-    /// light is behind the surface: then there is no highlight either.
+    /// The shares of light from a direction (a unit vector) that the surface reflects to the eye. All are black,
+    /// highlights included, if the light is behind the surface.
     #[inline(always)]
     pub fn reflected(&self, to_light: Vec3<F>) -> Reflected<F::F32> {
         reflected(self, to_light)
     }
 
-    /// Lanes in which a ray in a direction leaves the surface behind itself: a smooth normal may bend one that should
-    /// pass back to the side that it came from.
+    /// Lanes in which a ray in a direction passes to the far side of the surface. A smooth normal may bend a refracted
+    /// ray back to the near side.
     #[inline(always)]
     pub fn passes(&self, direction: Vec3<F>) -> F::Mask {
         self.surface.normal.dot(direction).lt(F::splat(0.0))
@@ -169,9 +172,9 @@ impl<'a, F: Real> Bsdf<'a, F> {
 }
 
 impl<S: Single> Reflected<S> {
-    /// What is scattered, where fog lets this share of light pass.
+    /// The scattered share, if fog transmits the share `transmittance`.
     #[inline(always)]
-    pub fn scattered(&self, clear: S) -> Color<S> {
-        self.diffuse + self.glossy * clear
+    pub fn scattered(&self, transmittance: S) -> Color<S> {
+        self.diffuse + self.glossy * transmittance
     }
 }

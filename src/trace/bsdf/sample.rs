@@ -1,13 +1,13 @@
-//! Where a path goes on from a surface: one lobe is drawn by its strength, then a direction in it.
+//! Sampling of the BSDF: chooses a lobe in proportion to its strength, then a direction of that lobe.
 
 use super::{Boundary, Bsdf};
 use crate::base::lanes::{Color, Mask, Real, Row, Select, Single, Vec3};
 use crate::trace::materials::LobeSet;
 use std::f64::consts::PI;
 
-/// The probabilities with which lobes are drawn; 0 for those that are absent.
+/// The probability of each lobe; 0 if it is absent.
 #[derive(Clone, Copy)]
-pub struct LobeChances<F> {
+pub struct LobeProbabilities<F> {
     diffuse: F,
     /// The boundary of a metallic-roughness surface.
     glossy: F,
@@ -16,35 +16,35 @@ pub struct LobeChances<F> {
     refracted: F,
 }
 
-/// How paths go on.
+/// Sampled directions.
 #[derive(Clone, Copy)]
 pub struct BsdfSample<F: Real> {
     /// Unit vector.
     pub direction: Vec3<F>,
-    /// What the path's throughput is multiplied with, for what diffuse lobes gather and for what others show.
+    /// Factors of the path's throughput, by lobes that are diffuse and by the others.
     pub diffuse: Color<F::F32>,
     pub specular: Color<F::F32>,
-    /// Density per steradian of the direction, by all lobes that may give it; 0 where there was no choice.
+    /// The density per steradian of the direction over all lobes that may give it. It is 0 for a delta distribution.
     pub pdf: F,
-    /// Lanes in which it is drawn from a lobe with a density.
+    /// Lanes whose lobe has a density.
     pub is_scattered: F::Mask,
-    /// In which there was one direction: a mirror's, straight on, or bent.
+    /// Lanes whose lobe is a delta distribution: mirrored, transmitted straight on, or refracted.
     pub is_mirrored: F::Mask,
     pub is_transmitted: F::Mask,
     pub is_refracted: F::Mask,
 }
 
 impl<F: Real> BsdfSample<F> {
-    /// Lanes whose paths go on.
+    /// Lanes whose paths continue.
     #[inline(always)]
-    pub fn goes_on(&self) -> F::Mask {
+    pub fn continues(&self) -> F::Mask {
         self.is_scattered | self.is_mirrored | self.is_transmitted | self.is_refracted
     }
 }
 
 impl<F: Real> Bsdf<'_, F> {
     #[inline(always)]
-    pub fn chances(&self) -> LobeChances<F> {
+    pub fn probabilities(&self) -> LobeProbabilities<F> {
         let zero = F::splat(0.0);
         let (mut diffuse, mut glossy) = (zero, zero);
         if self.lobes.has(LobeSet::DIFFUSE) {
@@ -59,7 +59,7 @@ impl<F: Real> Bsdf<'_, F> {
         let refracted = strength::<F>(self.refraction);
         let sum = diffuse + glossy + mirror + transparent + refracted;
         let per_sum = F::select(zero.lt(sum), F::splat(1.0) / sum, zero);
-        LobeChances {
+        LobeProbabilities {
             diffuse: diffuse * per_sum,
             glossy: glossy * per_sum,
             mirror: mirror * per_sum,
@@ -68,27 +68,28 @@ impl<F: Real> Bsdf<'_, F> {
         }
     }
 
-    /// The density per steradian with which [`Bsdf::sample`] gives a direction, but for those without a choice.
+    /// The density per steradian of [`Bsdf::sample`], without delta distributions.
     #[inline(always)]
-    pub fn pdf(&self, chances: &LobeChances<F>, direction: Vec3<F>) -> F {
+    pub fn pdf(&self, probabilities: &LobeProbabilities<F>, direction: Vec3<F>) -> F {
         let mut pdf = F::splat(0.0);
         if self.lobes.has(LobeSet::DIFFUSE | LobeSet::MICROFACET) {
-            pdf = chances.diffuse * self.diffuse_pdf(direction);
+            pdf = probabilities.diffuse * self.diffuse_pdf(direction);
         }
         if self.lobes.has(LobeSet::MICROFACET) {
-            pdf = pdf + chances.glossy * self.metallic.pdf(self.to_eye, &self.frame, direction);
+            pdf = pdf + probabilities.glossy * self.metallic.pdf(self.to_eye, &self.frame, direction);
         }
         if self.lobes.has(LobeSet::FUZZ) {
-            pdf = pdf + chances.mirror * self.fuzzy_pdf(direction);
+            pdf = pdf + probabilities.mirror * self.fuzzy_pdf(direction);
         }
         pdf
     }
 
-    /// The next directions, for four numbers in 0..1: the first two are for the direction, the third for the lobe.
+    /// Samples directions from four numbers in 0..1. `u` and `v` choose the direction, `choice` the lobe, and `w` is
+    /// the third number of fuzzy mirrors.
     #[inline(always)]
     pub fn sample(&self, boundary: &Boundary<F>, [u, v, choice, w]: [F; 4]) -> BsdfSample<F> {
         let (zero, no) = (F::splat(0.0), F::Mask::splat(false));
-        let chances = self.chances();
+        let probabilities = self.probabilities();
         let mut sample = BsdfSample {
             direction: self.to_eye,
             diffuse: Color::black(),
@@ -101,57 +102,57 @@ impl<F: Real> Bsdf<'_, F> {
         };
         let (mut rest, mut left) = (choice, F::Mask::splat(true));
         if self.lobes.has(LobeSet::DIFFUSE | LobeSet::MICROFACET) {
-            let falls = take(&mut rest, &mut left, chances.diffuse);
-            sample.direction = Vec3::select(falls, self.diffuse_sample(u, v), sample.direction);
-            sample.is_scattered = falls;
+            let chosen = take(&mut rest, &mut left, probabilities.diffuse);
+            sample.direction = Vec3::select(chosen, self.diffuse_sample(u, v), sample.direction);
+            sample.is_scattered = chosen;
         }
         if self.lobes.has(LobeSet::MICROFACET) {
-            let falls = take(&mut rest, &mut left, chances.glossy);
+            let chosen = take(&mut rest, &mut left, probabilities.glossy);
             let drawn = self.glossy_sample(u, v);
-            sample.direction = Vec3::select(falls, drawn.direction, sample.direction);
-            sample.is_scattered = sample.is_scattered | (falls & !drawn.is_smooth & drawn.is_drawn);
-            sample.mirror(self, falls & drawn.is_smooth, drawn.share / chances.glossy.to_f32());
+            sample.direction = Vec3::select(chosen, drawn.direction, sample.direction);
+            sample.is_scattered = sample.is_scattered | (chosen & !drawn.is_smooth & drawn.is_drawn);
+            sample.mirror(self, chosen & drawn.is_smooth, drawn.share / probabilities.glossy.to_f32());
         }
         if self.lobes.has(LobeSet::MIRROR) {
-            let falls = take(&mut rest, &mut left, chances.mirror);
-            let mut sharp = falls;
+            let chosen = take(&mut rest, &mut left, probabilities.mirror);
+            let mut sharp = chosen;
             if self.lobes.has(LobeSet::FUZZ) {
-                let fuzzy = falls & self.is_fuzzy();
+                let fuzzy = chosen & self.is_fuzzy();
                 sample.direction = Vec3::select(fuzzy, self.fuzzy_sample([u, v, w]), sample.direction);
                 sample.is_scattered = sample.is_scattered | fuzzy;
-                sharp = falls & !fuzzy;
+                sharp = chosen & !fuzzy;
             }
-            sample.mirror(self, sharp, self.mirror / chances.mirror.to_f32());
+            sample.mirror(self, sharp, self.mirror / probabilities.mirror.to_f32());
         }
         if self.lobes.has(LobeSet::TRANSPARENT) {
-            let falls = take(&mut rest, &mut left, chances.transparent);
-            let share = self.transparency / chances.transparent.to_f32();
-            sample.direction = Vec3::select(falls, -self.to_eye, sample.direction);
-            sample.specular = Color::select(falls, share, sample.specular);
-            sample.is_transmitted = falls;
+            let chosen = take(&mut rest, &mut left, probabilities.transparent);
+            let share = self.transparency / probabilities.transparent.to_f32();
+            sample.direction = Vec3::select(chosen, -self.to_eye, sample.direction);
+            sample.specular = Color::select(chosen, share, sample.specular);
+            sample.is_transmitted = chosen;
         }
         if self.refracts() {
-            // What rounding leaves over falls to the last lobe.
-            let falls = left & zero.lt(chances.refracted);
-            let met = self.boundary_sample(boundary, rest / chances.refracted);
-            let share = met.share / chances.refracted.to_f32();
-            let passes = falls & met.passes;
+            // The last lobe also gets what rounding has left over.
+            let chosen = left & zero.lt(probabilities.refracted);
+            let met = self.boundary_sample(boundary, rest / probabilities.refracted);
+            let share = met.share / probabilities.refracted.to_f32();
+            let passes = chosen & met.passes;
             sample.direction = Vec3::select(passes, met.direction, sample.direction);
             sample.specular = Color::select(passes, share, sample.specular);
             sample.is_refracted = passes;
-            sample.mirror(self, falls & !met.passes, share);
+            sample.mirror(self, chosen & !met.passes, share);
         }
         if self.lobes.has(LobeSet::DIFFUSE | LobeSet::MICROFACET | LobeSet::FUZZ) {
-            self.weigh(&chances, &mut sample);
+            self.weigh(&probabilities, &mut sample);
         }
         sample
     }
 
-    /// Weighs directions that more than one lobe may have given by all of them.
+    /// Divides by the density of all lobes if several may give the direction.
     #[inline(always)]
-    fn weigh(&self, chances: &LobeChances<F>, sample: &mut BsdfSample<F>) {
+    fn weigh(&self, probabilities: &LobeProbabilities<F>, sample: &mut BsdfSample<F>) {
         let zero = F::splat(0.0);
-        let pdf = self.pdf(chances, sample.direction);
+        let pdf = self.pdf(probabilities, sample.direction);
         let reflected = self.reflected(sample.direction);
         let seen = reflected.scattered(F::F32::splat(1.0)).is_lit();
         let drawn = sample.is_scattered & zero.lt(pdf) & seen;
@@ -164,7 +165,7 @@ impl<F: Real> Bsdf<'_, F> {
 }
 
 impl<F: Real> BsdfSample<F> {
-    /// A mirror's reflection in the lanes of a mask.
+    /// Sets the ideal reflection in the lanes of a mask.
     #[inline(always)]
     fn mirror(&mut self, bsdf: &Bsdf<F>, mask: F::Mask, share: Color<F::F32>) {
         self.direction = Vec3::select(mask, bsdf.mirrored(), self.direction);
@@ -173,16 +174,17 @@ impl<F: Real> BsdfSample<F> {
     }
 }
 
-/// Which of the numbers that are left fall to a lobe: what is left of them is uniform again.
+/// Chooses a lobe in the lanes whose number is below its probability. Rescales the numbers of both groups, so that they
+/// are uniform again.
 #[inline(always)]
-fn take<F: Real>(rest: &mut F, left: &mut F::Mask, chance: F) -> F::Mask {
-    let falls = *left & rest.lt(chance);
-    *rest = F::select(falls, *rest / chance, *rest - chance);
-    *left = *left & !falls;
-    falls
+fn take<F: Real>(rest: &mut F, left: &mut F::Mask, probability: F) -> F::Mask {
+    let chosen = *left & rest.lt(probability);
+    *rest = F::select(chosen, *rest / probability, *rest - probability);
+    *left = *left & !chosen;
+    chosen
 }
 
-/// By what lobes are drawn.
+/// The weight of a lobe in the choice.
 #[inline(always)]
 fn strength<F: Real>(color: Color<F::F32>) -> F {
     color.max_element().to_f64()

@@ -1,4 +1,4 @@
-//! Lights on surfaces: where there is a highlight, and where there is none.
+//! Light on surfaces: where there is a highlight, and where there is not.
 
 use super::*;
 use crate::appearance::material::{Exponent, Highlight, Lobes, Material, Medium};
@@ -10,7 +10,7 @@ use crate::film::LayerId;
 fn material(highlight: Highlight, shininess: f64) -> Material {
     Material {
         lobes: Lobes { specular: Rgb::ONE, ..Lobes::default() },
-        paints: Vec::new(),
+        textures: Vec::new(),
         emission_layer: LayerId::CONSTANT,
         highlight,
         shininess: Exponent::new(shininess),
@@ -19,13 +19,13 @@ fn material(highlight: Highlight, shininess: f64) -> Material {
     }
 }
 
-/// What a level surface of the material sends to the eye: of the diffuse lobe, of glossy ones, and as a highlight.
+/// The reflection of a level surface to the eye: diffuse, glossy, and the highlight.
 fn reflected(material: &Material, to_light: DVec3, to_eye: DVec3) -> [Rgb; 3] {
     let surface = LaneSurface::<f64>::new(Vec3::zero(), Vec3::zero(), DVec3::Y.into());
     let table = LobeTable::new([&material.lobes].into_iter());
     let lobes = LobeSet::of(material);
     let shininess = Shininess::gather(|_| material.shininess);
-    let eye = Frame::along(to_eye.into(), [DVec3::X, DVec3::Y]);
+    let eye = LocalFrame::from_z_near_x(to_eye.into(), [DVec3::X, DVec3::Y]);
     let rows = (&table, &Lookup::run(0, 1));
     let bsdf = Bsdf::gather(lobes, rows, shininess, material.medium.ior, (&surface, &eye, true));
     let Reflected { diffuse, glossy, highlight } = bsdf.reflected(to_light.into());
@@ -34,7 +34,7 @@ fn reflected(material: &Material, to_light: DVec3, to_eye: DVec3) -> [Rgb; 3] {
 
 #[test]
 fn sh_01_the_half_vector_lies_between_light_and_eye() {
-    // Eye and light mirror each other about the normal: the highlight's centre, wherever they are.
+    // Eye and light mirror each other about the normal. So this is the centre of the highlight, wherever they are.
     for shift in [DVec3::ZERO, DVec3::new(1024.0, -512.0, 256.0)] {
         let point = DVec3::new(10.0, 0.0, 0.0) + shift;
         let to_light = (DVec3::new(13.0, 4.0, 0.0) + shift - point).normalize();
@@ -47,8 +47,7 @@ fn sh_01_the_half_vector_lies_between_light_and_eye() {
     }
 }
 
-/// Corners of the highlight: exponents and angles where a power alone would give light that is not there,
-/// or no number.
+/// Corner cases of the highlight, in which a power alone gives light that should not exist, or NaN.
 #[test]
 fn sh_02_no_highlight_without_light_on_the_surface() {
     let eye = DVec3::new(-1.0, 0.0, 0.0);
@@ -61,7 +60,7 @@ fn sh_02_no_highlight_without_light_on_the_surface() {
             }
         }
     }
-    // The light is on the surface, but its mirror image is at a right angle to the eye, or beyond it.
+    // The light is above the surface, but its mirror image is at or beyond a right angle to the eye.
     let light = DVec3::new(0.6, 0.8, 0.0);
     for eye in [DVec3::new(0.8, 0.6, 0.0), DVec3::new(0.96, 0.28, 0.0)] {
         for shininess in [0.0, 0.5, 1.0, 1e6] {

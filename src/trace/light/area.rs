@@ -1,10 +1,10 @@
-//! Lights with an area.
+//! Area lights.
 
 use super::{LightSample, Receiver};
 use crate::base::lanes::{Color, Mask, Real, Vec3};
 use crate::geometry::shape::{Geometric, Rectangle, Sphere};
 
-/// A sphere that shines outwards.
+/// Samples a sphere, which emits outwards.
 #[inline(always)]
 pub fn sphere<F: Real>(
     sphere: &Sphere,
@@ -13,13 +13,13 @@ pub fn sphere<F: Real>(
     radiance: Color<F::F32>,
 ) -> LightSample<F> {
     let (surface, _, pdf) = sphere.sample_from(at.point, at.eye, u, v);
-    // No light comes to the inside.
+    // Points inside receive no light.
     let distance = (at.point - Vec3::splat(sphere.center)).length();
     let pdf = F::select(F::splat(sphere.radius).le(distance), pdf, F::splat(0.0));
     LightSample::from_surface(at, &surface, radiance, pdf)
 }
 
-/// A rectangle that shines to one side or both.
+/// Samples a rectangle, which emits to one side or both.
 #[inline(always)]
 pub fn rectangle<F: Real>(
     rectangle: &Rectangle,

@@ -1,51 +1,52 @@
-//! Light on its way to surfaces: from where, how much, and with what density it was asked for.
+//! Sampling of light for next-event estimation: direction, radiance and density.
 //!
-//! Light is measured such that a light of radiance 1 facing a surface of diffuse 1 gives radiance 1. For light from an
-//! area, [`LightSample::radiance`] is its radiance over π and the density with which its direction was drawn.
+//! The unit of light: a light of radiance 1 gives radiance 1 on a facing surface of diffuse 1. For light from an area,
+//! [`LightSample::radiance`] is its radiance over π and the density of its direction.
 
 mod area;
+mod emission;
+mod evaluate;
 mod punctual;
 mod sampler;
 mod sky;
 
+pub use evaluate::emitted_radiance;
 pub use sampler::{LightRequest, LightSampler};
 
-use super::spawn::{spawn, spawn_gathering};
-use crate::appearance::light::{Light, Source};
-use crate::base::color::Rgb;
+use super::spawn::{spawn, spawn_lifted};
 use crate::base::lanes::{Color, Mask, Real, Select, Vec3};
 use crate::base::math::{DVec3, LaneRay};
 use crate::geometry::shape::LaneSurface;
-use crate::sampling::Frame;
+use crate::sampling::LocalFrame;
 use std::f64::consts::PI;
 
-/// Points that light is sampled for.
+/// The points that receive light.
 #[derive(Clone, Copy)]
 pub struct Receiver<'a, F> {
     pub point: Vec3<F>,
     /// The frame around the direction to the eye.
-    pub eye: &'a Frame<F>,
-    /// What rounding may do to a point of any surface, at most, as a length.
+    pub eye: &'a LocalFrame<F>,
+    /// The largest rounding error of a point of any surface, as a length.
     pub rounding: f64,
 }
 
-/// Light that would reach a point in each lane if nothing stood in its way.
+/// A light sample in each lane, without occlusion.
 #[derive(Clone, Copy)]
 pub struct LightSample<F: Real> {
-    /// Unit vector towards where it comes from.
+    /// Unit vector towards the light.
     pub direction: Vec3<F>,
-    /// What the share that the surface reflects is multiplied with.
+    /// The factor of the share that the surface reflects.
     pub radiance: Color<F::F32>,
-    /// Density per steradian with which the direction was drawn; 0 if there was no choice.
+    /// The density per steradian of the direction; 0 for a delta distribution.
     pub pdf: F,
-    /// Where shadow rays end; of light from infinitely far away, anything.
+    /// The end of the shadow ray; arbitrary for distant light.
     pub end: Vec3<F>,
     pub is_distant: F::Mask,
-    /// Where light comes at all.
+    /// Lanes that receive light.
     pub is_lit: F::Mask,
 }
 
-/// Shadow rays, and the t before which nothing may stand.
+/// Shadow rays, and the t up to which nothing may block them.
 #[derive(Clone, Copy)]
 pub struct ShadowRay<F> {
     pub ray: LaneRay<F>,
@@ -66,7 +67,7 @@ impl<F: Real> LightSample<F> {
         }
     }
 
-    /// From points, where each has a share of its light for the surface.
+    /// Light from points, of which this share arrives.
     #[inline(always)]
     fn from_point(at: Vec3<F>, position: Vec3<F>, radiance: Color<F::F32>, share: F) -> Self {
         Self {
@@ -78,11 +79,11 @@ impl<F: Real> LightSample<F> {
         }
     }
 
-    /// From points of surfaces, drawn with these densities per steradian; none where that is 0.
+    /// Light from points of surfaces, sampled with these densities per steradian. Lanes of density 0 get no light.
     #[inline(always)]
     pub fn from_surface(at: &Receiver<F>, surface: &LaneSurface<F>, radiance: Color<F::F32>, pdf: F) -> Self {
         let way = surface.point - at.point;
-        // Past what other surfaces may reach to that the light is set into.
+        // The error bound covers the rounding of other surfaces into which the light may be set.
         let rounding = F::splat(at.rounding);
         let reach = Vec3::new(rounding, rounding, rounding);
         let surface = LaneSurface { error: surface.error.max(reach), ..*surface };
@@ -97,31 +98,31 @@ impl<F: Real> LightSample<F> {
         }
     }
 
-    /// From infinitely far away, drawn with these densities; 0 where there was no choice.
+    /// Light from infinitely far away, sampled with these densities; 0 for a delta distribution.
     #[inline(always)]
     fn distant(direction: Vec3<F>, radiance: Color<F::F32>, pdf: F) -> Self {
         let all = F::Mask::splat(true);
         Self { direction, radiance, pdf, is_distant: all, is_lit: all, ..Self::none() }
     }
 
-    /// The same light, from sources that are asked only with this chance.
+    /// The same light, from sources that are chosen with this probability.
     #[inline(always)]
     pub fn with_chance(self, chance: F) -> Self {
         let radiance = self.radiance * (F::splat(1.0) / chance).to_f32();
         Self { radiance, pdf: self.pdf * chance, ..self }
     }
 
-    /// How far the light comes to a point.
+    /// The distance of the light from a point.
     #[inline(always)]
     pub fn distance(&self, from: Vec3<F>) -> F {
         F::select(self.is_distant, F::splat(f64::INFINITY), (self.end - from).length())
     }
 
-    /// The rays from surfaces to where the light comes from. Those at the light itself have no direction.
+    /// The shadow rays from surfaces to the light. If the surface is at the light, the ray has no direction.
     #[inline(always)]
     pub fn shadow_ray(&self, surface: &LaneSurface<F>) -> ShadowRay<F> {
         let towards = Vec3::select(self.is_distant, self.direction, self.end - surface.point);
-        let origin = spawn_gathering(surface, towards).origin;
+        let origin = spawn_lifted(surface, towards).origin;
         let direction = Vec3::select(self.is_distant, self.direction, self.end - origin);
         let t_max = F::select(self.is_distant, F::splat(f64::INFINITY), F::splat(1.0));
         ShadowRay { ray: LaneRay { origin, direction }, t_max }
@@ -140,38 +141,4 @@ impl<F: Real> Select<F::Mask> for LightSample<F> {
             is_lit: (mask & yes.is_lit) | (!mask & no.is_lit),
         }
     }
-}
-
-/// The light that comes from a light to points, for u and v in 0..1 if it [has to be drawn](Source::is_sampled).
-#[inline(always)]
-pub fn sample_light<F: Real>(light: &Light, at: &Receiver<F>, [u, v]: [F; 2]) -> LightSample<F> {
-    let radiance = Color::splat(light.radiance);
-    match &light.source {
-        Source::Point { position, attenuation } => {
-            punctual::point(*position, attenuation, at.point, radiance)
-        }
-        Source::Spot { position, cone, attenuation } => {
-            punctual::spot(*position, cone, attenuation, at.point, radiance)
-        }
-        Source::Directional { to_light } => {
-            LightSample::distant(Vec3::splat(*to_light), radiance, F::splat(0.0))
-        }
-        Source::Sphere(sphere) => area::sphere(sphere, at, [u, v], radiance),
-        Source::Rectangle { rectangle, one_sided } => {
-            area::rectangle(rectangle, *one_sided, at, [u, v], radiance)
-        }
-    }
-}
-
-/// The radiance of a light that is part of the geometry where it is seen; `outside` are the lanes that see it from the
-/// side that its normal is on.
-#[inline(always)]
-pub fn seen_radiance<F: Real>(light: &Light, outside: F::Mask) -> Color<F::F32> {
-    let shines = match light.source {
-        Source::Sphere(_) => outside,
-        Source::Rectangle { one_sided: true, .. } => outside,
-        Source::Rectangle { one_sided: false, .. } => F::Mask::splat(true),
-        Source::Point { .. } | Source::Spot { .. } | Source::Directional { .. } => F::Mask::splat(false),
-    };
-    Color::select(shines, Color::splat(light.radiance), Color::splat(Rgb::ZERO))
 }

@@ -1,11 +1,11 @@
-//! Lights that shine from one point.
+//! Lights at one point.
 
 use super::LightSample;
-use crate::appearance::light::{Attenuation, Cone};
+use crate::appearance::light::{Attenuation, SpotCone};
 use crate::base::lanes::{Color, Real, Vec3};
 use crate::base::math::DVec3;
 
-/// A light that shines evenly.
+/// A light that is the same in all directions.
 #[inline(always)]
 pub fn point<F: Real>(
     position: DVec3,
@@ -18,11 +18,11 @@ pub fn point<F: Real>(
     LightSample::from_point(at, position, radiance, share)
 }
 
-/// A light that shines into a cone.
+/// A light with a cone.
 #[inline(always)]
 pub fn spot<F: Real>(
     position: DVec3,
-    cone: &Cone,
+    cone: &SpotCone,
     attenuation: &Attenuation,
     at: Vec3<F>,
     radiance: Color<F::F32>,

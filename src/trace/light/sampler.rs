@@ -1,54 +1,55 @@
-//! Light sources for next-event estimation: lights, objects that emit, and skies that are brighter in some directions.
-//! Grouped by layer, so that what one layer samples never depends on another.
+//! Light sources for next-event estimation: lights, objects that emit, and skies of images. They are grouped by layer,
+//! so that the samples of one layer never depend on another.
 
-use super::{LightSample, Receiver, sample_light, sky};
-use crate::appearance::environment::{Environment, SkyTable};
+use super::emission::emission;
+use super::evaluate::sample_light;
+use super::{LightSample, Receiver, sky};
+use crate::appearance::environment::{Environment, EnvironmentDistribution};
 use crate::appearance::light::{Light, Source};
-use crate::appearance::material::MadeOf;
+use crate::appearance::material::MaterialBinding;
 use crate::base::color::Rgb;
 use crate::base::lanes::{Bits, Mask, Real, Row, Select, Vec3, out_of_line};
 use crate::film::LayerId;
 use crate::geometry::shape::LaneSurface;
 use crate::scene::{Finish, Scene};
-use crate::trace::textures;
 use std::f64::consts::PI;
 
-/// One source of light.
+/// A source of light.
 #[derive(Clone, Copy, Debug)]
-pub enum Emitter<'a> {
+pub enum SampledEmitter<'a> {
     /// The light of this index in the scene.
     Light(u32, Light),
-    /// The primitive of this index emits.
+    /// The primitive of this index, which emits.
     Object(u32),
-    Sky(&'a SkyTable),
+    Sky(&'a EnvironmentDistribution),
 }
 
-/// Sources of one layer that are each sampled at every surface; of more than these, one.
-const MOST_SAMPLED: usize = 8;
+/// The most sources of a layer that are all sampled at every surface. If a layer has more, one of them is chosen.
+const MAX_SAMPLED: usize = 8;
 
-struct Group<'a> {
+struct SourceGroup<'a> {
     layer: LayerId,
-    members: Vec<Emitter<'a>>,
-    /// The chance of each member; none if all are sampled.
-    chances: Option<Chances>,
+    members: Vec<SampledEmitter<'a>>,
+    /// The probability of each member; `None` if all are sampled.
+    distribution: Option<DiscreteDistribution>,
 }
 
-/// Chances of a few things, and their sums.
-struct Chances {
-    each: Vec<f64>,
-    up_to: Vec<f64>,
+/// A discrete distribution: probabilities and their cumulative sums.
+struct DiscreteDistribution {
+    probabilities: Vec<f64>,
+    cdf: Vec<f64>,
 }
 
-/// One sample of light at every surface.
+/// A light sample that every surface takes.
 #[derive(Clone, Copy, Debug)]
 pub struct LightRequest {
     pub layer: LayerId,
-    /// By which its random numbers differ from those of others.
+    /// Separates its random numbers from those of other requests.
     pub number: u32,
     group: usize,
-    /// Which member; none if one is chosen.
+    /// The member; `None` if one is chosen at random.
     member: Option<usize>,
-    /// Whether light comes from more than one direction, or more than one source, so that one has to be drawn.
+    /// Whether the sample is random: the source has several directions, or is chosen among several.
     pub is_sampled: bool,
 }
 
@@ -59,37 +60,38 @@ impl LightRequest {
     }
 }
 
+/// Chooses and samples the light sources of a scene, layer by layer.
 pub struct LightSampler<'a> {
     scene: &'a Scene<'a>,
     environment: Option<&'a Environment>,
-    groups: Vec<Group<'a>>,
+    groups: Vec<SourceGroup<'a>>,
     requests: Vec<LightRequest>,
-    /// Of every primitive: the chance with which it is sampled, if it is a source.
+    /// For each primitive, the probability of sampling it, if it is a source.
     primitives: Vec<Option<f64>>,
-    sky: Option<(&'a SkyTable, f64)>,
+    sky: Option<(&'a EnvironmentDistribution, f64)>,
 }
 
 impl<'a> LightSampler<'a> {
     pub fn new(scene: &'a Scene<'a>, environment: Option<&'a Environment>, emitters: bool) -> Self {
-        let mut groups: Vec<Group<'a>> = Vec::new();
+        let mut groups: Vec<SourceGroup<'a>> = Vec::new();
         for (layer, emitter) in sources(scene, environment, emitters) {
             match groups.iter_mut().find(|group| group.layer == layer) {
                 Some(group) => group.members.push(emitter),
-                None => groups.push(Group { layer, members: vec![emitter], chances: None }),
+                None => groups.push(SourceGroup { layer, members: vec![emitter], distribution: None }),
             }
         }
         let primitives = vec![None; scene.geometry.primitives.len()];
         let mut all = Self { scene, environment, groups, requests: Vec::new(), primitives, sky: None };
-        all.settle(emitters);
+        all.add_requests(emitters);
         all
     }
 
-    /// Settles what is sampled, and with which chance. Without `choice`, every light is.
-    fn settle(&mut self, choice: bool) {
+    /// Builds the requests and the probabilities of sources. Without `choice`, every light is sampled.
+    fn add_requests(&mut self, choice: bool) {
         let scene = self.scene;
         let mut lights = vec![None; scene.shading.lights.len()];
         for (index, group) in self.groups.iter_mut().enumerate() {
-            let first = group.layer.0.wrapping_mul(2 * MOST_SAMPLED as u32);
+            let first = group.layer.0.wrapping_mul(2 * MAX_SAMPLED as u32);
             let request = |member: Option<usize>, number: u32, is_sampled: bool| LightRequest {
                 layer: group.layer,
                 number: first.wrapping_add(number),
@@ -97,10 +99,10 @@ impl<'a> LightSampler<'a> {
                 member,
                 is_sampled,
             };
-            if choice && group.members.len() > MOST_SAMPLED {
+            if choice && group.members.len() > MAX_SAMPLED {
                 let powers = group.members.iter().map(|member| member.power(scene));
-                self.requests.push(request(None, MOST_SAMPLED as u32, true));
-                group.chances = Some(Chances::of(powers));
+                self.requests.push(request(None, MAX_SAMPLED as u32, true));
+                group.distribution = Some(DiscreteDistribution::of(powers));
             } else {
                 let members = group.members.iter().enumerate();
                 self.requests.extend(
@@ -108,11 +110,12 @@ impl<'a> LightSampler<'a> {
                 );
             }
             for (index, member) in group.members.iter().enumerate() {
-                let chance = group.chances.as_ref().map_or(1.0, |chances| chances.each[index]);
+                let chance =
+                    group.distribution.as_ref().map_or(1.0, |distribution| distribution.probabilities[index]);
                 match member {
-                    Emitter::Light(light, _) => lights[*light as usize] = Some(chance),
-                    Emitter::Object(primitive) => self.primitives[*primitive as usize] = Some(chance),
-                    Emitter::Sky(table) => self.sky = Some((table, chance)),
+                    SampledEmitter::Light(light, _) => lights[*light as usize] = Some(chance),
+                    SampledEmitter::Object(primitive) => self.primitives[*primitive as usize] = Some(chance),
+                    SampledEmitter::Sky(table) => self.sky = Some((table, chance)),
                 }
             }
         }
@@ -123,18 +126,18 @@ impl<'a> LightSampler<'a> {
         }
     }
 
-    /// All that is sampled at a surface, in a fixed order.
+    /// All light samples of a surface, in a fixed order.
     pub fn requests(&self) -> &[LightRequest] {
         &self.requests
     }
 
-    /// Whether anything that can be met by chance is sampled, so that both have to be weighed.
-    pub fn weighs(&self) -> bool {
+    /// Whether a source can be both sampled and hit by chance, so that multiple importance sampling is needed.
+    pub fn needs_mis(&self) -> bool {
         self.sky.is_some() || self.primitives.iter().any(Option::is_some)
     }
 
-    /// Whether anything emits light that cannot be sampled.
-    pub fn leaves_out_emission(&self) -> bool {
+    /// Whether an object emits light that cannot be sampled.
+    pub fn has_unsampled_emission(&self) -> bool {
         let Scene { geometry, shading, weights, .. } = self.scene;
         let emits = |index: u32| {
             let material = &shading.materials[index as usize];
@@ -149,7 +152,7 @@ impl<'a> LightSampler<'a> {
         self.sky.is_some()
     }
 
-    /// Light that comes to points, for two numbers in 0..1 and one that chooses among many sources.
+    /// Samples light at points, from two numbers in 0..1 and one that chooses among many sources.
     #[inline(always)]
     pub fn sample<F: Real>(
         &self,
@@ -162,28 +165,33 @@ impl<'a> LightSampler<'a> {
     }
 
     #[inline(always)]
-    fn sample_emitter<F: Real>(&self, emitter: &Emitter, at: &Receiver<F>, u: [F; 2]) -> LightSample<F> {
+    fn sample_emitter<F: Real>(
+        &self,
+        emitter: &SampledEmitter,
+        at: &Receiver<F>,
+        u: [F; 2],
+    ) -> LightSample<F> {
         match emitter {
-            Emitter::Light(_, light) => sample_light(light, at, u),
-            Emitter::Sky(table) => match self.environment {
+            SampledEmitter::Light(_, light) => sample_light(light, at, u),
+            SampledEmitter::Sky(table) => match self.environment {
                 Some(environment) => sky::sample(environment, table, u),
                 None => LightSample::none(),
             },
-            Emitter::Object(index) => self.sample_object(*index, at, u),
+            SampledEmitter::Object(index) => self.sample_object(*index, at, u),
         }
     }
 
-    /// Light from a primitive that emits.
+    /// Samples the light of a primitive that emits.
     #[inline(always)]
     fn sample_object<F: Real>(&self, index: u32, at: &Receiver<F>, [u, v]: [F; 2]) -> LightSample<F> {
         let primitive = &self.scene.geometry.primitives[index as usize];
         let (surface, part, pdf) = primitive.sample_from(at.point, at.eye, u, v);
-        let emission = textures::emission(self.scene, index, &surface, part);
+        let emission = emission(self.scene, index, &surface, part);
         LightSample::from_surface(at, &surface, emission, pdf)
     }
 
-    /// The density per steradian with which points of primitives are sampled `from` points, in the lanes of a mask; 0 for
-    /// what never is.
+    /// The density per steradian of sampling points of primitives `from` points, in the lanes of a mask. It is 0 for
+    /// primitives that are not sampled.
     #[inline(always)]
     pub fn pdf_of_hit<F: Real>(
         &self,
@@ -195,7 +203,7 @@ impl<'a> LightSampler<'a> {
         pdf_of_hit(self, from, primitives, surface, wanted)
     }
 
-    /// The density per steradian with which the sky is sampled in directions; 0 if it never is.
+    /// The density per steradian of sampling the sky in directions. It is 0 if the sky is not sampled.
     #[inline(always)]
     pub fn pdf_of_sky<F: Real>(&self, direction: Vec3<F>) -> F {
         match self.sky.zip(self.environment) {
@@ -213,12 +221,12 @@ out_of_line! {
         u: [F; 2],
         choice: F,
     ) -> LightSample<F> {
-        let Group { members, chances, .. } = &sampler.groups[request.group];
+        let SourceGroup { members, distribution, .. } = &sampler.groups[request.group];
         if let Some(member) = request.member {
             return sampler.sample_emitter(&members[member], at, u);
         }
-        let Some(chances) = chances else { return LightSample::none() };
-        let (chosen, chance) = chances.choose(choice);
+        let Some(distribution) = distribution else { return LightSample::none() };
+        let (chosen, chance) = distribution.sample(choice);
         let (indices, mut rest) = (chosen.to_array(), (1u32 << F::LANES) - 1);
         let mut sample = LightSample::none();
         while rest != 0 {
@@ -256,33 +264,34 @@ out_of_line! {
     }
 }
 
-/// All sources of a scene with their layers, in a fixed order: lights, and of others those that can be sampled, if `emitters`
-/// are.
+/// All sources of a scene with their layers, in a fixed order: lights, and, if `emitters` is set, other emitters that
+/// can be sampled.
 fn sources<'a>(
     scene: &'a Scene<'a>,
     environment: Option<&'a Environment>,
     emitters: bool,
-) -> Vec<(LayerId, Emitter<'a>)> {
+) -> Vec<(LayerId, SampledEmitter<'a>)> {
     let shading = scene.shading;
-    let lights = scene.lights().map(|(index, light)| (light.layer, Emitter::Light(index, *light)));
+    let lights = scene.lights().map(|(index, light)| (light.layer, SampledEmitter::Light(index, *light)));
     if !emitters {
         return lights.collect();
     }
     let objects = (0..).zip(&scene.geometry.primitives).filter_map(|(index, primitive)| {
-        // Meshes of several materials are found by chance: they have no one emission to choose points by.
-        let Finish::Material(MadeOf::One(material)) = primitive.finish else { return None };
+        // Paths find meshes of several materials only by chance: these have no single emission from which to sample
+        // points.
+        let Finish::Material(MaterialBinding::One(material)) = primitive.finish else { return None };
         let material = &shading.materials[material as usize];
         let weighted = scene.weights.0[material.emission_layer.index()] != Rgb::ZERO;
         let shines = weighted && material.lobes.emission != Rgb::ZERO && primitive.has_area();
-        shines.then_some((material.emission_layer, Emitter::Object(index)))
+        shines.then_some((material.emission_layer, SampledEmitter::Object(index)))
     });
     let sky = environment.zip(shading.sky_table.as_deref());
-    let sky = sky.map(|(environment, table)| (environment.layer, Emitter::Sky(table)));
+    let sky = sky.map(|(environment, table)| (environment.layer, SampledEmitter::Sky(table)));
     lights.chain(objects).chain(sky).collect()
 }
 
-impl Emitter<'_> {
-    /// Whether its light comes from more than one direction, so that one has to be drawn.
+impl SampledEmitter<'_> {
+    /// Whether its light comes from more than one direction, so that sampling it takes random numbers.
     fn is_sampled(&self) -> bool {
         match self {
             Self::Light(_, light) => light.source.is_sampled(),
@@ -290,7 +299,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// Roughly how much light it gives, which is all that a choice among many goes by.
+    /// The approximate power, used only to choose among many sources.
     fn power(&self, scene: &Scene) -> f64 {
         let brightness = |color: Rgb| f64::from(color.element_sum());
         match self {
@@ -313,37 +322,37 @@ impl Emitter<'_> {
     }
 }
 
-impl Chances {
+impl DiscreteDistribution {
     fn of(weights: impl Iterator<Item = f64>) -> Self {
         let weights: Vec<f64> = weights.collect();
         let whole: f64 = weights.iter().sum();
-        // Sources that all seem to give nothing are sampled evenly.
+        // If all weights are 0, the choice is uniform.
         let even = 1.0 / weights.len() as f64;
-        let each: Vec<f64> =
+        let probabilities: Vec<f64> =
             weights.iter().map(|weight| if whole > 0.0 { weight / whole } else { even }).collect();
-        let up_to = each.iter().scan(0.0, |sum, chance| {
+        let cdf = probabilities.iter().scan(0.0, |sum, chance| {
             *sum += chance;
             Some(*sum)
         });
-        Self { up_to: up_to.collect(), each }
+        Self { cdf: cdf.collect(), probabilities }
     }
 
-    /// Which source lanes sample for a number in 0..1, and its chance.
+    /// Samples an index with its probability, from a number in 0..1.
     #[inline(always)]
-    fn choose<F: Real>(&self, u: F) -> (F::U32, F) {
+    fn sample<F: Real>(&self, u: F) -> (F::U32, F) {
         let numbers = u.to_array();
         let (mut indices, mut each) = (F::U32::splat(0).to_array(), numbers);
         for lane in 0..F::LANES {
-            let index = self.pick(numbers[lane]);
-            (indices[lane], each[lane]) = (index as u32, self.each[index]);
+            let index = self.index_at(numbers[lane]);
+            (indices[lane], each[lane]) = (index as u32, self.probabilities[index]);
         }
         (F::U32::from_array(indices), F::from_array(each))
     }
 
-    fn pick(&self, u: f64) -> usize {
-        let mut index = self.up_to.partition_point(|sum| *sum <= u).min(self.each.len() - 1);
-        // Rounding of the sums must not pick what has no chance.
-        while self.each[index] == 0.0 && index > 0 {
+    fn index_at(&self, u: f64) -> usize {
+        let mut index = self.cdf.partition_point(|sum| *sum <= u).min(self.probabilities.len() - 1);
+        // Rounding of the sums must not select an index of probability 0.
+        while self.probabilities[index] == 0.0 && index > 0 {
             index -= 1;
         }
         index

@@ -1,16 +1,16 @@
-//! Random scenes of all that light may meet.
+//! Random scenes with everything that light may meet.
 
 use super::{RandomScene, color, layer, one_of};
-use crate::appearance::environment::{Sky, SkyTable};
+use crate::appearance::environment::{EnvironmentDistribution, Sky};
 use crate::appearance::fog::{Falloff, Fog};
 use crate::appearance::light::{Light, Source};
-use crate::appearance::light_groups::glow::Glow;
+use crate::appearance::light_groups::GroupRadiance;
 use crate::appearance::material::{Lobes, Material, Medium};
 use crate::appearance::optics::Fresnel;
-use crate::appearance::texture::{Image, Shared};
+use crate::appearance::texture::{Image, SharedAsset};
 use crate::base::color::Rgb;
 use crate::base::math::DAffine3;
-use crate::film::Extras;
+use crate::film::AovSet;
 use crate::geometry::shape::{Rectangle, Shape, Sphere};
 use crate::scene::Finish;
 use crate::sequence::quality::Integrator;
@@ -18,8 +18,8 @@ use crate::testing::Random;
 use std::sync::Arc;
 
 impl RandomScene {
-    /// With rough surfaces, glass that absorbs, lights that have an area, fog, skies of images, and all that films
-    /// record, in some of them; for either integrator.
+    /// A scene for either integrator. Some scenes have rough surfaces, absorbing glass, area lights, fog, skies of
+    /// images, and all records of films.
     pub fn of_everything(seed: u64) -> Self {
         let mut scene = Self::of_paths(seed);
         let random = &mut Random(seed + 2000);
@@ -28,26 +28,26 @@ impl RandomScene {
         if random.unit() < 0.5 {
             let falloff = Falloff { base: scene.middle.y, height: 3.0 };
             scene.shading.fog = Some(Fog {
-                glow: Glow { radiance: color(random), layer: layer(random) },
+                in_scattering: GroupRadiance { radiance: color(random), layer: layer(random) },
                 density: 0.1 * random.unit(),
                 falloff: one_of(random, &[None, Some(falloff)]),
             });
         }
         if random.unit() < 0.4 {
             let texels = (0..32).map(|_| color(random)).collect();
-            let sky = Sky::Equirect(Shared::new(Image::new(8, 4, texels).expect("an image")));
-            scene.shading.sky_table = SkyTable::new(&sky).map(Arc::new);
+            let sky = Sky::Equirect(SharedAsset::new(Image::new(8, 4, texels).expect("an image")));
+            scene.shading.sky_table = EnvironmentDistribution::new(&sky).map(Arc::new);
             scene.shading.environment.sky = sky;
         }
         if random.unit() < 0.4 {
             scene.quality.integrator = Integrator::Whitted;
             scene.quality.bounces = scene.quality.bounces.min(2);
         }
-        scene.extras = Extras { coverage: random.unit() < 0.3, guides: random.unit() < 0.3 };
+        scene.extras = AovSet { coverage: random.unit() < 0.3, features: random.unit() < 0.3 };
         scene
     }
 
-    /// Lights with an area, which are seen as well.
+    /// Area lights, which are visible too.
     fn add_lights(&mut self, random: &mut Random) {
         let at = self.middle + random.point(5.0);
         let sphere = Sphere { center: self.middle + random.point(5.0), radius: 0.1 + random.unit() };
@@ -66,7 +66,7 @@ impl RandomScene {
     }
 }
 
-/// Makes glass of some materials, and rough metal or plastic of others.
+/// Turns some materials into glass, and others into rough metal or plastic.
 fn vary(material: &mut Material, random: &mut Random) {
     let absorption = if random.unit() < 0.5 { color(random) } else { Rgb::ZERO };
     let medium = Medium { ior: 1.0 + random.unit(), absorption, priority: one_of(random, &[0, 1]) };

@@ -1,20 +1,20 @@
-//! Pictures depend neither on the kind of lanes they were traced with, nor on how many rays were traced at once.
+//! Images depend neither on the SIMD level nor on the number of rays that are traced at once.
 
 use super::{RandomScene, SIZE};
 use crate::base::lanes::tests::on_all_levels;
 use crate::base::stats::Counts;
 
-/// All pixels, and all their samples, at a time.
+/// All pixels and all their samples at once.
 const ALL: (usize, u32) = ((SIZE.0 * SIZE.1) as usize, u32::MAX);
 
-/// The bytes of a picture, with what was counted.
+/// The bits of an image, and the counts.
 fn traced(scene: &RandomScene, (pixels, samples): (usize, u32)) -> (Vec<[u64; 3]>, Counts) {
     let (sums, counts) = scene.trace(pixels, samples);
     (sums.into_iter().map(|sum| sum.to_array().map(f64::to_bits)).collect(), counts)
 }
 
-/// What is counted of a scene, after it was traced on all levels, every sample of a pixel by itself, and otherwise
-/// divided.
+/// The counts of a scene. Checks that its image and counts are the same on all SIMD levels, one sample at a time, and
+/// in other divisions.
 fn traced_alike(scene: &RandomScene, seed: u64) -> Counts {
     let (alone, counts) = traced(scene, (1, 1));
     let same = |(bytes, counts_of): (Vec<[u64; 3]>, Counts), how: &str| {
@@ -35,15 +35,15 @@ fn traced_alike(scene: &RandomScene, seed: u64) -> Counts {
 
 #[test]
 fn whitted_pictures_are_the_same_on_all_levels_and_divided_anyhow() {
-    let (mut shadow, mut mirror, mut painted) = (0, 0, 0);
+    let (mut shadow, mut mirror, mut textured) = (0, 0, 0);
     for seed in 0..150 {
         let counts = traced_alike(&RandomScene::new(seed), seed);
         shadow += counts.rays.shadow;
         mirror += counts.rays.mirror;
-        painted += counts.evaluations.paint;
+        textured += counts.evaluations.paint;
     }
     assert!(shadow > 100_000 && mirror > 100_000, "{shadow} {mirror}");
-    assert!(painted > 50_000, "{painted}");
+    assert!(textured > 50_000, "{textured}");
 }
 
 #[test]

@@ -1,14 +1,14 @@
-//! How much is held of paths that branch.
+//! Memory of branching paths.
 
 use super::*;
 use crate::appearance::environment::{Environment, Sky};
-use crate::appearance::material::{Exponent, Highlight, MadeOf, Material, Medium};
+use crate::appearance::material::{Exponent, Highlight, Material, MaterialBinding, Medium};
 use crate::appearance::optics::Fresnel;
 use crate::base::color::Rgb;
 use crate::base::math::{DAffine3, DVec3, look_at};
 use crate::camera::{Camera, Projection};
 use crate::film::filter::FilterSampler;
-use crate::film::{Extras, LayerId};
+use crate::film::{AovSet, LayerId};
 use crate::geometry::shape::{Cuboid, Shape};
 use crate::sampling::PixelSampler;
 use crate::scene::top_level::Bvh;
@@ -19,17 +19,17 @@ use crate::trace::generate::SampleGroup;
 
 const BOUNCES: u32 = 14;
 
-/// Plates of glass, one behind the other on both sides of the eye: at each of their surfaces a path becomes two.
+/// Plates of glass, one behind the other on both sides of the camera. At each of their surfaces a path becomes two.
 fn plates() -> (Geometry, Shading) {
     let mut geometry = Geometry::default();
     for plate in (-4..4).map(f64::from) {
         let (min, max) = (DVec3::new(-1e4, -1e4, plate + 0.2), DVec3::new(1e4, 1e4, plate + 0.8));
-        let finish = Finish::Material(MadeOf::One(0));
+        let finish = Finish::Material(MaterialBinding::One(0));
         geometry.push(&Shape::Cuboid(Cuboid { min, max }), DAffine3::IDENTITY, finish);
     }
     let glass = Material {
         lobes: Lobes { refraction: Rgb::ONE, ..Lobes::default() },
-        paints: Vec::new(),
+        textures: Vec::new(),
         emission_layer: LayerId::CONSTANT,
         highlight: Highlight::Phong,
         shininess: Exponent::new(1.0),
@@ -40,9 +40,9 @@ fn plates() -> (Geometry, Shading) {
     (geometry, Shading { materials: vec![glass], environment, ..Shading::default() })
 }
 
-/// What samples of neighbouring pixels get, how many rays that took, and the largest number of paths at once, where so many
-/// go on together.
-fn followed(pixels: u32, most: usize) -> (Vec<[f64; 3]>, Counts, usize) {
+/// The light of samples of neighbouring pixels, their counts, and the largest number of paths at once, if at most
+/// `max_paths` advance together.
+fn followed(pixels: u32, max_paths: usize) -> (Vec<[f64; 3]>, Counts, usize) {
     let (geometry, shading) = plates();
     let basis = look_at(DVec3::ZERO, DVec3::new(0.3, 0.2, 1.0), DVec3::Y).expect("a frame");
     let projection = Projection::Perspective { half_height: 0.1 };
@@ -52,9 +52,9 @@ fn followed(pixels: u32, most: usize) -> (Vec<[f64; 3]>, Counts, usize) {
     let bvh = Bvh::build(&geometry);
     let quality = Quality { bounces: BOUNCES, threshold: 0.0, ..Quality::default() };
     let filter = FilterSampler::new(quality.filter);
-    let settings = TraceSettings { size: (8, 1), quality, filter, extras: Extras::default() };
+    let settings = TraceSettings { size: (8, 1), quality, filter, extras: AovSet::default() };
     let context = TraceContext::new(&scene, &bvh, &settings);
-    let mut scratch = ScratchBuffer { most, ..ScratchBuffer::new(&context) };
+    let mut scratch = ScratchBuffer { max_paths, ..ScratchBuffer::new(&context) };
     let (mut samples, mut group) = (PixelSamples::with_capacity(8), SampleGroup::default());
     for x in 0..pixels {
         group.push(x, (x, 0), 0, PixelSampler::new((x, 0), 0).sample(0));
@@ -65,7 +65,8 @@ fn followed(pixels: u32, most: usize) -> (Vec<[f64; 3]>, Counts, usize) {
     (sums, scratch.counts, scratch.peak)
 }
 
-/// Followed a few at a time, the branches of a sample take memory by depth, not by their number, and give the same light.
+/// With few paths at a time, the branches of a sample take memory by depth, not by their number, and give the same
+/// light.
 #[test]
 fn branches_of_one_sample_are_not_all_held_at_once() {
     const FEW: usize = 64;
@@ -79,7 +80,7 @@ fn branches_of_one_sample_are_not_all_held_at_once() {
     }
 }
 
-/// How the branches of a sample are parted depends on that sample alone.
+/// The split of a sample's branches depends on that sample alone.
 #[test]
 fn branches_are_parted_alike_beside_other_samples() {
     let (alone, ..) = followed(1, 64);

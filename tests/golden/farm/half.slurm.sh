@@ -1,5 +1,5 @@
 #!/bin/bash
-# Written by kinora farm export; half.slurm-submit.sh submits it.
+# Written by kinora farm export. half.slurm-submit.sh submits it.
 #SBATCH --job-name=half
 #SBATCH --array=0-2%5
 #SBATCH --cpus-per-task=2
@@ -8,7 +8,7 @@
 #SBATCH --output=sub/half.slurm-logs/%A_%a.log
 #SBATCH --signal=B:TERM@120
 
-# What each task renders; those that should take longest come first.
+# The frames of each task, longest tasks first.
 chunks=(
     0-1
     2-3
@@ -16,29 +16,29 @@ chunks=(
 )
 frames=${chunks[SLURM_ARRAY_TASK_ID]}
 echo "frames $frames on ${SLURMD_NODENAME:-$HOSTNAME}, restart ${SLURM_RESTART_COUNT:-0}"
-# Not by SLURM_JOB_ID: the last task's is that of the whole array.
+# Not SLURM_JOB_ID: for the last task, that is the ID of the whole array.
 task=${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID
 
-# Near the end of its time, this script alone is told. Kinora then ends after the frame in hand; told again, at once, which
-# leaves time to go back to the queue.
-make_room() {
+# Slurm signals only this script. After the first SIGTERM, Kinora stops after the current frame. The second one stops
+# it at once, so that there is time to requeue the task.
+stop_render() {
     kill -TERM "$render"
     { sleep 90 && kill -TERM "$render"; } &
 } 2>/dev/null
-trap make_room TERM
+trap stop_render TERM
 
-kinora render sub/half.ron --frames "$frames" -o 'out/f_##.png' --claim --expect 0.1.0:fee505183bae --exposure=-1 '--caption=it'\''s {{{frame}}}' \
+kinora render sub/half.ron --frames "$frames" -o 'out/f_##.png' --claim --expect 0.1.0:fee505183bae '--exposure=-1' "--caption=it's {{{frame}}}" \
     --threads="${SLURM_CPUS_PER_TASK:-1}" &
 render=$!
 wait "$render"
 code=$?
-# The signal ends the waiting, not the render.
+# The signal interrupts `wait` while the render continues.
 while kill -0 "$render" 2>/dev/null; do
     wait "$render"
     code=$?
 done
 
-# Stopped (143) or killed (137): the frames that are missing go back to the queue, unless the job is being cancelled.
+# Stopped (143) or killed (137): requeue the task for its missing frames, unless the job is being cancelled.
 running() { [[ $(squeue --noheader --jobs="$task" --format=%T) == RUNNING ]]; }
 if ((code == 143 || code == 137)) && ((${SLURM_RESTART_COUNT:-0} < 20)) && running; then
     scontrol requeue "$task"

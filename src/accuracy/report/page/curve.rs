@@ -1,18 +1,19 @@
-//! The settings along the curve of error against time: what they look like, and their prices.
+//! The settings along the curve of error against time: their pictures, costs and errors.
 
 use super::html::{Html, escaped};
-use crate::accuracy::findings::{described, factor, percent, seconds};
+use crate::accuracy::findings::{describe, factor, percent, seconds};
 use crate::accuracy::measure::{Measured, Point};
 use crate::accuracy::report::crops::crops;
-use crate::accuracy::statistics::Estimate;
+use crate::accuracy::statistics::ConfidenceInterval;
 use std::error::Error;
 
 pub fn pictures(html: &mut Html, measured: &Measured) -> Result<(), Box<dyn Error>> {
     html.tag("h2", "What it looks like");
     html.tag(
         "p",
-        "Where the file's own setting is worst, enlarged: the best settings at half, equal and double its cost, and what \
-         the picture should be. Below each, what an eye sees of its error (FLIP): black is no difference, white a large one.",
+        "Enlarged crops from where the file's own setting is worst: the best settings at half, equal and double its \
+         cost, and the reference. Below each crop is the visible error (FLIP): black is no difference, white is a \
+         large one.",
     );
     html.raw("<div class=\"crops\">\n");
     for crop in crops(measured)? {
@@ -20,8 +21,8 @@ pub fn pictures(html: &mut Html, measured: &Measured) -> Result<(), Box<dyn Erro
         if let Some(difference) = crop.difference {
             html.raw(&format!("<img src=\"{difference}\" alt=\"difference\">"));
         }
-        let (title, told) = (escaped(&crop.title), escaped(&crop.told));
-        html.raw(&format!("<figcaption><b>{title}</b><br>{told}</figcaption></figure>\n"));
+        let (title, caption) = (escaped(&crop.title), escaped(&crop.caption));
+        html.raw(&format!("<figcaption><b>{title}</b><br>{caption}</figcaption></figure>\n"));
     }
     html.raw("</div>\n");
     Ok(())
@@ -31,10 +32,10 @@ pub fn prices(html: &mut Html, measured: &Measured) {
     html.tag("h2", "Price list of samples");
     html.tag(
         "p",
-        "Times and errors as multiples of the file's own setting, which is the first row. Rows in bold lie on the Pareto \
-         front.",
+        "Columns marked x are multiples of the file's own setting, which is the first row. Rows in bold are on the \
+         Pareto front.",
     );
-    let front = measured.front(Point::error);
+    let front = measured.pareto_front(Point::error);
     let head = [
         "setting",
         "time",
@@ -50,7 +51,7 @@ pub fn prices(html: &mut Html, measured: &Measured) {
         "wall",
         "rays",
     ];
-    let curve = measured.points.iter().filter(|point| !point.setting.axis.is_short());
+    let curve = measured.points.iter().filter(|point| !point.setting.axis.has_baseline());
     let rows = curve.map(|point| {
         let best = front.iter().any(|other| std::ptr::eq(*other, point));
         (best, row(measured, point))
@@ -60,7 +61,7 @@ pub fn prices(html: &mut Html, measured: &Measured) {
 
 fn row(measured: &Measured, point: &Point) -> Vec<String> {
     let own = measured.own();
-    let share = |estimate: Estimate| estimate.root().map(|error| measured.share(error));
+    let share = |estimate: ConfidenceInterval| estimate.root().map(|error| measured.share(error));
     let error = share(point.squared);
     let spread = (error.high - error.low) / 2.0;
     let error = match spread > 0.0 {
@@ -69,7 +70,7 @@ fn row(measured: &Measured, point: &Point) -> Vec<String> {
     };
     let psnr = point.psnr.mean;
     vec![
-        described(point),
+        describe(point),
         seconds(point.time()),
         factor(point.time() / own.time()),
         error,
@@ -78,7 +79,7 @@ fn row(measured: &Measured, point: &Point) -> Vec<String> {
         format!("{:.2e}", point.relative.mean),
         if psnr.is_finite() { format!("{psnr:.1}") } else { "∞".to_owned() },
         format!("{:.3}", point.flip.mean),
-        measured.told(point.bias),
+        measured.bias_text(point.bias),
         factor(point.efficiency() / own.efficiency()),
         seconds(point.wall.median),
         crate::base::units::count(point.rays.round() as u64),

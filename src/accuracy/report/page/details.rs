@@ -1,10 +1,10 @@
-//! How fast the error falls, layers of light, hard cases, and how everything was measured.
+//! Convergence, film layers, hard cases, and the method of measurement.
 
-use super::Origin;
 use super::html::Html;
+use super::origin::Origin;
 use crate::accuracy::findings::{factor, percent};
 use crate::accuracy::measure::Measured;
-use crate::accuracy::settings::Axis;
+use crate::accuracy::settings::SettingAxis;
 
 pub fn convergence(html: &mut Html, measured: &Measured) {
     if measured.slopes.is_empty() {
@@ -13,8 +13,8 @@ pub fn convergence(html: &mut Html, measured: &Measured) {
     html.tag("h2", "How fast the error falls");
     html.tag(
         "p",
-        "The error falls as a power of the number of samples. For independent samples the power is -0.5: four times the \
-         samples, half the error. Evenly spread ones do better where light is smooth.",
+        "The error falls as a power of the number of samples. For independent samples the power is -0.5: four times \
+         the samples, half the error. Evenly distributed samples converge faster if the light is smooth.",
     );
     html.raw(
         "<table><tr><th>samples</th><th>power</th><th>interval</th><th>half the error takes</th></tr>\n",
@@ -37,10 +37,13 @@ pub fn layers(html: &mut Html, measured: &Measured) {
     html.tag("h2", "Layers of light");
     html.tag(
         "p",
-        "Light that keys switch or fade is kept apart, each kind in a layer of its own. This is how bright and how \
-         noisy each is at the file's own setting.",
+        "Lights with different keys have film layers of their own. The table shows how bright and how noisy each \
+         layer is at the file's own setting.",
     );
-    html.raw("<table><tr><th>layer</th><th>share of the brightness</th><th>its own error</th><th>share of the error in the worst 1 % of the pixels</th></tr>\n");
+    html.raw(
+        "<table><tr><th>layer</th><th>share of the brightness</th><th>its own error</th>\
+         <th>share of the error in the worst 1 % of the pixels</th></tr>\n",
+    );
     for layer in &measured.layers {
         html.raw("<tr>");
         html.tag("td", &layer.name);
@@ -52,28 +55,29 @@ pub fn layers(html: &mut Html, measured: &Measured) {
     html.raw("</table>\n");
 }
 
-/// What the matrix of hard cases says, which is the same for all sequences.
+/// The summary of the hard cases, which is the same for all sequences.
 pub fn hard_cases(html: &mut Html, measured: &Measured) {
     html.tag("h2", "Hard cases of numerics");
     html.tag("p", &measured.hard_cases().unwrap_or_default());
     html.tag(
         "p",
-        "Where rays meet surfaces is computed with numbers of 64 bits (f64) and formulas that lose none of their digits. \
-         Most renderers have numbers of 32 bits (f32). These are the hard cases of Kinora's tests in four ways; an answer \
-         is wrong if it is of another kind, such as a ray that passes through a crack. The table is the same for all \
+        "Kinora computes intersections with 64-bit numbers (f64) and numerically stable formulas. Most renderers use \
+         32-bit numbers (f32). The table compares four methods on the hard cases of Kinora's tests. An answer is \
+         wrong if it differs in kind, such as a ray that passes through a crack. The table is the same for all \
          sequences; kinora accuracy --hard-cases lists the cases.",
     );
     let rows = measured.precision.iter().map(|way| {
         let wrong = format!("{} of {}", way.failing, way.cases);
-        (false, vec![way.way.to_owned(), wrong, format!("{} times", factor(way.time))])
+        (false, vec![way.method.to_owned(), wrong, format!("{} times", factor(way.time))])
     });
-    html.table("list", &["way", "cases with wrong answers", "time"], rows);
+    html.table("list", &["method", "cases with wrong answers", "time"], rows);
 }
 
 pub fn settings(html: &mut Html, measured: &Measured) {
-    html.tag("h2", "What was tried");
-    let tried =
-        Axis::ALL.into_iter().filter(|axis| measured.points.iter().any(|point| point.setting.axis == *axis));
+    html.tag("h2", "Measured settings");
+    let tried = SettingAxis::ALL
+        .into_iter()
+        .filter(|axis| measured.points.iter().any(|point| point.setting.axis == *axis));
     html.list(tried.map(|axis| (axis.name().to_owned(), axis.meaning().to_owned())));
     if !measured.left_out.is_empty() {
         html.tag("p", "Left out:");
@@ -84,7 +88,7 @@ pub fn settings(html: &mut Html, measured: &Measured) {
 pub fn how(html: &mut Html, measured: &Measured, origin: &Origin) {
     let runs = match measured.random {
         true => "4 to 16 renders of each setting with different random numbers, in turn",
-        false => "several renders of each setting, in turn, for the time; they are all the same",
+        false => "several renders of each setting, in turn, to measure the time; their pictures are the same",
     };
     let frames = measured.frames.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
     let (width, height) = measured.size;
@@ -95,7 +99,10 @@ pub fn how(html: &mut Html, measured: &Measured, origin: &Origin) {
         ("frames".to_owned(), frames),
         (
             "size".to_owned(),
-            format!("{width} x {height} pixels (the file: {full_width} x {full_height}). Errors hardly depend on it, times are in proportion"),
+            format!(
+                "{width} x {height} pixels (in the file: {full_width} x {full_height}). Errors hardly depend on the \
+                 size; times are proportional to the number of pixels"
+            ),
         ),
         ("renders".to_owned(), runs.to_owned()),
         (
@@ -106,6 +113,6 @@ pub fn how(html: &mut Html, measured: &Measured, origin: &Origin) {
                 percent(measured.share(measured.reference_error))
             ),
         ),
-        ("times".to_owned(), "of tracing a frame with all that leads to it, without loading and writing files".to_owned()),
+        ("times".to_owned(), "of rendering a frame, without loading and writing files".to_owned()),
     ]);
 }

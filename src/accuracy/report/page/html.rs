@@ -1,6 +1,6 @@
-//! HTML in the making.
+//! A builder of HTML pages.
 
-/// A page in the making.
+/// The text of a page so far.
 #[derive(Default)]
 pub struct Html(pub String);
 
@@ -9,12 +9,12 @@ impl Html {
         self.0.push_str(text);
     }
 
-    /// An element that holds text.
+    /// Adds an element with text, which is escaped.
     pub fn tag(&mut self, name: &str, text: &str) {
         self.0 += &format!("<{name}>{}</{name}>\n", escaped(text));
     }
 
-    /// A table, of which the rows that are told so stand out.
+    /// Adds a table; rows with `true` are highlighted.
     pub fn table(&mut self, class: &str, head: &[&str], rows: impl IntoIterator<Item = (bool, Vec<String>)>) {
         self.0 += &format!("<table class=\"{class}\"><tr>");
         head.iter().for_each(|cell| self.tag("th", cell));
@@ -27,7 +27,7 @@ impl Html {
         self.raw("</table>\n");
     }
 
-    /// Words and what they mean.
+    /// Adds a list of terms and their definitions.
     pub fn list(&mut self, entries: impl IntoIterator<Item = (String, String)>) {
         self.raw("<dl>\n");
         for (word, meaning) in entries {
@@ -46,7 +46,7 @@ impl Html {
     }
 }
 
-/// Text that browsers do not take for anything else.
+/// Text with HTML's special characters escaped.
 pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,22 +1,22 @@
-//! What this scene is made of: its price list, and its fireflies.
+//! The costs of the parts of a scene, and its fireflies.
 
 use super::html::Html;
-use crate::accuracy::findings::{CODES, described, factor, percent, seconds};
+use crate::accuracy::findings::{CODES, describe, factor, percent, seconds};
 use crate::accuracy::measure::{Measured, Point};
 use crate::accuracy::report::crops::errors;
-use crate::accuracy::settings::Axis;
+use crate::accuracy::settings::SettingAxis;
 use std::error::Error;
 
-/// The price list of the scene: effects, lights, objects, and what paths do.
+/// The costs of effects, lights, objects, and settings of light paths.
 pub fn parts(html: &mut Html, measured: &Measured) {
     html.tag("h2", "Price list of this scene");
-    let own = measured.twin(&measured.points[measured.points.len() - 1]);
+    let own = measured.baseline(&measured.points[measured.points.len() - 1]);
     html.tag(
         "p",
         &format!(
-            "Each row is one change to the scene or its settings, with everything else as in the file, at {:.0} samples a \
-             pixel: what a frame of the measured size takes with the change and without, and by how much the picture \
-             changes. The dearest come first.",
+            "Each row is one change to the scene or its settings, with everything else as in the file, at {:.0} \
+             samples a pixel: the time of a frame with the change and without, and by how much the picture changes. \
+             The most expensive parts come first.",
             own.samples
         ),
     );
@@ -24,27 +24,27 @@ pub fn parts(html: &mut Html, measured: &Measured) {
     let parts = measured.parts();
     let rows = parts.iter().map(|point| row(measured, point));
     html.table("list", &head, rows);
-    let axes = [Axis::Integrator, Axis::Bounces, Axis::Roulette, Axis::Layers];
+    let axes = [SettingAxis::Integrator, SettingAxis::Bounces, SettingAxis::Roulette, SettingAxis::Layers];
     let others = axes.into_iter().flat_map(|axis| measured.on(axis));
     html.table("list", &head, others.map(|point| row(measured, point)));
     html.tag(
         "p",
-        "Shadows have no switch: their rays are part of what each light takes. Textures are replaced by grey. A \
-         difference of one integrator to the other is light that Whitted ray tracing does not follow.",
+        "Shadows cannot be switched off: their rays are part of the cost of each light. Textures are replaced by \
+         grey. The difference between the integrators is light that Whitted ray tracing does not follow.",
     );
 }
 
 fn row(measured: &Measured, point: &Point) -> (bool, Vec<String>) {
-    let twin = measured.twin(point);
+    let baseline = measured.baseline(point);
     let cells = vec![
-        described(point),
+        describe(point),
         seconds(point.time()),
-        seconds(twin.time()),
-        factor(point.time() / twin.time()),
-        measured.told(point.bias),
+        seconds(baseline.time()),
+        factor(point.time() / baseline.time()),
+        measured.bias_text(point.bias),
         format!("{:.0}/255", CODES * point.largest_change),
     ];
-    (std::ptr::eq(point, twin), cells)
+    (std::ptr::eq(point, baseline), cells)
 }
 
 pub fn fireflies(html: &mut Html, measured: &Measured) -> Result<(), Box<dyn Error>> {
@@ -55,11 +55,11 @@ pub fn fireflies(html: &mut Html, measured: &Measured) -> Result<(), Box<dyn Err
     let direct = measured.chains.first().is_some_and(|chain| chain.direct);
     let kind = match measured.own().concentration.is_heavy() {
         true if direct => {
-            "Most of the error lies at edges of lights that are seen directly: only more samples or larger pictures smooth \
-             these."
+            "Most of the error is at edges of directly visible lights. Only more samples or larger pictures smooth \
+             them."
         }
         true => "Most of the error is fireflies: single pixels that a rare path makes far too bright.",
-        false => "The error is spread over the picture, as that of plain noise is.",
+        false => "The error is distributed over the picture, as expected of plain noise.",
     };
     html.tag("p", &format!("At the file's own setting, {}. {kind}", measured.concentration()));
     html.raw(&format!(
@@ -68,15 +68,16 @@ pub fn fireflies(html: &mut Html, measured: &Measured) -> Result<(), Box<dyn Err
     ));
     html.tag(
         "figcaption",
-        "The error of each pixel over all runs, as a share of the mean brightness, on a logarithmic scale: black is \
-         1 % or less, white is 10 times the mean brightness or more.",
+        "The error of each pixel over all runs, relative to the mean brightness, on a logarithmic scale: black is 1 \
+         % or less, white is 10 times the mean brightness or more.",
     );
     html.raw("</figure>\n");
     if !measured.chains.is_empty() {
         html.tag(
             "p",
-            "The paths that bring most of the noise into the worst pixels, from the camera to a light. A recorder of its \
-             own follows some thousand paths from each of the worst pixels; shares are of their variance.",
+            "The paths that cause most of the noise in the worst pixels, from the camera to a light. A simplified \
+             path tracer records about two thousand paths from each of the worst pixels; shares are of their \
+             variance.",
         );
         let rows =
             measured.chains.iter().map(|chain| (false, vec![chain.path.clone(), percent(chain.share)]));
@@ -86,18 +87,15 @@ pub fn fireflies(html: &mut Html, measured: &Measured) -> Result<(), Box<dyn Err
     if remedies.is_empty() {
         return Ok(());
     }
-    html.tag(
-        "p",
-        &format!("What may remove them, as measured with {} samples a pixel:", remedies[0].samples),
-    );
+    html.tag("p", &format!("Remedies, measured with {} samples a pixel:", remedies[0].samples));
     let head = ["in the file", "noise", "time", "bias", "error of noise and bias together"];
     let rows = remedies.iter().map(|point| {
-        let time = point.time() / measured.twin(point).time();
+        let time = point.time() / measured.baseline(point).time();
         let cells = vec![
-            described(point),
+            describe(point),
             format!("{} times", factor(measured.noise_left(point))),
             format!("{} times", factor(time)),
-            measured.told(point.bias),
+            measured.bias_text(point.bias),
             percent(measured.share(measured.with_remedy(point))),
         ];
         (false, cells)

@@ -3,7 +3,7 @@
 use super::*;
 use crate::testing::Random;
 
-/// Faces of `size` texels, each holding what `light` says of the direction of its centre.
+/// Faces of `size` texels. Each texel holds `light` of the direction of its centre.
 fn faces(size: u32, light: impl Fn(DVec3) -> Rgb) -> [Image; 6] {
     AXES.map(|axes| {
         let along = |i: u32| (2.0 * f64::from(i) + 1.0) / f64::from(size) - 1.0;

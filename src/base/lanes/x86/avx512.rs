@@ -1,6 +1,6 @@
-//! Eight lanes in registers of AVX-512.
+//! Eight lanes in AVX-512 registers.
 
-use super::{level, methods, operators, row};
+use super::macros::{level, methods, operators, row};
 use crate::base::lanes::{
     Bits, LaneKernel, Level, Lookup, Mask, NEAR_ZERO, Real, Row, Select, SimdKernel, Single,
 };
@@ -19,8 +19,8 @@ pub struct U32x8(__m256i);
 #[derive(Clone, Copy)]
 pub struct Mask8(__mmask8);
 
-// SAFETY of all that follows: there are lanes of this kind only where the processor has the features, see `super`.
-// Pointers that are read or written lead to as many numbers as the register holds: slices are checked to have them.
+// SAFETY of all following code: values of these types exist only if the processor has the features, see `super`.
+// Pointers that are read or written point to as many numbers as a register holds: the length of slices is checked.
 
 level!(Avx512, super::avx2::Avx2, "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi1,bmi2,lzcnt,popcnt");
 
@@ -72,7 +72,7 @@ row!(F64x8, f64, 0.0);
 row!(F32x8, f32, 0.0);
 row!(U32x8, u32, 0);
 
-/// Reading and writing, and choices, by intrinsics.
+/// Implements memory access and selection by intrinsics.
 macro_rules! memory {
     ($name:ident, $scalar:ty, $splat:expr, $load:ident, $store:ident, $blend:ident, $compress:ident) => {
         impl $name {
@@ -204,12 +204,12 @@ impl Real for F64x8 {
     fn next_away(self, towards: Self) -> Self {
         unsafe {
             let bits = _mm512_castpd_si512(self.0);
-            // A step back where the signs differ, which leads towards zero; ahead elsewhere.
-            let apart = _mm512_xor_si512(bits, _mm512_castpd_si512(towards.0));
-            let back = _mm512_movepi64_mask(apart);
+            // Step towards zero if the signs differ, and away from zero otherwise.
+            let signs_differ = _mm512_xor_si512(bits, _mm512_castpd_si512(towards.0));
+            let back = _mm512_movepi64_mask(signs_differ);
             let step = _mm512_mask_blend_epi64(back, _mm512_set1_epi64(1), _mm512_set1_epi64(-1));
             let next = Self(_mm512_castsi512_pd(_mm512_add_epi64(bits, step)));
-            // What is next to zero may have been stepped past it, which gives no number.
+            // A step from next to zero may have gone past zero, which gives NaN.
             let least = Self::splat(NEAR_ZERO);
             let tiny = next.abs().lt(least) | self.abs().lt(least);
             let next = Self::select(tiny, least.copysign(towards), next);

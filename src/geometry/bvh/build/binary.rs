@@ -1,51 +1,52 @@
 //! A binary tree over boxes, from the top down.
 
-use super::bounds::{Bounds, Boxed};
-use super::plan::{self, Costs, Plan};
-use super::split::{Halves, TOGETHER, split};
+use super::bounds::{Bounds, CHUNK, PrimRef};
+use super::plan::{self, CollapsePlan, Costs};
+use super::split::{SplitResult, split};
 use rayon::iter::repeat_n;
 use rayon::prelude::*;
 
-/// A binary tree over boxes, which stand in its order: those of every subtree together.
-pub struct Binary {
-    pub boxes: Vec<Boxed>,
-    /// Around all of them.
+/// A binary tree over boxes. The boxes are sorted so that those of every subtree are contiguous.
+pub struct BinaryTree {
+    pub boxes: Vec<PrimRef>,
+    /// The bounds of all boxes.
     pub bounds: Bounds,
-    /// A parent, then everything below its left child, then everything below its right one. Single boxes have none.
+    /// In depth-first order: a parent, its left subtree, its right subtree. Single boxes have no node.
     nodes: Vec<Node>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    /// Boxes below the left child.
+    /// Number of boxes below the left child.
     left: u32,
-    plan: Plan,
+    plan: CollapsePlan,
 }
 
-/// Boxes from which on the two sides of a split are built in parallel.
+/// From this number of boxes on, the two sides of a split are built in parallel.
 const PARALLEL: usize = 2048;
 
-/// Boxes that are split at once.
+/// A contiguous range of boxes that becomes one subtree.
 struct Range<'a> {
-    boxes: &'a mut [Boxed],
-    /// One less than boxes.
+    boxes: &'a mut [PrimRef],
+    /// One node fewer than boxes.
     nodes: &'a mut [Node],
     bounds: Bounds,
-    /// Around twice their centres.
+    /// Bounds of twice their centres.
     centres: Bounds,
-    /// Splits above.
+    /// Number of splits above this range.
     depth: u32,
 }
 
-impl Binary {
-    /// Over one box at least, with leaves of at most `largest` of them.
-    pub fn new(mut boxes: Vec<Boxed>, largest: usize) -> Self {
-        let empty = Node { left: 0, plan: Plan::default() };
+impl BinaryTree {
+    /// Builds the tree over at least one box, with at most `largest` boxes in a leaf.
+    pub fn new(mut boxes: Vec<PrimRef>, largest: usize) -> Self {
+        let empty = Node { left: 0, plan: CollapsePlan::default() };
         let union = |[a, b]: [Bounds; 2], [c, d]: [Bounds; 2]| [a.union(c), b.union(d)];
-        let around = || boxes.par_chunks(TOGETHER).map(Bounds::both).reduce(|| [Bounds::EMPTY; 2], union);
-        let (mut nodes, [bounds, centres]) = match boxes.len() < 2 * TOGETHER {
-            true => (vec![empty; boxes.len() - 1], Bounds::both(&boxes)),
-            // Memory is had from the system when it is first written to, which takes its time as well.
+        let around =
+            || boxes.par_chunks(CHUNK).map(Bounds::of_boxes_and_centres).reduce(|| [Bounds::EMPTY; 2], union);
+        let (mut nodes, [bounds, centres]) = match boxes.len() < 2 * CHUNK {
+            true => (vec![empty; boxes.len() - 1], Bounds::of_boxes_and_centres(&boxes)),
+            // In parallel, because the system hands out memory at the first write, which takes time too.
             false => (repeat_n(empty, boxes.len() - 1).collect(), around()),
         };
         Range { boxes: &mut boxes, nodes: &mut nodes, bounds, centres, depth: 0 }.build(largest);
@@ -57,7 +58,7 @@ impl Binary {
     }
 }
 
-/// Everything below a node, or a single box.
+/// A node with its descendants, or a single box.
 #[derive(Clone, Copy, Debug)]
 pub struct Subtree {
     node: usize,
@@ -66,11 +67,11 @@ pub struct Subtree {
 }
 
 impl Subtree {
-    pub fn plan(self, tree: &Binary) -> Plan {
-        if self.count == 1 { Plan::LEAF } else { tree.nodes[self.node].plan }
+    pub fn plan(self, tree: &BinaryTree) -> CollapsePlan {
+        if self.count == 1 { CollapsePlan::LEAF } else { tree.nodes[self.node].plan }
     }
 
-    pub fn children(self, tree: &Binary) -> [Self; 2] {
+    pub fn children(self, tree: &BinaryTree) -> [Self; 2] {
         let left = tree.nodes[self.node].left as usize;
         let Self { node, begin, count } = self;
         [
@@ -79,8 +80,8 @@ impl Subtree {
         ]
     }
 
-    /// Its boxes.
-    pub fn boxes(self, tree: &Binary) -> &[Boxed] {
+    /// The boxes of the subtree.
+    pub fn boxes(self, tree: &BinaryTree) -> &[PrimRef] {
         &tree.boxes[self.begin..self.begin + self.count]
     }
 }
@@ -88,13 +89,13 @@ impl Subtree {
 impl Range<'_> {
     fn build(self, largest: usize) -> Costs {
         let count = self.boxes.len();
-        let measure = self.bounds.measure();
-        let Some((node, nodes)) = self.nodes.split_first_mut() else { return plan::leaf(measure) };
-        let Halves { left, bounds, centres } = split(self.boxes, &self.centres, self.depth);
-        // Where halves come to no less than a leaf of all, parts of them hardly ever do.
-        if count <= largest && bounds[0].measure() + bounds[1].measure() >= measure {
-            *node = Node { left: left as u32, plan: Plan::LEAF };
-            return plan::leaf(measure);
+        let half_area = self.bounds.half_area();
+        let Some((node, nodes)) = self.nodes.split_first_mut() else { return plan::leaf(half_area) };
+        let SplitResult { left, bounds, centres } = split(self.boxes, &self.centres, self.depth);
+        // If the two sides together cost as much as one leaf, their parts rarely cost less.
+        if count <= largest && bounds[0].half_area() + bounds[1].half_area() >= half_area {
+            *node = Node { left: left as u32, plan: CollapsePlan::LEAF };
+            return plan::leaf(half_area);
         }
         let (boxes, rest) = self.boxes.split_at_mut(left);
         let (nodes, others) = nodes.split_at_mut(left - 1);
@@ -105,7 +106,7 @@ impl Range<'_> {
             true => (a.build(largest), b.build(largest)),
             false => rayon::join(|| a.build(largest), || b.build(largest)),
         };
-        let (costs, plan) = plan::join(&a, &b, measure, count, count <= largest);
+        let (costs, plan) = plan::join(&a, &b, half_area, count, count <= largest);
         *node = Node { left: left as u32, plan };
         costs
     }

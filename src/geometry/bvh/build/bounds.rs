@@ -1,19 +1,22 @@
-//! Boxes in f32, as trees are built over them.
+//! The f32 boxes over which trees are built.
 
 use glam::Vec4;
 
-/// A box. The fourth numbers are no part of it.
+/// Boxes per parallel task.
+pub const CHUNK: usize = 1 << 14;
+
+/// A box. The fourth components do not belong to it.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
     pub low: Vec4,
     pub high: Vec4,
 }
 
-/// Planes are no farther out than this, whatever rounding may have done to boxes: things lie between -1 and 1, and areas
-/// must be numbers.
+/// Box planes are clamped to this distance, whatever rounding does. Primitives lie between -1 and 1, and areas must
+/// stay finite.
 const FARTHEST: f32 = 1e9;
 
-/// What length adds to area, for boxes that have none.
+/// Weight of the length in the area, which orders boxes that have no area.
 const LENGTH: f32 = 1e-12;
 
 impl Bounds {
@@ -21,13 +24,13 @@ impl Bounds {
 
     pub fn new([low, high]: [[f32; 3]; 2]) -> Self {
         let row = |[x, y, z]: [f32; 3]| Vec4::new(x, y, z, 0.0);
-        Self { low: row(low), high: row(high) }.tamed()
+        Self { low: row(low), high: row(high) }.clamped()
     }
 
-    /// With planes to compute with.
+    /// The box with -0 replaced by 0 and with planes clamped to [`FARTHEST`].
     #[inline(always)]
-    pub fn tamed(self) -> Self {
-        // -0 becomes 0: which of both is the smaller would depend on which comes first.
+    pub fn clamped(self) -> Self {
+        // -0 becomes 0: the minimum of the two would depend on their order.
         let row = |row: Vec4| (row + Vec4::ZERO).max(Vec4::splat(-FARTHEST)).min(Vec4::splat(FARTHEST));
         Self { low: row(self.low), high: row(self.high) }
     }
@@ -42,24 +45,24 @@ impl Bounds {
         Self { low: self.low.min(point), high: self.high.max(point) }
     }
 
-    /// How likely rays meet the box, by half the area of its sides. Of boxes without an area the longer ones come to
-    /// more, and no box comes to nothing: so where all are lines or points, trees are balanced too.
+    /// Half the surface area, which is proportional to the probability that a ray hits the box. Among boxes without
+    /// area, longer ones count more, and no box counts zero. So trees over lines and points are balanced too.
     #[inline(always)]
-    pub fn measure(&self) -> f32 {
+    pub fn half_area(&self) -> f32 {
         let side = self.high - self.low;
         let (length, area) = (side.x + side.y + side.z, side.x * (side.y + side.z) + side.y * side.z);
         area + (LENGTH * length + f32::MIN_POSITIVE)
     }
 
-    /// Around boxes, and around twice their centres.
-    pub fn both(boxes: &[Boxed]) -> [Self; 2] {
-        let with = |[all, centres]: [Self; 2], boxed: &Boxed| {
-            [all.union(boxed.bounds()), centres.with(boxed.centre())]
+    /// The bounds of boxes, and the bounds of their doubled centres.
+    pub fn of_boxes_and_centres(boxes: &[PrimRef]) -> [Self; 2] {
+        let with = |[all, centres]: [Self; 2], prim: &PrimRef| {
+            [all.union(prim.bounds()), centres.with(prim.doubled_centre())]
         };
         boxes.iter().fold([Self::EMPTY; 2], with)
     }
 
-    /// The axis along which the box is longest.
+    /// The longest axis of the box.
     #[inline(always)]
     pub fn longest(&self) -> usize {
         let side = self.high - self.low;
@@ -73,25 +76,26 @@ impl Bounds {
     }
 }
 
-/// A thing to be found by its box, which may hold a part of it only.
+/// A primitive reference: the index of a primitive and a box around it or around a piece of it.
 #[derive(Clone, Copy, Debug)]
-pub struct Boxed {
-    /// Its fourth numbers are the thing's index, and 1 or 2, so that sums of both are numbers to compute with.
+pub struct PrimRef {
+    /// The fourth components hold the primitive's index and the mark (1 or 2). The index is XORed with the bits of
+    /// 1.0, so that sums of the components stay normal numbers.
     bounds: Bounds,
 }
 
-impl Boxed {
-    pub fn new(thing: u32, mut bounds: Bounds) -> Self {
-        bounds.low.w = f32::from_bits(thing ^ 1.0_f32.to_bits());
+impl PrimRef {
+    pub fn new(primitive: u32, mut bounds: Bounds) -> Self {
+        bounds.low.w = f32::from_bits(primitive ^ 1.0_f32.to_bits());
         bounds.high.w = 1.0;
         Self { bounds }
     }
 
-    pub fn thing(&self) -> u32 {
+    pub fn primitive(&self) -> u32 {
         self.bounds.low.w.to_bits() ^ 1.0_f32.to_bits()
     }
 
-    /// With a mark or without.
+    /// Sets or clears the mark.
     pub fn marked(mut self, mark: bool) -> Self {
         self.bounds.high.w = if mark { 2.0 } else { 1.0 };
         self
@@ -108,12 +112,12 @@ impl Boxed {
 
     /// Twice the centre.
     #[inline(always)]
-    pub fn centre(&self) -> Vec4 {
+    pub fn doubled_centre(&self) -> Vec4 {
         self.bounds.low + self.bounds.high
     }
 
     #[inline(always)]
-    pub fn centre_along(&self, axis: usize) -> f32 {
+    pub fn doubled_centre_along(&self, axis: usize) -> f32 {
         self.bounds.low[axis] + self.bounds.high[axis]
     }
 }

@@ -1,35 +1,35 @@
-//! From a binary tree to one with eight children per node.
+//! Collapses a binary tree to one with eight children per node.
 
-use super::binary::{Binary, Subtree};
-use super::bounds::Bounds;
-use super::split::TOGETHER;
+use super::binary::{BinaryTree, Subtree};
+use super::bounds::{Bounds, CHUNK};
 use crate::base::math::DVec3;
-use crate::geometry::bvh::{Child, Contents, Node, Space, Tree};
+use crate::geometry::bvh::tree::{Child, Node, Tree};
+use crate::geometry::bvh::{LeafPrimitives, TreeSpace};
 use rayon::prelude::*;
 
-/// The tree that a binary one becomes by its plans, with what is in its leaves. What is below a node stands behind it,
-/// its children side by side.
-pub fn collapse(binary: &Binary, space: Space) -> (Tree, Contents) {
+/// Collapses a binary tree by its plans. Also returns the primitives of the leaves. Descendants follow their node, and
+/// siblings are contiguous.
+pub fn collapse(binary: &BinaryTree, space: TreeSpace) -> (Tree, LeafPrimitives) {
     let all = binary.root();
-    // What is small is made in parallel and put into the whole, in the order in which it is met there.
-    let (mut top, mut small) = (Wide::default(), Vec::new());
+    // Small subtrees are collapsed in parallel and then appended in the order of a depth-first walk.
+    let (mut top, mut small) = (WideTree::default(), Vec::new());
     top.add(binary, all, |_, subtree, _| {
-        let is_small = subtree.count < TOGETHER;
+        let is_small = subtree.count < CHUNK;
         small.extend(is_small.then_some(subtree));
         is_small
     });
     let part = |subtree: Subtree| {
-        let mut part = Wide::with_capacity(subtree.count / LIKELY, subtree.count);
+        let mut part = WideTree::with_capacity(subtree.count / LIKELY, subtree.count);
         part.add(binary, subtree, |_, _, _| false);
         part.enclose(0..part.nodes.len());
         part
     };
     let parts: Vec<_> = small.into_par_iter().map(part).collect();
-    let sum = |size: fn(&Wide) -> usize| size(&top) + parts.iter().map(size).sum::<usize>();
-    let mut wide = Wide::with_capacity(sum(|part| part.nodes.len()) - parts.len(), all.count);
+    let sum = |size: fn(&WideTree) -> usize| size(&top) + parts.iter().map(size).sum::<usize>();
+    let mut wide = WideTree::with_capacity(sum(|part| part.nodes.len()) - parts.len(), all.count);
     let (mut parts, mut upper) = (parts.into_iter(), Vec::new());
     wide.add(binary, all, |whole, subtree, node| {
-        let part = if subtree.count < TOGETHER { parts.next() } else { None };
+        let part = if subtree.count < CHUNK { parts.next() } else { None };
         if part.is_none() {
             upper.push(node);
         }
@@ -42,28 +42,28 @@ pub fn collapse(binary: &Binary, space: Space) -> (Tree, Contents) {
     (Tree { space, bounds, nodes: wide.nodes, root }, wide.contents)
 }
 
-/// Boxes for a node of most trees over triangles, at least.
+/// Fewest boxes per node in most trees over triangles: used to reserve memory.
 const LIKELY: usize = 16;
 
-/// A part of a tree.
+/// A part of the wide tree.
 #[derive(Default)]
-struct Wide {
+struct WideTree {
     nodes: Vec<Node>,
-    contents: Contents,
+    contents: LeafPrimitives,
 }
 
-/// Nodes that have no children yet, and what goes below them.
+/// Subtrees whose nodes have no children yet, with the index of the node.
 type Waiting = Vec<(Subtree, usize)>;
 
-impl Wide {
-    fn with_capacity(nodes: usize, things: usize) -> Self {
-        Self { nodes: Vec::with_capacity(nodes), contents: Contents::with_capacity(things) }
+impl WideTree {
+    fn with_capacity(nodes: usize, primitives: usize) -> Self {
+        Self { nodes: Vec::with_capacity(nodes), contents: LeafPrimitives::with_capacity(primitives) }
     }
 
-    /// Adds what a subtree becomes, its root first, but for what is put `aside`.
+    /// Adds the nodes of a subtree, the root first. Subtrees for which `aside` returns true are left out.
     fn add(
         &mut self,
-        binary: &Binary,
+        binary: &BinaryTree,
         subtree: Subtree,
         mut aside: impl FnMut(&mut Self, Subtree, usize) -> bool,
     ) {
@@ -76,11 +76,11 @@ impl Wide {
         }
     }
 
-    /// A leaf, or a node that waits for its children.
-    fn child(&mut self, binary: &Binary, subtree: Subtree, waiting: &mut Waiting) -> Child {
+    /// Adds a leaf, or a node whose children follow later.
+    fn child(&mut self, binary: &BinaryTree, subtree: Subtree, waiting: &mut Waiting) -> Child {
         if subtree.plan(binary).is_leaf() {
-            let things = subtree.boxes(binary).iter().map(|boxed| boxed.thing());
-            return Child::leaf(self.contents.push(things));
+            let primitives = subtree.boxes(binary).iter().map(|prim| prim.primitive());
+            return Child::leaf(self.contents.push(primitives));
         }
         let planes = [[[f32::INFINITY; 8], [f32::NEG_INFINITY; 8]]; 3];
         waiting.push((subtree, self.nodes.len()));
@@ -88,21 +88,21 @@ impl Wide {
         Child(self.nodes.len() as u32 - 1)
     }
 
-    /// Gives a node its children, with the boxes of those that are leaves.
-    fn fill(&mut self, binary: &Binary, subtree: Subtree, node: usize, waiting: &mut Waiting) {
+    /// Sets a node's children and the boxes of those that are leaves.
+    fn fill(&mut self, binary: &BinaryTree, subtree: Subtree, node: usize, waiting: &mut Waiting) {
         let (mut roots, mut count) = ([subtree; 8], 0);
         subtree.roots(binary, 8, &mut roots, &mut count);
         for (slot, root) in roots.into_iter().enumerate().take(count) {
             let child = self.child(binary, root, waiting);
             self.nodes[node].children[slot] = child;
             if child.as_leaf().is_some() {
-                let boxes = root.boxes(binary).iter().map(|boxed| boxed.bounds());
+                let boxes = root.boxes(binary).iter().map(|prim| prim.bounds());
                 self.nodes[node].set_box(slot, boxes.fold(Bounds::EMPTY, Bounds::union).corners());
             }
         }
     }
 
-    /// The boxes of nodes that are children of others, in whose order they stand.
+    /// Sets the boxes of inner children from the bottom up. Children follow their parents in the list.
     fn enclose(&mut self, nodes: impl DoubleEndedIterator<Item = usize>) {
         for node in nodes.rev() {
             for slot in 0..8 {
@@ -115,13 +115,13 @@ impl Wide {
         }
     }
 
-    /// Puts the root of a part in the place of a node, and what is below behind all the rest.
+    /// Replaces a node by the root of `part` and appends the rest of `part` at the end.
     fn append(&mut self, node: usize, mut part: Self) {
         let (nodes, leaves) = (self.nodes.len() as u32, self.contents.len() as u32);
         let moved = |child: Child| match child.as_leaf() {
             _ if child == Child::NONE => child,
             Some(leaf) => Child::leaf(leaf + leaves),
-            // The part's root stands elsewhere.
+            // The root of the part replaces `node`, so the others move down by one.
             None => Child(child.0 - 1 + nodes),
         };
         for node in &mut part.nodes {
@@ -140,7 +140,7 @@ impl Node {
         }
     }
 
-    /// Of a box around those of all its children.
+    /// The corners of the box around all children.
     pub(super) fn corners(&self) -> [[f32; 3]; 2] {
         [
             self.planes.map(|[low, _]| low.into_iter().fold(f32::INFINITY, f32::min)),
@@ -151,7 +151,7 @@ impl Node {
 
 impl Subtree {
     /// The subtrees, at most `most`, that become the children of a node.
-    fn roots(self, binary: &Binary, most: usize, roots: &mut [Self; 8], count: &mut usize) {
+    fn roots(self, binary: &BinaryTree, most: usize, roots: &mut [Self; 8], count: &mut usize) {
         let Some(of_left) = self.plan(binary).of_left(most) else {
             roots[*count] = self;
             *count += 1;

@@ -1,5 +1,5 @@
-//! Building trees: split from the top down by binned areas, in parallel, then eight children in a node as cost the least.
-//! The same things give the same tree, by any number of threads.
+//! Builds trees in parallel: splits from the top down by the binned surface area heuristic, then collapses to eight
+//! children per node at the lowest cost. The same input gives the same tree for any number of threads.
 
 mod binary;
 mod bins;
@@ -14,38 +14,39 @@ mod tests;
 
 pub use pieces::fetch_ahead;
 
-use super::{Contents, Space, Tree};
+use super::{LeafPrimitives, Tree, TreeSpace};
 use crate::base::math::{Aabb, DVec3};
-use binary::Binary;
-use bounds::{Bounds, Boxed};
+use binary::BinaryTree;
+use bounds::{Bounds, PrimRef};
 
-/// Triangles in a leaf at most: as many as a filter tests at once. Other things are tested one by one.
-const TOGETHER: usize = 8;
+/// Most triangles in a leaf: the triangle filter tests this many at once. Other primitives are tested one by one.
+const LEAF_SIZE: usize = 8;
 
 impl Tree {
-    /// A tree over boxes, with what is in its leaves.
-    pub fn of_boxes(boxes: &[Aabb]) -> (Self, Contents) {
+    /// Builds a tree over boxes. Also returns the primitives of its leaves.
+    pub fn of_boxes(boxes: &[Aabb]) -> (Self, LeafPrimitives) {
         let bounds = boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
         if bounds.is_empty() {
-            return (Self::default(), Contents::default());
+            return (Self::default(), LeafPrimitives::default());
         }
-        let space = Space::around(bounds);
-        let boxed = |(thing, bounds): (u32, &Aabb)| Boxed::new(thing, Bounds::new(space.outward(*bounds)));
-        Self::over(space, (0..).zip(boxes).map(boxed).collect(), 1)
+        let space = TreeSpace::around(bounds);
+        let prim =
+            |(primitive, bounds): (u32, &Aabb)| PrimRef::new(primitive, Bounds::new(space.outward(*bounds)));
+        Self::over(space, (0..).zip(boxes).map(prim).collect(), 1)
     }
 
-    /// A tree over triangles, given as indices into positions, that lie within `bounds`, with what is in its leaves. Long
-    /// triangles may be in several.
-    pub fn of_triangles(bounds: Aabb, positions: &[DVec3], triangles: &[[u32; 3]]) -> (Self, Contents) {
+    /// Builds a tree over triangles, given as indices into positions, that lie within `bounds`. Also returns the
+    /// primitives of its leaves. A long triangle may be in several leaves.
+    pub fn of_triangles(bounds: Aabb, positions: &[DVec3], triangles: &[[u32; 3]]) -> (Self, LeafPrimitives) {
         if triangles.is_empty() {
-            return (Self::default(), Contents::default());
+            return (Self::default(), LeafPrimitives::default());
         }
-        let space = Space::around(bounds);
-        Self::over(space, pieces::boxes(&space, positions, triangles), TOGETHER)
+        let space = TreeSpace::around(bounds);
+        Self::over(space, pieces::boxes(&space, positions, triangles), LEAF_SIZE)
     }
 
-    /// A tree over boxes in `space`, with leaves of at most `largest` things.
-    fn over(space: Space, boxes: Vec<Boxed>, largest: usize) -> (Self, Contents) {
-        collapse::collapse(&Binary::new(boxes, largest), space)
+    /// Builds a tree over boxes in `space`, with at most `largest` primitives in a leaf.
+    fn over(space: TreeSpace, boxes: Vec<PrimRef>, largest: usize) -> (Self, LeafPrimitives) {
+        collapse::collapse(&BinaryTree::new(boxes, largest), space)
     }
 }

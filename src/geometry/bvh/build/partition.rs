@@ -1,16 +1,16 @@
-//! Boxes of one side before those of the other, in parallel and always in the same order.
+//! Partitions boxes in parallel, always into the same order.
 
-use super::bounds::{Bounds, Boxed};
-use super::split::TOGETHER;
+use super::bounds::{Bounds, CHUNK, PrimRef};
 use glam::{BVec4A, Vec4};
 use rayon::prelude::*;
 
-/// Puts the boxes of the left side first: how many they are, and the bounds of twice the centres on both sides.
-pub fn partition(boxes: &mut [Boxed], is_left: impl Fn(&Boxed) -> bool + Sync) -> (usize, [Bounds; 2]) {
-    if boxes.len() < 2 * TOGETHER {
+/// Moves the boxes of the left side to the front. Returns their number and the bounds of the doubled centres of both
+/// sides.
+pub fn partition(boxes: &mut [PrimRef], is_left: impl Fn(&PrimRef) -> bool + Sync) -> (usize, [Bounds; 2]) {
+    if boxes.len() < 2 * CHUNK {
         return group(boxes, &is_left);
     }
-    let groups: Vec<_> = boxes.par_chunks_mut(TOGETHER).map(|boxes| group(boxes, &is_left)).collect();
+    let groups: Vec<_> = boxes.par_chunks_mut(CHUNK).map(|boxes| group(boxes, &is_left)).collect();
     let left = groups.iter().map(|(left, _)| left).sum();
     let union = |[a, b]: [Bounds; 2], (_, [c, d]): &(usize, [Bounds; 2])| [a.union(*c), b.union(*d)];
     let centres = groups.iter().fold([Bounds::EMPTY; 2], union);
@@ -18,11 +18,12 @@ pub fn partition(boxes: &mut [Boxed], is_left: impl Fn(&Boxed) -> bool + Sync) -
     (left, centres)
 }
 
-/// Where each group has its left boxes first, `lefts` of them, swaps those that stand on the wrong side of the whole.
-fn exchange(boxes: &mut [Boxed], left: usize, lefts: Vec<usize>) {
+/// Each chunk already has its left boxes first; `lefts` holds their numbers. Swaps the boxes on the wrong side of
+/// `left`.
+fn exchange(boxes: &mut [PrimRef], left: usize, lefts: Vec<usize>) {
     let count = boxes.len();
-    let groups = || lefts.iter().enumerate().map(|(i, lefts)| (i * TOGETHER, i * TOGETHER + lefts));
-    let mut early = groups().map(|(begin, middle)| middle..(begin + TOGETHER).min(count).min(left));
+    let groups = || lefts.iter().enumerate().map(|(i, lefts)| (i * CHUNK, i * CHUNK + lefts));
+    let mut early = groups().map(|(begin, middle)| middle..(begin + CHUNK).min(count).min(left));
     let mut late = groups().map(|(begin, middle)| begin.max(left)..middle);
     let (front, back) = boxes.split_at_mut(left);
     let (mut a, mut b) = (0..0, 0..0);
@@ -41,17 +42,17 @@ fn exchange(boxes: &mut [Boxed], left: usize, lefts: Vec<usize>) {
     }
 }
 
-/// [`partition`] of one group.
-fn group(boxes: &mut [Boxed], is_left: &impl Fn(&Boxed) -> bool) -> (usize, [Bounds; 2]) {
+/// [`partition`] of one chunk.
+fn group(boxes: &mut [PrimRef], is_left: &impl Fn(&PrimRef) -> bool) -> (usize, [Bounds; 2]) {
     let [mut of_left, mut of_right] = [Bounds::EMPTY; 2];
     let mut left = 0;
-    // Without branches, which could not be predicted.
+    // Without branches, which the processor could not predict.
     for place in 0..boxes.len() {
-        let (boxed, first) = (boxes[place], boxes[left]);
-        (boxes[place], boxes[left]) = (first, boxed);
-        let is_left = is_left(&boxed);
+        let (prim, first) = (boxes[place], boxes[left]);
+        (boxes[place], boxes[left]) = (first, prim);
+        let is_left = is_left(&prim);
         left += usize::from(is_left);
-        let (centre, mask) = (boxed.centre(), BVec4A::splat(is_left));
+        let (centre, mask) = (prim.doubled_centre(), BVec4A::splat(is_left));
         of_left = of_left.union(Bounds {
             low: Vec4::select(mask, centre, Vec4::INFINITY),
             high: Vec4::select(mask, centre, Vec4::NEG_INFINITY),

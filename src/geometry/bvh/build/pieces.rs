@@ -1,52 +1,49 @@
-//! Boxes of triangles. A long triangle is cut, as its box would be large and mostly empty.
+//! Boxes of triangles. Long triangles are cut into pieces, because their boxes would be large and mostly empty.
 
-use super::bounds::{Bounds, Boxed};
+use super::bounds::{Bounds, CHUNK, PrimRef};
 use crate::base::lanes::prefetch;
 use crate::base::math::DVec3;
-use crate::geometry::bvh::Space;
+use crate::geometry::bvh::TreeSpace;
 use glam::Vec4;
 use rayon::prelude::*;
 
-/// Triangles whose boxes are made, and whose areas are summed, together.
-const TOGETHER: usize = 1 << 14;
-
-/// How far triangles rounded to f32 in the tree's space may be from themselves, and how far their boxes are widened.
+/// Error of triangle corners that are rounded to f32 in the tree's space. Boxes are widened by it.
 const WIDENED: f64 = 2.0 * f32::EPSILON as f64;
 
-/// Boxes smaller than this, times their mean, are not cut.
+/// Only boxes larger than this multiple of the mean are cut.
 const SMALL: f32 = 0.75;
 
-/// Triangles whose shadows come to more than this share of their box are not cut.
+/// Only triangles whose projected areas sum to less than this fraction of their box are cut.
 const SLENDER: f32 = 0.25;
 
-/// A cut has to leave less than this share of a box.
+/// A cut is kept if the pieces' boxes have less than this fraction of the area.
 const WORTH: f32 = 0.6;
 
 /// The boxes of triangles in the tree's space.
-pub fn boxes(space: &Space, positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Boxed> {
+pub fn boxes(space: &TreeSpace, positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<PrimRef> {
     let count = triangles.len() as u32;
     let corners = |triangle: u32| corners(space, positions, triangles[triangle as usize]);
     let whole = |triangle| {
         fetch_ahead(positions, triangles, triangle as usize);
         let corners = corners(triangle);
         let bounds = around(&corners);
-        Boxed::new(triangle, bounds).marked(shadows(corners) < SLENDER * bounds.measure())
+        PrimRef::new(triangle, bounds).marked(projected_area(corners) < SLENDER * bounds.half_area())
     };
-    let mut boxes: Vec<_> = match triangles.len() < 2 * TOGETHER {
+    let mut boxes: Vec<_> = match triangles.len() < 2 * CHUNK {
         true => (0..count).map(whole).collect(),
-        false => (0..count).into_par_iter().with_min_len(TOGETHER).map(whole).collect(),
+        false => (0..count).into_par_iter().with_min_len(CHUNK).map(whole).collect(),
     };
-    let sum = |boxes: &[Boxed]| boxes.iter().map(|boxed| f64::from(boxed.bounds().measure())).sum::<f64>();
-    // In parts of their own, as sums depend on the order.
-    let sums: Vec<_> = boxes.par_chunks(TOGETHER).map(sum).collect();
+    let sum = |boxes: &[PrimRef]| boxes.iter().map(|prim| f64::from(prim.bounds().half_area())).sum::<f64>();
+    // Sums depend on the order, so each fixed chunk has its own.
+    let sums: Vec<_> = boxes.par_chunks(CHUNK).map(sum).collect();
     let mean = sums.into_iter().sum::<f64>() / f64::from(count);
     let small = SMALL * mean as f32;
-    let cut = |(place, boxed): (usize, &Boxed)| {
-        let mut pieces = Pieces { thing: boxed.thing(), small, boxes: Vec::new() };
-        pieces.cut(&Polygon::new(&corners(boxed.thing())), boxed.bounds(), 0);
+    let cut = |(place, prim): (usize, &PrimRef)| {
+        let mut pieces = Pieces { primitive: prim.primitive(), small, boxes: Vec::new() };
+        pieces.cut(&Polygon::new(&corners(prim.primitive())), prim.bounds(), 0);
         (place, pieces.boxes)
     };
-    let is_long = |(_, boxed): &(usize, &Boxed)| boxed.is_marked() && boxed.bounds().measure() > small;
+    let is_long = |(_, prim): &(usize, &PrimRef)| prim.is_marked() && prim.bounds().half_area() > small;
     let pieces: Vec<_> = boxes.par_iter().enumerate().filter(is_long).map(cut).collect();
     boxes.reserve_exact(pieces.iter().map(|(_, pieces)| pieces.len()).sum());
     for (place, pieces) in pieces {
@@ -58,10 +55,10 @@ pub fn boxes(space: &Space, positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<
     boxes
 }
 
-/// Triangles between asking for one's corners and needing them.
+/// Distance, in triangles, between the prefetch of a triangle's corners and their use.
 const AHEAD: usize = 16;
 
-/// Asks for the corners of a triangle that comes up soon after another one.
+/// Prefetches the corners of a triangle that will be used soon.
 #[inline(always)]
 pub fn fetch_ahead(positions: &[DVec3], triangles: &[[u32; 3]], now: usize) {
     if let Some(soon) = triangles.get(now + AHEAD) {
@@ -70,14 +67,14 @@ pub fn fetch_ahead(positions: &[DVec3], triangles: &[[u32; 3]], now: usize) {
 }
 
 #[inline(always)]
-fn corners(space: &Space, positions: &[DVec3], [a, b, c]: [u32; 3]) -> [DVec3; 3] {
+fn corners(space: &TreeSpace, positions: &[DVec3], [a, b, c]: [u32; 3]) -> [DVec3; 3] {
     let point = |vertex: u32| space.point(positions[vertex as usize]);
     [point(a), point(b), point(c)]
 }
 
-/// The areas of a triangle's shadows along the axes. However it is cut, the boxes of its pieces come to no less; half
-/// way down to that, in most cases, if it is cut once.
-fn shadows([a, b, c]: [DVec3; 3]) -> f32 {
+/// The sum of a triangle's areas projected along the axes. However the triangle is cut, the half areas of its pieces'
+/// boxes sum to at least this. One cut usually closes half of the gap.
+fn projected_area([a, b, c]: [DVec3; 3]) -> f32 {
     let doubled = (b - a).cross(c - a).abs();
     (0.5 * (doubled.x + doubled.y + doubled.z)) as f32
 }
@@ -85,7 +82,7 @@ fn shadows([a, b, c]: [DVec3; 3]) -> f32 {
 /// A box around points, rounded outwards.
 #[inline(always)]
 fn around(points: &[DVec3]) -> Bounds {
-    // Rounding keeps the order: the least of rounded numbers is the least one rounded, and takes half as long to find.
+    // Rounding is monotonic, so the minimum of rounded numbers is the rounded minimum. This order takes half the time.
     let row = |point: DVec3| Vec4::from((point.as_vec3(), 0.0));
     points
         .iter()
@@ -93,47 +90,47 @@ fn around(points: &[DVec3]) -> Bounds {
             low: all.low.min(row(point - WIDENED)),
             high: all.high.max(row(point + WIDENED)),
         })
-        .tamed()
+        .clamped()
 }
 
-/// Cuts above each other at most.
+/// Deepest recursion of cuts.
 const DEEPEST: u32 = 12;
 
-/// The pieces of a triangle.
+/// Cuts one triangle into pieces.
 struct Pieces {
-    thing: u32,
+    primitive: u32,
     small: f32,
-    boxes: Vec<Boxed>,
+    boxes: Vec<PrimRef>,
 }
 
 impl Pieces {
-    /// Cuts a polygon with its box in the middle, again and again while that pays.
+    /// Cuts a polygon at the middle of its box, recursively, while that reduces the area.
     fn cut(&mut self, polygon: &Polygon, bounds: Bounds, depth: u32) {
-        let measure = bounds.measure();
-        if measure > self.small && depth < DEEPEST && polygon.count <= MOST_CORNERS {
+        let half_area = bounds.half_area();
+        if half_area > self.small && depth < DEEPEST && polygon.count <= MOST_CORNERS {
             let axis = bounds.longest();
             let [a, b] =
                 polygon.cut(axis, 0.5 * (f64::from(bounds.low[axis]) + f64::from(bounds.high[axis])));
             let (c, d) = (around(a.corners()), around(b.corners()));
-            if c.measure() + d.measure() < WORTH * measure {
+            if c.half_area() + d.half_area() < WORTH * half_area {
                 self.cut(&a, c, depth + 1);
                 self.cut(&b, d, depth + 1);
                 return;
             }
         }
         if depth > 0 {
-            self.boxes.push(Boxed::new(self.thing, bounds));
+            self.boxes.push(PrimRef::new(self.primitive, bounds));
         }
     }
 }
 
-/// What planes across the axes leave of a triangle has so many corners at most; what rounding adds is not cut.
+/// Most corners of a triangle clipped by axis-aligned planes. Polygons to which rounding added more are not cut.
 const MOST_CORNERS: usize = 9;
 
-/// Corners in order around.
+/// The corners of a polygon, in order around it.
 #[derive(Clone, Copy)]
 struct Polygon {
-    /// With room for as many again: if rounding has bent it, a polygon may be crossed at every edge.
+    /// Room for twice as many: if rounding has bent the polygon, the plane may cross every edge.
     corners: [DVec3; 2 * MOST_CORNERS],
     count: usize,
 }
@@ -154,7 +151,7 @@ impl Polygon {
         self.count += 1;
     }
 
-    /// The parts on both sides of a plane across an axis.
+    /// The parts on both sides of an axis-aligned plane.
     fn cut(&self, axis: usize, place: f64) -> [Self; 2] {
         let [mut below, mut above] = [Self::new(&[]); 2];
         for (i, &a) in self.corners().iter().enumerate() {
@@ -181,7 +178,7 @@ mod tests {
     use super::*;
     use crate::testing::Random;
 
-    /// Every point of a triangle is in the box of one of its pieces, and the pieces of slender ones are many.
+    /// The boxes of a triangle's pieces cover it, and long thin triangles have many pieces.
     #[test]
     fn pieces_hold_their_triangles() {
         let mut random = Random(7);
@@ -192,14 +189,15 @@ mod tests {
                 [a, a + long * if i % 4 == 1 { 0.01 } else { 1.0 }, a + random.point(short)]
             })
             .collect();
-        // Its space is the world.
-        let space = Space { per: 1.0, size: 1.0, ..Space::default() };
+        // The tree's space is the world.
+        let space = TreeSpace { scale: 1.0, size: 1.0, ..TreeSpace::default() };
         let positions: Vec<DVec3> = triangles.iter().flatten().copied().collect();
         let indices: Vec<_> = (0..400).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let boxes = boxes(&space, &positions, &indices);
         assert!(boxes.len() > 500, "{}", boxes.len());
         for (i, [a, b, c]) in (0..).zip(&triangles) {
-            let own: Vec<_> = boxes.iter().filter(|boxed| boxed.thing() == i).map(Boxed::bounds).collect();
+            let own: Vec<_> =
+                boxes.iter().filter(|prim| prim.primitive() == i).map(PrimRef::bounds).collect();
             for _ in 0..200 {
                 let (u, v) = (random.unit(), random.unit());
                 let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };

@@ -1,26 +1,27 @@
-//! What becomes of the nodes of a binary tree in one with eight children per node, so that rays have the least to do: by
-//! dynamic programming from the leaves up, after Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs
+//! Decides which nodes of a binary tree become nodes with eight children, at the lowest traversal cost. Dynamic
+//! programming from the leaves up, after Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs
 //! Through Compressed Wide BVHs".
 //!
-//! A node and a leaf cost the same, once per ray that meets its box: eight boxes are tested at a time, or the things of
-//! a leaf.
+//! A node and a leaf cost the same per ray that hits their box: one test of eight boxes, or of the primitives in a
+//! leaf.
 
-/// What a subtree costs as a forest of at most so many roots: [0] as a single one.
+/// The cost of a subtree as a forest of at most 1, 2, ... 7 roots. Element 0 is the cost as a single root.
 pub type Costs = [f32; 7];
 
-/// How many roots of a forest belong to the left child, four bits for each number of roots of both. 0 for a forest that
-/// is a single root. The lowest four bits say whether that is a leaf.
+/// For each number of roots (four bits each), how many of them belong to the left child. 0 stands for a single root.
+/// The lowest bit is set if that root is a leaf.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Plan(u32);
+pub struct CollapsePlan(u32);
 
 /// The costs of a leaf.
-pub fn leaf(measure: f32) -> Costs {
-    [measure; 7]
+pub fn leaf(half_area: f32) -> Costs {
+    [half_area; 7]
 }
 
-/// The costs of two subtrees of `count` things together, and the plan for them. They may be a leaf if `fits`.
+/// The costs and the plan of two subtrees that are joined; `count` is their number of primitives. They may form a leaf
+/// if `fits`.
 #[inline(always)]
-pub fn join(left: &Costs, right: &Costs, measure: f32, count: usize, fits: bool) -> (Costs, Plan) {
+pub fn join(left: &Costs, right: &Costs, half_area: f32, count: usize, fits: bool) -> (Costs, CollapsePlan) {
     let distributed = |roots: usize| {
         let mut best = (f32::INFINITY, 1);
         for of_left in 1..roots {
@@ -31,13 +32,13 @@ pub fn join(left: &Costs, right: &Costs, measure: f32, count: usize, fits: bool)
         }
         best
     };
-    // A leaf is better than a node of leaves.
+    // One leaf costs less than a node of leaves.
     let (below, of_left) = if fits { (0.0, 0) } else { distributed(8) };
-    let single = measure + below;
+    let single = half_area + below;
     let (mut costs, mut plan) = ([single; 7], of_left << 28 | u32::from(fits));
     let (mut cost, mut of_left) = (single, 0);
     for roots in 2..8 {
-        // There are no more roots than things.
+        // There are never more roots than primitives.
         if roots <= count {
             (cost, of_left) = distributed(roots);
         }
@@ -46,18 +47,18 @@ pub fn join(left: &Costs, right: &Costs, measure: f32, count: usize, fits: bool)
             plan |= of_left << (4 * (roots - 1));
         }
     }
-    (costs, Plan(plan))
+    (costs, CollapsePlan(plan))
 }
 
-impl Plan {
-    /// Of a leaf that is not divided.
+impl CollapsePlan {
+    /// The plan of an undivided leaf.
     pub const LEAF: Self = Self(1);
 
     pub fn is_leaf(self) -> bool {
         self.0 & 1 == 1
     }
 
-    /// How many of at most `roots` roots belong to the left child, if there is more than one.
+    /// How many of at most `roots` roots belong to the left child. None if there is one root.
     pub fn of_left(self, roots: usize) -> Option<usize> {
         let of_left = self.0 >> (4 * (roots - 1)) & 15;
         (roots > 1 && of_left > 0).then_some(of_left as usize)

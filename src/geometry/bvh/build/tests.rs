@@ -1,13 +1,13 @@
 use super::*;
-use crate::geometry::bvh::{Child, Node};
+use crate::geometry::bvh::tree::{Child, Node};
 use crate::testing::Random;
 
 fn cube(at: DVec3, side: f64) -> Aabb {
     Aabb { min: at, max: at + DVec3::splat(side) }
 }
 
-/// Checks that each thing is in a leaf, and its box within all boxes above that, which are no larger than they must be.
-fn check(boxes: &[Aabb]) -> (Tree, Contents) {
+/// Checks that each primitive is in one leaf, that its box lies within all boxes above, and that these are tight.
+fn check(boxes: &[Aabb]) -> (Tree, LeafPrimitives) {
     let (tree, contents) = Tree::of_boxes(boxes);
     let mut seen = vec![0; boxes.len()];
     let everywhere = [[f32::NEG_INFINITY; 3], [f32::INFINITY; 3]];
@@ -15,9 +15,9 @@ fn check(boxes: &[Aabb]) -> (Tree, Contents) {
     while let Some((child, [low, high])) = waiting.pop() {
         let is_tight = |corners| [low, high] == everywhere || [low, high] == corners;
         if let Some(leaf) = child.as_leaf() {
-            for &thing in contents.leaf(leaf) {
-                seen[thing as usize] += 1;
-                let [min, max] = Bounds::new(tree.space().outward(boxes[thing as usize])).corners();
+            for &primitive in contents.leaf(leaf) {
+                seen[primitive as usize] += 1;
+                let [min, max] = Bounds::new(tree.space().outward(boxes[primitive as usize])).corners();
                 assert!(is_tight([min, max]));
             }
             continue;
@@ -42,8 +42,7 @@ fn depth(tree: &Tree, child: Child) -> u32 {
     1 + children.into_iter().map(|child| depth(tree, child)).max().unwrap_or(0)
 }
 
-/// Boxes in a row, in a plane and in one place, points too, and boxes around each other: the tree must not be deep, nor
-/// take long.
+/// Boxes in a row, in a plane, in one place and nested, and points: the tree must be shallow and quick to build.
 #[test]
 fn equal_boxes_make_balanced_trees() {
     let row = |i: u32| cube(DVec3::X * f64::from(i), 0.5);
@@ -67,7 +66,8 @@ fn few_and_strange_boxes() {
     for count in 1..40 {
         check(&(0..count).map(|_| cube(random.point(3.0), random.unit())).collect::<Vec<_>>());
     }
-    // Every box a tenth of the one before, and as far away; down to nothing and up to what has a square.
+    // Every box is a tenth of the previous one, and a tenth as far away. Scales range from underflow to the largest
+    // that can be squared.
     for scale in [1e-300, 1e-30, 1.0, 1e100] {
         let shrinking = |i: i32| cube(DVec3::X * scale * libm::exp10(-f64::from(i)), scale * 1e-3);
         let boxes: Vec<_> = (0..300).map(shrinking).collect();
@@ -76,7 +76,7 @@ fn few_and_strange_boxes() {
     }
 }
 
-/// Whatever the number of threads.
+/// Independent of the number of threads.
 #[test]
 fn trees_are_the_same_on_all_threads() {
     let mut random = Random(11);

@@ -1,37 +1,40 @@
-//! The search for triangles along eight rays: they share the nodes of the tree and what has to be known of each triangle.
+//! Searches a mesh along a bundle of eight rays, which share the nodes of the tree and the data of each triangle.
 
 use super::Mesh;
-use super::search::{Any, Nearest};
+use super::search::{AnyTriangle, ClosestTriangle};
 use crate::base::lanes::{Bits, Level, Mask, Real, Row, Select, SimdKernel, lanes};
-use crate::geometry::bvh::{Branch, BundleLeaves, BundleSlabs, BundleStack, Probe, Slabs, Stack};
+use crate::geometry::bvh::{BundleSlabs, BundleStack, BundleVisitor, NodeRef, Slabs, Stack, TraversalRay};
 use crate::geometry::mesh::ShearedRays;
 use crate::geometry::shape::triangle::TriangleLanes;
-use crate::geometry::shape::{Crossing, LaneHit, PreparedRay, RayRows, Span, Vicinity};
+use crate::geometry::shape::{CoincidenceRange, LaneHit, PreparedRay, RayInterval, ShapeHit, StoredRays};
 
-/// The search for the nearest triangles, or for `ANY`, along those of eight rays whose bits are set.
+/// The search for the closest triangles, or for any (`ANY`), along the rays whose bits are set.
 pub(super) struct BundleSearch<'a, const ANY: bool> {
     pub mesh: &'a Mesh,
-    pub rays: &'a RayRows,
+    pub rays: &'a StoredRays,
     pub wanted: u32,
-    /// Beyond which t, and before which.
+    /// The minima and maxima of t.
     pub span: &'a [[f64; 8]; 2],
 }
 
 impl<const ANY: bool> SimdKernel for BundleSearch<'_, ANY> {
-    type Output = MeshHits;
+    type Output = StoredMeshHits;
 
     #[inline(always)]
     fn run<L: Level>(self) -> Self::Output {
         let Self { mesh, rays, wanted, span } = self;
         let (found, alone) = self.search::<L>();
-        let mut found =
-            MeshHits { t: found.t.to_array(), parts: found.part.to_array(), crowded: found.crowded.bits() };
+        let mut found = StoredMeshHits {
+            t: found.t.to_array(),
+            parts: found.part.to_array(),
+            coincident: found.coincident.bits(),
+        };
         for ray in lanes(alone & wanted) {
-            let probe = Probe::new(rays.one(ray));
-            let within = Span { min: span[0][ray], max: span[1][ray] };
+            let single = TraversalRay::new(rays.one(ray));
+            let within = RayInterval { min: span[0][ray], max: span[1][ray] };
             let hit = match ANY {
-                true => mesh.any_on::<L>(&probe, within, &mut Stack::default()).then_some(Crossing::at(0.0)),
-                false => mesh.nearest_on::<L>(&probe, within, &mut Stack::default()),
+                true => mesh.any_on::<L>(&single, within, &mut Stack::default()).then_some(ShapeHit::at(0.0)),
+                false => mesh.closest_on::<L>(&single, within, &mut Stack::default()),
             };
             if let Some(at) = hit {
                 found.set(ray, at);
@@ -41,26 +44,26 @@ impl<const ANY: bool> SimdKernel for BundleSearch<'_, ANY> {
     }
 }
 
-/// What eight rays meet of a mesh, in memory.
-pub(super) struct MeshHits {
-    /// Infinite where there is no hit; of any triangle, just finite.
+/// Hits of eight rays with a mesh, in memory.
+pub(super) struct StoredMeshHits {
+    /// Infinite without a hit; for `ANY`, any finite number.
     pub t: [f64; 8],
     pub parts: [u32; 8],
-    /// A bit for each hit next to which there is another one.
-    pub crowded: u32,
+    /// A bit for each hit that another one may coincide with.
+    pub coincident: u32,
 }
 
-impl MeshHits {
+impl StoredMeshHits {
     #[inline(always)]
-    fn set(&mut self, ray: usize, Crossing { t, part, crowded }: Crossing) {
+    fn set(&mut self, ray: usize, ShapeHit { t, part, coincident }: ShapeHit) {
         (self.t[ray], self.parts[ray]) = (t, part);
-        self.crowded = self.crowded & !(1 << ray) | u32::from(crowded) << ray;
+        self.coincident = self.coincident & !(1 << ray) | u32::from(coincident) << ray;
     }
 }
 
 impl<const ANY: bool> BundleSearch<'_, ANY> {
-    /// Gives what is found, and those rays that have to be asked for alone: they come from afar, or are not longest along
-    /// the same axis as the others.
+    /// Returns the hits, and the rays to be searched one by one: those from far away, and those that are longest along
+    /// another axis than the rest.
     #[inline(always)]
     fn search<L: Level>(&self) -> (LaneHit<L::F64>, u32) {
         let &Self { mesh, rays, wanted, span: [min, max] } = self;
@@ -72,51 +75,50 @@ impl<const ANY: bool> BundleSearch<'_, ANY> {
         }
         let prepared = PreparedRay::new(ray);
         let Some((axes, shear)) = prepared.shear(near) else { return (found, near | afar) };
-        let span = Span { min: L::F64::from_array(*min), max: L::F64::from_array(*max) };
+        let span = RayInterval { min: L::F64::from_array(*min), max: L::F64::from_array(*max) };
         let limits = L::F64::select(L::Mask::from_bits(near), span.max, L::F64::splat(-1.0));
-        let mut bundle = Bundle::<L, ANY> {
+        let mut bundle = BundleWalk::<L, ANY> {
             mesh,
             rays,
             prepared: &prepared,
             slabs: &slabs,
             sheared: ShearedRays::new(&slabs, axes, shear),
-            vicinity: prepared.vicinity(tree.space().reach()),
+            coincidence_range: prepared.coincidence_range(tree.space().reach()),
             span,
             limits,
             limit: slabs.limit(limits),
             found,
             alone: [None; 8],
         };
-        tree.walk_together(&slabs, near, &mut bundle, &mut BundleStack::default());
+        tree.walk_bundle(&slabs, near, &mut bundle, &mut BundleStack::default());
         (bundle.found, afar)
     }
 }
 
-/// Eight searches at once.
-struct Bundle<'a, L: Level, const ANY: bool> {
+/// The state of eight searches.
+struct BundleWalk<'a, L: Level, const ANY: bool> {
     mesh: &'a Mesh,
-    rays: &'a RayRows,
+    rays: &'a StoredRays,
     prepared: &'a PreparedRay<L::F64>,
     slabs: &'a BundleSlabs<L>,
     sheared: ShearedRays<L>,
-    vicinity: Vicinity<L::F64>,
-    span: Span<L::F64>,
-    /// The t before which hits are of interest: a little beyond the best, so that it is known what else is near it; below 0
-    /// once a search is over.
+    coincidence_range: CoincidenceRange<L::F64>,
+    span: RayInterval<L::F64>,
+    /// The limits of t: slightly beyond the closest hit, to find coincident hits; below 0 when a search has ended.
     limits: L::F64,
     limit: L::F32,
     found: LaneHit<L::F64>,
-    /// Rays that have gone on alone.
-    alone: [Option<(Probe, Slabs)>; 8],
+    /// Rays that have left the bundle.
+    alone: [Option<(TraversalRay, Slabs)>; 8],
 }
 
-impl<L: Level, const ANY: bool> Bundle<'_, L, ANY> {
-    /// Takes what is hit along some of the rays.
+impl<L: Level, const ANY: bool> BundleWalk<'_, L, ANY> {
+    /// Records the hits of some rays.
     #[inline(always)]
     fn take(&mut self, rays: L::Mask, at: LaneHit<L::F64>) {
         let end = match ANY {
             true => L::F64::splat(-1.0),
-            false => self.vicinity.end(at.t).min(self.span.max),
+            false => self.coincidence_range.end(at.t).min(self.span.max),
         };
         self.found = LaneHit::select(rays, at, self.found);
         self.limits = L::F64::select(rays, end, self.limits);
@@ -124,7 +126,7 @@ impl<L: Level, const ANY: bool> Bundle<'_, L, ANY> {
     }
 }
 
-impl<L: Level, const ANY: bool> BundleLeaves<L> for Bundle<'_, L, ANY> {
+impl<L: Level, const ANY: bool> BundleVisitor<L> for BundleWalk<'_, L, ANY> {
     const ALONE: bool = true;
 
     #[inline(always)]
@@ -132,46 +134,47 @@ impl<L: Level, const ANY: bool> BundleLeaves<L> for Bundle<'_, L, ANY> {
         let mesh = &self.mesh.mesh;
         let packet = &mesh.packets()[leaf as usize];
         for lane in 0..packet.count() {
-            let candidates = self.sheared.sift(packet, lane, self.limit) & rays;
+            let candidates = self.sheared.classify(packet, lane, self.limit) & rays;
             if candidates == 0 {
                 continue;
             }
             let triangle = TriangleLanes::<L::F64>::splat(mesh.packed_corners(packet, lane));
-            let at = triangle.intersect(self.prepared, Span { min: self.span.min, max: self.limits });
+            let at = triangle.intersect(self.prepared, RayInterval { min: self.span.min, max: self.limits });
             let hit = at.is_hit() & L::Mask::from_bits(candidates);
             if !hit.any() {
                 continue;
             }
             let (part, best) = (L::U32::splat(packet.part(lane)), &mut self.found);
             let nearer = hit & (at.t.lt(best.t) | at.t.eq(best.t) & part.lt(best.part));
-            let crowded = hit & best.t.le(self.vicinity.end(at.t));
-            best.crowded = best.crowded | crowded;
+            let coincident = hit & best.t.le(self.coincidence_range.end(at.t));
+            best.coincident = best.coincident | coincident;
             if nearer.any() {
-                self.take(nearer, LaneHit { t: at.t, part, crowded });
+                self.take(nearer, LaneHit { t: at.t, part, coincident });
             }
         }
     }
 
     #[inline(always)]
-    fn part(&mut self, ray: usize, below: Branch) {
+    fn continue_alone(&mut self, ray: usize, below: NodeRef) {
         let (mesh, hit) = (self.mesh, self.found.lane(ray));
-        let within = Span { min: self.span.min.to_array()[ray], max: self.span.max.to_array()[ray] };
+        let within = RayInterval { min: self.span.min.to_array()[ray], max: self.span.max.to_array()[ray] };
         if ANY && hit.is_some() {
             return;
         }
         let slot = &mut self.alone[ray];
         if slot.is_none() {
-            let probe = Probe::new(self.rays.one(ray));
-            *slot = Slabs::new::<L::Narrow>(mesh.mesh.tree(), &probe, within.max).map(|slabs| (probe, slabs));
+            let single = TraversalRay::new(self.rays.one(ray));
+            *slot =
+                Slabs::new::<L::Narrow>(mesh.mesh.tree(), &single, within.max).map(|slabs| (single, slabs));
         }
-        let Some((probe, slabs)) = slot else { return };
+        let Some((single, slabs)) = slot else { return };
         let tree = mesh.mesh.tree();
         let found = if ANY {
-            let mut search = Any::new(mesh, probe, within);
+            let mut search = AnyTriangle::new(mesh, single, within);
             tree.walk_below::<L>(below, slabs, slabs.limit(within.max), &mut search);
-            search.found.then_some(Crossing::at(0.0))
+            search.found.then_some(ShapeHit::at(0.0))
         } else {
-            let mut search = Nearest::new(mesh, probe, within);
+            let mut search = ClosestTriangle::new(mesh, single, within);
             search.hit = hit;
             tree.walk_below::<L>(below, slabs, slabs.limit(search.limit()), &mut search);
             search.hit

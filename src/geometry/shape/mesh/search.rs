@@ -1,138 +1,140 @@
-//! The search for triangles along a single ray.
+//! Searches a mesh along a single ray.
 
 use super::Mesh;
 use crate::base::lanes::{Level, Row, SimdKernel};
-use crate::base::math::smaller;
-use crate::geometry::bvh::{Leaves, Probe, Slabs, Stack};
-use crate::geometry::mesh::Sheared;
+use crate::base::math::min;
+use crate::geometry::bvh::{LeafVisitor, Slabs, Stack, TraversalRay};
+use crate::geometry::mesh::ShearedRay;
 use crate::geometry::shape::triangle::{TriangleLanes, covers};
-use crate::geometry::shape::{Crossing, PreparedRay, Span, Vicinity};
+use crate::geometry::shape::{CoincidenceRange, PreparedRay, RayInterval, ShapeHit};
 
 impl Mesh {
-    /// The nearest triangle within bounds; of equally near ones that of the lowest index.
-    pub fn nearest(&self, probe: &Probe, within: Span<f64>) -> Option<Crossing> {
-        let mut nearest = Nearest::new(self, probe, within);
-        self.mesh.tree().walk(probe, within.max, &mut nearest);
+    /// The closest triangle within bounds; of equally near ones, the one with the lowest index.
+    pub fn closest(&self, ray: &TraversalRay, within: RayInterval<f64>) -> Option<ShapeHit> {
+        let mut nearest = ClosestTriangle::new(self, ray, within);
+        self.mesh.tree().walk(ray, within.max, &mut nearest);
         nearest.hit
     }
 
     /// Whether there is a triangle within bounds.
-    pub fn any(&self, probe: &Probe, within: Span<f64>) -> bool {
-        let mut any = Any::new(self, probe, within);
-        self.mesh.tree().walk(probe, within.max, &mut any);
+    pub fn any(&self, ray: &TraversalRay, within: RayInterval<f64>) -> bool {
+        let mut any = AnyTriangle::new(self, ray, within);
+        self.mesh.tree().walk(ray, within.max, &mut any);
         any.found
     }
 
-    /// Gives all triangles within bounds to `take`, in no order.
-    pub fn each(&self, probe: &Probe, within: Span<f64>, take: &mut dyn FnMut(Crossing)) {
-        let mut all = All { mesh: self, ray: PreparedRay::splat(probe), within, take };
-        self.mesh.tree().walk(probe, within.max, &mut all);
+    /// Passes all hits within bounds to `take`, in no particular order.
+    pub fn each(&self, ray: &TraversalRay, within: RayInterval<f64>, take: &mut dyn FnMut(ShapeHit)) {
+        let mut all = EveryTriangle { mesh: self, ray: PreparedRay::splat(ray), within, take };
+        self.mesh.tree().walk(ray, within.max, &mut all);
     }
 
-    /// [`Mesh::nearest`] on a level that is at work already.
+    /// [`Mesh::closest`] within a kernel that already runs on a level.
     #[inline(always)]
-    pub fn nearest_on<L: Level>(
+    pub fn closest_on<L: Level>(
         &self,
-        probe: &Probe,
-        within: Span<f64>,
+        ray: &TraversalRay,
+        within: RayInterval<f64>,
         stack: &mut Stack,
-    ) -> Option<Crossing> {
-        L::Narrow::call(Walk { search: Nearest::new(self, probe, within), stack })
+    ) -> Option<ShapeHit> {
+        L::Narrow::call(MeshWalk { search: ClosestTriangle::new(self, ray, within), stack })
     }
 
-    /// [`Mesh::any`] on a level that is at work already.
+    /// [`Mesh::any`] within a kernel that already runs on a level.
     #[inline(always)]
-    pub fn any_on<L: Level>(&self, probe: &Probe, within: Span<f64>, stack: &mut Stack) -> bool {
-        L::Narrow::call(Walk { search: Any::new(self, probe, within), stack })
+    pub fn any_on<L: Level>(&self, ray: &TraversalRay, within: RayInterval<f64>, stack: &mut Stack) -> bool {
+        L::Narrow::call(MeshWalk { search: AnyTriangle::new(self, ray, within), stack })
     }
 }
 
-/// The search for the nearest triangle. What the filter is sure of is not tested again; only its t is computed.
-pub(super) struct Nearest<'a> {
+/// The search for the closest triangle. Certain hits of the filter are not tested again; only their t is computed.
+pub(super) struct ClosestTriangle<'a> {
     mesh: &'a Mesh,
-    probe: &'a Probe,
-    /// There from the first leaf on.
-    sheared: Option<Sheared>,
-    within: Span<f64>,
-    vicinity: Vicinity<f64>,
-    pub hit: Option<Crossing>,
+    ray: &'a TraversalRay,
+    /// Set at the first leaf.
+    sheared: Option<ShearedRay>,
+    within: RayInterval<f64>,
+    coincidence_range: CoincidenceRange<f64>,
+    pub hit: Option<ShapeHit>,
 }
 
-impl<'a> Nearest<'a> {
+impl<'a> ClosestTriangle<'a> {
     #[inline(always)]
-    pub fn new(mesh: &'a Mesh, probe: &'a Probe, within: Span<f64>) -> Self {
-        let vicinity = PreparedRay::splat(probe).vicinity(mesh.mesh.tree().space().reach());
-        Self { mesh, probe, sheared: None, within, vicinity, hit: None }
+    pub fn new(mesh: &'a Mesh, ray: &'a TraversalRay, within: RayInterval<f64>) -> Self {
+        let coincidence_range = PreparedRay::splat(ray).coincidence_range(mesh.mesh.tree().space().reach());
+        Self { mesh, ray, sheared: None, within, coincidence_range, hit: None }
     }
 
-    /// Beyond which t nothing is of interest.
+    /// The t beyond which hits do not count.
     #[inline(always)]
     pub fn limit(&self) -> f64 {
-        self.hit.map_or(self.within.max, |best| smaller(self.within.max, self.vicinity.end(best.t)))
+        self.hit.map_or(self.within.max, |best| min(self.within.max, self.coincidence_range.end(best.t)))
     }
 
-    /// Takes a triangle before the limit if it is nearer, or as near and of a lower index.
+    /// Records a hit before the limit if it is closer, or equally close with a lower index.
     #[inline(always)]
     fn consider(&mut self, t: f64, part: u32) {
-        let at = Crossing::of_part(t, part);
+        let at = ShapeHit::of_part(t, part);
         self.hit = Some(match self.hit {
             None => at,
             Some(best) if t < best.t || t == best.t && part < best.part => {
-                Crossing { crowded: best.t <= self.vicinity.end(t), ..at }
+                ShapeHit { coincident: best.t <= self.coincidence_range.end(t), ..at }
             }
-            Some(best) => Crossing { crowded: best.crowded || t <= self.vicinity.end(best.t), ..best },
+            Some(best) => {
+                ShapeHit { coincident: best.coincident || t <= self.coincidence_range.end(best.t), ..best }
+            }
         });
     }
 }
 
 /// The search for any triangle.
-pub(super) struct Any<'a> {
+pub(super) struct AnyTriangle<'a> {
     mesh: &'a Mesh,
-    probe: &'a Probe,
-    sheared: Option<Sheared>,
-    within: Span<f64>,
+    ray: &'a TraversalRay,
+    sheared: Option<ShearedRay>,
+    within: RayInterval<f64>,
     pub found: bool,
 }
 
-impl<'a> Any<'a> {
+impl<'a> AnyTriangle<'a> {
     #[inline(always)]
-    pub fn new(mesh: &'a Mesh, probe: &'a Probe, within: Span<f64>) -> Self {
-        Self { mesh, probe, sheared: None, within, found: false }
+    pub fn new(mesh: &'a Mesh, ray: &'a TraversalRay, within: RayInterval<f64>) -> Self {
+        Self { mesh, ray, sheared: None, within, found: false }
     }
 }
 
 /// The search for all triangles within bounds.
-struct All<'a> {
+struct EveryTriangle<'a> {
     mesh: &'a Mesh,
     ray: PreparedRay<f64>,
-    within: Span<f64>,
-    take: &'a mut dyn FnMut(Crossing),
+    within: RayInterval<f64>,
+    take: &'a mut dyn FnMut(ShapeHit),
 }
 
-/// A search from the root on.
-struct Walk<'a, S> {
+/// A search from the root.
+struct MeshWalk<'a, S> {
     search: S,
     stack: &'a mut Stack,
 }
 
-impl SimdKernel for Walk<'_, Nearest<'_>> {
-    type Output = Option<Crossing>;
+impl SimdKernel for MeshWalk<'_, ClosestTriangle<'_>> {
+    type Output = Option<ShapeHit>;
 
     #[inline(always)]
-    fn run<L: Level>(mut self) -> Option<Crossing> {
-        let Nearest { mesh: Mesh { mesh, .. }, probe, within, .. } = self.search;
-        mesh.tree().walk_on::<L>(probe, within.max, &mut self.search, self.stack);
+    fn run<L: Level>(mut self) -> Option<ShapeHit> {
+        let ClosestTriangle { mesh: Mesh { mesh, .. }, ray, within, .. } = self.search;
+        mesh.tree().walk_on::<L>(ray, within.max, &mut self.search, self.stack);
         self.search.hit
     }
 }
 
-impl SimdKernel for Walk<'_, Any<'_>> {
+impl SimdKernel for MeshWalk<'_, AnyTriangle<'_>> {
     type Output = bool;
 
     #[inline(always)]
     fn run<L: Level>(mut self) -> bool {
-        let Any { mesh: Mesh { mesh, .. }, probe, within, .. } = self.search;
-        mesh.tree().walk_on::<L>(probe, within.max, &mut self.search, self.stack);
+        let AnyTriangle { mesh: Mesh { mesh, .. }, ray, within, .. } = self.search;
+        mesh.tree().walk_on::<L>(ray, within.max, &mut self.search, self.stack);
         self.search.found
     }
 }
@@ -145,7 +147,7 @@ struct Visit<'a, S> {
     limit: f32,
 }
 
-impl Leaves for Nearest<'_> {
+impl LeafVisitor for ClosestTriangle<'_> {
     #[inline(always)]
     fn prefetch<L: Level>(&self, leaf: u32) {
         L::prefetch(self.mesh.mesh.packets(), leaf as usize);
@@ -157,34 +159,34 @@ impl Leaves for Nearest<'_> {
     }
 }
 
-impl SimdKernel for Visit<'_, Nearest<'_>> {
+impl SimdKernel for Visit<'_, ClosestTriangle<'_>> {
     type Output = Option<f32>;
 
     #[inline(always)]
     fn run<L: Level>(self) -> Option<f32> {
         let Self { search, leaf, slabs, mut limit } = self;
-        let Nearest { mesh: Mesh { mesh, .. }, probe, within, .. } = *search;
+        let ClosestTriangle { mesh: Mesh { mesh, .. }, ray, within, .. } = *search;
         let packet = &mesh.packets()[leaf as usize];
-        let sheared = search.sheared.get_or_insert_with(|| Sheared::new(probe, slabs));
-        let sieve = sheared.sift(&sheared.pass::<L::F32>(packet, limit), limit);
-        let mut candidates = sieve.hit | sieve.unsure;
+        let sheared = search.sheared.get_or_insert_with(|| ShearedRay::new(ray, slabs));
+        let classes = sheared.classify(&sheared.test_edges::<L::F32>(packet, limit), limit);
+        let mut candidates = classes.hit | classes.unsure;
         if candidates == 0 {
             return Some(limit);
         }
-        let (near, ray) = (sieve.near.to_array(), PreparedRay::<f64>::splat(probe));
+        let (near, prepared) = (classes.near.to_array(), PreparedRay::<f64>::splat(ray));
         while candidates != 0 {
             let lane = candidates.trailing_zeros() as usize & 7;
-            let sure = sieve.hit >> lane & 1 == 1;
+            let sure = classes.hit >> lane & 1 == 1;
             candidates &= candidates - 1;
             if sure && near[lane] > limit {
                 continue;
             }
             let triangle = TriangleLanes::splat(mesh.packed_corners(packet, lane));
-            let sheared = triangle.sheared(&ray);
+            let sheared = triangle.sheared(&prepared);
             if !sure && !covers(&sheared) {
                 continue;
             }
-            let Some(at) = triangle.crossing(&ray, &sheared, true, within).one() else { continue };
+            let Some(at) = triangle.crossing(&prepared, &sheared, true, within).one() else { continue };
             search.consider(at.t, packet.part(lane));
             limit = slabs.limit(search.limit());
         }
@@ -192,7 +194,7 @@ impl SimdKernel for Visit<'_, Nearest<'_>> {
     }
 }
 
-impl Leaves for Any<'_> {
+impl LeafVisitor for AnyTriangle<'_> {
     #[inline(always)]
     fn prefetch<L: Level>(&self, leaf: u32) {
         L::prefetch(self.mesh.mesh.packets(), leaf as usize);
@@ -205,37 +207,37 @@ impl Leaves for Any<'_> {
     }
 }
 
-impl SimdKernel for Visit<'_, Any<'_>> {
+impl SimdKernel for Visit<'_, AnyTriangle<'_>> {
     type Output = bool;
 
     #[inline(always)]
     fn run<L: Level>(self) -> bool {
         let Self { search, leaf, slabs, limit } = self;
-        let Any { mesh: Mesh { mesh, .. }, probe, within, .. } = *search;
+        let AnyTriangle { mesh: Mesh { mesh, .. }, ray, within, .. } = *search;
         let packet = &mesh.packets()[leaf as usize];
-        let sheared = search.sheared.get_or_insert_with(|| Sheared::new(probe, slabs));
-        let passed = sheared.pass::<L::F32>(packet, limit);
-        // What is sure is so from the start on.
+        let sheared = search.sheared.get_or_insert_with(|| ShearedRay::new(ray, slabs));
+        let edge_test = sheared.test_edges::<L::F32>(packet, limit);
+        // The filter's certain results assume t = 0 as the start.
         let from_start = within.min == 0.0;
-        if from_start && sheared.within_whole(&passed, limit) != 0 {
+        if from_start && sheared.within_whole(&edge_test, limit) != 0 {
             return true;
         }
-        let sieve = sheared.sift(&passed, limit);
-        let mut candidates = sieve.hit | sieve.unsure;
+        let classes = sheared.classify(&edge_test, limit);
+        let mut candidates = classes.hit | classes.unsure;
         if candidates == 0 {
             return false;
         }
-        if from_start && sheared.within(&sieve, limit) != 0 {
+        if from_start && sheared.within(&classes, limit) != 0 {
             return true;
         }
-        let ray = PreparedRay::<f64>::splat(probe);
+        let prepared = PreparedRay::<f64>::splat(ray);
         while candidates != 0 {
             let lane = candidates.trailing_zeros() as usize & 7;
             candidates &= candidates - 1;
             let triangle = TriangleLanes::splat(mesh.packed_corners(packet, lane));
-            let sheared = triangle.sheared(&ray);
-            let covered = sieve.hit >> lane & 1 == 1 || covers(&sheared);
-            if triangle.crossing(&ray, &sheared, covered, within).is_hit() {
+            let sheared = triangle.sheared(&prepared);
+            let covered = classes.hit >> lane & 1 == 1 || covers(&sheared);
+            if triangle.crossing(&prepared, &sheared, covered, within).is_hit() {
                 return true;
             }
         }
@@ -243,7 +245,7 @@ impl SimdKernel for Visit<'_, Any<'_>> {
     }
 }
 
-impl Leaves for All<'_> {
+impl LeafVisitor for EveryTriangle<'_> {
     #[inline(always)]
     fn prefetch<L: Level>(&self, _: u32) {}
 
@@ -254,7 +256,7 @@ impl Leaves for All<'_> {
         for lane in 0..packet.count() {
             let triangle = TriangleLanes::splat(mesh.packed_corners(packet, lane));
             if let Some(at) = triangle.intersect(ray, *within).one() {
-                take(Crossing::of_part(at.t, packet.part(lane)));
+                take(ShapeHit::of_part(at.t, packet.part(lane)));
             }
         }
         Some(limit)

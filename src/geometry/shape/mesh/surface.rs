@@ -6,12 +6,12 @@ use crate::base::math::{DVec3, LaneRay};
 use crate::geometry::shape::triangle::TriangleLanes;
 use crate::geometry::shape::{LaneHit, LaneSurface, flat};
 
-/// An interpolated unit normal that is not longer than this has no direction: corners' normals are f32, each off by
-/// less than √3 · 2^-25, the rounding of three coordinates below 1, and so is any mean of them.
+/// An interpolated unit normal not longer than this has no direction. Corner normals are f32, each off by less than √3
+/// · 2^-25 (the rounding of three coordinates below 1), and so is any mean of them.
 const NO_DIRECTION: f64 = f32::EPSILON as f64;
 
 out_of_line! {
-    /// The surface where rays meet triangles.
+    /// The surface at hits of triangles.
     pub(super) fn surface_at<'k, F>(mesh: &'k Mesh, ray: &'k LaneRay<F>, at: LaneHit<F>) -> LaneSurface<F> {
         let (triangle, normals, has_normals) = mesh.triangles(at.part);
         let flat = triangle.surface(ray.at(at.t));
@@ -27,7 +27,7 @@ out_of_line! {
 }
 
 impl Mesh {
-    /// The surface where the second and the third corners of triangles have these weights.
+    /// The surface at the given weights of the second and the third corners.
     #[inline(always)]
     pub(super) fn surface_with_weights<F: Real>(&self, weights: [F; 2], part: F::U32) -> LaneSurface<F> {
         let (triangle, normals, has_normals) = self.triangles(part);
@@ -35,13 +35,13 @@ impl Mesh {
         LaneSurface::select(has_normals, triangle.shaded(flat, &normals), flat)
     }
 
-    /// The triangles of parts.
+    /// The triangles with the indices `part`.
     #[inline(always)]
     pub fn triangle<F: Real>(&self, part: F::U32) -> TriangleLanes<F> {
         self.triangles(part).0
     }
 
-    /// Triangles with the normals at their corners, and which of them have some.
+    /// The triangles, the normals at their corners, and the lanes that have normals.
     #[inline(always)]
     fn triangles<F: Real>(&self, part: F::U32) -> (TriangleLanes<F>, [Vec3<F>; 3], F::Mask) {
         let parts = part.to_array();
@@ -83,7 +83,7 @@ impl<F: Real> TriangleLanes<F> {
         flat::placed(self.corners[0], near, normal)
     }
 
-    /// The surface with the normal that the corners' normals come to.
+    /// The surface with the interpolated normal.
     #[inline(always)]
     fn shaded(&self, surface: LaneSurface<F>, [p, q, r]: &[Vec3<F>; 3]) -> LaneSurface<F> {
         let [x, y] = self.weights(surface.point);
@@ -95,8 +95,8 @@ impl<F: Real> TriangleLanes<F> {
         LaneSurface { shading: Vec3::select(directed, unit, surface.normal), ..surface }
     }
 
-    /// The way to the smooth surface on the side that is `seen`: the point is moved onto the planes across the corners'
-    /// normals that lie above it, and these points are weighted as the corners are.
+    /// The offset to the smooth surface on the side that is `seen`. The point is projected onto those planes across
+    /// the corners' normals that lie above it. The projections are interpolated with the weights of the corners.
     #[inline(always)]
     fn lift(&self, surface: &LaneSurface<F>, [p, q, r]: &[Vec3<F>; 3], seen: Vec3<F>) -> Vec3<F> {
         let [a, b, c] = self.corners;
@@ -108,7 +108,7 @@ impl<F: Real> TriangleLanes<F> {
     }
 }
 
-/// The way to the plane across a corner's normal, as far as the corner weighs.
+/// The offset to the plane across a corner's normal, times the weight of the corner.
 #[inline(always)]
 fn above<F: Real>(to_corner: Vec3<F>, normal: Vec3<F>, seen: Vec3<F>, weight: F) -> Vec3<F> {
     let zero = F::splat(0.0);

@@ -1,27 +1,30 @@
-//! Meshes as shapes: what is hit, and what the surface is like there.
+//! Meshes as shapes: hits, surfaces and samples.
 
-use super::*;
+use super::Mesh;
+use crate::base::color::Rgb;
 use crate::base::lanes::tests::on_all_levels;
-use crate::base::lanes::{Level, SimdKernel, dispatch};
-use crate::base::math::Ray;
-use crate::geometry::mesh::{Corners, Parts, generate};
-use crate::geometry::shape::{Crossing, OneRay, Surface, Triangle};
+use crate::base::lanes::{Level, Mask, Row, SimdKernel, dispatch};
+use crate::base::math::{DVec2, DVec3, Ray};
+use crate::geometry::bvh::TraversalRay;
+use crate::geometry::mesh::{self, Corners, MeshData, Normals, generate};
+use crate::geometry::shape::{Geometric, LaneHit, OneRay, ShapeHit, Surface, Triangle};
 use crate::testing::{Random, eight_rays};
 use glam::Vec3;
+use std::sync::Arc;
 
-fn shape(parts: Parts, normals: Normals) -> Mesh {
-    Mesh { mesh: Arc::new(mesh::Mesh::new(parts).expect("a mesh")), normals }
+fn shape(parts: MeshData, normals: Normals) -> Mesh {
+    Mesh { mesh: Arc::new(mesh::TriangleMesh::new(parts).expect("a mesh")), normals }
 }
 
-fn triangle() -> Parts {
+fn triangle() -> MeshData {
     let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
-    Parts { positions, triangles: vec![[0, 1, 2]], ..Parts::default() }
+    MeshData { positions, triangles: vec![[0, 1, 2]], ..MeshData::default() }
 }
 
-/// Where a ray meets a triangle of the mesh.
-fn crossed(mesh: &Mesh, part: u32, probe: &Probe) -> Option<f64> {
+/// The t of a ray's hit with one triangle of the mesh.
+fn crossed(mesh: &Mesh, part: u32, ray: &TraversalRay) -> Option<f64> {
     let triangle = Triangle { corners: mesh.mesh.corners(part) };
-    triangle.hit(probe, f64::INFINITY).map(|crossing| crossing.t)
+    triangle.hit(ray, f64::INFINITY).map(|hit| hit.t)
 }
 
 fn down(x: f64, y: f64) -> Ray {
@@ -35,18 +38,18 @@ fn the_tree_finds_what_every_triangle_finds() {
     let mut hits = 0;
     for _ in 0..3000 {
         let origin = random.point(3.0);
-        let probe = Probe::new(Ray { origin, direction: random.point(1.0) - origin });
+        let ray = TraversalRay::new(Ray { origin, direction: random.point(1.0) - origin });
         let each = (0..mesh.mesh.triangles().len() as u32)
-            .filter_map(|part| Some(Crossing::of_part(crossed(&mesh, part, &probe)?, part)));
+            .filter_map(|part| Some(ShapeHit::of_part(crossed(&mesh, part, &ray)?, part)));
         let nearest = each.min_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
-        let found = || (mesh.hit(&probe, f64::INFINITY), mesh.blocks(&probe, f64::INFINITY));
+        let found = || (mesh.hit(&ray, f64::INFINITY), mesh.blocks(&ray, f64::INFINITY));
         for (level, found) in on_all_levels(found) {
             assert_eq!(found, (nearest, nearest.is_some()), "{level:?}");
         }
-        if let Some(Crossing { t, .. }) = nearest {
+        if let Some(ShapeHit { t, .. }) = nearest {
             hits += 1;
-            assert_eq!(mesh.hit(&probe, t), None, "nothing lies before the nearest");
-            assert!(!mesh.blocks(&probe, t) && mesh.blocks(&probe, t.next_up()));
+            assert_eq!(mesh.hit(&ray, t), None, "nothing lies before the nearest");
+            assert!(!mesh.blocks(&ray, t) && mesh.blocks(&ray, t.next_up()));
         }
     }
     assert!(hits > 500, "{hits}");
@@ -57,7 +60,7 @@ fn the_tree_finds_what_every_triangle_finds() {
 fn sh_14_texture_coordinates_are_interpolated() {
     let with = |uvs: [(f64, f64); 3]| {
         let uvs = uvs.map(|(u, v)| DVec2::new(u, v)).to_vec();
-        shape(Parts { uvs: Some(Corners::per_vertex(uvs)), ..triangle() }, Normals::Flat)
+        shape(MeshData { uvs: Some(Corners::per_vertex(uvs)), ..triangle() }, Normals::Flat)
     };
     let third = 1.0 / 3.0;
     let ulps = |a: DVec2, b: DVec2| (a - b).abs().max_element() / (0.5 * f64::EPSILON);
@@ -72,22 +75,22 @@ fn sh_14_texture_coordinates_are_interpolated() {
 #[test]
 fn vertex_colours_are_interpolated() {
     let colors = vec![Rgb::X, Rgb::Y, Rgb::Z];
-    let mesh = shape(Parts { colors, ..triangle() }, Normals::Flat);
+    let mesh = shape(MeshData { colors, ..triangle() }, Normals::Flat);
     assert_eq!(mesh.color(DVec3::new(0.5, 0.25, 0.0), 0), Rgb::new(0.25, 0.5, 0.25));
     assert_eq!(shape(triangle(), Normals::Flat).color(DVec3::ZERO, 0), Rgb::ONE);
 }
 
 fn with_normals(normals: [Vec3; 3]) -> Mesh {
-    shape(Parts { normals: Some(Corners::per_vertex(normals.to_vec())), ..triangle() }, Normals::File)
+    shape(MeshData { normals: Some(Corners::per_vertex(normals.to_vec())), ..triangle() }, Normals::File)
 }
 
-/// INT-15 (f) and its relatives: no direction left, not finite, none given.
+/// INT-15 (f) and related cases: normals that cancel, are not finite, or are missing.
 #[test]
 fn int_15_the_geometric_normal_stands_in_for_one_without_a_direction() {
     let n = Vec3::new(0.3, 0.4, 0.866).normalize();
     for normals in [[n, -n, Vec3::X], [Vec3::ZERO; 3], [Vec3::NAN; 3], [Vec3::INFINITY; 3]] {
         let mesh = with_normals(normals);
-        let at = mesh.hit(&Probe::new(down(0.5, 0.0)), f64::INFINITY).expect("a hit");
+        let at = mesh.hit(&TraversalRay::new(down(0.5, 0.0)), f64::INFINITY).expect("a hit");
         let surface = mesh.surface_at(&down(0.5, 0.0), at);
         assert_eq!((surface.normal, surface.shading), (DVec3::Z, DVec3::Z));
     }
@@ -97,7 +100,7 @@ fn int_15_the_geometric_normal_stands_in_for_one_without_a_direction() {
 fn shading_normals_stay_on_the_geometric_side() {
     let lean = Vec3::new(0.6, 0.0, 0.8);
     for normals in [[lean; 3], [-lean; 3], [lean * 1e-30; 3], [lean * 1e30; 3]] {
-        let surface = with_normals(normals).surface_at(&down(0.2, 0.2), Crossing::at(1.0));
+        let surface = with_normals(normals).surface_at(&down(0.2, 0.2), ShapeHit::at(1.0));
         assert!((surface.shading - DVec3::new(0.6, 0.0, 0.8)).length() < 1e-7, "{normals:?}");
         assert_eq!(surface.normal, DVec3::Z);
     }
@@ -110,18 +113,18 @@ fn int_15_what_has_no_area_is_never_hit() {
     let positions =
         vec![p(0.0, 0.0), p(1.0, 0.0), p(0.0, 1.0), p(2.0, 0.0), p(1.4e-21, 0.0), p(0.0, 1.4e-21)];
     let triangles = vec![[1, 1, 1], [0, 1, 3], [0, 4, 5], [0, 1, 2], [0, 1, 1]];
-    let mesh = shape(Parts { positions, triangles, ..Parts::default() }, Normals::Flat);
+    let mesh = shape(MeshData { positions, triangles, ..MeshData::default() }, Normals::Flat);
     assert_eq!((mesh.mesh.skipped, mesh.mesh.triangles()), (4, &[[0, 1, 2]][..]));
     let edge_on = Ray { origin: DVec3::new(-1.0, 0.5, 0.0), direction: DVec3::X };
-    assert_eq!(mesh.hit(&Probe::new(edge_on), f64::INFINITY), None);
-    assert_eq!(mesh.hit(&Probe::new(down(1.5, 0.0)), f64::INFINITY), None);
+    assert_eq!(mesh.hit(&TraversalRay::new(edge_on), f64::INFINITY), None);
+    assert_eq!(mesh.hit(&TraversalRay::new(down(1.5, 0.0)), f64::INFINITY), None);
 }
 
 #[test]
 fn points_are_drawn_evenly() {
     let positions =
         vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(3.0, 0.0, 1.0), DVec3::new(0.0, 3.0, 1.0), DVec3::Z];
-    let parts = Parts { positions, triangles: vec![[0, 1, 2], [5, 3, 4]], ..Parts::default() };
+    let parts = MeshData { positions, triangles: vec![[0, 1, 2], [5, 3, 4]], ..MeshData::default() };
     let mesh = shape(parts, Normals::Flat);
     assert_eq!(mesh.area(), Some(5.0));
     let mut random = Random(5);
@@ -139,8 +142,8 @@ fn points_are_drawn_evenly() {
     }
 }
 
-/// The surfaces where eight rays cross a mesh.
-struct Eight<'a>(&'a Mesh, &'a [Ray; 8], &'a [Crossing; 8]);
+/// The surfaces at hits of eight rays with a mesh.
+struct Eight<'a>(&'a Mesh, &'a [Ray; 8], &'a [ShapeHit; 8]);
 
 impl SimdKernel for Eight<'_> {
     type Output = [Surface; 8];
@@ -151,7 +154,7 @@ impl SimdKernel for Eight<'_> {
         let at = LaneHit::<L::F64> {
             t: L::F64::from_array(at.map(|at| at.t)),
             part: L::U32::from_array(at.map(|at| at.part)),
-            crowded: L::Mask::splat(false),
+            coincident: L::Mask::splat(false),
         };
         mesh.surface(&eight_rays::<L>(rays), at, 0.0).store()
     }
@@ -160,17 +163,17 @@ impl SimdKernel for Eight<'_> {
 #[test]
 fn eight_surfaces_are_those_of_each() {
     let mut random = Random(21);
-    let mesh = Arc::new(mesh::Mesh::new(generate::displaced_sphere(3, 5)).expect("a mesh"));
+    let mesh = Arc::new(mesh::TriangleMesh::new(generate::displaced_sphere(3, 5)).expect("a mesh"));
     let mut lifted = 0;
     for normals in [Normals::Smooth, Normals::Flat].into_iter().cycle().take(600) {
         let mesh = Mesh { mesh: mesh.clone(), normals };
         let rays: [Ray; 8] = std::array::from_fn(|_| {
-            // From inside, too, where the normals are on the other side.
+            // From inside too, where the normals face away.
             let reach = if random.unit() < 0.3 { 0.2 } else { 3.0 };
             let origin = random.point(reach);
             Ray { origin, direction: (random.point(0.3) - origin).normalize() }
         });
-        let at = rays.map(|ray| mesh.hit(&Probe::new(ray), f64::INFINITY));
+        let at = rays.map(|ray| mesh.hit(&TraversalRay::new(ray), f64::INFINITY));
         let Some(at) = at.into_iter().collect::<Option<Vec<_>>>() else { continue };
         let at = at.try_into().expect("eight");
         for (level, surfaces) in on_all_levels(|| dispatch(Eight(&mesh, &rays, &at))) {

@@ -1,87 +1,88 @@
-//! One film: what its samples cost, how far its error falls, and what follows for any quality.
+//! Time and error of one film, measured by a pilot, and the forecast for any quality.
 
-use crate::base::clock::Took;
+use crate::base::clock::ElapsedTime;
 use crate::sequence::quality::{NoiseTarget, Quality};
-use crate::trace::LEAST_SAMPLES;
+use crate::trace::MIN_SAMPLES;
 use std::f64::consts::SQRT_2;
 
-/// What a pilot has found of a film.
+/// Measurements of a film.
 #[derive(Clone, Debug)]
 pub struct PilotFilm {
-    /// Its place among the films of the run.
+    /// Index among the films of the run.
     pub place: usize,
     pub pixels: f64,
-    /// Moments at which it is traced.
+    /// Number of moments at which the film is traced.
     pub moments: u32,
-    /// To put things in their places and build trees, once for each moment.
-    pub prepare: Took,
-    /// A sample of a pixel, on average; and the rays that it sends, that of the camera among them.
-    pub sample: Took,
+    /// Time to place objects and build trees, for all moments once.
+    pub prepare: ElapsedTime,
+    /// Mean time of one sample of a pixel, and the mean number of its rays, including the camera ray.
+    pub sample: ElapsedTime,
     pub rays: f64,
-    /// None where samples stand on a grid.
+    /// None if samples form a regular grid.
     pub noise: Option<FilmNoise>,
 }
 
-/// How noisy a film is.
+/// The noise of a film.
 #[derive(Clone, Debug)]
 pub struct FilmNoise {
-    /// Samples of a pixel that what follows is about.
+    /// Samples per pixel at which the blocks were measured.
     pub samples: f64,
     pub blocks: Vec<BlockNoise>,
-    /// The squared error falls as this power of samples.
+    /// The squared error falls with this power of the number of samples.
     pub power: f64,
-    /// Standard deviation of the sum of all blocks, as a share: of those that were tried, and of all of the film.
+    /// Relative standard deviation of the squared error, summed over the probed blocks (`spread`) and scaled to the
+    /// whole film (`whole_spread`).
     pub spread: f64,
     pub whole_spread: f64,
 }
 
-/// A block of a film, as one of those that were tried.
+/// Noise of one probed block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockNoise {
-    /// What it adds to the film's squared error if samples were independent, as a share of the squared mean: as the last pass
-    /// says, and as those before it say.
+    /// Contribution to the film's squared error for independent samples, divided by the squared mean: from the last
+    /// pass, and from the passes before it.
     pub squares: [f64; 2],
-    /// Its share of the pixels.
+    /// Share of the pixels.
     pub share: f64,
-    /// What a sample of it costs, relative to the mean.
+    /// Cost of a sample relative to the mean.
     pub cost: f64,
 }
 
-/// What a film is expected to take.
+/// Forecast for one film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmForecast {
-    pub took: Took,
-    /// Samples of a pixel, on average.
+    pub took: ElapsedTime,
+    /// Mean samples per pixel.
     pub samples: f64,
-    /// Samples of all pixels, and rays of all kinds.
+    /// Camera samples of all pixels, and rays of all kinds.
     pub camera: f64,
     pub rays: f64,
-    /// Its error, of the worst of its frames; none where nothing is random.
+    /// Error of the worst frame of the film. None if nothing is random.
     pub error: Option<f64>,
-    /// Whether the limit of samples comes before the error that was asked for.
+    /// Whether the limit of samples is reached before the target error.
     pub missed: bool,
 }
 
-/// How the pilot may be wrong: from less work to more.
+/// Deviation of the pilot: -1 assumes less work, 1 more.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Doubt(f64);
+pub struct Uncertainty(f64);
 
-/// What samples cost in other parts of the film is known to about this share.
+/// Relative uncertainty of the cost of a sample in other parts of the film.
 const COST: f64 = 0.07;
 
-/// What the power of samples is known to.
+/// Uncertainty of the exponent.
 const POWER: f64 = 0.05;
 
-impl Doubt {
+impl Uncertainty {
     pub const NONE: Self = Self(0.0);
     pub const ALL: [Self; 3] = [Self(-1.0), Self::NONE, Self(1.0)];
 }
 
 impl FilmForecast {
     pub const NOTHING: Self =
-        Self { took: Took::ZERO, samples: 0.0, camera: 0.0, rays: 0.0, error: None, missed: false };
+        Self { took: ElapsedTime::ZERO, samples: 0.0, camera: 0.0, rays: 0.0, error: None, missed: false };
 
-    /// A film that is so far on the way from this one to another.
+    /// Interpolates linearly between two films.
     pub fn towards(&self, other: &Self, part: f64) -> Self {
         let mix = |a: f64, b: f64| a * (1.0 - part) + b * part;
         Self {
@@ -100,38 +101,38 @@ impl PilotFilm {
         self.noise.is_some()
     }
 
-    /// What it takes with this quality.
-    pub fn forecast(&self, quality: &Quality, doubt: Doubt) -> FilmForecast {
+    /// Forecast for this quality.
+    pub fn forecast(&self, quality: &Quality, uncertainty: Uncertainty) -> FilmForecast {
         let Some(noise) = &self.noise else {
             let samples = f64::from(quality.antialias * quality.antialias);
-            return self.with(samples, samples, 1.0, doubt);
+            return self.with(samples, samples, 1.0, uncertainty);
         };
         match &quality.noise {
             None => {
                 let samples = f64::from(quality.samples);
-                let error = Some(noise.even(samples, doubt).sqrt());
-                FilmForecast { error, ..self.with(samples, samples, 1.0, doubt) }
+                let error = Some(noise.even(samples, uncertainty).sqrt());
+                FilmForecast { error, ..self.with(samples, samples, 1.0, uncertainty) }
             }
-            Some(target) => self.until(noise, target, doubt),
+            Some(target) => self.until(noise, target, uncertainty),
         }
     }
 
-    /// What it takes to reach an error.
-    fn until(&self, noise: &FilmNoise, target: &NoiseTarget, doubt: Doubt) -> FilmForecast {
-        let Allocated { samples, work, most, square } = noise.allocated(target, doubt);
-        // If things move, every round of samples looks at all moments again.
-        let first = f64::from(LEAST_SAMPLES / 2);
+    /// Forecast for a target error.
+    fn until(&self, noise: &FilmNoise, target: &NoiseTarget, uncertainty: Uncertainty) -> FilmForecast {
+        let Allocated { samples, work, most, square } = noise.allocated(target, uncertainty);
+        // If something moves, every round of samples visits all moments again.
+        let first = f64::from(MIN_SAMPLES / 2);
         let rounds = if self.moments > 1 { 1.0 + libm::log2(most / first).max(0.0).ceil() } else { 1.0 };
         FilmForecast {
             error: Some(square.sqrt()),
             missed: square > target.error * target.error,
-            ..self.with(samples, work, rounds, doubt)
+            ..self.with(samples, work, rounds, uncertainty)
         }
     }
 
-    /// So many samples a pixel, in so many rounds; `work` is the same weighted by what they cost.
-    fn with(&self, samples: f64, work: f64, rounds: f64, doubt: Doubt) -> FilmForecast {
-        let seconds = self.sample * (work * self.pixels * (1.0 + COST * doubt.0));
+    /// Forecast for `samples` per pixel in `rounds`. `work` is the number of samples weighted by their cost.
+    fn with(&self, samples: f64, work: f64, rounds: f64, uncertainty: Uncertainty) -> FilmForecast {
+        let seconds = self.sample * (work * self.pixels * (1.0 + COST * uncertainty.0));
         FilmForecast {
             took: self.prepare * rounds + seconds,
             samples,
@@ -142,32 +143,33 @@ impl PilotFilm {
     }
 }
 
-/// How samples are spread over the blocks of a film.
+/// How samples are distributed over the blocks of a film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Allocated {
-    /// Mean over the pixels, and the same weighted by what blocks cost.
+    /// Mean over the pixels, without and with the costs of blocks as weights.
     samples: f64,
     work: f64,
-    /// Of the block that has most.
+    /// Samples of the block with most samples.
     most: f64,
-    /// The squared error that is left.
+    /// Squared error.
     square: f64,
 }
 
 impl FilmNoise {
-    /// The squared error with so many samples in every pixel.
-    fn even(&self, samples: f64, doubt: Doubt) -> f64 {
+    /// Squared error if every pixel has this number of samples.
+    fn even(&self, samples: f64, uncertainty: Uncertainty) -> f64 {
         let sum: f64 = self.blocks.iter().map(|block| block.square(0.5)).sum();
-        sum * self.scale(doubt) * libm::pow(self.samples / samples, self.power_of(doubt))
+        sum * self.scale(uncertainty) * libm::pow(self.samples / samples, self.power_of(uncertainty))
     }
 
-    /// The samples with which an error is reached, or with which pixels may have no more: blocks are given twice their
-    /// samples by the rule of `trace::adaptive`, with errors that fall as the pilot says.
+    /// Allocates samples until the film reaches the target error or all pixels reach the limit. Blocks double their
+    /// samples by the rule of `trace::adaptive`, and errors fall as the pilot measured.
     ///
-    /// Samples that go to where a pilot has found noise do not help where it has overlooked it. So errors are judged by
-    /// other passes than samples are given, in part: the sampler itself finds out more on its way.
-    fn allocated(&self, target: &NoiseTarget, doubt: Doubt) -> Allocated {
-        let [a, b] = [0.25, 0.75].map(|part| self.allocated_by(part, target, doubt));
+    /// Samples that follow the noise which the pilot found miss the noise that it overlooked. Therefore the passes
+    /// that judge the error differ in part from those that allocate samples. The sampler itself learns more while it
+    /// runs.
+    fn allocated(&self, target: &NoiseTarget, uncertainty: Uncertainty) -> Allocated {
+        let [a, b] = [0.25, 0.75].map(|part| self.allocated_by(part, target, uncertainty));
         Allocated {
             samples: (a.samples + b.samples) / 2.0,
             work: (a.work + b.work) / 2.0,
@@ -176,25 +178,25 @@ impl FilmNoise {
         }
     }
 
-    /// Samples are given by this part of the last pass, and errors are judged by the rest of it.
-    fn allocated_by(&self, part: f64, target: &NoiseTarget, doubt: Doubt) -> Allocated {
+    /// Allocates samples by `part` of the last pass, and judges errors by the rest.
+    fn allocated_by(&self, part: f64, target: &NoiseTarget, uncertainty: Uncertainty) -> Allocated {
         let goal = target.error * target.error;
-        let mut samples = vec![LEAST_SAMPLES.min(target.most); self.blocks.len()];
+        let mut samples = vec![MIN_SAMPLES.min(target.most); self.blocks.len()];
         loop {
-            let now = self.with(&samples, 1.0 - part, doubt);
-            // Sampling goes on until the error is met by more than a standard deviation.
+            let now = self.with(&samples, 1.0 - part, uncertainty);
+            // The sampler stops only when the error plus one standard deviation meets the target.
             let met = now.square * (1.0 + self.whole_spread) <= goal;
             if met || samples.iter().all(|&samples| samples >= target.most) {
                 return now;
             }
-            let wanted = self.wanted(&samples, part, target, self.scale(doubt) / goal);
+            let wanted = self.wanted(&samples, part, target, self.scale(uncertainty) / goal);
             for (samples, _) in samples.iter_mut().zip(wanted).filter(|(_, wanted)| *wanted) {
                 *samples = samples.saturating_mul(2).min(target.most);
             }
         }
     }
 
-    /// Which blocks get more samples: those that have less than in proportion to the root of their variance over their cost.
+    /// Selects the blocks that get more samples: those with fewer samples than sqrt(variance / cost) in proportion.
     fn wanted(&self, samples: &[u32], part: f64, target: &NoiseTarget, unit: f64) -> Vec<bool> {
         let open: Vec<bool> = samples.iter().map(|&samples| samples < target.most).collect();
         let roots = self
@@ -219,8 +221,8 @@ impl FilmNoise {
         }
     }
 
-    fn with(&self, samples: &[u32], part: f64, doubt: Doubt) -> Allocated {
-        let power = self.power_of(doubt);
+    fn with(&self, samples: &[u32], part: f64, uncertainty: Uncertainty) -> Allocated {
+        let power = self.power_of(uncertainty);
         let mut all = Allocated { samples: 0.0, work: 0.0, most: 0.0, square: 0.0 };
         for (block, &samples) in self.blocks.iter().zip(samples) {
             let samples = f64::from(samples);
@@ -229,23 +231,24 @@ impl FilmNoise {
             all.most = all.most.max(samples);
             all.square += block.square(part) * libm::pow(self.samples / samples, power);
         }
-        Allocated { square: all.square * self.scale(doubt), ..all }
+        Allocated { square: all.square * self.scale(uncertainty), ..all }
     }
 
-    /// The squared error that is told, as a share of that of independent samples: half way between that and what the
-    /// power of the samples says ([`crate::trace`]); and by how much it may be wrong.
-    fn scale(&self, doubt: Doubt) -> f64 {
-        let gain = 1.0 / (libm::exp2(self.power_of(doubt)) - 1.0);
-        (1.0 + gain) / 2.0 * libm::pow(1.0 + 2.0 * self.spread, doubt.0)
+    /// Ratio of the reported squared error to that of independent samples. The reported error is halfway between the
+    /// error of independent samples and the error that the exponent predicts ([`crate::trace`]). Includes the
+    /// uncertainty.
+    fn scale(&self, uncertainty: Uncertainty) -> f64 {
+        let gain = 1.0 / (libm::exp2(self.power_of(uncertainty)) - 1.0);
+        (1.0 + gain) / 2.0 * libm::pow(1.0 + 2.0 * self.spread, uncertainty.0)
     }
 
-    fn power_of(&self, doubt: Doubt) -> f64 {
-        (self.power - POWER * doubt.0).clamp(1.0, 1.5)
+    fn power_of(&self, uncertainty: Uncertainty) -> f64 {
+        (self.power - POWER * uncertainty.0).clamp(1.0, 1.5)
     }
 }
 
 impl BlockNoise {
-    /// By this part of the last pass, and the rest of those before it.
+    /// Mixes the last pass, weighted by `part`, with the passes before it.
     fn square(&self, part: f64) -> f64 {
         part * self.squares[0] + (1.0 - part) * self.squares[1]
     }
@@ -255,18 +258,18 @@ impl BlockNoise {
 mod tests {
     use super::*;
 
-    /// Two halves of a film, of which the second has nine times the squared error.
+    /// A film of two halves. The second has nine times the squared error of the first.
     fn film(power: f64) -> PilotFilm {
         let block = |square: f64| BlockNoise { squares: [square; 2], share: 0.5, cost: 1.0 };
         let blocks = vec![block(0.001), block(0.009)];
         let noise = FilmNoise { samples: 100.0, blocks, power, spread: 0.0, whole_spread: 0.0 };
-        let (prepare, sample) = (Took { wall: 1.0, cpu: None }, Took { wall: 1e-6, cpu: None });
+        let (prepare, sample) = (ElapsedTime { wall: 1.0, cpu: None }, ElapsedTime { wall: 1e-6, cpu: None });
         PilotFilm { place: 0, pixels: 1e6, moments: 1, prepare, sample, rays: 1.0, noise: Some(noise) }
     }
 
     fn forecast(film: &PilotFilm, samples: u32, noise: Option<(f64, u32)>) -> FilmForecast {
         let noise = noise.map(|(error, most)| NoiseTarget { error, most });
-        film.forecast(&Quality { samples, noise, ..Quality::default() }, Doubt::NONE)
+        film.forecast(&Quality { samples, noise, ..Quality::default() }, Uncertainty::NONE)
     }
 
     #[test]
@@ -277,7 +280,7 @@ mod tests {
         assert!((found[1].took.wall - 401.0).abs() < 1e-9, "{found:?}");
     }
 
-    /// The half with nine times the error has more samples than the other.
+    /// The half with nine times the squared error gets more samples.
     #[test]
     fn an_error_takes_less_than_even_samples() {
         let found = forecast(&film(1.0), 1, Some((0.1, 1 << 20)));
@@ -300,7 +303,8 @@ mod tests {
         let film = film(1.2);
         let quality =
             Quality { noise: Some(NoiseTarget { error: 0.02, most: 1 << 20 }), ..Quality::default() };
-        let [low, mid, high] = Doubt::ALL.map(|doubt| film.forecast(&quality, doubt).took.wall);
+        let [low, mid, high] =
+            Uncertainty::ALL.map(|uncertainty| film.forecast(&quality, uncertainty).took.wall);
         assert!(low < mid && mid < high);
     }
 }

@@ -1,26 +1,26 @@
-//! What passes over a film's blocks say together, each of which doubles their samples.
+//! Combines the passes over a film's blocks. Each pass doubles the samples.
 
 use super::film::{BlockNoise, FilmNoise};
 use crate::base::color::Rgb;
-use crate::trace::{BlockError, Probe};
+use crate::trace::{BlockError, PilotBlocks};
 
-/// What the passes over a film have said so far.
+/// Results of all passes over a film so far.
 #[derive(Default)]
 pub struct Passes {
-    /// Of the worst weighting: each block's squared error, joined from all passes; by the last one alone, and by those before
-    /// it.
+    /// Index of the worst weighting of layers. For it: each block's squared error combined from all passes (`blocks`),
+    /// and separately from the last pass and from those before it (`apart`).
     weighting: usize,
     blocks: Vec<BlockError>,
     apart: Vec<[f64; 2]>,
     mean: f64,
     samples: f64,
-    /// By which powers of two the squared error fell from one pass to the next.
+    /// Exponents of two by which the squared error fell from one pass to the next.
     falls: Vec<f64>,
 }
 
 impl Passes {
-    /// What halves of so many samples, and so many in all, say.
-    pub fn add(&mut self, probe: &Probe, weightings: &[Vec<Rgb>], (before, after): (u32, u32)) {
+    /// Adds a pass. `before` and `after` are the numbers of samples per pixel before and after it.
+    pub fn add(&mut self, probe: &PilotBlocks, weightings: &[Vec<Rgb>], (before, after): (u32, u32)) {
         let sum = |blocks: &[BlockError], part: fn(&BlockError) -> f64| -> f64 {
             let pixels: f64 = blocks.iter().map(|block| block.pixels).sum();
             blocks.iter().map(|block| part(block) * block.pixels / pixels).sum()
@@ -32,7 +32,7 @@ impl Passes {
         };
         let worst = found.enumerate().max_by(|(_, a), (_, b)| relative(a).total_cmp(&relative(b)));
         let Some((weighting, mut blocks)) = worst else { return };
-        // What was known of another weighting does not count.
+        // Results of another weighting are discarded.
         if std::mem::replace(&mut self.weighting, weighting) != weighting {
             self.blocks.clear();
         }
@@ -42,7 +42,7 @@ impl Passes {
         if now > 0.0 && last > 0.0 {
             let fall = libm::log2(last / now);
             self.falls.push(fall);
-            // Half of what is known is of the passes before.
+            // Earlier passes contribute half of the estimate.
             let factor = libm::exp2(-fall.clamp(1.0, 1.5));
             let parts = blocks.iter_mut().zip(&self.blocks).zip(&mut self.apart);
             for ((block, before), apart) in parts {
@@ -55,7 +55,7 @@ impl Passes {
         (self.blocks, self.samples) = (blocks, f64::from(after));
     }
 
-    /// For a film of so many pixels.
+    /// The noise of a film of `whole` pixels.
     pub fn noise(&self, whole: f64) -> FilmNoise {
         let pixels: f64 = self.blocks.iter().map(|block| block.pixels).sum();
         let rays = self.blocks.iter().map(|block| block.rays * block.pixels).sum::<f64>() / pixels;

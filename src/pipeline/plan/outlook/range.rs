@@ -1,6 +1,6 @@
-//! Numbers that nobody knows exactly.
+//! Estimates with bounds.
 
-/// The likely value, and two between which it should lie.
+/// A likely value, and the bounds between which it should be.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Range {
     pub low: f64,
@@ -9,12 +9,12 @@ pub struct Range {
 }
 
 impl Range {
-    /// In any order.
+    /// A range of these values. The bounds may be in any order.
     pub fn new(a: f64, mid: f64, b: f64) -> Self {
         Self { low: a.min(b).min(mid), mid, high: a.max(b).max(mid) }
     }
 
-    /// Whether the likely value is a good answer by itself.
+    /// Whether the likely value alone is a good answer: the bounds differ by at most a factor of 1.5.
     pub fn is_narrow(&self) -> bool {
         self.high <= 1.5 * self.low
     }

@@ -1,7 +1,7 @@
-//! Eight u32 in a register.
+//! Eight u32 in one register.
 
 use super::{F64x8, Mask8, U32x8};
-use crate::base::lanes::x86::{methods, row};
+use crate::base::lanes::x86::macros::{methods, row};
 use crate::base::lanes::{Bits, Lookup, Mask, Row, Select};
 use std::arch::x86_64::*;
 
@@ -26,7 +26,7 @@ impl U32x8 {
     #[inline(always)]
     pub(super) unsafe fn compressed(self, mask: Mask8, into: *mut u32) {
         unsafe {
-            // A byte of all ones for each chosen lane, and by it the numbers of the chosen lanes, a byte each.
+            // Make a byte of all ones for each selected lane, then extract the indices of these lanes, one byte each.
             let chosen = _pdep_u64(u64::from(mask.bits()), 0x0101_0101_0101_0101).wrapping_mul(0xff);
             let order = _pext_u64(0x0706_0504_0302_0100, chosen);
             let order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(order.cast_signed()));
@@ -76,7 +76,7 @@ impl Bits for U32x8 {
     #[inline(always)]
     fn lt(self, other: Self) -> Mask8 {
         unsafe {
-            // Signed comparisons of numbers whose order is turned to that of signed ones.
+            // AVX2 has signed comparisons only. Flipping the top bits maps unsigned order to signed order.
             let half = _mm256_set1_epi32(i32::MIN);
             let (a, b) = (_mm256_xor_si256(self.0, half), _mm256_xor_si256(other.0, half));
             Mask8::widened(_mm256_cmpgt_epi32(b, a))
@@ -94,18 +94,18 @@ impl Bits for U32x8 {
 #[inline(always)]
 unsafe fn to_f64(values: __m128i) -> __m256d {
     unsafe {
-        // 2^52 with the number as its last bits, less 2^52.
+        // Put the number into the last bits of 2^52, then subtract 2^52.
         let shift = _mm256_set1_pd(4_503_599_627_370_496.0);
         let bits = _mm256_or_si256(_mm256_cvtepu32_epi64(values), _mm256_castpd_si256(shift));
         _mm256_sub_pd(_mm256_castsi256_pd(bits), shift)
     }
 }
 
-/// The bits of each number the other way round.
+/// The bits of each number in reverse order.
 #[inline(always)]
 pub unsafe fn reverse_bits(value: __m256i) -> __m256i {
     unsafe {
-        // Bytes the other way round, and of every byte both halves by a table.
+        // Reverse the bytes, then both halves of every byte by a table.
         let bytes = _mm256_setr_epi8(
             3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12, 3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15,
             14, 13, 12,

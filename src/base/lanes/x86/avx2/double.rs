@@ -1,7 +1,7 @@
 //! Eight f64 in two registers.
 
 use super::{Avx2, F32x8, F64x8, Mask8, U32x8, halves};
-use crate::base::lanes::x86::row;
+use crate::base::lanes::x86::macros::row;
 use crate::base::lanes::{Lookup, Mask, NEAR_ZERO, Real, Row, Select};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -27,7 +27,7 @@ impl F64x8 {
         }
     }
 
-    /// The chosen lanes, at a place for eight.
+    /// Writes the selected lanes first. `into` has room for eight.
     #[inline(always)]
     unsafe fn compressed(self, mask: Mask8, into: *mut f64) {
         unsafe {
@@ -39,7 +39,7 @@ impl F64x8 {
     }
 }
 
-/// The chosen ones of four f64 first.
+/// Moves the selected ones of four f64 to the front.
 #[inline(always)]
 unsafe fn compressed_half(values: __m256d, bits: u32) -> __m256d {
     unsafe {
@@ -49,7 +49,7 @@ unsafe fn compressed_half(values: __m256d, bits: u32) -> __m256d {
     }
 }
 
-/// For every choice of four lanes of 64 bits, the halves of the chosen ones.
+/// For every set of four 64-bit lanes, the 32-bit halves of its lanes.
 static COMPRESS: [[u32; 8]; 16] = {
     let mut orders = [[0; 8]; 16];
     let mut bits = 0;
@@ -77,7 +77,7 @@ impl Select<Mask8> for F64x8 {
     }
 }
 
-/// Operators of f64, half by half.
+/// Implements operators of f64, half by half.
 macro_rules! operators_of_halves {
     ($($trait:ident $method:ident $intrinsic:ident),* $(,)?) => {
         $(impl $trait for F64x8 {
@@ -103,7 +103,7 @@ impl Neg for F64x8 {
     }
 }
 
-/// Comparisons by a predicate.
+/// Implements comparisons by a predicate.
 macro_rules! comparisons {
     ($($method:ident $predicate:ident),* $(,)?) => {
         $(#[inline(always)]
@@ -177,7 +177,7 @@ impl Real for F64x8 {
 
     #[inline(always)]
     fn is_negative(self) -> Mask8 {
-        // Choices go by the sign bit, and so does `bits`; masks that are combined by `!` need all bits.
+        // Selections and `bits` read only the sign bit, but `!` needs all bits of a mask.
         let zero = unsafe { _mm256_setzero_si256() };
         Mask8(unsafe {
             [
@@ -211,12 +211,12 @@ unsafe fn exp2_whole(exponent: __m256d) -> __m256d {
 fn next_away(value: __m256d, towards: __m256d) -> __m256d {
     unsafe {
         let (bits, zero) = (_mm256_castpd_si256(value), _mm256_setzero_pd());
-        // -1 where the signs differ, which leads towards zero; 1 elsewhere.
-        let apart = _mm256_xor_si256(bits, _mm256_castpd_si256(towards));
-        let back = _mm256_cmpgt_epi64(_mm256_setzero_si256(), apart);
+        // -1 if the signs differ, a step towards zero; otherwise 1.
+        let signs_differ = _mm256_xor_si256(bits, _mm256_castpd_si256(towards));
+        let back = _mm256_cmpgt_epi64(_mm256_setzero_si256(), signs_differ);
         let next = _mm256_add_epi64(bits, _mm256_or_si256(back, _mm256_set1_epi64x(1)));
         let next = _mm256_castsi256_pd(next);
-        // What is next to zero may have been stepped past it, which gives no number.
+        // A step from next to zero may have gone past zero, which gives NaN.
         let (least, sign) = (_mm256_set1_pd(NEAR_ZERO), _mm256_set1_pd(-0.0));
         let tiny = _mm256_or_pd(
             _mm256_cmp_pd::<_CMP_LT_OQ>(_mm256_andnot_pd(sign, next), least),

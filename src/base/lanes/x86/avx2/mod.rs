@@ -1,4 +1,4 @@
-//! Eight lanes in registers of AVX2: one of f32, two of f64.
+//! Eight lanes in AVX2 registers: one register for f32, two for f64.
 
 mod bits;
 mod double;
@@ -6,17 +6,17 @@ mod single;
 
 pub use bits::reverse_bits;
 
-use super::level;
+use super::macros::level;
 use crate::base::lanes::{LaneKernel, Level, Mask, SimdKernel};
 use std::arch::x86_64::*;
 use std::ops::{BitAnd, BitOr, Not};
 
-// SAFETY of all that follows: there are lanes of this kind only where the processor has the features, see `super`.
-// Pointers that are read or written lead to as many numbers as the register holds: slices are checked to have them.
+// SAFETY of all following code: values of these types exist only if the processor has the features, see `super`.
+// Pointers that are read or written point to as many numbers as a register holds: the length of slices is checked.
 
 level!(Avx2, Avx2, "avx2,fma,bmi1,bmi2,lzcnt,popcnt");
 
-/// Lanes 0 to 3, and 4 to 7.
+/// Lanes 0 to 3 and lanes 4 to 7.
 #[derive(Clone, Copy)]
 pub struct F64x8([__m256d; 2]);
 
@@ -26,12 +26,12 @@ pub struct F32x8(__m256);
 #[derive(Clone, Copy)]
 pub struct U32x8(__m256i);
 
-/// All bits of a chosen lane are set, as comparisons of f64 give it.
+/// All bits of a lane in the set are 1, like the results of f64 comparisons.
 #[derive(Clone, Copy)]
 pub struct Mask8([__m256d; 2]);
 
 impl Mask8 {
-    /// Of the comparison of f32 or u32.
+    /// From the result of an f32 or u32 comparison.
     #[inline(always)]
     unsafe fn widened(mask: __m256i) -> Self {
         unsafe {
@@ -41,7 +41,7 @@ impl Mask8 {
         }
     }
 
-    /// For a choice among f32 or u32.
+    /// For a selection of f32 or u32.
     #[inline(always)]
     unsafe fn narrowed(self) -> __m256i {
         unsafe {
@@ -74,13 +74,13 @@ impl Mask for Mask8 {
     }
 }
 
-/// All ones in the lanes that have the bits of others.
+/// All ones in the lanes of `bits` that contain the bits of `of`.
 #[inline(always)]
 unsafe fn all_bits_of(bits: __m256i, of: __m256i) -> __m256d {
     unsafe { _mm256_castsi256_pd(_mm256_cmpeq_epi64(_mm256_and_si256(bits, of), of)) }
 }
 
-/// By an intrinsic of two registers, half by half.
+/// Applies an intrinsic of two registers to both halves.
 macro_rules! halves {
     ($intrinsic:ident($a:expr, $b:expr)) => {
         unsafe { [$intrinsic($a.0[0], $b.0[0]), $intrinsic($a.0[1], $b.0[1])] }

@@ -1,7 +1,7 @@
-//! Eight f32 in a register.
+//! Eight f32 in one register.
 
 use super::{F32x8, F64x8, Mask8, U32x8};
-use crate::base::lanes::x86::{methods, operators, row};
+use crate::base::lanes::x86::macros::{methods, operators, row};
 use crate::base::lanes::{Lookup, Row, Select, Single};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -1,0 +1,169 @@
+//! Importance sampling of skies: bright parts are sampled more often.
+
+#[cfg(test)]
+mod tests;
+
+use super::{Sky, equirect};
+use crate::base::color::Rgb;
+use crate::base::lanes::{Real, Vec3};
+use crate::base::math::{Angle, DVec2, DVec3};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// A piecewise constant distribution of directions over a grid of longitudes and heights (Pharr, Jakob, Humphreys,
+/// *Physically Based Rendering*, 12.5). It depends on the sky alone, so turning or fading an environment keeps it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnvironmentDistribution {
+    /// For each row from the bottom, the probability of all rows below it; then 1.
+    rows: Vec<f64>,
+    /// Row by row: for each cell, the probability within the row of all cells to its left; then 1.
+    columns: Vec<f64>,
+    /// Heights of the borders between rows, from -1 to 1.
+    heights: Vec<f64>,
+    /// Cells in a row.
+    width: usize,
+}
+
+/// The most columns and rows.
+const MAX_SIZE: (u32, u32) = (1024, 512);
+
+/// The share of directions that are sampled uniformly. A cell that is dark at its sample points may be bright
+/// elsewhere.
+const UNIFORM_SHARE: f64 = 0.01;
+
+impl EnvironmentDistribution {
+    /// The distribution of a sky of images. It is `None` for black skies, and for constant skies and gradients, which
+    /// vary too little.
+    pub fn new(sky: &Sky) -> Option<Self> {
+        let (native_width, native_height) = match sky {
+            Sky::Constant(_) | Sky::Gradient { .. } => return None,
+            Sky::Equirect(image) => (image.width(), image.height()),
+            Sky::CubeMap(map) => (4 * map.size(), 2 * map.size()),
+        };
+        let (width, height) = (native_width.min(MAX_SIZE.0), native_height.min(MAX_SIZE.1));
+        // Coarser cells look up every texel that they cover, and every cell looks up at least four points.
+        let points = native_width.div_ceil(width).max(native_height.div_ceil(height)).max(2);
+        let grid = Grid { width, height, points };
+        let cells: Vec<f64> =
+            (0..height).into_par_iter().flat_map_iter(|row| grid.brightness(sky, row)).collect();
+        Self::from_cells(cells, width as usize)
+    }
+
+    /// The distribution from the radiances of cells, row by row from the bottom.
+    fn from_cells(mut cells: Vec<f64>, width: usize) -> Option<Self> {
+        let height = cells.len() / width;
+        let between = |row: usize| Angle(180.0 * (row as f64 / height as f64) - 90.0).cos_sin().y;
+        let heights: Vec<f64> = (0..=height).map(between).collect();
+        // A row's share of the sphere is its share of the height (Archimedes).
+        let share = |row: usize| 0.5 * (heights[row + 1] - heights[row]);
+        let mean = |row: &[f64]| row.iter().sum::<f64>() / width as f64;
+        let whole: f64 = cells.chunks_exact(width).enumerate().map(|(y, row)| share(y) * mean(row)).sum();
+        if whole <= 0.0 {
+            return None;
+        }
+        cells.iter_mut().for_each(|cell| *cell = (1.0 - UNIFORM_SHARE) * *cell + UNIFORM_SHARE * whole);
+        let rows = cells.chunks_exact(width).enumerate().map(|(y, row)| share(y) * mean(row));
+        let rows = cumulative(rows).collect();
+        let columns = cells.chunks_exact(width).flat_map(|row| cumulative(row.iter().copied())).collect();
+        Some(Self { rows, columns, heights, width })
+    }
+
+    /// Samples directions in the sky from two numbers in 0..1. Also gives their densities per steradian.
+    #[inline(always)]
+    pub fn sample<F: Real>(&self, [u, v]: [F; 2]) -> (Vec3<F>, F) {
+        let (us, vs) = (u.to_array(), v.to_array());
+        let (mut height, mut longitude) = (us, us);
+        for lane in 0..F::LANES {
+            let place = self.place([us[lane], vs[lane]]);
+            (longitude[lane], height[lane]) = (place.x, place.y);
+        }
+        let (y, one) = (F::from_array(height), F::splat(1.0));
+        let level = ((one - y) * (one + y)).max(F::splat(0.0)).sqrt();
+        let direction = equirect::around(F::from_array(longitude), y, level);
+        // The density of the rounded direction, so that it equals a later result of `pdf`.
+        (direction, self.pdf(direction))
+    }
+
+    /// The longitude in 0..=1 and the height of the direction that two numbers in 0..1 give.
+    fn place(&self, [u, v]: [f64; 2]) -> DVec2 {
+        let (row, up) = interval_at(&self.rows, v);
+        let (column, right) = interval_at(self.row(row), u);
+        let height = self.heights[row] + up * (self.heights[row + 1] - self.heights[row]);
+        DVec2::new((column as f64 + right) / self.width as f64, height)
+    }
+
+    /// The densities per steradian of directions, which are unit vectors in the sky.
+    #[inline(always)]
+    pub fn pdf<F: Real>(&self, direction: Vec3<F>) -> F {
+        let column = equirect::longitude(direction) * F::splat(self.width as f64);
+        let (columns, heights) = (column.to_array(), direction.y.to_array());
+        let mut pdf = columns;
+        for lane in 0..F::LANES {
+            pdf[lane] = self.cell_pdf(columns[lane] as usize, heights[lane]);
+        }
+        F::from_array(pdf)
+    }
+
+    /// The density per steradian in the cell of a column at a height.
+    fn cell_pdf(&self, column: usize, height: f64) -> f64 {
+        let row = cell_of(&self.heights, height);
+        let columns = self.row(row);
+        let column = column.min(self.width - 1);
+        let probability = (self.rows[row + 1] - self.rows[row]) * (columns[column + 1] - columns[column]);
+        let solid_angle = TAU / self.width as f64 * (self.heights[row + 1] - self.heights[row]);
+        probability / solid_angle
+    }
+
+    fn row(&self, row: usize) -> &[f64] {
+        let start = row * (self.width + 1);
+        &self.columns[start..=start + self.width]
+    }
+}
+
+/// The grid of cells, and the number of sample points along each axis of a cell.
+struct Grid {
+    width: u32,
+    height: u32,
+    points: u32,
+}
+
+impl Grid {
+    /// The mean luminance of each cell of a row.
+    fn brightness(&self, sky: &Sky, row: u32) -> impl Iterator<Item = f64> {
+        let points = f64::from(self.points);
+        let inside = move |cell: u32, point: u32| f64::from(cell) + (f64::from(point) + 0.5) / points;
+        (0..self.width).map(move |column| {
+            let places = (0..self.points * self.points).map(|i| {
+                let (x, y) = (inside(column, i % self.points), inside(row, i / self.points));
+                DVec2::new(x / f64::from(self.width), y / f64::from(self.height))
+            });
+            places.map(|uv| luminance(sky.radiance_at(uv))).sum::<f64>() / (points * points)
+        })
+    }
+}
+
+/// Luminance (Rec. 709).
+fn luminance(color: Rgb) -> f64 {
+    color.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// Cumulative sums as shares of the whole: the sum before each weight, then 1. Weights are above 0.
+fn cumulative(weights: impl Iterator<Item = f64> + Clone) -> impl Iterator<Item = f64> {
+    let whole: f64 = weights.clone().sum();
+    let sums = weights.scan(0.0, move |sum, weight| {
+        *sum += weight;
+        Some((*sum / whole).min(1.0))
+    });
+    std::iter::once(0.0).chain(sums)
+}
+
+/// The index of the interval between ascending `ends` that holds `value`.
+fn cell_of(ends: &[f64], value: f64) -> usize {
+    ends.partition_point(|end| *end <= value).clamp(1, ends.len() - 1) - 1
+}
+
+/// The interval that holds `u`, and the fraction of the way along it.
+fn interval_at(ends: &[f64], u: f64) -> (usize, f64) {
+    let cell = cell_of(ends, u);
+    (cell, ((u - ends[cell]) / (ends[cell + 1] - ends[cell])).clamp(0.0, 1.0))
+}

@@ -1,0 +1,201 @@
+//! Textures at one moment, and their evaluation at points of surfaces.
+
+use super::{
+    Footprint, Image, Pattern, SharedAsset, SurfaceWrap, Texel, TextureFilter, TextureMapping, TextureSpace,
+    Wrap,
+};
+use crate::base::color::Rgb;
+use crate::base::digest::content;
+use crate::base::math::{DVec2, DVec3};
+
+/// A point of a surface, with all that textures read there.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TextureEvalContext {
+    /// The u and v of the surface.
+    pub uv: DVec2,
+    /// Whether the surface ends at 0 and 1 of u, and of v.
+    pub ends: [bool; 2],
+    /// The point in the object's space, before the object is moved.
+    pub point: DVec3,
+    /// Error bound of each coordinate of `point`.
+    pub error: DVec3,
+    /// The interpolated vertex colour; white if the vertices have none.
+    pub color: Rgb,
+    /// The footprint of the pixel, in the object's space, and in u and v for uv-mapped patterns.
+    pub footprint: Footprint,
+    pub footprint_uv: Footprint,
+}
+
+/// The relative error bound of u and v. A few operations compute them from a point whose error is far smaller, and an
+/// error of 1e-12 of a surface is invisible.
+const UV_ERROR: f64 = 1e-12;
+
+/// A texture at one moment.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Texture {
+    Color(Rgb),
+    VertexColor,
+    Image(ImageTexture),
+    Pattern(Box<PatternTexture>),
+}
+
+content!(
+    enum Texture {
+        Color(color),
+        VertexColor,
+        Image(texture),
+        Pattern(texture),
+    }
+);
+
+/// An image on a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImageTexture {
+    pub image: SharedAsset<Image>,
+    /// Extends the image beyond its edges. `None` repeats it up to the ends of the surface.
+    pub wrap: Option<Wrap>,
+    pub filter: TextureFilter,
+    /// One channel, used as grey.
+    pub channel: Option<ColorChannel>,
+    /// Factor of the colours.
+    pub tint: Rgb,
+    /// Whether the image's alpha is used.
+    pub alpha: bool,
+    /// Maps u and v to the image.
+    pub mapping: TextureMapping,
+    /// How the image repeats along its x and y under this mapping.
+    pub surface_wrap: [SurfaceWrap; 2],
+}
+
+content!(struct ImageTexture { image, wrap, filter, channel, tint, alpha, mapping, surface_wrap });
+
+/// Two textures in a pattern. They may be patterns themselves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PatternTexture {
+    pub pattern: Pattern,
+    pub space: TextureSpace,
+    pub mapping: TextureMapping,
+    pub first: Texture,
+    pub second: Texture,
+}
+
+content!(struct PatternTexture { pattern, space, mapping, first, second });
+
+/// One of the three channels of a colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColorChannel {
+    R,
+    G,
+    B,
+}
+
+content!(
+    enum ColorChannel {
+        R,
+        G,
+        B,
+    }
+);
+
+impl From<Rgb> for Texture {
+    fn from(color: Rgb) -> Self {
+        Self::Color(color)
+    }
+}
+
+impl Texture {
+    /// Evaluates the texture at a point: a linear colour without negative channels, and alpha.
+    pub fn at(&self, context: &TextureEvalContext) -> Texel {
+        match self {
+            Self::Color(color) => Texel::opaque(*color),
+            Self::VertexColor => Texel::opaque(context.color),
+            Self::Image(texture) => texture.at(context),
+            Self::Pattern(texture) => texture.at(context),
+        }
+    }
+
+    /// Whether any part may have alpha below 1.
+    pub fn has_alpha(&self) -> bool {
+        match self {
+            Self::Color(_) | Self::VertexColor => false,
+            Self::Image(texture) => texture.alpha && texture.image.has_alpha(),
+            Self::Pattern(texture) => texture.first.has_alpha() || texture.second.has_alpha(),
+        }
+    }
+
+    /// The same texture without alpha.
+    pub fn opaque(self) -> Self {
+        match self {
+            Self::Color(_) | Self::VertexColor => self,
+            Self::Image(texture) => Self::Image(ImageTexture { alpha: false, ..texture }),
+            Self::Pattern(texture) => {
+                let PatternTexture { first, second, .. } = *texture;
+                let (first, second) = (first.opaque(), second.opaque());
+                Self::Pattern(Box::new(PatternTexture { first, second, ..*texture }))
+            }
+        }
+    }
+
+    /// Whether any pattern is mapped by u and v.
+    pub fn is_uv_mapped(&self) -> bool {
+        match self {
+            Self::Color(_) | Self::VertexColor | Self::Image(_) => false,
+            Self::Pattern(texture) => {
+                texture.space == TextureSpace::Uv
+                    || texture.first.is_uv_mapped()
+                    || texture.second.is_uv_mapped()
+            }
+        }
+    }
+
+    /// The colour of a texture that is the same at every point.
+    pub fn constant(&self) -> Option<Rgb> {
+        if let Self::Color(color) = self { Some(*color) } else { None }
+    }
+}
+
+impl ImageTexture {
+    pub fn at(&self, context: &TextureEvalContext) -> Texel {
+        let (at, _) = self.mapping.local(context.uv.extend(0.0), DVec3::ZERO);
+        let axes = match self.wrap {
+            Some(wrap) => [wrap.into(); 2],
+            None => self.surface_wrap.map(|surface_wrap| surface_wrap.resolve(context.ends)),
+        };
+        let Texel { color, alpha } = match self.alpha {
+            true => self.image.sample_alpha(at.truncate(), axes, self.filter),
+            false => Texel::opaque(self.image.sample(at.truncate(), axes, self.filter)),
+        };
+        Texel { color: self.tinted(color), alpha }
+    }
+
+    fn tinted(&self, color: Rgb) -> Rgb {
+        self.channel.map_or(color, |channel| Rgb::splat(color[channel as usize])) * self.tint
+    }
+
+    /// The colour of an opaque image that is the same everywhere.
+    pub fn constant(&self) -> Option<Rgb> {
+        let there = !self.alpha || !self.image.has_alpha();
+        let black = (there && self.tint == Rgb::ZERO).then_some(Rgb::ZERO);
+        self.image.constant().map(|color| self.tinted(color)).or(black)
+    }
+}
+
+impl PatternTexture {
+    pub fn at(&self, context: &TextureEvalContext) -> Texel {
+        let (point, error, seen) = match self.space {
+            TextureSpace::Object => (context.point, context.error, &context.footprint),
+            TextureSpace::Uv => (
+                context.uv.extend(0.0),
+                ((context.uv.abs() + 1.0) * UV_ERROR).extend(0.0),
+                &context.footprint_uv,
+            ),
+        };
+        let (point, error) = self.mapping.local(point, error);
+        let seen = self.mapping.footprint(seen).extent();
+        match self.pattern.share(point, error, seen) as f32 {
+            0.0 => self.first.at(context),
+            1.0 => self.second.at(context),
+            share => self.first.at(context).lerp(self.second.at(context), share),
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! Mappings from surfaces to patterns and images: scaled, then rotated, then moved, like an object.
+
+use super::{AxisWrap, Footprint, Wrap};
+use crate::base::digest::content;
+use crate::base::math::{DMat3, DQuat, DVec3, gamma};
+use crate::base::time::Time;
+use crate::geometry::transform::Rotation;
+use crate::track::Animated;
+
+/// The coordinates in which a pattern is laid out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TextureSpace {
+    /// Points of the object before it is moved, as in a solid texture.
+    #[default]
+    Object,
+    /// (u, v, 0): the pattern lies on the surface.
+    Uv,
+}
+
+content!(
+    enum TextureSpace {
+        Object,
+        Uv,
+    }
+);
+
+/// A mapping over time. The point p of the pattern appears at offset + R(scale · p).
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextureMappingTracks {
+    pub offset: Animated<DVec3>,
+    pub rotation: Rotation,
+    pub scale: Animated<DVec3>,
+}
+
+impl Default for TextureMappingTracks {
+    fn default() -> Self {
+        Self {
+            offset: DVec3::ZERO.into(),
+            rotation: Rotation::Quaternion(DQuat::IDENTITY.into()),
+            scale: DVec3::ONE.into(),
+        }
+    }
+}
+
+/// A mapping at one moment, from the surface back to the pattern.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureMapping {
+    offset: DVec3,
+    inverse: DMat3,
+}
+
+content!(struct TextureMapping { offset, inverse });
+
+/// How an image repeats along one of its axes, on any surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceWrap {
+    /// On a surface that ends at 0 and 1 of u and v. If the surface ends with a copy of the image, up to rounding, no
+    /// other copy follows.
+    closed: AxisWrap,
+    /// Whether u, and whether v, changes the position along the axis.
+    leads: [bool; 2],
+}
+
+content!(struct SurfaceWrap { closed, leads });
+
+impl SurfaceWrap {
+    /// The wrap on a surface. `ends` says whether the surface ends at 0 and 1 of u, and of v.
+    pub fn resolve(&self, ends: [bool; 2]) -> AxisWrap {
+        let goes_on = |of: usize| self.leads[of] && !ends[of];
+        if goes_on(0) || goes_on(1) { Wrap::Repeat.into() } else { self.closed }
+    }
+}
+
+impl TextureMappingTracks {
+    pub fn at(&self, time: Time) -> TextureMapping {
+        // If a keyed scale is 0, no point of the pattern is finite.
+        let unscaled = DMat3::from_diagonal(self.scale.at(time).recip());
+        let inverse = unscaled * self.rotation.at(time).transpose();
+        TextureMapping { offset: self.offset.at(time), inverse }
+    }
+}
+
+impl TextureMapping {
+    /// Maps a point of the surface, known within `error`, to the pattern, with its error bound there. The bound
+    /// includes a few more roundings than this function makes: those of decimal numbers in the file.
+    pub fn local(&self, point: DVec3, error: DVec3) -> (DVec3, DVec3) {
+        let rounding = (point.abs() + self.offset.abs()) * gamma(10);
+        (self.inverse * (point - self.offset), self.inverse.abs() * (error + rounding))
+    }
+
+    /// How a repeated image continues along one of its axes, x or y.
+    pub fn surface_wrap(&self, axis: usize) -> SurfaceWrap {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X + DVec3::Y];
+        let corners = corners.map(|corner| {
+            let (at, error) = self.local(corner, DVec3::ZERO);
+            (at[axis], error[axis])
+        });
+        let whole = |(at, error): (f64, f64)| {
+            let whole = at.round();
+            ((at - whole).abs() <= error).then_some(whole)
+        };
+        let first = corners.into_iter().fold(corners[0], |a, b| if b.0 < a.0 { b } else { a });
+        let last = corners.into_iter().fold(corners[0], |a, b| if b.0 > a.0 { b } else { a });
+        let (from, to) = (whole(first).unwrap_or(f64::NEG_INFINITY), whole(last).unwrap_or(f64::INFINITY));
+        let closed = if from < to { AxisWrap::repeating(from, to) } else { Wrap::Repeat.into() };
+        SurfaceWrap { closed, leads: [0, 1].map(|of: usize| self.inverse.col(of)[axis] != 0.0) }
+    }
+
+    /// The footprint in the pattern's coordinates.
+    pub fn footprint(&self, footprint: &Footprint) -> Footprint {
+        footprint.moved(&self.inverse)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::math::Angle;
+
+    fn placed(offset: DVec3, degrees: f64, scale: DVec3) -> TextureMapping {
+        let rotation = Rotation::AxisAngle { axis: DVec3::Z.into(), angle: Angle(degrees).into() };
+        TextureMappingTracks { offset: offset.into(), rotation, scale: scale.into() }
+            .at(Time::from_integer(0))
+    }
+
+    #[test]
+    fn placed_like_an_object() {
+        let mapping = placed(DVec3::new(5.0, 0.0, 0.0), 90.0, DVec3::new(2.0, 1.0, 1.0));
+        // The pattern's (1, 0, 0) is scaled to (2, 0, 0), turned to (0, 2, 0) and moved to (5, 2, 0).
+        assert_eq!(mapping.local(DVec3::new(5.0, 2.0, 0.0), DVec3::ZERO).0, DVec3::X);
+    }
+
+    #[test]
+    fn no_placement_changes_nothing() {
+        let mapping = TextureMappingTracks::default().at(Time::from_integer(0));
+        let point = DVec3::new(0.1, -2.3, 1e9);
+        assert_eq!(mapping.local(point, DVec3::ZERO).0, point);
+    }
+
+    #[test]
+    fn images_end_where_surfaces_do() {
+        let ends = |mapping: &TextureMapping, ends: [bool; 2]| {
+            [0, 1].map(|axis| mapping.surface_wrap(axis).resolve(ends))
+        };
+        let on: AxisWrap = Wrap::Repeat.into();
+        let one = TextureMappingTracks::default().at(Time::from_integer(0));
+        assert_eq!(ends(&one, [true, true]), [AxisWrap::repeating(0.0, 1.0); 2]);
+        assert_eq!(ends(&one, [false, true]), [on, AxisWrap::repeating(0.0, 1.0)]);
+        assert_eq!(ends(&one, [false, false]), [on; 2]);
+        // Ten copies, although a tenth is not a binary number.
+        let small = placed(DVec3::ZERO, 0.0, DVec3::splat(0.1));
+        assert_eq!(ends(&small, [true, true]), [AxisWrap::repeating(0.0, 10.0); 2]);
+        let turned = placed(DVec3::ZERO, 90.0, DVec3::ONE);
+        assert_eq!(ends(&turned, [false, true]), [AxisWrap::repeating(0.0, 1.0), on]);
+        assert_eq!(
+            ends(&turned, [true, true]),
+            [AxisWrap::repeating(0.0, 1.0), AxisWrap::repeating(-1.0, 0.0)]
+        );
+        // If the image is moved by a fraction of itself, it repeats on both sides.
+        let moved = placed(DVec3::new(0.25, 0.0, 0.0), 0.0, DVec3::new(1.0, 0.7, 1.0));
+        let open = AxisWrap::repeating(0.0, f64::INFINITY);
+        assert_eq!(ends(&moved, [true, true]), [on, open]);
+        assert_eq!(ends(&placed(DVec3::ZERO, 30.0, DVec3::ONE), [true, false]), [on; 2]);
+        assert_eq!(
+            ends(&placed(DVec3::ZERO, 0.0, DVec3::ZERO), [true, true]),
+            [on; 2],
+            "while it is nothing"
+        );
+    }
+
+    #[test]
+    fn bounds_cover_decimal_numbers() {
+        // In decimals, (0.6 - 0.4) / 0.2 and 0.6 / 0.3 are whole numbers. In binary they are not.
+        for (at, offset, scale, whole) in [(0.6, 0.4, 0.2, 1.0), (0.6, 0.0, 0.3, 2.0), (0.7, 0.1, 0.1, 6.0)] {
+            let mapping = placed(DVec3::splat(offset), 0.0, DVec3::splat(scale));
+            let (point, error) = mapping.local(DVec3::splat(at), DVec3::ZERO);
+            assert!((point - whole).abs().cmple(error).all() && error.max_element() < 1e-13);
+        }
+    }
+}

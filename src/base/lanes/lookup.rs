@@ -1,0 +1,70 @@
+//! Indices of gathered numbers, and iteration over the lanes of masks.
+
+/// The index of the number that each lane gathers from memory.
+#[derive(Clone, Copy, Debug)]
+pub struct Lookup {
+    pub(super) at: [u32; 8],
+    /// The largest of the indices.
+    pub(super) last: u32,
+    /// Whether the indices are consecutive.
+    pub(super) is_run: bool,
+    /// Whether all indices are equal.
+    pub(super) is_same: bool,
+}
+
+impl Lookup {
+    /// From one to eight indices. Lanes beyond them repeat the last index.
+    #[inline(always)]
+    pub fn new(indices: &[u32]) -> Self {
+        let count = indices.len();
+        let mut at = [indices[count - 1]; 8];
+        let (mut last, mut is_run, mut is_same) = (0, count == 8, true);
+        for lane in 0..8 {
+            if lane < count {
+                at[lane] = indices[lane];
+            }
+            last = last.max(at[lane]);
+            is_run &= at[lane] == at[0].wrapping_add(lane as u32);
+            is_same &= at[lane] == at[0];
+        }
+        Self { at, last, is_run, is_same }
+    }
+
+    /// `count` ≥ 1 consecutive indices from `first` on. Lanes beyond them repeat the last index.
+    #[inline(always)]
+    pub fn run(first: u32, count: usize) -> Self {
+        let mut at = [0; 8];
+        for (lane, at) in at.iter_mut().enumerate() {
+            *at = first + lane.min(count - 1) as u32;
+        }
+        Self { at, last: at[7], is_run: count == 8, is_same: count == 1 }
+    }
+
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> u32 {
+        self.at[lane]
+    }
+}
+
+/// The indices of the set bits, ascending.
+#[inline(always)]
+pub fn lanes(bits: u32) -> LaneNumbers {
+    LaneNumbers(bits)
+}
+
+/// An iterator over the indices of set bits.
+pub struct LaneNumbers(u32);
+
+impl Iterator for LaneNumbers {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        let lane = self.0.trailing_zeros() as usize & 31;
+        self.0 &= self.0 - 1;
+        Some(lane)
+    }
+}

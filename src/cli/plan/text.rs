@@ -1,0 +1,164 @@
+//! The report as aligned lines, for people.
+
+use super::report::PlanReport;
+use super::{changes, films};
+use crate::base::escape;
+use crate::base::units::{self, count, counted};
+use crate::cli::forecast_text::{advice, error_range, short_time, time_range};
+use crate::pipeline::plan::{EffectSource, FrameSpan, Reason, SceneEffect};
+
+/// Explains the word to readers who meet it here for the first time.
+const FILM: &str = "a film is the light traced for a frame, in layers; frames in which lights only change their \
+                    brightness share one";
+
+/// Takes the place of the times if there was no pilot.
+const NO_PILOT: &str = "no pilot was traced";
+
+/// A heading, and the lines beside and below it.
+type Group = (&'static str, Vec<String>);
+
+pub fn text(report: &PlanReport) -> String {
+    let mut groups = vec![
+        ("frames", vec![frames(report)]),
+        ("films", vec![films(report), FILM.to_owned()]),
+        ("why", vec![reasons(report)]),
+    ];
+    groups.extend(forecast(report));
+    groups.push(("spans", report.outline.spans.iter().map(|of| span(report, of)).collect()));
+    groups.push(("layers", layers(report)));
+    groups.push(("effects", report.outline.effects.iter().map(|of| effect(report, of)).collect()));
+    groups.push(("unused", vec![report.unused_effects().collect::<Vec<_>>().join(", ")]));
+    groups.push(("builds", vec![counted(report.plan.builds(), "tree")]));
+    groups.push(("rays", rays(report)));
+    groups.push(("memory", memory(report)));
+    groups.extend(report.farm.iter().map(|farm| ("farm", farm.lines())));
+    aligned(&groups)
+}
+
+fn aligned(groups: &[Group]) -> String {
+    let mut text = String::new();
+    for (heading, lines) in groups {
+        for (place, line) in lines.iter().enumerate() {
+            let heading = if place == 0 { heading } else { "" };
+            text += &format!("{heading:<7} {}\n", escape::line(line));
+        }
+    }
+    text.truncate(text.trim_end().len());
+    text
+}
+
+fn frames(report: &PlanReport) -> String {
+    let (frames, films) = (report.plan.film_of.len() as u64, report.plan.films.len() as u64);
+    format!("{}, {} of them from films of other frames", count(frames), count(frames - films))
+}
+
+/// The number of films, and whether more memory would make it smaller.
+fn films(report: &PlanReport) -> String {
+    let takes = &report.plan.films;
+    let most = takes.iter().map(|take| take.lit.len()).max().unwrap_or(0) as u64;
+    let films = counted(takes.len() as u64, "film");
+    let mut text = format!("{films}, with up to {} of light", counted(most, "layer"));
+    let unlimited = report.unlimited_films();
+    if takes.len() > unlimited {
+        text += &format!(
+            "; {} would do with a larger --film-cache, which has no room for all films or all of their layers",
+            count(unlimited as u64)
+        );
+    }
+    text
+}
+
+/// Why each film is traced.
+fn reasons(report: &PlanReport) -> String {
+    let clause = |(reason, films): &(Reason, usize)| {
+        let films = count(*films as u64);
+        match reason {
+            Reason::First => format!("{films} to begin with"),
+            Reason::Change(parts) => format!("{films} where {}", changes::sentence(report.sequence, parts)),
+            Reason::Samples => format!("{films} where samples become random or stop being so"),
+            Reason::Memory => format!("{films} again, because --film-cache is too small to keep them"),
+        }
+    };
+    report.outline.reasons.iter().map(clause).collect::<Vec<_>>().join("; ")
+}
+
+/// Time and error of the run, and of each film.
+fn forecast(report: &PlanReport) -> Vec<Group> {
+    let Some((outlook, forecast)) = &report.outlook else { return vec![("time", vec![NO_PILOT.to_owned()])] };
+    let mut time = format!("tracing takes {}", time_range(&forecast.wall));
+    if let Some(cpu) = &forecast.cpu {
+        time += &format!(", {} of processor time", time_range(cpu));
+    }
+    let advice = advice(&report.sequence.quality, forecast, outlook);
+    let error = match &forecast.error {
+        Some(error) => format!("{} of the brightness, in the worst frame", error_range(error)),
+        None => "none, as nothing is random".to_owned(),
+    };
+    let each = films::lines(report, &forecast.films);
+    vec![("time", [vec![time], advice].concat()), ("error", vec![error]), ("each", each)]
+}
+
+fn span(report: &PlanReport, span: &FrameSpan) -> String {
+    let range = match (report.frame(span.first), report.frame(span.last)) {
+        (first, last) if first == last => first.to_string(),
+        (first, last) => format!("{first}-{last}"),
+    };
+    let films = counted(span.traced as u64, "film");
+    let changes = match span.changes.is_empty() {
+        true => "nothing changes".to_owned(),
+        false => changes::sentence(report.sequence, &span.changes),
+    };
+    format!("{range}: {changes} ({films})")
+}
+
+/// Every layer of light by its sources, and how many films hold it.
+fn layers(report: &PlanReport) -> Vec<String> {
+    let line = |(layer, name): (usize, String)| match report.films_with_layer(layer) {
+        0 => format!("{name}: dark, not traced"),
+        films => format!("{name}: in {}", counted(films as u64, "film")),
+    };
+    report.sequence.about().layers.into_iter().enumerate().map(line).collect()
+}
+
+/// An effect, the part that calls for it, and the time of the films that need it.
+fn effect(report: &PlanReport, (effect, caller): (&SceneEffect, &EffectSource)) -> String {
+    let line = format!("{}: {}", effect.name(), changes::caller(report.sequence, *caller));
+    let (Some((_, forecast)), Some(films)) = (&report.outlook, report.outline.calls.get(effect)) else {
+        return line;
+    };
+    let wall: f64 = films.iter().map(|&film| forecast.films[film].took.wall).sum();
+    format!("{line} ({}, {})", counted(films.len() as u64, "film"), short_time(wall))
+}
+
+/// The rays without reuse of films, and with it.
+fn rays(report: &PlanReport) -> Vec<String> {
+    let expected = &report.expected;
+    let (alone, planned) = (expected.rays_alone, expected.rays);
+    let fewer = match (alone, planned) {
+        (Some(alone), Some(planned)) if planned > 0 && alone > planned => {
+            format!("; {:.1} times fewer", alone as f64 / planned as f64)
+        }
+        _ => String::new(),
+    };
+    vec![
+        format!("frame by frame  {}", ray_count(expected.camera_alone, expected.exact, alone)),
+        format!("with this plan  {}{fewer}", ray_count(expected.camera, expected.exact, planned)),
+    ]
+}
+
+/// `about 12,000 rays, 3,000 of them from the camera`.
+fn ray_count(camera: u64, exact: bool, all: Option<u64>) -> String {
+    let camera = format!("{}{} ", if exact { "" } else { "about " }, count(camera));
+    match all {
+        Some(all) => format!("about {}, {camera}of them from the camera", count(all)),
+        None => format!("{camera}from the camera"),
+    }
+}
+
+fn memory(report: &PlanReport) -> Vec<String> {
+    let kept = units::bytes(report.plan.kept_bytes());
+    vec![
+        format!("{kept} for films that later frames reuse, of at most {}", units::bytes(report.cache_budget)),
+        format!("{} for pictures that wait for the encoder", units::bytes(report.pending_bytes)),
+    ]
+}

@@ -1,0 +1,166 @@
+//! Estimates the number of rays of a plan from a few small pictures.
+//!
+//! What rays hit hardly depends on their number. So this module traces some frames with few samples and
+//! scales the counts. The number of camera rays is exact if the number of samples is set. With a target error it is a
+//! lower bound; an [`outlook`](super::outlook) estimates the real number.
+
+use super::render_plan::Plan;
+use crate::base::stats::ProgressMeter;
+use crate::encode::EncodeError;
+use crate::film::{Film, LayerId};
+use crate::pipeline::schedule::{FilmSink, FrameLoop, FrameState};
+use crate::sequence::Sequence;
+use crate::trace::MIN_SAMPLES;
+use std::sync::Arc;
+
+/// Expected numbers of rays of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayEstimate {
+    /// Camera rays: without and with shared films.
+    pub camera_alone: u64,
+    pub camera: u64,
+    /// Whether the numbers of camera rays are exact. With a target error, they are lower bounds.
+    pub exact: bool,
+    /// Rays of all kinds, if pilots were traced.
+    pub rays_alone: Option<u64>,
+    pub rays: Option<u64>,
+}
+
+/// Limits of a pilot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PilotBudget {
+    /// Maximum number of traced frames, each for runs with and without shared films.
+    pub frames: usize,
+    /// Maximum number of samples of a frame.
+    pub samples: u64,
+}
+
+impl PilotBudget {
+    /// The default.
+    pub const PLAN: Self = Self { frames: 24, samples: 1 << 14 };
+    /// Traces nothing, so that only camera rays are known.
+    pub const NONE: Self = Self { frames: 0, samples: 0 };
+}
+
+/// Expected cost of the films of a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CostEstimate {
+    /// Sum over all films. Without shared films, only camera rays are known.
+    pub expected: RayEstimate,
+    /// Rays of each film, in the order of tracing.
+    pub films: Vec<f64>,
+}
+
+/// A sink that drops all films.
+pub struct NullSink;
+
+impl FilmSink for NullSink {
+    fn push(&mut self, _frame: u32, _film: Film) -> Result<(), EncodeError> {
+        Ok(())
+    }
+}
+
+impl RayEstimate {
+    /// The estimate that needs no tracing.
+    pub fn of(sequence: &Sequence, plan: &Plan) -> Self {
+        let states = &plan.states.frames;
+        let camera = plan.films.iter().map(|shared| camera_rays(sequence, &states[shared.frames[0]])).sum();
+        let camera_alone = states.iter().map(|state| camera_rays(sequence, state)).sum();
+        let exact = sequence.quality.noise.is_none() || !states.iter().any(|state| state.random);
+        Self { camera_alone, camera, exact, rays_alone: None, rays: None }
+    }
+}
+
+/// Estimates the rays of a plan from small pictures of some frames.
+pub fn estimate_rays(sequence: &Sequence, plan: &Plan, budget: PilotBudget) -> RayEstimate {
+    let expected = cost_estimate(sequence, plan, budget).expected;
+    if plan.reused() == 0 {
+        return RayEstimate { camera_alone: expected.camera, rays_alone: expected.rays, ..expected };
+    }
+    let states = &plan.states.frames;
+    let alone: Vec<LitFrame> = states.iter().map(|state| (state, state.lit())).collect();
+    let trials = trials(sequence, &alone, budget).unwrap_or_default();
+    RayEstimate { rays_alone: counted_up(sequence, &alone, &trials), ..expected }
+}
+
+/// Estimates the cost of the films of a plan. Each film sends as many rays per sample as the nearest traced film.
+/// Without a pilot, only camera rays are known.
+pub fn cost_estimate(sequence: &Sequence, plan: &Plan, budget: PilotBudget) -> CostEstimate {
+    let states = &plan.states.frames;
+    let films: Vec<LitFrame> =
+        plan.films.iter().map(|shared| (&states[shared.frames[0]], shared.lit.clone())).collect();
+    let trials = trials(sequence, &films, budget).unwrap_or_default();
+    let known = RayEstimate::of(sequence, plan);
+    let rays = |(film, (state, _)): (usize, &LitFrame)| {
+        let nearest = trials.get(film * trials.len() / films.len());
+        let each =
+            nearest.filter(|trial| trial.samples > 0.0).map_or(1.0, |trial| trial.rays / trial.samples);
+        camera_rays(sequence, state) as f64 * each
+    };
+    CostEstimate {
+        expected: RayEstimate { rays: counted_up(sequence, &films, &trials), ..known },
+        films: films.iter().enumerate().map(rays).collect(),
+    }
+}
+
+/// A frame state, and the layers that are traced.
+type LitFrame<'a> = (&'a FrameState, Vec<LayerId>);
+
+/// Camera rays of a film. With a target error, this is the minimum.
+pub fn camera_rays(sequence: &Sequence, state: &FrameState) -> u64 {
+    let (width, height) = sequence.output.size;
+    let quality = &sequence.quality;
+    let each = match quality.noise {
+        _ if !state.random => quality.antialias * quality.antialias,
+        Some(target) => target.most.min(MIN_SAMPLES),
+        None => quality.samples,
+    };
+    if state.fault.is_some() { 0 } else { u64::from(width) * u64::from(height) * u64::from(each) }
+}
+
+/// Extrapolates the rays of all films from some of them. None without a pilot.
+fn counted_up(sequence: &Sequence, films: &[LitFrame], trials: &[Trial]) -> Option<u64> {
+    let sum = |part: fn(&Trial) -> f64| trials.iter().map(part).sum::<f64>();
+    let (traced, rays) = (sum(|trial| trial.samples), sum(|trial| trial.rays));
+    let all: f64 = films.iter().map(|(state, _)| camera_rays(sequence, state) as f64).sum();
+    (traced > 0.0).then(|| (all / traced * rays).round() as u64)
+}
+
+/// Counts of a traced film.
+struct Trial {
+    samples: f64,
+    rays: f64,
+}
+
+/// Traces some films with few samples each. The chosen films are evenly spaced.
+fn trials(sequence: &Sequence, films: &[LitFrame], budget: PilotBudget) -> Option<Vec<Trial>> {
+    let chosen = films.len().min(budget.frames);
+    let trial = |index: usize| {
+        let (state, lit) = &films[(2 * index + 1) * films.len() / (2 * chosen)];
+        let small = downscaled(sequence, state, budget.samples);
+        let mut frames = FrameLoop::new(&small, NullSink, Arc::new(ProgressMeter::default()));
+        frames.trace(state, lit).ok()?;
+        let counts = frames.stats().counts.rays;
+        let samples = camera_rays(&small, state) as f64;
+        Some(Trial { samples, rays: counts.total() as f64 })
+    };
+    (0..chosen).map(trial).collect()
+}
+
+/// A smaller copy of the sequence, in which a frame has about `samples` samples in total, over as many pixels as
+/// possible.
+pub fn downscaled(sequence: &Sequence, state: &FrameState, samples: u64) -> Sequence {
+    let mut small = sequence.clone();
+    small.quality.antialias = 1;
+    small.quality.samples = sequence.quality.samples.min(state.moments);
+    if small.quality.noise.take().is_some() {
+        small.quality.samples = MIN_SAMPLES;
+    }
+    let (width, height) = sequence.output.size;
+    let each = small.quality.samples.max(1);
+    let pixels = samples / u64::from(each);
+    let share = (pixels as f64 / (f64::from(width) * f64::from(height))).sqrt().min(1.0);
+    let side = |whole: u32| ((f64::from(whole) * share).round() as u32).clamp(1, whole);
+    small.output.size = (side(width), side(height));
+    small
+}

@@ -1,0 +1,70 @@
+//! The plan of a run: its frame states, its films, and the film of each frame.
+
+use super::evaluate::{FrameStates, evaluate};
+use super::shared_films::{FilmCache, SharedFilm, shared_films};
+use crate::film::AovSet;
+use crate::sequence::Sequence;
+
+/// What a run traces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    pub states: FrameStates,
+    pub cache: FilmCache,
+    /// Films in the order of tracing.
+    pub films: Vec<SharedFilm>,
+    /// Index of the film of each frame.
+    pub film_of: Vec<usize>,
+}
+
+impl Plan {
+    /// The plan of these frames, in this order. Cached films take at most `budget` bytes; with 0, each frame has its
+    /// own film.
+    pub fn new(sequence: &Sequence, frames: &[u32], extras: AovSet, budget: u64) -> Self {
+        Self::from_states(evaluate(sequence, frames), sequence, extras, budget)
+    }
+
+    /// [`Plan::new`] for frames that are already evaluated.
+    pub fn from_states(states: FrameStates, sequence: &Sequence, extras: AovSet, budget: u64) -> Self {
+        let cache = FilmCache::of(sequence, extras, budget);
+        let (films, film_of) = shared_films(&states.frames, &cache);
+        Self { states, cache, films, film_of }
+    }
+
+    /// Number of frames that reuse the film of another frame.
+    pub fn reused(&self) -> usize {
+        self.film_of.len() - self.films.len()
+    }
+
+    /// Maximum bytes of the film cache.
+    pub fn kept_bytes(&self) -> u64 {
+        let mut most = 0;
+        let mut now = 0;
+        for (index, &film) in self.film_of.iter().enumerate() {
+            let shared = &self.films[film];
+            let (first, last) = (shared.frames.first(), shared.frames.last());
+            let bytes = self.cache.bytes(shared.lit.len());
+            let kept = first != last;
+            if kept && first == Some(&index) {
+                now += bytes;
+            }
+            most = most.max(now);
+            if kept && last == Some(&index) {
+                now -= bytes;
+            }
+        }
+        most
+    }
+
+    /// Number of trees that are built: one for each film whose geometry differs from that of the film before, and one
+    /// for each moment at which it moves while the shutter is open.
+    pub fn builds(&self) -> u64 {
+        let mut before = None;
+        let mut builds = 0;
+        for shared in &self.films {
+            let state = &self.states.frames[shared.frames[0]];
+            builds += u64::from(before != Some(state.geometry.0)) + u64::from(state.rebuilds);
+            before = Some(state.geometry.1);
+        }
+        builds
+    }
+}

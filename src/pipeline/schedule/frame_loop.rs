@@ -1,0 +1,160 @@
+//! The frame loop: a sequence's world, driven from frame to frame.
+
+use super::frame_state::FrameState;
+use super::frame_states::frame_states;
+use super::preview::Preview;
+use super::shutter::Shutter;
+use super::stages::{
+    CurrentMoment, ExposureTrack, FilmInProgress, FilmSink, FirstError, FrameError, FrameStage,
+    RenderSettings, RunProgress, Sink, Stats, Stopwatch, TraceRequest,
+};
+use super::systems::{new_world, schedule};
+use crate::base::cancel::Stop;
+use crate::base::color::Rgb;
+use crate::base::stats::ProgressMeter;
+use crate::base::time::Timeline;
+use crate::film::filter::FilterSampler;
+use crate::film::{AovSet, Film, LayerId};
+use crate::scene::top_level::Bvh;
+use crate::scene::{Shading, Weights};
+use crate::sequence::Sequence;
+use crate::trace::{Moment, TraceSettings};
+use crate::world::{Current, Now, sky_table};
+use bevy_ecs::schedule::Schedule;
+use bevy_ecs::world::World;
+use std::marker::PhantomData;
+use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+use std::time::Instant;
+
+/// A sequence's world, and the systems that render its frames.
+pub struct FrameLoop<S> {
+    pub(super) world: World,
+    schedule: Schedule,
+    timeline: Timeline,
+    shutter: Shutter,
+    /// Finds frames in which something moves while the shutter is open. None if no shutter ever opens.
+    preview: Option<Preview>,
+    /// The sequence, if it has a target error: then other frames of a film affect its samples.
+    sampled: Option<Arc<Sequence>>,
+    sink: PhantomData<S>,
+}
+
+impl<S: FilmSink> FrameLoop<S> {
+    /// Films go to `sink` in the order of the calls.
+    pub fn new(sequence: &Sequence, sink: S, meter: Arc<ProgressMeter>) -> Self {
+        Self::with_aovs(sequence, AovSet::default(), sink, meter)
+    }
+
+    /// [`FrameLoop::new`] for films that record `extras` besides light.
+    pub fn with_aovs(sequence: &Sequence, extras: AovSet, sink: S, meter: Arc<ProgressMeter>) -> Self {
+        let mut world = new_world(sequence);
+        world.resource_mut::<Current<Shading>>().0.sky_table = sky_table(sequence);
+        world.insert_resource(Current(Bvh::default()));
+        world.insert_resource(RenderSettings(TraceSettings {
+            size: sequence.output.size,
+            quality: sequence.quality,
+            filter: FilterSampler::new(sequence.quality.filter),
+            extras,
+        }));
+        world.insert_resource(ExposureTrack(sequence.output.exposure.clone()));
+        world.insert_resource(FilmInProgress::default());
+        world.insert_resource(TraceRequest::default());
+        world.insert_resource(Sink(sink));
+        world.insert_resource(RunProgress(meter));
+        let (timeline, shutter) = (sequence.timeline, Shutter::new(sequence));
+        let preview = sequence.blurs_motion().then(|| Preview::new(sequence));
+        let sampled = sequence.quality.noise.is_some().then(|| Arc::new(sequence.clone()));
+        Self { world, schedule: schedule::<S>(), timeline, shutter, preview, sampled, sink: PhantomData }
+    }
+
+    /// Renders one frame separately and pushes its film to the sink. After an error, the loop cannot render further
+    /// frames.
+    pub fn frame(&mut self, frame: u32) -> Result<(), FrameError> {
+        if let Some(sequence) = self.sampled.clone()
+            && let [state] = &frame_states(&sequence, &[frame], &Stop::default())[..]
+        {
+            return self.trace_alone(state);
+        }
+        let still = self.preview.as_mut().is_none_or(|preview| preview.state(frame).moments == 1);
+        self.run(frame, still)
+    }
+
+    /// Renders an evaluated frame with the layers `lit`, which include all that it shows. Returns its film.
+    pub fn trace(&mut self, state: &FrameState, lit: &[LayerId]) -> Result<Option<Film>, FrameError> {
+        self.trace_with(state, lit, true)?;
+        Ok(self.world.resource_mut::<FilmInProgress>().kept.take())
+    }
+
+    /// Renders an evaluated frame separately.
+    pub fn trace_alone(&mut self, state: &FrameState) -> Result<(), FrameError> {
+        self.trace_with(state, &state.lit(), false)
+    }
+
+    fn trace_with(&mut self, state: &FrameState, lit: &[LayerId], keep: bool) -> Result<(), FrameError> {
+        let mut weights = vec![Rgb::ZERO; state.weights.len()];
+        lit.iter().for_each(|layer| weights[layer.index()] = Rgb::ONE);
+        self.world.insert_resource(TraceRequest {
+            lit: Some(Weights(weights)),
+            weightings: Arc::clone(&state.weightings),
+            own: state.own,
+            keep,
+        });
+        let done = self.run(state.frame, state.moments == 1);
+        self.world.insert_resource(TraceRequest::default());
+        done
+    }
+
+    /// Makes a frame from the film of another frame with the same scene hash. The film must have all layers that this
+    /// frame shows.
+    pub fn reuse(&mut self, state: &FrameState, film: &Film) -> Result<(), FrameError> {
+        let start = Instant::now();
+        let film = Film { exposure: state.exposure, ..film.shown_as(state.own, &state.weights) };
+        let pushed = self.world.resource_mut::<Sink<S>>().0.push(state.frame, film);
+        let mut stats = self.world.resource_mut::<Stats>();
+        stats.reused += 1;
+        stats.stages[FrameStage::Encode as usize] += start.elapsed();
+        let meter = &self.world.resource::<RunProgress>().0;
+        meter.reused.fetch_add(1, Relaxed);
+        meter.frames.fetch_add(1, Relaxed);
+        pushed.map_err(FrameError::Encode)
+    }
+
+    /// Runs the stages for every moment of a frame, or for the first moment only if all are equal.
+    fn run(&mut self, frame: u32, still: bool) -> Result<(), FrameError> {
+        let mut moments = self.shutter.moments(&self.timeline, frame);
+        if still {
+            moments.truncate(1);
+            moments.iter_mut().for_each(|(_, moment)| *moment = Moment::ONLY);
+        }
+        loop {
+            for &(clock, moment) in &moments {
+                self.world.insert_resource(Now(clock));
+                self.world.insert_resource(CurrentMoment(moment));
+                self.world.resource_mut::<Stopwatch>().start();
+                self.schedule.run(&mut self.world);
+                // Without this call, removed components would accumulate.
+                self.world.clear_trackers();
+                self.world.resource_mut::<FirstError>().take()?;
+            }
+            if !self.world.resource::<FilmInProgress>().needs_another_round() {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Statistics of all frames so far.
+    pub fn stats(&self) -> &Stats {
+        self.world.resource::<Stats>()
+    }
+
+    /// Calls `act` with the sink.
+    pub fn with_sink<T>(&mut self, act: impl FnOnce(&mut S) -> T) -> T {
+        act(&mut self.world.resource_mut::<Sink<S>>().0)
+    }
+
+    /// Ends the loop and returns the sink.
+    pub fn into_sink(mut self) -> Option<S> {
+        self.world.remove_resource::<Sink<S>>().map(|sink| sink.0)
+    }
+}

@@ -1,0 +1,70 @@
+//! The state of a frame: everything it evaluates to, without tracing.
+
+use crate::base::color::Rgb;
+use crate::base::digest::Digest;
+use crate::camera::path::NoCamera;
+use crate::film::{LayerId, lit};
+use crate::trace::Weightings;
+use std::collections::BTreeSet;
+
+/// What a frame evaluates to: see [`super::frame_states`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameState {
+    pub frame: u32,
+    /// Digest of everything that decides the light in each layer, at every moment of the frame: geometry, materials,
+    /// places of lights, sky, fog, cameras, and the quality settings that matter. Excludes what has no strength.
+    pub scene_hash: Digest,
+    /// Digest of the light that the frame shows: equal digests mean equal radiance. Excludes emitters in layers of
+    /// weight 0.
+    pub radiance: Digest,
+    /// The weight of each layer.
+    pub weights: Vec<Rgb>,
+    /// The weights of all frames of the sequence that share the film, if they decide how it is sampled.
+    pub weightings: Weightings,
+    /// Index in `weightings` of the frame's own weights, or of weights that are equal for all layers with light.
+    pub own: usize,
+    /// Factor on the displayed picture.
+    pub exposure: f32,
+    /// Number of moments at which the frame is traced: 1 unless something moves while the shutter is open.
+    pub moments: u32,
+    /// Whether samples are random.
+    pub random: bool,
+    /// Digests of the geometry at the first and the last moment, and the number of changes in between.
+    pub geometry: (Digest, Digest),
+    pub rebuilds: u32,
+    /// Why the frame cannot be traced.
+    pub fault: Option<NoCamera>,
+}
+
+impl FrameState {
+    /// Digest of the picture: equal digests mean equal radiance and exposure.
+    pub fn digest(&self) -> Digest {
+        Digest::of(&(self.radiance, self.exposure))
+    }
+
+    /// Digest of all layers of the frame's film and their weights, including layers without light.
+    pub fn film(&self) -> Digest {
+        Digest::of(&(self.scene_hash, self.weighted()))
+    }
+
+    /// The layers to trace for the frame, ascending: those that it shows, and those of frames that affect how it is
+    /// sampled.
+    pub fn lit(&self) -> Vec<LayerId> {
+        let others = self.weightings.iter().flat_map(|weights| lit(weights));
+        lit(&self.weights).chain(others).collect::<BTreeSet<_>>().into_iter().collect()
+    }
+
+    /// Makes the frame share a film that is sampled for all of `weightings`. Entry `own` is this frame's. Films that
+    /// are sampled for different sets of frames get different hashes.
+    pub(super) fn share(&mut self, frames: Digest, weightings: Weightings, own: usize) {
+        (self.weightings, self.own) = (weightings, own);
+        self.scene_hash = Digest::of(&(self.scene_hash, frames));
+        self.radiance = Digest::of(&(self.radiance, frames));
+    }
+
+    /// The visible layers with their weights.
+    fn weighted(&self) -> Vec<(u32, Rgb)> {
+        let weighted = |(_, weight): &(u32, Rgb)| *weight != Rgb::ZERO;
+        (0..).zip(self.weights.iter().copied()).filter(weighted).collect()
+    }
+}

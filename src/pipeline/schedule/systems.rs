@@ -1,0 +1,79 @@
+//! The systems and their order. No other file knows the order.
+
+use super::stages::{
+    FilmSink, FirstError, FrameStage, Stats, Stopwatch, accelerate, count_geometry, count_shading, encode,
+    keep_camera_fault, keep_fault, lap, no_fault, trace_frame,
+};
+use crate::base::color::Rgb;
+use crate::camera::Camera;
+use crate::scene::{Geometry, Shading, Weights, extract};
+use crate::sequence::Sequence;
+use crate::world::animate;
+use crate::world::{Current, LightSetup, spawn};
+use bevy_ecs::schedule::common_conditions::resource_changed;
+use bevy_ecs::schedule::{
+    IntoScheduleConfigs, LogLevel, Schedule, ScheduleBuildSettings, SingleThreadedExecutor,
+};
+use bevy_ecs::system::IntoSystem;
+use bevy_ecs::world::World;
+
+/// A world of the sequence with the resources that the stages up to Extract use.
+pub fn new_world(sequence: &Sequence) -> World {
+    let mut world = spawn(sequence);
+    let LightSetup { ambient, layers } = *world.resource::<LightSetup>();
+    world.insert_resource(Current(Geometry::default()));
+    world.insert_resource(Current(Shading { ambient, ..Shading::default() }));
+    world.insert_resource(Current(Weights(vec![Rgb::ONE; layers])));
+    world.insert_resource(Current(None::<Camera>));
+    world.insert_resource(FirstError::default());
+    world.insert_resource(Stopwatch::default());
+    world.insert_resource(Stats::default());
+    world
+}
+
+/// A chain of the stages up to Extract. Systems of one stage must access different data; otherwise, building the
+/// schedule fails.
+pub fn update_schedule() -> Schedule {
+    let mut schedule = Schedule::default();
+    schedule.set_executor(SingleThreadedExecutor::new());
+    schedule.set_build_settings(ScheduleBuildSettings {
+        ambiguity_detection: LogLevel::Error,
+        ..ScheduleBuildSettings::default()
+    });
+    schedule.configure_sets(
+        (
+            FrameStage::Animate,
+            FrameStage::Extract,
+            FrameStage::Accelerate,
+            FrameStage::Trace,
+            FrameStage::Encode,
+        )
+            .chain(),
+    );
+    let camera = animate::camera.pipe(keep_camera_fault);
+    // A camera may focus on an object, so objects come first.
+    let placed = (animate::transforms, camera).chain();
+    let animated = (placed, animate::materials, animate::lights, animate::sky_and_fog, animate::weights);
+    schedule.add_systems((animated, lap(FrameStage::Animate)).chain().in_set(FrameStage::Animate));
+    let packed = (
+        (extract::geometry, count_geometry).chain().run_if(extract::geometry_changed),
+        (extract::shading, count_shading).chain().run_if(extract::shading_changed),
+        extract::weights.run_if(extract::weights_changed),
+        lap(FrameStage::Extract),
+    );
+    schedule.add_systems(packed.chain().in_set(FrameStage::Extract));
+    schedule
+}
+
+/// All stages.
+pub fn schedule<S: FilmSink>() -> Schedule {
+    let mut schedule = update_schedule();
+    let rebuilt = accelerate.run_if(resource_changed::<Current<Geometry>>);
+    schedule.add_systems((rebuilt, lap(FrameStage::Accelerate)).chain().in_set(FrameStage::Accelerate));
+    schedule.add_systems(
+        (trace_frame.run_if(no_fault), lap(FrameStage::Trace)).chain().in_set(FrameStage::Trace),
+    );
+    let encoded = encode::<S>.pipe(keep_fault).run_if(no_fault);
+    schedule.add_systems((encoded, lap(FrameStage::Encode)).chain().in_set(FrameStage::Encode));
+    schedule
+}

@@ -1,0 +1,103 @@
+//! Queries of the tree along eight rays.
+
+use super::bundle::LaneAnyHit;
+use super::bvh::Bvh;
+use super::closest::{LaneClosestHit, LaneHits};
+use super::occlusion::{Occlusion, TransmissiveFlags};
+use crate::base::lanes::{Level, Mask, lanes};
+use crate::base::math::LaneRay;
+use crate::geometry::bvh::{BundleStack, Stack, TraversalRay};
+use crate::geometry::shape::{PreparedRay, RayInterval, StoredRays};
+use crate::scene::Geometry;
+
+/// Whether the rays of a stage have similar directions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coherence {
+    /// Eight neighbours have similar directions: from the camera, or to a light.
+    Coherent,
+    Incoherent,
+}
+
+/// Memory for searches along single rays and along bundles. Its content before and after a search has no meaning.
+#[derive(Default)]
+pub struct Stacks {
+    single: Stack,
+    bundle: BundleStack,
+}
+
+impl Bvh {
+    /// The closest primitives along the rays in the lanes of a mask, within bounds.
+    #[inline(always)]
+    pub fn intersect<L: Level>(
+        &self,
+        geometry: &Geometry,
+        ray: &LaneRay<L::F64>,
+        within: RayInterval<L::F64>,
+        wanted: L::Mask,
+        coherence: Coherence,
+        stacks: &mut Stacks,
+    ) -> LaneHits<L::F64> {
+        let prepared = PreparedRay::new(*ray);
+        let mut nearest = LaneClosestHit::new(&prepared, self.reach, within, wanted);
+        nearest.test(geometry, &self.direct);
+        if self.tree.is_empty() && self.meshes.is_empty() {
+            return nearest.hits;
+        }
+        if self.is_small || coherence == Coherence::Coherent {
+            nearest.test(geometry, &self.meshes);
+            if !self.tree.is_empty() {
+                self.closest_in_bundle::<L>(geometry, &mut nearest, &mut stacks.bundle);
+            }
+            return nearest.hits;
+        }
+        let rays = StoredRays::of(ray);
+        let mut hits = nearest.hits.store();
+        let within = nearest.bounds();
+        for lane in lanes(wanted.bits()) {
+            let single = TraversalRay::new(rays.one(lane));
+            let span = RayInterval { min: within[0][lane], max: within[1][lane] };
+            let hit =
+                self.closest_on::<L::Narrow>(geometry, &single, span, hits.lane(lane), &mut stacks.single);
+            hits.set_lane(lane, hit);
+        }
+        hits.load()
+    }
+
+    /// The rays in the lanes of a mask that something blocks or dims, within bounds.
+    #[inline(always)]
+    pub fn occlusion<L: Level>(
+        &self,
+        geometry: &Geometry,
+        ray: &LaneRay<L::F64>,
+        within: RayInterval<L::F64>,
+        wanted: L::Mask,
+        (coherence, transmissive): (Coherence, Option<TransmissiveFlags>),
+        stacks: &mut Stacks,
+    ) -> Occlusion<L::Mask> {
+        let prepared = PreparedRay::new(*ray);
+        let mut found = LaneAnyHit::<L>::new(&prepared, within, wanted, transmissive);
+        found.test(geometry, &self.direct, wanted);
+        if (self.tree.is_empty() && self.meshes.is_empty()) || !found.open().any() {
+            return found.occlusion();
+        }
+        if self.is_small || coherence == Coherence::Coherent {
+            found.test(geometry, &self.meshes, found.open());
+            if !self.tree.is_empty() && found.open().any() {
+                self.occluded_in_bundle::<L>(geometry, &mut found, &mut stacks.bundle);
+            }
+            return found.occlusion();
+        }
+        let rays = StoredRays::of(ray);
+        let bounds = found.bounds();
+        let mut bits = found.bits();
+        for lane in lanes(found.open().bits()) {
+            let single = TraversalRay::new(rays.one(lane));
+            let span = RayInterval { min: bounds[0][lane], max: bounds[1][lane] };
+            let [blocked, dimmed] =
+                self.occluded_on::<L::Narrow>(geometry, &single, span, transmissive, &mut stacks.single);
+            bits[0] |= u32::from(blocked) << lane;
+            bits[1] |= u32::from(dimmed) << lane;
+        }
+        Occlusion { blocked: L::Mask::from_bits(bits[0]), dimmed: L::Mask::from_bits(bits[1] & !bits[0]) }
+    }
+}

@@ -1,0 +1,26 @@
+//! Decodes names of image files.
+
+use super::fault::Fault;
+use super::node::Node;
+use super::suggest::shortened;
+use super::values::text;
+use crate::appearance::texture::{ColorEncoding, Image, SharedAsset};
+
+/// A decoder for the quoted name of an image file.
+pub fn image<'s>(encoding: ColorEncoding) -> impl Fn(Node<'s>) -> Option<SharedAsset<Image>> {
+    move |node| named_image(node, &text(node)?, encoding)
+}
+
+/// The image called `name`. `node` is the place of the name.
+pub fn named_image(node: Node<'_>, name: &str, encoding: ColorEncoding) -> Option<SharedAsset<Image>> {
+    match node.file.images.image(name, encoding) {
+        Ok(image) => Some(image),
+        Err(why) => {
+            let title = format!("cannot read the image {:?}", shortened(name));
+            let fault = Fault::new(node.span(), title, why.to_string());
+            let help = "paths of images are relative to the folder of the sequence file";
+            node.fault(if why.is_missing() { fault.help(help) } else { fault });
+            None
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! The mesh files that a sequence names, each read once.
+
+use super::material_description::MeshMaterials;
+use crate::base::files::{self, Root};
+use crate::geometry::mesh;
+use crate::import::{self, LoadProgress};
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// The meshes read so far.
+pub struct MeshFiles {
+    folder: PathBuf,
+    root: Root,
+    pub meter: Arc<LoadProgress>,
+    read: RefCell<HashMap<PathBuf, MeshResult>>,
+    /// Materials by the address of their mesh. Keeps the mesh alive, so that no other mesh gets its address.
+    materials: RefCell<HashMap<*const mesh::TriangleMesh, (Arc<mesh::TriangleMesh>, MeshMaterials)>>,
+}
+
+/// A mesh, or the reason why it cannot be read.
+type MeshResult = Result<Arc<mesh::TriangleMesh>, String>;
+
+impl MeshFiles {
+    pub fn new(folder: &Path, root: Root) -> Self {
+        Self {
+            folder: folder.to_owned(),
+            root,
+            meter: Arc::default(),
+            read: RefCell::default(),
+            materials: RefCell::default(),
+        }
+    }
+
+    /// Reads a file, or returns the result of the first read.
+    pub fn mesh(&self, name: &str) -> MeshResult {
+        import::known_format(Path::new(name)).map_err(|error| error.to_string())?;
+        let path = self.root.admit(&self.folder.join(name)).map_err(|error| files::describe(&error))?;
+        let mut read = self.read.borrow_mut();
+        let mesh = read.entry(path).or_insert_with_key(|path| {
+            import::load(path, &self.root, &self.meter).map(Arc::new).map_err(|error| error.to_string())
+        });
+        mesh.clone()
+    }
+
+    /// The materials of a mesh, created once. If creation fails, each object reports it again.
+    pub fn materials_of(
+        &self,
+        mesh: &Arc<mesh::TriangleMesh>,
+        make: impl FnOnce() -> Option<MeshMaterials>,
+    ) -> Option<MeshMaterials> {
+        if let Some((_, materials)) = self.materials.borrow().get(&Arc::as_ptr(mesh)) {
+            return Some(Rc::clone(materials));
+        }
+        let materials = make()?;
+        self.materials.borrow_mut().insert(Arc::as_ptr(mesh), (Arc::clone(mesh), Rc::clone(&materials)));
+        Some(materials)
+    }
+}

@@ -1,0 +1,40 @@
+//! Single lights: samples of their light, and their radiance where paths hit them.
+
+use super::{LightSample, Receiver, area, punctual};
+use crate::appearance::light::{Light, Source};
+use crate::base::color::Rgb;
+use crate::base::lanes::{Color, Mask, Real, Select, Vec3};
+
+/// Samples the light of one light at points. Only [sampled](Source::is_sampled) lights use u and v, which are in 0..1.
+#[inline(always)]
+pub fn sample_light<F: Real>(light: &Light, at: &Receiver<F>, [u, v]: [F; 2]) -> LightSample<F> {
+    let radiance = Color::splat(light.radiance);
+    match &light.source {
+        Source::Point { position, attenuation } => {
+            punctual::point(*position, attenuation, at.point, radiance)
+        }
+        Source::Spot { position, cone, attenuation } => {
+            punctual::spot(*position, cone, attenuation, at.point, radiance)
+        }
+        Source::Directional { to_light } => {
+            LightSample::distant(Vec3::splat(*to_light), radiance, F::splat(0.0))
+        }
+        Source::Sphere(sphere) => area::sphere(sphere, at, [u, v], radiance),
+        Source::Rectangle { rectangle, one_sided } => {
+            area::rectangle(rectangle, *one_sided, at, [u, v], radiance)
+        }
+    }
+}
+
+/// The radiance of a light that is part of the geometry, where paths hit it. `outside` are the lanes on the side of its
+/// normal.
+#[inline(always)]
+pub fn emitted_radiance<F: Real>(light: &Light, outside: F::Mask) -> Color<F::F32> {
+    let shines = match light.source {
+        Source::Sphere(_) => outside,
+        Source::Rectangle { one_sided: true, .. } => outside,
+        Source::Rectangle { one_sided: false, .. } => F::Mask::splat(true),
+        Source::Point { .. } | Source::Spot { .. } | Source::Directional { .. } => F::Mask::splat(false),
+    };
+    Color::select(shines, Color::splat(light.radiance), Color::splat(Rgb::ZERO))
+}

@@ -1,0 +1,190 @@
+//! A pilot of a frame: it traces a few blocks of pixels at full resolution, to estimate the cost and the variance of
+//! samples.
+//!
+//! A smaller image would not do. Its pixels cover more edges, so they are noisier than those of the frame.
+
+use super::adaptive::halves::SampleHalves;
+use super::pixels::{PixelTracer, SampleSet};
+use super::settings::{Moment, TraceSettings};
+use crate::base::color::Rgb;
+use crate::base::math::DVec3;
+use crate::base::stats::Counts;
+use crate::scene::Scene;
+use crate::scene::top_level::Bvh;
+use rayon::prelude::*;
+use std::collections::HashSet;
+use std::ops::Range;
+
+/// The side of a block in pixels.
+const SIDE: u32 = 8;
+
+/// Blocks of a frame. All of their pixels have the same number of samples.
+pub struct PilotBlocks {
+    seed: u32,
+    layers: usize,
+    blocks: Vec<PilotBlock>,
+}
+
+struct PilotBlock {
+    places: Vec<(u32, u32)>,
+    /// The layers of each pixel: the sums of all samples, and of the samples before the last pass.
+    all: Vec<DVec3>,
+    first: Vec<DVec3>,
+    rays: u64,
+}
+
+/// The error of a block from the halves of its samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BlockError {
+    pub pixels: f64,
+    /// The mean over pixels and colours.
+    pub mean: f64,
+    /// The mean squared error, if samples were independent; and the sum of the squared contributions of pixels to it,
+    /// which bounds the variance of the estimate.
+    pub square: f64,
+    pub variance: f64,
+    /// Rays per sample of a pixel.
+    pub rays: f64,
+}
+
+impl PilotBlocks {
+    /// The number of pixels of a whole block.
+    pub const BLOCK: f64 = (SIDE * SIDE) as f64;
+
+    /// Spreads `count` blocks over a frame of this size, but no more than the frame has.
+    pub fn new((width, height): (u32, u32), count: usize, layers: usize, seed: u32) -> Self {
+        let (columns, rows) = (width.div_ceil(SIDE), height.div_ceil(SIDE));
+        let block = |(column, row): (u32, u32)| {
+            let (left, top) = (column * SIDE, row * SIDE);
+            let xs = left..width.min(left + SIDE);
+            let places: Vec<_> =
+                (top..height.min(top + SIDE)).flat_map(|y| xs.clone().map(move |x| (x, y))).collect();
+            let sums = vec![DVec3::ZERO; places.len() * layers];
+            PilotBlock { places, first: sums.clone(), all: sums, rays: 0 }
+        };
+        Self { seed, layers, blocks: spread(columns, rows, count).into_iter().map(block).collect() }
+    }
+
+    /// The number of blocks of a frame of this size.
+    pub fn blocks_of((width, height): (u32, u32)) -> usize {
+        width.div_ceil(SIDE) as usize * height.div_ceil(SIDE) as usize
+    }
+
+    /// The number of pixels of all its blocks.
+    pub fn pixels(&self) -> u64 {
+        self.blocks.iter().map(|block| block.places.len() as u64).sum()
+    }
+
+    /// Starts a pass. Its samples form the second half.
+    pub fn begin_pass(&mut self) {
+        self.blocks.iter_mut().for_each(|block| block.first.copy_from_slice(&block.all));
+    }
+
+    /// Adds the samples that belong to this moment, either random ones or those of a regular grid.
+    pub fn trace(
+        &mut self,
+        scene: &Scene,
+        bvh: &Bvh,
+        settings: &TraceSettings,
+        (moment, random): (Moment, bool),
+        samples: &Range<u32>,
+    ) -> Counts {
+        let (seed, mut pixels) = (self.seed, PixelTracer::new(scene, bvh, settings, moment));
+        pixels.random = random;
+        let pixels = &pixels;
+        let counts = self.blocks.par_iter_mut().map(|block| {
+            let set = SampleSet { samples: samples.clone(), seed };
+            let counts = pixels.add(&block.places, &set, &mut block.all);
+            block.rays += counts.rays.total();
+            counts
+        });
+        counts.reduce(Counts::default, |mut a, b| {
+            a += b;
+            a
+        })
+    }
+
+    /// The errors of the blocks with these weights, from the first `before` of `after` samples and the rest.
+    pub fn errors(&self, weights: &[Rgb], (before, after): (u32, u32)) -> Vec<BlockError> {
+        self.blocks.iter().map(|block| block.error(weights, self.layers, (before, after))).collect()
+    }
+}
+
+impl PilotBlock {
+    fn error(&self, weights: &[Rgb], layers: usize, (before, after): (u32, u32)) -> BlockError {
+        let halves = SampleHalves::new(before, after);
+        let factor = halves.factor() / 3.0;
+        let pixels = self.places.len() as f64;
+        let mut found = BlockError {
+            pixels,
+            rays: self.rays as f64 / (pixels * halves.count()),
+            ..BlockError::default()
+        };
+        for (all, first) in self.all.chunks_exact(layers).zip(self.first.chunks_exact(layers)) {
+            let sum = |sums: &[DVec3]| -> DVec3 {
+                sums.iter().zip(weights).map(|(sum, weight)| weight.as_dvec3() * *sum).sum()
+            };
+            let (all, first) = (sum(all), sum(first));
+            found.mean += all.element_sum() / (3.0 * halves.count() * pixels);
+            if factor > 0.0 {
+                let square = factor * halves.difference(first, all).length_squared();
+                found.square += square / pixels;
+                found.variance += square * square / (pixels * pixels);
+            }
+        }
+        found
+    }
+}
+
+/// Chooses `count` different cells of a lattice, evenly spread, by the additive sequence of the plastic number
+/// (Roberts, *The unreasonable effectiveness of quasirandom sequences*, 2018).
+fn spread(columns: u32, rows: u32, count: usize) -> Vec<(u32, u32)> {
+    const STEPS: (f64, f64) = (0.754_877_666_246_692_7, 0.569_840_290_998_053_2);
+    let all = columns as usize * rows as usize;
+    if count >= all {
+        return (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row))).collect();
+    }
+    let mut taken = HashSet::new();
+    let place = |index: u64| {
+        let at = |step: f64, cells: u32| ((0.5 + step * index as f64).fract() * f64::from(cells)) as u32;
+        (at(STEPS.0, columns), at(STEPS.1, rows))
+    };
+    (0..).map(place).filter(|place| taken.insert(*place)).take(count).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_are_spread_and_each_is_there_once() {
+        for (columns, rows, count) in [(40, 23, 64), (7, 5, 34), (7, 5, 99), (1, 1, 3)] {
+            let places = spread(columns, rows, count);
+            let different: HashSet<_> = places.iter().collect();
+            assert_eq!(different.len(), places.len());
+            assert_eq!(places.len(), count.min((columns * rows) as usize));
+            assert!(places.iter().all(|(column, row)| *column < columns && *row < rows));
+        }
+        // Every quarter of the frame has its share.
+        let left = spread(40, 24, 64).into_iter().filter(|(column, row)| *column < 20 && *row < 12).count();
+        assert!((14..=18).contains(&left), "{left}");
+    }
+
+    #[test]
+    fn blocks_at_the_edge_have_the_pixels_that_are_left() {
+        let pilot = PilotBlocks::new((20, 9), usize::MAX, 1, 0);
+        assert_eq!((pilot.blocks.len(), pilot.pixels()), (6, 180));
+        assert_eq!(PilotBlocks::blocks_of((20, 9)), 6);
+    }
+
+    /// One pixel whose halves are 1 and 3 in all colours. Independent samples would have a squared error of 1.
+    #[test]
+    fn halves_give_the_error() {
+        let mut pilot = PilotBlocks::new((1, 1), 1, 1, 0);
+        pilot.blocks[0].all[0] = DVec3::splat(4.0);
+        pilot.begin_pass();
+        pilot.blocks[0].all[0] = DVec3::splat(16.0);
+        let error = pilot.errors(&[Rgb::splat(0.5)], (4, 8))[0];
+        assert_eq!((error.mean, error.square, error.variance), (1.0, 0.25, 0.0625));
+    }
+}

@@ -1,0 +1,29 @@
+//! Input of the tracer besides the scene: settings, and the moment of an open shutter.
+
+use crate::film::AovSet;
+use crate::film::filter::FilterSampler;
+use crate::sequence::quality::Quality;
+
+/// Settings of the tracer.
+#[derive(Clone, Debug)]
+pub struct TraceSettings {
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    pub quality: Quality,
+    /// The sampler of the quality's reconstruction filter.
+    pub filter: FilterSampler,
+    /// What films record besides light.
+    pub extras: AovSet,
+}
+
+/// One of the moments at which an open shutter samples motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Moment {
+    pub index: u32,
+    /// The number of moments; 1 if nothing moves.
+    pub of: u32,
+}
+
+impl Moment {
+    pub const ONLY: Self = Self { index: 0, of: 1 };
+}
