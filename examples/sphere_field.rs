@@ -34,19 +34,19 @@ const PAPER: [[f64; 3]; 7] = [
 ];
 const METAL: [[f64; 3]; 4] = [[0.90, 0.91, 0.92], [0.95, 0.76, 0.42], [0.93, 0.58, 0.45], [0.62, 0.70, 0.82]];
 
-const ORBIT: &str = r##"// Some 480 small spheres around three large ones under an open sky. The camera goes once around them while its
-// lens opens, so that the field blurs before and behind the glass ball, and closes again.
+const ORBIT: &str = r##"// About 480 small spheres around three large ones under an open sky. The camera orbits them once. Meanwhile its lens
+// opens, so the field blurs in front of and behind the glass ball, and closes again.
 //
 //     kinora render sequences/field-orbit.ron
 //
-// The spheres are random, the text is not written by hand:
+// A program writes this file; the spheres are random:
 //
 //     cargo run --release --example sphere_field -- orbit sequences/field-orbit.ron
 (
     timeline: (frames: 48, fps: 12, keys: Frames),
     output: (size: (480, 270)),
 
-    // Paths of light with up to 8 bounces, 48 of them in every pixel.
+    // Path tracing with up to 8 bounces and 48 samples per pixel.
     quality: (integrator: Path, bounces: 8, samples: 48),
     background: Gradient(), // white below to light blue above: the only light
 
@@ -55,19 +55,19 @@ const ORBIT: &str = r##"// Some 480 small spheres around three large ones under 
         target: (0, 0.6, 0),
         projection: Perspective(fov: 28),
         path: Orbit(),
-        // The lens's diameter; what is as far away as the glass ball stays sharp.
+        // Diameter of the lens. The glass ball stays sharp.
         aperture: [(0, 0, Smooth), (24, 0.45, Smooth), (48, 0)],
         focus: "glass",
     ),
 
 "##;
 
-const MOVES: &str = r##"// The field of field-orbit.ron, and what a camera can do, one move after the other: it steps closer, narrows its
-// field of view, looks up and down, and opens its lens.
+const MOVES: &str = r##"// The field of field-orbit.ron and the moves of a camera, one after the other: it steps closer, narrows its field of
+// view, looks up and down, and opens its lens.
 //
 //     kinora render sequences/field-moves.ron
 //
-// The spheres are random, the text is not written by hand:
+// A program writes this file; the spheres are random:
 //
 //     cargo run --release --example sphere_field -- moves sequences/field-moves.ron
 (
@@ -77,13 +77,13 @@ const MOVES: &str = r##"// The field of field-orbit.ron, and what a camera can d
     background: Gradient(),
 
     camera: (
-        // Closer, until frame 14.
+        // Closer until frame 14.
         position: [(2, (0.6, 2.4, 13), Smooth), (14, (0.4, 1.6, 7.5))],
-        // Up and down from 30 to 54: the camera stays, its target does not.
+        // Up and down from 30 to 54: the target moves, the camera does not.
         target: [(30, (0, 0.8, 0), Smooth), (38, (0, 2.4, 0), Smooth), (46, (0, -0.8, 0), Smooth), (54, (0, 0.8, 0))],
         // A narrower view from 16 to 28.
         projection: Perspective(fov: [(16, 40, Smooth), (28, 24)]),
-        // The lens opens from 56 to 68. What is as far away as the glass ball stays sharp.
+        // The lens opens from 56 to 68. The glass ball stays sharp.
         aperture: [(56, 0, Smooth), (68, 0.4)],
         focus: "glass",
     ),

@@ -46,7 +46,7 @@ const fn ball(name: &'static str, about: &'static str, ball: &'static str) -> Ca
 /// What effects cost.
 pub const CASES: &[Case] = &[
     PLAIN,
-    lamp("no-light", "ambient light alone: no shadow rays", ""),
+    lamp("no-light", "ambient light only, no shadow rays", ""),
     lamp(
         "two-lights",
         "a second point light",
@@ -77,23 +77,23 @@ pub const CASES: &[Case] = &[
     ),
     ball(
         "transparency",
-        "light passes straight on, also in shadows",
+        "transparency, also in shadows",
         "(color: \"#c8503a\", diffuse: 0.4, transparency: 0.6)",
     ),
     ball("refraction", "glass, with Fresnel's reflection", "Dielectric()"),
     ball("absorption", "glass that absorbs", "Dielectric(absorption: (0.2, 0.9, 0.9))"),
-    ball("emission", "a ball that shines by itself", "(color: \"#c8503a\", emission: 0.5)"),
+    ball("emission", "a ball that emits light", "(color: \"#c8503a\", emission: 0.5)"),
     ball("pattern", "a checker", "(color: Checker(a: \"#c8503a\", b: \"#f0e0c0\", scale: 0.4))"),
     ball("noise", "marble of four octaves", "(color: Marble(a: \"#c8503a\", b: \"#f0e0c0\", scale: 0.5))"),
     ball("texture", "an image over u and v", "(color: Image(\"assets/textures/planet.png\"))"),
-    fields("sky", "a gradient in place of a plain background", "background: Gradient(),"),
-    fields("fog", "even fog", "fog: (density: 0.06, color: 0.7),"),
+    fields("sky", "a gradient instead of a plain background", "background: Gradient(),"),
+    fields("fog", "uniform fog", "fog: (density: 0.06, color: 0.7),"),
     fields(
         "fog-height",
-        "fog that grows thinner with height",
+        "fog that thins with height",
         "fog: (density: 0.2, color: 0.7, falloff: (height: 0.8)),",
     ),
-    camera("orthographic", "parallel rays of the camera", "projection: Orthographic(height: 5.2),"),
+    camera("orthographic", "an orthographic camera", "projection: Orthographic(height: 5.2),"),
     camera("lens", "depth of field: random samples", "aperture: 0.4,"),
     Case {
         name: "motion-blur",
@@ -116,26 +116,26 @@ pub const IDLE: &[Case] = &[
         "a mirror that reflects nothing",
         "(color: \"#c8503a\", mirror: 0, mirror_color: (1, 0, 0))",
     ),
-    ball("idle-highlight", "a highlight of no strength", "(color: \"#c8503a\", specular: 0, shininess: 40)"),
+    ball(
+        "idle-highlight",
+        "a highlight of zero strength",
+        "(color: \"#c8503a\", specular: 0, shininess: 40)",
+    ),
     ball(
         "idle-transparency",
-        "nothing passes",
+        "transparency of zero",
         "(color: \"#c8503a\", transparency: 0, transparency_color: (1, 0, 0))",
     ),
     ball(
         "idle-refraction",
-        "no refraction",
+        "refraction of zero",
         "(color: \"#c8503a\", refraction: 0, ior: 2, absorption: 3, fresnel: Exact)",
     ),
-    ball(
-        "idle-emission",
-        "no light of its own",
-        "(color: \"#c8503a\", emission: 0, emission_color: (9, 9, 9))",
-    ),
+    ball("idle-emission", "emission of zero", "(color: \"#c8503a\", emission: 0, emission_color: (9, 9, 9))"),
     ball("idle-fuzz", "a rough mirror that reflects nothing", "(color: \"#c8503a\", mirror: 0, fuzz: 0.5)"),
     lamp(
         "idle-light",
-        "a second point light of no intensity",
+        "a second point light of zero intensity",
         r#""lamp": Point(position: (4, 6, 5)), "fill": Point(position: (-5, 4, 4), intensity: 0)"#,
     ),
     lamp(
@@ -143,10 +143,10 @@ pub const IDLE: &[Case] = &[
         "a second point light, switched off",
         r#""lamp": Point(position: (4, 6, 5)), "fill": Point(position: (-5, 4, 4), on: false)"#,
     ),
-    fields("idle-fog", "fog of no density", "fog: (density: 0, color: 0.7, falloff: (height: 0.8)),"),
+    fields("idle-fog", "fog of zero density", "fog: (density: 0, color: 0.7, falloff: (height: 0.8)),"),
     camera("idle-lens", "an aperture of 0", "aperture: 0, focus: 3,"),
     camera("idle-shutter", "a closed shutter", "shutter: 0,"),
-    Case { name: "idle-motion", about: "an open shutter, and nothing moves", camera: "shutter: 1,", ..PLAIN },
+    Case { name: "idle-motion", about: "an open shutter without motion", camera: "shutter: 1,", ..PLAIN },
 ];
 
 impl Case {

@@ -44,21 +44,21 @@ pub fn page(found: &[Found], idle: &[(&Case, Option<u64>)]) -> String {
         _ = writeln!(nothing, "| {} | {more} |", case.about);
     }
     format!(
-        "# What effects cost\n\n\
-        What a scene does not call for takes no work: an effect of zero strength gives the bytes, and takes the rays, of a\n\
-        scene without it. What it does call for is priced here, one effect at a time on one scene: a ball on a floor, {} by {}\n\
-        pixels with 16 samples each, on one thread. The numbers are ratios to the plain scene in the first row: time of the\n\
-        processor, the middle of {ROUNDS} rounds in each of which every scene was traced once; rays of all kinds, and how many\n\
-        that are; and instructions of a picture of {} by {} pixels, which count reading the sequence and writing the file as\n\
-        well. With `-- --counts`, only rays are told.\n\n\
-        `kinora plan FILE` tells which effects a sequence calls for, and who does.\n\n\
-        ```sh\ncargo run --release --example effects      # this page and its pictures\n```\n\n\
-        | | effect | time | rays | | instructions |\n|---|---|---|---|---|---|\n{rows}\n\
-        ## What no effect costs\n\n\
-        The same scene with an effect that is written down and has no strength: how many instructions more than without a\n\
-        word of it, of the same small picture. What is left is reading the words, and finding that they ask for nothing;\n\
-        in the last row, that nothing moves while the shutter is open, at each of its sixteen moments.\n\n\
-        | effect | instructions |\n|---|---|\n{nothing}",
+        "# Cost of effects\n\n\
+        An effect of zero strength gives the bytes, and takes the rays, of a scene without it; [Cost of unused\n\
+        effects](#cost-of-unused-effects) counts what remains. This page prices effects that are in use, one at a time on one\n\
+        scene: a ball on a floor, {} by {} pixels with 16 samples each, on one thread. The numbers are ratios to the plain\n\
+        scene in the first row: processor time, as the median of {ROUNDS} rounds that each trace every scene once; rays of all kinds,\n\
+        with their number; and instructions of a picture of {} by {} pixels, including reading the sequence and writing the\n\
+        file. With `-- --counts`, the page has only rays.\n\n\
+        `kinora plan FILE` lists the effects of a sequence, and what causes each.\n\n\
+        ```sh\n\
+        cargo run --release --example effects      # writes this page and its pictures\n\
+        ```\n\n| | effect | time | rays | number of rays | instructions |\n|---|---|---|---|---|---|\n{rows}\n\
+        ## Cost of unused effects\n\n\
+        The same small picture with an effect of zero strength: how many more instructions it takes than the plain scene. The\n\
+        rest is the work of reading the effect's fields and finding that they have no effect; in the last row, of finding at\n\
+        each of sixteen moments that nothing moves while the shutter is open.\n\n| effect | instructions |\n|---|---|\n{nothing}",
         SIZE.0, SIZE.1, SMALL.0, SMALL.1,
     )
 }

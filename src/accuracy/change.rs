@@ -19,7 +19,7 @@ pub enum SceneChange {
     None,
     /// Lights are assigned to film layers in another way, which does not change the picture.
     Layers(Layering),
-    Without(SceneEffect),
+    Without(RemovableEffect),
     /// By its index in the sequence.
     LightOff(usize),
     /// By its index in the sequence; its children are hidden too.
@@ -30,7 +30,7 @@ pub enum SceneChange {
 
 /// A part of the scene description that a sequence can be rendered without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SceneEffect {
+pub enum RemovableEffect {
     Fog,
     Ambient,
     Background,
@@ -46,7 +46,7 @@ pub enum SceneEffect {
     Textures,
 }
 
-impl SceneEffect {
+impl RemovableEffect {
     pub const ALL: [Self; 13] = [
         Self::Fog,
         Self::Ambient,
@@ -162,12 +162,12 @@ impl SceneChange {
 
     /// The removal of each effect that the sequence has at a moment.
     pub fn effects(sequence: &Sequence, time: Time) -> Vec<Self> {
-        let has = |effect: &SceneEffect| {
+        let has = |effect: &RemovableEffect| {
             let mut without = sequence.clone();
             effect.remove(&mut without);
             without != *sequence && effect.shows(sequence, time)
         };
-        SceneEffect::ALL.into_iter().filter(has).map(Self::Without).collect()
+        RemovableEffect::ALL.into_iter().filter(has).map(Self::Without).collect()
     }
 
     /// The removal of each light that is on at a moment.
@@ -185,7 +185,7 @@ impl SceneChange {
     }
 }
 
-impl SceneEffect {
+impl RemovableEffect {
     /// Whether the effect may change the picture at a moment; true if unsure.
     fn shows(self, sequence: &Sequence, time: Time) -> bool {
         let any = |of: &dyn Fn(&MaterialTracks) -> f64| sequence.materials.iter().any(|m| of(&m.value) > 0.0);
@@ -239,9 +239,9 @@ mod tests {
     fn only_what_a_scene_has_is_switched_off() {
         let (sequence, time) = (sequence(), Time::from_integer(0));
         let effects = SceneChange::effects(&sequence, time);
-        assert!(effects.contains(&SceneChange::Without(SceneEffect::Refraction)), "{effects:?}");
-        assert!(!effects.contains(&SceneChange::Without(SceneEffect::Fog)), "{effects:?}");
-        assert!(!effects.contains(&SceneChange::Without(SceneEffect::DepthOfField)), "{effects:?}");
+        assert!(effects.contains(&SceneChange::Without(RemovableEffect::Refraction)), "{effects:?}");
+        assert!(!effects.contains(&SceneChange::Without(RemovableEffect::Fog)), "{effects:?}");
+        assert!(!effects.contains(&SceneChange::Without(RemovableEffect::DepthOfField)), "{effects:?}");
         assert_eq!(
             SceneChange::lights(&sequence, time),
             [SceneChange::LightOff(0), SceneChange::LightOff(1)]

@@ -30,7 +30,7 @@ use crate::base::clock;
 pub use crate::base::clock::{ElapsedTime, TimeSource, timed};
 pub use budget::{Budget, budget};
 pub use chains::Chain;
-pub use change::{SceneChange, SceneEffect};
+pub use change::{RemovableEffect, SceneChange};
 pub use findings::{Advice, describe, factor, percent, seconds};
 pub use layering::Layering;
 pub use measure::{Layer, Measured, MeasurementRequest, Point, SequenceCost, measure};

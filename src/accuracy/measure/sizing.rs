@@ -1,7 +1,7 @@
 //! Chooses the size of the pictures so that a measurement takes about the requested time, and predicts its memory.
 
 use super::request::MeasurementRequest;
-use crate::accuracy::change::{SceneChange, SceneEffect};
+use crate::accuracy::change::{RemovableEffect, SceneChange};
 use crate::accuracy::image_error::mean_squared_error;
 use crate::accuracy::renderer::Renderer;
 use crate::accuracy::settings::{Experiment, SceneFacts, Scope, samples_of};
@@ -51,7 +51,7 @@ pub fn plan(
     settings.layers(own, &renderer.layerings());
     let time = renderer.time();
     let refracts =
-        SceneChange::effects(sequence, time).contains(&SceneChange::Without(SceneEffect::Refraction));
+        SceneChange::effects(sequence, time).contains(&SceneChange::Without(RemovableEffect::Refraction));
     let area = SceneChange::LargerLights.of(sequence, time) != *sequence;
     settings.remedies(own, refracts, area);
     settings.parts(own, parts(renderer, sequence, request)?);
