@@ -8,7 +8,7 @@
 //! A few frames are rendered to find out what things take on this machine; what is drawn are ratios of these times.
 
 use kinora::accuracy::plot::{DataPoint, Legend, Plot, Scale, Series};
-use kinora::accuracy::timed;
+use kinora::base::clock::timed;
 use kinora::base::units::count;
 use kinora::farm::{JobForecast, Scaling};
 use kinora::sequence::load;

@@ -33,8 +33,11 @@ pub mod trace;
 
 // The order of the systems, and everything built on it.
 pub mod pipeline;
+#[cfg(feature = "accuracy")]
 pub mod accuracy;
+#[cfg(feature = "cli")]
 pub mod farm;
+#[cfg(feature = "cli")]
 pub mod cli;
 
 #[cfg(test)]

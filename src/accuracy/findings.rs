@@ -11,4 +11,4 @@ mod text;
 
 pub use advice::Advice;
 pub use base::CODES;
-pub use text::{describe, factor, percent, seconds};
+pub use text::describe;

@@ -7,10 +7,8 @@
 //!                                                         └─ report ▶ page, plots
 //! ```
 
-mod budget;
 mod chains;
 mod change;
-pub mod exact;
 mod findings;
 pub mod hard_cases;
 pub mod image_error;
@@ -22,19 +20,13 @@ mod renderer;
 pub mod report;
 pub mod robustness;
 mod settings;
-mod settled;
 mod statistics;
 
-use crate::base::clock;
-
-pub use crate::base::clock::{ElapsedTime, TimeSource, timed};
-pub use budget::{Budget, budget};
 pub use chains::Chain;
 pub use change::{RemovableEffect, SceneChange};
-pub use findings::{Advice, describe, factor, percent, seconds};
+pub use findings::{Advice, describe};
 pub use layering::Layering;
 pub use measure::{Layer, Measured, MeasurementRequest, Point, SequenceCost, measure};
 pub use precision::{MethodSummary, method_summaries, wrong_answers};
 pub use settings::{Experiment, LeftOut, Setting, SettingAxis};
-pub use settled::{Settled, settled};
 pub use statistics::{Bias, Concentration, ConfidenceInterval, Quartiles};

@@ -1,9 +1,9 @@
 //! Renders the frames of a sequence at any quality, and returns the films.
 
 use super::change::SceneChange;
-use super::clock::{ElapsedTime, timed};
 use super::layering::Layering;
 use crate::base::cancel::Stop;
+use crate::base::clock::{ElapsedTime, timed};
 use crate::base::color::Rgb;
 use crate::base::stats::ProgressMeter;
 use crate::base::time::Time;

@@ -96,6 +96,34 @@ fn scaled(mut value: f64, units: &[&str]) -> String {
     format!("{value:.decimals$} {}", units[unit])
 }
 
+/// A share in percent with about two significant digits.
+pub fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    match percent.abs() {
+        size if size >= 10.0 => format!("{percent:.0} %"),
+        size if size >= 1.0 => format!("{percent:.1} %"),
+        size if size >= 0.1 => format!("{percent:.2} %"),
+        0.0 => "0 %".to_owned(),
+        size if size >= 0.001 => format!("{percent:.3} %"),
+        _ => "under 0.001 %".to_owned(),
+    }
+}
+
+/// A factor with about two significant digits.
+pub fn factor(factor: f64) -> String {
+    match factor {
+        large if large >= 9.95 => format!("{large:.0}"),
+        middle if middle >= 0.995 => format!("{middle:.1}"),
+        small if small >= 0.0995 => format!("{small:.2}"),
+        tiny => format!("{tiny:.3}"),
+    }
+}
+
+/// A time in seconds, as text with a suitable unit.
+pub fn seconds(seconds: f64) -> String {
+    time(Duration::try_from_secs_f64(seconds).unwrap_or_default())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,7 @@
 //! `kinora plan --workers`: how long a farm would take for a sequence.
 
 use super::failure::Failure;
-use crate::accuracy::ElapsedTime;
+use crate::base::clock::ElapsedTime;
 use crate::base::units::{self, counted};
 use crate::farm::{JobForecast, Scaling, UnitCosts};
 use crate::sequence::Sequence;

@@ -1,9 +1,9 @@
 //! The forecast of a run in words: its time, its error, and options that would suit better.
 
 use super::json::{line, object};
-use crate::accuracy::percent;
 use crate::base::stats::StatusLine;
 use crate::base::units::counted;
+use crate::base::units::percent;
 use crate::pipeline::plan::{Outlook, PilotTime, Plan, Range, RunForecast};
 use crate::pipeline::render::Notice;
 use crate::sequence::Sequence;

@@ -3,6 +3,7 @@
 //! In: the arguments of the process. Out: files, a summary on stdout, progress and errors on stderr, an exit code.
 //! Uses all other rooms.
 
+#[cfg(feature = "accuracy")]
 mod accuracy;
 mod assemble;
 mod check;
@@ -59,6 +60,7 @@ enum Command {
     Assemble(assemble::Arguments),
     Check(check::Arguments),
     Plan(plan::Arguments),
+    #[cfg(feature = "accuracy")]
     Accuracy(accuracy::Arguments),
     Farm(farm::Arguments),
 }
@@ -112,6 +114,7 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Assemble(arguments) => assemble::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
+        #[cfg(feature = "accuracy")]
         Command::Accuracy(arguments) => accuracy::run(&arguments),
         Command::Farm(arguments) => farm::run(&arguments),
     }

@@ -2,10 +2,10 @@
 
 use super::forecast_text;
 use super::json::{line, object, rounded};
-use crate::accuracy::seconds;
 use crate::base::escape;
 use crate::base::stats::Counts;
 use crate::base::units;
+use crate::base::units::seconds;
 use crate::film::Noise;
 use crate::pipeline::render::{Forecast, Summary};
 use serde_json::{Map, Value, json};
@@ -185,7 +185,7 @@ fn error(summary: &Summary) -> Vec<String> {
     if capped > 0.0 {
         lines.push(format!(
             "target missed: {} of the pixels reached the limit of samples (max_samples)",
-            crate::accuracy::percent(capped)
+            crate::base::units::percent(capped)
         ));
     }
     lines

@@ -2,8 +2,10 @@
 
 use super::failure::Failure;
 use super::{terminal, values};
-use crate::accuracy::{Budget, Settled, TimeSource, percent, seconds, settled};
+use crate::base::clock::TimeSource;
+use crate::base::units::{percent, seconds};
 use crate::pipeline::render::Request;
+use crate::pipeline::time_limit::{Budget, Settled, settled};
 use crate::sequence::Sequence;
 use crate::sequence::quality::Quality;
 use clap::Args;

@@ -34,11 +34,17 @@ fn h264_limit((width, height): (u32, u32)) -> Option<&'static str> {
     let blocks = [width, height].map(|side| side.div_ceil(16));
     let fits = blocks[0].max(blocks[1]) <= MAX_SIDE_MACROBLOCKS && blocks[0] * blocks[1] <= MAX_MACROBLOCKS;
     let size = (!fits).then_some("H.264 ends at 36864 blocks of 16x16 pixels, such as 4096x2304");
-    size.or_else(missing_instructions)
+    size.or_else(missing_encoder)
 }
 
-/// The SIMD instructions that this processor lacks. On x86-64 the H.264 encoder has no path without them.
-fn missing_instructions() -> Option<&'static str> {
+/// Why this program has no H.264 encoder, or this processor lacks its SIMD instructions. On x86-64 the encoder has no
+/// path without them.
+fn missing_encoder() -> Option<&'static str> {
+    if cfg!(not(feature = "video")) {
+        return Some(
+            "this program was built without its H.264 encoder, the feature `video`; write .y4m or stills",
+        );
+    }
     #[cfg(target_arch = "x86_64")]
     if !(is_x86_feature_detected!("ssse3") && is_x86_feature_detected!("sse4.1")) {
         return Some(

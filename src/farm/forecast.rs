@@ -3,7 +3,7 @@
 use super::chunk::{FilmCosts, cost_classes};
 use super::makespan::Scaling;
 use super::unit_costs::UnitCosts;
-use crate::accuracy::ElapsedTime;
+use crate::base::clock::ElapsedTime;
 use crate::encode::Output;
 use crate::pipeline::render::{RenderError, extras, pool};
 use crate::sequence::Sequence;

@@ -1,7 +1,7 @@
 //! The cost of each kind of work on this machine, measured by rendering a few frames as a task renders them.
 
 use super::chunk::{Chunk, RAYS_PER_WRITTEN_PIXEL};
-use crate::accuracy::{ElapsedTime, timed};
+use crate::base::clock::{ElapsedTime, timed};
 use crate::base::stats::ProgressMeter;
 use crate::encode::{EncodeError, Existing, Output};
 use crate::pipeline::filmstrip::spread;

@@ -8,5 +8,6 @@ pub mod schedule;
 pub mod plan;
 pub mod memory;
 pub mod render;
+pub mod time_limit;
 pub mod filmstrip;
 pub mod assemble;

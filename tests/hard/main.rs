@@ -12,7 +12,7 @@
 
 mod support;
 
-use kinora::accuracy::exact;
+use kinora::base::math::exact;
 
 mod intersection;
 mod traversal;

@@ -1,10 +1,11 @@
 //! Limits of time: how many samples a run has is settled once, and kept by whoever goes on with it.
 
 use crate::command::{contents, folder, kinora, run, stderr};
-use kinora::accuracy::{Settled, TimeSource, settled};
+use kinora::base::clock::TimeSource;
 use kinora::base::stats::ProgressMeter;
 use kinora::encode::{Existing, Output, frame_texts};
 use kinora::pipeline::render::{Request, Reuse, render};
+use kinora::pipeline::time_limit::{Settled, settled};
 use kinora::sequence::quality::NoiseTarget;
 use kinora::sequence::{Sequence, load};
 use std::fs;

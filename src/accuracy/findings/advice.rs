@@ -1,8 +1,9 @@
 //! Recommended settings for common goals, each with its effect.
 
-use super::text::{describe, factor, percent};
+use super::text::describe;
 use crate::accuracy::measure::{Measured, Point};
 use crate::accuracy::settings::SettingAxis;
+use crate::base::units::{factor, percent};
 
 /// A recommended setting for a goal.
 #[derive(Clone, Debug, PartialEq)]

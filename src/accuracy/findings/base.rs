@@ -1,9 +1,9 @@
 //! The points of an axis, shares of the brightness, and biases in words, which all findings use.
 
-use super::text::percent;
 use crate::accuracy::measure::{Measured, Point};
 use crate::accuracy::settings::SettingAxis;
 use crate::accuracy::statistics::Bias;
+use crate::base::units::percent;
 
 /// The largest code of a display with 8 bits.
 pub const CODES: f64 = 255.0;

@@ -1,9 +1,9 @@
 //! Conclusions from the curve of error against time.
 
-use super::text::{factor, percent};
 use crate::accuracy::measure::{Measured, Point};
 use crate::accuracy::settings::SettingAxis;
 use crate::accuracy::statistics::slope;
+use crate::base::units::{factor, percent};
 
 /// Power laws of the error and of the time over the number of samples.
 #[derive(Clone, Copy, Debug)]

@@ -1,8 +1,8 @@
 //! Fireflies: single bright pixels that contain most of the error.
 
-use super::text::{factor, percent};
 use crate::accuracy::measure::{Measured, Point};
 use crate::accuracy::settings::SettingAxis;
+use crate::base::units::{factor, percent};
 
 impl Measured {
     /// The measured remedies, without their baseline.

@@ -1,9 +1,9 @@
 //! The cost of parts of the scene, and the effect of bounces.
 
 use super::base::CODES;
-use super::text::{factor, percent};
 use crate::accuracy::measure::{Measured, Point};
 use crate::accuracy::settings::SettingAxis;
+use crate::base::units::{factor, percent};
 
 impl Measured {
     /// The share of the time that switching off a part of the scene saves.

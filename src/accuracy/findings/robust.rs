@@ -1,7 +1,7 @@
 //! The cost and the benefit of robust intersections on the scene's own rays.
 
-use super::text::{factor, percent};
 use crate::accuracy::measure::Measured;
+use crate::base::units::{factor, percent};
 
 impl Measured {
     /// A sentence about the pixels that textbook formulas in f32 get wrong, and the cost of Kinora's formulas.

@@ -1,10 +1,11 @@
 //! The summary of a measurement, one line per finding.
 
 use super::base::CODES;
-use super::text::{describe, factor, percent, seconds};
+use super::text::describe;
 use crate::accuracy::measure::Measured;
 use crate::accuracy::precision::wrong_answers;
 use crate::base::units;
+use crate::base::units::{factor, percent, seconds};
 
 impl Measured {
     /// The summary, one line per finding.

@@ -3,9 +3,9 @@
 use super::input_rng::InputRng;
 use super::measure::{Case, Verdict, Workload, method};
 use super::number::{Float, Number};
-use crate::accuracy::exact::Exact;
 use crate::appearance::fog::{Falloff, Fog};
 use crate::appearance::light_groups::GroupRadiance;
+use crate::base::math::exact::Exact;
 use crate::base::math::{DVec3, LaneRay, Ray};
 
 /// A ray segment through fog with falloff, starting at the height where the fog has its density. The direction has

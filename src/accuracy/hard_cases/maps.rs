@@ -3,10 +3,10 @@
 use super::input_rng::InputRng;
 use super::measure::{Case, Verdict, Workload, method};
 use super::number::{Float, Number, Vector3};
-use crate::accuracy::exact::Exact;
 use crate::appearance::environment::CubeMap;
 use crate::appearance::texture::Image;
 use crate::base::color::Rgb;
+use crate::base::math::exact::Exact;
 use crate::base::math::{Angle, DVec2, DVec3};
 use crate::geometry::shape::{OneRay, Sphere};
 use std::f64::consts::PI;

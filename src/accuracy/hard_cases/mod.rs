@@ -5,7 +5,7 @@
 //! - **ours, f64**: Kinora's own functions.
 //!
 //! Inputs are first rounded to the precision of the method. The true answers for the rounded inputs come from
-//! double-double arithmetic ([`crate::accuracy::exact`]) or from closed forms, never from the code under test. Errors
+//! double-double arithmetic ([`crate::base::math::exact`]) or from closed forms, never from the code under test. Errors
 //! are the same in every run; times are not.
 
 mod cameras;

@@ -1,8 +1,8 @@
 //! Numbers of any precision, so that a formula is written once and evaluated in f32, in f64 and in double-double
 //! arithmetic.
 
-use crate::accuracy::exact::Exact;
 use crate::base::math::DVec3;
+use crate::base::math::exact::Exact;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number with the operations that every precision rounds correctly, or almost so.

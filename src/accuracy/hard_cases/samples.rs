@@ -3,7 +3,7 @@
 use super::input_rng::InputRng;
 use super::measure::{Case, Verdict, Workload, method};
 use super::number::{Float, Number, Vector3};
-use crate::accuracy::exact::Exact;
+use crate::base::math::exact::Exact;
 use crate::base::math::{Angle, DVec3};
 use crate::geometry::shape::{Geometric, Sphere};
 use crate::sampling::LocalFrame;

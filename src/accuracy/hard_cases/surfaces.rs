@@ -3,8 +3,8 @@
 use super::input_rng::InputRng;
 use super::measure::{Case, Verdict, Workload, method};
 use super::number::{Float, Number, Vector3};
-use crate::accuracy::exact::Exact;
 use crate::appearance::optics::{Fresnel, Microfacet, refract};
+use crate::base::math::exact::Exact;
 use crate::base::math::{Angle, DVec3};
 
 /// Light inside glass at a boundary to air with the normal +y.

@@ -2,11 +2,11 @@
 
 use super::point::Point;
 use super::reference::Reference;
-use crate::accuracy::clock::ElapsedTime;
 use crate::accuracy::image_error::{ReferencePair, psnr};
 use crate::accuracy::renderer::{Renderer, Rendering};
 use crate::accuracy::settings::Setting;
 use crate::accuracy::statistics::{Bias, Concentration, ConfidenceInterval, Quartiles};
+use crate::base::clock::ElapsedTime;
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
 

@@ -1,7 +1,8 @@
 //! Enlarged crops of pictures at similar cost, with maps of their visible error.
 
-use crate::accuracy::findings::{describe, factor, percent, seconds};
+use crate::accuracy::findings::describe;
 use crate::accuracy::measure::{Measured, Point};
+use crate::base::units::{factor, percent, seconds};
 use crate::encode::{Picture, png_bytes};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;

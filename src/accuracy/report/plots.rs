@@ -1,10 +1,10 @@
 //! Plots of error against time, with a curve per axis.
 
-use crate::accuracy::findings::{percent, seconds};
 use crate::accuracy::measure::{Measured, Point};
 use crate::accuracy::plot::{DataPoint, Legend, Plot, Scale, Series};
 use crate::accuracy::settings::SettingAxis;
 use crate::accuracy::statistics::ConfidenceInterval;
+use crate::base::units::{percent, seconds};
 
 /// A plot of a measurement.
 #[derive(Clone, Debug)]

@@ -2,8 +2,8 @@
 
 use super::rays::{SceneRays, SurfaceHit, Target};
 use super::textbook::{TextbookNumber, TextbookShape, is_finite};
-use crate::accuracy::exact::Exact;
 use crate::accuracy::hard_cases::number::{Float, Number, Vector3};
+use crate::base::math::exact::Exact;
 use crate::base::math::{DVec3, Ray};
 use crate::geometry::bvh::TraversalRay;
 use crate::trace::spawn::spawn_ray;

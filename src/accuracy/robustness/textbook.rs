@@ -1,11 +1,11 @@
 //! Textbook intersection formulas of all shapes, in any precision.
 
-use crate::accuracy::exact::Exact;
 use crate::accuracy::hard_cases::number::{Float, Number, Vector3};
 use crate::accuracy::hard_cases::solids::{self, Profile};
 use crate::accuracy::hard_cases::spheres::{quadratic, recentred};
 use crate::accuracy::hard_cases::tori::{ferrari, polished, quartic};
 use crate::accuracy::hard_cases::triangles::{LEAST_DETERMINANT, moller_trumbore, woop};
+use crate::base::math::exact::Exact;
 use crate::base::math::{DAffine3, DMat3, DVec3};
 use crate::geometry::shape::Shape;
 use crate::scene::Primitive;

@@ -5,6 +5,7 @@ mod basis;
 mod bounds;
 mod elementary;
 mod error;
+pub mod exact;
 mod ray;
 mod root;
 mod rotation;

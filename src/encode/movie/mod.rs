@@ -5,11 +5,15 @@
 pub mod apng;
 pub mod clock;
 pub mod difference;
+#[cfg(feature = "video")]
 mod gops;
+#[cfg(feature = "video")]
 mod h264;
+#[cfg(feature = "video")]
 mod h264_encoder;
+#[cfg(feature = "video")]
 pub mod mp4;
-#[cfg(test)]
+#[cfg(all(test, feature = "video"))]
 mod tests;
 pub mod webp;
 mod writer;
@@ -26,6 +30,7 @@ use rayon::ThreadPool;
 use std::sync::Arc;
 
 /// Starts the animation of an output. None for stills and GIFs. The threads of `pool` encode videos.
+#[cfg_attr(not(feature = "video"), expect(unused_variables, reason = "only videos are encoded in a pool"))]
 pub fn start(
     output: &Output,
     job: &EncodeJob,
@@ -44,6 +49,12 @@ pub fn start(
         AnimationFormat::Apng => Some(Box::new(apng::Apng::create(path, job)?)),
         AnimationFormat::Webp => Some(Box::new(webp::Webp::create(path, job)?)),
         AnimationFormat::Y4m => Some(Box::new(y4m::Y4m::create(path, job, stop)?)),
+        #[cfg(not(feature = "video"))]
+        AnimationFormat::Mp4 => {
+            crate::encode::check_size(output, 0, job.size)?;
+            None
+        }
+        #[cfg(feature = "video")]
         AnimationFormat::Mp4 => Some(Box::new(mp4::Mp4::create(path, job, pool)?)),
     })
 }

@@ -1,7 +1,7 @@
 //! Cylinders, cones and tori: hard cases, and reference solutions that do not use the formulas under test.
 
 use super::{Cone, Cylinder, Geometric, OneRay, ShapeHit, Surface, Torus};
-use crate::accuracy::exact::{Exact, Vector};
+use crate::base::math::exact::{Exact, Vector};
 use crate::base::math::{DAffine3, DMat3, DVec2, DVec3, Ray, UNIT_ROUNDOFF};
 use crate::geometry::bvh::TraversalRay;
 use crate::testing::Random;

@@ -64,7 +64,7 @@ impl<F: Real> Shininess<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accuracy::exact::Exact;
+    use crate::base::math::exact::Exact;
 
     fn raised(cosine: f64, exponent: Exponent) -> f64 {
         Shininess::<f64>::gather(|_| exponent).raise(cosine)

@@ -1,10 +1,11 @@
 //! The settings along the curve of error against time: their pictures, costs and errors.
 
 use super::html::{Html, escaped};
-use crate::accuracy::findings::{describe, factor, percent, seconds};
+use crate::accuracy::findings::describe;
 use crate::accuracy::measure::{Measured, Point};
 use crate::accuracy::report::crops::crops;
 use crate::accuracy::statistics::ConfidenceInterval;
+use crate::base::units::{factor, percent, seconds};
 use std::error::Error;
 
 pub fn pictures(html: &mut Html, measured: &Measured) -> Result<(), Box<dyn Error>> {

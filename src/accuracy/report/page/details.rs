@@ -2,9 +2,9 @@
 
 use super::html::Html;
 use super::origin::Origin;
-use crate::accuracy::findings::{factor, percent};
 use crate::accuracy::measure::Measured;
 use crate::accuracy::settings::SettingAxis;
+use crate::base::units::{factor, percent};
 
 pub fn convergence(html: &mut Html, measured: &Measured) {
     if measured.slopes.is_empty() {

@@ -2,10 +2,10 @@
 //! wrong.
 
 use super::html::Html;
-use crate::accuracy::findings::{factor, percent};
 use crate::accuracy::measure::Measured;
 use crate::accuracy::report::crops::data_address;
 use crate::accuracy::robustness::{PixelError, Robustness};
+use crate::base::units::{factor, percent};
 use crate::encode::Picture;
 use std::error::Error;
 

@@ -1,10 +1,11 @@
 //! The costs of the parts of a scene, and its fireflies.
 
 use super::html::Html;
-use crate::accuracy::findings::{CODES, describe, factor, percent, seconds};
+use crate::accuracy::findings::{CODES, describe};
 use crate::accuracy::measure::{Measured, Point};
 use crate::accuracy::report::crops::errors;
 use crate::accuracy::settings::SettingAxis;
+use crate::base::units::{factor, percent, seconds};
 use std::error::Error;
 
 /// The costs of effects, lights, objects, and settings of light paths.

@@ -2,7 +2,7 @@
 //! with the same limit reuse it.
 
 use super::budget::{Budget, budget};
-use super::clock::TimeSource;
+use crate::base::clock::TimeSource;
 use crate::pipeline::render::{self, RenderError, Request};
 use crate::sequence::Sequence;
 use crate::sequence::quality::Quality;

@@ -1,7 +1,7 @@
 //! Double-double numbers of about 106 bits: the unevaluated sum of two f64 (Dekker, *A floating-point technique for
 //! extending the available precision*, 1971). The relative error of each operation is a few 2^-104.
 
-use crate::base::math::DVec3;
+use super::DVec3;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// `high` + `low`, where `low` is at most half a unit in the last place of `high`.
