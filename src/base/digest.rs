@@ -29,7 +29,7 @@ impl Display for Digest {
 /// A value whose contents can be hashed.
 ///
 /// Values of fixed size feed their bytes. Values with a length or with variants feed the length or the variant first,
-/// so that different values of a type feed different bytes. [`content`] implements it for structs and enums.
+/// so that different values of a type feed different bytes. `content!` implements it for structs and enums.
 pub trait Content {
     fn feed(&self, into: &mut Digester);
 }

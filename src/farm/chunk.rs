@@ -23,7 +23,7 @@ pub struct Chunk {
     pub first_frames: Vec<u32>,
     /// All frames of its films, ascending.
     pub frames: Vec<u32>,
-    /// The expected cost in rays. Writing pictures counts as [`RAYS_PER_WRITTEN_PIXEL`].
+    /// The expected cost in rays. Writing pictures counts as `RAYS_PER_WRITTEN_PIXEL`.
     pub work: f64,
 }
 
@@ -60,7 +60,7 @@ impl FilmCosts {
     }
 }
 
-/// Divides films into about `wanted` chunks; by default into chunks of at least [`MIN_WORK`].
+/// Divides films into about `wanted` chunks; by default into chunks of at least `MIN_WORK`.
 pub fn cost_classes(films: &FilmCosts, wanted: Option<usize>) -> Vec<CostClass> {
     let affordable = (films.total() / MIN_WORK).ceil() as usize;
     let wanted = wanted.unwrap_or(affordable.min(MAX_TASKS)).max(1);

@@ -46,6 +46,19 @@ pub struct Request {
 }
 
 impl Request {
+    /// All frames of a sequence into these outputs, on all processors. Frames that exist and are current are kept.
+    pub fn new(sequence: &Sequence, outputs: Vec<Output>) -> Self {
+        Self {
+            frames: (0..sequence.timeline.frames).collect(),
+            outputs,
+            confined: false,
+            existing: Existing::default(),
+            threads: None,
+            reuse: Reuse::default(),
+            time_limit: None,
+        }
+    }
+
     fn limit(&self) -> Option<TimeBudget> {
         self.time_limit.map(|time| TimeBudget { time, frames: self.frames.len() as u32 })
     }

@@ -5,7 +5,7 @@
 //! level. Only [`Single::mul_add`] may be fused. It is for conservative filters, which decide what can be skipped but
 //! never what is hit.
 //!
-//! Work on eight lanes is a [`SimdKernel`]; [`dispatch`] runs it on the best level of the processor. Functions
+//! Work on eight lanes is a [`SimdKernel`]; `dispatch` runs it on the best level of the processor. Functions
 //! between a kernel and the operations must be `#[inline(always)]` and must not contain closures that hold lanes: a
 //! function that is compiled separately lacks the instructions of the level.
 

@@ -21,7 +21,7 @@ pub fn crossing<F: Real>(
 /// Projects `near` onto the plane through `anchor` perpendicular to the unit vector `normal`.
 ///
 /// The error bound has three terms. The first is the rounding of the projected height, a dot product over `anchor -
-/// point`: at most gamma(4) of its terms, twice, as [`crossing`] rounds it again with a normal of another length. The
+/// point`: at most gamma(4) of its terms, twice, as `crossing` rounds it again with a normal of another length. The
 /// second is the rounding of the normal's own length, which leaves a fraction of the height. The third is the rounding
 /// of the point's coordinates.
 #[inline(always)]

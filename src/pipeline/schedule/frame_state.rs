@@ -7,7 +7,7 @@ use crate::film::{LayerId, lit};
 use crate::trace::Weightings;
 use std::collections::BTreeSet;
 
-/// What a frame evaluates to: see [`super::frame_states`].
+/// What a frame evaluates to: see `frame_states`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameState {
     pub frame: u32,
