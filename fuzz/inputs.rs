@@ -90,6 +90,11 @@ pub fn ply(bytes: &[u8]) {
     built(import::ply::read_sized(bytes, bytes.len() as u64));
 }
 
+/// An STL file.
+pub fn stl(bytes: &[u8]) {
+    built(import::stl::read(bytes, bytes.len() as u64));
+}
+
 fn built(parts: Result<mesh::MeshData, mesh::MeshError>) {
     match parts.and_then(TriangleMesh::new) {
         Ok(mesh) => assert!(!mesh.smooth_normals().is_empty()),

@@ -1,6 +1,6 @@
 //! Mesh files → [`TriangleMesh`].
 
-use super::{LoadProgress, obj, ply};
+use super::{LoadProgress, obj, ply, stl};
 use crate::base::escape;
 use crate::base::files::{self, Root};
 use crate::base::machine;
@@ -28,7 +28,7 @@ pub fn known_format(path: &Path) -> Result<(), MeshError> {
     Format::of(path).map(|_| ())
 }
 
-/// Reads the mesh in an OBJ or PLY file, by its extension. Its material libraries must be in `root`.
+/// Reads the mesh in an OBJ, PLY or STL file, by its extension. Its material libraries must be in `root`.
 pub fn load(path: &Path, root: &Root, meter: &LoadProgress) -> Result<TriangleMesh, MeshError> {
     let name = escape::path(path.file_name().unwrap_or(path.as_os_str()));
     let parts = read(path, root, &name, meter)?;
@@ -46,6 +46,7 @@ fn read(path: &Path, root: &Root, name: &str, meter: &LoadProgress) -> Result<Me
     let input = BufReader::with_capacity(BUFFER_SIZE, MeteredRead { input: file.take(size), meter });
     match format {
         Format::Ply => ply::read_sized(input, size),
+        Format::Stl => stl::read(input, size),
         Format::Obj => {
             let folder = path.parent().unwrap_or(Path::new(""));
             let libraries = Libraries { folder, root, read: RefCell::default() };
@@ -61,6 +62,7 @@ fn read(path: &Path, root: &Root, name: &str, meter: &LoadProgress) -> Result<Me
 enum Format {
     Obj,
     Ply,
+    Stl,
 }
 
 impl Format {
@@ -68,7 +70,8 @@ impl Format {
         match path.extension().map(|extension| extension.to_ascii_lowercase()) {
             Some(extension) if extension == "obj" => Ok(Self::Obj),
             Some(extension) if extension == "ply" => Ok(Self::Ply),
-            _ => Err(MeshError::new("meshes are read from .obj and .ply files")),
+            Some(extension) if extension == "stl" => Ok(Self::Stl),
+            _ => Err(MeshError::new("meshes are read from .obj, .ply and .stl files")),
         }
     }
 }
@@ -129,7 +132,7 @@ mod tests {
         let meter = LoadProgress::default();
         let fault =
             |name: &str| load(name.as_ref(), &Root::anywhere(), &meter).expect_err("a fault").to_string();
-        assert_eq!(fault("mesh.stl"), "meshes are read from .obj and .ply files");
+        assert_eq!(fault("mesh.3ds"), "meshes are read from .obj, .ply and .stl files");
         assert_eq!(fault("no/such/file.obj"), "there is no such file");
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("SPHERE.PLY");

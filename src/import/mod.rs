@@ -1,6 +1,6 @@
 //! Readers of files that other programs write: meshes and their materials.
 //!
-//! In: OBJ, MTL and PLY files.
+//! In: OBJ, MTL, PLY and STL files.
 //! Out: meshes of `geometry`.
 //! May use: `base`, `geometry`, `appearance`.
 
@@ -10,6 +10,7 @@ mod progress;
 pub mod mtl;
 pub mod obj;
 pub mod ply;
+pub mod stl;
 
 pub use load::{known_format, load};
 pub use progress::LoadProgress;
