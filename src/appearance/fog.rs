@@ -2,7 +2,7 @@
 
 use crate::appearance::light_groups::{GroupRadiance, GroupWeight};
 use crate::base::color::Rgb;
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Real, out_of_line};
 use crate::base::math::{LaneRay, exp, exp_m1};
 use crate::base::time::Time;
@@ -10,7 +10,7 @@ use crate::track::Animated;
 use bevy_ecs::component::Component;
 
 /// Fog at one moment.
-#[derive(Clone, Copy, Component, Debug, PartialEq)]
+#[derive(Clone, Copy, Component, Debug, PartialEq, Content)]
 pub struct Fog {
     /// The radiance of an infinite segment through the fog.
     pub in_scattering: GroupRadiance,
@@ -19,17 +19,13 @@ pub struct Fog {
     pub falloff: Option<Falloff>,
 }
 
-content!(struct Fog { in_scattering, density, falloff });
-
 /// Exponential decrease of the density with height: `density`·exp(-(y - `base`) / `height`).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct Falloff {
     pub base: f64,
     /// Above 0.
     pub height: f64,
 }
-
-content!(struct Falloff { base, height });
 
 /// Fog over time.
 #[derive(Clone, Component, Debug, PartialEq)]

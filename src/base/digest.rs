@@ -3,6 +3,8 @@
 //! A digest depends only on the contents of a value. It is the same in every run and on every processor. It does not
 //! depend on memory addresses nor on values hashed before.
 
+pub use kinora_derive::Content;
+
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::fmt::{Display, Formatter};
 
@@ -29,7 +31,7 @@ impl Display for Digest {
 /// A value whose contents can be hashed.
 ///
 /// Values of fixed size feed their bytes. Values with a length or with variants feed the length or the variant first,
-/// so that different values of a type feed different bytes. `content!` implements it for structs and enums.
+/// so that different values of a type feed different bytes. `derive(Content)` implements it for structs and enums.
 pub trait Content {
     fn feed(&self, into: &mut Digester);
 }
@@ -71,42 +73,6 @@ impl Default for Digester {
         Self::new()
     }
 }
-
-/// Implements [`Content`] for a struct by its fields, or for an enum by the names of its variants and their fields.
-/// It does not compile if a field or a variant is missing.
-macro_rules! content {
-    (struct $name:ident { $($field:ident),* $(,)? }) => {
-        impl $crate::base::digest::Content for $name {
-            fn feed(&self, into: &mut $crate::base::digest::Digester) {
-                let Self { $($field),* } = self;
-                $($crate::base::digest::Content::feed($field, into);)*
-            }
-        }
-    };
-    (struct $name:ident ( $($field:ident),* $(,)? )) => {
-        impl $crate::base::digest::Content for $name {
-            fn feed(&self, into: &mut $crate::base::digest::Digester) {
-                let Self($($field),*) = self;
-                $($crate::base::digest::Content::feed($field, into);)*
-            }
-        }
-    };
-    (enum $name:ident { $($variant:ident $(( $($inner:ident),* ))? $({ $($field:ident),* })?),* $(,)? }) => {
-        impl $crate::base::digest::Content for $name {
-            fn feed(&self, into: &mut $crate::base::digest::Digester) {
-                match self {
-                    $(Self::$variant $(( $($inner),* ))? $({ $($field),* })? => {
-                        $crate::base::digest::Content::feed(stringify!($variant), into);
-                        $($($crate::base::digest::Content::feed($inner, into);)*)?
-                        $($($crate::base::digest::Content::feed($field, into);)*)?
-                    })*
-                }
-            }
-        }
-    };
-}
-
-pub(crate) use content;
 
 macro_rules! whole_numbers {
     ($($number:ty),*) => {
@@ -248,20 +214,18 @@ impl Content for DAffine3 {
 mod tests {
     use super::*;
 
+    #[derive(Content)]
     struct Lamp {
         name: &'static str,
         power: f64,
     }
 
-    content!(struct Lamp { name, power });
-
+    #[derive(Content)]
     enum Kind {
         Off,
         Fixed(u32),
         Keyed { first: u32 },
     }
-
-    content!(enum Kind { Off, Fixed(value), Keyed { first } });
 
     /// Names of frames outlive the program, so digests stay the same on every machine and in every run.
     #[test]

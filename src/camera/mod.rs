@@ -6,7 +6,7 @@
 
 pub mod path;
 
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Real, Vec3};
 use crate::base::math::{Basis, DVec2, DVec3, LaneRay, Ray};
 use crate::sampling::disk;
@@ -29,7 +29,7 @@ impl<F: Real> RayCone<F> {
 }
 
 /// The mapping from space to the picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub enum Projection {
     /// Half the picture's height at distance 1: the tangent of half the vertical field of view.
     Perspective { half_height: f64 },
@@ -37,10 +37,8 @@ pub enum Projection {
     Orthographic { half_height: f64 },
 }
 
-content!(enum Projection { Perspective { half_height }, Orthographic { half_height } });
-
 /// A thin lens.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct ThinLens {
     /// In world units, above 0.
     pub radius: f64,
@@ -48,9 +46,7 @@ pub struct ThinLens {
     pub focus: f64,
 }
 
-content!(struct ThinLens { radius, focus });
-
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct Camera {
     pub position: DVec3,
     pub basis: Basis,
@@ -58,8 +54,6 @@ pub struct Camera {
     /// None for a pinhole.
     pub lens: Option<ThinLens>,
 }
-
-content!(struct Camera { position, basis, projection, lens });
 
 impl Camera {
     /// The cones of pixels around rays. `pixel` is the height of a pixel in the units of [`Camera::ray`]. The cones

@@ -5,22 +5,20 @@
 //! Sampling*, 2006). All filters are separable, with the same filter along x and y, so each axis is sampled
 //! separately.
 
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::Real;
 use std::f64::consts::PI;
 
 /// A filter along one axis of the picture. It is symmetric, not negative, and 0 beyond half its width.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct Filter {
     pub kernel: Kernel,
     /// Full width of the support in pixels, above 0.
     pub width: f64,
 }
 
-content!(struct Filter { kernel, width });
-
 /// The shape of a filter, over t from -1 to 1 on its support.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Content)]
 pub enum Kernel {
     /// Constant.
     Box,
@@ -31,15 +29,6 @@ pub enum Kernel {
     /// The window of Harris, *On the Use of Windows for Harmonic Analysis*, 1978, with four terms and -92 dB.
     BlackmanHarris,
 }
-
-content!(
-    enum Kernel {
-        Box,
-        Tent,
-        Gaussian,
-        BlackmanHarris,
-    }
-);
 
 impl Filter {
     /// The mean over the square of the pixel.

@@ -7,7 +7,7 @@
 pub mod filter;
 
 use crate::base::color::Rgb;
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -15,10 +15,8 @@ use std::sync::Arc;
 pub const MAX_STOPS: f64 = 40.0;
 
 /// The index of a layer of the film. Layer 0 holds all light whose weight has no keys.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Content)]
 pub struct LayerId(pub u32);
-
-content!(struct LayerId(index));
 
 impl LayerId {
     pub const CONSTANT: Self = Self(0);

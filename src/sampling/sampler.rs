@@ -7,7 +7,7 @@
 
 use super::hash::{hash, hash_lanes};
 use super::sobol;
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{LaneKernel, Level, Real, Row};
 
 /// The uses of random numbers. Different uses never share numbers.
@@ -36,7 +36,7 @@ pub mod dimension {
 }
 
 /// How the numbers of the samples of a pixel are distributed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Content)]
 pub enum SamplerKind {
     /// Stratified: points of an Owen-scrambled Sobol sequence.
     #[default]
@@ -44,13 +44,6 @@ pub enum SamplerKind {
     /// Independent random numbers. They are noisier, and serve as a reference.
     Independent,
 }
-
-content!(
-    enum SamplerKind {
-        Sobol,
-        Independent,
-    }
-);
 
 /// The random numbers of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

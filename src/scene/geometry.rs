@@ -3,7 +3,7 @@
 use super::hit::Hit;
 use super::primitive::{Finish, Primitive, abs, inverse};
 use crate::appearance::texture::{Footprint, TextureEvalContext};
-use crate::base::digest::{Digest, content};
+use crate::base::digest::{Content, Digest};
 use crate::base::math::{DAffine3, DVec2, DVec3};
 use crate::geometry::shape::{Shape, Surface};
 
@@ -16,13 +16,11 @@ pub struct Geometry {
 }
 
 /// A shape in its own space.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Content)]
 struct Origin {
     shape: Shape,
     to_object: DAffine3,
 }
-
-content!(struct Origin { shape, to_object });
 
 impl Geometry {
     /// Adds a shape transformed by `to_world`, unless that flattens it.

@@ -1,7 +1,7 @@
 //! A primitive: a shape, its transform, and its material or light.
 
 use crate::appearance::material::MaterialBinding;
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Level, Real, Vec3, out_of_line, transform_vector};
 use crate::base::math::{Aabb, DAffine3, DMat3, DVec3, LaneRay, Ray, dot_plus, gamma};
 use crate::geometry::bvh::{Stack, TraversalRay};
@@ -12,32 +12,23 @@ use crate::sampling::LocalFrame;
 
 /// A shape in the world. Most shapes are transformed once ([`Shape::transformed`]). The others keep their own space,
 /// and rays are moved into it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Content)]
 pub struct Primitive {
     pub shape: Shape,
     pub transform: Option<Box<InstanceTransform>>,
     pub finish: Finish,
 }
 
-content!(struct Primitive { shape, transform, finish });
-
 /// The material of a primitive, or its light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Content)]
 pub enum Finish {
     Material(MaterialBinding),
     /// Index into the scene's lights: the primitive is that light.
     Light(u32),
 }
 
-content!(
-    enum Finish {
-        Material(made_of),
-        Light(index),
-    }
-);
-
 /// The transform between the world and a shape that keeps its own space.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Content)]
 pub struct InstanceTransform {
     pub to_world: DAffine3,
     /// The inverse for directions. For points, the origin of the shape in the world is subtracted first. So rounding
@@ -47,8 +38,6 @@ pub struct InstanceTransform {
     /// most.
     origin_error: f64,
 }
-
-content!(struct InstanceTransform { to_world, back, origin_error });
 
 impl Primitive {
     /// A shape transformed by `to_world`. None if that flattens it: a scale of 0 hides an object.

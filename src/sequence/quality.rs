@@ -1,6 +1,6 @@
 //! Quality settings: the work per pixel.
 
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::film::filter::Filter;
 use crate::sampling::SamplerKind;
 
@@ -37,7 +37,7 @@ pub struct Quality {
 }
 
 /// A target error for adaptive sampling.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct NoiseTarget {
     /// Root mean square error of the frame as a share of its mean, above 0.
     pub error: f64,
@@ -45,15 +45,13 @@ pub struct NoiseTarget {
     pub most: u32,
 }
 
-content!(struct NoiseTarget { error, most });
-
 impl NoiseTarget {
     /// Default of the maximum samples per pixel.
     pub const MOST: u32 = 4096;
 }
 
 /// The light transport algorithm.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub enum Integrator {
     /// Whitted's ray tracing: direct light at every surface, plus mirror reflection and transmission.
     Whitted,
@@ -61,18 +59,11 @@ pub enum Integrator {
     Path(PathSettings),
 }
 
-content!(
-    enum Integrator {
-        Whitted,
-        Path(settings),
-    }
-);
-
 /// Maximum number of samples; more would be a mistake.
 pub const MAX_SAMPLES: u32 = 1 << 24;
 
 /// Settings of the path tracer.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct PathSettings {
     /// Bounces after which dim paths may end at random. None disables Russian roulette.
     pub roulette: Option<u32>,
@@ -80,8 +71,6 @@ pub struct PathSettings {
     /// these surfaces, so that it does not count twice.
     pub refractive_shadows: bool,
 }
-
-content!(struct PathSettings { roulette, refractive_shadows });
 
 impl Integrator {
     /// Whether the integrator samples lights (next-event estimation).

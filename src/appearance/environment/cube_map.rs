@@ -5,7 +5,7 @@ mod tests;
 
 use crate::appearance::texture::{Image, TextureFilter, Wrap};
 use crate::base::color::Rgb;
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::math::{DVec2, DVec3};
 
 /// The names of the faces, in order: towards +x, -x, +y, -y, +z and -z.
@@ -41,7 +41,7 @@ struct Axes {
 /// Six square images of one size. Between the texels of two faces, the map stores values on their common edge, and one
 /// at each corner of three faces. Each face has these values as its border. So filtering gives the same value on both
 /// sides of an edge.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Content)]
 pub struct CubeMap {
     /// Texels along an edge.
     size: u32,
@@ -51,8 +51,6 @@ pub struct CubeMap {
     /// Whether any of the images has alpha, which a sky ignores.
     pub has_alpha: bool,
 }
-
-content!(struct CubeMap { size, values, has_alpha });
 
 /// Why six images do not form a cube map. The number is the index of the face in [`FACES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

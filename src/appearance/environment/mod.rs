@@ -12,14 +12,14 @@ pub use sky::Sky;
 pub use tracks::{EnvironmentTracks, SkyTracks};
 
 use crate::base::color::Rgb;
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Color, Real, Row, Vec3, transform_vector};
 use crate::base::math::DMat3;
 use crate::film::LayerId;
 use bevy_ecs::component::Component;
 
 /// A sky around the world at one moment, without its keyed weight. Fading a sky changes only the weight of its layer.
-#[derive(Clone, Component, Debug, PartialEq)]
+#[derive(Clone, Component, Debug, PartialEq, Content)]
 pub struct Environment {
     pub sky: Sky,
     /// Transforms world directions to sky directions: a rotation, possibly with a mirror.
@@ -29,8 +29,6 @@ pub struct Environment {
     /// The film layer of its light.
     pub layer: LayerId,
 }
-
-content!(struct Environment { sky, from_world, strength, layer });
 
 impl Default for Environment {
     /// A black sky.

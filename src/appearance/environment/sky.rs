@@ -4,12 +4,12 @@ use super::CubeMap;
 use super::equirect;
 use crate::appearance::texture::{Image, SharedAsset, TextureFilter, Wrap};
 use crate::base::color::Rgb;
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Color, Real, Row, Vec3};
 use crate::base::math::{DVec2, DVec3};
 
 /// Radiance from every direction.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Content)]
 pub enum Sky {
     Constant(Rgb),
     /// Linear in the height along the unit vector `up`, from `bottom` straight down to `top` straight up.
@@ -22,13 +22,6 @@ pub enum Sky {
     /// An equirectangular image: longitude to the right, latitude upwards, -z in the middle.
     Equirect(SharedAsset<Image>),
 }
-
-content!(enum Sky {
-    Constant(radiance),
-    Gradient { bottom, top, up },
-    CubeMap(map),
-    Equirect(image),
-});
 
 impl Sky {
     /// Radiance from directions, which are unit vectors.

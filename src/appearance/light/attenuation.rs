@@ -1,18 +1,16 @@
 //! Attenuation of light with distance.
 
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::Real;
 
 /// The share min(1, 1 / (`constant` + `linear`·d + `quadratic`·d²)) arrives at distance d. Each coefficient is at least
 /// 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct Attenuation {
     pub constant: f64,
     pub linear: f64,
     pub quadratic: f64,
 }
-
-content!(struct Attenuation { constant, linear, quadratic });
 
 /// No attenuation.
 impl Default for Attenuation {

@@ -7,7 +7,7 @@ pub use attenuation::Attenuation;
 pub use tracks::{LightKind, LightTracks};
 
 use crate::base::color::Rgb;
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::Real;
 use crate::base::math::DVec3;
 use crate::film::LayerId;
@@ -15,7 +15,7 @@ use crate::geometry::shape::{Rectangle, Sphere};
 use bevy_ecs::component::Component;
 
 /// A light at one moment, without its keyed weight. Switching and fading a light change only the weight of its layer.
-#[derive(Clone, Copy, Component, Debug, PartialEq)]
+#[derive(Clone, Copy, Component, Debug, PartialEq, Content)]
 pub struct Light {
     pub source: Source,
     /// The product of the constant factors of colour and intensity. A point, spot or directional light of radiance 1
@@ -25,10 +25,8 @@ pub struct Light {
     pub layer: LayerId,
 }
 
-content!(struct Light { source, radiance, layer });
-
 /// The shape and position of a light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub enum Source {
     /// Light from one point, the same in all directions.
     Point { position: DVec3, attenuation: Attenuation },
@@ -42,14 +40,6 @@ pub enum Source {
     Rectangle { rectangle: Rectangle, one_sided: bool },
 }
 
-content!(enum Source {
-    Point { position, attenuation },
-    Spot { position, cone, attenuation },
-    Directional { to_light },
-    Sphere(sphere),
-    Rectangle { rectangle, one_sided },
-});
-
 impl Source {
     /// Whether light arrives from more than one direction, so that sampling it takes random numbers.
     pub fn is_sampled(&self) -> bool {
@@ -58,7 +48,7 @@ impl Source {
 }
 
 /// The cone of a spot light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct SpotCone {
     /// Unit vector along the axis of the cone, away from the light.
     pub axis: DVec3,
@@ -66,8 +56,6 @@ pub struct SpotCone {
     pub cos_falloff_start: f64,
     pub cos_falloff_end: f64,
 }
-
-content!(struct SpotCone { axis, cos_falloff_start, cos_falloff_end });
 
 impl SpotCone {
     /// The share of the light in a direction of this cosine to the axis, by smoothstep between the two angles.

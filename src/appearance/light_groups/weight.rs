@@ -1,7 +1,7 @@
 //! Light in two factors: a constant part, which is traced, and a keyed weight, which each frame applies to a layer.
 
 use crate::base::color::Rgb;
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::time::Time;
 use crate::film::LayerId;
 use crate::track::Animated;
@@ -9,13 +9,11 @@ use bevy_ecs::component::Component;
 
 /// Radiance without a position, as of ambient light or fog: the constant part, and the layer that the keyed part
 /// weights.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct GroupRadiance {
     pub radiance: Rgb,
     pub layer: LayerId,
 }
-
-content!(struct GroupRadiance { radiance, layer });
 
 impl Default for GroupRadiance {
     fn default() -> Self {

@@ -1,9 +1,9 @@
 //! Highlights: their shape and their exponent.
 
-use crate::base::digest::content;
+use crate::base::digest::Content;
 
 /// The formula of the highlight.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Content)]
 pub enum Highlight {
     /// (R·L)^n, with the mirrored line of sight R (Phong 1975).
     #[default]
@@ -12,26 +12,12 @@ pub enum Highlight {
     BlinnPhong,
 }
 
-content!(
-    enum Highlight {
-        Phong,
-        BlinnPhong,
-    }
-);
-
 /// The exponent of a highlight, at least 0. Powers of whole exponents use multiplications.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub enum Exponent {
     Whole(u32),
     Real(f64),
 }
-
-content!(
-    enum Exponent {
-        Whole(n),
-        Real(n),
-    }
-);
 
 impl Exponent {
     /// The largest whole exponent that uses multiplications. Up to here, the relative error of a power stays below that

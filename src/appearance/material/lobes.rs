@@ -1,13 +1,13 @@
 //! The lobes of a material at one point, as numbers.
 
 use crate::base::color::Rgb;
-use crate::base::digest::content;
+use crate::base::digest::Content;
 
 /// Mirrors with less fuzz count as sharp. Their reflections spread over less than a tenth of a degree.
 pub const MIN_FUZZ: f32 = 0.0008;
 
 /// The strength of each lobe times its tint. A black lobe is absent.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Content)]
 pub struct Lobes {
     /// Emitted radiance, for a layer weight of 1.
     pub emission: Rgb,
@@ -32,23 +32,8 @@ pub struct Lobes {
     pub roughness: f32,
 }
 
-content!(struct Lobes {
-    emission,
-    ambient,
-    diffuse,
-    specular,
-    mirror,
-    fuzz,
-    transparency,
-    refraction,
-    microfacet,
-    base,
-    metallic,
-    roughness,
-});
-
 /// A lobe, or a parameter of one, that textures may vary over a surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Content)]
 pub enum TextureSlot {
     Emission,
     Ambient,
@@ -64,23 +49,6 @@ pub enum TextureSlot {
     /// Coverage of the surface: the alpha of its base colour.
     Coverage,
 }
-
-content!(
-    enum TextureSlot {
-        Emission,
-        Ambient,
-        Diffuse,
-        Specular,
-        Mirror,
-        Fuzz,
-        Transparency,
-        Refraction,
-        Base,
-        Metallic,
-        Roughness,
-        Coverage,
-    }
-);
 
 impl Lobes {
     /// Multiplies a slot by a colour. Scalar slots use the mean of the colour's channels.

@@ -11,13 +11,13 @@ pub use tracks::{LobeTracks, MaterialTracks, ScalarTextureTracks};
 use crate::appearance::optics::Fresnel;
 use crate::appearance::texture::{Texel, Texture, TextureEvalContext};
 use crate::base::color::Rgb;
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::film::LayerId;
 use bevy_ecs::component::Component;
 use std::ops::RangeInclusive;
 
 /// A material at one moment.
-#[derive(Clone, Component, Debug, PartialEq)]
+#[derive(Clone, Component, Debug, PartialEq, Content)]
 pub struct Material {
     /// The lobes before textures multiply them.
     pub lobes: Lobes,
@@ -31,10 +31,8 @@ pub struct Material {
     pub medium: Medium,
 }
 
-content!(struct Material { lobes, textures, emission_layer, highlight, shininess, fresnel, medium });
-
 /// The materials of an object, as indices into the scene's materials.
-#[derive(Clone, Copy, Component, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Component, Debug, PartialEq, Eq, Content)]
 pub enum MaterialBinding {
     /// One material for the whole object.
     One(u32),
@@ -42,8 +40,6 @@ pub enum MaterialBinding {
     /// slot is for triangles without a slot.
     Slots { first: u32, count: u32 },
 }
-
-content!(enum MaterialBinding { One(index), Slots { first, count } });
 
 impl MaterialBinding {
     /// All indices in use.
@@ -56,7 +52,7 @@ impl MaterialBinding {
 }
 
 /// The medium inside a refracting surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct Medium {
     /// Index of refraction, above 0.
     pub ior: f64,
@@ -65,8 +61,6 @@ pub struct Medium {
     /// Where media overlap, the one of the highest priority counts.
     pub priority: i32,
 }
-
-content!(struct Medium { ior, absorption, priority });
 
 impl Material {
     /// The lobes at a point of the surface.

@@ -1,10 +1,10 @@
 //! The share of light that a boundary between two media reflects.
 
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::Real;
 
 /// The reflectance formula of a refracting boundary.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Content)]
 pub enum Fresnel {
     /// The boundary reflects only at total internal reflection. The material's refracted share is a constant.
     #[default]
@@ -14,14 +14,6 @@ pub enum Fresnel {
     /// Schlick's approximation (1994).
     Schlick,
 }
-
-content!(
-    enum Fresnel {
-        Off,
-        Exact,
-        Schlick,
-    }
-);
 
 impl Fresnel {
     /// The reflected share of light that arrives at an angle of cosine `cosine` and is refracted to an angle of cosine

@@ -5,7 +5,7 @@ use super::{
     Wrap,
 };
 use crate::base::color::Rgb;
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::math::{DVec2, DVec3};
 
 /// A point of a surface, with all that textures read there.
@@ -31,7 +31,7 @@ pub struct TextureEvalContext {
 const UV_ERROR: f64 = 1e-12;
 
 /// A texture at one moment.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Content)]
 pub enum Texture {
     Color(Rgb),
     VertexColor,
@@ -39,17 +39,8 @@ pub enum Texture {
     Pattern(Box<PatternTexture>),
 }
 
-content!(
-    enum Texture {
-        Color(color),
-        VertexColor,
-        Image(texture),
-        Pattern(texture),
-    }
-);
-
 /// An image on a surface.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Content)]
 pub struct ImageTexture {
     pub image: SharedAsset<Image>,
     /// Extends the image beyond its edges. `None` repeats it up to the ends of the surface.
@@ -67,10 +58,8 @@ pub struct ImageTexture {
     pub surface_wrap: [SurfaceWrap; 2],
 }
 
-content!(struct ImageTexture { image, wrap, filter, channel, tint, alpha, mapping, surface_wrap });
-
 /// Two textures in a pattern. They may be patterns themselves.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Content)]
 pub struct PatternTexture {
     pub pattern: Pattern,
     pub space: TextureSpace,
@@ -79,23 +68,13 @@ pub struct PatternTexture {
     pub second: Texture,
 }
 
-content!(struct PatternTexture { pattern, space, mapping, first, second });
-
 /// One of the three channels of a colour.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Content)]
 pub enum ColorChannel {
     R,
     G,
     B,
 }
-
-content!(
-    enum ColorChannel {
-        R,
-        G,
-        B,
-    }
-);
 
 impl From<Rgb> for Texture {
     fn from(color: Rgb) -> Self {

@@ -2,11 +2,11 @@
 
 use super::wrap::AxisWrap;
 use crate::base::color::Rgb;
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::math::DVec2;
 
 /// An image in linear light, at least one texel wide and high.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Content)]
 pub struct Image {
     width: u32,
     height: u32,
@@ -17,8 +17,6 @@ pub struct Image {
     /// Whether all texels are equal.
     is_uniform: bool,
 }
-
-content!(struct Image { width, height, texels, alpha, is_uniform });
 
 /// The value of an image at a point: a colour with alpha, which is not premultiplied.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +46,7 @@ impl Texel {
 }
 
 /// Reconstruction between the centres of texels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Content)]
 pub enum TextureFilter {
     /// Bilinear interpolation of the four nearest texels.
     #[default]
@@ -56,13 +54,6 @@ pub enum TextureFilter {
     /// The nearest texel.
     Nearest,
 }
-
-content!(
-    enum TextureFilter {
-        Bilinear,
-        Nearest,
-    }
-);
 
 impl Image {
     /// An image of `width` × `height` texels, row by row from the top left. `None` if the number of texels differs or

@@ -1,14 +1,14 @@
 //! Mappings from surfaces to patterns and images: scaled, then rotated, then moved, like an object.
 
 use super::{AxisWrap, Footprint, Wrap};
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::math::{DMat3, DQuat, DVec3, gamma};
 use crate::base::time::Time;
 use crate::geometry::transform::Rotation;
 use crate::track::Animated;
 
 /// The coordinates in which a pattern is laid out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Content)]
 pub enum TextureSpace {
     /// Points of the object before it is moved, as in a solid texture.
     #[default]
@@ -16,13 +16,6 @@ pub enum TextureSpace {
     /// (u, v, 0): the pattern lies on the surface.
     Uv,
 }
-
-content!(
-    enum TextureSpace {
-        Object,
-        Uv,
-    }
-);
 
 /// A mapping over time. The point p of the pattern appears at offset + R(scale · p).
 #[derive(Clone, Debug, PartialEq)]
@@ -43,16 +36,14 @@ impl Default for TextureMappingTracks {
 }
 
 /// A mapping at one moment, from the surface back to the pattern.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct TextureMapping {
     offset: DVec3,
     inverse: DMat3,
 }
 
-content!(struct TextureMapping { offset, inverse });
-
 /// How an image repeats along one of its axes, on any surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct SurfaceWrap {
     /// On a surface that ends at 0 and 1 of u and v. If the surface ends with a copy of the image, up to rounding, no
     /// other copy follows.
@@ -60,8 +51,6 @@ pub struct SurfaceWrap {
     /// Whether u, and whether v, changes the position along the axis.
     leads: [bool; 2],
 }
-
-content!(struct SurfaceWrap { closed, leads });
 
 impl SurfaceWrap {
     /// The wrap on a surface. `ends` says whether the surface ends at 0 and 1 of u, and of v.

@@ -2,11 +2,11 @@
 
 use super::footprint::contrast;
 use super::noise::{fractal_noise, turbulence};
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::math::{Angle, DVec3, gamma};
 
 /// A pattern of two textures, in units of its own. A pattern that names only x and y does not depend on z.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub enum Pattern {
     /// Alternating unit cubes.
     Checker,
@@ -25,17 +25,6 @@ pub enum Pattern {
     /// Veins across x, one per unit. `turbulence` is their largest displacement in units.
     Marble { octaves: u32, seed: u32, turbulence: f64 },
 }
-
-content!(enum Pattern {
-    Checker,
-    Stripes,
-    Waves,
-    Dots,
-    Islands,
-    Gradient { axis },
-    Noise { octaves, seed },
-    Marble { octaves, seed, turbulence },
-});
 
 impl Pattern {
     /// The share of the second texture at `point`, in 0..=1. Each coordinate is known within `error`. `seen` is the

@@ -1,9 +1,9 @@
 //! Wrapping: the continuation of an image beyond its edges.
 
-use crate::base::digest::content;
+use crate::base::digest::Content;
 
 /// The continuation of an image beyond its edges.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Content)]
 pub enum Wrap {
     /// The image again.
     #[default]
@@ -14,24 +14,14 @@ pub enum Wrap {
     Clamp,
 }
 
-content!(
-    enum Wrap {
-        Repeat,
-        Mirror,
-        Clamp,
-    }
-);
-
 /// Wrapping along one axis. If the image repeats, it does so between two whole numbers of copies. Filtering ignores
 /// whatever is beyond them.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct AxisWrap {
     wrap: Wrap,
     from: f64,
     to: f64,
 }
-
-content!(struct AxisWrap { wrap, from, to });
 
 impl From<Wrap> for AxisWrap {
     fn from(wrap: Wrap) -> Self {

@@ -1,17 +1,15 @@
 //! Right-handed orthonormal frames for cameras.
 
 use super::{DVec2, DVec3, UNIT_ROUNDOFF, error::cross};
-use crate::base::digest::content;
+use crate::base::digest::Content;
 
 /// A right-handed orthonormal frame with `right` × `up` = -`forward`: a camera looks along its own -z.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct Basis {
     pub right: DVec3,
     pub up: DVec3,
     pub forward: DVec3,
 }
-
-content!(struct Basis { right, up, forward });
 
 impl Basis {
     /// The frame turned about its line of sight by an angle, given as (cosine, sine). A positive angle leans

@@ -18,7 +18,7 @@ pub use mtl::{Map, MtlMaterial};
 pub use packet::{Packet, ShearedRay, ShearedRays};
 
 use crate::base::color::Rgb;
-use crate::base::digest::{Digest, content};
+use crate::base::digest::{Content, Digest};
 use crate::base::lanes::Level;
 use crate::base::math::{Aabb, DVec2, DVec3};
 use crate::geometry::bvh::Tree;
@@ -43,7 +43,7 @@ pub struct TriangleMesh {
 }
 
 /// The normals that a mesh is shaded with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Content)]
 pub enum Normals {
     /// The normals of the file.
     File,
@@ -52,14 +52,6 @@ pub enum Normals {
     /// The normals of the triangles.
     Flat,
 }
-
-content!(
-    enum Normals {
-        File,
-        Smooth,
-        Flat,
-    }
-);
 
 impl TriangleMesh {
     pub fn positions(&self) -> &[DVec3] {

@@ -1,7 +1,7 @@
 //! Cones and frustums.
 
 use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, frustum::Frustum};
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Real, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay};
 
@@ -52,10 +52,8 @@ macro_rules! forward_to_frustum {
 pub(super) use forward_to_frustum;
 
 /// A cone up to its tip, or a frustum up to a second circle. Its flat ends are closed or open.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Content)]
 pub struct Cone(Frustum);
-
-content!(struct Cone(frustum));
 
 impl Cone {
     /// `radius` around `base` must be above 0, and `top_radius` around `apex` at least 0. None if `base` equals

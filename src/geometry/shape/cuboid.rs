@@ -1,18 +1,16 @@
 //! Axis-aligned boxes.
 
 use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, exit};
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Mask, Real, Row, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, gamma, next_away};
 
 /// The surface of the axis-aligned box from `min` to `max`. Each side is longer than 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct Cuboid {
     pub min: DVec3,
     pub max: DVec3,
 }
-
-content!(struct Cuboid { min, max });
 
 impl Geometric for Cuboid {
     const NAME: &'static str = "Box";

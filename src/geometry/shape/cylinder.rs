@@ -4,15 +4,13 @@ use super::{
     Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, cone::forward_to_frustum,
     frustum::Frustum,
 };
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Real, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay};
 
 /// All points at a distance from a segment, with both ends closed or open.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Content)]
 pub struct Cylinder(Frustum);
-
-content!(struct Cylinder(frustum));
 
 impl Cylinder {
     /// `radius` must be above 0. None if `from` equals `to`.

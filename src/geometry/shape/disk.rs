@@ -1,19 +1,17 @@
 //! Flat disks.
 
 use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, flat};
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Real, Row, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, cos_sin_of_turns, gamma};
 
 /// The flat disk of `radius` (above 0) around `center`, perpendicular to the unit vector `normal`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct Disk {
     pub center: DVec3,
     pub normal: DVec3,
     pub radius: f64,
 }
-
-content!(struct Disk { center, normal, radius });
 
 impl Geometric for Disk {
     const NAME: &'static str = "Disk";

@@ -1,20 +1,18 @@
 //! The local frame of shapes around an axis, which is its y axis.
 
 use super::{LaneSurface, flat};
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Real, Vec3};
 use crate::base::math::{DAffine3, DMat3, DVec3, LaneRay, UNIT_ROUNDOFF, atan2, gamma, perpendicular};
 use std::f64::consts::TAU;
 
 /// A point and three perpendicular unit vectors; y is the axis of the shape. The frame of a mirrored shape is
 /// left-handed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct ShapeFrame {
     pub origin: DVec3,
     pub axes: DMat3,
 }
-
-content!(struct ShapeFrame { origin, axes });
 
 impl ShapeFrame {
     /// The frame at `origin` whose y axis is the unit vector `axis`. If `axis` is +y, the axes are those of the world.

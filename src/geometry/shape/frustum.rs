@@ -3,13 +3,13 @@
 use super::frame::{ShapeFrame, around, away_from_axis, even_scale, from_axis};
 use super::taper::{BOTTOM, Interval, SIDE, TOP, Taper};
 use super::{LaneHit, LaneSurface, RayInterval, exit};
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Bits, Mask, Real, Row, Select, Vec3, out_of_line};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, cos_sin_of_turns, gamma};
 use std::f64::consts::PI;
 
 /// A surface around an axis. Its radius changes linearly from the bottom to the top.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Content)]
 pub struct Frustum {
     /// At the middle of the axis. Boxed, to keep lists of shapes small.
     frame: Box<ShapeFrame>,
@@ -17,8 +17,6 @@ pub struct Frustum {
     /// Whether the ends are closed.
     capped: bool,
 }
-
-content!(struct Frustum { frame, taper, capped });
 
 out_of_line! {
     fn intersect<'k, F>(frustum: &'k Frustum, ray: &'k LaneRay<F>, within: RayInterval<F>) -> LaneHit<F> {

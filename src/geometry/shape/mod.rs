@@ -46,7 +46,7 @@ pub use torus::Torus;
 pub use triangle::{Triangle, TriangleLanes};
 
 use crate::base::color::Rgb;
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Level, Mask, Real, Row, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec2, DVec3, LaneRay, Ray};
 use crate::geometry::bvh::{Stack, TraversalRay};
@@ -57,7 +57,7 @@ use bevy_ecs::component::Component;
 macro_rules! shapes {
     ($($shape:ident),* $(,)?) => {
         /// Any shape.
-        #[derive(Clone, Component, Debug, PartialEq)]
+        #[derive(Clone, Component, Debug, PartialEq, Content)]
         pub enum Shape {
             $($shape($shape),)*
             /// Invisible: a frame of reference for the objects that name it as their parent.
@@ -72,8 +72,6 @@ macro_rules! shapes {
                 }
             };
         }
-
-        content!(enum Shape { $($shape(shape),)* Group });
 
         impl Shape {
             /// The names of shapes in files.

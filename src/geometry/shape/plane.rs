@@ -1,18 +1,16 @@
 //! Infinite planes.
 
 use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, flat};
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Real, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay};
 
 /// The infinite plane through `point`, perpendicular to the unit vector `normal`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct Plane {
     pub point: DVec3,
     pub normal: DVec3,
 }
-
-content!(struct Plane { point, normal });
 
 impl Geometric for Plane {
     const NAME: &'static str = "Plane";

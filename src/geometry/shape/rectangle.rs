@@ -2,19 +2,17 @@
 
 use super::triangle::covers;
 use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, flat};
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Mask, Real, Row, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay};
 
 /// The parallelogram `corner` + a·`u` + b·`v` for a and b in 0..=1. `u` and `v` are not parallel.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct Rectangle {
     pub corner: DVec3,
     pub u: DVec3,
     pub v: DVec3,
 }
-
-content!(struct Rectangle { corner, u, v });
 
 impl Geometric for Rectangle {
     const NAME: &'static str = "Rectangle";

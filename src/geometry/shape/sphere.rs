@@ -2,7 +2,7 @@
 
 use super::frame::even_scale;
 use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, exit};
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Mask, Real, Row, Select, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, atan2, gamma};
 use crate::sampling::{self, LocalFrame, uniform_sphere};
@@ -13,13 +13,11 @@ use std::f64::consts::{PI, TAU};
 const SEAM: f64 = 0.5;
 
 /// All points at distance `radius` (above 0) from `center`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct Sphere {
     pub center: DVec3,
     pub radius: f64,
 }
-
-content!(struct Sphere { center, radius });
 
 impl Geometric for Sphere {
     const NAME: &'static str = "Sphere";

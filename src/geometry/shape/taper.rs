@@ -1,6 +1,6 @@
 //! The interior of cylinders and cones around the y axis.
 
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Mask, Real, Row, Select, Vec3};
 use crate::base::math::{DVec2, DVec3, LaneRay, difference_of_products};
 
@@ -11,14 +11,12 @@ pub const TOP: u32 = 2;
 
 /// A radius that changes linearly along the y axis: `mean` at 0, `mean` + `lean` at `half`. It is at least 0 from
 /// -`half` to `half`. Beyond, on a cone, it may be negative: that is the mirrored nappe.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct Taper {
     pub half: f64,
     pub mean: f64,
     pub lean: f64,
 }
-
-content!(struct Taper { half, mean, lean });
 
 /// Where lines enter and leave a solid.
 #[derive(Clone, Copy)]

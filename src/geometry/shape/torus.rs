@@ -3,7 +3,7 @@
 use super::frame::{ShapeFrame, around, away_from_axis, even_scale, from_axis};
 use super::torus_interval::{TorusInterval, TorusRadii};
 use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval};
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Mask, Real, Row, Vec3, out_of_line};
 use crate::base::math::{
     Aabb, DAffine3, DVec3, Function, LaneRay, UNIT_ROUNDOFF, atan2, cos_sin_of_turns, gamma, root_between,
@@ -11,14 +11,12 @@ use crate::base::math::{
 use std::f64::consts::TAU;
 
 /// All points at distance `minor` from a circle of radius `major`; 0 < `minor` < `major`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Content)]
 pub struct Torus {
     /// At the centre, y along the axis. Boxed, to keep lists of shapes small.
     frame: Box<ShapeFrame>,
     radii: TorusRadii,
 }
-
-content!(struct Torus { frame, radii });
 
 out_of_line! {
     fn intersect<'k, F>(torus: &'k Torus, ray: &'k PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {

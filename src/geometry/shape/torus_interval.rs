@@ -1,18 +1,16 @@
 //! Intersects lines with a torus.
 
 use super::frame::from_axis;
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Mask, Real, Vec3};
 use crate::base::math::{Function, LaneRay, UNIT_ROUNDOFF, root_between};
 
 /// The radii of a torus' circle and of its tube; 0 < `minor` < `major`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct TorusRadii {
     pub major: f64,
     pub minor: f64,
 }
-
-content!(struct TorusRadii { major, minor });
 
 impl TorusRadii {
     /// The signed distance of points of the frame from the surface, negative inside the tube. Its error is a few

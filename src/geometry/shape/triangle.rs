@@ -1,17 +1,15 @@
 //! Flat triangles, watertight at shared edges.
 
 use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, flat};
-use crate::base::digest::content;
+use crate::base::digest::Content;
 use crate::base::lanes::{Mask, Real, Row, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay};
 
 /// The flat triangle between three corners that are not collinear.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct Triangle {
     pub corners: [DVec3; 3],
 }
-
-content!(struct Triangle { corners });
 
 impl Geometric for Triangle {
     const NAME: &'static str = "Triangle";
