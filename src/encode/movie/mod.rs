@@ -13,7 +13,8 @@ mod h264;
 mod h264_encoder;
 #[cfg(feature = "video")]
 pub mod mp4;
-#[cfg(all(test, feature = "video"))]
+#[cfg(test)]
+#[cfg(feature = "video")]
 mod tests;
 pub mod webp;
 mod writer;
