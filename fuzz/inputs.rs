@@ -10,8 +10,8 @@ use kinora::base::frame_set::FrameSet;
 use kinora::base::stats::ProgressMeter;
 use kinora::base::time::Rate;
 use kinora::encode::{
-    AnimationAssembler, EncodeError, EncodeJob, Encoder, Existing, Formats, FrameKey, MATTE, Output, Picture,
-    SequenceInfo, Tonemap,
+    AnimationAssembler, DEFAULT_BACKGROUND_COLOR, EncodeError, EncodeJob, Encoder, Existing, Formats,
+    FrameKey, Output, Picture, SequenceInfo, Tonemap,
 };
 use kinora::film::Film;
 use kinora::geometry::mesh::{self, TriangleMesh};
@@ -178,7 +178,7 @@ fn job(output: &Output, size: (u32, u32), frames: u32) -> EncodeJob {
         size,
         tonemap: Tonemap::default(),
         transparent: false,
-        matte: MATTE,
+        background_color: DEFAULT_BACKGROUND_COLOR,
         caption: None,
         formats: Formats::default(),
         info: SequenceInfo::default(),

@@ -24,9 +24,9 @@
 //!
 //! let folder = tempfile::tempdir()?;
 //! let animation = folder.path().join("ball.gif");
-//! let request = Request::new(&sequence, vec![Output::parse(&animation.to_string_lossy())?]);
+//! let request = Request::new(&sequence, vec![Output::parse(animation)?]);
 //! let summary = render(&sequence, &request, &Default::default())?;
-//! assert_eq!((summary.frames, summary.reused), (12, 10)); // Two different pictures are traced.
+//! assert_eq!((summary.frames, summary.reused), (12, 11)); // Switching a lamp traces nothing.
 //! # Ok(())
 //! # }
 //! ```

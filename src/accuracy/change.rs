@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_a_scene_has_is_switched_off() {
+    fn only_existing_effects_are_switched_off() {
         let (sequence, time) = (sequence(), Time::from_integer(0));
         let effects = SceneChange::effects(&sequence, time);
         assert!(effects.contains(&SceneChange::Without(RemovableEffect::Refraction)), "{effects:?}");

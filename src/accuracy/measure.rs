@@ -31,8 +31,8 @@ use std::time::Instant;
 const QUICK_PIXELS: u32 = 8_000;
 const USUAL_PIXELS: u32 = 40_000;
 
-/// Measures the accuracy and the cost of settings. Calls `progress` after each step with the share of the work that is
-/// done.
+/// Measures the accuracy and the cost of settings. Calls `progress` after each step with the fraction of the work that
+/// is done.
 pub fn measure(
     sequence: &Sequence,
     request: &MeasurementRequest,

@@ -88,13 +88,13 @@ impl Renderer {
     pub fn render_film(
         &self,
         quality: &Quality,
-        extras: AovSet,
+        aovs: AovSet,
         look: &FrameState,
         lit: &[LayerId],
     ) -> Result<Rendering, RenderError> {
         let sequence = Sequence { quality: *quality, ..self.sequence.clone() };
         let meter = Arc::new(ProgressMeter::default());
-        let mut frames = FrameLoop::with_aovs(&sequence, extras, FilmCollector::default(), meter);
+        let mut frames = FrameLoop::with_aovs(&sequence, aovs, FilmCollector::default(), meter);
         let (film, took) = timed(|| self.pool.install(|| frames.trace(look, lit)));
         Ok(Rendering { films: film?.into_iter().collect(), took, rays: frames.stats().counts.rays.total() })
     }

@@ -126,9 +126,9 @@ impl Bias {
 /// How a squared error is distributed over the pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Concentration {
-    /// Share of the error in the worst hundredth of the pixels.
+    /// Fraction of the error in the worst hundredth of the pixels.
     pub worst_hundredth: f64,
-    /// Share of the pixels that contain nine tenths of the error.
+    /// Fraction of the pixels that contain nine tenths of the error.
     pub nine_tenths: f64,
 }
 
@@ -161,7 +161,7 @@ impl Concentration {
 /// The quantile 0.975 of the normal distribution.
 const NORMAL: f64 = 1.959_963_985;
 
-/// The least squared difference of a firefly, as a multiple of that of most pixels.
+/// Minimum squared difference of a firefly, as a multiple of that of most pixels.
 const FIREFLY: f64 = 30.0;
 
 /// The quantile 0.975 of Student's t: Cornish and Fisher's expansion around the normal distribution's (Abramowitz and
@@ -222,14 +222,14 @@ mod tests {
     use crate::testing::Random;
 
     #[test]
-    fn quantiles_are_those_of_tables() {
+    fn quantiles_match_tables() {
         for (freedom, wanted) in [(3, 3.182), (7, 2.365), (15, 2.131), (31, 2.040), (1000, 1.962)] {
             assert!((student(freedom) - wanted).abs() < 0.01, "{freedom}: {}", student(freedom));
         }
     }
 
     #[test]
-    fn intervals_hold_the_truth_as_often_as_they_say() {
+    fn intervals_contain_the_mean_in_95_of_100_cases() {
         let mut random = Random(5);
         let holds = (0..4000).filter(|_| {
             let values: Vec<f64> = (0..16).map(|_| random.unit() + random.unit() + random.unit()).collect();
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bootstrap_holds_what_has_heavy_tails_more_often() {
+    fn bootstrap_intervals_are_better_for_heavy_tails() {
         let mut random = Random(9);
         // exp(1.5 z) of a normal z has the mean exp(1.125).
         let normal = |random: &mut Random| (0..12).map(|_| random.unit()).sum::<f64>() - 6.0;
@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bias_is_told_only_where_there_is_one_for_sure() {
+    fn only_significant_biases_are_reported() {
         let mut random = Random(4);
         let mut noisy = |bias: f64, every: usize| -> Vec<DVec3> {
             let mut one = |pixel: usize| {

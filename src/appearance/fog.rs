@@ -66,8 +66,8 @@ out_of_line! {
 }
 
 impl Fog {
-    /// The share of light that the fog absorbs along `ray` (whose direction is a unit vector) up to `t`, which may be
-    /// infinite: 1 - exp(-∫ density). expm1 keeps the digits of thin fog.
+    /// The fraction of light that the fog absorbs along `ray` (whose direction is a unit vector) up to `t`, which may
+    /// be infinite: 1 - exp(-∫ density). expm1 keeps the digits of thin fog.
     #[inline(always)]
     pub fn opacity<F: Real>(&self, ray: &LaneRay<F>, t: F) -> F {
         opacity(self, ray, t)

@@ -18,7 +18,7 @@ pub enum TimeSource {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ElapsedTime {
     pub wall: f64,
-    /// CPU time of all threads; none if the system does not report it.
+    /// CPU time of all threads; `None` if the system does not report it.
     pub cpu: Option<f64>,
 }
 

@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn what_differs_has_another_digest() {
+    fn different_values_have_different_digests() {
         let lists: [&[&str]; 4] = [&[], &["ab"], &["a", "b"], &["", "ab"]];
         let kinds = [Kind::Off, Kind::Fixed(0), Kind::Fixed(1), Kind::Keyed { first: 0 }];
         let numbers = [0.0, 1.0, -1.0, f64::from_bits(1), f64::INFINITY, f64::NAN];

@@ -156,7 +156,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn names_that_are_not_utf8_show_their_bytes() {
+    fn invalid_utf8_is_shown_as_bytes() {
         use std::os::unix::ffi::OsStrExt;
         assert_eq!(path(OsStr::from_bytes(b"a\xff/\xc2\x9b\xe2\x82")), r"a\xff/\u{9b}\xe2\x82");
     }

@@ -97,7 +97,7 @@ impl Root {
         }
     }
 
-    /// The folder; none if files may be anywhere.
+    /// The folder; `None` if files may be anywhere.
     pub fn folder(&self) -> Option<&Path> {
         self.folder.as_deref()
     }
@@ -131,7 +131,7 @@ pub enum SpecialFile {
 }
 
 impl SpecialFile {
-    /// The kind of special file that a path leads to through all links; none for regular files, folders and missing
+    /// The kind of special file that a path leads to through all links; `None` for regular files, folders and missing
     /// files.
     #[cfg(unix)]
     pub fn at(path: &Path) -> Option<Self> {
@@ -160,7 +160,7 @@ impl SpecialFile {
 }
 
 /// The target of a path that leaves the working directory through links: through a link to a folder, or a link to a
-/// pipe or a device; none if it stays inside. Any other file is replaced, even if it is a link. `path` itself has no
+/// pipe or a device; `None` if it stays inside. Any other file is replaced, even if it is a link. `path` itself has no
 /// `..`.
 pub fn outside_target(path: &Path) -> Option<PathBuf> {
     let here = Path::new(".").canonicalize().ok()?;
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn files_are_found_that_stand_in_the_way_of_folders() {
+    fn files_that_block_folders_are_found() {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("file");
         fs::write(&file, "").expect("a disk");
@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn a_root_remembers_what_it_admits() {
+    fn a_root_records_admitted_files() {
         let dir = tempfile::tempdir().expect("a folder");
         let top = dir.path().canonicalize().expect("a folder");
         for name in ["b", "a"] {

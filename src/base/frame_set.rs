@@ -30,7 +30,7 @@ struct Steps {
 }
 
 impl FrameSet {
-    /// Every frame of a sequence of `count` frames; none if `count` is 0.
+    /// Every frame of a sequence of `count` frames; `None` if `count` is 0.
     pub fn whole(count: u32) -> Option<Self> {
         let last = count.checked_sub(1)?;
         Some(Self(vec![Steps { first: 0, last, step: 1 }]))

@@ -42,13 +42,13 @@ pub fn check_memory(needed: u64) -> io::Result<()> {
     ))
 }
 
-/// CPU time of this process in seconds; none if the system does not report it.
+/// CPU time of this process in seconds; `None` if the system does not report it.
 #[cfg(unix)]
 pub fn cpu_time() -> Option<f64> {
     Some(seconds(ClockId::ProcessCPUTime))
 }
 
-/// CPU time of this thread in seconds; none if the system does not report it.
+/// CPU time of this thread in seconds; `None` if the system does not report it.
 #[cfg(unix)]
 pub fn thread_cpu_time() -> Option<f64> {
     Some(seconds(ClockId::ThreadCPUTime))
@@ -70,7 +70,7 @@ pub fn thread_cpu_time() -> Option<f64> {
     None
 }
 
-/// The limit of the address space in bytes, as `ulimit -v` sets it; none if it is unlimited.
+/// The limit of the address space in bytes, as `ulimit -v` sets it; `None` if it is unlimited.
 fn address_space_in(limits: &str) -> Option<u64> {
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     line.split_whitespace().next()?.parse().ok()
@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn the_least_of_what_is_free_and_what_is_allowed_can_be_had() {
+    fn available_memory_is_the_minimum_of_free_and_allowed() {
         let least = |limit: &str, group: &str| {
             free_in(|file| {
                 let text = match file.to_str()? {

@@ -55,7 +55,7 @@ fn word(text: &str) -> String {
     if word.is_empty() { UNKNOWN.to_owned() } else { word }
 }
 
-/// The start time of a running process of this machine, in clock ticks since boot; none if it does not exist or has
+/// The start time of a running process of this machine, in clock ticks since boot; `None` if it does not exist or has
 /// ended. A process that has ended keeps its number as a zombie until its parent waits for it.
 fn start_time(id: u32) -> Option<u64> {
     let stat = fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
@@ -98,7 +98,7 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn those_that_have_ended_are_known_here_alone() {
+    fn only_local_processes_are_known_to_have_ended() {
         let this = Process::this();
         assert!(this.start > 0 && !this.has_ended());
         // An earlier process with this number, and a zombie.

@@ -93,7 +93,7 @@ pub struct ProgressMeter {
     pub frames: AtomicU32,
     /// Finished frames that reused the film of another frame.
     pub reused: AtomicU32,
-    /// Finished share of the current frame, in thousandths.
+    /// Finished fraction of the current frame, in thousandths.
     pub thousandths: AtomicU32,
     pub rays: AtomicU64,
     /// Set when tracing begins.
@@ -154,7 +154,7 @@ impl ProgressMeter {
         self.notices.lock().map(|mut notices| std::mem::take(&mut *notices)).unwrap_or_default()
     }
 
-    /// Finished frames, plus the finished share of the current frame.
+    /// Finished frames, plus the finished fraction of the current frame.
     pub fn frames_done(&self) -> f64 {
         f64::from(self.frames.load(Relaxed)) + f64::from(self.thousandths.load(Relaxed)) / 1000.0
     }

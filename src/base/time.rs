@@ -14,12 +14,12 @@ pub type Time = Ratio<i128>;
 pub struct Rate(Time);
 
 impl Rate {
-    /// `frames` per `seconds`; none unless both are above zero.
+    /// `frames` per `seconds`; `None` unless both are above zero.
     pub fn new(frames: i128, seconds: i128) -> Option<Self> {
         (frames > 0 && seconds > 0).then(|| Self(Ratio::new(frames, seconds)))
     }
 
-    /// The rate as a fraction; none unless it is above zero.
+    /// The rate as a fraction; `None` unless it is above zero.
     pub fn from_ratio(rate: Time) -> Option<Self> {
         (rate > Ratio::from_integer(0)).then_some(Self(rate))
     }
@@ -63,7 +63,7 @@ impl Timeline {
         Self { rate, duration: rate.time_of(frames), frames }
     }
 
-    /// Every frame that starts before `duration`, which is above zero; none if a `u32` cannot count them.
+    /// Every frame that starts before `duration`, which is above zero; `None` if a `u32` cannot count them.
     pub fn of_duration(duration: Time, rate: Rate) -> Option<Self> {
         let frames = (duration * rate.per_second()).ceil().to_integer();
         Some(Self { rate, duration, frames: u32::try_from(frames).ok()? })
@@ -105,7 +105,7 @@ impl Clock {
         Self { time: self.time + by, ..*self }
     }
 
-    /// The elapsed share of the sequence: 0 at its start, 1 at its exclusive end.
+    /// The elapsed fraction of the sequence: 0 at its start, 1 at its exclusive end.
     pub fn progress(&self) -> Fraction {
         Fraction::new(self.time, self.duration)
     }

@@ -96,7 +96,7 @@ fn scaled(mut value: f64, units: &[&str]) -> String {
     format!("{value:.decimals$} {}", units[unit])
 }
 
-/// A share in percent with about two significant digits.
+/// A fraction in percent with about two significant digits.
 pub fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     match percent.abs() {

@@ -7,6 +7,7 @@ use super::loading::LoadingReporter;
 use super::overrides::{self, Overrides};
 use super::progress::ProgressMode;
 use super::settings::Settings;
+use super::summary::file_name;
 use super::{load, terminal, values};
 use crate::base::color::Rgb;
 use crate::base::escape;
@@ -24,12 +25,16 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+/// The largest number of frames in a row of a filmstrip.
+const MAX_COLUMNS: u32 = 400;
+
 /// Make GIFs, videos and filmstrips from rendered frames.
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP, mut_arg("caption", |argument| argument
     .long("frame-caption")
     .help("The value of --caption in the command that rendered the frames")
-    .long_help("The value of --caption in the command that rendered the frames")))]
+    .long_help("The value of --caption in the command that rendered the frames")),
+    mut_arg("film_cache", |argument| argument.hide(true)), mut_arg("no_reuse", |argument| argument.hide(true)))]
 pub struct Arguments {
     /// File names of the frames, with #### or %04d in place of the number: out/f_####.png
     pattern: PathBuf,
@@ -59,11 +64,11 @@ pub struct Arguments {
     allow_gaps: bool,
 
     /// Colours in the palette of a GIF, 2 to 256 [default: 256]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=256))]
+    #[arg(long, value_name = "N", value_parser = values::between::<u16>(2, 256))]
     colors: Option<u16>,
 
     /// How often a GIF, APNG or WebP plays, 1 to 65535 [default: forever]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = values::between::<u16>(1, u16::MAX))]
     loop_count: Option<u16>,
 
     /// Colour behind transparent frames in formats without alpha [default: white]
@@ -81,10 +86,10 @@ pub struct Arguments {
     strip_caption: Template,
 
     /// Frames in a row of a filmstrip
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=400))]
+    #[arg(long, value_name = "N", value_parser = values::between::<u32>(1, MAX_COLUMNS))]
     columns: Option<u32>,
 
-    /// The --time-limit that rendered the frames
+    /// The --time-limit of the render command
     #[arg(long, value_name = "TIME", value_parser = values::duration, requires = "of")]
     time_limit: Option<Duration>,
 
@@ -110,11 +115,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     // No output may replace a frame, not even one outside of --frames.
     let own = |path: &Path| pattern.matches(path).then_some(pattern.name());
     check_outputs(&arguments.output, own).map_err(RenderError::from)?;
-    let (chosen, formats, matte) = match &arguments.of {
+    let (chosen, formats, background_color) = match &arguments.of {
         Some(file) => arguments.chosen_of(file, &pattern)?,
-        None => (arguments.chosen(&pattern)?, Formats::default(), AssembleRequest::default().matte),
+        None => {
+            (arguments.chosen(&pattern)?, Formats::default(), AssembleRequest::default().background_color)
+        }
     };
-    let request = arguments.request(&chosen, formats, matte);
+    let request = arguments.request(&chosen, formats, background_color);
     let mut report = assemble(&request)?;
     report.notes.extend(chosen.notes);
     arguments.print(&report, &request)
@@ -167,7 +174,7 @@ impl Arguments {
         pattern.numbers().map_err(|error| Failure::Bad(unreadable_folder(pattern, &error)))?;
         let wanted = FrameSelection { pattern, numbers: Some(&request.frames), gaps: self.allow_gaps };
         let chosen = select_frames_of(&sequence, &request, wanted)?;
-        Ok((chosen, sequence.output.formats, sequence.output.matte))
+        Ok((chosen, sequence.output.formats, sequence.output.background_color))
     }
 
     /// Takes the number of samples that `--time-limit` chose from the frames' metadata.
@@ -203,7 +210,12 @@ impl Arguments {
         Ok(select_frames(wanted, &there, self.settings.options.threads)?)
     }
 
-    fn request(&self, chosen: &SelectedFrames, mut formats: Formats, matte: Rgb) -> AssembleRequest {
+    fn request(
+        &self,
+        chosen: &SelectedFrames,
+        mut formats: Formats,
+        background_color: Rgb,
+    ) -> AssembleRequest {
         let wanted = self.settings.overrides();
         formats.gif.colors = self.colors.unwrap_or(formats.gif.colors);
         formats.gif.dither &= !self.no_dither;
@@ -221,7 +233,7 @@ impl Arguments {
             outputs: self.output.clone(),
             rate: wanted.rate.or(chosen.rate).unwrap_or_default(),
             formats,
-            matte: self.background_color.unwrap_or(matte),
+            background_color: self.background_color.unwrap_or(background_color),
             text: self.strip_caption.clone(),
             columns: self.columns,
             threads: self.settings.options.threads,
@@ -246,7 +258,7 @@ impl Arguments {
 }
 
 fn text(report: &Report, request: &AssembleRequest) -> String {
-    let wrote = report.files.iter().map(|file| format!("wrote   {}", escape::path(file)));
+    let wrote = report.files.iter().map(|file| format!("wrote   {}", file_name(file)));
     let facts = format!("frames  {} at {} per second", request.frames.len(), request.rate);
     let notes = report.notes.iter().map(|note| format!("note    {}", escape::line(note)));
     wrote.chain([facts]).chain(notes).collect::<Vec<_>>().join("\n")

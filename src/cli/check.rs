@@ -17,7 +17,7 @@ use std::path::PathBuf;
 #[command(after_help = "\
 Example:
   kinora check sequences/hello.ron
-prints one line about the sequence, or every mistake with its line (exit code 2).")]
+Kinora prints one line about the sequence, or every mistake with its line (exit code 2).")]
 pub struct Arguments {
     /// The sequence file (.ron)
     file: PathBuf,
@@ -77,7 +77,7 @@ fn objects(sequence: &Sequence) -> String {
 }
 
 /// A number with at most three decimals, without trailing zeros.
-fn decimal(number: crate::base::time::Time) -> String {
+pub(super) fn decimal(number: crate::base::time::Time) -> String {
     let value = *number.numer() as f64 / *number.denom() as f64;
     let text = format!("{value:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()

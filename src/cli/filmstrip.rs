@@ -32,7 +32,7 @@ pub struct Arguments {
     output: Option<Output>,
 
     /// Number of frames, spread evenly over the sequence
-    #[arg(short = 'n', long, value_name = "N", default_value = "9", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES as i64))]
+    #[arg(short = 'n', long, value_name = "N", default_value = "9", value_parser = values::between(1, MAX_FRAMES))]
     count: u32,
 
     /// These frames instead, counted from 0: 0-47:8 or 0,10,20
@@ -40,7 +40,7 @@ pub struct Arguments {
     frames: Option<FrameSet>,
 
     /// Frames in a row [default: as many as fit a page]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES as i64))]
+    #[arg(long, value_name = "N", value_parser = values::between(1, MAX_FRAMES))]
     columns: Option<u32>,
 
     /// Text below each frame; {frame}, {frames}, {time} and {name} are replaced by their values

@@ -5,7 +5,7 @@ use crate::base::color::Rgb;
 use crate::base::math::{Angle, DVec3};
 use crate::base::time::{Rate, Timeline};
 use crate::camera::path::{CameraPath, Focus, Lens};
-use crate::encode::{Formats, MATTE, Output, Tonemap};
+use crate::encode::{DEFAULT_BACKGROUND_COLOR, Formats, Output, Tonemap};
 use crate::sequence::quality::Quality;
 use crate::sequence::{Named, OutputSettings, Sequence};
 use crate::track::Animated::Constant;
@@ -38,7 +38,7 @@ pub fn sequence() -> Sequence {
             tonemap: Tonemap::Srgb,
             exposure: Constant(0.0),
             transparent: false,
-            matte: MATTE,
+            background_color: DEFAULT_BACKGROUND_COLOR,
             caption: None,
             formats: Formats::default(),
         },

@@ -16,7 +16,7 @@ const LONG_RUN: f64 = 600.0;
 /// For runs that take less time, in seconds, no forecast is printed.
 const SHORT_RUN: f64 = 5.0;
 
-/// The text and the JSON of a notice. None if it is not worth a line.
+/// The text and the JSON of a notice. `None` if it is not worth a line.
 pub fn notice_line(sequence: &Sequence, notice: Notice) -> Option<StatusLine> {
     match notice {
         Notice::Pilot { plan } => {

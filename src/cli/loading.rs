@@ -38,7 +38,7 @@ pub fn watch<T>(meter: &LoadProgress, mut reporter: LoadingReporter, work: impl 
         let watcher = move || {
             let mut pause = SILENT_TIME;
             while over.recv_timeout(pause) == Err(RecvTimeoutError::Timeout) {
-                reporter.update(&LoadSnapshot { what: meter.what(), bytes: meter.share() });
+                reporter.update(&LoadSnapshot { what: meter.what(), bytes: meter.bytes() });
                 pause = reporter.pause();
             }
             reporter.finish();

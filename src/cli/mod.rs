@@ -37,6 +37,7 @@ mod values;
 
 use crate::base::escape;
 use crate::base::lanes::forced_level;
+use crate::sequence::listed;
 use clap::builder::Styles;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -79,7 +80,7 @@ Examples:
   kinora farm export slurm sequences/hello.ron       write a job for many machines
 
 `kinora render --help` lists the options. Exit codes: 0 success; 2 a mistake in the command or the
-sequence; 3 a frame or file could not be made, or the reader of `-o -` went away.";
+sequence; 3 a frame or file could not be made, or the reader of `-o -` closed the pipe.";
 
 /// Runs the command of this process.
 pub fn main() -> ExitCode {
@@ -125,20 +126,21 @@ fn execute(command: Command) -> Result<(), Failure> {
 /// # Errors
 /// The exit code, after it has printed an error, the help or the version.
 fn parse(arguments: Vec<OsString>) -> Result<Arguments, ExitCode> {
-    let (arguments, notes) = renamed_options::to_current(arguments);
+    let mut command = Arguments::command();
+    let (arguments, notes) = renamed_options::to_current(arguments, &command);
     // If an argument could steer a terminal, the message has no colours. Then all other control characters can be
     // escaped.
     let plain = arguments.iter().any(|argument| escape::path(argument).as_str() != argument);
-    let mut command = Arguments::command();
     if plain {
         command = command.styles(Styles::plain());
     }
+    let given = renamed_options::given_command(&arguments, &command).clone();
     let matches = command.try_get_matches_from_mut(arguments);
     if !matches.as_ref().is_ok_and(is_quiet) {
         notes.iter().for_each(|note| terminal::eprint_line(note));
     }
     let parsed = matches.and_then(|matches| Arguments::from_arg_matches(&matches));
-    parsed.map_err(|message| explain(message.format(&mut command), plain))
+    parsed.map_err(|message| explain(message.format(&mut command), &given, plain))
 }
 
 /// Whether the command has `--quiet`.
@@ -149,9 +151,9 @@ fn is_quiet(matches: &ArgMatches) -> bool {
     }
 }
 
-/// Prints a message of clap with hints. Returns the exit code.
-fn explain(mut message: clap::Error, plain: bool) -> ExitCode {
-    let owners = owners_of_option(&mut message);
+/// Prints a message of clap about the arguments of a command, with hints. Returns the exit code.
+fn explain(mut message: clap::Error, command: &clap::Command, plain: bool) -> ExitCode {
+    let hint = hint_for_option(&mut message, command);
     if plain && message.use_stderr() {
         terminal::eprint_line(message.render().ansi().to_string().trim_end());
     } else {
@@ -161,8 +163,8 @@ fn explain(mut message: clap::Error, plain: bool) -> ExitCode {
     if let Some(file) = missing_command(&message) {
         terminal::eprint_line(&format!("\nTo render this file: kinora render {file}"));
     }
-    if let Some(owners) = owners {
-        terminal::eprint_line(&format!("\n{owners}"));
+    if let Some(hint) = hint {
+        terminal::eprint_line(&format!("\n{hint}"));
     }
     if message.use_stderr() { ExitCode::from(failure::BAD_INPUT) } else { ExitCode::SUCCESS }
 }
@@ -175,25 +177,34 @@ fn missing_command(message: &clap::Error) -> Option<&str> {
     }
 }
 
-/// For an unknown option: a hint that names the commands that have it. Also removes the tip to pass it as a value,
-/// because no file has the name of an option.
-fn owners_of_option(message: &mut clap::Error) -> Option<String> {
+/// For an unknown option: a hint that names the commands that have it, or its current name if it was renamed. Also
+/// removes the tip to pass it as a value, because no file has the name of an option.
+fn hint_for_option(message: &mut clap::Error, command: &clap::Command) -> Option<String> {
     let option = match message.get(ContextKind::InvalidArg) {
         Some(ContextValue::String(option)) if message.kind() == ErrorKind::UnknownArgument => option.clone(),
         _ => return None,
     };
-    let name = option.strip_prefix("--")?;
+    if !option.starts_with("--") {
+        return None;
+    }
     if let Some(ContextValue::StyledStrs(mut tips)) = message.remove(ContextKind::Suggested) {
         tips.retain(|tip| !tip.to_string().contains(&format!("-- {option}")));
         if !tips.is_empty() {
             message.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
         }
     }
-    let command = Arguments::command();
-    let has = |command: &&clap::Command| command.get_arguments().any(|arg| arg.get_long() == Some(name));
-    let owners: Vec<String> =
-        command.get_subcommands().filter(has).map(|owner| format!("`kinora {}`", owner.get_name())).collect();
-    (!owners.is_empty()).then(|| format!("{option} is an option of {}", owners.join(" and ")))
+    let current = renamed_options::current_name(&option);
+    let program = Arguments::command();
+    let owners =
+        program.get_subcommands().filter(|owner| renamed_options::has(owner, current.unwrap_or(&option)));
+    let owners: Vec<String> = owners.map(|owner| format!("kinora {}", owner.get_name())).collect();
+    if !owners.is_empty() {
+        let owners = listed(owners.iter().map(String::as_str));
+        let renamed = current.map_or_else(String::new, |current| format!("now called {current}, "));
+        return Some(format!("{option} is {renamed}an option of {owners}"));
+    }
+    let (old, current) = renamed_options::nearest_old_name(&option)?;
+    renamed_options::has(command, current).then(|| format!("{old} is now called {current}"))
 }
 
 #[cfg(test)]

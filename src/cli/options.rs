@@ -32,7 +32,7 @@ pub struct RenderOptions {
 
     /// Largest number of light bounces between surfaces, 0 to 1000 [default: as in the sequence]
     ///
-    /// With 0 bounces, only light that comes straight from its source lights a visible surface.
+    /// With 0 bounces, direct light only.
     #[arg(long, value_name = "N", value_parser = values::bounces, allow_hyphen_values = true)]
     pub bounces: Option<u32>,
 

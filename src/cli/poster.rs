@@ -1,5 +1,6 @@
 //! `kinora poster`: renders one frame.
 
+use super::check::decimal;
 use super::failure::Failure;
 use super::filmstrip::default_output;
 use super::image_options::ImageOptions;
@@ -109,6 +110,14 @@ impl Arguments {
         if frame < count {
             return Ok(frame);
         }
-        Err(Failure::Bad(format!("there is no frame {frame}; the last one is {}", count.saturating_sub(1))))
+        let message = match self.at {
+            Some(time) => format!(
+                "{} s is after the end: the sequence is {} s long",
+                decimal(time),
+                decimal(sequence.timeline.duration)
+            ),
+            None => format!("there is no frame {frame}; the last one is {}", count.saturating_sub(1)),
+        };
+        Err(Failure::Bad(message))
     }
 }

@@ -32,8 +32,8 @@ pub struct Arguments {
     /// The extension sets the format. Animations: .mp4, .gif, .apng, .webp or .y4m. One picture
     /// per frame: .png, .jpg or .ppm, or .exr for linear radiance; #### or %04d in the name is
     /// replaced by the frame number. - is the standard output, in the format of --format.
-    /// Without this option, the names of a draft's files start with draft_, and a part of the
-    /// frames does not replace the whole animation.
+    /// Without this option, the names of a draft's files start with draft_, and a run of only
+    /// some frames does not overwrite the full animation.
     #[arg(short, long, value_name = "FILE", value_parser = values::output(), verbatim_doc_comment)]
     output: Vec<Output>,
 

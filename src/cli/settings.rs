@@ -21,7 +21,7 @@ pub struct Settings {
 
     /// Maximum size of a GIF, such as 5MB
     ///
-    /// The GIF loses colours, then pixels, then frames until it fits. A note names what it lost.
+    /// Kinora reduces colours, then size, then frame rate until it fits, and prints a note.
     #[arg(long, value_name = "SIZE", value_parser = values::file_size, allow_hyphen_values = true)]
     max_size: Option<u64>,
 

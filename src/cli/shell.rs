@@ -35,7 +35,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn words_that_are_not_utf8_keep_their_bytes() {
+    fn words_with_invalid_utf8_keep_their_bytes() {
         use std::os::unix::ffi::OsStrExt;
         assert_eq!(quote(OsStr::from_bytes(b"a'\xff\\b.ron")), r"$'a\'\xff\\b.ron'");
     }

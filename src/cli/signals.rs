@@ -1,9 +1,10 @@
 //! Ctrl-C and SIGTERM. The first one stops a run after the current frame, the second one at once.
 
 use super::shell::quote;
+use super::summary::file_name;
 use crate::base::cancel::Stop;
+use crate::base::frame_set;
 use crate::base::units::counted;
-use crate::base::{escape, frame_set};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -50,7 +51,7 @@ pub fn stop_message(
     continuation: Continuation<'_>,
 ) -> String {
     let mut lines = vec![format!("stopped after {}", counted(done as u64, "frame"))];
-    lines.extend(files.iter().map(|file| format!("wrote   {}", escape::path(file))));
+    lines.extend(files.iter().map(|file| format!("wrote   {}", file_name(file))));
     let command = command(arguments, continuation);
     lines.push(match continuation {
         Continuation::Same | Continuation::MissingFrames(_) => format!("to continue: {command}"),

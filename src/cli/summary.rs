@@ -9,6 +9,7 @@ use crate::base::units::seconds;
 use crate::film::Noise;
 use crate::pipeline::render::{Forecast, Summary};
 use serde_json::{Map, Value, json};
+use std::path::Path;
 
 /// The forecast of the run. Empty if there was no plan.
 fn expected(forecast: Option<&Forecast>) -> Map<String, Value> {
@@ -30,20 +31,19 @@ fn expected(forecast: Option<&Forecast>) -> Map<String, Value> {
 
 /// Aligned lines in groups, each with a heading in front.
 pub fn text(summary: &Summary) -> String {
-    let mut groups = Vec::new();
-    let files = summary.files.iter().map(escape::path);
-    groups.push(("wrote", files.collect()));
-    groups.push(("frames", vec![frames(summary)]));
-    groups.push(("time", vec![time(summary)]));
-    groups.push(("rays", rays(summary)));
-    groups.push(("dropped", dropped(summary)));
-    groups.push(("error", error(summary)));
-    groups.push(("BVH", vec![units::counted(summary.bvh_builds, "build")]));
-    groups.push(("planned", summary.expected.iter().map(planned).collect()));
     let stages = summary.stages.iter().map(|&(name, time)| (name, units::time(time))).collect::<Vec<_>>();
-    groups.push(("stages", aligned(&stages)));
-    groups.push(("note", summary.notes.clone()));
-
+    let groups = [
+        ("wrote", summary.files.iter().map(|file| file_name(file)).collect()),
+        ("frames", vec![frames(summary)]),
+        ("time", vec![time(summary)]),
+        ("rays", rays(summary)),
+        ("dropped", dropped(summary)),
+        ("error", error(summary)),
+        ("BVH", vec![units::counted(summary.bvh_builds, "build")]),
+        ("planned", summary.expected.iter().map(planned).collect()),
+        ("stages", aligned(&stages)),
+        ("note", summary.notes.clone()),
+    ];
     let mut text = String::new();
     for (heading, lines) in groups {
         for (place, line) in lines.iter().enumerate() {
@@ -53,6 +53,11 @@ pub fn text(summary: &Summary) -> String {
     }
     text.truncate(text.trim_end().len());
     text
+}
+
+/// The name of a written file.
+pub fn file_name(file: &Path) -> String {
+    if file == Path::new("-") { "standard output".to_owned() } else { escape::path(file) }
 }
 
 /// One line of JSON.
@@ -101,12 +106,15 @@ fn frames(summary: &Summary) -> String {
         text += &format!(", {} of them kept", units::count(summary.kept.into()));
     }
     if summary.reused > 0 {
-        text += &format!(
-            ", {} of them from films (traced light) of other frames",
-            units::count(summary.reused.into())
-        );
+        text += &format!(", {}", reused_frames(summary.reused.into()));
     }
     text
+}
+
+/// `2 reuse another frame's film`: the number of frames that need no film of their own.
+pub fn reused_frames(frames: u64) -> String {
+    let verb = if frames == 1 { "reuses" } else { "reuse" };
+    format!("{} {verb} another frame's film", units::count(frames))
 }
 
 /// The forecast, to compare it with the result.
@@ -117,10 +125,10 @@ fn planned(expected: &Forecast) -> String {
         None => format!("{} or more from the camera", units::counted(expected.camera_rays, "ray")),
     };
     let builds = units::counted(expected.bvh_builds, "build");
-    let mut text = format!(
-        "{rays}, {builds}, {} frames from films of other frames",
-        units::count(expected.reused.into())
-    );
+    let mut text = format!("{rays}, {builds}");
+    if expected.reused > 0 {
+        text += &format!(", {}", reused_frames(expected.reused.into()));
+    }
     if let Some(wall) = &expected.wall {
         text += &format!(", tracing in {}", forecast_text::time_range(wall));
     }
@@ -281,12 +289,9 @@ note    a draft";
         };
         let summary = Summary { reused: 70, expected: Some(expected), ..summary() };
         let found = text(&summary);
+        assert!(found.contains("\nframes  72, 70 reuse another frame's film\n"), "{found}");
         assert!(
-            found.contains("\nframes  72, 70 of them from films (traced light) of other frames\n"),
-            "{found}"
-        );
-        assert!(
-            found.contains("\nplanned about 66,400,000 rays, 1 build, 70 frames from films of other frames, tracing in about 12 s\n"),
+            found.contains("\nplanned about 66,400,000 rays, 1 build, 70 reuse another frame's film, tracing in about 12 s\n"),
             "{found}"
         );
         let wanted = r#""expected":{"reused":70,"camera_rays":66355200,"exact":true,"bvh_builds":1,"rays":66400000,"time_s":{"low":10.0,"expected":12.0,"high":14.0}}"#;
@@ -315,6 +320,12 @@ dropped undefined   2
         let text = text(&Summary { kept: 62, ..summary() });
         assert!(text.contains("frames  72, 62 of them kept\ntime    10.4 s, 1.04 s per frame; tracing took 19.8 s of processor time\n"), "{text}");
         assert!(super::text(&Summary { kept: 72, ..summary() }).contains("time    10.4 s; "));
+    }
+
+    #[test]
+    fn the_standard_output_has_a_name() {
+        assert_eq!(file_name(Path::new("-")), "standard output");
+        assert_eq!(file_name(Path::new("./-")), "./-");
     }
 
     #[test]

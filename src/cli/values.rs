@@ -92,6 +92,18 @@ pub fn noise(text: &str) -> Result<f64, String> {
     error.ok_or_else(|| format!("write an error from {least} to {most}, such as 0.01 for 1 %"))
 }
 
+/// A whole number of a range.
+pub fn between<T: TryFrom<u32> + Into<u32> + Copy + Send + Sync + 'static>(
+    least: T,
+    most: T,
+) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync {
+    move |text| {
+        let (least, most) = (least.into(), most.into());
+        let number = within(text, least, most).and_then(|number| T::try_from(number).ok());
+        number.ok_or_else(|| format!("write {least} to {most}"))
+    }
+}
+
 /// The name of an integrator, in upper or lower case.
 pub fn integrator(text: &str) -> Result<Integrator, String> {
     match text.to_ascii_lowercase().as_str() {

@@ -19,7 +19,7 @@ pub struct Animations {
     /// Each with whether its pictures may have alpha.
     movies: Vec<(Box<dyn MovieWriter>, bool)>,
     gifs: Vec<Animation>,
-    /// Frames on disk until the palettes of the GIFs are known. None if there are no GIFs.
+    /// Frames on disk until the palettes of the GIFs are known. `None` if there are no GIFs.
     store: Option<Store>,
     /// Number of pictures so far.
     done: usize,
@@ -51,10 +51,10 @@ impl Animations {
         Ok(Self { movies, gifs, store, done: 0 })
     }
 
-    /// Adds the next picture. Formats without alpha take `matte`, the same picture on a background.
-    pub fn push(&mut self, picture: &Picture, matte: &Picture) -> Result<(), EncodeError> {
+    /// Adds the next picture. Formats without alpha take `opaque`, the same picture on a background.
+    pub fn push(&mut self, picture: &Picture, opaque: &Picture) -> Result<(), EncodeError> {
         for (movie, alpha) in &mut self.movies {
-            movie.push(if *alpha { picture } else { matte })?;
+            movie.push(if *alpha { picture } else { opaque })?;
         }
         let index = self.done;
         self.done += 1;
@@ -63,8 +63,8 @@ impl Animations {
             return Ok(());
         }
         let cut =
-            picture.alpha.as_ref().map(|alpha| Picture { alpha: Some(one_bit(alpha)), ..matte.clone() });
-        let picture = cut.as_ref().unwrap_or(matte);
+            picture.alpha.as_ref().map(|alpha| Picture { alpha: Some(one_bit(alpha)), ..opaque.clone() });
+        let picture = cut.as_ref().unwrap_or(opaque);
         shown.for_each(|animation| animation.count(picture));
         self.store.as_ref().map_or(Ok(()), |store| store.put(index, picture))
     }

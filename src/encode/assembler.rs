@@ -46,7 +46,7 @@ impl AnimationAssembler {
                 self.animations.push(&solid, picture)
             }
             (None, false) => self.animations.push(picture, picture),
-            (Some(_), _) => self.animations.push(picture, &picture.over(self.job.matte)),
+            (Some(_), _) => self.animations.push(picture, &picture.over(self.job.background_color)),
         }
     }
 

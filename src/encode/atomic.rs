@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_committed_leaves_the_old_file_and_no_trace() {
+    fn uncommitted_files_leave_the_old_file() {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("c.bin");
         write(&path, b"old").expect("written");
@@ -208,7 +208,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn what_a_killed_run_left_is_removed_and_what_is_in_use_is_not() {
+    fn only_stale_temporary_files_are_removed() {
         let dir = tempfile::tempdir().expect("a folder");
         let old = std::time::SystemTime::now() - 2 * FRESH;
         let aged = |path: &Path| {

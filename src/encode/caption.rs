@@ -2,9 +2,14 @@
 
 use super::info::FrameInfo;
 use super::picture::{Code, Picture};
-use super::text::{Align, TextMask, line_height, missing_glyphs};
+use super::text::{Align, TextMask, line_height};
 use crate::base::units::counted;
-use std::fmt;
+
+mod template;
+#[cfg(test)]
+mod tests;
+
+pub use template::{CaptionError, Template};
 
 /// The text of a caption and its position.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,118 +47,6 @@ impl Corner {
         matches!(self, Self::BottomLeft | Self::BottomRight)
     }
 }
-
-/// Text with placeholders for values of the frame.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Template(Vec<Part>);
-
-#[derive(Clone, Debug, PartialEq, Eq)]
-enum Part {
-    Text(String),
-    Field(Field),
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Field {
-    Frame,
-    Frames,
-    Time,
-    Name,
-}
-
-const FIELDS: [(&str, Field); 4] =
-    [("frame", Field::Frame), ("frames", Field::Frames), ("time", Field::Time), ("name", Field::Name)];
-
-/// Why a text is not a template. The message says what is wrong and what would be right.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum CaptionError {
-    Unknown(String),
-    Unclosed,
-}
-
-impl fmt::Display for CaptionError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unknown(name) => write!(
-                f,
-                "there is no `{{{name}}}`; known are {{frame}}, {{frames}}, {{time}} and {{name}}, and {{{{ is a brace"
-            ),
-            Self::Unclosed => f.write_str("a `{` has no `}`; write {{ for a brace"),
-        }
-    }
-}
-
-impl std::error::Error for CaptionError {}
-
-impl Template {
-    /// Parses a text with the placeholders `{frame}`, `{frames}`, `{time}` and `{name}`.
-    pub fn parse(text: &str) -> Result<Self, CaptionError> {
-        let (mut parts, mut plain, mut rest) = (Vec::new(), String::new(), text);
-        while let Some(at) = rest.find(['{', '}']) {
-            plain.push_str(&rest[..at]);
-            let brace = &rest[at..at + 1];
-            rest = &rest[at + 1..];
-            if let Some(after) = rest.strip_prefix(brace) {
-                plain.push_str(brace);
-                rest = after;
-            } else if brace == "}" {
-                plain.push('}');
-            } else {
-                let (name, after) = rest.split_once('}').ok_or(CaptionError::Unclosed)?;
-                let field = FIELDS.iter().find(|(known, _)| *known == name);
-                let field = field.ok_or_else(|| CaptionError::Unknown(name.to_owned()))?.1;
-                parts.extend([Part::Text(std::mem::take(&mut plain)), Part::Field(field)]);
-                rest = after;
-            }
-        }
-        plain.push_str(rest);
-        parts.push(Part::Text(plain));
-        Ok(Self(parts))
-    }
-
-    /// A note that names the letters that the font lacks and captions leave out. None if it has all. `name` is the name
-    /// of the sequence.
-    pub fn missing_glyphs_note(&self, name: &str) -> Option<String> {
-        let fixed = |part: &Part| match part {
-            Part::Text(text) => text.clone(),
-            Part::Field(Field::Name) => name.to_owned(),
-            // Numbers, whose digits the font has.
-            Part::Field(Field::Frame | Field::Frames | Field::Time) => String::new(),
-        };
-        let text = self.0.iter().map(fixed).collect::<String>();
-        let letters = missing_glyphs(&text.lines().collect::<String>());
-        let (shown, more) = letters.split_at(letters.len().min(MAX_NOTE_LETTERS));
-        let shown: Vec<String> = shown.iter().map(|letter| format!("`{}`", letter.escape_debug())).collect();
-        let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
-        let shown = shown.join(", ");
-        (!letters.is_empty())
-            .then(|| format!("captions are without {shown}{more}, which the font does not have"))
-    }
-
-    /// Number of lines of the text.
-    pub fn lines(&self) -> u32 {
-        let plain = |part: &Part| match part {
-            Part::Text(text) => text.clone(),
-            Part::Field(_) => "0".to_owned(),
-        };
-        self.0.iter().map(plain).collect::<String>().lines().count().max(1) as u32
-    }
-
-    /// The text for a frame.
-    pub fn expand(&self, info: &FrameInfo) -> String {
-        let part = |part: &Part| match part {
-            Part::Text(text) => text.clone(),
-            Part::Field(Field::Frame) => info.padded(),
-            Part::Field(Field::Frames) => info.sequence.frames.to_string(),
-            Part::Field(Field::Time) => info.seconds(),
-            Part::Field(Field::Name) => info.sequence.name.clone(),
-        };
-        self.0.iter().map(part).collect()
-    }
-}
-
-/// Letters that one note names at most.
-const MAX_NOTE_LETTERS: usize = 12;
 
 /// Minimum height of letters in pixels, for legibility.
 const MIN_HEIGHT: f32 = 9.0;
@@ -231,103 +124,5 @@ fn blend<C: Code>(picture: &mut Picture<C>, at: usize, grey: f64, opacity: f64) 
     }
     if let Some(alpha) = &mut picture.alpha {
         alpha[at] = C::of(whole);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::base::time::Rate;
-    use crate::encode::SequenceInfo;
-
-    fn sequence() -> SequenceInfo {
-        SequenceInfo { name: "turn".into(), frames: 120, ..SequenceInfo::default() }
-    }
-
-    fn info(sequence: &SequenceInfo) -> FrameInfo<'_> {
-        FrameInfo { sequence, frame: 6, rate: Rate::new(24, 1).expect("a rate") }
-    }
-
-    #[test]
-    fn placeholders_are_expanded() {
-        let sequence = sequence();
-        let expanded = |text| Template::parse(text).map(|template| template.expand(&info(&sequence)));
-        assert_eq!(expanded("{name}: {frame} of {frames}, {time} s"), Ok("turn: 006 of 120, 0.25 s".into()));
-        assert_eq!(expanded("{{plain}} }"), Ok("{plain} }".into()));
-        assert_eq!(expanded("{date}"), Err(CaptionError::Unknown("date".into())));
-        assert_eq!(expanded("{frame"), Err(CaptionError::Unclosed));
-    }
-
-    #[test]
-    fn missing_letters_are_named_once() {
-        let note = |text, name| Template::parse(text).expect("a template").missing_glyphs_note(name);
-        let expected = "captions are without `漢`, `字`, which the font does not have";
-        assert_eq!(note("{name} 漢字 漢 {frame}", "turn").as_deref(), Some(expected));
-        assert_eq!(note("{name}", "漢字").as_deref(), Some(expected));
-        assert_eq!(note("zoë {frame}", "漢字"), None);
-        assert_eq!(note("zoë\n{frame}\r\n{time}", ""), None);
-        let many: String = ('一'..'丏').collect();
-        assert!(note(&many, "").is_some_and(|note| note.contains("and 3 more")));
-    }
-
-    #[test]
-    fn a_caption_changes_its_corner_only() {
-        let sequence = sequence();
-        for (name, corner) in Corner::NAMED {
-            let mut picture: Picture<u8> = Picture::filled(200, 100, [100, 150, 200]);
-            let text = Template::parse("{frame}").expect("a template");
-            Caption { text, corner, size: 0.2 }.draw(&mut picture, &info(&sequence));
-            let changed = |x: usize, y: usize| picture.rgb[3 * (y * 200 + x)..][..3] != [100, 150, 200];
-            let corners = [(0, 0), (199, 0), (0, 99), (199, 99)].map(|(x, y)| changed(x, y));
-            assert_eq!(corners.iter().filter(|changed| **changed).count(), 1, "{name}");
-            assert!(!changed(100, 50));
-            assert!(picture.rgb.contains(&255), "{name} has white letters");
-        }
-    }
-
-    #[test]
-    fn lines_of_a_caption_are_below_each_other() {
-        let sequence = sequence();
-        let rows = |text: &str| {
-            let mut picture: Picture<u8> = Picture::filled(200, 200, [100, 150, 200]);
-            let caption = Caption { size: 0.1, ..Caption::new(Template::parse(text).expect("a template")) };
-            caption.draw(&mut picture, &info(&sequence));
-            picture.rgb.chunks(3 * 200).filter(|row| row[..3] != [100, 150, 200]).count()
-        };
-        assert_eq!((rows("{frame}"), rows("{frame}\nof {frames}"), rows("a\n\nb\n")), (26, 46, 66));
-        assert_eq!(
-            ["", "{frame}", "a\nb", "{name}\n{frame}\n"]
-                .map(|text| { Template::parse(text).expect("a template").lines() }),
-            [1, 1, 2, 2]
-        );
-    }
-
-    #[test]
-    fn lines_that_do_not_fit_are_reported() {
-        let caption = |text: &str| Caption { size: 0.1, ..Caption::new(Template::parse(text).expect(text)) };
-        let nine = "a\nb\nc\nd\ne\nf\ng\nh\n{frame}";
-        assert_eq!(caption(nine).overflow_warning(200), None);
-        let warning = caption(&format!("{nine}\nj")).overflow_warning(200);
-        let expected =
-            "the caption has 10 lines; pictures 200 pixels high have room for 9, and the rest is cut off";
-        assert_eq!(warning.as_deref(), Some(expected));
-        // Letters have a minimum height.
-        let expected =
-            "the caption has 2 lines; pictures 18 pixels high have room for 1, and the rest is cut off";
-        assert_eq!(caption("a\nb").overflow_warning(18).as_deref(), Some(expected));
-        let expected =
-            "the caption has 1 line; pictures 4 pixels high have room for 0, and the rest is cut off";
-        assert_eq!(caption("a").overflow_warning(4).as_deref(), Some(expected));
-    }
-
-    #[test]
-    fn a_caption_shows_on_transparent_pixels() {
-        let mut picture: Picture<u16> = Picture::filled(100, 50, [0; 3]);
-        picture.alpha = Some(vec![0; 5000]);
-        let sequence = sequence();
-        Caption::new(Template::parse("a").expect("a template")).draw(&mut picture, &info(&sequence));
-        let alpha = picture.alpha.expect("alpha");
-        assert_eq!((alpha[0], alpha[99 + 49 * 100]), (0, 0));
-        assert_eq!(alpha[49 * 100], u16::of(BACKGROUND_OPACITY));
     }
 }

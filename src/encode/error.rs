@@ -205,7 +205,7 @@ impl fmt::Display for JobError {
             ),
             Self::Frames { names, flaws, advice } => {
                 write!(f, "{names} cannot be assembled:")?;
-                by_flaw(flaws).try_for_each(|(flaw, frames)| write!(f, "\n  frames {frames}: {flaw}"))?;
+                by_flaw(flaws).try_for_each(|(flaw, frames)| write!(f, "\n  {frames}: {flaw}"))?;
                 write!(f, "\n{advice}")
             }
             Self::Apart { names, first, last } => write!(
@@ -256,7 +256,10 @@ fn by_flaw(flaws: &[(u32, Flaw)]) -> impl Iterator<Item = (&Flaw, String)> {
     for (frame, flaw) in flaws {
         by_flaw.entry(flaw).or_default().push(*frame);
     }
-    by_flaw.into_iter().map(|(flaw, frames)| (flaw, frame_set::text(&frames)))
+    by_flaw.into_iter().map(|(flaw, frames)| {
+        let noun = if frames.len() == 1 { "frame" } else { "frames" };
+        (flaw, format!("{noun} {}", frame_set::text(&frames)))
+    })
 }
 
 impl fmt::Display for FilmsError {

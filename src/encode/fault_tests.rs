@@ -42,8 +42,8 @@ fn shared(folder: &Path) -> Result<Report, EncodeError> {
 }
 
 fn film(frame: u32) -> Film {
-    let extras = crate::film::AovSet { coverage: true, features: false };
-    let mut film = Film::with_aovs(SIZE.0, SIZE.1, vec![Rgb::ONE], extras);
+    let aovs = crate::film::AovSet { coverage: true, features: false };
+    let mut film = Film::with_aovs(SIZE.0, SIZE.1, vec![Rgb::ONE], aovs);
     for (place, value) in film.data_mut().iter_mut().enumerate() {
         *value = Rgb::splat(frame as f32 * 0.01 + place as f32 * 0.02);
     }
@@ -66,7 +66,7 @@ fn started(folder: &Path, outputs: &[&str], existing: Existing) -> Result<Encode
         tonemap: Tonemap::default(),
         // The GIF's frames are stored in a spool.
         transparent: true,
-        matte: MATTE,
+        background_color: DEFAULT_BACKGROUND_COLOR,
         caption: None,
         formats: Formats::default(),
         info: SequenceInfo::default(),

@@ -19,10 +19,10 @@ pub struct DevelopedFrame<'a> {
     pub film: &'a Film,
     pub picture: &'a Picture,
     /// The picture without alpha.
-    pub matte: &'a Picture,
+    pub opaque: &'a Picture,
 }
 
-/// The frame's identity. None for unfinished frames, because a later run must not keep them.
+/// The frame's identity. `None` for unfinished frames, because a later run must not keep them.
 pub fn identity(job: &EncodeJob, format: StillFormat, frame: &DevelopedFrame) -> Option<Digest> {
     job.identity(format, frame.index).filter(|_| !frame.film.unfinished)
 }
@@ -37,13 +37,13 @@ pub fn metadata(job: &EncodeJob, format: StillFormat, frame: &DevelopedFrame) ->
     entries
 }
 
-/// The bytes of a frame's own file. None for EXR, which is written directly, and for files of several frames.
+/// The bytes of a frame's own file. `None` for EXR, which is written directly, and for files of several frames.
 pub fn still(job: &EncodeJob, output: &Output, frame: &DevelopedFrame) -> Option<io::Result<Vec<u8>>> {
     match output {
         Output::Stills(StillFormat::Png, _) | Output::Stream(StreamFormat::Png) => {
             Some(png_bytes(job, frame))
         }
-        _ => without_alpha(job, output, frame.matte),
+        _ => without_alpha(job, output, frame.opaque),
     }
 }
 
@@ -60,15 +60,15 @@ fn png_bytes(job: &EncodeJob, frame: &DevelopedFrame) -> io::Result<Vec<u8>> {
     png::sealed(&deep, entries, identity)
 }
 
-/// The bytes of a picture in a single-frame format without alpha. None for other formats.
-pub fn without_alpha(job: &EncodeJob, output: &Output, matte: &Picture) -> Option<io::Result<Vec<u8>>> {
+/// The bytes of a picture in a single-frame format without alpha. `None` for other formats.
+pub fn without_alpha(job: &EncodeJob, output: &Output, opaque: &Picture) -> Option<io::Result<Vec<u8>>> {
     let ascii = job.formats.ppm.ascii;
     match output {
-        Output::Stills(StillFormat::Jpeg, _) => Some(jpeg::encode(matte, job.formats.jpeg.quality)),
+        Output::Stills(StillFormat::Jpeg, _) => Some(jpeg::encode(opaque, job.formats.jpeg.quality)),
         Output::Stills(StillFormat::Ppm, _) | Output::Stream(StreamFormat::Ppm) => {
-            Some(ppm::encode(matte, ascii))
+            Some(ppm::encode(opaque, ascii))
         }
-        Output::Stream(StreamFormat::AsciiPpm) => Some(ppm::encode(matte, true)),
+        Output::Stream(StreamFormat::AsciiPpm) => Some(ppm::encode(opaque, true)),
         Output::Stills(StillFormat::Png | StillFormat::Exr, _)
         | Output::Stream(StreamFormat::Png | StreamFormat::Y4m)
         | Output::Movie(..) => None,

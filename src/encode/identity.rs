@@ -14,7 +14,7 @@ use crate::base::digest::{Content, Digest, Digester};
 const PROGRAM: &str = concat!("Kinora ", env!("CARGO_PKG_VERSION"));
 
 impl EncodeJob {
-    /// The identity of a frame's file, by the frame's index in the job's list. None if the format cannot hold it, for
+    /// The identity of a frame's file, by the frame's index in the job's list. `None` if the format cannot hold it, for
     /// PNGs without metadata, and for frames whose key is unknown.
     pub(super) fn identity(&self, format: StillFormat, index: usize) -> Option<Digest> {
         if !format.has_identity(&self.formats) {

@@ -166,7 +166,7 @@ fn inconsistent(
         let Some((usual, _)) = most else { continue };
         for (value, frames) in values.iter().filter(|(value, _)| *value != usual) {
             for frame in frames {
-                let what = || Flaw::Inconsistent(format!("another {what} than most: {value}, not {usual}"));
+                let what = || Flaw::Inconsistent(format!("{what} {value}; most frames have {usual}"));
                 flaws.entry(*frame).or_insert_with(what);
             }
         }
@@ -188,7 +188,7 @@ fn values(
     values
 }
 
-/// The frame rate that follows from a frame's number and time. None for frame 0, whose time is 0 at any rate.
+/// The frame rate that follows from a frame's number and time. `None` for frame 0, whose time is 0 at any rate.
 fn rate(entries: &[StoredTextEntry]) -> Option<Rate> {
     let number: i128 = metadata::find(entries, metadata::FRAME)?.parse().ok()?;
     let time = metadata::find(entries, metadata::TIME)?;

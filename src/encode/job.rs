@@ -52,7 +52,7 @@ pub struct EncodeJob {
     /// Whether films record coverage, so that pictures have alpha.
     pub transparent: bool,
     /// The background colour of formats without alpha where the film is transparent; linear.
-    pub matte: Rgb,
+    pub background_color: Rgb,
     /// The text drawn into every picture.
     pub caption: Option<Caption>,
     pub formats: Formats,

@@ -90,7 +90,7 @@ impl Leases {
         }
     }
 
-    /// Creates the lease's file. None if the file already exists.
+    /// Creates the lease's file. `None` if the file already exists.
     fn create(&self, path: &Path) -> io::Result<Option<Lease>> {
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let text = format!("{}\n{}\n", self.process, COUNT.fetch_add(1, Relaxed));

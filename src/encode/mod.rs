@@ -84,8 +84,8 @@ pub use place::same_file;
 pub use png::texts as frame_texts;
 pub use report::Report;
 pub use settings::{
-    ExrLayers, ExrSettings, Formats, GifSettings, JpegSettings, LoopCount, MATTE, Mp4Settings, PngSettings,
-    PpmSettings, Y4mSettings,
+    DEFAULT_BACKGROUND_COLOR, ExrLayers, ExrSettings, Formats, GifSettings, JpegSettings, LoopCount,
+    Mp4Settings, PngSettings, PpmSettings, Y4mSettings,
 };
 pub use sheet::{Sheet, columns as sheet_columns};
 pub use single::{png_bytes, write_picture, write_png};

@@ -45,7 +45,7 @@ pub struct Picture<C = u8> {
     pub height: u32,
     /// Three codes per pixel. They are not premultiplied by alpha.
     pub rgb: Vec<C>,
-    /// One code per pixel: its coverage. None if the picture has a background.
+    /// One code per pixel: its coverage. `None` if the picture has a background.
     pub alpha: Option<Vec<C>>,
 }
 
@@ -70,10 +70,10 @@ impl<C: Code> Picture<C> {
 
     /// The picture over a linear background colour, without alpha. Linear light is blended, not codes, so the result is
     /// the same as if the scene had this background.
-    pub fn over(&self, matte: Rgb) -> Self {
+    pub fn over(&self, background_color: Rgb) -> Self {
         let Some(alpha) = &self.alpha else { return self.clone() };
-        let matte = matte.to_array().map(|part| f64::from(part).clamp(0.0, 1.0));
-        let shown = matte.map(|part| C::of(linear_to_srgb(part)));
+        let background_color = background_color.to_array().map(|part| f64::from(part).clamp(0.0, 1.0));
+        let shown = background_color.map(|part| C::of(linear_to_srgb(part)));
         let mix = |(color, &alpha): (&[C; 3], &C)| {
             if alpha == C::default() {
                 return shown;
@@ -83,7 +83,8 @@ impl<C: Code> Picture<C> {
                 return *color;
             }
             std::array::from_fn(|i| {
-                let light = srgb_to_linear(color[i].displayed()) * alpha + matte[i] * (1.0 - alpha);
+                let light =
+                    srgb_to_linear(color[i].displayed()) * alpha + background_color[i] * (1.0 - alpha);
                 C::of(linear_to_srgb(light))
             })
         };

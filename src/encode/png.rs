@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn reads_back_what_it_wrote() {
+    fn written_pngs_are_read_back() {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("a.png");
         let picture = Picture::opaque(5, 7, codes(5 * 7 * 3));

@@ -80,13 +80,13 @@ pub struct ExrLayers {
 
 impl ExrLayers {
     /// Whether the film has to record denoising features for them.
-    pub fn call_for_guides(self) -> bool {
+    pub fn need_features(self) -> bool {
         self.depth || self.normal || self.albedo
     }
 
     /// Whether any layer is requested.
     pub fn any(self) -> bool {
-        self.lights || self.call_for_guides()
+        self.lights || self.need_features()
     }
 }
 
@@ -133,4 +133,4 @@ impl Default for Mp4Settings {
 }
 
 /// The default background of formats without alpha, as linear light: white.
-pub const MATTE: Rgb = Rgb::ONE;
+pub const DEFAULT_BACKGROUND_COLOR: Rgb = Rgb::ONE;

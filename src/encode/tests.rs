@@ -27,7 +27,7 @@ fn job(outputs: &[String], frames: &[u32]) -> EncodeJob {
         size: SIZE,
         tonemap: Tonemap::None,
         transparent: false,
-        matte: MATTE,
+        background_color: DEFAULT_BACKGROUND_COLOR,
         caption: None,
         formats: Formats::default(),
         info: SequenceInfo { name: "a".into(), frames: 256, ..SequenceInfo::default() },
@@ -92,7 +92,7 @@ fn stills_and_a_gif_of_a_subset() {
 }
 
 #[test]
-fn a_gif_alone_is_the_same_and_leaves_no_spool() {
+fn a_gif_without_stills_has_the_same_bytes_and_leaves_no_spool() {
     let dir = tempfile::tempdir().expect("a folder");
     let (alone, beside, stills) = (within(&dir, "a.gif"), within(&dir, "b.gif"), within(&dir, "f_#.png"));
     let frames: Vec<u32> = (0..40).collect();

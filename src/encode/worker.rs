@@ -139,9 +139,9 @@ impl Worker {
         if let Some(caption) = &job.caption {
             caption.draw(&mut picture, &info);
         }
-        let over = picture.alpha.is_some().then(|| picture.over(job.matte));
-        let matte = over.as_ref().unwrap_or(&picture);
-        let developed = DevelopedFrame { index, info, film: &film, picture: &picture, matte };
+        let over = picture.alpha.is_some().then(|| picture.over(job.background_color));
+        let opaque = over.as_ref().unwrap_or(&picture);
+        let developed = DevelopedFrame { index, info, film: &film, picture: &picture, opaque };
         for output in &job.outputs {
             if film.unfinished && output.is_stream() {
                 continue;
@@ -157,7 +157,7 @@ impl Worker {
         match &mut self.animations {
             // Animations that can be made from PNGs later contain only finished frames.
             Some(animations) if !(film.unfinished && job.source().is_some()) => {
-                animations.push(&picture, matte)
+                animations.push(&picture, opaque)
             }
             _ => Ok(()),
         }
@@ -182,19 +182,19 @@ impl Worker {
             let reason = io::Error::new(io::ErrorKind::InvalidData, "its size has changed");
             return Err(EncodeError::read(path, reason));
         }
-        let matte = picture.over(job.matte);
+        let opaque = picture.over(job.background_color);
         for output in job.outputs.iter().filter(unidentified) {
             let bytes = match output {
                 // The stored file, unchanged.
                 Output::Stream(StreamFormat::Png) => Some(fs::read(pattern.path(frame))),
-                _ => without_alpha(&job, output, &matte),
+                _ => without_alpha(&job, output, &opaque),
             };
             if let Some(bytes) = bytes {
                 self.put(&output.path(frame), output, bytes, None)?;
             }
         }
         match &mut self.animations {
-            Some(animations) => animations.push(&picture, &matte),
+            Some(animations) => animations.push(&picture, &opaque),
             None => Ok(()),
         }
     }

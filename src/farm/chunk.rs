@@ -34,7 +34,7 @@ pub struct FilmCosts(Vec<(Vec<u32>, f64)>);
 /// The time to develop, compress and write one pixel of a frame, in rays.
 pub(super) const RAYS_PER_WRITTEN_PIXEL: f64 = 0.125;
 
-/// The least work of a task, in rays: about a second of one processor, ten times the start of a task.
+/// Minimum work of a task, in rays: about a second of one processor, ten times the start of a task.
 const MIN_WORK: f64 = (1 << 22) as f64;
 
 /// The largest number of tasks unless the user sets another: the default limit of Slurm for an array.
@@ -42,8 +42,8 @@ const MAX_TASKS: usize = 1000;
 
 impl FilmCosts {
     /// The films of these frames, if memory holds all films. The number of machines makes no difference.
-    pub fn of(sequence: &Sequence, frames: &[u32], extras: AovSet) -> Self {
-        let plan = Plan::new(sequence, frames, extras, u64::MAX);
+    pub fn of(sequence: &Sequence, frames: &[u32], aovs: AovSet) -> Self {
+        let plan = Plan::new(sequence, frames, aovs, u64::MAX);
         let write = plan.cache.pixels as f64 * RAYS_PER_WRITTEN_PIXEL;
         let films = plan.films.iter().zip(cost_estimate(sequence, &plan, PilotBudget::PLAN).films).map(
             |(take, rays)| {
@@ -139,7 +139,7 @@ mod tests {
         assert_eq!(chunks(&films, 3), expected);
     }
 
-    /// Every frame is in one chunk for any number of chunks, and no chunk has far more work than its share.
+    /// Every frame is in one chunk for any number of chunks, and no chunk has far more work than the mean.
     #[test]
     fn every_frame_is_in_one_chunk() {
         for (count, wanted) in [(1u32, 1usize), (7, 3), (96, 10), (97, 1000), (5, 2)] {
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn a_light_show_is_one_film_and_a_loop_has_the_films_of_one_round() {
+    fn light_shows_and_loops_share_films() {
         let films = |text: &str| {
             let sequence = parse("a.ron", text).expect("a sequence");
             let frames: Vec<u32> = (0..sequence.timeline.frames).collect();

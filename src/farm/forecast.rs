@@ -5,7 +5,7 @@ use super::makespan::Scaling;
 use super::unit_costs::UnitCosts;
 use crate::base::clock::ElapsedTime;
 use crate::encode::Output;
-use crate::pipeline::render::{RenderError, extras, pool};
+use crate::pipeline::render::{RenderError, pool, requested_aovs};
 use crate::sequence::Sequence;
 use std::num::NonZeroUsize;
 use std::time::Duration;
@@ -38,7 +38,8 @@ impl JobForecast {
         if stills.is_empty() {
             stills.extend(Output::parse("frame_####.png"));
         }
-        let films = pool(threads)?.install(|| FilmCosts::of(sequence, frames, extras(sequence, &stills)));
+        let films =
+            pool(threads)?.install(|| FilmCosts::of(sequence, frames, requested_aovs(sequence, &stills)));
         let costs = UnitCosts::measure(sequence, frames, &stills, threads, load)?;
         let (width, height) = sequence.output.size;
         let pixels = u64::from(width) * u64::from(height);

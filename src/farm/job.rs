@@ -29,7 +29,7 @@ pub struct Job {
     pub base: PathBuf,
     /// The sequence's file, relative to `base`.
     pub sequence: PathBuf,
-    /// The folder that holds all files that the sequence reads, relative to `base`. None if it may read any file.
+    /// The folder that holds all files that the sequence reads, relative to `base`. `None` if it may read any file.
     pub root: Option<PathBuf>,
     /// Version and contents of everything that is read, for `--expect`.
     pub fingerprint: String,

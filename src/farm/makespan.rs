@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn one_worker_does_all_and_many_end_with_the_longest() {
+    fn makespans_range_from_the_sum_to_the_longest_task() {
         let tasks = [3, 1, 4, 1, 5];
         assert_eq!(makespan_of(&tasks, 1), 14);
         assert_eq!([5, 6, 10_000].map(|workers| makespan_of(&tasks, workers)), [5; 3]);

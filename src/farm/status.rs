@@ -10,7 +10,7 @@ pub struct JobFrame {
     pub number: u32,
     /// The digest of its film.
     pub film: Digest,
-    /// Its share of the camera rays of its film.
+    /// Its fraction of the camera rays of its film.
     pub work: f64,
     pub status: FrameStatus,
 }

@@ -6,7 +6,7 @@ use crate::base::stats::ProgressMeter;
 use crate::encode::{EncodeError, Existing, Output};
 use crate::pipeline::filmstrip::spread;
 use crate::pipeline::plan::{NullSink, Plan, downscaled};
-use crate::pipeline::render::{RenderError, Request, Reuse, Summary, extras, pool, render};
+use crate::pipeline::render::{RenderError, Request, Reuse, Summary, pool, render, requested_aovs};
 use crate::pipeline::schedule::{FrameLoop, FrameStage};
 use crate::sequence::Sequence;
 use std::num::NonZeroUsize;
@@ -43,8 +43,8 @@ impl UnitCosts {
         load: ElapsedTime,
     ) -> Result<Self, RenderError> {
         let pool = pool(threads)?;
-        let (plan, planned) =
-            pool.install(|| timed(|| Plan::new(sequence, frames, extras(sequence, stills), u64::MAX)));
+        let (plan, planned) = pool
+            .install(|| timed(|| Plan::new(sequence, frames, requested_aovs(sequence, stills), u64::MAX)));
         let (_, world) =
             pool.install(|| timed(|| FrameLoop::new(sequence, NullSink, Arc::new(ProgressMeter::default()))));
         let frame_states: Vec<_> = spread(plan.films.len() as u32, PILOT_FRAMES)

@@ -96,7 +96,7 @@ const STEPS: usize = 256;
 pub struct FilterSampler {
     /// In pixels.
     width: f64,
-    /// For kernels that are not constant: the t beyond which one side has the share v² of its integral, for v from 0
+    /// For kernels that are not constant: the t beyond which one side has the fraction v² of its integral, for v from 0
     /// to 1 in even steps. For kernels that fall to 0 at their edge, t is nearly linear in v; for a tent exactly.
     side: Option<Box<[f64; STEPS + 1]>>,
 }
@@ -161,7 +161,7 @@ mod tests {
         }
     }
 
-    /// The shares of the kernel below `n` + 1 evenly spaced points from -1 to 1, by Simpson's rule.
+    /// The fractions of the kernel below `n` + 1 evenly spaced points from -1 to 1, by Simpson's rule.
     fn cumulated(kernel: Kernel, n: usize) -> Vec<f64> {
         let h = 2.0 / n as f64;
         let mut sums = vec![0.0];

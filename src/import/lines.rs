@@ -73,7 +73,7 @@ pub fn unexpected(number: u64, line: &[u8], what: &str) -> MeshError {
     MeshError::at(MeshLocation::Line(number), format!("expected {what}, found {}", quoted(line)))
 }
 
-/// Up to `N` numbers from the words of a line, and their count; none if a word is not a number.
+/// Up to `N` numbers from the words of a line, and their count; `None` if a word is not a number.
 pub fn numbers<'l, const N: usize>(words: impl Iterator<Item = &'l [u8]>) -> Option<([f64; N], usize)> {
     let (mut values, mut count) = ([0.0; N], 0);
     for word in words.take(N) {

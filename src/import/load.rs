@@ -141,6 +141,6 @@ mod tests {
         let mesh = load(&path, &Root::anywhere(), &meter).expect("a mesh");
         assert_eq!(mesh.triangles(), parts.triangles);
         assert_eq!(meter.what(), "building the tree of SPHERE.PLY");
-        assert_eq!(meter.share(), None);
+        assert_eq!(meter.bytes(), None);
     }
 }

@@ -85,7 +85,7 @@ impl MtlMaterial {
         }
     }
 
-    /// The ambient reflectance that the file intends; none if it intends nothing. Exporters without ambient light
+    /// The ambient reflectance that the file intends; `None` if it intends nothing. Exporters without ambient light
     /// write white, or repeat the diffuse reflectance. Black is intended.
     pub fn effective_ambient(&self) -> Option<Rgb> {
         let said = |color: &Rgb| *color != Rgb::ONE && Some(*color) != self.diffuse;
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn ambient_reflectance_is_what_the_file_intends() {
+    fn default_ambient_reflectance_is_ignored() {
         let ambient_of =
             |text: &str| read(text.as_bytes()).expect("a material").remove(0).effective_ambient();
         for nothing in ["Ka 1 1 1", "Ka 1", "Ka 1 1 1\nKd 0.5", "Ka 0.8 0.2 0\nKd 0.8 0.2 0", ""] {
@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_out_is_kept_by_name() {
+    fn ignored_statements_are_recorded() {
         let text = "newmtl a\nmap_bump -bm 1 b.png\nTf 1 1 1\nmap_Ks s.png\nmap_Bump c.png\nsharpness 60\n\
                     newmtl b\nTf 1 0 0";
         let materials = read(text.as_bytes()).expect("materials");

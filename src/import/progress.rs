@@ -28,8 +28,8 @@ impl LoadProgress {
         self.what.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Bytes done and total bytes; none if the total is unknown.
-    pub fn share(&self) -> Option<(u64, u64)> {
+    /// Bytes done and total bytes; `None` if the total is unknown.
+    pub fn bytes(&self) -> Option<(u64, u64)> {
         let (done, total) = (self.done.load(Relaxed), self.total.load(Relaxed));
         (total > 0).then_some((done.min(total), total))
     }

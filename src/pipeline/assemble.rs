@@ -4,9 +4,9 @@ use crate::base::color::Rgb;
 use crate::base::frame_set::{self, MAX_FRAMES};
 use crate::base::time::Rate;
 use crate::encode::{
-    AnimationAssembler, EncodeError, EncodeJob, Existing, Flaw, Formats, FrameInfo, FramePattern, JobError,
-    MATTE, Output, Report, SequenceInfo, Sheet, Template, Tonemap, check_size, inspect, inspect_job,
-    prepare_picture, read_picture, same_file, sheet_columns, write_picture,
+    AnimationAssembler, DEFAULT_BACKGROUND_COLOR, EncodeError, EncodeJob, Existing, Flaw, Formats, FrameInfo,
+    FramePattern, JobError, Output, Report, SequenceInfo, Sheet, Template, Tonemap, check_size, inspect,
+    inspect_job, prepare_picture, read_picture, same_file, sheet_columns, write_picture,
 };
 use crate::pipeline::memory;
 use crate::pipeline::plan::evaluate;
@@ -28,7 +28,7 @@ pub struct AssembleRequest {
     pub rate: Rate,
     pub formats: Formats,
     /// Colour behind transparent frames in formats without alpha.
-    pub matte: Rgb,
+    pub background_color: Rgb,
     /// Text below each frame of a filmstrip, and the number of frames in a row.
     pub text: Template,
     pub columns: Option<u32>,
@@ -57,12 +57,12 @@ pub struct SelectedFrames {
 }
 
 /// Advice when frames do not fit together.
-const WITHOUT_SEQUENCE: &str = "choose frames with --frames, leave out missing frames with --allow-gaps, or check \
-                                all against their sequence with --of SEQUENCE";
+const WITHOUT_SEQUENCE: &str = "Choose frames with --frames, leave out missing frames with --allow-gaps, or check \
+                                all against their sequence with --of SEQUENCE.";
 
 /// Advice when the sequence says what the frames should be.
-const WITH_SEQUENCE: &str = "render them, give the settings that they were rendered with, or leave out what is missing \
-                             with --allow-gaps";
+const WITH_SEQUENCE: &str = "Render these frames again, give the settings that they were rendered with, or leave out \
+                             missing frames with --allow-gaps.";
 
 /// Selects frames of a job. Compares each with what the sequence evaluates to.
 ///
@@ -146,7 +146,10 @@ fn selected(
         return Err(EncodeError::from(JobError::Frames { names, flaws, advice }).into());
     }
     let there = numbers.iter().filter(|number| missing.binary_search(number).is_err());
-    let note = |missing| format!("frames {} are missing and left out", frame_set::text(missing));
+    let note = |missing: &[u32]| match missing {
+        [frame] => format!("frame {frame} is missing and left out"),
+        frames => format!("frames {} are missing and left out", frame_set::text(frames)),
+    };
     Ok(SelectedFrames {
         frames: there.map(|&number| (number, selection.pattern.path(number))).collect(),
         notes: (!missing.is_empty()).then(|| note(&missing)).into_iter().collect(),
@@ -202,7 +205,7 @@ pub fn assemble(request: &AssembleRequest) -> Result<Report, RenderError> {
         size,
         tonemap: Tonemap::default(),
         transparent: first.alpha.is_some(),
-        matte: request.matte,
+        background_color: request.background_color,
         caption: None,
         formats: request.formats,
         info: about.clone(),
@@ -222,7 +225,7 @@ pub fn assemble(request: &AssembleRequest) -> Result<Report, RenderError> {
         assembly.push(&picture)?;
         if let Some(sheet) = &mut sheet {
             let shown = FrameInfo { sequence: &about, frame: *number, rate: request.rate };
-            sheet.put(index, &picture.over(request.matte), &request.text.expand(&shown));
+            sheet.put(index, &picture.over(request.background_color), &request.text.expand(&shown));
         }
     }
     let mut report = assembly.finish()?;
@@ -245,7 +248,7 @@ impl Default for AssembleRequest {
             outputs: Vec::new(),
             rate: Rate::default(),
             formats: Formats::default(),
-            matte: MATTE,
+            background_color: DEFAULT_BACKGROUND_COLOR,
             text: Template::default(),
             columns: None,
             threads: None,

@@ -33,7 +33,7 @@ pub struct FilmstripRequest {
 struct Cells {
     sheet: Sheet,
     table: ToneTable,
-    matte: Rgb,
+    background_color: Rgb,
     about: SequenceInfo,
     rate: Rate,
     text: Template,
@@ -43,7 +43,7 @@ struct Cells {
 
 impl FilmSink for Cells {
     fn push(&mut self, frame: u32, film: Film) -> Result<(), EncodeError> {
-        let picture = self.table.develop(&film).0.over(self.matte);
+        let picture = self.table.develop(&film).0.over(self.background_color);
         let shown = FrameInfo { sequence: &self.about, frame, rate: self.rate };
         self.sheet.put(self.next, &picture, &self.text.expand(&shown));
         self.next += 1;
@@ -59,26 +59,26 @@ pub fn filmstrip(
     meter: &Arc<ProgressMeter>,
 ) -> Result<Summary, RenderError> {
     let start = Instant::now();
-    let extras = AovSet { coverage: sequence.output.transparent, features: false };
+    let aovs = AovSet { coverage: sequence.output.transparent, features: false };
     let count = request.frames.len() as u32;
     let sheet = Sheet::size(count, request.columns, sequence.output.size, request.text.lines());
-    MemoryUse::Filmstrip.check(memory::needed(sequence, extras).saturating_add(memory::for_sheet(sheet)))?;
+    MemoryUse::Filmstrip.check(memory::needed(sequence, aovs).saturating_add(memory::for_sheet(sheet)))?;
     check_size(&request.output, 0, sheet).map_err(EncodeError::from)?;
     let _folders = prepare_picture(&request.output)?;
     let cells = Cells {
         sheet: Sheet::new(count, request.columns, sequence.output.size, request.text.lines()),
         table: ToneTable::new(sequence.output.tonemap),
-        matte: sequence.output.matte,
+        background_color: sequence.output.background_color,
         about: sequence.about(),
         rate: sequence.timeline.rate,
         text: request.text.clone(),
         next: 0,
         noise: Vec::new(),
     };
-    let mut frames = FrameLoop::with_aovs(sequence, extras, cells, Arc::clone(meter));
-    let budget = Reuse::Share.budget(sequence, extras);
+    let mut frames = FrameLoop::with_aovs(sequence, aovs, cells, Arc::clone(meter));
+    let budget = Reuse::Share.budget(sequence, aovs);
     pool(request.threads)?.install(|| {
-        let plan = Plan::new(sequence, &request.frames, extras, budget);
+        let plan = Plan::new(sequence, &request.frames, aovs, budget);
         plan::run(&plan, &mut frames, || true)
     })?;
     let stats = frames.stats().clone();

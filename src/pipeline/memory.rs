@@ -15,11 +15,11 @@ const FILMS: u64 = 4;
 const BESIDES: u64 = 48;
 
 /// Bytes that all pictures of a run take at the same time. Excludes the scene.
-pub fn needed(sequence: &Sequence, extras: AovSet) -> u64 {
+pub fn needed(sequence: &Sequence, aovs: AovSet) -> u64 {
     let (width, height) = sequence.output.size;
     // Motion blur also keeps the sums over a frame's moments.
     let sums = if sequence.blurs_motion() { size_of::<DVec3>() as u64 } else { 0 };
-    let layers = sequence.layers() + extras.layers() as u64;
+    let layers = sequence.layers() + aovs.layers() as u64;
     let pixel = layers.saturating_mul(size_of::<Rgb>() as u64 * FILMS + sums).saturating_add(BESIDES);
     // Sampling towards an error target keeps more data per pixel.
     let rounds = if sequence.quality.noise.is_some() { bytes_of_pixel(layers) } else { 0 };
@@ -40,8 +40,8 @@ pub fn for_sheet((width, height): (u32, u32)) -> u64 {
 const SHARE: u64 = 4;
 
 /// Default size of the film cache in bytes.
-pub fn for_films(sequence: &Sequence, extras: AovSet) -> u64 {
-    machine::free_memory().saturating_sub(needed(sequence, extras)) / SHARE
+pub fn for_films(sequence: &Sequence, aovs: AovSet) -> u64 {
+    machine::free_memory().saturating_sub(needed(sequence, aovs)) / SHARE
 }
 
 #[cfg(test)]

@@ -77,10 +77,10 @@ pub enum Reuse {
 
 impl Reuse {
     /// The limit in bytes for films of this sequence.
-    pub fn budget(self, sequence: &Sequence, extras: AovSet) -> u64 {
+    pub fn budget(self, sequence: &Sequence, aovs: AovSet) -> u64 {
         match self {
             Self::Off => 0,
-            Self::Share => memory::for_films(sequence, extras),
+            Self::Share => memory::for_films(sequence, aovs),
             Self::Within(bytes) => bytes,
         }
     }
@@ -291,8 +291,8 @@ fn render_frames(
 ) -> Result<Summary, RenderError> {
     let start = Instant::now();
     let _ = meter.stop.set(stop.clone());
-    let extras = extras(sequence, &request.outputs);
-    MemoryUse::Picture.check(memory::needed(sequence, extras))?;
+    let aovs = requested_aovs(sequence, &request.outputs);
+    MemoryUse::Picture.check(memory::needed(sequence, aovs))?;
     let pool = Arc::new(pool(request.threads)?);
     let states = pool.install(|| evaluate_until(sequence, &request.frames, stop));
     let job = job(sequence, request, &states);
@@ -304,7 +304,7 @@ fn render_frames(
     let encoder = Encoder::start(job, Arc::clone(&pool), stop)?;
     let missing = encoder.missing();
     meter.frames.fetch_add((request.frames.len() - missing.len()) as u32, Relaxed);
-    let mut frames = FrameLoop::with_aovs(sequence, extras, encoder, Arc::clone(meter));
+    let mut frames = FrameLoop::with_aovs(sequence, aovs, encoder, Arc::clone(meter));
     let before = machine::cpu_time();
     let states = states.only(&missing);
     let (done, expected) = pool.install(|| match request.existing {
@@ -354,9 +354,9 @@ fn render_planned<S: FilmSink>(
         })?;
         return Ok((done, None));
     }
-    let extras = extras(sequence, &request.outputs);
-    let budget = request.reuse.budget(sequence, extras);
-    let plan = Plan::from_states(missing, sequence, extras, budget);
+    let aovs = requested_aovs(sequence, &request.outputs);
+    let budget = request.reuse.budget(sequence, aovs);
+    let plan = Plan::from_states(missing, sequence, aovs, budget);
     let known = RayEstimate::of(sequence, &plan);
     let worth = if known.exact { WORTH_A_PILOT } else { WORTH_WITH_ERROR };
     let CostEstimate { films, .. } = plan::cost_estimate(sequence, &plan, PilotBudget::NONE);
@@ -364,7 +364,7 @@ fn render_planned<S: FilmSink>(
     // A time limit already implies a pilot.
     if known.camera >= worth && request.time_limit.is_none() {
         notify(Notice::Pilot { plan: &plan });
-        let outlook = run_pilot(sequence, &plan, extras, PilotTime::RUN, TimeSource::Machine);
+        let outlook = run_pilot(sequence, &plan, aovs, PilotTime::RUN, TimeSource::Machine);
         let run = outlook.forecast(&sequence.quality);
         films = run.films.iter().map(|film| film.took.wall).collect();
         forecast = Forecast { pilot: outlook.spent.cpu.unwrap_or_default(), ..forecast.with(&run) };
@@ -411,8 +411,8 @@ fn render_shared(
     frames: &mut FrameLoop<Encoder>,
     (meter, stop): (&ProgressMeter, &Stop),
 ) -> Result<(usize, Option<Forecast>), FrameError> {
-    let extras = extras(sequence, &request.outputs);
-    let cache = FilmCache::of(sequence, extras, request.reuse.budget(sequence, extras));
+    let aovs = requested_aovs(sequence, &request.outputs);
+    let cache = FilmCache::of(sequence, aovs, request.reuse.budget(sequence, aovs));
     meter.begin(request.frames.len() - states.frames.len(), Vec::new());
     let there = |others: usize| {
         meter.frames.fetch_add(others as u32, Relaxed);
@@ -425,8 +425,8 @@ fn render_shared(
 /// Checks for everything that would stop a render before its first frame: pictures too large for memory, and outputs
 /// that cannot be written. Changes nothing on disk.
 pub fn check(sequence: &Sequence, request: &Request) -> Result<(), RenderError> {
-    let extras = extras(sequence, &request.outputs);
-    MemoryUse::Picture.check(memory::needed(sequence, extras))?;
+    let aovs = requested_aovs(sequence, &request.outputs);
+    MemoryUse::Picture.check(memory::needed(sequence, aovs))?;
     Ok(job(sequence, request, &FrameStates::default()).check().map_err(EncodeError::from)?)
 }
 
@@ -475,7 +475,7 @@ pub(crate) fn job(sequence: &Sequence, request: &Request, states: &FrameStates) 
         size: output.size,
         tonemap: output.tonemap,
         transparent: output.transparent,
-        matte: output.matte,
+        background_color: output.background_color,
         caption: output.caption.clone(),
         formats: output.formats,
         info: SequenceInfo { time_limit: request.limit(), ..sequence.about() },
@@ -483,10 +483,10 @@ pub(crate) fn job(sequence: &Sequence, request: &Request, states: &FrameStates) 
 }
 
 /// The layers besides light that these outputs need.
-pub(crate) fn extras(sequence: &Sequence, outputs: &[Output]) -> AovSet {
+pub(crate) fn requested_aovs(sequence: &Sequence, outputs: &[Output]) -> AovSet {
     let exr = outputs.iter().any(|output| matches!(output, Output::Stills(StillFormat::Exr, _)));
-    let guides = exr && sequence.output.formats.exr.layers.call_for_guides();
-    AovSet { coverage: sequence.output.transparent, features: guides }
+    let features = exr && sequence.output.formats.exr.layers.need_features();
+    AovSet { coverage: sequence.output.transparent, features }
 }
 
 /// Summarises a run.
@@ -514,7 +514,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_picture_that_is_too_large_says_how_to_shrink_it() {
+    fn pictures_that_exceed_memory_suggest_a_size() {
         for (what, parts) in [
             (MemoryUse::Picture, ["the picture", "--size", "--draft"]),
             (MemoryUse::Filmstrip, ["the filmstrip", "fewer frames", "320x200"]),

@@ -14,8 +14,8 @@ pub struct Fields<'s> {
     what: Cow<'static, str>,
     entries: Vec<(&'s str, Option<Node<'s>>)>,
     known: Vec<&'static str>,
-    /// Former names of known fields. They are accepted, but not listed in messages.
-    former: Vec<&'static str>,
+    /// Former names of known fields, each with the name of today. They are accepted, but not listed in messages.
+    former: Vec<(&'static str, &'static str)>,
     named_in_faults: bool,
 }
 
@@ -88,6 +88,11 @@ impl<'s> Fields<'s> {
         self.known.push(name);
     }
 
+    /// Leaves out a field that is reported already. Messages do not list it.
+    pub fn pass_over(&mut self, name: &str) {
+        self.entries.retain(|(found, _)| *found != name);
+    }
+
     fn take(&mut self, name: &'static str) -> Option<Node<'s>> {
         self.known.push(name);
         self.entries.iter_mut().find(|(found, _)| *found == name).and_then(|(_, value)| value.take())
@@ -116,7 +121,7 @@ impl<'s> Fields<'s> {
         former: &'static str,
         decode: impl FnOnce(Node<'s>) -> Option<T>,
     ) -> Option<Option<T>> {
-        self.former.push(former);
+        self.former.push((former, name));
         if !self.has(former) {
             return self.optional(name, decode);
         }
@@ -162,13 +167,14 @@ impl<'s> Fields<'s> {
 
     /// Reports every unknown field.
     pub fn finish(self) {
-        for (name, _) in
-            self.entries.iter().filter(|(name, _)| !self.known.contains(name) && !self.former.contains(name))
-        {
+        let accepted =
+            |name: &str| self.known.contains(&name) || self.former.iter().any(|(old, _)| *old == name);
+        for (name, _) in self.entries.iter().filter(|(name, _)| !accepted(name)) {
             let title = format!("{} has no field `{}`", self.what, shortened(name));
             let span = self.node.file.span_of(name);
             let known = || self.known.iter().copied();
-            let fault = Fault::new(span, title, suggestion(self.node, name, known()));
+            let names = known().map(|name| (name, name)).chain(self.former.iter().copied());
+            let fault = Fault::new(span, title, suggestion(self.node, name, names));
             let help = match self.known.len() {
                 0 => format!("{} has no fields", self.what),
                 1 => format!("the only field of {} is {}", self.what, listed(known())),

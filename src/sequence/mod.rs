@@ -54,6 +54,8 @@ pub use fault::Faults;
 pub use layers::LightLayers;
 pub use load::{LoadError, load, load_watched, parse};
 pub use quality_fields::ERRORS;
+#[cfg(feature = "cli")]
+pub(crate) use suggest::{listed, nearest};
 
 use crate::appearance::environment::EnvironmentTracks;
 use crate::appearance::fog::FogTracks;
@@ -130,7 +132,7 @@ pub struct OutputSettings {
     /// Whether the background is transparent where the camera sees it.
     pub transparent: bool,
     /// Background colour in formats without alpha.
-    pub matte: Rgb,
+    pub background_color: Rgb,
     /// Text that is written into every picture.
     pub caption: Option<Caption>,
     pub formats: Formats,

@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn models_say_which_lobes_there_are() {
+    fn illumination_models_select_lobes() {
         let m = tracks("newmtl matte\nKd 1 1 1\nKs 1 1 1\nillum 1");
         assert_eq!((m.specular.strength, m.mirror.strength), (0.0.into(), 0.0.into()));
         let m = tracks("newmtl mirror\nKs 0.9 0.9 0.9\nillum 3");

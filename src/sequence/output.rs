@@ -8,7 +8,7 @@ use super::formats::formats;
 use super::keys::keyed;
 use super::node::Node;
 use super::values::{between, each, list, one_of, switch, text, tuple, whole};
-use crate::encode::{Caption, Corner, Formats, MATTE, Output, Template, Tonemap};
+use crate::encode::{Caption, Corner, DEFAULT_BACKGROUND_COLOR, Formats, Output, Template, Tonemap};
 use crate::film::MAX_STOPS;
 use std::cell::RefCell;
 use std::collections::HashSet;
@@ -25,9 +25,10 @@ pub fn output(node: Node<'_>, name: &str, frames: u32) -> Option<OutputSettings>
     let tonemap = fields.or("tonemap", one_of("tone map", &Tonemap::NAMED), defaults.tonemap);
     let exposure = fields.or("exposure", keyed(between(-MAX_STOPS..=MAX_STOPS)), defaults.exposure);
     let transparent = fields.or("transparent", switch, defaults.transparent);
-    let matte = fields.renamed("background_color", "matte", color);
+    let background_color = fields.renamed("background_color", "matte", color);
     let caption = fields.optional("caption", caption);
     let formats = formats(&mut fields);
+    report_loop_count(&mut fields);
     fields.finish();
     Some(OutputSettings {
         size: size?,
@@ -35,10 +36,24 @@ pub fn output(node: Node<'_>, name: &str, frames: u32) -> Option<OutputSettings>
         tonemap: tonemap?,
         exposure: exposure?,
         transparent: transparent?,
-        matte: matte?.unwrap_or(defaults.matte),
+        background_color: background_color?.unwrap_or(defaults.background_color),
         caption: caption?,
         formats: formats?,
     })
+}
+
+/// Reports `loop_count`, or its former name, outside of the animation's format.
+fn report_loop_count(fields: &mut Fields<'_>) {
+    for (name, title) in [
+        ("plays", "`plays` is now `loop_count`, a field of `gif`, `apng` and `webp`"),
+        ("loop_count", "`loop_count` is a field of `gif`, `apng` and `webp`"),
+    ] {
+        if fields.has(name) {
+            let fault = Fault::new(fields.place(name), title, "not a field of the output");
+            fields.node().fault(fault.help("write it as in `gif: (loop_count: 2)`"));
+            fields.pass_over(name);
+        }
+    }
 }
 
 /// The output of a file without `output`.
@@ -56,7 +71,7 @@ pub fn default_output(name: &str, frames: u32) -> OutputSettings {
         tonemap: Tonemap::default(),
         exposure: 0.0.into(),
         transparent: false,
-        matte: MATTE,
+        background_color: DEFAULT_BACKGROUND_COLOR,
         caption: None,
         formats: Formats::default(),
     }

@@ -172,7 +172,7 @@ fn former_names_of_fields_are_read_with_a_warning() {
         (fields("matte", "plays", "most_samples"), fields("background_color", "loop_count", "max_samples"));
     let (old, new) = (read(&old), read(&new));
     assert_eq!((&old.output, old.quality), (&new.output, new.quality));
-    assert_eq!((old.output.matte, old.output.formats.gif.loop_count), (Rgb::X, Some(3)));
+    assert_eq!((old.output.background_color, old.output.formats.gif.loop_count), (Rgb::X, Some(3)));
     assert_eq!(old.quality.noise, Some(NoiseTarget { error: 0.1, most: 7 }));
     assert_eq!(new.notes(), [""; 0]);
     let warning = |line: u32, what: &str, former: &str, name: &str| {
@@ -200,6 +200,20 @@ fn a_field_and_its_former_name_together_are_a_fault() {
     assert!(wrong.contains("`most_samples`: expected a whole number from 1 to"), "{wrong}");
     let listed = faults("(quality: (most: 1))");
     assert!(listed.contains("`max_samples`") && !listed.contains("most_samples"), "{listed}");
+}
+
+#[test]
+fn misspelt_former_names_and_misplaced_fields_lead_to_current_ones() {
+    let faults = |text: &str| parse("dir/test.ron", text).expect_err("a fault").to_string();
+    let misspelt = faults("(quality: (most_sample: 1))");
+    assert!(misspelt.contains("did you mean `max_samples`?"), "{misspelt}");
+    let moved = faults("(output: (plays: 2))");
+    assert!(moved.contains("`plays` is now `loop_count`, a field of `gif`, `apng` and `webp`"), "{moved}");
+    let misplaced = faults("(output: (loop_count: 2, sise: 1))");
+    assert!(misplaced.contains("`loop_count` is a field of `gif`, `apng` and `webp`"), "{misplaced}");
+    assert!(!misplaced.contains("has no field `loop_count`"), "{misplaced}");
+    let empty = faults(r#"(objects: { "ball": (shape: Sphere(), material: "red") })"#);
+    assert!(empty.contains("the section `materials` has no entries"), "{empty}");
 }
 
 #[test]
@@ -289,8 +303,8 @@ fn kinds_of_materials_have_no_other_lobes() {
             .map(|lobe| lobe.strength.clone())
     };
     let only = |place: usize| [0, 1, 2, 3, 4, 5, 6].map(|k| if k == place { 1.0.into() } else { 0.0.into() });
-    let matte = material("Lambertian()");
-    assert_eq!((lobes(&matte), matte.diffuse.tint), (only(2), Rgb::splat(0.5).into()));
+    let background_color = material("Lambertian()");
+    assert_eq!((lobes(&background_color), background_color.diffuse.tint), (only(2), Rgb::splat(0.5).into()));
     let metal = material("Metal(color: 0.9)");
     assert_eq!((lobes(&metal), &metal.fuzz), (only(4), &ScalarTextureTracks::Constant(0.0.into())));
     assert_eq!(metal.mirror.tint, Rgb::splat(0.9).into());
@@ -403,7 +417,7 @@ fn key_times_may_be_fractions_of_frames() {
 }
 
 #[test]
-fn files_that_cannot_be_read_say_why() {
+fn unreadable_files_are_faults_with_a_reason() {
     let directory = tempfile::tempdir().expect("a directory");
     let missing = directory.path().join("missing.ron");
     let message = load(&missing).expect_err("no file").to_string();

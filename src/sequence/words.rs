@@ -55,11 +55,18 @@ pub fn word<T: Copy>(node: Node<'_>, what: &str, table: &[(&'static str, T)]) ->
     found
 }
 
-/// A suggestion of the intended name.
-pub fn suggestion<'n>(node: Node<'_>, wrong: &str, candidates: impl IntoIterator<Item = &'n str>) -> String {
+/// A suggestion of the intended name. Each candidate is a name as it may be written, and the name to suggest for it.
+pub fn suggestion<'n>(
+    node: Node<'_>,
+    wrong: &str,
+    candidates: impl IntoIterator<Item = (&'n str, &'n str)>,
+) -> String {
     // In files with this many faults, suggestions would take too long.
-    let meant = if node.file.fault_count() < 1000 { nearest(wrong, candidates) } else { None };
-    meant.map_or_else(|| "unknown".to_owned(), |name| format!("did you mean `{}`?", shortened(name)))
+    let candidates = candidates.into_iter().take(if node.file.fault_count() < 1000 { usize::MAX } else { 0 });
+    let candidates: Vec<_> = candidates.collect();
+    let meant = nearest(wrong, candidates.iter().map(|(written, _)| *written));
+    let name = candidates.iter().find(|(written, _)| Some(*written) == meant).map(|(_, name)| *name);
+    name.map_or_else(|| "unknown".to_owned(), |name| format!("did you mean `{}`?", shortened(name)))
 }
 
 /// The fault of an unknown name at `node`, with a suggestion.
@@ -71,7 +78,7 @@ pub fn unknown<'n>(
 ) -> Fault {
     let title = format!("there is no {what} `{}`", shortened(wrong));
     let span = if node.word().is_empty() { node.span() } else { node.head() };
-    Fault::new(span, title, suggestion(node, wrong, known))
+    Fault::new(span, title, suggestion(node, wrong, known.into_iter().map(|name| (name, name))))
 }
 
 /// Reports an unknown name, and lists all known names.
@@ -80,8 +87,11 @@ where
     C: IntoIterator<Item = &'n str> + Clone,
 {
     let all = listed(known.clone());
-    let help =
-        if all == "nothing" { format!("the file has no {what}") } else { format!("known here: {all}") };
+    // Only names of the entries of a section can be missing altogether.
+    let help = match all.as_str() {
+        "nothing" => format!("the section `{what}s` has no entries"),
+        _ => format!("known here: {all}"),
+    };
     node.fault(unknown(node, what, wrong, known).help(help));
 }
 

@@ -151,13 +151,13 @@ fn elastic(s: f64, period: f64) -> f64 {
 fn bounce(s: f64) -> f64 {
     const N: f64 = 7.5625;
     const D: f64 = 2.75;
-    let (centre, floor) = match s * D {
+    let (center, floor) = match s * D {
         t if t < 1.0 => (0.0, 0.0),
         t if t < 2.0 => (1.5, 0.75),
         t if t < 2.5 => (2.25, 0.9375),
         _ => (2.625, 0.984_375),
     };
-    let t = s - centre / D;
+    let t = s - center / D;
     N * t * t + floor
 }
 

@@ -102,12 +102,12 @@ pub fn camera(
     let index = active.index.at(now.0.start).min(active.cameras.len() - 1);
     let Ok(path) = paths.get(active.cameras[index]) else { return Ok(()) };
     let sharp = path.focus_object().and_then(|index| placed.get(*objects.0.get(index)?).ok());
-    let sharp = sharp.map(|(shape, transform)| centre(shape, transform));
+    let sharp = sharp.map(|(shape, transform)| center(shape, transform));
     camera.set_if_neq(Current(Some(path.at(&now.0, sharp)?)));
     Ok(())
 }
 
 /// The centre of an object's bounding box or, for shapes without bounds, its origin.
-fn centre(shape: &Shape, transform: &Transform) -> DVec3 {
-    transform.0.transform_point3(shape.bounds().map_or(DVec3::ZERO, Aabb::centre))
+fn center(shape: &Shape, transform: &Transform) -> DVec3 {
+    transform.0.transform_point3(shape.bounds().map_or(DVec3::ZERO, Aabb::center))
 }

@@ -1,5 +1,5 @@
 //! Cameras and animation. CA-02, CA-03, CA-04, CA-07 and CA-08 stand beside their formulas: in `src/camera/path`,
-//! `src/base/math`, `src/base/time.rs` and `src/encode/gif`; the lens of CA-09 in `src/camera.rs`.
+//! `src/base/math`, `src/base/time.rs` and `src/encode/gif`; the lens of CA-09 in `src/camera/mod.rs`.
 
 use crate::exact::{Exact, Vector};
 use crate::support::{Random, U, direction, sequence, shoot, shoot_all};

@@ -13,7 +13,7 @@ fn red(picture: &image::RgbImage) -> [usize; 2] {
 }
 
 #[test]
-fn pictures_show_the_errors_of_textbooks_and_none_of_ours() {
+fn pictures_show_textbook_errors_and_no_errors_of_kinora() {
     let folders = [(); 2].map(|()| tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a folder"));
     let [first, again] = folders.each_ref().map(|folder| pictures::write(folder.path()).expect("pictures"));
     assert_eq!(first.len(), 6);

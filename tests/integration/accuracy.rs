@@ -56,7 +56,7 @@ fn report(measured: &Measured) -> String {
 }
 
 #[test]
-fn a_report_answers_what_half_the_time_and_half_the_error_take() {
+fn reports_price_half_the_time_and_half_the_error() {
     let measured = measured(GLASS);
     let lines = measured.lines();
     assert!(lines.len() <= 12, "{lines:#?}");

@@ -43,16 +43,21 @@ fn missing_frames_are_named() {
         for frame in gone {
             fs::remove_file(folder.path().join(format!("f_{frame:02}.png"))).expect("a frame");
         }
+        let noun = if gone.len() == 1 { "frame" } else { "frames" };
         for told in refusals(folder.path()) {
             assert!(told.contains("error: f_##.png cannot be assembled:\n"), "{told}");
-            assert!(told.contains(&format!("\n  frames {named}: missing\n")), "{told}");
+            assert!(told.contains(&format!("\n  {noun} {named}: missing\n")), "{told}");
             assert!(told.contains("--allow-gaps"), "{told}");
         }
         for of in [&[][..], &["--of", "ball.ron"]] {
             let rest = ["--allow-gaps", "-o", "a.gif", "-o", "a.y4m"];
             let told = kinora(folder.path(), &[&["assemble", "f_##.png"], of, &rest[..]].concat());
             assert!(told.contains(&format!("frames  {} at 24", 12 - gone.len())), "{told}");
-            assert!(told.contains(&format!("note    frames {named} are missing and left out\n")), "{told}");
+            let verb = if gone.len() == 1 { "is" } else { "are" };
+            assert!(
+                told.contains(&format!("note    {noun} {named} {verb} missing and left out\n")),
+                "{told}"
+            );
         }
         // Who names frames means these alone.
         kinora(folder.path(), &["assemble", "f_##.png", "--frames", "6-9", "-o", "a.gif"]);
@@ -114,7 +119,7 @@ fn damaged_frames_are_named() {
             told.contains("\n  frames 1,3-5: damaged: its bytes are not those that were written\n"),
             "{told}"
         );
-        assert!(told.contains("\n  frames 8: damaged: it is a folder\n"), "{told}");
+        assert!(told.contains("\n  frame 8: damaged: it is a folder\n"), "{told}");
     }
     assert!(alone.contains("\n  frames 6-7: damaged: it is not a picture"), "{alone}");
     assert!(of.contains("\n  frames 6-7: damaged: it is not a complete PNG\n"), "{of}");
@@ -132,14 +137,14 @@ fn stale_frames_are_named() {
     let folder = rendered();
     let path = folder.path();
     // A ball that was white all the time is green from frame 6 on.
-    let painted = |name: &str, color: &str| {
+    let rendered_with = |name: &str, color: &str| {
         let text = BALL.replace("radius: 1)", &format!("radius: 1), material: (color: {color})"));
         assert!(text != BALL);
         fs::write(path.join(name), text).expect("a disk");
     };
-    painted("white.ron", "1");
+    rendered_with("white.ron", "1");
     kinora(path, &["render", "white.ron", "-o", "w_##.png"]);
-    painted("green.ron", "[(0, 1, Step), (6, (0, 1, 0))]");
+    rendered_with("green.ron", "[(0, 1, Step), (6, (0, 1, 0))]");
     let told = refused(path, &["assemble", "w_##.png", "--of", "green.ron", "-o", "a.gif"]);
     assert!(told.contains("\n  frames 6-11: stale: the sequence, its settings or"), "{told}");
     let told = refused(path, &["assemble", "f_##.png", "--of", "ball.ron", "-s", "64x36", "-o", "a.gif"]);
@@ -148,7 +153,7 @@ fn stale_frames_are_named() {
     kinora(path, &["render", "ball.ron", "--no-metadata", "-o", "n_##.png"]);
     fs::copy(path.join("n_04.png"), path.join("f_04.png")).expect("a disk");
     let told = refused(path, &["assemble", "f_##.png", "--of", "ball.ron", "-o", "a.gif"]);
-    assert!(told.contains("\n  frames 4: without metadata, as --no-metadata"), "{told}");
+    assert!(told.contains("\n  frame 4: without metadata, as --no-metadata"), "{told}");
     let told = kinora(path, &["assemble", "n_##.png", "--of", "ball.ron", "--no-metadata", "-o", "a.gif"]);
     assert!(told.contains("note    frames without metadata do not say what they show"), "{told}");
     // Others cannot say it.
@@ -160,7 +165,7 @@ fn stale_frames_are_named() {
 }
 
 #[test]
-fn frames_that_do_not_go_together_are_named() {
+fn inconsistent_frames_are_named() {
     let folder = rendered();
     let path = folder.path();
     let told = |what: &str| {
@@ -169,17 +174,17 @@ fn frames_that_do_not_go_together_are_named() {
         kinora(path, &["render", "ball.ron", "-o", "f_##.png", "--overwrite"]);
     };
     fs::copy(path.join("f_03.png"), path.join("f_05.png")).expect("a disk");
-    told("\n  frames 5: frame 3 under another number\n");
+    told("\n  frame 5: frame 3 under another number\n");
     fs::write(path.join("other.ron"), BALL).expect("a disk");
     kinora(path, &["render", "other.ron", "-o", "f_##.png", "--frames", "2-4", "--overwrite"]);
-    told("\n  frames 2-4: another sequence than most: other, not ball\n");
+    told("\n  frames 2-4: sequence other; most frames have ball\n");
     kinora(
         path,
         &["render", "ball.ron", "-o", "f_##.png", "--frames", "7,9", "--antialias", "3", "--overwrite"],
     );
-    told("\n  frames 7,9: another antialias than most: 3, not 2\n");
+    told("\n  frames 7,9: antialias 3; most frames have 2\n");
     kinora(path, &["render", "ball.ron", "-o", "f_##.png", "--frames", "3-7", "-r", "25", "--overwrite"]);
-    told("\n  frames 3-7: another rate than most: 25, not 24\n");
+    told("\n  frames 3-7: rate 25; most frames have 24\n");
     // A version before had no digest.
     let unsealed = |name: &str| {
         let bytes = fs::read(path.join(name)).expect(name);
@@ -197,7 +202,7 @@ fn frames_that_do_not_go_together_are_named() {
     let told = refused(path, &["assemble", "f_##.png", "--of", "ball.ron", "-o", "a.gif"]);
     assert!(
         told.contains(
-            "\n  frames 4: without a digest of their pixels, as earlier versions of Kinora wrote them\n"
+            "\n  frame 4: without a digest of their pixels, as earlier versions of Kinora wrote them\n"
         ),
         "{told}"
     );
@@ -209,7 +214,7 @@ fn frames_that_do_not_go_together_are_named() {
 }
 
 #[test]
-fn files_are_those_that_render_would_write() {
+fn files_equal_those_of_render() {
     for (rest, own) in [
         (&[][..], &[][..]),
         (&["-s", "40x20", "-r", "12", "--exposure", "1"], &[]),
@@ -235,7 +240,7 @@ fn files_are_those_that_render_would_write() {
 }
 
 #[test]
-fn a_limit_of_time_is_one_of_the_settings() {
+fn the_time_limit_is_a_setting() {
     let folder = folder();
     let soft = BALL.replace("Point(position: (3, 4, 5))", "Sphere(center: (3, 4, 5), radius: 1)");
     fs::write(folder.path().join("soft.ron"), soft).expect("a disk");
@@ -265,10 +270,10 @@ fn frames_of_others_are_taken_as_they_are() {
         let whole = fs::read(&third).expect("a frame");
         fs::write(&third, &whole[..whole.len() - 2]).expect("a disk");
         let told = refused(path, &["assemble", &names, "-o", "b.gif"]);
-        assert!(told.contains("\n  frames 3: damaged: it "), "{told}");
+        assert!(told.contains("\n  frame 3: damaged: it "), "{told}");
         fs::remove_file(&third).expect("a frame");
         let told = refused(path, &["assemble", &names, "-o", "b.gif"]);
-        assert!(told.contains("\n  frames 3: missing\n"), "{told}");
+        assert!(told.contains("\n  frame 3: missing\n"), "{told}");
         fs::write(&third, whole).expect("a disk");
     }
     // Beside frames that tell something, a note tells of those that do not.
@@ -299,7 +304,7 @@ fn frames_far_apart_have_to_be_named() {
 }
 
 #[test]
-fn frames_beyond_the_end_are_told() {
+fn frames_beyond_the_end_are_noted() {
     let folder = rendered();
     let path = folder.path();
     fs::write(path.join("ball.ron"), BALL.replace("frames: 12", "frames: 9")).expect("a disk");
@@ -318,7 +323,7 @@ fn frames_beyond_the_end_are_told() {
 }
 
 #[test]
-fn no_frame_is_replaced_by_what_is_made_of_it() {
+fn outputs_never_replace_input_frames() {
     let folder = rendered();
     let path = folder.path();
     let before = contents(path);
@@ -377,8 +382,8 @@ fn frames_of_another_size_are_named() {
     let before = contents(path);
     for (names, of, told_of) in [
         ("n_##.png", &["--of", "ball.ron", "--no-metadata"][..], "16x8 pixels, not 32x18"),
-        ("n_##.png", &[], "another size than most: 16x8, not 32x18"),
-        ("j_##.jpg", &[], "another size than most: 16x8, not 32x18"),
+        ("n_##.png", &[], "size 16x8; most frames have 32x18"),
+        ("j_##.jpg", &[], "size 16x8; most frames have 32x18"),
     ] {
         let told = refused(path, &[&["assemble", names], of, &["-o", "a.gif", "-o", "a.y4m"]].concat());
         assert!(told.contains(&format!("\n  frames 4,7: {told_of}\n")), "{told}");

@@ -34,7 +34,7 @@ fn near(found: f64, expected: f64, within: f64, what: &str) {
 
 /// A square above a corner of two surfaces, as a lamp and as objects that are asked for light or only found.
 #[test]
-fn a_lamp_and_an_object_that_shines_are_alike() {
+fn lamps_and_emitting_objects_are_alike() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     let mesh = "mtllib a.mtl\nv -1 1.5 -1\nv 1 1.5 -1\nv 1 1.5 1\nv -1 1.5 1\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 4\n";
     fs::write(folder.path().join("a.obj"), mesh).expect("a disk");
@@ -72,7 +72,7 @@ fn a_lamp_and_an_object_that_shines_are_alike() {
 
 /// Light from everywhere, whatever it comes from.
 #[test]
-fn all_skies_and_a_dome_that_shines_are_alike() {
+fn skies_and_emitting_domes_are_alike() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     let white = image::RgbImage::from_pixel(8, 4, image::Rgb([255; 3]));
     white.save(folder.path().join("sky.png")).expect("a disk");
@@ -103,7 +103,7 @@ fn all_skies_and_a_dome_that_shines_are_alike() {
 /// Inside a closed sphere that gives off 0.2 and reflects 0.8, light of n bounces has been scattered n + 1 times:
 /// 0.2 (1 + 0.8 + ... + 0.8^(n + 1)) = 1 - 0.8^(n + 2).
 #[test]
-fn sa_03_furnaces_that_are_cut_short() {
+fn sa_03_furnaces_with_few_bounces() {
     for bounces in [0, 1, 2, 5, 10] {
         let hull = "objects: { \"hull\": (shape: Sphere(), material: (diffuse: 0.8, ambient: 0, emission: 0.2, color: 1)) }";
         let found =
@@ -114,7 +114,7 @@ fn sa_03_furnaces_that_are_cut_short() {
 }
 
 #[test]
-fn the_sky_lights_what_it_shines_on_without_a_bounce() {
+fn skies_light_surfaces_without_a_bounce() {
     let floor = |sheet: &str| {
         let rest = format!(
             "background: 1, objects: {{ \"floor\": (shape: Plane(), material: Lambertian(color: 0.5)), {sheet} }}"
@@ -130,7 +130,7 @@ fn the_sky_lights_what_it_shines_on_without_a_bounce() {
 
 /// A mirror shows a source without a bounce, and what the source shines on with one.
 #[test]
-fn mirrors_show_sources_without_a_bounce_and_what_they_light_with_one() {
+fn mirrors_show_sources_without_a_bounce_and_lit_surfaces_with_one() {
     // The mirror at the origin shows what lies towards (0, 2, -5).
     const WALL: &str = "corner: (-4, -1, -5), u: (8, 0, 0), v: (0, 6, 0)";
     const MIRROR: &str = "\"mirror\": (shape: Plane(), material: Metal(color: 0.5))";

@@ -119,7 +119,7 @@ fn help_of_commands_shows_options_units_and_defaults() {
 }
 
 #[test]
-fn version_is_told() {
+fn the_version_is_printed() {
     let run = kinora(&["--version"]);
     assert_eq!((run.code, run.stdout.trim()), (Some(0), concat!("kinora ", env!("CARGO_PKG_VERSION"))));
 }
@@ -140,6 +140,18 @@ fn unknown_words_are_refused_with_a_guess() {
     refused(&["check"], &["<FILE>"]);
     refused(&["check", "a.ron", "-o", "a.gif"], &["'-o'"]);
     refused(&["render", "a.ron", "--resume", "--overwrite"], &["'--resume'", "'--overwrite'"]);
+    refused(&["render", "a.ron", "--memroy", "2GB"], &["'--memroy'", "--memory is now called --film-cache"]);
+}
+
+#[test]
+fn options_that_apply_to_nothing_are_refused() {
+    for option in ["--json", "--pictures"] {
+        refused(&["accuracy", "sequences/hello.ron", option, "out"], &[option, "needs --hard-cases"]);
+    }
+    for command in [&["assemble", "--help"][..], &["farm", "status", "--help"]] {
+        let help = kinora(command).stdout;
+        assert!(!help.contains("--film-cache") && !help.contains("--no-reuse"), "{help}");
+    }
 }
 
 #[test]
@@ -160,6 +172,16 @@ fn bad_values_say_what_would_be_right() {
             refused(&["render", option, value, "a.ron"], &[option, value, hint]);
         }
     }
+    let assemble = ["assemble", "f_##.png", "-o", "a.gif"];
+    for (option, value, hint) in [
+        ("--columns", "0", "write 1 to 400"),
+        ("--colors", "1", "write 2 to 256"),
+        ("--loop-count", "0", "1 to 65535"),
+    ] {
+        refused(&[&assemble[..], &[option, value]].concat(), &[option, hint]);
+    }
+    let late = ["poster", "sequences/hello.ron", "--at", "99"];
+    refused(&late, &["99 s is after the end: the sequence is 3 s long"]);
 }
 
 #[test]
@@ -181,7 +203,7 @@ fn bad_frame_sets_say_what_would_be_right() {
 }
 
 #[test]
-fn files_that_are_none_are_told() {
+fn missing_files_and_folders_are_refused() {
     for command in ["render", "check"] {
         refused(&[command, "no/such/file.ron"], &["there is no file no/such/file.ron"]);
         refused(&[command, "src"], &["src is a folder"]);
@@ -198,21 +220,33 @@ fn a_missing_extension_is_guessed() {
 }
 
 #[test]
-fn quiet_runs_still_tell_errors() {
+fn quiet_runs_print_errors() {
     refused(&["render", "-q", "no/such/file.ron"], &["there is no file"]);
     refused(&["render", "no/such/file.ron", "--progress", "json"], &["there is no file"]);
 }
 
 #[test]
-fn options_of_other_commands_are_told() {
+fn options_of_other_commands_are_explained() {
     let run = kinora(&["filmstrip", "a.ron", "--time-limit", "5s"]);
     assert_eq!(run.code, Some(2));
     assert!(
-        run.stderr.contains("--time-limit is an option of `kinora render` and `kinora poster`"),
+        run.stderr
+            .contains("--time-limit is an option of `kinora render`, `kinora poster` and `kinora assemble`"),
         "{}",
         run.stderr
     );
     assert!(!run.stderr.contains("-- --time-limit"), "{}", run.stderr);
+    refused(
+        &["check", "a.ron", "--seed", "1"],
+        &[
+            "--seed is an option of `kinora render`, `kinora filmstrip`, `kinora poster`, `kinora assemble` and",
+        ],
+    );
+    // No note, because the command has no such option under any name.
+    refused(
+        &["render", "a.ron", "--plays", "2"],
+        &["--plays is now called --loop-count, an option of `kinora assemble`"],
+    );
     let help = kinora(&["poster", "--help"]).stdout;
     assert!(!help.contains("GIF"), "{help}");
 }
@@ -245,7 +279,7 @@ fn renamed_options_still_work_with_a_note() {
 
 /// A switch is no fade.
 #[test]
-fn plans_tell_switches_from_fades() {
+fn plans_distinguish_switches_from_fades() {
     let file = scratch("switches.ron");
     let text = r#"(timeline: (frames: 6, keys: Frames), output: (size: (16, 12)),
         lights: {
@@ -261,7 +295,7 @@ fn plans_tell_switches_from_fades() {
 }
 
 #[test]
-fn plans_tell_spans_effects_layers_rays_and_memory() {
+fn plans_list_spans_effects_layers_rays_and_memory() {
     let file = scratch("plan.ron");
     let text = r#"(timeline: (frames: 8, keys: Frames), output: (size: (16, 12)),
         lights: {
@@ -274,7 +308,7 @@ fn plans_tell_spans_effects_layers_rays_and_memory() {
     let run = kinora(&["plan", &file]);
     assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
     for part in [
-        "frames  8, 5 of them from films of other frames\n",
+        "frames  8, 5 reuse another frame's film\n",
         "films   3 films, with up to 2 layers of light\n",
         "a film is the light traced for a frame, in layers; ",
         "spans   0-3: nothing changes (1 film)\n",

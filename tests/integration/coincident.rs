@@ -28,7 +28,7 @@ fn both_ways(fields: &str, objects: [&str; 2], expected: [f32; 3], tolerance: f3
 const CLEAR: &str = "material: (ambient: 0, diffuse: 0, transparency: 0.5)";
 
 #[test]
-fn what_stands_on_a_floor_hides_it_no_more_than_it_should() {
+fn coincident_bases_do_not_darken_floors() {
     let floor = "shape: Plane(), material: (ambient: 0, diffuse: 0, emission: 1, color: 1)";
     for shape in [
         "Cylinder(from: (0, 0, 0), to: (0, 1, 0))",
@@ -94,7 +94,7 @@ fn sheets_in_one_plane_cast_their_shadows_together() {
 
 /// Seen from below, through a clear floor: what stands on it shows its base.
 #[test]
-fn bases_are_seen_through_the_floor_that_they_stand_on() {
+fn bases_are_visible_through_a_transparent_floor() {
     for (at, size) in [(0.0, 1.0), (1000.0, 1.0), (-3.7, 1e-3), (1e6, 50.0)] {
         let v = |x: f64, y: f64, z: f64| {
             format!("({:?}, {:?}, {:?})", at + x * size, at + y * size, at + z * size)
@@ -128,7 +128,7 @@ fn bases_are_seen_through_the_floor_that_they_stand_on() {
 
 /// Two sheets that are close, but not in one place, are two.
 #[test]
-fn sheets_that_lie_apart_are_passed_once_each() {
+fn separate_sheets_are_passed_once_each() {
     for apart in [1e-14, 1e-13, 1e-12, 1e-9, 1e-3] {
         let sheet = |y: f64| format!("shape: Plane(point: (0, {y:?}, 0)), {CLEAR}");
         both_ways("background: 1", [&sheet(1.0), &sheet(1.0 + apart)], [0.25; 3], 0.02);

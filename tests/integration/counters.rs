@@ -37,7 +37,7 @@ fn a_hundred_still_frames_build_one_tree() {
 }
 
 #[test]
-fn lights_that_switch_fade_and_change_colour_make_nothing_anew() {
+fn animated_light_weights_rebuild_nothing() {
     let on = "on: [(0, true), (1, false), (3, true)]";
     let intensity = "intensity: [(0, 1), (4, 0)]";
     let color = "color: [(0, (1, 0, 0)), (4, (0, 0, 1))]";
@@ -51,7 +51,7 @@ fn lights_that_switch_fade_and_change_colour_make_nothing_anew() {
 }
 
 #[test]
-fn skies_that_turn_or_change_colour_are_packed_anew() {
+fn animated_skies_are_packed_again() {
     let color = "background: Gradient(bottom: [(0, 0), (2, 1)]),";
     made_anew(&ball(5, color, LAMP, "", ""), &[SHADING, SHADING, NOTHING, NOTHING]);
     let turn = "background: Gradient(up: (1, 0, 0), rotation: [(0, 0), (1, 90), (2, 90)]),";
@@ -59,7 +59,7 @@ fn skies_that_turn_or_change_colour_are_packed_anew() {
 }
 
 #[test]
-fn cameras_that_move_zoom_and_cut_make_nothing_anew() {
+fn animated_cameras_rebuild_nothing() {
     for camera in [
         "camera: (path: Orbit()),",
         "camera: (position: [(0, (0, 1, 5)), (4, (1, 2, 5))], roll: [(0, 0), (4, 90)]),",
@@ -71,7 +71,7 @@ fn cameras_that_move_zoom_and_cut_make_nothing_anew() {
 }
 
 #[test]
-fn an_object_that_moves_builds_a_tree_per_frame_that_differs() {
+fn moving_objects_build_one_bvh_per_pose() {
     let keys =
         "translation: [(0, (0, 0, 0)), (2, (1, 0, 0)), (4, (1, 0, 0)), (5, (2, 0, 0), Step), (7, (0, 0, 0))]";
     let later = [GEOMETRY, GEOMETRY, NOTHING, NOTHING, GEOMETRY, NOTHING, GEOMETRY, NOTHING];
@@ -90,7 +90,7 @@ fn appearing_and_vanishing_build_a_tree() {
 }
 
 #[test]
-fn keyed_materials_and_lights_that_move_pack_shading_alone() {
+fn keyed_materials_and_moving_lights_pack_shading_only() {
     for material in [
         "color: [(0, (1, 0, 0)), (2, (0, 1, 0))]",
         "mirror: [(0, 0), (2, 1)]",
@@ -195,7 +195,7 @@ fn ga_02_no_light_means_no_shadow_rays() {
 
 /// What is not seen may move, and what is seen may turn in its own shape, without a tree.
 #[test]
-fn motion_that_does_not_show_builds_no_tree() {
+fn invisible_motion_builds_no_bvh() {
     let keys = "translation: [(0, (0, 0, 0)), (4, (1, 0, 0))]";
     for object in [
         format!(r#""group": (shape: Group, {keys})"#),
@@ -214,7 +214,7 @@ fn motion_that_does_not_show_builds_no_tree() {
 /// GA-02: what an effect asks for is counted, and exactly none of it without the effect. GA-01: of zero strength it
 /// gives the same picture, with the same work, as none.
 #[test]
-fn ga_01_ga_02_effects_that_are_not_called_for_take_no_work() {
+fn ga_01_ga_02_unused_effects_take_no_work() {
     let shot = |integrator: &str, fields: &str, light: &str, material: &str| {
         let text = format!(
             r#"(timeline: (frames: 1), output: (size: (16, 12)), quality: ({integrator} samples: 2, bounces: 3), {fields}
@@ -271,7 +271,7 @@ fn ga_01_ga_02_effects_that_are_not_called_for_take_no_work() {
 
 /// A pattern of one colour is that colour: no paint is asked for, and the picture is the same to the last bit.
 #[test]
-fn ga_02_paint_that_is_the_same_everywhere_is_a_colour() {
+fn ga_02_constant_paint_is_a_colour() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     let texels = [image::Rgb([90u8, 180, 30]); 6].iter().flat_map(|texel| texel.0).collect();
     let even = image::RgbImage::from_raw(3, 2, texels).expect("all texels");
@@ -293,9 +293,9 @@ fn ga_02_paint_that_is_the_same_everywhere_is_a_colour() {
         ("Image(file: \"even.png\", wrap: Mirror, scale: 0.1, rotation: 30)", srgb),
         ("Marble(a: [(0, 0.3), (1, 0.5)], b: 0.3)", "0.3"),
     ] {
-        let (painted, plain) = (shot(paint), shot(color));
-        assert_eq!(painted.work, plain.work, "{paint}");
-        assert!(painted.film == plain.film, "{paint}");
+        let (textured, plain) = (shot(paint), shot(color));
+        assert_eq!(textured.work, plain.work, "{paint}");
+        assert!(textured.film == plain.film, "{paint}");
     }
     for paint in ["Checker(a: 0.3, b: 0.4)", "VertexColor", "Checker(a: VertexColor, b: VertexColor)"] {
         assert!(shot(paint).work.paint > 0, "{paint}");

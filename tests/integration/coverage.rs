@@ -17,7 +17,7 @@ fn alphas(scene: &str, pixels: &[(u32, u32)]) -> Vec<f32> {
 }
 
 #[test]
-fn what_is_left_of_the_background_is_not_covered() {
+fn visible_background_is_not_covered() {
     const CAMERA: &str =
         "camera: (position: (0, 0, 5), projection: Orthographic(height: 9)), background: 0.5";
     // A board from x = 0.25 to the right: it covers a quarter of the middle column.
@@ -59,7 +59,7 @@ fn a_transparent_picture_fits_before_any_background() {
 }
 
 #[test]
-fn guides_tell_what_is_seen_first_and_leave_the_light_alone() {
+fn aovs_record_first_hits_and_do_not_change_the_light() {
     let sequence = sequence(
         r#"(output: (size: (9, 9)), quality: (antialias: 2), background: 0.2,
         camera: (position: (0, 0, 5), projection: Orthographic(height: 9)),
@@ -70,7 +70,7 @@ fn guides_tell_what_is_seen_first_and_leave_the_light_alone() {
     let film = shoot_extra(&sequence, AovSet { coverage: false, features: true });
     assert_eq!(plain.radiance().collect::<Vec<_>>(), film.radiance().collect::<Vec<_>>());
     let (nothing, board) =
-        (film.features_at(9 * 4).expect("guides"), film.features_at(9 * 4 + 7).expect("guides"));
+        (film.features_at(9 * 4).expect("features"), film.features_at(9 * 4 + 7).expect("features"));
     assert_eq!((nothing.depth, nothing.normal, nothing.albedo), (None, Rgb::ZERO, Rgb::ZERO));
     assert_eq!((board.depth, board.normal), (Some(3.0), Rgb::Z));
     assert!((board.albedo - 0.6).abs().max_element() < 1e-6, "{board:?}");

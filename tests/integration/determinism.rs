@@ -72,7 +72,7 @@ fn files_are_the_same_on_every_simd_level() {
 }
 
 #[test]
-fn a_frame_alone_is_the_frame_of_the_whole() {
+fn a_frame_alone_equals_the_frame_of_the_whole_run() {
     for sequence in golden_sequences() {
         let count = sequence.timeline.frames;
         let whole = films(shoot(&sequence, 0..count));

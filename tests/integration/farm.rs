@@ -88,7 +88,7 @@ fn only_jobs_are_replaced() {
 }
 
 #[test]
-fn what_makes_no_job_is_refused() {
+fn impossible_jobs_are_refused() {
     let folder = farm();
     for name in ["folder.gif", "folder.png"] {
         fs::create_dir(folder.path().join(name)).expect("a disk");
@@ -136,7 +136,7 @@ fn a_film_is_in_one_task() {
 }
 
 #[test]
-fn a_plan_for_workers_says_that_it_is_an_estimate() {
+fn plans_for_workers_are_marked_as_estimates() {
     let folder = farm();
     let told = kinora(folder.path(), &["plan", "half.ron", "--workers", "1,2"]);
     let farm = told.split("\nfarm    ").nth(1).expect("a group for the farm");
@@ -162,7 +162,7 @@ fn path_with_kinora(folder: &Path) -> std::ffi::OsString {
 
 #[cfg(unix)]
 #[test]
-fn a_shell_job_makes_what_one_run_makes() {
+fn shell_jobs_write_the_files_of_one_run() {
     let folder = farm();
     let path = path_with_kinora(folder.path());
     let settings = ["-s", "48x27", "--caption", "it's {frame}", "--exposure", "-1"];
@@ -203,7 +203,7 @@ fn a_shell_job_makes_what_one_run_makes() {
 }
 
 #[test]
-fn tasks_expect_what_the_job_was_exported_with() {
+fn tasks_refuse_changed_files() {
     let folder = farm();
     let textured = BALL.replace("radius: 1)", "radius: 1), material: (color: Image(file: \"a.png\"))");
     fs::write(folder.path().join("image.ron"), textured).expect("a disk");
@@ -253,7 +253,7 @@ fn films_come_along() {
 }
 
 #[test]
-fn progress_is_told_to_runners() {
+fn progress_is_reported_to_runners() {
     let folder = farm();
     let told = kinora(folder.path(), &["render", "half.ron", "-o", "f_##.png", "--progress", "openjd"]);
     assert!(told.contains("openjd_progress: 100.0\nopenjd_status: frame 12/12"), "{told}");
@@ -304,7 +304,7 @@ fn only_claim(folder: &Path) -> Option<PathBuf> {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn what_a_killed_process_had_in_hand_is_taken_over() {
+fn frames_of_killed_processes_are_taken_over() {
     let folder = farm();
     let whole = whole(folder.path());
     let all = folder.path().join("all");
@@ -382,7 +382,7 @@ fn claims_from_elsewhere_are_respected() {
 }
 
 #[test]
-fn only_what_says_what_it_shows_is_shared() {
+fn only_identifiable_outputs_are_shared() {
     let folder = farm();
     for (rest, part) in [
         (&["-o", "f_##.jpg"][..], "f_##.jpg cannot hold metadata that identifies its frames"),
@@ -398,13 +398,13 @@ fn only_what_says_what_it_shows_is_shared() {
 }
 
 #[test]
-fn status_tells_what_there_is() {
+fn status_lists_frames_by_state() {
     let folder = farm();
     let path = folder.path();
     let status = |rest: &[&str]| kinora(path, &[&["farm", "status", "out/half", "half.ron"], rest].concat());
     let told = refused(path, &["farm", "status", "half", "half.ron"]);
     assert!(
-        told.contains("there is no folder half; the frames of half.ron go into out/half, or where"),
+        told.contains("there is no folder half; the frames of half.ron are in out/half, unless"),
         "{told}"
     );
     let told = refused(path, &["farm", "status", "out/half", "half.ron"]);
@@ -415,7 +415,7 @@ fn status_tells_what_there_is() {
     assert_eq!(
         status(&[]),
         "frames  12: 0 done, 0 in work, 0 stale, 12 missing\nmissing 0-11\n\
-         note    there is no file out/half/frame_####.png; if the job writes other names, give them with -o\n"
+         note    there is no file out/half/frame_####.png; if the job was exported with -o, pass the job's -o\n"
     );
     let frames = |set: &str, rest: &[&str]| {
         let arguments =

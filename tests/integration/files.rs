@@ -90,7 +90,7 @@ fn an_image_of_many_names_is_read_once() {
 /// The nearest folder with `assets` in it bounds what a sequence may name, wherever links lead.
 #[cfg(unix)]
 #[test]
-fn what_lies_outside_of_the_root_is_not_read() {
+fn files_outside_the_root_are_not_read() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     fs::create_dir_all(at("project/assets")).expect("a disk");
@@ -132,7 +132,7 @@ fn what_lies_outside_of_the_root_is_not_read() {
 
 /// What a file says of its own size is not believed.
 #[test]
-fn files_that_announce_too_much_are_refused_at_once() {
+fn oversized_headers_are_refused_at_once() {
     let folder = folder();
     let mut png = Vec::new();
     let mut encoder = png::Encoder::new(&mut png, 16_000, 8_000);

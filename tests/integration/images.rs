@@ -102,7 +102,7 @@ fn images_do_not_go_over_the_poles() {
 
 /// What stands before a background of 0.25: its share is there, and the rest is not.
 #[test]
-fn what_an_image_leaves_clear_is_not_there() {
+fn transparent_texels_are_holes() {
     let folder = folder();
     let red = |alpha: u8| [255, 0, 0, alpha];
     write(folder.path(), "logo.png", 3, &[red(255), red(51), [0, 0, 0, 0]]);
@@ -142,7 +142,7 @@ fn what_an_image_leaves_clear_is_not_there() {
 
 /// Half way from red to nothing there is half of the red, and nothing of the colour that nothing has in the file.
 #[test]
-fn soft_edges_have_the_colour_of_what_is_there() {
+fn soft_edges_have_the_colour_of_opaque_texels() {
     let folder = folder();
     write(folder.path(), "soft.png", 2, &[[255, 0, 0, 255], [0, 255, 0, 0]]);
     let half = seen_at(folder.path(), "Whitted", (0.5, 0.5), &square("file: \"soft.png\", encoding: Linear"));
@@ -151,7 +151,7 @@ fn soft_edges_have_the_colour_of_what_is_there() {
 
 /// The light of a lamp on a floor below a picture.
 #[test]
-fn pictures_throw_the_shadow_of_what_is_there() {
+fn cut_outs_cast_the_shadow_of_their_opaque_part() {
     let folder = folder();
     write(folder.path(), "logo.png", 3, &[[255; 4], [255, 255, 255, 51], [0, 0, 0, 0]]);
     for integrator in ["Whitted", "Path"] {
@@ -173,7 +173,7 @@ fn pictures_throw_the_shadow_of_what_is_there() {
 
 /// Where all of an image is there, its alpha costs nothing and changes nothing.
 #[test]
-fn alpha_that_hides_nothing_is_none() {
+fn opaque_alpha_has_no_effect() {
     let folder = folder();
     let texels = [grey(40), grey(90), grey(200), grey(250)];
     write(folder.path(), "alpha.png", 2, &texels);
@@ -196,7 +196,7 @@ fn alpha_that_hides_nothing_is_none() {
 }
 
 #[test]
-fn alpha_without_a_meaning_is_told() {
+fn useless_alpha_is_noted() {
     let folder = folder();
     write(folder.path(), "clear.png", 2, &[[255, 0, 0, 255], [0, 0, 0, 0]]);
     let notes = |text: &str| sequence_in(folder.path(), text).notes();

@@ -31,7 +31,7 @@ fn sends(integrator: &str, samples: u32, scene: &str, expected: f32, tolerance: 
 
 /// A closed white room of light: what takes nothing away cannot be told from it.
 #[test]
-fn a_furnace_hides_what_absorbs_nothing() {
+fn white_objects_vanish_in_a_furnace() {
     for material in [
         "Lambertian(color: 1)",
         "Metal(color: 1)",
@@ -280,7 +280,7 @@ fn far_sides_of_clear_lamps_shine() {
 
 /// Fog that leaves nothing of what is seen does not end a path that light is still to come along.
 #[test]
-fn thick_fog_ends_no_path_that_gathers_light() {
+fn thick_fog_does_not_end_diffuse_paths() {
     let text = format!(
         r#"(output: (size: (1, 1)), ambient: 0, quality: (integrator: {PATH}, samples: 256, bounces: 8),
         camera: (position: (0, 0.01, 0), up: (0, 0, -1), projection: Perspective(fov: 0.001)),
@@ -293,7 +293,7 @@ fn thick_fog_ends_no_path_that_gathers_light() {
 
 /// What a mirror shows is dimmed by the fog before it and gets its glow, however smooth the mirror is.
 #[test]
-fn fog_lies_before_what_rough_mirrors_show() {
+fn fog_attenuates_reflections_of_rough_mirrors() {
     let scene = |light: &str, material: &str| {
         format!(
             r#"fog: (density: 0.3, color: 0.5), {light} "floor": (shape: Plane(), material: {material}) }}"#
@@ -402,7 +402,7 @@ fn the_slightest_fuzz_darkens_no_mirror() {
 
 /// Where smooth normals bend a ray back to the side that it came from, it has not entered what is behind.
 #[test]
-fn rays_that_are_bent_back_have_entered_nothing() {
+fn rays_that_smooth_normals_turn_back_enter_no_medium() {
     for integrator in BOTH {
         let text = format!(
             r#"(output: (size: (1, 1)), ambient: 0, background: 1,

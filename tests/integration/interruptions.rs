@@ -159,7 +159,7 @@ fn start_long(folder: &Path, frames: u32) -> Child {
 /// A film that would take for ever ends with the samples that it has, and its frames stand beside their places.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_stopped_film_leaves_pictures_of_what_it_has() {
+fn a_stopped_film_leaves_part_files() {
     let folder = folder();
     let light = r#""sun": Sphere(center: (3, 4, 5), radius: 1)"#;
     let still = BALL
@@ -210,7 +210,7 @@ fn a_stopped_film_leaves_pictures_of_what_it_has() {
 
 #[cfg(unix)]
 #[test]
-fn a_folder_that_vanishes_ends_the_run_in_words() {
+fn a_removed_folder_ends_the_run_with_an_error() {
     let folder = folder();
     let (gone, away) = (folder.path().join("gone"), folder.path().join("away"));
     let mut child = start_long(folder.path(), 100_000);
@@ -234,7 +234,7 @@ fn a_folder_that_vanishes_ends_the_run_in_words() {
 /// Even those who may write everywhere may not write here.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_folder_that_may_not_be_written_ends_the_run_in_words() {
+fn a_read_only_folder_ends_the_run_with_an_error() {
     let folder = folder();
     let done = run(folder.path(), &["render", "ball.ron", "-o", "new/f_##.png", "-o", "/proc/a.gif"]);
     let told = String::from_utf8_lossy(&done.stderr);

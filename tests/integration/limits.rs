@@ -25,7 +25,7 @@ fn refused_within(kibibytes: u64, folder: &Path, arguments: &[&str]) -> String {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn what_does_not_fit_into_memory_is_refused_before_it_is_made() {
+fn films_beyond_memory_are_refused_in_advance() {
     const LITTLE: u64 = 2 << 20;
     let folder = folder();
     let (path, before) = (folder.path(), crate::command::contents(folder.path()));
@@ -50,7 +50,7 @@ fn what_does_not_fit_into_memory_is_refused_before_it_is_made() {
 }
 
 #[test]
-fn check_refuses_what_render_would() {
+fn check_and_render_refuse_the_same_sequences() {
     let folder = folder();
     let path = folder.path();
     for (output, message) in [
@@ -159,7 +159,7 @@ fn assemble_does_not_wait_for_pipes() {
     for of in [&[][..], &["--of", "ball.ron"]] {
         let told = refused(folder.path(), &[&["assemble", "f_##.png", "-o", "f.gif"], of].concat());
         assert!(
-            told.contains("\n  frames 0: damaged: it is a device or a pipe, not a regular file\n"),
+            told.contains("\n  frame 0: damaged: it is a device or a pipe, not a regular file\n"),
             "{told}"
         );
     }
@@ -178,7 +178,7 @@ fn limited(folder: &Path, limit: &str, arguments: &[&str]) -> (Option<i32>, Stri
 /// The system would end the program where a file becomes larger than it may.
 #[cfg(target_os = "linux")]
 #[test]
-fn files_that_may_not_become_so_large_end_the_run_in_words() {
+fn file_size_limits_end_the_run_with_an_error() {
     let folder = folder();
     let before = crate::command::contents(folder.path());
     for outputs in
@@ -194,7 +194,7 @@ fn files_that_may_not_become_so_large_end_the_run_in_words() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn reasons_of_the_system_are_told_in_its_words() {
+fn errors_contain_the_reason_of_the_system() {
     let folder = folder();
     // Each animation has its file open until the end.
     let outputs = ["a.mp4", "a.apng", "a.webp", "a.y4m"].map(|name| ["-o", name]).concat();

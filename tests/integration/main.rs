@@ -9,6 +9,7 @@ mod command;
 mod support;
 
 mod rooms;
+mod documents;
 mod bounces;
 mod inputs;
 mod cli;

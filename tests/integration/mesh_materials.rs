@@ -133,7 +133,7 @@ fn clear_parts_of_images_are_cut_out_of_meshes() {
 }
 
 #[test]
-fn missing_images_are_told() {
+fn missing_images_are_reported() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     let told = sequence(folder.path(), "").expect_err("no image");
     assert!(told.contains("cannot read the image \"left.png\" of the mesh"), "{told}");
@@ -142,7 +142,7 @@ fn missing_images_are_told() {
 }
 
 #[test]
-fn libraries_that_are_missing_are_faults_only_where_they_are_needed() {
+fn missing_libraries_are_faults_only_if_used() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nmtllib none.mtl\nusemtl any\nf 1 2 3\n";
     fs::write(folder.path().join("a.obj"), text).expect("a disk");
@@ -161,7 +161,7 @@ fn libraries_that_are_missing_are_faults_only_where_they_are_needed() {
 }
 
 #[test]
-fn what_materials_leave_out_is_told_once() {
+fn ignored_material_parts_are_noted_once() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     fs::create_dir_all(folder.path().join("models/images")).expect("the folder is writable");
     write_image(folder.path());
@@ -223,7 +223,7 @@ fn meshes_without_materials_show_the_colours_of_their_vertices() {
 }
 
 #[test]
-fn objects_of_one_mesh_share_its_materials() {
+fn objects_with_the_same_mesh_share_its_materials() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     fs::create_dir_all(folder.path().join("models/images")).expect("the folder is writable");
     write_image(folder.path());

@@ -228,7 +228,7 @@ fn files_are_found_beside_the_sequence_and_read_once() {
 }
 
 #[test]
-fn broken_files_are_told_with_their_line() {
+fn faults_of_meshes_name_their_line() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a disk");
     write("a.obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n");
@@ -251,7 +251,7 @@ fn broken_files_are_told_with_their_line() {
 }
 
 #[test]
-fn int_15_what_is_left_out_is_told() {
+fn int_15_ignored_parts_are_reported() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\nf 2 2 2\n";
     fs::write(folder.path().join("a.obj"), text).expect("a disk");
@@ -261,7 +261,7 @@ fn int_15_what_is_left_out_is_told() {
 
 /// INT-15: whatever a mesh is like, no pixel is without a colour.
 #[test]
-fn int_15_no_mesh_makes_a_pixel_that_is_no_number() {
+fn int_15_no_mesh_gives_nan_pixels() {
     let text = "(
         output: (size: (24, 24)), quality: (antialias: 1),
         camera: (position: (0.3, 0.3, 2), target: (0.3, 0.3, 0)),
@@ -341,7 +341,7 @@ fn smooth_mirrors_lose_no_light() {
 
 /// What a smooth ball shows is what lies where its interpolated normals send the eye, up to its very rim.
 #[test]
-fn smooth_mirrors_show_what_their_normals_say() {
+fn smooth_mirrors_reflect_by_interpolated_normals() {
     let text = format!(
         "(output: (size: (96, 96)), quality: (antialias: 1), background: Gradient(bottom: 0, top: 1, up: (0.3, 1, -0.2)),
         camera: (position: (0.3, 0.2, 4), projection: Orthographic(height: 2.2)), {})",

@@ -118,7 +118,7 @@ const DARK: &str = r#"(output: (size: (24, 16)), quality: (QUALITY), background:
 /// in 90 to 99, though decisions to stop hang on the very samples that are told of. Of 200 frames with a chance of 95 %,
 /// fewer than 180 are one case in 300, more than 198 one in 1000.
 #[test]
-fn errors_are_met_and_told() {
+fn target_errors_are_reached_and_reported() {
     let quality = |text: &str, error: f64| sequence(&text.replace("QUALITY", &format!("noise: {error}")));
     let soft = |error: f64| soft_shadow(&format!("noise: {error}"));
     let scenes = [
@@ -138,7 +138,7 @@ fn errors_are_met_and_told() {
 
 #[test]
 #[ignore = "takes minutes; cargo test --release --test integration shipped_scenes -- --ignored --nocapture"]
-fn errors_are_met_and_told_of_shipped_scenes() {
+fn shipped_scenes_reach_target_errors() {
     // In frame 24 of the room the lens is open; frame 0 has no random samples, and so no error. Frame 44 is the limit that
     // docs/accuracy.md names: small bright spots that a block's samples may all miss.
     for (file, frame) in
@@ -172,7 +172,7 @@ fn switched() -> Sequence {
 
 /// One film serves both frames, and is good enough for each of them. A frame is the same by itself.
 #[test]
-fn a_film_is_sampled_for_all_frames_that_it_is_shown_in() {
+fn shared_films_reach_the_error_of_all_frames() {
     let sequence = switched();
     let plan = Plan::new(&sequence, &[0, 1], AovSet::default(), u64::MAX);
     assert_eq!((plan.films.len(), plan.reused()), (1, 1));
@@ -196,7 +196,7 @@ fn a_film_is_sampled_for_all_frames_that_it_is_shown_in() {
 
 /// Another weight in another frame is another film, though this frame shows the same.
 #[test]
-fn what_a_film_is_sampled_for_is_part_of_its_identity() {
+fn the_error_of_shared_frames_is_part_of_the_identity() {
     let text = |last: f64| {
         format!(
             "(timeline: (frames: 2, keys: Frames), output: (size: (8, 8)), quality: (noise: 0.1), lights: {{
@@ -210,7 +210,7 @@ fn what_a_film_is_sampled_for_is_part_of_its_identity() {
 }
 
 #[test]
-fn threads_do_not_show_in_what_is_sampled_until_it_is_good() {
+fn adaptive_frames_do_not_depend_on_threads() {
     let shoot_on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| shoot(&switched(), [0]).remove(0).film)
@@ -236,7 +236,7 @@ fn samples_go_where_the_error_is() {
 
 /// The moments of a frame are looked at again until all of them together are good.
 #[test]
-fn motion_blur_is_sampled_until_it_is_good() {
+fn motion_blur_reaches_target_errors() {
     let text = |quality: &str| {
         format!(
             "(timeline: (frames: 4, keys: Frames), output: (size: (16, 12)), quality: (shutter_steps: 8, {quality}),
@@ -253,7 +253,7 @@ fn motion_blur_is_sampled_until_it_is_good() {
 }
 
 #[test]
-fn without_chance_there_is_no_noise_to_look_for() {
+fn deterministic_frames_ignore_target_errors() {
     let text =
         "(output: (size: (8, 8)), quality: Error(0.01), lights: { \"sun\": Point(position: (1, 5, 3)) },
         objects: { \"ball\": (shape: Sphere()) })";
@@ -270,7 +270,7 @@ fn summarised(told: &str) -> &str {
 
 /// In PNG and EXR files, in the summary, and again where frames are kept.
 #[test]
-fn frames_tell_their_error() {
+fn frames_record_their_error() {
     let folder = folder();
     let text = "(timeline: (frames: 3, keys: Frames), output: (size: (24, 16)), quality: (noise: 0.1), background: 0.1,
         camera: (position: (0, 4, 7), target: (0, 0.4, 0)),

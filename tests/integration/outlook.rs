@@ -43,7 +43,7 @@ fn took(sequence: &Sequence, plan: &Plan) -> f64 {
 }
 
 #[test]
-fn samples_take_as_long_as_is_told() {
+fn sample_counts_take_the_forecast_time() {
     let sequence = soft();
     let (plan, outlook) = planned(&sequence);
     let told = outlook.forecast(&sequence.quality);
@@ -56,7 +56,7 @@ fn samples_take_as_long_as_is_told() {
 }
 
 #[test]
-fn errors_take_about_as_long_as_is_told() {
+fn target_errors_take_about_the_forecast_time() {
     let mut sequence = soft();
     sequence.quality.noise = Some(NoiseTarget { error: 0.02, most: 1 << 16 });
     let (plan, outlook) = planned(&sequence);
@@ -66,7 +66,7 @@ fn errors_take_about_as_long_as_is_told() {
 }
 
 #[test]
-fn a_limit_that_comes_before_the_error_is_told_of() {
+fn missed_target_errors_are_forecast() {
     let mut sequence = soft();
     let target = NoiseTarget { error: 0.001, most: 64 };
     sequence.quality.noise = Some(target);
@@ -82,12 +82,12 @@ fn a_limit_that_comes_before_the_error_is_told_of() {
 }
 
 #[test]
-fn plans_tell_times_errors_and_why_there_are_films() {
+fn plans_report_times_errors_and_reasons_of_films() {
     let folder = folder();
     std::fs::write(folder.path().join("soft.ron"), SOFT).expect("the folder is writable");
     let told = kinora(folder.path(), &["plan", "soft.ron"]);
     for part in [
-        "why     1 to begin with; 3 where object \"ball\" moves\n",
+        "why     1 for the first frame; 3 because object \"ball\" moves\n",
         "time    tracing takes ",
         " of the brightness, in the worst frame\n",
         "film of frame 3: ",
@@ -108,6 +108,9 @@ fn plans_tell_times_errors_and_why_there_are_films() {
         assert!(json.contains(part), "`{part}` in {json}");
     }
     let counts = kinora(folder.path(), &["plan", "soft.ron", "--no-pilot"]);
-    assert!(counts.contains("time    no pilot was traced\n") && !counts.contains("each "), "{counts}");
+    assert!(
+        counts.contains("time    no pilot was traced\n") && !counts.contains("film of frame"),
+        "{counts}"
+    );
     assert_eq!(contents(folder.path()).len(), 2, "a plan writes nothing");
 }

@@ -60,7 +60,7 @@ fn stills_go_to_the_standard_output_one_after_the_other() {
 }
 
 #[test]
-fn formats_of_the_standard_output_are_told() {
+fn formats_of_the_standard_output_are_listed() {
     let folder = folder();
     let told = |more: &[&str]| refused(folder.path(), &[&["render", "ball.ron"], more].concat());
     assert!(told(&["-o", "-", "--format", "gif"]).contains("y4m, ppm, ppm-ascii or png"));
@@ -86,7 +86,7 @@ fn ppm_files_may_be_of_ascii() {
 }
 
 #[test]
-fn what_half_floats_cannot_hold_is_counted() {
+fn clamped_half_floats_are_counted() {
     let folder = folder();
     let text = "(output: (size: (4, 2), exr: (precision: Half)), background: (70000, 1, 65519))";
     fs::write(folder.path().join("bright.ron"), text).expect("writable");
@@ -189,7 +189,7 @@ fn layers_of_any_names_have_channels_of_their_own() {
 }
 
 #[test]
-fn letters_that_captions_lack_are_told() {
+fn missing_glyphs_are_reported() {
     let folder = folder();
     let note = "captions are without `漢`, which the font does not have";
     let told = |arguments: &[&str]| {
@@ -206,7 +206,7 @@ fn letters_that_captions_lack_are_told() {
 }
 
 #[test]
-fn a_part_beside_a_whole_animation_is_told() {
+fn parts_beside_whole_animations_are_noted() {
     let folder = folder();
     fs::write(folder.path().join("part_a.gif"), "a part").expect("writable");
     let render =
@@ -219,7 +219,7 @@ fn a_part_beside_a_whole_animation_is_told() {
 
 /// Frames that are made of the film of another have its error.
 #[test]
-fn errors_are_told_of_all_frames() {
+fn errors_name_all_frames() {
     let folder = folder();
     let still =
         BALL.replace("frames: 12", "frames: 3").replace("[(0, (-1, 0, 0)), (12, (1, 0, 0))]", "(0, 0, 0)");
@@ -268,7 +268,7 @@ fn filmstrips_and_posters() {
 }
 
 #[test]
-fn places_that_are_wrong_are_told_before_anything_is_made() {
+fn invalid_places_are_refused_before_rendering() {
     let folder = folder();
     let path = folder.path();
     fs::create_dir(path.join("folder.png")).expect("a disk");
@@ -362,7 +362,7 @@ fn names_of_outputs_need_not_be_text() {
 /// Nobody reads the frames: from the beginning, or not to the end.
 #[cfg(unix)]
 #[test]
-fn a_stream_that_nobody_reads_is_an_error() {
+fn a_closed_standard_output_is_an_error() {
     use std::process::{Command, Stdio};
     let folder = folder();
     let shell = |line: &str| {
@@ -401,7 +401,7 @@ fn a_stream_that_nobody_reads_is_an_error() {
 
 #[cfg(unix)]
 #[test]
-fn a_quiet_run_that_is_stopped_tells_nothing() {
+fn a_stopped_quiet_run_prints_nothing() {
     use std::process::{Command, Stdio};
     for (signal, code) in [("INT", 130), ("TERM", 143)] {
         let folder = folder();

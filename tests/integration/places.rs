@@ -60,7 +60,7 @@ fn sequences_do_not_write_out_of_the_working_directory() {
 }
 
 #[test]
-fn places_that_go_without_saying_are_inside_too() {
+fn default_outputs_stay_inside_the_folder() {
     let (inside, outside) = inside_and_outside();
     let path = inside.path();
     symlink(outside.path(), path.join("output")).expect("a disk");
@@ -144,7 +144,7 @@ fn pipes_are_written_into() {
 }
 
 #[test]
-fn formats_that_go_back_are_not_written_into_pipes() {
+fn seeking_formats_are_not_written_into_pipes() {
     let folder = folder();
     let path = folder.path();
     for name in ["a.gif", "a.apng", "a.webp", "a.mp4", "a.exr"] {
@@ -179,7 +179,7 @@ fn devices_are_written_into_but_not_by_sequences() {
 }
 
 #[test]
-fn a_pipe_whose_reader_goes_away_ends_the_run() {
+fn a_closed_pipe_ends_the_run() {
     let folder = folder();
     let path = folder.path();
     pipe(&path.join("a.y4m"));
@@ -203,7 +203,7 @@ fn a_pipe_whose_reader_goes_away_ends_the_run() {
 
 /// While nobody reads a pipe, a run can be stopped: before its first frame, and when a frame's file is the pipe.
 #[test]
-fn a_run_that_waits_for_a_reader_is_stopped() {
+fn a_run_that_waits_for_a_reader_can_be_stopped() {
     for (name, output, done) in [("in.y4m", "in.y4m", 0), ("f_02.ppm", "f_##.ppm", 2)] {
         for (signal, code) in [("TERM", 143), ("INT", 130)] {
             let folder = folder();
@@ -230,7 +230,7 @@ fn a_run_that_waits_for_a_reader_is_stopped() {
 }
 
 #[test]
-fn a_pipe_is_no_frame_that_was_there() {
+fn a_pipe_is_not_an_existing_frame() {
     let folder = folder();
     let path = folder.path();
     pipe(&path.join("f.jpg"));
@@ -247,7 +247,7 @@ fn a_pipe_is_no_frame_that_was_there() {
 }
 
 #[test]
-fn plan_refuses_what_render_does() {
+fn plan_and_render_refuse_the_same_outputs() {
     let (inside, outside) = inside_and_outside();
     let path = inside.path();
     symlink(outside.path(), path.join("out")).expect("a disk");

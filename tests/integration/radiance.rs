@@ -205,7 +205,7 @@ fn bvh_07_occluders_before_and_beyond_the_light() {
 }
 
 #[test]
-fn faces_are_lit_on_the_side_that_is_seen() {
+fn faces_are_lit_on_the_visible_side() {
     let shapes = [
         "Triangle(a: (-1, 0, -1), b: (0, 0, 2), c: (2, 0, -1))",
         "Triangle(a: (-1, 0, -1), b: (2, 0, -1), c: (0, 0, 2))",

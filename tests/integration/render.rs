@@ -44,7 +44,7 @@ fn files(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn check_tells_what_the_sequence_is_and_writes_nothing() {
+fn check_prints_an_overview_and_writes_nothing() {
     let folder = folder();
     let run = kinora(folder.path(), &["check", "ball.ron"]);
     assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
@@ -55,7 +55,7 @@ fn check_tells_what_the_sequence_is_and_writes_nothing() {
 }
 
 #[test]
-fn check_tells_faults_with_code_2() {
+fn faults_give_code_2() {
     let folder = folder();
     fs::write(folder.path().join("bad.ron"), BALL.replace("radius: 1", "radius: -1")).expect("writable");
     for command in ["check", "render"] {
@@ -94,7 +94,7 @@ fn a_subset_keeps_its_numbers_and_its_bytes() {
 }
 
 #[test]
-fn frames_that_there_are_not_are_refused() {
+fn frames_beyond_the_end_are_refused() {
     let folder = folder();
     let run = kinora(folder.path(), &["render", "ball.ron", "--frames", "1-3", "-o", "##.png"]);
     assert_eq!(run.status.code(), Some(2));
@@ -140,7 +140,7 @@ fn a_draft_is_half_as_wide_and_says_so() {
 }
 
 #[test]
-fn outputs_that_cannot_be_written_give_code_3() {
+fn unwritable_outputs_give_code_3() {
     let folder = folder();
     // No file system has names as long.
     let output = format!("{}/b.gif", "x".repeat(300));

@@ -296,7 +296,7 @@ fn plans_come_true() {
 
 /// If an error is to be reached, a pilot finds how many samples that takes.
 #[test]
-fn plans_know_what_an_error_takes() {
+fn plans_forecast_the_samples_of_an_error() {
     for (name, error) in [("field-orbit.ron", 0.05), ("field-moves.ron", 0.1)] {
         let mut sequence = shipped(name);
         sequence.quality.noise = Some(NoiseTarget { error, most: 1024 });
@@ -319,7 +319,7 @@ fn plans_know_what_an_error_takes() {
 
 /// Lights that are off in every frame that shares a film are not traced; trees and packing are as for one frame.
 #[test]
-fn what_stays_dark_is_not_traced() {
+fn dark_lights_are_not_traced() {
     let lamp = |name: &str, on: &str| format!("\"{name}\": Point(position: (3, 4, 5), on: {on}),");
     let text = |lights: &str| {
         sequence(&format!(
@@ -362,7 +362,7 @@ fn the_ends_of_a_closed_curve_share_a_film() {
 
 /// A shutter that is open while a lamp fades sees nothing move.
 #[test]
-fn open_shutters_see_what_moves_alone() {
+fn only_moving_scenes_have_several_moments() {
     let text = |object: &str| {
         sequence(&format!(
             r#"(timeline: (frames: 6, keys: Frames), output: (size: (16, 12)), quality: (antialias: 2, samples: 9),
@@ -424,7 +424,7 @@ fn known(text: &str) -> Vec<(Digest, Vec<[u32; 3]>)> {
 
 /// What is hidden, dark or unused has no part in what a frame is known by: two frames are called alike if their pixels are.
 #[test]
-fn frames_are_known_by_what_they_show() {
+fn frames_are_identified_by_their_content() {
     let with = |text: &str, from: &str, to: &str| {
         assert!(text.contains(from), "{from}");
         text.replace(from, to)
@@ -475,7 +475,7 @@ fn frames_are_known_by_what_they_show() {
 
 /// Where a shape was before it was turned is asked by its paint alone.
 #[test]
-fn what_turns_without_paint_stands_still() {
+fn rotations_without_texture_share_films() {
     let films = |ball: &str| {
         let text = SCENE
             .replace("translation: [(0, (-1, 0, 0)), (12, (1, 0, 0))]", ball)

@@ -46,7 +46,7 @@ fn named(text: &str) -> Vec<(usize, String)> {
 }
 
 #[test]
-fn no_room_uses_one_below_it() {
+fn rooms_import_only_rooms_above_them() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let rooms = rooms(&source);
     assert!(rooms.len() > 10, "{rooms:?}");

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 #[test]
-fn shards_make_what_one_run_makes() {
+fn shards_write_the_frames_of_one_run() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     kinora(
@@ -84,7 +84,7 @@ fn rendered(folder: &Path, rest: &[&str]) -> (u32, BTreeMap<String, Vec<u8>>) {
 }
 
 #[test]
-fn a_second_run_keeps_what_is_right_and_makes_what_is_not() {
+fn a_second_run_keeps_correct_frames() {
     let folder = folder();
     let path = folder.path();
     let (kept, whole) = rendered(path, &[]);
@@ -146,7 +146,7 @@ fn no_damaged_frame_is_kept() {
 }
 
 #[test]
-fn only_frames_that_a_change_touches_are_made_anew() {
+fn only_changed_frames_are_rendered_again() {
     let base = BALL.to_owned();
     let run = |first: &str, second: &str, rest: &[&str]| {
         let folder = folder();
@@ -190,7 +190,7 @@ fn only_frames_that_a_change_touches_are_made_anew() {
 }
 
 #[test]
-fn settings_that_frames_do_not_call_for_change_none() {
+fn unused_settings_change_no_frames() {
     let folder = folder();
     let path = folder.path();
     let kept = |file: &str, rest: &[&str]| {
@@ -219,7 +219,7 @@ fn settings_that_frames_do_not_call_for_change_none() {
 }
 
 #[test]
-fn frames_that_say_nothing_are_made_anew_and_the_run_says_so() {
+fn frames_without_metadata_are_rendered_again_with_a_note() {
     let folder = folder();
     for (outputs, reason) in [
         (&["-o", "j_##.jpg"][..], "j_##.jpg cannot hold metadata that identifies its frame"),

@@ -42,7 +42,7 @@ fn flat_shapes(height: f64) -> [String; 4] {
 
 /// However many there are.
 #[test]
-fn sheets_in_one_place_count_once_each() {
+fn coincident_sheets_count_once_each() {
     for (height, count) in
         [0.0, 0.1, -2.7].into_iter().flat_map(|h| [1, 4, 5, 6, 9, 40].map(|count| (h, count)))
     {
@@ -156,7 +156,7 @@ fn of_opaque_shapes_of_all_kinds_the_first_is_seen() {
 
 /// Also where rays are moved to the shapes instead.
 #[test]
-fn of_opaque_shapes_that_are_turned_the_first_is_seen() {
+fn the_first_of_coincident_rotated_shapes_is_visible() {
     let turned = "rotation: Euler(x: 11, y: 37, z: -7), scale: (1.1, 1, 0.9),";
     let shapes = level_shapes(0.0);
     for (first, second) in shapes.iter().flat_map(|first| shapes.iter().map(move |second| (first, second))) {

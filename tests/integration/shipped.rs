@@ -38,7 +38,7 @@ fn listed_assets_are_there() {
 
 /// Whoever looks for an example of a feature finds one.
 #[test]
-fn shipped_sequences_show_what_there_is() {
+fn shipped_sequences_show_all_features() {
     let texts = listed("sequences", "| [", "]").into_iter().map(|name| {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("sequences").join(name);
         fs::read_to_string(path).expect("a sequence")

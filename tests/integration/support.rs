@@ -108,9 +108,9 @@ pub fn shoot_counting(text: &str) -> (Film, Dropped) {
 }
 
 /// The first frame with what is recorded besides light.
-pub fn shoot_extra(sequence: &Sequence, extras: AovSet) -> Film {
+pub fn shoot_extra(sequence: &Sequence, aovs: AovSet) -> Film {
     let meter = Arc::new(ProgressMeter::default());
-    let mut frame_loop = FrameLoop::with_aovs(sequence, extras, FilmCollector::default(), meter);
+    let mut frame_loop = FrameLoop::with_aovs(sequence, aovs, FilmCollector::default(), meter);
     frame_loop.frame(0).unwrap_or_else(|fault| panic!("{fault:?}"));
     frame_loop.into_sink().and_then(|mut films| films.0.pop()).expect("a film")
 }

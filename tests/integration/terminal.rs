@@ -65,7 +65,7 @@ fn arguments_are_shown_escaped() {
 }
 
 #[test]
-fn what_a_sequence_says_is_shown_escaped() {
+fn text_of_sequences_is_escaped() {
     let folder = folder();
     let check = |text: &str, code: i32| {
         fs::write(folder.path().join("evil.ron"), text).expect("a disk");

@@ -63,7 +63,7 @@ const ALL: [u32; 6] = [0, 1, 2, 3, 4, 5];
 
 /// On another machine, or with something else at work, a pilot would choose otherwise.
 #[test]
-fn a_run_that_goes_on_keeps_the_samples_that_were_settled() {
+fn continued_runs_keep_the_number_of_samples() {
     for extension in ["png", "exr"] {
         let (whole, parts) = (folder(), folder());
         let sequence = soft(whole.path(), SOFT);
@@ -173,7 +173,7 @@ fn frames_of_one_film_get_its_samples() {
 }
 
 #[test]
-fn the_command_keeps_what_it_has_settled() {
+fn the_command_keeps_the_number_of_samples() {
     let folder = folder();
     soft(folder.path(), SOFT);
     let arguments = ["render", "soft.ron", "--time-limit", "1s", "-o", "f_#.png"];

@@ -63,7 +63,7 @@ fn glass_on_water_lets_light_pass_both_ways() {
 
 /// Shapes of two kinds know the height of the face that they share by formulas of their own.
 #[test]
-fn shapes_of_two_kinds_that_share_a_face_let_light_pass_both_ways() {
+fn light_passes_shared_faces_of_different_shapes() {
     for middle in [0.1, 1.0 / 3.0, 1e3 + 0.7] {
         let kinds = |up: f64| {
             let far = middle + up;
@@ -91,7 +91,7 @@ fn bits(film: &Film) -> Vec<u32> {
 
 /// In a sky that is bright all over, what absorbs nothing is as bright from all sides; what is black has trapped light.
 #[test]
-fn nothing_is_trapped_between_shapes_that_share_a_face() {
+fn no_light_is_trapped_between_shared_faces() {
     let shapes = [
         "Box(min: (-1, 0.1, -1), max: (1, 0.7, 1))",
         "Cylinder(from: (0, -0.8, 0), to: (0, 0.1, 0), radius: 0.9)",
@@ -147,7 +147,7 @@ fn glass_on_a_table_is_seen_as_if_it_were_sunk_into_it() {
 
 /// However many shells a ball of glass has, between which nothing changes, it is seen as if it had one.
 #[test]
-fn any_number_of_nested_shells_is_one_ball() {
+fn nested_shells_equal_one_ball() {
     const GLASS: &str = "(ambient: 0, diffuse: 0, refraction: 1, ior: 1.5, absorption: 0.3, fresnel: Off)";
     for integrator in BOTH {
         let picture = |shells: u32| {

@@ -131,7 +131,7 @@ fn sh_18_seeds_scatter_around_the_form_factor() {
 }
 
 #[test]
-fn objects_that_shine_light_as_lights_do() {
+fn emitting_objects_light_as_lights_do() {
     let floor = |shape: &str, scale: &str| {
         patch(
             4096,
@@ -318,7 +318,7 @@ fn glass_absorbs_along_the_way_through_it() {
 }
 
 #[test]
-fn sh_11_fog_hides_what_is_far_and_nothing_near() {
+fn sh_11_fog_hides_distant_objects_only() {
     let seen = |density: f64, distance: f64, sky: f64| {
         f64::from(
             radiance_at_target(&format!(
@@ -351,7 +351,7 @@ fn ground_fog_is_seen_from_any_height() {
 }
 
 #[test]
-fn ca_09_lenses_without_aperture_and_shutters_that_do_not_open_change_nothing() {
+fn ca_09_closed_lenses_and_shutters_change_nothing() {
     let picture = |camera: &str| {
         let text = format!(
             "(output: (size: (16, 16)), timeline: (frames: 2),

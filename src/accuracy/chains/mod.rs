@@ -2,7 +2,7 @@
 //!
 //! A small path tracer with simplified sampling and one colour channel records the chain of materials along each path
 //! from the camera to a light. The chains that contribute most of the variance of the worst pixels cause the
-//! fireflies. Only shares of the variance are reported, never radiance.
+//! fireflies. Only fractions of the variance are reported, never radiance.
 
 mod recorder;
 mod vertex;
@@ -17,7 +17,8 @@ use recorder::{PathRecorder, PathSampler};
 use std::collections::BTreeMap;
 use vertex::PathVertex;
 
-/// The materials and the light along a path from the camera, and the path's share of the variance in the worst pixels.
+/// The materials and the light along a path from the camera, and the path's fraction of the variance in the worst
+/// pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
     /// The names along the path, such as `wall → glass (refracted) → ceiling lamp`.

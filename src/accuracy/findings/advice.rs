@@ -27,7 +27,7 @@ impl Advice {
     }
 }
 
-/// The shares of the time that count as half.
+/// The fractions of the time that count as half.
 const HALF: std::ops::RangeInclusive<f64> = 0.35..=0.65;
 
 impl Measured {

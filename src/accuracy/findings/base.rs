@@ -1,4 +1,4 @@
-//! The points of an axis, shares of the brightness, and biases in words, which all findings use.
+//! The points of an axis, fractions of the brightness, and biases in words, which all findings use.
 
 use crate::accuracy::measure::{Measured, Point};
 use crate::accuracy::settings::SettingAxis;
@@ -33,12 +33,12 @@ impl Measured {
         self.points.iter().find(same).unwrap_or(self.own())
     }
 
-    /// An error as a share of the mean brightness.
+    /// An error as a fraction of the mean brightness.
     pub fn share(&self, error: f64) -> f64 {
         error / self.brightness
     }
 
-    /// A bias in words: its share of the mean brightness or, if it is not significant, an upper bound.
+    /// A bias in words: its fraction of the mean brightness or, if it is not significant, an upper bound.
     pub fn bias_text(&self, bias: Bias) -> String {
         match bias.root() {
             Some(root) => percent(self.share(root)),

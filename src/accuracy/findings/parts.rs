@@ -6,7 +6,7 @@ use crate::accuracy::settings::SettingAxis;
 use crate::base::units::{factor, percent};
 
 impl Measured {
-    /// The share of the time that switching off a part of the scene saves.
+    /// The fraction of the time that switching off a part of the scene saves.
     pub fn saves(&self, point: &Point) -> f64 {
         1.0 - point.time() / self.baseline(point).time()
     }

@@ -69,7 +69,7 @@ pub trait Method {
 pub struct Answers {
     /// The largest error of all answers that can be compared.
     pub worst: Option<f64>,
-    /// The share of wrong answers.
+    /// The fraction of wrong answers.
     pub wrong: f64,
 }
 
@@ -92,7 +92,7 @@ struct TestedFunction<I, O, C: Fn(&I) -> O, J: Fn(&I, O) -> Verdict> {
 
 /// The largest number of timed inputs: few enough to stay in the processor's cache.
 const TIMED: usize = 512;
-/// The least duration of a timing, so that the resolution of the clock does not matter.
+/// Minimum duration of a timing, so that the resolution of the clock does not matter.
 const LONG_ENOUGH: Duration = Duration::from_micros(100);
 
 impl<I, O, C: Fn(&I) -> O, J: Fn(&I, O) -> Verdict> Method for TestedFunction<I, O, C, J> {

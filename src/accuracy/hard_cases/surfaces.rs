@@ -107,7 +107,7 @@ fn ggx<R: Number>(at: &Polished<R>, below: fn(Vector3<R>, R) -> R) -> R {
 }
 
 /// The term as it is usually written.
-fn printed<R: Number>(half: Vector3<R>, square: R) -> R {
+fn published<R: Number>(half: Vector3<R>, square: R) -> R {
     half.0[2] * half.0[2] * (square - R::one()) + R::one()
 }
 
@@ -146,8 +146,8 @@ fn highlights(workload: Workload) -> Case {
         error: "largest relative error",
         wrong: "no number",
         methods: [
-            method(polished::<f32>(workload), |at| ggx(at, printed), polished_judge),
-            method(polished::<f64>(workload), |at| ggx(at, printed), polished_judge),
+            method(polished::<f32>(workload), |at| ggx(at, published), polished_judge),
+            method(polished::<f64>(workload), |at| ggx(at, published), polished_judge),
             method(polished::<f32>(workload), |at| ggx(at, summed), polished_judge),
             method(polished::<f64>(workload), ours, polished_judge),
         ],

@@ -19,7 +19,7 @@ struct Fan<R> {
     probe: TraversalRay,
 }
 
-/// The least determinant in Möller and Trumbore's paper.
+/// Minimum determinant in Möller and Trumbore's paper.
 pub const LEAST_DETERMINANT: f64 = 1e-6;
 
 /// The test of Möller and Trumbore (1997); triangles with a determinant below `parallel` are missed.

@@ -14,7 +14,7 @@ pub const PIXELS_PER_DEGREE: f64 = 3840.0 * PI / 180.0;
 const COLOR_EXPONENT: f64 = 0.7;
 /// Exponent of feature differences.
 const FEATURE_EXPONENT: f64 = 0.5;
-/// This share of the largest colour difference is mapped to [`KNEE_VALUE`].
+/// This fraction of the largest colour difference is mapped to [`KNEE_VALUE`].
 const KNEE: f64 = 0.4;
 const KNEE_VALUE: f64 = 0.95;
 /// Width of the feature detectors for edges and points, in degrees.

@@ -18,7 +18,7 @@ fn flip_of(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// Values of the authors' own program (`flip_evaluator` 1.7) for the same pictures. It computes in f32, so with the
 /// small exponents its values differ by up to 5e-5.
 #[test]
-fn flip_is_that_of_its_authors() {
+fn flip_matches_its_authors_program() {
     let cases = [
         ([0.0; 3], [1.0; 3], 0.967_388),
         ([0.0, 1.0, 0.0], [0.0, 0.0, 1.0], 1.0),

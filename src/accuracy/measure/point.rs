@@ -34,7 +34,7 @@ pub struct Point {
     pub concentration: Concentration,
     /// Squared error of each pixel, the mean of all runs.
     pub errors: Vec<f32>,
-    /// Share of the pixels that hit the limit of samples.
+    /// Fraction of the pixels that hit the limit of samples.
     pub capped: f64,
     /// The displayed picture of the first run.
     pub picture: Vec<[f32; 3]>,
@@ -70,10 +70,10 @@ impl Point {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
     pub name: String,
-    /// Share of the picture's brightness.
+    /// Fraction of the picture's brightness.
     pub share: f64,
-    /// Its error as a share of its own brightness.
+    /// Its error as a fraction of its own brightness.
     pub error: f64,
-    /// Its share of the squared error in the worst 1 % of the pixels.
+    /// Its fraction of the squared error in the worst 1 % of the pixels.
     pub of_worst: f64,
 }

@@ -33,7 +33,7 @@ pub struct SettingResults {
     picture: Vec<[f32; 3]>,
     exposures: Vec<f32>,
     flips: Vec<f32>,
-    /// Share of the pixels that hit the limit of samples.
+    /// Fraction of the pixels that hit the limit of samples.
     pub capped: f64,
 }
 

@@ -13,14 +13,14 @@ use crate::sequence::Sequence;
 use crate::sequence::quality::{Integrator, PathSettings, Quality};
 use std::time::Instant;
 
-/// Share of the time for rendering; comparing takes the rest.
+/// Fraction of the time for rendering; comparing takes the rest.
 const SHARE: f64 = 0.85;
 /// The largest number of trial renders that adjust the size.
 const TRIALS: u32 = 3;
 /// The largest number of lights, and of objects, that are switched off one at a time.
 const MAX_PARTS_QUICK: usize = 6;
 const MAX_PARTS: usize = 16;
-/// Share of the time for ranking these lights and objects.
+/// Fraction of the time for ranking these lights and objects.
 const RANKING_SHARE: f64 = 0.04;
 /// Number of parts in which references are rendered, so that progress can be reported.
 pub const REFERENCE_PARTS: u32 = 16;

@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plot_says_what_it_shows() {
+    fn plots_have_titles_and_labels() {
         let svg = plot().svg().expect("a plot");
         let words =
             ["How it grows", "workers", "speed-up", "first", "second", "the own one", "at 100", "10 units"];

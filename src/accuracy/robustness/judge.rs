@@ -145,7 +145,7 @@ fn judge_shadow_rays(rays: &SceneRays, ray: &Ray, hit: &SurfaceHit, light: DVec3
 /// Whether a shape is between the exact point and the light; `None` if the exact formula misses the surface that Kinora
 /// hits.
 fn truly_blocked(rays: &SceneRays, near: &[Target], ray: &Ray, target: Target, light: DVec3) -> Option<bool> {
-    // The least t, relative to the distance of the light: far less than any offset, far more than the error of the
+    // Minimum t, relative to the distance of the light: far less than any offset, far more than the error of the
     // point's own root.
     const LEAST: f64 = 1e-12;
     let (origin, direction) = (Vector3::<Exact>::of(ray.origin), Vector3::of(ray.direction));

@@ -82,7 +82,7 @@ impl Robustness {
         Self { hits, starts, size, pixels: judged.iter().map(|pixel| (pixel.shade, pixel.error())).collect() }
     }
 
-    /// The share of pixels that the cheap method gets wrong.
+    /// The fraction of pixels that the cheap method gets wrong.
     pub fn wrong_pixels(&self) -> f64 {
         let wrong = self.pixels.iter().filter(|(_, error)| error.is_some()).count();
         wrong as f64 / self.pixels.len().max(1) as f64
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn kinora_is_right_where_textbooks_are_not() {
+    fn kinora_is_right_where_textbooks_are_wrong() {
         let objects = r#""floor": (shape: Plane()), "far": (shape: Sphere(center: (0, 1, 0), radius: 1)),
             "tiny": (shape: Sphere(center: (1.2, 0.0004, 2), radius: 0.0004)),
             "ring": (shape: Torus(center: (-1.5, 0.5, 1), major: 0.5, minor: 0.2)),

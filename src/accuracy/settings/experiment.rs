@@ -32,7 +32,7 @@ pub struct SceneFacts {
     pub other_random: bool,
     /// Mean samples per pixel at the file's own setting.
     pub samples: f64,
-    /// A rough error of the file's own setting, as a share of the mean brightness; 0 if unknown.
+    /// A rough error of the file's own setting, as a fraction of the mean brightness; 0 if unknown.
     pub error: f64,
     /// The 90th percentile of the radiance of film layers, before their weights.
     pub bright: f64,

@@ -28,7 +28,7 @@ fn the_own_setting_comes_first_and_once() {
 }
 
 #[test]
-fn references_have_sixteen_times_the_samples_of_what_they_judge() {
+fn references_have_sixteen_times_the_samples_of_settings() {
     let noise = |error| Quality { noise: Some(NoiseTarget { error, most: 4096 }), ..path(64) };
     let cases = [(path(64), 64.0), (path(512), 512.0), (path(1), 1.0), (noise(0.05), 300.0)];
     for (own, samples) in cases {
@@ -59,7 +59,7 @@ fn the_curve_has_every_factor_of_two_around_the_own_setting() {
 }
 
 #[test]
-fn what_is_short_is_compared_with_the_own_setting_of_as_many_samples() {
+fn short_settings_are_compared_at_equal_samples() {
     let own = path(512);
     let mut settings = Experiment::new(&own, facts(true, 512.0), Scope { quick: true, most: None });
     settings.parts(&own, vec![(SceneChange::LightOff(0), "a light".to_owned())]);
@@ -79,7 +79,7 @@ fn what_is_short_is_compared_with_the_own_setting_of_as_many_samples() {
 }
 
 #[test]
-fn what_is_not_there_is_left_out_with_a_reason() {
+fn omitted_settings_have_a_reason() {
     let left_out = |random| {
         let settings =
             Experiment::new(&Quality::default(), facts(random, 64.0), Scope { quick: false, most: None });

@@ -9,7 +9,7 @@ impl Experiment {
     }
 
     /// Removes settings that missed their noise target, from the experiment and from the results `came`. `capped`
-    /// gives the share of pixels that hit the limit of samples.
+    /// gives the fraction of pixels that hit the limit of samples.
     pub fn without_unfinished<T>(&mut self, came: Vec<T>, capped: impl Fn(&T) -> f64) -> Vec<T> {
         let unfinished: Vec<bool> = came
             .iter()

@@ -24,10 +24,10 @@ pub struct EnvironmentDistribution {
     width: usize,
 }
 
-/// The most columns and rows.
+/// Maximum columns and rows.
 const MAX_SIZE: (u32, u32) = (1024, 512);
 
-/// The share of directions that are sampled uniformly. A cell that is dark at its sample points may be bright
+/// The fraction of directions that are sampled uniformly. A cell that is dark at its sample points may be bright
 /// elsewhere.
 const UNIFORM_SHARE: f64 = 0.01;
 
@@ -54,7 +54,7 @@ impl EnvironmentDistribution {
         let height = cells.len() / width;
         let between = |row: usize| Angle(180.0 * (row as f64 / height as f64) - 90.0).cos_sin().y;
         let heights: Vec<f64> = (0..=height).map(between).collect();
-        // A row's share of the sphere is its share of the height (Archimedes).
+        // A row's fraction of the sphere is its fraction of the height (Archimedes).
         let share = |row: usize| 0.5 * (heights[row + 1] - heights[row]);
         let mean = |row: &[f64]| row.iter().sum::<f64>() / width as f64;
         let whole: f64 = cells.chunks_exact(width).enumerate().map(|(y, row)| share(y) * mean(row)).sum();
@@ -147,7 +147,7 @@ fn luminance(color: Rgb) -> f64 {
     color.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// Cumulative sums as shares of the whole: the sum before each weight, then 1. Weights are above 0.
+/// Cumulative sums as fractions of the whole: the sum before each weight, then 1. Weights are above 0.
 fn cumulative(weights: impl Iterator<Item = f64> + Clone) -> impl Iterator<Item = f64> {
     let whole: f64 = weights.clone().sum();
     let sums = weights.scan(0.0, move |sum, weight| {

@@ -3,7 +3,8 @@
 use crate::base::digest::Content;
 use crate::base::lanes::Real;
 
-/// The share min(1, 1 / (`constant` + `linear`·d + `quadratic`·d²)) arrives at distance d. Each coefficient is at least
+/// The fraction min(1, 1 / (`constant` + `linear`·d + `quadratic`·d²)) arrives at distance d. Each coefficient is at
+/// least
 /// 0.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct Attenuation {

@@ -58,7 +58,7 @@ pub struct SpotCone {
 }
 
 impl SpotCone {
-    /// The share of the light in a direction of this cosine to the axis, by smoothstep between the two angles.
+    /// The fraction of the light in a direction of this cosine to the axis, by smoothstep between the two angles.
     #[inline(always)]
     pub fn share<F: Real>(&self, cosine: F) -> F {
         let (zero, one) = (F::splat(0.0), F::splat(1.0));

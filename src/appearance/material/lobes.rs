@@ -11,7 +11,7 @@ pub const MIN_FUZZ: f32 = 0.0008;
 pub struct Lobes {
     /// Emitted radiance, for a layer weight of 1.
     pub emission: Rgb,
-    /// Reflected share of the scene's ambient light.
+    /// Reflected fraction of the scene's ambient light.
     pub ambient: Rgb,
     /// Lambertian reflectance: a facing light of intensity 1 gives radiance `diffuse`.
     pub diffuse: Rgb,
@@ -71,7 +71,7 @@ impl Lobes {
         }
     }
 
-    /// The lobes of a surface that covers only this share. The rest lets light pass straight on.
+    /// The lobes of a surface that covers only this fraction. The rest lets light pass straight on.
     pub fn with_coverage(self, share: f32) -> Self {
         Self {
             emission: self.emission * share,

@@ -48,7 +48,7 @@ pub struct MaterialTracks {
     pub priority: i32,
 }
 
-/// The least index of refraction. An easing may overshoot below it.
+/// Minimum index of refraction. An easing may overshoot below it.
 const MIN_IOR: f64 = 1e-3;
 
 impl MaterialTracks {

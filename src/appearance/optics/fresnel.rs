@@ -1,4 +1,4 @@
-//! The share of light that a boundary between two media reflects.
+//! The fraction of light that a boundary between two media reflects.
 
 use crate::base::digest::Content;
 use crate::base::lanes::Real;
@@ -6,7 +6,7 @@ use crate::base::lanes::Real;
 /// The reflectance formula of a refracting boundary.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Content)]
 pub enum Fresnel {
-    /// The boundary reflects only at total internal reflection. The material's refracted share is a constant.
+    /// The boundary reflects only at total internal reflection. The material's refracted fraction is a constant.
     #[default]
     Off,
     /// Fresnel's equations for unpolarised light.
@@ -16,8 +16,8 @@ pub enum Fresnel {
 }
 
 impl Fresnel {
-    /// The reflected share of light that arrives at an angle of cosine `cosine` and is refracted to an angle of cosine
-    /// `refracted`. `eta` is the index of refraction behind the boundary over that in front of it.
+    /// The reflected fraction of light that arrives at an angle of cosine `cosine` and is refracted to an angle of
+    /// cosine `refracted`. `eta` is the index of refraction behind the boundary over that in front of it.
     #[inline(always)]
     pub fn reflectance<F: Real>(self, cosine: F, refracted: F, eta: F) -> F {
         let (zero, one) = (F::splat(0.0), F::splat(1.0));

@@ -39,8 +39,8 @@ impl<F: Real> Microfacet<F> {
     pub fn reflected(self, eye: Vec3<F>, light: Vec3<F>) -> F {
         let half = (eye + light).normalize_or(Vec3::splat(DVec3::Z));
         let visible = F::splat(1.0) / (F::splat(1.0) + self.lambda(eye) + self.lambda(light));
-        let share = self.normal_distribution(half) * visible / (F::splat(4.0) * eye.z);
-        F::select(F::splat(0.0).lt(eye.z), share, F::splat(0.0))
+        let brdf = self.normal_distribution(half) * visible / (F::splat(4.0) * eye.z);
+        F::select(F::splat(0.0).lt(eye.z), brdf, F::splat(0.0))
     }
 
     /// Samples the normal of a microfacet that `eye` sees, from two numbers in 0..1 (Dupuy and Benyoub, *Sampling

@@ -45,9 +45,9 @@ fn small_mirrors_have_their_density() {
 /// The integral over the hemisphere above the surface, by a uniform grid in height and longitude.
 fn over_the_hemisphere(f: impl Fn(DVec3) -> f64) -> f64 {
     const SIDE: u32 = 300;
-    let share = |i: u32| (f64::from(i) + 0.5) / f64::from(SIDE);
+    let cell = |i: u32| (f64::from(i) + 0.5) / f64::from(SIDE);
     let values = (0..SIDE * SIDE).map(|i| {
-        let (z, turn) = (share(i / SIDE), Angle(360.0 * share(i % SIDE)).cos_sin());
+        let (z, turn) = (cell(i / SIDE), Angle(360.0 * cell(i % SIDE)).cos_sin());
         f((turn * (1.0 - z * z).sqrt()).extend(z))
     });
     values.sum::<f64>() * std::f64::consts::TAU / f64::from(SIDE * SIDE)
@@ -59,17 +59,17 @@ fn rough_surfaces_lose_but_never_gain() {
     for alpha in [0.01, 0.1, 0.5, 1.0] {
         for degrees in [0.0, 45.0, 80.0, 89.0] {
             let (microfacet, eye) = (Microfacet { alpha }, at(degrees));
-            let share = |_| {
+            let weight = |_| {
                 let light = mirrored(microfacet, eye, &mut random);
                 if light.z <= 0.0 {
                     return 0.0;
                 }
                 let pdf = microfacet.pdf(eye.into(), light.into());
-                let share = microfacet.reflected(eye.into(), light.into()) / pdf;
-                assert!((0.0..=1.0 + 1e-9).contains(&share), "{share}");
-                share
+                let weight = microfacet.reflected(eye.into(), light.into()) / pdf;
+                assert!((0.0..=1.0 + 1e-9).contains(&weight), "{weight}");
+                weight
             };
-            let mean = (0..20_000).map(share).sum::<f64>() / 20_000.0;
+            let mean = (0..20_000).map(weight).sum::<f64>() / 20_000.0;
             // The sampled mean must agree with a sum over a grid, which misses narrow peaks.
             if alpha >= 0.5 {
                 let sum = over_the_hemisphere(|light| microfacet.reflected(eye.into(), light.into()));

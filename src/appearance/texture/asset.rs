@@ -53,7 +53,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn equal_is_who_shares() {
+    fn only_clones_are_equal() {
         let one = SharedAsset::new(1);
         assert_eq!(one, one.clone());
         assert_ne!(one, SharedAsset::new(1));

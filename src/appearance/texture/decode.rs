@@ -20,10 +20,10 @@ pub enum ColorEncoding {
 /// The largest file in bytes.
 const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// The most texels along a side.
+/// Maximum texels along a side.
 const MAX_SIDE: u32 = 16_384;
 
-/// The most texels: 1.5 GiB.
+/// Maximum texels: 1.5 GiB.
 const MAX_TEXELS: u64 = 1 << 27;
 
 impl Image {

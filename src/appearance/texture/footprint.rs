@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn coordinates_that_begin_anew_do_not_count() {
+    fn footprints_ignore_the_seam_of_coordinates() {
         let around = |p: DVec3| DVec2::new(p.x.rem_euclid(1.0), 2.0 * p.y);
         let footprint = Footprint([DVec3::X * 0.125, DVec3::Y * 0.25]);
         for x in [0.0, 0.0625, 0.5, 0.96875] {

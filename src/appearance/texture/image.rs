@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_that_are_not_there_are_not_mixed_in() {
+    fn transparent_texels_do_not_bleed() {
         let texels = vec![Rgb::X, Rgb::Y, Rgb::Z, Rgb::ONE];
         let image = Image::new(4, 1, texels).and_then(|image| image.with_alpha(vec![1.0, 0.0, 0.5, 1.0]));
         let image = image.expect("an image");

@@ -1,4 +1,4 @@
-//! Procedural patterns: the share of their second texture at a point.
+//! Procedural patterns: the fraction of their second texture at a point.
 
 use super::footprint::contrast;
 use super::noise::{fractal_noise, turbulence};
@@ -27,7 +27,7 @@ pub enum Pattern {
 }
 
 impl Pattern {
-    /// The share of the second texture at `point`, in 0..=1. Each coordinate is known within `error`. `seen` is the
+    /// The fraction of the second texture at `point`, in 0..=1. Each coordinate is known within `error`. `seen` is the
     /// extent of the pixel's footprint along each axis. Details below that size fade to their mean.
     pub fn share(&self, point: DVec3, error: DVec3, seen: DVec3) -> f64 {
         if !point.is_finite() {
@@ -85,12 +85,12 @@ fn height(point: DVec3) -> f64 {
     libm::cos(point.x) + libm::sin(point.y)
 }
 
-/// The share of the plane where |cos x + sin y| is 1 or more. At each x with cos x ≥ 0, the sum is 1 or more for the
-/// share acos(1 - cos x) / π of all y. It is -1 or less as often, half a turn on. So the share is 2/π² times the
+/// The fraction of the plane where |cos x + sin y| is 1 or more. At each x with cos x ≥ 0, the sum is 1 or more for the
+/// fraction acos(1 - cos x) / π of all y. It is -1 or less as often, half a turn on. So the fraction is 2/π² times the
 /// integral of acos(1 - cos x) from 0 to π/2.
 const DOTTED: f64 = 0.369_563_058_864_799_4;
 
-/// The share of the second texture in a cell of one of two kinds, faded by `contrast` to the mean over all cells.
+/// The fraction of the second texture in a cell of one of two kinds, faded by `contrast` to the mean over all cells.
 fn faded(second: bool, mean: f64, contrast: f64) -> f64 {
     let lost = 1.0 - contrast;
     if second { 1.0 - (1.0 - mean) * lost } else { mean * lost }

@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals_say_what_is_right() {
+    fn errors_suggest_a_correction() {
         for text in
             ["", "2", "0/4", "5/4", "1/0", "-1/4", "+1/4", "1/+4", "1/2/3", "a/b", "1/1000001", "1 / 4"]
         {

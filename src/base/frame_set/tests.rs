@@ -65,7 +65,7 @@ fn frames_beyond_the_end_name_those_there_are() {
 }
 
 #[test]
-fn nothing_grows_with_what_is_written_but_with_what_there_is() {
+fn sets_are_limited_by_frames_not_by_text() {
     assert!(matches!(set("0-4294967295").frames(72), Err(FrameSetError::Beyond { .. })));
     assert_eq!(set("0-4294967294").frames(u32::MAX), Err(FrameSetError::TooMany { max: MAX_FRAMES }));
     assert_eq!(set("0-4294967294:4294967294").frames(u32::MAX), Ok(vec![0, u32::MAX - 1]));

@@ -33,7 +33,7 @@ const VERSIONS: [Version; 2] = [
     },
 ];
 
-/// Bytes that this process may still take in its group and in all parent groups; none if no group has a limit. `read`
+/// Bytes that this process may still take in its group and in all parent groups; `None` if no group has a limit. `read`
 /// returns the text of a file, if it exists.
 pub fn free_memory(read: impl Fn(&Path) -> Option<String>) -> Option<u64> {
     let groups = read(Path::new("/proc/self/cgroup"))?;
@@ -76,7 +76,7 @@ impl Version {
         place.next().zip(place.next()).filter(|_| mine)
     }
 
-    /// Bytes left to the group of a folder; none if it has no limit.
+    /// Bytes left to the group of a folder; `None` if it has no limit.
     fn left(&self, folder: &Path, read: impl Fn(&Path) -> Option<String>) -> Option<u64> {
         let number = |file: &str| read(&folder.join(file))?.trim().parse::<u64>().ok();
         let limit = self.limits.iter().copied().filter_map(number).min()?;
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_group_has_its_limit_without_what_cannot_be_taken_back() {
+    fn control_groups_exclude_memory_that_cannot_be_reclaimed() {
         let job = "/sys/fs/cgroup/user.slice/job-7";
         let (max, current, stat) =
             (format!("{job}/memory.max"), format!("{job}/memory.current"), format!("{job}/memory.stat"));

@@ -21,7 +21,7 @@ impl Basis {
     }
 }
 
-/// The frame that looks from `eye` to `target` with `up` in its upper half; none if eye and target are equal
+/// The frame that looks from `eye` to `target` with `up` in its upper half; `None` if eye and target are equal
 /// or not finite.
 ///
 /// `up` counts even if it is nearly parallel to the line of sight. If it is exactly parallel, or zero, `right` is +x

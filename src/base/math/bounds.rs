@@ -39,7 +39,7 @@ impl Aabb {
         Self { min: self.min - by, max: self.max + by }
     }
 
-    pub fn centre(self) -> DVec3 {
+    pub fn center(self) -> DVec3 {
         self.min * 0.5 + self.max * 0.5
     }
 

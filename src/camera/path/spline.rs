@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn one_place_is_no_curve() {
+    fn a_curve_needs_two_points() {
         assert_eq!(Curve::new(vec![DVec3::ONE, DVec3::ONE], false), None);
         assert_eq!(Curve::new(vec![DVec3::ONE, DVec3::ONE], true), None);
     }

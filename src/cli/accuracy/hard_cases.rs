@@ -13,13 +13,30 @@ use std::path::PathBuf;
 
 #[derive(Args, Debug, PartialEq)]
 pub struct HardCaseOptions {
-    /// Also write the table into this file, one line of JSON per case
+    /// With --hard-cases: also write the table into this file, one line of JSON per case
     #[arg(long, value_name = "FILE", requires = "hard_cases")]
     json: Option<PathBuf>,
 
-    /// Instead of the table, write pictures of some cases into this folder
+    /// With --hard-cases: instead of the table, write pictures of some cases into this folder
     #[arg(long, value_name = "DIR", requires = "hard_cases", conflicts_with_all = ["quick", "json"])]
     pictures: Option<PathBuf>,
+}
+
+impl HardCaseOptions {
+    /// Fails if an option is given without `--hard-cases`. clap does not check `requires` of options that conflict with
+    /// each other.
+    pub fn check_absent(&self) -> Result<(), Failure> {
+        let message = match self {
+            Self { json: Some(_), .. } => {
+                "--json needs --hard-cases; the numbers of a sequence file are in data.json in the folder of its report"
+            }
+            Self { pictures: Some(_), .. } => {
+                "--pictures needs --hard-cases; the plots of a sequence file are in the folder of its report"
+            }
+            Self { json: None, pictures: None } => return Ok(()),
+        };
+        Err(Failure::Bad(message.to_owned()))
+    }
 }
 
 pub fn run(options: &HardCaseOptions, quick: bool) -> Result<(), Failure> {

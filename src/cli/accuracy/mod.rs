@@ -12,7 +12,7 @@ use clap::Args;
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// Compute hard numerical cases in four ways; print the error and the time of each
+    /// Compare Kinora's numerics with textbook and stable formulas: error and time
     #[arg(
         long,
         conflicts_with_all = ["file", "output", "frames", "time", "size", "max_samples", "threads", "allow_outside"],
@@ -36,7 +36,10 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     match arguments.hard_cases {
         true => hard_cases::run(&arguments.hard_case_options, arguments.quick),
-        false => measure::run(&arguments.measure_options, arguments.quick),
+        false => {
+            arguments.hard_case_options.check_absent()?;
+            measure::run(&arguments.measure_options, arguments.quick)
+        }
     }
 }
 
@@ -52,3 +55,27 @@ Examples:
 
 Every run gives the same errors; times vary. docs/accuracy.md explains the report,
 docs/numerics.md the cases.";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct TestCommand {
+        #[command(flatten)]
+        arguments: Arguments,
+    }
+
+    #[test]
+    fn options_of_the_hard_cases_are_refused_with_a_file() {
+        for option in ["--json", "--pictures"] {
+            let words = ["x", "no/such/file.ron", option, "out"];
+            let parsed = TestCommand::try_parse_from(words).expect("options").arguments;
+            let Err(Failure::Bad(message)) = run(&parsed) else { panic!("{option} is accepted") };
+            assert!(message.starts_with(&format!("{option} needs --hard-cases")), "{message}");
+        }
+        assert!(TestCommand::try_parse_from(["x", "--json", "out"]).is_err());
+        assert!(TestCommand::try_parse_from(["x", "--hard-cases", "--json", "out"]).is_ok());
+    }
+}

@@ -1,4 +1,4 @@
-//! Progress of a measurement: the finished share of the work, and the time left.
+//! Progress of a measurement: the finished fraction of the work, and the time left.
 
 use crate::base::units;
 use crate::cli::json::{self, rounded};
@@ -35,7 +35,7 @@ impl MeasureReporter {
         Self { display, start: Instant::now(), shown: Instant::now() }
     }
 
-    /// Shows that this share of the work, from 0 to 1, is done. Lines come at most every second, and more rarely in
+    /// Shows that this fraction of the work, from 0 to 1, is done. Lines come at most every second, and more rarely in
     /// long runs.
     pub fn update(&mut self, done: f64) {
         let elapsed = self.start.elapsed();

@@ -17,7 +17,7 @@ use crate::farm::{
 };
 use crate::pipeline::filmstrip::spread;
 use crate::pipeline::plan::FrameStates;
-use crate::pipeline::render::{Request, Reuse, extras, job, pool};
+use crate::pipeline::render::{Request, Reuse, job, pool, requested_aovs};
 use crate::sequence::Sequence;
 use clap::{Args, ValueEnum};
 use std::fs;
@@ -38,7 +38,7 @@ pub struct Arguments {
 
     /// File to write, as for `render`; repeat for several files
     ///
-    /// Tasks write stills; animations are made from PNGs afterwards. If no PNGs are requested,
+    /// Tasks write stills. A final command makes animations from PNGs. If no PNGs are requested,
     /// they are added, in a folder with the name of the animation: out/turn/ for out/turn.mp4.
     #[arg(short, long, value_name = "FILE", value_parser = values::output(), verbatim_doc_comment)]
     output: Vec<Output>,
@@ -51,7 +51,7 @@ pub struct Arguments {
     #[arg(long, value_name = "SET", allow_hyphen_values = true)]
     frames: Option<FrameSet>,
 
-    /// Approximate number of tasks [default: by their work, at most 1000]
+    /// Approximate number of tasks [default: tasks of similar time, at most 1000]
     ///
     /// Tasks take similar times. Frames that share a film are in one task, because it is traced
     /// only once; so there may be fewer tasks.
@@ -59,7 +59,7 @@ pub struct Arguments {
     chunks: Option<NonZeroUsize>,
 
     /// Maximum number of tasks at the same time [default: the engine decides]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = values::between(1, u32::MAX))]
     throttle: Option<u32>,
 
     #[command(flatten)]
@@ -142,7 +142,7 @@ impl Arguments {
         let file = down.join(self.file.file_name().unwrap_or_default());
         let fingerprint = load::fingerprint(&self.file, root)?.to_string();
         let root = root.folder().map(|root| existing(root, path_between(here, root))).transpose()?;
-        let films = || FilmCosts::of(sequence, frames, extras(sequence, &stills));
+        let films = || FilmCosts::of(sequence, frames, requested_aovs(sequence, &stills));
         let films = pool(options.threads)?.install(films);
         Ok(Job {
             name: sequence.name.clone(),

@@ -13,7 +13,7 @@ use crate::cli::{load, overrides, terminal, values};
 use crate::encode::{Existing, FrameStatus, LeaseHolder, Output, frame_statuses, lease_holder};
 use crate::farm::{JobFrame, JobStatus};
 use crate::pipeline::plan::{Plan, camera_rays};
-use crate::pipeline::render::{Request, Reuse, extras, job, pool};
+use crate::pipeline::render::{Request, Reuse, job, pool, requested_aovs};
 use crate::sequence::Sequence;
 use clap::Args;
 use serde_json::json;
@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 
 /// List the frames that are done, stale, missing or in work, and estimate the time left.
 #[derive(Args, Debug, PartialEq)]
-#[command(after_help = AFTER_HELP)]
+#[command(after_help = AFTER_HELP, mut_arg("film_cache", |argument| argument.hide(true)), mut_arg("no_reuse", |argument| argument.hide(true)))]
 pub struct Arguments {
     /// The folder of the frames
     folder: PathBuf,
@@ -51,7 +51,7 @@ Examples:
   kinora farm status out turn.ron -s 640x360         give the same settings as for the job
   kinora farm status out turn.ron --json             for programs
 
-A stale frame exists, but another version, sequence file or setting has rendered it.";
+A stale frame was rendered with another version, file or setting.";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = &arguments.settings;
@@ -91,7 +91,7 @@ impl Arguments {
         let options = &self.settings.options;
         let Some(first) = stills.first().cloned() else { return Ok(JobStatus::default()) };
         let pool = pool(options.threads)?;
-        let films = extras(sequence, &stills);
+        let films = requested_aovs(sequence, &stills);
         let request = Request {
             frames: numbers,
             outputs: stills,
@@ -129,7 +129,8 @@ impl Arguments {
             format!("there is no folder {folder} yet; it appears with the first task of the job")
         } else {
             format!(
-                "there is no folder {folder}; the frames of {file} go into {}, or where -o says",
+                "there is no folder {folder}; the frames of {file} are in {}, unless the job was exported with -o: then \
+                 pass the job's -o",
                 escape::path(own)
             )
         }))
@@ -166,7 +167,7 @@ fn text(status: &JobStatus, names: &str) -> String {
     }
     if missing.len() == all {
         lines.push(format!(
-            "note    there is no file {names}; if the job writes other names, give them with -o"
+            "note    there is no file {names}; if the job was exported with -o, pass the job's -o"
         ));
     }
     if let Some(left) = left.filter(|_| done.len() < all) {

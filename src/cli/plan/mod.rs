@@ -18,7 +18,7 @@ use super::{check, load, overrides, terminal, values};
 use crate::base::clock::timed;
 use crate::base::frame_set::FrameSet;
 use crate::pipeline::memory;
-use crate::pipeline::render::{self, Reuse, extras, pool};
+use crate::pipeline::render::{self, Reuse, pool, requested_aovs};
 use clap::Args;
 use report::PlanReport;
 use std::num::NonZeroUsize;
@@ -89,15 +89,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let frames = selected_frames(arguments.frames.as_ref(), &sequence)?;
     // A sequence that `render` would refuse needs no plan.
     render::check(&sequence, &check::request(&sequence))?;
-    let extras = extras(&sequence, &sequence.output.files);
-    let cache_budget = arguments.film_cache.map_or(Reuse::Share, Reuse::Within).budget(&sequence, extras);
-    let pending_bytes = memory::needed(&sequence, extras);
+    let aovs = requested_aovs(&sequence, &sequence.output.files);
+    let cache_budget = arguments.film_cache.map_or(Reuse::Share, Reuse::Within).budget(&sequence, aovs);
+    let pending_bytes = memory::needed(&sequence, aovs);
     let setup = FarmSetup { workers: &arguments.workers, chunks: arguments.chunks, threads: options.threads };
     let farm = || FarmForecast::measure(&sequence, &frames, &setup, load);
     let farm = (!arguments.workers.is_empty()).then(farm).transpose()?;
     let pilot = !arguments.no_pilot;
     let report = pool(options.threads)?
-        .install(|| PlanReport::new(&sequence, &frames, extras, cache_budget, pilot))
+        .install(|| PlanReport::new(&sequence, &frames, aovs, cache_budget, pilot))
         .with_farm(farm, pending_bytes);
     terminal::print_line(&if arguments.json { json::json(&report) } else { text::text(&report) })
 }

@@ -31,14 +31,14 @@ impl<'a> PlanReport<'a> {
     pub fn new(
         sequence: &'a Sequence,
         frames: &[u32],
-        extras: AovSet,
+        aovs: AovSet,
         cache_budget: u64,
         with_pilot: bool,
     ) -> Self {
-        let plan = Plan::new(sequence, frames, extras, cache_budget);
+        let plan = Plan::new(sequence, frames, aovs, cache_budget);
         let outline = outline(sequence, &plan);
         let (expected, outlook) = match with_pilot {
-            true => piloted(sequence, &plan, extras),
+            true => piloted(sequence, &plan, aovs),
             false => (RayEstimate::of(sequence, &plan), None),
         };
         Self { sequence, plan, outline, expected, outlook, cache_budget, farm: None, pending_bytes: 0 }
@@ -75,12 +75,8 @@ impl<'a> PlanReport<'a> {
 }
 
 /// Rays, times and errors by a pilot.
-fn piloted(
-    sequence: &Sequence,
-    plan: &Plan,
-    extras: AovSet,
-) -> (RayEstimate, Option<(Outlook, RunForecast)>) {
-    let outlook = run_pilot(sequence, plan, extras, PilotTime::PLAN, TimeSource::Machine);
+fn piloted(sequence: &Sequence, plan: &Plan, aovs: AovSet) -> (RayEstimate, Option<(Outlook, RunForecast)>) {
+    let outlook = run_pilot(sequence, plan, aovs, PilotTime::PLAN, TimeSource::Machine);
     let forecast = outlook.forecast(&sequence.quality);
     let known = RayEstimate::of(sequence, plan);
     let expected = match known.exact {

@@ -5,6 +5,7 @@ use super::{changes, films};
 use crate::base::escape;
 use crate::base::units::{self, count, counted};
 use crate::cli::forecast_text::{advice, error_range, short_time, time_range};
+use crate::cli::summary::reused_frames;
 use crate::pipeline::plan::{EffectSource, FrameSpan, Reason, SceneEffect};
 
 /// Explains the word to readers who meet it here for the first time.
@@ -49,7 +50,10 @@ fn aligned(groups: &[Group]) -> String {
 
 fn frames(report: &PlanReport) -> String {
     let (frames, films) = (report.plan.film_of.len() as u64, report.plan.films.len() as u64);
-    format!("{}, {} of them from films of other frames", count(frames), count(frames - films))
+    match frames - films {
+        0 => count(frames),
+        reused => format!("{}, {}", count(frames), reused_frames(reused)),
+    }
 }
 
 /// The number of films, and whether more memory would make it smaller.
@@ -73,9 +77,9 @@ fn reasons(report: &PlanReport) -> String {
     let clause = |(reason, films): &(Reason, usize)| {
         let films = count(*films as u64);
         match reason {
-            Reason::First => format!("{films} to begin with"),
-            Reason::Change(parts) => format!("{films} where {}", changes::sentence(report.sequence, parts)),
-            Reason::Samples => format!("{films} where samples become random or stop being so"),
+            Reason::First => format!("{films} for the first frame"),
+            Reason::Change(parts) => format!("{films} because {}", changes::sentence(report.sequence, parts)),
+            Reason::Samples => format!("{films} because samples become random or stop being so"),
             Reason::Memory => format!("{films} again, because --film-cache is too small to keep them"),
         }
     };
@@ -94,8 +98,8 @@ fn forecast(report: &PlanReport) -> Vec<Group> {
         Some(error) => format!("{} of the brightness, in the worst frame", error_range(error)),
         None => "none, as nothing is random".to_owned(),
     };
-    let each = films::lines(report, &forecast.films);
-    vec![("time", [vec![time], advice].concat()), ("error", vec![error]), ("each", each)]
+    let films = films::lines(report, &forecast.films);
+    vec![("time", [vec![time], advice].concat()), ("error", vec![error]), ("films", films)]
 }
 
 fn span(report: &PlanReport, span: &FrameSpan) -> String {

@@ -4,7 +4,7 @@ use crate::encode::movie::difference::{PixelRect, changed};
 use gif::{DisposalMethod, Frame};
 use std::borrow::Cow;
 
-/// The LZW-compressed frame that turns `old` into `new`, without its delay. None if they are equal. Both are palette
+/// The LZW-compressed frame that turns `old` into `new`, without its delay. `None` if they are equal. Both are palette
 /// indices of pictures of `size` pixels. Without `old`, the frame is the whole picture.
 ///
 /// Unchanged pixels inside the changed rectangle become `transparent` if that makes the frame smaller.
@@ -29,7 +29,7 @@ pub fn delta(
 }
 
 /// The frame of a picture with transparent pixels. It contains the rectangle of its opaque pixels and is cleared before
-/// the next frame, so that nothing of `old` shows through. None if the pictures are equal.
+/// the next frame, so that nothing of `old` shows through. `None` if the pictures are equal.
 pub fn replacement(old: Option<&[u8]>, new: &[u8], size: (u16, u16), clear: u8) -> Option<Frame<'static>> {
     if old == Some(new) {
         return None;

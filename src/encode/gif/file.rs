@@ -32,7 +32,7 @@ struct PendingFrame {
 }
 
 impl GifFile {
-    /// Starts a file. `palette` holds RGB triples, and `loop_count` is None for an animation that plays forever.
+    /// Starts a file. `palette` holds RGB triples, and `loop_count` is `None` for an animation that plays forever.
     pub fn create(
         path: &Path,
         size: (u16, u16),

@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::base::time::Rate;
-use crate::encode::{AnimationFormat, Formats, GifSettings, MATTE, Output, SequenceInfo, Tonemap};
+use crate::encode::{
+    AnimationFormat, DEFAULT_BACKGROUND_COLOR, Formats, GifSettings, Output, SequenceInfo, Tonemap,
+};
 use ::gif::{ColorOutput, DecodeOptions, DisposalMethod, Repeat};
 use std::collections::HashMap;
 use std::fs;
@@ -121,7 +123,7 @@ fn job(path: &Path, pictures: &[Picture], rate: (i128, i128), gif: GifSettings) 
         size: (pictures[0].width, pictures[0].height),
         tonemap: Tonemap::Srgb,
         transparent: false,
-        matte: MATTE,
+        background_color: DEFAULT_BACKGROUND_COLOR,
         caption: None,
         formats: Formats { gif, ..Formats::default() },
         info: SequenceInfo::default(),

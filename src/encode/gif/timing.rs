@@ -18,7 +18,7 @@ pub const MAX_RATE: i128 = 50;
 /// The longest animation: 100 days. Longer animations are mistakes and would fill the disk.
 const MAX_CENTISECONDS: i128 = 100 * 86_400 * 100;
 
-/// The frames that are shown of `frames` frames at `rate`. None if the animation would play for more than 100 days.
+/// The frames that are shown of `frames` frames at `rate`. `None` if the animation would play for more than 100 days.
 ///
 /// The frame of index k starts at c_k = k / rate, rounded half up to centiseconds. So rounding errors do not
 /// accumulate: at every frame, the sum of the delays is within half a centisecond of the true time. Above 50 frames per

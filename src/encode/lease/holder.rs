@@ -21,7 +21,7 @@ const LEASE_PREFIX: &str = "claim-";
 /// Who holds a lease, and for how long its file was not touched.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeaseHolder {
-    /// None if the file names no process.
+    /// `None` if the file names no process.
     pub process: Option<Process>,
     pub idle: Duration,
     /// The whole text of the file.
@@ -54,7 +54,7 @@ pub fn is_lease(name: &str) -> bool {
     name.strip_prefix(PREFIX).is_some_and(|rest| rest.starts_with(LEASE_PREFIX))
 }
 
-/// Reads who holds a lease. None if the file does not exist.
+/// Reads who holds a lease. `None` if the file does not exist.
 pub fn holder(lease: &Path) -> io::Result<Option<LeaseHolder>> {
     let found = attempt(Operation::Read, lease, || {
         // Opening the file first makes network file systems refresh its attributes.

@@ -19,7 +19,7 @@ fn age(path: &Path, by: Duration) {
 }
 
 #[test]
-fn one_of_several_acquires_a_lease_and_no_file_stays() {
+fn one_of_several_processes_acquires_a_lease() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join(NAME);
     let (leases, got) = (Leases::new(), AtomicU64::new(0));
@@ -78,7 +78,7 @@ fn only_void_leases_are_taken_over() {
 
 /// A process that was suspended for too long does not remove the lease of its successor.
 #[test]
-fn a_lease_that_was_taken_over_is_left_alone() {
+fn lost_leases_are_not_removed() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join(NAME);
     let (first, second) = (Leases::new(), Leases::new());

@@ -18,7 +18,7 @@ impl PixelRect {
 }
 
 /// The smallest rectangle that contains every difference of two pictures of the same size, both `stride` pixels wide.
-/// None if they are equal.
+/// `None` if they are equal.
 pub fn changed<T: PartialEq>(old: &[T], new: &[T], stride: usize) -> Option<PixelRect> {
     let rows = || old.chunks_exact(stride).zip(new.chunks_exact(stride));
     let top = rows().position(|(old, new)| old != new)?;

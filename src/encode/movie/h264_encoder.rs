@@ -18,7 +18,7 @@ const MAX_GOP: i128 = 250;
 /// Frames of lookahead for the quality of macroblocks, and the maximum bytes of these frames.
 const LOOKAHEAD: usize = 40;
 const LOOKAHEAD_BYTES: usize = 1 << 26;
-/// Maximum bytes of frames in flight, and the share of the free memory that they may take, as a divisor. Neither
+/// Maximum bytes of frames in flight, and the fraction of the free memory that they may take, as a divisor. Neither
 /// affects the stream.
 const IN_FLIGHT_BYTES: u64 = 1 << 29;
 const MEMORY_SHARE: u64 = 8;
@@ -73,7 +73,7 @@ impl H264Encoder {
         Ok(())
     }
 
-    /// The next encoded stream in the order of the frames: Annex B units of whole frames. None if it is not encoded
+    /// The next encoded stream in the order of the frames: Annex B units of whole frames. `None` if it is not encoded
     /// yet. Waits for it if too many frames are in flight.
     pub fn next(&mut self) -> Option<io::Result<Vec<u8>>> {
         self.gops.next(false)

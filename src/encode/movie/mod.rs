@@ -30,7 +30,7 @@ use crate::base::cancel::Stop;
 use rayon::ThreadPool;
 use std::sync::Arc;
 
-/// Starts the animation of an output. None for stills and GIFs. The threads of `pool` encode videos.
+/// Starts the animation of an output. `None` for stills and GIFs. The threads of `pool` encode videos.
 #[cfg_attr(not(feature = "video"), expect(unused_variables, reason = "only videos are encoded in a pool"))]
 pub fn start(
     output: &Output,

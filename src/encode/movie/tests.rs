@@ -4,7 +4,7 @@ use super::*;
 use crate::base::cancel::Stop;
 use crate::base::time::Rate;
 use crate::encode::picture::Picture;
-use crate::encode::{Formats, LoopCount, MATTE, SequenceInfo, Tonemap};
+use crate::encode::{DEFAULT_BACKGROUND_COLOR, Formats, LoopCount, SequenceInfo, Tonemap};
 use image::codecs::png::PngDecoder;
 use image::codecs::webp::WebPDecoder;
 use image::{AnimationDecoder, Frame, ImageDecoder};
@@ -38,7 +38,7 @@ fn job(path: &str, size: (u32, u32), rate: (i128, i128), formats: Formats) -> En
         size,
         tonemap: Tonemap::Srgb,
         transparent: false,
-        matte: MATTE,
+        background_color: DEFAULT_BACKGROUND_COLOR,
         caption: None,
         formats,
         info: SequenceInfo::default(),
@@ -238,7 +238,7 @@ fn mp4s_have_a_keyframe_every_second() {
 
 /// A stopped animation plays the frames so far, under the name of a partial file.
 #[test]
-fn stopped_animations_play_what_they_have() {
+fn stopped_animations_hold_their_frames() {
     let pictures = frames((31, 17), false);
     for name in ["a.apng", "a.webp", "a.mp4", "a.y4m"] {
         let dir = tempfile::tempdir().expect("a folder");

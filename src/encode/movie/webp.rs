@@ -108,7 +108,7 @@ impl Webp {
         PixelRect { left: 0, top: 0, width: self.size.0 as usize, height: self.size.1 as usize }
     }
 
-    /// The rectangle that has changed since the previous frame, with its corner at even pixels. None if nothing
+    /// The rectangle that has changed since the previous frame, with its corner at even pixels. `None` if nothing
     /// changed.
     fn changed_rect(&self, pixels: &[[u8; 4]]) -> Option<PixelRect> {
         if self.last.is_empty() {

@@ -29,7 +29,7 @@ impl TreeSpace {
         let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
         // Uses the world's origin if it is near: then f32 coordinates stay exact, as they are only scaled.
         let (origin, reach) =
-            if farthest <= NEARBY * half { (DVec3::ZERO, farthest) } else { (bounds.centre(), half) };
+            if farthest <= NEARBY * half { (DVec3::ZERO, farthest) } else { (bounds.center(), half) };
         // Doubled, because `power_of_two` may be too small by up to a factor of two. Clamped, so that a reciprocal
         // exists.
         let size = power_of_two(reach.clamp(1e-300, 1e300)) * 2.0;

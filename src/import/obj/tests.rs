@@ -91,7 +91,7 @@ fn materials_have_slots() {
 }
 
 #[test]
-fn of_materials_with_one_name_the_first_counts() {
+fn the_first_material_of_a_name_wins() {
     let open = |name: &str| match name {
         "twice.mtl" => Ok(b"newmtl a\nKd 1 0 0\nnewmtl a\nKd 0 1 0\n".to_vec()),
         "later.mtl" => Ok(b"newmtl a\nKd 0 0 1\n".to_vec()),

@@ -13,7 +13,7 @@ pub type OpenLibrary<'a> = dyn Fn(&str) -> io::Result<Vec<u8>> + 'a;
 /// The materials in use, and their slots.
 #[derive(Default)]
 pub struct MaterialUsage {
-    /// The materials of the libraries read so far, by name; none before the first library.
+    /// The materials of the libraries read so far, by name; `None` before the first library.
     known: Option<HashMap<String, MtlMaterial>>,
     /// The error of the first missing library. It matters only to callers that need the materials.
     missing: Option<MeshError>,

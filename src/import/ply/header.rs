@@ -30,7 +30,7 @@ pub enum ScalarType {
 pub struct Property {
     pub name: String,
     pub item: ScalarType,
-    /// The type of the count of a list; none for a single value.
+    /// The type of the count of a list; `None` for a single value.
     pub list: Option<ScalarType>,
 }
 

@@ -208,7 +208,7 @@ impl RecordSize {
         size
     }
 
-    /// The end of the record that starts at `at`; none if it is incomplete.
+    /// The end of the record that starts at `at`; `None` if it is incomplete.
     #[inline]
     fn end(&self, bytes: &[u8], mut at: usize, format: PlyFormat) -> Option<usize> {
         for ListSize { before, count, item } in &self.lists {

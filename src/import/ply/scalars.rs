@@ -28,7 +28,7 @@ pub trait Scalars {
     /// Ends the record.
     fn end(&mut self) -> Result<(), MeshError>;
 
-    /// The number of the record's line; none for binary records.
+    /// The number of the record's line; `None` for binary records.
     fn line(&self) -> Option<u64>;
 }
 

@@ -219,7 +219,8 @@ fn many_records() -> (Vec<u8>, String, Vec<Vec<u32>>) {
         70_000 => 500_000,
         _ => 3 + face % 3,
     };
-    let faces = (0..90_000).map(|face| (0..corners(face)).map(|i| (face + i * i) % VERTICES).collect());
+    let faces = (0..90_000)
+        .map(|face| (0..corners(face)).map(|i| face.wrapping_add(i.wrapping_mul(i)) % VERTICES).collect());
     (bytes, text, faces.collect())
 }
 

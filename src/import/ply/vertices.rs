@@ -52,7 +52,7 @@ pub struct Vertices {
 /// The properties of a vertex in a file, and the type of its colours.
 struct VertexLayout<'a> {
     element: &'a Element,
-    /// The place of each property; none for those that are not read.
+    /// The place of each property; `None` for those that are not read.
     places: Vec<Option<usize>>,
     has: [bool; MAX_VALUES],
     /// The places of the properties, if all of them are floats, are read, and fit into a record.

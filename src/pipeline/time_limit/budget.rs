@@ -2,7 +2,7 @@
 
 use crate::base::clock::TimeSource;
 use crate::pipeline::plan::{Outlook, PilotTime, Plan, run_pilot};
-use crate::pipeline::render::{RenderError, Request, extras, pool};
+use crate::pipeline::render::{RenderError, Request, pool, requested_aovs};
 use crate::sequence::Sequence;
 use crate::sequence::quality::{NoiseTarget, Quality};
 use std::time::Duration;
@@ -41,12 +41,12 @@ pub fn budget(
     clock: TimeSource,
 ) -> Result<Budget, RenderError> {
     let limit = limit.as_secs_f64();
-    let extras = extras(sequence, &request.outputs);
-    let room = request.reuse.budget(sequence, extras);
+    let aovs = requested_aovs(sequence, &request.outputs);
+    let room = request.reuse.budget(sequence, aovs);
     let patience = PilotTime { seconds: PILOT_SHARE * limit, share: f64::INFINITY };
     let outlook = pool(request.threads)?.install(|| {
-        let plan = Plan::new(sequence, &request.frames, extras, room);
-        run_pilot(sequence, &plan, extras, patience, clock)
+        let plan = Plan::new(sequence, &request.frames, aovs, room);
+        run_pilot(sequence, &plan, aovs, patience, clock)
     });
     let spent = outlook.spent.wall;
     let (quality, reached) = settle(&outlook, &sequence.quality, limit - spent);

@@ -14,9 +14,9 @@ impl Sequence {
         for Named { name, value } in self.used_materials() {
             let levels =
                 [("fuzz", &value.fuzz), ("metallic", &value.metallic), ("roughness", &value.roughness)];
-            let painted = |level: &ScalarTextureTracks| matches!(level, ScalarTextureTracks::Textured(paint) if paint.has_alpha());
+            let textured = |level: &ScalarTextureTracks| matches!(level, ScalarTextureTracks::Textured(paint) if paint.has_alpha());
             let fields: Vec<_> =
-                levels.iter().filter(|(_, level)| painted(level)).map(|(name, _)| *name).collect();
+                levels.iter().filter(|(_, level)| textured(level)).map(|(name, _)| *name).collect();
             let name = shortened(name);
             if !fields.is_empty() {
                 let fields = listed(fields);

@@ -57,7 +57,7 @@ fn samples_have_their_density_and_miss_nothing() {
             assert!((direction.length() - 1.0).abs() < 1e-14);
             assert!(pdf > 0.0 && pdf == table.pdf(direction));
             let anywhere = random.direction();
-            // Every direction has at least the density of the uniform share.
+            // Every direction has at least the density of the uniform fraction.
             assert!(table.pdf::<f64>(anywhere.into()) >= 0.999 * UNIFORM_SHARE / (2.0 * TAU));
         }
         for u in [0.0, 1.0f64.next_down()] {
