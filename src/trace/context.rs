@@ -78,6 +78,8 @@ pub struct TraceContext<'a> {
     pub has_transparency: bool,
     /// Whether any material refracts, so that paths record the media around them.
     pub media: bool,
+    /// Whether any of these media absorbs.
+    pub absorbs: bool,
 }
 
 impl<'a> TraceContext<'a> {
@@ -137,6 +139,7 @@ impl<'a> TraceContext<'a> {
             passing: Vec::new(),
             has_transparency: materials.any(passes),
             media: materials.any(LobeSet::REFRACTION),
+            absorbs: materials.absorb(scene),
         };
         context.classify(&materials.lobes);
         context
@@ -209,6 +212,14 @@ impl UsedMaterials {
     /// Whether a used material has any of these lobes.
     fn any(&self, set: LobeSet) -> bool {
         self.lobes.iter().zip(&self.used).any(|(lobes, used)| *used && lobes.has(set))
+    }
+
+    /// Whether a used material refracts into a medium that absorbs.
+    fn absorb(&self, scene: &Scene) -> bool {
+        let mut materials = scene.shading.materials.iter().zip(self.lobes.iter().zip(&self.used));
+        materials.any(|(material, (lobes, used))| {
+            *used && lobes.has(LobeSet::REFRACTION) && material.medium.absorption != Rgb::ZERO
+        })
     }
 
     /// Whether a used material emits light.

@@ -64,7 +64,7 @@ impl TraceShadowRays<'_> {
             mis_complement = shadows.mis_complement(&at);
         }
         let open = active & !found.blocked & !found.dimmed;
-        if context.media {
+        if context.absorbs {
             let inside = shadows.media::<L::U32>(&at);
             let length = shadow.ray.direction.length() * shadow.t_max;
             if let Some(left) = transmittance::<L::F64>(self.media, inside, length) {

@@ -128,7 +128,7 @@ impl ScratchBuffer {
         next.set_depth(paths.depth() + 1);
         let Self { hits, events, media, shadows, rows, sums, counts, .. } = self;
         hits.find(context, paths, coherence, (events, media));
-        if context.fog.is_some() || context.media {
+        if context.fog.is_some() || context.absorbs {
             dispatch(AttenuateSegments { context, paths, hits, media, sums, counts });
         }
         shadows.iter_mut().for_each(ShadowStream::clear);
