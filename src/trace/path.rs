@@ -197,12 +197,16 @@ impl<F: Real> PathShader<'_, F> {
         let ShadingContext { path, surface, interface, .. } = self.at;
         let (zero, columns) = (F::splat(0.0), wave.context.columns);
         let at = &surface.surface;
-        let mut ray = Spawn::select(
-            sample.is_scattered,
-            spawn_lifted(at, sample.direction),
-            spawn(at, sample.direction),
-        );
-        if self.at.lobes.has(LobeSet::MIRROR | LobeSet::MICROFACET | LobeSet::REFRACTION) {
+        // Every ray leaves by a lobe of the set. Those that pass straight on keep their origin instead.
+        let lobes = self.at.lobes;
+        let mut ray = Spawn { origin: at.point, direction: sample.direction, is_valid: F::Mask::splat(true) };
+        if lobes.has(LobeSet::SAMPLED) {
+            ray = spawn_lifted(at, sample.direction);
+        }
+        if lobes.has(LobeSet::REFRACTION) {
+            ray = Spawn::select(sample.is_refracted, spawn(at, sample.direction), ray);
+        }
+        if lobes.has(LobeSet::MIRROR | LobeSet::MICROFACET | LobeSet::REFRACTION) {
             ray = Spawn::select(sample.is_mirrored, spawn_reflected(at, sample.direction), ray);
         }
         let one_less = path.bounces_left.wrapping_add(F::U32::splat(u32::MAX));

@@ -30,10 +30,16 @@ out_of_line! {
     /// the normal, to the side of the direction, past the error bound of the point. Then each coordinate is rounded
     /// away from the point (Pharr, Jakob, Humphreys, *Physically Based Rendering*, section 6.8.6).
     pub fn spawn<'k, F>(surface: &'k LaneSurface<F>, direction: Vec3<F>) -> Spawn<F> {
-        let below = direction.dot(surface.normal).lt(F::splat(0.0));
-        let origin = offset_ray_origin(surface, surface.point, surface.normal.negate_where(below));
-        Spawn { origin, direction, is_valid: F::Mask::splat(true) }
+        spawn_flat(surface, direction)
     }
+}
+
+/// [`spawn`] within another function.
+#[inline(always)]
+fn spawn_flat<F: Real>(surface: &LaneSurface<F>, direction: Vec3<F>) -> Spawn<F> {
+    let below = direction.dot(surface.normal).lt(F::splat(0.0));
+    let origin = offset_ray_origin(surface, surface.point, surface.normal.negate_where(below));
+    Spawn { origin, direction, is_valid: F::Mask::splat(true) }
 }
 
 /// [`spawn`] of one ray.
@@ -47,7 +53,7 @@ out_of_line! {
     /// surface, on the visible side (Hanika, *Hacking the Shadow Terminator*, in *Ray Tracing Gems II*, 2021). So
     /// triangles do not cast shadows on neighbours that are shaded as curved.
     pub fn spawn_lifted<'k, F>(surface: &'k LaneSurface<F>, direction: Vec3<F>) -> Spawn<F> {
-        let start = spawn(surface, direction);
+        let start = spawn_flat(surface, direction);
         let smooth = surface.smoothly_faces(direction);
         if !smooth.any() {
             return start;
@@ -72,7 +78,7 @@ out_of_line! {
     pub fn spawn_reflected<'k, F>(surface: &'k LaneSurface<F>, direction: Vec3<F>) -> Spawn<F> {
         let below = surface.normal.dot(direction).le(F::splat(0.0));
         if !below.any() {
-            return spawn(surface, direction);
+            return spawn_flat(surface, direction);
         }
         let smooth = below & surface.smoothly_faces(direction);
         let up = reflect(direction, surface.normal);

@@ -4,12 +4,11 @@
 #[derive(Clone, Copy, Debug)]
 pub struct Lookup {
     pub(super) at: [u32; 8],
-    /// The largest of the indices.
+    /// The smallest and the largest of the indices.
+    pub(super) first: u32,
     pub(super) last: u32,
     /// Whether the indices are consecutive.
     pub(super) is_run: bool,
-    /// Whether all indices are equal.
-    pub(super) is_same: bool,
 }
 
 impl Lookup {
@@ -18,16 +17,19 @@ impl Lookup {
     pub fn new(indices: &[u32]) -> Self {
         let count = indices.len();
         let mut at = [indices[count - 1]; 8];
-        let (mut last, mut is_run, mut is_same) = (0, count == 8, true);
-        for lane in 0..8 {
-            if lane < count {
-                at[lane] = indices[lane];
-            }
-            last = last.max(at[lane]);
-            is_run &= at[lane] == at[0].wrapping_add(lane as u32);
-            is_same &= at[lane] == at[0];
+        if let Ok(all) = indices.try_into() {
+            at = all;
+        } else {
+            at[..count].copy_from_slice(indices);
         }
-        Self { at, last, is_run, is_same }
+        // Without branches, for one instruction of all lanes each.
+        let (mut first, mut last, mut off) = (at[0], at[0], 0);
+        for lane in 0..8 {
+            first = first.min(at[lane]);
+            last = last.max(at[lane]);
+            off |= at[lane] ^ at[0].wrapping_add(lane as u32);
+        }
+        Self { at, first, last, is_run: off == 0 }
     }
 
     /// `count` ≥ 1 consecutive indices from `first` on. Lanes beyond them repeat the last index.
@@ -37,7 +39,7 @@ impl Lookup {
         for (lane, at) in at.iter_mut().enumerate() {
             *at = first + lane.min(count - 1) as u32;
         }
-        Self { at, last: at[7], is_run: count == 8, is_same: count == 1 }
+        Self { at, first, last: at[7], is_run: count == 8 }
     }
 
     #[inline(always)]

@@ -189,7 +189,9 @@ impl<'a, L: Level> LaneAnyHit<'a, L> {
     /// Tests the primitives of these indices for some of the rays.
     #[inline(always)]
     pub fn test(&mut self, geometry: &Geometry, indices: &[u32], rays: L::Mask) {
-        L::call_with(Test { shadow: self, geometry, indices, rays });
+        if !indices.is_empty() {
+            L::call_with(Test { shadow: self, geometry, indices, rays });
+        }
     }
 
     #[inline(always)]

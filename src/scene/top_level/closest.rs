@@ -128,7 +128,9 @@ impl<'a, F: Real> LaneClosestHit<'a, F> {
     /// Tests the primitives of these indices, in any order.
     #[inline(always)]
     pub fn test(&mut self, geometry: &Geometry, indices: &[u32]) {
-        F::Level::call_with(Test { nearest: self, geometry, indices });
+        if !indices.is_empty() {
+            F::Level::call_with(Test { nearest: self, geometry, indices });
+        }
     }
 
     #[inline(always)]

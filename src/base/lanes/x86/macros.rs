@@ -93,7 +93,7 @@ macro_rules! row {
                 if at.is_run {
                     return unsafe { Self::read(from.as_ptr().add(at.at[0] as usize)) };
                 }
-                if at.is_same {
+                if at.first == at.last {
                     return Self::splat(from[at.at[0] as usize]);
                 }
                 let one = |lane: usize| unsafe { *from.get_unchecked(at.at[lane] as usize) };
