@@ -24,7 +24,7 @@ pub struct PixelSamples {
 impl PixelSamples {
     /// Without samples, with room for `size` of them.
     pub fn with_capacity(size: usize) -> Self {
-        let column = || vec![0; size.next_multiple_of(8)];
+        let column = || vec![0; size.next_multiple_of(8) + 8];
         Self { len: 0, x: column(), y: column(), number: column(), pixel: column(), sample: column() }
     }
 
@@ -39,10 +39,11 @@ impl PixelSamples {
     /// Adds a group. There must be room for it.
     #[inline]
     pub fn extend(&mut self, group: &SampleGroup) {
-        let slots = self.len..self.len + group.count;
+        // Eight numbers are copied at once. Those behind the group are overwritten later.
+        let slots = self.len..self.len + 8;
         let Self { x, y, number, pixel, sample, .. } = self;
         for (column, values) in [x, y, number, pixel, sample].into_iter().zip(&group.columns) {
-            column[slots.clone()].copy_from_slice(&values[..group.count]);
+            column[slots.clone()].copy_from_slice(values);
         }
         self.len += group.count;
     }

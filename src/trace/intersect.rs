@@ -65,18 +65,18 @@ impl HitStream {
         self.reset(paths.len());
         dispatch(Intersect { context, paths, coherence, events, media, hits: self });
         self.resolve(context, paths, (events, media));
-        for index in 0..paths.len() {
-            let primitive = self.primitive[index];
-            let number = index as u32;
-            if primitive == NOTHING {
-                self.escaped.push(number);
+        let Self { primitive, part, material, escaped, lights, surfaces, .. } = self;
+        let hits = primitive.iter().zip(part).zip(material).take(paths.len());
+        for (number, ((primitive, part), material)) in (0..).zip(hits) {
+            if *primitive == NOTHING {
+                escaped.push(number);
                 continue;
             }
-            let (queue, material) = context.route(primitive, self.part[index]);
-            self.material[index] = material;
+            let (queue, index) = context.route(*primitive, *part);
+            *material = index;
             match queue {
-                Queue::Surface(class) => self.surfaces[class as usize].push(number),
-                _ => self.lights.push(number),
+                Queue::Surface(class) => surfaces[class as usize].push(number),
+                _ => lights.push(number),
             }
         }
     }

@@ -60,7 +60,9 @@ impl<'a> PixelTracer<'a> {
         let set = SampleSet { samples: 0..self.count(), seed: self.context.quality.seed };
         let counts = self.add(pixels, &set, sums);
         let samples = f64::from(self.count());
-        sums.iter_mut().for_each(|sum| *sum /= samples);
+        if samples > 1.0 {
+            sums.iter_mut().for_each(|sum| *sum /= samples);
+        }
         counts
     }
 
@@ -136,8 +138,11 @@ impl<'a> PixelTracer<'a> {
         let at_once = if set.samples.len() < 8 { 8 } else { 1 };
         let (mut group, mut numbers) = (SampleGroup::default(), [PixelSampler::new((0, 0), 0); 8]);
         for (block, pixels) in pixels.chunks(at_once).enumerate() {
-            for (numbers, pixel) in numbers.iter_mut().zip(pixels) {
-                *numbers = PixelSampler::new(*pixel, set.seed);
+            // Grids use no random numbers.
+            if self.random {
+                for (numbers, pixel) in numbers.iter_mut().zip(pixels) {
+                    *numbers = PixelSampler::new(*pixel, set.seed);
+                }
             }
             for number in set.samples.clone() {
                 for (place, (pixel, numbers)) in pixels.iter().zip(&numbers).enumerate() {
