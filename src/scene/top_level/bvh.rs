@@ -2,7 +2,7 @@
 
 use crate::geometry::bvh::{LeafPrimitives, Tree};
 use crate::geometry::shape::Shape;
-use crate::scene::Geometry;
+use crate::scene::{Geometry, Primitive};
 
 /// A tree over the bounded primitives, with lists of those that are tested without it.
 #[derive(Clone, Debug, Default)]
@@ -10,9 +10,9 @@ pub struct Bvh {
     pub(super) tree: Tree,
     /// The indices of the primitives in each leaf.
     pub(super) leaves: LeafPrimitives,
-    /// Indices of primitives that are tested directly: infinite ones, or all if there are few.
+    /// Indices of primitives that are tested directly: infinite ones, or all if testing them is cheap.
     pub(super) direct: Vec<u32>,
-    /// Indices of meshes outside the tree, if there are few primitives. Each has a tree of its own.
+    /// Indices of meshes outside the tree, if there is none. Each has a tree of its own.
     pub(super) meshes: Vec<u32>,
     /// The largest coordinate of all bounded primitives and of the points of planes.
     pub(super) reach: f64,
@@ -20,8 +20,17 @@ pub struct Bvh {
     pub(super) is_small: bool,
 }
 
-/// Below this number of bounded primitives there is no tree: testing all takes no longer than a search.
-const FEW: usize = 6;
+/// Below this cost of testing all bounded primitives there is no tree: a search takes longer.
+const CHEAP: usize = 12;
+
+/// The cost of testing a primitive, in tests of a sphere or a rectangle, which most rays that miss leave early. Others
+/// take at least the transforms of three corners or of the ray first.
+fn cost(primitive: &Primitive) -> usize {
+    match (&primitive.shape, &primitive.transform) {
+        (Shape::Sphere(_) | Shape::Rectangle(_) | Shape::Disk(_) | Shape::Cuboid(_), None) => 1,
+        _ => 2,
+    }
+}
 
 impl Bvh {
     /// Builds the tree over `geometry`. The same geometry gives the same tree.
@@ -43,7 +52,8 @@ impl Bvh {
         });
         let reach = anchors.fold(tree.space().reach(), f64::max);
         let mut meshes = Vec::new();
-        if bounded.len() < FEW {
+        let costs = bounded.iter().map(|index| cost(&geometry.primitives[*index as usize]));
+        if costs.sum::<usize>() < CHEAP {
             (tree, leaves) = Default::default();
             for index in bounded.drain(..) {
                 let is_mesh = matches!(geometry.primitives[index as usize].shape, Shape::Mesh(_));
