@@ -20,6 +20,7 @@ mod plane;
 mod rectangle;
 #[cfg(test)]
 mod round_tests;
+mod side_filter;
 mod sphere;
 mod surface;
 mod taper;

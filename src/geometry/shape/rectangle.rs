@@ -1,5 +1,6 @@
 //! Rectangles and parallelograms, watertight at their edges.
 
+use super::side_filter::SideFilter;
 use super::triangle::covers;
 use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, flat};
 use crate::base::digest::Content;
@@ -29,18 +30,20 @@ impl Geometric for Rectangle {
         Some(Self { corner, u, v })
     }
 
-    /// Tests all four edges with the edge functions of [`covers`](super::triangle::covers). So rectangles and
-    /// triangles that share an edge have no gap between them.
+    /// Rays close to an edge are tested with the edge functions of [`covers`]. So rectangles and triangles that share an
+    /// edge have no gap between them.
     #[inline(always)]
     fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
-        let [a, b, c, d] = self.corners();
-        let (a, b, c, d) = (Vec3::splat(a), Vec3::splat(b), Vec3::splat(c), Vec3::splat(d));
-        let normal = Vec3::splat(self.u.cross(self.v));
-        let at = flat::crossing(a, normal, &ray.ray, within);
+        let (corner, normal) = (Vec3::splat(self.corner), Vec3::splat(self.u.cross(self.v)));
+        let at = flat::crossing(corner, normal, &ray.ray, within);
         if !at.is_hit().any() {
             return LaneHit::none();
         }
-        let inside = covers(&[ray.sheared(a), ray.sheared(b), ray.sheared(c), ray.sheared(d)]);
+        let sides = SideFilter::new(ray, corner, [self.u, self.v]);
+        let mut inside = sides.inside;
+        if (at.is_hit() & !(inside | sides.outside)).any() {
+            inside = covers(&self.corners().map(|corner| ray.sheared(Vec3::splat(corner))));
+        }
         LaneHit::within(inside & at.is_hit(), at.t, within)
     }
 

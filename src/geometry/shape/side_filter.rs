@@ -1,7 +1,7 @@
 //! A filter for edge tests: which rays certainly pass through a parallelogram, and which certainly miss it.
 
 use super::PreparedRay;
-use crate::base::lanes::{Mask, Real, Row, Vec3};
+use crate::base::lanes::{Real, Vec3};
 use crate::base::math::{DVec3, UNIT_ROUNDOFF};
 
 /// The rays of eight lanes in three classes: through the parallelogram, beside it, and those in neither mask, which are
