@@ -8,11 +8,13 @@ pub struct Symbols<'s> {
     at: usize,
     /// The start and the kind of an unclosed text or comment.
     pub unclosed: Option<(usize, &'static str)>,
+    /// The start of the first text in quotes that continues on another line.
+    pub first_long_text: Option<usize>,
 }
 
 impl<'s> Symbols<'s> {
     pub fn new(text: &'s str) -> Self {
-        Self { text, at: 0, unclosed: None }
+        Self { text, at: 0, unclosed: None, first_long_text: None }
     }
 
     /// Moves behind the next `end`, or to the end of the file if there is no `end`.
@@ -56,6 +58,9 @@ impl<'s> Symbols<'s> {
                 '\\' => escaped = true,
                 '"' => {
                     self.at = start + 1 + i + 1;
+                    if self.first_long_text.is_none() && self.text[start..self.at].contains('\n') {
+                        self.first_long_text = Some(start);
+                    }
                     return;
                 }
                 _ => {}

@@ -128,7 +128,12 @@ fn offset(text: &str, position: Position) -> usize {
 fn unclosed(text: &str) -> Option<Fault> {
     let mut symbols = Symbols::new(text);
     symbols.by_ref().for_each(drop);
-    let (start, kind) = symbols.unclosed?;
+    let (mut start, kind) = symbols.unclosed?;
+    if kind == "text" {
+        // A missing quote swaps what is inside and outside of all texts behind it, up to the end of the file. Texts
+        // rarely continue on the next line, so the first that does lacks its quote.
+        start = symbols.first_long_text.unwrap_or(start);
+    }
     let (span, end) = if kind == "text" { (start..start + 1, "\"") } else { (start..start + 2, "*/") };
     Some(Fault::new(span, format!("this {kind} has no end"), format!("needs a closing `{end}`")))
 }
