@@ -12,7 +12,7 @@ mod coincident;
 mod context;
 mod emitter;
 mod escape;
-mod generate;
+mod camera_rays;
 mod interaction;
 mod interface;
 mod intersect;

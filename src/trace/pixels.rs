@@ -1,7 +1,7 @@
 //! Pixels: their samples and means.
 
+use super::camera_rays::{PixelSamples, SampleGroup};
 use super::context::TraceContext;
-use super::generate::{PixelSamples, SampleGroup};
 use super::settings::{Moment, TraceSettings};
 use super::sums::add_sample;
 use super::wavefront::{ScratchBuffer, WAVE};

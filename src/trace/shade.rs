@@ -4,9 +4,9 @@
 
 use super::accumulate::Accumulator;
 use super::bsdf::{Boundary, Bsdf, Reflected, Shininess};
+use super::camera_rays::PixelSamples;
 use super::coincident::Events;
 use super::context::TraceContext;
-use super::generate::PixelSamples;
 use super::interaction::SurfaceInteraction;
 use super::interface::Interface;
 use super::intersect::HitStream;

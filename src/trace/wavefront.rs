@@ -11,11 +11,11 @@ mod tests;
 
 use super::accumulate::Accumulator;
 use super::aov::RecordAovs;
+use super::camera_rays::{GenerateRays, PixelSamples};
 use super::coincident::Events;
 use super::context::{Queue, TraceContext};
 use super::emitter::HandleEmitters;
 use super::escape::HandleEscaped;
-use super::generate::{GenerateRays, PixelSamples};
 use super::intersect::HitStream;
 use super::materials::LobeTable;
 use super::medium::MediaLists;

@@ -15,7 +15,7 @@ use crate::scene::top_level::Bvh;
 use crate::scene::{Finish, Geometry, Scene, Shading, Weights};
 use crate::sequence::quality::Quality;
 use crate::trace::TraceSettings;
-use crate::trace::generate::SampleGroup;
+use crate::trace::camera_rays::SampleGroup;
 
 const BOUNCES: u32 = 14;
 
