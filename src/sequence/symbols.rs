@@ -123,7 +123,7 @@ pub fn token(text: &str, at: usize) -> Range<usize> {
     let word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.');
     let len = match first {
         '"' => {
-            let mut symbols = Symbols { text, at, unclosed: None };
+            let mut symbols = Symbols { at, ..Symbols::new(text) };
             symbols.skip_text(at);
             symbols.at - at
         }

@@ -13,6 +13,7 @@ mod context;
 mod emitter;
 mod escape;
 mod camera_rays;
+mod columns;
 mod interaction;
 mod interface;
 mod intersect;

@@ -1,7 +1,7 @@
 //! Streams of shadow rays in structure-of-arrays form, one stream per light request, so that its rays are coherent.
 
+use super::columns::{Reals, SLACK, Singles, Wholes, colors, compress, compress_colors, gather};
 use super::light::ShadowRay;
-use super::stream::{Reals, SLACK, Singles, Wholes, colors, compress, compress_colors, gather};
 use crate::base::lanes::{Bits, Color, Lookup, Mask, Real, Row, Single};
 use crate::base::math::LaneRay;
 

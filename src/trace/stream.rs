@@ -3,6 +3,9 @@
 //! A stage reads eight items at a time, from any indices of its input, and appends to its output. A stream has no
 //! column for what the scene does not need. Reading such a column gives its constant value.
 
+use super::columns::{
+    Reals, SLACK, Singles, Wholes, colors, compress, compress_colors, gather, store_colors,
+};
 use crate::base::lanes::{Color, Lookup, Mask, Real, Row, Single, Vec3};
 use crate::base::math::LaneRay;
 use crate::camera::RayCone;
@@ -92,14 +95,6 @@ pub mod flags {
     /// The path has not been reflected or refracted yet.
     pub const FROM_EYE: u32 = 1 << 2;
 }
-
-/// Padding behind the last number, which stages may overwrite.
-pub(super) const SLACK: usize = 8;
-
-/// A column of numbers.
-pub(super) type Reals = Vec<f64>;
-pub(super) type Singles = Vec<f32>;
-pub(super) type Wholes = Vec<u32>;
 
 /// The paths of a wave.
 #[derive(Default)]
@@ -320,40 +315,4 @@ impl PathStream {
         }
         self.len += mask.bits().count_ones() as usize;
     }
-}
-
-#[inline(always)]
-pub(super) fn gather<F: Real>([x, y, z]: &[Reals; 3], at: &Lookup) -> Vec3<F> {
-    Vec3::gather([x, y, z], at)
-}
-
-#[inline(always)]
-pub(super) fn colors<S: Single>([r, g, b]: &[Singles; 3], at: &Lookup) -> Color<S> {
-    Color::gather([r, g, b], at)
-}
-
-#[inline(always)]
-pub(super) fn compress<F: Real>([x, y, z]: &mut [Reals; 3], v: Vec3<F>, mask: F::Mask, at: usize) {
-    v.x.compress(mask, x, at);
-    v.y.compress(mask, y, at);
-    v.z.compress(mask, z, at);
-}
-
-#[inline(always)]
-pub(super) fn compress_colors<S: Single>(
-    [r, g, b]: &mut [Singles; 3],
-    color: Color<S>,
-    mask: S::Mask,
-    at: usize,
-) {
-    color.r.compress(mask, r, at);
-    color.g.compress(mask, g, at);
-    color.b.compress(mask, b, at);
-}
-
-#[inline(always)]
-fn store_colors<S: Single>([r, g, b]: &mut [Singles; 3], color: Color<S>, at: usize) {
-    color.r.store(r, at);
-    color.g.store(g, at);
-    color.b.store(b, at);
 }

@@ -80,7 +80,7 @@ fn rays_start_on_surfaces_in_one_place() {
         "next_away(",
         &[
             "geometry/shape/cuboid.rs",
-            "geometry/shape/lane.rs", // a t, not an origin
+            "geometry/shape/lane_ray.rs", // a t, not an origin
             "trace/spawn.rs",
         ],
     );
@@ -88,11 +88,11 @@ fn rays_start_on_surfaces_in_one_place() {
     only_in(
         "Ray {",
         &[
-            "base/math/ray.rs",       // the type
-            "geometry/shape/lane.rs", // one of eight
-            "scene/primitive.rs",     // moved into a shape's space
-            "trace/coincident.rs",    // across a surface
-            "trace/intersect.rs",     // one of eight
+            "base/math/ray.rs",              // the type
+            "geometry/shape/stored_rays.rs", // one of eight
+            "scene/primitive.rs",            // moved into a shape's space
+            "trace/coincident.rs",           // across a surface
+            "trace/intersect.rs",            // one of eight
             "trace/spawn.rs",
             "trace/transmittance.rs", // one of eight
         ],
@@ -100,19 +100,19 @@ fn rays_start_on_surfaces_in_one_place() {
     only_in(
         "LaneRay {",
         &[
-            "geometry/shape/cuboid.rs", // taken apart
-            "geometry/shape/frame.rs",  // moved into a shape's axes
-            "geometry/shape/lane.rs",   // of rows
-            "geometry/shape/sphere.rs", // taken apart
-            "geometry/shape/taper.rs",  // begun closer to the shape
-            "scene/primitive.rs",       // moved into a shape's space
-            "trace/light/mod.rs",       // to a light, from where it is spawned
-            "trace/path.rs",            // what is spawned
-            "trace/segment.rs",         // the rest of a segment through fog
-            "trace/shade.rs",           // a segment through fog
-            "trace/shadow_stream.rs",   // of columns
-            "trace/stream.rs",          // of columns
-            "trace/whitted.rs",         // what is spawned
+            "geometry/shape/cuboid.rs",      // taken apart
+            "geometry/shape/frame.rs",       // moved into a shape's axes
+            "geometry/shape/sphere.rs",      // taken apart
+            "geometry/shape/stored_rays.rs", // of rows
+            "geometry/shape/taper.rs",       // begun closer to the shape
+            "scene/primitive.rs",            // moved into a shape's space
+            "trace/light/mod.rs",            // to a light, from where it is spawned
+            "trace/path.rs",                 // what is spawned
+            "trace/segment.rs",              // the rest of a segment through fog
+            "trace/shade.rs",                // a segment through fog
+            "trace/shadow_stream.rs",        // of columns
+            "trace/stream.rs",               // of columns
+            "trace/whitted.rs",              // what is spawned
         ],
     );
 }

@@ -5,6 +5,7 @@
 
 mod build;
 mod bundle;
+mod bundle_slabs;
 mod leaf_primitives;
 mod slabs;
 mod traversal;
@@ -13,7 +14,8 @@ mod tree;
 mod tree_space;
 
 pub use build::fetch_ahead;
-pub use bundle::{BundleSlabs, BundleStack, BundleVisitor, NodeRef};
+pub use bundle::{BundleStack, BundleVisitor, NodeRef};
+pub use bundle_slabs::BundleSlabs;
 pub use leaf_primitives::LeafPrimitives;
 pub use slabs::Slabs;
 pub use traversal::{LeafVisitor, Stack};

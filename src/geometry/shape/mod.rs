@@ -4,7 +4,10 @@
 //! shape's space to the world. Most shapes stay in their class under most transforms: a moved sphere is a sphere.
 //! Those are moved once per change of geometry by [`Geometric::transformed`]. For the others, rays are moved instead.
 
-mod lane;
+mod lane_hit;
+mod lane_ray;
+mod lane_surface;
+mod stored_rays;
 mod torus_interval;
 mod cone;
 mod cuboid;
@@ -35,13 +38,16 @@ pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use flat::{placed as flat_surface, spans_a_plane};
 pub use geometric::{Geometric, OneRay};
-use lane::exit;
-pub use lane::{LaneHit, LaneSurface, PreparedRay, RayInterval, StoredRays, store_lanes};
+pub use lane_hit::LaneHit;
+use lane_ray::exit;
+pub use lane_ray::{PreparedRay, RayInterval};
+pub use lane_surface::LaneSurface;
 pub use mesh::Mesh;
 pub use parameters::Parameters;
 pub use plane::Plane;
 pub use rectangle::Rectangle;
 pub use sphere::{Sphere, SphereLanes};
+pub use stored_rays::{StoredRays, store_lanes};
 pub use surface::{ShapeHit, Surface};
 pub use torus::Torus;
 pub use triangle::{Triangle, TriangleLanes};

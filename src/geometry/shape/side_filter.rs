@@ -85,8 +85,8 @@ mod tests {
             let sides = SideFilter::new(&ray, Vec3::from(corner), [u, v]);
             let corners = [corner, corner + u, corner + u + v, corner + v];
             let covered = covers(&corners.map(|corner| ray.sheared(Vec3::from(corner))));
-            assert!(!(sides.inside && !covered), "{corner} {u} {v} {ray:?}", ray = (origin, direction));
-            assert!(!(sides.outside && covered), "{corner} {u} {v} {ray:?}", ray = (origin, direction));
+            assert!(!sides.inside || covered, "{corner} {u} {v}: {origin} {direction}");
+            assert!(!sides.outside || !covered, "{corner} {u} {v}: {origin} {direction}");
             decided += usize::from(sides.inside || sides.outside);
             all += 1;
         }

@@ -5,11 +5,13 @@
 //! those of the primitives, and among equally near ones the first in the file wins.
 
 mod bundle;
+mod bundle_any_hit;
 mod bvh;
 mod closest;
 mod occlusion;
 mod query;
 mod single;
+mod single_rays;
 #[cfg(test)]
 mod tests;
 

@@ -1,6 +1,6 @@
 //! Queries of the tree along eight rays.
 
-use super::bundle::LaneAnyHit;
+use super::bundle_any_hit::LaneAnyHit;
 use super::bvh::Bvh;
 use super::closest::{LaneClosestHit, LaneHits};
 use super::occlusion::{Occlusion, TransmissiveFlags};

@@ -4,9 +4,11 @@
 //! [`LightSample::radiance`] is its radiance over π and the density of its direction.
 
 mod area;
+mod discrete_distribution;
 mod emission;
 mod evaluate;
 mod punctual;
+mod sampled_emitter;
 mod sampler;
 mod sky;
 

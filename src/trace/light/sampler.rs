@@ -1,28 +1,17 @@
 //! Light sources for next-event estimation: lights, objects that emit, and skies of images. They are grouped by layer,
 //! so that the samples of one layer never depend on another.
 
+use super::discrete_distribution::DiscreteDistribution;
 use super::emission::emission;
 use super::evaluate::sample_light;
+use super::sampled_emitter::{SampledEmitter, sources};
 use super::{LightSample, Receiver, sky};
 use crate::appearance::environment::{Environment, EnvironmentDistribution};
-use crate::appearance::light::{Light, Source};
-use crate::appearance::material::MaterialBinding;
 use crate::base::color::Rgb;
 use crate::base::lanes::{Bits, Mask, Real, Row, Select, Vec3, out_of_line};
 use crate::film::LayerId;
 use crate::geometry::shape::LaneSurface;
 use crate::scene::{Finish, Scene};
-use std::f64::consts::PI;
-
-/// A source of light.
-#[derive(Clone, Copy, Debug)]
-pub enum SampledEmitter<'a> {
-    /// The light of this index in the scene.
-    Light(u32, Light),
-    /// The primitive of this index, which emits.
-    Object(u32),
-    Sky(&'a EnvironmentDistribution),
-}
 
 /// The most sources of a layer that are all sampled at every surface. If a layer has more, one of them is chosen.
 const MAX_SAMPLED: usize = 8;
@@ -32,12 +21,6 @@ struct SourceGroup<'a> {
     members: Vec<SampledEmitter<'a>>,
     /// The probability of each member; `None` if all are sampled.
     distribution: Option<DiscreteDistribution>,
-}
-
-/// A discrete distribution: probabilities and their cumulative sums.
-struct DiscreteDistribution {
-    probabilities: Vec<f64>,
-    cdf: Vec<f64>,
 }
 
 /// A light sample that every surface takes.
@@ -261,100 +244,5 @@ out_of_line! {
             }
         }
         pdf
-    }
-}
-
-/// All sources of a scene with their layers, in a fixed order: lights, and, if `emitters` is set, other emitters that
-/// can be sampled.
-fn sources<'a>(
-    scene: &'a Scene<'a>,
-    environment: Option<&'a Environment>,
-    emitters: bool,
-) -> Vec<(LayerId, SampledEmitter<'a>)> {
-    let shading = scene.shading;
-    let lights = scene.lights().map(|(index, light)| (light.layer, SampledEmitter::Light(index, *light)));
-    if !emitters {
-        return lights.collect();
-    }
-    let objects = (0..).zip(&scene.geometry.primitives).filter_map(|(index, primitive)| {
-        // Paths find meshes of several materials only by chance: these have no single emission from which to sample
-        // points.
-        let Finish::Material(MaterialBinding::One(material)) = primitive.finish else { return None };
-        let material = &shading.materials[material as usize];
-        let weighted = scene.weights.0[material.emission_layer.index()] != Rgb::ZERO;
-        let shines = weighted && material.lobes.emission != Rgb::ZERO && primitive.has_area();
-        shines.then_some((material.emission_layer, SampledEmitter::Object(index)))
-    });
-    let sky = environment.zip(shading.sky_table.as_deref());
-    let sky = sky.map(|(environment, table)| (environment.layer, SampledEmitter::Sky(table)));
-    lights.chain(objects).chain(sky).collect()
-}
-
-impl SampledEmitter<'_> {
-    /// Whether its light comes from more than one direction, so that sampling it takes random numbers.
-    fn is_sampled(&self) -> bool {
-        match self {
-            Self::Light(_, light) => light.source.is_sampled(),
-            Self::Object(_) | Self::Sky(_) => true,
-        }
-    }
-
-    /// The approximate power, used only to choose among many sources.
-    fn power(&self, scene: &Scene) -> f64 {
-        let brightness = |color: Rgb| f64::from(color.element_sum());
-        match self {
-            Self::Light(_, light) => {
-                let area = match &light.source {
-                    Source::Sphere(sphere) => 4.0 * PI * sphere.radius * sphere.radius,
-                    Source::Rectangle { rectangle, .. } => rectangle.u.cross(rectangle.v).length(),
-                    Source::Point { .. } | Source::Spot { .. } | Source::Directional { .. } => 1.0,
-                };
-                brightness(light.radiance) * area
-            }
-            Self::Object(index) => {
-                let primitive = &scene.geometry.primitives[*index as usize];
-                let Some(material) = primitive.material(0) else { return 0.0 };
-                let emission = scene.shading.materials[material as usize].lobes.emission;
-                brightness(emission) * primitive.bounds().map_or(0.0, |bounds| bounds.area())
-            }
-            Self::Sky(_) => 1.0,
-        }
-    }
-}
-
-impl DiscreteDistribution {
-    fn of(weights: impl Iterator<Item = f64>) -> Self {
-        let weights: Vec<f64> = weights.collect();
-        let whole: f64 = weights.iter().sum();
-        // If all weights are 0, the choice is uniform.
-        let even = 1.0 / weights.len() as f64;
-        let probabilities: Vec<f64> =
-            weights.iter().map(|weight| if whole > 0.0 { weight / whole } else { even }).collect();
-        let cdf = probabilities.iter().scan(0.0, |sum, chance| {
-            *sum += chance;
-            Some(*sum)
-        });
-        Self { cdf: cdf.collect(), probabilities }
-    }
-
-    /// Samples an index with its probability, from a number in 0..1.
-    #[inline(always)]
-    fn sample<F: Real>(&self, u: F) -> (F::U32, F) {
-        let numbers = u.to_array();
-        let (mut indices, mut each) = (F::U32::splat(0).to_array(), numbers);
-        for lane in 0..F::LANES {
-            let index = self.index_at(numbers[lane]);
-            (indices[lane], each[lane]) = (index as u32, self.probabilities[index]);
-        }
-        (F::U32::from_array(indices), F::from_array(each))
-    }
-
-    fn index_at(&self, u: f64) -> usize {
-        let mut index = self.cdf.partition_point(|sum| *sum <= u).min(self.probabilities.len() - 1);
-        // Rounding of the sums must not select an index of probability 0.
-        while self.probabilities[index] == 0.0 && index > 0 {
-            index -= 1;
-        }
-        index
     }
 }

@@ -1,0 +1,80 @@
+//! Hits in lanes.
+
+use super::ShapeHit;
+use super::lane_ray::RayInterval;
+use crate::base::lanes::{Mask, Real, Row, Select};
+
+/// Hits of rays with a shape.
+#[derive(Clone, Copy)]
+pub struct LaneHit<F: Real> {
+    /// Infinite if a ray misses.
+    pub t: F,
+    /// The part of the shape, in the shape's own numbering: a triangle of a mesh, a cap.
+    pub part: F::U32,
+    /// Lanes in which another hit is so near that the order is uncertain.
+    pub coincident: F::Mask,
+}
+
+impl From<ShapeHit> for LaneHit<f64> {
+    fn from(ShapeHit { t, part, coincident }: ShapeHit) -> Self {
+        Self { t, part, coincident }
+    }
+}
+
+impl<F: Real> LaneHit<F> {
+    /// The same in all lanes.
+    #[inline(always)]
+    pub fn splat(at: Option<ShapeHit>) -> Self {
+        match at {
+            Some(ShapeHit { t, part, coincident }) => {
+                Self { t: F::splat(t), part: F::U32::splat(part), coincident: F::Mask::splat(coincident) }
+            }
+            None => Self::none(),
+        }
+    }
+
+    #[inline(always)]
+    pub fn none() -> Self {
+        Self { t: F::splat(f64::INFINITY), part: F::U32::splat(0), coincident: F::Mask::splat(false) }
+    }
+
+    /// Hits at t in the lanes of a mask, if they are within bounds.
+    #[inline(always)]
+    pub fn within(mask: F::Mask, t: F, within: RayInterval<F>) -> Self {
+        let hit = mask & within.min.lt(t) & t.lt(within.max);
+        Self { t: F::select(hit, t, F::splat(f64::INFINITY)), ..Self::none() }
+    }
+
+    /// The hit of one lane.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> Option<ShapeHit> {
+        let t = self.t.to_array()[lane];
+        let (part, coincident) = (self.part.to_array()[lane], self.coincident.bits() >> lane & 1 == 1);
+        (t < f64::INFINITY).then_some(ShapeHit { t, part, coincident })
+    }
+
+    /// The lanes with a hit.
+    #[inline(always)]
+    pub fn is_hit(&self) -> F::Mask {
+        self.t.lt(F::splat(f64::INFINITY))
+    }
+}
+
+impl<F: Real> Select<F::Mask> for LaneHit<F> {
+    #[inline(always)]
+    fn select(mask: F::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            t: F::select(mask, yes.t, no.t),
+            part: F::U32::select(mask, yes.part, no.part),
+            coincident: yes.coincident & mask | no.coincident & !mask,
+        }
+    }
+}
+
+impl LaneHit<f64> {
+    /// The only lane.
+    #[inline(always)]
+    pub fn one(self) -> Option<ShapeHit> {
+        self.lane(0)
+    }
+}

@@ -1,0 +1,212 @@
+//! Searches for anything that blocks the rays of a bundle.
+
+use super::bvh::Bvh;
+use super::occlusion::{Occlusion, TransmissiveFlags, is_transmissive};
+use super::single::AnyHit;
+use super::single_rays::{SingleRay, Singles};
+use crate::base::lanes::{LaneKernel, Level, Mask, Row, Select};
+use crate::geometry::bvh::{BundleSlabs, BundleStack, BundleVisitor, NodeRef, TraversalRay};
+use crate::geometry::shape::{PreparedRay, RayInterval, store_lanes};
+use crate::scene::{Geometry, Primitive};
+
+/// The search for anything that blocks eight shadow rays.
+pub struct LaneAnyHit<'a, L: Level> {
+    ray: &'a PreparedRay<L::F64>,
+    within: RayInterval<L::F64>,
+    transmissive: Option<TransmissiveFlags<'a>>,
+    /// Rays whose search has not ended.
+    open: L::Mask,
+    blocked: L::Mask,
+    dimmed: L::Mask,
+}
+
+impl<'a, L: Level> LaneAnyHit<'a, L> {
+    #[inline(always)]
+    pub fn new(
+        ray: &'a PreparedRay<L::F64>,
+        within: RayInterval<L::F64>,
+        wanted: L::Mask,
+        transmissive: Option<TransmissiveFlags<'a>>,
+    ) -> Self {
+        let none = L::Mask::splat(false);
+        Self { ray, within, transmissive, open: wanted, blocked: none, dimmed: none }
+    }
+
+    #[inline(always)]
+    pub fn open(&self) -> L::Mask {
+        self.open
+    }
+
+    /// Tests the primitives of these indices for some of the rays.
+    #[inline(always)]
+    pub fn test(&mut self, geometry: &Geometry, indices: &[u32], rays: L::Mask) {
+        if !indices.is_empty() {
+            L::call_with(Test { shadow: self, geometry, indices, rays });
+        }
+    }
+
+    #[inline(always)]
+    fn test_one(&mut self, rays: L::Mask, index: u32, primitive: &Primitive) {
+        let passes = is_transmissive(self.transmissive, index);
+        let rays = if passes { rays & !self.dimmed } else { rays };
+        if !rays.any() {
+            return;
+        }
+        let max = L::F64::select(rays, self.within.max, L::F64::splat(-1.0));
+        let met = primitive.occludes(self.ray, RayInterval { min: self.within.min, max });
+        if passes {
+            self.dimmed = self.dimmed | met;
+        } else {
+            self.blocked = self.blocked | met;
+            self.open = self.open & !met;
+        }
+    }
+
+    #[inline(always)]
+    pub fn occlusion(&self) -> Occlusion<L::Mask> {
+        Occlusion { blocked: self.blocked, dimmed: self.dimmed & !self.blocked }
+    }
+
+    #[inline(always)]
+    pub fn bounds(&self) -> [[f64; 8]; 2] {
+        [store_lanes(self.within.min), store_lanes(self.within.max)]
+    }
+
+    /// A bit for each ray that is blocked, and for each that is dimmed.
+    #[inline(always)]
+    pub fn bits(&self) -> [u32; 2] {
+        [self.blocked.bits(), self.dimmed.bits()]
+    }
+}
+
+struct Test<'a, 'r, L: Level> {
+    shadow: &'a mut LaneAnyHit<'r, L>,
+    geometry: &'a Geometry,
+    indices: &'a [u32],
+    rays: L::Mask,
+}
+
+impl<L: Level> LaneKernel<L> for Test<'_, '_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { shadow, geometry, indices, rays } = self;
+        for &index in indices {
+            shadow.test_one(rays & shadow.open, index, &geometry.primitives[index as usize]);
+        }
+    }
+}
+
+impl Bvh {
+    /// Searches the tree for primitives that block eight rays.
+    #[inline(always)]
+    pub(super) fn occluded_in_bundle<L: Level>(
+        &self,
+        geometry: &Geometry,
+        shadow: &mut LaneAnyHit<L>,
+        stack: &mut BundleStack,
+    ) {
+        if self.tree.is_small() {
+            L::call_with(Occluded::<L, 0> { bvh: self, geometry, shadow, stack });
+        } else {
+            L::call_with(Occluded::<L, 8> { bvh: self, geometry, shadow, stack });
+        }
+    }
+}
+
+/// The search for occlusion, with room for `ALONE` rays that leave the bundle.
+struct Occluded<'a, 'r, L: Level, const ALONE: usize> {
+    bvh: &'a Bvh,
+    geometry: &'a Geometry,
+    shadow: &'a mut LaneAnyHit<'r, L>,
+    stack: &'a mut BundleStack,
+}
+
+impl<L: Level, const ALONE: usize> LaneKernel<L> for Occluded<'_, '_, L, ALONE> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { bvh, geometry, shadow, stack } = self;
+        let ray = &shadow.ray.ray;
+        let wanted = shadow.open.bits();
+        let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, ray.origin, ray.direction, wanted);
+        let singles = Singles::<ALONE>::new();
+        let limit = slabs.limit(L::F64::select(shadow.open, shadow.within.max, L::F64::splat(-1.0)));
+        let mut walk = AnyHitWalk { bvh, geometry, shadow, limit, singles };
+        if near != 0 {
+            bvh.tree.walk_bundle(&slabs, near, &mut walk, stack);
+        }
+        for lane in crate::base::lanes::lanes(afar) {
+            let single = TraversalRay::new(walk.shadow.ray.ray.lane(lane));
+            walk.alone(lane, &single, |any| bvh.tree.walk(&single, any.within.max, any));
+        }
+    }
+}
+
+struct AnyHitWalk<'a, 'r, L: Level, const ALONE: usize> {
+    bvh: &'a Bvh,
+    geometry: &'a Geometry,
+    shadow: &'a mut LaneAnyHit<'r, L>,
+    limit: L::F32,
+    singles: Singles<ALONE>,
+}
+
+impl<L: Level, const ALONE: usize> AnyHitWalk<'_, '_, L, ALONE> {
+    /// Continues the search along one ray.
+    #[inline(always)]
+    fn alone(&mut self, ray: usize, single: &TraversalRay, walk: impl FnOnce(&mut AnyHit)) {
+        let Self { bvh, geometry, .. } = *self;
+        let [min, max] = self.shadow.bounds();
+        let within = RayInterval { min: min[ray], max: max[ray] };
+        let dimmed = self.shadow.dimmed.bits() >> ray & 1 == 1;
+        let transmissive = self.shadow.transmissive;
+        let mut any = AnyHit { bvh, geometry, ray: single, within, transmissive, blocked: false, dimmed };
+        walk(&mut any);
+        let bit = 1 << ray;
+        if any.dimmed {
+            self.shadow.dimmed = self.shadow.dimmed | L::Mask::from_bits(bit);
+        }
+        if any.blocked {
+            self.shadow.blocked = self.shadow.blocked | L::Mask::from_bits(bit);
+            self.close();
+        }
+    }
+
+    /// Ends the search of blocked rays.
+    #[inline(always)]
+    fn close(&mut self) {
+        self.shadow.open = self.shadow.open & !self.shadow.blocked;
+        self.limit = L::F32::select(self.shadow.blocked, L::F32::splat(-1.0), self.limit);
+    }
+}
+
+impl<L: Level, const ALONE: usize> BundleVisitor<L> for AnyHitWalk<'_, '_, L, ALONE> {
+    const ALONE: bool = ALONE > 0;
+
+    #[inline(always)]
+    fn visit(&mut self, leaf: u32, rays: u32) {
+        self.shadow.test(self.geometry, self.bvh.leaves.leaf(leaf), L::Mask::from_bits(rays));
+        self.close();
+    }
+
+    #[inline(always)]
+    fn continue_alone(&mut self, ray: usize, below: NodeRef) {
+        if self.shadow.blocked.bits() >> ray & 1 == 1 {
+            return;
+        }
+        let tree = &self.bvh.tree;
+        let Some(&SingleRay { single, slabs }) = self.singles.get::<L>(tree, self.shadow.ray, ray) else {
+            return;
+        };
+        self.alone(ray, &single, |any| {
+            tree.walk_below::<L>(below, &slabs, slabs.limit(any.within.max), any);
+        });
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> L::F32 {
+        self.limit
+    }
+}

@@ -1,0 +1,77 @@
+//! Sources of light that can be sampled.
+
+use crate::appearance::environment::{Environment, EnvironmentDistribution};
+use crate::appearance::light::{Light, Source};
+use crate::appearance::material::MaterialBinding;
+use crate::base::color::Rgb;
+use crate::film::LayerId;
+use crate::scene::{Finish, Scene};
+use std::f64::consts::PI;
+
+/// A source of light.
+#[derive(Clone, Copy, Debug)]
+pub enum SampledEmitter<'a> {
+    /// The light of this index in the scene.
+    Light(u32, Light),
+    /// The primitive of this index, which emits.
+    Object(u32),
+    Sky(&'a EnvironmentDistribution),
+}
+
+impl SampledEmitter<'_> {
+    /// Whether its light comes from more than one direction, so that sampling it takes random numbers.
+    pub(super) fn is_sampled(&self) -> bool {
+        match self {
+            Self::Light(_, light) => light.source.is_sampled(),
+            Self::Object(_) | Self::Sky(_) => true,
+        }
+    }
+
+    /// The approximate power, used only to choose among many sources.
+    pub(super) fn power(&self, scene: &Scene) -> f64 {
+        let brightness = |color: Rgb| f64::from(color.element_sum());
+        match self {
+            Self::Light(_, light) => {
+                let area = match &light.source {
+                    Source::Sphere(sphere) => 4.0 * PI * sphere.radius * sphere.radius,
+                    Source::Rectangle { rectangle, .. } => rectangle.u.cross(rectangle.v).length(),
+                    Source::Point { .. } | Source::Spot { .. } | Source::Directional { .. } => 1.0,
+                };
+                brightness(light.radiance) * area
+            }
+            Self::Object(index) => {
+                let primitive = &scene.geometry.primitives[*index as usize];
+                let Some(material) = primitive.material(0) else { return 0.0 };
+                let emission = scene.shading.materials[material as usize].lobes.emission;
+                brightness(emission) * primitive.bounds().map_or(0.0, |bounds| bounds.area())
+            }
+            Self::Sky(_) => 1.0,
+        }
+    }
+}
+
+/// All sources of a scene with their layers, in a fixed order: lights, and, if `emitters` is set, other emitters that
+/// can be sampled.
+pub(super) fn sources<'a>(
+    scene: &'a Scene<'a>,
+    environment: Option<&'a Environment>,
+    emitters: bool,
+) -> Vec<(LayerId, SampledEmitter<'a>)> {
+    let shading = scene.shading;
+    let lights = scene.lights().map(|(index, light)| (light.layer, SampledEmitter::Light(index, *light)));
+    if !emitters {
+        return lights.collect();
+    }
+    let objects = (0..).zip(&scene.geometry.primitives).filter_map(|(index, primitive)| {
+        // Paths find meshes of several materials only by chance: these have no single emission from which to sample
+        // points.
+        let Finish::Material(MaterialBinding::One(material)) = primitive.finish else { return None };
+        let material = &shading.materials[material as usize];
+        let weighted = scene.weights.0[material.emission_layer.index()] != Rgb::ZERO;
+        let shines = weighted && material.lobes.emission != Rgb::ZERO && primitive.has_area();
+        shines.then_some((material.emission_layer, SampledEmitter::Object(index)))
+    });
+    let sky = environment.zip(shading.sky_table.as_deref());
+    let sky = sky.map(|(environment, table)| (environment.layer, SampledEmitter::Sky(table)));
+    lights.chain(objects).chain(sky).collect()
+}
