@@ -15,7 +15,7 @@ pub struct Now(pub Clock);
 #[derive(Clone, Debug, PartialEq, Resource)]
 pub struct Current<T: Send + Sync + 'static>(pub T);
 
-/// Objects with their parents, parents before children.
+/// Objects that may move, with their parents. Parents come before children.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Hierarchy(pub Vec<(Entity, Option<Entity>)>);
 

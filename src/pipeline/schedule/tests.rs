@@ -8,7 +8,7 @@ use crate::film::Film;
 use crate::geometry::shape::Shape;
 use crate::scene::{Geometry, Shading};
 use crate::sequence::{Sequence, parse};
-use crate::world::Current;
+use crate::world::{Current, Hierarchy, Objects, Transform};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -106,4 +106,28 @@ fn films_arrive_in_the_order_asked_for_and_time_is_booked() {
     let spent = frames.stats().stages;
     assert!(spent[FrameStage::Trace as usize] > Duration::ZERO, "{spent:?}");
     assert_eq!(frames.into_sink().expect("the sink").taken, [5, 0, 8, 0]);
+}
+
+/// Objects without keys, below objects without keys, are placed once; the others follow their parents.
+#[test]
+fn only_objects_that_may_move_are_animated() {
+    let text = r#"(
+        timeline: (frames: 3, keys: Frames), output: (size: (4, 3)),
+        objects: {
+            "finger": (shape: Sphere(), parent: "hand", translation: (1, 0, 0)),
+            "hand": (shape: Group, parent: "arm", translation: [(0, (0, 1, 0)), (2, (0, 3, 0))]),
+            "arm": (shape: Group, translation: (0, 0, 5)),
+            "ring": (shape: Sphere(), parent: "arm", translation: (7, 0, 0)),
+            "lamp": (shape: Sphere(), visible: [(0, true), (1, false)]),
+        },
+    )"#;
+    let mut frames = frame_loop(&sequence(text), None);
+    frames.frame(1).expect("a frame");
+    let world = &frames.world;
+    let objects = &world.resource::<Objects>().0;
+    let moving: Vec<_> = world.resource::<Hierarchy>().0.iter().map(|(entity, _)| *entity).collect();
+    assert_eq!(moving, [objects[4], objects[1], objects[0]]);
+    let place = |index: usize| world.get::<Transform>(objects[index]).map(|at| at.0.translation.to_array());
+    assert_eq!(place(0), Some([1.0, 2.0, 5.0]));
+    assert_eq!(place(3), Some([7.0, 0.0, 5.0]));
 }
