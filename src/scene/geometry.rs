@@ -1,53 +1,110 @@
 //! The visible geometry, and the transform of each shape to its own space.
 
 use super::hit::Hit;
+use super::journal::Journal;
 use super::primitive::{Finish, Primitive, abs, inverse};
 use crate::appearance::texture::{Footprint, TextureEvalContext};
 use crate::base::digest::{Content, Digest};
 use crate::base::math::{DAffine3, DVec2, DVec3};
 use crate::geometry::shape::{Shape, Surface};
 
-/// All visible primitives, in the order of the file.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// The primitives in the order of the file, each in a slot of its own. The slot of a hidden or flattened object is
+/// empty, so the index of a primitive never changes.
+#[derive(Clone, Debug, Default)]
 pub struct Geometry {
     pub primitives: Vec<Primitive>,
     /// For each primitive, the shape in its own space. Only textures read it.
     origins: Vec<Origin>,
+    /// For each material, the number of primitives that show it.
+    users: Vec<u32>,
+    /// The slots that were rewritten.
+    journal: Journal,
+}
+
+/// Equal content, however it came about.
+impl PartialEq for Geometry {
+    fn eq(&self, other: &Self) -> bool {
+        self.primitives == other.primitives && self.origins == other.origins
+    }
 }
 
 /// A shape in its own space.
 #[derive(Clone, Debug, PartialEq, Content)]
-struct Origin {
+pub struct Origin {
     shape: Shape,
     to_object: DAffine3,
 }
 
+impl Origin {
+    const EMPTY: Self = Self { shape: Shape::Group, to_object: DAffine3::IDENTITY };
+}
+
 impl Geometry {
-    /// Adds a shape transformed by `to_world`, unless that flattens it.
+    /// Geometry of empty slots.
+    pub fn with_slots(count: usize) -> Self {
+        Self {
+            primitives: vec![Primitive::EMPTY; count],
+            origins: vec![Origin::EMPTY; count],
+            ..Self::default()
+        }
+    }
+
+    /// Adds a slot with a shape transformed by `to_world`. The slot is empty if that flattens the shape.
     pub fn push(&mut self, shape: &Shape, to_world: DAffine3, finish: Finish) {
-        let (Some(primitive), Some(to_object)) =
-            (Primitive::new(shape, to_world, finish), inverse(&to_world))
-        else {
-            return;
+        self.primitives.push(Primitive::EMPTY);
+        self.origins.push(Origin::EMPTY);
+        self.set(self.primitives.len() - 1, Some((shape, to_world, finish)));
+    }
+
+    /// Sets the content of a slot: a shape transformed by `to_world`. The slot is empty if there is no shape, or if
+    /// the transform flattens it. Returns whether that changed anything; if not, nothing is written.
+    pub fn set(&mut self, slot: usize, content: Option<(&Shape, DAffine3, Finish)>) -> bool {
+        let packed = |(shape, to_world, finish): (&Shape, DAffine3, Finish)| {
+            let origin = Origin { shape: shape.clone(), to_object: inverse(&to_world)? };
+            Some((Primitive::new(shape, to_world, finish)?, origin))
         };
-        self.primitives.push(primitive);
-        self.origins.push(Origin { shape: shape.clone(), to_object });
+        let (primitive, origin) = content.and_then(packed).unwrap_or((Primitive::EMPTY, Origin::EMPTY));
+        if self.primitives[slot] == primitive && self.origins[slot] == origin {
+            return false;
+        }
+        for material in primitive.materials() {
+            let least = material as usize + 1;
+            self.users.resize(self.users.len().max(least), 0);
+            self.users[material as usize] += 1;
+        }
+        for material in self.primitives[slot].materials() {
+            self.users[material as usize] -= 1;
+        }
+        (self.primitives[slot], self.origins[slot]) = (primitive, origin);
+        self.journal.note(slot as u32);
+        true
+    }
+
+    /// The slots that were rewritten since a revision, in order; a slot may occur several times. None if the revision
+    /// is too old.
+    pub fn changes_since(&self, revision: u64) -> Option<&[u32]> {
+        self.journal.since(revision)
+    }
+
+    /// The number of slots that were ever rewritten.
+    pub fn revision(&self) -> u64 {
+        self.journal.revision()
+    }
+
+    /// Forgets old changes if they take more memory than it is worth. Readers that have seen the present revision do
+    /// not notice.
+    pub fn forget_old_changes(&mut self) {
+        self.journal.forget(self.primitives.len());
     }
 
     /// The visible materials, ascending.
-    pub fn materials(&self) -> Vec<u32> {
-        let mut used: Vec<u32> = self.primitives.iter().flat_map(Primitive::materials).collect();
-        used.sort_unstable();
-        used.dedup();
-        used
+    pub fn materials(&self) -> impl Iterator<Item = u32> {
+        (0..).zip(&self.users).filter(|(_, users)| **users > 0).map(|(material, _)| material)
     }
 
-    /// The digest of the shapes in their own spaces, for primitives with a material that is `painted`.
-    pub fn origins(&self, painted: impl Fn(u32) -> bool) -> Digest {
-        let shows = |primitive: &Primitive| primitive.materials().any(&painted);
-        let origins = self.primitives.iter().zip(&self.origins);
-        let origins = origins.map(|(primitive, origin)| shows(primitive).then_some(origin));
-        Digest::of(&origins.collect::<Vec<_>>())
+    /// The shape of a slot in its own space.
+    pub fn origin(&self, slot: usize) -> &Origin {
+        &self.origins[slot]
     }
 
     /// The evaluation context of textures at a hit. `printed` states whether textures need the footprint in u and v.

@@ -10,7 +10,9 @@ pub mod top_level;
 mod content;
 pub mod extract;
 mod geometry;
+mod hash_tree;
 mod hit;
+mod journal;
 #[cfg(test)]
 mod lane_tests;
 mod primitive;

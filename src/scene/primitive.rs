@@ -25,6 +25,8 @@ pub enum Finish {
     Material(MaterialBinding),
     /// Index into the scene's lights: the primitive is that light.
     Light(u32),
+    /// Neither: the slot is empty.
+    Empty,
 }
 
 /// The transform between the world and a shape that keeps its own space.
@@ -40,6 +42,9 @@ pub struct InstanceTransform {
 }
 
 impl Primitive {
+    /// The content of an empty slot: nothing hits it.
+    pub const EMPTY: Self = Self { shape: Shape::Group, transform: None, finish: Finish::Empty };
+
     /// A shape transformed by `to_world`. None if that flattens it: a scale of 0 hides an object.
     pub fn new(shape: &Shape, to_world: DAffine3, finish: Finish) -> Option<Self> {
         let to_object = inverse(&to_world)?;
@@ -50,6 +55,11 @@ impl Primitive {
                 Self { shape: shape.clone(), transform, finish }
             }
         })
+    }
+
+    /// Whether the slot is empty: its object is hidden or flattened.
+    pub fn is_empty(&self) -> bool {
+        self.finish == Finish::Empty
     }
 
     /// Whether the primitive is a light.
@@ -69,7 +79,7 @@ impl Primitive {
                 };
                 Some(first + slot.map_or(count, u32::from))
             }
-            Finish::Light(_) => None,
+            Finish::Light(_) | Finish::Empty => None,
         }
     }
 

@@ -152,6 +152,7 @@ impl<'a> TraceContext<'a> {
         self.class_of = lobes.iter().map(class).collect();
         let route = |primitive: &Primitive| match primitive.finish {
             Finish::Light(index) => Route::One(Queue::Light, index),
+            Finish::Empty => Route::One(Queue::Escaped, 0),
             Finish::Material(MaterialBinding::One(material)) => {
                 Route::One(Queue::Surface(self.class_of[material as usize]), material)
             }
@@ -201,8 +202,7 @@ impl UsedMaterials {
     fn new(scene: &Scene) -> Self {
         let materials = &scene.shading.materials;
         let mut used = vec![false; materials.len()];
-        let primitives = scene.geometry.primitives.iter();
-        primitives.flat_map(Primitive::materials).for_each(|index| used[index as usize] = true);
+        scene.geometry.materials().for_each(|index| used[index as usize] = true);
         Self { lobes: materials.iter().map(LobeSet::of).collect(), used }
     }
 
@@ -228,7 +228,7 @@ fn is_weighted(scene: &Scene, layer: LayerId) -> bool {
 /// Whether samples of a moment are random: along paths, and for a lens, a light with an area or a rough surface.
 pub fn is_random(scene: &Scene, integrator: Integrator) -> bool {
     let rough = || {
-        let mut materials = scene.geometry.primitives.iter().flat_map(Primitive::materials);
+        let mut materials = scene.geometry.materials();
         materials.any(|index| scene.shading.materials[index as usize].is_rough())
     };
     let area = || scene.lights().any(|(_, light)| light.source.is_sampled());

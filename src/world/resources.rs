@@ -23,6 +23,10 @@ pub struct Hierarchy(pub Vec<(Entity, Option<Entity>)>);
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Objects(pub Vec<Entity>);
 
+/// The number of primitives, including those of hidden objects.
+#[derive(Clone, Copy, Debug, Resource)]
+pub struct SlotCount(pub u32);
+
 /// The cameras in the file's order, and the index of the active one over time.
 #[derive(Clone, Debug, Resource)]
 pub struct ActiveCamera {

@@ -1,8 +1,8 @@
 //! Spawns the entities of a sequence, with their values at its first moment.
 
 use super::{
-    ActiveCamera, AreaLight, FileOrder, Hierarchy, LightSetup, Now, Objects, Transform, Visible,
-    VisibleTrack, Weight, animate,
+    ActiveCamera, AreaLight, FileOrder, Hierarchy, LightSetup, Now, Objects, Slot, SlotCount, Transform,
+    Visible, VisibleTrack, Weight, animate,
 };
 use crate::appearance::environment::EnvironmentDistribution;
 use crate::appearance::light::{Light, Source};
@@ -10,6 +10,7 @@ use crate::appearance::light_groups::{GroupRadiance, GroupWeight};
 use crate::base::color::Rgb;
 use crate::base::math::DAffine3;
 use crate::film::LayerId;
+use crate::geometry::shape::Shape;
 use crate::sequence::{LightLayers, Object, Sequence};
 use crate::track::Animated;
 use bevy_ecs::world::{EntityWorldMut, World};
@@ -22,11 +23,12 @@ pub fn spawn(sequence: &Sequence) -> World {
     world.insert_resource(Now(sequence.timeline.clock(0)));
     spawn_environment(&mut world, &layers, sequence);
     let ambient = spawn_ambient(&mut world, &layers, &sequence.ambient);
-    spawn_lights(&mut world, &layers, sequence);
     spawn_materials(&mut world, &layers, sequence);
     spawn_fog(&mut world, &layers, sequence);
     spawn_cameras(&mut world, sequence);
+    // Slots are in this order.
     spawn_objects(&mut world, sequence);
+    spawn_lights(&mut world, &layers, sequence);
     world.insert_resource(LightSetup { ambient, layers: layers.count });
     world
 }
@@ -71,15 +73,31 @@ fn spawn_fog(world: &mut World, layers: &LightLayers, sequence: &Sequence) {
 
 fn spawn_lights(world: &mut World, layers: &LightLayers, sequence: &Sequence) {
     let start = sequence.timeline.clock(0).time;
+    let mut slots = FreeSlots::of(world);
     for ((order, light), &layer) in (0..).zip(&sequence.lights).zip(&layers.lights) {
         let (tracks, dimmer) = (&light.value, light.value.group_weight());
         let source = tracks.kind.at(start);
         let light = Light { source, radiance: tracks.constant_radiance(), layer };
         let mut entity = world.spawn((FileOrder(order), light, tracks.clone()));
         if matches!(source, Source::Sphere(_) | Source::Rectangle { .. }) {
-            entity.insert(AreaLight);
+            entity.insert((AreaLight, slots.next()));
         }
         weigh(&mut entity, dimmer, layer);
+    }
+    world.insert_resource(SlotCount(slots.0));
+}
+
+/// The first slot that is not in use.
+struct FreeSlots(u32);
+
+impl FreeSlots {
+    fn of(world: &World) -> Self {
+        Self(world.get_resource().map_or(0, |SlotCount(count)| *count))
+    }
+
+    fn next(&mut self) -> Slot {
+        self.0 += 1;
+        Slot(self.0 - 1)
     }
 }
 
@@ -111,11 +129,14 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
         let keyed = transform.is_keyed() || visible.is_keyed();
         moves[index] = keyed || parent.is_some_and(|parent| moves[parent]);
     }
-    let mut entities = Vec::with_capacity(objects.len());
+    let (mut entities, mut slots) = (Vec::with_capacity(objects.len()), FreeSlots::of(world));
     for (index, object) in objects.iter().enumerate() {
         let object = &object.value;
         let order = FileOrder(index as u32);
         let mut entity = world.spawn((order, object.shape.clone(), object.made_of, placed[index]));
+        if object.shape != Shape::Group {
+            entity.insert(slots.next());
+        }
         if moves[index] {
             entity.insert((object.transform.clone(), VisibleTrack(object.visible.clone())));
         }
@@ -125,6 +146,7 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
     let hierarchy = order.into_iter().filter(|&index| moves[index]).map(pair).collect();
     world.insert_resource(Hierarchy(hierarchy));
     world.insert_resource(Objects(entities));
+    world.insert_resource(SlotCount(slots.0));
 }
 
 /// Indices of all objects, parents before children.

@@ -12,7 +12,7 @@ mod traversal_ray;
 mod tree;
 mod tree_space;
 
-pub use build::fetch_ahead;
+pub use build::{Refitter, fetch_ahead};
 pub use bundle::{BundleSlabs, BundleStack, BundleVisitor, NodeRef};
 pub use leaf_primitives::LeafPrimitives;
 pub use slabs::Slabs;

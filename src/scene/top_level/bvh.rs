@@ -1,6 +1,7 @@
 //! The tree over a scene's primitives and its construction.
 
-use crate::geometry::bvh::{LeafPrimitives, Tree};
+use super::extent::{Extent, Extents};
+use crate::geometry::bvh::{LeafPrimitives, Refitter, Tree};
 use crate::geometry::shape::Shape;
 use crate::scene::Geometry;
 
@@ -14,14 +15,33 @@ pub struct Bvh {
     pub(super) direct: Vec<u32>,
     /// Indices of meshes outside the tree, if there are few primitives. Each has a tree of its own.
     pub(super) meshes: Vec<u32>,
-    /// The largest coordinate of all bounded primitives and of the points of planes.
+    /// The largest coordinate of all bounded primitives and of the points of planes. It depends on the geometry alone,
+    /// not on the tree.
     pub(super) reach: f64,
     /// Whether the geometry is so small that incoherent rays are searched as bundles too.
     pub(super) is_small: bool,
+    /// The revision of the geometry. None before the first build.
+    revision: Option<u64>,
+    places: Vec<Place>,
+    extents: Extents,
+    refitter: Refitter,
+}
+
+/// Where the primitive of a slot is tested.
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    /// The slot was empty when the tree was built.
+    Nowhere,
+    /// Without the tree.
+    Direct,
+    Leaf(u32),
 }
 
 /// Below this number of bounded primitives there is no tree: testing all takes no longer than a search.
 const FEW: usize = 6;
+
+/// A refitted tree may cost this multiple of the built one. Then it is built again.
+const WORST_GROWTH: f64 = 1.5;
 
 impl Bvh {
     /// Builds the tree over `geometry`. The same geometry gives the same tree.
@@ -33,28 +53,72 @@ impl Bvh {
                     bounded.push(index);
                     boxes.push(bounds);
                 }
+                None if primitive.is_empty() => {}
                 None => direct.push(index),
             }
         }
-        let (mut tree, mut leaves) = Tree::of_boxes(&boxes);
-        let anchors = geometry.primitives.iter().filter_map(|primitive| match &primitive.shape {
-            Shape::Plane(plane) => Some(plane.point.abs().max_element()),
-            _ => None,
-        });
-        let reach = anchors.fold(tree.space().reach(), f64::max);
         let mut meshes = Vec::new();
+        let (mut tree, mut leaves) = Default::default();
         if bounded.len() < FEW {
-            (tree, leaves) = Default::default();
             for index in bounded.drain(..) {
                 let is_mesh = matches!(geometry.primitives[index as usize].shape, Shape::Mesh(_));
                 if is_mesh { meshes.push(index) } else { direct.push(index) }
             }
             direct.sort_unstable();
+        } else {
+            (tree, leaves) = Tree::of_boxes(&boxes);
         }
         leaves.renumber(|primitive| bounded[primitive as usize]);
         let mut shapes = geometry.primitives.iter().map(|primitive| &primitive.shape);
         let is_small = tree.is_small() && !shapes.any(|shape| matches!(shape, Shape::Mesh(_)));
-        Self { tree, leaves, direct, meshes, reach, is_small }
+        let mut places = vec![Place::Nowhere; geometry.primitives.len()];
+        direct.iter().chain(&meshes).for_each(|index| places[*index as usize] = Place::Direct);
+        for leaf in 0..leaves.len() as u32 {
+            leaves.leaf(leaf).iter().for_each(|index| places[*index as usize] = Place::Leaf(leaf));
+        }
+        let extents = Extents::new(&geometry.primitives);
+        let (reach, refitter) = (extents.all().reach(), Refitter::new(&tree, leaves.len()));
+        let revision = Some(geometry.revision());
+        Self { tree, leaves, direct, meshes, reach, is_small, revision, places, extents, refitter }
+    }
+
+    /// Follows the changes of a geometry: refits the tree, or builds it again if refitting does not suffice. Returns
+    /// whether it was built. Hits are those of [`Bvh::build`].
+    pub fn update(&mut self, geometry: &Geometry) -> bool {
+        let built = self.refit(geometry).is_none();
+        if built {
+            *self = Self::build(geometry);
+        }
+        built
+    }
+
+    /// Refits the tree. None if it must be built again: then its state has no meaning.
+    fn refit(&mut self, geometry: &Geometry) -> Option<()> {
+        let changes = geometry.changes_since(self.revision?)?;
+        if self.extents.len() != geometry.primitives.len() {
+            return None;
+        }
+        let slots = || changes.iter().map(|slot| *slot as usize);
+        self.extents.update(slots().map(|slot| (slot, Extent::of(&geometry.primitives[slot]))));
+        for slot in slots() {
+            let primitive = &geometry.primitives[slot];
+            let (bounds, is_empty) = (primitive.bounds(), primitive.is_empty());
+            match self.places[slot] {
+                Place::Leaf(leaf) if bounds.is_some() || is_empty => {
+                    self.refitter.set_leaf(&mut self.tree, leaf, bounds).then_some(())?;
+                }
+                Place::Direct => {}
+                Place::Nowhere if is_empty => {}
+                Place::Leaf(_) | Place::Nowhere => return None,
+            }
+        }
+        self.refitter.finish(&mut self.tree);
+        let all = self.extents.all();
+        (self.reach, self.revision) = (all.reach(), Some(geometry.revision()));
+        // In a much larger space, f32 boxes would be too coarse. A comparison with NaN is false.
+        let same_size = self.tree.is_empty() || all.space().scale == self.tree.space().scale;
+        let is_good = self.tree.is_empty() || self.refitter.growth(&self.tree) <= WORST_GROWTH;
+        (same_size && is_good).then_some(())
     }
 
     /// The largest coordinate of all bounded primitives and of the points of planes.

@@ -7,6 +7,7 @@
 mod bundle;
 mod bvh;
 mod closest;
+mod extent;
 mod occlusion;
 mod query;
 mod single;

@@ -1,13 +1,15 @@
 use super::*;
-use crate::appearance::material::MaterialBinding;
+use crate::appearance::material::{Exponent, Highlight, Lobes, Material, MaterialBinding, Medium};
+use crate::appearance::optics::Fresnel;
 use crate::base::lanes::tests::on_all_levels;
 use crate::base::lanes::{Level, Mask, Row, SimdKernel, dispatch, lanes};
 use crate::base::math::{DAffine3, DVec3, Ray};
+use crate::film::LayerId;
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::{
     Cone, Cuboid, Cylinder, Disk, Plane, PreparedRay, RayInterval, Rectangle, Shape, Sphere, Torus, Triangle,
 };
-use crate::scene::{Finish, Geometry};
+use crate::scene::{Digests, Finish, Geometry, Shading};
 use crate::testing::{Random, eight_rays, geometry};
 
 fn random_shape(random: &mut Random) -> Shape {
@@ -95,6 +97,118 @@ fn the_tree_equals_brute_force() {
             }
         }
     }
+}
+
+fn matte() -> Material {
+    Material {
+        lobes: Lobes::default(),
+        textures: Vec::new(),
+        emission_layer: LayerId::CONSTANT,
+        highlight: Highlight::Phong,
+        shininess: Exponent::new(1.0),
+        fresnel: Fresnel::Exact,
+        medium: Medium::EMPTY,
+    }
+}
+
+/// The content of a slot, if it is visible.
+type Content = (Shape, DAffine3, bool);
+
+fn of_contents(contents: &[Content]) -> Geometry {
+    let mut geometry = Geometry::with_slots(contents.len());
+    contents.iter().enumerate().for_each(|(slot, content)| set(&mut geometry, slot, content));
+    geometry
+}
+
+fn set(geometry: &mut Geometry, slot: usize, (shape, at, visible): &Content) {
+    let finish = Finish::Material(MaterialBinding::One(slot as u32 % 3));
+    geometry.set(slot, visible.then_some((shape, *at, finish)));
+}
+
+/// Moves a primitive a little or far away, flattens it, hides it or shows it.
+fn edit((_, at, visible): &mut Content, random: &mut Random) {
+    match (random.unit() * 12.0) as u32 {
+        0 => *visible = !*visible,
+        1 => *at = DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0)),
+        2 => *at = DAffine3::from_translation(random.point(200.0)),
+        3..6 => *at = DAffine3::from_axis_angle(random.direction(), random.unit()),
+        _ => *at = DAffine3::from_translation(random.point(0.5)),
+    }
+}
+
+/// Random edits of single primitives and of all give the geometry, the digest, the extent and the hits of a scene that
+/// is made from scratch.
+#[test]
+fn edits_give_what_a_fresh_scene_gives() {
+    let (mut random, mut builds, mut refits) = (Random(6), 0, 0);
+    let shading = Shading { materials: vec![matte(); 3], ..Shading::default() };
+    for count in [0, 1, 5, 6, 9, 70, 400] {
+        let mut content = || (random_shape(&mut random), DAffine3::IDENTITY, true);
+        let mut contents: Vec<Content> = (0..count).map(|_| content()).collect();
+        if let Some(first) = contents.first_mut() {
+            first.0 = Shape::Plane(Plane { point: DVec3::NEG_Y * 12.0, normal: DVec3::Y });
+        }
+        let (mut geometry, mut bvh) = (of_contents(&contents), Bvh::default());
+        let mut digests = Digests::default();
+        for round in 0..60 {
+            geometry.forget_old_changes();
+            for (slot, content) in contents.iter_mut().enumerate() {
+                if round % 20 == 19 || random.unit() < 3.0 / count as f64 {
+                    edit(content, &mut random);
+                    set(&mut geometry, slot, content);
+                }
+            }
+            let fresh = of_contents(&contents);
+            assert!(geometry == fresh);
+            assert!(geometry.materials().eq(fresh.materials()));
+            // Readers may miss rounds.
+            if random.unit() < 0.2 {
+                continue;
+            }
+            digests.update(&geometry, &shading, false);
+            let mut anew = Digests::default();
+            anew.update(&fresh, &shading, true);
+            assert_eq!(digests.primitives(), anew.primitives());
+            let built = bvh.update(&geometry);
+            (builds, refits) = (builds + u32::from(built), refits + u32::from(!built));
+            let expected = Bvh::build(&fresh);
+            assert_eq!(bvh.reach(), expected.reach());
+            for _ in 0..20 {
+                let ray = TraversalRay::new(random_ray(&mut random));
+                assert_eq!(bvh.closest(&geometry, &ray), expected.closest(&fresh, &ray), "{ray:?}");
+                assert_eq!(bvh.closest(&geometry, &ray), brute_force(&geometry, &ray), "{ray:?}");
+                let eight = Eight::new(&mut random);
+                for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+                    let hits = dispatch(Intersect(&bvh, &geometry, &eight, coherence));
+                    assert_eq!(hits, dispatch(Intersect(&expected, &fresh, &eight, coherence)), "{eight:?}");
+                }
+            }
+        }
+    }
+    assert!(builds > 20 && refits > 100, "{builds} builds, {refits} refits");
+}
+
+/// Objects that swap their places make a tree of wide boxes, so it is built again, but not at every step before.
+#[test]
+fn a_tree_that_gets_worse_is_built_again() {
+    let at = |k: u32| DVec3::new(f64::from(k % 20), f64::from(k / 20), 0.0);
+    let sphere = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 0.3 });
+    let place = |k: u32, share: f64| DAffine3::from_translation(at(k).lerp(at(399 - k), share));
+    let finish = Finish::Material(MaterialBinding::One(0));
+    let mut geometry = Geometry::default();
+    (0..400).for_each(|k| geometry.push(&sphere, place(k, 0.0), finish));
+    let mut bvh = Bvh::default();
+    let built: Vec<bool> = (0..=100)
+        .map(|step| {
+            geometry.forget_old_changes();
+            for k in 0..400 {
+                geometry.set(k as usize, Some((&sphere, place(k, f64::from(step) / 100.0), finish)));
+            }
+            bvh.update(&geometry)
+        })
+        .collect();
+    let builds = built.iter().filter(|built| **built).count();
+    assert!(built[0] && !built[1] && (2..50).contains(&builds), "{built:?}");
 }
 
 #[test]
