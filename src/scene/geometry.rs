@@ -60,8 +60,9 @@ impl Geometry {
     /// the transform flattens it. Returns whether that changed anything; if not, nothing is written.
     pub fn set(&mut self, slot: usize, content: Option<(&Shape, DAffine3, Finish)>) -> bool {
         let packed = |(shape, to_world, finish): (&Shape, DAffine3, Finish)| {
-            let origin = Origin { shape: shape.clone(), to_object: inverse(&to_world)? };
-            Some((Primitive::new(shape, to_world, finish)?, origin))
+            let to_object = inverse(&to_world)?;
+            let primitive = Primitive::placed(shape, to_world, &to_object, finish);
+            Some((primitive, Origin { shape: shape.clone(), to_object }))
         };
         let (primitive, origin) = content.and_then(packed).unwrap_or((Primitive::EMPTY, Origin::EMPTY));
         if self.primitives[slot] == primitive && self.origins[slot] == origin {

@@ -47,14 +47,18 @@ impl Primitive {
 
     /// A shape transformed by `to_world`. None if that flattens it: a scale of 0 hides an object.
     pub fn new(shape: &Shape, to_world: DAffine3, finish: Finish) -> Option<Self> {
-        let to_object = inverse(&to_world)?;
-        Some(match shape.transformed(&to_world) {
+        inverse(&to_world).map(|to_object| Self::placed(shape, to_world, &to_object, finish))
+    }
+
+    /// [`Primitive::new`] with the inverse of the transform.
+    pub(super) fn placed(shape: &Shape, to_world: DAffine3, to_object: &DAffine3, finish: Finish) -> Self {
+        match shape.transformed(&to_world) {
             Some(shape) => Self { shape, transform: None, finish },
             None => {
                 let transform = Some(Box::new(InstanceTransform::new(shape, to_world, to_object.matrix3)));
                 Self { shape: shape.clone(), transform, finish }
             }
-        })
+        }
     }
 
     /// Whether the slot is empty: its object is hidden or flattened.

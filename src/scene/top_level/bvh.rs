@@ -101,8 +101,7 @@ impl Bvh {
         let slots = || changes.iter().map(|slot| *slot as usize);
         self.extents.update(slots().map(|slot| (slot, Extent::of(&geometry.primitives[slot]))));
         for slot in slots() {
-            let primitive = &geometry.primitives[slot];
-            let (bounds, is_empty) = (primitive.bounds(), primitive.is_empty());
+            let (bounds, is_empty) = (self.extents.bounds(slot), geometry.primitives[slot].is_empty());
             match self.places[slot] {
                 Place::Leaf(leaf) if bounds.is_some() || is_empty => {
                     self.refitter.set_leaf(&mut self.tree, leaf, bounds).then_some(())?;

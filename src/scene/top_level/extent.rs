@@ -62,6 +62,11 @@ impl Extents {
         self.slots.len()
     }
 
+    /// The bounds of a slot. None if its primitive is infinite or the slot is empty.
+    pub fn bounds(&self, slot: usize) -> Option<Aabb> {
+        Some(self.slots[slot].bounds).filter(|bounds| !bounds.is_empty())
+    }
+
     /// Replaces the extents of slots; slots may occur several times.
     pub fn update(&mut self, changes: impl Iterator<Item = (usize, Extent)>) {
         let mut dirty = Vec::new();
