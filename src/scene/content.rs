@@ -35,8 +35,8 @@ pub struct Digests {
     used: Vec<u32>,
     /// The lights that are primitives, in the order of these.
     luminous: Vec<u32>,
-    /// For each material, whether it is visible and textured, and a tree over the shapes' own spaces where these are visible. Only textures read the
-    /// own spaces.
+    /// For each material, whether it is visible and textured; and a tree over the own spaces of the shapes that show
+    /// these materials. Only textures read the own spaces.
     origins: Option<(Vec<bool>, HashTree)>,
     /// Digest of materials and emitters, without `origins`.
     effective: Digest,

@@ -216,8 +216,7 @@ impl Reader<'_> {
     /// Skips a value whose notation has been checked, and returns its text.
     fn skipped<'s>(&mut self, text: &'s str) -> Option<&'s str> {
         let (start, mut depth) = (self.at, 0);
-        loop {
-            let Some(byte) = self.peek() else { break };
+        while let Some(byte) = self.peek() {
             match byte {
                 b'"' => {
                     self.text()?;

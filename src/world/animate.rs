@@ -21,11 +21,14 @@ use crate::world::{
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::system::{Query, Res, ResMut};
 
+/// Objects that cannot move have none.
+type Tracks = (&'static TransformTracks, &'static VisibleTrack);
+
 /// Computes the world transform and visibility of every object that may move, parents before children.
 pub fn transforms(
     now: Res<Now>,
     hierarchy: Res<Hierarchy>,
-    mut objects: Query<(&mut Transform, &mut Visible, Option<(&TransformTracks, &VisibleTrack)>)>,
+    mut objects: Query<(&mut Transform, &mut Visible, Option<Tracks>)>,
 ) {
     for &(entity, parent) in &hierarchy.0 {
         let parent = parent.and_then(|parent| objects.get(parent).ok());
