@@ -56,6 +56,7 @@ pub(super) fn placed(
     }
 }
 
+/// Materials without keys have no tracks.
 pub fn materials(now: Res<Now>, mut materials: Query<(&MaterialTracks, &mut Material)>) {
     for (tracks, mut material) in &mut materials {
         let layer = material.emission_layer;
@@ -63,6 +64,7 @@ pub fn materials(now: Res<Now>, mut materials: Query<(&MaterialTracks, &mut Mate
     }
 }
 
+/// Lights that cannot move have no tracks. Switches and colours are weights.
 pub fn lights(now: Res<Now>, mut lights: Query<(&LightTracks, &mut Light)>) {
     for (tracks, mut light) in &mut lights {
         let moved = Light { source: tracks.kind.at(now.0.time), ..*light };

@@ -78,7 +78,10 @@ fn spawn_lights(world: &mut World, layers: &LightLayers, sequence: &Sequence) {
         let (tracks, dimmer) = (&light.value, light.value.group_weight());
         let source = tracks.kind.at(start);
         let light = Light { source, radiance: tracks.constant_radiance(), layer };
-        let mut entity = world.spawn((FileOrder(order), light, tracks.clone()));
+        let mut entity = world.spawn((FileOrder(order), light));
+        if tracks.kind.is_keyed() {
+            entity.insert(tracks.clone());
+        }
         if matches!(source, Source::Sphere(_) | Source::Rectangle { .. }) {
             entity.insert((AreaLight, slots.next()));
         }
@@ -106,7 +109,11 @@ fn spawn_materials(world: &mut World, layers: &LightLayers, sequence: &Sequence)
     for ((order, material), &layer) in (0..).zip(&sequence.materials).zip(&layers.materials) {
         let (_, dimmer) = material.value.emission_split();
         let now = material.value.at(start, layer);
-        weigh(&mut world.spawn((FileOrder(order), now, material.value.clone())), dimmer, layer);
+        let mut entity = world.spawn((FileOrder(order), now));
+        if material.value.is_keyed() {
+            entity.insert(material.value.clone());
+        }
+        weigh(&mut entity, dimmer, layer);
     }
 }
 

@@ -1,7 +1,8 @@
 //! Tests of the world after a frame, and of errors that end a run.
 
 use super::{FilmCollector, FilmSink, FrameError, FrameLoop, FrameStage, Preview};
-use crate::appearance::light::Source;
+use crate::appearance::light::{Light, LightTracks, Source};
+use crate::appearance::material::{Material, MaterialTracks};
 use crate::base::time::Rate;
 use crate::encode::FilmsError;
 use crate::film::Film;
@@ -176,6 +177,34 @@ fn frames_have_no_memory() {
         let mut alone = FrameLoop::new(&sequence, FilmCollector::default(), Arc::default());
         alone.frame(frame).expect("a frame");
         assert!(alone.into_sink().expect("the sink").0[0] == film, "{frame}");
+    }
+}
+
+/// Materials and lights without keys are evaluated once. All others are animated, whatever part of them has keys.
+#[test]
+fn only_keyed_materials_and_lights_are_animated() {
+    let sequence = sequence(
+        r#"(timeline: (frames: 3, keys: Frames), output: (size: (4, 3)),
+        lights: { "still": Point(position: (1, 0, 0), intensity: [(0, 1), (2, 2)]),
+            "moving": Spot(position: (1, 0, 0), angle: [(0, 10), (2, 20)]) },
+        materials: { "still": (color: Checker(a: 0.1, b: 0.2)), "lobe": (mirror: [(0, 0), (2, 1)]),
+            "part": (color: Checker(a: 0.1, b: [(0, 0), (2, 1)])), "place": (color: Checker(a: 0.1, b: 0.2, scale: [(0, 1), (2, 2)])),
+            "number": (specular: 0.5, shininess: [(0, 5), (2, 9)]) },
+        objects: { "a": (shape: Sphere(), material: "still"), "b": (shape: Sphere(), material: (ambient: [(0, 0), (2, 1)])) })"#,
+    );
+    let mut frames = frame_loop(&sequence, None);
+    frames.frame(2).expect("a frame");
+    let world = &mut frames.world;
+    let materials = world.query::<&Material>().iter(world).count();
+    let keyed = world.query::<&MaterialTracks>().iter(world).count();
+    assert_eq!((materials, keyed), (sequence.materials.len(), sequence.materials.len() - 1));
+    let lights = world.query::<&Light>().iter(world).count();
+    let moving = world.query::<&LightTracks>().iter(world).count();
+    assert_eq!((lights, moving), (2, 1));
+    let now = sequence.timeline.clock(2).time;
+    let shading = &world.resource::<Current<Shading>>().0;
+    for (material, tracks) in shading.materials.iter().zip(&sequence.materials) {
+        assert_eq!(*material, tracks.value.at(now, material.emission_layer), "{}", tracks.name);
     }
 }
 
