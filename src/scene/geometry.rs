@@ -3,8 +3,9 @@
 use super::hit::Hit;
 use super::journal::Journal;
 use super::primitive::{Finish, Primitive, abs, inverse};
+use super::surfaces::SurfaceTable;
 use crate::appearance::texture::{Footprint, TextureEvalContext};
-use crate::base::digest::{Content, Digest};
+use crate::base::digest::Content;
 use crate::base::math::{DAffine3, DVec2, DVec3};
 use crate::geometry::shape::{Shape, Surface};
 
@@ -15,8 +16,12 @@ pub struct Geometry {
     pub primitives: Vec<Primitive>,
     /// For each primitive, the shape in its own space. Only textures read it.
     origins: Vec<Origin>,
-    /// For each material, the number of primitives that show it.
-    users: Vec<u32>,
+    /// Columns for what the tracer reads at every hit.
+    finishes: Vec<Finish>,
+    pub(super) surfaces: SurfaceTable,
+    /// How many primitives show each material, and how many are each light.
+    materials: UseCounts,
+    lights: UseCounts,
     /// The slots that were rewritten.
     journal: Journal,
 }
@@ -39,21 +44,50 @@ impl Origin {
     const EMPTY: Self = Self { shape: Shape::Group, to_object: DAffine3::IDENTITY };
 }
 
+/// The number of primitives that use each index of a list.
+#[derive(Clone, Debug, Default)]
+struct UseCounts(Vec<u32>);
+
+impl UseCounts {
+    fn add(&mut self, index: u32) {
+        let least = index as usize + 1;
+        if self.0.len() < least {
+            self.0.resize(least, 0);
+        }
+        self.0[index as usize] += 1;
+    }
+
+    fn remove(&mut self, index: u32) {
+        self.0[index as usize] -= 1;
+    }
+
+    /// The indices that are used, ascending.
+    fn used(&self) -> impl Iterator<Item = u32> {
+        (0..).zip(&self.0).filter(|(_, users)| **users > 0).map(|(index, _)| index)
+    }
+}
+
 impl Geometry {
     /// Geometry of empty slots.
     pub fn with_slots(count: usize) -> Self {
-        Self {
-            primitives: vec![Primitive::EMPTY; count],
-            origins: vec![Origin::EMPTY; count],
-            ..Self::default()
-        }
+        let mut geometry = Self::default();
+        geometry.resize(count);
+        geometry
+    }
+
+    /// Adds empty slots at the end.
+    fn resize(&mut self, count: usize) {
+        self.primitives.resize(count, Primitive::EMPTY);
+        self.origins.resize(count, Origin::EMPTY);
+        self.finishes.resize(count, Finish::Empty);
+        self.surfaces.resize(count);
     }
 
     /// Adds a slot with a shape transformed by `to_world`. The slot is empty if that flattens the shape.
     pub fn push(&mut self, shape: &Shape, to_world: DAffine3, finish: Finish) {
-        self.primitives.push(Primitive::EMPTY);
-        self.origins.push(Origin::EMPTY);
-        self.set(self.primitives.len() - 1, Some((shape, to_world, finish)));
+        let slot = self.primitives.len();
+        self.resize(slot + 1);
+        self.set(slot, Some((shape, to_world, finish)));
     }
 
     /// Sets the content of a slot: a shape transformed by `to_world`. The slot is empty if there is no shape, or if
@@ -65,20 +99,32 @@ impl Geometry {
             Some((primitive, Origin { shape: shape.clone(), to_object }))
         };
         let (primitive, origin) = content.and_then(packed).unwrap_or((Primitive::EMPTY, Origin::EMPTY));
-        if self.primitives[slot] == primitive && self.origins[slot] == origin {
+        if self.primitives[slot] != primitive {
+            self.replace(slot, primitive);
+        } else if self.origins[slot] == origin {
             return false;
         }
-        for material in primitive.materials() {
-            let least = material as usize + 1;
-            self.users.resize(self.users.len().max(least), 0);
-            self.users[material as usize] += 1;
-        }
-        for material in self.primitives[slot].materials() {
-            self.users[material as usize] -= 1;
-        }
-        (self.primitives[slot], self.origins[slot]) = (primitive, origin);
+        self.origins[slot] = origin;
         self.journal.note(slot as u32);
         true
+    }
+
+    fn replace(&mut self, slot: usize, primitive: Primitive) {
+        let (before, after) = (self.finishes[slot], primitive.finish);
+        if before != after {
+            self.count(after, UseCounts::add);
+            self.count(before, UseCounts::remove);
+            self.finishes[slot] = after;
+        }
+        self.surfaces.set(slot, &primitive);
+        self.primitives[slot] = primitive;
+    }
+
+    fn count(&mut self, finish: Finish, count: fn(&mut UseCounts, u32)) {
+        finish.materials().for_each(|material| count(&mut self.materials, material));
+        if let Finish::Light(light) = finish {
+            count(&mut self.lights, light);
+        }
     }
 
     /// The slots that were rewritten since a revision, in order; a slot may occur several times. None if the revision
@@ -100,7 +146,17 @@ impl Geometry {
 
     /// The visible materials, ascending.
     pub fn materials(&self) -> impl Iterator<Item = u32> {
-        (0..).zip(&self.users).filter(|(_, users)| **users > 0).map(|(material, _)| material)
+        self.materials.used()
+    }
+
+    /// The lights that are visible shapes, ascending.
+    pub fn lights(&self) -> impl Iterator<Item = u32> {
+        self.lights.used()
+    }
+
+    /// The material or light of every slot.
+    pub fn finishes(&self) -> &[Finish] {
+        &self.finishes
     }
 
     /// The shape of a slot in its own space.

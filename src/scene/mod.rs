@@ -22,7 +22,6 @@ pub use content::Digests;
 pub use geometry::Geometry;
 pub use hit::Hit;
 pub use primitive::{Finish, InstanceTransform, Primitive};
-pub use surfaces::SurfaceTable;
 
 use crate::appearance::environment::{Environment, EnvironmentDistribution};
 use crate::appearance::fog::Fog;

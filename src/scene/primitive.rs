@@ -29,6 +29,14 @@ pub enum Finish {
     Empty,
 }
 
+impl Finish {
+    /// The indices of all materials.
+    pub fn materials(self) -> impl Iterator<Item = u32> {
+        let Self::Material(made_of) = self else { return None.into_iter().flatten() };
+        Some(made_of.indices()).into_iter().flatten()
+    }
+}
+
 /// The transform between the world and a shape that keeps its own space.
 #[derive(Clone, Debug, PartialEq, Content)]
 pub struct InstanceTransform {
@@ -89,8 +97,7 @@ impl Primitive {
 
     /// The indices of all materials that may be visible on it.
     pub fn materials(&self) -> impl Iterator<Item = u32> {
-        let Finish::Material(made_of) = self.finish else { return None.into_iter().flatten() };
-        Some(made_of.indices()).into_iter().flatten()
+        self.finish.materials()
     }
 
     /// The smallest t within bounds at which each ray hits the primitive. Directions are not normalised, so rays that
