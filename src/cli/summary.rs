@@ -94,6 +94,7 @@ pub fn json(summary: &Summary) -> String {
         "noise": noise(&summary.noise),
         "bvh_builds": summary.bvh_builds,
         "bvh_refits": summary.bvh_refits,
+        "bvh_updates": summary.bvh_builds + summary.bvh_refits,
         "expected": expected(summary.expected.as_ref()),
         "stages_s": stages.collect::<Map<_, _>>(),
         "notes": summary.notes,
@@ -359,7 +360,7 @@ dropped undefined   2
             r#""elapsed_s":10.44,"tracing_cpu_s":19.84,"rays":{"camera":66355200,"mirror":20481,"transmitted":0,"scattered":0,"shadow":9,"#,
             r#""total":66375690},"evaluations":{"fog":0,"paint":0,"light_samples":0,"lens_samples":0},"#,
             r#""dropped_samples":{"undefined":0,"infinite":0,"negative":0},"noise":{},"#,
-            r#""bvh_builds":1,"bvh_refits":0,"expected":{},"stages_s":{"animate":0.001,"trace":9.87},"notes":["a draft"]}"#,
+            r#""bvh_builds":1,"bvh_refits":0,"bvh_updates":1,"expected":{},"stages_s":{"animate":0.001,"trace":9.87},"notes":["a draft"]}"#,
         );
         assert_eq!(json(&summary()), wanted);
     }

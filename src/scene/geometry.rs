@@ -24,6 +24,8 @@ pub struct Geometry {
     lights: UseCounts,
     /// The slots that were rewritten.
     journal: Journal,
+    /// How often a primitive was replaced by another one.
+    replaced: u64,
 }
 
 /// Equal content, however it came about.
@@ -118,6 +120,7 @@ impl Geometry {
         }
         self.surfaces.set(slot, &primitive);
         self.primitives[slot] = primitive;
+        self.replaced += 1;
     }
 
     fn count(&mut self, finish: Finish, count: fn(&mut UseCounts, u32)) {
@@ -136,6 +139,12 @@ impl Geometry {
     /// The number of slots that were ever rewritten.
     pub fn revision(&self) -> u64 {
         self.journal.revision()
+    }
+
+    /// How often a primitive was replaced by another one. A shape that turns in itself is rewritten, because its textures
+    /// turn, but not replaced.
+    pub fn replaced(&self) -> u64 {
+        self.replaced
     }
 
     /// Forgets old changes if they take more memory than it is worth. Readers that have seen the present revision do

@@ -294,6 +294,22 @@ fn plans_come_true() {
     }
 }
 
+/// A ball that turns in itself turns its textures, but not the primitives: neither plan nor run updates the BVH.
+#[test]
+fn a_ball_that_turns_in_itself_needs_no_update() {
+    let sequence = sequence(
+        r#"(timeline: (frames: 5, keys: Frames), output: (size: (16, 12)), quality: (antialias: 1),
+        objects: { "ball": (shape: Sphere(), material: (color: Checker(a: 0.1, b: 0.9)),
+            rotation: AxisAngle(axis: (0, 1, 0), angle: [(0, 0), (4, 360)])) })"#,
+    );
+    let frames: Vec<u32> = (0..5).collect();
+    let (shown, tally, plan) = planned(&sequence, &frames, u64::MAX);
+    assert_eq!((plan.films.len(), tally.traced), (4, 4), "the last frame is as the first");
+    assert_eq!((tally.bvh_builds, tally.bvh_refits, plan.bvh_updates()), (1, 0, 1));
+    assert_eq!(tally.primitives_packed, 4);
+    same(&shown, &alone(&sequence, &frames).0, "turning");
+}
+
 /// If an error is to be reached, a pilot finds how many samples that takes.
 #[test]
 fn plans_forecast_the_samples_of_an_error() {

@@ -6,7 +6,7 @@ use crate::camera::Camera;
 use crate::camera::path::NoCamera;
 use crate::encode::EncodeError;
 use crate::film::{Film, lit};
-use crate::scene::top_level::Bvh;
+use crate::scene::top_level::{Bvh, BvhUpdate};
 use crate::scene::{Geometry, Scene, Shading, Weights};
 use crate::trace::{AdaptiveFrame, Moment, TraceSettings, Weightings, trace_moment, trace_shown};
 use crate::track::Animated;
@@ -194,8 +194,9 @@ pub fn count_shading(mut stats: ResMut<Stats>) {
 
 pub fn accelerate(geometry: Res<Current<Geometry>>, mut bvh: ResMut<Current<Bvh>>, mut stats: ResMut<Stats>) {
     match bvh.0.update(&geometry.0) {
-        true => stats.bvh_builds += 1,
-        false => stats.bvh_refits += 1,
+        BvhUpdate::None => {}
+        BvhUpdate::Refit => stats.bvh_refits += 1,
+        BvhUpdate::Build => stats.bvh_builds += 1,
     }
 }
 

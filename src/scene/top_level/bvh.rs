@@ -22,9 +22,22 @@ pub struct Bvh {
     pub(super) is_small: bool,
     /// The revision of the geometry. None before the first build.
     revision: Option<u64>,
+    /// [`Geometry::replaced`] at this revision.
+    replaced: u64,
     places: Vec<Place>,
     extents: Extents,
     refitter: Refitter,
+    /// Number of primitives that were rewritten since the tree was built.
+    rewritten: usize,
+}
+
+/// What an update did to the tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BvhUpdate {
+    /// Nothing: the primitives are the same.
+    None,
+    Refit,
+    Build,
 }
 
 /// Where the primitive of a slot is tested.
@@ -42,6 +55,11 @@ const FEW: usize = 6;
 
 /// A refitted tree may cost this multiple of the built one. Then it is built again.
 const WORST_GROWTH: f64 = 1.5;
+
+/// After so many changes per primitive, a refitted tree is built again whatever it costs: primitives that were sorted
+/// badly when the tree was built, such as all in one place, stay so while the cost falls. A build takes about as long
+/// as three refits of all primitives, so this adds a fifth.
+const MOST_CHANGES: usize = 16;
 
 impl Bvh {
     /// Builds the tree over `geometry`. The same geometry gives the same tree.
@@ -78,18 +96,34 @@ impl Bvh {
         }
         let extents = Extents::new(&geometry.primitives);
         let (reach, refitter) = (extents.all().reach(), Refitter::new(&tree, leaves.len()));
-        let revision = Some(geometry.revision());
-        Self { tree, leaves, direct, meshes, reach, is_small, revision, places, extents, refitter }
+        Self {
+            tree,
+            leaves,
+            direct,
+            meshes,
+            reach,
+            is_small,
+            revision: Some(geometry.revision()),
+            replaced: geometry.replaced(),
+            places,
+            extents,
+            refitter,
+            rewritten: 0,
+        }
     }
 
-    /// Follows the changes of a geometry: refits the tree, or builds it again if refitting does not suffice. Returns
-    /// whether it was built. Hits are those of [`Bvh::build`].
-    pub fn update(&mut self, geometry: &Geometry) -> bool {
-        let built = self.refit(geometry).is_none();
-        if built {
-            *self = Self::build(geometry);
+    /// Follows the changes of a geometry: refits the tree, or builds it again if refitting does not suffice. Hits are
+    /// those of [`Bvh::build`].
+    pub fn update(&mut self, geometry: &Geometry) -> BvhUpdate {
+        if self.revision.is_some() && self.replaced == geometry.replaced() {
+            self.revision = Some(geometry.revision());
+            return BvhUpdate::None;
         }
-        built
+        if self.refit(geometry).is_some() {
+            return BvhUpdate::Refit;
+        }
+        *self = Self::build(geometry);
+        BvhUpdate::Build
     }
 
     /// Refits the tree. None if it must be built again: then its state has no meaning.
@@ -113,11 +147,25 @@ impl Bvh {
         }
         self.refitter.finish(&mut self.tree);
         let all = self.extents.all();
-        (self.reach, self.revision) = (all.reach(), Some(geometry.revision()));
-        // In a much larger space, f32 boxes would be too coarse. A comparison with NaN is false.
-        let same_size = self.tree.is_empty() || all.space().scale == self.tree.space().scale;
-        let is_good = self.tree.is_empty() || self.refitter.growth(&self.tree) <= WORST_GROWTH;
-        (same_size && is_good).then_some(())
+        self.reach = all.reach();
+        (self.revision, self.replaced) = (Some(geometry.revision()), geometry.replaced());
+        self.rewritten += changes.len();
+        // In a much larger space, f32 boxes would be too coarse.
+        let same_size = all.space().scale == self.tree.space().scale;
+        (self.tree.is_empty() || same_size && self.is_good()).then_some(())
+    }
+
+    /// Whether a refitted tree is good enough to keep.
+    fn is_good(&self) -> bool {
+        // A comparison with NaN is false.
+        let is_cheap = self.refitter.growth(&self.tree) <= WORST_GROWTH;
+        is_cheap && self.rewritten <= MOST_CHANGES * self.leaves.len()
+    }
+
+    /// The cost of the tree for a ray that hits the box around all: the expected number of visits.
+    #[cfg(test)]
+    pub(super) fn cost(&self) -> f64 {
+        self.refitter.cost(&self.tree)
     }
 
     /// The largest coordinate of all bounded primitives and of the points of planes.

@@ -15,7 +15,7 @@ mod single;
 mod tests;
 
 pub use super::Hit;
-pub use bvh::Bvh;
+pub use bvh::{Bvh, BvhUpdate};
 pub use closest::{LaneHits, NOTHING};
 pub use occlusion::{Occlusion, TransmissiveFlags};
 pub use query::{Coherence, Stacks};

@@ -169,8 +169,11 @@ fn edits_give_what_a_fresh_scene_gives() {
             let mut anew = Digests::default();
             anew.update(&fresh, &shading, true);
             assert_eq!(digests.primitives(), anew.primitives());
-            let built = bvh.update(&geometry);
-            (builds, refits) = (builds + u32::from(built), refits + u32::from(!built));
+            match bvh.update(&geometry) {
+                BvhUpdate::None => {}
+                BvhUpdate::Refit => refits += 1,
+                BvhUpdate::Build => builds += 1,
+            }
             let expected = Bvh::build(&fresh);
             assert_eq!(bvh.reach(), expected.reach());
             for _ in 0..20 {
@@ -188,27 +191,68 @@ fn edits_give_what_a_fresh_scene_gives() {
     assert!(builds > 20 && refits > 100, "{builds} builds, {refits} refits");
 }
 
+/// Moves spheres in steps, and returns whether each step built the tree, and the largest ratio of the tree's cost to
+/// that of a tree that is built for the step.
+fn steps(steps: u32, count: u32, place: impl Fn(u32, u32) -> DVec3) -> (Vec<bool>, f64) {
+    let sphere = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 0.1 });
+    let finish = Finish::Material(MaterialBinding::One(0));
+    let (mut geometry, mut bvh, mut worst) = (Geometry::with_slots(count as usize), Bvh::default(), 0.0f64);
+    let step = |step| {
+        geometry.forget_old_changes();
+        for k in 0..count {
+            let at = DAffine3::from_translation(place(step, k));
+            geometry.set(k as usize, Some((&sphere, at, finish)));
+        }
+        let built = bvh.update(&geometry) == BvhUpdate::Build;
+        worst = worst.max(bvh.cost() / Bvh::build(&geometry).cost());
+        built
+    };
+    ((0..steps).map(step).collect(), worst)
+}
+
+/// The number of builds after the first.
+fn rebuilds(built: &[bool]) -> usize {
+    assert!(built[0], "{built:?}");
+    built[1..].iter().filter(|built| **built).count()
+}
+
 /// Objects that swap their places make a tree of wide boxes, so it is built again, but not at every step before.
 #[test]
 fn a_tree_that_gets_worse_is_built_again() {
     let at = |k: u32| DVec3::new(f64::from(k % 20), f64::from(k / 20), 0.0);
-    let sphere = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 0.3 });
-    let place = |k: u32, share: f64| DAffine3::from_translation(at(k).lerp(at(399 - k), share));
-    let finish = Finish::Material(MaterialBinding::One(0));
-    let mut geometry = Geometry::default();
-    (0..400).for_each(|k| geometry.push(&sphere, place(k, 0.0), finish));
-    let mut bvh = Bvh::default();
-    let built: Vec<bool> = (0..=100)
-        .map(|step| {
-            geometry.forget_old_changes();
-            for k in 0..400 {
-                geometry.set(k as usize, Some((&sphere, place(k, f64::from(step) / 100.0), finish)));
-            }
-            bvh.update(&geometry)
-        })
-        .collect();
-    let builds = built.iter().filter(|built| **built).count();
-    assert!(built[0] && !built[1] && (2..50).contains(&builds), "{built:?}");
+    let (built, worst) = steps(101, 400, |step, k| at(k).lerp(at(399 - k), f64::from(step) / 100.0));
+    assert!((2..50).contains(&rebuilds(&built)) && worst < 2.0, "{worst} {built:?}");
+}
+
+/// Objects that start in a few places and fly apart leave their boxes wide: with room to fly in, and within a scene
+/// whose extent does not change.
+#[test]
+fn a_tree_whose_objects_fly_apart_is_built_again() {
+    for fixed in [false, true] {
+        for places in [1, 8] {
+            let mut random = Random(9);
+            let starts: Vec<DVec3> = (0..places).map(|_| random.point(20.0)).collect();
+            let ways: Vec<[DVec3; 2]> = (0..400).map(|k| [starts[k % places], random.point(20.0)]).collect();
+            let (built, worst) = steps(100, 400, |step, k| match (fixed, k) {
+                (true, 0) => DVec3::splat(-20.0),
+                (true, 1) => DVec3::splat(20.0),
+                _ => ways[k as usize][0].lerp(ways[k as usize][1], f64::from(step) / 99.0),
+            });
+            let rebuilds = rebuilds(&built);
+            assert!((2..50).contains(&rebuilds) && worst < 2.0, "{fixed} {places}: {worst} {built:?}");
+        }
+    }
+}
+
+/// Objects that move without end let the tree be built again now and then; a single one does not.
+#[test]
+fn a_tree_does_not_grow_old() {
+    let at = |k: u32| DVec3::new(f64::from(k % 20), f64::from(k / 20), 0.0);
+    let sway = |step: u32| DVec3::Z * f64::from(step % 2) * 0.1;
+    let (built, _) = steps(101, 400, |step, k| at(k) + sway(step));
+    assert_eq!(rebuilds(&built), 5, "{built:?}");
+    let (built, _) = steps(101, 400, |step, k| if k == 7 { at(k) + sway(step) } else { at(k) });
+    assert_eq!(rebuilds(&built), 0, "{built:?}");
 }
 
 #[test]

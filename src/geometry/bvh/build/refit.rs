@@ -13,7 +13,7 @@ pub struct Refitter {
     leaves: Vec<BoxPlace>,
     /// A bit for each node that holds a box that has changed.
     dirty: Vec<u64>,
-    /// The sum of the half areas of all boxes.
+    /// The sum of the half areas of all boxes below the root.
     area: f64,
     /// [`Refitter::cost`] when the tree was built.
     built: f64,
@@ -106,9 +106,9 @@ impl Refitter {
         self.cost(tree) / self.built
     }
 
-    /// The expected number of boxes that a ray hits, if it hits the box around all.
-    fn cost(&self, tree: &Tree) -> f64 {
-        self.area / tree.nodes.first().map_or(1.0, |root| half_area(root.corners()))
+    /// The expected number of nodes and leaves that a ray visits if it hits the box around all.
+    pub fn cost(&self, tree: &Tree) -> f64 {
+        1.0 + self.area / tree.nodes.first().map_or(1.0, |root| half_area(root.corners()))
     }
 }
 
