@@ -48,7 +48,8 @@ const BUFFER_SIZE: usize = 1 << 16;
 
 impl Digester {
     pub fn new() -> Self {
-        Self { hasher: blake3::Hasher::new(), bytes: Vec::new() }
+        // Most values fit, so the list does not grow in steps.
+        Self { hasher: blake3::Hasher::new(), bytes: Vec::with_capacity(256) }
     }
 
     /// Adds bytes, but not their number.

@@ -9,6 +9,21 @@ use num_rational::Ratio;
 /// A time or a duration in seconds.
 pub type Time = Ratio<i128>;
 
+/// Whether one time is after another. Comparing ratios with different denominators takes divisions, unless their
+/// products fit.
+pub fn is_after(a: Time, b: Time) -> bool {
+    match (small(a), small(b)) {
+        (Some((a, of_a)), Some((b, of_b))) => a * of_b > b * of_a,
+        _ => a > b,
+    }
+}
+
+/// Numerator and denominator if both fit in 32 bits: then products of three of them fit, with room for a sum.
+fn small(time: Time) -> Option<(i128, i128)> {
+    let fits = |number: &i128| i32::try_from(*number).is_ok();
+    (fits(time.numer()) && fits(time.denom())).then(|| (*time.numer(), *time.denom()))
+}
+
 /// Frames per second, above zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rate(Time);
@@ -128,6 +143,24 @@ impl Fraction {
         Self { num: *quotient.numer() as f64, den: *quotient.denom() as f64 }
     }
 
+    /// The share of the span from `first` to `last` at which `time` lies, in lowest terms.
+    pub fn between(time: Time, first: Time, last: Time) -> Self {
+        let (Some((t, of_t)), Some((a, of_a)), Some((b, of_b))) = (small(time), small(first), small(last))
+        else {
+            return Self::new(time - first, last - first);
+        };
+        // (t - a) / (b - a), where both differences have the denominator of a.
+        let (num, den) = ((t * of_a - a * of_t) * of_b, (b * of_a - a * of_b) * of_t);
+        match (i64::try_from(num), i64::try_from(den)) {
+            // Reducing takes many divisions, which are much faster in 64 bits.
+            (Ok(num), Ok(den)) if den > 0 => {
+                let quotient = Ratio::new(num, den);
+                Self { num: *quotient.numer() as f64, den: *quotient.denom() as f64 }
+            }
+            _ => Self::new(time - first, last - first),
+        }
+    }
+
     /// A number that is already rounded.
     pub fn real(value: f64) -> Self {
         Self { num: value, den: 1.0 }
@@ -142,6 +175,7 @@ impl Fraction {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::Random;
 
     fn rate(frames: i128, seconds: i128) -> Rate {
         Rate::new(frames, seconds).expect("a positive rate")
@@ -153,6 +187,23 @@ mod tests {
             let timeline = Timeline::of_frames(100_000, r);
             for k in 0..100_000 {
                 assert_eq!(timeline.frame_at(r.time_of(k)), k, "at {r} frames per second");
+            }
+        }
+    }
+
+    /// Products instead of divisions give the same, for all sizes of numbers.
+    #[test]
+    fn shares_and_comparisons_are_exact() {
+        let mut random = Random(5);
+        let mut number = |most: f64| (most * (random.unit() - 0.5)) as i128;
+        for size in [4.0, 100.0, 1e4, 1e9, 1e12] {
+            for _ in 0..3000 {
+                let mut time = || Ratio::new(number(size), 1 + number(size).abs());
+                let (a, b, c) = (time(), time(), time());
+                assert_eq!(is_after(a, b), a > b, "{a} {b}");
+                if b > a {
+                    assert_eq!(Fraction::between(c, a, b), Fraction::new(c - a, b - a), "{c} in {a}, {b}");
+                }
             }
         }
     }

@@ -18,7 +18,7 @@ fn expected(forecast: Option<&Forecast>) -> Map<String, Value> {
         "reused": forecast.reused,
         "camera_rays": forecast.camera_rays,
         "exact": forecast.exact,
-        "bvh_builds": forecast.bvh_builds,
+        "bvh_updates": forecast.bvh_updates,
     }));
     expected.extend(forecast.rays.map(|rays| ("rays".to_owned(), rays.into())));
     let ranges = [("time_s", forecast.wall), ("cpu_s", forecast.cpu), ("error", forecast.error)];
@@ -39,7 +39,7 @@ pub fn text(summary: &Summary) -> String {
         ("rays", rays(summary)),
         ("dropped", dropped(summary)),
         ("error", error(summary)),
-        ("BVH", vec![units::counted(summary.bvh_builds, "build")]),
+        ("BVH", vec![bvh(summary)]),
         ("planned", summary.expected.iter().map(planned).collect()),
         ("stages", aligned(&stages)),
         ("note", summary.notes.clone()),
@@ -93,6 +93,8 @@ pub fn json(summary: &Summary) -> String {
         },
         "noise": noise(&summary.noise),
         "bvh_builds": summary.bvh_builds,
+        "bvh_refits": summary.bvh_refits,
+        "bvh_updates": summary.bvh_builds + summary.bvh_refits,
         "expected": expected(summary.expected.as_ref()),
         "stages_s": stages.collect::<Map<_, _>>(),
         "notes": summary.notes,
@@ -111,6 +113,15 @@ fn frames(summary: &Summary) -> String {
     text
 }
 
+/// How often the BVH over the scene was built, and how often refitted.
+fn bvh(summary: &Summary) -> String {
+    let builds = units::counted(summary.bvh_builds, "build");
+    match summary.bvh_refits {
+        0 => builds,
+        refits => format!("{builds}, {}", units::counted(refits, "refit")),
+    }
+}
+
 /// `2 reuse another frame's film`: the number of frames that need no film of their own.
 pub fn reused_frames(frames: u64) -> String {
     let verb = if frames == 1 { "reuses" } else { "reuse" };
@@ -124,8 +135,8 @@ fn planned(expected: &Forecast) -> String {
         None if expected.exact => format!("{} from the camera", units::counted(expected.camera_rays, "ray")),
         None => format!("{} or more from the camera", units::counted(expected.camera_rays, "ray")),
     };
-    let builds = units::counted(expected.bvh_builds, "build");
-    let mut text = format!("{rays}, {builds}");
+    let updates = units::counted(expected.bvh_updates, "BVH update");
+    let mut text = format!("{rays}, {updates}");
     if expected.reused > 0 {
         text += &format!(", {}", reused_frames(expected.reused.into()));
     }
@@ -247,6 +258,7 @@ mod tests {
                 ..Counts::default()
             },
             bvh_builds: 1,
+            bvh_refits: 0,
             noise: Vec::new(),
             cpu: Some(19.84),
             stages: vec![("animate", Duration::from_micros(840)), ("trace", Duration::from_millis(9870))],
@@ -281,7 +293,7 @@ note    a draft";
             camera_rays: 66_355_200,
             exact: true,
             rays: Some(66_400_000),
-            bvh_builds: 1,
+            bvh_updates: 1,
             wall: Some(Range::new(10.0, 12.0, 14.0)),
             cpu: None,
             pilot: 0.0,
@@ -291,10 +303,10 @@ note    a draft";
         let found = text(&summary);
         assert!(found.contains("\nframes  72, 70 reuse another frame's film\n"), "{found}");
         assert!(
-            found.contains("\nplanned about 66,400,000 rays, 1 build, 70 reuse another frame's film, tracing in about 12 s\n"),
+            found.contains("\nplanned about 66,400,000 rays, 1 BVH update, 70 reuse another frame's film, tracing in about 12 s\n"),
             "{found}"
         );
-        let wanted = r#""expected":{"reused":70,"camera_rays":66355200,"exact":true,"bvh_builds":1,"rays":66400000,"time_s":{"low":10.0,"expected":12.0,"high":14.0}}"#;
+        let wanted = r#""expected":{"reused":70,"camera_rays":66355200,"exact":true,"bvh_updates":1,"rays":66400000,"time_s":{"low":10.0,"expected":12.0,"high":14.0}}"#;
         assert!(json(&summary).contains(wanted), "{}", json(&summary));
     }
 
@@ -329,6 +341,12 @@ dropped undefined   2
     }
 
     #[test]
+    fn refits_are_listed_if_there_are_any() {
+        let text = text(&Summary { bvh_refits: 71, ..summary() });
+        assert!(text.contains("\nBVH     1 build, 71 refits\n"), "{text}");
+    }
+
+    #[test]
     fn an_empty_run_has_a_summary() {
         let text = text(&Summary::default());
         assert!(text.starts_with("frames  0\ntime    0 µs\n"), "{text}");
@@ -342,7 +360,7 @@ dropped undefined   2
             r#""elapsed_s":10.44,"tracing_cpu_s":19.84,"rays":{"camera":66355200,"mirror":20481,"transmitted":0,"scattered":0,"shadow":9,"#,
             r#""total":66375690},"evaluations":{"fog":0,"paint":0,"light_samples":0,"lens_samples":0},"#,
             r#""dropped_samples":{"undefined":0,"infinite":0,"negative":0},"noise":{},"#,
-            r#""bvh_builds":1,"expected":{},"stages_s":{"animate":0.001,"trace":9.87},"notes":["a draft"]}"#,
+            r#""bvh_builds":1,"bvh_refits":0,"bvh_updates":1,"expected":{},"stages_s":{"animate":0.001,"trace":9.87},"notes":["a draft"]}"#,
         );
         assert_eq!(json(&summary()), wanted);
     }

@@ -39,6 +39,15 @@ impl Default for TransformTracks {
 }
 
 impl Rotation {
+    /// Whether any part has keys.
+    pub fn is_keyed(&self) -> bool {
+        match self {
+            Self::Quaternion(quaternion) => quaternion.is_keyed(),
+            Self::AxisAngle { axis, angle } => axis.is_keyed() || angle.is_keyed(),
+            Self::Euler { x, y, z } => x.is_keyed() || y.is_keyed() || z.is_keyed(),
+        }
+    }
+
     pub fn at(&self, time: Time) -> DMat3 {
         match self {
             Self::Quaternion(quaternion) => DMat3::from_quat(quaternion.at(time)),
@@ -54,12 +63,8 @@ impl Rotation {
 impl TransformTracks {
     /// Whether any part has keys.
     pub fn is_keyed(&self) -> bool {
-        let turns = match &self.rotation {
-            Rotation::Quaternion(quaternion) => quaternion.is_keyed(),
-            Rotation::AxisAngle { axis, angle } => axis.is_keyed() || angle.is_keyed(),
-            Rotation::Euler { x, y, z } => x.is_keyed() || y.is_keyed() || z.is_keyed(),
-        };
-        turns || self.translation.is_keyed() || self.scale.is_keyed()
+        let Self { translation, rotation, scale, pivot: _ } = self;
+        translation.is_keyed() || rotation.is_keyed() || scale.is_keyed()
     }
 
     /// The map from the object to its parent. A scale of 0 along any axis gives a singular map, which hides the

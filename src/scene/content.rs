@@ -1,5 +1,6 @@
 //! Digests of a scene. Whatever has no effect on the image is left out.
 
+use super::hash_tree::HashTree;
 use super::{Finish, Geometry, Primitive, Scene, Shading};
 use crate::appearance::environment::{Environment, Sky};
 use crate::appearance::fog::Fog;
@@ -9,20 +10,36 @@ use crate::appearance::material::{Material, MaterialBinding, TextureSlot};
 use crate::base::color::Rgb;
 use crate::base::digest::{Content, Digest, Digester};
 use crate::film::LayerId;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, HashMap};
 
-/// Digests of the parts of a scene that take long to hash. Each is computed again only when its part has changed.
+/// Fewest primitives that are worth a task of their own.
+const MIN_TASK: usize = 256;
+
+/// Digests of the parts of a scene that take long to hash. They follow the scene: what did not change is not hashed
+/// again. They depend on the scene alone, not on how it came about.
 #[derive(Clone, Debug, Default)]
 pub struct Digests {
+    /// The revision of the geometry that has been hashed.
+    seen: Option<u64>,
+    /// For each slot, the digest of its shape and transform, and its finish.
+    slots: Vec<(Digest, Finish)>,
+    /// For each slot, the number of primitives before it.
+    ranks: Vec<u32>,
+    /// Over the primitives, without empty slots.
+    primitives: HashTree,
+    /// Digest of which primitive shows which material.
+    bindings: Digest,
     geometry: Digest,
     /// The visible materials, in the order in which primitives show them.
     used: Vec<u32>,
     /// The lights that are primitives, in the order of these.
     luminous: Vec<u32>,
-    /// The textured materials, and a digest of the shapes' own spaces where these are visible. Only textures read the
-    /// own spaces.
-    origins: Option<(Vec<u32>, Digest)>,
-    shading: Digest,
+    /// For each material, whether it is visible and textured; and a tree over the own spaces of the shapes that show
+    /// these materials. Only textures read the own spaces.
+    origins: Option<(Vec<bool>, HashTree)>,
+    /// Digest of materials and emitters, without `origins`.
+    effective: Digest,
     shown: Option<Shown>,
 }
 
@@ -36,66 +53,107 @@ struct Shown {
 }
 
 impl Digests {
-    /// Updates the digest after a change of the geometry.
-    pub fn geometry(&mut self, geometry: &Geometry) {
-        (self.origins, self.shown) = (None, None);
-        let light = |primitive: &Primitive| match primitive.finish {
-            Finish::Light(index) => Some(index),
-            Finish::Material(_) => None,
-        };
-        self.luminous = geometry.primitives.iter().filter_map(light).collect();
-        self.geometry = self.of_primitives(&geometry.primitives);
-    }
-
-    /// Digest of primitives. Materials are numbered in the order in which primitives show them, so their order in the
-    /// file and unused materials have no effect. The identity of a light belongs to the shading.
-    fn of_primitives(&mut self, primitives: &[Primitive]) -> Digest {
-        let mut places: HashMap<u32, u32> = HashMap::new();
-        let used = &mut self.used;
-        used.clear();
-        let mut place = |material: u32| {
-            *places.entry(material).or_insert_with(|| {
-                used.push(material);
-                used.len() as u32 - 1
-            })
-        };
-        let mut digester = Digester::new();
-        for primitive in primitives {
-            (&primitive.shape, &primitive.transform).feed(&mut digester);
-            // Shapes with a material per part are not sampled as lights.
-            let by_part = matches!(primitive.finish, Finish::Material(MaterialBinding::Slots { .. }));
-            by_part.feed(&mut digester);
-            primitive.materials().map(&mut place).collect::<Vec<u32>>().feed(&mut digester);
+    /// Follows the changes of a scene. `shading_changed` states whether the shading may differ from that of the last
+    /// call.
+    pub fn update(&mut self, geometry: &Geometry, shading: &Shading, shading_changed: bool) {
+        let count = geometry.primitives.len();
+        let seen = self.seen.filter(|_| self.slots.len() == count);
+        self.slots.resize(count, (Digest::default(), Finish::Empty));
+        let changes = seen.and_then(|seen| geometry.changes_since(seen));
+        let mut changed = changes.map_or_else(|| (0..count as u32).collect(), <[u32]>::to_vec);
+        changed.sort_unstable();
+        changed.dedup();
+        let regrouped = self.hash(geometry, &changed) || seen.is_none();
+        self.seen = Some(geometry.revision());
+        if regrouped {
+            self.regroup(geometry);
         }
-        digester.finish()
+        if regrouped || shading_changed {
+            self.shown = None;
+            self.shading(geometry, shading, regrouped);
+        }
+        if !regrouped && !changed.is_empty() {
+            let visible = changed.iter().map(|slot| *slot as usize);
+            let visible: Vec<usize> = visible.filter(|slot| self.slots[*slot].1 != Finish::Empty).collect();
+            let rank = |slot: usize| self.ranks[slot] as usize;
+            self.primitives.update(visible.iter().map(|&slot| (rank(slot), self.slots[slot].0)));
+            if let Some((painted, tree)) = &mut self.origins {
+                tree.update(visible.iter().map(|&slot| (rank(slot), origin(geometry, slot, painted))));
+            }
+        }
+        self.geometry = Digest::of(&(self.primitives.root(), self.bindings));
     }
 
-    /// Updates the digest after a change of the shading or the geometry. If both changed, call [`Digests::geometry`]
-    /// first.
-    pub fn shading(&mut self, geometry: &Geometry, shading: &Shading) {
-        self.shown = None;
-        self.note_origins(geometry, shading);
+    /// Hashes the primitives in slots. Returns whether any of them appeared, vanished or changed its finish.
+    fn hash(&mut self, geometry: &Geometry, changed: &[u32]) -> bool {
+        let hashed = |slot: &u32| {
+            let Primitive { shape, transform, finish } = &geometry.primitives[*slot as usize];
+            (Digest::of(&(shape, transform)), *finish)
+        };
+        let hashed: Vec<_> = match changed.len() < 2 * MIN_TASK {
+            true => changed.iter().map(hashed).collect(),
+            false => changed.par_iter().with_min_len(MIN_TASK).map(hashed).collect(),
+        };
+        let mut regrouped = false;
+        for (slot, hashed) in changed.iter().zip(hashed) {
+            regrouped |= self.slots[*slot as usize].1 != hashed.1;
+            self.slots[*slot as usize] = hashed;
+        }
+        regrouped
+    }
+
+    /// Numbers primitives and materials. Materials are numbered in the order in which primitives show them, so their
+    /// order in the file and unused materials have no effect. The identity of a light belongs to the shading.
+    fn regroup(&mut self, geometry: &Geometry) {
+        let mut places: HashMap<u32, u32> = HashMap::new();
+        let (mut digester, mut primitives) = (Digester::new(), Vec::new());
+        (self.used, self.luminous, self.ranks) = Default::default();
+        for ((digest, finish), primitive) in self.slots.iter().zip(&geometry.primitives) {
+            self.ranks.push(primitives.len() as u32);
+            match finish {
+                Finish::Empty => continue,
+                Finish::Light(index) => self.luminous.push(*index),
+                Finish::Material(_) => {}
+            }
+            primitives.push(*digest);
+            // Shapes with a material per part are not sampled as lights.
+            let by_part = matches!(finish, Finish::Material(MaterialBinding::Slots { .. }));
+            (by_part, primitive.materials().count()).feed(&mut digester);
+            for material in primitive.materials() {
+                let next = self.used.len() as u32;
+                let place = *places.entry(material).or_insert(next);
+                if place == next {
+                    self.used.push(material);
+                }
+                place.feed(&mut digester);
+            }
+        }
+        self.bindings = digester.finish();
+        self.primitives = HashTree::new(primitives);
+    }
+
+    /// Hashes the materials and emitters, and the own spaces of textured shapes.
+    fn shading(&mut self, geometry: &Geometry, shading: &Shading, regrouped: bool) {
         let parts = EffectiveShading::of(&self.used, shading, |_| true);
         let mut digester = Digester::new();
         parts.feed(&|layer| layer, &|index, _| Some(index), &mut digester);
         self.luminous.feed(&mut digester);
-        self.feed_origins(&mut digester);
-        self.shading = digester.finish();
-    }
-
-    fn note_origins(&mut self, geometry: &Geometry, shading: &Shading) {
-        let is_painted = |index: &u32| !shading.materials[*index as usize].textures.is_empty();
-        let painted: Vec<u32> = self.used.iter().copied().filter(is_painted).collect();
-        if self.origins.as_ref().is_none_or(|(known, _)| *known != painted) {
-            let is_painted: HashSet<u32> = painted.iter().copied().collect();
-            let origins = geometry.origins(|material| is_painted.contains(&material));
-            self.origins = Some((painted, origins));
+        self.effective = digester.finish();
+        let mut painted = vec![false; shading.materials.len()];
+        for &index in &self.used {
+            painted[index as usize] = !shading.materials[index as usize].textures.is_empty();
+        }
+        if !painted.contains(&true) {
+            self.origins = None;
+        } else if regrouped || self.origins.as_ref().is_none_or(|(known, _)| *known != painted) {
+            let visible = (0..self.slots.len()).filter(|slot| self.slots[*slot].1 != Finish::Empty);
+            let tree = HashTree::new(visible.map(|slot| origin(geometry, slot, &painted)).collect());
+            self.origins = Some((painted, tree));
         }
     }
 
-    fn feed_origins(&self, digester: &mut Digester) {
-        let (painted, origins) = self.origins.clone().unwrap_or_default();
-        (!painted.is_empty()).then_some(origins).feed(digester);
+    fn origins(&self) -> Option<Digest> {
+        self.origins.as_ref().map(|(_, tree)| tree.root())
     }
 
     /// The digest of the primitives, over which the tree is built.
@@ -105,7 +163,7 @@ impl Digests {
 
     /// The digest of everything that affects light transport, without weights. All parts must be up to date.
     pub fn transport(&self, scene: &Scene) -> Digest {
-        Digest::of(&(self.geometry, self.shading, scene.camera))
+        Digest::of(&((self.geometry, self.effective, self.origins()), scene.camera))
     }
 
     /// The digest of the image: [`Digests::transport`] with weights, but without emitters in layers of weight 0 and
@@ -119,7 +177,8 @@ impl Digests {
             None => self.shown_with(lit, scene.shading, samples_emitters),
         };
         let weights: Vec<Rgb> = shown.layers.iter().map(|layer| weights[layer.index()]).collect();
-        let digest = Digest::of(&((self.geometry, shown.digest, scene.camera), weights));
+        let shape = (self.geometry, shown.digest, self.origins());
+        let digest = Digest::of(&((shape, scene.camera), weights));
         self.shown = Some(shown);
         digest
     }
@@ -135,9 +194,14 @@ impl Digests {
         layers.iter().map(named).collect::<Vec<_>>().feed(&mut digester);
         let light = |index: &u32| parts.lights.binary_search_by_key(index, |(lit, _)| *lit).ok();
         self.luminous.iter().map(light).collect::<Vec<_>>().feed(&mut digester);
-        self.feed_origins(&mut digester);
         Shown { lit, layers: layers.into_keys().collect(), digest: digester.finish() }
     }
+}
+
+/// Digest of a shape's own space, if a painted material is visible on it.
+fn origin(geometry: &Geometry, slot: usize, painted: &[bool]) -> Digest {
+    let shows = geometry.primitives[slot].materials().any(|material| painted[material as usize]);
+    Digest::of(&shows.then(|| geometry.origin(slot)))
 }
 
 /// Emitters and the materials that reflect their light, without those that have no effect.

@@ -7,18 +7,24 @@ use crate::appearance::light::{Light, Source};
 use crate::appearance::material::{Material, MaterialBinding};
 use crate::base::math::{DAffine3, DVec3};
 use crate::geometry::shape::Shape;
-use crate::world::{AreaLight, Current, FileOrder, Transform, Visible, Weight};
-use bevy_ecs::change_detection::DetectChangesMut;
+use crate::geometry::transform::TransformTracks;
+use crate::world::{AreaLight, Current, FileOrder, Slot, Transform, Visible, Weight};
+use bevy_ecs::change_detection::{DetectChanges, DetectChangesMut, Ref};
 use bevy_ecs::component::Component;
 use bevy_ecs::query::{Changed, Or, With};
-use bevy_ecs::system::{Query, ResMut};
+use bevy_ecs::system::{Query, Res, ResMut};
 
-/// Whether any visible geometry has moved, appeared or vanished.
-pub fn geometry_changed(objects: Query<(), ObjectChange>, lights: Query<(), LightChange>) -> bool {
-    !objects.is_empty() || !lights.is_empty()
+/// Whether geometry may have moved, appeared or vanished.
+pub fn geometry_changed(
+    objects: Query<(), ObjectChange>,
+    lights: Query<(), LightChange>,
+    geometry: Res<Current<Geometry>>,
+) -> bool {
+    geometry.is_added() || !objects.is_empty() || !lights.is_empty()
 }
 
-type ObjectChange = (With<Shape>, Or<(Changed<Transform>, Changed<Visible>)>);
+/// Only objects that may move have tracks.
+type ObjectChange = (With<TransformTracks>, Or<(Changed<Transform>, Changed<Visible>)>);
 type LightChange = (With<AreaLight>, Changed<Light>);
 
 /// Whether a material, a light's position, the sky or the fog has changed. Weights do not count.
@@ -33,27 +39,37 @@ pub fn weights_changed(changed: Query<(), Changed<Weight>>) -> bool {
     !changed.is_empty()
 }
 
+/// An object, as it is packed.
+type Object = (&'static Slot, &'static Shape, &'static Transform, &'static Visible, &'static MaterialBinding);
+
+/// Packs the slots of objects and lights that have changed; the first time, of all.
 pub fn geometry(
-    objects: Query<(&FileOrder, &Shape, &Transform, &Visible, &MaterialBinding)>,
-    lights: Query<(&FileOrder, &Light), With<AreaLight>>,
+    all: Query<Object>,
+    changed: Query<Object, ObjectChange>,
+    lights: Query<(&FileOrder, &Slot, &Light), LightChange>,
     mut geometry: ResMut<Current<Geometry>>,
 ) {
-    let mut shown: Vec<_> =
-        objects.iter().filter(|(_, shape, _, v, _)| v.0 && **shape != Shape::Group).collect();
-    shown.sort_unstable_by_key(|(order, ..)| **order);
-    let mut packed = Geometry::default();
-    for (_, shape, at, _, of) in shown {
-        packed.push(shape, at.0, Finish::Material(*of));
+    let first = geometry.is_added();
+    let packed = &mut geometry.bypass_change_detection().0;
+    packed.forget_old_changes();
+    let before = packed.revision();
+    let mut pack =
+        |(slot, shape, at, visible, of): (&Slot, &Shape, &Transform, &Visible, &MaterialBinding)| {
+            packed.set(slot.0 as usize, visible.0.then_some((shape, at.0, Finish::Material(*of))));
+        };
+    match first {
+        true => all.iter().for_each(&mut pack),
+        false => changed.iter().for_each(&mut pack),
     }
-    let mut lights: Vec<_> = lights.iter().collect();
-    lights.sort_unstable_by_key(|(order, _)| **order);
-    for (order, light) in lights {
-        if let Some(shape) = shape_of(light) {
-            packed.push(&shape, DAffine3::IDENTITY, Finish::Light(order.0));
-        }
+    for (order, slot, light) in &lights {
+        let shape = shape_of(light);
+        let content = shape.as_ref().map(|shape| (shape, DAffine3::IDENTITY, Finish::Light(order.0)));
+        packed.set(slot.0 as usize, content);
     }
-    // Unchanged if only invisible objects move, or if a shape is mapped onto itself: then the tree is kept.
-    geometry.set_if_neq(Current(packed));
+    // Unchanged if only invisible objects move, or if a shape is mapped onto itself.
+    if packed.revision() != before {
+        geometry.set_changed();
+    }
 }
 
 /// The shape of a visible light; none if keys flatten it at this moment.
@@ -68,14 +84,14 @@ fn shape_of(light: &Light) -> Option<Shape> {
 }
 
 pub fn shading(
-    materials: Query<(&FileOrder, &Material)>,
-    lights: Query<(&FileOrder, &Light)>,
+    materials: Query<(&FileOrder, Ref<Material>)>,
+    lights: Query<(&FileOrder, Ref<Light>)>,
     skies: Query<&Environment>,
     fogs: Query<&Fog>,
     mut shading: ResMut<Current<Shading>>,
 ) {
-    shading.0.materials = in_file_order(materials);
-    shading.0.lights = in_file_order(lights);
+    update(&mut shading.0.materials, materials);
+    update(&mut shading.0.lights, lights);
     shading.0.environment = skies.iter().next().cloned().unwrap_or_default();
     // A density of 0 means no fog.
     shading.0.fog = fogs.iter().next().copied().filter(|fog| fog.density > 0.0);
@@ -87,8 +103,15 @@ pub fn weights(weighted: Query<&Weight>, mut weights: ResMut<Current<Weights>>) 
     }
 }
 
-fn in_file_order<T: Component + Clone>(entities: Query<(&FileOrder, &T)>) -> Vec<T> {
+/// Brings a list in the order of the file up to date.
+fn update<T: Component + Clone>(list: &mut Vec<T>, entities: Query<(&FileOrder, Ref<T>)>) {
+    if list.len() == entities.iter().len() {
+        for (order, value) in entities.iter().filter(|(_, value)| value.is_changed()) {
+            list[order.0 as usize] = T::clone(&value);
+        }
+        return;
+    }
     let mut entries: Vec<_> = entities.iter().collect();
     entries.sort_unstable_by_key(|(order, _)| **order);
-    entries.into_iter().map(|(_, value)| value.clone()).collect()
+    *list = entries.into_iter().map(|(_, value)| T::clone(&value)).collect();
 }

@@ -1,53 +1,176 @@
 //! The visible geometry, and the transform of each shape to its own space.
 
 use super::hit::Hit;
+use super::journal::Journal;
 use super::primitive::{Finish, Primitive, abs, inverse};
+use super::surfaces::SurfaceTable;
 use crate::appearance::texture::{Footprint, TextureEvalContext};
-use crate::base::digest::{Content, Digest};
+use crate::base::digest::Content;
 use crate::base::math::{DAffine3, DVec2, DVec3};
 use crate::geometry::shape::{Shape, Surface};
 
-/// All visible primitives, in the order of the file.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// The primitives in the order of the file, each in a slot of its own. The slot of a hidden or flattened object is
+/// empty, so the index of a primitive never changes.
+#[derive(Clone, Debug, Default)]
 pub struct Geometry {
     pub primitives: Vec<Primitive>,
     /// For each primitive, the shape in its own space. Only textures read it.
     origins: Vec<Origin>,
+    /// Columns for what the tracer reads at every hit.
+    finishes: Vec<Finish>,
+    pub(super) surfaces: SurfaceTable,
+    /// How many primitives show each material, and how many are each light.
+    materials: UseCounts,
+    lights: UseCounts,
+    /// The slots that were rewritten.
+    journal: Journal,
+    /// How often a primitive was replaced by another one.
+    replaced: u64,
+}
+
+/// Equal content, however it came about.
+impl PartialEq for Geometry {
+    fn eq(&self, other: &Self) -> bool {
+        self.primitives == other.primitives && self.origins == other.origins
+    }
 }
 
 /// A shape in its own space.
 #[derive(Clone, Debug, PartialEq, Content)]
-struct Origin {
+pub struct Origin {
     shape: Shape,
     to_object: DAffine3,
 }
 
+impl Origin {
+    const EMPTY: Self = Self { shape: Shape::Group, to_object: DAffine3::IDENTITY };
+}
+
+/// The number of primitives that use each index of a list.
+#[derive(Clone, Debug, Default)]
+struct UseCounts(Vec<u32>);
+
+impl UseCounts {
+    fn add(&mut self, index: u32) {
+        let least = index as usize + 1;
+        if self.0.len() < least {
+            self.0.resize(least, 0);
+        }
+        self.0[index as usize] += 1;
+    }
+
+    fn remove(&mut self, index: u32) {
+        self.0[index as usize] -= 1;
+    }
+
+    /// The indices that are used, ascending.
+    fn used(&self) -> impl Iterator<Item = u32> {
+        (0..).zip(&self.0).filter(|(_, users)| **users > 0).map(|(index, _)| index)
+    }
+}
+
 impl Geometry {
-    /// Adds a shape transformed by `to_world`, unless that flattens it.
+    /// Geometry of empty slots.
+    pub fn with_slots(count: usize) -> Self {
+        let mut geometry = Self::default();
+        geometry.resize(count);
+        geometry
+    }
+
+    /// Adds empty slots at the end.
+    fn resize(&mut self, count: usize) {
+        self.primitives.resize(count, Primitive::EMPTY);
+        self.origins.resize(count, Origin::EMPTY);
+        self.finishes.resize(count, Finish::Empty);
+        self.surfaces.resize(count);
+    }
+
+    /// Adds a slot with a shape transformed by `to_world`. The slot is empty if that flattens the shape.
     pub fn push(&mut self, shape: &Shape, to_world: DAffine3, finish: Finish) {
-        let (Some(primitive), Some(to_object)) =
-            (Primitive::new(shape, to_world, finish), inverse(&to_world))
-        else {
-            return;
+        let slot = self.primitives.len();
+        self.resize(slot + 1);
+        self.set(slot, Some((shape, to_world, finish)));
+    }
+
+    /// Sets the content of a slot: a shape transformed by `to_world`. The slot is empty if there is no shape, or if
+    /// the transform flattens it. Returns whether that changed anything; if not, nothing is written.
+    pub fn set(&mut self, slot: usize, content: Option<(&Shape, DAffine3, Finish)>) -> bool {
+        let packed = |(shape, to_world, finish): (&Shape, DAffine3, Finish)| {
+            let to_object = inverse(&to_world)?;
+            let primitive = Primitive::placed(shape, to_world, &to_object, finish);
+            Some((primitive, Origin { shape: shape.clone(), to_object }))
         };
-        self.primitives.push(primitive);
-        self.origins.push(Origin { shape: shape.clone(), to_object });
+        let (primitive, origin) = content.and_then(packed).unwrap_or((Primitive::EMPTY, Origin::EMPTY));
+        if self.primitives[slot] != primitive {
+            self.replace(slot, primitive);
+        } else if self.origins[slot] == origin {
+            return false;
+        }
+        self.origins[slot] = origin;
+        self.journal.note(slot as u32);
+        true
+    }
+
+    fn replace(&mut self, slot: usize, primitive: Primitive) {
+        let (before, after) = (self.finishes[slot], primitive.finish);
+        if before != after {
+            self.count(after, UseCounts::add);
+            self.count(before, UseCounts::remove);
+            self.finishes[slot] = after;
+        }
+        self.surfaces.set(slot, &primitive);
+        self.primitives[slot] = primitive;
+        self.replaced += 1;
+    }
+
+    fn count(&mut self, finish: Finish, count: fn(&mut UseCounts, u32)) {
+        finish.materials().for_each(|material| count(&mut self.materials, material));
+        if let Finish::Light(light) = finish {
+            count(&mut self.lights, light);
+        }
+    }
+
+    /// The slots that were rewritten since a revision, in order; a slot may occur several times. None if the revision
+    /// is too old.
+    pub fn changes_since(&self, revision: u64) -> Option<&[u32]> {
+        self.journal.since(revision)
+    }
+
+    /// The number of slots that were ever rewritten.
+    pub fn revision(&self) -> u64 {
+        self.journal.revision()
+    }
+
+    /// How often a primitive was replaced by another one. A shape that turns in itself is rewritten, because its textures
+    /// turn, but not replaced.
+    pub fn replaced(&self) -> u64 {
+        self.replaced
+    }
+
+    /// Forgets old changes if they take more memory than it is worth. Readers that have seen the present revision do
+    /// not notice.
+    pub fn forget_old_changes(&mut self) {
+        self.journal.forget(self.primitives.len());
     }
 
     /// The visible materials, ascending.
-    pub fn materials(&self) -> Vec<u32> {
-        let mut used: Vec<u32> = self.primitives.iter().flat_map(Primitive::materials).collect();
-        used.sort_unstable();
-        used.dedup();
-        used
+    pub fn materials(&self) -> impl Iterator<Item = u32> {
+        self.materials.used()
     }
 
-    /// The digest of the shapes in their own spaces, for primitives with a material that is `painted`.
-    pub fn origins(&self, painted: impl Fn(u32) -> bool) -> Digest {
-        let shows = |primitive: &Primitive| primitive.materials().any(&painted);
-        let origins = self.primitives.iter().zip(&self.origins);
-        let origins = origins.map(|(primitive, origin)| shows(primitive).then_some(origin));
-        Digest::of(&origins.collect::<Vec<_>>())
+    /// The lights that are visible shapes, ascending.
+    pub fn lights(&self) -> impl Iterator<Item = u32> {
+        self.lights.used()
+    }
+
+    /// The material or light of every slot.
+    pub fn finishes(&self) -> &[Finish] {
+        &self.finishes
+    }
+
+    /// The shape of a slot in its own space.
+    pub fn origin(&self, slot: usize) -> &Origin {
+        &self.origins[slot]
     }
 
     /// The evaluation context of textures at a hit. `printed` states whether textures need the footprint in u and v.

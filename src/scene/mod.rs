@@ -10,7 +10,9 @@ pub mod top_level;
 mod content;
 pub mod extract;
 mod geometry;
+mod hash_tree;
 mod hit;
+mod journal;
 #[cfg(test)]
 mod lane_tests;
 mod primitive;
@@ -20,7 +22,6 @@ pub use content::Digests;
 pub use geometry::Geometry;
 pub use hit::Hit;
 pub use primitive::{Finish, InstanceTransform, Primitive};
-pub use surfaces::SurfaceTable;
 
 use crate::appearance::environment::{Environment, EnvironmentDistribution};
 use crate::appearance::fog::Fog;

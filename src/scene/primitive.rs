@@ -25,6 +25,16 @@ pub enum Finish {
     Material(MaterialBinding),
     /// Index into the scene's lights: the primitive is that light.
     Light(u32),
+    /// Neither: the slot is empty.
+    Empty,
+}
+
+impl Finish {
+    /// The indices of all materials.
+    pub fn materials(self) -> impl Iterator<Item = u32> {
+        let Self::Material(made_of) = self else { return None.into_iter().flatten() };
+        Some(made_of.indices()).into_iter().flatten()
+    }
 }
 
 /// The transform between the world and a shape that keeps its own space.
@@ -40,16 +50,28 @@ pub struct InstanceTransform {
 }
 
 impl Primitive {
+    /// The content of an empty slot: nothing hits it.
+    pub const EMPTY: Self = Self { shape: Shape::Group, transform: None, finish: Finish::Empty };
+
     /// A shape transformed by `to_world`. None if that flattens it: a scale of 0 hides an object.
     pub fn new(shape: &Shape, to_world: DAffine3, finish: Finish) -> Option<Self> {
-        let to_object = inverse(&to_world)?;
-        Some(match shape.transformed(&to_world) {
+        inverse(&to_world).map(|to_object| Self::placed(shape, to_world, &to_object, finish))
+    }
+
+    /// [`Primitive::new`] with the inverse of the transform.
+    pub(super) fn placed(shape: &Shape, to_world: DAffine3, to_object: &DAffine3, finish: Finish) -> Self {
+        match shape.transformed(&to_world) {
             Some(shape) => Self { shape, transform: None, finish },
             None => {
                 let transform = Some(Box::new(InstanceTransform::new(shape, to_world, to_object.matrix3)));
                 Self { shape: shape.clone(), transform, finish }
             }
-        })
+        }
+    }
+
+    /// Whether the slot is empty: its object is hidden or flattened.
+    pub fn is_empty(&self) -> bool {
+        self.finish == Finish::Empty
     }
 
     /// Whether the primitive is a light.
@@ -69,14 +91,13 @@ impl Primitive {
                 };
                 Some(first + slot.map_or(count, u32::from))
             }
-            Finish::Light(_) => None,
+            Finish::Light(_) | Finish::Empty => None,
         }
     }
 
     /// The indices of all materials that may be visible on it.
     pub fn materials(&self) -> impl Iterator<Item = u32> {
-        let Finish::Material(made_of) = self.finish else { return None.into_iter().flatten() };
-        Some(made_of.indices()).into_iter().flatten()
+        self.finish.materials()
     }
 
     /// The smallest t within bounds at which each ray hits the primitive. Directions are not normalised, so rays that

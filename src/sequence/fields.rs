@@ -7,6 +7,9 @@ use super::words::{is_literal, suggestion};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
+/// Up to this number, names are compared one by one.
+const FEW: usize = 16;
+
 /// The fields of one value. Read each known field; then [`Fields::finish`] reports the rest.
 pub struct Fields<'s> {
     node: Node<'s>,
@@ -34,7 +37,12 @@ impl<'s> Fields<'s> {
                 return None;
             }
         };
-        report_duplicates(node, fields.iter().map(|(name, _)| (*name, *name)), "field");
+        // Comparing a few names takes less time than hashing them.
+        let differ =
+            |(index, (name, _)): (usize, &(&str, _))| fields[..index].iter().all(|(other, _)| other != name);
+        if fields.len() > FEW || !fields.iter().enumerate().all(differ) {
+            report_duplicates(node, fields.iter().map(|(name, _)| (*name, *name)), "field");
+        }
         let entries = fields.into_iter().map(|(name, value)| (name, Some(value))).collect();
         Some(Self { node, what, entries, known: Vec::new(), former: Vec::new(), named_in_faults: true })
     }

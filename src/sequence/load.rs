@@ -3,7 +3,7 @@
 use super::document;
 use super::fault::{Fault, Faults};
 use super::node;
-use super::{Sequence, syntax};
+use super::{Sequence, outline, syntax};
 use crate::base::files::{self, Root};
 use crate::import::LoadProgress;
 use std::fmt;
@@ -91,13 +91,14 @@ impl SourceText<'_> {
     fn parse(self, meter: &Arc<LoadProgress>) -> Result<Sequence, Faults> {
         let Self { name, folder, root, text } = self;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let faults = syntax::faults(text);
+        let is_common = outline::is_common(text, syntax::MAX_ENTRIES);
+        let faults = if is_common { Vec::new() } else { syntax::faults(text) };
         if !faults.is_empty() {
             return Err(Faults::new(name, text, faults));
         }
         let stem =
             Path::new(name).file_stem().map_or_else(|| "sequence".into(), |stem| stem.to_string_lossy());
-        let mut file = node::File::new(text, folder, root);
+        let mut file = node::File::new(text, folder, root, is_common);
         file.meshes.meter = Arc::clone(meter);
         let sequence = document::sequence(file.root(), &stem);
         let warnings = file.warnings(name);

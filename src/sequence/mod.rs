@@ -33,6 +33,7 @@ mod names;
 mod node;
 mod notes;
 mod object;
+mod outline;
 mod output;
 mod paint;
 mod path;

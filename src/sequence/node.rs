@@ -7,6 +7,7 @@ use super::fault::Fault;
 use super::image_files::ImageFiles;
 use super::key_clock::KeyClock;
 use super::mesh_files::MeshFiles;
+use super::outline;
 use super::raw_value::{ContentVisitor, MapVisitor, RawContent};
 use super::suggest::shortened;
 use crate::base::files::Root;
@@ -19,6 +20,8 @@ use std::path::Path;
 /// The file being read: its faults so far, the unit of its key times, and the files that it names.
 pub struct File<'s> {
     source: &'s str,
+    /// Whether the whole file is in the most common notation, which is read without ron.
+    is_common: bool,
     faults: RefCell<Vec<Fault>>,
     /// Warnings, each with its byte in the source.
     warnings: RefCell<Vec<(usize, String)>>,
@@ -31,10 +34,11 @@ pub struct File<'s> {
 
 impl<'s> File<'s> {
     /// The file's own paths are relative to `folder` and must be within `root`.
-    pub fn new(source: &'s str, folder: &Path, root: Root) -> Self {
+    pub fn new(source: &'s str, folder: &Path, root: Root, is_common: bool) -> Self {
         let (images, meshes) = (ImageFiles::new(folder, root.clone()), MeshFiles::new(folder, root));
         Self {
             source,
+            is_common,
             faults: RefCell::default(),
             warnings: RefCell::default(),
             clock: Cell::default(),
@@ -45,7 +49,10 @@ impl<'s> File<'s> {
 
     /// The whole file as one value. Its syntax has been checked.
     pub fn root<'f>(&'f self) -> Node<'f> {
-        Node::new(self, self.source)
+        match outline::trimmed(self.source).filter(|_| self.is_common) {
+            Some(text) => Node::of_text(self, text),
+            None => Node::new(self, self.source),
+        }
     }
 
     pub fn push(&self, fault: Fault) {
@@ -110,7 +117,11 @@ pub enum NodeContent<'s> {
 
 impl<'s> Node<'s> {
     fn new(file: &'s File<'s>, raw: &'s str) -> Self {
-        let text = without_blanks(raw);
+        Self::of_text(file, without_blanks(raw))
+    }
+
+    /// A value without surrounding blanks.
+    fn of_text(file: &'s File<'s>, text: &'s str) -> Self {
         let (word, body) = split_word(text);
         let text = if body.is_empty() { word } else { text };
         Self { file, text, word, body }
@@ -166,6 +177,11 @@ impl<'s> Node<'s> {
     }
 
     fn read(&self) -> Result<NodeContent<'s>, ron::Error> {
+        if self.file.is_common
+            && let Some(entries) = outline::entries(self.body)
+        {
+            return Ok(self.of_entries(entries));
+        }
         let node = |raw: &'s RawValue| Node::new(self.file, raw.get_ron());
         let mut reader = ron::Deserializer::from_str(self.body)?;
         Ok(match self.body.chars().next() {
@@ -185,6 +201,21 @@ impl<'s> Node<'s> {
             }
             _ => NodeContent::Plain,
         })
+    }
+
+    fn of_entries(&self, entries: outline::Entries<'s>) -> NodeContent<'s> {
+        let node = |text: &'s str| Node::of_text(self.file, text);
+        let named = entries.iter().filter_map(|(name, value)| Some(((*name)?, *value)));
+        match self.body.as_bytes()[0] {
+            b'{' => NodeContent::Map(named.map(|(key, value)| (node(key), node(value))).collect()),
+            b'(' if entries.iter().any(|(name, _)| name.is_some()) => {
+                NodeContent::Fields(named.map(|(name, value)| (name, node(value))).collect())
+            }
+            open => {
+                let values = entries.iter().map(|(_, value)| node(value)).collect();
+                if open == b'(' { NodeContent::Tuple(values) } else { NodeContent::List(values) }
+            }
+        }
     }
 
     pub fn fault(&self, fault: Fault) {
@@ -251,6 +282,9 @@ fn split_word(text: &str) -> (&str, &str) {
     // r"..", r#".."#, b".." and b'.' are not words.
     if rest.starts_with(['"', '\'', '#']) {
         return ("", text);
+    }
+    if rest.is_empty() || rest.starts_with('(') {
+        return (word, rest);
     }
     let rest = match is_plain(rest) {
         true => rest.trim_start(),

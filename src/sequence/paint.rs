@@ -177,7 +177,7 @@ mod tests {
     use std::path::Path;
 
     fn read(text: &str) -> Result<TextureTracks, String> {
-        let file = File::new(text, Path::new("tests/bad/images"), Root::of(Path::new("")));
+        let file = File::new(text, Path::new("tests/bad/images"), Root::of(Path::new("")), false);
         let paint = paint(file.root());
         let faults = file.into_faults();
         paint.filter(|_| faults.is_empty()).ok_or_else(|| Faults::new("test.ron", text, faults).to_string())

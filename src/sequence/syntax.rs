@@ -7,7 +7,7 @@ use serde::de::{Deserialize, IgnoredAny};
 use std::ops::Range;
 
 /// Maximum number of entries of one list, map or struct.
-const MAX_ENTRIES: usize = 1_000_000;
+pub const MAX_ENTRIES: usize = 1_000_000;
 
 /// The syntax errors of a text. Empty if it is valid RON.
 pub fn faults(text: &str) -> Vec<Fault> {

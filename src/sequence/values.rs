@@ -230,6 +230,10 @@ pub fn text(node: Node<'_>) -> Option<String> {
         });
         return None;
     }
+    let inner = node.text().strip_prefix('"').and_then(|text| text.strip_suffix('"'));
+    if let Some(text) = inner.filter(|text| !text.contains(['"', '\\'])) {
+        return Some(text.to_owned());
+    }
     match ron::from_str(node.text()) {
         Ok(text) => Some(text),
         Err(error) => {

@@ -12,7 +12,7 @@ use crate::base::color::Rgb;
 use crate::base::math::{DVec3, gamma};
 use crate::film::LayerId;
 use crate::scene::top_level::{Bvh, TransmissiveFlags};
-use crate::scene::{Finish, Primitive, Scene, SurfaceTable};
+use crate::scene::{Finish, Scene};
 use crate::sequence::quality::{Integrator, Quality};
 
 /// The queue of a path after the intersect stage.
@@ -26,21 +26,12 @@ pub enum Queue {
     Surface(u32),
 }
 
-/// The queue of the hits on a primitive.
-#[derive(Clone, Copy, Debug)]
-enum Route {
-    One(Queue, u32),
-    /// The part of the mesh decides.
-    Parts,
-}
-
 /// A scene at one moment, prepared for tracing.
 pub struct TraceContext<'a> {
     pub scene: &'a Scene<'a>,
     pub bvh: &'a Bvh,
     pub settings: &'a TraceSettings,
     pub quality: &'a Quality,
-    pub surfaces: SurfaceTable,
     pub lights: LightSampler<'a>,
     pub environment: Option<&'a Environment>,
     pub ambient: Option<GroupRadiance>,
@@ -71,11 +62,8 @@ pub struct TraceContext<'a> {
     pub table: LobeTable,
     pub classes: Vec<LobeSet>,
     class_of: Vec<u32>,
-    routes: Vec<Route>,
-    /// For each primitive, whether shadow rays pass it.
-    passing: Vec<bool>,
-    /// Whether shadow rays pass any primitive.
-    pub has_transparency: bool,
+    /// For each primitive, whether shadow rays pass it. None if they pass no primitive.
+    passing: Option<Vec<bool>>,
     /// Whether any material refracts, so that paths record the media around them.
     pub media: bool,
     /// Whether any of these media absorbs.
@@ -108,14 +96,14 @@ impl<'a> TraceContext<'a> {
             mis: path && lights.needs_mis(),
             media: materials.any(LobeSet::PASSES),
             keys: !path && is_random,
-            flags: path || aovs.is_some() || scene.geometry.primitives.iter().any(Primitive::is_light),
+            flags: path || aovs.is_some() || scene.geometry.lights().next().is_some(),
         };
-        let mut context = Self {
+        let (classes, class_of) = materials.classes();
+        Self {
             scene,
             bvh,
             settings,
             quality,
-            surfaces: SurfaceTable::new(scene.geometry),
             environment,
             ambient: Some(shading.ambient).filter(glows),
             fog: shading.fog,
@@ -133,51 +121,27 @@ impl<'a> TraceContext<'a> {
             columns,
             lights,
             table: LobeTable::new(shading.materials.iter().map(|material| &material.lobes)),
-            classes: Vec::new(),
-            class_of: Vec::new(),
-            routes: Vec::new(),
-            passing: Vec::new(),
-            has_transparency: materials.any(passes),
+            classes,
+            class_of,
+            passing: materials.any(passes).then(|| materials.passing(scene, passes)),
             media: materials.any(LobeSet::REFRACTION),
             absorbs: materials.absorb(scene),
-        };
-        context.classify(&materials.lobes);
-        context
-    }
-
-    /// Numbers the different sets of lobes. Records for each primitive the queue of its hits, and whether shadow rays
-    /// pass it.
-    fn classify(&mut self, lobes: &[LobeSet]) {
-        self.classes = lobes.to_vec();
-        self.classes.sort_unstable();
-        self.classes.dedup();
-        let class = |lobes: &LobeSet| self.classes.binary_search(lobes).unwrap_or_default() as u32;
-        self.class_of = lobes.iter().map(class).collect();
-        let route = |primitive: &Primitive| match primitive.finish {
-            Finish::Light(index) => Route::One(Queue::Light, index),
-            Finish::Material(MaterialBinding::One(material)) => {
-                Route::One(Queue::Surface(self.class_of[material as usize]), material)
-            }
-            Finish::Material(MaterialBinding::Slots { .. }) => Route::Parts,
-        };
-        let primitives = &self.scene.geometry.primitives;
-        self.routes = primitives.iter().map(route).collect();
-        let passes =
-            |primitive: &Primitive| primitive.materials().any(|m| lobes[m as usize].has(self.passes));
-        self.passing = primitives.iter().map(passes).collect();
+        }
     }
 
     /// The queue of a hit, and the index of its material or light.
     #[inline]
     pub fn route(&self, primitive: u32, part: u32) -> (Queue, u32) {
-        match self.routes[primitive as usize] {
-            Route::One(queue, index) => (queue, index),
-            Route::Parts => {
-                let material = self.scene.geometry.primitives[primitive as usize].material(part);
-                let material = material.unwrap_or_default();
-                (Queue::Surface(self.class_of[material as usize]), material)
+        let geometry = self.scene.geometry;
+        let material = match geometry.finishes()[primitive as usize] {
+            Finish::Empty => return (Queue::Escaped, 0),
+            Finish::Light(index) => return (Queue::Light, index),
+            Finish::Material(MaterialBinding::One(material)) => material,
+            Finish::Material(MaterialBinding::Slots { .. }) => {
+                geometry.primitives[primitive as usize].material(part).unwrap_or_default()
             }
-        }
+        };
+        (Queue::Surface(self.class_of[material as usize]), material)
     }
 
     pub fn lobes_of(&self, material: u32) -> LobeSet {
@@ -188,9 +152,14 @@ impl<'a> TraceContext<'a> {
         &self.scene.shading.materials[index as usize]
     }
 
+    /// Whether shadow rays pass any primitive.
+    pub fn has_transparency(&self) -> bool {
+        self.passing.is_some()
+    }
+
     /// The primitives that shadow rays pass, if there are any.
     pub fn passing(&self) -> Option<TransmissiveFlags<'_>> {
-        self.has_transparency.then_some(TransmissiveFlags(&self.passing))
+        self.passing.as_deref().map(TransmissiveFlags)
     }
 }
 
@@ -204,8 +173,7 @@ impl UsedMaterials {
     fn new(scene: &Scene) -> Self {
         let materials = &scene.shading.materials;
         let mut used = vec![false; materials.len()];
-        let primitives = scene.geometry.primitives.iter();
-        primitives.flat_map(Primitive::materials).for_each(|index| used[index as usize] = true);
+        scene.geometry.materials().for_each(|index| used[index as usize] = true);
         Self { lobes: materials.iter().map(LobeSet::of).collect(), used }
     }
 
@@ -220,6 +188,22 @@ impl UsedMaterials {
         materials.any(|(material, (lobes, used))| {
             *used && lobes.has(LobeSet::REFRACTION) && material.medium.absorption != Rgb::ZERO
         })
+    }
+
+    /// The different sets of lobes in numbered order, and the number of each material's set.
+    fn classes(&self) -> (Vec<LobeSet>, Vec<u32>) {
+        let mut classes = self.lobes.clone();
+        classes.sort_unstable();
+        classes.dedup();
+        let class = |lobes: &LobeSet| classes.binary_search(lobes).unwrap_or_default() as u32;
+        let class_of = self.lobes.iter().map(class).collect();
+        (classes, class_of)
+    }
+
+    /// For each primitive, whether it has a material with any of these lobes.
+    fn passing(&self, scene: &Scene, passes: LobeSet) -> Vec<bool> {
+        let has = |material: u32| self.lobes[material as usize].has(passes);
+        scene.geometry.finishes().iter().map(|finish| finish.materials().any(has)).collect()
     }
 
     /// Whether a used material emits light.
@@ -239,7 +223,7 @@ fn is_weighted(scene: &Scene, layer: LayerId) -> bool {
 /// Whether samples of a moment are random: along paths, and for a lens, a light with an area or a rough surface.
 pub fn is_random(scene: &Scene, integrator: Integrator) -> bool {
     let rough = || {
-        let mut materials = scene.geometry.primitives.iter().flat_map(Primitive::materials);
+        let mut materials = scene.geometry.materials();
         materials.any(|index| scene.shading.materials[index as usize].is_rough())
     };
     let area = || scene.lights().any(|(_, light)| light.source.is_sampled());

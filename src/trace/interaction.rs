@@ -51,8 +51,7 @@ impl<F: Real> SurfaceInteraction<F> {
         width: F,
         wanted: F::Mask,
     ) -> Self {
-        let geometry = context.scene.geometry;
-        let mut surface = context.surfaces.surfaces(geometry, ray, at, primitive, wanted);
+        let mut surface = context.scene.geometry.surfaces(ray, at, primitive, wanted);
         if !context.quality.smooth_terminator {
             surface.lift = Vec3::zero();
         }

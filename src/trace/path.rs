@@ -129,7 +129,7 @@ impl<F: Real> PathShader<'_, F> {
             (radiance * (scattered + reflected.highlight), radiance * scattered * rest);
         let item = ShadowItem {
             ray: light.shadow_ray(&surface.surface),
-            light: if wave.context.has_transparency { whole } else { whole - mis_complement },
+            light: if wave.context.has_transparency() { whole } else { whole - mis_complement },
             mis_complement,
             medium: path.medium,
             slot: path.slot,

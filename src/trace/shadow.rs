@@ -60,7 +60,7 @@ impl TraceShadowRays<'_> {
             bvh.occlusion::<L>(geometry, &shadow.ray, within, leads, (self.coherence, passing), stacks);
         let mut light: Color<L::F32> = shadows.light(&at);
         let mut mis_complement: Color<L::F32> = Color::black();
-        if context.has_transparency {
+        if context.has_transparency() {
             mis_complement = shadows.mis_complement(&at);
         }
         let open = active & !found.blocked & !found.dimmed;

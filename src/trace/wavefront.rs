@@ -66,7 +66,7 @@ impl ScratchBuffer {
             hits: HitStream::new(context.classes.len()),
             events: Events::default(),
             media: MediaLists::default(),
-            shadows: requests.map(|_| ShadowStream::new(context.has_transparency, context.media)).collect(),
+            shadows: requests.map(|_| ShadowStream::new(context.has_transparency(), context.media)).collect(),
             rows: LobeTable::new(rows.iter()),
             samples: PixelSamples::with_capacity(WAVE),
             places: Vec::with_capacity(WAVE),

@@ -11,7 +11,7 @@ mod spline;
 pub use ease::Ease;
 pub use interpolate::{Animate, LogScale, Modes};
 
-use crate::base::time::{Fraction, Time};
+use crate::base::time::{Fraction, Time, is_after};
 
 /// A constant or keyed value.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,7 +75,7 @@ impl<T: Animate> Track<T> {
     /// The value at `time`. A key takes effect exactly at its time.
     pub fn at(&self, time: Time) -> T {
         let time = self.folded(time);
-        let next = self.keys.partition_point(|key| key.time <= time);
+        let next = self.keys.partition_point(|key| !is_after(key.time, time));
         let Some(from) = next.checked_sub(1) else { return self.keys[0].value.clone() };
         let (a, Some(b)) = (&self.keys[from], self.keys.get(next)) else {
             return self.keys[from].value.clone();
@@ -85,7 +85,7 @@ impl<T: Animate> Track<T> {
         if time == a.time {
             return a.value.clone();
         }
-        let s = Fraction::new(time - a.time, b.time - a.time);
+        let s = Fraction::between(time, a.time, b.time);
         match a.ease {
             Ease::Step => a.value.clone(),
             Ease::Linear => T::mix(&a.value, &b.value, s),

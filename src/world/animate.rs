@@ -8,50 +8,55 @@ use crate::appearance::fog::{Fog, FogTracks};
 use crate::appearance::light::{Light, LightTracks};
 use crate::appearance::light_groups::GroupWeight;
 use crate::appearance::material::{Material, MaterialTracks};
-use crate::base::math::{Aabb, DAffine3, DVec3};
+use crate::base::math::{Aabb, DVec3};
 use crate::base::time::Time;
 use crate::camera::Camera;
 use crate::camera::path::{CameraPath, NoCamera};
 use crate::geometry::shape::Shape;
 use crate::geometry::transform::TransformTracks;
+use crate::track::Animated;
 use crate::world::{
     ActiveCamera, Current, Hierarchy, Now, Objects, Transform, Visible, VisibleTrack, Weight,
 };
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::system::{Query, Res, ResMut};
 
-/// Computes the world transform and visibility of every object, parents before children.
+/// Objects that cannot move have none.
+type Tracks = (&'static TransformTracks, &'static VisibleTrack);
+
+/// Computes the world transform and visibility of every object that may move, parents before children.
 pub fn transforms(
     now: Res<Now>,
     hierarchy: Res<Hierarchy>,
-    mut objects: Query<(&TransformTracks, &VisibleTrack, &mut Transform, &mut Visible)>,
+    mut objects: Query<(&mut Transform, &mut Visible, Option<Tracks>)>,
 ) {
     for &(entity, parent) in &hierarchy.0 {
         let parent = parent.and_then(|parent| objects.get(parent).ok());
-        let parent = parent.map(|(_, _, transform, visible)| (transform.0, visible.0));
-        let Ok((tracks, visible_track, mut transform, mut visible)) = objects.get_mut(entity) else {
+        let parent = parent.map(|(transform, visible, _)| (*transform, *visible));
+        let Ok((mut transform, mut visible, Some((tracks, visible_track)))) = objects.get_mut(entity) else {
             continue;
         };
-        let (affine, shown) = placed(tracks, visible_track, parent, now.0.time);
-        transform.set_if_neq(Transform(affine));
-        visible.set_if_neq(Visible(shown));
+        let (affine, shown) = placed(tracks, &visible_track.0, parent, now.0.time);
+        transform.set_if_neq(affine);
+        visible.set_if_neq(shown);
     }
 }
 
 /// World transform and visibility of an object, from those of its parent.
-fn placed(
+pub(super) fn placed(
     tracks: &TransformTracks,
-    visible: &VisibleTrack,
-    parent: Option<(DAffine3, bool)>,
+    visible: &Animated<bool>,
+    parent: Option<(Transform, Visible)>,
     time: Time,
-) -> (DAffine3, bool) {
-    let (affine, visible) = (tracks.at(time), visible.0.at(time));
+) -> (Transform, Visible) {
+    let (affine, visible) = (tracks.at(time), visible.at(time));
     match parent {
-        Some((outer, shown)) => (outer * affine, shown && visible),
-        None => (affine, visible),
+        Some((outer, shown)) => (Transform(outer.0 * affine), Visible(shown.0 && visible)),
+        None => (Transform(affine), Visible(visible)),
     }
 }
 
+/// Materials without keys have no tracks.
 pub fn materials(now: Res<Now>, mut materials: Query<(&MaterialTracks, &mut Material)>) {
     for (tracks, mut material) in &mut materials {
         let layer = material.emission_layer;
@@ -59,6 +64,7 @@ pub fn materials(now: Res<Now>, mut materials: Query<(&MaterialTracks, &mut Mate
     }
 }
 
+/// Lights that cannot move have no tracks. Switches and colours are weights.
 pub fn lights(now: Res<Now>, mut lights: Query<(&LightTracks, &mut Light)>) {
     for (tracks, mut light) in &mut lights {
         let moved = Light { source: tracks.kind.at(now.0.time), ..*light };

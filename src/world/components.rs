@@ -23,6 +23,10 @@ pub struct VisibleTrack(pub Animated<bool>);
 #[derive(Clone, Copy, Component, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FileOrder(pub u32);
 
+/// Index of the primitive of an object or of a light with a visible shape. Groups have none.
+#[derive(Clone, Copy, Component, Debug, PartialEq, Eq)]
+pub struct Slot(pub u32);
+
 /// Marks lights with a visible shape, which are part of the geometry.
 #[derive(Clone, Copy, Component, Debug)]
 pub struct AreaLight;

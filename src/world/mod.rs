@@ -9,6 +9,6 @@ mod components;
 mod resources;
 mod spawn;
 
-pub use components::{AreaLight, FileOrder, Transform, Visible, VisibleTrack, Weight};
-pub use resources::{ActiveCamera, Current, Hierarchy, LightSetup, Now, Objects};
+pub use components::{AreaLight, FileOrder, Slot, Transform, Visible, VisibleTrack, Weight};
+pub use resources::{ActiveCamera, Current, Hierarchy, LightSetup, Now, Objects, SlotCount};
 pub use spawn::{sky_table, spawn};

@@ -15,13 +15,17 @@ pub struct Now(pub Clock);
 #[derive(Clone, Debug, PartialEq, Resource)]
 pub struct Current<T: Send + Sync + 'static>(pub T);
 
-/// Objects with their parents, parents before children.
+/// Objects that may move, with their parents. Parents come before children.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Hierarchy(pub Vec<(Entity, Option<Entity>)>);
 
 /// The objects in the file's order.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Objects(pub Vec<Entity>);
+
+/// The number of primitives, including those of hidden objects.
+#[derive(Clone, Copy, Debug, Resource)]
+pub struct SlotCount(pub u32);
 
 /// The cameras in the file's order, and the index of the active one over time.
 #[derive(Clone, Debug, Resource)]

@@ -1,8 +1,8 @@
 //! Spawns the entities of a sequence, with their values at its first moment.
 
 use super::{
-    ActiveCamera, AreaLight, FileOrder, Hierarchy, LightSetup, Now, Objects, Transform, Visible,
-    VisibleTrack, Weight,
+    ActiveCamera, AreaLight, FileOrder, Hierarchy, LightSetup, Now, Objects, Slot, SlotCount, Transform,
+    Visible, VisibleTrack, Weight, animate,
 };
 use crate::appearance::environment::EnvironmentDistribution;
 use crate::appearance::light::{Light, Source};
@@ -10,9 +10,9 @@ use crate::appearance::light_groups::{GroupRadiance, GroupWeight};
 use crate::base::color::Rgb;
 use crate::base::math::DAffine3;
 use crate::film::LayerId;
-use crate::sequence::{LightLayers, Sequence};
+use crate::geometry::shape::Shape;
+use crate::sequence::{LightLayers, Object, Sequence};
 use crate::track::Animated;
-use bevy_ecs::entity::Entity;
 use bevy_ecs::world::{EntityWorldMut, World};
 use std::sync::Arc;
 
@@ -23,11 +23,12 @@ pub fn spawn(sequence: &Sequence) -> World {
     world.insert_resource(Now(sequence.timeline.clock(0)));
     spawn_environment(&mut world, &layers, sequence);
     let ambient = spawn_ambient(&mut world, &layers, &sequence.ambient);
-    spawn_lights(&mut world, &layers, sequence);
     spawn_materials(&mut world, &layers, sequence);
     spawn_fog(&mut world, &layers, sequence);
     spawn_cameras(&mut world, sequence);
+    // Slots are in this order.
     spawn_objects(&mut world, sequence);
+    spawn_lights(&mut world, &layers, sequence);
     world.insert_resource(LightSetup { ambient, layers: layers.count });
     world
 }
@@ -72,15 +73,34 @@ fn spawn_fog(world: &mut World, layers: &LightLayers, sequence: &Sequence) {
 
 fn spawn_lights(world: &mut World, layers: &LightLayers, sequence: &Sequence) {
     let start = sequence.timeline.clock(0).time;
+    let mut slots = FreeSlots::of(world);
     for ((order, light), &layer) in (0..).zip(&sequence.lights).zip(&layers.lights) {
         let (tracks, dimmer) = (&light.value, light.value.group_weight());
         let source = tracks.kind.at(start);
         let light = Light { source, radiance: tracks.constant_radiance(), layer };
-        let mut entity = world.spawn((FileOrder(order), light, tracks.clone()));
+        let mut entity = world.spawn((FileOrder(order), light));
+        if tracks.kind.is_keyed() {
+            entity.insert(tracks.clone());
+        }
         if matches!(source, Source::Sphere(_) | Source::Rectangle { .. }) {
-            entity.insert(AreaLight);
+            entity.insert((AreaLight, slots.next()));
         }
         weigh(&mut entity, dimmer, layer);
+    }
+    world.insert_resource(SlotCount(slots.0));
+}
+
+/// The first slot that is not in use.
+struct FreeSlots(u32);
+
+impl FreeSlots {
+    fn of(world: &World) -> Self {
+        Self(world.get_resource().map_or(0, |SlotCount(count)| *count))
+    }
+
+    fn next(&mut self) -> Slot {
+        self.0 += 1;
+        Slot(self.0 - 1)
     }
 }
 
@@ -89,7 +109,11 @@ fn spawn_materials(world: &mut World, layers: &LightLayers, sequence: &Sequence)
     for ((order, material), &layer) in (0..).zip(&sequence.materials).zip(&layers.materials) {
         let (_, dimmer) = material.value.emission_split();
         let now = material.value.at(start, layer);
-        weigh(&mut world.spawn((FileOrder(order), now, material.value.clone())), dimmer, layer);
+        let mut entity = world.spawn((FileOrder(order), now));
+        if material.value.is_keyed() {
+            entity.insert(material.value.clone());
+        }
+        weigh(&mut entity, dimmer, layer);
     }
 }
 
@@ -98,27 +122,53 @@ fn spawn_cameras(world: &mut World, sequence: &Sequence) {
     world.insert_resource(ActiveCamera { cameras, index: sequence.active_camera.clone() });
 }
 
+/// Spawns the objects where they are at the first moment. Only objects that may move keep their tracks: those with keys
+/// of their own, and those below them.
 fn spawn_objects(world: &mut World, sequence: &Sequence) {
-    let mut entities = Vec::new();
-    for (order, object) in (0..).zip(&sequence.objects) {
-        let object = &object.value;
-        let placed = (Transform(DAffine3::IDENTITY), Visible(true));
-        let tracks = (object.transform.clone(), VisibleTrack(object.visible.clone()));
-        entities
-            .push(world.spawn((FileOrder(order), object.shape.clone(), object.made_of, placed, tracks)).id());
+    let start = sequence.timeline.clock(0).time;
+    let (objects, order) = (&sequence.objects, parents_first(sequence));
+    let still = (Transform(DAffine3::IDENTITY), Visible(true));
+    let (mut placed, mut moves) = (vec![still; objects.len()], vec![false; objects.len()]);
+    for &index in &order {
+        let Object { transform, visible, parent, .. } = &objects[index].value;
+        let outer = parent.map(|parent| placed[parent]);
+        placed[index] = animate::placed(transform, visible, outer, start);
+        let keyed = transform.is_keyed() || visible.is_keyed();
+        moves[index] = keyed || parent.is_some_and(|parent| moves[parent]);
     }
-    world.insert_resource(Objects(entities.clone()));
-    let hierarchy = parents_first(sequence);
-    let pair = |i: usize| (entities[i], sequence.objects[i].value.parent.map(|parent| entities[parent]));
-    let hierarchy: Vec<(Entity, Option<Entity>)> = hierarchy.into_iter().map(pair).collect();
+    let (mut entities, mut slots) = (Vec::with_capacity(objects.len()), FreeSlots::of(world));
+    for (index, object) in objects.iter().enumerate() {
+        let object = &object.value;
+        let order = FileOrder(index as u32);
+        let mut entity = world.spawn((order, object.shape.clone(), object.made_of, placed[index]));
+        if object.shape != Shape::Group {
+            entity.insert(slots.next());
+        }
+        if moves[index] {
+            entity.insert((object.transform.clone(), VisibleTrack(object.visible.clone())));
+        }
+        entities.push(entity.id());
+    }
+    let pair = |i: usize| (entities[i], objects[i].value.parent.map(|parent| entities[parent]));
+    let hierarchy = order.into_iter().filter(|&index| moves[index]).map(pair).collect();
     world.insert_resource(Hierarchy(hierarchy));
+    world.insert_resource(Objects(entities));
+    world.insert_resource(SlotCount(slots.0));
 }
 
 /// Indices of all objects, parents before children.
 fn parents_first(sequence: &Sequence) -> Vec<usize> {
-    let parent = |i: usize| sequence.objects[i].value.parent;
-    let depth = |i: usize| std::iter::successors(parent(i), |&p| parent(p)).count();
-    let mut order: Vec<_> = (0..sequence.objects.len()).collect();
-    order.sort_by_cached_key(|&i| depth(i));
+    let (mut order, mut children) = (Vec::new(), vec![Vec::new(); sequence.objects.len()]);
+    for (index, object) in sequence.objects.iter().enumerate() {
+        match object.value.parent {
+            Some(parent) => children[parent].push(index),
+            None => order.push(index),
+        }
+    }
+    let mut next = 0;
+    while let Some(&parent) = order.get(next) {
+        order.append(&mut children[parent]);
+        next += 1;
+    }
     order
 }

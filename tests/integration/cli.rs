@@ -320,7 +320,7 @@ fn plans_list_spans_effects_layers_rays_and_memory() {
         "shadows: light \"key\" (1 film, ",
         "mirror: objects.\"floor\".material (3 films, ",
         "unused  orthographic, lens, motion blur,",
-        "builds  3 trees\n",
+        "BVH     3 updates\n",
         " times fewer",
         "memory  ",
     ] {

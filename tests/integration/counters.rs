@@ -16,9 +16,13 @@ fn ball(frames: u32, fields: &str, light: &str, material: &str, object: &str) ->
 
 const LAMP: &str = "position: (3, 4, 5)";
 
-/// Trees built, and geometry and shading packed, in each frame.
+/// Trees built or refitted, and geometry and shading packed, in each frame. Only the first frame builds a tree.
+#[track_caller]
 fn made(shots: &[Shot]) -> Vec<(u64, u64, u64)> {
-    shots.iter().map(|Shot { work, .. }| (work.bvh_builds, work.geometry_packs, work.shading_packs)).collect()
+    let builds: Vec<u64> = shots.iter().map(|shot| shot.work.bvh_builds).collect();
+    assert_eq!((builds[0], builds.iter().sum()), (1, 1), "{builds:?}");
+    let made = |work: &Work| (work.bvh_builds + work.bvh_refits, work.geometry_packs, work.shading_packs);
+    shots.iter().map(|shot| made(&shot.work)).collect()
 }
 
 /// Asserts that everything is made once, in frame 0, and later only what `later` says, frame by frame.
@@ -71,7 +75,7 @@ fn animated_cameras_rebuild_nothing() {
 }
 
 #[test]
-fn moving_objects_build_one_bvh_per_pose() {
+fn moving_objects_refit_the_bvh_once_per_pose() {
     let keys =
         "translation: [(0, (0, 0, 0)), (2, (1, 0, 0)), (4, (1, 0, 0)), (5, (2, 0, 0), Step), (7, (0, 0, 0))]";
     let later = [GEOMETRY, GEOMETRY, NOTHING, NOTHING, GEOMETRY, NOTHING, GEOMETRY, NOTHING];
@@ -82,7 +86,7 @@ fn moving_objects_build_one_bvh_per_pose() {
 }
 
 #[test]
-fn appearing_and_vanishing_build_a_tree() {
+fn appearing_and_vanishing_refit_the_tree() {
     let keys = "visible: [(0, true), (2, false), (3, false), (4, true)]";
     made_anew(&ball(6, "", LAMP, "", keys), &[NOTHING, GEOMETRY, NOTHING, GEOMETRY, NOTHING]);
     let scale = "scale: [(0, 1, Step), (2, 0, Step), (3, 1)]";
@@ -193,6 +197,53 @@ fn ga_02_no_light_means_no_shadow_rays() {
     assert_eq!(shoot_all(black)[0].work.shadow, 0);
 }
 
+/// As many primitives are rewritten as change: a row of balls, some of which move, appear or shine.
+#[test]
+fn only_primitives_that_change_are_rewritten() {
+    let balls: String = (0..40)
+        .map(|k| {
+            let keys = match k {
+                3 | 17 | 29 => "translation: [(0, (0, 0, 0)), (2, (0, 1, 0))]",
+                5 => "visible: [(0, true), (2, false), (3, true)]",
+                _ => "",
+            };
+            format!("\"{k}\": (shape: Sphere(center: ({k}, 0, 0), radius: 0.4), {keys}),")
+        })
+        .collect();
+    let shots = shoot_all(&format!(
+        r#"(timeline: (frames: 5, keys: Frames), output: (size: (8, 6)), quality: (antialias: 1),
+        lights: {{ "lamp": Sphere(center: [(0, (0, 9, 0)), (1, (0, 8, 0))], radius: 1) }}, objects: {{ {balls} }})"#
+    ));
+    let packed: Vec<u64> = shots.iter().map(|shot| shot.work.primitives_packed).collect();
+    assert_eq!(packed, [41, 4, 4, 1, 0]);
+    let trees: Vec<_> = shots.iter().map(|shot| (shot.work.bvh_builds, shot.work.bvh_refits)).collect();
+    assert_eq!(trees, [(1, 0), (0, 1), (0, 1), (0, 1), (0, 0)]);
+}
+
+/// A mesh that turns is placed anew: its triangles and its own tree stay as they are.
+#[test]
+fn a_mesh_that_turns_is_one_primitive() {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    let mut obj = String::new();
+    for k in 0..=100 {
+        for l in 0..=100 {
+            obj += &format!("v {} {} {}\n", k - 50, l - 50, (k * l) % 7);
+        }
+    }
+    for (k, l) in (0..100).flat_map(|k| (0..100).map(move |l| (101 * k + l + 1, 101 * k + l + 102))) {
+        obj += &format!("f {k} {l} {}\nf {k} {} {}\n", l + 1, l + 1, k + 1);
+    }
+    std::fs::write(folder.path().join("grid.obj"), obj).expect("a disk");
+    let shots = shoot_all_in(
+        folder.path(),
+        r#"(timeline: (frames: 4, keys: Frames), output: (size: (8, 6)), quality: (antialias: 1),
+        objects: { "grid": (shape: Mesh(file: "grid.obj"), scale: 0.02,
+            rotation: AxisAngle(axis: (0, 1, 0), angle: [(0, 0), (3, 30)])) })"#,
+    );
+    let packed: Vec<u64> = shots.iter().map(|shot| shot.work.primitives_packed).collect();
+    assert_eq!((packed, shots[3].work.bvh_builds, shots[3].work.bvh_refits), (vec![1; 4], 0, 1));
+}
+
 /// What is not seen may move, and what is seen may turn in its own shape, without a tree.
 #[test]
 fn invisible_motion_builds_no_bvh() {
@@ -206,8 +257,10 @@ fn invisible_motion_builds_no_bvh() {
             r#"(timeline: (frames: 5, keys: Frames), output: (size: (8, 6)),
             objects: {{ "ball": (shape: Sphere()), {object} }})"#
         ));
-        let builds: Vec<u64> = shots.iter().map(|shot| shot.work.bvh_builds).collect();
-        assert_eq!(builds, [1, 0, 0, 0, 0], "{object}");
+        let updates =
+            |shot: &Shot| (shot.work.bvh_builds + shot.work.bvh_refits, shot.work.primitives_packed);
+        let updates: Vec<_> = shots.iter().map(updates).collect();
+        assert_eq!(updates, [(1, 1), (0, 0), (0, 0), (0, 0), (0, 0)], "{object}");
     }
 }
 
@@ -262,10 +315,9 @@ fn ga_01_ga_02_unused_effects_take_no_work() {
         }
         let off = format!(r#"{LAMP}, "off": Sphere(center: (30, 40, 50), radius: 0.1, intensity: 0)"#);
         let found = shot(integrator, "", &off, "(color: 0.5)");
-        assert!(
-            found.film == plain.film && found.work == plain.work,
-            "{integrator} a light without intensity"
-        );
+        // Its shape is one more primitive.
+        let work = Work { primitives_packed: none.primitives_packed + 1, ..none };
+        assert!(found.film == plain.film && found.work == work, "{integrator} a light without intensity");
     }
 }
 

@@ -77,7 +77,11 @@ fn flights_and_open_shutters_render() {
         (sequence.output.size, sequence.quality.antialias) = ((48, 32), 1);
         for (frame, moments) in frames.into_iter().zip(moments) {
             let shot = shoot(&sequence, [frame]).remove(0);
-            assert_eq!(shot.work.bvh_builds, moments, "{name}, frame {frame}: what moves");
+            assert_eq!(
+                shot.work.bvh_builds + shot.work.bvh_refits,
+                moments,
+                "{name}, frame {frame}: what moves"
+            );
             let mean =
                 shot.film.radiance().map(|radiance| f64::from(radiance.y)).sum::<f64>() / (48.0 * 32.0);
             assert!((0.1..0.8).contains(&mean), "{name}, frame {frame}: {mean}");

@@ -46,7 +46,9 @@ pub struct Work {
     pub light_samples: u64,
     pub lens_samples: u64,
     pub bvh_builds: u64,
+    pub bvh_refits: u64,
     pub geometry_packs: u64,
+    pub primitives_packed: u64,
     pub shading_packs: u64,
 }
 
@@ -64,6 +66,8 @@ impl Work {
             light_samples: new.light_samples - old.light_samples,
             lens_samples: new.lens_samples - old.lens_samples,
             bvh_builds: after.bvh_builds - before.bvh_builds,
+            bvh_refits: after.bvh_refits - before.bvh_refits,
+            primitives_packed: after.primitives_packed - before.primitives_packed,
             geometry_packs: after.geometry_packs - before.geometry_packs,
             shading_packs: after.shading_packs - before.shading_packs,
         }

@@ -100,7 +100,8 @@ impl<'a> SceneRays<'a> {
     pub fn candidates(&self, ray: &Ray, lights: bool) -> Vec<Target> {
         let mut found = Vec::new();
         for (index, primitive) in (0..).zip(&self.scene.geometry.primitives) {
-            if (!lights && primitive.is_light())
+            if primitive.is_empty()
+                || (!lights && primitive.is_light())
                 || !primitive.bounds().is_none_or(|bounds| passes(&bounds, ray))
             {
                 continue;

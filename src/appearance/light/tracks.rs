@@ -54,6 +54,22 @@ pub enum LightKind {
 const MIN_RADIUS: f64 = 1e-30;
 
 impl LightKind {
+    /// Whether the light may move, turn or change its size over time.
+    pub fn is_keyed(&self) -> bool {
+        match self {
+            Self::Point { position, attenuation: _ } => position.is_keyed(),
+            Self::Spot { position, target, angle, inner_angle, attenuation: _ } => {
+                let inner = inner_angle.as_ref().is_some_and(Animated::is_keyed);
+                position.is_keyed() || target.is_keyed() || angle.is_keyed() || inner
+            }
+            Self::Directional { direction } => direction.is_keyed(),
+            Self::Sphere { center, radius } => center.is_keyed() || radius.is_keyed(),
+            Self::Rectangle { corner, u, v, one_sided: _ } => {
+                corner.is_keyed() || u.is_keyed() || v.is_keyed()
+            }
+        }
+    }
+
     pub fn at(&self, time: Time) -> Source {
         match self {
             Self::Point { position, attenuation } => {

@@ -24,6 +24,21 @@ pub enum ScalarTextureTracks {
     Textured(TextureTracks),
 }
 
+impl LobeTracks {
+    fn is_keyed(&self) -> bool {
+        self.strength.is_keyed() || self.tint.is_keyed()
+    }
+}
+
+impl ScalarTextureTracks {
+    fn is_keyed(&self) -> bool {
+        match self {
+            Self::Constant(value) => value.is_keyed(),
+            Self::Textured(texture) => texture.is_keyed(),
+        }
+    }
+}
+
 /// A material over time.
 #[derive(Clone, Component, Debug, PartialEq)]
 pub struct MaterialTracks {
@@ -95,6 +110,39 @@ impl MaterialTracks {
             fresnel: if refracts { self.fresnel } else { Fresnel::default() },
             medium: self.medium(refracts, lobes.microfacet > 0.0, time),
         }
+    }
+
+    /// Whether any part has keys.
+    pub fn is_keyed(&self) -> bool {
+        // All fields are named, so that none can be forgotten.
+        let Self {
+            emission,
+            ambient,
+            diffuse,
+            specular,
+            mirror,
+            fuzz,
+            transparency,
+            refraction,
+            microfacet,
+            base,
+            metallic,
+            roughness,
+            highlight: _,
+            shininess,
+            fresnel: _,
+            ior,
+            absorption,
+            priority: _,
+        } = self;
+        let lobes = [emission, ambient, diffuse, specular, mirror, transparency, refraction];
+        let scalars = [fuzz, metallic, roughness];
+        let numbers = [microfacet, shininess, ior];
+        lobes.into_iter().any(LobeTracks::is_keyed)
+            || scalars.into_iter().any(ScalarTextureTracks::is_keyed)
+            || numbers.into_iter().any(Animated::is_keyed)
+            || base.is_keyed()
+            || absorption.is_keyed()
     }
 
     /// The medium inside the surface. Refraction needs all of it, the metallic-roughness lobe only the index of

@@ -35,6 +35,14 @@ impl Default for TextureMappingTracks {
     }
 }
 
+impl TextureMappingTracks {
+    /// Whether any part has keys.
+    pub fn is_keyed(&self) -> bool {
+        let Self { offset, rotation, scale } = self;
+        offset.is_keyed() || rotation.is_keyed() || scale.is_keyed()
+    }
+}
+
 /// A mapping at one moment, from the surface back to the pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct TextureMapping {

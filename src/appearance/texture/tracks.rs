@@ -72,6 +72,23 @@ impl TextureTracks {
         }
     }
 
+    /// Whether any part has keys.
+    pub fn is_keyed(&self) -> bool {
+        match self {
+            Self::Color(color) => color.is_keyed(),
+            Self::VertexColor => false,
+            Self::Image(tracks) => {
+                let ImageTextureTracks { tint, mapping, image: _, wrap: _, filter: _, channel: _, alpha: _ } =
+                    &**tracks;
+                tint.is_keyed() || mapping.is_keyed()
+            }
+            Self::Pattern(tracks) => {
+                let PatternTextureTracks { mapping, first, second, pattern: _, space: _ } = &**tracks;
+                mapping.is_keyed() || first.is_keyed() || second.is_keyed()
+            }
+        }
+    }
+
     /// Whether any part may have alpha below 1 at any time.
     pub fn has_alpha(&self) -> bool {
         match self {

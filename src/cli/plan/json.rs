@@ -24,7 +24,7 @@ pub fn json(report: &PlanReport) -> String {
         "effects": callers.collect::<Map<_, _>>(),
         "effect_films": effect_films(report),
         "unused_effects": report.unused_effects().collect::<Vec<_>>(),
-        "bvh_builds": plan.builds(),
+        "bvh_updates": plan.bvh_updates(),
         "rays_frame_by_frame": rays(expected.camera_alone, expected.exact, expected.rays_alone),
         "rays": rays(expected.camera, expected.exact, expected.rays),
         "kept_bytes": plan.kept_bytes(),

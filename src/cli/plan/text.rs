@@ -29,7 +29,7 @@ pub fn text(report: &PlanReport) -> String {
     groups.push(("layers", layers(report)));
     groups.push(("effects", report.outline.effects.iter().map(|of| effect(report, of)).collect()));
     groups.push(("unused", vec![report.unused_effects().collect::<Vec<_>>().join(", ")]));
-    groups.push(("builds", vec![counted(report.plan.builds(), "tree")]));
+    groups.push(("BVH", vec![counted(report.plan.bvh_updates(), "update")]));
     groups.push(("rays", rays(report)));
     groups.push(("memory", memory(report)));
     groups.extend(report.farm.iter().map(|farm| ("farm", farm.lines())));

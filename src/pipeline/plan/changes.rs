@@ -5,7 +5,7 @@ use crate::base::digest::{Content, Digest};
 use crate::base::time::Clock;
 use crate::camera::Camera;
 use crate::film::LayerId;
-use crate::sequence::Sequence;
+use crate::sequence::{Object, Sequence};
 
 /// A part of the sequence that has keys or a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -55,7 +55,7 @@ impl AnimatedPart {
     }
 }
 
-/// The value of every part at a moment. An object's value leaves out the motion of its parents.
+/// The value of every part that may change, at a moment. An object's value leaves out the motion of its parents.
 pub fn values(sequence: &Sequence, clock: &Clock) -> Vec<(AnimatedPart, Digest)> {
     let time = clock.time;
     let mut values = Vec::new();
@@ -67,17 +67,26 @@ pub fn values(sequence: &Sequence, clock: &Clock) -> Vec<(AnimatedPart, Digest)>
         note(AnimatedPart::Camera(active), &camera);
     }
     for (index, object) in sequence.objects.iter().enumerate() {
-        note(AnimatedPart::Object(index), &(object.value.transform.at(time), object.value.visible.at(time)));
+        let Object { transform, visible, .. } = &object.value;
+        if transform.is_keyed() || visible.is_keyed() {
+            note(AnimatedPart::Object(index), &(transform.at(time), visible.at(time)));
+        }
     }
     for (index, light) in sequence.lights.iter().enumerate() {
-        note(AnimatedPart::Light(index), &light.value.kind.at(time));
+        if light.value.kind.is_keyed() {
+            note(AnimatedPart::Light(index), &light.value.kind.at(time));
+        }
         let group_weight = light.value.group_weight();
-        note(AnimatedPart::Switch(index), &group_weight.on.as_ref().is_none_or(|on| on.at(clock.start)));
-        note(AnimatedPart::Brightness(index), &group_weight.at(clock.start));
+        if !group_weight.is_constant() {
+            note(AnimatedPart::Switch(index), &group_weight.on.as_ref().is_none_or(|on| on.at(clock.start)));
+            note(AnimatedPart::Brightness(index), &group_weight.at(clock.start));
+        }
     }
     for (index, material) in sequence.materials.iter().enumerate() {
-        note(AnimatedPart::Material(index), &material.value.at(time, LayerId::CONSTANT));
-        note(AnimatedPart::Emission(index), &material.value.emission_split().1.at(clock.start));
+        if material.value.is_keyed() {
+            note(AnimatedPart::Material(index), &material.value.at(time, LayerId::CONSTANT));
+            note(AnimatedPart::Emission(index), &material.value.emission_split().1.at(clock.start));
+        }
     }
     note(AnimatedPart::Background, &sequence.background.at(time, LayerId::CONSTANT));
     note(AnimatedPart::BackgroundBrightness, &sequence.background.group_weight().at(clock.start));

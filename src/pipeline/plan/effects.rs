@@ -122,14 +122,14 @@ fn random(scene: &Scene, state: &FrameState) -> EffectSource {
         .lights()
         .find(|(_, light)| light.source.is_sampled())
         .map(|(index, _)| EffectSource::Light(index));
-    let rough = || scene.geometry.materials().into_iter().find(rough).map(EffectSource::Material);
+    let rough = || scene.geometry.materials().find(rough).map(EffectSource::Material);
     area.or_else(rough).unwrap_or(EffectSource::Integrator)
 }
 
 fn light(scene: &Scene, lit: &[LayerId], found: &mut Vec<(SceneEffect, EffectSource)>) {
     let shading = scene.shading;
     let on = |layer: LayerId| lit.contains(&layer);
-    let used = || scene.geometry.materials().into_iter().map(|index| &shading.materials[index as usize]);
+    let used = || scene.geometry.materials().map(|index| &shading.materials[index as usize]);
     let lit_by_lights = used().any(|material| material.lobes.reflects_lights());
     for (index, light) in (0..).zip(&shading.lights) {
         if light.radiance == Rgb::ZERO || !on(light.layer) {

@@ -55,16 +55,16 @@ impl Plan {
         most
     }
 
-    /// Number of trees that are built: one for each film whose geometry differs from that of the film before, and one
-    /// for each moment at which it moves while the shutter is open.
-    pub fn builds(&self) -> u64 {
+    /// Number of times that the top-level tree is built or refitted: once for each film whose geometry differs from that
+    /// of the film before, and once for each moment at which it moves while the shutter is open.
+    pub fn bvh_updates(&self) -> u64 {
         let mut before = None;
-        let mut builds = 0;
+        let mut updates = 0;
         for shared in &self.films {
             let state = &self.states.frames[shared.frames[0]];
-            builds += u64::from(before != Some(state.geometry.0)) + u64::from(state.rebuilds);
+            updates += u64::from(before != Some(state.geometry.0)) + u64::from(state.rebuilds);
             before = Some(state.geometry.1);
         }
-        builds
+        updates
     }
 }

@@ -17,7 +17,9 @@ pub struct Summary {
     /// Frames that reused the film of another frame.
     pub reused: u32,
     pub counts: Counts,
+    /// Number of times that the top-level tree was built, and that it was refitted instead.
     pub bvh_builds: u64,
+    pub bvh_refits: u64,
     /// The forecast, if there was a plan.
     pub expected: Option<Forecast>,
     /// Error of each frame that was sampled towards a target error.
@@ -42,7 +44,8 @@ pub struct Forecast {
     pub exact: bool,
     /// Rays of all kinds, if a pilot was traced.
     pub rays: Option<u64>,
-    pub bvh_builds: u64,
+    /// Number of times that the top-level tree is built or refitted.
+    pub bvh_updates: u64,
     /// Wall time and processor time of tracing in seconds, and the error of the worst film as a share of the mean
     /// brightness. None without a pilot.
     pub wall: Option<Range>,
@@ -60,7 +63,7 @@ impl Forecast {
             camera_rays: known.camera,
             exact: known.exact,
             rays: None,
-            bvh_builds: plan.builds(),
+            bvh_updates: plan.bvh_updates(),
             wall: None,
             cpu: None,
             pilot: 0.0,
@@ -91,6 +94,7 @@ pub(crate) fn summary(stats: &Stats, report: Report, frames: u32, elapsed: Durat
         expected: None,
         counts: stats.counts,
         bvh_builds: stats.bvh_builds,
+        bvh_refits: stats.bvh_refits,
         noise: report.noise,
         cpu: None,
         stages: FrameStage::ALL.map(|stage| (stage.name(), time(stage))).to_vec(),

@@ -29,8 +29,8 @@ pub struct Preview {
     /// Settings that are equal in all frames.
     settings: FilmSettings,
     digests: Digests,
-    /// Change ticks of geometry and shading at the last evaluation.
-    changed: Option<(Tick, Tick)>,
+    /// Change tick of the shading at the last evaluation.
+    shading_tick: Option<Tick>,
 }
 
 /// The state of the scene at one moment.
@@ -57,7 +57,7 @@ impl Preview {
             exposure: sequence.output.exposure.clone(),
             settings,
             digests: Digests::default(),
-            changed: None,
+            shading_tick: None,
         }
     }
 
@@ -138,14 +138,9 @@ impl Preview {
         else {
             return Err(NoCamera::NotFinite);
         };
-        let now = (geometry.last_changed(), shading.last_changed());
-        if self.changed != Some(now) {
-            if self.changed.map(|(geometry, _)| geometry) != Some(now.0) {
-                self.digests.geometry(&geometry.0);
-            }
-            self.digests.shading(&geometry.0, &shading.0);
-            self.changed = Some(now);
-        }
+        let shading_tick = Some(shading.last_changed());
+        self.digests.update(&geometry.0, &shading.0, self.shading_tick != shading_tick);
+        self.shading_tick = shading_tick;
         let camera = &world.resource::<Current<Option<Camera>>>().0;
         let Some(camera) = camera else { return Err(NoCamera::NotFinite) };
         let weights = &world.resource::<Current<Weights>>().0;

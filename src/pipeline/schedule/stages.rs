@@ -6,7 +6,7 @@ use crate::camera::Camera;
 use crate::camera::path::NoCamera;
 use crate::encode::EncodeError;
 use crate::film::{Film, lit};
-use crate::scene::top_level::Bvh;
+use crate::scene::top_level::{Bvh, BvhUpdate};
 use crate::scene::{Geometry, Scene, Shading, Weights};
 use crate::trace::{AdaptiveFrame, Moment, TraceSettings, Weightings, trace_moment, trace_shown};
 use crate::track::Animated;
@@ -69,9 +69,13 @@ pub enum FrameError {
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Stats {
     pub counts: Counts,
+    /// Number of times that the top-level tree was built, and that it was refitted instead.
     pub bvh_builds: u64,
+    pub bvh_refits: u64,
     /// Number of times each kind of data was packed.
     pub geometry_packs: u64,
+    /// Number of primitives that were rewritten, because they changed.
+    pub primitives_packed: u64,
     pub shading_packs: u64,
     /// Frames that were traced, and frames that reused the film of another frame.
     pub traced: u32,
@@ -179,8 +183,9 @@ pub fn keep_fault(In(encoded): In<Result<(), EncodeError>>, mut faults: ResMut<F
     }
 }
 
-pub fn count_geometry(mut stats: ResMut<Stats>) {
+pub fn count_geometry(geometry: Res<Current<Geometry>>, mut stats: ResMut<Stats>) {
     stats.geometry_packs += 1;
+    stats.primitives_packed = geometry.0.revision();
 }
 
 pub fn count_shading(mut stats: ResMut<Stats>) {
@@ -188,8 +193,11 @@ pub fn count_shading(mut stats: ResMut<Stats>) {
 }
 
 pub fn accelerate(geometry: Res<Current<Geometry>>, mut bvh: ResMut<Current<Bvh>>, mut stats: ResMut<Stats>) {
-    bvh.0 = Bvh::build(&geometry.0);
-    stats.bvh_builds += 1;
+    match bvh.0.update(&geometry.0) {
+        BvhUpdate::None => {}
+        BvhUpdate::Refit => stats.bvh_refits += 1,
+        BvhUpdate::Build => stats.bvh_builds += 1,
+    }
 }
 
 /// The data that tracing reads.

@@ -9,7 +9,7 @@ use crate::camera::Camera;
 use crate::scene::{Geometry, Shading, Weights, extract};
 use crate::sequence::Sequence;
 use crate::world::animate;
-use crate::world::{Current, LightSetup, spawn};
+use crate::world::{Current, LightSetup, SlotCount, spawn};
 use bevy_ecs::schedule::common_conditions::resource_changed;
 use bevy_ecs::schedule::{
     IntoScheduleConfigs, LogLevel, Schedule, ScheduleBuildSettings, SingleThreadedExecutor,
@@ -21,7 +21,8 @@ use bevy_ecs::world::World;
 pub fn new_world(sequence: &Sequence) -> World {
     let mut world = spawn(sequence);
     let LightSetup { ambient, layers } = *world.resource::<LightSetup>();
-    world.insert_resource(Current(Geometry::default()));
+    let SlotCount(slots) = *world.resource::<SlotCount>();
+    world.insert_resource(Current(Geometry::with_slots(slots as usize)));
     world.insert_resource(Current(Shading { ambient, ..Shading::default() }));
     world.insert_resource(Current(Weights(vec![Rgb::ONE; layers])));
     world.insert_resource(Current(None::<Camera>));

@@ -1,6 +1,7 @@
 //! The tree over a scene's primitives and its construction.
 
-use crate::geometry::bvh::{LeafPrimitives, Tree};
+use super::extent::{Extent, Extents};
+use crate::geometry::bvh::{LeafPrimitives, Refitter, Tree};
 use crate::geometry::shape::Shape;
 use crate::scene::{Geometry, Primitive};
 
@@ -14,10 +15,39 @@ pub struct Bvh {
     pub(super) direct: Vec<u32>,
     /// Indices of meshes outside the tree, if there is none. Each has a tree of its own.
     pub(super) meshes: Vec<u32>,
-    /// The largest coordinate of all bounded primitives and of the points of planes.
+    /// The largest coordinate of all bounded primitives and of the points of planes. It depends on the geometry alone,
+    /// not on the tree.
     pub(super) reach: f64,
     /// Whether the geometry is so small that incoherent rays are searched as bundles too.
     pub(super) is_small: bool,
+    /// The revision of the geometry. None before the first build.
+    revision: Option<u64>,
+    /// [`Geometry::replaced`] at this revision.
+    replaced: u64,
+    places: Vec<Place>,
+    extents: Extents,
+    refitter: Refitter,
+    /// Number of primitives that were rewritten since the tree was built.
+    rewritten: usize,
+}
+
+/// What an update did to the tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BvhUpdate {
+    /// Nothing: the primitives are the same.
+    None,
+    Refit,
+    Build,
+}
+
+/// Where the primitive of a slot is tested.
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    /// The slot was empty when the tree was built.
+    Nowhere,
+    /// Without the tree.
+    Direct,
+    Leaf(u32),
 }
 
 /// Below this cost of testing all bounded primitives there is no tree: a search takes longer.
@@ -32,6 +62,14 @@ fn cost(primitive: &Primitive) -> usize {
     }
 }
 
+/// A refitted tree may cost this multiple of the built one. Then it is built again.
+const WORST_GROWTH: f64 = 1.5;
+
+/// After so many changes per primitive, a refitted tree is built again whatever it costs: primitives that were sorted
+/// badly when the tree was built, such as all in one place, stay so while the cost falls. A build takes about as long
+/// as three refits of all primitives, so this adds a fifth.
+const MOST_CHANGES: usize = 16;
+
 impl Bvh {
     /// Builds the tree over `geometry`. The same geometry gives the same tree.
     pub fn build(geometry: &Geometry) -> Self {
@@ -42,29 +80,102 @@ impl Bvh {
                     bounded.push(index);
                     boxes.push(bounds);
                 }
+                None if primitive.is_empty() => {}
                 None => direct.push(index),
             }
         }
-        let (mut tree, mut leaves) = Tree::of_boxes(&boxes);
-        let anchors = geometry.primitives.iter().filter_map(|primitive| match &primitive.shape {
-            Shape::Plane(plane) => Some(plane.point.abs().max_element()),
-            _ => None,
-        });
-        let reach = anchors.fold(tree.space().reach(), f64::max);
         let mut meshes = Vec::new();
+        let (mut tree, mut leaves) = Default::default();
         let costs = bounded.iter().map(|index| cost(&geometry.primitives[*index as usize]));
         if costs.sum::<usize>() < CHEAP {
-            (tree, leaves) = Default::default();
             for index in bounded.drain(..) {
                 let is_mesh = matches!(geometry.primitives[index as usize].shape, Shape::Mesh(_));
                 if is_mesh { meshes.push(index) } else { direct.push(index) }
             }
             direct.sort_unstable();
+        } else {
+            (tree, leaves) = Tree::of_boxes(&boxes);
         }
         leaves.renumber(|primitive| bounded[primitive as usize]);
         let mut shapes = geometry.primitives.iter().map(|primitive| &primitive.shape);
         let is_small = tree.is_small() && !shapes.any(|shape| matches!(shape, Shape::Mesh(_)));
-        Self { tree, leaves, direct, meshes, reach, is_small }
+        let mut places = vec![Place::Nowhere; geometry.primitives.len()];
+        direct.iter().chain(&meshes).for_each(|index| places[*index as usize] = Place::Direct);
+        for leaf in 0..leaves.len() as u32 {
+            leaves.leaf(leaf).iter().for_each(|index| places[*index as usize] = Place::Leaf(leaf));
+        }
+        let extents = Extents::new(&geometry.primitives);
+        let (reach, refitter) = (extents.all().reach(), Refitter::new(&tree, leaves.len()));
+        Self {
+            tree,
+            leaves,
+            direct,
+            meshes,
+            reach,
+            is_small,
+            revision: Some(geometry.revision()),
+            replaced: geometry.replaced(),
+            places,
+            extents,
+            refitter,
+            rewritten: 0,
+        }
+    }
+
+    /// Follows the changes of a geometry: refits the tree, or builds it again if refitting does not suffice. Hits are
+    /// those of [`Bvh::build`].
+    pub fn update(&mut self, geometry: &Geometry) -> BvhUpdate {
+        if self.revision.is_some() && self.replaced == geometry.replaced() {
+            self.revision = Some(geometry.revision());
+            return BvhUpdate::None;
+        }
+        if self.refit(geometry).is_some() {
+            return BvhUpdate::Refit;
+        }
+        *self = Self::build(geometry);
+        BvhUpdate::Build
+    }
+
+    /// Refits the tree. None if it must be built again: then its state has no meaning.
+    fn refit(&mut self, geometry: &Geometry) -> Option<()> {
+        let changes = geometry.changes_since(self.revision?)?;
+        if self.extents.len() != geometry.primitives.len() {
+            return None;
+        }
+        let slots = || changes.iter().map(|slot| *slot as usize);
+        self.extents.update(slots().map(|slot| (slot, Extent::of(&geometry.primitives[slot]))));
+        for slot in slots() {
+            let (bounds, is_empty) = (self.extents.bounds(slot), geometry.primitives[slot].is_empty());
+            match self.places[slot] {
+                Place::Leaf(leaf) if bounds.is_some() || is_empty => {
+                    self.refitter.set_leaf(&mut self.tree, leaf, bounds).then_some(())?;
+                }
+                Place::Direct => {}
+                Place::Nowhere if is_empty => {}
+                Place::Leaf(_) | Place::Nowhere => return None,
+            }
+        }
+        self.refitter.finish(&mut self.tree);
+        let all = self.extents.all();
+        self.reach = all.reach();
+        (self.revision, self.replaced) = (Some(geometry.revision()), geometry.replaced());
+        self.rewritten += changes.len();
+        // In a much larger space, f32 boxes would be too coarse.
+        let same_size = all.space().scale == self.tree.space().scale;
+        (self.tree.is_empty() || same_size && self.is_good()).then_some(())
+    }
+
+    /// Whether a refitted tree is good enough to keep.
+    fn is_good(&self) -> bool {
+        // A comparison with NaN is false.
+        let is_cheap = self.refitter.growth(&self.tree) <= WORST_GROWTH;
+        is_cheap && self.rewritten <= MOST_CHANGES * self.leaves.len()
+    }
+
+    /// The cost of the tree for a ray that hits the box around all: the expected number of visits.
+    #[cfg(test)]
+    pub(super) fn cost(&self) -> f64 {
+        self.refitter.cost(&self.tree)
     }
 
     /// The largest coordinate of all bounded primitives and of the points of planes.

@@ -8,6 +8,7 @@ mod bundle;
 mod bundle_any_hit;
 mod bvh;
 mod closest;
+mod extent;
 mod occlusion;
 mod query;
 mod single;
@@ -16,7 +17,7 @@ mod single_rays;
 mod tests;
 
 pub use super::Hit;
-pub use bvh::Bvh;
+pub use bvh::{Bvh, BvhUpdate};
 pub use closest::{LaneHits, NOTHING};
 pub use occlusion::{Occlusion, TransmissiveFlags};
 pub use query::{Coherence, Stacks};

@@ -1,13 +1,15 @@
 use super::*;
-use crate::appearance::material::MaterialBinding;
+use crate::appearance::material::{Exponent, Highlight, Lobes, Material, MaterialBinding, Medium};
+use crate::appearance::optics::Fresnel;
 use crate::base::lanes::tests::on_all_levels;
 use crate::base::lanes::{Level, Mask, Row, SimdKernel, dispatch, lanes};
 use crate::base::math::{DAffine3, DVec3, Ray};
+use crate::film::LayerId;
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::{
     Cone, Cuboid, Cylinder, Disk, Plane, PreparedRay, RayInterval, Rectangle, Shape, Sphere, Torus, Triangle,
 };
-use crate::scene::{Finish, Geometry};
+use crate::scene::{Digests, Finish, Geometry, Shading};
 use crate::testing::{Random, eight_rays, geometry};
 
 fn random_shape(random: &mut Random) -> Shape {
@@ -95,6 +97,162 @@ fn the_tree_equals_brute_force() {
             }
         }
     }
+}
+
+fn matte() -> Material {
+    Material {
+        lobes: Lobes::default(),
+        textures: Vec::new(),
+        emission_layer: LayerId::CONSTANT,
+        highlight: Highlight::Phong,
+        shininess: Exponent::new(1.0),
+        fresnel: Fresnel::Exact,
+        medium: Medium::EMPTY,
+    }
+}
+
+/// The content of a slot, if it is visible.
+type Content = (Shape, DAffine3, bool);
+
+fn of_contents(contents: &[Content]) -> Geometry {
+    let mut geometry = Geometry::with_slots(contents.len());
+    contents.iter().enumerate().for_each(|(slot, content)| set(&mut geometry, slot, content));
+    geometry
+}
+
+fn set(geometry: &mut Geometry, slot: usize, (shape, at, visible): &Content) {
+    let finish = Finish::Material(MaterialBinding::One(slot as u32 % 3));
+    geometry.set(slot, visible.then_some((shape, *at, finish)));
+}
+
+/// Moves a primitive a little or far away, flattens it, hides it or shows it.
+fn edit((_, at, visible): &mut Content, random: &mut Random) {
+    match (random.unit() * 12.0) as u32 {
+        0 => *visible = !*visible,
+        1 => *at = DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0)),
+        2 => *at = DAffine3::from_translation(random.point(200.0)),
+        3..6 => *at = DAffine3::from_axis_angle(random.direction(), random.unit()),
+        _ => *at = DAffine3::from_translation(random.point(0.5)),
+    }
+}
+
+/// Random edits of single primitives and of all give the geometry, the digest, the extent and the hits of a scene that
+/// is made from scratch.
+#[test]
+fn edits_give_what_a_fresh_scene_gives() {
+    let (mut random, mut builds, mut refits) = (Random(6), 0, 0);
+    let shading = Shading { materials: vec![matte(); 3], ..Shading::default() };
+    for count in [0, 1, 5, 6, 9, 70, 400] {
+        let mut content = || (random_shape(&mut random), DAffine3::IDENTITY, true);
+        let mut contents: Vec<Content> = (0..count).map(|_| content()).collect();
+        if let Some(first) = contents.first_mut() {
+            first.0 = Shape::Plane(Plane { point: DVec3::NEG_Y * 12.0, normal: DVec3::Y });
+        }
+        let (mut geometry, mut bvh) = (of_contents(&contents), Bvh::default());
+        let mut digests = Digests::default();
+        for round in 0..60 {
+            geometry.forget_old_changes();
+            for (slot, content) in contents.iter_mut().enumerate() {
+                if round % 20 == 19 || random.unit() < 3.0 / count as f64 {
+                    edit(content, &mut random);
+                    set(&mut geometry, slot, content);
+                }
+            }
+            let fresh = of_contents(&contents);
+            assert!(geometry == fresh);
+            assert!(geometry.materials().eq(fresh.materials()));
+            // Readers may miss rounds.
+            if random.unit() < 0.2 {
+                continue;
+            }
+            digests.update(&geometry, &shading, false);
+            let mut anew = Digests::default();
+            anew.update(&fresh, &shading, true);
+            assert_eq!(digests.primitives(), anew.primitives());
+            match bvh.update(&geometry) {
+                BvhUpdate::None => {}
+                BvhUpdate::Refit => refits += 1,
+                BvhUpdate::Build => builds += 1,
+            }
+            let expected = Bvh::build(&fresh);
+            assert_eq!(bvh.reach(), expected.reach());
+            for _ in 0..20 {
+                let ray = TraversalRay::new(random_ray(&mut random));
+                assert_eq!(bvh.closest(&geometry, &ray), expected.closest(&fresh, &ray), "{ray:?}");
+                assert_eq!(bvh.closest(&geometry, &ray), brute_force(&geometry, &ray), "{ray:?}");
+                let eight = Eight::new(&mut random);
+                for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+                    let hits = dispatch(Intersect(&bvh, &geometry, &eight, coherence));
+                    assert_eq!(hits, dispatch(Intersect(&expected, &fresh, &eight, coherence)), "{eight:?}");
+                }
+            }
+        }
+    }
+    assert!(builds > 20 && refits > 100, "{builds} builds, {refits} refits");
+}
+
+/// Moves spheres in steps, and returns whether each step built the tree, and the largest ratio of the tree's cost to
+/// that of a tree that is built for the step.
+fn steps(steps: u32, count: u32, place: impl Fn(u32, u32) -> DVec3) -> (Vec<bool>, f64) {
+    let sphere = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 0.1 });
+    let finish = Finish::Material(MaterialBinding::One(0));
+    let (mut geometry, mut bvh, mut worst) = (Geometry::with_slots(count as usize), Bvh::default(), 0.0f64);
+    let step = |step| {
+        geometry.forget_old_changes();
+        for k in 0..count {
+            let at = DAffine3::from_translation(place(step, k));
+            geometry.set(k as usize, Some((&sphere, at, finish)));
+        }
+        let built = bvh.update(&geometry) == BvhUpdate::Build;
+        worst = worst.max(bvh.cost() / Bvh::build(&geometry).cost());
+        built
+    };
+    ((0..steps).map(step).collect(), worst)
+}
+
+/// The number of builds after the first.
+fn rebuilds(built: &[bool]) -> usize {
+    assert!(built[0], "{built:?}");
+    built[1..].iter().filter(|built| **built).count()
+}
+
+/// Objects that swap their places make a tree of wide boxes, so it is built again, but not at every step before.
+#[test]
+fn a_tree_that_gets_worse_is_built_again() {
+    let at = |k: u32| DVec3::new(f64::from(k % 20), f64::from(k / 20), 0.0);
+    let (built, worst) = steps(101, 400, |step, k| at(k).lerp(at(399 - k), f64::from(step) / 100.0));
+    assert!((2..50).contains(&rebuilds(&built)) && worst < 2.0, "{worst} {built:?}");
+}
+
+/// Objects that start in a few places and fly apart leave their boxes wide: with room to fly in, and within a scene
+/// whose extent does not change.
+#[test]
+fn a_tree_whose_objects_fly_apart_is_built_again() {
+    for fixed in [false, true] {
+        for places in [1, 8] {
+            let mut random = Random(9);
+            let starts: Vec<DVec3> = (0..places).map(|_| random.point(20.0)).collect();
+            let ways: Vec<[DVec3; 2]> = (0..400).map(|k| [starts[k % places], random.point(20.0)]).collect();
+            let (built, worst) = steps(100, 400, |step, k| match (fixed, k) {
+                (true, 0) => DVec3::splat(-20.0),
+                (true, 1) => DVec3::splat(20.0),
+                _ => ways[k as usize][0].lerp(ways[k as usize][1], f64::from(step) / 99.0),
+            });
+            let rebuilds = rebuilds(&built);
+            assert!((2..50).contains(&rebuilds) && worst < 2.0, "{fixed} {places}: {worst} {built:?}");
+        }
+    }
+}
+
+/// Objects that move without end let the tree be built again now and then; a single one does not.
+#[test]
+fn a_tree_does_not_grow_old() {
+    let at = |k: u32| DVec3::new(f64::from(k % 20), f64::from(k / 20), 0.0);
+    let sway = |step: u32| DVec3::Z * f64::from(step % 2) * 0.1;
+    let (built, _) = steps(101, 400, |step, k| at(k) + sway(step));
+    assert_eq!(rebuilds(&built), 5, "{built:?}");
+    let (built, _) = steps(101, 400, |step, k| if k == 7 { at(k) + sway(step) } else { at(k) });
+    assert_eq!(rebuilds(&built), 0, "{built:?}");
 }
 
 #[test]

@@ -62,14 +62,20 @@ pub(super) fn sources<'a>(
     if !emitters {
         return lights.collect();
     }
-    let objects = (0..).zip(&scene.geometry.primitives).filter_map(|(index, primitive)| {
+    let shines = |index: u32| {
+        let material = &shading.materials[index as usize];
+        let is_weighted = scene.weights.0[material.emission_layer.index()] != Rgb::ZERO;
+        (is_weighted && material.lobes.emission != Rgb::ZERO).then_some(material.emission_layer)
+    };
+    let some_shine = scene.geometry.materials().any(|index| shines(index).is_some());
+    let finishes = if some_shine { scene.geometry.finishes() } else { &[] };
+    let objects = (0..).zip(finishes).filter_map(|(index, finish)| {
         // Paths find meshes of several materials only by chance: these have no single emission from which to sample
         // points.
-        let Finish::Material(MaterialBinding::One(material)) = primitive.finish else { return None };
-        let material = &shading.materials[material as usize];
-        let weighted = scene.weights.0[material.emission_layer.index()] != Rgb::ZERO;
-        let shines = weighted && material.lobes.emission != Rgb::ZERO && primitive.has_area();
-        shines.then_some((material.emission_layer, SampledEmitter::Object(index)))
+        let &Finish::Material(MaterialBinding::One(material)) = finish else { return None };
+        let layer = shines(material)?;
+        let has_area = scene.geometry.primitives[index as usize].has_area();
+        has_area.then_some((layer, SampledEmitter::Object(index)))
     });
     let sky = environment.zip(shading.sky_table.as_deref());
     let sky = sky.map(|(environment, table)| (environment.layer, SampledEmitter::Sky(table)));

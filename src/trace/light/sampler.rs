@@ -49,8 +49,10 @@ pub struct LightSampler<'a> {
     environment: Option<&'a Environment>,
     groups: Vec<SourceGroup<'a>>,
     requests: Vec<LightRequest>,
-    /// For each primitive, the probability of sampling it, if it is a source.
-    primitives: Vec<Option<f64>>,
+    /// For each light, the probability of sampling it, if it is a source.
+    lights: Vec<Option<f64>>,
+    /// The primitives that emit and are sampled, ascending, each with its probability.
+    objects: Vec<(u32, f64)>,
     sky: Option<(&'a EnvironmentDistribution, f64)>,
 }
 
@@ -63,8 +65,9 @@ impl<'a> LightSampler<'a> {
                 None => groups.push(SourceGroup { layer, members: vec![emitter], distribution: None }),
             }
         }
-        let primitives = vec![None; scene.geometry.primitives.len()];
-        let mut all = Self { scene, environment, groups, requests: Vec::new(), primitives, sky: None };
+        let lights = vec![None; scene.shading.lights.len()];
+        let (requests, objects) = (Vec::new(), Vec::new());
+        let mut all = Self { scene, environment, groups, requests, lights, objects, sky: None };
         all.add_requests(emitters);
         all
     }
@@ -72,7 +75,6 @@ impl<'a> LightSampler<'a> {
     /// Builds the requests and the probabilities of sources. Without `choice`, every light is sampled.
     fn add_requests(&mut self, choice: bool) {
         let scene = self.scene;
-        let mut lights = vec![None; scene.shading.lights.len()];
         for (index, group) in self.groups.iter_mut().enumerate() {
             let first = group.layer.0.wrapping_mul(2 * MAX_SAMPLED as u32);
             let request = |member: Option<usize>, number: u32, is_sampled: bool| LightRequest {
@@ -96,16 +98,24 @@ impl<'a> LightSampler<'a> {
                 let chance =
                     group.distribution.as_ref().map_or(1.0, |distribution| distribution.probabilities[index]);
                 match member {
-                    SampledEmitter::Light(light, _) => lights[*light as usize] = Some(chance),
-                    SampledEmitter::Object(primitive) => self.primitives[*primitive as usize] = Some(chance),
+                    SampledEmitter::Light(light, _) => self.lights[*light as usize] = Some(chance),
+                    SampledEmitter::Object(primitive) => self.objects.push((*primitive, chance)),
                     SampledEmitter::Sky(table) => self.sky = Some((table, chance)),
                 }
             }
         }
-        for (primitive, noted) in scene.geometry.primitives.iter().zip(&mut self.primitives) {
-            if let Finish::Light(light) = primitive.finish {
-                *noted = lights[light as usize];
+        self.objects.sort_unstable_by_key(|(primitive, _)| *primitive);
+    }
+
+    /// The probability of sampling a primitive; none if it is not a source.
+    fn chance(&self, primitive: u32) -> Option<f64> {
+        match self.scene.geometry.finishes()[primitive as usize] {
+            Finish::Light(light) => self.lights[light as usize],
+            Finish::Material(_) => {
+                let place = self.objects.binary_search_by_key(&primitive, |(object, _)| *object).ok()?;
+                Some(self.objects[place].1)
             }
+            Finish::Empty => None,
         }
     }
 
@@ -116,7 +126,9 @@ impl<'a> LightSampler<'a> {
 
     /// Whether a source can be both sampled and hit by chance, so that multiple importance sampling is needed.
     pub fn needs_mis(&self) -> bool {
-        self.sky.is_some() || self.primitives.iter().any(Option::is_some)
+        let mut lights = self.scene.geometry.lights();
+        let is_sampled = |light: u32| self.lights[light as usize].is_some();
+        self.sky.is_some() || !self.objects.is_empty() || lights.any(is_sampled)
     }
 
     /// Whether an object emits light that cannot be sampled.
@@ -126,8 +138,9 @@ impl<'a> LightSampler<'a> {
             let material = &shading.materials[index as usize];
             material.lobes.emission != Rgb::ZERO && weights.0[material.emission_layer.index()] != Rgb::ZERO
         };
-        let mut primitives = geometry.primitives.iter().zip(&self.primitives);
-        primitives.any(|(primitive, sampled)| sampled.is_none() && primitive.materials().any(emits))
+        let mut finishes = (0..).zip(geometry.finishes());
+        geometry.materials().any(emits)
+            && finishes.any(|(index, of)| of.materials().any(emits) && self.chance(index).is_none())
     }
 
     /// Whether the sky is sampled.
@@ -237,7 +250,7 @@ out_of_line! {
             let index = indices[rest.trailing_zeros() as usize];
             let same = primitives.eq(F::U32::splat(index));
             rest &= !same.bits();
-            if let Some(chance) = sampler.primitives[index as usize] {
+            if let Some(chance) = sampler.chance(index) {
                 let primitive = &sampler.scene.geometry.primitives[index as usize];
                 let found = primitive.pdf_from(from, surface) * F::splat(chance);
                 pdf = F::select(same, found, pdf);

@@ -134,7 +134,7 @@ impl WideTree {
 }
 
 impl Node {
-    fn set_box(&mut self, slot: usize, [low, high]: [[f32; 3]; 2]) {
+    pub(super) fn set_box(&mut self, slot: usize, [low, high]: [[f32; 3]; 2]) {
         for (axis, planes) in self.planes.iter_mut().enumerate() {
             (planes[0][slot], planes[1][slot]) = (low[axis], high[axis]);
         }

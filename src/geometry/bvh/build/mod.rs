@@ -8,11 +8,13 @@ mod collapse;
 mod partition;
 mod pieces;
 mod plan;
+mod refit;
 mod split;
 #[cfg(test)]
 mod tests;
 
 pub use pieces::fetch_ahead;
+pub use refit::Refitter;
 
 use super::{LeafPrimitives, Tree, TreeSpace};
 use crate::base::math::{Aabb, DVec3};

@@ -1,0 +1,125 @@
+//! Refits trees: moves the boxes of leaves, and widens or narrows those above them. The tree keeps its shape.
+
+use super::bounds::Bounds;
+use crate::base::math::{Aabb, DVec3};
+use crate::geometry::bvh::Tree;
+use crate::geometry::bvh::tree::{Child, Node};
+
+/// Where the boxes of a tree are, and what they cost.
+#[derive(Clone, Debug, Default)]
+pub struct Refitter {
+    /// For each node, and for each leaf, the place of its box.
+    nodes: Vec<BoxPlace>,
+    leaves: Vec<BoxPlace>,
+    /// A bit for each node that holds a box that has changed.
+    dirty: Vec<u64>,
+    /// The sum of the half areas of all boxes below the root.
+    area: f64,
+    /// [`Refitter::cost`] when the tree was built.
+    built: f64,
+}
+
+/// The place of a box: the index of a node, times 8, plus the number of the child.
+#[derive(Clone, Copy, Debug)]
+struct BoxPlace(u32);
+
+impl BoxPlace {
+    /// The root has no box.
+    const NONE: Self = Self(u32::MAX);
+
+    fn node(self) -> usize {
+        self.0 as usize / 8
+    }
+
+    fn child(self) -> usize {
+        self.0 as usize % 8
+    }
+}
+
+/// The corners of a box without content. No ray hits it.
+const EMPTY: [[f32; 3]; 2] = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+
+impl Refitter {
+    /// For a tree whose nodes and leaves have been built.
+    pub fn new(tree: &Tree, leaves: usize) -> Self {
+        let mut refitter = Self {
+            nodes: vec![BoxPlace::NONE; tree.nodes.len()],
+            leaves: vec![BoxPlace::NONE; leaves],
+            dirty: vec![0; tree.nodes.len().div_ceil(64)],
+            area: 0.0,
+            built: 0.0,
+        };
+        for (index, node) in (0..).zip(&tree.nodes) {
+            for (slot, child) in (0..).zip(node.children).filter(|(_, child)| *child != Child::NONE) {
+                let place = BoxPlace(8 * index + slot);
+                match child.as_leaf() {
+                    Some(leaf) => refitter.leaves[leaf as usize] = place,
+                    None => refitter.nodes[child.0 as usize] = place,
+                }
+                refitter.area += half_area(node.box_of(slot as usize));
+            }
+        }
+        refitter.built = refitter.cost(tree);
+        refitter
+    }
+
+    /// Sets the box around the content of a leaf; none if the leaf is empty now. Returns false if the box does not lie
+    /// in the tree's space, so that the tree has to be built again. Call [`Refitter::finish`] after the last leaf.
+    pub fn set_leaf(&mut self, tree: &mut Tree, leaf: u32, bounds: Option<Aabb>) -> bool {
+        let corners = bounds.map_or(EMPTY, |bounds| Bounds::new(tree.space.outward(bounds)).corners());
+        let [low, high] = corners;
+        let fits =
+            bounds.is_none() || low.iter().all(|low| *low >= -1.0) && high.iter().all(|high| *high <= 1.0);
+        if fits {
+            self.set(tree, self.leaves[leaf as usize], corners);
+        }
+        fits
+    }
+
+    fn set(&mut self, tree: &mut Tree, place: BoxPlace, corners: [[f32; 3]; 2]) {
+        let node = &mut tree.nodes[place.node()];
+        let before = node.box_of(place.child());
+        if before != corners {
+            node.set_box(place.child(), corners);
+            self.area += half_area(corners) - half_area(before);
+            self.dirty[place.node() / 64] |= 1 << (place.node() % 64);
+        }
+    }
+
+    /// Updates the boxes above the leaves that were set, from the bottom up: children follow their parents.
+    pub fn finish(&mut self, tree: &mut Tree) {
+        for word in (0..self.dirty.len()).rev() {
+            while let Some(bit) = self.dirty[word].checked_ilog2() {
+                self.dirty[word] ^= 1 << bit;
+                let node = 64 * word + bit as usize;
+                let corners = tree.nodes[node].corners();
+                match node {
+                    0 => tree.bounds = corners.map(|corner| DVec3::from_array(corner.map(f64::from))),
+                    _ => self.set(tree, self.nodes[node], corners),
+                }
+            }
+        }
+    }
+
+    /// The cost of the tree for a ray, as a multiple of its cost when it was built (surface area heuristic).
+    pub fn growth(&self, tree: &Tree) -> f64 {
+        self.cost(tree) / self.built
+    }
+
+    /// The expected number of nodes and leaves that a ray visits if it hits the box around all.
+    pub fn cost(&self, tree: &Tree) -> f64 {
+        1.0 + self.area / tree.nodes.first().map_or(1.0, |root| half_area(root.corners()))
+    }
+}
+
+/// Half the surface area of a box; 0 for an empty one.
+fn half_area(corners: [[f32; 3]; 2]) -> f64 {
+    if corners == EMPTY { 0.0 } else { f64::from(Bounds::new(corners).half_area()) }
+}
+
+impl Node {
+    /// The corners of a child's box.
+    fn box_of(&self, slot: usize) -> [[f32; 3]; 2] {
+        [0, 1].map(|side: usize| self.planes.map(|planes| planes[side][slot]))
+    }
+}
