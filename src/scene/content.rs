@@ -6,9 +6,11 @@ use crate::appearance::fog::Fog;
 use crate::appearance::light::Light;
 use crate::appearance::light_groups::GroupRadiance;
 use crate::appearance::material::{Material, MaterialBinding, TextureSlot};
+use crate::appearance::texture::DataSource;
 use crate::base::color::Rgb;
 use crate::base::digest::{Content, Digest, Digester};
 use crate::film::LayerId;
+use crate::geometry::mesh::ArrayKey;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Digests of the parts of a scene that take long to hash. Each is computed again only when its part has changed.
@@ -22,6 +24,8 @@ pub struct Digests {
     /// The textured materials, and a digest of the shapes' own spaces where these are visible. Only textures read the
     /// own spaces.
     origins: Option<(Vec<u32>, Digest)>,
+    /// The data of meshes that visible textures read, if they read any.
+    arrays: Option<Digest>,
     shading: Digest,
     shown: Option<Shown>,
 }
@@ -75,6 +79,7 @@ impl Digests {
     pub fn shading(&mut self, geometry: &Geometry, shading: &Shading) {
         self.shown = None;
         self.note_origins(geometry, shading);
+        self.note_arrays(geometry, shading);
         let parts = EffectiveShading::of(&self.used, shading, |_| true);
         let mut digester = Digester::new();
         parts.feed(&|layer| layer, &|index, _| Some(index), &mut digester);
@@ -93,7 +98,24 @@ impl Digests {
         }
     }
 
+    fn note_arrays(&mut self, geometry: &Geometry, shading: &Shading) {
+        let mut keys: HashMap<u32, Vec<&ArrayKey>> = HashMap::new();
+        for &index in &self.used {
+            for (_, texture) in &shading.materials[index as usize].textures {
+                texture.each_data(&mut |data| {
+                    if let DataSource::Array(key) = &data.source {
+                        keys.entry(index).or_default().push(key);
+                    }
+                });
+            }
+        }
+        self.arrays = (!keys.is_empty()).then(|| geometry.arrays(&keys));
+    }
+
     fn feed_origins(&self, digester: &mut Digester) {
+        if let Some(arrays) = &self.arrays {
+            arrays.feed(digester);
+        }
         let (painted, origins) = self.origins.clone().unwrap_or_default();
         (!painted.is_empty()).then_some(origins).feed(digester);
     }
