@@ -95,6 +95,11 @@ pub fn stl(bytes: &[u8]) {
     built(import::stl::read(bytes, bytes.len() as u64));
 }
 
+/// A VTK file, legacy or XML.
+pub fn vtk(bytes: &[u8]) {
+    built(import::vtk::read(bytes));
+}
+
 fn built(parts: Result<mesh::MeshData, mesh::MeshError>) {
     match parts.and_then(TriangleMesh::new) {
         Ok(mesh) => assert!(!mesh.smooth_normals().is_empty()),

@@ -1,6 +1,6 @@
 //! Mesh files → [`TriangleMesh`].
 
-use super::{LoadProgress, obj, ply, stl};
+use super::{LoadProgress, obj, ply, stl, vtk};
 use crate::base::escape;
 use crate::base::files::{self, Root};
 use crate::base::machine;
@@ -28,7 +28,7 @@ pub fn known_format(path: &Path) -> Result<(), MeshError> {
     Format::of(path).map(|_| ())
 }
 
-/// Reads the mesh in an OBJ, PLY or STL file, by its extension. Its material libraries must be in `root`.
+/// Reads the mesh in an OBJ, PLY, STL or VTK file, by its extension. Its material libraries must be in `root`.
 pub fn load(path: &Path, root: &Root, meter: &LoadProgress) -> Result<TriangleMesh, MeshError> {
     let name = escape::path(path.file_name().unwrap_or(path.as_os_str()));
     let parts = read(path, root, &name, meter)?;
@@ -43,10 +43,15 @@ fn read(path: &Path, root: &Root, name: &str, meter: &LoadProgress) -> Result<Me
     // The mesh in memory takes about as much as the file, or more.
     machine::check_memory(size)?;
     meter.start(format!("loading {name}"), size);
-    let input = BufReader::with_capacity(BUFFER_SIZE, MeteredRead { input: file.take(size), meter });
+    let mut input = BufReader::with_capacity(BUFFER_SIZE, MeteredRead { input: file.take(size), meter });
     match format {
         Format::Ply => ply::read_sized(input, size),
         Format::Stl => stl::read(input, size),
+        Format::Vtk => {
+            let mut bytes = Vec::with_capacity(size as usize);
+            input.read_to_end(&mut bytes)?;
+            vtk::read(&bytes)
+        }
         Format::Obj => {
             let folder = path.parent().unwrap_or(Path::new(""));
             let libraries = Libraries { folder, root, read: RefCell::default() };
@@ -63,6 +68,7 @@ enum Format {
     Obj,
     Ply,
     Stl,
+    Vtk,
 }
 
 impl Format {
@@ -71,7 +77,8 @@ impl Format {
             Some(extension) if extension == "obj" => Ok(Self::Obj),
             Some(extension) if extension == "ply" => Ok(Self::Ply),
             Some(extension) if extension == "stl" => Ok(Self::Stl),
-            _ => Err(MeshError::new("meshes are read from .obj, .ply and .stl files")),
+            Some(extension) if ["vtk", "vtp", "vtu"].iter().any(|known| extension == *known) => Ok(Self::Vtk),
+            _ => Err(MeshError::new("meshes are read from .obj, .ply, .stl, .vtk, .vtp and .vtu files")),
         }
     }
 }
@@ -132,7 +139,7 @@ mod tests {
         let meter = LoadProgress::default();
         let fault =
             |name: &str| load(name.as_ref(), &Root::anywhere(), &meter).expect_err("a fault").to_string();
-        assert_eq!(fault("mesh.3ds"), "meshes are read from .obj, .ply and .stl files");
+        assert_eq!(fault("mesh.3ds"), "meshes are read from .obj, .ply, .stl, .vtk, .vtp and .vtu files");
         assert_eq!(fault("no/such/file.obj"), "there is no such file");
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("SPHERE.PLY");

@@ -1,6 +1,6 @@
 //! Readers of files that other programs write: meshes and their materials.
 //!
-//! In: OBJ, MTL, PLY and STL files.
+//! In: OBJ, MTL, PLY, STL and VTK files.
 //! Out: meshes of `geometry`.
 //! May use: `base`, `geometry`, `appearance`.
 
@@ -11,6 +11,7 @@ pub mod mtl;
 pub mod obj;
 pub mod ply;
 pub mod stl;
+pub mod vtk;
 
 pub use load::{known_format, load};
 pub use progress::LoadProgress;

@@ -7,9 +7,12 @@ use crate::appearance::fog::Fog;
 use crate::appearance::light::Light;
 use crate::appearance::light_groups::GroupRadiance;
 use crate::appearance::material::{Material, MaterialBinding, TextureSlot};
+use crate::appearance::texture::DataSource;
 use crate::base::color::Rgb;
 use crate::base::digest::{Content, Digest, Digester};
 use crate::film::LayerId;
+use crate::geometry::mesh::ArrayKey;
+use crate::geometry::shape::Shape;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 
@@ -38,7 +41,9 @@ pub struct Digests {
     /// For each material, whether it is visible and textured; and a tree over the own spaces of the shapes that show
     /// these materials. Only textures read the own spaces.
     origins: Option<(Vec<bool>, HashTree)>,
-    /// Digest of materials and emitters, without `origins`.
+    /// The data of meshes that visible textures read, if they read any.
+    arrays: Option<Digest>,
+    /// Digest of materials and emitters, without `origins` and `arrays`.
     effective: Digest,
     shown: Option<Shown>,
 }
@@ -71,6 +76,10 @@ impl Digests {
         if regrouped || shading_changed {
             self.shown = None;
             self.shading(geometry, shading, regrouped);
+        }
+        let is_mesh = |slot: &u32| matches!(geometry.primitives[*slot as usize].shape, Shape::Mesh(_));
+        if regrouped || shading_changed || self.arrays.is_some() && changed.iter().any(is_mesh) {
+            self.note_arrays(geometry, shading);
         }
         if !regrouped && !changed.is_empty() {
             let visible = changed.iter().map(|slot| *slot as usize);
@@ -152,8 +161,28 @@ impl Digests {
         }
     }
 
+    /// Hashes the data of meshes that visible textures read.
+    fn note_arrays(&mut self, geometry: &Geometry, shading: &Shading) {
+        let mut keys: HashMap<u32, Vec<&ArrayKey>> = HashMap::new();
+        for &index in &self.used {
+            for (_, texture) in &shading.materials[index as usize].textures {
+                texture.each_data(&mut |data| {
+                    if let DataSource::Array(key) = &data.source {
+                        keys.entry(index).or_default().push(key);
+                    }
+                });
+            }
+        }
+        self.arrays = (!keys.is_empty()).then(|| geometry.arrays(&keys));
+    }
+
+    /// What textures read besides points: the own spaces of shapes, and data.
     fn origins(&self) -> Option<Digest> {
-        self.origins.as_ref().map(|(_, tree)| tree.root())
+        let origins = self.origins.as_ref().map(|(_, tree)| tree.root());
+        match self.arrays {
+            Some(arrays) => Some(Digest::of(&(arrays, origins))),
+            None => origins,
+        }
     }
 
     /// The digest of the primitives, over which the tree is built.

@@ -5,9 +5,11 @@ use super::journal::Journal;
 use super::primitive::{Finish, Primitive, abs, inverse};
 use super::surfaces::SurfaceTable;
 use crate::appearance::texture::{Footprint, TextureEvalContext};
-use crate::base::digest::Content;
+use crate::base::digest::{Content, Digest};
 use crate::base::math::{DAffine3, DVec2, DVec3};
+use crate::geometry::mesh::ArrayKey;
 use crate::geometry::shape::{Shape, Surface};
+use std::collections::HashMap;
 
 /// The primitives in the order of the file, each in a slot of its own. The slot of a hidden or flattened object is
 /// empty, so the index of a primitive never changes.
@@ -173,8 +175,25 @@ impl Geometry {
         &self.origins[slot]
     }
 
+    /// The digest of the meshes' data of these keys, by the materials that read it.
+    pub fn arrays(&self, keys: &HashMap<u32, Vec<&ArrayKey>>) -> Digest {
+        let mut digests = Vec::new();
+        for (primitive, Origin { shape, .. }) in self.primitives.iter().zip(&self.origins) {
+            let Shape::Mesh(mesh) = shape else { continue };
+            let read = primitive.materials().filter_map(|material| keys.get(&material)).flatten();
+            digests.extend(read.map(|key| mesh.mesh.array_digest(key)));
+        }
+        Digest::of(&digests)
+    }
+
     /// The evaluation context of textures at a hit. `printed` states whether textures need the footprint in u and v.
-    pub fn spot(&self, hit: &Hit, surface: &Surface, seen: &Footprint, printed: bool) -> TextureEvalContext {
+    pub fn spot(
+        &self,
+        hit: &Hit,
+        surface: &Surface,
+        seen: &Footprint,
+        printed: bool,
+    ) -> TextureEvalContext<'_> {
         let Origin { shape, to_object } = &self.origins[hit.primitive as usize];
         let point = to_object.transform_point3(surface.point);
         let error = abs(to_object).transform_vector3(surface.error);
@@ -190,6 +209,8 @@ impl Geometry {
             color,
             footprint: seen,
             footprint_uv: seen_uv,
+            shape: Some(shape),
+            part: hit.at.part,
         }
     }
 }

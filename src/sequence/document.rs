@@ -3,6 +3,7 @@
 use super::camera::{camera, default_camera};
 use super::check::{self, report_blind_cameras};
 use super::colors::color;
+use super::data_ranges;
 use super::environment::environment;
 use super::fault::Fault;
 use super::fields::Fields;
@@ -173,7 +174,10 @@ fn scene(
     let (default, materials, objects) =
         (default?, materials?.unwrap_or_default(), objects?.unwrap_or_default());
     transforms.extend(objects.iter().map(|(draft, _)| draft.value.place.clone()));
-    Some(assembled(&default, &materials, objects))
+    let places: Vec<_> = objects.iter().map(|(draft, _)| draft.value.material_place.clone()).collect();
+    let (mut materials, objects) = assembled(&default, &materials, objects);
+    data_ranges::resolve(fields.node().file, &mut materials, &objects, &places);
+    Some((materials, objects))
 }
 
 type Placed = (Named<ObjectDraft>, Option<Parent>);

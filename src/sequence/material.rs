@@ -17,12 +17,13 @@ use crate::track::Animated;
 /// A word for a kind of material, and its decoder.
 type Kind<'s> = (&'static str, fn(Node<'s>) -> Option<MaterialDescription>);
 
-fn kinds<'s>() -> [Kind<'s>; 4] {
+fn kinds<'s>() -> [Kind<'s>; 5] {
     [
         ("Lambertian", lambertian),
         ("Metal", metal),
         ("Dielectric", dielectric),
         ("MetallicRoughness", metallic_roughness),
+        ("Unlit", unlit),
     ]
 }
 
@@ -206,6 +207,18 @@ fn metallic_roughness(node: Node<'_>) -> Option<MaterialDescription> {
         ambient: dark(ambient),
         emission: dark(emission),
         ior: ior?,
+        ..MaterialDescription::bare()
+    })
+}
+
+/// A surface that shows its colour whatever the light.
+fn unlit(node: Node<'_>) -> Option<MaterialDescription> {
+    let mut fields = Fields::of(node, "`Unlit`")?;
+    let color = fields.or("color", paint, Rgb::ONE);
+    fields.finish();
+    Some(MaterialDescription {
+        color: Some(color?),
+        emission: LobeDescription::of_strength(1.0),
         ..MaterialDescription::bare()
     })
 }

@@ -8,6 +8,8 @@ mod about;
 mod camera;
 mod check;
 mod colors;
+mod data;
+mod data_ranges;
 mod decimal;
 mod document;
 mod easing;

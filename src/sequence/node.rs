@@ -59,7 +59,7 @@ impl<'s> File<'s> {
         self.faults.borrow_mut().push(fault);
     }
 
-    /// Warns about outdated notation at a byte of the source.
+    /// Notes something about a byte of the source that is worth knowing, such as outdated notation.
     pub fn warn(&self, at: usize, warning: String) {
         self.warnings.borrow_mut().push((at, warning));
     }

@@ -26,6 +26,8 @@ pub struct ObjectDraft {
     pub transform: TransformTracks,
     pub visible: Animated<bool>,
     pub place: TransformPlace,
+    /// The place of the field `material`.
+    pub material_place: Range<usize>,
 }
 
 /// The source of an object's material.
@@ -60,6 +62,7 @@ pub fn object(
         }
         Some(shape)
     });
+    let material_place = fields.place("material");
     let material = fields.or("material", |node| material_source(node, materials), MaterialSource::Default);
     let material = match (&shape, material) {
         (Some(Shape::Mesh(mesh)), Some(MaterialSource::Default)) => mesh_source(node, place, mesh),
@@ -80,6 +83,7 @@ pub fn object(
             transform: transform?,
             visible: visible?,
             place: placed,
+            material_place,
         })
     };
     (draft(), parent.flatten())

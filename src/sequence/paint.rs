@@ -1,6 +1,7 @@
-//! Decodes paint: a colour, an image, or a pattern of two paints.
+//! Decodes paint: a colour, an image, data, or a pattern of two paints.
 
 use super::colors::{color, color_or};
+use super::data::scalar;
 use super::fields::Fields;
 use super::image::image;
 use super::keys::keyed;
@@ -26,6 +27,7 @@ pub fn paint(node: Node<'_>) -> Option<TextureTracks> {
     let table: &Variants<'_, TextureTracks> = &[
         ("Image", image_paint),
         ("VertexColor", vertex_color),
+        ("Scalar", scalar),
         ("Checker", |node| pattern(node, "`Checker`", |_| Some(Pattern::Checker))),
         ("Stripes", |node| pattern(node, "`Stripes`", |_| Some(Pattern::Stripes))),
         ("Waves", |node| pattern(node, "`Waves`", |_| Some(Pattern::Waves))),

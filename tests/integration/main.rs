@@ -44,6 +44,7 @@ mod accuracy;
 mod stratification;
 mod time_limits;
 mod watertight;
+mod data;
 mod mesh_materials;
 mod meshes;
 mod shipped;

@@ -64,7 +64,7 @@ pub struct Medium {
 
 impl Material {
     /// The lobes at a point of the surface.
-    pub fn lobes_at(&self, context: &TextureEvalContext) -> Lobes {
+    pub fn lobes_at(&self, context: &TextureEvalContext<'_>) -> Lobes {
         let mut lobes = self.lobes;
         let mut coverage = 1.0;
         for (slots, texture) in &self.textures {

@@ -3,7 +3,7 @@
 use super::{Exponent, Highlight, Lobes, Material, Medium, TextureSlot};
 use crate::appearance::light_groups::GroupWeight;
 use crate::appearance::optics::Fresnel;
-use crate::appearance::texture::{Texture, TextureTracks};
+use crate::appearance::texture::{DataTexture, Texture, TextureTracks};
 use crate::base::color::Rgb;
 use crate::base::time::Time;
 use crate::film::LayerId;
@@ -143,6 +143,19 @@ impl MaterialTracks {
             || numbers.into_iter().any(Animated::is_keyed)
             || base.is_keyed()
             || absorption.is_keyed()
+    }
+
+    /// Calls `visit` with every texture that shows data.
+    pub fn each_data(&mut self, visit: &mut impl FnMut(&mut DataTexture)) {
+        let Self { emission, ambient, diffuse, specular, mirror, transparency, refraction, .. } = self;
+        let lobes = [emission, ambient, diffuse, specular, mirror, transparency, refraction];
+        lobes.into_iter().for_each(|lobe| lobe.tint.each_data(visit));
+        self.base.each_data(visit);
+        for level in [&mut self.fuzz, &mut self.metallic, &mut self.roughness] {
+            if let ScalarTextureTracks::Textured(texture) = level {
+                texture.each_data(visit);
+            }
+        }
     }
 
     /// The medium inside the surface. Refraction needs all of it, the metallic-roughness lobe only the index of

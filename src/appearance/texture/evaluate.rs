@@ -1,16 +1,18 @@
 //! Textures at one moment, and their evaluation at points of surfaces.
 
 use super::{
-    Footprint, Image, Pattern, SharedAsset, SurfaceWrap, Texel, TextureFilter, TextureMapping, TextureSpace,
-    Wrap,
+    DataTexture, Footprint, Image, Pattern, SharedAsset, SurfaceWrap, Texel, TextureFilter, TextureMapping,
+    TextureSpace, Wrap,
 };
 use crate::base::color::Rgb;
 use crate::base::digest::Content;
 use crate::base::math::{DVec2, DVec3};
+use crate::geometry::mesh::ArrayKey;
+use crate::geometry::shape::Shape;
 
 /// A point of a surface, with all that textures read there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TextureEvalContext {
+pub struct TextureEvalContext<'a> {
     /// The u and v of the surface.
     pub uv: DVec2,
     /// Whether the surface ends at 0 and 1 of u, and of v.
@@ -24,6 +26,19 @@ pub struct TextureEvalContext {
     /// The footprint of the pixel, in the object's space, and in u and v for uv-mapped patterns.
     pub footprint: Footprint,
     pub footprint_uv: Footprint,
+    /// The shape, and the part of it that was hit.
+    pub shape: Option<&'a Shape>,
+    pub part: u32,
+}
+
+impl TextureEvalContext<'_> {
+    /// A number of a mesh's data.
+    pub fn array(&self, key: &ArrayKey) -> Option<f64> {
+        match self.shape {
+            Some(Shape::Mesh(mesh)) => mesh.array_at(key, self.point, self.part),
+            _ => None,
+        }
+    }
 }
 
 /// The relative error bound of u and v. A few operations compute them from a point whose error is far smaller, and an
@@ -35,6 +50,7 @@ const UV_ERROR: f64 = 1e-12;
 pub enum Texture {
     Color(Rgb),
     VertexColor,
+    Data(Box<DataTexture>),
     Image(ImageTexture),
     Pattern(Box<PatternTexture>),
 }
@@ -84,10 +100,11 @@ impl From<Rgb> for Texture {
 
 impl Texture {
     /// Evaluates the texture at a point: a linear colour without negative channels, and alpha.
-    pub fn at(&self, context: &TextureEvalContext) -> Texel {
+    pub fn at(&self, context: &TextureEvalContext<'_>) -> Texel {
         match self {
             Self::Color(color) => Texel::opaque(*color),
             Self::VertexColor => Texel::opaque(context.color),
+            Self::Data(texture) => Texel::opaque(texture.at(context)),
             Self::Image(texture) => texture.at(context),
             Self::Pattern(texture) => texture.at(context),
         }
@@ -96,7 +113,7 @@ impl Texture {
     /// Whether any part may have alpha below 1.
     pub fn has_alpha(&self) -> bool {
         match self {
-            Self::Color(_) | Self::VertexColor => false,
+            Self::Color(_) | Self::VertexColor | Self::Data(_) => false,
             Self::Image(texture) => texture.alpha && texture.image.has_alpha(),
             Self::Pattern(texture) => texture.first.has_alpha() || texture.second.has_alpha(),
         }
@@ -105,7 +122,7 @@ impl Texture {
     /// The same texture without alpha.
     pub fn opaque(self) -> Self {
         match self {
-            Self::Color(_) | Self::VertexColor => self,
+            Self::Color(_) | Self::VertexColor | Self::Data(_) => self,
             Self::Image(texture) => Self::Image(ImageTexture { alpha: false, ..texture }),
             Self::Pattern(texture) => {
                 let PatternTexture { first, second, .. } = *texture;
@@ -118,11 +135,23 @@ impl Texture {
     /// Whether any pattern is mapped by u and v.
     pub fn is_uv_mapped(&self) -> bool {
         match self {
-            Self::Color(_) | Self::VertexColor | Self::Image(_) => false,
+            Self::Color(_) | Self::VertexColor | Self::Data(_) | Self::Image(_) => false,
             Self::Pattern(texture) => {
                 texture.space == TextureSpace::Uv
                     || texture.first.is_uv_mapped()
                     || texture.second.is_uv_mapped()
+            }
+        }
+    }
+
+    /// Calls `visit` with every part that shows data.
+    pub fn each_data<'t>(&'t self, visit: &mut impl FnMut(&'t DataTexture)) {
+        match self {
+            Self::Color(_) | Self::VertexColor | Self::Image(_) => {}
+            Self::Data(texture) => visit(texture),
+            Self::Pattern(texture) => {
+                texture.first.each_data(visit);
+                texture.second.each_data(visit);
             }
         }
     }
@@ -134,7 +163,7 @@ impl Texture {
 }
 
 impl ImageTexture {
-    pub fn at(&self, context: &TextureEvalContext) -> Texel {
+    pub fn at(&self, context: &TextureEvalContext<'_>) -> Texel {
         let (at, _) = self.mapping.local(context.uv.extend(0.0), DVec3::ZERO);
         let axes = match self.wrap {
             Some(wrap) => [wrap.into(); 2],
@@ -160,7 +189,7 @@ impl ImageTexture {
 }
 
 impl PatternTexture {
-    pub fn at(&self, context: &TextureEvalContext) -> Texel {
+    pub fn at(&self, context: &TextureEvalContext<'_>) -> Texel {
         let (point, error, seen) = match self.space {
             TextureSpace::Object => (context.point, context.error, &context.footprint),
             TextureSpace::Uv => (

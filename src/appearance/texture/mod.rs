@@ -1,5 +1,7 @@
-//! Textures: colours that vary over a surface, from images, patterns and vertices.
+//! Textures: colours that vary over a surface, from images, patterns, vertices and data.
 
+pub mod color_map;
+mod data;
 mod decode;
 mod error;
 mod footprint;
@@ -15,6 +17,8 @@ mod tracks;
 mod wrap;
 
 pub use asset::SharedAsset;
+pub use color_map::{ColorMap, NamedMap};
+pub use data::{DataScale, DataSource, DataTexture};
 pub use decode::ColorEncoding;
 pub use error::ImageError;
 pub use evaluate::{ColorChannel, ImageTexture, PatternTexture, Texture, TextureEvalContext};

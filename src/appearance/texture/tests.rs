@@ -6,7 +6,7 @@ use crate::base::math::{DVec2, DVec3};
 use crate::base::time::Time;
 use crate::track::{Animated, Ease, Key, Repeat, Track};
 
-fn context(x: f64, y: f64, z: f64) -> TextureEvalContext {
+fn context(x: f64, y: f64, z: f64) -> TextureEvalContext<'static> {
     let (uv, point) = (DVec2::new(x, y), DVec3::new(x, y, z));
     TextureEvalContext {
         uv,

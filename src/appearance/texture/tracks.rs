@@ -1,7 +1,9 @@
 //! Textures over time.
 
 use super::evaluate::{ColorChannel, ImageTexture, PatternTexture, Texture};
-use super::{Image, Pattern, SharedAsset, TextureFilter, TextureMappingTracks, TextureSpace, Wrap};
+use super::{
+    DataTexture, Image, Pattern, SharedAsset, TextureFilter, TextureMappingTracks, TextureSpace, Wrap,
+};
 use crate::base::color::Rgb;
 use crate::base::time::Time;
 use crate::track::Animated;
@@ -11,6 +13,8 @@ use crate::track::Animated;
 pub enum TextureTracks {
     Color(Animated<Rgb>),
     VertexColor,
+    /// Data has no keys.
+    Data(Box<DataTexture>),
     Image(Box<ImageTextureTracks>),
     Pattern(Box<PatternTextureTracks>),
 }
@@ -57,6 +61,7 @@ impl TextureTracks {
             // An easing may overshoot below 0. Reflectance must not be negative.
             Self::Color(color) => Texture::Color(color.at(time).max(Rgb::ZERO)),
             Self::VertexColor => Texture::VertexColor,
+            Self::Data(texture) => Texture::Data(texture.clone()),
             Self::Image(tracks) => {
                 let texture = tracks.at(time);
                 texture.constant().map_or_else(|| Texture::Image(texture), Texture::Color)
@@ -76,7 +81,7 @@ impl TextureTracks {
     pub fn is_keyed(&self) -> bool {
         match self {
             Self::Color(color) => color.is_keyed(),
-            Self::VertexColor => false,
+            Self::VertexColor | Self::Data(_) => false,
             Self::Image(tracks) => {
                 let ImageTextureTracks { tint, mapping, image: _, wrap: _, filter: _, channel: _, alpha: _ } =
                     &**tracks;
@@ -89,10 +94,22 @@ impl TextureTracks {
         }
     }
 
+    /// Calls `visit` with every part that shows data.
+    pub fn each_data(&mut self, visit: &mut impl FnMut(&mut DataTexture)) {
+        match self {
+            Self::Color(_) | Self::VertexColor | Self::Image(_) => {}
+            Self::Data(texture) => visit(texture),
+            Self::Pattern(tracks) => {
+                tracks.first.each_data(visit);
+                tracks.second.each_data(visit);
+            }
+        }
+    }
+
     /// Whether any part may have alpha below 1 at any time.
     pub fn has_alpha(&self) -> bool {
         match self {
-            Self::Color(_) | Self::VertexColor => false,
+            Self::Color(_) | Self::VertexColor | Self::Data(_) => false,
             Self::Image(tracks) => tracks.alpha && tracks.image.has_alpha(),
             Self::Pattern(tracks) => tracks.first.has_alpha() || tracks.second.has_alpha(),
         }

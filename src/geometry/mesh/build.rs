@@ -1,5 +1,6 @@
 //! Builds a [`TriangleMesh`] from [`MeshData`]: checks it, removes triangles without area, and builds the tree.
 
+use super::arrays::{Centering, DataArrays};
 use super::corners::{FEW, retain};
 use super::{MeshData, MeshError, MeshLocation, Packet, TriangleMesh};
 use crate::base::digest::{Content, Digest, Digester};
@@ -37,6 +38,7 @@ impl TriangleMesh {
             normals.change(unit);
         }
         let ((tree, packets), digest) = rayon::join(|| tree(&data, bounds), || digest(&data));
+        let arrays = DataArrays::new(std::mem::take(&mut data.arrays));
         let exact = first(&data.positions, |position| !tree.space().is_exact(*position)).is_none();
         Ok(Self {
             tree,
@@ -45,6 +47,7 @@ impl TriangleMesh {
             bounds,
             skipped,
             data,
+            arrays,
             digest,
             smooth: OnceLock::new(),
             areas: OnceLock::new(),
@@ -63,9 +66,9 @@ fn tree(data: &MeshData, bounds: Aabb) -> (Tree, Vec<Packet>) {
     (tree, packets)
 }
 
-/// The digest of everything except materials.
+/// The digest of everything except materials and data arrays.
 fn digest(data: &MeshData) -> Digest {
-    let MeshData { positions, triangles, normals, uvs, colors, slots, materials: _ } = data;
+    let MeshData { positions, triangles, normals, uvs, colors, slots, materials: _, arrays: _ } = data;
     let mut digester = Digester::new();
     (positions, triangles, colors).feed(&mut digester);
     (normals, uvs, slots).feed(&mut digester);
@@ -90,7 +93,7 @@ fn fetch_leaves(leaves: &LeafPrimitives, now: u32, data: &MeshData) {
 }
 
 fn check(data: &MeshData) -> Result<(), MeshError> {
-    let MeshData { positions, triangles, colors, slots, .. } = data;
+    let MeshData { positions, triangles, colors, slots, arrays, .. } = data;
     if triangles.len() > MOST_TRIANGLES {
         return Err(MeshError::new(format!("it has more than {MOST_TRIANGLES} triangles")));
     }
@@ -106,6 +109,17 @@ fn check(data: &MeshData) -> Result<(), MeshError> {
     let fits = |len: usize, expected: usize| len == 0 || len == expected;
     if !fits(colors.len(), positions.len()) || !fits(slots.len(), triangles.len()) {
         return Err(MeshError::new("it needs a colour for every vertex, and a slot for every triangle"));
+    }
+    for array in arrays {
+        let entries = match array.centering {
+            Centering::Points => positions.len(),
+            Centering::Cells => triangles.len(),
+        };
+        if array.components == 0 || array.values.len() != entries.saturating_mul(array.components) {
+            let why =
+                format!("its data {:?} needs {entries} entries, and has {}", array.name, array.entries());
+            return Err(MeshError::new(why));
+        }
     }
     Ok(())
 }
@@ -186,6 +200,7 @@ fn drop_triangles(data: &mut MeshData, keep: &[bool]) {
     if let Some(uvs) = &mut data.uvs {
         uvs.retain(keep);
     }
+    data.arrays.iter_mut().for_each(|array| array.retain_triangles(keep));
 }
 
 /// The normal scaled to length 1, or zero if it has no direction. In f64, where squares of f32 neither underflow nor

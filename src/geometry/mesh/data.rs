@@ -1,5 +1,6 @@
 //! The data of a triangle mesh.
 
+use super::arrays::DataArray;
 use super::corners::Corners;
 use super::mtl::MtlMaterial;
 use crate::base::color::Rgb;
@@ -22,6 +23,8 @@ pub struct MeshData {
     /// A material index per triangle, or [`NO_MATERIAL`]; empty if the mesh has no materials.
     pub slots: Vec<u16>,
     pub materials: Vec<MtlMaterial>,
+    /// Numbers of vertices or of triangles.
+    pub arrays: Vec<DataArray>,
 }
 
 /// The slot of a triangle without a material.

@@ -16,10 +16,11 @@ pub struct MeshError {
     pub why: String,
 }
 
-/// A location in a mesh file. Lines count from 1; vertices and faces count from 0 in the order of the file.
+/// A location in a mesh file. Lines count from 1; bytes, vertices and faces count from 0 in the order of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshLocation {
     Line(u64),
+    Byte(u64),
     Vertex(u64),
     Face(u64),
 }
@@ -50,6 +51,7 @@ impl fmt::Display for MeshLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line(number) => write!(f, "line {number}"),
+            Self::Byte(number) => write!(f, "byte {number}"),
             Self::Vertex(number) => write!(f, "vertex {number}"),
             Self::Face(number) => write!(f, "face {number}"),
         }

@@ -1,5 +1,6 @@
 //! Triangle meshes: their data and the tree over each.
 
+mod arrays;
 pub(crate) mod build;
 pub(crate) mod corners;
 mod data;
@@ -11,6 +12,7 @@ mod smooth;
 #[cfg(test)]
 mod tests;
 
+pub use arrays::{ArrayKey, ArrayValues, Centering, Component, DataArray};
 pub use corners::Corners;
 pub use data::{MeshData, NO_MATERIAL};
 pub use error::{MeshError, MeshLocation, NO_FILE};
@@ -22,13 +24,16 @@ use crate::base::digest::{Content, Digest};
 use crate::base::lanes::Level;
 use crate::base::math::{Aabb, DVec2, DVec3};
 use crate::geometry::bvh::Tree;
+use arrays::DataArrays;
 use glam::Vec3;
 use std::sync::OnceLock;
 
 /// A checked mesh with its tree. Every triangle has an area.
 #[derive(Debug)]
 pub struct TriangleMesh {
+    /// Without its arrays.
     data: MeshData,
+    arrays: DataArrays,
     tree: Tree,
     /// The triangles of each of the tree's leaves.
     packets: Vec<Packet>,
@@ -164,7 +169,35 @@ impl TriangleMesh {
         self.smooth.get_or_init(|| smooth::normals(&self.data.positions, &self.data.triangles))
     }
 
-    /// The digest of everything except the materials of the file.
+    /// All data arrays of the mesh.
+    pub fn arrays(&self) -> &[DataArray] {
+        self.arrays.all()
+    }
+
+    /// The array that has these numbers.
+    pub fn array(&self, key: &ArrayKey) -> Option<&DataArray> {
+        self.arrays.find(key)
+    }
+
+    /// A number of an array on a triangle, where its second and third corner have these weights.
+    pub fn array_at(&self, key: &ArrayKey, part: u32, weights: DVec2) -> Option<f64> {
+        let array = self.array(key)?;
+        if array.centering == Centering::Cells {
+            return Some(array.value(part as usize, key.component));
+        }
+        let [a, b, c] = self.data.triangles[part as usize].map(|v| array.value(v as usize, key.component));
+        let value = a + (b - a) * weights.x + (c - a) * weights.y;
+        // At an edge, rounding may lead beyond the corners. `max` and `min` would hide a corner that is not a number.
+        let bounded = value.max(a.min(b).min(c)).min(a.max(b).max(c));
+        Some(if value.is_nan() { value } else { bounded })
+    }
+
+    /// The digest of an array.
+    pub fn array_digest(&self, key: &ArrayKey) -> Option<Digest> {
+        self.arrays.digest(key)
+    }
+
+    /// The digest of everything except the materials of the file and the data arrays.
     pub fn digest(&self) -> Digest {
         self.digest
     }

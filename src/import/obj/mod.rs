@@ -121,7 +121,7 @@ impl ObjReader {
         let uvs = (!uvs.is_empty()).then(|| Corners::indexed(self.uvs, uvs, &triangles));
         let normals = (!normals.is_empty()).then(|| Corners::indexed(self.normals, normals, &triangles));
         let (positions, colors) = (self.positions, self.colors);
-        Ok(MeshData { positions, triangles, normals, uvs, colors, slots, materials })
+        Ok(MeshData { positions, triangles, normals, uvs, colors, slots, materials, arrays: Vec::new() })
     }
 }
 

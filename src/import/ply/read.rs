@@ -3,15 +3,15 @@
 use super::header::{Element, Header, PlyFormat, ScalarType};
 use super::records::{BlockReader, RecordReader, RecordSource};
 use super::scalars::{AsciiScalars, Scalars, skip_list};
-use super::vertices::Vertices;
+use super::vertices::{Vertices, arrays};
 use crate::base::units::count;
-use crate::geometry::mesh::{Corners, MeshData, MeshError, MeshLocation};
+use crate::geometry::mesh::{Centering, Corners, MeshData, MeshError, MeshLocation};
 use crate::import::lines::Lines;
 use std::io::BufRead;
 use std::ops::Range;
 
-/// Reads a PLY file. Polygons are split into fans of triangles around their first corner. Unknown elements and
-/// properties are skipped.
+/// Reads a PLY file. Polygons are split into fans of triangles around their first corner. Unknown properties of vertices
+/// and faces become data arrays; unknown elements and lists are skipped.
 pub fn read(input: impl BufRead + Send) -> Result<MeshData, MeshError> {
     read_sized(input, u64::MAX)
 }
@@ -58,14 +58,22 @@ fn elements(header: &Header, records: &mut impl RecordSource) -> Result<MeshData
     if counts("face").is_none() {
         return Err(MeshError::new("it has no `element face`; other faces, such as strips, are not read"));
     }
-    let (mut vertices, mut triangles) = (Vertices::default(), Vec::new());
+    let (mut vertices, mut faces) = (Vertices::default(), Faces::default());
+    let (mut of_points, mut of_cells) = (Vec::new(), Vec::new());
     for element in header.elements.iter().filter(|element| element.count > 0) {
         if element.properties.is_empty() {
             return Err(MeshError::new(format!("its `element {}` has no properties", element.name)));
         }
         match element.name.as_str() {
-            "vertex" => vertices = Vertices::read(element, records)?,
-            "face" => triangles = faces(element, records, vertex_count, &vertices)?,
+            "vertex" => {
+                vertices = Vertices::read(element, records)?;
+                of_points = vertices.arrays(element)?;
+            }
+            "face" => {
+                faces = Faces::read(element, records, vertex_count, &vertices)?;
+                let names = element.properties.iter().filter(|p| p.list.is_none()).map(|p| p.name.as_str());
+                of_cells = arrays(names.collect(), Centering::Cells, std::mem::take(&mut faces.extras));
+            }
             _ => records.read(element, &Skipper(element))?,
         }
     }
@@ -75,21 +83,31 @@ fn elements(header: &Header, records: &mut impl RecordSource) -> Result<MeshData
     let Vertices { positions, normals, colors, uvs, .. } = vertices;
     let normals = (!normals.is_empty()).then(|| Corners::per_vertex(normals));
     let uvs = (!uvs.is_empty()).then(|| Corners::per_vertex(uvs));
-    Ok(MeshData { positions, triangles, normals, uvs, colors, ..MeshData::default() })
+    let (triangles, arrays) = (faces.triangles, [of_points, of_cells].concat());
+    Ok(MeshData { positions, triangles, normals, uvs, colors, arrays, ..MeshData::default() })
 }
 
-fn faces(
-    element: &Element,
-    records: &mut impl RecordSource,
-    vertex_count: u64,
-    vertices: &Vertices,
-) -> Result<Vec<[u32; 3]>, MeshError> {
-    let named = |name: &str| name == "vertex_indices" || name == "vertex_index";
-    let corners = element.properties.iter().position(|p| p.list.is_some() && named(&p.name));
-    let corners = corners.ok_or_else(|| element.lacks("the list `vertex_indices`"))?;
-    let only_list = element.properties[corners].list.filter(|_| element.properties.len() == 1);
-    let reader = FaceReader { element, corners, only_list, vertex_count, vertices };
-    records.read(element, &reader)
+/// The triangles of all faces.
+#[derive(Default)]
+struct Faces {
+    triangles: Vec<[u32; 3]>,
+    /// The numbers that become data arrays, all those of a triangle together.
+    extras: Vec<f64>,
+}
+
+impl Faces {
+    fn read(
+        element: &Element,
+        records: &mut impl RecordSource,
+        vertex_count: u64,
+        vertices: &Vertices,
+    ) -> Result<Self, MeshError> {
+        let named = |name: &str| name == "vertex_indices" || name == "vertex_index";
+        let corners = element.properties.iter().position(|p| p.list.is_some() && named(&p.name));
+        let corners = corners.ok_or_else(|| element.lacks("the list `vertex_indices`"))?;
+        let only_list = element.properties[corners].list.filter(|_| element.properties.len() == 1);
+        records.read(element, &FaceReader { element, corners, only_list, vertex_count, vertices })
+    }
 }
 
 struct FaceReader<'a> {
@@ -103,25 +121,25 @@ struct FaceReader<'a> {
 }
 
 impl RecordReader for FaceReader<'_> {
-    type Output = Vec<[u32; 3]>;
+    type Output = Faces;
 
     fn read(
         &self,
         records: Range<u64>,
         values: &mut impl Scalars,
-        triangles: &mut Self::Output,
+        faces: &mut Faces,
     ) -> Result<(), MeshError> {
         let item = self.element.properties[self.corners].item;
         for face in records {
-            let first = triangles.len();
+            let first = faces.triangles.len();
             match self.only_list.and_then(|count| values.triangle(count, item, self.vertex_count)) {
-                Some(triangle) => triangles.push(triangle),
+                Some(triangle) => faces.triangles.push(triangle),
                 None => {
-                    self.face(face, values, triangles).map_err(|error| self.element.in_record(error, face))?
+                    self.face(face, values, faces).map_err(|error| self.element.in_record(error, face))?
                 }
             }
             if let Some((invalid, _)) = self.vertices.invalid
-                && triangles[first..].iter().flatten().any(|&vertex| vertex == invalid)
+                && faces.triangles[first..].iter().flatten().any(|&vertex| vertex == invalid)
             {
                 let fault = self.vertices.invalid_vertex_error(Some(face));
                 return Err(fault.unwrap_or_else(|| MeshError::new("its vertex does not exist")));
@@ -131,25 +149,26 @@ impl RecordReader for FaceReader<'_> {
     }
 
     fn append(whole: &mut Self::Output, part: &mut Self::Output) {
-        whole.append(part);
+        whole.triangles.append(&mut part.triangles);
+        whole.extras.append(&mut part.extras);
     }
 }
 
 impl FaceReader<'_> {
-    fn face(
-        &self,
-        face: u64,
-        values: &mut impl Scalars,
-        triangles: &mut Vec<[u32; 3]>,
-    ) -> Result<(), MeshError> {
+    /// Reads a face. All its triangles have its numbers.
+    fn face(&self, face: u64, values: &mut impl Scalars, into: &mut Faces) -> Result<(), MeshError> {
+        let Faces { triangles, extras } = into;
+        let (first, numbers) = (triangles.len(), extras.len());
         values.begin()?;
         for (index, property) in self.element.properties.iter().enumerate() {
             match property.list {
                 Some(_) if index == self.corners => self.polygon(face, values, triangles)?,
                 Some(count) => skip_list(property, count, values)?,
-                None => values.next(property.item).map(|_| ())?,
+                None => extras.push(values.next(property.item)?),
             }
         }
+        let own = numbers..extras.len();
+        (first + 1..triangles.len()).for_each(|_| extras.extend_from_within(own.clone()));
         values.end()
     }
 

@@ -4,7 +4,9 @@ use super::header::Header;
 use super::*;
 use crate::base::color::{Rgb, srgb_to_linear};
 use crate::base::math::{DVec2, DVec3};
-use crate::geometry::mesh::{Corners, MeshData, MeshError, TriangleMesh, generate};
+use crate::geometry::mesh::{
+    ArrayKey, ArrayValues, Centering, Component, Corners, MeshData, MeshError, TriangleMesh, generate,
+};
 use crate::import::lines::Lines;
 use crate::import::obj;
 use crate::testing::Random;
@@ -362,4 +364,92 @@ fn values_per_corner_are_not_written() {
     let indices = vec![[0; 3]; parts.triangles.len()];
     parts.normals = Some(Corners::indexed(vec![Vec3::Y], indices, &parts.triangles));
     assert!(write(&mut Vec::new(), &parts).is_err());
+}
+
+/// Properties that are not read otherwise are data of the vertices and of the faces, in every format.
+#[test]
+fn other_properties_are_data() {
+    let header = |format: &str| {
+        format!(
+            "ply\nformat {format} 1.0\nelement vertex 4\nproperty float x\nproperty double heat\nproperty float y\n\
+             property float z\nproperty uchar red\nproperty float nx\nelement face 2\nproperty short zone\n\
+             property list uchar int vertex_indices\nproperty list uchar float weights\nproperty float load\nend_header\n"
+        )
+    };
+    let vertices: [[f64; 6]; 4] = [
+        [0.0, 0.1, 0.0, 0.0, 7.0, 0.5],
+        [1.0, 0.2, 0.0, 0.0, 8.0, 0.25],
+        [1.0, 0.3, 1.0, 0.0, 9.0, 0.0],
+        [0.0, 0.4, 1.0, 0.0, 10.0, -1.0],
+    ];
+    let faces: [(i16, &[i32], &[f32], f32); 2] =
+        [(-3, &[0, 1, 2, 3], &[1.0], 0.5), (4, &[0, 1, 2], &[], 2.5)];
+    let mut text = header("ascii");
+    let mut bytes = header("binary_little_endian").into_bytes();
+    for [x, heat, y, z, red, nx] in vertices {
+        text.push_str(&format!("{x} {heat} {y} {z} {red} {nx}\n"));
+        bytes.extend((x as f32).to_le_bytes());
+        bytes.extend(heat.to_le_bytes());
+        [y, z].into_iter().for_each(|v| bytes.extend((v as f32).to_le_bytes()));
+        bytes.push(red as u8);
+        bytes.extend((nx as f32).to_le_bytes());
+    }
+    for (zone, corners, weights, load) in faces {
+        let words = |numbers: Vec<String>| format!("{} {}", numbers.len(), numbers.join(" "));
+        let corner_words = words(corners.iter().map(ToString::to_string).collect());
+        let weight_words = words(weights.iter().map(ToString::to_string).collect());
+        text.push_str(&format!("{zone} {corner_words} {weight_words} {load}\n"));
+        bytes.extend(zone.to_le_bytes());
+        bytes.push(corners.len() as u8);
+        corners.iter().for_each(|corner| bytes.extend(corner.to_le_bytes()));
+        bytes.push(weights.len() as u8);
+        weights.iter().for_each(|weight| bytes.extend(weight.to_le_bytes()));
+        bytes.extend(load.to_le_bytes());
+    }
+    let parts = good(text.as_bytes());
+    assert_eq!(good(&bytes), parts);
+    assert_eq!(parts.normals, None, "`nx` alone is no normal");
+    let array = |name: &str, centering| {
+        let array = parts.arrays.iter().find(|array| array.name == name && array.centering == centering);
+        let array = array.unwrap_or_else(|| panic!("no data {name}"));
+        (0..array.entries()).map(|entry| array.value(entry, Component::Whole)).collect::<Vec<_>>()
+    };
+    let names: Vec<_> = parts.arrays.iter().map(|array| array.name.as_str()).collect();
+    assert_eq!(names, ["heat", "red", "nx", "zone", "load"]);
+    assert_eq!(array("heat", Centering::Points), [0.1, 0.2, 0.3, 0.4]);
+    assert_eq!(array("red", Centering::Points), [7.0, 8.0, 9.0, 10.0]);
+    assert_eq!(array("nx", Centering::Points), [0.5, 0.25, 0.0, -1.0]);
+    assert_eq!(array("zone", Centering::Cells), [-3.0, -3.0, 4.0], "a quadrilateral is two triangles");
+    assert_eq!(array("load", Centering::Cells), [0.5, 0.5, 2.5]);
+    assert!(matches!(parts.arrays[0].values, ArrayValues::F64(_)), "0.1 as a double");
+    assert!(matches!(parts.arrays[2].values, ArrayValues::F32(_)));
+}
+
+/// A record of floats is read at once, with and without data.
+#[test]
+fn floats_that_are_data_are_read_at_once() {
+    let mut bytes =
+        b"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float a\n\
+        property float y\nproperty float z\nproperty float b\nelement face 1\n\
+        property list uchar int vertex_indices\nend_header\n"
+            .to_vec();
+    (0..15).for_each(|k| bytes.extend((k as f32).to_le_bytes()));
+    bytes.push(3);
+    (0..3).for_each(|k: i32| bytes.extend(k.to_le_bytes()));
+    let parts = good(&bytes);
+    assert_eq!(parts.positions[1], DVec3::new(5.0, 7.0, 8.0));
+    let values = [0, 1].map(|array| parts.arrays[array].value(2, Component::Whole));
+    assert_eq!(values, [11.0, 14.0]);
+}
+
+/// Data of a triangle without an area leaves with it.
+#[test]
+fn data_of_removed_triangles_is_removed() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+        element face 3\nproperty list uchar int vertex_indices\nproperty float load\nend_header\n\
+        0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2 1\n3 0 1 1 2\n3 0 1 3 3\n";
+    let mesh = TriangleMesh::new(good(text.as_bytes())).expect("a mesh");
+    let key = ArrayKey { name: "load".to_owned(), centering: None, component: Component::Whole };
+    let values = [0, 1].map(|part| mesh.array_at(&key, part, DVec2::ZERO));
+    assert_eq!((mesh.skipped, values), (1, [Some(1.0), Some(3.0)]));
 }

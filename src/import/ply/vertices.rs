@@ -6,7 +6,7 @@ use super::scalars::{Scalars, skip_list};
 use crate::base::color::{Rgb, srgb_to_linear};
 use crate::base::math::{DVec2, DVec3};
 use crate::geometry::mesh::build::{is_placed, not_placed};
-use crate::geometry::mesh::{MeshError, MeshLocation};
+use crate::geometry::mesh::{Centering, DataArray, MeshError, MeshLocation};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -38,6 +38,15 @@ type VertexRecord = [f64; MAX_VALUES];
 /// The maximum number of values.
 const MAX_VALUES: usize = 11;
 
+/// The place of the first property that becomes a data array. Further ones follow.
+const FIRST_EXTRA: usize = MAX_VALUES;
+
+/// The maximum number of floats that are read at once.
+const MAX_FLOATS: usize = 32;
+
+/// The groups of places that are read only together.
+const GROUPS: [Range<usize>; 4] = [0..3, 3..6, 6..9, 9..11];
+
 /// All data of the vertices. A list is empty if the file lacks its properties.
 #[derive(Default)]
 pub struct Vertices {
@@ -45,6 +54,8 @@ pub struct Vertices {
     pub normals: Vec<Vec3>,
     pub colors: Vec<Rgb>,
     pub uvs: Vec<DVec2>,
+    /// The numbers that become data arrays, all those of a vertex together.
+    pub extras: Vec<f64>,
     /// The first vertex with invalid coordinates, and its line.
     pub invalid: Option<(u32, Option<u64>)>,
 }
@@ -52,11 +63,13 @@ pub struct Vertices {
 /// The properties of a vertex in a file, and the type of its colours.
 struct VertexLayout<'a> {
     element: &'a Element,
-    /// The place of each property; `None` for those that are not read.
+    /// The place of each property, from [`FIRST_EXTRA`] on for data arrays; `None` for those that are not read.
     places: Vec<Option<usize>>,
     has: [bool; MAX_VALUES],
     /// The places of the properties, if all of them are floats, are read, and fit into a record.
     floats: Option<Vec<usize>>,
+    /// The number of properties that become data arrays.
+    extras: usize,
     color: ScalarType,
     /// The linear value of each 8-bit sRGB code.
     codes: Vec<f32>,
@@ -72,7 +85,9 @@ impl RecordReader for VertexLayout<'_> {
         vertices: &mut Vertices,
     ) -> Result<(), MeshError> {
         for index in records {
-            let record = self.record(values).map_err(|error| self.element.in_record(error, index))?;
+            let record = self
+                .record(values, &mut vertices.extras)
+                .map_err(|error| self.element.in_record(error, index))?;
             let line = values.line();
             let place = || line.map_or(MeshLocation::Vertex(index), MeshLocation::Line);
             vertices.add(self, &record, line).map_err(|why| MeshError::at(place(), why))?;
@@ -81,7 +96,7 @@ impl RecordReader for VertexLayout<'_> {
     }
 
     fn append(whole: &mut Vertices, part: &mut Vertices) {
-        let Vertices { positions, normals, colors, uvs, invalid } = part;
+        let Vertices { positions, normals, colors, uvs, extras, invalid } = part;
         let before = whole.positions.len() as u32;
         let invalid = invalid.take().map(|(vertex, line)| (vertex + before, line));
         whole.invalid = whole.invalid.or(invalid);
@@ -89,12 +104,22 @@ impl RecordReader for VertexLayout<'_> {
         whole.normals.append(normals);
         whole.colors.append(colors);
         whole.uvs.append(uvs);
+        whole.extras.append(extras);
     }
 }
 
 impl Vertices {
     pub fn read(element: &Element, records: &mut impl RecordSource) -> Result<Self, MeshError> {
         records.read(element, &VertexLayout::of(element)?)
+    }
+
+    /// The data arrays of the vertices.
+    pub fn arrays(&mut self, element: &Element) -> Result<Vec<DataArray>, MeshError> {
+        let layout = VertexLayout::of(element)?;
+        let properties = element.properties.iter().zip(&layout.places);
+        let extra = properties.filter(|(_, place)| place.is_some_and(|place| place >= FIRST_EXTRA));
+        let names = extra.map(|(property, _)| property.name.as_str()).collect();
+        Ok(arrays(names, Centering::Points, std::mem::take(&mut self.extras)))
     }
 
     fn add(&mut self, layout: &VertexLayout<'_>, r: &VertexRecord, line: Option<u64>) -> Result<(), String> {
@@ -131,7 +156,7 @@ impl<'a> VertexLayout<'a> {
     fn of(element: &'a Element) -> Result<Self, MeshError> {
         let places = element.properties.iter().map(place).collect();
         let (has, color, codes) = ([false; MAX_VALUES], ScalarType::F32, Vec::new());
-        let mut layout = Self { element, places, has, floats: None, color, codes };
+        let mut layout = Self { element, places, has, floats: None, extras: 0, color, codes };
         for (property, place) in element.properties.iter().zip(&layout.places) {
             let Some(place) = *place else { continue };
             layout.has[place] = true;
@@ -139,24 +164,44 @@ impl<'a> VertexLayout<'a> {
                 layout.color = property.item;
             }
         }
+        layout.place_extras();
         if !layout.all(0..3) {
             return Err(element.lacks("x, y and z"));
         }
         let floats = element.properties.iter().all(|property| property.item == ScalarType::F32);
         let each: Option<Vec<_>> = layout.places.iter().copied().collect();
-        layout.floats = each.filter(|each| floats && each.len() <= MAX_VALUES);
+        layout.floats = each.filter(|each| floats && each.len() <= MAX_FLOATS);
         layout.codes = (0..256).map(|code| srgb_to_linear(f64::from(code) / 255.0) as f32).collect();
         Ok(layout)
     }
 
+    /// Gives the properties that are not read otherwise places as data arrays.
+    fn place_extras(&mut self) {
+        let complete =
+            |place: usize| GROUPS.into_iter().any(|group| group.contains(&place) && self.all(group));
+        let is_extra = |place: &Option<usize>| place.is_none_or(|place| !complete(place));
+        let extra: Vec<bool> = self.places.iter().map(is_extra).collect();
+        let properties = self.element.properties.iter().zip(extra);
+        for ((property, extra), place) in properties.zip(&mut self.places) {
+            if extra {
+                *place = property.list.is_none().then_some(FIRST_EXTRA + self.extras);
+                self.extras += usize::from(place.is_some());
+            }
+        }
+    }
+
     #[inline]
-    fn record(&self, values: &mut impl Scalars) -> Result<VertexRecord, MeshError> {
+    fn record(&self, values: &mut impl Scalars, extras: &mut Vec<f64>) -> Result<VertexRecord, MeshError> {
         let mut record = [0.0; MAX_VALUES];
+        let mut put = |place: usize, value: f64| match record.get_mut(place) {
+            Some(known) => *known = value,
+            None => extras.push(value),
+        };
         if let Some(places) = &self.floats {
-            let mut floats = [0.0; MAX_VALUES];
+            let mut floats = [0.0; MAX_FLOATS];
             let floats = &mut floats[..places.len()];
             if values.floats(floats) {
-                places.iter().zip(floats).for_each(|(place, float)| record[*place] = f64::from(*float));
+                places.iter().zip(floats).for_each(|(place, float)| put(*place, f64::from(*float)));
                 return Ok(record);
             }
         }
@@ -168,14 +213,14 @@ impl<'a> VertexLayout<'a> {
             }
             let value = values.next(property.item)?;
             if let Some(place) = *place {
-                record[place] = value;
+                put(place, value);
             }
         }
         values.end()?;
         Ok(record)
     }
 
-    fn all(&self, mut places: std::ops::Range<usize>) -> bool {
+    fn all(&self, mut places: Range<usize>) -> bool {
         places.all(|place| self.has[place])
     }
 
@@ -191,6 +236,16 @@ impl<'a> VertexLayout<'a> {
         let [r, g, b] = rgb;
         good.then_some(color).ok_or_else(|| format!("expected a colour of 0 or more, found {r} {g} {b}"))
     }
+}
+
+/// The arrays of these names in records of one number for each of them.
+pub fn arrays(names: Vec<&str>, centering: Centering, records: Vec<f64>) -> Vec<DataArray> {
+    let count = names.len();
+    let array = |(index, name): (usize, &str)| {
+        let values = records.iter().skip(index).step_by(count).copied().collect::<Vec<f64>>().into();
+        DataArray { name: name.to_owned(), centering, components: 1, values }
+    };
+    names.into_iter().enumerate().map(array).collect()
 }
 
 fn place(property: &Property) -> Option<usize> {

@@ -4,8 +4,8 @@ use crate::geometry::mesh::{Corners, MeshData};
 use std::io::{self, Error, Write};
 
 /// Writes a mesh as a little-endian binary PLY file. Positions and texture coordinates are f32 if that is exact for
-/// all of them, otherwise f64. So reading the file returns the same numbers. The format stores no materials, and they
-/// are lost.
+/// all of them, otherwise f64. So reading the file returns the same numbers. Materials and data
+/// arrays are lost.
 ///
 /// # Errors
 /// If normals or texture coordinates are not per vertex, which the format cannot store; if writing fails.

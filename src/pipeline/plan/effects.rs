@@ -54,6 +54,7 @@ effects! {
     Textures "textures",
     Patterns "patterns",
     VertexColors "vertex colours",
+    Data "data",
     ShadingNormals "shading normals",
 }
 
@@ -184,6 +185,7 @@ fn of_textures(material: &Material) -> impl Iterator<Item = SceneEffect> {
         match paint {
             Texture::Color(_) => {}
             Texture::VertexColor => found.push(SceneEffect::VertexColors),
+            Texture::Data(_) => found.push(SceneEffect::Data),
             Texture::Image(_) => found.push(SceneEffect::Textures),
             Texture::Pattern(paint) => {
                 found.push(SceneEffect::Patterns);

@@ -7,6 +7,7 @@ use crate::base::color::Rgb;
 use crate::base::lanes::{Level, Mask, Real, Row, Vec3, out_of_line};
 use crate::base::math::{Aabb, DAffine3, DVec2, DVec3, LaneRay};
 use crate::geometry::bvh::TraversalRay;
+use crate::geometry::mesh::ArrayKey;
 use crate::geometry::shape::triangle::{TriangleLanes, uniform_weights};
 use crate::geometry::shape::{
     Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, ShapeHit, StoredRays, store_lanes,
@@ -36,6 +37,11 @@ fn first([min, max]: &[[f64; 8]; 2]) -> RayInterval<f64> {
 }
 
 impl Mesh {
+    /// A number of the mesh's data at a point of a triangle.
+    pub fn array_at(&self, key: &ArrayKey, point: DVec3, part: u32) -> Option<f64> {
+        self.mesh.array_at(key, part, self.weights(point, part))
+    }
+
     /// The weights of a triangle's second and third corner at a point.
     fn weights(&self, point: DVec3, part: u32) -> DVec2 {
         let triangle = TriangleLanes::<f64>::splat(self.mesh.corners(part));

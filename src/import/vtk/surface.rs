@@ -1,0 +1,184 @@
+//! The surface of cells: faces, and the outer faces of volumes.
+
+use super::grid::{Cells, Grid};
+use crate::base::machine;
+use crate::geometry::mesh::{Centering, Corners, DataArray, MeshData, MeshError};
+use rayon::prelude::*;
+
+pub const POLYLINE: u8 = 4;
+pub const STRIP: u8 = 6;
+pub const POLYGON: u8 = 7;
+pub const QUAD: u8 = 9;
+pub const HEXAHEDRON: u8 = 12;
+pub const VERTICES: u8 = 2;
+
+/// What a cell contributes to the surface.
+enum Surface {
+    /// Points and lines have none.
+    Nothing,
+    /// A polygon of this many corners; all of them if none is given. Further points are on curved edges.
+    Polygon(Option<usize>),
+    /// The corners in this order.
+    Ordered(&'static [u8]),
+    Strip,
+    /// The faces of a volume, counter-clockwise as seen from outside.
+    Volume(&'static [&'static [u8]]),
+}
+
+const TETRAHEDRON: &[&[u8]] = &[&[0, 1, 3], &[1, 2, 3], &[2, 0, 3], &[0, 2, 1]];
+const HEXAHEDRON_FACES: &[&[u8]] =
+    &[&[0, 4, 7, 3], &[1, 2, 6, 5], &[0, 1, 5, 4], &[3, 7, 6, 2], &[0, 3, 2, 1], &[4, 5, 6, 7]];
+/// A hexahedron whose corners follow x, then y, then z.
+const VOXEL: &[&[u8]] =
+    &[&[0, 4, 6, 2], &[1, 3, 7, 5], &[0, 1, 5, 4], &[2, 6, 7, 3], &[0, 2, 3, 1], &[4, 5, 7, 6]];
+const WEDGE: &[&[u8]] = &[&[0, 1, 2], &[3, 5, 4], &[0, 3, 4, 1], &[1, 4, 5, 2], &[2, 5, 3, 0]];
+const PYRAMID: &[&[u8]] = &[&[0, 3, 2, 1], &[0, 1, 4], &[1, 2, 4], &[2, 3, 4], &[3, 0, 4]];
+
+/// The surface of a cell of this type; none for types that are not read. Curved cells begin with their corners, and
+/// these are shown.
+fn surface(kind: u8) -> Option<Surface> {
+    Some(match kind {
+        0..=4 | 21 | 35 | 36 | 68 | 75 => Surface::Nothing,
+        5 | 22 | 34 | 69 | 76 => Surface::Polygon(Some(3)),
+        STRIP => Surface::Strip,
+        POLYGON => Surface::Polygon(None),
+        8 => Surface::Ordered(&[0, 1, 3, 2]),
+        QUAD | 23 | 28 | 30 | 70 | 77 => Surface::Polygon(Some(4)),
+        10 | 24 | 71 | 78 => Surface::Volume(TETRAHEDRON),
+        11 => Surface::Volume(VOXEL),
+        HEXAHEDRON | 25 | 29 | 33 | 72 | 79 => Surface::Volume(HEXAHEDRON_FACES),
+        13 | 26 | 31 | 32 | 73 | 80 => Surface::Volume(WEDGE),
+        14 | 27 | 37 | 74 | 81 => Surface::Volume(PYRAMID),
+        _ => return None,
+    })
+}
+
+/// The number of corners of a polygon or of a volume's faces.
+fn least_corners(surface: &Surface) -> usize {
+    let of = |face: &[u8]| face.iter().map(|&corner| usize::from(corner) + 1).max().unwrap_or(0);
+    match surface {
+        Surface::Nothing => 0,
+        Surface::Polygon(count) => count.unwrap_or(3),
+        Surface::Ordered(face) => of(face),
+        Surface::Strip => 3,
+        Surface::Volume(faces) => faces.iter().map(|face| of(face)).max().unwrap_or(0),
+    }
+}
+
+/// The mesh of a grid's surface.
+pub fn mesh(grid: Grid) -> Result<MeshData, MeshError> {
+    let outer = outer_faces(&grid.cells)?;
+    let (mut triangles, mut cell_of) = (Vec::new(), Vec::new());
+    let mut outer = outer.into_iter();
+    for cell in 0..grid.cells.len() {
+        each_face(&grid.cells, cell, |corners, inside| {
+            if !inside || outer.next().unwrap_or(true) {
+                triangles.extend(corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]));
+            }
+        })?;
+        cell_of.resize(triangles.len(), cell as u32);
+    }
+    let Grid { mut positions, mut normals, mut arrays, .. } = grid;
+    for array in arrays.iter_mut().filter(|array| array.centering == Centering::Cells) {
+        *array = picked(array, &cell_of);
+    }
+    if let Some(kept) = used(positions.len(), &mut triangles) {
+        positions = kept.iter().map(|&point| positions[point as usize]).collect();
+        normals =
+            if normals.is_empty() { normals } else { kept.iter().map(|&p| normals[p as usize]).collect() };
+        for array in arrays.iter_mut().filter(|array| array.centering == Centering::Points) {
+            *array = picked(array, &kept);
+        }
+    }
+    let normals = (!normals.is_empty()).then(|| Corners::per_vertex(normals));
+    Ok(MeshData { positions, triangles, normals, arrays, ..MeshData::default() })
+}
+
+/// Calls `visit` with the corners of each face of a cell, and whether it may be inside of a body.
+fn each_face(cells: &Cells, cell: usize, mut visit: impl FnMut(&[u32], bool)) -> Result<(), MeshError> {
+    let (kind, corners) = (cells.types[cell], cells.corners(cell));
+    let Some(surface) = surface(kind) else {
+        let why = format!(
+            "cell {cell} has the type {kind}, which is not read; VTK's linear and quadratic cells are"
+        );
+        return Err(MeshError::new(why));
+    };
+    let least = least_corners(&surface);
+    if corners.len() < least {
+        let why = format!("cell {cell} of type {kind} has {} points; it needs {least}", corners.len());
+        return Err(MeshError::new(why));
+    }
+    let mut face: [u32; 4] = [0; 4];
+    let mut ordered = |order: &[u8], inside: bool, visit: &mut dyn FnMut(&[u32], bool)| {
+        face.iter_mut().zip(order).for_each(|(to, &from)| *to = corners[usize::from(from)]);
+        visit(&face[..order.len()], inside);
+    };
+    match surface {
+        Surface::Nothing => {}
+        Surface::Polygon(count) => visit(&corners[..count.unwrap_or(corners.len())], false),
+        Surface::Ordered(order) => ordered(order, false, &mut visit),
+        Surface::Strip => {
+            for (index, &[a, b, c]) in corners.array_windows().enumerate() {
+                visit(&if index % 2 == 0 { [a, b, c] } else { [b, a, c] }, false);
+            }
+        }
+        Surface::Volume(faces) => faces.iter().for_each(|face| ordered(face, true, &mut visit)),
+    }
+    Ok(())
+}
+
+/// For each face of a volume in order, whether it is the only one with its corners.
+fn outer_faces(cells: &Cells) -> Result<Vec<bool>, MeshError> {
+    let mut count = 0_u64;
+    for cell in 0..cells.len() {
+        each_face(cells, cell, |_, inside| count += u64::from(inside))?;
+    }
+    if count > u32::MAX.into() {
+        return Err(MeshError::new("it has more than 4 294 967 295 faces of volumes"));
+    }
+    machine::check_memory(count * size_of::<([u32; 4], u32)>() as u64)?;
+    let mut faces: Vec<([u32; 4], u32)> = Vec::with_capacity(count as usize);
+    for cell in 0..cells.len() {
+        each_face(cells, cell, |corners, inside| {
+            if inside {
+                let mut key = [u32::MAX; 4];
+                key[..corners.len()].copy_from_slice(corners);
+                key.sort_unstable();
+                faces.push((key, faces.len() as u32));
+            }
+        })?;
+    }
+    faces.par_sort_unstable();
+    let mut outer = vec![false; faces.len()];
+    for same in faces.chunk_by(|a, b| a.0 == b.0) {
+        if let [(_, face)] = same {
+            outer[*face as usize] = true;
+        }
+    }
+    Ok(outer)
+}
+
+/// The entries of an array with these indices.
+fn picked(array: &DataArray, entries: &[u32]) -> DataArray {
+    let of = |entry: &u32| {
+        let first = *entry as usize * array.components;
+        (first..first + array.components).map(|index| array.values.get(index))
+    };
+    let values = entries.iter().flat_map(of).collect::<Vec<f64>>().into();
+    DataArray { name: array.name.clone(), values, ..*array }
+}
+
+/// The points that triangles use, if some are left out. Triangles are numbered by these then.
+fn used(points: usize, triangles: &mut [[u32; 3]]) -> Option<Vec<u32>> {
+    let mut places = vec![u32::MAX; points];
+    triangles.iter().flatten().for_each(|&point| places[point as usize] = 0);
+    let kept: Vec<u32> = (0..points as u32).filter(|&point| places[point as usize] == 0).collect();
+    if kept.len() == points {
+        return None;
+    }
+    for (place, &point) in kept.iter().enumerate() {
+        places[point as usize] = place as u32;
+    }
+    triangles.iter_mut().flatten().for_each(|point| *point = places[*point as usize]);
+    Some(kept)
+}
