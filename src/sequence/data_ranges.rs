@@ -154,6 +154,8 @@ fn told(source: &DataSource, scale: DataScale, range: Option<[f64; 2]>) -> Strin
 
 /// A number in the fewest digits that tell it from others of its width.
 fn plain(value: f64) -> String {
+    // No sign of 0.
+    let value = value + 0.0;
     let narrow = value as f32;
     let text = if f64::from(narrow) == value { format!("{narrow:?}") } else { format!("{value:?}") };
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
