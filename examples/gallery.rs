@@ -30,6 +30,7 @@ const PICTURES: &[(&str, &[u32], u32)] = &[
     ("flight", &[70], 1),
     ("cradle", &[7], 256),
     ("whitted", &[0], 1),
+    ("pressure", &[36], 1),
     ("field-orbit", &[8], 256),
     ("field-metal", &[8], 256),
     ("field-dielectric", &[8], 256),

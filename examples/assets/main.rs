@@ -1,16 +1,17 @@
-//! Makes the pictures and the meshes in `assets/` that sequences use:
+//! Makes the pictures, the data and the meshes in `assets/` that sequences use:
 //!
 //! ```text
 //! cargo run --release --example assets
 //! ```
 //!
 //! Everything is computed from formulas and fixed seeds, so that the files are the same on every machine. The
-//! pictures are part of the repository; the meshes, 13 and 22 MB, are not.
+//! pictures and the data are part of the repository; the meshes, 13 and 22 MB, are not.
 
 mod hills;
 mod moon;
 mod paint;
 mod planet;
+mod pressure;
 mod shell;
 mod sky;
 
@@ -34,6 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for picture in pictures() {
         write(&picture, &path(&picture.name)?)?;
     }
+    fs::write(path("data/pressure.vtk")?, pressure::file())?;
     for (name, parts) in [("meshes/shell.ply", shell::parts()), ("meshes/hills.ply", hills::parts())] {
         ply::write(BufWriter::new(File::create(path(name)?)?), &parts)?;
     }
@@ -66,6 +68,12 @@ fn write(picture: &Picture, path: &Path) -> Result<(), Box<dyn Error>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_data_is_up_to_date() {
+        let path = path("data/pressure.vtk").expect("the folder is there");
+        assert!(fs::read(path).expect("the file") == pressure::file());
+    }
 
     /// The pictures in the repository are those that the command makes: every 13th pixel of every 29th row.
     #[test]

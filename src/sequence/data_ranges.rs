@@ -36,7 +36,7 @@ pub fn resolve(
             if let Err(fault) = note(texture, &object.value.shape, place, &mut ranges)
                 && !seen.contains(&&texture.source)
             {
-                file.push(fault);
+                file.push(*fault);
             }
             seen.push(&texture.source);
         }
@@ -60,16 +60,16 @@ fn note(
     shape: &Shape,
     place: &Range<usize>,
     ranges: &mut Ranges,
-) -> Result<(), Fault> {
+) -> Result<(), Box<Fault>> {
     let DataTexture { source, scale, auto, .. } = texture;
     let counts = |value: f64| scale.has(value);
     let range = match source {
         DataSource::Array(key) => {
             let array = match shape {
                 Shape::Mesh(shape::Mesh { mesh, .. }) => {
-                    mesh.array(key).ok_or_else(|| missing(key, mesh, place))?
+                    mesh.array(key).ok_or_else(|| Box::new(missing(key, mesh, place)))?
                 }
-                _ => return Err(no_mesh(key, place)),
+                _ => return Err(Box::new(no_mesh(key, place))),
             };
             if !auto {
                 return Ok(());
@@ -78,7 +78,7 @@ fn note(
         }
         DataSource::Coordinate(_) if !auto => return Ok(()),
         DataSource::Coordinate(axis) => {
-            let bounds = shape.bounds().ok_or_else(|| endless(place))?;
+            let bounds = shape.bounds().ok_or_else(|| Box::new(endless(place)))?;
             let ends = [bounds.min, bounds.max].map(|corner| corner[*axis as usize]);
             Some(ends).filter(|[min, _]| counts(*min))
         }
@@ -154,6 +154,8 @@ fn told(source: &DataSource, scale: DataScale, range: Option<[f64; 2]>) -> Strin
 
 /// A number in the fewest digits that tell it from others of its width.
 fn plain(value: f64) -> String {
+    // No sign of 0.
+    let value = value + 0.0;
     let narrow = value as f32;
     let text = if f64::from(narrow) == value { format!("{narrow:?}") } else { format!("{value:?}") };
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)

@@ -114,7 +114,7 @@ fn ranges_are_found_over_all_objects() {
     let path = folder.path().join("two.ron");
     fs::write(&path, &two).expect("a disk");
     let sequence = load(&path).expect("a sequence");
-    let note = format!("{}:4: the range of `heat` is (1, 5.5)", path.display());
+    let note = format!("{}:4: the range of `heat` is (1, 5.5)", path.to_string_lossy());
     assert_eq!(sequence.notes(), [note]);
     // Below 3.25, the lower half of the range.
     let shot = shoot(&sequence, 0..1).remove(0);
