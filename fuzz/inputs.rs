@@ -16,6 +16,7 @@ use kinora::encode::{
 use kinora::film::Film;
 use kinora::geometry::mesh::{self, TriangleMesh};
 use kinora::import;
+use kinora::import::table::{Table, TableFormat};
 use kinora::pipeline::schedule::{FilmSink, FrameLoop};
 use kinora::sequence::{Sequence, parse};
 use std::collections::HashSet;
@@ -93,6 +94,25 @@ pub fn ply(bytes: &[u8]) {
 /// An STL file.
 pub fn stl(bytes: &[u8]) {
     built(import::stl::read(bytes, bytes.len() as u64));
+}
+
+/// A table; its first byte says in which format.
+pub fn table(bytes: &[u8]) {
+    let Some((format, bytes)) = bytes.split_first() else { return };
+    let format = if format % 2 == 0 { TableFormat::JsonLines } else { TableFormat::Csv };
+    match Table::read(bytes, format) {
+        Ok(table) => {
+            assert_eq!(table.lines().len(), table.rows());
+            assert!(table.lines().is_sorted());
+            for name in table.names() {
+                match table.column(name) {
+                    Ok(values) => assert!(values.iter().all(|value| value.is_finite())),
+                    Err(error) => assert!(error.line.is_some()),
+                }
+            }
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
 }
 
 fn built(parts: Result<mesh::MeshData, mesh::MeshError>) {

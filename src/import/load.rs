@@ -97,9 +97,9 @@ impl Libraries<'_> {
 }
 
 /// Counts the bytes that are read through it.
-struct MeteredRead<'a, R> {
-    input: R,
-    meter: &'a LoadProgress,
+pub(super) struct MeteredRead<'a, R> {
+    pub input: R,
+    pub meter: &'a LoadProgress,
 }
 
 impl<R: Read> Read for MeteredRead<'_, R> {

@@ -1,7 +1,7 @@
-//! Readers of files that other programs write: meshes and their materials.
+//! Readers of files that other programs write: meshes and their materials, tables of numbers.
 //!
-//! In: OBJ, MTL, PLY and STL files.
-//! Out: meshes of `geometry`.
+//! In: OBJ, MTL, PLY and STL files; CSV and JSON Lines files.
+//! Out: meshes of `geometry`, tables.
 //! May use: `base`, `geometry`, `appearance`.
 
 mod lines;
@@ -11,6 +11,7 @@ pub mod mtl;
 pub mod obj;
 pub mod ply;
 pub mod stl;
+pub mod table;
 
 pub use load::{known_format, load};
 pub use progress::LoadProgress;
