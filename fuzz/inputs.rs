@@ -7,6 +7,7 @@ use kinora::appearance::texture::{ColorEncoding, Image};
 use kinora::base::cancel::Stop;
 use kinora::base::color::Rgb;
 use kinora::base::frame_set::FrameSet;
+use kinora::base::math::Angle;
 use kinora::base::stats::ProgressMeter;
 use kinora::base::time::Rate;
 use kinora::encode::{
@@ -14,7 +15,7 @@ use kinora::encode::{
     FrameKey, Output, Picture, SequenceInfo, Tonemap,
 };
 use kinora::film::Film;
-use kinora::geometry::mesh::{self, TriangleMesh};
+use kinora::geometry::mesh::{self, Center, Preparation, TriangleMesh};
 use kinora::import;
 use kinora::import::table::{Table, TableFormat};
 use kinora::pipeline::schedule::{FilmSink, FrameLoop};
@@ -116,6 +117,13 @@ pub fn table(bytes: &[u8]) {
 }
 
 fn built(parts: Result<mesh::MeshData, mesh::MeshError>) {
+    if let Ok(parts) = &parts {
+        let preparation =
+            Preparation { center: Center::Bounds, crease: Some(Angle(40.0)), ..Preparation::default() };
+        let mut prepared = parts.clone();
+        preparation.apply(&mut prepared);
+        let _ = TriangleMesh::new(prepared);
+    }
     match parts.and_then(TriangleMesh::new) {
         Ok(mesh) => assert!(!mesh.smooth_normals().is_empty()),
         Err(error) => assert!(!error.to_string().is_empty()),

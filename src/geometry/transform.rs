@@ -25,6 +25,8 @@ pub enum Rotation {
     AxisAngle { axis: Animated<DVec3>, angle: Animated<Angle> },
     /// About the fixed axes x, then y, then z.
     Euler { x: Animated<Angle>, y: Animated<Angle>, z: Animated<Angle> },
+    /// An exact change of axes, not over time.
+    Fixed(DMat3),
 }
 
 impl Default for TransformTracks {
@@ -47,6 +49,7 @@ impl Rotation {
                 axis_angle(axis.at(time).try_normalize().unwrap_or(DVec3::Y), angle.at(time))
             }
             Self::Euler { x, y, z } => euler_xyz(x.at(time), y.at(time), z.at(time)),
+            Self::Fixed(matrix) => *matrix,
         }
     }
 }
@@ -58,6 +61,7 @@ impl TransformTracks {
             Rotation::Quaternion(quaternion) => quaternion.is_keyed(),
             Rotation::AxisAngle { axis, angle } => axis.is_keyed() || angle.is_keyed(),
             Rotation::Euler { x, y, z } => x.is_keyed() || y.is_keyed() || z.is_keyed(),
+            Rotation::Fixed(_) => false,
         };
         turns || self.translation.is_keyed() || self.scale.is_keyed()
     }

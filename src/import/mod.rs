@@ -13,5 +13,5 @@ pub mod ply;
 pub mod stl;
 pub mod table;
 
-pub use load::{known_format, load};
+pub use load::{known_format, load, load_data, load_prepared};
 pub use progress::LoadProgress;

@@ -8,6 +8,8 @@ mod about;
 mod camera;
 mod check;
 mod colors;
+#[cfg(test)]
+mod data_tests;
 mod decimal;
 mod document;
 mod easing;
@@ -16,6 +18,8 @@ mod fault;
 mod fields;
 mod fog;
 mod formats;
+mod frame;
+mod framing;
 mod image;
 mod image_files;
 mod key_clock;
@@ -36,6 +40,9 @@ mod object;
 mod output;
 mod paint;
 mod path;
+mod pose_columns;
+mod pose_tracks;
+mod poses;
 pub mod quality;
 mod quality_fields;
 mod transform_limits;
@@ -43,6 +50,7 @@ mod shape;
 mod suggest;
 mod symbols;
 mod syntax;
+mod table_files;
 #[cfg(test)]
 mod tests;
 mod timeline;
@@ -52,7 +60,7 @@ mod words;
 
 pub use fault::Faults;
 pub use layers::LightLayers;
-pub use load::{LoadError, load, load_watched, parse};
+pub use load::{LoadError, load, load_text, load_watched, parse};
 pub use quality_fields::ERRORS;
 #[cfg(feature = "cli")]
 pub(crate) use suggest::{listed, nearest};
@@ -62,6 +70,7 @@ use crate::appearance::fog::FogTracks;
 use crate::appearance::light::LightTracks;
 use crate::appearance::material::{MaterialBinding, MaterialTracks};
 use crate::base::color::Rgb;
+use crate::base::math::UpAxis;
 use crate::base::time::Timeline;
 use crate::camera::path::CameraPath;
 use crate::encode::{Caption, Formats, Output, Tonemap};
@@ -75,6 +84,8 @@ use crate::track::Animated;
 pub struct Sequence {
     /// The file's name without its extension.
     pub name: String,
+    /// The upward axis of the objects' coordinates. Everything else is in axes with y up.
+    pub up: UpAxis,
     pub timeline: Timeline,
     pub output: OutputSettings,
     pub quality: Quality,

@@ -8,8 +8,9 @@ use crate::appearance::environment::EnvironmentDistribution;
 use crate::appearance::light::{Light, Source};
 use crate::appearance::light_groups::{GroupRadiance, GroupWeight};
 use crate::base::color::Rgb;
-use crate::base::math::DAffine3;
+use crate::base::math::{DAffine3, UpAxis};
 use crate::film::LayerId;
+use crate::geometry::transform::{Rotation, TransformTracks};
 use crate::sequence::{LightLayers, Sequence};
 use crate::track::Animated;
 use bevy_ecs::entity::Entity;
@@ -94,7 +95,8 @@ fn spawn_materials(world: &mut World, layers: &LightLayers, sequence: &Sequence)
 }
 
 fn spawn_cameras(world: &mut World, sequence: &Sequence) {
-    let cameras = sequence.cameras.iter().map(|camera| world.spawn(camera.value.clone()).id()).collect();
+    let cameras =
+        (0..sequence.cameras.len()).map(|index| world.spawn(sequence.fitted_camera(index)).id()).collect();
     world.insert_resource(ActiveCamera { cameras, index: sequence.active_camera.clone() });
 }
 
@@ -108,10 +110,23 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
             .push(world.spawn((FileOrder(order), object.shape.clone(), object.made_of, placed, tracks)).id());
     }
     world.insert_resource(Objects(entities.clone()));
-    let hierarchy = parents_first(sequence);
-    let pair = |i: usize| (entities[i], sequence.objects[i].value.parent.map(|parent| entities[parent]));
-    let hierarchy: Vec<(Entity, Option<Entity>)> = hierarchy.into_iter().map(pair).collect();
+    let root = upright_root(world, sequence.up);
+    let parent = |i: usize| sequence.objects[i].value.parent.map(|parent| entities[parent]).or(root);
+    let objects = parents_first(sequence).into_iter().map(|i| (entities[i], parent(i)));
+    let hierarchy: Vec<(Entity, Option<Entity>)> =
+        root.map(|root| (root, None)).into_iter().chain(objects).collect();
     world.insert_resource(Hierarchy(hierarchy));
+}
+
+/// The parent of all objects without one, if their axes differ from those of the world. It has no shape.
+fn upright_root(world: &mut World, up: UpAxis) -> Option<Entity> {
+    if up == UpAxis::Y {
+        return None;
+    }
+    let rotation = Rotation::Fixed(up.matrix());
+    let tracks = TransformTracks { rotation, ..TransformTracks::default() };
+    let placed = (Transform(DAffine3::IDENTITY), Visible(true));
+    Some(world.spawn((placed, tracks, VisibleTrack(true.into()))).id())
 }
 
 /// Indices of all objects, parents before children.

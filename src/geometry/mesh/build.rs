@@ -47,6 +47,7 @@ impl TriangleMesh {
             data,
             digest,
             smooth: OnceLock::new(),
+            outline: OnceLock::new(),
             areas: OnceLock::new(),
         })
     }

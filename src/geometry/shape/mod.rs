@@ -21,6 +21,8 @@ mod rectangle;
 #[cfg(test)]
 mod round_tests;
 mod sphere;
+#[cfg(test)]
+mod support_tests;
 mod surface;
 mod taper;
 mod torus;
@@ -177,6 +179,11 @@ impl Shape {
     /// See [`Geometric::bounds`]; none for groups too.
     pub fn bounds(&self) -> Option<Aabb> {
         each_shape!(self, shape => shape.bounds(), Group => None)
+    }
+
+    /// See [`Geometric::support`]; none for groups too.
+    pub fn support(&self, direction: DVec3) -> Option<f64> {
+        each_shape!(self, shape => shape.support(direction), Group => None)
     }
 
     /// See [`Geometric::uv`].

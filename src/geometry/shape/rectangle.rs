@@ -1,5 +1,6 @@
 //! Rectangles and parallelograms, watertight at their edges.
 
+use super::geometric::largest_product;
 use super::triangle::covers;
 use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, flat};
 use crate::base::digest::Content;
@@ -51,6 +52,10 @@ impl Geometric for Rectangle {
 
     fn bounds(&self) -> Option<Aabb> {
         Some(Aabb::around(self.corners()))
+    }
+
+    fn support(&self, direction: DVec3) -> Option<f64> {
+        Some(largest_product(self.corners(), direction))
     }
 
     fn transformed(&self, affine: &DAffine3) -> Option<Self> {
