@@ -65,7 +65,7 @@ pub fn columns(fields: &mut Fields<'_>, table: &Table, place: &Range<usize>) -> 
     let usual = |name: &str| ColumnName { name: name.to_owned(), place: place.clone() };
     let time = fields.optional("time", column);
     let position = fields.optional("position", |node| each(tuple(node, "three names of columns")?, column));
-    let rotation = fields.optional("rotation", |node| rotation(node));
+    let rotation = fields.optional("rotation", rotation);
     let (time, position, rotation) = (time?, position?, rotation?);
     let own_translation =
         matches!(&rotation, Some(RotationColumns::Matrix { columns, .. }) if columns.len() > 9);

@@ -1,6 +1,7 @@
 //! Tables: what is read, and where faults are.
 
 use super::*;
+use proptest::prelude::*;
 use std::fs::{self, File};
 
 fn csv(text: &str) -> Result<Table, TableError> {
@@ -105,4 +106,51 @@ fn huge_files_are_refused() {
     File::create(&path).and_then(|file| file.set_len(10_000_000_000)).expect("a sparse file");
     let error = Table::load(&path, &LoadProgress::default()).expect_err("a fault");
     assert_eq!(error.to_string(), "it is larger than 2 GiB");
+}
+
+/// The line of every row, found by counting: rows of two cells between blank lines, with both ends of lines.
+#[test]
+fn lines_are_counted_through_blanks() {
+    let mut random = crate::testing::Random(5);
+    for _ in 0..200 {
+        let (mut text, mut expected, mut line) = (String::from("a,b\n"), Vec::new(), 1);
+        for _ in 0..20 {
+            let end = if random.unit() < 0.5 { "\n" } else { "\r\n" };
+            line += 1;
+            if random.unit() < 0.4 {
+                text += end;
+            } else {
+                text = text + "1,2" + end;
+                expected.push(line);
+            }
+        }
+        match csv(&text) {
+            Ok(table) => assert_eq!(table.lines(), expected, "{text:?}"),
+            Err(_) => assert!(expected.is_empty()),
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_a_table_or_an_error(
+        pieces in prop::collection::vec(prop::sample::select(vec![
+            "t", "x", ",", ";", "\t", "\n", "\r", "\"", "1", "-2.5e3", "nan", "{", "}", "\"t\": ", "[", "\u{0}", "é", " ",
+        ]), 0..40),
+    ) {
+        let text: String = pieces.concat();
+        for format in [TableFormat::Csv, TableFormat::JsonLines] {
+            match Table::read(text.as_bytes(), format) {
+                Ok(table) => {
+                    prop_assert!(table.lines().is_sorted());
+                    prop_assert_eq!(table.lines().len(), table.rows());
+                    for name in table.names().map(str::to_owned).collect::<Vec<_>>() {
+                        prop_assert!(table.column(&name).is_ok_and(|column| column.len() == table.rows())
+                            || table.column(&name).is_err_and(|error| error.line.is_some()));
+                    }
+                }
+                Err(error) => prop_assert!(!error.to_string().is_empty()),
+            }
+        }
+    }
 }
