@@ -1,15 +1,16 @@
-//! Makes the pictures and the meshes in `assets/` that sequences use:
+//! Makes the pictures, the tables and the meshes in `assets/` that sequences use:
 //!
 //! ```text
 //! cargo run --release --example assets
 //! ```
 //!
 //! Everything is computed from formulas and fixed seeds, so that the files are the same on every machine. The
-//! pictures are part of the repository; the meshes, 13 and 22 MB, are not.
+//! pictures and tables are part of the repository; the meshes, 13 and 22 MB, are not.
 
 mod hills;
 mod moon;
 mod paint;
+mod pendulum;
 mod planet;
 mod shell;
 mod sky;
@@ -34,6 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for picture in pictures() {
         write(&picture, &path(&picture.name)?)?;
     }
+    fs::write(path("tables/pendulum.csv")?, pendulum::table())?;
     for (name, parts) in [("meshes/shell.ply", shell::parts()), ("meshes/hills.ply", hills::parts())] {
         ply::write(BufWriter::new(File::create(path(name)?)?), &parts)?;
     }

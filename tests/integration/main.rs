@@ -47,3 +47,4 @@ mod watertight;
 mod mesh_materials;
 mod meshes;
 mod shipped;
+mod turntable;
