@@ -29,6 +29,7 @@ const PICTURES: &[(&str, &[u32], u32)] = &[
     ("room-effects", &[8, 44], 64),
     ("flight", &[70], 1),
     ("cradle", &[7], 256),
+    ("pendulum", &[0, 20, 41], 1),
     ("whitted", &[0], 1),
     ("pressure", &[36], 1),
     ("field-orbit", &[8], 256),

@@ -7,6 +7,7 @@ use kinora::appearance::texture::{ColorEncoding, Image};
 use kinora::base::cancel::Stop;
 use kinora::base::color::Rgb;
 use kinora::base::frame_set::FrameSet;
+use kinora::base::math::Angle;
 use kinora::base::stats::ProgressMeter;
 use kinora::base::time::Rate;
 use kinora::encode::{
@@ -14,8 +15,9 @@ use kinora::encode::{
     FrameKey, Output, Picture, SequenceInfo, Tonemap,
 };
 use kinora::film::Film;
-use kinora::geometry::mesh::{self, TriangleMesh};
+use kinora::geometry::mesh::{self, Center, Preparation, TriangleMesh};
 use kinora::import;
+use kinora::import::table::{Table, TableFormat};
 use kinora::pipeline::schedule::{FilmSink, FrameLoop};
 use kinora::sequence::{Sequence, parse};
 use std::collections::HashSet;
@@ -100,7 +102,33 @@ pub fn vtk(bytes: &[u8]) {
     built(import::vtk::read(bytes));
 }
 
+/// A table; its first byte says in which format.
+pub fn table(bytes: &[u8]) {
+    let Some((format, bytes)) = bytes.split_first() else { return };
+    let format = if format % 2 == 0 { TableFormat::JsonLines } else { TableFormat::Csv };
+    match Table::read(bytes, format) {
+        Ok(table) => {
+            assert_eq!(table.lines().len(), table.rows());
+            assert!(table.lines().is_sorted());
+            for name in table.names() {
+                match table.column(name) {
+                    Ok(values) => assert!(values.iter().all(|value| value.is_finite())),
+                    Err(error) => assert!(error.line.is_some()),
+                }
+            }
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
 fn built(parts: Result<mesh::MeshData, mesh::MeshError>) {
+    if let Ok(parts) = &parts {
+        let preparation =
+            Preparation { center: Center::Bounds, crease: Some(Angle(40.0)), ..Preparation::default() };
+        let mut prepared = parts.clone();
+        preparation.apply(&mut prepared);
+        let _ = TriangleMesh::new(prepared);
+    }
     match parts.and_then(TriangleMesh::new) {
         Ok(mesh) => assert!(!mesh.smooth_normals().is_empty()),
         Err(error) => assert!(!error.to_string().is_empty()),

@@ -1,15 +1,16 @@
-//! Makes the pictures, the data and the meshes in `assets/` that sequences use:
+//! Makes the pictures, the data, the tables and the meshes in `assets/` that sequences use:
 //!
 //! ```text
 //! cargo run --release --example assets
 //! ```
 //!
 //! Everything is computed from formulas and fixed seeds, so that the files are the same on every machine. The
-//! pictures and the data are part of the repository; the meshes, 13 and 22 MB, are not.
+//! pictures, data and tables are part of the repository; the meshes, 13 and 22 MB, are not.
 
 mod hills;
 mod moon;
 mod paint;
+mod pendulum;
 mod planet;
 mod pressure;
 mod shell;
@@ -36,6 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         write(&picture, &path(&picture.name)?)?;
     }
     fs::write(path("data/pressure.vtk")?, pressure::file())?;
+    fs::write(path("tables/pendulum.csv")?, pendulum::table())?;
     for (name, parts) in [("meshes/shell.ply", shell::parts()), ("meshes/hills.ply", hills::parts())] {
         ply::write(BufWriter::new(File::create(path(name)?)?), &parts)?;
     }

@@ -21,6 +21,7 @@ pub fn sequence() -> Sequence {
         aperture: Constant(0.0),
         focus: Focus::Target,
         shutter: Constant(0.0),
+        frame: None,
         path: Vec::new(),
     };
     let light = LightTracks {
@@ -31,6 +32,7 @@ pub fn sequence() -> Sequence {
     };
     Sequence {
         name: "nothing".into(),
+        up: Default::default(),
         timeline: Timeline::of_frames(72, Rate::new(24, 1).expect("a positive rate")),
         output: OutputSettings {
             size: (641, 361),

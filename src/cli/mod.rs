@@ -33,6 +33,7 @@ mod signals;
 mod summary;
 mod terminal;
 mod time_limit;
+mod turntable;
 mod values;
 
 use crate::base::escape;
@@ -59,6 +60,7 @@ enum Command {
     Filmstrip(filmstrip::Arguments),
     Poster(poster::Arguments),
     Assemble(assemble::Arguments),
+    Turntable(turntable::Arguments),
     Check(check::Arguments),
     Plan(plan::Arguments),
     #[cfg(feature = "accuracy")]
@@ -74,6 +76,7 @@ Examples:
   kinora render sequences/hello.ron -o out/turn.mp4  a video for browsers and slides
   kinora filmstrip sequences/hello.ron               several frames in one picture
   kinora poster sequences/hello.ron                  one frame
+  kinora turntable part.stl -o part.gif              one turn around a part, without a sequence file
   kinora check sequences/hello.ron                   report every mistake, render nothing
   kinora plan sequences/light-show.ron               predict the time, the error and the rays
   kinora accuracy sequences/room.ron --quick         measure what accuracy costs in time
@@ -113,6 +116,7 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Filmstrip(arguments) => filmstrip::run(&arguments),
         Command::Poster(arguments) => poster::run(&arguments),
         Command::Assemble(arguments) => assemble::run(&arguments),
+        Command::Turntable(arguments) => turntable::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         #[cfg(feature = "accuracy")]

@@ -3,6 +3,7 @@
 use super::failure::Failure;
 use super::frame_selection::selected_frames;
 use super::loading::LoadingReporter;
+use super::options::RenderOptions;
 use super::outputs::OutputChoice;
 use super::progress::{self, ProgressMode, ProgressReporter};
 use super::settings::Settings;
@@ -149,13 +150,13 @@ fn rendered(arguments: &Arguments) -> Result<(), Failure> {
         time_limit: arguments.limit.time_limit,
     };
     let limit_note = time_limit::apply(&mut sequence, &request, options.quiet)?;
-    let mut done = arguments.with_progress(&sequence, &request)?;
+    let mut done = with_progress(options, &sequence, &request)?;
     done.notes.extend(note);
     done.notes.extend(limit_note);
     if options.draft {
         done.notes.insert(0, draft_note(&sequence));
     }
-    arguments.print(&done, &request.outputs)
+    print(options, &done, &request.outputs)
 }
 
 impl Arguments {
@@ -218,36 +219,38 @@ impl Arguments {
         }
         Ok(())
     }
+}
 
-    /// Renders, and shows the progress.
-    fn with_progress(&self, sequence: &Sequence, request: &Request) -> Result<Summary, Failure> {
-        let options = &self.settings.options;
-        let meter = Arc::new(ProgressMeter::default());
-        let frames = request.frames.len();
-        let reporter = ProgressReporter::new(options.progress, options.quiet, frames);
-        let stop = signals::stop_on_signals();
-        let notify = |notice: Notice| {
-            forecast_text::notice_line(sequence, notice).into_iter().for_each(|line| meter.notice(line))
-        };
-        let render = || render_with_notices(sequence, request, &meter, &stop, &notify);
-        let done = progress::watch(&meter, frames, reporter, render);
-        done.map_err(|error| failure(error, &request.outputs, options.quiet))
-    }
+/// Renders, and shows the progress.
+pub(super) fn with_progress(
+    options: &RenderOptions,
+    sequence: &Sequence,
+    request: &Request,
+) -> Result<Summary, Failure> {
+    let meter = Arc::new(ProgressMeter::default());
+    let frames = request.frames.len();
+    let reporter = ProgressReporter::new(options.progress, options.quiet, frames);
+    let stop = signals::stop_on_signals();
+    let notify = |notice: Notice| {
+        forecast_text::notice_line(sequence, notice).into_iter().for_each(|line| meter.notice(line))
+    };
+    let render = || render_with_notices(sequence, request, &meter, &stop, &notify);
+    let done = progress::watch(&meter, frames, reporter, render);
+    done.map_err(|error| failure(error, &request.outputs, options.quiet))
+}
 
-    /// Prints the summary: on stderr if frames go to the standard output.
-    fn print(&self, done: &Summary, outputs: &[Output]) -> Result<(), Failure> {
-        let options = &self.settings.options;
-        if options.quiet {
-            return Ok(());
-        }
-        let json = options.progress == ProgressMode::Json;
-        let summary = if json { summary::json(done) } else { summary::text(done) };
-        if outputs.iter().any(Output::is_stream) {
-            terminal::eprint_line(&summary);
-            return Ok(());
-        }
-        terminal::print_line(&summary)
+/// Prints the summary: on stderr if frames go to the standard output.
+pub(super) fn print(options: &RenderOptions, done: &Summary, outputs: &[Output]) -> Result<(), Failure> {
+    if options.quiet {
+        return Ok(());
     }
+    let json = options.progress == ProgressMode::Json;
+    let summary = if json { summary::json(done) } else { summary::text(done) };
+    if outputs.iter().any(Output::is_stream) {
+        terminal::eprint_line(&summary);
+        return Ok(());
+    }
+    terminal::print_line(&summary)
 }
 
 /// The failure of a run. If the run was stopped, the message says how to continue, except with `--quiet`.
@@ -291,7 +294,7 @@ impl Arguments {
 }
 
 /// A note with the settings of a draft, so that nobody films it for the final result.
-fn draft_note(sequence: &Sequence) -> String {
+pub(super) fn draft_note(sequence: &Sequence) -> String {
     let (width, height) = sequence.output.size;
     let quality = sequence.quality;
     format!(

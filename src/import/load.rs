@@ -4,7 +4,7 @@ use super::{LoadProgress, obj, ply, stl, vtk};
 use crate::base::escape;
 use crate::base::files::{self, Root};
 use crate::base::machine;
-use crate::geometry::mesh::{MeshData, MeshError, TriangleMesh};
+use crate::geometry::mesh::{MeshData, MeshError, Preparation, TriangleMesh};
 use std::cell::RefCell;
 use std::collections::HashSet;
 use std::io::{self, BufReader, Read};
@@ -30,9 +30,26 @@ pub fn known_format(path: &Path) -> Result<(), MeshError> {
 
 /// Reads the mesh in an OBJ, PLY, STL or VTK file, by its extension. Its material libraries must be in `root`.
 pub fn load(path: &Path, root: &Root, meter: &LoadProgress) -> Result<TriangleMesh, MeshError> {
+    load_prepared(path, root, meter, &Preparation::default())
+}
+
+/// Reads the data of a mesh without building its tree. Everything is as for [`load`].
+pub fn load_data(path: &Path, root: &Root, meter: &LoadProgress) -> Result<MeshData, MeshError> {
     let name = escape::path(path.file_name().unwrap_or(path.as_os_str()));
-    let parts = read(path, root, &name, meter)?;
+    read(path, root, &name, meter)
+}
+
+/// [`load`], with other axes, another origin or unit, or crease normals.
+pub fn load_prepared(
+    path: &Path,
+    root: &Root,
+    meter: &LoadProgress,
+    preparation: &Preparation,
+) -> Result<TriangleMesh, MeshError> {
+    let name = escape::path(path.file_name().unwrap_or(path.as_os_str()));
+    let mut parts = load_data(path, root, meter)?;
     machine::check_memory(parts.triangles.len() as u64 * TRIANGLE_SIZE)?;
+    preparation.apply(&mut parts);
     meter.start(format!("building the tree of {name}"), 0);
     TriangleMesh::new(parts)
 }
@@ -104,9 +121,9 @@ impl Libraries<'_> {
 }
 
 /// Counts the bytes that are read through it.
-struct MeteredRead<'a, R> {
-    input: R,
-    meter: &'a LoadProgress,
+pub(super) struct MeteredRead<'a, R> {
+    pub input: R,
+    pub meter: &'a LoadProgress,
 }
 
 impl<R: Read> Read for MeteredRead<'_, R> {

@@ -104,10 +104,12 @@ out_of_line! {
         }
         while other != 0 {
             let index = indices[other.trailing_zeros() as usize];
-            let same = primitives.eq(F::U32::splat(index)).bits() & other;
-            let found = geometry.primitives[index as usize].surface(ray, at);
-            surface = LaneSurface::select(F::Mask::from_bits(same), found, surface);
-            other &= !same;
+            let same = F::Mask::from_bits(primitives.eq(F::U32::splat(index)).bits() & other);
+            // Parts of other primitives may not exist on this one. Every shape has a part 0.
+            let part = F::U32::select(same, at.part, F::U32::splat(0));
+            let found = geometry.primitives[index as usize].surface(ray, LaneHit { part, ..at });
+            surface = LaneSurface::select(same, found, surface);
+            other &= !same.bits();
         }
         surface
     }

@@ -5,7 +5,7 @@ use super::fault::Fault;
 use super::node::File;
 use super::suggest::shortened;
 use crate::base::time::{Clock, Time, Timeline};
-use crate::camera::path::{CameraPath, Lens, NoCamera, moments};
+use crate::camera::path::{CameraPath, NoCamera, moments};
 use crate::track::Animated;
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -82,7 +82,7 @@ fn check_frame(
     let index = cameras.active.at(timeline.clock(frame).start);
     let camera = &cameras.list.get(index).filter(|_| !done[index])?.value;
     // All moments of a static camera are equal.
-    let still = stands_still(camera);
+    let still = camera.is_still();
     let clocks =
         if still { vec![timeline.clock(frame)] } else { moments(&camera.shutter, steps, timeline, frame) };
     let blind = |clock: &Clock| camera.at(clock, None).err().map(|why| (clock.time, why));
@@ -98,7 +98,7 @@ fn too_many_moments(
     place: Range<usize>,
 ) -> Option<Fault> {
     let opens = |camera: &Named<CameraPath>| {
-        !stands_still(&camera.value) && camera.value.shutter.values().any(|open| *open > 0.0)
+        !camera.value.is_still() && camera.value.shutter.values().any(|open| *open > 0.0)
     };
     let moments = u64::from(timeline.frames) * u64::from(steps);
     if moments <= MAX_MOMENTS || !cameras.list.iter().any(opens) {
@@ -129,15 +129,4 @@ fn fault(name: &str, why: NoCamera, when: &str, place: Range<usize>) -> Fault {
     };
     let title = format!("camera `{}` {title} {when}", shortened(name));
     Fault::new(place, title, format!("{label} {when}")).help(help)
-}
-
-/// Whether all frames of the camera are equal.
-fn stands_still(camera: &CameraPath) -> bool {
-    let CameraPath { position, target, up, roll, lens, path, .. } = camera;
-    let lens = match lens {
-        Lens::Perspective { fov } => fov.is_keyed(),
-        Lens::Orthographic { height } => height.is_keyed(),
-    };
-    let keyed = position.is_keyed() || target.is_keyed() || up.is_keyed() || roll.is_keyed() || lens;
-    !keyed && path.is_empty()
 }

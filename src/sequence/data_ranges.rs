@@ -48,10 +48,12 @@ pub fn resolve(
         }
     };
     materials.iter_mut().for_each(|material| material.value.each_data(&mut { set }));
-    let mut told: Vec<_> =
-        ranges.iter().map(|((source, scale), (range, at))| (*at, told(source, *scale, *range))).collect();
-    told.sort();
-    told.into_iter().for_each(|(at, note)| file.warn(at, note));
+    let mut notes: Vec<_> = ranges
+        .iter()
+        .map(|((source, scale), (range, at))| (*at, described(source, *scale, *range)))
+        .collect();
+    notes.sort();
+    notes.into_iter().for_each(|(at, note)| file.warn(at, note));
 }
 
 /// Notes the range of a shape's data.
@@ -135,7 +137,7 @@ fn missing(key: &ArrayKey, mesh: &TriangleMesh, place: &Range<usize>) -> Fault {
 }
 
 /// A note about a range that was found.
-fn told(source: &DataSource, scale: DataScale, range: Option<[f64; 2]>) -> String {
+fn described(source: &DataSource, scale: DataScale, range: Option<[f64; 2]>) -> String {
     let name = match source {
         DataSource::Coordinate(axis) => ["X", "Y", "Z"][*axis as usize % 3].to_owned(),
         DataSource::Array(ArrayKey { name, component: Component::Whole, .. }) => {
@@ -152,7 +154,7 @@ fn told(source: &DataSource, scale: DataScale, range: Option<[f64; 2]>) -> Strin
     }
 }
 
-/// A number in the fewest digits that tell it from others of its width.
+/// A number in the fewest digits that no other number of its width has.
 fn plain(value: f64) -> String {
     // No sign of 0.
     let value = value + 0.0;

@@ -1,6 +1,6 @@
 //! Decodes the whole file: its sections, and the names that connect them.
 
-use super::camera::{camera, default_camera};
+use super::camera::{ObjectNames, camera, default_camera};
 use super::check::{self, report_blind_cameras};
 use super::colors::color;
 use super::data_ranges;
@@ -21,10 +21,12 @@ use super::quality_fields::quality;
 use super::syntax::EXAMPLE;
 use super::timeline::{still, timeline};
 use super::transform_limits::{TransformPlace, report_out_of_range};
+use super::values::up_axis;
 use super::{Named, Object, Sequence};
 use crate::appearance::light::LightTracks;
 use crate::appearance::material::{MaterialBinding, MaterialTracks};
 use crate::base::color::Rgb;
+use crate::base::math::UpAxis;
 use crate::camera::path::CameraPath;
 use crate::sequence::quality::Quality;
 use crate::track::Animated;
@@ -45,7 +47,9 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
         return None;
     }
     let mut fields = Fields::of(root, "the sequence")?;
-    // First, because it sets the unit of key times.
+    // First, because they set the axes of vectors and the unit of key times.
+    let up = fields.or("up", up_axis, UpAxis::Y);
+    root.file.up.set(up.unwrap_or_default());
     let length = fields.place("timeline");
     let timeline = fields.or("timeline", timeline, still());
     let frames = timeline.map_or(1, |timeline| timeline.frames);
@@ -73,6 +77,7 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     let (timeline, cameras, (materials, objects)) = (timeline?, cameras?, scene?);
     let sequence = Sequence {
         name: name.to_owned(),
+        up: up?,
         timeline,
         output: output?,
         quality: quality?,
@@ -124,8 +129,7 @@ fn cameras(fields: &mut Fields<'_>, objects: Option<&[Named<Object>]>) -> Option
         fields.node().fault(fault.also(there, "the other one is here"));
     }
     let single_place = fields.place("camera");
-    let objects =
-        objects.map(|objects| Names::of("object", objects.iter().map(|object| object.name.as_str())));
+    let objects = objects.map(ObjectNames::new);
     let camera = |node| camera(node, objects.as_ref());
     let single = fields.optional("camera", camera);
     let mut several = Vec::new();

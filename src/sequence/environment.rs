@@ -24,7 +24,7 @@ fn gradient(node: Node<'_>) -> Option<EnvironmentTracks> {
     let mut fields = Fields::of(node, "`Gradient`")?;
     let bottom = fields.or("bottom", keyed(color), Rgb::ONE);
     let top = fields.or("top", keyed(color), Rgb::new(0.5, 0.7, 1.0));
-    let up = fields.or("up", unit_vector, DVec3::Y);
+    let up = fields.or("up", |node| unit_vector(node).map(|up| node.file.up.get().to_y_up(up)), DVec3::Y);
     let sky = bottom.zip(top).zip(up);
     finished(fields, sky.map(|((bottom, top), up)| SkyTracks::Gradient { bottom, top, up }))
 }

@@ -57,17 +57,21 @@ impl<'s> Fields<'s> {
         if let NodeContent::Tuple(items) = node.content()?
             && let [item] = items[..]
         {
-            let entries = vec![(only, Some(item))];
-            return Some(Self {
-                node,
-                what: what.into(),
-                entries,
-                known: Vec::new(),
-                former: Vec::new(),
-                named_in_faults: true,
-            });
+            return Some(Self { node, ..Self::only(item, what, only) });
         }
         Self::of(node, what)
+    }
+
+    /// The fields of a value that stands for its field `only`.
+    pub fn only(node: Node<'s>, what: impl Into<Cow<'static, str>>, only: &'static str) -> Self {
+        Self {
+            node,
+            what: what.into(),
+            entries: vec![(only, Some(node))],
+            known: Vec::new(),
+            former: Vec::new(),
+            named_in_faults: true,
+        }
     }
 
     /// Faults in these fields name the enclosing field instead.

@@ -1,5 +1,6 @@
 //! Decodes animated values: a constant, a list of keys, or a `Track` of keys with settings.
 
+use super::decimal::exact;
 use super::easing::ease;
 use super::fault::Fault;
 use super::fields::Fields;
@@ -38,12 +39,17 @@ fn animated<'s, T: Animate>(node: Node<'s>, value: &impl Fn(Node<'s>) -> Option<
         list = Some(node);
         read_keys(node, value, ease.unwrap_or_default())
     });
-    let repeats = [("Hold", Repeat::Hold), ("Loop", Repeat::Loop), ("PingPong", Repeat::PingPong)];
-    let repeat = fields.or("repeat", |node| word(node, "repeat", &repeats), Repeat::Hold);
+    let repeat = fields.or("repeat", repeat, Repeat::Hold);
     let closed = fields.or("closed", switch, false);
     fields.finish();
     let (keys, _) = (keys?, ease?);
     track(list?, keys, repeat?, closed?)
+}
+
+/// What a track does outside its keys.
+pub fn repeat(node: Node<'_>) -> Option<Repeat> {
+    let repeats = [("Hold", Repeat::Hold), ("Loop", Repeat::Loop), ("PingPong", Repeat::PingPong)];
+    word(node, "repeat", &repeats)
 }
 
 /// The parts of a key that could be decoded, with their places.
@@ -149,15 +155,30 @@ fn report_unsorted<'s>(times: impl Iterator<Item = (Time, Node<'s>)>) -> bool {
 /// A key's time in seconds.
 fn key_time(node: Node<'_>) -> Option<Time> {
     let time = exact_number(node, TIME_PLACES)?;
-    let limit = Time::from_integer(LARGEST_TIME);
-    if time > limit || time < -limit {
+    if !is_allowed(time) {
         node.expected("a time between -1e9 and 1e9");
         return None;
     }
-    Some(match node.file.clock.get() {
+    Some(in_seconds(time, node.file.clock.get()))
+}
+
+/// The time of a row of a table, rounded to 9 decimal places, which decimals with fewer places keep. None beyond the
+/// limits of key times.
+pub fn row_time(value: f64, clock: KeyClock) -> Option<Time> {
+    let time = exact(&format!("{value:.*}", TIME_PLACES as usize), TIME_PLACES).ok()?;
+    is_allowed(time).then(|| in_seconds(time, clock))
+}
+
+fn is_allowed(time: Time) -> bool {
+    let limit = Time::from_integer(LARGEST_TIME);
+    (-limit..=limit).contains(&time)
+}
+
+fn in_seconds(time: Time, clock: KeyClock) -> Time {
+    match clock {
         KeyClock::Seconds => time,
         KeyClock::Frames(rate) => time / rate.per_second(),
-    })
+    }
 }
 
 fn default_ease<T: Animate>() -> Ease {

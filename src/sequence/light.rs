@@ -5,7 +5,7 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
 use super::node::Node;
-use super::values::{angle_between, direction, not_negative, positive, switch, vector};
+use super::values::{angle_between, not_negative, positive, switch, world_direction, world_vector};
 use super::words::variant;
 use crate::appearance::light::{Attenuation, LightKind, LightTracks};
 use crate::base::color::Rgb;
@@ -44,14 +44,14 @@ fn lit<'s>(
 }
 
 fn point(fields: &mut Fields<'_>) -> Option<LightKind> {
-    let position = fields.required("position", keyed(vector));
+    let position = fields.required("position", keyed(world_vector));
     let attenuation = fields.or("attenuation", attenuation, Attenuation::default());
     Some(LightKind::Point { position: position?, attenuation: attenuation? })
 }
 
 fn spot(fields: &mut Fields<'_>) -> Option<LightKind> {
-    let position = fields.required("position", keyed(vector));
-    let target = fields.or("target", keyed(vector), DVec3::ZERO);
+    let position = fields.required("position", keyed(world_vector));
+    let target = fields.or("target", keyed(world_vector), DVec3::ZERO);
     let angle = fields.or("angle", keyed(angle_between(0.0, 360.0)), Angle(45.0));
     let inner_angle = fields.optional("inner_angle", keyed(angle_between(0.0, 360.0)));
     let attenuation = fields.or("attenuation", attenuation, Attenuation::default());
@@ -77,18 +77,18 @@ fn spot(fields: &mut Fields<'_>) -> Option<LightKind> {
 }
 
 fn directional(fields: &mut Fields<'_>) -> Option<LightKind> {
-    Some(LightKind::Directional { direction: fields.required("direction", keyed(direction))? })
+    Some(LightKind::Directional { direction: fields.required("direction", keyed(world_direction))? })
 }
 
 fn sphere(fields: &mut Fields<'_>) -> Option<LightKind> {
-    let center = fields.required("center", keyed(vector));
+    let center = fields.required("center", keyed(world_vector));
     let radius = fields.or("radius", keyed(positive), 1.0);
     Some(LightKind::Sphere { center: center?, radius: radius? })
 }
 
 fn rectangle(fields: &mut Fields<'_>) -> Option<LightKind> {
-    let corner = fields.required("corner", keyed(vector));
-    let (u, v) = (fields.required("u", keyed(vector)), fields.required("v", keyed(vector)));
+    let corner = fields.required("corner", keyed(world_vector));
+    let (u, v) = (fields.required("u", keyed(world_vector)), fields.required("v", keyed(world_vector)));
     let one_sided = fields.or("one_sided", switch, false);
     let (u, v) = (u?, v?);
     if let (Animated::Constant(a), Animated::Constant(b)) = (&u, &v)

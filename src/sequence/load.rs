@@ -52,7 +52,17 @@ pub fn load(path: &Path) -> Result<Sequence, LoadError> {
 /// [`load`] with a meter for another thread to watch, and with files from `root`.
 pub fn load_watched(path: &Path, root: Root, meter: &Arc<LoadProgress>) -> Result<Sequence, LoadError> {
     let text = read(path).map_err(|reason| LoadError::Unreadable { path: path.to_owned(), reason })?;
-    let source = SourceText { name: &path.to_string_lossy(), folder: folder_of(path), root, text: &text };
+    load_text(path, &text, root, meter)
+}
+
+/// Loads a sequence from the text that a file called `path` would have, with files from `root`.
+pub fn load_text(
+    path: &Path,
+    text: &str,
+    root: Root,
+    meter: &Arc<LoadProgress>,
+) -> Result<Sequence, LoadError> {
+    let source = SourceText { name: &path.to_string_lossy(), folder: folder_of(path), root, text };
     source.parse(meter).map_err(|faults| LoadError::Faults(Box::new(faults)))
 }
 
@@ -100,6 +110,7 @@ impl SourceText<'_> {
             Path::new(name).file_stem().map_or_else(|| "sequence".into(), |stem| stem.to_string_lossy());
         let mut file = node::File::new(text, folder, root, is_common);
         file.meshes.meter = Arc::clone(meter);
+        file.tables.meter = Arc::clone(meter);
         let sequence = document::sequence(file.root(), &stem);
         let warnings = file.warnings(name);
         let mut faults = file.into_faults();

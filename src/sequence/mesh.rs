@@ -5,11 +5,11 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::node::{Node, NodeContent};
 use super::suggest::shortened;
-use super::values::{each, list, number, text, tuple, vector, whole};
+use super::values::{angle_between, each, list, number, positive, text, tuple, up_axis, vector, whole};
 use super::words::word;
 use super::{Named, Object, Sequence};
-use crate::base::math::{DVec2, DVec3};
-use crate::geometry::mesh::{self, Corners, MeshData, NO_FILE, Normals};
+use crate::base::math::{Angle, DVec2, DVec3};
+use crate::geometry::mesh::{self, Center, Corners, MeshData, NO_FILE, Normals, Preparation};
 use crate::geometry::shape::{Mesh, Shape};
 use std::collections::HashSet;
 use std::ops::Range;
@@ -27,11 +27,16 @@ pub fn mesh(fields: &mut Fields<'_>) -> Option<Mesh> {
         fields.node().fault(Fault::new(fields.place(first), title, label));
         INLINE.into_iter().for_each(|name| fields.ignore(name));
     }
-    let mesh = fields.required("file", file);
-    let normals = fields.optional("normals", |node| word(node, "kind of normals", KINDS));
+    let preparation = preparation(fields);
+    let normals = fields.optional("normals", |node| shading(node, KINDS));
+    let mesh = fields.required("file", |node| {
+        let crease = normals.flatten().and_then(Shading::crease);
+        file(node, &Preparation { crease, ..preparation.unwrap_or_default() })
+    });
+    preparation?;
     let (mesh, place) = (mesh?, fields.place("normals"));
     let given = if mesh.has_normals() { Normals::File } else { Normals::Flat };
-    let normals = normals?.unwrap_or(given);
+    let normals = normals?.map_or(given, Shading::normals);
     if normals == Normals::File && !mesh.has_normals() {
         let fault = Fault::new(place, "the mesh has no normals of its own", "there are none in the file");
         fields.node().fault(fault.help("`Smooth` computes some; `Flat` needs none"));
@@ -52,8 +57,55 @@ pub fn file_place(node: Node<'_>) -> Range<usize> {
     file.map_or_else(|| node.head(), |file| file.span())
 }
 
-const KINDS: &[(&str, Normals)] =
-    &[("File", Normals::File), ("Smooth", Normals::Smooth), ("Flat", Normals::Flat)];
+/// Kinds of normals as files name them.
+#[derive(Clone, Copy)]
+enum Shading {
+    Kind(Normals),
+    /// Smooth except at creases of more than this angle.
+    Crease(Angle),
+}
+
+impl Shading {
+    fn crease(self) -> Option<Angle> {
+        if let Self::Crease(angle) = self { Some(angle) } else { None }
+    }
+
+    /// Crease normals replace those of the file.
+    fn normals(self) -> Normals {
+        if let Self::Kind(normals) = self { normals } else { Normals::File }
+    }
+}
+
+/// The angle of `Crease` without fields: it keeps chamfers of 45 degrees sharp, and smooths cylinders of twelve sides.
+const CREASE: Angle = Angle(40.0);
+
+const KINDS: &[(&str, Shading)] = &[
+    ("File", Shading::Kind(Normals::File)),
+    ("Smooth", Shading::Kind(Normals::Smooth)),
+    ("Flat", Shading::Kind(Normals::Flat)),
+    ("Crease", Shading::Crease(CREASE)),
+];
+
+/// One of these kinds, or `Crease(angle: 40)`.
+fn shading(node: Node<'_>, kinds: &[(&'static str, Shading)]) -> Option<Shading> {
+    if node.word() != "Crease" {
+        return word(node, "kind of normals", kinds);
+    }
+    let mut fields = Fields::of(node, "`Crease`")?;
+    let angle = fields.or("angle", angle_between(0.0, 180.0), CREASE);
+    fields.finish();
+    angle.map(Shading::Crease)
+}
+
+/// The fields that change the coordinates of a mesh.
+fn preparation(fields: &mut Fields<'_>) -> Option<Preparation> {
+    let own = fields.node().file.up.get();
+    let up = fields.or("up", up_axis, own);
+    let scale = fields.or("scale", positive, 1.0);
+    let centers = &[("Bounds", Center::Bounds), ("Base", Center::Base)];
+    let center = fields.or("center", |node| word(node, "centre", centers), Center::Origin);
+    Some(Preparation { up: (up?, own), center: center?, scale: scale?, crease: None })
+}
 
 /// The fields of an inline mesh, except its normals.
 const INLINE: [&str; 4] = ["vertices", "triangles", "uvs", "colors"];
@@ -67,9 +119,9 @@ fn placed(mesh: Arc<mesh::TriangleMesh>, normals: Normals) -> Mesh {
 }
 
 /// The mesh in the file with the quoted name.
-fn file(node: Node<'_>) -> Option<Arc<mesh::TriangleMesh>> {
+fn file(node: Node<'_>, preparation: &Preparation) -> Option<Arc<mesh::TriangleMesh>> {
     let name = text(node)?;
-    match node.file.meshes.mesh(&name) {
+    match node.file.meshes.mesh(&name, preparation) {
         Ok(mesh) => Some(mesh),
         Err(why) => {
             let title = format!("cannot read the mesh {:?}", shortened(&name));
@@ -85,13 +137,13 @@ fn file(node: Node<'_>) -> Option<Arc<mesh::TriangleMesh>> {
 /// A list of normals, or a kind of normals.
 enum NormalsField {
     Listed(Vec<DVec3>),
-    Kind(Normals),
+    Shading(Shading),
 }
 
 fn inline(fields: &mut Fields<'_>) -> Option<Mesh> {
     if !INLINE.into_iter().any(|name| fields.has(name)) {
         INLINE.into_iter().for_each(|name| fields.ignore(name));
-        fields.ignore("normals");
+        ["normals", "up", "scale", "center"].into_iter().for_each(|name| fields.ignore(name));
         let title = "`Mesh` has no `file`";
         let fault = Fault::new(fields.node().head(), title, "needs a file, or `vertices` and `triangles`");
         fields.node().fault(fault.help("write Mesh(\"name.obj\") for the mesh in a file"));
@@ -100,15 +152,20 @@ fn inline(fields: &mut Fields<'_>) -> Option<Mesh> {
     let vertices = fields.required("vertices", |node| list(node, "points", vector));
     let count = vertices.as_ref().map(Vec::len);
     let triangles = fields.required("triangles", |node| triangles(node, count));
-    let normals = fields.or("normals", |node| normals(node, count), NormalsField::Kind(Normals::Flat));
+    let normals = fields.or(
+        "normals",
+        |node| normals(node, count),
+        NormalsField::Shading(Shading::Kind(Normals::Flat)),
+    );
     let uvs = fields.optional("uvs", |node| per_vertex(node, "texture coordinates", count, uv));
     let colors = fields.optional("colors", |node| per_vertex(node, "colours", count, color));
-    let (kind, listed) = match normals? {
-        NormalsField::Kind(kind) => (kind, None),
-        NormalsField::Listed(listed) => (Normals::File, Some(listed)),
+    let preparation = preparation(fields);
+    let (kind, crease, listed) = match normals? {
+        NormalsField::Shading(shading) => (shading.normals(), shading.crease(), None),
+        NormalsField::Listed(listed) => (Normals::File, None, Some(listed)),
     };
     let as_f32 = |normals: Vec<DVec3>| normals.into_iter().map(|n| n.normalize_or_zero().as_vec3()).collect();
-    let parts = MeshData {
+    let mut parts = MeshData {
         positions: vertices?,
         triangles: triangles?,
         normals: listed.map(|normals| Corners::per_vertex(as_f32(normals))),
@@ -116,6 +173,7 @@ fn inline(fields: &mut Fields<'_>) -> Option<Mesh> {
         colors: colors?.unwrap_or_default(),
         ..MeshData::default()
     };
+    Preparation { crease, ..preparation? }.apply(&mut parts);
     match mesh::TriangleMesh::new(parts) {
         Ok(mesh) => Some(placed(Arc::new(mesh), kind)),
         Err(error) => {
@@ -141,7 +199,7 @@ fn normals(node: Node<'_>, count: Option<usize>) -> Option<NormalsField> {
     if node.opens_with('[') {
         return per_vertex(node, "normals", count, vector).map(NormalsField::Listed);
     }
-    word(node, "kind of normals", &KINDS[1..]).map(NormalsField::Kind)
+    shading(node, &KINDS[1..]).map(NormalsField::Shading)
 }
 
 fn uv(node: Node<'_>) -> Option<DVec2> {

@@ -1,8 +1,8 @@
-//! The mesh files that a sequence names, each read once.
+//! The mesh files that a sequence names, each read once for every preparation of its data.
 
 use super::material_description::MeshMaterials;
 use crate::base::files::{self, Root};
-use crate::geometry::mesh;
+use crate::geometry::mesh::{self, Preparation, PreparationKey};
 use crate::import::{self, LoadProgress};
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -15,7 +15,7 @@ pub struct MeshFiles {
     folder: PathBuf,
     root: Root,
     pub meter: Arc<LoadProgress>,
-    read: RefCell<HashMap<PathBuf, MeshResult>>,
+    read: RefCell<HashMap<(PathBuf, PreparationKey), MeshResult>>,
     /// Materials by the address of their mesh. Keeps the mesh alive, so that no other mesh gets its address.
     materials: RefCell<HashMap<*const mesh::TriangleMesh, (Arc<mesh::TriangleMesh>, MeshMaterials)>>,
 }
@@ -34,13 +34,14 @@ impl MeshFiles {
         }
     }
 
-    /// Reads a file, or returns the result of the first read.
-    pub fn mesh(&self, name: &str) -> MeshResult {
+    /// Reads a file and prepares its data, or returns the result of the first time.
+    pub fn mesh(&self, name: &str, preparation: &Preparation) -> MeshResult {
         import::known_format(Path::new(name)).map_err(|error| error.to_string())?;
         let path = self.root.admit(&self.folder.join(name)).map_err(|error| files::describe(&error))?;
         let mut read = self.read.borrow_mut();
-        let mesh = read.entry(path).or_insert_with_key(|path| {
-            import::load(path, &self.root, &self.meter).map(Arc::new).map_err(|error| error.to_string())
+        let mesh = read.entry((path, preparation.key())).or_insert_with_key(|(path, _)| {
+            let mesh = import::load_prepared(path, &self.root, &self.meter, preparation);
+            mesh.map(Arc::new).map_err(|error| error.to_string())
         });
         mesh.clone()
     }

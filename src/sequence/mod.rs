@@ -10,6 +10,8 @@ mod check;
 mod colors;
 mod data;
 mod data_ranges;
+#[cfg(test)]
+mod data_tests;
 mod decimal;
 mod document;
 mod easing;
@@ -18,6 +20,8 @@ mod fault;
 mod fields;
 mod fog;
 mod formats;
+mod frame;
+mod framing;
 mod image;
 mod image_files;
 mod key_clock;
@@ -39,6 +43,9 @@ mod outline;
 mod output;
 mod paint;
 mod path;
+mod pose_columns;
+mod pose_tracks;
+mod poses;
 pub mod quality;
 mod quality_fields;
 mod transform_limits;
@@ -46,6 +53,7 @@ mod shape;
 mod suggest;
 mod symbols;
 mod syntax;
+mod table_files;
 #[cfg(test)]
 mod tests;
 mod timeline;
@@ -55,7 +63,7 @@ mod words;
 
 pub use fault::Faults;
 pub use layers::LightLayers;
-pub use load::{LoadError, load, load_watched, parse};
+pub use load::{LoadError, load, load_text, load_watched, parse};
 pub use quality_fields::ERRORS;
 #[cfg(feature = "cli")]
 pub(crate) use suggest::{listed, nearest};
@@ -65,6 +73,7 @@ use crate::appearance::fog::FogTracks;
 use crate::appearance::light::LightTracks;
 use crate::appearance::material::{MaterialBinding, MaterialTracks};
 use crate::base::color::Rgb;
+use crate::base::math::UpAxis;
 use crate::base::time::Timeline;
 use crate::camera::path::CameraPath;
 use crate::encode::{Caption, Formats, Output, Tonemap};
@@ -78,6 +87,8 @@ use crate::track::Animated;
 pub struct Sequence {
     /// The file's name without its extension.
     pub name: String,
+    /// The upward axis of the objects' coordinates. Everything else is in axes with y up.
+    pub up: UpAxis,
     pub timeline: Timeline,
     pub output: OutputSettings,
     pub quality: Quality,

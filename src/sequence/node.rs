@@ -10,7 +10,9 @@ use super::mesh_files::MeshFiles;
 use super::outline;
 use super::raw_value::{ContentVisitor, MapVisitor, RawContent};
 use super::suggest::shortened;
+use super::table_files::TableFiles;
 use crate::base::files::Root;
+use crate::base::math::UpAxis;
 use ron::value::RawValue;
 use serde::de::{Deserialize, Deserializer, IgnoredAny};
 use std::cell::{Cell, RefCell};
@@ -26,15 +28,20 @@ pub struct File<'s> {
     /// Warnings, each with its byte in the source.
     warnings: RefCell<Vec<(usize, String)>>,
     pub clock: Cell<KeyClock>,
+    /// The upward axis of the file.
+    pub up: Cell<UpAxis>,
     /// Images named in the file.
     pub images: ImageFiles,
     /// Meshes named in the file.
     pub meshes: MeshFiles,
+    /// Tables named in the file.
+    pub tables: TableFiles,
 }
 
 impl<'s> File<'s> {
     /// The file's own paths are relative to `folder` and must be within `root`.
     pub fn new(source: &'s str, folder: &Path, root: Root, is_common: bool) -> Self {
+        let tables = TableFiles::new(folder, root.clone());
         let (images, meshes) = (ImageFiles::new(folder, root.clone()), MeshFiles::new(folder, root));
         Self {
             source,
@@ -42,8 +49,10 @@ impl<'s> File<'s> {
             faults: RefCell::default(),
             warnings: RefCell::default(),
             clock: Cell::default(),
+            up: Cell::default(),
             images,
             meshes,
+            tables,
         }
     }
 

@@ -5,7 +5,9 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
 use super::node::Node;
-use super::values::{angle, between, direction, field_of_view, list, number, positive, switch, vector};
+use super::values::{
+    angle, between, field_of_view, list, number, positive, switch, world_direction, world_vector,
+};
 use super::words::{Variants, variant};
 use crate::base::math::DVec3;
 use crate::camera::path::{Aim, Dolly, Keys, Orbit, SplinePath, Step, Zoom, ZoomBy};
@@ -27,8 +29,8 @@ fn step(node: Node<'_>) -> Option<Step> {
 
 /// The fields about the viewing direction, which every step has.
 fn aim(fields: &mut Fields<'_>) -> Option<Aim> {
-    let target = fields.optional("target", keyed(vector));
-    let up = fields.optional("up", keyed(direction));
+    let target = fields.optional("target", keyed(world_vector));
+    let up = fields.optional("up", keyed(world_direction));
     let roll = fields.optional("roll", keyed(angle));
     Some(Aim { target: target?, up: up?, roll: roll? })
 }
@@ -36,7 +38,7 @@ fn aim(fields: &mut Fields<'_>) -> Option<Aim> {
 fn orbit(node: Node<'_>) -> Option<Step> {
     let mut fields = Fields::of(node, "`Orbit`")?;
     let aim = aim(&mut fields);
-    let axis = fields.or("axis", direction, DVec3::Y);
+    let axis = fields.or("axis", world_direction, DVec3::Y);
     let radius = fields.optional("radius", keyed(positive));
     let elevation = fields.optional("elevation", keyed(angle));
     // An azimuth replaces the default turn.
@@ -99,7 +101,7 @@ fn dolly(node: Node<'_>) -> Option<Step> {
 fn keys(node: Node<'_>) -> Option<Step> {
     let mut fields = Fields::of(node, "`Keys`")?;
     let aim = aim(&mut fields);
-    let position = fields.optional("position", keyed(vector));
+    let position = fields.optional("position", keyed(world_vector));
     fields.finish();
     Some(Step::Keys(Keys { aim: aim?, position: position? }))
 }
@@ -110,7 +112,7 @@ fn spline(node: Node<'_>) -> Option<Step> {
     let mut place = node;
     let points = fields.required("points", |node| {
         place = node;
-        list(node, "points (x, y, z)", vector)
+        list(node, "points (x, y, z)", world_vector)
     });
     let closed = fields.or("closed", switch, false);
     let look_ahead = fields.or("look_ahead", switch, false);

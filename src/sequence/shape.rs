@@ -30,6 +30,11 @@ struct ShapeFields<'s> {
 }
 
 impl<'s> ShapeFields<'s> {
+    /// A default of axes with y up in the axes of the file: planes lie flat, and cylinders stand.
+    fn upright(&self, default: Option<DVec3>) -> Option<DVec3> {
+        default.map(|v| self.fields.node().file.up.get().from_y_up(v))
+    }
+
     fn value<T>(
         &mut self,
         name: &'static str,
@@ -50,11 +55,11 @@ impl<'s> ShapeFields<'s> {
 
 impl Parameters for ShapeFields<'_> {
     fn vector(&mut self, name: &'static str, default: Option<DVec3>) -> Option<DVec3> {
-        self.value(name, default, vector)
+        self.value(name, self.upright(default), vector)
     }
 
     fn unit_vector(&mut self, name: &'static str, default: Option<DVec3>) -> Option<DVec3> {
-        self.value(name, default, unit_vector)
+        self.value(name, self.upright(default), unit_vector)
     }
 
     fn positive(&mut self, name: &'static str, default: Option<f64>) -> Option<f64> {

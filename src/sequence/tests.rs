@@ -504,10 +504,12 @@ proptest! {
     }
 }
 
-/// Checks that a text has no faults except missing images.
+/// Checks that a text has no faults except missing files.
 fn check_example(text: &str) {
     let faults = parse("example.ron", text).err().map(|faults| faults.to_string()).unwrap_or_default();
-    assert_eq!(faults.matches("error:").count(), faults.matches("cannot read the image").count(), "{faults}");
+    let missing =
+        ["image", "mesh", "table"].map(|what| faults.matches(&format!("cannot read the {what}")).count());
+    assert_eq!(faults.matches("error:").count(), missing.into_iter().sum::<usize>(), "{faults}");
 }
 
 /// All examples of the format's description are valid.

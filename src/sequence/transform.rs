@@ -4,6 +4,7 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
 use super::node::{Node, NodeContent};
+use super::poses::{object_poses, posed};
 use super::values::{angle, direction, each, number, tuple, vector};
 use super::words::{Variants, variant};
 use crate::base::math::{Angle, DQuat, DVec3};
@@ -16,7 +17,21 @@ pub fn transform(fields: &mut Fields<'_>) -> Option<TransformTracks> {
     let rotation = fields.or("rotation", rotation, TransformTracks::default().rotation);
     let scale = fields.or("scale", scale, DVec3::ONE);
     let pivot = fields.or("pivot", vector, DVec3::ZERO);
-    Some(TransformTracks { translation: translation?, rotation: rotation?, scale: scale?, pivot: pivot? })
+    let poses = fields.optional("poses", object_poses);
+    let given =
+        TransformTracks { translation: translation?, rotation: rotation?, scale: scale?, pivot: pivot? };
+    let Some(poses) = poses? else { return Some(given) };
+    let replaced: &[&str] = match &poses.scale {
+        Some(_) => &["translation", "rotation", "scale", "pivot"],
+        None => &["translation", "rotation"],
+    };
+    if let Some(other) = replaced.iter().find(|name| fields.has(name)) {
+        let fault = Fault::new(fields.place(other), format!("`poses` replaces `{other}`"), "one too many");
+        let fault = fault.also(fields.place("poses"), "the place of the object is given here");
+        fields.node().fault(fault.help("to move a posed object further, give it a `Group` as its parent"));
+        return None;
+    }
+    Some(posed(poses, given))
 }
 
 /// One factor, or one for each axis. A constant 0 is refused, because the object would never be visible. Keys may pass

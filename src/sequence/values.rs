@@ -4,7 +4,7 @@ use super::decimal::{NotExact, exact, is_decimal};
 use super::fault::Fault;
 use super::node::{Node, NodeContent};
 use super::words::word;
-use crate::base::math::{Angle, DVec3};
+use crate::base::math::{Angle, DVec3, UpAxis};
 use crate::base::time::Time;
 use std::ops::RangeInclusive;
 
@@ -94,6 +94,11 @@ pub fn between(range: RangeInclusive<f64>) -> impl Fn(Node<'_>) -> Option<f64> {
     }
 }
 
+/// A share of the picture's shorter side that stays free on every side.
+pub fn margin(node: Node<'_>) -> Option<f64> {
+    bounded(node, "a number from 0 to below 0.5", |value| (0.0..0.5).contains(&value))
+}
+
 /// A whole number within bounds.
 pub fn whole(range: RangeInclusive<u32>) -> impl Fn(Node<'_>) -> Option<u32> {
     move |node| {
@@ -171,6 +176,21 @@ pub fn vector(node: Node<'_>) -> Option<DVec3> {
         return None;
     }
     each(tuple(node, "three numbers (x, y, z)")?, number).map(DVec3::from_array)
+}
+
+/// `Y` or `Z`.
+pub fn up_axis(node: Node<'_>) -> Option<UpAxis> {
+    word(node, "upward axis", &[("Y", UpAxis::Y), ("Z", UpAxis::Z)])
+}
+
+/// A point or a difference of points of the world, in Kinora's axes.
+pub fn world_vector(node: Node<'_>) -> Option<DVec3> {
+    vector(node).map(|v| node.file.up.get().to_y_up(v))
+}
+
+/// [`direction`] in Kinora's axes.
+pub fn world_direction(node: Node<'_>) -> Option<DVec3> {
+    direction(node).map(|v| node.file.up.get().to_y_up(v))
 }
 
 /// A vector of nonzero length.

@@ -68,6 +68,11 @@ impl<T: Animate> Track<T> {
         Ok(Self { keys, repeat, closed })
     }
 
+    /// The same track with changed values. The change must keep the times.
+    pub fn map(self, change: impl Fn(Key<T>) -> Key<T>) -> Self {
+        Self { keys: self.keys.into_iter().map(change).collect(), ..self }
+    }
+
     pub fn keys(&self) -> &[Key<T>] {
         &self.keys
     }

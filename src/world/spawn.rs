@@ -8,7 +8,7 @@ use crate::appearance::environment::EnvironmentDistribution;
 use crate::appearance::light::{Light, Source};
 use crate::appearance::light_groups::{GroupRadiance, GroupWeight};
 use crate::base::color::Rgb;
-use crate::base::math::DAffine3;
+use crate::base::math::{DAffine3, UpAxis};
 use crate::film::LayerId;
 use crate::geometry::shape::Shape;
 use crate::sequence::{LightLayers, Object, Sequence};
@@ -118,7 +118,8 @@ fn spawn_materials(world: &mut World, layers: &LightLayers, sequence: &Sequence)
 }
 
 fn spawn_cameras(world: &mut World, sequence: &Sequence) {
-    let cameras = sequence.cameras.iter().map(|camera| world.spawn(camera.value.clone()).id()).collect();
+    let cameras =
+        (0..sequence.cameras.len()).map(|index| world.spawn(sequence.fitted_camera(index)).id()).collect();
     world.insert_resource(ActiveCamera { cameras, index: sequence.active_camera.clone() });
 }
 
@@ -127,11 +128,12 @@ fn spawn_cameras(world: &mut World, sequence: &Sequence) {
 fn spawn_objects(world: &mut World, sequence: &Sequence) {
     let start = sequence.timeline.clock(0).time;
     let (objects, order) = (&sequence.objects, parents_first(sequence));
+    let root = upright_root(sequence.up);
     let still = (Transform(DAffine3::IDENTITY), Visible(true));
     let (mut placed, mut moves) = (vec![still; objects.len()], vec![false; objects.len()]);
     for &index in &order {
         let Object { transform, visible, parent, .. } = &objects[index].value;
-        let outer = parent.map(|parent| placed[parent]);
+        let outer = parent.map(|parent| placed[parent]).or(root);
         placed[index] = animate::placed(transform, visible, outer, start);
         let keyed = transform.is_keyed() || visible.is_keyed();
         moves[index] = keyed || parent.is_some_and(|parent| moves[parent]);
@@ -149,11 +151,17 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
         }
         entities.push(entity.id());
     }
-    let pair = |i: usize| (entities[i], objects[i].value.parent.map(|parent| entities[parent]));
+    let root = root.map(|root| world.spawn(root).id());
+    let pair = |i: usize| (entities[i], objects[i].value.parent.map(|parent| entities[parent]).or(root));
     let hierarchy = order.into_iter().filter(|&index| moves[index]).map(pair).collect();
     world.insert_resource(Hierarchy(hierarchy));
     world.insert_resource(Objects(entities));
     world.insert_resource(SlotCount(slots.0));
+}
+
+/// Where the parent of all objects without one is, if their axes differ from those of the world.
+fn upright_root(up: UpAxis) -> Option<(Transform, Visible)> {
+    (up != UpAxis::Y).then(|| (Transform(DAffine3::from_mat3(up.matrix())), Visible(true)))
 }
 
 /// Indices of all objects, parents before children.

@@ -48,3 +48,4 @@ mod data;
 mod mesh_materials;
 mod meshes;
 mod shipped;
+mod turntable;

@@ -1,6 +1,6 @@
 //! Meshes as scenes see them: closed under any placement, the same from every file format, shaded on the right side.
 
-use crate::support::{Random, geometry, sequence, shoot_all, shoot_extra};
+use crate::support::{Random, geometry, sequence, sequence_in, shoot, shoot_all, shoot_extra};
 use kinora::appearance::material::MaterialBinding;
 use kinora::base::color::Rgb;
 use kinora::base::files::Root;
@@ -372,4 +372,26 @@ fn smooth_mirrors_reflect_by_interpolated_normals() {
         off.len(),
         off.iter().fold(0.0, |a: f64, b| a.max(*b))
     );
+}
+
+/// Rays that hit meshes of different sizes share a row of lanes.
+#[test]
+fn meshes_of_different_sizes_are_seen_together() {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a folder");
+    for (name, subdivisions) in [("small.ply", 0), ("large.ply", 4)] {
+        let file = File::create(folder.path().join(name)).expect("a file");
+        ply::write(file, &generate::icosphere(subdivisions)).expect("a disk");
+    }
+    let seen = |material: &str| {
+        let text = format!(
+            "(output: (size: (64, 64)), quality: (antialias: 1, bounces: 4), ambient: 1, \
+             camera: (position: (0, 0, 9)), materials: {{ \"m\": {material} }}, objects: {{ \
+             \"a\": (shape: Mesh(\"small.ply\"), translation: (0.3, 0, 0), material: \"m\"), \
+             \"b\": (shape: Mesh(\"large.ply\"), translation: (-0.3, 0.4, 0), material: \"m\") }})"
+        );
+        let sequence = sequence_in(folder.path(), &text);
+        shoot(&sequence, [0]).remove(0).film.radiance().filter(|radiance| radiance.x > 0.0).count()
+    };
+    assert!(seen("(ambient: 1)") > 300);
+    assert!(seen("(ambient: 0.3, transparency: 0.5)") > 300);
 }

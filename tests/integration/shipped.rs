@@ -61,6 +61,8 @@ fn shipped_sequences_show_all_features() {
         "Mesh(",
         "Image(",
         "Checker(",
+        "Poses(",
+        "frame: ",
     ] {
         assert!(all.contains(feature), "no sequence shows `{feature}`");
     }

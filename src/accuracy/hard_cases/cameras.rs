@@ -25,6 +25,7 @@ pub fn orbit(orbit: Orbit) -> CameraPath {
         aperture: 0.0.into(),
         focus: Focus::Target,
         shutter: 0.0.into(),
+        frame: None,
         path: vec![Step::Orbit(orbit)],
     }
 }

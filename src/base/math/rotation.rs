@@ -31,6 +31,52 @@ pub fn slerp(a: DQuat, b: DQuat, s: f64) -> DQuat {
     (a * wa + b * wb).normalize()
 }
 
+/// Why a matrix is no rotation and scale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NotRigid {
+    /// A column has no length, or none that a number can hold.
+    Flat,
+    /// Two columns meet at this angle in degrees.
+    Sheared(f64),
+}
+
+/// The error that rounding to four decimal places leaves in the elements of a rotation. Columns whose lengths differ
+/// from 1 by less count as unit vectors, and columns that are perpendicular up to it as perpendicular.
+const ROUNDED: f64 = 1e-4;
+
+/// The rotation and the scale along the axes of an object, R · diag(s), that make up a matrix. The scale of matrices
+/// that mirror is negative along all axes. Of rounded matrices, the rotation is the nearest one.
+///
+/// # Errors
+/// If the matrix shears, or flattens space.
+pub fn rotation_and_scale(matrix: DMat3) -> Result<(DQuat, DVec3), NotRigid> {
+    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+    let lengths = columns.map(DVec3::length);
+    if !lengths.iter().all(|length| (1e-30..=1e30).contains(length)) {
+        return Err(NotRigid::Flat);
+    }
+    let [x, y, z] = [0, 1, 2].map(|axis: usize| columns[axis] / lengths[axis]);
+    let cosines = [x.dot(y), y.dot(z), z.dot(x)];
+    if let Some(cosine) = cosines.into_iter().find(|cosine| cosine.abs() > ROUNDED) {
+        return Err(NotRigid::Sheared(libm::acos(cosine.clamp(-1.0, 1.0)).to_degrees()));
+    }
+    let unit = lengths.iter().all(|length| (length - 1.0).abs() <= ROUNDED);
+    let scale = if unit { DVec3::ONE } else { DVec3::from_array(lengths) };
+    let units = DMat3::from_cols(x, y, z);
+    let sign = if units.determinant() < 0.0 { -1.0 } else { 1.0 };
+    Ok((DQuat::from_mat3(&nearest_rotation(units * sign)).normalize(), scale * sign))
+}
+
+/// The rotation nearest to a matrix that nearly is one: the polar factor, by Newton's iteration, whose error is squared
+/// in every step (Higham 1986).
+fn nearest_rotation(mut matrix: DMat3) -> DMat3 {
+    // From 1e-4 to less than 1e-32.
+    for _ in 0..3 {
+        matrix = (matrix + matrix.inverse().transpose()) * 0.5;
+    }
+    matrix
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -80,5 +126,30 @@ mod tests {
     fn euler_angles_turn_about_x_first() {
         // y goes to z about x, and z stays z about z.
         assert_eq!(euler_xyz(Angle(90.0), Angle(0.0), Angle(90.0)) * DVec3::Y, DVec3::Z);
+    }
+
+    #[test]
+    fn matrices_are_rotations_and_scales() {
+        let turn = DQuat::from_axis_angle(DVec3::new(0.3, -0.5, 0.8).normalize(), 2.0);
+        let matrix = DMat3::from_quat(turn);
+        let near = |found: DQuat| angle_between(found, turn);
+        // Exact up to rounding, with and without mirroring.
+        for scale in [DVec3::ONE, DVec3::new(2.0, 0.5, 3e5), DVec3::splat(-1.0), DVec3::new(-2.0, -2.0, -7.0)]
+        {
+            let (found, factors) = rotation_and_scale(matrix * DMat3::from_diagonal(scale)).expect("rigid");
+            assert!(near(found) < 8.0 * UNIT_ROUNDOFF, "{found}");
+            assert!((factors / scale - DVec3::ONE).abs().max_element() < 8.0 * UNIT_ROUNDOFF, "{factors}");
+        }
+        // Rounded to six places.
+        let rounded = DMat3::from_cols_array(&matrix.to_cols_array().map(|v| (v * 1e6).round() / 1e6));
+        let (found, scale) = rotation_and_scale(rounded).expect("rigid");
+        assert_eq!(scale, DVec3::ONE);
+        assert!(near(found) < 2e-6);
+        assert!((found.length() - 1.0).abs() < 4.0 * UNIT_ROUNDOFF);
+        let sheared = matrix * DMat3::from_cols(DVec3::X, DVec3::new(0.01, 1.0, 0.0), DVec3::Z);
+        assert!(
+            matches!(rotation_and_scale(sheared), Err(NotRigid::Sheared(angle)) if (angle - 89.427).abs() < 1e-3)
+        );
+        assert_eq!(rotation_and_scale(DMat3::from_diagonal(DVec3::new(1.0, 0.0, 1.0))), Err(NotRigid::Flat));
     }
 }

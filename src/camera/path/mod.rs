@@ -4,17 +4,21 @@
 //! before. An orbit and then a zoom give an orbit that zooms.
 
 mod dolly;
+mod frame;
 mod keys;
 mod orbit;
 mod pose;
+mod poses;
 mod shutter;
 mod spline;
 mod zoom;
 
 pub use dolly::Dolly;
+pub use frame::{Fit, Frame, Framed};
 pub use keys::Keys;
 pub use orbit::Orbit;
 pub use pose::{Aim, Pose};
+pub use poses::PosePath;
 pub use shutter::moments;
 pub use spline::SplinePath;
 pub use zoom::{Zoom, ZoomBy};
@@ -38,6 +42,9 @@ pub struct CameraPath {
     pub focus: Focus,
     /// How long the shutter is open, as a share of the time between two frames.
     pub shutter: Animated<f64>,
+    /// What fills the picture, if the camera is fitted to something. Then `position` and `target` give only the
+    /// direction from which the camera looks.
+    pub frame: Option<Frame>,
     pub path: Vec<Step>,
 }
 
@@ -69,6 +76,7 @@ pub enum Step {
     Dolly(Dolly),
     Keys(Keys),
     Spline(SplinePath),
+    Poses(PosePath),
 }
 
 /// Why a moment has no camera.
@@ -113,21 +121,51 @@ impl Step {
             Self::Dolly(dolly) => dolly.apply(pose, clock),
             Self::Keys(keys) => keys.apply(pose, clock),
             Self::Spline(spline) => spline.apply(pose, clock),
+            Self::Poses(poses) => poses.apply(pose, clock),
         }
     }
 }
 
 impl CameraPath {
-    /// The pose after every step of the path.
-    pub fn pose(&self, clock: &Clock) -> Pose {
-        let start = Pose {
+    /// The pose before the path.
+    fn start(&self, clock: &Clock) -> Pose {
+        Pose {
             position: self.position.at(clock.time),
             target: self.target.at(clock.time),
             up: self.up.at(clock.time),
             roll: self.roll.at(clock.time),
             projection: self.lens.at(clock),
-        };
+        }
+    }
+
+    /// The pose after every step of the path.
+    pub fn pose(&self, clock: &Clock) -> Pose {
+        let start = self.start(clock);
+        let start = self.frame.as_ref().and_then(|frame| frame.fit).map_or(start, |fit| fit.apply(start));
         self.path.iter().fold(start, |pose, step| step.apply(pose, clock))
+    }
+
+    /// The direction, orientation and projection for which the camera is fitted: before steps of the path zoom or move
+    /// away.
+    pub fn framed_pose(&self, clock: &Clock) -> Pose {
+        self.path.iter().fold(self.start(clock), |pose, step| match step {
+            Step::Orbit(orbit) => orbit.apply(pose, clock),
+            Step::Zoom(Zoom { aim, .. }) | Step::Dolly(Dolly { aim, .. }) => aim.apply(pose, clock),
+            Step::Keys(keys) => keys.apply(pose, clock),
+            Step::Spline(spline) => spline.apply(pose, clock),
+            Step::Poses(poses) => poses.apply(pose, clock),
+        })
+    }
+
+    /// Whether all moments are equal.
+    pub fn is_still(&self) -> bool {
+        let Self { position, target, up, roll, lens, path, .. } = self;
+        let lens = match lens {
+            Lens::Perspective { fov } => fov.is_keyed(),
+            Lens::Orthographic { height } => height.is_keyed(),
+        };
+        let keyed = position.is_keyed() || target.is_keyed() || up.is_keyed() || roll.is_keyed() || lens;
+        !keyed && path.is_empty()
     }
 
     /// The index of the object in focus, if the camera focuses on one.

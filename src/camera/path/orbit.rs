@@ -144,6 +144,7 @@ mod tests {
             aperture: 0.0.into(),
             focus: Focus::Target,
             shutter: 0.0.into(),
+            frame: None,
             path: vec![Step::Orbit(orbit)],
         }
     }

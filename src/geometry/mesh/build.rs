@@ -50,6 +50,7 @@ impl TriangleMesh {
             arrays,
             digest,
             smooth: OnceLock::new(),
+            outline: OnceLock::new(),
             areas: OnceLock::new(),
         })
     }

@@ -3,11 +3,13 @@
 mod arrays;
 pub(crate) mod build;
 pub(crate) mod corners;
+mod crease;
 mod data;
 mod error;
 pub mod generate;
 mod mtl;
 mod packet;
+mod preparation;
 mod smooth;
 #[cfg(test)]
 mod tests;
@@ -18,6 +20,7 @@ pub use data::{MeshData, NO_MATERIAL};
 pub use error::{MeshError, MeshLocation, NO_FILE};
 pub use mtl::{Map, MtlMaterial};
 pub use packet::{Packet, ShearedRay, ShearedRays};
+pub use preparation::{Center, Preparation, PreparationKey};
 
 use crate::base::color::Rgb;
 use crate::base::digest::{Content, Digest};
@@ -43,6 +46,7 @@ pub struct TriangleMesh {
     /// Number of triangles that were removed because they have no area.
     pub skipped: usize,
     smooth: OnceLock<Vec<Vec3>>,
+    outline: OnceLock<Vec<DVec3>>,
     areas: OnceLock<Vec<f64>>,
     digest: Digest,
 }
@@ -195,6 +199,16 @@ impl TriangleMesh {
     /// The digest of an array.
     pub fn array_digest(&self, key: &ArrayKey) -> Option<Digest> {
         self.arrays.digest(key)
+    }
+
+    /// The vertices of all triangles, each once. Computed at the first call.
+    pub fn outline(&self) -> &[DVec3] {
+        self.outline.get_or_init(|| {
+            let mut used = vec![false; self.data.positions.len()];
+            self.data.triangles.as_flattened().iter().for_each(|&vertex| used[vertex as usize] = true);
+            let used = self.data.positions.iter().zip(used).filter(|(_, used)| *used);
+            used.map(|(position, _)| *position).collect()
+        })
     }
 
     /// The digest of everything except the materials of the file and the data arrays.

@@ -22,13 +22,13 @@ pub fn normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
 }
 
 /// The angle at the first of three corners, in radians. Exact to a few roundings, also for flat angles.
-fn angle((at, p, q): (DVec3, DVec3, DVec3)) -> f64 {
+pub(super) fn angle((at, p, q): (DVec3, DVec3, DVec3)) -> f64 {
     let (u, v) = (p - at, q - at);
     libm::atan2(u.cross(v).length(), u.dot(v))
 }
 
 /// For each position, the index of the first equal one.
-fn first_equal(positions: &[DVec3]) -> Vec<u32> {
+pub(super) fn first_equal(positions: &[DVec3]) -> Vec<u32> {
     let mut first: HashMap<[u64; 3], u32> = HashMap::with_capacity(positions.len());
     let index_of = |(index, position): (u32, &DVec3)| {
         // Adding zero turns -0 into 0.

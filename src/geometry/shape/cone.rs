@@ -22,6 +22,10 @@ macro_rules! forward_to_frustum {
             Some(self.0.bounds())
         }
 
+        fn support(&self, direction: DVec3) -> Option<f64> {
+            Some(self.0.support(direction))
+        }
+
         fn transformed(&self, affine: &DAffine3) -> Option<Self> {
             self.0.transformed(affine).map(Self)
         }

@@ -1,5 +1,6 @@
 //! Flat disks.
 
+use super::frame::circle_support;
 use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, flat};
 use crate::base::digest::Content;
 use crate::base::lanes::{Real, Row, Vec3};
@@ -45,6 +46,10 @@ impl Geometric for Disk {
         let reach = (sines + DVec3::splat(gamma(8).sqrt())) * self.radius;
         let rounding = (self.center.abs() + reach) * gamma(4);
         Some(Aabb { min: self.center - reach, max: self.center + reach }.padded(rounding))
+    }
+
+    fn support(&self, direction: DVec3) -> Option<f64> {
+        Some(self.center.dot(direction) + self.radius * circle_support(self.normal, direction))
     }
 
     /// Only translation is supported. Other maps move the rays.

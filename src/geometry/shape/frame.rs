@@ -14,6 +14,11 @@ pub struct ShapeFrame {
     pub axes: DMat3,
 }
 
+/// The support of a circle of radius 1 around a unit axis, with its centre at the origin.
+pub fn circle_support(axis: DVec3, direction: DVec3) -> f64 {
+    direction.cross(axis).length()
+}
+
 impl ShapeFrame {
     /// The frame at `origin` whose y axis is the unit vector `axis`. If `axis` is +y, the axes are those of the world.
     pub fn along(origin: DVec3, axis: DVec3) -> Self {

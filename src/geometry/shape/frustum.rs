@@ -1,11 +1,11 @@
 //! Frustums, which cylinders and cones share: a straight side around an axis and two flat ends across it.
 
-use super::frame::{ShapeFrame, around, away_from_axis, even_scale, from_axis};
+use super::frame::{ShapeFrame, around, away_from_axis, circle_support, even_scale, from_axis};
 use super::taper::{BOTTOM, Interval, SIDE, TOP, Taper};
 use super::{LaneHit, LaneSurface, RayInterval, exit};
 use crate::base::digest::Content;
 use crate::base::lanes::{Bits, Mask, Real, Row, Select, Vec3, out_of_line};
-use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, cos_sin_of_turns, gamma};
+use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, cos_sin_of_turns, gamma, max};
 use std::f64::consts::PI;
 
 /// A surface around an axis. Its radius changes linearly from the bottom to the top.
@@ -214,6 +214,14 @@ impl Frustum {
         };
         let rounding = self.frame.origin.abs() * gamma(2) + DVec3::splat(self.taper.reach() * gamma(8));
         end(BOTTOM, -1.0).union(end(TOP, 1.0)).padded(rounding)
+    }
+
+    pub fn support(&self, direction: DVec3) -> f64 {
+        let (axis, circle) = (self.frame.axes.y_axis, circle_support(self.frame.axes.y_axis, direction));
+        let end = |part: u32, sign: f64| {
+            sign * self.taper.half * axis.dot(direction) + self.taper.end_radius(part) * circle
+        };
+        self.frame.origin.dot(direction) + max(end(BOTTOM, -1.0), end(TOP, 1.0))
     }
 
     /// A frustum stays one under rotation, mirroring and uniform scaling.

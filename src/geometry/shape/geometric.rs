@@ -4,7 +4,7 @@ use super::{LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, ShapeHit
 use crate::base::color::Rgb;
 use crate::base::digest::Content;
 use crate::base::lanes::{Real, Row, Vec3};
-use crate::base::math::{Aabb, DAffine3, DVec2, DVec3, LaneRay, Ray};
+use crate::base::math::{Aabb, DAffine3, DVec2, DVec3, LaneRay, Ray, max};
 use crate::geometry::bvh::TraversalRay;
 use crate::sampling::LocalFrame;
 
@@ -45,6 +45,12 @@ pub trait Geometric: Clone + PartialEq + Content {
 
     /// The bounds of the shape; none if it is infinite.
     fn bounds(&self) -> Option<Aabb>;
+
+    /// The largest dot product of a point of the shape with a direction; none if the shape is infinite. Shapes that do
+    /// not fill the corners of their bounds implement it.
+    fn support(&self, direction: DVec3) -> Option<f64> {
+        Some(largest_product(self.bounds()?.corners(), direction))
+    }
 
     /// The shape transformed by an affine map. None if the result is not a shape of this class. A mirrored shape keeps
     /// its normals outwards.
@@ -105,6 +111,11 @@ pub trait Geometric: Clone + PartialEq + Content {
             None => F::splat(0.0),
         }
     }
+}
+
+/// The largest dot product of one of the points with a direction.
+pub(super) fn largest_product(points: impl IntoIterator<Item = DVec3>, direction: DVec3) -> f64 {
+    points.into_iter().map(|point| point.dot(direction)).fold(f64::NEG_INFINITY, max)
 }
 
 /// Queries of shapes with a single ray or point.

@@ -25,6 +25,8 @@ mod rectangle;
 mod round_tests;
 mod side_filter;
 mod sphere;
+#[cfg(test)]
+mod support_tests;
 mod surface;
 mod taper;
 mod torus;
@@ -184,6 +186,11 @@ impl Shape {
     /// See [`Geometric::bounds`]; none for groups too.
     pub fn bounds(&self) -> Option<Aabb> {
         each_shape!(self, shape => shape.bounds(), Group => None)
+    }
+
+    /// See [`Geometric::support`]; none for groups too.
+    pub fn support(&self, direction: DVec3) -> Option<f64> {
+        each_shape!(self, shape => shape.support(direction), Group => None)
     }
 
     /// See [`Geometric::uv`].

@@ -1,5 +1,6 @@
 //! Rectangles and parallelograms, watertight at their edges.
 
+use super::geometric::largest_product;
 use super::side_filter::SideFilter;
 use super::triangle::covers;
 use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, flat};
@@ -34,12 +35,12 @@ impl Geometric for Rectangle {
     /// edge have no gap between them.
     #[inline(always)]
     fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
-        let (corner, normal) = (Vec3::splat(self.corner), Vec3::splat(self.u.cross(self.v)));
-        let at = flat::crossing(corner, normal, &ray.ray, within);
+        let normal = Vec3::splat(self.u.cross(self.v));
+        let at = flat::crossing(Vec3::splat(self.corner), normal, &ray.ray, within);
         if !at.is_hit().any() {
             return LaneHit::none();
         }
-        let sides = SideFilter::new(ray, corner, [self.u, self.v]);
+        let sides = SideFilter::new(ray, self.corner, [self.u, self.v]);
         let mut inside = sides.inside;
         if (at.is_hit() & !(inside | sides.outside)).any() {
             inside = covers(&self.corners().map(|corner| ray.sheared(Vec3::splat(corner))));
@@ -54,6 +55,10 @@ impl Geometric for Rectangle {
 
     fn bounds(&self) -> Option<Aabb> {
         Some(Aabb::around(self.corners()))
+    }
+
+    fn support(&self, direction: DVec3) -> Option<f64> {
+        Some(largest_product(self.corners(), direction))
     }
 
     fn transformed(&self, affine: &DAffine3) -> Option<Self> {

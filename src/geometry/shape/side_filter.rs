@@ -24,14 +24,16 @@ impl<F: Real> SideFilter<F> {
     /// the sheared coordinates do not exceed 2R. With the unit roundoff r:
     /// - `covers` rounds sheared coordinates by at most 6rR and its products by 4rR². So an edge function, times the
     ///   longest component of d, is wrong by less than 60rR²·max|d|.
+    /// - Its corners are rounded sums, wrong by at most 2rC with C = max|corner| + max|u| + max|v|. That changes an edge
+    ///   function by less than 16rRC·max|d|.
     /// - Here s × d is wrong by less than 8r·R·max|d| per component, so a·D and b·D by less than 36rR²·max|d|, and so
     ///   is D.
     ///
-    /// 256rR²·max|d| is more than the sum of all. It also keeps the ray inside the box that `covers` requires. Products
+    /// 256rR(R + C)·max|d| is more than the sum of all. It also keeps the ray inside the box that `covers` requires. Products
     /// that underflow are less than 2^-900.
     #[inline(always)]
-    pub fn new(ray: &PreparedRay<F>, corner: Vec3<F>, [u, v]: [DVec3; 2]) -> Self {
-        let (from, direction) = (ray.ray.origin - corner, ray.ray.direction);
+    pub fn new(ray: &PreparedRay<F>, corner: DVec3, [u, v]: [DVec3; 2]) -> Self {
+        let (from, direction) = (ray.ray.origin - Vec3::splat(corner), ray.ray.direction);
         let moment = from.cross(direction);
         let whole = Vec3::<F>::splat(u.cross(v)).dot(direction);
         let (a, b) = (Vec3::splat(-v).dot(moment), Vec3::splat(u).dot(moment));
@@ -40,7 +42,8 @@ impl<F: Real> SideFilter<F> {
         let margin = a.min(b).min(whole - a).min(whole - b);
         let size = u.abs().max_element() + v.abs().max_element();
         let reach = longest(from) + F::splat(size);
-        let rounding = F::splat(256.0 * UNIT_ROUNDOFF) * longest(direction) * (reach * reach);
+        let rounding = reach * (reach + F::splat(corner.abs().max_element() + size));
+        let rounding = F::splat(256.0 * UNIT_ROUNDOFF) * longest(direction) * rounding;
         let rounding = rounding.max(F::splat(SMALLEST));
         Self { inside: rounding.lt(margin), outside: margin.lt(-rounding) }
     }
@@ -82,7 +85,7 @@ mod tests {
             let origin = target + random.direction() * size * power(&mut random, 6.0);
             let direction = (target - origin) * power(&mut random, 4.0);
             let ray = PreparedRay::<f64>::splat(&TraversalRay::new(Ray { origin, direction }));
-            let sides = SideFilter::new(&ray, Vec3::from(corner), [u, v]);
+            let sides = SideFilter::new(&ray, corner, [u, v]);
             let corners = [corner, corner + u, corner + u + v, corner + v];
             let covered = covers(&corners.map(|corner| ray.sheared(Vec3::from(corner))));
             assert!(!sides.inside || covered, "{corner} {u} {v}: {origin} {direction}");
@@ -101,7 +104,7 @@ mod tests {
             let origin = DVec3::new(0.5, 0.5, 2.0) * size;
             let ray = Ray { origin, direction: DVec3::NEG_Z };
             let ray = PreparedRay::<f64>::splat(&TraversalRay::new(ray));
-            let sides = SideFilter::new(&ray, Vec3::splat(DVec3::ZERO), [u, v]);
+            let sides = SideFilter::new(&ray, DVec3::ZERO, [u, v]);
             assert!(!sides.inside && !sides.outside, "{size}");
         }
     }

@@ -48,6 +48,10 @@ impl Geometric for Sphere {
         Some(Aabb { min: self.center - reach, max: self.center + reach }.padded(rounding))
     }
 
+    fn support(&self, direction: DVec3) -> Option<f64> {
+        Some(self.center.dot(direction) + self.radius * direction.length())
+    }
+
     /// A sphere stays one under rotation, mirroring and uniform scaling.
     fn transformed(&self, affine: &DAffine3) -> Option<Self> {
         let scale = even_scale(affine)?;

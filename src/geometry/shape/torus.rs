@@ -1,6 +1,6 @@
 //! Tori.
 
-use super::frame::{ShapeFrame, around, away_from_axis, even_scale, from_axis};
+use super::frame::{ShapeFrame, around, away_from_axis, circle_support, even_scale, from_axis};
 use super::torus_interval::{TorusInterval, TorusRadii};
 use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval};
 use crate::base::digest::Content;
@@ -82,6 +82,12 @@ impl Geometric for Torus {
         let rounding = self.frame.origin.abs() * gamma(2) + reach * gamma(8);
         let center = self.frame.origin;
         Some(Aabb { min: center, max: center }.padded(reach + rounding))
+    }
+
+    fn support(&self, direction: DVec3) -> Option<f64> {
+        let circle = circle_support(self.frame.axes.y_axis, direction);
+        let tube = self.radii.major * circle + self.radii.minor * direction.length();
+        Some(self.frame.origin.dot(direction) + tube)
     }
 
     /// A torus stays one under rotation, mirroring and uniform scaling.

@@ -1,5 +1,6 @@
 //! Flat triangles, watertight at shared edges.
 
+use super::geometric::largest_product;
 use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, flat};
 use crate::base::digest::Content;
 use crate::base::lanes::{Mask, Real, Row, Vec3};
@@ -38,6 +39,10 @@ impl Geometric for Triangle {
 
     fn bounds(&self) -> Option<Aabb> {
         Some(Aabb::around(self.corners))
+    }
+
+    fn support(&self, direction: DVec3) -> Option<f64> {
+        Some(largest_product(self.corners, direction))
     }
 
     fn transformed(&self, affine: &DAffine3) -> Option<Self> {

@@ -8,6 +8,7 @@ use crate::base::lanes::{Level, Mask, Real, Row, Vec3, out_of_line};
 use crate::base::math::{Aabb, DAffine3, DVec2, DVec3, LaneRay};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::mesh::ArrayKey;
+use crate::geometry::shape::geometric::largest_product;
 use crate::geometry::shape::triangle::{TriangleLanes, uniform_weights};
 use crate::geometry::shape::{
     Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, ShapeHit, StoredRays, store_lanes,
@@ -100,6 +101,10 @@ impl Geometric for Mesh {
 
     fn bounds(&self) -> Option<Aabb> {
         Some(self.mesh.bounds())
+    }
+
+    fn support(&self, direction: DVec3) -> Option<f64> {
+        Some(largest_product(self.mesh.outline().iter().copied(), direction))
     }
 
     /// Rays are moved instead, because a moved mesh would need a copy and another tree.

@@ -1,0 +1,205 @@
+//! `kinora turntable`: one turn around the parts in mesh files. It writes a sequence and renders that.
+
+mod parts;
+mod scene;
+
+use super::failure::Failure;
+use super::loading::{self, LoadingReporter};
+use super::settings::Settings;
+use super::time_limit::{self, TimeLimitOption};
+use super::{overrides, render, terminal, values};
+use crate::base::escape;
+use crate::base::files::{self, Root};
+use crate::base::time::Rate;
+use crate::encode::{Existing, Output};
+use crate::pipeline::render::Request;
+use crate::sequence::{Sequence, load_text};
+use clap::{Args, ValueEnum};
+use parts::Part;
+use scene::Scene;
+use std::fs::OpenOptions;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Render one turn of a part, or of several parts together, from mesh files.
+#[derive(Args, Debug, PartialEq)]
+#[command(after_help = AFTER_HELP)]
+pub struct Arguments {
+    /// The parts: .stl, .obj or .ply files, which share their coordinates
+    #[arg(required = true, value_name = "PART")]
+    parts: Vec<PathBuf>,
+
+    /// File to write; repeat for several files [default: output/PART.gif]
+    ///
+    /// As for `kinora render`: .gif, .mp4, .apng, .webp, or one picture per frame: f_####.png.
+    #[arg(short, long, value_name = "FILE", value_parser = values::output())]
+    output: Vec<Output>,
+
+    /// Also write the sequence that is rendered, to edit it and go on with `kinora render`
+    #[arg(long, value_name = "FILE")]
+    write: Option<PathBuf>,
+
+    /// Number of frames of the turn
+    #[arg(long, value_name = "N", default_value = "60", value_parser = values::between(1, MAX_FRAMES))]
+    frames: u32,
+
+    /// The axis of the files that points up: y or z [default: z for .stl, y for others]
+    #[arg(long, value_enum, value_name = "AXIS")]
+    up: Option<Up>,
+
+    #[command(flatten)]
+    settings: Settings,
+
+    #[command(flatten)]
+    limit: TimeLimitOption,
+}
+
+/// An upward axis of files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Up {
+    Y,
+    Z,
+}
+
+/// The largest number of frames of a sequence.
+const MAX_FRAMES: u32 = 10_000_000;
+
+/// The size of the pictures, unless options say otherwise.
+const SIZE: (u32, u32) = (640, 480);
+
+/// 20 frames per second: GIFs show them exactly, and a turn of 60 frames takes 3 s.
+fn default_rate() -> Rate {
+    Rate::new(20, 1).unwrap_or_default()
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  kinora turntable part.stl -o part.gif
+  kinora turntable body.stl lid.stl -o box.mp4 -s 1280x720 --frames 120 -r 30
+  kinora turntable scan.ply --up z -o scan.gif
+  kinora turntable part.stl --write part.ron         the sequence, to change light, colours and camera
+
+The camera is fitted to the parts. Parts without colours of their own get some. All options of
+`kinora render` that change pictures apply.";
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let options = &arguments.settings.options;
+    let (sequence, note) = arguments.sequence()?;
+    let mut sequence = overrides::apply(sequence, &arguments.settings.overrides()).map_err(Failure::Bad)?;
+    let outputs = sequence.output.files.clone();
+    terminal::check_stream(&outputs)?;
+    let request = Request {
+        outputs,
+        confined: arguments.output.is_empty(),
+        existing: Existing::Keep,
+        frames: (0..sequence.timeline.frames).collect(),
+        threads: options.threads,
+        reuse: arguments.settings.reuse(),
+        time_limit: arguments.limit.time_limit,
+    };
+    let limit_note = time_limit::apply(&mut sequence, &request, options.quiet)?;
+    let mut done = render::with_progress(options, &sequence, &request)?;
+    done.notes.extend(note);
+    done.notes.extend(limit_note);
+    if options.draft {
+        done.notes.insert(0, render::draft_note(&sequence));
+    }
+    render::print(options, &done, &request.outputs)
+}
+
+impl Arguments {
+    /// Writes and loads the sequence. Returns a note about it, if there is something to say.
+    fn sequence(&self) -> Result<(Sequence, Option<String>), Failure> {
+        let options = &self.settings.options;
+        // The user names all files, so they may be anywhere.
+        let root = Root::anywhere();
+        let meter = Arc::default();
+        let path = self.path()?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let reporter = || LoadingReporter::new(options.progress, options.quiet);
+        let parts = loading::watch(&meter, reporter(), || self.parts(folder, &root, &meter))?;
+        let text = Scene {
+            parts: &parts,
+            files: &self.files(&path)?,
+            frames: self.frames,
+            rate: options.fps.unwrap_or_else(default_rate),
+            size: options.size.unwrap_or(SIZE),
+        }
+        .text();
+        let load = || load_text(&path, &text, root.clone(), &meter);
+        let sequence = loading::watch(&meter, reporter(), load);
+        let sequence = sequence.map_err(|error| Failure::Faults(error.render(terminal::color())))?;
+        if self.write.is_none() {
+            return Ok((sequence, None));
+        }
+        write_new(&path, &text)?;
+        let inside = Root::of(folder);
+        let outside = root.admitted().iter().any(|file| inside.admit(file).is_err());
+        let name = escape::path(&path);
+        let allow = if outside { " --allow-outside" } else { "" };
+        Ok((
+            sequence,
+            Some(format!("{name} is the sequence; `kinora render {name}{allow}` renders it again")),
+        ))
+    }
+
+    /// The path of the sequence, whether it is written or not.
+    fn path(&self) -> Result<PathBuf, Failure> {
+        let Some(path) = &self.write else {
+            let stem = self.parts[0].file_stem().unwrap_or_default();
+            return Ok(Path::new(stem).with_extension("ron"));
+        };
+        if path.extension().is_none_or(|extension| extension != "ron") {
+            return Err(Failure::Bad(format!(
+                "--write: a sequence is a .ron file, not {}",
+                escape::path(path)
+            )));
+        }
+        match path.try_exists() {
+            Ok(true) => Err(exists(path)),
+            _ => Ok(path.clone()),
+        }
+    }
+
+    fn parts(
+        &self,
+        folder: &Path,
+        root: &Root,
+        meter: &crate::import::LoadProgress,
+    ) -> Result<Vec<Part>, Failure> {
+        let part = |file: &PathBuf| {
+            let from = if self.write.is_some() { Some(folder) } else { None };
+            let part = Part::load(file, from, self.up, root, meter);
+            part.map_err(|why| Failure::Bad(format!("cannot read {}: {why}", escape::path(file))))
+        };
+        self.parts.iter().map(part).collect()
+    }
+
+    /// The files of the turn.
+    fn files(&self, path: &Path) -> Result<Vec<String>, Failure> {
+        if self.output.is_empty() {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy().replace(['#', '%'], "_");
+            return Ok(vec![format!("output/{stem}.gif")]);
+        }
+        let name = |output: &Output| match output.name().to_str() {
+            Some(name) => Ok(name.to_owned()),
+            None => Err(Failure::Bad(format!("the name {output} is not UTF-8 text, as sequences need"))),
+        };
+        self.output.iter().map(name).collect()
+    }
+}
+
+/// Writes a file that must not exist.
+fn write_new(path: &Path, text: &str) -> Result<(), Failure> {
+    let file = OpenOptions::new().write(true).create_new(true).open(path);
+    file.and_then(|mut file| file.write_all(text.as_bytes())).map_err(|error| match error.kind() {
+        std::io::ErrorKind::AlreadyExists => exists(path),
+        _ => Failure::Bad(format!("cannot write {}: {}", escape::path(path), files::describe(&error))),
+    })
+}
+
+fn exists(path: &Path) -> Failure {
+    let name = escape::path(path);
+    Failure::Bad(format!("--write: {name} exists already, and may have changes; choose another name"))
+}

@@ -1,0 +1,66 @@
+//! Errors of tables.
+
+use crate::base::files;
+use std::fmt;
+use std::io;
+
+/// Why a table cannot be used, with the place in its file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TableError {
+    /// Counted from 1.
+    pub line: Option<u64>,
+    pub column: Option<String>,
+    /// What is wrong, and what would be right.
+    pub why: String,
+}
+
+/// A cell without a finite number.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct BadCell {
+    pub line: u64,
+    /// The quoted content.
+    pub found: String,
+}
+
+impl TableError {
+    /// An error of the whole file.
+    pub fn new(why: impl Into<String>) -> Self {
+        Self { line: None, column: None, why: why.into() }
+    }
+
+    pub fn at_line(line: u64, why: impl Into<String>) -> Self {
+        Self { line: Some(line), ..Self::new(why) }
+    }
+
+    pub(super) fn no_column<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Self {
+        const MOST: usize = 24;
+        let mut names: Vec<_> = known.map(|name| format!("{name:?}")).collect();
+        if names.len() > MOST {
+            let more = names.len() - MOST;
+            names.truncate(MOST);
+            names.push(format!("{more} more"));
+        }
+        Self::new(format!("it has no column {name:?}; its columns are {}", names.join(", ")))
+    }
+}
+
+impl From<io::Error> for TableError {
+    fn from(error: io::Error) -> Self {
+        Self::new(files::describe(&error))
+    }
+}
+
+impl fmt::Display for TableError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(line) = self.line {
+            write!(f, "line {line}")?;
+            if let Some(column) = &self.column {
+                write!(f, ", column {column:?}")?;
+            }
+            f.write_str(": ")?;
+        }
+        f.write_str(&self.why)
+    }
+}
+
+impl std::error::Error for TableError {}

@@ -1,0 +1,144 @@
+//! Which columns of a table hold poses: named by the file, or found by their usual names.
+
+use super::fault::Fault;
+use super::fields::Fields;
+use super::node::Node;
+use super::values::{each, list, text, tuple};
+use super::words::{Variants, variant, word};
+use crate::import::table::{Table, TableError};
+use std::ops::Range;
+
+/// A column, and where the file names it.
+#[derive(Clone)]
+pub struct ColumnName {
+    pub name: String,
+    pub place: Range<usize>,
+}
+
+/// The columns of orientations.
+pub enum RotationColumns {
+    /// w, x, y and z.
+    Quaternion([ColumnName; 4]),
+    Matrix {
+        columns: Vec<ColumnName>,
+        order: MatrixOrder,
+    },
+}
+
+/// The order of the columns of a matrix for column vectors, whose translation is its last column.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum MatrixOrder {
+    /// One row after the other.
+    Row,
+    /// One column after the other. This is also the order of a matrix for row vectors, one row after the other.
+    Column,
+}
+
+/// The columns of poses.
+pub struct PoseColumns {
+    pub time: ColumnName,
+    pub position: Option<[ColumnName; 3]>,
+    pub rotation: Option<RotationColumns>,
+}
+
+/// The numbers of columns of matrices: rotations, and affine maps without and with the last row.
+const MATRIX_SIZES: [usize; 3] = [9, 12, 16];
+
+/// Usual names, in the order in which they are looked for.
+const TIMES: [&str; 2] = ["t", "time"];
+const POSITIONS: [[&str; 3]; 3] = [["x", "y", "z"], ["px", "py", "pz"], ["tx", "ty", "tz"]];
+const QUATERNION: [&str; 4] = ["qw", "qx", "qy", "qz"];
+
+/// The names m00 to m33, row after row.
+fn matrix_names() -> impl Iterator<Item = String> {
+    (0..4).flat_map(|row| (0..4).map(move |column| format!("m{row}{column}")))
+}
+
+impl ColumnName {
+    pub fn values<'t>(&self, table: &'t Table) -> Result<&'t [f64], TableError> {
+        table.column(&self.name)
+    }
+}
+
+/// Reads the names of columns. Those that the file does not name have their usual names.
+pub fn columns(fields: &mut Fields<'_>, table: &Table, place: &Range<usize>) -> Option<PoseColumns> {
+    let usual = |name: &str| ColumnName { name: name.to_owned(), place: place.clone() };
+    let time = fields.optional("time", column);
+    let position = fields.optional("position", |node| each(tuple(node, "three names of columns")?, column));
+    let rotation = fields.optional("rotation", rotation);
+    let (time, position, rotation) = (time?, position?, rotation?);
+    let own_translation =
+        matches!(&rotation, Some(RotationColumns::Matrix { columns, .. }) if columns.len() > 9);
+    if own_translation && position.is_some() {
+        let title = "a matrix of 12 or 16 columns holds the position";
+        fields.node().fault(Fault::new(fields.place("position"), title, "one too many"));
+        return None;
+    }
+    let has_all = |names: &[&str]| names.iter().all(|name| table.has(name));
+    let time = time.or_else(|| TIMES.into_iter().find(|name| table.has(name)).map(usual));
+    let rotation = rotation.or_else(|| {
+        if has_all(&QUATERNION) {
+            return Some(RotationColumns::Quaternion(QUATERNION.map(usual)));
+        }
+        let all = position.is_none() && matrix_names().all(|name| table.has(&name));
+        let columns = || matrix_names().map(|name| usual(&name)).collect();
+        all.then(|| RotationColumns::Matrix { columns: columns(), order: MatrixOrder::Row })
+    });
+    let own_translation =
+        matches!(&rotation, Some(RotationColumns::Matrix { columns, .. }) if columns.len() > 9);
+    let position = position.or_else(|| {
+        let known = POSITIONS.into_iter().find(|names| has_all(names)).filter(|_| !own_translation)?;
+        Some(known.map(usual))
+    });
+    let Some(time) = time else {
+        report_missing(fields, table, place, "no column of times `t` or `time`", "`time: \"name\"`");
+        return None;
+    };
+    if position.is_none() && rotation.is_none() {
+        let what = "no columns `x`, `y`, `z`, no `qw`, `qx`, `qy`, `qz`, and no `m00` to `m33`";
+        report_missing(fields, table, place, what, "`position: (\"name\", ...)` and `rotation`");
+        return None;
+    }
+    Some(PoseColumns { time, position, rotation })
+}
+
+fn report_missing(fields: &Fields<'_>, table: &Table, place: &Range<usize>, what: &str, write: &str) {
+    let names = super::suggest::listed(table.names());
+    let help = format!("its columns are {names}; write Poses(file: ...) with {write}");
+    let fault = Fault::new(place.clone(), "this table has no poses that Kinora recognises", what);
+    fields.node().fault(fault.help(help));
+}
+
+fn column(node: Node<'_>) -> Option<ColumnName> {
+    text(node).map(|name| ColumnName { name, place: node.span() })
+}
+
+fn rotation(node: Node<'_>) -> Option<RotationColumns> {
+    let table: &Variants<'_, RotationColumns> = &[("Quaternion", quaternion), ("Matrix", matrix)];
+    variant(node, "rotation of poses", table)
+}
+
+fn quaternion(node: Node<'_>) -> Option<RotationColumns> {
+    let mut fields = Fields::of(node, "`Quaternion`")?;
+    let names = ["w", "x", "y", "z"].map(|name| fields.required(name, column));
+    fields.finish();
+    let [w, x, y, z] = names;
+    Some(RotationColumns::Quaternion([w?, x?, y?, z?]))
+}
+
+fn matrix(node: Node<'_>) -> Option<RotationColumns> {
+    let mut fields = Fields::of(node, "`Matrix`")?;
+    let columns = fields.required("columns", |node| {
+        let columns = list(node, "names of columns", column)?;
+        if MATRIX_SIZES.contains(&columns.len()) {
+            return Some(columns);
+        }
+        let fault = Fault::expected(node.span(), "9, 12 or 16 names", format!("found {}", columns.len()));
+        node.fault(fault.help("a rotation has 9, an affine map 12, or 16 with its last row or column"));
+        None
+    });
+    let orders = [("Row", MatrixOrder::Row), ("Column", MatrixOrder::Column)];
+    let order = fields.required("order", |node| word(node, "order", &orders));
+    fields.finish();
+    Some(RotationColumns::Matrix { columns: columns?, order: order? })
+}

@@ -1,0 +1,206 @@
+//! Rows of a table as keys of positions, rotations and scales.
+
+use super::key_clock::KeyClock;
+use super::keys::row_time;
+use super::pose_columns::{ColumnName, MatrixOrder, PoseColumns, RotationColumns};
+use super::values::LARGEST;
+use crate::base::math::{DMat3, DQuat, DVec3, NotRigid, rotation_and_scale};
+use crate::base::time::Time;
+use crate::import::table::{Table, TableError};
+use crate::track::{Animate, Animated, Ease, Key, Repeat, Track};
+use std::ops::Range;
+
+/// Maximum number of poses, as of keys in one list.
+const MOST_ROWS: usize = 1_000_000;
+
+/// Poses over time. Tracks without columns are constant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseTracks {
+    pub position: Animated<DVec3>,
+    pub rotation: Animated<DQuat>,
+    /// None if the table holds no scale other than 1.
+    pub scale: Option<Animated<DVec3>>,
+}
+
+/// How keys are connected.
+#[derive(Clone, Copy)]
+pub struct Interpolation {
+    pub ease: Ease,
+    pub repeat: Repeat,
+}
+
+/// Why a table holds no poses: the place in the sequence file, and the fault.
+pub type PoseFault = (Range<usize>, TableError);
+
+/// One row's rotation, position and scale.
+struct Row {
+    rotation: DQuat,
+    position: Option<DVec3>,
+    scale: DVec3,
+}
+
+/// Makes tracks of a table's rows.
+pub fn tracks(
+    table: &Table,
+    columns: &PoseColumns,
+    how: Interpolation,
+    clock: KeyClock,
+) -> Result<PoseTracks, PoseFault> {
+    let times = times(table, &columns.time, clock)?;
+    let position = columns.position.as_ref().map(|names| vectors(table, names)).transpose()?;
+    let rows = columns.rotation.as_ref().map(|rotation| rows(table, rotation)).transpose()?;
+    let position = position.or_else(|| rows.as_ref()?.iter().map(|row| row.position).collect());
+    // Quaternions take every easing except `CatmullRom`.
+    let turns = if how.ease == Ease::CatmullRom { Ease::Linear } else { how.ease };
+    let scales = rows.iter().flatten().any(|row| row.scale != DVec3::ONE);
+    let scale = rows.as_ref().filter(|_| scales).map(|rows| rows.iter().map(|row| row.scale).collect());
+    let rotation = rows.map(|rows| rows.into_iter().map(|row| row.rotation).collect());
+    let track_of = |ease| Tracks { times: &times, ease, repeat: how.repeat };
+    Ok(PoseTracks {
+        position: track_of(how.ease).through(position.unwrap_or_default(), DVec3::ZERO),
+        rotation: track_of(turns).through(rotation.unwrap_or_default(), DQuat::IDENTITY),
+        scale: scale.map(|scale| track_of(how.ease).through(scale, DVec3::ONE)),
+    })
+}
+
+/// What the tracks of one table share.
+struct Tracks<'a> {
+    times: &'a [Time],
+    ease: Ease,
+    repeat: Repeat,
+}
+
+impl Tracks<'_> {
+    /// A track through values, or a constant if nothing changes. Without values it is `otherwise`.
+    fn through<T: Animate>(&self, values: Vec<T>, otherwise: T) -> Animated<T> {
+        let first = values.first().cloned().unwrap_or(otherwise);
+        if values.iter().all(|value| *value == first) {
+            return Animated::Constant(first);
+        }
+        let key = |(time, value): (&Time, T)| Key { time: *time, value, ease: self.ease };
+        let keys = self.times.iter().zip(values).map(key).collect();
+        // Times have been checked, so there is a track.
+        Track::new(keys, self.repeat, false).map_or(Animated::Constant(first), Animated::Keyed)
+    }
+}
+
+fn at_row(table: &Table, row: usize, column: &ColumnName, why: String) -> PoseFault {
+    let error = TableError { line: Some(table.lines()[row]), column: Some(column.name.clone()), why };
+    (column.place.clone(), error)
+}
+
+fn values<'t>(table: &'t Table, column: &ColumnName) -> Result<&'t [f64], PoseFault> {
+    column.values(table).map_err(|error| (column.place.clone(), error))
+}
+
+/// Ascending times.
+fn times(table: &Table, column: &ColumnName, clock: KeyClock) -> Result<Vec<Time>, PoseFault> {
+    if table.rows() > MOST_ROWS {
+        let why = format!("it has {} rows; {MOST_ROWS} poses are the most", table.rows());
+        return Err((column.place.clone(), TableError::new(why)));
+    }
+    let mut times: Vec<Time> = Vec::with_capacity(table.rows());
+    for (row, value) in values(table, column)?.iter().enumerate() {
+        let time = row_time(*value, clock).ok_or_else(|| {
+            at_row(table, row, column, format!("expected a time between -1e9 and 1e9, found {value}"))
+        })?;
+        if times.last().is_some_and(|last| time <= *last) {
+            let before = table.lines()[row - 1];
+            let why = format!("times must ascend, but {value} is not after the time of line {before}");
+            return Err(at_row(table, row, column, why));
+        }
+        times.push(time);
+    }
+    Ok(times)
+}
+
+fn vectors(table: &Table, names: &[ColumnName; 3]) -> Result<Vec<DVec3>, PoseFault> {
+    let mut vectors = vec![DVec3::ZERO; table.rows()];
+    for (axis, name) in names.iter().enumerate() {
+        for (row, value) in values(table, name)?.iter().enumerate() {
+            if value.abs() > LARGEST {
+                let why = format!("expected a number between -1e30 and 1e30, found {value:e}");
+                return Err(at_row(table, row, name, why));
+            }
+            vectors[row][axis] = *value;
+        }
+    }
+    Ok(vectors)
+}
+
+fn rows(table: &Table, rotation: &RotationColumns) -> Result<Vec<Row>, PoseFault> {
+    match rotation {
+        RotationColumns::Quaternion(names) => quaternions(table, names),
+        RotationColumns::Matrix { columns, order } => matrices(table, columns, *order),
+    }
+}
+
+fn quaternions(table: &Table, names: &[ColumnName; 4]) -> Result<Vec<Row>, PoseFault> {
+    let [w, x, y, z] = [0, 1, 2, 3].map(|at: usize| values(table, &names[at]));
+    let (w, x, y, z) = (w?, x?, y?, z?);
+    let row = |row: usize| {
+        let parts = [x[row], y[row], z[row], w[row]];
+        let largest = parts.iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
+        if largest == 0.0 {
+            let why = "the quaternion is zero, which is no rotation".to_owned();
+            return Err(at_row(table, row, &names[0], why));
+        }
+        // Scaled first, so that the length neither underflows nor overflows.
+        let rotation = DQuat::from_array(parts.map(|part| part / largest)).normalize();
+        Ok(Row { rotation, position: None, scale: DVec3::ONE })
+    };
+    (0..table.rows()).map(row).collect()
+}
+
+fn matrices(table: &Table, names: &[ColumnName], order: MatrixOrder) -> Result<Vec<Row>, PoseFault> {
+    let columns = names.iter().map(|name| values(table, name)).collect::<Result<Vec<_>, _>>()?;
+    // Elements of the matrix by row and column. A matrix of twelve columns is written without its last row.
+    let width = if names.len() == 9 { 3 } else { 4 };
+    let height = if names.len() == 16 { 4 } else { 3 };
+    let at = |row: usize, r: usize, c: usize| match order {
+        MatrixOrder::Row => columns[r * width + c][row],
+        MatrixOrder::Column => columns[c * height + r][row],
+    };
+    let mut mirrored = None;
+    let row = |row: usize| {
+        let fault = |why: String| at_row(table, row, &names[0], why);
+        if height == 4 {
+            let last = [0, 1, 2, 3].map(|c| at(row, 3, c));
+            if last != [0.0, 0.0, 0.0, 1.0] {
+                let other = if order == MatrixOrder::Row { "Column" } else { "Row" };
+                let why = format!(
+                    "the last row of the matrix is {last:?}, not [0, 0, 0, 1]; is its order {other}?"
+                );
+                return Err(fault(why));
+            }
+        }
+        let vector = |c: usize| DVec3::new(at(row, 0, c), at(row, 1, c), at(row, 2, c));
+        let (rotation, scale) = rotation_and_scale(DMat3::from_cols(vector(0), vector(1), vector(2)))
+            .map_err(|why| fault(explained(why)))?;
+        if *mirrored.get_or_insert(scale.x < 0.0) != (scale.x < 0.0) {
+            let why =
+                "the matrix mirrors, unlike those before; no motion leads from one to the other".to_owned();
+            let other =
+                "the matrix does not mirror, unlike those before; no motion leads from one to the other";
+            return Err(fault(if scale.x < 0.0 { why } else { other.to_owned() }));
+        }
+        let position = (width == 4).then(|| vector(3));
+        if position.is_some_and(|position| position.abs().max_element() > LARGEST) {
+            return Err(fault("the translation of the matrix is beyond 1e30".to_owned()));
+        }
+        Ok(Row { rotation, position, scale })
+    };
+    (0..table.rows()).map(row).collect()
+}
+
+fn explained(why: NotRigid) -> String {
+    match why {
+        NotRigid::Flat => {
+            "the matrix flattens space: one of its columns has no length, or a length beyond 1e30".to_owned()
+        }
+        NotRigid::Sheared(degrees) => format!(
+            "the matrix shears: two of its columns meet at {degrees:.4} degrees, not at 90; only rotations, scales along \
+             the object's axes and translations are poses"
+        ),
+    }
+}

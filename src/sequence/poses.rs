@@ -1,0 +1,125 @@
+//! Decodes `poses`: positions and orientations from a table, for objects and cameras.
+
+use super::easing::ease;
+use super::fault::Fault;
+use super::fields::Fields;
+use super::keys::repeat;
+use super::node::Node;
+use super::pose_columns::columns;
+use super::pose_tracks::{Interpolation, PoseTracks, tracks};
+use super::suggest::shortened;
+use super::values::text;
+use super::words::word;
+use crate::base::math::{DQuat, UpAxis};
+use crate::camera::path::PosePath;
+use crate::geometry::mesh::NO_FILE;
+use crate::geometry::transform::{Rotation, TransformTracks};
+use crate::import::table::Table;
+use crate::track::{Animate, Animated, Ease, Key, Repeat};
+use std::rc::Rc;
+
+/// Which way a camera looks in its own axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ViewAxes {
+    /// Along -z, with y up.
+    OpenGl,
+    /// Along z, with y down.
+    OpenCv,
+}
+
+/// The poses of an object: a file's name, or `Poses(...)`.
+pub fn object_poses(node: Node<'_>) -> Option<PoseTracks> {
+    poses(node, |_| Some(())).map(|(tracks, ())| tracks)
+}
+
+/// The transform of an object with poses. Its other fields apply before.
+pub fn posed(poses: PoseTracks, given: TransformTracks) -> TransformTracks {
+    let scale = poses.scale.unwrap_or(given.scale);
+    let rotation = Rotation::Quaternion(poses.rotation);
+    TransformTracks { translation: poses.position, rotation, scale, pivot: given.pivot }
+}
+
+/// The poses of a camera.
+pub fn camera_poses(node: Node<'_>) -> Option<PosePath> {
+    let axes = [("OpenGl", ViewAxes::OpenGl), ("OpenCv", ViewAxes::OpenCv)];
+    let axes =
+        |fields: &mut Fields<'_>| fields.or("axes", |node| word(node, "axes", &axes), ViewAxes::OpenGl);
+    let (tracks, axes) = poses(node, axes)?;
+    if tracks.scale.is_some() {
+        let title = "the poses of a camera have no scale";
+        let fault = Fault::new(node.span(), title, "the columns of its matrices have other lengths than 1");
+        node.fault(fault.help("the projection decides how large things appear"));
+        return None;
+    }
+    let up = node.file.up.get();
+    // Half a turn about x.
+    let view = if axes == ViewAxes::OpenCv { DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0) } else { DQuat::IDENTITY };
+    let world = if up == UpAxis::Z { DQuat::from_mat3(&up.matrix()) } else { DQuat::IDENTITY };
+    let rotation = mapped(tracks.rotation, |rotation| world * rotation * view);
+    Some(PosePath { position: mapped(tracks.position, |position| up.to_y_up(position)), rotation })
+}
+
+/// The same track with other values.
+fn mapped<T: Animate>(track: Animated<T>, change: impl Fn(T) -> T) -> Animated<T> {
+    match track {
+        Animated::Constant(value) => Animated::Constant(change(value)),
+        Animated::Keyed(track) => {
+            let changed = |Key { time, value, ease }| Key { time, value: change(value), ease };
+            Animated::Keyed(track.map(changed))
+        }
+    }
+}
+
+/// Decodes poses, and the fields that only this kind of poses has.
+fn poses<'s, T>(node: Node<'s>, more: impl Fn(&mut Fields<'s>) -> Option<T>) -> Option<(PoseTracks, T)> {
+    if !node.is_text() && node.word() != "Poses" {
+        node.expected("the name of a table in quotes, or Poses(file: \"name.csv\", ...)");
+        return None;
+    }
+    // The text alone stands for all fields with their defaults.
+    let mut fields = if node.is_text() {
+        Fields::only(node, "`Poses`", "file")
+    } else {
+        Fields::of_or_only(node, "`Poses`", "file")?
+    };
+    let mut place = node.span();
+    let mut name = String::new();
+    let table = fields.required("file", |node| {
+        place = node.span();
+        name = text(node)?;
+        table(node, &name)
+    });
+    let ease = fields.or("ease", ease, Ease::Linear);
+    let repeat = fields.or("repeat", repeat, Repeat::Hold);
+    let more = more(&mut fields);
+    let Some(table) = table else {
+        ["time", "position", "rotation"].into_iter().for_each(|name| fields.ignore(name));
+        fields.finish();
+        return None;
+    };
+    let columns = columns(&mut fields, &table, &place);
+    fields.finish();
+    let (columns, how) = (columns?, Interpolation { ease: ease?, repeat: repeat? });
+    match tracks(&table, &columns, how, node.file.clock.get()) {
+        Ok(tracks) => Some((tracks, more?)),
+        Err((place, error)) => {
+            let title = format!("cannot use the poses in {:?}", shortened(&name));
+            node.fault(Fault::new(place, title, error.to_string()));
+            None
+        }
+    }
+}
+
+/// The table in the file with the quoted name.
+fn table(node: Node<'_>, name: &str) -> Option<Rc<Table>> {
+    match node.file.tables.table(name) {
+        Ok(table) => Some(table),
+        Err(why) => {
+            let missing = why == NO_FILE;
+            let fault = Fault::new(node.span(), format!("cannot read the table {:?}", shortened(name)), why);
+            let help = "paths of tables are relative to the folder of the sequence file";
+            node.fault(if missing { fault.help(help) } else { fault });
+            None
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! `kinora turntable`, and sequences with tables, as users run them.
+
+use crate::command::{contents, kinora, refused};
+use kinora::geometry::mesh::generate;
+use kinora::import::{obj, ply};
+use std::fs::{self, File};
+use std::path::Path;
+use tempfile::TempDir;
+
+/// A folder with a part in `parts/`, far from the origin.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    fs::create_dir(folder.path().join("parts")).expect("the folder is writable");
+    let mut part = generate::icosphere(2);
+    let far = kinora::base::math::DVec3::new(1e5, 1e5, 0.0);
+    part.positions.iter_mut().for_each(|position| *position = *position * 20.0 + far);
+    let file = |name: &str| File::create(folder.path().join("parts").join(name)).expect("a file");
+    ply::write(file("ball.ply"), &part).expect("a disk");
+    obj::write(file("ball.obj"), &part).expect("a disk");
+    folder
+}
+
+/// The bytes of a frame, without its metadata.
+fn picture(folder: &Path, name: &str) -> image::RgbImage {
+    image::open(folder.join(name)).expect("a frame").into_rgb8()
+}
+
+const SMALL: [&str; 4] = ["-s", "64x48", "--antialias", "1"];
+
+#[test]
+fn the_written_sequence_gives_the_same_frames() {
+    let folder = folder();
+    let at = folder.path();
+    let turn = ["turntable", "parts/ball.ply", "--frames", "4", "--write", "turns/t.ron", "-o", "a_#.png"];
+    // A folder `assets` makes `turns` the root of the sequence, so that the part is outside of it.
+    fs::create_dir_all(at.join("turns/assets")).expect("a disk");
+    let told = kinora(at, &[&turn[..], &SMALL].concat());
+    assert!(told.contains("`kinora render turns/t.ron --allow-outside` renders it again"), "{told}");
+    let text = fs::read_to_string(at.join("turns/t.ron")).expect("a sequence");
+    assert!(
+        text.contains("\"../parts/ball.ply\"") && text.contains("timeline: (frames: 4, fps: \"20\""),
+        "{text}"
+    );
+    kinora(at, &[&["render", "turns/t.ron", "--allow-outside", "-o", "b_#.png"], &SMALL[..]].concat());
+    let files = contents(at);
+    for frame in 0..4 {
+        assert_eq!(files[&format!("a_{frame}.png")], files[&format!("b_{frame}.png")], "frame {frame}");
+    }
+    // A ball is in the middle, up to the margins. Its colour is bluer than the ground's.
+    let still = picture(at, "a_0.png");
+    let is_part = |y: &u32| {
+        let [red, _, blue] = still.get_pixel(32, *y).0;
+        blue > red.saturating_add(8)
+    };
+    let column: Vec<u32> = (0..48).filter(is_part).collect();
+    // A tenth of 48 pixels is free above it; below, its bluish shadow begins.
+    assert!(column.len() > 30 && column.first().is_some_and(|y| (4..=6).contains(y)), "{column:?}");
+}
+
+#[test]
+fn several_parts_are_one_turn() {
+    let folder = folder();
+    kinora(
+        folder.path(),
+        &[&["turntable", "parts/ball.ply", "parts/ball.obj", "--frames", "2", "-o", "a.gif"], &SMALL[..]]
+            .concat(),
+    );
+    assert!(folder.path().join("a.gif").is_file());
+    // Without a file, there is a usual one.
+    kinora(
+        folder.path(),
+        &[&["turntable", "parts/ball.obj", "--frames", "2", "--up", "z"], &SMALL[..]].concat(),
+    );
+    assert!(folder.path().join("output/ball.gif").is_file());
+}
+
+#[test]
+fn mistakes_are_refused() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("bad.obj"), "v 0 0 zero\n").expect("a disk");
+    fs::write(at.join("there.ron"), "()").expect("a disk");
+    let has = |words: &[&str], part: &str| {
+        let message = refused(at, &[&["turntable"], words].concat());
+        assert!(message.contains(part), "{message}");
+    };
+    has(&["none.stl"], "cannot read none.stl: there is no such file");
+    has(&["part.step"], "cannot read part.step: meshes are read from");
+    has(&["bad.obj"], "cannot read bad.obj: line 1: expected three numbers");
+    has(&["parts/ball.ply", "--write", "there.ron"], "there.ron exists already");
+    has(&["parts/ball.ply", "--write", "a.txt"], "a sequence is a .ron file");
+    has(&["parts/ball.ply", "--frames", "0"], "--frames");
+    assert_eq!(fs::read_to_string(at.join("there.ron")).expect("a file"), "()");
+    assert!(!at.join("output").exists());
+}
+
+/// A changed table changes the frames that are kept, and the fingerprint of jobs.
+#[test]
+fn tables_are_part_of_what_is_rendered() {
+    let folder = folder();
+    let at = folder.path();
+    let sequence = "(timeline: (frames: 2, fps: 1), output: (size: (16, 12)), \
+                    objects: { \"a\": (shape: Sphere(), material: (ambient: 1), poses: \"poses.csv\") })";
+    fs::write(at.join("a.ron"), sequence).expect("a disk");
+    let table =
+        |x: f64| fs::write(at.join("poses.csv"), format!("t,x,y,z\n0,0,0,0\n1,{x},0,0\n")).expect("a disk");
+    table(1.0);
+    let render = ["render", "a.ron", "-o", "f_#.png"];
+    assert!(kinora(at, &render).contains("frames  2"));
+    let before = contents(at);
+    table(2.0);
+    kinora(at, &render);
+    let after = contents(at);
+    assert_eq!(before["f_0.png"], after["f_0.png"]);
+    assert_ne!(before["f_1.png"], after["f_1.png"]);
+    kinora(at, &["farm", "export", "shell", "a.ron", "-o", "f_#.png"]);
+    table(3.0);
+    let message = refused(at, &[&render[..], &["--expect", &expected(at)]].concat());
+    assert!(message.contains("poses.csv has changed"), "{message}");
+}
+
+/// The fingerprint that a job expects.
+fn expected(folder: &Path) -> String {
+    let texts = contents(folder).into_values().filter_map(|bytes| String::from_utf8(bytes).ok());
+    let all: String = texts.collect();
+    let (_, rest) = all.split_once("--expect").expect("a fingerprint");
+    let rest = rest.trim_start_matches(['=', ' ', '\'', '"']);
+    rest.split([' ', '\'', '"', '\n']).next().unwrap_or_default().to_owned()
+}
