@@ -28,6 +28,7 @@ mod material;
 mod material_description;
 mod mesh;
 mod mesh_files;
+mod motion;
 mod mtl;
 mod names;
 mod node;
@@ -54,6 +55,7 @@ mod words;
 pub use fault::Faults;
 pub use layers::LightLayers;
 pub use load::{LoadError, load, load_watched, parse};
+pub use motion::UnknownObject;
 pub use quality_fields::ERRORS;
 #[cfg(feature = "cli")]
 pub(crate) use suggest::{listed, nearest};

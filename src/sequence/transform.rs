@@ -16,7 +16,8 @@ pub fn transform(fields: &mut Fields<'_>) -> Option<TransformTracks> {
     let rotation = fields.or("rotation", rotation, TransformTracks::default().rotation);
     let scale = fields.or("scale", scale, DVec3::ONE);
     let pivot = fields.or("pivot", vector, DVec3::ZERO);
-    Some(TransformTracks { translation: translation?, rotation: rotation?, scale: scale?, pivot: pivot? })
+    let (translation, rotation, scale, pivot) = (translation?, rotation?, scale?, pivot?);
+    Some(TransformTracks { translation, rotation, scale, pivot, motion: None })
 }
 
 /// One factor, or one for each axis. A constant 0 is refused, because the object would never be visible. Keys may pass
