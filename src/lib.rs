@@ -90,4 +90,4 @@ mod testing;
 pub use base::stats::ProgressMeter;
 pub use encode::{Existing, Output};
 pub use pipeline::render::{RenderError, Request, Reuse, Summary, render};
-pub use sequence::{Faults, LoadError, Sequence, load, parse};
+pub use sequence::{Faults, LoadError, Sequence, UnknownObject, load, parse};

@@ -6,5 +6,6 @@
 
 pub mod bvh;
 pub mod mesh;
+pub mod motion;
 pub mod shape;
 pub mod transform;

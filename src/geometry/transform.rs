@@ -2,11 +2,12 @@
 
 use crate::base::math::{Angle, DAffine3, DMat3, DQuat, DVec3, axis_angle, euler_xyz};
 use crate::base::time::Time;
+use crate::geometry::motion::Motion;
 use crate::track::Animated;
 use bevy_ecs::component::Component;
 
 /// Translation, rotation and scale over time. A point p goes to
-/// translation + pivot + R(scale · (p - pivot)).
+/// translation + pivot + R(scale · (p - pivot)). If a program moves the object, p is moved first.
 #[derive(Clone, Component, Debug, PartialEq)]
 pub struct TransformTracks {
     pub translation: Animated<DVec3>,
@@ -14,6 +15,8 @@ pub struct TransformTracks {
     pub scale: Animated<DVec3>,
     /// The fixed point of rotation and scale.
     pub pivot: DVec3,
+    /// What a program does besides keys.
+    pub motion: Option<Motion>,
 }
 
 /// A rotation over time.
@@ -34,6 +37,7 @@ impl Default for TransformTracks {
             rotation: Rotation::Quaternion(DQuat::IDENTITY.into()),
             scale: DVec3::ONE.into(),
             pivot: DVec3::ZERO,
+            motion: None,
         }
     }
 }
@@ -61,10 +65,10 @@ impl Rotation {
 }
 
 impl TransformTracks {
-    /// Whether any part has keys.
+    /// Whether the transform may change over time.
     pub fn is_keyed(&self) -> bool {
-        let Self { translation, rotation, scale, pivot: _ } = self;
-        translation.is_keyed() || rotation.is_keyed() || scale.is_keyed()
+        let Self { translation, rotation, scale, pivot: _, motion } = self;
+        translation.is_keyed() || rotation.is_keyed() || scale.is_keyed() || motion.is_some()
     }
 
     /// The map from the object to its parent. A scale of 0 along any axis gives a singular map, which hides the
@@ -74,7 +78,9 @@ impl TransformTracks {
         let translation = self.translation.at(time);
         let matrix = rotation * DMat3::from_diagonal(scale);
         // The identity maps the pivot to itself exactly, so pure translations stay exact.
-        DAffine3::from_mat3_translation(matrix, translation + (self.pivot - matrix * self.pivot))
+        let placed =
+            DAffine3::from_mat3_translation(matrix, translation + (self.pivot - matrix * self.pivot));
+        self.motion.as_ref().map_or(placed, |motion| placed * motion.at(time))
     }
 }
 
@@ -89,6 +95,7 @@ mod tests {
             rotation: Rotation::AxisAngle { axis: DVec3::Z.into(), angle: Angle(90.0).into() },
             scale: DVec3::new(2.0, 1.0, 1.0).into(),
             pivot: DVec3::X,
+            motion: None,
         };
         let affine = tracks.at(Time::from_integer(0));
         assert_eq!(affine.transform_point3(DVec3::X), DVec3::new(1.0, 0.0, 5.0));

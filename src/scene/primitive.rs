@@ -376,7 +376,18 @@ fn transformed<F: Real>(affine: &DAffine3, point: Vec3<F>) -> Vec3<F> {
 
 /// The inverse of an affine map, refined once. None if the map is singular or not finite.
 pub(super) fn inverse(affine: &DAffine3) -> Option<DAffine3> {
-    let m = affine.matrix3;
+    let matrix3 = inverse_matrix(affine.matrix3)?;
+    let inverse = DAffine3 { matrix3, translation: -(matrix3 * affine.translation) };
+    inverse.is_finite().then_some(inverse)
+}
+
+/// The inverse of a matrix, refined once. None if it is singular or not finite.
+fn inverse_matrix(m: DMat3) -> Option<DMat3> {
+    let bits = |m: &DMat3| m.to_cols_array().map(f64::to_bits);
+    // Most objects are only moved. A negative zero is left to the general case, which may keep it.
+    if bits(&m) == bits(&DMat3::IDENTITY) {
+        return Some(m);
+    }
     let determinant = m.determinant();
     if determinant == 0.0 || !determinant.is_finite() {
         return None;
@@ -395,9 +406,7 @@ pub(super) fn inverse(affine: &DAffine3) -> Option<DAffine3> {
         left(first.y_axis, DVec3::Y),
         left(first.z_axis, DVec3::Z),
     );
-    let matrix3 = first + first * left;
-    let inverse = DAffine3 { matrix3, translation: -(matrix3 * affine.translation) };
-    inverse.is_finite().then_some(inverse)
+    Some(first + first * left)
 }
 
 pub(super) fn abs(affine: &DAffine3) -> DAffine3 {

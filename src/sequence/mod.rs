@@ -34,6 +34,7 @@ mod material;
 mod material_description;
 mod mesh;
 mod mesh_files;
+mod motion;
 mod mtl;
 mod names;
 mod node;
@@ -64,6 +65,7 @@ mod words;
 pub use fault::Faults;
 pub use layers::LightLayers;
 pub use load::{LoadError, load, load_text, load_watched, parse};
+pub use motion::UnknownObject;
 pub use quality_fields::ERRORS;
 #[cfg(feature = "cli")]
 pub(crate) use suggest::{listed, nearest};

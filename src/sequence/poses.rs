@@ -36,7 +36,7 @@ pub fn object_poses(node: Node<'_>) -> Option<PoseTracks> {
 pub fn posed(poses: PoseTracks, given: TransformTracks) -> TransformTracks {
     let scale = poses.scale.unwrap_or(given.scale);
     let rotation = Rotation::Quaternion(poses.rotation);
-    TransformTracks { translation: poses.position, rotation, scale, pivot: given.pivot }
+    TransformTracks { translation: poses.position, rotation, scale, ..given }
 }
 
 /// The poses of a camera.

@@ -18,8 +18,8 @@ pub fn transform(fields: &mut Fields<'_>) -> Option<TransformTracks> {
     let scale = fields.or("scale", scale, DVec3::ONE);
     let pivot = fields.or("pivot", vector, DVec3::ZERO);
     let poses = fields.optional("poses", object_poses);
-    let given =
-        TransformTracks { translation: translation?, rotation: rotation?, scale: scale?, pivot: pivot? };
+    let (translation, rotation, scale, pivot) = (translation?, rotation?, scale?, pivot?);
+    let given = TransformTracks { translation, rotation, scale, pivot, motion: None };
     let Some(poses) = poses? else { return Some(given) };
     let replaced: &[&str] = match &poses.scale {
         Some(_) => &["translation", "rotation", "scale", "pivot"],

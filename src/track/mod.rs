@@ -101,9 +101,12 @@ impl<T: Animate> Track<T> {
 
     /// Maps `time` into the time span of the keys according to `repeat`. Exact, because times are rational.
     fn folded(&self, time: Time) -> Time {
+        if self.repeat == Repeat::Hold {
+            return time;
+        }
         let (first, last) = (self.keys[0].time, self.keys[self.keys.len() - 1].time);
         let span = last - first;
-        if self.repeat == Repeat::Hold || span == Time::from_integer(0) {
+        if span == Time::from_integer(0) {
             return time;
         }
         let turns = ((time - first) / span).floor();

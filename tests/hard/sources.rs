@@ -121,12 +121,14 @@ fn rays_start_on_surfaces_in_one_place() {
 /// none are listed with what they are.
 #[test]
 fn the_kernel_has_no_tolerances() {
-    const KNOWN: [(&str, &str); 5] = [
+    const KNOWN: [(&str, &str); 7] = [
         ("geometry/bvh/tree_space.rs", "reach.clamp(1e-300, 1e300)"), // what has a reciprocal
         ("geometry/bvh/build/bins.rs", "const CLOSEST: f32 = 1e-30;"), // which split, not what is hit
         ("geometry/bvh/build/bounds.rs", "const LENGTH: f32 = 1e-12;"), // likewise
-        ("base/math/elementary.rs", "const FRAC_PI_4_REST: f64 ="),   // digits of a constant
-        ("base/math/elementary.rs", "const LN_2_REST: f64 ="),        // likewise
+        ("base/math/rotation.rs", "const ROUNDED: f64 = 1e-4;"),      // of matrices in files
+        ("base/math/rotation.rs", "(1e-30..=1e30)"), // likewise: lengths whose squares are numbers
+        ("base/math/elementary.rs", "const FRAC_PI_4_REST: f64 ="), // digits of a constant
+        ("base/math/elementary.rs", "const LN_2_REST: f64 ="), // likewise
     ];
     const NAMED: [&str; 5] = ["eps", "tolerance", "fudge", "bias", "slop"];
     let small = |line: &str| {

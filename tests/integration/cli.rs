@@ -230,8 +230,9 @@ fn options_of_other_commands_are_explained() {
     let run = kinora(&["filmstrip", "a.ron", "--time-limit", "5s"]);
     assert_eq!(run.code, Some(2));
     assert!(
-        run.stderr
-            .contains("--time-limit is an option of `kinora render`, `kinora poster` and `kinora assemble`"),
+        run.stderr.contains(
+            "--time-limit is an option of `kinora render`, `kinora poster`, `kinora assemble` and `kinora turntable`"
+        ),
         "{}",
         run.stderr
     );

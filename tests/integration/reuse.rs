@@ -310,6 +310,55 @@ fn a_ball_that_turns_in_itself_needs_no_update() {
     same(&shown, &alone(&sequence, &frames).0, "turning");
 }
 
+/// A program may move objects. Plans, films that several frames share, frames in any order and the recognition of
+/// existing frames work as with keys, because they compare what is seen.
+#[test]
+fn programs_move_objects() {
+    let text = |keys: &str| {
+        sequence(&format!(
+            r#"(timeline: (frames: 8, fps: 4), output: (size: (16, 12)), quality: (antialias: 1),
+            camera: (position: (0, 0, 5), shutter: [(0, 0, Step), (1, 1)]),
+            objects: {{ "arm": (shape: Group, {keys}), "ball": (shape: Sphere(), parent: "arm"),
+                "floor": (shape: Box(min: (-1, -3, -1), max: (1, -2, 1))) }})"#
+        ))
+    };
+    // To and fro along x, by halves and quarters: exact in both.
+    let keyed = text("translation: [(0, (0, 1, 0)), (1, (1, 1, 0)), (2, (0, 1, 0))]");
+    let mut driven = text("translation: (0, 1, 0)");
+    let sway = |from: f64| {
+        move |time: f64| translated([if time < 1.0 { time } else { 2.0 - time } + from, 0.0, 0.0])
+    };
+    driven.drive("arm", sway(0.0)).expect("the arm");
+    let frames: Vec<u32> = (0..8).collect();
+    let (shown, tally, plan) = planned(&driven, &frames, u64::MAX);
+    same(&shown, &alone(&driven, &frames).0, "driven");
+    same(&shown, &alone(&keyed, &frames).0, "keyed");
+    assert_eq!(tally.bvh_builds + tally.bvh_refits, plan.bvh_updates());
+    assert_eq!(evaluate(&driven, &frames), evaluate(&keyed, &frames));
+
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    let run = |sequence: &Sequence| {
+        let outputs = vec![Output::parse(folder.path().join("##.png")).expect("an output")];
+        render(sequence, &Request::new(sequence, outputs), &Arc::default()).expect("a run").kept
+    };
+    assert_eq!((run(&driven), run(&driven), run(&keyed)), (0, 8, 8));
+    driven.drive("arm", sway(0.5)).expect("the arm");
+    assert_eq!(run(&driven), 0, "another motion");
+    driven
+        .drive("arm", |time| translated([if time < 1.0 { 0.0 } else { f64::NAN }, 0.0, 0.0]))
+        .expect("the arm");
+    let gone = alone(&driven, &[7]).0;
+    let without = alone(&text("visible: false"), &[7]).0;
+    same(&gone, &without, "what is not finite is hidden");
+    let unknown = driven.drive("arn", sway(0.0)).expect_err("no such object");
+    assert_eq!(unknown.to_string(), "the sequence has no object `arn`; did you mean `arm`?");
+}
+
+/// The map that adds a vector.
+fn translated(by: [f64; 3]) -> [[f64; 3]; 4] {
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], by]
+}
+
 /// If an error is to be reached, a pilot finds how many samples that takes.
 #[test]
 fn plans_forecast_the_samples_of_an_error() {
