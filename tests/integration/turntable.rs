@@ -74,6 +74,20 @@ fn several_parts_are_one_turn() {
     assert!(folder.path().join("output/ball.gif").is_file());
 }
 
+/// The command line may name files anywhere, a sequence only those below the working directory.
+#[test]
+fn files_may_be_anywhere() {
+    let folder = folder();
+    let (at, work) = (folder.path(), folder.path().join("parts"));
+    let absolute = at.join("a.gif").to_string_lossy().into_owned();
+    let turn =
+        ["turntable", "ball.ply", "--frames", "2", "--write", "t.ron", "-o", &absolute, "-o", "../b.gif"];
+    kinora(&work, &[&turn[..], &SMALL].concat());
+    assert!(at.join("a.gif").is_file() && at.join("b.gif").is_file());
+    let text = fs::read_to_string(work.join("t.ron")).expect("a sequence");
+    assert!(text.contains("files: [\"output/t.gif\"]"), "{text}");
+}
+
 #[test]
 fn mistakes_are_refused() {
     let folder = folder();

@@ -19,7 +19,7 @@ use parts::Part;
 use scene::Scene;
 use std::fs::OpenOptions;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 /// Render one turn of a part, or of several parts together, from mesh files.
@@ -87,7 +87,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = &arguments.settings.options;
     let (sequence, note) = arguments.sequence()?;
     let mut sequence = overrides::apply(sequence, &arguments.settings.overrides()).map_err(Failure::Bad)?;
-    let outputs = sequence.output.files.clone();
+    let outputs = match arguments.output.is_empty() {
+        true => sequence.output.files.clone(),
+        false => arguments.output.clone(),
+    };
     terminal::check_stream(&outputs)?;
     let request = Request {
         outputs,
@@ -121,7 +124,7 @@ impl Arguments {
         let parts = loading::watch(&meter, reporter(), || self.parts(folder, &root, &meter))?;
         let text = Scene {
             parts: &parts,
-            files: &self.files(&path)?,
+            files: &self.files(&path),
             frames: self.frames,
             rate: options.fps.unwrap_or_else(default_rate),
             size: options.size.unwrap_or(SIZE),
@@ -176,18 +179,24 @@ impl Arguments {
         self.parts.iter().map(part).collect()
     }
 
-    /// The files of the turn.
-    fn files(&self, path: &Path) -> Result<Vec<String>, Failure> {
-        if self.output.is_empty() {
+    /// The files that the sequence names: those of the command line that a sequence may name, or a default.
+    fn files(&self, path: &Path) -> Vec<String> {
+        let names = self.output.iter().filter_map(nameable);
+        let names: Vec<String> = names.collect();
+        if names.is_empty() {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy().replace(['#', '%'], "_");
-            return Ok(vec![format!("output/{stem}.gif")]);
+            return vec![format!("output/{stem}.gif")];
         }
-        let name = |output: &Output| match output.name().to_str() {
-            Some(name) => Ok(name.to_owned()),
-            None => Err(Failure::Bad(format!("the name {output} is not UTF-8 text, as sequences need"))),
-        };
-        self.output.iter().map(name).collect()
+        names
     }
+}
+
+/// The name of a file, if a sequence may name it: sequences write below the working directory only, and are UTF-8.
+fn nameable(output: &Output) -> Option<String> {
+    let file = output.name();
+    let inside = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir);
+    let is_file = !matches!(output, Output::Stream(_));
+    (is_file && file.components().all(inside)).then(|| file.to_str().map(str::to_owned)).flatten()
 }
 
 /// Writes a file that must not exist.
