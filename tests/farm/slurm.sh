@@ -70,11 +70,11 @@ idle_nodes() { [[ $(sinfo --noheader --Node --states=idle --format %N | wc -l) =
 
 stop_engine() { scontrol shutdown; }
 
-# All that runs below a process, and itself.
+# A process and all that runs below it, parents first.
 family() {
     local child
-    for child in $(ps -o pid= --ppid "$1"); do family "$child"; done
     echo "$1"
+    for child in $(ps -o pid= --ppid "$1"); do family "$child"; done
 }
 
 # The node's daemon and all of its tasks are gone at once, as when a machine loses its power; then it is there again.
@@ -84,6 +84,7 @@ crash() {
         if [[ $(ps -o args= --ppid "$step") == *"$folder/$1/"* ]]; then mapfile -t -O 1 killed < <(family "$step"); fi
     done
     ((${#killed[@]} > 1)) || return 1
+    # In this order: a task's step that outlives its render would report a failure instead of being gone.
     kill -KILL "${killed[@]}"
     start_node "$1"
 }
