@@ -9,7 +9,7 @@
 //! it. In every round each command runs once, so that a slow spell of the machine meets all of them; a round before
 //! those that count warms up. Commands start in the root of the repository, and what they say is not shown.
 //!
-//! Told are the medians of the wall time, from the start of the process until it has ended, of the CPU time and of the
+//! It prints the medians of the wall time, from the start of the process until it has ended, of the CPU time and of the
 //! peak memory, with the quartiles of the first; and of the share that `kinora` took of what the other command did in the
 //! same round. On a machine that is busy otherwise, CPU time is the steadier one. It and memory are the system's own
 //! counts, and only Linux is asked for them: those of the process that the command starts, and for the CPU time of the
@@ -209,7 +209,7 @@ fn quartiles(values: impl Iterator<Item = f64>) -> Option<[f64; 3]> {
     }))
 }
 
-/// All runs, for whoever wants to do other sums; `null` is what the system does not tell.
+/// All runs, for whoever wants to do other sums; `null` stands for what the system does not report.
 fn json(settings: &Settings, runners: &[Runner]) -> Outcome<String> {
     let mut text = format!("{{\"sequence\": {}, \"commands\": [", quoted(&settings.sequence));
     for (index, runner) in runners.iter().enumerate() {

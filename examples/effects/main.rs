@@ -27,7 +27,7 @@ use std::sync::Arc;
 const SIZE: (u32, u32) = (240, 180);
 const SMALL: (u32, u32) = (120, 90);
 
-/// Rounds of which the middle one's time is told. Each traces every effect once, so that a slow spell of the machine
+/// Rounds; the median of their times is printed. Each traces every effect once, so that a slow spell of the machine
 /// meets all of them.
 const ROUNDS: usize = 5;
 
@@ -104,7 +104,7 @@ fn instructions(name: &str) -> Option<u64> {
     let program = std::env::current_exe().ok()?;
     let valgrind = ["--tool=callgrind", "--callgrind-out-file=/dev/null"];
     let out = Command::new("valgrind").args(valgrind).arg(program).args(["--one", name]).output().ok()?;
-    let told = String::from_utf8_lossy(&out.stderr).into_owned();
-    let line = told.lines().find_map(|line| line.split_once("Collected : "))?;
+    let printed = String::from_utf8_lossy(&out.stderr).into_owned();
+    let line = printed.lines().find_map(|line| line.split_once("Collected : "))?;
     line.1.trim().parse().ok()
 }

@@ -89,7 +89,7 @@ impl EncodeJob {
         self.outputs.iter().try_for_each(|output| self.check_place(output, &distinct))
     }
 
-    /// Processes can share outputs only if the files hold their identity. Otherwise no process can tell which frames
+    /// Processes can share outputs only if the files hold their identity. Otherwise no process knows which frames
     /// another one has made.
     fn check_shared(&self) -> Result<(), JobError> {
         let unidentified = self.outputs.iter().find(|output| !self.has_identity(output));

@@ -19,7 +19,7 @@ fail() {
     say "FAILED: $*" >&2
     exit 1
 }
-# Said where the machine was too slow, or too fast, to tell.
+# Printed if the machine was too slow, or too fast, for a verdict.
 miss() {
     say "undecided: $*" >&2
     exit 75
@@ -101,7 +101,7 @@ debian() {
     command -v "$program" >/dev/null || skip "cannot install $*: $(tail -n 1 "$work/apt.log")"
 }
 
-# Installs a Python package into an environment of its own, if there is none yet, and tells where it is.
+# Installs a Python package into an environment of its own, if there is none yet, and prints its place.
 python_package() {
     local package=$1 place
     place=${FARM_CACHE:-${TMPDIR:-/tmp}/kinora-farm-engines}/$package

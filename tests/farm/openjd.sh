@@ -25,5 +25,5 @@ wait "$second" && passed=$((passed + 1))
 say "$passed of 2 runs passed, with $(written) of $frames frames there; again"
 ((passed < 2)) || fail "no run noticed that its render was killed"
 "${job[@]}" >"$work/third.log" 2>&1 || fail "the third run failed: $(tail -n 5 "$work/third.log")"
-grep --quiet 'openjd_progress: 100' "$work/third.log" || fail "no progress was told"
+grep --quiet 'openjd_progress: 100' "$work/third.log" || fail "no progress was reported"
 compare

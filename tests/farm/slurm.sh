@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# An exported job on a Slurm of two nodes, both of them this machine. A render is killed, one is told to make room, and a
+# An exported job on a Slurm of two nodes, both of them this machine. A render is killed, one is asked to make room, and a
 # node dies with all that runs on it. Must be run by root, as Slurm's own daemons must.
 # shellcheck source=tests/farm/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
@@ -50,7 +50,7 @@ PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 CONF
 }
 
-# Munge is told apart from the user that it serves: it does not run as root.
+# Munge has a user of its own, not the one that it serves: it does not run as root.
 start_munge() {
     (umask 077 && head -c 1024 /dev/urandom >"$folder/munge/key")
     chown -R munge: "$folder/munge"
@@ -122,7 +122,7 @@ tell_last() {
     return 1
 }
 await "$job_time" "the last task at work" tell_last
-middle "told task $task to make room"
+middle "asked task $task to make room"
 
 crash_any() { crash n1 || crash n2; }
 await "$job_time" "a node at work" crash_any
@@ -131,7 +131,7 @@ middle "crashed a node"
 await "$job_time" "an empty queue" gone
 scontrol show job "$job" | grep --only-matching 'ArrayTaskId=[0-9]*\|JobState=[A-Z]*\|Restarts=[0-9]*' | paste -sd '   \n'
 [[ -f $project/turn.mp4 ]] || fail "nothing was assembled: $(tail -n 3 "$project"/sequences/*logs/*)"
-# What was told just as it ended had nothing to go back for; and nothing goes back but what was hit.
+# A task that was asked just as it ended has no reason to go back, and only tasks that were hit go back.
 restarts=$(($(scontrol show job "$job" | sed -n 's/.*Restarts=\([0-9]*\).*/\1/p' | paste -sd +)))
 ((restarts >= 1 && restarts < 6)) || fail "tasks went back to the queue $restarts times, of 3 that were hit"
 compare

@@ -84,7 +84,7 @@ fn int_03_the_ground_under_the_eye() {
     }
 }
 
-/// From inside every ray leaves once, and the side is told. A test for the near root alone fails always.
+/// From inside, every ray leaves once, and the hit states its side. A test for the near root alone fails always.
 #[test]
 fn int_05_rays_that_start_inside_a_sphere() {
     let unit = unit_sphere();
@@ -134,7 +134,7 @@ fn int_06_tangents_and_starts_on_the_surface() {
     assert!((back - 2.0).abs() <= 8.0 * U, "{} u", (back - 2.0) / U);
 }
 
-/// Points of the ground up to 10^7 away: nothing multiplies 0 by infinity, and what is known of a point is told.
+/// Points of the ground up to 10^7 away: nothing multiplies 0 by infinity, and the error bound of a point holds.
 #[test]
 fn int_17_points_of_the_horizon() {
     let ground = placed(&Shape::Plane(Plane { point: DVec3::ZERO, normal: DVec3::Y }), DAffine3::IDENTITY);

@@ -192,7 +192,7 @@ proptest! {
             prop_assert!(at.t > 0.0 && at.t.is_finite());
             prop_assert!((surface.normal.length() - 1.0).abs() <= 8.0 * U, "{}", surface.normal.length());
             // A shape that is moved once has the rounding of that in its own coordinates: of its place, and of its
-            // edges, which tell the plane of a slender one as little as they differ in direction.
+            // edges, which determine the plane of a slender one badly, as they hardly differ in direction.
             let axes = [place.to_world.x_axis, place.to_world.y_axis, place.to_world.z_axis];
             let longest = axes.map(DVec3::length).into_iter().fold(0.0, f64::max);
             let slender = longest / axes.map(DVec3::length).into_iter().fold(f64::INFINITY, f64::min);

@@ -97,7 +97,7 @@ fn self_03_the_shadow_terminator_of_coarse_meshes() {
     }
 }
 
-/// Through the renderer: with the option, a coarse sphere is lit where a smooth one is; without, the count is told.
+/// Through the renderer: with the option, a coarse sphere is lit where a smooth one is; without it, the test prints how many pixels are dark.
 #[test]
 fn self_03_with_the_option_and_without() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");

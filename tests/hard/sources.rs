@@ -172,7 +172,7 @@ fn decimal_fraction_below(line: &str, limit: f64) -> bool {
 }
 
 /// Multiples of a number's last place stand for rounding, where a bound says how many there are: in the filters of the
-/// trees, and where shapes without an area are told.
+/// trees, and where shapes without an area are reported.
 #[test]
 fn multiples_of_the_last_place_are_bounds_of_rounding() {
     only_in(

@@ -63,7 +63,7 @@ fn refused(objects: &str) -> String {
     }
 }
 
-/// Singular and overflowing transforms are told with their place, not hidden: no panic, no silent miss.
+/// Singular and overflowing transforms are reported with their place, not hidden: no panic, no silent miss.
 #[test]
 fn xf_04_transforms_without_an_inverse_are_refused() {
     for (objects, expected) in [
@@ -83,10 +83,10 @@ fn xf_04_transforms_without_an_inverse_are_refused() {
             "object `far` is moved beyond 1e30",
         ),
     ] {
-        let told = refused(objects);
-        assert!(told.contains(expected) && told.contains("scene.ron:3:"), "{told}");
+        let printed = refused(objects);
+        assert!(printed.contains(expected) && printed.contains("scene.ron:3:"), "{printed}");
     }
-    // Twenty scales whose product overflows, where the object itself has none: its own line is told.
+    // Twenty scales whose product overflows, where the object itself has none: its own line is reported.
     let chain: String = (0..20)
         .map(|k| {
             format!(
@@ -95,8 +95,11 @@ fn xf_04_transforms_without_an_inverse_are_refused() {
             )
         })
         .collect();
-    let told = refused(&format!("{chain} \"ball\": (shape: Sphere(), parent: \"19\")"));
-    assert!(told.contains("object `1` is scaled beyond 1e30") && !told.contains("ball` is"), "{told}");
+    let printed = refused(&format!("{chain} \"ball\": (shape: Sphere(), parent: \"19\")"));
+    assert!(
+        printed.contains("object `1` is scaled beyond 1e30") && !printed.contains("ball` is"),
+        "{printed}"
+    );
     // Large and small ones that make up for each other are fine.
     let text = "(output: (size: (8, 8)), ambient: 1, default_material: (ambient: 1, color: 1), objects: {
         \"a\": (shape: Group, scale: 1e25), \"b\": (shape: Sphere(), scale: 1e-25, parent: \"a\") })";

@@ -88,7 +88,7 @@ fn a_report_has_the_price_list_of_its_scene() {
     let floor =
         measured.parts().into_iter().find(|point| point.setting.change == SceneChange::ObjectHidden(0));
     assert!(floor.expect("the floor").bias.is_certain());
-    // Roulette changes noise, but not what is shown: nothing is told that is not there.
+    // Roulette changes noise, but not what is shown: the text mentions nothing that does not exist.
     let own = measured.on(SettingAxis::Bounces).into_iter().find(|point| point.setting.quality.bounces == 4);
     assert_eq!(measured.bias_text(own.expect("the file's own").bias), "none");
     let robustness = measured.robustness.as_ref().expect("a camera");

@@ -27,12 +27,12 @@ fn rendered() -> tempfile::TempDir {
 /// What assembling is refused for, with and without the sequence; nothing is written.
 fn refusals(folder: &Path) -> [String; 2] {
     let before = contents(folder);
-    let told = [&[][..], &["--of", "ball.ron"]].map(|of| {
+    let printed = [&[][..], &["--of", "ball.ron"]].map(|of| {
         let all = outputs("new");
         refused(folder, &[&["assemble", "f_##.png"], of, &with(&[], &all)].concat())
     });
     assert!(contents(folder) == before && !folder.join("new").exists(), "something was written");
-    told
+    printed
 }
 
 #[test]
@@ -44,19 +44,19 @@ fn missing_frames_are_named() {
             fs::remove_file(folder.path().join(format!("f_{frame:02}.png"))).expect("a frame");
         }
         let noun = if gone.len() == 1 { "frame" } else { "frames" };
-        for told in refusals(folder.path()) {
-            assert!(told.contains("error: f_##.png cannot be assembled:\n"), "{told}");
-            assert!(told.contains(&format!("\n  {noun} {named}: missing\n")), "{told}");
-            assert!(told.contains("--allow-gaps"), "{told}");
+        for printed in refusals(folder.path()) {
+            assert!(printed.contains("error: f_##.png cannot be assembled:\n"), "{printed}");
+            assert!(printed.contains(&format!("\n  {noun} {named}: missing\n")), "{printed}");
+            assert!(printed.contains("--allow-gaps"), "{printed}");
         }
         for of in [&[][..], &["--of", "ball.ron"]] {
             let rest = ["--allow-gaps", "-o", "a.gif", "-o", "a.y4m"];
-            let told = kinora(folder.path(), &[&["assemble", "f_##.png"], of, &rest[..]].concat());
-            assert!(told.contains(&format!("frames  {} at 24", 12 - gone.len())), "{told}");
+            let printed = kinora(folder.path(), &[&["assemble", "f_##.png"], of, &rest[..]].concat());
+            assert!(printed.contains(&format!("frames  {} at 24", 12 - gone.len())), "{printed}");
             let verb = if gone.len() == 1 { "is" } else { "are" };
             assert!(
-                told.contains(&format!("note    {noun} {named} {verb} missing and left out\n")),
-                "{told}"
+                printed.contains(&format!("note    {noun} {named} {verb} missing and left out\n")),
+                "{printed}"
             );
         }
         // Who names frames means these alone.
@@ -65,25 +65,28 @@ fn missing_frames_are_named() {
             folder.path(),
             &["assemble", "f_##.png", "--of", "ball.ron", "--frames", "6-9", "-o", "a.gif"],
         );
-        let told = refused(folder.path(), &["assemble", "f_##.png", "--frames", "0-13:1", "-o", "a.gif"]);
-        assert!(told.contains(&format!("frames {}", named.split(',').next().expect("a frame"))), "{told}");
+        let printed = refused(folder.path(), &["assemble", "f_##.png", "--frames", "0-13:1", "-o", "a.gif"]);
+        assert!(
+            printed.contains(&format!("frames {}", named.split(',').next().expect("a frame"))),
+            "{printed}"
+        );
     }
     let folder = rendered();
-    let told = refused(folder.path(), &["assemble", "f_##.png", "--frames", "9-13", "-o", "a.gif"]);
-    assert!(told.contains("frames 12-13: missing"), "{told}");
-    let told = refused(
+    let printed = refused(folder.path(), &["assemble", "f_##.png", "--frames", "9-13", "-o", "a.gif"]);
+    assert!(printed.contains("frames 12-13: missing"), "{printed}");
+    let printed = refused(
         folder.path(),
         &["assemble", "f_##.png", "--of", "ball.ron", "--frames", "9-13", "-o", "a.gif"],
     );
-    assert!(told.contains("there is no frame 13"), "{told}");
+    assert!(printed.contains("there is no frame 13"), "{printed}");
     for frame in 0..12 {
         fs::remove_file(folder.path().join(format!("f_{frame:02}.png"))).expect("a frame");
     }
-    let told = refused(folder.path(), &["assemble", "f_##.png", "-o", "a.gif", "--allow-gaps"]);
-    assert!(told.contains("there are no frames f_##.png"), "{told}");
-    let told =
+    let printed = refused(folder.path(), &["assemble", "f_##.png", "-o", "a.gif", "--allow-gaps"]);
+    assert!(printed.contains("there are no frames f_##.png"), "{printed}");
+    let printed =
         refused(folder.path(), &["assemble", "f_##.png", "--of", "ball.ron", "-o", "a.gif", "--allow-gaps"]);
-    assert!(told.contains("frames 0-11: missing"), "{told}");
+    assert!(printed.contains("frames 0-11: missing"), "{printed}");
 }
 
 /// Two frames with their pixels exchanged: whole PNGs, each with the texts of the other.
@@ -114,22 +117,22 @@ fn damaged_frames_are_named() {
     fs::remove_file(at("f_08.png")).expect("a frame");
     fs::create_dir(at("f_08.png")).expect("a disk");
     let [alone, of] = refusals(folder.path());
-    for told in [&alone, &of] {
+    for printed in [&alone, &of] {
         assert!(
-            told.contains("\n  frames 1,3-5: damaged: its bytes are not those that were written\n"),
-            "{told}"
+            printed.contains("\n  frames 1,3-5: damaged: its bytes are not those that were written\n"),
+            "{printed}"
         );
-        assert!(told.contains("\n  frame 8: damaged: it is a folder\n"), "{told}");
+        assert!(printed.contains("\n  frame 8: damaged: it is a folder\n"), "{printed}");
     }
     assert!(alone.contains("\n  frames 6-7: damaged: it is not a picture"), "{alone}");
     assert!(of.contains("\n  frames 6-7: damaged: it is not a complete PNG\n"), "{of}");
     // Gaps are no damage.
-    let told = refused(folder.path(), &["assemble", "f_##.png", "--allow-gaps", "-o", "a.gif"]);
-    assert!(told.contains("frames 1,3-5: damaged"), "{told}");
+    let printed = refused(folder.path(), &["assemble", "f_##.png", "--allow-gaps", "-o", "a.gif"]);
+    assert!(printed.contains("frames 1,3-5: damaged"), "{printed}");
     // Render makes of it what there was.
     fs::remove_dir(at("f_08.png")).expect("a folder");
-    let told = kinora(folder.path(), &["render", "ball.ron", "-o", "f_##.png"]);
-    assert!(told.contains("12, 5 of them kept"), "{told}");
+    let printed = kinora(folder.path(), &["render", "ball.ron", "-o", "f_##.png"]);
+    assert!(printed.contains("12, 5 of them kept"), "{printed}");
 }
 
 #[test]
@@ -145,46 +148,46 @@ fn stale_frames_are_named() {
     rendered_with("white.ron", "1");
     kinora(path, &["render", "white.ron", "-o", "w_##.png"]);
     rendered_with("green.ron", "[(0, 1, Step), (6, (0, 1, 0))]");
-    let told = refused(path, &["assemble", "w_##.png", "--of", "green.ron", "-o", "a.gif"]);
-    assert!(told.contains("\n  frames 6-11: stale: the sequence, its settings or"), "{told}");
-    let told = refused(path, &["assemble", "f_##.png", "--of", "ball.ron", "-s", "64x36", "-o", "a.gif"]);
-    assert!(told.contains("\n  frames 0-11: stale"), "{told}");
-    // Frames without metadata say nothing, of which one that should have some is told.
+    let printed = refused(path, &["assemble", "w_##.png", "--of", "green.ron", "-o", "a.gif"]);
+    assert!(printed.contains("\n  frames 6-11: stale: the sequence, its settings or"), "{printed}");
+    let printed = refused(path, &["assemble", "f_##.png", "--of", "ball.ron", "-s", "64x36", "-o", "a.gif"]);
+    assert!(printed.contains("\n  frames 0-11: stale"), "{printed}");
+    // Frames without metadata are accepted; one that should have metadata is reported.
     kinora(path, &["render", "ball.ron", "--no-metadata", "-o", "n_##.png"]);
     fs::copy(path.join("n_04.png"), path.join("f_04.png")).expect("a disk");
-    let told = refused(path, &["assemble", "f_##.png", "--of", "ball.ron", "-o", "a.gif"]);
-    assert!(told.contains("\n  frame 4: without metadata, as --no-metadata"), "{told}");
-    let told = kinora(path, &["assemble", "n_##.png", "--of", "ball.ron", "--no-metadata", "-o", "a.gif"]);
-    assert!(told.contains("note    frames without metadata do not say what they show"), "{told}");
+    let printed = refused(path, &["assemble", "f_##.png", "--of", "ball.ron", "-o", "a.gif"]);
+    assert!(printed.contains("\n  frame 4: without metadata, as --no-metadata"), "{printed}");
+    let printed = kinora(path, &["assemble", "n_##.png", "--of", "ball.ron", "--no-metadata", "-o", "a.gif"]);
+    assert!(printed.contains("note    frames without metadata do not say what they show"), "{printed}");
     // Others cannot say it.
     kinora(path, &["render", "ball.ron", "-o", "j_##.jpg", "-o", "d_##.png", "--bits", "16"]);
-    let told = refused(path, &["assemble", "j_##.jpg", "--of", "ball.ron", "-o", "a.gif"]);
-    assert!(told.contains("--of takes PNGs"), "{told}");
-    let told = refused(path, &["assemble", "d_##.png", "--of", "ball.ron", "--bits", "16", "-o", "a.gif"]);
-    assert!(told.contains("PNGs of 8 bits"), "{told}");
+    let printed = refused(path, &["assemble", "j_##.jpg", "--of", "ball.ron", "-o", "a.gif"]);
+    assert!(printed.contains("--of takes PNGs"), "{printed}");
+    let printed = refused(path, &["assemble", "d_##.png", "--of", "ball.ron", "--bits", "16", "-o", "a.gif"]);
+    assert!(printed.contains("PNGs of 8 bits"), "{printed}");
 }
 
 #[test]
 fn inconsistent_frames_are_named() {
     let folder = rendered();
     let path = folder.path();
-    let told = |what: &str| {
-        let told = refused(path, &["assemble", "f_##.png", "-o", "a.gif"]);
-        assert!(told.contains(what), "{told}");
+    let printed = |what: &str| {
+        let printed = refused(path, &["assemble", "f_##.png", "-o", "a.gif"]);
+        assert!(printed.contains(what), "{printed}");
         kinora(path, &["render", "ball.ron", "-o", "f_##.png", "--overwrite"]);
     };
     fs::copy(path.join("f_03.png"), path.join("f_05.png")).expect("a disk");
-    told("\n  frame 5: frame 3 under another number\n");
+    printed("\n  frame 5: frame 3 under another number\n");
     fs::write(path.join("other.ron"), BALL).expect("a disk");
     kinora(path, &["render", "other.ron", "-o", "f_##.png", "--frames", "2-4", "--overwrite"]);
-    told("\n  frames 2-4: sequence other; most frames have ball\n");
+    printed("\n  frames 2-4: sequence other; most frames have ball\n");
     kinora(
         path,
         &["render", "ball.ron", "-o", "f_##.png", "--frames", "7,9", "--antialias", "3", "--overwrite"],
     );
-    told("\n  frames 7,9: antialias 3; most frames have 2\n");
+    printed("\n  frames 7,9: antialias 3; most frames have 2\n");
     kinora(path, &["render", "ball.ron", "-o", "f_##.png", "--frames", "3-7", "-r", "25", "--overwrite"]);
-    told("\n  frames 3-7: rate 25; most frames have 24\n");
+    printed("\n  frames 3-7: rate 25; most frames have 24\n");
     // A version before had no digest.
     let unsealed = |name: &str| {
         let bytes = fs::read(path.join(name)).expect(name);
@@ -199,17 +202,17 @@ fn inconsistent_frames_are_named() {
     };
     unsealed("f_04.png");
     kinora(path, &["assemble", "f_##.png", "-o", "a.gif"]);
-    let told = refused(path, &["assemble", "f_##.png", "--of", "ball.ron", "-o", "a.gif"]);
+    let printed = refused(path, &["assemble", "f_##.png", "--of", "ball.ron", "-o", "a.gif"]);
     assert!(
-        told.contains(
+        printed.contains(
             "\n  frame 4: without a digest of their pixels, as earlier versions of Kinora wrote them\n"
         ),
-        "{told}"
+        "{printed}"
     );
-    let told = kinora(path, &["render", "ball.ron", "-o", "f_##.png"]);
+    let printed = kinora(path, &["render", "ball.ron", "-o", "f_##.png"]);
     assert!(
-        told.contains("12, 11 of them kept") && told.contains("note    1 frame of an earlier version"),
-        "{told}"
+        printed.contains("12, 11 of them kept") && printed.contains("note    1 frame of an earlier version"),
+        "{printed}"
     );
 }
 
@@ -248,8 +251,8 @@ fn the_time_limit_is_a_setting() {
     let assemble = ["assemble", "f_##.png", "--of", "soft.ron", "-o", "all/a.gif"];
     kinora(folder.path(), &[&assemble[..], &["--time-limit", "1s"]].concat());
     assert!(contents(&folder.path().join("one")) == contents(&folder.path().join("all")));
-    let told = refused(folder.path(), &[&assemble[..], &["--time-limit", "2s"]].concat());
-    assert!(told.contains("no frame was rendered with this --time-limit"), "{told}");
+    let printed = refused(folder.path(), &[&assemble[..], &["--time-limit", "2s"]].concat());
+    assert!(printed.contains("no frame was rendered with this --time-limit"), "{printed}");
 }
 
 #[test]
@@ -264,26 +267,26 @@ fn frames_of_others_are_taken_as_they_are() {
     }
     for extension in ["png", "jpg", "ppm"] {
         let names = format!("b_#.{extension}");
-        let told = kinora(path, &["assemble", &names, "-r", "12", "-o", "b.gif"]);
-        assert!(told.contains("frames  4 at 12 per second"), "{told}");
+        let printed = kinora(path, &["assemble", &names, "-r", "12", "-o", "b.gif"]);
+        assert!(printed.contains("frames  4 at 12 per second"), "{printed}");
         let third = path.join(format!("b_3.{extension}"));
         let whole = fs::read(&third).expect("a frame");
         fs::write(&third, &whole[..whole.len() - 2]).expect("a disk");
-        let told = refused(path, &["assemble", &names, "-o", "b.gif"]);
-        assert!(told.contains("\n  frame 3: damaged: it "), "{told}");
+        let printed = refused(path, &["assemble", &names, "-o", "b.gif"]);
+        assert!(printed.contains("\n  frame 3: damaged: it "), "{printed}");
         fs::remove_file(&third).expect("a frame");
-        let told = refused(path, &["assemble", &names, "-o", "b.gif"]);
-        assert!(told.contains("\n  frame 3: missing\n"), "{told}");
+        let printed = refused(path, &["assemble", &names, "-o", "b.gif"]);
+        assert!(printed.contains("\n  frame 3: missing\n"), "{printed}");
         fs::write(&third, whole).expect("a disk");
     }
-    // Beside frames that tell something, a note tells of those that do not.
+    // Beside frames with metadata, a note counts those without.
     kinora(path, &["render", "ball.ron", "-o", "f_##.png"]);
     let plain = image::open(path.join("f_05.png")).expect("a frame");
     plain.save(path.join("f_05.png")).expect("a disk");
-    let told = kinora(path, &["assemble", "f_##.png", "-o", "b.gif"]);
-    assert!(told.contains("note    frames 5 do not say what they show, and the others do\n"), "{told}");
-    let told = refused(path, &["assemble", "f_##.png", "-s", "8x8", "-o", "b.gif"]);
-    assert!(told.contains("name it with --of"), "{told}");
+    let printed = kinora(path, &["assemble", "f_##.png", "-o", "b.gif"]);
+    assert!(printed.contains("note    frames 5 do not say what they show, and the others do\n"), "{printed}");
+    let printed = refused(path, &["assemble", "f_##.png", "-s", "8x8", "-o", "b.gif"]);
+    assert!(printed.contains("name it with --of"), "{printed}");
 }
 
 /// Numbers may be times of day or identifiers, and no list of all between them fits into memory.
@@ -296,11 +299,11 @@ fn frames_far_apart_have_to_be_named() {
         picture.save(path.join(format!("b_{frame}.png"))).expect("a disk");
     }
     for rest in [&[][..], &["--allow-gaps"]] {
-        let told = refused(path, &[&["assemble", "b_#.png", "-o", "b.gif"], rest].concat());
-        assert!(told.contains("b_#.png: frames 7 to 4294967295 are more than 10000000"), "{told}");
+        let printed = refused(path, &[&["assemble", "b_#.png", "-o", "b.gif"], rest].concat());
+        assert!(printed.contains("b_#.png: frames 7 to 4294967295 are more than 10000000"), "{printed}");
     }
-    let told = kinora(path, &["assemble", "b_#.png", "--frames", "7,4000000000", "-o", "b.gif"]);
-    assert!(told.contains("frames  2 at 24"), "{told}");
+    let printed = kinora(path, &["assemble", "b_#.png", "--frames", "7,4000000000", "-o", "b.gif"]);
+    assert!(printed.contains("frames  2 at 24"), "{printed}");
 }
 
 #[test]
@@ -308,18 +311,21 @@ fn frames_beyond_the_end_are_noted() {
     let folder = rendered();
     let path = folder.path();
     fs::write(path.join("ball.ron"), BALL.replace("frames: 12", "frames: 9")).expect("a disk");
-    let told = kinora(path, &["render", "ball.ron", "-o", "f_##.png"]);
-    assert!(told.contains("frames  9, 9 of them kept"), "{told}");
+    let printed = kinora(path, &["render", "ball.ron", "-o", "f_##.png"]);
+    assert!(printed.contains("frames  9, 9 of them kept"), "{printed}");
     let note =
         "note    f_##.png: frames 9-11 exist, but the sequence has 9 frames; they are left as they are\n";
-    assert!(told.contains(note), "{told}");
+    assert!(printed.contains(note), "{printed}");
     assert_eq!(contents(path).len(), 13);
-    let told = kinora(path, &["assemble", "f_##.png", "--of", "ball.ron", "-o", "a.gif"]);
-    assert!(told.contains("frames  9 at 24") && told.contains(note), "{told}");
+    let printed = kinora(path, &["assemble", "f_##.png", "--of", "ball.ron", "-o", "a.gif"]);
+    assert!(printed.contains("frames  9 at 24") && printed.contains(note), "{printed}");
     // Longer again: they are still right, and none is missing.
     fs::write(path.join("ball.ron"), BALL).expect("a disk");
-    let told = kinora(path, &["render", "ball.ron", "-o", "f_##.png"]);
-    assert!(told.contains("frames  12, 12 of them kept") && !told.contains("they are left"), "{told}");
+    let printed = kinora(path, &["render", "ball.ron", "-o", "f_##.png"]);
+    assert!(
+        printed.contains("frames  12, 12 of them kept") && !printed.contains("they are left"),
+        "{printed}"
+    );
 }
 
 #[test]
@@ -329,10 +335,10 @@ fn outputs_never_replace_input_frames() {
     let before = contents(path);
     for of in [&[][..], &["--of", "ball.ron"]] {
         for output in ["f_05.png", "./f_40.png", "f_##.png"] {
-            let told =
+            let printed =
                 refused(path, &[&["assemble", "f_##.png"], of, &["-o", "a.gif", "-o", output]].concat());
-            assert!(told.contains("it would replace one of its input frames f_##.png"), "{told}");
-            assert!(told.contains(output.trim_end_matches("##.png")), "{told}");
+            assert!(printed.contains("it would replace one of its input frames f_##.png"), "{printed}");
+            assert!(printed.contains(output.trim_end_matches("##.png")), "{printed}");
         }
     }
     assert!(contents(path) == before);
@@ -360,10 +366,11 @@ fn the_library_replaces_no_frame_either() {
     let own = path.file_name().expect("a name").to_string_lossy();
     for name in names {
         let name = name.replace("{own}", &own);
-        let told = assembled(name.as_ref()).expect_err(&name).to_string();
+        let printed = assembled(name.as_ref()).expect_err(&name).to_string();
         assert!(
-            told.contains("it would replace one of its input frames ") && told.contains("name another file"),
-            "{told}"
+            printed.contains("it would replace one of its input frames ")
+                && printed.contains("name another file"),
+            "{printed}"
         );
         assert!(contents(path) == before, "{name}: something was written");
     }
@@ -385,8 +392,8 @@ fn frames_of_another_size_are_named() {
         ("n_##.png", &[], "size 16x8; most frames have 32x18"),
         ("j_##.jpg", &[], "size 16x8; most frames have 32x18"),
     ] {
-        let told = refused(path, &[&["assemble", names], of, &["-o", "a.gif", "-o", "a.y4m"]].concat());
-        assert!(told.contains(&format!("\n  frames 4,7: {told_of}\n")), "{told}");
+        let printed = refused(path, &[&["assemble", names], of, &["-o", "a.gif", "-o", "a.y4m"]].concat());
+        assert!(printed.contains(&format!("\n  frames 4,7: {told_of}\n")), "{printed}");
     }
     assert!(contents(path) == before);
 }

@@ -288,9 +288,9 @@ fn plans_distinguish_switches_from_fades() {
         },
         objects: { "ball": (shape: Sphere()) })"#;
     std::fs::write(&file, text).expect("the folder is writable");
-    let told = kinora(&["plan", &file.to_string_lossy()]).stdout;
-    assert!(told.contains("2: light \"a\" and light \"b\" toggle (0 films)\n"), "{told}");
-    assert!(told.contains("4-5: light \"c\" fades (0 films)\n"), "{told}");
+    let printed = kinora(&["plan", &file.to_string_lossy()]).stdout;
+    assert!(printed.contains("2: light \"a\" and light \"b\" toggle (0 films)\n"), "{printed}");
+    assert!(printed.contains("4-5: light \"c\" fades (0 films)\n"), "{printed}");
 }
 
 #[test]
@@ -328,8 +328,8 @@ fn plans_list_spans_effects_layers_rays_and_memory() {
     let both = text.replace("ball\": (shape: Sphere(), ", "ring\": (shape: Sphere(center: (3, 0, 0)), translation: [(5, (0, 0, 0)), (7, (1, 0, 0))]), \"ball\": (shape: Sphere(), ");
     let other = scratch("plans.ron");
     std::fs::write(&other, both).expect("the folder is writable");
-    let told = kinora(&["plan", &other.to_string_lossy()]).stdout;
-    assert!(told.contains("6-7: object \"ring\" and object \"ball\" move (2 films)\n"), "{told}");
+    let printed = kinora(&["plan", &other.to_string_lossy()]).stdout;
+    assert!(printed.contains("6-7: object \"ring\" and object \"ball\" move (2 films)\n"), "{printed}");
     let json = kinora(&["plan", &file, "--json", "--frames", "0-5", "--film-cache", "1MB"]);
     assert_eq!(json.code, Some(0));
     let wanted =

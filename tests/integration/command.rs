@@ -28,7 +28,7 @@ pub fn run(folder: &Path, arguments: &[&str]) -> Output {
     command.current_dir(folder).args(arguments).output().expect("the binary runs")
 }
 
-/// Runs it to success, and gives what it tells.
+/// Runs it to success and returns what it prints.
 pub fn kinora(folder: &Path, arguments: &[&str]) -> String {
     let output = run(folder, arguments);
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));

@@ -49,9 +49,9 @@ fn jobs_are_as_expected() {
         let flags =
             ["-o", "out/f_##.png", "-o", "out/a b.gif", "--filmstrip", "out/strip.png", "--chunks", "3"];
         let more = ["-t", "2", "--throttle", "5", "--caption", "it's {{{frame}}}", "--exposure", "-1", "-q"];
-        let told =
+        let printed =
             kinora(folder.path(), &[&["farm", "export", engine, "sub/half.ron"], &flags[..], &more].concat());
-        assert!(told.is_empty(), "{told}");
+        assert!(printed.is_empty(), "{printed}");
     }
     let mut found = contents(&at("sub"));
     found.remove("half.ron");
@@ -74,15 +74,18 @@ fn only_jobs_are_replaced() {
         let export = ["farm", "export", engine, "half.ron"];
         fs::write(folder.path().join(name), "mine").expect("a disk");
         let before = contents(folder.path());
-        let told = refused(folder.path(), &export);
+        let printed = refused(folder.path(), &export);
         assert!(
-            told.contains(&format!("{name} is there already")) && told.contains("move it away"),
-            "{told}"
+            printed.contains(&format!("{name} is there already")) && printed.contains("move it away"),
+            "{printed}"
         );
         assert!(contents(folder.path()) == before, "{engine}: something was written");
         fs::remove_file(folder.path().join(name)).expect("it was there");
-        let told = kinora(folder.path(), &export);
-        assert!(told.contains(&format!("wrote   {name}\n")) && told.contains("\nsubmit  "), "{told}");
+        let printed = kinora(folder.path(), &export);
+        assert!(
+            printed.contains(&format!("wrote   {name}\n")) && printed.contains("\nsubmit  "),
+            "{printed}"
+        );
         kinora(folder.path(), &export);
     }
 }
@@ -105,11 +108,11 @@ fn impossible_jobs_are_refused() {
         (&["-o", "folder.gif"], "cannot write folder.gif: it is a folder"),
         (&["--filmstrip", "folder.png"], "cannot write folder.png: it is a folder"),
     ] {
-        let told = refused(folder.path(), &[&["farm", "export", "shell", "half.ron"], rest].concat());
-        assert!(told.contains(part), "{told}");
+        let printed = refused(folder.path(), &[&["farm", "export", "shell", "half.ron"], rest].concat());
+        assert!(printed.contains(part), "{printed}");
     }
-    let told = refused(folder.path(), &["farm", "export", "cron", "half.ron"]);
-    assert!(told.contains("openjd") && told.contains("hyperqueue"), "{told}");
+    let printed = refused(folder.path(), &["farm", "export", "cron", "half.ron"]);
+    assert!(printed.contains("openjd") && printed.contains("hyperqueue"), "{printed}");
     assert_eq!(contents(folder.path()).len(), 2);
 }
 
@@ -138,15 +141,15 @@ fn a_film_is_in_one_task() {
 #[test]
 fn plans_for_workers_are_marked_as_estimates() {
     let folder = farm();
-    let told = kinora(folder.path(), &["plan", "half.ron", "--workers", "1,2"]);
-    let farm = told.split("\nfarm    ").nth(1).expect("a group for the farm");
+    let printed = kinora(folder.path(), &["plan", "half.ron", "--workers", "1,2"]);
+    let farm = printed.split("\nfarm    ").nth(1).expect("a group for the farm");
     let lines: Vec<&str> = farm.lines().map(str::trim).collect();
     assert_eq!(
         lines[1].split_whitespace().collect::<Vec<_>>(),
         ["workers", "makespan", "speed-up", "efficiency"]
     );
-    assert!(lines[2].starts_with("1 ") && lines[3].starts_with("2 "), "{told}");
-    assert!(lines[4].starts_with("an estimate from "), "{told}");
+    assert!(lines[2].starts_with("1 ") && lines[3].starts_with("2 "), "{printed}");
+    assert!(lines[4].starts_with("an estimate from "), "{printed}");
 }
 
 /// A name for the binary that scripts find.
@@ -227,8 +230,8 @@ fn tasks_refuse_changed_files() {
     }
     kinora(folder.path(), &["poster", "ball.ron", "-o", "a.png", "-s", "8x9"]);
     let done = render(expected, "openjd");
-    let told = String::from_utf8_lossy(&done.stdout).into_owned();
-    assert!(told.starts_with("openjd_fail: ") && told.contains("a.png has changed since"), "{told}");
+    let printed = String::from_utf8_lossy(&done.stdout).into_owned();
+    assert!(printed.starts_with("openjd_fail: ") && printed.contains("a.png has changed since"), "{printed}");
     assert_eq!(done.status.code(), Some(2));
     assert!(!folder.path().join("f_03.png").exists());
 }
@@ -255,10 +258,10 @@ fn films_come_along() {
 #[test]
 fn progress_is_reported_to_runners() {
     let folder = farm();
-    let told = kinora(folder.path(), &["render", "half.ron", "-o", "f_##.png", "--progress", "openjd"]);
-    assert!(told.contains("openjd_progress: 100.0\nopenjd_status: frame 12/12"), "{told}");
-    let told = refused(folder.path(), &["render", "half.ron", "-o", "-", "--progress", "openjd"]);
-    assert!(told.contains("both write to the standard output"), "{told}");
+    let printed = kinora(folder.path(), &["render", "half.ron", "-o", "f_##.png", "--progress", "openjd"]);
+    assert!(printed.contains("openjd_progress: 100.0\nopenjd_status: frame 12/12"), "{printed}");
+    let printed = refused(folder.path(), &["render", "half.ron", "-o", "-", "--progress", "openjd"]);
+    assert!(printed.contains("both write to the standard output"), "{printed}");
 }
 
 const SHARED: [&str; 8] = ["render", "half.ron", "--claim", "-s", "200x120", "--threads", "1", "-o"];
@@ -282,10 +285,10 @@ fn processes_share_the_frames() {
     let mut films = 0;
     for done in outputs {
         assert!(done.status.success(), "{}", stderr(&done));
-        let told = String::from_utf8_lossy(&done.stdout).into_owned();
+        let printed = String::from_utf8_lossy(&done.stdout).into_owned();
         let number = |key: &str| {
             let rest =
-                told.lines().last().and_then(|line| line.split(&format!("\"{key}\":")).nth(1)).expect(key);
+                printed.lines().last().and_then(|line| line.split(&format!("\"{key}\":")).nth(1)).expect(key);
             rest.split([',', '}']).next().and_then(|digits| digits.parse::<u32>().ok()).expect(key)
         };
         made += number("frames") - number("kept");
@@ -366,10 +369,10 @@ fn claims_from_elsewhere_are_respected() {
     // The others are made, and it waits.
     let begun = Instant::now();
     loop {
-        let told = status();
-        assert!(begun.elapsed() < Duration::from_secs(60), "{told}");
-        if told.contains(" 0 stale, 0 missing") {
-            assert!(told.contains("by process 7 on elsewhere, last sign of life "), "{told}");
+        let printed = status();
+        assert!(begun.elapsed() < Duration::from_secs(60), "{printed}");
+        if printed.contains(" 0 stale, 0 missing") {
+            assert!(printed.contains("by process 7 on elsewhere, last sign of life "), "{printed}");
             break;
         }
     }
@@ -391,8 +394,8 @@ fn only_identifiable_outputs_are_shared() {
         (&["-o", "f_##.png", "--overwrite"], "--overwrite"),
         (&["-o", "f_##.png", "--time-limit", "9s"], "--time-limit picks the samples"),
     ] {
-        let told = refused(folder.path(), &[&["render", "half.ron", "--claim"], rest].concat());
-        assert!(told.contains(part), "{told}");
+        let printed = refused(folder.path(), &[&["render", "half.ron", "--claim"], rest].concat());
+        assert!(printed.contains(part), "{printed}");
     }
     assert_eq!(contents(folder.path()).len(), 2);
 }
@@ -402,15 +405,15 @@ fn status_lists_frames_by_state() {
     let folder = farm();
     let path = folder.path();
     let status = |rest: &[&str]| kinora(path, &[&["farm", "status", "out/half", "half.ron"], rest].concat());
-    let told = refused(path, &["farm", "status", "half", "half.ron"]);
+    let printed = refused(path, &["farm", "status", "half", "half.ron"]);
     assert!(
-        told.contains("there is no folder half; the frames of half.ron are in out/half, unless"),
-        "{told}"
+        printed.contains("there is no folder half; the frames of half.ron are in out/half, unless"),
+        "{printed}"
     );
-    let told = refused(path, &["farm", "status", "out/half", "half.ron"]);
-    assert!(told.contains("there is no folder out/half yet; it appears with the first task"), "{told}");
-    let told = refused(path, &["farm", "status", "half.ron", "out/half"]);
-    assert!(told.contains("half.ron is a file; the frames' folder comes first"), "{told}");
+    let printed = refused(path, &["farm", "status", "out/half", "half.ron"]);
+    assert!(printed.contains("there is no folder out/half yet; it appears with the first task"), "{printed}");
+    let printed = refused(path, &["farm", "status", "half.ron", "out/half"]);
+    assert!(printed.contains("half.ron is a file; the frames' folder comes first"), "{printed}");
     fs::create_dir_all(path.join("out/half")).expect("a disk");
     assert_eq!(
         status(&[]),
@@ -425,17 +428,21 @@ fn status_lists_frames_by_state() {
     frames("0-7", &[]);
     frames("3,5", &["--exposure", "1"]);
     fs::write(path.join("out/half/frame_0011.png"), "").expect("a disk");
-    let told = status(&[]);
+    let printed = status(&[]);
     assert!(
-        told.starts_with("frames  12: 6 done, 0 in work, 3 stale, 3 missing\nstale   3,5,11\nmissing 8-10\n"),
-        "{told}"
+        printed
+            .starts_with("frames  12: 6 done, 0 in work, 3 stale, 3 missing\nstale   3,5,11\nmissing 8-10\n"),
+        "{printed}"
     );
-    let told = status(&["--json"]);
+    let printed = status(&["--json"]);
     let counts = r#"{"event":"status","done":{"count":6,"frames":"0-2,4,6-7"},"in_work":[],"stale":{"count":3,"frames":"3,5,11"},"missing":{"count":3,"frames":"8-10"},"left_s":"#;
-    assert!(told.starts_with(counts), "{told}");
+    assert!(printed.starts_with(counts), "{printed}");
     // Settings count, and so does the set.
-    let told = status(&["--frames", "2-3", "--exposure", "1"]);
-    assert!(told.starts_with("frames  2: 1 done, 0 in work, 1 stale, 0 missing\nstale   2\n"), "{told}");
-    let told = refused(path, &["farm", "status", "out", "half.ron", "-o", "f_##.jpg"]);
-    assert!(told.contains("cannot hold metadata that identifies its frames"), "{told}");
+    let printed = status(&["--frames", "2-3", "--exposure", "1"]);
+    assert!(
+        printed.starts_with("frames  2: 1 done, 0 in work, 1 stale, 0 missing\nstale   2\n"),
+        "{printed}"
+    );
+    let printed = refused(path, &["farm", "status", "out", "half.ron", "-o", "f_##.jpg"]);
+    assert!(printed.contains("cannot hold metadata that identifies its frames"), "{printed}");
 }

@@ -39,12 +39,12 @@ fn pipes_and_devices_are_refused_and_not_waited_for() {
         ("pipe.ply", why.to_owned()),
     ] {
         let text = format!("(objects: {{ \"a\": (shape: Mesh({file:?})) }})");
-        let told = sequence_in(folder.path(), &text).expect_err(file);
-        assert!(told.contains(&expected), "{told}");
+        let printed = sequence_in(folder.path(), &text).expect_err(file);
+        assert!(printed.contains(&expected), "{printed}");
     }
     let text = "(background: Equirect(\"pipe.png\"))";
-    let told = sequence_in(folder.path(), text).expect_err("a pipe");
-    assert!(told.contains("cannot read the image \"pipe.png\"") && told.contains(why), "{told}");
+    let printed = sequence_in(folder.path(), text).expect_err("a pipe");
+    assert!(printed.contains("cannot read the image \"pipe.png\"") && printed.contains(why), "{printed}");
 }
 
 /// A pipe as the sequence itself is no mistake: whoever names it writes to it.
@@ -119,9 +119,9 @@ fn files_outside_the_root_are_not_read() {
         (mesh("map.obj"), false),
     ] {
         fs::write(&scene, &text).expect("a disk");
-        let told = load(&scene).map_err(|error| error.to_string()).err();
-        assert_eq!(told.is_none(), good, "{text}: {told:?}");
-        assert!(told.is_none_or(|told| told.contains("--allow-outside")), "{text}");
+        let printed = load(&scene).map_err(|error| error.to_string()).err();
+        assert_eq!(printed.is_none(), good, "{text}: {printed:?}");
+        assert!(printed.is_none_or(|printed| printed.contains("--allow-outside")), "{text}");
         let check = |options: &[&str]| {
             let mut command = Command::cargo_bin("kinora").expect("the binary is built with its tests");
             command.arg("check").args(options).arg(&scene).output().expect("the binary runs").status.code()
@@ -152,7 +152,7 @@ fn oversized_headers_are_refused_at_once() {
         ("(background: Equirect(\"a.hdr\"))", "a.hdr"),
         ("(objects: { \"a\": (shape: Mesh(\"a.ply\")) })", "a.ply"),
     ] {
-        let told = sequence_in(folder.path(), text).expect_err(name);
-        assert!(told.contains(name), "{told}");
+        let printed = sequence_in(folder.path(), text).expect_err(name);
+        assert!(printed.contains(name), "{printed}");
     }
 }

@@ -205,12 +205,18 @@ fn useless_alpha_is_noted() {
     let image = "Image(\"clear.png\")";
     assert_eq!(of(&format!("(color: {image})")), [""; 0]);
     assert_eq!(of("(color: Image(file: \"clear.png\", alpha: false))"), [""; 0]);
-    let told = of(&format!("(mirror: 1, fuzz: {image})"));
-    assert!(told.len() == 1 && told[0].contains("`fuzz`") && told[0].contains("alpha"), "{told:?}");
-    let told = of(&format!("MetallicRoughness(roughness: {image}, metallic: {image})"));
-    assert!(told[0].contains("`metallic`") && told[0].contains("`roughness`"), "{told:?}");
-    let told = notes("(background: Equirect(file: \"clear.png\"))");
-    assert!(told.len() == 1 && told[0].contains("`background`") && told[0].contains("alpha"), "{told:?}");
+    let printed = of(&format!("(mirror: 1, fuzz: {image})"));
+    assert!(
+        printed.len() == 1 && printed[0].contains("`fuzz`") && printed[0].contains("alpha"),
+        "{printed:?}"
+    );
+    let printed = of(&format!("MetallicRoughness(roughness: {image}, metallic: {image})"));
+    assert!(printed[0].contains("`metallic`") && printed[0].contains("`roughness`"), "{printed:?}");
+    let printed = notes("(background: Equirect(file: \"clear.png\"))");
+    assert!(
+        printed.len() == 1 && printed[0].contains("`background`") && printed[0].contains("alpha"),
+        "{printed:?}"
+    );
 }
 
 /// Rays pass clear panes without a bend, so a pattern behind them is as wide in a pixel as without.

@@ -29,7 +29,7 @@ fn sends(integrator: &str, samples: u32, scene: &str, expected: f32, tolerance: 
     assert!(off <= tolerance, "{integrator}, {scene}: {found} instead of {expected}");
 }
 
-/// A closed white room of light: what takes nothing away cannot be told from it.
+/// A closed white room of light: a surface that absorbs nothing looks like it.
 #[test]
 fn white_objects_vanish_in_a_furnace() {
     for material in [

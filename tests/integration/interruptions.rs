@@ -122,7 +122,7 @@ fn a_full_disk_leaves_whole_frames() {
     fs::create_dir_all(folder.path().join("disk")).expect("a disk");
     fs::create_dir_all(folder.path().join("left")).expect("a disk");
     let script = "mount -t tmpfs -o size=\"$1\" none disk || exit 99; cp ball.ron disk; cd disk
-        shift; \"$@\" 2>../told; code=$?; cp -a . ../left; exit $code";
+        shift; \"$@\" 2>../printed; code=$?; cp -a . ../left; exit $code";
     let mut refused = 0;
     for size in ["24k", "64k", "128k", "300k"] {
         let mut command = Command::new("unshare");
@@ -136,8 +136,8 @@ fn a_full_disk_leaves_whole_frames() {
             Some(1 | 99) => return,
             _ => panic!("{size}: {done:?}"),
         }
-        let told = fs::read_to_string(folder.path().join("told")).expect("a message");
-        assert!(told.contains("free some space"), "{told}");
+        let printed = fs::read_to_string(folder.path().join("printed")).expect("a message");
+        assert!(printed.contains("free some space"), "{printed}");
         assert_whole(&folder.path().join("left"), &whole, size);
         assert!(contents(&folder.path().join("left")).keys().all(|name| !name.starts_with('.')), "{size}");
     }
@@ -191,13 +191,20 @@ fn a_stopped_film_leaves_part_files() {
     assert!(child.try_wait().expect("a process").is_none(), "it has ended");
     let _ = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
     let done = child.wait_with_output().expect("it ends");
-    let told = String::from_utf8_lossy(&done.stderr);
-    assert_eq!(done.status.code(), Some(130), "{told}");
-    assert!(told.contains("stopped after 0 frames\nwrote   part_f_#.png\nwrote   part_f_#.exr\n"), "{told}");
+    let printed = String::from_utf8_lossy(&done.stderr);
+    assert_eq!(done.status.code(), Some(130), "{printed}");
+    assert!(
+        printed.contains("stopped after 0 frames\nwrote   part_f_#.png\nwrote   part_f_#.exr\n"),
+        "{printed}"
+    );
     let found = contents(folder.path());
     let names: Vec<&str> = found.keys().map(String::as_str).filter(|name| !name.ends_with(".exr")).collect();
     // An animation made of PNGs has whole ones only.
-    assert_eq!(names, ["ball.ron", "part_f_0.png", "part_f_1.png", "part_f_2.png", "part_f_3.png"], "{told}");
+    assert_eq!(
+        names,
+        ["ball.ron", "part_f_0.png", "part_f_1.png", "part_f_2.png", "part_f_3.png"],
+        "{printed}"
+    );
     // They are not taken for what they should become.
     let again =
         run(folder.path(), &["render", "ball.ron", "--noise", "0.2", "--frames", "0-3", "-o", "f_#.png"]);
@@ -222,9 +229,9 @@ fn a_removed_folder_ends_the_run_with_an_error() {
     fs::rename(&gone, &away).expect("a folder");
     fs::write(&gone, "").expect("a disk");
     let done = child.wait_with_output().expect("it ends");
-    let told = String::from_utf8_lossy(&done.stderr);
-    assert_eq!(done.status.code(), Some(3), "{told}");
-    assert!(told.contains("error: cannot write gone"), "{told}");
+    let printed = String::from_utf8_lossy(&done.stderr);
+    assert_eq!(done.status.code(), Some(3), "{printed}");
+    assert!(printed.contains("error: cannot write gone"), "{printed}");
     let stills = contents(&away).into_keys().filter(|name| name.ends_with(".png"));
     for name in stills {
         assert!(image::open(away.join(&name)).is_ok(), "{name} is partial");
@@ -237,9 +244,9 @@ fn a_removed_folder_ends_the_run_with_an_error() {
 fn a_read_only_folder_ends_the_run_with_an_error() {
     let folder = folder();
     let done = run(folder.path(), &["render", "ball.ron", "-o", "new/f_##.png", "-o", "/proc/a.gif"]);
-    let told = String::from_utf8_lossy(&done.stderr);
-    assert_eq!(done.status.code(), Some(2), "{told}");
-    assert!(told.contains("error: cannot write /proc"), "{told}");
+    let printed = String::from_utf8_lossy(&done.stderr);
+    assert_eq!(done.status.code(), Some(2), "{printed}");
+    assert!(printed.contains("error: cannot write /proc"), "{printed}");
     assert!(!folder.path().join("new").exists(), "nothing was written, and no folder stays");
 }
 
@@ -255,9 +262,12 @@ fn a_signal_is_heard_while_frames_are_looked_at() {
     let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
     assert!(sent.expect("a command").success());
     let done = child.wait_with_output().expect("it ends");
-    let told = String::from_utf8_lossy(&done.stderr);
-    assert_eq!(done.status.code(), Some(130), "{told}");
-    assert!(told.contains("stopped after 0 frames") && told.contains("to continue: kinora render"), "{told}");
+    let printed = String::from_utf8_lossy(&done.stderr);
+    assert_eq!(done.status.code(), Some(130), "{printed}");
+    assert!(
+        printed.contains("stopped after 0 frames") && printed.contains("to continue: kinora render"),
+        "{printed}"
+    );
     assert!(!folder.path().join("gone").exists());
 }
 

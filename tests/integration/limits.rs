@@ -18,9 +18,9 @@ fn refused_within(kibibytes: u64, folder: &Path, arguments: &[&str]) -> String {
     command.args(["-c", &format!("ulimit -v {kibibytes}; exec \"$@\""), "sh"]);
     let binary = assert_cmd::cargo::cargo_bin("kinora");
     let done = command.arg(binary).args(arguments).current_dir(folder).output().expect("a shell");
-    let told = stderr(&done);
-    assert_eq!(done.status.code(), Some(2), "{arguments:?}: {told}");
-    told
+    let printed = stderr(&done);
+    assert_eq!(done.status.code(), Some(2), "{arguments:?}: {printed}");
+    printed
 }
 
 #[cfg(target_os = "linux")]
@@ -40,9 +40,9 @@ fn films_beyond_memory_are_refused_in_advance() {
         (&["filmstrip", "long.ron", "-n", "400", "-s", "1000x1000"], "the filmstrip needs", "fewer frames"),
         (&["accuracy", "ball.ron", "--quick", "-s", "4000x4000"], "to compare pictures", "--size"),
     ] {
-        let told = refused_within(LITTLE, path, arguments);
-        assert!(told.contains(what) && told.contains(" of memory and there are "), "{told}");
-        assert!(told.contains(mend), "{told}");
+        let printed = refused_within(LITTLE, path, arguments);
+        assert!(printed.contains(what) && printed.contains(" of memory and there are "), "{printed}");
+        assert!(printed.contains(mend), "{printed}");
     }
     fs::remove_file(path.join("long.ron")).expect("a file");
     assert_eq!(crate::command::contents(path), before);
@@ -60,37 +60,37 @@ fn check_and_render_refuse_the_same_sequences() {
     ] {
         write(path, "large.ron", &format!("timeline: (frames: 2), output: ({output})"));
         for command in ["check", "render"] {
-            let told = refused(path, &[command, "large.ron"]);
-            assert!(told.contains(message), "{command}: {told}");
+            let printed = refused(path, &[command, "large.ron"]);
+            assert!(printed.contains(message), "{command}: {printed}");
         }
     }
-    let told = kinora(path, &["check", "ball.ron"]);
-    assert!(told.contains("12 frames"), "{told}");
+    let printed = kinora(path, &["check", "ball.ron"]);
+    assert!(printed.contains("12 frames"), "{printed}");
 }
 
 #[test]
 fn endless_checks_are_refused() {
-    let told = |fields: &str| {
+    let printed = |fields: &str| {
         parse("a.ron", &format!("({fields})")).map(|_| ()).map_err(|faults| faults.to_string())
     };
     let camera = "camera: (shutter: 1, path: Orbit())";
-    let message = told(&format!("timeline: (frames: 10000000), quality: (shutter_steps: 4096), {camera}"));
+    let message = printed(&format!("timeline: (frames: 10000000), quality: (shutter_steps: 4096), {camera}"));
     let message = message.expect_err("40 thousand million moments");
     assert!(message.contains("10000000 frames with 4096 moments each"), "{message}");
     assert!(message.contains("fewer frames") && message.contains("timeline"), "{message}");
-    let message = told(&format!("timeline: (frames: 1000000), quality: (shutter_steps: 32), {camera}"));
+    let message = printed(&format!("timeline: (frames: 1000000), quality: (shutter_steps: 32), {camera}"));
     assert!(message.expect_err("32 million moments").contains("write `shutter_steps: 16` or less"));
     // What stands still, or has no shutter, has one moment a frame.
     let many = "timeline: (frames: 100000), quality: (shutter_steps: 4096)";
-    assert_eq!(told(&format!("{many}, camera: (shutter: 1)")), Ok(()));
-    assert_eq!(told(&format!("{many}, camera: (path: Orbit())")), Ok(()));
+    assert_eq!(printed(&format!("{many}, camera: (shutter: 1)")), Ok(()));
+    assert_eq!(printed(&format!("{many}, camera: (path: Orbit())")), Ok(()));
 
     let chain = (0..2000).map(|index| {
         let parent = if index == 0 { String::new() } else { format!(", parent: \"{}\"", index - 1) };
         format!("\"{index}\": (shape: Group, translation: [(0, (0, 0, 0)), (1, (1e30, 0, 0))]{parent}),")
     });
     let chain: String = chain.collect();
-    let message = told(&format!("timeline: (frames: 10000000), objects: {{ {chain} }}"));
+    let message = printed(&format!("timeline: (frames: 10000000), objects: {{ {chain} }}"));
     let message = message.expect_err("objects far away");
     assert!(message.contains("for 10000000 frames") && message.contains("translation"), "{message}");
 }
@@ -120,9 +120,9 @@ fn lists_of_more_than_a_million_entries_are_refused_at_once() {
         format!("({})", long("a: 1, ")),
     ] {
         let begun = Instant::now();
-        let told = parse("a.ron", &text).map(|_| ()).expect_err("one too many").to_string();
-        assert!(told.contains("more than 1000000 entries"), "{told}");
-        assert!(told.lines().count() < 20 && told.len() < 4000, "the message is short");
+        let printed = parse("a.ron", &text).map(|_| ()).expect_err("one too many").to_string();
+        assert!(printed.contains("more than 1000000 entries"), "{printed}");
+        assert!(printed.lines().count() < 20 && printed.len() < 4000, "the message is short");
         assert!(begun.elapsed() < Duration::from_secs(5), "{:?}", begun.elapsed());
     }
 }
@@ -136,9 +136,9 @@ fn brackets_stand_so_deep_and_no_deeper() {
     };
     assert_eq!(nested(20), Ok(()));
     for depth in [100, 1000, 100_000] {
-        let told = nested(depth).expect_err("too deep");
-        assert!(told.contains("nested too deeply") && told.contains("about 60 deep"), "{told}");
-        assert!(told.len() < 4000, "the message is short");
+        let printed = nested(depth).expect_err("too deep");
+        assert!(printed.contains("nested too deeply") && printed.contains("about 60 deep"), "{printed}");
+        assert!(printed.len() < 4000, "the message is short");
     }
     // Parents are no brackets: chains of them may be long.
     let chain = (0..20_000).map(|index| {
@@ -157,15 +157,15 @@ fn assemble_does_not_wait_for_pipes() {
     let made = std::process::Command::new("mkfifo").arg(folder.path().join("f_00.png")).status();
     assert!(made.expect("a command").success());
     for of in [&[][..], &["--of", "ball.ron"]] {
-        let told = refused(folder.path(), &[&["assemble", "f_##.png", "-o", "f.gif"], of].concat());
+        let printed = refused(folder.path(), &[&["assemble", "f_##.png", "-o", "f.gif"], of].concat());
         assert!(
-            told.contains("\n  frame 0: damaged: it is a device or a pipe, not a regular file\n"),
-            "{told}"
+            printed.contains("\n  frame 0: damaged: it is a device or a pipe, not a regular file\n"),
+            "{printed}"
         );
     }
 }
 
-/// Runs `kinora` by a shell that has limited it first, and gives its exit code and what it tells.
+/// Runs `kinora` by a shell that has limited it first, and returns its exit code and what it prints.
 #[cfg(target_os = "linux")]
 fn limited(folder: &Path, limit: &str, arguments: &[&str]) -> (Option<i32>, String) {
     let mut command = std::process::Command::new("sh");
@@ -185,9 +185,9 @@ fn file_size_limits_end_the_run_with_an_error() {
         [&["-o", "a.y4m"][..], &["-o", "a.gif"], &["-o", "a.mp4"], &["-o", "f_##.ppm"], &["-o", "f_##.exr"]]
     {
         let arguments = [&["render", "ball.ron", "-s", "320x180", "--bits", "16"], outputs].concat();
-        let (code, told) = limited(folder.path(), "ulimit -f 4", &arguments);
-        assert_eq!(code, Some(3), "{outputs:?}: {told}");
-        assert!(told.contains("error: cannot write ") && told.contains("ulimit -f"), "{told}");
+        let (code, printed) = limited(folder.path(), "ulimit -f 4", &arguments);
+        assert_eq!(code, Some(3), "{outputs:?}: {printed}");
+        assert!(printed.contains("error: cannot write ") && printed.contains("ulimit -f"), "{printed}");
         assert!(crate::command::contents(folder.path()) == before, "{outputs:?} leaves something");
     }
 }
@@ -199,12 +199,15 @@ fn errors_contain_the_reason_of_the_system() {
     // Each animation has its file open until the end.
     let outputs = ["a.mp4", "a.apng", "a.webp", "a.y4m"].map(|name| ["-o", name]).concat();
     let arguments = [&["render", "ball.ron"], &outputs[..]].concat();
-    let (code, told) = limited(folder.path(), "ulimit -n 5", &arguments);
-    assert_eq!(code, Some(3), "{told}");
-    assert!(told.contains("cannot write a.webp: Too many open files"), "{told}");
+    let (code, printed) = limited(folder.path(), "ulimit -n 5", &arguments);
+    assert_eq!(code, Some(3), "{printed}");
+    assert!(printed.contains("cannot write a.webp: Too many open files"), "{printed}");
     let done = run(folder.path(), &["render", "ball.ron", "-o", "/proc/a.gif"]);
-    let told = stderr(&done);
+    let printed = stderr(&done);
     // Trying again does not help.
-    assert_eq!(done.status.code(), Some(2), "{told}");
-    assert!(told.contains("cannot write /proc: No such file or directory") && told.contains("-o"), "{told}");
+    assert_eq!(done.status.code(), Some(2), "{printed}");
+    assert!(
+        printed.contains("cannot write /proc: No such file or directory") && printed.contains("-o"),
+        "{printed}"
+    );
 }

@@ -135,10 +135,10 @@ fn clear_parts_of_images_are_cut_out_of_meshes() {
 #[test]
 fn missing_images_are_reported() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
-    let told = sequence(folder.path(), "").expect_err("no image");
-    assert!(told.contains("cannot read the image \"left.png\" of the mesh"), "{told}");
-    assert!(told.contains("scene.ron:4:41") && told.contains("there is no such file"), "{told}");
-    assert!(told.contains("^^^^^^^^^^^^^^^^^ there"), "all of the file's name is marked: {told}");
+    let printed = sequence(folder.path(), "").expect_err("no image");
+    assert!(printed.contains("cannot read the image \"left.png\" of the mesh"), "{printed}");
+    assert!(printed.contains("scene.ron:4:41") && printed.contains("there is no such file"), "{printed}");
+    assert!(printed.contains("^^^^^^^^^^^^^^^^^ there"), "all of the file's name is marked: {printed}");
 }
 
 #[test]
@@ -152,9 +152,9 @@ fn missing_libraries_are_faults_only_if_used() {
             .expect("a disk");
         load(&path).map_err(|error| error.to_string())
     };
-    let told = with("").expect_err("no library");
-    assert!(told.contains("cannot read the materials of the mesh"), "{told}");
-    assert!(told.contains("^^^^^^^ line 4: there is no file `none.mtl` for the materials"), "{told}");
+    let printed = with("").expect_err("no library");
+    assert!(printed.contains("cannot read the materials of the mesh"), "{printed}");
+    assert!(printed.contains("^^^^^^^ line 4: there is no file `none.mtl` for the materials"), "{printed}");
     let notes = with(", material: (color: 1)").map(|sequence| sequence.notes());
     let note = "the mesh of `a`: line 4: there is no file `none.mtl` for the materials, and none is needed";
     assert_eq!(notes, Ok(vec![note.to_owned()]));
@@ -165,7 +165,7 @@ fn ignored_material_parts_are_noted_once() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     fs::create_dir_all(folder.path().join("models/images")).expect("the folder is writable");
     write_image(folder.path());
-    let told = |object: &str| {
+    let printed = |object: &str| {
         sequence(folder.path(), object).expect("a sequence");
         let more = "\nmap_Bump b.png\nTf 1 0 0\nnewmtl unused\nmap_d d.png";
         let path = folder.path().join("models/four.mtl");
@@ -173,10 +173,10 @@ fn ignored_material_parts_are_noted_once() {
         load(&folder.path().join("scene.ron")).expect("a sequence").notes()
     };
     let again = "), \"again\": (shape: Mesh(\"models/four.obj\")";
-    assert_eq!(told(again), ["the mesh of `four`: `map_Bump` and `Tf` of its materials left out"]);
+    assert_eq!(printed(again), ["the mesh of `four`: `map_Bump` and `Tf` of its materials left out"]);
     let covered = format!(", material: (color: 1){again}");
-    assert_eq!(told(&covered), ["the mesh of `again`: `map_Bump` and `Tf` of its materials left out"]);
-    assert_eq!(told(", material: (color: 1)"), [""; 0]);
+    assert_eq!(printed(&covered), ["the mesh of `again`: `map_Bump` and `Tf` of its materials left out"]);
+    assert_eq!(printed(", material: (color: 1)"), [""; 0]);
 }
 
 #[test]

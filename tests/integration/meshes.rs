@@ -129,13 +129,13 @@ fn file_formats_do_not_show() {
     for _ in 0..1000 {
         let origin = random.point(2.0);
         let ray = Ray { origin, direction: random.point(0.3) - origin };
-        let told = shapes.each_ref().map(|shape| {
+        let printed = shapes.each_ref().map(|shape| {
             let at = shape.hit(&TraversalRay::new(ray), f64::INFINITY)?;
             let surface = shape.surface_at(&ray, at);
             Some((at, surface, shape.uv_at(surface.point, at.part), shape.color(surface.point, at.part)))
         });
-        assert!(told[0] == told[1] && told[1] == told[2], "{told:?}");
-        hits += u32::from(told[0].is_some());
+        assert!(printed[0] == printed[1] && printed[1] == printed[2], "{printed:?}");
+        hits += u32::from(printed[0].is_some());
     }
     assert!(hits > 500, "{hits}");
 }
@@ -242,10 +242,11 @@ fn faults_of_meshes_name_their_line() {
         ("d.obj", "there is no such file"),
         (".", "meshes are read from .obj, .ply, .stl, .vtk, .vtp and .vtu files"),
     ] {
-        let told = sequence_with(folder.path(), &format!("\"a\": (shape: Mesh({name:?}))")).expect_err(name);
+        let printed =
+            sequence_with(folder.path(), &format!("\"a\": (shape: Mesh({name:?}))")).expect_err(name);
         assert!(
-            told.contains(expected) && told.contains(&format!("cannot read the mesh {name:?}")),
-            "{told}"
+            printed.contains(expected) && printed.contains(&format!("cannot read the mesh {name:?}")),
+            "{printed}"
         );
     }
 }
@@ -312,7 +313,7 @@ fn mirror_ball() -> String {
     })
 }
 
-/// A mirror that takes nothing away cannot be told from even light around it, whatever its normals say.
+/// A mirror that absorbs nothing looks like the even light around it, whatever its normals are.
 #[test]
 fn smooth_mirrors_lose_no_light() {
     let bowl = smooth_mirror(7, 7, |u, v| {

@@ -1,4 +1,4 @@
-//! Errors of sampled pictures: how they fall with samples, and whether what is told of them is true.
+//! Errors of sampled pictures: how they fall with samples, and whether the stated errors are true.
 
 use crate::command::{folder, kinora};
 use crate::support::{sequence, shoot};
@@ -83,7 +83,7 @@ fn true_error(film: &Film, references: &ReferencePair) -> f64 {
 
 /// Of many runs of a frame: the share whose true error lies in the reported interval, the share whose true error lies above
 /// it, and the mean true error.
-fn told(sequence: &Sequence, frame: u32, runs: u32, samples: u32) -> (f64, f64, f64) {
+fn stated(sequence: &Sequence, frame: u32, runs: u32, samples: u32) -> (f64, f64, f64) {
     let references = references(sequence, frame, samples);
     let (mut inside, mut above, mut sum) = (0, 0, 0.0);
     for seed in 0..runs {
@@ -114,8 +114,8 @@ const DARK: &str = r#"(output: (size: (24, 16)), quality: (QUALITY), background:
         "ball": (shape: Sphere(center: (0, 1, 0)), material: Lambertian(color: 0.05)),
         "screen": (shape: Box(min: (-1.5, 0, -9), max: (-1.3, 9, 9)), material: Lambertian(color: 0.05)) })"#;
 
-/// What is asked for is met, and what is told of it is true: the interval that holds the truth in 95 of 100 frames holds it
-/// in 90 to 99, though decisions to stop hang on the very samples that are told of. Of 200 frames with a chance of 95 %,
+/// Target errors are met, and stated errors are true: the interval that holds the truth in 95 of 100 frames holds it
+/// in 90 to 99, though decisions to stop depend on the same samples. Of 200 frames with a chance of 95 %,
 /// fewer than 180 are one case in 300, more than 198 one in 1000.
 #[test]
 fn target_errors_are_reached_and_reported() {
@@ -128,7 +128,7 @@ fn target_errors_are_reached_and_reported() {
         ("dark", quality(DARK, 0.1), 0.1, 1 << 16),
     ];
     for (name, sequence, error, reference) in scenes {
-        let (inside, above, mean) = told(&sequence, 0, 200, reference);
+        let (inside, above, mean) = stated(&sequence, 0, 200, reference);
         let what = format!("{name} {error}: {inside} inside, {above} above, {mean} on average");
         eprintln!("{what}");
         assert!((0.9..=0.99).contains(&inside) && above <= 0.1, "{what}");
@@ -149,7 +149,7 @@ fn shipped_scenes_reach_target_errors() {
         sequence.output.size = (64, 40);
         for error in [0.1, 0.05] {
             sequence.quality.noise = Some(NoiseTarget { error, most: NoiseTarget::MOST });
-            let (inside, above, mean) = told(&sequence, frame, 40, 4096);
+            let (inside, above, mean) = stated(&sequence, frame, 40, 4096);
             eprintln!("{file} {frame} {error}: {inside} inside, {above} above, {mean} on average");
             assert!(
                 inside >= 0.9 && above <= 0.05 && mean <= error,
@@ -261,11 +261,11 @@ fn deterministic_frames_ignore_target_errors() {
     assert_eq!((shot.film.noise, shot.work.camera), (None, 4 * 64));
 }
 
-/// The errors of all frames as a summary for programs tells them.
-fn summarised(told: &str) -> &str {
-    let start = told.rfind("\"noise\":").expect("errors");
-    let end = told[start..].find("\"bvh_builds\"").expect("what follows");
-    &told[start..start + end]
+/// The errors of all frames in a summary for programs.
+fn summarised(printed: &str) -> &str {
+    let start = printed.rfind("\"noise\":").expect("errors");
+    let end = printed[start..].find("\"bvh_builds\"").expect("what follows");
+    &printed[start..start + end]
 }
 
 /// In PNG and EXR files, in the summary, and again where frames are kept.
@@ -281,7 +281,7 @@ fn frames_record_their_error() {
         kinora(folder.path(), &[&["render", "soft.ron", "--progress", "json"], outputs].concat())
     };
     let both = ["-o", "f_#.png", "-o", "f_#.exr"];
-    let told = render(&both);
+    let printed = render(&both);
     let sequence = kinora::sequence::load(&folder.path().join("soft.ron")).expect("a sequence");
     for frame in 0..3 {
         let noise = shoot(&sequence, [frame]).remove(0).film.noise.expect("an error was asked for");
@@ -294,15 +294,15 @@ fn frames_record_their_error() {
         let path = folder.path().join(format!("f_{frame}.exr"));
         let layer = exr::prelude::read_first_flat_layer_from_file(path).expect("an EXR file");
         let attributes = layer.layer_data.attributes.other;
-        let tells = attributes.values().any(|value| match value {
+        let has_error = attributes.values().any(|value| match value {
             AttributeValue::Text(text) => text.to_string().contains(&format!("kinora:error: {wanted}\n")),
             _ => false,
         });
-        assert!(tells, "{attributes:?}");
-        assert!(summarised(&told).contains(&format!("\"{frame}\":{{\"error\":{error}")), "{told}");
+        assert!(has_error, "{attributes:?}");
+        assert!(summarised(&printed).contains(&format!("\"{frame}\":{{\"error\":{error}")), "{printed}");
     }
     let again = render(&both);
-    assert!(again.contains("\"kept\":3") && summarised(&again) == summarised(&told), "{again}");
+    assert!(again.contains("\"kept\":3") && summarised(&again) == summarised(&printed), "{again}");
     render(&["-o", "g_#.png", "-o", "g_#.exr", "--no-metadata"]);
     for name in ["g_0.png", "g_0.exr"] {
         let bytes = std::fs::read(folder.path().join(name)).expect("a frame");

@@ -1,4 +1,4 @@
-//! What is told of a run before it begins: how long it takes, how good it becomes, and why there are as many films.
+//! What a run forecasts before it begins: how long it takes, how good it becomes, and why there are as many films.
 
 use crate::command::{contents, folder, kinora};
 use kinora::base::clock::TimeSource;
@@ -46,13 +46,13 @@ fn took(sequence: &Sequence, plan: &Plan) -> f64 {
 fn sample_counts_take_the_forecast_time() {
     let sequence = soft();
     let (plan, outlook) = planned(&sequence);
-    let told = outlook.forecast(&sequence.quality);
+    let printed = outlook.forecast(&sequence.quality);
     let took = took(&sequence, &plan);
-    assert!((told.wall.mid / took - 1.0).abs() < 0.03, "{:?} for {took}", told.wall);
-    assert!(told.wall.low <= took && took <= told.wall.high);
-    let error = told.error.expect("paths are random");
+    assert!((printed.wall.mid / took - 1.0).abs() < 0.03, "{:?} for {took}", printed.wall);
+    assert!(printed.wall.low <= took && took <= printed.wall.high);
+    let error = printed.error.expect("paths are random");
     assert!(error.low > 0.0 && error.high < 0.5, "{error:?}");
-    assert_eq!((told.films.len(), told.missed), (4, 0), "the lamp alone changes in the last frames");
+    assert_eq!((printed.films.len(), printed.missed), (4, 0), "the lamp alone changes in the last frames");
 }
 
 #[test]
@@ -60,9 +60,9 @@ fn target_errors_take_about_the_forecast_time() {
     let mut sequence = soft();
     sequence.quality.noise = Some(NoiseTarget { error: 0.02, most: 1 << 16 });
     let (plan, outlook) = planned(&sequence);
-    let told = outlook.forecast(&sequence.quality).wall;
+    let printed = outlook.forecast(&sequence.quality).wall;
     let took = took(&sequence, &plan);
-    assert!(told.mid / took < 1.5 && took / told.mid < 1.5, "{told:?} for {took}");
+    assert!(printed.mid / took < 1.5 && took / printed.mid < 1.5, "{printed:?} for {took}");
 }
 
 #[test]
@@ -71,8 +71,8 @@ fn missed_target_errors_are_forecast() {
     let target = NoiseTarget { error: 0.001, most: 64 };
     sequence.quality.noise = Some(target);
     let (plan, outlook) = planned(&sequence);
-    let told = outlook.forecast(&sequence.quality);
-    assert_eq!(told.missed, plan.films.len());
+    let printed = outlook.forecast(&sequence.quality);
+    assert_eq!(printed.missed, plan.films.len());
     let most = outlook.samples_for(&sequence.quality, &target).expect("samples");
     let enough = Quality { noise: Some(NoiseTarget { most, ..target }), ..sequence.quality };
     assert_eq!(outlook.forecast(&enough).missed, 0);
@@ -85,7 +85,7 @@ fn missed_target_errors_are_forecast() {
 fn plans_report_times_errors_and_reasons_of_films() {
     let folder = folder();
     std::fs::write(folder.path().join("soft.ron"), SOFT).expect("the folder is writable");
-    let told = kinora(folder.path(), &["plan", "soft.ron"]);
+    let printed = kinora(folder.path(), &["plan", "soft.ron"]);
     for part in [
         "why     1 for the first frame; 3 because object \"ball\" moves\n",
         "time    tracing takes ",
@@ -93,7 +93,7 @@ fn plans_report_times_errors_and_reasons_of_films() {
         "film of frame 3: ",
         "area lights: light \"panel\" (4 films, ",
     ] {
-        assert!(told.contains(part), "`{part}` in {told}");
+        assert!(printed.contains(part), "`{part}` in {printed}");
     }
     let missed = kinora(folder.path(), &["plan", "soft.ron", "--noise", "0.0001", "--max-samples", "32"]);
     assert!(missed.contains(" because pixels may have 32 samples at most"), "{missed}");

@@ -62,11 +62,11 @@ fn stills_go_to_the_standard_output_one_after_the_other() {
 #[test]
 fn formats_of_the_standard_output_are_listed() {
     let folder = folder();
-    let told = |more: &[&str]| refused(folder.path(), &[&["render", "ball.ron"], more].concat());
-    assert!(told(&["-o", "-", "--format", "gif"]).contains("y4m, ppm, ppm-ascii or png"));
-    assert!(told(&["-o", "a.png", "--format", "ppm"]).contains("write -o - as well"));
+    let printed = |more: &[&str]| refused(folder.path(), &[&["render", "ball.ron"], more].concat());
+    assert!(printed(&["-o", "-", "--format", "gif"]).contains("y4m, ppm, ppm-ascii or png"));
+    assert!(printed(&["-o", "a.png", "--format", "ppm"]).contains("write -o - as well"));
     assert!(
-        told(&["-o", "-", "--format", "png", "--progress", "json"])
+        printed(&["-o", "-", "--format", "png", "--progress", "json"])
             .contains("both write to the standard output")
     );
 }
@@ -90,16 +90,16 @@ fn clamped_half_floats_are_counted() {
     let folder = folder();
     let text = "(output: (size: (4, 2), exr: (precision: Half)), background: (70000, 1, 65519))";
     fs::write(folder.path().join("bright.ron"), text).expect("writable");
-    let told = kinora(folder.path(), &["render", "bright.ron", "-o", "a.exr"]);
-    assert!(told.contains("8 numbers above 65504"), "{told}");
+    let printed = kinora(folder.path(), &["render", "bright.ron", "-o", "a.exr"]);
+    assert!(printed.contains("8 numbers above 65504"), "{printed}");
     let image =
         exr::prelude::read_first_flat_layer_from_file(folder.path().join("a.exr")).expect("an EXR file");
     for channel in image.layer_data.channel_data.list {
         let expected = if channel.name.to_string() == "G" { 1.0 } else { 65504.0 };
         assert!(channel.sample_data.values_as_f32().all(|value| value == expected), "{}", channel.name);
     }
-    let told = kinora(folder.path(), &["render", "ball.ron", "-o", "b.exr", "--frames", "0"]);
-    assert!(!told.contains("65504"), "{told}");
+    let printed = kinora(folder.path(), &["render", "ball.ron", "-o", "b.exr", "--frames", "0"]);
+    assert!(!printed.contains("65504"), "{printed}");
 }
 
 #[test]
@@ -109,8 +109,9 @@ fn every_format_is_written_and_frames_can_be_assembled_again() {
     let mut arguments = vec!["render", "ball.ron"];
     arguments.extend(all.iter().flat_map(|name| ["-o", name]));
     kinora(folder.path(), &arguments);
-    let told = kinora(folder.path(), &["assemble", "a_##.png", "-o", "b.gif", "-o", "b.mp4", "-o", "b.webp"]);
-    assert!(told.contains("frames  12 at 24 per second"));
+    let printed =
+        kinora(folder.path(), &["assemble", "a_##.png", "-o", "b.gif", "-o", "b.mp4", "-o", "b.webp"]);
+    assert!(printed.contains("frames  12 at 24 per second"));
     let bytes = |name: &str| fs::read(folder.path().join(name)).expect(name);
     for format in ["gif", "mp4", "webp"] {
         assert!(bytes(&format!("a.{format}")) == bytes(&format!("b.{format}")), "{format}");
@@ -192,17 +193,17 @@ fn layers_of_any_names_have_channels_of_their_own() {
 fn missing_glyphs_are_reported() {
     let folder = folder();
     let note = "captions are without `漢`, which the font does not have";
-    let told = |arguments: &[&str]| {
-        let told = kinora(folder.path(), arguments);
-        assert_eq!(told.matches(note).count(), 1, "{arguments:?}: {told}");
+    let printed = |arguments: &[&str]| {
+        let printed = kinora(folder.path(), arguments);
+        assert_eq!(printed.matches(note).count(), 1, "{arguments:?}: {printed}");
     };
-    told(&["render", "ball.ron", "-o", "f_##.png", "--caption", "zoë 漢 {frame}"]);
-    told(&["filmstrip", "ball.ron", "-n", "2", "--caption", "漢"]);
-    told(&["assemble", "f_##.png", "-o", "strip.png", "--caption", "漢"]);
-    told(&["poster", "ball.ron", "--caption", "漢漢"]);
+    printed(&["render", "ball.ron", "-o", "f_##.png", "--caption", "zoë 漢 {frame}"]);
+    printed(&["filmstrip", "ball.ron", "-n", "2", "--caption", "漢"]);
+    printed(&["assemble", "f_##.png", "-o", "strip.png", "--caption", "漢"]);
+    printed(&["poster", "ball.ron", "--caption", "漢漢"]);
     let text = BALL.replace("size: (32, 18)", "size: (32, 18), caption: \"漢\"");
     fs::write(folder.path().join("ball.ron"), text).expect("writable");
-    told(&["check", "ball.ron"]);
+    printed(&["check", "ball.ron"]);
 }
 
 #[test]
@@ -211,8 +212,8 @@ fn parts_beside_whole_animations_are_noted() {
     fs::write(folder.path().join("part_a.gif"), "a part").expect("writable");
     let render =
         |rest: &[&str]| kinora(folder.path(), &[&["render", "ball.ron", "-o", "a.gif"], rest].concat());
-    let told = render(&[]);
-    assert!(told.contains("note    part_a.gif holds a part of this animation"), "{told}");
+    let printed = render(&[]);
+    assert!(printed.contains("note    part_a.gif holds a part of this animation"), "{printed}");
     assert!(folder.path().join("part_a.gif").exists(), "it may be wanted");
     assert!(!render(&["-o", "part_a.gif"]).contains("holds a part"));
 }
@@ -225,17 +226,17 @@ fn errors_name_all_frames() {
         BALL.replace("frames: 12", "frames: 3").replace("[(0, (-1, 0, 0)), (12, (1, 0, 0))]", "(0, 0, 0)");
     fs::write(folder.path().join("still.ron"), still).expect("writable");
     let noisy = ["--integrator", "path", "--noise", "0.5", "--progress", "json", "-o", "f_#.png"];
-    let told = kinora(folder.path(), &[&["render", "still.ron"], &noisy[..]].concat());
-    let noise = told.split("\"noise\":{").nth(1).expect("a summary");
-    assert!([0, 1, 2].iter().all(|frame| noise.contains(&format!("\"{frame}\":{{\"error\""))), "{told}");
+    let printed = kinora(folder.path(), &[&["render", "still.ron"], &noisy[..]].concat());
+    let noise = printed.split("\"noise\":{").nth(1).expect("a summary");
+    assert!([0, 1, 2].iter().all(|frame| noise.contains(&format!("\"{frame}\":{{\"error\""))), "{printed}");
 }
 
 #[test]
 fn the_rate_of_finished_frames_is_in_them() {
     let folder = folder();
     kinora(folder.path(), &["render", "ball.ron", "-r", "30000/1001", "-o", "f_##.png"]);
-    let told = kinora(folder.path(), &["assemble", "f_##.png", "-o", "f.gif"]);
-    assert!(told.contains("at 30000/1001 per second"));
+    let printed = kinora(folder.path(), &["assemble", "f_##.png", "-o", "f.gif"]);
+    assert!(printed.contains("at 30000/1001 per second"));
     kinora(folder.path(), &["render", "ball.ron", "--no-metadata", "-o", "g_##.png"]);
     let (with, without) =
         (fs::read(folder.path().join("f_00.png")), fs::read(folder.path().join("g_00.png")));
@@ -283,8 +284,8 @@ fn invalid_places_are_refused_before_rendering() {
         (&["assemble", "ball.ron/f_##.png", "-o", "a.gif"], "ball.ron is a file; name a folder there"),
         (&["accuracy", "ball.ron", "-o", "ball.ron/new"], "ball.ron is a file; name another folder with -o"),
     ] {
-        let told = refused(path, arguments);
-        assert!(told.contains(message), "{told}");
+        let printed = refused(path, arguments);
+        assert!(printed.contains(message), "{printed}");
     }
     assert!(contents(path) == before, "something was written");
 }
@@ -312,11 +313,11 @@ fn a_signal_stops_after_the_frame_in_hand() {
         let sent = Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status();
         assert!(sent.expect("a command").success());
         let output = child.wait_with_output().expect("it ends");
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{told}");
+        let printed = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{printed}");
         let next = "to continue: kinora render long.ron -o 'f_#.png' -o a.gif -o a.apng";
-        assert!(told.trim_end().ends_with(next), "{told}");
-        let done = told.split("stopped after ").nth(1).and_then(|rest| rest.split(' ').next());
+        assert!(printed.trim_end().ends_with(next), "{printed}");
+        let done = printed.split("stopped after ").nth(1).and_then(|rest| rest.split(' ').next());
         let done: u32 = done.and_then(|digits| digits.parse().ok()).expect("a number");
         let mut names: Vec<String> = fs::read_dir(folder.path())
             .expect("a folder")
@@ -338,7 +339,7 @@ fn names_of_outputs_need_not_be_text() {
     use std::os::unix::ffi::OsStrExt;
     let folder = folder();
     let (stills, movie) = (OsStr::from_bytes(b"d\xff/f\xfe_##.png"), OsStr::from_bytes(b"d\xff/\xfe.gif"));
-    let told = |words: &[&str], output: &[&OsStr]| {
+    let printed = |words: &[&str], output: &[&OsStr]| {
         let mut command =
             assert_cmd::Command::cargo_bin("kinora").expect("the binary is built with its tests");
         let done =
@@ -347,16 +348,16 @@ fn names_of_outputs_need_not_be_text() {
         String::from_utf8_lossy(&done.stdout).into_owned()
     };
     let option = OsStr::new("-o");
-    let first = told(&["render", "ball.ron"], &[option, stills, option, movie]);
+    let first = printed(&["render", "ball.ron"], &[option, stills, option, movie]);
     assert!(first.contains("wrote   d\\xff/f\\xfe_##.png\n        d\\xff/\\xfe.gif\n"), "{first}");
     let names = contents(&folder.path().join(OsStr::from_bytes(b"d\xff")));
     assert_eq!(names.len(), 13);
     assert!(folder.path().join(OsStr::from_bytes(b"d\xff/f\xfe_07.png")).exists());
-    assert!(told(&["render", "ball.ron"], &[option, stills, option, movie]).contains("12 of them kept"));
-    told(&["assemble"], &[stills, option, OsStr::from_bytes(b"\xfe.mp4")]);
+    assert!(printed(&["render", "ball.ron"], &[option, stills, option, movie]).contains("12 of them kept"));
+    printed(&["assemble"], &[stills, option, OsStr::from_bytes(b"\xfe.mp4")]);
     let status = ["farm", "status"].map(OsStr::new);
     let job = [&status[..], &[OsStr::from_bytes(b"d\xff"), OsStr::new("ball.ron"), option, stills]].concat();
-    assert!(told(&[], &job).contains("12 done"));
+    assert!(printed(&[], &job).contains("12 done"));
 }
 
 /// Nobody reads the frames: from the beginning, or not to the end.
@@ -376,10 +377,10 @@ fn a_closed_standard_output_is_an_error() {
         // Who starts a program without a standard output may also open the null device for reading and writing.
         for nowhere in [">&-", "1<> /dev/null"] {
             let done = shell(&format!("exec \"$1\" {words} {nowhere}"));
-            let told = crate::command::stderr(&done);
-            assert_eq!(done.status.code(), Some(3), "{told}");
+            let printed = crate::command::stderr(&done);
+            assert_eq!(done.status.code(), Some(3), "{printed}");
             for part in ["cannot write to the standard output: it is closed, or", "with `> /dev/null`"] {
-                assert!(told.contains(part), "{told}");
+                assert!(printed.contains(part), "{printed}");
             }
             assert!(!folder.path().join("new").exists());
         }
@@ -391,11 +392,11 @@ fn a_closed_standard_output_is_an_error() {
     drop(child.stdout.take());
     let done = child.wait_with_output().expect("it ends");
     assert_eq!(done.status.code(), Some(3));
-    let told = crate::command::stderr(&done);
+    let printed = crate::command::stderr(&done);
     assert!(
-        told.contains("cannot write the standard output: ")
-            && told.contains("the reader of the pipe has ended"),
-        "{told}"
+        printed.contains("cannot write the standard output: ")
+            && printed.contains("the reader of the pipe has ended"),
+        "{printed}"
     );
 }
 

@@ -42,9 +42,12 @@ fn sequences_do_not_write_out_of_the_working_directory() {
         for arguments in
             [&["check", "named.ron"][..], &["render", "named.ron"], &["render", "named.ron", "--draft"]]
         {
-            let told = refused(path, arguments);
+            let printed = refused(path, arguments);
             let dots = files.contains("..");
-            assert!(dots || told.contains("out of the working directory; only what -o names"), "{told}");
+            assert!(
+                dots || printed.contains("out of the working directory; only what -o names"),
+                "{printed}"
+            );
         }
         refused(path, &["render", "named.ron", "--frames", "3"]);
         refused(path, &["farm", "export", "shell", "named.ron"]);
@@ -65,8 +68,8 @@ fn default_outputs_stay_inside_the_folder() {
     let path = inside.path();
     symlink(outside.path(), path.join("output")).expect("a disk");
     for command in ["render", "poster", "filmstrip"] {
-        let told = refused(path, &[command, "ball.ron"]);
-        assert!(told.contains("out of the working directory"), "{told}");
+        let printed = refused(path, &[command, "ball.ron"]);
+        assert!(printed.contains("out of the working directory"), "{printed}");
     }
     assert!(contents(outside.path()).is_empty());
     kinora(path, &["poster", "ball.ron", "-o", "output/a.png"]);
@@ -149,16 +152,16 @@ fn seeking_formats_are_not_written_into_pipes() {
     let path = folder.path();
     for name in ["a.gif", "a.apng", "a.webp", "a.mp4", "a.exr"] {
         pipe(&path.join(name));
-        let told = refused(path, &["render", "ball.ron", "--frames", "3", "-o", name, "-o", "new/f.png"]);
-        assert!(told.contains(&format!("cannot write {name}: it is a pipe, which takes only formats that are written sequentially: .png")), "{told}");
+        let printed = refused(path, &["render", "ball.ron", "--frames", "3", "-o", name, "-o", "new/f.png"]);
+        assert!(printed.contains(&format!("cannot write {name}: it is a pipe, which takes only formats that are written sequentially: .png")), "{printed}");
         assert!(path.join(name).symlink_metadata().expect(name).file_type().is_fifo(), "{name} was replaced");
     }
     kinora(path, &["render", "ball.ron", "-o", "f_##.png"]);
-    let told = refused(path, &["assemble", "f_##.png", "-o", "a.gif"]);
-    assert!(told.contains("a.gif: it is a pipe"), "{told}");
+    let printed = refused(path, &["assemble", "f_##.png", "-o", "a.gif"]);
+    assert!(printed.contains("a.gif: it is a pipe"), "{printed}");
     let _bound = std::os::unix::net::UnixListener::bind(path.join("s.png")).expect("a disk");
-    let told = refused(path, &["render", "ball.ron", "--frames", "3", "-o", "s.png"]);
-    assert!(told.contains("cannot write s.png: it is a socket; name a file"), "{told}");
+    let printed = refused(path, &["render", "ball.ron", "--frames", "3", "-o", "s.png"]);
+    assert!(printed.contains("cannot write s.png: it is a socket; name a file"), "{printed}");
     assert!(!path.join("new").exists());
 }
 
@@ -170,8 +173,8 @@ fn devices_are_written_into_but_not_by_sequences() {
     kinora(path, &["render", "ball.ron", "-o", "null.y4m"]);
     assert!(path.join("null.y4m").symlink_metadata().expect("a link").is_symlink());
     naming(path, "\"null.y4m\"");
-    let told = refused(path, &["render", "named.ron"]);
-    assert!(told.contains("it leads to /dev/null, out of the working directory"), "{told}");
+    let printed = refused(path, &["render", "named.ron"]);
+    assert!(printed.contains("it leads to /dev/null, out of the working directory"), "{printed}");
     // What a sequence names inside may be a pipe.
     pipe(&path.join("own.y4m"));
     naming(path, "\"own.y4m\"");
@@ -221,9 +224,9 @@ fn a_run_that_waits_for_a_reader_can_be_stopped() {
             let sent = Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status();
             assert!(sent.expect("a command").success());
             let ended = child.wait_with_output().expect("it ends");
-            let told = stderr(&ended);
-            assert_eq!(ended.status.code(), Some(code), "{told}");
-            assert!(told.contains(&format!("stopped after {done} frames")), "{told}");
+            let printed = stderr(&ended);
+            assert_eq!(ended.status.code(), Some(code), "{printed}");
+            assert!(printed.contains(&format!("stopped after {done} frames")), "{printed}");
             assert_eq!(contents(path).len(), 1 + done, "{name}");
         }
     }
@@ -238,12 +241,12 @@ fn a_pipe_is_not_an_existing_frame() {
         let pipe = path.join("f.jpg");
         move || fs::read(pipe).expect("a pipe")
     });
-    let told = kinora(path, &["render", "ball.ron", "--frames", "3", "-o", "f.jpg"]);
-    assert!(!told.contains("could be kept"), "{told}");
+    let printed = kinora(path, &["render", "ball.ron", "--frames", "3", "-o", "f.jpg"]);
+    assert!(!printed.contains("could be kept"), "{printed}");
     reader.join().expect("it ends");
     kinora(path, &["render", "ball.ron", "--frames", "3", "-o", "g.jpg"]);
-    let told = kinora(path, &["render", "ball.ron", "--frames", "3", "-o", "g.jpg"]);
-    assert!(told.contains("could be kept: g.jpg cannot hold metadata"), "{told}");
+    let printed = kinora(path, &["render", "ball.ron", "--frames", "3", "-o", "g.jpg"]);
+    assert!(printed.contains("could be kept: g.jpg cannot hold metadata"), "{printed}");
 }
 
 #[test]
@@ -253,7 +256,7 @@ fn plan_and_render_refuse_the_same_outputs() {
     symlink(outside.path(), path.join("out")).expect("a disk");
     naming(path, "\"out/a_##.png\"");
     for command in ["plan", "check", "render"] {
-        let told = refused(path, &[command, "named.ron"]);
-        assert!(told.contains("out of the working directory"), "{command}: {told}");
+        let printed = refused(path, &[command, "named.ron"]);
+        assert!(printed.contains("out of the working directory"), "{command}: {printed}");
     }
 }

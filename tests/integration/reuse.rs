@@ -1,4 +1,4 @@
-//! Nothing is traced twice, and no picture tells: what is made of the film of another frame has the bytes that it has
+//! Nothing is traced twice, and no picture shows it: a frame made of the film of another frame has the bytes that it has
 //! by itself.
 
 use crate::support::{Random, sequence, shoot};
@@ -371,9 +371,9 @@ fn plans_forecast_the_samples_of_an_error() {
         let outlook = run_pilot(&sequence, &plan, AovSet::default(), PilotTime::PLAN, TimeSource::Rays(1e-6));
         let expected = outlook.forecast(&sequence.quality);
         let (camera, all) = (tally.counts.rays.camera, tally.counts.rays.total());
-        for (what, told, found) in [("camera", expected.camera, camera), ("all", expected.rays, all)] {
-            let ratio = told / found as f64;
-            assert!((0.75..1.33).contains(&ratio), "{name}, {what}: {told} for {found}");
+        for (what, forecast, found) in [("camera", expected.camera, camera), ("all", expected.rays, all)] {
+            let ratio = forecast / found as f64;
+            assert!((0.75..1.33).contains(&ratio), "{name}, {what}: {forecast} for {found}");
         }
     }
     let mut sequence = shipped("glazed-orbit.ron");

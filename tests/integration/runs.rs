@@ -29,18 +29,18 @@ fn shards_write_the_frames_of_one_run() {
 #[test]
 fn shards_write_stills() {
     let folder = folder();
-    let told = kinora(folder.path(), &["render", "ball.ron", "--shard", "1/1"]);
-    assert!(told.contains("output/ball.gif holds all frames and is left as it is"), "{told}");
+    let printed = kinora(folder.path(), &["render", "ball.ron", "--shard", "1/1"]);
+    assert!(printed.contains("output/ball.gif holds all frames and is left as it is"), "{printed}");
     assert!(!folder.path().join("output/ball.gif").exists());
-    let told = refused(folder.path(), &["render", "ball.ron", "--shard", "1/2", "-o", "a.gif"]);
+    let printed = refused(folder.path(), &["render", "ball.ron", "--shard", "1/2", "-o", "a.gif"]);
     assert!(
-        told.contains("every process would write all of a.gif") && told.contains("kinora assemble"),
-        "{told}"
+        printed.contains("every process would write all of a.gif") && printed.contains("kinora assemble"),
+        "{printed}"
     );
-    let told = refused(folder.path(), &["render", "ball.ron", "--shard", "3/2", "-o", "f_##.png"]);
-    assert!(told.contains("such as 2/4"), "{told}");
-    let told = kinora(folder.path(), &["render", "ball.ron", "--shard", "1/20", "-o", "few/f_##.png"]);
-    assert_eq!(told, "shard 1/20 has no frames: there are 12 frames\n");
+    let printed = refused(folder.path(), &["render", "ball.ron", "--shard", "3/2", "-o", "f_##.png"]);
+    assert!(printed.contains("such as 2/4"), "{printed}");
+    let printed = kinora(folder.path(), &["render", "ball.ron", "--shard", "1/20", "-o", "few/f_##.png"]);
+    assert_eq!(printed, "shard 1/20 has no frames: there are 12 frames\n");
     assert!(!folder.path().join("few").exists());
 }
 
@@ -55,8 +55,8 @@ fn nothing_is_replaced_where_nothing_may_be() {
     }
     let before = contents(folder.path());
     for outputs in [&["-o", "f_##.png"][..], &["-o", "new/f_##.png", "-o", "a.gif"]] {
-        let told = refusing(outputs);
-        assert!(told.contains(" exists already") && told.contains("--fail-if-exists"), "{told}");
+        let printed = refusing(outputs);
+        assert!(printed.contains(" exists already") && printed.contains("--fail-if-exists"), "{printed}");
     }
     assert!(contents(folder.path()) == before && !folder.path().join("new").exists());
     // Frames of other numbers are none of those that would be written.
@@ -65,13 +65,13 @@ fn nothing_is_replaced_where_nothing_may_be() {
     refused(folder.path(), &rest);
     refused(folder.path(), &["render", "ball.ron", "--fail-if-exists", "--overwrite"]);
     fs::create_dir(folder.path().join("g_03.png")).expect("a disk");
-    let told = refused(folder.path(), &["render", "ball.ron", "-o", "g_##.png"]);
-    assert!(told.contains("g_03.png: it is a folder"), "{told}");
+    let printed = refused(folder.path(), &["render", "ball.ron", "-o", "g_##.png"]);
+    assert!(printed.contains("g_03.png: it is a folder"), "{printed}");
 }
 
-/// What a run tells of frames: all of them, and those that were kept.
-fn told_kept(told: &str) -> (u32, u32) {
-    let line = told.lines().find(|line| line.starts_with("frames ")).expect("a summary");
+/// The frames of a run: all of them, and those that were kept.
+fn told_kept(printed: &str) -> (u32, u32) {
+    let line = printed.lines().find(|line| line.starts_with("frames ")).expect("a summary");
     let mut numbers = line.split(|c: char| !c.is_ascii_digit()).filter_map(|digits| digits.parse().ok());
     (numbers.next().expect("a number"), numbers.next().unwrap_or(0))
 }
@@ -79,8 +79,8 @@ fn told_kept(told: &str) -> (u32, u32) {
 /// Renders into stills of all kinds and animations; gives how many frames were kept and what there is then.
 fn rendered(folder: &Path, rest: &[&str]) -> (u32, BTreeMap<String, Vec<u8>>) {
     let outputs = ["-o", "f_##.png", "-o", "f_##.exr", "-o", "f_##.jpg", "-o", "a.gif", "-o", "a.mp4"];
-    let told = kinora(folder, &[&["render", "ball.ron"], &outputs[..], rest].concat());
-    (told_kept(&told).1, contents(folder))
+    let printed = kinora(folder, &[&["render", "ball.ron"], &outputs[..], rest].concat());
+    (told_kept(&printed).1, contents(folder))
 }
 
 #[test]
@@ -152,8 +152,8 @@ fn only_changed_frames_are_rendered_again() {
         let folder = folder();
         let render = |text: &str| {
             fs::write(folder.path().join("ball.ron"), text).expect("a disk");
-            let told = kinora(folder.path(), &[&["render", "ball.ron", "-o", "f_##.png"], rest].concat());
-            (told_kept(&told).1, contents(folder.path()))
+            let printed = kinora(folder.path(), &[&["render", "ball.ron", "-o", "f_##.png"], rest].concat());
+            (told_kept(&printed).1, contents(folder.path()))
         };
         render(first);
         let (kept, found) = render(second);
@@ -229,9 +229,9 @@ fn frames_without_metadata_are_rendered_again_with_a_note() {
     ] {
         let render = || kinora(folder.path(), &[&["render", "ball.ron"], outputs].concat());
         assert!(!render().contains("could be kept"), "{outputs:?}");
-        let told = render();
-        assert!(told.contains(&format!("note    no existing frame could be kept: {reason}")), "{told}");
-        assert_eq!(told_kept(&told), (12, 0));
+        let printed = render();
+        assert!(printed.contains(&format!("note    no existing frame could be kept: {reason}")), "{printed}");
+        assert_eq!(told_kept(&printed), (12, 0));
     }
     // Deep frames alone are kept, and so are transparent ones that a video is made of.
     for outputs in

@@ -7,7 +7,7 @@ use kinora::sequence::Sequence;
 /// Width and height of the pictures.
 const SIDE: usize = 21;
 
-/// Pictures of which errors are told.
+/// Pictures whose errors are measured.
 const SEEDS: u32 = if cfg!(debug_assertions) { 12 } else { 48 };
 
 /// The variance of every pixel over pictures with different seeds.

@@ -49,7 +49,7 @@ fn request(folder: &Path, extension: &str, frames: &[u32]) -> Request {
     }
 }
 
-/// Renders with as many samples as fit; gives their number, whether frames that are there have told it, and how many of
+/// Renders with as many samples as fit; returns their number, whether existing frames determined it, and how many of
 /// these were kept.
 fn limited(sequence: &Sequence, request: &Request, clock: TimeSource) -> (u32, bool, u32) {
     let chosen = settled(sequence, request, LIMIT, clock).expect("samples");
@@ -133,7 +133,7 @@ fn the_error_or_the_time_ends_a_run() {
     assert_eq!(limited(&with(1e-4), &all, SLOW), (most, true, 6));
 }
 
-/// Twice the time is twice the samples, less what frames cost without any; and rays alone tell.
+/// Twice the time is twice the samples, less what frames cost without any; the clock counts rays alone.
 #[test]
 fn samples_fit_into_the_time() {
     let folder = folder();
@@ -143,7 +143,7 @@ fn samples_fit_into_the_time() {
         let Settled::Now(budget) = settled(&sequence, &anew, limit, clock).expect("samples") else {
             panic!("nothing is there")
         };
-        let TimeSource::Rays(each) = clock else { panic!("rays tell the time") };
+        let TimeSource::Rays(each) = clock else { panic!("a clock of rays") };
         let sequence = Sequence { quality: budget.quality, ..sequence.clone() };
         let rays = render(&sequence, &anew, &Arc::new(ProgressMeter::default()))
             .expect("frames")
@@ -151,8 +151,8 @@ fn samples_fit_into_the_time() {
             .rays
             .total();
         let took = each * rays as f64;
-        let told = budget.cpu.expect("rays tell it");
-        assert!((told / took - 1.0).abs() < 0.02, "{told} was told, {took} it was");
+        let predicted = budget.cpu.expect("a clock of rays");
+        assert!((predicted / took - 1.0).abs() < 0.02, "{predicted} was predicted, {took} was needed");
         let whole = took + budget.spent;
         let limit = limit.as_secs_f64();
         // A sample more would not fit.
@@ -188,9 +188,9 @@ fn the_command_keeps_the_number_of_samples() {
     assert!(again.contains("4 of them kept"), "{again}");
     assert!(contents(folder.path()) == before);
     let texts = frame_texts(&folder.path().join("f_2.png"));
-    let told = |keyword: &str| texts.iter().find(|(k, _)| k == keyword).map(|(_, text)| text.as_str());
+    let metadata = |keyword: &str| texts.iter().find(|(k, _)| k == keyword).map(|(_, text)| text.as_str());
     assert!(
-        told("kinora:time-limit").is_some_and(|told| told.starts_with("1 s for 6 frames, samples=")),
+        metadata("kinora:time-limit").is_some_and(|text| text.starts_with("1 s for 6 frames, samples=")),
         "{texts:?}"
     );
     let other = run(folder.path(), &["render", "soft.ron", "--time-limit", "2s", "-o", "f_#.png"]);
@@ -202,11 +202,11 @@ fn limits_and_errors_go_together_and_posters_have_them_too() {
     let folder = folder();
     soft(folder.path(), SOFT);
     let both = ["render", "soft.ron", "--noise", "0.0001", "--time-limit", "1s", "-o", "f_#.png"];
-    let told = kinora(folder.path(), &both);
-    assert!(told.contains("samples a pixel at most") && told.contains("--max-samples"), "{told}");
+    let printed = kinora(folder.path(), &both);
+    assert!(printed.contains("samples a pixel at most") && printed.contains("--max-samples"), "{printed}");
     let poster = ["poster", "soft.ron", "--time-limit", "1s", "-o", "p.png"];
-    let told = kinora(folder.path(), &poster);
-    assert!(told.contains("the time limit allows"), "{told}");
+    let printed = kinora(folder.path(), &poster);
+    assert!(printed.contains("the time limit allows"), "{printed}");
     let refused = run(folder.path(), &["render", "soft.ron", "--max-samples", "9", "-o", "f_#.png"]);
     assert!(stderr(&refused).contains("--max-samples needs a target error"), "{}", stderr(&refused));
 }

@@ -375,7 +375,7 @@ fn moving_things_blur_by_the_time_they_are_there() {
     near(f64::from(shoot_all(text)[0].pixel(0, 0).x), 0.5, 0.02);
 }
 
-/// The point of a light may lie on what its shadow rays pass, as far as rounding can tell: they end there all the
+/// The point of a light may lie on what its shadow rays pass, as far as rounding distinguishes them: they end there all the
 /// same, and what lets everything pass takes nothing away.
 #[test]
 fn shadow_rays_end_at_lights_on_clear_surfaces() {

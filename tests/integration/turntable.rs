@@ -34,8 +34,8 @@ fn the_written_sequence_gives_the_same_frames() {
     let turn = ["turntable", "parts/ball.ply", "--frames", "4", "--write", "turns/t.ron", "-o", "a_#.png"];
     // A folder `assets` makes `turns` the root of the sequence, so that the part is outside of it.
     fs::create_dir_all(at.join("turns/assets")).expect("a disk");
-    let told = kinora(at, &[&turn[..], &SMALL].concat());
-    assert!(told.contains("`kinora render turns/t.ron --allow-outside` renders it again"), "{told}");
+    let printed = kinora(at, &[&turn[..], &SMALL].concat());
+    assert!(printed.contains("`kinora render turns/t.ron --allow-outside` renders it again"), "{printed}");
     let text = fs::read_to_string(at.join("turns/t.ron")).expect("a sequence");
     assert!(
         text.contains("\"../parts/ball.ply\"") && text.contains("timeline: (frames: 4, fps: \"20\""),
