@@ -2,6 +2,7 @@
 
 use super::Mesh;
 use super::bundle::BundleSearch;
+use super::search::{AnyTriangle, ClosestTriangle};
 use super::surface;
 use crate::base::color::Rgb;
 use crate::base::lanes::{Level, Mask, Real, Row, Vec3, out_of_line};
@@ -86,12 +87,17 @@ impl Geometric for Mesh {
         F::load(&found.t, 0).lt(F::splat(f64::INFINITY))
     }
 
+    /// Of equally near triangles, the one with the lowest index.
     fn intersect_one(&self, ray: &TraversalRay, within: RayInterval<f64>) -> Option<ShapeHit> {
-        self.closest(ray, within)
+        let mut nearest = ClosestTriangle::new(self, ray, within);
+        self.mesh.tree().walk(ray, within.max, &mut nearest);
+        nearest.hit
     }
 
     fn occludes_one(&self, ray: &TraversalRay, within: RayInterval<f64>) -> bool {
-        self.any(ray, within)
+        let mut any = AnyTriangle::new(self, ray, within);
+        self.mesh.tree().walk(ray, within.max, &mut any);
+        any.found
     }
 
     #[inline(always)]

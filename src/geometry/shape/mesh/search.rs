@@ -9,29 +9,15 @@ use crate::geometry::shape::triangle::{TriangleLanes, covers};
 use crate::geometry::shape::{CoincidenceRange, PreparedRay, RayInterval, ShapeHit};
 
 impl Mesh {
-    /// The closest triangle within bounds; of equally near ones, the one with the lowest index.
-    pub fn closest(&self, ray: &TraversalRay, within: RayInterval<f64>) -> Option<ShapeHit> {
-        let mut nearest = ClosestTriangle::new(self, ray, within);
-        self.mesh.tree().walk(ray, within.max, &mut nearest);
-        nearest.hit
-    }
-
-    /// Whether there is a triangle within bounds.
-    pub fn any(&self, ray: &TraversalRay, within: RayInterval<f64>) -> bool {
-        let mut any = AnyTriangle::new(self, ray, within);
-        self.mesh.tree().walk(ray, within.max, &mut any);
-        any.found
-    }
-
     /// Passes all hits within bounds to `take`, in no particular order.
     pub fn each(&self, ray: &TraversalRay, within: RayInterval<f64>, take: &mut dyn FnMut(ShapeHit)) {
         let mut all = EveryTriangle { mesh: self, ray: PreparedRay::splat(ray), within, take };
         self.mesh.tree().walk(ray, within.max, &mut all);
     }
 
-    /// [`Mesh::closest`] within a kernel that already runs on a level.
+    /// [`Geometric::intersect_one`](crate::geometry::shape::Geometric::intersect_one) within a kernel that already runs on a level.
     #[inline(always)]
-    pub fn closest_on<L: Level>(
+    pub fn intersect_on<L: Level>(
         &self,
         ray: &TraversalRay,
         within: RayInterval<f64>,
@@ -40,9 +26,14 @@ impl Mesh {
         L::Narrow::call(MeshWalk { search: ClosestTriangle::new(self, ray, within), stack })
     }
 
-    /// [`Mesh::any`] within a kernel that already runs on a level.
+    /// [`Geometric::occludes_one`](crate::geometry::shape::Geometric::occludes_one) within a kernel that already runs on a level.
     #[inline(always)]
-    pub fn any_on<L: Level>(&self, ray: &TraversalRay, within: RayInterval<f64>, stack: &mut Stack) -> bool {
+    pub fn occludes_on<L: Level>(
+        &self,
+        ray: &TraversalRay,
+        within: RayInterval<f64>,
+        stack: &mut Stack,
+    ) -> bool {
         L::Narrow::call(MeshWalk { search: AnyTriangle::new(self, ray, within), stack })
     }
 }
