@@ -7,6 +7,10 @@
 //! The motion is a pure function of time, so everything works as with keys: the second run finds the frames of the first
 //! and renders none. In the third, somebody stops the pendulum after two seconds; it renders the frames after that.
 
+#[path = "assets/equations.rs"]
+mod equations;
+
+use equations::{State, step};
 use kinora::{Output, Request, parse, render};
 use std::error::Error;
 use std::io::{Write, stdout};
@@ -45,10 +49,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Renders the pendulum, which is stopped at a time.
 fn run(what: &str, folder: &Path, stopped: f64) -> Result<(), Box<dyn Error>> {
     let mut sequence = parse("double-pendulum.ron", SCENE)?;
-    let trajectory = Arc::new(Trajectory::new(State { angles: [2.0, 2.6], speeds: [0.0; 2] }));
+    let trajectory = Arc::new(Trajectory::new([2.0, 2.6, 0.0, 0.0]));
     for arm in [0, 1] {
         let trajectory = Arc::clone(&trajectory);
-        let motion = move |time: f64| trajectory.at(time.min(stopped)).places()[arm];
+        let motion = move |time: f64| places(trajectory.at(time.min(stopped)))[arm];
         sequence.drive(["upper", "lower"][arm], motion)?;
     }
     std::fs::create_dir_all(folder)?;
@@ -62,53 +66,13 @@ fn run(what: &str, folder: &Path, stopped: f64) -> Result<(), Box<dyn Error>> {
     )?)
 }
 
-/// Angles of two rods of one metre to the vertical in radians, and their angular velocities.
-#[derive(Clone, Copy)]
-struct State {
-    angles: [f64; 2],
-    speeds: [f64; 2],
-}
-
-/// Gravity in metres per second squared.
-const GRAVITY: f64 = 9.81;
-
-impl State {
-    /// The equations of motion of two equal point masses on massless rods, from the Lagrangian (Landau and
-    /// Lifshitz, Mechanics, paragraph 5): the state's derivative.
-    fn derivative(&self) -> Self {
-        let ([a, b], [u, v]) = (self.angles, self.speeds);
-        let (sin, cos) = (libm::sin(a - b), libm::cos(a - b));
-        // 2 a'' + cos b'' = p and cos a'' + b'' = q.
-        let p = -sin * v * v - 2.0 * GRAVITY * libm::sin(a);
-        let q = sin * u * u - GRAVITY * libm::sin(b);
-        let determinant = 2.0 - cos * cos;
-        Self { angles: [u, v], speeds: [(p - cos * q) / determinant, (2.0 * q - cos * p) / determinant] }
-    }
-
-    fn plus(&self, by: f64, derivative: &Self) -> Self {
-        let sum = |a: [f64; 2], b: [f64; 2]| [a[0] + by * b[0], a[1] + by * b[1]];
-        Self { angles: sum(self.angles, derivative.angles), speeds: sum(self.speeds, derivative.speeds) }
-    }
-
-    /// A step of the classical Runge-Kutta method of fourth order.
-    fn step(&self, seconds: f64) -> Self {
-        let first = self.derivative();
-        let second = self.plus(seconds / 2.0, &first).derivative();
-        let third = self.plus(seconds / 2.0, &second).derivative();
-        let fourth = self.plus(seconds, &third).derivative();
-        let ends = self.plus(seconds / 6.0, &first).plus(seconds / 6.0, &fourth);
-        ends.plus(seconds / 3.0, &second).plus(seconds / 3.0, &third)
-    }
-
-    /// The maps of both rods, which hang down from the origin: images of the axes and of the origin.
-    fn places(&self) -> [[[f64; 3]; 4]; 2] {
-        let place = |angle: f64, origin: [f64; 3]| {
-            let (sin, cos) = (libm::sin(angle), libm::cos(angle));
-            [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0], origin]
-        };
-        let [a, b] = self.angles;
-        [place(a, [0.0; 3]), place(b, [libm::sin(a), -libm::cos(a), 0.0])]
-    }
+/// The maps of both rods, which hang down from the origin: images of the axes and of the origin.
+fn places([a, b, ..]: State) -> [[[f64; 3]; 4]; 2] {
+    let place = |angle: f64, origin: [f64; 3]| {
+        let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+        [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0], origin]
+    };
+    [place(a, [0.0; 3]), place(b, [libm::sin(a), -libm::cos(a), 0.0])]
 }
 
 /// The states of a pendulum over time.
@@ -120,13 +84,13 @@ const STEPS: f64 = 2000.0;
 impl Trajectory {
     fn new(start: State) -> Self {
         let steps = (DURATION * STEPS) as usize;
-        let next = |state: &State| Some(state.step(1.0 / STEPS));
+        let next = |state: &State| Some(step(*state, 1.0 / STEPS));
         Self(std::iter::successors(Some(start), next).take(steps + 1).collect())
     }
 
     /// The state at a time: a shorter step from the last one before it. So it depends on the time alone.
     fn at(&self, time: f64) -> State {
         let steps = (time * STEPS).clamp(0.0, (self.0.len() - 1) as f64);
-        self.0[steps as usize].step(steps.fract() / STEPS)
+        step(self.0[steps as usize], steps.fract() / STEPS)
     }
 }

@@ -7,6 +7,7 @@
 //! Everything is computed from formulas and fixed seeds, so that the files are the same on every machine. The
 //! pictures, data and tables are part of the repository; the meshes, 13 and 22 MB, are not.
 
+mod equations;
 mod hills;
 mod moon;
 mod paint;

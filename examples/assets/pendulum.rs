@@ -1,5 +1,6 @@
 //! A double pendulum, as a solver of equations of motion writes it: poses of both rods over time.
 
+use crate::equations::{State, step};
 use std::f64::consts::PI;
 use std::fmt::Write;
 
@@ -7,31 +8,6 @@ use std::fmt::Write;
 const SECONDS: u32 = 8;
 const RATE: u32 = 60;
 const STEPS: u32 = 64;
-
-/// Gravity. Both rods have length 1 and a point mass of 1 at their end.
-const G: f64 = 9.81;
-
-/// Angles of both rods from the downward direction, and their speeds.
-type State = [f64; 4];
-
-/// The angular accelerations, from the Lagrangian of two equal point masses on rods of length 1.
-fn derivative([a, b, u, v]: State) -> State {
-    let (sin, cos) = (libm::sin(a - b), libm::cos(a - b));
-    let (pull_a, pull_b) = (-2.0 * G * libm::sin(a) - sin * v * v, -G * libm::sin(b) + sin * u * u);
-    // 2 u' + cos v' = pull_a and cos u' + v' = pull_b.
-    let determinant = 2.0 - cos * cos;
-    [u, v, (pull_a - cos * pull_b) / determinant, (2.0 * pull_b - cos * pull_a) / determinant]
-}
-
-/// One step of the classical method of Runge and Kutta.
-fn step(state: State, h: f64) -> State {
-    let along = |by: State, share: f64| std::array::from_fn(|i| state[i] + share * h * by[i]);
-    let k1 = derivative(state);
-    let k2 = derivative(along(k1, 0.5));
-    let k3 = derivative(along(k2, 0.5));
-    let k4 = derivative(along(k3, 1.0));
-    std::array::from_fn(|i| state[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
-}
 
 /// The states at all rows.
 fn states() -> impl Iterator<Item = (f64, State)> {
@@ -60,6 +36,7 @@ pub fn table() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::equations::GRAVITY as G;
 
     fn energy([a, b, u, v]: State) -> f64 {
         u * u + 0.5 * v * v + u * v * libm::cos(a - b) - 2.0 * G * libm::cos(a) - G * libm::cos(b)

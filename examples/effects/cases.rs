@@ -97,7 +97,7 @@ pub const CASES: &[Case] = &[
     camera("lens", "depth of field: random samples", "aperture: 0.4,"),
     Case {
         name: "motion-blur",
-        about: "an open shutter while the ball moves: random samples and sixteen trees",
+        about: "an open shutter while the ball moves: random samples at sixteen moments",
         camera: "shutter: 1,",
         object: "translation: [(0, (-0.5, 0, 0)), (0.04166, (0.5, 0, 0))],",
         ..PLAIN

@@ -34,6 +34,8 @@ pub struct Digests {
     /// Digest of which primitive shows which material.
     bindings: Digest,
     geometry: Digest,
+    /// Digest of the slots that are not empty.
+    arrangement: Digest,
     /// The visible materials, in the order in which primitives show them.
     used: Vec<u32>,
     /// The lights that are primitives, in the order of these.
@@ -55,6 +57,15 @@ struct Shown {
     /// The layers that contain light.
     layers: Vec<LayerId>,
     digest: Digest,
+    /// The visible materials, if some of them have textures in dark layers only. These textures are left out.
+    fewer_textures: Option<Vec<Material>>,
+    /// The number of materials of the file.
+    materials: usize,
+}
+
+/// The digest of what textures read; none if they read nothing.
+fn texture_inputs(own_spaces: Option<Digest>, data: Option<Digest>) -> Option<Digest> {
+    data.map_or(own_spaces, |data| Some(Digest::of(&(data, own_spaces))))
 }
 
 impl Digests {
@@ -117,6 +128,9 @@ impl Digests {
         let mut places: HashMap<u32, u32> = HashMap::new();
         let (mut digester, mut primitives) = (Digester::new(), Vec::new());
         (self.used, self.luminous, self.ranks) = Default::default();
+        let occupied =
+            |(slot, (_, finish)): (u32, &(Digest, Finish))| (*finish != Finish::Empty).then_some(slot);
+        self.arrangement = Digest::of(&(0..).zip(&self.slots).filter_map(occupied).collect::<Vec<u32>>());
         for ((digest, finish), primitive) in self.slots.iter().zip(&geometry.primitives) {
             self.ranks.push(primitives.len() as u32);
             match finish {
@@ -148,46 +162,67 @@ impl Digests {
         parts.feed(&|layer| layer, &|index, _| Some(index), &mut digester);
         self.luminous.feed(&mut digester);
         self.effective = digester.finish();
-        let mut painted = vec![false; shading.materials.len()];
-        for &index in &self.used {
-            painted[index as usize] = !shading.materials[index as usize].textures.is_empty();
-        }
+        let painted = self.painted(&parts.materials, shading.materials.len());
         if !painted.contains(&true) {
             self.origins = None;
         } else if regrouped || self.origins.as_ref().is_none_or(|(known, _)| *known != painted) {
-            let visible = (0..self.slots.len()).filter(|slot| self.slots[*slot].1 != Finish::Empty);
-            let tree = HashTree::new(visible.map(|slot| origin(geometry, slot, &painted)).collect());
+            let tree = self.own_spaces(geometry, &painted);
             self.origins = Some((painted, tree));
         }
     }
 
+    /// For each material of the file, whether it is visible and textured. `materials` are the visible ones.
+    fn painted(&self, materials: &[Material], count: usize) -> Vec<bool> {
+        let mut painted = vec![false; count];
+        for (index, material) in self.used.iter().zip(materials) {
+            painted[*index as usize] = !material.textures.is_empty();
+        }
+        painted
+    }
+
+    /// Hashes the own spaces of the visible shapes that show a painted material.
+    fn own_spaces(&self, geometry: &Geometry, painted: &[bool]) -> HashTree {
+        let visible = (0..self.slots.len()).filter(|slot| self.slots[*slot].1 != Finish::Empty);
+        HashTree::new(visible.map(|slot| origin(geometry, slot, painted)).collect())
+    }
+
     /// Hashes the data of meshes that visible textures read.
     fn note_arrays(&mut self, geometry: &Geometry, shading: &Shading) {
+        let materials = self.used.iter().map(|index| &shading.materials[*index as usize]);
+        self.arrays = self.data(geometry, materials);
+    }
+
+    /// The digest of the data of meshes that textures of the visible materials read, if they read any.
+    fn data<'m>(&self, geometry: &Geometry, materials: impl Iterator<Item = &'m Material>) -> Option<Digest> {
         let mut keys: HashMap<u32, Vec<&ArrayKey>> = HashMap::new();
-        for &index in &self.used {
-            for (_, texture) in &shading.materials[index as usize].textures {
+        for (index, material) in self.used.iter().zip(materials) {
+            for (_, texture) in &material.textures {
                 texture.each_data(&mut |data| {
                     if let DataSource::Array(key) = &data.source {
-                        keys.entry(index).or_default().push(key);
+                        keys.entry(*index).or_default().push(key);
                     }
                 });
             }
         }
-        self.arrays = (!keys.is_empty()).then(|| geometry.arrays(&keys));
+        (!keys.is_empty()).then(|| geometry.arrays(&keys))
     }
 
     /// What textures read besides points: the own spaces of shapes, and data.
     fn origins(&self) -> Option<Digest> {
-        let origins = self.origins.as_ref().map(|(_, tree)| tree.root());
-        match self.arrays {
-            Some(arrays) => Some(Digest::of(&(arrays, origins))),
-            None => origins,
-        }
+        texture_inputs(self.origins.as_ref().map(|(_, tree)| tree.root()), self.arrays)
     }
 
-    /// The digest of the primitives, over which the tree is built.
+    /// [`Digests::origins`] without textures of emission in dark layers.
+    fn shown_origins(&self, geometry: &Geometry, shown: &Shown) -> Option<Digest> {
+        let Some(materials) = &shown.fewer_textures else { return self.origins() };
+        let painted = self.painted(materials, shown.materials);
+        let tree = painted.contains(&true).then(|| self.own_spaces(geometry, &painted));
+        texture_inputs(tree.map(|tree| tree.root()), self.data(geometry, materials.iter()))
+    }
+
+    /// The digest of the primitives and of their slots, over which the top-level tree is built.
     pub fn primitives(&self) -> Digest {
-        self.geometry
+        Digest::of(&(self.geometry, self.arrangement))
     }
 
     /// The digest of everything that affects light transport, without weights. All parts must be up to date.
@@ -206,7 +241,7 @@ impl Digests {
             None => self.shown_with(lit, scene.shading, samples_emitters),
         };
         let weights: Vec<Rgb> = shown.layers.iter().map(|layer| weights[layer.index()]).collect();
-        let shape = (self.geometry, shown.digest, self.origins());
+        let shape = (self.geometry, shown.digest, self.shown_origins(scene.geometry, &shown));
         let digest = Digest::of(&((shape, scene.camera), weights));
         self.shown = Some(shown);
         digest
@@ -223,7 +258,11 @@ impl Digests {
         layers.iter().map(named).collect::<Vec<_>>().feed(&mut digester);
         let light = |index: &u32| parts.lights.binary_search_by_key(index, |(lit, _)| *lit).ok();
         self.luminous.iter().map(light).collect::<Vec<_>>().feed(&mut digester);
-        Shown { lit, layers: layers.into_keys().collect(), digest: digester.finish() }
+        let all = self.used.iter().map(|index| &shading.materials[*index as usize].textures);
+        let is_same = all.eq(parts.materials.iter().map(|material| &material.textures));
+        let (digest, layers) = (digester.finish(), layers.into_keys().collect());
+        let fewer_textures = (!is_same).then_some(parts.materials);
+        Shown { lit, layers, digest, fewer_textures, materials: shading.materials.len() }
     }
 }
 

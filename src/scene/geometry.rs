@@ -1,12 +1,13 @@
-//! The visible geometry, and the transform of each shape to its own space.
+//! The geometry: a slot for each object, visible or not, with the transform of each shape to its own space, columns for
+//! the tracer, and a journal of changes.
 
 use super::hit::Hit;
 use super::journal::Journal;
-use super::primitive::{Finish, Primitive, abs, inverse};
+use super::primitive::{Finish, Primitive};
 use super::surfaces::SurfaceTable;
 use crate::appearance::texture::{Footprint, TextureEvalContext};
 use crate::base::digest::{Content, Digest};
-use crate::base::math::{DAffine3, DVec2, DVec3};
+use crate::base::math::{DAffine3, DVec2, DVec3, absolute, inverse};
 use crate::geometry::mesh::ArrayKey;
 use crate::geometry::shape::{Shape, Surface};
 use std::collections::HashMap;
@@ -95,8 +96,8 @@ impl Geometry {
     }
 
     /// Sets the content of a slot: a shape transformed by `to_world`. The slot is empty if there is no shape, or if
-    /// the transform flattens it. Returns whether that changed anything; if not, nothing is written.
-    pub fn set(&mut self, slot: usize, content: Option<(&Shape, DAffine3, Finish)>) -> bool {
+    /// the transform flattens it. Nothing is written if that changes nothing.
+    pub fn set(&mut self, slot: usize, content: Option<(&Shape, DAffine3, Finish)>) {
         let packed = |(shape, to_world, finish): (&Shape, DAffine3, Finish)| {
             let to_object = inverse(&to_world)?;
             let primitive = Primitive::placed(shape, to_world, &to_object, finish);
@@ -106,11 +107,10 @@ impl Geometry {
         if self.primitives[slot] != primitive {
             self.replace(slot, primitive);
         } else if self.origins[slot] == origin {
-            return false;
+            return;
         }
         self.origins[slot] = origin;
         self.journal.note(slot as u32);
-        true
     }
 
     fn replace(&mut self, slot: usize, primitive: Primitive) {
@@ -196,7 +196,7 @@ impl Geometry {
     ) -> TextureEvalContext<'_> {
         let Origin { shape, to_object } = &self.origins[hit.primitive as usize];
         let point = to_object.transform_point3(surface.point);
-        let error = abs(to_object).transform_vector3(surface.error);
+        let error = absolute(to_object).transform_vector3(surface.error);
         let uv = |point: DVec3| DVec2::from(shape.uv::<f64>(point.into(), hit.at.part));
         let seen = seen.moved(&to_object.matrix3);
         let seen_uv = if printed { seen.to_uv(point, uv) } else { Footprint::default() };

@@ -12,6 +12,7 @@ pub mod extract;
 mod geometry;
 mod hash_tree;
 mod hit;
+mod instance_transform;
 mod journal;
 #[cfg(test)]
 mod lane_tests;
@@ -21,7 +22,8 @@ mod surfaces;
 pub use content::Digests;
 pub use geometry::Geometry;
 pub use hit::Hit;
-pub use primitive::{Finish, InstanceTransform, Primitive};
+pub use instance_transform::InstanceTransform;
+pub use primitive::{Finish, Primitive};
 
 use crate::appearance::environment::{Environment, EnvironmentDistribution};
 use crate::appearance::fog::Fog;

@@ -1,9 +1,10 @@
 //! A primitive: a shape, its transform, and its material or light.
 
+use super::instance_transform::{InstanceTransform, transformed};
 use crate::appearance::material::MaterialBinding;
 use crate::base::digest::Content;
-use crate::base::lanes::{Level, Real, Vec3, out_of_line, transform_vector};
-use crate::base::math::{Aabb, DAffine3, DMat3, DVec3, LaneRay, Ray, dot_plus, gamma};
+use crate::base::lanes::{Level, Real, Vec3, out_of_line};
+use crate::base::math::{Aabb, DAffine3, LaneRay, Ray, inverse};
 use crate::geometry::bvh::{Stack, TraversalRay};
 use crate::geometry::shape::{
     LaneHit, LaneSurface, PreparedRay, RayInterval, Shape, ShapeHit, Surface, TriangleLanes,
@@ -35,18 +36,6 @@ impl Finish {
         let Self::Material(made_of) = self else { return None.into_iter().flatten() };
         Some(made_of.indices()).into_iter().flatten()
     }
-}
-
-/// The transform between the world and a shape that keeps its own space.
-#[derive(Clone, Debug, PartialEq, Content)]
-pub struct InstanceTransform {
-    pub to_world: DAffine3,
-    /// The inverse for directions. For points, the origin of the shape in the world is subtracted first. So rounding
-    /// does not grow with the distance from the world's origin.
-    back: DMat3,
-    /// Distance in the shape's space between a point of the surface and the origin of a ray that starts there, at
-    /// most.
-    origin_error: f64,
 }
 
 impl Primitive {
@@ -297,126 +286,10 @@ impl Primitive {
     }
 }
 
-impl InstanceTransform {
-    fn new(shape: &Shape, to_world: DAffine3, back: DMat3) -> Self {
-        let transform = Self { to_world, back, origin_error: 0.0 };
-        let origin_error = shape.bounds().map_or(0.0, |bounds| transform.origin_error(bounds));
-        Self { origin_error, ..transform }
-    }
-
-    /// Largest distance in the shape's space between a point of a shape within `bounds` and the origin of a ray that
-    /// starts there. It covers the point's error in the world, the offset along the normal, and the rounding of the
-    /// inverse. No shape has an error above gamma(64) of its coordinates.
-    fn origin_error(&self, bounds: Aabb) -> f64 {
-        let farthest = bounds.min.abs().max(bounds.max.abs());
-        let (back, reach) = (self.back.abs(), self.to_world.matrix3.abs() * farthest);
-        let own = DVec3::splat(farthest.length() * gamma(64));
-        let error = DVec3::from(self.error::<f64>(farthest.into(), own.into(), reach.into()));
-        let in_world = reach + self.to_world.translation.abs();
-        let moved = DVec3::splat(2.0 * error.length() + in_world.max_element() * gamma(2));
-        (back * moved).length() + (back * reach * gamma(5)).length()
-    }
-
-    #[inline(always)]
-    fn ray_to_object<F: Real>(&self, ray: &LaneRay<F>) -> LaneRay<F> {
-        LaneRay {
-            origin: transform_vector(&self.back, ray.origin - Vec3::splat(self.to_world.translation)),
-            direction: transform_vector(&self.back, ray.direction),
-        }
-    }
-
-    #[inline(always)]
-    fn traversal_ray_to_object(&self, ray: &TraversalRay) -> TraversalRay {
-        let LaneRay { origin, direction } = self.ray_to_object(&LaneRay::from(&ray.ray));
-        TraversalRay::new(Ray { origin: origin.into(), direction: direction.into() })
-    }
-
-    /// The factor by which areas perpendicular to the world's unit vectors `normal` have grown. It is the determinant
-    /// times the length of M⁻ᵀ n for the shape's normal n; here n is derived from the world's normal.
-    #[inline(always)]
-    fn stretch<F: Real>(&self, normal: Vec3<F>) -> F {
-        let back = transform_vector(&self.to_world.matrix3.transpose(), normal).length();
-        F::splat(self.to_world.matrix3.determinant().abs()) / back
-    }
-
-    /// The error in the world of a point that is known to `error` in the shape's space. `local` and `way` are absolute
-    /// values: the point, and its offset in the world from the shape's origin.
-    #[inline(always)]
-    fn error<F: Real>(&self, local: Vec3<F>, error: Vec3<F>, way: Vec3<F>) -> Vec3<F> {
-        let forth = abs(&self.to_world);
-        let there = transformed(&forth, local) * F::splat(gamma(5));
-        // A difference, three products, and the matrix.
-        let and_back =
-            transform_vector(&forth.matrix3, transform_vector(&self.back.abs(), way)) * F::splat(gamma(5));
-        transform_vector(&forth.matrix3, error) + there + and_back
-    }
-
-    /// The surface in the world. Its error is the shape's own error, the rounding of the map, and that of the inverse,
-    /// because the next ray from this point is moved back into the shape's space.
-    #[inline(always)]
-    fn moved<F: Real>(&self, local: &LaneSurface<F>) -> LaneSurface<F> {
-        let point = transformed(&self.to_world, local.point);
-        let way = (point - Vec3::splat(self.to_world.translation)).abs();
-        let error = self.error(local.point.abs(), local.error, way);
-        let back = self.back.transpose();
-        let normal = transform_vector(&back, local.normal).normalize_or(local.normal);
-        // A non-uniform scale may turn the shading normal past the surface's horizon.
-        let shading = transform_vector(&back, local.shading).normalize_or(local.shading);
-        let shading = shading.negate_where(shading.dot(normal).lt(F::splat(0.0)));
-        let lift = transform_vector(&self.to_world.matrix3, local.lift);
-        LaneSurface { point, error, normal, shading, lift }
-    }
-}
-
-/// A point transformed by an affine map, in glam's order of operations.
-#[inline(always)]
-fn transformed<F: Real>(affine: &DAffine3, point: Vec3<F>) -> Vec3<F> {
-    transform_vector(&affine.matrix3, point) + Vec3::splat(affine.translation)
-}
-
-/// The inverse of an affine map, refined once. None if the map is singular or not finite.
-pub(super) fn inverse(affine: &DAffine3) -> Option<DAffine3> {
-    let matrix3 = inverse_matrix(affine.matrix3)?;
-    let inverse = DAffine3 { matrix3, translation: -(matrix3 * affine.translation) };
-    inverse.is_finite().then_some(inverse)
-}
-
-/// The inverse of a matrix, refined once. None if it is singular or not finite.
-fn inverse_matrix(m: DMat3) -> Option<DMat3> {
-    let bits = |m: &DMat3| m.to_cols_array().map(f64::to_bits);
-    // Most objects are only moved. A negative zero is left to the general case, which may keep it.
-    if bits(&m) == bits(&DMat3::IDENTITY) {
-        return Some(m);
-    }
-    let determinant = m.determinant();
-    if determinant == 0.0 || !determinant.is_finite() {
-        return None;
-    }
-    let first = m.inverse();
-    // Cancellation leaves an error in the cofactors of a badly scaled matrix. A Newton step squares this error, if the
-    // difference from the identity is computed exactly enough.
-    let rows = m.transpose();
-    let left = |column: DVec3, unit: DVec3| {
-        let minus = |row: DVec3, one: f64| dot_plus(-row, column, one);
-        let DVec3 { x, y, z } = unit;
-        DVec3::new(minus(rows.x_axis, x), minus(rows.y_axis, y), minus(rows.z_axis, z))
-    };
-    let left = DMat3::from_cols(
-        left(first.x_axis, DVec3::X),
-        left(first.y_axis, DVec3::Y),
-        left(first.z_axis, DVec3::Z),
-    );
-    Some(first + first * left)
-}
-
-pub(super) fn abs(affine: &DAffine3) -> DAffine3 {
-    DAffine3 { matrix3: affine.matrix3.abs(), translation: affine.translation.abs() }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::math::UNIT_ROUNDOFF;
+    use crate::base::math::{DVec3, UNIT_ROUNDOFF};
     use crate::geometry::shape::Sphere;
 
     const UNIT: Shape = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 });
@@ -442,17 +315,6 @@ mod tests {
         };
         let t = hit(turn * scale, moved);
         assert!((t - 7.122_501_086_012_368).abs() <= 8.0 * UNIT_ROUNDOFF * 110.0, "{t}");
-    }
-
-    #[test]
-    fn xf_04_badly_scaled_transforms_invert() {
-        let turn = crate::base::math::axis_angle(DVec3::new(0.6, 0.48, 0.64), crate::base::math::Angle(40.0));
-        let m = DMat3::from_diagonal(DVec3::new(1e3, 1e-3, 1.0)) * turn;
-        let back = inverse(&DAffine3::from_mat3(m)).expect("an inverse");
-        let off = (m * back.matrix3 - DMat3::IDENTITY).abs();
-        assert!(off.x_axis.max(off.y_axis).max(off.z_axis).max_element() <= 1e-9);
-        assert_eq!(inverse(&DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0))), None);
-        assert_eq!(inverse(&DAffine3::from_scale(DVec3::new(1.0, f64::NAN, 1.0))), None);
     }
 
     #[test]

@@ -142,6 +142,24 @@ fn spheres_and_meshes_are_framed_by_their_outlines() {
     assert!(triangle < 1.1, "{triangle}");
 }
 
+/// Objects that a transform flattens are not visible, and do not count.
+#[test]
+fn flattened_objects_are_not_framed() {
+    let distance = |more: &str| {
+        let text = format!(
+            "(timeline: (frames: 4, keys: Frames), camera: (position: (0, 0, 1), frame: All), \
+             objects: {{ \"a\": (shape: Sphere()){more} }})"
+        );
+        read(&text).fitted_camera(0).frame.and_then(|frame| Some(frame.fit?.distance)).expect("a distance")
+    };
+    let alone = distance("");
+    for scale in ["[(0, 0, Step), (9, 1)]", "(0, 1, 1)"] {
+        let far = format!(", \"b\": (shape: Sphere(), translation: (40, 0, 0), scale: {scale})");
+        assert_eq!(distance(&far), alone, "{scale}");
+    }
+    assert!(distance(", \"b\": (shape: Sphere(), translation: (40, 0, 0))") > 10.0 * alone);
+}
+
 /// The world is the same whether a file writes it with y up or with z up.
 #[test]
 fn z_up_is_another_notation() {

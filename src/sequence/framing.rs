@@ -5,7 +5,7 @@
 //! so nothing is framed that is not there.
 
 use super::{Named, Object, Sequence};
-use crate::base::math::{Aabb, Angle, Basis, DAffine3, DMat3, DVec2, DVec3, look_at, max};
+use crate::base::math::{Aabb, Angle, Basis, DAffine3, DMat3, DVec2, DVec3, inverse, look_at, max};
 use crate::base::time::{Clock, Time};
 use crate::camera::Projection;
 use crate::camera::path::{CameraPath, Fit, Framed};
@@ -182,7 +182,8 @@ impl<'a> Framing<'a> {
         Some(View { basis, half: half - DVec2::splat(2.0 * self.margin * half.min_element()), parallel })
     }
 
-    /// The visible objects and their transforms at a time. If nothing ever is visible, this is empty.
+    /// The visible objects and their transforms at a time, without those that a transform flattens: these are not
+    /// visible either. If nothing ever is visible, this is empty.
     fn placed(&self, time: Time) -> Vec<(&'a Shape, DAffine3)> {
         let object = |index: usize| &self.sequence.objects[index].value;
         let visible = |index: &usize| self.chain(*index).all(|at| object(at).visible.at(time));
@@ -192,7 +193,8 @@ impl<'a> Framing<'a> {
                 self.chain(index).fold(DAffine3::IDENTITY, |world, at| object(at).transform.at(time) * world);
             (&object(index).shape, root * own)
         };
-        self.objects.iter().copied().filter(visible).map(world).collect()
+        let solid = |(_, world): &(&Shape, DAffine3)| inverse(world).is_some();
+        self.objects.iter().copied().filter(visible).map(world).filter(solid).collect()
     }
 
     /// The largest dot product of a point of the objects with a direction.

@@ -71,7 +71,7 @@ impl<F: Real> SurfaceInteraction<F> {
                 let index = indices[rest.trailing_zeros() as usize];
                 let same = self.primitive.eq(F::U32::splat(index));
                 rest &= !same.bits();
-                // As in `SurfaceTable::surfaces`.
+                // As in `Geometry::surfaces`.
                 let own = F::U32::select(same, parts, F::U32::splat(0));
                 let passed = context.scene.geometry.primitives[index as usize].passed(self.surface, own);
                 self.surface = LaneSurface::select(same, passed, self.surface);

@@ -76,7 +76,8 @@ impl HitStream {
             *material = index;
             match queue {
                 Queue::Surface(class) => surfaces[class as usize].push(number),
-                _ => lights.push(number),
+                Queue::Light => lights.push(number),
+                Queue::Escaped => escaped.push(number),
             }
         }
     }

@@ -19,7 +19,7 @@ pub struct Visible(pub bool);
 #[derive(Clone, Component, Debug)]
 pub struct VisibleTrack(pub Animated<bool>);
 
-/// Index among the file's entries of the same kind. Extraction sorts by it, because queries have no order.
+/// Index among the lights or materials of the file: where extraction packs them, because queries have no order.
 #[derive(Clone, Copy, Component, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FileOrder(pub u32);
 

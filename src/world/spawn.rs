@@ -141,8 +141,7 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
     let (mut entities, mut slots) = (Vec::with_capacity(objects.len()), FreeSlots::of(world));
     for (index, object) in objects.iter().enumerate() {
         let object = &object.value;
-        let order = FileOrder(index as u32);
-        let mut entity = world.spawn((order, object.shape.clone(), object.made_of, placed[index]));
+        let mut entity = world.spawn((object.shape.clone(), object.made_of, placed[index]));
         if object.shape != Shape::Group {
             entity.insert(slots.next());
         }

@@ -1,5 +1,6 @@
 //! f64 geometry, exact angles, stable frames, and the error bounds that replace epsilons.
 
+mod affine;
 mod angle;
 mod basis;
 mod bounds;
@@ -13,6 +14,7 @@ mod turn;
 mod up;
 
 pub use crate::base::lanes::{NEAR_ZERO, next_away};
+pub use affine::{absolute, inverse};
 pub use angle::Angle;
 pub use basis::{Basis, look_at, perpendicular};
 pub use bounds::Aabb;

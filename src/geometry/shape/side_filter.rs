@@ -22,15 +22,17 @@ impl<F: Real> SideFilter<F> {
     /// The margin covers the rounding of these values and that of [`covers`](super::triangle::covers), so that both
     /// agree wherever the filter decides. No coordinate relative to the ray exceeds R = max|s| + max|u| + max|v|, and
     /// the sheared coordinates do not exceed 2R. With the unit roundoff r:
-    /// - `covers` rounds sheared coordinates by at most 6rR and its products by 4rR². So an edge function, times the
-    ///   longest component of d, is wrong by less than 60rR²·max|d|.
-    /// - Its corners are rounded sums, wrong by at most 2rC with C = max|corner| + max|u| + max|v|. That changes an edge
-    ///   function by less than 16rRC·max|d|.
-    /// - Here s × d is wrong by less than 8r·R·max|d| per component, so a·D and b·D by less than 36rR²·max|d|, and so
-    ///   is D.
+    /// - `covers` rounds sheared coordinates by at most 7rR: the difference from the origin by rR, the product with the
+    ///   shear by 4rR, their difference by 2rR. Its products are at most 4R², so an edge function, times the longest
+    ///   component of d, is wrong by less than (4·14 + 2·4 + 8)rR²·max|d| = 72rR²·max|d|.
+    /// - Its corners are rounded sums, wrong by at most 2rC with C = max|corner| + max|u| + max|v|. Of the two ends of
+    ///   an edge, one is the sum of only two terms. That changes an edge function by at most 24rRC·max|d|.
+    /// - Here s × d is wrong by less than 8r·|s|·max|d| per component, and |s|·|v| ≤ R²/4. So a·D and b·D are wrong by less
+    ///   than 36rR²·max|d|, and so is D.
     ///
-    /// 256rR(R + C)·max|d| is more than the sum of all. It also keeps the ray inside the box that `covers` requires. Products
-    /// that underflow are less than 2^-900.
+    /// 256rR(R + C)·max|d| is more than the sum of all. It also keeps the ray inside the box that `covers` requires.
+    /// Products that underflow are less than 2^-900. If the margin is less than 2^900, no product overflows: all are
+    /// below 12R²·max|d|, and 256r > 2^-46. Otherwise the filter decides nothing.
     #[inline(always)]
     pub fn new(ray: &PreparedRay<F>, corner: DVec3, [u, v]: [DVec3; 2]) -> Self {
         let (from, direction) = (ray.ray.origin - Vec3::splat(corner), ray.ray.direction);
@@ -44,13 +46,16 @@ impl<F: Real> SideFilter<F> {
         let reach = longest(from) + F::splat(size);
         let rounding = reach * (reach + F::splat(corner.abs().max_element() + size));
         let rounding = F::splat(256.0 * UNIT_ROUNDOFF) * longest(direction) * rounding;
-        let rounding = rounding.max(F::splat(SMALLEST));
+        let usable = rounding.lt(F::splat(LARGEST));
+        let rounding = F::select(usable, rounding.max(F::splat(SMALLEST)), F::splat(f64::INFINITY));
         Self { inside: rounding.lt(margin), outside: margin.lt(-rounding) }
     }
 }
 
 /// 2^-900.
 const SMALLEST: f64 = f64::from_bits((1023 - 900) << 52);
+/// 2^900.
+const LARGEST: f64 = f64::from_bits((1023 + 900) << 52);
 
 /// The largest coordinate without its sign.
 #[inline(always)]
@@ -107,5 +112,11 @@ mod tests {
             let sides = SideFilter::new(&ray, DVec3::ZERO, [u, v]);
             assert!(!sides.inside && !sides.outside, "{size}");
         }
+        // One product overflows, and only one.
+        let (u, v) = (DVec3::X * 1e97, DVec3::new(1e105, 0.0, 1e105));
+        let ray = Ray { origin: DVec3::new(-1e105, 1e100, -1e104), direction: DVec3::new(0.0, -1e100, 0.0) };
+        let ray = PreparedRay::<f64>::splat(&TraversalRay::new(ray));
+        let sides = SideFilter::new(&ray, DVec3::ZERO, [u, v]);
+        assert!(!sides.inside && !sides.outside);
     }
 }

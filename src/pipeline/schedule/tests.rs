@@ -1,6 +1,6 @@
 //! Tests of the world after a frame, and of errors that end a run.
 
-use super::{FilmCollector, FilmSink, FrameError, FrameLoop, FrameStage, Preview};
+use super::{FilmCollector, FilmSink, FrameError, FrameLoop, FrameStage, Preview, Stats};
 use crate::appearance::light::{Light, LightTracks, Source};
 use crate::appearance::material::{Material, MaterialTracks};
 use crate::base::time::Rate;
@@ -218,4 +218,42 @@ fn hidden_objects_leave_digests_alone() {
         assert_eq!(a.scene_hash == b.scene_hash, frame >= 2, "{frame}");
         assert_eq!(a.radiance == b.radiance, frame >= 2, "{frame}");
     }
+}
+
+/// Textures of emission that is dark have no effect on the digest of the image.
+#[test]
+fn dark_textures_leave_the_image_alone() {
+    let with = |rotation: &str| {
+        sequence(&format!(
+            r#"(timeline: (frames: 6, keys: Frames), output: (size: (4, 3)), ambient: 0.1,
+            materials: {{ "lamp": (emission_color: Checker(scale: 0.3), emission: [(4, 0), (5, 1)]) }},
+            objects: {{ "a": (shape: Sphere(), material: "lamp", rotation: (0, {rotation}, 0)) }})"#
+        ))
+    };
+    let (turning, still) = (with("[(0, 0), (5, 90)]"), with("0"));
+    let (mut turning, mut still) = (Preview::new(&turning), Preview::new(&still));
+    let states: Vec<_> = (0..6).map(|frame| (turning.state(frame), still.state(frame))).collect();
+    for (frame, (turning, still)) in states.iter().enumerate() {
+        assert_eq!(turning.radiance == still.radiance, frame <= 4, "{frame}");
+        assert_eq!(turning.radiance == states[0].0.radiance, frame <= 4, "{frame}");
+    }
+    // Frames that turn differently cannot share a film, which has all layers.
+    assert_ne!(states[0].0.scene_hash, states[1].0.scene_hash);
+}
+
+/// Equal geometry in another slot changes the tree.
+#[test]
+fn updates_of_the_tree_are_forecast() {
+    let sequence = sequence(
+        r#"(timeline: (frames: 6, keys: Frames), output: (size: (4, 3)), camera: (position: [(0, (0, 0, 5)), (5, (1, 0, 5))]),
+        objects: { "a": (shape: Sphere(), visible: [(0, true), (1, false), (2, true), (3, false), (4, true), (5, false)]),
+            "b": (shape: Sphere(), visible: [(0, false), (1, true), (2, false), (3, true), (4, false), (5, true)]) })"#,
+    );
+    let mut frames = frame_loop(&sequence, None);
+    (0..6).for_each(|frame| frames.frame(frame).expect("a frame"));
+    let stats = frames.world.resource::<Stats>();
+    let mut preview = Preview::new(&sequence);
+    let states: Vec<_> = (0..6).map(|frame| preview.state(frame).geometry.0).collect();
+    let changes = states.windows(2).filter(|pair| pair[0] != pair[1]).count() as u64;
+    assert_eq!(stats.bvh_builds + stats.bvh_refits, 1 + changes);
 }

@@ -27,8 +27,8 @@ pub struct Bvh {
     places: Vec<Place>,
     extents: Extents,
     refitter: Refitter,
-    /// Number of primitives that were rewritten since the tree was built.
-    rewritten: usize,
+    /// How often primitives were replaced since the tree was built.
+    rewritten: u64,
 }
 
 /// What an update did to the tree.
@@ -43,7 +43,7 @@ pub enum BvhUpdate {
 /// Where the primitive of a slot is tested.
 #[derive(Clone, Copy, Debug)]
 enum Place {
-    /// The slot was empty when the tree was built.
+    /// The slot is empty, and was empty when the tree was built.
     Nowhere,
     /// Without the tree.
     Direct,
@@ -62,13 +62,21 @@ fn cost(primitive: &Primitive) -> usize {
     }
 }
 
+/// Primitives that appear are tested without the tree as long as testing all of these costs less than this. A build
+/// takes much longer, and objects that take turns would need one in every frame.
+const FEW: usize = 5;
+
+/// A tree's space may be larger than that of its boxes by this factor; the coordinates of boxes are coarser by it. Below
+/// 2, a primitive that sways across a power of two would need a build in every frame.
+const ROOMIEST: f64 = 4.0;
+
 /// A refitted tree may cost this multiple of the built one. Then it is built again.
 const WORST_GROWTH: f64 = 1.5;
 
 /// After so many changes per primitive, a refitted tree is built again whatever it costs: primitives that were sorted
 /// badly when the tree was built, such as all in one place, stay so while the cost falls. A build takes about as long
 /// as three refits of all primitives, so this adds a fifth.
-const MOST_CHANGES: usize = 16;
+const MOST_CHANGES: u64 = 16;
 
 impl Bvh {
     /// Builds the tree over `geometry`. The same geometry gives the same tree.
@@ -146,30 +154,55 @@ impl Bvh {
         self.extents.update(slots().map(|slot| (slot, Extent::of(&geometry.primitives[slot]))));
         for slot in slots() {
             let (bounds, is_empty) = (self.extents.bounds(slot), geometry.primitives[slot].is_empty());
-            match self.places[slot] {
-                Place::Leaf(leaf) if bounds.is_some() || is_empty => {
+            match (self.places[slot], is_empty) {
+                (Place::Leaf(_), false) if bounds.is_none() => return None,
+                (Place::Leaf(leaf), _) => {
                     self.refitter.set_leaf(&mut self.tree, leaf, bounds).then_some(())?;
                 }
-                Place::Direct => {}
-                Place::Nowhere if is_empty => {}
-                Place::Leaf(_) | Place::Nowhere => return None,
+                (Place::Direct, true) => self.remove_direct(slot),
+                (Place::Nowhere, false) => self.add_direct(geometry, slot),
+                (Place::Direct, false) | (Place::Nowhere, true) => {}
             }
         }
         self.refitter.finish(&mut self.tree);
         let all = self.extents.all();
         self.reach = all.reach();
+        self.rewritten += geometry.replaced() - self.replaced;
         (self.revision, self.replaced) = (Some(geometry.revision()), geometry.replaced());
-        self.rewritten += changes.len();
         // In a much larger space, f32 boxes would be too coarse.
-        let same_size = all.space().scale == self.tree.space().scale;
-        (self.tree.is_empty() || same_size && self.is_good()).then_some(())
+        let is_close = all.space().scale <= ROOMIEST * self.tree.space().scale;
+        let is_good = self.tree.is_empty() || is_close && self.is_good();
+        (is_good && self.direct_cost(geometry) < if self.tree.is_empty() { CHEAP } else { FEW }).then_some(())
+    }
+
+    /// Adds a primitive that appeared to those that are tested without the tree.
+    fn add_direct(&mut self, geometry: &Geometry, slot: usize) {
+        let is_mesh = matches!(geometry.primitives[slot].shape, Shape::Mesh(_));
+        let list = if is_mesh { &mut self.meshes } else { &mut self.direct };
+        let place = list.partition_point(|index| *index < slot as u32);
+        list.insert(place, slot as u32);
+        self.places[slot] = Place::Direct;
+        self.is_small &= !is_mesh;
+    }
+
+    fn remove_direct(&mut self, slot: usize) {
+        self.direct.retain(|index| *index != slot as u32);
+        self.meshes.retain(|index| *index != slot as u32);
+        self.places[slot] = Place::Nowhere;
+    }
+
+    /// The cost of testing the bounded primitives outside the tree.
+    fn direct_cost(&self, geometry: &Geometry) -> usize {
+        let bounded = |index: &&u32| self.extents.bounds(**index as usize).is_some();
+        let direct = self.direct.iter().chain(&self.meshes).filter(bounded);
+        direct.map(|index| cost(&geometry.primitives[*index as usize])).sum()
     }
 
     /// Whether a refitted tree is good enough to keep.
     fn is_good(&self) -> bool {
         // A comparison with NaN is false.
         let is_cheap = self.refitter.growth(&self.tree) <= WORST_GROWTH;
-        is_cheap && self.rewritten <= MOST_CHANGES * self.leaves.len()
+        is_cheap && self.rewritten <= MOST_CHANGES * self.leaves.len() as u64
     }
 
     /// The cost of the tree for a ray that hits the box around all: the expected number of visits.

@@ -427,3 +427,48 @@ fn eight_rays_are_blocked_where_each_of_them_is() {
     });
     assert!(found.iter().all(|count| *count > 1000), "{found:?}");
 }
+
+/// Objects that take turns being visible are tested without the tree.
+#[test]
+fn a_tree_is_kept_while_objects_take_turns() {
+    let mut contents: Vec<Content> = (0..400)
+        .map(|k| (sphere_at(f64::from(k % 20), f64::from(k / 20)), DAffine3::IDENTITY, k >= 20))
+        .collect();
+    let (mut geometry, mut bvh) = (of_contents(&contents), Bvh::default());
+    let mut updates = Vec::new();
+    for round in 0..60 {
+        for (slot, content) in contents.iter_mut().enumerate().take(20) {
+            content.2 = slot == round % 20;
+            set(&mut geometry, slot, content);
+        }
+        updates.push(bvh.update(&geometry));
+        let ray = TraversalRay::new(Ray {
+            origin: DVec3::new((round % 20) as f64, 0.0, 9.0),
+            direction: DVec3::NEG_Z,
+        });
+        assert_eq!(bvh.intersect_one(&geometry, &ray).map(|hit| hit.primitive), Some(round as u32 % 20));
+    }
+    let builds = updates.iter().filter(|update| **update == BvhUpdate::Build).count();
+    assert_eq!(builds, 1, "{updates:?}");
+    // Many at once get leaves.
+    contents.iter_mut().enumerate().for_each(|(slot, content)| {
+        content.2 = true;
+        set(&mut geometry, slot, content);
+    });
+    assert_eq!(bvh.update(&geometry), BvhUpdate::Build);
+}
+
+fn sphere_at(x: f64, y: f64) -> Shape {
+    Shape::Sphere(Sphere { center: DVec3::new(x, y, 0.0), radius: 0.1 })
+}
+
+/// A sphere that sways across a power of two, the size of the tree's space.
+#[test]
+fn a_tree_is_kept_while_the_extent_sways() {
+    let at = |k: u32| DVec3::new(f64::from(k % 20), f64::from(k / 20), 0.0);
+    let (built, _) = steps(40, 400, |step, k| match k {
+        7 => DVec3::X * if step % 2 == 0 { 62.0 } else { 66.0 },
+        _ => at(k),
+    });
+    assert_eq!(rebuilds(&built), 1, "{built:?}");
+}

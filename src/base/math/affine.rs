@@ -1,0 +1,60 @@
+//! Inverses of affine maps.
+
+use super::{DAffine3, DMat3, DVec3, dot_plus};
+
+/// The inverse of an affine map, refined once. None if the map is singular or not finite.
+pub fn inverse(affine: &DAffine3) -> Option<DAffine3> {
+    let matrix3 = inverse_matrix(affine.matrix3)?;
+    let inverse = DAffine3 { matrix3, translation: -(matrix3 * affine.translation) };
+    inverse.is_finite().then_some(inverse)
+}
+
+/// The inverse of a matrix, refined once. None if it is singular or not finite.
+fn inverse_matrix(m: DMat3) -> Option<DMat3> {
+    let bits = |m: &DMat3| m.to_cols_array().map(f64::to_bits);
+    // Most objects are only moved. A negative zero is left to the general case, which may keep it.
+    if bits(&m) == bits(&DMat3::IDENTITY) {
+        return Some(m);
+    }
+    let determinant = m.determinant();
+    if determinant == 0.0 || !determinant.is_finite() {
+        return None;
+    }
+    let first = m.inverse();
+    // Cancellation leaves an error in the cofactors of a badly scaled matrix. A Newton step squares this error, if the
+    // difference from the identity is computed exactly enough.
+    let rows = m.transpose();
+    let left = |column: DVec3, unit: DVec3| {
+        let minus = |row: DVec3, one: f64| dot_plus(-row, column, one);
+        let DVec3 { x, y, z } = unit;
+        DVec3::new(minus(rows.x_axis, x), minus(rows.y_axis, y), minus(rows.z_axis, z))
+    };
+    let left = DMat3::from_cols(
+        left(first.x_axis, DVec3::X),
+        left(first.y_axis, DVec3::Y),
+        left(first.z_axis, DVec3::Z),
+    );
+    Some(first + first * left)
+}
+
+/// An affine map of absolute values.
+pub fn absolute(affine: &DAffine3) -> DAffine3 {
+    DAffine3 { matrix3: affine.matrix3.abs(), translation: affine.translation.abs() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::math::{Angle, axis_angle};
+
+    #[test]
+    fn xf_04_badly_scaled_transforms_invert() {
+        let turn = axis_angle(DVec3::new(0.6, 0.48, 0.64), Angle(40.0));
+        let m = DMat3::from_diagonal(DVec3::new(1e3, 1e-3, 1.0)) * turn;
+        let back = inverse(&DAffine3::from_mat3(m)).expect("an inverse");
+        let off = (m * back.matrix3 - DMat3::IDENTITY).abs();
+        assert!(off.x_axis.max(off.y_axis).max(off.z_axis).max_element() <= 1e-9);
+        assert_eq!(inverse(&DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0))), None);
+        assert_eq!(inverse(&DAffine3::from_scale(DVec3::new(1.0, f64::NAN, 1.0))), None);
+    }
+}
