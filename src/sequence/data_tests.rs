@@ -153,7 +153,7 @@ fn flattened_objects_are_not_framed() {
         read(&text).fitted_camera(0).frame.and_then(|frame| Some(frame.fit?.distance)).expect("a distance")
     };
     let alone = distance("");
-    for scale in ["[(0, 0, Step), (9, 1)]", "(0, 1, 1)"] {
+    for scale in ["[(0, 0, Step), (9, 1)]", "[(0, (0, 1, 1), Step), (9, 1)]"] {
         let far = format!(", \"b\": (shape: Sphere(), translation: (40, 0, 0), scale: {scale})");
         assert_eq!(distance(&far), alone, "{scale}");
     }

