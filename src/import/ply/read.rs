@@ -42,7 +42,7 @@ pub fn read_sized(input: impl BufRead + Send, size: u64) -> Result<MeshData, Mes
 }
 
 /// The memory of the vertices and faces in bytes, if every face is a triangle.
-fn memory(header: &Header) -> Result<u64, MeshError> {
+pub(super) fn memory(header: &Header) -> Result<u64, MeshError> {
     let size = |element: &Element| match element.name.as_str() {
         "vertex" => Vertices::size_of_one(element),
         "face" => {

@@ -3,6 +3,7 @@
 use super::grid::{Cells, Grid};
 use crate::base::machine;
 use crate::geometry::mesh::{Centering, Corners, DataArray, MeshData, MeshError};
+use crate::import::polygon::{cut, fan};
 use rayon::prelude::*;
 
 pub const POLYLINE: u8 = 4;
@@ -135,7 +136,11 @@ pub fn mesh(grid: Grid) -> Result<MeshData, MeshError> {
         let shown = !ghosts.has(cell, DUPLICATE);
         each_face(&grid.cells, cell, |corners, inside| {
             if (!inside || outer.next().unwrap_or(true)) && shown {
-                triangles.extend(corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]));
+                let add = |triangle| triangles.push(triangle);
+                match inside {
+                    true => fan(corners, add),
+                    false => cut(corners, &grid.positions, add),
+                }
             }
         });
         cell_of.resize(triangles.len(), cell as u32);

@@ -127,3 +127,18 @@ fn duplicates_cover_faces_and_hidden_cells_do_not() {
     };
     assert_eq!([0, 1, 32].map(faces), [10, 5, 6]);
 }
+
+/// An angle of six corners, filled from a corner that does not see all of it.
+#[test]
+fn concave_polygons_are_filled() {
+    let file = "# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\nPOINTS 6 float\n2 0 0 2 1 0 1 1 0 1 2 0 0 2 0 0 0 0\n\
+                POLYGONS 1 7\n6 0 1 2 3 4 5\n";
+    let parts = good(file.as_bytes());
+    let area = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|vertex| parts.positions[vertex as usize]);
+        (b - a).cross(c - a).z
+    };
+    let areas: Vec<f64> = parts.triangles.iter().map(area).collect();
+    assert!(areas.iter().all(|area| *area > 0.0), "{areas:?}");
+    assert_eq!(areas.iter().sum::<f64>(), 2.0 * 3.0);
+}
