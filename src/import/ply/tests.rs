@@ -1,7 +1,6 @@
 //! Valid and invalid PLY files.
 
 use super::header::Header;
-use super::header::Header;
 use super::read::memory;
 use super::*;
 use crate::base::color::{Rgb, srgb_to_linear};
