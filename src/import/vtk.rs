@@ -1,5 +1,6 @@
 //! VTK files: legacy (`.vtk`) and XML (`.vtp`, `.vtu`) polygons and cells with their data (Kitware, "VTK File Formats").
 
+mod ghosts;
 mod grid;
 mod legacy;
 mod number;

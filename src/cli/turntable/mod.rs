@@ -2,14 +2,15 @@
 
 mod parts;
 mod scene;
+mod written;
 
 use super::failure::Failure;
 use super::loading::{self, LoadingReporter};
 use super::settings::RecordedSettings;
 use super::time_limit::{self, TimeLimitOption};
-use super::{overrides, render, shell, terminal, values};
+use super::{overrides, render, terminal, values};
 use crate::base::escape;
-use crate::base::files::{self, Root};
+use crate::base::files::Root;
 use crate::base::time::Rate;
 use crate::encode::{Existing, Output};
 use crate::pipeline::render::Request;
@@ -17,10 +18,9 @@ use crate::sequence::{Sequence, load_text};
 use clap::{Arg, Args, ValueEnum};
 use parts::Part;
 use scene::Scene;
-use std::fs::OpenOptions;
-use std::io::{ErrorKind, Write};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
+use written::Written;
 
 /// Render one turn of a part, or of several parts together, from mesh files.
 #[derive(Args, Debug, PartialEq)]
@@ -130,42 +130,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     render::print(options, &done, &request.outputs)
 }
 
-/// A sequence that is written.
-struct Written {
-    path: PathBuf,
-    text: String,
-    /// How it is rendered again.
-    note: String,
-}
-
-impl Written {
-    /// Checks that there is a folder, and no other file.
-    fn check(&self) -> Result<(), Failure> {
-        match std::fs::read(&self.path) {
-            Ok(there) if there == self.text.as_bytes() => Ok(()),
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
-            _ => Err(exists(&self.path)),
-        }
-    }
-
-    /// Writes the file, unless it is there.
-    fn write(&self) -> Result<(), Failure> {
-        let Self { path, text, .. } = self;
-        let file = OpenOptions::new().write(true).create_new(true).open(path);
-        file.and_then(|mut file| file.write_all(text.as_bytes())).or_else(|error| match error.kind() {
-            ErrorKind::AlreadyExists => self.check(),
-            _ => {
-                Err(Failure::Bad(format!("cannot write {}: {}", escape::path(path), files::describe(&error))))
-            }
-        })
-    }
-}
-
-fn exists(path: &Path) -> Failure {
-    let name = escape::path(path);
-    Failure::Bad(format!("--write: {name} exists already, and may have changes; choose another name"))
-}
-
 impl Arguments {
     /// The sequence, and its file if there is one to be written.
     fn sequence(&self) -> Result<(Sequence, Option<Written>), Failure> {
@@ -195,29 +159,10 @@ impl Arguments {
         }
         let inside = Root::of(folder);
         let outside = root.admitted().iter().any(|file| inside.admit(file).is_err());
-        let note = self.note(&path, outside);
+        let note = written::note(&path, outside, &self.recorded);
         let written = Written { path, text, note };
         written.check()?;
         Ok((sequence, Some(written)))
-    }
-
-    /// How a written sequence is rendered again: with the options that the text does not hold.
-    fn note(&self, path: &Path, outside: bool) -> String {
-        let RecordedSettings { settings, arguments } = &self.recorded;
-        // A draft changes what the text holds, unless the options are there again.
-        let held: &[&str] =
-            if settings.options.draft { &[] } else { &["--size", "--fps", "--antialias", "--bounces"] };
-        let name_of = |word: &str| word.split('=').next().unwrap_or_default().to_owned();
-        let more = arguments.iter().filter(|word| !held.contains(&name_of(word).as_str()));
-        let more = more.filter(|word| *word != "--allow-outside").map(|word| shell::quote(word.as_ref()));
-        let allow = outside.then(|| "--allow-outside".to_owned());
-        let file = shell::quote(path.as_os_str());
-        let words: Vec<_> = [file].into_iter().chain(allow).chain(more).collect();
-        format!(
-            "{} is the sequence; `kinora render {}` renders it again",
-            escape::path(path),
-            words.join(" ")
-        )
     }
 
     /// The path of the sequence, whether it is written or not.

@@ -1,5 +1,6 @@
 //! The surface of cells: faces, and the outer faces of volumes.
 
+use super::ghosts::{DUPLICATE, Ghosts, HIDDEN};
 use super::grid::{Cells, Grid};
 use crate::base::machine;
 use crate::geometry::mesh::{Centering, Corners, DataArray, MeshData, MeshError};
@@ -87,28 +88,6 @@ fn least_points(surface: &Surface) -> usize {
         Surface::Ordered(face) => of(face),
         Surface::Strip => 3,
         Surface::Volume(faces) => faces.iter().map(|face| of(face)).max().unwrap_or(0),
-    }
-}
-
-/// Flags of cells in the array `vtkGhostType` (VTK, `vtkDataSetAttributes::CellGhostTypes`). Another piece shows the cells
-/// that are duplicates; here they only cover the faces of their neighbours.
-const DUPLICATE: u8 = 1;
-const HIDDEN: u8 = 32;
-
-/// The flags of all cells; none if the file has none.
-struct Ghosts(Vec<u8>);
-
-impl Ghosts {
-    fn of(arrays: &[DataArray]) -> Self {
-        let is_it = |array: &&DataArray| array.centering == Centering::Cells && array.name == "vtkGhostType";
-        let array = arrays.iter().find(is_it).filter(|array| array.components == 1);
-        Self(array.map_or_else(Vec::new, |array| {
-            (0..array.values.len()).map(|cell| array.values.get(cell) as u8).collect()
-        }))
-    }
-
-    fn has(&self, cell: usize, flag: u8) -> bool {
-        self.0.get(cell).is_some_and(|flags| flags & flag != 0)
     }
 }
 
