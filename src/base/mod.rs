@@ -12,6 +12,7 @@ pub mod color;
 pub mod stats;
 pub mod units;
 pub mod escape;
+pub mod lists;
 pub mod cancel;
 pub mod frame_set;
 pub mod machine;

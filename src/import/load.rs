@@ -20,6 +20,10 @@ const MAX_LIBRARY_SIZE: u64 = 64 << 20;
 /// tree.
 const TRIANGLE_SIZE: u64 = 128;
 
+/// The memory per triangle and per vertex in bytes that crease normals take while they are made: normals, edges, fans,
+/// sums and indices; and the equal vertices.
+const CREASE_SIZES: [u64; 2] = [216, 56];
+
 /// The size of the read buffer in bytes.
 const BUFFER_SIZE: usize = 1 << 18;
 
@@ -49,6 +53,12 @@ pub fn load_prepared(
     let name = escape::path(path.file_name().unwrap_or(path.as_os_str()));
     let mut parts = load_data(path, root, meter)?;
     machine::check_memory(parts.triangles.len() as u64 * TRIANGLE_SIZE)?;
+    if preparation.crease.is_some() {
+        let [of_triangle, of_vertex] = CREASE_SIZES;
+        machine::check_memory(
+            parts.triangles.len() as u64 * of_triangle + parts.positions.len() as u64 * of_vertex,
+        )?;
+    }
     preparation.apply(&mut parts);
     meter.start(format!("building the tree of {name}"), 0);
     TriangleMesh::new(parts)

@@ -6,6 +6,7 @@
 
 mod lines;
 mod load;
+mod polygon;
 mod progress;
 pub mod mtl;
 pub mod obj;

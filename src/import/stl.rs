@@ -2,7 +2,8 @@
 
 mod text;
 
-use super::lines::Lines;
+use super::lines::{Lines, without_mark};
+use crate::base::machine;
 use crate::base::math::DVec3;
 use crate::geometry::mesh::{MeshData, MeshError, MeshLocation};
 use rustc_hash::FxHashMap;
@@ -15,20 +16,28 @@ const RECORD: usize = 50;
 
 /// Reads a file of `size` bytes.
 ///
-/// A file is binary if its size fits the number of triangles that it states: some programs begin binary files with the
-/// `solid` of text. Corners with equal coordinates become one vertex. Stated normals are ignored, because many programs
-/// write zeros; the order of the corners decides.
+/// Text begins with `solid`. Some binary files do so, too, but the number of their triangles holds a byte that text does
+/// not have. Corners with equal coordinates become one vertex. Stated normals are ignored, because many programs write
+/// zeros; the order of the corners decides.
 pub fn read(mut input: impl BufRead, size: u64) -> Result<MeshData, MeshError> {
     let mut head = Vec::with_capacity(HEAD);
     input.by_ref().take(HEAD as u64).read_to_end(&mut head)?;
     let mut welder = Welder::default();
     match count(&head) {
-        Some(count) if size == binary_size(count) => read_binary(input, count, &mut welder)?,
-        _ if is_text(&head) => text::read(Lines::new(Cursor::new(head).chain(input), false), &mut welder)?,
+        _ if is_text(&head) => {
+            let head = Cursor::new(without_mark(&head));
+            text::read(Lines::new(head.chain(input), false), &mut welder)?;
+        }
+        // Some programs append bytes of their own.
+        Some(count) if size >= binary_size(count) => read_binary(input, count, &mut welder)?,
         Some(count) => {
+            let not = if begins_like_text(&head) {
+                ""
+            } else {
+                "it is no STL file: text begins with `solid`, and "
+            };
             let why = format!(
-                "it is no STL file: text begins with `solid`, and a binary file of {count} triangles has {} bytes, \
-                 not {size}",
+                "{not}a binary file of {count} triangles has {} bytes, not {size}",
                 binary_size(count)
             );
             return Err(MeshError::new(why));
@@ -52,8 +61,15 @@ fn binary_size(count: u32) -> u64 {
     HEAD as u64 + RECORD as u64 * u64::from(count)
 }
 
+fn begins_like_text(head: &[u8]) -> bool {
+    let head = without_mark(head).trim_ascii_start();
+    head.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+}
+
+/// Whether the head is text: its characters, and blanks. Any number of fewer than 150 million triangles has a byte of a
+/// value below 9, which is neither.
 fn is_text(head: &[u8]) -> bool {
-    head.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+    begins_like_text(head) && head.iter().all(|byte| !byte.is_ascii_control() || byte.is_ascii_whitespace())
 }
 
 fn read_binary(mut input: impl Read, count: u32, welder: &mut Welder) -> Result<(), MeshError> {
@@ -76,10 +92,23 @@ struct Welder {
 }
 
 impl Welder {
+    /// Checks that memory is free before the tables grow to twice their size, and exist twice meanwhile. How many
+    /// vertices there are depends on the corners that are shared.
+    fn check_growth(&mut self) -> Result<(), MeshError> {
+        let full = self.vertices.len() + 3;
+        if full > self.vertices.capacity() {
+            let each = size_of::<([u32; 3], u32)>() + size_of::<DVec3>();
+            machine::check_memory((2 * full * each) as u64)?;
+            self.vertices.reserve(full);
+        }
+        Ok(())
+    }
+
     fn push(&mut self, corners: [[f32; 3]; 3], place: MeshLocation) -> Result<(), MeshError> {
         if !corners.as_flattened().iter().all(|number| number.is_finite()) {
             return Err(MeshError::at(place, format!("expected finite coordinates, found {corners:?}")));
         }
+        self.check_growth()?;
         let triangle = corners.map(|corner| {
             let MeshData { positions, .. } = &mut self.parts;
             // 0 and -0 are one coordinate.
@@ -149,7 +178,32 @@ mod tests {
 
     #[test]
     fn a_binary_file_may_begin_like_text() {
-        assert_eq!(read_all(&binary("solid part")).expect("a mesh").triangles.len(), 4);
+        let file = binary("solid part");
+        assert_eq!(read_all(&file).expect("a mesh").triangles.len(), 4);
+        assert_eq!(fault(&file[..file.len() - 1]), "a binary file of 4 triangles has 284 bytes, not 283");
+    }
+
+    #[test]
+    fn bytes_after_the_last_triangle_are_skipped() {
+        for header in ["solid part", "made by hand"] {
+            let file = [binary(header), b"\0more".to_vec()].concat();
+            assert_eq!(read_all(&file).expect("a mesh").triangles.len(), 4);
+        }
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_skipped() {
+        let file = "\u{feff}".to_owned() + &text();
+        assert_eq!(read_all(file.as_bytes()).expect("a mesh").triangles.len(), 4);
+    }
+
+    /// Microsoft's libraries print numbers that are none like this.
+    #[test]
+    fn normals_may_be_anything() {
+        for normal in ["-nan(ind) -nan(ind) -nan(ind)", "-1.#IND 1.#QNAN x", "nan inf -inf"] {
+            let file = text().replace("normal 0 0 0", &format!("normal {normal}"));
+            assert_eq!(read_all(file.as_bytes()).expect("a mesh").triangles.len(), 4, "{normal}");
+        }
     }
 
     #[test]
@@ -188,7 +242,7 @@ mod tests {
         assert_eq!(fault(broken.as_bytes()), "line 6: expected a number, found `zero`");
         let broken = text().replacen("outer loop", "outer", 1);
         assert_eq!(fault(broken.as_bytes()), "line 4: expected `loop`, found `vertex`");
-        assert_eq!(fault(b"solid\nfacet normal 0 0 1"), "the file ends before `endsolid`");
+        assert_eq!(fault(b"solid\nfacet normal 0 0 1\n\n"), "line 3: the file ends before `endsolid`");
         assert_eq!(fault(b"solid\nfacets"), "line 2: expected `facet` or `endsolid`, found `facets`");
     }
 }

@@ -129,7 +129,7 @@ fn range(node: Node<'_>, scale: DataScale) -> Option<Option<[f64; 2]>> {
         return None;
     }
     if !scale.has(min) {
-        let fault = node.mismatch("two numbers above 0");
+        let fault = Fault::expected(node.span(), "two numbers above 0", format!("found {min:?}"));
         node.fault(fault.help("the logarithmic scale begins above 0"));
         return None;
     }

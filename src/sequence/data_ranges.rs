@@ -67,16 +67,16 @@ fn note(
     let counts = |value: f64| scale.has(value);
     let range = match source {
         DataSource::Array(key) => {
-            let array = match shape {
-                Shape::Mesh(shape::Mesh { mesh, .. }) => {
-                    mesh.array(key).ok_or_else(|| Box::new(missing(key, mesh, place)))?
-                }
-                _ => return Err(Box::new(no_mesh(key, place))),
+            let Shape::Mesh(shape::Mesh { mesh, .. }) = shape else {
+                return Err(Box::new(no_mesh(key, place)));
             };
+            if mesh.array(key).is_none() {
+                return Err(Box::new(missing(key, mesh, place)));
+            }
             if !auto {
                 return Ok(());
             }
-            array.range(key.component, counts)
+            mesh.array_range(key, counts)
         }
         DataSource::Coordinate(_) if !auto => return Ok(()),
         DataSource::Coordinate(axis) => {

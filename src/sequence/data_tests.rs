@@ -323,7 +323,7 @@ fn faults_of_poses_name_file_line_and_column() {
     has("\"other.csv\"", "no column of times");
     has(
         "Poses(file: \"bad.csv\", time: \"s\")",
-        "it has no column \"s\"; its columns are \"t\", \"x\", \"y\", \"z\"",
+        "it has no column `s`; its columns are `t`, `x`, `y` and `z`",
     );
     has("\"none.csv\"", "there is no such file");
     has("\"a.txt\"", "tables are read from .csv");

@@ -3,6 +3,7 @@
 use super::fault::Fault;
 use super::fields::Fields;
 use super::node::Node;
+use super::suggest::listed;
 use super::values::{each, list, text, tuple};
 use super::words::{Variants, variant, word};
 use crate::import::table::{Table, TableError};
@@ -49,9 +50,17 @@ const TIMES: [&str; 2] = ["t", "time"];
 const POSITIONS: [[&str; 3]; 3] = [["x", "y", "z"], ["px", "py", "pz"], ["tx", "ty", "tz"]];
 const QUATERNION: [&str; 4] = ["qw", "qx", "qy", "qz"];
 
-/// The names m00 to m33, row after row.
-fn matrix_names() -> impl Iterator<Item = String> {
-    (0..4).flat_map(|row| (0..4).map(move |column| format!("m{row}{column}")))
+/// Row after row.
+const MATRIX: [&str; 16] = [
+    "m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22", "m23", "m30", "m31", "m32",
+    "m33",
+];
+
+impl RotationColumns {
+    /// Whether the columns hold a translation, too.
+    fn translate(&self) -> bool {
+        matches!(self, Self::Matrix { columns, .. } if columns.len() > 9)
+    }
 }
 
 impl ColumnName {
@@ -67,9 +76,7 @@ pub fn columns(fields: &mut Fields<'_>, table: &Table, place: &Range<usize>) -> 
     let position = fields.optional("position", |node| each(tuple(node, "three names of columns")?, column));
     let rotation = fields.optional("rotation", rotation);
     let (time, position, rotation) = (time?, position?, rotation?);
-    let own_translation =
-        matches!(&rotation, Some(RotationColumns::Matrix { columns, .. }) if columns.len() > 9);
-    if own_translation && position.is_some() {
+    if position.is_some() && rotation.as_ref().is_some_and(RotationColumns::translate) {
         let title = "a matrix of 12 or 16 columns holds the position";
         fields.node().fault(Fault::new(fields.place("position"), title, "one too many"));
         return None;
@@ -80,20 +87,24 @@ pub fn columns(fields: &mut Fields<'_>, table: &Table, place: &Range<usize>) -> 
         if has_all(&QUATERNION) {
             return Some(RotationColumns::Quaternion(QUATERNION.map(usual)));
         }
-        let all = position.is_none() && matrix_names().all(|name| table.has(&name));
-        let columns = || matrix_names().map(|name| usual(&name)).collect();
-        all.then(|| RotationColumns::Matrix { columns: columns(), order: MatrixOrder::Row })
+        let all = position.is_none() && has_all(&MATRIX);
+        all.then(|| RotationColumns::Matrix { columns: MATRIX.map(usual).into(), order: MatrixOrder::Row })
     });
-    let own_translation =
-        matches!(&rotation, Some(RotationColumns::Matrix { columns, .. }) if columns.len() > 9);
+    let translates = rotation.as_ref().is_some_and(RotationColumns::translate);
     let position = position.or_else(|| {
-        let known = POSITIONS.into_iter().find(|names| has_all(names)).filter(|_| !own_translation)?;
+        let known = POSITIONS.into_iter().find(|names| has_all(names)).filter(|_| !translates)?;
         Some(known.map(usual))
     });
     let Some(time) = time else {
         report_missing(fields, table, place, "no column of times `t` or `time`", "`time: \"name\"`");
         return None;
     };
+    let of_positions = POSITIONS.iter().filter(|_| position.is_none() && !translates).map(|names| &names[..]);
+    let of_rotations = [&QUATERNION[..], &MATRIX[..]].into_iter().filter(|_| rotation.is_none());
+    if let Some(names) = of_positions.chain(of_rotations).find(|names| is_incomplete(table, names)) {
+        report_incomplete(fields, table, place, names);
+        return None;
+    }
     if position.is_none() && rotation.is_none() {
         let what = "no columns `x`, `y`, `z`, no `qw`, `qx`, `qy`, `qz`, and no `m00` to `m33`";
         report_missing(fields, table, place, what, "`position: (\"name\", ...)` and `rotation`");
@@ -102,9 +113,30 @@ pub fn columns(fields: &mut Fields<'_>, table: &Table, place: &Range<usize>) -> 
     Some(PoseColumns { time, position, rotation })
 }
 
+/// Whether a table has several columns of a set, but not all.
+fn is_incomplete(table: &Table, names: &[&str]) -> bool {
+    (2..names.len()).contains(&names.iter().filter(|name| table.has(name)).count())
+}
+
+fn report_incomplete(fields: &Fields<'_>, table: &Table, place: &Range<usize>, names: &[&str]) {
+    let missing = listed(names.iter().copied().filter(|name| !table.has(name)));
+    let there = listed(names.iter().copied().filter(|name| table.has(name)));
+    let what = format!("it has {there}, but not {missing}");
+    let fault = Fault::new(place.clone(), "this table has only some of the columns of poses", what);
+    let help =
+        "name the columns in Poses(file: ...) with `position` or `rotation`, or rename those of the table";
+    fields.node().fault(fault.help(help));
+}
+
 fn report_missing(fields: &Fields<'_>, table: &Table, place: &Range<usize>, what: &str, write: &str) {
-    let names = super::suggest::listed(table.names());
-    let help = format!("its columns are {names}; write Poses(file: ...) with {write}");
+    let names = listed(table.names());
+    let usual = || TIMES.iter().chain(POSITIONS.as_flattened()).chain(&QUATERNION).chain(&MATRIX);
+    let in_capitals = |name: &&str| usual().any(|known| name != known && name.eq_ignore_ascii_case(known));
+    let hint = match table.names().find(in_capitals) {
+        Some(name) => format!(" (capitals matter: `{name}` is not `{}`)", name.to_lowercase()),
+        None => String::new(),
+    };
+    let help = format!("its columns are {names}{hint}; write Poses(file: ...) with {write}");
     let fault = Fault::new(place.clone(), "this table has no poses that Kinora recognises", what);
     fields.node().fault(fault.help(help));
 }

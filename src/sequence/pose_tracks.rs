@@ -4,7 +4,7 @@ use super::key_clock::KeyClock;
 use super::keys::row_time;
 use super::pose_columns::{ColumnName, MatrixOrder, PoseColumns, RotationColumns};
 use super::values::LARGEST;
-use crate::base::math::{DMat3, DQuat, DVec3, NotRigid, rotation_and_scale};
+use crate::base::math::{DMat3, DQuat, DVec3, NotRigid, ROUNDED, rotation_and_scale};
 use crate::base::time::Time;
 use crate::import::table::{Table, TableError};
 use crate::track::{Animate, Animated, Ease, Key, Repeat, Track};
@@ -39,16 +39,25 @@ struct Row {
     scale: DVec3,
 }
 
-/// Makes tracks of a table's rows.
+/// Makes tracks of a table's rows. Those of cameras may not scale.
 pub fn tracks(
     table: &Table,
     columns: &PoseColumns,
     how: Interpolation,
     clock: KeyClock,
+    may_scale: bool,
 ) -> Result<PoseTracks, PoseFault> {
     let times = times(table, &columns.time, clock)?;
     let position = columns.position.as_ref().map(|names| vectors(table, names)).transpose()?;
     let rows = columns.rotation.as_ref().map(|rotation| rows(table, rotation)).transpose()?;
+    if let Some(RotationColumns::Matrix { columns, .. }) = &columns.rotation
+        && let Some(row) =
+            rows.iter().flatten().position(|row| row.scale != DVec3::ONE).filter(|_| !may_scale)
+    {
+        let why =
+            "the columns of the matrix have other lengths than 1, but the poses of a camera have no scale";
+        return Err(at_row(table, row, &columns[0], why.to_owned()));
+    }
     let position = position.or_else(|| rows.as_ref()?.iter().map(|row| row.position).collect());
     // Quaternions take every easing except `CatmullRom`.
     let turns = if how.ease == Ease::CatmullRom { Ease::Linear } else { how.ease };
@@ -100,13 +109,19 @@ fn times(table: &Table, column: &ColumnName, clock: KeyClock) -> Result<Vec<Time
         return Err((column.place.clone(), TableError::new(why)));
     }
     let mut times: Vec<Time> = Vec::with_capacity(table.rows());
-    for (row, value) in values(table, column)?.iter().enumerate() {
+    let values = values(table, column)?;
+    for (row, value) in values.iter().enumerate() {
         let time = row_time(*value, clock).ok_or_else(|| {
-            at_row(table, row, column, format!("expected a time between -1e9 and 1e9, found {value}"))
+            let why = format!(
+                "expected a time between -1e9 and 1e9, found {value}; subtract the first row's time from those of all rows"
+            );
+            at_row(table, row, column, why)
         })?;
         if times.last().is_some_and(|last| time <= *last) {
             let before = table.lines()[row - 1];
-            let why = format!("times must ascend, but {value} is not after the time of line {before}");
+            let rounded = if *value > values[row - 1] { ", rounded to 9 decimal places," } else { "" };
+            let why =
+                format!("times must ascend, but {value}{rounded} is not after the time of line {before}");
             return Err(at_row(table, row, column, why));
         }
         times.push(time);
@@ -166,7 +181,7 @@ fn matrices(table: &Table, names: &[ColumnName], order: MatrixOrder) -> Result<V
         let fault = |why: String| at_row(table, row, &names[0], why);
         if height == 4 {
             let last = [0, 1, 2, 3].map(|c| at(row, 3, c));
-            if last != [0.0, 0.0, 0.0, 1.0] {
+            if last.iter().zip([0.0, 0.0, 0.0, 1.0]).any(|(found, exact)| (found - exact).abs() > ROUNDED) {
                 let other = if order == MatrixOrder::Row { "Column" } else { "Row" };
                 let why = format!(
                     "the last row of the matrix is {last:?}, not [0, 0, 0, 1]; is its order {other}?"

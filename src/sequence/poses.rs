@@ -29,7 +29,7 @@ enum ViewAxes {
 
 /// The poses of an object: a file's name, or `Poses(...)`.
 pub fn object_poses(node: Node<'_>) -> Option<PoseTracks> {
-    poses(node, |_| Some(())).map(|(tracks, ())| tracks)
+    poses(node, true, |_| Some(())).map(|(tracks, ())| tracks)
 }
 
 /// The transform of an object with poses. Its other fields apply before.
@@ -44,13 +44,7 @@ pub fn camera_poses(node: Node<'_>) -> Option<PosePath> {
     let axes = [("OpenGl", ViewAxes::OpenGl), ("OpenCv", ViewAxes::OpenCv)];
     let axes =
         |fields: &mut Fields<'_>| fields.or("axes", |node| word(node, "axes", &axes), ViewAxes::OpenGl);
-    let (tracks, axes) = poses(node, axes)?;
-    if tracks.scale.is_some() {
-        let title = "the poses of a camera have no scale";
-        let fault = Fault::new(node.span(), title, "the columns of its matrices have other lengths than 1");
-        node.fault(fault.help("the projection decides how large things appear"));
-        return None;
-    }
+    let (tracks, axes) = poses(node, false, axes)?;
     let up = node.file.up.get();
     // Half a turn about x.
     let view = if axes == ViewAxes::OpenCv { DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0) } else { DQuat::IDENTITY };
@@ -71,7 +65,11 @@ fn mapped<T: Animate>(track: Animated<T>, change: impl Fn(T) -> T) -> Animated<T
 }
 
 /// Decodes poses, and the fields that only this kind of poses has.
-fn poses<'s, T>(node: Node<'s>, more: impl Fn(&mut Fields<'s>) -> Option<T>) -> Option<(PoseTracks, T)> {
+fn poses<'s, T>(
+    node: Node<'s>,
+    may_scale: bool,
+    more: impl Fn(&mut Fields<'s>) -> Option<T>,
+) -> Option<(PoseTracks, T)> {
     if !node.is_text() && node.word() != "Poses" {
         node.expected("the name of a table in quotes, or Poses(file: \"name.csv\", ...)");
         return None;
@@ -100,7 +98,7 @@ fn poses<'s, T>(node: Node<'s>, more: impl Fn(&mut Fields<'s>) -> Option<T>) -> 
     let columns = columns(&mut fields, &table, &place);
     fields.finish();
     let (columns, how) = (columns?, Interpolation { ease: ease?, repeat: repeat? });
-    match tracks(&table, &columns, how, node.file.clock.get()) {
+    match tracks(&table, &columns, how, node.file.clock.get(), may_scale) {
         Ok(tracks) => Some((tracks, more?)),
         Err((place, error)) => {
             let title = format!("cannot use the poses in {:?}", shortened(&name));

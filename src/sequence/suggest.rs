@@ -1,5 +1,7 @@
 //! "Did you mean": finds the nearest known name.
 
+pub use crate::base::lists::{either, listed, shortened};
+
 /// Maximum number of names that are compared for one suggestion.
 const COMPARED: usize = 2000;
 
@@ -33,37 +35,6 @@ fn distance(a: &str, b: &str) -> usize {
     strsim::damerau_levenshtein(a, b)
 }
 
-/// "`a`, `b` and `c`". Long lists are cut.
-pub fn listed<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
-    joined(names, "and")
-}
-
-/// "`a`, `b` or `c`"
-pub fn either<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
-    joined(names, "or")
-}
-
-fn joined<'n>(names: impl IntoIterator<Item = &'n str>, word: &str) -> String {
-    const MOST: usize = 24;
-    let mut names = names.into_iter();
-    let shown: Vec<_> = names.by_ref().take(MOST).map(|name| format!("`{}`", shortened(name))).collect();
-    let more = names.count();
-    match (shown.split_last(), more) {
-        (None, _) => "nothing".to_owned(),
-        (Some((last, [])), 0) => last.clone(),
-        (Some((last, rest)), 0) => format!("{} {word} {last}", rest.join(", ")),
-        (Some(_), more) => format!("{} and {more} more", shown.join(", ")),
-    }
-}
-
-/// At most 40 characters of a text, for messages.
-pub fn shortened(text: &str) -> String {
-    match text.char_indices().nth(40) {
-        Some((end, _)) => format!("{}...", &text[..end]),
-        None => text.to_owned(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -80,12 +51,5 @@ mod tests {
         assert_eq!(near("EaseInOutQuad"), Some("InOutQuad"));
         assert_eq!(near("torus"), None);
         assert_eq!(near(""), None);
-    }
-
-    #[test]
-    fn lists_read_well() {
-        assert_eq!(listed([]), "nothing");
-        assert_eq!(listed(["a"]), "`a`");
-        assert_eq!(listed(["a", "b", "c"]), "`a`, `b` and `c`");
     }
 }

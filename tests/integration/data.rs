@@ -203,7 +203,10 @@ fn missing_data_is_reported_at_the_object() {
             "of: X, range: (2, 1)",
             ["`range`: expected a lower and a higher number", "`reverse: true` turns", ""],
         ),
-        ("of: X, range: (0, 1), scale: Log", ["`range`: expected two numbers above 0", "begins above 0", ""]),
+        (
+            "of: X, range: (0, 1), scale: Log",
+            ["`range`: expected two numbers above 0", "begins above 0", "found 0.0"],
+        ),
         ("of: X, map: Viridi", ["there is no colour map `Viridi`", "did you mean `Viridis`?", "`Coolwarm`"]),
         (
             "of: X, map: [1]",

@@ -49,6 +49,50 @@ fn films_beyond_memory_are_refused_in_advance() {
     assert!(!path.join("output/ball_accuracy").exists());
 }
 
+/// A file may hold far more numbers than bytes.
+#[cfg(target_os = "linux")]
+#[test]
+fn small_files_of_many_numbers_are_refused_in_advance() {
+    let folder = folder();
+    let path = folder.path();
+    let names: String = (0..996).map(|column| format!(",\"c{column}\":0")).collect();
+    let rows = "{\"t\":0}\n".repeat(150_000);
+    fs::write(path.join("sparse.jsonl"), format!("{{\"t\":0,\"x\":0,\"y\":0,\"z\":0{names}}}\n{rows}"))
+        .expect("a disk");
+    let zeros = vec![0; 50_000_000];
+    let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+    std::io::Write::write_all(&mut encoder, &zeros).expect("memory");
+    let block = encoder.finish().expect("memory");
+    let header = [1, zeros.len() as u32, 0, block.len() as u32].map(u32::to_le_bytes);
+    let zeros = base64::Engine::encode(
+        &base64::engine::general_purpose::STANDARD,
+        [header.as_flattened(), &block].concat(),
+    );
+    let array = |name: &str| {
+        format!("<DataArray type=\"UInt8\" Name=\"{name}\" format=\"binary\">{zeros}</DataArray>")
+    };
+    for (name, cells) in [("many.vtu", 50_000_000), ("one.vtu", 1)] {
+        let text = format!(
+            "<VTKFile type=\"UnstructuredGrid\" compressor=\"vtkZLibDataCompressor\"><UnstructuredGrid>\
+             <Piece NumberOfPoints=\"1\" NumberOfCells=\"{cells}\"><Points><DataArray type=\"Int8\" NumberOfComponents=\"3\">\
+             0 0 0</DataArray></Points><Cells><DataArray type=\"Int8\" Name=\"connectivity\"></DataArray>{}{}</Cells></Piece>\
+             </UnstructuredGrid></VTKFile>",
+            array("offsets"),
+            array("types")
+        );
+        fs::write(path.join(name), text).expect("a disk");
+    }
+    for (file, why) in [
+        ("poses: \"sparse.jsonl\", shape: Sphere()", "MB of memory, but only"),
+        ("shape: Mesh(\"many.vtu\")", "MB of memory, but only"),
+        ("shape: Mesh(\"one.vtu\")", "`NumberOfCells` is 1, but the array `offsets` has 50000000 numbers"),
+    ] {
+        write(path, "large.ron", &format!("objects: {{ \"o\": ({file}) }}"));
+        let printed = refused_within(600_000, path, &["check", "large.ron"]);
+        assert!(printed.contains(why), "{printed}");
+    }
+}
+
 #[test]
 fn check_and_render_refuse_the_same_sequences() {
     let folder = folder();

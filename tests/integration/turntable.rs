@@ -57,6 +57,59 @@ fn the_written_sequence_gives_the_same_frames() {
     assert!(column.len() > 30 && column.first().is_some_and(|y| (4..=6).contains(y)), "{column:?}");
 }
 
+/// The command in the note gives the same frames, whatever options there were.
+#[test]
+fn the_note_names_the_options_that_the_sequence_does_not_hold() {
+    let folder = folder();
+    let at = folder.path();
+    for (number, options, note) in [
+        (0, &["-s", "64x48", "--antialias", "2", "--bounces", "0"][..], "`kinora render t0.ron` renders"),
+        (1, &["-s", "64x48", "--exposure", "-1"], "`kinora render t1.ron '--exposure=-1'` renders"),
+        (2, &["--antialias", "2", "--draft"], "`kinora render t2.ron '--antialias=2' --draft` renders"),
+        (3, &["--draft"], "`kinora render t3.ron --draft` renders"),
+    ] {
+        let (sequence, frames) = (format!("t{number}.ron"), format!("a{number}.png"));
+        let turn = ["turntable", "parts/ball.ply", "--frames", "1", "--write", &sequence, "-o", &frames];
+        let printed = kinora(at, &[&turn[..], options].concat());
+        assert!(printed.contains(note), "{printed}");
+        let command = note.trim_matches('`').split('`').next().unwrap_or_default();
+        let given = command.split(' ').skip(1).map(|word| word.trim_matches('\''));
+        let words: Vec<&str> = given.chain(["-o", "b.png", "--overwrite"]).collect();
+        kinora(at, &words);
+        let files = contents(at);
+        assert_eq!(files[&frames], files["b.png"], "{options:?}");
+    }
+}
+
+/// A turn that fails leaves no sequence that would be in the way of the next one.
+#[test]
+fn the_sequence_is_written_last() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("file"), "").expect("a disk");
+    let turn = |output: &'static str| {
+        [&["turntable", "parts/ball.ply", "--frames", "1", "--write", "t.ron", "-o", output][..], &SMALL]
+            .concat()
+    };
+    refused(at, &turn("file/a.gif"));
+    assert!(!at.join("t.ron").exists());
+    kinora(at, &turn("a.gif"));
+    let text = fs::read(at.join("t.ron")).expect("a sequence");
+    // The same turn again has nothing else to write.
+    kinora(at, &turn("a.gif"));
+    assert_eq!(fs::read(at.join("t.ron")).expect("a sequence"), text);
+    assert!(refused(at, &turn("b.gif")).contains("t.ron exists already"));
+}
+
+#[test]
+fn the_help_states_its_own_defaults() {
+    let printed = kinora(folder().path(), &["turntable", "--help"]);
+    for part in ["[default: 640x480]", "[default: 20]", ".vtk", "keeps its number of frames"] {
+        assert!(printed.contains(part), "{part}: {printed}");
+    }
+    assert!(!printed.contains("keeps its duration"), "{printed}");
+}
+
 #[test]
 fn several_parts_are_one_turn() {
     let folder = folder();
@@ -102,6 +155,7 @@ fn mistakes_are_refused() {
     has(&["part.step"], "cannot read part.step: meshes are read from");
     has(&["bad.obj"], "cannot read bad.obj: line 1: expected three numbers");
     has(&["parts/ball.ply", "--write", "there.ron"], "there.ron exists already");
+    has(&["parts/ball.ply", "--write", "no/such/a.ron"], "--write: there is no folder no/such");
     has(&["parts/ball.ply", "--write", "a.txt"], "a sequence is a .ron file");
     has(&["parts/ball.ply", "--frames", "0"], "--frames");
     assert_eq!(fs::read_to_string(at.join("there.ron")).expect("a file"), "()");

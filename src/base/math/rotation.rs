@@ -40,9 +40,17 @@ pub enum NotRigid {
     Sheared(f64),
 }
 
-/// The error that rounding to four decimal places leaves in the elements of a rotation. Columns whose lengths differ
-/// from 1 by less count as unit vectors, and columns that are perpendicular up to it as perpendicular.
-const ROUNDED: f64 = 1e-4;
+/// The largest error of a number that is rounded to four decimal places.
+pub const ROUNDED: f64 = 0.5e-4;
+
+/// Lengths that differ from 1 by at most this count as 1. The errors of a column's three elements change its length by
+/// at most √3 [`ROUNDED`].
+const UNIT_LENGTH: f64 = 2.0 * ROUNDED;
+
+/// Cosines up to this count as 0. With errors e and f of at most √3 [`ROUNDED`] each, perpendicular unit vectors x and y
+/// have the product (x + e)·(y + f) = x·f + e·y + e·f, which is at most 2 √3 [`ROUNDED`] + 3 [`ROUNDED`]² = 1.73213e-4.
+/// Divided by the lengths, which are at least 1 - √3 [`ROUNDED`] each, it is at most 1.73243e-4.
+const PERPENDICULAR: f64 = 1.74e-4;
 
 /// The rotation and the scale along the axes of an object, R · diag(s), that make up a matrix. The scale of matrices
 /// that mirror is negative along all axes. Of rounded matrices, the rotation is the nearest one.
@@ -57,10 +65,10 @@ pub fn rotation_and_scale(matrix: DMat3) -> Result<(DQuat, DVec3), NotRigid> {
     }
     let [x, y, z] = [0, 1, 2].map(|axis: usize| columns[axis] / lengths[axis]);
     let cosines = [x.dot(y), y.dot(z), z.dot(x)];
-    if let Some(cosine) = cosines.into_iter().find(|cosine| cosine.abs() > ROUNDED) {
+    if let Some(cosine) = cosines.into_iter().find(|cosine| cosine.abs() > PERPENDICULAR) {
         return Err(NotRigid::Sheared(libm::acos(cosine.clamp(-1.0, 1.0)).to_degrees()));
     }
-    let unit = lengths.iter().all(|length| (length - 1.0).abs() <= ROUNDED);
+    let unit = lengths.iter().all(|length| (length - 1.0).abs() <= UNIT_LENGTH);
     let scale = if unit { DVec3::ONE } else { DVec3::from_array(lengths) };
     let units = DMat3::from_cols(x, y, z);
     let sign = if units.determinant() < 0.0 { -1.0 } else { 1.0 };
@@ -70,7 +78,7 @@ pub fn rotation_and_scale(matrix: DMat3) -> Result<(DQuat, DVec3), NotRigid> {
 /// The rotation nearest to a matrix that nearly is one: the polar factor, by Newton's iteration, whose error is squared
 /// in every step (Higham 1986).
 fn nearest_rotation(mut matrix: DMat3) -> DMat3 {
-    // From 1e-4 to less than 1e-32.
+    // From 2e-4 to less than 1e-29.
     for _ in 0..3 {
         matrix = (matrix + matrix.inverse().transpose()) * 0.5;
     }
@@ -81,6 +89,7 @@ fn nearest_rotation(mut matrix: DMat3) -> DMat3 {
 mod tests {
     use super::*;
     use crate::base::math::UNIT_ROUNDOFF;
+    use crate::testing::Random;
 
     fn angle_between(a: DQuat, b: DQuat) -> f64 {
         let b = if a.dot(b) < 0.0 { -b } else { b };
@@ -151,5 +160,20 @@ mod tests {
             matches!(rotation_and_scale(sheared), Err(NotRigid::Sheared(angle)) if (angle - 89.427).abs() < 1e-3)
         );
         assert_eq!(rotation_and_scale(DMat3::from_diagonal(DVec3::new(1.0, 0.0, 1.0))), Err(NotRigid::Flat));
+    }
+
+    /// Whatever the rotation is, its matrix is recognised after rounding to four places.
+    #[test]
+    fn rotations_rounded_to_four_places_are_rotations() {
+        let mut random = Random(17);
+        for _ in 0..100_000 {
+            let axis = random.point(1.0);
+            let turn = DQuat::from_xyzw(axis.x, axis.y, axis.z, 2.0 * random.unit() - 1.0).normalize();
+            let rounded = DMat3::from_quat(turn).to_cols_array().map(|element| (element * 1e4).round() / 1e4);
+            let (found, scale) = rotation_and_scale(DMat3::from_cols_array(&rounded)).expect("rigid");
+            assert_eq!(scale, DVec3::ONE, "{turn}");
+            // The nearest rotation is at most twice as far from the matrix as the exact one.
+            assert!(angle_between(found, turn) <= 2.0 * 3.0 * ROUNDED, "{turn}");
+        }
     }
 }

@@ -2,31 +2,31 @@
 
 mod parts;
 mod scene;
+mod written;
 
 use super::failure::Failure;
 use super::loading::{self, LoadingReporter};
-use super::settings::Settings;
+use super::settings::RecordedSettings;
 use super::time_limit::{self, TimeLimitOption};
 use super::{overrides, render, terminal, values};
 use crate::base::escape;
-use crate::base::files::{self, Root};
+use crate::base::files::Root;
 use crate::base::time::Rate;
 use crate::encode::{Existing, Output};
 use crate::pipeline::render::Request;
 use crate::sequence::{Sequence, load_text};
-use clap::{Args, ValueEnum};
+use clap::{Arg, Args, ValueEnum};
 use parts::Part;
 use scene::Scene;
-use std::fs::OpenOptions;
-use std::io::Write;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
+use written::Written;
 
 /// Render one turn of a part, or of several parts together, from mesh files.
 #[derive(Args, Debug, PartialEq)]
-#[command(after_help = AFTER_HELP)]
+#[command(after_help = AFTER_HELP, mut_arg("size", describe_size), mut_arg("fps", describe_rate))]
 pub struct Arguments {
-    /// The parts: .stl, .obj or .ply files, which share their coordinates
+    /// The parts: .stl, .obj, .ply, .vtk, .vtp or .vtu files, which share their coordinates
     #[arg(required = true, value_name = "PART")]
     parts: Vec<PathBuf>,
 
@@ -49,7 +49,7 @@ pub struct Arguments {
     up: Option<Up>,
 
     #[command(flatten)]
-    settings: Settings,
+    recorded: RecordedSettings,
 
     #[command(flatten)]
     limit: TimeLimitOption,
@@ -68,6 +68,20 @@ const MAX_FRAMES: u32 = 10_000_000;
 /// The size of the pictures, unless options say otherwise.
 const SIZE: (u32, u32) = (640, 480);
 
+/// The settings of the sequence, unless options say otherwise.
+const BOUNCES: u32 = 1;
+const ANTIALIAS: u32 = 1;
+
+fn describe_size(option: Arg) -> Arg {
+    let (width, height) = SIZE;
+    option.help(format!("Width and height in pixels, such as 1280x720 [default: {width}x{height}]"))
+}
+
+fn describe_rate(option: Arg) -> Arg {
+    let help = format!("Frames per second: 24, 29.97 or 30000/1001 [default: {}]", default_rate());
+    option.long_help(format!("{help}\n\nThe turn keeps its number of frames.")).help(help)
+}
+
 /// 20 frames per second: GIFs show them exactly, and a turn of 60 frames takes 3 s.
 fn default_rate() -> Rate {
     Rate::new(20, 1).unwrap_or_default()
@@ -84,9 +98,10 @@ The camera is fitted to the parts. Parts without colours of their own get some. 
 `kinora render` that change pictures apply.";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let options = &arguments.settings.options;
-    let (sequence, note) = arguments.sequence()?;
-    let mut sequence = overrides::apply(sequence, &arguments.settings.overrides()).map_err(Failure::Bad)?;
+    let settings = &arguments.recorded.settings;
+    let options = &settings.options;
+    let (sequence, written) = arguments.sequence()?;
+    let mut sequence = overrides::apply(sequence, &settings.overrides()).map_err(Failure::Bad)?;
     let outputs = match arguments.output.is_empty() {
         true => sequence.output.files.clone(),
         false => arguments.output.clone(),
@@ -98,12 +113,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         existing: Existing::Keep,
         frames: (0..sequence.timeline.frames).collect(),
         threads: options.threads,
-        reuse: arguments.settings.reuse(),
+        reuse: settings.reuse(),
         time_limit: arguments.limit.time_limit,
     };
     let limit_note = time_limit::apply(&mut sequence, &request, options.quiet)?;
     let mut done = render::with_progress(options, &sequence, &request)?;
-    done.notes.extend(note);
+    if let Some(written) = written {
+        // Last, so that a failed turn leaves no file in the way of the next one.
+        written.write()?;
+        done.notes.push(written.note);
+    }
     done.notes.extend(limit_note);
     if options.draft {
         done.notes.insert(0, render::draft_note(&sequence));
@@ -112,9 +131,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 impl Arguments {
-    /// Writes and loads the sequence. Returns a note about it, if there is something to say.
-    fn sequence(&self) -> Result<(Sequence, Option<String>), Failure> {
-        let options = &self.settings.options;
+    /// The sequence, and its file if there is one to be written.
+    fn sequence(&self) -> Result<(Sequence, Option<Written>), Failure> {
+        let options = &self.recorded.settings.options;
         // The user names all files, so they may be anywhere.
         let root = Root::anywhere();
         let meter = Arc::default();
@@ -128,6 +147,8 @@ impl Arguments {
             frames: self.frames,
             rate: options.fps.unwrap_or_else(default_rate),
             size: options.size.unwrap_or(SIZE),
+            bounces: options.bounces.unwrap_or(BOUNCES),
+            antialias: options.antialias.unwrap_or(ANTIALIAS),
         }
         .text();
         let load = || load_text(&path, &text, root.clone(), &meter);
@@ -136,15 +157,12 @@ impl Arguments {
         if self.write.is_none() {
             return Ok((sequence, None));
         }
-        write_new(&path, &text)?;
         let inside = Root::of(folder);
         let outside = root.admitted().iter().any(|file| inside.admit(file).is_err());
-        let name = escape::path(&path);
-        let allow = if outside { " --allow-outside" } else { "" };
-        Ok((
-            sequence,
-            Some(format!("{name} is the sequence; `kinora render {name}{allow}` renders it again")),
-        ))
+        let note = written::note(&path, outside, &self.recorded);
+        let written = Written { path, text, note };
+        written.check()?;
+        Ok((sequence, Some(written)))
     }
 
     /// The path of the sequence, whether it is written or not.
@@ -159,9 +177,12 @@ impl Arguments {
                 escape::path(path)
             )));
         }
-        match path.try_exists() {
-            Ok(true) => Err(exists(path)),
-            _ => Ok(path.clone()),
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        match folder.filter(|folder| !folder.is_dir()) {
+            Some(folder) => {
+                Err(Failure::Bad(format!("--write: there is no folder {}", escape::path(folder))))
+            }
+            None => Ok(path.clone()),
         }
     }
 
@@ -197,18 +218,4 @@ fn nameable(output: &Output) -> Option<String> {
     let inside = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir);
     let is_file = !matches!(output, Output::Stream(_));
     (is_file && file.components().all(inside)).then(|| file.to_str().map(str::to_owned)).flatten()
-}
-
-/// Writes a file that must not exist.
-fn write_new(path: &Path, text: &str) -> Result<(), Failure> {
-    let file = OpenOptions::new().write(true).create_new(true).open(path);
-    file.and_then(|mut file| file.write_all(text.as_bytes())).map_err(|error| match error.kind() {
-        std::io::ErrorKind::AlreadyExists => exists(path),
-        _ => Failure::Bad(format!("cannot write {}: {}", escape::path(path), files::describe(&error))),
-    })
-}
-
-fn exists(path: &Path) -> Failure {
-    let name = escape::path(path);
-    Failure::Bad(format!("--write: {name} exists already, and may have changes; choose another name"))
 }

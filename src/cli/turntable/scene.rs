@@ -17,12 +17,14 @@ pub struct Scene<'a> {
     pub frames: u32,
     pub rate: Rate,
     pub size: (u32, u32),
+    pub bounces: u32,
+    pub antialias: u32,
 }
 
 impl Scene<'_> {
     /// The sequence: the parts turn in front of a still camera and still lights.
     pub fn text(&self) -> String {
-        let Self { frames, rate, size: (width, height), .. } = self;
+        let Self { frames, rate, size: (width, height), bounces, antialias, .. } = self;
         let files: Vec<String> = self.files.iter().map(|file| format!("{file:?}")).collect();
         let files = files.join(", ");
         let lights = self.lights();
@@ -33,7 +35,7 @@ impl Scene<'_> {
     timeline: (frames: {frames}, fps: "{rate}", keys: Frames),
     output: (size: ({width}, {height}), files: [{files}]),
     // `antialias: 3` smooths edges, in about nine times the time.
-    quality: (bounces: 1, antialias: 1),
+    quality: (bounces: {bounces}, antialias: {antialias}),
     background: "#e9ebee",
     // From this direction. The distance follows from the parts, which all frames show entirely.
     camera: (position: (0, 0.5, 1), projection: Perspective(fov: 28), frame: "turntable", margin: 0.1),
@@ -177,11 +179,13 @@ mod tests {
             let parts: Vec<_> = names[..count].iter().map(|name| part(name, odd, far)).collect();
             let files = ["out/a.gif".to_owned(), "f_####.png".to_owned()];
             let rate = Rate::new(30000, 1001).expect("a rate");
-            let scene = Scene { parts: &parts, files: &files, frames: 7, rate, size: (64, 48) };
+            let (size, bounces, antialias) = ((64, 48), 3, 2);
+            let scene = Scene { parts: &parts, files: &files, frames: 7, rate, size, bounces, antialias };
             let path = folder.path().join("turn.ron");
             let sequence = load_text(&path, &scene.text(), Root::anywhere(), &Default::default());
             let sequence = sequence.unwrap_or_else(|error| panic!("{error}\n{}", scene.text()));
             assert_eq!((sequence.timeline.frames, sequence.timeline.rate), (7, rate));
+            assert_eq!((sequence.quality.bounces, sequence.quality.antialias), (3, 2));
             let groups = if count == 1 { 2 } else { 3 };
             assert_eq!(sequence.objects.len(), count + groups);
             assert!(sequence.fitted_camera(0).frame.is_some_and(|frame| frame.fit.is_some()));

@@ -114,13 +114,7 @@ impl DataArray {
         let first = entry * self.components;
         match component {
             Component::Whole if self.components == 1 => self.values.get(first),
-            Component::Whole => {
-                let squares = (first..first + self.components).map(|index| {
-                    let value = self.values.get(index);
-                    value * value
-                });
-                squares.sum::<f64>().sqrt()
-            }
+            Component::Whole => length((first..first + self.components).map(|index| self.values.get(index))),
             Component::Index(index) => self.values.get(first + index as usize),
         }
     }
@@ -133,9 +127,14 @@ impl DataArray {
         }
     }
 
-    /// The smallest and the largest number, without those that are not finite or fail `counts`.
-    pub fn range(&self, component: Component, counts: impl Fn(f64) -> bool) -> Option<[f64; 2]> {
-        let values = (0..self.entries()).map(|entry| self.value(entry, component));
+    /// The smallest and the largest number of some entries, without those that are not finite or fail `counts`.
+    pub(super) fn range(
+        &self,
+        entries: impl Iterator<Item = usize>,
+        component: Component,
+        counts: impl Fn(f64) -> bool,
+    ) -> Option<[f64; 2]> {
+        let values = entries.map(|entry| self.value(entry, component));
         values.filter(|value| value.is_finite() && counts(*value)).fold(None, |range, value| {
             let [min, max] = range.unwrap_or([value; 2]);
             Some([min.min(value), max.max(value)])
@@ -154,6 +153,21 @@ impl DataArray {
             ArrayValues::F32(values) => Digest::of(&(self.components, values)),
             ArrayValues::F64(values) => Digest::of(&(self.components, values)),
         }
+    }
+}
+
+/// The length of a vector.
+fn length(components: impl Iterator<Item = f64> + Clone) -> f64 {
+    // Powers of two scale exactly.
+    const LARGE: f64 = f64::from_bits((1023 + 600) << 52);
+    let scaled = |scale: f64| {
+        let squares = components.clone().map(|component| (component * scale) * (component * scale));
+        squares.sum::<f64>()
+    };
+    match scaled(1.0) {
+        f64::INFINITY => scaled(1.0 / LARGE).sqrt() * LARGE,
+        small if small < f64::MIN_POSITIVE * LARGE => scaled(LARGE).sqrt() / LARGE,
+        square => square.sqrt(),
     }
 }
 
@@ -220,17 +234,37 @@ mod tests {
         assert_eq!([0, 1].map(|entry| velocities.value(entry, Component::Whole)), [5.0, 1.0]);
         assert_eq!(velocities.value(0, Component::Index(2)), 4.0);
         assert_eq!([2, 3].map(|index| velocities.has(Component::Index(index))), [true, false]);
-        assert_eq!(velocities.range(Component::Index(0), |_| true), Some([-1.0, 3.0]));
+        assert_eq!(velocities.range(0..2, Component::Index(0), |_| true), Some([-1.0, 3.0]));
         velocities.retain_triangles(&[false, true]);
         assert_eq!((velocities.entries(), velocities.value(0, Component::Index(0))), (1, -1.0));
-        assert_eq!(array(1, &[-2.0, 7.0]).range(Component::Whole, |_| true), Some([-2.0, 7.0]), "signs stay");
+        assert_eq!(
+            array(1, &[-2.0, 7.0]).range(0..2, Component::Whole, |_| true),
+            Some([-2.0, 7.0]),
+            "signs stay"
+        );
+    }
+
+    /// Squares of components overflow above 1e154, and are inexact below 1e-145.
+    #[test]
+    fn lengths_neither_overflow_nor_underflow() {
+        for exponent in -1060..=1020 {
+            let unit = libm::exp2(f64::from(exponent));
+            assert_eq!(
+                array(2, &[3.0 * unit, -4.0 * unit]).value(0, Component::Whole),
+                5.0 * unit,
+                "{exponent}"
+            );
+        }
+        assert_eq!(array(2, &[0.0, 0.0]).value(0, Component::Whole), 0.0);
+        assert_eq!(array(2, &[f64::INFINITY, 1.0]).value(0, Component::Whole), f64::INFINITY);
+        assert!(array(2, &[f64::NAN, 1e200]).value(0, Component::Whole).is_nan());
     }
 
     #[test]
     fn ranges_leave_out_what_is_not_finite() {
         let values = array(1, &[f64::NAN, 2.0, f64::INFINITY, -1.0, 0.25]);
-        assert_eq!(values.range(Component::Whole, |_| true), Some([-1.0, 2.0]));
-        assert_eq!(values.range(Component::Whole, |value| value > 0.0), Some([0.25, 2.0]));
-        assert_eq!(array(1, &[f64::NAN]).range(Component::Whole, |_| true), None);
+        assert_eq!(values.range(0..5, Component::Whole, |_| true), Some([-1.0, 2.0]));
+        assert_eq!(values.range(0..5, Component::Whole, |value| value > 0.0), Some([0.25, 2.0]));
+        assert_eq!(array(1, &[f64::NAN]).range(0..1, Component::Whole, |_| true), None);
     }
 }

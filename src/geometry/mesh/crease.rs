@@ -1,14 +1,16 @@
 //! Normals of a surface that is smooth except at creases: edges where triangles meet at more than an angle.
 
+use super::build::has_area;
 use super::corners::Corners;
 use super::smooth::{angle, first_equal};
 use crate::base::math::{Angle, DVec3};
 use glam::Vec3;
-use rustc_hash::FxHashMap;
+use rayon::prelude::*;
+use std::cmp::Ordering;
 
 /// One normal per corner. The triangles around a vertex form fans: neighbours across an edge are in the same fan if
 /// their normals differ by at most `crease`. All corners of a fan share their normal, weighted as in
-/// [`super::smooth::normals`]. Equal positions count as one vertex.
+/// [`super::smooth::normals`]. Equal positions count as one vertex. Triangles without an area have no neighbours.
 pub fn normals(positions: &[DVec3], triangles: &[[u32; 3]], crease: Angle) -> Corners<Vec3> {
     let within = |triangle: &[u32; 3]| triangle.iter().all(|&vertex| (vertex as usize) < positions.len());
     if !triangles.iter().all(within) {
@@ -18,18 +20,17 @@ pub fn normals(positions: &[DVec3], triangles: &[[u32; 3]], crease: Angle) -> Co
     let shared = first_equal(positions);
     let vertex = |corner: u32| shared[triangles[corner as usize / 3][corner as usize % 3] as usize];
     let corners = |triangle: &[u32; 3]| triangle.map(|vertex| positions[vertex as usize]);
-    let flat: Vec<DVec3> = triangles
-        .iter()
-        .map(|triangle| {
-            let [a, b, c] = corners(triangle);
-            (b - a).cross(c - a).normalize_or_zero()
-        })
-        .collect();
-    let mut fans = Fans::new(3 * triangles.len());
+    // Zero without an area.
+    let normal = |triangle: &[u32; 3]| {
+        let [a, b, c] = corners(triangle);
+        if has_area([a, b, c]) { (b - a).cross(c - a).normalize_or_zero() } else { DVec3::ZERO }
+    };
+    let flat: Vec<DVec3> = triangles.iter().map(normal).collect();
     let least = crease.cos_sin().x;
-    for [p, q] in neighbours(triangles.len(), vertex) {
+    let mut fans = Fans::new(3 * triangles.len());
+    let mut join = |p: u32, q: u32| {
         if flat[p as usize / 3].dot(flat[q as usize / 3]) < least {
-            continue;
+            return;
         }
         // The edges begin at p and q. Corners at equal vertices join.
         for (p, q) in [(p, q), (p, next(q)), (next(p), q), (next(p), next(q))] {
@@ -37,6 +38,15 @@ pub fn normals(positions: &[DVec3], triangles: &[[u32; 3]], crease: Angle) -> Co
                 fans.join(p, q);
             }
         }
+    };
+    let mut edges = edges(&flat, vertex);
+    for same in edges.chunk_by_mut(|a, b| a.0 == b.0) {
+        if let [([from, to], _), _, _, ..] = *same {
+            sort_around(positions[to as usize] - positions[from as usize], same, &flat);
+            // Around the edge, the first one follows the last one.
+            join(same[0].1, same[same.len() - 1].1);
+        }
+        same.array_windows().for_each(|[(_, p), (_, q)]| join(*p, *q));
     }
     let mut sums = vec![DVec3::ZERO; 3 * triangles.len()];
     for (part, triangle) in triangles.iter().enumerate() {
@@ -70,19 +80,34 @@ fn next(corner: u32) -> u32 {
     if corner % 3 == 2 { corner - 2 } else { corner + 1 }
 }
 
-/// Pairs of edges of different triangles between the same two vertices, each given by the corner where it begins. If
-/// more than two triangles meet at an edge, each is paired with the one before it in the mesh.
-fn neighbours(triangles: usize, vertex: impl Fn(u32) -> u32) -> Vec<[u32; 2]> {
-    let mut last: FxHashMap<[u32; 2], u32> = FxHashMap::default();
-    last.reserve(3 * triangles / 2);
-    let mut pairs = Vec::with_capacity(3 * triangles / 2);
-    for edge in 0..3 * triangles as u32 {
-        let (a, b) = (vertex(edge), vertex(next(edge)));
-        if let Some(other) = last.insert([a.min(b), a.max(b)], edge) {
-            pairs.push([other, edge]);
-        }
-    }
-    pairs
+/// An edge by its two vertices, and the corner of a triangle where it begins.
+type Edge = ([u32; 2], u32);
+
+/// The edges of all triangles with a normal. Those between the same two vertices are consecutive.
+fn edges(flat: &[DVec3], vertex: impl Fn(u32) -> u32) -> Vec<Edge> {
+    let solid = (0..3 * flat.len() as u32).filter(|edge| flat[*edge as usize / 3] != DVec3::ZERO);
+    let ends = |edge: u32| [vertex(edge), vertex(next(edge))];
+    let mut edges: Vec<Edge> = Vec::with_capacity(3 * flat.len());
+    edges.extend(solid.map(|edge| {
+        let [a, b] = ends(edge);
+        ([a.min(b), a.max(b)], edge)
+    }));
+    edges.par_sort_unstable();
+    edges
+}
+
+/// Sorts the triangles at an edge by their normals around it. All normals are perpendicular to the edge, so any two
+/// that differ by at most an angle are connected by steps of at most this angle between neighbours in this order.
+fn sort_around(along: DVec3, edges: &mut [Edge], flat: &[DVec3]) {
+    let (x, y) = along.normalize_or_zero().any_orthonormal_pair();
+    let key = |edge: &Edge| {
+        let normal = flat[edge.1 as usize / 3];
+        // The coordinates decide between equal angles, never the order in the mesh.
+        [libm::atan2(normal.dot(y), normal.dot(x)), normal.x, normal.y, normal.z]
+    };
+    let ordered =
+        |a: &[f64; 4], b: &[f64; 4]| a.iter().zip(b).map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne());
+    edges.sort_by(|a, b| ordered(&key(a), &key(b)).unwrap_or(Ordering::Equal));
 }
 
 /// Disjoint sets of corners.
@@ -166,5 +191,66 @@ mod tests {
         let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(1.0, 1.0, 0.0)];
         let data = MeshData { positions, triangles: vec![[0, 1, 2], [1, 2, 3]], ..MeshData::default() };
         assert_eq!(at(&data, 40.0), [[Vec3::Z; 3], [Vec3::NEG_Z; 3]]);
+    }
+
+    /// A bent strip, whose middle edge also belongs to triangles without an area: two corners at one place, or three on
+    /// a line.
+    #[test]
+    fn triangles_without_an_area_make_no_edges() {
+        let mut positions =
+            vec![DVec3::ZERO, DVec3::X, DVec3::new(0.5, 1.0, 0.0), DVec3::new(0.5, -1.0, 0.1)];
+        let strip = MeshData {
+            positions: positions.clone(),
+            triangles: vec![[0, 1, 2], [1, 0, 3]],
+            ..MeshData::default()
+        };
+        let expected = at(&strip, 30.0);
+        assert_ne!(expected[0][2], expected[0][0], "the fold is smooth");
+        positions.push(DVec3::new(0.25, 0.0, 0.0));
+        for flat in [[0, 1, 1], [1, 0, 0], [0, 1, 4], [1, 4, 0]] {
+            for place in 0..3 {
+                let mut triangles = strip.triangles.clone();
+                triangles.insert(place, flat);
+                let mut found =
+                    at(&MeshData { positions: positions.clone(), triangles, ..MeshData::default() }, 30.0);
+                found.remove(place);
+                assert_eq!(found, expected, "{flat:?} at {place}");
+            }
+        }
+    }
+
+    /// Triangles like the pages of a book at one edge, in every order: the groups are those of angles up to the crease.
+    #[test]
+    fn the_order_of_triangles_at_an_edge_does_not_matter() {
+        let angles = [0.0, 30.0, 62.0, 120.0, 145.0, 350.0];
+        let mut positions = vec![DVec3::ZERO, DVec3::Z];
+        positions
+            .extend(angles.map(|angle| Angle(angle).cos_sin()).map(|turn| DVec3::new(turn.x, turn.y, 0.5)));
+        let page = |index: usize| [0, 1, 2 + index as u32];
+        let fans = |order: &[usize]| {
+            let triangles = order.iter().map(|&index| page(index)).collect();
+            let corners =
+                at(&MeshData { positions: positions.clone(), triangles, ..MeshData::default() }, 31.0);
+            let mut fans = [0; 6];
+            for (place, &index) in order.iter().enumerate() {
+                // The first page of the same fan.
+                let same = order
+                    .iter()
+                    .enumerate()
+                    .filter(|(other, _)| (corners[*other][0] - corners[place][0]).length() < 1e-6);
+                fans[index] = same.map(|(_, index)| *index).min().expect("itself");
+            }
+            fans
+        };
+        // Pages 3 and 4 differ by 25 degrees, and pages 5, 0 and 1 by 10 and 30.
+        let expected = [0, 0, 2, 3, 3, 0];
+        let mut random = crate::testing::Random(3);
+        let mut order: Vec<usize> = (0..6).collect();
+        for _ in 0..100 {
+            for last in (1..6).rev() {
+                order.swap(last, (random.unit() * (last + 1) as f64) as usize);
+            }
+            assert_eq!(fans(&order), expected, "{order:?}");
+        }
     }
 }

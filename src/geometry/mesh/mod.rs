@@ -183,6 +183,19 @@ impl TriangleMesh {
         self.arrays.find(key)
     }
 
+    /// The smallest and the largest number of an array on the triangles, without those that are not finite or fail
+    /// `counts`.
+    pub fn array_range(&self, key: &ArrayKey, counts: impl Fn(f64) -> bool) -> Option<[f64; 2]> {
+        let array = self.array(key)?;
+        match array.centering {
+            Centering::Cells => array.range(0..array.entries(), key.component, counts),
+            Centering::Points => {
+                let corners = self.data.triangles.as_flattened().iter();
+                array.range(corners.map(|vertex| *vertex as usize), key.component, counts)
+            }
+        }
+    }
+
     /// A number of an array on a triangle, where its second and third corner have these weights.
     pub fn array_at(&self, key: &ArrayKey, part: u32, weights: DVec2) -> Option<f64> {
         let array = self.array(key)?;

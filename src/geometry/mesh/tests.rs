@@ -95,3 +95,18 @@ fn icospheres_are_closed_and_turned_outwards() {
     assert_ne!(one, generate::displaced_sphere(3, 2));
     assert!(one.positions.iter().all(|p| (0.6..1.4).contains(&p.length())));
 }
+
+/// Ranges of data are those of what is visible.
+#[test]
+fn vertices_that_no_triangle_uses_have_no_data() {
+    let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::splat(9.0), DVec3::X * 2.0];
+    let values = vec![3.0, 1.0, 2.0, 1e6, -7.0].into();
+    let array = DataArray { name: "q".to_owned(), centering: Centering::Points, components: 1, values };
+    // The second triangle has no area.
+    let triangles = vec![[0, 1, 2], [0, 1, 4]];
+    let data = MeshData { positions, triangles, arrays: vec![array], ..MeshData::default() };
+    let mesh = TriangleMesh::new(data).expect("a mesh");
+    let key = ArrayKey { name: "q".to_owned(), centering: None, component: Component::Whole };
+    assert_eq!(mesh.array_range(&key, |_| true), Some([1.0, 3.0]));
+    assert_eq!(mesh.array_range(&key, |value| value > 1.0), Some([2.0, 3.0]));
+}

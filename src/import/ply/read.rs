@@ -3,7 +3,8 @@
 use super::header::{Element, Header, PlyFormat, ScalarType};
 use super::records::{BlockReader, RecordReader, RecordSource};
 use super::scalars::{AsciiScalars, Scalars, skip_list};
-use super::vertices::{Vertices, arrays};
+use super::vertices::{EXTRA_SIZE, Vertices, arrays};
+use crate::base::machine;
 use crate::base::units::count;
 use crate::geometry::mesh::{Centering, Corners, MeshData, MeshError, MeshLocation};
 use crate::import::lines::Lines;
@@ -30,10 +31,28 @@ pub fn read_sized(input: impl BufRead + Send, size: u64) -> Result<MeshData, Mes
         );
         return Err(MeshError::new(why));
     }
+    if size < u64::MAX {
+        // The counts are at most the bytes of the file.
+        machine::check_memory(memory(&header)?)?;
+    }
     match header.format {
         PlyFormat::Ascii => elements(&header, &mut AsciiScalars::new(lines)),
         format => elements(&header, &mut BlockReader::new(lines.into_rest(), format)),
     }
+}
+
+/// The memory of the vertices and faces in bytes, if every face is a triangle.
+pub(super) fn memory(header: &Header) -> Result<u64, MeshError> {
+    let size = |element: &Element| match element.name.as_str() {
+        "vertex" => Vertices::size_of_one(element),
+        "face" => {
+            let extras = element.properties.iter().filter(|property| property.list.is_none()).count();
+            Ok(size_of::<[u32; 3]>() + extras * EXTRA_SIZE)
+        }
+        _ => Ok(0),
+    };
+    let filled = header.elements.iter().filter(|element| element.count > 0);
+    filled.map(|element| Ok(element.count.saturating_mul(size(element)? as u64))).sum()
 }
 
 /// The maximum number of vertices of a mesh.

@@ -1,6 +1,7 @@
 //! Valid and invalid PLY files.
 
 use super::header::Header;
+use super::read::memory;
 use super::*;
 use crate::base::color::{Rgb, srgb_to_linear};
 use crate::base::math::{DVec2, DVec3};
@@ -452,4 +453,16 @@ fn data_of_removed_triangles_is_removed() {
     let key = ArrayKey { name: "load".to_owned(), centering: None, component: Component::Whole };
     let values = [0, 1].map(|part| mesh.array_at(&key, part, DVec2::ZERO));
     assert_eq!((mesh.skipped, values), (1, [Some(1.0), Some(3.0)]));
+}
+
+/// Data arrays take more memory than their bytes in the file: twelve bytes per number.
+#[test]
+fn data_is_part_of_the_memory_that_is_checked() {
+    let data: String = (0..60).map(|index| format!("property uchar d{index}\n")).collect();
+    let text = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex 1000\nproperty float x\nproperty float y\n\
+         property float z\n{data}element face 500\nproperty list uchar int vertex_indices\nproperty uchar zone\nend_header\n"
+    );
+    let header = Header::read(&mut Lines::new(text.as_bytes(), false)).expect("a header");
+    assert_eq!(memory(&header).expect("a size"), 1000 * (24 + 60 * 12) + 500 * (12 + 12));
 }

@@ -41,6 +41,9 @@ const MAX_VALUES: usize = 11;
 /// The place of the first property that becomes a data array. Further ones follow.
 const FIRST_EXTRA: usize = MAX_VALUES;
 
+/// The memory of a number of a data array in bytes: as read, and in the array, where most numbers are f32.
+pub const EXTRA_SIZE: usize = size_of::<f64>() + size_of::<f32>();
+
 /// The maximum number of floats that are read at once.
 const MAX_FLOATS: usize = 32;
 
@@ -111,6 +114,17 @@ impl RecordReader for VertexLayout<'_> {
 impl Vertices {
     pub fn read(element: &Element, records: &mut impl RecordSource) -> Result<Self, MeshError> {
         records.read(element, &VertexLayout::of(element)?)
+    }
+
+    /// The memory of a vertex in bytes.
+    pub fn size_of_one(element: &Element) -> Result<usize, MeshError> {
+        let layout = VertexLayout::of(element)?;
+        let size_if = |places, size: usize| if layout.all(places) { size } else { 0 };
+        Ok(size_of::<DVec3>()
+            + size_if(3..6, size_of::<Vec3>())
+            + size_if(6..9, size_of::<Rgb>())
+            + size_if(9..11, size_of::<DVec2>())
+            + layout.extras * EXTRA_SIZE)
     }
 
     /// The data arrays of the vertices.

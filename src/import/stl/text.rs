@@ -33,8 +33,9 @@ pub fn read(lines: Lines<impl BufRead>, welder: &mut Welder) -> Result<(), MeshE
 /// Reads a facet behind its first word.
 fn facet(words: &mut Words<impl BufRead>, welder: &mut Welder) -> Result<(), MeshError> {
     words.expect("normal")?;
+    // Normals are ignored, and some programs write `-nan(ind)`.
     for _ in 0..3 {
-        words.float()?;
+        words.require()?;
     }
     words.expect("outer")?;
     words.expect("loop")?;
@@ -81,7 +82,7 @@ impl<R: BufRead> Words<R> {
     fn require(&mut self) -> Result<(), MeshError> {
         match self.advance()? {
             true => Ok(()),
-            false => Err(MeshError::new("the file ends before `endsolid`")),
+            false => Err(MeshError::at(MeshLocation::Line(self.number), "the file ends before `endsolid`")),
         }
     }
 

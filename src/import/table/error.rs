@@ -1,6 +1,7 @@
 //! Errors of tables.
 
 use crate::base::files;
+use crate::base::lists::{listed, shortened};
 use std::fmt;
 use std::io;
 
@@ -33,14 +34,7 @@ impl TableError {
     }
 
     pub(super) fn no_column<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Self {
-        const MOST: usize = 24;
-        let mut names: Vec<_> = known.map(|name| format!("{name:?}")).collect();
-        if names.len() > MOST {
-            let more = names.len() - MOST;
-            names.truncate(MOST);
-            names.push(format!("{more} more"));
-        }
-        Self::new(format!("it has no column {name:?}; its columns are {}", names.join(", ")))
+        Self::new(format!("it has no column `{}`; its columns are {}", shortened(name), listed(known)))
     }
 }
 

@@ -13,6 +13,7 @@ pub fn read(input: impl BufRead) -> Result<Table, TableError> {
     let mut lines = Lines::new(input, false);
     let mut table: Option<Table> = None;
     while let Some((number, line)) = lines.next()? {
+        let line = if number == 1 { super::text_without_mark(line)? } else { line };
         if line.trim_ascii().is_empty() {
             continue;
         }
@@ -21,8 +22,12 @@ pub fn read(input: impl BufRead) -> Result<Table, TableError> {
             table = Some(Table::with_columns(row.keys().cloned().collect(), number)?);
         }
         if let Some(table) = &mut table {
+            if !row.keys().any(|name| table.has(name)) {
+                let why = format!("it has none of the columns of line {}", table.head);
+                return Err(TableError::at_line(number, why));
+            }
             let cells: Vec<_> = table.names().map(|name| cell(row.get(name))).collect();
-            table.push(number, cells);
+            table.push(number, cells)?;
         }
     }
     table.ok_or_else(|| {
@@ -38,6 +43,9 @@ fn object(number: u64, line: &[u8]) -> Result<Map<String, Value>, TableError> {
         let found = quoted(line);
         let why = match error.is_data() {
             true => format!("expected an object such as {{\"t\": 0, \"x\": 1}}, found {found}"),
+            false if error.is_eof() => {
+                format!("the object does not end in its line, {found}; every line holds a whole one")
+            }
             // The message of the parser ends with a place in the line, counted from 1.
             false => {
                 format!("{} in {found}", error.to_string().replace(" at line 1 column ", " at character "))

@@ -9,6 +9,7 @@ mod tests;
 pub use error::TableError;
 
 use super::LoadProgress;
+use super::lines::{is_utf16, without_mark};
 use super::load::MeteredRead;
 use crate::base::escape;
 use crate::base::files;
@@ -20,17 +21,18 @@ use std::path::Path;
 /// The maximum size of a table file in bytes.
 const MAX_FILE_SIZE: u64 = 2 << 30;
 
-/// The maximum number of columns. Their names are compared with each other.
+/// The maximum number of columns. A line of few bytes may fill a row of all of them.
 const MAX_COLUMNS: usize = 1000;
 
-/// Bytes of memory per byte of a file: a cell of one digit and its separator becomes a number of eight bytes, and a
-/// growing column briefly exists twice.
-const MEMORY_PER_BYTE: u64 = 8;
+/// The number of rows for which memory is taken at first. Then it is doubled.
+const FIRST_ROWS: usize = 1024;
 
 /// Named columns of equal length. Every row has the number of its line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     columns: Vec<Column>,
+    /// The line that names the columns.
+    head: u64,
     lines: Vec<u64>,
 }
 
@@ -75,7 +77,6 @@ impl Table {
     pub fn load(path: &Path, meter: &LoadProgress) -> Result<Self, TableError> {
         let format = TableFormat::of(path)?;
         let (file, size) = files::open(path, MAX_FILE_SIZE)?;
-        machine::check_memory(size.saturating_mul(MEMORY_PER_BYTE))?;
         let name = escape::path(path.file_name().unwrap_or(path.as_os_str()));
         meter.start(format!("loading {name}"), size);
         Self::read(BufReader::new(MeteredRead { input: file.take(size), meter }), format)
@@ -96,22 +97,25 @@ impl Table {
         Ok(table)
     }
 
-    /// A table without rows. Names must differ.
+    /// A table without rows.
     fn with_columns(names: Vec<String>, line: u64) -> Result<Self, TableError> {
         if names.len() > MAX_COLUMNS {
             let why = format!("{} columns; {MAX_COLUMNS} are the most", names.len());
             return Err(TableError::at_line(line, why));
         }
-        let twice = (0..names.len()).find(|&at| names[..at].contains(&names[at]));
-        if let Some(at) = twice {
-            return Err(TableError::at_line(line, format!("two columns are named {:?}", names[at])));
-        }
         let column = |name| Column { name, values: Vec::new(), bad: None };
-        Ok(Self { columns: names.into_iter().map(column).collect(), lines: Vec::new() })
+        Ok(Self { columns: names.into_iter().map(column).collect(), head: line, lines: Vec::new() })
     }
 
     /// Appends the cells of one row, one for each column.
-    fn push(&mut self, line: u64, cells: impl IntoIterator<Item = Result<f64, String>>) {
+    fn push(
+        &mut self,
+        line: u64,
+        cells: impl IntoIterator<Item = Result<f64, String>>,
+    ) -> Result<(), TableError> {
+        if self.lines.len() == self.lines.capacity() {
+            self.grow()?;
+        }
         self.lines.push(line);
         for (column, cell) in self.columns.iter_mut().zip(cells) {
             let value = cell.unwrap_or_else(|found| {
@@ -120,6 +124,18 @@ impl Table {
             });
             column.values.push(value);
         }
+        Ok(())
+    }
+
+    /// Takes memory for more rows, if it is free. Cells may be empty, so the size of the file does not bound it.
+    fn grow(&mut self) -> Result<(), TableError> {
+        let rows = self.lines.len().max(FIRST_ROWS);
+        // A column that grows exists twice meanwhile.
+        let needed = rows * (self.columns.len() + 2) * size_of::<f64>();
+        machine::check_memory(needed as u64)?;
+        self.lines.reserve_exact(rows);
+        self.columns.iter_mut().for_each(|column| column.values.reserve_exact(rows));
+        Ok(())
     }
 
     /// The number of rows; at least 1.
@@ -145,11 +161,15 @@ impl Table {
     /// The finite numbers of a column, one per row.
     ///
     /// # Errors
-    /// If there is no such column, or if a cell does not hold a finite number.
+    /// If there is no such column, if there are several, or if a cell does not hold a finite number.
     pub fn column(&self, name: &str) -> Result<&[f64], TableError> {
-        let Some(column) = self.columns.iter().find(|column| column.name == name) else {
+        let mut named = self.columns.iter().filter(|column| column.name == name);
+        let Some(column) = named.next() else {
             return Err(TableError::no_column(name, self.names()));
         };
+        if named.next().is_some() {
+            return Err(TableError::at_line(self.head, format!("two columns are named {name:?}")));
+        }
         match &column.bad {
             None => Ok(&column.values),
             Some(BadCell { line, found }) => {
@@ -157,6 +177,14 @@ impl Table {
                 Err(TableError { line: Some(*line), column: Some(name.to_owned()), why })
             }
         }
+    }
+}
+
+/// The first line of a file without its byte order mark.
+fn text_without_mark(line: &[u8]) -> Result<&[u8], TableError> {
+    match is_utf16(line) {
+        true => Err(TableError::new("it is UTF-16 text; tables are UTF-8")),
+        false => Ok(without_mark(line)),
     }
 }
 

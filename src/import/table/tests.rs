@@ -32,9 +32,41 @@ fn semicolons_and_tabs_separate() {
     assert_eq!(csv("t\n0\n").expect("a table").column("t"), Ok(&[0.0][..]));
 }
 
+/// A quote inside of a cell is a character, as for the parser.
+#[test]
+fn quotes_open_at_the_begin_of_cells() {
+    let table = csv("t,name\n0,5\" pipe\n1,\"a \"\"b\"\"\n\nc\"\n2,\"d\" e\"\n").expect("a table");
+    assert_eq!(table.column("t"), Ok(&[0.0, 1.0, 2.0][..]));
+}
+
+#[test]
+fn separators_in_quotes_do_not_count() {
+    let table = csv("\"t, s\";\"x, m\";\"y, m\"\n0;1;2\n").expect("a table");
+    assert_eq!(table.names().collect::<Vec<_>>(), ["t, s", "x, m", "y, m"]);
+    assert_eq!(table.column("y, m"), Ok(&[2.0][..]));
+}
+
+/// Spreadsheets write separators behind the last column.
+#[test]
+fn columns_that_nothing_uses_may_have_equal_names() {
+    let table = csv("t,x,x,,\n0,1,2,,\n").expect("a table");
+    assert_eq!(table.column("t"), Ok(&[0.0][..]));
+    let error = table.column("x").expect_err("a fault");
+    assert_eq!(error.to_string(), "line 1: two columns are named \"x\"");
+}
+
+#[test]
+fn rows_grow_past_the_first_ones() {
+    let text: String = (0..3 * FIRST_ROWS).map(|row| format!("{row},\n")).collect();
+    let table = csv(&format!("t,x\n{text}")).expect("a table");
+    let expected: Vec<f64> = (0..3 * FIRST_ROWS).map(|row| row as f64).collect();
+    assert_eq!(table.column("t"), Ok(&expected[..]));
+}
+
 #[test]
 fn json_lines_are_the_same_table() {
-    let table = json("{\"t\": 0, \"x\": 0.1}\n\n{\"x\": 1e22, \"t\": 1, \"more\": [1]}\n").expect("a table");
+    let table =
+        json("\u{feff}{\"t\": 0, \"x\": 0.1}\n\n{\"x\": 1e22, \"t\": 1, \"more\": [1]}\n").expect("a table");
     assert_eq!(table.column("t"), Ok(&[0.0, 1.0][..]));
     // Decimals are rounded correctly.
     assert_eq!(table.column("x"), Ok(&[0.1, 1e22][..]));
@@ -56,7 +88,18 @@ fn faults_of_csv_name_their_line() {
         "line 6: expected 2 cells, as in the line of names, found 1"
     );
     assert_eq!(csv_fault("0,1\n1,2"), "line 1: expected the names of the columns, found `0,1`");
-    assert_eq!(csv_fault("t,x,t\n0,1,2"), "line 1: two columns are named \"t\"");
+    assert_eq!(
+        csv_fault("t,x\n0,1\n1,\"a\n2,3\n"),
+        "line 3: a quote opens in this line, and is never closed"
+    );
+    assert_eq!(csv_fault("t,x\n\n0,\"a\"\"\n1,2"), "line 3: a quote opens in this line, and is never closed");
+    assert_eq!(csv_fault("t,\"x\n0,1\n"), "line 1: a quote opens in this line, and is never closed");
+    assert_eq!(csv_fault("t,x\n0\n1,\"2\n"), "line 2: expected 2 cells, as in the line of names, found 1");
+    let utf16: Vec<u8> = "\u{feff}t,x\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    for format in [TableFormat::Csv, TableFormat::JsonLines] {
+        let error = Table::read(&utf16[..], format).expect_err("a fault");
+        assert_eq!(error.to_string(), "it is UTF-16 text; tables are UTF-8");
+    }
     assert_eq!(csv_fault("t,x\n0,1\n\n2"), "line 4: expected 2 cells, as in the line of names, found 1");
     let wide = vec!["c"; MAX_COLUMNS + 1].join(",");
     assert_eq!(csv_fault(&format!("{wide}\n")), "line 1: 1001 columns; 1000 are the most");
@@ -70,6 +113,11 @@ fn faults_of_json_lines_name_their_line() {
         fault("{\"t\": 0}\n[1, 2]"),
         "line 2: expected an object such as {\"t\": 0, \"x\": 1}, found `[1, 2]`"
     );
+    assert_eq!(fault("{\"t\": 0}\n\n{}"), "line 3: it has none of the columns of line 1");
+    assert_eq!(
+        fault("{\n\"t\": 0}"),
+        "line 1: the object does not end in its line, `{`; every line holds a whole one"
+    );
     assert_eq!(fault("{\"t\": }"), "line 1: expected value at character 7 in `{\"t\": }`");
 }
 
@@ -80,7 +128,7 @@ fn cells_are_checked_when_their_column_is_used() {
     assert_eq!(of(&table, "t"), "line 4, column \"t\": expected a finite number, found `abc`");
     assert_eq!(of(&table, "x"), "line 3, column \"x\": expected a finite number, found `inf`");
     assert_eq!(of(&table, "y"), "line 2, column \"y\": expected a finite number, found nothing");
-    assert_eq!(of(&table, "z"), "it has no column \"z\"; its columns are \"t\", \"x\", \"y\"");
+    assert_eq!(of(&table, "z"), "it has no column `z`; its columns are `t`, `x` and `y`");
     let table = json("{\"t\": 0, \"x\": \"1\"}\n{\"x\": null}").expect("a table");
     assert_eq!(of(&table, "t"), "line 2, column \"t\": expected a finite number, found nothing");
     assert_eq!(of(&table, "x"), "line 1, column \"x\": expected a finite number, found `\"1\"`");

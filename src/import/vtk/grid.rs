@@ -1,5 +1,7 @@
 //! The cells of a VTK file, of any kind.
 
+use super::surface;
+use crate::base::machine;
 use crate::base::math::DVec3;
 use crate::geometry::mesh::build::{is_placed, not_placed};
 use crate::geometry::mesh::{Centering, DataArray, MeshError, MeshLocation};
@@ -36,13 +38,14 @@ impl Cells {
         &self.corners[begin..self.ends[cell]]
     }
 
-    /// Adds a cell whose corners are below `points`.
+    /// Adds a cell of a known type whose corners are below `points`.
     pub fn push(
         &mut self,
         kind: u8,
         corners: impl Iterator<Item = f64>,
         points: usize,
     ) -> Result<(), String> {
+        let begin = self.corners.len();
         for corner in corners {
             let index = corner as u32;
             if f64::from(index) != corner || index as usize >= points {
@@ -53,6 +56,7 @@ impl Cells {
             }
             self.corners.push(index);
         }
+        surface::check_cell(self.types.len(), kind, self.corners.len() - begin)?;
         self.ends.push(self.corners.len());
         self.types.push(kind);
         Ok(())
@@ -74,11 +78,16 @@ impl Cells {
     /// Adds cells that are listed by corners and by ends, as in files since VTK 5.1.
     pub fn push_listed(
         &mut self,
-        kinds: impl Fn(usize) -> u8,
+        kinds: impl Fn(usize) -> f64,
         connectivity: &[f64],
         ends: &[f64],
         points: usize,
     ) -> Result<(), String> {
+        let needed = ends.len() * (size_of::<u8>() + size_of::<usize>()) + size_of_val(connectivity) / 2;
+        machine::check_memory(needed as u64).map_err(|error| error.to_string())?;
+        self.types.reserve_exact(ends.len());
+        self.ends.reserve_exact(ends.len());
+        self.corners.reserve_exact(connectivity.len());
         let mut begin = 0;
         for (cell, &end) in ends.iter().enumerate() {
             let whole = end as usize;
@@ -88,7 +97,13 @@ impl Cells {
                     connectivity.len()
                 ));
             }
-            self.push(kinds(cell), connectivity[begin..whole].iter().copied(), points)?;
+            let kind = kinds(cell);
+            if f64::from(kind as u8) != kind {
+                return Err(format!(
+                    "cell {cell} has the type {kind}; types are whole numbers from 0 to 255"
+                ));
+            }
+            self.push(kind as u8, connectivity[begin..whole].iter().copied(), points)?;
             begin = whole;
         }
         Ok(())
@@ -96,6 +111,11 @@ impl Cells {
 }
 
 impl Grid {
+    /// Whether there are neither points nor cells.
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty() && self.cells.len() == 0
+    }
+
     /// Adds points from their coordinates.
     pub fn push_points(&mut self, coordinates: &[f64]) -> Result<(), MeshError> {
         if self.positions.len() + coordinates.len() / 3 >= u32::MAX as usize {
@@ -123,8 +143,8 @@ impl Grid {
         const CORNERS: [[usize; 3]; 8] =
             [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
         let (kind, corners) = match axes.len() {
-            2 => (super::surface::QUAD, &CORNERS[..4]),
-            3 => (super::surface::HEXAHEDRON, &CORNERS[..]),
+            2 => (surface::QUAD, &CORNERS[..4]),
+            3 => (surface::HEXAHEDRON, &CORNERS[..]),
             _ => return Err(format!("a grid of {nx} x {ny} x {nz} points has no faces")),
         };
         for z in 0..last[2] {

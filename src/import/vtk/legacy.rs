@@ -5,8 +5,8 @@ mod source;
 
 use super::grid::{Cells, Grid};
 use super::number::NumberType;
-use super::surface;
-use crate::geometry::mesh::{Centering, MeshData, MeshError};
+use super::surface::{self, POLYGONAL_KINDS};
+use crate::geometry::mesh::{Centering, MeshData, MeshError, MeshLocation};
 use crate::import::lines::quoted;
 use source::Source;
 
@@ -40,6 +40,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshData, MeshError> {
         parts: Default::default(),
         kinds: None,
         cells: None,
+        array_places: Vec::new(),
         data: None,
     };
     while let Some(words) = reader.source.words() {
@@ -48,22 +49,17 @@ pub fn read(bytes: &[u8]) -> Result<MeshData, MeshError> {
     surface::mesh(reader.finished()?)
 }
 
-/// The cells of polygonal data by their kinds. Their data follows this order, whatever the order in the file.
-const KINDS: [(&str, u8); 4] = [
-    ("VERTICES", surface::VERTICES),
-    ("LINES", surface::POLYLINE),
-    ("POLYGONS", surface::POLYGON),
-    ("TRIANGLE_STRIPS", surface::STRIP),
-];
-
 struct Reader<'b> {
     source: Source<'b>,
     grid: Grid,
-    /// Polygonal data, in the order of [`KINDS`].
+    /// Polygonal data, in the order of [`POLYGONAL_KINDS`].
     parts: [Cells; 4],
-    /// The types of the cells, and the cells' corners and ends, of an unstructured grid.
-    kinds: Option<Vec<f64>>,
-    cells: Option<(Vec<f64>, Vec<f64>)>,
+    /// The types of the cells of an unstructured grid, and the place of their section.
+    kinds: Option<(Vec<f64>, MeshLocation)>,
+    /// The cells' corners and ends, and the place of their section.
+    cells: Option<(Vec<f64>, Vec<f64>, MeshLocation)>,
+    /// The places of the grid's data arrays.
+    array_places: Vec<MeshLocation>,
     /// What the data that follows belongs to, and its number of entries.
     data: Option<(Centering, u64)>,
 }
@@ -80,20 +76,22 @@ impl Reader<'_> {
             }
             ("DIMENSIONS", [x, y, z]) => self.structured([x, y, z]),
             ("CELLS", [first, second]) => {
-                self.cells = Some(self.cell_list(first, second, "`CELLS`")?);
+                let place = self.source.place();
+                let (corners, ends) = self.cell_list(first, second, "`CELLS`")?;
+                self.cells = Some((corners, ends, place));
                 Ok(())
             }
             ("CELL_TYPES", [amount]) => {
-                let amount = self.count(amount)?;
-                self.kinds = Some(self.source.numbers(amount, NumberType::I32, "`CELL_TYPES`")?);
+                let (amount, place) = (self.count(amount)?, self.source.place());
+                self.kinds = Some((self.source.numbers(amount, NumberType::I32, "`CELL_TYPES`")?, place));
                 Ok(())
             }
             (keyword, [first, second])
-                if let Some(index) = KINDS.iter().position(|(name, _)| *name == keyword) =>
+                if let Some(index) = POLYGONAL_KINDS.iter().position(|kind| kind.section == keyword) =>
             {
                 let (corners, ends) = self.cell_list(first, second, &format!("`{keyword}`"))?;
-                let (kind, points) = (KINDS[index].1, self.grid.positions.len());
-                let added = self.parts[index].push_listed(|_| kind, &corners, &ends, points);
+                let (kind, points) = (POLYGONAL_KINDS[index].cell_type, self.grid.positions.len());
+                let added = self.parts[index].push_listed(|_| kind.into(), &corners, &ends, points);
                 added.map_err(|why| self.source.fault(format!("in `{keyword}`, {why}")))
             }
             ("POINT_DATA", [amount]) => {
@@ -105,7 +103,7 @@ impl Reader<'_> {
                 Ok(())
             }
             ("METADATA", _) => {
-                while self.source.line().is_some_and(|line| !line.is_empty()) {}
+                self.source.skip_section();
                 Ok(())
             }
             ("FIELD", [_, amount]) => self.fields(amount),
@@ -205,27 +203,29 @@ impl Reader<'_> {
 
     /// The grid with all its cells.
     fn finished(self) -> Result<Grid, MeshError> {
-        let Self { source, mut grid, parts, kinds, cells, .. } = self;
+        let Self { source, mut grid, parts, kinds, cells, array_places, .. } = self;
         match (kinds, cells) {
-            (Some(kinds), Some((corners, ends))) => {
+            (Some((kinds, types_place)), Some((corners, ends, place))) => {
                 if kinds.len() != ends.len() {
                     let why = format!("`CELL_TYPES` has {} types for {} cells", kinds.len(), ends.len());
-                    return Err(MeshError::new(why));
+                    return Err(MeshError::at(types_place, why));
                 }
                 let points = grid.positions.len();
-                let added = grid.cells.push_listed(|cell| kinds[cell] as u8, &corners, &ends, points);
-                added.map_err(|why| source.fault(format!("in `CELLS`, {why}")))?;
+                let added = grid.cells.push_listed(|cell| kinds[cell], &corners, &ends, points);
+                added.map_err(|why| MeshError::at(place, format!("in `CELLS`, {why}")))?;
             }
             (None, None) => {}
-            _ => return Err(MeshError::new("it needs both `CELLS` and `CELL_TYPES`")),
+            _ => return Err(source.fault("the file ends, but it needs both `CELLS` and `CELL_TYPES`")),
         }
         parts.into_iter().for_each(|part| grid.cells.append(part));
-        for array in &grid.arrays {
+        for (array, place) in grid.arrays.iter().zip(array_places) {
             let needed = grid.entries(array.centering);
             if array.entries() != needed {
-                let why =
-                    format!("its data {:?} has {} entries; it needs {needed}", array.name, array.entries());
-                return Err(MeshError::new(why));
+                let (name, entries) = (&array.name, array.entries());
+                return Err(MeshError::at(
+                    place,
+                    format!("the data `{name}` has {entries} entries; it needs {needed}"),
+                ));
             }
         }
         Ok(grid)

@@ -26,9 +26,10 @@ impl NumberType {
             "unsigned_char" => Self::U8,
             "short" => Self::I16,
             "unsigned_short" => Self::U16,
-            "int" => Self::I32,
+            // VTK writes its indices as ints, whatever their size in memory.
+            "int" | "vtkidtype" => Self::I32,
             "unsigned_int" => Self::U32,
-            "long" | "vtktypeint64" | "vtkidtype" => Self::I64,
+            "long" | "vtktypeint64" => Self::I64,
             "unsigned_long" | "vtktypeuint64" => Self::U64,
             "float" => Self::F32,
             "double" => Self::F64,

@@ -1,8 +1,10 @@
 //! The surface of cells: faces, and the outer faces of volumes.
 
+use super::ghosts::{DUPLICATE, Ghosts, HIDDEN};
 use super::grid::{Cells, Grid};
 use crate::base::machine;
 use crate::geometry::mesh::{Centering, Corners, DataArray, MeshData, MeshError};
+use crate::import::polygon::{cut, fan};
 use rayon::prelude::*;
 
 pub const POLYLINE: u8 = 4;
@@ -12,12 +14,33 @@ pub const QUAD: u8 = 9;
 pub const HEXAHEDRON: u8 = 12;
 pub const VERTICES: u8 = 2;
 
+/// Cells of one type in polygonal data.
+pub struct PolygonalKind {
+    /// Their section in legacy files, and their element in XML files.
+    pub section: &'static str,
+    pub element: &'static str,
+    pub cell_type: u8,
+}
+
+/// The cells of polygonal data. Data of cells follow this order, whatever the order in the file.
+pub const POLYGONAL_KINDS: [PolygonalKind; 4] = [
+    PolygonalKind { section: "VERTICES", element: "Verts", cell_type: VERTICES },
+    PolygonalKind { section: "LINES", element: "Lines", cell_type: POLYLINE },
+    PolygonalKind { section: "POLYGONS", element: "Polys", cell_type: POLYGON },
+    PolygonalKind { section: "TRIANGLE_STRIPS", element: "Strips", cell_type: STRIP },
+];
+
 /// What a cell contributes to the surface.
+#[derive(Clone, Copy)]
 enum Surface {
     /// Points and lines have none.
     Nothing,
-    /// A polygon of this many corners; all of them if none is given. Further points are on curved edges.
-    Polygon(Option<usize>),
+    /// A polygon of this many corners. Further points are on curved edges.
+    Corners(usize),
+    /// A polygon of all points.
+    Polygon,
+    /// A polygon of the first half of the points. The others are in the middle of its edges.
+    QuadraticPolygon,
     /// The corners in this order.
     Ordered(&'static [u8]),
     Strip,
@@ -38,12 +61,13 @@ const PYRAMID: &[&[u8]] = &[&[0, 3, 2, 1], &[0, 1, 4], &[1, 2, 4], &[2, 3, 4], &
 /// these are shown.
 fn surface(kind: u8) -> Option<Surface> {
     Some(match kind {
-        0..=4 | 21 | 35 | 36 | 68 | 75 => Surface::Nothing,
-        5 | 22 | 34 | 69 | 76 => Surface::Polygon(Some(3)),
+        0..=4 | 21 | 35 | 68 | 75 => Surface::Nothing,
+        5 | 22 | 34 | 69 | 76 => Surface::Corners(3),
         STRIP => Surface::Strip,
-        POLYGON => Surface::Polygon(None),
+        POLYGON => Surface::Polygon,
+        36 => Surface::QuadraticPolygon,
         8 => Surface::Ordered(&[0, 1, 3, 2]),
-        QUAD | 23 | 28 | 30 | 70 | 77 => Surface::Polygon(Some(4)),
+        QUAD | 23 | 28 | 30 | 70 | 77 => Surface::Corners(4),
         10 | 24 | 71 | 78 => Surface::Volume(TETRAHEDRON),
         11 => Surface::Volume(VOXEL),
         HEXAHEDRON | 25 | 29 | 33 | 72 | 79 => Surface::Volume(HEXAHEDRON_FACES),
@@ -53,29 +77,51 @@ fn surface(kind: u8) -> Option<Surface> {
     })
 }
 
-/// The number of corners of a polygon or of a volume's faces.
-fn least_corners(surface: &Surface) -> usize {
+/// The number of points that a cell needs at least.
+fn least_points(surface: &Surface) -> usize {
     let of = |face: &[u8]| face.iter().map(|&corner| usize::from(corner) + 1).max().unwrap_or(0);
     match surface {
         Surface::Nothing => 0,
-        Surface::Polygon(count) => count.unwrap_or(3),
+        Surface::Corners(count) => *count,
+        Surface::Polygon => 3,
+        Surface::QuadraticPolygon => 6,
         Surface::Ordered(face) => of(face),
         Surface::Strip => 3,
         Surface::Volume(faces) => faces.iter().map(|face| of(face)).max().unwrap_or(0),
     }
 }
 
+/// Checks that cells of this type are read, and have this many points.
+pub fn check_cell(cell: usize, kind: u8, points: usize) -> Result<(), String> {
+    let Some(surface) = surface(kind) else {
+        return Err(format!(
+            "cell {cell} has the type {kind}, which is not read; VTK's linear and quadratic cells are"
+        ));
+    };
+    let least = least_points(&surface);
+    if points < least {
+        return Err(format!("cell {cell} of type {kind} has {points} points; it needs {least}"));
+    }
+    Ok(())
+}
+
 /// The mesh of a grid's surface.
 pub fn mesh(grid: Grid) -> Result<MeshData, MeshError> {
-    let outer = outer_faces(&grid.cells)?;
+    let ghosts = Ghosts::of(&grid.arrays);
+    let outer = outer_faces(&grid.cells, &ghosts)?;
     let (mut triangles, mut cell_of) = (Vec::new(), Vec::new());
     let mut outer = outer.into_iter();
-    for cell in 0..grid.cells.len() {
+    for cell in (0..grid.cells.len()).filter(|&cell| !ghosts.has(cell, HIDDEN)) {
+        let shown = !ghosts.has(cell, DUPLICATE);
         each_face(&grid.cells, cell, |corners, inside| {
-            if !inside || outer.next().unwrap_or(true) {
-                triangles.extend(corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]));
+            if (!inside || outer.next().unwrap_or(true)) && shown {
+                let add = |triangle| triangles.push(triangle);
+                match inside {
+                    true => fan(corners, add),
+                    false => cut(corners, &grid.positions, add),
+                }
             }
-        })?;
+        });
         cell_of.resize(triangles.len(), cell as u32);
     }
     let Grid { mut positions, mut normals, mut arrays, .. } = grid;
@@ -95,27 +141,19 @@ pub fn mesh(grid: Grid) -> Result<MeshData, MeshError> {
 }
 
 /// Calls `visit` with the corners of each face of a cell, and whether it may be inside of a body.
-fn each_face(cells: &Cells, cell: usize, mut visit: impl FnMut(&[u32], bool)) -> Result<(), MeshError> {
-    let (kind, corners) = (cells.types[cell], cells.corners(cell));
-    let Some(surface) = surface(kind) else {
-        let why = format!(
-            "cell {cell} has the type {kind}, which is not read; VTK's linear and quadratic cells are"
-        );
-        return Err(MeshError::new(why));
-    };
-    let least = least_corners(&surface);
-    if corners.len() < least {
-        let why = format!("cell {cell} of type {kind} has {} points; it needs {least}", corners.len());
-        return Err(MeshError::new(why));
-    }
+fn each_face(cells: &Cells, cell: usize, mut visit: impl FnMut(&[u32], bool)) {
+    let corners = cells.corners(cell);
     let mut face: [u32; 4] = [0; 4];
     let mut ordered = |order: &[u8], inside: bool, visit: &mut dyn FnMut(&[u32], bool)| {
         face.iter_mut().zip(order).for_each(|(to, &from)| *to = corners[usize::from(from)]);
         visit(&face[..order.len()], inside);
     };
-    match surface {
+    // All cells have been checked, so there is a surface and it has its points.
+    match surface(cells.types[cell]).unwrap_or(Surface::Nothing) {
         Surface::Nothing => {}
-        Surface::Polygon(count) => visit(&corners[..count.unwrap_or(corners.len())], false),
+        Surface::Corners(count) => visit(&corners[..count], false),
+        Surface::Polygon => visit(corners, false),
+        Surface::QuadraticPolygon => visit(&corners[..corners.len() / 2], false),
         Surface::Ordered(order) => ordered(order, false, &mut visit),
         Surface::Strip => {
             for (index, &[a, b, c]) in corners.array_windows().enumerate() {
@@ -124,21 +162,21 @@ fn each_face(cells: &Cells, cell: usize, mut visit: impl FnMut(&[u32], bool)) ->
         }
         Surface::Volume(faces) => faces.iter().for_each(|face| ordered(face, true, &mut visit)),
     }
-    Ok(())
 }
 
-/// For each face of a volume in order, whether it is the only one with its corners.
-fn outer_faces(cells: &Cells) -> Result<Vec<bool>, MeshError> {
+/// For each face of a volume that is not hidden, in order, whether it is the only one with its corners.
+fn outer_faces(cells: &Cells, ghosts: &Ghosts) -> Result<Vec<bool>, MeshError> {
+    let not_hidden = || (0..cells.len()).filter(|&cell| !ghosts.has(cell, HIDDEN));
     let mut count = 0_u64;
-    for cell in 0..cells.len() {
-        each_face(cells, cell, |_, inside| count += u64::from(inside))?;
+    for cell in not_hidden() {
+        each_face(cells, cell, |_, inside| count += u64::from(inside));
     }
     if count > u32::MAX.into() {
         return Err(MeshError::new("it has more than 4 294 967 295 faces of volumes"));
     }
     machine::check_memory(count * size_of::<([u32; 4], u32)>() as u64)?;
     let mut faces: Vec<([u32; 4], u32)> = Vec::with_capacity(count as usize);
-    for cell in 0..cells.len() {
+    for cell in not_hidden() {
         each_face(cells, cell, |corners, inside| {
             if inside {
                 let mut key = [u32::MAX; 4];
@@ -146,7 +184,7 @@ fn outer_faces(cells: &Cells) -> Result<Vec<bool>, MeshError> {
                 key.sort_unstable();
                 faces.push((key, faces.len() as u32));
             }
-        })?;
+        });
     }
     faces.par_sort_unstable();
     let mut outer = vec![false; faces.len()];

@@ -42,8 +42,7 @@ impl Reader<'_> {
             ("NORMALS", [name, kind]) => {
                 let kind = self.kind(kind)?;
                 self.array(name, (entries, 3), kind, centering)?;
-                self.take_normals(centering);
-                Ok(())
+                self.take_normals(centering)
             }
             ("TENSORS", [name, kind]) => {
                 let kind = self.kind(kind)?;
@@ -57,7 +56,7 @@ impl Reader<'_> {
                 let (components, kind) = (self.count(components)?, self.kind(kind)?);
                 self.array(name, (entries, components), kind, centering)
             }
-            ("GLOBAL_IDS" | "PEDIGREE_IDS", [name, kind]) => {
+            ("GLOBAL_IDS" | "PEDIGREE_IDS" | "EDGE_FLAGS", [name, kind]) => {
                 let kind = self.kind(kind)?;
                 self.array(name, (entries, 1), kind, centering)
             }
@@ -70,14 +69,19 @@ impl Reader<'_> {
     pub(super) fn fields(&mut self, amount: &str) -> Result<(), MeshError> {
         for _ in 0..self.count(amount)? {
             let mut words = self.source.words().unwrap_or_default();
-            while words.first().is_some_and(|word| word == "METADATA") {
-                while self.source.line().is_some_and(|line| !line.is_empty()) {}
+            while words.first().is_some_and(|word| word.eq_ignore_ascii_case("METADATA")) {
+                self.source.skip_section();
                 words = self.source.words().unwrap_or_default();
             }
             let [name, components, entries, kind] = &words[..] else {
                 return Err(self.source.unexpected("an array of the `FIELD`: a name, two counts and a type"));
             };
             let (components, entries) = (self.count(components)?, self.count(entries)?);
+            if kind.eq_ignore_ascii_case("string") {
+                // Texts have no colours.
+                self.source.skip_texts(entries.saturating_mul(components), &format!("`{name}`"))?;
+                continue;
+            }
             let kind = self.kind(kind)?;
             match self.data {
                 Some((centering, _)) => self.array(name, (entries, components), kind, centering)?,
@@ -98,21 +102,29 @@ impl Reader<'_> {
         if components == 0 {
             return Err(self.source.fault(format!("the data `{name}` has no components")));
         }
+        let place = self.source.place();
         let values = self.source.numbers(entries.saturating_mul(components), kind, &format!("`{name}`"))?;
         let components = components as usize;
         self.grid.arrays.push(DataArray { name, centering, components, values: values.into() });
+        self.array_places.push(place);
         Ok(())
     }
 
-    /// Makes the last array the normals of the points.
-    fn take_normals(&mut self, centering: Centering) {
-        if let Some(array) = self.grid.arrays.pop_if(|_| centering == Centering::Points)
-            && array.entries() == self.grid.positions.len()
-        {
-            let normal = |entry: usize| [0, 1, 2].map(|k| array.values.get(3 * entry + k));
-            self.grid.normals =
-                (0..array.entries()).map(|entry| DVec3::from(normal(entry)).as_vec3()).collect();
+    /// Makes the last array the normals of the points. Normals of cells stay data.
+    fn take_normals(&mut self, centering: Centering) -> Result<(), MeshError> {
+        let Some(array) = self.grid.arrays.pop_if(|_| centering == Centering::Points) else { return Ok(()) };
+        let place = self.array_places.pop().unwrap_or(self.source.place());
+        let points = self.grid.positions.len();
+        if array.entries() != points {
+            let (name, entries) = (&array.name, array.entries());
+            return Err(MeshError::at(
+                place,
+                format!("the normals `{name}` have {entries} entries for {points} points"),
+            ));
         }
+        let normal = |entry: usize| [0, 1, 2].map(|k| array.values.get(3 * entry + k));
+        self.grid.normals = (0..points).map(|entry| DVec3::from(normal(entry)).as_vec3()).collect();
+        Ok(())
     }
 }
 

@@ -75,11 +75,47 @@ impl<'b> Source<'b> {
         next.get(..7).is_some_and(|start| start.eq_ignore_ascii_case(b"OFFSETS"))
     }
 
-    /// An error at the current line. Lines have no numbers after binary data.
+    /// Skips the lines up to a blank one.
+    pub fn skip_section(&mut self) {
+        while self.line().is_some_and(|line| !line.is_empty()) {}
+    }
+
+    /// Skips texts, which are `what`: one per line or, in binary files, each after its length.
+    pub fn skip_texts(&mut self, amount: u64, what: &str) -> Result<(), MeshError> {
+        for index in 0..amount {
+            let skipped = if self.binary { self.skip_binary_text() } else { self.advance() };
+            if !skipped {
+                let (index, amount) = (count(index), count(amount));
+                return Err(self.fault(format!("the file ends after {index} of {amount} texts of {what}")));
+            }
+        }
+        self.at = self.line.len();
+        Ok(())
+    }
+
+    /// Skips a text after its length; false if the file is too short. The two highest bits of the length state its own
+    /// size: 3 for one byte, 2 for two, 1 for four and 0 for eight.
+    fn skip_binary_text(&mut self) -> bool {
+        let Some(&first) = self.rest.first() else { return false };
+        let size = 1 << (3 - (first >> 6));
+        let Some(bytes) = self.rest.get(..size) else { return false };
+        let length = bytes.iter().fold(0, |length: u64, byte| length << 8 | u64::from(*byte));
+        let length = length & (u64::MAX >> (64 - 8 * size + 2));
+        let end = usize::try_from(length).ok().and_then(|length| length.checked_add(size));
+        let Some(end) = end.filter(|end| *end <= self.rest.len()) else { return false };
+        self.take(end);
+        (self.line, self.at) = (&[], 0);
+        true
+    }
+
+    /// The place of the current line. Lines have no numbers after binary data.
+    pub fn place(&self) -> MeshLocation {
+        if self.binary { MeshLocation::Byte(self.begin) } else { MeshLocation::Line(self.number) }
+    }
+
+    /// An error at the current line.
     pub fn fault(&self, why: impl Into<String>) -> MeshError {
-        let place =
-            if self.binary { MeshLocation::Byte(self.begin) } else { MeshLocation::Line(self.number) };
-        MeshError::at(place, why)
+        MeshError::at(self.place(), why)
     }
 
     /// The error of a line that should be `what`.

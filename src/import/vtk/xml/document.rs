@@ -102,6 +102,11 @@ impl Piece {
     pub fn count(&self, name: &str) -> Option<u64> {
         self.counts.iter().find(|(known, _)| known == name).map(|(_, count)| *count)
     }
+
+    /// Whether the piece states that it has no points and no cells. Parallel programs write such pieces.
+    pub fn is_empty(&self) -> bool {
+        self.count("NumberOfPoints") == Some(0) && self.counts.iter().all(|(_, count)| *count == 0)
+    }
 }
 
 struct Parser<'b> {
@@ -127,9 +132,8 @@ impl Parser<'_> {
             }
             "VTKFile" => self.header(at, value)?,
             "Piece" => {
-                let counts =
-                    attributes.iter().filter_map(|(name, value)| Some((name.clone(), value.parse().ok()?)));
-                self.document.pieces.push(Piece { at, counts: counts.collect(), arrays: Vec::new() });
+                let counts = self.counts(&attributes, at)?;
+                self.document.pieces.push(Piece { at, counts, arrays: Vec::new() });
             }
             "PointData" | "CellData" => self.normals = value("Normals").map(str::to_owned),
             "DataArray" => self.array(at, end, value)?,
@@ -150,6 +154,16 @@ impl Parser<'_> {
             Ok((attribute.key.as_ref().to_owned(), value))
         });
         attributes.collect()
+    }
+
+    /// The attributes of a piece that count.
+    fn counts(&self, attributes: &[(String, String)], at: usize) -> Result<Vec<(String, u64)>, MeshError> {
+        let counts = attributes.iter().filter(|(name, _)| name.starts_with("NumberOf"));
+        let parsed = counts.map(|(name, value)| match value.trim().parse() {
+            Ok(count) => Ok((name.clone(), count)),
+            Err(_) => Err(self.document.fault(at, format!("expected a count in `{name}`, found `{value}`"))),
+        });
+        parsed.collect()
     }
 
     fn header<'v>(&mut self, at: usize, value: impl Fn(&str) -> Option<&'v str>) -> Result<(), MeshError> {

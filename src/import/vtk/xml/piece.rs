@@ -1,23 +1,18 @@
 //! A piece of an XML file → points, cells and data.
 
 use super::document::{Array, Document, Piece};
-use super::payload;
+use super::payload::EncodedArray;
 use crate::base::math::DVec3;
 use crate::geometry::mesh::{Centering, DataArray, MeshError};
 use crate::import::vtk::grid::{Cells, Grid};
 use crate::import::vtk::number::NumberType;
-use crate::import::vtk::surface;
-
-/// The elements of polygonal data and the types of their cells, in the order of the data of cells.
-const KINDS: [(&str, u8); 4] = [
-    ("Verts", surface::VERTICES),
-    ("Lines", surface::POLYLINE),
-    ("Polys", surface::POLYGON),
-    ("Strips", surface::STRIP),
-];
+use crate::import::vtk::surface::{POLYGONAL_KINDS, PolygonalKind};
 
 /// Adds a piece to the data set.
 pub fn add(document: &Document<'_>, piece: &Piece, grid: &mut Grid) -> Result<(), MeshError> {
+    if piece.is_empty() {
+        return Ok(());
+    }
     let own = PieceReader { document, piece }.read()?;
     if grid.positions.len() + own.positions.len() >= u32::MAX as usize {
         return Err(document.fault(piece.at, "the pieces have too many points; the maximum is 4 294 967 294"));
@@ -28,7 +23,10 @@ pub fn add(document: &Document<'_>, piece: &Piece, grid: &mut Grid) -> Result<()
 
 /// Adds the points, cells and data of another part. Data that one of them lacks is left out.
 fn append(grid: &mut Grid, mut part: Grid) {
-    if grid.positions.is_empty() && grid.cells.len() == 0 {
+    if part.is_empty() {
+        return;
+    }
+    if grid.is_empty() {
         *grid = part;
         return;
     }
@@ -62,16 +60,20 @@ impl PieceReader<'_, '_> {
     fn read(&self) -> Result<Grid, MeshError> {
         let mut grid = Grid::default();
         let points = self.array("Points", None)?;
-        let coordinates = self.numbers(points)?;
-        self.check_count(points, coordinates.len(), "NumberOfPoints", 3)?;
+        if points.components != 3 {
+            let why = format!("expected points of 3 components, found {}", points.components);
+            return Err(self.document.fault(points.at, why));
+        }
+        let coordinates =
+            self.numbers(points, |amount| self.check_count(points, amount, "NumberOfPoints", 3))?;
         grid.push_points(&coordinates)?;
         drop(coordinates);
         match self.piece.arrays.iter().any(|array| array.group == "Cells") {
             true => self.cells("Cells", None, &mut grid)?,
             false => {
-                for (group, kind) in KINDS {
-                    if self.piece.arrays.iter().any(|array| array.group == group) {
-                        self.cells(group, Some(kind), &mut grid)?;
+                for PolygonalKind { element, cell_type, .. } in POLYGONAL_KINDS {
+                    if self.piece.arrays.iter().any(|array| array.group == element) {
+                        self.cells(element, Some(cell_type), &mut grid)?;
                     }
                 }
             }
@@ -91,7 +93,12 @@ impl PieceReader<'_, '_> {
         })
     }
 
-    fn numbers(&self, array: &Array) -> Result<Vec<f64>, MeshError> {
+    /// The numbers of an array. `check` judges their amount before they are decompressed.
+    fn numbers(
+        &self,
+        array: &Array,
+        check: impl FnOnce(u64) -> Result<(), String>,
+    ) -> Result<Vec<f64>, MeshError> {
         let Some(kind) = NumberType::xml(&array.kind) else {
             let why = format!(
                 "expected a type such as `Float32` of the array `{}`, found `{}`",
@@ -99,18 +106,20 @@ impl PieceReader<'_, '_> {
             );
             return Err(self.document.fault(array.at, why));
         };
-        payload::numbers(self.document, array, kind)
+        let encoded = EncodedArray::open(self.document, array, kind)?;
+        check(encoded.amount()?).map_err(|why| self.document.fault(array.at, why))?;
+        encoded.numbers()
     }
 
-    /// Checks an array against the count that the piece states, if it does.
-    fn check_count(&self, array: &Array, found: usize, count: &str, each: u64) -> Result<(), MeshError> {
+    /// Checks an array of `each` numbers per entry against the count that the piece states, if it does.
+    fn check_count(&self, array: &Array, found: u64, count: &str, each: u64) -> Result<(), String> {
+        let name = &array.name;
         match self.piece.count(count) {
-            Some(stated) if stated.checked_mul(each) != Some(found as u64) => {
-                let why = format!(
-                    "`{count}` is {stated}, but the array `{}` has {found} numbers, {each} each",
-                    array.name
-                );
-                Err(self.document.fault(array.at, why))
+            Some(stated) if stated.checked_mul(each) != Some(found) => {
+                Err(format!("`{count}` is {stated}, but the array `{name}` has {found} numbers, {each} each"))
+            }
+            None if !found.is_multiple_of(each) => {
+                Err(format!("the array `{name}` has {found} numbers, not {each} for each point"))
             }
             _ => Ok(()),
         }
@@ -120,18 +129,18 @@ impl PieceReader<'_, '_> {
     fn cells(&self, group: &str, kind: Option<u8>, grid: &mut Grid) -> Result<(), MeshError> {
         let array = |name: &str| self.array(group, Some(name));
         let (offsets, connectivity) = (array("offsets")?, array("connectivity")?);
-        let (ends, corners) = (self.numbers(offsets)?, self.numbers(connectivity)?);
-        self.check_count(offsets, ends.len(), &format!("NumberOf{group}"), 1)?;
+        let count = format!("NumberOf{group}");
+        let ends = self.numbers(offsets, |amount| self.check_count(offsets, amount, &count, 1))?;
         let kinds = match kind {
             Some(_) => Vec::new(),
-            None => self.numbers(array("types")?)?,
+            None => self.numbers(array("types")?, |amount| match amount == ends.len() as u64 {
+                true => Ok(()),
+                false => Err(format!("`types` has {amount} numbers, and `offsets` has {}", ends.len())),
+            })?,
         };
-        if kind.is_none() && kinds.len() != ends.len() {
-            let why = format!("`types` has {} numbers, and `offsets` has {}", kinds.len(), ends.len());
-            return Err(self.document.fault(offsets.at, why));
-        }
+        let corners = self.numbers(connectivity, |_| Ok(()))?;
         let mut cells = Cells::default();
-        let kind_of = |cell: usize| kind.unwrap_or_else(|| kinds[cell] as u8);
+        let kind_of = |cell: usize| kind.map_or_else(|| kinds[cell], f64::from);
         let added = cells.push_listed(kind_of, &corners, &ends, grid.positions.len());
         added.map_err(|why| self.document.fault(connectivity.at, format!("in `{group}`, {why}")))?;
         grid.cells.append(cells);
@@ -149,23 +158,23 @@ impl PieceReader<'_, '_> {
         if NumberType::xml(&array.kind).is_none() {
             return Ok(());
         }
-        let values = self.numbers(array)?;
-        let (components, entries) = (array.components as usize, grid.entries(centering));
-        if entries.checked_mul(components) != Some(values.len()) {
-            let (name, found) = (&array.name, values.len());
-            let why =
-                format!("the array `{name}` has {found} numbers; it needs {entries} times {components}");
-            return Err(self.document.fault(array.at, why));
-        }
+        let (components, entries) = (array.components, grid.entries(centering));
+        let name = &array.name;
+        let values = self.numbers(array, |found| match (entries as u64).checked_mul(components) {
+            Some(needed) if needed == found => Ok(()),
+            _ => {
+                Err(format!("the array `{name}` has {found} numbers; it needs {entries} times {components}"))
+            }
+        })?;
         if array.normals && components == 3 {
             let normals = values.as_chunks::<3>().0.iter();
             grid.normals = normals.map(|normal| DVec3::from_array(*normal).as_vec3()).collect();
             return Ok(());
         }
         grid.arrays.push(DataArray {
-            name: array.name.clone(),
+            name: name.clone(),
             centering,
-            components,
+            components: components as usize,
             values: values.into(),
         });
         Ok(())
