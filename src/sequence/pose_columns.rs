@@ -36,7 +36,7 @@ pub enum MatrixOrder {
 
 /// The columns of poses.
 pub struct PoseColumns {
-    pub time: ColumnName,
+    pub time: Option<ColumnName>,
     pub position: Option<[ColumnName; 3]>,
     pub rotation: Option<RotationColumns>,
 }
@@ -45,8 +45,8 @@ pub struct PoseColumns {
 const MATRIX_SIZES: [usize; 3] = [9, 12, 16];
 
 /// Usual names, in the order in which they are looked for.
-const TIMES: [&str; 2] = ["t", "time"];
-const POSITIONS: [[&str; 3]; 3] = [["x", "y", "z"], ["px", "py", "pz"], ["tx", "ty", "tz"]];
+pub const TIMES: [&str; 2] = ["t", "time"];
+pub const POSITIONS: [[&str; 3]; 3] = [["x", "y", "z"], ["px", "py", "pz"], ["tx", "ty", "tz"]];
 const QUATERNION: [&str; 4] = ["qw", "qx", "qy", "qz"];
 
 /// The names m00 to m33, row after row.
@@ -58,6 +58,20 @@ impl ColumnName {
     pub fn values<'t>(&self, table: &'t Table) -> Result<&'t [f64], TableError> {
         table.column(&self.name)
     }
+}
+
+/// [`columns`], with a column of times.
+pub fn timed_columns(
+    fields: &mut Fields<'_>,
+    table: &Table,
+    place: &Range<usize>,
+) -> Option<(ColumnName, PoseColumns)> {
+    let columns = columns(fields, table, place)?;
+    let Some(time) = columns.time.clone() else {
+        report_missing(fields, table, place, "no column of times `t` or `time`", "`time: \"name\"`");
+        return None;
+    };
+    Some((time, columns))
 }
 
 /// Reads the names of columns. Those that the file does not name have their usual names.
@@ -90,10 +104,6 @@ pub fn columns(fields: &mut Fields<'_>, table: &Table, place: &Range<usize>) -> 
         let known = POSITIONS.into_iter().find(|names| has_all(names)).filter(|_| !own_translation)?;
         Some(known.map(usual))
     });
-    let Some(time) = time else {
-        report_missing(fields, table, place, "no column of times `t` or `time`", "`time: \"name\"`");
-        return None;
-    };
     if position.is_none() && rotation.is_none() {
         let what = "no columns `x`, `y`, `z`, no `qw`, `qx`, `qy`, `qz`, and no `m00` to `m33`";
         report_missing(fields, table, place, what, "`position: (\"name\", ...)` and `rotation`");
@@ -109,7 +119,7 @@ fn report_missing(fields: &Fields<'_>, table: &Table, place: &Range<usize>, what
     fields.node().fault(fault.help(help));
 }
 
-fn column(node: Node<'_>) -> Option<ColumnName> {
+pub fn column(node: Node<'_>) -> Option<ColumnName> {
     text(node).map(|name| ColumnName { name, place: node.span() })
 }
 

@@ -5,7 +5,7 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::repeat;
 use super::node::Node;
-use super::pose_columns::columns;
+use super::pose_columns::timed_columns;
 use super::pose_tracks::{Interpolation, PoseTracks, tracks};
 use super::suggest::shortened;
 use super::values::text;
@@ -97,10 +97,10 @@ fn poses<'s, T>(node: Node<'s>, more: impl Fn(&mut Fields<'s>) -> Option<T>) -> 
         fields.finish();
         return None;
     };
-    let columns = columns(&mut fields, &table, &place);
+    let columns = timed_columns(&mut fields, &table, &place);
     fields.finish();
-    let (columns, how) = (columns?, Interpolation { ease: ease?, repeat: repeat? });
-    match tracks(&table, &columns, how, node.file.clock.get()) {
+    let ((time, columns), how) = (columns?, Interpolation { ease: ease?, repeat: repeat? });
+    match tracks(&table, (&time, &columns), how, node.file.clock.get()) {
         Ok(tracks) => Some((tracks, more?)),
         Err((place, error)) => {
             let title = format!("cannot use the poses in {:?}", shortened(&name));
@@ -111,7 +111,7 @@ fn poses<'s, T>(node: Node<'s>, more: impl Fn(&mut Fields<'s>) -> Option<T>) -> 
 }
 
 /// The table in the file with the quoted name.
-fn table(node: Node<'_>, name: &str) -> Option<Rc<Table>> {
+pub fn table(node: Node<'_>, name: &str) -> Option<Rc<Table>> {
     match node.file.tables.table(name) {
         Ok(table) => Some(table),
         Err(why) => {

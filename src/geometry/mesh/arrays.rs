@@ -48,6 +48,17 @@ pub struct ArrayKey {
     pub component: Component,
 }
 
+impl ArrayKey {
+    /// The index of the array that the key means, among arrays of these names and centerings.
+    pub fn index<'a>(&self, arrays: impl Iterator<Item = (&'a str, Centering)> + Clone) -> Option<usize> {
+        let of = |centering| arrays.clone().position(|array| array == (self.name.as_str(), centering));
+        match self.centering {
+            Some(centering) => of(centering),
+            None => of(Centering::Points).or_else(|| of(Centering::Cells)),
+        }
+    }
+}
+
 impl Content for ArrayKey {
     fn feed(&self, into: &mut Digester) {
         let Self { name, centering, component } = self;
@@ -149,7 +160,8 @@ impl DataArray {
         }
     }
 
-    fn digest(&self) -> Digest {
+    /// The digest of the numbers.
+    pub fn digest(&self) -> Digest {
         match &self.values {
             ArrayValues::F32(values) => Digest::of(&(self.components, values)),
             ArrayValues::F64(values) => Digest::of(&(self.components, values)),
@@ -175,14 +187,7 @@ impl DataArrays {
     }
 
     fn index(&self, key: &ArrayKey) -> Option<usize> {
-        let of = |centering| {
-            let is_it = |array: &DataArray| array.centering == centering && array.name == key.name;
-            self.arrays.iter().position(is_it)
-        };
-        match key.centering {
-            Some(centering) => of(centering),
-            None => of(Centering::Points).or_else(|| of(Centering::Cells)),
-        }
+        key.index(self.arrays.iter().map(|array| (array.name.as_str(), array.centering)))
     }
 
     pub fn find(&self, key: &ArrayKey) -> Option<&DataArray> {

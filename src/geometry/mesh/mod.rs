@@ -1,6 +1,7 @@
 //! Triangle meshes: their data and the tree over each.
 
 mod arrays;
+mod blend;
 pub(crate) mod build;
 pub(crate) mod corners;
 mod crease;
@@ -11,16 +12,19 @@ mod mtl;
 mod packet;
 mod preparation;
 mod smooth;
+mod summary;
 #[cfg(test)]
 mod tests;
 
 pub use arrays::{ArrayKey, ArrayValues, Centering, Component, DataArray};
+pub use blend::blended;
 pub use corners::Corners;
 pub use data::{MeshData, NO_MATERIAL};
 pub use error::{MeshError, MeshLocation, NO_FILE};
 pub use mtl::{Map, MtlMaterial};
 pub use packet::{Packet, ShearedRay, ShearedRays};
 pub use preparation::{Center, Preparation, PreparationKey};
+pub use summary::{ArraySummary, MeshSummary};
 
 use crate::base::color::Rgb;
 use crate::base::digest::{Content, Digest};

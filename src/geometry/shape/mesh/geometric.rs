@@ -100,7 +100,7 @@ impl Geometric for Mesh {
     }
 
     fn bounds(&self) -> Option<Aabb> {
-        Some(self.mesh.bounds())
+        Some(self.step.map_or_else(|| self.mesh.bounds(), |step| step.bounds))
     }
 
     fn support(&self, direction: DVec3) -> Option<f64> {
