@@ -182,7 +182,7 @@ fn scene(
         (default?, materials?.unwrap_or_default(), objects?.unwrap_or_default());
     transforms.extend(objects.iter().map(|(draft, _)| draft.value.place.clone()));
     let mut places: Vec<_> = objects.iter().map(|(draft, _)| draft.value.material_place.clone()).collect();
-    let (mut materials, mut objects, instances) = assembled(&default, &materials, objects);
+    let ((mut materials, mut objects), instances) = assembled(&default, &materials, objects);
     // Behind all others, whose indices stay.
     for (index, instances) in instances.into_iter().enumerate() {
         let count = instances.len();
@@ -212,7 +212,7 @@ fn assembled(
     default: &MaterialDescription,
     named: &[Named<MaterialDescription>],
     drafts: Vec<Placed>,
-) -> (Vec<Named<MaterialTracks>>, Vec<Named<Object>>, Vec<Vec<Named<Object>>>) {
+) -> (MaterialsAndObjects, Vec<Vec<Named<Object>>>) {
     let over = |given: &MaterialDescription| given.over(default);
     let mut materials: Vec<_> =
         named.iter().map(|m| Named { name: m.name.clone(), value: over(&m.value) }).collect();
@@ -262,5 +262,5 @@ fn assembled(
         let (shape, tracks) = own;
         objects.push(Named { name, value: Object { shape, tracks, made_of, transform, visible, parent } });
     }
-    (materials, objects, all_instances)
+    ((materials, objects), all_instances)
 }

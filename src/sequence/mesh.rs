@@ -3,7 +3,7 @@
 use super::colors::color;
 use super::fault::Fault;
 use super::fields::Fields;
-use super::mesh_series::series;
+use super::mesh_series::{is_list, series};
 use super::node::{Node, NodeContent};
 use super::shape_tracks::ShapeTracks;
 use super::suggest::shortened;
@@ -156,9 +156,13 @@ fn file(node: Node<'_>, preparation: &Preparation) -> Option<Arc<mesh::TriangleM
         Err(why) => {
             let title = format!("cannot read the mesh {:?}", shortened(&name));
             let help = "paths of meshes are relative to the folder of the sequence file";
-            let missing = why == NO_FILE;
+            let (missing, lists) = (why == NO_FILE, is_list(&name));
             let fault = Fault::new(node.span(), title, why);
-            node.fault(if missing { fault.help(help) } else { fault });
+            node.fault(match (missing, lists) {
+                (true, _) => fault.help(help),
+                (_, true) => fault.help(format!("write Mesh(series: {:?})", shortened(&name))),
+                _ => fault,
+            });
             None
         }
     }

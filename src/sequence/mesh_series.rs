@@ -132,15 +132,19 @@ impl Times {
     }
 }
 
+/// Whether a file lists the files of a series.
+pub fn is_list(name: &str) -> bool {
+    Path::new(name).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("pvd"))
+}
+
 /// The files of a pattern or a PVD file.
 fn listed(node: Node<'_>, numbers: NumberRange) -> Option<Listed> {
     let name = text(node)?;
-    let is_list = Path::new(&name).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("pvd"));
     let fault = |why: String| {
         let title = format!("cannot read the series {:?}", shortened(&name));
         node.fault(Fault::new(node.span(), title, why));
     };
-    if !is_list {
+    if !is_list(&name) {
         return match numbered(&node.file.meshes.folder().join(&name), numbers) {
             Ok(paths) => Some(Listed { paths, times: None }),
             Err(error) => {

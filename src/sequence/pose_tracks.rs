@@ -63,12 +63,14 @@ pub fn tracks(
 }
 
 /// The positions and the rotations of all rows, as far as there are columns for them.
-fn places(table: &Table, columns: &PoseColumns) -> Result<(Option<Vec<DVec3>>, Option<Vec<Row>>), PoseFault> {
+fn places(table: &Table, columns: &PoseColumns) -> Result<Places, PoseFault> {
     let position = columns.position.as_ref().map(|names| vectors(table, names)).transpose()?;
     let rows = columns.rotation.as_ref().map(|rotation| rows(table, rotation)).transpose()?;
     let position = position.or_else(|| rows.as_ref()?.iter().map(|row| row.position).collect());
     Ok((position, rows))
 }
+
+type Places = (Option<Vec<DVec3>>, Option<Vec<Row>>);
 
 /// Where one of many is over time.
 pub struct Placement {
