@@ -33,24 +33,22 @@ pub fn mesh(fields: &mut Fields<'_>) -> Option<(Mesh, Option<ShapeTracks>)> {
 
 /// Reports fields that a mesh with the field `name` has no use for.
 fn only_without(fields: &mut Fields<'_>, name: &str, others: &[&'static str]) {
-    if let Some(first) = others.iter().find(|other| fields.has(name) && fields.has(other)) {
+    let given: Vec<_> = others.iter().copied().filter(|other| fields.has(other)).collect();
+    if let (true, [first, ..]) = (fields.has(name), &given[..]) {
         let title = "a mesh is read from a file, from a series of files, or written out";
         let label = format!("only for a mesh without `{name}`");
         fields.node().fault(Fault::new(fields.place(first), title, label));
-    }
-    if fields.has(name) {
-        others.iter().for_each(|other| fields.ignore(other));
+        given.into_iter().for_each(|other| fields.ignore(other));
     }
 }
 
 /// Reports fields that only a mesh with the field `name` has.
 fn only_with(fields: &mut Fields<'_>, name: &str, others: &[&'static str]) {
-    for other in others {
-        if fields.has(other) {
-            let title = format!("`{other}` belongs to a series of meshes");
-            let label = format!("only for a mesh with `{name}`");
-            fields.node().fault(Fault::new(fields.place(other), title, label));
-        }
+    let given: Vec<_> = others.iter().copied().filter(|other| fields.has(other)).collect();
+    for other in given {
+        let title = format!("`{other}` belongs to a series of meshes");
+        let label = format!("only for a mesh with `{name}`");
+        fields.node().fault(Fault::new(fields.place(other), title, label));
         fields.ignore(other);
     }
 }
