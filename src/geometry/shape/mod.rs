@@ -117,12 +117,12 @@ macro_rules! shapes {
 shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid, Cylinder, Cone, Torus, Mesh, Particles);
 
 impl OneRay for Shape {
-    fn hit(&self, ray: &TraversalRay, t_max: f64) -> Option<ShapeHit> {
-        each_shape!(self, shape => OneRay::hit(shape, ray, t_max), Group => None)
+    fn intersect_up_to(&self, ray: &TraversalRay, t_max: f64) -> Option<ShapeHit> {
+        each_shape!(self, shape => OneRay::intersect_up_to(shape, ray, t_max), Group => None)
     }
 
-    fn blocks(&self, ray: &TraversalRay, t_max: f64) -> bool {
-        each_shape!(self, shape => OneRay::blocks(shape, ray, t_max), Group => false)
+    fn occludes_up_to(&self, ray: &TraversalRay, t_max: f64) -> bool {
+        each_shape!(self, shape => OneRay::occludes_up_to(shape, ray, t_max), Group => false)
     }
 
     fn surface_at(&self, ray: &Ray, at: ShapeHit) -> Surface {
@@ -149,7 +149,7 @@ impl Shape {
 
     /// [`Shape::intersect`] of one ray.
     #[inline(always)]
-    pub fn hit_one<L: Level>(
+    pub fn intersect_on<L: Level>(
         &self,
         ray: &TraversalRay,
         within: RayInterval<f64>,
@@ -157,12 +157,12 @@ impl Shape {
     ) -> Option<ShapeHit> {
         match self {
             Self::Mesh(mesh) => match stack {
-                Some(stack) => mesh.closest_on::<L>(ray, within, stack),
-                None => mesh.closest_on::<L>(ray, within, &mut Stack::default()),
+                Some(stack) => mesh.intersect_on::<L>(ray, within, stack),
+                None => mesh.intersect_on::<L>(ray, within, &mut Stack::default()),
             },
             Self::Particles(particles) => match stack {
-                Some(stack) => particles.closest_on::<L>(ray, within, stack),
-                None => particles.closest_on::<L>(ray, within, &mut Stack::default()),
+                Some(stack) => particles.intersect_on::<L>(ray, within, stack),
+                None => particles.intersect_on::<L>(ray, within, &mut Stack::default()),
             },
             _ => self.intersect::<f64>(&PreparedRay::splat(ray), within).one(),
         }
@@ -170,7 +170,7 @@ impl Shape {
 
     /// [`Shape::occludes`] of one ray.
     #[inline(always)]
-    pub fn blocks_one<L: Level>(
+    pub fn occludes_on<L: Level>(
         &self,
         ray: &TraversalRay,
         within: RayInterval<f64>,
@@ -178,12 +178,12 @@ impl Shape {
     ) -> bool {
         match self {
             Self::Mesh(mesh) => match stack {
-                Some(stack) => mesh.any_on::<L>(ray, within, stack),
-                None => mesh.any_on::<L>(ray, within, &mut Stack::default()),
+                Some(stack) => mesh.occludes_on::<L>(ray, within, stack),
+                None => mesh.occludes_on::<L>(ray, within, &mut Stack::default()),
             },
             Self::Particles(particles) => match stack {
-                Some(stack) => particles.any_on::<L>(ray, within, stack),
-                None => particles.any_on::<L>(ray, within, &mut Stack::default()),
+                Some(stack) => particles.occludes_on::<L>(ray, within, stack),
+                None => particles.occludes_on::<L>(ray, within, &mut Stack::default()),
             },
             _ => self.occludes::<f64>(&PreparedRay::splat(ray), within),
         }
@@ -202,7 +202,7 @@ impl Shape {
             Self::Particles(particles) => return particles.each(ray, within, take),
             _ => {}
         }
-        while let Some(at) = self.hit_one::<L>(ray, within, None) {
+        while let Some(at) = self.intersect_on::<L>(ray, within, None) {
             take(at);
             within.min = at.t;
         }

@@ -58,7 +58,7 @@ impl Geometric for Particles {
         let (mut t, mut parts) = (F::splat(f64::INFINITY).to_array(), F::U32::splat(0).to_array());
         let (mut coincident, mut stack) = (0, Stack::default());
         Self::per_ray(ray, within, |lane, ray, span| {
-            if let Some(at) = self.closest_on::<F::Level>(ray, span, &mut stack) {
+            if let Some(at) = self.intersect_on::<F::Level>(ray, span, &mut stack) {
                 (t[lane], parts[lane]) = (at.t, at.part);
                 coincident |= u32::from(at.coincident) << lane;
             }
@@ -74,7 +74,7 @@ impl Geometric for Particles {
     fn occludes<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> F::Mask {
         let (mut found, mut stack) = (0, Stack::default());
         Self::per_ray(ray, within, |lane, ray, span| {
-            found |= u32::from(self.any_on::<F::Level>(ray, span, &mut stack)) << lane;
+            found |= u32::from(self.occludes_on::<F::Level>(ray, span, &mut stack)) << lane;
         });
         F::Mask::from_bits(found)
     }

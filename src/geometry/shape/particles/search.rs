@@ -10,7 +10,7 @@ use crate::geometry::shape::{Geometric, PreparedRay, RayInterval, ShapeHit};
 impl Particles {
     /// The closest sphere within bounds; of equally near ones, the one with the lowest index.
     #[inline(always)]
-    pub fn closest_on<L: Level>(
+    pub fn intersect_on<L: Level>(
         &self,
         ray: &TraversalRay,
         within: RayInterval<f64>,
@@ -24,7 +24,12 @@ impl Particles {
 
     /// Whether there is a sphere within bounds.
     #[inline(always)]
-    pub fn any_on<L: Level>(&self, ray: &TraversalRay, within: RayInterval<f64>, stack: &mut Stack) -> bool {
+    pub fn occludes_on<L: Level>(
+        &self,
+        ray: &TraversalRay,
+        within: RayInterval<f64>,
+        stack: &mut Stack,
+    ) -> bool {
         L::Narrow::call(Walk { search: Any { set: &self.0, ray, within, found: false }, stack })
     }
 

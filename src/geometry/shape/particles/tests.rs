@@ -30,10 +30,11 @@ fn the_tree_finds_what_every_sphere_finds() {
             let origin = random_numbers.point(2.0);
             let ray = TraversalRay::new(Ray { origin, direction: random_numbers.point(1.0) - origin });
             let each = (0..).zip(&spheres).filter_map(|(part, sphere)| {
-                Some(ShapeHit::of_part(sphere.hit(&ray, f64::INFINITY)?.t, part))
+                Some(ShapeHit::of_part(sphere.intersect_up_to(&ray, f64::INFINITY)?.t, part))
             });
             let nearest = each.min_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
-            let found = || (all.hit(&ray, f64::INFINITY), all.blocks(&ray, f64::INFINITY));
+            let found =
+                || (all.intersect_up_to(&ray, f64::INFINITY), all.occludes_up_to(&ray, f64::INFINITY));
             for (level, (hit, blocked)) in on_all_levels(found) {
                 let hit = hit.map(|hit| ShapeHit { coincident: false, ..hit });
                 assert_eq!((hit, blocked), (nearest, nearest.is_some()), "{level:?}");
@@ -99,7 +100,7 @@ fn eight_rays_find_what_each_finds() {
             let origin = random_numbers.point(2.0);
             Ray { origin, direction: random_numbers.point(0.5) - origin }
         });
-        let each = rays.map(|ray| all.hit(&TraversalRay::new(ray), f64::INFINITY));
+        let each = rays.map(|ray| all.intersect_up_to(&TraversalRay::new(ray), f64::INFINITY));
         for (level, (hits, blocked, surfaces)) in on_all_levels(|| dispatch(Eight(&all, &rays))) {
             assert_eq!(hits, each, "{level:?}");
             for lane in 0..8 {
