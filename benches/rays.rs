@@ -286,7 +286,7 @@ fn load(path: &Path) -> Outcome<(Mesh, [f64; 2])> {
         times.sort_by(f64::total_cmp);
         times[BUILDS / 2]
     };
-    Ok((Mesh { mesh: Arc::new(mesh), normals: Normals::Flat }, [median(0), median(1)]))
+    Ok((Mesh::new(Arc::new(mesh), Normals::Flat), [median(0), median(1)]))
 }
 
 fn build(parts: MeshData) -> Outcome<(mesh::TriangleMesh, [f64; 2])> {

@@ -5,17 +5,22 @@
 //! ```
 //!
 //! Each line is a sequence of 60 frames of 8 x 6 pixels: `OBJECTS/MOVING` is a number of spheres and how many of them
-//! move, `mesh/TRIANGLES` a mesh that turns. `load` is the time to read the sequence from a file. The next columns are
+//! move, `mesh/TRIANGLES` a mesh that turns, `particles/COUNT` the particles of a table, all of which move, and
+//! `series/TRIANGLES` a mesh of its own for every frame. `load` is the time to read the sequence from a file. The next columns are
 //! medians over the frames after the first: evaluation of a frame by the plan, the stages before tracing, and tracing
 //! with its set-up. Then follow the mean number of primitives that a frame rewrites, how often the tree was built and
 //! refitted, and the memory of the process after the last frame (on Linux). Each case runs in a process of its own.
 
+use kinora::base::math::DVec3;
+use kinora::geometry::mesh::MeshData;
+use kinora::import::ply;
 use kinora::pipeline::plan;
 use kinora::pipeline::schedule::{FilmCollector, FrameLoop, FrameStage, Stats};
 use kinora::sequence::{Sequence, load};
 use std::error::Error;
 use std::fmt::Write as _;
-use std::io::{Write as _, stdout};
+use std::fs::File;
+use std::io::{BufWriter, Write as _, stdout};
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
@@ -24,7 +29,7 @@ use std::{env, fs};
 
 const FRAMES: u32 = 60;
 
-const CASES: [&str; 10] = [
+const CASES: [&str; 13] = [
     "100/1",
     "10000/1",
     "10000/10000",
@@ -35,6 +40,9 @@ const CASES: [&str; 10] = [
     "1000000/0",
     "1000000/1",
     "mesh/1000000",
+    "particles/100000",
+    "particles/1000000",
+    "series/200000",
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -59,10 +67,13 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Prints the line of a case.
 fn measure(case: &str) -> Result<(), Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
-    let (text, moving) = match case.split_once('/').ok_or("a case is OBJECTS/MOVING or mesh/TRIANGLES")? {
-        ("mesh", triangles) => (mesh(folder.path(), triangles.parse()?)?, 1),
-        (objects, moving) => (spheres(objects.parse()?, moving.parse()?), moving.parse::<u32>()?),
-    };
+    let (text, moving) =
+        match case.split_once('/').ok_or("a case is OBJECTS/MOVING, or a kind and a number")? {
+            ("mesh", triangles) => (mesh(folder.path(), triangles.parse()?)?, 1),
+            ("particles", count) => (particles(folder.path(), count.parse()?)?, count.parse()?),
+            ("series", triangles) => (series(folder.path(), triangles.parse()?)?, 1000),
+            (objects, moving) => (spheres(objects.parse()?, moving.parse()?), moving.parse::<u32>()?),
+        };
     let path = folder.path().join("moving.ron");
     fs::write(&path, &text)?;
     drop(text);
@@ -152,6 +163,46 @@ fn spheres(count: u32, moving: u32) -> String {
         );
     }
     text + "})"
+}
+
+/// A sequence of particles like [`spheres`], all of which move, and its table.
+fn particles(folder: &Path, count: u32) -> Result<String, Box<dyn Error>> {
+    let mut random = Random(1);
+    let mut table = "t,id,x,y,z,r\n".to_owned();
+    for index in 0..count {
+        let start = [99.0; 3].map(|size| size * random.signed());
+        let radius = 0.4 + 0.2 * random.signed();
+        let end = start.map(|start| start + 10.0 * random.signed());
+        for (time, [x, y, z]) in [(0, start), (FRAMES, end)] {
+            let _ = writeln!(table, "{time},{index},{x:.1},{y:.1},{z:.1},{radius:.1}");
+        }
+    }
+    fs::write(folder.join("particles.csv"), table)?;
+    Ok(head(300.0) + "objects: { \"all\": (shape: Particles(\"particles.csv\")) })")
+}
+
+/// A sequence of a mesh per frame, and its files: hills of at least this many triangles that rise.
+fn series(folder: &Path, triangles: u32) -> Result<String, Box<dyn Error>> {
+    let side = (f64::from(triangles) / 2.0).sqrt().ceil() as u32;
+    let corners = (0..=side).flat_map(|k| (0..=side).map(move |l| (k, l)));
+    let at = |frame: u32| {
+        let rise = f64::from(frame) / f64::from(FRAMES);
+        corners.clone().map(move |(k, l)| DVec3::new(k.into(), rise * f64::from((k * l) % 7), l.into()))
+    };
+    let squares = (0..side).flat_map(|k| (0..side).map(move |l| k * (side + 1) + l));
+    let triangles: Vec<[u32; 3]> =
+        squares.flat_map(|a| [[a, a + 1, a + side + 1], [a + 1, a + side + 2, a + side + 1]]).collect();
+    for frame in 0..FRAMES {
+        let data =
+            MeshData { positions: at(frame).collect(), triangles: triangles.clone(), ..MeshData::default() };
+        ply::write(BufWriter::new(File::create(folder.join(format!("hills-{frame:02}.ply")))?), &data)?;
+    }
+    let middle = side / 2;
+    Ok(head(f64::from(2 * side))
+        + &format!(
+            "objects: {{ \"hills\": (shape: Mesh(series: \"hills-##.ply\", at: (step: 1)), \
+             translation: (-{middle}, 0, -{middle})) }})"
+        ))
 }
 
 /// A sequence of a mesh that turns, and its file: hills of at least this many triangles.

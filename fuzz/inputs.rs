@@ -76,6 +76,14 @@ pub fn frame_set(bytes: &[u8]) {
     }
 }
 
+/// A PVD file, which lists at least one file in the order of time.
+pub fn pvd(bytes: &[u8]) {
+    match import::series::read_pvd(bytes) {
+        Ok(steps) => assert!(!steps.is_empty() && steps.is_sorted_by(|a, b| a.time < b.time)),
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
 /// An OBJ file; what follows a zero byte is its material library.
 pub fn obj(bytes: &[u8]) {
     let (text, library) = match bytes.iter().position(|&byte| byte == 0) {

@@ -8,6 +8,8 @@
 //! pictures, data and tables are part of the repository; the meshes, 13 and 22 MB, are not.
 
 mod equations;
+mod forest;
+mod fountain;
 mod hills;
 mod moon;
 mod paint;
@@ -33,12 +35,28 @@ struct Picture {
     pixel: Box<dyn Fn(u32, u32) -> [u8; 3] + Sync>,
 }
 
+/// A table's file, and the function that writes its text.
+type TableByRule = (&'static str, fn() -> String);
+
+/// Tables by rule.
+const TABLES: [TableByRule; 3] = [
+    ("tables/pendulum.csv", pendulum::table),
+    ("tables/fountain.csv", fountain::table),
+    ("tables/forest.csv", forest::table),
+];
+
 fn main() -> Result<(), Box<dyn Error>> {
     for picture in pictures() {
         write(&picture, &path(&picture.name)?)?;
     }
     fs::write(path("data/pressure.vtk")?, pressure::file())?;
-    fs::write(path("tables/pendulum.csv")?, pendulum::table())?;
+    for step in 0..pressure::STEPS {
+        fs::write(path(&format!("data/waves/step-{step:02}.vtk"))?, pressure::step(step))?;
+    }
+    fs::write(path("data/waves/waves.pvd")?, pressure::list())?;
+    for (name, table) in TABLES {
+        fs::write(path(name)?, table())?;
+    }
     for (name, parts) in [("meshes/shell.ply", shell::parts()), ("meshes/hills.ply", hills::parts())] {
         ply::write(BufWriter::new(File::create(path(name)?)?), &parts)?;
     }
@@ -76,6 +94,14 @@ mod tests {
     fn the_data_is_up_to_date() {
         let path = path("data/pressure.vtk").expect("the folder is there");
         assert!(fs::read(path).expect("the file") == pressure::file());
+        let file = |name: &str| fs::read(super::path(name).expect("the folder is there")).expect("the file");
+        for step in 0..pressure::STEPS {
+            assert!(file(&format!("data/waves/step-{step:02}.vtk")) == pressure::step(step));
+        }
+        for (name, table) in &TABLES[1..] {
+            assert!(file(name) == table().into_bytes(), "{name}");
+        }
+        assert_eq!(file("data/waves/waves.pvd"), pressure::list().into_bytes());
     }
 
     /// The pictures in the repository are those that the command makes: every 13th pixel of every 29th row.

@@ -49,7 +49,9 @@ impl From<RenderError> for Failure {
             | RenderError::Camera { .. }
             | RenderError::Encode(EncodeError::Job(_)) => Self::Bad(message),
             RenderError::Stopped { signal, .. } => Self::Stopped { signal, message },
-            RenderError::Encode(_) | RenderError::Threads(_) => Self::Incomplete(message),
+            RenderError::Encode(_) | RenderError::Threads(_) | RenderError::Mesh { .. } => {
+                Self::Incomplete(message)
+            }
         }
     }
 }

@@ -52,7 +52,6 @@ pub fn load_prepared(
 ) -> Result<TriangleMesh, MeshError> {
     let name = escape::path(path.file_name().unwrap_or(path.as_os_str()));
     let mut parts = load_data(path, root, meter)?;
-    machine::check_memory(parts.triangles.len() as u64 * TRIANGLE_SIZE)?;
     if preparation.crease.is_some() {
         let [of_triangle, of_vertex] = CREASE_SIZES;
         machine::check_memory(
@@ -61,6 +60,12 @@ pub fn load_prepared(
     }
     preparation.apply(&mut parts);
     meter.start(format!("building the tree of {name}"), 0);
+    build(parts)
+}
+
+/// Builds a mesh if there is enough memory.
+pub(super) fn build(parts: MeshData) -> Result<TriangleMesh, MeshError> {
+    machine::check_memory(parts.triangles.len() as u64 * TRIANGLE_SIZE)?;
     TriangleMesh::new(parts)
 }
 

@@ -1,8 +1,8 @@
 //! Readers of files that other programs write: meshes and their materials, tables of numbers.
 //!
-//! In: OBJ, MTL, PLY, STL and VTK files; CSV and JSON Lines files.
-//! Out: meshes of `geometry`, tables.
-//! May use: `base`, `geometry`, `appearance`.
+//! In: OBJ, MTL, PLY, STL and VTK files, and lists of them; CSV and JSON Lines files.
+//! Out: meshes of `geometry` and series of them, tables.
+//! May use: `base`, `track`, `geometry`, `appearance`.
 
 mod lines;
 mod load;
@@ -11,6 +11,7 @@ mod progress;
 pub mod mtl;
 pub mod obj;
 pub mod ply;
+pub mod series;
 pub mod stl;
 pub mod table;
 pub mod vtk;

@@ -12,7 +12,6 @@ use crate::base::color::Rgb;
 use crate::base::digest::{Content, Digest, Digester};
 use crate::film::LayerId;
 use crate::geometry::mesh::ArrayKey;
-use crate::geometry::shape::Shape;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 
@@ -88,8 +87,9 @@ impl Digests {
             self.shown = None;
             self.shading(geometry, shading, regrouped);
         }
-        let is_mesh = |slot: &u32| matches!(geometry.primitives[*slot as usize].shape, Shape::Mesh(_));
-        if regrouped || shading_changed || self.arrays.is_some() && changed.iter().any(is_mesh) {
+        // These shapes may have data.
+        let has_data = |slot: &u32| geometry.primitives[*slot as usize].shape.has_tree();
+        if regrouped || shading_changed || self.arrays.is_some() && changed.iter().any(has_data) {
             self.note_arrays(geometry, shading);
         }
         if !regrouped && !changed.is_empty() {

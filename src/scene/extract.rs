@@ -8,7 +8,9 @@ use crate::appearance::material::{Material, MaterialBinding};
 use crate::base::math::{DAffine3, DVec3};
 use crate::geometry::shape::Shape;
 use crate::geometry::transform::TransformTracks;
-use crate::world::{AreaLight, Current, FileOrder, Slot, Transform, Visible, Weight};
+use crate::world::{
+    AreaLight, Current, FileOrder, ShapeParticles, ShapeSeries, Slot, Transform, Visible, Weight,
+};
 use bevy_ecs::change_detection::{DetectChanges, DetectChangesMut, Ref};
 use bevy_ecs::component::Component;
 use bevy_ecs::query::{Changed, Or, With};
@@ -23,8 +25,11 @@ pub fn geometry_changed(
     geometry.is_added() || !objects.is_empty() || !lights.is_empty()
 }
 
-/// Only objects that may move have tracks.
-type ObjectChange = (With<TransformTracks>, Or<(Changed<Transform>, Changed<Visible>)>);
+/// Only objects that may move, or whose shape may change, have tracks.
+type ObjectChange = Or<(
+    (With<TransformTracks>, Or<(Changed<Transform>, Changed<Visible>)>),
+    (Or<(With<ShapeSeries>, With<ShapeParticles>)>, Changed<Shape>),
+)>;
 type LightChange = (With<AreaLight>, Changed<Light>);
 
 /// Whether a material, a light's position, the sky or the fog has changed. Weights do not count.

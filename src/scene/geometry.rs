@@ -9,7 +9,7 @@ use crate::appearance::texture::{Footprint, TextureEvalContext};
 use crate::base::digest::{Content, Digest};
 use crate::base::math::{DAffine3, DVec2, DVec3, absolute, inverse};
 use crate::geometry::mesh::ArrayKey;
-use crate::geometry::shape::{Shape, Surface};
+use crate::geometry::shape::{Mesh, Particles, Shape, Surface};
 use std::collections::HashMap;
 
 /// The primitives in the order of the file, each in a slot of its own. The slot of a hidden or flattened object is
@@ -175,13 +175,19 @@ impl Geometry {
         &self.origins[slot]
     }
 
-    /// The digest of the meshes' data of these keys, by the materials that read it.
+    /// The digest of the meshes' data of these keys, by the materials that read it. The digest of a mesh of a series
+    /// covers its data already.
     pub fn arrays(&self, keys: &HashMap<u32, Vec<&ArrayKey>>) -> Digest {
         let mut digests = Vec::new();
         for (primitive, Origin { shape, .. }) in self.primitives.iter().zip(&self.origins) {
-            let Shape::Mesh(mesh) = shape else { continue };
             let read = primitive.materials().filter_map(|material| keys.get(&material)).flatten();
-            digests.extend(read.map(|key| mesh.mesh.array_digest(key)));
+            match shape {
+                Shape::Mesh(Mesh { mesh, step: None, .. }) => {
+                    digests.extend(read.map(|key| mesh.array_digest(key)));
+                }
+                Shape::Particles(Particles(set)) => digests.extend(read.map(|key| set.column_digest(key))),
+                _ => {}
+            }
         }
         Digest::of(&digests)
     }

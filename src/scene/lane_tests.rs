@@ -8,8 +8,8 @@ use crate::base::math::{DAffine3, DVec3, Ray};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::mesh::{self, Normals, generate};
 use crate::geometry::shape::{
-    Cone, Cuboid, Cylinder, Disk, Mesh, Plane, PreparedRay, RayInterval, Rectangle, Shape, ShapeHit, Sphere,
-    Surface, Torus, Triangle,
+    Cone, Cuboid, Cylinder, Disk, Mesh, Particles, Plane, PreparedRay, RayInterval, Rectangle, Shape,
+    ShapeHit, Sphere, Surface, Torus, Triangle,
 };
 use crate::sampling::LocalFrame;
 use crate::testing::{Random, eight_rays, eight_vectors};
@@ -146,7 +146,7 @@ fn draw<F: Real>(
 
 fn shapes() -> Vec<Shape> {
     let mesh = Arc::new(mesh::TriangleMesh::new(generate::displaced_sphere(2, 5)).expect("a mesh"));
-    let mesh = |normals| Shape::Mesh(Mesh { mesh: mesh.clone(), normals });
+    let mesh = |normals| Shape::Mesh(Mesh::new(mesh.clone(), normals));
     let (a, b, c) = (DVec3::new(-0.7, -0.6, 0.1), DVec3::new(0.8, -0.2, -0.3), DVec3::new(0.1, 0.9, 0.4));
     let cylinder = |capped| Shape::Cylinder(Cylinder::new(a, b, 0.4, capped).expect("a cylinder"));
     let cone = |top| Shape::Cone(Cone::new(a, c, 0.7, top, true).expect("a cone"));
@@ -164,6 +164,7 @@ fn shapes() -> Vec<Shape> {
         Shape::Torus(Torus::new(b, c.normalize(), 1.0, 0.3)),
         mesh(Normals::Smooth),
         mesh(Normals::Flat),
+        Shape::Particles(Particles::still([a, b, c].map(|center| Sphere { center, radius: 0.6 }).repeat(4))),
     ]
 }
 

@@ -140,23 +140,15 @@ impl Primitive {
         }
     }
 
-    /// Passes all hits of one ray within bounds to `take`. The ray keeps its origin and only the minimum of t grows,
-    /// so each hit is found once, however close hits are.
+    /// [`Shape::each_crossing`] of a ray in the world.
     pub fn each_crossing<L: Level>(
         &self,
         ray: &TraversalRay,
-        mut within: RayInterval<f64>,
+        within: RayInterval<f64>,
         take: &mut dyn FnMut(ShapeHit),
     ) {
         let own = self.transform.as_ref().map(|transform| transform.traversal_ray_to_object(ray));
-        let ray = own.as_ref().unwrap_or(ray);
-        if let Shape::Mesh(mesh) = &self.shape {
-            return mesh.each(ray, within, take);
-        }
-        while let Some(at) = self.shape.intersect_on::<L>(ray, within, None) {
-            take(at);
-            within.min = at.t;
-        }
+        self.shape.each_crossing::<L>(own.as_ref().unwrap_or(ray), within, take);
     }
 
     /// The surface at the hits of [`Primitive::intersect`].

@@ -3,13 +3,15 @@
 use super::fault::Fault;
 use super::node::File;
 use super::suggest::{listed, nearest, shortened};
-use super::{Named, Object};
+use super::{Named, Object, ShapeTracks};
 use crate::appearance::material::MaterialTracks;
 use crate::appearance::texture::{DataScale, DataSource, DataTexture};
-use crate::geometry::mesh::{ArrayKey, Centering, Component, TriangleMesh};
+use crate::geometry::mesh::{ArrayKey, Centering, Component, DataArray};
 use crate::geometry::shape::{self, Shape};
+use crate::import::series::MeshSeries;
 use std::collections::HashMap;
 use std::ops::Range;
+use std::path::Path;
 
 /// The ranges of data, each with the place of the first object that shows it.
 type Ranges = HashMap<(DataSource, DataScale), (Option<[f64; 2]>, usize)>;
@@ -33,7 +35,7 @@ pub fn resolve(
         let shown = object.value.made_of.indices().filter_map(|index| data.get(index as usize));
         let mut seen: Vec<&DataSource> = Vec::new();
         for texture in shown.flatten().filter(|_| object.value.shape != Shape::Group) {
-            if let Err(fault) = note(texture, &object.value.shape, place, &mut ranges)
+            if let Err(fault) = note(texture, &object.value, place, &mut ranges)
                 && !seen.contains(&&texture.source)
             {
                 file.push(*fault);
@@ -56,10 +58,10 @@ pub fn resolve(
     notes.into_iter().for_each(|(at, note)| file.warn(at, note));
 }
 
-/// Notes the range of a shape's data.
+/// Notes the range of the data of an object's shape.
 fn note(
     texture: &DataTexture,
-    shape: &Shape,
+    object: &Object,
     place: &Range<usize>,
     ranges: &mut Ranges,
 ) -> Result<(), Box<Fault>> {
@@ -67,35 +69,80 @@ fn note(
     let counts = |value: f64| scale.has(value);
     let range = match source {
         DataSource::Array(key) => {
-            let Shape::Mesh(shape::Mesh { mesh, .. }) = shape else {
-                return Err(Box::new(no_mesh(key, place)));
+            let (name, arrays) = match (&object.shape, &object.tracks) {
+                (Shape::Mesh(shape::Mesh { mesh, .. }), _) => ("mesh", mesh.arrays()),
+                (_, Some(ShapeTracks::Particles(particles))) => ("table", particles.columns()),
+                _ => return Err(Box::new(no_mesh(key, place))),
             };
-            if mesh.array(key).is_none() {
-                return Err(Box::new(missing(key, mesh, place)));
+            let array = found(arrays, key).ok_or_else(|| Box::new(missing(key, (name, arrays), place)))?;
+            match (&object.shape, &object.tracks) {
+                (_, Some(ShapeTracks::Series(series))) => {
+                    let range = series_range(series, key, *scale);
+                    let range = range.map_err(|file| Box::new(lacking(key, file, place)))?;
+                    if !auto {
+                        return Ok(());
+                    }
+                    range
+                }
+                _ if !auto => return Ok(()),
+                (Shape::Mesh(shape::Mesh { mesh, .. }), _) => mesh.array_range(key, counts),
+                _ => array.range(0..array.entries(), key.component, counts),
             }
-            if !auto {
-                return Ok(());
-            }
-            mesh.array_range(key, counts)
         }
         DataSource::Coordinate(_) if !auto => return Ok(()),
         DataSource::Coordinate(axis) => {
-            let bounds = shape.bounds().ok_or_else(|| Box::new(endless(place)))?;
+            let bounds = match &object.tracks {
+                Some(tracks) => Some(tracks.bounds()),
+                None => object.shape.bounds(),
+            };
+            let bounds = bounds.ok_or_else(|| Box::new(endless(place)))?;
             let ends = [bounds.min, bounds.max].map(|corner| corner[*axis as usize]);
             Some(ends).filter(|[min, _]| counts(*min))
         }
     };
     let (whole, _) = ranges.entry((source.clone(), *scale)).or_insert((None, place.start));
-    *whole = match (*whole, range) {
-        (Some([a, b]), Some([c, d])) => Some([a.min(c), b.max(d)]),
-        (one, other) => one.or(other),
-    };
+    *whole = union(*whole, range);
     Ok(())
 }
 
+/// The array that has these numbers.
+fn found<'a>(arrays: &'a [DataArray], key: &ArrayKey) -> Option<&'a DataArray> {
+    let index = key.index(arrays.iter().map(|array| (array.name.as_str(), array.centering)))?;
+    Some(&arrays[index]).filter(|array| array.has(key.component))
+}
+
+/// The range of both.
+fn union(one: Option<[f64; 2]>, other: Option<[f64; 2]>) -> Option<[f64; 2]> {
+    match (one, other) {
+        (Some([a, b]), Some([c, d])) => Some([a.min(c), b.max(d)]),
+        _ => one.or(other),
+    }
+}
+
+/// The range of data in all files of a series, or a file without the data.
+fn series_range<'a>(
+    series: &'a MeshSeries,
+    key: &ArrayKey,
+    scale: DataScale,
+) -> Result<Option<[f64; 2]>, &'a Path> {
+    let mut whole = None;
+    for (step, path) in series.steps().iter().zip(series.paths()) {
+        let array = step.array(key).ok_or(path.as_path())?;
+        whole = union(whole, array.range(key.component, scale == DataScale::Log));
+    }
+    Ok(whole)
+}
+
+/// The fault of data that a file of a series lacks.
+fn lacking(key: &ArrayKey, file: &Path, place: &Range<usize>) -> Fault {
+    let file = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
+    let title = format!("not all files of the series have the data `{}`", shortened(&key.name));
+    Fault::new(place.clone(), title, format!("{:?} has none", shortened(&file)))
+}
+
 fn no_mesh(key: &ArrayKey, place: &Range<usize>) -> Fault {
-    let title = format!("only meshes have data such as `{}`", shortened(&key.name));
-    Fault::new(place.clone(), title, "the shape of this object is no mesh")
+    let title = format!("only meshes and particles have data such as `{}`", shortened(&key.name));
+    Fault::new(place.clone(), title, "the shape of this object has none")
         .help("X, Y and Z are the coordinates of any shape")
 }
 
@@ -105,11 +152,11 @@ fn endless(place: &Range<usize>) -> Fault {
         .help("write the range: `range: (lowest, highest)`")
 }
 
-/// The fault of data that a mesh lacks.
-fn missing(key: &ArrayKey, mesh: &TriangleMesh, place: &Range<usize>) -> Fault {
+/// The fault of data that a mesh or a table lacks.
+fn missing(key: &ArrayKey, (owner, arrays): (&str, &[DataArray]), place: &Range<usize>) -> Fault {
     let whole = ArrayKey { component: Component::Whole, ..key.clone() };
     let name = shortened(&key.name);
-    if let (Some(array), Component::Index(index)) = (mesh.array(&whole), key.component) {
+    if let (Some(array), Component::Index(index)) = (found(arrays, &whole), key.component) {
         let title = format!("the data `{name}` has no component {index}");
         let label = match array.components {
             1 => "it has one, 0".to_owned(),
@@ -123,17 +170,16 @@ fn missing(key: &ArrayKey, mesh: &TriangleMesh, place: &Range<usize>) -> Fault {
         Some(Centering::Cells) => "data of cells",
     };
     let fits = |centering| key.centering.is_none_or(|wanted| wanted == centering);
-    let names =
-        || mesh.arrays().iter().filter(|array| fits(array.centering)).map(|array| array.name.as_str());
+    let names = || arrays.iter().filter(|array| fits(array.centering)).map(|array| array.name.as_str());
     let label = match nearest(&key.name, names()) {
         Some(name) => format!("did you mean `{}`?", shortened(name)),
         None => "unknown".to_owned(),
     };
     let help = match names().next() {
-        Some(_) => format!("the mesh has {}", listed(names())),
-        None => format!("the mesh has no {kind}"),
+        Some(_) => format!("the {owner} has {}", listed(names())),
+        None => format!("the {owner} has no {kind}"),
     };
-    Fault::new(place.clone(), format!("the mesh of this object has no {kind} `{name}`"), label).help(help)
+    Fault::new(place.clone(), format!("the {owner} of this object has no {kind} `{name}`"), label).help(help)
 }
 
 /// A note about a range that was found.

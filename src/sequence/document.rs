@@ -17,7 +17,9 @@ use super::names::{Entry, Names, entries};
 use super::node::Node;
 use super::object::{MaterialSource, ObjectDraft, Parent, object, report_circles};
 use super::output::{default_output, output};
+use super::pose_tracks::Placement;
 use super::quality_fields::quality;
+use super::shape::ShapeOverTime;
 use super::syntax::EXAMPLE;
 use super::timeline::{still, timeline};
 use super::transform_limits::{TransformPlace, report_out_of_range};
@@ -28,6 +30,7 @@ use crate::appearance::material::{MaterialBinding, MaterialTracks};
 use crate::base::color::Rgb;
 use crate::base::math::UpAxis;
 use crate::camera::path::CameraPath;
+use crate::geometry::shape::Shape;
 use crate::sequence::quality::Quality;
 use crate::track::Animated;
 use std::collections::HashMap;
@@ -178,8 +181,15 @@ fn scene(
     let (default, materials, objects) =
         (default?, materials?.unwrap_or_default(), objects?.unwrap_or_default());
     transforms.extend(objects.iter().map(|(draft, _)| draft.value.place.clone()));
-    let places: Vec<_> = objects.iter().map(|(draft, _)| draft.value.material_place.clone()).collect();
-    let (mut materials, objects) = assembled(&default, &materials, objects);
+    let mut places: Vec<_> = objects.iter().map(|(draft, _)| draft.value.material_place.clone()).collect();
+    let ((mut materials, mut objects), instances) = assembled(&default, &materials, objects);
+    // Behind all others, whose indices stay.
+    for (index, instances) in instances.into_iter().enumerate() {
+        let count = instances.len();
+        transforms.extend(std::iter::repeat_n(transforms[index].clone(), count));
+        places.extend(std::iter::repeat_n(places[index].clone(), count));
+        objects.extend(instances);
+    }
     data_ranges::resolve(fields.node().file, &mut materials, &objects, &places);
     Some((materials, objects))
 }
@@ -197,12 +207,12 @@ fn objects(node: Node<'_>, materials: &Names<'_>) -> Option<Vec<Placed>> {
 }
 
 /// Gives every object the index of its material. Appends inline materials, and the default material if it is used, to
-/// the named ones. Objects of one mesh share the materials of the mesh.
+/// the named ones. Objects of one mesh share the materials of the mesh. Returns the instances of each object apart.
 fn assembled(
     default: &MaterialDescription,
     named: &[Named<MaterialDescription>],
     drafts: Vec<Placed>,
-) -> MaterialsAndObjects {
+) -> (MaterialsAndObjects, Vec<Vec<Named<Object>>>) {
     let over = |given: &MaterialDescription| given.over(default);
     let mut materials: Vec<_> =
         named.iter().map(|m| Named { name: m.name.clone(), value: over(&m.value) }).collect();
@@ -213,8 +223,10 @@ fn assembled(
         materials.len() as u32 - 1
     };
     let mut objects = Vec::with_capacity(drafts.len());
+    let mut all_instances = Vec::with_capacity(drafts.len());
     for (Named { name, value: draft }, parent) in drafts {
-        let ObjectDraft { shape, material, transform, visible, .. } = draft;
+        let ObjectDraft { shape, placements, material, transform, visible, .. } = draft;
+        let ShapeOverTime { shape, tracks } = shape;
         let made_of = match material {
             MaterialSource::Named(index) => MaterialBinding::One(index as u32),
             MaterialSource::Inline(given) => {
@@ -234,7 +246,21 @@ fn assembled(
             })),
         };
         let parent = parent.map(|parent| parent.index);
-        objects.push(Named { name, value: Object { shape, made_of, transform, visible, parent } });
+        let (own, instances) = match placements {
+            None => ((shape, tracks), Vec::new()),
+            Some(placements) => {
+                let index = objects.len();
+                let instance = |(number, Placement { transform, visible })| {
+                    let (shape, tracks) = (shape.clone(), tracks.clone());
+                    let value = Object { shape, tracks, made_of, transform, visible, parent: Some(index) };
+                    Named { name: format!("{name}[{number}]"), value }
+                };
+                ((Shape::Group, None), placements.into_iter().enumerate().map(instance).collect())
+            }
+        };
+        all_instances.push(instances);
+        let (shape, tracks) = own;
+        objects.push(Named { name, value: Object { shape, tracks, made_of, transform, visible, parent } });
     }
-    (materials, objects)
+    ((materials, objects), all_instances)
 }

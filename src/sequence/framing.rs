@@ -4,7 +4,7 @@
 //! beyond their supports in four directions: the normals of the sides of its view. Supports are exact for every shape,
 //! so nothing is framed that is not there.
 
-use super::{Named, Object, Sequence};
+use super::{Named, Object, Sequence, ShapeTracks};
 use crate::base::math::{Aabb, Angle, Basis, DAffine3, DMat3, DVec2, DVec3, inverse, look_at, max};
 use crate::base::time::{Clock, Time};
 use crate::camera::Projection;
@@ -85,8 +85,8 @@ impl<'a> Framing<'a> {
         if framing.is_still() {
             framing.frames.truncate(1);
         }
-        let points = framing.objects.iter().map(|&object| match &sequence.objects[object].value.shape {
-            Shape::Mesh(mesh) => mesh.mesh.positions().len() as u64,
+        let points = framing.objects.iter().map(|&object| match &sequence.objects[object].value {
+            Object { shape: Shape::Mesh(mesh), tracks: None, .. } => mesh.mesh.positions().len() as u64,
             _ => 1,
         });
         framing.boxes = points.sum::<u64>().saturating_mul(framing.frames.len() as u64) > MAX_POINTS;
@@ -97,7 +97,8 @@ impl<'a> Framing<'a> {
     fn is_still(&self) -> bool {
         let keyed = |index: usize| {
             let object = &self.sequence.objects[index].value;
-            object.transform.is_keyed() || object.visible.is_keyed()
+            let changes = object.tracks.as_ref().is_some_and(ShapeTracks::is_keyed);
+            object.transform.is_keyed() || object.visible.is_keyed() || changes
         };
         self.camera.is_still() && !self.objects.iter().any(|&object| self.chain(object).any(keyed))
     }
@@ -184,34 +185,53 @@ impl<'a> Framing<'a> {
 
     /// The visible objects and their transforms at a time, without those that a transform flattens: these are not
     /// visible either. If nothing ever is visible, this is empty.
-    fn placed(&self, time: Time) -> Vec<(&'a Shape, DAffine3)> {
+    fn placed(&self, time: Time) -> Vec<(FramedShape<'a>, DAffine3)> {
         let object = |index: usize| &self.sequence.objects[index].value;
         let visible = |index: &usize| self.chain(*index).all(|at| object(at).visible.at(time));
         let root = DAffine3::from_mat3(self.sequence.up.matrix());
         let world = |index: usize| {
             let own =
                 self.chain(index).fold(DAffine3::IDENTITY, |world, at| object(at).transform.at(time) * world);
-            (&object(index).shape, root * own)
+            (FramedShape::of(object(index), time), root * own)
         };
-        let solid = |(_, world): &(&Shape, DAffine3)| inverse(world).is_some();
+        let solid = |(_, world): &(FramedShape, DAffine3)| inverse(world).is_some();
         self.objects.iter().copied().filter(visible).map(world).filter(solid).collect()
     }
 
     /// The largest dot product of a point of the objects with a direction.
-    fn support(&self, placed: &[(&Shape, DAffine3)], direction: DVec3) -> f64 {
-        let of = |(shape, world): &(&Shape, DAffine3)| {
+    fn support(&self, placed: &[(FramedShape<'_>, DAffine3)], direction: DVec3) -> f64 {
+        let of = |(shape, world): &(FramedShape<'_>, DAffine3)| {
             let local = DMat3::transpose(&world.matrix3) * direction;
-            let support = if self.boxes { box_support(shape, local) } else { shape.support(local) };
+            let support = match shape {
+                FramedShape::Own(shape) if !self.boxes => shape.support(local),
+                FramedShape::Own(shape) => shape.bounds().map(|bounds| box_support(bounds, local)),
+                FramedShape::Box(bounds) => bounds.map(|bounds| box_support(bounds, local)),
+            };
             support.map_or(f64::NEG_INFINITY, |support| support + world.translation.dot(direction))
         };
         placed.iter().map(of).fold(f64::NEG_INFINITY, max)
     }
 }
 
-/// The support of the box around a shape.
-fn box_support(shape: &Shape, direction: DVec3) -> Option<f64> {
-    let corners = shape.bounds()?.corners();
-    Some(corners.into_iter().map(|corner| corner.dot(direction)).fold(f64::NEG_INFINITY, max))
+/// What is framed of an object.
+enum FramedShape<'a> {
+    Own(&'a Shape),
+    /// The box around a shape that changes over time. It is known without loading files.
+    Box(Option<Aabb>),
+}
+
+impl<'a> FramedShape<'a> {
+    fn of(object: &'a Object, time: Time) -> Self {
+        match &object.tracks {
+            Some(tracks) => Self::Box(tracks.bounds_at(time)),
+            None => Self::Own(&object.shape),
+        }
+    }
+}
+
+/// The support of a box.
+fn box_support(bounds: Aabb, direction: DVec3) -> f64 {
+    bounds.corners().into_iter().map(|corner| corner.dot(direction)).fold(f64::NEG_INFINITY, max)
 }
 
 /// The fit, unless there is nothing to see or it is too far away.

@@ -131,7 +131,7 @@ fn read_key<'s, T: Animate>(
 }
 
 /// Whether the times ascend. Reports each time that does not.
-fn report_unsorted<'s>(times: impl Iterator<Item = (Time, Node<'s>)>) -> bool {
+pub fn report_unsorted<'s>(times: impl Iterator<Item = (Time, Node<'s>)>) -> bool {
     let (mut sorted, mut before): (bool, Option<(Time, Node<'s>)>) = (true, None);
     for (time, node) in times {
         if let Some((earlier, other)) = before.filter(|(earlier, _)| time <= *earlier) {
@@ -153,10 +153,20 @@ fn report_unsorted<'s>(times: impl Iterator<Item = (Time, Node<'s>)>) -> bool {
 }
 
 /// A key's time in seconds.
-fn key_time(node: Node<'_>) -> Option<Time> {
+pub fn key_time(node: Node<'_>) -> Option<Time> {
     let time = exact_number(node, TIME_PLACES)?;
     if !is_allowed(time) {
         node.expected("a time between -1e9 and 1e9");
+        return None;
+    }
+    Some(in_seconds(time, node.file.clock.get()))
+}
+
+/// A time between two keys in seconds, above 0.
+pub fn interval(node: Node<'_>) -> Option<Time> {
+    let time = exact_number(node, TIME_PLACES)?;
+    if !is_allowed(time) || time <= Time::from_integer(0) {
+        node.expected("a time above 0 and up to 1e9");
         return None;
     }
     Some(in_seconds(time, node.file.clock.get()))

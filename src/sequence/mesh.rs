@@ -3,12 +3,15 @@
 use super::colors::color;
 use super::fault::Fault;
 use super::fields::Fields;
+use super::mesh_series::{is_list, series};
 use super::node::{Node, NodeContent};
+use super::shape_tracks::ShapeTracks;
 use super::suggest::shortened;
 use super::values::{angle_between, each, list, number, positive, text, tuple, up_axis, vector, whole};
 use super::words::word;
 use super::{Named, Object, Sequence};
 use crate::base::math::{Angle, DVec2, DVec3};
+use crate::base::time::Time;
 use crate::geometry::mesh::{self, Center, Corners, MeshData, NO_FILE, Normals, Preparation};
 use crate::geometry::shape::{Mesh, Shape};
 use std::collections::HashSet;
@@ -16,17 +19,42 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Decodes a mesh from these fields.
-pub fn mesh(fields: &mut Fields<'_>) -> Option<Mesh> {
-    if !fields.has("file") {
-        return inline(fields);
+pub fn mesh(fields: &mut Fields<'_>) -> Option<(Mesh, Option<ShapeTracks>)> {
+    if fields.has("series") {
+        only_without(fields, "series", &["file", "vertices", "triangles", "uvs", "colors"]);
+        let series = series(fields)?;
+        return Some((series.named(Time::from_integer(0)), Some(ShapeTracks::Series(series))));
     }
-    let written: Vec<_> = INLINE.into_iter().filter(|name| fields.has(name)).collect();
-    if let [first, ..] = written[..] {
-        let title = "a mesh is either read from a file or written out";
-        let label = "only for a mesh without `file`";
+    only_without(fields, "file", &INLINE);
+    let mesh = if fields.has("file") { from_file(fields) } else { inline(fields) };
+    only_with(fields, "series", &["at", "numbers", "between", "repeat"]);
+    mesh.map(|mesh| (mesh, None))
+}
+
+/// Reports fields that a mesh with the field `name` has no use for.
+fn only_without(fields: &mut Fields<'_>, name: &str, others: &[&'static str]) {
+    let given: Vec<_> = others.iter().copied().filter(|other| fields.has(other)).collect();
+    if let (true, [first, ..]) = (fields.has(name), &given[..]) {
+        let title = "a mesh is read from a file, from a series of files, or written out";
+        let label = format!("only for a mesh without `{name}`");
         fields.node().fault(Fault::new(fields.place(first), title, label));
-        INLINE.into_iter().for_each(|name| fields.ignore(name));
+        given.into_iter().for_each(|other| fields.ignore(other));
     }
+}
+
+/// Reports fields that only a mesh with the field `name` has.
+fn only_with(fields: &mut Fields<'_>, name: &str, others: &[&'static str]) {
+    let given: Vec<_> = others.iter().copied().filter(|other| fields.has(other)).collect();
+    for other in given {
+        let title = format!("`{other}` belongs to a series of meshes");
+        let label = format!("only for a mesh with `{name}`");
+        fields.node().fault(Fault::new(fields.place(other), title, label));
+        fields.ignore(other);
+    }
+}
+
+/// A mesh that has the field `file`.
+fn from_file(fields: &mut Fields<'_>) -> Option<Mesh> {
     let preparation = preparation(fields);
     let normals = fields.optional("normals", |node| shading(node, KINDS));
     let mesh = fields.required("file", |node| {
@@ -50,7 +78,7 @@ pub fn file_place(node: Node<'_>) -> Range<usize> {
     let file = match node.content() {
         Some(NodeContent::Tuple(items)) => items.first().copied(),
         Some(NodeContent::Fields(fields)) => {
-            fields.into_iter().find(|(name, _)| *name == "file").map(|(_, value)| value)
+            fields.into_iter().find(|(name, _)| ["file", "series"].contains(name)).map(|(_, value)| value)
         }
         _ => None,
     };
@@ -59,19 +87,19 @@ pub fn file_place(node: Node<'_>) -> Range<usize> {
 
 /// Kinds of normals as files name them.
 #[derive(Clone, Copy)]
-enum Shading {
+pub enum Shading {
     Kind(Normals),
     /// Smooth except at creases of more than this angle.
     Crease(Angle),
 }
 
 impl Shading {
-    fn crease(self) -> Option<Angle> {
+    pub fn crease(self) -> Option<Angle> {
         if let Self::Crease(angle) = self { Some(angle) } else { None }
     }
 
     /// Crease normals replace those of the file.
-    fn normals(self) -> Normals {
+    pub fn normals(self) -> Normals {
         if let Self::Kind(normals) = self { normals } else { Normals::File }
     }
 }
@@ -79,7 +107,7 @@ impl Shading {
 /// The angle of `Crease` without fields: it keeps chamfers of 45 degrees sharp, and smooths cylinders of twelve sides.
 const CREASE: Angle = Angle(40.0);
 
-const KINDS: &[(&str, Shading)] = &[
+pub const KINDS: &[(&str, Shading)] = &[
     ("File", Shading::Kind(Normals::File)),
     ("Smooth", Shading::Kind(Normals::Smooth)),
     ("Flat", Shading::Kind(Normals::Flat)),
@@ -87,7 +115,7 @@ const KINDS: &[(&str, Shading)] = &[
 ];
 
 /// One of these kinds, or `Crease(angle: 40)`.
-fn shading(node: Node<'_>, kinds: &[(&'static str, Shading)]) -> Option<Shading> {
+pub fn shading(node: Node<'_>, kinds: &[(&'static str, Shading)]) -> Option<Shading> {
     if node.word() != "Crease" {
         return word(node, "kind of normals", kinds);
     }
@@ -98,7 +126,7 @@ fn shading(node: Node<'_>, kinds: &[(&'static str, Shading)]) -> Option<Shading>
 }
 
 /// The fields that change the coordinates of a mesh.
-fn preparation(fields: &mut Fields<'_>) -> Option<Preparation> {
+pub fn preparation(fields: &mut Fields<'_>) -> Option<Preparation> {
     let own = fields.node().file.up.get();
     let up = fields.or("up", up_axis, own);
     let scale = fields.or("scale", positive, 1.0);
@@ -115,7 +143,7 @@ fn placed(mesh: Arc<mesh::TriangleMesh>, normals: Normals) -> Mesh {
     if normals == Normals::Smooth {
         mesh.smooth_normals();
     }
-    Mesh { mesh, normals }
+    Mesh::new(mesh, normals)
 }
 
 /// The mesh in the file with the quoted name.
@@ -126,9 +154,13 @@ fn file(node: Node<'_>, preparation: &Preparation) -> Option<Arc<mesh::TriangleM
         Err(why) => {
             let title = format!("cannot read the mesh {:?}", shortened(&name));
             let help = "paths of meshes are relative to the folder of the sequence file";
-            let missing = why == NO_FILE;
+            let (missing, lists) = (why == NO_FILE, is_list(&name));
             let fault = Fault::new(node.span(), title, why);
-            node.fault(if missing { fault.help(help) } else { fault });
+            node.fault(match (missing, lists) {
+                (true, _) => fault.help(help),
+                (_, true) => fault.help(format!("write Mesh(series: {:?})", shortened(&name))),
+                _ => fault,
+            });
             None
         }
     }
@@ -223,7 +255,7 @@ fn per_vertex<'s, T>(
 }
 
 impl Sequence {
-    /// The different meshes, each with the first object that uses it.
+    /// The different meshes, each with the first object that uses it. Of a series, the first mesh.
     pub fn meshes(&self) -> Vec<(&str, &mesh::TriangleMesh)> {
         let mut meshes: Vec<(&str, &mesh::TriangleMesh)> = Vec::new();
         let mut seen = HashSet::new();

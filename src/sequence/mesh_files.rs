@@ -3,6 +3,7 @@
 use super::material_description::MeshMaterials;
 use crate::base::files::{self, Root};
 use crate::geometry::mesh::{self, Preparation, PreparationKey};
+use crate::import::series::{MeshSeries, SeriesFiles, StepError};
 use crate::import::{self, LoadProgress};
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -16,6 +17,7 @@ pub struct MeshFiles {
     root: Root,
     pub meter: Arc<LoadProgress>,
     read: RefCell<HashMap<(PathBuf, PreparationKey), MeshResult>>,
+    series: RefCell<Vec<Arc<MeshSeries>>>,
     /// Materials by the address of their mesh. Keeps the mesh alive, so that no other mesh gets its address.
     materials: RefCell<HashMap<*const mesh::TriangleMesh, (Arc<mesh::TriangleMesh>, MeshMaterials)>>,
 }
@@ -30,14 +32,47 @@ impl MeshFiles {
             root,
             meter: Arc::default(),
             read: RefCell::default(),
+            series: RefCell::default(),
             materials: RefCell::default(),
         }
+    }
+
+    /// The folder to which paths are relative.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The canonical path of a file that the sequence may read.
+    pub fn admit(&self, name: &str) -> Result<PathBuf, String> {
+        self.root.admit(&self.folder.join(name)).map_err(|error| files::describe(&error))
+    }
+
+    /// Checks the files of a series, or returns the same series of the first time.
+    pub fn series(&self, mut files: SeriesFiles) -> Result<Arc<MeshSeries>, Vec<StepError>> {
+        let admitted = files.paths.into_iter().map(|path| {
+            let known = import::known_format(&path).map_err(|error| error.to_string());
+            let admitted =
+                known.and_then(|()| self.root.admit(&path).map_err(|error| files::describe(&error)));
+            admitted.map_err(|why| StepError { path, why })
+        });
+        let (paths, errors): (Vec<_>, Vec<_>) = admitted.partition(Result::is_ok);
+        if !errors.is_empty() {
+            return Err(errors.into_iter().filter_map(Result::err).collect());
+        }
+        files.paths = paths.into_iter().filter_map(Result::ok).collect();
+        let mut read = self.series.borrow_mut();
+        if let Some(known) = read.iter().find(|known| known.is_of(&files)) {
+            return Ok(Arc::clone(known));
+        }
+        let series = Arc::new(MeshSeries::open(files, self.root.clone(), &self.meter)?);
+        read.push(Arc::clone(&series));
+        Ok(series)
     }
 
     /// Reads a file and prepares its data, or returns the result of the first time.
     pub fn mesh(&self, name: &str, preparation: &Preparation) -> MeshResult {
         import::known_format(Path::new(name)).map_err(|error| error.to_string())?;
-        let path = self.root.admit(&self.folder.join(name)).map_err(|error| files::describe(&error))?;
+        let path = self.admit(name)?;
         let mut read = self.read.borrow_mut();
         let mesh = read.entry((path, preparation.key())).or_insert_with_key(|(path, _)| {
             let mesh = import::load_prepared(path, &self.root, &self.meter, preparation);

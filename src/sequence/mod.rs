@@ -24,6 +24,7 @@ mod frame;
 mod framing;
 mod image;
 mod image_files;
+mod instances;
 mod key_clock;
 mod keys;
 mod layers;
@@ -34,6 +35,7 @@ mod material;
 mod material_description;
 mod mesh;
 mod mesh_files;
+mod mesh_series;
 mod motion;
 mod mtl;
 mod names;
@@ -43,6 +45,7 @@ mod object;
 mod outline;
 mod output;
 mod paint;
+mod particles;
 mod path;
 mod pose_columns;
 mod pose_tracks;
@@ -51,6 +54,7 @@ pub mod quality;
 mod quality_fields;
 mod transform_limits;
 mod shape;
+mod shape_tracks;
 mod suggest;
 mod symbols;
 mod syntax;
@@ -67,6 +71,7 @@ pub use layers::LightLayers;
 pub use load::{LoadError, load, load_text, load_watched, parse};
 pub use motion::UnknownObject;
 pub use quality_fields::ERRORS;
+pub use shape_tracks::ShapeTracks;
 #[cfg(feature = "cli")]
 pub(crate) use suggest::{listed, nearest};
 
@@ -126,7 +131,10 @@ pub struct Named<T> {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
+    /// The shape at the start.
     pub shape: Shape,
+    /// The shape over time, if it changes.
+    pub tracks: Option<ShapeTracks>,
     /// Binding to the sequence's materials.
     pub made_of: MaterialBinding,
     pub transform: TransformTracks,

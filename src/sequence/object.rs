@@ -2,6 +2,7 @@
 
 use super::fault::Fault;
 use super::fields::Fields;
+use super::instances::instances;
 use super::keys::keyed;
 use super::material::{is_material, material, resembles_a_kind};
 use super::material_description::{MaterialDescription, MeshMaterials};
@@ -9,7 +10,9 @@ use super::mesh::file_place;
 use super::mtl::mesh_materials;
 use super::names::{Entry, Names};
 use super::node::Node;
-use super::shape::shape;
+use super::pose_tracks::Placement;
+use super::shape::{INSTANCES, ShapeOverTime, shape};
+use super::shape_tracks::ShapeTracks;
 use super::suggest::shortened;
 use super::transform::transform;
 use super::transform_limits::TransformPlace;
@@ -21,7 +24,9 @@ use std::ops::Range;
 
 /// An object whose material has no index yet.
 pub struct ObjectDraft {
-    pub shape: Shape,
+    pub shape: ShapeOverTime,
+    /// The places of its instances. None if the object itself has the shape.
+    pub placements: Option<Vec<Placement>>,
     pub material: MaterialSource,
     pub transform: TransformTracks,
     pub visible: Animated<bool>,
@@ -54,18 +59,27 @@ pub fn object(
     objects: &Names<'_>,
 ) -> (Option<ObjectDraft>, Option<Parent>) {
     let Some(mut fields) = Fields::of(node, "an object") else { return (None, None) };
-    let mut place = fields.place("shape");
+    let (mut place, mut placements) = (fields.place("shape"), None);
     let shape = fields.required("shape", |node| {
-        let shape = shape(node)?;
-        if let Shape::Mesh(_) = shape {
+        let one = match node.word() {
+            INSTANCES => {
+                let decoded = instances(node)?;
+                placements = Some(decoded.placements);
+                decoded.shape
+            }
+            _ => shape(node)?,
+        };
+        if let Shape::Mesh(_) = one.shape {
             place = file_place(node);
         }
-        Some(shape)
+        Some(one)
     });
     let material_place = fields.place("material");
     let material = fields.or("material", |node| material_source(node, materials), MaterialSource::Default);
     let material = match (&shape, material) {
-        (Some(Shape::Mesh(mesh)), Some(MaterialSource::Default)) => mesh_source(node, place, mesh),
+        (Some(ShapeOverTime { shape: Shape::Mesh(mesh), tracks }), Some(MaterialSource::Default)) => {
+            mesh_source(node, place, mesh, tracks.as_ref())
+        }
         (_, material) => material,
     };
     let place_of = |name| fields.place(name);
@@ -79,6 +93,7 @@ pub fn object(
         let (Some(_), shape) = (&parent, shape?) else { return None };
         Some(ObjectDraft {
             shape,
+            placements,
             material: material?,
             transform: transform?,
             visible: visible?,
@@ -90,8 +105,22 @@ pub fn object(
 }
 
 /// The source of the material of a mesh whose object names none.
-fn mesh_source(node: Node<'_>, place: Range<usize>, shape: &Mesh) -> Option<MaterialSource> {
+fn mesh_source(
+    node: Node<'_>,
+    place: Range<usize>,
+    shape: &Mesh,
+    tracks: Option<&ShapeTracks>,
+) -> Option<MaterialSource> {
     let mesh = &shape.mesh;
+    if let Some(ShapeTracks::Series(series)) = tracks
+        && let Some(other) = series.other_materials()
+    {
+        let file = other.file_name().unwrap_or(other.as_os_str()).to_string_lossy();
+        let title = "all files of a series need the same materials";
+        let label = format!("those of {:?} differ from those of the first file", shortened(&file));
+        node.fault(Fault::new(place, title, label).help("give the object a `material`"));
+        return None;
+    }
     let any = !mesh.materials().is_empty() || mesh.has_colors();
     if any {
         node.file.meshes.materials_of(mesh, || mesh_materials(node, &place, mesh)).map(MaterialSource::Mesh)

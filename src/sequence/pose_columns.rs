@@ -37,7 +37,7 @@ pub enum MatrixOrder {
 
 /// The columns of poses.
 pub struct PoseColumns {
-    pub time: ColumnName,
+    pub time: Option<ColumnName>,
     pub position: Option<[ColumnName; 3]>,
     pub rotation: Option<RotationColumns>,
 }
@@ -46,8 +46,8 @@ pub struct PoseColumns {
 const MATRIX_SIZES: [usize; 3] = [9, 12, 16];
 
 /// Usual names, in the order in which they are looked for.
-const TIMES: [&str; 2] = ["t", "time"];
-const POSITIONS: [[&str; 3]; 3] = [["x", "y", "z"], ["px", "py", "pz"], ["tx", "ty", "tz"]];
+pub const TIMES: [&str; 2] = ["t", "time"];
+pub const POSITIONS: [[&str; 3]; 3] = [["x", "y", "z"], ["px", "py", "pz"], ["tx", "ty", "tz"]];
 const QUATERNION: [&str; 4] = ["qw", "qx", "qy", "qz"];
 
 /// Row after row.
@@ -67,6 +67,20 @@ impl ColumnName {
     pub fn values<'t>(&self, table: &'t Table) -> Result<&'t [f64], TableError> {
         table.column(&self.name)
     }
+}
+
+/// [`columns`], with a column of times.
+pub fn timed_columns(
+    fields: &mut Fields<'_>,
+    table: &Table,
+    place: &Range<usize>,
+) -> Option<(ColumnName, PoseColumns)> {
+    let columns = columns(fields, table, place)?;
+    let Some(time) = columns.time.clone() else {
+        report_missing(fields, table, place, "no column of times `t` or `time`", "`time: \"name\"`");
+        return None;
+    };
+    Some((time, columns))
 }
 
 /// Reads the names of columns. Those that the file does not name have their usual names.
@@ -95,10 +109,6 @@ pub fn columns(fields: &mut Fields<'_>, table: &Table, place: &Range<usize>) -> 
         let known = POSITIONS.into_iter().find(|names| has_all(names)).filter(|_| !translates)?;
         Some(known.map(usual))
     });
-    let Some(time) = time else {
-        report_missing(fields, table, place, "no column of times `t` or `time`", "`time: \"name\"`");
-        return None;
-    };
     let of_positions = POSITIONS.iter().filter(|_| position.is_none() && !translates).map(|names| &names[..]);
     let of_rotations = [&QUATERNION[..], &MATRIX[..]].into_iter().filter(|_| rotation.is_none());
     if let Some(names) = of_positions.chain(of_rotations).find(|names| is_incomplete(table, names)) {
@@ -141,7 +151,7 @@ fn report_missing(fields: &Fields<'_>, table: &Table, place: &Range<usize>, what
     fields.node().fault(fault.help(help));
 }
 
-fn column(node: Node<'_>) -> Option<ColumnName> {
+pub fn column(node: Node<'_>) -> Option<ColumnName> {
     text(node).map(|name| ColumnName { name, place: node.span() })
 }
 

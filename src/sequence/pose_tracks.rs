@@ -6,6 +6,7 @@ use super::pose_columns::{ColumnName, MatrixOrder, PoseColumns, RotationColumns}
 use super::values::LARGEST;
 use crate::base::math::{DMat3, DQuat, DVec3, NotRigid, ROUNDED, rotation_and_scale};
 use crate::base::time::Time;
+use crate::geometry::transform::{Rotation, TransformTracks};
 use crate::import::table::{Table, TableError};
 use crate::track::{Animate, Animated, Ease, Key, Repeat, Track};
 use std::ops::Range;
@@ -42,14 +43,13 @@ struct Row {
 /// Makes tracks of a table's rows. Those of cameras may not scale.
 pub fn tracks(
     table: &Table,
-    columns: &PoseColumns,
+    (time, columns): (&ColumnName, &PoseColumns),
     how: Interpolation,
     clock: KeyClock,
     may_scale: bool,
 ) -> Result<PoseTracks, PoseFault> {
-    let times = times(table, &columns.time, clock)?;
-    let position = columns.position.as_ref().map(|names| vectors(table, names)).transpose()?;
-    let rows = columns.rotation.as_ref().map(|rotation| rows(table, rotation)).transpose()?;
+    let times = times(table, time, clock)?;
+    let (position, rows) = places(table, columns)?;
     if let Some(RotationColumns::Matrix { columns, .. }) = &columns.rotation
         && let Some(row) =
             rows.iter().flatten().position(|row| row.scale != DVec3::ONE).filter(|_| !may_scale)
@@ -58,7 +58,6 @@ pub fn tracks(
             "the columns of the matrix have other lengths than 1, but the poses of a camera have no scale";
         return Err(at_row(table, row, &columns[0], why.to_owned()));
     }
-    let position = position.or_else(|| rows.as_ref()?.iter().map(|row| row.position).collect());
     // Quaternions take every easing except `CatmullRom`.
     let turns = if how.ease == Ease::CatmullRom { Ease::Linear } else { how.ease };
     let scales = rows.iter().flatten().any(|row| row.scale != DVec3::ONE);
@@ -70,6 +69,162 @@ pub fn tracks(
         rotation: track_of(turns).through(rotation.unwrap_or_default(), DQuat::IDENTITY),
         scale: scale.map(|scale| track_of(how.ease).through(scale, DVec3::ONE)),
     })
+}
+
+/// The positions and the rotations of all rows, as far as there are columns for them.
+fn places(table: &Table, columns: &PoseColumns) -> Result<Places, PoseFault> {
+    let position = columns.position.as_ref().map(|names| vectors(table, names)).transpose()?;
+    let rows = columns.rotation.as_ref().map(|rotation| rows(table, rotation)).transpose()?;
+    let position = position.or_else(|| rows.as_ref()?.iter().map(|row| row.position).collect());
+    Ok((position, rows))
+}
+
+type Places = (Option<Vec<DVec3>>, Option<Vec<Row>>);
+
+/// Where one of many is over time.
+pub struct Placement {
+    pub transform: TransformTracks,
+    pub visible: Animated<bool>,
+}
+
+/// Makes a placement of every row, or of all rows of one `id` if there are several times. `scales` holds a scale for each
+/// row.
+pub fn placements(
+    table: &Table,
+    columns: &PoseColumns,
+    id: Option<&ColumnName>,
+    scales: Vec<DVec3>,
+    clock: KeyClock,
+) -> Result<Vec<Placement>, PoseFault> {
+    let (position, rotation) = places(table, columns)?;
+    let place = |row: usize| -> (DVec3, DQuat, DVec3) {
+        let own = rotation.as_ref().map(|rows| &rows[row]);
+        let center = position.as_ref().map_or(DVec3::ZERO, |position| position[row]);
+        let turn = own.map_or(DQuat::IDENTITY, |own| own.rotation);
+        (center, turn, own.map_or(DVec3::ONE, |own| own.scale) * scales[row])
+    };
+    let rows = TimedRows::of(table, columns.time.as_ref(), clock)?;
+    if rows.times.len() <= 1 {
+        let still = |row| {
+            let (center, turn, scale) = place(row);
+            let rotation = Rotation::Quaternion(turn.into());
+            let transform = TransformTracks {
+                translation: center.into(),
+                rotation,
+                scale: scale.into(),
+                ..TransformTracks::default()
+            };
+            Placement { transform, visible: true.into() }
+        };
+        return Ok((0..table.rows()).map(still).collect());
+    }
+    let groups = rows.by_id(table, columns.time.as_ref(), id)?;
+    Ok(groups.iter().map(|group| placement(&rows, group, &place)).collect())
+}
+
+/// The placement of rows of ascending time.
+fn placement(
+    rows: &TimedRows,
+    group: &[usize],
+    place: &impl Fn(usize) -> (DVec3, DQuat, DVec3),
+) -> Placement {
+    let times: Vec<Time> = group.iter().map(|row| rows.time(*row)).collect();
+    let tracks = Tracks { times: &times, ease: Ease::Linear, repeat: Repeat::Hold };
+    let all = || group.iter().map(|row| place(*row));
+    let transform = TransformTracks {
+        translation: tracks.through(all().map(|place| place.0).collect(), DVec3::ZERO),
+        rotation: Rotation::Quaternion(tracks.through(all().map(|place| place.1).collect(), DQuat::IDENTITY)),
+        scale: tracks.through(all().map(|place| place.2).collect(), DVec3::ONE),
+        ..TransformTracks::default()
+    };
+    let (first, last) = (rows.of_row[group[0]] as usize, rows.of_row[group[group.len() - 1]] as usize);
+    let key = |(time, value)| Key { time, value, ease: Ease::Step };
+    // Hidden before the first row, and from the time after the last row on.
+    let born = (first > 0).then(|| [(rows.times[0], false), (rows.times[first], true)]);
+    let dead = rows.times.get(last + 1).map(|time| (*time, false));
+    let start = if first > 0 || dead.is_none() { None } else { Some((rows.times[0], true)) };
+    let keys: Vec<_> = born.into_iter().flatten().chain(start).chain(dead).map(key).collect();
+    let visible = Track::new(keys, Repeat::Hold, false).map_or(true.into(), Animated::Keyed);
+    Placement { transform, visible }
+}
+
+/// The times of a table's rows, in any order.
+pub struct TimedRows {
+    /// All different times, ascending. Empty without a column of times.
+    pub times: Vec<Time>,
+    /// The index of each row's time.
+    pub of_row: Vec<u32>,
+}
+
+impl TimedRows {
+    pub fn of(table: &Table, column: Option<&ColumnName>, clock: KeyClock) -> Result<Self, PoseFault> {
+        let Some(column) = column else { return Ok(Self { times: Vec::new(), of_row: Vec::new() }) };
+        let all = values(table, column)?;
+        let mut distinct = all.to_vec();
+        distinct.sort_unstable_by(f64::total_cmp);
+        distinct.dedup();
+        let (mut times, mut places): (Vec<Time>, Vec<u32>) = (Vec::new(), Vec::with_capacity(distinct.len()));
+        for value in &distinct {
+            let time = row_time(*value, clock).ok_or_else(|| {
+                let row = all.iter().position(|other| other == value).unwrap_or(0);
+                at_row(table, row, column, format!("expected a time between -1e9 and 1e9, found {value}"))
+            })?;
+            // Times that differ by less than 1e-9 are one time.
+            if times.last() != Some(&time) {
+                times.push(time);
+            }
+            places.push(times.len() as u32 - 1);
+        }
+        let place = |value: &f64| places[distinct.partition_point(|known| known < value)];
+        Ok(Self { times, of_row: all.iter().map(place).collect() })
+    }
+
+    pub fn time(&self, row: usize) -> Time {
+        self.times[self.of_row[row] as usize]
+    }
+
+    /// The column of ids, which several times need.
+    pub fn ids<'t>(
+        table: &'t Table,
+        time: Option<&ColumnName>,
+        id: Option<&ColumnName>,
+    ) -> Result<&'t [f64], PoseFault> {
+        let why = "its rows have several times, but no column `id` says which rows belong together; write \
+                   `id: \"name\"`";
+        let place = time.map_or(0..0, |time| time.place.clone());
+        values(table, id.ok_or_else(|| (place, TableError::new(why)))?)
+    }
+
+    /// The fault of two rows with the same id and time.
+    pub fn same_time(
+        table: &Table,
+        id: Option<&ColumnName>,
+        ids: &[f64],
+        [first, second]: [usize; 2],
+    ) -> PoseFault {
+        let (number, line) = (ids[first], table.lines()[first]);
+        let why = format!("{number} has a row of this time already, in line {line}");
+        let column = ColumnName { name: String::new(), place: 0..0 };
+        at_row(table, second, id.unwrap_or(&column), why)
+    }
+
+    /// The rows of each id in the order of their times.
+    fn by_id(
+        &self,
+        table: &Table,
+        time: Option<&ColumnName>,
+        id: Option<&ColumnName>,
+    ) -> Result<Vec<Vec<usize>>, PoseFault> {
+        let ids = Self::ids(table, time, id)?;
+        let mut order: Vec<usize> = (0..ids.len()).collect();
+        order.sort_by(|&a, &b| ids[a].total_cmp(&ids[b]).then(self.of_row[a].cmp(&self.of_row[b])));
+        let twice =
+            |pair: &&[usize]| ids[pair[0]] == ids[pair[1]] && self.of_row[pair[0]] == self.of_row[pair[1]];
+        if let Some(pair) = order.windows(2).find(twice) {
+            return Err(Self::same_time(table, id, ids, [pair[0], pair[1]]));
+        }
+        Ok(order.chunk_by(|a, b| ids[*a] == ids[*b]).map(<[usize]>::to_vec).collect())
+    }
 }
 
 /// What the tracks of one table share.
@@ -93,12 +248,12 @@ impl Tracks<'_> {
     }
 }
 
-fn at_row(table: &Table, row: usize, column: &ColumnName, why: String) -> PoseFault {
+pub fn at_row(table: &Table, row: usize, column: &ColumnName, why: String) -> PoseFault {
     let error = TableError { line: Some(table.lines()[row]), column: Some(column.name.clone()), why };
     (column.place.clone(), error)
 }
 
-fn values<'t>(table: &'t Table, column: &ColumnName) -> Result<&'t [f64], PoseFault> {
+pub fn values<'t>(table: &'t Table, column: &ColumnName) -> Result<&'t [f64], PoseFault> {
     column.values(table).map_err(|error| (column.place.clone(), error))
 }
 
@@ -129,7 +284,7 @@ fn times(table: &Table, column: &ColumnName, clock: KeyClock) -> Result<Vec<Time
     Ok(times)
 }
 
-fn vectors(table: &Table, names: &[ColumnName; 3]) -> Result<Vec<DVec3>, PoseFault> {
+pub fn vectors(table: &Table, names: &[ColumnName; 3]) -> Result<Vec<DVec3>, PoseFault> {
     let mut vectors = vec![DVec3::ZERO; table.rows()];
     for (axis, name) in names.iter().enumerate() {
         for (row, value) in values(table, name)?.iter().enumerate() {

@@ -5,7 +5,7 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::repeat;
 use super::node::Node;
-use super::pose_columns::columns;
+use super::pose_columns::timed_columns;
 use super::pose_tracks::{Interpolation, PoseTracks, tracks};
 use super::suggest::shortened;
 use super::values::text;
@@ -95,10 +95,10 @@ fn poses<'s, T>(
         fields.finish();
         return None;
     };
-    let columns = columns(&mut fields, &table, &place);
+    let columns = timed_columns(&mut fields, &table, &place);
     fields.finish();
-    let (columns, how) = (columns?, Interpolation { ease: ease?, repeat: repeat? });
-    match tracks(&table, &columns, how, node.file.clock.get(), may_scale) {
+    let ((time, columns), how) = (columns?, Interpolation { ease: ease?, repeat: repeat? });
+    match tracks(&table, (&time, &columns), how, node.file.clock.get(), may_scale) {
         Ok(tracks) => Some((tracks, more?)),
         Err((place, error)) => {
             let title = format!("cannot use the poses in {:?}", shortened(&name));
@@ -109,7 +109,7 @@ fn poses<'s, T>(
 }
 
 /// The table in the file with the quoted name.
-fn table(node: Node<'_>, name: &str) -> Option<Rc<Table>> {
+pub fn table(node: Node<'_>, name: &str) -> Option<Rc<Table>> {
     match node.file.tables.table(name) {
         Ok(table) => Some(table),
         Err(why) => {

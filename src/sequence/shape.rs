@@ -4,29 +4,56 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::mesh::mesh;
 use super::node::Node;
+use super::particles::particles;
+use super::shape_tracks::ShapeTracks;
 use super::values::{not_negative, positive, switch, unit_vector, vector};
 use super::words::known_word;
 use crate::base::math::DVec3;
-use crate::geometry::shape::{Geometric, Mesh, Parameters, Shape};
+use crate::base::time::Time;
+use crate::geometry::shape::{Geometric, Mesh, Parameters, Particles, Shape};
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::{Arc, LazyLock};
+
+/// A shape at the start, and what it is over time if it changes.
+#[derive(Clone)]
+pub struct ShapeOverTime {
+    pub shape: Shape,
+    pub tracks: Option<ShapeTracks>,
+}
+
+/// What objects may show besides shapes.
+pub const INSTANCES: &str = "Instances";
+
+/// The names of shapes, and of what objects may show besides.
+static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| [Shape::NAMES, &[INSTANCES]].concat());
 
 /// Any shape.
-pub fn shape(node: Node<'_>) -> Option<Shape> {
-    let name = known_word(node, "shape", Shape::NAMES)?;
+pub fn shape(node: Node<'_>) -> Option<ShapeOverTime> {
+    let name = known_word(node, "shape", &NAMES)?;
+    if name == INSTANCES {
+        let title = "instances are places of one shape, not of other instances";
+        node.fault(Fault::new(node.head(), title, "needs a shape of its own"));
+        return None;
+    }
     let what = format!("`{name}`");
-    let fields =
-        if name == Mesh::NAME { Fields::of_or_only(node, what, "file") } else { Fields::of(node, what) };
-    let mut read = ShapeFields { fields: fields?, places: HashMap::new() };
+    let fields = if [Mesh::NAME, Particles::NAME].contains(&name) {
+        Fields::of_or_only(node, what, "file")
+    } else {
+        Fields::of(node, what)
+    };
+    let mut read = ShapeFields { fields: fields?, places: HashMap::new(), tracks: None };
     let shape = Shape::read(name, &mut read);
     read.fields.finish();
-    shape
+    Some(ShapeOverTime { shape: shape?, tracks: read.tracks })
 }
 
 /// A shape's fields, and the places of the values read so far.
 struct ShapeFields<'s> {
     fields: Fields<'s>,
     places: HashMap<&'static str, Range<usize>>,
+    /// Set by shapes that change over time.
+    tracks: Option<ShapeTracks>,
 }
 
 impl<'s> ShapeFields<'s> {
@@ -67,7 +94,16 @@ impl Parameters for ShapeFields<'_> {
     }
 
     fn mesh(&mut self) -> Option<Mesh> {
-        mesh(&mut self.fields)
+        let (mesh, tracks) = mesh(&mut self.fields)?;
+        self.tracks = tracks;
+        Some(mesh)
+    }
+
+    fn particles(&mut self) -> Option<Particles> {
+        let tracks = particles(&mut self.fields)?;
+        let set = tracks.at(Time::from_integer(0));
+        self.tracks = Some(ShapeTracks::Particles(tracks));
+        Some(Particles(Arc::new(set)))
     }
 
     fn not_negative(&mut self, name: &'static str, default: Option<f64>) -> Option<f64> {

@@ -247,7 +247,7 @@ impl RandomScene {
             }
             let mesh = Arc::new(mesh::TriangleMesh::new(parts).expect("a mesh"));
             let finish = Finish::Material(MaterialBinding::One(one_of(random, &[0, 1, 2, 3])));
-            scene.geometry.push(&Shape::Mesh(Mesh { mesh, normals }), place, finish);
+            scene.geometry.push(&Shape::Mesh(Mesh::new(mesh, normals)), place, finish);
         }
         if chance(random, 0.5) {
             scene.camera.lens = Some(ThinLens { radius: 0.1, focus: 4.0 });

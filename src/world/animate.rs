@@ -12,14 +12,17 @@ use crate::base::math::{Aabb, DVec3};
 use crate::base::time::Time;
 use crate::camera::Camera;
 use crate::camera::path::{CameraPath, NoCamera};
-use crate::geometry::shape::Shape;
+use crate::geometry::shape::{Particles, Shape};
 use crate::geometry::transform::TransformTracks;
+use crate::import::series::StepError;
 use crate::track::Animated;
 use crate::world::{
-    ActiveCamera, Current, Hierarchy, Now, Objects, Transform, Visible, VisibleTrack, Weight,
+    ActiveCamera, Current, Hierarchy, Now, Objects, ShapeParticles, ShapeSeries, ShapeUse, Transform,
+    Visible, VisibleTrack, Weight,
 };
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::system::{Query, Res, ResMut};
+use std::sync::Arc;
 
 /// Objects that cannot move have none.
 type Tracks = (&'static TransformTracks, &'static VisibleTrack);
@@ -53,6 +56,47 @@ pub(super) fn placed(
     match parent {
         Some((outer, shown)) => (Transform(outer.0 * affine), Visible(shown.0 && visible)),
         None => (Transform(affine), Visible(visible)),
+    }
+}
+
+/// Updates the meshes of visible series.
+pub fn series(
+    now: Res<Now>,
+    shapes: Res<ShapeUse>,
+    mut objects: Query<(&ShapeSeries, &Visible, &mut Shape)>,
+) -> Result<(), StepError> {
+    for (series, visible, mut shape) in &mut objects {
+        if visible.0 {
+            let mesh = match *shapes {
+                ShapeUse::Digests => series.0.named(now.0.time),
+                ShapeUse::Rays => series.0.loaded(now.0.time)?,
+            };
+            shape.set_if_neq(Shape::Mesh(mesh));
+        }
+    }
+    Ok(())
+}
+
+/// Updates visible particles.
+pub fn particles(
+    now: Res<Now>,
+    shapes: Res<ShapeUse>,
+    mut objects: Query<(&ShapeParticles, &Visible, &mut Shape)>,
+) {
+    for (tracks, visible, mut shape) in &mut objects {
+        let wants_tree = *shapes == ShapeUse::Rays;
+        let known = match &*shape {
+            Shape::Particles(Particles(known)) if known.has_tree() || !wants_tree => Some(known),
+            _ => None,
+        };
+        if !visible.0 || known.is_some() && !tracks.0.is_keyed() {
+            continue;
+        }
+        let set = tracks.0.at(now.0.time);
+        if known.is_none_or(|known| !known.is_same(&set)) {
+            let set = if wants_tree { set.with_tree() } else { set };
+            *shape = Shape::Particles(Particles(Arc::new(set)));
+        }
     }
 }
 

@@ -4,8 +4,11 @@
 use crate::base::color::Rgb;
 use crate::base::math::DAffine3;
 use crate::film::LayerId;
+use crate::geometry::shape::ParticleTracks;
+use crate::import::series::MeshSeries;
 use crate::track::Animated;
 use bevy_ecs::component::Component;
+use std::sync::Arc;
 
 /// World-from-object transform. Singular while a scale of 0 hides the object.
 #[derive(Clone, Copy, Component, Debug, PartialEq)]
@@ -18,6 +21,14 @@ pub struct Visible(pub bool);
 /// An object's own visibility over time.
 #[derive(Clone, Component, Debug)]
 pub struct VisibleTrack(pub Animated<bool>);
+
+/// The meshes of an object that shows one after the other.
+#[derive(Clone, Component, Debug)]
+pub struct ShapeSeries(pub Arc<MeshSeries>);
+
+/// The particles of an object over time.
+#[derive(Clone, Component, Debug)]
+pub struct ShapeParticles(pub Arc<ParticleTracks>);
 
 /// Index among the lights or materials of the file: where extraction packs them, because queries have no order.
 #[derive(Clone, Copy, Component, Debug, PartialEq, Eq, PartialOrd, Ord)]

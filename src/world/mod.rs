@@ -9,6 +9,8 @@ mod components;
 mod resources;
 mod spawn;
 
-pub use components::{AreaLight, FileOrder, Slot, Transform, Visible, VisibleTrack, Weight};
-pub use resources::{ActiveCamera, Current, Hierarchy, LightSetup, Now, Objects, SlotCount};
+pub use components::{
+    AreaLight, FileOrder, ShapeParticles, ShapeSeries, Slot, Transform, Visible, VisibleTrack, Weight,
+};
+pub use resources::{ActiveCamera, Current, Hierarchy, LightSetup, Now, Objects, ShapeUse, SlotCount};
 pub use spawn::{sky_table, spawn};

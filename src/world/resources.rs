@@ -15,6 +15,16 @@ pub struct Now(pub Clock);
 #[derive(Clone, Debug, PartialEq, Resource)]
 pub struct Current<T: Send + Sync + 'static>(pub T);
 
+/// Whether rays are traced, for which shapes need their trees. Digests do not need them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Resource)]
+pub enum ShapeUse {
+    /// Particles have no tree. The first mesh of a series takes the place of all, with the digest of the mesh that would
+    /// be there.
+    #[default]
+    Digests,
+    Rays,
+}
+
 /// Objects that may move, with their parents. Parents come before children.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Hierarchy(pub Vec<(Entity, Option<Entity>)>);

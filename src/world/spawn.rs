@@ -1,8 +1,8 @@
 //! Spawns the entities of a sequence, with their values at its first moment.
 
 use super::{
-    ActiveCamera, AreaLight, FileOrder, Hierarchy, LightSetup, Now, Objects, Slot, SlotCount, Transform,
-    Visible, VisibleTrack, Weight, animate,
+    ActiveCamera, AreaLight, FileOrder, Hierarchy, LightSetup, Now, Objects, ShapeParticles, ShapeSeries,
+    Slot, SlotCount, Transform, Visible, VisibleTrack, Weight, animate,
 };
 use crate::appearance::environment::EnvironmentDistribution;
 use crate::appearance::light::{Light, Source};
@@ -11,7 +11,7 @@ use crate::base::color::Rgb;
 use crate::base::math::{DAffine3, UpAxis};
 use crate::film::LayerId;
 use crate::geometry::shape::Shape;
-use crate::sequence::{LightLayers, Object, Sequence};
+use crate::sequence::{LightLayers, Object, Sequence, ShapeTracks};
 use crate::track::Animated;
 use bevy_ecs::world::{EntityWorldMut, World};
 use std::sync::Arc;
@@ -144,6 +144,15 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
         let mut entity = world.spawn((object.shape.clone(), object.made_of, placed[index]));
         if object.shape != Shape::Group {
             entity.insert(slots.next());
+        }
+        match &object.tracks {
+            Some(ShapeTracks::Series(series)) => {
+                entity.insert(ShapeSeries(Arc::clone(series)));
+            }
+            Some(ShapeTracks::Particles(particles)) => {
+                entity.insert(ShapeParticles(Arc::clone(particles)));
+            }
+            None => {}
         }
         if moves[index] {
             entity.insert((object.transform.clone(), VisibleTrack(object.visible.clone())));

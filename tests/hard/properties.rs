@@ -111,8 +111,7 @@ fn sheets() -> Vec<Known> {
         ..mesh::MeshData::default()
     };
     let corners = [parts.positions[0], parts.positions[1], parts.positions[2]];
-    let mesh =
-        Mesh { mesh: Arc::new(mesh::TriangleMesh::new(parts).expect("a mesh")), normals: Normals::Flat };
+    let mesh = Mesh::new(Arc::new(mesh::TriangleMesh::new(parts).expect("a mesh")), Normals::Flat);
     let (u, v) = (DVec3::X * 2.0, DVec3::new(0.25, 0.0, 2.0));
     [
         Shape::Plane(Plane { point: DVec3::new(0.3, 0.0, 0.1), normal: DVec3::Y }),
@@ -341,7 +340,7 @@ fn small_meshes_far_away_are_closed() {
             continue;
         };
         assert!(mesh.skipped == 0);
-        let geometry = geometry([Shape::Mesh(Mesh { mesh: Arc::new(mesh), normals: Normals::Flat })]);
+        let geometry = geometry([Shape::Mesh(Mesh::new(Arc::new(mesh), Normals::Flat))]);
         let bvh = Bvh::build(&geometry);
         for k in 0..20_000 {
             let [a, b, _] = triangles[(random.unit() * triangles.len() as f64) as usize];

@@ -45,7 +45,7 @@ fn self_02_nested_shells() {
 fn smooth(level: u32) -> Mesh {
     let mut parts = generate::icosphere(level);
     parts.normals = Some(Corners::per_vertex(parts.positions.iter().map(|p| p.as_vec3()).collect()));
-    Mesh { mesh: Arc::new(mesh::TriangleMesh::new(parts).expect("a mesh")), normals: Normals::File }
+    Mesh::new(Arc::new(mesh::TriangleMesh::new(parts).expect("a mesh")), Normals::File)
 }
 
 /// Shares of points, lit as on the smooth sphere, that their own triangles shadow: where light is looked for from the

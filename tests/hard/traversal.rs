@@ -17,10 +17,8 @@ use std::sync::Arc;
 #[test]
 fn bvh_01_rays_in_the_faces_of_a_box() {
     let cuboid = Shape::Cuboid(Cuboid { min: DVec3::ZERO, max: DVec3::ONE });
-    let mesh = Shape::Mesh(Mesh {
-        mesh: Arc::new(mesh::TriangleMesh::new(cube()).expect("a mesh")),
-        normals: Normals::Flat,
-    });
+    let mesh = Arc::new(mesh::TriangleMesh::new(cube()).expect("a mesh"));
+    let mesh = Shape::Mesh(Mesh::new(mesh, Normals::Flat));
     for (shape, axis) in
         [cuboid, mesh].into_iter().flat_map(|shape| [0, 1, 2].map(|axis| (shape.clone(), axis)))
     {
@@ -124,8 +122,7 @@ fn mesh_equals_scan(parts: MeshData, seed: u64, count: u32) {
         .collect();
     let each = geometry(triangles.into_iter().map(Shape::Triangle));
     let probes = rays(seed, count, &parts.positions);
-    let mesh =
-        Mesh { mesh: Arc::new(mesh::TriangleMesh::new(parts).expect("a mesh")), normals: Normals::Flat };
+    let mesh = Mesh::new(Arc::new(mesh::TriangleMesh::new(parts).expect("a mesh")), Normals::Flat);
     let whole = geometry([Shape::Mesh(mesh)]);
     let (bvh, loose) = (Bvh::build(&whole), Bvh::build(&each));
     let met = probes.par_iter().filter(|probe| {
@@ -219,8 +216,7 @@ fn bvh_03_trees_equal_linear_scans_in_full() {
 fn bvh_07_any_hit_is_the_nearest_hit_before_its_end() {
     let mut random = Random(9);
     let spheres = (0..60).map(|_| Shape::Sphere(Sphere { center: random.point(1.0), radius: 0.1 }));
-    let mesh =
-        Mesh { mesh: Arc::new(mesh::TriangleMesh::new(soup(500)).expect("a mesh")), normals: Normals::Flat };
+    let mesh = Mesh::new(Arc::new(mesh::TriangleMesh::new(soup(500)).expect("a mesh")), Normals::Flat);
     let geometry = geometry(spheres.collect::<Vec<_>>().into_iter().chain([Shape::Mesh(mesh)]));
     let bvh = Bvh::build(&geometry);
     for probe in rays(6, few(1_000_000), &[DVec3::ZERO, DVec3::ONE]) {

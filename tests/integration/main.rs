@@ -47,5 +47,7 @@ mod watertight;
 mod data;
 mod mesh_materials;
 mod meshes;
+mod particles;
+mod series;
 mod shipped;
 mod turntable;

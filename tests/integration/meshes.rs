@@ -22,7 +22,7 @@ const RAYS: u32 = if cfg!(debug_assertions) { 10_000 } else { 200_000 };
 
 fn shape(parts: MeshData, normals: Normals) -> Shape {
     let mesh = mesh::TriangleMesh::new(parts).unwrap_or_else(|error| panic!("{error}"));
-    Shape::Mesh(Mesh { mesh: Arc::new(mesh), normals })
+    Shape::Mesh(Mesh::new(Arc::new(mesh), normals))
 }
 
 fn alone(shape: Shape, to_world: DAffine3) -> Geometry {
@@ -121,7 +121,7 @@ fn file_formats_do_not_show() {
     let read = |name: &str| {
         let mesh = import::load(&path(name), &Root::anywhere(), &LoadProgress::default())
             .unwrap_or_else(|error| panic!("{error}"));
-        Shape::Mesh(Mesh { mesh: Arc::new(mesh), normals: Normals::File })
+        Shape::Mesh(Mesh::new(Arc::new(mesh), Normals::File))
     };
     let shapes = [read("a.obj"), read("a.ply"), shape(parts, Normals::File)];
     let mut random = Random(7);

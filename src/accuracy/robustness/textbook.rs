@@ -7,7 +7,7 @@ use crate::accuracy::hard_cases::tori::{ferrari, polished, quartic};
 use crate::accuracy::hard_cases::triangles::{LEAST_DETERMINANT, moller_trumbore, woop};
 use crate::base::math::exact::Exact;
 use crate::base::math::{DAffine3, DMat3, DVec3};
-use crate::geometry::shape::Shape;
+use crate::geometry::shape::{Particles, Shape, Sphere};
 use crate::scene::Primitive;
 
 /// A number type with the textbook intersection formulas of all shapes.
@@ -133,6 +133,10 @@ impl<R: TextbookNumber> TextbookShape<R> {
                 ShapeKind::Box { min: Vector3::of(cuboid.min), max: Vector3::of(cuboid.max) }
             }
             Shape::Mesh(mesh) => ShapeKind::Triangle(mesh.mesh.corners(part).map(Vector3::of)),
+            Shape::Particles(Particles(set)) => {
+                let Sphere { center, radius } = set.spheres()[part as usize];
+                ShapeKind::Sphere { center: Vector3::of(center), radius: R::of(radius) }
+            }
             Shape::Cylinder(cylinder) => solid(cylinder.ends(), &mut own),
             Shape::Cone(cone) => solid(cone.ends(), &mut own),
             Shape::Torus(torus) => {

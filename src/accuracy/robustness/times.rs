@@ -7,7 +7,7 @@ use crate::accuracy::hard_cases::number::Vector3;
 use crate::accuracy::hard_cases::{Method, Verdict, method};
 use crate::base::math::{DAffine3, Ray};
 use crate::geometry::bvh::TraversalRay;
-use crate::geometry::shape::{Shape, Surface, Triangle};
+use crate::geometry::shape::{Particles, Shape, Surface, Triangle};
 use crate::scene::Primitive;
 use crate::trace::spawn::spawn_ray;
 
@@ -96,12 +96,16 @@ fn cast<R: TextbookNumber>(
     tests.iter().filter_map(one).collect()
 }
 
-/// Kinora's primitive, or a single triangle of a mesh.
+/// Kinora's primitive, or a single triangle of a mesh or sphere of particles.
 fn alone(rays: &SceneRays, test: &Test) -> Option<(Primitive, TraversalRay)> {
     let primitive = rays.primitive(test.target.0);
     let probe = TraversalRay::new(test.ray);
-    let Shape::Mesh(mesh) = &primitive.shape else { return Some((primitive.clone(), probe)) };
-    let triangle = Shape::Triangle(Triangle { corners: mesh.mesh.corners(test.target.1) });
+    let part = test.target.1;
+    let shape = match &primitive.shape {
+        Shape::Mesh(mesh) => Shape::Triangle(Triangle { corners: mesh.mesh.corners(part) }),
+        Shape::Particles(Particles(set)) => Shape::Sphere(set.spheres()[part as usize]),
+        _ => return Some((primitive.clone(), probe)),
+    };
     let to_world = primitive.transform.as_ref().map_or(DAffine3::IDENTITY, |transform| transform.to_world);
-    Some((Primitive::new(&triangle, to_world, primitive.finish)?, probe))
+    Some((Primitive::new(&shape, to_world, primitive.finish)?, probe))
 }

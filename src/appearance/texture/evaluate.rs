@@ -32,12 +32,9 @@ pub struct TextureEvalContext<'a> {
 }
 
 impl TextureEvalContext<'_> {
-    /// A number of a mesh's data.
+    /// A number of the data of a mesh or of particles.
     pub fn array(&self, key: &ArrayKey) -> Option<f64> {
-        match self.shape {
-            Some(Shape::Mesh(mesh)) => mesh.array_at(key, self.point, self.part),
-            _ => None,
-        }
+        self.shape?.number(key, self.point, self.part)
     }
 }
 

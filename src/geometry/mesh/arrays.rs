@@ -48,6 +48,17 @@ pub struct ArrayKey {
     pub component: Component,
 }
 
+impl ArrayKey {
+    /// The index of the array that the key means, among arrays of these names and centerings.
+    pub fn index<'a>(&self, arrays: impl Iterator<Item = (&'a str, Centering)> + Clone) -> Option<usize> {
+        let of = |centering| arrays.clone().position(|array| array == (self.name.as_str(), centering));
+        match self.centering {
+            Some(centering) => of(centering),
+            None => of(Centering::Points).or_else(|| of(Centering::Cells)),
+        }
+    }
+}
+
 impl Content for ArrayKey {
     fn feed(&self, into: &mut Digester) {
         let Self { name, centering, component } = self;
@@ -128,7 +139,7 @@ impl DataArray {
     }
 
     /// The smallest and the largest number of some entries, without those that are not finite or fail `counts`.
-    pub(super) fn range(
+    pub fn range(
         &self,
         entries: impl Iterator<Item = usize>,
         component: Component,
@@ -141,6 +152,22 @@ impl DataArray {
         })
     }
 
+    /// The smallest and the largest number on these triangles, without those that are not finite or fail `counts`.
+    pub fn range_on(
+        &self,
+        triangles: &[[u32; 3]],
+        component: Component,
+        counts: impl Fn(f64) -> bool,
+    ) -> Option<[f64; 2]> {
+        match self.centering {
+            Centering::Cells => self.range(0..self.entries(), component, counts),
+            Centering::Points => {
+                let corners = triangles.as_flattened().iter();
+                self.range(corners.map(|vertex| *vertex as usize), component, counts)
+            }
+        }
+    }
+
     /// Removes the triangles that `keep` does not flag.
     pub(super) fn retain_triangles(&mut self, keep: &[bool]) {
         if self.centering == Centering::Cells {
@@ -148,7 +175,8 @@ impl DataArray {
         }
     }
 
-    fn digest(&self) -> Digest {
+    /// The digest of the numbers.
+    pub fn digest(&self) -> Digest {
         match &self.values {
             ArrayValues::F32(values) => Digest::of(&(self.components, values)),
             ArrayValues::F64(values) => Digest::of(&(self.components, values)),
@@ -189,14 +217,7 @@ impl DataArrays {
     }
 
     fn index(&self, key: &ArrayKey) -> Option<usize> {
-        let of = |centering| {
-            let is_it = |array: &DataArray| array.centering == centering && array.name == key.name;
-            self.arrays.iter().position(is_it)
-        };
-        match key.centering {
-            Some(centering) => of(centering),
-            None => of(Centering::Points).or_else(|| of(Centering::Cells)),
-        }
+        key.index(self.arrays.iter().map(|array| (array.name.as_str(), array.centering)))
     }
 
     pub fn find(&self, key: &ArrayKey) -> Option<&DataArray> {

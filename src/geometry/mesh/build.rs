@@ -20,15 +20,7 @@ const MOST_TRIANGLES: usize = 1 << 30;
 impl TriangleMesh {
     /// Builds a mesh. Triangles without an area are removed and counted.
     pub fn new(mut data: MeshData) -> Result<Self, MeshError> {
-        check(&data)?;
-        let (solid, bounds) = solid(&data);
-        let skipped = data.triangles.len() - solid;
-        if solid == 0 {
-            return Err(MeshError::new(match skipped {
-                0 => "it has no triangles".to_owned(),
-                _ => "none of its triangles has an area".to_owned(),
-            }));
-        }
+        let (bounds, skipped) = checked(&data)?;
         if skipped > 0 {
             let has_area = |&triangle: &[u32; 3]| has_area(corners(&data, triangle));
             let keep: Vec<bool> = data.triangles.iter().map(has_area).collect();
@@ -68,7 +60,7 @@ fn tree(data: &MeshData, bounds: Aabb) -> (Tree, Vec<Packet>) {
 }
 
 /// The digest of everything except materials and data arrays.
-fn digest(data: &MeshData) -> Digest {
+pub(super) fn digest(data: &MeshData) -> Digest {
     let MeshData { positions, triangles, normals, uvs, colors, slots, materials: _, arrays: _ } = data;
     let mut digester = Digester::new();
     (positions, triangles, colors).feed(&mut digester);
@@ -90,6 +82,18 @@ fn fetch_leaves(leaves: &LeafPrimitives, now: u32, data: &MeshData) {
     }
     for vertex in leaves.leaf(now + AHEAD).iter().flat_map(|&part| data.triangles[part as usize]) {
         prefetch(&data.positions, vertex as usize);
+    }
+}
+
+/// Checks a mesh. Returns the bounds of its triangles with an area, and the number of the others.
+pub(super) fn checked(data: &MeshData) -> Result<(Aabb, usize), MeshError> {
+    check(data)?;
+    let (solid, bounds) = solid(data);
+    let skipped = data.triangles.len() - solid;
+    match (solid, skipped) {
+        (0, 0) => Err(MeshError::new("it has no triangles")),
+        (0, _) => Err(MeshError::new("none of its triangles has an area")),
+        _ => Ok((bounds, skipped)),
     }
 }
 

@@ -43,6 +43,16 @@ impl<T: Copy + Send> Corners<T> {
         &self.values
     }
 
+    /// Whether other corners share as many values in the same way.
+    pub(super) fn has_indices_of(&self, other: &Self) -> bool {
+        self.values.len() == other.values.len() && self.indices == other.indices
+    }
+
+    /// The same corners with other values, as many.
+    pub(super) fn with_values(&self, values: Vec<T>) -> Self {
+        Self { values, indices: self.indices.clone() }
+    }
+
     /// Whether the positions' indices apply to the values.
     pub fn is_per_vertex(&self) -> bool {
         self.indices.is_none()

@@ -1,6 +1,7 @@
 //! Triangle meshes: their data and the tree over each.
 
 mod arrays;
+mod blend;
 pub(crate) mod build;
 pub(crate) mod corners;
 mod crease;
@@ -11,16 +12,19 @@ mod mtl;
 mod packet;
 mod preparation;
 mod smooth;
+mod summary;
 #[cfg(test)]
 mod tests;
 
 pub use arrays::{ArrayKey, ArrayValues, Centering, Component, DataArray};
+pub use blend::blended;
 pub use corners::Corners;
 pub use data::{MeshData, NO_MATERIAL};
 pub use error::{MeshError, MeshLocation, NO_FILE};
 pub use mtl::{Map, MtlMaterial};
 pub use packet::{Packet, ShearedRay, ShearedRays};
 pub use preparation::{Center, Preparation, PreparationKey};
+pub use summary::{ArraySummary, MeshSummary};
 
 use crate::base::color::Rgb;
 use crate::base::digest::{Content, Digest};
@@ -186,14 +190,7 @@ impl TriangleMesh {
     /// The smallest and the largest number of an array on the triangles, without those that are not finite or fail
     /// `counts`.
     pub fn array_range(&self, key: &ArrayKey, counts: impl Fn(f64) -> bool) -> Option<[f64; 2]> {
-        let array = self.array(key)?;
-        match array.centering {
-            Centering::Cells => array.range(0..array.entries(), key.component, counts),
-            Centering::Points => {
-                let corners = self.data.triangles.as_flattened().iter();
-                array.range(corners.map(|vertex| *vertex as usize), key.component, counts)
-            }
-        }
+        self.array(key)?.range_on(&self.data.triangles, key.component, counts)
     }
 
     /// A number of an array on a triangle, where its second and third corner have these weights.

@@ -50,9 +50,15 @@ impl Preparation {
         PreparationKey { up, center, scale: scale.to_bits(), crease: crease.map(|angle| angle.0.to_bits()) }
     }
 
-    /// Prepares a mesh. A coordinate x becomes (x - c) · scale, with one rounding for the difference and one for the
-    /// product; changes of axes are exact.
+    /// Prepares a mesh.
     pub fn apply(&self, data: &mut MeshData) {
+        self.place(data, None);
+        self.crease(data);
+    }
+
+    /// Changes the coordinates. A coordinate x becomes (x - c) · scale, with one rounding for the difference and one
+    /// for the product; changes of axes are exact. Returns c, which is `center` if given.
+    pub fn place(&self, data: &mut MeshData, center: Option<DVec3>) -> Option<DVec3> {
         let (from, to) = self.up;
         if from != to {
             let turned = |v: DVec3| to.from_y_up(from.to_y_up(v));
@@ -61,12 +67,18 @@ impl Preparation {
                 normals.change(|normal| turned(normal.as_dvec3()).as_vec3());
             }
         }
-        if let Some(center) = self.center_of(data) {
+        let center = center.or_else(|| self.center_of(data));
+        if let Some(center) = center {
             data.positions.iter_mut().for_each(|position| *position -= center);
         }
         if self.scale != 1.0 {
             data.positions.iter_mut().for_each(|position| *position *= self.scale);
         }
+        center
+    }
+
+    /// Computes crease normals.
+    pub fn crease(&self, data: &mut MeshData) {
         if let Some(angle) = self.crease {
             data.normals = Some(crease::normals(&data.positions, &data.triangles, angle));
         }

@@ -18,7 +18,9 @@ mod frame;
 mod frustum;
 mod geometric;
 mod mesh;
+mod nearest_part;
 mod parameters;
+mod particles;
 mod plane;
 mod rectangle;
 #[cfg(test)]
@@ -44,8 +46,9 @@ pub use lane_hit::LaneHit;
 use lane_ray::exit;
 pub use lane_ray::{PreparedRay, RayInterval};
 pub use lane_surface::LaneSurface;
-pub use mesh::Mesh;
+pub use mesh::{Mesh, MeshStep};
 pub use parameters::Parameters;
+pub use particles::{ParticleRows, ParticleSet, ParticleTracks, Particles, SameTime};
 pub use plane::Plane;
 pub use rectangle::Rectangle;
 pub use sphere::{Sphere, SphereLanes};
@@ -59,6 +62,7 @@ use crate::base::digest::Content;
 use crate::base::lanes::{Level, Mask, Real, Row, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec2, DVec3, LaneRay, Ray};
 use crate::geometry::bvh::{Stack, TraversalRay};
+use crate::geometry::mesh::ArrayKey;
 use crate::sampling::LocalFrame;
 use bevy_ecs::component::Component;
 
@@ -110,7 +114,7 @@ macro_rules! shapes {
 }
 
 // The list. Adding a shape here makes it readable, visible, transformable and usable as a light.
-shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid, Cylinder, Cone, Torus, Mesh);
+shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid, Cylinder, Cone, Torus, Mesh, Particles);
 
 impl OneRay for Shape {
     fn intersect_up_to(&self, ray: &TraversalRay, t_max: f64) -> Option<ShapeHit> {
@@ -156,6 +160,10 @@ impl Shape {
                 Some(stack) => mesh.intersect_on::<L>(ray, within, stack),
                 None => mesh.intersect_on::<L>(ray, within, &mut Stack::default()),
             },
+            Self::Particles(particles) => match stack {
+                Some(stack) => particles.intersect_on::<L>(ray, within, stack),
+                None => particles.intersect_on::<L>(ray, within, &mut Stack::default()),
+            },
             _ => self.intersect::<f64>(&PreparedRay::splat(ray), within).one(),
         }
     }
@@ -173,7 +181,44 @@ impl Shape {
                 Some(stack) => mesh.occludes_on::<L>(ray, within, stack),
                 None => mesh.occludes_on::<L>(ray, within, &mut Stack::default()),
             },
+            Self::Particles(particles) => match stack {
+                Some(stack) => particles.occludes_on::<L>(ray, within, stack),
+                None => particles.occludes_on::<L>(ray, within, &mut Stack::default()),
+            },
             _ => self.occludes::<f64>(&PreparedRay::splat(ray), within),
+        }
+    }
+
+    /// Passes all hits of one ray within bounds to `take`. The ray keeps its origin and only the minimum of t grows, so
+    /// each hit is found once, however close hits are.
+    pub fn each_crossing<L: Level>(
+        &self,
+        ray: &TraversalRay,
+        mut within: RayInterval<f64>,
+        take: &mut dyn FnMut(ShapeHit),
+    ) {
+        match self {
+            Self::Mesh(mesh) => return mesh.each(ray, within, take),
+            Self::Particles(particles) => return particles.each(ray, within, take),
+            _ => {}
+        }
+        while let Some(at) = self.intersect_on::<L>(ray, within, None) {
+            take(at);
+            within.min = at.t;
+        }
+    }
+
+    /// Whether the shape has a tree of its own.
+    pub fn has_tree(&self) -> bool {
+        matches!(self, Self::Mesh(_) | Self::Particles(_))
+    }
+
+    /// A number of the data at a point of a part: of a mesh, or of a particle.
+    pub fn number(&self, key: &ArrayKey, point: DVec3, part: u32) -> Option<f64> {
+        match self {
+            Self::Mesh(mesh) => mesh.array_at(key, point, part),
+            Self::Particles(Particles(set)) => set.number(key, part),
+            _ => None,
         }
     }
 

@@ -1,6 +1,6 @@
 //! The source of a shape's parameters.
 
-use super::Mesh;
+use super::{Mesh, Particles};
 use crate::base::math::DVec3;
 
 /// The parameters that a file gives a shape. A method returns none if the parameter is wrong, or missing without a
@@ -17,6 +17,9 @@ pub trait Parameters {
 
     /// A triangle mesh, from all fields.
     fn mesh(&mut self) -> Option<Mesh>;
+
+    /// Particles, from all fields.
+    fn particles(&mut self) -> Option<Particles>;
 
     /// A length of 0 or more.
     fn not_negative(&mut self, name: &'static str, default: Option<f64>) -> Option<f64>;

@@ -58,16 +58,9 @@ impl Geometric for Sphere {
         Some(Self { center: affine.transform_point3(self.center), radius: self.radius * scale })
     }
 
-    /// Longitude from west to east and latitude from -y (0) to +y (1). Both use atan2, whose error stays relative at
-    /// the poles, unlike asin and acos. Maps begin at `SEAM` from -x.
     #[inline(always)]
     fn uv<F: Real>(&self, point: Vec3<F>, _: F::U32) -> [F; 2] {
-        let d = point - Vec3::splat(self.center);
-        let longitude = (F::splat(SEAM) - atan2(d.z, d.x) + F::splat(PI)) / F::splat(TAU);
-        let wrapped = longitude - longitude.floor();
-        let level = (d.x * d.x + d.z * d.z).sqrt();
-        let u = F::select(wrapped.lt(F::splat(1.0)), wrapped, F::splat(0.0));
-        [u, atan2(level, -d.y) / F::splat(PI)]
+        SphereLanes::splat(self).uv(point)
     }
 
     fn uv_ends(&self, _: u32) -> [bool; 2] {
@@ -113,6 +106,18 @@ impl<F: Real> SphereLanes<F> {
     #[inline(always)]
     pub fn splat(sphere: &Sphere) -> Self {
         Self { center: Vec3::splat(sphere.center), radius: F::splat(sphere.radius) }
+    }
+
+    /// Longitude from west to east and latitude from -y (0) to +y (1). Both use atan2, whose error stays relative at
+    /// the poles, unlike asin and acos. Maps begin at `SEAM` from -x.
+    #[inline(always)]
+    pub fn uv(&self, point: Vec3<F>) -> [F; 2] {
+        let d = point - self.center;
+        let longitude = (F::splat(SEAM) - atan2(d.z, d.x) + F::splat(PI)) / F::splat(TAU);
+        let wrapped = longitude - longitude.floor();
+        let level = (d.x * d.x + d.z * d.z).sqrt();
+        let u = F::select(wrapped.lt(F::splat(1.0)), wrapped, F::splat(0.0));
+        [u, atan2(level, -d.y) / F::splat(PI)]
     }
 
     /// [`Geometric::intersect`].

@@ -3,6 +3,7 @@
 use crate::base::{machine, units};
 use crate::camera::path::NoCamera;
 use crate::encode::EncodeError;
+use crate::import::series::StepError;
 use crate::pipeline::schedule::FrameError;
 use std::error::Error;
 use std::fmt::{Display, Formatter};
@@ -50,6 +51,11 @@ pub enum RenderError {
     },
     /// The thread pool could not be started.
     Threads(String),
+    /// A mesh of a frame cannot be loaded.
+    Mesh {
+        frame: u32,
+        why: StepError,
+    },
     /// A frame has no camera.
     Camera {
         frame: u32,
@@ -67,6 +73,7 @@ impl From<FrameError> for RenderError {
     fn from(error: FrameError) -> Self {
         match error {
             FrameError::Camera { frame, why } => Self::Camera { frame, why },
+            FrameError::Mesh { frame, why } => Self::Mesh { frame, why },
             FrameError::Encode(error) => Self::Encode(error),
         }
     }
@@ -94,6 +101,7 @@ impl Display for RenderError {
                 write!(f, "{what} {needed} of memory and there are {available}; {mend}")
             }
             Self::Camera { frame, why } => write!(f, "frame {frame} has no camera: {why}"),
+            Self::Mesh { frame, why } => write!(f, "frame {frame}: {why}"),
             Self::Stopped { done, .. } => {
                 write!(f, "stopped after {}", units::counted(*done as u64, "frame"))
             }

@@ -19,7 +19,7 @@ use crate::scene::top_level::Bvh;
 use crate::scene::{Shading, Weights};
 use crate::sequence::Sequence;
 use crate::trace::{Moment, TraceSettings};
-use crate::world::{Current, Now, sky_table};
+use crate::world::{Current, Now, ShapeUse, sky_table};
 use bevy_ecs::schedule::Schedule;
 use bevy_ecs::world::World;
 use std::marker::PhantomData;
@@ -50,6 +50,7 @@ impl<S: FilmSink> FrameLoop<S> {
     pub fn with_aovs(sequence: &Sequence, aovs: AovSet, sink: S, meter: Arc<ProgressMeter>) -> Self {
         let mut world = new_world(sequence);
         world.resource_mut::<Current<Shading>>().0.sky_table = sky_table(sequence);
+        world.insert_resource(ShapeUse::Rays);
         world.insert_resource(Current(Bvh::default()));
         world.insert_resource(RenderSettings(TraceSettings {
             size: sequence.output.size,

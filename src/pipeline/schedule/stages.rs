@@ -6,6 +6,7 @@ use crate::camera::Camera;
 use crate::camera::path::NoCamera;
 use crate::encode::EncodeError;
 use crate::film::{Film, lit};
+use crate::import::series::StepError;
 use crate::scene::top_level::{Bvh, BvhUpdate};
 use crate::scene::{Geometry, Scene, Shading, Weights};
 use crate::trace::{AdaptiveFrame, Moment, TraceSettings, Weightings, trace_moment, trace_shown};
@@ -61,7 +62,15 @@ impl FilmSink for FilmCollector {
 /// Why a frame could not be rendered.
 #[derive(Debug)]
 pub enum FrameError {
-    Camera { frame: u32, why: NoCamera },
+    Camera {
+        frame: u32,
+        why: NoCamera,
+    },
+    /// A mesh cannot be loaded.
+    Mesh {
+        frame: u32,
+        why: StepError,
+    },
     Encode(EncodeError),
 }
 
@@ -174,6 +183,12 @@ pub fn keep_camera_fault(
 ) {
     if let Err(why) = camera {
         faults.0.get_or_insert(FrameError::Camera { frame: now.0.frame, why });
+    }
+}
+
+pub fn keep_mesh_fault(In(loaded): In<Result<(), StepError>>, now: Res<Now>, mut faults: ResMut<FirstError>) {
+    if let Err(why) = loaded {
+        faults.0.get_or_insert(FrameError::Mesh { frame: now.0.frame, why });
     }
 }
 

@@ -2,14 +2,14 @@
 
 use super::stages::{
     FilmSink, FirstError, FrameStage, Stats, Stopwatch, accelerate, count_geometry, count_shading, encode,
-    keep_camera_fault, keep_fault, lap, no_fault, trace_frame,
+    keep_camera_fault, keep_fault, keep_mesh_fault, lap, no_fault, trace_frame,
 };
 use crate::base::color::Rgb;
 use crate::camera::Camera;
 use crate::scene::{Geometry, Shading, Weights, extract};
 use crate::sequence::Sequence;
 use crate::world::animate;
-use crate::world::{Current, LightSetup, SlotCount, spawn};
+use crate::world::{Current, LightSetup, ShapeUse, SlotCount, spawn};
 use bevy_ecs::schedule::common_conditions::resource_changed;
 use bevy_ecs::schedule::{
     IntoScheduleConfigs, LogLevel, Schedule, ScheduleBuildSettings, SingleThreadedExecutor,
@@ -26,6 +26,7 @@ pub fn new_world(sequence: &Sequence) -> World {
     world.insert_resource(Current(Shading { ambient, ..Shading::default() }));
     world.insert_resource(Current(Weights(vec![Rgb::ONE; layers])));
     world.insert_resource(Current(None::<Camera>));
+    world.insert_resource(ShapeUse::default());
     world.insert_resource(FirstError::default());
     world.insert_resource(Stopwatch::default());
     world.insert_resource(Stats::default());
@@ -52,8 +53,9 @@ pub fn update_schedule() -> Schedule {
             .chain(),
     );
     let camera = animate::camera.pipe(keep_camera_fault);
-    // A camera may focus on an object, so objects come first.
-    let placed = (animate::transforms, camera).chain();
+    let series = animate::series.pipe(keep_mesh_fault);
+    // Hidden objects load nothing, and a camera may focus on an object.
+    let placed = (animate::transforms, series, animate::particles, camera).chain();
     let animated = (placed, animate::materials, animate::lights, animate::sky_and_fog, animate::weights);
     schedule.add_systems((animated, lap(FrameStage::Animate)).chain().in_set(FrameStage::Animate));
     let packed = (

@@ -13,7 +13,7 @@ pub struct Bvh {
     pub(super) leaves: LeafPrimitives,
     /// Indices of primitives that are tested directly: infinite ones, or all if testing them is cheap.
     pub(super) direct: Vec<u32>,
-    /// Indices of meshes outside the tree, if there is none. Each has a tree of its own.
+    /// Indices of meshes and particles outside the tree, if there is none. Each has a tree of its own.
     pub(super) meshes: Vec<u32>,
     /// The largest coordinate of all bounded primitives and of the points of planes. It depends on the geometry alone,
     /// not on the tree.
@@ -97,8 +97,8 @@ impl Bvh {
         let costs = bounded.iter().map(|index| cost(&geometry.primitives[*index as usize]));
         if costs.sum::<usize>() < CHEAP {
             for index in bounded.drain(..) {
-                let is_mesh = matches!(geometry.primitives[index as usize].shape, Shape::Mesh(_));
-                if is_mesh { meshes.push(index) } else { direct.push(index) }
+                let has_tree = geometry.primitives[index as usize].shape.has_tree();
+                if has_tree { meshes.push(index) } else { direct.push(index) }
             }
             direct.sort_unstable();
         } else {
@@ -106,7 +106,7 @@ impl Bvh {
         }
         leaves.renumber(|primitive| bounded[primitive as usize]);
         let mut shapes = geometry.primitives.iter().map(|primitive| &primitive.shape);
-        let is_small = tree.is_small() && !shapes.any(|shape| matches!(shape, Shape::Mesh(_)));
+        let is_small = tree.is_small() && !shapes.any(Shape::has_tree);
         let mut places = vec![Place::Nowhere; geometry.primitives.len()];
         direct.iter().chain(&meshes).for_each(|index| places[*index as usize] = Place::Direct);
         for leaf in 0..leaves.len() as u32 {

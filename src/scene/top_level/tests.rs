@@ -7,14 +7,15 @@ use crate::base::math::{DAffine3, DVec3, Ray};
 use crate::film::LayerId;
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::{
-    Cone, Cuboid, Cylinder, Disk, Plane, PreparedRay, RayInterval, Rectangle, Shape, Sphere, Torus, Triangle,
+    Cone, Cuboid, Cylinder, Disk, Particles, Plane, PreparedRay, RayInterval, Rectangle, Shape, Sphere,
+    Torus, Triangle,
 };
 use crate::scene::{Digests, Finish, Geometry, Shading};
 use crate::testing::{Random, eight_rays, geometry};
 
 fn random_shape(random: &mut Random) -> Shape {
     let p = random.point(10.0);
-    match (random.unit() * 9.0) as u32 {
+    match (random.unit() * 10.0) as u32 {
         0 => Shape::Sphere(Sphere { center: p, radius: 0.1 + random.unit() }),
         1 => Shape::Triangle(Triangle { corners: [p, p + random.point(1.0), p + random.point(1.0)] }),
         2 => Shape::Rectangle(Rectangle { corner: p, u: random.point(1.0), v: random.point(1.0) }),
@@ -29,6 +30,10 @@ fn random_shape(random: &mut Random) -> Shape {
             Shape::Cone(Cone::new(p, apex, 0.1 + random.unit(), top, random.unit() < 0.5).expect("a height"))
         }
         7 => Shape::Torus(Torus::new(p, random.direction(), 1.0, 0.1 + 0.8 * random.unit())),
+        8 => {
+            let sphere = |_| Sphere { center: p + random.point(1.0), radius: 0.1 + 0.3 * random.unit() };
+            Shape::Particles(Particles::still((0..20).map(sphere).collect()))
+        }
         // A grid of flat axis-aligned tiles: boxes without thickness, and shared edges.
         _ => {
             let corner = p.floor();

@@ -4,19 +4,36 @@ use crate::appearance::material::MaterialBinding;
 use crate::base::units::counted;
 use crate::geometry::mesh::{MtlMaterial, TriangleMesh};
 use crate::geometry::shape::{self, Shape};
+use crate::import::series::MeshSeries;
 use crate::sequence::suggest::{listed, shortened};
-use crate::sequence::{Named, Object, Sequence};
+use crate::sequence::{Named, Object, Sequence, ShapeTracks};
 use std::collections::HashSet;
 use std::sync::Arc;
 
 impl Sequence {
     pub(super) fn skipped_triangles(&self) -> Vec<String> {
-        let skipped = self.meshes().into_iter().filter(|(_, mesh)| mesh.skipped > 0);
-        let note = |(name, mesh): (&str, &TriangleMesh)| {
-            let triangles = counted(mesh.skipped as u64, "triangle");
+        let series: Vec<_> = self.series().collect();
+        let is_single =
+            |mesh: &TriangleMesh| series.iter().all(|(_, series)| !std::ptr::eq(&**series.first(), mesh));
+        let single = self.meshes().into_iter().filter(|(_, mesh)| is_single(mesh));
+        let single = single.map(|(name, mesh)| (name, mesh.skipped));
+        let in_series =
+            |(name, series): &(_, &MeshSeries)| (*name, series.steps().iter().map(|step| step.skipped).sum());
+        let counts = single.chain(series.iter().map(in_series));
+        let note = |(name, skipped): (&str, usize)| {
+            let triangles = counted(skipped as u64, "triangle");
             format!("the mesh of `{}`: {triangles} without an area left out", shortened(name))
         };
-        skipped.map(note).collect()
+        counts.filter(|(_, skipped)| *skipped > 0).map(note).collect()
+    }
+
+    /// The different series of meshes, each with the first object that shows it.
+    fn series(&self) -> impl Iterator<Item = (&str, &MeshSeries)> {
+        let mut seen = HashSet::new();
+        self.objects.iter().filter_map(move |Named { name, value }| {
+            let Some(ShapeTracks::Series(series)) = &value.tracks else { return None };
+            seen.insert(Arc::as_ptr(series)).then_some((name.as_str(), &**series))
+        })
     }
 
     /// Meshes whose own materials are visible, each once, with the first object that shows them.

@@ -21,12 +21,21 @@ use crate::base::math::{Aabb, DVec3};
 use binary::BinaryTree;
 use bounds::{Bounds, PrimRef};
 
-/// Most triangles in a leaf: the triangle filter tests this many at once. Other primitives are tested one by one.
+/// Most triangles or spheres in a leaf: this many are tested at once. Other primitives are tested one by one.
 const LEAF_SIZE: usize = 8;
 
 impl Tree {
-    /// Builds a tree over boxes. Also returns the primitives of its leaves.
+    /// Builds a tree over boxes with one primitive in a leaf. Also returns the primitives of its leaves.
     pub fn of_boxes(boxes: &[Aabb]) -> (Self, LeafPrimitives) {
+        Self::of_boxes_by(boxes, 1)
+    }
+
+    /// [`Tree::of_boxes`] with up to eight primitives in a leaf, which are tested at once.
+    pub fn of_packed_boxes(boxes: &[Aabb]) -> (Self, LeafPrimitives) {
+        Self::of_boxes_by(boxes, LEAF_SIZE)
+    }
+
+    fn of_boxes_by(boxes: &[Aabb], largest: usize) -> (Self, LeafPrimitives) {
         let bounds = boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
         if bounds.is_empty() {
             return (Self::default(), LeafPrimitives::default());
@@ -34,7 +43,7 @@ impl Tree {
         let space = TreeSpace::around(bounds);
         let prim =
             |(primitive, bounds): (u32, &Aabb)| PrimRef::new(primitive, Bounds::new(space.outward(*bounds)));
-        Self::over(space, (0..).zip(boxes).map(prim).collect(), 1)
+        Self::over(space, (0..).zip(boxes).map(prim).collect(), largest)
     }
 
     /// Builds a tree over triangles, given as indices into positions, that lie within `bounds`. Also returns the

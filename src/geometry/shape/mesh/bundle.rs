@@ -177,9 +177,9 @@ impl<L: Level, const ANY: bool> BundleVisitor<L> for BundleWalk<'_, L, ANY> {
             search.found.then_some(ShapeHit::at(0.0))
         } else {
             let mut search = ClosestTriangle::new(mesh, single, within);
-            search.hit = hit;
-            tree.walk_below::<L>(below, slabs, slabs.limit(search.limit()), &mut search);
-            search.hit
+            search.nearest.hit = hit;
+            tree.walk_below::<L>(below, slabs, slabs.limit(search.nearest.limit()), &mut search);
+            search.nearest.hit
         };
         if found != hit {
             self.take(L::Mask::from_bits(1 << ray), LaneHit::splat(found));

@@ -89,9 +89,9 @@ impl Geometric for Mesh {
 
     /// Of equally near triangles, the one with the lowest index.
     fn intersect_one(&self, ray: &TraversalRay, within: RayInterval<f64>) -> Option<ShapeHit> {
-        let mut nearest = ClosestTriangle::new(self, ray, within);
-        self.mesh.tree().walk(ray, within.max, &mut nearest);
-        nearest.hit
+        let mut search = ClosestTriangle::new(self, ray, within);
+        self.mesh.tree().walk(ray, within.max, &mut search);
+        search.nearest.hit
     }
 
     fn occludes_one(&self, ray: &TraversalRay, within: RayInterval<f64>) -> bool {
@@ -106,7 +106,7 @@ impl Geometric for Mesh {
     }
 
     fn bounds(&self) -> Option<Aabb> {
-        Some(self.mesh.bounds())
+        Some(self.step.map_or_else(|| self.mesh.bounds(), |step| step.bounds))
     }
 
     fn support(&self, direction: DVec3) -> Option<f64> {

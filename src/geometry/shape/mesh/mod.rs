@@ -8,4 +8,4 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
-pub use handle::Mesh;
+pub use handle::{Mesh, MeshStep};

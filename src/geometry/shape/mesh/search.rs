@@ -2,11 +2,11 @@
 
 use super::Mesh;
 use crate::base::lanes::{Level, Row, SimdKernel};
-use crate::base::math::min;
 use crate::geometry::bvh::{LeafVisitor, Slabs, Stack, TraversalRay};
 use crate::geometry::mesh::ShearedRay;
+use crate::geometry::shape::nearest_part::NearestPart;
 use crate::geometry::shape::triangle::{TriangleLanes, covers};
-use crate::geometry::shape::{CoincidenceRange, PreparedRay, RayInterval, ShapeHit};
+use crate::geometry::shape::{PreparedRay, RayInterval, ShapeHit};
 
 impl Mesh {
     /// Passes all hits within bounds to `take`, in no particular order.
@@ -44,37 +44,14 @@ pub(super) struct ClosestTriangle<'a> {
     ray: &'a TraversalRay,
     /// Set at the first leaf.
     sheared: Option<ShearedRay>,
-    within: RayInterval<f64>,
-    coincidence_range: CoincidenceRange<f64>,
-    pub hit: Option<ShapeHit>,
+    pub nearest: NearestPart,
 }
 
 impl<'a> ClosestTriangle<'a> {
     #[inline(always)]
     pub fn new(mesh: &'a Mesh, ray: &'a TraversalRay, within: RayInterval<f64>) -> Self {
-        let coincidence_range = PreparedRay::splat(ray).coincidence_range(mesh.mesh.tree().space().reach());
-        Self { mesh, ray, sheared: None, within, coincidence_range, hit: None }
-    }
-
-    /// The t beyond which hits do not count.
-    #[inline(always)]
-    pub fn limit(&self) -> f64 {
-        self.hit.map_or(self.within.max, |best| min(self.within.max, self.coincidence_range.end(best.t)))
-    }
-
-    /// Records a hit before the limit if it is closer, or equally close with a lower index.
-    #[inline(always)]
-    fn consider(&mut self, t: f64, part: u32) {
-        let at = ShapeHit::of_part(t, part);
-        self.hit = Some(match self.hit {
-            None => at,
-            Some(best) if t < best.t || t == best.t && part < best.part => {
-                ShapeHit { coincident: best.t <= self.coincidence_range.end(t), ..at }
-            }
-            Some(best) => {
-                ShapeHit { coincident: best.coincident || t <= self.coincidence_range.end(best.t), ..best }
-            }
-        });
+        let range = PreparedRay::splat(ray).coincidence_range(mesh.mesh.tree().space().reach());
+        Self { mesh, ray, sheared: None, nearest: NearestPart::new(within, range) }
     }
 }
 
@@ -113,9 +90,9 @@ impl SimdKernel for MeshWalk<'_, ClosestTriangle<'_>> {
 
     #[inline(always)]
     fn run<L: Level>(mut self) -> Option<ShapeHit> {
-        let ClosestTriangle { mesh: Mesh { mesh, .. }, ray, within, .. } = self.search;
-        mesh.tree().walk_on::<L>(ray, within.max, &mut self.search, self.stack);
-        self.search.hit
+        let ClosestTriangle { mesh: Mesh { mesh, .. }, ray, nearest, .. } = self.search;
+        mesh.tree().walk_on::<L>(ray, nearest.within.max, &mut self.search, self.stack);
+        self.search.nearest.hit
     }
 }
 
@@ -156,7 +133,8 @@ impl SimdKernel for Visit<'_, ClosestTriangle<'_>> {
     #[inline(always)]
     fn run<L: Level>(self) -> Option<f32> {
         let Self { search, leaf, slabs, mut limit } = self;
-        let ClosestTriangle { mesh: Mesh { mesh, .. }, ray, within, .. } = *search;
+        let ClosestTriangle { mesh: Mesh { mesh, .. }, ray, nearest: NearestPart { within, .. }, .. } =
+            *search;
         let packet = &mesh.packets()[leaf as usize];
         let sheared = search.sheared.get_or_insert_with(|| ShearedRay::new(ray, slabs));
         let classes = sheared.classify(&sheared.test_edges::<L::F32>(packet, limit), limit);
@@ -178,8 +156,8 @@ impl SimdKernel for Visit<'_, ClosestTriangle<'_>> {
                 continue;
             }
             let Some(at) = triangle.crossing(&prepared, &sheared, true, within).one() else { continue };
-            search.consider(at.t, packet.part(lane));
-            limit = slabs.limit(search.limit());
+            search.nearest.consider(at.t, packet.part(lane));
+            limit = slabs.limit(search.nearest.limit());
         }
         Some(limit)
     }

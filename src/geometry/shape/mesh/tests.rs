@@ -13,7 +13,7 @@ use glam::Vec3;
 use std::sync::Arc;
 
 fn shape(parts: MeshData, normals: Normals) -> Mesh {
-    Mesh { mesh: Arc::new(mesh::TriangleMesh::new(parts).expect("a mesh")), normals }
+    Mesh::new(Arc::new(mesh::TriangleMesh::new(parts).expect("a mesh")), normals)
 }
 
 fn triangle() -> MeshData {
@@ -166,7 +166,7 @@ fn eight_surfaces_are_those_of_each() {
     let mesh = Arc::new(mesh::TriangleMesh::new(generate::displaced_sphere(3, 5)).expect("a mesh"));
     let mut lifted = 0;
     for normals in [Normals::Smooth, Normals::Flat].into_iter().cycle().take(600) {
-        let mesh = Mesh { mesh: mesh.clone(), normals };
+        let mesh = Mesh::new(mesh.clone(), normals);
         let rays: [Ray; 8] = std::array::from_fn(|_| {
             // From inside too, where the normals face away.
             let reach = if random.unit() < 0.3 { 0.2 } else { 3.0 };

@@ -1,0 +1,111 @@
+//! The particles at one moment.
+
+use super::packet::SpherePacket;
+use super::tracks::ParticleTracks;
+use crate::base::digest::{Content, Digest, Digester};
+use crate::base::math::Aabb;
+use crate::geometry::bvh::Tree;
+use crate::geometry::mesh::ArrayKey;
+use crate::geometry::shape::{Geometric, Sphere};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Leaves per parallel task.
+const FEW: usize = 1024;
+
+/// Where a particle's numbers come from: a row, and the share of the next one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Origin {
+    pub row: u32,
+    pub share: f64,
+}
+
+/// Spheres at one moment. The part of a hit is the index of its sphere.
+#[derive(Debug)]
+pub struct ParticleSet {
+    tracks: Arc<ParticleTracks>,
+    spheres: Vec<Sphere>,
+    origins: Vec<Origin>,
+    bounds: Aabb,
+    digest: Digest,
+    tree: Tree,
+    /// The spheres of each of the tree's leaves.
+    packets: Vec<SpherePacket>,
+}
+
+impl ParticleSet {
+    /// A set without a tree, which no ray hits.
+    pub(super) fn new(tracks: Arc<ParticleTracks>, spheres: Vec<Sphere>, origins: Vec<Origin>) -> Self {
+        let bounds = spheres.iter().filter_map(Geometric::bounds).fold(Aabb::EMPTY, Aabb::union);
+        let digest = Digest::of(&spheres);
+        Self { tracks, spheres, origins, bounds, digest, tree: Tree::default(), packets: Vec::new() }
+    }
+
+    /// The same set with its tree.
+    pub fn with_tree(mut self) -> Self {
+        let boxes: Vec<Aabb> =
+            self.spheres.par_iter().map(|sphere| sphere.bounds().unwrap_or(Aabb::EMPTY)).collect();
+        let (tree, leaves) = Tree::of_packed_boxes(&boxes);
+        let packet = |leaf| SpherePacket::new(&self.spheres, leaves.leaf(leaf));
+        self.packets = (0..leaves.len() as u32).into_par_iter().with_min_len(FEW).map(packet).collect();
+        self.tree = tree;
+        self
+    }
+
+    pub fn spheres(&self) -> &[Sphere] {
+        &self.spheres
+    }
+
+    pub fn tree(&self) -> &Tree {
+        &self.tree
+    }
+
+    #[inline(always)]
+    pub fn packets(&self) -> &[SpherePacket] {
+        &self.packets
+    }
+
+    /// A box around all particles; empty without any.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// The digest of the spheres.
+    pub fn digest(&self) -> Digest {
+        self.digest
+    }
+
+    /// A number of a particle.
+    pub fn number(&self, key: &ArrayKey, part: u32) -> Option<f64> {
+        let column = &self.tracks.columns()[self.tracks.column(key)?];
+        let Origin { row, share } = self.origins[part as usize];
+        let a = column.value(row as usize, key.component);
+        if share == 0.0 {
+            return Some(a);
+        }
+        let b = column.value(row as usize + 1, key.component);
+        let value = a + (b - a) * share;
+        // Rounding may lead beyond the ends. `max` and `min` would hide an end that is not a number.
+        Some(if value.is_nan() { value } else { value.max(a.min(b)).min(a.max(b)) })
+    }
+
+    /// The digest of a column's numbers; none if there is no such column.
+    pub fn column_digest(&self, key: &ArrayKey) -> Option<Digest> {
+        self.tracks.column(key)?;
+        let mut digester = Digester::new();
+        (0..self.spheres.len() as u32).for_each(|part| self.number(key, part).feed(&mut digester));
+        Some(digester.finish())
+    }
+
+    /// Whether rays find the particles.
+    pub fn has_tree(&self) -> bool {
+        self.spheres.is_empty() || !self.tree.is_empty()
+    }
+
+    /// Whether another set has the same spheres with the same numbers.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.digest == other.digest
+            && Arc::ptr_eq(&self.tracks, &other.tracks)
+            && self.origins == other.origins
+    }
+}

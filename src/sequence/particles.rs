@@ -1,0 +1,123 @@
+//! Decodes `Particles`: the rows of a table as spheres over time.
+
+use super::fault::Fault;
+use super::fields::Fields;
+use super::node::Node;
+use super::pose_columns::{ColumnName, POSITIONS, TIMES, column};
+use super::pose_tracks::{PoseFault, TimedRows, at_row, values, vectors};
+use super::poses::table;
+use super::suggest::{listed, shortened};
+use super::values::{each, is_number, positive, text, tuple};
+use crate::geometry::shape::Sphere;
+use crate::geometry::shape::{ParticleRows, ParticleTracks, SameTime};
+use crate::import::table::{Table, TableError};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// The columns of particles.
+struct Columns {
+    time: Option<ColumnName>,
+    id: Option<ColumnName>,
+    position: [ColumnName; 3],
+    radius: Radius,
+}
+
+/// The radius of all particles, or its column.
+enum Radius {
+    Number(f64),
+    Column(ColumnName),
+}
+
+/// Decodes particles from these fields.
+pub fn particles(fields: &mut Fields<'_>) -> Option<Arc<ParticleTracks>> {
+    let (mut place, mut name) = (fields.node().span(), String::new());
+    let table = fields.required("file", |node| {
+        place = node.span();
+        name = text(node)?;
+        table(node, &name)
+    });
+    let Some(table) = table else {
+        ["time", "id", "position", "radius"].into_iter().for_each(|name| fields.ignore(name));
+        return None;
+    };
+    let node = fields.node();
+    let columns = columns(fields, &table, &place)?;
+    match rows(&table, &columns, node) {
+        Ok(tracks) => Some(Arc::new(tracks)),
+        Err((place, error)) => {
+            let title = format!("cannot use the particles in {:?}", shortened(&name));
+            node.fault(Fault::new(place, title, error.to_string()));
+            None
+        }
+    }
+}
+
+/// Reads the names of columns. Those that the file does not name have their usual names.
+fn columns(fields: &mut Fields<'_>, table: &Table, place: &Range<usize>) -> Option<Columns> {
+    let usual = |name: &str| ColumnName { name: name.to_owned(), place: place.clone() };
+    let known = |names: &[&str]| names.iter().find(|name| table.has(name)).map(|name| usual(name));
+    let time = fields.optional("time", column);
+    let id = fields.optional("id", column);
+    let position = fields.optional("position", |node| each(tuple(node, "three names of columns")?, column));
+    let radius = fields.optional("radius", |node| match is_number(node) {
+        true => positive(node).map(Radius::Number),
+        false => column(node).map(Radius::Column),
+    });
+    let (time, id, position, radius) = (time?, id?, position?, radius?);
+    let missing = |what: &str, write: &str| {
+        let fault = Fault::new(place.clone(), "this table has no particles that Kinora recognises", what);
+        let names = listed(table.names());
+        fields.node().fault(fault.help(format!("its columns are {names}; write {write}")));
+    };
+    let all = |names: &&[&str; 3]| names.iter().all(|name| table.has(name));
+    let position = position.or_else(|| POSITIONS.iter().find(all).map(|names| names.map(usual)));
+    let Some(position) = position else {
+        missing("no columns `x`, `y`, `z`", "`position: (\"name\", ...)`");
+        return None;
+    };
+    let Some(radius) = radius.or_else(|| known(&["radius", "r"]).map(Radius::Column)) else {
+        missing("no column `radius`", "`radius: 0.1`, or the name of a column");
+        return None;
+    };
+    let (time, id) = (time.or_else(|| known(&TIMES)), id.or_else(|| known(&["id"])));
+    Some(Columns { time, id, position, radius })
+}
+
+fn rows(table: &Table, columns: &Columns, node: Node<'_>) -> Result<ParticleTracks, PoseFault> {
+    let centers = vectors(table, &columns.position)?;
+    let radii = radii(table, &columns.radius)?;
+    let spheres = centers.into_iter().zip(radii).map(|(center, radius)| Sphere { center, radius }).collect();
+    let timed = TimedRows::of(table, columns.time.as_ref(), node.file.clock.get())?;
+    let mut rows = ParticleRows { spheres, columns: numbers(table), ..ParticleRows::default() };
+    if timed.times.len() > 1 {
+        let id = columns.id.as_ref();
+        let ids = TimedRows::ids(table, columns.time.as_ref(), id)?;
+        (rows.times, rows.time_of, rows.id_of) = (timed.times, timed.of_row, ids.to_vec());
+        return ParticleTracks::new(rows)
+            .map_err(|SameTime(first, second)| TimedRows::same_time(table, id, ids, [first, second]));
+    }
+    // Particles without times are not compared with each other.
+    ParticleTracks::new(rows).map_err(|_| (node.span(), TableError::new("two rows are one particle")))
+}
+
+fn radii(table: &Table, radius: &Radius) -> Result<Vec<f64>, PoseFault> {
+    let name = match radius {
+        Radius::Number(radius) => return Ok(vec![*radius; table.rows()]),
+        Radius::Column(name) => name,
+    };
+    let radii = values(table, name)?;
+    let wrong = |radius: &f64| !(*radius == 0.0 || (1e-30..=1e30).contains(radius));
+    match radii.iter().position(wrong) {
+        Some(row) => {
+            let why = format!("expected a radius of 0, or from 1e-30 to 1e30, found {}", radii[row]);
+            Err(at_row(table, row, name, why))
+        }
+        None => Ok(radii.to_vec()),
+    }
+}
+
+/// The columns that hold numbers only.
+fn numbers(table: &Table) -> Vec<(String, Vec<f64>)> {
+    let column = |name: &str| Some((name.to_owned(), table.column(name).ok()?.to_vec()));
+    table.names().filter_map(column).collect()
+}

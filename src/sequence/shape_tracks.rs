@@ -1,0 +1,50 @@
+//! Shapes that change over time.
+
+use crate::base::digest::Digest;
+use crate::base::math::Aabb;
+use crate::base::time::Time;
+use crate::geometry::shape::Geometric;
+use crate::geometry::shape::ParticleTracks;
+use crate::import::series::MeshSeries;
+use std::sync::Arc;
+
+/// What a shape is over time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ShapeTracks {
+    Series(Arc<MeshSeries>),
+    Particles(Arc<ParticleTracks>),
+}
+
+impl ShapeTracks {
+    /// Whether different times may have different shapes.
+    pub fn is_keyed(&self) -> bool {
+        match self {
+            Self::Series(series) => series.is_keyed(),
+            Self::Particles(particles) => particles.is_keyed(),
+        }
+    }
+
+    /// A digest that differs if the shape may be different.
+    pub fn digest(&self, time: Time) -> Digest {
+        match self {
+            Self::Series(series) => Digest::of(&series.named(time)),
+            Self::Particles(particles) => particles.moment(time),
+        }
+    }
+
+    /// A box around the shape at a time, without loading files; none if there is nothing.
+    pub fn bounds_at(&self, time: Time) -> Option<Aabb> {
+        match self {
+            Self::Series(series) => series.named(time).bounds(),
+            Self::Particles(particles) => particles.bounds_at(time),
+        }
+    }
+
+    /// A box around the shape over all times.
+    pub fn bounds(&self) -> Aabb {
+        match self {
+            Self::Series(series) => series.bounds(),
+            Self::Particles(particles) => particles.bounds(),
+        }
+    }
+}
