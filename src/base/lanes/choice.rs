@@ -33,11 +33,11 @@ impl LevelName {
     pub fn is_available(self) -> bool {
         match self {
             Self::Portable => true,
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", not(feature = "portable-only")))]
             Self::Avx2 => super::x86::has_avx2(),
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", not(feature = "portable-only")))]
             Self::Avx512 => super::x86::has_avx512(),
-            #[cfg(not(target_arch = "x86_64"))]
+            #[cfg(any(not(target_arch = "x86_64"), feature = "portable-only"))]
             _ => false,
         }
     }

@@ -49,7 +49,7 @@ mod scalar;
 pub(crate) mod tests;
 mod traits;
 mod vec3;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", not(feature = "portable-only")))]
 mod x86;
 
 pub use choice::{LEVEL_VARIABLE, LevelError, LevelName, forced_level, level};
