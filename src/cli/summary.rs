@@ -62,7 +62,7 @@ pub fn file_name(file: &Path) -> String {
 
 /// One line of JSON.
 pub fn json(summary: &Summary) -> String {
-    let Counts { rays, evaluations, dropped } = summary.counts;
+    let Counts { rays, evaluations, dropped, paths: _ } = summary.counts;
     let stages = summary.stages.iter().map(|(name, time)| ((*name).to_owned(), rounded(time.as_secs_f64())));
     line(json!({
         "event": "summary",

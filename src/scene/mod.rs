@@ -15,6 +15,7 @@ mod hit;
 mod journal;
 #[cfg(test)]
 mod lane_tests;
+pub mod movers;
 mod primitive;
 mod surfaces;
 

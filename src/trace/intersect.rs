@@ -90,7 +90,8 @@ impl HitStream {
         (events, media): (&mut Events, &MediaLists),
     ) {
         let materials = &context.scene.shading.materials;
-        for index in std::mem::take(&mut self.close) {
+        let close = std::mem::take(&mut self.close);
+        for &index in &close {
             let at = Lookup::run(index, 1);
             let ray = paths.ray::<f64>(&at);
             let ray = Ray { origin: DVec3::from(ray.origin), direction: DVec3::from(ray.direction) };
@@ -100,6 +101,12 @@ impl HitStream {
                 self.meet(index, number, hit);
             }
         }
+        self.close = close;
+    }
+
+    /// The paths with other hits close to theirs.
+    pub fn close(&self) -> &[u32] {
+        &self.close
     }
 
     /// Replaces the hit of a path by that of an event.

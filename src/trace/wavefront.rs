@@ -17,8 +17,10 @@ use super::context::{Queue, TraceContext};
 use super::emitter::HandleEmitters;
 use super::escape::HandleEscaped;
 use super::intersect::HitStream;
+use super::marks::{MarkSegments, Marks};
 use super::materials::LobeTable;
 use super::medium::MediaLists;
+use super::order::BranchCheck;
 use super::segment::AttenuateSegments;
 use super::shade::WaveState;
 use super::shade_queue::ShadeQueue;
@@ -49,6 +51,9 @@ pub struct ScratchBuffer {
     samples: PixelSamples,
     places: Vec<u32>,
     pub sums: Accumulator,
+    pub marks: Marks,
+    /// Which samples have branches, if it matters.
+    branches: BranchCheck,
     pub counts: Counts,
     /// The most paths that advance together.
     max_paths: usize,
@@ -71,6 +76,8 @@ impl ScratchBuffer {
             samples: PixelSamples::with_capacity(WAVE),
             places: Vec::with_capacity(WAVE),
             sums: Accumulator::new(context.layers),
+            marks: Marks::default(),
+            branches: BranchCheck::default(),
             counts: Counts::default(),
             max_paths: MAX_PATHS,
             #[cfg(test)]
@@ -91,6 +98,7 @@ impl ScratchBuffer {
     /// Traces the paths of samples, at most [`WAVE`], to their ends. Then the sums hold the light of each sample.
     pub fn follow(&mut self, context: &TraceContext, samples: &PixelSamples, grid: Option<u32>) {
         self.sums.reset(samples.len());
+        self.branches.reset(if self.sums.is_watched() { samples.len() } else { 0 });
         self.events.clear();
         self.media.trim();
         let mut paths = self.stream(context);
@@ -106,6 +114,7 @@ impl ScratchBuffer {
                 continue;
             }
             let next = self.step(context, samples, &mut paths);
+            self.branches.note(next.depth(), next.slots());
             #[cfg(test)]
             {
                 let waiting: usize = waiting.iter().map(PathStream::len).sum();
@@ -114,6 +123,11 @@ impl ScratchBuffer {
             self.free.push(paths);
             if next.is_empty() { self.free.push(next) } else { waiting.push(next) }
         }
+    }
+
+    /// Whether the sum of a sample may depend on the other samples of its wave: see [`super::order`].
+    pub fn depends_on_order(&self, slot: usize) -> bool {
+        self.branches.has_branched(slot) && self.sums.is_rounded(slot)
     }
 
     fn stream(&mut self, context: &TraceContext) -> PathStream {
@@ -126,8 +140,11 @@ impl ScratchBuffer {
         let mut next = self.stream(context);
         next.clear();
         next.set_depth(paths.depth() + 1);
-        let Self { hits, events, media, shadows, rows, sums, counts, .. } = self;
+        let Self { hits, events, media, shadows, rows, sums, marks, counts, .. } = self;
         hits.find(context, paths, coherence, (events, media));
+        if let Some(movers) = context.movers {
+            dispatch(MarkSegments { context, movers, paths, hits, marks });
+        }
         if context.fog.is_some() || context.absorbs {
             dispatch(AttenuateSegments { context, paths, hits, media, sums, counts });
         }
@@ -159,6 +176,7 @@ impl ScratchBuffer {
                     media,
                     rows,
                     sums,
+                    marks,
                     counts,
                 });
             }
