@@ -61,6 +61,12 @@ impl Plan {
         count
     }
 
+    /// The layers that any of these films holds, ascending.
+    pub fn lit(films: &[SharedFilm]) -> Vec<LayerId> {
+        let all: BTreeSet<LayerId> = films.iter().flat_map(|film| &film.lit).copied().collect();
+        all.into_iter().collect()
+    }
+
     /// Maximum bytes of the film cache.
     pub fn kept_bytes(&self) -> u64 {
         let mut most = 0;

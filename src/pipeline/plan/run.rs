@@ -1,9 +1,9 @@
 //! Executes a plan.
 
 use super::render_plan::Plan;
-use crate::film::{Film, LayerId};
+use crate::film::Film;
 use crate::pipeline::schedule::{FilmSink, FrameError, FrameLoop, FrameState};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 
 /// Renders the plan's frames in order while `on` returns true. Returns the number of finished frames. If a film stops
 /// before it reaches its target error, the next frames of the same film are pushed too, but do not count.
@@ -69,9 +69,7 @@ fn trace_together<S: FilmSink>(
     }
     let films = &plan.films[first..first + together];
     let states: Vec<&FrameState> = films.iter().map(|film| &plan.states.frames[film.frames[0]]).collect();
-    let lit: BTreeSet<LayerId> = films.iter().flat_map(|film| &film.lit).copied().collect();
-    let lit: Vec<LayerId> = lit.into_iter().collect();
-    let traced = frames.trace_together(&states, &lit, plan.cache.scenes())?;
+    let traced = frames.trace_together(&states, &Plan::lit(films), plan.cache.scenes())?;
     let next = first + if traced.is_empty() { together } else { traced.len() };
     kept.extend((first..).zip(traced));
     Ok(next)

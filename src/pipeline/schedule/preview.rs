@@ -41,7 +41,7 @@ struct MomentState {
     radiance: Digest,
     /// Whether the moment alone needs random samples.
     random: bool,
-    /// Digest of everything but objects and their materials.
+    /// Digest of everything but objects and their materials, and of the kind of samples.
     surroundings: Digest,
 }
 
@@ -160,7 +160,7 @@ impl Preview {
         let integrator = self.settings.integrator();
         let random = is_random(&scene, integrator);
         let radiance = self.digests.radiance(&scene, integrator.samples_lights());
-        let surroundings = self.digests.surroundings(&scene);
+        let surroundings = Digest::of(&(self.digests.surroundings(&scene), random));
         Ok(MomentState { scene_hash: self.digests.transport(&scene), radiance, random, surroundings })
     }
 }

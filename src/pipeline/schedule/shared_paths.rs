@@ -57,7 +57,7 @@ impl<S: FilmSink> FrameLoop<S> {
         let settings = &self.world.resource::<RenderSettings>().0;
         let poses: Vec<FramePose> = snapshots.iter().map(|snapshot| snapshot.pose(&weights)).collect();
         let meter = Arc::clone(&self.world.resource::<RunProgress>().0);
-        let traced = SharedFrames::new(&poses, settings).and_then(|frames| frames.trace(&meter));
+        let traced = SharedFrames::new(&poses, settings).trace(&meter);
         let Some((films, counts)) = traced else { return Ok(Vec::new()) };
         let mut stats = self.world.resource_mut::<Stats>();
         stats.counts += counts;

@@ -55,15 +55,23 @@ impl<'a> FramePose<'a> {
         is_random(&self.scene, settings.quality.integrator)
     }
 
-    /// Whether frames may be traced together as far as these two are concerned: whether light samples, error bounds and
-    /// the number of moments are the same. Cameras, lights, skies and fog must be the same anyway.
+    /// Whether the frames of two poses may be traced together: whether light samples, error bounds, the kind of samples
+    /// and the number of moments are the same. No mover may be a source of light that surfaces sample, because then all
+    /// light depends on it. Cameras, lights, skies and fog must be the same anyway.
     pub fn is_like(&self, other: &Self, settings: &TraceSettings) -> bool {
         let moments = [self.moment.of, other.moment.of];
+        let random = [self, other].map(|pose| pose.is_random(settings));
+        let drawn = [moments[0] > 1 || random[0], moments[1] > 1 || random[1]];
+        let scenes = [self.scene, other.scene];
         (moments[0] == moments[1] || moments.contains(&1))
+            && random[0] == random[1]
+            && drawn[0] == drawn[1]
             && self.bvh.reach() == other.bvh.reach()
-            && self.is_random(settings) == other.is_random(settings)
-            && (self.moment.of > 1 || self.is_random(settings))
-                == (other.moment.of > 1 || other.is_random(settings))
+            && !has_moving_source(
+                &scenes,
+                &moving_slots(&scenes),
+                settings.quality.integrator.samples_lights(),
+            )
     }
 }
 
@@ -78,24 +86,23 @@ pub struct SharedFrames<'a> {
 }
 
 impl<'a> SharedFrames<'a> {
-    /// Prepares poses in the order of their frames and moments. Each must be [like](FramePose::is_like) the others, with
-    /// the same layers. None if a mover is a source of light that paths sample: then all light depends on it.
-    pub fn new(poses: &'a [FramePose<'a>], settings: &'a TraceSettings) -> Option<Self> {
-        let (first, last) = (poses.first()?, poses.last()?);
+    /// Prepares poses in the order of their frames and moments. Each must be [like](FramePose::is_like) the first one and
+    /// those with several moments, with the same layers.
+    pub fn new(poses: &'a [FramePose<'a>], settings: &'a TraceSettings) -> Self {
         let scenes: Vec<Scene> = poses.iter().map(|pose| pose.scene).collect();
         let slots = moving_slots(&scenes);
-        if has_moving_source(&scenes, &slots, settings.quality.integrator.samples_lights()) {
-            return None;
-        }
-        let still = Bvh::build(&without(first.scene.geometry, &slots)).with_reach(first.bvh.reach());
+        let still = poses.first().map_or_else(Bvh::default, |first| {
+            Bvh::build(&without(first.scene.geometry, &slots)).with_reach(first.bvh.reach())
+        });
         let all: Vec<Pose> = poses.iter().map(FramePose::pose).collect();
-        Some(Self { poses, settings, count: last.frame + 1, still, movers: Movers::new(&all, &slots) })
+        let count = poses.last().map_or(0, |last| last.frame + 1);
+        Self { poses, settings, count, still, movers: Movers::new(&all, &slots) }
     }
 
-    /// Traces all frames. None if the run is stopped.
+    /// Traces all frames. None if there are none, or if the run is stopped.
     pub fn trace(&self, meter: &ProgressMeter) -> Option<(Vec<Film>, Counts)> {
         let Self { settings, count, .. } = *self;
-        let first = &self.poses[0].scene;
+        let first = &self.poses.first()?.scene;
         let (width, height) = settings.size;
         let film = || Film::with_aovs(width, height, first.weights.0.clone(), settings.extras);
         let mut films: Vec<Film> = (0..count).map(|_| film()).collect();

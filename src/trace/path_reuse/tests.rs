@@ -105,7 +105,7 @@ fn compare(seed: u64, scene: &RandomScene, moments: u32) -> Outcome {
     if !all.iter().all(|pose| pose.is_like(&all[0], &settings)) {
         return Outcome::Alone;
     }
-    let Some(shared) = SharedFrames::new(&all, &settings) else { return Outcome::Alone };
+    let shared = SharedFrames::new(&all, &settings);
     let (films, counts) = shared.trace(&ProgressMeter::default()).expect("no stop");
     for (frame, film) in films.iter().enumerate() {
         let own: Vec<FramePose> = all.iter().filter(|pose| pose.frame == frame).copied().collect();
