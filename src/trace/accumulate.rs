@@ -12,9 +12,6 @@ pub struct Accumulator {
     /// Numbers per channel: the samples, and padding for the lanes behind the last one.
     length: usize,
     sums: Vec<f64>,
-    /// For each sample, whether an addition was rounded; empty unless this is watched.
-    rounded: Vec<bool>,
-    watched: bool,
 }
 
 impl Accumulator {
@@ -22,29 +19,11 @@ impl Accumulator {
         Self { layers, ..Self::default() }
     }
 
-    /// Notes from now on which sums are rounded.
-    pub fn watch(&mut self) {
-        self.watched = true;
-    }
-
-    pub fn is_watched(&self) -> bool {
-        self.watched
-    }
-
-    /// Whether any addition to the sums of a sample was rounded, if this is watched.
-    pub fn is_rounded(&self, slot: usize) -> bool {
-        self.rounded[slot]
-    }
-
     /// Clears the sums for this number of samples.
     pub fn reset(&mut self, samples: usize) {
         self.length = samples + 8;
         self.sums.clear();
         self.sums.resize(3 * self.layers * self.length, 0.0);
-        if self.watched {
-            self.rounded.clear();
-            self.rounded.resize(self.length, false);
-        }
     }
 
     /// Adds light to a layer of the samples `slots`, in the lanes of a mask.
@@ -58,9 +37,9 @@ impl Accumulator {
         let consecutive = F::U32::splat(all[0]).wrapping_add(F::U32::from_array(consecutive));
         if !(mask & !slots.eq(consecutive)).any() {
             let at = self.place(layer.index(), all[0]);
-            self.add_row(all[0], at, F::select(mask, light.r.to_f64(), F::splat(0.0)));
-            self.add_row(all[0], at + self.length, F::select(mask, light.g.to_f64(), F::splat(0.0)));
-            self.add_row(all[0], at + 2 * self.length, F::select(mask, light.b.to_f64(), F::splat(0.0)));
+            self.add_row(at, F::select(mask, light.r.to_f64(), F::splat(0.0)));
+            self.add_row(at + self.length, F::select(mask, light.g.to_f64(), F::splat(0.0)));
+            self.add_row(at + 2 * self.length, F::select(mask, light.b.to_f64(), F::splat(0.0)));
             return;
         }
         let (r, g, b, slots) = (light.r.to_array(), light.g.to_array(), light.b.to_array(), all);
@@ -74,12 +53,7 @@ impl Accumulator {
     pub fn add_to(&mut self, layer: LayerId, light: Rgb, slot: u32) {
         let at = self.place(layer.index(), slot);
         for (channel, light) in light.to_array().into_iter().enumerate() {
-            let (sum, light) = (&mut self.sums[at + channel * self.length], f64::from(light));
-            let before = *sum;
-            *sum += light;
-            if self.watched {
-                self.rounded[slot as usize] |= is_rounded(before, light, *sum).bits() != 0;
-            }
+            self.sums[at + channel * self.length] += f64::from(light);
         }
     }
 
@@ -105,28 +79,14 @@ impl Accumulator {
     }
 
     #[inline(always)]
-    fn add_row<F: Real>(&mut self, slot: u32, at: usize, light: F) {
-        let before = F::load(&self.sums, at);
-        let sum = before + light;
-        sum.store(&mut self.sums, at);
-        if self.watched {
-            for lane in lanes(is_rounded(before, light, sum).bits()) {
-                self.rounded[slot as usize + lane] = true;
-            }
-        }
+    fn add_row<F: Real>(&mut self, at: usize, light: F) {
+        (F::load(&self.sums, at) + light).store(&mut self.sums, at);
     }
 
     /// Whether all sums are finite and not negative.
     pub fn is_valid(&self) -> bool {
         dispatch(AllValid(&self.sums))
     }
-}
-
-/// Whether a sum differs from the exact sum. The rounding error is one of the two differences between the sum minus one
-/// term and the other term: the difference with the larger term is exact (Dekker 1971).
-#[inline(always)]
-fn is_rounded<F: Real>(a: F, b: F, sum: F) -> F::Mask {
-    !((sum - a).eq(b) & (sum - b).eq(a))
 }
 
 /// Tests that all numbers are finite and not negative.

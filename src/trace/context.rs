@@ -69,7 +69,7 @@ pub struct TraceContext<'a> {
     pub media: bool,
     /// Whether any of these media absorbs.
     pub absorbs: bool,
-    /// Whether a path may become several.
+    /// Whether a sample may have several paths.
     pub branches: bool,
     /// The movers that segments of paths are tested against, if paths are shared by several frames.
     pub movers: Option<&'a Movers<'a>>,

@@ -22,8 +22,8 @@ mod marks;
 mod materials;
 mod medium;
 mod path;
+mod path_queue;
 mod path_reuse;
-mod order;
 mod pixels;
 mod pilot;
 #[cfg(test)]

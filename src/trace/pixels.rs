@@ -20,8 +20,6 @@ pub struct PixelTracer<'a> {
     pub moment: Moment,
     /// Whether samples are random. Otherwise they form a regular grid.
     pub random: bool,
-    /// Whether to note samples whose sums depend on the order of additions.
-    pub watched: bool,
     /// Scratch buffers that no thread is using.
     scratch: Mutex<Vec<ScratchBuffer>>,
 }
@@ -37,7 +35,7 @@ impl<'a> PixelTracer<'a> {
     pub fn new(scene: &'a Scene<'a>, bvh: &'a Bvh, settings: &'a TraceSettings, moment: Moment) -> Self {
         let context = TraceContext::new(scene, bvh, settings);
         let random = moment.of > 1 || context.is_random;
-        Self { context, moment, random, watched: false, scratch: Mutex::default() }
+        Self { context, moment, random, scratch: Mutex::default() }
     }
 
     /// The same with random samples, whatever the scene needs.
@@ -123,13 +121,7 @@ impl<'a> PixelTracer<'a> {
     /// A scratch buffer that no thread is using.
     pub fn take_scratch(&self) -> ScratchBuffer {
         let free = self.scratch.lock().ok().and_then(|mut free| free.pop());
-        free.unwrap_or_else(|| {
-            let mut scratch = ScratchBuffer::new(&self.context);
-            if self.watched {
-                scratch.sums.watch();
-            }
-            scratch
-        })
+        free.unwrap_or_else(|| ScratchBuffer::new(&self.context))
     }
 
     /// Returns a scratch buffer.

@@ -20,7 +20,6 @@ use super::intersect::HitStream;
 use super::marks::{MarkSegments, Marks};
 use super::materials::LobeTable;
 use super::medium::MediaLists;
-use super::order::BranchCheck;
 use super::segment::AttenuateSegments;
 use super::shade::WaveState;
 use super::shade_queue::ShadeQueue;
@@ -52,8 +51,6 @@ pub struct ScratchBuffer {
     places: Vec<u32>,
     pub sums: Accumulator,
     pub marks: Marks,
-    /// Which samples have branches, if it matters.
-    branches: BranchCheck,
     pub counts: Counts,
     /// The most paths that advance together.
     max_paths: usize,
@@ -77,7 +74,6 @@ impl ScratchBuffer {
             places: Vec::with_capacity(WAVE),
             sums: Accumulator::new(context.layers),
             marks: Marks::default(),
-            branches: BranchCheck::default(),
             counts: Counts::default(),
             max_paths: MAX_PATHS,
             #[cfg(test)]
@@ -98,7 +94,6 @@ impl ScratchBuffer {
     /// Traces the paths of samples, at most [`WAVE`], to their ends. Then the sums hold the light of each sample.
     pub fn follow(&mut self, context: &TraceContext, samples: &PixelSamples, grid: Option<u32>) {
         self.sums.reset(samples.len());
-        self.branches.reset(if self.sums.is_watched() { samples.len() } else { 0 });
         self.events.clear();
         self.media.trim();
         let mut paths = self.stream(context);
@@ -114,7 +109,6 @@ impl ScratchBuffer {
                 continue;
             }
             let next = self.step(context, samples, &mut paths);
-            self.branches.note(next.depth(), next.slots());
             #[cfg(test)]
             {
                 let waiting: usize = waiting.iter().map(PathStream::len).sum();
@@ -123,11 +117,6 @@ impl ScratchBuffer {
             self.free.push(paths);
             if next.is_empty() { self.free.push(next) } else { waiting.push(next) }
         }
-    }
-
-    /// Whether the sum of a sample may depend on the other samples of its wave: see [`super::order`].
-    pub fn depends_on_order(&self, slot: usize) -> bool {
-        self.branches.has_branched(slot) && self.sums.is_rounded(slot)
     }
 
     fn stream(&mut self, context: &TraceContext) -> PathStream {

@@ -31,8 +31,10 @@ pub const MAX_FRAMES: usize = FrameSet::BITS as usize;
 /// Below this gain in paths, frames are not traced together. It pays for the tests of segments.
 const MIN_GAIN: f64 = 1.2;
 
-/// The most tiles that are traced before films take their results and the gain is measured.
+/// Tiles that are traced before films take their results and the gain is measured: this many, or one of so many parts
+/// of a large picture.
 const AT_ONCE: usize = 64;
+const PARTS: usize = 8;
 
 /// The scene of a frame at one of its moments.
 #[derive(Clone, Copy, Debug)]
@@ -110,7 +112,8 @@ impl<'a> SharedFrames<'a> {
         let (pilot, rest) = tiles(settings.size);
         let (finished, total) = (AtomicU32::new(0), (pilot.len() + rest.len()) as u32);
         let (mut counts, mut shares) = (Counts::default(), true);
-        for tiles in pilot.chunks(AT_ONCE).chain(rest.chunks(AT_ONCE)) {
+        let at_once = AT_ONCE.max(rest.len() / PARTS);
+        for tiles in pilot.chunks(at_once).chain(rest.chunks(at_once)) {
             let traced = tiles.par_iter().map(|tile| {
                 let traced = tracer.trace(tile, shares);
                 meter.rays.fetch_add(traced.1.rays.total(), Relaxed);
@@ -133,7 +136,7 @@ impl<'a> SharedFrames<'a> {
     fn tracer(&self) -> TileTracer<'_> {
         let Self { poses, settings, still, movers, .. } = self;
         let whole = |pose: &'a FramePose<'a>| PixelTracer::new(&pose.scene, pose.bvh, settings, pose.moment);
-        let mut whole: Vec<PixelTracer> = poses.iter().map(whole).collect();
+        let whole: Vec<PixelTracer> = poses.iter().map(whole).collect();
         let mut shared = PixelTracer::new(&poses[0].scene, poses[0].bvh, settings, Moment::ONLY);
         shared.random = whole[0].random;
         let context = &mut shared.context;
@@ -142,8 +145,7 @@ impl<'a> SharedFrames<'a> {
         // Paths must be as long as in any of the frames, so that they meet movers.
         context.emits = whole.iter().any(|pose| pose.context.emits);
         context.unsampled_light = whole.iter().any(|pose| pose.context.unsampled_light);
-        let watched = whole.iter().any(|pose| pose.context.branches);
-        whole.iter_mut().chain([&mut shared]).for_each(|pixels| pixels.watched = watched);
+        context.branches = whole.iter().any(|pose| pose.context.branches);
         TileTracer::new(poses, shared, whole)
     }
 }

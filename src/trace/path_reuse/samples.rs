@@ -29,8 +29,6 @@ pub struct Retraced {
     /// Their indices, ascending.
     samples: Vec<u32>,
     light: Vec<DVec3>,
-    /// Whether the light of one of them may depend on the other samples of its wave.
-    pub depends_on_order: bool,
 }
 
 impl<'p> SharedSamples<'p> {
@@ -91,8 +89,7 @@ impl<'p> SharedSamples<'p> {
             for (layer, light) in light.iter_mut().enumerate() {
                 *light = scratch.sums.get(layer, slot as u32);
             }
-            let depends = scratch.depends_on_order(slot);
-            self.frames[index] = if depends { all } else { scratch.marks.frames[slot] };
+            self.frames[index] = scratch.marks.frames[slot];
         }
         wave.clear();
         indices.clear();
@@ -127,7 +124,6 @@ impl<'p> SharedSamples<'p> {
             for slot in 0..indices.len() {
                 let light = (0..self.layers).map(|layer| scratch.sums.get(layer, slot as u32));
                 again.light.extend(light);
-                again.depends_on_order |= scratch.depends_on_order(slot);
             }
             wave.clear();
         }

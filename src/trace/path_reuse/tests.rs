@@ -3,7 +3,7 @@
 use super::*;
 use crate::base::math::{DAffine3, DVec3};
 use crate::film::filter::FilterSampler;
-use crate::scene::{Geometry, Shading, Weights};
+use crate::scene::{Geometry, Primitive, Shading, Weights};
 use crate::sequence::quality::Quality;
 use crate::testing::Random;
 use crate::trace::random_scene::RandomScene;
@@ -42,7 +42,7 @@ fn poses(scene: &RandomScene, random: &mut Random, frames: usize, moments: u32) 
             let mut geometry = still.clone();
             for (slot, hidden) in moves.iter().zip(&hidden) {
                 let primitive = still.primitives[*slot].clone();
-                let moved = DAffine3::from_translation(random.point(0.4) * DVec3::new(1.0, 1.0, 0.5));
+                let moved = motion(&primitive, random, if share < 1.0 { 0.25 } else { 1.0 });
                 let content = (&primitive.shape, moved, primitive.finish);
                 geometry.set(*slot, (!hidden).then_some(content));
             }
@@ -51,6 +51,15 @@ fn poses(scene: &RandomScene, random: &mut Random, frames: usize, moments: u32) 
         }
     }
     all
+}
+
+/// A motion that scales a primitive about its centre.
+fn motion(primitive: &Primitive, random: &mut Random, scale: f64) -> DAffine3 {
+    let center = primitive.bounds().map_or(DVec3::ZERO, |bounds| bounds.center());
+    let by = random.point(0.4) * DVec3::new(1.0, 1.0, 0.5);
+    DAffine3::from_translation(center + by)
+        * DAffine3::from_scale(DVec3::splat(scale))
+        * DAffine3::from_translation(-center)
 }
 
 /// Traces a frame alone.

@@ -38,18 +38,16 @@ impl<'a> TileTracer<'a> {
     pub fn trace(&self, tile: &Tile, shares: bool) -> (Vec<Rgb>, Counts) {
         let (pixels, layers, mut counts) = (tile.pixels(), self.shared.layers(), Counts::default());
         let mut sums: Vec<Vec<DVec3>> = vec![Vec::new(); self.poses.len()];
-        let mut is_whole = vec![!shares; self.poses.len()];
         if shares {
             let block = (BLOCK.0 * BLOCK.1) as usize;
             let at_once = (MAX_SAMPLES / self.shared.count() as usize / block).max(1) * block;
             for pixels in pixels.chunks(at_once) {
-                self.share(pixels, (&mut sums, &mut is_whole), &mut counts);
+                self.share(pixels, &mut sums, &mut counts);
             }
         }
         let samples = f64::from(self.shared.count());
-        for ((whole, sums), is_whole) in self.whole.iter().zip(&mut sums).zip(is_whole) {
-            if is_whole {
-                sums.clear();
+        for (whole, sums) in self.whole.iter().zip(&mut sums) {
+            if !shares {
                 sums.resize(pixels.len() * layers, DVec3::ZERO);
                 counts += whole.trace(&pixels, sums);
             } else if samples > 1.0 {
@@ -59,18 +57,11 @@ impl<'a> TileTracer<'a> {
         (self.developed(&sums, pixels.len()), counts)
     }
 
-    /// Appends the sums of pixels of every pose, from shared samples. Notes the poses that must be traced whole instead,
-    /// because light depends on the order of additions.
-    fn share(
-        &self,
-        pixels: &[(u32, u32)],
-        (sums, is_whole): (&mut [Vec<DVec3>], &mut [bool]),
-        counts: &mut Counts,
-    ) {
+    /// Appends the sums of pixels of every pose, from shared samples.
+    fn share(&self, pixels: &[(u32, u32)], sums: &mut [Vec<DVec3>], counts: &mut Counts) {
         let samples = SharedSamples::trace(&self.shared, pixels, (self.all, self.moments), counts);
         let mut still: HashMap<Option<u32>, (Vec<DVec3>, u64)> = HashMap::new();
-        let poses = self.poses.iter().zip(&self.whole).zip(sums.iter_mut().zip(is_whole));
-        for ((pose, whole), (sums, is_whole)) in poses {
+        for ((pose, whole), sums) in self.poses.iter().zip(&self.whole).zip(sums) {
             let moment = pose.pose().moment;
             let (own, count) = still.entry(moment).or_insert_with(|| {
                 let dropped = &mut counts.dropped;
@@ -82,7 +73,6 @@ impl<'a> TileTracer<'a> {
             samples.replace(whole, moment, &again, &mut sums[before..], &mut counts.dropped);
             counts.paths.retraced += again.len() as u64;
             counts.paths.reused += *count - again.len() as u64;
-            *is_whole |= again.depends_on_order;
         }
     }
 
