@@ -16,8 +16,8 @@ pub struct Plan {
     pub films: Vec<SharedFilm>,
     /// Index of the film of each frame.
     pub film_of: Vec<usize>,
-    /// Whether films are sampled until they reach a target error.
-    pub is_adaptive: bool,
+    /// Whether films may share paths. They do not if they are sampled until they reach a target error.
+    pub shares_paths: bool,
 }
 
 impl Plan {
@@ -31,7 +31,13 @@ impl Plan {
     pub fn from_states(states: FrameStates, sequence: &Sequence, extras: AovSet, budget: u64) -> Self {
         let cache = FilmCache::of(sequence, extras, budget);
         let (films, film_of) = shared_films(&states.frames, &cache);
-        Self { states, cache, films, film_of, is_adaptive: sequence.quality.noise.is_some() }
+        Self { states, cache, films, film_of, shares_paths: sequence.quality.noise.is_none() }
+    }
+
+    /// The plan if no films share paths. The time of such a plan can be predicted from a few blocks of pixels, so runs with
+    /// a time limit use it.
+    pub fn without_shared_paths(self) -> Self {
+        Self { shares_paths: false, ..self }
     }
 
     /// Number of frames that reuse the film of another frame.
@@ -44,7 +50,7 @@ impl Plan {
     pub fn together(&self, first: usize) -> usize {
         let state = |film: usize| &self.states.frames[self.films[film].frames[0]];
         let surroundings = state(first).surroundings;
-        if self.is_adaptive || surroundings.is_none() {
+        if !self.shares_paths || surroundings.is_none() {
             return 1;
         }
         let mut lit: BTreeSet<LayerId> = BTreeSet::new();
