@@ -151,10 +151,10 @@ impl SimdKernel for Singles<'_> {
             let (probe, within) = (TraversalRay::new(ray.ray()), RayInterval::up_to(f64::from(ray.t_max)));
             *hit = (NONE, ray.t_max);
             if any {
-                if mesh.any_on::<L>(&probe, within, &mut stack) {
+                if mesh.occludes_on::<L>(&probe, within, &mut stack) {
                     hit.0 = 0;
                 }
-            } else if let Some(found) = mesh.closest_on::<L>(&probe, within, &mut stack) {
+            } else if let Some(found) = mesh.intersect_on::<L>(&probe, within, &mut stack) {
                 *hit = (found.part, found.t as f32);
             }
         }

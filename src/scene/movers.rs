@@ -153,8 +153,8 @@ impl Search<'_> {
             return;
         }
         let meets = match self.test {
-            MoverTest::Hit => mover.primitive.hit_one::<L>(self.ray, self.within, None).is_some(),
-            MoverTest::Block => mover.primitive.blocks_one::<L>(self.ray, self.within, None),
+            MoverTest::Hit => mover.primitive.intersect_on::<L>(self.ray, self.within, None).is_some(),
+            MoverTest::Block => mover.primitive.occludes_on::<L>(self.ray, self.within, None),
             MoverTest::Bounds => true,
         };
         if meets {

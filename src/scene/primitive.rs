@@ -121,32 +121,32 @@ impl Primitive {
 
     /// [`Primitive::intersect`] of one ray.
     #[inline(always)]
-    pub fn hit_one<L: Level>(
+    pub fn intersect_on<L: Level>(
         &self,
         ray: &TraversalRay,
         within: RayInterval<f64>,
         stack: Option<&mut Stack>,
     ) -> Option<ShapeHit> {
         match &self.transform {
-            None => self.shape.hit_one::<L>(ray, within, stack),
+            None => self.shape.intersect_on::<L>(ray, within, stack),
             Some(transform) => {
-                self.shape.hit_one::<L>(&transform.traversal_ray_to_object(ray), within, stack)
+                self.shape.intersect_on::<L>(&transform.traversal_ray_to_object(ray), within, stack)
             }
         }
     }
 
     /// [`Primitive::occludes`] of one ray.
     #[inline(always)]
-    pub fn blocks_one<L: Level>(
+    pub fn occludes_on<L: Level>(
         &self,
         ray: &TraversalRay,
         within: RayInterval<f64>,
         stack: Option<&mut Stack>,
     ) -> bool {
         match &self.transform {
-            None => self.shape.blocks_one::<L>(ray, within, stack),
+            None => self.shape.occludes_on::<L>(ray, within, stack),
             Some(transform) => {
-                self.shape.blocks_one::<L>(&transform.traversal_ray_to_object(ray), within, stack)
+                self.shape.occludes_on::<L>(&transform.traversal_ray_to_object(ray), within, stack)
             }
         }
     }
@@ -164,7 +164,7 @@ impl Primitive {
         if let Shape::Mesh(mesh) = &self.shape {
             return mesh.each(ray, within, take);
         }
-        while let Some(at) = self.shape.hit_one::<L>(ray, within, None) {
+        while let Some(at) = self.shape.intersect_on::<L>(ray, within, None) {
             take(at);
             within.min = at.t;
         }
@@ -282,12 +282,12 @@ out_of_line! {
 /// Queries with a single ray in the world.
 impl Primitive {
     /// The first hit of a ray before `t_max`.
-    pub fn hit(&self, ray: &TraversalRay, t_max: f64) -> Option<ShapeHit> {
+    pub fn intersect_up_to(&self, ray: &TraversalRay, t_max: f64) -> Option<ShapeHit> {
         self.intersect(&PreparedRay::<f64>::splat(ray), RayInterval::up_to(t_max)).one()
     }
 
     /// Whether a ray hits the primitive before `t_max`.
-    pub fn blocks(&self, ray: &TraversalRay, t_max: f64) -> bool {
+    pub fn occludes_up_to(&self, ray: &TraversalRay, t_max: f64) -> bool {
         self.occludes(&PreparedRay::<f64>::splat(ray), RayInterval::up_to(t_max))
     }
 
@@ -428,7 +428,7 @@ mod tests {
         let hit = |affine: DAffine3, ray: Ray| {
             let primitive = Primitive::new(&UNIT, affine, Finish::Material(MaterialBinding::One(0)))
                 .expect("a primitive");
-            primitive.hit(&TraversalRay::new(ray), f64::INFINITY).expect("a hit").t
+            primitive.intersect_up_to(&TraversalRay::new(ray), f64::INFINITY).expect("a hit").t
         };
         let t = hit(scale, ray);
         assert!((t - 7.122_501_086_012_368).abs() <= 8.0 * UNIT_ROUNDOFF * t, "{t}");

@@ -77,7 +77,7 @@ pub struct TraceContext<'a> {
 
 impl<'a> TraceContext<'a> {
     pub fn new(scene: &'a Scene<'a>, bvh: &'a Bvh, settings: &'a TraceSettings) -> Self {
-        let (shading, quality, extras) = (scene.shading, &settings.quality, settings.extras);
+        let (shading, quality, set) = (scene.shading, &settings.quality, settings.aovs);
         let (path, refractive_shadows) = match quality.integrator {
             Integrator::Whitted => (false, true),
             Integrator::Path(path) => (true, path.refractive_shadows),
@@ -90,7 +90,7 @@ impl<'a> TraceContext<'a> {
         let passes =
             LobeSet::TRANSPARENT | if refractive_shadows { LobeSet::REFRACTION } else { LobeSet::default() };
         let lit_layers = scene.weights.0.len();
-        let aovs = extras.features_layer(lit_layers).map(LayerId::index);
+        let aovs = set.features_layer(lit_layers).map(LayerId::index);
         let is_random = is_random(scene, quality.integrator);
         let glows = |glow: &GroupRadiance| glow.radiance != Rgb::ZERO && is_weighted(scene, glow.layer);
         let glows_in_fog = shading.fog.is_some_and(|fog| glows(&fog.in_scattering));
@@ -112,10 +112,10 @@ impl<'a> TraceContext<'a> {
             environment,
             ambient: Some(shading.ambient).filter(glows),
             fog: shading.fog,
-            holdout: extras.coverage_layer(lit_layers),
+            holdout: set.coverage_layer(lit_layers),
             aovs,
             lit_layers,
-            layers: lit_layers + extras.layers(),
+            layers: lit_layers + set.layers(),
             refractive_shadows,
             passes,
             is_random,

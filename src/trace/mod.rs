@@ -83,7 +83,7 @@ pub fn trace_shown(
     meter: &ProgressMeter,
 ) -> (Film, Counts) {
     let (width, height) = settings.size;
-    let mut film = Film::with_aovs(width, height, scene.weights.0.clone(), settings.extras);
+    let mut film = Film::with_aovs(width, height, scene.weights.0.clone(), settings.aovs);
     let pixels = PixelTracer::new(scene, bvh, settings, Moment::ONLY);
     if let Some(target) = settings.quality.noise.filter(|_| pixels.random) {
         return adaptive::trace(scene, bvh, settings, (target, shown), meter);

@@ -141,7 +141,7 @@ pub struct RandomScene {
     middle: DVec3,
     /// The number of layers of light.
     layers: usize,
-    extras: AovSet,
+    aovs: AovSet,
 }
 
 impl RandomScene {
@@ -191,7 +191,7 @@ impl RandomScene {
             quality,
             middle,
             layers: 3,
-            extras: AovSet::default(),
+            aovs: AovSet::default(),
         }
     }
 
@@ -268,17 +268,17 @@ impl RandomScene {
 
     /// The camera, the quality, the AOVs and the number of layers.
     pub fn settings(&self) -> (Camera, Quality, AovSet, usize) {
-        (self.camera, self.quality, self.extras, self.layers)
+        (self.camera, self.quality, self.aovs, self.layers)
     }
 
     /// The layers of the image and the counts, traced with this many pixels, and samples of each, at a time.
     pub fn trace(&self, pixels_at_once: usize, samples_at_once: u32) -> (Vec<DVec3>, Counts) {
-        let Self { geometry, shading, camera, quality, layers, extras, .. } = self;
+        let Self { geometry, shading, camera, quality, layers, aovs, .. } = self;
         let weights = Weights(vec![Rgb::ONE; *layers]);
         let scene = Scene { geometry, shading, weights: &weights, camera };
         let bvh = Bvh::build(geometry);
         let filter = FilterSampler::new(quality.filter);
-        let settings = TraceSettings { size: SIZE, quality: *quality, filter, extras: *extras };
+        let settings = TraceSettings { size: SIZE, quality: *quality, filter, aovs: *aovs };
         let pixels = PixelTracer::new(&scene, &bvh, &settings, Moment::ONLY);
         let samples = if pixels.random { quality.samples } else { quality.antialias * quality.antialias };
         let places: Vec<_> = (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))).collect();

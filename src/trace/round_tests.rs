@@ -32,7 +32,7 @@ fn placed(shape: Shape, to_world: DAffine3) -> Primitive {
 fn walk(primitive: &Primitive, ray: Ray) -> Vec<Surface> {
     let mut found: Vec<Surface> = Vec::new();
     let mut next = ray;
-    while let Some(at) = primitive.hit(&TraversalRay::new(next), f64::INFINITY) {
+    while let Some(at) = primitive.intersect_up_to(&TraversalRay::new(next), f64::INFINITY) {
         let surface = primitive.surface_at(&next, at);
         next = spawn_ray(&surface, ray.direction);
         found.push(surface);
@@ -126,7 +126,7 @@ fn int_09_rays_at_rims_that_enter_hit() {
             let aim = point + (out * -inwards.x.abs() + DVec3::Y * inwards.y) * depth;
             let origin = random.direction() * distance;
             let probe = TraversalRay::new(Ray { origin, direction: aim - origin });
-            assert!(primitive.hit(&probe, f64::INFINITY).is_some(), "{probe:?}");
+            assert!(primitive.intersect_up_to(&probe, f64::INFINITY).is_some(), "{probe:?}");
         }
     }
 }
@@ -237,7 +237,7 @@ fn false_shadows(shape: &Shape, to_world: DAffine3, size: f64, free: f64) -> usi
         let surface = Surface::from(primitive.shape.sample_area(random.unit(), random.unit()).0);
         let direction = random.direction();
         let cosine = surface.normal.dot(direction);
-        let at = primitive.hit(&TraversalRay::new(spawn_ray(&surface, direction)), f64::INFINITY);
+        let at = primitive.intersect_up_to(&TraversalRay::new(spawn_ray(&surface, direction)), f64::INFINITY);
         // Inwards, the ray leaves the tube. Outwards, nothing is near.
         let limit = if cosine < 0.0 { 0.0 } else { 1.9 * cosine * free * size };
         wrong += usize::from(cosine.abs() > 1e-3 && at.is_some_and(|at| at.t < limit));

@@ -13,7 +13,7 @@ pub struct TraceSettings {
     /// The sampler of the quality's reconstruction filter.
     pub filter: FilterSampler,
     /// What films record besides light.
-    pub extras: AovSet,
+    pub aovs: AovSet,
 }
 
 /// One of the moments at which an open shutter samples motion.

@@ -33,7 +33,7 @@ fn above(random: &mut Random, normal: DVec3) -> DVec3 {
 
 /// The hit of a ray on `primitive` as the integrator sees it: the normal faces the eye.
 fn seen(primitive: &Primitive, ray: Ray) -> Option<Surface> {
-    let t = primitive.hit(&TraversalRay::new(ray), f64::INFINITY)?;
+    let t = primitive.intersect_up_to(&TraversalRay::new(ray), f64::INFINITY)?;
     let mut surface = primitive.surface_at(&ray, t);
     if surface.normal.dot(ray.direction) > 0.0 {
         surface.normal = -surface.normal;
@@ -78,7 +78,8 @@ impl Target {
         let shadowed = |(surface, direction): &(Surface, DVec3)| {
             let far = TraversalRay::new(spawn_ray(surface, *direction));
             let near = TraversalRay::new(spawn_to(surface, surface.point + *direction * self.size));
-            self.primitive.hit(&far, f64::INFINITY).is_some() || self.primitive.hit(&near, 1.0).is_some()
+            self.primitive.intersect_up_to(&far, f64::INFINITY).is_some()
+                || self.primitive.intersect_up_to(&near, 1.0).is_some()
         };
         self.points(7).filter(shadowed).count()
     }
@@ -145,7 +146,7 @@ fn self_01_spheres_lit_from_inside_end_at_their_far_side() {
             let cosine = surface.normal.dot(direction);
             let chord = 2.0 * radius * cosine;
             let longest = chord + 64.0 * UNIT_ROUNDOFF * (center.length() + radius) / cosine;
-            let t = sphere.hit(&TraversalRay::new(spawn_ray(&surface, direction)), f64::INFINITY);
+            let t = sphere.intersect_up_to(&TraversalRay::new(spawn_ray(&surface, direction)), f64::INFINITY);
             let far_side = t.is_some_and(|at| at.t >= 0.999 * chord && at.t <= longest);
             assert!(far_side, "radius {radius} at {center}: {t:?} instead of {chord}");
         }

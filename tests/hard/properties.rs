@@ -162,7 +162,7 @@ fn aimed(place: &Place, aim: DVec3, from: DVec3) -> Ray {
 }
 
 fn first(primitive: &Primitive, ray: &Ray) -> Option<(ShapeHit, Surface)> {
-    let at = primitive.hit(&TraversalRay::new(*ray), f64::INFINITY)?;
+    let at = primitive.intersect_up_to(&TraversalRay::new(*ray), f64::INFINITY)?;
     Some((at, primitive.surface_at(ray, at)))
 }
 
@@ -292,8 +292,8 @@ proptest! {
             let ray = aimed(&index.get(&things).1, aim, from * far);
             let probe = TraversalRay::new(ray);
             let nearest = scan(&geometry, &bvh, &probe);
-            prop_assert_eq!(bvh.closest(&geometry, &probe), nearest);
-            prop_assert_eq!(bvh.occluded(&geometry, &probe, f64::INFINITY), nearest.is_some());
+            prop_assert_eq!(bvh.intersect_one(&geometry, &probe), nearest);
+            prop_assert_eq!(bvh.occludes_one(&geometry, &probe, f64::INFINITY), nearest.is_some());
         }
     }
 
@@ -314,8 +314,8 @@ proptest! {
         for (index, aim, from, far) in seen {
             let ray = aimed(&index.get(&things).1, aim, from * far);
             let large = Ray { origin: ray.origin * by, direction: ray.direction * by };
-            let found = here.1.closest(&here.0, &TraversalRay::new(ray));
-            prop_assert_eq!(there.1.closest(&there.0, &TraversalRay::new(large)), found);
+            let found = here.1.intersect_one(&here.0, &TraversalRay::new(ray));
+            prop_assert_eq!(there.1.intersect_one(&there.0, &TraversalRay::new(large)), found);
             if let Some(hit) = found {
                 let surface = |geometry: &Geometry, ray| geometry.primitives[hit.primitive as usize].surface_at(ray, hit.at);
                 let (a, b) = (surface(&here.0, &ray), surface(&there.0, &large));
@@ -348,7 +348,7 @@ fn small_meshes_far_away_are_closed() {
             let aim = if k % 2 == 0 { a } else { a + (b - a) * random.unit() };
             let origin = center + random.point(0.2) * scale;
             let probe = TraversalRay::new(Ray { origin, direction: aim - origin });
-            assert!(bvh.closest(&geometry, &probe).is_some(), "{scale} {away} {probe:?}");
+            assert!(bvh.intersect_one(&geometry, &probe).is_some(), "{scale} {away} {probe:?}");
         }
     }
 }

@@ -44,7 +44,8 @@ pub fn placed(shape: &Shape, to_world: DAffine3) -> Primitive {
 /// near it.
 pub fn scan(geometry: &Geometry, bvh: &Bvh, probe: &TraversalRay) -> Option<Hit> {
     let hits = (0..).zip(&geometry.primitives);
-    let hits = hits.filter_map(|(primitive, p)| Some(Hit { at: p.hit(probe, f64::INFINITY)?, primitive }));
+    let hits = hits
+        .filter_map(|(primitive, p)| Some(Hit { at: p.intersect_up_to(probe, f64::INFINITY)?, primitive }));
     let hits: Vec<_> = hits.collect();
     let mut nearest = *hits.iter().reduce(|best, hit| if hit.at.t < best.at.t { hit } else { best })?;
     let end = bvh.coincidence_range(probe).end(nearest.at.t);
@@ -53,7 +54,7 @@ pub fn scan(geometry: &Geometry, bvh: &Bvh, probe: &TraversalRay) -> Option<Hit>
 }
 
 pub fn hit(primitive: &Primitive, origin: DVec3, direction: DVec3) -> Option<ShapeHit> {
-    primitive.hit(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY)
+    primitive.intersect_up_to(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY)
 }
 
 /// Where a ray meets the primitive, with the surface as the primitive gives it.

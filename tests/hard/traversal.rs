@@ -36,9 +36,9 @@ fn bvh_01_rays_in_the_faces_of_a_box() {
                 for along in [1.0, -1.0] {
                     let origin = turn(0.5 - 1.5 * along, x, y);
                     let probe = TraversalRay::new(Ray { origin, direction: turn(along, dx, dy) });
-                    let hit = bvh.closest(&geometry, &probe);
+                    let hit = bvh.intersect_one(&geometry, &probe);
                     assert_eq!(hit.map(|hit| hit.at.t), Some(1.0), "{probe:?}");
-                    assert!(bvh.occluded(&geometry, &probe, 2.0), "{probe:?}");
+                    assert!(bvh.occludes_one(&geometry, &probe, 2.0), "{probe:?}");
                 }
             }
         }
@@ -74,10 +74,12 @@ fn flat_leaves(count: u32) {
             let aim =
                 corner + u * if on_edge { random.unit().round() } else { random.unit() } + v * random.unit();
             let probe = TraversalRay::new(Ray { origin, direction: aim - origin });
-            let Some(at) = geometry.primitives[index as usize].hit(&probe, f64::INFINITY) else { continue };
-            let found = bvh.closest(&geometry, &probe).expect("its leaf is entered");
+            let Some(at) = geometry.primitives[index as usize].intersect_up_to(&probe, f64::INFINITY) else {
+                continue;
+            };
+            let found = bvh.intersect_one(&geometry, &probe).expect("its leaf is entered");
             assert!(found.primitive == index || found.at.t <= at.t, "{probe:?}: {found:?} before {at:?}");
-            assert!(bvh.occluded(&geometry, &probe, at.t.next_up()));
+            assert!(bvh.occludes_one(&geometry, &probe, at.t.next_up()));
         }
     });
 }
@@ -128,8 +130,8 @@ fn mesh_equals_scan(parts: MeshData, seed: u64, count: u32) {
     let (bvh, loose) = (Bvh::build(&whole), Bvh::build(&each));
     let met = probes.par_iter().filter(|probe| {
         let expected = scan(&each, &loose, probe);
-        assert_eq!(loose.closest(&each, probe), expected, "{probe:?}");
-        let found = bvh.closest(&whole, probe).map(|hit| (hit.at.t, hit.at.part));
+        assert_eq!(loose.intersect_one(&each, probe), expected, "{probe:?}");
+        let found = bvh.intersect_one(&whole, probe).map(|hit| (hit.at.t, hit.at.part));
         assert_eq!(found, expected.map(|hit| (hit.at.t, hit.primitive)), "{probe:?}");
         found.is_some()
     });
@@ -169,7 +171,7 @@ fn trees_equal_scans(count: u32) {
         }
         let bvh = Bvh::build(&geometry);
         rays(5, count, &middles).par_iter().for_each(|probe| {
-            assert_eq!(bvh.closest(&geometry, probe), scan(&geometry, &bvh, probe), "{probe:?}");
+            assert_eq!(bvh.intersect_one(&geometry, probe), scan(&geometry, &bvh, probe), "{probe:?}");
         });
     }
 }
@@ -222,14 +224,19 @@ fn bvh_07_any_hit_is_the_nearest_hit_before_its_end() {
     let geometry = geometry(spheres.collect::<Vec<_>>().into_iter().chain([Shape::Mesh(mesh)]));
     let bvh = Bvh::build(&geometry);
     for probe in rays(6, few(1_000_000), &[DVec3::ZERO, DVec3::ONE]) {
-        let nearest = bvh.closest(&geometry, &probe).map(|hit| hit.at.t);
+        let nearest = bvh.intersect_one(&geometry, &probe).map(|hit| hit.at.t);
         let t = nearest.unwrap_or(1.0);
         for t_max in [3.0 * random.unit(), t, t.next_up(), t.next_down(), f64::INFINITY] {
             let before = nearest.is_some_and(|t| t < t_max);
-            assert_eq!(bvh.occluded(&geometry, &probe, t_max), before, "{probe:?} {t_max}");
+            assert_eq!(bvh.occludes_one(&geometry, &probe, t_max), before, "{probe:?} {t_max}");
         }
     }
     // An occluder 10^5 away, for light from infinitely far.
     let far = placed(&Shape::Sphere(Sphere { center: DVec3::Y * 1e5, radius: 1.0 }), DAffine3::IDENTITY);
-    assert!(far.blocks(&TraversalRay::new(Ray { origin: DVec3::ZERO, direction: DVec3::Y }), f64::INFINITY));
+    assert!(
+        far.occludes_up_to(
+            &TraversalRay::new(Ray { origin: DVec3::ZERO, direction: DVec3::Y }),
+            f64::INFINITY
+        )
+    );
 }

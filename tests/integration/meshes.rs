@@ -50,8 +50,8 @@ fn leaks(baked: impl Fn(DVec3) -> DVec3, to_world: DAffine3, rays: u32) -> u32 {
         let aim = if ray % 2 == 0 { a } else { a + (b - a) * random.unit() };
         let direction = if ray % 4 < 2 { aim - origin } else { (aim - origin).normalize() };
         let probe = TraversalRay::new(Ray { origin, direction });
-        leaks += u32::from(bvh.closest(&geometry, &probe).is_none());
-        leaks += u32::from(!bvh.occluded(&geometry, &probe, f64::INFINITY));
+        leaks += u32::from(bvh.intersect_one(&geometry, &probe).is_none());
+        leaks += u32::from(!bvh.occludes_one(&geometry, &probe, f64::INFINITY));
     }
     leaks
 }
@@ -99,7 +99,7 @@ fn a_mesh_is_the_sum_of_its_triangles() {
         let origin = random.point(3.0);
         let ray = Ray { origin, direction: random.point(1.2) - origin };
         let probe = TraversalRay::new(ray);
-        let (one, other) = (loose_bvh.closest(&loose, &probe), whole_bvh.closest(&whole, &probe));
+        let (one, other) = (loose_bvh.intersect_one(&loose, &probe), whole_bvh.intersect_one(&whole, &probe));
         assert_eq!(one.map(|hit| (hit.at.t, hit.primitive)), other.map(|hit| (hit.at.t, hit.at.part)));
         let (Some(one), Some(other)) = (one, other) else { continue };
         let loose_surface = loose.primitives[one.primitive as usize].surface_at(&ray, one.at);
@@ -130,7 +130,7 @@ fn file_formats_do_not_show() {
         let origin = random.point(2.0);
         let ray = Ray { origin, direction: random.point(0.3) - origin };
         let told = shapes.each_ref().map(|shape| {
-            let at = shape.hit(&TraversalRay::new(ray), f64::INFINITY)?;
+            let at = shape.intersect_up_to(&TraversalRay::new(ray), f64::INFINITY)?;
             let surface = shape.surface_at(&ray, at);
             Some((at, surface, shape.uv_at(surface.point, at.part), shape.color(surface.point, at.part)))
         });
@@ -170,7 +170,7 @@ fn xf_01_normals_of_placed_meshes_are_perpendicular() {
                 .expect("a primitive");
         let target = map.transform_point3(normal);
         let ray = Ray { origin: target * 3.0, direction: -target };
-        let at = placed.hit(&TraversalRay::new(ray), f64::INFINITY).expect("a hit");
+        let at = placed.intersect_up_to(&TraversalRay::new(ray), f64::INFINITY).expect("a hit");
         let surface = placed.surface_at(&ray, at);
         let expected = expected.normalize();
         assert!((surface.normal - expected).length() <= 16.0 * UNIT_ROUNDOFF, "{}", surface.normal);
@@ -196,7 +196,7 @@ fn placed_shading_normals_stay_on_their_side() {
         for side in [1.0, -1.0] {
             let direction = map.transform_vector3(DVec3::Y) * side;
             let ray = Ray { origin: target - direction, direction };
-            let at = placed.hit(&TraversalRay::new(ray), f64::INFINITY).expect("a hit");
+            let at = placed.intersect_up_to(&TraversalRay::new(ray), f64::INFINITY).expect("a hit");
             let surface = placed.surface_at(&ray, at);
             assert!(surface.shading.dot(surface.normal) >= 0.0, "turn {turn}");
         }

@@ -37,8 +37,8 @@ fn int_12_no_ray_leaks_between_triangles() {
             let aim = if ray % 2 == 0 { a } else { a + (b - a) * random.unit() };
             let direction = if ray % 4 < 2 { aim - origin } else { (aim - origin).normalize() };
             let probe = TraversalRay::new(Ray { origin, direction });
-            leaks += u32::from(bvh.closest(&geometry, &probe).is_none());
-            leaks += u32::from(!bvh.occluded(&geometry, &probe, f64::INFINITY));
+            leaks += u32::from(bvh.intersect_one(&geometry, &probe).is_none());
+            leaks += u32::from(!bvh.occludes_one(&geometry, &probe, f64::INFINITY));
         }
         assert_eq!(leaks, 0, "scale {scale}, offset {offset}");
     }
@@ -105,7 +105,7 @@ fn boxes_are_met_exactly_where_they_are() {
                 continue;
             }
             let probe = TraversalRay::new(Ray { origin: float(origin), direction: float(direction) });
-            let t = bvh.closest(&geometry, &probe).map(|hit| hit.at.t);
+            let t = bvh.intersect_one(&geometry, &probe).map(|hit| hit.at.t);
             let zero = Exact(0, 1);
             let expected = crossings(HALF, origin, direction).and_then(|(enter, leave)| {
                 touched += u32::from(!enter.below(leave));
@@ -136,7 +136,9 @@ fn turned_boxes_are_entered_and_left_once() {
             let direction = random.point(1.0).normalize();
             let origin = inside - direction * distance;
             let hit = |origin| {
-                placed.hit(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY).map(|at| at.t)
+                placed
+                    .intersect_up_to(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY)
+                    .map(|at| at.t)
             };
             let enter = hit(origin).expect("it enters");
             let leave = hit(inside).expect("it leaves");

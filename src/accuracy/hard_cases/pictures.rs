@@ -75,7 +75,7 @@ fn far_sphere() -> Picture {
     });
     let ours = panel(SIDE, |x, y| {
         let at = SphereRay::<f64>::new(DVec3::ZERO, 1.0, eye, aim(x, y) - eye);
-        let hit = at.sphere.hit(&at.probe, f64::INFINITY);
+        let hit = at.sphere.intersect_up_to(&at.probe, f64::INFINITY);
         hit.map_or(DVec3::ZERO, |found| shade(at.sphere.surface_at(&at.probe.ray, found).normal))
     });
     beside([textbook, ours])
@@ -115,7 +115,7 @@ fn edges() -> Picture {
     });
     let ours = panel(SIDE, |x, y| {
         let probe = TraversalRay::new(Ray { origin: eye, direction: (aim(x, y) - eye).normalize() });
-        shown(mesh.iter().position(|t| t.hit(&probe, f64::INFINITY).is_some()))
+        shown(mesh.iter().position(|t| t.intersect_up_to(&probe, f64::INFINITY).is_some()))
     });
     beside([textbook, ours])
 }

@@ -91,7 +91,7 @@ fn textbook<R: Float>(at: &SolidRay<R>) -> Option<R> {
 }
 
 fn ours(at: &SolidRay<f64>) -> Option<f64> {
-    at.shape.hit(&at.probe, f64::INFINITY).map(|at| at.t)
+    at.shape.intersect_up_to(&at.probe, f64::INFINITY).map(|at| at.t)
 }
 
 fn judge<R: Float>(at: &SolidRay<R>, found: Option<R>) -> Verdict {
@@ -218,7 +218,7 @@ fn flat_rays() -> Case {
             method(along::<f32>(), slabs, judge),
             method(along::<f64>(), slabs, judge),
             method(along::<f32>(), signed_slabs, judge),
-            method(along::<f64>(), |at| BOX.blocks(&at.probe, f64::INFINITY), judge),
+            method(along::<f64>(), |at| BOX.occludes_up_to(&at.probe, f64::INFINITY), judge),
         ],
     }
 }

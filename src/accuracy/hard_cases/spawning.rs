@@ -58,10 +58,10 @@ pub fn stable(at: &LitPoint<f32>) -> Option<ShadowTest> {
 pub fn ours(at: &LitPoint<f64>) -> Option<ShadowTest> {
     let Sphere { .. } = at.aimed.sphere;
     let probe = &at.aimed.probe;
-    let found = at.aimed.sphere.hit(probe, f64::INFINITY)?;
+    let found = at.aimed.sphere.intersect_up_to(probe, f64::INFINITY)?;
     let surface = at.aimed.sphere.surface_at(&probe.ray, found);
     let ray = spawn_ray(&surface, at.light.wide());
-    let blocked = at.aimed.sphere.blocks(&TraversalRay::new(ray), f64::INFINITY);
+    let blocked = at.aimed.sphere.occludes_up_to(&TraversalRay::new(ray), f64::INFINITY);
     Some(ShadowTest { blocked, gap: (ray.origin - surface.point).length() })
 }
 
@@ -171,11 +171,11 @@ fn square_stable(at: &LitSquare<f32>) -> Option<ShadowTest> {
 }
 
 fn square_ours(at: &LitSquare<f64>) -> Option<ShadowTest> {
-    let found = at.ours.hit(&at.probe, f64::INFINITY)?;
+    let found = at.ours.intersect_up_to(&at.probe, f64::INFINITY)?;
     let surface = at.ours.surface_at(&at.probe.ray, found);
     let ray = spawn_ray(&surface, at.light.wide() - surface.point);
     let ray = Ray { direction: at.light.wide() - ray.origin, ..ray };
-    let blocked = at.ours.blocks(&TraversalRay::new(ray), 1.0);
+    let blocked = at.ours.occludes_up_to(&TraversalRay::new(ray), 1.0);
     Some(ShadowTest { blocked, gap: (ray.origin - surface.point).length() })
 }
 
@@ -239,7 +239,7 @@ fn glass_ours(at: &SphereRay<f64>) -> Option<Vector3<f64>> {
     let mut ray = at.probe.ray;
     for eta in [1.5, 1.0 / 1.5] {
         let probe = TraversalRay::new(ray);
-        let found: ShapeHit = at.sphere.hit(&probe, f64::INFINITY)?;
+        let found: ShapeHit = at.sphere.intersect_up_to(&probe, f64::INFINITY)?;
         let surface = at.sphere.surface_at(&ray, found);
         let facing = if eta > 1.0 { surface.normal } else { -surface.normal };
         let bent = refract::<f64>(ray.direction.into(), facing.into(), eta);

@@ -107,7 +107,7 @@ fn stable(at: &SphereRay<f32>) -> Option<f32> {
 }
 
 fn ours(at: &SphereRay<f64>) -> Option<f64> {
-    at.sphere.hit(&at.probe, f64::INFINITY).map(|at| at.t)
+    at.sphere.intersect_up_to(&at.probe, f64::INFINITY).map(|at| at.t)
 }
 
 /// A sphere, and random rays as pairs of an origin and a target.

@@ -107,7 +107,7 @@ fn stable(at: &TorusRay<f32>) -> Option<f32> {
 }
 
 fn ours(at: &TorusRay<f64>) -> Option<f64> {
-    at.torus.hit(&at.probe, f64::INFINITY).map(|at| at.t)
+    at.torus.intersect_up_to(&at.probe, f64::INFINITY).map(|at| at.t)
 }
 
 /// The distance of the hit from the surface.

@@ -89,7 +89,7 @@ fn stable(at: &Fan<f32>) -> Option<f32> {
 }
 
 fn ours(at: &Fan<f64>) -> Option<f64> {
-    let hits = at.ours.iter().filter_map(|triangle| triangle.hit(&at.probe, f64::INFINITY));
+    let hits = at.ours.iter().filter_map(|triangle| triangle.intersect_up_to(&at.probe, f64::INFINITY));
     hits.map(|at| at.t).reduce(f64::min)
 }
 
@@ -241,7 +241,11 @@ fn depths(workload: Workload) -> Case {
             method(far::<f32>(workload), |at| published(at.corners, at.origin, at.direction), judge),
             method(far::<f64>(workload), |at| published(at.corners, at.origin, at.direction), judge),
             method(far::<f32>(workload), |at| woop(at.corners, at.origin, at.direction), judge),
-            method(far::<f64>(workload), |at| at.ours.hit(&at.probe, f64::INFINITY).map(|at| at.t), judge),
+            method(
+                far::<f64>(workload),
+                |at| at.ours.intersect_up_to(&at.probe, f64::INFINITY).map(|at| at.t),
+                judge,
+            ),
         ],
     }
 }

@@ -127,7 +127,7 @@ fn judge_shadow_rays(rays: &SceneRays, ray: &Ray, hit: &SurfaceHit, light: DVec3
     let exact = truly_blocked(rays, &near, ray, hit.target, light);
     let own = spawn_ray(&hit.surface, light - hit.surface.point);
     let own = TraversalRay::new(Ray { direction: light - own.origin, ..own });
-    let ours = near.iter().any(|&(index, _)| rays.primitive(index).blocks(&own, 1.0));
+    let ours = near.iter().any(|&(index, _)| rays.primitive(index).occludes_up_to(&own, 1.0));
     // `None` if double-double arithmetic misses the surface that Kinora hits; `hits` has already counted that.
     let Some(exact) = exact else { return ShadowVerdict::default() };
     let of = |offset: f64, wide: bool| match wide {

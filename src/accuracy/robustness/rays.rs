@@ -70,7 +70,7 @@ impl<'a> SceneRays<'a> {
     pub fn blocked(&self, probe: &TraversalRay) -> bool {
         // The ray hits the light's own surface too, and rounding may put that hit before or behind t = 1.
         let mut within = RayInterval::up_to(1.0);
-        while let Some(hit) = self.bvh.closest_within(self.scene.geometry, probe, within) {
+        while let Some(hit) = self.bvh.intersect_within(self.scene.geometry, probe, within) {
             if !self.primitive(hit.primitive).is_light() {
                 return true;
             }
@@ -81,7 +81,7 @@ impl<'a> SceneRays<'a> {
 
     /// Kinora's closest hit along a ray.
     pub fn closest_hit(&self, ray: &Ray) -> Option<SurfaceHit> {
-        let hit = self.bvh.closest(self.scene.geometry, &TraversalRay::new(*ray))?;
+        let hit = self.bvh.intersect_one(self.scene.geometry, &TraversalRay::new(*ray))?;
         let surface = self.primitive(hit.primitive).surface_at(ray, hit.at);
         Some(SurfaceHit {
             target: self.target(hit.primitive, hit.at.part),

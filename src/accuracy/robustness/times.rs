@@ -43,7 +43,11 @@ pub fn times(rays: &SceneRays, size: (u32, u32)) -> ([f64; 4], [Option<f64>; ORI
     let wide =
         method(cast::<f64>(rays, &tests), |(shape, o, d)| shape.hit(*o, *d, 0.0), |_, _| Verdict::RIGHT);
     let ours: Vec<(Primitive, TraversalRay)> = tests.iter().filter_map(|test| alone(rays, test)).collect();
-    let ours = method(ours, |(primitive, probe)| primitive.hit(probe, f64::INFINITY), |_, _| Verdict::RIGHT);
+    let ours = method(
+        ours,
+        |(primitive, probe)| primitive.intersect_up_to(probe, f64::INFINITY),
+        |_, _| Verdict::RIGHT,
+    );
     let starts: Vec<Surface> = tests.iter().map(|test| test.surface).collect();
     let starts = method(starts, |surface| spawn_ray(surface, surface.normal), |_, _| Verdict::RIGHT);
     let [a, b, c, d, start] = medians([textbook, wide, stable, ours, starts]);

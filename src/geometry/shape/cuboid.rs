@@ -226,7 +226,7 @@ mod tests {
     const UNIT: Cuboid = Cuboid { min: DVec3::ZERO, max: DVec3::ONE };
 
     fn hit(origin: DVec3, direction: DVec3) -> Option<f64> {
-        UNIT.hit(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY).map(|hit| hit.t)
+        UNIT.intersect_up_to(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY).map(|hit| hit.t)
     }
 
     #[test]

@@ -93,7 +93,7 @@ mod tests {
         let disk = Disk { center: DVec3::Y, normal: DVec3::Y, radius: 2.0 };
         let down = |x: f64| {
             let ray = Ray { origin: DVec3::new(x, 5.0, 0.0), direction: DVec3::NEG_Y };
-            disk.hit(&TraversalRay::new(ray), f64::INFINITY).map(|hit| hit.t)
+            disk.intersect_up_to(&TraversalRay::new(ray), f64::INFINITY).map(|hit| hit.t)
         };
         assert_eq!([0.0, 2.0, -2.0].map(down), [Some(4.0); 3]);
         assert_eq!(down(2.0_f64.next_up()), None);

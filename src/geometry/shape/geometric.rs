@@ -121,9 +121,9 @@ pub(super) fn largest_product(points: impl IntoIterator<Item = DVec3>, direction
 /// Queries of shapes with a single ray or point.
 pub trait OneRay {
     /// The first hit of a ray before `t_max`.
-    fn hit(&self, ray: &TraversalRay, t_max: f64) -> Option<ShapeHit>;
+    fn intersect_up_to(&self, ray: &TraversalRay, t_max: f64) -> Option<ShapeHit>;
     /// Whether a ray hits the surface before `t_max`.
-    fn blocks(&self, ray: &TraversalRay, t_max: f64) -> bool;
+    fn occludes_up_to(&self, ray: &TraversalRay, t_max: f64) -> bool;
     /// The surface at a hit of a ray.
     fn surface_at(&self, ray: &Ray, at: ShapeHit) -> Surface;
     /// [`Geometric::uv`].
@@ -131,11 +131,11 @@ pub trait OneRay {
 }
 
 impl<T: Geometric> OneRay for T {
-    fn hit(&self, ray: &TraversalRay, t_max: f64) -> Option<ShapeHit> {
+    fn intersect_up_to(&self, ray: &TraversalRay, t_max: f64) -> Option<ShapeHit> {
         self.intersect_one(ray, RayInterval::up_to(t_max))
     }
 
-    fn blocks(&self, ray: &TraversalRay, t_max: f64) -> bool {
+    fn occludes_up_to(&self, ray: &TraversalRay, t_max: f64) -> bool {
         self.occludes_one(ray, RayInterval::up_to(t_max))
     }
 

@@ -113,12 +113,12 @@ macro_rules! shapes {
 shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid, Cylinder, Cone, Torus, Mesh);
 
 impl OneRay for Shape {
-    fn hit(&self, ray: &TraversalRay, t_max: f64) -> Option<ShapeHit> {
-        each_shape!(self, shape => OneRay::hit(shape, ray, t_max), Group => None)
+    fn intersect_up_to(&self, ray: &TraversalRay, t_max: f64) -> Option<ShapeHit> {
+        each_shape!(self, shape => OneRay::intersect_up_to(shape, ray, t_max), Group => None)
     }
 
-    fn blocks(&self, ray: &TraversalRay, t_max: f64) -> bool {
-        each_shape!(self, shape => OneRay::blocks(shape, ray, t_max), Group => false)
+    fn occludes_up_to(&self, ray: &TraversalRay, t_max: f64) -> bool {
+        each_shape!(self, shape => OneRay::occludes_up_to(shape, ray, t_max), Group => false)
     }
 
     fn surface_at(&self, ray: &Ray, at: ShapeHit) -> Surface {
@@ -145,7 +145,7 @@ impl Shape {
 
     /// [`Shape::intersect`] of one ray.
     #[inline(always)]
-    pub fn hit_one<L: Level>(
+    pub fn intersect_on<L: Level>(
         &self,
         ray: &TraversalRay,
         within: RayInterval<f64>,
@@ -153,8 +153,8 @@ impl Shape {
     ) -> Option<ShapeHit> {
         match self {
             Self::Mesh(mesh) => match stack {
-                Some(stack) => mesh.closest_on::<L>(ray, within, stack),
-                None => mesh.closest_on::<L>(ray, within, &mut Stack::default()),
+                Some(stack) => mesh.intersect_on::<L>(ray, within, stack),
+                None => mesh.intersect_on::<L>(ray, within, &mut Stack::default()),
             },
             _ => self.intersect::<f64>(&PreparedRay::splat(ray), within).one(),
         }
@@ -162,7 +162,7 @@ impl Shape {
 
     /// [`Shape::occludes`] of one ray.
     #[inline(always)]
-    pub fn blocks_one<L: Level>(
+    pub fn occludes_on<L: Level>(
         &self,
         ray: &TraversalRay,
         within: RayInterval<f64>,
@@ -170,8 +170,8 @@ impl Shape {
     ) -> bool {
         match self {
             Self::Mesh(mesh) => match stack {
-                Some(stack) => mesh.any_on::<L>(ray, within, stack),
-                None => mesh.any_on::<L>(ray, within, &mut Stack::default()),
+                Some(stack) => mesh.occludes_on::<L>(ray, within, stack),
+                None => mesh.occludes_on::<L>(ray, within, &mut Stack::default()),
             },
             _ => self.occludes::<f64>(&PreparedRay::splat(ray), within),
         }

@@ -63,7 +63,7 @@ mod tests {
     const GROUND: Plane = Plane { point: DVec3::ZERO, normal: DVec3::Y };
 
     fn hit(origin: DVec3, direction: DVec3) -> Option<f64> {
-        GROUND.hit(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY).map(|hit| hit.t)
+        GROUND.intersect_up_to(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY).map(|hit| hit.t)
     }
 
     #[test]

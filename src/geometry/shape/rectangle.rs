@@ -109,7 +109,7 @@ mod tests {
         let rectangle = Rectangle { corner: DVec3::ZERO, u: DVec3::X * 3.0, v: DVec3::Z * 2.0 };
         let below = |x: f64, z: f64| {
             let ray = Ray { origin: DVec3::new(x, 1.0, z), direction: DVec3::NEG_Y };
-            rectangle.hit(&TraversalRay::new(ray), f64::INFINITY).map(|hit| hit.t)
+            rectangle.intersect_up_to(&TraversalRay::new(ray), f64::INFINITY).map(|hit| hit.t)
         };
         for (x, z) in [(0.0, 0.0), (3.0, 0.0), (3.0, 2.0), (0.0, 2.0), (1.5, 1.0)] {
             assert_eq!(below(x, z), Some(1.0), "({x}, {z})");

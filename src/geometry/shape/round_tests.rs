@@ -24,12 +24,12 @@ fn cone(top_radius: f64, capped: bool) -> Cone {
 }
 
 fn hit(shape: &impl Geometric, origin: DVec3, direction: DVec3) -> Option<f64> {
-    shape.hit(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY).map(|hit| hit.t)
+    shape.intersect_up_to(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY).map(|hit| hit.t)
 }
 
 fn met(shape: &impl Geometric, origin: DVec3, direction: DVec3) -> (f64, Surface) {
     let ray = Ray { origin, direction };
-    let at = shape.hit(&TraversalRay::new(ray), f64::INFINITY).expect("a hit");
+    let at = shape.intersect_up_to(&TraversalRay::new(ray), f64::INFINITY).expect("a hit");
     (at.t, shape.surface_at(&ray, at))
 }
 
@@ -118,7 +118,7 @@ fn parts_and_coordinates() {
     let cylinder = cylinder(2.0, 1.0, true);
     let uv = |origin: DVec3, direction: DVec3| {
         let ray = Ray { origin, direction };
-        let at = cylinder.hit(&TraversalRay::new(ray), f64::INFINITY).expect("a hit");
+        let at = cylinder.intersect_up_to(&TraversalRay::new(ray), f64::INFINITY).expect("a hit");
         (at.part, cylinder.uv_at(cylinder.surface_at(&ray, at).point, at.part))
     };
     assert_eq!(uv(v(9.0, 0.5, 0.0), DVec3::NEG_X), (0, DVec2::new(0.5, 0.75)));
@@ -319,7 +319,7 @@ fn flat_and_steep_cones_are_hit_where_they_are() {
             let origin =
                 aim + (random.direction() + v(0.0, height.signum(), 0.0)) * (3.0 + 10.0 * random.unit());
             let ray = Ray { origin, direction: (aim - origin).normalize() };
-            let Some(at) = cone.hit(&TraversalRay::new(ray), f64::INFINITY) else { continue };
+            let Some(at) = cone.intersect_up_to(&TraversalRay::new(ray), f64::INFINITY) else { continue };
             let surface = cone.surface_at(&ray, at);
             if surface.normal.dot(ray.direction) > -0.1 || surface.normal.y * height.signum() <= 0.0 {
                 continue;
@@ -376,8 +376,8 @@ fn moved_alike(shape: &impl Geometric, affine: &DAffine3, ray: Ray) {
         origin: affine.transform_point3(ray.origin),
         direction: affine.transform_vector3(ray.direction),
     };
-    let here = shape.hit(&TraversalRay::new(ray), f64::INFINITY);
-    let hit = moved.hit(&TraversalRay::new(there), f64::INFINITY);
+    let here = shape.intersect_up_to(&TraversalRay::new(ray), f64::INFINITY);
+    let hit = moved.intersect_up_to(&TraversalRay::new(there), f64::INFINITY);
     let (Some(a), Some(b)) = (here, hit) else {
         assert_eq!(here.is_some(), hit.is_some(), "{ray:?}");
         return;

@@ -232,7 +232,9 @@ mod tests {
 
     fn hit(corners: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
         let triangle = Triangle { corners };
-        triangle.hit(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY).map(|hit| hit.t)
+        triangle
+            .intersect_up_to(&TraversalRay::new(Ray { origin, direction }), f64::INFINITY)
+            .map(|hit| hit.t)
     }
 
     /// Edge tests that compute different numbers for both triangles leak along the edge: Möller and Trumbore's loses

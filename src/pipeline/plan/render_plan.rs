@@ -23,13 +23,13 @@ pub struct Plan {
 impl Plan {
     /// The plan of these frames, in this order. Cached films take at most `budget` bytes; with 0, each frame has its
     /// own film.
-    pub fn new(sequence: &Sequence, frames: &[u32], extras: AovSet, budget: u64) -> Self {
-        Self::from_states(evaluate(sequence, frames), sequence, extras, budget)
+    pub fn new(sequence: &Sequence, frames: &[u32], aovs: AovSet, budget: u64) -> Self {
+        Self::from_states(evaluate(sequence, frames), sequence, aovs, budget)
     }
 
     /// [`Plan::new`] for frames that are already evaluated.
-    pub fn from_states(states: FrameStates, sequence: &Sequence, extras: AovSet, budget: u64) -> Self {
-        let cache = FilmCache::of(sequence, extras, budget);
+    pub fn from_states(states: FrameStates, sequence: &Sequence, aovs: AovSet, budget: u64) -> Self {
+        let cache = FilmCache::of(sequence, aovs, budget);
         let (films, film_of) = shared_films(&states.frames, &cache);
         Self { states, cache, films, film_of, shares_paths: sequence.quality.noise.is_none() }
     }

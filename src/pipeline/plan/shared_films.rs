@@ -25,15 +25,15 @@ pub struct SharedFilm {
 pub struct FilmCache {
     pub pixels: u64,
     /// Layers of every film besides light.
-    pub extras: u64,
+    pub aovs: u64,
     pub budget: u64,
 }
 
 impl FilmCache {
     /// The cache for films of a sequence with these layers besides light.
-    pub fn of(sequence: &Sequence, extras: AovSet, budget: u64) -> Self {
+    pub fn of(sequence: &Sequence, aovs: AovSet, budget: u64) -> Self {
         let (width, height) = sequence.output.size;
-        Self { pixels: u64::from(width) * u64::from(height), extras: extras.layers() as u64, budget }
+        Self { pixels: u64::from(width) * u64::from(height), aovs: aovs.layers() as u64, budget }
     }
 
     /// The part of the budget that copies of scenes may take while films are traced together.
@@ -44,7 +44,7 @@ impl FilmCache {
     /// Bytes of a film with this number of light layers.
     pub fn bytes(&self, lit: usize) -> u64 {
         let layer = size_of::<Rgb>() as u64;
-        self.pixels.saturating_mul((lit as u64 + self.extras).saturating_mul(layer))
+        self.pixels.saturating_mul((lit as u64 + self.aovs).saturating_mul(layer))
     }
 }
 
@@ -133,7 +133,7 @@ mod tests {
 
     /// The films of frames if the cache holds `cache` layers of one pixel: their layers, and the film of each frame.
     fn films(frames: &[(u128, &[usize])], cache: u64) -> (Vec<Vec<u32>>, Vec<usize>) {
-        let cache = FilmCache { pixels: 1, extras: 0, budget: cache * size_of::<Rgb>() as u64 };
+        let cache = FilmCache { pixels: 1, aovs: 0, budget: cache * size_of::<Rgb>() as u64 };
         let (films, of) = shared_films(&frame_states(frames), &cache);
         for (film, shared) in films.iter().enumerate() {
             assert!(shared.frames.iter().all(|&index| of[index] == film));

@@ -46,8 +46,8 @@ impl<S: FilmSink> FrameLoop<S> {
         Self::with_aovs(sequence, AovSet::default(), sink, meter)
     }
 
-    /// [`FrameLoop::new`] for films that record `extras` besides light.
-    pub fn with_aovs(sequence: &Sequence, extras: AovSet, sink: S, meter: Arc<ProgressMeter>) -> Self {
+    /// [`FrameLoop::new`] for films that record `aovs` besides light.
+    pub fn with_aovs(sequence: &Sequence, aovs: AovSet, sink: S, meter: Arc<ProgressMeter>) -> Self {
         let mut world = new_world(sequence);
         world.resource_mut::<Current<Shading>>().0.sky_table = sky_table(sequence);
         world.insert_resource(Current(Bvh::default()));
@@ -55,7 +55,7 @@ impl<S: FilmSink> FrameLoop<S> {
             size: sequence.output.size,
             quality: sequence.quality,
             filter: FilterSampler::new(sequence.quality.filter),
-            extras,
+            aovs,
         }));
         world.insert_resource(ExposureTrack(sequence.output.exposure.clone()));
         world.insert_resource(FilmInProgress::default());

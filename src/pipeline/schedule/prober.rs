@@ -42,7 +42,7 @@ pub struct PassCost {
 }
 
 impl Prober {
-    pub fn new(sequence: &Sequence, extras: AovSet, clock: TimeSource) -> Self {
+    pub fn new(sequence: &Sequence, aovs: AovSet, clock: TimeSource) -> Self {
         let mut world = new_world(sequence);
         world.resource_mut::<Current<Shading>>().0.sky_table = sky_table(sequence);
         world.insert_resource(Current(Bvh::default()));
@@ -50,7 +50,7 @@ impl Prober {
             size: sequence.output.size,
             quality: sequence.quality,
             filter: FilterSampler::new(sequence.quality.filter),
-            extras,
+            aovs,
         };
         let mut schedule = update_schedule();
         let rebuilt = accelerate.run_if(resource_changed::<Current<Geometry>>);
@@ -61,7 +61,7 @@ impl Prober {
 
     /// A probe of this number of blocks of a frame.
     pub fn probe(&self, state: &FrameState, blocks: usize) -> PilotBlocks {
-        let layers = state.weights.len() + self.settings.extras.layers();
+        let layers = state.weights.len() + self.settings.aovs.layers();
         PilotBlocks::new(self.settings.size, blocks, layers, self.settings.quality.seed)
     }
 

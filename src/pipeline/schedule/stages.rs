@@ -274,13 +274,13 @@ impl FilmInProgress {
         if moment.index == 0 {
             let pixels = width as usize * height as usize;
             self.sums.clear();
-            let layers = lit(&scene.weights.0).count() + settings.extras.layers();
+            let layers = lit(&scene.weights.0).count() + settings.aovs.layers();
             self.sums.resize(pixels * layers, DVec3::ZERO);
         }
         let counts = trace_moment(scene, bvh, settings, moment, &mut self.sums, meter);
         let last = moment.index + 1 == moment.of;
         let film = last.then(|| {
-            let mut film = Film::with_aovs(width, height, scene.weights.0.clone(), settings.extras);
+            let mut film = Film::with_aovs(width, height, scene.weights.0.clone(), settings.aovs);
             film.data_mut().iter_mut().zip(&self.sums).for_each(|(layer, sum)| *layer = sum.as_vec3());
             film
         });

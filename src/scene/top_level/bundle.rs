@@ -12,7 +12,7 @@ use crate::scene::Geometry;
 impl Bvh {
     /// Searches the tree for the closest hits of eight rays.
     #[inline(always)]
-    pub(super) fn closest_in_bundle<L: Level>(
+    pub(super) fn intersect_in_bundle<L: Level>(
         &self,
         geometry: &Geometry,
         nearest: &mut LaneClosestHit<L::F64>,

@@ -101,7 +101,7 @@ impl<L: Level> LaneKernel<L> for Test<'_, '_, L> {
 impl Bvh {
     /// Searches the tree for primitives that block eight rays.
     #[inline(always)]
-    pub(super) fn occluded_in_bundle<L: Level>(
+    pub(super) fn occlusion_in_bundle<L: Level>(
         &self,
         geometry: &Geometry,
         shadow: &mut LaneAnyHit<L>,

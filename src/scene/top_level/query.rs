@@ -46,7 +46,7 @@ impl Bvh {
         if self.is_small || coherence == Coherence::Coherent {
             nearest.test(geometry, &self.meshes);
             if !self.tree.is_empty() {
-                self.closest_in_bundle::<L>(geometry, &mut nearest, &mut stacks.bundle);
+                self.intersect_in_bundle::<L>(geometry, &mut nearest, &mut stacks.bundle);
             }
             return nearest.hits;
         }
@@ -57,7 +57,7 @@ impl Bvh {
             let single = TraversalRay::new(rays.one(lane));
             let span = RayInterval { min: within[0][lane], max: within[1][lane] };
             let hit =
-                self.closest_on::<L::Narrow>(geometry, &single, span, hits.lane(lane), &mut stacks.single);
+                self.intersect_on::<L::Narrow>(geometry, &single, span, hits.lane(lane), &mut stacks.single);
             hits.set_lane(lane, hit);
         }
         hits.load()
@@ -83,7 +83,7 @@ impl Bvh {
         if self.is_small || coherence == Coherence::Coherent {
             found.test(geometry, &self.meshes, found.open());
             if !self.tree.is_empty() && found.open().any() {
-                self.occluded_in_bundle::<L>(geometry, &mut found, &mut stacks.bundle);
+                self.occlusion_in_bundle::<L>(geometry, &mut found, &mut stacks.bundle);
             }
             return found.occlusion();
         }
@@ -94,7 +94,7 @@ impl Bvh {
             let single = TraversalRay::new(rays.one(lane));
             let span = RayInterval { min: bounds[0][lane], max: bounds[1][lane] };
             let [blocked, dimmed] =
-                self.occluded_on::<L::Narrow>(geometry, &single, span, transmissive, &mut stacks.single);
+                self.occlusion_on::<L::Narrow>(geometry, &single, span, transmissive, &mut stacks.single);
             bits[0] |= u32::from(blocked) << lane;
             bits[1] |= u32::from(dimmed) << lane;
         }

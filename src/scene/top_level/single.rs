@@ -10,17 +10,17 @@ use crate::scene::{Geometry, Hit};
 
 impl Bvh {
     /// The closest hit along a ray. Among equally near ones, the first primitive in the file wins.
-    pub fn closest(&self, geometry: &Geometry, ray: &TraversalRay) -> Option<Hit> {
-        self.closest_within(geometry, ray, RayInterval::up_to(f64::INFINITY))
+    pub fn intersect_one(&self, geometry: &Geometry, ray: &TraversalRay) -> Option<Hit> {
+        self.intersect_within(geometry, ray, RayInterval::up_to(f64::INFINITY))
     }
 
     /// Whether a ray hits anything before `t_max`.
-    pub fn occluded(&self, geometry: &Geometry, ray: &TraversalRay, t_max: f64) -> bool {
+    pub fn occludes_one(&self, geometry: &Geometry, ray: &TraversalRay, t_max: f64) -> bool {
         dispatch_narrow(Occluded { bvh: self, geometry, ray, within: RayInterval::up_to(t_max) })
     }
 
     /// The closest hit along a ray within bounds.
-    pub fn closest_within(
+    pub fn intersect_within(
         &self,
         geometry: &Geometry,
         ray: &TraversalRay,
@@ -31,7 +31,7 @@ impl Bvh {
 
     /// The closest hit among `found`, the meshes outside the tree, and the tree.
     #[inline(always)]
-    pub(super) fn closest_on<L: Level>(
+    pub(super) fn intersect_on<L: Level>(
         &self,
         geometry: &Geometry,
         ray: &TraversalRay,
@@ -45,7 +45,7 @@ impl Bvh {
     /// Whether a mesh outside the tree or a primitive in the tree blocks a ray, and whether a transmissive one dims
     /// it.
     #[inline(always)]
-    pub(super) fn occluded_on<L: Level>(
+    pub(super) fn occlusion_on<L: Level>(
         &self,
         geometry: &Geometry,
         ray: &TraversalRay,
@@ -136,7 +136,7 @@ impl SimdKernel for Closest<'_> {
         let mut stack = Stack::default();
         let mut direct = ClosestHit::new(bvh, geometry, ray, within, None);
         direct.test::<L>(&bvh.direct, Some(&mut stack));
-        bvh.closest_on::<L>(geometry, ray, within, direct.found.hit, &mut stack)
+        bvh.intersect_on::<L>(geometry, ray, within, direct.found.hit, &mut stack)
     }
 }
 
@@ -156,11 +156,11 @@ impl SimdKernel for Occluded<'_> {
         let mut stack = Stack::default();
         let direct = bvh.direct.iter().map(|index| &geometry.primitives[*index as usize]);
         for primitive in direct {
-            if primitive.blocks_one::<L>(ray, within, Some(&mut stack)) {
+            if primitive.occludes_on::<L>(ray, within, Some(&mut stack)) {
                 return true;
             }
         }
-        let [blocked, _] = bvh.occluded_on::<L>(geometry, ray, within, None, &mut stack);
+        let [blocked, _] = bvh.occlusion_on::<L>(geometry, ray, within, None, &mut stack);
         blocked
     }
 }
@@ -250,7 +250,7 @@ impl SimdKernel for Test<'_, ClosestHit<'_>> {
         for &index in indices {
             let within = RayInterval { min: nearest.within.min, max: nearest.limit() };
             let primitive = &nearest.geometry.primitives[index as usize];
-            if let Some(at) = primitive.hit_one::<L>(nearest.ray, within, stack.as_deref_mut()) {
+            if let Some(at) = primitive.intersect_on::<L>(nearest.ray, within, stack.as_deref_mut()) {
                 nearest.found.consider(at, index);
             }
         }
@@ -269,7 +269,7 @@ impl SimdKernel for Test<'_, AnyHit<'_>> {
                 continue;
             }
             let primitive = &any.geometry.primitives[index as usize];
-            if primitive.blocks_one::<L>(any.ray, any.within, stack.as_deref_mut()) {
+            if primitive.occludes_on::<L>(any.ray, any.within, stack.as_deref_mut()) {
                 match passes {
                     true => any.dimmed = true,
                     false => return any.blocked = true,

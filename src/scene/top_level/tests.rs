@@ -57,7 +57,8 @@ fn random_geometry(random: &mut Random, count: usize) -> Geometry {
 
 fn brute_force(geometry: &Geometry, ray: &TraversalRay) -> Option<Hit> {
     let hits = (0..).zip(&geometry.primitives);
-    let hits = hits.filter_map(|(primitive, p)| Some(Hit { at: p.hit(ray, f64::INFINITY)?, primitive }));
+    let hits =
+        hits.filter_map(|(primitive, p)| Some(Hit { at: p.intersect_up_to(ray, f64::INFINITY)?, primitive }));
     let hits: Vec<_> = hits.collect();
     let mut nearest = *hits.iter().reduce(|best, hit| if hit.at.t < best.at.t { hit } else { best })?;
     let end = Bvh::build(geometry).coincidence_range(ray).end(nearest.at.t);
@@ -87,12 +88,12 @@ fn the_tree_equals_brute_force() {
         for _ in 0..4000 {
             let ray = TraversalRay::new(random_ray(&mut random));
             let expected = brute_force(&geometry, &ray);
-            for (level, hit) in on_all_levels(|| bvh.closest(&geometry, &ray)) {
+            for (level, hit) in on_all_levels(|| bvh.intersect_one(&geometry, &ray)) {
                 assert_eq!(hit, expected, "{ray:?}, {level:?}");
             }
             let t_max = random.unit() * 20.0;
             let blocked = expected.is_some_and(|hit| hit.at.t < t_max);
-            for (level, occluded) in on_all_levels(|| bvh.occluded(&geometry, &ray, t_max)) {
+            for (level, occluded) in on_all_levels(|| bvh.occludes_one(&geometry, &ray, t_max)) {
                 assert_eq!(occluded, blocked, "{ray:?} {t_max}, {level:?}");
             }
         }
@@ -178,8 +179,12 @@ fn edits_give_what_a_fresh_scene_gives() {
             assert_eq!(bvh.reach(), expected.reach());
             for _ in 0..20 {
                 let ray = TraversalRay::new(random_ray(&mut random));
-                assert_eq!(bvh.closest(&geometry, &ray), expected.closest(&fresh, &ray), "{ray:?}");
-                assert_eq!(bvh.closest(&geometry, &ray), brute_force(&geometry, &ray), "{ray:?}");
+                assert_eq!(
+                    bvh.intersect_one(&geometry, &ray),
+                    expected.intersect_one(&fresh, &ray),
+                    "{ray:?}"
+                );
+                assert_eq!(bvh.intersect_one(&geometry, &ray), brute_force(&geometry, &ray), "{ray:?}");
                 let eight = Eight::new(&mut random);
                 for coherence in [Coherence::Coherent, Coherence::Incoherent] {
                     let hits = dispatch(Intersect(&bvh, &geometry, &eight, coherence));
@@ -264,7 +269,7 @@ fn the_first_of_equals_wins() {
     for _ in 0..1000 {
         let origin = random.point(1.0).normalize() * 5.0;
         let ray = TraversalRay::new(Ray { origin, direction: random.point(0.3) - origin });
-        assert_eq!(bvh.closest(&geometry, &ray).map(|hit| hit.primitive), Some(0));
+        assert_eq!(bvh.intersect_one(&geometry, &ray).map(|hit| hit.primitive), Some(0));
     }
 }
 
@@ -280,7 +285,7 @@ fn flat_boxes_are_not_lost() {
         let origin = random.point(100.0);
         let aim = corner + u * random.unit() + v * if random.unit() < 0.5 { 0.0 } else { random.unit() };
         let ray = TraversalRay::new(Ray { origin, direction: aim - origin });
-        assert_eq!(bvh.closest(&geometry, &ray), brute_force(&geometry, &ray));
+        assert_eq!(bvh.intersect_one(&geometry, &ray), brute_force(&geometry, &ray));
     }
 }
 
@@ -294,7 +299,7 @@ fn deep_trees_are_walked_to_the_end() {
     for _ in 0..300 {
         let origin = random.point(1.0) * libm::exp2(200.0 * random.unit() - 100.0);
         let ray = TraversalRay::new(Ray { origin, direction: random.point(1.0) });
-        assert_eq!(bvh.closest(&geometry, &ray), brute_force(&geometry, &ray));
+        assert_eq!(bvh.intersect_one(&geometry, &ray), brute_force(&geometry, &ray));
     }
 }
 
@@ -387,7 +392,7 @@ fn eight_rays_meet_what_each_of_them_does() {
     each_eight(|geometry, bvh, eight, _, coherence| {
         for (level, hits) in on_all_levels(|| dispatch(Intersect(bvh, geometry, eight, coherence))) {
             for (lane, ray, within) in eight.each() {
-                let expected = bvh.closest_within(geometry, &ray, within);
+                let expected = bvh.intersect_within(geometry, &ray, within);
                 assert_eq!(hits[lane], expected, "{level:?}, {coherence:?}, {lane} of {eight:?}");
                 met += u32::from(expected.is_some());
             }

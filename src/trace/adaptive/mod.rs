@@ -54,7 +54,7 @@ pub struct AdaptiveFrame {
     layers: Weights,
     /// The weightings, for the traced layers only.
     weightings: Vec<Vec<Rgb>>,
-    extras: AovSet,
+    aovs: AovSet,
     /// Row by row.
     blocks: Vec<Block>,
     estimate: ErrorEstimate,
@@ -90,11 +90,11 @@ impl AdaptiveFrame {
         let first = MIN_SAMPLES.min(target.most).div_ceil(2);
         let block = |(left, top): (u32, u32)| {
             let places = (SIDE.min(size.0 - left), SIDE.min(size.1 - top));
-            Block::new((left, top), places, &held, layers.0.len() + settings.extras.layers(), first)
+            Block::new((left, top), places, &held, layers.0.len() + settings.aovs.layers(), first)
         };
-        let (seed, extras) = (settings.quality.seed, settings.extras);
+        let (seed, aovs) = (settings.quality.seed, settings.aovs);
         let (blocks, estimate) = (corners.map(block).collect(), ErrorEstimate::default());
-        Self { size, seed, target, layers, weightings, extras, blocks, estimate }
+        Self { size, seed, target, layers, weightings, aovs, blocks, estimate }
     }
 
     /// Traces the samples of this round that belong to this moment, in all open blocks.
@@ -157,10 +157,10 @@ impl AdaptiveFrame {
 
     /// The film of all samples, with its error estimates.
     pub fn film(self) -> Film {
-        let mut film = Film::with_aovs(self.size.0, self.size.1, self.layers.0.clone(), self.extras);
+        let mut film = Film::with_aovs(self.size.0, self.size.1, self.layers.0.clone(), self.aovs);
         let layers = film.layers();
-        let extras = self.layers.0.len()..self.layers.0.len() + self.extras.layers();
-        let held: Vec<usize> = film.held.iter().map(|layer| layer.index()).chain(extras).collect();
+        let aovs = self.layers.0.len()..self.layers.0.len() + self.aovs.layers();
+        let held: Vec<usize> = film.held.iter().map(|layer| layer.index()).chain(aovs).collect();
         let data = film.data_mut();
         for block in &self.blocks {
             for (index, (x, y)) in block.places().enumerate() {

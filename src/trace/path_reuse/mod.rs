@@ -106,7 +106,7 @@ impl<'a> SharedFrames<'a> {
         let Self { settings, count, .. } = *self;
         let first = &self.poses.first()?.scene;
         let (width, height) = settings.size;
-        let film = || Film::with_aovs(width, height, first.weights.0.clone(), settings.extras);
+        let film = || Film::with_aovs(width, height, first.weights.0.clone(), settings.aovs);
         let mut films: Vec<Film> = (0..count).map(|_| film()).collect();
         let tracer = self.tracer();
         let (pilot, rest) = tiles(settings.size);

@@ -70,7 +70,7 @@ fn alone(poses: &[FramePose], settings: &TraceSettings) -> (Film, Counts) {
         return trace(&first.scene, first.bvh, settings, &meter);
     }
     let (width, height) = settings.size;
-    let mut film = Film::with_aovs(width, height, first.scene.weights.0.clone(), settings.extras);
+    let mut film = Film::with_aovs(width, height, first.scene.weights.0.clone(), settings.aovs);
     let mut sums = vec![DVec3::ZERO; film.data.len()];
     let mut counts = Counts::default();
     for pose in poses {
@@ -92,10 +92,10 @@ enum Outcome {
 fn compare(seed: u64, scene: &RandomScene, moments: u32) -> Outcome {
     let random = &mut Random(seed + 5000);
     let posed = poses(scene, random, 7, moments);
-    let (camera, quality, extras, layers) = scene.settings();
+    let (camera, quality, aovs, layers) = scene.settings();
     let filter = FilterSampler::new(quality.filter);
     let quality = Quality { samples: quality.samples.max(2), ..quality };
-    let settings = TraceSettings { size: (61, 37), quality, filter, extras };
+    let settings = TraceSettings { size: (61, 37), quality, filter, aovs };
     let weights = Weights(vec![Rgb::ONE; layers]);
     let all: Vec<FramePose> = posed
         .iter()

@@ -33,8 +33,10 @@ impl<const ANY: bool> SimdKernel for BundleSearch<'_, ANY> {
             let single = TraversalRay::new(rays.one(ray));
             let within = RayInterval { min: span[0][ray], max: span[1][ray] };
             let hit = match ANY {
-                true => mesh.any_on::<L>(&single, within, &mut Stack::default()).then_some(ShapeHit::at(0.0)),
-                false => mesh.closest_on::<L>(&single, within, &mut Stack::default()),
+                true => {
+                    mesh.occludes_on::<L>(&single, within, &mut Stack::default()).then_some(ShapeHit::at(0.0))
+                }
+                false => mesh.intersect_on::<L>(&single, within, &mut Stack::default()),
             };
             if let Some(at) = hit {
                 found.set(ray, at);

@@ -87,7 +87,7 @@ impl Geometric for Mesh {
     }
 
     fn intersect_one(&self, ray: &TraversalRay, within: RayInterval<f64>) -> Option<ShapeHit> {
-        self.closest(ray, within)
+        self.intersect_one(ray, within)
     }
 
     fn occludes_one(&self, ray: &TraversalRay, within: RayInterval<f64>) -> bool {

@@ -31,7 +31,7 @@ impl Mesh {
 
     /// [`Mesh::closest`] within a kernel that already runs on a level.
     #[inline(always)]
-    pub fn closest_on<L: Level>(
+    pub fn intersect_on<L: Level>(
         &self,
         ray: &TraversalRay,
         within: RayInterval<f64>,
@@ -42,7 +42,12 @@ impl Mesh {
 
     /// [`Mesh::any`] within a kernel that already runs on a level.
     #[inline(always)]
-    pub fn any_on<L: Level>(&self, ray: &TraversalRay, within: RayInterval<f64>, stack: &mut Stack) -> bool {
+    pub fn occludes_on<L: Level>(
+        &self,
+        ray: &TraversalRay,
+        within: RayInterval<f64>,
+        stack: &mut Stack,
+    ) -> bool {
         L::Narrow::call(MeshWalk { search: AnyTriangle::new(self, ray, within), stack })
     }
 }

@@ -24,7 +24,7 @@ fn triangle() -> MeshData {
 /// The t of a ray's hit with one triangle of the mesh.
 fn crossed(mesh: &Mesh, part: u32, ray: &TraversalRay) -> Option<f64> {
     let triangle = Triangle { corners: mesh.mesh.corners(part) };
-    triangle.hit(ray, f64::INFINITY).map(|hit| hit.t)
+    triangle.intersect_up_to(ray, f64::INFINITY).map(|hit| hit.t)
 }
 
 fn down(x: f64, y: f64) -> Ray {
@@ -42,14 +42,14 @@ fn the_tree_finds_what_every_triangle_finds() {
         let each = (0..mesh.mesh.triangles().len() as u32)
             .filter_map(|part| Some(ShapeHit::of_part(crossed(&mesh, part, &ray)?, part)));
         let nearest = each.min_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
-        let found = || (mesh.hit(&ray, f64::INFINITY), mesh.blocks(&ray, f64::INFINITY));
+        let found = || (mesh.intersect_up_to(&ray, f64::INFINITY), mesh.occludes_up_to(&ray, f64::INFINITY));
         for (level, found) in on_all_levels(found) {
             assert_eq!(found, (nearest, nearest.is_some()), "{level:?}");
         }
         if let Some(ShapeHit { t, .. }) = nearest {
             hits += 1;
-            assert_eq!(mesh.hit(&ray, t), None, "nothing lies before the nearest");
-            assert!(!mesh.blocks(&ray, t) && mesh.blocks(&ray, t.next_up()));
+            assert_eq!(mesh.intersect_up_to(&ray, t), None, "nothing lies before the nearest");
+            assert!(!mesh.occludes_up_to(&ray, t) && mesh.occludes_up_to(&ray, t.next_up()));
         }
     }
     assert!(hits > 500, "{hits}");
@@ -90,7 +90,7 @@ fn int_15_the_geometric_normal_stands_in_for_one_without_a_direction() {
     let n = Vec3::new(0.3, 0.4, 0.866).normalize();
     for normals in [[n, -n, Vec3::X], [Vec3::ZERO; 3], [Vec3::NAN; 3], [Vec3::INFINITY; 3]] {
         let mesh = with_normals(normals);
-        let at = mesh.hit(&TraversalRay::new(down(0.5, 0.0)), f64::INFINITY).expect("a hit");
+        let at = mesh.intersect_up_to(&TraversalRay::new(down(0.5, 0.0)), f64::INFINITY).expect("a hit");
         let surface = mesh.surface_at(&down(0.5, 0.0), at);
         assert_eq!((surface.normal, surface.shading), (DVec3::Z, DVec3::Z));
     }
@@ -116,8 +116,8 @@ fn int_15_what_has_no_area_is_never_hit() {
     let mesh = shape(MeshData { positions, triangles, ..MeshData::default() }, Normals::Flat);
     assert_eq!((mesh.mesh.skipped, mesh.mesh.triangles()), (4, &[[0, 1, 2]][..]));
     let edge_on = Ray { origin: DVec3::new(-1.0, 0.5, 0.0), direction: DVec3::X };
-    assert_eq!(mesh.hit(&TraversalRay::new(edge_on), f64::INFINITY), None);
-    assert_eq!(mesh.hit(&TraversalRay::new(down(1.5, 0.0)), f64::INFINITY), None);
+    assert_eq!(mesh.intersect_up_to(&TraversalRay::new(edge_on), f64::INFINITY), None);
+    assert_eq!(mesh.intersect_up_to(&TraversalRay::new(down(1.5, 0.0)), f64::INFINITY), None);
 }
 
 #[test]
@@ -173,7 +173,7 @@ fn eight_surfaces_are_those_of_each() {
             let origin = random.point(reach);
             Ray { origin, direction: (random.point(0.3) - origin).normalize() }
         });
-        let at = rays.map(|ray| mesh.hit(&TraversalRay::new(ray), f64::INFINITY));
+        let at = rays.map(|ray| mesh.intersect_up_to(&TraversalRay::new(ray), f64::INFINITY));
         let Some(at) = at.into_iter().collect::<Option<Vec<_>>>() else { continue };
         let at = at.try_into().expect("eight");
         for (level, surfaces) in on_all_levels(|| dispatch(Eight(&mesh, &rays, &at))) {

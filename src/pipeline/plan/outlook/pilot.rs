@@ -52,7 +52,7 @@ const MOST: u32 = 1 << 20;
 pub fn run_pilot(
     sequence: &Sequence,
     plan: &Plan,
-    extras: AovSet,
+    aovs: AovSet,
     limit: PilotTime,
     clock: TimeSource,
 ) -> Outlook {
@@ -60,7 +60,7 @@ pub fn run_pilot(
     let random: Vec<bool> = plan.films.iter().map(|shared| states[shared.frames[0]].random).collect();
     let mut places = spread(&random, true);
     places.extend(spread(&random, false));
-    let prober = Prober::new(sequence, extras, clock);
+    let prober = Prober::new(sequence, aovs, clock);
     let (shares, took) = timed(|| path_shares(sequence, plan, PilotBudget::PLAN.samples));
     let mut run = PilotRun { sequence, plan, spent: clock.elapsed(took, 0), prober };
     let few = ProbeBudget { blocks: BLOCKS * rayon::current_num_threads(), seconds: 0.0 };
