@@ -69,12 +69,23 @@ counts! {
     }
 }
 
+counts! {
+    /// Paths of frames that are traced together, each from one sample of a pixel.
+    SharedPaths {
+        /// Paths of frames that took the light of a path that was traced once for all of them.
+        reused,
+        /// Paths of frames that were traced again, because they could meet something that moved.
+        retraced,
+    }
+}
+
 /// Everything that tracing counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     pub rays: RayCounts,
     pub evaluations: Evaluations,
     pub dropped: Dropped,
+    pub paths: SharedPaths,
 }
 
 impl AddAssign for Counts {
@@ -82,6 +93,7 @@ impl AddAssign for Counts {
         self.rays += other.rays;
         self.evaluations += other.evaluations;
         self.dropped += other.dropped;
+        self.paths += other.paths;
     }
 }
 

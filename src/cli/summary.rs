@@ -17,7 +17,7 @@ fn expected(forecast: Option<&Forecast>) -> Map<String, Value> {
     let mut expected = object(json!({
         "reused": forecast.reused,
         "camera_rays": forecast.camera_rays,
-        "exact": forecast.exact,
+        "exact": forecast.exact && !forecast.shares_paths,
         "bvh_updates": forecast.bvh_updates,
     }));
     expected.extend(forecast.rays.map(|rays| ("rays".to_owned(), rays.into())));
@@ -37,6 +37,7 @@ pub fn text(summary: &Summary) -> String {
         ("frames", vec![frames(summary)]),
         ("time", vec![time(summary)]),
         ("rays", rays(summary)),
+        ("paths", paths(summary)),
         ("dropped", dropped(summary)),
         ("error", error(summary)),
         ("BVH", vec![bvh(summary)]),
@@ -62,7 +63,7 @@ pub fn file_name(file: &Path) -> String {
 
 /// One line of JSON.
 pub fn json(summary: &Summary) -> String {
-    let Counts { rays, evaluations, dropped } = summary.counts;
+    let Counts { rays, evaluations, dropped, paths } = summary.counts;
     let stages = summary.stages.iter().map(|(name, time)| ((*name).to_owned(), rounded(time.as_secs_f64())));
     line(json!({
         "event": "summary",
@@ -79,6 +80,10 @@ pub fn json(summary: &Summary) -> String {
             "scattered": rays.scattered,
             "shadow": rays.shadow,
             "total": rays.total(),
+        },
+        "paths": {
+            "reused": paths.reused,
+            "retraced": paths.retraced,
         },
         "evaluations": {
             "fog": evaluations.fog,
@@ -132,6 +137,9 @@ pub fn reused_frames(frames: u64) -> String {
 fn planned(expected: &Forecast) -> String {
     let rays = match expected.rays {
         Some(rays) => format!("about {} rays", units::count(rays)),
+        None if expected.shares_paths => {
+            format!("at most {} from the camera", units::counted(expected.camera_rays, "ray"))
+        }
         None if expected.exact => format!("{} from the camera", units::counted(expected.camera_rays, "ray")),
         None => format!("{} or more from the camera", units::counted(expected.camera_rays, "ray")),
     };
@@ -159,6 +167,19 @@ fn time(summary: &Summary) -> String {
         text += &format!("; tracing took {} of processor time", seconds(cpu));
     }
     text
+}
+
+/// Paths that several frames share, and those that were traced again. Empty if no frames share paths.
+fn paths(summary: &Summary) -> Vec<String> {
+    let paths = summary.counts.paths;
+    if paths.total() == 0 {
+        return Vec::new();
+    }
+    let share = 100.0 * paths.retraced as f64 / paths.total() as f64;
+    let (reused, retraced) = (units::count(paths.reused), units::count(paths.retraced));
+    vec![format!(
+        "{reused} reused from other frames, {retraced} traced again where something moved ({share:.1} %)"
+    )]
 }
 
 /// All rays with their rate, then each kind. Rare kinds are listed only if there are any.
@@ -292,6 +313,7 @@ note    a draft";
             reused: 70,
             camera_rays: 66_355_200,
             exact: true,
+            shares_paths: false,
             rays: Some(66_400_000),
             bvh_updates: 1,
             wall: Some(Range::new(10.0, 12.0, 14.0)),

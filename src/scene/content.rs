@@ -46,6 +46,8 @@ pub struct Digests {
     arrays: Option<Digest>,
     /// Digest of materials and emitters, without `origins` and `arrays`.
     effective: Digest,
+    /// Digest of lights, sky, ambient light and fog.
+    sources: Digest,
     shown: Option<Shown>,
 }
 
@@ -162,6 +164,8 @@ impl Digests {
         parts.feed(&|layer| layer, &|index, _| Some(index), &mut digester);
         self.luminous.feed(&mut digester);
         self.effective = digester.finish();
+        let Shading { materials: _, lights, environment, sky_table: _, ambient, fog } = shading;
+        self.sources = Digest::of(&(lights, environment, (ambient, fog)));
         let painted = self.painted(&parts.materials, shading.materials.len());
         if !painted.contains(&true) {
             self.origins = None;
@@ -223,6 +227,12 @@ impl Digests {
     /// The digest of the primitives and of their slots, over which the top-level tree is built.
     pub fn primitives(&self) -> Digest {
         Digest::of(&(self.geometry, self.arrangement))
+    }
+
+    /// The digest of the camera, lights, sky, ambient light and fog: of everything but objects and their materials. All
+    /// parts must be up to date.
+    pub fn surroundings(&self, scene: &Scene) -> Digest {
+        Digest::of(&(self.sources, scene.camera))
     }
 
     /// The digest of everything that affects light transport, without weights. All parts must be up to date.

@@ -16,6 +16,7 @@ mod instance_transform;
 mod journal;
 #[cfg(test)]
 mod lane_tests;
+pub mod movers;
 mod primitive;
 mod surfaces;
 

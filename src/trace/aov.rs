@@ -30,7 +30,7 @@ impl SimdKernel for RecordAovs<'_, '_> {
             Queue::Light => None,
             Queue::Surface(class) => Some(context.classes[class as usize]),
         };
-        for items in wave.hits.queue(queue).chunks(8) {
+        for items in wave.hits.queue(queue).rows() {
             let at = Lookup::new(items);
             let active = L::Mask::from_bits(0xff >> (8 - items.len()));
             let path = wave.paths.gather::<L::F64>(&at);

@@ -92,6 +92,11 @@ impl SampleGroup {
         self.count = 0;
     }
 
+    /// The numbers of the samples within their pixels.
+    pub fn numbers(&self) -> &[u32] {
+        &self.columns[2][..self.count]
+    }
+
     pub fn places(&self) -> &[u32] {
         &self.places[..self.count]
     }

@@ -11,6 +11,7 @@ use crate::appearance::material::{Material, MaterialBinding};
 use crate::base::color::Rgb;
 use crate::base::math::{DVec3, gamma};
 use crate::film::LayerId;
+use crate::scene::movers::Movers;
 use crate::scene::top_level::{Bvh, TransmissiveFlags};
 use crate::scene::{Finish, Scene};
 use crate::sequence::quality::{Integrator, Quality};
@@ -68,6 +69,10 @@ pub struct TraceContext<'a> {
     pub media: bool,
     /// Whether any of these media absorbs.
     pub absorbs: bool,
+    /// Whether a sample may have several paths.
+    pub branches: bool,
+    /// The movers that segments of paths are tested against, if paths are shared by several frames.
+    pub movers: Option<&'a Movers<'a>>,
 }
 
 impl<'a> TraceContext<'a> {
@@ -126,6 +131,8 @@ impl<'a> TraceContext<'a> {
             passing: materials.any(passes).then(|| materials.passing(scene, passes)),
             media: materials.any(LobeSet::REFRACTION),
             absorbs: materials.absorb(scene),
+            branches: !path && materials.branch(),
+            movers: None,
         }
     }
 
@@ -188,6 +195,15 @@ impl UsedMaterials {
         materials.any(|(material, (lobes, used))| {
             *used && lobes.has(LobeSet::REFRACTION) && material.medium.absorption != Rgb::ZERO
         })
+    }
+
+    /// Whether a used material reflects or transmits light in several ways.
+    fn branch(&self) -> bool {
+        let ways = [LobeSet::MICROFACET, LobeSet::MIRROR, LobeSet::TRANSPARENT];
+        let branches = |set: &LobeSet| {
+            set.has(LobeSet::REFRACTION) || ways.iter().filter(|way| set.has(**way)).count() > 1
+        };
+        self.lobes.iter().zip(&self.used).any(|(lobes, used)| *used && branches(lobes))
     }
 
     /// The different sets of lobes in numbered order, and the number of each material's set.

@@ -3,6 +3,7 @@
 use super::interaction::SurfaceInteraction;
 use super::light::emitted_radiance;
 use super::path::{has_flag, mis_weight};
+use super::path_queue::PathQueue;
 use super::shade::WaveState;
 use super::stream::flags;
 use crate::base::lanes::{Bits, Level, Lookup, Mask, Row, Select, SimdKernel};
@@ -10,7 +11,7 @@ use crate::base::lanes::{Bits, Level, Lookup, Mask, Row, Select, SimdKernel};
 /// Adds the light of the lights that the paths of a queue hit.
 pub struct HandleEmitters<'a, 's> {
     pub wave: &'s mut WaveState<'a>,
-    pub queue: &'s [u32],
+    pub queue: &'s PathQueue,
 }
 
 impl SimdKernel for HandleEmitters<'_, '_> {
@@ -20,7 +21,7 @@ impl SimdKernel for HandleEmitters<'_, '_> {
     fn run<L: Level>(self) {
         let Self { wave, queue } = self;
         let context = wave.context;
-        for items in queue.chunks(8) {
+        for items in queue.rows() {
             let at = Lookup::new(items);
             let active = L::Mask::from_bits(0xff >> (8 - items.len()));
             let path = wave.paths.gather::<L::F64>(&at);

@@ -1,6 +1,7 @@
 //! The escape stage: adds the light of the sky to paths that hit nothing.
 
 use super::path::mis_weight;
+use super::path_queue::PathQueue;
 use super::shade::WaveState;
 use crate::base::lanes::{Bits, Color, Level, Lookup, Mask, Row, SimdKernel, Vec3};
 
@@ -8,7 +9,7 @@ use crate::base::lanes::{Bits, Color, Level, Lookup, Mask, Row, SimdKernel, Vec3
 /// which may be held out.
 pub struct HandleEscaped<'a, 's> {
     pub wave: &'s mut WaveState<'a>,
-    pub queue: &'s [u32],
+    pub queue: &'s PathQueue,
 }
 
 impl SimdKernel for HandleEscaped<'_, '_> {
@@ -21,7 +22,7 @@ impl SimdKernel for HandleEscaped<'_, '_> {
         if context.environment.is_none() && context.holdout.is_none() {
             return;
         }
-        for items in queue.chunks(8) {
+        for items in queue.rows() {
             let at = Lookup::new(items);
             let mut active = L::Mask::from_bits(0xff >> (8 - items.len()));
             let path = wave.paths.gather::<L::F64>(&at);

@@ -3,6 +3,7 @@
 use super::coincident::{Events, NO_EVENT};
 use super::context::{Queue, TraceContext};
 use super::medium::MediaLists;
+use super::path_queue::{PathQueue, Ranks};
 use super::stream::PathStream;
 use crate::base::lanes::{Level, Lookup, Mask, Real, Row, SimdKernel, dispatch, lanes};
 use crate::base::math::{DVec3, Ray};
@@ -21,14 +22,15 @@ pub struct HitStream {
     pub event: Vec<u32>,
     /// Paths with other hits close to theirs.
     close: Vec<u32>,
-    escaped: Vec<u32>,
-    lights: Vec<u32>,
-    surfaces: Vec<Vec<u32>>,
+    escaped: PathQueue,
+    lights: PathQueue,
+    surfaces: Vec<PathQueue>,
+    ranks: Ranks,
 }
 
 impl HitStream {
     pub fn new(classes: usize) -> Self {
-        Self { surfaces: vec![Vec::new(); classes], ..Self::default() }
+        Self { surfaces: vec![PathQueue::default(); classes], ..Self::default() }
     }
 
     fn reset(&mut self, count: usize) {
@@ -42,11 +44,11 @@ impl HitStream {
         self.close.clear();
         self.escaped.clear();
         self.lights.clear();
-        self.surfaces.iter_mut().for_each(Vec::clear);
+        self.surfaces.iter_mut().for_each(PathQueue::clear);
     }
 
     /// The paths of a queue.
-    pub fn queue(&self, queue: Queue) -> &[u32] {
+    pub fn queue(&self, queue: Queue) -> &PathQueue {
         match queue {
             Queue::Escaped => &self.escaped,
             Queue::Light => &self.lights,
@@ -65,7 +67,7 @@ impl HitStream {
         self.reset(paths.len());
         dispatch(Intersect { context, paths, coherence, events, media, hits: self });
         self.resolve(context, paths, (events, media));
-        let Self { primitive, part, material, escaped, lights, surfaces, .. } = self;
+        let Self { primitive, part, material, escaped, lights, surfaces, ranks, .. } = self;
         let hits = primitive.iter().zip(part).zip(material).take(paths.len());
         for (number, ((primitive, part), material)) in (0..).zip(hits) {
             if *primitive == NOTHING {
@@ -80,6 +82,10 @@ impl HitStream {
                 Queue::Escaped => escaped.push(number),
             }
         }
+        if context.branches && paths.depth() > 0 {
+            let queues = surfaces.iter_mut().chain([lights, escaped]);
+            queues.for_each(|queue| queue.separate(paths.slots(), ranks));
+        }
     }
 
     /// Resolves hits that are close to others.
@@ -91,7 +97,8 @@ impl HitStream {
         (events, media): (&mut Events, &MediaLists),
     ) {
         let materials = &context.scene.shading.materials;
-        for index in std::mem::take(&mut self.close) {
+        let close = std::mem::take(&mut self.close);
+        for &index in &close {
             let at = Lookup::run(index, 1);
             let ray = paths.ray::<f64>(&at);
             let ray = Ray { origin: DVec3::from(ray.origin), direction: DVec3::from(ray.direction) };
@@ -101,6 +108,12 @@ impl HitStream {
                 self.meet(index, number, hit);
             }
         }
+        self.close = close;
+    }
+
+    /// The paths with other hits close to theirs.
+    pub fn close(&self) -> &[u32] {
+        &self.close
     }
 
     /// Replaces the hit of a path by that of an event.

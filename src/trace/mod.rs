@@ -18,9 +18,12 @@ mod interaction;
 mod interface;
 mod intersect;
 mod light;
+mod marks;
 mod materials;
 mod medium;
 mod path;
+mod path_queue;
+mod path_reuse;
 mod pixels;
 mod pilot;
 #[cfg(test)]
@@ -45,6 +48,7 @@ mod whitted;
 
 pub use adaptive::{AdaptiveFrame, MIN_SAMPLES, Weightings, bytes_of_pixel};
 pub use context::is_random;
+pub use path_reuse::{FramePose, MAX_FRAMES, SharedFrames};
 pub use pilot::{BlockError, PilotBlocks};
 pub use settings::{Moment, TraceSettings};
 

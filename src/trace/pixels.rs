@@ -94,8 +94,7 @@ impl<'a> PixelTracer<'a> {
         (samples, places): (&mut PixelSamples, &mut Vec<u32>),
         sums: &mut [DVec3],
     ) {
-        let grid = (!self.random).then_some(self.context.quality.antialias);
-        scratch.follow(&self.context, samples, grid);
+        self.follow_samples(scratch, samples);
         let (limit, lit, layers) = (self.context.quality.clamp, self.context.lit_layers, self.layers());
         let all_light = scratch.sums.is_valid() && lit == layers && limit.is_none();
         for (slot, place) in (0..).zip(&*places) {
@@ -113,19 +112,27 @@ impl<'a> PixelTracer<'a> {
         places.clear();
     }
 
-    fn take_scratch(&self) -> ScratchBuffer {
+    /// Traces samples, at most [`WAVE`]. Then the scratch buffer holds the light of each.
+    pub fn follow_samples(&self, scratch: &mut ScratchBuffer, samples: &PixelSamples) {
+        let grid = (!self.random).then_some(self.context.quality.antialias);
+        scratch.follow(&self.context, samples, grid);
+    }
+
+    /// A scratch buffer that no thread is using.
+    pub fn take_scratch(&self) -> ScratchBuffer {
         let free = self.scratch.lock().ok().and_then(|mut free| free.pop());
         free.unwrap_or_else(|| ScratchBuffer::new(&self.context))
     }
 
-    fn give_back(&self, scratch: ScratchBuffer) {
+    /// Returns a scratch buffer.
+    pub fn give_back(&self, scratch: ScratchBuffer) {
         if let Ok(mut free) = self.scratch.lock() {
             free.push(scratch);
         }
     }
 
     /// The number of samples of a pixel.
-    fn count(&self) -> u32 {
+    pub fn count(&self) -> u32 {
         let quality = self.context.quality;
         if self.random { quality.samples } else { quality.antialias * quality.antialias }
     }
@@ -133,7 +140,7 @@ impl<'a> PixelTracer<'a> {
     /// Passes all samples at this moment to `take`, eight at a time. Samples of a group are close to each other:
     /// samples of one pixel, or one sample each of eight neighbours.
     #[inline]
-    fn each_group(&self, pixels: &[(u32, u32)], set: &SampleSet, mut take: impl FnMut(&SampleGroup)) {
+    pub fn each_group(&self, pixels: &[(u32, u32)], set: &SampleSet, mut take: impl FnMut(&SampleGroup)) {
         let Moment { index, of } = self.moment;
         let at_once = if set.samples.len() < 8 { 8 } else { 1 };
         let (mut group, mut numbers) = (SampleGroup::default(), [PixelSampler::new((0, 0), 0); 8]);

@@ -261,6 +261,16 @@ impl RandomScene {
         scene
     }
 
+    /// The objects, and their materials and lights.
+    pub fn content(&self) -> (&Geometry, &Shading) {
+        (&self.geometry, &self.shading)
+    }
+
+    /// The camera, the quality, the AOVs and the number of layers.
+    pub fn settings(&self) -> (Camera, Quality, AovSet, usize) {
+        (self.camera, self.quality, self.aovs, self.layers)
+    }
+
     /// The layers of the image and the counts, traced with this many pixels, and samples of each, at a time.
     pub fn trace(&self, pixels_at_once: usize, samples_at_once: u32) -> (Vec<DVec3>, Counts) {
         let Self { geometry, shading, camera, quality, layers, aovs, .. } = self;

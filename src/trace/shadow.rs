@@ -5,6 +5,7 @@
 use super::accumulate::Accumulator;
 use super::coincident::Events;
 use super::context::TraceContext;
+use super::marks::Marks;
 use super::materials::LobeTable;
 use super::medium::MediaLists;
 use super::segment::transmittance;
@@ -27,6 +28,7 @@ pub struct TraceShadowRays<'a> {
     pub media: &'a mut MediaLists,
     pub rows: &'a mut LobeTable,
     pub sums: &'a mut Accumulator,
+    pub marks: &'a mut Marks,
     pub counts: &'a mut Counts,
 }
 
@@ -58,6 +60,10 @@ impl TraceShadowRays<'_> {
         let (bvh, geometry) = (context.bvh, context.scene.geometry);
         let found =
             bvh.occlusion::<L>(geometry, &shadow.ray, within, leads, (self.coherence, passing), stacks);
+        if let Some(movers) = context.movers {
+            let open = leads & !found.blocked & !found.dimmed;
+            self.marks.mark_shadows::<L>(movers, &shadow, shadows.slots(&at), (open, found.dimmed));
+        }
         let mut light: Color<L::F32> = shadows.light(&at);
         let mut mis_complement: Color<L::F32> = Color::black();
         if context.has_transparency() {

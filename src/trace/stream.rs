@@ -212,6 +212,16 @@ impl PathStream {
         if self.columns.media { self.pending[index] } else { 0 }
     }
 
+    /// The slot of a path.
+    pub fn slot(&self, index: u32) -> u32 {
+        self.slot[index as usize]
+    }
+
+    /// The slots of all paths.
+    pub fn slots(&self) -> &[u32] {
+        &self.slot[..self.len]
+    }
+
     /// The media around a path.
     pub fn medium(&self, index: usize) -> u32 {
         if self.columns.media { self.medium[index] } else { 0 }

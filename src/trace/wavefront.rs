@@ -17,6 +17,7 @@ use super::context::{Queue, TraceContext};
 use super::emitter::HandleEmitters;
 use super::escape::HandleEscaped;
 use super::intersect::HitStream;
+use super::marks::{MarkSegments, Marks};
 use super::materials::LobeTable;
 use super::medium::MediaLists;
 use super::segment::AttenuateSegments;
@@ -49,6 +50,7 @@ pub struct ScratchBuffer {
     samples: PixelSamples,
     places: Vec<u32>,
     pub sums: Accumulator,
+    pub marks: Marks,
     pub counts: Counts,
     /// The most paths that advance together.
     max_paths: usize,
@@ -71,6 +73,7 @@ impl ScratchBuffer {
             samples: PixelSamples::with_capacity(WAVE),
             places: Vec::with_capacity(WAVE),
             sums: Accumulator::new(context.layers),
+            marks: Marks::default(),
             counts: Counts::default(),
             max_paths: MAX_PATHS,
             #[cfg(test)]
@@ -126,8 +129,11 @@ impl ScratchBuffer {
         let mut next = self.stream(context);
         next.clear();
         next.set_depth(paths.depth() + 1);
-        let Self { hits, events, media, shadows, rows, sums, counts, .. } = self;
+        let Self { hits, events, media, shadows, rows, sums, marks, counts, .. } = self;
         hits.find(context, paths, coherence, (events, media));
+        if let Some(movers) = context.movers {
+            dispatch(MarkSegments { context, movers, paths, hits, marks });
+        }
         if context.fog.is_some() || context.absorbs {
             dispatch(AttenuateSegments { context, paths, hits, media, sums, counts });
         }
@@ -159,6 +165,7 @@ impl ScratchBuffer {
                     media,
                     rows,
                     sums,
+                    marks,
                     counts,
                 });
             }

@@ -30,7 +30,8 @@ fn soft() -> Sequence {
 }
 
 fn planned(sequence: &Sequence) -> (Plan, Outlook) {
-    let plan = Plan::new(sequence, &[0, 1, 2, 3, 4, 5], AovSet::default(), u64::MAX);
+    // How many paths films share is a rougher estimate.
+    let plan = Plan::new(sequence, &[0, 1, 2, 3, 4, 5], AovSet::default(), u64::MAX).without_shared_paths();
     let outlook = run_pilot(sequence, &plan, AovSet::default(), PilotTime::PLAN, TimeSource::Rays(RAY));
     (plan, outlook)
 }

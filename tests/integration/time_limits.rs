@@ -145,7 +145,8 @@ fn samples_fit_into_the_time() {
         };
         let TimeSource::Rays(each) = clock else { panic!("a clock of rays") };
         let sequence = Sequence { quality: budget.quality, ..sequence.clone() };
-        let rays = render(&sequence, &anew, &Arc::new(ProgressMeter::default()))
+        let limited = Request { time_limit: Some(limit), ..anew.clone() };
+        let rays = render(&sequence, &limited, &Arc::new(ProgressMeter::default()))
             .expect("frames")
             .counts
             .rays

@@ -26,7 +26,7 @@ pub fn json(report: &PlanReport) -> String {
         "unused_effects": report.unused_effects().collect::<Vec<_>>(),
         "bvh_updates": plan.bvh_updates(),
         "rays_frame_by_frame": rays(expected.camera_alone, expected.exact, expected.rays_alone),
-        "rays": rays(expected.camera, expected.exact, expected.rays),
+        "rays": rays(expected.camera, expected.exact && !expected.shares_paths, expected.rays),
         "kept_bytes": plan.kept_bytes(),
         "budget_bytes": report.cache_budget,
     }));

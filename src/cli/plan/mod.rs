@@ -74,11 +74,11 @@ Examples:
   kinora plan show.ron --json               for programs
 
 Counts of films and trees and the memory are exact. Camera rays are exact if the number of samples
-is fixed. Time and error come from a pilot of one or two seconds: it traces blocks of 8x8 pixels of
-up to six films at full resolution. The time is that of tracing with -t threads, without loading
-and writing. It is accurate to about 10 % for a fixed number of samples and to about 20 % for a
-target error; if the pilot is less certain, a range is printed. Where a few bright pixels make most
-of the error, it may be twice as long.";
+is fixed and no frames share paths. Time and error come from a pilot of one or two seconds: it
+traces blocks of 8x8 pixels of up to six films at full resolution. The time is that of tracing
+with -t threads, without loading and writing. It is accurate to about 10 % for a fixed number of
+samples and to about 20 % for a target error; if the pilot is less certain, a range is printed.
+Where a few bright pixels make most of the error, it may be twice as long.";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = &arguments.options;

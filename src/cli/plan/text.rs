@@ -6,7 +6,7 @@ use crate::base::escape;
 use crate::base::units::{self, count, counted};
 use crate::cli::forecast_text::{advice, error_range, short_time, time_range};
 use crate::cli::summary::reused_frames;
-use crate::pipeline::plan::{EffectSource, FrameSpan, Reason, SceneEffect};
+use crate::pipeline::plan::{EffectSource, FrameSpan, RayEstimate, Reason, SceneEffect};
 
 /// Explains the word to readers who meet it here for the first time.
 const FILM: &str = "a film is the light traced for a frame, in layers; frames in which lights only change their \
@@ -31,6 +31,7 @@ pub fn text(report: &PlanReport) -> String {
     groups.push(("unused", vec![report.unused_effects().collect::<Vec<_>>().join(", ")]));
     groups.push(("BVH", vec![counted(report.plan.bvh_updates(), "update")]));
     groups.push(("rays", rays(report)));
+    groups.extend(paths(report).map(|line| ("paths", vec![line])));
     groups.push(("memory", memory(report)));
     groups.extend(report.farm.iter().map(|farm| ("farm", farm.lines())));
     aligned(&groups)
@@ -146,8 +147,35 @@ fn rays(report: &PlanReport) -> Vec<String> {
     };
     vec![
         format!("frame by frame  {}", ray_count(expected.camera_alone, expected.exact, alone)),
-        format!("with this plan  {}{fewer}", ray_count(expected.camera, expected.exact, planned)),
+        format!("with this plan  {}{fewer}", planned_rays(report)),
     ]
+}
+
+/// The rays with the plan. Without a pilot, films that may share paths have an upper bound.
+fn planned_rays(report: &PlanReport) -> String {
+    let RayEstimate { camera, exact, shares_paths, rays, .. } = report.expected;
+    match (shares_paths, rays) {
+        (true, None) => format!("at most {} from the camera", count(camera)),
+        _ => ray_count(camera, exact && !shares_paths, rays),
+    }
+}
+
+/// How many of the paths of films are traced, if films share paths.
+fn paths(report: &PlanReport) -> Option<String> {
+    let expected = &report.expected;
+    if !expected.shares_paths {
+        return None;
+    }
+    let films: u64 = RayEstimate::of(report.sequence, &report.plan).camera;
+    let text = "films that differ in objects and materials only share paths; a path is traced again where something \
+                has moved";
+    Some(match report.outlook {
+        Some(_) if films > 0 => {
+            let share = 100.0 * expected.camera as f64 / films as f64;
+            format!("{text}; about {share:.1} % of the paths of all films are traced")
+        }
+        _ => text.to_owned(),
+    })
 }
 
 /// `about 12,000 rays, 3,000 of them from the camera`.

@@ -15,6 +15,7 @@ mod effects;
 mod evaluate;
 mod outline;
 mod outlook;
+mod path_shares;
 mod ray_estimate;
 mod render_plan;
 mod run;

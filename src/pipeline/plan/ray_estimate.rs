@@ -4,6 +4,7 @@
 //! scales the counts. The number of camera rays is exact if the number of samples is set. With a target error it is a
 //! lower bound; an [`outlook`](super::outlook) estimates the real number.
 
+use super::path_shares::path_shares;
 use super::render_plan::Plan;
 use crate::base::stats::ProgressMeter;
 use crate::encode::EncodeError;
@@ -19,8 +20,11 @@ pub struct RayEstimate {
     /// Camera rays: without and with shared films.
     pub camera_alone: u64,
     pub camera: u64,
-    /// Whether the numbers of camera rays are exact. With a target error, they are lower bounds.
+    /// Whether the numbers of camera rays are known. With a target error, they are lower bounds.
     pub exact: bool,
+    /// Whether films may share paths. Then the number of camera rays is an upper bound, or an estimate if pilots were
+    /// traced.
+    pub shares_paths: bool,
     /// Rays of all kinds, if pilots were traced.
     pub rays_alone: Option<u64>,
     pub rays: Option<u64>,
@@ -49,6 +53,8 @@ pub struct CostEstimate {
     pub expected: RayEstimate,
     /// Rays of each film, in the order of tracing.
     pub films: Vec<f64>,
+    /// Rays of all films if none of them share paths.
+    unshared: Option<u64>,
 }
 
 /// A sink that drops all films.
@@ -67,15 +73,16 @@ impl RayEstimate {
         let camera = plan.films.iter().map(|shared| camera_rays(sequence, &states[shared.frames[0]])).sum();
         let camera_alone = states.iter().map(|state| camera_rays(sequence, state)).sum();
         let exact = sequence.quality.noise.is_none() || !states.iter().any(|state| state.random);
-        Self { camera_alone, camera, exact, rays_alone: None, rays: None }
+        let shares_paths = (0..plan.films.len()).any(|film| plan.together(film) > 1);
+        Self { camera_alone, camera, exact, shares_paths, rays_alone: None, rays: None }
     }
 }
 
 /// Estimates the rays of a plan from small pictures of some frames.
 pub fn estimate_rays(sequence: &Sequence, plan: &Plan, budget: PilotBudget) -> RayEstimate {
-    let expected = cost_estimate(sequence, plan, budget).expected;
+    let CostEstimate { expected, unshared, .. } = cost_estimate(sequence, plan, budget);
     if plan.reused() == 0 {
-        return RayEstimate { camera_alone: expected.camera, rays_alone: expected.rays, ..expected };
+        return RayEstimate { rays_alone: unshared, ..expected };
     }
     let states = &plan.states.frames;
     let alone: Vec<LitFrame> = states.iter().map(|state| (state, state.lit())).collect();
@@ -91,15 +98,22 @@ pub fn cost_estimate(sequence: &Sequence, plan: &Plan, budget: PilotBudget) -> C
         plan.films.iter().map(|shared| (&states[shared.frames[0]], shared.lit.clone())).collect();
     let trials = trials(sequence, &films, budget).unwrap_or_default();
     let known = RayEstimate::of(sequence, plan);
+    let shares = path_shares(sequence, plan, budget.samples);
     let rays = |(film, (state, _)): (usize, &LitFrame)| {
         let nearest = trials.get(film * trials.len() / films.len());
         let each =
             nearest.filter(|trial| trial.samples > 0.0).map_or(1.0, |trial| trial.rays / trial.samples);
-        camera_rays(sequence, state) as f64 * each
+        camera_rays(sequence, state) as f64 * each * shares[film]
     };
+    let unshared = counted_up(sequence, &films, &trials);
+    let camera = |(film, share): (&LitFrame, &f64)| camera_rays(sequence, film.0) as f64 * share;
+    let camera = films.iter().zip(&shares).map(camera).sum::<f64>().round();
+    let traced = if known.camera > 0 { camera / known.camera as f64 } else { 1.0 };
+    let all = unshared.map(|rays| (rays as f64 * traced).round() as u64);
     CostEstimate {
-        expected: RayEstimate { rays: counted_up(sequence, &films, &trials), ..known },
+        expected: RayEstimate { camera: camera as u64, rays: all, ..known },
         films: films.iter().enumerate().map(rays).collect(),
+        unshared,
     }
 }
 

@@ -2,8 +2,10 @@
 
 use super::evaluate::{FrameStates, evaluate};
 use super::shared_films::{FilmCache, SharedFilm, shared_films};
-use crate::film::AovSet;
+use crate::film::{AovSet, LayerId};
 use crate::sequence::Sequence;
+use crate::trace::MAX_FRAMES;
+use std::collections::BTreeSet;
 
 /// What a run traces.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +16,8 @@ pub struct Plan {
     pub films: Vec<SharedFilm>,
     /// Index of the film of each frame.
     pub film_of: Vec<usize>,
+    /// Whether films may share paths. They do not if they are sampled until they reach a target error.
+    pub shares_paths: bool,
 }
 
 impl Plan {
@@ -27,12 +31,46 @@ impl Plan {
     pub fn from_states(states: FrameStates, sequence: &Sequence, aovs: AovSet, budget: u64) -> Self {
         let cache = FilmCache::of(sequence, aovs, budget);
         let (films, film_of) = shared_films(&states.frames, &cache);
-        Self { states, cache, films, film_of }
+        Self { states, cache, films, film_of, shares_paths: sequence.quality.noise.is_none() }
+    }
+
+    /// The plan if no films share paths. The time of such a plan can be predicted from a few blocks of pixels, so runs with
+    /// a time limit use it.
+    pub fn without_shared_paths(self) -> Self {
+        Self { shares_paths: false, ..self }
     }
 
     /// Number of frames that reuse the film of another frame.
     pub fn reused(&self) -> usize {
         self.film_of.len() - self.films.len()
+    }
+
+    /// The number of films from number `first` on that may share paths: they differ in objects and their materials only.
+    /// The film cache has room for all of them.
+    pub fn together(&self, first: usize) -> usize {
+        let state = |film: usize| &self.states.frames[self.films[film].frames[0]];
+        let surroundings = state(first).surroundings;
+        if !self.shares_paths || surroundings.is_none() {
+            return 1;
+        }
+        let mut lit: BTreeSet<LayerId> = BTreeSet::new();
+        let mut count = 0;
+        for film in (first..self.films.len()).take(MAX_FRAMES) {
+            lit.extend(&self.films[film].lit);
+            let bytes = self.cache.bytes(lit.len()).saturating_mul(count as u64 + 1);
+            let is_alike = state(film).surroundings == surroundings && state(film).fault.is_none();
+            if !is_alike || bytes > self.cache.budget - self.cache.scenes() {
+                break;
+            }
+            count += 1;
+        }
+        count
+    }
+
+    /// The layers that any of these films holds, ascending.
+    pub fn lit(films: &[SharedFilm]) -> Vec<LayerId> {
+        let all: BTreeSet<LayerId> = films.iter().flat_map(|film| &film.lit).copied().collect();
+        all.into_iter().collect()
     }
 
     /// Maximum bytes of the film cache.

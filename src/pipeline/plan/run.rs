@@ -2,7 +2,7 @@
 
 use super::render_plan::Plan;
 use crate::film::Film;
-use crate::pipeline::schedule::{FilmSink, FrameError, FrameLoop};
+use crate::pipeline::schedule::{FilmSink, FrameError, FrameLoop, FrameState};
 use std::collections::HashMap;
 
 /// Renders the plan's frames in order while `on` returns true. Returns the number of finished frames. If a film stops
@@ -13,17 +13,29 @@ pub fn run<S: FilmSink>(
     on: impl Fn() -> bool,
 ) -> Result<usize, FrameError> {
     let mut kept: HashMap<usize, Film> = HashMap::new();
+    // The first film that has not been tried to trace together with others.
+    let mut untried = 0;
     let mut done = 0;
     for (index, (state, &film)) in plan.states.frames.iter().zip(&plan.film_of).enumerate() {
         if !on() {
             break;
         }
-        done += 1;
         let shared = &plan.films[film];
-        let again = shared.frames.last() != Some(&index);
+        let (is_first, again) = (shared.frames.first() == Some(&index), shared.frames.last() != Some(&index));
+        if is_first && film >= untried && !kept.contains_key(&film) {
+            untried = trace_together(plan, film, frames, &mut kept)?;
+            if !on() {
+                break;
+            }
+        }
+        done += 1;
         match kept.remove(&film) {
             Some(traced) => {
-                frames.reuse(state, &traced)?;
+                if is_first {
+                    frames.push(state, &traced)?
+                } else {
+                    frames.reuse(state, &traced)?
+                }
                 if again {
                     kept.insert(film, traced);
                 }
@@ -41,4 +53,24 @@ pub fn run<S: FilmSink>(
         }
     }
     Ok(done)
+}
+
+/// Traces films from number `first` on together, as many as the plan and memory allow. Returns the number of the first
+/// film that may be tried next.
+fn trace_together<S: FilmSink>(
+    plan: &Plan,
+    first: usize,
+    frames: &mut FrameLoop<S>,
+    kept: &mut HashMap<usize, Film>,
+) -> Result<usize, FrameError> {
+    let together = plan.together(first);
+    if together < 2 {
+        return Ok(first + 1);
+    }
+    let films = &plan.films[first..first + together];
+    let states: Vec<&FrameState> = films.iter().map(|film| &plan.states.frames[film.frames[0]]).collect();
+    let traced = frames.trace_together(&states, &Plan::lit(films), plan.cache.scenes())?;
+    let next = first + if traced.is_empty() { together } else { traced.len() };
+    kept.extend((first..).zip(traced));
+    Ok(next)
 }

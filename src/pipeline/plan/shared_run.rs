@@ -60,8 +60,11 @@ pub fn run_shared(
                 film.into_iter().filter(|state| missing.contains(&state.frame)).collect();
             let (films, film_of) = shared_films(&states, &cache);
             let wanted = states.len();
-            let begun =
-                run(&Plan { states: FrameStates { frames: states }, cache, films, film_of }, frames, &on)?;
+            let begun = run(
+                &Plan { states: FrameStates { frames: states }, cache, films, film_of, shares_paths: false },
+                frames,
+                &on,
+            )?;
             done += begun;
             if begun < wanted {
                 return Ok(SharedRun { done, complete: false });

@@ -161,7 +161,10 @@ fn render_planned<S: FilmSink>(
     }
     let aovs = requested_aovs(sequence, &request.outputs);
     let budget = request.reuse.budget(sequence, aovs);
-    let plan = Plan::from_states(missing, sequence, aovs, budget);
+    let mut plan = Plan::from_states(missing, sequence, aovs, budget);
+    if request.time_limit.is_some() {
+        plan = plan.without_shared_paths();
+    }
     let known = RayEstimate::of(sequence, &plan);
     let worth = if known.exact { WORTH_A_PILOT } else { WORTH_WITH_ERROR };
     let CostEstimate { films, .. } = plan::cost_estimate(sequence, &plan, PilotBudget::NONE);

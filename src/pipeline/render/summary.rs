@@ -42,6 +42,8 @@ pub struct Forecast {
     pub camera_rays: u64,
     /// Whether `camera_rays` is exact. It is not if frames are sampled towards a target error.
     pub exact: bool,
+    /// Whether films may share paths. Then `camera_rays` is an upper bound, or an estimate if a pilot was traced.
+    pub shares_paths: bool,
     /// Rays of all kinds, if a pilot was traced.
     pub rays: Option<u64>,
     /// Number of times that the top-level tree is built or refitted.
@@ -62,6 +64,7 @@ impl Forecast {
             reused: plan.reused() as u32,
             camera_rays: known.camera,
             exact: known.exact,
+            shares_paths: known.shares_paths,
             rays: None,
             bvh_updates: plan.bvh_updates(),
             wall: None,
@@ -73,7 +76,7 @@ impl Forecast {
 
     pub(super) fn with(self, run: &RunForecast) -> Self {
         Self {
-            camera_rays: if self.exact { self.camera_rays } else { run.camera as u64 },
+            camera_rays: if self.exact && !self.shares_paths { self.camera_rays } else { run.camera as u64 },
             rays: Some(run.rays as u64),
             wall: Some(run.wall),
             cpu: run.cpu,

@@ -12,7 +12,7 @@ use super::systems::{new_world, schedule};
 use crate::base::cancel::Stop;
 use crate::base::color::Rgb;
 use crate::base::stats::ProgressMeter;
-use crate::base::time::Timeline;
+use crate::base::time::{Clock, Timeline};
 use crate::film::filter::FilterSampler;
 use crate::film::{AovSet, Film, LayerId};
 use crate::scene::top_level::Bvh;
@@ -100,6 +100,7 @@ impl<S: FilmSink> FrameLoop<S> {
             weightings: Arc::clone(&state.weightings),
             own: state.own,
             keep,
+            only_prepare: false,
         });
         let done = self.run(state.frame, state.moments == 1);
         self.world.insert_resource(TraceRequest::default());
@@ -109,34 +110,51 @@ impl<S: FilmSink> FrameLoop<S> {
     /// Makes a frame from the film of another frame with the same scene hash. The film must have all layers that this
     /// frame shows.
     pub fn reuse(&mut self, state: &FrameState, film: &Film) -> Result<(), FrameError> {
-        let start = Instant::now();
-        let film = Film { exposure: state.exposure, ..film.shown_as(state.own, &state.weights) };
-        let pushed = self.world.resource_mut::<Sink<S>>().0.push(state.frame, film);
-        let mut stats = self.world.resource_mut::<Stats>();
-        stats.reused += 1;
-        stats.stages[FrameStage::Encode as usize] += start.elapsed();
+        let pushed = self.push(state, film);
+        self.world.resource_mut::<Stats>().reused += 1;
         let meter = &self.world.resource::<RunProgress>().0;
         meter.reused.fetch_add(1, Relaxed);
         meter.frames.fetch_add(1, Relaxed);
-        pushed.map_err(FrameError::Encode)
+        pushed
     }
 
-    /// Runs the stages for every moment of a frame, or for the first moment only if all are equal.
-    fn run(&mut self, frame: u32, still: bool) -> Result<(), FrameError> {
+    /// The moments of a frame, or the first one only if all are equal.
+    pub(super) fn moments(&self, frame: u32, still: bool) -> Vec<(Clock, Moment)> {
         let mut moments = self.shutter.moments(&self.timeline, frame);
         if still {
             moments.truncate(1);
             moments.iter_mut().for_each(|(_, moment)| *moment = Moment::ONLY);
         }
+        moments
+    }
+
+    /// Runs the stages for a moment of a frame.
+    pub(super) fn run_moment(&mut self, clock: Clock, moment: Moment) -> Result<(), FrameError> {
+        self.world.insert_resource(Now(clock));
+        self.world.insert_resource(CurrentMoment(moment));
+        self.world.resource_mut::<Stopwatch>().start();
+        self.schedule.run(&mut self.world);
+        // Without this call, removed components would accumulate.
+        self.world.clear_trackers();
+        self.world.resource_mut::<FirstError>().take()
+    }
+
+    /// Pushes a frame's film, which was traced together with other films.
+    pub fn push(&mut self, state: &FrameState, film: &Film) -> Result<(), FrameError> {
+        let start = Instant::now();
+        let film = Film { exposure: state.exposure, ..film.shown_as(state.own, &state.weights) };
+        let pushed = self.world.resource_mut::<Sink<S>>().0.push(state.frame, film);
+        let mut stats = self.world.resource_mut::<Stats>();
+        stats.stages[FrameStage::Encode as usize] += start.elapsed();
+        pushed.map_err(FrameError::Encode)
+    }
+
+    /// Runs the stages for every moment of a frame, or for the first moment only if all are equal.
+    fn run(&mut self, frame: u32, still: bool) -> Result<(), FrameError> {
+        let moments = self.moments(frame, still);
         loop {
             for &(clock, moment) in &moments {
-                self.world.insert_resource(Now(clock));
-                self.world.insert_resource(CurrentMoment(moment));
-                self.world.resource_mut::<Stopwatch>().start();
-                self.schedule.run(&mut self.world);
-                // Without this call, removed components would accumulate.
-                self.world.clear_trackers();
-                self.world.resource_mut::<FirstError>().take()?;
+                self.run_moment(clock, moment)?;
             }
             if !self.world.resource::<FilmInProgress>().needs_another_round() {
                 return Ok(());

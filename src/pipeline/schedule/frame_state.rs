@@ -29,6 +29,9 @@ pub struct FrameState {
     pub moments: u32,
     /// Whether samples are random.
     pub random: bool,
+    /// Digest of the camera, lights, sky, ambient light and fog, and of whether a moment needs random samples: frames that
+    /// agree in it differ in objects and their materials only. None if it changes while the shutter is open.
+    pub surroundings: Option<Digest>,
     /// Digests of the geometry at the first and the last moment, and the number of changes in between.
     pub geometry: (Digest, Digest),
     pub rebuilds: u32,

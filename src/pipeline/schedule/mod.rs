@@ -10,6 +10,7 @@ mod frame_state;
 mod frame_states;
 mod preview;
 mod prober;
+mod shared_paths;
 mod shutter;
 mod stages;
 mod systems;

@@ -34,7 +34,6 @@ pub struct Preview {
 }
 
 /// The state of the scene at one moment.
-#[derive(PartialEq)]
 struct MomentState {
     /// Digest of everything that light meets.
     scene_hash: Digest,
@@ -42,6 +41,16 @@ struct MomentState {
     radiance: Digest,
     /// Whether the moment alone needs random samples.
     random: bool,
+    /// Digest of everything but objects and their materials, and of the kind of samples.
+    surroundings: Digest,
+}
+
+impl MomentState {
+    /// Whether light meets the same scene at another moment.
+    fn looks_like(&self, other: &Self) -> bool {
+        let all = |state: &Self| (state.scene_hash, state.radiance, state.random);
+        all(self) == all(other)
+    }
 }
 
 impl Preview {
@@ -82,9 +91,11 @@ impl Preview {
             }
         }
         // If nothing moves while the shutter is open, one moment is enough.
-        if fault.is_none() && found.windows(2).all(|pair| pair[0] == pair[1]) {
+        if fault.is_none() && found.windows(2).all(|pair| pair[0].looks_like(&pair[1])) {
             found.truncate(1);
         }
+        let surroundings = found.first().map(|one| one.surroundings);
+        let surroundings = surroundings.filter(|first| found.iter().all(|one| one.surroundings == *first));
         let random = found.len() > 1 || found.first().is_some_and(|one| one.random);
         let digester = |of: &dyn Fn(&MomentState) -> Digest| {
             let mut digester = Digester::new();
@@ -105,6 +116,7 @@ impl Preview {
             exposure: exposure(self.exposure.at(self.timeline.clock(frame).start)),
             moments: found.len() as u32,
             random,
+            surroundings,
             geometry: geometry.unwrap_or_default(),
             rebuilds,
             fault,
@@ -148,6 +160,7 @@ impl Preview {
         let integrator = self.settings.integrator();
         let random = is_random(&scene, integrator);
         let radiance = self.digests.radiance(&scene, integrator.samples_lights());
-        Ok(MomentState { scene_hash: self.digests.transport(&scene), radiance, random })
+        let surroundings = Digest::of(&(self.digests.surroundings(&scene), random));
+        Ok(MomentState { scene_hash: self.digests.transport(&scene), radiance, random, surroundings })
     }
 }

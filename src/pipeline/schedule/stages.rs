@@ -118,6 +118,8 @@ pub struct TraceRequest {
     /// Index of this frame's weights.
     pub own: usize,
     pub keep: bool,
+    /// Whether to stop before Trace, because the scene is traced together with others.
+    pub only_prepare: bool,
 }
 
 /// The film between Trace and Encode, the sums over moments, and the film to keep.
@@ -237,7 +239,7 @@ pub fn trace_frame(
     mut exposed: ResMut<FilmInProgress>,
     mut stats: ResMut<Stats>,
 ) {
-    let Some(camera) = &camera.0 else { return };
+    let Some(camera) = camera.0.as_ref().filter(|_| !wanted.only_prepare) else { return };
     let traced = wanted.lit.as_ref().unwrap_or(&weights.0);
     let scene = Scene { geometry: &geometry.0, shading: &shading.0, weights: traced, camera };
     let shows = match wanted.weightings.is_empty() {

@@ -45,7 +45,7 @@ pub fn budget(
     let room = request.reuse.budget(sequence, aovs);
     let patience = PilotTime { seconds: PILOT_SHARE * limit, share: f64::INFINITY };
     let outlook = pool(request.threads)?.install(|| {
-        let plan = Plan::new(sequence, &request.frames, aovs, room);
+        let plan = Plan::new(sequence, &request.frames, aovs, room).without_shared_paths();
         run_pilot(sequence, &plan, aovs, patience, clock)
     });
     let spent = outlook.spent.wall;

@@ -211,6 +211,12 @@ impl Bvh {
         self.refitter.cost(&self.tree)
     }
 
+    /// The tree with the error bounds of a scene whose largest coordinate is `reach`, for searches that must give the
+    /// hits of that scene.
+    pub fn with_reach(self, reach: f64) -> Self {
+        Self { reach, ..self }
+    }
+
     /// The largest coordinate of all bounded primitives and of the points of planes.
     pub fn reach(&self) -> f64 {
         self.reach

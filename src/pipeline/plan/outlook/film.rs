@@ -82,6 +82,12 @@ impl FilmForecast {
     pub const NOTHING: Self =
         Self { took: ElapsedTime::ZERO, samples: 0.0, camera: 0.0, rays: 0.0, error: None, missed: false };
 
+    /// The forecast if only a share of the paths is traced, because other films share the rest.
+    pub(super) fn traced(self, share: f64) -> Self {
+        let Self { took, camera, rays, .. } = self;
+        Self { took: took * share, camera: camera * share, rays: rays * share, ..self }
+    }
+
     /// Interpolates linearly between two films.
     pub fn towards(&self, other: &Self, part: f64) -> Self {
         let mix = |a: f64, b: f64| a * (1.0 - part) + b * part;

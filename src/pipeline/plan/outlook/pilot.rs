@@ -3,9 +3,11 @@
 use super::film::{FilmNoise, PilotFilm};
 use super::passes::Passes;
 use super::run_forecast::Outlook;
-use crate::base::clock::{ElapsedTime, TimeSource};
+use crate::base::clock::{ElapsedTime, TimeSource, timed};
 use crate::base::color::Rgb;
 use crate::film::AovSet;
+use crate::pipeline::plan::path_shares::path_shares;
+use crate::pipeline::plan::ray_estimate::PilotBudget;
 use crate::pipeline::plan::render_plan::Plan;
 use crate::pipeline::plan::shared_films::SharedFilm;
 use crate::pipeline::schedule::{PassCost, Prober};
@@ -59,13 +61,14 @@ pub fn run_pilot(
     let mut places = spread(&random, true);
     places.extend(spread(&random, false));
     let prober = Prober::new(sequence, aovs, clock);
-    let mut run = PilotRun { sequence, plan, prober, spent: ElapsedTime::ZERO };
+    let (shares, took) = timed(|| path_shares(sequence, plan, PilotBudget::PLAN.samples));
+    let mut run = PilotRun { sequence, plan, spent: clock.elapsed(took, 0), prober };
     let few = ProbeBudget { blocks: BLOCKS * rayon::current_num_threads(), seconds: 0.0 };
     let mut pilots: Vec<PilotFilm> = places.iter().filter_map(|&place| run.film(place, few)).collect();
     let outlook = |mut pilots: Vec<PilotFilm>, spent: ElapsedTime| {
         pilots.sort_by_key(|pilot| pilot.place);
         same_power(&mut pilots);
-        Outlook { pilots, random: random.clone(), spent }
+        Outlook { pilots, random: random.clone(), shares: shares.clone(), spent }
     };
     let expected = outlook(pilots.clone(), run.spent).forecast(&sequence.quality).wall.mid;
     let left = limit.seconds.min(limit.share * expected) - run.spent.wall;

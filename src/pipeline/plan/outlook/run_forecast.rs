@@ -12,6 +12,8 @@ pub struct Outlook {
     pub(super) pilots: Vec<PilotFilm>,
     /// Whether the samples of each film are random.
     pub(super) random: Vec<bool>,
+    /// The share of each film's paths that are traced for it.
+    pub(super) shares: Vec<f64>,
     /// Time that the pilot took.
     pub spent: ElapsedTime,
 }
@@ -104,8 +106,10 @@ impl Outlook {
             alike.map(|pilot| (pilot.place, pilot.forecast(quality, uncertainty))).collect()
         };
         let known = [of(false), of(true)];
-        let film = |(place, &random): (usize, &bool)| between(&known[usize::from(random)], place);
-        self.random.iter().enumerate().map(film).collect()
+        let film = |(place, (&random, &share)): (usize, (&bool, &f64))| {
+            between(&known[usize::from(random)], place).traced(share)
+        };
+        self.random.iter().zip(&self.shares).enumerate().map(film).collect()
     }
 }
 

@@ -1,0 +1,110 @@
+//! Traces the films of several frames together, which differ in objects and their materials only.
+
+use super::frame_loop::FrameLoop;
+use super::frame_state::FrameState;
+use super::stages::{FilmSink, FrameError, FrameStage, RenderSettings, RunProgress, Stats, TraceRequest};
+use crate::base::color::Rgb;
+use crate::camera::Camera;
+use crate::film::{Film, LayerId};
+use crate::scene::top_level::Bvh;
+use crate::scene::{Geometry, Scene, Shading, Weights};
+use crate::trace::{FramePose, MAX_FRAMES, Moment, SharedFrames};
+use crate::world::Current;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Copies of what the tracer reads of a frame's moment.
+struct Snapshot {
+    frame: usize,
+    moment: Moment,
+    geometry: Geometry,
+    shading: Shading,
+    camera: Camera,
+    bvh: Bvh,
+}
+
+impl Snapshot {
+    fn pose<'a>(&'a self, weights: &'a Weights) -> FramePose<'a> {
+        let Self { frame, moment, geometry, shading, camera, bvh } = self;
+        FramePose { frame: *frame, moment: *moment, scene: Scene { geometry, shading, weights, camera }, bvh }
+    }
+}
+
+/// Bytes per primitive of a snapshot: its place in the geometry, in the tree and in their tables.
+const BYTES_PER_PRIMITIVE: usize = 1 << 10;
+
+impl<S: FilmSink> FrameLoop<S> {
+    /// Traces films of these frames together, with the layers `lit`: as many from the first on as can share paths within
+    /// `budget` bytes for copies of their scenes. The frames must have the same
+    /// [surroundings](FrameState::surroundings). Returns at least two films, or none: then nothing is traced.
+    pub fn trace_together(
+        &mut self,
+        states: &[&FrameState],
+        lit: &[LayerId],
+        budget: u64,
+    ) -> Result<Vec<Film>, FrameError> {
+        let Some(first) = states.first() else { return Ok(Vec::new()) };
+        let mut weights = Weights(vec![Rgb::ZERO; first.weights.len()]);
+        lit.iter().for_each(|layer| weights.0[layer.index()] = Rgb::ONE);
+        self.world.insert_resource(TraceRequest { only_prepare: true, ..TraceRequest::default() });
+        let snapshots = self.snapshots(states, &weights, budget);
+        self.world.insert_resource(TraceRequest::default());
+        let snapshots = snapshots?;
+        if snapshots.last().is_none_or(|last| last.frame == 0) {
+            return Ok(Vec::new());
+        }
+        let start = Instant::now();
+        let settings = &self.world.resource::<RenderSettings>().0;
+        let poses: Vec<FramePose> = snapshots.iter().map(|snapshot| snapshot.pose(&weights)).collect();
+        let meter = Arc::clone(&self.world.resource::<RunProgress>().0);
+        let traced = SharedFrames::new(&poses, settings).trace(&meter);
+        let Some((films, counts)) = traced else { return Ok(Vec::new()) };
+        let mut stats = self.world.resource_mut::<Stats>();
+        stats.counts += counts;
+        stats.traced += films.len() as u32;
+        stats.stages[FrameStage::Trace as usize] += start.elapsed();
+        Ok(films)
+    }
+
+    /// Snapshots of all moments of the first frames that can share paths.
+    fn snapshots(
+        &mut self,
+        states: &[&FrameState],
+        weights: &Weights,
+        budget: u64,
+    ) -> Result<Vec<Snapshot>, FrameError> {
+        let mut all: Vec<Snapshot> = Vec::new();
+        let mut bytes = 0;
+        for (frame, state) in states.iter().take(MAX_FRAMES).enumerate() {
+            let before = all.len();
+            for (clock, moment) in self.moments(state.frame, state.moments == 1) {
+                self.run_moment(clock, moment)?;
+                let Some(snapshot) = self.snapshot(frame, moment) else { return Ok(Vec::new()) };
+                bytes += (snapshot.geometry.primitives.len() * BYTES_PER_PRIMITIVE) as u64;
+                let settings = &self.world.resource::<RenderSettings>().0;
+                let pose = snapshot.pose(weights);
+                let others = [all.first(), all.iter().find(|other| other.moment.of > 1)];
+                let fits = others.iter().flatten().all(|other| pose.is_like(&other.pose(weights), settings));
+                if !fits || bytes > budget {
+                    all.truncate(before);
+                    return Ok(all);
+                }
+                all.push(snapshot);
+            }
+        }
+        Ok(all)
+    }
+
+    /// Copies of what the tracer reads now.
+    fn snapshot(&self, frame: usize, moment: Moment) -> Option<Snapshot> {
+        let world = &self.world;
+        Some(Snapshot {
+            frame,
+            moment,
+            geometry: world.resource::<Current<Geometry>>().0.clone(),
+            shading: world.resource::<Current<Shading>>().0.clone(),
+            camera: world.resource::<Current<Option<Camera>>>().0?,
+            bvh: world.resource::<Current<Bvh>>().0.clone(),
+        })
+    }
+}

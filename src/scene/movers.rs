@@ -1,0 +1,197 @@
+//! Primitives that differ between poses of a scene, and which poses differ for a ray.
+//!
+//! In: scenes that differ in some of their primitives and materials only. Out: for a segment of a ray, the set of poses
+//! in which it meets one of these primitives.
+
+use super::{Finish, Geometry, Primitive, Scene, Shading};
+use crate::base::color::Rgb;
+use crate::base::lanes::Level;
+use crate::geometry::bvh::{LeafPrimitives, LeafVisitor, Slabs, Stack, TraversalRay, Tree};
+use crate::geometry::shape::RayInterval;
+use std::collections::HashMap;
+
+/// A set of up to 64 frames, one bit each.
+pub type FrameSet = u64;
+
+/// A scene at one moment of one of several frames.
+#[derive(Clone, Copy, Debug)]
+pub struct Pose<'a> {
+    pub scene: Scene<'a>,
+    /// The frame, as a set of one.
+    pub frame: FrameSet,
+    /// The moment of the shutter; none if the frame has only one.
+    pub moment: Option<u32>,
+}
+
+/// The slots whose primitives, or the materials of these, differ between scenes. All must have the same number of
+/// slots and materials.
+pub fn moving_slots(scenes: &[Scene]) -> Vec<u32> {
+    let Some((first, others)) = scenes.split_first() else { return Vec::new() };
+    let changed = changed_materials(first.shading, others);
+    let moves = |slot: usize| {
+        let here = Slot::of(first, slot);
+        let shows = |slot: &Slot| slot.primitive.materials().any(|material| changed[material as usize]);
+        shows(&here) || others.iter().map(|scene| Slot::of(scene, slot)).any(|there| there != here)
+    };
+    let slots = 0..first.geometry.primitives.len();
+    slots.filter(|slot| moves(*slot)).map(|slot| slot as u32).collect()
+}
+
+/// For each material, whether it differs between scenes.
+fn changed_materials(first: &Shading, others: &[Scene]) -> Vec<bool> {
+    let differs =
+        |index: usize| others.iter().any(|scene| scene.shading.materials[index] != first.materials[index]);
+    (0..first.materials.len()).map(differs).collect()
+}
+
+/// What a ray may meet in a slot. Only textures read the shape's own space.
+#[derive(PartialEq)]
+struct Slot<'a> {
+    primitive: &'a Primitive,
+    origin: Option<&'a super::geometry::Origin>,
+}
+
+impl<'a> Slot<'a> {
+    fn of(scene: &Scene<'a>, slot: usize) -> Self {
+        let primitive = &scene.geometry.primitives[slot];
+        let textured = |material: u32| !scene.shading.materials[material as usize].textures.is_empty();
+        let origin = primitive.materials().any(textured).then(|| scene.geometry.origin(slot));
+        Self { primitive, origin }
+    }
+}
+
+/// A primitive that moves, as it is in some poses.
+#[derive(Debug)]
+struct Mover<'a> {
+    primitive: &'a Primitive,
+    frames: FrameSet,
+    moment: Option<u32>,
+}
+
+/// The primitives that differ between poses, each where it is in each of them.
+#[derive(Debug)]
+pub struct Movers<'a> {
+    /// Over the bounded ones, which come first.
+    tree: Tree,
+    leaves: LeafPrimitives,
+    all: Vec<Mover<'a>>,
+    bounded: usize,
+}
+
+impl<'a> Movers<'a> {
+    /// The primitives in these slots, in all poses.
+    pub fn new(poses: &[Pose<'a>], slots: &[u32]) -> Self {
+        let mut all: Vec<Mover> = Vec::new();
+        for &slot in slots {
+            // The mover that each moment has seen last: while it rests, it is one mover.
+            let mut last: HashMap<Option<u32>, usize> = HashMap::new();
+            for pose in poses {
+                let primitive = &pose.scene.geometry.primitives[slot as usize];
+                match last.get(&pose.moment) {
+                    _ if primitive.is_empty() => {}
+                    Some(&at) if all[at].primitive == primitive => all[at].frames |= pose.frame,
+                    _ => {
+                        last.insert(pose.moment, all.len());
+                        all.push(Mover { primitive, frames: pose.frame, moment: pose.moment });
+                    }
+                }
+            }
+        }
+        all.sort_by_key(|mover| mover.primitive.bounds().is_none());
+        let boxes: Vec<_> = all.iter().map_while(|mover| mover.primitive.bounds()).collect();
+        let (tree, leaves) = Tree::of_boxes(&boxes);
+        Self { tree, leaves, all, bounded: boxes.len() }
+    }
+
+    /// The frames in which a ray may meet a mover within bounds, besides those that are `known`. Frames whose moments
+    /// differ from `moment` do not count.
+    #[inline(always)]
+    pub fn frames_met<L: Level>(
+        &self,
+        ray: &TraversalRay,
+        within: RayInterval<f64>,
+        test: MoverTest,
+        (known, moment): (FrameSet, u32),
+        stack: &mut Stack,
+    ) -> FrameSet {
+        let mut search = Search { movers: self, ray, within, test, moment, frames: known };
+        for index in self.bounded..self.all.len() {
+            search.test::<L>(index);
+        }
+        self.tree.walk_on::<L>(ray, within.max, &mut search, stack);
+        search.frames
+    }
+}
+
+/// Which movers a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MoverTest {
+    /// Those that it hits. The test is that of the tracer, so a ray that hits none of them has the same hits without
+    /// them.
+    Hit,
+    /// Those that block it, by the test of shadow rays.
+    Block,
+    /// Those whose bounds it may touch.
+    Bounds,
+}
+
+struct Search<'a> {
+    movers: &'a Movers<'a>,
+    ray: &'a TraversalRay,
+    within: RayInterval<f64>,
+    test: MoverTest,
+    moment: u32,
+    frames: FrameSet,
+}
+
+impl Search<'_> {
+    #[inline(always)]
+    fn test<L: Level>(&mut self, index: usize) {
+        let mover = &self.movers.all[index];
+        let is_new = mover.frames & !self.frames != 0;
+        if !is_new || mover.moment.is_some_and(|moment| moment != self.moment) {
+            return;
+        }
+        let meets = match self.test {
+            MoverTest::Hit => mover.primitive.intersect_on::<L>(self.ray, self.within, None).is_some(),
+            MoverTest::Block => mover.primitive.occludes_on::<L>(self.ray, self.within, None),
+            MoverTest::Bounds => true,
+        };
+        if meets {
+            self.frames |= mover.frames;
+        }
+    }
+}
+
+impl LeafVisitor for Search<'_> {
+    #[inline(always)]
+    fn prefetch<L: Level>(&self, _: u32) {}
+
+    #[inline(always)]
+    fn visit<L: Level>(&mut self, leaf: u32, _: &Slabs, limit: f32) -> Option<f32> {
+        for &index in self.movers.leaves.leaf(leaf) {
+            self.test::<L>(index as usize);
+        }
+        Some(limit)
+    }
+}
+
+/// Whether a mover is a light or, with `emitters`, emits light itself. Then sampled light depends on where it is.
+pub fn has_moving_source(scenes: &[Scene], slots: &[u32], emitters: bool) -> bool {
+    let emits = |scene: &Scene, finish: Finish| {
+        let lit = |material: u32| scene.shading.materials[material as usize].lobes.emission != Rgb::ZERO;
+        matches!(finish, Finish::Light(_)) || emitters && finish.materials().any(lit)
+    };
+    scenes
+        .iter()
+        .any(|scene| slots.iter().any(|slot| emits(scene, scene.geometry.primitives[*slot as usize].finish)))
+}
+
+/// The geometry without the primitives in some slots.
+pub fn without(geometry: &Geometry, slots: &[u32]) -> Geometry {
+    let mut still = geometry.clone();
+    for &slot in slots {
+        still.set(slot as usize, None);
+    }
+    still
+}

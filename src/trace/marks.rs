@@ -1,0 +1,125 @@
+//! Marks samples that are shared by several frames: in which frames could their paths differ?
+//!
+//! In: segments of paths and shadow rays, as they are traced without the primitives that differ between the frames.
+//! Out: for each sample, the set of frames in which one of its segments meets such a primitive. In all other frames the
+//! sample has the same paths, and so the same light.
+
+use super::context::TraceContext;
+use super::intersect::HitStream;
+use super::light::ShadowRay;
+use super::stream::PathStream;
+use crate::base::lanes::{Level, Lookup, Mask, Row, SimdKernel, lanes};
+use crate::base::math::{DVec3, Ray};
+use crate::geometry::bvh::{Stack, TraversalRay};
+use crate::geometry::shape::{RayInterval, StoredRays};
+use crate::scene::movers::{FrameSet, MoverTest, Movers};
+use crate::scene::top_level::NOTHING;
+
+/// The marks of the samples of a wave.
+#[derive(Default)]
+pub struct Marks {
+    /// The frames of each sample.
+    pub frames: Vec<FrameSet>,
+    /// The moment of each sample, if frames have several.
+    pub moments: Vec<u32>,
+    /// All frames.
+    pub all: FrameSet,
+    stack: Stack,
+}
+
+impl Marks {
+    /// Clears the marks for samples of these moments.
+    pub fn reset(&mut self, all: FrameSet, moments: impl Iterator<Item = u32>) {
+        self.all = all;
+        self.moments.clear();
+        self.moments.extend(moments);
+        self.frames.clear();
+        self.frames.resize(self.moments.len(), 0);
+    }
+
+    /// Whether a sample differs in all frames already.
+    #[inline(always)]
+    fn is_full(&self, slot: u32) -> bool {
+        self.frames[slot as usize] == self.all
+    }
+
+    /// Marks a sample by one of its segments.
+    #[inline(always)]
+    fn mark<L: Level>(
+        &mut self,
+        movers: &Movers,
+        (slot, ray): (u32, &TraversalRay),
+        within: RayInterval<f64>,
+        test: MoverTest,
+    ) {
+        let slot = slot as usize;
+        let state = (self.frames[slot], self.moments[slot]);
+        self.frames[slot] = movers.frames_met::<L>(ray, within, test, state, &mut self.stack);
+    }
+
+    /// Marks samples by their shadow rays in the lanes of two masks: rays that nothing blocks, and rays that pass
+    /// surfaces. A ray that something blocks is blocked in all frames.
+    #[inline(always)]
+    pub fn mark_shadows<L: Level>(
+        &mut self,
+        movers: &Movers,
+        shadow: &ShadowRay<L::F64>,
+        slots: L::U32,
+        (open, dimmed): (L::Mask, L::Mask),
+    ) {
+        let (slots, t_max) = (slots.to_array(), shadow.t_max.to_array());
+        let rays = StoredRays::of(&shadow.ray);
+        for lane in lanes((open | dimmed).bits()) {
+            if !self.is_full(slots[lane]) {
+                let passes = dimmed.bits() >> lane & 1 == 1;
+                let test = if passes { MoverTest::Bounds } else { MoverTest::Block };
+                let (ray, within) = (TraversalRay::new(rays.one(lane)), RayInterval::up_to(t_max[lane]));
+                self.mark::<L::Narrow>(movers, (slots[lane], &ray), within, test);
+            }
+        }
+    }
+}
+
+/// Marks samples by the segments of their paths.
+pub struct MarkSegments<'a> {
+    pub context: &'a TraceContext<'a>,
+    pub movers: &'a Movers<'a>,
+    pub paths: &'a PathStream,
+    pub hits: &'a HitStream,
+    pub marks: &'a mut Marks,
+}
+
+impl SimdKernel for MarkSegments<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Level>(mut self) {
+        for index in 0..self.paths.len() as u32 {
+            let (primitive, t) = (self.hits.primitive[index as usize], self.hits.t[index as usize]);
+            self.mark::<L>(index, (primitive != NOTHING).then_some(t), MoverTest::Hit);
+        }
+        // Where surfaces may coincide, other hits along the ray count too.
+        for &index in self.hits.close() {
+            self.mark::<L>(index, None, MoverTest::Bounds);
+        }
+    }
+}
+
+impl MarkSegments<'_> {
+    /// Marks the sample of a path by the segment up to its hit, if it has one.
+    #[inline(always)]
+    fn mark<L: Level>(&mut self, index: u32, hit: Option<f64>, test: MoverTest) {
+        let (slot, at) = (self.paths.slot(index), Lookup::run(index, 1));
+        if self.marks.is_full(slot) {
+            return;
+        }
+        let ray = self.paths.ray::<f64>(&at);
+        let ray = Ray { origin: DVec3::from(ray.origin), direction: DVec3::from(ray.direction) };
+        let ray = TraversalRay::new(ray);
+        // A mover behind the hit counts if it may coincide with it.
+        let range = self.context.bvh.coincidence_range(&ray);
+        let max = hit.map_or(f64::INFINITY, |t| range.end(t).next_up());
+        let within = RayInterval { min: self.paths.t_start::<f64>(&at), max };
+        self.marks.mark::<L::Narrow>(self.movers, (slot, &ray), within, test);
+    }
+}

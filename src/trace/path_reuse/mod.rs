@@ -1,0 +1,194 @@
+//! Traces several frames together whose scenes differ only in some primitives: the movers.
+//!
+//! Each sample is traced once in the scene without movers, and marked with the frames in which a mover meets one of its
+//! segments ([`super::marks`]). Only in these frames is the sample traced again, in the whole scene. In all others it
+//! has the same light, bit by bit. Every frame sums the light of its samples in the order in which it would sum them if
+//! it were traced alone.
+//!
+//! In: the scenes of the frames, one for each moment of a shutter. Out: the films of all frames.
+
+mod samples;
+#[cfg(test)]
+mod tests;
+mod tile;
+
+use super::pixels::PixelTracer;
+use super::settings::{Moment, TraceSettings};
+use super::{TILE, Tile, is_random};
+use crate::base::color::Rgb;
+use crate::base::stats::{Counts, ProgressMeter, SharedPaths};
+use crate::film::Film;
+use crate::scene::Scene;
+use crate::scene::movers::{FrameSet, Movers, Pose, has_moving_source, moving_slots, without};
+use crate::scene::top_level::Bvh;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use tile::TileTracer;
+
+/// The most frames that are traced together.
+pub const MAX_FRAMES: usize = FrameSet::BITS as usize;
+
+/// Below this gain in paths, frames are not traced together. It pays for the tests of segments.
+const MIN_GAIN: f64 = 1.2;
+
+/// Tiles that are traced before films take their results and the gain is measured: this many, or one of so many parts
+/// of a large picture.
+const AT_ONCE: usize = 64;
+const PARTS: usize = 8;
+
+/// The scene of a frame at one of its moments.
+#[derive(Clone, Copy, Debug)]
+pub struct FramePose<'a> {
+    /// Index of the frame among those that are traced together.
+    pub frame: usize,
+    pub moment: Moment,
+    pub scene: Scene<'a>,
+    pub bvh: &'a Bvh,
+}
+
+impl<'a> FramePose<'a> {
+    fn pose(&self) -> Pose<'a> {
+        let moment = (self.moment != Moment::ONLY).then_some(self.moment.index);
+        Pose { scene: self.scene, frame: 1 << self.frame, moment }
+    }
+
+    /// Whether samples are random.
+    fn is_random(&self, settings: &TraceSettings) -> bool {
+        is_random(&self.scene, settings.quality.integrator)
+    }
+
+    /// Whether the frames of two poses may be traced together: whether light samples, error bounds, the kind of samples
+    /// and the number of moments are the same. No mover may be a source of light that surfaces sample, because then all
+    /// light depends on it. Cameras, lights, skies and fog must be the same anyway.
+    pub fn is_like(&self, other: &Self, settings: &TraceSettings) -> bool {
+        let moments = [self.moment.of, other.moment.of];
+        let random = [self, other].map(|pose| pose.is_random(settings));
+        let drawn = [moments[0] > 1 || random[0], moments[1] > 1 || random[1]];
+        let scenes = [self.scene, other.scene];
+        (moments[0] == moments[1] || moments.contains(&1))
+            && random[0] == random[1]
+            && drawn[0] == drawn[1]
+            && self.bvh.reach() == other.bvh.reach()
+            && !has_moving_source(
+                &scenes,
+                &moving_slots(&scenes),
+                settings.quality.integrator.samples_lights(),
+            )
+    }
+}
+
+/// Frames that share paths.
+pub struct SharedFrames<'a> {
+    poses: &'a [FramePose<'a>],
+    settings: &'a TraceSettings,
+    count: usize,
+    /// The tree without movers.
+    still: Bvh,
+    movers: Movers<'a>,
+}
+
+impl<'a> SharedFrames<'a> {
+    /// Prepares poses in the order of their frames and moments. Each must be [like](FramePose::is_like) the first one and
+    /// those with several moments, with the same layers.
+    pub fn new(poses: &'a [FramePose<'a>], settings: &'a TraceSettings) -> Self {
+        let scenes: Vec<Scene> = poses.iter().map(|pose| pose.scene).collect();
+        let slots = moving_slots(&scenes);
+        let still = poses.first().map_or_else(Bvh::default, |first| {
+            Bvh::build(&without(first.scene.geometry, &slots)).with_reach(first.bvh.reach())
+        });
+        let all: Vec<Pose> = poses.iter().map(FramePose::pose).collect();
+        let count = poses.last().map_or(0, |last| last.frame + 1);
+        Self { poses, settings, count, still, movers: Movers::new(&all, &slots) }
+    }
+
+    /// Traces all frames. None if there are none, or if the run is stopped.
+    pub fn trace(&self, meter: &ProgressMeter) -> Option<(Vec<Film>, Counts)> {
+        let Self { settings, count, .. } = *self;
+        let first = &self.poses.first()?.scene;
+        let (width, height) = settings.size;
+        let film = || Film::with_aovs(width, height, first.weights.0.clone(), settings.aovs);
+        let mut films: Vec<Film> = (0..count).map(|_| film()).collect();
+        let tracer = self.tracer();
+        let (pilot, rest) = tiles(settings.size);
+        let (finished, total) = (AtomicU32::new(0), (pilot.len() + rest.len()) as u32);
+        let (mut counts, mut shares) = (Counts::default(), true);
+        let at_once = AT_ONCE.max(rest.len() / PARTS);
+        for tiles in pilot.chunks(at_once).chain(rest.chunks(at_once)) {
+            let traced = tiles.par_iter().map(|tile| {
+                let traced = tracer.trace(tile, shares);
+                meter.rays.fetch_add(traced.1.rays.total(), Relaxed);
+                advance(meter, &finished, total, count as u32);
+                traced
+            });
+            let traced: Vec<(Vec<Rgb>, Counts)> = traced.collect();
+            for (tile, (data, more)) in tiles.iter().zip(traced) {
+                store(&mut films, tile, &data, width);
+                counts += more;
+            }
+            if meter.is_stopped() {
+                return None;
+            }
+            shares = shares && gain(&counts.paths, count) >= MIN_GAIN;
+        }
+        Some((films, counts))
+    }
+
+    fn tracer(&self) -> TileTracer<'_> {
+        let Self { poses, settings, still, movers, .. } = self;
+        let whole = |pose: &'a FramePose<'a>| PixelTracer::new(&pose.scene, pose.bvh, settings, pose.moment);
+        let whole: Vec<PixelTracer> = poses.iter().map(whole).collect();
+        let mut shared = PixelTracer::new(&poses[0].scene, poses[0].bvh, settings, Moment::ONLY);
+        shared.random = whole[0].random;
+        let context = &mut shared.context;
+        context.bvh = still;
+        context.movers = Some(movers);
+        // Paths must be as long as in any of the frames, so that they meet movers.
+        context.emits = whole.iter().any(|pose| pose.context.emits);
+        context.unsampled_light = whole.iter().any(|pose| pose.context.unsampled_light);
+        context.branches = whole.iter().any(|pose| pose.context.branches);
+        TileTracer::new(poses, shared, whole)
+    }
+}
+
+/// How many times as many paths frames have as were traced for them.
+fn gain(paths: &SharedPaths, frames: usize) -> f64 {
+    let all = paths.total() as f64;
+    all / (all / frames as f64 + paths.retraced as f64)
+}
+
+/// All tiles of a picture: first some that are spread over it, then the others.
+fn tiles((width, height): (u32, u32)) -> (Vec<Tile>, Vec<Tile>) {
+    let tops = (0..height).step_by(TILE as usize);
+    let tile = |top: u32, left: u32| Tile {
+        columns: left..width.min(left + TILE),
+        rows: top..height.min(top + TILE),
+    };
+    let all = tops.flat_map(|top| (0..width).step_by(TILE as usize).map(move |left| tile(top, left)));
+    // A multiplicative hash spreads them.
+    let is_pilot = |number: usize| (number as u32).wrapping_mul(0x9e37_79b9) >> 28 == 0;
+    let (pilot, rest): (Vec<_>, Vec<_>) = all.enumerate().partition(|(number, _)| is_pilot(*number));
+    let unnumbered = |tiles: Vec<(usize, Tile)>| tiles.into_iter().map(|(_, tile)| tile).collect();
+    (unnumbered(pilot), unnumbered(rest))
+}
+
+/// Counts a finished tile as its share of all frames.
+fn advance(meter: &ProgressMeter, finished: &AtomicU32, tiles: u32, frames: u32) {
+    let thousandths = |tile: u32| u64::from(tile) * u64::from(frames) * 1000 / u64::from(tiles);
+    let before = finished.fetch_add(1, Relaxed);
+    let (before, now) = (thousandths(before), thousandths(before + 1));
+    meter.frames.fetch_add((now / 1000 - before / 1000) as u32, Relaxed);
+    meter.thousandths.store((now % 1000) as u32, Relaxed);
+}
+
+/// Stores the pixels of a tile, frame after frame.
+fn store(films: &mut [Film], tile: &Tile, data: &[Rgb], width: u32) {
+    let size = data.len() / films.len();
+    for (film, data) in films.iter_mut().zip(data.chunks(size.max(1))) {
+        let layers = film.layers();
+        let all = film.data_mut();
+        for ((x, y), pixel) in tile.pixels().into_iter().zip(data.chunks(layers.max(1))) {
+            let at = (y * width + x) as usize * layers;
+            all[at..at + layers].copy_from_slice(pixel);
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! The samples of some pixels, traced once for all frames.
+
+use super::super::camera_rays::{PixelSamples, SampleGroup};
+use super::super::pixels::{PixelTracer, SampleSet};
+use super::super::sums::add_sample;
+use super::super::wavefront::{ScratchBuffer, WAVE};
+use crate::base::math::DVec3;
+use crate::base::stats::{Counts, Dropped};
+use crate::sampling::PixelSampler;
+use crate::scene::movers::FrameSet;
+
+/// The samples of pixels, one pixel after the other.
+pub struct SharedSamples<'p> {
+    pixels: &'p [(u32, u32)],
+    /// Samples per pixel, and layers of each.
+    count: u32,
+    layers: usize,
+    /// The light of each sample in each layer, without movers.
+    light: Vec<DVec3>,
+    /// The frames in which the light of each sample may differ.
+    pub frames: Vec<FrameSet>,
+    /// The moment of each sample, if frames have several.
+    moments: Vec<u32>,
+}
+
+/// Samples of a frame that were traced again.
+#[derive(Default)]
+pub struct Retraced {
+    /// Their indices, ascending.
+    samples: Vec<u32>,
+    light: Vec<DVec3>,
+}
+
+impl<'p> SharedSamples<'p> {
+    /// Traces all samples of pixels in the scene without movers. `moments` is the number of moments of frames that have
+    /// several.
+    pub fn trace(
+        shared: &PixelTracer,
+        pixels: &'p [(u32, u32)],
+        (all, moments): (FrameSet, u32),
+        counts: &mut Counts,
+    ) -> Self {
+        let (count, seed, layers) = (shared.count(), shared.context.quality.seed, shared.layers());
+        let size = pixels.len() * count as usize;
+        let moment = |index: usize| {
+            let (pixel, number) = (index / count as usize, (index % count as usize) as u32);
+            PixelSampler::new(pixels[pixel], seed).part_of_time(number, moments)
+        };
+        let mut samples = Self {
+            pixels,
+            count,
+            layers,
+            light: vec![DVec3::ZERO; size * layers],
+            frames: vec![0; size],
+            moments: if moments > 1 { (0..size).map(moment).collect() } else { vec![0; size] },
+        };
+        let mut scratch = shared.take_scratch();
+        let (mut wave, mut indices) = scratch.take_samples();
+        shared.each_group(pixels, &SampleSet { samples: 0..count, seed }, |group| {
+            if wave.len() + group.places().len() > WAVE {
+                samples.follow(shared, &mut scratch, (&mut wave, &mut indices), all);
+            }
+            wave.extend(group);
+            let places = group.places().iter().zip(group.numbers());
+            indices.extend(places.map(|(place, number)| place * count + number));
+        });
+        if wave.len() > 0 {
+            samples.follow(shared, &mut scratch, (&mut wave, &mut indices), all);
+        }
+        scratch.give_back(wave, indices);
+        *counts += std::mem::take(&mut scratch.counts);
+        shared.give_back(scratch);
+        samples
+    }
+
+    /// Traces a wave of samples of these indices.
+    fn follow(
+        &mut self,
+        shared: &PixelTracer,
+        scratch: &mut ScratchBuffer,
+        (wave, indices): (&mut PixelSamples, &mut Vec<u32>),
+        all: FrameSet,
+    ) {
+        scratch.marks.reset(all, indices.iter().map(|index| self.moments[*index as usize]));
+        shared.follow_samples(scratch, wave);
+        for (slot, &index) in indices.iter().enumerate() {
+            let index = index as usize;
+            let light = &mut self.light[index * self.layers..][..self.layers];
+            for (layer, light) in light.iter_mut().enumerate() {
+                *light = scratch.sums.get(layer, slot as u32);
+            }
+            self.frames[index] = scratch.marks.frames[slot];
+        }
+        wave.clear();
+        indices.clear();
+    }
+
+    /// Whether a frame has a sample at a moment; none means that it has all.
+    fn is_at(&self, index: usize, moment: Option<u32>) -> bool {
+        moment.is_none_or(|moment| self.moments[index] == moment)
+    }
+
+    /// Traces those samples of a frame's moment again that may differ.
+    pub fn retrace(
+        &self,
+        whole: &PixelTracer,
+        (frame, moment): (FrameSet, Option<u32>),
+        counts: &mut Counts,
+    ) -> Retraced {
+        let mut again = Retraced::default();
+        let differs = |index: &u32| {
+            let index = *index as usize;
+            self.frames[index] & frame != 0 && self.is_at(index, moment)
+        };
+        again.samples.extend((0..self.frames.len() as u32).filter(differs));
+        if again.samples.is_empty() {
+            return again;
+        }
+        let mut scratch = whole.take_scratch();
+        let (mut wave, places) = scratch.take_samples();
+        for indices in again.samples.chunks(WAVE) {
+            self.gather(indices, whole.context.quality.seed, &mut wave);
+            whole.follow_samples(&mut scratch, &wave);
+            for slot in 0..indices.len() {
+                let light = (0..self.layers).map(|layer| scratch.sums.get(layer, slot as u32));
+                again.light.extend(light);
+            }
+            wave.clear();
+        }
+        scratch.give_back(wave, places);
+        *counts += std::mem::take(&mut scratch.counts);
+        whole.give_back(scratch);
+        again
+    }
+
+    /// The wave of samples of these indices.
+    fn gather(&self, indices: &[u32], seed: u32, wave: &mut PixelSamples) {
+        let mut group = SampleGroup::default();
+        for index in indices {
+            let (pixel, number) = (self.pixels[(index / self.count) as usize], index % self.count);
+            let sampler = PixelSampler::new(pixel, seed).sample(number);
+            if group.push(0, pixel, number, sampler) {
+                wave.extend(&group);
+                group.clear();
+            }
+        }
+        wave.extend(&group);
+    }
+
+    /// The number of a frame's samples at a moment.
+    pub fn len_at(&self, moment: Option<u32>) -> u64 {
+        (0..self.frames.len()).filter(|index| self.is_at(*index, moment)).count() as u64
+    }
+
+    /// The sums of the pixels at a moment, without movers.
+    pub fn sums(&self, tracer: &PixelTracer, moment: Option<u32>, dropped: &mut Dropped) -> Vec<DVec3> {
+        let mut sums = vec![DVec3::ZERO; self.pixels.len() * self.layers];
+        let none = Retraced::default();
+        for (pixel, sums) in sums.chunks_mut(self.layers).enumerate() {
+            self.add((tracer, moment), (pixel, &none, &mut 0), sums, dropped);
+        }
+        sums
+    }
+
+    /// Replaces the sums of the pixels that have samples that were traced again.
+    pub fn replace(
+        &self,
+        tracer: &PixelTracer,
+        moment: Option<u32>,
+        again: &Retraced,
+        sums: &mut [DVec3],
+        dropped: &mut Dropped,
+    ) {
+        let mut next = 0;
+        while let Some(index) = again.samples.get(next) {
+            let pixel = (index / self.count) as usize;
+            let sums = &mut sums[pixel * self.layers..][..self.layers];
+            sums.fill(DVec3::ZERO);
+            self.add((tracer, moment), (pixel, again, &mut next), sums, dropped);
+        }
+    }
+
+    /// Adds the samples of a pixel in their order. `next` counts those that were traced again.
+    fn add(
+        &self,
+        (tracer, moment): (&PixelTracer, Option<u32>),
+        (pixel, again, next): (usize, &Retraced, &mut usize),
+        sums: &mut [DVec3],
+        dropped: &mut Dropped,
+    ) {
+        let (limit, lit) = (tracer.context.quality.clamp.map(f64::from), tracer.context.lit_layers);
+        let first = pixel * self.count as usize;
+        for index in (first..first + self.count as usize).filter(|index| self.is_at(*index, moment)) {
+            let mut light = &self.light[index * self.layers..][..self.layers];
+            if again.samples.get(*next) == Some(&(index as u32)) {
+                light = &again.light[*next * self.layers..][..self.layers];
+                *next += 1;
+            }
+            for (layer, (sum, light)) in sums.iter_mut().zip(light).enumerate() {
+                if layer < lit {
+                    add_sample(sum, *light, limit, dropped);
+                } else {
+                    *sum += *light;
+                }
+            }
+        }
+    }
+}
+
+impl Retraced {
+    pub fn len(&self) -> usize {
+        self.samples.len()
+    }
+}
