@@ -53,8 +53,11 @@ fn film(frame: u32) -> Film {
 fn started(folder: &Path, outputs: &[&str], existing: Existing) -> Result<Encoder, EncodeError> {
     let outputs = outputs.iter().copied();
     let outputs = outputs.map(|name| Output::parse(folder.join(name)).expect(name));
-    let key =
-        |frame: &u32| FrameKey { radiance: Digest(u128::from(*frame)), exposure: 1.0, ..FrameKey::default() };
+    let key = |frame: &u32| FrameKey {
+        image_hash: Digest(u128::from(*frame)),
+        exposure: 1.0,
+        ..FrameKey::default()
+    };
     let job = EncodeJob {
         outputs: outputs.collect(),
         confined: false,

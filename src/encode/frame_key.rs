@@ -5,8 +5,8 @@ use crate::base::digest::Digest;
 /// The digests and settings that decide what a frame looks like before it is developed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameKey {
-    /// Digest of the frame's radiance.
-    pub radiance: Digest,
+    /// Digest of the light that the frame shows, before exposure.
+    pub image_hash: Digest,
     /// Digest of all layers of its film, dark ones included.
     pub film: Digest,
     /// Factor of the displayed picture.

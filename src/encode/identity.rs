@@ -30,13 +30,13 @@ impl EncodeJob {
                 // All layers are written under their names, dark ones included.
                 let lights = self.formats.exr.layers.lights;
                 let names = if lights { &self.info.layers[..] } else { &[] };
-                (if lights { key.film } else { key.radiance }).feed(&mut digester);
+                (if lights { key.film } else { key.image_hash }).feed(&mut digester);
                 // The derived debug text contains every field, so that a new setting cannot be forgotten.
                 format!("{:?}", (self.formats.exr, names)).as_str().feed(&mut digester);
             }
             _ => {
                 "PNG".feed(&mut digester);
-                key.radiance.feed(&mut digester);
+                key.image_hash.feed(&mut digester);
                 key.exposure.feed(&mut digester);
                 let caption = self.caption.as_ref().map(|c| (c.text.expand(&info), c.corner, c.size));
                 let look = (self.tonemap, caption, self.formats.png, self.transparent);

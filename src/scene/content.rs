@@ -236,14 +236,14 @@ impl Digests {
     }
 
     /// The digest of everything that affects light transport, without weights. All parts must be up to date.
-    pub fn transport(&self, scene: &Scene) -> Digest {
+    pub fn scene_hash(&self, scene: &Scene) -> Digest {
         Digest::of(&((self.geometry, self.effective, self.origins()), scene.camera))
     }
 
-    /// The digest of the image: [`Digests::transport`] with weights, but without emitters in layers of weight 0 and
+    /// The digest of the image: [`Digests::scene_hash`] with weights, but without emitters in layers of weight 0 and
     /// without layers that contain no light. `samples_emitters` states whether points of emitters and of skies are
     /// sampled. All parts must be up to date.
-    pub fn radiance(&mut self, scene: &Scene, samples_emitters: bool) -> Digest {
+    pub fn image_hash(&mut self, scene: &Scene, samples_emitters: bool) -> Digest {
         let weights = &scene.weights.0;
         let lit: Vec<bool> = weights.iter().map(|weight| *weight != Rgb::ZERO).collect();
         let shown = match self.shown.take().filter(|shown| shown.lit == lit) {

@@ -71,11 +71,11 @@ const BLOCK: (u32, u32) = (4, 2);
 
 /// Traces one frame, in all layers that are not dark. The film and the counts are the same for any number of threads.
 pub fn trace(scene: &Scene, bvh: &Bvh, settings: &TraceSettings, meter: &ProgressMeter) -> (Film, Counts) {
-    trace_shown(scene, bvh, settings, &[scene.weights.0.clone()].into(), meter)
+    trace_weighted(scene, bvh, settings, &[scene.weights.0.clone()].into(), meter)
 }
 
 /// Traces a film that is displayed with each of the weightings `shown`. A noise target holds for each of them.
-pub fn trace_shown(
+pub fn trace_weighted(
     scene: &Scene,
     bvh: &Bvh,
     settings: &TraceSettings,

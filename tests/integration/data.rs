@@ -150,7 +150,7 @@ fn coordinates_are_those_of_the_object() {
 
 fn keys(folder: &Path, material: &str, ply: &str) -> Vec<Digest> {
     fs::write(folder.join("squares.ply"), ply).expect("a disk");
-    evaluate(&scene(folder, material), &[0]).frames.into_iter().map(|frame| frame.radiance).collect()
+    evaluate(&scene(folder, material), &[0]).frames.into_iter().map(|frame| frame.image_hash).collect()
 }
 
 /// A frame is known by the data that it shows, and not by other data.

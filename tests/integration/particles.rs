@@ -33,7 +33,7 @@ fn films(folder: &Path, objects: &str) -> Vec<Film> {
 
 fn keys(folder: &Path, objects: &str) -> Vec<Digest> {
     let sequence = sequence_in(folder, &text(objects));
-    evaluate(&sequence, &[0, 1, 2, 3, 4]).frames.into_iter().map(|frame| frame.radiance).collect()
+    evaluate(&sequence, &[0, 1, 2, 3, 4]).frames.into_iter().map(|frame| frame.image_hash).collect()
 }
 
 const SPRAY: &str = "\"spray\": (shape: Particles(\"spray.csv\"), material: \"m\")";

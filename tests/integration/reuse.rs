@@ -607,7 +607,7 @@ fn known(text: &str) -> Vec<(Digest, Vec<[u32; 3]>)> {
     let looks = evaluate(&sequence, &frames).frames;
     let films = shoot(&sequence, frames).into_iter().map(|shot| shot.film);
     let pixels = |film: Film| film.radiance().map(|color| color.to_array().map(f32::to_bits)).collect();
-    looks.into_iter().map(|look| look.radiance).zip(films.map(pixels)).collect()
+    looks.into_iter().map(|look| look.image_hash).zip(films.map(pixels)).collect()
 }
 
 /// What is hidden, dark or unused has no part in what a frame is known by: two frames are called alike if their pixels are.

@@ -57,7 +57,7 @@ fn same(a: &Film, b: &Film) -> bool {
 
 fn keys(folder: &Path, text: &str) -> Vec<Digest> {
     let sequence = sequence_in(folder, text);
-    evaluate(&sequence, &[0, 1, 2, 3, 4, 5]).frames.into_iter().map(|frame| frame.radiance).collect()
+    evaluate(&sequence, &[0, 1, 2, 3, 4, 5]).frames.into_iter().map(|frame| frame.image_hash).collect()
 }
 
 #[test]

@@ -31,7 +31,7 @@ pub(crate) fn job(sequence: &Sequence, request: &Request, states: &FrameStates) 
     let output = &sequence.output;
     // Frame states identify existing frames.
     let frame_key = |state: &FrameState| FrameKey {
-        radiance: state.radiance,
+        image_hash: state.image_hash,
         film: state.film(),
         exposure: state.exposure,
         random: state.random,

@@ -16,7 +16,7 @@ pub struct FrameState {
     pub scene_hash: Digest,
     /// Digest of the light that the frame shows: equal digests mean equal radiance. Excludes emitters in layers of
     /// weight 0.
-    pub radiance: Digest,
+    pub image_hash: Digest,
     /// The weight of each layer.
     pub weights: Vec<Rgb>,
     /// The weights of all frames of the sequence that share the film, if they decide how it is sampled.
@@ -42,7 +42,7 @@ pub struct FrameState {
 impl FrameState {
     /// Digest of the picture: equal digests mean equal radiance and exposure.
     pub fn digest(&self) -> Digest {
-        Digest::of(&(self.radiance, self.exposure))
+        Digest::of(&(self.image_hash, self.exposure))
     }
 
     /// Digest of all layers of the frame's film and their weights, including layers without light.
@@ -62,7 +62,7 @@ impl FrameState {
     pub(super) fn share(&mut self, frames: Digest, weightings: Weightings, own: usize) {
         (self.weightings, self.own) = (weightings, own);
         self.scene_hash = Digest::of(&(self.scene_hash, frames));
-        self.radiance = Digest::of(&(self.radiance, frames));
+        self.image_hash = Digest::of(&(self.image_hash, frames));
     }
 
     /// The visible layers with their weights.

@@ -26,17 +26,17 @@ pub fn frame_states(sequence: &Sequence, frames: &[u32], stop: &Stop) -> Vec<Fra
     let mut films: HashMap<Digest, FilmAppearances> = HashMap::new();
     for state in all.values().filter(|state| state.random) {
         let shown = films.entry(state.scene_hash).or_default();
-        if !shown.radiances.contains(&state.radiance) {
-            shown.radiances.push(state.radiance);
+        if !shown.image_hashes.contains(&state.image_hash) {
+            shown.image_hashes.push(state.image_hash);
             shown.weightings.push(state.weights.clone());
         }
     }
     for state in &mut states {
-        if let Some(FilmAppearances { radiances, weightings }) = films.get(&state.scene_hash)
-            && let Some(own) = radiances.iter().position(|radiance| *radiance == state.radiance)
-            && radiances.len() > 1
+        if let Some(FilmAppearances { image_hashes, weightings }) = films.get(&state.scene_hash)
+            && let Some(own) = image_hashes.iter().position(|hash| *hash == state.image_hash)
+            && image_hashes.len() > 1
         {
-            state.share(Digest::of(radiances), weightings.as_slice().into(), own);
+            state.share(Digest::of(image_hashes), weightings.as_slice().into(), own);
         }
     }
     states
@@ -46,7 +46,7 @@ pub fn frame_states(sequence: &Sequence, frames: &[u32], stop: &Stop) -> Vec<Fra
 /// matter.
 #[derive(Default)]
 struct FilmAppearances {
-    radiances: Vec<Digest>,
+    image_hashes: Vec<Digest>,
     weightings: Vec<Vec<Rgb>>,
 }
 

@@ -38,7 +38,7 @@ struct MomentState {
     /// Digest of everything that light meets.
     scene_hash: Digest,
     /// Digest of the visible light, with the weights of the frame.
-    radiance: Digest,
+    image_hash: Digest,
     /// Whether the moment alone needs random samples.
     random: bool,
     /// Digest of everything but objects and their materials, and of the kind of samples.
@@ -48,7 +48,7 @@ struct MomentState {
 impl MomentState {
     /// Whether light meets the same scene at another moment.
     fn looks_like(&self, other: &Self) -> bool {
-        let all = |state: &Self| (state.scene_hash, state.radiance, state.random);
+        let all = |state: &Self| (state.scene_hash, state.image_hash, state.random);
         all(self) == all(other)
     }
 }
@@ -104,12 +104,12 @@ impl Preview {
             fault.is_some().feed(&mut digester);
             digester
         };
-        let radiance = digester(&|one| one.radiance).finish();
+        let image_hash = digester(&|one| one.image_hash).finish();
         let scene_hash = digester(&|one| one.scene_hash).finish();
         FrameState {
             frame,
             scene_hash,
-            radiance,
+            image_hash,
             weights: self.world.resource::<Current<Weights>>().0.0.clone(),
             weightings: Weightings::default(),
             own: 0,
@@ -159,8 +159,8 @@ impl Preview {
         let scene = Scene { geometry: &geometry.0, shading: &shading.0, weights, camera };
         let integrator = self.settings.integrator();
         let random = is_random(&scene, integrator);
-        let radiance = self.digests.radiance(&scene, integrator.samples_lights());
+        let image_hash = self.digests.image_hash(&scene, integrator.samples_lights());
         let surroundings = Digest::of(&(self.digests.surroundings(&scene), random));
-        Ok(MomentState { scene_hash: self.digests.transport(&scene), radiance, random, surroundings })
+        Ok(MomentState { scene_hash: self.digests.scene_hash(&scene), image_hash, random, surroundings })
     }
 }

@@ -9,7 +9,7 @@ use crate::film::{Film, lit};
 use crate::import::series::StepError;
 use crate::scene::top_level::{Bvh, BvhUpdate};
 use crate::scene::{Geometry, Scene, Shading, Weights};
-use crate::trace::{AdaptiveFrame, Moment, TraceSettings, Weightings, trace_moment, trace_shown};
+use crate::trace::{AdaptiveFrame, Moment, TraceSettings, Weightings, trace_moment, trace_weighted};
 use crate::track::Animated;
 use crate::world::{Current, Now};
 use bevy_ecs::resource::Resource;
@@ -109,7 +109,7 @@ pub struct RunProgress(pub Arc<ProgressMeter>);
 #[derive(Resource)]
 pub struct CurrentMoment(pub Moment);
 
-/// How to trace the current frame: the layers, if they differ from those that it shows, and whether to keep its film.
+/// How to trace the current frame: the layers, if they differ from those that it weightings, and whether to keep its film.
 #[derive(Default, Resource)]
 pub struct TraceRequest {
     pub lit: Option<Weights>,
@@ -174,29 +174,25 @@ pub fn lap(stage: FrameStage) -> impl FnMut(ResMut<Stopwatch>, ResMut<Stats>) {
     move |mut watch, mut stats| stats.stages[stage as usize] += watch.lap()
 }
 
-pub fn no_fault(faults: Res<FirstError>) -> bool {
-    faults.0.is_none()
+pub fn no_error(first: Res<FirstError>) -> bool {
+    first.0.is_none()
 }
 
-pub fn keep_camera_fault(
-    In(camera): In<Result<(), NoCamera>>,
-    now: Res<Now>,
-    mut faults: ResMut<FirstError>,
-) {
+pub fn keep_camera_error(In(camera): In<Result<(), NoCamera>>, now: Res<Now>, mut first: ResMut<FirstError>) {
     if let Err(why) = camera {
-        faults.0.get_or_insert(FrameError::Camera { frame: now.0.frame, why });
+        first.0.get_or_insert(FrameError::Camera { frame: now.0.frame, why });
     }
 }
 
-pub fn keep_mesh_fault(In(loaded): In<Result<(), StepError>>, now: Res<Now>, mut faults: ResMut<FirstError>) {
+pub fn keep_mesh_fault(In(loaded): In<Result<(), StepError>>, now: Res<Now>, mut first: ResMut<FirstError>) {
     if let Err(why) = loaded {
-        faults.0.get_or_insert(FrameError::Mesh { frame: now.0.frame, why });
+        first.0.get_or_insert(FrameError::Mesh { frame: now.0.frame, why });
     }
 }
 
-pub fn keep_fault(In(encoded): In<Result<(), EncodeError>>, mut faults: ResMut<FirstError>) {
+pub fn keep_error(In(encoded): In<Result<(), EncodeError>>, mut first: ResMut<FirstError>) {
     if let Err(error) = encoded {
-        faults.0.get_or_insert(FrameError::Encode(error));
+        first.0.get_or_insert(FrameError::Encode(error));
     }
 }
 
@@ -229,40 +225,40 @@ type Traced<'w> = (
 pub fn trace_frame(
     now: Res<Now>,
     (geometry, bvh, shading, weights, camera): Traced,
-    (settings, exposure, shown, wanted): (
+    (settings, exposure, current, request): (
         Res<RenderSettings>,
         Res<ExposureTrack>,
         Res<CurrentMoment>,
         Res<TraceRequest>,
     ),
-    watched: Res<RunProgress>,
-    mut exposed: ResMut<FilmInProgress>,
+    progress: Res<RunProgress>,
+    mut in_progress: ResMut<FilmInProgress>,
     mut stats: ResMut<Stats>,
 ) {
-    let Some(camera) = camera.0.as_ref().filter(|_| !wanted.only_prepare) else { return };
-    let traced = wanted.lit.as_ref().unwrap_or(&weights.0);
-    let scene = Scene { geometry: &geometry.0, shading: &shading.0, weights: traced, camera };
-    let shows = match wanted.weightings.is_empty() {
+    let Some(camera) = camera.0.as_ref().filter(|_| !request.only_prepare) else { return };
+    let weighted = request.lit.as_ref().unwrap_or(&weights.0);
+    let scene = Scene { geometry: &geometry.0, shading: &shading.0, weights: weighted, camera };
+    let weightings = match request.weightings.is_empty() {
         true => [weights.0.0.clone()].into(),
-        false => Weightings::clone(&wanted.weightings),
+        false => Weightings::clone(&request.weightings),
     };
-    let (film, counts) = match shown.0 {
+    let (film, counts) = match current.0 {
         Moment::ONLY => {
-            let (film, counts) = trace_shown(&scene, &bvh.0, &settings.0, &shows, &watched.0);
+            let (film, counts) = trace_weighted(&scene, &bvh.0, &settings.0, &weightings, &progress.0);
             (Some(film), counts)
         }
-        moment => exposed.add_moment(&scene, &bvh.0, &settings.0, (moment, &shows), &watched.0),
+        moment => in_progress.add_moment(&scene, &bvh.0, &settings.0, (moment, &weightings), &progress.0),
     };
     stats.counts += counts;
     let Some(film) = film else { return };
     stats.traced += 1;
-    let mut film = film.shown_as(wanted.own, &weights.0.0);
+    let mut film = film.shown_as(request.own, &weights.0.0);
     film.expose(exposure.0.at(now.0.start));
-    film.unfinished = watched.0.unfinished.load(Relaxed);
-    exposed.kept = wanted.keep.then(|| film.clone());
-    exposed.film = Some(film);
-    watched.0.thousandths.store(0, Relaxed);
-    watched.0.frames.fetch_add(1, Relaxed);
+    film.unfinished = progress.0.unfinished.load(Relaxed);
+    in_progress.kept = request.keep.then(|| film.clone());
+    in_progress.film = Some(film);
+    progress.0.thousandths.store(0, Relaxed);
+    progress.0.frames.fetch_add(1, Relaxed);
 }
 
 impl FilmInProgress {
@@ -272,12 +268,13 @@ impl FilmInProgress {
         scene: &Scene,
         bvh: &Bvh,
         settings: &TraceSettings,
-        (moment, shows): (Moment, &Weightings),
+        (moment, weightings): (Moment, &Weightings),
         meter: &ProgressMeter,
     ) -> (Option<Film>, Counts) {
         if let Some(target) = settings.quality.noise {
             let rounds = self.rounds.take();
-            let mut rounds = rounds.unwrap_or_else(|| AdaptiveFrame::new(scene, settings, target, shows));
+            let mut rounds =
+                rounds.unwrap_or_else(|| AdaptiveFrame::new(scene, settings, target, weightings));
             let counts = rounds.trace(scene, bvh, settings, moment, meter);
             if moment.index + 1 == moment.of && rounds.settle(meter) {
                 return (Some(rounds.film()), counts);
@@ -305,8 +302,8 @@ impl FilmInProgress {
 
 pub fn encode<S: FilmSink>(
     now: Res<Now>,
-    mut exposed: ResMut<FilmInProgress>,
+    mut in_progress: ResMut<FilmInProgress>,
     mut sink: ResMut<Sink<S>>,
 ) -> Result<(), EncodeError> {
-    exposed.film.take().map_or(Ok(()), |film| sink.0.push(now.0.frame, film))
+    in_progress.film.take().map_or(Ok(()), |film| sink.0.push(now.0.frame, film))
 }

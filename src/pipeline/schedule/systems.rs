@@ -2,7 +2,7 @@
 
 use super::stages::{
     FilmSink, FirstError, FrameStage, Stats, Stopwatch, accelerate, count_geometry, count_shading, encode,
-    keep_camera_fault, keep_fault, keep_mesh_fault, lap, no_fault, trace_frame,
+    keep_camera_error, keep_error, keep_mesh_fault, lap, no_error, trace_frame,
 };
 use crate::base::color::Rgb;
 use crate::camera::Camera;
@@ -52,7 +52,7 @@ pub fn update_schedule() -> Schedule {
         )
             .chain(),
     );
-    let camera = animate::camera.pipe(keep_camera_fault);
+    let camera = animate::camera.pipe(keep_camera_error);
     let series = animate::series.pipe(keep_mesh_fault);
     // Hidden objects load nothing, and a camera may focus on an object.
     let placed = (animate::transforms, series, animate::particles, camera).chain();
@@ -74,9 +74,9 @@ pub fn schedule<S: FilmSink>() -> Schedule {
     let rebuilt = accelerate.run_if(resource_changed::<Current<Geometry>>);
     schedule.add_systems((rebuilt, lap(FrameStage::Accelerate)).chain().in_set(FrameStage::Accelerate));
     schedule.add_systems(
-        (trace_frame.run_if(no_fault), lap(FrameStage::Trace)).chain().in_set(FrameStage::Trace),
+        (trace_frame.run_if(no_error), lap(FrameStage::Trace)).chain().in_set(FrameStage::Trace),
     );
-    let encoded = encode::<S>.pipe(keep_fault).run_if(no_fault);
+    let encoded = encode::<S>.pipe(keep_error).run_if(no_error);
     schedule.add_systems((encoded, lap(FrameStage::Encode)).chain().in_set(FrameStage::Encode));
     schedule
 }
