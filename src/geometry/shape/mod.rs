@@ -17,6 +17,7 @@ mod flat;
 mod frame;
 mod frustum;
 mod geometric;
+mod memory;
 mod mesh;
 mod nearest_part;
 mod parameters;

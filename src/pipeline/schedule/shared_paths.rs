@@ -24,6 +24,16 @@ struct Snapshot {
 }
 
 impl Snapshot {
+    /// Bytes that the snapshot adds to the one before. Copies share the data of shapes, and the first holds no more than
+    /// the world does.
+    fn bytes_besides(&self, before: Option<&Self>) -> u64 {
+        let primitives = &self.geometry.primitives;
+        let others = before.map_or(primitives, |before| &before.geometry.primitives);
+        let pairs = primitives.iter().zip(others);
+        let data: u64 = pairs.map(|(own, other)| own.shape.bytes_besides(&other.shape)).sum();
+        data + (primitives.len() * BYTES_PER_PRIMITIVE) as u64
+    }
+
     fn pose<'a>(&'a self, weights: &'a Weights) -> FramePose<'a> {
         let Self { frame, moment, geometry, shading, camera, bvh } = self;
         FramePose { frame: *frame, moment: *moment, scene: Scene { geometry, shading, weights, camera }, bvh }
@@ -80,7 +90,7 @@ impl<S: FilmSink> FrameLoop<S> {
             for (clock, moment) in self.moments(state.frame, state.moments == 1) {
                 self.run_moment(clock, moment)?;
                 let Some(snapshot) = self.snapshot(frame, moment) else { return Ok(Vec::new()) };
-                bytes += (snapshot.geometry.primitives.len() * BYTES_PER_PRIMITIVE) as u64;
+                bytes += snapshot.bytes_besides(all.last());
                 let settings = &self.world.resource::<RenderSettings>().0;
                 let pose = snapshot.pose(weights);
                 let others = [all.first(), all.iter().find(|other| other.moment.of > 1)];
