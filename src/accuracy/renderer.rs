@@ -113,7 +113,7 @@ impl Renderer {
     /// Calls `see` with the scene of the first frame; `None` if that frame has no camera.
     pub fn scene<T>(&self, see: impl FnOnce(&Scene) -> T) -> Option<T> {
         let first = self.frames.first().copied().unwrap_or_default();
-        Preview::new(&self.sequence).scene_of(first, see)
+        Preview::with_rays(&self.sequence).scene_of(first, see)
     }
 
     /// The possible layerings with their numbers of film layers, in ascending order; each number occurs once, and the

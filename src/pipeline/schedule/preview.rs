@@ -14,7 +14,7 @@ use crate::scene::{Digests, Geometry, Scene, Shading, Weights};
 use crate::sequence::Sequence;
 use crate::trace::{Moment, Weightings, is_random};
 use crate::track::Animated;
-use crate::world::{Current, Now};
+use crate::world::{Current, Now, ShapeUse};
 use bevy_ecs::change_detection::{DetectChanges, Tick};
 use bevy_ecs::schedule::Schedule;
 use bevy_ecs::world::World;
@@ -68,6 +68,13 @@ impl Preview {
             digests: Digests::default(),
             shading_tick: None,
         }
+    }
+
+    /// A preview whose scenes have the meshes and trees that rays need.
+    pub fn with_rays(sequence: &Sequence) -> Self {
+        let mut preview = Self::new(sequence);
+        preview.world.insert_resource(ShapeUse::Rays);
+        preview
     }
 
     /// Evaluates a frame without regard to other frames of the same film.
