@@ -188,9 +188,17 @@ fn ray_count(camera: u64, exact: bool, all: Option<u64>) -> String {
 }
 
 fn memory(report: &PlanReport) -> Vec<String> {
-    let kept = units::bytes(report.plan.kept_bytes());
-    vec![
-        format!("{kept} for films that later frames reuse, of at most {}", units::bytes(report.cache_budget)),
-        format!("{} for pictures that wait for the encoder", units::bytes(report.pending_bytes)),
-    ]
+    let (kept, shared) = (units::bytes(report.plan.kept_bytes()), report.plan.shared_bytes());
+    let mut lines = vec![format!(
+        "{kept} for films that later frames reuse, of at most {}",
+        units::bytes(report.cache_budget)
+    )];
+    if shared > 0 {
+        let (shared, scenes) = (units::bytes(shared), units::bytes(report.plan.scenes_budget()));
+        lines.push(format!(
+            "{shared} for films that share paths, at most {scenes} for copies of their scenes"
+        ));
+    }
+    lines.push(format!("{} for pictures that wait for the encoder", units::bytes(report.pending_bytes)));
+    lines
 }

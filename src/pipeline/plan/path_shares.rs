@@ -51,7 +51,7 @@ fn share(sequence: &Sequence, plan: &Plan, (first, films): (usize, usize), sampl
     let lit: Vec<LayerId> = Plan::lit(films);
     let small = downscaled(sequence, states[0], samples);
     let mut frames = FrameLoop::new(&small, NullSink, Arc::new(ProgressMeter::default()));
-    let traced = frames.trace_together(&states, &lit, plan.cache.scenes()).unwrap_or_default();
+    let traced = frames.trace_together(&states, &lit, plan.scenes_budget()).unwrap_or_default();
     let SharedPaths { retraced, .. } = frames.stats().counts.paths;
     let all = frames.stats().counts.paths.total();
     match traced.len() {

@@ -16,8 +16,9 @@ pub struct Plan {
     pub films: Vec<SharedFilm>,
     /// Index of the film of each frame.
     pub film_of: Vec<usize>,
-    /// Whether films may share paths. They do not if they are sampled until they reach a target error.
-    pub shares_paths: bool,
+    /// Bytes for films that share paths and for copies of their scenes: the part of the budget that cached films leave. 0
+    /// if no films share paths; they do not if they are sampled until they reach a target error.
+    pub(super) sharing_budget: u64,
 }
 
 impl Plan {
@@ -31,13 +32,15 @@ impl Plan {
     pub fn from_states(states: FrameStates, sequence: &Sequence, aovs: AovSet, budget: u64) -> Self {
         let cache = FilmCache::of(sequence, aovs, budget);
         let (films, film_of) = shared_films(&states.frames, &cache);
-        Self { states, cache, films, film_of, shares_paths: sequence.quality.noise.is_none() }
+        let plan = Self { states, cache, films, film_of, sharing_budget: 0 };
+        let free = plan.cache.budget.saturating_sub(plan.kept_bytes());
+        Self { sharing_budget: if sequence.quality.noise.is_none() { free } else { 0 }, ..plan }
     }
 
     /// The plan if no films share paths. The time of such a plan can be predicted from a few blocks of pixels, so runs with
     /// a time limit use it.
     pub fn without_shared_paths(self) -> Self {
-        Self { shares_paths: false, ..self }
+        Self { sharing_budget: 0, ..self }
     }
 
     /// Number of frames that reuse the film of another frame.
@@ -46,11 +49,11 @@ impl Plan {
     }
 
     /// The number of films from number `first` on that may share paths: they differ in objects and their materials only.
-    /// The film cache has room for all of them.
+    /// The film cache has room for all of them. At most one if films share no paths.
     pub fn together(&self, first: usize) -> usize {
         let state = |film: usize| &self.states.frames[self.films[film].frames[0]];
         let surroundings = state(first).surroundings;
-        if !self.shares_paths || surroundings.is_none() {
+        if surroundings.is_none() {
             return 1;
         }
         let mut lit: BTreeSet<LayerId> = BTreeSet::new();
@@ -59,12 +62,31 @@ impl Plan {
             lit.extend(&self.films[film].lit);
             let bytes = self.cache.bytes(lit.len()).saturating_mul(count as u64 + 1);
             let is_alike = state(film).surroundings == surroundings && state(film).fault.is_none();
-            if !is_alike || bytes > self.cache.budget - self.cache.scenes() {
+            if !is_alike || bytes > self.sharing_budget - self.scenes_budget() {
                 break;
             }
             count += 1;
         }
         count
+    }
+
+    /// Bytes for copies of scenes while films share paths.
+    pub fn scenes_budget(&self) -> u64 {
+        self.sharing_budget / 4
+    }
+
+    /// Maximum bytes of films that are traced together.
+    pub fn shared_bytes(&self) -> u64 {
+        let (mut most, mut first) = (0, 0);
+        while first < self.films.len() {
+            let count = self.together(first).max(1);
+            if count > 1 {
+                let lit = Self::lit(&self.films[first..first + count]).len();
+                most = most.max(self.cache.bytes(lit).saturating_mul(count as u64));
+            }
+            first += count;
+        }
+        most
     }
 
     /// The layers that any of these films holds, ascending.

@@ -69,7 +69,7 @@ fn trace_together<S: FilmSink>(
     }
     let films = &plan.films[first..first + together];
     let states: Vec<&FrameState> = films.iter().map(|film| &plan.states.frames[film.frames[0]]).collect();
-    let traced = frames.trace_together(&states, &Plan::lit(films), plan.cache.scenes())?;
+    let traced = frames.trace_together(&states, &Plan::lit(films), plan.scenes_budget())?;
     let next = first + if traced.is_empty() { together } else { traced.len() };
     kept.extend((first..).zip(traced));
     Ok(next)

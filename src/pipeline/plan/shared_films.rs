@@ -36,11 +36,6 @@ impl FilmCache {
         Self { pixels: u64::from(width) * u64::from(height), aovs: aovs.layers() as u64, budget }
     }
 
-    /// The part of the budget that copies of scenes may take while films are traced together.
-    pub fn scenes(&self) -> u64 {
-        self.budget / 4
-    }
-
     /// Bytes of a film with this number of light layers.
     pub fn bytes(&self, lit: usize) -> u64 {
         let layer = size_of::<Rgb>() as u64;

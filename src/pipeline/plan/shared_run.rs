@@ -61,7 +61,7 @@ pub fn run_shared(
             let (films, film_of) = shared_films(&states, &cache);
             let wanted = states.len();
             let begun = run(
-                &Plan { states: FrameStates { frames: states }, cache, films, film_of, shares_paths: false },
+                &Plan { states: FrameStates { frames: states }, cache, films, film_of, sharing_budget: 0 },
                 frames,
                 &on,
             )?;
