@@ -380,7 +380,7 @@ dropped undefined   2
         let wanted = concat!(
             r#"{"event":"summary","files":["out/orbit_####.png","out/\"orbit\".gif"],"frames":72,"kept":0,"reused":0,"#,
             r#""elapsed_s":10.44,"tracing_cpu_s":19.84,"rays":{"camera":66355200,"mirror":20481,"transmitted":0,"scattered":0,"shadow":9,"#,
-            r#""total":66375690},"evaluations":{"fog":0,"paint":0,"light_samples":0,"lens_samples":0},"#,
+            r#""total":66375690},"paths":{"reused":0,"retraced":0},"evaluations":{"fog":0,"paint":0,"light_samples":0,"lens_samples":0},"#,
             r#""dropped_samples":{"undefined":0,"infinite":0,"negative":0},"noise":{},"#,
             r#""bvh_builds":1,"bvh_refits":0,"bvh_updates":1,"expected":{},"stages_s":{"animate":0.001,"trace":9.87},"notes":["a draft"]}"#,
         );

@@ -75,16 +75,22 @@ pub fn timed_columns(
     table: &Table,
     place: &Range<usize>,
 ) -> Option<(ColumnName, PoseColumns)> {
-    let columns = columns(fields, table, place)?;
-    let Some(time) = columns.time.clone() else {
-        report_missing(fields, table, place, "no column of times `t` or `time`", "`time: \"name\"`");
-        return None;
-    };
-    Some((time, columns))
+    let columns = read_columns(fields, table, place, true)?;
+    Some((columns.time.clone()?, columns))
 }
 
 /// Reads the names of columns. Those that the file does not name have their usual names.
 pub fn columns(fields: &mut Fields<'_>, table: &Table, place: &Range<usize>) -> Option<PoseColumns> {
+    read_columns(fields, table, place, false)
+}
+
+/// [`columns`]. `is_timed` states whether there must be a column of times.
+fn read_columns(
+    fields: &mut Fields<'_>,
+    table: &Table,
+    place: &Range<usize>,
+    is_timed: bool,
+) -> Option<PoseColumns> {
     let usual = |name: &str| ColumnName { name: name.to_owned(), place: place.clone() };
     let time = fields.optional("time", column);
     let position = fields.optional("position", |node| each(tuple(node, "three names of columns")?, column));
@@ -97,6 +103,10 @@ pub fn columns(fields: &mut Fields<'_>, table: &Table, place: &Range<usize>) -> 
     }
     let has_all = |names: &[&str]| names.iter().all(|name| table.has(name));
     let time = time.or_else(|| TIMES.into_iter().find(|name| table.has(name)).map(usual));
+    if is_timed && time.is_none() {
+        report_missing(fields, table, place, "no column of times `t` or `time`", "`time: \"name\"`");
+        return None;
+    }
     let rotation = rotation.or_else(|| {
         if has_all(&QUATERNION) {
             return Some(RotationColumns::Quaternion(QUATERNION.map(usual)));

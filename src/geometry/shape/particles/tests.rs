@@ -47,7 +47,7 @@ fn the_tree_finds_what_every_sphere_finds() {
             assert_eq!(surface, own);
             assert_eq!(all.uv_at(surface.point, at.part), spheres[at.part as usize].uv_at(surface.point, 0));
         }
-        assert!(hits > 100 * usize::from(count > 1), "{hits}");
+        assert!(count < 7 || hits > 20, "{hits} of {count}");
     }
 }
 
