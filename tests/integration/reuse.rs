@@ -377,7 +377,7 @@ fn plans_expect_shared_paths() {
     assert!((0.75..1.33).contains(&rays), "{rays}");
     let known = plan::RayEstimate::of(&sequence, &plan);
     assert_eq!(known.camera, 200 * 150 * 4 * plan.films.len() as u64);
-    assert!(expected.camera < known.camera && known.camera == expected.camera_alone);
+    assert!(expected.camera < known.camera && known.camera <= expected.camera_alone);
     let outlook = run_pilot(&sequence, &plan, AovSet::default(), PilotTime::PLAN, TimeSource::Rays(1e-6));
     let ratio = outlook.forecast(&sequence.quality).camera / found.counts.rays.camera as f64;
     assert!((0.75..1.33).contains(&ratio), "{ratio}");
