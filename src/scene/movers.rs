@@ -11,14 +11,14 @@ use crate::geometry::shape::RayInterval;
 use std::collections::HashMap;
 
 /// A set of up to 64 frames, one bit each.
-pub type FrameSet = u64;
+pub type FrameMask = u64;
 
 /// A scene at one moment of one of several frames.
 #[derive(Clone, Copy, Debug)]
-pub struct Pose<'a> {
+pub struct MoverPose<'a> {
     pub scene: Scene<'a>,
     /// The frame, as a set of one.
-    pub frame: FrameSet,
+    pub frame: FrameMask,
     /// The moment of the shutter; none if the frame has only one.
     pub moment: Option<u32>,
 }
@@ -64,7 +64,7 @@ impl<'a> Slot<'a> {
 #[derive(Debug)]
 struct Mover<'a> {
     primitive: &'a Primitive,
-    frames: FrameSet,
+    frames: FrameMask,
     moment: Option<u32>,
 }
 
@@ -80,7 +80,7 @@ pub struct Movers<'a> {
 
 impl<'a> Movers<'a> {
     /// The primitives in these slots, in all poses.
-    pub fn new(poses: &[Pose<'a>], slots: &[u32]) -> Self {
+    pub fn new(poses: &[MoverPose<'a>], slots: &[u32]) -> Self {
         let mut all: Vec<Mover> = Vec::new();
         for &slot in slots {
             // The mover that each moment has seen last: while it rests, it is one mover.
@@ -111,9 +111,9 @@ impl<'a> Movers<'a> {
         ray: &TraversalRay,
         within: RayInterval<f64>,
         test: MoverTest,
-        (known, moment): (FrameSet, u32),
+        (known, moment): (FrameMask, u32),
         stack: &mut Stack,
-    ) -> FrameSet {
+    ) -> FrameMask {
         let mut search = Search { movers: self, ray, within, test, moment, frames: known };
         for index in self.bounded..self.all.len() {
             search.test::<L>(index);
@@ -141,7 +141,7 @@ struct Search<'a> {
     within: RayInterval<f64>,
     test: MoverTest,
     moment: u32,
-    frames: FrameSet,
+    frames: FrameMask,
 }
 
 impl Search<'_> {

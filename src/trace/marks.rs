@@ -12,24 +12,24 @@ use crate::base::lanes::{Level, Lookup, Mask, Row, SimdKernel, lanes};
 use crate::base::math::{DVec3, Ray};
 use crate::geometry::bvh::{Stack, TraversalRay};
 use crate::geometry::shape::{RayInterval, StoredRays};
-use crate::scene::movers::{FrameSet, MoverTest, Movers};
+use crate::scene::movers::{FrameMask, MoverTest, Movers};
 use crate::scene::top_level::NOTHING;
 
 /// The marks of the samples of a wave.
 #[derive(Default)]
 pub struct Marks {
     /// The frames of each sample.
-    pub frames: Vec<FrameSet>,
+    pub frames: Vec<FrameMask>,
     /// The moment of each sample, if frames have several.
     pub moments: Vec<u32>,
     /// All frames.
-    pub all: FrameSet,
+    pub all: FrameMask,
     stack: Stack,
 }
 
 impl Marks {
     /// Clears the marks for samples of these moments.
-    pub fn reset(&mut self, all: FrameSet, moments: impl Iterator<Item = u32>) {
+    pub fn reset(&mut self, all: FrameMask, moments: impl Iterator<Item = u32>) {
         self.all = all;
         self.moments.clear();
         self.moments.extend(moments);

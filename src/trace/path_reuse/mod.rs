@@ -19,14 +19,14 @@ use crate::base::color::Rgb;
 use crate::base::stats::{Counts, ProgressMeter, SharedPaths};
 use crate::film::Film;
 use crate::scene::Scene;
-use crate::scene::movers::{FrameSet, Movers, Pose, has_moving_source, moving_slots, without};
+use crate::scene::movers::{FrameMask, MoverPose, Movers, has_moving_source, moving_slots, without};
 use crate::scene::top_level::Bvh;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use tile::TileTracer;
 
 /// The most frames that are traced together.
-pub const MAX_FRAMES: usize = FrameSet::BITS as usize;
+pub const MAX_FRAMES: usize = FrameMask::BITS as usize;
 
 /// Below this gain in paths, frames are not traced together. It pays for the tests of segments.
 const MIN_GAIN: f64 = 1.2;
@@ -47,9 +47,9 @@ pub struct FramePose<'a> {
 }
 
 impl<'a> FramePose<'a> {
-    fn pose(&self) -> Pose<'a> {
+    fn pose(&self) -> MoverPose<'a> {
         let moment = (self.moment != Moment::ONLY).then_some(self.moment.index);
-        Pose { scene: self.scene, frame: 1 << self.frame, moment }
+        MoverPose { scene: self.scene, frame: 1 << self.frame, moment }
     }
 
     /// Whether samples are random.
@@ -96,7 +96,7 @@ impl<'a> SharedFrames<'a> {
         let still = poses.first().map_or_else(Bvh::default, |first| {
             Bvh::build(&without(first.scene.geometry, &slots)).with_reach(first.bvh.reach())
         });
-        let all: Vec<Pose> = poses.iter().map(FramePose::pose).collect();
+        let all: Vec<MoverPose> = poses.iter().map(FramePose::pose).collect();
         let count = poses.last().map_or(0, |last| last.frame + 1);
         Self { poses, settings, count, still, movers: Movers::new(&all, &slots) }
     }

@@ -7,7 +7,7 @@ use super::super::wavefront::{ScratchBuffer, WAVE};
 use crate::base::math::DVec3;
 use crate::base::stats::{Counts, Dropped};
 use crate::sampling::PixelSampler;
-use crate::scene::movers::FrameSet;
+use crate::scene::movers::FrameMask;
 
 /// The samples of pixels, one pixel after the other.
 pub struct SharedSamples<'p> {
@@ -18,7 +18,7 @@ pub struct SharedSamples<'p> {
     /// The light of each sample in each layer, without movers.
     light: Vec<DVec3>,
     /// The frames in which the light of each sample may differ.
-    pub frames: Vec<FrameSet>,
+    pub frames: Vec<FrameMask>,
     /// The moment of each sample, if frames have several.
     moments: Vec<u32>,
 }
@@ -37,7 +37,7 @@ impl<'p> SharedSamples<'p> {
     pub fn trace(
         shared: &PixelTracer,
         pixels: &'p [(u32, u32)],
-        (all, moments): (FrameSet, u32),
+        (all, moments): (FrameMask, u32),
         counts: &mut Counts,
     ) -> Self {
         let (count, seed, layers) = (shared.count(), shared.context.quality.seed, shared.layers());
@@ -79,7 +79,7 @@ impl<'p> SharedSamples<'p> {
         shared: &PixelTracer,
         scratch: &mut ScratchBuffer,
         (wave, indices): (&mut PixelSamples, &mut Vec<u32>),
-        all: FrameSet,
+        all: FrameMask,
     ) {
         scratch.marks.reset(all, indices.iter().map(|index| self.moments[*index as usize]));
         shared.follow_samples(scratch, wave);
@@ -104,7 +104,7 @@ impl<'p> SharedSamples<'p> {
     pub fn retrace(
         &self,
         whole: &PixelTracer,
-        (frame, moment): (FrameSet, Option<u32>),
+        (frame, moment): (FrameMask, Option<u32>),
         counts: &mut Counts,
     ) -> Retraced {
         let mut again = Retraced::default();

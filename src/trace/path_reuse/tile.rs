@@ -7,7 +7,7 @@ use super::samples::SharedSamples;
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
 use crate::base::stats::Counts;
-use crate::scene::movers::FrameSet;
+use crate::scene::movers::FrameMask;
 use std::collections::HashMap;
 
 /// The most samples that are kept at once, unless a block of pixels has more.
@@ -21,7 +21,7 @@ pub struct TileTracer<'a> {
     /// One for each pose.
     whole: Vec<PixelTracer<'a>>,
     /// All frames, and the number of moments of those that have several.
-    all: FrameSet,
+    all: FrameMask,
     moments: u32,
     held: Vec<usize>,
 }
