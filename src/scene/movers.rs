@@ -8,7 +8,6 @@ use crate::base::color::Rgb;
 use crate::base::lanes::Level;
 use crate::geometry::bvh::{LeafPrimitives, LeafVisitor, Slabs, Stack, TraversalRay, Tree};
 use crate::geometry::shape::RayInterval;
-use std::collections::HashMap;
 
 /// A set of up to 64 frames, one bit each.
 pub type FrameMask = u64;
@@ -60,17 +59,52 @@ impl<'a> Slot<'a> {
     }
 }
 
-/// A primitive that moves, as it is in some poses.
+/// A primitive that moves, as it is in some frames.
 #[derive(Debug)]
 struct Mover<'a> {
     primitive: &'a Primitive,
     frames: FrameMask,
-    moment: Option<u32>,
 }
 
 /// The primitives that differ between poses, each where it is in each of them.
 #[derive(Debug)]
 pub struct Movers<'a> {
+    /// Those of frames with one moment.
+    always: MoverTree<'a>,
+    /// Those of frames with several moments, by the moment.
+    moments: Vec<MoverTree<'a>>,
+}
+
+impl<'a> Movers<'a> {
+    /// The primitives in these slots, in all poses.
+    pub fn new(poses: &[MoverPose<'a>], slots: &[u32]) -> Self {
+        let at = |moment| MoverTree::new(poses.iter().filter(|pose| pose.moment == moment), slots);
+        let count = poses.iter().filter_map(|pose| pose.moment).max().map_or(0, |last| last + 1);
+        Self { always: at(None), moments: (0..count).map(|moment| at(Some(moment))).collect() }
+    }
+
+    /// The frames in which a ray may meet a mover within bounds, besides those that are `known`. Of frames with several
+    /// moments, only `moment` counts.
+    #[inline(always)]
+    pub fn frames_met<L: Level>(
+        &self,
+        ray: &TraversalRay,
+        within: RayInterval<f64>,
+        test: MoverTest,
+        (known, moment): (FrameMask, u32),
+        stack: &mut Stack,
+    ) -> FrameMask {
+        let known = self.always.frames_met::<L>(ray, within, test, known, stack);
+        match self.moments.get(moment as usize) {
+            Some(movers) => movers.frames_met::<L>(ray, within, test, known, stack),
+            None => known,
+        }
+    }
+}
+
+/// The movers of poses, in a tree.
+#[derive(Debug)]
+struct MoverTree<'a> {
     /// Over the bounded ones, which come first.
     tree: Tree,
     leaves: LeafPrimitives,
@@ -78,21 +112,23 @@ pub struct Movers<'a> {
     bounded: usize,
 }
 
-impl<'a> Movers<'a> {
-    /// The primitives in these slots, in all poses.
-    pub fn new(poses: &[MoverPose<'a>], slots: &[u32]) -> Self {
+impl<'a> MoverTree<'a> {
+    fn new<'p>(poses: impl Iterator<Item = &'p MoverPose<'a>> + Clone, slots: &[u32]) -> Self
+    where
+        'a: 'p,
+    {
         let mut all: Vec<Mover> = Vec::new();
         for &slot in slots {
-            // The mover that each moment has seen last: while it rests, it is one mover.
-            let mut last: HashMap<Option<u32>, usize> = HashMap::new();
-            for pose in poses {
+            // While a primitive rests, it is one mover.
+            let mut last: Option<usize> = None;
+            for pose in poses.clone() {
                 let primitive = &pose.scene.geometry.primitives[slot as usize];
-                match last.get(&pose.moment) {
+                match last {
                     _ if primitive.is_empty() => {}
-                    Some(&at) if all[at].primitive == primitive => all[at].frames |= pose.frame,
+                    Some(at) if all[at].primitive == primitive => all[at].frames |= pose.frame,
                     _ => {
-                        last.insert(pose.moment, all.len());
-                        all.push(Mover { primitive, frames: pose.frame, moment: pose.moment });
+                        last = Some(all.len());
+                        all.push(Mover { primitive, frames: pose.frame });
                     }
                 }
             }
@@ -103,18 +139,16 @@ impl<'a> Movers<'a> {
         Self { tree, leaves, all, bounded: boxes.len() }
     }
 
-    /// The frames in which a ray may meet a mover within bounds, besides those that are `known`. Frames whose moments
-    /// differ from `moment` do not count.
     #[inline(always)]
-    pub fn frames_met<L: Level>(
+    fn frames_met<L: Level>(
         &self,
         ray: &TraversalRay,
         within: RayInterval<f64>,
         test: MoverTest,
-        (known, moment): (FrameMask, u32),
+        known: FrameMask,
         stack: &mut Stack,
     ) -> FrameMask {
-        let mut search = Search { movers: self, ray, within, test, moment, frames: known };
+        let mut search = Search { movers: self, ray, within, test, frames: known };
         for index in self.bounded..self.all.len() {
             search.test::<L>(index);
         }
@@ -136,11 +170,10 @@ pub enum MoverTest {
 }
 
 struct Search<'a> {
-    movers: &'a Movers<'a>,
+    movers: &'a MoverTree<'a>,
     ray: &'a TraversalRay,
     within: RayInterval<f64>,
     test: MoverTest,
-    moment: u32,
     frames: FrameMask,
 }
 
@@ -148,8 +181,7 @@ impl Search<'_> {
     #[inline(always)]
     fn test<L: Level>(&mut self, index: usize) {
         let mover = &self.movers.all[index];
-        let is_new = mover.frames & !self.frames != 0;
-        if !is_new || mover.moment.is_some_and(|moment| moment != self.moment) {
+        if mover.frames & !self.frames == 0 {
             return;
         }
         let meets = match self.test {

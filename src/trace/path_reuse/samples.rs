@@ -21,6 +21,8 @@ pub struct SharedSamples<'p> {
     pub frames: Vec<FrameMask>,
     /// The moment of each sample, if frames have several.
     moments: Vec<u32>,
+    /// The samples of each moment, ascending, if frames have several.
+    by_moment: Vec<Vec<u32>>,
 }
 
 /// Samples of a frame that were traced again.
@@ -53,7 +55,14 @@ impl<'p> SharedSamples<'p> {
             light: vec![DVec3::ZERO; size * layers],
             frames: vec![0; size],
             moments: if moments > 1 { (0..size).map(moment).collect() } else { vec![0; size] },
+            by_moment: Vec::new(),
         };
+        if moments > 1 {
+            samples.by_moment.resize(moments as usize, Vec::new());
+            for (index, moment) in (0..).zip(&samples.moments) {
+                samples.by_moment[*moment as usize].push(index);
+            }
+        }
         let mut scratch = shared.take_scratch();
         let (mut wave, mut indices) = scratch.take_samples();
         shared.each_group(pixels, &SampleSet { samples: 0..count, seed }, |group| {
@@ -108,11 +117,13 @@ impl<'p> SharedSamples<'p> {
         counts: &mut Counts,
     ) -> Retraced {
         let mut again = Retraced::default();
-        let differs = |index: &u32| {
-            let index = *index as usize;
-            self.frames[index] & frame != 0 && self.is_at(index, moment)
-        };
-        again.samples.extend((0..self.frames.len() as u32).filter(differs));
+        let differs = |index: &u32| self.frames[*index as usize] & frame != 0;
+        match moment {
+            None => again.samples.extend((0..self.frames.len() as u32).filter(differs)),
+            Some(moment) => {
+                again.samples.extend(self.by_moment[moment as usize].iter().copied().filter(differs))
+            }
+        }
         if again.samples.is_empty() {
             return again;
         }
@@ -149,7 +160,7 @@ impl<'p> SharedSamples<'p> {
 
     /// The number of a frame's samples at a moment.
     pub fn len_at(&self, moment: Option<u32>) -> u64 {
-        (0..self.frames.len()).filter(|index| self.is_at(*index, moment)).count() as u64
+        moment.map_or(self.frames.len(), |moment| self.by_moment[moment as usize].len()) as u64
     }
 
     /// The sums of the pixels at a moment, without movers.
