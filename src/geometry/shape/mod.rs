@@ -21,6 +21,7 @@ mod memory;
 mod mesh;
 mod nearest_part;
 mod parameters;
+mod part_search;
 mod particles;
 mod plane;
 mod rectangle;

@@ -10,6 +10,7 @@ use crate::base::math::{Aabb, DAffine3, DVec2, DVec3, LaneRay};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::mesh::ArrayKey;
 use crate::geometry::shape::geometric::largest_product;
+use crate::geometry::shape::part_search::PartSearch;
 use crate::geometry::shape::triangle::{TriangleLanes, uniform_weights};
 use crate::geometry::shape::{
     Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, ShapeHit, StoredRays, store_lanes,
@@ -89,15 +90,11 @@ impl Geometric for Mesh {
 
     /// Of equally near triangles, the one with the lowest index.
     fn intersect_one(&self, ray: &TraversalRay, within: RayInterval<f64>) -> Option<ShapeHit> {
-        let mut search = ClosestTriangle::new(self, ray, within);
-        self.mesh.tree().walk(ray, within.max, &mut search);
-        search.nearest.hit
+        ClosestTriangle::new(self, ray, within).search()
     }
 
     fn occludes_one(&self, ray: &TraversalRay, within: RayInterval<f64>) -> bool {
-        let mut any = AnyTriangle::new(self, ray, within);
-        self.mesh.tree().walk(ray, within.max, &mut any);
-        any.found
+        AnyTriangle::new(self, ray, within).search()
     }
 
     #[inline(always)]

@@ -2,9 +2,10 @@
 
 use super::Mesh;
 use crate::base::lanes::{Level, Row, SimdKernel};
-use crate::geometry::bvh::{LeafVisitor, Slabs, Stack, TraversalRay};
+use crate::geometry::bvh::{LeafVisitor, Slabs, Stack, TraversalRay, Tree};
 use crate::geometry::mesh::ShearedRay;
 use crate::geometry::shape::nearest_part::NearestPart;
+use crate::geometry::shape::part_search::PartSearch;
 use crate::geometry::shape::triangle::{TriangleLanes, covers};
 use crate::geometry::shape::{PreparedRay, RayInterval, ShapeHit};
 
@@ -23,7 +24,7 @@ impl Mesh {
         within: RayInterval<f64>,
         stack: &mut Stack,
     ) -> Option<ShapeHit> {
-        L::Narrow::call(MeshWalk { search: ClosestTriangle::new(self, ray, within), stack })
+        ClosestTriangle::new(self, ray, within).search_on::<L>(stack)
     }
 
     /// [`Geometric::occludes_one`](crate::geometry::shape::Geometric::occludes_one) within a kernel that already runs on a level.
@@ -34,7 +35,7 @@ impl Mesh {
         within: RayInterval<f64>,
         stack: &mut Stack,
     ) -> bool {
-        L::Narrow::call(MeshWalk { search: AnyTriangle::new(self, ray, within), stack })
+        AnyTriangle::new(self, ray, within).search_on::<L>(stack)
     }
 }
 
@@ -79,31 +80,51 @@ struct EveryTriangle<'a> {
     take: &'a mut dyn FnMut(ShapeHit),
 }
 
-/// A search from the root.
-struct MeshWalk<'a, S> {
-    search: S,
-    stack: &'a mut Stack,
-}
-
-impl SimdKernel for MeshWalk<'_, ClosestTriangle<'_>> {
-    type Output = Option<ShapeHit>;
+impl<'a> PartSearch<'a> for ClosestTriangle<'a> {
+    type Found = Option<ShapeHit>;
 
     #[inline(always)]
-    fn run<L: Level>(mut self) -> Option<ShapeHit> {
-        let ClosestTriangle { mesh: Mesh { mesh, .. }, ray, nearest, .. } = self.search;
-        mesh.tree().walk_on::<L>(ray, nearest.within.max, &mut self.search, self.stack);
-        self.search.nearest.hit
+    fn tree(&self) -> &'a Tree {
+        self.mesh.mesh.tree()
+    }
+
+    #[inline(always)]
+    fn ray(&self) -> &'a TraversalRay {
+        self.ray
+    }
+
+    #[inline(always)]
+    fn t_max(&self) -> f64 {
+        self.nearest.within.max
+    }
+
+    #[inline(always)]
+    fn found(self) -> Option<ShapeHit> {
+        self.nearest.hit
     }
 }
 
-impl SimdKernel for MeshWalk<'_, AnyTriangle<'_>> {
-    type Output = bool;
+impl<'a> PartSearch<'a> for AnyTriangle<'a> {
+    type Found = bool;
 
     #[inline(always)]
-    fn run<L: Level>(mut self) -> bool {
-        let AnyTriangle { mesh: Mesh { mesh, .. }, ray, within, .. } = self.search;
-        mesh.tree().walk_on::<L>(ray, within.max, &mut self.search, self.stack);
-        self.search.found
+    fn tree(&self) -> &'a Tree {
+        self.mesh.mesh.tree()
+    }
+
+    #[inline(always)]
+    fn ray(&self) -> &'a TraversalRay {
+        self.ray
+    }
+
+    #[inline(always)]
+    fn t_max(&self) -> f64 {
+        self.within.max
+    }
+
+    #[inline(always)]
+    fn found(self) -> bool {
+        self.found
     }
 }
 

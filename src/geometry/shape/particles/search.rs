@@ -2,9 +2,10 @@
 
 use super::Particles;
 use crate::base::lanes::{Level, Mask, Row, SimdKernel, lanes};
-use crate::geometry::bvh::{LeafVisitor, Slabs, Stack, TraversalRay};
+use crate::geometry::bvh::{LeafVisitor, Slabs, Stack, TraversalRay, Tree};
 use crate::geometry::shape::ParticleSet;
 use crate::geometry::shape::nearest_part::NearestPart;
+use crate::geometry::shape::part_search::PartSearch;
 use crate::geometry::shape::{Geometric, PreparedRay, RayInterval, ShapeHit};
 
 impl Particles {
@@ -18,8 +19,7 @@ impl Particles {
     ) -> Option<ShapeHit> {
         let set = &*self.0;
         let range = PreparedRay::splat(ray).coincidence_range(set.tree().space().reach());
-        let search = Closest { set, ray, nearest: NearestPart::new(within, range) };
-        L::Narrow::call(Walk { search, stack })
+        Closest { set, ray, nearest: NearestPart::new(within, range) }.search_on::<L>(stack)
     }
 
     /// Whether there is a sphere within bounds.
@@ -30,7 +30,7 @@ impl Particles {
         within: RayInterval<f64>,
         stack: &mut Stack,
     ) -> bool {
-        L::Narrow::call(Walk { search: Any { set: &self.0, ray, within, found: false }, stack })
+        Any { set: &self.0, ray, within, found: false }.search_on::<L>(stack)
     }
 
     /// Passes all hits within bounds to `take`, in no particular order.
@@ -63,31 +63,51 @@ struct Every<'a> {
     take: &'a mut dyn FnMut(ShapeHit),
 }
 
-/// A search from the root.
-struct Walk<'a, S> {
-    search: S,
-    stack: &'a mut Stack,
-}
-
-impl SimdKernel for Walk<'_, Closest<'_>> {
-    type Output = Option<ShapeHit>;
+impl<'a> PartSearch<'a> for Closest<'a> {
+    type Found = Option<ShapeHit>;
 
     #[inline(always)]
-    fn run<L: Level>(mut self) -> Option<ShapeHit> {
-        let Closest { set, ray, nearest } = self.search;
-        set.tree().walk_on::<L>(ray, nearest.within.max, &mut self.search, self.stack);
-        self.search.nearest.hit
+    fn tree(&self) -> &'a Tree {
+        self.set.tree()
+    }
+
+    #[inline(always)]
+    fn ray(&self) -> &'a TraversalRay {
+        self.ray
+    }
+
+    #[inline(always)]
+    fn t_max(&self) -> f64 {
+        self.nearest.within.max
+    }
+
+    #[inline(always)]
+    fn found(self) -> Option<ShapeHit> {
+        self.nearest.hit
     }
 }
 
-impl SimdKernel for Walk<'_, Any<'_>> {
-    type Output = bool;
+impl<'a> PartSearch<'a> for Any<'a> {
+    type Found = bool;
 
     #[inline(always)]
-    fn run<L: Level>(mut self) -> bool {
-        let Any { set, ray, within, .. } = self.search;
-        set.tree().walk_on::<L>(ray, within.max, &mut self.search, self.stack);
-        self.search.found
+    fn tree(&self) -> &'a Tree {
+        self.set.tree()
+    }
+
+    #[inline(always)]
+    fn ray(&self) -> &'a TraversalRay {
+        self.ray
+    }
+
+    #[inline(always)]
+    fn t_max(&self) -> f64 {
+        self.within.max
+    }
+
+    #[inline(always)]
+    fn found(self) -> bool {
+        self.found
     }
 }
 
