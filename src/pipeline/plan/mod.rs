@@ -10,6 +10,7 @@
 //!
 //! A plan never changes a picture: a frame that is rendered alone has the same bytes.
 
+mod camera_rays;
 mod changes;
 mod effects;
 mod evaluate;
@@ -24,13 +25,14 @@ mod shared_run;
 #[cfg(test)]
 mod tests;
 
+pub use camera_rays::camera_rays;
 pub use changes::{AnimatedPart, Changes};
 pub use effects::{EffectSource, SceneEffect};
 pub use evaluate::{FrameStates, evaluate, evaluate_until, with_shared};
 pub use outline::{FrameSpan, Outline, Reason, outline};
 pub use outlook::{FilmForecast, Outlook, PilotTime, Range, RunForecast, run_pilot};
 pub use ray_estimate::{
-    CostEstimate, NullSink, PilotBudget, RayEstimate, camera_rays, cost_estimate, downscaled, estimate_rays,
+    CostEstimate, NullSink, PilotBudget, RayEstimate, cost_estimate, downscaled, estimate_rays,
 };
 pub use render_plan::Plan;
 pub use run::run;

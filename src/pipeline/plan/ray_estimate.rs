@@ -4,6 +4,7 @@
 //! scales the counts. The number of camera rays is exact if the number of samples is set. With a target error it is a
 //! lower bound; an [`outlook`](super::outlook) estimates the real number.
 
+use super::camera_rays::camera_rays;
 use super::path_shares::path_shares;
 use super::render_plan::Plan;
 use crate::base::stats::ProgressMeter;
@@ -119,18 +120,6 @@ pub fn cost_estimate(sequence: &Sequence, plan: &Plan, budget: PilotBudget) -> C
 
 /// A frame state, and the layers that are traced.
 type LitFrame<'a> = (&'a FrameState, Vec<LayerId>);
-
-/// Camera rays of a film. With a target error, this is the minimum.
-pub fn camera_rays(sequence: &Sequence, state: &FrameState) -> u64 {
-    let (width, height) = sequence.output.size;
-    let quality = &sequence.quality;
-    let each = match quality.noise {
-        _ if !state.random => quality.antialias * quality.antialias,
-        Some(target) => target.most.min(MIN_SAMPLES),
-        None => quality.samples,
-    };
-    if state.fault.is_some() { 0 } else { u64::from(width) * u64::from(height) * u64::from(each) }
-}
 
 /// Extrapolates the rays of all films from some of them. None without a pilot.
 fn counted_up(sequence: &Sequence, films: &[LitFrame], trials: &[Trial]) -> Option<u64> {
