@@ -26,7 +26,7 @@ fn free_in(read: impl Fn(&Path) -> Option<String>) -> u64 {
     [allowed, cgroup::free_memory(read)].into_iter().flatten().fold(free, u64::min)
 }
 
-/// Up to this number of bytes, asking for the free memory takes more than what is asked for.
+/// Smaller needs than this are not checked: reading the free memory takes longer than such work.
 const LITTLE: u64 = 4096;
 
 /// Checks that `needed` bytes of memory are free.

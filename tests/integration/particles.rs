@@ -137,8 +137,8 @@ fn threads_and_shards_write_the_same_frames() {
     assert_eq!(all.len(), 5);
     assert!(all == contents(&folder.path().join("two")));
     put(folder.path(), "spray.csv", &ROWS.replace("4,1,-2", "4,1,two"));
-    let told = refused(folder.path(), &["check", "a.ron"]);
-    assert!(told.contains("line 7, column \"x\": expected a finite number, found `two`"), "{told}");
+    let printed = refused(folder.path(), &["check", "a.ron"]);
+    assert!(printed.contains("line 7, column \"x\": expected a finite number, found `two`"), "{printed}");
 }
 
 #[test]

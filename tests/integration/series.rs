@@ -136,8 +136,8 @@ fn runs_continue_where_files_are_the_same() {
     let first = contents(&folder.path().join("out"));
     assert_eq!(first.len(), 6);
     put(folder.path(), "s_02.ply", &square(1.25));
-    let told = render(&["-t", "2"]);
-    assert!(told.contains("4 ") && told.contains("kept"), "{told}");
+    let printed = render(&["-t", "2"]);
+    assert!(printed.contains("4 ") && printed.contains("kept"), "{printed}");
     let second = contents(&folder.path().join("out"));
     let same: Vec<bool> = first.iter().zip(&second).map(|(a, b)| a == b).collect();
     assert_eq!(same, [true, true, true, true, false, false]);
@@ -202,8 +202,8 @@ fn a_list_of_files_has_times_of_its_own() {
     list(&[step("0", 2), step("0", 0)].concat());
     let shown = text("Mesh(series: \"run/a.pvd\")");
     put(folder.path(), "a.ron", &shown);
-    let told = refused(folder.path(), &["check", "a.ron"]);
-    assert!(told.contains("line 5: line 4 has a file for the time 0 already"), "{told}");
+    let printed = refused(folder.path(), &["check", "a.ron"]);
+    assert!(printed.contains("line 5: line 4 has a file for the time 0 already"), "{printed}");
 }
 
 #[test]
@@ -213,13 +213,13 @@ fn damaged_and_missing_files_are_named_before_the_first_frame() {
     kinora(folder.path(), &["check", "a.ron"]);
     put(folder.path(), "s_01.ply", &square(0.5).replace("3 0 2 3", "3 0 2 9"));
     for command in [&["check", "a.ron"][..], &["render", "a.ron", "-o", "f_#.png"]] {
-        let told = refused(folder.path(), command);
-        assert!(told.contains("cannot read the mesh \"s_01.ply\" of the series"), "{told}");
-        assert!(told.contains("there is no vertex 9"), "{told}");
+        let printed = refused(folder.path(), command);
+        assert!(printed.contains("cannot read the mesh \"s_01.ply\" of the series"), "{printed}");
+        assert!(printed.contains("there is no vertex 9"), "{printed}");
     }
     fs::remove_file(folder.path().join("s_01.ply")).expect("a disk");
-    let told = refused(folder.path(), &["check", "a.ron"]);
-    assert!(told.contains("s_01.ply is missing"), "{told}");
+    let printed = refused(folder.path(), &["check", "a.ron"]);
+    assert!(printed.contains("s_01.ply is missing"), "{printed}");
     assert!(!folder.path().join("f_0.png").exists());
 }
 
@@ -237,11 +237,11 @@ fn files_that_change_meanwhile_are_an_error() {
     );
     frames.frame(2).expect("the second file is the same");
     let error = frames.frame(4).expect_err("the third file is another one");
-    let told = kinora::pipeline::render::RenderError::from(error).to_string();
+    let printed = kinora::pipeline::render::RenderError::from(error).to_string();
     assert!(
-        told.starts_with("frame 4: cannot read the mesh ")
-            && told.ends_with("it has changed since it was checked"),
-        "{told}"
+        printed.starts_with("frame 4: cannot read the mesh ")
+            && printed.ends_with("it has changed since it was checked"),
+        "{printed}"
     );
 }
 
@@ -257,8 +257,8 @@ fn jobs_know_every_file() {
     let arguments = ["render", "a.ron", "--expect", expected, "--frames", "0", "-o", "f_#.png"];
     kinora(folder.path(), &arguments);
     put(folder.path(), "s_02.ply", &square(1.5));
-    let told = refused(folder.path(), &arguments);
-    assert!(told.contains("s_02.ply has changed since"), "{told}");
+    let printed = refused(folder.path(), &arguments);
+    assert!(printed.contains("s_02.ply has changed since"), "{printed}");
 }
 
 #[test]
