@@ -108,6 +108,10 @@ pub fn stl(bytes: &[u8]) {
 /// A VTK file, legacy or XML.
 pub fn vtk(bytes: &[u8]) {
     built(import::vtk::read(bytes));
+    // The same bytes as the list of a parallel program.
+    if let Ok(files) = import::vtk::pieces(bytes) {
+        assert!(!files.is_empty());
+    }
 }
 
 /// A table; its first byte says in which format.

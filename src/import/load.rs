@@ -1,6 +1,7 @@
 //! Mesh files → [`TriangleMesh`].
 
-use super::{LoadProgress, obj, ply, stl, vtk};
+use super::vtk_files::{self, VtkKind};
+use super::{LoadProgress, obj, ply, stl};
 use crate::base::escape;
 use crate::base::files::{self, Root};
 use crate::base::machine;
@@ -11,7 +12,7 @@ use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 /// The maximum size of a mesh file in bytes.
-const MAX_FILE_SIZE: u64 = 8 << 30;
+pub(super) const MAX_FILE_SIZE: u64 = 8 << 30;
 
 /// The maximum size of a material library in bytes. Libraries are text without geometry.
 const MAX_LIBRARY_SIZE: u64 = 64 << 20;
@@ -39,8 +40,20 @@ pub fn load(path: &Path, root: &Root, meter: &LoadProgress) -> Result<TriangleMe
 
 /// Reads the data of a mesh without building its tree. Everything is as for [`load`].
 pub fn load_data(path: &Path, root: &Root, meter: &LoadProgress) -> Result<MeshData, MeshError> {
-    let name = escape::path(path.file_name().unwrap_or(path.as_os_str()));
-    read(path, root, &name, meter)
+    read(path, root, &name(path), meter)
+}
+
+/// [`load_data`] of a mesh that lies in one or several files. Several must be VTK files.
+pub fn load_parts(paths: &[PathBuf], root: &Root, meter: &LoadProgress) -> Result<MeshData, MeshError> {
+    match paths {
+        [path] => load_data(path, root, meter),
+        _ => vtk_files::read(paths, root, meter),
+    }
+}
+
+/// The name of a file for messages.
+pub(super) fn name(path: &Path) -> String {
+    escape::path(path.file_name().unwrap_or(path.as_os_str()))
 }
 
 /// [`load`], with other axes, another origin or unit, or crease normals.
@@ -50,7 +63,7 @@ pub fn load_prepared(
     meter: &LoadProgress,
     preparation: &Preparation,
 ) -> Result<TriangleMesh, MeshError> {
-    let name = escape::path(path.file_name().unwrap_or(path.as_os_str()));
+    let name = name(path);
     let mut parts = load_data(path, root, meter)?;
     if preparation.crease.is_some() {
         let [of_triangle, of_vertex] = CREASE_SIZES;
@@ -70,21 +83,19 @@ pub(super) fn build(parts: MeshData) -> Result<TriangleMesh, MeshError> {
 }
 
 fn read(path: &Path, root: &Root, name: &str, meter: &LoadProgress) -> Result<MeshData, MeshError> {
-    let format = Format::of(path)?;
-    let (file, size) = files::open(path, MAX_FILE_SIZE)?;
-    // The mesh in memory takes about as much as the file, or more.
-    machine::check_memory(size)?;
-    meter.start(format!("loading {name}"), size);
-    let mut input = BufReader::with_capacity(BUFFER_SIZE, MeteredRead { input: file.take(size), meter });
-    match format {
-        Format::Ply => ply::read_sized(input, size),
-        Format::Stl => stl::read(input, size),
-        Format::Vtk => {
-            let mut bytes = Vec::with_capacity(size as usize);
-            input.read_to_end(&mut bytes)?;
-            vtk::read(&bytes)
-        }
+    let open = || -> Result<_, MeshError> {
+        let (file, size) = files::open(path, MAX_FILE_SIZE)?;
+        // The mesh in memory takes about as much as the file, or more.
+        machine::check_memory(size)?;
+        meter.start(format!("loading {name}"), size);
+        let input = MeteredRead { input: file.take(size), meter };
+        Ok((BufReader::with_capacity(BUFFER_SIZE, input), size))
+    };
+    match Format::of(path)? {
+        Format::Ply => open().and_then(|(input, size)| ply::read_sized(input, size)),
+        Format::Stl => open().and_then(|(input, size)| stl::read(input, size)),
         Format::Obj => {
+            let (input, _) = open()?;
             let folder = path.parent().unwrap_or(Path::new(""));
             let libraries = Libraries { folder, root, read: RefCell::default() };
             let mut parts = obj::read(input, &|library| libraries.read(library))?;
@@ -93,6 +104,7 @@ fn read(path: &Path, root: &Root, name: &str, meter: &LoadProgress) -> Result<Me
             }
             Ok(parts)
         }
+        Format::Vtk => vtk_files::read(&[path.to_owned()], root, meter),
     }
 }
 
@@ -109,8 +121,10 @@ impl Format {
             Some(extension) if extension == "obj" => Ok(Self::Obj),
             Some(extension) if extension == "ply" => Ok(Self::Ply),
             Some(extension) if extension == "stl" => Ok(Self::Stl),
-            Some(extension) if ["vtk", "vtp", "vtu"].iter().any(|known| extension == *known) => Ok(Self::Vtk),
-            _ => Err(MeshError::new("meshes are read from .obj, .ply, .stl, .vtk, .vtp and .vtu files")),
+            _ if VtkKind::of(path).is_some() => Ok(Self::Vtk),
+            _ => Err(MeshError::new(
+                "meshes are read from .obj, .ply, .stl, .vtk, .vtp, .vtu, .pvtp and .pvtu files",
+            )),
         }
     }
 }
@@ -171,7 +185,10 @@ mod tests {
         let meter = LoadProgress::default();
         let fault =
             |name: &str| load(name.as_ref(), &Root::anywhere(), &meter).expect_err("a fault").to_string();
-        assert_eq!(fault("mesh.3ds"), "meshes are read from .obj, .ply, .stl, .vtk, .vtp and .vtu files");
+        assert_eq!(
+            fault("mesh.3ds"),
+            "meshes are read from .obj, .ply, .stl, .vtk, .vtp, .vtu, .pvtp and .pvtu files"
+        );
         assert_eq!(fault("no/such/file.obj"), "there is no such file");
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("SPHERE.PLY");

@@ -15,6 +15,8 @@ pub mod series;
 pub mod stl;
 pub mod table;
 pub mod vtk;
+mod vtk_files;
+mod xml_list;
 
-pub use load::{known_format, load, load_data, load_prepared};
+pub use load::{known_format, load, load_data, load_parts, load_prepared};
 pub use progress::LoadProgress;

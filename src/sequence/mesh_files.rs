@@ -49,17 +49,19 @@ impl MeshFiles {
 
     /// Checks the files of a series, or returns the same series of the first time.
     pub fn series(&self, mut files: SeriesFiles) -> Result<Arc<MeshSeries>, Vec<StepError>> {
-        let admitted = files.paths.into_iter().map(|path| {
-            let known = import::known_format(&path).map_err(|error| error.to_string());
+        let mut errors = Vec::new();
+        for path in files.steps.iter_mut().flatten() {
+            let known = import::known_format(path).map_err(|error| error.to_string());
             let admitted =
-                known.and_then(|()| self.root.admit(&path).map_err(|error| files::describe(&error)));
-            admitted.map_err(|why| StepError { path, why })
-        });
-        let (paths, errors): (Vec<_>, Vec<_>) = admitted.partition(Result::is_ok);
-        if !errors.is_empty() {
-            return Err(errors.into_iter().filter_map(Result::err).collect());
+                known.and_then(|()| self.root.admit(path).map_err(|error| files::describe(&error)));
+            match admitted {
+                Ok(admitted) => *path = admitted,
+                Err(why) => errors.push(StepError { path: path.clone(), why }),
+            }
         }
-        files.paths = paths.into_iter().filter_map(Result::ok).collect();
+        if !errors.is_empty() {
+            return Err(errors);
+        }
         let mut read = self.series.borrow_mut();
         if let Some(known) = read.iter().find(|known| known.is_of(&files)) {
             return Ok(Arc::clone(known));

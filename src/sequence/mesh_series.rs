@@ -11,7 +11,7 @@ use crate::base::files;
 use crate::base::time::Time;
 use crate::geometry::mesh::Preparation;
 use crate::import::series::{
-    MeshSeries, NumberRange, NumberedError, SeriesFiles, StepError, StepMix, numbered, read_pvd,
+    MeshSeries, NumberRange, NumberedError, PvdStep, SeriesFiles, StepError, StepMix, numbered, read_pvd,
 };
 use crate::track::{Animated, Ease, Key, Repeat, Track};
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ const MOST_FAULTS: usize = 8;
 
 /// The files that a series names, and their times if it gives these.
 struct Listed {
-    paths: Vec<PathBuf>,
+    steps: Vec<Vec<PathBuf>>,
     times: Option<Vec<Time>>,
 }
 
@@ -49,7 +49,7 @@ pub fn series(fields: &mut Fields<'_>) -> Option<Arc<MeshSeries>> {
         listed(node, numbers?)
     });
     let (listed, name, at) = (listed?, name?, at?);
-    let count = listed.paths.len();
+    let count = listed.steps.len();
     let times = match (at, listed.times) {
         (Some(at), _) => at.of(fields, count)?,
         (None, Some(times)) => times,
@@ -69,7 +69,7 @@ pub fn series(fields: &mut Fields<'_>) -> Option<Arc<MeshSeries>> {
     let shading = normals?;
     let preparation = Preparation { crease: shading.and_then(|shading| shading.crease()), ..preparation? };
     let normals = shading.map(|shading| shading.normals());
-    opened(name, SeriesFiles { paths: listed.paths, track, preparation, normals })
+    opened(name, SeriesFiles { steps: listed.steps, track, preparation, normals })
 }
 
 const BETWEEN: &[(&str, Ease)] = &[("Hold", Ease::Step), ("Blend", Ease::Linear)];
@@ -146,7 +146,9 @@ fn listed(node: Node<'_>, numbers: NumberRange) -> Option<Listed> {
     };
     if !is_list(&name) {
         return match numbered(&node.file.meshes.folder().join(&name), numbers) {
-            Ok(paths) => Some(Listed { paths, times: None }),
+            Ok(paths) => {
+                Some(Listed { steps: paths.into_iter().map(|path| vec![path]).collect(), times: None })
+            }
             Err(error) => {
                 fault(explained(error));
                 None
@@ -175,8 +177,8 @@ fn list_of(node: Node<'_>, name: &str) -> Result<Listed, String> {
             format!("line {line}: the time {time} is beyond 1e9, or less than 1e-9 after the time before")
         })?);
     }
-    let paths = steps.into_iter().map(|step| folder.join(step.file)).collect();
-    Ok(Listed { paths, times: Some(times) })
+    let in_folder = |step: PvdStep| step.files.into_iter().map(|file| folder.join(file)).collect();
+    Ok(Listed { steps: steps.into_iter().map(in_folder).collect(), times: Some(times) })
 }
 
 fn explained(error: NumberedError) -> String {

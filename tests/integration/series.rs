@@ -203,7 +203,70 @@ fn a_list_of_files_has_times_of_its_own() {
     let shown = text("Mesh(series: \"run/a.pvd\")");
     put(folder.path(), "a.ron", &shown);
     let printed = refused(folder.path(), &["check", "a.ron"]);
-    assert!(printed.contains("line 5: line 4 has a file for the time 0 already"), "{printed}");
+    assert!(
+        printed.contains("parts of a mesh are read from .vtk, .vtp, .vtu, .pvtp and .pvtu files"),
+        "{printed}"
+    );
+    assert!(printed.contains("s_02.ply"), "{printed}");
+}
+
+/// A legacy VTK file with a square between x and x + 1.
+fn tile(x: i32) -> String {
+    format!(
+        "# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n{x} 0 -1 {x} 0 1 {0} 0 1 {0} 0 -1\n\
+         POLYGONS 1 5\n4 0 1 2 3\n",
+        x + 1
+    )
+}
+
+/// Parallel programs write a file for each part, and a list of them.
+#[test]
+fn parts_of_one_time_are_one_mesh() {
+    let folder = folder();
+    let collection =
+        |steps: &str| format!("<VTKFile type=\"Collection\"><Collection>\n{steps}</Collection></VTKFile>");
+    let part = |time: u32, file: &str| format!("<DataSet timestep=\"{time}\" file=\"{file}\"/>\n");
+    let list = |parts: &[&str]| {
+        let pieces: String = parts.iter().map(|part| format!("<Piece Source=\"{part}\"/>\n")).collect();
+        format!("<VTKFile type=\"PPolyData\"><PPolyData>\n{pieces}</PPolyData></VTKFile>")
+    };
+    for x in -1..2 {
+        put(folder.path(), &format!("t{x}.vtk"), &tile(x));
+    }
+    let whole = tile(-1).replace(" 0 0 -1", " 2 0 -1").replace(" 0 0 1", " 2 0 1");
+    put(folder.path(), "whole.vtk", &whole);
+    put(folder.path(), "all.pvtp", &list(&["t-1.vtk", "t0.vtk", "t1.vtk"]));
+    put(
+        folder.path(),
+        "a.pvd",
+        &collection(
+            &[part(0, "t-1.vtk"), part(0, "t0.vtk"), part(0, "t1.vtk"), part(3, "all.pvtp")].concat(),
+        ),
+    );
+    let shown = films(folder.path(), &text("Mesh(\"whole.vtk\")"));
+    for shape in ["Mesh(\"all.pvtp\")", "Mesh(series: \"a.pvd\")"] {
+        let found = films(folder.path(), &text(shape));
+        assert!(found.iter().zip(&shown).all(|(a, b)| same(a, b)), "{shape}");
+    }
+    // Jobs know all parts.
+    put(folder.path(), "a.ron", &text("Mesh(series: \"a.pvd\")"));
+    let export = || {
+        kinora(folder.path(), &["farm", "export", "shell", "a.ron", "-o", "f_#.png"]);
+        let job = fs::read_to_string(folder.path().join("a.farm.sh")).expect("a job");
+        fs::remove_file(folder.path().join("a.farm.sh")).expect("a disk");
+        job
+    };
+    let before = export();
+    put(folder.path(), "t1.vtk", &tile(2));
+    assert!(before != export(), "another part is another job");
+    // Faults name the part.
+    put(folder.path(), "t1.vtk", &tile(1).replace("4 0 1 2 3", "4 0 1 2 9"));
+    let printed = refused(folder.path(), &["check", "a.ron"]);
+    assert!(printed.contains("\"t1.vtk\", line 8: ") || printed.contains("\"t1.vtk\": "), "{printed}");
+    put(folder.path(), "all.pvtp", &list(&["all.pvtp"]));
+    put(folder.path(), "a.ron", &text("Mesh(\"all.pvtp\")"));
+    let printed = refused(folder.path(), &["check", "a.ron"]);
+    assert!(printed.contains("\"all.pvtp\": the parts of a list are .vtk, .vtp or .vtu files"), "{printed}");
 }
 
 #[test]

@@ -26,7 +26,7 @@ use written::Written;
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP, mut_arg("size", describe_size), mut_arg("fps", describe_rate))]
 pub struct Arguments {
-    /// The parts: .stl, .obj, .ply, .vtk, .vtp or .vtu files, which share their coordinates
+    /// The parts: .stl, .obj, .ply, .vtk, .vtp, .vtu, .pvtp or .pvtu files, which share their coordinates
     #[arg(required = true, value_name = "PART")]
     parts: Vec<PathBuf>,
 

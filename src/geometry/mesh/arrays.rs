@@ -100,6 +100,18 @@ impl ArrayValues {
         }
     }
 
+    /// Adds numbers at the end.
+    pub fn extend(&mut self, other: &Self) {
+        match (&mut *self, other) {
+            (Self::F32(values), Self::F32(more)) => values.extend(more),
+            (Self::F64(values), _) => values.extend((0..other.len()).map(|index| other.get(index))),
+            (Self::F32(values), Self::F64(more)) => {
+                let values = values.iter().map(|&value| f64::from(value));
+                *self = Self::F64(values.chain(more.iter().copied()).collect());
+            }
+        }
+    }
+
     /// Keeps the groups of `components` numbers whose flag is set.
     fn retain(&mut self, components: usize, keep: &[bool]) {
         fn kept<T: Copy>(values: &[T], components: usize, keep: &[bool]) -> Vec<T> {
@@ -114,6 +126,11 @@ impl ArrayValues {
 }
 
 impl DataArray {
+    /// Whether it holds the same quantity as another array, of other entries.
+    pub fn is_like(&self, other: &Self) -> bool {
+        (&self.name, self.centering, self.components) == (&other.name, other.centering, other.components)
+    }
+
     /// The number of entries.
     pub fn entries(&self) -> usize {
         self.values.len() / self.components.max(1)

@@ -24,6 +24,7 @@ pub use error::{MeshError, MeshLocation, NO_FILE};
 pub use mtl::{Map, MtlMaterial};
 pub use packet::{Packet, ShearedRay, ShearedRays};
 pub use preparation::{Center, Preparation, PreparationKey};
+pub use smooth::first_equal;
 pub use summary::{ArraySummary, MeshSummary};
 
 use crate::base::color::Rgb;

@@ -28,7 +28,7 @@ pub(super) fn angle((at, p, q): (DVec3, DVec3, DVec3)) -> f64 {
 }
 
 /// For each position, the index of the first equal one.
-pub(super) fn first_equal(positions: &[DVec3]) -> Vec<u32> {
+pub fn first_equal(positions: &[DVec3]) -> Vec<u32> {
     let mut first: HashMap<[u64; 3], u32> = HashMap::with_capacity(positions.len());
     let index_of = |(index, position): (u32, &DVec3)| {
         // Adding zero turns -0 into 0.

@@ -9,7 +9,7 @@ pub use numbered::{NumberRange, NumberedError, numbered};
 pub use pvd::{PvdStep, read as read_pvd};
 
 use super::LoadProgress;
-use super::load::{build, load_data};
+use super::load::{build, load_parts};
 use crate::base::digest::Digest;
 use crate::base::escape;
 use crate::base::files::Root;
@@ -53,8 +53,9 @@ impl Animate for StepMix {
 /// The files of a series and what is done with them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeriesFiles {
-    /// Admitted paths in the order of time; at least one.
-    pub paths: Vec<PathBuf>,
+    /// The admitted paths of each step, in the order of time. There is at least one step, and each has one file, or one for
+    /// each part of its mesh.
+    pub steps: Vec<Vec<PathBuf>>,
     /// The step of every time.
     pub track: Animated<StepMix>,
     pub preparation: Preparation,
@@ -110,7 +111,7 @@ impl MeshSeries {
         let materials = data.materials.clone();
         let first = first_step.is_ok().then(|| read.mesh(0, data));
         let mut checked = vec![first_step.map(|step| (step, true))];
-        let count = files.paths.len();
+        let count = files.steps.len();
         let rest: Vec<usize> = (1..count).collect();
         for some in rest.chunks(CHECKED_AT_ONCE) {
             let check = |&step: &usize| {
@@ -133,9 +134,9 @@ impl MeshSeries {
         &self.first
     }
 
-    /// The files in the order of time.
-    pub fn paths(&self) -> &[PathBuf] {
-        &self.files.paths
+    /// The first file of each step, in the order of time.
+    pub fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        self.files.steps.iter().filter_map(|files| files.first())
     }
 
     /// What is known of each file's mesh.
@@ -145,7 +146,7 @@ impl MeshSeries {
 
     /// The first file with other materials than the first file of all.
     pub fn other_materials(&self) -> Option<&PathBuf> {
-        self.other_materials.map(|step| &self.files.paths[step])
+        self.other_materials.and_then(|step| self.paths().nth(step))
     }
 
     /// Whether the files, times and settings are these.
@@ -249,12 +250,13 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn error(&self, step: usize, why: impl ToString) -> StepError {
-        StepError { path: self.files.paths[step].clone(), why: why.to_string() }
+        let path = self.files.steps[step].first().cloned().unwrap_or_default();
+        StepError { path, why: why.to_string() }
     }
 
     /// A file's data with changed coordinates, and the point that moved to the origin.
     fn placed(&self, step: usize, center: Option<DVec3>) -> Result<(MeshData, Option<DVec3>), StepError> {
-        let data = load_data(&self.files.paths[step], self.root, &LoadProgress::default());
+        let data = load_parts(&self.files.steps[step], self.root, &LoadProgress::default());
         let mut data = data.map_err(|error| self.error(step, error))?;
         let center = self.files.preparation.place(&mut data, center);
         Ok((data, center))

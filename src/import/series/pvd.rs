@@ -1,110 +1,58 @@
 //! PVD files, in which ParaView lists the files of a series with their times.
 
-use crate::geometry::mesh::{MeshError, MeshLocation};
-use quick_xml::Reader;
-use quick_xml::events::{BytesStart, Event};
+use crate::geometry::mesh::MeshError;
+use crate::import::xml_list::{self, ListElement};
 
-/// A file of the list.
+/// A time of the list.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PvdStep {
     pub time: f64,
-    /// Relative to the folder of the PVD file.
-    pub file: String,
-    /// The line in the PVD file, from 1.
+    /// Relative to the folder of the PVD file; several if programs that ran in parallel wrote a part each. At least one.
+    pub files: Vec<String>,
+    /// The line of the first file in the PVD file, from 1.
     pub line: u64,
 }
 
-/// Reads the list, in ascending order of time. Each time has one file.
+/// Reads the list, in ascending order of time.
 ///
 /// # Errors
 /// If it is no PVD file, or lists nothing.
 pub fn read(bytes: &[u8]) -> Result<Vec<PvdStep>, MeshError> {
-    let mut reader = Reader::from_reader(bytes);
-    let (mut steps, mut root): (Vec<PvdStep>, bool) = (Vec::new(), false);
-    loop {
-        let at = reader.buffer_position() as usize;
-        let event = reader.read_event();
-        let event = event.map_err(|error| fault(bytes, reader.error_position() as usize, not_xml(error)))?;
-        let (Event::Start(element) | Event::Empty(element)) = event else {
-            if matches!(event, Event::Eof) {
-                break;
-            }
-            continue;
-        };
-        match element.name().as_ref() {
-            "VTKFile" if attribute(&element, "type", bytes, at)?.as_deref() == Some("Collection") => {
-                root = true
-            }
-            _ if !root => {
-                return Err(fault(bytes, at, "expected `<VTKFile type=\"Collection\">`".to_owned()));
-            }
-            "DataSet" => {
-                let step = step(&element, bytes, at)?;
-                if let Some(before) = steps.last().filter(|before| step.time <= before.time) {
-                    return Err(fault(bytes, at, out_of_order(before, &step)));
+    let mut steps: Vec<PvdStep> = Vec::new();
+    xml_list::each(bytes, &["Collection"], "DataSet", |element| {
+        let step = step(element)?;
+        match steps.last_mut() {
+            Some(last) if last.time == step.time => {
+                if last.files.contains(&step.files[0]) {
+                    let (line, file) = (last.line, &step.files[0]);
+                    return Err(
+                        element.fault(format!("the time of line {line} has the file `{file}` already"))
+                    );
                 }
-                steps.push(step);
+                last.files.extend(step.files);
             }
-            _ => {}
+            Some(last) if step.time < last.time => {
+                let (time, line) = (step.time, last.line);
+                let why = format!("times must ascend, but {time} is before the time of line {line}");
+                return Err(element.fault(why));
+            }
+            _ => steps.push(step),
         }
-    }
+        Ok(())
+    })?;
     if steps.is_empty() {
         return Err(MeshError::new("it lists no `DataSet`"));
     }
     Ok(steps)
 }
 
-fn step(element: &BytesStart<'_>, bytes: &[u8], at: usize) -> Result<PvdStep, MeshError> {
-    let time = attribute(element, "timestep", bytes, at)?.unwrap_or_default();
+fn step(element: &ListElement<'_>) -> Result<PvdStep, MeshError> {
+    let time = element.attribute("timestep")?.unwrap_or_default();
     let number = time.trim().parse().ok().filter(|time: &f64| time.is_finite());
     let time = number.ok_or_else(|| {
-        fault(bytes, at, format!("expected a `timestep` that is a finite number, found `{time}`"))
+        element.fault(format!("expected a `timestep` that is a finite number, found `{time}`"))
     })?;
-    let file = attribute(element, "file", bytes, at)?.filter(|file| !file.is_empty());
-    let file = file.ok_or_else(|| fault(bytes, at, "expected the attribute `file`".to_owned()))?;
-    Ok(PvdStep { time, file, line: line(bytes, at) })
-}
-
-fn out_of_order(before: &PvdStep, step: &PvdStep) -> String {
-    let (time, line) = (step.time, before.line);
-    match step.time == before.time {
-        true => {
-            format!("line {line} has a file for the time {time} already; parts of one time are not joined")
-        }
-        false => format!("times must ascend, but {time} is not after the time of line {line}"),
-    }
-}
-
-fn attribute(
-    element: &BytesStart<'_>,
-    name: &str,
-    bytes: &[u8],
-    at: usize,
-) -> Result<Option<String>, MeshError> {
-    for attribute in element.attributes() {
-        let attribute = attribute.map_err(|error| fault(bytes, at, not_xml(error)))?;
-        if attribute.key.as_ref() == name {
-            let value = quick_xml::escape::unescape(&attribute.value);
-            return Ok(Some(
-                value.map_or_else(|_| attribute.value.clone().into_owned(), |value| value.into_owned()),
-            ));
-        }
-    }
-    Ok(None)
-}
-
-fn not_xml(error: impl std::fmt::Display) -> String {
-    format!("it is no valid XML: {error}")
-}
-
-fn line(bytes: &[u8], at: usize) -> u64 {
-    1 + bytes[..at.min(bytes.len())].iter().filter(|byte| **byte == b'\n').count() as u64
-}
-
-fn fault(bytes: &[u8], at: usize, why: String) -> MeshError {
-    // Elements follow the blanks of their line.
-    let blanks = bytes[at.min(bytes.len())..].iter().take_while(|byte| byte.is_ascii_whitespace()).count();
-    MeshError::at(MeshLocation::Line(line(bytes, at + blanks)), why)
+    Ok(PvdStep { time, files: vec![element.file("file")?], line: element.line() })
 }
 
 #[cfg(test)]
@@ -123,8 +71,24 @@ mod tests {
         let steps = list(
             "  <DataSet timestep=\"0\" group=\"\" part=\"0\" file=\"a_0.vtu\"/>\n  <DataSet timestep='1e-1' file='b&amp;c.vtu'></DataSet>",
         );
-        let step = |time, file: &str, line| PvdStep { time, file: file.to_owned(), line };
-        assert_eq!(steps, Ok(vec![step(0.0, "a_0.vtu", 4), step(0.1, "b&c.vtu", 5)]));
+        let step = |time, files: &[&str], line| PvdStep {
+            time,
+            files: files.iter().map(|&file| file.into()).collect(),
+            line,
+        };
+        assert_eq!(steps, Ok(vec![step(0.0, &["a_0.vtu"], 4), step(0.1, &["b&c.vtu"], 5)]));
+    }
+
+    #[test]
+    fn times_may_have_several_parts() {
+        let part = |time, file: &str| format!("<DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>\n");
+        let steps =
+            list(&[part(0, "a0"), part(0, "a1"), part(1, "b0"), part(1, "b1"), part(1, "b2")].concat());
+        let files: Vec<_> =
+            steps.expect("a list").into_iter().map(|step| (step.time, step.files.concat())).collect();
+        assert_eq!(files, [(0.0, "a0a1".to_owned()), (1.0, "b0b1b2".to_owned())]);
+        let twice = list(&[part(0, "a0"), part(0, "a1"), part(0, "a0")].concat()).expect_err("a fault");
+        assert_eq!(twice, "line 6: the time of line 4 has the file `a0` already");
     }
 
     #[test]
@@ -133,8 +97,7 @@ mod tests {
             list(&format!("<DataSet timestep=\"{a}\" file=\"a\"/>\n<DataSet timestep=\"{b}\" file=\"b\"/>"))
         };
         let fault = |list: Result<_, String>| list.expect_err("a fault");
-        assert!(fault(two("1", "0.5")).starts_with("line 5: times must ascend, but 0.5 is not after"));
-        assert!(fault(two("1", "1")).starts_with("line 5: line 4 has a file for the time 1 already"));
+        assert!(fault(two("1", "0.5")).starts_with("line 5: times must ascend, but 0.5 is before"));
         assert!(fault(two("1", "x")).starts_with("line 5: expected a `timestep`"));
         assert!(
             fault(list("<DataSet timestep=\"1\"/>")).starts_with("line 4: expected the attribute `file`")

@@ -16,6 +16,8 @@ pub struct Grid {
     pub cells: Cells,
     /// Data of points and of cells.
     pub arrays: Vec<DataArray>,
+    /// Whether it has several parts, each with points of its own.
+    pub is_joined: bool,
 }
 
 /// Cells by their type and their corners.
@@ -114,6 +116,36 @@ impl Grid {
     /// Whether there are neither points nor cells.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty() && self.cells.len() == 0
+    }
+
+    /// Adds the points, cells and data of another part. Data that one of them lacks is left out.
+    pub fn append(&mut self, mut part: Grid) -> Result<(), MeshError> {
+        if part.is_empty() {
+            return Ok(());
+        }
+        if self.is_empty() {
+            *self = part;
+            return Ok(());
+        }
+        let before = self.positions.len();
+        if before + part.positions.len() >= u32::MAX as usize {
+            return Err(MeshError::new("the parts have too many points; the maximum is 4 294 967 294"));
+        }
+        self.is_joined = true;
+        match self.normals.is_empty() || part.normals.is_empty() {
+            true => self.normals.clear(),
+            false => self.normals.append(&mut part.normals),
+        }
+        self.arrays.retain_mut(|array| {
+            let other = part.arrays.iter().find(|other| array.is_like(other));
+            if let Some(other) = other {
+                array.values.extend(&other.values);
+            }
+            other.is_some()
+        });
+        self.positions.append(&mut part.positions);
+        self.cells.append(part.cells.after(before as u32));
+        Ok(())
     }
 
     /// Adds points from their coordinates.

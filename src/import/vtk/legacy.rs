@@ -5,13 +5,13 @@ mod source;
 
 use super::grid::{Cells, Grid};
 use super::number::NumberType;
-use super::surface::{self, POLYGONAL_KINDS};
-use crate::geometry::mesh::{Centering, MeshData, MeshError, MeshLocation};
+use super::surface::POLYGONAL_KINDS;
+use crate::geometry::mesh::{Centering, MeshError, MeshLocation};
 use crate::import::lines::quoted;
 use source::Source;
 
 /// Reads the bytes of a file.
-pub fn read(bytes: &[u8]) -> Result<MeshData, MeshError> {
+pub fn read(bytes: &[u8]) -> Result<Grid, MeshError> {
     let mut source = Source::new(bytes);
     let first = source.line().unwrap_or_default();
     if !first.to_ascii_lowercase().starts_with("# vtk datafile") {
@@ -46,7 +46,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshData, MeshError> {
     while let Some(words) = reader.source.words() {
         reader.section(&words)?;
     }
-    surface::mesh(reader.finished()?)
+    reader.finished()
 }
 
 struct Reader<'b> {

@@ -3,7 +3,7 @@
 use super::ghosts::{DUPLICATE, Ghosts, HIDDEN};
 use super::grid::{Cells, Grid};
 use crate::base::machine;
-use crate::geometry::mesh::{Centering, Corners, DataArray, MeshData, MeshError};
+use crate::geometry::mesh::{Centering, Corners, DataArray, MeshData, MeshError, first_equal};
 use crate::import::polygon::{cut, fan};
 use rayon::prelude::*;
 
@@ -108,10 +108,13 @@ pub fn check_cell(cell: usize, kind: u8, points: usize) -> Result<(), String> {
 /// The mesh of a grid's surface.
 pub fn mesh(grid: Grid) -> Result<MeshData, MeshError> {
     let ghosts = Ghosts::of(&grid.arrays);
-    let outer = outer_faces(&grid.cells, &ghosts)?;
+    // Parts name their points by themselves. Where these are equal, the parts touch.
+    let names = grid.is_joined.then(|| first_equal(&grid.positions));
+    let hidden = if grid.is_joined { HIDDEN | DUPLICATE } else { HIDDEN };
+    let outer = outer_faces(&grid.cells, &ghosts, hidden, names.as_deref())?;
     let (mut triangles, mut cell_of) = (Vec::new(), Vec::new());
     let mut outer = outer.into_iter();
-    for cell in (0..grid.cells.len()).filter(|&cell| !ghosts.has(cell, HIDDEN)) {
+    for cell in (0..grid.cells.len()).filter(|&cell| !ghosts.has(cell, hidden)) {
         let shown = !ghosts.has(cell, DUPLICATE);
         each_face(&grid.cells, cell, |corners, inside| {
             if (!inside || outer.next().unwrap_or(true)) && shown {
@@ -164,9 +167,18 @@ fn each_face(cells: &Cells, cell: usize, mut visit: impl FnMut(&[u32], bool)) {
     }
 }
 
-/// For each face of a volume that is not hidden, in order, whether it is the only one with its corners.
-fn outer_faces(cells: &Cells, ghosts: &Ghosts) -> Result<Vec<bool>, MeshError> {
-    let not_hidden = || (0..cells.len()).filter(|&cell| !ghosts.has(cell, HIDDEN));
+/// For each face of a volume without these flags, in order, whether it is the only one with its corners.
+///
+/// Points with equal `names` are the same point. Then parts may share cells: the first of equal faces that are turned to the
+/// same side is an outer face too.
+fn outer_faces(
+    cells: &Cells,
+    ghosts: &Ghosts,
+    hidden: u8,
+    names: Option<&[u32]>,
+) -> Result<Vec<bool>, MeshError> {
+    let not_hidden = || (0..cells.len()).filter(|&cell| !ghosts.has(cell, hidden));
+    let name = |&point: &u32| names.map_or(point, |names| names[point as usize]);
     let mut count = 0_u64;
     for cell in not_hidden() {
         each_face(cells, cell, |_, inside| count += u64::from(inside));
@@ -174,26 +186,34 @@ fn outer_faces(cells: &Cells, ghosts: &Ghosts) -> Result<Vec<bool>, MeshError> {
     if count > u32::MAX.into() {
         return Err(MeshError::new("it has more than 4 294 967 295 faces of volumes"));
     }
-    machine::check_memory(count * size_of::<([u32; 4], u32)>() as u64)?;
-    let mut faces: Vec<([u32; 4], u32)> = Vec::with_capacity(count as usize);
+    machine::check_memory(count * size_of::<([u32; 4], u32, bool)>() as u64)?;
+    let mut faces: Vec<([u32; 4], u32, bool)> = Vec::with_capacity(count as usize);
     for cell in not_hidden() {
         each_face(cells, cell, |corners, inside| {
             if inside {
                 let mut key = [u32::MAX; 4];
-                key[..corners.len()].copy_from_slice(corners);
+                key.iter_mut().zip(corners).for_each(|(key, corner)| *key = name(corner));
+                let turn = turn(&key[..corners.len()]);
                 key.sort_unstable();
-                faces.push((key, faces.len() as u32));
+                faces.push((key, faces.len() as u32, turn));
             }
         });
     }
     faces.par_sort_unstable();
     let mut outer = vec![false; faces.len()];
     for same in faces.chunk_by(|a, b| a.0 == b.0) {
-        if let [(_, face)] = same {
-            outer[*face as usize] = true;
-        }
+        let (_, face, turn) = same[0];
+        outer[face as usize] =
+            same.len() == 1 || names.is_some() && same.iter().all(|(_, _, other)| *other == turn);
     }
     Ok(outer)
+}
+
+/// Which way round a face goes through its corners. The face seen from its other side goes the other way.
+fn turn(corners: &[u32]) -> bool {
+    let count = corners.len();
+    let least = (0..count).min_by_key(|&at| corners[at]).unwrap_or(0);
+    corners[(least + 1) % count] < corners[(least + count - 1) % count]
 }
 
 /// The entries of an array with these indices.

@@ -6,7 +6,7 @@ mod legacy;
 mod surface;
 mod xml;
 
-use super::read;
+use super::{PartReader, read};
 use crate::geometry::mesh::{Centering, MeshData, TriangleMesh};
 use crate::testing::Random;
 use encoding::{Encoding, TEXT, xml};

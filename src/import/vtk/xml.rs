@@ -5,18 +5,13 @@ mod payload;
 mod piece;
 
 use super::grid::Grid;
-use super::surface;
-use crate::geometry::mesh::{MeshData, MeshError, MeshLocation};
+use crate::geometry::mesh::{MeshError, MeshLocation};
 use document::Document;
 
-/// Reads the bytes of a file.
-pub fn read(bytes: &[u8]) -> Result<MeshData, MeshError> {
+/// Adds the pieces of a file to a grid.
+pub fn read(bytes: &[u8], grid: &mut Grid) -> Result<(), MeshError> {
     let document = Document::read(bytes)?;
-    let mut grid = Grid::default();
-    for piece in &document.pieces {
-        piece::add(&document, piece, &mut grid)?;
-    }
-    surface::mesh(grid)
+    document.pieces.iter().try_for_each(|piece| piece::add(&document, piece, grid))
 }
 
 /// An error at a byte of a file, by its line.

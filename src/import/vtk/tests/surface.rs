@@ -142,3 +142,31 @@ fn concave_polygons_are_filled() {
     assert!(areas.iter().all(|area| *area > 0.0), "{areas:?}");
     assert_eq!(areas.iter().sum::<f64>(), 2.0 * 3.0);
 }
+
+/// A file with a cube whose least corner is at `x` on the first axis; a ghost of another part's cell, if there are flags.
+fn cube(x: u32, flag: Option<u8>) -> String {
+    let points: String = (0..8).map(|k| format!("{} {} {}\n", x + (k & 1), k >> 1 & 1, k >> 2)).collect();
+    let flag = flag.map_or_else(String::new, |flag| {
+        format!("CELL_DATA 1\nSCALARS vtkGhostType unsigned_char 1\nLOOKUP_TABLE default\n{flag}\n")
+    });
+    format!(
+        "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 float\n{points}\
+         CELLS 1 9\n8 0 1 2 3 4 5 6 7\nCELL_TYPES 1\n11\n{flag}"
+    )
+}
+
+#[test]
+fn parts_have_no_faces_where_they_touch() {
+    let joined = |files: &[String]| {
+        let mut parts = PartReader::default();
+        files.iter().for_each(|file| parts.add(file.as_bytes()).expect("a part"));
+        let mesh = parts.finish().expect("a mesh");
+        (mesh.triangles.len(), volume(&mesh))
+    };
+    assert_eq!(joined(&[cube(0, None)]), (12, 6.0));
+    assert_eq!(joined(&[cube(0, None), cube(1, None)]), (20, 12.0));
+    assert_eq!(joined(&[cube(0, None), cube(2, None)]), (24, 12.0));
+    // Two parts have the cell in the middle, and say so or not.
+    assert_eq!(joined(&[cube(0, None), cube(1, None), cube(1, None), cube(2, None)]), (28, 18.0));
+    assert_eq!(joined(&[cube(0, Some(0)), cube(1, Some(1)), cube(1, Some(0)), cube(2, Some(0))]), (28, 18.0));
+}

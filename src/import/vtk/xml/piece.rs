@@ -13,42 +13,7 @@ pub fn add(document: &Document<'_>, piece: &Piece, grid: &mut Grid) -> Result<()
     if piece.is_empty() {
         return Ok(());
     }
-    let own = PieceReader { document, piece }.read()?;
-    if grid.positions.len() + own.positions.len() >= u32::MAX as usize {
-        return Err(document.fault(piece.at, "the pieces have too many points; the maximum is 4 294 967 294"));
-    }
-    append(grid, own);
-    Ok(())
-}
-
-/// Adds the points, cells and data of another part. Data that one of them lacks is left out.
-fn append(grid: &mut Grid, mut part: Grid) {
-    if part.is_empty() {
-        return;
-    }
-    if grid.is_empty() {
-        *grid = part;
-        return;
-    }
-    if grid.normals.is_empty() || part.normals.is_empty() {
-        grid.normals.clear();
-    } else {
-        grid.normals.append(&mut part.normals);
-    }
-    grid.arrays.retain_mut(|array| {
-        let same = |other: &&DataArray| {
-            (&other.name, other.centering, other.components)
-                == (&array.name, array.centering, array.components)
-        };
-        let Some(other) = part.arrays.iter().find(same) else { return false };
-        let values = [&array.values, &other.values];
-        let values = values.into_iter().flat_map(|values| (0..values.len()).map(|index| values.get(index)));
-        array.values = values.collect::<Vec<f64>>().into();
-        true
-    });
-    let before = grid.positions.len() as u32;
-    grid.positions.append(&mut part.positions);
-    grid.cells.append(part.cells.after(before));
+    grid.append(PieceReader { document, piece }.read()?)
 }
 
 struct PieceReader<'a, 'b> {
