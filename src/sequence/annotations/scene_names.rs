@@ -8,19 +8,19 @@ use crate::sequence::names::Names;
 use crate::sequence::node::Node;
 use crate::sequence::{Named, Object};
 
+/// Objects and materials.
+type SceneParts<'a> = (&'a [Named<Object>], &'a [Named<MaterialTracks>]);
+
 /// The scene whose parts annotations name. None if it could not be read; then names are not checked.
 pub struct SceneNames<'a> {
-    parts: Option<(&'a [Named<Object>], &'a [Named<MaterialTracks>])>,
+    parts: Option<SceneParts<'a>>,
     objects: Names<'a>,
     materials: Names<'a>,
     pub timeline: Option<Timeline>,
 }
 
 impl<'a> SceneNames<'a> {
-    pub fn new(
-        parts: Option<(&'a [Named<Object>], &'a [Named<MaterialTracks>])>,
-        timeline: Option<Timeline>,
-    ) -> Self {
+    pub fn new(parts: Option<SceneParts<'a>>, timeline: Option<Timeline>) -> Self {
         let (objects, materials) = parts.unwrap_or_default();
         Self {
             parts,
