@@ -77,10 +77,11 @@ impl ColorBar {
         // Half a number sticks out above the bar.
         let top = (title_lines * pen.size + 0.5 * pen.size + gap).round();
         let inset = pen.width.ceil();
-        self.bar(&mut block, pen, DVec2::new(inset, top), size);
         let end = inset + size.x;
         let place = |tick: &Tick| top + (1.0 - tick.share) * size.y;
         block.strokes(pen, ticks.iter().map(|tick| tick_line([end, place(tick)], [gap, 0.0])).collect());
+        // Over the halos of the ticks.
+        self.bar(&mut block, pen, DVec2::new(inset, top), size);
         let mut width = width_of(pen, title);
         for tick in &ticks {
             let left = end + 2.0 * gap;
@@ -118,10 +119,11 @@ impl ColorBar {
         let left = out(ticks.first(), 0.0).max(pen.width).ceil();
         let right = out(ticks.last(), 1.0).max(pen.width).ceil();
         let top = (title.lines().count() as f64 * pen.size + gap).round();
-        self.bar(&mut block, pen, DVec2::new(left, top), size);
         let end = top + size.y;
         let place = |tick: &Tick| left + tick.share * size.x;
         block.strokes(pen, ticks.iter().map(|tick| tick_line([place(tick), end], [0.0, gap])).collect());
+        // Over the halos of the ticks.
+        self.bar(&mut block, pen, DVec2::new(left, top), size);
         for tick in &ticks {
             let start = place(tick) - 0.5 * width_of(pen, &tick.label);
             block.text(pen, &tick.label, DVec2::new(start, end + 1.2 * gap));

@@ -54,11 +54,13 @@ impl Dimension {
         }
         arrow(painter, a + shift, b + shift, [HeadStyle::Arrow; 2]);
         let outward = if self.offset < 0.0 { -left } else { left };
-        painter.text_around(
-            &text,
-            (a + b) * 0.5 + shift + outward * (0.2 * painter.pen.size),
-            beside(outward),
-        );
+        let gap = 0.2 * painter.pen.size;
+        let beside_line = |share: f64, side: DVec2| (a.lerp(b, share) + shift + side * gap, beside(side));
+        let places = [0.5, 0.25, 0.75].into_iter().flat_map(|share| [(share, outward), (share, -outward)]);
+        let mut places = places.map(|(share, side)| beside_line(share, side));
+        let free = places.find(|(place, align)| painter.has_room_for(&text, *place, *align));
+        let (place, align) = free.unwrap_or_else(|| beside_line(0.5, outward));
+        painter.text_around(&text, place, align);
     }
 }
 
