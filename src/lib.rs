@@ -45,6 +45,8 @@ pub mod sampling;
 #[doc(hidden)]
 pub mod film;
 #[doc(hidden)]
+pub mod drawing;
+#[doc(hidden)]
 pub mod track;
 
 // The parts of a scene.
@@ -60,6 +62,8 @@ pub mod import;
 // Film → files, and file → Sequence.
 #[doc(hidden)]
 pub mod encode;
+#[doc(hidden)]
+pub mod annotate;
 #[doc(hidden)]
 pub mod sequence;
 

@@ -85,7 +85,7 @@ macro_rules! whole_numbers {
     };
 }
 
-whole_numbers!(u8, u16, u32, u64, u128, i32);
+whole_numbers!(u8, u16, u32, u64, u128, i32, i64);
 
 /// Feeds all bits. 0 and -0 feed the same bits, because they are equal in a search for changes; so do all NaNs.
 macro_rules! real_numbers {
@@ -117,6 +117,12 @@ impl Content for str {
     fn feed(&self, into: &mut Digester) {
         self.len().feed(into);
         into.bytes(self.as_bytes());
+    }
+}
+
+impl Content for String {
+    fn feed(&self, into: &mut Digester) {
+        self.as_str().feed(into);
     }
 }
 

@@ -46,6 +46,35 @@ pub struct ThinLens {
     pub focus: f64,
 }
 
+/// A point as the camera sees it, in homogeneous coordinates, in which straight lines stay straight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProjectedPoint {
+    /// The place in the units of [`Camera::ray`], times `weight`.
+    pub across: DVec2,
+    /// Above 0 for points that the camera may see.
+    pub weight: f64,
+    /// The distance along the line of sight. Points are in front of the camera if it is above 0.
+    pub depth: f64,
+}
+
+impl ProjectedPoint {
+    /// The place in the units of [`Camera::ray`]. None behind the camera.
+    pub fn screen(&self) -> Option<DVec2> {
+        let screen = self.across / self.weight;
+        (self.depth > 0.0 && screen.is_finite()).then_some(screen)
+    }
+
+    /// A point of the straight line to another point.
+    pub fn lerp(&self, other: &Self, share: f64) -> Self {
+        let mix = |a: f64, b: f64| a + (b - a) * share;
+        Self {
+            across: self.across + (other.across - self.across) * share,
+            weight: mix(self.weight, other.weight),
+            depth: mix(self.depth, other.depth),
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
 pub struct Camera {
     pub position: DVec3,
@@ -80,6 +109,18 @@ impl Camera {
         Ray { origin: ray.origin.into(), direction: ray.direction.into() }
     }
 
+    /// The place of a point in the picture: the inverse of [`Camera::ray`] through the centre of the lens.
+    pub fn project(&self, point: DVec3) -> ProjectedPoint {
+        let Basis { right, up, forward } = self.basis;
+        let to = point - self.position;
+        let depth = to.dot(forward);
+        let weight = match self.projection {
+            Projection::Perspective { half_height } => depth * half_height,
+            Projection::Orthographic { half_height } => half_height,
+        };
+        ProjectedPoint { across: DVec2::new(to.dot(right), to.dot(up)), weight, depth }
+    }
+
     /// [`Camera::ray`] in lanes.
     #[inline(always)]
     pub fn rays<F: Real>(&self, [x, y]: [F; 2], [u, v]: [F; 2]) -> LaneRay<F> {
@@ -109,6 +150,36 @@ mod tests {
     use super::*;
     use crate::base::math::{UNIT_ROUNDOFF, look_at};
     use crate::testing::Random;
+
+    /// Rays through the projected place of a point meet the point, whatever the lens.
+    #[test]
+    fn projection_inverts_rays() {
+        let mut random = Random(7);
+        let mut seen = 0;
+        for index in 0..4000 {
+            let position = random.point(10.0);
+            let Some(basis) = look_at(position, random.point(2.0), DVec3::Y) else { continue };
+            let half_height = 0.01 + 3.0 * random.unit();
+            let projection = match index % 2 {
+                0 => Projection::Perspective { half_height },
+                _ => Projection::Orthographic { half_height },
+            };
+            let lens = (index % 3 == 0).then_some(ThinLens { radius: 0.2, focus: 3.0 });
+            let camera = Camera { position, basis, projection, lens };
+            let point = random.point(12.0);
+            let projected = camera.project(point);
+            let Some(screen) = projected.screen() else {
+                assert!((point - position).dot(basis.forward) <= 0.0);
+                continue;
+            };
+            seen += 1;
+            let ray = Camera { lens: None, ..camera }.ray(screen, DVec2::ZERO);
+            let away = (point - ray.origin).cross(ray.direction).length();
+            let pixel = half_height * projected.depth.max(1.0) / 1080.0;
+            assert!(away < 1e-6 * pixel.max(1e-6), "{away} {pixel}");
+        }
+        assert!(seen > 1000);
+    }
 
     #[test]
     fn ca_09_all_rays_of_a_pixel_meet_in_focus() {

@@ -53,6 +53,7 @@ pub fn sequence() -> Sequence {
         lights: vec![Named { name: "light".into(), value: light }],
         materials: Vec::new(),
         objects: Vec::new(),
+        annotations: Vec::new(),
         warnings: Vec::new(),
     }
 }

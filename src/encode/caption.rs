@@ -2,14 +2,16 @@
 
 use super::info::FrameInfo;
 use super::picture::{Code, Picture};
-use super::text::{Align, TextMask, line_height};
 use crate::base::units::counted;
+use crate::drawing::{Align, Canvas, TextMask, line_height};
 
+mod number_format;
 mod template;
 #[cfg(test)]
 mod tests;
 
-pub use template::{CaptionError, Template};
+pub use number_format::NumberFormat;
+pub use template::{CaptionError, Template, listed as listed_letters};
 
 /// The text of a caption and its position.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,13 +96,13 @@ impl Caption {
         for y in 0..height.min(picture.height as usize) {
             for x in 0..width.min(picture.width as usize) {
                 let at = (top + y) * picture.width as usize + left + x;
-                blend(picture, at, 0.0, BACKGROUND_OPACITY);
+                picture.blend(at, [0.0; 3], BACKGROUND_OPACITY);
                 let letter = (x.checked_sub(padding), y.checked_sub(padding / 2));
                 if let (Some(x), Some(y)) = letter
                     && x < line.width
                     && y < line.height
                 {
-                    blend(picture, at, 1.0, line.coverage[y * line.width + x].into());
+                    picture.blend(at, [1.0; 3], line.coverage[y * line.width + x].into());
                 }
             }
         }
@@ -110,19 +112,4 @@ impl Caption {
 /// Space around letters of this height, in pixels.
 fn padding(size: f32) -> usize {
     (PADDING * size).round() as usize
-}
-
-/// Composites a grey over a pixel with an opacity. It blends display values, because captions are not light.
-fn blend<C: Code>(picture: &mut Picture<C>, at: usize, grey: f64, opacity: f64) {
-    let below = picture.alpha.as_ref().map_or(1.0, |alpha| alpha[at].displayed());
-    let whole = opacity + below * (1.0 - opacity);
-    if opacity == 0.0 || whole == 0.0 {
-        return;
-    }
-    for code in &mut picture.rgb[3 * at..3 * at + 3] {
-        *code = C::of((opacity * grey + below * (1.0 - opacity) * code.displayed()) / whole);
-    }
-    if let Some(alpha) = &mut picture.alpha {
-        alpha[at] = C::of(whole);
-    }
 }

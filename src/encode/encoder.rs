@@ -69,8 +69,9 @@ impl Encoder {
         let job = Arc::new(job);
         let mut worker = Worker::new(Arc::clone(&job), Arc::clone(&pool), stop)?;
         let cpu = thread_cpu_time().map(|_| worker.cpu());
-        let KeptFrames { frames: kept, notes } = job.find_kept(&pool, stop);
+        let KeptFrames { frames: kept, redrawn, notes } = job.find_kept(&pool, stop);
         worker.add_notes(notes);
+        worker.set_redrawn(redrawn);
         worker.add_notes(job.extra_frame_notes());
         let shared =
             (job.existing == Existing::Share).then(|| Shared { leases: Leases::new(), current: None });

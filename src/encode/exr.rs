@@ -1,5 +1,6 @@
 //! Films as OpenEXR: linear radiance, lossless as f32, without exposure or tone map.
 
+use super::annotation_layer::AnnotationLayer;
 use super::atomic::AtomicFile;
 use super::error::EncodeError;
 use super::metadata::{self, to_lines};
@@ -22,8 +23,8 @@ mod seal;
 mod tests;
 
 use half::HalfConverter;
-use layers::write_layers;
 pub use layers::{ALBEDO, NORMAL};
+use layers::{ExtraLayers, write_layers};
 pub use seal::{state, texts};
 
 /// ZIP compression of blocks of 16 rows. Blocks are in order, because the file's bytes must not depend on threads.
@@ -49,19 +50,23 @@ pub struct ExrMetadata {
 }
 
 /// Writes the film's radiance to the file `path`, which is not committed yet. `names` are the names of the film's light
-/// groups. Also returns the number of values that were too large for half floats.
+/// groups, and `annotations` are what is drawn over it. Also returns the number of values that were too large for half
+/// floats.
 pub fn write(
     path: &Path,
     film: &Film,
     settings: ExrSettings,
-    names: &[String],
+    (names, annotations): (&[String], Option<&AnnotationLayer>),
     metadata: &ExrMetadata,
 ) -> Result<(AtomicFile, u64), EncodeError> {
     let mut file = AtomicFile::create(path)?;
     let converter = HalfConverter::default();
     let halves = settings.half.then_some(&converter);
-    let written = match settings.layers.any() {
-        true => write_layers(film, settings.layers, halves, names, metadata, &mut file),
+    let written = match settings.layers.any() || annotations.is_some() {
+        true => {
+            let layers = ExtraLayers { requested: settings.layers, names, annotations };
+            write_layers(film, &layers, halves, metadata, &mut file)
+        }
         false => write_radiance(film, halves, metadata, &mut file),
     };
     written.map_err(|error| EncodeError::write(path, cause(error)))?;

@@ -70,6 +70,7 @@ fn started(folder: &Path, outputs: &[&str], existing: Existing) -> Result<Encode
         // The GIF's frames are stored in a spool.
         transparent: true,
         background_color: DEFAULT_BACKGROUND_COLOR,
+        drawings: Vec::new(),
         caption: None,
         formats: Formats::default(),
         info: SequenceInfo::default(),

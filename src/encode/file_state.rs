@@ -5,6 +5,8 @@
 pub enum FileState {
     /// It is complete, and this run would write the same bytes.
     Current,
+    /// Only its annotations differ, and it holds the picture without them.
+    Redrawable,
     /// It has the right identity but no digest of its bytes, because an earlier version wrote it. So its pixels cannot
     /// be verified.
     NoDigest,

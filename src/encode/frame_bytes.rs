@@ -11,13 +11,39 @@ use crate::base::digest::Digest;
 use crate::film::Film;
 use std::io;
 
+/// A picture with its annotations.
+pub struct DrawnPicture {
+    pub picture: Picture,
+    /// The picture without annotations. None if it has none, or if no file will hold it.
+    clean: Option<Picture>,
+}
+
+impl DrawnPicture {
+    /// Draws the annotations of the frame of an index.
+    pub fn new(job: &EncodeJob, index: usize, mut picture: Picture) -> Self {
+        let kept = job.is_annotated(index) && job.source().is_some();
+        let clean = kept.then(|| picture.clone());
+        job.annotate(index, &mut picture);
+        Self { picture, clean }
+    }
+
+    /// The bytes of its PNG file of 8 bits per channel.
+    pub fn png(&self, job: &EncodeJob, index: usize, entries: Vec<TextEntry>) -> io::Result<Vec<u8>> {
+        let identity = job.identity(StillFormat::Png, index);
+        let clean = self.clean.as_ref().zip(job.clean_identity(StillFormat::Png, index));
+        let below =
+            clean.map(|(clean, identity)| png::underlay(clean, &self.picture, identity)).transpose()?;
+        png::sealed(&self.picture, entries, identity, below.as_deref())
+    }
+}
+
 /// A frame that is being written.
 pub struct DevelopedFrame<'a> {
     /// Its index in the job's list.
     pub index: usize,
     pub info: FrameInfo<'a>,
     pub film: &'a Film,
-    pub picture: &'a Picture,
+    pub drawn: &'a DrawnPicture,
     /// The picture without alpha.
     pub opaque: &'a Picture,
 }
@@ -48,16 +74,17 @@ pub fn still(job: &EncodeJob, output: &Output, frame: &DevelopedFrame) -> Option
 }
 
 fn png_bytes(job: &EncodeJob, frame: &DevelopedFrame) -> io::Result<Vec<u8>> {
-    let (entries, identity) =
-        (metadata(job, StillFormat::Png, frame), identity(job, StillFormat::Png, frame));
+    let entries = metadata(job, StillFormat::Png, frame);
+    if !job.formats.png.deep && !frame.film.unfinished {
+        return frame.drawn.png(job, frame.index, entries);
+    }
+    let identity = identity(job, StillFormat::Png, frame);
     if !job.formats.png.deep {
-        return png::sealed(frame.picture, entries, identity);
+        return png::sealed(&frame.drawn.picture, entries, identity, None);
     }
     let mut deep = develop_deep(job.tonemap, frame.film);
-    if let Some(caption) = &job.caption {
-        caption.draw(&mut deep, &frame.info);
-    }
-    png::sealed(&deep, entries, identity)
+    job.annotate(frame.index, &mut deep);
+    png::sealed(&deep, entries, identity, None)
 }
 
 /// The bytes of a picture in a single-frame format without alpha. `None` for other formats.

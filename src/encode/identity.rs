@@ -17,6 +17,15 @@ impl EncodeJob {
     /// The identity of a frame's file, by the frame's index in the job's list. `None` if the format cannot hold it, for
     /// PNGs without metadata, and for frames whose key is unknown.
     pub(super) fn identity(&self, format: StillFormat, index: usize) -> Option<Digest> {
+        self.identity_of(format, index, true)
+    }
+
+    /// The identity that a frame's file has if nothing is drawn over it.
+    pub(super) fn clean_identity(&self, format: StillFormat, index: usize) -> Option<Digest> {
+        self.identity_of(format, index, false)
+    }
+
+    fn identity_of(&self, format: StillFormat, index: usize, annotated: bool) -> Option<Digest> {
         if !format.has_identity(&self.formats) {
             return None;
         }
@@ -38,10 +47,15 @@ impl EncodeJob {
                 "PNG".feed(&mut digester);
                 key.image_hash.feed(&mut digester);
                 key.exposure.feed(&mut digester);
-                let caption = self.caption.as_ref().map(|c| (c.text.expand(&info), c.corner, c.size));
+                let caption = self.caption.as_ref().filter(|_| annotated);
+                let caption = caption.map(|c| (c.text.expand(&info), c.corner, c.size));
                 let look = (self.tonemap, caption, self.formats.png, self.transparent);
                 format!("{look:?}").as_str().feed(&mut digester);
             }
+        }
+        if let Some(drawing) = self.drawing(index).filter(|_| annotated) {
+            "annotations".feed(&mut digester);
+            drawing.feed(&mut digester);
         }
         if self.writes_metadata(format) {
             let mut entries = metadata::frame_entries(&info, Some(key));

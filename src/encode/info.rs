@@ -1,6 +1,6 @@
 //! Facts about a sequence and its frames, for captions, metadata and the names of layers.
 
-use crate::base::time::{Rate, Time};
+use crate::base::time::{Fraction, Rate, Time};
 use crate::base::units::counted;
 use std::fmt;
 use std::time::Duration;
@@ -50,6 +50,11 @@ impl FrameInfo<'_> {
     /// The start of the frame in seconds.
     pub fn time(&self) -> Time {
         self.rate.time_of(self.frame)
+    }
+
+    /// The start of the frame in seconds, rounded once.
+    pub fn time_value(&self) -> f64 {
+        Fraction::new(self.time(), Time::from_integer(1)).value()
     }
 
     /// The frame's number, padded to the digits of the last frame, so that a counter in captions does not move.

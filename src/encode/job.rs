@@ -3,18 +3,21 @@
 use super::caption::Caption;
 use super::error::{EncodeError, JobError};
 use super::frame_key::FrameKey;
-use super::info::SequenceInfo;
+use super::info::{FrameInfo, SequenceInfo};
 use super::limits::check_size;
 use super::new_folders::NewFolders;
 use super::output::Output;
 use super::pattern::FramePattern;
+use super::picture::{Code, Picture};
 use super::place::folder_of;
 use super::settings::Formats;
 use super::tonemap::Tonemap;
 use crate::base::color::Rgb;
 use crate::base::files::{SpecialFile, blocking_file, outside_target};
 use crate::base::time::Rate;
+use crate::drawing::Drawing;
 use std::path::Path;
+use std::sync::Arc;
 
 /// How a run treats the files of an earlier run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,13 +56,40 @@ pub struct EncodeJob {
     pub transparent: bool,
     /// The background colour of formats without alpha where the film is transparent; linear.
     pub background_color: Rgb,
-    /// The text drawn into every picture.
+    /// What is drawn over each frame. Empty if there are no annotations.
+    pub drawings: Vec<Arc<Drawing>>,
+    /// The text drawn into every picture, over all drawings.
     pub caption: Option<Caption>,
     pub formats: Formats,
     pub info: SequenceInfo,
 }
 
 impl EncodeJob {
+    /// What is drawn over the frame of an index, unless it is nothing.
+    pub(super) fn drawing(&self, index: usize) -> Option<&Drawing> {
+        self.drawings.get(index).map(Arc::as_ref).filter(|drawing| !drawing.is_empty())
+    }
+
+    /// Facts about the frame of an index.
+    pub(super) fn frame_info(&self, index: usize) -> FrameInfo<'_> {
+        FrameInfo { sequence: &self.info, frame: self.frames[index], rate: self.rate }
+    }
+
+    /// Whether anything is drawn over the frame of an index.
+    pub(super) fn is_annotated(&self, index: usize) -> bool {
+        self.drawing(index).is_some() || self.caption.is_some()
+    }
+
+    /// Draws the annotations and the caption of the frame of an index.
+    pub(super) fn annotate<C: Code>(&self, index: usize, picture: &mut Picture<C>) {
+        if let Some(drawing) = self.drawing(index) {
+            drawing.draw(picture);
+        }
+        if let Some(caption) = &self.caption {
+            caption.draw(picture, &self.frame_info(index));
+        }
+    }
+
     /// Checks the job without changing any file.
     ///
     /// # Errors

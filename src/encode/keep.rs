@@ -19,8 +19,10 @@ use std::path::PathBuf;
 /// The frames of a job that need not be made again.
 #[derive(Debug, Default)]
 pub struct KeptFrames {
-    /// For each frame in the job's list, whether its files are complete and current.
+    /// For each frame in the job's list, whether it needs no film.
     pub frames: Vec<bool>,
+    /// Which of these are drawn again, because only their annotations differ.
+    pub redrawn: Vec<bool>,
     /// Why other existing files are not kept, one line each.
     pub notes: Vec<String>,
 }
@@ -52,10 +54,14 @@ impl EncodeJob {
             return KeptFrames { frames: none, ..KeptFrames::default() };
         }
         if !self.can_keep_frames() {
-            return KeptFrames { frames: none, notes: self.why_none_kept() };
+            return KeptFrames { frames: none, notes: self.why_none_kept(), ..KeptFrames::default() };
         }
+        let redraws = self.existing == Existing::Keep;
         let state = |index: usize| match stop.signal() {
-            None => self.frame_state(index),
+            None => match self.frame_state(index) {
+                FileState::Stale if redraws && self.can_redraw(index) => FileState::Redrawable,
+                state => state,
+            },
             Some(_) => FileState::Stale,
         };
         // The size of a file, at most.
@@ -71,14 +77,19 @@ impl EncodeJob {
             format!("{frames} of an earlier version hold no digest of their pixels and are made again")
         });
         KeptFrames {
-            frames: states.into_iter().map(|state| state == FileState::Current).collect(),
+            frames: states
+                .iter()
+                .map(|state| matches!(state, FileState::Current | FileState::Redrawable))
+                .collect(),
+            redrawn: states.iter().map(|state| *state == FileState::Redrawable).collect(),
             notes: note.into_iter().collect(),
         }
     }
 
     /// Whether any frame is complete and current.
     pub fn can_keep_any(&self) -> bool {
-        self.can_keep_frames() && (0..self.frames.len()).any(|index| self.can_keep_frame(index))
+        self.can_keep_frames()
+            && (0..self.frames.len()).any(|index| self.can_keep_frame(index) || self.can_redraw(index))
     }
 
     /// The metadata in each of a frame's files.
@@ -114,20 +125,27 @@ impl EncodeJob {
 
     /// The state of a frame: that of its worst file.
     fn frame_state(&self, index: usize) -> FileState {
-        let of = |output: &Output| {
-            let Output::Stills(format, pattern) = output else { return FileState::Current };
-            let path = pattern.path(self.frames[index]);
-            match (format, self.identity(*format, index)) {
-                (StillFormat::Png, Some(identity)) => png::state(&path, identity, self.size),
-                (StillFormat::Exr, Some(identity)) => {
-                    exr::state(&path, identity, self.size, self.info.layers.len())
-                }
-                // Files without an identity are made again from the others.
-                _ if format.has_identity(&self.formats) => FileState::Stale,
-                _ => FileState::Current,
-            }
-        };
+        let of = |output: &Output| self.file_state(output, index);
         self.outputs.iter().map(of).max().unwrap_or(FileState::Current)
+    }
+
+    /// Whether an output's file of a frame is complete and current.
+    pub(super) fn is_current(&self, output: &Output, index: usize) -> bool {
+        self.file_state(output, index) == FileState::Current
+    }
+
+    fn file_state(&self, output: &Output, index: usize) -> FileState {
+        let Output::Stills(format, pattern) = output else { return FileState::Current };
+        let path = pattern.path(self.frames[index]);
+        match (format, self.identity(*format, index)) {
+            (StillFormat::Png, Some(identity)) => png::state(&path, identity, self.size),
+            (StillFormat::Exr, Some(identity)) => {
+                exr::state(&path, identity, self.size, self.info.layers.len())
+            }
+            // Files without an identity are made again from the others.
+            _ if format.has_identity(&self.formats) => FileState::Stale,
+            _ => FileState::Current,
+        }
     }
 
     /// Notes about files of frames beyond the end of the sequence.

@@ -1,18 +1,19 @@
 //! In: films or finished pictures, and a job that names the outputs and their formats.
 //! Out: still images and animations, in files or on the standard output, and a report of what was written.
-//! Uses: `base` and `film`.
+//! Uses: `base`, `film` and `drawing`.
 //!
 //! The encoder runs on its own thread. It develops films into pictures and writes them:
 //!
 //! ```text
 //! Film ─┬─ exr ▶ atomic ▶ frame_0000.exr …
-//!       └─ develop ▶ Picture ▶ caption ─┬─ png, jpeg, ppm ▶ atomic ▶ frame_0000.png …
-//!                                       ├─ movie: apng, webp, mp4, y4m ▶ atomic ▶ out.mp4
-//!                                       ├─ store (the PNGs, or a spool) ──┐
-//!                                       └─ gif: histogram ▶ palette ──────┴▶ dither ▶ delta ▶ atomic ▶ out.gif
+//!       └─ develop ▶ Picture ▶ marks ─┬─ png, jpeg, ppm ▶ atomic ▶ frame_0000.png …
+//!                                     ├─ movie: apng, webp, mp4, y4m ▶ atomic ▶ out.mp4
+//!                                     ├─ store (the PNGs, or a spool) ──┐
+//!                                     └─ gif: histogram ▶ palette ──────┴▶ dither ▶ delta ▶ atomic ▶ out.gif
 //! ```
 
 mod animations;
+mod annotation_layer;
 mod assembler;
 mod atomic;
 mod caption;
@@ -49,6 +50,7 @@ mod picture;
 mod place;
 mod png;
 mod ppm;
+mod redraw;
 mod report;
 mod settings;
 mod sheet;
@@ -56,15 +58,15 @@ mod single;
 mod status;
 mod store;
 mod temporary;
-mod text;
 #[cfg(test)]
 mod tests;
 mod tonemap;
 mod worker;
 
+pub use annotation_layer::ANNOTATIONS;
 pub use assembler::{AnimationAssembler, read_picture};
 pub use atomic::write as write_file;
-pub use caption::{Caption, CaptionError, Corner, Template};
+pub use caption::{Caption, CaptionError, Corner, NumberFormat, Template, listed_letters};
 pub use develop::{ToneTable, displayed};
 pub use encoder::{Encoder, FrameLease};
 pub use error::{EncodeError, FilmsError, JobError};
@@ -90,5 +92,4 @@ pub use settings::{
 pub use sheet::{Sheet, columns as sheet_columns};
 pub use single::{png_bytes, write_picture, write_png};
 pub use status::{FrameStatus, frame_statuses, lease_holder};
-pub use text::FONT_FILE;
 pub use tonemap::Tonemap;

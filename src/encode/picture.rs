@@ -1,6 +1,7 @@
 //! Developed pictures with display codes of 8 or 16 bits per channel.
 
 use crate::base::color::{Rgb, linear_to_srgb, srgb_to_linear};
+use crate::drawing::Canvas;
 
 /// An integer that encodes a display value.
 pub trait Code: Copy + Default + PartialEq + Send + Sync + 'static {
@@ -100,6 +101,27 @@ impl<C: Code> Picture<C> {
         let rows = self.rgb.chunks_exact_mut(3 * width).skip(top);
         for (row, source) in rows.zip(other.rgb.chunks_exact(3 * theirs.max(1))) {
             row[3 * left..][..3 * count].copy_from_slice(&source[..3 * count]);
+        }
+    }
+}
+
+/// Blends display values, because marks are not light.
+impl<C: Code> Canvas for Picture<C> {
+    fn size(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
+    fn blend(&mut self, pixel: usize, color: [f64; 3], opacity: f64) {
+        let below = self.alpha.as_ref().map_or(1.0, |alpha| alpha[pixel].displayed());
+        let whole = opacity + below * (1.0 - opacity);
+        if opacity == 0.0 || whole == 0.0 {
+            return;
+        }
+        for (code, shown) in self.rgb[3 * pixel..3 * pixel + 3].iter_mut().zip(color) {
+            *code = C::of((opacity * shown + below * (1.0 - opacity) * code.displayed()) / whole);
+        }
+        if let Some(alpha) = &mut self.alpha {
+            alpha[pixel] = C::of(whole);
         }
     }
 }

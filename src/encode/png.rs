@@ -8,9 +8,11 @@ use std::io;
 
 mod read;
 mod seal;
+mod underlay;
 
-pub use read::{is_png, is_whole, read, read_bytes, size_in, state, texts, texts_in};
+pub use read::{decode_bytes, is_png, is_whole, read, read_bytes, size_in, state, texts, texts_in};
 pub use seal::{Seal, verify};
+pub use underlay::{clean_identity, restore, underlay};
 
 /// Codes of a bit depth that PNG supports. PNG is big-endian.
 pub trait PngCode: Code {
@@ -37,6 +39,15 @@ impl PngCode for u16 {
 
 /// Encodes a picture as a PNG file with these text chunks.
 pub fn encode<C: PngCode>(picture: &Picture<C>, texts: &[TextEntry]) -> io::Result<Vec<u8>> {
+    encode_over(picture, texts, None)
+}
+
+/// [`encode`] with what is below the annotations.
+pub fn encode_over<C: PngCode>(
+    picture: &Picture<C>,
+    texts: &[TextEntry],
+    below: Option<&[u8]>,
+) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(picture.rgb.len() / 3 + 1024);
     let mut encoder = png::Encoder::new(&mut bytes, picture.width, picture.height);
     encoder.set_color(if picture.alpha.is_some() { png::ColorType::Rgba } else { png::ColorType::Rgb });
@@ -53,6 +64,9 @@ pub fn encode<C: PngCode>(picture: &Picture<C>, texts: &[TextEntry]) -> io::Resu
         }
     }
     let mut writer = encoder.write_header()?;
+    if let Some(below) = below {
+        writer.write_chunk(underlay::UNDERLAY, below)?;
+    }
     match picture.alpha {
         Some(_) => writer.write_image_data(&C::bytes(&picture.interleaved()))?,
         None => writer.write_image_data(&C::bytes(&picture.rgb))?,
@@ -61,15 +75,16 @@ pub fn encode<C: PngCode>(picture: &Picture<C>, texts: &[TextEntry]) -> io::Resu
     Ok(bytes)
 }
 
-/// Encodes a frame as a PNG file with metadata, identity and digest.
+/// Encodes a frame as a PNG file with metadata, identity, digest, and what is below its annotations.
 pub fn sealed<C: PngCode>(
     picture: &Picture<C>,
     mut texts: Vec<TextEntry>,
     identity: Option<Digest>,
+    below: Option<&[u8]>,
 ) -> io::Result<Vec<u8>> {
     let Some(identity) = identity else { return encode(picture, &texts) };
     texts.push(seal::text(identity));
-    let mut bytes = encode(picture, &texts)?;
+    let mut bytes = encode_over(picture, &texts, below)?;
     seal::close(&mut bytes)?;
     Ok(bytes)
 }

@@ -1,7 +1,7 @@
 //! Filmstrips: several frames in a grid, each with a text below, as one picture.
 
 use super::picture::Picture;
-use super::text::{Align, TextMask};
+use crate::drawing::{Align, TextMask};
 
 /// The code of the background.
 const PAPER: u8 = 255;

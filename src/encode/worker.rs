@@ -1,11 +1,12 @@
 //! The encoding thread: writes one film after the other, then the animations.
 
 use super::animations::Animations;
+use super::annotation_layer::AnnotationLayer;
 use super::atomic::{AtomicFile, part_of};
 use super::commits::Commits;
 use super::develop::ToneTable;
 use super::error::EncodeError;
-use super::frame_bytes::{DevelopedFrame, identity, metadata, still, without_alpha};
+use super::frame_bytes::{DevelopedFrame, DrawnPicture, identity, metadata, still, without_alpha};
 use super::info::FrameInfo;
 use super::job::EncodeJob;
 use super::lease::Lease;
@@ -42,6 +43,8 @@ pub struct Worker {
     /// Number of films written, and how many of them are unfinished because the run was stopped.
     done: usize,
     unfinished: usize,
+    /// For each frame of the job, whether it is drawn again over the picture of its PNG.
+    redrawn: Vec<bool>,
     /// Ends the wait for a pipe's reader.
     stop: Stop,
     /// Nanoseconds of processor time so far.
@@ -72,6 +75,7 @@ impl Worker {
             report,
             done: 0,
             unfinished: 0,
+            redrawn: Vec::new(),
             stop: stop.clone(),
             cpu,
             first_nan: None,
@@ -84,6 +88,18 @@ impl Worker {
     /// The counter of its processor time in nanoseconds.
     pub fn cpu(&self) -> Arc<AtomicU64> {
         Arc::clone(&self.cpu)
+    }
+
+    /// Sets which of the frames that need no film get new annotations.
+    pub fn set_redrawn(&mut self, redrawn: Vec<bool>) {
+        let count = redrawn.iter().filter(|redrawn| **redrawn).count() as u64;
+        if count > 0 {
+            let frames = counted(count, "frame");
+            self.report.notes.push(format!(
+                "{frames} of an earlier run got other annotations; their light is the same, so it was not traced again"
+            ));
+        }
+        self.redrawn = redrawn;
     }
 
     /// Adds notes to the report.
@@ -131,17 +147,16 @@ impl Worker {
         let frame = job.frames[index];
         let info = FrameInfo { sequence: &job.info, frame, rate: job.rate };
         self.report.noise.extend(film.noise.map(|noise| (frame, noise)));
-        let (mut picture, nan_pixels) = self.table.develop(&film);
+        let (picture, nan_pixels) = self.table.develop(&film);
         self.report.nan_pixels += nan_pixels;
         if nan_pixels > 0 {
             self.first_nan.get_or_insert(frame);
         }
-        if let Some(caption) = &job.caption {
-            caption.draw(&mut picture, &info);
-        }
+        let drawn = DrawnPicture::new(&job, index, picture);
+        let picture = &drawn.picture;
         let over = picture.alpha.is_some().then(|| picture.over(job.background_color));
-        let opaque = over.as_ref().unwrap_or(&picture);
-        let developed = DevelopedFrame { index, info, film: &film, picture: &picture, opaque };
+        let opaque = over.as_ref().unwrap_or(picture);
+        let developed = DevelopedFrame { index, info, film: &film, drawn: &drawn, opaque };
         for output in &job.outputs {
             if film.unfinished && output.is_stream() {
                 continue;
@@ -157,7 +172,7 @@ impl Worker {
         match &mut self.animations {
             // Animations that can be made from PNGs later contain only finished frames.
             Some(animations) if !(film.unfinished && job.source().is_some()) => {
-                animations.push(&picture, opaque)
+                animations.push(picture, opaque)
             }
             _ => Ok(()),
         }
@@ -173,11 +188,18 @@ impl Worker {
             self.report.noise.extend(noise.map(|noise| (frame, noise)));
         }
         let unidentified = |output: &&Output| !job.has_identity(output);
-        let (Some(pattern), Some(_)) = (job.source(), job.outputs.iter().find(unidentified)) else {
-            return Ok(());
-        };
+        let others = job.outputs.iter().any(|output| unidentified(&output));
+        let redrawn = self.redrawn.get(index).copied().unwrap_or(false);
+        let Some(pattern) = job.source().filter(|_| others || redrawn) else { return Ok(()) };
         let path = pattern.path(frame);
-        let picture = png::read(&path)?;
+        let (picture, bytes) = match redrawn {
+            true => {
+                let (picture, bytes) = job.redraw(index)?;
+                self.commits.push(AtomicFile::with_encoded(&path, Ok(bytes.clone()), &self.stop)?, None)?;
+                (picture, Some(bytes))
+            }
+            false => (png::read(&path)?, None),
+        };
         if (picture.width, picture.height) != job.size {
             let reason = io::Error::new(io::ErrorKind::InvalidData, "its size has changed");
             return Err(EncodeError::read(path, reason));
@@ -186,7 +208,9 @@ impl Worker {
         for output in job.outputs.iter().filter(unidentified) {
             let bytes = match output {
                 // The stored file, unchanged.
-                Output::Stream(StreamFormat::Png) => Some(fs::read(pattern.path(frame))),
+                Output::Stream(StreamFormat::Png) => {
+                    Some(bytes.clone().map_or_else(|| fs::read(pattern.path(frame)), Ok))
+                }
                 _ => without_alpha(&job, output, &opaque),
             };
             if let Some(bytes) = bytes {
@@ -227,7 +251,9 @@ impl Worker {
             identity: identity(&job, StillFormat::Exr, frame),
             entries: metadata(&job, StillFormat::Exr, frame),
         };
-        let (file, clipped) = exr::write(path, frame.film, job.formats.exr, &job.info.layers, &metadata)?;
+        let annotations = job.drawing(frame.index).map(|drawing| AnnotationLayer::new(drawing, job.size));
+        let layers = (&job.info.layers[..], annotations.as_ref());
+        let (file, clipped) = exr::write(path, frame.film, job.formats.exr, layers, &metadata)?;
         self.clipped += clipped;
         if clipped > 0 {
             self.first_clipped.get_or_insert(frame.info.frame);

@@ -75,7 +75,7 @@ pub fn select_frames_of(
 ) -> Result<SelectedFrames, RenderError> {
     let pool = pool(request.threads)?;
     let states = pool.install(|| evaluate(sequence, &request.frames));
-    let job = render::job(sequence, request, &states);
+    let job = pool.install(|| render::job(sequence, request, &states));
     let flaws = inspect_job(&job, selection.pattern, &pool);
     let mut selected = selected(selection, &request.frames, flaws, WITH_SEQUENCE)?;
     selected.notes.extend(job.extra_frame_notes());
@@ -206,6 +206,7 @@ pub fn assemble(request: &AssembleRequest) -> Result<Report, RenderError> {
         tonemap: Tonemap::default(),
         transparent: first.alpha.is_some(),
         background_color: request.background_color,
+        drawings: Vec::new(),
         caption: None,
         formats: request.formats,
         info: about.clone(),

@@ -3,11 +3,13 @@
 use crate::base::color::Rgb;
 use crate::base::stats::ProgressMeter;
 use crate::base::time::Rate;
+use crate::drawing::Drawing;
 use crate::encode::{
     EncodeError, FrameInfo, Output, Report, SequenceInfo, Sheet, Template, ToneTable, check_size,
     prepare_picture, write_picture,
 };
 use crate::film::{AovSet, Film, Noise};
+use crate::pipeline::drawings::drawings;
 use crate::pipeline::memory;
 use crate::pipeline::plan::{self, Plan};
 use crate::pipeline::render::{MemoryUse, RenderError, Reuse, Summary, pool, summary};
@@ -37,13 +39,18 @@ struct Cells {
     about: SequenceInfo,
     rate: Rate,
     text: Template,
+    drawings: Vec<Arc<Drawing>>,
     next: u32,
     noise: Vec<(u32, Noise)>,
 }
 
 impl FilmSink for Cells {
     fn push(&mut self, frame: u32, film: Film) -> Result<(), EncodeError> {
-        let picture = self.table.develop(&film).0.over(self.background_color);
+        let mut picture = self.table.develop(&film).0;
+        if let Some(drawing) = self.drawings.get(self.next as usize) {
+            drawing.draw(&mut picture);
+        }
+        let picture = picture.over(self.background_color);
         let shown = FrameInfo { sequence: &self.about, frame, rate: self.rate };
         self.sheet.put(self.next, &picture, &self.text.expand(&shown));
         self.next += 1;
@@ -65,6 +72,7 @@ pub fn filmstrip(
     MemoryUse::Filmstrip.check(memory::needed(sequence, aovs).saturating_add(memory::for_sheet(sheet)))?;
     check_size(&request.output, 0, sheet).map_err(EncodeError::from)?;
     let _folders = prepare_picture(&request.output)?;
+    let pool = pool(request.threads)?;
     let cells = Cells {
         sheet: Sheet::new(count, request.columns, sequence.output.size, request.text.lines()),
         table: ToneTable::new(sequence.output.tonemap),
@@ -72,12 +80,13 @@ pub fn filmstrip(
         about: sequence.about(),
         rate: sequence.timeline.rate,
         text: request.text.clone(),
+        drawings: pool.install(|| drawings(sequence, &request.frames)),
         next: 0,
         noise: Vec::new(),
     };
     let mut frames = FrameLoop::with_aovs(sequence, aovs, cells, Arc::clone(meter));
     let budget = Reuse::Share.budget(sequence, aovs);
-    pool(request.threads)?.install(|| {
+    pool.install(|| {
         let plan = Plan::new(sequence, &request.frames, aovs, budget);
         plan::run(&plan, &mut frames, || true)
     })?;

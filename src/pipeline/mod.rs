@@ -5,6 +5,7 @@
 //! Uses all rooms above.
 
 pub mod schedule;
+pub mod drawings;
 pub mod plan;
 pub mod memory;
 pub mod render;

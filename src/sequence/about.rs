@@ -3,7 +3,7 @@
 use super::Sequence;
 use super::layers::EmitterId;
 use crate::appearance::light_groups::LightGroups;
-use crate::encode::{ALBEDO, NORMAL, SequenceInfo};
+use crate::encode::{ALBEDO, ANNOTATIONS, NORMAL, SequenceInfo};
 use std::collections::HashSet;
 
 impl Sequence {
@@ -56,7 +56,7 @@ impl Sequence {
 const CONSTANT: &str = "constant";
 
 /// Names that keyed layers must not have, because files may have other channels under them.
-const TAKEN: [&str; 3] = [CONSTANT, NORMAL, ALBEDO];
+const TAKEN: [&str; 4] = [CONSTANT, NORMAL, ALBEDO, ANNOTATIONS];
 
 /// Appends `index` until the name is unique.
 fn unlike(mut name: String, index: usize, taken: &HashSet<String>) -> String {

@@ -1,5 +1,6 @@
 //! Decodes the whole file: its sections, and the names that connect them.
 
+use super::annotations::{SceneNames, annotations};
 use super::camera::{ObjectNames, camera, default_camera};
 use super::check::{self, report_blind_cameras};
 use super::colors::color;
@@ -68,6 +69,9 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     let scene = scene(&mut fields, &mut places.materials, &mut transforms);
     // After the objects, because cameras may focus on them.
     let cameras = cameras(&mut fields, scene.as_ref().map(|(_, objects)| objects.as_slice()));
+    let parts = scene.as_ref().map(|(materials, objects)| (objects.as_slice(), materials.as_slice()));
+    let names = SceneNames::new(parts, timeline);
+    let annotations = fields.or("annotations", |node| annotations(node, &names), Vec::new());
     fields.finish();
     if let (Some(timeline), Some(Cameras { list, active, places })) = (&timeline, &cameras) {
         let steps = quality.unwrap_or_default().shutter_steps;
@@ -92,6 +96,7 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
         lights: lights?,
         materials,
         objects,
+        annotations: annotations?,
         warnings: Vec::new(),
     };
     report_too_many_layers(root.file, &sequence, &places);

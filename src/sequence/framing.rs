@@ -100,16 +100,12 @@ impl<'a> Framing<'a> {
             let changes = object.tracks.as_ref().is_some_and(ShapeTracks::is_keyed);
             object.transform.is_keyed() || object.visible.is_keyed() || changes
         };
-        self.camera.is_still() && !self.objects.iter().any(|&object| self.chain(object).any(keyed))
+        self.camera.is_still()
+            && !self.objects.iter().any(|&object| self.sequence.ancestry(object).any(keyed))
     }
 
     fn clocks(&self) -> impl ParallelIterator<Item = Clock> {
         self.frames.par_iter().map(|frame| self.sequence.timeline.clock(*frame))
-    }
-
-    /// An object and its parents.
-    fn chain(&self, object: usize) -> impl Iterator<Item = usize> {
-        std::iter::successors(Some(object), |&at| self.sequence.objects[at].value.parent)
     }
 
     /// The camera's place; none if there is nothing to frame.
@@ -187,13 +183,9 @@ impl<'a> Framing<'a> {
     /// visible either. If nothing ever is visible, this is empty.
     fn placed(&self, time: Time) -> Vec<(FramedShape<'a>, DAffine3)> {
         let object = |index: usize| &self.sequence.objects[index].value;
-        let visible = |index: &usize| self.chain(*index).all(|at| object(at).visible.at(time));
-        let root = DAffine3::from_mat3(self.sequence.up.matrix());
-        let world = |index: usize| {
-            let own =
-                self.chain(index).fold(DAffine3::IDENTITY, |world, at| object(at).transform.at(time) * world);
-            (FramedShape::of(object(index), time), root * own)
-        };
+        let visible = |index: &usize| self.sequence.is_visible(*index, time);
+        let world =
+            |index: usize| (FramedShape::of(object(index), time), self.sequence.to_world(index, time));
         let solid = |(_, world): &(FramedShape, DAffine3)| inverse(world).is_some();
         self.objects.iter().copied().filter(visible).map(world).filter(solid).collect()
     }

@@ -5,6 +5,7 @@
 //! Uses the parts of a scene, `import`, and the output settings of `encode`.
 
 mod about;
+mod annotations;
 mod camera;
 mod check;
 mod colors;
@@ -19,6 +20,7 @@ mod environment;
 mod fault;
 mod fields;
 mod fog;
+mod font_files;
 mod formats;
 mod frame;
 mod framing;
@@ -47,6 +49,7 @@ mod output;
 mod paint;
 mod particles;
 mod path;
+mod placement;
 mod pose_columns;
 mod pose_tracks;
 mod poses;
@@ -75,6 +78,7 @@ pub use shape_tracks::ShapeTracks;
 #[cfg(feature = "cli")]
 pub(crate) use suggest::{listed, nearest};
 
+use crate::annotate::Annotation;
 use crate::appearance::environment::EnvironmentTracks;
 use crate::appearance::fog::FogTracks;
 use crate::appearance::light::LightTracks;
@@ -111,6 +115,8 @@ pub struct Sequence {
     pub lights: Vec<Named<LightTracks>>,
     pub materials: Vec<Named<MaterialTracks>>,
     pub objects: Vec<Named<Object>>,
+    /// What is drawn over the pictures, in its order.
+    pub annotations: Vec<Named<Annotation>>,
     /// Warnings about outdated notation in the file, as `file:line: warning`.
     pub warnings: Vec<String>,
 }

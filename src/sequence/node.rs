@@ -4,6 +4,7 @@
 //! place, and a wrong value does not stop the others from being decoded.
 
 use super::fault::Fault;
+use super::font_files::FontFiles;
 use super::image_files::ImageFiles;
 use super::key_clock::KeyClock;
 use super::mesh_files::MeshFiles;
@@ -36,12 +37,15 @@ pub struct File<'s> {
     pub meshes: MeshFiles,
     /// Tables named in the file.
     pub tables: TableFiles,
+    /// Fonts named in the file.
+    pub fonts: FontFiles,
 }
 
 impl<'s> File<'s> {
     /// The file's own paths are relative to `folder` and must be within `root`.
     pub fn new(source: &'s str, folder: &Path, root: Root, is_common: bool) -> Self {
         let tables = TableFiles::new(folder, root.clone());
+        let fonts = FontFiles::new(folder, root.clone());
         let (images, meshes) = (ImageFiles::new(folder, root.clone()), MeshFiles::new(folder, root));
         Self {
             source,
@@ -53,6 +57,7 @@ impl<'s> File<'s> {
             images,
             meshes,
             tables,
+            fonts,
         }
     }
 

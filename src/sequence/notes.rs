@@ -6,6 +6,7 @@ mod meshes;
 
 use super::{Named, Object, Sequence};
 use crate::appearance::material::{MaterialBinding, MaterialTracks};
+use crate::encode::listed_letters;
 use crate::geometry::shape::{self, Shape};
 use std::collections::BTreeSet;
 
@@ -23,6 +24,10 @@ impl Sequence {
             notes.extend(caption.text.missing_glyphs_note(&self.name));
             notes.extend(caption.overflow_warning(self.output.size.1));
         }
+        notes.extend(self.annotations.iter().filter_map(|Named { name, value }| {
+            let letters = listed_letters(&value.missing_glyphs(&self.name))?;
+            Some(format!("the annotation {name:?} is without {letters}, which its font does not have"))
+        }));
         notes
     }
 

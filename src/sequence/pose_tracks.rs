@@ -71,6 +71,18 @@ pub fn tracks(
     })
 }
 
+/// Makes a track of the numbers of a column.
+pub fn number_track(
+    table: &Table,
+    time: &ColumnName,
+    value: &ColumnName,
+    clock: KeyClock,
+) -> Result<Animated<f64>, PoseFault> {
+    let times = times(table, time, clock)?;
+    let values = values(table, value)?.to_vec();
+    Ok(Tracks { times: &times, ease: Ease::Linear, repeat: Repeat::Hold }.through(values, 0.0))
+}
+
 /// The positions and the rotations of all rows, as far as there are columns for them.
 fn places(table: &Table, columns: &PoseColumns) -> Result<Places, PoseFault> {
     let position = columns.position.as_ref().map(|names| vectors(table, names)).transpose()?;

@@ -2,7 +2,8 @@
 
 mod scale;
 
-use crate::encode::{FONT_FILE, Picture};
+use crate::drawing::FONT_FILE;
+use crate::encode::Picture;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::Ranged;
 use plotters::drawing::DrawingAreaErrorKind;

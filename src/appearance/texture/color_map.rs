@@ -68,6 +68,11 @@ impl ColorMap {
         Self { colors: numbers(steps).map(color).collect() }
     }
 
+    /// The colours of the steps, from 0 to 1.
+    pub fn steps(&self) -> &[Rgb] {
+        &self.colors
+    }
+
     /// The same map from the other end.
     pub fn reversed(mut self) -> Self {
         self.colors.reverse();

@@ -54,6 +54,15 @@ impl DataScale {
     }
 }
 
+impl DataScale {
+    /// The share of a range that lies below a number: 0 at its low end, 1 at its high end. Of equal numbers, all are
+    /// the lowest.
+    pub fn share(self, value: f64, range: [f64; 2]) -> f64 {
+        let [value, min, max] = [value, range[0], range[1]].map(|value| self.place(value));
+        if max > min { (value - min) / (max - min) } else { 0.0 }
+    }
+}
+
 impl DataTexture {
     pub fn at(&self, context: &TextureEvalContext<'_>) -> Rgb {
         let value = match &self.source {
@@ -68,9 +77,7 @@ impl DataTexture {
         let Some([min, max]) = self.range.filter(|_| !value.is_nan() && self.scale.has(value)) else {
             return self.missing;
         };
-        let [value, min, max] = [value.clamp(min, max), min, max].map(|value| self.scale.place(value));
-        // Of equal numbers, all are the lowest.
-        self.map.color(if max > min { (value - min) / (max - min) } else { 0.0 })
+        self.map.color(self.scale.share(value.clamp(min, max), [min, max]))
     }
 }
 

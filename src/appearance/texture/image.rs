@@ -98,6 +98,11 @@ impl Image {
         self.texels[self.index(x, y)]
     }
 
+    /// The alpha of the texel in column `x` from the left and row `y` from the top. Both must be inside the image.
+    pub fn alpha(&self, x: u32, y: u32) -> f32 {
+        self.alpha.as_ref().map_or(1.0, |alpha| alpha[self.index(x, y)])
+    }
+
     fn index(&self, x: u32, y: u32) -> usize {
         y as usize * self.width as usize + x as usize
     }

@@ -1,7 +1,10 @@
 //! Text with placeholders for values of the frame.
 
+use super::number_format::NumberFormat;
+use crate::base::time::Fraction;
+use crate::drawing::Font;
 use crate::encode::info::FrameInfo;
-use crate::encode::text::missing_glyphs;
+use crate::track::{Animate, Modes};
 use std::fmt;
 
 /// Letters that one note names at most.
@@ -14,7 +17,7 @@ pub struct Template(Vec<Part>);
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Part {
     Text(String),
-    Field(Field),
+    Field(Field, Option<NumberFormat>),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +26,8 @@ enum Field {
     Frames,
     Time,
     Name,
+    /// A value by its index.
+    Value(usize),
 }
 
 const FIELDS: [(&str, Field); 4] =
@@ -31,16 +36,28 @@ const FIELDS: [(&str, Field); 4] =
 /// Why a text is not a template. The message says what is wrong and what would be right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CaptionError {
-    Unknown(String),
+    /// A name, and the names of the values that are known.
+    Unknown(String, Vec<String>),
+    /// A format of a placeholder.
+    Format(String),
     Unclosed,
 }
 
 impl fmt::Display for CaptionError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unknown(name) => write!(
+            Self::Unknown(name, values) => {
+                let values: String = values.iter().map(|value| format!("{{{value}}}, ")).collect();
+                write!(
+                    f,
+                    "there is no `{{{name}}}`; known are {values}{{frame}}, {{frames}}, {{time}} and {{name}}, and \
+                     {{{{ is a brace"
+                )
+            }
+            Self::Format(format) => write!(
                 f,
-                "there is no `{{{name}}}`; known are {{frame}}, {{frames}}, {{time}} and {{name}}, and {{{{ is a brace"
+                "`{format}` is not the format of a number; write {{time:.3}} for three decimals, {{time:+.1}} for a \
+                 sign, {{time:6.2}} for at least six characters, or {{frame:04.0}} for zeros in front"
             ),
             Self::Unclosed => f.write_str("a `{` has no `}`; write {{ for a brace"),
         }
@@ -52,6 +69,11 @@ impl std::error::Error for CaptionError {}
 impl Template {
     /// Parses a text with the placeholders `{frame}`, `{frames}`, `{time}` and `{name}`.
     pub fn parse(text: &str) -> Result<Self, CaptionError> {
+        Self::with_values(text, &[])
+    }
+
+    /// [`Template::parse`] with placeholders for values of these names, too.
+    pub fn with_values(text: &str, values: &[&str]) -> Result<Self, CaptionError> {
         let (mut parts, mut plain, mut rest) = (Vec::new(), String::new(), text);
         while let Some(at) = rest.find(['{', '}']) {
             plain.push_str(&rest[..at]);
@@ -64,9 +86,7 @@ impl Template {
                 plain.push('}');
             } else {
                 let (name, after) = rest.split_once('}').ok_or(CaptionError::Unclosed)?;
-                let field = FIELDS.iter().find(|(known, _)| *known == name);
-                let field = field.ok_or_else(|| CaptionError::Unknown(name.to_owned()))?.1;
-                parts.extend([Part::Text(std::mem::take(&mut plain)), Part::Field(field)]);
+                parts.extend([Part::Text(std::mem::take(&mut plain)), field(name, values)?]);
                 rest = after;
             }
         }
@@ -78,40 +98,87 @@ impl Template {
     /// A note that names the letters that the font lacks and captions leave out. `None` if it has all. `name` is the
     /// name of the sequence.
     pub fn missing_glyphs_note(&self, name: &str) -> Option<String> {
+        let letters = listed(&self.missing_glyphs(name, &Font::default()))?;
+        Some(format!("captions are without {letters}, which the font does not have"))
+    }
+
+    /// The letters that a font lacks.
+    pub fn missing_glyphs(&self, name: &str, font: &Font) -> Vec<char> {
         let fixed = |part: &Part| match part {
             Part::Text(text) => text.clone(),
-            Part::Field(Field::Name) => name.to_owned(),
-            // Numbers, whose digits the font has.
-            Part::Field(Field::Frame | Field::Frames | Field::Time) => String::new(),
+            Part::Field(Field::Name, _) => name.to_owned(),
+            Part::Field(..) => "0123456789.−+".to_owned(),
         };
         let text = self.0.iter().map(fixed).collect::<String>();
-        let letters = missing_glyphs(&text.lines().collect::<String>());
-        let (shown, more) = letters.split_at(letters.len().min(MAX_NOTE_LETTERS));
-        let shown: Vec<String> = shown.iter().map(|letter| format!("`{}`", letter.escape_debug())).collect();
-        let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
-        let shown = shown.join(", ");
-        (!letters.is_empty())
-            .then(|| format!("captions are without {shown}{more}, which the font does not have"))
+        font.missing_glyphs(&text.lines().collect::<String>())
     }
 
     /// Number of lines of the text.
     pub fn lines(&self) -> u32 {
         let plain = |part: &Part| match part {
             Part::Text(text) => text.clone(),
-            Part::Field(_) => "0".to_owned(),
+            Part::Field(..) => "0".to_owned(),
         };
         self.0.iter().map(plain).collect::<String>().lines().count().max(1) as u32
     }
 
     /// The text for a frame.
     pub fn expand(&self, info: &FrameInfo) -> String {
+        self.expand_with(info, &[])
+    }
+
+    /// The text for a frame with these values.
+    pub fn expand_with(&self, info: &FrameInfo, values: &[f64]) -> String {
         let part = |part: &Part| match part {
             Part::Text(text) => text.clone(),
-            Part::Field(Field::Frame) => info.padded(),
-            Part::Field(Field::Frames) => info.sequence.frames.to_string(),
-            Part::Field(Field::Time) => info.seconds(),
-            Part::Field(Field::Name) => info.sequence.name.clone(),
+            Part::Field(Field::Name, _) => info.sequence.name.clone(),
+            Part::Field(Field::Frame, None) => info.padded(),
+            Part::Field(Field::Frames, None) => info.sequence.frames.to_string(),
+            Part::Field(Field::Time, None) => info.seconds(),
+            Part::Field(field, format) => {
+                let value = match field {
+                    Field::Frame => f64::from(info.frame),
+                    Field::Frames => f64::from(info.sequence.frames),
+                    Field::Value(index) => values.get(*index).copied().unwrap_or(f64::NAN),
+                    Field::Time | Field::Name => info.time_value(),
+                };
+                format.unwrap_or_default().write(value)
+            }
         };
         self.0.iter().map(part).collect()
+    }
+}
+
+/// The placeholder `NAME` or `NAME:FORMAT`.
+fn field(text: &str, values: &[&str]) -> Result<Part, CaptionError> {
+    let (name, format) = text.split_once(':').map_or((text, None), |(name, format)| (name, Some(format)));
+    let value = values.iter().position(|known| *known == name).map(Field::Value);
+    let field = value.or_else(|| FIELDS.iter().find(|(known, _)| *known == name).map(|(_, field)| *field));
+    let unknown = || CaptionError::Unknown(name.to_owned(), values.iter().map(|v| (*v).to_owned()).collect());
+    let field = field.ok_or_else(unknown)?;
+    let format = match format {
+        Some(format) => {
+            let bad = || CaptionError::Format(format.to_owned());
+            Some(NumberFormat::parse(format).filter(|_| field != Field::Name).ok_or_else(bad)?)
+        }
+        None => None,
+    };
+    Ok(Part::Field(field, format))
+}
+
+/// Names letters. None if there are none.
+pub fn listed(letters: &[char]) -> Option<String> {
+    let (shown, more) = letters.split_at(letters.len().min(MAX_NOTE_LETTERS));
+    let shown: Vec<String> = shown.iter().map(|letter| format!("`{}`", letter.escape_debug())).collect();
+    let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
+    (!letters.is_empty()).then(|| format!("{}{more}", shown.join(", ")))
+}
+
+/// Texts change only at their keys.
+impl Animate for Template {
+    const MODES: Modes = Modes::Step;
+
+    fn mix(a: &Self, _: &Self, _: Fraction) -> Self {
+        a.clone()
     }
 }

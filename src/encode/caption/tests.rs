@@ -18,7 +18,7 @@ fn placeholders_are_expanded() {
     let expanded = |text| Template::parse(text).map(|template| template.expand(&info(&sequence)));
     assert_eq!(expanded("{name}: {frame} of {frames}, {time} s"), Ok("turn: 006 of 120, 0.25 s".into()));
     assert_eq!(expanded("{{plain}} }"), Ok("{plain} }".into()));
-    assert_eq!(expanded("{date}"), Err(CaptionError::Unknown("date".into())));
+    assert_eq!(expanded("{date}"), Err(CaptionError::Unknown("date".into(), Vec::new())));
     assert_eq!(expanded("{frame"), Err(CaptionError::Unclosed));
 }
 

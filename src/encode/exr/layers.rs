@@ -3,6 +3,7 @@
 use super::half::HalfConverter;
 use super::{ExrMetadata, image};
 use crate::base::color::Rgb;
+use crate::encode::annotation_layer::{ANNOTATIONS, AnnotationLayer};
 use crate::encode::atomic::AtomicFile;
 use crate::encode::settings::ExrLayers;
 use crate::film::{DenoisingFeatures, Film};
@@ -18,15 +19,23 @@ pub const NORMAL: &str = "N";
 /// The name of the layer of albedo.
 pub const ALBEDO: &str = "albedo";
 
-/// Writes the picture and the requested layers, whose channels are named `LAYER.R` and so on.
+/// The layers besides the picture.
+pub struct ExtraLayers<'a> {
+    pub requested: ExrLayers,
+    /// Names of the light groups.
+    pub names: &'a [String],
+    pub annotations: Option<&'a AnnotationLayer>,
+}
+
+/// Writes the picture and the other layers, whose channels are named `LAYER.R` and so on.
 pub fn write_layers(
     film: &Film,
-    layers: ExrLayers,
+    layers: &ExtraLayers,
     halves: Option<&HalfConverter>,
-    names: &[String],
     metadata: &ExrMetadata,
     file: &mut AtomicFile,
 ) -> UnitResult {
+    let ExtraLayers { requested: layers, names, annotations } = *layers;
     let pixels = film.width as usize * film.height as usize;
     let builder = ChannelBuilder { film, pixels, halves };
     let mut list = builder.colors("", |pixel| film.radiance_at(pixel));
@@ -39,6 +48,12 @@ pub fn write_layers(
         }
     }
     list.extend(builder.feature_channels(layers));
+    if let Some(drawn) = annotations {
+        let channel = |(part, letter)| {
+            builder.channel(format!("{ANNOTATIONS}.{letter}"), halves, |pixel| drawn.linear(pixel)[part])
+        };
+        list.extend(["R", "G", "B", "A"].into_iter().enumerate().map(channel));
+    }
     let channels = AnyChannels::sort(list.into());
     image(film, channels, metadata).write().non_parallel().to_buffered(file)
 }

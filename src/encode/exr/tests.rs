@@ -23,7 +23,7 @@ fn reads_back_the_radiance_to_the_last_bit() {
     let path = dir.path().join("a.exr");
     let mut film = film();
     film.expose(3.0);
-    write(&path, &film, ExrSettings::default(), &[], &ExrMetadata::default())
+    write(&path, &film, ExrSettings::default(), (&[], None), &ExrMetadata::default())
         .and_then(|(file, _)| file.commit())
         .expect("written");
     let image = read_first_rgba_layer_from_file(
@@ -58,9 +58,15 @@ fn layers_of_light_add_up_and_features_follow() {
     film.data_mut()[3..6].fill(Rgb::ZERO);
     let layers = ExrLayers { lights: true, depth: true, normal: true, albedo: true };
     let names = ["constant".to_owned(), "key".to_owned()];
-    write(&path, &film, ExrSettings { layers, ..ExrSettings::default() }, &names, &ExrMetadata::default())
-        .and_then(|(file, _)| file.commit())
-        .expect("written");
+    write(
+        &path,
+        &film,
+        ExrSettings { layers, ..ExrSettings::default() },
+        (&names, None),
+        &ExrMetadata::default(),
+    )
+    .and_then(|(file, _)| file.commit())
+    .expect("written");
     let found = channels(&path);
     let order: Vec<_> = found.iter().map(|(name, _)| name.as_str()).collect();
     let expected = [
@@ -109,7 +115,7 @@ fn values_above_the_half_range_are_clamped() {
         let settings = ExrSettings { half: true, layers, ..ExrSettings::default() };
         let names = ["constant".to_owned()];
         let (file, clipped) =
-            write(&path, &film, settings, &names, &ExrMetadata::default()).expect("written");
+            write(&path, &film, settings, (&names, None), &ExrMetadata::default()).expect("written");
         file.commit().expect("written");
         assert_eq!(clipped, if lights { 4 } else { 2 });
         for (name, values) in channels(&path) {
@@ -131,7 +137,7 @@ fn half_floats_have_half_the_precision() {
             &path,
             &film,
             ExrSettings { half: true, ..ExrSettings::default() },
-            &[],
+            (&[], None),
             &ExrMetadata::default(),
         )
         .and_then(|(file, _)| file.commit())
@@ -149,7 +155,7 @@ fn the_bytes_are_always_the_same() {
     let dir = tempfile::tempdir().expect("a folder");
     let bytes = ["a.exr", "b.exr"].map(|name| {
         let path = dir.path().join(name);
-        write(&path, &film(), ExrSettings::default(), &[], &ExrMetadata::default())
+        write(&path, &film(), ExrSettings::default(), (&[], None), &ExrMetadata::default())
             .and_then(|(file, _)| file.commit())
             .expect("written");
         fs::read(path).expect("read")

@@ -65,6 +65,15 @@ impl Mixer {
         self.mix_around(nearest, multiply(&RGB_TO_LMS, linear))
     }
 
+    /// The index of the palette colour nearest to a colour.
+    pub fn flat(&self, color: [u8; 3]) -> u8 {
+        if let Ok(index) = self.palette.colors().binary_search(&color) {
+            return index as u8;
+        }
+        let lab = oklab(color.map(|code| self.linear[usize::from(code)]));
+        self.nearest([lab.l, lab.a, lab.b]) as u8
+    }
+
     /// Adds parts greedily, so that the sum of their deviations stays closest to zero. Light adds linearly, so
     /// deviations are differences of cone responses. The derivative of Oklab at the colour gives their perceived size.
     fn mix_around(&self, nearest: usize, target: [f32; 3]) -> [u8; PARTS] {

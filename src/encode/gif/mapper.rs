@@ -29,14 +29,31 @@ impl<'a> Mapper<'a> {
         Self { mixer, parts, cache: Cache(vec![(NO_KEY, [0; PARTS]); 1 << CACHE_BITS]) }
     }
 
-    /// One palette index per pixel. Transparent pixels get the index `clear`, if there is one.
-    pub fn map(&mut self, picture: &Picture, clear: Option<u8>) -> Vec<u8> {
+    /// One palette index per pixel. Transparent pixels get the index `clear`, if there is one. Pixels of `flat` are not
+    /// dithered.
+    pub fn map(&mut self, picture: &Picture, clear: Option<u8>, flat: Option<&[bool]>) -> Vec<u8> {
         let mut indices = self.opaque(picture);
+        if let Some(flat) = flat {
+            self.flatten(picture, flat, &mut indices);
+        }
         if let (Some(clear), Some(alpha)) = (clear, &picture.alpha) {
             let out = indices.iter_mut().zip(alpha).filter(|(_, alpha)| **alpha == 0);
             out.for_each(|(index, _)| *index = clear);
         }
         indices
+    }
+
+    /// Maps the pixels of `flat` to the palette colours nearest to them.
+    fn flatten(&self, picture: &Picture, flat: &[bool], indices: &mut [u8]) {
+        let pixels = picture.rgb.as_chunks::<3>().0;
+        // Neighbours are often equal.
+        let mut last = ([0; 3], self.mixer.flat([0; 3]));
+        for ((index, &color), _) in indices.iter_mut().zip(pixels).zip(flat).filter(|(_, flat)| **flat) {
+            if last.0 != color {
+                last = (color, self.mixer.flat(color));
+            }
+            *index = last.1;
+        }
     }
 
     fn opaque(&mut self, picture: &Picture) -> Vec<u8> {

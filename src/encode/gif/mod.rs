@@ -4,6 +4,7 @@
 //! the caller stores it without loss. The second pass reads the stored frames, a few at a time, maps them to one
 //! palette and writes the changes. So memory does not grow with the number of frames.
 
+mod annotated;
 mod delta;
 mod dither;
 mod file;
@@ -24,6 +25,8 @@ use super::limits::GIF_LIMIT;
 use super::picture::Picture;
 use super::settings::GifSettings;
 use crate::base::escape;
+use crate::drawing::Drawing;
+use annotated::{CoveredPixels, reserved_colors};
 use dither::Mixer;
 use file::{FinishedGif, GifFile};
 use fit::GifQuality;
@@ -32,6 +35,7 @@ use mapper::Mapper;
 use palette::Palette;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use timing::TimedFrame;
 
 /// Reads a stored frame by its index in the job's list.
@@ -55,6 +59,8 @@ pub struct Animation {
     /// Whether pixels may be transparent.
     clear: bool,
     histogram: Histogram,
+    /// What is drawn over each of the job's frames; empty if there are no annotations.
+    drawings: Vec<Arc<Drawing>>,
 }
 
 impl Animation {
@@ -74,6 +80,7 @@ impl Animation {
             frames,
             clear: job.transparent,
             histogram: Histogram::new(usize::from(job.formats.gif.colors)),
+            drawings: job.drawings.clone(),
         })
     }
 
@@ -134,9 +141,13 @@ impl Animation {
                 for frame in &shown {
                     histogram.add(&load(frame.index)?);
                 }
-                palette(&histogram, quality.colors, shown.len(), self.clear)
+                palette(&histogram, quality.colors, (shown.len(), self.clear), &[])
             }
-            false => palette(&self.histogram, quality.colors, shown.len(), self.clear),
+            false => {
+                let drawings = shown.iter().filter_map(|frame| self.drawings.get(frame.index));
+                let kept = reserved_colors(drawings, usize::from(quality.colors));
+                palette(&self.histogram, quality.colors, (shown.len(), self.clear), &kept)
+            }
         };
         let mixer = Mixer::new(palette, self.settings.dither);
         let clear = transparent.filter(|_| self.clear);
@@ -147,8 +158,10 @@ impl Animation {
         let mut file = GifFile::create(&self.path, size, &table, self.settings.loop_count)?;
         let mut last: Option<Vec<u8>> = None;
         for batch in shown.chunks(batch_size) {
-            let map =
-                |(mapper, frame): (&mut Mapper, &TimedFrame)| Ok(mapper.map(&load(frame.index)?, clear));
+            let map = |(mapper, frame): (&mut Mapper, &TimedFrame)| {
+                let flat = self.flat_pixels(quality, frame.index);
+                Ok(mapper.map(&load(frame.index)?, clear, flat.as_deref()))
+            };
             let indices: Vec<Vec<u8>> =
                 mappers.par_iter_mut().zip(batch).map(map).collect::<Result<_, EncodeError>>()?;
             let frame = |i: usize| {
@@ -167,6 +180,12 @@ impl Animation {
         file.finish()
     }
 
+    /// The pixels of a frame that annotations cover. Smaller pictures mix them with what is around.
+    fn flat_pixels(&self, quality: &GifQuality, index: usize) -> Option<Vec<bool>> {
+        let drawing = self.drawings.get(index).filter(|_| quality.scale >= 1.0)?;
+        CoveredPixels::of(drawing, (self.size.0.into(), self.size.1.into()))
+    }
+
     /// The number of frames that are encoded at the same time.
     fn batch_size(&self) -> usize {
         // A picture, its indices, and two compressed versions of them.
@@ -176,15 +195,27 @@ impl Animation {
 }
 
 /// A palette of at most `colors` colours, and the index after them that is transparent. An animation needs it if pixels
-/// may be transparent. Otherwise it marks unchanged pixels, if that saves more than a colour is worth.
-fn palette(histogram: &Histogram, colors: u16, frames: usize, clear: bool) -> (Palette, Option<u8>) {
+/// may be transparent. Otherwise it marks unchanged pixels, if that saves more than a colour is worth. The palette
+/// contains the colours of `kept`.
+fn palette(
+    histogram: &Histogram,
+    colors: u16,
+    (frames, clear): (usize, bool),
+    kept: &[[u8; 3]],
+) -> (Palette, Option<u8>) {
     let size = usize::from(colors).clamp(2, 256);
     let reserved = match histogram.distinct() {
         Some(distinct) if distinct <= size => distinct < size,
         _ => size >= TRANSPARENT_FROM,
     };
     let reserved = clear || reserved && frames > 1;
-    let palette = histogram.palette(size - usize::from(reserved));
+    let free = size - usize::from(reserved);
+    let palette = match histogram.distinct() {
+        // All colours are in it anyway.
+        Some(distinct) if distinct <= free => histogram.palette(free),
+        _ if kept.is_empty() => histogram.palette(free),
+        _ => histogram.palette(free - kept.len()).with(kept),
+    };
     let transparent = reserved.then_some(palette.colors().len() as u8);
     (palette, transparent)
 }

@@ -41,6 +41,12 @@ impl Palette {
         Self { exact: false, ..Self::exact(centers.into_iter().map(code_of_oklab).collect()) }
     }
 
+    /// The same palette with more colours.
+    pub fn with(mut self, more: &[[u8; 3]]) -> Self {
+        self.colors.extend(more);
+        Self { exact: false, ..Self::exact(self.colors) }
+    }
+
     pub fn colors(&self) -> &[[u8; 3]] {
         &self.colors
     }

@@ -124,6 +124,7 @@ fn job(path: &Path, pictures: &[Picture], rate: (i128, i128), gif: GifSettings) 
         tonemap: Tonemap::Srgb,
         transparent: false,
         background_color: DEFAULT_BACKGROUND_COLOR,
+        drawings: Vec::new(),
         caption: None,
         formats: Formats { gif, ..Formats::default() },
         info: SequenceInfo::default(),

@@ -24,7 +24,16 @@ pub fn read(path: &Path) -> Result<Picture, EncodeError> {
 
 fn decode(path: &Path) -> io::Result<Picture> {
     let (file, _) = attempt(Operation::Read, path, || files::open(path, u64::MAX))?;
-    let mut reader = Decoder::new(BufReader::new(file)).read_info()?;
+    decode_from(BufReader::new(file))
+}
+
+/// [`read`] from the file's bytes.
+pub fn decode_bytes(bytes: &[u8]) -> io::Result<Picture> {
+    decode_from(Cursor::new(bytes))
+}
+
+fn decode_from(input: impl io::BufRead + io::Seek) -> io::Result<Picture> {
+    let mut reader = Decoder::new(input).read_info()?;
     let info = reader.info();
     let alpha = info.color_type == ColorType::Rgba;
     if !(alpha || info.color_type == ColorType::Rgb) || info.bit_depth != BitDepth::Eight {

@@ -3,6 +3,7 @@
 use super::request::Request;
 use crate::encode::{EncodeJob, Existing, FrameKey, Output, SequenceInfo, StillFormat};
 use crate::film::AovSet;
+use crate::pipeline::drawings::drawings;
 use crate::pipeline::plan::{FrameStates, evaluate};
 use crate::pipeline::schedule::FrameState;
 use crate::sequence::Sequence;
@@ -47,6 +48,8 @@ pub(crate) fn job(sequence: &Sequence, request: &Request, states: &FrameStates) 
         tonemap: output.tonemap,
         transparent: output.transparent,
         background_color: output.background_color,
+        // Without states, the job is only checked.
+        drawings: if states.frames.is_empty() { Vec::new() } else { drawings(sequence, &request.frames) },
         caption: output.caption.clone(),
         formats: output.formats,
         info: SequenceInfo { time_limit: request.limit(), ..sequence.about() },

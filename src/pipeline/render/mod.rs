@@ -100,7 +100,7 @@ fn render_frames(
     MemoryUse::Picture.check(memory::needed(sequence, aovs))?;
     let pool = Arc::new(pool(request.threads)?);
     let states = pool.install(|| evaluate_until(sequence, &request.frames, stop));
-    let job = job(sequence, request, &states);
+    let job = pool.install(|| job(sequence, request, &states));
     let keeps = job.can_keep_frames();
     if let Some(signal) = stop.signal().filter(|_| states.frames.len() < request.frames.len()) {
         let rest = request.frames.clone();

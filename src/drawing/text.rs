@@ -1,28 +1,18 @@
-//! Text rendered with the bundled font.
+//! Text as coverage.
 
-use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
-use std::sync::LazyLock;
-
-/// Roboto Medium, see assets/README.md.
-pub const FONT_FILE: &[u8] = include_bytes!("../../assets/fonts/Roboto-Medium.ttf");
-
-static FONT: LazyLock<Option<FontRef<'static>>> = LazyLock::new(|| FontRef::try_from_slice(FONT_FILE).ok());
-
-/// The letters of a text that the font lacks, each once, in their order.
-pub fn missing_glyphs(text: &str) -> Vec<char> {
-    let mut missing = Vec::new();
-    for letter in text.chars() {
-        let known = FONT.as_ref().is_none_or(|font| font.glyph_id(letter).0 != 0);
-        if !known && !missing.contains(&letter) {
-            missing.push(letter);
-        }
-    }
-    missing
-}
+use super::coverage::Coverage;
+use super::font::Font;
+use ab_glyph::{Font as _, FontVec, PxScale, ScaleFont, point};
 
 /// The height of a line in pixels, if letters are `size` pixels high.
 pub fn line_height(size: f32) -> usize {
-    FONT.as_ref().map_or(0, |font| font.as_scaled(PxScale::from(size)).height().ceil() as usize)
+    Font::default().face().map_or(0, |font| font.as_scaled(PxScale::from(size)).height().ceil() as usize)
+}
+
+/// The width of the longest line of a text in pixels, if letters are `size` pixels high.
+pub fn text_width(font: &Font, text: &str, size: f32) -> f32 {
+    let Some(font) = font.face() else { return 0.0 };
+    text.lines().map(|line| places(font, line, size).1).fold(0.0, f32::max)
 }
 
 /// The alignment of lines that are shorter than the longest.
@@ -31,6 +21,20 @@ pub enum Align {
     Left,
     Center,
     Right,
+}
+
+/// The glyphs of a line with the places where they begin, and the width of the line.
+fn places(font: &FontVec, line: &str, size: f32) -> (Vec<(ab_glyph::GlyphId, f32)>, f32) {
+    let scaled = font.as_scaled(PxScale::from(size));
+    let (mut at, mut last, mut glyphs) = (0.0, None, Vec::new());
+    for letter in line.chars() {
+        let glyph = scaled.glyph_id(letter);
+        at += last.map_or(0.0, |last| scaled.kern(last, glyph));
+        glyphs.push((glyph, at));
+        at += scaled.h_advance(glyph);
+        last = Some(glyph);
+    }
+    (glyphs, at)
 }
 
 /// The coverage of pixels by one or several lines of text.
@@ -45,21 +49,21 @@ pub struct TextMask {
 impl TextMask {
     /// A line of text, `size` pixels high from the lowest descender to the highest ascender.
     pub fn new(text: &str, size: f32) -> Self {
-        // The font is part of the program. If it were broken, pictures would have no captions.
-        let Some(font) = FONT.as_ref() else { return Self::default() };
+        Self::shifted(&Font::default(), text, size, [0.0; 2])
+    }
+
+    /// [`TextMask::new`] in any font, moved right and down by parts of a pixel.
+    fn shifted(font: &Font, text: &str, size: f32, [right, down]: [f32; 2]) -> Self {
+        // The program's font is never broken. If it were, pictures would have no text.
+        let Some(font) = font.face() else { return Self::default() };
+        let (glyphs, end) = places(font, text, size);
         let scale = PxScale::from(size);
         let scaled = font.as_scaled(scale);
-        let (mut at, mut last, mut glyphs) = (0.0, None, Vec::new());
-        for letter in text.chars() {
-            let glyph = scaled.glyph_id(letter);
-            at += last.map_or(0.0, |last| scaled.kern(last, glyph));
-            glyphs.push(glyph.with_scale_and_position(scale, point(at, scaled.ascent())));
-            at += scaled.h_advance(glyph);
-            last = Some(glyph);
-        }
-        let (width, height) = (at.ceil() as usize, line_height(size));
+        let (width, height) = ((end + right).ceil() as usize, (scaled.height() + down).ceil() as usize);
         let mut line = Self { width, height, coverage: vec![0.0; width * height] };
-        for outlined in glyphs.into_iter().filter_map(|glyph| font.outline_glyph(glyph)) {
+        for (glyph, at) in glyphs {
+            let glyph = glyph.with_scale_and_position(scale, point(at + right, scaled.ascent() + down));
+            let Some(outlined) = font.outline_glyph(glyph) else { continue };
             let (left, top) = (outlined.px_bounds().min.x as i64, outlined.px_bounds().min.y as i64);
             outlined.draw(|x, y, c| line.add(left + i64::from(x), top + i64::from(y), c));
         }
@@ -98,6 +102,19 @@ impl TextMask {
     }
 }
 
+/// One line of text whose box has its top left corner at any place, also between pixels.
+pub fn placed_line(font: &Font, line: &str, size: f32, [x, y]: [f64; 2]) -> Coverage {
+    let (left, top) = (x.floor(), y.floor());
+    let mask = TextMask::shifted(font, line, size, [(x - left) as f32, (y - top) as f32]);
+    Coverage {
+        left: left as i64,
+        top: top as i64,
+        width: mask.width,
+        height: mask.height,
+        values: mask.coverage,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -119,9 +136,19 @@ mod tests {
     }
 
     #[test]
-    fn missing_letters_are_found() {
-        assert_eq!(missing_glyphs("zoë 漢字 12 漢"), ['漢', '字']);
-        assert!(missing_glyphs("frame 007 · 0.29 s, ÄÖÜß Ωλ Жя").is_empty());
+    fn text_may_lie_between_pixels() {
+        let centre = |x: f64| {
+            let line = placed_line(&Font::default(), "lo", 20.0, [x, 3.25]);
+            let sums = line.values.iter().enumerate();
+            let at = |index: usize| (line.left + (index % line.width) as i64) as f32;
+            let moment: f32 = sums.map(|(index, value)| at(index) * value).sum();
+            moment / line.values.iter().sum::<f32>()
+        };
+        let first = centre(4.0);
+        for step in 1..8 {
+            let moved = f64::from(step) / 8.0;
+            assert!((centre(4.0 + moved) - first - moved as f32).abs() < 0.01);
+        }
     }
 
     #[test]

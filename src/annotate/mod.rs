@@ -1,0 +1,152 @@
+//! Annotations: labels, colour bars, axes and other marks that explain a frame.
+//!
+//! In: annotations over time, and the [`View`] of a frame: its camera, its time and the places of its objects.
+//! Out: a [`Drawing`](crate::drawing::Drawing) in pixels, which `encode` lays over the developed picture.
+//! Uses: `base`, `drawing`, `track`, `camera`, `appearance`, and texts and facts about frames of `encode`.
+//!
+//! Annotations are not part of the film. So a frame's light is never traced again because an annotation changes, and
+//! exposure and tone map do not change their colours.
+
+mod anchor;
+mod axes;
+mod block;
+mod color_bar;
+mod curve;
+mod dimension;
+mod label;
+mod line;
+mod painter;
+mod panel;
+mod plot;
+mod scale_bar;
+mod style;
+#[cfg(test)]
+mod tests;
+mod ticks;
+mod triad;
+mod view;
+
+pub use anchor::{Anchor, ObjectPoint};
+pub use axes::{Axes, AxesBox, Grid};
+pub use block::Place;
+pub use color_bar::ColorBar;
+pub use curve::{Curve, CurvePoints};
+pub use dimension::{AngleArc, Dimension};
+pub use label::{Behind, Label, Offset};
+pub use line::{HeadStyle, LineMark};
+pub use panel::{Caption, Logo, Progress};
+pub use plot::{Plot, PlotSeries};
+pub use scale_bar::ScaleBar;
+pub use style::{Backdrop, Style};
+pub use triad::Triad;
+pub use view::{PlacedObject, View};
+
+use crate::drawing::Drawing;
+use crate::encode::Template;
+use crate::track::Animated;
+use painter::Painter;
+
+/// One annotation over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Annotation {
+    pub visible: Animated<bool>,
+    /// In 0..=1.
+    pub opacity: Animated<f64>,
+    pub style: Style,
+    /// The numbers that its texts insert.
+    pub values: Vec<Animated<f64>>,
+    pub kind: AnnotationKind,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum AnnotationKind {
+    Label(Label),
+    Caption(Caption),
+    ColorBar(ColorBar),
+    Progress(Progress),
+    Image(Logo),
+    Plot(Plot),
+    Line(LineMark),
+    Curve(Curve),
+    Dimension(Dimension),
+    Angle(AngleArc),
+    Axes(Axes),
+    Grid(Grid),
+    Triad(Triad),
+    ScaleBar(ScaleBar),
+}
+
+impl AnnotationKind {
+    /// Whether rays decide what is visible of it.
+    pub fn needs_rays(&self) -> bool {
+        matches!(self, Self::Label(label) if label.behind != Behind::Show)
+    }
+}
+
+impl Annotation {
+    /// The letters of its texts that its font lacks. `name` is the name of the sequence.
+    pub fn missing_glyphs(&self, name: &str) -> Vec<char> {
+        let (templates, texts): (Vec<&Animated<Template>>, Vec<&str>) = match &self.kind {
+            AnnotationKind::Label(label) => (vec![&label.text], Vec::new()),
+            AnnotationKind::Caption(caption) => (vec![&caption.text], Vec::new()),
+            AnnotationKind::ColorBar(bar) => (vec![&bar.title], Vec::new()),
+            AnnotationKind::Plot(plot) => {
+                (vec![&plot.title], plot.series.iter().map(|series| series.name.as_str()).collect())
+            }
+            AnnotationKind::Dimension(dimension) => (vec![&dimension.text], Vec::new()),
+            AnnotationKind::Angle(angle) => (vec![&angle.text], Vec::new()),
+            AnnotationKind::Axes(axes) => (Vec::new(), axes.titles.iter().map(String::as_str).collect()),
+            AnnotationKind::ScaleBar(bar) => (Vec::new(), vec![&bar.unit]),
+            AnnotationKind::Progress(_)
+            | AnnotationKind::Image(_)
+            | AnnotationKind::Line(_)
+            | AnnotationKind::Curve(_)
+            | AnnotationKind::Grid(_)
+            | AnnotationKind::Triad(_) => (Vec::new(), Vec::new()),
+        };
+        let font = &self.style.font;
+        let of_templates = templates
+            .into_iter()
+            .flat_map(|text| text.values())
+            .flat_map(|text| text.missing_glyphs(name, font));
+        let mut missing = Vec::new();
+        for letter in of_templates.chain(texts.into_iter().flat_map(|text| font.missing_glyphs(text))) {
+            if !missing.contains(&letter) {
+                missing.push(letter);
+            }
+        }
+        missing
+    }
+
+    fn paint(&self, painter: &mut Painter<'_>) {
+        match &self.kind {
+            AnnotationKind::Label(label) => label.paint(painter),
+            AnnotationKind::Caption(caption) => caption.paint(painter),
+            AnnotationKind::ColorBar(bar) => bar.paint(painter),
+            AnnotationKind::Progress(progress) => progress.paint(painter),
+            AnnotationKind::Image(logo) => logo.paint(painter),
+            AnnotationKind::Plot(plot) => plot.paint(painter),
+            AnnotationKind::Line(line) => line.paint(painter),
+            AnnotationKind::Curve(curve) => curve.paint(painter),
+            AnnotationKind::Dimension(dimension) => dimension.paint(painter),
+            AnnotationKind::Angle(angle) => angle.paint(painter),
+            AnnotationKind::Axes(axes) => axes.paint(painter),
+            AnnotationKind::Grid(grid) => grid.paint(painter),
+            AnnotationKind::Triad(triad) => triad.paint(painter),
+            AnnotationKind::ScaleBar(bar) => bar.paint(painter),
+        }
+    }
+}
+
+/// What annotations draw over a frame, in their order.
+pub fn drawing(annotations: &[Annotation], view: &View<'_>) -> Drawing {
+    let mut painter = Painter::new(view);
+    for annotation in annotations {
+        let opacity = annotation.opacity.at(view.time);
+        if annotation.visible.at(view.time) && opacity > 0.0 {
+            painter.begin(annotation, opacity);
+            annotation.paint(&mut painter);
+        }
+    }
+    Drawing { marks: painter.finish() }
+}

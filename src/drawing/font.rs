@@ -1,0 +1,107 @@
+//! Fonts: the one in the program, and TrueType and OpenType files.
+
+use crate::base::digest::{Content, Digest, Digester};
+use ab_glyph::{Font as _, FontVec};
+use std::fmt;
+use std::sync::{Arc, LazyLock};
+
+/// Roboto Medium, see assets/README.md.
+pub const FONT_FILE: &[u8] = include_bytes!("../../assets/fonts/Roboto-Medium.ttf");
+
+static BUNDLED: LazyLock<Option<FontVec>> = LazyLock::new(|| FontVec::try_from_vec(FONT_FILE.to_vec()).ok());
+
+/// A font. The default is the one in the program.
+#[derive(Clone, Default)]
+pub struct Font(Option<Arc<FontFace>>);
+
+/// A font from a file.
+struct FontFace {
+    digest: Digest,
+    face: FontVec,
+}
+
+/// A file that is not a font.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FontError;
+
+impl fmt::Display for FontError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("it is not a TrueType or OpenType font")
+    }
+}
+
+impl std::error::Error for FontError {}
+
+impl Font {
+    /// The font in the bytes of a TrueType or OpenType file.
+    ///
+    /// # Errors
+    /// If the bytes are not such a file.
+    pub fn parse(bytes: Vec<u8>) -> Result<Self, FontError> {
+        let digest = Digest::of(bytes.as_slice());
+        let face = FontVec::try_from_vec(bytes).map_err(|_| FontError)?;
+        Ok(Self(Some(Arc::new(FontFace { digest, face }))))
+    }
+
+    /// The outlines. None if the program's own font were broken; then text is left out.
+    pub(super) fn face(&self) -> Option<&FontVec> {
+        match &self.0 {
+            Some(own) => Some(&own.face),
+            None => BUNDLED.as_ref(),
+        }
+    }
+
+    /// The letters of a text that the font lacks, each once, in their order.
+    pub fn missing_glyphs(&self, text: &str) -> Vec<char> {
+        let mut missing = Vec::new();
+        for letter in text.chars() {
+            let known = self.face().is_none_or(|font| font.glyph_id(letter).0 != 0);
+            if !known && !missing.contains(&letter) {
+                missing.push(letter);
+            }
+        }
+        missing
+    }
+
+    fn digest(&self) -> Option<Digest> {
+        self.0.as_ref().map(|own| own.digest)
+    }
+}
+
+impl PartialEq for Font {
+    fn eq(&self, other: &Self) -> bool {
+        self.digest() == other.digest()
+    }
+}
+
+impl fmt::Debug for Font {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Font").field(&self.digest()).finish()
+    }
+}
+
+impl Content for Font {
+    fn feed(&self, into: &mut Digester) {
+        self.digest().feed(into);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn missing_letters_are_found() {
+        let font = Font::default();
+        assert_eq!(font.missing_glyphs("zoë 漢字 12 漢"), ['漢', '字']);
+        assert!(font.missing_glyphs("frame 007 · 0.29 s, ÄÖÜß Ωλ Жя, m² H₂O 10⁻⁵").is_empty());
+    }
+
+    #[test]
+    fn fonts_are_equal_by_their_bytes() {
+        let own = || Font::parse(FONT_FILE.to_vec()).expect("a font");
+        assert_eq!(own(), own());
+        assert_ne!(own(), Font::default());
+        assert_eq!(Font::parse(b"no font".to_vec()), Err(FontError));
+    }
+}

@@ -1,0 +1,25 @@
+//! Text, lines, areas and images on pictures: annotations and captions.
+//!
+//! In: a [`Drawing`], which lists marks in pixels of a picture.
+//! Out: ink, blended into a [`Canvas`].
+//! May use: `base`.
+//!
+//! Every mark first becomes the coverage of pixels, then ink. Neither step depends on threads or on the processor:
+//! coverage comes from additions, multiplications and functions of `libm`.
+
+mod blend;
+mod bitmap;
+mod coverage;
+mod font;
+mod ink;
+mod mark;
+mod path;
+mod text;
+
+pub use bitmap::Bitmap;
+pub use blend::Canvas;
+pub use coverage::Coverage;
+pub use font::{FONT_FILE, Font, FontError};
+pub use ink::Ink;
+pub use mark::{Drawing, Halo, Line, Mark, TextMark};
+pub use text::{Align, TextMask, line_height, text_width};

@@ -1,0 +1,136 @@
+//! What annotations draw over each frame.
+//!
+//! Annotations need no world: the sequence says where the camera and the objects are. Only labels that surfaces may hide
+//! need the scene, for one ray each.
+
+use crate::annotate::{PlacedObject, View, drawing};
+use crate::base::math::{DVec2, DVec3, Ray, gamma};
+use crate::base::time::{Clock, Time};
+use crate::camera::Camera;
+use crate::camera::path::CameraPath;
+use crate::drawing::Drawing;
+use crate::encode::{FrameInfo, SequenceInfo};
+use crate::geometry::bvh::TraversalRay;
+use crate::geometry::shape::{RayInterval, Shape};
+use crate::pipeline::schedule::Preview;
+use crate::scene::Scene;
+use crate::scene::top_level::Bvh;
+use crate::sequence::Sequence;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// The drawings of frames, in their order. Empty if the sequence has no annotations.
+pub fn drawings(sequence: &Sequence, frames: &[u32]) -> Vec<Arc<Drawing>> {
+    if sequence.annotations.is_empty() {
+        return Vec::new();
+    }
+    let illustrator = Illustrator::new(sequence);
+    // One world per part, because a world takes long to build.
+    let part = frames.len().div_ceil(rayon::current_num_threads()).max(1);
+    let parts = frames.par_chunks(part).flat_map_iter(|frames| illustrator.drawings(frames));
+    parts.collect()
+}
+
+/// A sequence with what all its frames share.
+struct Illustrator<'a> {
+    sequence: &'a Sequence,
+    cameras: Vec<CameraPath>,
+    annotations: Vec<crate::annotate::Annotation>,
+    info: SequenceInfo,
+}
+
+impl<'a> Illustrator<'a> {
+    fn new(sequence: &'a Sequence) -> Self {
+        Self {
+            sequence,
+            cameras: (0..sequence.cameras.len()).map(|index| sequence.fitted_camera(index)).collect(),
+            annotations: sequence.annotations.iter().map(|annotation| annotation.value.clone()).collect(),
+            info: sequence.about(),
+        }
+    }
+
+    fn drawings(&self, frames: &[u32]) -> Vec<Arc<Drawing>> {
+        let needs_rays = self.annotations.iter().any(|annotation| annotation.kind.needs_rays());
+        let mut preview = needs_rays.then(|| Preview::with_rays(self.sequence));
+        let mut bvh: Option<Bvh> = None;
+        let mut drawn: Vec<Arc<Drawing>> = Vec::with_capacity(frames.len());
+        for &frame in frames {
+            let seen = preview.as_mut().and_then(|preview| {
+                preview.scene_of(frame, |scene| {
+                    let bvh = bvh.get_or_insert_with(|| Bvh::build(scene.geometry));
+                    bvh.update(scene.geometry);
+                    self.drawing(frame, &|point, own| self.is_hidden(scene, bvh, point, own))
+                })
+            });
+            let next = seen.unwrap_or_else(|| self.drawing(frame, &|_, _| false));
+            // Equal frames share memory.
+            let last = drawn.last().filter(|last| ***last == next).cloned();
+            drawn.push(last.unwrap_or_else(|| Arc::new(next)));
+        }
+        drawn
+    }
+
+    /// The drawing of a frame. Nothing if it has no camera; rendering reports that.
+    fn drawing(&self, frame: u32, is_hidden: &dyn Fn(DVec3, Option<usize>) -> bool) -> Drawing {
+        let (sequence, clock) = (self.sequence, self.sequence.timeline.clock(frame));
+        let Some(camera) = self.camera(&clock) else { return Drawing::default() };
+        let object = |index: usize, time: Time| PlacedObject {
+            to_world: sequence.to_world(index, time),
+            bounds: sequence.bounds_at(index, time),
+            visible: sequence.is_visible(index, time),
+        };
+        let view = View {
+            camera,
+            size: sequence.output.size,
+            time: clock.start,
+            info: FrameInfo { sequence: &self.info, frame, rate: sequence.timeline.rate },
+            axes: [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| sequence.up.to_y_up(axis)),
+            object: &object,
+            is_hidden,
+        };
+        drawing(&self.annotations, &view)
+    }
+
+    /// The camera at the start of a frame. What is in focus does not matter.
+    fn camera(&self, clock: &Clock) -> Option<Camera> {
+        let index = self.sequence.active_camera.at(clock.start).min(self.cameras.len() - 1);
+        self.cameras[index].at(clock, None).ok()
+    }
+
+    /// Whether a surface is in front of a point, besides those of an object and all below it.
+    fn is_hidden(&self, scene: &Scene, bvh: &Bvh, point: DVec3, own: Option<usize>) -> bool {
+        let camera = Camera { lens: None, ..*scene.camera };
+        let Some(screen) = camera.project(point).screen() else { return false };
+        let ray = camera.ray(screen, DVec2::ZERO);
+        let slots = own.map(|own| self.slots_below(own)).unwrap_or_default();
+        let within = RayInterval::up_to((point - ray.origin).dot(ray.direction));
+        let mut hidden = false;
+        bvh.each_hit(scene.geometry, &TraversalRay::new(ray), within, &mut |hit| {
+            if !slots.contains(&hit.primitive) {
+                let surface = scene.geometry.primitives[hit.primitive as usize].surface_at(&ray, hit.at);
+                hidden |= is_ahead(&ray, surface.point, surface.error, point);
+            }
+        });
+        hidden
+    }
+
+    /// The slots of an object and of all objects below it.
+    fn slots_below(&self, own: usize) -> Vec<u32> {
+        let objects = &self.sequence.objects;
+        let solid = (0..objects.len()).filter(|index| objects[*index].value.shape != Shape::Group);
+        let slots = (0..).zip(solid);
+        slots
+            .filter(|(_, index)| self.sequence.ancestry(*index).any(|at| at == own))
+            .map(|(slot, _)| slot)
+            .collect()
+    }
+}
+
+/// Whether a point of a surface, which is known up to an error, is certainly nearer than another point of a ray. So
+/// labels on a surface are not hidden by it.
+fn is_ahead(ray: &Ray, surface: DVec3, error: DVec3, point: DVec3) -> bool {
+    let along = ray.direction.abs();
+    // The differences below, and the ray through the projected point, round in the last bits of coordinates.
+    let rounding = (surface.abs() + point.abs() + ray.origin.abs()) * gamma(16);
+    (point - surface).dot(ray.direction) > (error + rounding).dot(along)
+}

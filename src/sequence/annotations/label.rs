@@ -1,0 +1,104 @@
+//! Decodes text, progress and images.
+
+use super::anchor::anchor;
+use super::common::{common, common_over, offset, place, plain, share, template};
+use super::scene_names::SceneNames;
+use crate::annotate::{
+    Annotation, AnnotationKind, Backdrop, Behind, Caption, Label, Logo, Place, Progress, Style,
+};
+use crate::appearance::texture::{ColorEncoding, Image};
+use crate::base::color::linear_to_srgb;
+use crate::drawing::Bitmap;
+use crate::encode::Template;
+use crate::sequence::fault::Fault;
+use crate::sequence::fields::Fields;
+use crate::sequence::image::image as image_file;
+use crate::sequence::node::Node;
+use crate::sequence::values::{one_of, switch};
+use crate::track::Animated;
+
+pub fn label(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Annotation> {
+    let mut fields = Fields::of(node, "a label")?;
+    let common = common(&mut fields);
+    let names = common.as_ref().map(|common| common.names(&[])).unwrap_or_default();
+    let text = fields.required("text", template(&names));
+    let at = fields.required("at", anchor(scene));
+    let offset = offset(&mut fields);
+    let leader = fields.or("leader", switch, false);
+    let places = &[("Hide", Behind::Hide), ("Fade", Behind::Fade), ("Show", Behind::Show)];
+    let behind = fields.or("behind", one_of("choice", places), Behind::default());
+    let avoid = fields.or("avoid", switch, true);
+    fields.finish();
+    let kind = AnnotationKind::Label(Label {
+        text: text?,
+        at: at?,
+        offset: offset?,
+        leader: leader?,
+        behind: behind?,
+        avoid: avoid?,
+    });
+    Some(common?.with(kind))
+}
+
+/// A caption, or a clock with its usual text.
+pub fn caption(node: Node<'_>, usual: Option<&str>) -> Option<Annotation> {
+    let what = if usual.is_some() { "a clock" } else { "a caption" };
+    let mut fields = Fields::of_or_only(node, what, "text")?;
+    let style = Style { backdrop: Backdrop::Box(None, 0.55), ..Style::default() };
+    let common = common_over(&mut fields, style);
+    let names = common.as_ref().map(|common| common.names(&[])).unwrap_or_default();
+    let text: Option<Animated<Template>> = match usual {
+        Some(usual) => {
+            let usual = Template::parse(usual).unwrap_or_else(|_| plain(usual));
+            fields.or("text", template(&names), usual)
+        }
+        None => fields.required("text", template(&names)),
+    };
+    let place = place(&mut fields, if usual.is_some() { Place::TopRight } else { Place::BottomLeft });
+    let offset = offset(&mut fields);
+    fields.finish();
+    Some(common?.with(AnnotationKind::Caption(Caption { text: text?, place: place?, offset: offset? })))
+}
+
+pub fn progress(node: Node<'_>) -> Option<Annotation> {
+    let mut fields = Fields::of(node, "`Progress`")?;
+    let common = common(&mut fields);
+    let place = place(&mut fields, Place::Bottom);
+    let offset = offset(&mut fields);
+    let length = fields.or("length", share, 0.9);
+    let thickness = fields.or("thickness", share, 0.012);
+    fields.finish();
+    let kind = Progress { place: place?, offset: offset?, length: length?, thickness: thickness? };
+    Some(common?.with(AnnotationKind::Progress(kind)))
+}
+
+pub fn image(node: Node<'_>) -> Option<Annotation> {
+    let mut fields = Fields::of_or_only(node, "`Image`", "file")?;
+    let common = common(&mut fields);
+    let image = fields.required("file", |node| {
+        let image = image_file(ColorEncoding::Srgb)(node)?;
+        let bitmap = bitmap(&image);
+        if bitmap.is_none() {
+            node.fault(Fault::new(node.span(), "this image has no pixels", "cannot be shown"));
+        }
+        bitmap
+    });
+    let place = place(&mut fields, Place::BottomRight);
+    let offset = offset(&mut fields);
+    let height = fields.or("height", share, 0.12);
+    fields.finish();
+    let kind = Logo { image: image?, place: place?, offset: offset?, height: height? };
+    Some(common?.with(AnnotationKind::Image(kind)))
+}
+
+/// An image as display codes.
+fn bitmap(image: &Image) -> Option<Bitmap> {
+    let (width, height) = (image.width(), image.height());
+    let code = |linear: f32| (linear_to_srgb(f64::from(linear).clamp(0.0, 1.0)) * 255.0 + 0.5) as u8;
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let pixel = |(x, y): (u32, u32)| {
+        let [r, g, b] = image.texel(x, y).to_array().map(code);
+        [r, g, b, (image.alpha(x, y) * 255.0 + 0.5) as u8]
+    };
+    Bitmap::new(width as usize, height as usize, places.map(pixel).collect())
+}
