@@ -19,7 +19,7 @@ use crate::film::filter::{Filter, Kernel};
 use crate::geometry::shape::{Cuboid, Sphere};
 use crate::geometry::transform::Rotation;
 use crate::sampling::SamplerKind;
-use crate::sequence::quality::{Integrator, NoiseTarget, PathSettings};
+use crate::sequence::quality::{Integrator, NoiseTarget, PathSettings, SampleReuse};
 use crate::track::{Ease, Repeat};
 
 /// Every feature of the format, at least once.
@@ -78,6 +78,7 @@ fn everything_is_read() {
         shutter_steps: 8,
         smooth_terminator: false,
         seed: u32::MAX,
+        reuse: SampleReuse::Zoom,
     };
     assert_eq!(sequence.quality, quality);
     assert_eq!(sequence.output.exposure.at(seconds(1, 1)), -0.25);

@@ -51,3 +51,4 @@ mod particles;
 mod series;
 mod shipped;
 mod turntable;
+mod zoom;
