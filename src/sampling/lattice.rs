@@ -93,7 +93,7 @@ mod tests {
     fn any_unit_square_has_all_points() {
         for count in [1, 2, 5, 12, 80, 5000] {
             let lattice = RankOneLattice::new(count);
-            for corner in [[0.0, 0.0], [0.3137, 0.771], [0.999, 0.0421]] {
+            for corner in [[0.0, 0.0], [0.313_71, 0.771_03], [0.999_01, 0.042_13]] {
                 let inside = (-1..=1).flat_map(|x| (-1..=1).map(move |y| [f64::from(x), f64::from(y)]));
                 let inside = inside.map(|cell| {
                     let is_in = |index: &u32| {

@@ -104,6 +104,17 @@ fn everything_is_read() {
 }
 
 #[test]
+fn reuse_without_effect_is_noted() {
+    let notes = |quality: &str| read(&format!("(quality: ({quality}))")).notes();
+    for (quality, why) in
+        [("reuse: Zoom, noise: 0.1", "(`noise`)"), ("reuse: Zoom, filter: Box(width: 0.5)", "narrower")]
+    {
+        assert!(matches!(&notes(quality)[..], [note] if note.contains(why)), "{:?}", notes(quality));
+    }
+    assert!(notes("reuse: Zoom").is_empty() && notes("noise: 0.1").is_empty());
+}
+
+#[test]
 fn lengths_and_rates_are_exact() {
     let timeline = |text: &str| read(&format!("(timeline: ({text}))")).timeline;
     assert_eq!(timeline("duration: 2.5, fps: 29.97").rate.per_second(), seconds(2997, 100));

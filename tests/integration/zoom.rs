@@ -212,6 +212,13 @@ fn what_cannot_share_samples_is_as_without() {
         assert!(radiance(&alone) == radiance(&shared), "{camera}");
         assert_eq!(stats.counts.samples.films, 0);
     }
+    // Patterns fade by the size of pixels.
+    let patterned = sequence(
+        "(timeline: (frames: 4, keys: Frames), output: (size: (12, 8)), quality: (reuse: Zoom),
+        camera: (position: (0, 2, 6), target: (0, 0, 0), path: Zoom(factor: [(0, 1), (3, 1.3)])),
+        objects: {\"floor\": (shape: Plane(), material: (color: Checker(a: 0, b: 1)))})",
+    );
+    assert_eq!(planned(&patterned, &[0, 1, 2, 3], u64::MAX).1.counts.samples.films, 0);
     let mut sequence = with_reuse(&scene(PATHS, ZOOM, 2), SampleReuse::Zoom);
     sequence.quality.noise = Some(NoiseTarget { error: 0.5, most: 16 });
     assert_eq!(planned(&sequence, &[0, 1], u64::MAX).1.counts.samples.films, 0);

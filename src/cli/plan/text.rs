@@ -7,6 +7,7 @@ use crate::base::units::{self, count, counted};
 use crate::cli::forecast_text::{advice, error_range, short_time, time_range};
 use crate::cli::summary::reused_frames;
 use crate::pipeline::plan::{EffectSource, FrameSpan, RayEstimate, Reason, SceneEffect, camera_rays};
+use crate::sequence::quality::SampleReuse;
 
 /// Explains the word to readers who meet it here for the first time.
 const FILM: &str = "a film is the light traced for a frame, in layers; frames in which lights only change their \
@@ -182,6 +183,11 @@ fn paths(report: &PlanReport) -> Option<String> {
 /// How many films share samples because their cameras are at one point.
 fn zoom(report: &PlanReport) -> Option<String> {
     let groups = &report.plan.view_groups;
+    if groups.is_empty() && report.sequence.quality.reuse == SampleReuse::Zoom {
+        return Some(
+            "no films share samples; docs/reuse.md lists what their frames must have in common".to_owned(),
+        );
+    }
     let films: usize = groups.iter().map(|group| group.films.len()).sum();
     let camera: u64 = groups.iter().map(|group| group.camera_rays).sum();
     let grouped = groups.iter().flat_map(|group| group.films.clone());

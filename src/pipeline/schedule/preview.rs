@@ -5,6 +5,7 @@ use super::frame_state::FrameState;
 use super::shutter::Shutter;
 use super::stages::{CurrentMoment, FirstError, Stopwatch};
 use super::systems::{new_world, update_schedule};
+use crate::appearance::texture::Texture;
 use crate::base::digest::{Content, Digest, Digester};
 use crate::base::math::Basis;
 use crate::base::time::{Clock, Timeline};
@@ -54,6 +55,14 @@ impl MomentState {
         let all = |state: &Self| (state.scene_hash, state.image_hash, state.random);
         all(self) == all(other)
     }
+}
+
+/// Whether any visible material has a pattern. Patterns fade by the size of pixels, so views with different pixels see
+/// different light.
+fn shows_patterns(scene: &Scene) -> bool {
+    let textures = |index: u32| &scene.shading.materials[index as usize].textures;
+    let is_pattern = |texture: &Texture| matches!(texture, Texture::Pattern(_));
+    scene.geometry.materials().any(|index| textures(index).iter().any(|(_, texture)| is_pattern(texture)))
 }
 
 impl Preview {
@@ -174,7 +183,7 @@ impl Preview {
         let random = is_random(&scene, integrator);
         let image_hash = self.digests.image_hash(&scene, integrator.samples_lights());
         let surroundings = Digest::of(&(self.digests.surroundings(&scene), random));
-        let view = View::of(camera).filter(|_| self.settings.shares_views());
+        let view = View::of(camera).filter(|_| self.settings.shares_views() && !shows_patterns(&scene));
         let viewpoint = view.map(|view| {
             let everywhere = Camera {
                 basis: Basis::AXES,

@@ -61,7 +61,7 @@ impl SharedViews {
     }
 
     /// The number of views.
-    pub fn len(&self) -> usize {
+    fn len(&self) -> usize {
         self.views.len()
     }
 

@@ -81,7 +81,7 @@ impl SampleGrid {
 
     /// By how much the lattice of a view is moved. Over many seeds, samples lie everywhere.
     fn shift(&self, view: usize) -> [f64; 2] {
-        let along = |axis: u32| f64::from(hash([self.seed(view), axis, SHIFT])) / 2.0_f64.powi(32);
+        let along = |axis: u32| f64::from(hash([self.seed(view), axis, SHIFT])) / 4_294_967_296.0;
         if self.seed.is_some() { [along(0), along(1)] } else { [0.0; 2] }
     }
 

@@ -71,11 +71,12 @@ fn every_direction_is_traced_densely_enough() {
             let mut most = 0.0_f64;
             for (other, view) in views.iter().enumerate() {
                 let mapped = coverage.map(own, other).position(position);
-                let is_in = mapped.depth > 0.0 && !raster.outside(&mapped).contains(&true);
+                let depth = mapped.depth;
+                let is_in = depth > 0.0 && !raster.outside(&mapped).contains(&true);
                 let there = [mapped.across, mapped.down];
                 if is_in && coverage.density(other, there, &coverage.all()).is_some() {
                     // Relative to the own view, whose depth is 1.
-                    most = most.max(view.density() / mapped.depth.powi(3));
+                    most = most.max(view.density() / (depth * depth * depth));
                 }
             }
             assert!(most >= 0.999_999 * grid.asked_share() * views[own].density(), "{own} {position:?}");
