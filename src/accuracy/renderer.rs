@@ -13,7 +13,7 @@ use crate::pipeline::render::{RenderError, pool};
 use crate::pipeline::schedule::{FilmCollector, FrameLoop, FrameState, Preview, frame_states};
 use crate::scene::Scene;
 use crate::sequence::Sequence;
-use crate::sequence::quality::{Integrator, Quality};
+use crate::sequence::quality::{Integrator, Quality, SampleReuse};
 use rayon::ThreadPool;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -73,7 +73,7 @@ impl Renderer {
 
     /// Renders the sequence with a change, which is applied at the time of the first frame.
     pub fn render_changed(&self, quality: &Quality, change: SceneChange) -> Result<Rendering, RenderError> {
-        let sequence = Sequence { quality: *quality, ..change.of(&self.sequence, self.time()) };
+        let sequence = Sequence { quality: alone(quality), ..change.of(&self.sequence, self.time()) };
         let mut frames =
             FrameLoop::new(&sequence, FilmCollector::default(), Arc::new(ProgressMeter::default()));
         let all = || self.frames.iter().try_for_each(|&frame| frames.frame(frame));
@@ -92,10 +92,10 @@ impl Renderer {
         look: &FrameState,
         lit: &[LayerId],
     ) -> Result<Rendering, RenderError> {
-        let sequence = Sequence { quality: *quality, ..self.sequence.clone() };
+        let sequence = Sequence { quality: alone(quality), ..self.sequence.clone() };
         let meter = Arc::new(ProgressMeter::default());
         let mut frames = FrameLoop::with_aovs(&sequence, aovs, FilmCollector::default(), meter);
-        let (film, took) = timed(|| self.pool.install(|| frames.trace(look, lit)));
+        let (film, took) = timed(|| self.pool.install(|| frames.trace(&look.without_views(), lit)));
         Ok(Rendering { films: film?.into_iter().collect(), took, rays: frames.stats().counts.rays.total() })
     }
 
@@ -147,6 +147,11 @@ impl Renderer {
             .flat_map(|(frame, &exposure)| frame.iter().map(move |&light| pixel(light * exposure)))
             .collect()
     }
+}
+
+/// The quality of frames that share no samples. Settings are compared frame by frame.
+fn alone(quality: &Quality) -> Quality {
+    Quality { reuse: SampleReuse::Off, ..*quality }
 }
 
 impl Rendering {

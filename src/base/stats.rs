@@ -79,6 +79,17 @@ counts! {
     }
 }
 
+counts! {
+    /// Samples of films whose views share them.
+    SharedSamples {
+        films,
+        /// Samples that these films would have if each was traced alone.
+        alone,
+        /// Samples of pixels that got fewer from all views than they should have.
+        own,
+    }
+}
+
 /// Everything that tracing counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
@@ -86,6 +97,7 @@ pub struct Counts {
     pub evaluations: Evaluations,
     pub dropped: Dropped,
     pub paths: SharedPaths,
+    pub samples: SharedSamples,
 }
 
 impl AddAssign for Counts {
@@ -94,6 +106,7 @@ impl AddAssign for Counts {
         self.evaluations += other.evaluations;
         self.dropped += other.dropped;
         self.paths += other.paths;
+        self.samples += other.samples;
     }
 }
 

@@ -5,7 +5,7 @@ use super::progress::ProgressMode;
 use super::values;
 use crate::base::time::Rate;
 use crate::encode::Tonemap;
-use crate::sequence::quality::Integrator;
+use crate::sequence::quality::{Integrator, SampleReuse};
 use clap::Args;
 use std::num::NonZeroUsize;
 
@@ -56,6 +56,13 @@ pub struct RenderOptions {
         conflicts_with = "samples", verbatim_doc_comment
     )]
     pub noise: Option<f64>,
+
+    /// Which frames share samples: zoom or off [default: as in the sequence]
+    ///
+    /// zoom: frames of one scene whose camera stays in its place, zooms and turns. Each direction
+    /// is traced once. Pictures change within their error.
+    #[arg(long, value_name = "NAME", value_parser = values::reuse, verbatim_doc_comment)]
+    pub reuse: Option<SampleReuse>,
 
     /// Maximum samples per pixel for --noise [default: as in the sequence, or 4096]
     #[arg(long, value_name = "N", value_parser = values::samples, allow_hyphen_values = true)]
@@ -108,6 +115,7 @@ impl RenderOptions {
             max_samples: self.max_samples,
             integrator: self.integrator,
             seed: self.seed,
+            reuse: self.reuse,
             tonemap: self.tonemap,
             exposure: self.exposure,
             draft: self.draft,

@@ -4,7 +4,7 @@ use crate::base::frame_set::MAX_FRAMES;
 use crate::base::time::Rate;
 use crate::encode::{Caption, Template, Tonemap};
 use crate::sequence::Sequence;
-use crate::sequence::quality::{Integrator, NoiseTarget};
+use crate::sequence::quality::{Integrator, NoiseTarget, SampleReuse};
 
 /// The largest number of bounces in a draft.
 const DRAFT_BOUNCES: u32 = 1;
@@ -27,6 +27,8 @@ pub struct Overrides {
     /// If the file's integrator is of the same kind, it keeps its settings.
     pub integrator: Option<Integrator>,
     pub seed: Option<u32>,
+    /// Which samples frames share.
+    pub reuse: Option<SampleReuse>,
     pub tonemap: Option<Tonemap>,
     /// In stops. Replaces the keys of the file.
     pub exposure: Option<f64>,
@@ -95,6 +97,7 @@ pub fn apply(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, Str
         (_, None) => {}
     }
     replace(&mut quality.seed, wanted.seed);
+    replace(&mut quality.reuse, wanted.reuse);
     let own = quality.integrator;
     replace(&mut quality.integrator, wanted.integrator.filter(|other| !own.same_kind(other)));
     if let Some(rate) = wanted.rate {
@@ -138,6 +141,7 @@ mod tests {
             max_samples: Some(999),
             integrator: Some(Integrator::Path(PathSettings::default())),
             seed: Some(7),
+            reuse: Some(SampleReuse::Zoom),
             tonemap: Some(Tonemap::Filmic),
             exposure: Some(-0.5),
             transparent: true,
@@ -152,6 +156,7 @@ mod tests {
         assert_eq!(found.output.size, (320, 200));
         assert_eq!((found.quality.bounces, found.quality.antialias), (9, 4));
         assert_eq!((found.quality.samples, found.quality.seed), (100, 7));
+        assert_eq!(found.quality.reuse, SampleReuse::Zoom);
         assert_eq!(found.quality.noise, Some(NoiseTarget { error: 0.05, most: 999 }));
         let limit = Overrides { max_samples: Some(9), ..Overrides::default() };
         assert_eq!(apply(sequence(), &limit), Err(NO_NOISE.to_owned()));

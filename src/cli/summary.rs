@@ -3,7 +3,7 @@
 use super::forecast_text;
 use super::json::{line, object, rounded};
 use crate::base::escape;
-use crate::base::stats::Counts;
+use crate::base::stats::{Counts, SharedSamples};
 use crate::base::units;
 use crate::base::units::seconds;
 use crate::film::Noise;
@@ -38,6 +38,7 @@ pub fn text(summary: &Summary) -> String {
         ("time", vec![time(summary)]),
         ("rays", rays(summary)),
         ("paths", paths(summary)),
+        ("zoom", zoom(summary)),
         ("dropped", dropped(summary)),
         ("error", error(summary)),
         ("BVH", vec![bvh(summary)]),
@@ -63,7 +64,7 @@ pub fn file_name(file: &Path) -> String {
 
 /// One line of JSON.
 pub fn json(summary: &Summary) -> String {
-    let Counts { rays, evaluations, dropped, paths } = summary.counts;
+    let Counts { rays, evaluations, dropped, paths, samples } = summary.counts;
     let stages = summary.stages.iter().map(|(name, time)| ((*name).to_owned(), rounded(time.as_secs_f64())));
     line(json!({
         "event": "summary",
@@ -84,6 +85,11 @@ pub fn json(summary: &Summary) -> String {
         "paths": {
             "reused": paths.reused,
             "retraced": paths.retraced,
+        },
+        "zoom": {
+            "films": samples.films,
+            "samples_alone": samples.alone,
+            "own_samples": samples.own,
         },
         "evaluations": {
             "fog": evaluations.fog,
@@ -180,6 +186,20 @@ fn paths(summary: &Summary) -> Vec<String> {
     vec![format!(
         "{reused} reused from other frames, {retraced} traced again where something moved ({share:.1} %)"
     )]
+}
+
+/// Films that share samples because their cameras are at one point. Empty if there are none.
+fn zoom(summary: &Summary) -> Vec<String> {
+    let SharedSamples { films, alone, own } = summary.counts.samples;
+    if films == 0 {
+        return Vec::new();
+    }
+    let (films, alone) = (units::counted(films, "film"), units::count(alone));
+    let mut text = format!("{films} shared samples, instead of {alone} of their own");
+    if own > 0 {
+        text += &format!("; {} for pixels that lacked some", units::count(own));
+    }
+    vec![text]
 }
 
 /// All rays with their rate, then each kind. Rare kinds are listed only if there are any.
@@ -380,7 +400,7 @@ dropped undefined   2
         let wanted = concat!(
             r#"{"event":"summary","files":["out/orbit_####.png","out/\"orbit\".gif"],"frames":72,"kept":0,"reused":0,"#,
             r#""elapsed_s":10.44,"tracing_cpu_s":19.84,"rays":{"camera":66355200,"mirror":20481,"transmitted":0,"scattered":0,"shadow":9,"#,
-            r#""total":66375690},"paths":{"reused":0,"retraced":0},"evaluations":{"fog":0,"paint":0,"light_samples":0,"lens_samples":0},"#,
+            r#""total":66375690},"paths":{"reused":0,"retraced":0},"zoom":{"films":0,"samples_alone":0,"own_samples":0},"evaluations":{"fog":0,"paint":0,"light_samples":0,"lens_samples":0},"#,
             r#""dropped_samples":{"undefined":0,"infinite":0,"negative":0},"noise":{},"#,
             r#""bvh_builds":1,"bvh_refits":0,"bvh_updates":1,"expected":{},"stages_s":{"animate":0.001,"trace":9.87},"notes":["a draft"]}"#,
         );

@@ -7,7 +7,7 @@ use crate::base::units::parse_bytes;
 use crate::encode::{Output, StreamFormat, Template, Tonemap};
 use crate::film::MAX_STOPS;
 use crate::sequence::ERRORS;
-use crate::sequence::quality::{Integrator, MAX_SAMPLES, PathSettings};
+use crate::sequence::quality::{Integrator, MAX_SAMPLES, PathSettings, SampleReuse};
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use std::num::NonZeroUsize;
 use std::time::Duration;
@@ -110,6 +110,15 @@ pub fn integrator(text: &str) -> Result<Integrator, String> {
         "whitted" => Ok(Integrator::Whitted),
         "path" => Ok(Integrator::Path(PathSettings::default())),
         _ => Err("write whitted or path".to_owned()),
+    }
+}
+
+/// Which frames share samples, in upper or lower case.
+pub fn reuse(text: &str) -> Result<SampleReuse, String> {
+    match text.to_ascii_lowercase().as_str() {
+        "zoom" => Ok(SampleReuse::Zoom),
+        "off" => Ok(SampleReuse::Off),
+        _ => Err("write zoom or off".to_owned()),
     }
 }
 
@@ -281,10 +290,12 @@ mod tests {
     }
 
     #[test]
-    fn integrators_are_known_by_name() {
+    fn integrators_and_reuse_are_known_by_name() {
         assert_eq!(integrator("Whitted"), Ok(Integrator::Whitted));
         assert_eq!(integrator("path"), Ok(Integrator::Path(PathSettings::default())));
         assert!(integrator("paths").is_err() && integrator("").is_err());
+        assert_eq!([reuse("Zoom"), reuse("off")], [Ok(SampleReuse::Zoom), Ok(SampleReuse::Off)]);
+        assert!(reuse("pan").is_err());
     }
 
     #[test]

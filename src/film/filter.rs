@@ -8,6 +8,7 @@
 use crate::base::digest::Content;
 use crate::base::lanes::Real;
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// A filter along one axis of the picture. It is symmetric, not negative, and 0 beyond half its width.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
@@ -54,6 +55,20 @@ const GAUSSIAN: f64 = 4.5;
 const HARRIS: [f64; 4] = [0.35875, 0.48829, 0.14128, 0.01168];
 
 impl Kernel {
+    /// The kernel at t in 0..=1, up to a factor.
+    fn value(self, t: f64) -> f64 {
+        let cosine = |k: f64, weight: f64| weight * libm::cos(k * PI * t);
+        match self {
+            Self::Box => 1.0,
+            Self::Tent => 1.0 - t,
+            Self::Gaussian => libm::exp(-GAUSSIAN * t * t) - libm::exp(-GAUSSIAN),
+            Self::BlackmanHarris => {
+                let [mean, a, b, c] = HARRIS;
+                mean + cosine(1.0, a) + cosine(2.0, b) + cosine(3.0, c)
+            }
+        }
+    }
+
     /// The integral of the kernel from t to 1, up to a factor, for t in 0..=1.
     fn tail(self, t: f64) -> f64 {
         match self {
@@ -135,6 +150,52 @@ impl FilterSampler {
     }
 }
 
+/// A filter that is prepared for weighting samples at any distance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FilterWeights {
+    width: f64,
+    is_pixel: bool,
+    /// The filter over t from 0 to 1 in even steps.
+    side: Box<[f64; STEPS + 2]>,
+}
+
+impl FilterWeights {
+    pub fn new(filter: Filter) -> Self {
+        let value = |i: usize| filter.kernel.value((i as f64 / STEPS as f64).min(1.0));
+        let (width, is_pixel) = (filter.width, filter == Filter::PIXEL);
+        Self { width, is_pixel, side: Box::new(std::array::from_fn(value)) }
+    }
+
+    /// Whether the filter is the mean over the square of the pixel.
+    #[inline(always)]
+    pub fn is_pixel(&self) -> bool {
+        self.is_pixel
+    }
+
+    /// The weight of a sample at this distance from the centre of a pixel along one axis, up to a factor: interpolated
+    /// linearly between the steps of a table.
+    #[inline]
+    pub fn at(&self, offset: f64) -> f64 {
+        let t = 2.0 * offset.abs() / self.width;
+        if t >= 1.0 {
+            return 0.0;
+        }
+        let place = t * STEPS as f64;
+        let step = place as usize;
+        self.side[step] + (self.side[step + 1] - self.side[step]) * (place - step as f64)
+    }
+
+    /// The pixels of a row or column of `length` that a sample at a position may reach.
+    #[inline]
+    pub fn reached(&self, position: f64, length: usize) -> Range<usize> {
+        let half = self.width / 2.0;
+        // Negative positions and those that are not numbers become 0.
+        let first = (position - 0.5 - half).ceil() as usize;
+        let last = (position + 0.5 + half).floor() as usize;
+        first..last.min(length)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -148,26 +209,14 @@ mod tests {
         (0..COUNT).map(|i| sampler.offset((i as f64 + 0.5) / COUNT as f64)).collect()
     }
 
-    /// The kernel at t, from its definition.
-    fn density(kernel: Kernel, t: f64) -> f64 {
-        let cosine = |k: f64, weight: f64| weight * libm::cos(k * PI * t);
-        match kernel {
-            Kernel::Box => 1.0,
-            Kernel::Tent => 1.0 - t.abs(),
-            Kernel::Gaussian => libm::exp(-0.5 * (3.0 * t) * (3.0 * t)) - libm::exp(-4.5),
-            Kernel::BlackmanHarris => {
-                HARRIS[0] + cosine(1.0, HARRIS[1]) + cosine(2.0, HARRIS[2]) + cosine(3.0, HARRIS[3])
-            }
-        }
-    }
-
     /// The fractions of the kernel below `n` + 1 evenly spaced points from -1 to 1, by Simpson's rule.
     fn cumulated(kernel: Kernel, n: usize) -> Vec<f64> {
         let h = 2.0 / n as f64;
+        let density = |t: f64| kernel.value(t.abs().min(1.0));
         let mut sums = vec![0.0];
         for i in 0..n {
             let a = -1.0 + i as f64 * h;
-            let piece = density(kernel, a) + 4.0 * density(kernel, a + h / 2.0) + density(kernel, a + h);
+            let piece = density(a) + 4.0 * density(a + h / 2.0) + density(a + h);
             sums.push(sums[i] + piece);
         }
         let all = sums[n];

@@ -5,7 +5,7 @@ use crate::base::machine;
 use crate::base::math::DVec3;
 use crate::film::AovSet;
 use crate::sequence::Sequence;
-use crate::trace::bytes_of_pixel;
+use crate::trace::{bytes_of_pixel, bytes_of_sums};
 
 /// Films in memory at once: one is being traced, some wait for the encoder, and the encoder develops one.
 const FILMS: u64 = 4;
@@ -20,6 +20,8 @@ pub fn needed(sequence: &Sequence, aovs: AovSet) -> u64 {
     // Motion blur also keeps the sums over a frame's moments.
     let sums = if sequence.blurs_motion() { size_of::<DVec3>() as u64 } else { 0 };
     let layers = sequence.layers() + aovs.layers() as u64;
+    // Films that share samples have weighted sums.
+    let sums = if sequence.quality.shares_views() { sums.max(bytes_of_sums(1, layers)) } else { sums };
     let pixel = layers.saturating_mul(size_of::<Rgb>() as u64 * FILMS + sums).saturating_add(BESIDES);
     // Sampling towards an error target keeps more data per pixel.
     let rounds = if sequence.quality.noise.is_some() { bytes_of_pixel(layers) } else { 0 };

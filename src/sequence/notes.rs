@@ -4,6 +4,7 @@ mod energy_gain;
 mod images;
 mod meshes;
 
+use super::quality::{Quality, SampleReuse};
 use super::{Named, Object, Sequence};
 use crate::appearance::material::{MaterialBinding, MaterialTracks};
 use crate::encode::listed_letters;
@@ -20,6 +21,7 @@ impl Sequence {
         notes.extend(self.ignored_alpha());
         notes.extend(self.missing_libraries());
         notes.extend(self.energy_gains());
+        notes.extend(self.unused_reuse());
         if let Some(caption) = &self.output.caption {
             notes.extend(caption.text.missing_glyphs_note(&self.name));
             notes.extend(caption.overflow_warning(self.output.size.1));
@@ -29,6 +31,22 @@ impl Sequence {
             Some(format!("the annotation {name:?} is without {letters}, which its font does not have"))
         }));
         notes
+    }
+
+    /// Why `reuse: Zoom` has no effect, whatever the camera does.
+    fn unused_reuse(&self) -> Option<String> {
+        let Quality { reuse, noise, filter, .. } = self.quality;
+        let why = match reuse {
+            SampleReuse::Off => return None,
+            SampleReuse::Zoom if noise.is_some() => {
+                "a target error (`noise`) gives each frame its own number of samples; write `samples` instead"
+            }
+            SampleReuse::Zoom if filter.width < 1.0 => {
+                "the filter is narrower than a pixel; make it at least 1 wide"
+            }
+            SampleReuse::Zoom => return None,
+        };
+        Some(format!("`reuse: Zoom` has no effect: {why}"))
     }
 
     /// The materials of visible shapes, in their order.

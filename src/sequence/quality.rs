@@ -34,6 +34,18 @@ pub struct Quality {
     pub smooth_terminator: bool,
     /// The seed of random numbers.
     pub seed: u32,
+    /// Which samples frames share.
+    pub reuse: SampleReuse,
+}
+
+/// Which samples frames share. Sharing changes where samples lie, so it changes pictures within their error.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SampleReuse {
+    /// Each frame has its own samples.
+    #[default]
+    Off,
+    /// Frames of one scene share samples if their camera stays in its place, zooms and turns.
+    Zoom,
 }
 
 /// A target error for adaptive sampling.
@@ -85,6 +97,12 @@ impl Integrator {
 }
 
 impl Quality {
+    /// Whether views from one point share samples. With a target error, the number of samples of a frame depends on its
+    /// own light, so frames share none.
+    pub fn shares_views(&self) -> bool {
+        self.reuse == SampleReuse::Zoom && self.noise.is_none()
+    }
+
     /// Maximum number of surfaces on a path between a light and the eye: one more than the bounces between them. A ray
     /// that leaves the last one only sees emitters.
     pub fn surfaces(&self) -> u32 {
@@ -113,6 +131,7 @@ impl Default for Quality {
             shutter_steps: 32,
             smooth_terminator: true,
             seed: 0,
+            reuse: SampleReuse::Off,
         }
     }
 }

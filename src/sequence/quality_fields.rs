@@ -6,7 +6,7 @@ use super::values::{between, is_number, positive, switch, tuple, whole};
 use super::words::{Variants, variant, word};
 use crate::film::filter::{Filter, Kernel};
 use crate::sampling::SamplerKind;
-use crate::sequence::quality::{Integrator, MAX_SAMPLES, NoiseTarget, PathSettings, Quality};
+use crate::sequence::quality::{Integrator, MAX_SAMPLES, NoiseTarget, PathSettings, Quality, SampleReuse};
 use std::ops::RangeInclusive;
 
 /// Filter widths in pixels. Wider filters would blur instead of reconstruct.
@@ -36,6 +36,7 @@ pub fn quality(node: Node<'_>) -> Option<Quality> {
     let shutter_steps = fields.or("shutter_steps", whole(1..=4096), default.shutter_steps);
     let smooth_terminator = fields.or("smooth_terminator", switch, default.smooth_terminator);
     let seed = fields.or("seed", whole(0..=u32::MAX), default.seed);
+    let reuse = fields.or("reuse", reuse, default.reuse);
     fields.finish();
     let (noise, most) = (noise?, max_samples?.unwrap_or(NoiseTarget::MOST));
     let noise = noise.map(|error| NoiseTarget { error, most });
@@ -52,6 +53,7 @@ pub fn quality(node: Node<'_>) -> Option<Quality> {
         shutter_steps: shutter_steps?,
         smooth_terminator: smooth_terminator?,
         seed: seed?,
+        reuse: reuse?,
     })
 }
 
@@ -63,6 +65,10 @@ fn error(node: Node<'_>) -> Option<f64> {
 
 fn points(node: Node<'_>) -> Option<SamplerKind> {
     word(node, "sampler", &[("Sobol", SamplerKind::Sobol), ("Independent", SamplerKind::Independent)])
+}
+
+fn reuse(node: Node<'_>) -> Option<SampleReuse> {
+    word(node, "reuse", &[("Off", SampleReuse::Off), ("Zoom", SampleReuse::Zoom)])
 }
 
 fn integrator(node: Node<'_>) -> Option<Integrator> {

@@ -19,7 +19,7 @@ use crate::film::filter::{Filter, Kernel};
 use crate::geometry::shape::{Cuboid, Sphere};
 use crate::geometry::transform::Rotation;
 use crate::sampling::SamplerKind;
-use crate::sequence::quality::{Integrator, NoiseTarget, PathSettings};
+use crate::sequence::quality::{Integrator, NoiseTarget, PathSettings, SampleReuse};
 use crate::track::{Ease, Repeat};
 
 /// Every feature of the format, at least once.
@@ -78,6 +78,7 @@ fn everything_is_read() {
         shutter_steps: 8,
         smooth_terminator: false,
         seed: u32::MAX,
+        reuse: SampleReuse::Zoom,
     };
     assert_eq!(sequence.quality, quality);
     assert_eq!(sequence.output.exposure.at(seconds(1, 1)), -0.25);
@@ -100,6 +101,17 @@ fn everything_is_read() {
     assert_eq!(background.keys()[1].time, seconds(1, 1));
     assert_eq!(background.keys()[1].ease, Ease::Smooth);
     assert_eq!(background.keys()[0].ease, Ease::Linear);
+}
+
+#[test]
+fn reuse_without_effect_is_noted() {
+    let notes = |quality: &str| read(&format!("(quality: ({quality}))")).notes();
+    for (quality, why) in
+        [("reuse: Zoom, noise: 0.1", "(`noise`)"), ("reuse: Zoom, filter: Box(width: 0.5)", "narrower")]
+    {
+        assert!(matches!(&notes(quality)[..], [note] if note.contains(why)), "{:?}", notes(quality));
+    }
+    assert!(notes("reuse: Zoom").is_empty() && notes("noise: 0.1").is_empty());
 }
 
 #[test]

@@ -19,13 +19,36 @@ pub struct PixelSamples {
     /// Keys of the random numbers: those of the pixels, and those of the samples.
     pixel: Vec<u32>,
     sample: Vec<u32>,
+    /// Positions in pixels from the left and from the top of the picture, if they are given.
+    position: [Vec<f64>; 2],
+}
+
+/// Where the samples of a wave lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Placement {
+    /// On a regular grid in each pixel, with so many samples along each axis.
+    Grid(u32),
+    /// At random in each pixel.
+    Random,
+    /// At the positions that the samples have.
+    Given,
 }
 
 impl PixelSamples {
     /// Without samples, with room for `size` of them.
     pub fn with_capacity(size: usize) -> Self {
-        let column = || vec![0; size.next_multiple_of(8) + 8];
-        Self { len: 0, x: column(), y: column(), number: column(), pixel: column(), sample: column() }
+        let size = size.next_multiple_of(8) + 8;
+        let column = || vec![0; size];
+        let position = [vec![0.0; size], vec![0.0; size]];
+        Self {
+            len: 0,
+            x: column(),
+            y: column(),
+            number: column(),
+            pixel: column(),
+            sample: column(),
+            position,
+        }
     }
 
     pub fn len(&self) -> usize {
@@ -46,6 +69,20 @@ impl PixelSamples {
             column[slots.clone()].copy_from_slice(values);
         }
         self.len += group.count;
+    }
+
+    /// Adds a sample at a position of the picture. There must be room for it.
+    #[inline]
+    pub fn push_at(&mut self, [across, down]: [f64; 2], sampler: Sampler) {
+        (self.pixel[self.len], self.sample[self.len]) = (sampler.pixel(), sampler.sample());
+        (self.position[0][self.len], self.position[1][self.len]) = (across, down);
+        self.len += 1;
+    }
+
+    /// The positions of eight samples from slot `first` on.
+    #[inline(always)]
+    fn positions<F: Real>(&self, first: usize) -> [F; 2] {
+        [F::load(&self.position[0], first), F::load(&self.position[1], first)]
     }
 
     /// The samplers of the samples in these slots.
@@ -106,8 +143,7 @@ impl SampleGroup {
 pub struct GenerateRays<'a> {
     pub context: &'a TraceContext<'a>,
     pub samples: &'a PixelSamples,
-    /// Samples along each axis of a regular grid; `None` if samples are random.
-    pub grid: Option<u32>,
+    pub placement: Placement,
     pub paths: &'a mut PathStream,
     pub counts: &'a mut Counts,
 }
@@ -117,7 +153,7 @@ impl SimdKernel for GenerateRays<'_> {
 
     #[inline(always)]
     fn run<L: Level>(self) {
-        let Self { context, samples, grid, paths, counts } = self;
+        let Self { context, samples, placement, paths, counts } = self;
         let lens = context.scene.camera.lens.is_some();
         counts.rays.camera += samples.len() as u64;
         counts.evaluations.lens_samples += if lens { samples.len() as u64 } else { 0 };
@@ -127,12 +163,13 @@ impl SimdKernel for GenerateRays<'_> {
         for first in (0..samples.len()).step_by(8) {
             let count = (samples.len() - first).min(8);
             let group = LaneSamples::<L::F64>::new(samples, first, count);
-            let place = match grid {
-                Some(across) => group.on_grid(across),
-                None => group.at_random(context, lens),
+            let (position, lens) = match placement {
+                Placement::Grid(across) => group.filtered(context, group.on_grid(across)),
+                Placement::Random => group.filtered(context, group.at_random(context, lens)),
+                Placement::Given => (samples.positions(first), [L::F64::splat(0.0); 2]),
             };
             let active = L::Mask::from_bits(0xff >> (8 - count));
-            paths.push(active, &group.begin(context, place));
+            paths.push(active, &group.begin(context, position, lens));
         }
     }
 }
@@ -189,18 +226,26 @@ impl<F: Real> LaneSamples<F> {
         [x, y, F::splat(0.0), F::splat(0.0)]
     }
 
-    /// The paths through positions of the pixels.
+    /// Spreads positions in the unit square by the filter around the centres of the pixels. Returns the positions in the
+    /// picture, and those on the lens.
     #[inline(always)]
-    fn begin(&self, context: &TraceContext, [x, y, u, v]: [F; 4]) -> PathState<F> {
-        let (filter, camera) = (&context.settings.filter, context.scene.camera);
-        let (width, height) = context.settings.size;
-        let (width, height) = (F::splat(f64::from(width)), F::splat(f64::from(height)));
-        let (half, two, zero) = (F::splat(0.5), F::splat(2.0), F::splat(0.0));
+    fn filtered(&self, context: &TraceContext, [x, y, u, v]: [F; 4]) -> ([F; 2], [F; 2]) {
+        let (filter, half) = (&context.settings.filter, F::splat(0.5));
         let across = self.left + (filter.offset(x) + half);
         let down = self.top + (filter.offset(y) + half);
+        ([across, down], [u, v])
+    }
+
+    /// The paths through positions of the picture and of the lens.
+    #[inline(always)]
+    fn begin(&self, context: &TraceContext, [across, down]: [F; 2], lens: [F; 2]) -> PathState<F> {
+        let camera = context.scene.camera;
+        let (width, height) = context.settings.size;
+        let (width, height) = (F::splat(f64::from(width)), F::splat(f64::from(height)));
+        let (two, zero) = (F::splat(2.0), F::splat(0.0));
         // Pixels are square. Both axes are in units of half the image height, from the centre.
         let screen = [(two * across - width) / height, (height - two * down) / height];
-        let ray = camera.rays::<F>(screen, [u, v]);
+        let ray = camera.rays::<F>(screen, lens);
         let cone = match context.columns.cones {
             true => camera.cones(&ray, two / height),
             false => RayCone { width: zero, spread: zero },

@@ -43,6 +43,7 @@ mod sums;
 mod tests;
 mod textures;
 mod transmittance;
+mod view_reuse;
 mod wavefront;
 mod whitted;
 
@@ -51,6 +52,7 @@ pub use context::is_random;
 pub use path_reuse::{FramePose, MAX_FRAMES, SharedFrames};
 pub use pilot::{BlockError, PilotBlocks};
 pub use settings::{Moment, TraceSettings};
+pub use view_reuse::{MAX_VIEWS, SamplePlan, SharedViews, View, bytes_of_sums, trace_views};
 
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;

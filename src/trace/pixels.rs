@@ -1,6 +1,6 @@
 //! Pixels: their samples and means.
 
-use super::camera_rays::{PixelSamples, SampleGroup};
+use super::camera_rays::{PixelSamples, Placement, SampleGroup};
 use super::context::TraceContext;
 use super::settings::{Moment, TraceSettings};
 use super::sums::add_sample;
@@ -114,8 +114,9 @@ impl<'a> PixelTracer<'a> {
 
     /// Traces samples, at most [`WAVE`]. Then the scratch buffer holds the light of each.
     pub fn follow_samples(&self, scratch: &mut ScratchBuffer, samples: &PixelSamples) {
-        let grid = (!self.random).then_some(self.context.quality.antialias);
-        scratch.follow(&self.context, samples, grid);
+        let placement =
+            if self.random { Placement::Random } else { Placement::Grid(self.context.quality.antialias) };
+        scratch.follow(&self.context, samples, placement);
     }
 
     /// A scratch buffer that no thread is using.

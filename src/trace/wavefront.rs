@@ -11,7 +11,7 @@ mod tests;
 
 use super::accumulate::Accumulator;
 use super::aov::RecordAovs;
-use super::camera_rays::{GenerateRays, PixelSamples};
+use super::camera_rays::{GenerateRays, PixelSamples, Placement};
 use super::coincident::Events;
 use super::context::{Queue, TraceContext};
 use super::emitter::HandleEmitters;
@@ -92,13 +92,13 @@ impl ScratchBuffer {
     }
 
     /// Traces the paths of samples, at most [`WAVE`], to their ends. Then the sums hold the light of each sample.
-    pub fn follow(&mut self, context: &TraceContext, samples: &PixelSamples, grid: Option<u32>) {
+    pub fn follow(&mut self, context: &TraceContext, samples: &PixelSamples, placement: Placement) {
         self.sums.reset(samples.len());
         self.events.clear();
         self.media.trim();
         let mut paths = self.stream(context);
         let counts = &mut self.counts;
-        dispatch(GenerateRays { context, samples, grid, paths: &mut paths, counts });
+        dispatch(GenerateRays { context, samples, placement, paths: &mut paths, counts });
         let mut waiting = vec![paths];
         while let Some(mut paths) = waiting.pop() {
             // A sample with more paths than the limit is always alone here. So its split depends on nothing else.

@@ -52,3 +52,4 @@ mod particles;
 mod series;
 mod shipped;
 mod turntable;
+mod zoom;

@@ -12,6 +12,9 @@ pub struct Basis {
 }
 
 impl Basis {
+    /// Along the axes: the frame of a camera that looks along -z.
+    pub const AXES: Self = Self { right: DVec3::X, up: DVec3::Y, forward: DVec3::NEG_Z };
+
     /// The frame turned about its line of sight by an angle, given as (cosine, sine). A positive angle leans
     /// the camera to its left, so the picture turns clockwise.
     pub fn rolled(self, cos_sin: DVec2) -> Self {

@@ -4,7 +4,7 @@ use super::report::PlanReport;
 use super::{changes, films};
 use crate::cli::forecast_text;
 use crate::cli::json::{line, object};
-use crate::pipeline::plan::{FrameSpan, Reason, SharedFilm};
+use crate::pipeline::plan::{FrameSpan, Reason, SharedFilm, ViewGroup};
 use serde_json::{Map, Value, json};
 
 pub fn json(report: &PlanReport) -> String {
@@ -27,6 +27,7 @@ pub fn json(report: &PlanReport) -> String {
         "bvh_updates": plan.bvh_updates(),
         "rays_frame_by_frame": rays(expected.camera_alone, expected.exact, expected.rays_alone),
         "rays": rays(expected.camera, expected.exact && !expected.shares_paths, expected.rays),
+        "zoom": plan.view_groups.iter().map(view_group).collect::<Vec<_>>(),
         "kept_bytes": plan.kept_bytes(),
         "budget_bytes": report.cache_budget,
     }));
@@ -37,6 +38,11 @@ pub fn json(report: &PlanReport) -> String {
     }
     all.extend(report.farm.iter().map(|farm| ("farm".to_owned(), farm.json())));
     line(all)
+}
+
+/// Films whose views share samples.
+fn view_group(group: &ViewGroup) -> Value {
+    json!({ "films": group.films.len(), "camera_rays": group.camera_rays, "bytes": group.bytes })
 }
 
 /// Frames in a row between which the same parts change.

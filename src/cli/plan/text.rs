@@ -6,7 +6,8 @@ use crate::base::escape;
 use crate::base::units::{self, count, counted};
 use crate::cli::forecast_text::{advice, error_range, short_time, time_range};
 use crate::cli::summary::reused_frames;
-use crate::pipeline::plan::{EffectSource, FrameSpan, RayEstimate, Reason, SceneEffect};
+use crate::pipeline::plan::{EffectSource, FrameSpan, RayEstimate, Reason, SceneEffect, camera_rays};
+use crate::sequence::quality::SampleReuse;
 
 /// Explains the word to readers who meet it here for the first time.
 const FILM: &str = "a film is the light traced for a frame, in layers; frames in which lights only change their \
@@ -32,6 +33,7 @@ pub fn text(report: &PlanReport) -> String {
     groups.push(("BVH", vec![counted(report.plan.bvh_updates(), "update")]));
     groups.push(("rays", rays(report)));
     groups.extend(paths(report).map(|line| ("paths", vec![line])));
+    groups.extend(zoom(report).map(|line| ("zoom", vec![line])));
     groups.push(("memory", memory(report)));
     groups.extend(report.farm.iter().map(|farm| ("farm", farm.lines())));
     aligned(&groups)
@@ -178,6 +180,30 @@ fn paths(report: &PlanReport) -> Option<String> {
     })
 }
 
+/// How many films share samples because their cameras are at one point.
+fn zoom(report: &PlanReport) -> Option<String> {
+    let groups = &report.plan.view_groups;
+    if groups.is_empty() && report.sequence.quality.reuse == SampleReuse::Zoom {
+        return Some(
+            "no films share samples; docs/reuse.md lists what their frames must have in common".to_owned(),
+        );
+    }
+    let films: usize = groups.iter().map(|group| group.films.len()).sum();
+    let camera: u64 = groups.iter().map(|group| group.camera_rays).sum();
+    let grouped = groups.iter().flat_map(|group| group.films.clone());
+    let alone: u64 = grouped.map(|film| camera_rays(report.sequence, report.plan.state_of(film))).sum();
+    (films > 0).then(|| {
+        let fewer = alone as f64 / camera.max(1) as f64;
+        let (films, times) = (counted(films as u64, "film"), counted(groups.len() as u64, "group"));
+        format!(
+            "{films} in {times} share samples, because the camera stays in its place: {} camera rays instead of {}, \
+             {fewer:.1} times fewer",
+            count(camera),
+            count(alone)
+        )
+    })
+}
+
 /// `about 12,000 rays, 3,000 of them from the camera`.
 fn ray_count(camera: u64, exact: bool, all: Option<u64>) -> String {
     let camera = format!("{}{} ", if exact { "" } else { "about " }, count(camera));
@@ -198,6 +224,9 @@ fn memory(report: &PlanReport) -> Vec<String> {
         lines.push(format!(
             "{shared} for films that share paths, at most {scenes} for copies of their scenes"
         ));
+    }
+    if let Some(bytes) = report.plan.view_groups.iter().map(|group| group.bytes).max() {
+        lines.push(format!("{} for films that share samples", units::bytes(bytes)));
     }
     lines.push(format!("{} for pictures that wait for the encoder", units::bytes(report.pending_bytes)));
     lines

@@ -22,6 +22,7 @@ mod render_plan;
 mod run;
 mod shared_films;
 mod shared_run;
+mod view_groups;
 #[cfg(test)]
 mod tests;
 
@@ -34,7 +35,7 @@ pub use outlook::{FilmForecast, Outlook, PilotTime, Range, RunForecast, run_pilo
 pub use ray_estimate::{
     CostEstimate, NullSink, PilotBudget, RayEstimate, cost_estimate, downscaled, estimate_rays,
 };
-pub use render_plan::Plan;
+pub use render_plan::{Plan, ViewGroup};
 pub use run::run;
 pub use shared_films::{FilmCache, SharedFilm};
 pub use shared_run::{SharedRun, run_shared};

@@ -2,6 +2,7 @@
 //!
 //! Films of a small picture are traced together. The share of paths that are traced again hardly depends on the size.
 
+use super::camera_rays::camera_rays;
 use super::ray_estimate::{NullSink, downscaled};
 use super::render_plan::Plan;
 use crate::base::stats::{ProgressMeter, SharedPaths};
@@ -17,6 +18,10 @@ const GROUPS: usize = 4;
 /// of samples of a small picture; with 0, nothing is traced and no film shares paths.
 pub fn path_shares(sequence: &Sequence, plan: &Plan, samples: u64) -> Vec<f64> {
     let mut shares = vec![1.0; plan.films.len()];
+    for group in &plan.view_groups {
+        let alone: u64 = group.films.clone().map(|film| camera_rays(sequence, plan.state_of(film))).sum();
+        shares[group.films.clone()].fill(group.camera_rays as f64 / alone.max(1) as f64);
+    }
     let groups = groups(plan);
     if samples == 0 || groups.is_empty() {
         return shares;

@@ -71,12 +71,20 @@ impl RayEstimate {
     /// The estimate that needs no tracing.
     pub fn of(sequence: &Sequence, plan: &Plan) -> Self {
         let states = &plan.states.frames;
-        let camera = plan.films.iter().map(|shared| camera_rays(sequence, &states[shared.frames[0]])).sum();
+        let camera = camera_rays_of_films(sequence, plan);
         let camera_alone = states.iter().map(|state| camera_rays(sequence, state)).sum();
         let exact = sequence.quality.noise.is_none() || !states.iter().any(|state| state.random);
         let shares_paths = (0..plan.films.len()).any(|film| plan.together(film) > 1);
         Self { camera_alone, camera, exact, shares_paths, rays_alone: None, rays: None }
     }
+}
+
+/// The camera rays of all films, if none of them share paths.
+fn camera_rays_of_films(sequence: &Sequence, plan: &Plan) -> u64 {
+    let shares_views = |film: &usize| plan.view_groups.iter().any(|group| group.films.contains(film));
+    let alone = (0..plan.films.len()).filter(|film| !shares_views(film));
+    let alone: u64 = alone.map(|film| camera_rays(sequence, plan.state_of(film))).sum();
+    alone + plan.view_groups.iter().map(|group| group.camera_rays).sum::<u64>()
 }
 
 /// Estimates the rays of a plan from small pictures of some frames.
@@ -109,10 +117,12 @@ pub fn cost_estimate(sequence: &Sequence, plan: &Plan, budget: PilotBudget) -> C
     let unshared = counted_up(sequence, &films, &trials);
     let camera = |(film, share): (&LitFrame, &f64)| camera_rays(sequence, film.0) as f64 * share;
     let camera = films.iter().zip(&shares).map(camera).sum::<f64>().round();
-    let traced = if known.camera > 0 { camera / known.camera as f64 } else { 1.0 };
+    let alone: u64 = films.iter().map(|film| camera_rays(sequence, film.0)).sum();
+    let traced = if alone > 0 { camera / alone as f64 } else { 1.0 };
     let all = unshared.map(|rays| (rays as f64 * traced).round() as u64);
+    let camera = if known.shares_paths { camera as u64 } else { known.camera };
     CostEstimate {
-        expected: RayEstimate { camera: camera as u64, rays: all, ..known },
+        expected: RayEstimate { camera, rays: all, ..known },
         films: films.iter().enumerate().map(rays).collect(),
         unshared,
     }
@@ -142,7 +152,7 @@ fn trials(sequence: &Sequence, films: &[LitFrame], budget: PilotBudget) -> Optio
         let (state, lit) = &films[(2 * index + 1) * films.len() / (2 * chosen)];
         let small = downscaled(sequence, state, budget.samples);
         let mut frames = FrameLoop::new(&small, NullSink, Arc::new(ProgressMeter::default()));
-        frames.trace(state, lit).ok()?;
+        frames.trace(&state.without_views(), lit).ok()?;
         let counts = frames.stats().counts.rays;
         let samples = camera_rays(&small, state) as f64;
         Some(Trial { samples, rays: counts.total() as f64 })

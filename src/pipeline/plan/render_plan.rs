@@ -3,11 +3,13 @@
 use super::camera_rays::camera_rays;
 use super::evaluate::{FrameStates, evaluate};
 use super::shared_films::{FilmCache, SharedFilm, shared_films};
+use super::view_groups::view_groups;
 use crate::film::{AovSet, LayerId};
 use crate::pipeline::schedule::FrameState;
 use crate::sequence::Sequence;
 use crate::trace::MAX_FRAMES;
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 /// Copying an object takes as long as tracing about this number of samples (0.3 microseconds in a scene of 100,000
 /// spheres).
@@ -26,6 +28,18 @@ pub struct Plan {
     /// if no films share paths: if they are sampled until they reach a target error, or if they have few samples for the
     /// number of objects.
     pub(super) sharing_budget: u64,
+    /// Films that are traced together because their views share samples.
+    pub view_groups: Vec<ViewGroup>,
+}
+
+/// Consecutive films whose views share samples.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ViewGroup {
+    pub films: Range<usize>,
+    /// The number of camera rays of all films, without those of pixels that lack samples.
+    pub camera_rays: u64,
+    /// Bytes of the films and of their sums while they are traced.
+    pub bytes: u64,
 }
 
 impl Plan {
@@ -39,7 +53,8 @@ impl Plan {
     pub fn from_states(states: FrameStates, sequence: &Sequence, aovs: AovSet, budget: u64) -> Self {
         let cache = FilmCache::of(sequence, aovs, budget);
         let (films, film_of) = shared_films(&states.frames, &cache);
-        let plan = Self { states, cache, films, film_of, sharing_budget: 0 };
+        let mut plan = Self { states, cache, films, film_of, sharing_budget: 0, view_groups: Vec::new() };
+        plan.view_groups = view_groups(&plan, sequence);
         let shares = sequence.quality.noise.is_none() && plan.copies_pay(sequence);
         let free = plan.cache.budget.saturating_sub(plan.kept_bytes());
         Self { sharing_budget: if shares { free } else { 0 }, ..plan }
@@ -61,6 +76,16 @@ impl Plan {
         Self { sharing_budget: 0, ..self }
     }
 
+    /// The state of the first frame of a film.
+    pub fn state_of(&self, film: usize) -> &FrameState {
+        &self.states.frames[self.films[film].frames[0]]
+    }
+
+    /// The films from number `first` on whose views share samples and that are traced together.
+    pub fn view_group(&self, first: usize) -> Option<&ViewGroup> {
+        self.view_groups.iter().find(|group| group.films.start == first)
+    }
+
     /// Number of frames that reuse the film of another frame.
     pub fn reused(&self) -> usize {
         self.film_of.len() - self.films.len()
@@ -69,9 +94,9 @@ impl Plan {
     /// The number of films from number `first` on that may share paths: they differ in objects and their materials only.
     /// The film cache has room for all of them. At most one if films share no paths.
     pub fn together(&self, first: usize) -> usize {
-        let state = |film: usize| &self.states.frames[self.films[film].frames[0]];
+        let state = |film: usize| self.state_of(film);
         let surroundings = state(first).surroundings;
-        if surroundings.is_none() {
+        if surroundings.is_none() || state(first).views.is_some() {
             return 1;
         }
         let mut lit: BTreeSet<LayerId> = BTreeSet::new();
@@ -79,7 +104,9 @@ impl Plan {
         for film in (first..self.films.len()).take(MAX_FRAMES) {
             lit.extend(&self.films[film].lit);
             let bytes = self.cache.bytes(lit.len()).saturating_mul(count as u64 + 1);
-            let is_alike = state(film).surroundings == surroundings && state(film).fault.is_none();
+            let other = state(film);
+            let is_alike =
+                other.surroundings == surroundings && other.fault.is_none() && other.views.is_none();
             if !is_alike || bytes > self.sharing_budget - self.scenes_budget() {
                 break;
             }

@@ -63,13 +63,17 @@ fn trace_together<S: FilmSink>(
     frames: &mut FrameLoop<S>,
     kept: &mut HashMap<usize, Film>,
 ) -> Result<usize, FrameError> {
-    let together = plan.together(first);
+    let views = plan.view_group(first).map(|group| group.films.len());
+    let together = views.unwrap_or_else(|| plan.together(first));
     if together < 2 {
         return Ok(first + 1);
     }
     let films = &plan.films[first..first + together];
     let states: Vec<&FrameState> = films.iter().map(|film| &plan.states.frames[film.frames[0]]).collect();
-    let traced = frames.trace_together(&states, &Plan::lit(films), plan.scenes_budget())?;
+    let traced = match views {
+        Some(_) => frames.trace_views(&states, &Plan::lit(films))?,
+        None => frames.trace_together(&states, &Plan::lit(films), plan.scenes_budget())?,
+    };
     let next = first + if traced.is_empty() { together } else { traced.len() };
     kept.extend((first..).zip(traced));
     Ok(next)

@@ -61,7 +61,14 @@ pub fn run_shared(
             let (films, film_of) = shared_films(&states, &cache);
             let wanted = states.len();
             let begun = run(
-                &Plan { states: FrameStates { frames: states }, cache, films, film_of, sharing_budget: 0 },
+                &Plan {
+                    states: FrameStates { frames: states },
+                    cache,
+                    films,
+                    film_of,
+                    sharing_budget: 0,
+                    view_groups: Vec::new(),
+                },
                 frames,
                 &on,
             )?;

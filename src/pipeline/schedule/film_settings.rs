@@ -16,6 +16,11 @@ impl FilmSettings {
         Self { size: sequence.output.size, coverage: sequence.output.transparent, quality: sequence.quality }
     }
 
+    /// Whether views from one point share samples.
+    pub fn shares_views(&self) -> bool {
+        self.quality.shares_views()
+    }
+
     pub fn integrator(&self) -> Integrator {
         self.quality.integrator
     }
@@ -24,8 +29,8 @@ impl FilmSettings {
     pub fn feed(&self, random: bool, into: &mut Digester) {
         let Self { size: (width, height), coverage, quality } = self;
         let Quality { integrator, bounces, filter, antialias, samples, .. } = quality;
-        let Quality { threshold, clamp, smooth_terminator, seed, noise, points, shutter_steps: _, .. } =
-            quality;
+        // Frames that share samples of views have digests of these views besides.
+        let Quality { threshold, clamp, smooth_terminator, seed, noise, points, .. } = quality;
         (*width, *height, *coverage).feed(into);
         (integrator, *bounces, filter).feed(into);
         (*clamp, *smooth_terminator, random).feed(into);

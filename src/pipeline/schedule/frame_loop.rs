@@ -3,6 +3,7 @@
 use super::frame_state::FrameState;
 use super::frame_states::frame_states;
 use super::preview::Preview;
+use super::shared_paths::weights_of;
 use super::shutter::Shutter;
 use super::stages::{
     CurrentMoment, ExposureTrack, FilmInProgress, FilmSink, FirstError, FrameError, FrameStage,
@@ -10,13 +11,12 @@ use super::stages::{
 };
 use super::systems::{new_world, schedule};
 use crate::base::cancel::Stop;
-use crate::base::color::Rgb;
 use crate::base::stats::ProgressMeter;
 use crate::base::time::{Clock, Timeline};
 use crate::film::filter::FilterSampler;
 use crate::film::{AovSet, Film, LayerId};
+use crate::scene::Shading;
 use crate::scene::top_level::Bvh;
-use crate::scene::{Shading, Weights};
 use crate::sequence::Sequence;
 use crate::trace::{Moment, TraceSettings};
 use crate::world::{Current, Now, ShapeUse, sky_table};
@@ -35,7 +35,7 @@ pub struct FrameLoop<S> {
     shutter: Shutter,
     /// Finds frames in which something moves while the shutter is open. None if no shutter ever opens.
     preview: Option<Preview>,
-    /// The sequence, if it has a target error: then other frames of a film affect its samples.
+    /// The sequence, if other frames affect the samples of a frame: with a target error, or if views share samples.
     sampled: Option<Arc<Sequence>>,
     sink: PhantomData<S>,
 }
@@ -65,7 +65,9 @@ impl<S: FilmSink> FrameLoop<S> {
         world.insert_resource(RunProgress(meter));
         let (timeline, shutter) = (sequence.timeline, Shutter::new(sequence));
         let preview = sequence.blurs_motion().then(|| Preview::new(sequence));
-        let sampled = sequence.quality.noise.is_some().then(|| Arc::new(sequence.clone()));
+        let quality = &sequence.quality;
+        let sampled = quality.noise.is_some() || quality.shares_views();
+        let sampled = sampled.then(|| Arc::new(sequence.clone()));
         Self { world, schedule: schedule::<S>(), timeline, shutter, preview, sampled, sink: PhantomData }
     }
 
@@ -93,10 +95,14 @@ impl<S: FilmSink> FrameLoop<S> {
     }
 
     fn trace_with(&mut self, state: &FrameState, lit: &[LayerId], keep: bool) -> Result<(), FrameError> {
-        let mut weights = vec![Rgb::ZERO; state.weights.len()];
-        lit.iter().for_each(|layer| weights[layer.index()] = Rgb::ONE);
+        if state.views.is_some() {
+            let film = self.trace_views(&[state], lit)?.pop();
+            film.iter().try_for_each(|film| self.push(state, film))?;
+            self.world.resource_mut::<FilmInProgress>().kept = film.filter(|_| keep);
+            return Ok(());
+        }
         self.world.insert_resource(TraceRequest {
-            lit: Some(Weights(weights)),
+            lit: Some(weights_of(state, lit)),
             weightings: Arc::clone(&state.weightings),
             own: state.own,
             keep,

@@ -4,8 +4,9 @@ use crate::base::color::Rgb;
 use crate::base::digest::Digest;
 use crate::camera::path::NoCamera;
 use crate::film::{LayerId, lit};
-use crate::trace::Weightings;
+use crate::trace::{SharedViews, View, Weightings};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// What a frame evaluates to: see `frame_states`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,11 +33,22 @@ pub struct FrameState {
     /// Digest of the camera, lights, sky, ambient light and fog, and of whether a moment needs random samples: frames that
     /// agree in it differ in objects and their materials only. None if it changes while the shutter is open.
     pub surroundings: Option<Digest>,
+    /// What the frame has in common with others of which it may share samples, and its view. None if it may share none.
+    pub viewpoint: Option<(Digest, View)>,
+    /// The views that share samples with the frame's own.
+    pub views: Option<FrameViews>,
     /// Digests of the geometry at the first and the last moment, and the number of changes in between.
     pub geometry: (Digest, Digest),
     pub rebuilds: u32,
     /// Why the frame cannot be traced.
     pub fault: Option<NoCamera>,
+}
+
+/// Views that share samples, and the place of a frame's own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameViews {
+    pub all: Arc<SharedViews>,
+    pub own: usize,
 }
 
 impl FrameState {
@@ -63,6 +75,18 @@ impl FrameState {
         (self.weightings, self.own) = (weightings, own);
         self.scene_hash = Digest::of(&(self.scene_hash, frames));
         self.image_hash = Digest::of(&(self.image_hash, frames));
+    }
+
+    /// Makes the frame share samples of views. The same frame with other views has other samples, so it gets other hashes.
+    pub(super) fn share_views(&mut self, digest: Digest, views: FrameViews) {
+        self.views = Some(views);
+        self.scene_hash = Digest::of(&(self.scene_hash, digest));
+        self.image_hash = Digest::of(&(self.image_hash, digest));
+    }
+
+    /// The frame without shared samples, for pilots.
+    pub fn without_views(&self) -> Self {
+        Self { views: None, ..self.clone() }
     }
 
     /// The visible layers with their weights.

@@ -2,6 +2,7 @@
 
 use super::frame_state::FrameState;
 use super::preview::Preview;
+use super::view_spans::share_views;
 use crate::base::cancel::Stop;
 use crate::base::color::Rgb;
 use crate::base::digest::Digest;
@@ -13,15 +14,27 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 /// sequence and its number.
 pub fn frame_states(sequence: &Sequence, frames: &[u32], stop: &Stop) -> Vec<FrameState> {
     let mut states = independent_states(sequence, frames, stop);
+    let shares_views =
+        sequence.quality.shares_views() && states.iter().any(|state| state.viewpoint.is_some());
     let sampled = |state: &FrameState| state.random && state.weights.len() > 1;
-    if sequence.quality.noise.is_none() || !states.iter().any(sampled) {
+    let shares_samples = sequence.quality.noise.is_some() && states.iter().any(sampled);
+    if !shares_views && !shares_samples {
         return states;
     }
     let requested: BTreeSet<u32> = frames.iter().copied().collect();
     let others: Vec<u32> = (0..sequence.timeline.frames).filter(|frame| !requested.contains(frame)).collect();
-    let others = independent_states(sequence, &others, stop);
-    let all: BTreeMap<u32, &FrameState> =
-        states.iter().chain(&others).map(|state| (state.frame, state)).collect();
+    let mut all: BTreeMap<u32, FrameState> =
+        states.iter().cloned().map(|state| (state.frame, state)).collect();
+    all.extend(independent_states(sequence, &others, stop).into_iter().map(|state| (state.frame, state)));
+    match shares_views {
+        true => share_views(sequence, &all, &mut states),
+        false => share_sampled_films(&all, &mut states),
+    }
+    states
+}
+
+/// Makes frames share films that are sampled for all frames of the sequence.
+fn share_sampled_films(all: &BTreeMap<u32, FrameState>, states: &mut [FrameState]) {
     // For each film, the different appearances of its frames.
     let mut films: HashMap<Digest, FilmAppearances> = HashMap::new();
     for state in all.values().filter(|state| state.random) {
@@ -31,7 +44,7 @@ pub fn frame_states(sequence: &Sequence, frames: &[u32], stop: &Stop) -> Vec<Fra
             shown.weightings.push(state.weights.clone());
         }
     }
-    for state in &mut states {
+    for state in states {
         if let Some(FilmAppearances { image_hashes, weightings }) = films.get(&state.scene_hash)
             && let Some(own) = image_hashes.iter().position(|hash| *hash == state.image_hash)
             && image_hashes.len() > 1
@@ -39,7 +52,6 @@ pub fn frame_states(sequence: &Sequence, frames: &[u32], stop: &Stop) -> Vec<Fra
             state.share(Digest::of(image_hashes), weightings.as_slice().into(), own);
         }
     }
-    states
 }
 
 /// Different appearances of a film's frames. Radiance identifies them, because weights of layers without light do not

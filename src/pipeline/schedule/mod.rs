@@ -14,11 +14,13 @@ mod shared_paths;
 mod shutter;
 mod stages;
 mod systems;
+mod view_spans;
+mod shared_views;
 #[cfg(test)]
 mod tests;
 
 pub use frame_loop::FrameLoop;
-pub use frame_state::FrameState;
+pub use frame_state::{FrameState, FrameViews};
 pub use frame_states::frame_states;
 pub use preview::Preview;
 pub use prober::{PassCost, Prober};

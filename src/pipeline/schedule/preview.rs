@@ -5,14 +5,16 @@ use super::frame_state::FrameState;
 use super::shutter::Shutter;
 use super::stages::{CurrentMoment, FirstError, Stopwatch};
 use super::systems::{new_world, update_schedule};
+use crate::appearance::texture::Texture;
 use crate::base::digest::{Content, Digest, Digester};
+use crate::base::math::Basis;
 use crate::base::time::{Clock, Timeline};
-use crate::camera::Camera;
 use crate::camera::path::NoCamera;
+use crate::camera::{Camera, Projection};
 use crate::film::exposure;
 use crate::scene::{Digests, Geometry, Scene, Shading, Weights};
 use crate::sequence::Sequence;
-use crate::trace::{Moment, Weightings, is_random};
+use crate::trace::{Moment, View, Weightings, is_random};
 use crate::track::Animated;
 use crate::world::{Current, Now, ShapeUse};
 use bevy_ecs::change_detection::{DetectChanges, Tick};
@@ -43,6 +45,8 @@ struct MomentState {
     random: bool,
     /// Digest of everything but objects and their materials, and of the kind of samples.
     surroundings: Digest,
+    /// Digest of everything that light meets but the view, and of the kind of samples; and the view.
+    viewpoint: Option<(Digest, View)>,
 }
 
 impl MomentState {
@@ -51,6 +55,14 @@ impl MomentState {
         let all = |state: &Self| (state.scene_hash, state.image_hash, state.random);
         all(self) == all(other)
     }
+}
+
+/// Whether any visible material has a pattern. Patterns fade by the size of pixels, so views with different pixels see
+/// different light.
+fn shows_patterns(scene: &Scene) -> bool {
+    let textures = |index: u32| &scene.shading.materials[index as usize].textures;
+    let is_pattern = |texture: &Texture| matches!(texture, Texture::Pattern(_));
+    scene.geometry.materials().any(|index| textures(index).iter().any(|(_, texture)| is_pattern(texture)))
 }
 
 impl Preview {
@@ -103,6 +115,7 @@ impl Preview {
         }
         let surroundings = found.first().map(|one| one.surroundings);
         let surroundings = surroundings.filter(|first| found.iter().all(|one| one.surroundings == *first));
+        let viewpoint = if let [one] = &found[..] { one.viewpoint } else { None };
         let random = found.len() > 1 || found.first().is_some_and(|one| one.random);
         let digester = |of: &dyn Fn(&MomentState) -> Digest| {
             let mut digester = Digester::new();
@@ -124,6 +137,8 @@ impl Preview {
             moments: found.len() as u32,
             random,
             surroundings,
+            viewpoint,
+            views: None,
             geometry: geometry.unwrap_or_default(),
             rebuilds,
             fault,
@@ -168,6 +183,17 @@ impl Preview {
         let random = is_random(&scene, integrator);
         let image_hash = self.digests.image_hash(&scene, integrator.samples_lights());
         let surroundings = Digest::of(&(self.digests.surroundings(&scene), random));
-        Ok(MomentState { scene_hash: self.digests.scene_hash(&scene), image_hash, random, surroundings })
+        let view = View::of(camera).filter(|_| self.settings.shares_views() && !shows_patterns(&scene));
+        let viewpoint = view.map(|view| {
+            let everywhere = Camera {
+                basis: Basis::AXES,
+                projection: Projection::Perspective { half_height: 1.0 },
+                ..*camera
+            };
+            let scene = Scene { camera: &everywhere, ..scene };
+            (Digest::of(&(self.digests.scene_hash(&scene), random)), view)
+        });
+        let scene_hash = self.digests.scene_hash(&scene);
+        Ok(MomentState { scene_hash, image_hash, random, surroundings, viewpoint })
     }
 }

@@ -43,6 +43,13 @@ impl Snapshot {
 /// Bytes per primitive of a snapshot: its place in the geometry, in the tree and in their tables.
 const BYTES_PER_PRIMITIVE: usize = 1 << 10;
 
+/// Weights that light these layers.
+pub fn weights_of(state: &FrameState, lit: &[LayerId]) -> Weights {
+    let mut weights = Weights(vec![Rgb::ZERO; state.weights.len()]);
+    lit.iter().for_each(|layer| weights.0[layer.index()] = Rgb::ONE);
+    weights
+}
+
 impl<S: FilmSink> FrameLoop<S> {
     /// Traces films of these frames together, with the layers `lit`: as many from the first on as can share paths within
     /// `budget` bytes for copies of their scenes. The frames must have the same
@@ -54,8 +61,7 @@ impl<S: FilmSink> FrameLoop<S> {
         budget: u64,
     ) -> Result<Vec<Film>, FrameError> {
         let Some(first) = states.first() else { return Ok(Vec::new()) };
-        let mut weights = Weights(vec![Rgb::ZERO; first.weights.len()]);
-        lit.iter().for_each(|layer| weights.0[layer.index()] = Rgb::ONE);
+        let weights = weights_of(first, lit);
         self.world.insert_resource(TraceRequest { only_prepare: true, ..TraceRequest::default() });
         let snapshots = self.snapshots(states, &weights, budget);
         self.world.insert_resource(TraceRequest::default());

@@ -60,7 +60,7 @@ fn followed(pixels: u32, max_paths: usize) -> (Vec<[f64; 3]>, Counts, usize) {
         group.push(x, (x, 0), 0, PixelSampler::new((x, 0), 0).sample(0));
     }
     samples.extend(&group);
-    scratch.follow(&context, &samples, Some(1));
+    scratch.follow(&context, &samples, Placement::Grid(1));
     let sums = (0..pixels).map(|slot| scratch.sums.get(0, slot).to_array()).collect();
     (sums, scratch.counts, scratch.peak)
 }

@@ -1,0 +1,66 @@
+//! Finds frames that share samples because their cameras are at one point.
+
+use super::frame_state::{FrameState, FrameViews};
+use crate::base::digest::Digest;
+use crate::sequence::Sequence;
+use crate::trace::{MAX_VIEWS, SamplePlan, SharedViews, View};
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+
+/// Consecutive frames of one scene from one point.
+struct ViewSpan {
+    frames: RangeInclusive<u32>,
+    viewpoint: Digest,
+    random: bool,
+    /// The different views of the frames.
+    views: Vec<View>,
+}
+
+/// Makes frames of the sequence share samples. `all` holds all frames, so that the samples of a frame do not depend on
+/// which frames are requested.
+pub fn share_views(sequence: &Sequence, all: &BTreeMap<u32, FrameState>, states: &mut [FrameState]) {
+    let spans = spans(all);
+    let wanted = |span: &&ViewSpan| states.iter().any(|state| span.frames.contains(&state.frame));
+    let shared = |span: &ViewSpan| {
+        let plan = SamplePlan::new(sequence.output.size, &sequence.quality, span.random);
+        SharedViews::new(span.views.iter().copied(), &plan)
+            .map(|shared| (span.frames.clone(), Arc::new(shared)))
+    };
+    let shared: Vec<_> = spans.iter().filter(wanted).filter_map(shared).collect();
+    for state in states {
+        if let Some((_, views)) = shared.iter().find(|(frames, _)| frames.contains(&state.frame))
+            && let Some((_, view)) = state.viewpoint
+            && let Some(own) = views.place(&view)
+        {
+            state.share_views(views.digest(), FrameViews { all: Arc::clone(views), own });
+        }
+    }
+}
+
+/// Divides frames into spans. Spans with too many views are cut, which depends on their first frame only.
+fn spans(all: &BTreeMap<u32, FrameState>) -> Vec<ViewSpan> {
+    let mut spans: Vec<ViewSpan> = Vec::new();
+    for (&frame, state) in all {
+        let Some((viewpoint, view)) = state.viewpoint.filter(|_| state.fault.is_none()) else { continue };
+        match spans.last_mut() {
+            Some(span)
+                if span.viewpoint == viewpoint
+                    && *span.frames.end() + 1 == frame
+                    && (span.views.len() < MAX_VIEWS || span.views.contains(&view)) =>
+            {
+                span.frames = *span.frames.start()..=frame;
+                if !span.views.contains(&view) {
+                    span.views.push(view);
+                }
+            }
+            _ => spans.push(ViewSpan {
+                frames: frame..=frame,
+                viewpoint,
+                random: state.random,
+                views: vec![view],
+            }),
+        }
+    }
+    spans
+}

@@ -1,0 +1,77 @@
+//! The blocks of cells of which a view traces samples.
+
+use super::coverage::{Coverage, Overlap, TracingViews};
+use super::raster::CellBlock;
+use super::samples::{CellSample, SampleGrid};
+
+/// A block of cells of which a view traces samples.
+pub struct TracedBlock {
+    block: CellBlock,
+    tracing: TracingViews,
+    /// The requested views whose pictures contain parts of the block, as indices in their list.
+    pub films: Vec<usize>,
+}
+
+/// The blocks of view `own` of which it traces samples for requested views.
+pub fn traced_blocks(
+    coverage: &Coverage,
+    grid: &SampleGrid,
+    own: usize,
+    requested: &[usize],
+) -> Vec<TracedBlock> {
+    let all = coverage.all();
+    let traced = |block: CellBlock| {
+        let tracing = coverage.tracing(own, &block, &all)?;
+        let shows = |film: &usize| coverage.overlap(own, requested[*film], &block).0 != Overlap::None;
+        let films: Vec<usize> = (0..requested.len()).filter(shows).collect();
+        (!films.is_empty()).then_some(TracedBlock { block, tracing, films })
+    };
+    coverage.raster.blocks(grid.block_side()).into_iter().filter_map(traced).collect()
+}
+
+impl TracedBlock {
+    /// Calls `take` with each sample that is traced, and the column and row of its cell.
+    pub fn each(
+        &self,
+        coverage: &Coverage,
+        grid: &SampleGrid,
+        own: usize,
+        mut take: impl FnMut((i32, i32), CellSample),
+    ) {
+        for (cell, tracing) in self.traced_cells(coverage, own) {
+            let place = (cell.columns.start, cell.rows.start);
+            grid.each(coverage, (own, &cell, &tracing), |sample| take(place, sample));
+        }
+    }
+
+    /// The number of samples that are traced.
+    pub fn count(&self, coverage: &Coverage, grid: &SampleGrid, own: usize) -> u64 {
+        if self.tracing.is_certain() {
+            return self.block.len() * u64::from(grid.count());
+        }
+        let of_cell = |(cell, tracing): (CellBlock, TracingViews)| {
+            let mut count = 0;
+            match tracing.is_certain() {
+                true => count = u64::from(grid.count()),
+                false => grid.each(coverage, (own, &cell, &tracing), |_| count += 1),
+            }
+            count
+        };
+        self.traced_cells(coverage, own).map(of_cell).sum()
+    }
+
+    /// The cells with samples that may be traced.
+    fn traced_cells<'a>(
+        &'a self,
+        coverage: &'a Coverage,
+        own: usize,
+    ) -> impl Iterator<Item = (CellBlock, TracingViews)> + 'a {
+        self.block.cells().filter_map(move |cell| {
+            let tracing = match self.tracing.is_certain() {
+                true => self.tracing.clone(),
+                false => coverage.tracing(own, &cell, &self.tracing)?,
+            };
+            Some((cell, tracing))
+        })
+    }
+}

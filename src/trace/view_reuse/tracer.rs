@@ -1,0 +1,212 @@
+//! Traces the samples of views and adds them to films.
+
+use super::SharedViews;
+use super::blocks::{TracedBlock, traced_blocks};
+use super::coverage::Coverage;
+use super::film_sums::{AddSamples, FilmSums, SampleBatch};
+use super::raster::Raster;
+use super::samples::{SampleGrid, SamplePlan};
+use crate::base::color::Rgb;
+use crate::base::lanes::dispatch;
+use crate::base::math::DVec3;
+use crate::base::stats::{Counts, ProgressMeter, SharedSamples};
+use crate::camera::Camera;
+use crate::film::Film;
+use crate::film::filter::FilterWeights;
+use crate::sampling::PixelSampler;
+use crate::scene::Scene;
+use crate::scene::top_level::Bvh;
+use crate::trace::camera_rays::Placement;
+use crate::trace::pixels::PixelTracer;
+use crate::trace::settings::{Moment, TraceSettings};
+use crate::trace::sums::add_sample;
+use crate::trace::wavefront::WAVE;
+use rayon::prelude::*;
+use std::sync::atomic::Ordering::Relaxed;
+
+/// Samples that are traced before films take them.
+const AT_ONCE: u64 = 1 << 19;
+
+/// Traces films of views, which are places in `shared`, with the layers that the scene's weights light. The scene's
+/// camera may have any view. None if the run is stopped; a single film is always finished.
+pub fn trace_views(
+    shared: &SharedViews,
+    requested: &[usize],
+    (scene, bvh): (&Scene, &Bvh),
+    settings: &TraceSettings,
+    meter: &ProgressMeter,
+) -> Option<(Vec<Film>, Counts)> {
+    let camera = |place: &usize| shared.views[*place].camera(scene.camera.position);
+    let cameras: Vec<Camera> = (0..shared.len()).map(|place| camera(&place)).collect();
+    let scenes: Vec<Scene> = cameras.iter().map(|camera| Scene { camera, ..*scene }).collect();
+    let first = PixelTracer::new(scenes.first()?, bvh, settings, Moment::ONLY);
+    let plan = SamplePlan::new(settings.size, &settings.quality, first.random);
+    let (raster, grid) = (Raster::new(plan.size, plan.filter), SampleGrid::new(&plan));
+    let mut run = ViewRun {
+        coverage: Coverage::new(&shared.views, raster, &grid),
+        filter: FilterWeights::new(plan.filter),
+        films: Vec::new(),
+        counts: Counts::default(),
+        raster,
+        grid,
+    };
+    let held = first.held();
+    let depth_layer = first.context.aovs.and_then(|layer| held.iter().position(|held| *held == layer));
+    run.films.extend(requested.iter().map(|_| FilmSums::new(&raster, held.len(), depth_layer)));
+    for (own, scene) in scenes.iter().enumerate() {
+        let blocks = traced_blocks(&run.coverage, &run.grid, own, requested);
+        if !blocks.is_empty() {
+            let tracer = PixelTracer::new(scene, bvh, settings, Moment::ONLY);
+            run.trace_view((own, &blocks), requested, &tracer, meter);
+        }
+        advance(meter, own + 1, (shared.len(), requested.len()));
+        if meter.is_stopped() && requested.len() > 1 {
+            return None;
+        }
+    }
+    let sums = std::mem::take(&mut run.films);
+    let films = sums.into_iter().zip(requested).map(|(sums, &place)| {
+        let tracer = PixelTracer::new(&scenes[place], bvh, settings, Moment::ONLY);
+        run.film(&sums, &tracer)
+    });
+    let films = films.collect();
+    Some((films, run.counts))
+}
+
+/// The state while views are traced.
+struct ViewRun {
+    raster: Raster,
+    grid: SampleGrid,
+    coverage: Coverage,
+    filter: FilterWeights,
+    /// Of the requested views.
+    films: Vec<FilmSums>,
+    counts: Counts,
+}
+
+impl ViewRun {
+    /// Traces the blocks of a view, and adds their samples to the films.
+    fn trace_view(
+        &mut self,
+        (own, blocks): (usize, &[TracedBlock]),
+        requested: &[usize],
+        tracer: &PixelTracer,
+        meter: &ProgressMeter,
+    ) {
+        let side = self.grid.block_side() as u64;
+        let at_once = (AT_ONCE / (side * side * u64::from(self.grid.count()))).max(1) as usize;
+        for blocks in blocks.chunks(at_once.max(rayon::current_num_threads())) {
+            let traced = blocks.par_iter().map(|block| {
+                let (batch, counts) = self.trace_block((own, block), tracer);
+                meter.rays.fetch_add(counts.rays.total(), Relaxed);
+                (batch, counts)
+            });
+            let traced: Vec<(SampleBatch, Counts)> = traced.collect();
+            let (coverage, filter) = (&self.coverage, &self.filter);
+            self.films.par_iter_mut().zip(requested).enumerate().for_each(|(index, (film, view))| {
+                let map = coverage.map(own, *view);
+                for (block, (batch, _)) in blocks.iter().zip(&traced) {
+                    if block.films.binary_search(&index).is_ok() {
+                        dispatch(AddSamples { batch, map, filter, film });
+                    }
+                }
+            });
+            traced.into_iter().for_each(|(_, counts)| self.counts += counts);
+        }
+    }
+
+    /// Traces the samples of a block.
+    fn trace_block(
+        &self,
+        (own, block): (usize, &TracedBlock),
+        tracer: &PixelTracer,
+    ) -> (SampleBatch, Counts) {
+        let (mut batch, mut counts) = (SampleBatch::default(), Counts::default());
+        let (held, seed) = (tracer.held(), self.grid.seed(own));
+        let mut scratch = tracer.take_scratch();
+        let (mut wave, places) = scratch.take_samples();
+        let mut finish = |wave: &mut crate::trace::camera_rays::PixelSamples, batch: &mut SampleBatch| {
+            scratch.follow(&tracer.context, wave, Placement::Given);
+            let limit = tracer.context.quality.clamp.map(f64::from);
+            for slot in 0..wave.len() as u32 {
+                for &layer in &held {
+                    let sample = scratch.sums.get(layer, slot);
+                    let mut light = DVec3::ZERO;
+                    match layer < tracer.context.lit_layers {
+                        true => add_sample(&mut light, sample, limit, &mut scratch.counts.dropped),
+                        false => light = sample,
+                    }
+                    batch.light.extend(light.to_array());
+                }
+            }
+            wave.clear();
+        };
+        block.each(&self.coverage, &self.grid, own, |(column, row), sample| {
+            let sampler = PixelSampler::new((column as u32, row as u32), seed).sample(sample.number);
+            wave.push_at(sample.position, sampler);
+            batch.push(sample.position, sample.weight);
+            if wave.len() == WAVE {
+                finish(&mut wave, &mut batch);
+            }
+        });
+        if wave.len() > 0 {
+            finish(&mut wave, &mut batch);
+        }
+        batch.pad();
+        scratch.give_back(wave, places);
+        counts += std::mem::take(&mut scratch.counts);
+        tracer.give_back(scratch);
+        (batch, counts)
+    }
+
+    /// The film of a view. Pixels that have fewer samples than asked for get samples of their own.
+    fn film(&mut self, sums: &FilmSums, tracer: &PixelTracer) -> Film {
+        let (width, height) = tracer.context.settings.size;
+        let weights = tracer.context.scene.weights.0.clone();
+        let mut film = Film::with_aovs(width, height, weights, tracer.context.settings.aovs);
+        let (layers, asked) = (film.layers(), f64::from(self.grid.asked()));
+        let mut lacking = Vec::new();
+        for (index, pixel) in film.data_mut().chunks_exact_mut(layers).enumerate() {
+            let (count, means) = sums.pixel(index);
+            pixel.iter_mut().zip(means).for_each(|(layer, mean)| *layer = mean.as_vec3());
+            if count < asked {
+                lacking.push((index as u32 % width, index as u32 / width));
+            }
+        }
+        let all = self.raster.pixels() * u64::from(self.grid.asked());
+        let own = lacking.len() as u64 * u64::from(self.grid.asked());
+        self.counts.samples += SharedSamples { films: 1, alone: all, own };
+        self.fill(&lacking, sums, tracer, film.data_mut());
+        film
+    }
+
+    /// Traces samples for pixels that lack some, and adds them to those that they have.
+    fn fill(&mut self, lacking: &[(u32, u32)], sums: &FilmSums, tracer: &PixelTracer, data: &mut [Rgb]) {
+        let (held, layers, asked) = (tracer.held(), tracer.layers(), f64::from(self.grid.asked()));
+        let width = tracer.context.settings.size.0;
+        let traced = lacking.par_chunks(WAVE).map(|pixels| {
+            let mut own = vec![DVec3::ZERO; pixels.len() * layers];
+            (tracer.trace(pixels, &mut own), own)
+        });
+        let traced: Vec<(Counts, Vec<DVec3>)> = traced.collect();
+        for (pixels, (counts, own)) in lacking.chunks(WAVE).zip(traced) {
+            self.counts += counts;
+            for (&(x, y), own) in pixels.iter().zip(own.chunks_exact(layers)) {
+                let index = (y * width + x) as usize;
+                let (count, means) = sums.pixel(index);
+                let pixel = &mut data[index * held.len()..][..held.len()];
+                for ((layer, mean), &place) in pixel.iter_mut().zip(means).zip(&held) {
+                    *layer = ((mean * count + own[place] * asked) / (count + asked)).as_vec3();
+                }
+            }
+        }
+    }
+}
+
+/// Counts finished views as their share of all films.
+fn advance(meter: &ProgressMeter, done: usize, (views, films): (usize, usize)) {
+    let thousandths = |done: usize| (done * films * 1000 / views) as u32;
+    let (before, now) = (thousandths(done - 1), thousandths(done));
+    meter.frames.fetch_add(now / 1000 - before / 1000, Relaxed);
+    meter.thousandths.store(now % 1000, Relaxed);
+}
