@@ -1,6 +1,6 @@
 //! The points of the world and of the picture to which annotations are tied.
 
-use super::view::View;
+use super::view::FrameView;
 use crate::base::math::{Aabb, DVec2, DVec3};
 use crate::base::time::Time;
 use crate::track::Animated;
@@ -39,7 +39,7 @@ impl ObjectPoint {
 
 impl Anchor {
     /// Its point in the world. None for points of the picture, and while its object is hidden.
-    pub fn world(&self, view: &View<'_>, time: Time) -> Option<DVec3> {
+    pub fn world(&self, view: &FrameView<'_>, time: Time) -> Option<DVec3> {
         match self {
             Self::World(point) => Some(point.at(time)),
             Self::Object(index, place) => {
@@ -51,7 +51,7 @@ impl Anchor {
     }
 
     /// Its place in pixels. None behind the camera, and while its object is hidden.
-    pub fn pixel(&self, view: &View<'_>) -> Option<DVec2> {
+    pub fn pixel(&self, view: &FrameView<'_>) -> Option<DVec2> {
         match self {
             Self::Screen(place) => {
                 let DVec3 { x, y, .. } = place.at(view.time);

@@ -4,7 +4,7 @@ use super::anchor::Anchor;
 use super::dimension::beside;
 use super::painter::Painter;
 use super::ticks::ticks;
-use super::view::View;
+use super::view::FrameView;
 use crate::appearance::texture::DataScale;
 use crate::base::math::{Aabb, DAffine3, DMat3, DVec2, DVec3};
 use crate::drawing::Mark;
@@ -34,7 +34,7 @@ pub enum AxesBox {
 
 /// Lines on a plane.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Grid {
+pub struct GridMark {
     pub center: DVec3,
     /// The directions of its lines, of length 1.
     pub sides: [DVec3; 2],
@@ -51,7 +51,7 @@ const TICK: f64 = 0.3;
 
 impl Axes {
     /// The box and the transform of its coordinates.
-    fn bounds(&self, view: &View<'_>) -> Option<(Aabb, DAffine3)> {
+    fn bounds(&self, view: &FrameView<'_>) -> Option<(Aabb, DAffine3)> {
         let axes = DAffine3::from_mat3(DMat3::from_cols(view.axes[0], view.axes[1], view.axes[2]));
         match &self.around {
             AxesBox::Box(bounds) => Some((*bounds, axes)),
@@ -137,7 +137,7 @@ fn starts(axis: usize) -> impl Iterator<Item = usize> {
 
 /// The edge along an axis at the outline of the box in the picture: the lower one, or the left one of upright edges.
 fn outer_edge(
-    view: &View<'_>,
+    view: &FrameView<'_>,
     axis: usize,
     corner: &impl Fn(usize) -> DVec3,
     middle: DVec2,
@@ -158,7 +158,7 @@ fn outer_edge(
     scored.reduce(|best, next| if next.1 > best.1 { next } else { best }).map(|(start, _)| start)
 }
 
-impl Grid {
+impl GridMark {
     pub(super) fn paint(&self, painter: &mut Painter<'_>) {
         let [across, along] = self.sides;
         let [width, length] = self.size.map(|size| 0.5 * size);

@@ -6,7 +6,7 @@ use crate::drawing::{Align, Line, Mark, TextMark, text_width};
 
 /// Where a block of marks stands in the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum PanelPlace {
     TopLeft,
     Top,
     TopRight,
@@ -18,7 +18,7 @@ pub enum Place {
     BottomRight,
 }
 
-impl Place {
+impl PanelPlace {
     /// All places with the names that users write.
     pub const NAMED: [(&'static str, Self); 9] = [
         ("TopLeft", Self::TopLeft),
@@ -41,12 +41,12 @@ impl Place {
 
 /// Marks around an origin, and the size of the rectangle that they fill from there to the right and down.
 #[derive(Clone, Debug, Default)]
-pub struct Block {
+pub struct MarkBlock {
     pub marks: Vec<Mark>,
     pub size: DVec2,
 }
 
-impl Block {
+impl MarkBlock {
     /// Adds a line of text with its box's left top corner at a point.
     pub fn text(&mut self, pen: &Pen, text: &str, at: DVec2) {
         self.marks.push(text_mark(pen, text, at, false));

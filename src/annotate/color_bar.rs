@@ -1,6 +1,6 @@
 //! The colours of a map, with the numbers that they stand for.
 
-use super::block::{Block, Place, width_of};
+use super::block::{MarkBlock, PanelPlace, width_of};
 use super::label::Offset;
 use super::painter::Painter;
 use super::style::Pen;
@@ -19,7 +19,7 @@ pub struct ColorBar {
     pub range: [f64; 2],
     pub scale: DataScale,
     pub title: Animated<Template>,
-    pub place: Place,
+    pub place: PanelPlace,
     pub offset: Offset,
     /// Whether it stands, with its low end at the bottom.
     pub upright: bool,
@@ -53,7 +53,7 @@ impl ColorBar {
     }
 
     /// A bar whose top left corner is at a point, with its frame.
-    fn bar(&self, block: &mut Block, pen: &Pen, corner: DVec2, size: DVec2) {
+    fn bar(&self, block: &mut MarkBlock, pen: &Pen, corner: DVec2, size: DVec2) {
         let frame = Mark::frame(corner, corner + size, pen.width, pen.ink);
         if let Some(halo) = pen.halo {
             let width = pen.width + 2.0 * pen.halo_width();
@@ -65,11 +65,11 @@ impl ColorBar {
     }
 
     /// Numbers to the right of the bar, and the title above.
-    fn standing(&self, pen: &Pen, title: &str, size: DVec2) -> Block {
+    fn standing(&self, pen: &Pen, title: &str, size: DVec2) -> MarkBlock {
         let most = ((size.y / (1.4 * pen.size)) as usize).clamp(1, self.ticks);
         let ticks = ticks(self.scale, self.range, most);
         let gap = GAP * pen.size;
-        let mut block = Block::default();
+        let mut block = MarkBlock::default();
         let title_lines = title.lines().count() as f64;
         title.lines().enumerate().for_each(|(index, line)| {
             block.text(pen, line, DVec2::new(0.0, index as f64 * pen.size));
@@ -93,7 +93,7 @@ impl ColorBar {
     }
 
     /// Numbers below the bar, and the title above.
-    fn lying(&self, pen: &Pen, title: &str, size: DVec2) -> Block {
+    fn lying(&self, pen: &Pen, title: &str, size: DVec2) -> MarkBlock {
         let gap = GAP * pen.size;
         let mut count = self.ticks;
         // As many numbers as have room.
@@ -109,7 +109,7 @@ impl ColorBar {
             }
             count -= 1;
         };
-        let mut block = Block::default();
+        let mut block = MarkBlock::default();
         title.lines().enumerate().for_each(|(index, line)| {
             block.text(pen, line, DVec2::new(0.0, index as f64 * pen.size));
         });

@@ -2,14 +2,14 @@
 
 use super::anchor::Anchor;
 use super::painter::Painter;
-use super::view::View;
+use super::view::FrameView;
 use crate::base::math::DVec3;
 use crate::base::time::Time;
 use crate::drawing::Mark;
 
 /// A line through points of the world.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
+pub struct CurveMark {
     pub points: CurvePoints,
     /// Whether a dot marks its end.
     pub dot: bool,
@@ -26,7 +26,7 @@ pub enum CurvePoints {
 /// Points of a trail per frame.
 const STEPS_PER_FRAME: u32 = 4;
 
-impl Curve {
+impl CurveMark {
     pub(super) fn paint(&self, painter: &mut Painter<'_>) {
         let points = match &self.points {
             CurvePoints::Points(points) => points.clone(),
@@ -44,7 +44,7 @@ impl Curve {
 
 /// The places of an anchor at equal steps up to the current time. The steps lie at the same times in all frames, so a
 /// trail does not flicker while it grows.
-fn trail(anchor: &Anchor, span: Option<Time>, view: &View<'_>) -> Vec<DVec3> {
+fn trail(anchor: &Anchor, span: Option<Time>, view: &FrameView<'_>) -> Vec<DVec3> {
     let start = span.map_or(Time::from_integer(0), |span| (view.time - span).max(Time::from_integer(0)));
     let step = view.info.rate.time_of(1) / Time::from_integer(STEPS_PER_FRAME.into());
     let first = (start / step).ceil().to_integer();

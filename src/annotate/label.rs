@@ -1,8 +1,8 @@
 //! Text at points of the world, of objects and of the picture.
 
 use super::anchor::Anchor;
-use super::block::{Block, stroke};
-use super::painter::{PADDING, Painter, Rectangle};
+use super::block::{MarkBlock, stroke};
+use super::painter::{PADDING, Painter, PixelBox};
 use crate::base::math::DVec2;
 use crate::drawing::{Align, Mark};
 use crate::encode::Template;
@@ -75,7 +75,7 @@ impl Label {
             x if x < 0.0 => Align::Right,
             _ => Align::Center,
         };
-        let block = Block::lines_of_text(&painter.pen, &text, align);
+        let block = MarkBlock::lines_of_text(&painter.pen, &text, align);
         if block.marks.is_empty() {
             return;
         }
@@ -93,7 +93,7 @@ impl Label {
 
     /// The rectangle of the label: the first one in a fixed order that touches nothing before, or else the one that the
     /// offset asks for. All are within the picture.
-    fn place(&self, painter: &Painter<'_>, point: DVec2, offset: DVec2, size: DVec2) -> Rectangle {
+    fn place(&self, painter: &Painter<'_>, point: DVec2, offset: DVec2, size: DVec2) -> PixelBox {
         let whole = DVec2::new(painter.view.width(), painter.view.height());
         let at = |offset: DVec2| {
             let before = |x: f64| {
@@ -124,7 +124,7 @@ impl Label {
     }
 
     /// The line between the point and the nearest point of the label, and a dot at the point.
-    fn lead(&self, painter: &mut Painter<'_>, point: DVec2, [corner, size]: Rectangle) {
+    fn lead(&self, painter: &mut Painter<'_>, point: DVec2, [corner, size]: PixelBox) {
         let near = point.clamp(corner, corner + size);
         let mut marks = Vec::new();
         if near != point {

@@ -1,6 +1,6 @@
 //! Annotations: labels, colour bars, axes and other marks that explain a frame.
 //!
-//! In: annotations over time, and the [`View`] of a frame: its camera, its time and the places of its objects.
+//! In: annotations over time, and the [`FrameView`] of a frame: its camera, its time and the places of its objects.
 //! Out: a [`Drawing`](crate::drawing::Drawing) in pixels, which `encode` lays over the developed picture.
 //! Uses: `base`, `drawing`, `track`, `camera`, `appearance`, and texts and facts about frames of `encode`.
 //!
@@ -27,19 +27,19 @@ mod triad;
 mod view;
 
 pub use anchor::{Anchor, ObjectPoint};
-pub use axes::{Axes, AxesBox, Grid};
-pub use block::Place;
+pub use axes::{Axes, AxesBox, GridMark};
+pub use block::PanelPlace;
 pub use color_bar::ColorBar;
-pub use curve::{Curve, CurvePoints};
+pub use curve::{CurveMark, CurvePoints};
 pub use dimension::{AngleArc, Dimension};
 pub use label::{Behind, Label, Offset};
 pub use line::{HeadStyle, LineMark};
-pub use panel::{Caption, Logo, Progress};
-pub use plot::{Plot, PlotSeries};
+pub use panel::{CaptionText, Logo, ProgressBar};
+pub use plot::{LineChart, PlotSeries};
 pub use scale_bar::ScaleBar;
 pub use style::{Backdrop, Style};
 pub use triad::Triad;
-pub use view::{PlacedObject, View};
+pub use view::{FrameView, PlacedObject};
 
 use crate::drawing::Drawing;
 use crate::encode::Template;
@@ -61,17 +61,17 @@ pub struct Annotation {
 #[derive(Clone, Debug, PartialEq)]
 pub enum AnnotationKind {
     Label(Label),
-    Caption(Caption),
+    Caption(CaptionText),
     ColorBar(ColorBar),
-    Progress(Progress),
+    Progress(ProgressBar),
     Image(Logo),
-    Plot(Plot),
+    Plot(LineChart),
     Line(LineMark),
-    Curve(Curve),
+    Curve(CurveMark),
     Dimension(Dimension),
     Angle(AngleArc),
     Axes(Axes),
-    Grid(Grid),
+    Grid(GridMark),
     Triad(Triad),
     ScaleBar(ScaleBar),
 }
@@ -139,7 +139,7 @@ impl Annotation {
 }
 
 /// What annotations draw over a frame, in their order.
-pub fn drawing(annotations: &[Annotation], view: &View<'_>) -> Drawing {
+pub fn drawing(annotations: &[Annotation], view: &FrameView<'_>) -> Drawing {
     let mut painter = Painter::new(view);
     for annotation in annotations {
         let opacity = annotation.opacity.at(view.time);

@@ -1,9 +1,9 @@
 //! The state while the annotations of a frame are drawn one after the other.
 
 use super::Annotation;
-use super::block::{Block, Place, stroke, text_mark, width_of};
+use super::block::{MarkBlock, PanelPlace, stroke, text_mark, width_of};
 use super::style::Pen;
-use super::view::View;
+use super::view::FrameView;
 use crate::base::math::DVec2;
 use crate::drawing::Mark;
 use crate::encode::Template;
@@ -14,17 +14,17 @@ const MARGIN: f64 = 0.6;
 pub const PADDING: f64 = 0.35;
 
 /// A rectangle: its top left corner and its size.
-pub type Rectangle = [DVec2; 2];
+pub type PixelBox = [DVec2; 2];
 
 /// Whether two rectangles have a point in common besides their edges.
-pub fn touch([corner, size]: Rectangle, [other, extent]: Rectangle) -> bool {
+pub fn touch([corner, size]: PixelBox, [other, extent]: PixelBox) -> bool {
     let (behind, before) = (corner.cmpge(other + extent), (corner + size).cmple(other));
     !(behind | before).any()
 }
 
 /// The annotations of a frame so far.
 pub struct Painter<'a> {
-    pub view: &'a View<'a>,
+    pub view: &'a FrameView<'a>,
     pub pen: Pen,
     /// The numbers that the texts of the current annotation insert.
     pub values: Vec<f64>,
@@ -33,13 +33,13 @@ pub struct Painter<'a> {
     first: usize,
     opacity: f64,
     /// The rectangles of texts and blocks.
-    taken: Vec<Rectangle>,
+    taken: Vec<PixelBox>,
     /// The rectangles of blocks.
-    blocks: Vec<Rectangle>,
+    blocks: Vec<PixelBox>,
 }
 
 impl<'a> Painter<'a> {
-    pub fn new(view: &'a View<'a>) -> Self {
+    pub fn new(view: &'a FrameView<'a>) -> Self {
         let pen = Pen::new(&super::Style::default(), view.time, view.height());
         Self {
             view,
@@ -109,17 +109,17 @@ impl<'a> Painter<'a> {
     }
 
     /// Whether a rectangle touches no text and no block so far.
-    pub fn is_free(&self, rectangle: Rectangle) -> bool {
+    pub fn is_free(&self, rectangle: PixelBox) -> bool {
         !self.taken.iter().any(|other| touch(rectangle, *other))
     }
 
     /// Reserves a rectangle.
-    pub fn take(&mut self, rectangle: Rectangle) {
+    pub fn take(&mut self, rectangle: PixelBox) {
         self.taken.push(rectangle);
     }
 
     /// The box behind a rectangle, if the pen has one: with padding.
-    pub fn panel(&mut self, [corner, size]: Rectangle) {
+    pub fn panel(&mut self, [corner, size]: PixelBox) {
         if let Some(ink) = self.pen.panel {
             let padding = DVec2::splat(PADDING * self.pen.size);
             self.marks.push(Mark::rectangle(corner - padding, corner + size + padding, ink));
@@ -128,7 +128,7 @@ impl<'a> Painter<'a> {
 
     /// Puts a block at a place of the picture, beside the blocks that are there already. `offset` moves it, in pixels
     /// to the right and down.
-    pub fn put(&mut self, block: Block, place: Place, offset: DVec2) {
+    pub fn put(&mut self, block: MarkBlock, place: PanelPlace, offset: DVec2) {
         let margin = MARGIN * self.pen.size;
         let shares = place.shares();
         let padding = if self.pen.panel.is_some() { PADDING * self.pen.size } else { 0.0 };

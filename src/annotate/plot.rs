@@ -1,6 +1,6 @@
 //! Line charts of numbers over time, with a marker at the current time.
 
-use super::block::{Block, Place, width_of};
+use super::block::{MarkBlock, PanelPlace, width_of};
 use super::label::Offset;
 use super::painter::Painter;
 use super::style::Pen;
@@ -14,10 +14,10 @@ use crate::encode::Template;
 use crate::track::Animated;
 
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plot {
+pub struct LineChart {
     pub series: Vec<PlotSeries>,
     pub title: Animated<Template>,
-    pub place: Place,
+    pub place: PanelPlace,
     pub offset: Offset,
     /// Width and height of the chart without its numbers, relative to the width and the height of the picture.
     pub size: [f64; 2],
@@ -84,7 +84,7 @@ impl Chart {
     }
 }
 
-impl Plot {
+impl LineChart {
     /// The numbers at the bottom and the top.
     fn whole_range(&self, most: usize) -> [f64; 2] {
         self.range.unwrap_or_else(|| {
@@ -109,7 +109,7 @@ impl Plot {
         let lines = title.lines().count() as f64;
         let corner = DVec2::new(widest + 2.0 * gap, lines * pen.size + 0.5 * pen.size + gap).round();
         let chart = Chart { corner, size, times, range };
-        let mut block = Block::default();
+        let mut block = MarkBlock::default();
         if pen.panel.is_none() {
             let ink = pen.ink.contrast(0.45);
             block.marks.push(Mark::rectangle(corner, corner + size, ink));
@@ -128,7 +128,7 @@ impl Plot {
     }
 
     /// Axes, lines at ticks, and numbers.
-    fn frame(&self, block: &mut Block, pen: &Pen, chart: &Chart, [onward, upward]: [&[Tick]; 2]) {
+    fn frame(&self, block: &mut MarkBlock, pen: &Pen, chart: &Chart, [onward, upward]: [&[Tick]; 2]) {
         let Chart { corner, size, .. } = *chart;
         let end = corner + size;
         let gap = 0.3 * pen.size;
@@ -156,7 +156,7 @@ impl Plot {
     }
 
     /// The lines, the marker, and the names of the lines at their ends. Returns how far names reach beyond the chart.
-    fn curves(&self, block: &mut Block, pen: &Pen, chart: &Chart, time: Time) -> f64 {
+    fn curves(&self, block: &mut MarkBlock, pen: &Pen, chart: &Chart, time: Time) -> f64 {
         let now = seconds(time).clamp(chart.times[0], chart.times[1]);
         let mut right: f64 = 0.0;
         let marker = [chart.range[0], chart.range[1]].map(|value| chart.place(DVec2::new(now, value)));

@@ -1,7 +1,7 @@
 //! A line with the length that it has in the world.
 
 use super::anchor::Anchor;
-use super::block::{Block, Place, width_of};
+use super::block::{MarkBlock, PanelPlace, width_of};
 use super::label::Offset;
 use super::painter::Painter;
 use super::ticks::ticks;
@@ -12,7 +12,7 @@ use crate::camera::Projection;
 /// A scale, exact for orthographic cameras, and for perspective ones at a depth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScaleBar {
-    pub place: Place,
+    pub place: PanelPlace,
     pub offset: Offset,
     /// Its length in world units; a round one if it is not given.
     pub length: Option<f64>,
@@ -53,7 +53,7 @@ impl ScaleBar {
         let width = length / pixel;
         let letters = width_of(pen, &text);
         let whole = width.max(letters);
-        let mut block = Block::default();
+        let mut block = MarkBlock::default();
         block.text(pen, &text, DVec2::new(0.5 * (whole - letters), 0.0));
         let (left, top, down) = (0.5 * (whole - width), 1.4 * pen.size, 0.3 * pen.size);
         let end = |x: f64| vec![DVec2::new(x, top - down), DVec2::new(x, top + down)];

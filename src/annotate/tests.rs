@@ -29,7 +29,7 @@ fn drawn(annotations: &[Annotation], camera: Camera, size: (u32, u32), hidden: b
     let sequence = SequenceInfo { frames: 11, ..SequenceInfo::default() };
     let rate = Rate::new(10, 1).expect("a rate");
     let still = PlacedObject { to_world: DAffine3::IDENTITY, bounds: None, visible: true };
-    let view = View {
+    let view = FrameView {
         camera,
         size,
         time: Time::new(1, 2),
@@ -148,9 +148,9 @@ fn labels_avoid_each_other_and_stay_in_the_picture() {
 #[test]
 fn blocks_keep_out_of_each_others_way() {
     let caption = |text: &str, place| {
-        annotation(AnnotationKind::Caption(Caption { text: template(text), place, offset: Offset::ZERO }))
+        annotation(AnnotationKind::Caption(CaptionText { text: template(text), place, offset: Offset::ZERO }))
     };
-    let all: Vec<_> = Place::NAMED
+    let all: Vec<_> = PanelPlace::NAMED
         .iter()
         .flat_map(|(name, place)| [caption(name, *place), caption("two\nlines", *place)])
         .collect();
@@ -199,7 +199,7 @@ fn scales_are_as_long_as_they_say() {
     let projection = Projection::Orthographic { half_height: 5.0 };
     let camera = Camera { projection, ..camera() };
     let bar = ScaleBar {
-        place: Place::BottomRight,
+        place: PanelPlace::BottomRight,
         offset: Offset::ZERO,
         length: Some(2.0),
         at: None,

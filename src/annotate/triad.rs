@@ -1,6 +1,6 @@
 //! The directions of the axes, which turn with the camera.
 
-use super::block::{Block, Place, text_mark, width_of};
+use super::block::{MarkBlock, PanelPlace, text_mark, width_of};
 use super::label::Offset;
 use super::painter::Painter;
 use crate::base::color::Rgb;
@@ -9,7 +9,7 @@ use crate::drawing::{Ink, Mark};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Triad {
-    pub place: Place,
+    pub place: PanelPlace,
     pub offset: Offset,
     /// The length of an axis in heights of the picture.
     pub length: f64,
@@ -30,7 +30,7 @@ impl Triad {
         let mut axes = [0, 1, 2].map(|axis| (axis, view.axes[axis].dot(forward)));
         // Those that point away are drawn first.
         axes.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let mut block = Block { marks: Vec::new(), size };
+        let mut block = MarkBlock { marks: Vec::new(), size };
         for (axis, _) in axes {
             let direction = DVec2::new(view.axes[axis].dot(right), -view.axes[axis].dot(up));
             let end = middle + direction * length;

@@ -20,7 +20,7 @@ pub struct PlacedObject {
 }
 
 /// What annotations need to know about a frame.
-pub struct View<'a> {
+pub struct FrameView<'a> {
     pub camera: Camera,
     /// Width and height of the picture in pixels.
     pub size: (u32, u32),
@@ -34,7 +34,7 @@ pub struct View<'a> {
     pub is_hidden: &'a dyn Fn(DVec3, Option<usize>) -> bool,
 }
 
-impl View<'_> {
+impl FrameView<'_> {
     /// The height of the picture in pixels.
     pub fn height(&self) -> f64 {
         self.size.1.into()

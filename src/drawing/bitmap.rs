@@ -1,6 +1,6 @@
 //! Images with alpha, such as logos.
 
-use super::coverage::Coverage;
+use super::coverage::CoverageMask;
 use crate::base::digest::{Content, Digest, Digester};
 use std::fmt;
 use std::sync::Arc;
@@ -31,7 +31,7 @@ impl Bitmap {
 
     /// The image in a rectangle, left, top, width and height, as colours in 0..=1 and their coverage. Each pixel is the
     /// mean of the part of the image that it shows.
-    pub(super) fn scaled(&self, [left, top, width, height]: [f64; 4]) -> (Coverage, Vec<[f64; 3]>) {
+    pub(super) fn scaled(&self, [left, top, width, height]: [f64; 4]) -> (CoverageMask, Vec<[f64; 3]>) {
         let columns = shares(left, width, self.0.width);
         let rows = shares(top, height, self.0.height);
         let mut values = Vec::with_capacity(rows.len() * columns.len());
@@ -53,7 +53,7 @@ impl Bitmap {
             }
         }
         let (left, top) = (left.floor() as i64, top.floor() as i64);
-        (Coverage { left, top, width: columns.len(), height: rows.len(), values }, colors)
+        (CoverageMask { left, top, width: columns.len(), height: rows.len(), values }, colors)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Ink on canvases.
 
-use super::coverage::Coverage;
+use super::coverage::CoverageMask;
 use super::mark::{Drawing, Mark};
 use super::path;
 use zeno::Scratch;
@@ -43,7 +43,7 @@ impl Mark {
             Self::Steps { place: [left, top, width, height], colors, upwards, opacity } => {
                 let (width, height) = ((*width).max(0) as usize, (*height).max(0) as usize);
                 let values = vec![1.0; width * height];
-                let covered = Coverage { left: *left, top: *top, width, height, values };
+                let covered = CoverageMask { left: *left, top: *top, width, height, values };
                 let step = |index: usize| {
                     let (along, of) = match upwards {
                         true => (height - 1 - index / width, height),
@@ -66,7 +66,7 @@ impl Mark {
 }
 
 /// Lays ink where a mark covers pixels of the canvas. `color` gets the index of a pixel of the coverage.
-fn lay(canvas: &mut impl Canvas, covered: &Coverage, opacity: f64, color: impl Fn(usize) -> [f64; 3]) {
+fn lay(canvas: &mut impl Canvas, covered: &CoverageMask, opacity: f64, color: impl Fn(usize) -> [f64; 3]) {
     let (width, height) = canvas.size();
     let within = |start: i64, length: usize, end: u32| {
         let first = (-start).clamp(0, length as i64) as usize;

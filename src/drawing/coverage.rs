@@ -2,7 +2,7 @@
 
 /// The coverage of a rectangle of pixels. Outside of it is none.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Coverage {
+pub struct CoverageMask {
     /// The place of its top left pixel in the picture, which may be outside.
     pub left: i64,
     pub top: i64,
@@ -12,7 +12,7 @@ pub struct Coverage {
     pub values: Vec<f32>,
 }
 
-impl Coverage {
+impl CoverageMask {
     /// The coverage by everything within `radius` pixels of this one, for halos.
     pub fn grown(&self, radius: f32) -> Self {
         let border = radius.ceil() as usize;
@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn halos_reach_around_a_mark() {
-        let dot = Coverage { left: 5, top: 7, width: 1, height: 1, values: vec![1.0] };
+        let dot = CoverageMask { left: 5, top: 7, width: 1, height: 1, values: vec![1.0] };
         let grown = dot.grown(1.0);
         assert_eq!((grown.left, grown.top, grown.width, grown.height), (4, 6, 3, 3));
         assert_eq!(grown.values[4], 1.0);
@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn turned_text_reads_upwards() {
-        let row = Coverage { left: 1, top: 2, width: 3, height: 1, values: vec![0.1, 0.2, 0.3] };
+        let row = CoverageMask { left: 1, top: 2, width: 3, height: 1, values: vec![0.1, 0.2, 0.3] };
         let turned = row.turned();
         assert_eq!((turned.width, turned.height, turned.values), (1, 3, vec![0.3, 0.2, 0.1]));
     }

@@ -1,7 +1,7 @@
 //! What a drawing consists of.
 
 use super::bitmap::Bitmap;
-use super::coverage::Coverage;
+use super::coverage::CoverageMask;
 use super::font::Font;
 use super::ink::Ink;
 use super::path;
@@ -86,7 +86,7 @@ impl TextMark {
     }
 
     /// The coverage by its letters.
-    pub(super) fn coverage(&self) -> Coverage {
+    pub(super) fn coverage(&self) -> CoverageMask {
         let line = placed_line(&self.font, &self.text, self.size as f32, self.at.to_array());
         if self.turned { line.turned() } else { line }
     }

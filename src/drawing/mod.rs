@@ -18,7 +18,7 @@ mod text;
 
 pub use bitmap::Bitmap;
 pub use blend::Canvas;
-pub use coverage::Coverage;
+pub use coverage::CoverageMask;
 pub use font::{FONT_FILE, Font, FontError};
 pub use ink::Ink;
 pub use mark::{Drawing, Halo, Line, Mark, TextMark};

@@ -1,6 +1,6 @@
 //! Areas and lines as coverage.
 
-use super::coverage::Coverage;
+use super::coverage::CoverageMask;
 use super::mark::Line;
 use crate::base::math::{DVec2, cos_sin_of_turns};
 use zeno::{Cap, Command, Join, Mask, Scratch, Stroke, Style, Vector};
@@ -20,7 +20,7 @@ pub fn circle(center: DVec2, radius: f64) -> Vec<DVec2> {
 }
 
 /// The coverage by the areas within outlines (nonzero winding), in a picture of this size.
-pub fn fill(outlines: &[Vec<DVec2>], size: (u32, u32), scratch: &mut Scratch) -> Coverage {
+pub fn fill(outlines: &[Vec<DVec2>], size: (u32, u32), scratch: &mut Scratch) -> CoverageMask {
     let points = outlines.iter().flatten().copied();
     covered(
         points,
@@ -41,7 +41,7 @@ pub fn stroke(
     (width, dashes): (f64, &[f64]),
     size: (u32, u32),
     scratch: &mut Scratch,
-) -> Coverage {
+) -> CoverageMask {
     let points = lines.iter().flat_map(|line| line.points.iter().copied());
     let dashes: Vec<f32> = dashes.iter().map(|length| *length as f32).collect();
     let mut style = Stroke::new(width as f32);
@@ -80,7 +80,7 @@ fn covered<'s>(
     (width, height): (u32, u32),
     path: impl FnOnce(DVec2) -> (Vec<Command>, Style<'s>),
     scratch: &mut Scratch,
-) -> Coverage {
+) -> CoverageMask {
     let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     for point in points {
         (min, max) = (min.min(point), max.max(point));
@@ -91,7 +91,7 @@ fn covered<'s>(
     let max = (max + (border + 1.0)).ceil().min(end);
     let size = max - min;
     if !(size.x >= 1.0 && size.y >= 1.0) {
-        return Coverage::default();
+        return CoverageMask::default();
     }
     let (commands, style) = path(min);
     let (width, height) = (size.x as usize, size.y as usize);
@@ -101,19 +101,19 @@ fn covered<'s>(
         .size(width as u32, height as u32)
         .render_into(&mut bytes, None);
     let values = bytes.iter().map(|byte| f32::from(*byte) / 255.0).collect();
-    Coverage { left: min.x as i64, top: min.y as i64, width, height, values }
+    CoverageMask { left: min.x as i64, top: min.y as i64, width, height, values }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn total(coverage: &Coverage) -> f64 {
+    fn total(coverage: &CoverageMask) -> f64 {
         coverage.values.iter().map(|value| f64::from(*value)).sum()
     }
 
     /// The centre of what is covered.
-    fn centroid(coverage: &Coverage) -> DVec2 {
+    fn centroid(coverage: &CoverageMask) -> DVec2 {
         let at = |index: usize| {
             let (x, y) = (index % coverage.width, index / coverage.width);
             DVec2::new(coverage.left as f64 + x as f64 + 0.5, coverage.top as f64 + y as f64 + 0.5)
@@ -153,7 +153,7 @@ mod tests {
         let across = stroke(&far, (2.0, &[]), (100, 100), &mut scratch);
         assert!((total(&across) - 200.0).abs() < 1.0);
         let outside = line(DVec2::new(300.0, 50.0), DVec2::new(500.0, 50.0));
-        assert_eq!(stroke(&outside, (2.0, &[]), (100, 100), &mut scratch), Coverage::default());
-        assert_eq!(fill(&[], (100, 100), &mut scratch), Coverage::default());
+        assert_eq!(stroke(&outside, (2.0, &[]), (100, 100), &mut scratch), CoverageMask::default());
+        assert_eq!(fill(&[], (100, 100), &mut scratch), CoverageMask::default());
     }
 }

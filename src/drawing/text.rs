@@ -1,6 +1,6 @@
 //! Text as coverage.
 
-use super::coverage::Coverage;
+use super::coverage::CoverageMask;
 use super::font::Font;
 use ab_glyph::{Font as _, FontVec, PxScale, ScaleFont, point};
 
@@ -103,10 +103,10 @@ impl TextMask {
 }
 
 /// One line of text whose box has its top left corner at any place, also between pixels.
-pub fn placed_line(font: &Font, line: &str, size: f32, [x, y]: [f64; 2]) -> Coverage {
+pub fn placed_line(font: &Font, line: &str, size: f32, [x, y]: [f64; 2]) -> CoverageMask {
     let (left, top) = (x.floor(), y.floor());
     let mask = TextMask::shifted(font, line, size, [(x - left) as f32, (y - top) as f32]);
-    Coverage {
+    CoverageMask {
         left: left as i64,
         top: top as i64,
         width: mask.width,

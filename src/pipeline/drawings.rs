@@ -3,7 +3,7 @@
 //! Annotations need no world: the sequence says where the camera and the objects are. Only labels that surfaces may hide
 //! need the scene, for one ray each.
 
-use crate::annotate::{PlacedObject, View, drawing};
+use crate::annotate::{FrameView, PlacedObject, drawing};
 use crate::base::math::{DVec2, DVec3, Ray, gamma};
 use crate::base::time::{Clock, Time};
 use crate::camera::Camera;
@@ -79,7 +79,7 @@ impl<'a> Illustrator<'a> {
             bounds: sequence.bounds_at(index, time),
             visible: sequence.is_visible(index, time),
         };
-        let view = View {
+        let view = FrameView {
             camera,
             size: sequence.output.size,
             time: clock.start,

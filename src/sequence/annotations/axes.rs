@@ -3,7 +3,9 @@
 use super::anchor::world_anchor;
 use super::common::{common, common_over, offset, place, share};
 use super::scene_names::SceneNames;
-use crate::annotate::{Annotation, AnnotationKind, Axes, AxesBox, Grid, Place, ScaleBar, Style, Triad};
+use crate::annotate::{
+    Annotation, AnnotationKind, Axes, AxesBox, GridMark, PanelPlace, ScaleBar, Style, Triad,
+};
 use crate::base::color::Rgb;
 use crate::base::math::{Aabb, DVec3};
 use crate::sequence::fault::Fault;
@@ -87,13 +89,13 @@ pub fn grid(node: Node<'_>) -> Option<Annotation> {
     let up = node.file.up.get();
     let (a, b) = sides?;
     let sides = [a, b].map(|side| up.to_y_up(side));
-    Some(common?.with(AnnotationKind::Grid(Grid { center: center?, sides, size: size?, step: step? })))
+    Some(common?.with(AnnotationKind::Grid(GridMark { center: center?, sides, size: size?, step: step? })))
 }
 
 pub fn triad(node: Node<'_>) -> Option<Annotation> {
     let mut fields = Fields::of(node, "`Triad`")?;
     let common = common(&mut fields);
-    let place = place(&mut fields, Place::BottomLeft);
+    let place = place(&mut fields, PanelPlace::BottomLeft);
     let offset = offset(&mut fields);
     let length = fields.or("length", share, 0.07);
     fields.finish();
@@ -104,7 +106,7 @@ pub fn triad(node: Node<'_>) -> Option<Annotation> {
 pub fn scale_bar(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Annotation> {
     let mut fields = Fields::of(node, "`ScaleBar`")?;
     let common = common(&mut fields);
-    let place = place(&mut fields, Place::BottomRight);
+    let place = place(&mut fields, PanelPlace::BottomRight);
     let offset = offset(&mut fields);
     let length = fields.optional("length", positive);
     let at = fields.optional("at", world_anchor(scene));

@@ -1,6 +1,6 @@
 //! Fields that several kinds of annotations share.
 
-use crate::annotate::{Annotation, AnnotationKind, Backdrop, Offset, Place, Style};
+use crate::annotate::{Annotation, AnnotationKind, Backdrop, Offset, PanelPlace, Style};
 use crate::base::math::{DVec2, DVec3};
 use crate::drawing::Font;
 use crate::encode::{CaptionError, Template};
@@ -182,8 +182,8 @@ pub fn plain(text: &str) -> Template {
     Template::parse(&text.replace('{', "{{").replace('}', "}}")).unwrap_or_default()
 }
 
-pub fn place(fields: &mut Fields<'_>, default: Place) -> Option<Place> {
-    fields.or("place", one_of("place", &Place::NAMED), default)
+pub fn place(fields: &mut Fields<'_>, default: PanelPlace) -> Option<PanelPlace> {
+    fields.or("place", one_of("place", &PanelPlace::NAMED), default)
 }
 
 /// A distance in the picture: in its heights, or in pixels.

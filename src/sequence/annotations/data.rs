@@ -3,7 +3,7 @@
 use super::axes::range;
 use super::common::{Common, common, number_over_time, offset, place, plain, share, template};
 use super::scene_names::SceneNames;
-use crate::annotate::{Annotation, AnnotationKind, ColorBar, Place, Plot, PlotSeries};
+use crate::annotate::{Annotation, AnnotationKind, ColorBar, LineChart, PanelPlace, PlotSeries};
 use crate::appearance::texture::{DataSource, DataTexture};
 use crate::base::time::Time;
 use crate::encode::Template;
@@ -26,7 +26,7 @@ pub fn color_bar(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Annotation> {
     };
     let title = title(&mut fields, common.as_ref());
     let unit = fields.or("unit", text, String::new());
-    let place = place(&mut fields, Place::Right);
+    let place = place(&mut fields, PanelPlace::Right);
     let offset = offset(&mut fields);
     let upright = fields.or("vertical", switch, true);
     let length = fields.or("length", share, 0.5);
@@ -81,13 +81,13 @@ pub fn plot(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Annotation> {
     let times = fields.or("times", times, whole);
     let series = fields.required("series", |node| series(node, times.unwrap_or(whole)));
     let title = title(&mut fields, common.as_ref());
-    let place = place(&mut fields, Place::BottomLeft);
+    let place = place(&mut fields, PanelPlace::BottomLeft);
     let offset = offset(&mut fields);
     let size = fields.or("area", |node| each(tuple(node, "two shares (width, height)")?, share), [0.3, 0.25]);
     let range = fields.optional("range", range);
     let grows = fields.or("grow", switch, false);
     fields.finish();
-    let kind = AnnotationKind::Plot(Plot {
+    let kind = AnnotationKind::Plot(LineChart {
         series: series?,
         title: title?.unwrap_or_else(|| Template::default().into()),
         place: place?,

@@ -4,7 +4,7 @@ use super::anchor::anchor;
 use super::common::{common, common_over, offset, place, plain, share, template};
 use super::scene_names::SceneNames;
 use crate::annotate::{
-    Annotation, AnnotationKind, Backdrop, Behind, Caption, Label, Logo, Place, Progress, Style,
+    Annotation, AnnotationKind, Backdrop, Behind, CaptionText, Label, Logo, PanelPlace, ProgressBar, Style,
 };
 use crate::appearance::texture::{ColorEncoding, Image};
 use crate::base::color::linear_to_srgb;
@@ -54,21 +54,22 @@ pub fn caption(node: Node<'_>, usual: Option<&str>) -> Option<Annotation> {
         }
         None => fields.required("text", template(&names)),
     };
-    let place = place(&mut fields, if usual.is_some() { Place::TopRight } else { Place::BottomLeft });
+    let place =
+        place(&mut fields, if usual.is_some() { PanelPlace::TopRight } else { PanelPlace::BottomLeft });
     let offset = offset(&mut fields);
     fields.finish();
-    Some(common?.with(AnnotationKind::Caption(Caption { text: text?, place: place?, offset: offset? })))
+    Some(common?.with(AnnotationKind::Caption(CaptionText { text: text?, place: place?, offset: offset? })))
 }
 
 pub fn progress(node: Node<'_>) -> Option<Annotation> {
     let mut fields = Fields::of(node, "`Progress`")?;
     let common = common(&mut fields);
-    let place = place(&mut fields, Place::Bottom);
+    let place = place(&mut fields, PanelPlace::Bottom);
     let offset = offset(&mut fields);
     let length = fields.or("length", share, 0.9);
     let thickness = fields.or("thickness", share, 0.012);
     fields.finish();
-    let kind = Progress { place: place?, offset: offset?, length: length?, thickness: thickness? };
+    let kind = ProgressBar { place: place?, offset: offset?, length: length?, thickness: thickness? };
     Some(common?.with(AnnotationKind::Progress(kind)))
 }
 
@@ -83,7 +84,7 @@ pub fn image(node: Node<'_>) -> Option<Annotation> {
         }
         bitmap
     });
-    let place = place(&mut fields, Place::BottomRight);
+    let place = place(&mut fields, PanelPlace::BottomRight);
     let offset = offset(&mut fields);
     let height = fields.or("height", share, 0.12);
     fields.finish();

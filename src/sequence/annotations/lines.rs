@@ -4,7 +4,7 @@ use super::anchor::{anchor, world_anchor};
 use super::common::{common, template};
 use super::scene_names::SceneNames;
 use crate::annotate::{
-    AngleArc, Annotation, AnnotationKind, Curve, CurvePoints, Dimension, HeadStyle, LineMark,
+    AngleArc, Annotation, AnnotationKind, CurveMark, CurvePoints, Dimension, HeadStyle, LineMark,
 };
 use crate::encode::Template;
 use crate::sequence::fault::Fault;
@@ -46,7 +46,7 @@ pub fn polyline(node: Node<'_>) -> Option<Annotation> {
     };
     let dot = fields.or("dot", switch, false);
     fields.finish();
-    let kind = Curve { points: CurvePoints::Points(points?), dot: dot? };
+    let kind = CurveMark { points: CurvePoints::Points(points?), dot: dot? };
     Some(common?.with(AnnotationKind::Curve(kind)))
 }
 
@@ -89,7 +89,7 @@ pub fn trail(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Annotation> {
     let last = fields.optional("last", interval);
     let dot = fields.or("dot", switch, false);
     fields.finish();
-    let kind = Curve { points: CurvePoints::Trail(of?, last?), dot: dot? };
+    let kind = CurveMark { points: CurvePoints::Trail(of?, last?), dot: dot? };
     Some(common?.with(AnnotationKind::Curve(kind)))
 }
 
