@@ -60,7 +60,7 @@ impl Raster {
         let margin = f64::from(self.margin);
         let [width, height] = self.size();
         let MappedPosition { across, down, .. } = *position;
-        [across < -margin, across >= width + margin, down < -margin, down >= height + margin]
+        [across < -margin, across > width + margin, down < -margin, down > height + margin]
     }
 }
 
