@@ -240,7 +240,7 @@ fn faults_of_meshes_name_their_line() {
         ("b.obj", "b.mtl, line 2: expected a finite number, found `Ns a lot`"),
         ("c.obj", "it has no triangles"),
         ("d.obj", "there is no such file"),
-        (".", "meshes are read from .obj, .ply, .stl, .vtk, .vtp and .vtu files"),
+        (".", "meshes are read from .obj, .ply, .stl, .vtk, .vtp, .vtu, .pvtp and .pvtu files"),
     ] {
         let printed =
             sequence_with(folder.path(), &format!("\"a\": (shape: Mesh({name:?}))")).expect_err(name);

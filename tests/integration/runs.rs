@@ -181,9 +181,10 @@ fn only_changed_frames_are_rendered_again() {
     assert_eq!(run(&base, &with("objects: {", until_9), &[]), 9);
     let lamp = "lights: { \"late\": Point(position: (1, 2, 3), on: [(0, false), (9, true)]),";
     assert_eq!(run(&base, &with("lights: {", lamp), &[]), 9);
+    // A caption is drawn over the frames that are there.
+    assert_eq!(run(&base, &with("size: (32, 18)", "size: (32, 18), caption: \"{frame}\""), &[]), 12);
     // What changes all.
     assert_eq!(run(&base, &with("size: (32, 18)", "size: (32, 18), tonemap: Filmic"), &[]), 0);
-    assert_eq!(run(&base, &with("size: (32, 18)", "size: (32, 18), caption: \"{frame}\""), &[]), 0);
     assert_eq!(run(&base, &with("size: (32, 18)", "size: (32, 17)"), &[]), 0);
     assert_eq!(run(&base, &with("size: (32, 18)", "size: (32, 18), transparent: true"), &[]), 0);
     assert_eq!(run(&base, &with("(0.01, 0.03, 0.05)", "(0.01, 0.03, 0.06)"), &[]), 0);
@@ -210,11 +211,15 @@ fn unused_settings_change_no_frames() {
     assert_eq!(kept("other.ron", &random), 0);
     assert_eq!(kept("other.ron", &[&random[..], &["--antialias", "4"]].concat()), 12);
     assert_eq!(kept("other.ron", &[&random[..], &["--seed", "3"]].concat()), 0);
-    // A caption shows the name.
+    // A caption shows the name. It is drawn over the frames that are there.
     let named = ["--caption", "{name}"];
-    assert_eq!(kept("other.ron", &named), 0);
-    assert_eq!(kept("other.ron", &named), 12);
+    let plain = fs::read(path.join("f_03.png")).expect("a frame");
+    assert_eq!(kept("other.ron", &[&random[..], &["--seed", "3"], &named].concat()), 12);
+    let other = fs::read(path.join("f_03.png")).expect("a frame");
     fs::rename(path.join("other.ron"), path.join("ball.ron")).expect("a disk");
+    assert_eq!(kept("ball.ron", &[&random[..], &["--seed", "3"], &named].concat()), 12);
+    let ball = fs::read(path.join("f_03.png")).expect("a frame");
+    assert!(plain != other && other != ball, "the name is shown");
     assert_eq!(kept("ball.ron", &named), 0);
 }
 
