@@ -19,7 +19,7 @@ use kinora::base::lanes::{Level, Mask as _, Row as _, SimdKernel, Single as _, V
 use kinora::base::math::{DVec3, LaneRay, Ray};
 use kinora::geometry::bvh::{Stack, TraversalRay};
 use kinora::geometry::mesh::{self, MeshData, Normals};
-use kinora::geometry::shape::{Geometric as _, Mesh, PreparedRay, RayInterval};
+use kinora::geometry::shape::{Geometric as _, Mesh, PreparedRay, RayInterval, any_part_on, nearest_part_on};
 use rustix::time::{ClockId, clock_gettime};
 use std::error::Error;
 use std::fmt::Write as _;
@@ -151,10 +151,10 @@ impl SimdKernel for Singles<'_> {
             let (probe, within) = (TraversalRay::new(ray.ray()), RayInterval::up_to(f64::from(ray.t_max)));
             *hit = (NONE, ray.t_max);
             if any {
-                if mesh.occludes_on::<L>(&probe, within, &mut stack) {
+                if any_part_on::<L>(mesh, &probe, within, Some(&mut stack)) {
                     hit.0 = 0;
                 }
-            } else if let Some(found) = mesh.intersect_on::<L>(&probe, within, &mut stack) {
+            } else if let Some(found) = nearest_part_on::<L>(mesh, &probe, within, Some(&mut stack)) {
                 *hit = (found.part, found.t as f32);
             }
         }

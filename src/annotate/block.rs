@@ -1,5 +1,6 @@
 //! Marks that keep together, and their places in the picture.
 
+use super::label::Offset;
 use super::style::Pen;
 use crate::base::math::DVec2;
 use crate::drawing::{Align, Line, Mark, TextMark, text_width};
@@ -37,6 +38,13 @@ impl PanelPlace {
         let index = self as usize;
         DVec2::new((index % 3) as f64, (index / 3) as f64) * 0.5
     }
+}
+
+/// Where a block stands: at a place, moved by an offset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PanelPosition {
+    pub place: PanelPlace,
+    pub offset: Offset,
 }
 
 /// Marks around an origin, and the size of the rectangle that they fill from there to the right and down.

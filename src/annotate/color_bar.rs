@@ -1,7 +1,6 @@
 //! The colours of a map, with the numbers that they stand for.
 
-use super::block::{MarkBlock, PanelPlace, width_of};
-use super::label::Offset;
+use super::block::{MarkBlock, PanelPosition, width_of};
 use super::painter::Painter;
 use super::style::Pen;
 use super::ticks::{Tick, ticks};
@@ -19,8 +18,7 @@ pub struct ColorBar {
     pub range: [f64; 2],
     pub scale: DataScale,
     pub title: Animated<Template>,
-    pub place: PanelPlace,
-    pub offset: Offset,
+    pub position: PanelPosition,
     /// Whether it stands, with its low end at the bottom.
     pub upright: bool,
     /// Relative to the height of the picture if it stands, else to the width.
@@ -45,7 +43,7 @@ impl ColorBar {
             true => self.standing(&painter.pen, &title, DVec2::new(thickness, length)),
             false => self.lying(&painter.pen, &title, DVec2::new(length, thickness)),
         };
-        painter.put(block, self.place, self.offset.pixels(view.height()));
+        painter.put(block, self.position);
     }
 
     fn colors(&self) -> Vec<[f64; 3]> {

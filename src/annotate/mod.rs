@@ -28,7 +28,7 @@ mod view;
 
 pub use anchor::{Anchor, ObjectPoint};
 pub use axes::{Axes, AxesBox, GridMark};
-pub use block::PanelPlace;
+pub use block::{PanelPlace, PanelPosition};
 pub use color_bar::ColorBar;
 pub use curve::{CurveMark, CurvePoints};
 pub use dimension::{AngleArc, Dimension};

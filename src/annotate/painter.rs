@@ -1,7 +1,7 @@
 //! The state while the annotations of a frame are drawn one after the other.
 
 use super::Annotation;
-use super::block::{MarkBlock, PanelPlace, stroke, text_mark, width_of};
+use super::block::{MarkBlock, PanelPosition, stroke, text_mark, width_of};
 use super::style::Pen;
 use super::view::FrameView;
 use crate::base::math::DVec2;
@@ -126,9 +126,9 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// Puts a block at a place of the picture, beside the blocks that are there already. `offset` moves it, in pixels
-    /// to the right and down.
-    pub fn put(&mut self, block: MarkBlock, place: PanelPlace, offset: DVec2) {
+    /// Puts a block at its position in the picture. Before its offset, it stands beside the blocks that are there
+    /// already.
+    pub fn put(&mut self, block: MarkBlock, PanelPosition { place, offset }: PanelPosition) {
         let margin = MARGIN * self.pen.size;
         let shares = place.shares();
         let padding = if self.pen.panel.is_some() { PADDING * self.pen.size } else { 0.0 };
@@ -144,7 +144,7 @@ impl<'a> Painter<'a> {
             };
             corner.y = beyond.round();
         }
-        corner = (corner + offset).round();
+        corner = (corner + offset.pixels(self.view.height())).round();
         let inner = corner + padding.round();
         self.panel([inner, block.size]);
         self.blocks.push([corner, outer]);

@@ -1,7 +1,6 @@
 //! Text, progress and images at the edges of the picture.
 
-use super::block::{MarkBlock, PanelPlace};
-use super::label::Offset;
+use super::block::{MarkBlock, PanelPosition};
 use super::painter::Painter;
 use crate::base::math::DVec2;
 use crate::drawing::{Align, Bitmap, Mark};
@@ -12,15 +11,13 @@ use crate::track::Animated;
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaptionText {
     pub text: Animated<Template>,
-    pub place: PanelPlace,
-    pub offset: Offset,
+    pub position: PanelPosition,
 }
 
 /// A bar that fills from the first frame to the last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProgressBar {
-    pub place: PanelPlace,
-    pub offset: Offset,
+    pub position: PanelPosition,
     /// Relative to the width of the picture.
     pub length: f64,
     /// Relative to the height of the picture.
@@ -31,8 +28,7 @@ pub struct ProgressBar {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Logo {
     pub image: Bitmap,
-    pub place: PanelPlace,
-    pub offset: Offset,
+    pub position: PanelPosition,
     /// Relative to the height of the picture.
     pub height: f64,
 }
@@ -40,14 +36,14 @@ pub struct Logo {
 impl CaptionText {
     pub(super) fn paint(&self, painter: &mut Painter<'_>) {
         let text = painter.expand(&self.text.at(painter.view.time));
-        let align = match self.place.shares().x {
+        let align = match self.position.place.shares().x {
             0.0 => Align::Left,
             1.0 => Align::Right,
             _ => Align::Center,
         };
         let block = MarkBlock::lines_of_text(&painter.pen, &text, align);
         if !block.marks.is_empty() {
-            painter.put(block, self.place, self.offset.pixels(painter.view.height()));
+            painter.put(block, self.position);
         }
     }
 }
@@ -61,7 +57,7 @@ impl ProgressBar {
         let mut block = MarkBlock { marks: Vec::new(), size };
         block.marks.push(Mark::rectangle(DVec2::ZERO, size, ink.contrast(0.5)));
         block.marks.push(Mark::rectangle(DVec2::ZERO, DVec2::new(size.x * share, size.y), ink));
-        painter.put(block, self.place, self.offset.pixels(view.height()));
+        painter.put(block, self.position);
     }
 }
 
@@ -72,6 +68,6 @@ impl Logo {
         let image =
             Mark::Image { image: self.image.clone(), place: [0.0, 0.0, size.x, size.y], opacity: 1.0 };
         let block = MarkBlock { marks: vec![image], size };
-        painter.put(block, self.place, self.offset.pixels(painter.view.height()));
+        painter.put(block, self.position);
     }
 }

@@ -1,7 +1,6 @@
 //! Line charts of numbers over time, with a marker at the current time.
 
-use super::block::{MarkBlock, PanelPlace, width_of};
-use super::label::Offset;
+use super::block::{MarkBlock, PanelPosition, width_of};
 use super::painter::Painter;
 use super::style::Pen;
 use super::ticks::{Tick, rounded_range, ticks};
@@ -17,8 +16,7 @@ use crate::track::Animated;
 pub struct LineChart {
     pub series: Vec<PlotSeries>,
     pub title: Animated<Template>,
-    pub place: PanelPlace,
-    pub offset: Offset,
+    pub position: PanelPosition,
     /// Width and height of the chart without its numbers, relative to the width and the height of the picture.
     pub size: [f64; 2],
     /// The first and the last time that it shows.
@@ -124,7 +122,7 @@ impl LineChart {
             (corner.x + size.x + half_label.max(right)).max(width_of(&pen, &title)),
             corner.y + size.y + gap + pen.size,
         );
-        painter.put(block, self.place, self.offset.pixels(view.height()));
+        painter.put(block, self.position);
     }
 
     /// Axes, lines at ticks, and numbers.

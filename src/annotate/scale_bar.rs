@@ -1,8 +1,7 @@
 //! A line with the length that it has in the world.
 
 use super::anchor::Anchor;
-use super::block::{MarkBlock, PanelPlace, width_of};
-use super::label::Offset;
+use super::block::{MarkBlock, PanelPosition, width_of};
 use super::painter::Painter;
 use super::ticks::ticks;
 use crate::appearance::texture::DataScale;
@@ -12,8 +11,7 @@ use crate::camera::Projection;
 /// A scale, exact for orthographic cameras, and for perspective ones at a depth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScaleBar {
-    pub place: PanelPlace,
-    pub offset: Offset,
+    pub position: PanelPosition,
     /// Its length in world units; a round one if it is not given.
     pub length: Option<f64>,
     /// The point at whose depth a perspective camera has this scale.
@@ -60,6 +58,6 @@ impl ScaleBar {
         let line = vec![DVec2::new(left, top), DVec2::new(left + width, top)];
         block.strokes(pen, vec![line, end(left), end(left + width)]);
         block.size = DVec2::new(whole, top + down);
-        painter.put(block, self.place, self.offset.pixels(view.height()));
+        painter.put(block, self.position);
     }
 }

@@ -148,7 +148,8 @@ fn labels_avoid_each_other_and_stay_in_the_picture() {
 #[test]
 fn blocks_keep_out_of_each_others_way() {
     let caption = |text: &str, place| {
-        annotation(AnnotationKind::Caption(CaptionText { text: template(text), place, offset: Offset::ZERO }))
+        let position = PanelPosition { place, offset: Offset::ZERO };
+        annotation(AnnotationKind::Caption(CaptionText { text: template(text), position }))
     };
     let all: Vec<_> = PanelPlace::NAMED
         .iter()
@@ -199,8 +200,7 @@ fn scales_are_as_long_as_they_say() {
     let projection = Projection::Orthographic { half_height: 5.0 };
     let camera = Camera { projection, ..camera() };
     let bar = ScaleBar {
-        place: PanelPlace::BottomRight,
-        offset: Offset::ZERO,
+        position: PanelPosition { place: PanelPlace::BottomRight, offset: Offset::ZERO },
         length: Some(2.0),
         at: None,
         unit: "m".into(),

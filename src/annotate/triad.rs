@@ -1,7 +1,6 @@
 //! The directions of the axes, which turn with the camera.
 
-use super::block::{MarkBlock, PanelPlace, text_mark, width_of};
-use super::label::Offset;
+use super::block::{MarkBlock, PanelPosition, text_mark, width_of};
 use super::painter::Painter;
 use crate::base::color::Rgb;
 use crate::base::math::{Basis, DVec2};
@@ -9,8 +8,7 @@ use crate::drawing::{Ink, Mark};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Triad {
-    pub place: PanelPlace,
-    pub offset: Offset,
+    pub position: PanelPosition,
     /// The length of an axis in heights of the picture.
     pub length: f64,
 }
@@ -44,6 +42,6 @@ impl Triad {
             let half = DVec2::new(width_of(&pen, NAMES[axis]), pen.size) * 0.5;
             block.marks.push(text_mark(&pen, NAMES[axis], letter - half, false));
         }
-        painter.put(block, self.place, self.offset.pixels(view.height()));
+        painter.put(block, self.position);
     }
 }

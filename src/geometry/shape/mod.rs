@@ -50,6 +50,8 @@ pub use lane_ray::{PreparedRay, RayInterval};
 pub use lane_surface::LaneSurface;
 pub use mesh::{Mesh, MeshStep};
 pub use parameters::Parameters;
+use part_search::every_part;
+pub use part_search::{any_part_on, nearest_part_on};
 pub use particles::{ParticleRows, ParticleSet, ParticleTracks, Particles, SameTime};
 pub use plane::Plane;
 pub use rectangle::Rectangle;
@@ -158,14 +160,8 @@ impl Shape {
         stack: Option<&mut Stack>,
     ) -> Option<ShapeHit> {
         match self {
-            Self::Mesh(mesh) => match stack {
-                Some(stack) => mesh.intersect_on::<L>(ray, within, stack),
-                None => mesh.intersect_on::<L>(ray, within, &mut Stack::default()),
-            },
-            Self::Particles(particles) => match stack {
-                Some(stack) => particles.intersect_on::<L>(ray, within, stack),
-                None => particles.intersect_on::<L>(ray, within, &mut Stack::default()),
-            },
+            Self::Mesh(mesh) => nearest_part_on::<L>(mesh, ray, within, stack),
+            Self::Particles(particles) => nearest_part_on::<L>(particles, ray, within, stack),
             _ => self.intersect::<f64>(&PreparedRay::splat(ray), within).one(),
         }
     }
@@ -179,14 +175,8 @@ impl Shape {
         stack: Option<&mut Stack>,
     ) -> bool {
         match self {
-            Self::Mesh(mesh) => match stack {
-                Some(stack) => mesh.occludes_on::<L>(ray, within, stack),
-                None => mesh.occludes_on::<L>(ray, within, &mut Stack::default()),
-            },
-            Self::Particles(particles) => match stack {
-                Some(stack) => particles.occludes_on::<L>(ray, within, stack),
-                None => particles.occludes_on::<L>(ray, within, &mut Stack::default()),
-            },
+            Self::Mesh(mesh) => any_part_on::<L>(mesh, ray, within, stack),
+            Self::Particles(particles) => any_part_on::<L>(particles, ray, within, stack),
             _ => self.occludes::<f64>(&PreparedRay::splat(ray), within),
         }
     }
@@ -200,8 +190,8 @@ impl Shape {
         take: &mut dyn FnMut(ShapeHit),
     ) {
         match self {
-            Self::Mesh(mesh) => return mesh.each(ray, within, take),
-            Self::Particles(particles) => return particles.each(ray, within, take),
+            Self::Mesh(mesh) => return every_part(mesh, ray, within, take),
+            Self::Particles(particles) => return every_part(particles, ray, within, take),
             _ => {}
         }
         while let Some(at) = self.intersect_on::<L>(ray, within, None) {

@@ -1,46 +1,207 @@
 //! Searches through the trees of shapes of many parts, along single rays.
 
+use super::nearest_part::NearestPart;
+use super::{PreparedRay, RayInterval, ShapeHit};
 use crate::base::lanes::{Level, SimdKernel};
-use crate::geometry::bvh::{LeafVisitor, Stack, TraversalRay, Tree};
+use crate::geometry::bvh::{LeafVisitor, Slabs, Stack, TraversalRay, Tree};
 
-/// A search for parts that a ray hits.
-pub trait PartSearch<'a>: LeafVisitor + Sized {
-    type Found;
+/// A shape of many parts in the leaves of a tree.
+///
+/// Its functions test the parts of one leaf, and are `#[inline(always)]`.
+pub trait PartedShape: Sized {
+    /// The parts of a leaf.
+    type Packet;
+    /// What all leaves need of the ray. It is computed at the first one.
+    type Prepared;
 
-    fn tree(&self) -> &'a Tree;
-    fn ray(&self) -> &'a TraversalRay;
-    /// The t beyond which nothing is searched at first.
-    fn t_max(&self) -> f64;
-    fn found(self) -> Self::Found;
+    fn tree(&self) -> &Tree;
+    /// The parts of each of the tree's leaves.
+    fn packets(&self) -> &[Self::Packet];
 
-    /// Searches the whole tree, within a kernel that already runs on a level.
+    /// Considers the parts that are hit before `limit`. Returns the new limit.
+    fn nearest_in<L: Level>(
+        search: &mut PartSearch<Self, NearestPart>,
+        leaf: u32,
+        slabs: &Slabs,
+        limit: f32,
+    ) -> f32;
+    /// Whether any part is hit before `limit`.
+    fn any_in<L: Level>(search: &mut PartSearch<Self, AnyPart>, leaf: u32, slabs: &Slabs, limit: f32)
+    -> bool;
+    /// Passes all hits on.
+    fn every_in(search: &mut PartSearch<Self, EveryPart>, leaf: u32);
+}
+
+/// A search of a shape along a ray, for the nearest part, any part or every part.
+pub struct PartSearch<'a, S: PartedShape, K> {
+    pub shape: &'a S,
+    pub ray: &'a TraversalRay,
+    pub prepared: Option<S::Prepared>,
+    pub kept: K,
+}
+
+/// Whether there is a part within an interval of t.
+pub struct AnyPart {
+    pub within: RayInterval<f64>,
+    pub found: bool,
+}
+
+/// All hits within an interval of t, in no particular order.
+pub struct EveryPart<'a> {
+    pub within: RayInterval<f64>,
+    pub take: &'a mut dyn FnMut(ShapeHit),
+}
+
+impl<'a, S: PartedShape> PartSearch<'a, S, NearestPart> {
     #[inline(always)]
-    fn search_on<L: Level>(self, stack: &mut Stack) -> Self::Found {
-        L::Narrow::call(Walk { search: self, stack, tree: std::marker::PhantomData })
+    pub fn nearest(shape: &'a S, ray: &'a TraversalRay, within: RayInterval<f64>) -> Self {
+        let range = PreparedRay::splat(ray).coincidence_range(shape.tree().space().reach());
+        Self { shape, ray, prepared: None, kept: NearestPart::new(within, range) }
     }
+}
 
-    /// [`PartSearch::search_on`] anywhere.
-    fn search(mut self) -> Self::Found {
-        let (tree, ray, t_max) = (self.tree(), self.ray(), self.t_max());
-        tree.walk(ray, t_max, &mut self);
-        self.found()
+impl<'a, S: PartedShape> PartSearch<'a, S, AnyPart> {
+    #[inline(always)]
+    pub fn any(shape: &'a S, ray: &'a TraversalRay, within: RayInterval<f64>) -> Self {
+        Self { shape, ray, prepared: None, kept: AnyPart { within, found: false } }
     }
+}
+
+/// The closest part within bounds; of equally near ones, the one with the lowest index.
+pub fn nearest_part(
+    shape: &impl PartedShape,
+    ray: &TraversalRay,
+    within: RayInterval<f64>,
+) -> Option<ShapeHit> {
+    let mut search = PartSearch::nearest(shape, ray, within);
+    shape.tree().walk(ray, within.max, &mut search);
+    search.kept.hit
+}
+
+/// [`nearest_part`] within a kernel that already runs on a level, with the caller's stack if it has one.
+#[inline(always)]
+pub fn nearest_part_on<L: Level>(
+    shape: &impl PartedShape,
+    ray: &TraversalRay,
+    within: RayInterval<f64>,
+    stack: Option<&mut Stack>,
+) -> Option<ShapeHit> {
+    let (search, mut own) = (PartSearch::nearest(shape, ray, within), None);
+    let stack = stack.unwrap_or_else(|| own.insert(Stack::default()));
+    L::Narrow::call(Walk { search, t_max: within.max, stack }).hit
+}
+
+/// Whether there is a part within bounds.
+pub fn any_part(shape: &impl PartedShape, ray: &TraversalRay, within: RayInterval<f64>) -> bool {
+    let mut search = PartSearch::any(shape, ray, within);
+    shape.tree().walk(ray, within.max, &mut search);
+    search.kept.found
+}
+
+/// [`any_part`] within a kernel that already runs on a level, with the caller's stack if it has one.
+#[inline(always)]
+pub fn any_part_on<L: Level>(
+    shape: &impl PartedShape,
+    ray: &TraversalRay,
+    within: RayInterval<f64>,
+    stack: Option<&mut Stack>,
+) -> bool {
+    let (search, mut own) = (PartSearch::any(shape, ray, within), None);
+    let stack = stack.unwrap_or_else(|| own.insert(Stack::default()));
+    L::Narrow::call(Walk { search, t_max: within.max, stack }).found
+}
+
+/// Passes all hits within bounds to `take`, in no particular order.
+pub fn every_part(
+    shape: &impl PartedShape,
+    ray: &TraversalRay,
+    within: RayInterval<f64>,
+    take: &mut dyn FnMut(ShapeHit),
+) {
+    let mut search = PartSearch { shape, ray, prepared: None, kept: EveryPart { within, take } };
+    shape.tree().walk(ray, within.max, &mut search);
 }
 
 /// A search from the root.
-struct Walk<'a, 's, S> {
-    search: S,
+struct Walk<'a, 's, S: PartedShape, K> {
+    search: PartSearch<'a, S, K>,
+    t_max: f64,
     stack: &'s mut Stack,
-    tree: std::marker::PhantomData<&'a Tree>,
 }
 
-impl<'a, S: PartSearch<'a>> SimdKernel for Walk<'a, '_, S> {
-    type Output = S::Found;
+impl<'a, S: PartedShape, K> SimdKernel for Walk<'a, '_, S, K>
+where
+    PartSearch<'a, S, K>: LeafVisitor,
+{
+    type Output = K;
 
     #[inline(always)]
-    fn run<L: Level>(mut self) -> S::Found {
-        let (tree, ray, t_max) = (self.search.tree(), self.search.ray(), self.search.t_max());
-        tree.walk_on::<L>(ray, t_max, &mut self.search, self.stack);
-        self.search.found()
+    fn run<L: Level>(self) -> K {
+        let Self { mut search, t_max, stack } = self;
+        let (shape, ray) = (search.shape, search.ray);
+        shape.tree().walk_on::<L>(ray, t_max, &mut search, stack);
+        search.kept
+    }
+}
+
+/// The visit of a leaf.
+struct Visit<'v, 'a, S: PartedShape, K> {
+    search: &'v mut PartSearch<'a, S, K>,
+    leaf: u32,
+    slabs: &'v Slabs,
+    limit: f32,
+}
+
+impl<S: PartedShape> SimdKernel for Visit<'_, '_, S, NearestPart> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Level>(self) -> f32 {
+        S::nearest_in::<L>(self.search, self.leaf, self.slabs, self.limit)
+    }
+}
+
+impl<S: PartedShape> SimdKernel for Visit<'_, '_, S, AnyPart> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<L: Level>(self) -> bool {
+        S::any_in::<L>(self.search, self.leaf, self.slabs, self.limit)
+    }
+}
+
+impl<S: PartedShape> LeafVisitor for PartSearch<'_, S, NearestPart> {
+    #[inline(always)]
+    fn prefetch<L: Level>(&self, leaf: u32) {
+        L::prefetch(self.shape.packets(), leaf as usize);
+    }
+
+    #[inline(always)]
+    fn visit<L: Level>(&mut self, leaf: u32, slabs: &Slabs, limit: f32) -> Option<f32> {
+        Some(L::call(Visit { search: self, leaf, slabs, limit }))
+    }
+}
+
+impl<S: PartedShape> LeafVisitor for PartSearch<'_, S, AnyPart> {
+    #[inline(always)]
+    fn prefetch<L: Level>(&self, leaf: u32) {
+        L::prefetch(self.shape.packets(), leaf as usize);
+    }
+
+    #[inline(always)]
+    fn visit<L: Level>(&mut self, leaf: u32, slabs: &Slabs, limit: f32) -> Option<f32> {
+        self.kept.found = L::call(Visit { search: self, leaf, slabs, limit });
+        (!self.kept.found).then_some(limit)
+    }
+}
+
+impl<S: PartedShape> LeafVisitor for PartSearch<'_, S, EveryPart<'_>> {
+    #[inline(always)]
+    fn prefetch<L: Level>(&self, _: u32) {}
+
+    #[inline(always)]
+    fn visit<L: Level>(&mut self, leaf: u32, _: &Slabs, limit: f32) -> Option<f32> {
+        S::every_in(self, leaf);
+        Some(limit)
     }
 }

@@ -11,7 +11,7 @@ use super::stages::{
 };
 use super::systems::{new_world, schedule};
 use crate::base::cancel::Stop;
-use crate::base::stats::ProgressMeter;
+use crate::base::stats::{Counts, ProgressMeter};
 use crate::base::time::{Clock, Timeline};
 use crate::film::filter::FilterSampler;
 use crate::film::{AovSet, Film, LayerId};
@@ -143,6 +143,27 @@ impl<S: FilmSink> FrameLoop<S> {
         // Without this call, removed components would accumulate.
         self.world.clear_trackers();
         self.world.resource_mut::<FirstError>().take()
+    }
+
+    /// Runs stages that prepare scenes and trace nothing.
+    pub(super) fn without_tracing<T>(
+        &mut self,
+        prepare: impl FnOnce(&mut Self) -> Result<T, FrameError>,
+    ) -> Result<T, FrameError> {
+        self.world.insert_resource(TraceRequest { only_prepare: true, ..TraceRequest::default() });
+        let prepared = prepare(self);
+        self.world.insert_resource(TraceRequest::default());
+        prepared
+    }
+
+    /// Records films that were traced together since `start`. Returns them; none if the run was stopped.
+    pub(super) fn recorded(&mut self, traced: Option<(Vec<Film>, Counts)>, start: Instant) -> Vec<Film> {
+        let Some((films, counts)) = traced else { return Vec::new() };
+        let mut stats = self.world.resource_mut::<Stats>();
+        stats.counts += counts;
+        stats.traced += films.len() as u32;
+        stats.stages[FrameStage::Trace as usize] += start.elapsed();
+        films
     }
 
     /// Pushes a frame's film, which was traced together with other films.

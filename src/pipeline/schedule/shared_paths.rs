@@ -2,7 +2,7 @@
 
 use super::frame_loop::FrameLoop;
 use super::frame_state::FrameState;
-use super::stages::{FilmSink, FrameError, FrameStage, RenderSettings, RunProgress, Stats, TraceRequest};
+use super::stages::{FilmSink, FrameError, RenderSettings, RunProgress};
 use crate::base::color::Rgb;
 use crate::camera::Camera;
 use crate::film::{Film, LayerId};
@@ -62,10 +62,7 @@ impl<S: FilmSink> FrameLoop<S> {
     ) -> Result<Vec<Film>, FrameError> {
         let Some(first) = states.first() else { return Ok(Vec::new()) };
         let weights = weights_of(first, lit);
-        self.world.insert_resource(TraceRequest { only_prepare: true, ..TraceRequest::default() });
-        let snapshots = self.snapshots(states, &weights, budget);
-        self.world.insert_resource(TraceRequest::default());
-        let snapshots = snapshots?;
+        let snapshots = self.without_tracing(|frames| frames.snapshots(states, &weights, budget))?;
         if snapshots.last().is_none_or(|last| last.frame == 0) {
             return Ok(Vec::new());
         }
@@ -74,12 +71,7 @@ impl<S: FilmSink> FrameLoop<S> {
         let poses: Vec<FramePose> = snapshots.iter().map(|snapshot| snapshot.pose(&weights)).collect();
         let meter = Arc::clone(&self.world.resource::<RunProgress>().0);
         let traced = SharedFrames::new(&poses, settings).trace(&meter);
-        let Some((films, counts)) = traced else { return Ok(Vec::new()) };
-        let mut stats = self.world.resource_mut::<Stats>();
-        stats.counts += counts;
-        stats.traced += films.len() as u32;
-        stats.stages[FrameStage::Trace as usize] += start.elapsed();
-        Ok(films)
+        Ok(self.recorded(traced, start))
     }
 
     /// Snapshots of all moments of the first frames that can share paths.

@@ -3,7 +3,7 @@
 use super::frame_loop::FrameLoop;
 use super::frame_state::FrameState;
 use super::shared_paths::weights_of;
-use super::stages::{FilmSink, FrameError, FrameStage, RenderSettings, RunProgress, Stats, TraceRequest};
+use super::stages::{FilmSink, FrameError, RenderSettings, RunProgress};
 use crate::camera::Camera;
 use crate::film::{Film, LayerId};
 use crate::scene::top_level::Bvh;
@@ -19,11 +19,10 @@ impl<S: FilmSink> FrameLoop<S> {
     pub fn trace_views(&mut self, states: &[&FrameState], lit: &[LayerId]) -> Result<Vec<Film>, FrameError> {
         let Some(first) = states.first() else { return Ok(Vec::new()) };
         let Some(views) = &first.views else { return Ok(Vec::new()) };
-        self.world.insert_resource(TraceRequest { only_prepare: true, ..TraceRequest::default() });
-        let moments = self.moments(first.frame, true);
-        let prepared = moments.into_iter().try_for_each(|(clock, moment)| self.run_moment(clock, moment));
-        self.world.insert_resource(TraceRequest::default());
-        prepared?;
+        self.without_tracing(|frames| {
+            let moments = frames.moments(first.frame, true);
+            moments.into_iter().try_for_each(|(clock, moment)| frames.run_moment(clock, moment))
+        })?;
         let (start, weights, world) = (Instant::now(), weights_of(first, lit), &self.world);
         let (geometry, shading) =
             (&world.resource::<Current<Geometry>>().0, &world.resource::<Current<Shading>>().0);
@@ -34,11 +33,6 @@ impl<S: FilmSink> FrameLoop<S> {
         let (bvh, settings) = (&world.resource::<Current<Bvh>>().0, &world.resource::<RenderSettings>().0);
         let meter = Arc::clone(&world.resource::<RunProgress>().0);
         let traced = trace_views(&views.all, &requested, (&scene, bvh), settings, &meter);
-        let Some((films, counts)) = traced else { return Ok(Vec::new()) };
-        let mut stats = self.world.resource_mut::<Stats>();
-        stats.counts += counts;
-        stats.traced += films.len() as u32;
-        stats.stages[FrameStage::Trace as usize] += start.elapsed();
-        Ok(films)
+        Ok(self.recorded(traced, start))
     }
 }

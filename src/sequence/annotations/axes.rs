@@ -1,7 +1,7 @@
 //! Decodes axes, grids, triads and scales.
 
 use super::anchor::world_anchor;
-use super::common::{common, common_over, offset, place, share};
+use super::common::{common, common_over, position, share};
 use super::scene_names::SceneNames;
 use crate::annotate::{
     Annotation, AnnotationKind, Axes, AxesBox, GridMark, PanelPlace, ScaleBar, Style, Triad,
@@ -95,24 +95,22 @@ pub fn grid(node: Node<'_>) -> Option<Annotation> {
 pub fn triad(node: Node<'_>) -> Option<Annotation> {
     let mut fields = Fields::of(node, "`Triad`")?;
     let common = common(&mut fields);
-    let place = place(&mut fields, PanelPlace::BottomLeft);
-    let offset = offset(&mut fields);
+    let position = position(&mut fields, PanelPlace::BottomLeft);
     let length = fields.or("length", share, 0.07);
     fields.finish();
-    let kind = Triad { place: place?, offset: offset?, length: length? };
+    let kind = Triad { position: position?, length: length? };
     Some(common?.with(AnnotationKind::Triad(kind)))
 }
 
 pub fn scale_bar(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Annotation> {
     let mut fields = Fields::of(node, "`ScaleBar`")?;
     let common = common(&mut fields);
-    let place = place(&mut fields, PanelPlace::BottomRight);
-    let offset = offset(&mut fields);
+    let position = position(&mut fields, PanelPlace::BottomRight);
     let length = fields.optional("length", positive);
     let at = fields.optional("at", world_anchor(scene));
     let unit = fields.or("unit", text, String::new());
     fields.finish();
-    let kind = ScaleBar { place: place?, offset: offset?, length: length?, at: at?, unit: unit? };
+    let kind = ScaleBar { position: position?, length: length?, at: at?, unit: unit? };
     Some(common?.with(AnnotationKind::ScaleBar(kind)))
 }
 

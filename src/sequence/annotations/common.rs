@@ -1,6 +1,6 @@
 //! Fields that several kinds of annotations share.
 
-use crate::annotate::{Annotation, AnnotationKind, Backdrop, Offset, PanelPlace, Style};
+use crate::annotate::{Annotation, AnnotationKind, Backdrop, Offset, PanelPlace, PanelPosition, Style};
 use crate::base::math::{DVec2, DVec3};
 use crate::drawing::Font;
 use crate::encode::{CaptionError, Template};
@@ -182,8 +182,11 @@ pub fn plain(text: &str) -> Template {
     Template::parse(&text.replace('{', "{{").replace('}', "}}")).unwrap_or_default()
 }
 
-pub fn place(fields: &mut Fields<'_>, default: PanelPlace) -> Option<PanelPlace> {
-    fields.or("place", one_of("place", &PanelPlace::NAMED), default)
+/// A place in the picture and the offset from there.
+pub fn position(fields: &mut Fields<'_>, default: PanelPlace) -> Option<PanelPosition> {
+    let place = fields.or("place", one_of("place", &PanelPlace::NAMED), default);
+    let offset = offset(fields);
+    Some(PanelPosition { place: place?, offset: offset? })
 }
 
 /// A distance in the picture: in its heights, or in pixels.

@@ -1,7 +1,7 @@
 //! Decodes colour bars and plots.
 
 use super::axes::range;
-use super::common::{Common, common, number_over_time, offset, place, plain, share, template};
+use super::common::{Common, common, number_over_time, plain, position, share, template};
 use super::scene_names::SceneNames;
 use crate::annotate::{Annotation, AnnotationKind, ColorBar, LineChart, PanelPlace, PlotSeries};
 use crate::appearance::texture::{DataSource, DataTexture};
@@ -26,8 +26,7 @@ pub fn color_bar(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Annotation> {
     };
     let title = title(&mut fields, common.as_ref());
     let unit = fields.or("unit", text, String::new());
-    let place = place(&mut fields, PanelPlace::Right);
-    let offset = offset(&mut fields);
+    let position = position(&mut fields, PanelPlace::Right);
     let upright = fields.or("vertical", switch, true);
     let length = fields.or("length", share, 0.5);
     let thickness = fields.or("thickness", share, 0.035);
@@ -48,8 +47,7 @@ pub fn color_bar(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Annotation> {
         scale: source.scale,
         map: source.map,
         title,
-        place: place?,
-        offset: offset?,
+        position: position?,
         upright: upright?,
         length: length?,
         thickness: thickness?,
@@ -81,8 +79,7 @@ pub fn plot(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Annotation> {
     let times = fields.or("times", times, whole);
     let series = fields.required("series", |node| series(node, times.unwrap_or(whole)));
     let title = title(&mut fields, common.as_ref());
-    let place = place(&mut fields, PanelPlace::BottomLeft);
-    let offset = offset(&mut fields);
+    let position = position(&mut fields, PanelPlace::BottomLeft);
     let size = fields.or("area", |node| each(tuple(node, "two shares (width, height)")?, share), [0.3, 0.25]);
     let range = fields.optional("range", range);
     let grows = fields.or("grow", switch, false);
@@ -90,8 +87,7 @@ pub fn plot(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Annotation> {
     let kind = AnnotationKind::Plot(LineChart {
         series: series?,
         title: title?.unwrap_or_else(|| Template::default().into()),
-        place: place?,
-        offset: offset?,
+        position: position?,
         size: size?,
         times: times?,
         range: range?,

@@ -1,7 +1,7 @@
 //! Decodes text, progress and images.
 
 use super::anchor::anchor;
-use super::common::{common, common_over, offset, place, plain, share, template};
+use super::common::{common, common_over, offset, plain, position, share, template};
 use super::scene_names::SceneNames;
 use crate::annotate::{
     Annotation, AnnotationKind, Backdrop, Behind, CaptionText, Label, Logo, PanelPlace, ProgressBar, Style,
@@ -54,22 +54,20 @@ pub fn caption(node: Node<'_>, usual: Option<&str>) -> Option<Annotation> {
         }
         None => fields.required("text", template(&names)),
     };
-    let place =
-        place(&mut fields, if usual.is_some() { PanelPlace::TopRight } else { PanelPlace::BottomLeft });
-    let offset = offset(&mut fields);
+    let position =
+        position(&mut fields, if usual.is_some() { PanelPlace::TopRight } else { PanelPlace::BottomLeft });
     fields.finish();
-    Some(common?.with(AnnotationKind::Caption(CaptionText { text: text?, place: place?, offset: offset? })))
+    Some(common?.with(AnnotationKind::Caption(CaptionText { text: text?, position: position? })))
 }
 
 pub fn progress(node: Node<'_>) -> Option<Annotation> {
     let mut fields = Fields::of(node, "`Progress`")?;
     let common = common(&mut fields);
-    let place = place(&mut fields, PanelPlace::Bottom);
-    let offset = offset(&mut fields);
+    let position = position(&mut fields, PanelPlace::Bottom);
     let length = fields.or("length", share, 0.9);
     let thickness = fields.or("thickness", share, 0.012);
     fields.finish();
-    let kind = ProgressBar { place: place?, offset: offset?, length: length?, thickness: thickness? };
+    let kind = ProgressBar { position: position?, length: length?, thickness: thickness? };
     Some(common?.with(AnnotationKind::Progress(kind)))
 }
 
@@ -84,11 +82,10 @@ pub fn image(node: Node<'_>) -> Option<Annotation> {
         }
         bitmap
     });
-    let place = place(&mut fields, PanelPlace::BottomRight);
-    let offset = offset(&mut fields);
+    let position = position(&mut fields, PanelPlace::BottomRight);
     let height = fields.or("height", share, 0.12);
     fields.finish();
-    let kind = Logo { image: image?, place: place?, offset: offset?, height: height? };
+    let kind = Logo { image: image?, position: position?, height: height? };
     Some(common?.with(AnnotationKind::Image(kind)))
 }
 

@@ -16,7 +16,7 @@ use crate::film::filter::FilterWeights;
 use crate::sampling::PixelSampler;
 use crate::scene::Scene;
 use crate::scene::top_level::Bvh;
-use crate::trace::camera_rays::Placement;
+use crate::trace::camera_rays::{PixelSamples, Placement};
 use crate::trace::pixels::PixelTracer;
 use crate::trace::settings::{Moment, TraceSettings};
 use crate::trace::sums::add_sample;
@@ -125,7 +125,7 @@ impl ViewRun {
         let (held, seed) = (tracer.held(), self.grid.seed(own));
         let mut scratch = tracer.take_scratch();
         let (mut wave, places) = scratch.take_samples();
-        let mut finish = |wave: &mut crate::trace::camera_rays::PixelSamples, batch: &mut SampleBatch| {
+        let mut finish = |wave: &mut PixelSamples, batch: &mut SampleBatch| {
             scratch.follow(&tracer.context, wave, Placement::Given);
             let limit = tracer.context.quality.clamp.map(f64::from);
             for slot in 0..wave.len() as u32 {

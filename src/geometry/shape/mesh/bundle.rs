@@ -1,10 +1,10 @@
 //! Searches a mesh along a bundle of eight rays, which share the nodes of the tree and the data of each triangle.
 
 use super::Mesh;
-use super::search::{AnyTriangle, ClosestTriangle};
 use crate::base::lanes::{Bits, Level, Mask, Real, Row, Select, SimdKernel, lanes};
-use crate::geometry::bvh::{BundleSlabs, BundleStack, BundleVisitor, NodeRef, Slabs, Stack, TraversalRay};
+use crate::geometry::bvh::{BundleSlabs, BundleStack, BundleVisitor, NodeRef, Slabs, TraversalRay};
 use crate::geometry::mesh::ShearedRays;
+use crate::geometry::shape::part_search::{PartSearch, any_part_on, nearest_part_on};
 use crate::geometry::shape::triangle::TriangleLanes;
 use crate::geometry::shape::{CoincidenceRange, LaneHit, PreparedRay, RayInterval, ShapeHit, StoredRays};
 
@@ -33,10 +33,8 @@ impl<const ANY: bool> SimdKernel for BundleSearch<'_, ANY> {
             let single = TraversalRay::new(rays.one(ray));
             let within = RayInterval { min: span[0][ray], max: span[1][ray] };
             let hit = match ANY {
-                true => {
-                    mesh.occludes_on::<L>(&single, within, &mut Stack::default()).then_some(ShapeHit::at(0.0))
-                }
-                false => mesh.intersect_on::<L>(&single, within, &mut Stack::default()),
+                true => any_part_on::<L>(mesh, &single, within, None).then_some(ShapeHit::at(0.0)),
+                false => nearest_part_on::<L>(mesh, &single, within, None),
             };
             if let Some(at) = hit {
                 found.set(ray, at);
@@ -172,14 +170,14 @@ impl<L: Level, const ANY: bool> BundleVisitor<L> for BundleWalk<'_, L, ANY> {
         let Some((single, slabs)) = slot else { return };
         let tree = mesh.mesh.tree();
         let found = if ANY {
-            let mut search = AnyTriangle::new(mesh, single, within);
+            let mut search = PartSearch::any(mesh, single, within);
             tree.walk_below::<L>(below, slabs, slabs.limit(within.max), &mut search);
-            search.found.then_some(ShapeHit::at(0.0))
+            search.kept.found.then_some(ShapeHit::at(0.0))
         } else {
-            let mut search = ClosestTriangle::new(mesh, single, within);
-            search.nearest.hit = hit;
-            tree.walk_below::<L>(below, slabs, slabs.limit(search.nearest.limit()), &mut search);
-            search.nearest.hit
+            let mut search = PartSearch::nearest(mesh, single, within);
+            search.kept.hit = hit;
+            tree.walk_below::<L>(below, slabs, slabs.limit(search.kept.limit()), &mut search);
+            search.kept.hit
         };
         if found != hit {
             self.take(L::Mask::from_bits(1 << ray), LaneHit::splat(found));

@@ -2,7 +2,6 @@
 
 use super::Mesh;
 use super::bundle::BundleSearch;
-use super::search::{AnyTriangle, ClosestTriangle};
 use super::surface;
 use crate::base::color::Rgb;
 use crate::base::lanes::{Level, Mask, Real, Row, Vec3, out_of_line};
@@ -10,7 +9,7 @@ use crate::base::math::{Aabb, DAffine3, DVec2, DVec3, LaneRay};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::mesh::ArrayKey;
 use crate::geometry::shape::geometric::largest_product;
-use crate::geometry::shape::part_search::PartSearch;
+use crate::geometry::shape::part_search::{any_part, nearest_part};
 use crate::geometry::shape::triangle::{TriangleLanes, uniform_weights};
 use crate::geometry::shape::{
     Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, ShapeHit, StoredRays, store_lanes,
@@ -90,11 +89,11 @@ impl Geometric for Mesh {
 
     /// Of equally near triangles, the one with the lowest index.
     fn intersect_one(&self, ray: &TraversalRay, within: RayInterval<f64>) -> Option<ShapeHit> {
-        ClosestTriangle::new(self, ray, within).search()
+        nearest_part(self, ray, within)
     }
 
     fn occludes_one(&self, ray: &TraversalRay, within: RayInterval<f64>) -> bool {
-        AnyTriangle::new(self, ray, within).search()
+        any_part(self, ray, within)
     }
 
     #[inline(always)]

@@ -1,167 +1,43 @@
 //! Searches a mesh along a single ray.
 
 use super::Mesh;
-use crate::base::lanes::{Level, Row, SimdKernel};
-use crate::geometry::bvh::{LeafVisitor, Slabs, Stack, TraversalRay, Tree};
-use crate::geometry::mesh::ShearedRay;
+use crate::base::lanes::{Level, Row};
+use crate::geometry::bvh::{Slabs, Tree};
+use crate::geometry::mesh::{Packet, ShearedRay};
 use crate::geometry::shape::nearest_part::NearestPart;
-use crate::geometry::shape::part_search::PartSearch;
+use crate::geometry::shape::part_search::{AnyPart, EveryPart, PartSearch, PartedShape};
 use crate::geometry::shape::triangle::{TriangleLanes, covers};
-use crate::geometry::shape::{PreparedRay, RayInterval, ShapeHit};
+use crate::geometry::shape::{PreparedRay, ShapeHit};
 
-impl Mesh {
-    /// Passes all hits within bounds to `take`, in no particular order.
-    pub fn each(&self, ray: &TraversalRay, within: RayInterval<f64>, take: &mut dyn FnMut(ShapeHit)) {
-        let mut all = EveryTriangle { mesh: self, ray: PreparedRay::splat(ray), within, take };
-        self.mesh.tree().walk(ray, within.max, &mut all);
-    }
-
-    /// [`Geometric::intersect_one`](crate::geometry::shape::Geometric::intersect_one) within a kernel that already runs on a level.
-    #[inline(always)]
-    pub fn intersect_on<L: Level>(
-        &self,
-        ray: &TraversalRay,
-        within: RayInterval<f64>,
-        stack: &mut Stack,
-    ) -> Option<ShapeHit> {
-        ClosestTriangle::new(self, ray, within).search_on::<L>(stack)
-    }
-
-    /// [`Geometric::occludes_one`](crate::geometry::shape::Geometric::occludes_one) within a kernel that already runs on a level.
-    #[inline(always)]
-    pub fn occludes_on<L: Level>(
-        &self,
-        ray: &TraversalRay,
-        within: RayInterval<f64>,
-        stack: &mut Stack,
-    ) -> bool {
-        AnyTriangle::new(self, ray, within).search_on::<L>(stack)
-    }
-}
-
-/// The search for the closest triangle. Certain hits of the filter are not tested again; only their t is computed.
-pub(super) struct ClosestTriangle<'a> {
-    mesh: &'a Mesh,
-    ray: &'a TraversalRay,
-    /// Set at the first leaf.
-    sheared: Option<ShearedRay>,
-    pub nearest: NearestPart,
-}
-
-impl<'a> ClosestTriangle<'a> {
-    #[inline(always)]
-    pub fn new(mesh: &'a Mesh, ray: &'a TraversalRay, within: RayInterval<f64>) -> Self {
-        let range = PreparedRay::splat(ray).coincidence_range(mesh.mesh.tree().space().reach());
-        Self { mesh, ray, sheared: None, nearest: NearestPart::new(within, range) }
-    }
-}
-
-/// The search for any triangle.
-pub(super) struct AnyTriangle<'a> {
-    mesh: &'a Mesh,
-    ray: &'a TraversalRay,
-    sheared: Option<ShearedRay>,
-    within: RayInterval<f64>,
-    pub found: bool,
-}
-
-impl<'a> AnyTriangle<'a> {
-    #[inline(always)]
-    pub fn new(mesh: &'a Mesh, ray: &'a TraversalRay, within: RayInterval<f64>) -> Self {
-        Self { mesh, ray, sheared: None, within, found: false }
-    }
-}
-
-/// The search for all triangles within bounds.
-struct EveryTriangle<'a> {
-    mesh: &'a Mesh,
-    ray: PreparedRay<f64>,
-    within: RayInterval<f64>,
-    take: &'a mut dyn FnMut(ShapeHit),
-}
-
-impl<'a> PartSearch<'a> for ClosestTriangle<'a> {
-    type Found = Option<ShapeHit>;
+impl PartedShape for Mesh {
+    type Packet = Packet;
+    type Prepared = ShearedRay;
 
     #[inline(always)]
-    fn tree(&self) -> &'a Tree {
-        self.mesh.mesh.tree()
+    fn tree(&self) -> &Tree {
+        self.mesh.tree()
     }
 
     #[inline(always)]
-    fn ray(&self) -> &'a TraversalRay {
-        self.ray
+    fn packets(&self) -> &[Packet] {
+        self.mesh.packets()
     }
 
+    /// Certain hits of the filter are not tested again; only their t is computed.
     #[inline(always)]
-    fn t_max(&self) -> f64 {
-        self.nearest.within.max
-    }
-
-    #[inline(always)]
-    fn found(self) -> Option<ShapeHit> {
-        self.nearest.hit
-    }
-}
-
-impl<'a> PartSearch<'a> for AnyTriangle<'a> {
-    type Found = bool;
-
-    #[inline(always)]
-    fn tree(&self) -> &'a Tree {
-        self.mesh.mesh.tree()
-    }
-
-    #[inline(always)]
-    fn ray(&self) -> &'a TraversalRay {
-        self.ray
-    }
-
-    #[inline(always)]
-    fn t_max(&self) -> f64 {
-        self.within.max
-    }
-
-    #[inline(always)]
-    fn found(self) -> bool {
-        self.found
-    }
-}
-
-/// The visit of a leaf.
-struct Visit<'a, S> {
-    search: &'a mut S,
-    leaf: u32,
-    slabs: &'a Slabs,
-    limit: f32,
-}
-
-impl LeafVisitor for ClosestTriangle<'_> {
-    #[inline(always)]
-    fn prefetch<L: Level>(&self, leaf: u32) {
-        L::prefetch(self.mesh.mesh.packets(), leaf as usize);
-    }
-
-    #[inline(always)]
-    fn visit<L: Level>(&mut self, leaf: u32, slabs: &Slabs, limit: f32) -> Option<f32> {
-        L::call(Visit { search: self, leaf, slabs, limit })
-    }
-}
-
-impl SimdKernel for Visit<'_, ClosestTriangle<'_>> {
-    type Output = Option<f32>;
-
-    #[inline(always)]
-    fn run<L: Level>(self) -> Option<f32> {
-        let Self { search, leaf, slabs, mut limit } = self;
-        let ClosestTriangle { mesh: Mesh { mesh, .. }, ray, nearest: NearestPart { within, .. }, .. } =
-            *search;
+    fn nearest_in<L: Level>(
+        search: &mut PartSearch<Self, NearestPart>,
+        leaf: u32,
+        slabs: &Slabs,
+        mut limit: f32,
+    ) -> f32 {
+        let (mesh, ray, within) = (&search.shape.mesh, search.ray, search.kept.within);
         let packet = &mesh.packets()[leaf as usize];
-        let sheared = search.sheared.get_or_insert_with(|| ShearedRay::new(ray, slabs));
+        let sheared = search.prepared.get_or_insert_with(|| ShearedRay::new(ray, slabs));
         let classes = sheared.classify(&sheared.test_edges::<L::F32>(packet, limit), limit);
         let mut candidates = classes.hit | classes.unsure;
         if candidates == 0 {
-            return Some(limit);
+            return limit;
         }
         let (near, prepared) = (classes.near.to_array(), PreparedRay::<f64>::splat(ray));
         while candidates != 0 {
@@ -177,35 +53,22 @@ impl SimdKernel for Visit<'_, ClosestTriangle<'_>> {
                 continue;
             }
             let Some(at) = triangle.crossing(&prepared, &sheared, true, within).one() else { continue };
-            search.nearest.consider(at.t, packet.part(lane));
-            limit = slabs.limit(search.nearest.limit());
+            search.kept.consider(at.t, packet.part(lane));
+            limit = slabs.limit(search.kept.limit());
         }
-        Some(limit)
-    }
-}
-
-impl LeafVisitor for AnyTriangle<'_> {
-    #[inline(always)]
-    fn prefetch<L: Level>(&self, leaf: u32) {
-        L::prefetch(self.mesh.mesh.packets(), leaf as usize);
+        limit
     }
 
     #[inline(always)]
-    fn visit<L: Level>(&mut self, leaf: u32, slabs: &Slabs, limit: f32) -> Option<f32> {
-        self.found = L::call(Visit { search: self, leaf, slabs, limit });
-        (!self.found).then_some(limit)
-    }
-}
-
-impl SimdKernel for Visit<'_, AnyTriangle<'_>> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<L: Level>(self) -> bool {
-        let Self { search, leaf, slabs, limit } = self;
-        let AnyTriangle { mesh: Mesh { mesh, .. }, ray, within, .. } = *search;
+    fn any_in<L: Level>(
+        search: &mut PartSearch<Self, AnyPart>,
+        leaf: u32,
+        slabs: &Slabs,
+        limit: f32,
+    ) -> bool {
+        let (mesh, ray, within) = (&search.shape.mesh, search.ray, search.kept.within);
         let packet = &mesh.packets()[leaf as usize];
-        let sheared = search.sheared.get_or_insert_with(|| ShearedRay::new(ray, slabs));
+        let sheared = search.prepared.get_or_insert_with(|| ShearedRay::new(ray, slabs));
         let edge_test = sheared.test_edges::<L::F32>(packet, limit);
         // The filter's certain results assume t = 0 as the start.
         let from_start = within.min == 0.0;
@@ -233,22 +96,17 @@ impl SimdKernel for Visit<'_, AnyTriangle<'_>> {
         }
         false
     }
-}
-
-impl LeafVisitor for EveryTriangle<'_> {
-    #[inline(always)]
-    fn prefetch<L: Level>(&self, _: u32) {}
 
     #[inline(always)]
-    fn visit<L: Level>(&mut self, leaf: u32, _: &Slabs, limit: f32) -> Option<f32> {
-        let Self { mesh: Mesh { mesh, .. }, ray, within, take } = self;
+    fn every_in(search: &mut PartSearch<Self, EveryPart>, leaf: u32) {
+        let (mesh, ray) = (&search.shape.mesh, PreparedRay::splat(search.ray));
+        let EveryPart { within, take } = &mut search.kept;
         let packet = &mesh.packets()[leaf as usize];
         for lane in 0..packet.count() {
             let triangle = TriangleLanes::splat(mesh.packed_corners(packet, lane));
-            if let Some(at) = triangle.intersect(ray, *within).one() {
+            if let Some(at) = triangle.intersect(&ray, *within).one() {
                 take(ShapeHit::of_part(at.t, packet.part(lane)));
             }
         }
-        Some(limit)
     }
 }

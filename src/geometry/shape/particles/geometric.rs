@@ -4,6 +4,7 @@ use super::Particles;
 use crate::base::lanes::{Mask, Real, Row, Vec3, out_of_line};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, max};
 use crate::geometry::bvh::{Stack, TraversalRay};
+use crate::geometry::shape::part_search::{any_part_on, nearest_part_on};
 use crate::geometry::shape::{
     Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, Sphere, SphereLanes, StoredRays,
     store_lanes,
@@ -58,7 +59,7 @@ impl Geometric for Particles {
         let (mut t, mut parts) = (F::splat(f64::INFINITY).to_array(), F::U32::splat(0).to_array());
         let (mut coincident, mut stack) = (0, Stack::default());
         Self::per_ray(ray, within, |lane, ray, span| {
-            if let Some(at) = self.intersect_on::<F::Level>(ray, span, &mut stack) {
+            if let Some(at) = nearest_part_on::<F::Level>(self, ray, span, Some(&mut stack)) {
                 (t[lane], parts[lane]) = (at.t, at.part);
                 coincident |= u32::from(at.coincident) << lane;
             }
@@ -74,7 +75,7 @@ impl Geometric for Particles {
     fn occludes<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> F::Mask {
         let (mut found, mut stack) = (0, Stack::default());
         Self::per_ray(ray, within, |lane, ray, span| {
-            found |= u32::from(self.occludes_on::<F::Level>(ray, span, &mut stack)) << lane;
+            found |= u32::from(any_part_on::<F::Level>(self, ray, span, Some(&mut stack))) << lane;
         });
         F::Mask::from_bits(found)
     }

@@ -5,6 +5,7 @@ use crate::base::lanes::tests::on_all_levels;
 use crate::base::lanes::{Level, Mask, Row, SimdKernel, dispatch};
 use crate::base::math::{DVec3, Ray};
 use crate::geometry::bvh::TraversalRay;
+use crate::geometry::shape::part_search::every_part;
 use crate::geometry::shape::{
     Geometric, LaneHit, OneRay, PreparedRay, RayInterval, ShapeHit, Sphere, Surface,
 };
@@ -60,7 +61,8 @@ fn every_hit_is_passed_once() {
         let origin = random_numbers.point(1.5);
         let ray = TraversalRay::new(Ray { origin, direction: random_numbers.point(1.0) - origin });
         let mut found = Vec::new();
-        all.each(&ray, RayInterval::up_to(f64::INFINITY), &mut |at| found.push((at.part, at.t.to_bits())));
+        let mut take = |at: ShapeHit| found.push((at.part, at.t.to_bits()));
+        every_part(&all, &ray, RayInterval::up_to(f64::INFINITY), &mut take);
         let mut expected = Vec::new();
         for (part, sphere) in (0..).zip(&spheres) {
             let mut within = RayInterval::up_to(f64::INFINITY);
