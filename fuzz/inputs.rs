@@ -225,7 +225,6 @@ fn job(output: &Output, size: (u32, u32), frames: u32) -> EncodeJob {
         transparent: false,
         background_color: DEFAULT_BACKGROUND_COLOR,
         drawings: Vec::new(),
-        caption: None,
         formats: Formats::default(),
         info: SequenceInfo::default(),
     }

@@ -44,7 +44,7 @@ pub struct GridMark {
 }
 
 /// Lines of a grid along each side at most.
-const MAX_LINES: f64 = 1000.0;
+pub const MAX_LINES: f64 = 1000.0;
 /// The part of the opacity of a box's other edges, and the length of ticks relative to the height of letters.
 const FAINT: f64 = 0.35;
 const TICK: f64 = 0.3;
@@ -71,16 +71,18 @@ impl Axes {
         let view = painter.view;
         let Some((bounds, to_world)) = self.bounds(view) else { return };
         let corner = |index: usize| to_world.transform_point3(bounds.corners()[index & 7]);
-        let Some(middle) = view.project(to_world.transform_point3(bounds.center())) else { return };
+        let edges =
+            BoxEdges::new(|start, axis| view.project_line(&[corner(start), corner(start | 1 << axis)]));
         if self.edges && !matches!(self.around, AxesBox::From(..)) {
-            let edges = (0..3).flat_map(|axis| starts(axis).map(move |start| [start, start | 1 << axis]));
-            let lines = edges.flat_map(|[a, b]| view.project_line(&[corner(a), corner(b)])).collect();
+            let lines = edges.ends().map(|ends| ends.to_vec()).collect();
             painter.push(Mark::lines(lines, painter.pen.width * 0.5, painter.pen.ink.faded(FAINT)));
         }
+        let center = view.project(to_world.transform_point3(bounds.center()));
+        let Some(middle) = center.or_else(|| edges.middle()) else { return };
         for axis in 0..3 {
             let start = match self.around {
                 AxesBox::From(..) => Some(0),
-                _ => outer_edge(view, axis, &corner, middle),
+                _ => edges.outer(axis, middle),
             };
             if let Some(start) = start.filter(|_| bounds.max[axis] > bounds.min[axis]) {
                 let ends = [corner(start), corner(start | 1 << axis)];
@@ -93,10 +95,8 @@ impl Axes {
     fn axis(&self, painter: &mut Painter<'_>, axis: usize, range: [f64; 2], ends: [DVec3; 2], middle: DVec2) {
         let view = painter.view;
         let mut lines = view.project_line(&ends);
-        let (Some(a), Some(b)) = (view.project(ends[0]), view.project(ends[1])) else {
-            painter.strokes(lines);
-            return;
-        };
+        // The part that is near the picture.
+        let Some([a, b]) = lines.first().and_then(|line| ends_of(line)) else { return };
         let Some(direction) = (b - a).try_normalize() else { return };
         let left = DVec2::new(direction.y, -direction.x);
         let away = (a + b) * 0.5 - middle;
@@ -104,9 +104,12 @@ impl Axes {
         let size = painter.pen.size;
         let room = (b - a).length() / (1.6 * size);
         let marks = ticks(DataScale::Linear, range, (room as usize).clamp(1, self.ticks));
+        // Ticks beyond the part that is drawn have no line to stand on; half a pixel is for rounding.
+        let is_drawn = |place: &DVec2| (-0.5..=(b - a).length() + 0.5).contains(&(*place - a).dot(direction));
         let places: Vec<_> = marks
             .iter()
             .filter_map(|tick| Some((view.project(ends[0].lerp(ends[1], tick.share))?, &tick.label)))
+            .filter(|(place, _)| is_drawn(place))
             .collect();
         lines.extend(places.iter().map(|(place, _)| vec![*place, *place + out * (TICK * size)]));
         painter.strokes(lines);
@@ -135,27 +138,54 @@ fn starts(axis: usize) -> impl Iterator<Item = usize> {
     (0..8).filter(move |corner| corner >> axis & 1 == 0)
 }
 
-/// The edge along an axis at the outline of the box in the picture: the lower one, or the left one of upright edges.
-fn outer_edge(
-    view: &FrameView<'_>,
-    axis: usize,
-    corner: &impl Fn(usize) -> DVec3,
-    middle: DVec2,
-) -> Option<usize> {
-    let places: Option<Vec<DVec2>> = (0..8).map(|index| view.project(corner(index))).collect();
-    let places = places?;
-    // All corners lie on one side of an edge of the outline.
-    let is_outer = |a: DVec2, b: DVec2| {
-        let sides = || places.iter().map(|place| (b - a).perp_dot(*place - a));
-        sides().all(|side| side >= 0.0) || sides().all(|side| side <= 0.0)
-    };
-    let score = |start: usize| {
-        let (a, b) = (places[start], places[start | 1 << axis]);
-        let (away, direction) = ((a + b) * 0.5 - middle, (b - a).normalize_or_zero().abs());
-        (is_outer(a, b), away.y * direction.x - away.x * direction.y)
-    };
-    let scored = starts(axis).map(|start| (start, score(start)));
-    scored.reduce(|best, next| if next.1 > best.1 { next } else { best }).map(|(start, _)| start)
+/// The two ends of a straight line.
+fn ends_of(line: &[DVec2]) -> Option<[DVec2; 2]> {
+    Some([*line.first()?, *line.last()?])
+}
+
+/// The edges of a box in the picture.
+struct BoxEdges {
+    /// For each axis and the corner at which the edge starts, the ends of what is near the picture.
+    lines: [[Option<[DVec2; 2]>; 8]; 3],
+}
+
+impl BoxEdges {
+    /// `line` projects the edge from a corner along an axis.
+    fn new(line: impl Fn(usize, usize) -> Vec<Vec<DVec2>>) -> Self {
+        let mut lines = [[None; 8]; 3];
+        for (axis, lines) in lines.iter_mut().enumerate() {
+            for start in starts(axis) {
+                lines[start] = line(start, axis).first().and_then(|line| ends_of(line));
+            }
+        }
+        Self { lines }
+    }
+
+    fn ends(&self) -> impl Iterator<Item = [DVec2; 2]> {
+        self.lines.iter().flatten().copied().flatten()
+    }
+
+    /// The mean of all ends.
+    fn middle(&self) -> Option<DVec2> {
+        let count = self.ends().count();
+        (count > 0).then(|| self.ends().map(|[a, b]| (a + b) * 0.5).sum::<DVec2>() / count as f64)
+    }
+
+    /// The start of the edge along an axis at the outline of what is seen: the lower one, or the left one of upright
+    /// edges.
+    fn outer(&self, axis: usize, middle: DVec2) -> Option<usize> {
+        // All ends lie on one side of an edge of the outline.
+        let is_outer = |a: DVec2, b: DVec2| {
+            let sides = || self.ends().flatten().map(|place| (b - a).perp_dot(place - a));
+            sides().all(|side| side >= 0.0) || sides().all(|side| side <= 0.0)
+        };
+        let score = |[a, b]: [DVec2; 2]| {
+            let (away, direction) = ((a + b) * 0.5 - middle, (b - a).normalize_or_zero().abs());
+            (is_outer(a, b), away.y * direction.x - away.x * direction.y)
+        };
+        let scored = starts(axis).filter_map(|start| Some((start, score(self.lines[axis][start]?))));
+        scored.reduce(|best, next| if next.1 > best.1 { next } else { best }).map(|(start, _)| start)
+    }
 }
 
 impl GridMark {
@@ -164,7 +194,8 @@ impl GridMark {
         let [width, length] = self.size.map(|size| 0.5 * size);
         let mut lines = Vec::new();
         for (side, other, half, reach) in [(across, along, width, length), (along, across, length, width)] {
-            let count = (half / self.step).floor().min(MAX_LINES) as i64;
+            // A quotient that is whole but for its rounding counts as whole.
+            let count = (half / self.step * (1.0 + 4.0 * f64::EPSILON)).floor().min(MAX_LINES / 2.0) as i64;
             for index in -count..=count {
                 let at = self.center + side * (index as f64 * self.step);
                 lines.extend(painter.view.project_line(&[at - other * reach, at + other * reach]));

@@ -57,7 +57,7 @@ pub struct MarkBlock {
 impl MarkBlock {
     /// Adds a line of text with its box's left top corner at a point.
     pub fn text(&mut self, pen: &Pen, text: &str, at: DVec2) {
-        self.marks.push(text_mark(pen, text, at, false));
+        self.marks.push(text_mark(pen, text, at));
     }
 
     /// Lines of text below each other.
@@ -104,13 +104,12 @@ pub fn width_of(pen: &Pen, text: &str) -> f64 {
     text_width(&pen.font, text, pen.size as f32).into()
 }
 
-pub fn text_mark(pen: &Pen, text: &str, at: DVec2, turned: bool) -> Mark {
+pub fn text_mark(pen: &Pen, text: &str, at: DVec2) -> Mark {
     Mark::Text(TextMark {
         text: text.to_owned(),
         font: pen.font.clone(),
         size: pen.size,
         at,
-        turned,
         ink: pen.ink,
         halo: pen.text_halo(),
     })
@@ -122,9 +121,9 @@ fn moved(mark: Mark, by: DVec2) -> Mark {
         Mark::Fill { outlines, ink } => {
             Mark::Fill { outlines: outlines.into_iter().map(shifted).collect(), ink }
         }
-        Mark::Stroke { lines, width, dashes, ink } => {
+        Mark::Stroke { lines, width, ink } => {
             let line = |line: Line| Line { points: shifted(line.points), ..line };
-            Mark::Stroke { lines: lines.into_iter().map(line).collect(), width, dashes, ink }
+            Mark::Stroke { lines: lines.into_iter().map(line).collect(), width, ink }
         }
         Mark::Text(text) => Mark::Text(TextMark { at: text.at + by, ..text }),
         Mark::Steps { place: [left, top, width, height], colors, upwards, opacity } => {
@@ -133,6 +132,9 @@ fn moved(mark: Mark, by: DVec2) -> Mark {
         }
         Mark::Image { image, place: [left, top, width, height], opacity } => {
             Mark::Image { image, place: [left + by.x, top + by.y, width, height], opacity }
+        }
+        Mark::Group { marks, opacity } => {
+            Mark::Group { marks: marks.into_iter().map(|mark| moved(mark, by)).collect(), opacity }
         }
     }
 }

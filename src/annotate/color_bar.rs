@@ -3,7 +3,7 @@
 use super::block::{MarkBlock, PanelPosition, width_of};
 use super::painter::Painter;
 use super::style::Pen;
-use super::ticks::{Tick, ticks};
+use super::ticks::{Tick, spaced_ticks, ticks};
 use crate::appearance::texture::{ColorMap, DataScale, SharedAsset};
 use crate::base::math::DVec2;
 use crate::drawing::{Ink, Mark};
@@ -93,20 +93,8 @@ impl ColorBar {
     /// Numbers below the bar, and the title above.
     fn lying(&self, pen: &Pen, title: &str, size: DVec2) -> MarkBlock {
         let gap = GAP * pen.size;
-        let mut count = self.ticks;
-        // As many numbers as have room.
-        let ticks = loop {
-            let ticks = ticks(self.scale, self.range, count);
-            let ends = |tick: &Tick| {
-                let (middle, half) = (tick.share * size.x, 0.5 * (width_of(pen, &tick.label) + pen.size));
-                (middle - half, middle + half)
-            };
-            let has_room = ticks.array_windows().all(|[a, b]| ends(a).1 <= ends(b).0);
-            if has_room || count <= 1 {
-                break ticks;
-            }
-            count -= 1;
-        };
+        let extent = |label: &str| width_of(pen, label) + pen.size;
+        let ticks = spaced_ticks((self.scale, self.range), self.ticks, size.x, extent);
         let mut block = MarkBlock::default();
         title.lines().enumerate().for_each(|(index, line)| {
             block.text(pen, line, DVec2::new(0.0, index as f64 * pen.size));

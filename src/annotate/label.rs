@@ -75,10 +75,10 @@ impl Label {
             x if x < 0.0 => Align::Right,
             _ => Align::Center,
         };
-        let block = MarkBlock::lines_of_text(&painter.pen, &text, align);
-        if block.marks.is_empty() {
+        if text.trim().is_empty() {
             return;
         }
+        let block = MarkBlock::lines_of_text(&painter.pen, &text, align);
         let padding = if painter.pen.panel.is_some() { PADDING * painter.pen.size } else { 0.0 };
         let size = block.size + 2.0 * padding;
         let outer = self.place(painter, point, offset, size);

@@ -31,10 +31,15 @@ impl LineMark {
         let view = painter.view;
         let ends = [&self.from, &self.to].map(|anchor| anchor.world(view, view.time));
         if let [Some(from), Some(to)] = ends {
-            let whole = view.project(from).is_some() && view.project(to).is_some();
+            let places = [view.project(from), view.project(to)];
             for line in view.project_line(&[from, to]) {
                 if let [from, to] = line[..] {
-                    arrow(painter, from, to, if whole { self.heads } else { Default::default() });
+                    // Ends that are cut off have no heads.
+                    let head = |end: usize, at| match places[end] == Some(at) {
+                        true => self.heads[end],
+                        false => HeadStyle::None,
+                    };
+                    arrow(painter, from, to, [head(0, from), head(1, to)]);
                 }
             }
         } else if let (Some(from), Some(to)) = (self.from.pixel(view), self.to.pixel(view)) {

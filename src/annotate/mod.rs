@@ -10,6 +10,7 @@
 mod anchor;
 mod axes;
 mod block;
+mod card;
 mod color_bar;
 mod curve;
 mod dimension;
@@ -27,8 +28,9 @@ mod triad;
 mod view;
 
 pub use anchor::{Anchor, ObjectPoint};
-pub use axes::{Axes, AxesBox, GridMark};
+pub use axes::{Axes, AxesBox, GridMark, MAX_LINES};
 pub use block::{PanelPlace, PanelPosition};
+pub use card::Card;
 pub use color_bar::ColorBar;
 pub use curve::{CurveMark, CurvePoints};
 pub use dimension::{AngleArc, Dimension};
@@ -41,10 +43,13 @@ pub use style::{Backdrop, Style};
 pub use triad::Triad;
 pub use view::{FrameView, PlacedObject};
 
+use crate::base::time::Time;
+use crate::base::units::counted;
 use crate::drawing::Drawing;
 use crate::encode::Template;
 use crate::track::Animated;
 use painter::Painter;
+use style::Pen;
 
 /// One annotation over time.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +67,7 @@ pub struct Annotation {
 pub enum AnnotationKind {
     Label(Label),
     Caption(CaptionText),
+    Card(Card),
     ColorBar(ColorBar),
     Progress(ProgressBar),
     Image(Logo),
@@ -84,11 +90,41 @@ impl AnnotationKind {
 }
 
 impl Annotation {
+    /// A caption with the usual style in the usual corner.
+    pub fn caption(text: Template) -> Self {
+        let position = PanelPosition { place: PanelPlace::BottomLeft, offset: Offset::ZERO };
+        Self {
+            visible: true.into(),
+            opacity: 1.0.into(),
+            style: Style::of_captions(),
+            values: Vec::new(),
+            kind: AnnotationKind::Caption(CaptionText { text: text.into(), position }),
+        }
+    }
+
+    /// The same caption with another text. Other annotations stay as they are.
+    pub fn with_text(mut self, text: Template) -> Self {
+        if let AnnotationKind::Caption(caption) = &mut self.kind {
+            caption.text = text.into();
+        }
+        self
+    }
+
+    /// What is cut off if a caption has more lines than pictures of this height have room for.
+    pub fn overflow(&self, height: u32) -> Option<String> {
+        let AnnotationKind::Caption(caption) = &self.kind else { return None };
+        let pen = Pen::new(&self.style, Time::from_integer(0), height.into());
+        let [lines, room] = caption.lines_and_room(&pen, height.into());
+        let lines = (lines > room).then(|| counted(lines, "line"))?;
+        Some(format!("{lines}; pictures {height} pixels high have room for {room}, and the rest is cut off"))
+    }
+
     /// The letters of its texts that its font lacks. `name` is the name of the sequence.
     pub fn missing_glyphs(&self, name: &str) -> Vec<char> {
         let (templates, texts): (Vec<&Animated<Template>>, Vec<&str>) = match &self.kind {
             AnnotationKind::Label(label) => (vec![&label.text], Vec::new()),
             AnnotationKind::Caption(caption) => (vec![&caption.text], Vec::new()),
+            AnnotationKind::Card(card) => (vec![&card.title, &card.text], Vec::new()),
             AnnotationKind::ColorBar(bar) => (vec![&bar.title], Vec::new()),
             AnnotationKind::Plot(plot) => {
                 (vec![&plot.title], plot.series.iter().map(|series| series.name.as_str()).collect())
@@ -122,6 +158,7 @@ impl Annotation {
         match &self.kind {
             AnnotationKind::Label(label) => label.paint(painter),
             AnnotationKind::Caption(caption) => caption.paint(painter),
+            AnnotationKind::Card(card) => card.paint(painter),
             AnnotationKind::ColorBar(bar) => bar.paint(painter),
             AnnotationKind::Progress(progress) => progress.paint(painter),
             AnnotationKind::Image(logo) => logo.paint(painter),

@@ -13,6 +13,11 @@ const MARGIN: f64 = 0.6;
 /// Space between the letters and the edge of their box.
 pub const PADDING: f64 = 0.35;
 
+/// Space between the marks of a block and the edge of the picture, in pixels.
+pub fn space_around(pen: &Pen) -> f64 {
+    (MARGIN + if pen.panel.is_some() { PADDING } else { 0.0 }) * pen.size
+}
+
 /// A rectangle: its top left corner and its size.
 pub type PixelBox = [DVec2; 2];
 
@@ -68,9 +73,9 @@ impl<'a> Painter<'a> {
 
     /// Applies the opacity of the last annotation to its marks.
     fn fade(&mut self) {
-        if self.opacity < 1.0 {
+        if self.opacity < 1.0 && self.marks.len() > self.first {
             let marks = self.marks.split_off(self.first);
-            self.marks.extend(marks.into_iter().map(|mark| mark.faded(self.opacity)));
+            self.marks.push(Mark::Group { marks, opacity: self.opacity });
         }
     }
 
@@ -98,7 +103,7 @@ impl<'a> Painter<'a> {
         let size = DVec2::new(width_of(&self.pen, text), self.pen.size);
         let corner = at - align * size;
         self.taken.push([corner, size]);
-        self.marks.push(text_mark(&self.pen, text, corner, false));
+        self.marks.push(text_mark(&self.pen, text, corner));
     }
 
     /// Whether a line of text around a point would lie within the picture and on no other text.
@@ -126,8 +131,7 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// Puts a block at its position in the picture. Before its offset, it stands beside the blocks that are there
-    /// already.
+    /// Puts a block at its position in the picture, or beside the blocks that are there already.
     pub fn put(&mut self, block: MarkBlock, PanelPosition { place, offset }: PanelPosition) {
         let margin = MARGIN * self.pen.size;
         let shares = place.shares();
@@ -135,7 +139,8 @@ impl<'a> Painter<'a> {
         let outer = block.size + 2.0 * padding;
         let whole = DVec2::new(self.view.width(), self.view.height());
         let free = whole - outer - 2.0 * margin;
-        let mut corner = (DVec2::splat(margin) + shares * free).round();
+        let offset = offset.pixels(self.view.height());
+        let mut corner = (DVec2::splat(margin) + shares * free + offset).round();
         // Away from the edge, past the blocks that are there. Every round passes at least one of them.
         while let Some([other, extent]) = self.blocks.iter().find(|block| touch([corner, outer], **block)) {
             let beyond = match shares.y {
@@ -144,7 +149,6 @@ impl<'a> Painter<'a> {
             };
             corner.y = beyond.round();
         }
-        corner = (corner + offset.pixels(self.view.height())).round();
         let inner = corner + padding.round();
         self.panel([inner, block.size]);
         self.blocks.push([corner, outer]);

@@ -1,7 +1,8 @@
 //! Text, progress and images at the edges of the picture.
 
-use super::block::{MarkBlock, PanelPosition};
-use super::painter::Painter;
+use super::block::{MarkBlock, PanelPosition, width_of};
+use super::painter::{Painter, space_around};
+use super::style::Pen;
 use crate::base::math::DVec2;
 use crate::drawing::{Align, Bitmap, Mark};
 use crate::encode::Template;
@@ -34,6 +35,13 @@ pub struct Logo {
 }
 
 impl CaptionText {
+    /// Lines of its longest text, and how many fit between an edge of the picture and the other.
+    pub(super) fn lines_and_room(&self, pen: &Pen, height: f64) -> [u64; 2] {
+        let lines = self.text.values().map(Template::lines).max().unwrap_or(0);
+        let room = (height - space_around(pen)) / pen.size;
+        [lines.into(), room.max(0.0) as u64]
+    }
+
     pub(super) fn paint(&self, painter: &mut Painter<'_>) {
         let text = painter.expand(&self.text.at(painter.view.time));
         let align = match self.position.place.shares().x {
@@ -41,11 +49,36 @@ impl CaptionText {
             1.0 => Align::Right,
             _ => Align::Center,
         };
-        let block = MarkBlock::lines_of_text(&painter.pen, &text, align);
-        if !block.marks.is_empty() {
-            painter.put(block, self.position);
+        if text.trim().is_empty() {
+            return;
         }
+        let room = painter.view.width() - 2.0 * space_around(&painter.pen);
+        let text = wrapped(&painter.pen, &text, room);
+        painter.put(MarkBlock::lines_of_text(&painter.pen, &text, align), self.position);
     }
+}
+
+/// A text with more line breaks, in place of spaces, so that no line is longer than the room for it. Words that are
+/// longer stay as they are.
+pub(super) fn wrapped(pen: &Pen, text: &str, room: f64) -> String {
+    let mut lines: Vec<String> = Vec::new();
+    for line in text.lines() {
+        if width_of(pen, line) <= room {
+            lines.push(line.to_owned());
+            continue;
+        }
+        let mut current = String::new();
+        for word in line.split(' ') {
+            let longer = if current.is_empty() { word.to_owned() } else { format!("{current} {word}") };
+            if !current.is_empty() && width_of(pen, &longer) > room {
+                lines.push(std::mem::replace(&mut current, word.to_owned()));
+            } else {
+                current = longer;
+            }
+        }
+        lines.push(current);
+    }
+    lines.join("\n")
 }
 
 impl ProgressBar {

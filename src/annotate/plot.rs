@@ -1,14 +1,15 @@
 //! Line charts of numbers over time, with a marker at the current time.
 
 use super::block::{MarkBlock, PanelPosition, width_of};
+use super::curve::{FLATNESS, simplified};
 use super::painter::Painter;
 use super::style::Pen;
-use super::ticks::{Tick, rounded_range, ticks};
+use super::ticks::{Tick, rounded_range, spaced_ticks, ticks};
 use crate::appearance::texture::DataScale;
 use crate::base::color::Rgb;
 use crate::base::math::DVec2;
 use crate::base::time::{Fraction, Time};
-use crate::drawing::{Ink, Mark};
+use crate::drawing::{Ink, Mark, Window};
 use crate::encode::Template;
 use crate::track::Animated;
 
@@ -38,27 +39,63 @@ pub struct PlotSeries {
     pub points: Vec<DVec2>,
 }
 
-/// Times between the first and the last at which series without many keys are drawn.
+/// Equal steps from the first time to the last at which series are evaluated besides at their keys.
 const STEPS: i128 = 240;
-/// Keys from which no steps are needed between them.
-const MANY_KEYS: usize = 64;
+/// Keys, those of all rounds of a loop, up to which values between keys are evaluated, too.
+const MANY_KEYS: usize = 20_000;
+/// Steps between two keys.
+const STEPS_BETWEEN: i128 = 4;
+/// Columns of which only the first, the last, the lowest and the highest point of a series are kept. More than a
+/// picture's pixels would not be seen.
+const COLUMNS: usize = 4096;
 
 impl PlotSeries {
     pub fn new(name: String, value: Animated<f64>, color: Option<Animated<Rgb>>, times: [Time; 2]) -> Self {
         let span = times[1] - times[0];
-        let step = |index: i128| times[0] + span * Time::new(index, STEPS);
+        let steps = (0..=STEPS).map(|index| times[0] + span * Time::new(index, STEPS));
         let keys = match &value {
             Animated::Constant(_) => Vec::new(),
-            Animated::Keyed(track) => track.keys().iter().map(|key| key.time).collect(),
+            Animated::Keyed(track) => track.key_times(times, MANY_KEYS),
         };
-        let steps = if keys.len() < MANY_KEYS { 0..STEPS + 1 } else { 0..0 };
-        let mut all: Vec<Time> = steps.map(step).chain(keys).chain(times).collect();
+        let mut all: Vec<Time> = steps.chain(keys.iter().copied()).collect();
+        if keys.len() < MANY_KEYS {
+            for [from, to] in keys.array_windows() {
+                all.extend((1..STEPS_BETWEEN).map(|k| *from + (*to - *from) * Time::new(k, STEPS_BETWEEN)));
+            }
+            // Just before a key, where a step has not happened yet.
+            all.extend(keys.iter().map(|key| *key - span * Time::new(1, 1 << 20)));
+        }
         all.retain(|time| (times[0]..=times[1]).contains(time));
         all.sort();
         all.dedup();
         let points = all.into_iter().map(|time| DVec2::new(seconds(time), value.at(time))).collect();
+        let points = thinned(points, times.map(seconds), COLUMNS);
         Self { name, value, color, points }
     }
+}
+
+/// The first, the lowest, the highest and the last of the points in each of equally wide columns, in their order
+/// (Jugel et al., *M4: A Visualization-Oriented Time Series Data Aggregation*, 2014).
+fn thinned(points: Vec<DVec2>, [first, last]: [f64; 2], columns: usize) -> Vec<DVec2> {
+    if points.len() <= 4 * columns {
+        return points;
+    }
+    let column = |point: &DVec2| ((point.x - first) / (last - first) * columns as f64) as usize;
+    let mut kept = Vec::with_capacity(4 * columns);
+    for part in points.chunk_by(|a, b| column(a) == column(b)) {
+        let indices = || 0..part.len();
+        let lowest = indices().min_by(|a, b| part[*a].y.total_cmp(&part[*b].y));
+        let highest = indices().max_by(|a, b| part[*a].y.total_cmp(&part[*b].y));
+        let mut chosen = [Some(0), lowest, highest, part.len().checked_sub(1)];
+        chosen.sort_unstable();
+        let mut last = None;
+        for index in chosen.into_iter().flatten() {
+            if last.replace(index) != Some(index) {
+                kept.push(part[index]);
+            }
+        }
+    }
+    kept
 }
 
 /// A time in seconds, rounded once.
@@ -77,8 +114,14 @@ struct Chart {
 impl Chart {
     fn place(&self, point: DVec2) -> DVec2 {
         let share = |value, range| DataScale::Linear.share(value, range);
-        let (x, y) = (share(point.x, self.times), share(point.y, self.range).clamp(0.0, 1.0));
+        let (x, y) = (share(point.x, self.times), share(point.y, self.range));
         self.corner + DVec2::new(x, 1.0 - y) * self.size
+    }
+
+    /// Whether a point is within the times and the range.
+    fn shows(&self, point: DVec2) -> bool {
+        (self.times[0]..=self.times[1]).contains(&point.x)
+            && (self.range[0]..=self.range[1]).contains(&point.y)
     }
 }
 
@@ -100,8 +143,8 @@ impl LineChart {
         let range = self.whole_range(rows);
         let times = self.times.map(seconds);
         let upward = ticks(DataScale::Linear, range, rows + 1);
-        let columns = ((size.x / (2.5 * pen.size)) as usize).clamp(1, 6);
-        let onward = ticks(DataScale::Linear, times, columns);
+        let extent = |label: &str| width_of(&pen, label) + 0.5 * pen.size;
+        let onward = spaced_ticks((DataScale::Linear, times), 6, size.x, extent);
         let widest = upward.iter().map(|tick| width_of(&pen, &tick.label)).fold(0.0, f64::max);
         let gap = 0.3 * pen.size;
         let lines = title.lines().count() as f64;
@@ -155,29 +198,97 @@ impl LineChart {
 
     /// The lines, the marker, and the names of the lines at their ends. Returns how far names reach beyond the chart.
     fn curves(&self, block: &mut MarkBlock, pen: &Pen, chart: &Chart, time: Time) -> f64 {
-        let now = seconds(time).clamp(chart.times[0], chart.times[1]);
+        let now = seconds(time);
         let mut right: f64 = 0.0;
-        let marker = [chart.range[0], chart.range[1]].map(|value| chart.place(DVec2::new(now, value)));
-        block.marks.push(Mark::lines(vec![marker.to_vec()], pen.width, pen.ink.faded(0.6)));
+        let marker = [chart.range[0], chart.range[1]].map(|value| DVec2::new(now, value));
+        if marker.iter().all(|end| chart.shows(*end)) {
+            let marker = marker.map(|end| chart.place(end)).to_vec();
+            block.marks.push(Mark::lines(vec![marker], pen.width, pen.ink.faded(0.6)));
+        }
+        let frame = Window { min: chart.corner, max: chart.corner + chart.size };
+        let mut names = Vec::new();
         for series in &self.series {
             let ink = series.color.as_ref().map_or(pen.ink, |color| Ink::new(color.at(time), 1.0));
             let current = DVec2::new(now, series.value.at(time));
             let mut points = series.points.clone();
-            if self.grows {
+            if self.grows && now < chart.times[1] {
                 points.retain(|point| point.x < now);
-                points.push(current);
+                points.extend((now >= chart.times[0]).then_some(current));
             }
-            let line: Vec<DVec2> = points.iter().map(|point| chart.place(*point)).collect();
-            if line.len() > 1 {
-                block.marks.push(Mark::lines(vec![line], 1.5 * pen.width, ink));
+            let columns = (chart.size.x as usize).max(1);
+            let points = thinned(points, chart.times, columns);
+            // Cut off at the frame.
+            let lines = frame.clip_line(points.iter().map(|point| chart.place(*point)));
+            if !lines.is_empty() {
+                let lines = lines.iter().map(|line| simplified(line, FLATNESS)).collect();
+                block.marks.push(Mark::lines(lines, 1.5 * pen.width, ink));
             }
-            block.marks.push(Mark::disk(chart.place(current), 2.5 * pen.width, ink));
+            if chart.shows(current) {
+                block.marks.push(Mark::disk(chart.place(current), 2.5 * pen.width, ink));
+            }
             if let Some(end) = series.points.last().filter(|_| !series.name.is_empty()) {
-                let place = chart.place(*end) + DVec2::new(0.4 * pen.size, -0.5 * pen.size);
-                block.text(&Pen { ink, ..pen.clone() }, &series.name, place);
+                let height = chart.place(*end).y.clamp(frame.min.y, frame.max.y);
+                names.push((height - 0.5 * pen.size, &series.name, ink));
                 right = right.max(0.4 * pen.size + width_of(pen, &series.name));
             }
         }
+        // Names keep their order from top to bottom, and a line between them.
+        names.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut lowest = f64::NEG_INFINITY;
+        for (top, name, ink) in names {
+            let top = top.max(lowest);
+            lowest = top + pen.size;
+            let place = DVec2::new(frame.max.x + 0.4 * pen.size, top);
+            block.text(&Pen { ink, ..pen.clone() }, name, place);
+        }
         right
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::track::{Ease, Key, Repeat, Track};
+
+    fn series(keys: &[(i128, f64)], ease: Ease, repeat: Repeat, times: [i128; 2]) -> Vec<DVec2> {
+        let key = |(time, value): &(i128, f64)| Key { time: Time::from_integer(*time), value: *value, ease };
+        let track = Track::new(keys.iter().map(key).collect(), repeat, false).expect("ascending keys");
+        let times = times.map(Time::from_integer);
+        PlotSeries::new("a".into(), Animated::Keyed(track), None, times).points
+    }
+
+    /// The value of a line at a time.
+    fn at(points: &[DVec2], time: f64) -> f64 {
+        let next = points.partition_point(|point| point.x < time).clamp(1, points.len() - 1);
+        let (a, b) = (points[next - 1], points[next]);
+        a.y + (b.y - a.y) * (time - a.x) / (b.x - a.x)
+    }
+
+    #[test]
+    fn lines_follow_loops_steps_and_many_keys() {
+        let many: Vec<(i128, f64)> = (0..=100).map(|k| (k, (k % 7) as f64)).collect();
+        let looped = series(&many, Ease::Linear, Repeat::Loop, [0, 200]);
+        for k in 0..200 {
+            assert_eq!(at(&looped, f64::from(k)), f64::from(k % 100 % 7), "{k}");
+        }
+        let steps = series(&many, Ease::Step, Repeat::Hold, [0, 100]);
+        for k in 0..100 {
+            assert_eq!(at(&steps, f64::from(k) + 0.999), f64::from(k % 7), "{k}");
+        }
+        let back = series(&[(0, 0.0), (3, 1.0)], Ease::Linear, Repeat::PingPong, [0, 12]);
+        assert!((at(&back, 3.0) - 1.0).abs() < 1e-12 && (at(&back, 7.5) - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn thinned_lines_keep_their_extremes() {
+        let points: Vec<DVec2> = (0..100_000)
+            .map(|k| DVec2::new(f64::from(k), if k == 31_007 { 9.0 } else { libm::sin(f64::from(k)) }))
+            .collect();
+        let kept = thinned(points.clone(), [0.0, 100_000.0], 100);
+        assert!(kept.len() <= 400 && kept.is_sorted_by(|a, b| a.x < b.x));
+        assert!(
+            kept.contains(&points[31_007]) && kept.first() == points.first() && kept.last() == points.last()
+        );
+        assert_eq!(thinned(points.clone(), [0.0, 100_000.0], 50_000), points);
     }
 }

@@ -41,6 +41,13 @@ impl Default for Style {
     }
 }
 
+impl Style {
+    /// The usual style of captions: a box behind white letters.
+    pub fn of_captions() -> Self {
+        Self { backdrop: Backdrop::Box(None, 0.55), ..Self::default() }
+    }
+}
+
 /// The least height of letters in pixels. Smaller ones cannot be read.
 const MIN_LETTERS: f64 = 8.0;
 /// The least width of lines in pixels.

@@ -117,7 +117,10 @@ fn hidden_labels_vanish_or_fade() {
         let label = Label { behind, ..label("x", DVec3::ZERO, Offset::ZERO) };
         drawn(&[annotation(AnnotationKind::Label(label))], camera(), (160, 90), hidden)
     };
-    let opacity = |drawing: &Drawing| drawing.text_boxes().map(|(text, _)| text.ink.opacity).next();
+    let opacity = |drawing: &Drawing| match drawing.marks.first()? {
+        Mark::Group { opacity, .. } => Some(*opacity),
+        _ => Some(1.0),
+    };
     assert_eq!([Behind::Hide, Behind::Fade, Behind::Show].map(|b| opacity(&with(b, false))), [Some(1.0); 3]);
     assert_eq!(
         [Behind::Hide, Behind::Fade, Behind::Show].map(|b| opacity(&with(b, true))),
@@ -160,6 +163,49 @@ fn blocks_keep_out_of_each_others_way() {
     assert_eq!(boxes.len(), 27);
     for (index, one) in boxes.iter().enumerate() {
         assert!(boxes[..index].iter().all(|other| !painter::touch(*one, *other)), "{one:?}");
+    }
+}
+
+#[test]
+fn a_caption_changes_its_corner_only() {
+    for (name, place) in PanelPlace::NAMED {
+        let AnnotationKind::Caption(caption) = Annotation::caption(Template::default()).kind else {
+            panic!()
+        };
+        let position = PanelPosition { place, ..caption.position };
+        let text = template("{frame}");
+        let kind = AnnotationKind::Caption(CaptionText { text, position });
+        let drawing = drawn(&[annotation(kind)], camera(), (240, 120), false);
+        let mut covered = Coverages((240, 120), vec![0.0; 240 * 120]);
+        drawing.draw(&mut covered);
+        // The ninths of the picture in which something is drawn.
+        let ninth = |pixel: usize| (pixel % 240 / 80, pixel / 240 / 40);
+        let places = (0..240 * 120).filter(|pixel| covered.1[*pixel] > 0.0).map(ninth);
+        let shares = place.shares() * 2.0;
+        let expected = (shares.x as usize, shares.y as usize);
+        assert_eq!(places.collect::<std::collections::BTreeSet<_>>(), [expected].into(), "{name}");
+    }
+}
+
+#[test]
+fn captions_that_do_not_fit_are_reported() {
+    let caption = |text: &str| {
+        let caption = Annotation::caption(Template::parse(text).expect("a template"));
+        Annotation { style: Style { size: 0.1, ..caption.style.clone() }, ..caption }
+    };
+    let nine = "a\nb\nc\nd\ne\nf\ng\nh\n{frame}";
+    assert_eq!(caption(nine).overflow(200), None);
+    let ten = format!("{nine}\ni");
+    let expected = "10 lines; pictures 200 pixels high have room for 9, and the rest is cut off";
+    assert_eq!(caption(&ten).overflow(200).as_deref(), Some(expected));
+    // Letters have a minimum height.
+    let expected = "1 line; pictures 4 pixels high have room for 0, and the rest is cut off";
+    assert_eq!(caption("a").overflow(4).as_deref(), Some(expected));
+    // What is said to fit is within the picture, and what is said not to fit is not.
+    for (text, fits) in [(nine, true), (&ten, false)] {
+        let drawing = drawn(&[caption(text)], camera(), (200, 200), false);
+        let tops = drawing.text_boxes().map(|(_, [corner, _])| corner.y);
+        assert_eq!(tops.fold(f64::INFINITY, f64::min) >= 0.0, fits, "{text:?}");
     }
 }
 

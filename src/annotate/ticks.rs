@@ -13,6 +13,8 @@ pub struct Tick {
 
 /// The largest power of ten that is written with zeros, and the smallest.
 const PLAIN: std::ops::Range<i32> = -4..5;
+/// Decades from one tick to the next.
+const DECADES: [usize; 9] = [1, 2, 5, 10, 20, 50, 100, 200, 500];
 /// Ticks on one axis at most.
 const MAX_TICKS: usize = 100;
 
@@ -29,6 +31,27 @@ pub fn ticks(scale: DataScale, [low, high]: [f64; 2], most: usize) -> Vec<Tick> 
     };
     let share = |value: f64| scale.share(value, [low, high]);
     numbers.into_iter().map(|(value, label)| Tick { value, share: share(value), label }).collect()
+}
+
+/// As many round numbers as have room beside each other on an axis of a length, in pixels: `extent` is what a label needs.
+pub fn spaced_ticks(
+    (scale, range): (DataScale, [f64; 2]),
+    most: usize,
+    length: f64,
+    extent: impl Fn(&str) -> f64,
+) -> Vec<Tick> {
+    let mut count = most;
+    loop {
+        let ticks = ticks(scale, range, count);
+        let ends = |tick: &Tick| {
+            let (middle, half) = (tick.share * length, 0.5 * extent(&tick.label));
+            (middle - half, middle + half)
+        };
+        if count <= 1 || ticks.array_windows().all(|[a, b]| ends(a).1 <= ends(b).0) {
+            return ticks;
+        }
+        count -= 1;
+    }
 }
 
 /// A range that ends at round numbers, for charts.
@@ -67,6 +90,18 @@ fn round_step(low: f64, high: f64, most: usize) -> (i64, i32) {
 }
 
 fn linear(low: f64, high: f64, most: usize) -> Vec<(f64, String)> {
+    // A narrow range may lie between two round numbers. Then one of the next finer ones will do.
+    let finer =
+        (most..most + 10).map(|count| multiples(low, high, count)).find(|numbers| !numbers.is_empty());
+    let mut numbers = finer.unwrap_or_default();
+    if numbers.len() > most {
+        numbers = vec![numbers.swap_remove((numbers.len() - 1) / 2)];
+    }
+    numbers
+}
+
+/// The multiples within a range of a round step of which at most `most` fit.
+fn multiples(low: f64, high: f64, most: usize) -> Vec<(f64, String)> {
     let (factor, exponent) = round_step(low, high, most);
     let step = decimal(factor, exponent);
     // Quotients are rounded, so the numbers decide which are within the range.
@@ -106,8 +141,13 @@ fn decades(low: f64, high: f64, most: usize) -> Option<Vec<(f64, String)>> {
         false => format!("{factor}·10{}", raised(exponent)),
     };
     if powers.len() >= 2 {
-        let every = powers.len().div_ceil(most);
-        return Some(powers.into_iter().step_by(every).map(|e| (decimal(1, e), label(1, e))).collect());
+        // Multiples of a round number of decades, if two of them are within the range.
+        let needed = powers.len().div_ceil(most);
+        let every = DECADES.into_iter().find(|every| *every >= needed).unwrap_or(needed);
+        let round = powers.iter().copied().filter(|exponent| exponent.rem_euclid(every as i32) == 0);
+        let round: Vec<i32> = round.collect();
+        let chosen = if round.len() >= 2 { round } else { powers.into_iter().step_by(needed).collect() };
+        return Some(chosen.into_iter().map(|e| (decimal(1, e), label(1, e))).collect());
     }
     let parts = (first..=last).flat_map(|exponent| [1, 2, 5].map(|factor| (factor, exponent)));
     let parts: Vec<_> = parts.filter(|(factor, exponent)| within(&decimal(*factor, *exponent))).collect();
@@ -146,9 +186,12 @@ mod tests {
         assert_eq!(linear(1.0e6, 3.0e6, 3), ["1·10⁶", "2·10⁶", "3·10⁶"]);
         assert_eq!(linear(0.0, 2.0e-7, 5), ["0", "0.5·10⁻⁷", "1.0·10⁻⁷", "1.5·10⁻⁷", "2.0·10⁻⁷"]);
         assert_eq!(linear(5.0, 5.0, 5), ["5"]);
+        assert_eq!(linear(0.51, 0.54, 1), ["0.52"]);
         for most in 1..12 {
             let count = linear(-3.7, 12.9, most).len();
             assert!((1..=most).contains(&count), "{most}: {count}");
+            let narrow = linear(0.512_3, 0.512_4, most).len();
+            assert!((1..=most).contains(&narrow), "{most}: {narrow}");
         }
     }
 
@@ -156,7 +199,7 @@ mod tests {
     fn decades_are_ticks_of_logarithms() {
         let log = |low, high, most| labels(DataScale::Log, [low, high], most);
         assert_eq!(log(0.01, 100.0, 9), ["0.01", "0.1", "1", "10", "100"]);
-        assert_eq!(log(1e-9, 1e9, 4), ["10⁻⁹", "10⁻⁴", "10", "10⁶"].map(|s| s.replace("10⁻⁴", "0.0001")));
+        assert_eq!(log(1e-9, 1e9, 4), ["10⁻⁵", "1", "10⁵"]);
         assert_eq!(log(1.0, 8.0, 9), ["1", "2", "5"]);
         let shares: Vec<f64> =
             ticks(DataScale::Log, [0.01, 100.0], 9).iter().map(|tick| tick.share).collect();

@@ -40,7 +40,7 @@ impl Triad {
             block.marks.push(Mark::lines(vec![vec![middle, end]], 2.0 * pen.width, ink));
             let letter = middle + direction * (length + 0.5 * pen.size);
             let half = DVec2::new(width_of(&pen, NAMES[axis]), pen.size) * 0.5;
-            block.marks.push(text_mark(&pen, NAMES[axis], letter - half, false));
+            block.marks.push(text_mark(&pen, NAMES[axis], letter - half));
         }
         painter.put(block, self.position);
     }

@@ -1,8 +1,9 @@
 //! Changes that the command line makes to a sequence before it is rendered.
 
+use crate::annotate::Annotation;
 use crate::base::frame_set::MAX_FRAMES;
 use crate::base::time::Rate;
-use crate::encode::{Caption, Template, Tonemap};
+use crate::encode::{Template, Tonemap};
 use crate::sequence::Sequence;
 use crate::sequence::quality::{Integrator, NoiseTarget, SampleReuse};
 
@@ -68,9 +69,11 @@ pub fn apply(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, Str
     let Sequence { output, quality, .. } = &mut sequence;
     output.transparent |= wanted.transparent;
     if let Some(text) = &wanted.caption {
-        // If the file has a caption, its corner and size stay.
-        let own = output.caption.take().unwrap_or_else(|| Caption::new(text.clone()));
-        output.caption = Some(Caption { text: text.clone(), ..own });
+        // If the file has a caption, its place and style stay.
+        output.caption = Some(match output.caption.take() {
+            Some(own) => own.with_text(text.clone()),
+            None => Annotation::caption(text.clone()),
+        });
     }
     let formats = &mut output.formats;
     formats.gif.max_size = wanted.max_size.or(formats.gif.max_size);

@@ -29,11 +29,15 @@ impl Bitmap {
         self.0.width as f64 / self.0.height as f64
     }
 
-    /// The image in a rectangle, left, top, width and height, as colours in 0..=1 and their coverage. Each pixel is the
-    /// mean of the part of the image that it shows.
-    pub(super) fn scaled(&self, [left, top, width, height]: [f64; 4]) -> (CoverageMask, Vec<[f64; 3]>) {
-        let columns = shares(left, width, self.0.width);
-        let rows = shares(top, height, self.0.height);
+    /// The image in a rectangle, left, top, width and height, as colours in 0..=1 and their coverage, where it lies in a
+    /// picture of a size. Each pixel is the mean of the part of the image that it shows.
+    pub(super) fn scaled(
+        &self,
+        [left, top, width, height]: [f64; 4],
+        size: (u32, u32),
+    ) -> (CoverageMask, Vec<[f64; 3]>) {
+        let (left, columns) = shares([left, width], self.0.width, size.0);
+        let (top, rows) = shares([top, height], self.0.height, size.1);
         let mut values = Vec::with_capacity(rows.len() * columns.len());
         let mut colors = Vec::with_capacity(rows.len() * columns.len());
         for row in &rows {
@@ -52,15 +56,15 @@ impl Bitmap {
                 colors.push(if alpha > 0.0 { sum.map(|part| (part / alpha).min(1.0)) } else { sum });
             }
         }
-        let (left, top) = (left.floor() as i64, top.floor() as i64);
         (CoverageMask { left, top, width: columns.len(), height: rows.len(), values }, colors)
     }
 }
 
-/// For each pixel along one side of a rectangle, the image's pixels that it shows, with the part of the pixel that each
-/// one fills.
-fn shares(start: f64, length: f64, count: usize) -> Vec<Vec<(usize, f64)>> {
-    let (first, last) = (start.floor(), (start + length).ceil());
+/// For each pixel of the picture along one side of a rectangle, the image's pixels that it shows, with the part of the
+/// pixel that each one fills. The first result is the first pixel.
+fn shares([start, length]: [f64; 2], count: usize, size: u32) -> (i64, Vec<Vec<(usize, f64)>>) {
+    let first = start.floor().max(0.0);
+    let last = (start + length).ceil().min(size.into());
     let scale = length / count as f64;
     let pixel = |index: usize| {
         let edge = first + index as f64;
@@ -72,7 +76,7 @@ fn shares(start: f64, length: f64, count: usize) -> Vec<Vec<(usize, f64)>> {
         };
         (low..high).map(part).filter(|(_, part)| *part > 0.0).collect()
     };
-    (0..(last - first).max(0.0) as usize).map(pixel).collect()
+    (first as i64, (0..(last - first).max(0.0) as usize).map(pixel).collect())
 }
 
 impl PartialEq for Bitmap {
@@ -100,7 +104,7 @@ mod tests {
     #[test]
     fn images_fill_their_rectangle() {
         let image = Bitmap::new(2, 1, vec![[255, 0, 0, 255], [0, 0, 255, 0]]).expect("an image");
-        let (coverage, colors) = image.scaled([1.5, 2.0, 4.0, 2.0]);
+        let (coverage, colors) = image.scaled([1.5, 2.0, 4.0, 2.0], (100, 100));
         assert_eq!((coverage.left, coverage.top, coverage.width, coverage.height), (1, 2, 5, 2));
         assert_eq!(coverage.values[..5], [0.5, 1.0, 0.5, 0.0, 0.0]);
         assert_eq!(colors[1], [1.0, 0.0, 0.0]);
@@ -108,10 +112,19 @@ mod tests {
     }
 
     #[test]
+    fn only_pixels_of_the_picture_are_made() {
+        let image = Bitmap::new(1, 1, vec![[255; 4]]).expect("an image");
+        let (coverage, _) = image.scaled([-1e9, 8.5, 2e9, 1e9], (20, 10));
+        assert_eq!((coverage.left, coverage.top, coverage.width, coverage.height), (0, 8, 20, 2));
+        assert_eq!((coverage.values[0], coverage.values[20]), (0.5, 1.0));
+        assert!(image.scaled([30.0, 0.0, 5.0, 5.0], (20, 10)).1.is_empty());
+    }
+
+    #[test]
     fn small_images_show_means() {
         let image =
             Bitmap::new(2, 2, vec![[0, 0, 0, 255], [255; 4], [255; 4], [0, 0, 0, 255]]).expect("an image");
-        let (coverage, colors) = image.scaled([0.0, 0.0, 1.0, 1.0]);
+        let (coverage, colors) = image.scaled([0.0, 0.0, 1.0, 1.0], (100, 100));
         assert_eq!((coverage.values, colors), (vec![1.0], vec![[0.5; 3]]));
     }
 }

@@ -1,6 +1,7 @@
 //! Ink on canvases.
 
 use super::coverage::CoverageMask;
+use super::layer::Layer;
 use super::mark::{Drawing, Mark};
 use super::path;
 use zeno::Scratch;
@@ -29,16 +30,21 @@ impl Mark {
             Self::Fill { outlines, ink } => {
                 lay(canvas, &path::fill(outlines, size, scratch), ink.opacity, |_| ink.color);
             }
-            Self::Stroke { lines, width, dashes, ink } => {
-                let covered = path::stroke(lines, (*width, dashes), size, scratch);
-                lay(canvas, &covered, ink.opacity, |_| ink.color);
+            Self::Stroke { lines, width, ink } => {
+                lay(canvas, &path::stroke(lines, *width, size, scratch), ink.opacity, |_| ink.color);
             }
             Self::Text(text) => {
-                let letters = text.coverage();
+                let line = text.placed();
                 if let Some(halo) = text.halo {
-                    lay(canvas, &letters.grown(halo.width as f32), halo.ink.opacity, |_| halo.ink.color);
+                    let border = line.border(halo.width as f32, size, scratch);
+                    lay(canvas, &border, halo.ink.opacity, |_| halo.ink.color);
                 }
-                lay(canvas, &letters, text.ink.opacity, |_| text.ink.color);
+                lay(canvas, &line.letters(size), text.ink.opacity, |_| text.ink.color);
+            }
+            Self::Group { marks, opacity } => {
+                let mut layer = Layer::new(size);
+                marks.iter().for_each(|mark| mark.draw(&mut layer, scratch));
+                layer.lay(canvas, *opacity);
             }
             Self::Steps { place: [left, top, width, height], colors, upwards, opacity } => {
                 let (width, height) = ((*width).max(0) as usize, (*height).max(0) as usize);
@@ -58,7 +64,7 @@ impl Mark {
                 }
             }
             Self::Image { image, place, opacity } => {
-                let (covered, colors) = image.scaled(*place);
+                let (covered, colors) = image.scaled(*place, size);
                 lay(canvas, &covered, *opacity, |index| colors[index]);
             }
         }

@@ -51,11 +51,18 @@ impl Font {
         }
     }
 
-    /// The letters of a text that the font lacks, each once, in their order.
+    /// The outlines that have a letter: those of the font or, if it lacks the letter, of the program's font. If both lack
+    /// it, the font's.
+    pub(super) fn face_of(&self, letter: char) -> Option<&FontVec> {
+        let mut faces = self.face().into_iter().chain(BUNDLED.as_ref());
+        faces.find(|face| face.glyph_id(letter).0 != 0).or_else(|| self.face())
+    }
+
+    /// The letters of a text that neither the font nor the program's font has, each once, in their order.
     pub fn missing_glyphs(&self, text: &str) -> Vec<char> {
         let mut missing = Vec::new();
         for letter in text.chars() {
-            let known = self.face().is_none_or(|font| font.glyph_id(letter).0 != 0);
+            let known = self.face_of(letter).is_none_or(|font| font.glyph_id(letter).0 != 0);
             if !known && !missing.contains(&letter) {
                 missing.push(letter);
             }

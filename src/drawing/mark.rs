@@ -1,11 +1,10 @@
 //! What a drawing consists of.
 
 use super::bitmap::Bitmap;
-use super::coverage::CoverageMask;
 use super::font::Font;
 use super::ink::Ink;
 use super::path;
-use super::text::{placed_line, text_width};
+use super::text::{PlacedLine, text_width};
 use crate::base::digest::Content;
 use crate::base::math::DVec2;
 
@@ -35,7 +34,6 @@ pub enum Mark {
     Stroke {
         lines: Vec<Line>,
         width: f64,
-        dashes: Vec<f64>,
         ink: Ink,
     },
     Text(TextMark),
@@ -52,6 +50,11 @@ pub enum Mark {
         place: [f64; 4],
         opacity: f64,
     },
+    /// Marks that fade as a whole: what one of them covers does not show through it.
+    Group {
+        marks: Vec<Mark>,
+        opacity: f64,
+    },
 }
 
 /// One line of text.
@@ -63,8 +66,6 @@ pub struct TextMark {
     pub size: f64,
     /// The top left corner of its box.
     pub at: DVec2,
-    /// Whether it reads upwards.
-    pub turned: bool,
     pub ink: Ink,
     pub halo: Option<Halo>,
 }
@@ -80,15 +81,13 @@ pub struct Halo {
 impl TextMark {
     /// The box of the text: its top left corner and its size.
     pub fn bounds(&self) -> [DVec2; 2] {
-        let along = f64::from(text_width(&self.font, &self.text, self.size as f32));
-        let size = if self.turned { DVec2::new(self.size, along) } else { DVec2::new(along, self.size) };
-        [self.at, size]
+        let width = text_width(&self.font, &self.text, self.size as f32);
+        [self.at, DVec2::new(width.into(), self.size)]
     }
 
-    /// The coverage by its letters.
-    pub(super) fn coverage(&self) -> CoverageMask {
-        let line = placed_line(&self.font, &self.text, self.size as f32, self.at.to_array());
-        if self.turned { line.turned() } else { line }
+    /// The letters at their places.
+    pub(super) fn placed(&self) -> PlacedLine<'_> {
+        PlacedLine::new(&self.font, &self.text, self.size as f32, self.at)
     }
 }
 
@@ -101,7 +100,7 @@ impl Mark {
     /// The outline of a rectangle.
     pub fn frame(min: DVec2, max: DVec2, width: f64, ink: Ink) -> Self {
         let lines = vec![Line { points: rectangle(min, max), closed: true }];
-        Self::Stroke { lines, width, dashes: Vec::new(), ink }
+        Self::Stroke { lines, width, ink }
     }
 
     /// A disk.
@@ -109,23 +108,10 @@ impl Mark {
         Self::Fill { outlines: vec![path::circle(center, radius)], ink }
     }
 
-    /// Lines without dashes.
+    /// Lines that do not return to their first points.
     pub fn lines(lines: Vec<Vec<DVec2>>, width: f64, ink: Ink) -> Self {
         let lines = lines.into_iter().map(|points| Line { points, closed: false }).collect();
-        Self::Stroke { lines, width, dashes: Vec::new(), ink }
-    }
-
-    /// The same mark with a part of its opacity.
-    pub fn faded(mut self, part: f64) -> Self {
-        match &mut self {
-            Self::Fill { ink, .. } | Self::Stroke { ink, .. } => *ink = ink.faded(part),
-            Self::Text(text) => {
-                text.ink = text.ink.faded(part);
-                text.halo = text.halo.map(|halo| Halo { ink: halo.ink.faded(part), ..halo });
-            }
-            Self::Steps { opacity, .. } | Self::Image { opacity, .. } => *opacity *= part,
-        }
-        self
+        Self::Stroke { lines, width, ink }
     }
 }
 
@@ -138,12 +124,22 @@ impl Drawing {
         self.marks.is_empty()
     }
 
+    /// All texts, those of groups included.
+    fn texts(&self) -> Vec<&TextMark> {
+        let (mut texts, mut rest) = (Vec::new(), self.marks.iter().rev().collect::<Vec<_>>());
+        while let Some(mark) = rest.pop() {
+            match mark {
+                Mark::Text(text) => texts.push(text),
+                Mark::Group { marks, .. } => rest.extend(marks.iter().rev()),
+                _ => {}
+            }
+        }
+        texts
+    }
+
     /// The boxes of all texts: top left corners and sizes.
     pub fn text_boxes(&self) -> impl Iterator<Item = (&TextMark, [DVec2; 2])> {
-        self.marks.iter().filter_map(|mark| match mark {
-            Mark::Text(text) => Some((text, text.bounds())),
-            _ => None,
-        })
+        self.texts().into_iter().map(|text| (text, text.bounds()))
     }
 
     /// The colours of opaque marks besides those of steps.
@@ -153,7 +149,7 @@ impl Drawing {
             .filter_map(|mark| match mark {
                 Mark::Fill { ink, .. } | Mark::Stroke { ink, .. } => Some(*ink),
                 Mark::Text(text) => Some(text.ink),
-                Mark::Steps { .. } | Mark::Image { .. } => None,
+                Mark::Steps { .. } | Mark::Image { .. } | Mark::Group { .. } => None,
             })
             .filter(|ink| ink.opacity == 1.0)
             .map(Ink::codes)

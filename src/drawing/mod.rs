@@ -9,17 +9,23 @@
 
 mod blend;
 mod bitmap;
+mod clip;
 mod coverage;
 mod font;
 mod ink;
+mod layer;
 mod mark;
+mod outline;
 mod path;
 mod text;
 
 pub use bitmap::Bitmap;
 pub use blend::Canvas;
+pub use clip::Window;
 pub use coverage::CoverageMask;
 pub use font::{FONT_FILE, Font, FontError};
 pub use ink::Ink;
+pub use layer::Layer;
 pub use mark::{Drawing, Halo, Line, Mark, TextMark};
-pub use text::{Align, TextMask, line_height, text_width};
+pub use outline::{OUTLINE_UNITS, text_outlines};
+pub use text::{Align, TextMask, text_width};

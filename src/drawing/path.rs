@@ -1,10 +1,13 @@
 //! Areas and lines as coverage.
 
+use super::clip::Window;
 use super::coverage::CoverageMask;
 use super::mark::Line;
 use crate::base::math::{DVec2, cos_sin_of_turns};
 use zeno::{Cap, Command, Join, Mask, Scratch, Stroke, Style, Vector};
 
+/// Pixels beyond the picture at which paths are cut off.
+const BORDER: f64 = 16.0;
 /// Corners of a circle of one pixel's radius, and more for larger ones.
 const CORNERS: f64 = 12.0;
 
@@ -21,69 +24,50 @@ pub fn circle(center: DVec2, radius: f64) -> Vec<DVec2> {
 
 /// The coverage by the areas within outlines (nonzero winding), in a picture of this size.
 pub fn fill(outlines: &[Vec<DVec2>], size: (u32, u32), scratch: &mut Scratch) -> CoverageMask {
-    let points = outlines.iter().flatten().copied();
-    covered(
-        points,
-        0.0,
-        size,
-        |shift| {
-            let mut commands = Vec::new();
-            outlines.iter().for_each(|outline| push(&mut commands, outline, true, shift));
-            (commands, zeno::Fill::NonZero.into())
-        },
-        scratch,
-    )
+    let window = Window::around(size, BORDER);
+    let outlines: Vec<_> = outlines.iter().map(|outline| window.clip_area(outline)).collect();
+    covered(&outlines, true, 0.0, size, zeno::Fill::NonZero, scratch)
 }
 
 /// The coverage by lines of a width.
-pub fn stroke(
-    lines: &[Line],
-    (width, dashes): (f64, &[f64]),
-    size: (u32, u32),
-    scratch: &mut Scratch,
-) -> CoverageMask {
-    let points = lines.iter().flat_map(|line| line.points.iter().copied());
-    let dashes: Vec<f32> = dashes.iter().map(|length| *length as f32).collect();
+pub fn stroke(lines: &[Line], width: f64, size: (u32, u32), scratch: &mut Scratch) -> CoverageMask {
+    // Ends at the border of the window are too far away to be seen.
+    let window = Window::around(size, width + BORDER);
+    let clipped = |line: &Line| {
+        let back = line.points.first().filter(|_| line.closed);
+        window.clip_line(line.points.iter().chain(back).copied())
+    };
+    let lines: Vec<_> = lines.iter().flat_map(clipped).collect();
     let mut style = Stroke::new(width as f32);
     style.join(Join::Round).cap(Cap::Round);
-    if !dashes.is_empty() {
-        style.cap(Cap::Butt).dash(&dashes, 0.0);
-    }
-    covered(
-        points,
-        0.5 * width,
-        size,
-        |shift| {
-            let mut commands = Vec::new();
-            lines.iter().for_each(|line| push(&mut commands, &line.points, line.closed, shift));
-            (commands, style.into())
-        },
-        scratch,
-    )
+    covered(&lines, false, 0.5 * width, size, style, scratch)
 }
 
 fn push(commands: &mut Vec<Command>, points: &[DVec2], closed: bool, shift: DVec2) {
     let point = |point: &DVec2| Vector::new((point.x - shift.x) as f32, (point.y - shift.y) as f32);
     let Some((first, rest)) = points.split_first() else { return };
+    // A line that ends where it begins has a corner there.
+    let returns = !closed && rest.len() > 1 && rest.last() == Some(first);
+    let rest = if returns { &rest[..rest.len() - 1] } else { rest };
     commands.push(Command::MoveTo(point(first)));
     commands.extend(rest.iter().map(|next| Command::LineTo(point(next))));
-    if closed {
+    if closed || returns {
         commands.push(Command::Close);
     }
 }
 
-/// Renders a path that reaches `border` pixels beyond its points, where it lies within the picture. `path` gets the
-/// place of the coverage's top left corner, and gives commands relative to it.
+/// Renders a path through points that reaches `border` pixels beyond them, where it lies within the picture.
 fn covered<'s>(
-    points: impl Iterator<Item = DVec2>,
+    paths: &[Vec<DVec2>],
+    closed: bool,
     border: f64,
     (width, height): (u32, u32),
-    path: impl FnOnce(DVec2) -> (Vec<Command>, Style<'s>),
+    style: impl Into<Style<'s>>,
     scratch: &mut Scratch,
 ) -> CoverageMask {
     let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    for point in points {
-        (min, max) = (min.min(point), max.max(point));
+    for point in paths.iter().flatten() {
+        (min, max) = (min.min(*point), max.max(*point));
     }
     let end = DVec2::new(width.into(), height.into());
     // One pixel more, for rounding.
@@ -93,7 +77,8 @@ fn covered<'s>(
     if !(size.x >= 1.0 && size.y >= 1.0) {
         return CoverageMask::default();
     }
-    let (commands, style) = path(min);
+    let mut commands = Vec::new();
+    paths.iter().for_each(|points| push(&mut commands, points, closed, min));
     let (width, height) = (size.x as usize, size.y as usize);
     let mut bytes = vec![0; width * height];
     Mask::with_scratch(commands.as_slice(), scratch)
@@ -139,7 +124,7 @@ mod tests {
         let mut scratch = Scratch::new();
         let (from, to) = (DVec2::new(10.25, 12.5), DVec2::new(70.0, 55.75));
         let line = Line { points: vec![from, to], closed: false };
-        let drawn = stroke(&[line], (3.0, &[]), (100, 100), &mut scratch);
+        let drawn = stroke(&[line], 3.0, (100, 100), &mut scratch);
         let area = 3.0 * (to - from).length() + std::f64::consts::PI * 1.5 * 1.5;
         assert!((total(&drawn) / area - 1.0).abs() < 0.02, "{} {area}", total(&drawn));
         assert!((centroid(&drawn) - (from + to) / 2.0).length() < 0.02);
@@ -150,10 +135,10 @@ mod tests {
         let mut scratch = Scratch::new();
         let line = |from, to| vec![Line { points: vec![from, to], closed: false }];
         let far = line(DVec2::new(-4000.0, 50.0), DVec2::new(5000.0, 50.0));
-        let across = stroke(&far, (2.0, &[]), (100, 100), &mut scratch);
+        let across = stroke(&far, 2.0, (100, 100), &mut scratch);
         assert!((total(&across) - 200.0).abs() < 1.0);
         let outside = line(DVec2::new(300.0, 50.0), DVec2::new(500.0, 50.0));
-        assert_eq!(stroke(&outside, (2.0, &[]), (100, 100), &mut scratch), CoverageMask::default());
+        assert_eq!(stroke(&outside, 2.0, (100, 100), &mut scratch), CoverageMask::default());
         assert_eq!(fill(&[], (100, 100), &mut scratch), CoverageMask::default());
     }
 }

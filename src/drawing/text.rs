@@ -2,17 +2,13 @@
 
 use super::coverage::CoverageMask;
 use super::font::Font;
-use ab_glyph::{Font as _, FontVec, PxScale, ScaleFont, point};
-
-/// The height of a line in pixels, if letters are `size` pixels high.
-pub fn line_height(size: f32) -> usize {
-    Font::default().face().map_or(0, |font| font.as_scaled(PxScale::from(size)).height().ceil() as usize)
-}
+use crate::base::math::DVec2;
+use ab_glyph::{Font as _, FontVec, GlyphId, OutlineCurve, Point, PxScale, ScaleFont, point};
+use zeno::{Cap, Command, Join, Mask, Scratch, Stroke, Vector};
 
 /// The width of the longest line of a text in pixels, if letters are `size` pixels high.
 pub fn text_width(font: &Font, text: &str, size: f32) -> f32 {
-    let Some(font) = font.face() else { return 0.0 };
-    text.lines().map(|line| places(font, line, size).1).fold(0.0, f32::max)
+    text.lines().map(|line| glyphs(font, line, size).1).fold(0.0, f32::max)
 }
 
 /// The alignment of lines that are shorter than the longest.
@@ -23,18 +19,178 @@ pub enum Align {
     Right,
 }
 
-/// The glyphs of a line with the places where they begin, and the width of the line.
-fn places(font: &FontVec, line: &str, size: f32) -> (Vec<(ab_glyph::GlyphId, f32)>, f32) {
-    let scaled = font.as_scaled(PxScale::from(size));
-    let (mut at, mut last, mut glyphs) = (0.0, None, Vec::new());
-    for letter in line.chars() {
+/// A glyph of a line.
+pub(super) struct PlacedGlyph<'f> {
+    pub face: &'f FontVec,
+    pub glyph: GlyphId,
+    /// Where it begins, in pixels from the beginning of the line.
+    pub along: f32,
+    /// Its distance upwards from the baseline.
+    pub raised: f32,
+    /// The height of letters.
+    pub size: f32,
+}
+
+/// Whether a letter stands on the baseline, above it (`<sup>`) or below it (`<sub>`).
+#[derive(Clone, Copy, PartialEq)]
+enum Script {
+    Plain,
+    Raised,
+    Lowered,
+}
+
+/// What changes the script. There is no way to write these as text.
+const TAGS: [(&str, Script); 4] = [
+    ("<sup>", Script::Raised),
+    ("<sub>", Script::Lowered),
+    ("</sup>", Script::Plain),
+    ("</sub>", Script::Plain),
+];
+/// The size of raised and lowered letters, and how far they are moved, relative to others.
+const SCRIPT_SIZE: f32 = 0.625;
+const RAISED_BY: f32 = 0.3125;
+const LOWERED_BY: f32 = 0.125;
+
+/// The letters of a line with their scripts.
+fn letters(line: &str) -> impl Iterator<Item = (char, Script)> {
+    let (mut rest, mut script) = (line, Script::Plain);
+    std::iter::from_fn(move || {
+        while let Some((tag, next)) = TAGS.iter().find(|(tag, _)| rest.starts_with(tag)) {
+            (rest, script) = (&rest[tag.len()..], *next);
+        }
+        let letter = rest.chars().next()?;
+        rest = &rest[letter.len_utf8()..];
+        Some((letter, script))
+    })
+}
+
+/// The glyphs of a line, and its width.
+pub(super) fn glyphs<'f>(font: &'f Font, line: &str, size: f32) -> (Vec<PlacedGlyph<'f>>, f32) {
+    let (mut along, mut glyphs): (f32, Vec<PlacedGlyph>) = (0.0, Vec::new());
+    for (letter, script) in letters(line) {
+        // The program's font is never broken. If it were, pictures would have no text.
+        let Some(face) = font.face_of(letter) else { continue };
+        let (size, raised) = match script {
+            Script::Plain => (size, 0.0),
+            Script::Raised => (SCRIPT_SIZE * size, RAISED_BY * size),
+            Script::Lowered => (SCRIPT_SIZE * size, -LOWERED_BY * size),
+        };
+        let scaled = face.as_scaled(PxScale::from(size));
         let glyph = scaled.glyph_id(letter);
-        at += last.map_or(0.0, |last| scaled.kern(last, glyph));
-        glyphs.push((glyph, at));
-        at += scaled.h_advance(glyph);
-        last = Some(glyph);
+        let last = glyphs.last().filter(|last| std::ptr::eq(last.face, face) && last.raised == raised);
+        along += last.map_or(0.0, |last| scaled.kern(last.glyph, glyph));
+        glyphs.push(PlacedGlyph { face, glyph, along, raised, size });
+        along += scaled.h_advance(glyph);
     }
-    (glyphs, at)
+    (glyphs, along)
+}
+
+/// One line of text at any place of a picture, also between pixels.
+pub struct PlacedLine<'f> {
+    glyphs: Vec<PlacedGlyph<'f>>,
+    /// The height of letters, from the lowest descender to the highest ascender.
+    size: f32,
+    /// The beginning of the line, relative to the pixel in which its box has its top left corner.
+    start: [f32; 2],
+    /// That pixel.
+    corner: [i64; 2],
+    /// Width and height of the box in pixels.
+    extent: [usize; 2],
+}
+
+impl<'f> PlacedLine<'f> {
+    /// A line whose box has its top left corner at a place.
+    pub fn new(font: &'f Font, line: &str, size: f32, at: DVec2) -> Self {
+        let (glyphs, width) = glyphs(font, line, size);
+        let floor = at.floor();
+        let [right, down] = (at - floor).to_array().map(|part| part as f32);
+        let face = font.face().map(|face| face.as_scaled(PxScale::from(size)));
+        let (height, ascent) = face.map_or((0.0, 0.0), |face| (face.height(), face.ascent()));
+        let extent = [width + right, height + down].map(|side| side.ceil() as usize);
+        Self { glyphs, size, start: [right, ascent + down], corner: [floor.x as i64, floor.y as i64], extent }
+    }
+
+    /// Pixels without coverage: the box and `border` pixels around it, where they lie within a picture.
+    fn mask(&self, border: i64, (width, height): (u32, u32)) -> CoverageMask {
+        let side = |axis: usize, end: u32| {
+            let first = self.corner[axis].saturating_sub(border);
+            let last = self.corner[axis].saturating_add(self.extent[axis] as i64 + border);
+            let (first, last) = (first.max(0), last.min(end.into()));
+            (first, (last - first).max(0) as usize)
+        };
+        let ((left, width), (top, height)) = (side(0, width), side(1, height));
+        CoverageMask { left, top, width, height, values: vec![0.0; width * height] }
+    }
+
+    /// The coverage by the letters, in a picture of this size.
+    pub fn letters(&self, size: (u32, u32)) -> CoverageMask {
+        let mut mask = self.mask(0, size);
+        if mask.values.is_empty() {
+            return mask;
+        }
+        let [dx, dy] = [self.corner[0] - mask.left, self.corner[1] - mask.top];
+        for PlacedGlyph { face, glyph, along, raised, size } in &self.glyphs {
+            let place = point(self.start[0] + along, self.start[1] - raised);
+            let glyph = glyph.with_scale_and_position(PxScale::from(*size), place);
+            let Some(outlined) = face.outline_glyph(glyph) else { continue };
+            let bounds = outlined.px_bounds();
+            let (left, top) = (bounds.min.x as i64 + dx, bounds.min.y as i64 + dy);
+            if left >= mask.width as i64 || bounds.max.x as i64 + dx <= 0 {
+                continue;
+            }
+            outlined.draw(|x, y, c| mask.add(left + i64::from(x), top + i64::from(y), c));
+        }
+        mask
+    }
+
+    /// The coverage by everything within `radius` pixels of the letters' outlines, in a picture of this size.
+    pub fn border(&self, radius: f32, size: (u32, u32), scratch: &mut Scratch) -> CoverageMask {
+        let mut mask = self.mask(radius.ceil() as i64 + 1, size);
+        if mask.values.is_empty() {
+            return mask;
+        }
+        let start = [0, 1]
+            .map(|axis: usize| self.start[axis] + (self.corner[axis] - [mask.left, mask.top][axis]) as f32);
+        let reach = 2.0 * self.size + radius;
+        let seen = -reach..mask.width as f32 + reach;
+        let mut commands = Vec::new();
+        for placed in &self.glyphs {
+            let x = start[0] + placed.along;
+            if seen.contains(&x) {
+                outline(placed, [x, start[1] - placed.raised], &mut commands);
+            }
+        }
+        let mut style = Stroke::new(2.0 * radius);
+        style.join(Join::Round).cap(Cap::Round);
+        let mut bytes = vec![0; mask.values.len()];
+        Mask::with_scratch(commands.as_slice(), scratch)
+            .style(style)
+            .size(mask.width as u32, mask.height as u32)
+            .render_into(&mut bytes, None);
+        mask.values = bytes.iter().map(|byte| f32::from(*byte) / 255.0).collect();
+        mask
+    }
+}
+
+/// Adds the outline of a glyph that begins at a point of the baseline.
+fn outline(placed: &PlacedGlyph, [x, y]: [f32; 2], commands: &mut Vec<Command>) {
+    let PlacedGlyph { face, glyph, size, .. } = placed;
+    let (Some(outline), unit) = (face.outline(*glyph), face.height_unscaled()) else { return };
+    let scale = size / unit;
+    let at = |point: Point| Vector::new(x + point.x * scale, y - point.y * scale);
+    let mut last = None;
+    for curve in outline.curves {
+        let (from, to, command) = match curve {
+            OutlineCurve::Line(a, b) => (a, b, Command::LineTo(at(b))),
+            OutlineCurve::Quad(a, c, b) => (a, b, Command::QuadTo(at(c), at(b))),
+            OutlineCurve::Cubic(a, c, d, b) => (a, b, Command::CurveTo(at(c), at(d), at(b))),
+        };
+        if last != Some(from) {
+            commands.push(Command::MoveTo(at(from)));
+        }
+        commands.push(command);
+        last = Some(to);
+    }
 }
 
 /// The coverage of pixels by one or several lines of text.
@@ -47,40 +203,21 @@ pub struct TextMask {
 }
 
 impl TextMask {
-    /// A line of text, `size` pixels high from the lowest descender to the highest ascender.
+    /// A line of text in the program's font, `size` pixels high from the lowest descender to the highest ascender.
     pub fn new(text: &str, size: f32) -> Self {
-        Self::shifted(&Font::default(), text, size, [0.0; 2])
+        let font = Font::default();
+        let line = PlacedLine::new(&font, text, size, DVec2::ZERO);
+        let [width, height] = line.extent;
+        Self { width, height, coverage: line.letters((width as u32, height as u32)).values }
     }
 
-    /// [`TextMask::new`] in any font, moved right and down by parts of a pixel.
-    fn shifted(font: &Font, text: &str, size: f32, [right, down]: [f32; 2]) -> Self {
-        // The program's font is never broken. If it were, pictures would have no text.
-        let Some(font) = font.face() else { return Self::default() };
-        let (glyphs, end) = places(font, text, size);
-        let scale = PxScale::from(size);
-        let scaled = font.as_scaled(scale);
-        let (width, height) = ((end + right).ceil() as usize, (scaled.height() + down).ceil() as usize);
-        let mut line = Self { width, height, coverage: vec![0.0; width * height] };
-        for (glyph, at) in glyphs {
-            let glyph = glyph.with_scale_and_position(scale, point(at + right, scaled.ascent() + down));
-            let Some(outlined) = font.outline_glyph(glyph) else { continue };
-            let (left, top) = (outlined.px_bounds().min.x as i64, outlined.px_bounds().min.y as i64);
-            outlined.draw(|x, y, c| line.add(left + i64::from(x), top + i64::from(y), c));
-        }
-        line
-    }
-
-    /// Several lines below each other, each `size` pixels high.
-    pub fn block(text: &str, size: f32, align: Align) -> Self {
+    /// Several lines below each other, each `size` pixels high and in the middle of the longest.
+    pub fn centered_lines(text: &str, size: f32) -> Self {
         let lines: Vec<Self> = text.lines().map(|line| Self::new(line, size)).collect();
         let width = lines.iter().map(|line| line.width).max().unwrap_or(0);
         let mut block = Self { width, height: 0, coverage: Vec::new() };
         for line in lines {
-            let left = match align {
-                Align::Left => 0,
-                Align::Center => (width - line.width) / 2,
-                Align::Right => width - line.width,
-            };
+            let left = (width - line.width) / 2;
             let top = block.coverage.len();
             block.height += line.height;
             block.coverage.resize(block.height * width, 0.0);
@@ -90,28 +227,6 @@ impl TextMask {
             }
         }
         block
-    }
-
-    /// Adds coverage to a pixel, clamped to 1 because letters may overlap.
-    fn add(&mut self, x: i64, y: i64, coverage: f32) {
-        let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else { return };
-        if x < self.width && y < self.height {
-            let pixel = &mut self.coverage[y * self.width + x];
-            *pixel = (*pixel + coverage).min(1.0);
-        }
-    }
-}
-
-/// One line of text whose box has its top left corner at any place, also between pixels.
-pub fn placed_line(font: &Font, line: &str, size: f32, [x, y]: [f64; 2]) -> CoverageMask {
-    let (left, top) = (x.floor(), y.floor());
-    let mask = TextMask::shifted(font, line, size, [(x - left) as f32, (y - top) as f32]);
-    CoverageMask {
-        left: left as i64,
-        top: top as i64,
-        width: mask.width,
-        height: mask.height,
-        values: mask.coverage,
     }
 }
 
@@ -137,8 +252,9 @@ mod tests {
 
     #[test]
     fn text_may_lie_between_pixels() {
+        let font = Font::default();
         let centre = |x: f64| {
-            let line = placed_line(&Font::default(), "lo", 20.0, [x, 3.25]);
+            let line = PlacedLine::new(&font, "lo", 20.0, DVec2::new(x, 3.25)).letters((100, 50));
             let sums = line.values.iter().enumerate();
             let at = |index: usize| (line.left + (index % line.width) as i64) as f32;
             let moment: f32 = sums.map(|(index, value)| at(index) * value).sum();
@@ -152,24 +268,78 @@ mod tests {
     }
 
     #[test]
+    fn halos_reach_around_letters() {
+        let font = Font::default();
+        let line = PlacedLine::new(&font, "l", 40.0, DVec2::new(20.3, 5.6));
+        let (letters, mut scratch) = (line.letters((60, 60)), Scratch::new());
+        let border = line.border(3.0, (60, 60), &mut scratch);
+        let at = |mask: &CoverageMask, x: i64, y: i64| {
+            let (x, y) = (x - mask.left, y - mask.top);
+            let within = (0..mask.width as i64).contains(&x) && (0..mask.height as i64).contains(&y);
+            if within { mask.values[y as usize * mask.width + x as usize] } else { 0.0 }
+        };
+        // Whatever is a pixel away from the letter is covered, and what is five pixels away is not.
+        let near = |x: i64, y: i64, reach: i64| {
+            let pixels = (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (x + dx, y + dy)));
+            pixels.map(|(x, y)| at(&letters, x, y)).fold(0.0, f32::max)
+        };
+        for (x, y) in (0..60).flat_map(|y| (0..60).map(move |x| (x, y))) {
+            let covered = at(&border, x, y).max(at(&letters, x, y));
+            assert!(near(x, y, 1) < 1.0 || covered == 1.0, "{x} {y} {covered}");
+            assert!(near(x, y, 5) > 0.0 || covered == 0.0, "{x} {y} {covered}");
+        }
+    }
+
+    #[test]
+    fn only_pixels_of_the_picture_are_made() {
+        let (font, mut scratch) = (Font::default(), Scratch::new());
+        let text = "wide ".repeat(1000);
+        let line = PlacedLine::new(&font, &text, 200.0, DVec2::new(-1e5, 3.0));
+        let masks = [line.letters((50, 40)), line.border(9.0, (50, 40), &mut scratch)];
+        assert!(masks.iter().all(|mask| mask.values.len() <= 50 * 40));
+        assert!(masks.iter().all(|mask| mask.values.iter().any(|value| *value > 0.0)));
+        let far = PlacedLine::new(&font, "a", 20.0, DVec2::new(1e300, 0.0));
+        assert!(far.letters((50, 40)).values.is_empty());
+    }
+
+    #[test]
+    fn letters_that_a_font_lacks_are_drawn_in_the_programs_font() {
+        let own = Font::parse(super::super::font::FONT_FILE.to_vec()).expect("a font");
+        let widths = [&own, &Font::default()].map(|font| text_width(font, "10⁷ − x", 20.0));
+        assert_eq!(widths[0], widths[1]);
+    }
+
+    #[test]
     fn lines_are_below_each_other() {
         let (short, long) = (TextMask::new("il", 20.0), TextMask::new("frame 007", 20.0));
         let rows = |block: &TextMask, from: usize| -> Vec<Vec<f32>> {
             block.coverage.chunks(block.width).skip(from).take(20).map(<[f32]>::to_vec).collect()
         };
-        for (align, left) in [(Align::Left, 0), (Align::Right, long.width - short.width)] {
-            let block = TextMask::block("frame 007\n\nil", 20.0, align);
-            assert_eq!((block.width, block.height, block.coverage.len()), (long.width, 60, 60 * long.width));
-            assert_eq!(rows(&block, 0), rows(&long, 0));
-            assert!(rows(&block, 20).concat().iter().all(|coverage| *coverage == 0.0));
-            let last: Vec<f32> =
-                rows(&block, 40).iter().flat_map(|row| row[left..left + short.width].to_vec()).collect();
-            assert_eq!(last, short.coverage);
-        }
-        let one = |text| TextMask::block(text, 20.0, Align::Center).coverage;
+        let block = TextMask::centered_lines("frame 007\n\nil", 20.0);
+        assert_eq!((block.width, block.height, block.coverage.len()), (long.width, 60, 60 * long.width));
+        assert_eq!(rows(&block, 0), rows(&long, 0));
+        assert!(rows(&block, 20).concat().iter().all(|coverage| *coverage == 0.0));
+        let left = (long.width - short.width) / 2;
+        let last: Vec<f32> =
+            rows(&block, 40).iter().flat_map(|row| row[left..left + short.width].to_vec()).collect();
+        assert_eq!(last, short.coverage);
+        let one = |text| TextMask::centered_lines(text, 20.0).coverage;
         assert_eq!(one("il"), short.coverage);
         assert_eq!(one("il\r\n"), short.coverage);
-        assert_eq!(TextMask::block("", 20.0, Align::Left).width, 0);
+        assert_eq!(TextMask::centered_lines("", 20.0).width, 0);
+    }
+
+    #[test]
+    fn letters_may_be_raised_and_lowered() {
+        let font = Font::default();
+        let places = |line: &str| -> Vec<(f32, f32)> {
+            glyphs(&font, line, 100.0).0.iter().map(|glyph| (glyph.raised, glyph.size)).collect()
+        };
+        let (plain, raised, lowered) = ((0.0, 100.0), (31.25, 62.5), (-12.5, 62.5));
+        assert_eq!(places("m<sup>2</sup>v"), [plain, raised, plain]);
+        assert_eq!(places("v<sub>ab"), [plain, lowered, lowered]);
+        assert_eq!(places("a<b></sub>"), [plain; 4]);
+        assert!(text_width(&font, "m<sup>2</sup>", 100.0) < text_width(&font, "m2", 100.0));
     }
 
     #[test]

@@ -71,7 +71,6 @@ fn started(folder: &Path, outputs: &[&str], existing: Existing) -> Result<Encode
         transparent: true,
         background_color: DEFAULT_BACKGROUND_COLOR,
         drawings: Vec::new(),
-        caption: None,
         formats: Formats::default(),
         info: SequenceInfo::default(),
     };

@@ -47,9 +47,7 @@ impl EncodeJob {
                 "PNG".feed(&mut digester);
                 key.image_hash.feed(&mut digester);
                 key.exposure.feed(&mut digester);
-                let caption = self.caption.as_ref().filter(|_| annotated);
-                let caption = caption.map(|c| (c.text.expand(&info), c.corner, c.size));
-                let look = (self.tonemap, caption, self.formats.png, self.transparent);
+                let look = (self.tonemap, self.formats.png, self.transparent);
                 format!("{look:?}").as_str().feed(&mut digester);
             }
         }

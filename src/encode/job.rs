@@ -1,6 +1,5 @@
 //! A job of the encoder, and the checks that it can be done.
 
-use super::caption::Caption;
 use super::error::{EncodeError, JobError};
 use super::frame_key::FrameKey;
 use super::info::{FrameInfo, SequenceInfo};
@@ -58,8 +57,6 @@ pub struct EncodeJob {
     pub background_color: Rgb,
     /// What is drawn over each frame. Empty if there are no annotations.
     pub drawings: Vec<Arc<Drawing>>,
-    /// The text drawn into every picture, over all drawings.
-    pub caption: Option<Caption>,
     pub formats: Formats,
     pub info: SequenceInfo,
 }
@@ -77,16 +74,13 @@ impl EncodeJob {
 
     /// Whether anything is drawn over the frame of an index.
     pub(super) fn is_annotated(&self, index: usize) -> bool {
-        self.drawing(index).is_some() || self.caption.is_some()
+        self.drawing(index).is_some()
     }
 
-    /// Draws the annotations and the caption of the frame of an index.
+    /// Draws the annotations of the frame of an index.
     pub(super) fn annotate<C: Code>(&self, index: usize, picture: &mut Picture<C>) {
         if let Some(drawing) = self.drawing(index) {
             drawing.draw(picture);
-        }
-        if let Some(caption) = &self.caption {
-            caption.draw(picture, &self.frame_info(index));
         }
     }
 

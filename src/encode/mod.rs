@@ -16,7 +16,6 @@ mod animations;
 mod annotation_layer;
 mod assembler;
 mod atomic;
-mod caption;
 mod channel;
 mod commits;
 mod develop;
@@ -44,6 +43,7 @@ mod message;
 mod metadata;
 mod movie;
 mod new_folders;
+mod number_format;
 mod output;
 mod pattern;
 mod picture;
@@ -57,6 +57,9 @@ mod sheet;
 mod single;
 mod status;
 mod store;
+mod template;
+#[cfg(test)]
+mod template_tests;
 mod temporary;
 #[cfg(test)]
 mod tests;
@@ -66,7 +69,7 @@ mod worker;
 pub use annotation_layer::ANNOTATIONS;
 pub use assembler::{AnimationAssembler, read_picture};
 pub use atomic::write as write_file;
-pub use caption::{Caption, CaptionError, Corner, NumberFormat, Template, listed_letters};
+
 pub use develop::{ToneTable, displayed};
 pub use encoder::{Encoder, FrameLease};
 pub use error::{EncodeError, FilmsError, JobError};
@@ -79,6 +82,7 @@ pub use job::{EncodeJob, Existing, check_within, prepare_picture};
 pub use lease::{Lease, LeaseHolder};
 pub use limits::check_size;
 pub use new_folders::NewFolders;
+pub use number_format::NumberFormat;
 pub use output::{AnimationFormat, Output, OutputError, StillFormat, StreamFormat};
 pub use pattern::{FramePattern, PatternError};
 pub use picture::Picture;
@@ -92,4 +96,5 @@ pub use settings::{
 pub use sheet::{Sheet, columns as sheet_columns};
 pub use single::{png_bytes, write_picture, write_png};
 pub use status::{FrameStatus, frame_statuses, lease_holder};
+pub use template::{Template, TemplateError, listed as listed_letters, missing_glyphs_note};
 pub use tonemap::Tonemap;

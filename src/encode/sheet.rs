@@ -1,7 +1,7 @@
 //! Filmstrips: several frames in a grid, each with a text below, as one picture.
 
 use super::picture::Picture;
-use crate::drawing::{Align, TextMask};
+use crate::drawing::TextMask;
 
 /// The code of the background.
 const PAPER: u8 = 255;
@@ -73,7 +73,7 @@ impl Sheet {
         let edge = Picture::filled(self.cell.0 + 2, self.cell.1 + 2, [LINE; 3]);
         self.picture.place(&edge, left - 1, top - 1);
         self.picture.place(frame, left, top);
-        let mask = TextMask::block(text, self.letters, Align::Center);
+        let mask = TextMask::centered_lines(text, self.letters);
         let across = (self.cell.0 as usize).saturating_sub(mask.width) / 2;
         let down = (self.below as usize).saturating_sub(mask.height);
         // A name with line breaks may give more lines than expected; the rest is cut off.

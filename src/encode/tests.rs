@@ -29,7 +29,6 @@ fn job(outputs: &[String], frames: &[u32]) -> EncodeJob {
         transparent: false,
         background_color: DEFAULT_BACKGROUND_COLOR,
         drawings: Vec::new(),
-        caption: None,
         formats: Formats::default(),
         info: SequenceInfo { name: "a".into(), frames: 256, ..SequenceInfo::default() },
     }

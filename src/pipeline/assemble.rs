@@ -207,7 +207,6 @@ pub fn assemble(request: &AssembleRequest) -> Result<Report, RenderError> {
         transparent: first.alpha.is_some(),
         background_color: request.background_color,
         drawings: Vec::new(),
-        caption: None,
         formats: request.formats,
         info: about.clone(),
     };

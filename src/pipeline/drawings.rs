@@ -3,7 +3,7 @@
 //! Annotations need no world: the sequence says where the camera and the objects are. Only labels that surfaces may hide
 //! need the scene, for one ray each.
 
-use crate::annotate::{FrameView, PlacedObject, drawing};
+use crate::annotate::{Annotation, AnnotationKind, FrameView, PlacedObject, drawing};
 use crate::base::math::{DVec2, DVec3, Ray, gamma};
 use crate::base::time::{Clock, Time};
 use crate::camera::Camera;
@@ -17,14 +17,17 @@ use crate::scene::Scene;
 use crate::scene::top_level::Bvh;
 use crate::sequence::Sequence;
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The drawings of frames, in their order. Empty if the sequence has no annotations.
+/// The drawings of frames, in their order. Empty if the sequence has no annotations and no caption.
 pub fn drawings(sequence: &Sequence, frames: &[u32]) -> Vec<Arc<Drawing>> {
-    if sequence.annotations.is_empty() {
+    let illustrator = Illustrator::new(sequence);
+    if illustrator.annotations.is_empty() {
         return Vec::new();
     }
-    let illustrator = Illustrator::new(sequence);
     // One world per part, because a world takes long to build.
     let part = frames.len().div_ceil(rayon::current_num_threads()).max(1);
     let parts = frames.par_chunks(part).flat_map_iter(|frames| illustrator.drawings(frames));
@@ -35,16 +38,29 @@ pub fn drawings(sequence: &Sequence, frames: &[u32]) -> Vec<Arc<Drawing>> {
 struct Illustrator<'a> {
     sequence: &'a Sequence,
     cameras: Vec<CameraPath>,
-    annotations: Vec<crate::annotate::Annotation>,
+    annotations: Vec<Annotation>,
+    /// For each object to which labels are tied, the slots that do not hide them.
+    slots: BTreeMap<usize, Vec<u32>>,
     info: SequenceInfo,
 }
 
+/// Objects at times, which trails ask for again in every frame. At most so many are kept.
+type Places = RefCell<FxHashMap<(usize, Time), PlacedObject>>;
+const MAX_PLACES: usize = 1 << 17;
+
 impl<'a> Illustrator<'a> {
     fn new(sequence: &'a Sequence) -> Self {
+        let annotations = sequence.annotations.iter().map(|annotation| annotation.value.clone());
+        let annotations: Vec<Annotation> = annotations.chain(sequence.output.caption.clone()).collect();
+        let tied = annotations.iter().filter_map(|annotation| match &annotation.kind {
+            AnnotationKind::Label(label) => label.at.object(),
+            _ => None,
+        });
         Self {
             sequence,
             cameras: (0..sequence.cameras.len()).map(|index| sequence.fitted_camera(index)).collect(),
-            annotations: sequence.annotations.iter().map(|annotation| annotation.value.clone()).collect(),
+            slots: tied.map(|object| (object, slots_below(sequence, object))).collect(),
+            annotations,
             info: sequence.about(),
         }
     }
@@ -52,17 +68,17 @@ impl<'a> Illustrator<'a> {
     fn drawings(&self, frames: &[u32]) -> Vec<Arc<Drawing>> {
         let needs_rays = self.annotations.iter().any(|annotation| annotation.kind.needs_rays());
         let mut preview = needs_rays.then(|| Preview::with_rays(self.sequence));
-        let mut bvh: Option<Bvh> = None;
+        let (mut bvh, places): (Option<Bvh>, _) = (None, Places::default());
         let mut drawn: Vec<Arc<Drawing>> = Vec::with_capacity(frames.len());
         for &frame in frames {
             let seen = preview.as_mut().and_then(|preview| {
                 preview.scene_of(frame, |scene| {
                     let bvh = bvh.get_or_insert_with(|| Bvh::build(scene.geometry));
                     bvh.update(scene.geometry);
-                    self.drawing(frame, &|point, own| self.is_hidden(scene, bvh, point, own))
+                    self.drawing(frame, &places, &|point, own| self.is_hidden(scene, bvh, point, own))
                 })
             });
-            let next = seen.unwrap_or_else(|| self.drawing(frame, &|_, _| false));
+            let next = seen.unwrap_or_else(|| self.drawing(frame, &places, &|_, _| false));
             // Equal frames share memory.
             let last = drawn.last().filter(|last| ***last == next).cloned();
             drawn.push(last.unwrap_or_else(|| Arc::new(next)));
@@ -71,13 +87,24 @@ impl<'a> Illustrator<'a> {
     }
 
     /// The drawing of a frame. Nothing if it has no camera; rendering reports that.
-    fn drawing(&self, frame: u32, is_hidden: &dyn Fn(DVec3, Option<usize>) -> bool) -> Drawing {
+    fn drawing(
+        &self,
+        frame: u32,
+        places: &Places,
+        is_hidden: &dyn Fn(DVec3, Option<usize>) -> bool,
+    ) -> Drawing {
         let (sequence, clock) = (self.sequence, self.sequence.timeline.clock(frame));
         let Some(camera) = self.camera(&clock) else { return Drawing::default() };
-        let object = |index: usize, time: Time| PlacedObject {
-            to_world: sequence.to_world(index, time),
-            bounds: sequence.bounds_at(index, time),
-            visible: sequence.is_visible(index, time),
+        let object = |index: usize, time: Time| {
+            let mut places = places.borrow_mut();
+            if places.len() >= MAX_PLACES {
+                places.clear();
+            }
+            *places.entry((index, time)).or_insert_with(|| PlacedObject {
+                to_world: sequence.to_world(index, time),
+                bounds: sequence.bounds_at(index, time),
+                visible: sequence.is_visible(index, time),
+            })
         };
         let view = FrameView {
             camera,
@@ -102,7 +129,7 @@ impl<'a> Illustrator<'a> {
         let camera = Camera { lens: None, ..*scene.camera };
         let Some(screen) = camera.project(point).screen() else { return false };
         let ray = camera.ray(screen, DVec2::ZERO);
-        let slots = own.map(|own| self.slots_below(own)).unwrap_or_default();
+        let slots = own.and_then(|own| self.slots.get(&own)).map_or(&[][..], Vec::as_slice);
         let within = RayInterval::up_to((point - ray.origin).dot(ray.direction));
         let mut hidden = false;
         bvh.each_hit(scene.geometry, &TraversalRay::new(ray), within, &mut |hit| {
@@ -113,17 +140,14 @@ impl<'a> Illustrator<'a> {
         });
         hidden
     }
+}
 
-    /// The slots of an object and of all objects below it.
-    fn slots_below(&self, own: usize) -> Vec<u32> {
-        let objects = &self.sequence.objects;
-        let solid = (0..objects.len()).filter(|index| objects[*index].value.shape != Shape::Group);
-        let slots = (0..).zip(solid);
-        slots
-            .filter(|(_, index)| self.sequence.ancestry(*index).any(|at| at == own))
-            .map(|(slot, _)| slot)
-            .collect()
-    }
+/// The slots of an object and of all objects below it. Objects with a shape have slots in their order.
+fn slots_below(sequence: &Sequence, own: usize) -> Vec<u32> {
+    let objects = &sequence.objects;
+    let solid = (0..objects.len()).filter(|index| objects[*index].value.shape != Shape::Group);
+    let below = (0..).zip(solid).filter(|(_, index)| sequence.ancestry(*index).any(|at| at == own));
+    below.map(|(slot, _)| slot).collect()
 }
 
 /// Whether a point of a surface, which is known up to an error, is certainly nearer than another point of a ray. So

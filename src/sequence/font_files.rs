@@ -1,5 +1,9 @@
 //! The fonts that a sequence names, each read once.
 
+use super::fault::Fault;
+use super::node::Node;
+use super::suggest::shortened;
+use super::values::text;
 use crate::base::files::{self, Root};
 use crate::drawing::Font;
 use std::cell::RefCell;
@@ -33,5 +37,21 @@ impl FontFiles {
             Font::parse(bytes).map_err(|error| error.to_string())
         });
         read.clone()
+    }
+}
+
+/// Decodes the name of a font file.
+pub fn font(node: Node<'_>) -> Option<Font> {
+    let name = text(node)?;
+    match node.file.fonts.font(&name) {
+        Ok(font) => Some(font),
+        Err(why) => {
+            let title = format!("cannot read the font {:?}", shortened(&name));
+            let fault = Fault::new(node.span(), title, why);
+            node.fault(
+                fault.help("fonts are .ttf and .otf files; paths are relative to the sequence file's folder"),
+            );
+            None
+        }
     }
 }

@@ -105,7 +105,7 @@ impl Shading {
 }
 
 /// The angle of `Crease` without fields: it keeps chamfers of 45 degrees sharp, and smooths cylinders of twelve sides.
-const CREASE: Angle = Angle(40.0);
+pub const CREASE: Angle = Angle(40.0);
 
 pub const KINDS: &[(&str, Shading)] = &[
     ("File", Shading::Kind(Normals::File)),

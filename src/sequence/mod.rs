@@ -64,6 +64,7 @@ mod syntax;
 mod table_files;
 #[cfg(test)]
 mod tests;
+mod text_shape;
 mod timeline;
 mod transform;
 mod values;
@@ -87,7 +88,7 @@ use crate::base::color::Rgb;
 use crate::base::math::UpAxis;
 use crate::base::time::Timeline;
 use crate::camera::path::CameraPath;
-use crate::encode::{Caption, Formats, Output, Tonemap};
+use crate::encode::{Formats, Output, Tonemap};
 use crate::geometry::shape::Shape;
 use crate::geometry::transform::TransformTracks;
 use crate::sequence::quality::Quality;
@@ -163,7 +164,7 @@ pub struct OutputSettings {
     pub transparent: bool,
     /// Background colour in formats without alpha.
     pub background_color: Rgb,
-    /// Text that is written into every picture.
-    pub caption: Option<Caption>,
+    /// The caption of every picture, over all other annotations.
+    pub caption: Option<Annotation>,
     pub formats: Formats,
 }

@@ -6,8 +6,10 @@ mod meshes;
 
 use super::quality::{Quality, SampleReuse};
 use super::{Named, Object, Sequence};
+use crate::annotate::AnnotationKind;
 use crate::appearance::material::{MaterialBinding, MaterialTracks};
-use crate::encode::listed_letters;
+use crate::camera::path::Lens;
+use crate::encode::{listed_letters, missing_glyphs_note};
 use crate::geometry::shape::{self, Shape};
 use std::collections::BTreeSet;
 
@@ -22,15 +24,35 @@ impl Sequence {
         notes.extend(self.missing_libraries());
         notes.extend(self.energy_gains());
         notes.extend(self.unused_reuse());
+        let height = self.output.size.1;
         if let Some(caption) = &self.output.caption {
-            notes.extend(caption.text.missing_glyphs_note(&self.name));
-            notes.extend(caption.overflow_warning(self.output.size.1));
+            notes.extend(missing_glyphs_note(&caption.missing_glyphs(&self.name)));
+            notes.extend(caption.overflow(height).map(|lines| format!("the caption has {lines}")));
         }
+        notes.extend(self.annotations.iter().filter_map(|Named { name, value }| {
+            value.overflow(height).map(|lines| format!("the annotation {name:?} has {lines}"))
+        }));
+        notes.extend(self.scales_without_depth());
         notes.extend(self.annotations.iter().filter_map(|Named { name, value }| {
             let letters = listed_letters(&value.missing_glyphs(&self.name))?;
             Some(format!("the annotation {name:?} is without {letters}, which its font does not have"))
         }));
         notes
+    }
+
+    /// Scales that a perspective camera does not show.
+    fn scales_without_depth(&self) -> impl Iterator<Item = String> {
+        let perspective =
+            self.cameras.iter().any(|camera| matches!(camera.value.lens, Lens::Perspective { .. }));
+        let without = move |kind: &AnnotationKind| {
+            perspective && matches!(kind, AnnotationKind::ScaleBar(bar) if bar.at.is_none())
+        };
+        self.annotations.iter().filter(move |annotation| without(&annotation.value.kind)).map(|annotation| {
+            let name = &annotation.name;
+            format!(
+                "perspective cameras do not show the scale {name:?}: it needs `at`, a point at whose depth it is exact"
+            )
+        })
     }
 
     /// Why `reuse: Zoom` has no effect, whatever the camera does.

@@ -1,6 +1,7 @@
 //! Decodes `output`: size, display and files.
 
 use super::OutputSettings;
+use super::annotations::caption;
 use super::colors::color;
 use super::fault::Fault;
 use super::fields::Fields;
@@ -8,7 +9,7 @@ use super::formats::formats;
 use super::keys::keyed;
 use super::node::Node;
 use super::values::{between, each, list, one_of, switch, text, tuple, whole};
-use crate::encode::{Caption, Corner, DEFAULT_BACKGROUND_COLOR, Formats, Output, Template, Tonemap};
+use crate::encode::{DEFAULT_BACKGROUND_COLOR, Formats, Output, Tonemap};
 use crate::film::MAX_STOPS;
 use std::cell::RefCell;
 use std::collections::HashSet;
@@ -26,7 +27,7 @@ pub fn output(node: Node<'_>, name: &str, frames: u32) -> Option<OutputSettings>
     let exposure = fields.or("exposure", keyed(between(-MAX_STOPS..=MAX_STOPS)), defaults.exposure);
     let transparent = fields.or("transparent", switch, defaults.transparent);
     let background_color = fields.renamed("background_color", "matte", color);
-    let caption = fields.optional("caption", caption);
+    let caption = fields.optional("caption", |node| caption(node, None));
     let formats = formats(&mut fields);
     report_loop_count(&mut fields);
     fields.finish();
@@ -75,28 +76,6 @@ pub fn default_output(name: &str, frames: u32) -> OutputSettings {
         caption: None,
         formats: Formats::default(),
     }
-}
-
-/// A text, or a text with its corner and size.
-fn caption(node: Node<'_>) -> Option<Caption> {
-    if node.is_text() {
-        return template(node).map(Caption::new);
-    }
-    let mut fields = Fields::of(node, "a caption")?;
-    let text = fields.required("text", template);
-    let corner = fields.or("corner", one_of("corner", &Corner::NAMED), Corner::default());
-    let size = fields.or("size", between(0.005..=0.5), 0.045);
-    fields.finish();
-    Some(Caption { text: text?, corner: corner?, size: size? as f32 })
-}
-
-fn template(node: Node<'_>) -> Option<Template> {
-    let template = Template::parse(&text(node)?);
-    template
-        .map_err(|error| {
-            node.fault(Fault::new(node.span(), format!("`caption`: {error}"), "cannot be written"))
-        })
-        .ok()
 }
 
 fn size(node: Node<'_>) -> Option<(u32, u32)> {

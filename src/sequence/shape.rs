@@ -6,6 +6,7 @@ use super::mesh::mesh;
 use super::node::Node;
 use super::particles::particles;
 use super::shape_tracks::ShapeTracks;
+use super::text_shape::{TEXT, text_solid};
 use super::values::{not_negative, positive, switch, unit_vector, vector};
 use super::words::known_word;
 use crate::base::math::DVec3;
@@ -26,7 +27,7 @@ pub struct ShapeOverTime {
 pub const INSTANCES: &str = "Instances";
 
 /// The names of shapes, and of what objects may show besides.
-static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| [Shape::NAMES, &[INSTANCES]].concat());
+static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| [Shape::NAMES, &[TEXT, INSTANCES]].concat());
 
 /// Any shape.
 pub fn shape(node: Node<'_>) -> Option<ShapeOverTime> {
@@ -35,6 +36,9 @@ pub fn shape(node: Node<'_>) -> Option<ShapeOverTime> {
         let title = "instances are places of one shape, not of other instances";
         node.fault(Fault::new(node.head(), title, "needs a shape of its own"));
         return None;
+    }
+    if name == TEXT {
+        return text_solid(node).map(|mesh| ShapeOverTime { shape: Shape::Mesh(mesh), tracks: None });
     }
     let what = format!("`{name}`");
     let fields = if [Mesh::NAME, Particles::NAME].contains(&name) {

@@ -73,6 +73,34 @@ impl<T: Animate> Track<T> {
         Self { keys: self.keys.into_iter().map(change).collect(), ..self }
     }
 
+    /// The times of keys from a time to another, those of all rounds if keys repeat, in increasing order; at most about
+    /// `most`.
+    pub fn key_times(&self, [from, to]: [Time; 2], most: usize) -> Vec<Time> {
+        let zero = Time::from_integer(0);
+        let (first, last) = (self.keys[0].time, self.keys[self.keys.len() - 1].time);
+        let span = last - first;
+        let rounds = match self.repeat {
+            Repeat::Hold => 0..=0,
+            _ if span == zero => 0..=0,
+            _ => ((from - first) / span).floor().to_integer()..=((to - first) / span).floor().to_integer(),
+        };
+        let mut times: Vec<Time> = Vec::new();
+        for round in rounds {
+            let start = span * Time::from_integer(round);
+            let backwards = self.repeat == Repeat::PingPong && round.rem_euclid(2) == 1;
+            let mut keys: Vec<Time> = self.keys.iter().map(|key| key.time).collect();
+            if backwards {
+                keys = keys.into_iter().rev().map(|time| first + last - time).collect();
+            }
+            times.extend(keys.into_iter().map(|time| time + start).filter(|time| (from..=to).contains(time)));
+            if times.len() >= most {
+                break;
+            }
+        }
+        times.dedup();
+        times
+    }
+
     pub fn keys(&self) -> &[Key<T>] {
         &self.keys
     }

@@ -202,6 +202,64 @@ fn exr_files_hold_annotations_as_a_layer() {
     assert!(traces(&words), "{words}");
 }
 
+/// A caption of the output is the annotation of the same text, by either of its notations, and on the command line.
+#[test]
+fn captions_are_annotations() {
+    let with_output =
+        |caption: &str| scene("").replacen("output: (", &format!("output: (caption: {caption}, "), 1);
+    let frame = |text: &str, more: &[&str]| {
+        let folder = folder();
+        render(folder.path(), text, &[&["-o", "f_#.png", "--frames", "0", "--no-metadata"], more].concat());
+        fs::read(folder.path().join("f_0.png")).expect("a frame")
+    };
+    let expected = frame(&scene(r#""c": Caption("{name} {frame}")"#), &[]);
+    assert_ne!(expected, frame(&scene(""), &[]));
+    assert_eq!(expected, frame(&with_output(r#""{name} {frame}""#), &[]));
+    assert_eq!(expected, frame(&with_output(r#"(text: "{name} {frame}")"#), &[]));
+    assert_eq!(expected, frame(&scene(""), &["--caption", "{name} {frame}"]));
+    // The place and the style stay if the command line changes the text.
+    let styled = |text: &str| format!(r##"(text: "{text}", place: Top, color: "#fa0", size: 0.1)"##);
+    let expected = frame(&with_output(&styled("b")), &[]);
+    assert_eq!(expected, frame(&with_output(&styled("a")), &["--caption", "b"]));
+    assert_ne!(expected, frame(&with_output(&styled("a")), &[]));
+    // The former name of the place.
+    let folder = folder();
+    let former = with_output(r#"(text: "b", corner: TopRight)"#);
+    let words = render(folder.path(), &former, &["-o", "f_#.png", "--frames", "0"]);
+    assert!(words.contains("the field `corner` is now called `place`"), "{words}");
+}
+
+#[test]
+fn letters_are_solids() {
+    let text = |fields: &str| {
+        format!(
+            "(timeline: (frames: 1), output: (size: (64, 64), transparent: true),
+             camera: (position: (0, 0.35, 5), target: (0, 0.35, 0), projection: Orthographic(height: 1.2)),
+             objects: {{ \"text\": (shape: Text({fields})) }})"
+        )
+    };
+    let shown = |fields: &str| {
+        let folder = folder();
+        render(folder.path(), &text(fields), &["-o", "f_#.png"]);
+        let image = image::open(folder.path().join("f_0.png")).expect("a picture").to_rgba8();
+        image.pixels().filter(|pixel| pixel.0[3] > 127).count()
+    };
+    let (one, two) = (shown(r#""l""#), shown(r#""ll""#));
+    assert!(one > 50 && two.abs_diff(2 * one) < one / 5, "{one} {two}");
+    assert!(shown(r#"text: "l", size: 0.5, depth: 0"#).abs_diff(one / 4) < one / 10);
+    for (fields, part) in [
+        (r#""""#, "no letters that can be seen"),
+        (r#"" ""#, "no letters that can be seen"),
+        (r#""漢""#, "does not have `漢`"),
+        (r#"text: "a", depth: -1"#, "`depth`"),
+        ("size: 2", "has no `text`"),
+        (r#"text: "a", font: "no.ttf""#, "cannot read the font"),
+    ] {
+        let message = parse("a.ron", &text(fields)).expect_err(fields).to_string();
+        assert!(message.contains("a.ron:") && message.contains(part), "{fields}: {message}");
+    }
+}
+
 #[test]
 fn filmstrips_show_annotations() {
     let folder = folder();
@@ -230,6 +288,10 @@ fn mistakes_name_their_place() {
         (r#""a": Trail(Screen(0.5, 0.5))"#, &["a point of the world"]),
         (r#""a": Plot(series: {"y": Column(file: "no.csv", column: "y")})"#, &["cannot read the table"]),
         (r#""a": Axes(titles: ("a", "b", "c"))"#, &["axes stand around an `object`"]),
+        (r#""a": ColorBar(title: "p")"#, &["of an `object` or of a `material`", "needs one of them"]),
+        (r#""a": ColorBar(object: "sheet", material: "none")"#, &["one too many"]),
+        (r#""a": Grid(step: 0.001)"#, &["at most 1000 lines a side", "a longer `step`"]),
+        (r#""a": Card(text: "below")"#, &["a card has no `title`"]),
     ] {
         let message = parse("a.ron", &scene(annotations)).expect_err(annotations).to_string();
         assert!(message.contains("a.ron:"), "{message}");

@@ -125,7 +125,6 @@ fn job(path: &Path, pictures: &[Picture], rate: (i128, i128), gif: GifSettings) 
         transparent: false,
         background_color: DEFAULT_BACKGROUND_COLOR,
         drawings: Vec::new(),
-        caption: None,
         formats: Formats { gif, ..Formats::default() },
         info: SequenceInfo::default(),
     }

@@ -40,7 +40,6 @@ fn job(path: &str, size: (u32, u32), rate: (i128, i128), formats: Formats) -> En
         transparent: false,
         background_color: DEFAULT_BACKGROUND_COLOR,
         drawings: Vec::new(),
-        caption: None,
         formats,
         info: SequenceInfo::default(),
     }

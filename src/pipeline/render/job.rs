@@ -50,7 +50,6 @@ pub(crate) fn job(sequence: &Sequence, request: &Request, states: &FrameStates) 
         background_color: output.background_color,
         // Without states, the job is only checked.
         drawings: if states.frames.is_empty() { Vec::new() } else { drawings(sequence, &request.frames) },
-        caption: output.caption.clone(),
         formats: output.formats,
         info: SequenceInfo { time_limit: request.limit(), ..sequence.about() },
     }

@@ -5,6 +5,7 @@ use super::scene_names::SceneNames;
 use crate::annotate::{Anchor, ObjectPoint};
 use crate::base::math::{DVec3, UpAxis};
 use crate::geometry::shape::{self, Shape};
+use crate::sequence::Object;
 use crate::sequence::fault::Fault;
 use crate::sequence::fields::Fields;
 use crate::sequence::keys::keyed;
@@ -58,8 +59,7 @@ fn object_point(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Anchor> {
     let places = ["side", "point", "vertex"].map(|name| fields.has(name).then(|| fields.place(name)));
     let side = fields.optional("side", side);
     let point = fields.optional("point", vector);
-    let vertex =
-        fields.optional("vertex", |node| vertex(node, scene.object_at(index?).map(|object| &object.shape)));
+    let vertex = fields.optional("vertex", |node| vertex(node, scene.object_at(index?)));
     fields.finish();
     let given: Vec<_> = places.into_iter().flatten().collect();
     if let [first, second, ..] = &given[..] {
@@ -96,9 +96,15 @@ fn side(node: Node<'_>) -> Option<DVec3> {
 }
 
 /// The place of a vertex of a mesh.
-fn vertex(node: Node<'_>, shape: Option<&Shape>) -> Option<DVec3> {
+fn vertex(node: Node<'_>, object: Option<&Object>) -> Option<DVec3> {
     let index = whole(0..=u32::MAX)(node)?;
-    let Some(Shape::Mesh(shape::Mesh { mesh, .. })) = shape else {
+    if object.is_some_and(|object| object.tracks.is_some()) {
+        let title = "a vertex of a series has no place of its own: each file has other vertices";
+        let fault = Fault::new(node.span(), title, "not one mesh");
+        node.fault(fault.help("write a point of the world with keys, or a `side` of the box"));
+        return None;
+    }
+    let Some(Shape::Mesh(shape::Mesh { mesh, .. })) = object.map(|object| &object.shape) else {
         node.fault(Fault::new(node.span(), "only meshes have vertices", "this object is no mesh"));
         return None;
     };

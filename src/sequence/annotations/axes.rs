@@ -4,7 +4,7 @@ use super::anchor::world_anchor;
 use super::common::{common, common_over, position, share};
 use super::scene_names::SceneNames;
 use crate::annotate::{
-    Annotation, AnnotationKind, Axes, AxesBox, GridMark, PanelPlace, ScaleBar, Style, Triad,
+    Annotation, AnnotationKind, Axes, AxesBox, GridMark, MAX_LINES, PanelPlace, ScaleBar, Style, Triad,
 };
 use crate::base::color::Rgb;
 use crate::base::math::{Aabb, DVec3};
@@ -85,7 +85,16 @@ pub fn grid(node: Node<'_>) -> Option<Annotation> {
     let size =
         fields.or("extent", |node| each(tuple(node, "two lengths (width, length)")?, positive), [10.0; 2]);
     let step = fields.or("step", positive, 1.0);
+    let place = fields.place("step");
     fields.finish();
+    if let (Some(size), Some(step)) = (size, step)
+        && size.iter().any(|side| side / step > MAX_LINES)
+    {
+        let title = format!("a grid has at most {MAX_LINES} lines a side");
+        let fault = Fault::new(place, title, "more lines than that");
+        node.fault(fault.help("write a longer `step`, or a smaller `extent`"));
+        return None;
+    }
     let up = node.file.up.get();
     let (a, b) = sides?;
     let sides = [a, b].map(|side| up.to_y_up(side));

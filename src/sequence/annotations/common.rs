@@ -3,10 +3,11 @@
 use crate::annotate::{Annotation, AnnotationKind, Backdrop, Offset, PanelPlace, PanelPosition, Style};
 use crate::base::math::{DVec2, DVec3};
 use crate::drawing::Font;
-use crate::encode::{CaptionError, Template};
+use crate::encode::{Template, TemplateError};
 use crate::sequence::colors::color;
 use crate::sequence::fault::Fault;
 use crate::sequence::fields::Fields;
+use crate::sequence::font_files::font;
 use crate::sequence::keys::keyed;
 use crate::sequence::names::entries;
 use crate::sequence::node::Node;
@@ -71,22 +72,6 @@ pub fn common_over(fields: &mut Fields<'_>, default: Style) -> Option<Common> {
         },
         values: values?,
     })
-}
-
-/// A font file.
-fn font(node: Node<'_>) -> Option<Font> {
-    let name = text(node)?;
-    match node.file.fonts.font(&name) {
-        Ok(font) => Some(font),
-        Err(why) => {
-            let title = format!("cannot read the font {:?}", shortened(&name));
-            let fault = Fault::new(node.span(), title, why);
-            node.fault(
-                fault.help("fonts are .ttf and .otf files; paths are relative to the sequence file's folder"),
-            );
-            None
-        }
-    }
 }
 
 fn backdrop(node: Node<'_>) -> Option<Backdrop> {
@@ -168,10 +153,10 @@ fn one_template(node: Node<'_>, names: &[&str]) -> Option<Template> {
     parsed.map_err(|error| report(node, &error)).ok()
 }
 
-fn report(node: Node<'_>, error: &CaptionError) {
+fn report(node: Node<'_>, error: &TemplateError) {
     let fault = Fault::new(node.span(), error.to_string(), "cannot be written");
     node.fault(match error {
-        CaptionError::Unknown(name, _) => fault
+        TemplateError::Unknown(name, _) => fault
             .help(format!("numbers of your own: values: {{ \"{}\": [(0, 1), (2, 5)] }}", shortened(name))),
         _ => fault,
     });

@@ -14,12 +14,18 @@ use crate::sequence::keys::{key_time, keyed};
 use crate::sequence::names::entries;
 use crate::sequence::node::Node;
 use crate::sequence::values::{each, switch, text, tuple, whole};
-use crate::track::Animated;
+use crate::track::{Animated, Key};
 
 pub fn color_bar(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Annotation> {
     let mut fields = Fields::of(node, "a colour bar")?;
     let common = common(&mut fields);
     let of_object = fields.has("object");
+    if of_object == fields.has("material") {
+        let title = "a colour bar explains the numbers of an `object` or of a `material`";
+        let label = if of_object { "one too many" } else { "needs one of them" };
+        node.fault(Fault::new(node.head(), title, label));
+        return None;
+    }
     let source = match of_object {
         true => fields.required("object", |node| scene.data_of_object(node)),
         false => fields.required("material", |node| scene.data_of_material(node)),
@@ -41,7 +47,17 @@ pub fn color_bar(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Annotation> {
         ));
         return None;
     };
-    let title = title?.unwrap_or_else(|| plain(&usual_title(&source, &unit.unwrap_or_default())).into());
+    let unit = unit?;
+    let title = match title? {
+        None => plain(&usual_title(&source, &unit)).into(),
+        Some(title) if unit.is_empty() => title,
+        Some(Animated::Constant(title)) => title.followed_by(&in_brackets(&unit)).into(),
+        Some(Animated::Keyed(titles)) => {
+            let with_unit =
+                |key: Key<Template>| Key { value: key.value.followed_by(&in_brackets(&unit)), ..key };
+            Animated::Keyed(titles.map(with_unit))
+        }
+    };
     let kind = AnnotationKind::ColorBar(ColorBar {
         range,
         scale: source.scale,
@@ -62,7 +78,11 @@ fn usual_title(source: &DataTexture, unit: &str) -> String {
         DataSource::Coordinate(axis) => ["x", "y", "z"][*axis as usize % 3].to_owned(),
         DataSource::Array(key) => key.name.clone(),
     };
-    if unit.is_empty() { name } else { format!("{name} ({unit})") }
+    if unit.is_empty() { name } else { name + &in_brackets(unit) }
+}
+
+fn in_brackets(unit: &str) -> String {
+    format!(" ({unit})")
 }
 
 fn title(fields: &mut Fields<'_>, common: Option<&Common>) -> Option<Option<Animated<Template>>> {

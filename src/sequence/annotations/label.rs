@@ -4,15 +4,18 @@ use super::anchor::anchor;
 use super::common::{common, common_over, offset, plain, position, share, template};
 use super::scene_names::SceneNames;
 use crate::annotate::{
-    Annotation, AnnotationKind, Backdrop, Behind, CaptionText, Label, Logo, PanelPlace, ProgressBar, Style,
+    Annotation, AnnotationKind, Backdrop, Behind, CaptionText, Card, Label, Logo, PanelPlace, PanelPosition,
+    ProgressBar, Style,
 };
 use crate::appearance::texture::{ColorEncoding, Image};
-use crate::base::color::linear_to_srgb;
+use crate::base::color::{Rgb, linear_to_srgb};
 use crate::drawing::Bitmap;
 use crate::encode::Template;
+use crate::sequence::colors::color;
 use crate::sequence::fault::Fault;
 use crate::sequence::fields::Fields;
 use crate::sequence::image::image as image_file;
+use crate::sequence::keys::keyed;
 use crate::sequence::node::Node;
 use crate::sequence::values::{one_of, switch};
 use crate::track::Animated;
@@ -43,9 +46,11 @@ pub fn label(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Annotation> {
 /// A caption, or a clock with its usual text.
 pub fn caption(node: Node<'_>, usual: Option<&str>) -> Option<Annotation> {
     let what = if usual.is_some() { "a clock" } else { "a caption" };
-    let mut fields = Fields::of_or_only(node, what, "text")?;
-    let style = Style { backdrop: Backdrop::Box(None, 0.55), ..Style::default() };
-    let common = common_over(&mut fields, style);
+    let mut fields = match node.is_text() {
+        true => Fields::only(node, what, "text"),
+        false => Fields::of_or_only(node, what, "text")?,
+    };
+    let common = common_over(&mut fields, Style::of_captions());
     let names = common.as_ref().map(|common| common.names(&[])).unwrap_or_default();
     let text: Option<Animated<Template>> = match usual {
         Some(usual) => {
@@ -54,10 +59,25 @@ pub fn caption(node: Node<'_>, usual: Option<&str>) -> Option<Annotation> {
         }
         None => fields.required("text", template(&names)),
     };
-    let position =
-        position(&mut fields, if usual.is_some() { PanelPlace::TopRight } else { PanelPlace::BottomLeft });
+    let place = fields.renamed("place", "corner", one_of("place", &PanelPlace::NAMED));
+    let offset = offset(&mut fields);
     fields.finish();
-    Some(common?.with(AnnotationKind::Caption(CaptionText { text: text?, position: position? })))
+    let default = if usual.is_some() { PanelPlace::TopRight } else { PanelPlace::BottomLeft };
+    let position = PanelPosition { place: place?.unwrap_or(default), offset: offset? };
+    Some(common?.with(AnnotationKind::Caption(CaptionText { text: text?, position })))
+}
+
+pub fn card(node: Node<'_>) -> Option<Annotation> {
+    let mut fields = Fields::of_or_only(node, "a card", "title")?;
+    let style = Style { backdrop: Backdrop::None, ..Style::default() };
+    let common = common_over(&mut fields, style);
+    let names = common.as_ref().map(|common| common.names(&[])).unwrap_or_default();
+    let title = fields.required("title", template(&names));
+    let text = fields.or("text", template(&names), Template::default());
+    let background = fields.or("background", keyed(color), Rgb::ZERO);
+    fields.finish();
+    let kind = AnnotationKind::Card(Card { title: title?, text: text?, background: background? });
+    Some(common?.with(kind))
 }
 
 pub fn progress(node: Node<'_>) -> Option<Annotation> {

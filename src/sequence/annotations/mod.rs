@@ -8,6 +8,7 @@ mod label;
 mod lines;
 mod scene_names;
 
+pub use label::caption;
 pub use scene_names::SceneNames;
 
 use super::Named;
@@ -29,9 +30,10 @@ pub fn annotations(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Vec<Named<A
     decoded.into_iter().collect()
 }
 
-const KINDS: [&str; 18] = [
+const KINDS: [&str; 19] = [
     "Label",
     "Caption",
+    "Card",
     "Clock",
     "Progress",
     "Image",
@@ -54,6 +56,7 @@ fn annotation(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Annotation> {
     match known_word(node, "annotation", &KINDS)? {
         "Label" => label::label(node, scene),
         "Caption" => label::caption(node, None),
+        "Card" => label::card(node),
         "Clock" => label::caption(node, Some("{time} s")),
         "Progress" => label::progress(node),
         "Image" => label::image(node),

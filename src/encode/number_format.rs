@@ -24,6 +24,11 @@ impl NumberFormat {
         Self { decimals: Some(decimals), ..Self::default() }
     }
 
+    /// The same format with a number of decimals, if it has none of its own.
+    pub fn or_decimals(self, decimals: usize) -> Self {
+        Self { decimals: self.decimals.or(Some(decimals)), ..self }
+    }
+
     /// Parses a format. None if it is not one.
     pub fn parse(text: &str) -> Option<Self> {
         let (signed, rest) = text.strip_prefix('+').map_or((false, text), |rest| (true, rest));

@@ -35,7 +35,7 @@ const FIELDS: [(&str, Field); 4] =
 
 /// Why a text is not a template. The message says what is wrong and what would be right.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum CaptionError {
+pub enum TemplateError {
     /// A name, and the names of the values that are known.
     Unknown(String, Vec<String>),
     /// A format of a placeholder.
@@ -43,7 +43,7 @@ pub enum CaptionError {
     Unclosed,
 }
 
-impl fmt::Display for CaptionError {
+impl fmt::Display for TemplateError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unknown(name, values) => {
@@ -57,23 +57,23 @@ impl fmt::Display for CaptionError {
             Self::Format(format) => write!(
                 f,
                 "`{format}` is not the format of a number; write {{time:.3}} for three decimals, {{time:+.1}} for a \
-                 sign, {{time:6.2}} for at least six characters, or {{frame:04.0}} for zeros in front"
+                 sign, {{time:6.2}} for at least six characters, or {{frame:04}} for zeros in front"
             ),
             Self::Unclosed => f.write_str("a `{` has no `}`; write {{ for a brace"),
         }
     }
 }
 
-impl std::error::Error for CaptionError {}
+impl std::error::Error for TemplateError {}
 
 impl Template {
     /// Parses a text with the placeholders `{frame}`, `{frames}`, `{time}` and `{name}`.
-    pub fn parse(text: &str) -> Result<Self, CaptionError> {
+    pub fn parse(text: &str) -> Result<Self, TemplateError> {
         Self::with_values(text, &[])
     }
 
     /// [`Template::parse`] with placeholders for values of these names, too.
-    pub fn with_values(text: &str, values: &[&str]) -> Result<Self, CaptionError> {
+    pub fn with_values(text: &str, values: &[&str]) -> Result<Self, TemplateError> {
         let (mut parts, mut plain, mut rest) = (Vec::new(), String::new(), text);
         while let Some(at) = rest.find(['{', '}']) {
             plain.push_str(&rest[..at]);
@@ -85,7 +85,7 @@ impl Template {
             } else if brace == "}" {
                 plain.push('}');
             } else {
-                let (name, after) = rest.split_once('}').ok_or(CaptionError::Unclosed)?;
+                let (name, after) = rest.split_once('}').ok_or(TemplateError::Unclosed)?;
                 parts.extend([Part::Text(std::mem::take(&mut plain)), field(name, values)?]);
                 rest = after;
             }
@@ -95,11 +95,10 @@ impl Template {
         Ok(Self(parts))
     }
 
-    /// A note that names the letters that the font lacks and captions leave out. `None` if it has all. `name` is the
-    /// name of the sequence.
+    /// A note that names the letters that the program's font lacks and captions leave out. `None` if it has all. `name`
+    /// is the name of the sequence.
     pub fn missing_glyphs_note(&self, name: &str) -> Option<String> {
-        let letters = listed(&self.missing_glyphs(name, &Font::default()))?;
-        Some(format!("captions are without {letters}, which the font does not have"))
+        missing_glyphs_note(&self.missing_glyphs(name, &Font::default()))
     }
 
     /// The letters that a font lacks.
@@ -111,6 +110,12 @@ impl Template {
         };
         let text = self.0.iter().map(fixed).collect::<String>();
         font.missing_glyphs(&text.lines().collect::<String>())
+    }
+
+    /// The same template with a text after it.
+    pub fn followed_by(mut self, text: &str) -> Self {
+        self.0.push(Part::Text(text.to_owned()));
+        self
     }
 
     /// Number of lines of the text.
@@ -142,7 +147,9 @@ impl Template {
                     Field::Value(index) => values.get(*index).copied().unwrap_or(f64::NAN),
                     Field::Time | Field::Name => info.time_value(),
                 };
-                format.unwrap_or_default().write(value)
+                let format = format.unwrap_or_default();
+                let is_count = matches!(field, Field::Frame | Field::Frames);
+                if is_count { format.or_decimals(0) } else { format }.write(value)
             }
         };
         self.0.iter().map(part).collect()
@@ -150,20 +157,27 @@ impl Template {
 }
 
 /// The placeholder `NAME` or `NAME:FORMAT`.
-fn field(text: &str, values: &[&str]) -> Result<Part, CaptionError> {
+fn field(text: &str, values: &[&str]) -> Result<Part, TemplateError> {
     let (name, format) = text.split_once(':').map_or((text, None), |(name, format)| (name, Some(format)));
     let value = values.iter().position(|known| *known == name).map(Field::Value);
     let field = value.or_else(|| FIELDS.iter().find(|(known, _)| *known == name).map(|(_, field)| *field));
-    let unknown = || CaptionError::Unknown(name.to_owned(), values.iter().map(|v| (*v).to_owned()).collect());
+    let unknown =
+        || TemplateError::Unknown(name.to_owned(), values.iter().map(|v| (*v).to_owned()).collect());
     let field = field.ok_or_else(unknown)?;
     let format = match format {
         Some(format) => {
-            let bad = || CaptionError::Format(format.to_owned());
+            let bad = || TemplateError::Format(format.to_owned());
             Some(NumberFormat::parse(format).filter(|_| field != Field::Name).ok_or_else(bad)?)
         }
         None => None,
     };
     Ok(Part::Field(field, format))
+}
+
+/// A note that names the letters that captions leave out. None if there are none.
+pub fn missing_glyphs_note(letters: &[char]) -> Option<String> {
+    let letters = listed(letters)?;
+    Some(format!("captions are without {letters}, which the font does not have"))
 }
 
 /// Names letters. None if there are none.
