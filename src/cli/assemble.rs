@@ -233,6 +233,7 @@ impl Arguments {
             outputs: self.output.clone(),
             rate: wanted.rate.or(chosen.rate).unwrap_or_default(),
             formats,
+            drawings: chosen.drawings.clone(),
             background_color: self.background_color.unwrap_or(background_color),
             text: self.strip_caption.clone(),
             columns: self.columns,

@@ -3,11 +3,13 @@
 use crate::base::color::Rgb;
 use crate::base::frame_set::{self, MAX_FRAMES};
 use crate::base::time::Rate;
+use crate::drawing::Drawing;
 use crate::encode::{
     AnimationAssembler, DEFAULT_BACKGROUND_COLOR, EncodeError, EncodeJob, Existing, Flaw, Formats, FrameInfo,
     FramePattern, JobError, Output, Report, SequenceInfo, Sheet, Template, Tonemap, check_size, inspect,
     inspect_job, prepare_picture, read_picture, same_file, sheet_columns, write_picture,
 };
+use crate::pipeline::drawings::drawings;
 use crate::pipeline::memory;
 use crate::pipeline::plan::evaluate;
 use crate::pipeline::render::{self, MemoryUse, RenderError, pool};
@@ -27,6 +29,8 @@ pub struct AssembleRequest {
     pub outputs: Vec<Output>,
     pub rate: Rate,
     pub formats: Formats,
+    /// What the frames show besides their light, in their order; empty if that is unknown. GIFs keep its colours.
+    pub drawings: Vec<Arc<Drawing>>,
     /// Colour behind transparent frames in formats without alpha.
     pub background_color: Rgb,
     /// Text below each frame of a filmstrip, and the number of frames in a row.
@@ -52,6 +56,8 @@ pub struct SelectedFrames {
     /// The sequence's name and rate, from the frames' metadata.
     pub name: Option<String>,
     pub rate: Option<Rate>,
+    /// The annotations of the frames, if their sequence is known.
+    pub drawings: Vec<Arc<Drawing>>,
     /// Notes for the user.
     pub notes: Vec<String>,
 }
@@ -85,6 +91,8 @@ pub fn select_frames_of(
         selected.notes.push(note.to_owned());
     }
     (selected.name, selected.rate) = (Some(sequence.name.clone()), Some(sequence.timeline.rate));
+    let numbers: Vec<u32> = selected.frames.iter().map(|(number, _)| *number).collect();
+    selected.drawings = pool.install(|| drawings(sequence, &numbers));
     Ok(selected)
 }
 
@@ -206,7 +214,7 @@ pub fn assemble(request: &AssembleRequest) -> Result<Report, RenderError> {
         tonemap: Tonemap::default(),
         transparent: first.alpha.is_some(),
         background_color: request.background_color,
-        drawings: Vec::new(),
+        drawings: request.drawings.clone(),
         formats: request.formats,
         info: about.clone(),
     };
@@ -248,6 +256,7 @@ impl Default for AssembleRequest {
             outputs: Vec::new(),
             rate: Rate::default(),
             formats: Formats::default(),
+            drawings: Vec::new(),
             background_color: DEFAULT_BACKGROUND_COLOR,
             text: Template::default(),
             columns: None,
