@@ -14,7 +14,7 @@ use crate::sequence::pose_columns::{TIMES, column};
 use crate::sequence::pose_tracks::number_track;
 use crate::sequence::poses::table;
 use crate::sequence::suggest::{listed, shortened};
-use crate::sequence::values::{between, each, number, one_of, positive, switch, text, tuple};
+use crate::sequence::values::{between, each, file_path, number, one_of, positive, switch, text, tuple};
 use crate::track::Animated;
 
 /// The fields of every annotation.
@@ -75,7 +75,7 @@ pub fn common_over(fields: &mut Fields<'_>, default: Style) -> Option<Common> {
 
 /// A font file.
 fn font(node: Node<'_>) -> Option<Font> {
-    let name = text(node)?;
+    let name = file_path(node)?;
     match node.file.fonts.font(&name) {
         Ok(font) => Some(font),
         Err(why) => {
@@ -131,7 +131,7 @@ pub fn number_over_time(node: Node<'_>) -> Option<Animated<f64>> {
     let mut place = node.span();
     let table = fields.required("file", |node| {
         place = node.span();
-        table(node, &text(node)?)
+        table(node, &file_path(node)?)
     });
     let name = fields.required("column", column);
     let time = fields.optional("time", column);
