@@ -44,6 +44,18 @@ pub fn read_at_most(input: impl Read, most: u64) -> io::Result<Vec<u8>> {
     if bytes.len() as u64 > most { Err(too_large(most)) } else { Ok(bytes) }
 }
 
+/// The text in the bytes of a file.
+///
+/// # Errors
+/// The line of the first byte that is not UTF-8.
+pub fn utf8(bytes: Vec<u8>) -> Result<String, String> {
+    String::from_utf8(bytes).map_err(|error| {
+        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = good.iter().filter(|byte| **byte == b'\n').count() + 1;
+        format!("it is not UTF-8 text; the first wrong byte is in line {line}")
+    })
+}
+
 fn too_large(most: u64) -> io::Error {
     let most = match most >> 20 {
         mebibytes if mebibytes.is_multiple_of(1024) => format!("{} GiB", mebibytes >> 10),

@@ -6,7 +6,7 @@ use super::terminal;
 use crate::base::escape;
 use crate::base::files::{Root, describe};
 use crate::farm::Fingerprint;
-use crate::sequence::{Sequence, load_watched};
+use crate::sequence::{self, Sequence, load_watched};
 use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Arc;
@@ -23,6 +23,29 @@ pub fn with_files(
     outside: bool,
     reporter: LoadingReporter,
 ) -> Result<(Sequence, Root), Failure> {
+    check_file(path)?;
+    let meter = Arc::default();
+    let root = root_of(path, outside);
+    let load = || load_watched(path, root.clone(), &meter);
+    let sequence = loading::watch(&meter, reporter, load);
+    let sequence = sequence.map_err(|error| Failure::Faults(error.render(terminal::color())))?;
+    Ok((sequence, root))
+}
+
+/// The sequence in a file as one plain file.
+pub fn expanded(path: &Path, outside: bool, reporter: LoadingReporter) -> Result<String, Failure> {
+    check_file(path)?;
+    let (meter, root) = (Arc::default(), root_of(path, outside));
+    let text = loading::watch(&meter, reporter, || sequence::expanded(path, root, &meter));
+    text.map_err(|error| Failure::Faults(error.render(terminal::color())))
+}
+
+fn root_of(path: &Path, outside: bool) -> Root {
+    if outside { Root::anywhere() } else { Root::of(path.parent().unwrap_or(Path::new(""))) }
+}
+
+/// Fails if there is no such file.
+fn check_file(path: &Path) -> Result<(), Failure> {
     let name = escape::path(path);
     match std::fs::metadata(path) {
         Ok(what) if what.is_dir() => {
@@ -34,12 +57,7 @@ pub fn with_files(
         Err(error) => return Err(Failure::Bad(format!("cannot read {name}: {error}"))),
         Ok(_) => {}
     }
-    let meter = Arc::default();
-    let root = if outside { Root::anywhere() } else { Root::of(path.parent().unwrap_or(Path::new(""))) };
-    let load = || load_watched(path, root.clone(), &meter);
-    let sequence = loading::watch(&meter, reporter, load);
-    let sequence = sequence.map_err(|error| Failure::Faults(error.render(terminal::color())))?;
-    Ok((sequence, root))
+    Ok(())
 }
 
 /// A hint, if only the extension is missing.

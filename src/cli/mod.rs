@@ -7,6 +7,7 @@
 mod accuracy;
 mod assemble;
 mod check;
+mod expand;
 mod failure;
 mod farm;
 mod farm_forecast;
@@ -62,6 +63,7 @@ enum Command {
     Assemble(assemble::Arguments),
     Turntable(turntable::Arguments),
     Check(check::Arguments),
+    Expand(expand::Arguments),
     Plan(plan::Arguments),
     #[cfg(feature = "accuracy")]
     Accuracy(accuracy::Arguments),
@@ -78,6 +80,7 @@ Examples:
   kinora poster sequences/hello.ron                  one frame
   kinora turntable part.stl -o part.gif              one turn around a part, without a sequence file
   kinora check sequences/hello.ron                   report every mistake, render nothing
+  kinora expand sequences/hello.ron                  print what values, templates and includes come to
   kinora plan sequences/light-show.ron               predict the time, the error and the rays
   kinora accuracy sequences/room.ron --quick         measure what accuracy costs in time
   kinora farm export slurm sequences/hello.ron       write a job for many machines
@@ -118,6 +121,7 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Assemble(arguments) => assemble::run(&arguments),
         Command::Turntable(arguments) => turntable::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Expand(arguments) => expand::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         #[cfg(feature = "accuracy")]
         Command::Accuracy(arguments) => accuracy::run(&arguments),

@@ -18,12 +18,26 @@ pub fn color() -> bool {
 
 /// Prints a line of results. If the reader went away (`kinora … | head`), that is no error.
 pub fn print_line(line: &str) -> Result<(), Failure> {
-    match write_line(&mut stdout(), line) {
+    written(write_line(&mut stdout(), line))
+}
+
+fn written(result: std::io::Result<()>) -> Result<(), Failure> {
+    match result {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::Incomplete(format!("cannot write to the standard output: {error}")))
         }
         _ => Ok(()),
     }
+}
+
+/// Prints a file: unchanged, unless a terminal displays it.
+pub fn print_text(text: &str) -> Result<(), Failure> {
+    if stdout().is_terminal() {
+        // Terminals would obey control characters, except that tabs are harmless.
+        return print_line(&text.replace('\t', "    "));
+    }
+    let mut out = stdout();
+    written(writeln!(out, "{text}").and_then(|()| out.flush()))
 }
 
 /// Fails if frames would go to a closed standard output. Without this check, they would be lost in silence.

@@ -6,6 +6,7 @@ use super::check::{self, report_blind_cameras};
 use super::colors::color;
 use super::data_ranges;
 use super::environment::environment;
+use super::expand::OWN_FIELDS;
 use super::fault::Fault;
 use super::fields::Fields;
 use super::fog::fog;
@@ -51,6 +52,8 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
         return None;
     }
     let mut fields = Fields::of(root, "the sequence")?;
+    // They are used up before.
+    OWN_FIELDS.into_iter().for_each(|name| fields.ignore(name));
     // First, because they set the axes of vectors and the unit of key times.
     let up = fields.or("up", up_axis, UpAxis::Y);
     root.file.up.set(up.unwrap_or_default());

@@ -8,7 +8,7 @@ use super::keys::keyed;
 use super::node::Node;
 use super::paint::encoding;
 use super::transform::turn;
-use super::values::{not_negative, switch, text, unit_vector};
+use super::values::{file_path, not_negative, switch, unit_vector};
 use crate::appearance::environment::{CubeMap, EnvironmentTracks, FACES, FacesError, SkyTracks};
 use crate::appearance::texture::{ColorEncoding, Image, SharedAsset};
 use crate::base::color::Rgb;
@@ -83,7 +83,7 @@ fn faces(fields: &mut Fields<'_>, encoding: ColorEncoding) -> Option<[SharedAsse
 
 /// The images whose names have `px`, `nx` and so on in place of `*`.
 fn all_faces(node: Node<'_>, encoding: ColorEncoding) -> Option<[SharedAsset<Image>; 6]> {
-    let name = text(node)?;
+    let name = file_path(node)?;
     if name.matches('*').count() != 1 {
         node.expected("a name with one `*`, which stands for px, nx, py, ny, pz and nz");
         return None;

@@ -3,7 +3,7 @@
 use super::fault::Fault;
 use super::node::Node;
 use super::suggest::shortened;
-use super::values::text;
+use super::values::file_path;
 use crate::base::files::{self, Root};
 use crate::drawing::Font;
 use std::cell::RefCell;
@@ -42,7 +42,7 @@ impl FontFiles {
 
 /// Decodes the name of a font file.
 pub fn font(node: Node<'_>) -> Option<Font> {
-    let name = text(node)?;
+    let name = file_path(node)?;
     match node.file.fonts.font(&name) {
         Ok(font) => Some(font),
         Err(why) => {

@@ -3,12 +3,12 @@
 use super::fault::Fault;
 use super::node::Node;
 use super::suggest::shortened;
-use super::values::text;
+use super::values::file_path;
 use crate::appearance::texture::{ColorEncoding, Image, SharedAsset};
 
 /// A decoder for the quoted name of an image file.
 pub fn image<'s>(encoding: ColorEncoding) -> impl Fn(Node<'s>) -> Option<SharedAsset<Image>> {
-    move |node| named_image(node, &text(node)?, encoding)
+    move |node| named_image(node, &file_path(node)?, encoding)
 }
 
 /// The image called `name`. `node` is the place of the name.

@@ -8,7 +8,7 @@ use super::pose_tracks::{Placement, PoseFault, at_row, placements, values};
 use super::poses::table;
 use super::shape::{ShapeOverTime, shape};
 use super::suggest::shortened;
-use super::values::{LARGEST, SHORTEST, each, is_number, number, text, tuple};
+use super::values::{LARGEST, SHORTEST, each, file_path, is_number, number, tuple};
 use crate::base::math::DVec3;
 use crate::geometry::shape::Shape;
 use crate::import::table::Table;
@@ -40,7 +40,7 @@ pub fn instances(node: Node<'_>) -> Option<Instances> {
     let (mut place, mut name) = (node.span(), String::new());
     let table = fields.required("file", |node| {
         place = node.span();
-        name = text(node)?;
+        name = file_path(node)?;
         table(node, &name)
     });
     let id = fields.optional("id", column);

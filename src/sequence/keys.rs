@@ -6,7 +6,7 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::key_clock::KeyClock;
 use super::node::{Node, NodeContent};
-use super::values::{exact_number, switch};
+use super::values::{exact_or_rounded, switch};
 use super::words::word;
 use crate::base::time::Time;
 use crate::track::{Animate, Animated, Ease, Key, Modes, Repeat, Track};
@@ -154,7 +154,7 @@ pub fn report_unsorted<'s>(times: impl Iterator<Item = (Time, Node<'s>)>) -> boo
 
 /// A key's time in seconds.
 pub fn key_time(node: Node<'_>) -> Option<Time> {
-    let time = exact_number(node, TIME_PLACES)?;
+    let time = exact_or_rounded(node, TIME_PLACES)?;
     if !is_allowed(time) {
         node.expected("a time between -1e9 and 1e9");
         return None;
@@ -164,7 +164,7 @@ pub fn key_time(node: Node<'_>) -> Option<Time> {
 
 /// A time between two keys in seconds, above 0.
 pub fn interval(node: Node<'_>) -> Option<Time> {
-    let time = exact_number(node, TIME_PLACES)?;
+    let time = exact_or_rounded(node, TIME_PLACES)?;
     if !is_allowed(time) || time <= Time::from_integer(0) {
         node.expected("a time above 0 and up to 1e9");
         return None;

@@ -1,6 +1,7 @@
 //! Decodes `lights`.
 
 use super::colors::color;
+use super::expand::REPEAT;
 use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
@@ -24,6 +25,11 @@ pub fn light(node: Node<'_>) -> Option<LightTracks> {
             ("Directional", |node| lit(node, "`Directional`", directional)),
             ("Sphere", |node| lit(node, "`Sphere`", sphere)),
             ("Rectangle", |node| lit(node, "`Rectangle`", rectangle)),
+            // Repeated lights have been expanded, so this one repeats another `Repeat`.
+            (REPEAT, |node| {
+                node.expected("a light");
+                None
+            }),
         ],
     )
 }

@@ -1,9 +1,12 @@
 //! Loads a [`Sequence`] from text.
 
 use super::document;
-use super::fault::{Fault, Faults};
+use super::expand::source::Sources;
+use super::expand::{self, Expanded, include};
+use super::fault::Fault;
+use super::faults::Faults;
 use super::node;
-use super::{Sequence, outline, syntax};
+use super::{Sequence, syntax};
 use crate::base::files::{self, Root};
 use crate::import::LoadProgress;
 use std::fmt;
@@ -62,26 +65,41 @@ pub fn load_text(
     root: Root,
     meter: &Arc<LoadProgress>,
 ) -> Result<Sequence, LoadError> {
-    let source = SourceText { name: &path.to_string_lossy(), folder: folder_of(path), root, text };
-    source.parse(meter).map_err(|faults| LoadError::Faults(Box::new(faults)))
+    let source =
+        SourceText { name: &path.to_string_lossy(), folder: folder_of(path), root, text, wants_plain: false };
+    source.parse(meter).map(|loaded| loaded.sequence).map_err(|faults| LoadError::Faults(Box::new(faults)))
 }
 
 fn read(path: &Path) -> Result<String, String> {
     // A pipe works too: the user who passes it also writes to it.
     let bytes = File::open(path).and_then(|file| files::read_at_most(file, LARGEST_FILE));
-    let bytes = bytes.map_err(|error| files::describe(&error))?;
-    String::from_utf8(bytes).map_err(|error| {
-        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        let line = good.iter().filter(|byte| **byte == b'\n').count() + 1;
-        format!("it is not UTF-8 text; the first wrong byte is in line {line}")
-    })
+    files::utf8(bytes.map_err(|error| files::describe(&error))?)
+}
+
+/// The sequence in a file as one plain file: without values, expressions, repetitions, templates and included files.
+/// Its paths are relative to the folder of `path`. It loads as the same sequence.
+pub fn expanded(path: &Path, root: Root, meter: &Arc<LoadProgress>) -> Result<String, LoadError> {
+    let text = read(path).map_err(|reason| LoadError::Unreadable { path: path.to_owned(), reason })?;
+    let source = SourceText {
+        name: &path.to_string_lossy(),
+        folder: folder_of(path),
+        root,
+        text: &text,
+        wants_plain: true,
+    };
+    source
+        .parse(meter)
+        .map(|loaded| loaded.plain.unwrap_or_default())
+        .map_err(|faults| LoadError::Faults(Box::new(faults)))
 }
 
 /// Parses a sequence from text. `name` is its path in messages. The files that it names are relative to the directory
 /// of `name` and must be within the root of that directory. The file stem becomes the sequence's name.
 pub fn parse(name: &str, text: &str) -> Result<Sequence, Faults> {
     let folder = folder_of(Path::new(name));
-    SourceText { name, folder, root: Root::of(folder), text }.parse(&Arc::default())
+    SourceText { name, folder, root: Root::of(folder), text, wants_plain: false }
+        .parse(&Arc::default())
+        .map(|loaded| loaded.sequence)
 }
 
 /// The folder to which a file's own paths are relative.
@@ -95,33 +113,94 @@ struct SourceText<'s> {
     folder: &'s Path,
     root: Root,
     text: &'s str,
+    /// Whether the text is needed as one plain file.
+    wants_plain: bool,
+}
+
+/// A sequence, and its text as one plain file if that is needed.
+struct Loaded {
+    sequence: Sequence,
+    plain: Option<String>,
 }
 
 impl SourceText<'_> {
-    fn parse(self, meter: &Arc<LoadProgress>) -> Result<Sequence, Faults> {
-        let Self { name, folder, root, text } = self;
+    fn parse(self, meter: &Arc<LoadProgress>) -> Result<Loaded, Faults> {
+        let Self { name, folder, root, text, wants_plain } = self;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let is_common = outline::is_common(text, syntax::MAX_ENTRIES);
-        let faults = if is_common { Vec::new() } else { syntax::faults(text) };
+        let (is_common, faults) = syntax::checked(text);
+        let main = || include::main(name, text, is_common);
         if !faults.is_empty() {
-            return Err(Faults::new(name, text, faults));
+            return Err(Faults::new(Sources::new(main()), faults));
         }
-        let stem =
-            Path::new(name).file_stem().map_or_else(|| "sequence".into(), |stem| stem.to_string_lossy());
-        let mut file = node::File::new(text, folder, root, is_common);
-        file.meshes.meter = Arc::clone(meter);
-        file.tables.meter = Arc::clone(meter);
+        let decoder = Decoder { name, meter, wants_plain };
+        let file = node::File::new(text, folder, root.clone(), is_common);
+        if !expand::is_needed(file.root()) {
+            let decoded = decoder.decoded(file, |at| {
+                format!("{name}:{}", text.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count() + 1)
+            });
+            return decoded.map_err(|faults| Faults::new(Sources::new(main()), faults));
+        }
+        let included = include::read(main(), folder, &root);
+        let sources = &included.sources;
+        if !included.faults.is_empty() {
+            return Err(Faults::new(sources.clone(), included.faults.clone()));
+        }
+        let expanded = expand::expand(&included, folder, &root);
+        let Expanded { text, map } = expanded.map_err(|faults| Faults::new(sources.clone(), faults))?;
+        let written = |fault: Fault| {
+            let uses = map.uses_of(&map.place(&fault.span));
+            fault.relocated(|span| map.place(&span).span, uses)
+        };
+        let refused =
+            |faults: Vec<Fault>| Faults::new(sources.clone(), faults.into_iter().map(written).collect());
+        let (is_common, faults) = syntax::checked(&text);
+        if !faults.is_empty() {
+            return Err(refused(faults));
+        }
+        let mut file = node::File::new(&text, folder, root, is_common);
+        file.written = Some(node::Written { map: &map, sources });
+        let decoded = decoder.decoded(file, |at| {
+            let place = map.place(&(at..at + 1)).span.start;
+            let source = sources.of(place);
+            format!("{}:{}", source.name, source.line(place))
+        });
+        decoded.map_err(refused)
+    }
+}
+
+/// Decodes plain texts.
+struct Decoder<'d> {
+    name: &'d str,
+    meter: &'d Arc<LoadProgress>,
+    wants_plain: bool,
+}
+
+impl Decoder<'_> {
+    /// Decodes a text. `line` names the file and the line of a byte.
+    fn decoded(
+        &self,
+        mut file: node::File<'_>,
+        line: impl Fn(usize) -> String,
+    ) -> Result<Loaded, Vec<Fault>> {
+        let stem = Path::new(self.name).file_stem();
+        let stem = stem.map_or_else(|| "sequence".into(), |stem| stem.to_string_lossy());
+        file.meshes.meter = Arc::clone(self.meter);
+        file.tables.meter = Arc::clone(self.meter);
         let sequence = document::sequence(file.root(), &stem);
-        let warnings = file.warnings(name);
-        let mut faults = file.into_faults();
+        let warnings =
+            file.warnings().iter().map(|(at, warning)| format!("{}: {warning}", line(*at))).collect();
+        let mut faults = file.take_faults();
         match sequence {
-            Some(sequence) if faults.is_empty() => Ok(Sequence { warnings, ..sequence }),
+            Some(sequence) if faults.is_empty() => {
+                let plain = self.wants_plain.then(|| file.plain());
+                Ok(Loaded { sequence: Sequence { warnings, ..sequence }, plain })
+            }
             _ => {
                 if faults.is_empty() {
                     // Every decoder that fails reports a fault. If one does not, the file is still refused.
                     faults.push(Fault::new(0..0, "this file cannot be read", "for an unknown reason"));
                 }
-                Err(Faults::new(name, text, faults))
+                Err(faults)
             }
         }
     }

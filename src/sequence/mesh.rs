@@ -7,7 +7,7 @@ use super::mesh_series::{is_list, series};
 use super::node::{Node, NodeContent};
 use super::shape_tracks::ShapeTracks;
 use super::suggest::shortened;
-use super::values::{angle_between, each, list, number, positive, text, tuple, up_axis, vector, whole};
+use super::values::{angle_between, each, file_path, list, number, positive, tuple, up_axis, vector, whole};
 use super::words::word;
 use super::{Named, Object, Sequence};
 use crate::base::math::{Angle, DVec2, DVec3};
@@ -148,7 +148,7 @@ fn placed(mesh: Arc<mesh::TriangleMesh>, normals: Normals) -> Mesh {
 
 /// The mesh in the file with the quoted name.
 fn file(node: Node<'_>, preparation: &Preparation) -> Option<Arc<mesh::TriangleMesh>> {
-    let name = text(node)?;
+    let name = file_path(node)?;
     match node.file.meshes.mesh(&name, preparation) {
         Ok(mesh) => Some(mesh),
         Err(why) => {

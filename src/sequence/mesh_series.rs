@@ -6,7 +6,7 @@ use super::keys::{interval, key_time, repeat, row_time};
 use super::mesh::{KINDS, preparation, shading};
 use super::node::{Node, NodeContent};
 use super::suggest::shortened;
-use super::values::{list, one_of, text, whole};
+use super::values::{file_path, list, one_of, whole};
 use crate::base::files;
 use crate::base::time::Time;
 use crate::geometry::mesh::Preparation;
@@ -139,7 +139,7 @@ pub fn is_list(name: &str) -> bool {
 
 /// The files of a pattern or a PVD file.
 fn listed(node: Node<'_>, numbers: NumberRange) -> Option<Listed> {
-    let name = text(node)?;
+    let name = file_path(node)?;
     let fault = |why: String| {
         let title = format!("cannot read the series {:?}", shortened(&name));
         node.fault(Fault::new(node.span(), title, why));

@@ -17,7 +17,11 @@ mod decimal;
 mod document;
 mod easing;
 mod environment;
+mod expand;
+#[cfg(test)]
+mod expand_tests;
 mod fault;
+mod faults;
 mod fields;
 mod fog;
 mod font_files;
@@ -70,9 +74,9 @@ mod transform;
 mod values;
 mod words;
 
-pub use fault::Faults;
+pub use faults::Faults;
 pub use layers::LightLayers;
-pub use load::{LoadError, load, load_text, load_watched, parse};
+pub use load::{LoadError, expanded, load, load_text, load_watched, parse};
 pub use motion::UnknownObject;
 pub use quality_fields::ERRORS;
 pub use shape_tracks::ShapeTracks;

@@ -3,6 +3,8 @@
 //! ron parses everything. Nested values stay raw text that is borrowed from the source. So every value keeps its
 //! place, and a wrong value does not stop the others from being decoded.
 
+use super::expand::source::{Sources, quoted};
+use super::expand::source_map::SourceMap;
 use super::fault::Fault;
 use super::font_files::FontFiles;
 use super::image_files::ImageFiles;
@@ -23,6 +25,8 @@ use std::path::Path;
 /// The file being read: its faults so far, the unit of its key times, and the files that it names.
 pub struct File<'s> {
     source: &'s str,
+    /// The number of the source's first byte in places. Several sources share one numbering.
+    pub base: usize,
     /// Whether the whole file is in the most common notation, which is read without ron.
     is_common: bool,
     faults: RefCell<Vec<Fault>>,
@@ -39,6 +43,16 @@ pub struct File<'s> {
     pub tables: TableFiles,
     /// Fonts named in the file.
     pub fonts: FontFiles,
+    /// Where the source was written, if it was expanded.
+    pub written: Option<Written<'s>>,
+    /// Parts of an expanded source that a plain file must write in another way, with their texts there.
+    rewritten: RefCell<Vec<(Range<usize>, String)>>,
+}
+
+/// Where an expanded source was written.
+pub struct Written<'s> {
+    pub map: &'s SourceMap,
+    pub sources: &'s Sources,
 }
 
 impl<'s> File<'s> {
@@ -49,6 +63,7 @@ impl<'s> File<'s> {
         let (images, meshes) = (ImageFiles::new(folder, root.clone()), MeshFiles::new(folder, root));
         Self {
             source,
+            base: 0,
             is_common,
             faults: RefCell::default(),
             warnings: RefCell::default(),
@@ -58,6 +73,8 @@ impl<'s> File<'s> {
             meshes,
             tables,
             fonts,
+            written: None,
+            rewritten: RefCell::default(),
         }
     }
 
@@ -78,12 +95,50 @@ impl<'s> File<'s> {
         self.warnings.borrow_mut().push((at, warning));
     }
 
-    /// All warnings as `name:line: warning`, in the order of the file.
-    pub fn warnings(&self, name: &str) -> Vec<String> {
+    /// All warnings, each with its byte in the source, in the order of the file.
+    pub fn warnings(&self) -> Vec<(usize, String)> {
         let mut warnings = self.warnings.borrow().clone();
         warnings.sort_by_key(|(at, _)| *at);
-        let line = |at: usize| self.source[..at].matches('\n').count() + 1;
-        warnings.iter().map(|(at, warning)| format!("{name}:{}: {warning}", line(*at))).collect()
+        warnings
+    }
+
+    /// The path in the quoted `name` at `span`, relative to the folder of the sequence. Paths of included files are
+    /// relative to those files.
+    pub fn path(&self, span: &Range<usize>, name: String) -> String {
+        let Some(written) = &self.written else { return name };
+        let folder = &written.sources.of(written.map.place(span).span.start).folder;
+        if folder.as_os_str().is_empty() {
+            return name;
+        }
+        let path = folder.join(&name).to_string_lossy().replace('\\', "/");
+        self.rewritten.borrow_mut().push((span.clone(), quoted(&path)));
+        path
+    }
+
+    /// Whether an expression gave the value at `span`.
+    pub fn is_computed(&self, span: &Range<usize>) -> bool {
+        self.written.as_ref().is_some_and(|written| written.map.place(span).is_computed)
+    }
+
+    /// Notes that a plain file writes the part at `span` as `text`.
+    pub fn rewrite(&self, span: Range<usize>, text: String) {
+        self.rewritten.borrow_mut().push((span, text));
+    }
+
+    /// The source as a plain file.
+    pub fn plain(&self) -> String {
+        let mut parts = self.rewritten.borrow().clone();
+        parts.sort_by_key(|(span, _)| span.start);
+        let (mut text, mut at) = (String::with_capacity(self.source.len()), 0);
+        for (span, new) in &parts {
+            // A value that is decoded twice is rewritten once.
+            let Some(kept) = self.source.get(at..span.start) else { continue };
+            text.push_str(kept);
+            text.push_str(new);
+            at = span.end;
+        }
+        text.push_str(self.source.get(at..).unwrap_or_default());
+        text
     }
 
     pub fn fault_count(&self) -> usize {
@@ -95,13 +150,18 @@ impl<'s> File<'s> {
         self.faults.borrow_mut().iter_mut().skip(first).for_each(|fault| fault.name_field(field));
     }
 
+    /// Takes the faults so far.
+    pub fn take_faults(&self) -> Vec<Fault> {
+        self.faults.take()
+    }
+
     pub fn into_faults(self) -> Vec<Fault> {
         self.faults.into_inner()
     }
 
     /// The place of a part of the source.
     pub fn span_of(&self, part: &str) -> Range<usize> {
-        let start = (part.as_ptr() as usize).saturating_sub(self.source.as_ptr() as usize);
+        let start = (part.as_ptr() as usize).saturating_sub(self.source.as_ptr() as usize) + self.base;
         start..start + part.len()
     }
 }

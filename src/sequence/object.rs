@@ -1,5 +1,6 @@
 //! Decodes `objects`: shapes with a material, a transform and a parent.
 
+use super::expand::{REPEAT, TEMPLATE, WITH};
 use super::fault::Fault;
 use super::fields::Fields;
 use super::instances::instances;
@@ -13,10 +14,11 @@ use super::node::Node;
 use super::pose_tracks::Placement;
 use super::shape::{INSTANCES, ShapeOverTime, shape};
 use super::shape_tracks::ShapeTracks;
-use super::suggest::shortened;
+use super::suggest::{nearest, shortened};
 use super::transform::transform;
 use super::transform_limits::TransformPlace;
 use super::values::switch;
+use super::words::unknown;
 use crate::geometry::shape::{Mesh, Shape};
 use crate::geometry::transform::TransformTracks;
 use crate::track::Animated;
@@ -58,6 +60,10 @@ pub fn object(
     materials: &Names<'_>,
     objects: &Names<'_>,
 ) -> (Option<ObjectDraft>, Option<Parent>) {
+    if !node.word().is_empty() && nearest(node.word(), [REPEAT]).is_some() {
+        node.fault(unknown(node, "kind of object", node.word(), [REPEAT]));
+        return (None, None);
+    }
     let Some(mut fields) = Fields::of(node, "an object") else { return (None, None) };
     let (mut place, mut placements) = (fields.place("shape"), None);
     let shape = fields.required("shape", |node| {
@@ -86,6 +92,13 @@ pub fn object(
     let placed = TransformPlace { scale: place_of("scale"), translation: place_of("translation") };
     let transform = transform(&mut fields);
     let visible = fields.or("visible", keyed(switch), true);
+    // Objects of templates have been expanded, so these names are here for suggestions.
+    fields.ignore(TEMPLATE);
+    fields.ignore(WITH);
+    if fields.has(WITH) {
+        let title = "`with` gives values to the parameters of a `template`";
+        node.fault(Fault::new(fields.place(WITH), title, "this object has no `template`"));
+    }
     let parent = fields
         .optional("parent", |node| objects.index(node).map(|index| Parent { index, place: node.span() }));
     fields.finish();

@@ -175,6 +175,7 @@ mod tests {
     use crate::base::math::DVec2;
     use crate::base::time::Time;
     use crate::sequence::Faults;
+    use crate::sequence::expand::source::{Source, Sources};
     use crate::sequence::node::File;
     use std::path::Path;
 
@@ -182,7 +183,10 @@ mod tests {
         let file = File::new(text, Path::new("tests/bad/images"), Root::of(Path::new("")), false);
         let paint = paint(file.root());
         let faults = file.into_faults();
-        paint.filter(|_| faults.is_empty()).ok_or_else(|| Faults::new("test.ron", text, faults).to_string())
+        paint.filter(|_| faults.is_empty()).ok_or_else(|| {
+            let source = Source { name: "test.ron".to_owned(), text: text.to_owned(), ..Source::default() };
+            Faults::new(Sources::new(source), faults).to_string()
+        })
     }
 
     fn at_start(text: &str) -> Texture {

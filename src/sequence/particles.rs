@@ -7,7 +7,7 @@ use super::pose_columns::{ColumnName, POSITIONS, TIMES, column};
 use super::pose_tracks::{PoseFault, TimedRows, at_row, values, vectors};
 use super::poses::table;
 use super::suggest::{listed, shortened};
-use super::values::{each, is_number, positive, text, tuple};
+use super::values::{each, file_path, is_number, positive, tuple};
 use crate::geometry::shape::Sphere;
 use crate::geometry::shape::{ParticleRows, ParticleTracks, SameTime};
 use crate::import::table::{Table, TableError};
@@ -33,7 +33,7 @@ pub fn particles(fields: &mut Fields<'_>) -> Option<Arc<ParticleTracks>> {
     let (mut place, mut name) = (fields.node().span(), String::new());
     let table = fields.required("file", |node| {
         place = node.span();
-        name = text(node)?;
+        name = file_path(node)?;
         table(node, &name)
     });
     let Some(table) = table else {

@@ -8,7 +8,7 @@ use super::node::Node;
 use super::pose_columns::timed_columns;
 use super::pose_tracks::{Interpolation, PoseTracks, tracks};
 use super::suggest::shortened;
-use super::values::text;
+use super::values::file_path;
 use super::words::word;
 use crate::base::math::{DQuat, UpAxis};
 use crate::camera::path::PosePath;
@@ -84,7 +84,7 @@ fn poses<'s, T>(
     let mut name = String::new();
     let table = fields.required("file", |node| {
         place = node.span();
-        name = text(node)?;
+        name = file_path(node)?;
         table(node, &name)
     });
     let ease = fields.or("ease", ease, Ease::Linear);

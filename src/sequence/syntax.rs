@@ -1,6 +1,7 @@
 //! Explains syntax errors. ron finds them; this module checks brackets and quotes again for better messages.
 
 use super::fault::Fault;
+use super::outline;
 use super::symbols::{Symbols, token};
 use ron::error::{Error, Position};
 use serde::de::{Deserialize, IgnoredAny};
@@ -8,6 +9,12 @@ use std::ops::Range;
 
 /// Maximum number of entries of one list, map or struct.
 pub const MAX_ENTRIES: usize = 1_000_000;
+
+/// Whether a text is in the most common notation, and its syntax errors.
+pub fn checked(text: &str) -> (bool, Vec<Fault>) {
+    let is_common = outline::is_common(text, MAX_ENTRIES);
+    (is_common, if is_common { Vec::new() } else { faults(text) })
+}
 
 /// The syntax errors of a text. Empty if it is valid RON.
 pub fn faults(text: &str) -> Vec<Fault> {

@@ -25,6 +25,9 @@ use crate::track::{Ease, Repeat};
 /// Every feature of the format, at least once.
 const EVERYTHING: &str = include_str!("tests/everything.ron");
 
+/// Everything that is expanded, except included files.
+const LARGER: &str = include_str!("tests/larger.ron");
+
 fn read(text: &str) -> Sequence {
     parse("dir/test.ron", text).unwrap_or_else(|faults| panic!("{faults}"))
 }
@@ -39,6 +42,12 @@ fn camera(camera: &str) -> CameraPath {
 
 fn seconds(num: i128, den: i128) -> Time {
     Time::new(num, den)
+}
+
+#[test]
+fn larger_scenes_are_read() {
+    let sequence = read(LARGER);
+    assert_eq!((sequence.objects.len(), sequence.lights.len()), (6 + 3 * 8 + 4, 2));
 }
 
 #[test]

@@ -140,6 +140,20 @@ pub fn exact_number(node: Node<'_>, places: u32) -> Option<Time> {
     }
 }
 
+/// [`exact_number`], except that results of expressions are rounded to `places` decimal places.
+pub fn exact_or_rounded(node: Node<'_>, places: u32) -> Option<Time> {
+    if exact(node.text(), places) == Err(NotExact::TooFine)
+        && node.file.is_computed(&node.span())
+        && let Some(value) = decimal(node)
+        && let rounded = format!("{value:.*}", places as usize)
+        && let Ok(time) = exact(&rounded, places)
+    {
+        node.file.rewrite(node.span(), rounded);
+        return Some(time);
+    }
+    exact_number(node, places)
+}
+
 /// Exactly `N` values in parentheses. `what` describes them for messages.
 pub fn tuple<'s, const N: usize>(node: Node<'s>, what: &str) -> Option<[Node<'s>; N]> {
     let items = match node.content()? {
@@ -261,6 +275,11 @@ pub fn text(node: Node<'_>) -> Option<String> {
             None
         }
     }
+}
+
+/// The path of a file in quotes, relative to the folder of the sequence. Paths of included files are relative to those.
+pub fn file_path(node: Node<'_>) -> Option<String> {
+    text(node).map(|name| node.file.path(&node.span(), name))
 }
 
 /// Decodes each value of a list. None if any value has a fault.

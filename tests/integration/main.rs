@@ -37,6 +37,7 @@ mod touching;
 mod determinism;
 mod golden;
 mod images;
+mod larger;
 mod integrators;
 mod radiance;
 mod transport;

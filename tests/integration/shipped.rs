@@ -63,6 +63,10 @@ fn shipped_sequences_show_all_features() {
         "Checker(",
         "Poses(",
         "frame: ",
+        "include: ",
+        "let: ",
+        "Repeat(",
+        "template: ",
     ] {
         assert!(all.contains(feature), "no sequence shows `{feature}`");
     }

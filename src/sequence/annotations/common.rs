@@ -15,7 +15,7 @@ use crate::sequence::pose_columns::{TIMES, column};
 use crate::sequence::pose_tracks::number_track;
 use crate::sequence::poses::table;
 use crate::sequence::suggest::{listed, shortened};
-use crate::sequence::values::{between, each, number, one_of, positive, switch, text, tuple};
+use crate::sequence::values::{between, each, file_path, number, one_of, positive, switch, text, tuple};
 use crate::track::Animated;
 
 /// The fields of every annotation.
@@ -116,7 +116,7 @@ pub fn number_over_time(node: Node<'_>) -> Option<Animated<f64>> {
     let mut place = node.span();
     let table = fields.required("file", |node| {
         place = node.span();
-        table(node, &text(node)?)
+        table(node, &file_path(node)?)
     });
     let name = fields.required("column", column);
     let time = fields.optional("time", column);

@@ -14,7 +14,7 @@ use crate::sequence::node::Node;
 use crate::sequence::pose_columns::{POSITIONS, column};
 use crate::sequence::pose_tracks::vectors;
 use crate::sequence::poses::table;
-use crate::sequence::values::{between, each, list, positive, switch, text, tuple, world_vector};
+use crate::sequence::values::{between, each, file_path, list, positive, switch, tuple, world_vector};
 use crate::track::Animated;
 
 /// A line, or an arrow with a head at its end.
@@ -55,7 +55,7 @@ fn from_file(fields: &mut Fields<'_>) -> Option<Vec<crate::base::math::DVec3>> {
     let mut place = fields.place("file");
     let table = fields.required("file", |node| {
         place = node.span();
-        table(node, &text(node)?)
+        table(node, &file_path(node)?)
     });
     let position = fields.optional("position", |node| each(tuple(node, "three names of columns")?, column));
     let (table, position) = (table?, position?);

@@ -1,6 +1,6 @@
 //! Files and texts that are no sequences.
 
-use super::EVERYTHING;
+use super::{EVERYTHING, LARGER};
 use crate::sequence::{load, parse};
 use proptest::prelude::*;
 
@@ -70,8 +70,11 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 600, ..ProptestConfig::default() })]
 
     #[test]
-    fn mutations_never_panic(edits in prop::collection::vec((0usize..4000, 0usize..12, 0usize..4000, 0u8..4), 1..6)) {
-        let mut text: Vec<char> = EVERYTHING.chars().collect();
+    fn mutations_never_panic(
+        is_larger: bool,
+        edits in prop::collection::vec((0usize..4000, 0usize..12, 0usize..4000, 0u8..4), 1..6),
+    ) {
+        let mut text: Vec<char> = if is_larger { LARGER } else { EVERYTHING }.chars().collect();
         for (at, len, other, kind) in edits {
             let (at, other) = (at % text.len(), other % text.len());
             let end = (at + len).min(text.len());
