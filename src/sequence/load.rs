@@ -110,6 +110,7 @@ impl SourceText<'_> {
             Path::new(name).file_stem().map_or_else(|| "sequence".into(), |stem| stem.to_string_lossy());
         let mut file = node::File::new(text, folder, root, is_common);
         file.meshes.meter = Arc::clone(meter);
+        file.scenes.meter = Arc::clone(meter);
         file.tables.meter = Arc::clone(meter);
         let sequence = document::sequence(file.root(), &stem);
         let warnings = file.warnings(name);

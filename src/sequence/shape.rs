@@ -5,6 +5,7 @@ use super::fields::Fields;
 use super::mesh::mesh;
 use super::node::Node;
 use super::particles::particles;
+use super::scene::{SCENE, is_scene};
 use super::shape_tracks::ShapeTracks;
 use super::values::{not_negative, positive, switch, unit_vector, vector};
 use super::words::known_word;
@@ -26,7 +27,7 @@ pub struct ShapeOverTime {
 pub const INSTANCES: &str = "Instances";
 
 /// The names of shapes, and of what objects may show besides.
-static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| [Shape::NAMES, &[INSTANCES]].concat());
+static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| [Shape::NAMES, &[INSTANCES, SCENE]].concat());
 
 /// Any shape.
 pub fn shape(node: Node<'_>) -> Option<ShapeOverTime> {
@@ -34,6 +35,11 @@ pub fn shape(node: Node<'_>) -> Option<ShapeOverTime> {
     if name == INSTANCES {
         let title = "instances are places of one shape, not of other instances";
         node.fault(Fault::new(node.head(), title, "needs a shape of its own"));
+        return None;
+    }
+    if is_scene(&node) {
+        let title = "a scene is a shape of its own object";
+        node.fault(Fault::new(node.head(), title, "needs a single shape"));
         return None;
     }
     let what = format!("`{name}`");

@@ -2,7 +2,7 @@
 //!
 //! A file holds the time of frame 7 at 24 frames per second as the float nearest to 7/24, which is before or after the
 //! frame. A key must take effect in its frame, so the fraction is found again: of all numbers that round to the float,
-//! the one with the smallest denominator, or the time of a frame at a rate of television.
+//! the time of a frame at a usual rate, or else the one with the smallest denominator.
 
 use crate::base::time::Time;
 
@@ -12,8 +12,8 @@ const LATEST: f32 = 1e9;
 /// The largest denominator. Other times are rounded to billionths of a second, as those of sequences are.
 const FINEST: i128 = 1_000_000_000;
 
-/// The largest denominator of times of frames at whole rates.
-const FASTEST: i128 = 240;
+/// Frames per second at which the usual whole rates have frames: 24, 25, 30, 48, 50, 60, 100, 120 and 240.
+const WHOLE: i128 = 1200;
 
 /// Frames in 1001 seconds at the fastest rate of television. Its frames include those of the slower rates.
 const TELEVISION: i128 = 120_000;
@@ -32,12 +32,11 @@ pub fn exact_time(seconds: f32) -> Option<Time> {
     let [below, at, above] = [seconds.next_down(), seconds, seconds.next_up()].map(fraction);
     let two = Time::from_integer(2);
     let (low, high) = ((below + at) / two, (at + above) / two);
-    let simplest = simplest_between(low, high);
-    if *simplest.denom() > FASTEST
-        && let Some(time) = frame_between(low, high, Time::new(TELEVISION, 1001))
-    {
+    let usual = [Time::from_integer(WHOLE), Time::new(TELEVISION, 1001)];
+    if let Some(time) = usual.into_iter().find_map(|rate| frame_between(low, high, rate)) {
         return Some(time);
     }
+    let simplest = simplest_between(low, high);
     Some(if *simplest.denom() <= FINEST { simplest } else { rounded(seconds) })
 }
 
