@@ -6,6 +6,7 @@
 use kinora::appearance::texture::{ColorEncoding, Image};
 use kinora::base::cancel::Stop;
 use kinora::base::color::Rgb;
+use kinora::base::files::Root;
 use kinora::base::frame_set::FrameSet;
 use kinora::base::math::Angle;
 use kinora::base::stats::ProgressMeter;
@@ -73,6 +74,14 @@ pub fn frame_set(bytes: &[u8]) {
             }
         }
         Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
+/// A glTF file.
+pub fn gltf(bytes: &[u8]) {
+    let folder = std::path::Path::new("fuzz");
+    if let Err(error) = import::gltf::from_bytes(bytes, folder, &Root::of(folder)) {
+        assert!(!error.to_string().is_empty());
     }
 }
 

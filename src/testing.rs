@@ -4,8 +4,10 @@
 //! Out: random numbers, probabilities and packed geometry.
 //! Uses `base`, `geometry`, `appearance` and `scene`.
 
+mod gltf;
 mod random;
 
+pub use gltf::GltfFixture;
 pub use random::Random;
 
 use crate::appearance::material::MaterialBinding;

@@ -214,7 +214,10 @@ fn enlarge(light: &mut LightTracks, time: Time) {
             *corner = (at - (across + along) * 0.5).into();
             (*u, *v) = ((across * 2.0).into(), (along * 2.0).into());
         }
-        LightKind::Point { .. } | LightKind::Spot { .. } | LightKind::Directional { .. } => return,
+        LightKind::Point { .. }
+        | LightKind::Spot { .. }
+        | LightKind::Directional { .. }
+        | LightKind::Carried { .. } => return,
     }
     light.intensity = Animated::Constant(0.25 * light.intensity.at(time));
 }

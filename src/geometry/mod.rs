@@ -5,6 +5,8 @@
 //! Uses `base`, `sampling`, `track`.
 
 pub mod bvh;
+pub mod carrier;
+pub mod deformation;
 pub mod mesh;
 pub mod motion;
 pub mod shape;

@@ -4,6 +4,7 @@
 //! Out: meshes of `geometry` and series of them, tables.
 //! May use: `base`, `track`, `geometry`, `appearance`.
 
+pub mod gltf;
 mod lines;
 mod load;
 mod polygon;

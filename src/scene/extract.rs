@@ -9,7 +9,8 @@ use crate::base::math::{DAffine3, DVec3};
 use crate::geometry::shape::Shape;
 use crate::geometry::transform::TransformTracks;
 use crate::world::{
-    AreaLight, Current, FileOrder, ShapeParticles, ShapeSeries, Slot, Transform, Visible, Weight,
+    AreaLight, Current, FileOrder, ShapeDeformed, ShapeParticles, ShapeSeries, Slot, Transform, Visible,
+    Weight,
 };
 use bevy_ecs::change_detection::{DetectChanges, DetectChangesMut, Ref};
 use bevy_ecs::component::Component;
@@ -28,7 +29,7 @@ pub fn geometry_changed(
 /// Only objects that may move, or whose shape may change, have tracks.
 type ObjectChange = Or<(
     (With<TransformTracks>, Or<(Changed<Transform>, Changed<Visible>)>),
-    (Or<(With<ShapeSeries>, With<ShapeParticles>)>, Changed<Shape>),
+    (Or<(With<ShapeSeries>, With<ShapeDeformed>, With<ShapeParticles>)>, Changed<Shape>),
 )>;
 type LightChange = (With<AreaLight>, Changed<Light>);
 

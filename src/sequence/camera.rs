@@ -87,6 +87,24 @@ pub fn camera(node: Node<'_>, objects: Option<&ObjectNames<'_>>) -> Option<Camer
     })
 }
 
+/// Decodes the fields of a camera that an object carries: those that say nothing about its place.
+pub fn optics(fields: &mut Fields<'_>, camera: &mut CameraPath) -> Option<()> {
+    let lens = fields.optional("projection", projection);
+    let aperture = fields.optional("aperture", keyed(not_negative));
+    let focus = fields.optional("focus", keyed(positive));
+    let shutter = fields.optional("shutter", keyed(shutter));
+    let (lens, aperture, focus, shutter) = (lens?, aperture?, focus?, shutter?);
+    let given = camera.clone();
+    *camera = CameraPath {
+        lens: lens.unwrap_or(given.lens),
+        aperture: aperture.unwrap_or(given.aperture),
+        focus: focus.map_or(given.focus, Focus::Distance),
+        shutter: shutter.unwrap_or(given.shutter),
+        ..given
+    };
+    Some(())
+}
+
 /// The poses, which replace the fields about the camera's place.
 fn poses(fields: &mut Fields<'_>) -> Option<Option<PosePath>> {
     let poses = fields.optional("poses", camera_poses)?;

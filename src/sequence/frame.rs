@@ -81,5 +81,6 @@ fn own_place(step: &Step) -> Option<&'static str> {
         Step::Keys(Keys { aim, .. }) => aims(aim, "`Keys` has a `target`"),
         Step::Spline(_) => Some("`Spline` gives positions"),
         Step::Poses(_) => Some("the poses give positions"),
+        Step::Carried(_) => Some("an object carries the camera"),
     }
 }

@@ -179,6 +179,14 @@ pub fn row_time(value: f64, clock: KeyClock) -> Option<Time> {
     is_allowed(time).then(|| in_seconds(time, clock))
 }
 
+/// Keys of numbers times a factor.
+pub fn scaled(values: Animated<f64>, factor: f64) -> Animated<f64> {
+    match values {
+        Animated::Constant(value) => (value * factor).into(),
+        Animated::Keyed(track) => Animated::Keyed(track.map(|key| Key { value: key.value * factor, ..key })),
+    }
+}
+
 fn is_allowed(time: Time) -> bool {
     let limit = Time::from_integer(LARGEST_TIME);
     (-limit..=limit).contains(&time)

@@ -185,6 +185,7 @@ impl Decoder<'_> {
         let stem = Path::new(self.name).file_stem();
         let stem = stem.map_or_else(|| "sequence".into(), |stem| stem.to_string_lossy());
         file.meshes.meter = Arc::clone(self.meter);
+        file.scenes.meter = Arc::clone(self.meter);
         file.tables.meter = Arc::clone(self.meter);
         let sequence = document::sequence(file.root(), &stem);
         let warnings =

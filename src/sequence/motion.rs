@@ -1,6 +1,7 @@
 //! Objects that a program moves.
 
 use super::Sequence;
+use super::deformations::refresh_joints;
 use super::suggest::{nearest, shortened};
 use super::values::LARGEST;
 use crate::base::math::{DAffine3, DVec3};
@@ -43,12 +44,14 @@ impl Sequence {
         object: &str,
         motion: impl Fn(f64) -> [[f64; 3]; 4] + Send + Sync + 'static,
     ) -> Result<(), UnknownObject> {
-        let Some(found) = self.objects.iter_mut().find(|known| known.name == object) else {
+        let Some(index) = self.objects.iter().position(|known| known.name == object) else {
             let names = self.objects.iter().map(|known| known.name.as_str());
             let meant = nearest(object, names).map(str::to_owned);
             return Err(UnknownObject { name: object.to_owned(), meant });
         };
-        found.value.transform.motion = Some(Motion::new(move |time| in_range(motion(time))));
+        self.objects[index].value.transform.motion = Some(Motion::new(move |time| in_range(motion(time))));
+        self.refresh_carried(index);
+        refresh_joints(&mut self.objects, index);
         Ok(())
     }
 }

@@ -59,6 +59,7 @@ fn diffuse_map(
     Some(ImageTextureTracks {
         image,
         wrap: map.clamps.then_some(Wrap::Clamp),
+        axis_wraps: None,
         filter: TextureFilter::default(),
         channel: None,
         tint: Rgb::ONE.into(),

@@ -1,11 +1,13 @@
 //! Decodes maps from names to values: lights, cameras, materials, objects.
 
+use super::Named;
 use super::fault::Fault;
 use super::node::{Node, NodeContent};
 use super::suggest::shortened;
 use super::values::text;
 use super::words::report_unknown;
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// A named entry of a map.
 pub struct Entry<'s> {
@@ -56,6 +58,21 @@ fn entry_name(key: Node<'_>, what: &str) -> Option<String> {
     Some(name)
 }
 
+/// The places of the names of entries.
+pub fn places_of(entries: &[Entry<'_>]) -> Vec<Range<usize>> {
+    entries.iter().map(|entry| entry.key.span()).collect()
+}
+
+/// A value under the name of its entry.
+pub fn named<T>(entry: &Entry<'_>, value: Option<T>) -> Option<Named<T>> {
+    Some(Named { name: entry.name.clone(), value: value? })
+}
+
+/// All values, or None if any is missing. Takes a list instead of an iterator, so that all values have been decoded.
+pub fn decoded<T>(values: Vec<Option<T>>) -> Option<Vec<T>> {
+    values.into_iter().collect()
+}
+
 /// Names of entries, each with its index.
 pub struct Names<'n> {
     what: &'static str,
@@ -70,6 +87,15 @@ impl<'n> Names<'n> {
         // Entries with an invalid name have an empty one.
         let in_order = in_order.into_iter().filter(|name| !name.is_empty()).collect();
         Self { what, in_order, indices }
+    }
+
+    /// Adds further names behind `count` entries.
+    pub fn and(mut self, count: usize, names: impl Iterator<Item = &'n str>) -> Self {
+        for (index, name) in names.enumerate() {
+            self.indices.insert(name, count + index);
+            self.in_order.push(name);
+        }
+        self
     }
 
     /// Names in the order of the entries.

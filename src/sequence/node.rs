@@ -12,6 +12,7 @@ use super::key_clock::KeyClock;
 use super::mesh_files::MeshFiles;
 use super::outline;
 use super::raw_value::{ContentVisitor, MapVisitor, RawContent};
+use super::scene_files::SceneFiles;
 use super::suggest::shortened;
 use super::table_files::TableFiles;
 use crate::base::files::Root;
@@ -39,6 +40,8 @@ pub struct File<'s> {
     pub images: ImageFiles,
     /// Meshes named in the file.
     pub meshes: MeshFiles,
+    /// glTF files named in the file.
+    pub scenes: SceneFiles,
     /// Tables named in the file.
     pub tables: TableFiles,
     /// Fonts named in the file.
@@ -59,6 +62,7 @@ impl<'s> File<'s> {
     /// The file's own paths are relative to `folder` and must be within `root`.
     pub fn new(source: &'s str, folder: &Path, root: Root, is_common: bool) -> Self {
         let tables = TableFiles::new(folder, root.clone());
+        let scenes = SceneFiles::new(folder, root.clone());
         let fonts = FontFiles::new(folder, root.clone());
         let (images, meshes) = (ImageFiles::new(folder, root.clone()), MeshFiles::new(folder, root));
         Self {
@@ -71,6 +75,7 @@ impl<'s> File<'s> {
             up: Cell::default(),
             images,
             meshes,
+            scenes,
             tables,
             fonts,
             written: None,

@@ -12,6 +12,7 @@ use super::mtl::mesh_materials;
 use super::names::{Entry, Names};
 use super::node::Node;
 use super::pose_tracks::Placement;
+use super::scene::{SceneDraft, is_scene};
 use super::shape::{INSTANCES, ShapeOverTime, shape};
 use super::shape_tracks::ShapeTracks;
 use super::suggest::{nearest, shortened};
@@ -23,12 +24,15 @@ use crate::geometry::shape::{Mesh, Shape};
 use crate::geometry::transform::TransformTracks;
 use crate::track::Animated;
 use std::ops::Range;
+use std::rc::Rc;
 
 /// An object whose material has no index yet.
 pub struct ObjectDraft {
     pub shape: ShapeOverTime,
     /// The places of its instances. None if the object itself has the shape.
     pub placements: Option<Vec<Placement>>,
+    /// The nodes of the scene that it shows.
+    pub scene: Option<SceneDraft>,
     pub material: MaterialSource,
     pub transform: TransformTracks,
     pub visible: Animated<bool>,
@@ -50,13 +54,16 @@ pub enum MaterialSource {
 /// The parent that an object names.
 #[derive(Clone)]
 pub struct Parent {
+    /// An object, or behind those of the file a node of a scene.
     pub index: usize,
     pub place: Range<usize>,
 }
 
-/// Decodes an object and its parent. The parent is returned even if the object has faults.
+/// Decodes an object and its parent. The parent is returned even if the object has faults. `scene` is the scene that it
+/// shows, if it shows one that could be read.
 pub fn object(
     node: Node<'_>,
+    scene: Option<SceneDraft>,
     materials: &Names<'_>,
     objects: &Names<'_>,
 ) -> (Option<ObjectDraft>, Option<Parent>) {
@@ -73,6 +80,11 @@ pub fn object(
                 placements = Some(decoded.placements);
                 decoded.shape
             }
+            // Its faults are reported already.
+            _ if is_scene(&node) => {
+                scene.as_ref()?;
+                ShapeOverTime { shape: Shape::Group, tracks: None }
+            }
             _ => shape(node)?,
         };
         if let Shape::Mesh(_) = one.shape {
@@ -85,6 +97,9 @@ pub fn object(
     let material = match (&shape, material) {
         (Some(ShapeOverTime { shape: Shape::Mesh(mesh), tracks }), Some(MaterialSource::Default)) => {
             mesh_source(node, place, mesh, tracks.as_ref())
+        }
+        (_, Some(MaterialSource::Default)) if scene.is_some() => {
+            scene.as_ref().map(|scene| MaterialSource::Mesh(Rc::clone(&scene.materials)))
         }
         (_, material) => material,
     };
@@ -107,6 +122,7 @@ pub fn object(
         Some(ObjectDraft {
             shape,
             placements,
+            scene,
             material: material?,
             transform: transform?,
             visible: visible?,
@@ -142,7 +158,8 @@ fn mesh_source(
     }
 }
 
-fn material_source(node: Node<'_>, materials: &Names<'_>) -> Option<MaterialSource> {
+/// A name of a material, or a material in place.
+pub fn material_source(node: Node<'_>, materials: &Names<'_>) -> Option<MaterialSource> {
     if node.is_text() {
         return materials.index(node).map(MaterialSource::Named);
     }

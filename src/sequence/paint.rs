@@ -69,6 +69,7 @@ fn image_paint(node: Node<'_>) -> Option<TextureTracks> {
     Some(TextureTracks::Image(Box::new(ImageTextureTracks {
         image: image?,
         wrap: wrap?,
+        axis_wraps: None,
         filter: filter?,
         channel: channel?,
         tint: tint?,
@@ -132,7 +133,7 @@ fn placement(fields: &mut Fields<'_>) -> Option<TextureMappingTracks> {
     let offset = fields.or("offset", keyed(offset), default.offset);
     let rotation = fields.or("rotation", turn(DVec3::Z), default.rotation);
     let scale = fields.or("scale", keyed(scale), default.scale);
-    Some(TextureMappingTracks { offset: offset?, rotation: rotation?, scale: scale? })
+    Some(TextureMappingTracks { offset: offset?, rotation: rotation?, scale: scale?, first: None })
 }
 
 fn offset(node: Node<'_>) -> Option<DVec3> {

@@ -5,6 +5,7 @@ use super::fields::Fields;
 use super::mesh::mesh;
 use super::node::Node;
 use super::particles::particles;
+use super::scene::{SCENE, is_scene};
 use super::shape_tracks::ShapeTracks;
 use super::text_shape::{TEXT, text_solid};
 use super::values::{not_negative, positive, switch, unit_vector, vector};
@@ -27,7 +28,8 @@ pub struct ShapeOverTime {
 pub const INSTANCES: &str = "Instances";
 
 /// The names of shapes, and of what objects may show besides.
-static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| [Shape::NAMES, &[TEXT, INSTANCES]].concat());
+static NAMES: LazyLock<Vec<&'static str>> =
+    LazyLock::new(|| [Shape::NAMES, &[TEXT, INSTANCES, SCENE]].concat());
 
 /// Any shape.
 pub fn shape(node: Node<'_>) -> Option<ShapeOverTime> {
@@ -39,6 +41,11 @@ pub fn shape(node: Node<'_>) -> Option<ShapeOverTime> {
     }
     if name == TEXT {
         return text_solid(node).map(|mesh| ShapeOverTime { shape: Shape::Mesh(mesh), tracks: None });
+    }
+    if is_scene(&node) {
+        let title = "a scene is a shape of its own object";
+        node.fault(Fault::new(node.head(), title, "needs a single shape"));
+        return None;
     }
     let what = format!("`{name}`");
     let fields = if [Mesh::NAME, Particles::NAME].contains(&name) {

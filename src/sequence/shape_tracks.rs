@@ -3,6 +3,7 @@
 use crate::base::digest::Digest;
 use crate::base::math::Aabb;
 use crate::base::time::Time;
+use crate::geometry::deformation::DeformedMesh;
 use crate::geometry::shape::Geometric;
 use crate::geometry::shape::ParticleTracks;
 use crate::import::series::MeshSeries;
@@ -13,6 +14,7 @@ use std::sync::Arc;
 pub enum ShapeTracks {
     Series(Arc<MeshSeries>),
     Particles(Arc<ParticleTracks>),
+    Deformed(Arc<DeformedMesh>),
 }
 
 impl ShapeTracks {
@@ -21,6 +23,7 @@ impl ShapeTracks {
         match self {
             Self::Series(series) => series.is_keyed(),
             Self::Particles(particles) => particles.is_keyed(),
+            Self::Deformed(mesh) => mesh.is_keyed(),
         }
     }
 
@@ -29,6 +32,7 @@ impl ShapeTracks {
         match self {
             Self::Series(series) => Digest::of(&series.named(time)),
             Self::Particles(particles) => particles.moment(time),
+            Self::Deformed(mesh) => Digest::of(&mesh.named(time)),
         }
     }
 
@@ -37,6 +41,7 @@ impl ShapeTracks {
         match self {
             Self::Series(series) => series.named(time).bounds(),
             Self::Particles(particles) => particles.bounds_at(time),
+            Self::Deformed(mesh) => mesh.named(time).bounds(),
         }
     }
 
@@ -45,6 +50,7 @@ impl ShapeTracks {
         match self {
             Self::Series(series) => series.bounds(),
             Self::Particles(particles) => particles.bounds(),
+            Self::Deformed(mesh) => mesh.key_bounds(),
         }
     }
 }

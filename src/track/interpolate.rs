@@ -26,6 +26,18 @@ pub trait Animate: Clone + PartialEq {
     fn spline(points: [&Self; 4], s: f64) -> Self {
         Self::mix(points[1], points[2], Fraction::real(s))
     }
+
+    /// The value at the fraction `s` of a cubic Hermite curve between two values. The tangents at its ends are per
+    /// length of the segment. Values that only step hold.
+    fn hermite(ends: [&Self; 2], _tangents: [&Self; 2], _s: f64) -> Self {
+        ends[0].clone()
+    }
+}
+
+/// The weights of a cubic Hermite curve at the fraction `s`: of its ends, and of the tangents there.
+fn hermite_weights(s: f64) -> [f64; 4] {
+    let (square, cube) = (s * s, s * s * s);
+    [2.0 * cube - 3.0 * square + 1.0, 3.0 * square - 2.0 * cube, cube - 2.0 * square + s, cube - square]
 }
 
 /// Values that only step: the value of a key holds until the next key.
@@ -52,6 +64,11 @@ impl Animate for f64 {
     fn spline(p: [&Self; 4], s: f64) -> Self {
         catmull_rom(p.map(|&v| DVec3::new(v, 0.0, 0.0)), s).x
     }
+
+    fn hermite([a, b]: [&Self; 2], [leaving, arriving]: [&Self; 2], s: f64) -> Self {
+        let [of_a, of_b, of_leaving, of_arriving] = hermite_weights(s);
+        a * of_a + leaving * of_leaving + b * of_b + arriving * of_arriving
+    }
 }
 
 impl Animate for DVec3 {
@@ -63,6 +80,11 @@ impl Animate for DVec3 {
 
     fn spline(p: [&Self; 4], s: f64) -> Self {
         catmull_rom(p.map(|&v| v), s)
+    }
+
+    fn hermite([a, b]: [&Self; 2], [leaving, arriving]: [&Self; 2], s: f64) -> Self {
+        let [of_a, of_b, of_leaving, of_arriving] = hermite_weights(s);
+        *a * of_a + *leaving * of_leaving + *b * of_b + *arriving * of_arriving
     }
 }
 
@@ -76,6 +98,11 @@ impl Animate for Rgb {
 
     fn spline(p: [&Self; 4], s: f64) -> Self {
         catmull_rom(p.map(|&v| v.as_dvec3()), s).as_vec3()
+    }
+
+    fn hermite(ends: [&Self; 2], tangents: [&Self; 2], s: f64) -> Self {
+        let ([a, b], [leaving, arriving]) = (ends.map(|v| v.as_dvec3()), tangents.map(|v| v.as_dvec3()));
+        DVec3::hermite([&a, &b], [&leaving, &arriving], s).as_vec3()
     }
 }
 
@@ -96,6 +123,13 @@ impl Animate for DQuat {
 
     fn mix(a: &Self, b: &Self, s: Fraction) -> Self {
         slerp(*a, *b, s.value())
+    }
+
+    /// The curve of the four components, scaled to length 1.
+    fn hermite([a, b]: [&Self; 2], [leaving, arriving]: [&Self; 2], s: f64) -> Self {
+        let [of_a, of_b, of_leaving, of_arriving] = hermite_weights(s);
+        let curve = *a * of_a + *leaving * of_leaving + *b * of_b + *arriving * of_arriving;
+        if curve.length_squared() > 0.0 { curve.normalize() } else { *a }
     }
 }
 

@@ -47,6 +47,8 @@ pub struct Track<T> {
     repeat: Repeat,
     /// Whether splines treat the first and the last key, which have the same value, as one point.
     closed: bool,
+    /// For each segment between two keys its tangents at both ends, times its length; empty without such curves.
+    curves: Vec<[T; 2]>,
 }
 
 /// Why keys are not a track. The numbers are indices of keys.
@@ -65,12 +67,19 @@ impl<T: Animate> Track<T> {
         if let Some(before) = keys.windows(2).position(|pair| pair[1].time <= pair[0].time) {
             return Err(TrackError::NotAscending(before + 1));
         }
-        Ok(Self { keys, repeat, closed })
+        Ok(Self { keys, repeat, closed, curves: Vec::new() })
     }
 
-    /// The same track with changed values. The change must keep the times.
+    /// Bends the segments between keys, except those that step: cubic Hermite curves with these tangents at both ends,
+    /// times the length of the segment. Without tangents, or with another number of them, nothing changes.
+    pub fn with_curves(self, curves: Vec<[T; 2]>) -> Self {
+        let curves = if curves.len() + 1 == self.keys.len() { curves } else { Vec::new() };
+        Self { curves, ..self }
+    }
+
+    /// The same track with changed values and without curves. The change must keep the times.
     pub fn map(self, change: impl Fn(Key<T>) -> Key<T>) -> Self {
-        Self { keys: self.keys.into_iter().map(change).collect(), ..self }
+        Self { keys: self.keys.into_iter().map(change).collect(), curves: Vec::new(), ..self }
     }
 
     /// The times of keys from a time to another, those of all rounds if keys repeat, in increasing order; at most about
@@ -105,6 +114,32 @@ impl<T: Animate> Track<T> {
         &self.keys
     }
 
+    /// The times at which a value may step, up to `end`, about `most` of them. Keys that repeat are repeated. Backwards,
+    /// a value steps right behind the time of its key, so there is a time a billionth of a second later.
+    pub fn times_until(&self, end: Time, most: usize) -> Vec<Time> {
+        let (first, last) = (self.keys[0].time, self.keys[self.keys.len() - 1].time);
+        let span = last - first;
+        let mut times: Vec<Time> = self.keys.iter().map(|key| key.time).take(most).collect();
+        if self.repeat == Repeat::Hold || span == Time::from_integer(0) {
+            return times;
+        }
+        // Also the rounds before the first key, back to the time 0.
+        let mut round =
+            if first > Time::from_integer(0) { -(first / span).ceil() } else { Time::from_integer(1) };
+        while times.len() < most && first + round * span <= end {
+            for key in &self.keys {
+                let mirrored = first + last - key.time;
+                let back = self.repeat == Repeat::PingPong && round.to_integer().rem_euclid(2) == 1;
+                times.push(round * span + if back { mirrored } else { key.time });
+                if back {
+                    times.push(round * span + mirrored + Time::new(1, 1_000_000_000));
+                }
+            }
+            round += Time::from_integer(1);
+        }
+        times
+    }
+
     /// The value at `time`. A key takes effect exactly at its time.
     pub fn at(&self, time: Time) -> T {
         let time = self.folded(time);
@@ -121,6 +156,9 @@ impl<T: Animate> Track<T> {
         let s = Fraction::between(time, a.time, b.time);
         match a.ease {
             Ease::Step => a.value.clone(),
+            Ease::Linear if let Some(tangents) = self.curves.get(from) => {
+                T::hermite([&a.value, &b.value], [&tangents[0], &tangents[1]], s.value())
+            }
             Ease::Linear => T::mix(&a.value, &b.value, s),
             Ease::CatmullRom => T::spline(self.neighbours(from), s.value()),
             ease => T::mix(&a.value, &b.value, Fraction::real(ease.apply(s.value()))),

@@ -12,13 +12,14 @@ use crate::base::math::{Aabb, DVec3};
 use crate::base::time::Time;
 use crate::camera::Camera;
 use crate::camera::path::{CameraPath, NoCamera};
+use crate::geometry::mesh::MeshError;
 use crate::geometry::shape::{Particles, Shape};
 use crate::geometry::transform::TransformTracks;
 use crate::import::series::StepError;
 use crate::track::Animated;
 use crate::world::{
-    ActiveCamera, Current, Hierarchy, Now, Objects, ShapeParticles, ShapeSeries, ShapeUse, Transform,
-    Visible, VisibleTrack, Weight,
+    ActiveCamera, Current, Hierarchy, Now, Objects, ShapeDeformed, ShapeParticles, ShapeSeries, ShapeUse,
+    Transform, Visible, VisibleTrack, Weight,
 };
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::system::{Query, Res, ResMut};
@@ -75,6 +76,29 @@ pub fn series(
         }
     }
     Ok(())
+}
+
+/// Updates visible meshes that morph targets and joints deform.
+pub fn deformed(
+    now: Res<Now>,
+    shapes: Res<ShapeUse>,
+    mut objects: Query<(&ShapeDeformed, &Visible, &mut Shape)>,
+) -> Result<(), StepError> {
+    for (mesh, visible, mut shape) in &mut objects {
+        if visible.0 {
+            let mesh = match *shapes {
+                ShapeUse::Digests => mesh.0.named(now.0.time),
+                ShapeUse::Rays => mesh.0.loaded(now.0.time).map_err(|error| vanished(&error))?,
+            };
+            shape.set_if_neq(Shape::Mesh(mesh));
+        }
+    }
+    Ok(())
+}
+
+/// The error of a mesh without a shape at this moment.
+fn vanished(error: &MeshError) -> StepError {
+    StepError { path: "of a glTF file, as it is deformed".into(), why: error.to_string() }
 }
 
 /// Updates visible particles.

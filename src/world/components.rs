@@ -4,6 +4,7 @@
 use crate::base::color::Rgb;
 use crate::base::math::DAffine3;
 use crate::film::LayerId;
+use crate::geometry::deformation::DeformedMesh;
 use crate::geometry::shape::ParticleTracks;
 use crate::import::series::MeshSeries;
 use crate::track::Animated;
@@ -25,6 +26,10 @@ pub struct VisibleTrack(pub Animated<bool>);
 /// The meshes of an object that shows one after the other.
 #[derive(Clone, Component, Debug)]
 pub struct ShapeSeries(pub Arc<MeshSeries>);
+
+/// The mesh of an object that morph targets and joints deform.
+#[derive(Clone, Component, Debug)]
+pub struct ShapeDeformed(pub Arc<DeformedMesh>);
 
 /// The particles of an object over time.
 #[derive(Clone, Component, Debug)]

@@ -1,8 +1,8 @@
 //! Spawns the entities of a sequence, with their values at its first moment.
 
 use super::{
-    ActiveCamera, AreaLight, FileOrder, Hierarchy, LightSetup, Now, Objects, ShapeParticles, ShapeSeries,
-    Slot, SlotCount, Transform, Visible, VisibleTrack, Weight, animate,
+    ActiveCamera, AreaLight, FileOrder, Hierarchy, LightSetup, Now, Objects, ShapeDeformed, ShapeParticles,
+    ShapeSeries, Slot, SlotCount, Transform, Visible, VisibleTrack, Weight, animate,
 };
 use crate::appearance::environment::EnvironmentDistribution;
 use crate::appearance::light::{Light, Source};
@@ -148,6 +148,9 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
         match &object.tracks {
             Some(ShapeTracks::Series(series)) => {
                 entity.insert(ShapeSeries(Arc::clone(series)));
+            }
+            Some(ShapeTracks::Deformed(mesh)) => {
+                entity.insert(ShapeDeformed(Arc::clone(mesh)));
             }
             Some(ShapeTracks::Particles(particles)) => {
                 entity.insert(ShapeParticles(Arc::clone(particles)));

@@ -28,4 +28,4 @@ macro_rules! targets {
     };
 }
 
-targets!(sequence, frame, frame_set, obj, ply, stl, vtk, pvd, table, picture, kept, gif);
+targets!(sequence, frame, frame_set, obj, ply, stl, vtk, gltf, pvd, table, picture, kept, gif);

@@ -27,6 +27,7 @@ mod limits;
 mod files;
 mod terminal;
 mod animation;
+mod gltf;
 mod annotations;
 mod background;
 mod counters;

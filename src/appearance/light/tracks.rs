@@ -3,8 +3,9 @@
 use super::{Attenuation, Source, SpotCone};
 use crate::appearance::light_groups::GroupWeight;
 use crate::base::color::Rgb;
-use crate::base::math::{Angle, DVec3};
+use crate::base::math::{Angle, DAffine3, DVec3};
 use crate::base::time::Time;
+use crate::geometry::carrier::Carrier;
 use crate::geometry::shape::{Rectangle, Sphere};
 use crate::track::Animated;
 use bevy_ecs::component::Component;
@@ -48,6 +49,11 @@ pub enum LightKind {
         v: Animated<DVec3>,
         one_sided: bool,
     },
+    /// A point, spot or directional light in the space of an object, which carries it.
+    Carried {
+        kind: Box<LightKind>,
+        carrier: Carrier,
+    },
 }
 
 /// Least radius of a sphere light. An easing may overshoot to a radius of 0 or less.
@@ -67,6 +73,7 @@ impl LightKind {
             Self::Rectangle { corner, u, v, one_sided: _ } => {
                 corner.is_keyed() || u.is_keyed() || v.is_keyed()
             }
+            Self::Carried { kind, carrier } => kind.is_keyed() || carrier.is_keyed(),
         }
     }
 
@@ -94,7 +101,24 @@ impl LightKind {
                 let rectangle = Rectangle { corner: corner.at(time), u: u.at(time), v: v.at(time) };
                 Source::Rectangle { rectangle, one_sided: *one_sided }
             }
+            Self::Carried { kind, carrier } => carried(kind.at(time), &carrier.at(time)),
         }
+    }
+}
+
+/// A point, spot or directional light after a map. Scales have no effect on its directions.
+fn carried(source: Source, map: &DAffine3) -> Source {
+    let turned = |direction: DVec3| (map.matrix3 * direction).normalize_or(DVec3::NEG_Y);
+    match source {
+        Source::Point { position, attenuation } => {
+            Source::Point { position: map.transform_point3(position), attenuation }
+        }
+        Source::Spot { position, cone, attenuation } => {
+            let cone = SpotCone { axis: turned(cone.axis), ..cone };
+            Source::Spot { position: map.transform_point3(position), cone, attenuation }
+        }
+        Source::Directional { to_light } => Source::Directional { to_light: -turned(-to_light) },
+        Source::Sphere(_) | Source::Rectangle { .. } => source,
     }
 }
 

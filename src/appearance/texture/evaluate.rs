@@ -50,6 +50,22 @@ pub enum Texture {
     Data(Box<DataTexture>),
     Image(ImageTexture),
     Pattern(Box<PatternTexture>),
+    Product(Box<ProductTexture>),
+    Cutout(Box<CutoutTexture>),
+}
+
+/// The product of two textures, of their colours and of their alpha.
+#[derive(Clone, Debug, PartialEq, Content)]
+pub struct ProductTexture {
+    pub first: Texture,
+    pub second: Texture,
+}
+
+/// A texture without soft edges: it is opaque where its alpha is at least `cutoff`, and clear elsewhere.
+#[derive(Clone, Debug, PartialEq, Content)]
+pub struct CutoutTexture {
+    pub texture: Texture,
+    pub cutoff: f32,
 }
 
 /// An image on a surface.
@@ -104,6 +120,14 @@ impl Texture {
             Self::Data(texture) => Texel::opaque(texture.at(context)),
             Self::Image(texture) => texture.at(context),
             Self::Pattern(texture) => texture.at(context),
+            Self::Product(texture) => {
+                let (first, second) = (texture.first.at(context), texture.second.at(context));
+                Texel { color: first.color * second.color, alpha: first.alpha * second.alpha }
+            }
+            Self::Cutout(texture) => {
+                let Texel { color, alpha } = texture.texture.at(context);
+                Texel { color, alpha: if alpha >= texture.cutoff { 1.0 } else { 0.0 } }
+            }
         }
     }
 
@@ -113,6 +137,8 @@ impl Texture {
             Self::Color(_) | Self::VertexColor | Self::Data(_) => false,
             Self::Image(texture) => texture.alpha && texture.image.has_alpha(),
             Self::Pattern(texture) => texture.first.has_alpha() || texture.second.has_alpha(),
+            Self::Product(texture) => texture.first.has_alpha() || texture.second.has_alpha(),
+            Self::Cutout(texture) => texture.texture.has_alpha(),
         }
     }
 
@@ -126,6 +152,11 @@ impl Texture {
                 let (first, second) = (first.opaque(), second.opaque());
                 Self::Pattern(Box::new(PatternTexture { first, second, ..*texture }))
             }
+            Self::Product(texture) => {
+                let ProductTexture { first, second } = *texture;
+                Self::Product(Box::new(ProductTexture { first: first.opaque(), second: second.opaque() }))
+            }
+            Self::Cutout(texture) => texture.texture.opaque(),
         }
     }
 
@@ -138,6 +169,18 @@ impl Texture {
                     || texture.first.is_uv_mapped()
                     || texture.second.is_uv_mapped()
             }
+            Self::Product(texture) => texture.first.is_uv_mapped() || texture.second.is_uv_mapped(),
+            Self::Cutout(texture) => texture.texture.is_uv_mapped(),
+        }
+    }
+
+    /// Whether any part is a pattern.
+    pub fn has_pattern(&self) -> bool {
+        match self {
+            Self::Color(_) | Self::VertexColor | Self::Data(_) | Self::Image(_) => false,
+            Self::Pattern(_) => true,
+            Self::Product(texture) => texture.first.has_pattern() || texture.second.has_pattern(),
+            Self::Cutout(texture) => texture.texture.has_pattern(),
         }
     }
 
@@ -150,6 +193,11 @@ impl Texture {
                 texture.first.each_data(visit);
                 texture.second.each_data(visit);
             }
+            Self::Product(texture) => {
+                texture.first.each_data(visit);
+                texture.second.each_data(visit);
+            }
+            Self::Cutout(texture) => texture.texture.each_data(visit),
         }
     }
 

@@ -23,6 +23,8 @@ pub struct TextureMappingTracks {
     pub offset: Animated<DVec3>,
     pub rotation: Rotation,
     pub scale: Animated<DVec3>,
+    /// A map of (u, v, 1) before everything else. Its last row is (0, 0, 1).
+    pub first: Option<DMat3>,
 }
 
 impl Default for TextureMappingTracks {
@@ -31,6 +33,7 @@ impl Default for TextureMappingTracks {
             offset: DVec3::ZERO.into(),
             rotation: Rotation::Quaternion(DQuat::IDENTITY.into()),
             scale: DVec3::ONE.into(),
+            first: None,
         }
     }
 }
@@ -38,7 +41,7 @@ impl Default for TextureMappingTracks {
 impl TextureMappingTracks {
     /// Whether any part has keys.
     pub fn is_keyed(&self) -> bool {
-        let Self { offset, rotation, scale } = self;
+        let Self { offset, rotation, scale, first: _ } = self;
         offset.is_keyed() || rotation.is_keyed() || scale.is_keyed()
     }
 }
@@ -61,6 +64,11 @@ pub struct SurfaceWrap {
 }
 
 impl SurfaceWrap {
+    /// The same wrap on every surface.
+    pub fn fixed(wrap: Wrap) -> Self {
+        Self { closed: wrap.into(), leads: [false; 2] }
+    }
+
     /// The wrap on a surface. `ends` says whether the surface ends at 0 and 1 of u, and of v.
     pub fn resolve(&self, ends: [bool; 2]) -> AxisWrap {
         let goes_on = |of: usize| self.leads[of] && !ends[of];
@@ -73,7 +81,14 @@ impl TextureMappingTracks {
         // If a keyed scale is 0, no point of the pattern is finite.
         let unscaled = DMat3::from_diagonal(self.scale.at(time).recip());
         let inverse = unscaled * self.rotation.at(time).transpose();
-        TextureMapping { offset: self.offset.at(time), inverse }
+        let offset = self.offset.at(time);
+        let Some(DMat3 { x_axis, y_axis, z_axis }) = self.first else {
+            return TextureMapping { offset, inverse };
+        };
+        // A p + b - offset is A (p - A⁻¹ (offset - b)). A map that flattens gives no finite point.
+        let flat = |v: DVec3| DVec3::new(v.x, v.y, 0.0);
+        let linear = DMat3::from_cols(flat(x_axis), flat(y_axis), DVec3::Z);
+        TextureMapping { offset: linear.inverse() * (offset - flat(z_axis)), inverse: inverse * linear }
     }
 }
 
@@ -116,7 +131,7 @@ mod tests {
 
     fn placed(offset: DVec3, degrees: f64, scale: DVec3) -> TextureMapping {
         let rotation = Rotation::AxisAngle { axis: DVec3::Z.into(), angle: Angle(degrees).into() };
-        TextureMappingTracks { offset: offset.into(), rotation, scale: scale.into() }
+        TextureMappingTracks { offset: offset.into(), rotation, scale: scale.into(), first: None }
             .at(Time::from_integer(0))
     }
 
@@ -125,6 +140,25 @@ mod tests {
         let mapping = placed(DVec3::new(5.0, 0.0, 0.0), 90.0, DVec3::new(2.0, 1.0, 1.0));
         // The pattern's (1, 0, 0) is scaled to (2, 0, 0), turned to (0, 2, 0) and moved to (5, 2, 0).
         assert_eq!(mapping.local(DVec3::new(5.0, 2.0, 0.0), DVec3::ZERO).0, DVec3::X);
+    }
+
+    #[test]
+    fn an_affine_map_comes_first() {
+        let first = DMat3::from_cols(
+            DVec3::new(0.5, 2.0, 0.0),
+            DVec3::new(-1.0, 0.25, 0.0),
+            DVec3::new(3.0, -4.0, 1.0),
+        );
+        let tracks = TextureMappingTracks {
+            offset: DVec3::new(1.0, 2.0, 0.0).into(),
+            scale: DVec3::splat(2.0).into(),
+            first: Some(first),
+            ..TextureMappingTracks::default()
+        };
+        let (at, _) = tracks.at(Time::from_integer(0)).local(DVec3::new(0.3, 0.7, 0.0), DVec3::ZERO);
+        let mapped = first * DVec3::new(0.3, 0.7, 1.0);
+        let expected = DVec3::new(0.5 * (mapped.x - 1.0), 0.5 * (mapped.y - 2.0), 0.0);
+        assert!((at - expected).length() < 1e-14, "{at} {expected}");
     }
 
     #[test]

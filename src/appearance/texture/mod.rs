@@ -21,7 +21,9 @@ pub use color_map::{ColorMap, NamedMap};
 pub use data::{DataScale, DataSource, DataTexture};
 pub use decode::ColorEncoding;
 pub use error::ImageError;
-pub use evaluate::{ColorChannel, ImageTexture, PatternTexture, Texture, TextureEvalContext};
+pub use evaluate::{
+    ColorChannel, CutoutTexture, ImageTexture, PatternTexture, ProductTexture, Texture, TextureEvalContext,
+};
 pub use footprint::Footprint;
 pub use image::{Image, Texel, TextureFilter};
 pub use mapping::{SurfaceWrap, TextureMapping, TextureMappingTracks, TextureSpace};

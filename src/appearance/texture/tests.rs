@@ -40,6 +40,7 @@ fn image() -> ImageTextureTracks {
         channel: None,
         tint: Rgb::ONE.into(),
         alpha: true,
+        axis_wraps: None,
         mapping: TextureMappingTracks::default(),
     }
 }

@@ -1,8 +1,9 @@
 //! Textures over time.
 
-use super::evaluate::{ColorChannel, ImageTexture, PatternTexture, Texture};
+use super::evaluate::{ColorChannel, CutoutTexture, ImageTexture, PatternTexture, ProductTexture, Texture};
 use super::{
-    DataTexture, Image, Pattern, SharedAsset, TextureFilter, TextureMappingTracks, TextureSpace, Wrap,
+    DataTexture, Image, Pattern, SharedAsset, SurfaceWrap, TextureFilter, TextureMappingTracks, TextureSpace,
+    Wrap,
 };
 use crate::base::color::Rgb;
 use crate::base::time::Time;
@@ -17,6 +18,10 @@ pub enum TextureTracks {
     Data(Box<DataTexture>),
     Image(Box<ImageTextureTracks>),
     Pattern(Box<PatternTextureTracks>),
+    /// A [`ProductTexture`] over time.
+    Product(Box<[Self; 2]>),
+    /// A [`CutoutTexture`] over time: its texture and its least alpha.
+    Cutout(Box<Self>, f32),
 }
 
 /// An [`ImageTexture`] over time.
@@ -24,6 +29,8 @@ pub enum TextureTracks {
 pub struct ImageTextureTracks {
     pub image: SharedAsset<Image>,
     pub wrap: Option<Wrap>,
+    /// Instead of `wrap`: the wrap along each axis of the image.
+    pub axis_wraps: Option<[Wrap; 2]>,
     pub filter: TextureFilter,
     pub channel: Option<ColorChannel>,
     pub tint: Animated<Rgb>,
@@ -74,6 +81,21 @@ impl TextureTracks {
                     Texture::Pattern(Box::new(texture))
                 }
             }
+            Self::Product(factors) => {
+                let [first, second] = [factors[0].at(time), factors[1].at(time)];
+                match (first.constant(), second.constant()) {
+                    (Some(a), Some(b)) => Texture::Color(a * b),
+                    (Some(Rgb::ONE), _) => second,
+                    (_, Some(Rgb::ONE)) => first,
+                    _ => Texture::Product(Box::new(ProductTexture { first, second })),
+                }
+            }
+            Self::Cutout(texture, cutoff) => match texture.at(time) {
+                texture if texture.has_alpha() => {
+                    Texture::Cutout(Box::new(CutoutTexture { texture, cutoff: *cutoff }))
+                }
+                texture => texture,
+            },
         }
     }
 
@@ -83,14 +105,24 @@ impl TextureTracks {
             Self::Color(color) => color.is_keyed(),
             Self::VertexColor | Self::Data(_) => false,
             Self::Image(tracks) => {
-                let ImageTextureTracks { tint, mapping, image: _, wrap: _, filter: _, channel: _, alpha: _ } =
-                    &**tracks;
+                let ImageTextureTracks {
+                    tint,
+                    mapping,
+                    image: _,
+                    wrap: _,
+                    axis_wraps: _,
+                    filter: _,
+                    channel: _,
+                    alpha: _,
+                } = &**tracks;
                 tint.is_keyed() || mapping.is_keyed()
             }
             Self::Pattern(tracks) => {
                 let PatternTextureTracks { mapping, first, second, pattern: _, space: _ } = &**tracks;
                 mapping.is_keyed() || first.is_keyed() || second.is_keyed()
             }
+            Self::Product(factors) => factors.iter().any(Self::is_keyed),
+            Self::Cutout(texture, _) => texture.is_keyed(),
         }
     }
 
@@ -103,6 +135,8 @@ impl TextureTracks {
                 tracks.first.each_data(visit);
                 tracks.second.each_data(visit);
             }
+            Self::Product(factors) => factors.iter_mut().for_each(|factor| factor.each_data(visit)),
+            Self::Cutout(texture, _) => texture.each_data(visit),
         }
     }
 
@@ -112,6 +146,8 @@ impl TextureTracks {
             Self::Color(_) | Self::VertexColor | Self::Data(_) => false,
             Self::Image(tracks) => tracks.alpha && tracks.image.has_alpha(),
             Self::Pattern(tracks) => tracks.first.has_alpha() || tracks.second.has_alpha(),
+            Self::Product(factors) => factors.iter().any(Self::has_alpha),
+            Self::Cutout(texture, _) => texture.has_alpha(),
         }
     }
 }
@@ -122,7 +158,11 @@ impl ImageTextureTracks {
         // An easing may overshoot below 0. Reflectance must not be negative.
         let tint = self.tint.at(time).max(Rgb::ZERO);
         let &Self { wrap, filter, channel, alpha, .. } = self;
-        let surface_wrap = [0, 1].map(|axis| mapping.surface_wrap(axis));
+        let surface_wrap = match self.axis_wraps {
+            Some(wraps) => wraps.map(SurfaceWrap::fixed),
+            None => [0, 1].map(|axis| mapping.surface_wrap(axis)),
+        };
+        let wrap = wrap.filter(|_| self.axis_wraps.is_none());
         ImageTexture { image: self.image.clone(), wrap, filter, channel, tint, alpha, mapping, surface_wrap }
     }
 }

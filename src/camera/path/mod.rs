@@ -3,6 +3,7 @@
 //! A path starts from the keyed pose of the camera and applies its steps in order, each to the pose from the step
 //! before. An orbit and then a zoom give an orbit that zooms.
 
+mod carried;
 mod dolly;
 mod frame;
 mod keys;
@@ -13,6 +14,7 @@ mod shutter;
 mod spline;
 mod zoom;
 
+pub use carried::CarriedPath;
 pub use dolly::Dolly;
 pub use frame::{Fit, Frame, Framed};
 pub use keys::Keys;
@@ -77,6 +79,7 @@ pub enum Step {
     Keys(Keys),
     Spline(SplinePath),
     Poses(PosePath),
+    Carried(CarriedPath),
 }
 
 /// Why a moment has no camera.
@@ -122,6 +125,7 @@ impl Step {
             Self::Keys(keys) => keys.apply(pose, clock),
             Self::Spline(spline) => spline.apply(pose, clock),
             Self::Poses(poses) => poses.apply(pose, clock),
+            Self::Carried(carried) => carried.apply(pose, clock),
         }
     }
 }
@@ -154,6 +158,7 @@ impl CameraPath {
             Step::Keys(keys) => keys.apply(pose, clock),
             Step::Spline(spline) => spline.apply(pose, clock),
             Step::Poses(poses) => poses.apply(pose, clock),
+            Step::Carried(carried) => carried.apply(pose, clock),
         })
     }
 

@@ -182,7 +182,7 @@ const DOUBLED: f64 = 2.0 * f32::MIN_POSITIVE as f64;
 
 /// Whether a triangle encloses an area: its corners differ and are not collinear to within rounding. Its area must be
 /// at least the smallest normal f32, because nothing can be computed about smaller ones.
-pub(super) fn has_area([a, b, c]: [DVec3; 3]) -> bool {
+pub(crate) fn has_area([a, b, c]: [DVec3; 3]) -> bool {
     let (u, v) = (b - a, c - a);
     let [square, of_sides] = [u.cross(v).length_squared(), u.length_squared() * v.length_squared()];
     // A square above twice its bound decides without roots, despite rounding. Squares in this range are normal

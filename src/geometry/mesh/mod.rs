@@ -6,6 +6,7 @@ pub(crate) mod build;
 pub(crate) mod corners;
 mod crease;
 mod data;
+pub mod deform;
 mod error;
 mod extrude;
 pub mod generate;

@@ -192,6 +192,11 @@ fn of_textures(material: &Material) -> impl Iterator<Item = SceneEffect> {
                 note(&paint.first, found);
                 note(&paint.second, found);
             }
+            Texture::Product(paint) => {
+                note(&paint.first, found);
+                note(&paint.second, found);
+            }
+            Texture::Cutout(paint) => note(&paint.texture, found),
         }
     }
     let mut found = Vec::new();

@@ -5,7 +5,6 @@ use super::frame_state::FrameState;
 use super::shutter::Shutter;
 use super::stages::{CurrentMoment, FirstError, Stopwatch};
 use super::systems::{new_world, update_schedule};
-use crate::appearance::texture::Texture;
 use crate::base::digest::{Content, Digest, Digester};
 use crate::base::math::Basis;
 use crate::base::time::{Clock, Timeline};
@@ -61,8 +60,7 @@ impl MomentState {
 /// different light.
 fn shows_patterns(scene: &Scene) -> bool {
     let textures = |index: u32| &scene.shading.materials[index as usize].textures;
-    let is_pattern = |texture: &Texture| matches!(texture, Texture::Pattern(_));
-    scene.geometry.materials().any(|index| textures(index).iter().any(|(_, texture)| is_pattern(texture)))
+    scene.geometry.materials().any(|index| textures(index).iter().any(|(_, texture)| texture.has_pattern()))
 }
 
 impl Preview {

@@ -54,8 +54,9 @@ pub fn update_schedule() -> Schedule {
     );
     let camera = animate::camera.pipe(keep_camera_error);
     let series = animate::series.pipe(keep_mesh_fault);
+    let deformed = animate::deformed.pipe(keep_mesh_fault);
     // Hidden objects load nothing, and a camera may focus on an object.
-    let placed = (animate::transforms, series, animate::particles, camera).chain();
+    let placed = (animate::transforms, series, deformed, animate::particles, camera).chain();
     let animated = (placed, animate::materials, animate::lights, animate::sky_and_fog, animate::weights);
     schedule.add_systems((animated, lap(FrameStage::Animate)).chain().in_set(FrameStage::Animate));
     let packed = (

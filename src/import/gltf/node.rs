@@ -1,0 +1,158 @@
+//! Nodes: the hierarchy of a scene, and where each node is in its parent.
+
+use super::GltfResult;
+use super::buffers::Buffers;
+use super::instancing::{GltfInstance, INSTANCING, instances};
+use super::json::Item;
+use super::light::LIGHTS;
+use super::rotation::unit;
+use crate::base::math::{DMat3, DQuat, DVec3, NotRigid, rotation_and_scale};
+
+/// A node of the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GltfNode {
+    /// The index of the node in the file.
+    pub index: usize,
+    /// Empty if it has none.
+    pub name: String,
+    /// The index of its parent among the nodes of the scene.
+    pub parent: Option<usize>,
+    /// A point p goes to `translation` + `rotation` · (`scale` · p).
+    pub translation: DVec3,
+    /// A unit quaternion.
+    pub rotation: DQuat,
+    pub scale: DVec3,
+    pub visible: bool,
+    /// Indices of what it shows.
+    pub mesh: Option<usize>,
+    pub camera: Option<usize>,
+    pub light: Option<usize>,
+    /// The places of its mesh in it. None: the mesh is at its origin.
+    pub instances: Option<Vec<GltfInstance>>,
+    pub skin: Option<usize>,
+    /// The weights of the morph targets of its mesh; empty for those of the mesh.
+    pub weights: Vec<f64>,
+}
+
+/// The largest number of nodes and instances.
+const MOST_NODES: usize = 1_000_000;
+
+/// Reads the nodes of the file's own scene, parents before children: of the first scene if the file names none, and of
+/// nodes without parents if it has no scene.
+pub fn nodes(root: &Item<'_>, buffers: &Buffers<'_>) -> GltfResult<Vec<GltfNode>> {
+    let items = root.list("nodes")?;
+    if items.len() > MOST_NODES {
+        return Err(root.error(format!("it has more than {MOST_NODES} nodes")));
+    }
+    let all = ("nodes", items.len());
+    let children = items.iter().map(|item| item.indices("children", all)).collect::<GltfResult<Vec<_>>>()?;
+    let mut parents = vec![None; items.len()];
+    for (parent, children) in children.iter().enumerate() {
+        for &child in children {
+            if parents[child].replace(parent).is_some() {
+                return Err(items[child].error("it is a child of two nodes"));
+            }
+        }
+    }
+    // Also a node that is its own ancestor has a parent. So a walk from the roots ends, and meets every node once.
+    let mut walk: Vec<(usize, Option<usize>)> =
+        roots(root, &parents)?.into_iter().map(|node| (node, None)).collect();
+    let mut nodes: Vec<GltfNode> = Vec::new();
+    let (mut at, mut count) = (0, 0);
+    while let Some(&(index, parent)) = walk.get(at) {
+        let next = node((root, buffers), &items[index], (index, parent))?;
+        count += next.instances.as_ref().map_or(0, Vec::len);
+        if count > MOST_NODES {
+            return Err(items[index].error(format!("there are more than {MOST_NODES} instances")));
+        }
+        nodes.push(next);
+        walk.extend(children[index].iter().map(|child| (*child, Some(at))));
+        at += 1;
+    }
+    Ok(nodes)
+}
+
+/// The nodes of the scene that have no parents.
+fn roots(root: &Item<'_>, parents: &[Option<usize>]) -> GltfResult<Vec<usize>> {
+    let scenes = ("scenes", root.len_of("scenes"));
+    let Some(scene) = root.index("scene", scenes)?.or((scenes.1 > 0).then_some(0)) else {
+        return Ok((0..parents.len()).filter(|node| parents[*node].is_none()).collect());
+    };
+    let scene = root.entry("scenes", scene)?;
+    let mut roots = scene.indices("nodes", ("nodes", parents.len()))?;
+    if let Some(child) = roots.iter().find(|node| parents[**node].is_some()) {
+        return Err(scene.error(format!("its nodes[{child}] has a parent, so it is no root")));
+    }
+    let count = roots.len();
+    roots.sort_unstable();
+    roots.dedup();
+    if roots.len() < count {
+        return Err(scene.error("it names a node twice"));
+    }
+    scene.indices("nodes", ("nodes", parents.len()))
+}
+
+fn node(
+    (root, buffers): (&Item<'_>, &Buffers<'_>),
+    item: &Item<'_>,
+    (index, parent): (usize, Option<usize>),
+) -> GltfResult<GltfNode> {
+    let (translation, rotation, scale) = place(item)?;
+    let lights = root.extension(LIGHTS).map_or(0, |lights| lights.len_of("lights"));
+    let light = match item.extension(LIGHTS) {
+        Some(light) => light.index("light", ("lights", lights))?,
+        None => None,
+    };
+    let visible = match item.extension("KHR_node_visibility") {
+        Some(visibility) => visibility.flag("visible", true)?,
+        None => true,
+    };
+    let instances = item.extension(INSTANCING).map(|item| instances(root, &item, buffers)).transpose()?;
+    Ok(GltfNode {
+        index,
+        name: item.name()?,
+        parent,
+        translation,
+        rotation,
+        scale,
+        visible,
+        mesh: item.index("mesh", ("meshes", root.len_of("meshes")))?,
+        camera: item.index("camera", ("cameras", root.len_of("cameras")))?,
+        light,
+        instances,
+        skin: item.index("skin", ("skins", root.len_of("skins")))?,
+        weights: item.real_list("weights")?,
+    })
+}
+
+/// Translation, rotation and scale.
+fn place(item: &Item<'_>) -> GltfResult<(DVec3, DQuat, DVec3)> {
+    if let Some(matrix) = item.numbers::<16>("matrix")? {
+        return decomposed(&matrix).map_err(|why| item.error(why));
+    }
+    let translation = DVec3::from_array(item.numbers("translation")?.unwrap_or([0.0; 3]));
+    let scale = DVec3::from_array(item.numbers("scale")?.unwrap_or([1.0; 3]));
+    let rotation = item.numbers("rotation")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    let rotation =
+        unit(rotation).ok_or_else(|| item.error("its `rotation` is zero, which is no rotation"))?;
+    Ok((translation, rotation, scale))
+}
+
+/// Decomposes a matrix, which is written column by column.
+fn decomposed(matrix: &[f64; 16]) -> Result<(DVec3, DQuat, DVec3), String> {
+    let column = |at: usize| DVec3::new(matrix[4 * at], matrix[4 * at + 1], matrix[4 * at + 2]);
+    let columns = [0, 1, 2].map(column);
+    if [matrix[3], matrix[7], matrix[11], matrix[15]] != [0.0, 0.0, 0.0, 1.0] {
+        return Err("the last row of its `matrix` is not 0, 0, 0, 1".to_owned());
+    }
+    let [x, y, z] = columns;
+    let (rotation, scale) = rotation_and_scale(DMat3::from_cols(x, y, z)).map_err(|why| match why {
+        NotRigid::Flat => "its `matrix` flattens space".to_owned(),
+        NotRigid::Sheared(angle) => {
+            format!("its `matrix` shears: two of its columns meet at {angle:.4} degrees, not at 90")
+        }
+    })?;
+    // Lengths near 1 are exact in a file, unlike in a table of rounded numbers.
+    let lengths = DVec3::from_array(columns.map(DVec3::length));
+    Ok((column(3), rotation, lengths * if scale.x < 0.0 { -1.0 } else { 1.0 }))
+}
