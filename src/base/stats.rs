@@ -72,10 +72,31 @@ counts! {
 counts! {
     /// Paths of frames that are traced together, each from one sample of a pixel.
     SharedPaths {
-        /// Paths of frames that took the light of a path that was traced once for all of them.
-        reused,
-        /// Paths of frames that were traced again, because they could meet something that moved.
+        /// Paths of all of these frames.
+        all,
+        /// Paths that were traced once for all frames.
+        once,
+        /// Paths of a frame that were traced again, because they could meet something that moved.
         retraced,
+        /// Paths of frames in tiles that were traced frame by frame, because most paths change.
+        whole,
+    }
+}
+
+impl SharedPaths {
+    /// The number of paths that were traced.
+    pub fn traced(&self) -> u64 {
+        self.once + self.retraced + self.whole
+    }
+
+    /// The number of paths that did not have to be traced.
+    pub fn reused(&self) -> u64 {
+        self.all.saturating_sub(self.traced())
+    }
+
+    /// The traced share of all paths; 1 if there are none.
+    pub fn share(&self) -> f64 {
+        if self.all > 0 { self.traced() as f64 / self.all as f64 } else { 1.0 }
     }
 }
 

@@ -25,11 +25,11 @@ pub struct Settings {
     #[arg(long, value_name = "SIZE", value_parser = values::file_size, allow_hyphen_values = true)]
     max_size: Option<u64>,
 
-    /// Memory for films that later frames reuse, such as 2GB [default: a quarter of free memory]
+    /// Memory for films that later frames reuse, such as 2GB, or 0 [default: a quarter of free memory]
     ///
     /// A film is the light traced for a frame. Frames that show the same scene, or in which only
     /// lights change their brightness, share one. `kinora plan` prints the memory that they take.
-    #[arg(long, value_name = "SIZE", value_parser = values::file_size, verbatim_doc_comment)]
+    #[arg(long, value_name = "SIZE", value_parser = values::cache_size, verbatim_doc_comment)]
     film_cache: Option<u64>,
 
     /// Trace every frame on its own; the files have the same bytes

@@ -83,8 +83,11 @@ pub fn json(summary: &Summary) -> String {
             "total": rays.total(),
         },
         "paths": {
-            "reused": paths.reused,
+            "all": paths.all,
+            "traced": paths.traced(),
+            "reused": paths.reused(),
             "retraced": paths.retraced,
+            "frame_by_frame": paths.whole,
         },
         "zoom": {
             "films": samples.films,
@@ -144,7 +147,8 @@ fn planned(expected: &Forecast) -> String {
     let rays = match expected.rays {
         Some(rays) => format!("about {} rays", units::count(rays)),
         None if expected.shares_paths => {
-            format!("at most {} from the camera", units::counted(expected.camera_rays, "ray"))
+            let rays = units::counted(expected.camera_rays, "ray");
+            format!("fewer than the {rays} from the camera that films take alone, as they share paths")
         }
         None if expected.exact => format!("{} from the camera", units::counted(expected.camera_rays, "ray")),
         None => format!("{} or more from the camera", units::counted(expected.camera_rays, "ray")),
@@ -175,17 +179,21 @@ fn time(summary: &Summary) -> String {
     text
 }
 
-/// Paths that several frames share, and those that were traced again. Empty if no frames share paths.
+/// How many of the paths of films that share paths were traced, and why. Empty if no films share paths.
 fn paths(summary: &Summary) -> Vec<String> {
     let paths = summary.counts.paths;
-    if paths.total() == 0 {
+    if paths.all == 0 {
         return Vec::new();
     }
-    let share = 100.0 * paths.retraced as f64 / paths.total() as f64;
-    let (reused, retraced) = (units::count(paths.reused), units::count(paths.retraced));
-    vec![format!(
-        "{reused} reused from other frames, {retraced} traced again where something moved ({share:.1} %)"
-    )]
+    let [all, once, again] = [paths.all, paths.once, paths.retraced].map(units::count);
+    let mut text = format!(
+        "{:.1} % traced of {all}: {once} once for several frames, {again} again where something moved",
+        100.0 * paths.share()
+    );
+    if paths.whole > 0 {
+        text += &format!(", {} frame by frame in tiles where most paths change", units::count(paths.whole));
+    }
+    vec![text]
 }
 
 /// Films that share samples because their cameras are at one point. Empty if there are none.
@@ -284,7 +292,7 @@ fn aligned(rows: &[(&str, String)]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::stats::{Dropped, RayCounts};
+    use crate::base::stats::{Dropped, RayCounts, SharedPaths};
     use crate::pipeline::plan::Range;
     use std::time::Duration;
 
@@ -370,6 +378,21 @@ dropped undefined   2
     }
 
     #[test]
+    fn all_paths_that_were_traced_are_counted() {
+        let mut summary = summary();
+        summary.counts.paths = SharedPaths { all: 31_104, once: 5_184, retraced: 284, whole: 0 };
+        let line =
+            "paths   17.6 % traced of 31,104: 5,184 once for several frames, 284 again where something moved";
+        assert!(text(&summary).contains(&format!("{line}\n")), "{}", text(&summary));
+        let counts =
+            r#""paths":{"all":31104,"traced":5468,"reused":25636,"retraced":284,"frame_by_frame":0}"#;
+        assert!(json(&summary).contains(counts), "{}", json(&summary));
+        summary.counts.paths = SharedPaths { all: 40_000, once: 5_184, retraced: 284, whole: 8_896 };
+        let rest = ", 8,896 frame by frame in tiles where most paths change\n";
+        assert!(text(&summary).contains(rest), "{}", text(&summary));
+    }
+
+    #[test]
     fn kept_frames_are_listed_and_take_no_time() {
         let text = text(&Summary { kept: 62, ..summary() });
         assert!(text.contains("frames  72, 62 of them kept\ntime    10.4 s, 1.04 s per frame; tracing took 19.8 s of processor time\n"), "{text}");
@@ -400,7 +423,7 @@ dropped undefined   2
         let wanted = concat!(
             r#"{"event":"summary","files":["out/orbit_####.png","out/\"orbit\".gif"],"frames":72,"kept":0,"reused":0,"#,
             r#""elapsed_s":10.44,"tracing_cpu_s":19.84,"rays":{"camera":66355200,"mirror":20481,"transmitted":0,"scattered":0,"shadow":9,"#,
-            r#""total":66375690},"paths":{"reused":0,"retraced":0},"zoom":{"films":0,"samples_alone":0,"own_samples":0},"evaluations":{"fog":0,"paint":0,"light_samples":0,"lens_samples":0},"#,
+            r#""total":66375690},"paths":{"all":0,"traced":0,"reused":0,"retraced":0,"frame_by_frame":0},"zoom":{"films":0,"samples_alone":0,"own_samples":0},"evaluations":{"fog":0,"paint":0,"light_samples":0,"lens_samples":0},"#,
             r#""dropped_samples":{"undefined":0,"infinite":0,"negative":0},"noise":{},"#,
             r#""bvh_builds":1,"bvh_refits":0,"bvh_updates":1,"expected":{},"stages_s":{"animate":0.001,"trace":9.87},"notes":["a draft"]}"#,
         );

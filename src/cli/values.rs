@@ -184,6 +184,14 @@ pub fn file_size(text: &str) -> Result<u64, String> {
     parse_bytes(text).ok_or_else(|| "write a size such as 5MB, 800kB or 2MiB, at least 1kB".to_owned())
 }
 
+/// The size of a cache in bytes, such as `5MB`, or `0` for none.
+pub fn cache_size(text: &str) -> Result<u64, String> {
+    if text == "0" {
+        return Ok(0);
+    }
+    file_size(text).map_err(|why| format!("{why}, or 0"))
+}
+
 /// The quality of formats with loss.
 pub fn encode_quality(text: &str) -> Result<u8, String> {
     let quality = within(text, 1, 100).map(|quality| quality as u8);
@@ -310,8 +318,10 @@ mod tests {
     #[test]
     fn settings_of_formats() {
         assert_eq!((file_size("5MB"), file_size("1.5 MiB")), (Ok(5_000_000), Ok(1_572_864)));
+        assert_eq!((cache_size("5MB"), cache_size("0")), (Ok(5_000_000), Ok(0)));
         for bad in ["", "5", "MB", "-5MB", "5 TB of it", "0.5kB", "1.2.3MB"] {
             assert!(file_size(bad).is_err(), "`{bad}`");
+            assert!(cache_size(bad).is_err(), "`{bad}`");
         }
         assert_eq!((encode_quality("1"), encode_quality("100")), (Ok(1), Ok(100)));
         assert!(encode_quality("0").is_err() && encode_quality("101").is_err());

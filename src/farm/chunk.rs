@@ -1,11 +1,14 @@
 //! Divides frames into chunks of similar cost. No film is traced in two chunks.
 //!
 //! Frames that share a film stay together: the first of them traces it, and the others cost almost nothing. So chunks
-//! consist of films, not of frames.
+//! consist of films, not of frames. Films that share samples of views count as one film, because each chunk would trace
+//! these samples again.
 
+use crate::base::digest::Digest;
 use crate::film::AovSet;
 use crate::pipeline::plan::{PilotBudget, Plan, cost_estimate};
 use crate::sequence::Sequence;
+use std::collections::HashMap;
 use std::ops::Range;
 
 /// Films of similar cost, in chunks of equally many films.
@@ -45,14 +48,23 @@ impl FilmCosts {
     pub fn of(sequence: &Sequence, frames: &[u32], aovs: AovSet) -> Self {
         let plan = Plan::new(sequence, frames, aovs, u64::MAX);
         let write = plan.cache.pixels as f64 * RAYS_PER_WRITTEN_PIXEL;
-        let films = plan.films.iter().zip(cost_estimate(sequence, &plan, PilotBudget::PLAN).films).map(
-            |(take, rays)| {
-                let frames: Vec<u32> = take.frames.iter().map(|&index| frames[index]).collect();
-                let work = rays + write * frames.len() as f64;
-                (frames, work)
-            },
-        );
-        Self(films.collect())
+        let rays = cost_estimate(sequence, &plan, PilotBudget::PLAN).films;
+        let mut films: Vec<(Vec<u32>, f64)> = Vec::new();
+        let mut known: HashMap<Digest, usize> = HashMap::new();
+        for (film, (shared, rays)) in plan.films.iter().zip(rays).enumerate() {
+            let own: Vec<u32> = shared.frames.iter().map(|&index| frames[index]).collect();
+            let work = rays + write * own.len() as f64;
+            let place = *known.entry(plan.state_of(film).shared_work()).or_insert(films.len());
+            match films.get_mut(place) {
+                Some((all, sum)) => {
+                    all.extend(own);
+                    all.sort_unstable();
+                    *sum += work;
+                }
+                None => films.push((own, work)),
+            }
+        }
+        Self(films)
     }
 
     fn total(&self) -> f64 {
@@ -180,5 +192,25 @@ mod tests {
         let frames: Vec<_> = turn.iter().map(|(frames, _)| frames.clone()).collect();
         assert_eq!(frames, [[0, 4], [1, 5], [2, 6], [3, 7]]);
         assert!(turn.iter().all(|(_, work)| *work >= 48.0 + 2.0 * 48.0 * RAYS_PER_WRITTEN_PIXEL));
+    }
+
+    /// Another task would trace the samples of all views of a zoom again.
+    #[test]
+    fn frames_that_share_samples_stay_together() {
+        let text = |reuse: &str| {
+            format!(
+                r#"(timeline: (frames: 20, keys: Frames), output: (size: (24, 16)), quality: (antialias: 2, {reuse}),
+                camera: (path: Zoom(factor: [(0, 1), (19, 4)])), background: 0.5,
+                objects: {{ "ball": (shape: Sphere()) }})"#
+            )
+        };
+        let all: Vec<u32> = (0..20).collect();
+        for (reuse, films) in [("", 20), ("reuse: Zoom", 1)] {
+            let sequence = parse("zoom.ron", &text(reuse)).expect("a sequence");
+            let costs = FilmCosts::of(&sequence, &all, AovSet::default());
+            assert_eq!(costs.0.len(), films, "{reuse}");
+            let chunks = cost_classes(&costs, Some(4)).into_iter().flat_map(|class| class.chunks);
+            assert_eq!(chunks.count(), if films == 1 { 1 } else { 4 }, "{reuse}");
+        }
     }
 }

@@ -185,6 +185,14 @@ impl FilterWeights {
         self.side[step] + (self.side[step + 1] - self.side[step]) * (place - step as f64)
     }
 
+    /// The integral of the weights over the plane, in square pixels.
+    pub fn integral(&self) -> f64 {
+        // The table is linear between its steps. Its last value is beyond the edge.
+        let pieces = self.side.windows(2).take(STEPS).map(|step| 0.5 * (step[0] + step[1]));
+        let along = self.width * pieces.sum::<f64>() / STEPS as f64;
+        along * along
+    }
+
     /// The pixels of a row or column of `length` that a sample at a position may reach.
     #[inline]
     pub fn reached(&self, position: f64, length: usize) -> Range<usize> {

@@ -27,13 +27,9 @@ pub struct MoverPose<'a> {
 pub fn moving_slots(scenes: &[Scene]) -> Vec<u32> {
     let Some((first, others)) = scenes.split_first() else { return Vec::new() };
     let changed = changed_materials(first.shading, others);
-    let moves = |slot: usize| {
-        let here = Slot::of(first, slot);
-        let shows = |slot: &Slot| slot.primitive.materials().any(|material| changed[material as usize]);
-        shows(&here) || others.iter().map(|scene| Slot::of(scene, slot)).any(|there| there != here)
-    };
     let slots = 0..first.geometry.primitives.len();
-    slots.filter(|slot| moves(*slot)).map(|slot| slot as u32).collect()
+    let moving = slots.filter(|slot| Slot::of(first, *slot).moves(others, &changed, *slot));
+    moving.map(|slot| slot as u32).collect()
 }
 
 /// For each material, whether it differs between scenes.
@@ -56,6 +52,12 @@ impl<'a> Slot<'a> {
         let textured = |material: u32| !scene.shading.materials[material as usize].textures.is_empty();
         let origin = primitive.materials().any(textured).then(|| scene.geometry.origin(slot));
         Self { primitive, origin }
+    }
+
+    /// Whether this slot shows one of the `changed` materials, or differs from that of any other scene.
+    fn moves(&self, others: &[Scene], changed: &[bool], slot: usize) -> bool {
+        let shows = self.primitive.materials().any(|material| changed[material as usize]);
+        shows || others.iter().any(|scene| Slot::of(scene, slot) != *self)
     }
 }
 
@@ -208,15 +210,22 @@ impl LeafVisitor for Search<'_> {
     }
 }
 
-/// Whether a mover is a light or, with `emitters`, emits light itself. Then sampled light depends on where it is.
-pub fn has_moving_source(scenes: &[Scene], slots: &[u32], emitters: bool) -> bool {
-    let emits = |scene: &Scene, finish: Finish| {
+/// Whether something that differs between two scenes is a light or, with `emitters`, emits light itself. Then sampled
+/// light depends on where it is.
+pub fn has_moving_source(scenes: [Scene; 2], emitters: bool) -> bool {
+    let [first, other] = &scenes;
+    let emits = |scene: &Scene, slot: usize| {
+        let finish = scene.geometry.finishes()[slot];
         let lit = |material: u32| scene.shading.materials[material as usize].lobes.emission != Rgb::ZERO;
         matches!(finish, Finish::Light(_)) || emitters && finish.materials().any(lit)
     };
-    scenes
-        .iter()
-        .any(|scene| slots.iter().any(|slot| emits(scene, scene.geometry.primitives[*slot as usize].finish)))
+    let slots = 0..first.geometry.primitives.len();
+    let mut sources = slots.filter(|slot| emits(first, *slot) || emits(other, *slot)).peekable();
+    if sources.peek().is_none() {
+        return false;
+    }
+    let changed = changed_materials(first.shading, &[*other]);
+    sources.any(|slot| Slot::of(first, slot).moves(&[*other], &changed, slot))
 }
 
 /// The geometry without the primitives in some slots.

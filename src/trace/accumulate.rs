@@ -19,6 +19,11 @@ impl Accumulator {
         Self { layers, ..Self::default() }
     }
 
+    /// Prepares for films of this number of layers.
+    pub fn fit(&mut self, layers: usize) {
+        self.layers = layers;
+    }
+
     /// Clears the sums for this number of samples.
     pub fn reset(&mut self, samples: usize) {
         self.length = samples + 8;

@@ -33,6 +33,11 @@ impl HitStream {
         Self { surfaces: vec![PathQueue::default(); classes], ..Self::default() }
     }
 
+    /// Prepares for scenes with this number of sets of lobes.
+    pub fn fit(&mut self, classes: usize) {
+        self.surfaces.resize(classes, PathQueue::default());
+    }
+
     fn reset(&mut self, count: usize) {
         let size = count.next_multiple_of(8);
         self.t.resize(size, 0.0);

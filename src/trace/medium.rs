@@ -67,6 +67,13 @@ impl MediaLists {
         }
     }
 
+    /// Discards all lists. All numbers become invalid.
+    pub fn clear(&mut self) {
+        if self.len() > 1 {
+            *self = Self::default();
+        }
+    }
+
     /// The number of lists and transitions.
     fn len(&self) -> usize {
         self.lists.len() + self.single.len()

@@ -30,6 +30,7 @@ mod pilot;
 mod random_scene;
 #[cfg(test)]
 mod round_tests;
+mod scratch_pool;
 mod segment;
 mod settings;
 mod shade;
@@ -49,7 +50,7 @@ mod whitted;
 
 pub use adaptive::{AdaptiveFrame, MIN_SAMPLES, Weightings, bytes_of_pixel};
 pub use context::is_random;
-pub use path_reuse::{FramePose, MAX_FRAMES, SharedFrames};
+pub use path_reuse::{BYTES_PER_POSE, FramePose, MAX_FRAMES, PathObstacle, SharedFrames};
 pub use pilot::{BlockError, PilotBlocks};
 pub use settings::{Moment, TraceSettings};
 pub use view_reuse::{MAX_VIEWS, SamplePlan, SharedViews, View, bytes_of_sums, trace_views};

@@ -2,6 +2,7 @@
 
 use super::camera_rays::{PixelSamples, Placement, SampleGroup};
 use super::context::TraceContext;
+use super::scratch_pool::ScratchPool;
 use super::settings::{Moment, TraceSettings};
 use super::sums::add_sample;
 use super::wavefront::{ScratchBuffer, WAVE};
@@ -12,7 +13,7 @@ use crate::sampling::PixelSampler;
 use crate::scene::Scene;
 use crate::scene::top_level::Bvh;
 use std::ops::Range;
-use std::sync::Mutex;
+use std::sync::Arc;
 
 /// Traces pixels of one frame at one moment.
 pub struct PixelTracer<'a> {
@@ -20,8 +21,9 @@ pub struct PixelTracer<'a> {
     pub moment: Moment,
     /// Whether samples are random. Otherwise they form a regular grid.
     pub random: bool,
-    /// Scratch buffers that no thread is using.
-    scratch: Mutex<Vec<ScratchBuffer>>,
+    pool: Arc<ScratchPool>,
+    /// Tells tracers with the same pool apart.
+    number: u32,
 }
 
 /// A range of a pixel's samples. Different seeds give independent samples.
@@ -35,7 +37,12 @@ impl<'a> PixelTracer<'a> {
     pub fn new(scene: &'a Scene<'a>, bvh: &'a Bvh, settings: &'a TraceSettings, moment: Moment) -> Self {
         let context = TraceContext::new(scene, bvh, settings);
         let random = moment.of > 1 || context.is_random;
-        Self { context, moment, random, scratch: Mutex::default() }
+        Self { context, moment, random, pool: Arc::default(), number: 0 }
+    }
+
+    /// The same with a pool that it shares with tracers of other numbers.
+    pub fn with_pool(self, pool: &Arc<ScratchPool>, number: u32) -> Self {
+        Self { pool: Arc::clone(pool), number, ..self }
     }
 
     /// The same with random samples, whatever the scene needs.
@@ -121,15 +128,12 @@ impl<'a> PixelTracer<'a> {
 
     /// A scratch buffer that no thread is using.
     pub fn take_scratch(&self) -> ScratchBuffer {
-        let free = self.scratch.lock().ok().and_then(|mut free| free.pop());
-        free.unwrap_or_else(|| ScratchBuffer::new(&self.context))
+        self.pool.take(self.number, &self.context)
     }
 
     /// Returns a scratch buffer.
     pub fn give_back(&self, scratch: ScratchBuffer) {
-        if let Ok(mut free) = self.scratch.lock() {
-            free.push(scratch);
-        }
+        self.pool.give_back(self.number, scratch);
     }
 
     /// The number of samples of a pixel.

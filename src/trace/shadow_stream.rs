@@ -40,6 +40,11 @@ impl ShadowStream {
         Self { transmits, media, ..Self::default() }
     }
 
+    /// Whether both streams have the same columns.
+    pub fn is_like(&self, other: &Self) -> bool {
+        (self.transmits, self.media) == (other.transmits, other.media)
+    }
+
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }

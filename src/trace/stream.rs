@@ -126,6 +126,10 @@ impl PathStream {
         Self { columns, ..Self::default() }
     }
 
+    pub fn columns(&self) -> Columns {
+        self.columns
+    }
+
     pub fn len(&self) -> usize {
         self.len
     }

@@ -81,6 +81,17 @@ impl ScratchBuffer {
         }
     }
 
+    /// Prepares the buffer for another context. It keeps its memory, and nothing that depends on the context before.
+    pub fn fit(&mut self, context: &TraceContext) {
+        let shadows = || ShadowStream::new(context.has_transparency(), context.media);
+        self.free.retain(|paths| paths.columns() == context.columns);
+        self.hits.fit(context.classes.len());
+        self.media.clear();
+        self.shadows.retain(|stream| stream.is_like(&shadows()));
+        self.shadows.resize_with(context.lights.requests().len(), shadows);
+        self.sums.fit(context.layers);
+    }
+
     /// Empty buffers for the samples of a wave and the places of their pixels.
     pub fn take_samples(&mut self) -> (PixelSamples, Vec<u32>) {
         (std::mem::take(&mut self.samples), std::mem::take(&mut self.places))

@@ -336,6 +336,45 @@ fn plans_list_spans_effects_layers_rays_and_memory() {
         r#"{"event":"plan","frames":6,"reused":5,"spans":[{"first":0,"last":3,"changes":[],"films":1},"#;
     assert!(json.stdout.starts_with(wanted), "{}", json.stdout);
     assert!(json.stdout.contains(r#""budget_bytes":1000000"#), "{}", json.stdout);
-    refused(&["plan", &file, "--film-cache", "much"], &["5MB"]);
+    let none = kinora(&["plan", &file, "--json", "--frames", "0-5", "--film-cache", "0"]);
+    assert!(none.stdout.contains(r#""budget_bytes":0"#), "{}", none.stdout);
+    refused(&["plan", &file, "--film-cache", "much"], &["5MB", "or 0"]);
     refused(&["render", &file, "--film-cache", "5MB", "--no-reuse"], &["cannot be used with"]);
+}
+
+/// A plan says how many camera rays a zoom takes, and why frames share none.
+#[test]
+fn plans_explain_zooms() {
+    let file = scratch("zooms.ron");
+    let text = |quality: &str, camera: &str| {
+        format!(
+            r#"(timeline: (frames: 24, keys: Frames), output: (size: (24, 16)), quality: (reuse: Zoom, {quality}),
+            camera: (position: (0, 1, 5), target: (0, 0, 0), {camera}), background: 0.5,
+            lights: {{ "lamp": Point(position: (3, 6, 4)) }},
+            objects: {{ "ball": (shape: Sphere()) }})"#
+        )
+    };
+    let zoom = "path: Zoom(factor: [(0, 1), (23, 4)])";
+    for (quality, camera, frames, wanted) in [
+        ("antialias: 2", zoom.to_owned(), "0-23", "24 films in 1 group share samples"),
+        ("antialias: 2", zoom.to_owned(), "0-23", " times fewer"),
+        (
+            "antialias: 2",
+            zoom.to_owned(),
+            "0-1",
+            " times as many, because samples of frames that are not rendered",
+        ),
+        ("antialias: 2", format!("{zoom}, aperture: 0.1"), "0-23", "because the camera has a lens"),
+        ("antialias: 2", "path: Orbit(turns: 1)".to_owned(), "0-23", "because no frames next to each other"),
+        (
+            "antialias: 2, filter: Box(width: 0.5)",
+            zoom.to_owned(),
+            "0-23",
+            "because the filter is narrower than a pixel",
+        ),
+    ] {
+        std::fs::write(&file, text(quality, &camera)).expect("the folder is writable");
+        let run = kinora(&["plan", &file.to_string_lossy(), "--frames", frames]);
+        assert!(run.stdout.contains(wanted), "{quality} {camera}: {}{}", run.stdout, run.stderr);
+    }
 }

@@ -302,10 +302,11 @@ fn moving_objects_share_paths() {
         same(&shown, &wanted, quality);
         let paths = with.counts.paths;
         assert_eq!((with.traced, without.traced), (plan.films.len() as u32, 12), "{quality}");
-        assert_eq!(without.counts.paths.total(), 0);
-        assert!(paths.reused > 3 * paths.retraced && paths.retraced > 0, "{quality}: {paths:?}");
+        assert_eq!(without.counts.paths.all, 0);
+        assert!(paths.reused() > 3 * paths.retraced && paths.retraced > 0, "{quality}: {paths:?}");
         // Every path is traced once for all frames, and again for some.
-        let once = paths.total() / u64::from(with.traced);
+        let once = paths.all / u64::from(with.traced);
+        assert_eq!((paths.once, paths.whole), (once, 0));
         assert_eq!(with.counts.rays.camera, once + paths.retraced, "{quality}");
         assert_eq!(with.bvh_builds + with.bvh_refits, plan.bvh_updates());
         assert!(3 * with.counts.rays.total() < without.counts.rays.total(), "{quality}");
@@ -357,8 +358,66 @@ fn scenes_with_few_samples_are_not_copied() {
         let (sequence, frames) = (scene(side), [0, 1, 2, 3]);
         let (shown, with, _) = planned(&sequence, &frames, u64::MAX);
         same(&shown, &alone(&sequence, &frames).0, "many objects");
-        assert_eq!(with.counts.paths.total() > 0, shared, "{side}");
+        assert_eq!(with.counts.paths.all > 0, shared, "{side}");
     }
+}
+
+/// A film that cannot share paths with the next one keeps no others from sharing theirs.
+#[test]
+fn films_behind_one_that_differs_share_paths() {
+    let scene = |objects: &str| {
+        sequence(&format!(
+            r#"(timeline: (frames: 14, keys: Frames), output: (size: (48, 36)),
+            quality: (integrator: Path, bounces: 2, samples: 4), background: 0.3,
+            objects: {{ "floor": (shape: Rectangle(corner: (-5, -1, -5), u: (10, 0, 0), v: (0, 0, 10))), {objects} }})"#
+        ))
+    };
+    let small = |keys: &str| {
+        let object = format!(r#""ball": (shape: Sphere(radius: 0.2), translation: [{keys}])"#);
+        scene(&object)
+    };
+    let glow = r#""glow": (shape: Sphere(center: (1, 1, 0), radius: 0.2), material: (emission: 3), visible: KEYS),
+        "ball": (shape: Sphere(radius: 0.2), translation: [(0, (-2, 0, 0)), (13, (2, 0, 0))])"#;
+    let glowing = |keys: &str| scene(&glow.replace("KEYS", keys));
+    let far = "(4000, 0, 0)";
+    for (sequence, sharing, what) in [
+        (small(&format!("(0, {far}, Step), (1, (0, 0, 0)), (13, (1, 0, 0))")), 13, "far away at first"),
+        (
+            small(&format!(
+                "(0, (0, 0, 0)), (6, (1, 0, 0), Step), (7, {far}, Step), (8, (1, 0, 0)), (13, (0, 0, 0))"
+            )),
+            13,
+            "far away in the middle",
+        ),
+        (glowing("[(0, true), (1, false)]"), 13, "glowing at first"),
+        (glowing("[(0, true), (1, false), (2, true), (3, false)]"), 11, "blinking"),
+    ] {
+        let frames: Vec<u32> = (0..14).collect();
+        let (shown, with, plan) = planned(&sequence, &frames, u64::MAX);
+        same(&shown, &alone(&sequence, &frames).0, what);
+        let expected = sharing.min(plan.films.len() as u64 - 1);
+        assert!(with.counts.paths.all >= expected * 48 * 36 * 4, "{what}: {:?}", with.counts.paths);
+        let estimate = plan::cost_estimate(&sequence, &plan, PilotBudget::PLAN).expected;
+        assert!(2 * estimate.camera < estimate.camera_alone, "{what}: {estimate:?}");
+        assert!(estimate.path_obstacle.is_some(), "{what}: {estimate:?}");
+    }
+}
+
+/// Whether it pays to copy scenes is decided film by film: one film of many moments is traced alone.
+#[test]
+fn a_film_of_many_moments_is_no_obstacle() {
+    let still: String =
+        (0..100).map(|k| format!(r#""{k}": (shape: Sphere(center: ({k}, 9, -9), radius: 0.1)), "#)).collect();
+    let sequence = sequence(&format!(
+        r#"(timeline: (frames: 6, keys: Frames), output: (size: (32, 32)),
+        quality: (integrator: Path, bounces: 1, samples: 4, shutter_steps: 64), background: 0.3,
+        camera: (position: (0, 0, 5), shutter: [(0, 0, Step), (5, 1)]),
+        objects: {{ {still} "m": (shape: Sphere(radius: 0.2), translation: [(0, (0, 0, 0)), (6, (1, 0, 0))]) }})"#
+    ));
+    let frames: Vec<u32> = (0..6).collect();
+    let (shown, with, _) = planned(&sequence, &frames, u64::MAX);
+    same(&shown, &alone(&sequence, &frames).0, "many moments");
+    assert_eq!(with.counts.paths.all, 5 * 32 * 32 * 4);
 }
 
 /// If all paths meet something that moves, or light depends on it, frames are traced alone.
@@ -385,7 +444,7 @@ fn frames_with_much_motion_are_traced_alone() {
         let (shown, with, _) = planned(&sequence, &frames, u64::MAX);
         let (wanted, without) = alone(&sequence, &frames);
         same(&shown, &wanted, &objects);
-        assert_eq!(with.counts.paths.total() > 0, shared, "{objects}");
+        assert_eq!(with.counts.paths.all > 0, shared, "{objects}");
         let ratio = with.counts.rays.total() as f64 / without.counts.rays.total() as f64;
         assert!(ratio < 1.05, "{objects}: {ratio} times as many rays");
     }

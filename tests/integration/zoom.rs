@@ -1,15 +1,18 @@
 //! Frames whose camera stays in its place share samples if it zooms and turns.
 
 use crate::support::sequence;
+use kinora::base::cancel::Stop;
 use kinora::base::color::Rgb;
 use kinora::base::stats::ProgressMeter;
-use kinora::encode::EncodeError;
+use kinora::encode::{EncodeError, Existing, Output};
 use kinora::film::{AovSet, Film};
 use kinora::pipeline::plan::{self, Plan, RayEstimate};
+use kinora::pipeline::render::{Request, Reuse, render};
 use kinora::pipeline::schedule::{FilmSink, FrameLoop, Stats};
 use kinora::sequence::Sequence;
 use kinora::sequence::quality::{NoiseTarget, SampleReuse};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// Films with the numbers of their frames.
 #[derive(Default)]
@@ -116,7 +119,7 @@ fn a_zoom_takes_an_eighth_of_the_rays_and_the_plan_knows() {
         let (films, stats, plan) = planned(&own, &all_frames(&own), u64::MAX);
         let expected = RayEstimate::of(&own, &plan);
         assert_eq!((films.len(), stats.counts.samples.films), (48, 48));
-        assert!(expected.exact && !expected.shares_paths);
+        assert!(expected.shares_views && !expected.exact && !expected.shares_paths);
         assert_eq!(stats.counts.rays.camera, expected.camera + stats.counts.samples.own);
         assert!(8 * stats.counts.rays.camera <= expected.camera_alone, "{:?}", stats.counts);
         assert!(stats.counts.samples.own * 1000 <= expected.camera, "{:?}", stats.counts.samples);
@@ -177,6 +180,30 @@ fn errors_are_no_larger_than_frame_by_frame() {
     assert!(shared <= 1.5 * alone, "{shared} {alone}");
 }
 
+/// Slow zooms of small pictures, in which most pixels are at an edge, and slow turns.
+#[test]
+fn edges_of_slow_motions_are_shared_and_no_worse_than_frame_by_frame() {
+    let zoom = "path: Zoom(factor: [(0, 1), (23, 4)])";
+    let slow = "path: Zoom(factor: [(0, 1), (23, 1.1)])";
+    let pan = "path: Keys(target: [(0, (0.2, 0.7, 0)), (23, (0.5, 0.7, 0))])";
+    for (size, quality, camera) in [
+        ((1, 1), "antialias: 16", zoom),
+        ((40, 2), "antialias: 4", zoom),
+        ((1, 30), "antialias: 4", slow),
+        ((48, 27), "antialias: 4", slow),
+        ((48, 27), "antialias: 2", pan),
+    ] {
+        let mut sequence = grid_scene(quality, camera, 24);
+        sequence.output.size = size;
+        let [alone, shared] = mean_errors(&sequence);
+        let own = with_reuse(&sequence, SampleReuse::Zoom);
+        let counts = planned(&own, &all_frames(&own), u64::MAX).1.counts;
+        assert!(shared <= 1.25 * alone, "{size:?} {camera}: {shared} {alone}");
+        assert_eq!(counts.samples.films, 24, "{size:?} {camera}");
+        assert!(counts.samples.own * 10 <= counts.rays.camera, "{size:?} {camera}: {counts:?}");
+    }
+}
+
 /// The mean over many seeds is that of a long reference: the ratio of sums is hardly biased.
 #[test]
 fn the_mean_over_seeds_is_the_truth() {
@@ -198,6 +225,29 @@ fn the_mean_over_seeds_is_the_truth() {
     let (bias, single) = (mean(&errors(&sums, &truth)), mean(&single));
     // Independent errors fall by the root of the number of seeds.
     assert!(bias < 1.25 * single / f64::from(SEEDS).sqrt(), "{bias} of {single}");
+}
+
+/// A run that is stopped after films were traced together keeps them. One that is stopped while they are traced has none.
+#[test]
+fn stopped_runs_keep_the_films_that_are_there() {
+    let sequence = with_reuse(&grid_scene("antialias: 2", ZOOM, 12), SampleReuse::Zoom);
+    let plan = Plan::new(&sequence, &all_frames(&sequence), AovSet::default(), u64::MAX);
+    let mut frames = frame_loop(&sequence, AovSet::default());
+    // The run asks once before it traces.
+    let asked = AtomicUsize::new(0);
+    let on = || asked.fetch_add(1, Relaxed) == 0;
+    assert_eq!(plan::run(&plan, &mut frames, on).unwrap_or_else(|fault| panic!("{fault:?}")), 12);
+    assert_eq!(frames.into_sink().expect("the sink").0.len(), 12);
+    for budget in [0, u64::MAX] {
+        let plan = Plan::new(&sequence, &all_frames(&sequence), AovSet::default(), budget);
+        let meter = Arc::new(ProgressMeter::default());
+        let stop = Stop::default();
+        stop.flag().store(2, Relaxed);
+        meter.stop.set(stop).expect("no stop yet");
+        let mut frames = FrameLoop::with_aovs(&sequence, AovSet::default(), Films::default(), meter);
+        assert_eq!(plan::run(&plan, &mut frames, || true).unwrap_or_else(|fault| panic!("{fault:?}")), 0);
+        assert_eq!(frames.stats().counts.rays.camera, 0);
+    }
 }
 
 #[test]
@@ -252,4 +302,27 @@ fn aovs_belong_to_the_frame() {
         }
         assert!(pixels > 300 && worst < 0.05, "{pixels} {worst}");
     }
+}
+
+/// Processes that share frames claim all views of a zoom together: each view's samples are traced once.
+#[test]
+fn claimed_frames_share_samples() {
+    let sequence = with_reuse(&grid_scene("antialias: 2", ZOOM, 12), SampleReuse::Zoom);
+    let rays = |existing: Existing, reuse: Reuse| {
+        let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+        let request = Request {
+            frames: all_frames(&sequence),
+            outputs: vec![Output::parse(folder.path().join("##.png")).expect("an output")],
+            confined: false,
+            existing,
+            threads: None,
+            reuse,
+            time_limit: None,
+        };
+        let summary = render(&sequence, &request, &Arc::default()).unwrap_or_else(|error| panic!("{error}"));
+        summary.counts.rays.camera
+    };
+    let together = rays(Existing::Replace, Reuse::Share);
+    assert_eq!(rays(Existing::Share, Reuse::Share), together);
+    assert!(rays(Existing::Replace, Reuse::Off) > 2 * together);
 }

@@ -38,8 +38,8 @@ pub struct Arguments {
     #[command(flatten)]
     options: RenderOptions,
 
-    /// Memory for films that later frames reuse, such as 2GB [default: a quarter of free memory]
-    #[arg(long, value_name = "SIZE", value_parser = values::file_size)]
+    /// Memory for films that later frames reuse, such as 2GB, or 0 [default: a quarter of free memory]
+    #[arg(long, value_name = "SIZE", value_parser = values::cache_size)]
     film_cache: Option<u64>,
 
     /// Predict the time on this many workers with -t threads each: 1,2,50; up to 10000

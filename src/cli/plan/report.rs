@@ -79,7 +79,7 @@ fn piloted(sequence: &Sequence, plan: &Plan, aovs: AovSet) -> (RayEstimate, Opti
     let outlook = run_pilot(sequence, plan, aovs, PilotTime::PLAN, TimeSource::Machine);
     let forecast = outlook.forecast(&sequence.quality);
     let known = RayEstimate::of(sequence, plan);
-    let expected = match known.exact {
+    let expected = match known.exact || known.shares_views {
         true => estimate_rays(sequence, plan, PilotBudget::PLAN),
         // Without reuse, every frame costs as much as its film.
         false => {

@@ -7,7 +7,9 @@ use crate::base::units::{self, count, counted};
 use crate::cli::forecast_text::{advice, error_range, short_time, time_range};
 use crate::cli::summary::reused_frames;
 use crate::pipeline::plan::{EffectSource, FrameSpan, RayEstimate, Reason, SceneEffect, camera_rays};
+use crate::pipeline::schedule::ViewObstacle;
 use crate::sequence::quality::SampleReuse;
+use crate::trace::PathObstacle;
 
 /// Explains the word to readers who meet it here for the first time.
 const FILM: &str = "a film is the light traced for a frame, in layers; frames in which lights only change their \
@@ -171,37 +173,75 @@ fn paths(report: &PlanReport) -> Option<String> {
     let films: u64 = RayEstimate::of(report.sequence, &report.plan).camera;
     let text = "films that differ in objects and materials only share paths; a path is traced again where something \
                 has moved";
-    Some(match report.outlook {
-        Some(_) if films > 0 => {
+    let why = expected.path_obstacle.map(path_obstacle);
+    Some(match (&report.outlook, why) {
+        (Some(_), Some(why)) if expected.camera >= films => format!("no films share paths, because {why}"),
+        (Some(_), why) if films > 0 => {
             let share = 100.0 * expected.camera as f64 / films as f64;
-            format!("{text}; about {share:.1} % of the paths of all films are traced")
+            let some = why.map(|why| format!("; some share none, because {why}")).unwrap_or_default();
+            format!("{text}; about {share:.1} % of the paths of all films are traced{some}")
         }
         _ => text.to_owned(),
     })
+}
+
+/// Why films do not share paths.
+fn path_obstacle(obstacle: PathObstacle) -> &'static str {
+    match obstacle {
+        PathObstacle::MovingSource => "a light or an object that emits light moves or changes",
+        PathObstacle::Extent => "the extent of the scene differs, on which error bounds depend",
+        PathObstacle::Sampling => "samples differ in kind or in the number of their moments",
+        PathObstacle::Memory => "--film-cache has no room for copies of their scenes",
+        PathObstacle::Changes => "most paths change",
+    }
 }
 
 /// How many films share samples because their cameras are at one point.
 fn zoom(report: &PlanReport) -> Option<String> {
     let groups = &report.plan.view_groups;
     if groups.is_empty() && report.sequence.quality.reuse == SampleReuse::Zoom {
-        return Some(
-            "no films share samples; docs/reuse.md lists what their frames must have in common".to_owned(),
-        );
+        let why = match report.sequence.quality.noise {
+            Some(_) => view_obstacle(ViewObstacle::Target),
+            None => view_obstacle(report.plan.view_obstacle().unwrap_or_default()),
+        };
+        return Some(format!("no films share samples, because {why}"));
     }
     let films: usize = groups.iter().map(|group| group.films.len()).sum();
     let camera: u64 = groups.iter().map(|group| group.camera_rays).sum();
     let grouped = groups.iter().flat_map(|group| group.films.clone());
     let alone: u64 = grouped.map(|film| camera_rays(report.sequence, report.plan.state_of(film))).sum();
     (films > 0).then(|| {
-        let fewer = alone as f64 / camera.max(1) as f64;
+        let compared = match camera <= alone {
+            true => format!("{:.1} times fewer", alone as f64 / camera.max(1) as f64),
+            false => {
+                let more = camera as f64 / alone.max(1) as f64;
+                format!("{more:.1} times as many, because samples of frames that are not rendered are needed")
+            }
+        };
         let (films, times) = (counted(films as u64, "film"), counted(groups.len() as u64, "group"));
         format!(
-            "{films} in {times} share samples, because the camera stays in its place: {} camera rays instead of {}, \
-             {fewer:.1} times fewer",
+            "{films} in {times} share samples, because the camera stays in its place: about {} camera rays instead of \
+             {}, {compared}",
             count(camera),
             count(alone)
         )
     })
+}
+
+/// Why frames do not share samples of views.
+fn view_obstacle(obstacle: ViewObstacle) -> &'static str {
+    match obstacle {
+        ViewObstacle::Target => "frames are sampled until they reach a target error",
+        ViewObstacle::Lens => "the camera has a lens",
+        ViewObstacle::Parallel => "the camera is orthographic",
+        ViewObstacle::Shutter => "something moves while the shutter is open",
+        ViewObstacle::Pattern => "a pattern is shown, which fades by the size of pixels",
+        ViewObstacle::Filter => "the filter is narrower than a pixel",
+        ViewObstacle::Gain => "hardly any directions are in several pictures",
+        ViewObstacle::Neighbors => {
+            "no frames next to each other show one scene from one place in different views"
+        }
+    }
 }
 
 /// `about 12,000 rays, 3,000 of them from the camera`.

@@ -21,12 +21,12 @@ impl FrameStates {
     }
 }
 
-/// These frames, plus those of `among` that share a film with one of them, in ascending order.
+/// These frames, plus those of `among` that share a film or samples of views with one of them, in ascending order.
 pub fn with_shared(sequence: &Sequence, frames: &[u32], among: &[u32]) -> Vec<u32> {
     let hashes: HashSet<Digest> =
-        evaluate(sequence, frames).frames.iter().map(|state| state.scene_hash).collect();
+        evaluate(sequence, frames).frames.iter().map(FrameState::shared_work).collect();
     let states = evaluate(sequence, among).frames;
-    let shared = states.iter().filter(|state| hashes.contains(&state.scene_hash)).map(|state| state.frame);
+    let shared = states.iter().filter(|state| hashes.contains(&state.shared_work())).map(|state| state.frame);
     let all: BTreeSet<u32> = shared.chain(frames.iter().copied()).collect();
     all.into_iter().collect()
 }

@@ -22,6 +22,7 @@ mod render_plan;
 mod run;
 mod shared_films;
 mod shared_run;
+mod tries;
 mod view_groups;
 #[cfg(test)]
 mod tests;

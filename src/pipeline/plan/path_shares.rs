@@ -5,35 +5,47 @@
 use super::camera_rays::camera_rays;
 use super::ray_estimate::{NullSink, downscaled};
 use super::render_plan::Plan;
-use crate::base::stats::{ProgressMeter, SharedPaths};
+use super::tries::Tries;
+use crate::base::stats::ProgressMeter;
 use crate::film::LayerId;
 use crate::pipeline::schedule::{FrameLoop, FrameState};
 use crate::sequence::Sequence;
+use crate::trace::PathObstacle;
 use std::sync::Arc;
 
 /// Maximum number of groups of films that are measured.
 const GROUPS: usize = 4;
 
-/// For each film, the expected share of its paths that are traced for it: 1 if it shares none. `samples` is the number
-/// of samples of a small picture; with 0, nothing is traced and no film shares paths.
-pub fn path_shares(sequence: &Sequence, plan: &Plan, samples: u64) -> Vec<f64> {
-    let mut shares = vec![1.0; plan.films.len()];
+/// How many paths of films are traced.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathShares {
+    /// For each film, the expected share of its paths that are traced for it: 1 if it shares none.
+    pub films: Vec<f64>,
+    /// Why films that may share paths do not, if any of those that were tried does not.
+    pub obstacle: Option<PathObstacle>,
+}
+
+/// The paths that films share. `samples` is the number of samples of a small picture; with 0, nothing is traced and no
+/// film shares paths.
+pub fn path_shares(sequence: &Sequence, plan: &Plan, samples: u64) -> PathShares {
+    let mut found = PathShares { films: vec![1.0; plan.films.len()], obstacle: None };
     for group in &plan.view_groups {
         let alone: u64 = group.films.clone().map(|film| camera_rays(sequence, plan.state_of(film))).sum();
-        shares[group.films.clone()].fill(group.camera_rays as f64 / alone.max(1) as f64);
+        found.films[group.films.clone()].fill(group.camera_rays as f64 / alone.max(1) as f64);
     }
     let groups = groups(plan);
     if samples == 0 || groups.is_empty() {
-        return shares;
+        return found;
     }
     let count = groups.len().min(GROUPS);
     let chosen = |index: usize| (2 * index + 1) * groups.len() / (2 * count);
-    let known: Vec<f64> =
+    let known: Vec<(f64, Option<PathObstacle>)> =
         (0..count).map(|index| share(sequence, plan, groups[chosen(index)], samples)).collect();
     for (index, (first, films)) in groups.iter().enumerate() {
-        shares[*first..first + films].fill(known[index * count / groups.len()]);
+        found.films[*first..first + films].fill(known[index * count / groups.len()].0);
     }
-    shares
+    found.obstacle = known.iter().find_map(|known| known.1);
+    found
 }
 
 /// Groups of films that may share paths: the first film of each, and the number of its films.
@@ -49,18 +61,30 @@ fn groups(plan: &Plan) -> Vec<(usize, usize)> {
     groups
 }
 
-/// The share of a group's paths that are traced.
-fn share(sequence: &Sequence, plan: &Plan, (first, films): (usize, usize), samples: u64) -> f64 {
-    let films = &plan.films[first..first + films];
-    let states: Vec<&FrameState> = films.iter().map(|film| &plan.states.frames[film.frames[0]]).collect();
-    let lit: Vec<LayerId> = Plan::lit(films);
+/// The share of a group's paths that are traced, and why films of the group share none, if some do not. As a run does,
+/// this goes on until films are traced together. Those behind them are taken to be like them.
+fn share(
+    sequence: &Sequence,
+    plan: &Plan,
+    (first, films): (usize, usize),
+    samples: u64,
+) -> (f64, Option<PathObstacle>) {
+    let shared = &plan.films[first..first + films];
+    let states: Vec<&FrameState> = shared.iter().map(|film| &plan.states.frames[film.frames[0]]).collect();
     let small = downscaled(sequence, states[0], samples);
     let mut frames = FrameLoop::new(&small, NullSink, Arc::new(ProgressMeter::default()));
-    let traced = frames.trace_together(&states, &lit, plan.scenes_budget()).unwrap_or_default();
-    let SharedPaths { retraced, .. } = frames.stats().counts.paths;
-    let all = frames.stats().counts.paths.total();
-    match traced.len() {
-        count if count > 1 && all > 0 => (1.0 / count as f64 + retraced as f64 / all as f64).min(1.0),
-        _ => 1.0,
+    let (mut alone, mut obstacle, mut tries) = (0, None, Tries::default());
+    while alone + 1 < films {
+        let lit: Vec<LayerId> = Plan::lit(&shared[alone..]);
+        let Ok(group) = frames.trace_together(&states[alone..], &lit, plan.scenes_budget()) else { break };
+        obstacle = obstacle.or(group.end);
+        if !group.films.is_empty() {
+            let share = frames.stats().counts.paths.share();
+            let all = (alone as f64 + share * (films - alone) as f64) / films as f64;
+            let changes = (share >= 1.0).then_some(PathObstacle::Changes);
+            return (all.min(1.0), changes.or(obstacle));
+        }
+        alone += tries.next(films - alone, 0);
     }
+    (1.0, obstacle)
 }

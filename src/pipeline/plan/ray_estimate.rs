@@ -12,7 +12,7 @@ use crate::encode::EncodeError;
 use crate::film::{Film, LayerId};
 use crate::pipeline::schedule::{FilmSink, FrameLoop, FrameState};
 use crate::sequence::Sequence;
-use crate::trace::MIN_SAMPLES;
+use crate::trace::{MIN_SAMPLES, PathObstacle};
 use std::sync::Arc;
 
 /// Expected numbers of rays of a run.
@@ -21,11 +21,15 @@ pub struct RayEstimate {
     /// Camera rays: without and with shared films.
     pub camera_alone: u64,
     pub camera: u64,
-    /// Whether the numbers of camera rays are known. With a target error, they are lower bounds.
+    /// Whether the numbers of camera rays are known. With a target error or shared views, they are lower bounds.
     pub exact: bool,
     /// Whether films may share paths. Then the number of camera rays is an upper bound, or an estimate if pilots were
     /// traced.
     pub shares_paths: bool,
+    /// Whether films share samples of views. Then the number of camera rays leaves out those of pixels that lack samples.
+    pub shares_views: bool,
+    /// Why some films that may share paths do not, if pilots were traced.
+    pub path_obstacle: Option<PathObstacle>,
     /// Rays of all kinds, if pilots were traced.
     pub rays_alone: Option<u64>,
     pub rays: Option<u64>,
@@ -73,9 +77,12 @@ impl RayEstimate {
         let states = &plan.states.frames;
         let camera = camera_rays_of_films(sequence, plan);
         let camera_alone = states.iter().map(|state| camera_rays(sequence, state)).sum();
-        let exact = sequence.quality.noise.is_none() || !states.iter().any(|state| state.random);
+        let shares_views = !plan.view_groups.is_empty();
+        let has_target = sequence.quality.noise.is_some() && states.iter().any(|state| state.random);
+        let exact = !has_target && !shares_views;
         let shares_paths = (0..plan.films.len()).any(|film| plan.together(film) > 1);
-        Self { camera_alone, camera, exact, shares_paths, rays_alone: None, rays: None }
+        let (path_obstacle, rays_alone, rays) = (None, None, None);
+        Self { camera_alone, camera, exact, shares_paths, shares_views, path_obstacle, rays_alone, rays }
     }
 }
 
@@ -112,17 +119,17 @@ pub fn cost_estimate(sequence: &Sequence, plan: &Plan, budget: PilotBudget) -> C
         let nearest = trials.get(film * trials.len() / films.len());
         let each =
             nearest.filter(|trial| trial.samples > 0.0).map_or(1.0, |trial| trial.rays / trial.samples);
-        camera_rays(sequence, state) as f64 * each * shares[film]
+        camera_rays(sequence, state) as f64 * each * shares.films[film]
     };
     let unshared = counted_up(sequence, &films, &trials);
     let camera = |(film, share): (&LitFrame, &f64)| camera_rays(sequence, film.0) as f64 * share;
-    let camera = films.iter().zip(&shares).map(camera).sum::<f64>().round();
+    let camera = films.iter().zip(&shares.films).map(camera).sum::<f64>().round();
     let alone: u64 = films.iter().map(|film| camera_rays(sequence, film.0)).sum();
     let traced = if alone > 0 { camera / alone as f64 } else { 1.0 };
     let all = unshared.map(|rays| (rays as f64 * traced).round() as u64);
     let camera = if known.shares_paths { camera as u64 } else { known.camera };
     CostEstimate {
-        expected: RayEstimate { camera, rays: all, ..known },
+        expected: RayEstimate { camera, rays: all, path_obstacle: shares.obstacle, ..known },
         films: films.iter().enumerate().map(rays).collect(),
         unshared,
     }

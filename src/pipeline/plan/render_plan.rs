@@ -5,7 +5,7 @@ use super::evaluate::{FrameStates, evaluate};
 use super::shared_films::{FilmCache, SharedFilm, shared_films};
 use super::view_groups::view_groups;
 use crate::film::{AovSet, LayerId};
-use crate::pipeline::schedule::FrameState;
+use crate::pipeline::schedule::{FrameState, ViewObstacle};
 use crate::sequence::Sequence;
 use crate::trace::MAX_FRAMES;
 use std::collections::BTreeSet;
@@ -24,9 +24,11 @@ pub struct Plan {
     pub films: Vec<SharedFilm>,
     /// Index of the film of each frame.
     pub film_of: Vec<usize>,
+    /// For each film, whether its scene may be copied to share paths; empty if that of none may. It is not if the film is
+    /// sampled until it reaches a target error, or if it has few samples for the number of objects.
+    pub(super) copied: Vec<bool>,
     /// Bytes for films that share paths and for copies of their scenes: the part of the budget that cached films leave. 0
-    /// if no films share paths: if they are sampled until they reach a target error, or if they have few samples for the
-    /// number of objects.
+    /// if no films share paths.
     pub(super) sharing_budget: u64,
     /// Films that are traced together because their views share samples.
     pub view_groups: Vec<ViewGroup>,
@@ -42,6 +44,12 @@ pub struct ViewGroup {
     pub bytes: u64,
 }
 
+/// Whether copying a scene for every moment takes less time than tracing its samples.
+fn copy_pays(sequence: &Sequence, state: &FrameState) -> bool {
+    let copied = (sequence.objects.len() as u64).saturating_mul(u64::from(state.moments));
+    copied.saturating_mul(SAMPLES_PER_COPY) <= camera_rays(sequence, state)
+}
+
 impl Plan {
     /// The plan of these frames, in this order. Cached films take at most `budget` bytes; with 0, each frame has its
     /// own film.
@@ -53,21 +61,22 @@ impl Plan {
     pub fn from_states(states: FrameStates, sequence: &Sequence, aovs: AovSet, budget: u64) -> Self {
         let cache = FilmCache::of(sequence, aovs, budget);
         let (films, film_of) = shared_films(&states.frames, &cache);
-        let mut plan = Self { states, cache, films, film_of, sharing_budget: 0, view_groups: Vec::new() };
-        plan.view_groups = view_groups(&plan, sequence);
-        let shares = sequence.quality.noise.is_none() && plan.copies_pay(sequence);
-        let free = plan.cache.budget.saturating_sub(plan.kept_bytes());
-        Self { sharing_budget: if shares { free } else { 0 }, ..plan }
-    }
-
-    /// Whether copying a scene for every moment takes less time than tracing its samples.
-    fn copies_pay(&self, sequence: &Sequence) -> bool {
-        let objects = sequence.objects.len() as u64;
-        let pays = |state: &FrameState| {
-            let copied = objects.saturating_mul(u64::from(state.moments));
-            state.fault.is_some() || copied.saturating_mul(SAMPLES_PER_COPY) <= camera_rays(sequence, state)
+        let mut plan = Self {
+            states,
+            cache,
+            films,
+            film_of,
+            copied: Vec::new(),
+            sharing_budget: 0,
+            view_groups: Vec::new(),
         };
-        self.states.frames.iter().all(pays)
+        plan.view_groups = view_groups(&plan, sequence);
+        if sequence.quality.noise.is_none() {
+            plan.copied =
+                (0..plan.films.len()).map(|film| copy_pays(sequence, plan.state_of(film))).collect();
+            plan.sharing_budget = plan.cache.budget.saturating_sub(plan.kept_bytes());
+        }
+        plan
     }
 
     /// The plan if no films share paths. The time of such a plan can be predicted from a few blocks of pixels, so runs with
@@ -84,6 +93,11 @@ impl Plan {
     /// The films from number `first` on whose views share samples and that are traced together.
     pub fn view_group(&self, first: usize) -> Option<&ViewGroup> {
         self.view_groups.iter().find(|group| group.films.start == first)
+    }
+
+    /// Why frames do not share samples of views: the obstacle of the first frame that does not.
+    pub fn view_obstacle(&self) -> Option<ViewObstacle> {
+        self.states.frames.iter().find_map(|state| state.view_obstacle)
     }
 
     /// Number of frames that reuse the film of another frame.
@@ -105,8 +119,10 @@ impl Plan {
             lit.extend(&self.films[film].lit);
             let bytes = self.cache.bytes(lit.len()).saturating_mul(count as u64 + 1);
             let other = state(film);
-            let is_alike =
-                other.surroundings == surroundings && other.fault.is_none() && other.views.is_none();
+            let is_alike = other.surroundings == surroundings
+                && other.fault.is_none()
+                && other.views.is_none()
+                && self.copied.get(film) == Some(&true);
             if !is_alike || bytes > self.sharing_budget - self.scenes_budget() {
                 break;
             }

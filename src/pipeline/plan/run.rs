@@ -1,11 +1,13 @@
 //! Executes a plan.
 
 use super::render_plan::Plan;
+use super::tries::Tries;
 use crate::film::Film;
 use crate::pipeline::schedule::{FilmSink, FrameError, FrameLoop, FrameState};
 use std::collections::HashMap;
 
-/// Renders the plan's frames in order while `on` returns true. Returns the number of finished frames. If a film stops
+/// Renders the plan's frames in order while `on` returns true, and then those whose films have just been traced together
+/// with others. Returns the number of finished frames. If a film stops
 /// before it reaches its target error, the next frames of the same film are pushed too, but do not count.
 pub fn run<S: FilmSink>(
     plan: &Plan,
@@ -14,19 +16,17 @@ pub fn run<S: FilmSink>(
 ) -> Result<usize, FrameError> {
     let mut kept: HashMap<usize, Film> = HashMap::new();
     // The first film that has not been tried to trace together with others.
-    let mut untried = 0;
+    let (mut untried, mut tries) = (0, Tries::default());
     let mut done = 0;
     for (index, (state, &film)) in plan.states.frames.iter().zip(&plan.film_of).enumerate() {
-        if !on() {
-            break;
-        }
         let shared = &plan.films[film];
         let (is_first, again) = (shared.frames.first() == Some(&index), shared.frames.last() != Some(&index));
-        if is_first && film >= untried && !kept.contains_key(&film) {
-            untried = trace_together(plan, film, frames, &mut kept)?;
-            if !on() {
-                break;
-            }
+        if on() && is_first && film >= untried && !kept.contains_key(&film) {
+            untried = trace_together(plan, film, frames, (&mut kept, &mut tries))?;
+        }
+        // If the run is stopped, films that were traced together and not pushed yet are not lost.
+        if !(on() || is_first && kept.contains_key(&film)) {
+            break;
         }
         done += 1;
         match kept.remove(&film) {
@@ -42,6 +42,9 @@ pub fn run<S: FilmSink>(
             }
             None => {
                 let traced = frames.trace(state, &shared.lit)?;
+                if traced.is_none() {
+                    return Ok(index);
+                }
                 if let Some(film) = traced.as_ref().filter(|film| film.unfinished) {
                     let next = plan.states.frames.iter().zip(&plan.film_of).skip(index + 1);
                     let alike = next.take_while(|(_, other)| **other == plan.film_of[index]);
@@ -61,7 +64,7 @@ fn trace_together<S: FilmSink>(
     plan: &Plan,
     first: usize,
     frames: &mut FrameLoop<S>,
-    kept: &mut HashMap<usize, Film>,
+    (kept, tries): (&mut HashMap<usize, Film>, &mut Tries),
 ) -> Result<usize, FrameError> {
     let views = plan.view_group(first).map(|group| group.films.len());
     let together = views.unwrap_or_else(|| plan.together(first));
@@ -72,9 +75,9 @@ fn trace_together<S: FilmSink>(
     let states: Vec<&FrameState> = films.iter().map(|film| &plan.states.frames[film.frames[0]]).collect();
     let traced = match views {
         Some(_) => frames.trace_views(&states, &Plan::lit(films))?,
-        None => frames.trace_together(&states, &Plan::lit(films), plan.scenes_budget())?,
+        None => frames.trace_together(&states, &Plan::lit(films), plan.scenes_budget())?.films,
     };
-    let next = first + if traced.is_empty() { together } else { traced.len() };
+    let next = first + tries.next(together, traced.len());
     kept.extend((first..).zip(traced));
     Ok(next)
 }

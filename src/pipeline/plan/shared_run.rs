@@ -1,11 +1,15 @@
-//! Executes a plan together with other processes: the first process to claim a film renders its frames.
+//! Executes a plan together with other processes: the first process to claim a film renders its frames. Films that share
+//! samples of views are claimed together.
 
 use super::evaluate::FrameStates;
 use super::render_plan::Plan;
 use super::run::run;
-use super::shared_films::{FilmCache, shared_films};
+use crate::base::digest::Digest;
 use crate::encode::{Encoder, FrameLease};
+use crate::film::AovSet;
 use crate::pipeline::schedule::{FrameError, FrameLoop, FrameState};
+use crate::sequence::Sequence;
+use std::collections::HashMap;
 use std::thread::sleep;
 use std::time::Duration;
 
@@ -25,15 +29,20 @@ pub struct SharedRun {
 /// and takes over any that nobody renders any more. Calls `there` with the number of frames that others rendered.
 pub fn run_shared(
     states: &FrameStates,
-    cache: FilmCache,
+    (sequence, aovs, budget): (&Sequence, AovSet, u64),
     frames: &mut FrameLoop<Encoder>,
     on: impl Fn() -> bool,
     there: impl Fn(usize),
 ) -> Result<SharedRun, FrameError> {
-    let (films, _) = shared_films(&states.frames, &FilmCache { budget: u64::MAX, ..cache });
-    let state = |&index: &usize| states.frames[index].clone();
-    let mut open: Vec<Vec<FrameState>> =
-        films.iter().map(|film| film.frames.iter().map(state).collect()).collect();
+    let mut open: Vec<Vec<FrameState>> = Vec::new();
+    let mut places: HashMap<Digest, usize> = HashMap::new();
+    for state in &states.frames {
+        let place = *places.entry(state.shared_work()).or_insert(open.len());
+        match open.get_mut(place) {
+            Some(claimed) => claimed.push(state.clone()),
+            None => open.push(vec![state.clone()]),
+        }
+    }
     let mut done = 0;
     loop {
         let before = open.len();
@@ -43,7 +52,7 @@ pub fn run_shared(
                 return Ok(SharedRun { done, complete: false });
             }
             let numbers: Vec<u32> = film.iter().map(|state| state.frame).collect();
-            let name = film.first().map(|state| state.scene_hash).unwrap_or_default();
+            let name = film.first().map(FrameState::shared_work).unwrap_or_default();
             let lease = frames
                 .with_sink(|encoder| encoder.lease_frames(name, &numbers))
                 .map_err(FrameError::Encode)?;
@@ -58,20 +67,9 @@ pub fn run_shared(
             there(numbers.len() - missing.len());
             let states: Vec<FrameState> =
                 film.into_iter().filter(|state| missing.contains(&state.frame)).collect();
-            let (films, film_of) = shared_films(&states, &cache);
             let wanted = states.len();
-            let begun = run(
-                &Plan {
-                    states: FrameStates { frames: states },
-                    cache,
-                    films,
-                    film_of,
-                    sharing_budget: 0,
-                    view_groups: Vec::new(),
-                },
-                frames,
-                &on,
-            )?;
+            let plan = Plan::from_states(FrameStates { frames: states }, sequence, aovs, budget);
+            let begun = run(&plan.without_shared_paths(), frames, &on)?;
             done += begun;
             if begun < wanted {
                 return Ok(SharedRun { done, complete: false });

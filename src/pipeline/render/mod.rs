@@ -20,8 +20,8 @@ use crate::encode::{EncodeError, Encoder, Existing, Report};
 use crate::film::Film;
 use crate::pipeline::memory;
 use crate::pipeline::plan::{
-    self, CostEstimate, FilmCache, FrameStates, Outlook, PilotBudget, PilotTime, Plan, RayEstimate,
-    SharedRun, evaluate_until, run_pilot, run_shared,
+    self, CostEstimate, FrameStates, Outlook, PilotBudget, PilotTime, Plan, RayEstimate, SharedRun,
+    evaluate_until, run_pilot, run_shared,
 };
 use crate::pipeline::schedule::{FilmSink, FrameError, FrameLoop};
 use crate::sequence::Sequence;
@@ -153,8 +153,8 @@ fn render_planned<S: FilmSink>(
         meter.begin(kept, Vec::new());
         let mut done = 0;
         missing.frames.iter().take_while(|_| on()).try_for_each(|state| {
-            frames.trace_alone(state)?;
-            done += usize::from(!meter.unfinished.load(Relaxed));
+            let has_film = frames.trace_alone(state)?;
+            done += usize::from(has_film && !meter.unfinished.load(Relaxed));
             Ok::<_, FrameError>(())
         })?;
         return Ok((done, None));
@@ -166,7 +166,7 @@ fn render_planned<S: FilmSink>(
         plan = plan.without_shared_paths();
     }
     let known = RayEstimate::of(sequence, &plan);
-    let worth = if known.exact { WORTH_A_PILOT } else { WORTH_WITH_ERROR };
+    let worth = if known.exact || known.shares_views { WORTH_A_PILOT } else { WORTH_WITH_ERROR };
     let CostEstimate { films, .. } = plan::cost_estimate(sequence, &plan, PilotBudget::NONE);
     let (mut films, mut forecast) = (films, Forecast::of(&plan, &known));
     // A time limit already implies a pilot.
@@ -192,13 +192,13 @@ fn render_shared(
     (meter, stop): (&ProgressMeter, &Stop),
 ) -> Result<(usize, Option<Forecast>), FrameError> {
     let aovs = requested_aovs(sequence, &request.outputs);
-    let cache = FilmCache::of(sequence, aovs, request.reuse.budget(sequence, aovs));
+    let plan = (sequence, aovs, request.reuse.budget(sequence, aovs));
     meter.begin(request.frames.len() - states.frames.len(), Vec::new());
     let there = |others: usize| {
         meter.frames.fetch_add(others as u32, Relaxed);
     };
     let on = || stop.signal().is_none();
-    let SharedRun { done, complete } = run_shared(states, cache, frames, on, there)?;
+    let SharedRun { done, complete } = run_shared(states, plan, frames, on, there)?;
     Ok((if complete { states.frames.len() } else { done }, None))
 }
 

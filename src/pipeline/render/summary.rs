@@ -40,7 +40,8 @@ pub struct Summary {
 pub struct Forecast {
     pub reused: u32,
     pub camera_rays: u64,
-    /// Whether `camera_rays` is exact. It is not if frames are sampled towards a target error.
+    /// Whether `camera_rays` is exact. It is a lower bound if frames are sampled towards a target error or share samples of
+    /// views.
     pub exact: bool,
     /// Whether films may share paths. Then `camera_rays` is an upper bound, or an estimate if a pilot was traced.
     pub shares_paths: bool,

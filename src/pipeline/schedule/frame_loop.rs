@@ -77,29 +77,32 @@ impl<S: FilmSink> FrameLoop<S> {
         if let Some(sequence) = self.sampled.clone()
             && let [state] = &frame_states(&sequence, &[frame], &Stop::default())[..]
         {
-            return self.trace_alone(state);
+            return self.trace_alone(state).map(|_| ());
         }
         let still = self.preview.as_mut().is_none_or(|preview| preview.state(frame).moments == 1);
         self.run(frame, still)
     }
 
-    /// Renders an evaluated frame with the layers `lit`, which include all that it shows. Returns its film.
+    /// Renders an evaluated frame with the layers `lit`, which include all that it shows. Returns its film. None if the run
+    /// is stopped while samples of other views are traced for it.
     pub fn trace(&mut self, state: &FrameState, lit: &[LayerId]) -> Result<Option<Film>, FrameError> {
         self.trace_with(state, lit, true)?;
         Ok(self.world.resource_mut::<FilmInProgress>().kept.take())
     }
 
-    /// Renders an evaluated frame separately.
-    pub fn trace_alone(&mut self, state: &FrameState) -> Result<(), FrameError> {
+    /// Renders an evaluated frame separately. Returns false if the run is stopped while samples of other views are traced
+    /// for it; then it has no film.
+    pub fn trace_alone(&mut self, state: &FrameState) -> Result<bool, FrameError> {
         self.trace_with(state, &state.lit(), false)
     }
 
-    fn trace_with(&mut self, state: &FrameState, lit: &[LayerId], keep: bool) -> Result<(), FrameError> {
+    fn trace_with(&mut self, state: &FrameState, lit: &[LayerId], keep: bool) -> Result<bool, FrameError> {
         if state.views.is_some() {
             let film = self.trace_views(&[state], lit)?.pop();
             film.iter().try_for_each(|film| self.push(state, film))?;
+            let has_film = film.is_some();
             self.world.resource_mut::<FilmInProgress>().kept = film.filter(|_| keep);
-            return Ok(());
+            return Ok(has_film);
         }
         self.world.insert_resource(TraceRequest {
             lit: Some(weights_of(state, lit)),
@@ -110,7 +113,7 @@ impl<S: FilmSink> FrameLoop<S> {
         });
         let done = self.run(state.frame, state.moments == 1);
         self.world.insert_resource(TraceRequest::default());
-        done
+        done.map(|()| true)
     }
 
     /// Makes a frame from the film of another frame with the same scene hash. The film must have all layers that this

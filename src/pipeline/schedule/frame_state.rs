@@ -35,6 +35,8 @@ pub struct FrameState {
     pub surroundings: Option<Digest>,
     /// What the frame has in common with others of which it may share samples, and its view. None if it may share none.
     pub viewpoint: Option<(Digest, View)>,
+    /// Why it shares none, if that is not because of its neighbours.
+    pub view_obstacle: Option<ViewObstacle>,
     /// The views that share samples with the frame's own.
     pub views: Option<FrameViews>,
     /// Digests of the geometry at the first and the last moment, and the number of changes in between.
@@ -42,6 +44,27 @@ pub struct FrameState {
     pub rebuilds: u32,
     /// Why the frame cannot be traced.
     pub fault: Option<NoCamera>,
+}
+
+/// Why a frame does not share samples of views.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ViewObstacle {
+    /// Frames are sampled until they reach a target error.
+    Target,
+    /// Light depends on more than the direction of a ray: the camera has a lens, or its rays are parallel.
+    Lens,
+    Parallel,
+    /// Something moves while the shutter is open.
+    Shutter,
+    /// A pattern is shown, which fades by the size of pixels.
+    Pattern,
+    /// The filter is narrower than a pixel: most samples of other views would be in none.
+    Filter,
+    /// Hardly any directions are in several pictures.
+    Gain,
+    /// No frame next to it shows the same scene from the same place in another view.
+    #[default]
+    Neighbors,
 }
 
 /// Views that share samples, and the place of a frame's own.
@@ -82,6 +105,15 @@ impl FrameState {
         self.views = Some(views);
         self.scene_hash = Digest::of(&(self.scene_hash, digest));
         self.image_hash = Digest::of(&(self.image_hash, digest));
+    }
+
+    /// Digest of what should be traced by one process: the film or, if its view shares samples, the films of all these
+    /// views. Another process would trace the same again.
+    pub fn shared_work(&self) -> Digest {
+        match (&self.views, &self.viewpoint) {
+            (Some(views), Some((viewpoint, _))) => Digest::of(&(*viewpoint, views.all.digest())),
+            _ => self.scene_hash,
+        }
     }
 
     /// The frame without shared samples, for pilots.

@@ -20,8 +20,9 @@ mod shared_views;
 mod tests;
 
 pub use frame_loop::FrameLoop;
-pub use frame_state::{FrameState, FrameViews};
+pub use frame_state::{FrameState, FrameViews, ViewObstacle};
 pub use frame_states::frame_states;
 pub use preview::Preview;
 pub use prober::{PassCost, Prober};
+pub use shared_paths::PathGroup;
 pub use stages::{FilmCollector, FilmSink, FrameError, FrameStage, Stats};

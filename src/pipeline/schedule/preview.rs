@@ -1,7 +1,7 @@
 //! Evaluates frames without tracing.
 
 use super::film_settings::FilmSettings;
-use super::frame_state::FrameState;
+use super::frame_state::{FrameState, ViewObstacle};
 use super::shutter::Shutter;
 use super::stages::{CurrentMoment, FirstError, Stopwatch};
 use super::systems::{new_world, update_schedule};
@@ -44,8 +44,9 @@ struct MomentState {
     random: bool,
     /// Digest of everything but objects and their materials, and of the kind of samples.
     surroundings: Digest,
-    /// Digest of everything that light meets but the view, and of the kind of samples; and the view.
-    viewpoint: Option<(Digest, View)>,
+    /// Digest of everything that light meets but the view, and of the kind of samples; and the view. Or why it cannot share
+    /// samples.
+    viewpoint: Result<(Digest, View), ViewObstacle>,
 }
 
 impl MomentState {
@@ -113,7 +114,10 @@ impl Preview {
         }
         let surroundings = found.first().map(|one| one.surroundings);
         let surroundings = surroundings.filter(|first| found.iter().all(|one| one.surroundings == *first));
-        let viewpoint = if let [one] = &found[..] { one.viewpoint } else { None };
+        let viewpoint = match &found[..] {
+            [one] => one.viewpoint,
+            _ => Err(ViewObstacle::Shutter),
+        };
         let random = found.len() > 1 || found.first().is_some_and(|one| one.random);
         let digester = |of: &dyn Fn(&MomentState) -> Digest| {
             let mut digester = Digester::new();
@@ -135,7 +139,8 @@ impl Preview {
             moments: found.len() as u32,
             random,
             surroundings,
-            viewpoint,
+            viewpoint: viewpoint.ok(),
+            view_obstacle: viewpoint.err(),
             views: None,
             geometry: geometry.unwrap_or_default(),
             rebuilds,
@@ -154,6 +159,19 @@ impl Preview {
 
     fn current<T: Send + Sync + 'static>(&self) -> Option<&Current<T>> {
         self.world.get_resource()
+    }
+
+    /// The view of a scene's camera, or why it cannot share samples.
+    fn view(&self, scene: &Scene) -> Result<View, ViewObstacle> {
+        if !self.settings.shares_views() {
+            return Err(ViewObstacle::Neighbors);
+        }
+        match View::of(scene.camera) {
+            None if scene.camera.lens.is_some() => Err(ViewObstacle::Lens),
+            None => Err(ViewObstacle::Parallel),
+            Some(_) if shows_patterns(scene) => Err(ViewObstacle::Pattern),
+            Some(view) => Ok(view),
+        }
     }
 
     fn moment(&mut self, clock: Clock) -> Result<MomentState, NoCamera> {
@@ -181,8 +199,7 @@ impl Preview {
         let random = is_random(&scene, integrator);
         let image_hash = self.digests.image_hash(&scene, integrator.samples_lights());
         let surroundings = Digest::of(&(self.digests.surroundings(&scene), random));
-        let view = View::of(camera).filter(|_| self.settings.shares_views() && !shows_patterns(&scene));
-        let viewpoint = view.map(|view| {
+        let viewpoint = self.view(&scene).map(|view| {
             let everywhere = Camera {
                 basis: Basis::AXES,
                 projection: Projection::Perspective { half_height: 1.0 },

@@ -3,12 +3,15 @@
 use super::frame_loop::FrameLoop;
 use super::frame_state::FrameState;
 use super::stages::{FilmSink, FrameError, RenderSettings, RunProgress};
+use crate::appearance::light::Light;
+use crate::appearance::material::{Material, TextureSlot};
+use crate::appearance::texture::Texture;
 use crate::base::color::Rgb;
 use crate::camera::Camera;
 use crate::film::{Film, LayerId};
 use crate::scene::top_level::Bvh;
 use crate::scene::{Geometry, Scene, Shading, Weights};
-use crate::trace::{FramePose, MAX_FRAMES, Moment, SharedFrames};
+use crate::trace::{BYTES_PER_POSE, FramePose, MAX_FRAMES, Moment, PathObstacle, SharedFrames};
 use crate::world::Current;
 use std::sync::Arc;
 use std::time::Instant;
@@ -24,14 +27,18 @@ struct Snapshot {
 }
 
 impl Snapshot {
-    /// Bytes that the snapshot adds to the one before. Copies share the data of shapes, and the first holds no more than
-    /// the world does.
+    /// Bytes that the snapshot and what traces it add to those of the one before. Copies share the data of shapes, and the
+    /// first holds no more than the world does.
     fn bytes_besides(&self, before: Option<&Self>) -> u64 {
         let primitives = &self.geometry.primitives;
         let others = before.map_or(primitives, |before| &before.geometry.primitives);
         let pairs = primitives.iter().zip(others);
         let data: u64 = pairs.map(|(own, other)| own.shape.bytes_besides(&other.shape)).sum();
-        data + (primitives.len() * BYTES_PER_PRIMITIVE) as u64
+        let textures: usize = self.shading.materials.iter().map(|material| material.textures.len()).sum();
+        let shading = self.shading.materials.len() * BYTES_PER_MATERIAL
+            + textures * BYTES_PER_TEXTURE
+            + self.shading.lights.len() * BYTES_PER_LIGHT;
+        data + (size_of::<Self>() + BYTES_PER_POSE + primitives.len() * BYTES_PER_PRIMITIVE + shading) as u64
     }
 
     fn pose<'a>(&'a self, weights: &'a Weights) -> FramePose<'a> {
@@ -43,6 +50,20 @@ impl Snapshot {
 /// Bytes per primitive of a snapshot: its place in the geometry, in the tree and in their tables.
 const BYTES_PER_PRIMITIVE: usize = 1 << 10;
 
+/// Bytes per material, texture and light: the copy, and the tables that tracers make of it.
+const BYTES_PER_MATERIAL: usize = size_of::<Material>() + (1 << 8);
+const BYTES_PER_TEXTURE: usize = size_of::<(Vec<TextureSlot>, Texture)>() + (1 << 5);
+const BYTES_PER_LIGHT: usize = size_of::<Light>() + (1 << 8);
+
+/// Films of frames that were traced together, from the first one of those that were asked for on.
+#[derive(Default)]
+pub struct PathGroup {
+    /// At least two, or none: then nothing was traced.
+    pub films: Vec<Film>,
+    /// Why the next frame was not traced with them. None if there is no next frame.
+    pub end: Option<PathObstacle>,
+}
+
 /// Weights that light these layers.
 pub fn weights_of(state: &FrameState, lit: &[LayerId]) -> Weights {
     let mut weights = Weights(vec![Rgb::ZERO; state.weights.len()]);
@@ -53,54 +74,55 @@ pub fn weights_of(state: &FrameState, lit: &[LayerId]) -> Weights {
 impl<S: FilmSink> FrameLoop<S> {
     /// Traces films of these frames together, with the layers `lit`: as many from the first on as can share paths within
     /// `budget` bytes for copies of their scenes. The frames must have the same
-    /// [surroundings](FrameState::surroundings). Returns at least two films, or none: then nothing is traced.
+    /// [surroundings](FrameState::surroundings). There are no films if the run is stopped.
     pub fn trace_together(
         &mut self,
         states: &[&FrameState],
         lit: &[LayerId],
         budget: u64,
-    ) -> Result<Vec<Film>, FrameError> {
-        let Some(first) = states.first() else { return Ok(Vec::new()) };
+    ) -> Result<PathGroup, FrameError> {
+        let Some(first) = states.first() else { return Ok(PathGroup::default()) };
         let weights = weights_of(first, lit);
-        let snapshots = self.without_tracing(|frames| frames.snapshots(states, &weights, budget))?;
+        let (snapshots, end) = self.without_tracing(|frames| frames.snapshots(states, &weights, budget))?;
         if snapshots.last().is_none_or(|last| last.frame == 0) {
-            return Ok(Vec::new());
+            return Ok(PathGroup { films: Vec::new(), end });
         }
         let start = Instant::now();
         let settings = &self.world.resource::<RenderSettings>().0;
         let poses: Vec<FramePose> = snapshots.iter().map(|snapshot| snapshot.pose(&weights)).collect();
         let meter = Arc::clone(&self.world.resource::<RunProgress>().0);
         let traced = SharedFrames::new(&poses, settings).trace(&meter);
-        Ok(self.recorded(traced, start))
+        Ok(PathGroup { films: self.recorded(traced, start), end })
     }
 
-    /// Snapshots of all moments of the first frames that can share paths.
+    /// Snapshots of all moments of the first frames that can share paths, and why the next frame cannot.
     fn snapshots(
         &mut self,
         states: &[&FrameState],
         weights: &Weights,
         budget: u64,
-    ) -> Result<Vec<Snapshot>, FrameError> {
+    ) -> Result<(Vec<Snapshot>, Option<PathObstacle>), FrameError> {
         let mut all: Vec<Snapshot> = Vec::new();
         let mut bytes = 0;
         for (frame, state) in states.iter().take(MAX_FRAMES).enumerate() {
             let before = all.len();
             for (clock, moment) in self.moments(state.frame, state.moments == 1) {
                 self.run_moment(clock, moment)?;
-                let Some(snapshot) = self.snapshot(frame, moment) else { return Ok(Vec::new()) };
+                let Some(snapshot) = self.snapshot(frame, moment) else { return Ok((Vec::new(), None)) };
                 bytes += snapshot.bytes_besides(all.last());
                 let settings = &self.world.resource::<RenderSettings>().0;
                 let pose = snapshot.pose(weights);
                 let others = [all.first(), all.iter().find(|other| other.moment.of > 1)];
-                let fits = others.iter().flatten().all(|other| pose.is_like(&other.pose(weights), settings));
-                if !fits || bytes > budget {
+                let apart = |other: &&Snapshot| pose.obstacle(&other.pose(weights), settings);
+                let obstacle = others.iter().flatten().find_map(apart);
+                if let Some(end) = obstacle.or((bytes > budget).then_some(PathObstacle::Memory)) {
                     all.truncate(before);
-                    return Ok(all);
+                    return Ok((all, Some(end)));
                 }
                 all.push(snapshot);
             }
         }
-        Ok(all)
+        Ok((all, None))
     }
 
     /// Copies of what the tracer reads now.

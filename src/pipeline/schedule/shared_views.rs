@@ -15,7 +15,7 @@ use std::time::Instant;
 
 impl<S: FilmSink> FrameLoop<S> {
     /// Traces films of these frames together, with the layers `lit`. The frames must share samples of the same views.
-    /// Returns all films, or none if the run is stopped; a single film is always finished.
+    /// Returns all films, or none if the run is stopped.
     pub fn trace_views(&mut self, states: &[&FrameState], lit: &[LayerId]) -> Result<Vec<Film>, FrameError> {
         let Some(first) = states.first() else { return Ok(Vec::new()) };
         let Some(views) = &first.views else { return Ok(Vec::new()) };

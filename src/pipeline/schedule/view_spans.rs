@@ -1,10 +1,10 @@
 //! Finds frames that share samples because their cameras are at one point.
 
-use super::frame_state::{FrameState, FrameViews};
+use super::frame_state::{FrameState, FrameViews, ViewObstacle};
 use crate::base::digest::Digest;
 use crate::sequence::Sequence;
 use crate::trace::{MAX_VIEWS, SamplePlan, SharedViews, View};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
@@ -20,20 +20,30 @@ struct ViewSpan {
 /// Makes frames of the sequence share samples. `all` holds all frames, so that the samples of a frame do not depend on
 /// which frames are requested.
 pub fn share_views(sequence: &Sequence, all: &BTreeMap<u32, FrameState>, states: &mut [FrameState]) {
-    let spans = spans(all);
-    let wanted = |span: &&ViewSpan| states.iter().any(|state| span.frames.contains(&state.frame));
-    let shared = |span: &ViewSpan| {
+    let requested: BTreeSet<u32> = states.iter().map(|state| state.frame).collect();
+    let wanted = |span: &ViewSpan| requested.range(span.frames.clone()).next().is_some();
+    let shared = |span: ViewSpan| {
         let plan = SamplePlan::new(sequence.output.size, &sequence.quality, span.random);
-        SharedViews::new(span.views.iter().copied(), &plan)
-            .map(|shared| (span.frames.clone(), Arc::new(shared)))
+        let views = match span.views.len() {
+            1 => Err(ViewObstacle::Neighbors),
+            _ if plan.filter.width < 1.0 => Err(ViewObstacle::Filter),
+            _ => SharedViews::new(span.views, &plan).map(Arc::new).ok_or(ViewObstacle::Gain),
+        };
+        (span.frames, views)
     };
-    let shared: Vec<_> = spans.iter().filter(wanted).filter_map(shared).collect();
+    // In the order of frames.
+    let shared: Vec<_> = spans(all).into_iter().filter(wanted).map(shared).collect();
     for state in states {
-        if let Some((_, views)) = shared.iter().find(|(frames, _)| frames.contains(&state.frame))
-            && let Some((_, view)) = state.viewpoint
-            && let Some(own) = views.place(&view)
-        {
-            state.share_views(views.digest(), FrameViews { all: Arc::clone(views), own });
+        let index = shared.partition_point(|(frames, _)| *frames.end() < state.frame);
+        let views = shared.get(index).filter(|(frames, _)| frames.contains(&state.frame));
+        let (Some((_, views)), Some((_, view))) = (views, state.viewpoint) else { continue };
+        match views {
+            Ok(views) => {
+                if let Some(own) = views.place(&view) {
+                    state.share_views(views.digest(), FrameViews { all: Arc::clone(views), own });
+                }
+            }
+            Err(obstacle) => state.view_obstacle = Some(*obstacle),
         }
     }
 }

@@ -13,17 +13,19 @@ mod tests;
 mod tile;
 
 use super::pixels::PixelTracer;
+use super::scratch_pool::ScratchPool;
 use super::settings::{Moment, TraceSettings};
 use super::{TILE, Tile, is_random};
 use crate::base::color::Rgb;
-use crate::base::stats::{Counts, ProgressMeter, SharedPaths};
+use crate::base::stats::{Counts, ProgressMeter};
 use crate::film::Film;
 use crate::scene::Scene;
 use crate::scene::movers::{FrameMask, MoverPose, Movers, has_moving_source, moving_slots, without};
 use crate::scene::top_level::Bvh;
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
-use tile::TileTracer;
+use tile::{Limits, TileTracer};
 
 /// The most frames that are traced together.
 pub const MAX_FRAMES: usize = FrameMask::BITS as usize;
@@ -35,6 +37,24 @@ const MIN_GAIN: f64 = 1.2;
 /// of a large picture.
 const AT_ONCE: usize = 64;
 const PARTS: usize = 8;
+
+/// Why the paths of two frames are not shared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PathObstacle {
+    /// What moves or changes is a light, or emits light that surfaces sample.
+    MovingSource,
+    /// Error bounds differ, because the extents of the scenes do.
+    Extent,
+    /// Samples differ in kind, or in the number of their moments.
+    Sampling,
+    /// Copies of the scenes do not fit into memory.
+    Memory,
+    /// Most paths change.
+    Changes,
+}
+
+/// Bytes of a pose besides its scene: its tracer, and its place in lists.
+pub const BYTES_PER_POSE: usize = size_of::<PixelTracer>() + size_of::<FramePose>();
 
 /// The scene of a frame at one of its moments.
 #[derive(Clone, Copy, Debug)]
@@ -57,23 +77,24 @@ impl<'a> FramePose<'a> {
         is_random(&self.scene, settings.quality.integrator)
     }
 
-    /// Whether the frames of two poses may be traced together: whether light samples, error bounds, the kind of samples
-    /// and the number of moments are the same. No mover may be a source of light that surfaces sample, because then all
-    /// light depends on it. Cameras, lights, skies and fog must be the same anyway.
-    pub fn is_like(&self, other: &Self, settings: &TraceSettings) -> bool {
+    /// What keeps the frames of two poses from being traced together, if anything. Light samples, error bounds, the kind of
+    /// samples and the number of moments must be the same. No mover may be a source of light that surfaces sample, because
+    /// then all light depends on it. Cameras, lights, skies and fog must be the same anyway.
+    pub fn obstacle(&self, other: &Self, settings: &TraceSettings) -> Option<PathObstacle> {
         let moments = [self.moment.of, other.moment.of];
         let random = [self, other].map(|pose| pose.is_random(settings));
         let drawn = [moments[0] > 1 || random[0], moments[1] > 1 || random[1]];
-        let scenes = [self.scene, other.scene];
-        (moments[0] == moments[1] || moments.contains(&1))
+        let is_alike = (moments[0] == moments[1] || moments.contains(&1))
             && random[0] == random[1]
-            && drawn[0] == drawn[1]
-            && self.bvh.reach() == other.bvh.reach()
-            && !has_moving_source(
-                &scenes,
-                &moving_slots(&scenes),
-                settings.quality.integrator.samples_lights(),
-            )
+            && drawn[0] == drawn[1];
+        let samples_lights = settings.quality.integrator.samples_lights();
+        if !is_alike {
+            Some(PathObstacle::Sampling)
+        } else if self.bvh.reach() != other.bvh.reach() {
+            Some(PathObstacle::Extent)
+        } else {
+            has_moving_source([self.scene, other.scene], samples_lights).then_some(PathObstacle::MovingSource)
+        }
     }
 }
 
@@ -85,11 +106,12 @@ pub struct SharedFrames<'a> {
     /// The tree without movers.
     still: Bvh,
     movers: Movers<'a>,
+    limits: Limits,
 }
 
 impl<'a> SharedFrames<'a> {
-    /// Prepares poses in the order of their frames and moments. Each must be [like](FramePose::is_like) the first one and
-    /// those with several moments, with the same layers.
+    /// Prepares poses in the order of their frames and moments. No [obstacle](FramePose::obstacle) may be between each and
+    /// the first one and those with several moments, and all must have the same layers.
     pub fn new(poses: &'a [FramePose<'a>], settings: &'a TraceSettings) -> Self {
         let scenes: Vec<Scene> = poses.iter().map(|pose| pose.scene).collect();
         let slots = moving_slots(&scenes);
@@ -98,7 +120,7 @@ impl<'a> SharedFrames<'a> {
         });
         let all: Vec<MoverPose> = poses.iter().map(FramePose::pose).collect();
         let count = poses.last().map_or(0, |last| last.frame + 1);
-        Self { poses, settings, count, still, movers: Movers::new(&all, &slots) }
+        Self { poses, settings, count, still, movers: Movers::new(&all, &slots), limits: Limits::default() }
     }
 
     /// Traces all frames. None if there are none, or if the run is stopped.
@@ -114,6 +136,9 @@ impl<'a> SharedFrames<'a> {
         let (mut counts, mut shares) = (Counts::default(), true);
         let at_once = AT_ONCE.max(rest.len() / PARTS);
         for tiles in pilot.chunks(at_once).chain(rest.chunks(at_once)) {
+            if meter.is_stopped() {
+                return None;
+            }
             let traced = tiles.par_iter().map(|tile| {
                 let traced = tracer.trace(tile, shares);
                 meter.rays.fetch_add(traced.1.rays.total(), Relaxed);
@@ -125,19 +150,21 @@ impl<'a> SharedFrames<'a> {
                 store(&mut films, tile, &data, width);
                 counts += more;
             }
-            if meter.is_stopped() {
-                return None;
-            }
-            shares = shares && gain(&counts.paths, count) >= MIN_GAIN;
+            shares = shares && counts.paths.share() * MIN_GAIN <= 1.0;
         }
         Some((films, counts))
     }
 
     fn tracer(&self) -> TileTracer<'_> {
         let Self { poses, settings, still, movers, .. } = self;
-        let whole = |pose: &'a FramePose<'a>| PixelTracer::new(&pose.scene, pose.bvh, settings, pose.moment);
-        let whole: Vec<PixelTracer> = poses.iter().map(whole).collect();
-        let mut shared = PixelTracer::new(&poses[0].scene, poses[0].bvh, settings, Moment::ONLY);
+        let pool = Arc::new(ScratchPool::default());
+        let whole = |(number, pose): (u32, &'a FramePose<'a>)| {
+            let tracer = PixelTracer::new(&pose.scene, pose.bvh, settings, pose.moment);
+            tracer.with_pool(&pool, number)
+        };
+        let whole: Vec<PixelTracer> = (1..).zip(*poses).map(whole).collect();
+        let shared = PixelTracer::new(&poses[0].scene, poses[0].bvh, settings, Moment::ONLY);
+        let mut shared = shared.with_pool(&pool, 0);
         shared.random = whole[0].random;
         let context = &mut shared.context;
         context.bvh = still;
@@ -146,14 +173,8 @@ impl<'a> SharedFrames<'a> {
         context.emits = whole.iter().any(|pose| pose.context.emits);
         context.unsampled_light = whole.iter().any(|pose| pose.context.unsampled_light);
         context.branches = whole.iter().any(|pose| pose.context.branches);
-        TileTracer::new(poses, shared, whole)
+        TileTracer::new(poses, shared, whole, self.limits)
     }
-}
-
-/// How many times as many paths frames have as were traced for them.
-fn gain(paths: &SharedPaths, frames: usize) -> f64 {
-    let all = paths.total() as f64;
-    all / (all / frames as f64 + paths.retraced as f64)
 }
 
 /// All tiles of a picture: first some that are spread over it, then the others.

@@ -8,11 +8,13 @@ use crate::base::math::DVec3;
 use crate::base::stats::{Counts, Dropped};
 use crate::sampling::PixelSampler;
 use crate::scene::movers::FrameMask;
+use std::ops::Range;
 
-/// The samples of pixels, one pixel after the other.
+/// Samples of pixels, one pixel after the other.
 pub struct SharedSamples<'p> {
     pixels: &'p [(u32, u32)],
-    /// Samples per pixel, and layers of each.
+    /// The number of each pixel's first sample, the number of its samples, and the layers of each.
+    first: u32,
     count: u32,
     layers: usize,
     /// The light of each sample in each layer, without movers.
@@ -34,22 +36,24 @@ pub struct Retraced {
 }
 
 impl<'p> SharedSamples<'p> {
-    /// Traces all samples of pixels in the scene without movers. `moments` is the number of moments of frames that have
-    /// several.
+    /// Traces the samples of pixels with these numbers in the scene without movers. `moments` is the number of moments of
+    /// frames that have several.
     pub fn trace(
         shared: &PixelTracer,
-        pixels: &'p [(u32, u32)],
+        (pixels, numbers): (&'p [(u32, u32)], Range<u32>),
         (all, moments): (FrameMask, u32),
         counts: &mut Counts,
     ) -> Self {
-        let (count, seed, layers) = (shared.count(), shared.context.quality.seed, shared.layers());
+        let (first, count) = (numbers.start, numbers.len() as u32);
+        let (seed, layers) = (shared.context.quality.seed, shared.layers());
         let size = pixels.len() * count as usize;
         let moment = |index: usize| {
-            let (pixel, number) = (index / count as usize, (index % count as usize) as u32);
+            let (pixel, number) = (index / count as usize, first + (index % count as usize) as u32);
             PixelSampler::new(pixels[pixel], seed).part_of_time(number, moments)
         };
         let mut samples = Self {
             pixels,
+            first,
             count,
             layers,
             light: vec![DVec3::ZERO; size * layers],
@@ -65,13 +69,13 @@ impl<'p> SharedSamples<'p> {
         }
         let mut scratch = shared.take_scratch();
         let (mut wave, mut indices) = scratch.take_samples();
-        shared.each_group(pixels, &SampleSet { samples: 0..count, seed }, |group| {
+        shared.each_group(pixels, &SampleSet { samples: numbers.clone(), seed }, |group| {
             if wave.len() + group.places().len() > WAVE {
                 samples.follow(shared, &mut scratch, (&mut wave, &mut indices), all);
             }
             wave.extend(group);
             let places = group.places().iter().zip(group.numbers());
-            indices.extend(places.map(|(place, number)| place * count + number));
+            indices.extend(places.map(|(place, number)| place * count + (number - first)));
         });
         if wave.len() > 0 {
             samples.follow(shared, &mut scratch, (&mut wave, &mut indices), all);
@@ -148,7 +152,8 @@ impl<'p> SharedSamples<'p> {
     fn gather(&self, indices: &[u32], seed: u32, wave: &mut PixelSamples) {
         let mut group = SampleGroup::default();
         for index in indices {
-            let (pixel, number) = (self.pixels[(index / self.count) as usize], index % self.count);
+            let (pixel, number) =
+                (self.pixels[(index / self.count) as usize], self.first + index % self.count);
             let sampler = PixelSampler::new(pixel, seed).sample(number);
             if group.push(0, pixel, number, sampler) {
                 wave.extend(&group);
@@ -158,36 +163,38 @@ impl<'p> SharedSamples<'p> {
         wave.extend(&group);
     }
 
-    /// The number of a frame's samples at a moment.
-    pub fn len_at(&self, moment: Option<u32>) -> u64 {
-        moment.map_or(self.frames.len(), |moment| self.by_moment[moment as usize].len()) as u64
-    }
-
-    /// The sums of the pixels at a moment, without movers.
-    pub fn sums(&self, tracer: &PixelTracer, moment: Option<u32>, dropped: &mut Dropped) -> Vec<DVec3> {
-        let mut sums = vec![DVec3::ZERO; self.pixels.len() * self.layers];
+    /// Adds the samples at a moment, without movers, to the sums of the pixels.
+    fn add_still(
+        &self,
+        (tracer, moment): (&PixelTracer, Option<u32>),
+        sums: &mut [DVec3],
+        dropped: &mut Dropped,
+    ) {
         let none = Retraced::default();
         for (pixel, sums) in sums.chunks_mut(self.layers).enumerate() {
             self.add((tracer, moment), (pixel, &none, &mut 0), sums, dropped);
         }
-        sums
     }
 
-    /// Replaces the sums of the pixels that have samples that were traced again.
-    pub fn replace(
+    /// Adds a pose's samples to its sums of the pixels.
+    pub fn add_to(
         &self,
-        tracer: &PixelTracer,
-        moment: Option<u32>,
+        (tracer, moment): (&PixelTracer, Option<u32>),
         again: &Retraced,
+        still: &StillSums,
         sums: &mut [DVec3],
         dropped: &mut Dropped,
     ) {
         let mut next = 0;
-        while let Some(index) = again.samples.get(next) {
-            let pixel = (index / self.count) as usize;
-            let sums = &mut sums[pixel * self.layers..][..self.layers];
-            sums.fill(DVec3::ZERO);
-            self.add((tracer, moment), (pixel, again, &mut next), sums, dropped);
+        let known = still.before.chunks(self.layers).zip(still.after.chunks(self.layers));
+        for (pixel, (sums, (before, after))) in sums.chunks_mut(self.layers).zip(known).enumerate() {
+            let is_in = |index: &u32| (index / self.count) as usize == pixel;
+            // Adding the same samples to the same sums gives the same.
+            if !again.samples.get(next).is_some_and(is_in) && same_bits(sums, before) {
+                sums.copy_from_slice(after);
+            } else {
+                self.add((tracer, moment), (pixel, again, &mut next), sums, dropped);
+            }
         }
     }
 
@@ -222,4 +229,38 @@ impl Retraced {
     pub fn len(&self) -> usize {
         self.samples.len()
     }
+}
+
+/// The sums of pixels at a moment without movers.
+pub struct StillSums {
+    /// Without the last samples, and with them.
+    before: Vec<DVec3>,
+    after: Vec<DVec3>,
+    /// The number of the first of these samples in each pixel.
+    last: Option<u32>,
+}
+
+impl StillSums {
+    pub fn new(zero: &[DVec3]) -> Self {
+        Self { before: zero.to_vec(), after: zero.to_vec(), last: None }
+    }
+
+    /// Adds samples, unless they are in the sums already.
+    pub fn add(
+        &mut self,
+        tracer: (&PixelTracer, Option<u32>),
+        samples: &SharedSamples,
+        dropped: &mut Dropped,
+    ) {
+        if self.last != Some(samples.first) {
+            self.last = Some(samples.first);
+            self.before.clone_from(&self.after);
+            samples.add_still(tracer, &mut self.after, dropped);
+        }
+    }
+}
+
+fn same_bits(a: &[DVec3], b: &[DVec3]) -> bool {
+    let bits = |sum: &DVec3| sum.to_array().map(f64::to_bits);
+    a.iter().map(bits).eq(b.iter().map(bits))
 }

@@ -3,15 +3,31 @@
 use super::super::pixels::PixelTracer;
 use super::super::{BLOCK, Tile};
 use super::FramePose;
-use super::samples::SharedSamples;
+use super::samples::{SharedSamples, StillSums};
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
 use crate::base::stats::Counts;
 use crate::scene::movers::FrameMask;
+use crate::trace::settings::Moment;
 use std::collections::HashMap;
 
-/// The most samples that are kept at once, unless a block of pixels has more.
-const MAX_SAMPLES: usize = 1 << 16;
+/// How much a thread keeps at once.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Values of samples, one for each layer, unless one sample for each pixel of a block has more.
+    pub values: usize,
+    /// Sums, one for each pose, pixel and layer, unless a block of pixels has more.
+    pub sums: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { values: 1 << 16, sums: 1 << 18 }
+    }
+}
+
+/// Pixels whose rays are traced together.
+const PIXELS: usize = (BLOCK.0 * BLOCK.1) as usize;
 
 /// Traces tiles of frames that share paths.
 pub struct TileTracer<'a> {
@@ -20,77 +36,105 @@ pub struct TileTracer<'a> {
     shared: PixelTracer<'a>,
     /// One for each pose.
     whole: Vec<PixelTracer<'a>>,
-    /// All frames, and the number of moments of those that have several.
+    /// All frames and their number, and the number of moments of those that have several.
     all: FrameMask,
+    frames: usize,
     moments: u32,
     held: Vec<usize>,
+    limits: Limits,
 }
 
 impl<'a> TileTracer<'a> {
-    pub fn new(poses: &'a [FramePose<'a>], shared: PixelTracer<'a>, whole: Vec<PixelTracer<'a>>) -> Self {
+    pub fn new(
+        poses: &'a [FramePose<'a>],
+        shared: PixelTracer<'a>,
+        whole: Vec<PixelTracer<'a>>,
+        limits: Limits,
+    ) -> Self {
         let all = poses.iter().fold(0, |all, pose| all | 1 << pose.frame);
+        let frames = poses.last().map_or(0, |last| last.frame + 1);
         let moments = poses.iter().map(|pose| pose.moment.of).max().unwrap_or(1);
         let held = shared.held();
-        Self { poses, shared, whole, all, moments, held }
+        Self { poses, shared, whole, all, frames, moments, held, limits }
     }
 
     /// The pixels of a tile, frame after frame. If `shares` is false, every frame is traced whole.
     pub fn trace(&self, tile: &Tile, shares: bool) -> (Vec<Rgb>, Counts) {
         let (pixels, layers, mut counts) = (tile.pixels(), self.shared.layers(), Counts::default());
-        let mut sums: Vec<Vec<DVec3>> = vec![Vec::new(); self.poses.len()];
+        let size = pixels.len() * layers;
+        let mut films = vec![DVec3::ZERO; self.frames * size];
+        let mut add = |pose: &FramePose, first: usize, sums: &[DVec3]| {
+            let film = &mut films[pose.frame * size + first * layers..][..sums.len()];
+            match pose.moment {
+                Moment::ONLY => film.copy_from_slice(sums),
+                _ => film.iter_mut().zip(sums).for_each(|(all, sum)| *all += *sum),
+            }
+        };
         if shares {
-            let block = (BLOCK.0 * BLOCK.1) as usize;
-            let at_once = (MAX_SAMPLES / self.shared.count() as usize / block).max(1) * block;
-            for pixels in pixels.chunks(at_once) {
-                self.share(pixels, &mut sums, &mut counts);
+            let samples = f64::from(self.shared.count());
+            let at_once = self.pixels_at_once();
+            for (chunk, pixels) in pixels.chunks(at_once).enumerate() {
+                for (pose, mut sums) in self.poses.iter().zip(self.share(pixels, &mut counts)) {
+                    if samples > 1.0 {
+                        sums.iter_mut().for_each(|sum| *sum /= samples);
+                    }
+                    add(pose, chunk * at_once, &sums);
+                }
             }
-        }
-        let samples = f64::from(self.shared.count());
-        for (whole, sums) in self.whole.iter().zip(&mut sums) {
-            if !shares {
-                sums.resize(pixels.len() * layers, DVec3::ZERO);
-                counts += whole.trace(&pixels, sums);
-            } else if samples > 1.0 {
-                sums.iter_mut().for_each(|sum| *sum /= samples);
+        } else {
+            let mut sums = vec![DVec3::ZERO; size];
+            for (pose, whole) in self.poses.iter().zip(&self.whole) {
+                sums.fill(DVec3::ZERO);
+                counts += whole.trace(&pixels, &mut sums);
+                add(pose, 0, &sums);
             }
+            counts.paths.whole += self.paths(pixels.len());
         }
-        (self.developed(&sums, pixels.len()), counts)
+        counts.paths.all += self.paths(pixels.len());
+        let held = films.chunks(layers.max(1)).flat_map(|pixel| self.held.iter().map(|&layer| pixel[layer]));
+        (held.map(|sum| sum.as_vec3()).collect(), counts)
     }
 
-    /// Appends the sums of pixels of every pose, from shared samples.
-    fn share(&self, pixels: &[(u32, u32)], sums: &mut [Vec<DVec3>], counts: &mut Counts) {
-        let samples = SharedSamples::trace(&self.shared, pixels, (self.all, self.moments), counts);
-        let mut still: HashMap<Option<u32>, (Vec<DVec3>, u64)> = HashMap::new();
-        for ((pose, whole), sums) in self.poses.iter().zip(&self.whole).zip(sums) {
-            let moment = pose.pose().moment;
-            let (own, count) = still.entry(moment).or_insert_with(|| {
-                let dropped = &mut counts.dropped;
-                (samples.sums(whole, moment, dropped), samples.len_at(moment))
-            });
-            let before = sums.len();
-            sums.extend_from_slice(own);
-            let again = samples.retrace(whole, (1 << pose.frame, moment), counts);
-            samples.replace(whole, moment, &again, &mut sums[before..], &mut counts.dropped);
-            counts.paths.retraced += again.len() as u64;
-            counts.paths.reused += *count - again.len() as u64;
-        }
+    /// The number of paths of all frames in some pixels.
+    fn paths(&self, pixels: usize) -> u64 {
+        (self.frames * pixels) as u64 * u64::from(self.shared.count())
     }
 
-    /// Adds the moments of each frame, and keeps the layers that films hold.
-    fn developed(&self, sums: &[Vec<DVec3>], pixels: usize) -> Vec<Rgb> {
-        let layers = self.shared.layers();
-        let mut data = Vec::new();
-        let poses: Vec<_> = self.poses.iter().zip(sums).collect();
-        for moments in poses.chunk_by(|a, b| a.0.frame == b.0.frame) {
-            for at in (0..pixels).flat_map(|pixel| self.held.iter().map(move |layer| pixel * layers + layer))
-            {
-                let sum = match moments {
-                    [(_, only)] => only[at],
-                    several => several.iter().fold(DVec3::ZERO, |sum, (_, one)| sum + one[at]),
-                };
-                data.push(sum.as_vec3());
+    /// The number of pixels whose samples and sums fit into memory, in whole blocks.
+    fn pixels_at_once(&self) -> usize {
+        let layers = self.shared.layers().max(1);
+        let values = layers * self.shared.count() as usize;
+        let sums = layers * self.poses.len();
+        let fitting = (self.limits.values / values.max(1)).min(self.limits.sums / sums.max(1));
+        (fitting / PIXELS).max(1) * PIXELS
+    }
+
+    /// The number of samples of each pixel of a block that fit into memory.
+    fn samples_at_once(&self) -> usize {
+        (self.limits.values / self.shared.layers().max(1) / PIXELS).max(1)
+    }
+
+    /// The sums of pixels of every pose, from shared samples.
+    fn share(&self, pixels: &[(u32, u32)], counts: &mut Counts) -> Vec<Vec<DVec3>> {
+        let zero = vec![DVec3::ZERO; pixels.len() * self.shared.layers()];
+        let mut sums = vec![zero.clone(); self.poses.len()];
+        let mut still: HashMap<Option<u32>, StillSums> = HashMap::new();
+        let count = self.shared.count();
+        let at_once = if pixels.len() > PIXELS { count as usize } else { self.samples_at_once() };
+        for first in (0..count).step_by(at_once) {
+            let numbers = first..count.min(first.saturating_add(at_once as u32));
+            let size = (self.all, self.moments);
+            let samples = SharedSamples::trace(&self.shared, (pixels, numbers), size, counts);
+            counts.paths.once += samples.frames.len() as u64;
+            for ((pose, whole), sums) in self.poses.iter().zip(&self.whole).zip(&mut sums) {
+                let moment = pose.pose().moment;
+                let still = still.entry(moment).or_insert_with(|| StillSums::new(&zero));
+                still.add((whole, moment), &samples, &mut counts.dropped);
+                let again = samples.retrace(whole, (1 << pose.frame, moment), counts);
+                samples.add_to((whole, moment), &again, still, sums, &mut counts.dropped);
+                counts.paths.retraced += again.len() as u64;
             }
         }
-        data
+        sums
     }
 }

@@ -3,6 +3,7 @@
 use super::coverage::{Coverage, Overlap, TracingViews};
 use super::raster::CellBlock;
 use super::samples::{CellSample, SampleGrid};
+use std::ops::Range;
 
 /// A block of cells of which a view traces samples.
 pub struct TracedBlock {
@@ -19,28 +20,34 @@ pub fn traced_blocks(
     own: usize,
     requested: &[usize],
 ) -> Vec<TracedBlock> {
-    let all = coverage.all();
     let traced = |block: CellBlock| {
-        let tracing = coverage.tracing(own, &block, &all)?;
-        let shows = |film: &usize| coverage.overlap(own, requested[*film], &block).0 != Overlap::None;
-        let films: Vec<usize> = (0..requested.len()).filter(shows).collect();
+        let tracing = coverage.tracing(own, &block, coverage.all())?;
+        let needs = |film: &usize| {
+            let needed = coverage.raster.needed();
+            coverage.overlap((own, requested[*film]), needed, &block).0 != Overlap::None
+        };
+        let films: Vec<usize> = (0..requested.len()).filter(needs).collect();
         (!films.is_empty()).then_some(TracedBlock { block, tracing, films })
     };
-    coverage.raster.blocks(grid.block_side()).into_iter().filter_map(traced).collect()
+    match coverage.traces(own) {
+        true => coverage.raster.blocks(grid.block_side()).into_iter().filter_map(traced).collect(),
+        false => Vec::new(),
+    }
 }
 
 impl TracedBlock {
-    /// Calls `take` with each sample that is traced, and the column and row of its cell.
+    /// Calls `take` with each sample that is traced, of those with these numbers in each cell, and the column and row of
+    /// its cell.
     pub fn each(
         &self,
         coverage: &Coverage,
         grid: &SampleGrid,
-        own: usize,
+        (own, numbers): (usize, Range<u32>),
         mut take: impl FnMut((i32, i32), CellSample),
     ) {
         for (cell, tracing) in self.traced_cells(coverage, own) {
             let place = (cell.columns.start, cell.rows.start);
-            grid.each(coverage, (own, &cell, &tracing), |sample| take(place, sample));
+            grid.each(coverage, (own, &cell, &tracing), numbers.clone(), |sample| take(place, sample));
         }
     }
 
@@ -53,7 +60,7 @@ impl TracedBlock {
             let mut count = 0;
             match tracing.is_certain() {
                 true => count = u64::from(grid.count()),
-                false => grid.each(coverage, (own, &cell, &tracing), |_| count += 1),
+                false => grid.each(coverage, (own, &cell, &tracing), 0..grid.count(), |_| count += 1),
             }
             count
         };

@@ -59,8 +59,9 @@ impl FilmSums {
         Self { width, height, layers, depth_layer, sums }
     }
 
-    /// The number of samples and the weighted mean of the layers of a pixel. Zero without samples.
-    pub fn pixel(&self, index: usize) -> (f64, impl Iterator<Item = DVec3>) {
+    /// Of a pixel: the number of its samples, the sum of their weights, and the weighted mean of its layers. Zero without
+    /// samples.
+    pub fn pixel(&self, index: usize) -> (f64, f64, impl Iterator<Item = DVec3>) {
         let stride = HEAD + 3 * self.layers;
         let sums = &self.sums[index * stride..][..stride];
         let (weight, count) = (sums[0], sums[1]);
@@ -68,7 +69,7 @@ impl FilmSums {
             true => DVec3::new(layer[0], layer[1], layer[2]) / weight,
             false => DVec3::ZERO,
         };
-        (count, sums[HEAD..].chunks_exact(3).map(mean))
+        (count, weight, sums[HEAD..].chunks_exact(3).map(mean))
     }
 
     /// Adds a sample at a position to the pixels whose filter reaches it.

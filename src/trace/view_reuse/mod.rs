@@ -54,8 +54,9 @@ impl SharedViews {
         }
         let shared = Self { views: finest_first(views) };
         let all: Vec<usize> = (0..shared.len()).collect();
-        let reduced = Raster::new(plan.size, plan.filter).reduced(REDUCED_SIDE);
-        let traced = shared.count(reduced, plan, &all) as f64;
+        let grid = SampleGrid::new(plan);
+        let reduced = grid.raster(plan).reduced(REDUCED_SIDE);
+        let traced = shared.count(reduced, &grid, &all) as f64;
         let alone = all.len() as f64 * reduced.pixels() as f64 * f64::from(plan.samples);
         (all.len() > 1 && alone >= MIN_GAIN * traced).then_some(shared)
     }
@@ -77,15 +78,15 @@ impl SharedViews {
 
     /// The number of camera rays for the films of these views together. Rays of pixels that lack samples are left out.
     pub fn camera_rays(&self, plan: &SamplePlan, requested: &[usize]) -> u64 {
-        self.count(Raster::new(plan.size, plan.filter), plan, requested)
+        let grid = SampleGrid::new(plan);
+        self.count(grid.raster(plan), &grid, requested)
     }
 
-    fn count(&self, raster: Raster, plan: &SamplePlan, requested: &[usize]) -> u64 {
-        let grid = SampleGrid::new(plan);
-        let coverage = Coverage::new(&self.views, raster, &grid);
+    fn count(&self, raster: Raster, grid: &SampleGrid, requested: &[usize]) -> u64 {
+        let coverage = Coverage::new(&self.views, raster, grid);
         let of_view = |own: usize| {
-            let blocks = traced_blocks(&coverage, &grid, own, requested);
-            blocks.iter().map(|block| block.count(&coverage, &grid, own)).sum::<u64>()
+            let blocks = traced_blocks(&coverage, grid, own, requested);
+            blocks.iter().map(|block| block.count(&coverage, grid, own)).sum::<u64>()
         };
         (0..self.len()).into_par_iter().map(of_view).sum()
     }

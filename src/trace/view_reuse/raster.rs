@@ -4,12 +4,15 @@ use super::view::MappedPosition;
 use crate::film::filter::Filter;
 use std::ops::Range;
 
-/// The size of pictures, and of the margin that samples of their pixels may lie in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The size of pictures, and how far around them samples lie, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Raster {
     width: i32,
     height: i32,
-    margin: i32,
+    /// Of samples that the filter reaches: those that the pixels of a picture need.
+    needed: f64,
+    /// Of samples that a view traces.
+    traced: f64,
 }
 
 /// A rectangle of cells. A cell is the square of a pixel.
@@ -20,19 +23,32 @@ pub struct CellBlock {
 }
 
 impl Raster {
-    pub fn new((width, height): (u32, u32), filter: Filter) -> Self {
-        let margin = ((filter.width - 1.0) / 2.0).max(0.0).ceil() as i32;
-        Self { width: width as i32, height: height as i32, margin }
+    /// `margin` is the distance up to which a view traces more than its pixels need.
+    pub fn new((width, height): (u32, u32), filter: Filter, margin: f64) -> Self {
+        let needed = ((filter.width - 1.0) / 2.0).max(0.0);
+        Self { width: width as i32, height: height as i32, needed, traced: needed + margin }
     }
 
     /// A raster of at most `side` pixels along each axis, for the same views.
     pub fn reduced(&self, side: i32) -> Self {
         let largest = self.width.max(self.height);
-        let scaled = |length: i32| match largest > side {
-            true => (i64::from(length) * i64::from(side) / i64::from(largest)).max(1) as i32,
-            false => length,
-        };
-        Self { width: scaled(self.width), height: scaled(self.height), margin: 0 }
+        if largest <= side {
+            return *self;
+        }
+        let scaled = |length: i32| (i64::from(length) * i64::from(side) / i64::from(largest)).max(1) as i32;
+        let scale = f64::from(side) / f64::from(largest);
+        let [needed, traced] = [self.needed, self.traced].map(|distance| distance * scale);
+        Self { width: scaled(self.width), height: scaled(self.height), needed, traced }
+    }
+
+    /// How far around a picture the samples lie that its pixels need.
+    pub fn needed(&self) -> f64 {
+        self.needed
+    }
+
+    /// How far around a picture its view traces samples.
+    pub fn traced(&self) -> f64 {
+        self.traced
     }
 
     /// Width and height in pixels.
@@ -44,10 +60,11 @@ impl Raster {
         self.width as u64 * self.height as u64
     }
 
-    /// Blocks of at most `side` cells along each axis that cover all cells.
+    /// Blocks of at most `side` cells along each axis that cover all cells with traced samples.
     pub fn blocks(&self, side: i32) -> Vec<CellBlock> {
-        let starts = |length: i32| (-self.margin..length + self.margin).step_by(side.max(1) as usize);
-        let range = |start: i32, length: i32| start..(start + side).min(length + self.margin);
+        let margin = self.traced.ceil() as i32;
+        let starts = |length: i32| (-margin..length + margin).step_by(side.max(1) as usize);
+        let range = |start: i32, length: i32| start..(start + side).min(length + margin);
         let block = |top: i32, left: i32| CellBlock {
             columns: range(left, self.width),
             rows: range(top, self.height),
@@ -55,9 +72,8 @@ impl Raster {
         starts(self.height).flat_map(|top| starts(self.width).map(move |left| block(top, left))).collect()
     }
 
-    /// The sides of which a position lies outside of all cells: left, right, above, below.
-    pub fn outside(&self, position: &MappedPosition) -> [bool; 4] {
-        let margin = f64::from(self.margin);
+    /// The sides of a picture from which a position is farther away than `margin`: left, right, above, below.
+    pub fn outside(&self, position: &MappedPosition, margin: f64) -> [bool; 4] {
         let [width, height] = self.size();
         let MappedPosition { across, down, .. } = *position;
         [across < -margin, across > width + margin, down < -margin, down > height + margin]

@@ -1,10 +1,11 @@
 //! Where the samples of views lie.
 
 use super::coverage::{Coverage, TracingViews};
-use super::raster::CellBlock;
+use super::raster::{CellBlock, Raster};
 use crate::film::filter::Filter;
 use crate::sampling::{RankOneLattice, hash};
 use crate::sequence::quality::Quality;
+use std::ops::Range;
 
 /// The settings on which the places of samples depend.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,11 +46,15 @@ const MORE: (u64, u64) = (5, 4);
 /// numbers.
 const MORE_RANDOM: (u64, u64) = (3, 2);
 
+/// How far around its picture a view traces samples, in mean distances between them. A strip of this width has enough
+/// samples for an even lattice.
+const MARGIN: f64 = 2.0;
+
 /// What hashes of seeds are for.
 const VIEW: u32 = 1;
 const SHIFT: u32 = 2;
 
-/// The most samples of a block.
+/// The most samples of a block that are traced at once.
 const MAX_SAMPLES: u64 = 1 << 16;
 
 /// The largest side of a block.
@@ -79,10 +84,16 @@ impl SampleGrid {
         self.seed.map_or(0, |seed| hash([seed, view as u32, VIEW]))
     }
 
-    /// By how much the lattice of a view is moved. Over many seeds, samples lie everywhere.
+    /// By how much the lattice of a view is moved (Cranley, Patterson 1976). Each view has its own shift, even if nothing
+    /// is random. So the strips that views add to each other have samples everywhere, not only where one lattice has them.
     fn shift(&self, view: usize) -> [f64; 2] {
-        let along = |axis: u32| f64::from(hash([self.seed(view), axis, SHIFT])) / 4_294_967_296.0;
-        if self.seed.is_some() { [along(0), along(1)] } else { [0.0; 2] }
+        let seed = hash([self.seed.unwrap_or_default(), view as u32, VIEW]);
+        [0, 1].map(|axis| f64::from(hash([seed, axis, SHIFT])) / 4_294_967_296.0)
+    }
+
+    /// The raster of pictures whose views trace these samples.
+    pub fn raster(&self, plan: &SamplePlan) -> Raster {
+        Raster::new(plan.size, plan.filter, MARGIN / f64::from(self.count()).sqrt())
     }
 
     /// The samples of a cell.
@@ -100,22 +111,31 @@ impl SampleGrid {
         f64::from(self.asked) / f64::from(self.count())
     }
 
+    /// Ranges of a cell's samples that are traced at once.
+    pub fn parts(&self) -> impl Iterator<Item = Range<u32>> + Clone + use<> {
+        let (count, most) = (self.count(), MAX_SAMPLES as u32);
+        (0..count)
+            .step_by(MAX_SAMPLES as usize)
+            .map(move |first| first..count.min(first.saturating_add(most)))
+    }
+
     /// The side of the blocks of cells that are traced at once.
     pub fn block_side(&self) -> i32 {
         let cells = MAX_SAMPLES / u64::from(self.count());
         cells.max(1).isqrt().min(MAX_SIDE) as i32
     }
 
-    /// Calls `take` with each sample of a cell that view `own` traces.
+    /// Calls `take` with each of these samples of a cell that view `own` traces.
     pub fn each(
         &self,
         coverage: &Coverage,
         (own, cell, tracing): (usize, &CellBlock, &TracingViews),
+        numbers: Range<u32>,
         mut take: impl FnMut(CellSample),
     ) {
         let (left, top) = (f64::from(cell.columns.start), f64::from(cell.rows.start));
         let shift = self.shift(own);
-        for number in 0..self.count() {
+        for number in numbers {
             let [x, y] = self.lattice.point(number, shift);
             let position = [left + x, top + y];
             if let Some(density) = coverage.density(own, position, tracing) {

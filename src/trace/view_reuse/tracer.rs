@@ -22,13 +22,21 @@ use crate::trace::settings::{Moment, TraceSettings};
 use crate::trace::sums::add_sample;
 use crate::trace::wavefront::WAVE;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::atomic::Ordering::Relaxed;
 
-/// Samples that are traced before films take them.
-const AT_ONCE: u64 = 1 << 19;
+/// Values that are traced before films take them: of each sample, its place and its layers.
+const AT_ONCE: u64 = 1 << 20;
+
+/// The share of the samples asked for that a pixel must have. Where pixels cut the lattices of several views, numbers of
+/// samples vary; one sample of four less is no reason to trace four others, for one film only.
+const LEAST_SHARE: f64 = 0.75;
+
+/// A bound of the relative rounding errors of sums of weights. A pixel has fewer than 2^27 samples.
+const ROUNDING: f64 = 1e-7;
 
 /// Traces films of views, which are places in `shared`, with the layers that the scene's weights light. The scene's
-/// camera may have any view. None if the run is stopped; a single film is always finished.
+/// camera may have any view. None if the run is stopped.
 pub fn trace_views(
     shared: &SharedViews,
     requested: &[usize],
@@ -41,7 +49,8 @@ pub fn trace_views(
     let scenes: Vec<Scene> = cameras.iter().map(|camera| Scene { camera, ..*scene }).collect();
     let first = PixelTracer::new(scenes.first()?, bvh, settings, Moment::ONLY);
     let plan = SamplePlan::new(settings.size, &settings.quality, first.random);
-    let (raster, grid) = (Raster::new(plan.size, plan.filter), SampleGrid::new(&plan));
+    let grid = SampleGrid::new(&plan);
+    let raster = grid.raster(&plan);
     let mut run = ViewRun {
         coverage: Coverage::new(&shared.views, raster, &grid),
         filter: FilterWeights::new(plan.filter),
@@ -54,20 +63,20 @@ pub fn trace_views(
     let depth_layer = first.context.aovs.and_then(|layer| held.iter().position(|held| *held == layer));
     run.films.extend(requested.iter().map(|_| FilmSums::new(&raster, held.len(), depth_layer)));
     for (own, scene) in scenes.iter().enumerate() {
+        if meter.is_stopped() {
+            return None;
+        }
         let blocks = traced_blocks(&run.coverage, &run.grid, own, requested);
         if !blocks.is_empty() {
             let tracer = PixelTracer::new(scene, bvh, settings, Moment::ONLY);
             run.trace_view((own, &blocks), requested, &tracer, meter);
         }
         advance(meter, own + 1, (shared.len(), requested.len()));
-        if meter.is_stopped() && requested.len() > 1 {
-            return None;
-        }
     }
     let sums = std::mem::take(&mut run.films);
     let films = sums.into_iter().zip(requested).map(|(sums, &place)| {
         let tracer = PixelTracer::new(&scenes[place], bvh, settings, Moment::ONLY);
-        run.film(&sums, &tracer)
+        run.film(&sums, place, &tracer)
     });
     let films = films.collect();
     Some((films, run.counts))
@@ -93,11 +102,16 @@ impl ViewRun {
         tracer: &PixelTracer,
         meter: &ProgressMeter,
     ) {
+        let parts = || self.grid.parts();
+        let jobs: Vec<_> =
+            blocks.iter().flat_map(|block| parts().map(move |numbers| (block, numbers))).collect();
         let side = self.grid.block_side() as u64;
-        let at_once = (AT_ONCE / (side * side * u64::from(self.grid.count()))).max(1) as usize;
-        for blocks in blocks.chunks(at_once.max(rayon::current_num_threads())) {
-            let traced = blocks.par_iter().map(|block| {
-                let (batch, counts) = self.trace_block((own, block), tracer);
+        let samples = side * side * parts().map(|numbers| numbers.len() as u64).max().unwrap_or(1);
+        let values = samples * (1 + tracer.held().len() as u64);
+        let at_once = (AT_ONCE / values.max(1)).max(1) as usize;
+        for jobs in jobs.chunks(at_once.max(rayon::current_num_threads())) {
+            let traced = jobs.par_iter().map(|(block, numbers)| {
+                let (batch, counts) = self.trace_block((own, block), numbers.clone(), tracer);
                 meter.rays.fetch_add(counts.rays.total(), Relaxed);
                 (batch, counts)
             });
@@ -105,7 +119,7 @@ impl ViewRun {
             let (coverage, filter) = (&self.coverage, &self.filter);
             self.films.par_iter_mut().zip(requested).enumerate().for_each(|(index, (film, view))| {
                 let map = coverage.map(own, *view);
-                for (block, (batch, _)) in blocks.iter().zip(&traced) {
+                for ((block, _), (batch, _)) in jobs.iter().zip(&traced) {
                     if block.films.binary_search(&index).is_ok() {
                         dispatch(AddSamples { batch, map, filter, film });
                     }
@@ -115,10 +129,11 @@ impl ViewRun {
         }
     }
 
-    /// Traces the samples of a block.
+    /// Traces the samples of a block that have these numbers in their cells.
     fn trace_block(
         &self,
         (own, block): (usize, &TracedBlock),
+        numbers: Range<u32>,
         tracer: &PixelTracer,
     ) -> (SampleBatch, Counts) {
         let (mut batch, mut counts) = (SampleBatch::default(), Counts::default());
@@ -141,7 +156,7 @@ impl ViewRun {
             }
             wave.clear();
         };
-        block.each(&self.coverage, &self.grid, own, |(column, row), sample| {
+        block.each(&self.coverage, &self.grid, (own, numbers), |(column, row), sample| {
             let sampler = PixelSampler::new((column as u32, row as u32), seed).sample(sample.number);
             wave.push_at(sample.position, sampler);
             batch.push(sample.position, sample.weight);
@@ -159,30 +174,34 @@ impl ViewRun {
         (batch, counts)
     }
 
-    /// The film of a view. Pixels that have fewer samples than asked for get samples of their own.
-    fn film(&mut self, sums: &FilmSums, tracer: &PixelTracer) -> Film {
+    /// The film of a view. Pixels get samples of their own if they have too few, or if those that they have stand for a
+    /// smaller part of their solid angle than as many samples of their own would.
+    fn film(&mut self, sums: &FilmSums, view: usize, tracer: &PixelTracer) -> Film {
         let (width, height) = tracer.context.settings.size;
         let weights = tracer.context.scene.weights.0.clone();
         let mut film = Film::with_aovs(width, height, weights, tracer.context.settings.aovs);
-        let (layers, asked) = (film.layers(), f64::from(self.grid.asked()));
+        let (layers, least) = (film.layers(), LEAST_SHARE * f64::from(self.grid.asked()));
+        let least_weight =
+            self.filter.integral() * least / self.coverage.view(view).density() * (1.0 - ROUNDING);
         let mut lacking = Vec::new();
         for (index, pixel) in film.data_mut().chunks_exact_mut(layers).enumerate() {
-            let (count, means) = sums.pixel(index);
+            let (count, weight, means) = sums.pixel(index);
             pixel.iter_mut().zip(means).for_each(|(layer, mean)| *layer = mean.as_vec3());
-            if count < asked {
+            if count < least || weight < least_weight {
                 lacking.push((index as u32 % width, index as u32 / width));
             }
         }
         let all = self.raster.pixels() * u64::from(self.grid.asked());
         let own = lacking.len() as u64 * u64::from(self.grid.asked());
         self.counts.samples += SharedSamples { films: 1, alone: all, own };
-        self.fill(&lacking, sums, tracer, film.data_mut());
+        self.fill(&lacking, tracer, film.data_mut());
         film
     }
 
-    /// Traces samples for pixels that lack some, and adds them to those that they have.
-    fn fill(&mut self, lacking: &[(u32, u32)], sums: &FilmSums, tracer: &PixelTracer, data: &mut [Rgb]) {
-        let (held, layers, asked) = (tracer.held(), tracer.layers(), f64::from(self.grid.asked()));
+    /// Traces samples for pixels that lack some. They take the place of those that these have, which may be in one part of
+    /// a pixel only.
+    fn fill(&mut self, lacking: &[(u32, u32)], tracer: &PixelTracer, data: &mut [Rgb]) {
+        let (held, layers) = (tracer.held(), tracer.layers());
         let width = tracer.context.settings.size.0;
         let traced = lacking.par_chunks(WAVE).map(|pixels| {
             let mut own = vec![DVec3::ZERO; pixels.len() * layers];
@@ -193,11 +212,8 @@ impl ViewRun {
             self.counts += counts;
             for (&(x, y), own) in pixels.iter().zip(own.chunks_exact(layers)) {
                 let index = (y * width + x) as usize;
-                let (count, means) = sums.pixel(index);
                 let pixel = &mut data[index * held.len()..][..held.len()];
-                for ((layer, mean), &place) in pixel.iter_mut().zip(means).zip(&held) {
-                    *layer = ((mean * count + own[place] * asked) / (count + asked)).as_vec3();
-                }
+                pixel.iter_mut().zip(&held).for_each(|(layer, &place)| *layer = own[place].as_vec3());
             }
         }
     }

@@ -68,7 +68,7 @@ pub fn run_pilot(
     let outlook = |mut pilots: Vec<PilotFilm>, spent: ElapsedTime| {
         pilots.sort_by_key(|pilot| pilot.place);
         same_power(&mut pilots);
-        Outlook { pilots, random: random.clone(), shares: shares.clone(), spent }
+        Outlook { pilots, random: random.clone(), shares: shares.films.clone(), spent }
     };
     let expected = outlook(pilots.clone(), run.spent).forecast(&sequence.quality).wall.mid;
     let left = limit.seconds.min(limit.share * expected) - run.spent.wall;
