@@ -78,6 +78,8 @@ pub struct Names<'n> {
     what: &'static str,
     in_order: Vec<&'n str>,
     indices: HashMap<&'n str, usize>,
+    /// Entries whose own entries could not be read. Names behind theirs and a `/` may be right.
+    unread: Vec<&'n str>,
 }
 
 impl<'n> Names<'n> {
@@ -86,7 +88,7 @@ impl<'n> Names<'n> {
         let indices = in_order.iter().enumerate().map(|(index, name)| (*name, index)).collect();
         // Entries with an invalid name have an empty one.
         let in_order = in_order.into_iter().filter(|name| !name.is_empty()).collect();
-        Self { what, in_order, indices }
+        Self { what, in_order, indices, unread: Vec::new() }
     }
 
     /// Adds further names behind `count` entries.
@@ -98,11 +100,16 @@ impl<'n> Names<'n> {
         self
     }
 
+    /// Entries whose own entries could not be read, which has been reported. Names of these are not reported again.
+    pub fn unread(self, unread: impl Iterator<Item = &'n str>) -> Self {
+        Self { unread: unread.collect(), ..self }
+    }
+
     /// Names in the order of the entries.
     pub fn of(what: &'static str, names: impl Iterator<Item = &'n str>) -> Self {
         let in_order: Vec<&str> = names.collect();
         let indices = in_order.iter().enumerate().map(|(index, name)| (*name, index)).collect();
-        Self { what, in_order, indices }
+        Self { what, in_order, indices, unread: Vec::new() }
     }
 
     /// Whether an entry has this name.
@@ -114,7 +121,8 @@ impl<'n> Names<'n> {
     pub fn index(&self, node: Node<'_>) -> Option<usize> {
         let name = text(node)?;
         let index = self.indices.get(name.as_str()).copied().filter(|_| !name.is_empty());
-        if index.is_none() {
+        let is_below = |entry: &&str| name.strip_prefix(*entry).is_some_and(|rest| rest.starts_with('/'));
+        if index.is_none() && !self.unread.iter().any(is_below) {
             report_unknown(node, self.what, &name, self.in_order.iter().copied());
         }
         index

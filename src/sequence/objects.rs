@@ -75,7 +75,8 @@ fn objects(node: Node<'_>, materials: &Names<'_>) -> Option<Vec<Placed>> {
     let entries = entries(node, "object")?;
     let mut scenes = Scenes::of(&entries, materials);
     let mut drafts: HashMap<usize, SceneDraft> = std::mem::take(&mut scenes.drafts).into_iter().collect();
-    let names = Names::new("object", &entries).and(entries.len(), scenes.names());
+    let unread = scenes.unread.iter().map(|index| entries[*index].name.as_str());
+    let names = Names::new("object", &entries).and(entries.len(), scenes.names()).unread(unread);
     let read = entries
         .iter()
         .enumerate()
@@ -97,15 +98,21 @@ struct Scenes {
     /// The names of all nodes, and the index of the object of each.
     names: Vec<String>,
     owners: Vec<usize>,
+    /// The objects whose scenes could not be read.
+    unread: Vec<usize>,
 }
 
 impl Scenes {
     fn of(entries: &[Entry<'_>], materials: &Names<'_>) -> Self {
         let mut names = UniqueNames::new(entries.iter().map(|entry| entry.name.as_str()));
-        let mut scenes = Self { drafts: Vec::new(), names: Vec::new(), owners: Vec::new() };
+        let mut scenes =
+            Self { drafts: Vec::new(), names: Vec::new(), owners: Vec::new(), unread: Vec::new() };
         for (index, entry) in entries.iter().enumerate() {
             let Some(shape) = scene_of(entry.value) else { continue };
-            let Some(draft) = scene(shape, &entry.name, (&mut names, materials)) else { continue };
+            let Some(draft) = scene(shape, &entry.name, (&mut names, materials)) else {
+                scenes.unread.push(index);
+                continue;
+            };
             scenes.names.extend(draft.nodes.iter().map(|node| node.name.clone()));
             scenes.owners.resize(scenes.names.len(), index);
             scenes.drafts.push((index, draft));

@@ -5,7 +5,7 @@ use crate::sequence::parse;
 /// Checks that a text has no faults except missing files.
 fn check_example(text: &str) {
     let faults = parse("example.ron", text).err().map(|faults| faults.to_string()).unwrap_or_default();
-    let missing = ["image", "mesh", "series", "table"]
+    let missing = ["image", "mesh", "scene", "series", "table"]
         .map(|what| faults.matches(&format!("cannot read the {what}")).count());
     assert_eq!(faults.matches("error:").count(), missing.into_iter().sum::<usize>(), "{faults}");
 }

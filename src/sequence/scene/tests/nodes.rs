@@ -67,6 +67,10 @@ fn wrong_references_are_faults() {
         missing.contains("cannot read the scene \"robot.gltf\"")
             && missing.contains("relative to the folder")
     );
+    let below = message(
+        "(objects: { \"robot\": (shape: Scene(\"none.glb\")), \"cup\": (shape: Sphere(), parent: \"robot/hand\") })",
+    );
+    assert_eq!(below.matches("error:").count(), 1, "{below}");
     let kind = message("(objects: { \"robot\": (shape: Scene(\"robot.obj\")) })");
     assert!(kind.contains("scenes are read from .gltf and .glb files"), "{kind}");
     let field = message("(objects: { \"robot\": (shape: Scene(file: \"robot.glb\", fil: 1)) })");
