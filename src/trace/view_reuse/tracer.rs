@@ -28,9 +28,10 @@ use std::sync::atomic::Ordering::Relaxed;
 /// Values that are traced before films take them: of each sample, its place and its layers.
 const AT_ONCE: u64 = 1 << 20;
 
-/// The share of the samples asked for that a pixel must have. Where pixels cut the lattices of several views, numbers of
-/// samples vary; one sample of four less is no reason to trace four others, for one film only.
-const LEAST_SHARE: f64 = 0.75;
+/// Up to this number of samples asked for, a pixel may have one less. Where pixels cut the lattices of several views,
+/// small numbers vary, which is no reason to trace other samples for one film only. If there should be many, a lack of
+/// weight means that a part of the pixel has none.
+const FEW: u32 = 8;
 
 /// A bound of the relative rounding errors of sums of weights. A pixel has fewer than 2^27 samples.
 const ROUNDING: f64 = 1e-7;
@@ -180,7 +181,9 @@ impl ViewRun {
         let (width, height) = tracer.context.settings.size;
         let weights = tracer.context.scene.weights.0.clone();
         let mut film = Film::with_aovs(width, height, weights, tracer.context.settings.aovs);
-        let (layers, least) = (film.layers(), LEAST_SHARE * f64::from(self.grid.asked()));
+        let asked = self.grid.asked();
+        let least = if (2..=FEW).contains(&asked) { asked - 1 } else { asked };
+        let (layers, least) = (film.layers(), f64::from(least));
         let least_weight =
             self.filter.integral() * least / self.coverage.view(view).density() * (1.0 - ROUNDING);
         let mut lacking = Vec::new();
