@@ -649,10 +649,13 @@ fn only_moving_scenes_have_several_moments() {
             objects: {{ "floor": (shape: Plane()), "ball": (shape: Sphere(), {object}) }})"#
         ))
     };
-    let camera = |object: &str| planned(&text(object), &[0, 1, 2, 3, 4, 5], u64::MAX).1.counts.rays.camera;
-    assert_eq!(camera(""), 16 * 12 * 4, "one film, without random samples");
+    let frames = [0, 1, 2, 3, 4, 5];
+    let films = planned(&text(""), &frames, u64::MAX).1;
+    assert_eq!(films.counts.rays.camera, 16 * 12 * 4, "one film, without random samples");
     // The ball moves in two frames, and those before it, after it and with it are different films.
-    assert_eq!(camera("translation: [(2, (0, 0, 0)), (4, (1, 0, 0))]"), 16 * 12 * (4 + 9 + 9 + 4));
+    let moving = text("translation: [(2, (0, 0, 0)), (4, (1, 0, 0))]");
+    assert_eq!(planned(&moving, &frames, u64::MAX).1.traced, 4);
+    assert_eq!(alone(&moving, &frames).1.counts.rays.camera, 16 * 12 * (4 * 4 + 2 * 9));
 }
 
 /// Twelve frames of a ball that moves over a floor.

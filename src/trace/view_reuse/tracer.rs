@@ -8,7 +8,7 @@ use super::raster::Raster;
 use super::samples::{SampleGrid, SamplePlan};
 use crate::base::color::Rgb;
 use crate::base::lanes::dispatch;
-use crate::base::math::DVec3;
+use crate::base::math::{DVec3, gamma};
 use crate::base::stats::{Counts, ProgressMeter, SharedSamples};
 use crate::camera::Camera;
 use crate::film::Film;
@@ -33,8 +33,8 @@ const AT_ONCE: u64 = 1 << 20;
 /// weight means that a part of the pixel has none.
 const FEW: u32 = 8;
 
-/// A bound of the relative rounding errors of sums of weights. A pixel has fewer than 2^27 samples.
-const ROUNDING: f64 = 1e-7;
+/// Rounded operations of a weight and of the bound that sums are compared with; each sum adds one per sample.
+const ROUNDED: u32 = 32;
 
 /// Traces films of views, which are places in `shared`, with the layers that the scene's weights light. The scene's
 /// camera may have any view. None if the run is stopped.
@@ -184,13 +184,13 @@ impl ViewRun {
         let asked = self.grid.asked();
         let least = if (2..=FEW).contains(&asked) { asked - 1 } else { asked };
         let (layers, least) = (film.layers(), f64::from(least));
-        let least_weight =
-            self.filter.integral() * least / self.coverage.view(view).density() * (1.0 - ROUNDING);
+        let least_weight = self.filter.integral() * least / self.coverage.view(view).density();
         let mut lacking = Vec::new();
         for (index, pixel) in film.data_mut().chunks_exact_mut(layers).enumerate() {
             let (count, weight, means) = sums.pixel(index);
             pixel.iter_mut().zip(means).for_each(|(layer, mean)| *layer = mean.as_vec3());
-            if count < least || weight < least_weight {
+            let rounding = gamma(count as u32 + ROUNDED);
+            if count < least || weight < least_weight * (1.0 - rounding) {
                 lacking.push((index as u32 % width, index as u32 / width));
             }
         }
