@@ -15,7 +15,7 @@ pub fn extruded(polygons: &[Vec<[i32; 2]>], unit: f64, depth: f64) -> MeshData {
     // Exact in whole numbers; where outlines cross, it adds points that are rounded to whole units.
     let area = shape.triangulate();
     let (points, indices) = (area.points(), area.triangle_indices::<u32>());
-    let triangles: Vec<[u32; 3]> = indices.as_chunks::<3>().0.iter().map(|t| upwards(*t, &points)).collect();
+    let triangles: Vec<[u32; 3]> = indices.as_chunks::<3>().0.iter().map(|t| upwards(*t, points)).collect();
     let half = 0.5 * depth;
     let at = |z: f64| points.iter().map(move |p| DVec3::new(f64::from(p.x) * unit, f64::from(p.y) * unit, z));
     if depth == 0.0 {
