@@ -12,8 +12,9 @@ use std::path::PathBuf;
 #[command(after_help = "\
 Example:
   kinora expand scene.ron > plain.ron
-The plain file renders the same frames if it is in the same folder, because its paths are relative to it. Mistakes
-are reported as by `kinora check` (exit code 2).")]
+
+The plain file renders the same frames if it is in the same folder, because its paths are relative
+to it. Mistakes are reported as by `kinora check` (exit code 2).")]
 pub struct Arguments {
     /// The sequence file (.ron)
     file: PathBuf,

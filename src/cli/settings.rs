@@ -25,7 +25,7 @@ pub struct Settings {
     #[arg(long, value_name = "SIZE", value_parser = values::file_size, allow_hyphen_values = true)]
     max_size: Option<u64>,
 
-    /// Memory for films that later frames reuse, such as 2GB, or 0 [default: a quarter of free memory]
+    /// Memory for films that later frames reuse: 2GB, or 0 [default: a quarter of free memory]
     ///
     /// A film is the light traced for a frame. Frames that show the same scene, or in which only
     /// lights change their brightness, share one. `kinora plan` prints the memory that they take.

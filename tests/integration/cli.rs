@@ -111,6 +111,7 @@ fn help_of_commands_shows_options_units_and_defaults() {
         "accuracy",
         "farm export",
         "farm status",
+        "expand",
     ] {
         let words: Vec<&str> = command.split(' ').chain(["--help"]).collect();
         let help = kinora(&words).stdout;

@@ -38,7 +38,7 @@ pub struct Arguments {
     #[command(flatten)]
     options: RenderOptions,
 
-    /// Memory for films that later frames reuse, such as 2GB, or 0 [default: a quarter of free memory]
+    /// Memory for films that later frames reuse: 2GB, or 0 [default: a quarter of free memory]
     #[arg(long, value_name = "SIZE", value_parser = values::cache_size)]
     film_cache: Option<u64>,
 
