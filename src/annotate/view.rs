@@ -3,6 +3,7 @@
 use crate::base::math::{Aabb, DAffine3, DVec2, DVec3};
 use crate::base::time::Time;
 use crate::camera::{Camera, ProjectedPoint};
+use crate::drawing::shares_inside;
 use crate::encode::FrameInfo;
 
 /// How far lines reach beyond the picture before they are cut off, in heights of the picture. Their ends stay
@@ -77,7 +78,7 @@ impl FrameView<'_> {
         lines
     }
 
-    /// The part of a line near the picture (Liang and Barsky, *A New Concept and Method for Line Clipping*, 1984).
+    /// The part of a line near the picture.
     fn clip(&self, from: ProjectedPoint, to: ProjectedPoint) -> Option<(ProjectedPoint, ProjectedPoint)> {
         let (up, across) = (1.0 + GUARD, self.width() / self.height() + GUARD);
         // Above 0 inside. Those of perspective cameras together bound the weight.
@@ -85,20 +86,12 @@ impl FrameView<'_> {
             let ProjectedPoint { across: DVec2 { x, y }, weight, depth } = *point;
             [across * weight - x, across * weight + x, up * weight - y, up * weight + y, depth]
         };
-        let (mut first, mut last) = (0.0f64, 1.0f64);
-        for (a, b) in distances(&from).into_iter().zip(distances(&to)) {
-            match (a < 0.0, b < 0.0) {
-                (true, true) => return None,
-                (true, false) => first = first.max(a / (a - b)),
-                (false, true) => last = last.min(a / (a - b)),
-                (false, false) => {}
-            }
-        }
+        let [first, last] = shares_inside(distances(&from).into_iter().zip(distances(&to)))?;
         let at = |share: f64| match share {
             0.0 => from,
             1.0 => to,
             share => from.lerp(&to, share),
         };
-        (first <= last).then(|| (at(first), at(last)))
+        Some((at(first), at(last)))
     }
 }

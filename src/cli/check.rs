@@ -1,16 +1,14 @@
 //! `kinora check`: finds every mistake that `render` would find, without rendering.
 
 use super::failure::Failure;
-use super::loading::LoadingReporter;
-use super::progress::ProgressMode;
-use super::{load, terminal};
+use super::sequence_file::SequenceFile;
+use super::terminal;
 use crate::base::escape;
 use crate::base::units::counted;
 use crate::encode::Existing;
 use crate::pipeline::render::{self, Request, Reuse};
 use crate::sequence::Sequence;
 use clap::Args;
-use std::path::PathBuf;
 
 /// Find every mistake in a sequence file; render and write nothing.
 #[derive(Args, Debug, PartialEq)]
@@ -19,17 +17,12 @@ Example:
   kinora check sequences/hello.ron
 Kinora prints one line about the sequence, or every mistake with its line (exit code 2).")]
 pub struct Arguments {
-    /// The sequence file (.ron)
-    file: PathBuf,
-
-    /// Allow images and meshes outside of the sequence's root folder, as in `render`
-    #[arg(long)]
-    allow_outside: bool,
+    #[command(flatten)]
+    sequence: SequenceFile,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let loading = LoadingReporter::new(ProgressMode::Auto, false);
-    let sequence = load::sequence(&arguments.file, arguments.allow_outside, loading)?;
+    let sequence = arguments.sequence.load()?;
     render::check(&sequence, &request(&sequence))?;
     terminal::print_line(&line(&sequence))?;
     let note = |note: &String| terminal::print_line(&format!("note: {}", escape::line(note)));

@@ -1,11 +1,9 @@
 //! `kinora expand`: prints a sequence as one plain file.
 
 use super::failure::Failure;
-use super::loading::LoadingReporter;
-use super::progress::ProgressMode;
-use super::{load, terminal};
+use super::sequence_file::SequenceFile;
+use super::terminal;
 use clap::Args;
-use std::path::PathBuf;
 
 /// Print a sequence as one plain file, without values, expressions, repetitions, templates and includes.
 #[derive(Args, Debug, PartialEq)]
@@ -16,16 +14,10 @@ Example:
 The plain file renders the same frames if it is in the same folder, because its paths are relative
 to it. Mistakes are reported as by `kinora check` (exit code 2).")]
 pub struct Arguments {
-    /// The sequence file (.ron)
-    file: PathBuf,
-
-    /// Allow files outside of the sequence's root folder, as in `render`
-    #[arg(long)]
-    allow_outside: bool,
+    #[command(flatten)]
+    sequence: SequenceFile,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let loading = LoadingReporter::new(ProgressMode::Auto, false);
-    let text = load::expanded(&arguments.file, arguments.allow_outside, loading)?;
-    terminal::print_text(text.trim_end())
+    terminal::print_text(arguments.sequence.expanded()?.trim_end())
 }

@@ -28,6 +28,7 @@ mod poster;
 mod progress;
 mod renamed_options;
 mod render;
+mod sequence_file;
 mod settings;
 mod shell;
 mod signals;

@@ -5,6 +5,22 @@
 
 use crate::base::math::DVec2;
 
+/// The part of a segment inside some borders, from the distances of its ends to each of them (0 or more inside): where
+/// that part begins and ends as shares of the segment, 0 to 1. None if nothing is inside (Liang and Barsky, *A New
+/// Concept and Method for Line Clipping*, 1984).
+pub fn shares_inside(distances: impl IntoIterator<Item = (f64, f64)>) -> Option<[f64; 2]> {
+    let (mut first, mut last) = (0.0f64, 1.0f64);
+    for (from, to) in distances {
+        match (from < 0.0, to < 0.0) {
+            (true, true) => return None,
+            (true, false) => first = first.max(from / (from - to)),
+            (false, true) => last = last.min(from / (from - to)),
+            (false, false) => {}
+        }
+    }
+    (first <= last).then_some([first, last])
+}
+
 /// A rectangle: its least and its greatest coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
@@ -36,7 +52,6 @@ impl Window {
         lines
     }
 
-    /// Liang and Barsky, *A New Concept and Method for Line Clipping*, 1984.
     fn clip_segment(&self, from: DVec2, to: DVec2) -> Option<[DVec2; 2]> {
         if !(from.is_finite() && to.is_finite()) {
             return None;
@@ -45,22 +60,14 @@ impl Window {
             let (after, before) = (point - self.min, self.max - point);
             [after.x, after.y, before.x, before.y]
         };
-        let (mut first, mut last) = (0.0f64, 1.0f64);
-        for (a, b) in distances(from).into_iter().zip(distances(to)) {
-            match (a < 0.0, b < 0.0) {
-                (true, true) => return None,
-                (true, false) => first = first.max(a / (a - b)),
-                (false, true) => last = last.min(a / (a - b)),
-                (false, false) => {}
-            }
-        }
+        let [first, last] = shares_inside(distances(from).into_iter().zip(distances(to)))?;
         let at = |share: f64| match share {
             0.0 => from,
             1.0 => to,
             // From either end, rounding may lead out of the window.
             share => from.lerp(to, share).clamp(self.min, self.max),
         };
-        (first <= last).then(|| [at(first), at(last)])
+        Some([at(first), at(last)])
     }
 
     /// The part of an area that lies within; empty if a coordinate is not finite (Sutherland and Hodgman, *Reentrant

@@ -21,7 +21,7 @@ mod text;
 
 pub use bitmap::Bitmap;
 pub use blend::Canvas;
-pub use clip::Window;
+pub use clip::{Window, shares_inside};
 pub use coverage::CoverageMask;
 pub use font::{FONT_FILE, Font, FontError};
 pub use ink::Ink;

@@ -1,28 +1,24 @@
 //! The fonts that a sequence names, each read once.
 
 use super::fault::Fault;
+use super::file_cache::FileCache;
 use super::node::Node;
 use super::suggest::shortened;
 use super::values::file_path;
 use crate::base::files::{self, Root};
 use crate::drawing::Font;
-use std::cell::RefCell;
-use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The largest font file in bytes.
 const MAX_FILE_SIZE: u64 = 1 << 26;
 
-/// The fonts read so far.
 pub struct FontFiles {
-    folder: PathBuf,
-    root: Root,
-    fonts: RefCell<HashMap<PathBuf, Result<Font, String>>>,
+    files: FileCache<Result<Font, String>>,
 }
 
 impl FontFiles {
     pub fn new(folder: &Path, root: Root) -> Self {
-        Self { folder: folder.to_owned(), root, fonts: RefCell::default() }
+        Self { files: FileCache::new(folder, root) }
     }
 
     /// Reads a file, or returns the result of the first read.
@@ -30,13 +26,11 @@ impl FontFiles {
     /// # Errors
     /// Why it cannot be read.
     pub fn font(&self, name: &str) -> Result<Font, String> {
-        let path = self.root.admit(&self.folder.join(name)).map_err(|error| files::describe(&error))?;
-        let mut fonts = self.fonts.borrow_mut();
-        let read = fonts.entry(path).or_insert_with_key(|path| {
+        let path = self.files.admit(name).map_err(|error| files::describe(&error))?;
+        self.files.get(path, (), |path, ()| {
             let bytes = files::read(path, MAX_FILE_SIZE).map_err(|error| files::describe(&error))?;
             Font::parse(bytes).map_err(|error| error.to_string())
-        });
-        read.clone()
+        })
     }
 }
 

@@ -1,5 +1,6 @@
 //! The mesh files that a sequence names, each read once for every preparation of its data.
 
+use super::file_cache::FileCache;
 use super::material_description::MeshMaterials;
 use crate::base::files::{self, Root};
 use crate::geometry::mesh::{self, Preparation, PreparationKey};
@@ -11,12 +12,9 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// The meshes read so far.
 pub struct MeshFiles {
-    folder: PathBuf,
-    root: Root,
+    files: FileCache<MeshResult, PreparationKey>,
     pub meter: Arc<LoadProgress>,
-    read: RefCell<HashMap<(PathBuf, PreparationKey), MeshResult>>,
     series: RefCell<Vec<Arc<MeshSeries>>>,
     /// Materials by the address of their mesh. Keeps the mesh alive, so that no other mesh gets its address.
     materials: RefCell<HashMap<*const mesh::TriangleMesh, (Arc<mesh::TriangleMesh>, MeshMaterials)>>,
@@ -28,10 +26,8 @@ type MeshResult = Result<Arc<mesh::TriangleMesh>, String>;
 impl MeshFiles {
     pub fn new(folder: &Path, root: Root) -> Self {
         Self {
-            folder: folder.to_owned(),
-            root,
+            files: FileCache::new(folder, root),
             meter: Arc::default(),
-            read: RefCell::default(),
             series: RefCell::default(),
             materials: RefCell::default(),
         }
@@ -39,12 +35,12 @@ impl MeshFiles {
 
     /// The folder to which paths are relative.
     pub fn folder(&self) -> &Path {
-        &self.folder
+        &self.files.folder
     }
 
     /// The canonical path of a file that the sequence may read.
     pub fn admit(&self, name: &str) -> Result<PathBuf, String> {
-        self.root.admit(&self.folder.join(name)).map_err(|error| files::describe(&error))
+        self.files.admit(name).map_err(|error| files::describe(&error))
     }
 
     /// Checks the files of a series, or returns the same series of the first time.
@@ -53,7 +49,7 @@ impl MeshFiles {
         for path in files.steps.iter_mut().flatten() {
             let known = import::known_format(path).map_err(|error| error.to_string());
             let admitted =
-                known.and_then(|()| self.root.admit(path).map_err(|error| files::describe(&error)));
+                known.and_then(|()| self.files.root.admit(path).map_err(|error| files::describe(&error)));
             match admitted {
                 Ok(admitted) => *path = admitted,
                 Err(why) => errors.push(StepError { path: path.clone(), why }),
@@ -66,21 +62,19 @@ impl MeshFiles {
         if let Some(known) = read.iter().find(|known| known.is_of(&files)) {
             return Ok(Arc::clone(known));
         }
-        let series = Arc::new(MeshSeries::open(files, self.root.clone(), &self.meter)?);
+        let series = Arc::new(MeshSeries::open(files, self.files.root.clone(), &self.meter)?);
         read.push(Arc::clone(&series));
         Ok(series)
     }
 
-    /// Reads a file and prepares its data, or returns the result of the first time.
+    /// Reads a file and prepares its data, or returns the result of the first read.
     pub fn mesh(&self, name: &str, preparation: &Preparation) -> MeshResult {
         import::known_format(Path::new(name)).map_err(|error| error.to_string())?;
         let path = self.admit(name)?;
-        let mut read = self.read.borrow_mut();
-        let mesh = read.entry((path, preparation.key())).or_insert_with_key(|(path, _)| {
-            let mesh = import::load_prepared(path, &self.root, &self.meter, preparation);
+        self.files.get(path, preparation.key(), |path, _| {
+            let mesh = import::load_prepared(path, &self.files.root, &self.meter, preparation);
             mesh.map(Arc::new).map_err(|error| error.to_string())
-        });
-        mesh.clone()
+        })
     }
 
     /// The materials of a mesh, created once. If creation fails, each object reports it again.

@@ -25,6 +25,7 @@ mod expand_tests;
 mod fault;
 mod faults;
 mod fields;
+mod file_cache;
 mod fog;
 mod font_files;
 mod formats;

@@ -1,21 +1,18 @@
 //! The glTF files that a sequence names, each read once.
 
+use super::file_cache::FileCache;
 use super::material_description::MeshMaterials;
 use crate::base::files::{self, Root};
 use crate::import::LoadProgress;
 use crate::import::gltf::{self, GltfScene};
-use std::cell::{OnceCell, RefCell};
-use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::cell::OnceCell;
+use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// The files read so far.
 pub struct SceneFiles {
-    folder: PathBuf,
-    root: Root,
+    files: FileCache<SceneResult>,
     pub meter: Arc<LoadProgress>,
-    read: RefCell<HashMap<PathBuf, SceneResult>>,
 }
 
 /// A file, or the reason why it cannot be read.
@@ -29,21 +26,19 @@ pub struct SceneFile {
 
 impl SceneFiles {
     pub fn new(folder: &Path, root: Root) -> Self {
-        Self { folder: folder.to_owned(), root, meter: Arc::default(), read: RefCell::default() }
+        Self { files: FileCache::new(folder, root), meter: Arc::default() }
     }
 
-    /// Reads a file, or returns the result of the first time.
+    /// Reads a file, or returns the result of the first read.
     pub fn scene(&self, name: &str) -> SceneResult {
         if !gltf::is_gltf(Path::new(name)) {
             return Err("scenes are read from .gltf and .glb files".to_owned());
         }
-        let path = self.root.admit(&self.folder.join(name)).map_err(|error| files::describe(&error))?;
-        let mut read = self.read.borrow_mut();
-        let scene = read.entry(path).or_insert_with_key(|path| {
-            let scene = gltf::load(path, &self.root, &self.meter).map_err(|error| error.to_string())?;
+        let path = self.files.admit(name).map_err(|error| files::describe(&error))?;
+        self.files.get(path, (), |path, ()| {
+            let scene = gltf::load(path, &self.files.root, &self.meter).map_err(|error| error.to_string())?;
             Ok(Rc::new(SceneFile { scene, materials: OnceCell::new() }))
-        });
-        scene.clone()
+        })
     }
 }
 

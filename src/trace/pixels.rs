@@ -22,7 +22,7 @@ pub struct PixelTracer<'a> {
     /// Whether samples are random. Otherwise they form a regular grid.
     pub random: bool,
     pool: Arc<ScratchPool>,
-    /// Tells tracers with the same pool apart.
+    /// Distinguishes tracers that share a pool.
     number: u32,
 }
 
