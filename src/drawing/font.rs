@@ -1,23 +1,40 @@
 //! Fonts: the one in the program, and TrueType and OpenType files.
 
+use super::shaping::{Shaper, shaped};
 use crate::base::digest::{Content, Digest, Digester};
 use ab_glyph::{Font as _, FontVec};
+use harfrust::font::Blob;
 use std::fmt;
 use std::sync::{Arc, LazyLock};
 
 /// Roboto Medium, see assets/README.md.
 pub const FONT_FILE: &[u8] = include_bytes!("../../assets/fonts/Roboto-Medium.ttf");
 
-static BUNDLED: LazyLock<Option<FontVec>> = LazyLock::new(|| FontVec::try_from_vec(FONT_FILE.to_vec()).ok());
+static BUNDLED: LazyLock<Option<FontFace>> = LazyLock::new(|| {
+    let outlines = FontVec::try_from_vec(FONT_FILE.to_vec()).ok()?;
+    Some(FontFace { outlines, shaper: Shaper::new(Blob::from(FONT_FILE))? })
+});
 
 /// A font. The default is the one in the program.
 #[derive(Clone, Default)]
-pub struct Font(Option<Arc<FontFace>>);
+pub struct Font(Option<Arc<FontFile>>);
 
 /// A font from a file.
-struct FontFace {
+struct FontFile {
     digest: Digest,
-    face: FontVec,
+    face: FontFace,
+}
+
+/// What a font knows of its glyphs: their outlines, and how letters become glyphs.
+pub(super) struct FontFace {
+    pub outlines: FontVec,
+    pub shaper: Shaper,
+}
+
+impl FontFace {
+    pub fn has(&self, letter: char) -> bool {
+        self.outlines.glyph_id(letter).0 != 0
+    }
 }
 
 /// A file that is not a font.
@@ -39,35 +56,47 @@ impl Font {
     /// If the bytes are not such a file.
     pub fn parse(bytes: Vec<u8>) -> Result<Self, FontError> {
         let digest = Digest::of(bytes.as_slice());
-        let face = FontVec::try_from_vec(bytes).map_err(|_| FontError)?;
-        Ok(Self(Some(Arc::new(FontFace { digest, face }))))
+        let shaper = Shaper::new(Blob::from(bytes.clone())).ok_or(FontError)?;
+        let outlines = FontVec::try_from_vec(bytes).map_err(|_| FontError)?;
+        Ok(Self(Some(Arc::new(FontFile { digest, face: FontFace { outlines, shaper } }))))
     }
 
-    /// The outlines. None if the program's own font were broken; then text is left out.
-    pub(super) fn face(&self) -> Option<&FontVec> {
+    /// None if the program's own font were broken; then text is left out.
+    pub(super) fn face(&self) -> Option<&FontFace> {
         match &self.0 {
             Some(own) => Some(&own.face),
             None => BUNDLED.as_ref(),
         }
     }
 
-    /// The outlines that have a letter: those of the font or, if it lacks the letter, of the program's font. If both lack
-    /// it, the font's.
-    pub(super) fn face_of(&self, letter: char) -> Option<&FontVec> {
+    /// The face that has a letter: that of the font or, if it lacks the letter, of the program's font. If both lack it,
+    /// the font's.
+    pub(super) fn face_of(&self, letter: char) -> Option<&FontFace> {
         let mut faces = self.face().into_iter().chain(BUNDLED.as_ref());
-        faces.find(|face| face.glyph_id(letter).0 != 0).or_else(|| self.face())
+        faces.find(|face| face.has(letter)).or_else(|| self.face())
     }
 
-    /// The letters of a text that neither the font nor the program's font has, each once, in their order.
+    /// The letters of a text that neither the font nor the program's font can draw, each once, in their order.
     pub fn missing_glyphs(&self, text: &str) -> Vec<char> {
-        let mut missing = Vec::new();
-        for letter in text.chars() {
-            let known = self.face_of(letter).is_none_or(|font| font.glyph_id(letter).0 != 0);
-            if !known && !missing.contains(&letter) {
-                missing.push(letter);
+        let mut missing: Vec<(usize, char)> = Vec::new();
+        let mut start = 0;
+        for line in text.split_inclusive('\n') {
+            let letters = line.trim_end_matches(['\r', '\n']);
+            for glyph in shaped::<()>(self, letters, &[]).iter().filter(|glyph| glyph.glyph.0 == 0) {
+                let letter = letters.get(glyph.letter..).and_then(|rest| rest.chars().next());
+                missing.extend(letter.map(|letter| (start + glyph.letter, letter)));
+            }
+            start += line.len();
+        }
+        // Glyphs of lines to the left come in reverse order.
+        missing.sort_unstable();
+        let mut letters: Vec<char> = Vec::new();
+        for (_, letter) in missing {
+            if !letters.contains(&letter) {
+                letters.push(letter);
             }
         }
-        missing
+        letters
     }
 
     fn digest(&self) -> Option<Digest> {

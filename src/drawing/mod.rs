@@ -17,6 +17,7 @@ mod layer;
 mod mark;
 mod outline;
 mod path;
+mod shaping;
 mod text;
 
 pub use bitmap::Bitmap;

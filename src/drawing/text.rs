@@ -2,6 +2,7 @@
 
 use super::coverage::CoverageMask;
 use super::font::Font;
+use super::shaping::shaped;
 use crate::base::math::DVec2;
 use ab_glyph::{Font as _, FontVec, GlyphId, OutlineCurve, Point, PxScale, ScaleFont, point};
 use zeno::{Cap, Command, Join, Mask, Scratch, Stroke, Vector};
@@ -32,8 +33,9 @@ pub(super) struct PlacedGlyph<'f> {
 }
 
 /// Whether a letter stands on the baseline, above it (`<sup>`) or below it (`<sub>`).
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Default, PartialEq)]
 enum Script {
+    #[default]
     Plain,
     Raised,
     Lowered,
@@ -66,23 +68,26 @@ fn letters(line: &str) -> impl Iterator<Item = (char, Script)> {
 
 /// The glyphs of a line, and its width.
 pub(super) fn glyphs<'f>(font: &'f Font, line: &str, size: f32) -> (Vec<PlacedGlyph<'f>>, f32) {
-    let (mut along, mut glyphs): (f32, Vec<PlacedGlyph>) = (0.0, Vec::new());
+    let (mut text, mut scripts) = (String::new(), Vec::new());
     for (letter, script) in letters(line) {
-        // The program's font is never broken. If it were, pictures would have no text.
-        let Some(face) = font.face_of(letter) else { continue };
-        let (size, raised) = match script {
+        text.push(letter);
+        scripts.resize(text.len(), script);
+    }
+    let mut along = 0.0f32;
+    let placed = shaped(font, &text, &scripts).into_iter().map(|glyph| {
+        let (size, raised) = match scripts.get(glyph.letter).copied().unwrap_or_default() {
             Script::Plain => (size, 0.0),
             Script::Raised => (SCRIPT_SIZE * size, RAISED_BY * size),
             Script::Lowered => (SCRIPT_SIZE * size, -LOWERED_BY * size),
         };
-        let scaled = face.as_scaled(PxScale::from(size));
-        let glyph = scaled.glyph_id(letter);
-        let last = glyphs.last().filter(|last| std::ptr::eq(last.face, face) && last.raised == raised);
-        along += last.map_or(0.0, |last| scaled.kern(last.glyph, glyph));
-        glyphs.push(PlacedGlyph { face, glyph, along, raised, size });
-        along += scaled.h_advance(glyph);
-    }
-    (glyphs, along)
+        let face = &glyph.face.outlines;
+        let scale = size / face.height_unscaled();
+        let [right, up] = glyph.offset.map(|offset| offset * scale);
+        let start = along;
+        along += glyph.advance * scale;
+        PlacedGlyph { face, glyph: glyph.glyph, along: start + right, raised: raised + up, size }
+    });
+    (placed.collect(), along)
 }
 
 /// One line of text at any place of a picture, also between pixels.
@@ -104,7 +109,7 @@ impl<'f> PlacedLine<'f> {
         let (glyphs, width) = glyphs(font, line, size);
         let floor = at.floor();
         let [right, down] = (at - floor).to_array().map(|part| part as f32);
-        let face = font.face().map(|face| face.as_scaled(PxScale::from(size)));
+        let face = font.face().map(|face| face.outlines.as_scaled(PxScale::from(size)));
         let (height, ascent) = face.map_or((0.0, 0.0), |face| (face.height(), face.ascent()));
         let extent = [width + right, height + down].map(|side| side.ceil() as usize);
         Self { glyphs, size, start: [right, ascent + down], corner: [floor.x as i64, floor.y as i64], extent }
