@@ -106,6 +106,8 @@ counts! {
         films,
         /// Samples that these films would have if each was traced alone.
         alone,
+        /// Samples that were traced for all of them together.
+        traced,
         /// Samples of pixels that got fewer from all views than they should have.
         own,
     }
@@ -150,6 +152,17 @@ pub struct ProgressMeter {
     pub unfinished: AtomicBool,
     /// Lines to display.
     pub notices: Mutex<Vec<StatusLine>>,
+}
+
+impl ProgressMeter {
+    /// Counts work that is done as its share of frames that are traced together: part number `before` up to number
+    /// `now` of `all`.
+    pub fn advance(&self, before: u64, now: u64, all: u64, frames: u64) {
+        let thousandths = |done: u64| u128::from(done) * u128::from(frames) * 1000 / u128::from(all.max(1));
+        let (before, now) = (thousandths(before), thousandths(now));
+        self.frames.fetch_add((now / 1000 - before / 1000) as u32, Relaxed);
+        self.thousandths.store((now % 1000) as u32, Relaxed);
+    }
 }
 
 /// A line for people, and the same content for programs as a JSON object.

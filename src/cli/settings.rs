@@ -29,7 +29,8 @@ pub struct Settings {
     ///
     /// A film is the light traced for a frame. Frames that show the same scene, or in which only
     /// lights change their brightness, share one. `kinora plan` prints the memory that they take.
-    #[arg(long, value_name = "SIZE", value_parser = values::cache_size, verbatim_doc_comment)]
+    #[arg(long, value_name = "SIZE", value_parser = values::cache_size, allow_hyphen_values = true,
+        verbatim_doc_comment)]
     film_cache: Option<u64>,
 
     /// Trace every frame on its own; the files have the same bytes

@@ -18,6 +18,11 @@ fn expected(forecast: Option<&Forecast>) -> Map<String, Value> {
         "reused": forecast.reused,
         "camera_rays": forecast.camera_rays,
         "exact": forecast.exact && !forecast.shares_paths,
+        "bound": match (forecast.shares_paths, forecast.exact) {
+            (true, _) => "most",
+            (false, true) => "exact",
+            (false, false) => "least",
+        },
         "bvh_updates": forecast.bvh_updates,
     }));
     expected.extend(forecast.rays.map(|rays| ("rays".to_owned(), rays.into())));
@@ -92,6 +97,7 @@ pub fn json(summary: &Summary) -> String {
         "zoom": {
             "films": samples.films,
             "samples_alone": samples.alone,
+            "samples": samples.traced,
             "own_samples": samples.own,
         },
         "evaluations": {
@@ -148,7 +154,7 @@ fn planned(expected: &Forecast) -> String {
         Some(rays) => format!("about {} rays", units::count(rays)),
         None if expected.shares_paths => {
             let rays = units::counted(expected.camera_rays, "ray");
-            format!("fewer than the {rays} from the camera that films take alone, as they share paths")
+            format!("at most the {rays} from the camera that films take alone, as they may share paths")
         }
         None if expected.exact => format!("{} from the camera", units::counted(expected.camera_rays, "ray")),
         None => format!("{} or more from the camera", units::counted(expected.camera_rays, "ray")),
@@ -198,16 +204,25 @@ fn paths(summary: &Summary) -> Vec<String> {
 
 /// Films that share samples because their cameras are at one point. Empty if there are none.
 fn zoom(summary: &Summary) -> Vec<String> {
-    let SharedSamples { films, alone, own } = summary.counts.samples;
+    let SharedSamples { films, alone, own, traced } = summary.counts.samples;
     if films == 0 {
         return Vec::new();
     }
-    let (films, alone) = (units::counted(films, "film"), units::count(alone));
-    let mut text = format!("{films} shared samples, instead of {alone} of their own");
+    let (films, shared) = (units::counted(films, "film"), units::count(traced));
+    let mut text =
+        format!("{films} shared {shared} samples, instead of {} of their own", units::count(alone));
     if own > 0 {
-        text += &format!("; {} for pixels that lacked some", units::count(own));
+        text += &format!("; {} more for pixels that lacked some", units::count(own));
     }
-    vec![text]
+    let mut lines = vec![text];
+    if traced + own > alone {
+        lines.push(
+            "these are more, because samples of other frames of the zoom were needed: render these together, or take \
+             a larger --film-cache"
+                .to_owned(),
+        );
+    }
+    lines
 }
 
 /// All rays with their rate, then each kind. Rare kinds are listed only if there are any.
@@ -356,7 +371,7 @@ note    a draft";
             found.contains("\nplanned about 66,400,000 rays, 1 BVH update, 70 reuse another frame's film, tracing in about 12 s\n"),
             "{found}"
         );
-        let wanted = r#""expected":{"reused":70,"camera_rays":66355200,"exact":true,"bvh_updates":1,"rays":66400000,"time_s":{"low":10.0,"expected":12.0,"high":14.0}}"#;
+        let wanted = r#""expected":{"reused":70,"camera_rays":66355200,"exact":true,"bound":"exact","bvh_updates":1,"rays":66400000,"time_s":{"low":10.0,"expected":12.0,"high":14.0}}"#;
         assert!(json(&summary).contains(wanted), "{}", json(&summary));
     }
 
@@ -423,7 +438,7 @@ dropped undefined   2
         let wanted = concat!(
             r#"{"event":"summary","files":["out/orbit_####.png","out/\"orbit\".gif"],"frames":72,"kept":0,"reused":0,"#,
             r#""elapsed_s":10.44,"tracing_cpu_s":19.84,"rays":{"camera":66355200,"mirror":20481,"transmitted":0,"scattered":0,"shadow":9,"#,
-            r#""total":66375690},"paths":{"all":0,"traced":0,"reused":0,"retraced":0,"frame_by_frame":0},"zoom":{"films":0,"samples_alone":0,"own_samples":0},"evaluations":{"fog":0,"paint":0,"light_samples":0,"lens_samples":0},"#,
+            r#""total":66375690},"paths":{"all":0,"traced":0,"reused":0,"retraced":0,"frame_by_frame":0},"zoom":{"films":0,"samples_alone":0,"samples":0,"own_samples":0},"evaluations":{"fog":0,"paint":0,"light_samples":0,"lens_samples":0},"#,
             r#""dropped_samples":{"undefined":0,"infinite":0,"negative":0},"noise":{},"#,
             r#""bvh_builds":1,"bvh_refits":0,"bvh_updates":1,"expected":{},"stages_s":{"animate":0.001,"trace":9.87},"notes":["a draft"]}"#,
         );

@@ -181,7 +181,8 @@ pub fn duration(text: &str) -> Result<Duration, String> {
 
 /// A size in bytes, such as `5MB`.
 pub fn file_size(text: &str) -> Result<u64, String> {
-    parse_bytes(text).ok_or_else(|| "write a size such as 5MB, 800kB or 2MiB, at least 1kB".to_owned())
+    parse_bytes(text)
+        .ok_or_else(|| "write a size such as 5MB, 800kB or 2MiB, from 1kB to 1000000GB".to_owned())
 }
 
 /// The size of a cache in bytes, such as `5MB`, or `0` for none.

@@ -25,7 +25,7 @@ pub fn json(report: &PlanReport) -> String {
         "effect_films": effect_films(report),
         "unused_effects": report.unused_effects().collect::<Vec<_>>(),
         "bvh_updates": plan.bvh_updates(),
-        "rays_frame_by_frame": rays(expected.camera_alone, expected.exact, expected.rays_alone),
+        "rays_frame_by_frame": rays(expected.camera_alone, expected.exact_alone, expected.rays_alone),
         "rays": rays(expected.camera, expected.exact && !expected.shares_paths, expected.rays),
         "zoom": plan.view_groups.iter().map(view_group).collect::<Vec<_>>(),
         "kept_bytes": plan.kept_bytes(),

@@ -150,7 +150,7 @@ fn rays(report: &PlanReport) -> Vec<String> {
         _ => String::new(),
     };
     vec![
-        format!("frame by frame  {}", ray_count(expected.camera_alone, expected.exact, alone)),
+        format!("frame by frame  {}", ray_count(expected.camera_alone, expected.exact_alone, alone)),
         format!("with this plan  {}{fewer}", planned_rays(report)),
     ]
 }
@@ -215,7 +215,12 @@ fn zoom(report: &PlanReport) -> Option<String> {
             true => format!("{:.1} times fewer", alone as f64 / camera.max(1) as f64),
             false => {
                 let more = camera as f64 / alone.max(1) as f64;
-                format!("{more:.1} times as many, because samples of frames that are not rendered are needed")
+                let why = match report.plan.splits_views() {
+                    true => "--film-cache has room for a part of the films at a time, and each group traces samples of \
+                             the others again",
+                    false => "samples of frames that are not rendered are needed",
+                };
+                format!("{more:.1} times as many, because {why}")
             }
         };
         let (films, times) = (counted(films as u64, "film"), counted(groups.len() as u64, "group"));

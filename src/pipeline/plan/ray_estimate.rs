@@ -21,8 +21,10 @@ pub struct RayEstimate {
     /// Camera rays: without and with shared films.
     pub camera_alone: u64,
     pub camera: u64,
-    /// Whether the numbers of camera rays are known. With a target error or shared views, they are lower bounds.
+    /// Whether the number of camera rays with shared films is known. With a target error or shared views, it is a lower bound.
     pub exact: bool,
+    /// Whether the number of camera rays without shared films is known. With a target error, it is a lower bound.
+    pub exact_alone: bool,
     /// Whether films may share paths. Then the number of camera rays is an upper bound, or an estimate if pilots were
     /// traced.
     pub shares_paths: bool,
@@ -79,10 +81,20 @@ impl RayEstimate {
         let camera_alone = states.iter().map(|state| camera_rays(sequence, state)).sum();
         let shares_views = !plan.view_groups.is_empty();
         let has_target = sequence.quality.noise.is_some() && states.iter().any(|state| state.random);
-        let exact = !has_target && !shares_views;
+        let (exact, exact_alone) = (!has_target && !shares_views, !has_target);
         let shares_paths = (0..plan.films.len()).any(|film| plan.together(film) > 1);
         let (path_obstacle, rays_alone, rays) = (None, None, None);
-        Self { camera_alone, camera, exact, shares_paths, shares_views, path_obstacle, rays_alone, rays }
+        Self {
+            camera_alone,
+            camera,
+            exact,
+            exact_alone,
+            shares_paths,
+            shares_views,
+            path_obstacle,
+            rays_alone,
+            rays,
+        }
     }
 }
 

@@ -10,6 +10,7 @@ use crate::sequence::Sequence;
 use crate::trace::MAX_FRAMES;
 use std::collections::BTreeSet;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Copying an object takes as long as tracing about this number of samples (0.3 microseconds in a scene of 100,000
 /// spheres).
@@ -93,6 +94,15 @@ impl Plan {
     /// The films from number `first` on whose views share samples and that are traced together.
     pub fn view_group(&self, first: usize) -> Option<&ViewGroup> {
         self.view_groups.iter().find(|group| group.films.start == first)
+    }
+
+    /// Whether films of the same views are in several groups, because the film cache has no room for all of them.
+    pub fn splits_views(&self) -> bool {
+        let views = |group: &ViewGroup| {
+            let state = self.state_of(group.films.start);
+            state.views.as_ref().map(|views| Arc::as_ptr(&views.all))
+        };
+        self.view_groups.array_windows().any(|[a, b]| views(a) == views(b))
     }
 
     /// Why frames do not share samples of views: the obstacle of the first frame that does not.

@@ -6,8 +6,7 @@ use crate::film::Film;
 use crate::pipeline::schedule::{FilmSink, FrameError, FrameLoop, FrameState};
 use std::collections::HashMap;
 
-/// Renders the plan's frames in order while `on` returns true, and then those whose films have just been traced together
-/// with others. Returns the number of finished frames. If a film stops
+/// Renders the plan's frames in order while `on` returns true, and then those whose films are there already. Returns the number of finished frames. If a film stops
 /// before it reaches its target error, the next frames of the same film are pushed too, but do not count.
 pub fn run<S: FilmSink>(
     plan: &Plan,
@@ -25,7 +24,7 @@ pub fn run<S: FilmSink>(
             untried = trace_together(plan, film, frames, (&mut kept, &mut tries))?;
         }
         // If the run is stopped, films that were traced together and not pushed yet are not lost.
-        if !(on() || is_first && kept.contains_key(&film)) {
+        if !(on() || kept.contains_key(&film)) {
             break;
         }
         done += 1;

@@ -4,7 +4,7 @@ use super::render_plan::{Plan, ViewGroup};
 use crate::film::LayerId;
 use crate::pipeline::schedule::FrameState;
 use crate::sequence::Sequence;
-use crate::trace::{SamplePlan, bytes_of_sums};
+use crate::trace::{MAX_VIEWS, SamplePlan, bytes_of_sums};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -25,8 +25,8 @@ pub fn view_groups(plan: &Plan, sequence: &Sequence) -> Vec<ViewGroup> {
     groups
 }
 
-/// The number of films from number `first` on that have the same views and fit into `free` bytes, at least 1; and their
-/// bytes.
+/// The number of films from number `first` on that have the same views and fit into `free` bytes, from 1 to
+/// [`MAX_VIEWS`]; and their bytes.
 fn fitting(plan: &Plan, first: usize, free: u64) -> (usize, u64) {
     let views = |film: usize| plan.state_of(film).views.as_ref().map(|views| Arc::as_ptr(&views.all));
     let mut lit: BTreeSet<LayerId> = BTreeSet::new();
@@ -37,7 +37,7 @@ fn fitting(plan: &Plan, first: usize, free: u64) -> (usize, u64) {
         let each = plan.cache.bytes(lit.len()).saturating_add(bytes_of_sums(plan.cache.pixels, layers));
         let bytes = each.saturating_mul(count as u64 + 1);
         let is_alike = views(film).is_some() && views(film) == views(first);
-        if count > 0 && (!is_alike || bytes > free) {
+        if count > 0 && (!is_alike || bytes > free || count == MAX_VIEWS) {
             break;
         }
         (count, all) = (count + 1, bytes);

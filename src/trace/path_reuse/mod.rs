@@ -24,7 +24,7 @@ use crate::scene::movers::{FrameMask, MoverPose, Movers, has_moving_source, movi
 use crate::scene::top_level::Bvh;
 use rayon::prelude::*;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use tile::{Limits, TileTracer};
 
 /// The most frames that are traced together.
@@ -132,7 +132,7 @@ impl<'a> SharedFrames<'a> {
         let mut films: Vec<Film> = (0..count).map(|_| film()).collect();
         let tracer = self.tracer();
         let (pilot, rest) = tiles(settings.size);
-        let (finished, total) = (AtomicU32::new(0), (pilot.len() + rest.len()) as u32);
+        let (finished, total) = (AtomicU64::new(0), (pilot.len() + rest.len()) as u64);
         let (mut counts, mut shares) = (Counts::default(), true);
         let at_once = AT_ONCE.max(rest.len() / PARTS);
         for tiles in pilot.chunks(at_once).chain(rest.chunks(at_once)) {
@@ -142,7 +142,8 @@ impl<'a> SharedFrames<'a> {
             let traced = tiles.par_iter().map(|tile| {
                 let traced = tracer.trace(tile, shares);
                 meter.rays.fetch_add(traced.1.rays.total(), Relaxed);
-                advance(meter, &finished, total, count as u32);
+                let before = finished.fetch_add(1, Relaxed);
+                meter.advance(before, before + 1, total, count as u64);
                 traced
             });
             let traced: Vec<(Vec<Rgb>, Counts)> = traced.collect();
@@ -190,15 +191,6 @@ fn tiles((width, height): (u32, u32)) -> (Vec<Tile>, Vec<Tile>) {
     let (pilot, rest): (Vec<_>, Vec<_>) = all.enumerate().partition(|(number, _)| is_pilot(*number));
     let unnumbered = |tiles: Vec<(usize, Tile)>| tiles.into_iter().map(|(_, tile)| tile).collect();
     (unnumbered(pilot), unnumbered(rest))
-}
-
-/// Counts a finished tile as its share of all frames.
-fn advance(meter: &ProgressMeter, finished: &AtomicU32, tiles: u32, frames: u32) {
-    let thousandths = |tile: u32| u64::from(tile) * u64::from(frames) * 1000 / u64::from(tiles);
-    let before = finished.fetch_add(1, Relaxed);
-    let (before, now) = (thousandths(before), thousandths(before + 1));
-    meter.frames.fetch_add((now / 1000 - before / 1000) as u32, Relaxed);
-    meter.thousandths.store((now % 1000) as u32, Relaxed);
 }
 
 /// Stores the pixels of a tile, frame after frame.

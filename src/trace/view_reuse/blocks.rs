@@ -9,11 +9,11 @@ use std::ops::Range;
 pub struct TracedBlock {
     block: CellBlock,
     tracing: TracingViews,
-    /// The requested views whose pictures contain parts of the block, as indices in their list.
-    pub films: Vec<usize>,
+    /// The requested views whose pictures contain parts of the block: a bit for each in their list.
+    films: u64,
 }
 
-/// The blocks of view `own` of which it traces samples for requested views.
+/// The blocks of view `own` of which it traces samples for requested views, at most [`MAX_VIEWS`](super::MAX_VIEWS).
 pub fn traced_blocks(
     coverage: &Coverage,
     grid: &SampleGrid,
@@ -22,12 +22,11 @@ pub fn traced_blocks(
 ) -> Vec<TracedBlock> {
     let traced = |block: CellBlock| {
         let tracing = coverage.tracing(own, &block, coverage.all())?;
-        let needs = |film: &usize| {
-            let needed = coverage.raster.needed();
-            coverage.overlap((own, requested[*film]), needed, &block).0 != Overlap::None
-        };
-        let films: Vec<usize> = (0..requested.len()).filter(needs).collect();
-        (!films.is_empty()).then_some(TracedBlock { block, tracing, films })
+        let needs =
+            |view: usize| coverage.overlap((own, view), coverage.raster.needed(), &block).0 != Overlap::None;
+        let films = requested.iter().enumerate().filter(|(_, view)| needs(**view));
+        let films = films.fold(0, |films, (film, _)| films | 1u64 << film);
+        (films != 0).then_some(TracedBlock { block, tracing, films })
     };
     match coverage.traces(own) {
         true => coverage.raster.blocks(grid.block_side()).into_iter().filter_map(traced).collect(),
@@ -36,6 +35,21 @@ pub fn traced_blocks(
 }
 
 impl TracedBlock {
+    /// Whether a requested view, by its index in their list, contains a part of the block.
+    pub fn is_in(&self, film: usize) -> bool {
+        self.films >> film & 1 == 1
+    }
+
+    /// The number of its cells.
+    pub fn cells(&self) -> u64 {
+        self.block.len()
+    }
+
+    /// The number of samples in all its cells, also those that are not traced.
+    pub fn most_samples(&self, grid: &SampleGrid) -> u64 {
+        self.cells() * u64::from(grid.count())
+    }
+
     /// Calls `take` with each sample that is traced, of those with these numbers in each cell, and the column and row of
     /// its cell.
     pub fn each(
@@ -54,7 +68,7 @@ impl TracedBlock {
     /// The number of samples that are traced.
     pub fn count(&self, coverage: &Coverage, grid: &SampleGrid, own: usize) -> u64 {
         if self.tracing.is_certain() {
-            return self.block.len() * u64::from(grid.count());
+            return self.most_samples(grid);
         }
         let of_cell = |(cell, tracing): (CellBlock, TracingViews)| {
             let mut count = 0;

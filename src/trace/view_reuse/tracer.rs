@@ -8,7 +8,7 @@ use super::raster::Raster;
 use super::samples::{SampleGrid, SamplePlan};
 use crate::base::color::Rgb;
 use crate::base::lanes::dispatch;
-use crate::base::math::{DVec3, gamma};
+use crate::base::math::DVec3;
 use crate::base::stats::{Counts, ProgressMeter, SharedSamples};
 use crate::camera::Camera;
 use crate::film::Film;
@@ -28,13 +28,12 @@ use std::sync::atomic::Ordering::Relaxed;
 /// Values that are traced before films take them: of each sample, its place and its layers.
 const AT_ONCE: u64 = 1 << 20;
 
-/// Up to this number of samples asked for, a pixel may have one less. Where pixels cut the lattices of several views,
-/// small numbers vary, which is no reason to trace other samples for one film only. If there should be many, a lack of
-/// weight means that a part of the pixel has none.
-const FEW: u32 = 8;
+/// A pixel may have this many samples less than asked for. Where pixels cut the lattices of several views, numbers vary by
+/// about one, which is no reason to trace other samples for one film only.
+const MAY_LACK: u32 = 1;
 
-/// Rounded operations of a weight and of the bound that sums are compared with; each sum adds one per sample.
-const ROUNDED: u32 = 32;
+/// If one sample is asked for, it may stand for this share of its pixel.
+const LEAST_SHARE: f64 = 0.5;
 
 /// Traces films of views, which are places in `shared`, with the layers that the scene's weights light. The scene's
 /// camera may have any view. None if the run is stopped.
@@ -63,16 +62,15 @@ pub fn trace_views(
     let held = first.held();
     let depth_layer = first.context.aovs.and_then(|layer| held.iter().position(|held| *held == layer));
     run.films.extend(requested.iter().map(|_| FilmSums::new(&raster, held.len(), depth_layer)));
-    for (own, scene) in scenes.iter().enumerate() {
-        if meter.is_stopped() {
-            return None;
-        }
-        let blocks = traced_blocks(&run.coverage, &run.grid, own, requested);
+    let blocks = |own| traced_blocks(&run.coverage, &run.grid, own, requested);
+    let blocks: Vec<Vec<TracedBlock>> = (0..scenes.len()).into_par_iter().map(blocks).collect();
+    let all = blocks.iter().flatten().map(|block| block.most_samples(&run.grid)).sum();
+    let mut progress = ViewProgress { meter, done: 0, all, films: requested.len() as u64 };
+    for (own, (scene, blocks)) in scenes.iter().zip(&blocks).enumerate() {
         if !blocks.is_empty() {
             let tracer = PixelTracer::new(scene, bvh, settings, Moment::ONLY);
-            run.trace_view((own, &blocks), requested, &tracer, meter);
+            run.trace_view((own, blocks), requested, &tracer, &mut progress)?;
         }
-        advance(meter, own + 1, (shared.len(), requested.len()));
     }
     let sums = std::mem::take(&mut run.films);
     let films = sums.into_iter().zip(requested).map(|(sums, &place)| {
@@ -80,6 +78,7 @@ pub fn trace_views(
         run.film(&sums, place, &tracer)
     });
     let films = films.collect();
+    run.counts.samples.traced = run.counts.rays.camera - run.counts.samples.own;
     Some((films, run.counts))
 }
 
@@ -95,14 +94,14 @@ struct ViewRun {
 }
 
 impl ViewRun {
-    /// Traces the blocks of a view, and adds their samples to the films.
+    /// Traces the blocks of a view, and adds their samples to the films. None if the run is stopped.
     fn trace_view(
         &mut self,
         (own, blocks): (usize, &[TracedBlock]),
         requested: &[usize],
         tracer: &PixelTracer,
-        meter: &ProgressMeter,
-    ) {
+        progress: &mut ViewProgress,
+    ) -> Option<()> {
         let parts = || self.grid.parts();
         let jobs: Vec<_> =
             blocks.iter().flat_map(|block| parts().map(move |numbers| (block, numbers))).collect();
@@ -111,6 +110,10 @@ impl ViewRun {
         let values = samples * (1 + tracer.held().len() as u64);
         let at_once = (AT_ONCE / values.max(1)).max(1) as usize;
         for jobs in jobs.chunks(at_once.max(rayon::current_num_threads())) {
+            let meter = progress.meter;
+            if meter.is_stopped() {
+                return None;
+            }
             let traced = jobs.par_iter().map(|(block, numbers)| {
                 let (batch, counts) = self.trace_block((own, block), numbers.clone(), tracer);
                 meter.rays.fetch_add(counts.rays.total(), Relaxed);
@@ -121,13 +124,15 @@ impl ViewRun {
             self.films.par_iter_mut().zip(requested).enumerate().for_each(|(index, (film, view))| {
                 let map = coverage.map(own, *view);
                 for ((block, _), (batch, _)) in jobs.iter().zip(&traced) {
-                    if block.films.binary_search(&index).is_ok() {
+                    if block.is_in(index) {
                         dispatch(AddSamples { batch, map, filter, film });
                     }
                 }
             });
             traced.into_iter().for_each(|(_, counts)| self.counts += counts);
+            progress.add(jobs.iter().map(|(block, numbers)| block.cells() * numbers.len() as u64).sum());
         }
+        Some(())
     }
 
     /// Traces the samples of a block that have these numbers in their cells.
@@ -182,21 +187,22 @@ impl ViewRun {
         let weights = tracer.context.scene.weights.0.clone();
         let mut film = Film::with_aovs(width, height, weights, tracer.context.settings.aovs);
         let asked = self.grid.asked();
-        let least = if (2..=FEW).contains(&asked) { asked - 1 } else { asked };
-        let (layers, least) = (film.layers(), f64::from(least));
+        let layers = film.layers();
+        let least = f64::from(asked.saturating_sub(MAY_LACK)).max(LEAST_SHARE);
+        // Samples of the view itself weigh at least `asked / least` times as much, so that rounding does not decide. Where
+        // it does for samples of other views, it costs a few samples and no accuracy.
         let least_weight = self.filter.integral() * least / self.coverage.view(view).density();
         let mut lacking = Vec::new();
         for (index, pixel) in film.data_mut().chunks_exact_mut(layers).enumerate() {
             let (count, weight, means) = sums.pixel(index);
             pixel.iter_mut().zip(means).for_each(|(layer, mean)| *layer = mean.as_vec3());
-            let rounding = gamma(count as u32 + ROUNDED);
-            if count < least || weight < least_weight * (1.0 - rounding) {
+            if count < least || weight < least_weight {
                 lacking.push((index as u32 % width, index as u32 / width));
             }
         }
         let all = self.raster.pixels() * u64::from(self.grid.asked());
         let own = lacking.len() as u64 * u64::from(self.grid.asked());
-        self.counts.samples += SharedSamples { films: 1, alone: all, own };
+        self.counts.samples += SharedSamples { films: 1, alone: all, own, traced: 0 };
         self.fill(&lacking, tracer, film.data_mut());
         film
     }
@@ -222,10 +228,18 @@ impl ViewRun {
     }
 }
 
-/// Counts finished views as their share of all films.
-fn advance(meter: &ProgressMeter, done: usize, (views, films): (usize, usize)) {
-    let thousandths = |done: usize| (done * films * 1000 / views) as u32;
-    let (before, now) = (thousandths(done - 1), thousandths(done));
-    meter.frames.fetch_add(now / 1000 - before / 1000, Relaxed);
-    meter.thousandths.store(now % 1000, Relaxed);
+/// How many of the samples of all views are done.
+struct ViewProgress<'m> {
+    meter: &'m ProgressMeter,
+    done: u64,
+    all: u64,
+    films: u64,
+}
+
+impl ViewProgress<'_> {
+    fn add(&mut self, samples: u64) {
+        let before = self.done;
+        self.done += samples;
+        self.meter.advance(before, self.done, self.all, self.films);
+    }
 }
