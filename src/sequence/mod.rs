@@ -85,6 +85,7 @@ pub use layers::LightLayers;
 pub use load::{LoadError, expanded, load, load_text, load_watched, parse};
 pub use motion::UnknownObject;
 pub use quality_fields::ERRORS;
+pub use scene::LightUnit;
 pub use shape_tracks::ShapeTracks;
 #[cfg(feature = "cli")]
 pub(crate) use suggest::{listed, nearest};
