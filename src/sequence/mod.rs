@@ -100,6 +100,7 @@ use crate::base::math::UpAxis;
 use crate::base::time::Timeline;
 use crate::camera::path::CameraPath;
 use crate::encode::{Formats, Output, Tonemap};
+use crate::geometry::ray_kinds::RayVisibility;
 use crate::geometry::shape::Shape;
 use crate::geometry::transform::TransformTracks;
 use crate::sequence::quality::Quality;
@@ -157,6 +158,8 @@ pub struct Object {
     pub made_of: MaterialBinding,
     pub transform: TransformTracks,
     pub visible: Animated<bool>,
+    /// Which rays see the object while it is visible.
+    pub rays: RayVisibility,
     /// Index of the object whose transform and visibility this one inherits. Parents never form a cycle.
     pub parent: Option<usize>,
 }

@@ -37,9 +37,7 @@ impl Exporter<'_> {
         mut more: Map<String, Value>,
         parent: Option<usize>,
     ) -> usize {
-        if !name.is_empty() {
-            more.insert("name".into(), json!(name));
-        }
+        more.insert("name".into(), json!(name));
         let Placed { translation, rotation, scale, keys } = placed;
         // Properties with keys are stated as well, for readers without animations.
         if *translation != DVec3::ZERO || keys[0].is_some() {
@@ -117,30 +115,30 @@ impl Exporter<'_> {
             let outer = self.node(name, &placed, more, parent);
             self.visibility(&object.visible, outer);
             let mesh = Map::from_iter([("mesh".into(), json!(mesh))]);
-            self.leaf((within, scale), mesh, outer);
+            self.leaf(name, (within, scale), mesh, outer);
             return outer;
         }
         let outer = self.node(name, &placed, more, parent);
         self.visibility(&object.visible, outer);
         let inner = match is_fixed {
             true => outer,
-            false => self.node("", &Placed::at(within), Map::new(), Some(outer)),
+            false => self.node(&format!("{name} pivot"), &Placed::at(within), Map::new(), Some(outer)),
         };
         if let Some((mesh, Placement { translation, scale })) = shown {
-            self.leaf((translation, scale), Map::from_iter([("mesh".into(), json!(mesh))]), inner);
+            self.leaf(name, (translation, scale), Map::from_iter([("mesh".into(), json!(mesh))]), inner);
         }
         inner
     }
 
     /// Shows a mesh at a node. It gets a node of its own if it is moved there.
-    fn leaf(&mut self, (translation, scale): (DVec3, DVec3), mesh: Map<String, Value>, node: usize) {
+    fn leaf(&mut self, name: &str, (translation, scale): (DVec3, DVec3), mesh: Map<String, Value>, node: usize) {
         if translation == DVec3::ZERO && scale == DVec3::ONE {
             if let Some(Value::Object(node)) = self.document.entry("nodes", node) {
                 node.extend(mesh);
             }
             return;
         }
-        self.node("", &Placed { scale, ..Placed::at(translation) }, mesh, Some(node));
+        self.node(&format!("{name} shape"), &Placed { scale, ..Placed::at(translation) }, mesh, Some(node));
     }
 
     /// The transform of an object, and that of its points before: away from its pivot, if it turns or grows about it.

@@ -78,7 +78,7 @@ fn transforms_come_back() {
         }
     }
     // Shapes: the points of the bounds of the meshes.
-    for (name, mesh) in [("ball", "s/node"), ("box", "s/box")] {
+    for (name, mesh) in [("ball", "s/ball shape"), ("box", "s/box shape")] {
         let index = given.objects.iter().position(|object| object.name == name).expect("an object");
         let bounds = given.objects[index].value.shape.bounds().expect("finite");
         let of_mesh = |object: &&crate::sequence::Named<crate::sequence::Object>| {
