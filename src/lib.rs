@@ -67,6 +67,10 @@ pub mod annotate;
 #[doc(hidden)]
 pub mod sequence;
 
+// Sequence → files of other programs.
+#[doc(hidden)]
+pub mod export;
+
 // Sequence → World → World at time t → Scene → Film.
 #[doc(hidden)]
 pub mod world;

@@ -8,6 +8,7 @@ mod accuracy;
 mod assemble;
 mod check;
 mod expand;
+mod export;
 mod failure;
 mod farm;
 mod farm_forecast;
@@ -65,6 +66,7 @@ enum Command {
     Turntable(turntable::Arguments),
     Check(check::Arguments),
     Expand(expand::Arguments),
+    Export(export::Arguments),
     Plan(plan::Arguments),
     #[cfg(feature = "accuracy")]
     Accuracy(accuracy::Arguments),
@@ -82,6 +84,7 @@ Examples:
   kinora turntable part.stl -o part.gif              one turn around a part, without a sequence file
   kinora check sequences/hello.ron                   report every mistake, render nothing
   kinora expand sequences/hello.ron                  print what values, templates and includes come to
+  kinora export sequences/hello.ron -o hello.glb     write the scene and its animation as glTF
   kinora plan sequences/light-show.ron               predict the time, the error and the rays
   kinora accuracy sequences/room.ron --quick         measure what accuracy costs in time
   kinora farm export slurm sequences/hello.ron       write a job for many machines
@@ -123,6 +126,7 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Turntable(arguments) => turntable::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Expand(arguments) => expand::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         #[cfg(feature = "accuracy")]
         Command::Accuracy(arguments) => accuracy::run(&arguments),

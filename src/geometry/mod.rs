@@ -9,5 +9,6 @@ pub mod carrier;
 pub mod deformation;
 pub mod mesh;
 pub mod motion;
+pub mod ray_kinds;
 pub mod shape;
 pub mod transform;

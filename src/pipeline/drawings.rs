@@ -11,6 +11,7 @@ use crate::camera::path::CameraPath;
 use crate::drawing::Drawing;
 use crate::encode::{FrameInfo, SequenceInfo};
 use crate::geometry::bvh::TraversalRay;
+use crate::geometry::ray_kinds::RayKind;
 use crate::geometry::shape::{RayInterval, Shape};
 use crate::pipeline::schedule::Preview;
 use crate::scene::Scene;
@@ -132,7 +133,7 @@ impl<'a> Illustrator<'a> {
         let slots = own.and_then(|own| self.slots.get(&own)).map_or(&[][..], Vec::as_slice);
         let within = RayInterval::up_to((point - ray.origin).dot(ray.direction));
         let mut hidden = false;
-        bvh.each_hit(scene.geometry, &TraversalRay::new(ray), within, &mut |hit| {
+        bvh.of(RayKind::Camera).each_hit(scene.geometry, &TraversalRay::new(ray), within, &mut |hit| {
             if !slots.contains(&hit.primitive) {
                 let surface = scene.geometry.primitives[hit.primitive as usize].surface_at(&ray, hit.at);
                 hidden |= is_ahead(&ray, surface.point, surface.error, point);

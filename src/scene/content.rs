@@ -12,6 +12,7 @@ use crate::base::color::Rgb;
 use crate::base::digest::{Content, Digest, Digester};
 use crate::film::LayerId;
 use crate::geometry::mesh::ArrayKey;
+use crate::geometry::ray_kinds::RayKinds;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 
@@ -109,8 +110,10 @@ impl Digests {
     /// Hashes the primitives in slots. Returns whether any of them appeared, vanished or changed its finish.
     fn hash(&mut self, geometry: &Geometry, changed: &[u32]) -> bool {
         let hashed = |slot: &u32| {
-            let Primitive { shape, transform, finish } = &geometry.primitives[*slot as usize];
-            (Digest::of(&(shape, transform)), *finish)
+            let Primitive { shape, transform, finish, rays } = &geometry.primitives[*slot as usize];
+            let digest = Digest::of(&(shape, transform));
+            let digest = if *rays == RayKinds::ALL { digest } else { Digest::of(&(digest, *rays)) };
+            (digest, *finish)
         };
         let hashed: Vec<_> = match changed.len() < 2 * MIN_TASK {
             true => changed.iter().map(hashed).collect(),

@@ -61,7 +61,8 @@ pub fn geometry(
     let before = packed.revision();
     let mut pack =
         |(slot, shape, at, visible, of): (&Slot, &Shape, &Transform, &Visible, &MaterialBinding)| {
-            packed.set(slot.0 as usize, visible.0.then_some((shape, at.0, Finish::Material(*of))));
+            let content = (shape, at.0, Finish::Material(*of));
+            packed.set_seen(slot.0 as usize, (!visible.is_hidden()).then_some(content), visible.0);
         };
     match first {
         true => all.iter().for_each(&mut pack),

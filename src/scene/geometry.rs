@@ -9,6 +9,7 @@ use crate::appearance::texture::{Footprint, TextureEvalContext};
 use crate::base::digest::{Content, Digest};
 use crate::base::math::{DAffine3, DVec2, DVec3, absolute, inverse};
 use crate::geometry::mesh::ArrayKey;
+use crate::geometry::ray_kinds::{RayKind, RayKinds};
 use crate::geometry::shape::{Mesh, Particles, Shape, Surface};
 use std::collections::HashMap;
 
@@ -25,6 +26,8 @@ pub struct Geometry {
     /// How many primitives show each material, and how many are each light.
     materials: UseCounts,
     lights: UseCounts,
+    /// How many primitives each kind of ray does not see.
+    hidden: [u32; 3],
     /// The slots that were rewritten.
     journal: Journal,
     /// How often a primitive was replaced by another one.
@@ -98,9 +101,14 @@ impl Geometry {
     /// Sets the content of a slot: a shape transformed by `to_world`. The slot is empty if there is no shape, or if
     /// the transform flattens it. Nothing is written if that changes nothing.
     pub fn set(&mut self, slot: usize, content: Option<(&Shape, DAffine3, Finish)>) {
+        self.set_seen(slot, content, RayKinds::ALL);
+    }
+
+    /// [`Geometry::set`] of what only some rays see.
+    pub fn set_seen(&mut self, slot: usize, content: Option<(&Shape, DAffine3, Finish)>, rays: RayKinds) {
         let packed = |(shape, to_world, finish): (&Shape, DAffine3, Finish)| {
             let to_object = inverse(&to_world)?;
-            let primitive = Primitive::placed(shape, to_world, &to_object, finish);
+            let primitive = Primitive { rays, ..Primitive::placed(shape, to_world, &to_object, finish) };
             Some((primitive, Origin { shape: shape.clone(), to_object }))
         };
         let (primitive, origin) = content.and_then(packed).unwrap_or((Primitive::EMPTY, Origin::EMPTY));
@@ -121,6 +129,11 @@ impl Geometry {
             self.finishes[slot] = after;
         }
         self.surfaces.set(slot, &primitive);
+        for kind in RayKind::ALL {
+            let hidden = &mut self.hidden[kind.index()];
+            *hidden += u32::from(!primitive.rays.has(kind));
+            *hidden -= u32::from(!self.primitives[slot].rays.has(kind));
+        }
         self.primitives[slot] = primitive;
         self.replaced += 1;
     }
@@ -163,6 +176,17 @@ impl Geometry {
     /// The lights that are visible shapes, ascending.
     pub fn lights(&self) -> impl Iterator<Item = u32> {
         self.lights.used()
+    }
+
+    /// Whether rays of a kind do not see some of the primitives.
+    #[inline(always)]
+    pub fn hides_from(&self, kind: RayKind) -> bool {
+        self.hidden[kind.index()] > 0
+    }
+
+    /// Whether some rays do not see some of the primitives.
+    pub fn hides_any(&self) -> bool {
+        self.hidden != [0; 3]
     }
 
     /// The material or light of every slot.

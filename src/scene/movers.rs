@@ -7,6 +7,7 @@ use super::{Finish, Geometry, Primitive, Scene, Shading};
 use crate::base::color::Rgb;
 use crate::base::lanes::Level;
 use crate::geometry::bvh::{LeafPrimitives, LeafVisitor, Slabs, Stack, TraversalRay, Tree};
+use crate::geometry::ray_kinds::RayKind;
 use crate::geometry::shape::RayInterval;
 
 /// A set of up to 64 frames, one bit each.
@@ -92,7 +93,7 @@ impl<'a> Movers<'a> {
         &self,
         ray: &TraversalRay,
         within: RayInterval<f64>,
-        test: MoverTest,
+        test: (MoverTest, RayKind),
         (known, moment): (FrameMask, u32),
         stack: &mut Stack,
     ) -> FrameMask {
@@ -146,7 +147,7 @@ impl<'a> MoverTree<'a> {
         &self,
         ray: &TraversalRay,
         within: RayInterval<f64>,
-        test: MoverTest,
+        test: (MoverTest, RayKind),
         known: FrameMask,
         stack: &mut Stack,
     ) -> FrameMask {
@@ -175,7 +176,7 @@ struct Search<'a> {
     movers: &'a MoverTree<'a>,
     ray: &'a TraversalRay,
     within: RayInterval<f64>,
-    test: MoverTest,
+    test: (MoverTest, RayKind),
     frames: FrameMask,
 }
 
@@ -186,7 +187,8 @@ impl Search<'_> {
         if mover.frames & !self.frames == 0 {
             return;
         }
-        let meets = match self.test {
+        let (test, kind) = self.test;
+        let meets = mover.primitive.rays.has(kind) && match test {
             MoverTest::Hit => mover.primitive.intersect_on::<L>(self.ray, self.within, None).is_some(),
             MoverTest::Block => mover.primitive.occludes_on::<L>(self.ray, self.within, None),
             MoverTest::Bounds => true,

@@ -6,6 +6,7 @@ use crate::base::digest::Content;
 use crate::base::lanes::{Level, Real, Vec3, out_of_line};
 use crate::base::math::{Aabb, DAffine3, LaneRay, Ray, inverse};
 use crate::geometry::bvh::{Stack, TraversalRay};
+use crate::geometry::ray_kinds::{RayKind, RayKinds};
 use crate::geometry::shape::{
     LaneHit, LaneSurface, PreparedRay, RayInterval, Shape, ShapeHit, Surface, TriangleLanes,
 };
@@ -18,6 +19,8 @@ pub struct Primitive {
     pub shape: Shape,
     pub transform: Option<Box<InstanceTransform>>,
     pub finish: Finish,
+    /// The rays that see it.
+    pub rays: RayKinds,
 }
 
 /// The material of a primitive, or its light.
@@ -40,7 +43,7 @@ impl Finish {
 
 impl Primitive {
     /// The content of an empty slot: nothing hits it.
-    pub const EMPTY: Self = Self { shape: Shape::Group, transform: None, finish: Finish::Empty };
+    pub const EMPTY: Self = Self { shape: Shape::Group, transform: None, finish: Finish::Empty, rays: RayKinds::ALL };
 
     /// A shape transformed by `to_world`. None if that flattens it: a scale of 0 hides an object.
     pub fn new(shape: &Shape, to_world: DAffine3, finish: Finish) -> Option<Self> {
@@ -50,10 +53,10 @@ impl Primitive {
     /// [`Primitive::new`] with the inverse of the transform.
     pub(super) fn placed(shape: &Shape, to_world: DAffine3, to_object: &DAffine3, finish: Finish) -> Self {
         match shape.transformed(&to_world) {
-            Some(shape) => Self { shape, transform: None, finish },
+            Some(shape) => Self { shape, transform: None, finish, rays: RayKinds::ALL },
             None => {
                 let transform = Some(Box::new(InstanceTransform::new(shape, to_world, to_object.matrix3)));
-                Self { shape: shape.clone(), transform, finish }
+                Self { shape: shape.clone(), transform, finish, rays: RayKinds::ALL }
             }
         }
     }
@@ -61,6 +64,11 @@ impl Primitive {
     /// Whether the slot is empty: its object is hidden or flattened.
     pub fn is_empty(&self) -> bool {
         self.finish == Finish::Empty
+    }
+
+    /// Whether rays of a kind pass it by: the slot is empty, or they do not see it. `None` stands for all rays.
+    pub fn is_absent(&self, kind: Option<RayKind>) -> bool {
+        self.is_empty() || kind.is_some_and(|kind| !self.rays.has(kind))
     }
 
     /// Whether the primitive is a light.

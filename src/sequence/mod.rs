@@ -86,6 +86,7 @@ pub use layers::LightLayers;
 pub use load::{LoadError, expanded, load, load_text, load_watched, parse};
 pub use motion::UnknownObject;
 pub use quality_fields::ERRORS;
+pub use scene::LightUnit;
 pub use shape_tracks::ShapeTracks;
 #[cfg(feature = "cli")]
 pub(crate) use suggest::{listed, nearest};
@@ -100,6 +101,7 @@ use crate::base::math::UpAxis;
 use crate::base::time::Timeline;
 use crate::camera::path::CameraPath;
 use crate::encode::{Formats, Output, Tonemap};
+use crate::geometry::ray_kinds::RayVisibility;
 use crate::geometry::shape::Shape;
 use crate::geometry::transform::TransformTracks;
 use crate::sequence::quality::Quality;
@@ -157,6 +159,8 @@ pub struct Object {
     pub made_of: MaterialBinding,
     pub transform: TransformTracks,
     pub visible: Animated<bool>,
+    /// Which rays see the object while it is visible.
+    pub rays: RayVisibility,
     /// Index of the object whose transform and visibility this one inherits. Parents never form a cycle.
     pub parent: Option<usize>,
 }

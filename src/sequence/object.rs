@@ -20,6 +20,7 @@ use super::transform::transform;
 use super::transform_limits::TransformPlace;
 use super::values::switch;
 use super::words::unknown;
+use crate::geometry::ray_kinds::RayVisibility;
 use crate::geometry::shape::{Mesh, Shape};
 use crate::geometry::transform::TransformTracks;
 use crate::track::Animated;
@@ -36,6 +37,7 @@ pub struct ObjectDraft {
     pub material: MaterialSource,
     pub transform: TransformTracks,
     pub visible: Animated<bool>,
+    pub rays: RayVisibility,
     pub place: TransformPlace,
     /// The place of the field `material`.
     pub material_place: Range<usize>,
@@ -107,6 +109,8 @@ pub fn object(
     let placed = TransformPlace { scale: place_of("scale"), translation: place_of("translation") };
     let transform = transform(&mut fields);
     let visible = fields.or("visible", keyed(switch), true);
+    let shadows = fields.or("casts_shadow", keyed(switch), true);
+    let seen = fields.or("seen_by", seen_by, [true.into(), true.into()]);
     // Objects of templates have been expanded, so these names are here for suggestions.
     fields.ignore(TEMPLATE);
     fields.ignore(WITH);
@@ -117,6 +121,11 @@ pub fn object(
     let parent = fields
         .optional("parent", |node| objects.index(node).map(|index| Parent { index, place: node.span() }));
     fields.finish();
+    let rays = shadows.zip(seen).map(|(shadows, [camera, reflections])| RayVisibility {
+        camera,
+        reflections,
+        shadows,
+    });
     let draft = || {
         let (Some(_), shape) = (&parent, shape?) else { return None };
         Some(ObjectDraft {
@@ -126,11 +135,20 @@ pub fn object(
             material: material?,
             transform: transform?,
             visible: visible?,
+            rays: rays?,
             place: placed,
             material_place,
         })
     };
     (draft(), parent.flatten())
+}
+
+/// The rays that see an object: those of the camera, and reflections.
+fn seen_by(node: Node<'_>) -> Option<[Animated<bool>; 2]> {
+    let mut fields = Fields::of(node, "`seen_by`")?;
+    let [camera, reflections] = ["camera", "reflections"].map(|name| fields.or(name, keyed(switch), true));
+    fields.finish();
+    Some([camera?, reflections?])
 }
 
 /// The source of the material of a mesh whose object names none.

@@ -16,6 +16,7 @@ use super::shape::ShapeOverTime;
 use super::transform_limits::TransformPlace;
 use super::{Named, Object};
 use crate::appearance::material::{MaterialBinding, MaterialTracks};
+use crate::geometry::ray_kinds::RayVisibility;
 use crate::geometry::shape::Shape;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -140,7 +141,7 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
     let mut below = Below::default();
     let mut next_node = drafts.len();
     for (Named { name, value: draft }, parent) in drafts {
-        let ObjectDraft { shape, placements, scene, material, transform, visible, .. } = draft;
+        let ObjectDraft { shape, placements, scene, material, transform, visible, rays, .. } = draft;
         let ShapeOverTime { shape, tracks } = shape;
         let made_of = table.bind(material, &name);
         let parent = parent.map(|parent| parent.index);
@@ -166,14 +167,22 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
             Some(placements) => {
                 let instance = |(number, Placement { transform, visible })| {
                     let (shape, tracks) = (shape.clone(), tracks.clone());
-                    let value = Object { shape, tracks, made_of, transform, visible, parent: Some(index) };
+                    let value = Object {
+                        shape,
+                        tracks,
+                        made_of,
+                        transform,
+                        visible,
+                        rays: RayVisibility::default(),
+                        parent: Some(index),
+                    };
                     Named { name: format!("{name}[{number}]"), value }
                 };
                 below.instances.push((index, placements.into_iter().enumerate().map(instance).collect()));
                 (Shape::Group, None)
             }
         };
-        objects.push(Named { name, value: Object { shape, tracks, made_of, transform, visible, parent } });
+        objects.push(Named { name, value: Object { shape, tracks, made_of, transform, visible, rays, parent } });
     }
     (objects, below)
 }
@@ -198,7 +207,8 @@ fn scene_objects(
         };
         bound.push(made_of);
         let parent = Some(parent.map_or(object, |parent| first + parent));
-        Named { name, value: Object { shape, tracks: None, made_of, transform, visible, parent } }
+        let rays = RayVisibility::default();
+        Named { name, value: Object { shape, tracks: None, made_of, transform, visible, rays, parent } }
     };
     nodes.into_iter().map(node).collect()
 }

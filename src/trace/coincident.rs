@@ -13,6 +13,7 @@ use crate::appearance::material::Material;
 use crate::base::lanes::Portable;
 use crate::base::math::Ray;
 use crate::geometry::bvh::TraversalRay;
+use crate::geometry::ray_kinds::RayKind;
 use crate::geometry::shape::{RayInterval, Shape, Surface};
 use crate::scene::top_level::Hit;
 use surfaces::{CoincidentSurface, SurfaceClass};
@@ -81,8 +82,13 @@ impl Events {
 impl TraceContext<'_> {
     /// The first event at the place that begins at `t`: its number, or [`NO_EVENT`] if the place has only one surface.
     #[inline(never)]
-    pub fn resolve(&self, ray: &Ray, (t, t_max): (f64, f64), events: &mut Events) -> u32 {
-        let mut all = self.coincident_surfaces(ray, (t, t_max));
+    pub fn resolve(
+        &self,
+        (ray, kind): (&Ray, RayKind),
+        (t, t_max): (f64, f64),
+        events: &mut Events,
+    ) -> u32 {
+        let mut all = self.coincident_surfaces((ray, kind), (t, t_max));
         if all.len() < 2 {
             return NO_EVENT;
         }

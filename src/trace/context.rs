@@ -11,6 +11,7 @@ use crate::appearance::material::{Material, MaterialBinding};
 use crate::base::color::Rgb;
 use crate::base::math::{DVec3, gamma};
 use crate::film::LayerId;
+use crate::geometry::ray_kinds::RayKind;
 use crate::scene::movers::Movers;
 use crate::scene::top_level::{Bvh, TransmissiveFlags};
 use crate::scene::{Finish, Scene};
@@ -31,6 +32,8 @@ pub enum Queue {
 pub struct TraceContext<'a> {
     pub scene: &'a Scene<'a>,
     pub bvh: &'a Bvh,
+    /// Whether camera rays and scattered ones see different primitives.
+    pub parts_rays: bool,
     pub settings: &'a TraceSettings,
     pub quality: &'a Quality,
     pub lights: LightSampler<'a>,
@@ -101,12 +104,16 @@ impl<'a> TraceContext<'a> {
             mis: path && lights.needs_mis(),
             media: materials.any(LobeSet::PASSES),
             keys: !path && is_random,
-            flags: path || aovs.is_some() || scene.geometry.lights().next().is_some(),
+            flags: path
+                || aovs.is_some()
+                || scene.geometry.lights().next().is_some()
+                || scene.geometry.hides_any(),
         };
         let (classes, class_of) = materials.classes();
         Self {
             scene,
             bvh,
+            parts_rays: parts_rays(scene),
             settings,
             quality,
             environment,
@@ -168,6 +175,11 @@ impl<'a> TraceContext<'a> {
     pub fn passing(&self) -> Option<TransmissiveFlags<'_>> {
         self.passing.as_deref().map(TransmissiveFlags)
     }
+}
+
+/// Whether camera rays and scattered ones see different primitives.
+fn parts_rays(scene: &Scene) -> bool {
+    [RayKind::Camera, RayKind::Scattered].into_iter().any(|kind| scene.geometry.hides_from(kind))
 }
 
 /// The lobes of a scene's materials, and whether each material is used.

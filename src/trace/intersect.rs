@@ -7,8 +7,9 @@ use super::path_queue::{PathQueue, Ranks};
 use super::stream::PathStream;
 use crate::base::lanes::{Level, Lookup, Mask, Real, Row, SimdKernel, dispatch, lanes};
 use crate::base::math::{DVec3, Ray};
+use crate::geometry::ray_kinds::RayKind;
 use crate::geometry::shape::{LaneHit, RayInterval};
-use crate::scene::top_level::{Coherence, Hit, NOTHING, Stacks};
+use crate::scene::top_level::{Coherence, Hit, LaneHits, NOTHING, Stacks};
 
 /// The hit of each path of a stream, and the queues.
 #[derive(Default)]
@@ -108,7 +109,8 @@ impl HitStream {
             let ray = paths.ray::<f64>(&at);
             let ray = Ray { origin: DVec3::from(ray.origin), direction: DVec3::from(ray.direction) };
             let index = index as usize;
-            let number = context.resolve(&ray, (self.t[index], f64::INFINITY), events);
+            let kind = paths.ray_kind(index);
+            let number = context.resolve((&ray, kind), (self.t[index], f64::INFINITY), events);
             if let Some(hit) = events.hit(number, (media, paths.medium(index)), materials) {
                 self.meet(index, number, hit);
             }
@@ -125,6 +127,21 @@ impl HitStream {
     fn meet(&mut self, index: usize, number: u32, Hit { at, primitive }: Hit) {
         (self.t[index], self.part[index], self.primitive[index]) = (at.t, at.part, primitive);
         self.event[index] = number;
+    }
+
+    /// Takes the hits of some of the paths from `first` on.
+    #[inline(always)]
+    fn take<L: Level>(&mut self, first: usize, wanted: u32, found: &LaneHits<L::F64>) {
+        for lane in lanes(found.at.coincident.bits() & wanted) {
+            self.close.push((first + lane) as u32);
+        }
+        let (t, part) = (found.at.t.to_array(), found.at.part.to_array());
+        let primitive = found.primitive.to_array();
+        for lane in lanes(wanted) {
+            self.t[first + lane] = t[lane];
+            self.part[first + lane] = part[lane];
+            self.primitive[first + lane] = primitive[lane];
+        }
     }
 
     /// The hits of the paths of these indices.
@@ -153,7 +170,9 @@ impl SimdKernel for Intersect<'_> {
     #[inline(always)]
     fn run<L: Level>(self) {
         let Self { context, paths, coherence, events, media, hits } = self;
-        let (bvh, geometry) = (context.bvh, context.scene.geometry);
+        let geometry = context.scene.geometry;
+        // If both see the same, this is one tree.
+        let (first_tree, other_tree) = (context.bvh.of(RayKind::Camera), context.bvh.of(RayKind::Scattered));
         let (mut stacks, materials) = (Stacks::default(), &context.scene.shading.materials);
         for first in (0..paths.len()).step_by(8) {
             let count = (paths.len() - first).min(8);
@@ -172,23 +191,29 @@ impl SimdKernel for Intersect<'_> {
             let ray = paths.ray::<L::F64>(&at);
             let within = RayInterval { min: paths.t_start::<L::F64>(&at), max: L::F64::splat(f64::INFINITY) };
             let mask = L::Mask::from_bits(wanted);
-            let found = bvh.intersect::<L>(geometry, &ray, within, mask, coherence, &mut stacks);
-            for lane in lanes(found.at.coincident.bits() & wanted) {
-                hits.close.push((first + lane) as u32);
+            let mut kind = wanted;
+            if context.parts_rays {
+                kind &= paths.from_eye(first);
+                let others = wanted & !kind;
+                if others != 0 {
+                    let mask = L::Mask::from_bits(others);
+                    let found = other_tree.intersect::<L>(geometry, &ray, within, mask, coherence, &mut stacks);
+                    hits.take::<L>(first, others, &found);
+                }
             }
+            let mask = if kind == wanted { mask } else { L::Mask::from_bits(kind) };
+            let wanted = kind;
+            let found = first_tree.intersect::<L>(geometry, &ray, within, mask, coherence, &mut stacks);
             if wanted == 0xff >> (8 - count) {
+                for lane in lanes(found.at.coincident.bits() & wanted) {
+                    hits.close.push((first + lane) as u32);
+                }
                 found.at.t.store(&mut hits.t, first);
                 found.at.part.store(&mut hits.part, first);
                 found.primitive.store(&mut hits.primitive, first);
                 continue;
             }
-            let (t, part) = (found.at.t.to_array(), found.at.part.to_array());
-            let primitive = found.primitive.to_array();
-            for lane in lanes(wanted) {
-                hits.t[first + lane] = t[lane];
-                hits.part[first + lane] = part[lane];
-                hits.primitive[first + lane] = primitive[lane];
-            }
+            hits.take::<L>(first, wanted, &found);
         }
     }
 }

@@ -11,6 +11,7 @@ use super::stream::PathStream;
 use crate::base::lanes::{Level, Lookup, Mask, Row, SimdKernel, lanes};
 use crate::base::math::{DVec3, Ray};
 use crate::geometry::bvh::{Stack, TraversalRay};
+use crate::geometry::ray_kinds::RayKind;
 use crate::geometry::shape::{RayInterval, StoredRays};
 use crate::scene::movers::{FrameMask, MoverTest, Movers};
 use crate::scene::top_level::NOTHING;
@@ -50,7 +51,7 @@ impl Marks {
         movers: &Movers,
         (slot, ray): (u32, &TraversalRay),
         within: RayInterval<f64>,
-        test: MoverTest,
+        test: (MoverTest, RayKind),
     ) {
         let slot = slot as usize;
         let state = (self.frames[slot], self.moments[slot]);
@@ -74,7 +75,7 @@ impl Marks {
                 let passes = dimmed.bits() >> lane & 1 == 1;
                 let test = if passes { MoverTest::Bounds } else { MoverTest::Block };
                 let (ray, within) = (TraversalRay::new(rays.one(lane)), RayInterval::up_to(t_max[lane]));
-                self.mark::<L::Narrow>(movers, (slots[lane], &ray), within, test);
+                self.mark::<L::Narrow>(movers, (slots[lane], &ray), within, (test, RayKind::Shadow));
             }
         }
     }
@@ -120,6 +121,7 @@ impl MarkSegments<'_> {
         let range = self.context.bvh.coincidence_range(&ray);
         let max = hit.map_or(f64::INFINITY, |t| range.end(t).next_up());
         let within = RayInterval { min: self.paths.t_start::<f64>(&at), max };
-        self.marks.mark::<L::Narrow>(self.movers, (slot, &ray), within, test);
+        let kind = self.paths.ray_kind(index as usize);
+        self.marks.mark::<L::Narrow>(self.movers, (slot, &ray), within, (test, kind));
     }
 }

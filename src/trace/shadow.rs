@@ -14,6 +14,7 @@ use super::transmittance::TraceTransmittance;
 use crate::base::lanes::{Color, Level, Lookup, Mask, Select, SimdKernel};
 use crate::base::stats::Counts;
 use crate::film::LayerId;
+use crate::geometry::ray_kinds::RayKind;
 use crate::geometry::shape::RayInterval;
 use crate::scene::top_level::{Coherence, Stacks};
 
@@ -57,7 +58,7 @@ impl TraceShadowRays<'_> {
         let leads = active & shadow.ray.direction.is_not_zero();
         self.counts.rays.shadow += u64::from(leads.bits().count_ones());
         let (within, passing) = (RayInterval::up_to(shadow.t_max), context.passing());
-        let (bvh, geometry) = (context.bvh, context.scene.geometry);
+        let (bvh, geometry) = (context.bvh.of(RayKind::Shadow), context.scene.geometry);
         let found =
             bvh.occlusion::<L>(geometry, &shadow.ray, within, leads, (self.coherence, passing), stacks);
         if let Some(movers) = context.movers {

@@ -9,6 +9,7 @@ use super::columns::{
 use crate::base::lanes::{Color, Lookup, Mask, Real, Row, Single, Vec3};
 use crate::base::math::LaneRay;
 use crate::camera::RayCone;
+use crate::geometry::ray_kinds::RayKind;
 
 /// The optional columns of streams.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -132,6 +133,19 @@ impl PathStream {
 
     pub fn len(&self) -> usize {
         self.len
+    }
+
+    /// The bits of up to eight paths from `first` on that have not been reflected or refracted yet. Without flags, all.
+    #[inline(always)]
+    pub fn from_eye(&self, first: usize) -> u32 {
+        let flags = self.flags.iter().skip(first).take(8).enumerate();
+        let bits = flags.map(|(lane, flags)| u32::from(flags & flags::FROM_EYE != 0) << lane);
+        if self.columns.flags { bits.sum() } else { 0xff }
+    }
+
+    /// The kind of the ray of a path.
+    pub fn ray_kind(&self, index: usize) -> RayKind {
+        if self.from_eye(index) & 1 == 1 { RayKind::Camera } else { RayKind::Scattered }
     }
 
     pub fn is_empty(&self) -> bool {

@@ -16,6 +16,7 @@ use super::textures;
 use crate::base::lanes::{Bits, Color, LaneKernel, Level, Mask, Real, Row, Select, Single, Vec3, lanes};
 use crate::base::math::Ray;
 use crate::base::stats::Counts;
+use crate::geometry::ray_kinds::RayKind;
 use crate::geometry::shape::{LaneHit, RayInterval};
 use crate::scene::top_level::{Coherence, Hit, NOTHING, Stacks};
 
@@ -112,7 +113,7 @@ impl<L: Level> TraceTransmittance<'_, '_, L> {
     /// Finds the next hits after a t, unless events give them.
     #[inline(always)]
     fn find(&mut self, t_start: L::F64, open: L::Mask, next: &mut NextHits) {
-        let (bvh, geometry) = (self.context.bvh, self.context.scene.geometry);
+        let (bvh, geometry) = (self.context.bvh.of(RayKind::Shadow), self.context.scene.geometry);
         let mut wanted = open.bits();
         for lane in lanes(open.bits()) {
             if self.meet(lane, next.event[lane], next) {
@@ -165,7 +166,7 @@ impl<L: Level> TraceTransmittance<'_, '_, L> {
         for lane in lanes(coincident) {
             let origin = self.ray.ray.origin.lane(lane);
             let ray = Ray { origin, direction: self.ray.ray.direction.lane(lane) };
-            let number = self.context.resolve(&ray, (next.t[lane], t_max[lane]), self.events);
+            let number = self.context.resolve((&ray, RayKind::Shadow), (next.t[lane], t_max[lane]), self.events);
             self.meet(lane, number, next);
         }
     }

@@ -114,6 +114,15 @@ impl<T: Animate> Track<T> {
         &self.keys
     }
 
+    pub fn repeat(&self) -> Repeat {
+        self.repeat
+    }
+
+    /// The tangents of segment `from`, as in [`Track::with_curves`].
+    pub fn curve(&self, from: usize) -> Option<&[T; 2]> {
+        self.curves.get(from)
+    }
+
     /// The times at which a value may step, up to `end`, about `most` of them. Keys that repeat are repeated. Backwards,
     /// a value steps right behind the time of its key, so there is a time a billionth of a second later.
     pub fn times_until(&self, end: Time, most: usize) -> Vec<Time> {

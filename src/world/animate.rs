@@ -16,17 +16,16 @@ use crate::geometry::mesh::MeshError;
 use crate::geometry::shape::{Particles, Shape};
 use crate::geometry::transform::TransformTracks;
 use crate::import::series::StepError;
-use crate::track::Animated;
 use crate::world::{
     ActiveCamera, Current, Hierarchy, Now, Objects, ShapeDeformed, ShapeParticles, ShapeSeries, ShapeUse,
-    Transform, Visible, VisibleTrack, Weight,
+    Transform, Visible, VisibleTracks, Weight,
 };
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::system::{Query, Res, ResMut};
 use std::sync::Arc;
 
 /// Objects that cannot move have none.
-type Tracks = (&'static TransformTracks, &'static VisibleTrack);
+type Tracks = (&'static TransformTracks, &'static VisibleTracks);
 
 /// Computes the world transform and visibility of every object that may move, parents before children.
 pub fn transforms(
@@ -37,10 +36,10 @@ pub fn transforms(
     for &(entity, parent) in &hierarchy.0 {
         let parent = parent.and_then(|parent| objects.get(parent).ok());
         let parent = parent.map(|(transform, visible, _)| (*transform, *visible));
-        let Ok((mut transform, mut visible, Some((tracks, visible_track)))) = objects.get_mut(entity) else {
+        let Ok((mut transform, mut visible, Some((tracks, visible_tracks)))) = objects.get_mut(entity) else {
             continue;
         };
-        let (affine, shown) = placed(tracks, &visible_track.0, parent, now.0.time);
+        let (affine, shown) = placed(tracks, visible_tracks, parent, now.0.time);
         transform.set_if_neq(affine);
         visible.set_if_neq(shown);
     }
@@ -49,13 +48,13 @@ pub fn transforms(
 /// World transform and visibility of an object, from those of its parent.
 pub(super) fn placed(
     tracks: &TransformTracks,
-    visible: &Animated<bool>,
+    visible: &VisibleTracks,
     parent: Option<(Transform, Visible)>,
     time: Time,
 ) -> (Transform, Visible) {
     let (affine, visible) = (tracks.at(time), visible.at(time));
     match parent {
-        Some((outer, shown)) => (Transform(outer.0 * affine), Visible(shown.0 && visible)),
+        Some((outer, shown)) => (Transform(outer.0 * affine), Visible(shown.0.and(visible))),
         None => (Transform(affine), Visible(visible)),
     }
 }
@@ -67,7 +66,7 @@ pub fn series(
     mut objects: Query<(&ShapeSeries, &Visible, &mut Shape)>,
 ) -> Result<(), StepError> {
     for (series, visible, mut shape) in &mut objects {
-        if visible.0 {
+        if !visible.is_hidden() {
             let mesh = match *shapes {
                 ShapeUse::Digests => series.0.named(now.0.time),
                 ShapeUse::Rays => series.0.loaded(now.0.time)?,
@@ -85,7 +84,7 @@ pub fn deformed(
     mut objects: Query<(&ShapeDeformed, &Visible, &mut Shape)>,
 ) -> Result<(), StepError> {
     for (mesh, visible, mut shape) in &mut objects {
-        if visible.0 {
+        if !visible.is_hidden() {
             let mesh = match *shapes {
                 ShapeUse::Digests => mesh.0.named(now.0.time),
                 ShapeUse::Rays => mesh.0.loaded(now.0.time).map_err(|error| vanished(&error))?,
@@ -113,7 +112,7 @@ pub fn particles(
             Shape::Particles(Particles(known)) if known.has_tree() || !wants_tree => Some(known),
             _ => None,
         };
-        if !visible.0 || known.is_some() && !tracks.0.is_keyed() {
+        if visible.is_hidden() || known.is_some() && !tracks.0.is_keyed() {
             continue;
         }
         let set = tracks.0.at(now.0.time);

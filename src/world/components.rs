@@ -3,8 +3,10 @@
 
 use crate::base::color::Rgb;
 use crate::base::math::DAffine3;
+use crate::base::time::Time;
 use crate::film::LayerId;
 use crate::geometry::deformation::DeformedMesh;
+use crate::geometry::ray_kinds::{RayKinds, RayVisibility};
 use crate::geometry::shape::ParticleTracks;
 use crate::import::series::MeshSeries;
 use crate::track::Animated;
@@ -15,13 +17,32 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Component, Debug, PartialEq)]
 pub struct Transform(pub DAffine3);
 
-/// Whether an object and all its parents are visible.
+/// The rays that see an object and all its parents; none while it is hidden.
 #[derive(Clone, Copy, Component, Debug, PartialEq, Eq)]
-pub struct Visible(pub bool);
+pub struct Visible(pub RayKinds);
+
+impl Visible {
+    pub fn is_hidden(self) -> bool {
+        self.0.is_empty()
+    }
+}
 
 /// An object's own visibility over time.
 #[derive(Clone, Component, Debug)]
-pub struct VisibleTrack(pub Animated<bool>);
+pub struct VisibleTracks {
+    pub visible: Animated<bool>,
+    pub rays: RayVisibility,
+}
+
+impl VisibleTracks {
+    pub fn is_keyed(&self) -> bool {
+        self.visible.is_keyed() || self.rays.is_keyed()
+    }
+
+    pub fn at(&self, time: Time) -> RayKinds {
+        if self.visible.at(time) { self.rays.at(time) } else { RayKinds::NONE }
+    }
+}
 
 /// The meshes of an object that shows one after the other.
 #[derive(Clone, Component, Debug)]

@@ -10,7 +10,7 @@ mod resources;
 mod spawn;
 
 pub use components::{
-    AreaLight, FileOrder, ShapeDeformed, ShapeParticles, ShapeSeries, Slot, Transform, Visible, VisibleTrack,
+    AreaLight, FileOrder, ShapeDeformed, ShapeParticles, ShapeSeries, Slot, Transform, Visible, VisibleTracks,
     Weight,
 };
 pub use resources::{ActiveCamera, Current, Hierarchy, LightSetup, Now, Objects, ShapeUse, SlotCount};

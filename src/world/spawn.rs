@@ -2,7 +2,7 @@
 
 use super::{
     ActiveCamera, AreaLight, FileOrder, Hierarchy, LightSetup, Now, Objects, ShapeDeformed, ShapeParticles,
-    ShapeSeries, Slot, SlotCount, Transform, Visible, VisibleTrack, Weight, animate,
+    ShapeSeries, Slot, SlotCount, Transform, Visible, VisibleTracks, Weight, animate,
 };
 use crate::appearance::environment::EnvironmentDistribution;
 use crate::appearance::light::{Light, Source};
@@ -10,6 +10,7 @@ use crate::appearance::light_groups::{GroupRadiance, GroupWeight};
 use crate::base::color::Rgb;
 use crate::base::math::{DAffine3, UpAxis};
 use crate::film::LayerId;
+use crate::geometry::ray_kinds::RayKinds;
 use crate::geometry::shape::Shape;
 use crate::sequence::{LightLayers, Object, Sequence, ShapeTracks};
 use crate::track::Animated;
@@ -129,12 +130,13 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
     let start = sequence.timeline.clock(0).time;
     let (objects, order) = (&sequence.objects, parents_first(sequence));
     let root = upright_root(sequence.up);
-    let still = (Transform(DAffine3::IDENTITY), Visible(true));
+    let still = (Transform(DAffine3::IDENTITY), Visible(RayKinds::ALL));
     let (mut placed, mut moves) = (vec![still; objects.len()], vec![false; objects.len()]);
     for &index in &order {
-        let Object { transform, visible, parent, .. } = &objects[index].value;
+        let Object { transform, parent, .. } = &objects[index].value;
+        let visible = visibility(&objects[index].value);
         let outer = parent.map(|parent| placed[parent]).or(root);
-        placed[index] = animate::placed(transform, visible, outer, start);
+        placed[index] = animate::placed(transform, &visible, outer, start);
         let keyed = transform.is_keyed() || visible.is_keyed();
         moves[index] = keyed || parent.is_some_and(|parent| moves[parent]);
     }
@@ -158,7 +160,7 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
             None => {}
         }
         if moves[index] {
-            entity.insert((object.transform.clone(), VisibleTrack(object.visible.clone())));
+            entity.insert((object.transform.clone(), visibility(object)));
         }
         entities.push(entity.id());
     }
@@ -170,9 +172,14 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
     world.insert_resource(SlotCount(slots.0));
 }
 
+/// The rays that see an object over time.
+fn visibility(object: &Object) -> VisibleTracks {
+    VisibleTracks { visible: object.visible.clone(), rays: object.rays.clone() }
+}
+
 /// Where the parent of all objects without one is, if their axes differ from those of the world.
 fn upright_root(up: UpAxis) -> Option<(Transform, Visible)> {
-    (up != UpAxis::Y).then(|| (Transform(DAffine3::from_mat3(up.matrix())), Visible(true)))
+    (up != UpAxis::Y).then(|| (Transform(DAffine3::from_mat3(up.matrix())), Visible(RayKinds::ALL)))
 }
 
 /// Indices of all objects, parents before children.

@@ -14,6 +14,7 @@ mod bounces;
 mod inputs;
 mod cli;
 mod render;
+mod ray_visibility;
 mod reuse;
 mod outlook;
 mod outputs;

@@ -18,6 +18,11 @@ impl Cylinder {
         Frustum::new((from, radius), (to, radius), capped).map(Self)
     }
 
+    /// The solid, which cones and cylinders share.
+    pub fn frustum(&self) -> &Frustum {
+        &self.0
+    }
+
     /// The centres and radii of both ends, and whether they are closed.
     pub fn ends(&self) -> ([(DVec3, f64); 2], bool) {
         self.0.ends()

@@ -3,7 +3,9 @@
 use super::{LaneSurface, flat};
 use crate::base::digest::Content;
 use crate::base::lanes::{Real, Vec3};
-use crate::base::math::{DAffine3, DMat3, DVec3, LaneRay, UNIT_ROUNDOFF, atan2, gamma, perpendicular};
+use crate::base::math::{
+    Angle, DAffine3, DMat3, DVec2, DVec3, LaneRay, UNIT_ROUNDOFF, atan2, gamma, perpendicular,
+};
 use std::f64::consts::TAU;
 
 /// A point and three perpendicular unit vectors; y is the axis of the shape. The frame of a mirrored shape is
@@ -64,6 +66,11 @@ impl ShapeFrame {
         LaneSurface::new(placed, normal.abs() * error + placed.abs() * F::splat(gamma(1)), normal)
     }
 
+    /// A point of the frame, and a normal there, in space.
+    pub fn placed(&self, point: DVec3, normal: DVec3) -> (DVec3, DVec3) {
+        (self.origin + self.axes * point, self.axes * normal)
+    }
+
     /// The distance that points keep from the seam between two smooth parts. A ray that starts at such a point of
     /// [`ShapeFrame::surface`], on either side, is then on the right side of both parts. It covers the point's error,
     /// the ray's offset (at most that error and a rounding of each coordinate), and the error of the next test.
@@ -102,6 +109,11 @@ const ROUNDING: f64 = gamma(18);
 pub fn around<F: Real>(point: Vec3<F>) -> F {
     let share = F::splat(0.5) - atan2(point.z, point.x) / F::splat(TAU);
     F::select(share.lt(F::splat(1.0)), share, F::splat(0.0))
+}
+
+/// The unit vector (x, z) at a fraction of a turn: the inverse of [`around`].
+pub fn at_turn(share: f64) -> DVec2 {
+    Angle(180.0 - 360.0 * share).cos_sin()
 }
 
 /// The distance from the y axis.

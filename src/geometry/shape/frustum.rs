@@ -1,12 +1,19 @@
 //! Frustums, which cylinders and cones share: a straight side around an axis and two flat ends across it.
 
-use super::frame::{ShapeFrame, around, away_from_axis, circle_support, even_scale, from_axis};
+use super::frame::{ShapeFrame, around, at_turn, away_from_axis, circle_support, even_scale, from_axis};
 use super::taper::{BOTTOM, Interval, SIDE, TOP, Taper};
 use super::{LaneHit, LaneSurface, RayInterval, exit};
 use crate::base::digest::Content;
 use crate::base::lanes::{Bits, Mask, Real, Row, Select, Vec3, out_of_line};
-use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, cos_sin_of_turns, gamma, max};
+use crate::base::math::{Aabb, DAffine3, DVec2, DVec3, LaneRay, cos_sin_of_turns, gamma, max};
 use std::f64::consts::PI;
+
+/// A flat end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    Bottom,
+    Top,
+}
 
 /// A surface around an axis. Its radius changes linearly from the bottom to the top.
 #[derive(Clone, Debug, PartialEq, Content)]
@@ -244,6 +251,24 @@ impl Frustum {
         let width = |part: u32| 2.0 * self.taper.end_radius(part);
         let width = F::select(is_top, F::splat(width(TOP)), F::splat(width(BOTTOM)));
         [F::select(on_side, around(p), half + p.x / width), F::select(on_side, along, half + up / width)]
+    }
+
+    /// The point and the normal of the side at texture coordinates: the inverse of [`Frustum::uv`].
+    pub fn side_at_uv(&self, uv: DVec2) -> (DVec3, DVec3) {
+        let (turn, normal) = (at_turn(uv.x), self.taper.normal());
+        let end = |part| self.taper.end_radius(part);
+        let radius = end(BOTTOM) * (1.0 - uv.y) + end(TOP) * uv.y;
+        let point = DVec3::new(turn.x * radius, self.taper.half * (2.0 * uv.y - 1.0), turn.y * radius);
+        self.frame.placed(point, DVec3::new(turn.x * normal.x, normal.y, turn.y * normal.x))
+    }
+
+    /// The unit vectors along u and v on an end, and its normal.
+    pub fn end_axes(&self, end: End) -> ([DVec3; 2], DVec3) {
+        let axes = self.frame.axes;
+        match end {
+            End::Bottom => ([axes.x_axis, axes.z_axis], -axes.y_axis),
+            End::Top => ([axes.x_axis, -axes.z_axis], axes.y_axis),
+        }
     }
 
     /// The side closes around the axis.

@@ -4,7 +4,7 @@ use super::frame::even_scale;
 use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, exit};
 use crate::base::digest::Content;
 use crate::base::lanes::{Mask, Real, Row, Select, Vec3};
-use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, atan2, gamma};
+use crate::base::math::{Aabb, Angle, DAffine3, DVec2, DVec3, LaneRay, atan2, gamma};
 use crate::sampling::{self, LocalFrame, uniform_sphere};
 use std::f64::consts::{PI, TAU};
 
@@ -17,6 +17,16 @@ const SEAM: f64 = 0.5;
 pub struct Sphere {
     pub center: DVec3,
     pub radius: f64,
+}
+
+impl Sphere {
+    /// The point and the normal at texture coordinates: the inverse of [`Geometric::uv`].
+    pub fn at_uv(&self, uv: DVec2) -> (DVec3, DVec3) {
+        let (east, up) =
+            (Angle((SEAM + PI - uv.x * TAU).to_degrees()).cos_sin(), Angle(180.0 * uv.y).cos_sin());
+        let normal = DVec3::new(east.x * up.y, -up.x, east.y * up.y);
+        (self.center + normal * self.radius, normal)
+    }
 }
 
 impl Geometric for Sphere {

@@ -1,12 +1,13 @@
 //! Tori.
 
-use super::frame::{ShapeFrame, around, away_from_axis, circle_support, even_scale, from_axis};
+use super::frame::{ShapeFrame, around, at_turn, away_from_axis, circle_support, even_scale, from_axis};
 use super::torus_interval::{TorusInterval, TorusRadii};
 use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval};
 use crate::base::digest::Content;
 use crate::base::lanes::{Mask, Real, Row, Vec3, out_of_line};
 use crate::base::math::{
-    Aabb, DAffine3, DVec3, Function, LaneRay, UNIT_ROUNDOFF, atan2, cos_sin_of_turns, gamma, root_between,
+    Aabb, Angle, DAffine3, DVec2, DVec3, Function, LaneRay, UNIT_ROUNDOFF, atan2, cos_sin_of_turns, gamma,
+    root_between,
 };
 use std::f64::consts::TAU;
 
@@ -147,6 +148,14 @@ impl Torus {
     /// The centre and the unit vector along the axis.
     pub fn center_and_axis(&self) -> (DVec3, DVec3) {
         (self.frame.origin, self.frame.axes.y_axis)
+    }
+
+    /// The point and the normal at texture coordinates: the inverse of [`Geometric::uv`].
+    pub fn at_uv(&self, uv: DVec2) -> (DVec3, DVec3) {
+        let (turn, tube) = (at_turn(uv.x), Angle(360.0 * uv.y - 180.0).cos_sin());
+        let normal = DVec3::new(turn.x * tube.x, tube.y, turn.y * tube.x);
+        let circle = DVec3::new(turn.x, 0.0, turn.y) * self.radii.major;
+        self.frame.placed(circle + normal * self.radii.minor, normal)
     }
 
     /// The radii of the circle and of the tube.

@@ -67,11 +67,11 @@ pub fn values(sequence: &Sequence, clock: &Clock) -> Vec<(AnimatedPart, Digest)>
         note(AnimatedPart::Camera(active), &camera);
     }
     for (index, object) in sequence.objects.iter().enumerate() {
-        let Object { transform, visible, tracks, .. } = &object.value;
+        let Object { transform, visible, rays, tracks, .. } = &object.value;
         let tracks = tracks.as_ref().filter(|tracks| tracks.is_keyed());
-        if transform.is_keyed() || visible.is_keyed() || tracks.is_some() {
+        if transform.is_keyed() || visible.is_keyed() || rays.is_keyed() || tracks.is_some() {
             let shape = tracks.map(|tracks| tracks.digest(time));
-            note(AnimatedPart::Object(index), &(transform.at(time), visible.at(time), shape));
+            note(AnimatedPart::Object(index), &(transform.at(time), (visible.at(time), rays.at(time)), shape));
         }
     }
     for (index, light) in sequence.lights.iter().enumerate() {

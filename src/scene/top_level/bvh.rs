@@ -2,6 +2,7 @@
 
 use super::extent::{Extent, Extents};
 use crate::geometry::bvh::{LeafPrimitives, Refitter, Tree};
+use crate::geometry::ray_kinds::RayKind;
 use crate::geometry::shape::Shape;
 use crate::scene::{Geometry, Primitive};
 
@@ -29,6 +30,10 @@ pub struct Bvh {
     refitter: Refitter,
     /// How often primitives were replaced since the tree was built.
     rewritten: u64,
+    /// The kind of the only rays that search this tree; none if all may.
+    kind: Option<RayKind>,
+    /// For each kind of ray that does not see all primitives, the tree over those that it sees.
+    seen: [Option<Box<Self>>; 3],
 }
 
 /// What an update did to the tree.
@@ -81,14 +86,41 @@ const MOST_CHANGES: u64 = 16;
 impl Bvh {
     /// Builds the tree over `geometry`. The same geometry gives the same tree.
     pub fn build(geometry: &Geometry) -> Self {
+        let mut all = Self::build_for(geometry, None);
+        all.update_seen(geometry);
+        all
+    }
+
+    /// The tree that rays of a kind search.
+    #[inline(always)]
+    pub fn of(&self, kind: RayKind) -> &Self {
+        self.seen[kind.index()].as_deref().unwrap_or(self)
+    }
+
+    /// Brings the trees of single kinds of rays up to date. Scenes in which all rays see everything have none.
+    fn update_seen(&mut self, geometry: &Geometry) {
+        for kind in RayKind::ALL {
+            let tree = &mut self.seen[kind.index()];
+            match tree {
+                _ if !geometry.hides_from(kind) => *tree = None,
+                Some(tree) => {
+                    tree.update_own(geometry);
+                }
+                None => *tree = Some(Box::new(Self::build_for(geometry, Some(kind)))),
+            }
+        }
+    }
+
+    /// Builds the tree over the primitives that a kind of rays sees.
+    fn build_for(geometry: &Geometry, kind: Option<RayKind>) -> Self {
         let (mut bounded, mut boxes, mut direct) = (Vec::new(), Vec::new(), Vec::new());
         for (index, primitive) in (0..).zip(&geometry.primitives) {
             match primitive.bounds() {
+                _ if primitive.is_absent(kind) => {}
                 Some(bounds) => {
                     bounded.push(index);
                     boxes.push(bounds);
                 }
-                None if primitive.is_empty() => {}
                 None => direct.push(index),
             }
         }
@@ -127,12 +159,20 @@ impl Bvh {
             extents,
             refitter,
             rewritten: 0,
+            kind,
+            seen: Default::default(),
         }
     }
 
     /// Follows the changes of a geometry: refits the tree, or builds it again if refitting does not suffice. Hits are
     /// those of [`Bvh::build`].
     pub fn update(&mut self, geometry: &Geometry) -> BvhUpdate {
+        let update = self.update_own(geometry);
+        self.update_seen(geometry);
+        update
+    }
+
+    fn update_own(&mut self, geometry: &Geometry) -> BvhUpdate {
         if self.revision.is_some() && self.replaced == geometry.replaced() {
             self.revision = Some(geometry.revision());
             return BvhUpdate::None;
@@ -140,7 +180,7 @@ impl Bvh {
         if self.refit(geometry).is_some() {
             return BvhUpdate::Refit;
         }
-        *self = Self::build(geometry);
+        *self = Self { seen: std::mem::take(&mut self.seen), ..Self::build_for(geometry, self.kind) };
         BvhUpdate::Build
     }
 
@@ -153,7 +193,8 @@ impl Bvh {
         let slots = || changes.iter().map(|slot| *slot as usize);
         self.extents.update(slots().map(|slot| (slot, Extent::of(&geometry.primitives[slot]))));
         for slot in slots() {
-            let (bounds, is_empty) = (self.extents.bounds(slot), geometry.primitives[slot].is_empty());
+            let is_empty = geometry.primitives[slot].is_absent(self.kind);
+            let bounds = self.extents.bounds(slot).filter(|_| !is_empty);
             match (self.places[slot], is_empty) {
                 (Place::Leaf(_), false) if bounds.is_none() => return None,
                 (Place::Leaf(leaf), _) => {
@@ -214,7 +255,8 @@ impl Bvh {
     /// The tree with the error bounds of a scene whose largest coordinate is `reach`, for searches that must give the
     /// hits of that scene.
     pub fn with_reach(self, reach: f64) -> Self {
-        Self { reach, ..self }
+        let seen = self.seen.map(|tree| tree.map(|tree| Box::new(Self { reach, ..*tree })));
+        Self { reach, seen, ..self }
     }
 
     /// The largest coordinate of all bounded primitives and of the points of planes.

@@ -17,8 +17,10 @@ pub enum LightUnit {
     Radiometric,
 }
 
-/// Lumens per watt of light of 555 nm, by which exporters convert (683 lm/W, the definition of the candela).
-const LUMENS_PER_WATT: f64 = 683.0;
+impl LightUnit {
+    /// Lumens per watt of light of 555 nm, by which exporters convert (683 lm/W, the definition of the candela).
+    pub const LUMENS_PER_WATT: f64 = 683.0;
+}
 
 /// Attenuation never brightens. So the light of 1 / d² is `NEAR` times as strong at the distance 1 and fades by
 /// 1 / (`NEAR` d²), which is exact from the distance 1 / √`NEAR` on.
@@ -27,7 +29,7 @@ const NEAR: f64 = 1e4;
 /// What an intensity of 1 of a light in a file comes to.
 pub fn factor(kind: GltfLightKind, unit: LightUnit) -> f64 {
     let watts = match unit {
-        LightUnit::Photometric => 1.0 / LUMENS_PER_WATT,
+        LightUnit::Photometric => 1.0 / LightUnit::LUMENS_PER_WATT,
         LightUnit::Radiometric => 1.0,
     };
     match kind {

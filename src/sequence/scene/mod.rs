@@ -12,6 +12,7 @@ mod playback;
 #[cfg(test)]
 mod tests;
 
+pub use lights::LightUnit;
 pub use names::UniqueNames;
 pub use nodes::{NodeMaterial, SceneNode};
 
@@ -29,7 +30,6 @@ use crate::base::files::NO_FILE;
 use crate::camera::path::CameraPath;
 use crate::import::gltf::GltfNode;
 use animation::Channels;
-use lights::LightUnit;
 use overrides::{SceneParts, overrides};
 use playback::playing;
 use std::rc::Rc;

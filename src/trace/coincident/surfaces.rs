@@ -2,6 +2,7 @@
 
 use crate::base::math::{DVec3, Ray, min};
 use crate::geometry::bvh::TraversalRay;
+use crate::geometry::ray_kinds::RayKind;
 use crate::geometry::shape::{RayInterval, Shape, Surface};
 use crate::scene::top_level::Hit;
 use crate::trace::context::TraceContext;
@@ -51,14 +52,19 @@ impl CoincidentSurface {
 
 impl TraceContext<'_> {
     /// The surfaces from `t` on whose order along the ray is uncertain.
-    pub fn coincident_surfaces(&self, ray: &Ray, (t, t_max): (f64, f64)) -> Vec<CoincidentSurface> {
+    pub fn coincident_surfaces(
+        &self,
+        (ray, kind): (&Ray, RayKind),
+        (t, t_max): (f64, f64),
+    ) -> Vec<CoincidentSurface> {
+        let bvh = self.bvh.of(kind);
         let probe = TraversalRay::new(*ray);
-        let coincidence_range = self.bvh.coincidence_range(&probe);
+        let coincidence_range = bvh.coincidence_range(&probe);
         let mut searched_to = coincidence_range.end(t);
         loop {
             let mut hits = Vec::new();
             let within = RayInterval { min: t.next_down(), max: min(searched_to, t_max) };
-            self.bvh.each_hit(self.scene.geometry, &probe, within, &mut |hit| hits.push(hit));
+            bvh.each_hit(self.scene.geometry, &probe, within, &mut |hit| hits.push(hit));
             hits.sort_by(|a, b| a.at.t.total_cmp(&b.at.t).then(a.primitive.cmp(&b.primitive)));
             let mut all: Vec<_> = hits.iter().map(|hit| self.coincident_surface(ray, *hit)).collect();
             all.truncate(count_uncertain(&all));

@@ -5,6 +5,7 @@ use crate::appearance::light::{Light, Source};
 use crate::appearance::material::MaterialBinding;
 use crate::base::color::Rgb;
 use crate::film::LayerId;
+use crate::geometry::ray_kinds::RayKind;
 use crate::scene::{Finish, Scene};
 use std::f64::consts::PI;
 
@@ -74,7 +75,9 @@ pub(super) fn sources<'a>(
         // points.
         let &Finish::Material(MaterialBinding::One(material)) = finish else { return None };
         let layer = shines(material)?;
-        let has_area = scene.geometry.primitives[index as usize].has_area();
+        // Light that no scattered ray can find arrives nowhere.
+        let primitive = &scene.geometry.primitives[index as usize];
+        let has_area = primitive.has_area() && primitive.rays.has(RayKind::Scattered);
         has_area.then_some((layer, SampledEmitter::Object(index)))
     });
     let sky = environment.zip(shading.sky_table.as_deref());
