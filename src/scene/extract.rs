@@ -61,7 +61,9 @@ pub fn geometry(
     let before = packed.revision();
     let mut pack =
         |(slot, shape, at, visible, of): (&Slot, &Shape, &Transform, &Visible, &MaterialBinding)| {
-            packed.set(slot.0 as usize, visible.0.then_some((shape, at.0, Finish::Material(*of))));
+            // A deformed mesh without an area is a group for that moment.
+            let shows = visible.0 && *shape != Shape::Group;
+            packed.set(slot.0 as usize, shows.then_some((shape, at.0, Finish::Material(*of))));
         };
     match first {
         true => all.iter().for_each(&mut pack),

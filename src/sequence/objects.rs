@@ -166,14 +166,16 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
             Some(placements) => {
                 let instance = |(number, Placement { transform, visible })| {
                     let (shape, tracks) = (shape.clone(), tracks.clone());
-                    let value = Object { shape, tracks, made_of, transform, visible, parent: Some(index) };
+                    let parent = Some(index);
+                    let value = Object { shape, tracks, made_of, transform, visible, parent, skin_of: None };
                     Named { name: format!("{name}[{number}]"), value }
                 };
                 below.instances.push((index, placements.into_iter().enumerate().map(instance).collect()));
                 (Shape::Group, None)
             }
         };
-        objects.push(Named { name, value: Object { shape, tracks, made_of, transform, visible, parent } });
+        let value = Object { shape, tracks, made_of, transform, visible, parent, skin_of: None };
+        objects.push(Named { name, value });
     }
     (objects, below)
 }
@@ -187,7 +189,7 @@ fn scene_objects(
     (object, first): (usize, usize),
 ) -> Vec<Named<Object>> {
     let mut bound: Vec<MaterialBinding> = Vec::with_capacity(nodes.len());
-    let node = |SceneNode { name, parent, shape, material, transform, visible, deformation: _ }| {
+    let node = |SceneNode { name, parent, shape, material, transform, visible, deformation: _, skin_of }| {
         let made_of = match (material, own) {
             (NodeMaterial::Of(other), _) => bound.get(other).copied().unwrap_or(own),
             (NodeMaterial::Given(source), _) => table.bind(source, &name),
@@ -198,7 +200,8 @@ fn scene_objects(
         };
         bound.push(made_of);
         let parent = Some(parent.map_or(object, |parent| first + parent));
-        Named { name, value: Object { shape, tracks: None, made_of, transform, visible, parent } }
+        let skin_of = skin_of.map(|node| first + node);
+        Named { name, value: Object { shape, tracks: None, made_of, transform, visible, parent, skin_of } }
     };
     nodes.into_iter().map(node).collect()
 }
