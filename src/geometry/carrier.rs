@@ -56,8 +56,9 @@ impl TransformTree {
 
     /// A link and those above it, the outermost first.
     fn chain(&self, link: LinkIndex) -> impl Iterator<Item = &Link> {
-        let mut chain: Vec<_> =
-            std::iter::successors(link, |link| self.links[*link].above).map(|link| &self.links[link]).collect();
+        let mut chain: Vec<_> = std::iter::successors(link, |link| self.links[*link].above)
+            .map(|link| &self.links[link])
+            .collect();
         chain.reverse();
         chain.into_iter()
     }
@@ -174,7 +175,8 @@ mod tests {
         let mut link = None;
         for object in 0..20_000 {
             let translation = DVec3::X.into();
-            link = tree.push(link, Some(object), TransformTracks { translation, ..TransformTracks::default() });
+            link =
+                tree.push(link, Some(object), TransformTracks { translation, ..TransformTracks::default() });
         }
         let tree = Arc::new(tree);
         let maps = tree.maps((0..20_000).map(Some), Time::from_integer(0));
@@ -191,7 +193,8 @@ mod tests {
             let outer = TransformTracks { scale: scale.into(), rotation, ..TransformTracks::default() };
             let above = tree.push(None, Some(0), outer);
             let translation = DVec3::new(0.0, 0.0, 2.0).into();
-            let link = tree.push(above, Some(1), TransformTracks { translation, ..TransformTracks::default() });
+            let link =
+                tree.push(above, Some(1), TransformTracks { translation, ..TransformTracks::default() });
             let map = Carrier::new(1, Arc::new(tree), link).rigid_at(Time::from_integer(0));
             assert_eq!(map.matrix3 * DVec3::NEG_Z, DVec3::NEG_X, "{scale}");
             assert_eq!(map.translation, DVec3::new(2.0 * scale.z, 0.0, 0.0));

@@ -210,10 +210,10 @@ impl DeformedMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::math::Angle;
     use crate::geometry::mesh::MeshData;
     use crate::geometry::mesh::deform::{Influence, MorphTarget};
     use crate::geometry::transform::{Rotation, TransformTracks};
-    use crate::base::math::Angle;
     use crate::track::{Ease, Key, Repeat, Track};
 
     fn seconds(time: i128) -> Time {
@@ -239,7 +239,12 @@ mod tests {
         let targets = vec![MorphTarget { positions: target, normals: Vec::new() }];
         let deformer = Arc::new(Deformer::new(data, targets, influences, width));
         let links = link.into_iter().map(|link| (link, DAffine3::IDENTITY)).collect();
-        DeformedMesh::new((rest, Normals::Flat), deformer, vec![weight], Joints { tree: Arc::new(tree), links })
+        DeformedMesh::new(
+            (rest, Normals::Flat),
+            deformer,
+            vec![weight],
+            Joints { tree: Arc::new(tree), links },
+        )
     }
 
     #[test]
@@ -264,7 +269,8 @@ mod tests {
             axis: DVec3::Z.into(),
             angle: Animated::Keyed(keyed([(0, Angle(0.0)), (1, Angle(180.0))])),
         };
-        let turned = mesh(Vec::new(), 0.0.into(), Some(TransformTracks { rotation, ..TransformTracks::default() }));
+        let turned =
+            mesh(Vec::new(), 0.0.into(), Some(TransformTracks { rotation, ..TransformTracks::default() }));
         let bounds = turned.key_bounds();
         assert!((bounds.min - DVec3::new(-1.0, -1.0, 0.0)).length() < 1e-15, "{bounds:?}");
         assert!((bounds.max - DVec3::new(1.0, 1.0, 0.0)).length() < 1e-15, "{bounds:?}");

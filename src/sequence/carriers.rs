@@ -43,12 +43,14 @@ impl Carried {
         let name = |object: usize| objects[object].name.clone();
         for CarriedDraft { lights, cameras, place } in drafts {
             for (object, light) in lights {
-                let kind = LightKind::Carried { kind: Box::new(light.kind), carrier: carriers.carrier(object) };
+                let kind =
+                    LightKind::Carried { kind: Box::new(light.kind), carrier: carriers.carrier(object) };
                 let on = visibility(objects, object, &light.on);
                 tracks += on.parts().len();
                 if tracks > MOST_TRACKS {
                     let title = "the lights of scenes depend on too many tracks of visibility";
-                    let label = format!("more than {MOST_TRACKS} of them, those of all nodes above each light");
+                    let label =
+                        format!("more than {MOST_TRACKS} of them, those of all nodes above each light");
                     file.push(Fault::new(place, title, label));
                     return all;
                 }

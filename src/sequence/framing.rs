@@ -183,8 +183,7 @@ impl<'a> Framing<'a> {
     fn placed(&self, time: Time) -> Vec<(FramedShape<'a>, DAffine3)> {
         let object = |index: usize| &self.sequence.objects[index].value;
         let visible = |index: &usize| self.sequence.is_visible(*index, time);
-        let world =
-            |index: usize| (self.shape(object(index), time), self.sequence.to_world(index, time));
+        let world = |index: usize| (self.shape(object(index), time), self.sequence.to_world(index, time));
         let solid = |(_, world): &(FramedShape, DAffine3)| inverse(world).is_some();
         self.objects.iter().copied().filter(visible).map(world).filter(solid).collect()
     }

@@ -322,7 +322,8 @@ fn quaternions(table: &Table, names: &[ColumnName; 4]) -> Result<Vec<Row>, PoseF
     let (w, x, y, z) = (w?, x?, y?, z?);
     let row = |row: usize| {
         let parts = [x[row], y[row], z[row], w[row]];
-        let zero = || at_row(table, row, &names[0], "the quaternion is zero, which is no rotation".to_owned());
+        let zero =
+            || at_row(table, row, &names[0], "the quaternion is zero, which is no rotation".to_owned());
         let rotation = unit_quaternion(parts).ok_or_else(zero)?;
         Ok(Row { rotation, position: None, scale: DVec3::ONE })
     };

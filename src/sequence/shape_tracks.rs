@@ -4,8 +4,8 @@ use crate::base::digest::Digest;
 use crate::base::math::Aabb;
 use crate::base::time::Time;
 use crate::geometry::deformation::DeformedMesh;
-use crate::geometry::shape::{Geometric, Mesh};
 use crate::geometry::shape::ParticleTracks;
+use crate::geometry::shape::{Geometric, Mesh};
 use crate::import::series::MeshSeries;
 use std::sync::Arc;
 

@@ -67,7 +67,8 @@ mod tests {
 
     #[test]
     fn a_switch_is_on_while_all_parts_are() {
-        let (a, b) = (track(&[(0, true), (1, false), (3, true)]), track(&[(0, false), (2, true), (5, false)]));
+        let (a, b) =
+            (track(&[(0, true), (1, false), (3, true)]), track(&[(0, false), (2, true), (5, false)]));
         let both = Switch::all_of([a.clone(), true.into(), b.clone()]);
         for time in (-40..40).map(|half| Time::new(half, 2)) {
             assert_eq!(both.at(time), a.at(time) && b.at(time), "{time}");

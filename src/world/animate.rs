@@ -18,8 +18,8 @@ use crate::geometry::transform::TransformTracks;
 use crate::import::series::StepError;
 use crate::track::Animated;
 use crate::world::{
-    ActiveCamera, Current, Hierarchy, HierarchyEntry, Now, Objects, ShapeDeformed, ShapeParticles, ShapeSeries, ShapeUse,
-    Transform, Visible, VisibleTrack, Weight,
+    ActiveCamera, Current, Hierarchy, HierarchyEntry, Now, Objects, ShapeDeformed, ShapeParticles,
+    ShapeSeries, ShapeUse, Transform, Visible, VisibleTrack, Weight,
 };
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::system::{Query, Res, ResMut};
@@ -91,9 +91,10 @@ pub fn deformed(
         if visible.0 {
             let mesh = match *shapes {
                 ShapeUse::Digests => deformed.mesh.named(now.0.time),
-                ShapeUse::Rays => {
-                    deformed.mesh.loaded(now.0.time).map_err(|error| out_of_range(&deformed.object, &error))?
-                }
+                ShapeUse::Rays => deformed
+                    .mesh
+                    .loaded(now.0.time)
+                    .map_err(|error| out_of_range(&deformed.object, &error))?,
             };
             shape.set_if_neq(mesh.map_or(Shape::Group, Shape::Mesh));
         }

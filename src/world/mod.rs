@@ -13,5 +13,7 @@ pub use components::{
     AreaLight, FileOrder, ShapeDeformed, ShapeParticles, ShapeSeries, Slot, Transform, Visible, VisibleTrack,
     Weight,
 };
-pub use resources::{ActiveCamera, Current, Hierarchy, HierarchyEntry, LightSetup, Now, Objects, ShapeUse, SlotCount};
+pub use resources::{
+    ActiveCamera, Current, Hierarchy, HierarchyEntry, LightSetup, Now, Objects, ShapeUse, SlotCount,
+};
 pub use spawn::{sky_table, spawn};

@@ -1,8 +1,8 @@
 //! Spawns the entities of a sequence, with their values at its first moment.
 
 use super::{
-    ActiveCamera, AreaLight, FileOrder, Hierarchy, HierarchyEntry, LightSetup, Now, Objects, ShapeDeformed, ShapeParticles,
-    ShapeSeries, Slot, SlotCount, Transform, Visible, VisibleTrack, Weight, animate,
+    ActiveCamera, AreaLight, FileOrder, Hierarchy, HierarchyEntry, LightSetup, Now, Objects, ShapeDeformed,
+    ShapeParticles, ShapeSeries, Slot, SlotCount, Transform, Visible, VisibleTrack, Weight, animate,
 };
 use crate::appearance::environment::EnvironmentDistribution;
 use crate::appearance::light::{Light, Source};

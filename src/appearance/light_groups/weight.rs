@@ -61,7 +61,10 @@ impl GroupWeight {
         if never {
             return (Rgb::ZERO, Self::default());
         }
-        (radiance, Self { on: on.is_keyed().then(|| on.clone()), intensity: keyed(intensity), color: keyed(color) })
+        (
+            radiance,
+            Self { on: on.is_keyed().then(|| on.clone()), intensity: keyed(intensity), color: keyed(color) },
+        )
     }
 
     pub fn is_constant(&self) -> bool {

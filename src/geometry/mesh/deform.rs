@@ -144,7 +144,9 @@ impl Deformer {
     pub fn bounds(&self, weights: &[f64], joints: &[DAffine3]) -> Option<Aabb> {
         let positions = self.positions(weights, joints);
         let corners = |triangle: &[u32; 3]| triangle.map(|vertex| positions[vertex as usize]);
-        let shows = |triangle: &[u32; 3]| has_area(corners(triangle)) || !corners(triangle).into_iter().all(is_placed);
+        let shows = |triangle: &[u32; 3]| {
+            has_area(corners(triangle)) || !corners(triangle).into_iter().all(is_placed)
+        };
         let is_visible = self.data.triangles.iter().any(shows);
         is_visible.then(|| Aabb::around(self.used.iter().map(|vertex| positions[*vertex as usize])))
     }

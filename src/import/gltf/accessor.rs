@@ -132,7 +132,8 @@ impl<'a> Accessor<'a> {
             }
             None => None,
         };
-        let sparse = item.object("sparse")?.map(|item| Sparse::new(&item, buffers, size, count)).transpose()?;
+        let sparse =
+            item.object("sparse")?.map(|item| Sparse::new(&item, buffers, size, count)).transpose()?;
         let normalized = item.flag("normalized", false)?;
         Ok(Self { index, count: count as usize, components, number, normalized, dense, sparse })
     }

@@ -7,9 +7,9 @@ use super::accessor::{Accessor, Number};
 use super::buffers::Buffers;
 use super::features::LeftOut;
 use super::json::Item;
+use super::key_time::exact_time;
 use super::light::LIGHTS;
 use super::mesh::morph_targets;
-use super::key_time::exact_time;
 use crate::base::escape;
 use crate::base::lists::shortened;
 use crate::base::machine;
@@ -94,13 +94,17 @@ impl GltfChannel {
 const KEY_SIZE: u64 = 64;
 const NUMBER_SIZE: u64 = 16;
 
+/// Memory is checked whenever this many bytes more are needed.
+const CHECK_STEP: u64 = 16 << 20;
+
 /// Reads all animations.
 pub fn animations(
     root: &Item<'_>,
     buffers: &Buffers<'_>,
     left_out: &mut LeftOut,
 ) -> GltfResult<Vec<GltfAnimation>> {
-    let mut reader = Reader { root, buffers, times: HashMap::new(), values: HashMap::new(), size: 0 };
+    let mut reader =
+        Reader { root, buffers, times: HashMap::new(), values: HashMap::new(), size: 0, checked: 0 };
     root.list("animations")?.iter().map(|item| animation(&mut reader, item, left_out)).collect()
 }
 
@@ -113,6 +117,8 @@ struct Reader<'a> {
     values: HashMap<(usize, usize), Arc<[f64]>>,
     /// The memory in bytes of all keys so far, when each channel has become a track.
     size: u64,
+    /// The size at which memory is checked next.
+    checked: u64,
 }
 
 fn animation(reader: &mut Reader<'_>, item: &Item<'_>, left_out: &mut LeftOut) -> GltfResult<GltfAnimation> {
@@ -235,7 +241,11 @@ impl Reader<'_> {
         self.size = self.size.saturating_add(
             (times.len() as u64).saturating_mul(KEY_SIZE).saturating_add(numbers as u64 * NUMBER_SIZE),
         );
-        machine::check_memory(self.size)?;
+        // Reading the free memory takes longer than most channels.
+        if self.size >= self.checked {
+            machine::check_memory(self.size)?;
+            self.checked = self.size + CHECK_STEP;
+        }
         let values = self.values(item, target, (times.len(), numbers))?;
         // Visibility only steps. Values of another interpolation hold as well.
         let interpolation = match target {

@@ -63,7 +63,8 @@ impl<'f> Buffers<'f> {
                     Some(Bytes::File(bytes, length))
                 }
             };
-            if let Some(found) = bytes.as_ref().map(|bytes| bytes.get().len()).filter(|found| found < length) {
+            if let Some(found) = bytes.as_ref().map(|bytes| bytes.get().len()).filter(|found| found < length)
+            {
                 return Err(item.error(format!("it has {found} bytes, not {length}")));
             }
             all.push(bytes);

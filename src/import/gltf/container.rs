@@ -29,7 +29,9 @@ pub fn parts(bytes: &[u8]) -> GltfResult<(Value, Option<Range<usize>>)> {
         // Space and a byte order mark may come first.
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         if text.trim_ascii_start().first() != Some(&b'{') {
-            return Err(MeshError::new("it begins neither with `glTF`, as binary files do, nor with JSON's `{`"));
+            return Err(MeshError::new(
+                "it begins neither with `glTF`, as binary files do, nor with JSON's `{`",
+            ));
         }
         return Ok((json(text)?, None));
     }
@@ -120,7 +122,8 @@ mod tests {
             Value::Object(map) => {
                 let entry = size_of::<(usize, String, Value)>() + 2 * size_of::<usize>();
                 let own = map.len().next_power_of_two().max(4) * entry + 2 * ALLOCATION;
-                let of_entries = map.iter().map(|(key, value)| key.capacity() + ALLOCATION + allocated(value));
+                let of_entries =
+                    map.iter().map(|(key, value)| key.capacity() + ALLOCATION + allocated(value));
                 if map.is_empty() { 0 } else { own + of_entries.sum::<usize>() }
             }
             _ => 0,
@@ -132,7 +135,9 @@ mod tests {
         // Right after a list has grown, half of it is empty.
         let count = (1 << 14) + 1;
         let mut worst = 0.0f64;
-        for part in ["0", "[0]", "[]", "{}", "\"\"", "\"a long text\"", "[[0]]", "[ 0, 0 ]", "{\"a\":0}", "null"] {
+        for part in
+            ["0", "[0]", "[]", "{}", "\"\"", "\"a long text\"", "[[0]]", "[ 0, 0 ]", "{\"a\":0}", "null"]
+        {
             let text = format!("[{}]", vec![part; count].join(","));
             let value: Value = serde_json::from_str(&text).expect("JSON");
             let (found, bound) = (allocated(&value) as f64, parsed_size(text.as_bytes()) as f64);

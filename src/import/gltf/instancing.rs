@@ -45,8 +45,8 @@ pub fn instances(root: &Item<'_>, item: &Item<'_>, buffers: &Buffers<'_>) -> Glt
     };
     let (translations, scales) = (vectors(translations, 0.0)?, vectors(scales, 1.0)?);
     let instance = |((translation, rotation), scale): (([f64; 3], [f64; 4]), [f64; 3])| {
-        let rotation =
-            unit_quaternion(rotation).ok_or_else(|| attributes.error("a rotation is zero, which is no rotation"))?;
+        let rotation = unit_quaternion(rotation)
+            .ok_or_else(|| attributes.error("a rotation is zero, which is no rotation"))?;
         let (translation, scale) = (DVec3::from_array(translation), DVec3::from_array(scale));
         Ok(GltfInstance { translation, rotation, scale })
     };

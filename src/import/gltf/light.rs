@@ -63,7 +63,9 @@ fn spot(item: &Item<'_>) -> GltfResult<GltfLightKind> {
     }
     // Half a turn is all directions. In floats, it may be a little more.
     if outer as f32 > PI as f32 {
-        return Err(item.error(format!("its `outerConeAngle` {outer} is above half a turn; it is in radians")));
+        return Err(
+            item.error(format!("its `outerConeAngle` {outer} is above half a turn; it is in radians"))
+        );
     }
     Ok(GltfLightKind::Spot { inner: inner.min(PI), outer: outer.min(PI) })
 }

@@ -22,6 +22,8 @@ mod node;
 mod primitive;
 mod skin;
 #[cfg(test)]
+mod strict_tests;
+#[cfg(test)]
 mod tests;
 mod texture;
 mod uri;

@@ -132,8 +132,8 @@ fn place(item: &Item<'_>) -> GltfResult<(DVec3, DQuat, DVec3)> {
     let translation = DVec3::from_array(item.numbers("translation")?.unwrap_or([0.0; 3]));
     let scale = DVec3::from_array(item.numbers("scale")?.unwrap_or([1.0; 3]));
     let rotation = item.numbers("rotation")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
-    let rotation =
-        unit_quaternion(rotation).ok_or_else(|| item.error("its `rotation` is zero, which is no rotation"))?;
+    let rotation = unit_quaternion(rotation)
+        .ok_or_else(|| item.error("its `rotation` is zero, which is no rotation"))?;
     Ok((translation, rotation, scale))
 }
 
@@ -186,7 +186,9 @@ mod tests {
         let mut random = Random(17);
         for flat in 0..8 {
             let rotation = DQuat::from_axis_angle(random.point(1.0).normalize(), random.unit());
-            let scale = DVec3::from_array([1, 2, 4].map(|bit| if flat & bit != 0 { 0.0 } else { 1.0 + random.unit() }));
+            let scale = DVec3::from_array(
+                [1, 2, 4].map(|bit| if flat & bit != 0 { 0.0 } else { 1.0 + random.unit() }),
+            );
             let translation = random.point(1.0);
             let matrix = DAffine3::from_scale_rotation_translation(scale, rotation, translation);
             let columns = matrix.matrix3.to_cols_array_2d().into_iter().chain([translation.to_array()]);

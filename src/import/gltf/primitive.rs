@@ -169,8 +169,9 @@ fn influences<'a>(
         for ((vertex, joints), weights) in all.iter_mut().zip(joints).zip(weights) {
             let pairs = joints.into_iter().zip(weights);
             // Joints are at most 65535.
-            vertex
-                .extend(pairs.map(|(joint, weight)| Influence { joint: joint as u16, weight: weight.max(0.0) }));
+            vertex.extend(
+                pairs.map(|(joint, weight)| Influence { joint: joint as u16, weight: weight.max(0.0) }),
+            );
         }
     }
     Ok(all)
@@ -181,7 +182,9 @@ fn colors(accessor: &Accessor<'_>) -> GltfResult<(Vec<Rgb>, bool)> {
     let color = |[r, g, b]: [f64; 3]| DVec3::new(r, g, b).max(DVec3::ZERO).as_vec3();
     let (number, _, width) = accessor.layout();
     if !matches!(number, Number::F32 | Number::U8 | Number::U16) {
-        return Err(accessor.error("colours have the component type 5126 (float), 5121 (unsigned byte) or 5123 (unsigned short)"));
+        return Err(accessor.error(
+            "colours have the component type 5126 (float), 5121 (unsigned byte) or 5123 (unsigned short)",
+        ));
     }
     if width == 4 {
         let colors = accessor.elements::<4>()?;

@@ -68,7 +68,8 @@ pub fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
     if !kind.rsplit_once(';').is_some_and(|(_, encoding)| encoding.eq_ignore_ascii_case("base64")) {
         return Some(Err("its data URI is not in base64".to_owned()));
     }
-    let text = if text.contains('%') { decoded(text).map_or(Cow::Borrowed(text), Cow::Owned) } else { text.into() };
+    let text =
+        if text.contains('%') { decoded(text).map_or(Cow::Borrowed(text), Cow::Owned) } else { text.into() };
     Some(BASE64.decode(&*text).map_err(|error| format!("its data URI is wrong: {error}")))
 }
 
