@@ -91,7 +91,7 @@ impl TransformTree {
                 at = self.links[index].above;
             };
             while let Some(index) = way.pop() {
-                map = map * self.links[index].tracks.at(time);
+                map *= self.links[index].tracks.at(time);
                 known.insert(index, map);
             }
             map
@@ -125,7 +125,7 @@ impl Carrier {
     pub fn rigid_at(&self, time: Time) -> DAffine3 {
         let (mut map, mut turn) = (DAffine3::IDENTITY, DMat3::IDENTITY);
         for link in self.tree.chain(self.link) {
-            map = map * link.tracks.at(time);
+            map *= link.tracks.at(time);
             turn *= link.tracks.rotation_at(time);
         }
         DAffine3::from_mat3_translation(turn, map.translation)

@@ -39,7 +39,7 @@ impl Switch {
 
     /// Whether it is off at all times.
     pub fn is_never_on(&self) -> bool {
-        self.parts.iter().any(|part| *part == Animated::Constant(false))
+        self.parts.contains(&Animated::Constant(false))
     }
 }
 

@@ -37,10 +37,10 @@ impl<'a> Item<'a> {
 
     /// A member that is an object, if there is one.
     pub fn object(&self, key: &str) -> GltfResult<Option<Self>> {
-        self.get(key).map(Self::as_object).transpose()
+        self.get(key).map(Self::into_object).transpose()
     }
 
-    fn as_object(self) -> GltfResult<Self> {
+    fn into_object(self) -> GltfResult<Self> {
         if self.value.is_object() { Ok(self) } else { Err(self.error("expected an object, as { ... }")) }
     }
 
@@ -62,7 +62,7 @@ impl<'a> Item<'a> {
 
     /// The entries of a list of objects; none if there is no such member.
     pub fn list(&self, key: &str) -> GltfResult<Vec<Self>> {
-        self.entries(key)?.into_iter().map(Self::as_object).collect()
+        self.entries(key)?.into_iter().map(Self::into_object).collect()
     }
 
     /// The entries of a list; none if there is no such member.
@@ -82,7 +82,7 @@ impl<'a> Item<'a> {
     pub fn entry(&self, key: &str, index: usize) -> GltfResult<Self> {
         let path = format!("{}[{index}]", self.path_of(key));
         match self.value.get(key).and_then(|list| list.get(index)) {
-            Some(value) => Self { value, path }.as_object(),
+            Some(value) => Self { value, path }.into_object(),
             None => Err(self.error(format!("there is no {path}"))),
         }
     }

@@ -131,8 +131,15 @@ fn check_nodes(
     let scaled: HashSet<usize> = channels
         .filter_map(|channel| if let GltfTarget::Scale(node) = channel.target { Some(node) } else { None })
         .collect();
-    for node in nodes {
-        if node.scale.cmpeq(DVec3::ZERO).any() && !scaled.contains(&node.index) {
+    // Whether nodes or those below them show a mesh. Parents come first.
+    let mut shows: Vec<bool> = nodes.iter().map(|node| node.mesh.is_some()).collect();
+    for at in (0..nodes.len()).rev() {
+        if let Some(parent) = nodes[at].parent.filter(|_| shows[at]) {
+            shows[parent] = true;
+        }
+    }
+    for (node, shows) in nodes.iter_mut().zip(shows) {
+        if shows && node.scale.cmpeq(DVec3::ZERO).any() && !scaled.contains(&node.index) {
             left_out.note("surfaces flattened by a scale of 0", "node");
         }
         let Some(mesh) = node.mesh.and_then(|mesh| meshes[mesh].as_ref()) else { continue };

@@ -309,7 +309,7 @@ fn cones_of_spots_are_in_order() {
         format!("{place}its `outerConeAngle` 4 is above half a turn; it is in radians")
     );
     // The float that is nearest to half a turn is a little more.
-    assert!(of(0.0, f64::from(std::f32::consts::PI)).is_ok() && of(0.0, 3.1415927).is_ok());
+    assert!(of(0.0, f64::from(std::f32::consts::PI)).is_ok());
 }
 
 #[test]

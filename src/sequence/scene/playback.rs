@@ -88,7 +88,7 @@ fn chosen(node: Node<'_>, names: Option<&[&str]>) -> Option<Vec<usize>> {
 
 /// The animation of this name or number.
 fn one(node: Node<'_>, names: Option<&[&str]>) -> Option<Vec<usize>> {
-    if node.is_text() { named(node, names) } else { numbered(node, names) }
+    if is_number(node) { numbered(node, names) } else { named(node, names) }
 }
 
 /// The animation of this number, counted from 0.

@@ -93,7 +93,7 @@ fn the_name_of_a_node_stands_for_its_skinned_mesh() {
 /// A mesh that a joint turns by 45 degrees is framed as one that its node turns: as it is, not as a box around it.
 #[test]
 fn deformed_meshes_are_framed_as_they_are() {
-    let turn = (std::f64::consts::PI / 8.0).sin_cos();
+    let turn = libm::sincos(std::f64::consts::PI / 8.0);
     let turned = json!([0.0, 0.0, turn.0, turn.1]);
     let text = "(cameras: { \"a\": (position: (0, 0, 9), up: (-1, 1, 0), frame: All, margin: 0) },
         objects: { \"robot\": (shape: Scene(\"robot.glb\")) })";
